@@ -1,0 +1,162 @@
+//! What can be wrong with input, always with the value and, where there are many, the index.
+
+use std::fmt;
+
+/// Why a pose was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum PoseError {
+    /// A rotation or translation holds NaN or infinity.
+    NotFinite {
+        /// The first such number.
+        value: f64,
+    },
+    /// | |q|² − 1 | is above [`crate::Pose::UNIT_TOLERANCE`]; a zero quaternion is one such.
+    NotUnit {
+        /// |q|².
+        length_squared: f64,
+    },
+    /// The matrix is no rotation: the largest entry of |RᵀR − I| is above
+    /// [`crate::Pose::UNIT_TOLERANCE`].
+    NotOrthonormal {
+        /// That largest entry.
+        deviation: f64,
+    },
+    /// The matrix mirrors: its determinant is not positive.
+    Mirrors {
+        /// The determinant.
+        determinant: f64,
+    },
+}
+
+impl fmt::Display for PoseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFinite { value } => write!(f, "the pose holds {value}, not a finite number"),
+            Self::NotUnit { length_squared } => {
+                write!(f, "the quaternion has |q|² = {length_squared}, not 1")
+            }
+            Self::NotOrthonormal { deviation } => {
+                write!(f, "the matrix is no rotation: |RᵀR − I| has an entry of {deviation}")
+            }
+            Self::Mirrors { determinant } => {
+                write!(f, "the matrix is no rotation: its determinant is {determinant}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for PoseError {}
+
+/// Why a shape was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ShapeError {
+    /// There is no point at all.
+    Empty,
+    /// A vertex holds NaN or infinity.
+    NotFinite {
+        /// The vertex's index.
+        vertex: usize,
+        /// The first such number in it.
+        value: f64,
+    },
+    /// A radius, half extent or half height is negative, NaN or infinite.
+    BadLength {
+        /// Which: "radius", "half extent", "half height".
+        what: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// More vertices than a u32 counts.
+    TooManyVertices {
+        /// How many.
+        count: usize,
+    },
+}
+
+impl fmt::Display for ShapeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => write!(f, "the shape has no point"),
+            Self::NotFinite { vertex, value } => {
+                write!(f, "vertex {vertex} holds {value}, not a finite number")
+            }
+            Self::BadLength { what, value } => {
+                write!(f, "the {what} is {value}, not a finite length of at least 0")
+            }
+            Self::TooManyVertices { count } => {
+                write!(f, "{count} vertices are more than a u32 counts")
+            }
+        }
+    }
+}
+
+impl std::error::Error for ShapeError {}
+
+/// Why a scene, or a change of one, was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// There is not one pose for each shape.
+    LengthsDiffer {
+        /// How many shapes.
+        shapes: usize,
+        /// How many poses.
+        poses: usize,
+    },
+    /// An object names a shape that the scene does not have.
+    NoSuchShape {
+        /// The object's index.
+        object: usize,
+        /// The shape it names.
+        shape: u32,
+        /// How many there are.
+        shapes: usize,
+    },
+    /// There is no object of that index.
+    NoSuchObject {
+        /// The index asked for.
+        object: usize,
+        /// How many there are.
+        objects: usize,
+    },
+    /// More objects or shapes than a u32 counts.
+    TooMany {
+        /// Which: "objects", "shapes".
+        what: &'static str,
+        /// How many.
+        count: usize,
+    },
+    /// An object reaches farther from the origin than [`crate::Aabb::LIMIT`].
+    OutOfRange {
+        /// The object's index.
+        object: usize,
+        /// How far it reaches, in metres along an axis.
+        reach: f64,
+    },
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::LengthsDiffer { shapes, poses } => {
+                write!(f, "{shapes} shapes, but {poses} poses")
+            }
+            Self::NoSuchShape { object, shape, shapes } => {
+                write!(f, "object {object} names shape {shape}, but there are {shapes} shapes")
+            }
+            Self::NoSuchObject { object, objects } => {
+                write!(f, "no object {object}: there are {objects} objects")
+            }
+            Self::TooMany { what, count } => {
+                write!(f, "{count} {what} are more than a u32 counts")
+            }
+            Self::OutOfRange { object, reach } => {
+                write!(f, "object {object} reaches {reach} m, beyond the range of f32 boxes")
+            }
+        }
+    }
+}
+
+impl std::error::Error for SceneError {}

@@ -1,0 +1,270 @@
+//! Sixteen lanes in two AVX2 registers of eight.
+
+use super::{IndexRow, Kernel, Lanes, Row, WIDTH};
+use std::arch::x86_64::*;
+
+/// Runs the kernel in a function that carries the feature, into which all of it is inlined.
+///
+/// # Safety
+/// The CPU has AVX2 and FMA.
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub(super) unsafe fn run<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run(Avx2(()))
+}
+
+/// Made only in [`run`], whose caller vouches for the CPU: that is the reason behind every SAFETY
+/// line of this file.
+#[derive(Clone, Copy)]
+pub(super) struct Avx2(());
+
+/// Lanes 0 to 7 and 8 to 15.
+type Halves<T> = (T, T);
+
+/// One intrinsic on registers.
+macro_rules! op {
+    ($intrinsic:expr) => {
+        // SAFETY: an `Avx2` exists only where the CPU has the feature.
+        unsafe { $intrinsic }
+    };
+}
+
+/// The same intrinsic on both halves.
+macro_rules! both {
+    ($intrinsic:path, $($arg:ident),+) => {
+        // SAFETY: an `Avx2` exists only where the CPU has the feature.
+        unsafe { ($intrinsic($($arg.0),+), $intrinsic($($arg.1),+)) }
+    };
+}
+
+/// For each of 256 masks, the positions of its set bits, in order: a permutation that moves the
+/// kept lanes to the front.
+static FRONT: [[u32; 8]; 256] = {
+    let mut table = [[0; 8]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut kept) = (0, 0);
+        while lane < 8 {
+            if mask >> lane & 1 == 1 {
+                table[mask][kept] = lane as u32;
+                kept += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+impl Lanes for Avx2 {
+    type F = Halves<__m256>;
+    type U = Halves<__m256i>;
+    type M = Halves<__m256>;
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self::F {
+        let half = op!(_mm256_set1_ps(x));
+        (half, half)
+    }
+    #[inline(always)]
+    fn load(self, row: &Row) -> Self::F {
+        let at = row.0.as_ptr();
+        // SAFETY: as above; a `Row` is sixteen f32, aligned to 64.
+        unsafe { (_mm256_load_ps(at), _mm256_load_ps(at.add(8))) }
+    }
+    #[inline(always)]
+    fn store(self, a: Self::F, row: &mut Row) {
+        let at = row.0.as_mut_ptr();
+        // SAFETY: as above; a `Row` is sixteen f32, aligned to 64.
+        unsafe {
+            _mm256_store_ps(at, a.0);
+            _mm256_store_ps(at.add(8), a.1);
+        }
+    }
+    #[inline(always)]
+    fn add(self, a: Self::F, b: Self::F) -> Self::F {
+        both!(_mm256_add_ps, a, b)
+    }
+    #[inline(always)]
+    fn sub(self, a: Self::F, b: Self::F) -> Self::F {
+        both!(_mm256_sub_ps, a, b)
+    }
+    #[inline(always)]
+    fn mul(self, a: Self::F, b: Self::F) -> Self::F {
+        both!(_mm256_mul_ps, a, b)
+    }
+    #[inline(always)]
+    fn div(self, a: Self::F, b: Self::F) -> Self::F {
+        both!(_mm256_div_ps, a, b)
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        both!(_mm256_fmadd_ps, a, b, c)
+    }
+    #[inline(always)]
+    fn min(self, a: Self::F, b: Self::F) -> Self::F {
+        both!(_mm256_min_ps, a, b)
+    }
+    #[inline(always)]
+    fn max(self, a: Self::F, b: Self::F) -> Self::F {
+        both!(_mm256_max_ps, a, b)
+    }
+    #[inline(always)]
+    fn abs(self, a: Self::F) -> Self::F {
+        let sign = self.splat(-0.0);
+        both!(_mm256_andnot_ps, sign, a)
+    }
+    #[inline(always)]
+    fn sqrt(self, a: Self::F) -> Self::F {
+        both!(_mm256_sqrt_ps, a)
+    }
+    #[inline(always)]
+    fn lt(self, a: Self::F, b: Self::F) -> Self::M {
+        both!(_mm256_cmp_ps::<_CMP_LT_OQ>, a, b)
+    }
+    #[inline(always)]
+    fn le(self, a: Self::F, b: Self::F) -> Self::M {
+        both!(_mm256_cmp_ps::<_CMP_LE_OQ>, a, b)
+    }
+    #[inline(always)]
+    fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F {
+        both!(_mm256_blendv_ps, no, yes, mask)
+    }
+
+    #[inline(always)]
+    fn and(self, a: Self::M, b: Self::M) -> Self::M {
+        both!(_mm256_and_ps, a, b)
+    }
+    #[inline(always)]
+    fn or(self, a: Self::M, b: Self::M) -> Self::M {
+        both!(_mm256_or_ps, a, b)
+    }
+    #[inline(always)]
+    fn and_not(self, a: Self::M, b: Self::M) -> Self::M {
+        both!(_mm256_andnot_ps, b, a)
+    }
+    #[inline(always)]
+    fn bits(self, mask: Self::M) -> u32 {
+        let (low, high) = both!(_mm256_movemask_ps, mask);
+        (low | high << 8).cast_unsigned()
+    }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> Self::M {
+        (self.half_mask(bits), self.half_mask(bits >> 8))
+    }
+
+    #[inline(always)]
+    fn splat_u(self, x: u32) -> Self::U {
+        let half = op!(_mm256_set1_epi32(x.cast_signed()));
+        (half, half)
+    }
+    #[inline(always)]
+    fn load_u(self, row: &IndexRow) -> Self::U {
+        let at = row.0.as_ptr().cast::<__m256i>();
+        // SAFETY: as above; an `IndexRow` is sixteen u32, aligned to 64.
+        unsafe { (_mm256_load_si256(at), _mm256_load_si256(at.add(1))) }
+    }
+    #[inline(always)]
+    fn store_u(self, a: Self::U, row: &mut IndexRow) {
+        let at = row.0.as_mut_ptr().cast::<__m256i>();
+        // SAFETY: as above; an `IndexRow` is sixteen u32, aligned to 64.
+        unsafe {
+            _mm256_store_si256(at, a.0);
+            _mm256_store_si256(at.add(1), a.1);
+        }
+    }
+    #[inline(always)]
+    fn select_u(self, mask: Self::M, yes: Self::U, no: Self::U) -> Self::U {
+        (self.half_select(mask.0, yes.0, no.0), self.half_select(mask.1, yes.1, no.1))
+    }
+
+    #[inline(always)]
+    fn compress_u(self, mask: Self::M, a: Self::U) -> Self::U {
+        let bits = self.bits(mask);
+        let mut packed = [0u32; WIDTH];
+        let low = (bits & 255).count_ones() as usize;
+        // SAFETY: as above; eight u32 at offset 0 and at an offset of at most 8 of sixteen.
+        unsafe {
+            let at = packed.as_mut_ptr();
+            _mm256_storeu_si256(at.cast(), self.half_front(bits, a.0));
+            _mm256_storeu_si256(at.add(low).cast(), self.half_front(bits >> 8, a.1));
+        }
+        self.load_u(&IndexRow(packed))
+    }
+    #[inline(always)]
+    fn tag(self, a: Self::F) -> Self::F {
+        (self.half_tag(a.0, 0), self.half_tag(a.1, 8))
+    }
+    #[inline(always)]
+    fn largest_of_each(self, rows: &[Self::F; WIDTH]) -> Self::F {
+        (self.largest_of_eight(rows, 0), self.largest_of_eight(rows, 8))
+    }
+}
+
+/// What one half needs.
+impl Avx2 {
+    #[inline(always)]
+    fn half_mask(self, bits: u32) -> __m256 {
+        op!({
+            let bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let set = _mm256_and_si256(_mm256_set1_epi32(bits.cast_signed()), bit);
+            _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bit))
+        })
+    }
+
+    #[inline(always)]
+    fn half_select(self, mask: __m256, yes: __m256i, no: __m256i) -> __m256i {
+        op!(_mm256_blendv_epi8(no, yes, _mm256_castps_si256(mask)))
+    }
+
+    #[inline(always)]
+    fn half_front(self, bits: u32, a: __m256i) -> __m256i {
+        let table = &FRONT[(bits & 255) as usize];
+        // SAFETY: as above; a table row is eight u32, read unaligned.
+        unsafe { _mm256_permutevar8x32_epi32(a, _mm256_loadu_si256(table.as_ptr().cast())) }
+    }
+
+    #[inline(always)]
+    fn half_tag(self, a: __m256, first: i32) -> __m256 {
+        op!({
+            let lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+            let lane = _mm256_or_si256(lane, _mm256_set1_epi32(first));
+            let high = _mm256_and_si256(_mm256_castps_si256(a), _mm256_set1_epi32(!15));
+            _mm256_castsi256_ps(_mm256_or_si256(high, lane))
+        })
+    }
+
+    /// Lane k of the result is the largest lane of row `first + k`. Each level halves the rows and
+    /// keeps twice as many row numbers apart in a register.
+    #[inline(always)]
+    fn largest_of_eight(self, rows: &[Halves<__m256>; WIDTH], first: usize) -> __m256 {
+        let r = &rows[first..first + 8];
+        let l1 = [
+            self.singles(r[0], r[1]),
+            self.singles(r[2], r[3]),
+            self.singles(r[4], r[5]),
+            self.singles(r[6], r[7]),
+        ];
+        let (a, b) = (self.doubles(l1[0], l1[1]), self.doubles(l1[2], l1[3]));
+        op!(_mm256_max_ps(
+            _mm256_permute2f128_ps::<0x20>(a, b),
+            _mm256_permute2f128_ps::<0x31>(a, b)
+        ))
+    }
+
+    #[inline(always)]
+    fn singles(self, a: Halves<__m256>, b: Halves<__m256>) -> __m256 {
+        op!({
+            let (a, b) = (_mm256_max_ps(a.0, a.1), _mm256_max_ps(b.0, b.1));
+            _mm256_max_ps(_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b))
+        })
+    }
+
+    #[inline(always)]
+    fn doubles(self, a: __m256, b: __m256) -> __m256 {
+        op!({
+            let (a, b) = (_mm256_castps_pd(a), _mm256_castps_pd(b));
+            let low = _mm256_castpd_ps(_mm256_unpacklo_pd(a, b));
+            _mm256_max_ps(low, _mm256_castpd_ps(_mm256_unpackhi_pd(a, b)))
+        })
+    }
+}

@@ -1,0 +1,273 @@
+//! Sixteen f32 lanes: one trait, three types, one dispatch.
+//!
+//! A [`Kernel`] is written once, generic over [`Lanes`], in its own crate and without `unsafe`;
+//! [`dispatch`] runs it on the widest path that the CPU has. Every function between `run` and the
+//! lane operations must be `#[inline(always)]`: the operations become single instructions only
+//! inside the function here that carries the CPU feature, and cost fifty times as much outside.
+//!
+//! The intrinsics below are the workspace's only `unsafe`. A lane type can be had only through
+//! [`dispatch`], which has checked the feature: that is every SAFETY line's reason.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod portable;
+
+/// How many lanes every path has.
+pub const WIDTH: usize = 16;
+
+/// Sixteen numbers in memory, on a cache line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub struct Row(pub [f32; WIDTH]);
+
+/// Sixteen indices in memory, on a cache line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C, align(64))]
+pub struct IndexRow(pub [u32; WIDTH]);
+
+/// What a kernel computes with: operations on sixteen f32, on sixteen u32 and on sixteen yes/no.
+///
+/// Arithmetic is IEEE, rounded to nearest; [`Lanes::mul_add`] may or may not fuse. Comparisons
+/// with NaN are false. Where an operand of `min` or `max` is NaN, the result may be either operand.
+pub trait Lanes: Copy {
+    /// Sixteen f32.
+    type F: Copy;
+    /// Sixteen u32.
+    type U: Copy;
+    /// Sixteen yes or no.
+    type M: Copy;
+
+    /// x in every lane.
+    fn splat(self, x: f32) -> Self::F;
+    /// From memory.
+    fn load(self, row: &Row) -> Self::F;
+    /// To memory.
+    fn store(self, a: Self::F, row: &mut Row);
+    /// a + b.
+    fn add(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a − b.
+    fn sub(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a·b.
+    fn mul(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a / b.
+    fn div(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a·b + c, with one rounding or two.
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    /// The smaller.
+    fn min(self, a: Self::F, b: Self::F) -> Self::F;
+    /// The larger.
+    fn max(self, a: Self::F, b: Self::F) -> Self::F;
+    /// |a|.
+    fn abs(self, a: Self::F) -> Self::F;
+    /// √a.
+    fn sqrt(self, a: Self::F) -> Self::F;
+    /// a < b.
+    fn lt(self, a: Self::F, b: Self::F) -> Self::M;
+    /// a ≤ b.
+    fn le(self, a: Self::F, b: Self::F) -> Self::M;
+    /// `yes` where the mask is set, else `no`.
+    fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F;
+
+    /// Both.
+    fn and(self, a: Self::M, b: Self::M) -> Self::M;
+    /// Either.
+    fn or(self, a: Self::M, b: Self::M) -> Self::M;
+    /// a and not b.
+    fn and_not(self, a: Self::M, b: Self::M) -> Self::M;
+    /// Lane k is bit k.
+    fn bits(self, mask: Self::M) -> u32;
+    /// Bit k is lane k; higher bits are ignored.
+    fn mask(self, bits: u32) -> Self::M;
+
+    /// x in every lane.
+    fn splat_u(self, x: u32) -> Self::U;
+    /// From memory.
+    fn load_u(self, row: &IndexRow) -> Self::U;
+    /// To memory.
+    fn store_u(self, a: Self::U, row: &mut IndexRow);
+    /// `yes` where the mask is set, else `no`.
+    fn select_u(self, mask: Self::M, yes: Self::U, no: Self::U) -> Self::U;
+
+    /// The lanes that the mask keeps, moved down to the front; the rest is unspecified.
+    fn compress_u(self, mask: Self::M, a: Self::U) -> Self::U;
+    /// a with its four lowest bits replaced by the number of its lane.
+    fn tag(self, a: Self::F) -> Self::F;
+    /// Lane k of the result is the largest lane of row k.
+    fn largest_of_each(self, rows: &[Self::F; WIDTH]) -> Self::F;
+
+    /// −a.
+    #[inline(always)]
+    fn neg(self, a: Self::F) -> Self::F {
+        self.sub(self.splat(-0.0), a)
+    }
+}
+
+/// A computation written once for every path.
+pub trait Kernel {
+    /// What it returns.
+    type Output;
+    /// The computation; to be marked `#[inline(always)]`.
+    fn run<L: Lanes>(self, lanes: L) -> Self::Output;
+}
+
+/// The instruction set that a kernel runs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// AVX-512 F, DQ, BW and VL: one register of sixteen.
+    Avx512,
+    /// AVX2 and FMA: two registers of eight.
+    Avx2,
+    /// Plain Rust on arrays of sixteen, for any CPU.
+    Portable,
+}
+
+impl Path {
+    /// All, the widest first.
+    pub const ALL: [Self; 3] = [Self::Avx512, Self::Avx2, Self::Portable];
+
+    /// Whether this CPU has it.
+    #[inline]
+    pub fn is_available(self) -> bool {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512bw")
+                    && is_x86_feature_detected!("avx512vl")
+            }
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            Self::Portable => true,
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
+        }
+    }
+
+    /// The widest that this CPU has.
+    #[inline]
+    pub fn best() -> Self {
+        if Self::Avx512.is_available() {
+            Self::Avx512
+        } else if Self::Avx2.is_available() {
+            Self::Avx2
+        } else {
+            Self::Portable
+        }
+    }
+}
+
+/// Runs the kernel on the widest path of this CPU. Once a batch, never once a pair.
+#[inline]
+pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
+    dispatch_on(Path::best(), kernel)
+}
+
+/// Runs the kernel on the path given, or on [`Path::Portable`] where this CPU does not have it.
+#[inline]
+pub fn dispatch_on<K: Kernel>(path: Path, kernel: K) -> K::Output {
+    match path {
+        #[cfg(target_arch = "x86_64")]
+        Path::Avx512 if path.is_available() => {
+            // SAFETY: the features were detected on this CPU.
+            unsafe { avx512::run(kernel) }
+        }
+        #[cfg(target_arch = "x86_64")]
+        Path::Avx2 if path.is_available() => {
+            // SAFETY: the features were detected on this CPU.
+            unsafe { avx2::run(kernel) }
+        }
+        _ => portable::run(kernel),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every operation on one set of inputs, so that the paths can be compared bit by bit.
+    struct Everything<'a> {
+        a: &'a Row,
+        b: &'a Row,
+        rows: &'a [Row; WIDTH],
+    }
+
+    impl Kernel for Everything<'_> {
+        type Output = (Vec<Row>, Vec<u32>, Vec<u32>);
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, l: L) -> Self::Output {
+            let (a, b) = (l.load(self.a), l.load(self.b));
+            let rows = self.rows.map(|row| l.load(&row));
+            let floats = [
+                l.splat(0.1),
+                l.add(a, b),
+                l.sub(a, b),
+                l.mul(a, b),
+                l.div(a, b),
+                l.min(a, b),
+                l.max(a, b),
+                l.abs(a),
+                l.neg(a),
+                l.sqrt(l.abs(a)),
+                l.select(l.lt(a, b), a, b),
+                l.tag(a),
+                l.largest_of_each(&rows),
+            ];
+            let (lt, le) = (l.lt(a, b), l.le(a, b));
+            let masks = [l.and(lt, le), l.or(lt, le), l.and_not(le, lt), l.mask(0xA5C3)];
+            let index = l.load_u(&IndexRow(std::array::from_fn(|k| 100 + k as u32)));
+            let kept = l.bits(lt).count_ones() as usize;
+            let (mut chosen, mut packed) = (IndexRow::default(), IndexRow::default());
+            l.store_u(l.select_u(lt, index, l.splat_u(7)), &mut chosen);
+            l.store_u(l.compress_u(lt, index), &mut packed);
+            let floats = floats.map(|f| {
+                let mut row = Row::default();
+                l.store(f, &mut row);
+                row
+            });
+            let indices = chosen.0.into_iter().chain(packed.0[..kept].iter().copied()).collect();
+            (floats.to_vec(), masks.map(|m| l.bits(m)).to_vec(), indices)
+        }
+    }
+
+    #[test]
+    fn every_path_gives_the_same_bits() {
+        let number = |k: usize| ((k * 2654435761) % 1000) as f32 * 0.37 - 150.0;
+        for seed in 0..50 {
+            let mut a = Row(std::array::from_fn(|k| number(k + 31 * seed)));
+            let b = Row(std::array::from_fn(|k| number(k + 17 * seed + 5)));
+            a.0[3] = b.0[3];
+            let rows = std::array::from_fn(|r| Row(std::array::from_fn(|k| number(r * 16 + k + seed))));
+            let everything = |path| dispatch_on(path, Everything { a: &a, b: &b, rows: &rows });
+            let (floats, masks, indices) = everything(Path::Portable);
+            for (row, &largest) in rows.iter().zip(&floats[12].0) {
+                assert_eq!(largest, row.0.iter().copied().fold(f32::MIN, f32::max));
+            }
+            for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+                let there = everything(path);
+                let bits = |rows: &[Row]| rows.iter().map(|r| r.0.map(f32::to_bits)).collect::<Vec<_>>();
+                assert_eq!(bits(&there.0), bits(&floats), "{path:?}");
+                assert_eq!((there.1, there.2), (masks.clone(), indices.clone()), "{path:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn comparisons_with_nan_are_false() {
+        struct Nan;
+        impl Kernel for Nan {
+            type Output = u32;
+            #[inline(always)]
+            fn run<L: Lanes>(self, l: L) -> u32 {
+                let (nan, one) = (l.splat(f32::NAN), l.splat(1.0));
+                l.bits(l.lt(nan, one)) | l.bits(l.le(one, nan)) | l.bits(l.lt(one, nan))
+            }
+        }
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            assert_eq!(dispatch_on(path, Nan), 0, "{path:?}");
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Sixteen lanes as arrays: the plain twin of the other paths, for any CPU.
+
+use super::{IndexRow, Kernel, Lanes, Row, WIDTH};
+use std::array::from_fn;
+
+/// Runs the kernel on arrays.
+pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run(Portable)
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct Portable;
+
+/// One loop a lane: small enough that the compiler makes vectors of it.
+macro_rules! each {
+    ($k:ident => $body:expr) => {
+        from_fn(
+            #[inline(always)]
+            |$k| $body,
+        )
+    };
+}
+
+impl Lanes for Portable {
+    type F = [f32; WIDTH];
+    type U = [u32; WIDTH];
+    type M = [bool; WIDTH];
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self::F {
+        [x; WIDTH]
+    }
+    #[inline(always)]
+    fn load(self, row: &Row) -> Self::F {
+        row.0
+    }
+    #[inline(always)]
+    fn store(self, a: Self::F, row: &mut Row) {
+        row.0 = a;
+    }
+    #[inline(always)]
+    fn add(self, a: Self::F, b: Self::F) -> Self::F {
+        each!(k => a[k] + b[k])
+    }
+    #[inline(always)]
+    fn sub(self, a: Self::F, b: Self::F) -> Self::F {
+        each!(k => a[k] - b[k])
+    }
+    #[inline(always)]
+    fn mul(self, a: Self::F, b: Self::F) -> Self::F {
+        each!(k => a[k] * b[k])
+    }
+    #[inline(always)]
+    fn div(self, a: Self::F, b: Self::F) -> Self::F {
+        each!(k => a[k] / b[k])
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        // Two roundings: a fused one without hardware support is a slow library call.
+        each!(k => a[k] * b[k] + c[k])
+    }
+    #[inline(always)]
+    fn min(self, a: Self::F, b: Self::F) -> Self::F {
+        each!(k => if a[k] < b[k] { a[k] } else { b[k] })
+    }
+    #[inline(always)]
+    fn max(self, a: Self::F, b: Self::F) -> Self::F {
+        each!(k => if a[k] > b[k] { a[k] } else { b[k] })
+    }
+    #[inline(always)]
+    fn abs(self, a: Self::F) -> Self::F {
+        each!(k => a[k].abs())
+    }
+    #[inline(always)]
+    fn sqrt(self, a: Self::F) -> Self::F {
+        each!(k => a[k].sqrt())
+    }
+    #[inline(always)]
+    fn lt(self, a: Self::F, b: Self::F) -> Self::M {
+        each!(k => a[k] < b[k])
+    }
+    #[inline(always)]
+    fn le(self, a: Self::F, b: Self::F) -> Self::M {
+        each!(k => a[k] <= b[k])
+    }
+    #[inline(always)]
+    fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F {
+        each!(k => if mask[k] { yes[k] } else { no[k] })
+    }
+
+    #[inline(always)]
+    fn and(self, a: Self::M, b: Self::M) -> Self::M {
+        each!(k => a[k] & b[k])
+    }
+    #[inline(always)]
+    fn or(self, a: Self::M, b: Self::M) -> Self::M {
+        each!(k => a[k] | b[k])
+    }
+    #[inline(always)]
+    fn and_not(self, a: Self::M, b: Self::M) -> Self::M {
+        each!(k => a[k] & !b[k])
+    }
+    #[inline(always)]
+    fn bits(self, mask: Self::M) -> u32 {
+        (0..WIDTH).fold(0, |bits, k| bits | u32::from(mask[k]) << k)
+    }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> Self::M {
+        each!(k => bits >> k & 1 == 1)
+    }
+
+    #[inline(always)]
+    fn splat_u(self, x: u32) -> Self::U {
+        [x; WIDTH]
+    }
+    #[inline(always)]
+    fn load_u(self, row: &IndexRow) -> Self::U {
+        row.0
+    }
+    #[inline(always)]
+    fn store_u(self, a: Self::U, row: &mut IndexRow) {
+        row.0 = a;
+    }
+    #[inline(always)]
+    fn select_u(self, mask: Self::M, yes: Self::U, no: Self::U) -> Self::U {
+        each!(k => if mask[k] { yes[k] } else { no[k] })
+    }
+
+    #[inline(always)]
+    fn compress_u(self, mask: Self::M, a: Self::U) -> Self::U {
+        let (mut packed, mut kept) = ([0; WIDTH], 0);
+        for k in 0..WIDTH {
+            packed[kept & (WIDTH - 1)] = a[k];
+            kept += usize::from(mask[k]);
+        }
+        // A full mask wraps once at the very end, after every lane is in its place.
+        packed
+    }
+    #[inline(always)]
+    fn tag(self, a: Self::F) -> Self::F {
+        each!(k => f32::from_bits(a[k].to_bits() & !15 | k as u32))
+    }
+    #[inline(always)]
+    fn largest_of_each(self, rows: &[Self::F; WIDTH]) -> Self::F {
+        each!(k => {
+            let halves: [f32; 8] = from_fn(|h| if rows[k][h] > rows[k][h + 8] { rows[k][h] } else { rows[k][h + 8] });
+            halves.into_iter().fold(f32::NEG_INFINITY, |m, x| if x > m { x } else { m })
+        })
+    }
+}

@@ -1,0 +1,36 @@
+//! What every stage shares: poses, boxes, shapes, support maps, scenes and SIMD lanes.
+//!
+//! A [`Scene`] owns checked [`Shape`]s and places them by [`Pose`]s; whatever depends on a shape
+//! alone is computed once, when it is made. Input is f64 (glam); boxes are f32 rounded outward.
+//!
+//! Deliberately absent: threads, trees, solvers, files. The only `unsafe` of the workspace stands
+//! in [`lanes`].
+#![deny(unsafe_code)]
+
+mod aabb;
+mod ball;
+mod error;
+#[allow(unsafe_code)] // the one module that may: each block carries its SAFETY line
+pub mod lanes;
+pub mod law;
+mod pair;
+mod polytope;
+mod pose;
+mod real;
+mod scene;
+mod shape;
+mod support;
+
+pub use aabb::Aabb;
+pub use ball::Ball;
+pub use error::{PoseError, SceneError, ShapeError};
+pub use pair::Pair;
+pub use polytope::{Kind, LocalVertices, Polytope};
+pub use pose::Pose;
+pub use real::{Matrix, Real, Vector};
+pub use scene::{Filter, Object, Scene};
+pub use shape::Shape;
+pub use support::{Support, SupportMap};
+
+/// glam, so that a user has the same version of it.
+pub use glam;

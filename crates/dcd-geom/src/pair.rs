@@ -1,0 +1,27 @@
+//! Two objects of a scene.
+
+/// Two different objects by index, the smaller first. Eight bytes: candidate pairs are what a
+/// step writes most of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(C)]
+pub struct Pair {
+    /// The smaller index.
+    pub i: u32,
+    /// The larger index.
+    pub j: u32,
+}
+
+impl Pair {
+    /// The pair of two different indices, in either order.
+    #[inline(always)]
+    pub fn new(a: u32, b: u32) -> Self {
+        debug_assert_ne!(a, b);
+        Self { i: a.min(b), j: a.max(b) }
+    }
+}
+
+impl From<Pair> for (u32, u32) {
+    fn from(pair: Pair) -> Self {
+        (pair.i, pair.j)
+    }
+}

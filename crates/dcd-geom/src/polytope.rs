@@ -1,0 +1,232 @@
+//! Hulls of points, with or without a radius: the shape of the lanes.
+
+use crate::ball::{Ball, reach};
+use crate::lanes::{Row, WIDTH};
+use crate::support::farthest;
+use crate::{Real, ShapeError, Support, SupportMap, Vector};
+use glam::DVec3;
+
+/// What a polytope was made as: the parameters that a closed form, or another library, needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Kind {
+    /// The hull of its vertices.
+    Hull,
+    /// One vertex; with a radius, a sphere.
+    Point,
+    /// The box of these half extents round the origin, metres.
+    Cuboid {
+        /// Half the edge along x, y and z.
+        half_extents: DVec3,
+    },
+}
+
+/// The hull of at least one point, rounded by a radius of at least 0.
+///
+/// The points are taken as they are: they may be inside the hull, repeated, coplanar, collinear,
+/// or one alone. Made and checked once; whatever depends on the shape alone is computed here.
+#[derive(Clone, Debug)]
+pub struct Polytope {
+    kind: Kind,
+    vertices: Vec<DVec3>,
+    radius: f64,
+    inner: Ball,
+    outer_radius: f64,
+    reach: f64,
+}
+
+impl Polytope {
+    /// The hull of the points, in the shape's own frame, metres. Costs microseconds.
+    ///
+    /// # Errors
+    /// No point at all, a number that is not finite, or more points than a u32 counts.
+    pub fn hull(vertices: Vec<DVec3>) -> Result<Self, ShapeError> {
+        check_vertices(&vertices)?;
+        let inner = Ball::inside(&vertices);
+        Ok(Self::from_parts(Kind::Hull, vertices, inner))
+    }
+
+    /// A sphere round the origin.
+    ///
+    /// # Errors
+    /// A radius that is negative or not finite.
+    pub fn sphere(radius: f64) -> Result<Self, ShapeError> {
+        let centre = Ball { centre: DVec3::ZERO, radius: 0.0 };
+        Self::from_parts(Kind::Point, vec![DVec3::ZERO], centre).rounded(radius)
+    }
+
+    /// A box round the origin.
+    ///
+    /// # Errors
+    /// A half extent that is negative or not finite.
+    pub fn cuboid(half_extents: DVec3) -> Result<Self, ShapeError> {
+        for value in half_extents.to_array() {
+            check_length("half extent", value)?;
+        }
+        let corner = |k: u32| {
+            let sign = |bit: u32| if k >> bit & 1 == 0 { -1.0 } else { 1.0 };
+            half_extents * DVec3::new(sign(0), sign(1), sign(2))
+        };
+        let inner = Ball { centre: DVec3::ZERO, radius: half_extents.min_element() };
+        Ok(Self::from_parts(Kind::Cuboid { half_extents }, (0..8).map(corner).collect(), inner))
+    }
+
+    /// The same core with a ball of this radius swept round it, metres; replaces any other radius.
+    ///
+    /// # Errors
+    /// A radius that is negative or not finite.
+    pub fn rounded(mut self, radius: f64) -> Result<Self, ShapeError> {
+        check_length("radius", radius)?;
+        self.radius = radius;
+        Ok(self)
+    }
+
+    fn from_parts(kind: Kind, vertices: Vec<DVec3>, inner: Ball) -> Self {
+        let outer_radius = Ball::around(inner.centre, &vertices).radius;
+        let reach = reach(vertices.iter().copied());
+        Self { kind, vertices, radius: 0.0, inner, outer_radius, reach }
+    }
+
+    /// What it was made as.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// The points whose hull is the core, in the order given.
+    pub fn vertices(&self) -> &[DVec3] {
+        &self.vertices
+    }
+
+    /// The radius swept round the core, metres.
+    pub fn swept_radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// A ball inside the core. Its centre is the point that the lanes count from.
+    pub fn inner(&self) -> Ball {
+        self.inner
+    }
+
+    /// The radius of a ball round [`Polytope::inner`]'s centre that holds the core, rounded up.
+    pub fn outer_radius(&self) -> f64 {
+        self.outer_radius
+    }
+
+    /// The largest distance of a vertex from the origin of the shape's own frame, rounded up.
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// The vertices relative to the inner ball's centre, rounded to f32, in rows of sixteen.
+    pub fn local_vertices(&self) -> LocalVertices<'_> {
+        LocalVertices { vertices: &self.vertices, centre: self.inner.centre }
+    }
+}
+
+/// Blocks of sixteen vertices relative to the inner ball's centre, made one at a time.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalVertices<'a> {
+    vertices: &'a [DVec3],
+    centre: DVec3,
+}
+
+impl LocalVertices<'_> {
+    /// How many blocks there are: at least one.
+    pub fn blocks(&self) -> usize {
+        self.vertices.len().div_ceil(WIDTH)
+    }
+
+    /// The x, y and z rows of each block; the last is filled up with the last vertex.
+    pub fn rows(&self) -> impl Iterator<Item = [Row; 3]> + '_ {
+        self.vertices.chunks(WIDTH).map(|chunk| {
+            let mut rows = [Row::default(); 3];
+            for lane in 0..WIDTH {
+                let v = (chunk[lane.min(chunk.len() - 1)] - self.centre).as_vec3();
+                for (row, x) in rows.iter_mut().zip(v.to_array()) {
+                    row.0[lane] = x;
+                }
+            }
+            rows
+        })
+    }
+}
+
+impl<R: Real> SupportMap<R> for Polytope {
+    fn support(&self, direction: R::Vec3) -> Support<R> {
+        farthest(self.vertices.iter().map(|&v| R::Vec3::from_dvec3(v)), direction)
+    }
+
+    fn radius(&self) -> R {
+        R::from_f64(self.radius)
+    }
+}
+
+fn check_vertices(vertices: &[DVec3]) -> Result<(), ShapeError> {
+    check_count(vertices.len())?;
+    for (vertex, v) in vertices.iter().enumerate() {
+        if let Some(&value) = v.to_array().iter().find(|x| !x.is_finite()) {
+            return Err(ShapeError::NotFinite { vertex, value });
+        }
+    }
+    Ok(())
+}
+
+/// That a shape may have this many vertices.
+fn check_count(count: usize) -> Result<(), ShapeError> {
+    match u32::try_from(count) {
+        Ok(0) => Err(ShapeError::Empty),
+        Ok(_) => Ok(()),
+        Err(_) => Err(ShapeError::TooManyVertices { count }),
+    }
+}
+
+fn check_length(what: &'static str, value: f64) -> Result<(), ShapeError> {
+    // Written so that NaN is refused.
+    if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(ShapeError::BadLength { what, value }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_empty_hull_is_refused() {
+        assert_eq!(Polytope::hull(vec![]).unwrap_err(), ShapeError::Empty);
+    }
+
+    #[test]
+    fn a_vertex_that_is_not_finite_is_named() {
+        let points = vec![DVec3::ZERO, DVec3::new(0.0, f64::NEG_INFINITY, 0.0)];
+        let refused = Polytope::hull(points).unwrap_err();
+        assert_eq!(refused, ShapeError::NotFinite { vertex: 1, value: f64::NEG_INFINITY });
+        let nan = Polytope::hull(vec![DVec3::NAN]).unwrap_err();
+        assert!(matches!(nan, ShapeError::NotFinite { vertex: 0, value } if value.is_nan()));
+    }
+
+    #[test]
+    fn a_count_past_u32_is_refused() {
+        assert_eq!(check_count(u32::MAX as usize), Ok(()));
+        let count = u32::MAX as usize + 1;
+        assert_eq!(check_count(count), Err(ShapeError::TooManyVertices { count }));
+    }
+
+    #[test]
+    fn bad_lengths_are_refused_with_their_value() {
+        for bad in [-1.0, f64::INFINITY, f64::NAN] {
+            assert!(matches!(Polytope::sphere(bad), Err(ShapeError::BadLength { what: "radius", .. })));
+            let half = DVec3::new(1.0, bad, 1.0);
+            assert!(matches!(Polytope::cuboid(half), Err(ShapeError::BadLength { what: "half extent", .. })));
+        }
+    }
+
+    #[test]
+    fn local_rows_are_centred_and_filled_up_with_the_last_vertex() {
+        let hull = Polytope::hull((0..20).map(|k| DVec3::new(k as f64, (k % 3) as f64, 1.0)).collect()).unwrap();
+        let local = hull.local_vertices();
+        assert_eq!(local.blocks(), 2);
+        let rows: Vec<_> = local.rows().collect();
+        let c = hull.inner().centre;
+        assert_eq!(rows[1][0].0[3], (19.0 - c.x) as f32);
+        assert_eq!(rows[1][0].0[15], (19.0 - c.x) as f32);
+    }
+}

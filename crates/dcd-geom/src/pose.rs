@@ -1,0 +1,158 @@
+//! Where an object is: a rotation and a translation, valid by construction.
+
+use crate::PoseError;
+use glam::{DMat3, DQuat, DVec3};
+
+/// A rigid placement: a vertex v of the object's own frame is at R·v + t in the world.
+///
+/// The rotation is held as a matrix, made once. That matrix is the truth that every answer is
+/// given for, whatever it was made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    rotation: DMat3,
+    translation: DVec3,
+    deviation: f64,
+}
+
+impl Pose {
+    /// No rotation, no translation.
+    pub const IDENTITY: Self =
+        Self { rotation: DMat3::IDENTITY, translation: DVec3::ZERO, deviation: 0.0 };
+
+    /// How far | |q|² − 1 |, or an entry of |RᵀR − I|, may be from 0. No unit. Wide enough for
+    /// quaternions that were normalised in f32, far too small for a scaling to pass.
+    pub const UNIT_TOLERANCE: f64 = 1e-6;
+
+    /// From a unit quaternion, which is normalised once more in f64, and a translation in metres.
+    ///
+    /// # Errors
+    /// A number that is not finite, or a quaternion that is not of unit length.
+    pub fn new(rotation: DQuat, translation: DVec3) -> Result<Self, PoseError> {
+        finite(rotation.to_array().iter().chain(&translation.to_array()))?;
+        let length_squared = rotation.length_squared();
+        // NaN cannot come here; an overflow to infinity is refused.
+        if (length_squared - 1.0).abs() > Self::UNIT_TOLERANCE {
+            return Err(PoseError::NotUnit { length_squared });
+        }
+        let matrix = DMat3::from_quat(rotation.normalize());
+        Ok(Self { rotation: matrix, translation, deviation: row_deviation(&matrix) })
+    }
+
+    /// From a rotation matrix, which is taken as it is, and a translation in metres.
+    ///
+    /// # Errors
+    /// A number that is not finite, or a matrix that is no rotation.
+    pub fn from_matrix(rotation: DMat3, translation: DVec3) -> Result<Self, PoseError> {
+        finite(rotation.to_cols_array().iter().chain(&translation.to_array()))?;
+        let deviation = largest_entry(&(rotation.transpose() * rotation - DMat3::IDENTITY));
+        // Written so that an overflow's NaN is refused.
+        if !(deviation <= Self::UNIT_TOLERANCE) {
+            return Err(PoseError::NotOrthonormal { deviation });
+        }
+        let determinant = rotation.determinant();
+        if !(determinant > 0.0) {
+            return Err(PoseError::Mirrors { determinant });
+        }
+        Ok(Self { rotation, translation, deviation: row_deviation(&rotation) })
+    }
+
+    /// A translation in metres, without rotation.
+    ///
+    /// # Errors
+    /// A number that is not finite.
+    pub fn from_translation(translation: DVec3) -> Result<Self, PoseError> {
+        finite(translation.to_array().iter())?;
+        Ok(Self { translation, ..Self::IDENTITY })
+    }
+
+    /// R.
+    pub fn rotation(&self) -> &DMat3 {
+        &self.rotation
+    }
+
+    /// t, in metres.
+    pub fn translation(&self) -> DVec3 {
+        self.translation
+    }
+
+    /// A bound on the ∞-norm of R·Rᵀ − I, so that every singular value of R lies within
+    /// 1 ± deviation and every row's length is at most 1 + deviation.
+    pub fn deviation(&self) -> f64 {
+        self.deviation
+    }
+
+    /// R·v + t, rounded.
+    pub fn apply(&self, v: DVec3) -> DVec3 {
+        self.rotation * v + self.translation
+    }
+}
+
+fn finite<'a>(mut numbers: impl Iterator<Item = &'a f64>) -> Result<(), PoseError> {
+    match numbers.find(|x| !x.is_finite()) {
+        Some(&value) => Err(PoseError::NotFinite { value }),
+        None => Ok(()),
+    }
+}
+
+fn largest_entry(m: &DMat3) -> f64 {
+    m.to_cols_array().iter().fold(0.0, |largest, x| if x.abs() <= largest { largest } else { x.abs() })
+}
+
+/// The ∞-norm (largest sum of a row) of R·Rᵀ − I, plus what its own evaluation may be wrong by:
+/// each entry is three products and four sums of terms at most 1 + 1e-6, so 8·2⁻⁵³ an entry and
+/// three entries a row, doubled.
+fn row_deviation(r: &DMat3) -> f64 {
+    let excess = (*r * r.transpose() - DMat3::IDENTITY).transpose();
+    let row = |v: DVec3| v.x.abs() + v.y.abs() + v.z.abs();
+    row(excess.x_axis).max(row(excess.y_axis)).max(row(excess.z_axis)) + 48.0 * (f64::EPSILON / 2.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_zero_quaternion_is_refused_with_its_length() {
+        let zero = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+        assert_eq!(Pose::new(zero, DVec3::ZERO), Err(PoseError::NotUnit { length_squared: 0.0 }));
+    }
+
+    #[test]
+    fn an_unnormalised_quaternion_is_refused_and_an_f32_one_is_not() {
+        let long = DQuat::from_xyzw(0.0, 0.0, 0.0, 1.001);
+        assert!(matches!(Pose::new(long, DVec3::ZERO), Err(PoseError::NotUnit { .. })));
+        let f32_unit = DQuat::from_xyzw(0.6f32 as f64, 0.0, 0.8f32 as f64, 0.0);
+        assert!(Pose::new(f32_unit, DVec3::ZERO).is_ok());
+    }
+
+    #[test]
+    fn nan_and_infinity_are_refused_with_their_value() {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let t = DVec3::new(0.0, bad, 0.0);
+            assert!(matches!(Pose::new(DQuat::IDENTITY, t), Err(PoseError::NotFinite { .. })));
+            assert!(matches!(Pose::from_translation(t), Err(PoseError::NotFinite { .. })));
+            let q = DQuat::from_xyzw(bad, 0.0, 0.0, 1.0);
+            assert!(matches!(Pose::new(q, DVec3::ZERO), Err(PoseError::NotFinite { .. })));
+            let m = DMat3::from_cols(DVec3::X, DVec3::new(0.0, bad, 0.0), DVec3::Z);
+            assert!(matches!(Pose::from_matrix(m, DVec3::ZERO), Err(PoseError::NotFinite { .. })));
+        }
+    }
+
+    #[test]
+    fn a_matrix_that_scales_shears_or_mirrors_is_refused() {
+        let scale = DMat3::from_diagonal(DVec3::splat(2.0));
+        assert!(matches!(Pose::from_matrix(scale, DVec3::ZERO), Err(PoseError::NotOrthonormal { .. })));
+        let shear = DMat3::from_cols(DVec3::X, DVec3::new(1e-3, 1.0, 0.0), DVec3::Z);
+        assert!(matches!(Pose::from_matrix(shear, DVec3::ZERO), Err(PoseError::NotOrthonormal { .. })));
+        let mirror = DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0));
+        assert!(matches!(Pose::from_matrix(mirror, DVec3::ZERO), Err(PoseError::Mirrors { .. })));
+        let huge = DMat3::from_diagonal(DVec3::splat(1e200));
+        assert!(Pose::from_matrix(huge, DVec3::ZERO).is_err());
+    }
+
+    #[test]
+    fn deviation_bounds_the_matrix_of_a_quaternion() {
+        let pose = Pose::new(DQuat::from_xyzw(0.1, 0.2, 0.3, 0.4).normalize(), DVec3::ONE).unwrap();
+        assert!(pose.deviation() < 1e-14 && pose.deviation() > 0.0);
+    }
+}

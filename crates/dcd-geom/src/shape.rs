@@ -1,0 +1,195 @@
+//! The shapes of a scene.
+
+use crate::{Aabb, Polytope, Pose, ShapeError, Support, SupportMap};
+use glam::DVec3;
+use std::fmt;
+use std::sync::Arc;
+
+/// A convex shape in its own frame, checked when it is made.
+#[derive(Clone)]
+#[non_exhaustive]
+pub enum Shape {
+    /// A hull of points, rounded or not: what the lanes are for.
+    Polytope(Polytope),
+    /// A foreign shape, asked one support at a time in f64.
+    Custom(Arc<dyn SupportMap<f64>>),
+}
+
+impl Shape {
+    /// See [`Polytope::hull`].
+    ///
+    /// # Errors
+    /// Those of [`Polytope::hull`].
+    pub fn hull(vertices: Vec<DVec3>) -> Result<Self, ShapeError> {
+        Polytope::hull(vertices).map(Self::Polytope)
+    }
+
+    /// See [`Polytope::sphere`].
+    ///
+    /// # Errors
+    /// Those of [`Polytope::sphere`].
+    pub fn sphere(radius: f64) -> Result<Self, ShapeError> {
+        Polytope::sphere(radius).map(Self::Polytope)
+    }
+
+    /// See [`Polytope::cuboid`].
+    ///
+    /// # Errors
+    /// Those of [`Polytope::cuboid`].
+    pub fn cuboid(half_extents: DVec3) -> Result<Self, ShapeError> {
+        Polytope::cuboid(half_extents).map(Self::Polytope)
+    }
+
+    /// A shape known by its support map alone.
+    ///
+    /// # Errors
+    /// A radius, support error or support point that is not finite, as far as the six axes tell.
+    pub fn custom(map: Arc<dyn SupportMap<f64>>) -> Result<Self, ShapeError> {
+        for (what, value) in [("radius", map.radius()), ("support error", map.support_error())] {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(ShapeError::BadLength { what, value });
+            }
+        }
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|d| [d, -d]);
+        for (vertex, point) in axes.map(|d| map.support(d).point).enumerate() {
+            if let Some(&value) = point.to_array().iter().find(|x| !x.is_finite()) {
+                return Err(ShapeError::NotFinite { vertex, value });
+            }
+        }
+        Ok(Self::Custom(map))
+    }
+
+    /// The polytope, if it is one.
+    pub fn as_polytope(&self) -> Option<&Polytope> {
+        match self {
+            Self::Polytope(polytope) => Some(polytope),
+            Self::Custom(_) => None,
+        }
+    }
+
+    /// A bound on how far any point of the shape is from the origin of its own frame, metres.
+    pub fn reach(&self) -> f64 {
+        match self {
+            Self::Polytope(polytope) => polytope.reach() + polytope.swept_radius(),
+            Self::Custom(_) => {
+                let (min, max) = self.extent(&Pose::IDENTITY);
+                min.abs().max(max.abs()).length()
+            }
+        }
+    }
+
+    /// A box round the shape at this pose, rounded outward: the plain twin of what a narrow phase
+    /// computes in lanes.
+    pub fn aabb(&self, pose: &Pose) -> Aabb {
+        let (min, max) = self.extent(pose);
+        // Rotating loses at most 3u of the reach a component, adding the translation one u more
+        // of what comes out; 8u has room for the row norm's excess over 1.
+        let u = f64::EPSILON / 2.0;
+        let size = min.abs().max(max.abs());
+        let t = pose.translation();
+        let slack = (size + size.max_element()) * (8.0 * u) + (size + t.abs()) * (2.0 * u);
+        Aabb::outward(min + t - slack, max + t + slack)
+    }
+
+    /// The smallest and largest coordinates of R·shape, rounded, without the translation.
+    fn extent(&self, pose: &Pose) -> (DVec3, DVec3) {
+        let rotation = pose.rotation();
+        match self {
+            Self::Polytope(polytope) => {
+                let mut min = DVec3::INFINITY;
+                let mut max = DVec3::NEG_INFINITY;
+                for &v in polytope.vertices() {
+                    let world = *rotation * v;
+                    min = min.min(world);
+                    max = max.max(world);
+                }
+                (min - polytope.swept_radius(), max + polytope.swept_radius())
+            }
+            Self::Custom(map) => {
+                let to_local = rotation.transpose();
+                let along = |d: DVec3| {
+                    let local = to_local * d;
+                    let reach = local.dot(map.support(local).point);
+                    reach + map.support_error() * local.abs().element_sum() + map.radius()
+                };
+                let max = DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z));
+                let min = -DVec3::new(along(-DVec3::X), along(-DVec3::Y), along(-DVec3::Z));
+                (min, max)
+            }
+        }
+    }
+}
+
+impl SupportMap<f64> for Shape {
+    fn support(&self, direction: DVec3) -> Support<f64> {
+        match self {
+            Self::Polytope(polytope) => polytope.support(direction),
+            Self::Custom(map) => map.support(direction),
+        }
+    }
+
+    fn radius(&self) -> f64 {
+        match self {
+            Self::Polytope(polytope) => polytope.swept_radius(),
+            Self::Custom(map) => map.radius(),
+        }
+    }
+
+    fn support_error(&self) -> f64 {
+        match self {
+            Self::Polytope(_) => 0.0,
+            Self::Custom(map) => map.support_error(),
+        }
+    }
+}
+
+impl From<Polytope> for Shape {
+    fn from(polytope: Polytope) -> Self {
+        Self::Polytope(polytope)
+    }
+}
+
+impl fmt::Debug for Shape {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Polytope(polytope) => polytope.fmt(f),
+            Self::Custom(_) => f.write_str("Custom(..)"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DQuat;
+
+    #[test]
+    fn the_box_of_a_turned_cube_holds_its_corners() {
+        let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+        let turned = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_4);
+        let aabb = cube.aabb(&Pose::new(turned, DVec3::new(10.0, 0.0, 0.0)).unwrap());
+        let half = 0.5f64.sqrt();
+        assert!(f64::from(aabb.max.x) >= 10.0 + half && f64::from(aabb.max.x) < 10.0 + half + 1e-5);
+        assert!(f64::from(aabb.min.z) <= -0.5);
+    }
+
+    #[test]
+    fn a_custom_shape_has_the_box_of_the_shape_behind_it() {
+        let pose = Pose::new(DQuat::from_rotation_x(0.3), DVec3::ONE).unwrap();
+        let sphere = Polytope::sphere(2.0).unwrap();
+        let custom = Shape::custom(Arc::new(sphere.clone())).unwrap().aabb(&pose);
+        assert!(custom.contains(&Aabb::outward(DVec3::splat(-1.0), DVec3::splat(3.0))));
+        assert_eq!(custom, Shape::from(sphere).aabb(&pose));
+    }
+
+    #[test]
+    fn a_custom_shape_that_answers_nan_is_refused() {
+        struct Nan;
+        impl SupportMap<f64> for Nan {
+            fn support(&self, _: DVec3) -> Support<f64> {
+                Support { point: DVec3::NAN, feature: 0 }
+            }
+        }
+        assert!(matches!(Shape::custom(Arc::new(Nan)), Err(ShapeError::NotFinite { vertex: 0, .. })));
+    }
+}

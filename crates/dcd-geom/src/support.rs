@@ -1,0 +1,86 @@
+//! The one question a solver asks of a shape.
+
+use crate::{Real, Vector};
+use std::sync::Arc;
+
+/// A farthest point of a shape's core in some direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Support<R: Real> {
+    /// The point, in the shape's own frame, metres.
+    pub point: R::Vec3,
+    /// What it belongs to: the index of a vertex, or any number by which the same point is told
+    /// again. Two supports of one shape with the same feature are the same point.
+    pub feature: u32,
+}
+
+/// A convex shape known by its support function: a core, and a ball swept round it.
+///
+/// The shape is the Minkowski sum of its core and a ball of [`SupportMap::radius`], placed as
+/// (R·core + t) ⊕ ball(radius): the radius is a length of the world.
+///
+/// # Law
+/// For every finite `direction`, `support(direction).point` is a point of the core, and no point
+/// of the core is farther along `direction` by more than [`SupportMap::support_error`] times the
+/// sum of the direction's absolute components. A zero direction gives any point of the core.
+/// [`crate::law::support_map`] tests it.
+pub trait SupportMap<R: Real>: Send + Sync {
+    /// A farthest point of the core along `direction`, which need not be of unit length; both in
+    /// the shape's own frame.
+    fn support(&self, direction: R::Vec3) -> Support<R>;
+
+    /// The radius of the ball swept round the core, metres, at least 0.
+    fn radius(&self) -> R {
+        R::ZERO
+    }
+
+    /// How far a support may fall short, metres (see the law). 0 for a shape whose core is the
+    /// hull of the points it returns and whose maximum is over rounded dot products: that
+    /// rounding is in every solver's own bound.
+    fn support_error(&self) -> R {
+        R::ZERO
+    }
+}
+
+impl<R: Real, S: SupportMap<R> + ?Sized> SupportMap<R> for &S {
+    fn support(&self, direction: R::Vec3) -> Support<R> {
+        (**self).support(direction)
+    }
+    fn radius(&self) -> R {
+        (**self).radius()
+    }
+    fn support_error(&self) -> R {
+        (**self).support_error()
+    }
+}
+
+impl<R: Real, S: SupportMap<R> + ?Sized> SupportMap<R> for Arc<S> {
+    fn support(&self, direction: R::Vec3) -> Support<R> {
+        (**self).support(direction)
+    }
+    fn radius(&self) -> R {
+        (**self).radius()
+    }
+    fn support_error(&self) -> R {
+        (**self).support_error()
+    }
+}
+
+/// The farthest of `points`, the first among equals.
+///
+/// Returns the index and the point; `points` must not be empty, else the origin comes back.
+#[inline]
+pub(crate) fn farthest<R: Real>(
+    points: impl Iterator<Item = R::Vec3>,
+    direction: R::Vec3,
+) -> Support<R> {
+    let mut best = Support { point: R::Vec3::ZERO, feature: 0 };
+    let mut farthest = -R::MAX;
+    for (feature, point) in (0u32..).zip(points) {
+        let along = point.dot(direction);
+        if along > farthest || feature == 0 {
+            farthest = along;
+            best = Support { point, feature };
+        }
+    }
+    best
+}
