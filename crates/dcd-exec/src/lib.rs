@@ -1,2 +1,203 @@
-//! Being written.
+//! The only room with threads.
+//!
+//! Work is cut into tasks whose number depends on the work alone; task k writes segment k; so what
+//! comes out is the same at any number of threads, and serial is the same code on one. A closure
+//! given to [`Exec`] must not care in which order or on which thread it runs.
+//!
+//! Deliberately absent: a clock (an optional [`Observer`] is told when tasks begin and end; the
+//! clock is the caller's), a thread pool of our own ([`Par::Pool`] is rayon's current one), locks.
 #![forbid(unsafe_code)]
+
+mod observe;
+mod per_thread;
+mod segments;
+
+pub use dcd_geom::Divide;
+pub use observe::{Observer, Stage};
+pub use per_thread::PerThread;
+pub use segments::{Cut, Filler, Segments, Span};
+
+use rayon::prelude::*;
+
+/// Where tasks run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Par {
+    /// On the calling thread, in order; rayon is never touched.
+    Serial,
+    /// On rayon's current pool: the global one, or that of `ThreadPool::install`.
+    #[default]
+    Pool,
+}
+
+/// Where tasks run and who watches. Cheap to copy; made from a [`Par`].
+#[derive(Clone, Copy, Default)]
+pub struct Exec<'a> {
+    par: Par,
+    observer: Option<&'a dyn Observer>,
+}
+
+impl From<Par> for Exec<'_> {
+    fn from(par: Par) -> Self {
+        Self { par, observer: None }
+    }
+}
+
+impl<'a> Exec<'a> {
+    /// Tells `observer` when stages and tasks begin and end.
+    pub fn observed(par: Par, observer: &'a dyn Observer) -> Self {
+        Self { par, observer: Some(observer) }
+    }
+
+    /// Runs `work` as a stage by that name, for the observer.
+    pub fn stage<T>(self, stage: Stage, work: impl FnOnce() -> T) -> T {
+        let Some(observer) = self.observer else { return work() };
+        observer.stage_begins(stage);
+        let result = work();
+        observer.stage_ends(stage);
+        result
+    }
+
+    /// Runs `task(0)`, `task(1)`, … `task(count − 1)`, in any order.
+    pub fn tasks(self, count: usize, task: impl Fn(usize) + Sync) {
+        match self.par {
+            Par::Pool if count > 1 => {
+                let tasks = (0..count).into_par_iter().with_max_len(1);
+                tasks.for_each(|k| self.watched(k, || task(k)));
+            }
+            _ => (0..count).for_each(|k| self.watched(k, || task(k))),
+        }
+    }
+
+    /// Runs `task(k, item k)` for each item, in any order.
+    pub fn each<T: Send>(self, items: &mut [T], task: impl Fn(usize, &mut T) + Sync) {
+        match self.par {
+            Par::Pool if items.len() > 1 => {
+                let items = items.par_iter_mut().with_max_len(1).enumerate();
+                items.for_each(|(k, item)| self.watched(k, || task(k, item)));
+            }
+            _ => {
+                items.iter_mut().enumerate().for_each(|(k, item)| self.watched(k, || task(k, item)))
+            }
+        }
+    }
+
+    /// Runs both, perhaps at once. For recursions; neither is a task to the observer.
+    pub fn join<A: Send, B: Send>(
+        self,
+        a: impl FnOnce() -> A + Send,
+        b: impl FnOnce() -> B + Send,
+    ) -> (A, B) {
+        match self.par {
+            Par::Serial => (a(), b()),
+            Par::Pool => rayon::join(a, b),
+        }
+    }
+
+    /// Cuts `whole` into parts of `grain` elements (the last may be shorter) and runs
+    /// `task(first element, part)` on each. `grain` must not be 0, and is taken as 1 if it is.
+    pub fn divide<P: Divide>(self, whole: P, grain: usize, task: impl Fn(usize, P) + Sync) {
+        self.divide_from(0, whole, grain.max(1), &task);
+    }
+
+    fn divide_from<P: Divide>(
+        self,
+        first: usize,
+        part: P,
+        grain: usize,
+        task: &(impl Fn(usize, P) + Sync),
+    ) {
+        let tasks = part.len().div_ceil(grain);
+        if tasks <= 1 {
+            if tasks == 1 {
+                self.watched(first / grain, || task(first, part));
+            }
+            return;
+        }
+        let middle = tasks / 2 * grain;
+        let (left, right) = part.split_at(middle);
+        self.join(
+            || self.divide_from(first, left, grain, task),
+            || self.divide_from(first + middle, right, grain, task),
+        );
+    }
+
+    /// Runs `work` as task `k`, for the observer.
+    pub(crate) fn watched<T>(self, k: usize, work: impl FnOnce() -> T) -> T {
+        let Some(observer) = self.observer else { return work() };
+        observer.task_begins(k);
+        let result = work();
+        observer.task_ends(k);
+        result
+    }
+}
+
+/// Runs `work` inside a pool of that many threads, which is made for it.
+///
+/// # Errors
+/// The pool could not be made; rayon's reason.
+pub fn with_threads<T: Send>(
+    threads: usize,
+    work: impl FnOnce() -> T + Send,
+) -> Result<T, Box<dyn std::error::Error + Send + Sync>> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    Ok(pool.install(work))
+}
+
+/// How many threads [`Par::Pool`] has here.
+pub fn threads() -> usize {
+    rayon::current_num_threads()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    #[test]
+    fn every_task_runs_once_serial_or_pooled() {
+        for par in [Par::Serial, Par::Pool] {
+            let counts: Vec<AtomicUsize> = (0..100).map(|_| AtomicUsize::new(0)).collect();
+            Exec::from(par).tasks(100, |k| {
+                counts[k].fetch_add(1, Ordering::Relaxed);
+            });
+            assert!(counts.iter().all(|c| c.load(Ordering::Relaxed) == 1));
+        }
+    }
+
+    #[test]
+    fn division_gives_the_same_parts_at_any_thread_count() {
+        for par in [Par::Serial, Par::Pool] {
+            for len in [0, 1, 7, 8, 9, 100] {
+                let mut cells = vec![(0, 0); len];
+                Exec::from(par).divide(&mut cells[..], 8, |first, part| {
+                    let size = part.len();
+                    part.iter_mut().for_each(|cell| *cell = (first, size));
+                });
+                for (k, cell) in cells.iter().enumerate() {
+                    assert_eq!(*cell, (k / 8 * 8, 8.min(len - k / 8 * 8)));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_observer_sees_every_task_begin_and_end() {
+        #[derive(Default)]
+        struct Count([AtomicUsize; 3]);
+        impl Observer for Count {
+            fn stage_begins(&self, _: Stage) {
+                self.0[0].fetch_add(1, Ordering::Relaxed);
+            }
+            fn task_begins(&self, _: usize) {
+                self.0[1].fetch_add(1, Ordering::Relaxed);
+            }
+            fn task_ends(&self, _: usize) {
+                self.0[2].fetch_add(1, Ordering::Relaxed);
+            }
+        }
+        let count = Count::default();
+        let exec = Exec::observed(Par::Pool, &count);
+        exec.stage(Stage::Pairs, || exec.tasks(10, |_| ()));
+        assert_eq!(count.0.map(AtomicUsize::into_inner), [1, 10, 10]);
+    }
+}

@@ -77,7 +77,7 @@ fn spheres() -> &'static [Sphere; 3] {
                 .map(|octant: usize| {
                     let [x, y, z] = [0, 1, 2].map(|axis| 2 * axis + (octant >> axis & 1));
                     // An odd number of negated axes turns the triangle round.
-                    if octant.count_ones() % 2 == 0 { [x, y, z] } else { [x, z, y] }
+                    if octant.count_ones().is_multiple_of(2) { [x, y, z] } else { [x, z, y] }
                 })
                 .collect(),
         };
@@ -131,11 +131,8 @@ impl Face {
     fn surely_sees(&self, p: DVec3) -> bool {
         let [a, b, c] = self.corners.map(|corner| corner - p);
         let (m, n) = (b.abs(), c.abs());
-        let minors = DVec3::new(
-            m.y * n.z + m.z * n.y,
-            m.z * n.x + m.x * n.z,
-            m.x * n.y + m.y * n.x,
-        );
+        let minors =
+            DVec3::new(m.y * n.z + m.z * n.y, m.z * n.x + m.x * n.z, m.x * n.y + m.y * n.x);
         // Three rounded differences and five operations a term: 8u of the permanent, doubled.
         a.dot(b.cross(c)) > 16.0 * U * a.abs().dot(minors) + f64::MIN_POSITIVE
     }

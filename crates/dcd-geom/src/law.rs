@@ -38,18 +38,21 @@ pub fn support_map<R: Real>(map: &impl SupportMap<R>, core: &[R::Vec3]) -> Resul
     }
     let directions: Vec<R::Vec3> = directions().map(R::Vec3::from_dvec3).collect();
     let supports: Vec<_> = directions.iter().map(|&d| map.support(d)).collect();
-    let known: Vec<R::Vec3> = core.iter().copied().chain(supports.iter().map(|s| s.point)).collect();
+    let known: Vec<R::Vec3> =
+        core.iter().copied().chain(supports.iter().map(|s| s.point)).collect();
     for (&d, s) in directions.iter().zip(&supports) {
         let along = s.point.dot(d);
         for &p in &known {
             // Each dot product is off by at most 3u of the products' absolute sum.
-            let rounding = (p.norm_max() + s.point.norm_max()) * R::from_f64(4.0) * R::UNIT_ROUNDOFF;
+            let rounding =
+                (p.norm_max() + s.point.norm_max()) * R::from_f64(4.0) * R::UNIT_ROUNDOFF;
             let bound = along + (map.support_error() + rounding) * d.norm1();
             if !(p.dot(d) <= bound) {
                 return Err(Broken(format!("along {d:?} the support {s:?} falls short of {p:?}")));
             }
         }
-        if let Some(other) = supports.iter().find(|o| o.feature == s.feature && o.point != s.point) {
+        if let Some(other) = supports.iter().find(|o| o.feature == s.feature && o.point != s.point)
+        {
             return Err(Broken(format!("feature {} is both {s:?} and {other:?}", s.feature)));
         }
     }
@@ -83,7 +86,8 @@ mod tests {
 
     #[test]
     fn our_shapes_keep_the_law_in_both_precisions() {
-        let hull: Vec<DVec3> = directions().take(60).map(|d| d * DVec3::new(1.0, 2.0, 0.1)).collect();
+        let hull: Vec<DVec3> =
+            directions().take(60).map(|d| d * DVec3::new(1.0, 2.0, 0.1)).collect();
         let shapes = [
             Polytope::hull(hull).unwrap(),
             Polytope::sphere(0.5).unwrap(),

@@ -9,6 +9,7 @@
 
 mod aabb;
 mod ball;
+mod divide;
 mod error;
 #[allow(unsafe_code)] // the one module that may: each block carries its SAFETY line
 pub mod lanes;
@@ -23,6 +24,7 @@ mod support;
 
 pub use aabb::Aabb;
 pub use ball::Ball;
+pub use divide::Divide;
 pub use error::{PoseError, SceneError, ShapeError};
 pub use pair::Pair;
 pub use polytope::{Kind, LocalVertices, Polytope};

@@ -182,7 +182,11 @@ fn check_count(count: usize) -> Result<(), ShapeError> {
 
 fn check_length(what: &'static str, value: f64) -> Result<(), ShapeError> {
     // Written so that NaN is refused.
-    if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(ShapeError::BadLength { what, value }) }
+    if value >= 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(ShapeError::BadLength { what, value })
+    }
 }
 
 #[cfg(test)]
@@ -213,15 +217,23 @@ mod tests {
     #[test]
     fn bad_lengths_are_refused_with_their_value() {
         for bad in [-1.0, f64::INFINITY, f64::NAN] {
-            assert!(matches!(Polytope::sphere(bad), Err(ShapeError::BadLength { what: "radius", .. })));
+            assert!(matches!(
+                Polytope::sphere(bad),
+                Err(ShapeError::BadLength { what: "radius", .. })
+            ));
             let half = DVec3::new(1.0, bad, 1.0);
-            assert!(matches!(Polytope::cuboid(half), Err(ShapeError::BadLength { what: "half extent", .. })));
+            assert!(matches!(
+                Polytope::cuboid(half),
+                Err(ShapeError::BadLength { what: "half extent", .. })
+            ));
         }
     }
 
     #[test]
     fn local_rows_are_centred_and_filled_up_with_the_last_vertex() {
-        let hull = Polytope::hull((0..20).map(|k| DVec3::new(k as f64, (k % 3) as f64, 1.0)).collect()).unwrap();
+        let hull =
+            Polytope::hull((0..20).map(|k| DVec3::new(k as f64, (k % 3) as f64, 1.0)).collect())
+                .unwrap();
         let local = hull.local_vertices();
         assert_eq!(local.blocks(), 2);
         let rows: Vec<_> = local.rows().collect();

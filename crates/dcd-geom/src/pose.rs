@@ -95,7 +95,9 @@ fn finite<'a>(mut numbers: impl Iterator<Item = &'a f64>) -> Result<(), PoseErro
 }
 
 fn largest_entry(m: &DMat3) -> f64 {
-    m.to_cols_array().iter().fold(0.0, |largest, x| if x.abs() <= largest { largest } else { x.abs() })
+    m.to_cols_array()
+        .iter()
+        .fold(0.0, |largest, x| if x.abs() <= largest { largest } else { x.abs() })
 }
 
 /// The ∞-norm (largest sum of a row) of R·Rᵀ − I, plus what its own evaluation may be wrong by:
@@ -141,9 +143,15 @@ mod tests {
     #[test]
     fn a_matrix_that_scales_shears_or_mirrors_is_refused() {
         let scale = DMat3::from_diagonal(DVec3::splat(2.0));
-        assert!(matches!(Pose::from_matrix(scale, DVec3::ZERO), Err(PoseError::NotOrthonormal { .. })));
+        assert!(matches!(
+            Pose::from_matrix(scale, DVec3::ZERO),
+            Err(PoseError::NotOrthonormal { .. })
+        ));
         let shear = DMat3::from_cols(DVec3::X, DVec3::new(1e-3, 1.0, 0.0), DVec3::Z);
-        assert!(matches!(Pose::from_matrix(shear, DVec3::ZERO), Err(PoseError::NotOrthonormal { .. })));
+        assert!(matches!(
+            Pose::from_matrix(shear, DVec3::ZERO),
+            Err(PoseError::NotOrthonormal { .. })
+        ));
         let mirror = DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0));
         assert!(matches!(Pose::from_matrix(mirror, DVec3::ZERO), Err(PoseError::Mirrors { .. })));
         let huge = DMat3::from_diagonal(DVec3::splat(1e200));

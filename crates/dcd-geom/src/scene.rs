@@ -199,7 +199,10 @@ mod tests {
     fn a_count_past_u32_is_refused() {
         assert!(check_count("objects", u32::MAX as usize).is_ok());
         let count = u32::MAX as usize + 1;
-        assert_eq!(check_count("objects", count), Err(SceneError::TooMany { what: "objects", count }));
+        assert_eq!(
+            check_count("objects", count),
+            Err(SceneError::TooMany { what: "objects", count })
+        );
     }
 
     #[test]

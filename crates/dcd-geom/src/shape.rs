@@ -190,6 +190,9 @@ mod tests {
                 Support { point: DVec3::NAN, feature: 0 }
             }
         }
-        assert!(matches!(Shape::custom(Arc::new(Nan)), Err(ShapeError::NotFinite { vertex: 0, .. })));
+        assert!(matches!(
+            Shape::custom(Arc::new(Nan)),
+            Err(ShapeError::NotFinite { vertex: 0, .. })
+        ));
     }
 }

@@ -240,7 +240,8 @@ mod tests {
             let mut a = Row(std::array::from_fn(|k| number(k + 31 * seed)));
             let b = Row(std::array::from_fn(|k| number(k + 17 * seed + 5)));
             a.0[3] = b.0[3];
-            let rows = std::array::from_fn(|r| Row(std::array::from_fn(|k| number(r * 16 + k + seed))));
+            let rows =
+                std::array::from_fn(|r| Row(std::array::from_fn(|k| number(r * 16 + k + seed))));
             let everything = |path| dispatch_on(path, Everything { a: &a, b: &b, rows: &rows });
             let (floats, masks, indices) = everything(Path::Portable);
             for (row, &largest) in rows.iter().zip(&floats[12].0) {
@@ -248,7 +249,8 @@ mod tests {
             }
             for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
                 let there = everything(path);
-                let bits = |rows: &[Row]| rows.iter().map(|r| r.0.map(f32::to_bits)).collect::<Vec<_>>();
+                let bits =
+                    |rows: &[Row]| rows.iter().map(|r| r.0.map(f32::to_bits)).collect::<Vec<_>>();
                 assert_eq!(bits(&there.0), bits(&floats), "{path:?}");
                 assert_eq!((there.1, there.2), (masks.clone(), indices.clone()), "{path:?}");
             }

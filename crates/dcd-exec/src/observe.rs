@@ -1,0 +1,32 @@
+//! Who is told when work begins and ends.
+
+/// The stages of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Stage {
+    /// World boxes, and whatever else depends on one object's pose alone.
+    Boxes,
+    /// The structure of the broad phase.
+    Build,
+    /// Candidate pairs.
+    Pairs,
+    /// Answers.
+    Narrow,
+}
+
+impl Stage {
+    /// All, in the order of a step.
+    pub const ALL: [Self; 4] = [Self::Boxes, Self::Build, Self::Pairs, Self::Narrow];
+}
+
+/// Told when stages and tasks begin and end, on the thread where they do. Whoever times, brings
+/// the clock here.
+pub trait Observer: Sync {
+    /// A stage begins.
+    fn stage_begins(&self, _stage: Stage) {}
+    /// A stage ends.
+    fn stage_ends(&self, _stage: Stage) {}
+    /// Task `task` of some parallel region begins.
+    fn task_begins(&self, _task: usize) {}
+    /// The same task ends, on the same thread.
+    fn task_ends(&self, _task: usize) {}
+}

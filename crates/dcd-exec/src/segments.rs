@@ -1,0 +1,248 @@
+//! Output in task order, written by many threads without a lock.
+
+use crate::{Divide, Exec, PerThread};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// A list written in pieces: task k writes segment k to the end of its thread's buffer, and the
+/// segments are read in the order of the tasks. The buffers are kept from one use to the next.
+#[derive(Debug)]
+pub struct Segments<T: Send> {
+    lent: PerThread<Buffer<T>>,
+    buffers: Vec<Buffer<T>>,
+    spans: Vec<Span>,
+}
+
+/// A thread's buffer, known by a number while it is lent.
+#[derive(Debug)]
+struct Buffer<T> {
+    number: Option<u32>,
+    items: Vec<T>,
+}
+
+/// Where a segment is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Span {
+    buffer: u32,
+    start: usize,
+    len: usize,
+}
+
+/// Part of a segment: see [`Segments::cut`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cut(Span);
+
+/// Hands out the calling thread's buffer, for recursions that make their own tasks.
+#[derive(Debug)]
+pub struct Filler<'a, T: Send> {
+    lent: &'a PerThread<Buffer<T>>,
+    next: AtomicU32,
+}
+
+impl<T> Default for Buffer<T> {
+    fn default() -> Self {
+        Self { number: None, items: Vec::new() }
+    }
+}
+
+impl<T: Send> Default for Segments<T> {
+    fn default() -> Self {
+        Self { lent: PerThread::default(), buffers: Vec::new(), spans: Vec::new() }
+    }
+}
+
+impl<T: Send> Filler<'_, T> {
+    /// Runs `write`, which appends to the buffer that it is given and leaves what is there alone,
+    /// and says where it wrote.
+    pub fn segment(&self, write: impl FnOnce(&mut Vec<T>)) -> Span {
+        self.lent.with(|buffer| {
+            let new = || self.next.fetch_add(1, Ordering::Relaxed);
+            let number = *buffer.number.get_or_insert_with(new);
+            let start = buffer.items.len();
+            write(&mut buffer.items);
+            Span { buffer: number, start, len: buffer.items.len().saturating_sub(start) }
+        })
+    }
+}
+
+impl<T: Send> Segments<T> {
+    /// Replaces the contents: `task(k, buffer)` appends segment k to the buffer.
+    pub fn fill(&mut self, exec: Exec, tasks: usize, task: impl Fn(usize, &mut Vec<T>) + Sync) {
+        let mut spans = std::mem::take(&mut self.spans);
+        spans.clear();
+        spans.resize(tasks, Span::default());
+        self.clear();
+        let filler = Filler { lent: &self.lent, next: AtomicU32::new(0) };
+        exec.each(&mut spans, |k, span| *span = filler.segment(|buffer| task(k, buffer)));
+        self.settle(spans);
+    }
+
+    /// Replaces the contents by the segments that `work` makes and returns in their final order.
+    pub fn gather(&mut self, work: impl FnOnce(&Filler<T>) -> Vec<Span>) {
+        self.clear();
+        let filler = Filler { lent: &self.lent, next: AtomicU32::new(0) };
+        let spans = work(&filler);
+        self.settle(spans);
+    }
+
+    /// Empties the list and keeps its memory.
+    pub fn clear(&mut self) {
+        self.spans.clear();
+        for buffer in &mut self.buffers {
+            buffer.items.clear();
+            buffer.number = None;
+        }
+        self.lent.give_back(&mut self.buffers);
+    }
+
+    fn settle(&mut self, spans: Vec<Span>) {
+        self.lent.take_all(&mut self.buffers);
+        self.buffers.sort_unstable_by_key(|buffer| buffer.number.unwrap_or(u32::MAX));
+        self.spans = spans;
+    }
+
+    /// How many items there are in all.
+    pub fn len(&self) -> usize {
+        self.spans.iter().map(|span| span.len).sum()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The segments in order.
+    pub fn iter(&self) -> impl Iterator<Item = &[T]> {
+        self.spans.iter().map(|&span| self.slice(Cut(span)))
+    }
+
+    /// Cuts every segment into pieces of at most `size` items, for tasks of like work, and lists
+    /// the pieces in order. They depend on the segments alone.
+    pub fn cut(&self, size: usize, pieces: &mut Vec<Cut>) {
+        pieces.clear();
+        let size = size.max(1);
+        for &span in &self.spans {
+            for offset in (0..span.len).step_by(size) {
+                let len = size.min(span.len - offset);
+                pieces.push(Cut(Span { start: span.start + offset, len, ..span }));
+            }
+        }
+    }
+
+    /// The items of a piece that [`Segments::cut`] made of these contents; empty for any other.
+    pub fn slice(&self, Cut(span): Cut) -> &[T] {
+        let buffer = self.buffers.get(span.buffer as usize);
+        buffer.and_then(|b| b.items.get(span.start..span.start + span.len)).unwrap_or_default()
+    }
+
+    /// How many bytes the buffers hold.
+    pub fn capacity_bytes(&self) -> usize {
+        self.buffers.iter().map(|b| b.items.capacity() * size_of::<T>()).sum()
+    }
+}
+
+impl<T: Send + Sync + Copy + Default> Segments<T> {
+    /// All items in order, in one piece; copied in parallel.
+    pub fn join_into(&self, exec: Exec, out: &mut Vec<T>) {
+        out.clear();
+        out.resize(self.len(), T::default());
+        let copies = Copies { spans: &self.spans, out: &mut out[..] };
+        exec.divide(copies, 1, |_, part| {
+            let mut rest = part.out;
+            for &span in part.spans {
+                let (head, tail) = rest.split_at_mut(span.len);
+                head.copy_from_slice(self.slice(Cut(span)));
+                rest = tail;
+            }
+        });
+    }
+}
+
+/// Segments and the room they are copied to.
+struct Copies<'a, T> {
+    spans: &'a [Span],
+    out: &'a mut [T],
+}
+
+impl<T: Send> Divide for Copies<'_, T> {
+    fn len(&self) -> usize {
+        self.spans.len()
+    }
+    fn split_at(self, middle: usize) -> (Self, Self) {
+        let (left, right) = self.spans.split_at(middle);
+        let (room, rest) = self.out.split_at_mut(left.iter().map(|span| span.len).sum());
+        (Self { spans: left, out: room }, Self { spans: right, out: rest })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Par, with_threads};
+
+    fn filled(par: Par, tasks: usize) -> Vec<usize> {
+        let mut segments = Segments::default();
+        let mut joined = Vec::new();
+        for round in 0..3 {
+            segments.fill(par.into(), tasks, |k, out| {
+                out.extend((0..k % 7).map(|x| 100 * k + x + round))
+            });
+            segments.join_into(par.into(), &mut joined);
+            assert_eq!(joined, segments.iter().flatten().copied().collect::<Vec<_>>());
+            assert_eq!(joined.len(), segments.len());
+        }
+        joined
+    }
+
+    #[test]
+    fn the_order_is_that_of_the_tasks_at_any_thread_count() {
+        let serial = filled(Par::Serial, 200);
+        let expected: Vec<usize> =
+            (0..200).flat_map(|k| (0..k % 7).map(move |x| 100 * k + x + 2)).collect();
+        assert_eq!(serial, expected);
+        for threads in [1, 2, 3, 7] {
+            assert_eq!(with_threads(threads, || filled(Par::Pool, 200)).unwrap(), serial);
+        }
+    }
+
+    #[test]
+    fn cuts_cover_every_item_once_and_in_order() {
+        let mut segments = Segments::default();
+        segments.fill(Par::Serial.into(), 20, |k, out| out.extend(std::iter::repeat_n(k, k)));
+        let mut pieces = Vec::new();
+        segments.cut(4, &mut pieces);
+        assert!(pieces.iter().all(|&p| (1..=4).contains(&segments.slice(p).len())));
+        let again: Vec<_> = pieces.iter().flat_map(|&p| segments.slice(p)).collect();
+        assert_eq!(again, segments.iter().flatten().collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_recursion_orders_its_own_segments() {
+        fn halves(exec: Exec, range: std::ops::Range<u32>, filler: &Filler<u32>) -> Vec<Span> {
+            if range.len() <= 3 {
+                return vec![filler.segment(|out| out.extend(range))];
+            }
+            let middle = range.start + range.len() as u32 / 2;
+            let (mut left, right) = exec.join(
+                || halves(exec, range.start..middle, filler),
+                || halves(exec, middle..range.end, filler),
+            );
+            left.extend(right);
+            left
+        }
+        for par in [Par::Serial, Par::Pool] {
+            let mut segments = Segments::default();
+            segments.gather(|filler| halves(par.into(), 0..100, filler));
+            assert!(segments.iter().flatten().copied().eq(0..100));
+        }
+    }
+
+    #[test]
+    fn a_task_that_calls_rayon_does_no_harm() {
+        let mut segments = Segments::default();
+        segments.fill(Par::Pool.into(), 64, |k, out| {
+            rayon::join(|| std::hint::black_box(k), || std::hint::black_box(k + 1));
+            out.push(k);
+        });
+        assert!(segments.iter().flatten().copied().eq(0..64));
+    }
+}

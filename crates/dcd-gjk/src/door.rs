@@ -1,0 +1,196 @@
+//! The door for a narrow phase of one's own, and what an answer is.
+
+use dcd_geom::{Aabb, Divide, Pair, Scene};
+
+/// What is known of a pair: one of three, never a guess dressed as an answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict<A> {
+    /// No common point.
+    Apart,
+    /// At least one common point, and what was asked for about it.
+    Touching(A),
+    /// Not known, and why.
+    Undecided(Reason),
+}
+
+/// Why a pair stayed undecided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Reason {
+    /// The gap or overlap is smaller than the rounding of this rung's arithmetic.
+    WithinRounding,
+    /// The documented bound on iterations was reached.
+    Iterations,
+    /// The numbers leave the range in which this rung's bounds hold.
+    Range,
+    /// The foreign library behind the door could not tell.
+    Foreign,
+}
+
+/// A touching pair and what was asked for about it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contact<A> {
+    /// The objects.
+    pub pair: Pair,
+    /// Nothing (`()`), a distance, a depth, …
+    pub answer: A,
+}
+
+/// A pair that stayed undecided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Undecided {
+    /// The objects.
+    pub pair: Pair,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// Which part of the ladder settled a pair, from the cheapest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Rung {
+    /// Inner and outer balls, f32 lanes.
+    Balls,
+    /// The axis between the centres, f32 lanes.
+    CentreAxis,
+    /// The inner ball and one support point, f32 lanes.
+    Cone,
+    /// The inner ball and two or three support points, or a later axis, f32 lanes.
+    Portal,
+    /// A solver in plain f32.
+    F32,
+    /// A solver in f64.
+    F64,
+    /// Exact integers.
+    Exact,
+    /// A foreign library.
+    Foreign,
+}
+
+impl Rung {
+    /// All, from the cheapest.
+    pub const ALL: [Self; 8] = [
+        Self::Balls,
+        Self::CentreAxis,
+        Self::Cone,
+        Self::Portal,
+        Self::F32,
+        Self::F64,
+        Self::Exact,
+        Self::Foreign,
+    ];
+}
+
+/// How many pairs each rung settled, and those that none did.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    settled: [u64; Rung::ALL.len()],
+    undecided: Vec<Undecided>,
+}
+
+impl Report {
+    /// How many pairs that rung settled, apart and touching.
+    pub fn settled(&self, rung: Rung) -> u64 {
+        self.settled[rung as usize]
+    }
+
+    /// The pairs that no rung settled.
+    pub fn undecided(&self) -> &[Undecided] {
+        &self.undecided
+    }
+
+    /// Counts `pairs` as settled by that rung.
+    #[inline]
+    pub fn count(&mut self, rung: Rung, pairs: u64) {
+        self.settled[rung as usize] += pairs;
+    }
+
+    /// Adds a pair that stayed undecided.
+    pub fn leave(&mut self, pair: Pair, reason: Reason) {
+        self.undecided.push(Undecided { pair, reason });
+    }
+
+    /// Moves the other's counts and pairs here.
+    pub fn absorb(&mut self, other: &mut Self) {
+        for (sum, count) in self.settled.iter_mut().zip(&mut other.settled) {
+            *sum += std::mem::take(count);
+        }
+        self.undecided.append(&mut other.undecided);
+    }
+
+    /// Sorts the undecided pairs, so that they do not depend on which thread met them.
+    pub fn sort(&mut self) {
+        self.undecided.sort_unstable_by_key(|undecided| undecided.pair);
+    }
+
+    /// Forgets all, and keeps the memory.
+    pub fn clear(&mut self) {
+        self.settled = Default::default();
+        self.undecided.clear();
+    }
+}
+
+/// Where [`NarrowPhase::decide`] writes.
+#[derive(Debug)]
+pub struct Findings<'a, A> {
+    /// Touching pairs are appended here, in the order of the pairs given.
+    pub contacts: &'a mut Vec<Contact<A>>,
+    /// Everything else that a step tells.
+    pub report: &'a mut Report,
+}
+
+impl<A> Findings<'_, A> {
+    /// Files one verdict that `rung` reached.
+    pub fn file(&mut self, pair: Pair, rung: Rung, verdict: Verdict<A>) {
+        match verdict {
+            Verdict::Apart => self.report.count(rung, 1),
+            Verdict::Touching(answer) => {
+                self.report.count(rung, 1);
+                self.contacts.push(Contact { pair, answer });
+            }
+            Verdict::Undecided(reason) => self.report.leave(pair, reason),
+        }
+    }
+}
+
+/// From candidate pairs to answers.
+///
+/// The pipeline drives it in three steps, so that it knows no threads: `lay_out` once, `prepare`
+/// on disjoint ranges of the objects, `decide` on slices of the pairs with scratch memory of the
+/// thread's own.
+///
+/// # Law
+/// After `lay_out` and after `prepare` on parts that cover every object once, in any order and on
+/// any threads, `decide` files every pair that it is given exactly once, contacts in the order of
+/// the pairs. A verdict depends on the two objects alone: not on the other pairs, their order, the
+/// scratch memory or the cut. The boxes that `prepare` writes contain the objects.
+/// `law` tests it.
+pub trait NarrowPhase: Sync {
+    /// What is told of a touching pair.
+    type Answer: Copy + Default + Send + Sync + 'static;
+    /// What is prepared once a step for all objects; kept by the pipeline and reused.
+    type Frame: Default + Send + Sync;
+    /// A frame's room for a range of the objects.
+    type Part<'f>: Divide
+    where
+        Self: 'f;
+    /// Memory that a thread reuses from slice to slice.
+    type Scratch: Default + Send;
+
+    /// Makes room for every object of the scene: offsets only.
+    fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f>;
+
+    /// Prepares the objects from `first` on that the part has room for, and writes the box of each
+    /// to `aabbs`, which has the part's length.
+    fn prepare(&self, scene: &Scene, first: usize, part: Self::Part<'_>, aabbs: &mut [Aabb]);
+
+    /// Settles the pairs.
+    fn decide(
+        &self,
+        scene: &Scene,
+        frame: &Self::Frame,
+        pairs: &[Pair],
+        scratch: &mut Self::Scratch,
+        findings: &mut Findings<'_, Self::Answer>,
+    );
+}

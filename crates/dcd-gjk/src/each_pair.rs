@@ -1,0 +1,87 @@
+//! A narrow phase from a solver that sees one pair at a time.
+
+use crate::{Findings, NarrowPhase, Rung, Verdict};
+use dcd_geom::{Aabb, Divide, Pair, Pose, Scene, Shape};
+
+/// Judges two placed shapes. The simplest way to bring one's own GJK: wrap it in [`EachPair`].
+pub trait PairSolver: Sync {
+    /// What is told of a touching pair.
+    type Answer: Copy + Default + Send + Sync + 'static;
+
+    /// Which rung its verdicts count for.
+    fn rung(&self) -> Rung;
+
+    /// The verdict on one pair, a pure function of the two shapes and poses.
+    fn solve(&self, a: Placed<'_>, b: Placed<'_>) -> Verdict<Self::Answer>;
+}
+
+/// A shape at a pose.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed<'a> {
+    /// The shape.
+    pub shape: &'a Shape,
+    /// Where it is.
+    pub pose: &'a Pose,
+}
+
+/// A solver of single pairs as a narrow phase: prepares nothing, asks for each pair in turn.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct EachPair<G>(
+    /// The solver.
+    pub G,
+);
+
+/// Nothing prepared, for so many objects.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Nothing(usize);
+
+impl Nothing {
+    /// For so many objects.
+    pub fn of(objects: usize) -> Self {
+        Self(objects)
+    }
+}
+
+impl Divide for Nothing {
+    fn len(&self) -> usize {
+        self.0
+    }
+    fn split_at(self, middle: usize) -> (Self, Self) {
+        (Self(middle), Self(self.0 - middle))
+    }
+}
+
+impl<G: PairSolver> NarrowPhase for EachPair<G> {
+    type Answer = G::Answer;
+    type Frame = ();
+    type Part<'f>
+        = Nothing
+    where
+        Self: 'f;
+    type Scratch = ();
+
+    fn lay_out(&self, scene: &Scene, (): &mut ()) -> Nothing {
+        Nothing(scene.len())
+    }
+
+    fn prepare(&self, scene: &Scene, first: usize, _: Nothing, aabbs: &mut [Aabb]) {
+        for (i, aabb) in (first..).zip(aabbs) {
+            *aabb = scene.aabb(i);
+        }
+    }
+
+    fn decide(
+        &self,
+        scene: &Scene,
+        (): &(),
+        pairs: &[Pair],
+        (): &mut (),
+        findings: &mut Findings<'_, G::Answer>,
+    ) {
+        let placed =
+            |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
+        for &pair in pairs {
+            findings.file(pair, self.0.rung(), self.0.solve(placed(pair.i), placed(pair.j)));
+        }
+    }
+}
