@@ -1,0 +1,66 @@
+//! The command `cargo xtask`.
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Args, Parser, Subcommand};
+use xtask::{ci, measure};
+
+/// Builds and runs what measures and checks this workspace.
+///
+/// The measuring commands build one binary of `benches/` in release and hand all their arguments on
+/// to it: `cargo xtask bench --help` shows what it takes. Results go to `target/dcd/NAME/`.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version)]
+struct Line {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// The paper's tables and figures, ours beside the published ones [--quick for a minute's run]
+    #[command(disable_help_flag = true)]
+    Bench(PassedOn),
+    /// Our default pipeline beside Parry's best, in turn in one process: ratios per stage and whole
+    #[command(disable_help_flag = true)]
+    Compare(PassedOn),
+    /// What each rung of precision costs, and how often and how far it is wrong
+    #[command(disable_help_flag = true)]
+    Accuracy(PassedOn),
+    /// How the step scales with threads and with the number of objects
+    #[command(disable_help_flag = true)]
+    Scale(PassedOn),
+    /// All checks in order, up to the first that fails: format, dependency policy, clippy, docs,
+    /// every example, quick runs of the measuring binaries. The tests are `cargo test --workspace`
+    Ci,
+}
+
+#[derive(Args)]
+struct PassedOn {
+    /// Handed on to the measuring binary as they are
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENTS")]
+    arguments: Vec<OsString>,
+}
+
+fn main() -> ExitCode {
+    match run(Line::parse().task) {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The exit code is that of the measuring binary, so that a script sees what it saw.
+fn run(task: Task) -> Result<ExitCode> {
+    match task {
+        Task::Bench(passed) => measure::run("bench", &passed.arguments),
+        Task::Compare(passed) => measure::run("compare", &passed.arguments),
+        Task::Accuracy(passed) => measure::run("accuracy", &passed.arguments),
+        Task::Scale(passed) => measure::run("scale", &passed.arguments),
+        Task::Ci => ci::run().map(|()| ExitCode::SUCCESS),
+    }
+}

@@ -1,0 +1,185 @@
+//! Which crate may depend on what, as the layout of the workspace promises it.
+
+use anyhow::{Context, Result};
+
+use crate::cargo::{Metadata, cargo, printed};
+use crate::license::is_permissive;
+
+/// Rooms that know no threads; whoever needs one pair's answer depends on these alone.
+const WITHOUT_THREADS: [&str; 2] = ["dcd-geom", "dcd-gjk"];
+/// Rooms that know no Parry: it is a rival, behind doors of its own.
+const WITHOUT_PARRY: [&str; 6] =
+    ["dcd-geom", "dcd-gjk", "dcd-bvh", "dcd-broad", "dcd-exec", "dcd-pipeline"];
+/// The only room with threads.
+const WITH_THREADS: &str = "dcd-exec";
+/// What makes threads.
+const THREADS: [&str; 2] = ["rayon", "thread_local"];
+
+/// Every breach of the policy, as a sentence; none if it is kept.
+///
+/// # Errors
+/// Cargo cannot say what depends on what.
+pub fn breaches() -> Result<Vec<String>> {
+    let metadata = Metadata::read()?;
+    let mut breaches = [
+        missing_rooms(&metadata),
+        versions_of_glam(&metadata),
+        licences(&metadata),
+        manifests_with_threads(&metadata),
+    ]
+    .concat();
+    let present = |name: &&str| metadata.member(name).is_some();
+    for room in WITHOUT_PARRY.into_iter().filter(present) {
+        let tree = normal_dependencies(room)?;
+        breaches.extend(foreigners(room, &tree));
+    }
+    Ok(breaches)
+}
+
+/// A room that was renamed would else slip out of the policy.
+fn missing_rooms(metadata: &Metadata) -> Vec<String> {
+    let missing = WITHOUT_PARRY.into_iter().filter(|room| metadata.member(room).is_none());
+    missing.map(|room| format!("the workspace has no package {room}")).collect()
+}
+
+fn versions_of_glam(metadata: &Metadata) -> Vec<String> {
+    let of_glam = metadata.packages.iter().filter(|package| package.name == "glam");
+    let versions: Vec<&str> = of_glam.map(|package| package.version.as_str()).collect();
+    match versions[..] {
+        [_] => Vec::new(),
+        _ => vec![format!("exactly one glam belongs in the tree, not {versions:?}")],
+    }
+}
+
+fn licences(metadata: &Metadata) -> Vec<String> {
+    let mut breaches = Vec::new();
+    for package in &metadata.packages {
+        let license = package.license.as_deref().unwrap_or("none stated");
+        if !is_permissive(license) {
+            breaches.push(format!(
+                "the licence of {} {} is not permissive: {license}",
+                package.name, package.version
+            ));
+        }
+    }
+    breaches
+}
+
+fn manifests_with_threads(metadata: &Metadata) -> Vec<String> {
+    let in_crates = |path: &std::path::Path| {
+        let folder = path.parent().and_then(std::path::Path::parent);
+        folder.is_some_and(|folder| folder.ends_with("crates"))
+    };
+    let mut breaches = Vec::new();
+    for crate_ in metadata.members().filter(|package| in_crates(&package.manifest_path)) {
+        for threads in THREADS {
+            let named = crate_.dependencies.iter().any(|dependency| dependency.name == threads);
+            if named != (crate_.name == WITH_THREADS) {
+                let does = if named { "names" } else { "does not name" };
+                breaches.push(format!(
+                    "{}: {} {does} {threads}, which belongs to {WITH_THREADS} alone",
+                    crate_.manifest_path.display(),
+                    crate_.name
+                ));
+            }
+        }
+    }
+    breaches
+}
+
+/// Names of all packages that a build of `room` alone brings in, itself included.
+fn normal_dependencies(room: &str) -> Result<Vec<String>> {
+    let arguments = ["--quiet", "--edges=normal", "--prefix=none", "--format={p}"];
+    let tree = printed(cargo().args(["tree", "--package", room]).args(arguments))
+        .with_context(|| format!("the dependencies of {room}"))?;
+    let name = |line: &str| line.split(' ').next().unwrap_or(line).to_owned();
+    Ok(tree.lines().map(name).collect())
+}
+
+fn foreigners(room: &str, tree: &[String]) -> Vec<String> {
+    let has_threads = |name: &str| WITHOUT_THREADS.contains(&room) && THREADS.contains(&name);
+    let mut names: Vec<&String> = tree.iter().collect();
+    names.sort();
+    names.dedup();
+    names
+        .into_iter()
+        .filter(|name| name.starts_with("parry") || has_threads(name))
+        .map(|name| format!("{room} must not depend on {name}"))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_workspace_keeps_its_dependency_policy() -> Result<()> {
+        assert_eq!(breaches()?, Vec::<String>::new());
+        Ok(())
+    }
+
+    #[test]
+    fn the_room_with_threads_is_seen_to_have_them() -> Result<()> {
+        let tree = normal_dependencies(WITH_THREADS)?;
+        assert!(THREADS.iter().all(|threads| tree.iter().any(|name| name == threads)), "{tree:?}");
+        Ok(())
+    }
+
+    fn metadata(glams: &[&str], named_by: &str) -> Result<Metadata> {
+        let package = |name: &str, version: &str, dependencies: &[&str]| {
+            let dependency = |name: &&str| serde_json::json!({ "name": name });
+            serde_json::json!({
+                "id": format!("{name} {version}"), "name": name, "version": version, "license": "MIT",
+                "manifest_path": format!("/w/crates/{name}/Cargo.toml"), "targets": [],
+                "dependencies": dependencies.iter().map(dependency).collect::<Vec<_>>(),
+            })
+        };
+        let mut packages: Vec<_> =
+            glams.iter().map(|version| package("glam", version, &[])).collect();
+        for room in ["dcd-exec", "dcd-gjk"] {
+            let named: &[&str] = if room == named_by { &THREADS } else { &[] };
+            packages.push(package(room, "0.1.0", named));
+        }
+        let members = ["dcd-exec 0.1.0", "dcd-gjk 0.1.0"];
+        let value = serde_json::json!({ "packages": packages, "workspace_members": members });
+        Ok(serde_json::from_value(value)?)
+    }
+
+    #[test]
+    fn no_glam_and_two_glams_are_breaches() -> Result<()> {
+        assert!(versions_of_glam(&metadata(&["0.33.7"], "dcd-exec")?).is_empty());
+        assert_eq!(versions_of_glam(&metadata(&["0.30.0", "0.33.7"], "dcd-exec")?).len(), 1);
+        assert_eq!(versions_of_glam(&metadata(&[], "dcd-exec")?).len(), 1);
+        Ok(())
+    }
+
+    #[test]
+    fn threads_named_anywhere_but_in_their_room_are_a_breach() -> Result<()> {
+        assert!(manifests_with_threads(&metadata(&[], "dcd-exec")?).is_empty());
+        let breaches = manifests_with_threads(&metadata(&[], "dcd-gjk")?);
+        assert_eq!(breaches.len(), 4, "two that have them, two that lack them: {breaches:?}");
+        Ok(())
+    }
+
+    #[test]
+    fn a_licence_that_is_not_stated_is_a_breach() -> Result<()> {
+        let mut metadata = metadata(&["0.33.7"], "dcd-exec")?;
+        assert!(licences(&metadata).is_empty());
+        metadata.packages[0].license = None;
+        assert_eq!(
+            licences(&metadata),
+            ["the licence of glam 0.33.7 is not permissive: none stated"]
+        );
+        Ok(())
+    }
+
+    #[test]
+    fn threads_and_parry_are_foreign_where_the_layout_says_so() {
+        let tree = ["rayon", "parry3d", "glam", "rayon"].map(str::to_owned);
+        assert_eq!(
+            foreigners("dcd-gjk", &tree),
+            ["dcd-gjk must not depend on parry3d", "dcd-gjk must not depend on rayon"]
+        );
+        assert_eq!(foreigners("dcd-pipeline", &tree), ["dcd-pipeline must not depend on parry3d"]);
+    }
+}
