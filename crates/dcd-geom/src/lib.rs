@@ -9,6 +9,7 @@
 
 mod aabb;
 mod ball;
+mod core;
 mod divide;
 mod error;
 #[allow(unsafe_code)] // the one module that may: each block carries its SAFETY line
@@ -24,10 +25,11 @@ mod support;
 
 pub use aabb::Aabb;
 pub use ball::Ball;
+pub use core::{Core, Cores};
 pub use divide::Divide;
 pub use error::{PoseError, SceneError, ShapeError};
 pub use pair::Pair;
-pub use polytope::{Kind, LocalVertices, Polytope};
+pub use polytope::{Kind, Polytope};
 pub use pose::Pose;
 pub use real::{Matrix, Real, Vector};
 pub use scene::{Filter, Object, Scene};

@@ -1,7 +1,7 @@
 //! Hulls of points, with or without a radius: the shape of the lanes.
 
 use crate::ball::{Ball, reach};
-use crate::lanes::{Row, WIDTH};
+use crate::lanes::{Block, WIDTH};
 use crate::support::farthest;
 use crate::{Real, ShapeError, Support, SupportMap, Vector};
 use glam::DVec3;
@@ -117,36 +117,24 @@ impl Polytope {
         self.reach
     }
 
-    /// The vertices relative to the inner ball's centre, rounded to f32, in rows of sixteen.
-    pub fn local_vertices(&self) -> LocalVertices<'_> {
-        LocalVertices { vertices: &self.vertices, centre: self.inner.centre }
-    }
-}
-
-/// Blocks of sixteen vertices relative to the inner ball's centre, made one at a time.
-#[derive(Clone, Copy, Debug)]
-pub struct LocalVertices<'a> {
-    vertices: &'a [DVec3],
-    centre: DVec3,
-}
-
-impl LocalVertices<'_> {
-    /// How many blocks there are: at least one.
-    pub fn blocks(&self) -> usize {
+    /// How many blocks the vertices fill: at least one.
+    pub(crate) fn block_count(&self) -> usize {
         self.vertices.len().div_ceil(WIDTH)
     }
 
-    /// The x, y and z rows of each block; the last is filled up with the last vertex.
-    pub fn rows(&self) -> impl Iterator<Item = [Row; 3]> + '_ {
+    /// The vertices relative to the inner ball's centre, rounded to f32, sixteen a block; the last
+    /// block is filled up with the last vertex.
+    pub(crate) fn local_blocks(&self) -> impl Iterator<Item = Block> + '_ {
         self.vertices.chunks(WIDTH).map(|chunk| {
-            let mut rows = [Row::default(); 3];
+            let mut block = Block::default();
             for lane in 0..WIDTH {
-                let v = (chunk[lane.min(chunk.len() - 1)] - self.centre).as_vec3();
-                for (row, x) in rows.iter_mut().zip(v.to_array()) {
+                let vertex = chunk[lane.min(chunk.len() - 1)];
+                let local = (vertex - self.inner.centre).as_vec3().to_array();
+                for (row, x) in block.0.iter_mut().zip(local) {
                     row.0[lane] = x;
                 }
             }
-            rows
+            block
         })
     }
 }
@@ -234,11 +222,10 @@ mod tests {
         let hull =
             Polytope::hull((0..20).map(|k| DVec3::new(k as f64, (k % 3) as f64, 1.0)).collect())
                 .unwrap();
-        let local = hull.local_vertices();
-        assert_eq!(local.blocks(), 2);
-        let rows: Vec<_> = local.rows().collect();
+        assert_eq!(hull.block_count(), 2);
+        let blocks: Vec<_> = hull.local_blocks().collect();
         let c = hull.inner().centre;
-        assert_eq!(rows[1][0].0[3], (19.0 - c.x) as f32);
-        assert_eq!(rows[1][0].0[15], (19.0 - c.x) as f32);
+        assert_eq!(blocks[1].0[0].0[3], (19.0 - c.x) as f32);
+        assert_eq!(blocks[1].0[0].0[15], (19.0 - c.x) as f32);
     }
 }

@@ -1,6 +1,6 @@
 //! Shapes and the objects that place them.
 
-use crate::{Aabb, Pose, SceneError, Shape};
+use crate::{Aabb, Cores, Pose, SceneError, Shape};
 
 /// Which objects may pair: each is a member of some groups and asks for some groups.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +43,7 @@ pub struct Object {
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     shapes: Vec<Shape>,
+    cores: Cores,
     shape_of: Vec<u32>,
     poses: Vec<Pose>,
     filters: Vec<Filter>,
@@ -60,7 +61,9 @@ impl Scene {
         objects: impl IntoIterator<Item = Object>,
     ) -> Result<Self, SceneError> {
         check_count("shapes", shapes.len())?;
-        let mut scene = Self { shapes, ..Self::default() };
+        let blocks = || SceneError::TooMany { what: "blocks of vertices", count: usize::MAX };
+        let cores = Cores::of(&shapes).ok_or_else(blocks)?;
+        let mut scene = Self { shapes, cores, ..Self::default() };
         for (object, Object { shape, pose, filter }) in objects.into_iter().enumerate() {
             check_count("objects", object)?;
             let shapes = scene.shapes.len();
@@ -115,6 +118,11 @@ impl Scene {
     /// The shapes.
     pub fn shapes(&self) -> &[Shape] {
         &self.shapes
+    }
+
+    /// What the lanes read of the shapes.
+    pub fn cores(&self) -> &Cores {
+        &self.cores
     }
 
     /// For each object its shape's index.

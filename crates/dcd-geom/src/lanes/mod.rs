@@ -27,6 +27,11 @@ pub struct Row(pub [f32; WIDTH]);
 #[repr(C, align(64))]
 pub struct IndexRow(pub [u32; WIDTH]);
 
+/// Sixteen points in memory: their x, their y, their z.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+pub struct Block(pub [Row; 3]);
+
 /// What a kernel computes with: operations on sixteen f32, on sixteen u32 and on sixteen yes/no.
 ///
 /// Arithmetic is IEEE, rounded to nearest; [`Lanes::mul_add`] may or may not fuse. Comparisons
