@@ -48,6 +48,11 @@ impl<'a> Exec<'a> {
         Self { par, observer: Some(observer) }
     }
 
+    /// Where tasks run, for foreign code that has a parallel twin of its own.
+    pub fn par(self) -> Par {
+        self.par
+    }
+
     /// Runs `work` as a stage by that name, for the observer.
     pub fn stage<T>(self, stage: Stage, work: impl FnOnce() -> T) -> T {
         let Some(observer) = self.observer else { return work() };

@@ -1,6 +1,7 @@
 //! Shapes and the objects that place them.
 
 use crate::{Aabb, Cores, Pose, SceneError, Shape};
+use std::sync::Arc;
 
 /// Which objects may pair: each is a member of some groups and asks for some groups.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +43,7 @@ pub struct Object {
 /// Shapes, and objects that place them: the input of a step, valid by construction.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
-    shapes: Vec<Shape>,
+    shapes: Arc<[Shape]>,
     cores: Cores,
     shape_of: Vec<u32>,
     poses: Vec<Pose>,
@@ -63,7 +64,7 @@ impl Scene {
         check_count("shapes", shapes.len())?;
         let blocks = || SceneError::TooMany { what: "blocks of vertices", count: usize::MAX };
         let cores = Cores::of(&shapes).ok_or_else(blocks)?;
-        let mut scene = Self { shapes, cores, ..Self::default() };
+        let mut scene = Self { shapes: shapes.into(), cores, ..Self::default() };
         for (object, Object { shape, pose, filter }) in objects.into_iter().enumerate() {
             check_count("objects", object)?;
             let shapes = scene.shapes.len();
@@ -117,6 +118,12 @@ impl Scene {
 
     /// The shapes.
     pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
+    /// The shapes, to be kept: whoever derives something from them can tell by `Arc::ptr_eq` that
+    /// it is still of this scene.
+    pub fn shared_shapes(&self) -> &Arc<[Shape]> {
         &self.shapes
     }
 
