@@ -1,0 +1,237 @@
+//! The fast tree: sixteen boxes a node, no pointers.
+
+use dcd_exec::Exec;
+use dcd_geom::Aabb;
+use dcd_geom::glam::Vec3;
+use dcd_geom::lanes::{IndexRow, Row, WIDTH};
+
+/// An implicit tree of sixteen children a node over spatially sorted boxes.
+///
+/// Leaf k holds sixteen boxes; node n of level 0 the boxes of leaves 16n to 16n + 15; node n of
+/// the next level those of the nodes 16n to 16n + 15 below; and so up to a level of one node.
+/// Lanes past the end hold the empty box, which overlaps nothing.
+#[derive(Clone, Debug, Default)]
+pub struct WideBvh {
+    leaves: Vec<Sixteen>,
+    ids: Vec<IndexRow>,
+    levels: Vec<Vec<Sixteen>>,
+    order: Vec<u64>,
+    count: usize,
+}
+
+/// Sixteen boxes, coordinate by coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sixteen {
+    /// Their smallest x, y and z.
+    pub min: [Row; 3],
+    /// Their largest x, y and z.
+    pub max: [Row; 3],
+}
+
+impl Sixteen {
+    /// Sixteen empty boxes.
+    pub const EMPTY: Self =
+        Self { min: [Row([f32::INFINITY; WIDTH]); 3], max: [Row([f32::NEG_INFINITY; WIDTH]); 3] };
+
+    /// Box k, which must be below sixteen.
+    pub fn get(&self, k: usize) -> Aabb {
+        let corner = |rows: &[Row; 3]| Vec3::new(rows[0].0[k], rows[1].0[k], rows[2].0[k]);
+        Aabb { min: corner(&self.min), max: corner(&self.max) }
+    }
+
+    /// The box round all sixteen.
+    pub fn union(&self) -> Aabb {
+        let fold = |row: &Row, f: fn(f32, f32) -> f32| row.0.into_iter().fold(row.0[0], f);
+        let corner =
+            |rows: &[Row; 3], f| Vec3::new(fold(&rows[0], f), fold(&rows[1], f), fold(&rows[2], f));
+        let (least, most) =
+            (|a: f32, b: f32| if b < a { b } else { a }, |a, b| if b > a { b } else { a });
+        Aabb { min: corner(&self.min, least), max: corner(&self.max, most) }
+    }
+
+    fn set(&mut self, k: usize, aabb: &Aabb) {
+        for (row, x) in self.min.iter_mut().zip(aabb.min.to_array()) {
+            row.0[k] = x;
+        }
+        for (row, x) in self.max.iter_mut().zip(aabb.max.to_array()) {
+            row.0[k] = x;
+        }
+    }
+}
+
+/// How many leaves or nodes a task fills: some microseconds of work.
+const NODES_PER_TASK: usize = 64;
+
+impl WideBvh {
+    /// Makes the tree over these boxes, which are valid, in place of what it held. The result does
+    /// not depend on `exec`. O(n log n).
+    pub fn build(&mut self, aabbs: &[Aabb], exec: Exec) {
+        self.count = aabbs.len();
+        sort_tiles(aabbs, exec, &mut self.order);
+        self.refit(aabbs, exec);
+    }
+
+    /// Takes in moved boxes, as many as before, and keeps the order of the leaves. O(n).
+    fn refit(&mut self, aabbs: &[Aabb], exec: Exec) {
+        let leaves = self.count.div_ceil(WIDTH);
+        self.leaves.resize(leaves, Sixteen::EMPTY);
+        self.ids.resize(leaves, IndexRow::default());
+        let order = &self.order;
+        let rows = (&mut self.leaves[..], &mut self.ids[..]);
+        exec.divide(rows, NODES_PER_TASK, |first, (leaves, ids)| {
+            let members = order[first * WIDTH..].chunks(WIDTH);
+            for ((leaf, ids), members) in leaves.iter_mut().zip(ids).zip(members) {
+                *leaf = Sixteen::EMPTY;
+                for (k, &key) in members.iter().enumerate() {
+                    // The key's lower half is the box's index.
+                    ids.0[k] = key as u32;
+                    leaf.set(k, &aabbs[key as u32 as usize]);
+                }
+            }
+        });
+        self.raise_levels(exec);
+    }
+
+    fn raise_levels(&mut self, exec: Exec) {
+        let mut nodes = self.leaves.len();
+        let mut height = 0;
+        while nodes > 1 || (nodes == 1 && height == 0) {
+            nodes = nodes.div_ceil(WIDTH);
+            if self.levels.len() == height {
+                self.levels.push(Vec::new());
+            }
+            let (below, above) = self.levels.split_at_mut(height);
+            let below = below.last().unwrap_or(&self.leaves);
+            above[0].resize(nodes, Sixteen::EMPTY);
+            exec.divide(&mut above[0][..], NODES_PER_TASK, |first, part| {
+                for (node, children) in part.iter_mut().zip(below[first * WIDTH..].chunks(WIDTH)) {
+                    *node = Sixteen::EMPTY;
+                    for (k, child) in children.iter().enumerate() {
+                        node.set(k, &child.union());
+                    }
+                }
+            });
+            height += 1;
+        }
+        self.levels.truncate(height);
+    }
+
+    /// The leaves' boxes.
+    pub fn leaves(&self) -> &[Sixteen] {
+        &self.leaves
+    }
+
+    /// The index of each leaf's boxes; lanes past the end are 0.
+    pub fn ids(&self) -> &[IndexRow] {
+        &self.ids
+    }
+
+    /// The nodes above the leaves, level by level; the last level has one node.
+    pub fn levels(&self) -> &[Vec<Sixteen>] {
+        &self.levels
+    }
+
+    /// Whether the tree is one over these boxes: each in one lane of one leaf, every node's boxes
+    /// those round its children.
+    pub fn validate(&self, aabbs: &[Aabb]) -> bool {
+        let mut seen = vec![false; aabbs.len()];
+        for (k, (leaf, ids)) in self.leaves.iter().zip(&self.ids).enumerate() {
+            for lane in 0..WIDTH {
+                if k * WIDTH + lane >= aabbs.len() {
+                    if leaf.get(lane) != Aabb::EMPTY {
+                        return false;
+                    }
+                } else {
+                    let id = ids.0[lane] as usize;
+                    if seen.get(id) != Some(&false) || leaf.get(lane) != aabbs[id] {
+                        return false;
+                    }
+                    seen[id] = true;
+                }
+            }
+        }
+        let mut below = &self.leaves;
+        self.levels.iter().all(|level| {
+            let unions =
+                |n: usize, k: usize| below.get(n * WIDTH + k).map_or(Aabb::EMPTY, Sixteen::union);
+            let right = level.len() == below.len().div_ceil(WIDTH)
+                && level
+                    .iter()
+                    .enumerate()
+                    .all(|(n, node)| (0..WIDTH).all(|k| node.get(k) == unions(n, k)));
+            below = level;
+            right
+        }) && seen.iter().all(|&seen| seen)
+    }
+}
+
+/// Sorts the boxes by tiles of their centres: slabs of like count in x, strips of each slab in y,
+/// and z within a strip (sort-tile-recursive; S. Leutenegger et al., 1997). Each key's lower half
+/// is the box's index, which makes keys unique and so the order that of the boxes alone.
+fn sort_tiles(aabbs: &[Aabb], exec: Exec, order: &mut Vec<u64>) {
+    let key = |i: u64, axis: usize| {
+        ordered(aabbs[i as u32 as usize].centre()[axis]) << 32 | i & 0xffff_ffff
+    };
+    order.clear();
+    order.extend((0..aabbs.len() as u64).map(|i| key(i, 0)));
+    exec.sort(order);
+
+    let leaves = aabbs.len().div_ceil(WIDTH);
+    let across = (leaves as f64).cbrt().ceil().max(1.0) as usize;
+    let strip = leaves.div_ceil(across * across).max(1) * WIDTH;
+    exec.divide(&mut order[..], strip * across, |_, slab| {
+        slab.iter_mut().for_each(|k| *k = key(*k, 1));
+        slab.sort_unstable();
+        for strip in slab.chunks_mut(strip) {
+            strip.iter_mut().for_each(|k| *k = key(*k, 2));
+            strip.sort_unstable();
+        }
+    });
+}
+
+/// The bits of x, in the order of the numbers.
+fn ordered(x: f32) -> u64 {
+    let bits = x.to_bits();
+    u64::from(if bits >> 31 == 1 { !bits } else { bits | 1 << 31 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dcd_exec::Par;
+
+    /// Boxes on a spiral, of many sizes.
+    fn boxes(count: usize) -> Vec<Aabb> {
+        let at = |k: usize| {
+            let t = k as f32;
+            let centre = Vec3::new((t * 0.37).sin() * t, (t * 0.73).cos() * t, t % 17.0) * 0.1;
+            let half = Vec3::new(0.1 + t % 3.0, 0.1, 0.3);
+            Aabb { min: centre - half, max: centre + half }
+        };
+        (0..count).map(at).collect()
+    }
+
+    #[test]
+    fn the_tree_is_valid_at_every_size_and_the_same_in_parallel() {
+        let (mut serial, mut pooled) = (WideBvh::default(), WideBvh::default());
+        // Grown and shrunk in place, so that what an earlier build left behind would show.
+        for count in [5000, 0, 1, 2, 15, 16, 17, 255, 256, 257, 4096, 4097, 20] {
+            let boxes = boxes(count);
+            serial.build(&boxes, Par::Serial.into());
+            pooled.build(&boxes, Par::Pool.into());
+            assert!(serial.validate(&boxes), "{count}");
+            assert_eq!(serial.ids, pooled.ids);
+            assert_eq!(serial.levels, pooled.levels);
+        }
+    }
+
+    #[test]
+    fn a_wrong_tree_is_not_valid() {
+        let boxes = boxes(300);
+        let mut tree = WideBvh::default();
+        tree.build(&boxes, Par::Serial.into());
+        assert!(!tree.validate(&boxes[..299]));
+        tree.levels[0][0].max[1].0[3] += 1.0;
+        assert!(!tree.validate(&boxes));
+    }
+}
