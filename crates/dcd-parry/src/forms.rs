@@ -1,0 +1,132 @@
+//! Parry's shapes for the shapes of a scene, and where the objects are.
+
+use crate::{Library, Query};
+use dcd_geom::{Pair, Scene, Shape, glam::DVec3};
+use dcd_gjk::{Findings, Reason, Rung, Verdict};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+/// Parry's shapes, made once for the shapes of a scene.
+pub(crate) struct Forms<R: Library> {
+    /// The shapes that they were made for, kept so that they are known again.
+    source: Arc<[Shape]>,
+    forms: Vec<Form<R>>,
+}
+
+struct Form<R: Library> {
+    /// `None` where Parry refused.
+    form: Option<R::Form>,
+    reach: f64,
+}
+
+/// Where an object is, in Parry's terms.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placement<R: Library> {
+    shape: u32,
+    /// Whether it reaches so far from the origin that its pairs may be out of Parry's range.
+    far: bool,
+    pose: R::Pose,
+}
+
+impl<R: Library> Default for Placement<R> {
+    fn default() -> Self {
+        Self { shape: 0, far: false, pose: R::Pose::default() }
+    }
+}
+
+impl<R: Library> Placement<R> {
+    /// Object `i` of the scene.
+    pub(crate) fn of(scene: &Scene, i: usize) -> Self {
+        let pose = &scene.poses()[i];
+        let farthest = pose.translation().length() + scene.shape(i).reach();
+        // Two objects that are not far are within the range. Written so that NaN is far.
+        let far = !(farthest <= R::RANGE / 4.0);
+        Self { shape: scene.shape_of()[i], far, pose: R::pose(pose) }
+    }
+}
+
+impl<R: Library> Forms<R> {
+    /// Of the scene's shapes: hulls are what costs.
+    pub(crate) fn of(scene: &Scene) -> Self {
+        let made = |shape: &Shape| Form { form: R::form(shape), reach: shape.reach() };
+        let source = Arc::clone(scene.shared_shapes());
+        Self { forms: source.iter().map(made).collect(), source }
+    }
+
+    /// Whether they were made for the shapes of this scene.
+    pub(crate) fn fit(&self, scene: &Scene) -> bool {
+        Arc::ptr_eq(&self.source, scene.shared_shapes())
+    }
+
+    /// The shape's index for each that Parry refused.
+    pub(crate) fn refused(&self) -> impl Iterator<Item = u32> {
+        (0..).zip(&self.forms).filter(|(_, form)| form.form.is_none()).map(|(index, _)| index)
+    }
+
+    /// Whether Parry has a shape for this object.
+    pub(crate) fn accept(&self, placement: &Placement<R>) -> bool {
+        self.forms[placement.shape as usize].form.is_some()
+    }
+
+    /// Parry's box; a box of nothing for a refused shape.
+    #[inline]
+    pub(crate) fn boxed(&self, placement: &Placement<R>) -> R::Box {
+        let form = self.forms[placement.shape as usize].form.as_ref();
+        form.map_or(R::NO_BOX, |form| R::boxed(form, &placement.pose))
+    }
+
+    /// What the query says of two objects.
+    #[inline]
+    fn verdict(&self, query: Query, a: &Placement<R>, b: &Placement<R>) -> Verdict<()> {
+        let [form_a, form_b] = [a, b].map(|placement| &self.forms[placement.shape as usize]);
+        let (Some(shape_a), Some(shape_b)) = (&form_a.form, &form_b.form) else {
+            return Verdict::Undecided(Reason::Foreign);
+        };
+        if a.far || b.far {
+            let offset = R::translation(&b.pose) - R::translation(&a.pose);
+            if !within_range::<R>([form_a.reach, form_b.reach], offset) {
+                return Verdict::Undecided(Reason::Range);
+            }
+        }
+        verdict(R::touching(query, (shape_a, &a.pose), (shape_b, &b.pose)), Reason::Foreign)
+    }
+
+    /// Files every pair. A pair on which Parry panics is undecided: the run over the pairs is
+    /// caught there and goes on behind it, so that the others do not pay.
+    pub(crate) fn decide(
+        &self,
+        query: Query,
+        placements: &[Placement<R>],
+        pairs: impl ExactSizeIterator<Item = Pair> + Clone,
+        findings: &mut Findings<'_, ()>,
+    ) {
+        let mut rest = pairs;
+        while let Some(next) = rest.clone().next() {
+            let mut current = next;
+            let run = catch_unwind(AssertUnwindSafe(|| {
+                for pair in rest.by_ref() {
+                    current = pair;
+                    let [a, b] = [pair.i, pair.j].map(|object| &placements[object as usize]);
+                    findings.file(pair, Rung::Foreign, self.verdict(query, a, b));
+                }
+            }));
+            if run.is_err() {
+                findings.file(current, Rung::Foreign, Verdict::Undecided(Reason::Foreign));
+            }
+        }
+    }
+}
+
+/// Whether Parry's formulas stay finite for two shapes of these reaches, so far apart.
+pub(crate) fn within_range<R: Library>(reaches: [f64; 2], offset: DVec3) -> bool {
+    reaches[0] + reaches[1] + offset.length() <= R::RANGE
+}
+
+/// Parry's word as a verdict; its silence is `reason`.
+pub(crate) fn verdict(touching: Option<bool>, reason: Reason) -> Verdict<()> {
+    match touching {
+        Some(true) => Verdict::Touching(()),
+        Some(false) => Verdict::Apart,
+        None => Verdict::Undecided(reason),
+    }
+}

@@ -1,0 +1,229 @@
+//! What is asked of Parry, written once for both of its builds.
+
+use dcd_exec::{Exec, Par};
+use dcd_geom::{Kind, Polytope, Pose, Real, Shape, SupportMap, Vector};
+use std::panic::catch_unwind;
+
+/// Which of Parry's queries tells whether two of its shapes touch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Query {
+    /// `query::intersection_test`, its yes or no. It answers "apart" where its GJK runs out of
+    /// iterations, and does not tell.
+    #[default]
+    IntersectionTest,
+    /// The same with the function that it ends up in called directly where both shapes are
+    /// polyhedra: no dynamic dispatch at each support.
+    DirectIntersectionTest,
+    /// `query::distance` is 0, as the paper judged. It answers 0 where its GJK runs out of
+    /// iterations, and does not tell.
+    Distance,
+}
+
+/// More points than this are not handed to Parry's hull: it recurses over the facets that a point
+/// sees, and a stack that runs out cannot be caught.
+const MOST_POINTS: usize = 4096;
+
+/// Parry built for this number type: `parry3d` for f32, `parry3d-f64` for f64. Sealed, as [`Real`].
+pub trait Library: Real {
+    /// A pose.
+    type Pose: Copy + Default + Send + Sync + 'static;
+    /// A shape in its own frame, made once.
+    type Form: Clone + Send + Sync + 'static;
+    /// A box.
+    type Box: Copy + Send + Sync + 'static;
+    /// A bounding volume hierarchy with its scratch memory; the default holds nothing.
+    type Tree: Default + Send;
+
+    /// The largest sum of two shapes' reaches and the distance between them, metres, at which no
+    /// formula of Parry's GJK overflows. Its triangle projections are sums of products of four
+    /// lengths, at most 64·m⁴; beyond, infinities cancel to NaN, which it takes for a hit.
+    const RANGE: f64;
+
+    /// The nearest pose: the rotation as a quaternion.
+    fn pose(pose: &Pose) -> Self::Pose;
+    /// The translation of a pose, metres.
+    fn translation(pose: &Self::Pose) -> dcd_geom::glam::DVec3;
+    /// Whether Parry's GJK finds that the shapes touch. `None` where it ran out of iterations.
+    fn gjk(a: (&Shape, &Self::Pose), b: (&Shape, &Self::Pose)) -> Option<bool>;
+    /// Parry's own shape. `None` where it has none such or refuses the points.
+    fn form(shape: &Shape) -> Option<Self::Form>;
+    /// What the query says. `None` where it does not know the pair.
+    fn touching(
+        query: Query,
+        a: (&Self::Form, &Self::Pose),
+        b: (&Self::Form, &Self::Pose),
+    ) -> Option<bool>;
+    /// The box of a shape at a pose, rounded to nearest.
+    fn boxed(form: &Self::Form, pose: &Self::Pose) -> Self::Box;
+    /// A box of nothing.
+    const NO_BOX: Self::Box;
+    /// The binned tree over boxes, its leaves numbered in their order.
+    fn build(boxes: impl ExactSizeIterator<Item = Self::Box>, tree: &mut Self::Tree);
+    /// Tells `pair` of every two leaves whose boxes overlap, once each, in the tree's order.
+    fn leaf_pairs(tree: &mut Self::Tree, pair: impl FnMut(u32, u32));
+    /// The same pairs in the same order, found on rayon's current pool.
+    fn leaf_pairs_parallel(tree: &Self::Tree) -> Vec<(u32, u32)>;
+
+    /// Replaces `found` by the same pairs, found where `exec` says.
+    fn collect_leaf_pairs(tree: &mut Self::Tree, exec: Exec, found: &mut Vec<(u32, u32)>) {
+        if is_parallel(exec) {
+            *found = Self::leaf_pairs_parallel(tree);
+        } else {
+            found.clear();
+            Self::leaf_pairs(tree, |a, b| found.push((a, b)));
+        }
+    }
+}
+
+/// Whether Parry's parallel functions are the faster ones.
+pub(crate) fn is_parallel(exec: Exec) -> bool {
+    exec.par() == Par::Pool && dcd_exec::threads() > 1
+}
+
+/// A support point of the core, in R; a custom shape is asked in f64.
+fn core_support<R: Real>(shape: &Shape, direction: R::Vec3) -> R::Vec3 {
+    match shape.as_polytope() {
+        Some(polytope) => SupportMap::<R>::support(polytope, direction).point,
+        None => R::Vec3::from_dvec3(shape.support(direction.to_dvec3()).point),
+    }
+}
+
+/// The points to take Parry's hull of.
+fn hull_points<R: Real>(polytope: &Polytope) -> Option<Vec<R::Vec3>> {
+    let vertices = polytope.vertices();
+    let points = || vertices.iter().map(|&v| R::Vec3::from_dvec3(v)).collect();
+    (vertices.len() <= MOST_POINTS).then(points)
+}
+
+macro_rules! behind_library {
+    ($real:ty, $parry:ident, $range:expr, $rotation:expr) => {
+        const _: () = {
+            use $parry::bounding_volume::Aabb;
+            use $parry::math::{Pose as ParryPose, Vector as ParryVector};
+            use $parry::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
+            use $parry::query::details::{
+                intersection_test_support_map_support_map,
+                intersection_test_support_map_support_map_with_params,
+            };
+            use $parry::query::gjk::{CsoPoint, VoronoiSimplex};
+            use $parry::query::{distance, intersection_test};
+            use $parry::shape::{SharedShape, SupportMap as ParrySupportMap};
+
+            /// Our shape to Parry's GJK: the radius is added as Parry's own rounded shapes do.
+            struct Rounded<'a>(&'a Shape, $real);
+
+            impl ParrySupportMap for Rounded<'_> {
+                fn local_support_point(&self, direction: ParryVector) -> ParryVector {
+                    let core = core_support::<$real>(self.0, direction);
+                    if self.1 == 0.0 { core } else { core + direction.normalize_or_zero() * self.1 }
+                }
+            }
+
+            impl Library for $real {
+                type Pose = ParryPose;
+                type Form = SharedShape;
+                type Box = Aabb;
+                type Tree = (Bvh, BvhWorkspace);
+
+                const RANGE: f64 = $range;
+                const NO_BOX: Aabb = Aabb { mins: ParryVector::MAX, maxs: ParryVector::MIN };
+
+                fn pose(pose: &Pose) -> ParryPose {
+                    let rotation = dcd_geom::glam::DQuat::from_mat3(pose.rotation());
+                    let translation = Vector::from_dvec3(pose.translation());
+                    ParryPose::from_parts(translation, $rotation(rotation))
+                }
+
+                fn translation(pose: &ParryPose) -> dcd_geom::glam::DVec3 {
+                    Vector::to_dvec3(pose.translation)
+                }
+
+                fn gjk(a: (&Shape, &ParryPose), b: (&Shape, &ParryPose)) -> Option<bool> {
+                    let b_in_a = a.1.inv_mul(b.1);
+                    let [a, b] = [a.0, b.0].map(|s| Rounded(s, s.radius() as $real));
+                    let (touching, axis) = intersection_test_support_map_support_map_with_params(
+                        &b_in_a,
+                        &a,
+                        &b,
+                        &mut VoronoiSimplex::new(),
+                        None,
+                    );
+                    // Parry says "apart along x" when it gives up. If x does separate, asking for
+                    // that axis again gives the same positive separation, bit by bit.
+                    if !touching && axis == ParryVector::X {
+                        let nearest = CsoPoint::from_shapes(&b_in_a, &a, &b, axis).point;
+                        return (nearest.x < 0.0).then_some(false);
+                    }
+                    Some(touching)
+                }
+
+                fn form(shape: &Shape) -> Option<SharedShape> {
+                    let polytope = shape.as_polytope()?;
+                    let radius = polytope.swept_radius() as $real;
+                    match polytope.kind() {
+                        Kind::Point => Some(SharedShape::ball(radius)),
+                        Kind::Cuboid { half_extents } => {
+                            let [x, y, z] = half_extents.to_array().map(|h| h as $real);
+                            Some(if radius == 0.0 {
+                                SharedShape::cuboid(x, y, z)
+                            } else {
+                                SharedShape::round_cuboid(x, y, z, radius)
+                            })
+                        }
+                        _ => {
+                            let points = hull_points::<$real>(polytope)?;
+                            // Parry's hull asserts its own invariants, which degenerate points
+                            // break; catching is the last resort.
+                            catch_unwind(|| match radius {
+                                0.0 => SharedShape::convex_hull(&points),
+                                _ => SharedShape::round_convex_hull(&points, radius),
+                            })
+                            .ok()?
+                        }
+                    }
+                }
+
+                #[inline]
+                fn touching(
+                    query: Query,
+                    (a, pose_a): (&SharedShape, &ParryPose),
+                    (b, pose_b): (&SharedShape, &ParryPose),
+                ) -> Option<bool> {
+                    if query == Query::Distance {
+                        let between = distance(pose_a, &**a, pose_b, &**b).ok()?;
+                        return Some(between.distance == 0.0);
+                    }
+                    if query == Query::DirectIntersectionTest
+                        && let Some(a) = a.as_convex_polyhedron()
+                        && let Some(b) = b.as_convex_polyhedron()
+                    {
+                        let b_in_a = pose_a.inv_mul(pose_b);
+                        return Some(intersection_test_support_map_support_map(&b_in_a, a, b));
+                    }
+                    let test = intersection_test(pose_a, &**a, pose_b, &**b).ok()?;
+                    Some(test.intersecting)
+                }
+
+                #[inline]
+                fn boxed(form: &SharedShape, pose: &ParryPose) -> Aabb {
+                    form.compute_aabb(pose)
+                }
+
+                fn build(boxes: impl ExactSizeIterator<Item = Aabb>, (tree, _): &mut Self::Tree) {
+                    *tree = Bvh::from_iter(BvhBuildStrategy::Binned, boxes.enumerate());
+                }
+
+                fn leaf_pairs((tree, memory): &mut Self::Tree, mut pair: impl FnMut(u32, u32)) {
+                    tree.traverse_bvtt_single_tree::<false>(memory, &mut pair);
+                }
+
+                fn leaf_pairs_parallel((tree, _): &Self::Tree) -> Vec<(u32, u32)> {
+                    tree.traverse_bvtt_single_tree_parallel::<false>()
+                }
+            }
+        };
+    };
+}
+
+behind_library!(f32, parry3d, 1_073_741_824.0, |q: dcd_geom::glam::DQuat| q.as_quat());
+behind_library!(f64, parry3d_f64, 1e75, |q| q);

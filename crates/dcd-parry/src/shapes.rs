@@ -1,0 +1,117 @@
+//! Parry's own shapes as a narrow phase.
+
+use crate::forms::{Forms, Placement};
+use crate::{Library, Query};
+use dcd_geom::{Aabb, Pair, Scene};
+use dcd_gjk::{Findings, NarrowPhase, Reason, Rung, Verdict};
+use std::sync::Arc;
+
+/// Parry's own shapes, asked through its public API.
+///
+/// A sphere is its ball, a cuboid its cuboid, a hull its convex polyhedron, rounded ones its round
+/// shapes. Shapes that it has no counterpart for, or whose points its hull refuses, leave their
+/// pairs undecided ([`dcd_gjk::Reason::Foreign`]). Its hull loses points that it takes for
+/// coplanar; the answer is then for its shape, not for ours.
+///
+/// The shapes are made once and kept in the frame for as long as the scene keeps its shapes:
+/// by the first step, or beforehand by [`ParryShapes::new`], so that no step pays for them.
+pub struct ParryShapes<R: Library> {
+    query: Query,
+    made: Option<Arc<Forms<R>>>,
+}
+
+impl<R: Library> Default for ParryShapes<R> {
+    fn default() -> Self {
+        Self { query: Query::default(), made: None }
+    }
+}
+
+impl<R: Library> ParryShapes<R> {
+    /// With the shapes of this scene made now. Any other scene can be stepped too; its shapes are
+    /// made by its first step.
+    pub fn new(scene: &Scene) -> Self {
+        Self { query: Query::default(), made: Some(Arc::new(Forms::of(scene))) }
+    }
+
+    /// Asks this query instead.
+    pub fn with_query(self, query: Query) -> Self {
+        Self { query, ..self }
+    }
+
+    /// The shapes, by index, that Parry refused when [`ParryShapes::new`] made them.
+    pub fn refused(&self) -> impl Iterator<Item = u32> {
+        self.made.iter().flat_map(|forms| forms.refused())
+    }
+}
+
+/// Parry's shapes for a scene's, and where its objects are.
+pub struct ShapesFrame<R: Library> {
+    forms: Option<Arc<Forms<R>>>,
+    placements: Vec<Placement<R>>,
+}
+
+impl<R: Library> Default for ShapesFrame<R> {
+    fn default() -> Self {
+        Self { forms: None, placements: Vec::new() }
+    }
+}
+
+/// Room for the placements of a range of objects.
+pub struct ShapesPart<'f, R: Library>(&'f mut [Placement<R>]);
+
+impl<R: Library> dcd_geom::Divide for ShapesPart<'_, R> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    fn split_at(self, middle: usize) -> (Self, Self) {
+        let (left, right) = self.0.split_at_mut(middle);
+        (Self(left), Self(right))
+    }
+}
+
+impl<R: Library> NarrowPhase for ParryShapes<R> {
+    type Answer = ();
+    type Frame = ShapesFrame<R>;
+    type Part<'f> = ShapesPart<'f, R>;
+    type Scratch = ();
+
+    fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut ShapesFrame<R>) -> ShapesPart<'f, R> {
+        if !frame.forms.as_ref().is_some_and(|forms| forms.fit(scene)) {
+            let made = self.made.as_ref().filter(|forms| forms.fit(scene)).cloned();
+            frame.forms = Some(made.unwrap_or_else(|| Arc::new(Forms::of(scene))));
+        }
+        frame.placements.resize_with(scene.len(), Placement::default);
+        ShapesPart(&mut frame.placements)
+    }
+
+    fn prepare(
+        &self,
+        scene: &Scene,
+        first: usize,
+        ShapesPart(placements): ShapesPart<'_, R>,
+        aabbs: &mut [Aabb],
+    ) {
+        for (i, (placement, aabb)) in (first..).zip(placements.iter_mut().zip(aabbs)) {
+            *placement = Placement::of(scene, i);
+            *aabb = scene.aabb(i);
+        }
+    }
+
+    fn decide(
+        &self,
+        _: &Scene,
+        frame: &ShapesFrame<R>,
+        pairs: &[Pair],
+        (): &mut (),
+        findings: &mut Findings<'_, ()>,
+    ) {
+        let pairs = pairs.iter().copied();
+        match &frame.forms {
+            Some(forms) => forms.decide(self.query, &frame.placements, pairs, findings),
+            // Nothing was laid out.
+            None => pairs.for_each(|pair| {
+                findings.file(pair, Rung::Foreign, Verdict::Undecided(Reason::Foreign));
+            }),
+        }
+    }
+}
