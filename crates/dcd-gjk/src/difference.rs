@@ -1,5 +1,6 @@
 //! The Minkowski difference of two placed cores, by its support function.
 
+use dcd_geom::glam::DVec3;
 use dcd_geom::{Matrix, Polytope, Pose, Real, Shape, Support, SupportMap, Vector};
 
 /// A support map at a pose, with a bound on how far its core reaches.
@@ -11,6 +12,9 @@ pub struct Body<'a, S: ?Sized> {
     pub pose: &'a Pose,
     /// At least the distance of every point of the core from the origin of its own frame, metres.
     pub reach: f64,
+    /// A point near the core's middle, in its own frame, metres: where searches start. Any finite
+    /// point is sound, a good one is quick.
+    pub centre: DVec3,
 }
 
 impl<S: ?Sized> Clone for Body<'_, S> {
@@ -30,26 +34,30 @@ impl<'a, S: ?Sized> Body<'a, S> {
         let along = |axis: usize, sign: f64| {
             let mut d = [R::ZERO; 3];
             d[axis] = R::from_f64(sign);
-            map.support(R::Vec3::new(d[0], d[1], d[2])).point.components()[axis].to_f64().abs()
+            map.support(R::Vec3::new(d[0], d[1], d[2])).point.components()[axis].to_f64()
         };
-        let half = |axis| along(axis, 1.0).max(along(axis, -1.0)) + map.support_error().to_f64();
-        // The box's diagonal, and room for the rounding of its length.
-        let diagonal = half(0).hypot(half(1)).hypot(half(2)) * (1.0 + 1e-6);
-        Self { map, pose, reach: diagonal }
+        let low = DVec3::new(along(0, -1.0), along(1, -1.0), along(2, -1.0));
+        let high = DVec3::new(along(0, 1.0), along(1, 1.0), along(2, 1.0));
+        let corner = low.abs().max(high.abs()) + map.support_error().to_f64();
+        // The box's half diagonal, and room for the rounding of its length. An overflow makes it
+        // infinite, and the pair then has no difference.
+        let reach = corner.x.hypot(corner.y).hypot(corner.z) * (1.0 + 1e-6);
+        Self { map, pose, reach, centre: low * 0.5 + high * 0.5 }
     }
 }
 
 impl<'a> Body<'a, Polytope> {
     /// A polytope, whose reach is known.
     pub fn polytope(map: &'a Polytope, pose: &'a Pose) -> Self {
-        Self { map, pose, reach: map.reach() }
+        Self { map, pose, reach: map.reach(), centre: map.inner().centre }
     }
 }
 
 impl<'a> Body<'a, Shape> {
     /// A shape of a scene, whose reach is known.
     pub fn shape(map: &'a Shape, pose: &'a Pose) -> Self {
-        Self { map, pose, reach: map.reach() }
+        let centre = map.as_polytope().map_or(DVec3::ZERO, |polytope| polytope.inner().centre);
+        Self { map, pose, reach: map.reach(), centre }
     }
 }
 
@@ -64,6 +72,7 @@ pub struct Difference<'a, R: Real, A: ?Sized, B: ?Sized> {
     rotation_a: R::Mat3,
     rotation_b: R::Mat3,
     delta: R::Vec3,
+    middle: R::Vec3,
     scale: R,
     size: R,
 }
@@ -92,29 +101,44 @@ where
     A: SupportMap<R> + ?Sized,
     B: SupportMap<R> + ?Sized,
 {
-    /// Of two bodies. `None` if the pair's size leaves the range in which the scale is a normal
-    /// number of R (about 1e±300 in f64, 1e±37 in f32).
+    /// Of two bodies. `None` if the pair's size leaves the range in which no product of a vertex
+    /// and a direction over- or underflows noticeably: 2^±900 m in f64, 2^±96 m in f32.
     pub fn new(a: Body<'a, A>, b: Body<'a, B>) -> Option<Self> {
         let delta = a.pose.translation() - b.pose.translation();
         let reach = |body_reach: f64, pose: &Pose| body_reach * (1.0 + pose.deviation());
         let size = reach(a.reach, a.pose) + reach(b.reach, b.pose) + Vector::norm1(delta);
         let scale = power_of_two_below_one(size)?;
-        let in_range = f64::from(2).powi(-120) < scale && scale < f64::from(2).powi(120);
         let wide = R::UNIT_ROUNDOFF.to_f64() < 1e-10;
-        if !(wide || in_range) {
+        let largest = if wide { WIDEST_F64 } else { WIDEST_F32 };
+        if !(largest.recip() <= scale && scale <= largest) {
             return None;
         }
+        let (rotation_a, rotation_b) = (a.pose.rotation(), b.pose.rotation());
+        let middle = (*rotation_a * a.centre - *rotation_b * b.centre) + delta;
         Some(Self {
             a: a.map,
             b: b.map,
-            rotation_a: R::Mat3::from_dmat3(*a.pose.rotation()),
-            rotation_b: R::Mat3::from_dmat3(*b.pose.rotation()),
+            rotation_a: R::Mat3::from_dmat3(*rotation_a),
+            rotation_b: R::Mat3::from_dmat3(*rotation_b),
             delta: R::Vec3::from_dvec3(delta * scale),
+            middle: R::Vec3::from_dvec3(middle * scale),
             scale: R::from_f64(scale),
             // Rounded up with room: the sum above has three roundings of its own.
             size: R::from_f64(size * scale * (1.0 + 8.0 * f64::EPSILON))
                 * (R::ONE + R::UNIT_ROUNDOFF * R::from_f64(2.0)),
         })
+    }
+
+    /// The vertex lowest along `direction` (world axes), and the separation there: the computed
+    /// minimum of d·w over A − B, of which every bound speaks. Scaled.
+    #[inline]
+    pub fn lowest(&self, direction: R::Vec3) -> (Vertex<R>, R) {
+        let d_a = self.rotation_a.transform_transposed(direction);
+        let d_b = self.rotation_b.transform_transposed(direction);
+        let (a, b) = (self.a.support(-d_a), self.b.support(d_b));
+        let (along_a, along_b) = (d_a.dot(a.point * self.scale), d_b.dot(b.point * self.scale));
+        let separation = direction.dot(self.delta) + (along_a - along_b);
+        (Vertex { w: self.world(a.point, b.point), a, b }, separation)
     }
 
     /// The vertex farthest along `direction` (world axes), up to rounding and support errors.
@@ -156,6 +180,11 @@ where
         self.delta
     }
 
+    /// The difference of the two bodies' centres, scaled: where searches start.
+    pub fn middle(&self) -> R::Vec3 {
+        self.middle
+    }
+
     /// The sum of the radii swept round the cores, scaled.
     pub fn radius(&self) -> R {
         (self.a.radius() + self.b.radius()) * self.scale
@@ -166,6 +195,13 @@ where
         (self.a.support_error() + self.b.support_error()) * self.scale
     }
 }
+
+/// The largest scale in f64, and the reciprocal of the smallest. No unit. Products of a vertex and
+/// a direction stay below 2¹⁰²⁴, and what they lose to underflow, 2⁻¹⁰⁷⁵, is far below 2⁻⁵³·m.
+const WIDEST_F64: f64 = f64::from_bits((1023 + 900) << 52);
+
+/// The same in f32: below 2¹²⁸, and 2⁻¹⁵⁰ far below 2⁻²⁴·m.
+const WIDEST_F32: f64 = f64::from_bits((1023 + 96) << 52);
 
 /// The power of two that brings x into [½, 1); 1 for 0. `None` where it or x is not a normal number.
 fn power_of_two_below_one(x: f64) -> Option<f64> {
@@ -183,7 +219,7 @@ fn power_of_two_below_one(x: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dcd_geom::glam::{DQuat, DVec3};
+    use dcd_geom::glam::DQuat;
 
     #[test]
     fn the_scale_brings_every_size_below_one() {

@@ -1,0 +1,165 @@
+//! From an inner point off every symmetry through the origin to the surface: settles what GJK
+//! cannot, where the origin is on a face, an edge or a corner of its simplex.
+//!
+//! Aligned boxes, stacked faces, identical and concentric shapes put the origin exactly on lower
+//! faces of GJK's simplex, and then its direction is rounding. A ray from a point in general
+//! position meets the surface inside a face, so that point and face hold the origin strictly
+//! inside, with room for the certificate. The directions are normals of faces, which are accurate
+//! however near the faces are.
+//!
+//! Source: Minkowski portal refinement, Snethen 2008; the skewed start and the certificate are ours.
+
+use crate::certificate::Bounds;
+use crate::gjk::unit;
+use crate::simplex::{Triple, cross, determinant, dot, minus, negated};
+use crate::{Difference, Reason, Verdict};
+use dcd_geom::{Real, SupportMap, Vector};
+
+/// How many supports one ray may take. No unit. Hulls need 3 to 8.
+const MAX_SUPPORTS: usize = 40;
+
+/// Corners of a tetrahedron in general position: along these the inner point's vertices are found.
+/// No unit, largest components in [½, 1].
+const CORNERS: [[f64; 3]; 4] = [
+    [0.90625, 0.578125, 0.421875],
+    [-0.65625, 0.34375, -0.953125],
+    [0.28125, -0.984375, -0.203125],
+    [-0.53125, 0.140625, 0.765625],
+];
+
+/// What each of the four vertices weighs in the inner point, in 32nds; one row an attempt. All
+/// different, so that the symmetry of a shape is not the point's. Each sums to 32: the weights
+/// are exact and so is the point's being in the hull.
+const WEIGHTS: [[f64; 4]; 3] =
+    [[12.0, 9.0, 6.0, 5.0], [5.0, 7.0, 9.0, 11.0], [8.0, 13.0, 4.0, 7.0]];
+
+/// The verdict by up to three rays. Of the cores alone: swept radii only help to prove apart.
+pub(crate) fn overlap<R, A, B>(
+    difference: &Difference<'_, R, A, B>,
+    bounds: &Bounds<R>,
+) -> Verdict<()>
+where
+    R: Real,
+    A: SupportMap<R> + ?Sized,
+    B: SupportMap<R> + ?Sized,
+{
+    let surface = Surface { difference, bounds };
+    let Ok(corners) = surface.corners() else { return Verdict::Apart };
+    for weights in WEIGHTS {
+        match surface.ray(&inner_point(&corners, weights)) {
+            Ok(Some(())) => return Verdict::Touching(()),
+            Ok(None) => {}
+            Err(Apart) => return Verdict::Apart,
+        }
+    }
+    Verdict::Undecided(Reason::WithinRounding)
+}
+
+/// A separating axis was found on the way.
+struct Apart;
+
+struct Surface<'a, R: Real, A: ?Sized, B: ?Sized> {
+    difference: &'a Difference<'a, R, A, B>,
+    bounds: &'a Bounds<R>,
+}
+
+impl<R, A, B> Surface<'_, R, A, B>
+where
+    R: Real,
+    A: SupportMap<R> + ?Sized,
+    B: SupportMap<R> + ?Sized,
+{
+    /// The vertex farthest along a direction. `None` where the direction is rounding alone.
+    fn farthest(&self, direction: &Triple<R>) -> Result<Option<Triple<R>>, Apart> {
+        let Some(d) = unit::<R>(negated(direction)) else { return Ok(None) };
+        let (vertex, separation) = self.difference.lowest(d);
+        if self.bounds.proves_apart(d, separation) {
+            return Err(Apart);
+        }
+        Ok(Some(vertex.w.components()))
+    }
+
+    fn corners(&self) -> Result<[Triple<R>; 4], Apart> {
+        let mut corners = [[R::ZERO; 3]; 4];
+        for (corner, direction) in corners.iter_mut().zip(CORNERS) {
+            if let Some(found) = self.farthest(&direction.map(R::from_f64))? {
+                *corner = found;
+            }
+        }
+        Ok(corners)
+    }
+
+    /// Follows the ray from `inner` through the origin. `Some` where the origin is surely inside.
+    fn ray(&self, inner: &Triple<R>) -> Result<Option<()>, Apart> {
+        let Some(mut portal) = self.portal(inner)? else { return Ok(None) };
+        for _ in 0..MAX_SUPPORTS {
+            let outward = portal.outward();
+            let [p1, p2, p3] = portal.0;
+            if self.bounds.four_combined_points_touch(&[*inner, p1, p2, p3]) {
+                return Ok(Some(()));
+            }
+            let Some(p4) = self.farthest(&outward)? else { break };
+            if !(dot(&minus(&p4, &p1), &outward) > R::ZERO) || portal.0.contains(&p4) {
+                break;
+            }
+            portal = portal.split(inner, p4);
+        }
+        Ok(None)
+    }
+
+    /// Three vertices whose triangle the ray passes through.
+    fn portal(&self, inner: &Triple<R>) -> Result<Option<Portal<R>>, Apart> {
+        let Some(p1) = self.farthest(&negated(inner))? else { return Ok(None) };
+        let Some(p2) = self.farthest(&cross(&p1, inner))? else { return Ok(None) };
+        let mut portal = Portal([p1, p2, p2]);
+        for _ in 0..MAX_SUPPORTS {
+            let [p1, p2, _] = portal.0;
+            let mut side = cross(&minus(&p1, inner), &minus(&p2, inner));
+            if dot(&side, inner) > R::ZERO {
+                side = negated(&side);
+                portal.0.swap(0, 1);
+            }
+            let Some(p3) = self.farthest(&side)? else { return Ok(None) };
+            let [p1, p2, _] = portal.0;
+            portal.0[2] = p3;
+            if determinant(inner, &p1, &p3) < R::ZERO {
+                portal.0 = [p1, p3, p3];
+            } else if determinant(inner, &p3, &p2) < R::ZERO {
+                portal.0 = [p3, p2, p2];
+            } else {
+                return Ok(Some(portal));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// A triangle of vertices in the ray's way.
+#[derive(Clone, Copy)]
+struct Portal<R: Real>([Triple<R>; 3]);
+
+impl<R: Real> Portal<R> {
+    /// Its normal, away from the inner point: the corners turn that way from the start.
+    fn outward(&self) -> Triple<R> {
+        let [p1, p2, p3] = &self.0;
+        cross(&minus(p2, p1), &minus(p3, p1))
+    }
+
+    /// With `p4` beyond it: the one of the three new triangles that the ray passes through.
+    fn split(&self, inner: &Triple<R>, p4: Triple<R>) -> Self {
+        let [p1, p2, p3] = self.0;
+        let plane = cross(&p4, inner);
+        let before = |p: &Triple<R>| dot(p, &plane) > R::ZERO;
+        match (before(&p1), before(&p2), before(&p3)) {
+            (true, false, _) => Self([p1, p2, p4]),
+            (false, _, true) => Self([p3, p1, p4]),
+            _ => Self([p2, p3, p4]),
+        }
+    }
+}
+
+fn inner_point<R: Real>(corners: &[Triple<R>; 4], weights: [f64; 4]) -> Triple<R> {
+    let [w0, w1, w2, w3] = weights.map(|weight| R::from_f64(weight / 32.0));
+    let [c0, c1, c2, c3] = corners;
+    [0, 1, 2].map(|k| (c0[k] * w0 + c1[k] * w1) + (c2[k] * w2 + c3[k] * w3))
+}
