@@ -9,7 +9,6 @@ use std::cmp::Ordering;
 
 /// A number that adds and multiplies.
 pub(crate) trait Scalar: Clone {
-    const IS_EXACT: bool;
     fn zero() -> Self;
     fn one() -> Self;
     fn plus(&self, other: &Self) -> Self;
@@ -30,7 +29,6 @@ pub(crate) trait Scalar: Clone {
 }
 
 impl<R: Real> Scalar for R {
-    const IS_EXACT: bool = false;
     #[inline]
     fn zero() -> Self {
         R::ZERO

@@ -1,0 +1,59 @@
+//! A canonical order of a pair, by content: solvers see (a, b) and (b, a) as one, so that both
+//! give the same bits.
+
+use crate::Placed;
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Polytope, Pose, Shape, SupportMap};
+use std::cmp::Ordering;
+
+/// Which of the two comes first. Equal only where nothing tells them apart, and then the order
+/// cannot matter.
+pub(crate) fn compare(a: Placed<'_>, b: Placed<'_>) -> Ordering {
+    poses(a.pose, b.pose).then_with(|| shapes(a.shape, b.shape))
+}
+
+/// The same for polytopes.
+pub(crate) fn compare_polytopes(a: (&Polytope, &Pose), b: (&Polytope, &Pose)) -> Ordering {
+    poses(a.1, b.1).then_with(|| polytopes(a.0, b.0))
+}
+
+fn poses(a: &Pose, b: &Pose) -> Ordering {
+    vectors([a.translation()], [b.translation()])
+        .then_with(|| numbers(a.rotation().to_cols_array(), b.rotation().to_cols_array()))
+}
+
+fn shapes(a: &Shape, b: &Shape) -> Ordering {
+    match (a.as_polytope(), b.as_polytope()) {
+        (Some(a), Some(b)) => polytopes(a, b),
+        (Some(_), None) => Ordering::Less,
+        (None, Some(_)) => Ordering::Greater,
+        // All that can be asked of a foreign map: lengths, and where it ends.
+        (None, None) => numbers([a.radius(), a.support_error()], [b.radius(), b.support_error()])
+            .then_with(|| vectors(ends(a), ends(b))),
+    }
+}
+
+fn ends(shape: &Shape) -> impl Iterator<Item = DVec3> {
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 2.0, 3.0)];
+    axes.into_iter().flat_map(|d| [d, -d]).map(|d| shape.support(d).point)
+}
+
+fn polytopes(a: &Polytope, b: &Polytope) -> Ordering {
+    if std::ptr::eq(a, b) {
+        return Ordering::Equal;
+    }
+    a.swept_radius()
+        .total_cmp(&b.swept_radius())
+        .then_with(|| a.vertices().len().cmp(&b.vertices().len()))
+        .then_with(|| vectors(a.vertices().iter().copied(), b.vertices().iter().copied()))
+}
+
+fn vectors(a: impl IntoIterator<Item = DVec3>, b: impl IntoIterator<Item = DVec3>) -> Ordering {
+    let components = |v: DVec3| v.to_array();
+    numbers(a.into_iter().flat_map(components), b.into_iter().flat_map(components))
+}
+
+fn numbers(a: impl IntoIterator<Item = f64>, b: impl IntoIterator<Item = f64>) -> Ordering {
+    let pairs = a.into_iter().zip(b);
+    pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+}
