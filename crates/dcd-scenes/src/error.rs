@@ -1,0 +1,207 @@
+//! What can be wrong with a file, always with its place and value.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a file was refused. Indices count from 0, lines from 1, `at` is a byte offset.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The file could not be read at all.
+    Io {
+        /// Which file.
+        path: PathBuf,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// Something is wrong inside a file.
+    InFile {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong.
+        error: Box<ReadError>,
+    },
+    /// The file ends before what it promises: it is cut short, or a count in it is wrong.
+    Truncated {
+        /// What should stand there.
+        what: &'static str,
+        /// Of which record.
+        index: usize,
+        /// Where it should start.
+        at: usize,
+        /// How many bytes it takes.
+        needed: u64,
+        /// How many there are.
+        left: usize,
+    },
+    /// Bytes are left behind the last record.
+    Oversized {
+        /// Where they start.
+        at: usize,
+        /// How many.
+        left: usize,
+    },
+    /// A record has no point.
+    Empty {
+        /// What kind of record.
+        what: &'static str,
+        /// Its index.
+        index: usize,
+    },
+    /// A number is NaN or infinite.
+    NotFinite {
+        /// Of what.
+        what: &'static str,
+        /// Its index.
+        index: usize,
+        /// The number.
+        value: f64,
+    },
+    /// An index points nowhere.
+    OutOfBounds {
+        /// What refers.
+        what: &'static str,
+        /// Its index.
+        index: usize,
+        /// What it refers to.
+        target: i64,
+        /// How many of those there are.
+        count: usize,
+    },
+    /// A line holds another number of fields than it should.
+    Fields {
+        /// The line.
+        line: usize,
+        /// How many it should hold.
+        expected: usize,
+        /// How many it holds.
+        found: usize,
+    },
+    /// A field is no number.
+    NotANumber {
+        /// The line.
+        line: usize,
+        /// The field in it, from 0.
+        field: usize,
+        /// What stands there.
+        text: String,
+    },
+    /// A box's smallest coordinate is above its largest.
+    InsideOut {
+        /// The line.
+        line: usize,
+        /// The axis: 0, 1, 2.
+        axis: usize,
+        /// The smallest coordinate.
+        min: f32,
+        /// The largest.
+        max: f32,
+    },
+    /// A header line means nothing here, or stands in the wrong place.
+    Header {
+        /// The line.
+        line: usize,
+        /// What stands there.
+        text: String,
+    },
+    /// The file lacks something.
+    Missing {
+        /// What.
+        what: &'static str,
+    },
+    /// A face is no triangle.
+    NotATriangle {
+        /// The face.
+        face: usize,
+        /// How many corners it has.
+        corners: u64,
+    },
+    /// A list has a negative length.
+    Negative {
+        /// The element that holds it.
+        index: usize,
+        /// The length.
+        length: i64,
+    },
+    /// Two frames that belong together do not.
+    FramesDiffer {
+        /// In what.
+        what: &'static str,
+        /// The first frame's number of them; of a face, its index.
+        first: usize,
+        /// The second's.
+        second: usize,
+    },
+    /// The text is not JSON of the right kind.
+    Json(serde_json::Error),
+}
+
+impl ReadError {
+    /// Reads a whole file and names it in whatever goes wrong.
+    pub(crate) fn within<T>(
+        path: &Path,
+        read: impl FnOnce(&[u8]) -> Result<T, Self>,
+    ) -> Result<T, Self> {
+        let bytes = std::fs::read(path);
+        let bytes = bytes.map_err(|error| Self::Io { path: path.to_path_buf(), error })?;
+        let named = |error| Self::InFile { path: path.to_path_buf(), error: Box::new(error) };
+        read(&bytes).map_err(named)
+    }
+}
+
+impl fmt::Display for ReadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Io { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::InFile { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::Truncated { what, index, at, needed, left } => write!(
+                f,
+                "the {what} of record {index} take {needed} bytes from byte {at} on, but {left} \
+                 are left"
+            ),
+            Self::Oversized { at, left } => {
+                write!(f, "{left} bytes are left behind the last record, from byte {at} on")
+            }
+            Self::Empty { what, index } => write!(f, "{what} {index} has no point"),
+            Self::NotFinite { what, index, value } => {
+                write!(f, "{what} {index} holds {value}, not a finite number")
+            }
+            Self::OutOfBounds { what, index, target, count } => {
+                write!(f, "{what} {index} refers to {target}, but there are {count}")
+            }
+            Self::Fields { line, expected, found } => {
+                write!(f, "line {line} holds {found} fields, not {expected}")
+            }
+            Self::NotANumber { line, field, text } => {
+                write!(f, "line {line}, field {field}: {text:?} is no number")
+            }
+            Self::InsideOut { line, axis, min, max } => {
+                write!(f, "line {line}: on axis {axis} the box goes from {min} to {max}")
+            }
+            Self::Header { line, text } => write!(f, "line {line} of the header: {text:?}"),
+            Self::Missing { what } => write!(f, "there is no {what}"),
+            Self::NotATriangle { face, corners } => {
+                write!(f, "face {face} has {corners} corners, not 3")
+            }
+            Self::Negative { index, length } => {
+                write!(f, "element {index} holds a list of length {length}")
+            }
+            Self::FramesDiffer { what, first, second } => {
+                write!(f, "the frames differ in {what}: {first} and {second}")
+            }
+            Self::Json(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for ReadError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Io { error, .. } => Some(error),
+            Self::InFile { error, .. } => Some(error),
+            Self::Json(error) => Some(error),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! The recipes of the seeded scenes.
+
+use crate::random::Draw;
+use crate::{RawObject, RawScene, RawShape};
+use glam::{DQuat, DVec3};
+
+/// Streams from here on are the clusters' middles; below they are objects.
+const CLUSTER_STREAMS: u64 = 1 << 63;
+/// Objects in a cluster.
+const CLUSTER_SIZE: usize = 100;
+/// Bricks in a row, and rows in a layer.
+const BRICK_ROW: usize = 20;
+
+/// What a scene is made of and how it is spread.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Recipe {
+    /// Single objects, each drawn by itself.
+    Scattered { body: Body, spread: Spread },
+    /// Unit cubes in a grid.
+    Bricks { pitch: f64 },
+    /// The paper's first object, again and again.
+    Identical,
+}
+
+/// The shape of a scattered object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Body {
+    /// The hull of the paper's cloud, stretched along its own axes.
+    Hull { stretch: DVec3 },
+    /// A box with edges in this range, metres.
+    Box { low: f64, high: f64 },
+    /// The paper's, scaled by 10^u, u in this range; the first object is a slab.
+    Sized { low: f64, high: f64, slab: DVec3 },
+}
+
+/// Where scattered objects are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Spread {
+    /// In a cube of this half-width, metres, however many there are.
+    Fixed(f64),
+    /// In a cube of the half-width that stands beside the largest number not above that of the
+    /// objects (or the first), scaled so that the density is that entry's.
+    Dense(&'static [(usize, f64)]),
+    /// In cubes of half-width `cluster`, their middles in one of half-width `whole`.
+    Clusters { cluster: f64, whole: f64 },
+}
+
+impl Recipe {
+    /// So many objects, which must be no more than a u32 counts.
+    pub(crate) fn raw(&self, objects: usize, seed: u64) -> RawScene {
+        match *self {
+            Self::Scattered { body, spread } => {
+                let scatter = Scatter { body, place: spread.place(objects), seed };
+                let (shapes, objects) = (0..objects).map(|i| scatter.object(i)).unzip();
+                RawScene { shapes, objects }
+            }
+            Self::Bricks { pitch } => RawScene {
+                shapes: vec![RawShape::Cuboid { half_extents: DVec3::splat(0.5) }],
+                objects: (0..objects).map(|i| brick(i, pitch)).collect(),
+            },
+            Self::Identical => {
+                let first = Scatter { body: Body::PAPER, place: Place::Cube(3.0), seed };
+                let (shape, object) = first.object(0);
+                RawScene { shapes: vec![shape], objects: vec![object; objects] }
+            }
+        }
+    }
+}
+
+impl Body {
+    /// The paper's hull as it is.
+    pub(crate) const PAPER: Self = Self::Hull { stretch: DVec3::ONE };
+}
+
+/// A [`Spread`] for a known number of objects.
+#[derive(Clone, Copy)]
+enum Place {
+    Cube(f64),
+    Clusters { cluster: f64, whole: f64 },
+}
+
+impl Spread {
+    fn place(self, objects: usize) -> Place {
+        match self {
+            Self::Fixed(half_width) => Place::Cube(half_width),
+            Self::Clusters { cluster, whole } => Place::Clusters { cluster, whole },
+            Self::Dense(table) => {
+                let row = table.iter().rev().find(|(count, _)| *count <= objects);
+                let &(count, half_width) = row.or(table.first()).unwrap_or(&(1, 1.0));
+                Place::Cube(half_width * libm::cbrt(objects as f64 / count as f64))
+            }
+        }
+    }
+}
+
+struct Scatter {
+    body: Body,
+    place: Place,
+    seed: u64,
+}
+
+impl Scatter {
+    /// Object `i`, which depends on the seed, `i` and the half-width alone.
+    fn object(&self, i: usize) -> (RawShape, RawObject) {
+        let mut draw = Draw::new(self.seed, i as u64);
+        let rotation = draw.rotation();
+        let spot = draw.point(-1.0, 1.0);
+        let translation = match self.place {
+            Place::Cube(half_width) => spot * half_width,
+            Place::Clusters { cluster, whole } => {
+                let stream = CLUSTER_STREAMS | (i / CLUSTER_SIZE) as u64;
+                Draw::new(self.seed, stream).point(-1.0, 1.0) * whole + spot * cluster
+            }
+        };
+        let object = RawObject { shape: i as u32, rotation, translation };
+        match self.body {
+            Body::Sized { slab, .. } if i == 0 => {
+                let flat =
+                    RawObject { rotation: DQuat::IDENTITY, translation: DVec3::ZERO, ..object };
+                (RawShape::Cuboid { half_extents: slab * 0.5 }, flat)
+            }
+            Body::Sized { low, high, .. } => {
+                let size = libm::exp10(draw.between(low, high));
+                (RawShape::of_cloud(cloud(&mut draw, DVec3::splat(size))), object)
+            }
+            Body::Hull { stretch } => (RawShape::of_cloud(cloud(&mut draw, stretch)), object),
+            Body::Box { low, high } => {
+                (RawShape::Cuboid { half_extents: draw.point(low, high) * 0.5 }, object)
+            }
+        }
+    }
+}
+
+/// The paper's cloud: k points uniform in the unit cube, k uniform in 50..100.
+fn cloud(draw: &mut Draw, stretch: DVec3) -> Vec<DVec3> {
+    let count = draw.count(50..100);
+    (0..count).map(|_| draw.point(0.0, 1.0) * stretch).collect()
+}
+
+/// Brick `i` of a tower of layers of 20 × 20, x fastest.
+fn brick(i: usize, pitch: f64) -> RawObject {
+    let layer = BRICK_ROW * BRICK_ROW;
+    let cell = [i % BRICK_ROW, i / BRICK_ROW % BRICK_ROW, i / layer].map(|k| k as f64);
+    let translation = DVec3::from_array(cell) * pitch;
+    RawObject { shape: 0, rotation: DQuat::IDENTITY, translation }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dense_spread_keeps_the_density_of_its_table() {
+        let spread = Spread::Dense(&[(10_000, 12.0), (100_000, 30.0)]);
+        let half_width = |objects| match spread.place(objects) {
+            Place::Cube(half_width) => half_width,
+            Place::Clusters { .. } => f64::NAN,
+        };
+        assert_eq!(half_width(10_000), 12.0);
+        assert_eq!(half_width(100_000), 30.0);
+        assert!((half_width(80_000) - 24.0).abs() < 1e-12);
+        assert!((half_width(1250) - 6.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn bricks_fill_a_cube_of_twenty() {
+        assert_eq!(brick(7_999, 1.0).translation, DVec3::splat(19.0));
+        assert_eq!(brick(21, 2.0).translation, DVec3::new(2.0, 2.0, 0.0));
+    }
+
+    #[test]
+    fn the_papers_clouds_have_fifty_to_ninety_nine_points_in_the_unit_cube() {
+        let sizes: Vec<usize> = (0..2000)
+            .map(|i| {
+                let cloud = cloud(&mut Draw::new(5, i), DVec3::ONE);
+                assert!(
+                    cloud.iter().all(|p| p.cmpge(DVec3::ZERO).all() && p.cmplt(DVec3::ONE).all())
+                );
+                cloud.len()
+            })
+            .collect();
+        assert_eq!((sizes.iter().min(), sizes.iter().max()), (Some(&50), Some(&99)));
+    }
+}
