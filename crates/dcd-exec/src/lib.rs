@@ -29,6 +29,9 @@ pub enum Par {
     Pool,
 }
 
+/// How many items are sorted without touching the pool: some tens of microseconds of work.
+const SORTED_AT_ONCE: usize = 4096;
+
 /// Where tasks run and who watches. Cheap to copy; made from a [`Par`].
 #[derive(Clone, Copy, Default)]
 pub struct Exec<'a> {
@@ -83,6 +86,14 @@ impl<'a> Exec<'a> {
             _ => {
                 items.iter_mut().enumerate().for_each(|(k, item)| self.watched(k, || task(k, item)))
             }
+        }
+    }
+
+    /// Sorts; the result is that of any sort where no two are equal.
+    pub fn sort<T: Ord + Send>(self, items: &mut [T]) {
+        match self.par {
+            Par::Pool if items.len() > SORTED_AT_ONCE => items.par_sort_unstable(),
+            _ => items.sort_unstable(),
         }
     }
 

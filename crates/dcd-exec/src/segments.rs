@@ -27,6 +27,15 @@ pub struct Span {
     len: usize,
 }
 
+impl Span {
+    /// Both as one, where `next` begins in the same buffer at this one's end. Whether it does
+    /// depends on the schedule; what they hold, one after the other, does not.
+    pub fn followed_by(self, next: Self) -> Option<Self> {
+        let adjoins = self.buffer == next.buffer && self.start + self.len == next.start;
+        adjoins.then(|| Self { len: self.len + next.len, ..self })
+    }
+}
+
 /// Part of a segment: see [`Segments::cut`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cut(Span);

@@ -2,7 +2,6 @@
 
 use crate::support::farthest;
 use glam::DVec3;
-use std::sync::OnceLock;
 
 /// A ball in a shape's own frame, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,28 +17,29 @@ const U: f64 = f64::EPSILON / 2.0;
 
 /// How often the centre is pushed away from the nearest face. No unit. Fewer: smaller inner
 /// balls, so that more pairs need a solver. More: microseconds a shape.
-const PUSHES: usize = 32;
+const PUSHES: usize = 40;
 
-/// Of what is left to gain, how much one push takes; the step shrinks by the same factor.
-const PUSH_DECAY: f64 = 0.85;
+/// The first push, relative to the shape's size; each later one is shorter by the decay.
+const FIRST_PUSH: f64 = 0.2;
+
+/// See [`FIRST_PUSH`].
+const PUSH_DECAY: f64 = 0.88;
 
 impl Ball {
     /// A ball that lies inside the hull of `points`, as large as a few microseconds can find.
     ///
     /// Sound for any points: its radius is proved, with rounding, and is 0 where the hull is flat
-    /// or nothing could be proved. The surface is not known, so one is made: the support points in
-    /// the directions of a subdivided octahedron, connected as those are. That is a closed cycle
-    /// for any map of directions to points; if every triangle sees the centre on its inner side,
-    /// every point of an open ball that misses all triangles has the centre's winding number and
-    /// is inside the hull (docs/numerics.md, "inner balls").
+    /// or nothing could be proved. A closed surface of triangles between some of the points is
+    /// made; if every triangle sees the centre on its inner side, every point of an open ball that
+    /// misses all triangles has the centre's winding number and is inside the hull, however
+    /// wrong the surface may otherwise be (docs/numerics.md, "inner balls").
     pub fn inside(points: &[DVec3]) -> Self {
-        for sphere in spheres() {
-            if let Some(ball) = inside_of(points, sphere) {
-                return ball;
-            }
+        let chosen = extreme_points(points);
+        if let Some(ball) = Surface::around(&chosen).and_then(|surface| inside_of(&surface)) {
+            return ball;
         }
-        let weight = 1.0 / points.len().max(1) as f64;
-        let centre = points.iter().fold(DVec3::ZERO, |sum, &p| sum + p * weight);
+        let weight = 1.0 / chosen.len().max(1) as f64;
+        let centre = chosen.iter().fold(DVec3::ZERO, |sum, &p| sum + p * weight);
         Self { centre, radius: 0.0 }
     }
 
@@ -60,50 +60,92 @@ pub(crate) fn reach(vectors: impl Iterator<Item = DVec3> + Clone) -> f64 {
     (longest.sqrt() * (1.0 + 8.0 * U) * largest).next_up()
 }
 
-/// Directions on the unit sphere, and how they are connected: outward triangles.
-struct Sphere {
-    directions: Vec<DVec3>,
-    triangles: Vec<[usize; 3]>,
+/// How far outside of a face a point must be to be added to the surface, relative to the cloud's
+/// size. Well above the rounding of a height, so that a face's own corners never see it; what it
+/// leaves out of the inner ball is as small.
+const COPLANAR: f64 = 1e-12;
+
+/// Up to this many points all are taken; of more, the supports in [`directions`].
+const FEW: usize = 64;
+
+/// The points that span the surface.
+fn extreme_points(points: &[DVec3]) -> Vec<DVec3> {
+    if points.len() <= FEW {
+        return points.to_vec();
+    }
+    let mut chosen: Vec<u32> =
+        directions().map(|d| farthest::<f64>(points.iter().copied(), d).feature).collect();
+    chosen.sort_unstable();
+    chosen.dedup();
+    chosen.into_iter().map(|k| points[k as usize]).collect()
 }
 
-/// The octahedron subdivided twice, once and not at all: 66, 18 and 6 directions. The finer is
-/// tried first (0.90, 0.75 and 0.59 of the true inner radius on average).
-fn spheres() -> &'static [Sphere; 3] {
-    static SPHERES: OnceLock<[Sphere; 3]> = OnceLock::new();
-    SPHERES.get_or_init(|| {
-        let octahedron = Sphere {
-            directions: [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|d| [d, -d]).collect(),
-            triangles: (0..8)
-                .map(|octant: usize| {
-                    let [x, y, z] = [0, 1, 2].map(|axis| 2 * axis + (octant >> axis & 1));
-                    // An odd number of negated axes turns the triangle round.
-                    if octant.count_ones().is_multiple_of(2) { [x, y, z] } else { [x, z, y] }
-                })
-                .collect(),
-        };
-        let middle = subdivided(&octahedron);
-        [subdivided(&middle), middle, octahedron]
-    })
+/// The 98 directions to the points of a lattice of five a side that hide no other.
+fn directions() -> impl Iterator<Item = DVec3> {
+    let lattice = (0..125).map(|k| [k % 5 - 2, k / 5 % 5 - 2, k / 25 - 2]);
+    let primitive = lattice.filter(|d: &[i32; 3]| d.iter().any(|x| x.abs() == 1));
+    primitive.map(|d| DVec3::from_array(d.map(f64::from)))
 }
 
-fn subdivided(coarse: &Sphere) -> Sphere {
-    let mut directions = coarse.directions.clone();
-    let mut middles = Vec::new();
-    let mut middle = |a: usize, b: usize| {
-        let edge = (a.min(b), a.max(b));
-        if let Some(&(_, known)) = middles.iter().find(|(e, _)| *e == edge) {
-            return known;
+/// A closed surface of triangles, made by adding one point after the other to a tetrahedron.
+///
+/// Rounding may make it other than the hull, never open: a point takes the place of the triangles
+/// that it sees by the cone over their boundary, whichever they are.
+struct Surface {
+    faces: Vec<([u32; 3], Face)>,
+}
+
+impl Surface {
+    /// `None` where the points are flat, or an overflow leaves no normal.
+    fn around(points: &[DVec3]) -> Option<Self> {
+        let corners = tetrahedron(points)?;
+        let mut surface = Self { faces: Vec::with_capacity(2 * points.len()) };
+        for skipped in 0..4 {
+            let [a, b, c] = [1, 2, 3].map(|k| corners[(skipped + k) % 4]);
+            // Every other turn of four corners is odd.
+            let outward = if skipped % 2 == 1 { [a, b, c] } else { [a, c, b] };
+            surface.add(points, outward)?;
         }
-        directions.push((directions[a] + directions[b]).normalize());
-        middles.push((edge, directions.len() - 1));
-        directions.len() - 1
+        let size = reach(points.iter().map(|&p| p - points[0]));
+        let mut edges = Vec::new();
+        for (k, &p) in (0u32..).zip(points) {
+            edges.clear();
+            surface.faces.retain(|(corners, face)| {
+                let sees = face.height(p) < -COPLANAR * size;
+                if sees {
+                    edges.extend((0..3).map(|e| [corners[e], corners[(e + 1) % 3]]));
+                }
+                !sees
+            });
+            for &[a, b] in &edges {
+                if !edges.contains(&[b, a]) {
+                    surface.add(points, [a, b, k])?;
+                }
+            }
+        }
+        Some(surface)
+    }
+
+    fn add(&mut self, points: &[DVec3], corners: [u32; 3]) -> Option<()> {
+        self.faces.push((corners, Face::new(corners.map(|k| points[k as usize]))?));
+        Some(())
+    }
+}
+
+/// Four points far from one plane, the last on the inner side of the triangle of the others.
+fn tetrahedron(points: &[DVec3]) -> Option<[u32; 4]> {
+    let a = *points.first()?;
+    let most = |height: &dyn Fn(DVec3) -> f64| {
+        let heights = (0u32..).zip(points).map(|(k, &p)| (height(p), k));
+        heights.max_by(|x, y| x.0.total_cmp(&y.0)).filter(|(height, _)| *height > 0.0)
     };
-    let triangles = coarse.triangles.iter().flat_map(|&[a, b, c]| {
-        let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
-        [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
-    });
-    let triangles = triangles.collect();
-    Sphere { directions, triangles }
+    let (_, b) = most(&|p| (p - a).length_squared())?;
+    let ab = points[b as usize] - a;
+    let (_, c) = most(&|p| ab.cross(p - a).length_squared())?;
+    let normal = ab.cross(points[c as usize] - a);
+    let (_, d) = most(&|p| normal.dot(p - a).abs())?;
+    let outward = normal.dot(points[d as usize] - a) < 0.0;
+    Some(if outward { [0, b, c, d] } else { [0, c, b, d] })
 }
 
 /// A triangle of the made surface: a corner and its inward normal, of unit length but for
@@ -144,37 +186,25 @@ impl Face {
     }
 }
 
-fn inside_of(points: &[DVec3], sphere: &Sphere) -> Option<Ball> {
-    let extreme: Vec<u32> = sphere
-        .directions
-        .iter()
-        .map(|&d| farthest::<f64>(points.iter().copied(), d).feature)
-        .collect();
-    let mut faces = Vec::with_capacity(sphere.triangles.len());
-    for triangle in &sphere.triangles {
-        let [a, b, c] = triangle.map(|k| extreme[k]);
-        // A triangle with a repeated corner is no part of the cycle.
-        if a != b && b != c && c != a {
-            faces.push(Face::new([a, b, c].map(|k| points[k as usize]))?);
-        }
-    }
-    let centre = deepest(&faces)?;
-    let radius = proved_radius(&faces, centre)?;
+fn inside_of(surface: &Surface) -> Option<Ball> {
+    let centre = deepest(&surface.faces)?;
+    let radius = proved_radius(&surface.faces, centre)?;
     Some(Ball { centre, radius })
 }
 
 /// A point far from all faces: from their mean, pushed away from the nearest one again and again,
 /// by steps that shrink.
-fn deepest(faces: &[Face]) -> Option<DVec3> {
+fn deepest(faces: &[([u32; 3], Face)]) -> Option<DVec3> {
     let weight = 1.0 / (3 * faces.len()).max(1) as f64;
-    let mut centre =
-        faces.iter().flat_map(|face| face.corners).fold(DVec3::ZERO, |sum, p| sum + p * weight);
+    let corners = || faces.iter().flat_map(|(_, face)| face.corners);
+    let mut centre = corners().fold(DVec3::ZERO, |sum, p| sum + p * weight);
     let nearest = |p: DVec3| {
-        faces.iter().map(|face| (face.height(p), face.inward)).min_by(|a, b| a.0.total_cmp(&b.0))
+        let heights = faces.iter().map(|(_, face)| (face.height(p), face.inward));
+        heights.reduce(|least, next| if next.0 < least.0 { next } else { least })
     };
     let (mut height, mut inward) = nearest(centre)?;
     let (mut best, mut best_height) = (centre, height);
-    let mut step = 0.25 * height.abs();
+    let mut step = FIRST_PUSH * reach(corners().map(|p| p - centre));
     for _ in 0..PUSHES {
         centre += inward * step;
         (height, inward) = nearest(centre)?;
@@ -188,15 +218,15 @@ fn deepest(faces: &[Face]) -> Option<DVec3> {
 
 /// The radius of a ball round `centre` that surely misses every face, if every face surely sees
 /// the centre on its inner side.
-fn proved_radius(faces: &[Face], centre: DVec3) -> Option<f64> {
+fn proved_radius(faces: &[([u32; 3], Face)], centre: DVec3) -> Option<f64> {
     let mut clearance = f64::INFINITY;
-    for face in faces {
+    for (_, face) in faces {
         if !face.surely_sees(centre) {
             return None;
         }
         clearance = clearance.min(face.clearance(centre));
     }
-    let size = reach(faces.iter().flat_map(|face| face.corners).map(|p| p - centre));
+    let size = reach(faces.iter().flat_map(|(_, face)| face.corners).map(|p| p - centre));
     let radius = clearance * (1.0 - 8.0 * U) - 5.0 * U * size * (1.0 + 8.0 * U);
     // False for NaN and for no face at all.
     (radius > 0.0 && radius.is_finite()).then_some(radius)
@@ -210,31 +240,52 @@ mod tests {
         (0..8).map(|k| DVec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64)).collect()
     }
 
+    /// Points in a box by a linear congruence.
+    fn cloud(count: usize, size: DVec3) -> Vec<DVec3> {
+        let mut state = 7u64;
+        let mut unit = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        (0..count).map(|_| DVec3::new(unit(), unit(), unit()) * size).collect()
+    }
+
     #[test]
-    fn the_spheres_are_closed_and_outward() {
-        for (sphere, count) in spheres().iter().zip([66, 18, 6]) {
-            assert_eq!(sphere.directions.len(), count);
-            for &[a, b, c] in &sphere.triangles {
-                let [pa, pb, pc] = [a, b, c].map(|k| sphere.directions[k]);
-                assert!(pa.dot(pb.cross(pc)) > 0.0);
-                for edge in [[b, a], [c, b], [a, c]] {
-                    let across = |t: &&[usize; 3]| (0..3).any(|k| [t[k], t[(k + 1) % 3]] == edge);
-                    assert_eq!(sphere.triangles.iter().filter(across).count(), 1);
-                }
+    fn the_surface_is_closed_and_holds_every_point() {
+        let clouds = [cube(), cloud(10, DVec3::ONE), cloud(60, DVec3::new(1.0, 0.1, 5.0))];
+        for points in clouds {
+            let faces = Surface::around(&points).unwrap().faces;
+            let edges: Vec<[u32; 2]> = faces
+                .iter()
+                .flat_map(|(c, _)| [[c[0], c[1]], [c[1], c[2]], [c[2], c[0]]])
+                .collect();
+            for &[a, b] in &edges {
+                assert_eq!(edges.iter().filter(|e| **e == [b, a]).count(), 1);
+            }
+            for (_, face) in &faces {
+                assert!(points.iter().all(|&p| face.height(p) > -1e-12));
             }
         }
+    }
+
+    #[test]
+    fn the_inner_ball_of_a_large_cloud_is_found_from_its_extreme_points() {
+        let ball = Ball::inside(&cloud(1000, DVec3::ONE));
+        let walls = ball.centre.min(DVec3::ONE - ball.centre).min_element();
+        assert!(ball.radius <= walls && ball.radius > 0.4, "{ball:?}");
     }
 
     #[test]
     fn the_inner_ball_of_a_cube_is_inside_and_large() {
         let ball = Ball::inside(&cube());
         let walls = ball.centre.min(DVec3::ONE - ball.centre).min_element();
-        assert!(ball.radius <= walls && ball.radius > 0.2, "{ball:?}");
+        assert!(ball.radius <= walls && ball.radius > 0.48, "{ball:?}");
     }
 
     #[test]
     fn the_inner_ball_of_an_octahedron_is_inside_and_large() {
-        let points: Vec<DVec3> = spheres()[2].directions.clone();
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        let points: Vec<DVec3> = axes.into_iter().flat_map(|d| [d, -d]).collect();
         let ball = Ball::inside(&points);
         // |x| + |y| + |z| ≤ 1 holds at the ball's farthest point along (1, 1, 1).
         let farthest = ball.centre.abs().element_sum() + ball.radius * 3f64.sqrt();

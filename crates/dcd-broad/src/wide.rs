@@ -1,0 +1,194 @@
+//! The fast broad phase: the wide tree against itself, sixteen boxes at a time.
+
+use crate::BroadPhase;
+use dcd_bvh::{Sixteen, WideBvh};
+use dcd_exec::{Exec, Segments};
+use dcd_geom::lanes::{IndexRow, Kernel, Lanes, Path, WIDTH, dispatch_on};
+use dcd_geom::{Aabb, Pair};
+
+/// Candidate pairs from a [`WideBvh`], whose leaves ask for themselves and for the leaves after.
+///
+/// Lists exactly the overlapping pairs. Their order is that of the tree: tiles of sixteen objects
+/// against sixteen, so that a narrow phase finds what it reads in the nearest cache.
+#[derive(Clone, Debug)]
+pub struct WideTree {
+    tree: WideBvh,
+    path: Path,
+}
+
+impl Default for WideTree {
+    fn default() -> Self {
+        Self::on(Path::best())
+    }
+}
+
+impl WideTree {
+    /// On that path, or the portable one where this CPU does not have it. The pairs and their
+    /// order are the same on every path; for tests and measurements.
+    pub fn on(path: Path) -> Self {
+        Self { tree: WideBvh::default(), path }
+    }
+}
+
+/// How many leaves a task asks for. Larger: fewer tasks to share. A scene of sixteen times as many
+/// objects is searched without the pool.
+const LEAVES_PER_TASK: usize = 16;
+
+impl BroadPhase for WideTree {
+    fn build(&mut self, aabbs: &[Aabb], exec: Exec) {
+        self.tree.build(aabbs, exec);
+    }
+
+    fn pairs(
+        &mut self,
+        _: &[Aabb],
+        keep: impl Fn(u32, u32) -> bool + Sync,
+        exec: Exec,
+        out: &mut Segments<Pair>,
+    ) {
+        let (tree, keep) = (&self.tree, &keep);
+        let tasks = tree.leaves().len().div_ceil(LEAVES_PER_TASK);
+        out.fill(exec, tasks, |task, out| {
+            dispatch_on(self.path, Search { tree, keep, first: task * LEAVES_PER_TASK, out });
+        });
+    }
+}
+
+/// Height and number of the nodes still to be asked. A node is replaced by at most sixteen of the
+/// level below, and a u32 counts the boxes of at most eight levels.
+struct Stack {
+    nodes: [(usize, usize); 8 * WIDTH],
+    len: usize,
+}
+
+impl Default for Stack {
+    fn default() -> Self {
+        Self { nodes: [(0, 0); 8 * WIDTH], len: 0 }
+    }
+}
+
+impl Stack {
+    #[inline(always)]
+    fn push(&mut self, node: (usize, usize)) {
+        self.nodes[self.len] = node;
+        self.len += 1;
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<(usize, usize)> {
+        self.len = self.len.checked_sub(1)?;
+        Some(self.nodes[self.len])
+    }
+}
+
+/// The pairs of some leaves, with themselves and with the leaves after.
+struct Search<'a, K> {
+    tree: &'a WideBvh,
+    keep: &'a K,
+    first: usize,
+    out: &'a mut Vec<Pair>,
+}
+
+impl<K: Fn(u32, u32) -> bool> Kernel for Search<'_, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, l: L) {
+        let leaves = self.tree.leaves();
+        let last = leaves.len().min(self.first + LEAVES_PER_TASK);
+        let mut stack = Stack::default();
+        for (asking, leaf) in leaves.iter().enumerate().take(last).skip(self.first) {
+            let around = leaf.union();
+            self.within(l, asking);
+            if let Some(top) = self.tree.levels().len().checked_sub(1) {
+                stack.push((top, 0));
+            }
+            while let Some((height, node)) = stack.pop() {
+                let mut below = overlaps(l, &self.tree.levels()[height][node], &around);
+                while below != 0 {
+                    let child = node * WIDTH + below.trailing_zeros() as usize;
+                    below &= below - 1;
+                    // The last leaf below the child.
+                    let reach = (child + 1) << (4 * height);
+                    if reach <= asking + usize::from(height == 0) {
+                        continue;
+                    }
+                    if height > 0 {
+                        stack.push((height - 1, child));
+                    } else {
+                        self.between(l, asking, child);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
+    /// The pairs within a leaf.
+    #[inline(always)]
+    fn within<L: Lanes>(&mut self, l: L, leaf: usize) {
+        let boxes = &self.tree.leaves()[leaf];
+        for lane in 0..WIDTH {
+            // Later lanes only; the empty boxes past the end overlap nothing.
+            let later = u32::MAX << (lane + 1);
+            let hits = overlaps(l, boxes, &boxes.get(lane)) & later & 0xffff;
+            self.emit(l, self.tree.ids()[leaf].0[lane], leaf, hits);
+        }
+    }
+
+    /// The pairs between a leaf and a later one: only the boxes that reach the other leaf's union
+    /// are compared with its boxes.
+    #[inline(always)]
+    fn between<L: Lanes>(&mut self, l: L, asking: usize, other: usize) {
+        let boxes = &self.tree.leaves()[asking];
+        let others = &self.tree.leaves()[other];
+        let node = &self.tree.levels()[0][other / WIDTH];
+        let mut reaching = overlaps(l, boxes, &node.get(other % WIDTH));
+        while reaching != 0 {
+            let lane = reaching.trailing_zeros() as usize;
+            reaching &= reaching - 1;
+            let hits = overlaps(l, others, &boxes.get(lane));
+            self.emit(l, self.tree.ids()[asking].0[lane], other, hits);
+        }
+    }
+
+    /// Appends the pairs of object `i` with the lanes `hits` of a leaf.
+    #[inline(always)]
+    fn emit<L: Lanes>(&mut self, l: L, i: u32, leaf: usize, hits: u32) {
+        if hits == 0 {
+            return;
+        }
+        let mut ids = IndexRow::default();
+        l.store_u(l.compress_u(l.mask(hits), l.load_u(&self.tree.ids()[leaf])), &mut ids);
+        let count = hits.count_ones() as usize;
+        // Sixteen are written and the surplus taken back: a copy of fixed length has no loop.
+        let pairs = ids.0.map(
+            #[inline(always)]
+            |j| Pair { i: i.min(j), j: i.max(j) },
+        );
+        let start = self.out.len();
+        self.out.extend_from_slice(&pairs);
+        self.out.truncate(start + count);
+        let mut kept = start;
+        for k in start..start + count {
+            let pair = self.out[k];
+            self.out[kept] = pair;
+            kept += usize::from((self.keep)(pair.i, pair.j));
+        }
+        self.out.truncate(kept);
+    }
+}
+
+/// Which of sixteen boxes overlap that one; empty boxes never do.
+#[inline(always)]
+fn overlaps<L: Lanes>(l: L, boxes: &Sixteen, one: &Aabb) -> u32 {
+    let (min, max) = (one.min.to_array(), one.max.to_array());
+    let mut all = l.mask(0xffff);
+    for axis in 0..3 {
+        let starts = l.le(l.load(&boxes.min[axis]), l.splat(max[axis]));
+        let ends = l.le(l.splat(min[axis]), l.load(&boxes.max[axis]));
+        all = l.and(all, l.and(starts, ends));
+    }
+    l.bits(all)
+}

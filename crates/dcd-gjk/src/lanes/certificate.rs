@@ -1,0 +1,44 @@
+//! The three certificates of the lanes. What they conclude is proved; what they leave open is not
+//! wrong, only unsettled (docs/numerics.md, "lanes").
+
+use super::bounds::{HULL_OF_BALL, SEPARATION, SHORTEST, U};
+use super::lot::Lot;
+use super::vector::V3;
+use dcd_geom::lanes::Lanes;
+
+/// Whether a ball of radius t round v holds the origin: v·v < t², t > 0.
+#[inline(always)]
+pub(super) fn ball_holds_origin<L: Lanes>(l: L, squared: L::F, t: L::F) -> L::M {
+    l.and(l.lt(l.splat(0.0), t), l.lt(squared, l.mul(t, t)))
+}
+
+/// Whether the hull of the inner ball and `points` points p_k holds the origin, with
+/// v = c + Σ τ_k·p_k and `taus` = Σ τ_k for any τ_k ≥ 0.
+#[inline(always)]
+pub(super) fn hull_holds_origin<L: Lanes>(
+    l: L,
+    lot: &Lot,
+    v: V3<L>,
+    taus: L::F,
+    points: usize,
+) -> L::M {
+    let slack = l.load(&lot.slack);
+    let rounding = l.mul_add(l.load(&lot.unit), l.splat(HULL_OF_BALL[points]), l.add(slack, slack));
+    let weight = l.add(l.splat(1.0), taus);
+    let t = l.sub(l.load(&lot.inner), l.mul(rounding, weight));
+    ball_holds_origin(l, v.dot(l, v), t)
+}
+
+/// Whether A − B is on the far side of direction d, with w its support along −d: the separation
+/// d·w exceeds what it may be off by, and the swept radii.
+#[inline(always)]
+pub(super) fn separates<L: Lanes>(l: L, lot: &Lot, d: V3<L>, w: V3<L>) -> L::M {
+    let unit = l.load(&lot.unit);
+    let norm1 = d.norm1(l);
+    let rounding = l.mul_add(unit, l.splat(SEPARATION), l.load(&lot.slack));
+    // |d|₂ is off by 3u at most; the radii are rounded up by more than the product loses.
+    let length = l.mul(l.sqrt(d.dot(l, d)), l.splat(1.0 + 8.0 * U));
+    let bound = l.mul_add(norm1, rounding, l.mul(l.load(&lot.radius), length));
+    let long_enough = l.lt(l.splat(SHORTEST * U), l.mul(unit, norm1));
+    l.and(l.lt(bound, d.dot(l, w)), long_enough)
+}

@@ -1,0 +1,86 @@
+//! What is prepared of every object once a step.
+
+use dcd_geom::lanes::Block;
+use dcd_geom::{Divide, Scene};
+
+/// All objects, ready for the lanes.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    records: Vec<Record>,
+    blocks: Vec<Block>,
+}
+
+/// One object on one cache line. The radii include what the pose's matrix departs from a rotation
+/// by, and are rounded to the safe side.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub(super) struct Record {
+    /// Where the shape's centre is in the world, metres, up to `slack` a component.
+    pub(super) centre: [f64; 3],
+    /// The object's first block in the frame.
+    pub(super) first: u32,
+    /// How many it has; 0 where the shape is no polytope.
+    pub(super) blocks: u32,
+    /// A ball round the centre inside the object, its swept radius included: rounded down.
+    pub(super) inner: f32,
+    /// A ball round the centre that holds the object, its swept radius included: rounded up.
+    pub(super) outer: f32,
+    /// κ·r: a ball round the centre that holds the core, rounded up.
+    pub(super) size: f32,
+    /// The swept radius, rounded up.
+    pub(super) radius: f32,
+    /// See [`super::bounds::CENTRE`], metres, rounded up.
+    pub(super) slack: f32,
+}
+
+/// The frame's room for a range of the objects.
+#[derive(Debug)]
+pub struct Part<'f> {
+    pub(super) records: &'f mut [Record],
+    pub(super) blocks: &'f mut [Block],
+}
+
+impl Frame {
+    /// Makes room: offsets only. `None` where the blocks are more than a u32 counts.
+    pub(super) fn lay_out(&mut self, scene: &Scene) -> Part<'_> {
+        let cores = scene.cores().cores();
+        self.records.resize(scene.len(), Record::default());
+        let mut first = 0u32;
+        for (record, &shape) in self.records.iter_mut().zip(scene.shape_of()) {
+            let blocks = cores[shape as usize].blocks;
+            // An object past the last u32 goes without blocks: its pairs are settled in f64.
+            let next = first.checked_add(blocks);
+            *record = Record { first, blocks: next.map_or(0, |_| blocks), ..*record };
+            first = next.unwrap_or(first);
+        }
+        self.blocks.resize(first as usize, Block::default());
+        Part { records: &mut self.records, blocks: &mut self.blocks }
+    }
+
+    #[inline(always)]
+    pub(super) fn record(&self, object: u32) -> &Record {
+        &self.records[object as usize]
+    }
+
+    #[inline(always)]
+    pub(super) fn blocks(&self, record: &Record) -> &[Block] {
+        &self.blocks[record.first as usize..][..record.blocks as usize]
+    }
+}
+
+impl Divide for Part<'_> {
+    fn len(&self) -> usize {
+        self.records.len()
+    }
+
+    fn split_at(self, middle: usize) -> (Self, Self) {
+        let base = self.records.first().map_or(0, |record| record.first);
+        let blocks = match self.records.get(middle) {
+            Some(record) => (record.first - base) as usize,
+            None => self.blocks.len(),
+        };
+        let (left, right) = self.records.split_at_mut(middle);
+        let (left_blocks, right_blocks) = self.blocks.split_at_mut(blocks);
+        (Self { records: left, blocks: left_blocks }, Self { records: right, blocks: right_blocks })
+    }
+}

@@ -1,0 +1,226 @@
+//! The default narrow phase: sixteen pairs at a time in f32, every answer with its certificate.
+//!
+//! A pair passes stages, each a small kernel that settles what it can prove and hands on the rest:
+//! balls, the axis between the centres, the cone, a second point, the portal. What the lanes
+//! cannot prove is settled in f64, and what f64 cannot, in exact integers.
+
+mod bounds;
+mod certificate;
+mod frame;
+mod lot;
+mod opening;
+mod portal;
+mod prepare;
+mod support;
+mod vector;
+
+pub use frame::{Frame, Part};
+
+use crate::{Contact, Findings, NarrowPhase, Placed, Report, Rung, Verdict};
+use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
+use dcd_geom::{Aabb, Pair, Scene};
+use lot::Queue;
+use opening::Entry;
+use support::lanes_of;
+
+/// Whether two objects touch, proved: the most reliable rung, and the default.
+#[derive(Clone, Copy, Debug)]
+pub struct Overlap {
+    path: Path,
+}
+
+impl Default for Overlap {
+    fn default() -> Self {
+        Self { path: Path::best() }
+    }
+}
+
+impl Overlap {
+    /// On that path, or the portable one where this CPU does not have it. The answers are the same
+    /// on every path; for tests and measurements.
+    pub fn on(path: Path) -> Self {
+        Self { path }
+    }
+}
+
+/// What a thread reuses from slice to slice.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    /// What is known of each pair of the slice.
+    known: Vec<Known>,
+    queue: Queue,
+    next: Queue,
+}
+
+/// What is known of a pair so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Known {
+    #[default]
+    Open,
+    Apart,
+    Touching,
+    Undecided,
+}
+
+impl NarrowPhase for Overlap {
+    type Answer = ();
+    type Frame = Frame;
+    type Part<'f> = Part<'f>;
+    type Scratch = Scratch;
+
+    fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Frame) -> Part<'f> {
+        frame.lay_out(scene)
+    }
+
+    fn prepare(&self, scene: &Scene, first: usize, part: Part<'_>, aabbs: &mut [Aabb]) {
+        dispatch_on(self.path, prepare::Prepare { scene, first, part, aabbs });
+    }
+
+    fn decide(
+        &self,
+        scene: &Scene,
+        frame: &Frame,
+        pairs: &[Pair],
+        scratch: &mut Scratch,
+        findings: &mut Findings<'_, ()>,
+    ) {
+        scratch.known.clear();
+        scratch.known.resize(pairs.len(), Known::Open);
+        dispatch_on(self.path, Decide { frame, pairs, scratch, report: findings.report });
+        for (known, &pair) in scratch.known.iter_mut().zip(pairs) {
+            if *known == Known::Open {
+                *known = settle_exactly(scene, pair, findings.report);
+            }
+        }
+        append_contacts(&scratch.known, pairs, findings.contacts);
+    }
+}
+
+/// Appends the touching pairs in order, without a branch that half of the pairs would mispredict.
+fn append_contacts(known: &[Known], pairs: &[Pair], contacts: &mut Vec<Contact<()>>) {
+    let mut end = contacts.len();
+    contacts.resize(end + pairs.len(), Contact::default());
+    for (known, &pair) in known.iter().zip(pairs) {
+        contacts[end].pair = pair;
+        end += usize::from(*known == Known::Touching);
+    }
+    contacts.truncate(end);
+}
+
+/// The later rungs for one pair that the lanes left open.
+#[cold]
+fn settle_exactly(scene: &Scene, pair: Pair, report: &mut Report) -> Known {
+    let placed =
+        |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
+    let (a, b) = (placed(pair.i), placed(pair.j));
+    let (verdict, rung) = crate::certified::overlap_of(a, b);
+    match verdict {
+        Verdict::Undecided(reason) => {
+            report.leave(pair, reason);
+            Known::Undecided
+        }
+        Verdict::Apart => {
+            report.count(rung, 1);
+            Known::Apart
+        }
+        Verdict::Touching(()) => {
+            report.count(rung, 1);
+            Known::Touching
+        }
+    }
+}
+
+/// Settles what the lanes can of a slice of pairs.
+struct Decide<'a> {
+    frame: &'a Frame,
+    pairs: &'a [Pair],
+    scratch: &'a mut Scratch,
+    report: &'a mut Report,
+}
+
+impl Kernel for Decide<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, l: L) {
+        self.open(l);
+        self.second_point(l);
+        self.rounds(l);
+    }
+}
+
+impl Decide<'_> {
+    /// Balls, axis and cone for every pair; the others are queued.
+    #[inline(always)]
+    fn open<L: Lanes>(&mut self, l: L) {
+        self.scratch.queue.clear();
+        let mut entry = Entry::default();
+        for (group, pairs) in self.pairs.chunks(WIDTH).enumerate() {
+            entry.read(self.frame, pairs, (group * WIDTH) as u32);
+            let balls = entry.balls(l);
+            let mut open = entry.live & !(balls.apart | balls.touching);
+            let axis = entry.centre_axis(l, self.frame, open);
+            open &= !axis;
+            let cone = entry.cone(l, open);
+            open &= !cone;
+
+            let known = &mut self.scratch.known[group * WIDTH..];
+            mark(known, balls.apart | axis, Known::Apart);
+            mark(known, balls.touching | cone, Known::Touching);
+            self.report.count(Rung::Balls, count(balls.apart | balls.touching));
+            self.report.count(Rung::CentreAxis, count(axis));
+            self.report.count(Rung::Cone, count(cone));
+            lanes_of(open).for_each(|lane| self.scratch.queue.push(&entry.lot, lane));
+        }
+    }
+
+    #[inline(always)]
+    fn second_point<L: Lanes>(&mut self, l: L) {
+        let Scratch { known, queue, next, .. } = &mut *self.scratch;
+        next.clear();
+        for k in 0..queue.lots() {
+            let (lot, open) = queue.lot(k);
+            let touching = portal::second_point(l, self.frame, lot, open);
+            lanes_of(touching)
+                .for_each(|lane| known[lot.number.0[lane] as usize] = Known::Touching);
+            self.report.count(Rung::Cone, count(touching));
+            lanes_of(open & !touching).for_each(|lane| next.push(lot, lane));
+        }
+        std::mem::swap(queue, next);
+    }
+
+    /// Support after support, the lots closed up after each.
+    #[inline(always)]
+    fn rounds<L: Lanes>(&mut self, l: L) {
+        let Scratch { known, queue, next, .. } = &mut *self.scratch;
+        for _ in 0..portal::ROUNDS {
+            if queue.is_empty() {
+                return;
+            }
+            next.clear();
+            for k in 0..queue.lots() {
+                let (lot, open) = queue.lot(k);
+                let (settled, stuck) = portal::round(l, self.frame, lot, open);
+                let apart = settled.apart & !settled.touching;
+                lanes_of(apart).for_each(|lane| known[lot.number.0[lane] as usize] = Known::Apart);
+                lanes_of(settled.touching)
+                    .for_each(|lane| known[lot.number.0[lane] as usize] = Known::Touching);
+                self.report.count(Rung::Portal, count(apart | settled.touching));
+                lanes_of(open & !(apart | settled.touching | stuck))
+                    .for_each(|lane| next.push(lot, lane));
+            }
+            std::mem::swap(queue, next);
+        }
+    }
+}
+
+/// Writes `what` to the entries whose bit is set.
+#[inline(always)]
+fn mark(known: &mut [Known], bits: u32, what: Known) {
+    lanes_of(bits).for_each(|lane| known[lane] = what);
+}
+
+#[inline(always)]
+fn count(bits: u32) -> u64 {
+    bits.count_ones().into()
+}
