@@ -1,8 +1,21 @@
 //! From boxes to candidate pairs.
 //!
+//! [`WideTree`] is the fast way. [`TreePairs`] drives the paper's tree or one of one's own; a whole
+//! broad phase of one's own comes in by the door [`BroadPhase`], whose law [`law`] tests.
+//! [`BruteForce`] and [`SweepAndPrune`] share nothing with the trees that they judge.
+//!
 //! Deliberately absent: shapes, solvers.
 #![forbid(unsafe_code)]
 
+mod brute_force;
 mod door;
+pub mod law;
+mod sweep;
+mod tree_pairs;
+mod wide;
 
+pub use brute_force::BruteForce;
 pub use door::BroadPhase;
+pub use sweep::SweepAndPrune;
+pub use tree_pairs::{LeafPairs, Traversal, TreePairs, Visits};
+pub use wide::WideTree;

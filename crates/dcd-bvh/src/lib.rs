@@ -1,7 +1,8 @@
 //! Bounding volume hierarchies over boxes.
 //!
 //! A tree of one's own comes in by the doors [`BuildTree`] and [`BoundingTree`], whose laws
-//! [`law`] tests. [`PaperTree`] is the paper's tree in both of its versions.
+//! [`law`] tests. [`PaperTree`] makes the paper's tree in both of its versions; [`WideBvh`] is the
+//! fast one.
 //!
 //! Deliberately absent: shapes, pairs, any knowledge of what is in a box.
 #![forbid(unsafe_code)]

@@ -149,6 +149,8 @@ fn lattice_boxes() -> impl Strategy<Value = Vec<Aabb>> {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..Default::default() })]
+
     #[test]
     fn the_law_holds_on_random_boxes(aabbs in lattice_boxes(), cutoff in 1u32..10) {
         let leaf_cutoff = NonZeroU32::new(cutoff).unwrap();
