@@ -10,8 +10,7 @@ use dcd_geom::{Polytope, Shape, SupportMap};
 /// The same for (a, b) and (b, a). Some hundred nanoseconds in f64; where the gap or overlap is
 /// within its rounding, some microseconds in integers.
 pub fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (Verdict<()>, Rung) {
-    let swapped = order::compare_polytopes((a.map, a.pose), (b.map, b.pose)).is_gt();
-    let (a, b) = if swapped { (b, a) } else { (a, b) };
+    let (a, b) = if order::are_swapped(a, b) { (b, a) } else { (a, b) };
     let mut hint = [[0; 2]; 4];
     let mut known = 0;
     if let Some(difference) = Difference::<f64, _, _>::new(a, b) {
@@ -28,7 +27,12 @@ pub fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (Verdict<()>, Ru
     (if touches { Verdict::Touching(()) } else { Verdict::Apart }, Rung::Exact)
 }
 
-/// The same for any two shapes. A foreign shape knows no exact rung: a pair with one stays
+/// The last rung alone: slow, and never in doubt. What every other answer is judged by.
+pub fn overlap_exactly(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> bool {
+    exact::touches(a, b, &[])
+}
+
+/// Whether any two shapes touch, and which rung proved it. A foreign shape knows no exact rung: a pair with one stays
 /// undecided where f64, widened by the map's stated support error, cannot tell.
 pub fn overlap_of(a: Placed<'_>, b: Placed<'_>) -> (Verdict<()>, Rung) {
     match (a.shape, b.shape) {
@@ -41,7 +45,7 @@ pub fn overlap_of(a: Placed<'_>, b: Placed<'_>) -> (Verdict<()>, Rung) {
 
 /// What f64 alone can prove of any two shapes.
 pub(crate) fn overlap_in_f64(a: Placed<'_>, b: Placed<'_>) -> Verdict<()> {
-    let (a, b) = if order::compare(a, b).is_gt() { (b, a) } else { (a, b) };
+    let (a, b) = order::canonical(a, b);
     match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
             verdict(Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose))

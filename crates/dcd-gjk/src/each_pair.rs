@@ -13,6 +13,11 @@ pub trait PairSolver: Sync {
 
     /// The verdict on one pair, a pure function of the two shapes and poses.
     fn solve(&self, a: Placed<'_>, b: Placed<'_>) -> Verdict<Self::Answer>;
+
+    /// The same verdict and the rung that reached it. A solver of one rung leaves this as it is.
+    fn settle(&self, a: Placed<'_>, b: Placed<'_>) -> (Verdict<Self::Answer>, Rung) {
+        (self.solve(a, b), self.rung())
+    }
 }
 
 /// A shape at a pose.
@@ -81,7 +86,8 @@ impl<G: PairSolver> NarrowPhase for EachPair<G> {
         let placed =
             |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
         for &pair in pairs {
-            findings.file(pair, self.0.rung(), self.0.solve(placed(pair.i), placed(pair.j)));
+            let (verdict, rung) = self.0.settle(placed(pair.i), placed(pair.j));
+            findings.file(pair, rung, verdict);
         }
     }
 }

@@ -1,20 +1,24 @@
 //! A canonical order of a pair, by content: solvers see (a, b) and (b, a) as one, so that both
 //! give the same bits.
 
-use crate::Placed;
+use crate::{Body, Placed};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Pose, Shape, SupportMap};
 use std::cmp::Ordering;
 
-/// Which of the two comes first. Equal only where nothing tells them apart, and then the order
-/// cannot matter.
-pub(crate) fn compare(a: Placed<'_>, b: Placed<'_>) -> Ordering {
-    poses(a.pose, b.pose).then_with(|| shapes(a.shape, b.shape))
+/// The pair in its order: as given where nothing tells the two apart, and then it cannot matter.
+pub(crate) fn canonical<'a>(a: Placed<'a>, b: Placed<'a>) -> (Placed<'a>, Placed<'a>) {
+    if is_swapped(a, b) { (b, a) } else { (a, b) }
+}
+
+/// Whether the second comes first.
+pub(crate) fn is_swapped(a: Placed<'_>, b: Placed<'_>) -> bool {
+    poses(a.pose, b.pose).then_with(|| shapes(a.shape, b.shape)).is_gt()
 }
 
 /// The same for polytopes.
-pub(crate) fn compare_polytopes(a: (&Polytope, &Pose), b: (&Polytope, &Pose)) -> Ordering {
-    poses(a.1, b.1).then_with(|| polytopes(a.0, b.0))
+pub(crate) fn are_swapped(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> bool {
+    poses(a.pose, b.pose).then_with(|| polytopes(a.map, b.map)).is_gt()
 }
 
 fn poses(a: &Pose, b: &Pose) -> Ordering {

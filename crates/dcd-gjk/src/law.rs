@@ -1,0 +1,231 @@
+//! The law of this crate's door, as a test that any narrow phase can call.
+
+use crate::{Contact, Findings, NarrowPhase, Report, Rung, Undecided};
+use dcd_geom::glam::DVec3;
+use dcd_geom::law::Broken;
+use dcd_geom::{Aabb, Divide, Pair, Scene, SupportMap};
+use std::fmt::Debug;
+
+/// Tests the law of [`NarrowPhase`] on a scene and pairs of its objects, each at most once.
+///
+/// # Errors
+/// The first breach.
+pub fn narrow_phase<N>(narrow: &N, scene: &Scene, pairs: &[Pair]) -> Result<(), Broken>
+where
+    N: NarrowPhase,
+    N::Answer: PartialEq + Debug,
+{
+    let mut frame = N::Frame::default();
+    let aabbs = prepared(narrow, scene, &mut frame, usize::MAX);
+    boxes_contain_their_objects(scene, &aabbs)?;
+    let whole = decided(narrow, scene, &frame, pairs, &mut N::Scratch::default());
+    whole.files_each_once(pairs)?;
+
+    // Prepared in single objects from the last to the first, into a frame that was used before.
+    let again = prepared(narrow, scene, &mut frame, 1);
+    if again != aabbs {
+        return Err(Broken("the boxes depend on how the objects are cut".into()));
+    }
+    let mut scratch = N::Scratch::default();
+    let mut pieces = Filed::default();
+    for piece in pairs.chunks(3) {
+        pieces.append(decided(narrow, scene, &frame, piece, &mut scratch));
+    }
+    pieces.must_equal(&whole, "in threes, the objects prepared one at a time")?;
+
+    let mut alone = Filed::default();
+    for &pair in pairs.iter().rev() {
+        alone.append(decided(narrow, scene, &frame, &[pair], &mut scratch));
+    }
+    alone.reverse();
+    alone.must_equal(&whole, "alone, from the last to the first, in used scratch memory")?;
+
+    let backwards: Vec<Pair> = pairs.iter().rev().copied().collect();
+    let mut backwards = decided(narrow, scene, &frame, &backwards, &mut scratch);
+    backwards.reverse();
+    backwards.must_equal(&whole, "in reverse order")
+}
+
+/// Lays out and prepares, in parts of `grain` objects from the last to the first.
+fn prepared<N: NarrowPhase>(
+    narrow: &N,
+    scene: &Scene,
+    frame: &mut N::Frame,
+    grain: usize,
+) -> Vec<Aabb> {
+    let mut aabbs = vec![Aabb::default(); scene.len()];
+    let mut rest = (narrow.lay_out(scene, frame), &mut aabbs[..]);
+    let mut parts = Vec::new();
+    let mut first = 0;
+    while rest.len() > grain {
+        let (part, others) = rest.split_at(grain);
+        parts.push((first, part));
+        rest = others;
+        first += grain;
+    }
+    parts.push((first, rest));
+    for (first, (part, aabbs)) in parts.into_iter().rev() {
+        narrow.prepare(scene, first, part, aabbs);
+    }
+    aabbs
+}
+
+fn decided<N: NarrowPhase>(
+    narrow: &N,
+    scene: &Scene,
+    frame: &N::Frame,
+    pairs: &[Pair],
+    scratch: &mut N::Scratch,
+) -> Filed<N::Answer> {
+    let mut contacts = Vec::new();
+    let mut report = Report::default();
+    let mut findings = Findings { contacts: &mut contacts, report: &mut report };
+    narrow.decide(scene, frame, pairs, scratch, &mut findings);
+    let settled = Rung::ALL.iter().map(|&rung| report.settled(rung)).sum();
+    Filed { contacts, undecided: report.undecided().to_vec(), settled }
+}
+
+/// What was filed for some pairs.
+struct Filed<A> {
+    contacts: Vec<Contact<A>>,
+    undecided: Vec<Undecided>,
+    settled: u64,
+}
+
+impl<A> Default for Filed<A> {
+    fn default() -> Self {
+        Self { contacts: Vec::new(), undecided: Vec::new(), settled: 0 }
+    }
+}
+
+impl<A: PartialEq + Debug> Filed<A> {
+    fn append(&mut self, mut other: Self) {
+        self.contacts.append(&mut other.contacts);
+        self.undecided.append(&mut other.undecided);
+        self.settled += other.settled;
+    }
+
+    fn reverse(&mut self) {
+        self.contacts.reverse();
+    }
+
+    fn files_each_once(&self, pairs: &[Pair]) -> Result<(), Broken> {
+        let filed = self.settled + self.undecided.len() as u64;
+        if filed != pairs.len() as u64 {
+            return Err(Broken(format!("{filed} verdicts on {} pairs", pairs.len())));
+        }
+        let mut remaining = pairs.iter();
+        for Contact { pair, .. } in &self.contacts {
+            if !remaining.any(|known| known == pair) {
+                return Err(Broken(format!("the contact {pair:?} is not in the pairs' order")));
+            }
+        }
+        for Undecided { pair, .. } in &self.undecided {
+            let touches = self.contacts.iter().any(|contact| contact.pair == *pair);
+            if touches || !pairs.contains(pair) {
+                return Err(Broken(format!("{pair:?} is undecided and not open")));
+            }
+        }
+        Ok(())
+    }
+
+    fn must_equal(&self, whole: &Self, how: &str) -> Result<(), Broken> {
+        let first = self.contacts.iter().zip(&whole.contacts).find(|(ours, theirs)| ours != theirs);
+        if let Some((ours, theirs)) = first {
+            return Err(Broken(format!("{ours:?} {how}, but {theirs:?} at once")));
+        }
+        let sorted = |filed: &Self| {
+            let mut undecided = filed.undecided.clone();
+            undecided.sort_unstable_by_key(|undecided| undecided.pair);
+            (undecided, filed.contacts.len(), filed.settled)
+        };
+        let (ours, theirs) = (sorted(self), sorted(whole));
+        if ours != theirs {
+            return Err(Broken(format!("{ours:?} {how}, but {theirs:?} at once")));
+        }
+        Ok(())
+    }
+}
+
+/// How many directions of each object are compared with its box.
+const DIRECTIONS: [DVec3; 7] =
+    [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE, DVec3::NEG_ONE, DVec3::NEG_X, DVec3::NEG_Z];
+
+fn boxes_contain_their_objects(scene: &Scene, aabbs: &[Aabb]) -> Result<(), Broken> {
+    for (i, (aabb, pose)) in aabbs.iter().zip(scene.poses()).enumerate() {
+        let shape = scene.shape(i);
+        let vertices = shape.as_polytope().map_or(&[][..], |polytope| polytope.vertices());
+        let to_local = pose.rotation().transpose();
+        let supports = DIRECTIONS.iter().map(|&d| shape.support(to_local * d).point);
+        for local in vertices.iter().copied().chain(supports) {
+            let world = pose.apply(local);
+            // Three products and three sums of the comparison's own.
+            let slack = (shape.reach() + pose.translation().abs().max_element()) * 1e-15;
+            let room = DVec3::splat(shape.radius() - slack);
+            if !holds(aabb, world - room, world + room) {
+                return Err(Broken(format!("{aabb:?} of object {i} does not hold {world}")));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn holds(aabb: &Aabb, min: DVec3, max: DVec3) -> bool {
+    aabb.min.as_dvec3().cmple(min).all() && max.cmple(aabb.max.as_dvec3()).all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Certified, EachPair, Gjk, Overlap, PairSolver, Placed, Verdict};
+    use dcd_geom::glam::DQuat;
+    use dcd_geom::{Pose, Shape};
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    fn pile() -> (Scene, Vec<Pair>) {
+        let turned = |k: u32| DQuat::from_rotation_x(f64::from(k)) * DQuat::from_rotation_z(0.7);
+        let place = |k: u32| DVec3::new(f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9));
+        let shapes = vec![
+            Shape::cuboid(DVec3::new(0.5, 0.6, 0.3)).unwrap(),
+            Shape::sphere(0.4).unwrap(),
+            Shape::hull(vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE]).unwrap(),
+            Shape::custom(std::sync::Arc::new(dcd_geom::Polytope::sphere(0.5).unwrap())).unwrap(),
+        ];
+        let objects = (0..27).map(|k| dcd_geom::Object {
+            shape: k % 4,
+            pose: Pose::new(if k < 9 { DQuat::IDENTITY } else { turned(k) }, place(k)).unwrap(),
+            filter: dcd_geom::Filter::ALL,
+        });
+        let scene = Scene::new(shapes, objects).unwrap();
+        let pairs = (0..27).flat_map(|i| (i + 1..27).map(move |j| Pair::new(i, j)));
+        (scene, pairs.collect())
+    }
+
+    #[test]
+    fn our_narrow_phases_keep_the_law() {
+        let (scene, pairs) = pile();
+        narrow_phase(&EachPair(Gjk::<f32>::default()), &scene, &pairs).unwrap();
+        narrow_phase(&EachPair(Gjk::<f64>::default()), &scene, &pairs).unwrap();
+        narrow_phase(&EachPair(Certified), &scene, &pairs).unwrap();
+        narrow_phase(&Overlap::default(), &scene, &pairs).unwrap();
+        narrow_phase(&Overlap::default(), &Scene::default(), &[]).unwrap();
+    }
+
+    #[test]
+    fn a_solver_with_a_memory_is_caught() {
+        #[derive(Default)]
+        struct Forgetful(AtomicU32);
+        impl PairSolver for Forgetful {
+            type Answer = ();
+            fn rung(&self) -> Rung {
+                Rung::Foreign
+            }
+            fn solve(&self, _: Placed<'_>, _: Placed<'_>) -> Verdict<()> {
+                let first = self.0.fetch_add(1, Ordering::Relaxed) < 100;
+                if first { Verdict::Touching(()) } else { Verdict::Apart }
+            }
+        }
+        let (scene, pairs) = pile();
+        assert!(narrow_phase(&EachPair(Forgetful::default()), &scene, &pairs).is_err());
+    }
+}
