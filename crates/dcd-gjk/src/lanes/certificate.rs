@@ -2,7 +2,7 @@
 //! wrong, only unsettled (docs/numerics.md, "lanes").
 
 use super::bounds::{HULL_OF_BALL, SEPARATION, SHORTEST, U};
-use super::lot::Lot;
+use super::lot::{Lot, Number};
 use super::vector::V3;
 use dcd_geom::lanes::Lanes;
 
@@ -22,10 +22,11 @@ pub(super) fn hull_holds_origin<L: Lanes>(
     taus: L::F,
     points: usize,
 ) -> L::M {
-    let slack = l.load(&lot.slack);
-    let rounding = l.mul_add(l.load(&lot.unit), l.splat(HULL_OF_BALL[points]), l.add(slack, slack));
+    let slack = lot.number(l, Number::Slack);
+    let rounding =
+        l.mul_add(lot.number(l, Number::Unit), l.splat(HULL_OF_BALL[points]), l.add(slack, slack));
     let weight = l.add(l.splat(1.0), taus);
-    let t = l.sub(l.load(&lot.inner), l.mul(rounding, weight));
+    let t = l.sub(lot.number(l, Number::Inner), l.mul(rounding, weight));
     ball_holds_origin(l, v.dot(l, v), t)
 }
 
@@ -33,12 +34,12 @@ pub(super) fn hull_holds_origin<L: Lanes>(
 /// d·w exceeds what it may be off by, and the swept radii.
 #[inline(always)]
 pub(super) fn separates<L: Lanes>(l: L, lot: &Lot, d: V3<L>, w: V3<L>) -> L::M {
-    let unit = l.load(&lot.unit);
+    let unit = lot.number(l, Number::Unit);
     let norm1 = d.norm1(l);
-    let rounding = l.mul_add(unit, l.splat(SEPARATION), l.load(&lot.slack));
+    let rounding = l.mul_add(unit, l.splat(SEPARATION), lot.number(l, Number::Slack));
     // |d|₂ is off by 3u at most; the radii are rounded up by more than the product loses.
     let length = l.mul(l.sqrt(d.dot(l, d)), l.splat(1.0 + 8.0 * U));
-    let bound = l.mul_add(norm1, rounding, l.mul(l.load(&lot.radius), length));
+    let bound = l.mul_add(norm1, rounding, l.mul(lot.number(l, Number::Radius), length));
     let long_enough = l.lt(l.splat(SHORTEST * U), l.mul(unit, norm1));
     l.and(l.lt(bound, d.dot(l, w)), long_enough)
 }

@@ -1,9 +1,10 @@
 //! Pairs on their way through the stages, sixteen at a time.
 
-use dcd_geom::lanes::{IndexRow, Row, WIDTH};
+use super::vector::V3;
+use dcd_geom::lanes::{IndexRow, Lanes, Row, WIDTH};
 
-/// Sixteen pairs and what is known of them. Lengths are metres, in world axes; every point is one
-/// of A − B.
+/// Sixteen pairs and what is known of them, row by row. Lengths are metres, in world axes; every
+/// point is one of A − B.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Lot {
     /// Each pair's number in its slice.
@@ -12,34 +13,74 @@ pub(super) struct Lot {
     pub(super) a: IndexRow,
     /// Object b.
     pub(super) b: IndexRow,
-    /// The difference of the centres: the centre of a ball inside A − B.
-    pub(super) c: [Row; 3],
-    /// That ball's radius, rounded down.
-    pub(super) inner: Row,
-    /// The sum of the swept radii, rounded up.
-    pub(super) radius: Row,
-    /// u·m: the unit of every rounding bound.
-    pub(super) unit: Row,
-    /// The sum of the centres' own errors.
-    pub(super) slack: Row,
-    /// Up to three support points: the portal.
-    pub(super) p: [[Row; 3]; 3],
-    /// The direction of the next support.
-    pub(super) d: [Row; 3],
     /// Bit k: pair k has a portal that the ray from c to the origin passes.
     pub(super) found: u32,
+    rows: [Row; 19],
+}
+
+/// A row of numbers in a lot.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Number {
+    /// The radius of a ball round c inside A − B, rounded down.
+    Inner = 0,
+    /// The sum of the swept radii, rounded up.
+    Radius = 1,
+    /// u·m: the unit of every rounding bound.
+    Unit = 2,
+    /// The sum of the centres' own errors.
+    Slack = 3,
+}
+
+/// Three rows of a lot.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Vector {
+    /// The difference of the centres: the centre of a ball inside A − B.
+    C = 4,
+    /// The first support point of the portal.
+    P0 = 7,
+    /// The second.
+    P1 = 10,
+    /// The third.
+    P2 = 13,
+    /// The direction of the next support.
+    D = 16,
 }
 
 impl Lot {
-    /// Every row of numbers.
-    fn rows(&self) -> impl Iterator<Item = &Row> {
-        let scalars = [&self.inner, &self.radius, &self.unit, &self.slack];
-        self.c.iter().chain(scalars).chain(self.p.iter().flatten()).chain(&self.d)
+    #[inline(always)]
+    pub(super) fn number<L: Lanes>(&self, l: L, which: Number) -> L::F {
+        l.load(&self.rows[which as usize])
     }
 
-    fn rows_mut(&mut self) -> impl Iterator<Item = &mut Row> {
-        let scalars = [&mut self.inner, &mut self.radius, &mut self.unit, &mut self.slack];
-        self.c.iter_mut().chain(scalars).chain(self.p.iter_mut().flatten()).chain(&mut self.d)
+    #[inline(always)]
+    pub(super) fn set_number<L: Lanes>(&mut self, l: L, which: Number, x: L::F) {
+        l.store(x, &mut self.rows[which as usize]);
+    }
+
+    #[inline(always)]
+    pub(super) fn write(&mut self, which: Number, lane: usize, x: f32) {
+        self.rows[which as usize].0[lane] = x;
+    }
+
+    #[inline(always)]
+    pub(super) fn write_vector(&mut self, which: Vector, lane: usize, v: [f32; 3]) {
+        self.rows[which as usize].0[lane] = v[0];
+        self.rows[which as usize + 1].0[lane] = v[1];
+        self.rows[which as usize + 2].0[lane] = v[2];
+    }
+
+    #[inline(always)]
+    pub(super) fn vector<L: Lanes>(&self, l: L, which: Vector) -> V3<L> {
+        let at = which as usize;
+        V3(l.load(&self.rows[at]), l.load(&self.rows[at + 1]), l.load(&self.rows[at + 2]))
+    }
+
+    #[inline(always)]
+    pub(super) fn set_vector<L: Lanes>(&mut self, l: L, which: Vector, v: V3<L>) {
+        let at = which as usize;
+        l.store(v.0, &mut self.rows[at]);
+        l.store(v.1, &mut self.rows[at + 1]);
+        l.store(v.2, &mut self.rows[at + 2]);
     }
 }
 
@@ -60,7 +101,7 @@ impl Queue {
         self.len == 0
     }
 
-    /// How many lots there are, and lot k with the mask of the lanes in use.
+    /// How many lots there are.
     pub(super) fn lots(&self) -> usize {
         self.lots.len()
     }
@@ -85,8 +126,23 @@ impl Queue {
         lot.a.0[to] = from.a.0[lane];
         lot.b.0[to] = from.b.0[lane];
         lot.found |= (from.found >> lane & 1) << to;
-        for (row, source) in lot.rows_mut().zip(from.rows()) {
-            row.0[to] = source.0[lane];
+        for row in 0..lot.rows.len() {
+            lot.rows[row].0[to] = from.rows[row].0[lane];
         }
+    }
+}
+
+/// The numbers of the set bits, from the lowest.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LanesOf(pub(super) u32);
+
+impl Iterator for LanesOf {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let lane = self.0.trailing_zeros();
+        self.0 &= self.0.wrapping_sub(1);
+        (lane < WIDTH as u32).then_some(lane as usize)
     }
 }

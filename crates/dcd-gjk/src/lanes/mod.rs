@@ -19,9 +19,8 @@ pub use frame::{Frame, Part};
 use crate::{Contact, Findings, NarrowPhase, Placed, Report, Rung, Verdict};
 use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{Aabb, Pair, Scene};
-use lot::Queue;
+use lot::{LanesOf, Queue};
 use opening::Entry;
-use support::lanes_of;
 
 /// Whether two objects touch, proved: the most reliable rung, and the default.
 #[derive(Clone, Copy, Debug)]
@@ -170,7 +169,9 @@ impl Decide<'_> {
             self.report.count(Rung::Balls, count(balls.apart | balls.touching));
             self.report.count(Rung::CentreAxis, count(axis));
             self.report.count(Rung::Cone, count(cone));
-            lanes_of(open).for_each(|lane| self.scratch.queue.push(&entry.lot, lane));
+            for lane in LanesOf(open) {
+                self.scratch.queue.push(&entry.lot, lane);
+            }
         }
     }
 
@@ -181,10 +182,13 @@ impl Decide<'_> {
         for k in 0..queue.lots() {
             let (lot, open) = queue.lot(k);
             let touching = portal::second_point(l, self.frame, lot, open);
-            lanes_of(touching)
-                .for_each(|lane| known[lot.number.0[lane] as usize] = Known::Touching);
+            for lane in LanesOf(touching) {
+                known[lot.number.0[lane] as usize] = Known::Touching;
+            }
             self.report.count(Rung::Cone, count(touching));
-            lanes_of(open & !touching).for_each(|lane| next.push(lot, lane));
+            for lane in LanesOf(open & !touching) {
+                next.push(lot, lane);
+            }
         }
         std::mem::swap(queue, next);
     }
@@ -202,12 +206,16 @@ impl Decide<'_> {
                 let (lot, open) = queue.lot(k);
                 let (settled, stuck) = portal::round(l, self.frame, lot, open);
                 let apart = settled.apart & !settled.touching;
-                lanes_of(apart).for_each(|lane| known[lot.number.0[lane] as usize] = Known::Apart);
-                lanes_of(settled.touching)
-                    .for_each(|lane| known[lot.number.0[lane] as usize] = Known::Touching);
+                for lane in LanesOf(apart) {
+                    known[lot.number.0[lane] as usize] = Known::Apart;
+                }
+                for lane in LanesOf(settled.touching) {
+                    known[lot.number.0[lane] as usize] = Known::Touching;
+                }
                 self.report.count(Rung::Portal, count(apart | settled.touching));
-                lanes_of(open & !(apart | settled.touching | stuck))
-                    .for_each(|lane| next.push(lot, lane));
+                for lane in LanesOf(open & !(apart | settled.touching | stuck)) {
+                    next.push(lot, lane);
+                }
             }
             std::mem::swap(queue, next);
         }
@@ -217,7 +225,9 @@ impl Decide<'_> {
 /// Writes `what` to the entries whose bit is set.
 #[inline(always)]
 fn mark(known: &mut [Known], bits: u32, what: Known) {
-    lanes_of(bits).for_each(|lane| known[lane] = what);
+    for lane in LanesOf(bits) {
+        known[lane] = what;
+    }
 }
 
 #[inline(always)]

@@ -3,7 +3,7 @@
 use super::bounds::{HULL_OF_BALL, OUTER_BALLS, SIZE, U};
 use super::certificate::{ball_holds_origin, separates};
 use super::frame::Frame;
-use super::lot::Lot;
+use super::lot::{Lot, Number, Vector};
 use super::support::supports;
 use super::vector::V3;
 use dcd_geom::Pair;
@@ -34,20 +34,22 @@ impl Entry {
     pub(super) fn read(&mut self, frame: &Frame, pairs: &[Pair], first: u32) {
         self.live = 0;
         let lot = &mut self.lot;
-        for (k, pair) in pairs.iter().enumerate() {
+        let mut k = 0;
+        for pair in pairs {
             let (a, b) = (frame.record(pair.i), frame.record(pair.j));
             lot.number.0[k] = first + k as u32;
             lot.a.0[k] = pair.i;
             lot.b.0[k] = pair.j;
-            for (row, (a, b)) in lot.c.iter_mut().zip(a.centre.iter().zip(&b.centre)) {
-                row.0[k] = (a - b) as f32;
-            }
-            lot.inner.0[k] = a.inner + b.inner;
-            lot.radius.0[k] = a.radius + b.radius;
-            lot.slack.0[k] = a.slack + b.slack;
+            let [x, y, z] = b.centre;
+            let delta = [a.centre[0] - x, a.centre[1] - y, a.centre[2] - z];
+            lot.write_vector(Vector::C, k, [delta[0] as f32, delta[1] as f32, delta[2] as f32]);
+            lot.write(Number::Inner, k, a.inner + b.inner);
+            lot.write(Number::Radius, k, a.radius + b.radius);
+            lot.write(Number::Slack, k, a.slack + b.slack);
             self.outer.0[k] = a.outer + b.outer;
             self.size.0[k] = a.size + b.size;
             self.live |= u32::from(a.blocks.min(b.blocks) > 0) << k;
+            k += 1;
         }
     }
 
@@ -56,18 +58,18 @@ impl Entry {
     #[inline(always)]
     pub(super) fn balls<L: Lanes>(&mut self, l: L) -> Settled {
         let lot = &mut self.lot;
-        let c = V3::load(l, &lot.c);
+        let c = lot.vector(l, Vector::C);
         let size = l.add(l.load(&self.size), c.norm1(l));
         let in_range = l.and(l.lt(l.splat(SIZE.start), size), l.lt(size, l.splat(SIZE.end)));
         let live = l.and(l.mask(self.live), in_range);
         self.live = l.bits(live);
         let unit = l.mul(size, l.splat(U));
-        l.store(unit, &mut lot.unit);
+        lot.set_number(l, Number::Unit, unit);
 
-        let slack = l.load(&lot.slack);
+        let slack = lot.number(l, Number::Slack);
         let squared = c.dot(l, c);
         let error = l.mul_add(unit, l.splat(HULL_OF_BALL[0]), l.add(slack, slack));
-        let touching = ball_holds_origin(l, squared, l.sub(l.load(&lot.inner), error));
+        let touching = ball_holds_origin(l, squared, l.sub(lot.number(l, Number::Inner), error));
         let error = l.mul_add(unit, l.splat(OUTER_BALLS), l.add(slack, slack));
         let outer = l.add(l.load(&self.outer), error);
         let apart = l.lt(l.mul(outer, outer), squared);
@@ -78,17 +80,16 @@ impl Entry {
     #[inline(always)]
     pub(super) fn centre_axis<L: Lanes>(&mut self, l: L, frame: &Frame, open: u32) -> u32 {
         let lot = &mut self.lot;
-        let c = V3::load(l, &lot.c);
-        c.neg(l).store(l, &mut lot.d);
-        let p = farthest(l, frame, lot, open);
-        p.store(l, &mut lot.p[0]);
+        let c = lot.vector(l, Vector::C);
+        let p = farthest(l, frame, lot, c.neg(l), open);
+        lot.set_vector(l, Vector::P0, p);
         open & l.bits(separates(l, lot, c, p))
     }
 
     /// Accepts if the hull of the inner ball and that support point holds the origin.
     #[inline(always)]
     pub(super) fn cone<L: Lanes>(&self, l: L, open: u32) -> u32 {
-        let (c, p) = (V3::load(l, &self.lot.c), V3::load(l, &self.lot.p[0]));
+        let (c, p) = (self.lot.vector(l, Vector::C), self.lot.vector(l, Vector::P0));
         let tau = nearest_multiple(l, c, p);
         let v = c.plus(l, tau, p);
         open & l.bits(super::certificate::hull_holds_origin(l, &self.lot, v, tau, 1))
@@ -102,12 +103,10 @@ pub(super) fn nearest_multiple<L: Lanes>(l: L, c: V3<L>, p: V3<L>) -> L::F {
     l.max(tau, l.splat(0.0))
 }
 
-/// The point of A − B farthest along the lot's directions, for the lanes set in `open`.
+/// The point of A − B farthest along d, for the lanes set in `open`.
 #[inline(always)]
-pub(super) fn farthest<L: Lanes>(l: L, frame: &Frame, lot: &Lot, open: u32) -> V3<L> {
-    let a = supports(l, frame, &lot.a.0, &lot.d, open);
-    let mut back = [Row::default(); 3];
-    V3::load(l, &lot.d).neg(l).store(l, &mut back);
-    let b = supports(l, frame, &lot.b.0, &back, open);
-    V3::load(l, &a).sub(l, V3::load(l, &b)).add(l, V3::load(l, &lot.c))
+pub(super) fn farthest<L: Lanes>(l: L, frame: &Frame, lot: &Lot, d: V3<L>, open: u32) -> V3<L> {
+    let a = supports(l, frame, &lot.a.0, d, open);
+    let b = supports(l, frame, &lot.b.0, d.neg(l), open);
+    a.sub(l, b).add(l, lot.vector(l, Vector::C))
 }
