@@ -116,7 +116,9 @@ fn listing(tree: &impl BoundingTree) -> Vec<Listed> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dcd_exec::Exec;
     use glam::Vec3;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     /// Nodes by hand: a box, children, boxes.
     struct ByHand(Vec<(Aabb, &'static [u32], &'static [u32])>);
@@ -155,5 +157,37 @@ mod tests {
             let Broken(breach) = validate(&tree, &aabbs).unwrap_err();
             assert!(breach.contains(words), "{breach}");
         }
+    }
+
+    /// One leaf of all boxes, in another order each time.
+    #[derive(Default)]
+    struct Restless(AtomicUsize);
+
+    #[derive(Default)]
+    struct OneLeaf(Vec<u32>);
+
+    impl BoundingTree for OneLeaf {
+        fn root(&self) -> Option<u32> {
+            (!self.0.is_empty()).then_some(0)
+        }
+        fn node(&self, _: u32) -> Node<'_> {
+            Node { aabb: span(f32::MIN, f32::MAX), below: Below::Boxes(&self.0) }
+        }
+    }
+
+    impl BuildTree for Restless {
+        type Tree = OneLeaf;
+        fn build(&self, aabbs: &[Aabb], _: Exec, tree: &mut OneLeaf) {
+            let turns = self.0.fetch_add(1, Ordering::Relaxed);
+            tree.0 = (0..aabbs.len() as u32).collect();
+            tree.0.rotate_left(turns.min(aabbs.len()));
+        }
+    }
+
+    #[test]
+    fn a_builder_that_makes_another_tree_each_time_is_caught() {
+        let Broken(breach) = tree(&Restless::default(), &[span(0.0, 1.0); 9]).unwrap_err();
+        assert!(breach.contains("another one"), "{breach}");
+        tree(&Restless::default(), &[span(0.0, 1.0)]).unwrap();
     }
 }
