@@ -1,0 +1,148 @@
+//! The distance of two cores that do not overlap, for the depth of the shapes rounded round them.
+//!
+//! GJK on the lattice: f64 only proposes the feature nearest the origin; its normal, the support
+//! along it and so the lower bound are exact, and the upper bound is the length of a convex
+//! combination with integer weights. A wrong proposal costs a step, never a bound.
+
+use super::double::Double;
+use super::lattice::{Normal, Vertex, as_normal, cross, dot, length, minus, rounded};
+use super::search::Viewer;
+use super::start::{from_line_to_origin, negative};
+use super::wide::Wide;
+use super::witness::Weighted;
+use crate::simplex::{Nearest, nearest};
+
+/// Steps of the iteration; ten are usual. Bounds the time where f64 proposes the same features in
+/// turn. Smaller: larger error bounds there.
+const STEPS: usize = 128;
+
+/// How far a vertex must be beyond the feature for another step, units. Below what the lattice
+/// resolves, and well above the rounding of an edge's normal.
+const BEYOND: f64 = 4.0;
+
+/// The distance of the origin from the difference on the lattice, units.
+pub(super) struct Gap {
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    /// The direction in which `lower` separates: from A to B.
+    pub(super) normal: Normal,
+    /// normal·w at most; `lower` is −reach / |normal|, or 0.
+    reach: Wide,
+    corners: [Weighted; 4],
+    count: usize,
+}
+
+impl Gap {
+    /// The vertices whose mean is nearest the origin.
+    pub(super) fn corners(&self) -> &[Weighted] {
+        &self.corners[..self.count]
+    }
+
+    /// What is left of the radii, in units, when the lower bound is taken off; 0 if nothing.
+    ///
+    /// With the bound −s/√q for integers s and q, r + s/√q is (r²q − s²) / (r√q − s)√q, whose
+    /// numerator is taken in double-double: no digit is lost where the shapes barely touch.
+    pub(super) fn left_of(&self, radii: [f64; 2]) -> f64 {
+        let r = Double::sum(radii[0], radii[1]);
+        let rounded = (r.to_f64() - self.lower).max(0.0);
+        let n = self.normal.map(Double::from);
+        let q = n.iter().fold(Double::default(), |q, &x| q + x * x);
+        let s = Double::from(self.reach);
+        let root = q.to_f64().sqrt();
+        let left = (r * r * q - s * s).to_f64() / ((r.to_f64() * root - s.to_f64()) * root);
+        // Radii that are out of proportion overflow; then nothing cancels either.
+        if left.is_finite() && self.reach < Wide::ZERO { left.max(0.0) } else { rounded }
+    }
+
+    /// Keeps the vertices that have a weight, and their combination if it is the nearest so far.
+    fn keep(&mut self, simplex: &mut [Vertex; 4], near: &Nearest<f64>) -> usize {
+        let known = *simplex;
+        let total: f64 = near.weights().iter().sum();
+        let steps = 2f64.powi(60);
+        let mut corners = self.corners;
+        let mut sum = [Wide::ZERO; 3];
+        let mut all = 0.0;
+        for (slot, (&index, &share)) in near.kept.iter().zip(near.weights()).enumerate() {
+            simplex[slot] = known[index];
+            corners[slot] = (known[index], share);
+            let weight = (share / total * steps) as i128;
+            all += weight as f64;
+            for (sum, x) in sum.iter_mut().zip(known[index].w) {
+                *sum = *sum + Wide::product(x, weight);
+            }
+        }
+        let upper = length(&sum) / all;
+        if upper < self.upper {
+            (self.upper, self.corners, self.count) = (upper, corners, near.count);
+        }
+        near.count
+    }
+}
+
+impl Viewer<'_> {
+    /// Begins with the support along `normal`, which separates or nearly does.
+    pub(super) fn gap(&mut self, normal: Normal) -> Gap {
+        let first = self.difference.support(&normal);
+        let reach = first.reach.to_f64() / length(&normal);
+        let nowhere = (first.vertex, 0.0);
+        let mut gap = Gap {
+            lower: (-reach).max(0.0),
+            upper: f64::INFINITY,
+            normal,
+            reach: first.reach,
+            corners: [nowhere; 4],
+            count: 0,
+        };
+        let mut simplex = [first.vertex; 4];
+        let mut count = 1;
+        for _ in 0..STEPS {
+            let points = simplex.map(|vertex| rounded(&as_normal(vertex.w)).to_array());
+            let Some(near) = nearest(&points[..count]) else {
+                break;
+            };
+            count = gap.keep(&mut simplex, &near);
+            // The combination is on hand: its length is a bound even if f64 errs in seeing the
+            // origin inside a tetrahedron.
+            let Some(towards) = from_simplex_to_origin(&simplex[..count]) else {
+                break;
+            };
+            let support = self.difference.support(&towards);
+            let lower = -support.reach.to_f64() / length(&towards);
+            if lower > gap.lower {
+                (gap.lower, gap.normal, gap.reach) = (lower, towards, support.reach);
+            }
+            let beyond = (support.reach - dot(&towards, simplex[0].w)).to_f64();
+            if beyond <= BEYOND * length(&towards) || simplex[..count].contains(&support.vertex) {
+                break;
+            }
+            simplex[count] = support.vertex;
+            count += 1;
+        }
+        gap
+    }
+}
+
+/// At right angles to the simplex, towards the origin; `None` if the origin is in its point, line
+/// or plane.
+fn from_simplex_to_origin(simplex: &[Vertex]) -> Option<Normal> {
+    let normal = match *simplex {
+        [p] => negative(&as_normal(p.w)),
+        [p, q] => {
+            let e = minus(q.w, p.w);
+            if cross(p.w, e) == [Wide::ZERO; 3] {
+                return None;
+            }
+            from_line_to_origin(p.w, e)
+        }
+        [p, q, r] => {
+            let normal = cross(minus(q.w, p.w), minus(r.w, p.w));
+            let offset = dot(&normal, p.w);
+            if offset == Wide::ZERO {
+                return None;
+            }
+            if offset > Wide::ZERO { negative(&normal) } else { normal }
+        }
+        _ => return None,
+    };
+    (normal != [Wide::ZERO; 3]).then_some(normal)
+}
