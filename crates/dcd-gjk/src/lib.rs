@@ -3,10 +3,22 @@
 //! Deliberately absent: threads, trees, foreign libraries, a clock.
 #![forbid(unsafe_code)]
 
+mod certificate;
+pub mod certified;
 mod difference;
 mod door;
 mod each_pair;
+mod exact;
+pub mod gjk;
+pub mod lanes;
+pub mod law;
+mod order;
+mod portal;
+mod simplex;
+mod solvers;
 
 pub use difference::{Body, Difference, Vertex};
 pub use door::{Contact, Findings, NarrowPhase, Reason, Report, Rung, Undecided, Verdict};
 pub use each_pair::{EachPair, Nothing, PairSolver, Placed};
+pub use lanes::Overlap;
+pub use solvers::{Certified, Gjk};
