@@ -8,6 +8,7 @@ pub mod certified;
 mod difference;
 mod door;
 mod each_pair;
+pub mod epa;
 mod exact;
 pub mod gjk;
 pub mod lanes;
