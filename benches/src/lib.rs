@@ -35,11 +35,15 @@
 //! # }
 //! ```
 //!
-//! Deliberately absent: scenes, rivals and anything else that is measured. They belong to the
-//! binaries, so that the way of measuring does not depend on what is measured.
+//! A time for a wrong set is worth nothing: [`Agreement`] compares contact sets and has each
+//! difference settled exactly.
+//!
+//! Deliberately absent: rivals and anything else that is measured. They belong to the binaries, so
+//! that the way of measuring does not depend on what is measured.
 
 #![forbid(unsafe_code)]
 
+pub mod agreement;
 pub mod figure;
 pub mod machine;
 pub mod options;
@@ -49,6 +53,7 @@ pub mod resume;
 pub mod table;
 pub mod timing;
 
+pub use agreement::Agreement;
 pub use figure::{Axis, Figure, Scale, Series};
 pub use machine::Header;
 pub use options::Options;
