@@ -74,7 +74,7 @@ fn extreme_points(points: &[DVec3]) -> Vec<DVec3> {
         return points.to_vec();
     }
     let mut chosen: Vec<u32> =
-        directions().map(|d| farthest::<f64>(points.iter().copied(), d).feature).collect();
+        directions().map(|d| farthest::<f64>(points, d).feature).collect();
     chosen.sort_unstable();
     chosen.dedup();
     chosen.into_iter().map(|k| points[k as usize]).collect()

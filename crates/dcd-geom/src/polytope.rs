@@ -141,7 +141,7 @@ impl Polytope {
 
 impl<R: Real> SupportMap<R> for Polytope {
     fn support(&self, direction: R::Vec3) -> Support<R> {
-        farthest(self.vertices.iter().map(|&v| R::Vec3::from_dvec3(v)), direction)
+        farthest(&self.vertices, direction)
     }
 
     fn radius(&self) -> R {

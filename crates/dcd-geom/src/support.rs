@@ -1,6 +1,7 @@
 //! The one question a solver asks of a shape.
 
 use crate::{Real, Vector};
+use glam::DVec3;
 use std::sync::Arc;
 
 /// A farthest point of a shape's core in some direction.
@@ -65,22 +66,43 @@ impl<R: Real, S: SupportMap<R> + ?Sized> SupportMap<R> for Arc<S> {
     }
 }
 
+/// How many points are compared at once in [`farthest`]: enough to keep the arithmetic busy between
+/// two decisions.
+const CHUNK: usize = 16;
+
 /// The farthest of `points`, the first among equals.
 ///
 /// Returns the index and the point; `points` must not be empty, else the origin comes back.
 #[inline]
-pub(crate) fn farthest<R: Real>(
-    points: impl Iterator<Item = R::Vec3>,
-    direction: R::Vec3,
-) -> Support<R> {
-    let mut best = Support { point: R::Vec3::ZERO, feature: 0 };
+pub(crate) fn farthest<R: Real>(points: &[DVec3], direction: R::Vec3) -> Support<R> {
+    let mut best = 0;
     let mut farthest = -R::MAX;
-    for (feature, point) in (0u32..).zip(points) {
-        let along = point.dot(direction);
-        if along > farthest || feature == 0 {
-            farthest = along;
-            best = Support { point, feature };
+    for (k, chunk) in points.chunks(CHUNK).enumerate() {
+        let mut along = [-R::MAX; CHUNK];
+        for (slot, &point) in along.iter_mut().zip(chunk) {
+            *slot = R::Vec3::from_dvec3(point).dot(direction);
+        }
+        let most = maximum(along);
+        if most > farthest {
+            farthest = most;
+            best = k * CHUNK + along.iter().position(|&x| x == most).unwrap_or(0);
         }
     }
-    best
+    let point = points.get(best).map_or(R::Vec3::ZERO, |&point| R::Vec3::from_dvec3(point));
+    Support { point, feature: best as u32 }
+}
+
+/// By halves rather than in a row: each comparison waits for four others instead of fifteen.
+#[inline]
+fn maximum<R: Real>(mut values: [R; CHUNK]) -> R {
+    let mut half = CHUNK / 2;
+    while half > 0 {
+        for k in 0..half {
+            if values[k + half] > values[k] {
+                values[k] = values[k + half];
+            }
+        }
+        half /= 2;
+    }
+    values[0]
 }
