@@ -1,9 +1,9 @@
 //! One step, stage by stage.
 
-use dcd_broad::BroadPhase;
+use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::{Cut, Exec, PerThread, Segments, Stage};
 use dcd_geom::{Aabb, Pair, Scene};
-use dcd_gjk::{Contact, Findings, NarrowPhase, Report};
+use dcd_gjk::{Contact, Findings, NarrowPhase, Overlap, Report};
 
 /// How many objects a task prepares. Larger: fewer tasks to share. Smaller: more overhead a task
 /// (about a microsecond). A scene of at most this many objects is prepared without the pool.
@@ -15,7 +15,7 @@ const PAIRS_PER_TASK: usize = 2048;
 
 /// Broad phase, narrow phase, and every buffer between them, kept from step to step.
 #[derive(Debug, Default)]
-pub struct Pipeline<B, N: NarrowPhase> {
+pub struct Pipeline<B = WideTree, N: NarrowPhase = Overlap> {
     broad: B,
     narrow: N,
     frame: N::Frame,

@@ -56,7 +56,6 @@ pub(super) fn round<L: Lanes>(l: L, frame: &Frame, lot: &mut Lot, open: u32) -> 
     let stuck = l.and(had_portal, l.le(gain, rounding));
 
     // On which side of the planes through the ray (from c through the origin) and w each point is.
-    let zero = l.splat(0.0);
     let across = w.cross(l, c);
     let (zero, all) = (l.splat(0.0), l.mask(u32::MAX));
     let side0 = l.lt(zero, p[0].dot(l, across));
