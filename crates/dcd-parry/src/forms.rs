@@ -97,21 +97,24 @@ impl<R: Library> Forms<R> {
         &self,
         query: Query,
         placements: &[Placement<R>],
-        pairs: impl ExactSizeIterator<Item = Pair> + Clone,
+        pairs: impl Iterator<Item = Pair>,
         findings: &mut Findings<'_, ()>,
     ) {
         let mut rest = pairs;
-        while let Some(next) = rest.clone().next() {
-            let mut current = next;
+        let mut asked = None;
+        loop {
             let run = catch_unwind(AssertUnwindSafe(|| {
                 for pair in rest.by_ref() {
-                    current = pair;
+                    asked = Some(pair);
                     let [a, b] = [pair.i, pair.j].map(|object| &placements[object as usize]);
                     findings.file(pair, Rung::Foreign, self.verdict(query, a, b));
                 }
             }));
-            if run.is_err() {
-                findings.file(current, Rung::Foreign, Verdict::Undecided(Reason::Foreign));
+            match (run, asked) {
+                (Err(_), Some(pair)) => {
+                    findings.file(pair, Rung::Foreign, Verdict::Undecided(Reason::Foreign));
+                }
+                _ => return,
             }
         }
     }
@@ -128,5 +131,30 @@ pub(crate) fn verdict(touching: Option<bool>, reason: Reason) -> Verdict<()> {
         Some(true) => Verdict::Touching(()),
         Some(false) => Verdict::Apart,
         None => Verdict::Undecided(reason),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dcd_geom::Pose;
+    use dcd_gjk::Report;
+
+    #[test]
+    fn a_panic_leaves_its_pair_undecided_and_the_others_decided() {
+        let ball = Shape::sphere(1.0).unwrap();
+        let poses = [0.0, 1.0, 1.5].map(|x| Pose::from_translation(DVec3::X * x).unwrap());
+        let scene = Scene::one_each(vec![ball; 3], poses.to_vec()).unwrap();
+        let forms = Forms::<f32>::of(&scene);
+        let placements: Vec<_> = (0..3).map(|i| Placement::of(&scene, i)).collect();
+        // There is no object 7, so that asking for it panics.
+        let pairs = [(0, 1), (0, 7), (1, 7), (1, 2), (2, 7)].map(|(i, j)| Pair { i, j });
+        let (mut contacts, mut report) = (Vec::new(), Report::default());
+        let findings = &mut Findings { contacts: &mut contacts, report: &mut report };
+        forms.decide(Query::Distance, &placements, pairs.iter().copied(), findings);
+        let touching: Vec<_> = contacts.iter().map(|contact| contact.pair).collect();
+        assert_eq!(touching, [pairs[0], pairs[3]]);
+        let undecided: Vec<_> = report.undecided().iter().map(|undecided| undecided.pair).collect();
+        assert_eq!(undecided, [pairs[1], pairs[2], pairs[4]]);
     }
 }

@@ -4,7 +4,7 @@ use crate::Library;
 use crate::forms::{verdict, within_range};
 use dcd_gjk::{PairSolver, Placed, Reason, Rung, Verdict};
 use std::marker::PhantomData;
-use std::panic::catch_unwind;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Parry's algorithm, our shapes: its GJK, started and stopped as its `intersection_test` does,
 /// asking our support maps in R.
@@ -31,7 +31,7 @@ impl<R: Library> PairSolver for ParryGjk<R> {
         // It asserts that what it computes on is finite and not degenerate. Nothing that the
         // closure reads can be left half changed.
         let solve = || R::gjk((a.shape, &pose_a), (b.shape, &pose_b));
-        match catch_unwind(std::panic::AssertUnwindSafe(solve)) {
+        match catch_unwind(AssertUnwindSafe(solve)) {
             Ok(touching) => verdict(touching, Reason::Iterations),
             Err(_) => Verdict::Undecided(Reason::Foreign),
         }

@@ -113,12 +113,13 @@ impl<R: Library> ParryPipeline<R> {
 }
 
 impl<R: Library> Ready<'_, R> {
-    /// From boxes to contacts, in Parry's own order, which does not depend on `exec`.
+    /// From boxes to contacts, in Parry's own order, which depends on earlier steps (the tree is
+    /// rebuilt from the one before) but not on `exec`.
     pub fn step<'e>(&mut self, exec: impl Into<Exec<'e>>) -> ParryStep<'_> {
         let (pipeline, exec) = (&mut *self.pipeline, exec.into());
         exec.stage(Stage::Boxes, || pipeline.compute_boxes(exec));
         exec.stage(Stage::Build, || {
-            R::build(pipeline.boxes.iter().copied(), &mut pipeline.tree);
+            R::rebuild(pipeline.boxes.iter().copied(), &mut pipeline.tree);
         });
         exec.stage(Stage::Pairs, || pipeline.find_candidates(self.scene, exec));
         exec.stage(Stage::Narrow, || pipeline.judge(exec));
