@@ -3,7 +3,7 @@
 use crate::ball::{Ball, reach};
 use crate::lanes::{Block, WIDTH};
 use crate::support::farthest;
-use crate::{Real, ShapeError, Support, SupportMap, Vector};
+use crate::{Real, ShapeError, Support, SupportMap};
 use glam::DVec3;
 
 /// What a polytope was made as: the parameters that a closed form, or another library, needs.
