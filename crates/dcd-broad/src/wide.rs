@@ -163,10 +163,11 @@ impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
         l.store_u(l.compress_u(l.mask(hits), l.load_u(&self.tree.ids()[leaf])), &mut ids);
         let count = hits.count_ones() as usize;
         // Sixteen are written and the surplus taken back: a copy of fixed length has no loop.
-        let pairs = ids.0.map(
-            #[inline(always)]
-            |j| Pair { i: i.min(j), j: i.max(j) },
-        );
+        let mut pairs = [Pair::default(); WIDTH];
+        for k in 0..WIDTH {
+            let j = ids.0[k];
+            pairs[k] = Pair { i: i.min(j), j: i.max(j) };
+        }
         let start = self.out.len();
         self.out.extend_from_slice(&pairs);
         self.out.truncate(start + count);

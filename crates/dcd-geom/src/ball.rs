@@ -73,8 +73,7 @@ fn extreme_points(points: &[DVec3]) -> Vec<DVec3> {
     if points.len() <= FEW {
         return points.to_vec();
     }
-    let mut chosen: Vec<u32> =
-        directions().map(|d| farthest::<f64>(points, d).feature).collect();
+    let mut chosen: Vec<u32> = directions().map(|d| farthest::<f64>(points, d).feature).collect();
     chosen.sort_unstable();
     chosen.dedup();
     chosen.into_iter().map(|k| points[k as usize]).collect()

@@ -195,7 +195,7 @@ impl Lanes for Avx2 {
         (self.half_tag(a.0, 0), self.half_tag(a.1, 8))
     }
     #[inline(always)]
-    fn largest_of_each(self, rows: &[Self::F; WIDTH]) -> Self::F {
+    fn largest_of_each(self, rows: &[Row; WIDTH]) -> Self::F {
         (self.largest_of_eight(rows, 0), self.largest_of_eight(rows, 8))
     }
 }
@@ -236,13 +236,13 @@ impl Avx2 {
     /// Lane k of the result is the largest lane of row `first + k`. Each level halves the rows and
     /// keeps twice as many row numbers apart in a register.
     #[inline(always)]
-    fn largest_of_eight(self, rows: &[Halves<__m256>; WIDTH], first: usize) -> __m256 {
+    fn largest_of_eight(self, rows: &[Row; WIDTH], first: usize) -> __m256 {
         let r = &rows[first..first + 8];
         let l1 = [
-            self.singles(r[0], r[1]),
-            self.singles(r[2], r[3]),
-            self.singles(r[4], r[5]),
-            self.singles(r[6], r[7]),
+            self.singles(&r[0], &r[1]),
+            self.singles(&r[2], &r[3]),
+            self.singles(&r[4], &r[5]),
+            self.singles(&r[6], &r[7]),
         ];
         let (a, b) = (self.doubles(l1[0], l1[1]), self.doubles(l1[2], l1[3]));
         op!(_mm256_max_ps(
@@ -252,7 +252,8 @@ impl Avx2 {
     }
 
     #[inline(always)]
-    fn singles(self, a: Halves<__m256>, b: Halves<__m256>) -> __m256 {
+    fn singles(self, a: &Row, b: &Row) -> __m256 {
+        let (a, b) = (self.load(a), self.load(b));
         op!({
             let (a, b) = (_mm256_max_ps(a.0, a.1), _mm256_max_ps(b.0, b.1));
             _mm256_max_ps(_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b))

@@ -148,17 +148,17 @@ impl Lanes for Avx512 {
         )))
     }
     #[inline(always)]
-    fn largest_of_each(self, rows: &[__m512; WIDTH]) -> __m512 {
+    fn largest_of_each(self, rows: &[Row; WIDTH]) -> __m512 {
         // Each level halves the rows and keeps twice as many row numbers apart in a register.
         let l1: [__m512; 8] = [
-            self.singles(rows[0], rows[1]),
-            self.singles(rows[2], rows[3]),
-            self.singles(rows[4], rows[5]),
-            self.singles(rows[6], rows[7]),
-            self.singles(rows[8], rows[9]),
-            self.singles(rows[10], rows[11]),
-            self.singles(rows[12], rows[13]),
-            self.singles(rows[14], rows[15]),
+            self.singles(&rows[0], &rows[1]),
+            self.singles(&rows[2], &rows[3]),
+            self.singles(&rows[4], &rows[5]),
+            self.singles(&rows[6], &rows[7]),
+            self.singles(&rows[8], &rows[9]),
+            self.singles(&rows[10], &rows[11]),
+            self.singles(&rows[12], &rows[13]),
+            self.singles(&rows[14], &rows[15]),
         ];
         let l2 = [
             self.doubles(l1[0], l1[1]),
@@ -173,7 +173,8 @@ impl Lanes for Avx512 {
 /// The three ways in which two registers are folded into one, by the size of what is kept apart.
 impl Avx512 {
     #[inline(always)]
-    fn singles(self, a: __m512, b: __m512) -> __m512 {
+    fn singles(self, a: &Row, b: &Row) -> __m512 {
+        let (a, b) = (self.load(a), self.load(b));
         op!(_mm512_max_ps(_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b)))
     }
 

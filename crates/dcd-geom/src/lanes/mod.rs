@@ -100,7 +100,7 @@ pub trait Lanes: Copy {
     /// a with its four lowest bits replaced by the number of its lane.
     fn tag(self, a: Self::F) -> Self::F;
     /// Lane k of the result is the largest lane of row k.
-    fn largest_of_each(self, rows: &[Self::F; WIDTH]) -> Self::F;
+    fn largest_of_each(self, rows: &[Row; WIDTH]) -> Self::F;
 
     /// −a.
     #[inline(always)]
@@ -205,7 +205,6 @@ mod tests {
         #[inline(always)]
         fn run<L: Lanes>(self, l: L) -> Self::Output {
             let (a, b) = (l.load(self.a), l.load(self.b));
-            let rows = self.rows.map(|row| l.load(&row));
             let floats = [
                 l.splat(0.1),
                 l.add(a, b),
@@ -219,7 +218,7 @@ mod tests {
                 l.sqrt(l.abs(a)),
                 l.select(l.lt(a, b), a, b),
                 l.tag(a),
-                l.largest_of_each(&rows),
+                l.largest_of_each(self.rows),
             ];
             let (lt, le) = (l.lt(a, b), l.le(a, b));
             let masks = [l.and(lt, le), l.or(lt, le), l.and_not(le, lt), l.mask(0xA5C3)];

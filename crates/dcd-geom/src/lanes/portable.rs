@@ -141,9 +141,9 @@ impl Lanes for Portable {
         each!(k => f32::from_bits(a[k].to_bits() & !15 | k as u32))
     }
     #[inline(always)]
-    fn largest_of_each(self, rows: &[Self::F; WIDTH]) -> Self::F {
+    fn largest_of_each(self, rows: &[Row; WIDTH]) -> Self::F {
         each!(k => {
-            let halves: [f32; 8] = from_fn(|h| if rows[k][h] > rows[k][h + 8] { rows[k][h] } else { rows[k][h + 8] });
+            let halves: [f32; 8] = from_fn(|h| if rows[k].0[h] > rows[k].0[h + 8] { rows[k].0[h] } else { rows[k].0[h + 8] });
             halves.into_iter().fold(f32::NEG_INFINITY, |m, x| if x > m { x } else { m })
         })
     }

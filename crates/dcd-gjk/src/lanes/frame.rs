@@ -1,5 +1,6 @@
 //! What is prepared of every object once a step.
 
+use super::lot::Side;
 use dcd_geom::lanes::Block;
 use dcd_geom::{Divide, Scene};
 
@@ -63,8 +64,8 @@ impl Frame {
     }
 
     #[inline(always)]
-    pub(super) fn blocks(&self, record: &Record) -> &[Block] {
-        &self.blocks[record.first as usize..][..record.blocks as usize]
+    pub(super) fn blocks(&self, side: &Side, lane: usize) -> &[Block] {
+        &self.blocks[side.first.0[lane] as usize..][..side.blocks.0[lane] as usize]
     }
 }
 

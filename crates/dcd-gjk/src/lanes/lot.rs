@@ -9,14 +9,43 @@ use dcd_geom::lanes::{IndexRow, Lanes, Row, WIDTH};
 pub(super) struct Lot {
     /// Each pair's number in its slice.
     pub(super) number: IndexRow,
-    /// Object a.
-    pub(super) a: IndexRow,
-    /// Object b.
-    pub(super) b: IndexRow,
+    /// The vertices of object a.
+    pub(super) a: Side,
+    /// The vertices of object b.
+    pub(super) b: Side,
     /// Bit k: pair k has a portal that the ray from c to the origin passes.
     pub(super) found: u32,
     rows: [Row; 19],
 }
+
+/// Where sixteen objects' vertices are in the frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Side {
+    /// The first block of each.
+    pub(super) first: IndexRow,
+    /// How many it has.
+    pub(super) blocks: IndexRow,
+}
+
+impl Side {
+    #[inline(always)]
+    pub(super) fn write(&mut self, lane: usize, first: u32, blocks: u32) {
+        self.first.0[lane] = first;
+        self.blocks.0[lane] = blocks;
+    }
+
+    #[inline(always)]
+    fn copy(&mut self, to: usize, from: &Self, lane: usize) {
+        self.write(to, from.first.0[lane], from.blocks.0[lane]);
+    }
+}
+
+/// How many rows of a lot mean something after a stage: what is pushed on.
+pub(super) const AFTER_CONE: usize = Vector::P0 as usize + 3;
+/// See [`AFTER_CONE`].
+pub(super) const AFTER_SECOND_POINT: usize = Vector::D as usize + 3;
+/// See [`AFTER_CONE`].
+pub(super) const AFTER_ROUND: usize = Vector::P2 as usize + 3;
 
 /// A row of numbers in a lot.
 #[derive(Clone, Copy, Debug)]
@@ -40,10 +69,10 @@ pub(super) enum Vector {
     P0 = 7,
     /// The second.
     P1 = 10,
-    /// The third.
-    P2 = 13,
     /// The direction of the next support.
-    D = 16,
+    D = 13,
+    /// The third.
+    P2 = 16,
 }
 
 impl Lot {
@@ -113,9 +142,9 @@ impl Queue {
         (&mut self.lots[k], (1 << used) - 1)
     }
 
-    /// Appends one pair of another lot.
+    /// Appends one pair of another lot, its first `ROWS` rows.
     #[inline(always)]
-    pub(super) fn push(&mut self, from: &Lot, lane: usize) {
+    pub(super) fn push<const ROWS: usize>(&mut self, from: &Lot, lane: usize) {
         let to = self.len % WIDTH;
         if to == 0 {
             self.lots.push(Lot::default());
@@ -123,10 +152,10 @@ impl Queue {
         self.len += 1;
         let Some(lot) = self.lots.last_mut() else { return };
         lot.number.0[to] = from.number.0[lane];
-        lot.a.0[to] = from.a.0[lane];
-        lot.b.0[to] = from.b.0[lane];
+        lot.a.copy(to, &from.a, lane);
+        lot.b.copy(to, &from.b, lane);
         lot.found |= (from.found >> lane & 1) << to;
-        for row in 0..lot.rows.len() {
+        for row in 0..ROWS {
             lot.rows[row].0[to] = from.rows[row].0[lane];
         }
     }

@@ -19,8 +19,9 @@ pub use frame::{Frame, Part};
 use crate::{Contact, Findings, NarrowPhase, Placed, Report, Rung, Verdict};
 use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{Aabb, Pair, Scene};
-use lot::{LanesOf, Queue};
-use opening::Entry;
+use lot::{AFTER_CONE, AFTER_ROUND, AFTER_SECOND_POINT, LanesOf, Queue};
+use opening::{Entry, Place};
+use support::Desk;
 
 /// Whether two objects touch, proved: the most reliable rung, and the default.
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +50,7 @@ pub struct Scratch {
     known: Vec<Known>,
     queue: Queue,
     next: Queue,
+    desk: Desk,
 }
 
 /// What is known of a pair so far.
@@ -152,42 +154,45 @@ impl Decide<'_> {
     /// Balls, axis and cone for every pair; the others are queued.
     #[inline(always)]
     fn open<L: Lanes>(&mut self, l: L) {
-        self.scratch.queue.clear();
+        let Scratch { known, queue, desk, .. } = &mut *self.scratch;
+        let mut at = Place { frame: self.frame, desk };
+        queue.clear();
         let mut entry = Entry::default();
         for (group, pairs) in self.pairs.chunks(WIDTH).enumerate() {
             entry.read(self.frame, pairs, (group * WIDTH) as u32);
             let balls = entry.balls(l);
             let mut open = entry.live & !(balls.apart | balls.touching);
-            let axis = entry.centre_axis(l, self.frame, open);
+            let axis = entry.centre_axis(l, &mut at, open);
             open &= !axis;
             let cone = entry.cone(l, open);
             open &= !cone;
 
-            let known = &mut self.scratch.known[group * WIDTH..];
+            let known = &mut known[group * WIDTH..];
             mark(known, balls.apart | axis, Known::Apart);
             mark(known, balls.touching | cone, Known::Touching);
             self.report.count(Rung::Balls, count(balls.apart | balls.touching));
             self.report.count(Rung::CentreAxis, count(axis));
             self.report.count(Rung::Cone, count(cone));
             for lane in LanesOf(open) {
-                self.scratch.queue.push(&entry.lot, lane);
+                queue.push::<AFTER_CONE>(&entry.lot, lane);
             }
         }
     }
 
     #[inline(always)]
     fn second_point<L: Lanes>(&mut self, l: L) {
-        let Scratch { known, queue, next, .. } = &mut *self.scratch;
+        let Scratch { known, queue, next, desk } = &mut *self.scratch;
+        let mut at = Place { frame: self.frame, desk };
         next.clear();
         for k in 0..queue.lots() {
             let (lot, open) = queue.lot(k);
-            let touching = portal::second_point(l, self.frame, lot, open);
+            let touching = portal::second_point(l, &mut at, lot, open);
             for lane in LanesOf(touching) {
                 known[lot.number.0[lane] as usize] = Known::Touching;
             }
             self.report.count(Rung::Cone, count(touching));
             for lane in LanesOf(open & !touching) {
-                next.push(lot, lane);
+                next.push::<AFTER_SECOND_POINT>(lot, lane);
             }
         }
         std::mem::swap(queue, next);
@@ -196,7 +201,8 @@ impl Decide<'_> {
     /// Support after support, the lots closed up after each.
     #[inline(always)]
     fn rounds<L: Lanes>(&mut self, l: L) {
-        let Scratch { known, queue, next, .. } = &mut *self.scratch;
+        let Scratch { known, queue, next, desk } = &mut *self.scratch;
+        let mut at = Place { frame: self.frame, desk };
         for _ in 0..portal::ROUNDS {
             if queue.is_empty() {
                 return;
@@ -204,7 +210,7 @@ impl Decide<'_> {
             next.clear();
             for k in 0..queue.lots() {
                 let (lot, open) = queue.lot(k);
-                let (settled, stuck) = portal::round(l, self.frame, lot, open);
+                let (settled, stuck) = portal::round(l, &mut at, lot, open);
                 let apart = settled.apart & !settled.touching;
                 for lane in LanesOf(apart) {
                     known[lot.number.0[lane] as usize] = Known::Apart;
@@ -214,7 +220,7 @@ impl Decide<'_> {
                 }
                 self.report.count(Rung::Portal, count(apart | settled.touching));
                 for lane in LanesOf(open & !(apart | settled.touching | stuck)) {
-                    next.push(lot, lane);
+                    next.push::<AFTER_ROUND>(lot, lane);
                 }
             }
             std::mem::swap(queue, next);

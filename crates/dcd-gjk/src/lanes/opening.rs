@@ -4,7 +4,7 @@ use super::bounds::{HULL_OF_BALL, OUTER_BALLS, SIZE, U};
 use super::certificate::{ball_holds_origin, separates};
 use super::frame::Frame;
 use super::lot::{Lot, Number, Vector};
-use super::support::supports;
+use super::support::{Desk, supports};
 use super::vector::V3;
 use dcd_geom::Pair;
 use dcd_geom::lanes::{Lanes, Row};
@@ -38,8 +38,8 @@ impl Entry {
         for pair in pairs {
             let (a, b) = (frame.record(pair.i), frame.record(pair.j));
             lot.number.0[k] = first + k as u32;
-            lot.a.0[k] = pair.i;
-            lot.b.0[k] = pair.j;
+            lot.a.write(k, a.first, a.blocks);
+            lot.b.write(k, b.first, b.blocks);
             let [x, y, z] = b.centre;
             let delta = [a.centre[0] - x, a.centre[1] - y, a.centre[2] - z];
             lot.write_vector(Vector::C, k, [delta[0] as f32, delta[1] as f32, delta[2] as f32]);
@@ -78,10 +78,10 @@ impl Entry {
 
     /// Asks for the support towards the origin: rejects if the axis between the centres separates.
     #[inline(always)]
-    pub(super) fn centre_axis<L: Lanes>(&mut self, l: L, frame: &Frame, open: u32) -> u32 {
+    pub(super) fn centre_axis<L: Lanes>(&mut self, l: L, at: &mut Place<'_>, open: u32) -> u32 {
         let lot = &mut self.lot;
         let c = lot.vector(l, Vector::C);
-        let p = farthest(l, frame, lot, c.neg(l), open);
+        let p = at.farthest(l, lot, c.neg(l), open);
         lot.set_vector(l, Vector::P0, p);
         open & l.bits(separates(l, lot, c, p))
     }
@@ -103,10 +103,18 @@ pub(super) fn nearest_multiple<L: Lanes>(l: L, c: V3<L>, p: V3<L>) -> L::F {
     l.max(tau, l.splat(0.0))
 }
 
-/// The point of A − B farthest along d, for the lanes set in `open`.
-#[inline(always)]
-pub(super) fn farthest<L: Lanes>(l: L, frame: &Frame, lot: &Lot, d: V3<L>, open: u32) -> V3<L> {
-    let a = supports(l, frame, &lot.a.0, d, open);
-    let b = supports(l, frame, &lot.b.0, d.neg(l), open);
-    a.sub(l, b).add(l, lot.vector(l, Vector::C))
+/// Where supports are found.
+pub(super) struct Place<'a> {
+    pub(super) frame: &'a Frame,
+    pub(super) desk: &'a mut Desk,
+}
+
+impl Place<'_> {
+    /// The point of A − B farthest along d, for the lanes set in `open`.
+    #[inline(always)]
+    pub(super) fn farthest<L: Lanes>(&mut self, l: L, lot: &Lot, d: V3<L>, open: u32) -> V3<L> {
+        let a = supports(l, self.frame, self.desk, (&lot.a, d), open);
+        let b = supports(l, self.frame, self.desk, (&lot.b, d.neg(l)), open);
+        a.sub(l, b).add(l, lot.vector(l, Vector::C))
+    }
 }

@@ -3,9 +3,8 @@
 //! Complex Collision Made Simple", Game Programming Gems 7, 2008).
 
 use super::certificate::{hull_holds_origin, separates};
-use super::frame::Frame;
 use super::lot::{Lot, Number, Vector};
-use super::opening::{Settled, farthest, nearest_multiple};
+use super::opening::{Place, Settled, nearest_multiple};
 use super::vector::V3;
 use dcd_geom::lanes::Lanes;
 
@@ -17,11 +16,11 @@ pub(super) const ROUNDS: usize = 24;
 /// points holds the origin; else spans a plane through the centre and both, and looks beyond it on
 /// the origin's side.
 #[inline(always)]
-pub(super) fn second_point<L: Lanes>(l: L, frame: &Frame, lot: &mut Lot, open: u32) -> u32 {
+pub(super) fn second_point<L: Lanes>(l: L, at: &mut Place<'_>, lot: &mut Lot, open: u32) -> u32 {
     let (c, p) = (lot.vector(l, Vector::C), lot.vector(l, Vector::P0));
     // c + τ·p is at right angles to p: the support against it opens the widest angle.
     let d = c.plus(l, nearest_multiple(l, c, p), p).neg(l);
-    let q = farthest(l, frame, lot, d, open);
+    let q = at.farthest(l, lot, d, open);
 
     let (pp, pq, qq) = (p.dot(l, p), p.dot(l, q), q.dot(l, q));
     let (cp, cq) = (c.dot(l, p), c.dot(l, q));
@@ -45,10 +44,15 @@ pub(super) fn second_point<L: Lanes>(l: L, frame: &Frame, lot: &mut Lot, open: u
 /// One support and what follows from it: apart, touching, a better portal; or `stuck`, where the
 /// support is no farther than the portal itself and only rounding is left to gain.
 #[inline(always)]
-pub(super) fn round<L: Lanes>(l: L, frame: &Frame, lot: &mut Lot, open: u32) -> (Settled, u32) {
+pub(super) fn round<L: Lanes>(
+    l: L,
+    at: &mut Place<'_>,
+    lot: &mut Lot,
+    open: u32,
+) -> (Settled, u32) {
     let (c, d) = (lot.vector(l, Vector::C), lot.vector(l, Vector::D));
     let p = [lot.vector(l, Vector::P0), lot.vector(l, Vector::P1), lot.vector(l, Vector::P2)];
-    let w = farthest(l, frame, lot, d, open);
+    let w = at.farthest(l, lot, d, open);
     let apart = separates(l, lot, d.neg(l), w);
     let had_portal = l.mask(lot.found);
     let gain = w.sub(l, p[0]).dot(l, d);

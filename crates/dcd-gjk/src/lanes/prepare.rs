@@ -3,7 +3,7 @@
 use super::bounds::{CENTRE, ROTATED, U};
 use super::frame::{Part, Record};
 use super::vector::V3;
-use dcd_geom::glam::DVec3;
+use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::lanes::{Block, Kernel, Lanes, Row, WIDTH};
 use dcd_geom::{Aabb, Core, Pose, Scene};
 
@@ -15,20 +15,17 @@ pub(super) struct Prepare<'a> {
     pub(super) aabbs: &'a mut [Aabb],
 }
 
-/// Sixteen objects' coordinates, the largest of each lane of a block.
-type Extremes<L> = [<L as Lanes>::F; WIDTH];
-
 impl Kernel for Prepare<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
         let mut blocks = self.part.blocks;
+        // The largest x, y, z and the largest −x, −y, −z of sixteen objects, lane by lane.
+        let mut extremes = [[Row::default(); WIDTH]; 6];
         let groups = self.part.records.chunks_mut(WIDTH).zip(self.aabbs.chunks_mut(WIDTH));
         for (group, (records, aabbs)) in groups.enumerate() {
             let first = self.first + group * WIDTH;
-            // The largest x, y, z and the largest −x, −y, −z of each object.
-            let mut extremes: [Extremes<L>; 6] = [[l.splat(0.0); WIDTH]; 6];
             for (lane, record) in records.iter_mut().enumerate() {
                 let (own, others) =
                     std::mem::take(&mut blocks).split_at_mut(record.blocks as usize);
@@ -39,18 +36,18 @@ impl Kernel for Prepare<'_> {
                 *record = place(record, core, pose);
                 let local = &self.scene.cores().blocks(core)[..own.len()];
                 let found = rotate(l, pose, local, own);
-                for (side, extreme) in extremes.iter_mut().zip(found) {
-                    side[lane] = extreme;
+                for side in 0..6 {
+                    l.store(found[side], &mut extremes[side][lane]);
                 }
             }
             let mut reach = [Row::default(); 6];
-            for (row, extremes) in reach.iter_mut().zip(&extremes) {
-                l.store(l.largest_of_each(extremes), row);
+            for side in 0..6 {
+                l.store(l.largest_of_each(&extremes[side]), &mut reach[side]);
             }
             for (lane, (record, aabb)) in records.iter().zip(aabbs).enumerate() {
                 *aabb = match record.blocks {
                     0 => self.scene.aabb(first + lane),
-                    _ => boxed(record, reach.each_ref().map(|row| row.0[lane])),
+                    _ => boxed(record, [0, 1, 2, 3, 4, 5].map(|side: usize| reach[side].0[lane])),
                 };
             }
         }
@@ -93,21 +90,32 @@ fn above(x: f64) -> f32 {
 /// Writes R·v in f32 for every vertex, and returns the largest x, y, z, −x, −y, −z lane by lane.
 #[inline(always)]
 fn rotate<L: Lanes>(l: L, pose: &Pose, local: &[Block], out: &mut [Block]) -> [L::F; 6] {
-    let columns = pose.rotation().as_mat3().to_cols_array_2d();
-    let m = columns.map(|column| column.map(|x| l.splat(x)));
+    let m = pose.rotation().as_mat3();
+    let (mx, my, mz) = (spread(l, m.x_axis), spread(l, m.y_axis), spread(l, m.z_axis));
     let lowest = l.splat(f32::NEG_INFINITY);
     let mut extremes = [lowest; 6];
     for (v, out) in local.iter().zip(out) {
-        let V3(x, y, z) = V3::load(l, &v.0);
-        let row = |k: usize| l.mul_add(m[0][k], x, l.mul_add(m[1][k], y, l.mul(m[2][k], z)));
-        let world = [row(0), row(1), row(2)];
-        V3::<L>(world[0], world[1], world[2]).store(l, &mut out.0);
-        for k in 0..3 {
-            extremes[k] = l.max(extremes[k], world[k]);
-            extremes[k + 3] = l.max(extremes[k + 3], l.neg(world[k]));
-        }
+        let V3(x, y, z) = V3::<L>::load(l, &v.0);
+        let zero = l.splat(0.0);
+        let world = V3(zero, zero, zero).plus(l, z, mz).plus(l, y, my).plus(l, x, mx);
+        world.store(l, &mut out.0);
+        let back = world.neg(l);
+        extremes = [
+            l.max(extremes[0], world.0),
+            l.max(extremes[1], world.1),
+            l.max(extremes[2], world.2),
+            l.max(extremes[3], back.0),
+            l.max(extremes[4], back.1),
+            l.max(extremes[5], back.2),
+        ];
     }
     extremes
+}
+
+/// One vector in every lane.
+#[inline(always)]
+fn spread<L: Lanes>(l: L, v: Vec3) -> V3<L> {
+    V3(l.splat(v.x), l.splat(v.y), l.splat(v.z))
 }
 
 /// The object's box: its rotated vertices' extremes round its centre, and what all of it may be
