@@ -25,6 +25,8 @@ pub struct Report {
     /// The names of units not measured, and the number planned.
     missing: Option<(Vec<String>, usize)>,
     sections: Vec<Section>,
+    /// What only the JSON of the whole holds.
+    attached: Map<String, Value>,
 }
 
 #[derive(Clone, Debug)]
@@ -40,7 +42,7 @@ impl Report {
     #[must_use]
     pub fn new(name: impl Into<String>, title: impl Into<String>, header: Header) -> Self {
         let (name, title) = (name.into(), title.into());
-        Self { name, title, header, missing: None, sections: Vec::new() }
+        Self { name, title, header, missing: None, sections: Vec::new(), attached: Map::new() }
     }
 
     /// Says at the top which planned units are not measured, if any.
@@ -67,6 +69,11 @@ impl Report {
     /// Adds a figure.
     pub fn figure(&mut self, figure: Figure) {
         self.sections.push(Section::Figure(figure));
+    }
+
+    /// Adds a value that only the JSON of the whole holds, under a key of its own.
+    pub fn attach(&mut self, key: impl Into<String>, value: Value) {
+        self.attached.insert(key.into(), value);
     }
 
     /// The whole as Markdown; its figures are files beside it.
@@ -100,13 +107,17 @@ impl Report {
             }
         }
         let missing = self.missing.as_ref().map_or(&[][..], |(missing, _)| missing);
-        json!({
+        let mut whole = json!({
             "header": self.header,
             "missing": missing,
             "notes": notes,
             "tables": tables,
             "figures": figures,
-        })
+        });
+        for (key, value) in &self.attached {
+            whole[key] = value.clone();
+        }
+        whole
     }
 
     /// Writes `report.md`, `report.html`, each table as CSV and JSON, each figure as SVG and JSON into
@@ -217,6 +228,17 @@ mod tests {
             assert_eq!(whole["missing"], json!([]));
             Ok(())
         })
+    }
+
+    #[test]
+    fn what_is_attached_stands_in_the_whole_alone() -> Result<()> {
+        let mut report = report()?;
+        report.attach("results", json!([{ "scene": "paper" }]));
+        assert_eq!(report.to_json()["results"][0]["scene"], json!("paper"));
+        assert!(
+            !report.to_markdown().contains("results") && !report.to_html()?.contains("results")
+        );
+        Ok(())
     }
 
     #[test]

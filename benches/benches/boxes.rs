@@ -1,0 +1,30 @@
+//! The first stage: rotated vertices for the lanes, balls and world boxes, per object.
+
+#![allow(missing_docs)] // criterion's macros make undocumented functions
+
+mod input;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use dcd_geom::Aabb;
+use dcd_gjk::lanes::Frame;
+use dcd_gjk::{NarrowPhase, Overlap};
+use std::hint::black_box;
+
+fn boxes(criterion: &mut Criterion) {
+    let scene = input::scene();
+    let overlap = Overlap::default();
+    let mut frame = Frame::default();
+    let mut aabbs = vec![Aabb::default(); scene.len()];
+    let mut group = criterion.benchmark_group("boxes");
+    group.throughput(Throughput::Elements(scene.len() as u64));
+    group.bench_function("prepare", |bencher| {
+        bencher.iter(|| {
+            let part = overlap.lay_out(&scene, &mut frame);
+            overlap.prepare(black_box(&scene), 0, part, black_box(&mut aabbs));
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, boxes);
+criterion_main!(benches);

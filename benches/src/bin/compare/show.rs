@@ -1,0 +1,232 @@
+//! Tables, notes and JSON of what was compared.
+
+use anyhow::Result;
+use dcd_benches::{Cell, Column, Header, Report, Table};
+
+use crate::json::objects;
+use crate::judge::{Account, Wrong};
+use crate::race::{Comparison, Race};
+use crate::rivals::{PARTS, WHOLE};
+
+/// What a reader of the tables must know.
+const NOTES: [&str; 4] = [
+    "A ratio is Parry's time by ours, taken round by round, the two in turn in one process; the \
+     median of the rounds, with the least and the most. Above 1 we are faster. `broad` is build and \
+     pairs together. Every step is a first step: buffers are kept, nothing learnt about the poses \
+     is (but for Parry's tree, which starts from the order of its last one, its fastest way).",
+    "Parry is parry3d in f32: its boxes, its binned tree, the tree against itself (the parallel \
+     traversal above one thread), a query for each candidate. Its shapes are made and its poses \
+     converted outside of the timer; our step starts from f64 poses.",
+    "Candidates differ by rounding: both take the box of the rotated vertices, but our boxes are \
+     f32 rounded outward from f64, so that no contact is lost, and Parry's are f32 rounded to \
+     nearest from a rotation in f32. Pairs with an object that Parry has no shape for are ours \
+     alone.",
+    "Our contact set is compared with that of Parry in f64; every pair on which we, Parry in f64 \
+     and Parry in f32 differ is settled by exact integers on the vertices R·v + t, and `wrong` \
+     counts against that. A pair that is left undecided is not wrong. Where our set is wrong no \
+     time is shown.",
+];
+
+/// The report of all comparisons.
+pub(crate) fn report(header: Header, comparisons: &[Comparison]) -> Result<Report> {
+    let mut report = Report::new("compare", "Our default pipeline beside Parry's best", header);
+    report.table(ratios(comparisons)?);
+    report.table(answers(comparisons)?);
+    NOTES.into_iter().for_each(|note| report.note(note));
+    for line in differences(comparisons) {
+        report.note(line);
+    }
+    report.heading("Stages");
+    report.table(stages(comparisons)?);
+    report.attach("results", comparisons.iter().flat_map(objects).collect());
+    Ok(report)
+}
+
+/// What the terminal shows: every stage of one scene, one line for each scene of several.
+pub(crate) fn terminal(comparisons: &[Comparison]) -> Result<String> {
+    let times = if comparisons.len() == 1 { stages(comparisons)? } else { ratios(comparisons)? };
+    let mut text = String::new();
+    for table in [times, answers(comparisons)?] {
+        text += &format!("{}\n\n{}\n", table.title(), table.to_markdown());
+    }
+    let mut notes = differences(comparisons);
+    notes.extend(NOTES.map(str::to_owned));
+    Ok(text + &notes.join("\n"))
+}
+
+/// One row for each scene and number of threads.
+fn ratios(comparisons: &[Comparison]) -> Result<Table> {
+    let ratio = |name: &str| Column::new(name).unit("×").decimals(2);
+    let mut columns = vec![Column::new("scene"), Column::new("N"), Column::new("threads")];
+    columns.extend(["ours", "Parry f32"].map(|name| Column::new(name).unit("ms")));
+    columns.extend(["whole", "least", "most"].map(ratio));
+    columns.extend(PARTS[..WHOLE].iter().map(|part| ratio(part)));
+    columns.extend([ratio("brute force"), Column::new("Parry f32 wrong")]);
+    let mut table =
+        Table::new("ratios", "Whole step, and how many times as fast as Parry", columns);
+    for_each_race(comparisons, |comparison, threads, race| {
+        let mut row = name_cells(comparison, threads);
+        let whole = race.map(|race| race.parts[WHOLE]);
+        row.push(whole.map(|whole| whole.ours.median).into());
+        row.push(whole.map(|whole| whole.rival.median).into());
+        let range = whole.map(|whole| [whole.ratio, whole.least, whole.most]);
+        row.extend(range.unwrap_or_default().map(Cell::from));
+        row.extend((0..WHOLE).map(|part| race.and_then(|race| race.parts[part].ratio).into()));
+        row.push(race.and_then(|race| race.brute_force?.ratio).into());
+        row.push(comparison.judged.parry_f32.wrong().into());
+        table.push(row)
+    })?;
+    Ok(table)
+}
+
+/// One row for each scene, number of threads and stage.
+fn stages(comparisons: &[Comparison]) -> Result<Table> {
+    let columns = ["scene", "N", "threads", "stage"].map(Column::new).into_iter().chain([
+        Column::new("ours").unit("ms"),
+        Column::new("ours, least").unit("ms"),
+        Column::new("rival").unit("ms"),
+        Column::new("rival, least").unit("ms"),
+        Column::new("ratio").unit("×").decimals(2),
+        Column::new("least").unit("×").decimals(2),
+        Column::new("most").unit("×").decimals(2),
+        Column::new("rounds"),
+    ]);
+    let title = "Each stage: medians and least times, and the rival's time by ours";
+    let mut table = Table::new("stages", title, columns);
+    for_each_race(comparisons, |comparison, threads, race| {
+        let Some(race) = race else { return Ok(()) };
+        let brute = race.brute_force.as_ref().map(|beside| ("whole, brute force", beside));
+        for (stage, beside) in PARTS.into_iter().zip(&race.parts).chain(brute) {
+            let mut row = name_cells(comparison, threads);
+            row.push(stage.into());
+            for sample in [beside.ours, beside.rival] {
+                row.extend([sample.median, sample.min].map(Cell::from));
+            }
+            row.extend([beside.ratio, beside.least, beside.most].map(Cell::from));
+            row.push(race.rounds.into());
+            table.push(row)?;
+        }
+        Ok(())
+    })?;
+    Ok(table)
+}
+
+/// One row for each scene: what was found, and who is wrong.
+fn answers(comparisons: &[Comparison]) -> Result<Table> {
+    let columns = [
+        "scene",
+        "N",
+        "candidates",
+        "Parry's candidates",
+        "contacts",
+        "undecided",
+        "wrong",
+        "Parry f32: false contacts",
+        "Parry f32: missed",
+        "Parry f64: wrong",
+        "Parry f64: undecided",
+        "Parry refused",
+        "settled exactly",
+    ];
+    let mut table =
+        Table::new("answers", "What was found, and who is wrong", columns.map(Column::new));
+    for comparison in comparisons {
+        let judged = &comparison.judged;
+        let Account { candidates, undecided, .. } = judged.ours;
+        let counts = [
+            comparison.objects,
+            candidates,
+            judged.parry_f32.candidates,
+            judged.contacts,
+            undecided,
+            judged.ours.wrong(),
+            judged.parry_f32.false_contacts,
+            judged.parry_f32.missed,
+            judged.parry_f64.wrong(),
+            judged.parry_f64.undecided,
+            judged.parry_f64.refused,
+            judged.settled_exactly,
+        ];
+        let scene = Cell::from(comparison.scene.as_str());
+        table.push([scene].into_iter().chain(counts.map(Cell::from)))?;
+    }
+    Ok(table)
+}
+
+/// The pairs on which we and Parry in f64 differ, one sentence each.
+fn differences(comparisons: &[Comparison]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for comparison in comparisons {
+        for difference in &comparison.judged.differences {
+            let truth = if difference.touching { "touching" } else { "apart" };
+            let wrong = match difference.wrong {
+                Wrong::Ours => "ours",
+                Wrong::ParryF64 => "Parry f64",
+            };
+            let (label, i, j) = (comparison.label(), difference.i, difference.j);
+            lines.push(format!("{label}: pair ({i}, {j}) is {truth}; {wrong} wrong."));
+        }
+    }
+    lines
+}
+
+/// Calls `row` for each scene and number of threads, without times where our set is wrong.
+fn for_each_race(
+    comparisons: &[Comparison],
+    mut row: impl FnMut(&Comparison, usize, Option<&Race>) -> Result<()>,
+) -> Result<()> {
+    for comparison in comparisons {
+        for &threads in &comparison.threads {
+            let race = comparison.races.iter().find(|race| race.threads == threads);
+            row(comparison, threads, race)?;
+        }
+    }
+    Ok(())
+}
+
+fn name_cells(comparison: &Comparison, threads: usize) -> Vec<Cell> {
+    let scene = Cell::from(comparison.scene.as_str());
+    vec![scene, comparison.objects.into(), threads.into()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::judge::Judged;
+
+    fn wrong() -> Comparison {
+        let ours = Account { contacts: 1, false_contacts: 1, ..Account::default() };
+        let other = Account::default();
+        let judged = Judged {
+            contacts: 0,
+            settled_exactly: 1,
+            ours,
+            parry_f32: other,
+            parry_f64: other,
+            differences: Vec::new(),
+        };
+        Comparison {
+            scene: "paper".to_owned(),
+            objects: 2,
+            seed: Some(0),
+            query: "intersection-test".to_owned(),
+            digest: String::new(),
+            judged,
+            threads: vec![1],
+            races: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_wrong_set_has_a_row_without_times() -> Result<()> {
+        let csv = ratios(&[wrong()])?.to_csv();
+        let cells: Vec<&str> = csv.lines().nth(1).unwrap_or_default().split(',').collect();
+        assert_eq!(cells[..3], ["paper", "2", "1"]);
+        assert!(cells[3..cells.len() - 1].iter().all(|cell| cell.is_empty()), "{csv}");
+        assert_eq!(stages(&[wrong()])?.to_csv().lines().count(), 1);
+        let objects = objects(&wrong());
+        assert!(objects[0]["ms"].is_null() && objects[0]["ratio"].is_null());
+        assert_eq!(objects[0]["wrong"]["ours"]["false_contacts"], 1);
+        Ok(())
+    }
+}
