@@ -3,6 +3,7 @@
 //!
 //! Lengths here are those of a [`Difference`]: scaled so that the pair's size m is in [½, 1).
 
+use crate::gjk::Simplex;
 use crate::simplex::{Triple, cross, determinant, dot, minus, norm1};
 use crate::{Difference, Vertex};
 use dcd_geom::{Real, SupportMap, Vector};
@@ -66,7 +67,6 @@ pub(crate) struct Bounds<R> {
     upper: R,
     lower: R,
     radius: R,
-    support_error: R,
     through: R,
 }
 
@@ -91,7 +91,6 @@ impl<R: Real> Bounds<R> {
             upper: times(constants.upper) + support_error + support_error,
             lower: times(constants.lower) + support_error,
             radius,
-            support_error,
             through: times(THROUGH) + support_error,
         }
     }
@@ -123,12 +122,8 @@ impl<R: Real> Bounds<R> {
         along - along.abs() * (R::from_f64(LENGTH) * R::UNIT_ROUNDOFF) - self.lower
     }
 
-    /// Whether the hull of four computed vertices surely holds the origin.
-    pub(crate) fn four_points_touch(&self, points: &[Triple<R>; 4]) -> bool {
-        four_points_hold_origin(points, self.vertex)
-    }
-
-    /// The same where a point may be a convex combination of vertices.
+    /// Whether the hull of four points, each a computed vertex or a convex combination of four,
+    /// surely holds the origin.
     pub(crate) fn four_combined_points_touch(&self, points: &[Triple<R>; 4]) -> bool {
         four_points_hold_origin(points, self.combined)
     }
@@ -138,14 +133,19 @@ impl<R: Real> Bounds<R> {
         !(squared_distance > self.through * self.through)
     }
 
+    /// Whether the hull of a simplex of four vertices surely holds the origin.
+    pub(crate) fn simplex_touches(&self, simplex: &Simplex<R>) -> bool {
+        simplex.vertices().len() == 4 && four_points_hold_origin(&simplex.points(), self.vertex)
+    }
+
+    /// At least the sum of the swept radii.
+    pub(crate) fn swept_upper(&self) -> R {
+        self.radius * (R::ONE + R::from_f64(LENGTH) * R::UNIT_ROUNDOFF)
+    }
+
     /// The sum of the swept radii.
     pub(crate) fn radius(&self) -> R {
         self.radius
-    }
-
-    /// What the foreign support maps may fall short by.
-    pub(crate) fn support_error(&self) -> R {
-        self.support_error
     }
 }
 

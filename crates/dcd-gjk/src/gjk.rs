@@ -82,7 +82,7 @@ where
         }
         nearest_so_far = squared;
         simplex.keep(&near);
-        if near.count == 4 && bounds.four_points_touch(&simplex.points()) {
+        if bounds.simplex_touches(simplex) {
             return Verdict::Touching(());
         }
         if bounds.radius() > R::ZERO {
@@ -139,7 +139,7 @@ impl<R: Real> Simplex<R> {
         &self.vertices[..self.count]
     }
 
-    fn points(&self) -> [Triple<R>; 4] {
+    pub(crate) fn points(&self) -> [Triple<R>; 4] {
         self.vertices.map(|vertex| vertex.w.components())
     }
 

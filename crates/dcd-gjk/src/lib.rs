@@ -6,7 +6,9 @@
 mod certificate;
 pub mod certified;
 mod difference;
+pub mod distance;
 mod door;
+mod double_double;
 mod each_pair;
 pub mod epa;
 mod exact;
@@ -19,6 +21,7 @@ mod simplex;
 mod solvers;
 
 pub use difference::{Body, Difference, Vertex};
+pub use distance::{Distance, DistanceResult};
 pub use door::{Contact, Findings, NarrowPhase, Reason, Report, Rung, Undecided, Verdict};
 pub use each_pair::{EachPair, Nothing, PairSolver, Placed};
 pub use lanes::Overlap;

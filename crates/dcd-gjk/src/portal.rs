@@ -18,14 +18,9 @@ use dcd_geom::{Real, SupportMap, Vector};
 /// How many supports one ray may take. No unit. Hulls need 3 to 8.
 const MAX_SUPPORTS: usize = 40;
 
-/// Corners of a tetrahedron in general position: along these the inner point's vertices are found.
-/// No unit, largest components in [½, 1].
-const CORNERS: [[f64; 3]; 4] = [
-    [0.90625, 0.578125, 0.421875],
-    [-0.65625, 0.34375, -0.953125],
-    [0.28125, -0.984375, -0.203125],
-    [-0.53125, 0.140625, 0.765625],
-];
+/// The first direction in which the inner point's vertices are sought: none that shapes like. World
+/// axes, no unit, largest component in [½, 1].
+const FIRST: [f64; 3] = [0.90625, 0.578125, 0.421875];
 
 /// What each of the four vertices weighs in the inner point, in 32nds; one row an attempt. All
 /// different, so that the symmetry of a shape is not the point's. Each sums to 32: the weights
@@ -79,14 +74,26 @@ where
         Ok(Some(vertex.w.components()))
     }
 
+    /// Four vertices that span a tetrahedron, as large as six supports find, if the difference is
+    /// not flat.
     fn corners(&self) -> Result<[Triple<R>; 4], Apart> {
-        let mut corners = [[R::ZERO; 3]; 4];
-        for (corner, direction) in corners.iter_mut().zip(CORNERS) {
-            if let Some(found) = self.farthest(&direction.map(R::from_f64))? {
-                *corner = found;
-            }
+        let first = FIRST.map(R::from_f64);
+        let c0 = self.farthest(&first)?.unwrap_or([R::ZERO; 3]);
+        let c1 = self.beyond(&negated(&first), &c0)?;
+        let edge = minus(&c1, &c0);
+        let c2 = self.beyond(&across(&edge), &c0)?;
+        let c3 = self.beyond(&cross(&edge, &minus(&c2, &c0)), &c0)?;
+        Ok([c0, c1, c2, c3])
+    }
+
+    /// A vertex clearly beyond or clearly before the plane through `from`; else any.
+    fn beyond(&self, normal: &Triple<R>, from: &Triple<R>) -> Result<Triple<R>, Apart> {
+        let Some(found) = self.farthest(normal)? else { return Ok(*from) };
+        let height = dot(&minus(&found, from), normal);
+        if self.bounds.passes_through(height * height / dot(normal, normal)) {
+            return Ok(self.farthest(&negated(normal))?.unwrap_or(*from));
         }
-        Ok(corners)
+        Ok(found)
     }
 
     /// Follows the ray from `inner` through the origin. `Some` where the origin is surely inside.
@@ -156,6 +163,17 @@ impl<R: Real> Portal<R> {
             _ => Self([p2, p3, p4]),
         }
     }
+}
+
+/// A direction normal to an edge: its cross product with the axis that it is farthest from.
+fn across<R: Real>(edge: &Triple<R>) -> Triple<R> {
+    let [x, y, z] = edge.map(R::abs);
+    let axis = match (x <= y && x <= z, y <= z) {
+        (true, _) => [R::ONE, R::ZERO, R::ZERO],
+        (false, true) => [R::ZERO, R::ONE, R::ZERO],
+        (false, false) => [R::ZERO, R::ZERO, R::ONE],
+    };
+    cross(edge, &axis)
 }
 
 fn inner_point<R: Real>(corners: &[Triple<R>; 4], weights: [f64; 4]) -> Triple<R> {

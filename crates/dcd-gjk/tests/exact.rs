@@ -50,22 +50,22 @@ fn the_judge_knows_what_can_be_solved_by_hand() {
 #[test]
 fn lattice_hulls_are_judged_alike() {
     let mut draw = Draw(1);
-    let hits = (0..4000).filter(|_| settled(&lattice(&mut draw, 7))).count();
-    assert!((500..3500).contains(&hits), "{hits}");
+    let hits = (0..2000).filter(|_| settled(&lattice(&mut draw, 7))).count();
+    assert!((250..1750).contains(&hits), "{hits}");
 }
 
 #[test]
 fn hulls_of_any_points_are_judged_alike() {
     let mut draw = Draw(2);
-    let hits = (0..2000).filter(|_| settled(&random(&mut draw, 8))).count();
-    assert!((200..1800).contains(&hits), "{hits}");
+    let hits = (0..1000).filter(|_| settled(&random(&mut draw, 8))).count();
+    assert!((100..900).contains(&hits), "{hits}");
 }
 
 #[test]
 fn hulls_between_neighbouring_floats_are_judged_alike() {
     let mut draw = Draw(3);
     let mut flips = 0;
-    for k in 0..240 {
+    for k in 0..150 {
         let pair = match k % 3 {
             0 => random(&mut draw, 8),
             1 => aligned(&mut draw),
@@ -77,7 +77,7 @@ fn hulls_between_neighbouring_floats_are_judged_alike() {
             flips += 1;
         }
     }
-    assert!(flips > 100, "{flips}");
+    assert!(flips > 50, "{flips}");
 }
 
 #[test]
@@ -98,7 +98,7 @@ fn extreme_scales_are_judged_alike() {
 fn rounded_hulls_are_judged_alike() {
     let mut draw = Draw(5);
     let mut hits = 0;
-    for k in 0..120 {
+    for k in 0..60 {
         let pair = if k % 2 == 0 { lattice(&mut draw, 4) } else { random(&mut draw, 4) };
         let radii = [draw.below(5) as f64 / 8.0, draw.below(5) as f64 / 8.0];
         let [a, b] = pair;
@@ -112,5 +112,5 @@ fn rounded_hulls_are_judged_alike() {
             assert!(settled(&touching) && !settled(&apart));
         }
     }
-    assert!((20..115).contains(&hits), "{hits}");
+    assert!((10..58).contains(&hits), "{hits}");
 }

@@ -1,6 +1,7 @@
-//! A pair of placed hulls on a grid fine enough that every vertex of the difference is on it.
+//! A pair of placed hulls in units of a common grid: fine enough that every vertex of the
+//! difference is on it (integers), or as coarse as the pair (double-double).
 
-use super::integer::{Dyadic, Integer};
+use super::integer::{Dyadic, Number};
 use crate::Body;
 use crate::simplex::{Triple, dot, minus, plus};
 use dcd_geom::Polytope;
@@ -20,9 +21,9 @@ const SMALL_INPUT_BITS: i32 = 100;
 /// Reaches whose reciprocal keeps every product of the filter clear of over- and underflow, metres.
 const FILTERED: std::ops::Range<f64> = 1e-290..1e290;
 
-/// How fine and how large the grid of a pair must be.
+/// How fine the grid of a pair is, and whether its numbers are short.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
+pub(crate) struct Extent {
     /// The lowest bits of R and of the vertices; `None` for a hull of zeros, which R cannot move.
     sides: [Option<[i32; 2]>; 2],
     unit: i32,
@@ -30,7 +31,8 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    pub(super) fn of(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Self {
+    /// So fine that every vertex is on it.
+    pub(crate) fn of(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Self {
         let bodies = [a, b];
         let sides = bodies.map(|body| {
             let vertices = body.map.vertices().iter().flat_map(|vertex| vertex.to_array());
@@ -54,8 +56,18 @@ impl Extent {
         Self { sides, unit, small }
     }
 
+    /// In units near the pair's size, for numbers that are not whole.
+    pub(crate) fn coarse(unit: i32) -> Self {
+        Self { sides: [Some([0, unit]); 2], unit, small: false }
+    }
+
+    /// The exponent of the grid's unit, of two.
+    pub(crate) fn unit(&self) -> i32 {
+        self.unit
+    }
+
     /// Whether machine words hold every number of the search.
-    pub(super) fn is_small(&self) -> bool {
+    pub(crate) fn is_small(&self) -> bool {
         self.small
     }
 }
@@ -78,15 +90,15 @@ impl Span {
 }
 
 /// Two placed hulls in whole numbers of the grid's unit.
-pub(super) struct Grid<'a, T> {
+pub(crate) struct Grid<'a, T> {
     a: Side<'a, T>,
     b: Side<'a, T>,
     delta: Triple<T>,
     radius: T,
 }
 
-impl<'a, T: Integer> Grid<'a, T> {
-    pub(super) fn new(a: Body<'a, Polytope>, b: Body<'a, Polytope>, extent: &Extent) -> Self {
+impl<'a, T: Number> Grid<'a, T> {
+    pub(crate) fn new(a: Body<'a, Polytope>, b: Body<'a, Polytope>, extent: &Extent) -> Self {
         let on_grid = |x: f64| T::on_grid(x, extent.unit);
         let translation =
             |body: Body<'_, Polytope>| body.pose.translation().to_array().map(on_grid);
@@ -100,18 +112,18 @@ impl<'a, T: Integer> Grid<'a, T> {
     }
 
     /// R_A·a − R_B·b + t_A − t_B for a vertex of each, by index.
-    pub(super) fn point(&self, [a, b]: [usize; 2]) -> Triple<T> {
+    pub(crate) fn point(&self, [a, b]: [usize; 2]) -> Triple<T> {
         plus(&minus(&self.a.world(a), &self.b.world(b)), &self.delta)
     }
 
     /// The vertices whose difference is lowest along `direction`.
-    pub(super) fn lowest(&self, direction: &Triple<T>) -> [usize; 2] {
+    pub(crate) fn lowest(&self, direction: &Triple<T>) -> [usize; 2] {
         let away = crate::simplex::negated(direction);
         [self.a.lowest(direction), self.b.lowest(&away)]
     }
 
     /// The sum of the swept radii.
-    pub(super) fn radius(&self) -> &T {
+    pub(crate) fn radius(&self) -> &T {
         &self.radius
     }
 }
@@ -129,7 +141,7 @@ struct Side<'a, T> {
     shift: u32,
 }
 
-impl<'a, T: Integer> Side<'a, T> {
+impl<'a, T: Number> Side<'a, T> {
     fn new(body: Body<'a, Polytope>, extent: &Extent, k: usize) -> Self {
         let rotation = body.pose.rotation();
         let filtered = FILTERED.contains(&body.reach);
@@ -154,13 +166,13 @@ impl<'a, T: Integer> Side<'a, T> {
 
     fn world(&self, k: usize) -> Triple<T> {
         let local = self.local(k);
-        let shift = T::shifted(1, self.shift);
+        let shift = T::power_of_two(self.shift);
         [0, 1, 2].map(|r| dot(&self.rows[r], &local).times(&shift))
     }
 
     /// The vertex lowest along a world direction: the few that f64 cannot tell apart, exactly.
     fn lowest(&self, direction: &Triple<T>) -> usize {
-        let rounded = rounded(direction);
+        let rounded = T::rounded(direction);
         let local = self.rotation.transpose() * rounded * self.scale;
         let along = |vertex: &DVec3| local.dot(*vertex);
         let least = self.vertices.iter().map(along).fold(f64::INFINITY, f64::min);
@@ -183,12 +195,4 @@ impl<'a, T: Integer> Side<'a, T> {
         }
         best.0
     }
-}
-
-/// A direction in f64, its largest component near 1, each within 2.01 u of the exact one.
-fn rounded<T: Integer>(direction: &Triple<T>) -> DVec3 {
-    let bits = direction.iter().map(T::bits).max().unwrap_or(0);
-    let drop = bits.saturating_sub(62);
-    let length = (1u64 << (bits - drop)) as f64;
-    DVec3::from_array([0, 1, 2].map(|k| direction[k].high(drop) as f64 / length))
 }

@@ -1,6 +1,7 @@
 //! Integers of the exact rung: machine words where every number surely fits, else as long as need be.
 
-use crate::simplex::Scalar;
+use crate::simplex::{Scalar, Triple};
+use dcd_geom::glam::DVec3;
 use num_bigint::{BigInt, Sign};
 use std::cmp::Ordering;
 
@@ -44,6 +45,16 @@ impl Dyadic {
     }
 }
 
+/// A number that a grid's coordinates can be.
+pub(crate) trait Number: Scalar {
+    /// `x` in units of 2^unit; for integers the unit must not be above its lowest bit.
+    fn on_grid(x: f64, unit: i32) -> Self;
+    /// 2^shift.
+    fn power_of_two(shift: u32) -> Self;
+    /// A direction in f64, its largest component near 1, each within 2.01 u of that of the exact.
+    fn rounded(direction: &Triple<Self>) -> DVec3;
+}
+
 /// An exact integer.
 pub(super) trait Integer: Scalar {
     /// mantissa · 2^shift.
@@ -53,10 +64,28 @@ pub(super) trait Integer: Scalar {
     /// x · 2^−drop, rounded down; must then be below 2⁶³.
     fn high(&self, drop: u64) -> i64;
 
-    /// `x` in units of 2^unit, which must not be above its lowest bit.
+    /// m and e with m·2^e the number, but for a relative error of 1.01·2⁻⁵³.
+    fn to_float(&self) -> (f64, i64) {
+        let drop = self.bits().saturating_sub(62);
+        (self.high(drop) as f64, drop as i64)
+    }
+}
+
+impl<T: Integer> Number for T {
     fn on_grid(x: f64, unit: i32) -> Self {
         let Dyadic { mantissa, exponent } = Dyadic::new(x);
         Self::shifted(mantissa, if mantissa == 0 { 0 } else { exponent.abs_diff(unit) })
+    }
+
+    fn power_of_two(shift: u32) -> Self {
+        Self::shifted(1, shift)
+    }
+
+    fn rounded(direction: &Triple<Self>) -> DVec3 {
+        let bits = direction.iter().map(T::bits).max().unwrap_or(0);
+        let drop = bits.saturating_sub(62);
+        let length = (1u64 << (bits - drop)) as f64;
+        DVec3::from_array([0, 1, 2].map(|k| direction[k].high(drop) as f64 / length))
     }
 }
 

@@ -7,14 +7,18 @@
 //! nearest point is strictly nearer, no simplex comes twice, and there are finitely many
 //! (docs/numerics.md, "the exact rung").
 
-mod grid;
+pub(crate) mod grid;
 mod integer;
+pub(crate) mod nearest_point;
 
 use crate::Body;
 use crate::simplex::{Nearest, Triple, dot, nearest};
 use dcd_geom::Polytope;
 use grid::{Extent, Grid};
 use integer::{Integer, Large, Small};
+
+pub(crate) use integer::Number;
+pub(crate) use nearest_point::{Exact, closest};
 use std::cmp::Ordering;
 
 /// Whether the two share a point, touching included.
@@ -32,20 +36,22 @@ pub(crate) fn touches(a: Body<'_, Polytope>, b: Body<'_, Polytope>, hint: &[[u32
 struct Search<'a, T> {
     grid: Grid<'a, T>,
     radius_squared: T,
+    /// The simplex, and which vertices its points stem from.
     points: Vec<Triple<T>>,
+    pairs: Vec<[usize; 2]>,
 }
 
 impl<'a, T: Integer> Search<'a, T> {
     fn new(grid: Grid<'a, T>, hint: &[[u32; 2]]) -> Self {
-        let mut points = Vec::with_capacity(4);
-        for pair in hint.iter().take(3) {
-            points.push(grid.point(pair.map(|k| k as usize)));
+        // Three at most, so that no tetrahedron of the search is flat.
+        let hint = hint.iter().take(3).map(|pair| pair.map(|k| k as usize));
+        let mut pairs: Vec<[usize; 2]> = hint.collect();
+        if pairs.is_empty() {
+            pairs.push([0, 0]);
         }
-        if points.is_empty() {
-            points.push(grid.point([0, 0]));
-        }
+        let points = pairs.iter().map(|&pair| grid.point(pair)).collect();
         let radius_squared = grid.radius().times(grid.radius());
-        Self { grid, radius_squared, points }
+        Self { grid, radius_squared, points, pairs }
     }
 
     fn run(mut self) -> bool {
@@ -54,14 +60,23 @@ impl<'a, T: Integer> Search<'a, T> {
             if self.is_within_radius(&near) {
                 return true;
             }
-            let vertex = self.grid.point(self.grid.lowest(&near.direction));
+            let pair = self.grid.lowest(&near.direction);
+            let vertex = self.grid.point(pair);
             if self.separates(&near.direction, &vertex) {
                 return false;
             }
-            self.points = near.kept[..near.count].iter().map(|&k| self.points[k].clone()).collect();
-            self.points.push(vertex);
+            self.step(&near, pair, vertex);
         }
         false
+    }
+
+    /// Keeps what spans the nearest point, and adds a vertex.
+    fn step(&mut self, near: &Nearest<T>, pair: [usize; 2], vertex: Triple<T>) {
+        let kept = &near.kept[..near.count];
+        self.points = kept.iter().map(|&k| self.points[k].clone()).collect();
+        self.pairs = kept.iter().map(|&k| self.pairs[k]).collect();
+        self.points.push(vertex);
+        self.pairs.push(pair);
     }
 
     /// |v|² ≤ R².

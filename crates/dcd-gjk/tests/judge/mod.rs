@@ -171,3 +171,18 @@ pub fn squared_distance_apart(world: &World) -> (BigInt, BigInt) {
     }
     best
 }
+
+/// Whether the distance of two shapes that are apart, radii taken off, is in low..=high, exactly.
+pub fn distance_is_in(a: &Placed, b: &Placed, low: f64, high: f64) -> bool {
+    let world = World::of(a, b);
+    let (numerator, divisor) = squared_distance_apart(&world);
+    let unit = world.unit.min(lowest_bit(low)).min(lowest_bit(high));
+    let finer = world.unit - unit;
+    let numerator = numerator << (2 * finer);
+    let radius = &world.radius << finer;
+    let squared = |x: f64| {
+        let reach = whole(x, unit) + &radius;
+        &reach * &reach * &divisor
+    };
+    squared(low) <= numerator && numerator <= squared(high)
+}

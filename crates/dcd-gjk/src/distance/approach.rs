@@ -1,0 +1,85 @@
+//! GJK in f64 to the nearest point, with bounds on the distance from both sides.
+
+use super::UNIT;
+use crate::certificate::{Bounds, combined_length};
+use crate::gjk::{MAX_SUPPORTS, Simplex, start, unit};
+use crate::{Body, Difference, Reason, Verdict, Vertex};
+use dcd_geom::SupportMap;
+use dcd_geom::glam::DVec3;
+
+/// The nearest point found. Lengths are those of the difference.
+pub(super) struct Approach {
+    /// The vertices that span it.
+    pub(super) simplex: Simplex<f64>,
+    /// Their weights, up to a common factor.
+    pub(super) weights: [f64; 4],
+    /// From the origin to it, its largest component 1.
+    pub(super) direction: DVec3,
+    /// Its distance from the origin, as computed.
+    pub(super) length: f64,
+    /// At least the cores' distance.
+    pub(super) upper: f64,
+    /// At most the cores' distance.
+    pub(super) lower: f64,
+}
+
+/// Where the cores surely overlap, or nothing could be found, the verdict comes back.
+pub(super) fn approach<S: SupportMap<f64>>(
+    difference: &Difference<'_, f64, S, S>,
+    bounds: &Bounds<f64>,
+) -> Result<Approach, Verdict<()>> {
+    let mut best = Approach {
+        simplex: Simplex::default(),
+        weights: [0.0; 4],
+        direction: start::<f64>(difference.middle()),
+        length: f64::MAX,
+        upper: f64::MAX,
+        lower: -f64::MAX,
+    };
+    let mut nearest_so_far = f64::MAX;
+    for _ in 0..MAX_SUPPORTS {
+        let (vertex, separation) = difference.lowest(best.direction);
+        best.lower = best.lower.max(bounds.lower_bound(best.direction, separation));
+        let along = separation / best.direction.length();
+        // The gap is closed to the last bit, or the vertex is nothing new.
+        if best.length - along <= UNIT * best.length || best.simplex.holds(&vertex) {
+            break;
+        }
+        let mut simplex = best.simplex;
+        simplex.push(vertex);
+        let Some(near) = simplex.nearest() else { break };
+        let squared = near.square[0] / near.square[1];
+        if !(squared < nearest_so_far) {
+            break;
+        }
+        nearest_so_far = squared;
+        simplex.keep(&near);
+        best.simplex = simplex;
+        best.weights = near.weights;
+        best.length = combined_length(simplex.vertices(), near.weights());
+        best.upper = best.upper.min(bounds.upper_bound(best.length));
+        if bounds.simplex_touches(&simplex) {
+            return Err(Verdict::Touching(()));
+        }
+        match unit::<f64>(near.direction) {
+            Some(next) if !bounds.passes_through(squared) => best.direction = next,
+            _ => break,
+        }
+    }
+    // Not even one vertex: a foreign map answered NaN.
+    let found = !best.simplex.vertices().is_empty();
+    if found { Ok(best) } else { Err(Verdict::Undecided(Reason::WithinRounding)) }
+}
+
+impl Approach {
+    /// The points of the two cores, world frame, metres.
+    pub(super) fn points<S: SupportMap<f64>>(&self, a: Body<'_, S>, b: Body<'_, S>) -> [DVec3; 2] {
+        let total: f64 = self.weights[..self.simplex.vertices().len()].iter().sum();
+        let sum = |point: fn(&Vertex<f64>) -> DVec3| {
+            let vertices = self.simplex.vertices().iter().zip(self.weights);
+            vertices
+                .fold(DVec3::ZERO, |sum, (vertex, weight)| sum + point(vertex) * (weight / total))
+        };
+        [a.pose.apply(sum(|vertex| vertex.a.point)), b.pose.apply(sum(|vertex| vertex.b.point))]
+    }
+}

@@ -1,0 +1,168 @@
+//! Numbers of about 106 bits: an f64 and the f64 of what it lacks.
+//!
+//! Source: Dekker 1971, Knuth (two-sum), and the error bounds of Joldes, Muller, Popescu 2017. No
+//! fused multiply-add: products are split, so that the bits are the same everywhere.
+
+use crate::exact::Number;
+use crate::simplex::{Scalar, Triple};
+use dcd_geom::glam::DVec3;
+use std::cmp::Ordering;
+
+/// The relative error of a sum, difference or product: at most 7·2⁻¹⁰⁶.
+pub(crate) const EPSILON: f64 = f64::from_bits((1023 - 103) << 52);
+
+/// high + low, |low| at most half an ulp of high.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DoubleDouble {
+    high: f64,
+    low: f64,
+}
+
+/// a + b and what its rounding lost, for any a and b.
+fn two_sum(a: f64, b: f64) -> DoubleDouble {
+    let high = a + b;
+    let of_b = high - a;
+    let of_a = high - of_b;
+    DoubleDouble { high, low: (a - of_a) + (b - of_b) }
+}
+
+/// The same for |a| ≥ |b| or a = 0.
+fn quick_two_sum(a: f64, b: f64) -> DoubleDouble {
+    let high = a + b;
+    DoubleDouble { high, low: b - (high - a) }
+}
+
+/// x as two numbers of 26 bits.
+fn split(x: f64) -> (f64, f64) {
+    const SPLITTER: f64 = 134_217_729.0; // 2²⁷ + 1
+    let wide = SPLITTER * x;
+    let high = wide - (wide - x);
+    (high, x - high)
+}
+
+/// a·b and what its rounding lost.
+fn two_product(a: f64, b: f64) -> DoubleDouble {
+    let high = a * b;
+    let ((a1, a2), (b1, b2)) = (split(a), split(b));
+    DoubleDouble { high, low: ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2 }
+}
+
+impl DoubleDouble {
+    pub(crate) fn to_f64(self) -> f64 {
+        self.high
+    }
+
+    pub(crate) fn divided_by(self, divisor: Self) -> Self {
+        let first = self.high / divisor.high;
+        let rest = self.minus(&divisor.times(&Self::from(first)));
+        let second = rest.high / divisor.high;
+        let rest = rest.minus(&divisor.times(&Self::from(second)));
+        quick_two_sum(first, second).plus(&Self::from(rest.high / divisor.high))
+    }
+
+    /// 0 for 0 and below.
+    pub(crate) fn sqrt(self) -> Self {
+        if !(self.high > 0.0) {
+            return Self::from(0.0);
+        }
+        let root = self.high.sqrt();
+        let rest = self.minus(&two_product(root, root));
+        quick_two_sum(root, rest.high / (2.0 * root))
+    }
+}
+
+impl From<f64> for DoubleDouble {
+    fn from(high: f64) -> Self {
+        Self { high, low: 0.0 }
+    }
+}
+
+impl Scalar for DoubleDouble {
+    fn zero() -> Self {
+        Self::from(0.0)
+    }
+    fn one() -> Self {
+        Self::from(1.0)
+    }
+    fn plus(&self, other: &Self) -> Self {
+        let high = two_sum(self.high, other.high);
+        let low = two_sum(self.low, other.low);
+        let sum = quick_two_sum(high.high, high.low + low.high);
+        quick_two_sum(sum.high, sum.low + low.low)
+    }
+    fn minus(&self, other: &Self) -> Self {
+        self.plus(&other.negated())
+    }
+    fn times(&self, other: &Self) -> Self {
+        let product = two_product(self.high, other.high);
+        let cross = self.high * other.low + self.low * other.high;
+        quick_two_sum(product.high, product.low + cross)
+    }
+    fn negated(&self) -> Self {
+        Self { high: -self.high, low: -self.low }
+    }
+    fn sign(&self) -> Option<Ordering> {
+        self.high.partial_cmp(&0.0)
+    }
+    fn ratio_is_less(n1: &Self, d1: &Self, n2: &Self, d2: &Self) -> bool {
+        n1.divided_by(*d1).minus(&n2.divided_by(*d2)).is_negative()
+    }
+}
+
+impl Number for DoubleDouble {
+    fn on_grid(x: f64, unit: i32) -> Self {
+        Self::from(x * 2f64.powi(-unit))
+    }
+    fn power_of_two(shift: u32) -> Self {
+        Self::from(2f64.powi(shift as i32))
+    }
+    fn rounded(direction: &Triple<Self>) -> DVec3 {
+        let d = DVec3::from_array([0, 1, 2].map(|k| direction[k].high));
+        d / d.abs().max_element()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_bigint::BigInt;
+    use proptest::prelude::*;
+
+    /// In units of 2⁻³⁰⁰.
+    fn exact(x: DoubleDouble) -> BigInt {
+        let of = |x: f64| {
+            let bits = x.abs().to_bits();
+            let mantissa = BigInt::from(bits & ((1 << 52) - 1) | 1 << 52);
+            let shift = (bits >> 52) as i32 - 1075 + 300;
+            let x_abs = if x == 0.0 { BigInt::ZERO } else { mantissa << shift };
+            if x < 0.0 { -x_abs } else { x_abs }
+        };
+        of(x.high) + of(x.low)
+    }
+
+    fn number() -> impl Strategy<Value = DoubleDouble> {
+        let any = || (-1.0f64..1.0, -20i32..20);
+        (any(), any()).prop_map(|((x, e), (y, _))| two_sum(x * 2f64.powi(e), y * 2f64.powi(e - 54)))
+    }
+
+    proptest! {
+        #[test]
+        fn sums_products_quotients_and_roots_keep_their_bound(a in number(), b in number()) {
+            let within = |error: BigInt, of: BigInt| {
+                error.magnitude() << 103 <= of.magnitude() << 1
+            };
+            let sum = exact(a) + exact(b);
+            prop_assert!(within(exact(a.plus(&b)) - &sum, sum));
+            let product = exact(a) * exact(b);
+            prop_assert!(within((exact(a.times(&b)) << 300) - &product, product));
+            if b.high.abs() > 1e-9 {
+                let back = exact(a.divided_by(b)) * exact(b);
+                prop_assert!(within((back - (exact(a) << 300)) >> 3, exact(a) << 300));
+            }
+            if a.high > 1e-9 {
+                let root = exact(a.sqrt());
+                prop_assert!(within((&root * &root - (exact(a) << 300)) >> 3, exact(a) << 300));
+            }
+        }
+    }
+}
