@@ -12,6 +12,8 @@ mod opening;
 mod portal;
 mod prepare;
 mod support;
+#[cfg(test)]
+mod twins;
 mod vector;
 
 pub use frame::{Frame, Part};
