@@ -171,13 +171,13 @@ impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
         let start = self.out.len();
         self.out.extend_from_slice(&pairs);
         self.out.truncate(start + count);
-        let mut kept = start;
-        for k in start..start + count {
-            let pair = self.out[k];
-            self.out[kept] = pair;
-            kept += usize::from((self.keep)(pair.i, pair.j));
+        let new = &mut self.out[start..];
+        let mut kept = 0;
+        for k in 0..new.len() {
+            new[kept] = new[k];
+            kept += usize::from((self.keep)(new[k].i, new[k].j));
         }
-        self.out.truncate(kept);
+        self.out.truncate(start + kept);
     }
 }
 
