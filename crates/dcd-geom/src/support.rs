@@ -85,7 +85,9 @@ pub(crate) fn farthest<R: Real>(points: &[DVec3], direction: R::Vec3) -> Support
         let most = maximum(along);
         if most > farthest {
             farthest = most;
-            best = k * CHUNK + along.iter().position(|&x| x == most).unwrap_or(0);
+            // A bit for each, for where a search would stop cannot be predicted.
+            let equal = (0..CHUNK).fold(0u32, |bits, k| bits | u32::from(along[k] == most) << k);
+            best = k * CHUNK + equal.trailing_zeros() as usize;
         }
     }
     let point = points.get(best).map_or(R::Vec3::ZERO, |&point| R::Vec3::from_dvec3(point));
