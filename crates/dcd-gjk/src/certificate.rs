@@ -195,3 +195,6 @@ pub(crate) fn combined_length<R: Real>(points: &[Vertex<R>], weights: &[R]) -> R
     }
     dot(&sum, &sum).sqrt() / total
 }
+
+#[cfg(test)]
+mod tests;

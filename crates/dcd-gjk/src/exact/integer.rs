@@ -56,7 +56,7 @@ pub(crate) trait Number: Scalar {
 }
 
 /// An exact integer.
-pub(super) trait Integer: Scalar {
+pub(crate) trait Integer: Scalar {
     /// mantissa · 2^shift.
     fn shifted(mantissa: i64, shift: u32) -> Self;
     /// |x| < 2^bits, and no smaller.
@@ -134,7 +134,7 @@ impl Integer for Small {
 
 /// As long as need be.
 #[derive(Clone, Debug)]
-pub(super) struct Large(BigInt);
+pub(crate) struct Large(BigInt);
 
 impl Scalar for Large {
     fn zero() -> Self {

@@ -15,11 +15,11 @@ use crate::Body;
 use crate::simplex::{Nearest, Triple, dot, nearest};
 use dcd_geom::Polytope;
 use grid::{Extent, Grid};
-use integer::{Integer, Large, Small};
-
-pub(crate) use integer::Number;
-pub(crate) use nearest_point::{Exact, closest};
+use integer::Small;
 use std::cmp::Ordering;
+
+pub(crate) use integer::{Integer, Large, Number};
+pub(crate) use nearest_point::{Exact, closest};
 
 /// Whether the two share a point, touching included.
 ///
