@@ -11,8 +11,9 @@ use dcd_geom::glam::DVec3;
 /// Unit roundoff.
 const U: f64 = f64::EPSILON / 2.0;
 
-/// What a quotient of two rounded integers, n·w / |n|, may be off by, relative to itself: 3u for
-/// the product, 3u for each component of n and 4u for the length, 1u for the division; and room.
+/// What a quotient of two rounded integers, n·w / |n|, may be off by, relative to itself: 1.01u for
+/// the product, as much for each component of n, 3.01u for the length, 1u for the division; and
+/// room.
 const QUOTIENT: f64 = 16.0 * U;
 
 /// What is known of whether the pair touches.
@@ -78,7 +79,10 @@ impl Answer {
         let near = scaled(gap.lower - rounding, unit);
         let far = scaled(gap.upper + rounding, unit);
         let error = (gap.upper - gap.lower).max(0.0) + 2.0 * rounding + overlap.max(0.0);
-        let depth = gap.left_of(radii.map(|radius| scaled(radius, -unit)));
+        let depth = match gap.left_of(radii.map(|radius| scaled(radius, -unit))) {
+            Some(left) => scaled(left, unit),
+            None => radius - scaled(gap.lower, unit),
+        };
         // The sum of the radii is rounded once, the products here once more.
         let certainty = if far <= radius * (1.0 - 4.0 * U) {
             Certainty::Touching
@@ -88,7 +92,7 @@ impl Answer {
             Certainty::Unknown
         };
         Self {
-            depth: scaled(depth, unit),
+            depth: depth.max(0.0),
             error: scaled(error, unit) + 4.0 * U * radius,
             certainty,
             normal: gap.normal,

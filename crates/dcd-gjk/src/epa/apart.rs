@@ -1,16 +1,17 @@
-//! The distance of two cores that do not overlap, for the depth of the shapes rounded round them.
+//! The distance of two cores that do not overlap, for the depth of the shapes swept
+//! round them.
 //!
 //! GJK on the lattice: f64 only proposes the feature nearest the origin; its normal, the support
 //! along it and so the lower bound are exact, and the upper bound is the length of a convex
 //! combination with integer weights. A wrong proposal costs a step, never a bound.
 
-use super::double::Double;
-use super::lattice::{Normal, Vertex, as_normal, cross, dot, length, minus, rounded};
+use super::lattice::{Normal, Vertex, as_normal, cross, dot, length, minus, rounded, two_to};
 use super::search::Viewer;
 use super::start::{from_line_to_origin, negative};
 use super::wide::Wide;
 use super::witness::Weighted;
-use crate::simplex::{Nearest, nearest};
+use crate::double_double::DoubleDouble;
+use crate::simplex::{Nearest, Scalar, dot as dot_of, nearest};
 
 /// Steps of the iteration; ten are usual. Bounds the time where f64 proposes the same features in
 /// turn. Smaller: larger error bounds there.
@@ -38,27 +39,26 @@ impl Gap {
         &self.corners[..self.count]
     }
 
-    /// What is left of the radii, in units, when the lower bound is taken off; 0 if nothing.
+    /// What is left of the radii, in units, when the lower bound is taken off, negative if nothing;
+    /// `None` where nothing cancels or the radii are out of all proportion.
     ///
     /// With the bound −s/√q for integers s and q, r + s/√q is (r²q − s²) / (r√q − s)√q, whose
     /// numerator is taken in double-double: no digit is lost where the shapes barely touch.
-    pub(super) fn left_of(&self, radii: [f64; 2]) -> f64 {
-        let r = Double::sum(radii[0], radii[1]);
-        let rounded = (r.to_f64() - self.lower).max(0.0);
-        let n = self.normal.map(Double::from);
-        let q = n.iter().fold(Double::default(), |q, &x| q + x * x);
-        let s = Double::from(self.reach);
+    pub(super) fn left_of(&self, radii: [f64; 2]) -> Option<f64> {
+        let r = DoubleDouble::from(radii[0]).plus(&radii[1].into());
+        let (n, s) = (self.normal.map(leading), leading(self.reach));
+        let q = dot_of(&n, &n);
+        let left = r.times(&r).times(&q).minus(&s.times(&s));
         let root = q.to_f64().sqrt();
-        let left = (r * r * q - s * s).to_f64() / ((r.to_f64() * root - s.to_f64()) * root);
-        // Radii that are out of proportion overflow; then nothing cancels either.
-        if left.is_finite() && self.reach < Wide::ZERO { left.max(0.0) } else { rounded }
+        let left = left.to_f64() / ((r.to_f64() * root - s.to_f64()) * root);
+        (left.is_finite() && self.reach < Wide::ZERO).then_some(left)
     }
 
     /// Keeps the vertices that have a weight, and their combination if it is the nearest so far.
     fn keep(&mut self, simplex: &mut [Vertex; 4], near: &Nearest<f64>) -> usize {
         let known = *simplex;
         let total: f64 = near.weights().iter().sum();
-        let steps = 2f64.powi(60);
+        let steps = two_to(60);
         let mut corners = self.corners;
         let mut sum = [Wide::ZERO; 3];
         let mut all = 0.0;
@@ -82,6 +82,7 @@ impl Gap {
 impl Viewer<'_> {
     /// Begins with the support along `normal`, which separates or nearly does.
     pub(super) fn gap(&mut self, normal: Normal) -> Gap {
+        self.difference.drop_apexes();
         let first = self.difference.support(&normal);
         let reach = first.reach.to_f64() / length(&normal);
         let nowhere = (first.vertex, 0.0);
@@ -145,4 +146,26 @@ fn from_simplex_to_origin(simplex: &[Vertex]) -> Option<Normal> {
         _ => return None,
     };
     (normal != [Wide::ZERO; 3]).then_some(normal)
+}
+
+/// The leading 106 bits.
+fn leading(x: Wide) -> DoubleDouble {
+    let shift = x.bits().saturating_sub(106);
+    let leading = x.shifted_down(shift);
+    let high = leading as f64;
+    let low = (leading - high as i128) as f64;
+    let scale = two_to(shift as i32);
+    DoubleDouble::from(high * scale).plus(&(low * scale).into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn leading_digits_of_long_integers_survive_a_cancellation() {
+        let x = Wide::product((1 << 100) + 1, (1 << 90) + 3);
+        let back = leading(x).minus(&leading(Wide::product(1 << 100, 1 << 90)));
+        assert_eq!(back.to_f64(), 3.0 * two_to(100) + two_to(90));
+    }
 }

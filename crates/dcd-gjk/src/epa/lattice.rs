@@ -95,6 +95,11 @@ impl<'a> LatticeDifference<'a> {
         apex
     }
 
+    /// Takes the added points away again.
+    pub(super) fn drop_apexes(&mut self) {
+        self.apexes = [None; 3];
+    }
+
     /// Whether the difference is flat, so that points were added to it.
     pub(super) fn is_flat(&self) -> bool {
         self.apexes[0].is_some()

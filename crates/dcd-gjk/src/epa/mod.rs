@@ -25,7 +25,6 @@
 
 mod answer;
 mod apart;
-mod double;
 mod hull;
 mod lattice;
 mod search;
@@ -39,7 +38,7 @@ use dcd_geom::Polytope;
 use dcd_geom::glam::DVec3;
 use hull::Hull;
 use lattice::LatticeDifference;
-use search::{Separated, Viewer};
+use search::{GROWTHS, Separated, Viewer};
 
 /// How deep two shapes overlap, where, and what that is worth. World frame, metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -128,7 +127,8 @@ fn solve(
     let radii = [a.map.swept_radius(), b.map.swept_radius()];
     let radius = radii[0] + radii[1];
     let centre = a.pose.apply(a.map.inner().centre) - b.pose.apply(b.map.inner().centre);
-    let found = viewer.tetrahedron(centre).and_then(|corners| viewer.expand(corners, hull));
+    let found =
+        viewer.tetrahedron(centre).and_then(|corners| viewer.expand(corners, hull, GROWTHS));
     let answer = match found {
         Ok(bounds) if bounds.enclosed || radius == 0.0 => {
             Answer::of_overlap(&viewer.difference, hull, bounds, radius)

@@ -5,9 +5,10 @@ use super::lattice::{LatticeDifference, Normal, Support, Vertex, length};
 use super::wide::Wide;
 
 /// How often the polytope may grow. Each growth adds a vertex of a finite set, so the search ends
-/// by itself; this bounds the time (about 50 ms) where the facets are many and all alike, as for
-/// two finely cut concentric balls. Smaller: larger error bounds there.
-const GROWTHS: usize = 1 << 14;
+/// by itself, after eight for hulls of tens of vertices; this bounds the time (a tenth of a second)
+/// where facets are many and all alike, as for concentric balls cut into thousands. Smaller:
+/// larger error bounds there.
+pub(super) const GROWTHS: usize = 1 << 14;
 
 /// The relative gap between the bounds at which the search stops. Well below what is promised of
 /// a depth, 1e-9. Smaller: more growth on finely cut shapes, for digits that nobody asked for.
@@ -48,33 +49,33 @@ impl<'a> Viewer<'a> {
         Ok(support)
     }
 
-    /// Grows the hull of `corners` until its nearest face is one of the difference.
+    /// Grows the hull of `corners` until its nearest face is one of the difference, at most
+    /// `limit` times.
     pub(super) fn expand(
         &mut self,
         corners: [Vertex; 4],
         hull: &mut Hull,
+        limit: usize,
     ) -> Result<Bounds, Separated> {
         hull.start(corners);
         let mut best: Option<(f64, Normal)> = None;
-        let mut growths = 0;
+        let mut grown = 0;
         loop {
             let nearest = hull.nearest();
             let face = hull.face(nearest);
-            let lower = face.distance();
-            let (normal, offset) = (face.normal, face.offset);
-            let ended = |upper: f64, slack: f64| upper - lower <= GAP * upper.max(0.0) + slack;
-            let known = best.is_some_and(|(upper, _)| ended(upper, self.difference.slack()));
-            if !known && growths < GROWTHS {
+            let (normal, offset, lower) = (face.normal, face.offset, face.distance());
+            let met = |upper: f64, slack: f64| upper - lower <= GAP * upper.max(0.0) + slack;
+            if !best.is_some_and(|(upper, _)| met(upper, self.difference.slack())) {
                 let support = self.view(&normal)?;
                 let upper = support.reach.to_f64() / length(&normal);
                 if best.is_none_or(|(least, _)| upper < least) {
                     best = Some((upper, normal));
                 }
-                // Otherwise the vertex lies strictly beyond the face, for equal products have
-                // equal quotients.
-                if !ended(upper, self.difference.slack()) {
+                // A vertex for which they do not meet is strictly beyond the face: equal products
+                // have equal quotients.
+                if !met(upper, self.difference.slack()) && grown < limit {
                     hull.insert(support.vertex, nearest);
-                    growths += 1;
+                    grown += 1;
                     continue;
                 }
             }
@@ -91,6 +92,47 @@ impl<'a> Viewer<'a> {
             on_lattice
         } else {
             !self.difference.is_flat() && lower > self.difference.slack()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Body;
+    use dcd_geom::glam::{DQuat, DVec3};
+    use dcd_geom::{Polytope, Pose};
+
+    /// Points round the unit sphere, no two at one height.
+    fn round() -> Polytope {
+        let point = |k: i32| {
+            let (z, angle) = (f64::from(2 * k - 199) / 200.0, 2.4 * f64::from(k));
+            let r = (1.0 - z * z).sqrt();
+            DVec3::new(r * angle.cos(), r * angle.sin(), z)
+        };
+        Polytope::hull((0..200).map(point).collect()).unwrap()
+    }
+
+    #[test]
+    fn a_search_that_is_cut_short_has_bounds_that_hold() {
+        let (a, b) = (round(), round());
+        let turned = Pose::new(DQuat::from_rotation_x(0.7), DVec3::new(0.1, 0.2, 0.3)).unwrap();
+        let (a, b) = (Body::polytope(&a, &Pose::IDENTITY), Body::polytope(&b, &turned));
+        let mut hull = Hull::default();
+        let mut bounds = |limit| {
+            let mut dots = Vec::new();
+            let mut viewer = Viewer { difference: LatticeDifference::new(a, b, &mut dots) };
+            let corners = viewer.tetrahedron(DVec3::ONE).unwrap();
+            viewer.expand(corners, &mut hull, limit).unwrap()
+        };
+        let truth = bounds(GROWTHS);
+        assert!(truth.enclosed && truth.upper - truth.lower <= GAP * truth.upper);
+        let mut last = f64::INFINITY;
+        for limit in 0..20 {
+            let Bounds { lower, upper, .. } = bounds(limit);
+            assert!(lower <= truth.upper && truth.lower <= upper && upper.is_finite());
+            assert!(upper <= last);
+            last = upper;
         }
     }
 }

@@ -8,6 +8,7 @@
 
 use super::lattice::{
     Normal, POINT_BITS, Point, Vertex, as_normal, cross, dot, length, minus, rounded, shortened,
+    two_to,
 };
 use super::search::{Separated, Viewer};
 use super::wide::Wide;
@@ -124,9 +125,8 @@ impl Viewer<'_> {
 /// The direction from the difference's rough centre to the origin; X where they are one.
 fn towards_origin(centre: DVec3) -> Normal {
     let largest = centre.abs().max_element();
-    let steps = 2f64.powi(60);
-    let direction = centre.to_array().map(|x| (-x / largest * steps) as i128);
     // A zero or overflowed centre makes NaN, which the conversion turns into 0.
+    let direction = centre.to_array().map(|x| (-x / largest * two_to(60)) as i128);
     as_normal(if direction == [0; 3] { AXES[0] } else { direction })
 }
 

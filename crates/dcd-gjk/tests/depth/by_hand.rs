@@ -146,6 +146,24 @@ fn radii_add_to_the_depth_of_cores_that_overlap_and_pay_for_the_gap_of_others() 
 }
 
 #[test]
+fn rounded_plates_in_one_plane_have_the_depth_of_their_gap() {
+    // Two edges a unit apart, then two corners at (3, 4); the difference is flat.
+    let square = hull(&[[-1., -1., 0.], [1., -1., 0.], [1., 1., 0.], [-1., 1., 0.]]);
+    let rounded = |radius| square.clone().rounded(radius).unwrap();
+    for (place, gap) in [(at(3., 0.5, 0.), 1.0), (at(5., 6., 0.), 5.0), (at(-5., 6., 0.), 5.0)] {
+        let (a, b) = (rounded(0.25 * gap), rounded(gap));
+        let found = touching(&(a.clone(), Pose::IDENTITY), &(b, place));
+        assert_eq!(found.depth, 0.25 * gap);
+        assert!(found.error_bound < 1e-13 && found.normal.z == 0.0, "{found:?}");
+        let short = (rounded(gap * 0.5), place);
+        assert_eq!(ask(&(a, Pose::IDENTITY), &short), Verdict::Apart);
+    }
+    // On top of each other: the depth is all radius.
+    let found = touching(&(rounded(0.25), Pose::IDENTITY), &(rounded(0.5), at(0.5, 0., 0.)));
+    assert_eq!((found.depth, found.normal.abs()), (0.75, DVec3::Z));
+}
+
+#[test]
 fn a_right_turn_changes_nothing() {
     let turn = DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X);
     let pose = Pose::from_matrix(turn, DVec3::new(0.25, 0.75, -0.125)).unwrap();

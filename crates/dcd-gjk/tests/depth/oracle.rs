@@ -3,8 +3,10 @@
 //!
 //! A facet of the difference of two polytopes is spanned by two edges of A, two of B, or one of
 //! each, so its normal is among the vector products of two differences of vertices. Each such
-//! direction bounds the depth from above and a facet's attains it: the least is the depth. Shares
-//! no code and no method with the crate.
+//! direction bounds the depth from above and a facet's attains it: the least is the depth. Where
+//! the two are apart, the least reach is the negative distance, and the nearest point may be on an
+//! edge or a vertex too: their directions to the origin are added. Shares no code and no method
+//! with the crate.
 
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Pose};
@@ -12,8 +14,7 @@ use num_bigint::{BigInt, Sign};
 
 type Point = [BigInt; 3];
 
-/// reach / √square · 2^exponent: the signed depth, negative if the cores are apart (and then no
-/// more than some separation).
+/// reach / √square · 2^exponent: the signed depth, negative for the distance of cores apart.
 pub(super) struct Truth {
     reach: BigInt,
     square: BigInt,
@@ -21,33 +22,39 @@ pub(super) struct Truth {
 }
 
 impl Truth {
-    /// Of a difference that is not flat.
+    /// Of a difference that is more than a segment, or apart.
     pub(super) fn of(a: (&Polytope, &Pose), b: (&Polytope, &Pose)) -> Self {
         let exponent = [a, b].map(|(map, pose)| scale(map, pose)).into_iter().min().unwrap();
         let [a, b] = [a, b].map(|(map, pose)| world(map, pose, exponent));
         let edges: Vec<Point> = [&a, &b].into_iter().flat_map(|points| edges(points)).collect();
-        let mut least: Option<Self> = None;
-        for (k, e) in edges.iter().enumerate() {
-            for f in &edges[..k] {
-                let n = cross(e, f);
-                let square = dot(&n, &n);
-                if square.sign() == Sign::NoSign {
-                    continue;
-                }
-                let extent = |points: &[Point]| {
-                    let along: Vec<BigInt> = points.iter().map(|p| dot(&n, p)).collect();
-                    (along.iter().min().unwrap().clone(), along.iter().max().unwrap().clone())
-                };
-                let ((a_min, a_max), (b_min, b_max)) = (extent(&a), extent(&b));
-                for reach in [a_max - b_min, b_max - a_min] {
-                    let truth = Self { reach, square: square.clone(), exponent };
-                    if least.as_ref().is_none_or(|least| truth.is_below(least)) {
-                        least = Some(truth);
-                    }
-                }
-            }
+        let facets = edges.iter().enumerate();
+        let facets = facets.flat_map(|(k, e)| edges[..k].iter().map(move |f| cross(e, f)));
+        let mut least = least(None, facets, (&a, &b), exponent);
+        // A flat difference has 0 along its normal, whether the origin is in it or beside it.
+        if least.as_ref().is_none_or(|least| least.reach.sign() != Sign::Plus) {
+            let vertices: Vec<Point> =
+                a.iter().flat_map(|p| b.iter().map(move |q| minus(p, q))).collect();
+            let from_edges =
+                vertices.iter().flat_map(|w| edges.iter().map(move |e| cross(e, &cross(w, e))));
+            least = self::least(least, vertices.iter().cloned(), (&a, &b), exponent);
+            least = self::least(least, from_edges, (&a, &b), exponent);
         }
-        least.expect("a difference that is not flat")
+        least.expect("a difference that is not a point")
+    }
+
+    /// The signed depth with a radius: reach/√square + r, by the difference of the squares where
+    /// the sum cancels.
+    pub(super) fn rounded_by(&self, radius: f64) -> f64 {
+        if self.touches() {
+            return self.value() + radius;
+        }
+        let r = Self::number(radius, self.exponent);
+        let left = &r.reach * &r.reach * &self.square - &self.reach * &self.reach * &r.square;
+        // left / (√r.square·√square)² over the sum of the two lengths.
+        let (left, e) = leading(&left);
+        let (square, f) = leading(&(&r.square * &self.square));
+        let sum = (radius - self.value()) / 2f64.powi(self.exponent);
+        left / square / sum * 2f64.powi(e - f + self.exponent)
     }
 
     /// Whether the shapes touch.
@@ -90,6 +97,34 @@ impl Truth {
         };
         square(self, other) < square(other, self)
     }
+}
+
+/// The least of what is known and the reaches along both senses of the directions.
+fn least(
+    known: Option<Truth>,
+    directions: impl Iterator<Item = Point>,
+    (a, b): (&[Point], &[Point]),
+    exponent: i32,
+) -> Option<Truth> {
+    let mut least = known;
+    for n in directions {
+        let square = dot(&n, &n);
+        if square.sign() == Sign::NoSign {
+            continue;
+        }
+        let extent = |points: &[Point]| {
+            let along: Vec<BigInt> = points.iter().map(|p| dot(&n, p)).collect();
+            (along.iter().min().unwrap().clone(), along.iter().max().unwrap().clone())
+        };
+        let ((a_min, a_max), (b_min, b_max)) = (extent(a), extent(b));
+        for reach in [a_max - b_min, b_max - a_min] {
+            let truth = Truth { reach, square: square.clone(), exponent };
+            if least.as_ref().is_none_or(|least| truth.is_below(least)) {
+                least = Some(truth);
+            }
+        }
+    }
+    least
 }
 
 /// All differences of two points, without the zero ones.
@@ -179,5 +214,12 @@ fn the_oracle_is_right_where_the_depth_is_known_by_hand() {
     let truth = Truth::of((&corner, &Pose::IDENTITY), (&point, &Pose::IDENTITY));
     assert!((truth.value() - 0.25 / 3f64.sqrt()).abs() < 1e-16);
     let there = Pose::from_translation(DVec3::new(0.0, 0.0, 3.0)).unwrap();
-    assert!(!Truth::of((&cube, &Pose::IDENTITY), (&cube, &there)).touches());
+    let apart = Truth::of((&cube, &Pose::IDENTITY), (&cube, &there));
+    assert!(!apart.touches());
+    assert_eq!(apart.value(), -2.0);
+    // Corner to corner along (2, 3, 6) / 7.
+    let there = Pose::from_translation(DVec3::new(3.0, 4.0, 7.0)).unwrap();
+    let apart = Truth::of((&cube, &Pose::IDENTITY), (&cube, &there));
+    assert_eq!((apart.value(), apart.rounded_by(7.5)), (-7.0, 0.5));
+    assert_eq!(apart.rounded_by(7f64.next_up()), 4.0 * f64::EPSILON);
 }

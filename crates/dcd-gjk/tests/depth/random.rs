@@ -3,7 +3,9 @@
 use super::oracle::Truth;
 use super::*;
 use dcd_geom::glam::{DMat3, DQuat};
+use dcd_gjk::{DistanceResult, distance};
 use proptest::prelude::*;
+use std::ops::Range;
 
 /// What is promised of a depth, relative to itself.
 const PROMISED: f64 = 1e-9;
@@ -84,8 +86,40 @@ fn any_turn() -> impl Strategy<Value = DQuat> {
 
 /// Points in a box of the given half extents.
 fn cloud(half: DVec3) -> impl Strategy<Value = Polytope> {
+    points(half, 4..8)
+}
+
+fn points(half: DVec3, count: Range<usize>) -> impl Strategy<Value = Polytope> {
     let point = prop::array::uniform3(-1.0f64..1.0).prop_map(move |p| DVec3::from(p) * half);
-    prop::collection::vec(point, 4..8).prop_map(|points| Polytope::hull(points).unwrap())
+    prop::collection::vec(point, count).prop_map(|points| Polytope::hull(points).unwrap())
+}
+
+proptest! {
+    // The oracle's directions are many more here.
+    #![proptest_config(ProptestConfig::with_cases(50))]
+
+    #[test]
+    fn rounded_hulls_have_their_exact_depth_cores_apart_or_not(
+        a in cloud(DVec3::ONE), b in cloud(DVec3::ONE), turns in [any_turn(), any_turn()],
+        t in prop::array::uniform3(-2.5f64..2.5), share in prop_oneof![Just(0.0), 0.0f64..1e-9, 0.0f64..2.0],
+    ) {
+        let [p, q] = turns;
+        let (a, b) = ((a, Pose::new(p, DVec3::ZERO).unwrap()), (b, Pose::new(q, t.into()).unwrap()));
+        judge_rounded(&a, &b, share)?;
+    }
+
+    #[test]
+    fn capsules_and_rounded_plates_have_their_exact_depth(
+        a in prop_oneof![points(DVec3::ONE, 1..4), points(DVec3::new(1.0, 1.0, 0.0), 2..6)],
+        b in prop_oneof![points(DVec3::ONE, 2..4), points(DVec3::new(1.0, 1.0, 0.0), 2..6)],
+        turns in prop_oneof![[any_turn(), any_turn()], any_turn().prop_map(|q| [q, q])],
+        t in prop::array::uniform3(-2.5f64..2.5),
+        share in prop_oneof![Just(0.0), 0.0f64..1e-9, 0.0f64..2.0],
+    ) {
+        let [p, q] = turns;
+        let (a, b) = ((a, Pose::new(p, DVec3::ZERO).unwrap()), (b, Pose::new(q, t.into()).unwrap()));
+        judge_rounded(&a, &b, share)?;
+    }
 }
 
 proptest! {
@@ -136,6 +170,31 @@ proptest! {
     }
 
     #[test]
+    fn rounded_plates_in_one_plane_have_their_exact_depth(
+        a in points(DVec3::new(1.0, 0.1, 0.0), 3..6), b in points(DVec3::new(0.1, 1.0, 0.0), 3..6),
+        t in prop::array::uniform2(-1.5f64..1.5), share in 0.0f64..2.0,
+    ) {
+        judge_rounded(&(a, Pose::IDENTITY), &(b, at(t[0], t[1], 0.0)), share)?;
+    }
+
+    #[test]
+    fn rounded_ellipses_in_one_plane_overlap_by_their_radii_less_their_distance(
+        tilts in [0.0f64..3.2, 0.0f64..3.2], t in prop::array::uniform2(-1.0f64..1.0),
+    ) {
+        let [a, b] = tilts.map(ellipse);
+        let place = Pose::from_translation(in_plane(t[0], t[1])).unwrap();
+        let (body_a, body_b) = (Body::polytope(&a, &Pose::IDENTITY), Body::polytope(&b, &place));
+        if let (DistanceResult::Apart(gap), _) = distance::of_polytopes(body_a, body_b) {
+            let gap = gap.distance;
+            let b = b.rounded(2.0 * gap).unwrap();
+            let found = touching(&(a, Pose::IDENTITY), &(b, place));
+            prop_assert!((found.depth - gap).abs() <= 1e-12 * gap + 1e-16, "{found:?}, {gap}");
+            let across = found.normal.dot(DVec3::new(1.0, 2.0, -1.0));
+            prop_assert!(found.error_bound <= 1e-12 && across.abs() < 1e-12);
+        }
+    }
+
+    #[test]
     fn boxes_bisected_to_the_last_overlap_have_their_exact_depth(
         half in [prop::array::uniform3(0.1f64..1.0), prop::array::uniform3(0.1f64..1.0)],
         turns in [any_turn(), any_turn()], way in prop::array::uniform3(-1.0f64..1.0),
@@ -155,6 +214,50 @@ proptest! {
             judge(&a, &(b.clone(), place(s).unwrap()))?;
         }
     }
+}
+
+/// The point of the plane z = x + 2y over two coordinates, which are rounded so that it is exact.
+fn in_plane(x: f64, y: f64) -> DVec3 {
+    let [x, y] = [x, y].map(|x| (x * 1048576.0).round() / 1048576.0);
+    DVec3::new(x, y, x + 2.0 * y)
+}
+
+/// A slim ellipse of 24 corners in that plane.
+fn ellipse(tilt: f64) -> Polytope {
+    let corner = |k: i32| {
+        let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 24.0).sin_cos();
+        let (x, y) = (0.8 * cos, 0.15 * sin);
+        let (sin, cos) = tilt.sin_cos();
+        in_plane(x * cos - y * sin, x * sin + y * cos)
+    };
+    Polytope::hull((0..24).map(corner).collect()).unwrap()
+}
+
+/// Radii that leave some overlap, down to an ulp or none, of whatever the cores' distance is.
+fn judge_rounded(a: &Placed, b: &Placed, share: f64) -> Result<(), TestCaseError> {
+    let truth = Truth::of((&a.0, &a.1), (&b.0, &b.1));
+    let distance = (-truth.value()).max(0.0);
+    let radius = (distance * (1.0 + share)).next_up().next_up();
+    let round = |(map, pose): &Placed, radius: f64| (map.clone().rounded(radius).unwrap(), *pose);
+    // In two parts whose sum is exact: the oracle takes one radius.
+    let part = radius * 0.75;
+    let (a, b) = (round(a, part), round(b, radius - part));
+    let value = truth.rounded_by(radius);
+    match ask(&a, &b) {
+        Verdict::Touching(found) => {
+            let Depth { depth, error_bound, .. } = found;
+            prop_assert!(value >= 0.0);
+            prop_assert!((depth - value).abs() <= error_bound + 1e-15 * value);
+            let size = radius + a.0.reach() + b.0.reach();
+            let promised = PROMISED * value + 1e-22 * size;
+            prop_assert!((depth - value).abs() <= promised, "{found:?}, {value}");
+            prop_assert!(error_bound <= PROMISED * depth + 1e-12 * size, "{error_bound}");
+            let between = found.point_a - found.point_b;
+            prop_assert!(between.distance(found.normal * depth) <= 1e-12, "{found:?}, {distance}");
+        }
+        verdict => prop_assert!(verdict == Verdict::Apart && value < 0.0, "{verdict:?}, {value}"),
+    }
+    Ok(())
 }
 
 fn judge_sized(a: &Placed, b: &Placed, size: f64) -> Result<(), TestCaseError> {
