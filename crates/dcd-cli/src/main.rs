@@ -1,2 +1,45 @@
-//! Being written.
-fn main() {}
+//! The command `dcd`: touching pairs of a scene, and answers on single pairs, from files.
+//!
+//! It reads, asks the libraries and prints. Deliberately absent: any solver, any tolerance, any
+//! seeded scene of its own.
+#![forbid(unsafe_code)]
+
+mod detect;
+mod failure;
+mod memory;
+mod pairs;
+mod quiet;
+mod rung;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done; 2 bad input or usage, with the index and the value on standard error; \
+1 an answer could not be written.";
+
+/// Finds touching pairs of convex shapes, provably and repeatably.
+#[derive(Parser)]
+#[command(name = "dcd", version, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Detect(detect::Detect),
+    Pairs(pairs::Pairs),
+}
+
+fn main() -> ExitCode {
+    quiet::about_parry();
+    let done = match Cli::parse().command {
+        Command::Detect(detect) => detect.run(),
+        Command::Pairs(pairs) => pairs.run(),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,86 @@
+//! `dcd detect`: every touching pair of a scene.
+
+mod contacts;
+mod source;
+mod steps;
+mod summary;
+
+use crate::failure::Failure;
+use crate::memory;
+use crate::rung::Rung;
+use clap::{Args, value_parser};
+use source::{Loaded, Source};
+use std::fs::File;
+use std::io::{BufWriter, Write, stdout};
+use std::path::PathBuf;
+use std::thread::available_parallelism;
+use steps::Plan;
+use summary::Summary;
+
+const DETAILS: &str = "\
+FILE is a hull scene, raw, little endian: u32 n; then n times u32 vertex count, u32 triangle \
+count, the vertices (3 f64 each, metres), the triangles (3 u32 each; they may be absent), a unit \
+quaternion x y z w (4 f64), a translation (3 f64).
+
+Reading and the making of shapes are not timed. Each repeat is a first step: buffers are kept, \
+nothing that was learnt about the poses is. The broad phase is the wide tree on every rung.
+
+The digest is 64-bit FNV-1a over the contacts as --out writes them, without the count: u32 i, \
+u32 j, little endian, i < j, sorted. It is the same at any number of threads.";
+
+/// Find every touching pair of a scene
+#[derive(Args)]
+#[command(
+    after_long_help = DETAILS,
+    override_usage = "dcd detect [OPTIONS] <FILE|--scene NAME|--clouds FILE>"
+)]
+pub(crate) struct Detect {
+    #[command(flatten)]
+    source: Source,
+    /// Who judges the candidate pairs
+    #[arg(long, value_enum, default_value_t)]
+    rung: Rung,
+    /// How many threads; 1 touches no pool [default: one a core]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// How many times the step is run and timed
+    #[arg(
+        long,
+        value_name = "K",
+        default_value_t = 1,
+        value_parser = value_parser!(u32).range(1..=1_000_000)
+    )]
+    repeat: u32,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Write the contacts: u32 count, then u32 i, u32 j each, sorted, i < j, little endian
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+impl Detect {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let Loaded { scene, clouds } = self.source.load()?;
+        // Before the work, so that a wrong path costs none.
+        let create =
+            |path: &PathBuf| File::create(path).map_err(|e| Failure::at(path.display(), e));
+        let out = self.out.as_ref().map(create).transpose()?;
+        let cores = || available_parallelism().map_or(1, usize::from);
+        let threads = self.threads.map_or_else(cores, usize::from);
+        let plan = Plan { rung: self.rung, threads, repeats: self.repeat };
+        let found = steps::run(&scene, plan)?;
+        if let Some(file) = out {
+            contacts::write(&found.contacts, BufWriter::new(file)).map_err(Failure::Output)?;
+        }
+        let summary = Summary {
+            objects: scene.len(),
+            clouds,
+            plan,
+            found: &found,
+            peak_bytes: memory::peak_bytes(),
+        };
+        let text = if self.json { summary.json() } else { summary.text() };
+        stdout().write_all(text.as_bytes()).map_err(Failure::Output)
+    }
+}

@@ -1,0 +1,42 @@
+//! Why a run ended early, and with which exit code.
+
+use std::fmt::Display;
+use std::io::{self, Write, stderr};
+use std::process::ExitCode;
+
+/// Why a run ended early.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// Bad input: what, with index and value.
+    Input(String),
+    /// What was found could not be written.
+    Output(io::Error),
+}
+
+impl Failure {
+    /// Bad input from `place`, a file's name as a rule.
+    pub(crate) fn at(place: impl Display, error: impl Display) -> Self {
+        Self::Input(format!("{place}: {error}"))
+    }
+
+    /// Tells it on standard error; the exit code.
+    pub(crate) fn report(self) -> ExitCode {
+        match self {
+            Self::Input(message) => {
+                tell(message);
+                ExitCode::from(2)
+            }
+            // Whoever reads has read enough.
+            Self::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::from(1),
+            Self::Output(error) => {
+                tell(format_args!("the answer could not be written: {error}"));
+                ExitCode::from(1)
+            }
+        }
+    }
+}
+
+/// A line on standard error. Where that is gone too there is nobody left to tell.
+pub(crate) fn tell(message: impl Display) {
+    let _ = writeln!(stderr(), "dcd: {message}");
+}

@@ -1,0 +1,181 @@
+//! `dcd pairs`: a line of JSON for each pair of a file.
+
+mod answer;
+mod ours;
+mod parry;
+
+use crate::failure::{Failure, tell};
+use crate::rung::Rung;
+use answer::Answer;
+use clap::{Args, ValueEnum};
+use dcd_geom::{Polytope, Pose, Shape};
+use dcd_gjk::Placed;
+use dcd_scenes::{PairError, PairFault, PairInput, read_pairs};
+use ours::Ladder;
+use serde::Serialize;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Write, stdin, stdout};
+use std::path::PathBuf;
+
+const DETAILS: &str = r#"FILE holds a pair a line:
+  {"name": "…", "a": [[x, y, z], …], "pose_a": {"R": [[…3], …3 rows], "t": [x, y, z]}, "b": …, "pose_b": …}
+Points in metres in the shape's own frame; R row by row, or a unit quaternion q = [x, y, z, w] in its place.
+
+A line comes out for each, in order:
+  {"name": "…", "answer": "apart"|"touching"|"undecided", "rung": "…", …}
+  rung         what settled it: f32, f64, exact, parry-f32, parry-f64
+  reason       why the pair is undecided, or its distance absent
+  distance     metres; 0 for a touching pair
+  depth        metres; for touching pairs alone, 0 for one that just touches
+  normal       of unit length, from a to b, world frame
+  point_a, point_b   between which the distance or depth is, world frame
+  error_bound  the truth is within it, metres; absent on Parry's rungs, which give none
+A line that is no such pair comes out as {"name": …, "error": "line …"}, on standard error too, and the run goes on; the exit code is 2 then.
+
+There is no distance in f32: --rung fast gives f64's. A depth comes from one algorithm, on an exact lattice: rung tells then what proved that the pair touches. Parry's rungs print what query::intersection_test, distance, closest_points and contact say, right or wrong."#;
+
+/// Judge pairs of posed point sets, one a line
+#[derive(Args)]
+#[command(after_long_help = DETAILS)]
+pub(crate) struct Pairs {
+    /// Pairs as JSON Lines (format: see --help); `-` is standard input
+    file: PathBuf,
+    /// Who judges
+    #[arg(long, value_enum, default_value_t)]
+    rung: Rung,
+    /// What is asked about each pair
+    #[arg(long, value_enum, default_value_t)]
+    query: Query,
+    /// Ask for (b, a): the same answer mirrored, bit for bit, but on Parry's rungs
+    #[arg(long)]
+    swap: bool,
+}
+
+/// What is asked about each pair.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Query {
+    /// Whether it touches
+    #[default]
+    Boolean,
+    /// How far apart it is, and between which points
+    Distance,
+    /// How deep it overlaps, and where
+    Depth,
+}
+
+/// One of the two.
+struct Side {
+    shape: Shape,
+    pose: Pose,
+}
+
+impl Side {
+    fn new(shape: Polytope, pose: Pose) -> Self {
+        Self { shape: shape.into(), pose }
+    }
+
+    fn placed(&self) -> Placed<'_> {
+        Placed { shape: &self.shape, pose: &self.pose }
+    }
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Outcome {
+    Answered(Answer),
+    Refused { error: String },
+}
+
+#[derive(Serialize)]
+struct Line<'a> {
+    name: Option<&'a str>,
+    #[serde(flatten)]
+    outcome: Outcome,
+}
+
+impl Pairs {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let (place, reader) = self.open()?;
+        let mut out = stdout().lock();
+        let mut ladder = Ladder::default();
+        let (mut lines, mut refused) = (0u64, 0u64);
+        for item in read_pairs(reader) {
+            lines += 1;
+            let read = item.map_err(|error| Failure::at(&place, error))?;
+            let (name, outcome) = match read {
+                Ok(pair) => {
+                    let (name, answer) = self.answer(pair, &mut ladder);
+                    (name, Outcome::Answered(answer))
+                }
+                Err(error) => {
+                    refused += 1;
+                    let message = format!("line {lines}: {}", without_line(&error));
+                    tell(format_args!("{place}: {message}"));
+                    (error.name, Outcome::Refused { error: message })
+                }
+            };
+            write_line(&mut out, &Line { name: name.as_deref(), outcome })
+                .map_err(Failure::Output)?;
+        }
+        if refused > 0 {
+            return Err(Failure::at(place, format_args!("{refused} of {lines} lines refused")));
+        }
+        Ok(())
+    }
+
+    fn open(&self) -> Result<(String, Box<dyn BufRead>), Failure> {
+        if self.file.as_os_str() == "-" {
+            return Ok(("standard input".into(), Box::new(stdin().lock())));
+        }
+        let place = self.file.display().to_string();
+        match File::open(&self.file) {
+            Ok(file) => Ok((place, Box::new(BufReader::new(file)))),
+            Err(error) => Err(Failure::at(place, error)),
+        }
+    }
+
+    fn answer(&self, pair: PairInput, ladder: &mut Ladder) -> (Option<String>, Answer) {
+        let a = Side::new(pair.a, pair.pose_a);
+        let b = Side::new(pair.b, pair.pose_b);
+        let (a, b) = if self.swap { (b, a) } else { (a, b) };
+        let answer = match self.rung {
+            Rung::ParryF32 => parry::answer::<f32>(self.query, "parry-f32", &a, &b),
+            Rung::ParryF64 => parry::answer::<f64>(self.query, "parry-f64", &a, &b),
+            rung => {
+                let answer = ladder.answer((rung, self.query), a.placed(), b.placed());
+                // Nothing tells two identical bodies apart: (b, a) is (a, b) to the ladder.
+                if self.swap && are_identical(&a, &b) { answer.mirrored() } else { answer }
+            }
+        };
+        (pair.name, answer)
+    }
+}
+
+fn are_identical(a: &Side, b: &Side) -> bool {
+    let bits = |side: &Side| -> Vec<u64> {
+        let vertices = side.shape.as_polytope().map_or(&[][..], Polytope::vertices);
+        let rotation = side.pose.rotation().to_cols_array();
+        let translation = side.pose.translation().to_array();
+        let numbers = rotation.into_iter().chain(translation);
+        numbers.chain(vertices.iter().flat_map(|v| v.to_array())).map(f64::to_bits).collect()
+    };
+    bits(a) == bits(b)
+}
+
+fn write_line(out: &mut impl Write, line: &Line<'_>) -> io::Result<()> {
+    serde_json::to_writer(&mut *out, line)?;
+    out.write_all(b"\n")
+}
+
+/// The fault, without the JSON reader's count of lines, which sees one line at a time.
+fn without_line(error: &PairError) -> String {
+    let fault = error.fault.to_string();
+    let PairFault::Json(json) = &error.fault else { return fault };
+    let place = format!(" at line {} column {}", json.line(), json.column());
+    match fault.strip_suffix(&place) {
+        Some(what) if json.line() == 1 => format!("{what} at column {}", json.column()),
+        // Behind the line's end.
+        Some(what) => what.to_owned(),
+        None => fault,
+    }
+}

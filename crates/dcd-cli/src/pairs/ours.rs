@@ -1,0 +1,89 @@
+//! What our own ladder says of a pair.
+
+use super::Query;
+use super::answer::{Answer, Way};
+use crate::rung::{Rung, in_words};
+use dcd_geom::Polytope;
+use dcd_gjk::distance::{self, DistanceResult};
+use dcd_gjk::{Body, Certified, Gjk, PairSolver, Placed, Reason, Rung as Settled, Verdict, epa};
+
+/// The solvers' memory, from pair to pair.
+#[derive(Default)]
+pub(super) struct Ladder {
+    depth: epa::Scratch,
+}
+
+impl Ladder {
+    /// What that rung, one of ours, says of a and b.
+    pub(super) fn answer(
+        &mut self,
+        (rung, query): (Rung, Query),
+        a: Placed<'_>,
+        b: Placed<'_>,
+    ) -> Answer {
+        if query == Query::Distance {
+            return distance(rung, a, b);
+        }
+        let (verdict, settled) = match rung {
+            Rung::Fast => Gjk::<f32>::default().settle(a, b),
+            Rung::F64 => Gjk::<f64>::default().settle(a, b),
+            _ => Certified.settle(a, b),
+        };
+        let mut answer = Answer::new(&verdict, name(settled));
+        if query == Query::Depth && verdict == Verdict::Touching(()) {
+            self.deepen(&mut answer, a, b);
+        }
+        answer
+    }
+
+    fn deepen(&mut self, answer: &mut Answer, a: Placed<'_>, b: Placed<'_>) {
+        let (Some(a), Some(b)) = (body(a), body(b)) else { return };
+        let found = epa::depth_of_overlap(a, b, &mut self.depth);
+        answer.depth = Some(found.depth);
+        answer.way = Some(Way::new(found.normal, found.point_a, found.point_b));
+        answer.error_bound = Some(found.error_bound);
+    }
+}
+
+fn distance(rung: Rung, a: Placed<'_>, b: Placed<'_>) -> Answer {
+    let (found, settled) = match rung {
+        Rung::Fast | Rung::F64 => (distance::in_f64(a, b), Settled::F64),
+        _ => distance::distance(a, b),
+    };
+    let verdict = match found {
+        DistanceResult::Apart(_) => Verdict::Apart,
+        DistanceResult::Touching => Verdict::Touching(()),
+        DistanceResult::Undecided(reason) => Verdict::Undecided(reason),
+    };
+    let mut answer = Answer::new(&verdict, name(settled));
+    match found {
+        // Proved apart, at a distance that no f64 holds.
+        DistanceResult::Apart(found) if !found.distance.is_finite() => {
+            answer.reason = Some(in_words(Reason::Range));
+        }
+        DistanceResult::Apart(found) => {
+            answer.distance = Some(found.distance);
+            answer.way = Some(Way::new(found.normal, found.point_a, found.point_b));
+            answer.error_bound = Some(found.error_bound);
+        }
+        DistanceResult::Touching => {
+            answer.distance = Some(0.0);
+            answer.error_bound = Some(0.0);
+        }
+        DistanceResult::Undecided(_) => {}
+    }
+    answer
+}
+
+/// Every point set is a polytope.
+fn body<'a>(side: Placed<'a>) -> Option<Body<'a, Polytope>> {
+    Some(Body::polytope(side.shape.as_polytope()?, side.pose))
+}
+
+fn name(rung: Settled) -> &'static str {
+    match rung {
+        Settled::Exact => "exact",
+        Settled::F64 => "f64",
+        _ => "f32",
+    }
+}

@@ -1,0 +1,253 @@
+//! What `dcd detect` finds and how it tells it.
+#![allow(missing_docs)]
+
+mod common;
+
+use common::{Hull, RUNGS, cube, dcd, dcd_reading, hull_file};
+use dcd_scenes::{SceneSpec, write_hull_scene};
+use serde_json::Value;
+use std::path::PathBuf;
+
+/// 64-bit FNV-1a of nothing.
+const NO_CONTACTS: &str = "cbf29ce484222325";
+
+fn temporary(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+/// The contacts of a file that `--out` wrote.
+fn read_contacts(file: &[u8]) -> Vec<(u32, u32)> {
+    let mut words = file.chunks_exact(4).map(|word| u32::from_le_bytes(word.try_into().unwrap()));
+    let count = words.next().unwrap();
+    let words: Vec<u32> = words.collect();
+    let contacts: Vec<_> = words.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
+    assert_eq!((contacts.len(), file.len()), (count as usize, 4 + 8 * count as usize));
+    contacts
+}
+
+fn fnv1a(bytes: &[u8]) -> String {
+    let hash = bytes.iter().fold(0xcbf2_9ce4_8422_2325u64, |hash, &byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    });
+    format!("{hash:016x}")
+}
+
+#[test]
+fn no_object_and_one_object_are_legal_and_have_no_pair() {
+    for objects in [0, 1] {
+        let hulls = vec![Hull::unit_cube([1.0, 2.0, 3.0]); objects];
+        for rung in RUNGS {
+            for threads in ["1", "2"] {
+                let arguments = ["detect", "-", "--rung", rung, "--threads", threads, "--json"];
+                let told = dcd_reading(&hull_file(&hulls), &arguments).summary();
+                for (key, value) in [("objects", objects), ("pairs", 0), ("contacts", 0)] {
+                    assert_eq!(told[key], value, "{key}: {told}");
+                }
+                assert_eq!((&told["undecided"], &told["digest"]), (&0.into(), &NO_CONTACTS.into()));
+            }
+        }
+    }
+}
+
+#[test]
+fn touching_cubes_are_a_contact_and_a_hair_apart_they_are_none() {
+    let places = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0 + f64::EPSILON, 0.0], [9.0, 0.0, 0.0]];
+    let out = temporary("touching_cubes");
+    let file = hull_file(&places.map(Hull::unit_cube));
+    let arguments = ["detect", "-", "--json", "--out", out.to_str().unwrap()];
+    let told = dcd_reading(&file, &arguments).summary();
+    assert_eq!((&told["objects"], &told["contacts"]), (&4.into(), &1.into()));
+    assert_eq!((&told["undecided"], &told["rung"]), (&0.into(), &"certified".into()));
+    assert_eq!(read_contacts(&std::fs::read(out).unwrap()), [(0, 1)]);
+}
+
+#[test]
+fn the_json_has_the_documented_keys_in_order_and_sensible_times() {
+    let arguments = ["detect", "--scene", "paper", "--n", "60", "--json", "--repeat", "4"];
+    let ran = dcd(&[&arguments[..], &["--threads", "2"]].concat());
+    let told = ran.summary();
+    let keys = [
+        "objects",
+        "pairs",
+        "contacts",
+        "undecided",
+        "threads",
+        "rung",
+        "ms",
+        "peak_rss_bytes",
+        "digest",
+    ];
+    let places = keys.map(|key| ran.stdout.find(&format!("\"{key}\":")).unwrap());
+    assert!(places.is_sorted() && told.as_object().unwrap().len() == keys.len(), "{}", ran.stdout);
+    assert_eq!(told["threads"], 2);
+    let spread = |stage: &str| {
+        let number = |key: &str| told["ms"][stage][key].as_f64().unwrap();
+        (number("min"), number("median"))
+    };
+    let stages = ["aabbs", "build", "pairs", "narrow"].map(spread);
+    let (least, middle) = spread("total");
+    assert!(stages.iter().all(|&(min, median)| 0.0 <= min && min <= median && min <= least));
+    // The stages are parts of the step.
+    assert!(stages.iter().map(|stage| stage.0).sum::<f64>() <= least && least <= middle);
+    if cfg!(target_os = "linux") {
+        assert!(told["peak_rss_bytes"].as_u64().unwrap() > 1 << 20);
+    }
+}
+
+#[test]
+fn the_text_tells_what_the_json_tells() {
+    let arguments = ["detect", "--scene", "paper", "--n", "60", "--threads", "2"];
+    let text = dcd(&arguments).stdout;
+    let told = dcd(&[&arguments[..], &["--json"]].concat()).summary();
+    let value = |what: &str| {
+        let line = text.lines().find_map(|line| line.strip_prefix(what)).unwrap();
+        line.trim().to_owned()
+    };
+    for (line, key) in
+        [("objects", "objects"), ("candidate pairs", "pairs"), ("contacts", "contacts")]
+    {
+        assert_eq!(value(line), told[key].to_string());
+    }
+    assert_eq!(Value::from(value("digest")), told["digest"]);
+    assert_eq!((value("undecided"), value("threads")), ("0".into(), "2".into()));
+    assert_eq!(value("rung"), "certified");
+}
+
+#[test]
+fn the_contact_file_is_sorted_and_the_digest_is_of_its_pairs() {
+    let out = temporary("sorted_contacts");
+    let arguments = ["detect", "--scene", "paper", "--n", "500", "--json", "--out"];
+    let told = dcd(&[&arguments[..], &[out.to_str().unwrap()]].concat()).summary();
+    let file = std::fs::read(out).unwrap();
+    let contacts = read_contacts(&file);
+    assert!(contacts.len() > 1000 && contacts.is_sorted());
+    assert!(contacts.iter().all(|(i, j)| i < j && *j < 500));
+    assert!(contacts.windows(2).all(|two| two[0] != two[1]));
+    assert_eq!(told["contacts"], contacts.len());
+    assert_eq!(told["digest"], fnv1a(&file[4..]));
+}
+
+#[test]
+fn the_digest_is_the_same_at_any_thread_count_and_in_every_repeat() {
+    for rung in RUNGS {
+        let told = ["1", "2", "3", "7"].map(|threads| {
+            let scene = ["detect", "--scene", "paper", "--n", "400", "--json", "--rung", rung];
+            let told = dcd(&[&scene[..], &["--threads", threads, "--repeat", threads]].concat());
+            told.summary()
+        });
+        for other in &told[1..] {
+            for key in ["pairs", "contacts", "undecided", "digest"] {
+                assert_eq!(other[key], told[0][key], "{rung}, {key}");
+            }
+        }
+        assert_ne!(told[0]["digest"], NO_CONTACTS);
+    }
+}
+
+#[test]
+fn rungs_that_decide_every_pair_agree() {
+    let ask = |rung| dcd(&["detect", "--scene", "paper", "--n", "300", "--json", "--rung", rung]);
+    let certified = ask("certified").summary();
+    for rung in RUNGS {
+        let told = ask(rung).summary();
+        assert_eq!(told["rung"], rung);
+        if told["undecided"] == 0 && rung != "parry-f32" {
+            assert_eq!(told["digest"], certified["digest"], "{rung}");
+        }
+    }
+}
+
+#[test]
+fn a_scene_that_is_written_and_read_gives_the_same_contacts() {
+    // Hulls with their surfaces, cuboids as corners, and one shape for many objects.
+    for (name, objects) in [("paper", 200), ("boxes", 300), ("bricks", 500)] {
+        let raw = SceneSpec::parse(name).unwrap().with_objects(objects).raw().unwrap();
+        let mut file = Vec::new();
+        write_hull_scene(&raw, &mut file).unwrap();
+        let path = temporary(&format!("written_{name}"));
+        std::fs::write(&path, &file).unwrap();
+        let count = objects.to_string();
+        let seeded = dcd(&["detect", "--scene", name, "--n", &count, "--json"]).summary();
+        let read = dcd(&["detect", path.to_str().unwrap(), "--json"]).summary();
+        let piped = dcd_reading(&file, &["detect", "-", "--json"]).summary();
+        for key in ["objects", "pairs", "contacts", "undecided", "digest"] {
+            assert_eq!(read[key], seeded[key], "{name}, {key}");
+            assert_eq!(piped[key], seeded[key], "{name}, {key}");
+        }
+    }
+}
+
+#[test]
+fn triangles_may_be_absent_and_change_no_answer() {
+    let mut hulls = [[0.0; 3], [0.7, 0.2, 0.1]].map(Hull::unit_cube);
+    let without = dcd_reading(&hull_file(&hulls), &["detect", "-", "--json"]).summary();
+    hulls[0].triangles = vec![[0, 1, 2], [1, 3, 2]];
+    let with = dcd_reading(&hull_file(&hulls), &["detect", "-", "--json"]).summary();
+    assert_eq!((&with["digest"], &with["contacts"]), (&without["digest"], &1.into()));
+}
+
+#[test]
+fn flat_needle_like_and_point_like_hulls_are_legal_on_every_rung() {
+    let mut hulls: Vec<_> = (0..4).map(|_| Hull::unit_cube([0.0; 3])).collect();
+    hulls[1].vertices = cube([0.3, 0.3, 0.0]);
+    hulls[2].vertices = vec![[0.1, 0.0, 0.0], [0.4, 0.1, 0.0]];
+    hulls[3].vertices = vec![[0.2; 3]; 5];
+    for rung in RUNGS {
+        let arguments = ["detect", "-", "--json", "--rung", rung];
+        let told = dcd_reading(&hull_file(&hulls), &arguments).summary();
+        let sum = told["contacts"].as_u64().unwrap() + told["undecided"].as_u64().unwrap();
+        assert!(sum <= told["pairs"].as_u64().unwrap());
+        if rung == "certified" {
+            // All in the cube, and the line in the plane; the point is in neither.
+            assert_eq!((&told["contacts"], &told["undecided"]), (&4.into(), &0.into()), "{told}");
+        }
+    }
+}
+
+#[test]
+fn the_seed_makes_the_scene() {
+    let digest = |seed| {
+        let told = dcd(&["detect", "--scene", "paper", "--n", "100", "--json", "--seed", seed]);
+        told.summary()["digest"].clone()
+    };
+    assert_eq!(digest("5"), digest("5"));
+    assert_ne!(digest("5"), digest("6"));
+}
+
+#[test]
+fn clouds_become_a_scene_whose_density_is_a_parameter() {
+    let cloud = |k: u32| {
+        let mut bytes = 8u32.to_le_bytes().to_vec();
+        let corners = cube([0.5, 1.0, 0.5 + 0.1 * f64::from(k)]);
+        bytes.extend(corners.as_flattened().iter().flat_map(|&x| (x as f32).to_le_bytes()));
+        bytes
+    };
+    let file: Vec<u8> = (0..10).flat_map(cloud).collect();
+    let candidates = |density| {
+        let arguments = ["detect", "--clouds", "-", "--json", "--n", "2000", "--density", density];
+        let told = dcd_reading(&file, &arguments).summary();
+        assert_eq!((&told["clouds"]["solid"], &told["undecided"]), (&10.into(), &0.into()));
+        told["pairs"].as_f64().unwrap() / 2000.0
+    };
+    assert!((candidates("1") - 1.0).abs() < 0.2);
+    assert!((candidates("8") - 8.0).abs() < 1.6);
+    let every = dcd_reading(&file, &["detect", "--clouds", "-", "--json"]).summary();
+    assert_eq!(every["objects"], 10);
+    let text = dcd_reading(&file, &["detect", "--clouds", "-", "--true-size"]).stdout;
+    assert!(text.contains("10 solid") && text.contains("0 flat"), "{text}");
+}
+
+#[test]
+fn help_tells_the_formats_the_rungs_and_the_exit_codes() {
+    let all = dcd(&["--help"]).stdout;
+    assert!(all.contains("detect") && all.contains("pairs") && all.contains("Exit codes: 0"));
+    let detect = dcd(&["detect", "--help"]).stdout;
+    for word in ["little endian", "FNV-1a", "certified", "--repeat", "--out", "sparse", "[default"]
+    {
+        assert!(detect.contains(word), "{word}");
+    }
+    let pairs = dcd(&["pairs", "--help"]).stdout;
+    for word in ["pose_a", "error_bound", "--swap", "--query", "parry-f32", "exit code is 2"] {
+        assert!(pairs.contains(word), "{word}");
+    }
+}
