@@ -83,6 +83,9 @@ fn run(line: &Line) -> Result<ExitCode> {
         }
     }
 
+    if comparisons.is_empty() {
+        bail!("{}", failures.join("\n"));
+    }
     let mut report = show::report(header, &comparisons)?;
     report.missing(&units);
     let pages = report.write(&dir)?;

@@ -58,7 +58,7 @@ pub(crate) fn terminal(comparisons: &[Comparison]) -> Result<String> {
 fn ratios(comparisons: &[Comparison]) -> Result<Table> {
     let ratio = |name: &str| Column::new(name).unit("×").decimals(2);
     let mut columns = vec![Column::new("scene"), Column::new("N"), Column::new("threads")];
-    columns.extend(["ours", "Parry f32"].map(|name| Column::new(name).unit("ms")));
+    columns.extend(["ours", "Parry f32"].map(|name| Column::new(name).unit("ms").decimals(4)));
     columns.extend(["whole", "least", "most"].map(ratio));
     columns.extend(PARTS[..WHOLE].iter().map(|part| ratio(part)));
     columns.extend([ratio("brute force"), Column::new("Parry f32 wrong")]);
@@ -82,10 +82,10 @@ fn ratios(comparisons: &[Comparison]) -> Result<Table> {
 /// One row for each scene, number of threads and stage.
 fn stages(comparisons: &[Comparison]) -> Result<Table> {
     let columns = ["scene", "N", "threads", "stage"].map(Column::new).into_iter().chain([
-        Column::new("ours").unit("ms"),
-        Column::new("ours, least").unit("ms"),
-        Column::new("rival").unit("ms"),
-        Column::new("rival, least").unit("ms"),
+        Column::new("ours").unit("ms").decimals(4),
+        Column::new("ours, least").unit("ms").decimals(4),
+        Column::new("rival").unit("ms").decimals(4),
+        Column::new("rival, least").unit("ms").decimals(4),
         Column::new("ratio").unit("×").decimals(2),
         Column::new("least").unit("×").decimals(2),
         Column::new("most").unit("×").decimals(2),

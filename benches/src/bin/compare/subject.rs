@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use dcd_benches::Effort;
 use dcd_geom::Scene;
 use dcd_scenes::{SceneSpec, load_hull_scene};
@@ -68,7 +68,8 @@ impl Subject {
         Ok(match self {
             Self::Named(spec) => spec.scene()?,
             Self::File(path) => {
-                let raw = load_hull_scene(path)?;
+                // Its message names the path and the cause; its sources would name them again.
+                let raw = load_hull_scene(path).map_err(|error| anyhow!("{error}"))?;
                 raw.into_scene().with_context(|| path.display().to_string())?
             }
         })
