@@ -164,9 +164,8 @@ impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
         let count = hits.count_ones() as usize;
         // Sixteen are written and the surplus taken back: a copy of fixed length has no loop.
         let mut pairs = [Pair::default(); WIDTH];
-        for k in 0..WIDTH {
-            let j = ids.0[k];
-            pairs[k] = Pair { i: i.min(j), j: i.max(j) };
+        for (pair, &j) in pairs.iter_mut().zip(&ids.0) {
+            *pair = Pair { i: i.min(j), j: i.max(j) };
         }
         let start = self.out.len();
         self.out.extend_from_slice(&pairs);

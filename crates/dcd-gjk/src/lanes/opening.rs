@@ -34,8 +34,7 @@ impl Entry {
     pub(super) fn read(&mut self, frame: &Frame, pairs: &[Pair], first: u32) {
         self.live = 0;
         let lot = &mut self.lot;
-        let mut k = 0;
-        for pair in pairs {
+        for (k, pair) in pairs.iter().enumerate() {
             let (a, b) = (frame.record(pair.i), frame.record(pair.j));
             lot.number.0[k] = first + k as u32;
             lot.a.write(k, a.first, a.blocks);
@@ -49,7 +48,6 @@ impl Entry {
             self.outer.0[k] = a.outer + b.outer;
             self.size.0[k] = a.size + b.size;
             self.live |= u32::from(a.blocks.min(b.blocks) > 0) << k;
-            k += 1;
         }
     }
 
