@@ -104,6 +104,12 @@ impl<R: Real> Bounds<R> {
         s > cores && s > cores + self.apart_per_length * d.length()
     }
 
+    /// Whether the cores' difference ends so near to the origin, or before it, that no simplex in
+    /// it can be certified to hold it.
+    pub(crate) fn leaves_no_room(&self, d: R::Vec3, s: R) -> bool {
+        s > -(self.vertex * d.norm1())
+    }
+
     /// Whether a point of the cores' difference whose computed distance from the origin is
     /// `distance` proves that the swept shapes touch. False for NaN.
     pub(crate) fn proves_swept_touching(&self, distance: R) -> bool {

@@ -1,7 +1,7 @@
 //! The Minkowski difference of two placed cores, by its support function.
 
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Matrix, Polytope, Pose, Real, Shape, Support, SupportMap, Vector};
+use dcd_geom::{Ball, Matrix, Polytope, Pose, Real, Shape, Support, SupportMap, Vector};
 
 /// A support map at a pose, with a bound on how far its core reaches.
 #[derive(Debug)]
@@ -15,6 +15,8 @@ pub struct Body<'a, S: ?Sized> {
     /// A point near the core's middle, in its own frame, metres: where searches start. Any finite
     /// point is sound, a good one is quick.
     pub centre: DVec3,
+    /// The radius of a ball round the centre that is inside the core, metres; 0 where none is known.
+    pub inner: f64,
 }
 
 impl<S: ?Sized> Clone for Body<'_, S> {
@@ -42,22 +44,24 @@ impl<'a, S: ?Sized> Body<'a, S> {
         // The box's half diagonal, and room for the rounding of its length. An overflow makes it
         // infinite, and the pair then has no difference.
         let reach = corner.x.hypot(corner.y).hypot(corner.z) * (1.0 + 1e-6);
-        Self { map, pose, reach, centre: low * 0.5 + high * 0.5 }
+        Self { map, pose, reach, centre: low * 0.5 + high * 0.5, inner: 0.0 }
     }
 }
 
 impl<'a> Body<'a, Polytope> {
     /// A polytope, whose reach is known.
     pub fn polytope(map: &'a Polytope, pose: &'a Pose) -> Self {
-        Self { map, pose, reach: map.reach(), centre: map.inner().centre }
+        let Ball { centre, radius } = map.inner();
+        Self { map, pose, reach: map.reach(), centre, inner: radius }
     }
 }
 
 impl<'a> Body<'a, Shape> {
     /// A shape of a scene, whose reach is known.
     pub fn shape(map: &'a Shape, pose: &'a Pose) -> Self {
-        let centre = map.as_polytope().map_or(DVec3::ZERO, |polytope| polytope.inner().centre);
-        Self { map, pose, reach: map.reach(), centre }
+        let unknown = Ball { centre: DVec3::ZERO, radius: 0.0 };
+        let Ball { centre, radius } = map.as_polytope().map_or(unknown, Polytope::inner);
+        Self { map, pose, reach: map.reach(), centre, inner: radius }
     }
 }
 
@@ -73,6 +77,7 @@ pub struct Difference<'a, R: Real, A: ?Sized, B: ?Sized> {
     rotation_b: R::Mat3,
     delta: R::Vec3,
     middle: R::Vec3,
+    inner: R,
     scale: R,
     size: R,
 }
@@ -106,6 +111,7 @@ where
     pub fn new(a: Body<'a, A>, b: Body<'a, B>) -> Option<Self> {
         let delta = a.pose.translation() - b.pose.translation();
         let reach = |body_reach: f64, pose: &Pose| body_reach * (1.0 + pose.deviation());
+        let inner = |radius: f64, pose: &Pose| radius * (1.0 - pose.deviation());
         let size = reach(a.reach, a.pose) + reach(b.reach, b.pose) + Vector::norm1(delta);
         let scale = power_of_two_below_one(size)?;
         let wide = R::UNIT_ROUNDOFF.to_f64() < 1e-10;
@@ -122,6 +128,7 @@ where
             rotation_b: R::Mat3::from_dmat3(*rotation_b),
             delta: R::Vec3::from_dvec3(delta * scale),
             middle: R::Vec3::from_dvec3(middle * scale),
+            inner: R::from_f64((inner(a.inner, a.pose) + inner(b.inner, b.pose)) * scale),
             scale: R::from_f64(scale),
             // Rounded up with room: the sum above has three roundings of its own.
             size: R::from_f64(size * scale * (1.0 + 8.0 * f64::EPSILON))
@@ -183,6 +190,12 @@ where
     /// The difference of the two bodies' centres, scaled: where searches start.
     pub fn middle(&self) -> R::Vec3 {
         self.middle
+    }
+
+    /// The radius of a ball round the middle that is inside the difference, to within rounding;
+    /// scaled. 0 where none is known.
+    pub fn inner(&self) -> R {
+        self.inner
     }
 
     /// The sum of the radii swept round the cores, scaled.

@@ -19,7 +19,7 @@ const SKEW: [f64; 3] = [0.5625, 0.84375, -0.71875];
 ///
 /// Apart only where a separating axis exceeds its rounding bound, touching only where a simplex
 /// (or a point within the swept radii) surely does; else undecided. Stops at the first proof.
-/// Takes at most 96 supports for GJK and 3 × 40 where the origin is on a face, an edge or a corner
+/// Takes at most 96 supports for GJK and 4 × 84 where the origin is on a face, an edge or a corner
 /// of GJK's simplex; allocates nothing.
 ///
 /// Source: Gilbert, Johnson, Keerthi 1988; the nearest point after Montanari, Petrinic, Barbieri
@@ -44,19 +44,26 @@ where
 {
     let bounds = Bounds::of(difference);
     let mut simplex = Simplex::default();
-    let verdict = search(difference, &bounds, &mut simplex);
-    if !matches!(verdict, Verdict::Undecided(Reason::WithinRounding)) {
-        return (verdict, simplex);
-    }
-    (portal::overlap(difference, &bounds), simplex)
+    let verdict = match search(difference, &bounds, &mut simplex) {
+        End::Known(verdict) => verdict,
+        End::Open => portal::overlap(difference, &bounds),
+    };
+    (verdict, simplex)
 }
 
-/// Undecided for rounding if the origin is so near to the simplex that GJK has no direction left.
+/// How GJK ended.
+enum End {
+    /// With all that this arithmetic can tell.
+    Known(Verdict<()>),
+    /// Near a lower face of its simplex, where its directions are rounding.
+    Open,
+}
+
 fn search<R, A, B>(
     difference: &Difference<'_, R, A, B>,
     bounds: &Bounds<R>,
     simplex: &mut Simplex<R>,
-) -> Verdict<()>
+) -> End
 where
     R: Real,
     A: SupportMap<R> + ?Sized,
@@ -64,13 +71,15 @@ where
 {
     let mut direction = start::<R>(difference.middle());
     let mut nearest_so_far = R::MAX;
+    let mut shallow = false;
     for _ in 0..MAX_SUPPORTS {
         let (vertex, separation) = difference.lowest(direction);
         if bounds.proves_apart(direction, separation) {
-            return Verdict::Apart;
+            return End::Known(Verdict::Apart);
         }
+        shallow |= bounds.leaves_no_room(direction, separation);
         if simplex.holds(&vertex) {
-            return Verdict::Undecided(Reason::WithinRounding);
+            return End::Open;
         }
         simplex.push(vertex);
         let Some(near) = simplex.nearest() else { break };
@@ -78,28 +87,30 @@ where
         // Strictly nearer, or rounding is all that moves it. False for NaN.
         if !(squared < nearest_so_far) {
             simplex.pop();
-            return Verdict::Undecided(Reason::WithinRounding);
+            return End::Open;
         }
         nearest_so_far = squared;
         simplex.keep(&near);
         if bounds.simplex_touches(simplex) {
-            return Verdict::Touching(());
+            return End::Known(Verdict::Touching(()));
         }
         if bounds.radius() > R::ZERO {
             let distance = combined_length(simplex.vertices(), near.weights());
             if bounds.proves_swept_touching(distance) {
-                return Verdict::Touching(());
+                return End::Known(Verdict::Touching(()));
             }
         }
-        if bounds.passes_through(squared) {
-            return Verdict::Undecided(Reason::WithinRounding);
+        let through = bounds.passes_through(squared);
+        if through && shallow {
+            // The surface and a point inside are both within rounding of the origin.
+            return End::Known(Verdict::Undecided(Reason::WithinRounding));
         }
         match unit(near.direction) {
-            Some(next) => direction = next,
-            None => return Verdict::Undecided(Reason::WithinRounding),
+            Some(next) if !through => direction = next,
+            _ => return End::Open,
         }
     }
-    Verdict::Undecided(Reason::Iterations)
+    End::Known(Verdict::Undecided(Reason::Iterations))
 }
 
 /// The first direction: from the origin to the difference's middle.

@@ -11,24 +11,28 @@
 
 use crate::certificate::Bounds;
 use crate::gjk::unit;
-use crate::simplex::{Triple, cross, determinant, dot, minus, negated};
+use crate::simplex::{Triple, cross, determinant, dot, minus, negated, plus};
 use crate::{Difference, Reason, Verdict};
 use dcd_geom::{Real, SupportMap, Vector};
 
 /// How many supports one ray may take. No unit. Hulls need 3 to 8.
 const MAX_SUPPORTS: usize = 40;
 
+/// Where the first ray begins, in radii of the inner ball from its centre: half a radius, so that
+/// neither its own rounding nor the ball's matters, and off every symmetry.
+const OFF_CENTRE: [f64; 3] = [0.34375, 0.203125, -0.28125];
+
 /// The first direction in which the inner point's vertices are sought: none that shapes like. World
 /// axes, no unit, largest component in [½, 1].
 const FIRST: [f64; 3] = [0.90625, 0.578125, 0.421875];
 
-/// What each of the four vertices weighs in the inner point, in 32nds; one row an attempt. All
-/// different, so that the symmetry of a shape is not the point's. Each sums to 32: the weights
-/// are exact and so is the point's being in the hull.
+/// What each of four vertices weighs in the inner point of a later ray, in 32nds; one row a ray.
+/// All different, so that the symmetry of a shape is not the point's. Each row sums to 32: the
+/// weights are exact, so the point is in the hull.
 const WEIGHTS: [[f64; 4]; 3] =
     [[12.0, 9.0, 6.0, 5.0], [5.0, 7.0, 9.0, 11.0], [8.0, 13.0, 4.0, 7.0]];
 
-/// The verdict by up to three rays. Of the cores alone: swept radii only help to prove apart.
+/// The verdict by up to four rays. Of the cores alone: swept radii only help to prove apart.
 pub(crate) fn overlap<R, A, B>(
     difference: &Difference<'_, R, A, B>,
     bounds: &Bounds<R>,
@@ -39,19 +43,19 @@ where
     B: SupportMap<R> + ?Sized,
 {
     let surface = Surface { difference, bounds };
-    let Ok(corners) = surface.corners() else { return Verdict::Apart };
-    for weights in WEIGHTS {
-        match surface.ray(&inner_point(&corners, weights)) {
-            Ok(Some(())) => return Verdict::Touching(()),
-            Ok(None) => {}
-            Err(Apart) => return Verdict::Apart,
-        }
+    match surface.rays() {
+        Ok(true) => Verdict::Touching(()),
+        Err(Axis::Separates) => Verdict::Apart,
+        Ok(false) | Err(Axis::LeavesNoRoom) => Verdict::Undecided(Reason::WithinRounding),
     }
-    Verdict::Undecided(Reason::WithinRounding)
 }
 
-/// A separating axis was found on the way.
-struct Apart;
+/// What an axis found on the way says of the pair: nothing more is to be looked for.
+enum Axis {
+    Separates,
+    /// The difference ends so near to the origin that no tetrahedron in it can be certified.
+    LeavesNoRoom,
+}
 
 struct Surface<'a, R: Real, A: ?Sized, B: ?Sized> {
     difference: &'a Difference<'a, R, A, B>,
@@ -64,19 +68,46 @@ where
     A: SupportMap<R> + ?Sized,
     B: SupportMap<R> + ?Sized,
 {
+    /// Whether a ray shows that the origin is surely inside.
+    fn rays(&self) -> Result<bool, Axis> {
+        if let Some(inner) = self.inner_ball_point()
+            && self.ray(&inner)?
+        {
+            return Ok(true);
+        }
+        let corners = self.corners()?;
+        for weights in WEIGHTS {
+            if self.ray(&inner_point(&corners, weights))? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// A point of the inner ball off its centre, if the ball is large beside rounding.
+    fn inner_ball_point(&self) -> Option<Triple<R>> {
+        let radius = self.difference.inner();
+        let middle = self.difference.middle().components();
+        let skewed = OFF_CENTRE.map(|x| R::from_f64(x) * radius);
+        (!self.bounds.passes_through(radius * radius)).then(|| plus(&middle, &skewed))
+    }
+
     /// The vertex farthest along a direction. `None` where the direction is rounding alone.
-    fn farthest(&self, direction: &Triple<R>) -> Result<Option<Triple<R>>, Apart> {
+    fn farthest(&self, direction: &Triple<R>) -> Result<Option<Triple<R>>, Axis> {
         let Some(d) = unit::<R>(negated(direction)) else { return Ok(None) };
         let (vertex, separation) = self.difference.lowest(d);
         if self.bounds.proves_apart(d, separation) {
-            return Err(Apart);
+            return Err(Axis::Separates);
+        }
+        if self.bounds.leaves_no_room(d, separation) {
+            return Err(Axis::LeavesNoRoom);
         }
         Ok(Some(vertex.w.components()))
     }
 
     /// Four vertices that span a tetrahedron, as large as six supports find, if the difference is
     /// not flat.
-    fn corners(&self) -> Result<[Triple<R>; 4], Apart> {
+    fn corners(&self) -> Result<[Triple<R>; 4], Axis> {
         let first = FIRST.map(R::from_f64);
         let c0 = self.farthest(&first)?.unwrap_or([R::ZERO; 3]);
         let c1 = self.beyond(&negated(&first), &c0)?;
@@ -87,7 +118,7 @@ where
     }
 
     /// A vertex clearly beyond or clearly before the plane through `from`; else any.
-    fn beyond(&self, normal: &Triple<R>, from: &Triple<R>) -> Result<Triple<R>, Apart> {
+    fn beyond(&self, normal: &Triple<R>, from: &Triple<R>) -> Result<Triple<R>, Axis> {
         let Some(found) = self.farthest(normal)? else { return Ok(*from) };
         let height = dot(&minus(&found, from), normal);
         if self.bounds.passes_through(height * height / dot(normal, normal)) {
@@ -96,14 +127,14 @@ where
         Ok(found)
     }
 
-    /// Follows the ray from `inner` through the origin. `Some` where the origin is surely inside.
-    fn ray(&self, inner: &Triple<R>) -> Result<Option<()>, Apart> {
-        let Some(mut portal) = self.portal(inner)? else { return Ok(None) };
+    /// Follows the ray from `inner` through the origin: whether the origin is surely inside.
+    fn ray(&self, inner: &Triple<R>) -> Result<bool, Axis> {
+        let Some(mut portal) = self.portal(inner)? else { return Ok(false) };
         for _ in 0..MAX_SUPPORTS {
             let outward = portal.outward();
             let [p1, p2, p3] = portal.0;
             if self.bounds.four_combined_points_touch(&[*inner, p1, p2, p3]) {
-                return Ok(Some(()));
+                return Ok(true);
             }
             let Some(p4) = self.farthest(&outward)? else { break };
             if !(dot(&minus(&p4, &p1), &outward) > R::ZERO) || portal.0.contains(&p4) {
@@ -111,11 +142,11 @@ where
             }
             portal = portal.split(inner, p4);
         }
-        Ok(None)
+        Ok(false)
     }
 
     /// Three vertices whose triangle the ray passes through.
-    fn portal(&self, inner: &Triple<R>) -> Result<Option<Portal<R>>, Apart> {
+    fn portal(&self, inner: &Triple<R>) -> Result<Option<Portal<R>>, Axis> {
         let Some(p1) = self.farthest(&negated(inner))? else { return Ok(None) };
         let Some(p2) = self.farthest(&cross(&p1, inner))? else { return Ok(None) };
         let mut portal = Portal([p1, p2, p2]);

@@ -60,8 +60,8 @@ struct Narrowed<'a>(&'a Shape);
 
 impl Narrowed<'_> {
     fn body<'a>(&'a self, placed: Placed<'a>) -> Body<'a, Self> {
-        let Body { pose, reach, centre, .. } = Body::shape(placed.shape, placed.pose);
-        Body { map: self, pose, reach, centre }
+        let Body { pose, reach, centre, inner, .. } = Body::shape(placed.shape, placed.pose);
+        Body { map: self, pose, reach, centre, inner }
     }
 }
 

@@ -94,7 +94,7 @@ fn a_map_that_answers_nan_ends_undecided() {
         }
     }
     let pose = at(0.0, 0.0, 0.0);
-    let bad = Body { map: &Nan, pose: &pose, reach: 1.0, centre: DVec3::ZERO };
+    let bad = Body { map: &Nan, pose: &pose, reach: 1.0, centre: DVec3::ZERO, inner: 0.0 };
     let cube = cube();
     let difference = Difference::<f64, _, _>::new(bad, Body::polytope(&cube, &pose)).unwrap();
     assert!(matches!(overlap(&difference), Verdict::Undecided(_)));
