@@ -113,3 +113,29 @@ fn pairs_between_neighbouring_floats_are_never_wrong() {
     println!("{open:?}");
     assert!(open.pairs > 1500, "{open:?}");
 }
+
+#[test]
+fn pairs_far_from_the_origin_are_judged_as_they_lie() {
+    let mut draw = Draw(26);
+    let mut open = Open::default();
+    for k in 0..4000 {
+        let scale = [1e-9, 1e-3, 1.0, 1e9][k % 4];
+        let pair = random(&mut draw, 20).map(|placed| placed.scaled(scale));
+        let far = draw.vector() * 1e9 * scale;
+        open.judge(&pair.map(|placed| placed.moved_to(placed.pose.translation() + far)));
+    }
+    println!("{open:?}");
+    assert!(open.f64 < 10, "{open:?}");
+}
+
+#[test]
+fn a_small_part_in_a_large_hall_is_proved_in_f64() {
+    let mut draw = Draw(27);
+    let mut open = Open::default();
+    for _ in 0..4000 {
+        let [part, hall] = random(&mut draw, 20);
+        open.judge(&[part.scaled(1e-6), hall]);
+    }
+    println!("{open:?}");
+    assert!(open.f64 < 10, "{open:?}");
+}
