@@ -109,7 +109,8 @@ impl Agreement {
 }
 
 /// The truth about two objects, in exact integers. `None` for a foreign shape.
-fn touches(scene: &Scene, pair: Pair) -> Option<bool> {
+#[must_use]
+pub fn touches(scene: &Scene, pair: Pair) -> Option<bool> {
     let [a, b] = [pair.i as usize, pair.j as usize].map(|i| {
         scene.shape(i).as_polytope().map(|shape| Body::polytope(shape, &scene.poses()[i]))
     });

@@ -4,8 +4,9 @@
 //! by a majority; so is every pair with an object that Parry has no shape for.
 
 use anyhow::{Context, Result};
+use dcd_benches::agreement;
 use dcd_geom::{Pair, Scene};
-use dcd_gjk::{Body, Report, certified};
+use dcd_gjk::Report;
 use dcd_parry::ParryStep;
 use dcd_pipeline::Step;
 use serde::{Deserialize, Serialize};
@@ -14,8 +15,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Answers {
     candidates: usize,
-    /// Sorted.
+    /// Sorted, each once.
     contacts: Vec<Pair>,
+    /// How many contacts were listed once more.
+    repeated: usize,
     /// Sorted.
     undecided: Vec<Pair>,
     /// Objects that the rival has no shape for. Sorted.
@@ -39,6 +42,8 @@ pub(crate) struct Account {
     pub(crate) contacts: usize,
     /// Those of them that do not.
     pub(crate) false_contacts: usize,
+    /// Pairs that it lists again, counted each time but the first.
+    pub(crate) repeated: usize,
     /// Touching pairs that it says are apart.
     pub(crate) missed: usize,
     /// Pairs of which it says that it cannot tell.
@@ -93,17 +98,24 @@ const LISTED: usize = 20;
 impl Answers {
     /// Ours.
     pub(crate) fn ours(step: &Step<'_, ()>) -> Self {
-        let mut contacts: Vec<Pair> = step.contacts().map(|(i, j)| Pair { i, j }).collect();
-        contacts.sort_unstable();
-        let candidates = step.candidate_count();
-        Self { candidates, contacts, undecided: undecided(step.report()), refused: Vec::new() }
+        let contacts = step.contacts().map(|(i, j)| Pair { i, j }).collect();
+        Self::new(step.candidate_count(), contacts, step.report(), &[])
     }
 
     /// Parry's.
     pub(crate) fn parry(step: &ParryStep<'_>) -> Self {
-        let candidates = step.candidates().len();
-        let (contacts, refused) = (step.sorted_contacts(), step.refused().to_vec());
-        Self { candidates, contacts, undecided: undecided(step.report()), refused }
+        let (candidates, contacts) = (step.candidates().len(), step.contacts().collect());
+        Self::new(candidates, contacts, step.report(), step.refused())
+    }
+
+    fn new(candidates: usize, mut contacts: Vec<Pair>, report: &Report, refused: &[u32]) -> Self {
+        let listed = contacts.len();
+        contacts.sort_unstable();
+        contacts.dedup();
+        let repeated = listed - contacts.len();
+        let mut undecided: Vec<Pair> = report.undecided().iter().map(|open| open.pair).collect();
+        undecided.sort_unstable();
+        Self { candidates, contacts, repeated, undecided, refused: refused.to_vec() }
     }
 
     fn says(&self, pair: Pair) -> Option<bool> {
@@ -122,6 +134,7 @@ impl Answers {
         Account {
             candidates: self.candidates,
             contacts: self.contacts.len(),
+            repeated: self.repeated,
             undecided: self.undecided.len(),
             refused: self.refused.len(),
             ..Account::default()
@@ -129,16 +142,10 @@ impl Answers {
     }
 }
 
-fn undecided(report: &Report) -> Vec<Pair> {
-    let mut pairs: Vec<Pair> = report.undecided().iter().map(|undecided| undecided.pair).collect();
-    pairs.sort_unstable();
-    pairs
-}
-
 impl Account {
-    /// Pairs of which it said what is not so.
+    /// Pairs of which it said what is not so, or said it again.
     pub(crate) fn wrong(&self) -> usize {
-        self.false_contacts + self.missed
+        self.false_contacts + self.missed + self.repeated
     }
 
     fn book(&mut self, said: Option<bool>, touching: bool) {
@@ -154,6 +161,7 @@ impl Account {
 pub(crate) fn judge(scene: &Scene, said: &Said) -> Result<Judged> {
     let Said { ours, parry_f32, parry_f64 } = said;
     let mut disputed = pairs_without_judge(scene, &parry_f64.refused);
+    disputed.extend(&parry_f64.undecided);
     let unanimous = sort_out([ours, parry_f32, parry_f64], &mut disputed);
     let mut judged = Judged {
         contacts: unanimous,
@@ -164,7 +172,8 @@ pub(crate) fn judge(scene: &Scene, said: &Said) -> Result<Judged> {
         differences: Vec::new(),
     };
     for pair in disputed {
-        let touching = touches_exactly(scene, pair)?;
+        let touching = agreement::touches(scene, pair);
+        let touching = touching.with_context(|| format!("{pair:?} has no exact judge"))?;
         judged.contacts += usize::from(touching);
         judged.ours.book(ours.says(pair), touching);
         judged.parry_f32.book(parry_f32.says(pair), touching);
@@ -229,15 +238,6 @@ fn pairs_without_judge(scene: &Scene, refused: &[u32]) -> Vec<Pair> {
     pairs
 }
 
-fn touches_exactly(scene: &Scene, pair: Pair) -> Result<bool> {
-    let body = |object: u32| {
-        let polytope = scene.shape(object as usize).as_polytope();
-        let polytope = polytope.with_context(|| format!("object {object} is no polytope"))?;
-        anyhow::Ok(Body::polytope(polytope, &scene.poses()[object as usize]))
-    };
-    Ok(certified::overlap_exactly(body(pair.i)?, body(pair.j)?))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -298,12 +298,29 @@ mod tests {
     }
 
     #[test]
+    fn a_contact_that_is_listed_twice_is_wrong() {
+        let twice = [TRUTH[1], TRUTH[0], TRUTH[1]].to_vec();
+        let ours = Answers::new(2, twice, &Report::default(), &[]);
+        let said = Said { ours, parry_f32: answers(&TRUTH), parry_f64: answers(&TRUTH) };
+        let judged = judge(&row(), &said).unwrap();
+        assert_eq!((judged.contacts, judged.settled_exactly, judged.ours.wrong()), (2, 0, 1));
+    }
+
+    #[test]
     fn what_is_left_undecided_is_not_wrong() {
         let ours = Answers { undecided: vec![TRUTH[0]], ..answers(&[TRUTH[1]]) };
         let said = Said { ours, parry_f32: answers(&TRUTH), parry_f64: answers(&TRUTH) };
         let judged = judge(&row(), &said).unwrap();
         assert_eq!((judged.ours.wrong(), judged.ours.undecided, judged.contacts), (0, 1, 2));
         assert!(judged.differences.is_empty());
+    }
+
+    #[test]
+    fn what_parry_leaves_undecided_is_settled_exactly() {
+        let none = || Answers { undecided: vec![TRUTH[0]], ..answers(&TRUTH[1..]) };
+        let said = Said { ours: answers(&TRUTH[1..]), parry_f32: none(), parry_f64: none() };
+        let judged = judge(&row(), &said).unwrap();
+        assert_eq!((judged.contacts, judged.ours.missed, judged.parry_f64.wrong()), (2, 1, 0));
     }
 
     #[test]
