@@ -122,11 +122,16 @@ impl Job<'_> {
         B: BroadPhase,
         N: NarrowPhase<Answer = ()>,
     {
-        let step = pipeline.step(&self.case.scene, self.exec);
-        let agreement = self.case.agreement_of(step.contacts(), step.report());
-        let candidates = step.candidate_count() as u64;
-        let run = || pipeline.step(&self.case.scene, self.exec).contact_count();
-        let sample = timing::measure(self.setting.effort, run);
+        let mut found = None;
+        let [sample] = timing::measure_stages(self.setting.effort, || {
+            let (time, step) = timing::time(|| pipeline.step(&self.case.scene, self.exec));
+            found.get_or_insert_with(|| {
+                let agreement = self.case.agreement_of(step.contacts(), step.report());
+                (step.candidate_count() as u64, agreement)
+            });
+            [time]
+        });
+        let (candidates, agreement) = found.unwrap_or_default();
         Timed { sample, candidates, agreement }
     }
 }

@@ -1,12 +1,11 @@
 //! One slab of 200 × 200 × 1 among the hulls.
 
 use anyhow::Result;
-use dcd_benches::{Agreement, Column, Report, Sample, Table, Units, timing};
-use dcd_broad::{BroadPhase, TreePairs};
+use dcd_benches::{Agreement, Column, Report, Table, Units};
+use dcd_broad::TreePairs;
 use dcd_bvh::{Below, BinaryTree, BoundingTree, BuildTree, PaperTree};
 use dcd_exec::Par;
 use dcd_geom::{Aabb, Scene};
-use dcd_gjk::NarrowPhase;
 use dcd_pipeline::Pipeline;
 use dcd_scenes::{RawObject, RawScene, RawShape};
 use glam::{DQuat, DVec3};
@@ -14,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::case::{Case, Setting, spec};
 use crate::table1::Preset;
-use crate::variant::double_phase;
+use crate::variant::{Job, Timed, double_phase};
 
 /// Half of the slab's edges, metres: through the middle of the scene, without rotation.
 const HALF: DVec3 = DVec3::new(100.0, 100.0, 0.5);
@@ -30,9 +29,7 @@ struct Spoilt {
 struct Step {
     /// Of the paper's tree; our tree's leaves hold sixteen at most.
     largest_leaf: Option<u64>,
-    candidates: u64,
-    sample: Sample,
-    agreement: Agreement,
+    timed: Timed,
 }
 
 fn key(preset: Preset) -> String {
@@ -63,28 +60,16 @@ fn add_slab(raw: &mut RawScene) {
 }
 
 fn step_of(preset: Preset, setting: &Setting, case: &Case) -> Step {
-    let of_tree = |tree: PaperTree, broad| {
-        let largest_leaf = Some(largest_leaf(tree, &case.scene));
-        Step { largest_leaf, ..step(setting, case, double_phase(broad)) }
+    let job = Job { setting, case, exec: Par::Pool.into() };
+    let of_tree = |broad: TreePairs<PaperTree>| Step {
+        largest_leaf: Some(largest_leaf(broad.builder, &case.scene)),
+        timed: job.pipeline(double_phase(broad)),
     };
     match preset {
-        Preset::AsWritten => of_tree(PaperTree::as_written(), TreePairs::paper_as_written()),
-        Preset::AsCoded => of_tree(PaperTree::as_coded(), TreePairs::paper_as_coded()),
-        Preset::Ours => step(setting, case, <Pipeline>::default()),
+        Preset::AsWritten => of_tree(TreePairs::paper_as_written()),
+        Preset::AsCoded => of_tree(TreePairs::paper_as_coded()),
+        Preset::Ours => Step { largest_leaf: None, timed: job.pipeline(<Pipeline>::default()) },
     }
-}
-
-fn step<B, N>(setting: &Setting, case: &Case, mut pipeline: Pipeline<B, N>) -> Step
-where
-    B: BroadPhase,
-    N: NarrowPhase<Answer = ()>,
-{
-    let step = pipeline.step(&case.scene, Par::Pool);
-    let agreement = case.agreement_of(step.contacts(), step.report());
-    let candidates = step.candidate_count() as u64;
-    let run = || pipeline.step(&case.scene, Par::Pool).contact_count();
-    let sample = timing::measure(setting.effort, run);
-    Step { largest_leaf: None, candidates, sample, agreement }
 }
 
 /// How many boxes the fullest leaf holds.
@@ -107,7 +92,7 @@ fn largest_leaf(builder: PaperTree, scene: &Scene) -> u64 {
 pub(super) fn agreements(units: &Units) -> Vec<(String, Agreement)> {
     let agreement = |preset: Preset| {
         let spoilt: Spoilt = units.get(&key(preset))?;
-        Some((key(preset), spoilt.after.agreement))
+        Some((key(preset), spoilt.after.timed.agreement))
     };
     Preset::ALL.into_iter().filter_map(agreement).collect()
 }
@@ -129,16 +114,16 @@ pub(super) fn draw(setting: &Setting, units: &Units, report: &mut Report) -> Res
         let spoilt: Option<Spoilt> = units.get(&key(preset));
         let [before, after] =
             [spoilt.as_ref().map(|s| &s.before), spoilt.as_ref().map(|s| &s.after)];
-        let seconds = |step: &Step| step.sample.median.as_secs_f64();
+        let seconds = |step: &Step| step.timed.sample.median.as_secs_f64();
         let slower = before.zip(after).map(|(before, after)| seconds(after) / seconds(before));
         table.push([
             preset.name().into(),
             before.and_then(|step| step.largest_leaf).into(),
             after.and_then(|step| step.largest_leaf).into(),
-            before.map(|step| step.candidates).into(),
-            after.map(|step| step.candidates).into(),
-            before.map(|step| step.sample.median).into(),
-            after.map(|step| step.sample.median).into(),
+            before.map(|step| step.timed.candidates).into(),
+            after.map(|step| step.timed.candidates).into(),
+            before.map(|step| step.timed.sample.median).into(),
+            after.map(|step| step.timed.sample.median).into(),
             slower.into(),
         ])?;
     }
