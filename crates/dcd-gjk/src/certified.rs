@@ -1,7 +1,9 @@
 //! The ladder of single pairs: f64 as far as it proves its answer, then exact integers.
 
+use crate::certificate::Bounds;
 use crate::gjk::overlap_with_simplex;
 use crate::{Body, Difference, Placed, Reason, Rung, Verdict, exact, order};
+use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape, SupportMap};
 
 /// Whether two polytopes, rounded or not, touch, and which rung proved it: exact for the vertices
@@ -27,13 +29,25 @@ pub fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (Verdict<()>, Ru
     (if touches { Verdict::Touching(()) } else { Verdict::Apart }, Rung::Exact)
 }
 
+/// Whether f64 proves two polytopes apart by one axis (world, from b to a, any length): what a
+/// search in f32 ended with is often right and only not certain.
+pub(crate) fn are_apart_along(axis: DVec3, a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> bool {
+    let direction = crate::gjk::unit::<f64>(axis.to_array());
+    let (Some(direction), Some(difference)) = (direction, Difference::<f64, _, _>::new(a, b))
+    else {
+        return false;
+    };
+    let (_, separation) = difference.lowest(direction);
+    Bounds::of(&difference).proves_apart(direction, separation)
+}
+
 /// The last rung alone: slow, and never in doubt. What every other answer is judged by.
 pub fn overlap_exactly(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> bool {
     exact::touches(a, b, &[])
 }
 
-/// Whether any two shapes touch, and which rung proved it. A foreign shape knows no exact rung: a pair with one stays
-/// undecided where f64, widened by the map's stated support error, cannot tell.
+/// Whether any two shapes touch, and which rung proved it. A foreign shape knows no exact rung: a
+/// pair with one stays undecided where f64, widened by the map's stated support error, cannot tell.
 pub fn overlap_of(a: Placed<'_>, b: Placed<'_>) -> (Verdict<()>, Rung) {
     match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {

@@ -98,6 +98,11 @@ impl Lot {
         self.rows[which as usize + 2].0[lane] = v[2];
     }
 
+    /// The direction against that of a lane's next support: an axis from b to a.
+    pub(super) fn against(&self, lane: usize) -> [f32; 3] {
+        [0, 1, 2].map(|axis| -self.rows[Vector::D as usize + axis].0[lane])
+    }
+
     #[inline(always)]
     pub(super) fn vector<L: Lanes>(&self, l: L, which: Vector) -> V3<L> {
         let at = which as usize;

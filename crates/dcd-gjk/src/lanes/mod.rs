@@ -18,7 +18,8 @@ mod vector;
 
 pub use frame::{Frame, Part};
 
-use crate::{Contact, Findings, NarrowPhase, Placed, Report, Rung, Verdict};
+use crate::{Body, Contact, Findings, NarrowPhase, Placed, Report, Rung, Verdict, certified};
+use dcd_geom::glam::Vec3;
 use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{Aabb, Pair, Scene};
 use lot::{AFTER_CONE, AFTER_ROUND, AFTER_SECOND_POINT, LanesOf, Queue};
@@ -53,6 +54,16 @@ pub struct Scratch {
     queue: Queue,
     next: Queue,
     desk: Desk,
+    left: Vec<Left>,
+}
+
+/// A pair that the lanes leave open.
+#[derive(Clone, Copy, Debug)]
+struct Left {
+    /// Its number in the slice.
+    number: u32,
+    /// Where the search ended: perhaps an axis that separates, in world axes from b to a.
+    axis: [f32; 3],
 }
 
 /// What is known of a pair so far.
@@ -90,10 +101,9 @@ impl NarrowPhase for Overlap {
         scratch.known.clear();
         scratch.known.resize(pairs.len(), Known::Open);
         dispatch_on(self.path, Decide { frame, pairs, scratch, report: findings.report });
-        for (known, &pair) in scratch.known.iter_mut().zip(pairs) {
-            if *known == Known::Open {
-                *known = settle_exactly(scene, pair, findings.report);
-            }
+        for left in &scratch.left {
+            let number = left.number as usize;
+            scratch.known[number] = settle(scene, pairs[number], left.axis, findings.report);
         }
         append_contacts(&scratch.known, pairs, findings.contacts);
     }
@@ -110,27 +120,32 @@ fn append_contacts(known: &[Known], pairs: &[Pair], contacts: &mut Vec<Contact<(
     contacts.truncate(end);
 }
 
-/// The later rungs for one pair that the lanes left open.
-#[cold]
-fn settle_exactly(scene: &Scene, pair: Pair, report: &mut Report) -> Known {
+/// The later rungs for one pair that the lanes left open: the axis where they ended in f64, then
+/// f64 from the start, then exact integers.
+fn settle(scene: &Scene, pair: Pair, axis: [f32; 3], report: &mut Report) -> Known {
     let placed =
         |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
     let (a, b) = (placed(pair.i), placed(pair.j));
-    let (verdict, rung) = crate::certified::overlap_of(a, b);
+    let (verdict, rung) = match (a.shape.as_polytope(), b.shape.as_polytope()) {
+        (Some(in_a), Some(in_b)) => {
+            let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+            if certified::are_apart_along(Vec3::from_array(axis).as_dvec3(), a, b) {
+                (Verdict::Apart, Rung::F64)
+            } else {
+                certified::overlap(a, b)
+            }
+        }
+        _ => certified::overlap_of(a, b),
+    };
     match verdict {
         Verdict::Undecided(reason) => {
             report.leave(pair, reason);
-            Known::Undecided
+            return Known::Undecided;
         }
-        Verdict::Apart => {
-            report.count(rung, 1);
-            Known::Apart
-        }
-        Verdict::Touching(()) => {
-            report.count(rung, 1);
-            Known::Touching
-        }
+        Verdict::Apart => report.count(rung, 1),
+        Verdict::Touching(()) => report.count(rung, 1),
     }
+    if verdict == Verdict::Apart { Known::Apart } else { Known::Touching }
 }
 
 /// Settles what the lanes can of a slice of pairs.
@@ -156,9 +171,10 @@ impl Decide<'_> {
     /// Balls, axis and cone for every pair; the others are queued.
     #[inline(always)]
     fn open<L: Lanes>(&mut self, l: L) {
-        let Scratch { known, queue, desk, .. } = &mut *self.scratch;
+        let Scratch { known, queue, desk, left, .. } = &mut *self.scratch;
         let mut at = Place { frame: self.frame, desk };
         queue.clear();
+        left.clear();
         let mut entry = Entry::default();
         for (group, pairs) in self.pairs.chunks(WIDTH).enumerate() {
             entry.read(self.frame, pairs, (group * WIDTH) as u32);
@@ -175,6 +191,9 @@ impl Decide<'_> {
             self.report.count(Rung::Balls, count(balls.apart | balls.touching));
             self.report.count(Rung::CentreAxis, count(axis));
             self.report.count(Rung::Cone, count(cone));
+            for lane in LanesOf(!entry.live & (u32::MAX >> (32 - pairs.len()))) {
+                left.push(Left { number: entry.lot.number.0[lane], axis: [0.0; 3] });
+            }
             for lane in LanesOf(open) {
                 queue.push::<AFTER_CONE>(&entry.lot, lane);
             }
@@ -183,7 +202,7 @@ impl Decide<'_> {
 
     #[inline(always)]
     fn second_point<L: Lanes>(&mut self, l: L) {
-        let Scratch { known, queue, next, desk } = &mut *self.scratch;
+        let Scratch { known, queue, next, desk, .. } = &mut *self.scratch;
         let mut at = Place { frame: self.frame, desk };
         next.clear();
         for k in 0..queue.lots() {
@@ -203,11 +222,11 @@ impl Decide<'_> {
     /// Support after support, the lots closed up after each.
     #[inline(always)]
     fn rounds<L: Lanes>(&mut self, l: L) {
-        let Scratch { known, queue, next, desk } = &mut *self.scratch;
+        let Scratch { known, queue, next, desk, left } = &mut *self.scratch;
         let mut at = Place { frame: self.frame, desk };
         for _ in 0..portal::ROUNDS {
             if queue.is_empty() {
-                return;
+                break;
             }
             next.clear();
             for k in 0..queue.lots() {
@@ -221,11 +240,20 @@ impl Decide<'_> {
                     known[lot.number.0[lane] as usize] = Known::Touching;
                 }
                 self.report.count(Rung::Portal, count(apart | settled.touching));
+                for lane in LanesOf(stuck) {
+                    left.push(Left { number: lot.number.0[lane], axis: lot.against(lane) });
+                }
                 for lane in LanesOf(open & !(apart | settled.touching | stuck)) {
                     next.push::<AFTER_ROUND>(lot, lane);
                 }
             }
             std::mem::swap(queue, next);
+        }
+        for k in 0..queue.lots() {
+            let (lot, open) = queue.lot(k);
+            for lane in LanesOf(open) {
+                left.push(Left { number: lot.number.0[lane], axis: lot.against(lane) });
+            }
         }
     }
 }

@@ -82,7 +82,8 @@ pub(super) fn round<L: Lanes>(
     let from = V3::select(l, found, p0, c);
     let one = V3::select(l, found, p1, p0).sub(l, from);
     let two = V3::select(l, found, p2, p1).sub(l, from);
-    lot.set_vector(l, Vector::D, one.cross(l, two));
+    // A pair that is stuck leaves with the direction that it is stuck at.
+    lot.set_vector(l, Vector::D, V3::select(l, stuck, d, one.cross(l, two)));
     lot.set_vector(l, Vector::P0, p0);
     lot.set_vector(l, Vector::P1, p1);
     lot.set_vector(l, Vector::P2, p2);
