@@ -21,7 +21,7 @@ use dcd_geom::{Polytope, Shape, SupportMap};
 /// How far apart two shapes are, and where. World frame, metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Distance {
-    /// Positive and finite.
+    /// Positive; 0 or infinite only where no f64 holds it (below 5e-324, above 1.8e308).
     pub distance: f64,
     /// A point of a nearest to b, to within the rounding of world coordinates.
     pub point_a: DVec3,

@@ -100,3 +100,13 @@ fn f64_alone_states_its_bound() {
     let b = Placed { shape: &cube, pose: &there };
     assert_eq!(in_f64(a, b), DistanceResult::Undecided(Reason::WithinRounding));
 }
+
+#[test]
+fn a_distance_that_no_f64_holds_is_infinite_and_still_apart() {
+    let point = Shape::sphere(0.0).unwrap();
+    let (low, high) = (at(-f64::MAX, 0.0, 0.0), at(f64::MAX, 0.0, 0.0));
+    let found = measure(&point, &low, &point, &high);
+    assert_eq!((found.distance, found.normal), (f64::INFINITY, DVec3::X));
+    let found = measure(&point, &at(0.0, 0.0, 0.0), &point, &high);
+    assert_eq!(found.distance, f64::MAX);
+}
