@@ -1,6 +1,7 @@
 //! Pairs on their way through the stages, sixteen at a time.
 
 use super::vector::V3;
+use dcd_geom::glam::Vec3;
 use dcd_geom::lanes::{IndexRow, Lanes, Row, WIDTH};
 
 /// Sixteen pairs and what is known of them, row by row. Lengths are metres, in world axes; every
@@ -98,9 +99,11 @@ impl Lot {
         self.rows[which as usize + 2].0[lane] = v[2];
     }
 
-    /// The direction against that of a lane's next support: an axis from b to a.
-    pub(super) fn against(&self, lane: usize) -> [f32; 3] {
-        [0, 1, 2].map(|axis| -self.rows[Vector::D as usize + axis].0[lane])
+    /// Two axes from b to a that may separate a lane's pair: between the centres, and against the
+    /// direction of the next support.
+    pub(super) fn axes(&self, lane: usize) -> [Vec3; 2] {
+        let at = |first: usize| Vec3::from_array([0, 1, 2].map(|k| self.rows[first + k].0[lane]));
+        [at(Vector::C as usize), -at(Vector::D as usize)]
     }
 
     #[inline(always)]

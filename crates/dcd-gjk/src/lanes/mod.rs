@@ -62,8 +62,9 @@ pub struct Scratch {
 struct Left {
     /// Its number in the slice.
     number: u32,
-    /// Where the search ended: perhaps an axis that separates, in world axes from b to a.
-    axis: [f32; 3],
+    /// Between the centres, and where the search ended: perhaps one separates. World axes, from b
+    /// to a.
+    axes: [Vec3; 2],
 }
 
 /// What is known of a pair so far.
@@ -103,7 +104,7 @@ impl NarrowPhase for Overlap {
         dispatch_on(self.path, Decide { frame, pairs, scratch, report: findings.report });
         for left in &scratch.left {
             let number = left.number as usize;
-            scratch.known[number] = settle(scene, pairs[number], left.axis, findings.report);
+            scratch.known[number] = settle(scene, pairs[number], left.axes, findings.report);
         }
         append_contacts(&scratch.known, pairs, findings.contacts);
     }
@@ -120,16 +121,16 @@ fn append_contacts(known: &[Known], pairs: &[Pair], contacts: &mut Vec<Contact<(
     contacts.truncate(end);
 }
 
-/// The later rungs for one pair that the lanes left open: the axis where they ended in f64, then
-/// f64 from the start, then exact integers.
-fn settle(scene: &Scene, pair: Pair, axis: [f32; 3], report: &mut Report) -> Known {
+/// The later rungs for one pair that the lanes left open: the lanes' own axes in f64, then f64
+/// from the start, then exact integers.
+fn settle(scene: &Scene, pair: Pair, axes: [Vec3; 2], report: &mut Report) -> Known {
     let placed =
         |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
     let (a, b) = (placed(pair.i), placed(pair.j));
     let (verdict, rung) = match (a.shape.as_polytope(), b.shape.as_polytope()) {
         (Some(in_a), Some(in_b)) => {
             let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
-            if certified::are_apart_along(Vec3::from_array(axis).as_dvec3(), a, b) {
+            if axes.iter().any(|axis| certified::are_apart_along(axis.as_dvec3(), a, b)) {
                 (Verdict::Apart, Rung::F64)
             } else {
                 certified::overlap(a, b)
@@ -192,7 +193,7 @@ impl Decide<'_> {
             self.report.count(Rung::CentreAxis, count(axis));
             self.report.count(Rung::Cone, count(cone));
             for lane in LanesOf(!entry.live & (u32::MAX >> (32 - pairs.len()))) {
-                left.push(Left { number: entry.lot.number.0[lane], axis: [0.0; 3] });
+                left.push(Left { number: entry.lot.number.0[lane], axes: [Vec3::ZERO; 2] });
             }
             for lane in LanesOf(open) {
                 queue.push::<AFTER_CONE>(&entry.lot, lane);
@@ -241,7 +242,7 @@ impl Decide<'_> {
                 }
                 self.report.count(Rung::Portal, count(apart | settled.touching));
                 for lane in LanesOf(stuck) {
-                    left.push(Left { number: lot.number.0[lane], axis: lot.against(lane) });
+                    left.push(Left { number: lot.number.0[lane], axes: lot.axes(lane) });
                 }
                 for lane in LanesOf(open & !(apart | settled.touching | stuck)) {
                     next.push::<AFTER_ROUND>(lot, lane);
@@ -252,7 +253,7 @@ impl Decide<'_> {
         for k in 0..queue.lots() {
             let (lot, open) = queue.lot(k);
             for lane in LanesOf(open) {
-                left.push(Left { number: lot.number.0[lane], axis: lot.against(lane) });
+                left.push(Left { number: lot.number.0[lane], axes: lot.axes(lane) });
             }
         }
     }
