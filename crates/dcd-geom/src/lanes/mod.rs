@@ -188,6 +188,29 @@ pub fn dispatch_on<K: Kernel>(path: Path, kernel: K) -> K::Output {
     }
 }
 
+/// Asks the CPU to bring what will be read soon into the nearest cache; a hint, without effect on
+/// any result. Where there is no such hint, nothing.
+#[inline(always)]
+pub fn prefetch<T>(items: &[T]) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        let start = items.as_ptr().cast::<i8>();
+        for offset in (0..size_of_val(items)).step_by(CACHE_LINE) {
+            // SAFETY: a prefetch of any address is harmless, and every x86-64 CPU has it.
+            unsafe {
+                use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+                _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset));
+            }
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = items;
+}
+
+/// How many bytes a CPU reads at once.
+#[cfg(target_arch = "x86_64")]
+const CACHE_LINE: usize = 64;
+
 #[cfg(test)]
 mod tests {
     use super::*;

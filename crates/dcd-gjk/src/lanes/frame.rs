@@ -64,6 +64,11 @@ impl Frame {
     }
 
     #[inline(always)]
+    pub(super) fn blocks_of(&self, record: &Record) -> &[Block] {
+        &self.blocks[record.first as usize..][..record.blocks as usize]
+    }
+
+    #[inline(always)]
     pub(super) fn blocks(&self, side: &Side, lane: usize) -> &[Block] {
         &self.blocks[side.first.0[lane] as usize..][..side.blocks.0[lane] as usize]
     }

@@ -42,10 +42,8 @@ impl Side {
 }
 
 /// How many rows of a lot mean something after a stage: what is pushed on.
-pub(super) const AFTER_CONE: usize = Vector::P0 as usize + 3;
-/// See [`AFTER_CONE`].
 pub(super) const AFTER_SECOND_POINT: usize = Vector::D as usize + 3;
-/// See [`AFTER_CONE`].
+/// See [`AFTER_SECOND_POINT`].
 pub(super) const AFTER_ROUND: usize = Vector::P2 as usize + 3;
 
 /// A row of numbers in a lot.

@@ -4,6 +4,7 @@
 //! balls, the axis between the centres, the cone, a second point, the portal. What the lanes
 //! cannot prove is settled in f64, and what f64 cannot, in exact integers.
 
+mod ahead;
 mod bounds;
 mod certificate;
 mod frame;
@@ -19,10 +20,11 @@ mod vector;
 pub use frame::{Frame, Part};
 
 use crate::{Body, Contact, Findings, NarrowPhase, Placed, Report, Rung, Verdict, certified};
+use ahead::Ahead;
 use dcd_geom::glam::Vec3;
 use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{Aabb, Pair, Scene};
-use lot::{AFTER_CONE, AFTER_ROUND, AFTER_SECOND_POINT, LanesOf, Queue};
+use lot::{AFTER_ROUND, AFTER_SECOND_POINT, LanesOf, Queue};
 use opening::{Entry, Place};
 use support::Desk;
 
@@ -55,6 +57,7 @@ pub struct Scratch {
     next: Queue,
     desk: Desk,
     left: Vec<Left>,
+    ahead: Ahead,
 }
 
 /// A pair that the lanes leave open.
@@ -163,28 +166,35 @@ impl Kernel for Decide<'_> {
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
         self.open(l);
-        self.second_point(l);
         self.rounds(l);
     }
 }
 
 impl Decide<'_> {
-    /// Balls, axis and cone for every pair; the others are queued.
+    /// Balls, axis, cone and the second point for every pair; the one in seven that is left is queued.
+    /// The stages are not closed up between: it costs more to move a pair than to carry it along.
     #[inline(always)]
     fn open<L: Lanes>(&mut self, l: L) {
-        let Scratch { known, queue, desk, left, .. } = &mut *self.scratch;
+        let mut entry = Entry::default();
+        let Scratch { known, queue, desk, left, ahead, .. } = &mut *self.scratch;
         let mut at = Place { frame: self.frame, desk };
         queue.clear();
         left.clear();
-        let mut entry = Entry::default();
+        let mut later = self.pairs.chunks(WIDTH);
+        ahead.look(self.frame, later.next().unwrap_or_default());
+        ahead.look(self.frame, later.next().unwrap_or_default());
         for (group, pairs) in self.pairs.chunks(WIDTH).enumerate() {
+            ahead.look(self.frame, later.next().unwrap_or_default());
             entry.read(self.frame, pairs, (group * WIDTH) as u32);
             let balls = entry.balls(l);
             let mut open = entry.live & !(balls.apart | balls.touching);
             let axis = entry.centre_axis(l, &mut at, open);
             open &= !axis;
-            let cone = entry.cone(l, open);
+            let mut cone = entry.cone(l, open);
             open &= !cone;
+            let second = portal::second_point(l, &mut at, &mut entry.lot, open);
+            open &= !second;
+            cone |= second;
 
             let known = &mut known[group * WIDTH..];
             mark(known, balls.apart | axis, Known::Apart);
@@ -196,34 +206,15 @@ impl Decide<'_> {
                 left.push(Left { number: entry.lot.number.0[lane], axes: [Vec3::ZERO; 2] });
             }
             for lane in LanesOf(open) {
-                queue.push::<AFTER_CONE>(&entry.lot, lane);
+                queue.push::<AFTER_SECOND_POINT>(&entry.lot, lane);
             }
         }
-    }
-
-    #[inline(always)]
-    fn second_point<L: Lanes>(&mut self, l: L) {
-        let Scratch { known, queue, next, desk, .. } = &mut *self.scratch;
-        let mut at = Place { frame: self.frame, desk };
-        next.clear();
-        for k in 0..queue.lots() {
-            let (lot, open) = queue.lot(k);
-            let touching = portal::second_point(l, &mut at, lot, open);
-            for lane in LanesOf(touching) {
-                known[lot.number.0[lane] as usize] = Known::Touching;
-            }
-            self.report.count(Rung::Cone, count(touching));
-            for lane in LanesOf(open & !touching) {
-                next.push::<AFTER_SECOND_POINT>(lot, lane);
-            }
-        }
-        std::mem::swap(queue, next);
     }
 
     /// Support after support, the lots closed up after each.
     #[inline(always)]
     fn rounds<L: Lanes>(&mut self, l: L) {
-        let Scratch { known, queue, next, desk, left } = &mut *self.scratch;
+        let Scratch { known, queue, next, desk, left, .. } = &mut *self.scratch;
         let mut at = Place { frame: self.frame, desk };
         for _ in 0..portal::ROUNDS {
             if queue.is_empty() {
