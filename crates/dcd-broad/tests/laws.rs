@@ -3,7 +3,7 @@
 use dcd_broad::{
     BroadPhase, BruteForce, LeafPairs, SweepAndPrune, Traversal, TreePairs, Visits, WideTree, law,
 };
-use dcd_bvh::PaperTree;
+use dcd_bvh::{PaperTree, WideBuilder};
 use dcd_exec::{Exec, Par, Segments, with_threads};
 use dcd_geom::{Aabb, Pair};
 use dcd_scenes::{SceneSpec, data, load_boxes};
@@ -16,6 +16,7 @@ fn every_phase_keeps_the_law(aabbs: &[Aabb]) {
         ("brute force", law::broad_phase(&mut BruteForce, aabbs)),
         ("sweep", law::broad_phase(&mut SweepAndPrune::default(), aabbs)),
         ("tree", law::broad_phase(&mut TreePairs::new(PaperTree::default()), aabbs)),
+        ("wide by the door", law::broad_phase(&mut TreePairs::new(WideBuilder), aabbs)),
         ("wide tree", law::broad_phase(&mut WideTree::default(), aabbs)),
     ];
     for (phase, surplus) in exact {

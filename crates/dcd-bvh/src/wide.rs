@@ -1,5 +1,6 @@
 //! The fast tree: sixteen boxes a node, no pointers.
 
+use crate::{Below, BoundingTree, BuildTree, Node};
 use dcd_exec::Exec;
 use dcd_geom::Aabb;
 use dcd_geom::glam::Vec3;
@@ -16,7 +17,53 @@ pub struct WideBvh {
     ids: Vec<IndexRow>,
     levels: Vec<Vec<Sixteen>>,
     order: Vec<u64>,
+    /// 0, 1, 2, … for every leaf and node: what the door's slices of children are cut from.
+    numbers: Vec<u32>,
     count: usize,
+}
+
+/// Builds a [`WideBvh`] behind the door, for traversals that take any tree.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct WideBuilder;
+
+impl BuildTree for WideBuilder {
+    type Tree = WideBvh;
+
+    fn build(&self, aabbs: &[Aabb], exec: Exec, tree: &mut WideBvh) {
+        tree.build(aabbs, exec);
+    }
+}
+
+/// Leaves are numbered first, then the nodes level by level.
+impl BoundingTree for WideBvh {
+    fn root(&self) -> Option<u32> {
+        self.numbers.last().copied()
+    }
+
+    fn node(&self, number: u32) -> Node<'_> {
+        let mut place = number as usize;
+        if let Some(leaf) = self.leaves.get(place) {
+            let count = (self.count - place * WIDTH).min(WIDTH);
+            return Node { aabb: leaf.union(), below: Below::Boxes(&self.ids[place].0[..count]) };
+        }
+        // Where the level below starts, and how many it has.
+        let (mut start, mut below) = (0, self.leaves.len());
+        place -= below;
+        let mut levels = self.levels.iter();
+        loop {
+            let Some(level) = levels.next() else {
+                return Node { aabb: Aabb::EMPTY, below: Below::Boxes(&[]) };
+            };
+            if let Some(node) = level.get(place) {
+                let first = place * WIDTH;
+                let children = start + first..start + below.min(first + WIDTH);
+                return Node { aabb: node.union(), below: Below::Nodes(&self.numbers[children]) };
+            }
+            start += below;
+            below = level.len();
+            place -= below;
+        }
+    }
 }
 
 /// Sixteen boxes, coordinate by coordinate.
@@ -90,6 +137,9 @@ impl WideBvh {
             }
         });
         self.raise_levels(exec);
+        let nodes = self.levels.iter().fold(leaves, |sum, level| sum + level.len());
+        self.numbers.clear();
+        self.numbers.extend(0..nodes as u32);
     }
 
     fn raise_levels(&mut self, exec: Exec) {
@@ -222,6 +272,13 @@ mod tests {
             assert!(serial.validate(&boxes), "{count}");
             assert_eq!(serial.ids, pooled.ids);
             assert_eq!(serial.levels, pooled.levels);
+        }
+    }
+
+    #[test]
+    fn behind_the_door_it_keeps_the_law() {
+        for count in [0, 1, 16, 17, 300, 5000] {
+            crate::law::tree(&WideBuilder, &boxes(count)).unwrap();
         }
     }
 

@@ -28,6 +28,15 @@ pub(super) const OUTER_BALLS: f32 = 24.0;
 /// The vertex and the matrix rounded to f32, three products, two sums; fused or not.
 pub(super) const ROTATED: f32 = 5.01;
 
+/// A support that is farther than the portal by no more than this gains rounding alone, and the
+/// pair is left to f64. Unit: u·m·|d|₁. Decides who answers, never an answer.
+pub(super) const GAIN: f32 = 8.0;
+
+/// Three points whose plane's normal (twice their triangle's area) is no longer than this have no
+/// plane to rounding's knowledge, and the pair is left to f64. Unit: u·m². Decides who answers,
+/// never an answer.
+pub(super) const PLANE: f32 = 4.0;
+
 /// Sizes m for which no product of the kernels leaves f32's normal range (|n|² of a cross product
 /// of two edges occurs): outside of it a pair goes to f64. Metres.
 pub(super) const SIZE: std::ops::Range<f32> = 1e-7..1e9;

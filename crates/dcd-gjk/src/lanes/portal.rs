@@ -2,6 +2,7 @@
 //! passes, refined until it holds the origin or a plane separates it (MPR; G. Snethen, "XenoCollide:
 //! Complex Collision Made Simple", Game Programming Gems 7, 2008).
 
+use super::bounds::{GAIN, PLANE, U};
 use super::certificate::{hull_holds_origin, separates};
 use super::lot::{Lot, Number, Vector};
 use super::opening::{Place, Settled, nearest_multiple};
@@ -31,12 +32,20 @@ pub(super) fn second_point<L: Lanes>(l: L, at: &mut Place<'_>, lot: &mut Lot, op
     let v = c.plus(l, tau_p, p).plus(l, tau_q, q);
     let touching = hull_holds_origin(l, lot, v, l.add(tau_p, tau_q), 2);
 
-    let normal = p.sub(l, c).cross(l, q.sub(l, c));
+    let edge = p.sub(l, c);
+    let normal = edge.cross(l, q.sub(l, c));
     // The plane's normal points to the origin's side once p and q are in this order.
     let turned = l.lt(zero, normal.dot(l, c));
     lot.set_vector(l, Vector::P0, V3::select(l, turned, q, p));
     lot.set_vector(l, Vector::P1, V3::select(l, turned, p, q));
-    lot.set_vector(l, Vector::D, V3::select(l, turned, normal.neg(l), normal));
+    let normal = V3::select(l, turned, normal.neg(l), normal);
+    // Where q is p again there is no plane: nothing lies across the axis, and the pair is most
+    // likely apart along the shortest way from the segment to the origin. As long as a normal.
+    let size = l.mul(lot.number(l, Number::Unit), l.splat(1.0 / U));
+    let shortest = c.plus(l, l.div(l.neg(c.dot(l, edge)), edge.dot(l, edge)), edge);
+    let nothing = V3(zero, zero, zero);
+    let back = nothing.plus(l, l.neg(size), shortest);
+    lot.set_vector(l, Vector::D, V3::select(l, has_no_plane(l, lot, normal), back, normal));
     lot.found &= !open;
     open & l.bits(touching)
 }
@@ -56,8 +65,8 @@ pub(super) fn round<L: Lanes>(
     let apart = separates(l, lot, d.neg(l), w);
     let had_portal = l.mask(lot.found);
     let gain = w.sub(l, p[0]).dot(l, d);
-    let rounding = l.mul(l.mul(lot.number(l, Number::Unit), l.splat(8.0)), d.norm1(l));
-    let stuck = l.and(had_portal, l.le(gain, rounding));
+    let rounding = l.mul(l.mul(lot.number(l, Number::Unit), l.splat(GAIN)), d.norm1(l));
+    let stuck = l.or(l.and(had_portal, l.le(gain, rounding)), has_no_plane(l, lot, d));
 
     // On which side of the planes through the ray (from c through the origin) and w each point is.
     let across = w.cross(l, c);
@@ -103,6 +112,13 @@ fn portal_holds_origin<L: Lanes>(l: L, lot: &Lot, c: V3<L>, p: [V3<L>; 3]) -> L:
     let tau2 = l.max(l.mul(c.dot(l, m2), scale), zero);
     let v = c.plus(l, tau0, p[0]).plus(l, tau1, p[1]).plus(l, tau2, p[2]);
     hull_holds_origin(l, lot, v, l.add(tau0, l.add(tau1, tau2)), 3)
+}
+
+/// Whether a plane's normal is too short to be one.
+#[inline(always)]
+fn has_no_plane<L: Lanes>(l: L, lot: &Lot, normal: V3<L>) -> L::M {
+    let unit = lot.number(l, Number::Unit);
+    l.le(normal.norm1(l), l.mul(l.mul(unit, l.splat(PLANE / U)), unit))
 }
 
 /// `yes` where the mask is set, else `no`.
