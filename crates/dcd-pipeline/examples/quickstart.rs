@@ -5,11 +5,8 @@ use dcd_pipeline::{Par, Pipeline, Pose, Scene, Shape};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let tetrahedron = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
-    let shapes = vec![
-        Shape::cuboid(DVec3::splat(0.5))?,
-        Shape::sphere(0.5)?,
-        Shape::hull(tetrahedron)?,
-    ];
+    let shapes =
+        vec![Shape::cuboid(DVec3::splat(0.5))?, Shape::sphere(0.5)?, Shape::hull(tetrahedron)?];
     let turned = DQuat::from_rotation_z(0.3);
     let poses = vec![
         Pose::from_translation(DVec3::ZERO)?,
