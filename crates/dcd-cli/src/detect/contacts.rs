@@ -16,7 +16,7 @@ pub(super) fn write(contacts: &[Pair], mut out: impl Write) -> io::Result<()> {
     out.flush()
 }
 
-/// 64-bit FNV-1a (Fowler, Noll, Vo) of the pairs as [`write`] writes them, without the count.
+/// 64-bit FNV-1a (Fowler, Noll, Vo) of the pairs as [`write()`] writes them, without the count.
 pub(super) fn digest(contacts: &[Pair]) -> u64 {
     fnv1a(contacts.iter().flat_map(|&pair| bytes(pair)))
 }
