@@ -197,8 +197,7 @@ impl Decide<'_> {
             cone |= second;
 
             let known = &mut known[group * WIDTH..];
-            mark(known, balls.apart | axis, Known::Apart);
-            mark(known, balls.touching | cone, Known::Touching);
+            mark(known, balls.apart | axis, balls.touching | cone);
             self.report.count(Rung::Balls, count(balls.apart | balls.touching));
             self.report.count(Rung::CentreAxis, count(axis));
             self.report.count(Rung::Cone, count(cone));
@@ -250,11 +249,18 @@ impl Decide<'_> {
     }
 }
 
-/// Writes `what` to the entries whose bit is set.
+/// Writes what is known of a group of pairs; every entry is written, so that none is a branch.
 #[inline(always)]
-fn mark(known: &mut [Known], bits: u32, what: Known) {
-    for lane in LanesOf(bits) {
-        known[lane] = what;
+fn mark(known: &mut [Known], apart: u32, touching: u32) {
+    for (lane, known) in known.iter_mut().take(WIDTH).enumerate() {
+        let is = |bits: u32| bits >> lane & 1 == 1;
+        *known = if is(apart) {
+            Known::Apart
+        } else if is(touching) {
+            Known::Touching
+        } else {
+            Known::Open
+        };
     }
 }
 

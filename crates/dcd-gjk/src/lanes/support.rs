@@ -10,10 +10,8 @@ use dcd_geom::lanes::{IndexRow, Lanes, Row, WIDTH};
 pub(super) struct Desk {
     /// For each lane its vertices' values along its direction, sixteen at a time the largest.
     along: [Row; WIDTH],
-    /// And the block that each came from, where there are more than two.
+    /// And the block that each came from.
     block_of: [IndexRow; WIDTH],
-    /// Where there are two, which of the sixteen came from the second, bit by bit.
-    in_second: [u32; WIDTH],
 }
 
 /// For each lane set in `live`, a farthest rotated vertex of that lane's object along its
@@ -31,28 +29,19 @@ pub(super) fn supports<L: Lanes>(
     directions.store(l, &mut d);
     for k in LanesOf(live) {
         let d = V3::<L>(l.splat(d[0].0[k]), l.splat(d[1].0[k]), l.splat(d[2].0[k]));
-        let best = match frame.blocks(side, k) {
-            [] => continue,
-            [only] => V3::load(l, &only.0).dot(l, d),
-            [first, second] => {
-                let (first, second) =
-                    (V3::load(l, &first.0).dot(l, d), V3::load(l, &second.0).dot(l, d));
-                desk.in_second[k] = l.bits(l.lt(first, second));
-                l.max(second, first)
+        let Some((head, tail)) = frame.blocks(side, k).split_first() else { continue };
+        let mut best = V3::load(l, &head.0).dot(l, d);
+        if !tail.is_empty() {
+            let mut block_of = l.splat_u(0);
+            let mut number = 0;
+            for block in tail {
+                number += 1;
+                let value = V3::load(l, &block.0).dot(l, d);
+                block_of = l.select_u(l.lt(best, value), l.splat_u(number), block_of);
+                best = l.max(value, best);
             }
-            [first, later @ ..] => {
-                let mut best = V3::load(l, &first.0).dot(l, d);
-                let (mut block_of, mut number) = (l.splat_u(0), 0);
-                for block in later {
-                    number += 1;
-                    let value = V3::load(l, &block.0).dot(l, d);
-                    block_of = l.select_u(l.lt(best, value), l.splat_u(number), block_of);
-                    best = l.max(value, best);
-                }
-                l.store_u(block_of, &mut desk.block_of[k]);
-                best
-            }
-        };
+            l.store_u(block_of, &mut desk.block_of[k]);
+        }
         l.store(l.tag(best), &mut desk.along[k]);
     }
     let mut winner = Row::default();
@@ -62,12 +51,8 @@ pub(super) fn supports<L: Lanes>(
     for k in LanesOf(live) {
         let blocks = frame.blocks(side, k);
         let lane = (winner.0[k].to_bits() & 15) as usize;
-        let number = match blocks.len() {
-            0 | 1 => 0,
-            2 => desk.in_second[k] >> lane & 1,
-            _ => desk.block_of[k].0[lane],
-        };
-        if let Some(block) = blocks.get(number as usize) {
+        let number = if blocks.len() > 1 { desk.block_of[k].0[lane] as usize } else { 0 };
+        if let Some(block) = blocks.get(number) {
             points[0].0[k] = block.0[0].0[lane];
             points[1].0[k] = block.0[1].0[lane];
             points[2].0[k] = block.0[2].0[lane];
