@@ -90,12 +90,12 @@ fn examples() -> Result<()> {
     Ok(())
 }
 
-/// `bench --quick`, and the same of `accuracy` if it exists: that they run and that what they check
-/// holds, not how fast they are.
+/// `bench --quick`, `compare --quick`, and the same of `accuracy` if it exists: that they run and
+/// that what they check holds, not how fast they are.
 fn quick_measurements() -> Result<()> {
     let metadata = Metadata::read()?;
-    for name in ["bench", "accuracy"] {
-        if name != "bench" && !measure::exists(&metadata, name) {
+    for name in ["bench", "compare", "accuracy"] {
+        if name == "accuracy" && !measure::exists(&metadata, name) {
             eprintln!("-- {name}: there is no such binary yet");
             continue;
         }
