@@ -62,8 +62,9 @@ impl Scene {
         objects: impl IntoIterator<Item = Object>,
     ) -> Result<Self, SceneError> {
         check_count("shapes", shapes.len())?;
-        let blocks = || SceneError::TooMany { what: "blocks of vertices", count: usize::MAX };
-        let cores = Cores::of(&shapes).ok_or_else(blocks)?;
+        let polytopes = shapes.iter().filter_map(Shape::as_polytope);
+        let (what, count) = ("blocks of vertices", polytopes.map(|p| p.block_count()).sum());
+        let cores = Cores::of(&shapes).ok_or(SceneError::TooMany { what, count })?;
         let mut scene = Self { shapes: shapes.into(), cores, ..Self::default() };
         for (object, Object { shape, pose, filter }) in objects.into_iter().enumerate() {
             check_count("objects", object)?;
