@@ -25,7 +25,7 @@ fn gjk(criterion: &mut Criterion) {
         bencher.iter(|| {
             let touching = black_box(&pairs)
                 .iter()
-                .filter(|&&(a, b)| matches!(solver.solve(a, b), Verdict::Touching(())));
+                .filter(|&&(a, b)| matches!(solver.solve(a, b, &mut ()), Verdict::Touching(())));
             black_box(touching.count())
         });
     });

@@ -7,16 +7,29 @@ use dcd_geom::{Aabb, Divide, Pair, Pose, Scene, Shape};
 pub trait PairSolver: Sync {
     /// What is told of a touching pair.
     type Answer: Copy + Default + Send + Sync + 'static;
+    /// Memory that a thread reuses from pair to pair; `()` for a solver that needs none.
+    type Scratch: Default + Send;
 
     /// Which rung its verdicts count for.
     fn rung(&self) -> Rung;
 
-    /// The verdict on one pair, a pure function of the two shapes and poses.
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>) -> Verdict<Self::Answer>;
+    /// The verdict on one pair, a pure function of the two shapes and poses: whatever the scratch
+    /// memory was used for before.
+    fn solve(
+        &self,
+        a: Placed<'_>,
+        b: Placed<'_>,
+        scratch: &mut Self::Scratch,
+    ) -> Verdict<Self::Answer>;
 
     /// The same verdict and the rung that reached it. A solver of one rung leaves this as it is.
-    fn settle(&self, a: Placed<'_>, b: Placed<'_>) -> (Verdict<Self::Answer>, Rung) {
-        (self.solve(a, b), self.rung())
+    fn settle(
+        &self,
+        a: Placed<'_>,
+        b: Placed<'_>,
+        scratch: &mut Self::Scratch,
+    ) -> (Verdict<Self::Answer>, Rung) {
+        (self.solve(a, b, scratch), self.rung())
     }
 }
 
@@ -63,7 +76,7 @@ impl<G: PairSolver> NarrowPhase for EachPair<G> {
         = Nothing
     where
         Self: 'f;
-    type Scratch = ();
+    type Scratch = G::Scratch;
 
     fn lay_out(&self, scene: &Scene, (): &mut ()) -> Nothing {
         Nothing(scene.len())
@@ -80,13 +93,13 @@ impl<G: PairSolver> NarrowPhase for EachPair<G> {
         scene: &Scene,
         (): &(),
         pairs: &[Pair],
-        (): &mut (),
+        scratch: &mut G::Scratch,
         findings: &mut Findings<'_, G::Answer>,
     ) {
         let placed =
             |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
         for &pair in pairs {
-            let (verdict, rung) = self.0.settle(placed(pair.i), placed(pair.j));
+            let (verdict, rung) = self.0.settle(placed(pair.i), placed(pair.j), scratch);
             findings.file(pair, rung, verdict);
         }
     }

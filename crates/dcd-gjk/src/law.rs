@@ -217,10 +217,11 @@ mod tests {
         struct Forgetful(AtomicU32);
         impl PairSolver for Forgetful {
             type Answer = ();
+            type Scratch = ();
             fn rung(&self) -> Rung {
                 Rung::Foreign
             }
-            fn solve(&self, _: Placed<'_>, _: Placed<'_>) -> Verdict<()> {
+            fn solve(&self, _: Placed<'_>, _: Placed<'_>, (): &mut ()) -> Verdict<()> {
                 let first = self.0.fetch_add(1, Ordering::Relaxed) < 100;
                 if first { Verdict::Touching(()) } else { Verdict::Apart }
             }

@@ -17,24 +17,26 @@ pub struct Gjk<R>(PhantomData<R>);
 
 impl PairSolver for Gjk<f64> {
     type Answer = ();
+    type Scratch = ();
 
     fn rung(&self) -> Rung {
         Rung::F64
     }
 
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>) -> Verdict<()> {
+    fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
         certified::overlap_in_f64(a, b)
     }
 }
 
 impl PairSolver for Gjk<f32> {
     type Answer = ();
+    type Scratch = ();
 
     fn rung(&self) -> Rung {
         Rung::F32
     }
 
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>) -> Verdict<()> {
+    fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
         let (a, b) = order::canonical(a, b);
         match (a.shape, b.shape) {
             (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
@@ -87,16 +89,17 @@ pub struct Certified;
 
 impl PairSolver for Certified {
     type Answer = ();
+    type Scratch = ();
 
     fn rung(&self) -> Rung {
         Rung::Exact
     }
 
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>) -> Verdict<()> {
-        self.settle(a, b).0
+    fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
+        certified::overlap_of(a, b).0
     }
 
-    fn settle(&self, a: Placed<'_>, b: Placed<'_>) -> (Verdict<()>, Rung) {
+    fn settle(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> (Verdict<()>, Rung) {
         certified::overlap_of(a, b)
     }
 }

@@ -17,12 +17,13 @@ pub struct ParryGjk<R>(PhantomData<R>);
 
 impl<R: Library> PairSolver for ParryGjk<R> {
     type Answer = ();
+    type Scratch = ();
 
     fn rung(&self) -> Rung {
         Rung::Foreign
     }
 
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>) -> Verdict<()> {
+    fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
         let [pose_a, pose_b] = [a.pose, b.pose].map(R::pose);
         let offset = R::translation(&pose_b) - R::translation(&pose_a);
         if !within_range::<R>([a.shape.reach(), b.shape.reach()], offset) {

@@ -25,9 +25,9 @@ impl Ladder {
             return distance(rung, a, b);
         }
         let (verdict, settled) = match rung {
-            Rung::Fast => Gjk::<f32>::default().settle(a, b),
-            Rung::F64 => Gjk::<f64>::default().settle(a, b),
-            _ => Certified.settle(a, b),
+            Rung::Fast => Gjk::<f32>::default().settle(a, b, &mut ()),
+            Rung::F64 => Gjk::<f64>::default().settle(a, b, &mut ()),
+            _ => Certified.settle(a, b, &mut ()),
         };
         let mut answer = Answer::new(&verdict, name(settled));
         if query == Query::Depth && verdict == Verdict::Touching(()) {

@@ -94,9 +94,9 @@ fn count(scene: &Scene) -> Result<Counted> {
         // Each vertex of A − B is a support of A and one of B.
         let of_difference = |all: u64| all.saturating_sub(before) / 2;
         let solver = Gjk::<f64>::default();
-        let to_verdict = of_difference(supports(&|| _ = black_box(solver.solve(a, b))));
+        let to_verdict = of_difference(supports(&|| _ = black_box(solver.solve(a, b, &mut ()))));
         let to_distance = of_difference(supports(&|| _ = black_box(distance::in_f64(a, b))));
-        match solver.solve(a, b) {
+        match solver.solve(a, b, &mut ()) {
             Verdict::Apart => counted.apart.add(to_verdict, to_distance),
             Verdict::Touching(()) => counted.touching.add(to_verdict, to_distance),
             Verdict::Undecided(_) => counted.undecided += 1,
