@@ -44,6 +44,7 @@
 #![forbid(unsafe_code)]
 
 pub mod agreement;
+pub mod digest;
 pub mod figure;
 pub mod machine;
 pub mod options;
@@ -54,6 +55,7 @@ pub mod table;
 pub mod timing;
 
 pub use agreement::Agreement;
+pub use digest::Digest;
 pub use figure::{Axis, Figure, Scale, Series};
 pub use machine::Header;
 pub use options::Options;

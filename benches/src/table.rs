@@ -237,7 +237,9 @@ impl Table {
 }
 
 impl Cell {
-    fn to_json(&self) -> Value {
+    /// The value alone; numbers in full, missing ones null.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
         match self {
             Self::Text(text) => json!(text),
             Self::Count(count) => json!(count),

@@ -90,11 +90,11 @@ fn examples() -> Result<()> {
     Ok(())
 }
 
-/// `bench --quick`, `compare --quick`, and the same of `accuracy` if it exists: that they run and
-/// that what they check holds, not how fast they are.
+/// Each measuring binary with `--quick`, `accuracy` if it exists: that they run and that what they
+/// check holds, not how fast they are.
 fn quick_measurements() -> Result<()> {
     let metadata = Metadata::read()?;
-    for name in ["bench", "compare", "accuracy"] {
+    for name in ["bench", "compare", "scale", "accuracy"] {
         if name == "accuracy" && !measure::exists(&metadata, name) {
             eprintln!("-- {name}: there is no such binary yet");
             continue;

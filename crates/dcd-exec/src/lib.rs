@@ -29,9 +29,6 @@ pub enum Par {
     Pool,
 }
 
-/// How many items are sorted without touching the pool: some tens of microseconds of work.
-const SORTED_AT_ONCE: usize = 4096;
-
 /// Where tasks run and who watches. Cheap to copy; made from a [`Par`].
 #[derive(Clone, Copy, Default)]
 pub struct Exec<'a> {
@@ -46,6 +43,9 @@ impl From<Par> for Exec<'_> {
 }
 
 impl<'a> Exec<'a> {
+    /// How many items are sorted without touching the pool: some tens of microseconds of work.
+    pub const SORTED_AT_ONCE: usize = 4096;
+
     /// Tells `observer` when stages and tasks begin and end.
     pub fn observed(par: Par, observer: &'a dyn Observer) -> Self {
         Self { par, observer: Some(observer) }
@@ -67,18 +67,18 @@ impl<'a> Exec<'a> {
 
     /// Runs `task(0)`, `task(1)`, … `task(count − 1)`, in any order.
     pub fn tasks(self, count: usize, task: impl Fn(usize) + Sync) {
-        match self.par {
+        self.section(count, || match self.par {
             Par::Pool if count > 1 => {
                 let tasks = (0..count).into_par_iter().with_max_len(1);
                 tasks.for_each(|k| self.watched(k, || task(k)));
             }
             _ => (0..count).for_each(|k| self.watched(k, || task(k))),
-        }
+        });
     }
 
     /// Runs `task(k, item k)` for each item, in any order.
     pub fn each<T: Send>(self, items: &mut [T], task: impl Fn(usize, &mut T) + Sync) {
-        match self.par {
+        self.section(items.len(), || match self.par {
             Par::Pool if items.len() > 1 => {
                 let items = items.par_iter_mut().with_max_len(1).enumerate();
                 items.for_each(|(k, item)| self.watched(k, || task(k, item)));
@@ -86,15 +86,20 @@ impl<'a> Exec<'a> {
             _ => {
                 items.iter_mut().enumerate().for_each(|(k, item)| self.watched(k, || task(k, item)))
             }
-        }
+        });
     }
 
     /// Sorts; the result is that of any sort where no two are equal.
     pub fn sort<T: Ord + Send>(self, items: &mut [T]) {
-        match self.par {
-            Par::Pool if items.len() > SORTED_AT_ONCE => items.par_sort_unstable(),
+        let count = items.len();
+        let mut sort = || match self.par {
+            Par::Pool if count > Self::SORTED_AT_ONCE => items.par_sort_unstable(),
             _ => items.sort_unstable(),
-        }
+        };
+        let Some(observer) = self.observer else { return sort() };
+        observer.sort_begins(count);
+        sort();
+        observer.sort_ends();
     }
 
     /// Runs both, perhaps at once. For recursions; neither is a task to the observer.
@@ -112,7 +117,9 @@ impl<'a> Exec<'a> {
     /// Cuts `whole` into parts of `grain` elements (the last may be shorter) and runs
     /// `task(first element, part)` on each. `grain` must not be 0, and is taken as 1 if it is.
     pub fn divide<P: Divide>(self, whole: P, grain: usize, task: impl Fn(usize, P) + Sync) {
-        self.divide_from(0, whole, grain.max(1), &task);
+        let grain = grain.max(1);
+        let tasks = whole.len().div_ceil(grain);
+        self.section(tasks, || self.divide_from(0, whole, grain, &task));
     }
 
     fn divide_from<P: Divide>(
@@ -135,6 +142,14 @@ impl<'a> Exec<'a> {
             || self.divide_from(first, left, grain, task),
             || self.divide_from(first + middle, right, grain, task),
         );
+    }
+
+    /// Runs `work` as a section of so many tasks, for the observer.
+    fn section(self, tasks: usize, work: impl FnOnce()) {
+        let Some(observer) = self.observer else { return work() };
+        observer.section_begins(tasks);
+        work();
+        observer.section_ends();
     }
 
     /// Runs `work` as task `k`, for the observer.
@@ -196,24 +211,55 @@ mod tests {
         }
     }
 
-    #[test]
-    fn an_observer_sees_every_task_begin_and_end() {
-        #[derive(Default)]
-        struct Count([AtomicUsize; 3]);
-        impl Observer for Count {
-            fn stage_begins(&self, _: Stage) {
-                self.0[0].fetch_add(1, Ordering::Relaxed);
-            }
-            fn task_begins(&self, _: usize) {
-                self.0[1].fetch_add(1, Ordering::Relaxed);
-            }
-            fn task_ends(&self, _: usize) {
-                self.0[2].fetch_add(1, Ordering::Relaxed);
-            }
+    /// Counts what it is told.
+    #[derive(Default)]
+    struct Count([AtomicUsize; 8]);
+
+    impl Count {
+        fn add(&self, place: usize, by: usize) {
+            self.0[place].fetch_add(by, Ordering::Relaxed);
         }
-        let count = Count::default();
-        let exec = Exec::observed(Par::Pool, &count);
-        exec.stage(Stage::Pairs, || exec.tasks(10, |_| ()));
-        assert_eq!(count.0.map(AtomicUsize::into_inner), [1, 10, 10]);
+    }
+
+    impl Observer for Count {
+        fn stage_begins(&self, _: Stage) {
+            self.add(0, 1);
+        }
+        fn stage_ends(&self, _: Stage) {
+            self.add(1, 1);
+        }
+        fn section_begins(&self, tasks: usize) {
+            self.add(2, tasks);
+        }
+        fn section_ends(&self) {
+            self.add(3, 1);
+        }
+        fn sort_begins(&self, items: usize) {
+            self.add(4, items);
+        }
+        fn sort_ends(&self) {
+            self.add(5, 1);
+        }
+        fn task_begins(&self, _: usize) {
+            self.add(6, 1);
+        }
+        fn task_ends(&self, _: usize) {
+            self.add(7, 1);
+        }
+    }
+
+    #[test]
+    fn an_observer_sees_every_section_and_task_begin_and_end() {
+        for par in [Par::Serial, Par::Pool] {
+            let count = Count::default();
+            let exec = Exec::observed(par, &count);
+            exec.stage(Stage::Pairs, || exec.tasks(10, |_| ()));
+            exec.each(&mut [0; 5], |_, _| ());
+            exec.divide(&mut [0; 20][..], 8, |_, _| ());
+            exec.sort(&mut [3, 1, 2]);
+            let tasks = 10 + 5 + 3;
+            let seen = count.0.map(AtomicUsize::into_inner);
+            assert_eq!(seen, [1, 1, tasks, 3, 3, 1, tasks, tasks]);
+        }
     }
 }

@@ -25,7 +25,17 @@ pub trait Observer: Sync {
     fn stage_begins(&self, _stage: Stage) {}
     /// A stage ends.
     fn stage_ends(&self, _stage: Stage) {}
-    /// Task `task` of some parallel region begins.
+    /// A section of so many tasks begins, on the thread that waits for all of them. Work of a
+    /// stage outside of its sections is serial.
+    fn section_begins(&self, _tasks: usize) {}
+    /// The same section ends, on the same thread.
+    fn section_ends(&self) {}
+    /// A sort of so many items begins, on the thread that waits for it; on a pool it is parallel
+    /// inside, and none of its parts is a task.
+    fn sort_begins(&self, _items: usize) {}
+    /// The same sort ends, on the same thread.
+    fn sort_ends(&self) {}
+    /// Task `task` of a section begins.
     fn task_begins(&self, _task: usize) {}
     /// The same task ends, on the same thread.
     fn task_ends(&self, _task: usize) {}

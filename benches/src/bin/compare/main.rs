@@ -5,7 +5,6 @@
 
 #![forbid(unsafe_code)]
 
-mod digest;
 mod json;
 mod judge;
 mod race;

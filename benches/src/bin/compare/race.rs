@@ -4,14 +4,13 @@ use std::time::Duration;
 
 use anyhow::{Result, anyhow, ensure};
 use clap::ValueEnum;
-use dcd_benches::{Effort, Pair, Sample, timing};
+use dcd_benches::{Digest, Effort, Pair, Sample, timing};
 use dcd_broad::{BruteForce, WideTree};
 use dcd_gjk::Overlap;
 use dcd_parry::{ParryPipeline, Query, Ready};
 use dcd_pipeline::{Par, Pipeline};
 use serde::{Deserialize, Serialize};
 
-use crate::digest::Digest;
 use crate::judge::{self, Answers, Judged, Said};
 use crate::rivals::{Ours, PARTS, Turn, WHOLE};
 use crate::subject::Subject;

@@ -2,14 +2,12 @@
 
 use std::time::Duration;
 
-use dcd_benches::timing;
+use dcd_benches::{Digest, timing};
 use dcd_broad::BroadPhase;
 use dcd_geom::{Pair, Scene};
 use dcd_gjk::Overlap;
 use dcd_parry::Ready;
 use dcd_pipeline::{Exec, Par, Pipeline, StageClock};
-
-use crate::digest::Digest;
 
 /// Up to this many objects a step is so short that the clock's readings at its stages (some
 /// hundred nanoseconds) would show: the whole is timed in a step of its own.

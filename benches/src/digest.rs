@@ -4,16 +4,17 @@ use dcd_geom::Pair;
 
 /// What two lists of pairs are told apart by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Digest {
+pub struct Digest {
     /// Of the pairs in their order.
-    pub(crate) list: u64,
+    pub list: u64,
     /// Of the pairs as a set.
-    pub(crate) set: u64,
+    pub set: u64,
 }
 
 impl Digest {
     /// Of these pairs; one multiplication each, so that it does not outweigh a short step.
-    pub(crate) fn of(pairs: impl Iterator<Item = Pair>) -> Self {
+    #[must_use]
+    pub fn of(pairs: impl Iterator<Item = Pair>) -> Self {
         pairs.fold(Self { list: 0, set: 0 }, |digest, pair| {
             let one = scrambled(u64::from(pair.i) << 32 | u64::from(pair.j));
             Self {
