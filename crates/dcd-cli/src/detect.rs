@@ -5,10 +5,12 @@ mod source;
 mod steps;
 mod summary;
 
+use crate::capture::replay::Replay;
 use crate::failure::Failure;
 use crate::memory;
 use crate::rung::Rung;
 use clap::{Args, value_parser};
+pub(crate) use contacts::{digest, fnv1a};
 use source::{Loaded, Source};
 use std::fs::File;
 use std::io::{BufWriter, Write, stdout};
@@ -26,13 +28,14 @@ Reading and the making of shapes are not timed. Each repeat is a first step: buf
 nothing that was learnt about the poses is. The broad phase is the wide tree on every rung.
 
 The digest is 64-bit FNV-1a over the contacts as --out writes them, without the count: u32 i, \
-u32 j, little endian, i < j, sorted. It is the same at any number of threads.";
+u32 j, little endian, i < j, sorted. It is the same at any number of threads. The digests of \
+--capture are over the contacts in the order that the step gives them.";
 
 /// Find every touching pair of a scene
 #[derive(Args)]
 #[command(
     after_long_help = DETAILS,
-    override_usage = "dcd detect [OPTIONS] <FILE|--scene NAME|--clouds FILE>"
+    override_usage = "dcd detect [OPTIONS] <FILE|--scene NAME|--clouds FILE|--capture FILE>"
 )]
 pub(crate) struct Detect {
     #[command(flatten)]
@@ -48,6 +51,7 @@ pub(crate) struct Detect {
         long,
         value_name = "K",
         default_value_t = 1,
+        conflicts_with = "capture",
         value_parser = value_parser!(u32).range(1..=1_000_000)
     )]
     repeat: u32,
@@ -55,19 +59,24 @@ pub(crate) struct Detect {
     #[arg(long)]
     json: bool,
     /// Write the contacts: u32 count, then u32 i, u32 j each, sorted, i < j, little endian
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "capture")]
     out: Option<PathBuf>,
 }
 
 impl Detect {
     pub(crate) fn run(self) -> Result<(), Failure> {
+        let cores = || available_parallelism().map_or(1, usize::from);
+        let threads = self.threads.map_or_else(cores, usize::from);
+        if let Some(path) = &self.source.capture {
+            let replayed = Replay { rung: self.rung, threads }.run(path)?;
+            let text = if self.json { replayed.json() } else { replayed.text() };
+            return stdout().write_all(text.as_bytes()).map_err(Failure::Output);
+        }
         let Loaded { scene, clouds } = self.source.load()?;
         // Before the work, so that a wrong path costs none.
         let create =
             |path: &PathBuf| File::create(path).map_err(|e| Failure::at(path.display(), e));
         let out = self.out.as_ref().map(create).transpose()?;
-        let cores = || available_parallelism().map_or(1, usize::from);
-        let threads = self.threads.map_or_else(cores, usize::from);
         let plan = Plan { rung: self.rung, threads, repeats: self.repeat };
         let found = steps::run(&scene, plan)?;
         if let Some(file) = out {

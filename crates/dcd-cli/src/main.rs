@@ -4,6 +4,7 @@
 //! seeded scene of its own.
 #![forbid(unsafe_code)]
 
+mod capture;
 mod detect;
 mod failure;
 mod memory;
@@ -28,6 +29,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Capture(capture::Capture),
     Detect(detect::Detect),
     Pairs(pairs::Pairs),
 }
@@ -35,6 +37,7 @@ enum Command {
 fn main() -> ExitCode {
     quiet::about_parry();
     let done = match Cli::parse().command {
+        Command::Capture(capture) => capture.run(),
         Command::Detect(detect) => detect.run(),
         Command::Pairs(pairs) => pairs.run(),
     };

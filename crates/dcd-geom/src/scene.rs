@@ -143,6 +143,11 @@ impl Scene {
         &self.poses
     }
 
+    /// For each object its filter.
+    pub fn filters(&self) -> &[Filter] {
+        &self.filters
+    }
+
     /// The shape of object `i`, which must be below [`Scene::len`].
     #[inline]
     pub fn shape(&self, i: usize) -> &Shape {

@@ -20,6 +20,11 @@ impl<'a> Cursor<'a> {
         Self { bytes, at: at.min(bytes.len()) }
     }
 
+    /// How many bytes lie before it.
+    pub(crate) fn at(&self) -> usize {
+        self.at
+    }
+
     fn rest(&self) -> &'a [u8] {
         &self.bytes[self.at..]
     }

@@ -1,5 +1,6 @@
 //! What can be wrong with a file, always with its place and value.
 
+use dcd_geom::{PoseError, SceneError, ShapeError};
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -135,6 +136,69 @@ pub enum ReadError {
     },
     /// The text is not JSON of the right kind.
     Json(serde_json::Error),
+    /// The file begins with other bytes than its kind does.
+    Signature {
+        /// What it should begin with.
+        expected: [u8; 8],
+        /// What it begins with.
+        found: [u8; 8],
+    },
+    /// The file is of a version that is not read here.
+    Version {
+        /// The file's.
+        found: u32,
+        /// The one that is read.
+        known: u32,
+    },
+    /// A record is of a kind that is not known.
+    UnknownKind {
+        /// What kind of record.
+        what: &'static str,
+        /// Its index.
+        index: usize,
+        /// Where it starts.
+        at: usize,
+        /// What names its kind.
+        tag: u32,
+    },
+    /// A record does not carry the number that its place gives it.
+    Misplaced {
+        /// What kind of record.
+        what: &'static str,
+        /// The number that its place gives it.
+        index: usize,
+        /// Where it starts.
+        at: usize,
+        /// The number that it carries.
+        found: u32,
+    },
+    /// A shape is refused.
+    Shape {
+        /// Its index.
+        index: usize,
+        /// Where it starts.
+        at: usize,
+        /// What is wrong with it.
+        error: ShapeError,
+    },
+    /// A pose is refused.
+    Pose {
+        /// The frame.
+        frame: usize,
+        /// The object in it.
+        object: usize,
+        /// Where the pose starts.
+        at: usize,
+        /// What is wrong with it.
+        error: PoseError,
+    },
+    /// The scene is refused as a whole.
+    Scene {
+        /// In which frame.
+        frame: usize,
+        /// What is wrong with it.
+        error: SceneError,
+    },
 }
 
 impl ReadError {
@@ -191,6 +255,26 @@ impl fmt::Display for ReadError {
                 write!(f, "the frames differ in {what}: {first} and {second}")
             }
             Self::Json(error) => error.fmt(f),
+            Self::Signature { expected, found } => {
+                let [expected, found] = [expected, found].map(|bytes| bytes.escape_ascii());
+                write!(f, "the file begins with \"{found}\", not \"{expected}\"")
+            }
+            Self::Version { found, known } => {
+                write!(f, "the file is of version {found}, not {known}")
+            }
+            Self::UnknownKind { what, index, at, tag } => {
+                write!(f, "{what} {index}, at byte {at}, is of the unknown kind {tag}")
+            }
+            Self::Misplaced { what, index, at, found } => {
+                write!(f, "{what} {index}, at byte {at}, carries the number {found}")
+            }
+            Self::Shape { index, at, error } => {
+                write!(f, "shape {index}, at byte {at}: {error}")
+            }
+            Self::Pose { frame, object, at, error } => {
+                write!(f, "frame {frame}, object {object}, at byte {at}: {error}")
+            }
+            Self::Scene { frame, error } => write!(f, "frame {frame}: {error}"),
         }
     }
 }

@@ -18,6 +18,7 @@
 
 mod boxes;
 mod bytes;
+mod capture;
 mod cloud;
 mod clouds;
 pub mod data;
@@ -27,14 +28,17 @@ mod game_hulls;
 mod hull;
 mod hull_scene;
 mod pairs;
+mod pile;
 mod ply;
 mod random;
 mod raw;
 mod recipe;
 mod spec;
 mod swept;
+mod walk;
 
 pub use boxes::{load_boxes, read_boxes};
+pub use capture::{Capture, CaptureError, place_frame};
 pub use cloud::{CloudCensus, CloudKind};
 pub use clouds::{load_clouds, read_clouds};
 pub use error::ReadError;
@@ -43,7 +47,9 @@ pub use game_hulls::{GameHulls, GameSize};
 pub use hull::{Hull, HullRefusal, convex_hull};
 pub use hull_scene::{load_hull_scene, read_hull_scene, write_hull_scene};
 pub use pairs::{PairError, PairFault, PairInput, read_pair, read_pairs};
+pub use pile::{Pile, PileContact};
 pub use ply::{Frame, load_frame, read_frame};
 pub use raw::{BuildError, RawObject, RawScene, RawShape};
 pub use spec::{SceneSpec, SpecError};
 pub use swept::{SweptBoxes, load_listed_pairs, read_listed_pairs};
+pub use walk::RandomWalk;

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 /// One stream of a seed. Each object of a scene draws from a stream of its own, so that a scene's
 /// first objects do not depend on how many follow.
+#[derive(Clone, Debug)]
 pub(crate) struct Draw(ChaCha8Rng);
 
 impl Draw {

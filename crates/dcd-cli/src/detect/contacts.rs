@@ -17,11 +17,11 @@ pub(super) fn write(contacts: &[Pair], mut out: impl Write) -> io::Result<()> {
 }
 
 /// 64-bit FNV-1a (Fowler, Noll, Vo) of the pairs as [`write()`] writes them, without the count.
-pub(super) fn digest(contacts: &[Pair]) -> u64 {
+pub(crate) fn digest(contacts: &[Pair]) -> u64 {
     fnv1a(contacts.iter().flat_map(|&pair| bytes(pair)))
 }
 
-fn fnv1a(bytes: impl Iterator<Item = u8>) -> u64 {
+pub(crate) fn fnv1a(bytes: impl Iterator<Item = u8>) -> u64 {
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
     })

@@ -22,8 +22,8 @@ const USUAL_DENSITY: f64 = 4.0;
 pub(super) struct Source {
     /// A hull scene (format: see --help); `-` is standard input
     #[arg(
-        required_unless_present_any = ["scene", "clouds"],
-        conflicts_with_all = ["scene", "clouds", "n", "seed"]
+        required_unless_present_any = ["scene", "clouds", "capture"],
+        conflicts_with_all = ["scene", "clouds", "capture", "n", "seed"]
     )]
     file: Option<PathBuf>,
     /// A seeded scene in place of a file
@@ -33,6 +33,9 @@ pub(super) struct Source {
     /// again; their hulls are spread in a seeded scene
     #[arg(long, value_name = "FILE")]
     clouds: Option<PathBuf>,
+    /// A capture in place of a file: a step for each of its frames (format: docs/captures.md)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scene", "clouds", "n", "seed"])]
+    pub(super) capture: Option<PathBuf>,
     /// How many objects [default: the scene's usual number; one for each cloud]
     #[arg(long, value_name = "N")]
     n: Option<u32>,

@@ -1,0 +1,133 @@
+//! `dcd detect --capture`: a step for each frame of a file.
+
+use crate::detect::{digest, fnv1a};
+use crate::failure::Failure;
+use crate::rung::Rung;
+use dcd_broad::WideTree;
+use dcd_exec::with_threads;
+use dcd_geom::{Pair, Scene};
+use dcd_gjk::{EachPair, Gjk, NarrowPhase, Overlap};
+use dcd_parry::ParryShapes;
+use dcd_pipeline::{Par, Pipeline};
+use dcd_scenes::{Capture, place_frame};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Instant;
+
+/// How the frames are stepped.
+#[derive(Clone, Copy)]
+pub(crate) struct Replay {
+    pub(crate) rung: Rung,
+    /// At least 1; 1 is serial.
+    pub(crate) threads: usize,
+}
+
+/// What one step found.
+#[derive(Debug, Serialize)]
+struct Frame {
+    frame: usize,
+    pairs: usize,
+    contacts: usize,
+    undecided: usize,
+    ms: f64,
+    digest: String,
+}
+
+/// What all found.
+#[derive(Serialize)]
+pub(crate) struct Replayed {
+    objects: usize,
+    threads: usize,
+    rung: Rung,
+    /// Of the whole capture: FNV-1a over the frames' digests in order.
+    digest: String,
+    ms: f64,
+    frames: Vec<Frame>,
+}
+
+impl Replay {
+    /// Steps through the file's frames with one pipeline, as the recorded program did.
+    pub(crate) fn run(self, path: &Path) -> Result<Replayed, Failure> {
+        let capture = Capture::load(path).map_err(|error| Failure::Input(error.to_string()))?;
+        let scene = capture.scene();
+        let frames = match self.rung {
+            Rung::Fast => self.on_threads(&capture, EachPair(Gjk::<f32>::default())),
+            Rung::F64 => self.on_threads(&capture, EachPair(Gjk::<f64>::default())),
+            Rung::Certified => self.on_threads(&capture, Overlap::default()),
+            Rung::ParryF32 => self.on_threads(&capture, ParryShapes::<f32>::new(scene)),
+            Rung::ParryF64 => self.on_threads(&capture, ParryShapes::<f64>::new(scene)),
+        }?;
+        let bytes = frames.iter().flat_map(|frame| frame.digest.bytes());
+        Ok(Replayed {
+            objects: scene.len(),
+            threads: self.threads,
+            rung: self.rung,
+            digest: format!("{:016x}", fnv1a(bytes)),
+            ms: frames.iter().map(|frame| frame.ms).sum(),
+            frames,
+        })
+    }
+
+    fn on_threads<N>(self, capture: &Capture, narrow: N) -> Result<Vec<Frame>, Failure>
+    where
+        N: NarrowPhase + Send,
+    {
+        if self.threads == 1 {
+            return steps(capture, narrow, Par::Serial);
+        }
+        with_threads(self.threads, || steps(capture, narrow, Par::Pool))
+            .map_err(|error| Failure::at(format_args!("{} threads", self.threads), error))?
+    }
+}
+
+fn steps<N: NarrowPhase>(capture: &Capture, narrow: N, par: Par) -> Result<Vec<Frame>, Failure> {
+    let mut scene: Scene = capture.scene().clone();
+    let mut pipeline = Pipeline::new(WideTree::default(), narrow);
+    let mut frames = Vec::with_capacity(capture.frame_count());
+    for (frame, poses) in capture.frames().enumerate() {
+        place_frame(&mut scene, poses)
+            .map_err(|error| Failure::at(format_args!("frame {frame}"), error))?;
+        let begun = Instant::now();
+        let step = pipeline.step(&scene, par);
+        let ms = begun.elapsed().as_secs_f64() * 1e3;
+        // In the step's own order, so that the digest sees it.
+        let contacts: Vec<Pair> = step.contacts().map(|(i, j)| Pair::new(i, j)).collect();
+        frames.push(Frame {
+            frame,
+            pairs: step.candidate_count(),
+            contacts: contacts.len(),
+            undecided: step.report().undecided().len(),
+            ms,
+            digest: format!("{:016x}", digest(&contacts)),
+        });
+    }
+    Ok(frames)
+}
+
+impl Replayed {
+    pub(crate) fn json(&self) -> String {
+        // Strings and finite numbers alone: nothing in it can fail.
+        serde_json::to_string(self).unwrap_or_default() + "\n"
+    }
+
+    pub(crate) fn text(&self) -> String {
+        let mut text = String::new();
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "frame    pairs contacts undecided         ms digest");
+        for Frame { frame, pairs, contacts, undecided, ms, digest } in &self.frames {
+            let _ = writeln!(
+                text,
+                "{frame:>5} {pairs:>8} {contacts:>8} {undecided:>9} {ms:>10.3} {digest}"
+            );
+        }
+        let Self { objects, threads, ms, digest, frames, rung } = self;
+        let (rung, count) = (rung.name(), frames.len());
+        let _ = writeln!(
+            text,
+            "{count} frames of {objects} objects, rung {rung}, {threads} threads: {ms:.3} ms, \
+             digest {digest}"
+        );
+        text
+    }
+}
