@@ -135,6 +135,16 @@ pub enum SceneError {
         /// How far it reaches, in metres along an axis.
         reach: f64,
     },
+    /// The object that a handle was given for has been removed.
+    NoLongerThere {
+        /// The handle.
+        handle: crate::Handle,
+    },
+    /// A pair needs two different objects.
+    PairOfOne {
+        /// The object named twice.
+        object: usize,
+    },
 }
 
 impl fmt::Display for SceneError {
@@ -154,6 +164,13 @@ impl fmt::Display for SceneError {
             }
             Self::OutOfRange { object, reach } => {
                 write!(f, "object {object} reaches {reach} m, beyond the range of f32 boxes")
+            }
+            Self::NoLongerThere { handle } => {
+                let crate::Handle { index, generation } = handle;
+                write!(f, "the object of slot {index}, generation {generation}, has been removed")
+            }
+            Self::PairOfOne { object } => {
+                write!(f, "object {object} is named twice: a pair is of two")
             }
         }
     }

@@ -32,7 +32,7 @@ pub use pair::Pair;
 pub use polytope::{Kind, Polytope};
 pub use pose::Pose;
 pub use real::{Matrix, Real, Vector};
-pub use scene::{Filter, Object, Scene};
+pub use scene::{Filter, Handle, Motion, Object, Scene, Stamp};
 pub use shape::Shape;
 pub use support::{Support, SupportMap};
 

@@ -1,46 +1,22 @@
 //! Shapes and the objects that place them.
 
+mod change;
+mod ignored;
+mod object;
+#[cfg(test)]
+mod tests;
+
+pub use object::{Filter, Handle, Motion, Object, Stamp};
+
 use crate::{Aabb, Cores, Pose, SceneError, Shape};
+use ignored::IgnoredPairs;
 use std::sync::Arc;
 
-/// Which objects may pair: each is a member of some groups and asks for some groups.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Filter {
-    /// The groups it is in, one bit each.
-    pub groups: u32,
-    /// The groups it can touch.
-    pub mask: u32,
-}
-
-impl Filter {
-    /// In every group, touching every group: what an object has unless said otherwise.
-    pub const ALL: Self = Self { groups: u32::MAX, mask: u32::MAX };
-
-    /// Whether each asks for a group of the other.
-    #[inline]
-    pub fn allows(self, other: Self) -> bool {
-        self.groups & other.mask != 0 && other.groups & self.mask != 0
-    }
-}
-
-impl Default for Filter {
-    fn default() -> Self {
-        Self::ALL
-    }
-}
-
-/// A shape somewhere.
-#[derive(Clone, Copy, Debug)]
-pub struct Object {
-    /// The shape's index in the scene.
-    pub shape: u32,
-    /// Where it is.
-    pub pose: Pose,
-    /// What it may pair with.
-    pub filter: Filter,
-}
-
 /// Shapes, and objects that place them: the input of a step, valid by construction.
+///
+/// An object has a slot for as long as it is there: its index in everything that a step tells.
+/// Objects come and go by [`Scene::insert`] and [`Scene::remove`]; a free slot has an empty box,
+/// is in no pair, and is taken by the next object.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     shapes: Arc<[Shape]>,
@@ -48,7 +24,23 @@ pub struct Scene {
     shape_of: Vec<u32>,
     poses: Vec<Pose>,
     filters: Vec<Filter>,
+    slots: Vec<Slot>,
+    generations: Vec<u32>,
+    /// The slots to be taken again, the last one first.
+    free: Vec<u32>,
+    ignored: IgnoredPairs,
     filtered: bool,
+    moving: usize,
+    standing: usize,
+    layout: Stamp,
+    standing_stamp: Stamp,
+}
+
+/// What a slot holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Slot {
+    Holds(Motion),
+    Free,
 }
 
 impl Scene {
@@ -61,22 +53,12 @@ impl Scene {
         shapes: Vec<Shape>,
         objects: impl IntoIterator<Item = Object>,
     ) -> Result<Self, SceneError> {
-        check_count("shapes", shapes.len())?;
-        let polytopes = shapes.iter().filter_map(Shape::as_polytope);
-        let (what, count) = ("blocks of vertices", polytopes.map(|p| p.block_count()).sum());
-        let cores = Cores::of(&shapes).ok_or(SceneError::TooMany { what, count })?;
+        let cores = derive_cores(&shapes)?;
         let mut scene = Self { shapes: shapes.into(), cores, ..Self::default() };
-        for (object, Object { shape, pose, filter }) in objects.into_iter().enumerate() {
-            check_count("objects", object)?;
-            let shapes = scene.shapes.len();
-            let known = scene.shapes.get(shape as usize);
-            let known = known.ok_or(SceneError::NoSuchShape { object, shape, shapes })?;
-            check_reach(object, known, &pose)?;
-            scene.shape_of.push(shape);
-            scene.poses.push(pose);
-            scene.filters.push(filter);
-            scene.filtered |= filter != Filter::ALL;
+        for object in objects {
+            scene.place(object)?;
         }
+        (scene.layout, scene.standing_stamp) = (Stamp::draw(), Stamp::draw());
         Ok(scene)
     }
 
@@ -88,33 +70,36 @@ impl Scene {
         if shapes.len() != poses.len() {
             return Err(SceneError::LengthsDiffer { shapes: shapes.len(), poses: poses.len() });
         }
-        let filter = Filter::ALL;
-        let objects = (0u32..).zip(poses).map(|(shape, pose)| Object { shape, pose, filter });
-        Self::new(shapes, objects)
+        Self::new(shapes, (0u32..).zip(poses).map(|(shape, pose)| Object::new(shape, pose)))
     }
 
-    /// Moves object `i`.
-    ///
-    /// # Errors
-    /// There is no such object, or it would reach beyond [`Aabb::LIMIT`]; nothing is changed then.
-    pub fn set_pose(&mut self, i: usize, pose: Pose) -> Result<(), SceneError> {
-        let objects = self.len();
-        let Some(slot) = self.poses.get_mut(i) else {
-            return Err(SceneError::NoSuchObject { object: i, objects });
-        };
-        check_reach(i, &self.shapes[self.shape_of[i] as usize], &pose)?;
-        *slot = pose;
-        Ok(())
-    }
-
-    /// How many objects there are.
+    /// How many slots there are: one more than the largest index of an object.
     pub fn len(&self) -> usize {
         self.poses.len()
     }
 
-    /// Whether there is no object.
+    /// Whether there is no slot.
     pub fn is_empty(&self) -> bool {
         self.poses.is_empty()
+    }
+
+    /// How many objects there are, moving and static.
+    pub fn object_count(&self) -> usize {
+        self.moving + self.standing
+    }
+
+    /// How many of them are static.
+    pub fn static_count(&self) -> usize {
+        self.standing
+    }
+
+    /// Whether slot `i` holds a moving object, a static one, or none.
+    #[inline]
+    pub fn motion(&self, i: usize) -> Option<Motion> {
+        match self.slots.get(i) {
+            Some(&Slot::Holds(motion)) => Some(motion),
+            _ => None,
+        }
     }
 
     /// The shapes.
@@ -133,19 +118,24 @@ impl Scene {
         &self.cores
     }
 
-    /// For each object its shape's index.
+    /// For each slot the index of its shape; that of the last object where it is free.
     pub fn shape_of(&self) -> &[u32] {
         &self.shape_of
     }
 
-    /// For each object its pose.
+    /// For each slot its pose; that of the last object where it is free.
     pub fn poses(&self) -> &[Pose] {
         &self.poses
     }
 
-    /// For each object its filter.
+    /// For each slot its filter.
     pub fn filters(&self) -> &[Filter] {
         &self.filters
+    }
+
+    /// For each slot how many objects have left it: see [`Handle`].
+    pub fn generations(&self) -> &[u32] {
+        &self.generations
     }
 
     /// The shape of object `i`, which must be below [`Scene::len`].
@@ -154,21 +144,54 @@ impl Scene {
         &self.shapes[self.shape_of[i] as usize]
     }
 
-    /// Whether any object's filter is other than [`Filter::ALL`], so that pairs must be asked.
-    pub fn is_filtered(&self) -> bool {
-        self.filtered
+    /// Marks everything but poses and filters: the shapes, and which slot holds what.
+    pub fn layout(&self) -> Stamp {
+        self.layout
     }
 
-    /// Whether the filters of two objects let them pair.
+    /// Marks everything about the static objects, their poses included.
+    pub fn statics(&self) -> Stamp {
+        self.standing_stamp
+    }
+
+    /// Whether [`Scene::allows`] may refuse some pair of slots.
+    pub fn is_filtered(&self) -> bool {
+        self.filters_movers() || self.standing > 1 || self.object_count() < self.len()
+    }
+
+    /// Whether it may refuse a pair with a moving object in it: filters other than
+    /// [`Filter::ALL`], or ignored pairs.
+    pub fn filters_movers(&self) -> bool {
+        self.filtered || !self.ignored.is_empty()
+    }
+
+    /// Whether two slots may pair: both hold objects, not both static ones, whose filters agree
+    /// and whose pair is not ignored.
     #[inline]
     pub fn allows(&self, i: u32, j: u32) -> bool {
-        self.filters[i as usize].allows(self.filters[j as usize])
+        let moves = match (self.slots[i as usize], self.slots[j as usize]) {
+            (Slot::Free, _) | (_, Slot::Free) => false,
+            (a, b) => a != Slot::Holds(Motion::Static) || b != Slot::Holds(Motion::Static),
+        };
+        moves
+            && self.filters[i as usize].allows(self.filters[j as usize])
+            && !self.ignored.contains(i, j)
     }
 
-    /// The box of object `i`: see [`Shape::aabb`].
+    /// The box of object `i`: see [`Shape::aabb`]. Empty where the slot is free.
     pub fn aabb(&self, i: usize) -> Aabb {
-        self.shape(i).aabb(&self.poses[i])
+        match self.slots[i] {
+            Slot::Holds(_) => self.shape(i).aabb(&self.poses[i]),
+            Slot::Free => Aabb::EMPTY,
+        }
     }
+}
+
+fn derive_cores(shapes: &[Shape]) -> Result<Cores, SceneError> {
+    check_count("shapes", shapes.len())?;
+    let polytopes = shapes.iter().filter_map(Shape::as_polytope);
+    let (what, count) = ("blocks of vertices", polytopes.map(|p| p.block_count()).sum());
+    Cores::of(shapes).ok_or(SceneError::TooMany { what, count })
 }
 
 /// That a scene may have this many of something.
@@ -180,62 +203,4 @@ fn check_reach(object: usize, shape: &Shape, pose: &Pose) -> Result<(), SceneErr
     let reach = pose.translation().abs().max_element() + shape.reach() * (1.0 + pose.deviation());
     // Written so that NaN is refused.
     if reach <= Aabb::LIMIT { Ok(()) } else { Err(SceneError::OutOfRange { object, reach }) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::DVec3;
-
-    fn ball() -> Shape {
-        Shape::sphere(1.0).unwrap()
-    }
-
-    #[test]
-    fn lengths_that_differ_are_refused_with_both() {
-        let refused = Scene::one_each(vec![ball()], vec![]).unwrap_err();
-        assert_eq!(refused, SceneError::LengthsDiffer { shapes: 1, poses: 0 });
-    }
-
-    #[test]
-    fn an_unknown_shape_is_refused_with_the_object() {
-        let object = |shape| Object { shape, pose: Pose::IDENTITY, filter: Filter::ALL };
-        let refused = Scene::new(vec![ball()], [object(0), object(7)]).unwrap_err();
-        assert_eq!(refused, SceneError::NoSuchShape { object: 1, shape: 7, shapes: 1 });
-    }
-
-    #[test]
-    fn an_object_out_of_range_is_refused_and_set_pose_leaves_the_scene_alone() {
-        let far = Pose::from_translation(DVec3::new(0.0, 1e38, 0.0)).unwrap();
-        let refused = Scene::one_each(vec![ball()], vec![far]).unwrap_err();
-        assert!(matches!(refused, SceneError::OutOfRange { object: 0, reach } if reach >= 1e38));
-        let mut scene = Scene::one_each(vec![ball()], vec![Pose::IDENTITY]).unwrap();
-        assert!(scene.set_pose(0, far).is_err());
-        assert_eq!(scene.poses()[0], Pose::IDENTITY);
-        let missing = SceneError::NoSuchObject { object: 1, objects: 1 };
-        assert_eq!(scene.set_pose(1, Pose::IDENTITY), Err(missing));
-    }
-
-    #[test]
-    fn a_count_past_u32_is_refused() {
-        assert!(check_count("objects", u32::MAX as usize).is_ok());
-        let count = u32::MAX as usize + 1;
-        assert_eq!(
-            check_count("objects", count),
-            Err(SceneError::TooMany { what: "objects", count })
-        );
-    }
-
-    #[test]
-    fn an_empty_scene_is_legal() {
-        assert!(Scene::one_each(vec![], vec![]).unwrap().is_empty());
-    }
-
-    #[test]
-    fn filters_must_agree_both_ways() {
-        let robot = Filter { groups: 1, mask: 2 };
-        let world = Filter { groups: 2, mask: 1 };
-        assert!(robot.allows(world) && world.allows(robot));
-        assert!(!robot.allows(robot) && !world.allows(Filter { groups: 1, mask: 0 }));
-    }
 }

@@ -191,11 +191,9 @@ mod tests {
             Shape::hull(vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE]).unwrap(),
             Shape::custom(std::sync::Arc::new(dcd_geom::Polytope::sphere(0.5).unwrap())).unwrap(),
         ];
-        let objects = (0..27).map(|k| dcd_geom::Object {
-            shape: k % 4,
-            pose: Pose::new(if k < 9 { DQuat::IDENTITY } else { turned(k) }, place(k)).unwrap(),
-            filter: dcd_geom::Filter::ALL,
-        });
+        let pose =
+            |k| Pose::new(if k < 9 { DQuat::IDENTITY } else { turned(k) }, place(k)).unwrap();
+        let objects = (0..27).map(|k| dcd_geom::Object::new(k % 4, pose(k)));
         let scene = Scene::new(shapes, objects).unwrap();
         let pairs = (0..27).flat_map(|i| (i + 1..27).map(move |j| Pair::new(i, j)));
         (scene, pairs.collect())

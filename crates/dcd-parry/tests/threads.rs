@@ -51,7 +51,7 @@ fn filtered_pairs_are_no_candidates() {
     let plain = scene();
     let objects = plain.poses().iter().enumerate().map(|(i, &pose)| {
         let filter = Filter { groups: 1 << (i % 2), mask: 1 << (1 - i % 2) };
-        Object { shape: i as u32, pose, filter }
+        Object { filter, ..Object::new(i as u32, pose) }
     });
     let filtered = Scene::new(plain.shapes().to_vec(), objects).unwrap();
     let mut expected = rival(&plain, Par::Serial)[1].clone();

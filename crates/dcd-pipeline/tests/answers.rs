@@ -137,7 +137,7 @@ fn filters_are_asked_before_any_narrow_work() {
     use dcd_geom::{Filter, Object};
     let ball = Shape::sphere(1.0).unwrap();
     let object =
-        |groups, mask| Object { shape: 0, pose: Pose::IDENTITY, filter: Filter { groups, mask } };
+        |groups, mask| Object { filter: Filter { groups, mask }, ..Object::new(0, Pose::IDENTITY) };
     let scene =
         Scene::new(vec![ball], [object(1, 2), object(2, 1), object(1, 2), object(2, 2)]).unwrap();
     let mut pipeline = <Pipeline>::default();

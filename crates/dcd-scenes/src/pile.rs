@@ -2,7 +2,7 @@
 
 use crate::random::Draw;
 use crate::{RawShape, SpecError};
-use dcd_geom::{Filter, Object, Pair, Pose, Scene, SceneError, Shape};
+use dcd_geom::{Object, Pair, Pose, Scene, SceneError, Shape};
 use glam::{DQuat, DVec3};
 
 /// Different hulls in a pile; the objects share them.
@@ -84,7 +84,7 @@ impl Pile {
             .enumerate()
             .map(|(k, body)| {
                 let shape = if k == 0 { 0 } else { 1 + (k as u64 - 1) % HULLS };
-                Ok(Object { shape: shape as u32, pose: body.pose(k)?, filter: Filter::ALL })
+                Ok(Object::new(shape as u32, body.pose(k)?))
             })
             .collect::<Result<_, SpecError>>()?;
         let scene = Scene::new(shapes, objects).map_err(refused_scene)?;

@@ -1,6 +1,6 @@
 //! What a scene is made from, before anything is checked.
 
-use dcd_geom::{Filter, Object, Pose, PoseError, Scene, SceneError, Shape, ShapeError};
+use dcd_geom::{Object, Pose, PoseError, Scene, SceneError, Shape, ShapeError};
 use glam::{DQuat, DVec3};
 use std::fmt;
 
@@ -87,7 +87,7 @@ impl RawScene {
         let objects = self.objects.iter().enumerate().map(|(object, raw)| {
             let pose = Pose::new(raw.rotation, raw.translation)
                 .map_err(|error| BuildError::Pose { object, error })?;
-            Ok(Object { shape: raw.shape, pose, filter: Filter::ALL })
+            Ok(Object::new(raw.shape, pose))
         });
         let objects = objects.collect::<Result<Vec<_>, _>>()?;
         Scene::new(shapes, objects).map_err(BuildError::Scene)

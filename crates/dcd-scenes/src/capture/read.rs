@@ -39,9 +39,8 @@ impl Capture {
         cursor.end()?;
         let first = |object: usize| poses.get(object).copied().unwrap_or(Pose::IDENTITY);
         let objects = placed.iter().enumerate().map(|(index, &Placed { shape, filter })| Object {
-            shape,
-            pose: first(index),
             filter,
+            ..Object::new(shape, first(index))
         });
         let scene =
             Scene::new(shapes, objects).map_err(|error| ReadError::Scene { frame: 0, error })?;

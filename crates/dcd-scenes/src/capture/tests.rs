@@ -9,10 +9,9 @@ fn recorded() -> Capture {
     let hull = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.1, 0.2, 0.3)];
     let cuboid = Polytope::cuboid(DVec3::new(1.0, 2.0, 3.0)).unwrap().rounded(0.25).unwrap();
     let shapes = vec![Shape::hull(hull).unwrap(), cuboid.into(), Shape::sphere(0.5).unwrap()];
-    let object = |shape, x| Object {
-        shape,
-        pose: Pose::new(DQuat::from_rotation_y(x), DVec3::X * x).unwrap(),
+    let object = |shape: u32, x| Object {
         filter: Filter { groups: 1 << shape, mask: !(4 << shape) },
+        ..Object::new(shape, Pose::new(DQuat::from_rotation_y(x), DVec3::X * x).unwrap())
     };
     let objects = [object(1, 0.3), object(0, -2.0), object(2, 0.7), object(1, 1.1)];
     let mut scene = Scene::new(shapes, objects).unwrap();

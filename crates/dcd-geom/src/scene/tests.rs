@@ -1,0 +1,146 @@
+//! Scenes: what is refused, what changes, what stays.
+
+use super::*;
+use glam::DVec3;
+
+fn ball() -> Shape {
+    Shape::sphere(1.0).unwrap()
+}
+
+#[test]
+fn lengths_that_differ_are_refused_with_both() {
+    let refused = Scene::one_each(vec![ball()], vec![]).unwrap_err();
+    assert_eq!(refused, SceneError::LengthsDiffer { shapes: 1, poses: 0 });
+}
+
+#[test]
+fn an_unknown_shape_is_refused_with_the_object() {
+    let object = |shape| Object::new(shape, Pose::IDENTITY);
+    let refused = Scene::new(vec![ball()], [object(0), object(7)]).unwrap_err();
+    assert_eq!(refused, SceneError::NoSuchShape { object: 1, shape: 7, shapes: 1 });
+}
+
+#[test]
+fn an_object_out_of_range_is_refused_and_set_pose_leaves_the_scene_alone() {
+    let far = Pose::from_translation(DVec3::new(0.0, 1e38, 0.0)).unwrap();
+    let refused = Scene::one_each(vec![ball()], vec![far]).unwrap_err();
+    assert!(matches!(refused, SceneError::OutOfRange { object: 0, reach } if reach >= 1e38));
+    let mut scene = Scene::one_each(vec![ball()], vec![Pose::IDENTITY]).unwrap();
+    assert!(scene.set_pose(0, far).is_err());
+    assert_eq!(scene.poses()[0], Pose::IDENTITY);
+    let missing = SceneError::NoSuchObject { object: 1, objects: 1 };
+    assert_eq!(scene.set_pose(1, Pose::IDENTITY), Err(missing));
+}
+
+#[test]
+fn a_count_past_u32_is_refused() {
+    assert!(check_count("objects", u32::MAX as usize).is_ok());
+    let count = u32::MAX as usize + 1;
+    assert_eq!(check_count("objects", count), Err(SceneError::TooMany { what: "objects", count }));
+}
+
+#[test]
+fn an_empty_scene_is_legal() {
+    assert!(Scene::one_each(vec![], vec![]).unwrap().is_empty());
+}
+
+#[test]
+fn filters_must_agree_both_ways() {
+    let robot = Filter { groups: 1, mask: 2 };
+    let world = Filter { groups: 2, mask: 1 };
+    assert!(robot.allows(world) && world.allows(robot));
+    assert!(!robot.allows(robot) && !world.allows(Filter { groups: 1, mask: 0 }));
+}
+
+/// Four balls in a row, the second and the last static.
+fn row() -> Scene {
+    let at = |x: f64| Object::new(0, Pose::from_translation(DVec3::X * x).unwrap());
+    Scene::new(vec![ball()], [at(0.0), at(1.0).fixed(), at(2.0), at(3.0).fixed()]).unwrap()
+}
+
+#[test]
+fn a_slot_is_taken_again_and_the_old_handle_is_not_honoured() {
+    let mut scene = row();
+    let second = scene.handle(1).unwrap();
+    scene.remove(second).unwrap();
+    assert_eq!((scene.len(), scene.object_count(), scene.static_count()), (4, 3, 1));
+    assert_eq!(scene.aabb(1), Aabb::EMPTY);
+    assert_eq!((scene.motion(1), scene.handle(1)), (None, None));
+    let missing = SceneError::NoSuchObject { object: 1, objects: 4 };
+    assert_eq!(scene.set_pose(1, Pose::IDENTITY), Err(missing));
+
+    let newcomer = scene.insert(Object::new(0, Pose::IDENTITY)).unwrap();
+    assert_eq!(newcomer, Handle { index: 1, generation: 1 });
+    assert_eq!(scene.index_of(newcomer), Ok(1));
+    let gone = Err(SceneError::NoLongerThere { handle: second });
+    assert_eq!(scene.remove(second), gone);
+    assert_eq!(scene.index_of(second).map(|_| ()), gone);
+    assert_eq!(scene.insert(Object::new(0, Pose::IDENTITY)).unwrap().index, 4);
+    assert_eq!((scene.object_count(), scene.static_count()), (5, 1));
+}
+
+#[test]
+fn an_object_that_is_refused_takes_no_slot() {
+    let mut scene = row();
+    scene.remove(scene.handle(2).unwrap()).unwrap();
+    let refused = scene.insert(Object::new(9, Pose::IDENTITY)).unwrap_err();
+    assert_eq!(refused, SceneError::NoSuchShape { object: 2, shape: 9, shapes: 1 });
+    assert_eq!(scene.insert(Object::new(0, Pose::IDENTITY)).unwrap().index, 2);
+}
+
+#[test]
+fn two_static_objects_and_free_slots_may_not_pair() {
+    let mut scene = row();
+    assert!(scene.allows(0, 1) && scene.allows(0, 2) && !scene.allows(1, 3));
+    scene.remove(scene.handle(0).unwrap()).unwrap();
+    assert!(!scene.allows(0, 1) && !scene.allows(0, 2) && scene.allows(1, 2));
+}
+
+#[test]
+fn an_ignored_pair_may_not_pair_until_it_is_heeded_or_an_object_leaves() {
+    let mut scene = row();
+    assert!(!scene.filters_movers());
+    scene.ignore_pair(2, 0).unwrap();
+    assert!(scene.filters_movers() && !scene.allows(0, 2) && scene.allows(0, 1));
+    scene.heed_pair(0, 2).unwrap();
+    assert!(!scene.filters_movers() && scene.allows(0, 2));
+    scene.ignore_pair(0, 2).unwrap();
+    scene.remove(scene.handle(2).unwrap()).unwrap();
+    scene.insert(Object::new(0, Pose::IDENTITY)).unwrap();
+    assert!(scene.allows(0, 2));
+    assert_eq!(scene.ignore_pair(0, 0), Err(SceneError::PairOfOne { object: 0 }));
+    let missing = SceneError::NoSuchObject { object: 7, objects: 4 };
+    assert_eq!(scene.ignore_pair(0, 7), Err(missing));
+}
+
+#[test]
+fn a_stamp_changes_with_what_it_marks_and_with_nothing_else() {
+    let mut scene = row();
+    let copy = scene.clone();
+    assert_eq!((copy.layout(), copy.statics()), (scene.layout(), scene.statics()));
+    scene.set_pose(0, Pose::IDENTITY).unwrap();
+    assert_eq!((copy.layout(), copy.statics()), (scene.layout(), scene.statics()));
+    scene.set_pose(1, Pose::IDENTITY).unwrap();
+    assert_eq!(copy.layout(), scene.layout());
+    assert_ne!(copy.statics(), scene.statics());
+    let statics = scene.statics();
+    scene.insert(Object::new(0, Pose::IDENTITY)).unwrap();
+    assert_ne!(copy.layout(), scene.layout());
+    assert_eq!(statics, scene.statics());
+    scene.remove(scene.handle(3).unwrap()).unwrap();
+    assert_ne!(statics, scene.statics());
+    assert_ne!(row().layout(), row().layout());
+}
+
+#[test]
+fn shapes_can_be_added_and_objects_keep_theirs() {
+    let mut scene = row();
+    let layout = scene.layout();
+    let added = scene.add_shapes([Shape::cuboid(DVec3::ONE).unwrap(), ball()]).unwrap();
+    assert_eq!(added, 1..3);
+    assert_ne!(scene.layout(), layout);
+    let handle = scene.insert(Object::new(added.start, Pose::IDENTITY)).unwrap();
+    assert_eq!(scene.shape(handle.index as usize).as_polytope().unwrap().vertices().len(), 8);
+    assert_eq!(scene.shape(0).as_polytope().unwrap().vertices().len(), 1);
+    assert_eq!(scene.cores().cores().len(), 3);
+}
