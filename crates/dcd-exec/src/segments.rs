@@ -3,6 +3,9 @@
 use crate::{Divide, Exec, PerThread};
 use std::sync::atomic::{AtomicU32, Ordering};
 
+/// How many items a task changes: some microseconds of work.
+const CHANGED_AT_ONCE: usize = 16 * 1024;
+
 /// A list written in pieces: task k writes segment k to the end of its thread's buffer, and the
 /// segments are read in the order of the tasks. The buffers are kept from one use to the next.
 #[derive(Debug)]
@@ -143,6 +146,15 @@ impl<T: Send> Segments<T> {
         buffer.and_then(|b| b.items.get(span.start..span.start + span.len)).unwrap_or_default()
     }
 
+    /// Changes every item, in any order, in pieces that depend on the schedule.
+    pub fn change_each(&mut self, exec: Exec, change: impl Fn(&mut T) + Sync) {
+        for buffer in &mut self.buffers {
+            exec.divide(&mut buffer.items[..], CHANGED_AT_ONCE, |_, items| {
+                items.iter_mut().for_each(&change);
+            });
+        }
+    }
+
     /// How many bytes the buffers hold.
     pub fn capacity_bytes(&self) -> usize {
         self.buffers.iter().map(|b| b.items.capacity() * size_of::<T>()).sum()
@@ -210,6 +222,17 @@ mod tests {
         assert_eq!(serial, expected);
         for threads in [1, 2, 3, 7] {
             assert_eq!(with_threads(threads, || filled(Par::Pool, 200)).unwrap(), serial);
+        }
+    }
+
+    #[test]
+    fn every_item_is_changed_once() {
+        for par in [Par::Serial, Par::Pool] {
+            let mut segments = Segments::default();
+            segments.fill(par.into(), 300, |k, out| out.extend(500 * k..500 * k + k));
+            let before: Vec<_> = segments.iter().flatten().copied().collect();
+            segments.change_each(par.into(), |item| *item += 7);
+            assert!(segments.iter().flatten().copied().eq(before.iter().map(|item| item + 7)));
         }
     }
 
