@@ -3,6 +3,7 @@
 mod change;
 mod ignored;
 mod object;
+mod swept;
 #[cfg(test)]
 mod tests;
 

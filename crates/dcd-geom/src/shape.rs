@@ -78,6 +78,24 @@ impl Shape {
         }
     }
 
+    /// The same shape with a ball of this radius swept round it, metres: what is within it of the
+    /// shape. Added to a radius that the shape has, with one rounding.
+    ///
+    /// # Errors
+    /// A radius that is negative or not finite, by itself or when added.
+    pub fn swept(&self, radius: f64) -> Result<Self, ShapeError> {
+        match self {
+            Self::Polytope(polytope) => {
+                let sum = polytope.swept_radius() + length(radius)?;
+                polytope.clone().rounded(sum).map(Self::Polytope)
+            }
+            Self::Custom(map) => {
+                let sum = map.radius() + length(radius)?;
+                Self::custom(Arc::new(Swept { core: Arc::clone(map), radius: sum }))
+            }
+        }
+    }
+
     /// A box round the shape at this pose, rounded outward: the plain twin of what a narrow phase
     /// computes in lanes.
     pub fn aabb(&self, pose: &Pose) -> Aabb {
@@ -143,6 +161,32 @@ impl SupportMap<f64> for Shape {
     }
 }
 
+fn length(value: f64) -> Result<f64, ShapeError> {
+    // Written so that NaN is refused.
+    let good = value >= 0.0 && value.is_finite();
+    good.then_some(value).ok_or(ShapeError::BadLength { what: "radius", value })
+}
+
+/// A foreign shape with another radius.
+struct Swept {
+    core: Arc<dyn SupportMap<f64>>,
+    radius: f64,
+}
+
+impl SupportMap<f64> for Swept {
+    fn support(&self, direction: DVec3) -> Support<f64> {
+        self.core.support(direction)
+    }
+
+    fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    fn support_error(&self) -> f64 {
+        self.core.support_error()
+    }
+}
+
 impl From<Polytope> for Shape {
     fn from(polytope: Polytope) -> Self {
         Self::Polytope(polytope)
@@ -180,6 +224,17 @@ mod tests {
         let custom = Shape::custom(Arc::new(sphere.clone())).unwrap().aabb(&pose);
         assert!(custom.contains(&Aabb::outward(DVec3::splat(-1.0), DVec3::splat(3.0))));
         assert_eq!(custom, Shape::from(sphere).aabb(&pose));
+    }
+
+    #[test]
+    fn a_swept_shape_has_the_sum_of_the_radii_and_no_bad_one() {
+        let ball = Shape::sphere(0.5).unwrap();
+        let custom = Shape::custom(Arc::new(Polytope::sphere(0.5).unwrap())).unwrap();
+        for shape in [ball, custom] {
+            assert_eq!(shape.swept(0.25).unwrap().radius(), 0.75);
+            assert!(shape.swept(-0.25).is_err() && shape.swept(f64::NAN).is_err());
+            assert!(shape.swept(f64::MAX).is_ok_and(|s| s.radius() == f64::MAX));
+        }
     }
 
     #[test]

@@ -21,7 +21,8 @@ use dcd_geom::{Polytope, Shape, SupportMap};
 /// How far apart two shapes are, and where. World frame, metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Distance {
-    /// Positive; 0 or infinite only where no f64 holds it (below 5e-324, above 1.8e308).
+    /// Positive and finite; 0 only below 5e-324, `f64::MAX` for all that is above it (see
+    /// [`Distance::is_saturated`]).
     pub distance: f64,
     /// A point of a nearest to b, to within the rounding of world coordinates.
     pub point_a: DVec3,
@@ -29,11 +30,43 @@ pub struct Distance {
     pub point_b: DVec3,
     /// From a to b, of unit length but for rounding.
     pub normal: DVec3,
-    /// The true distance is within `distance ± error_bound`. Finite.
+    /// The true distance is within `distance ± error_bound`. Finite; `f64::MAX` marks a distance
+    /// that is known from below alone.
     pub error_bound: f64,
 }
 
 impl Distance {
+    /// Whether the shapes are farther apart than any f64: `distance` is then a lower bound, and
+    /// nothing finite is an upper one.
+    pub fn is_saturated(&self) -> bool {
+        self.error_bound == f64::MAX
+    }
+
+    /// At most the true distance: at least 0, finite.
+    pub fn lower(&self) -> f64 {
+        if self.is_saturated() {
+            return self.distance;
+        }
+        (self.distance - self.error_bound).next_down().max(0.0)
+    }
+
+    /// At least the true distance, unless it [is saturated](Self::is_saturated). Finite.
+    pub fn upper(&self) -> f64 {
+        (self.distance + self.error_bound).next_up().min(f64::MAX)
+    }
+
+    /// The same with finite numbers where f64 ends.
+    fn saturated(self) -> Self {
+        let error_bound = if self.distance <= f64::MAX { self.error_bound } else { f64::MAX };
+        Self {
+            distance: self.distance.min(f64::MAX),
+            point_a: self.point_a.clamp(DVec3::MIN, DVec3::MAX),
+            point_b: self.point_b.clamp(DVec3::MIN, DVec3::MAX),
+            error_bound,
+            ..self
+        }
+    }
+
     /// The same seen from b.
     fn mirrored(self) -> Self {
         let Self { point_a, point_b, normal, .. } = self;
@@ -121,13 +154,14 @@ fn measured<S: SupportMap<f64>>(a: Body<'_, S>, b: Body<'_, S>) -> DistanceResul
     let error = above.max(below) + 4.0 * f64::EPSILON * near.length;
     let normal = unit(-near.direction);
     let [core_a, core_b] = near.points(a, b);
-    DistanceResult::Apart(Distance {
+    let found = Distance {
         distance: distance / scale,
         point_a: core_a + normal * a.map.radius(),
         point_b: core_b - normal * b.map.radius(),
         normal,
         error_bound: rounded_up(error / scale),
-    })
+    };
+    DistanceResult::Apart(found.saturated())
 }
 
 /// Unit roundoff of f64.
@@ -181,10 +215,10 @@ fn in_order(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (DistanceResult, Ru
     }
     let hint = &hint[..known];
     if let Some(found) = difference.and_then(|d| refine::refined(a, b, d.scale(), hint)) {
-        return (DistanceResult::Apart(found), Rung::F64);
+        return (DistanceResult::Apart(found.saturated()), Rung::F64);
     }
     match exact::closest(a, b, hint) {
-        Some(found) => (DistanceResult::Apart(of_exact(a, b, &found)), Rung::Exact),
+        Some(found) => (DistanceResult::Apart(of_exact(a, b, &found).saturated()), Rung::Exact),
         None => (DistanceResult::Touching, Rung::Exact),
     }
 }

@@ -110,6 +110,13 @@ impl Report {
         self.undecided.push(Undecided { pair, reason });
     }
 
+    /// Takes the other's counts back.
+    pub(crate) fn withdraw(&mut self, other: &Self) {
+        for (sum, count) in self.settled.iter_mut().zip(other.settled) {
+            *sum = sum.saturating_sub(count);
+        }
+    }
+
     /// Moves the other's counts and pairs here.
     pub fn absorb(&mut self, other: &mut Self) {
         for (sum, count) in self.settled.iter_mut().zip(&mut other.settled) {

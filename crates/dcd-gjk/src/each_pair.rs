@@ -1,5 +1,6 @@
 //! A narrow phase from a solver that sees one pair at a time.
 
+use crate::query::grown;
 use crate::{Findings, NarrowPhase, Rung, Verdict};
 use dcd_geom::{Aabb, Divide, Pair, Pose, Scene, Shape};
 
@@ -21,6 +22,23 @@ pub trait PairSolver: Sync {
         b: Placed<'_>,
         scratch: &mut Self::Scratch,
     ) -> Verdict<Self::Answer>;
+
+    /// The verdict on a pair that is known to touch, or, with a [margin](Self::margin), to be
+    /// within it: what is to be told is asked for, and whether is not asked again.
+    fn measure(
+        &self,
+        a: Placed<'_>,
+        b: Placed<'_>,
+        scratch: &mut Self::Scratch,
+    ) -> Verdict<Self::Answer> {
+        self.solve(a, b, scratch)
+    }
+
+    /// Within which distance a pair counts as touching, metres: finite, at least 0. Boxes are
+    /// grown by half of it, so that a broad phase finds those pairs.
+    fn margin(&self) -> f64 {
+        0.0
+    }
 
     /// The same verdict and the rung that reached it. A solver of one rung leaves this as it is.
     fn settle(
@@ -83,8 +101,9 @@ impl<G: PairSolver> NarrowPhase for EachPair<G> {
     }
 
     fn prepare(&self, scene: &Scene, first: usize, _: Nothing, aabbs: &mut [Aabb]) {
+        let half = self.0.margin() / 2.0;
         for (i, aabb) in (first..).zip(aabbs) {
-            *aabb = scene.aabb(i);
+            *aabb = grown(&scene.aabb(i), half);
         }
     }
 

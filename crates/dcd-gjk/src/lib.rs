@@ -17,6 +17,7 @@ pub mod lanes;
 pub mod law;
 mod order;
 mod portal;
+pub mod query;
 mod simplex;
 mod solvers;
 
@@ -25,4 +26,5 @@ pub use distance::{Distance, DistanceResult};
 pub use door::{Contact, Findings, NarrowPhase, Reason, Report, Rung, Undecided, Verdict};
 pub use each_pair::{EachPair, Nothing, PairSolver, Placed};
 pub use lanes::Overlap;
+pub use query::{Depths, Distances, OfTouching, Within};
 pub use solvers::{Certified, Gjk};

@@ -57,14 +57,14 @@ fn distance(rung: Rung, a: Placed<'_>, b: Placed<'_>) -> Answer {
     };
     let mut answer = Answer::new(&verdict, name(settled));
     match found {
-        // Proved apart, at a distance that no f64 holds.
-        DistanceResult::Apart(found) if !found.distance.is_finite() => {
-            answer.reason = Some(in_words(Reason::Range));
-        }
         DistanceResult::Apart(found) => {
             answer.distance = Some(found.distance);
             answer.way = Some(Way::new(found.normal, found.point_a, found.point_b));
-            answer.error_bound = Some(found.error_bound);
+            if found.is_saturated() {
+                answer.reason = Some(in_words(Reason::Range));
+            } else {
+                answer.error_bound = Some(found.error_bound);
+            }
         }
         DistanceResult::Touching => {
             answer.distance = Some(0.0);

@@ -1,6 +1,7 @@
 //! Scenes: what is refused, what changes, what stays.
 
 use super::*;
+use crate::SupportMap;
 use glam::DVec3;
 
 fn ball() -> Shape {
@@ -143,4 +144,23 @@ fn shapes_can_be_added_and_objects_keep_theirs() {
     assert_eq!(scene.shape(handle.index as usize).as_polytope().unwrap().vertices().len(), 8);
     assert_eq!(scene.shape(0).as_polytope().unwrap().vertices().len(), 1);
     assert_eq!(scene.cores().cores().len(), 3);
+}
+
+#[test]
+fn a_swept_scene_has_grown_shapes_in_the_same_slots_and_follows_the_poses() {
+    let at = |x: f64| Pose::from_translation(DVec3::X * x).unwrap();
+    let objects = [Object::new(0, at(0.0)), Object::new(0, at(5.0)).fixed()];
+    let mut scene = Scene::new(vec![ball()], objects).unwrap();
+    scene.remove(scene.handle(0).unwrap()).unwrap();
+    let mut swept = scene.swept(0.5).unwrap();
+    assert_eq!((swept.shape(1).radius(), swept.motion(0)), (1.5, None));
+    assert!(swept.layout() != scene.layout() && swept.len() == scene.len());
+    let statics = swept.statics();
+    assert!(swept.follow(&scene) && swept.statics() == statics);
+    scene.set_pose(1, at(6.0)).unwrap();
+    assert!(swept.follow(&scene) && swept.statics() != statics);
+    assert_eq!(swept.poses(), scene.poses());
+    scene.set_pose(1, at(0.9 * Aabb::LIMIT)).unwrap();
+    assert!(swept.follow(&scene) && scene.swept(0.2 * Aabb::LIMIT).is_none());
+    assert!(scene.swept(-1.0).is_none() && scene.swept(f64::NAN).is_none());
 }

@@ -102,11 +102,13 @@ fn f64_alone_states_its_bound() {
 }
 
 #[test]
-fn a_distance_that_no_f64_holds_is_infinite_and_still_apart() {
+fn a_distance_that_no_f64_holds_is_known_from_below_and_marked() {
     let point = Shape::sphere(0.0).unwrap();
     let (low, high) = (at(-f64::MAX, 0.0, 0.0), at(f64::MAX, 0.0, 0.0));
     let found = measure(&point, &low, &point, &high);
-    assert_eq!((found.distance, found.normal), (f64::INFINITY, DVec3::X));
+    assert_eq!((found.distance, found.normal), (f64::MAX, DVec3::X));
+    assert!(found.is_saturated() && found.lower() == f64::MAX && found.upper() == f64::MAX);
+    assert!(found.point_a.is_finite() && found.point_b.is_finite());
     let found = measure(&point, &at(0.0, 0.0, 0.0), &point, &high);
-    assert_eq!(found.distance, f64::MAX);
+    assert!(found.distance == f64::MAX && !found.is_saturated());
 }

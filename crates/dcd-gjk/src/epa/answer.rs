@@ -113,7 +113,7 @@ impl Answer {
             normal,
             point_a: (a + normal * radii[0]).clamp(DVec3::MIN, DVec3::MAX),
             point_b: (b - normal * radii[1]).clamp(DVec3::MIN, DVec3::MAX),
-            error_bound: error.min(f64::MAX),
+            error_bound: if in_range { error } else { f64::MAX },
         };
         let certainty = if in_range { self.certainty } else { Certainty::OutOfRange };
         (depth, certainty)

@@ -32,7 +32,7 @@ mod start;
 mod wide;
 mod witness;
 
-use crate::{Body, Reason, Verdict, exact, order};
+use crate::{Body, Verdict, exact, order};
 use answer::{Answer, Certainty};
 use dcd_geom::Polytope;
 use dcd_geom::glam::DVec3;
@@ -53,13 +53,30 @@ pub struct Depth {
     pub point_a: DVec3,
     /// The point of b that is deepest in a.
     pub point_b: DVec3,
-    /// The true depth is within `depth ± error_bound`. Finite.
+    /// The true depth is within `depth ± error_bound`. Finite; `f64::MAX` marks a depth that is
+    /// known from below alone.
     pub error_bound: f64,
 }
 
 impl Depth {
+    /// Whether the shapes overlap more deeply than any f64, or than a bound of one can tell.
+    pub fn is_saturated(&self) -> bool {
+        self.error_bound == f64::MAX
+    }
+
+    /// At most the true depth: at least 0, finite; 0 where the depth
+    /// [is saturated](Self::is_saturated).
+    pub fn lower(&self) -> f64 {
+        (self.depth - self.error_bound).next_down().max(0.0)
+    }
+
+    /// At least the true depth, unless it [is saturated](Self::is_saturated). Finite.
+    pub fn upper(&self) -> f64 {
+        (self.depth + self.error_bound).next_up().min(f64::MAX)
+    }
+
     /// The same with the shapes' parts exchanged.
-    fn mirrored(self) -> Self {
+    pub(crate) fn mirrored(self) -> Self {
         Self { normal: -self.normal, point_a: self.point_b, point_b: self.point_a, ..self }
     }
 }
@@ -74,7 +91,8 @@ pub struct Scratch {
 /// Whether two placed polytopes touch, and how deep.
 ///
 /// Every answer is proved, exact touching included: where the bounds of the depth leave it open,
-/// the exact rung decides. Undecided only for a depth that overflows ([`Reason::Range`]).
+/// the exact rung decides. Never undecided; a depth that overflows is `f64::MAX`, marked by a
+/// bound of `f64::MAX` (see [`Depth::is_saturated`]).
 /// The answer for (b, a) is that for (a, b), mirrored bit for bit. Costs microseconds for hulls of
 /// tens of vertices.
 pub fn depth(
@@ -86,9 +104,8 @@ pub fn depth(
     match certainty {
         Certainty::Apart => Verdict::Apart,
         Certainty::Touching => Verdict::Touching(depth),
-        Certainty::OutOfRange => Verdict::Undecided(Reason::Range),
-        Certainty::Unknown if exact::touches(a, b, &[]) => Verdict::Touching(depth),
-        Certainty::Unknown => Verdict::Apart,
+        _ if exact::touches(a, b, &[]) => Verdict::Touching(depth),
+        _ => Verdict::Apart,
     }
 }
 

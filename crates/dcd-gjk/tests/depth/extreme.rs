@@ -73,7 +73,15 @@ fn the_least_and_the_largest_numbers_have_their_depth() {
     assert!((found.depth - 2.0 * least).abs() <= found.error_bound, "{found:?}");
     let huge = Polytope::cuboid(DVec3::splat(f64::MAX / 8.0)).unwrap();
     let found = touching(&(huge.clone(), Pose::IDENTITY), &(huge, at(f64::MAX / 8.0, 0.0, 0.0)));
-    assert_eq!(found.depth, f64::MAX / 8.0);
+    assert!(found.depth == f64::MAX / 8.0 && !found.is_saturated());
+}
+
+#[test]
+fn a_depth_that_no_f64_holds_is_known_from_below_and_marked() {
+    let ball = Polytope::sphere(f64::MAX).unwrap();
+    let found = touching(&(ball.clone(), Pose::IDENTITY), &(ball, Pose::IDENTITY));
+    assert!(found.depth == f64::MAX && found.is_saturated() && is_sound(&found), "{found:?}");
+    assert_eq!((found.lower(), found.upper()), (0.0, f64::MAX));
 }
 
 /// Points of a spiral on the unit sphere.

@@ -1,0 +1,65 @@
+//! How deep touching pairs overlap.
+
+use super::sampled;
+use crate::epa::{self, Depth};
+use crate::{Body, PairSolver, Placed, Rung, Verdict, certified};
+use dcd_geom::Shape;
+
+/// How deep a pair overlaps, where, and with what bound: see [`Depth`].
+///
+/// A touching pair always has its depth, exact touching included (0). Between polytopes, rounded
+/// or not, the bound is at most 1e-9 of the depth but for 1e-22 of the pair's size, and nothing is
+/// undecided. With another shape the depth is that of polytopes inside the shapes, which grow
+/// where it is decided, bounded from above by the shapes' own supports; a pair is undecided where
+/// [`certified::overlap_of`] is.
+///
+/// Ten to twenty microseconds for hulls of tens of vertices; some hundred for other shapes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Depths;
+
+impl PairSolver for Depths {
+    type Answer = Depth;
+    type Scratch = epa::Scratch;
+
+    fn rung(&self) -> Rung {
+        Rung::Exact
+    }
+
+    fn solve(&self, a: Placed<'_>, b: Placed<'_>, scratch: &mut epa::Scratch) -> Verdict<Depth> {
+        self.settle(a, b, scratch).0
+    }
+
+    fn measure(&self, a: Placed<'_>, b: Placed<'_>, scratch: &mut epa::Scratch) -> Verdict<Depth> {
+        Verdict::Touching(of_touching(a, b, scratch))
+    }
+
+    fn settle(
+        &self,
+        a: Placed<'_>,
+        b: Placed<'_>,
+        scratch: &mut epa::Scratch,
+    ) -> (Verdict<Depth>, Rung) {
+        if let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) {
+            let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+            return (epa::depth(a, b, scratch), Rung::Exact);
+        }
+        let (verdict, rung) = certified::overlap_of(a, b);
+        let verdict = match verdict {
+            Verdict::Touching(()) => Verdict::Touching(sampled::depth_of_overlap(a, b, scratch)),
+            Verdict::Apart => Verdict::Apart,
+            Verdict::Undecided(reason) => Verdict::Undecided(reason),
+        };
+        (verdict, rung)
+    }
+}
+
+/// The depth of two shapes that are known to touch.
+pub(super) fn of_touching(a: Placed<'_>, b: Placed<'_>, scratch: &mut epa::Scratch) -> Depth {
+    match (a.shape, b.shape) {
+        (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
+            let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+            epa::depth_of_overlap(a, b, scratch)
+        }
+        _ => sampled::depth_of_overlap(a, b, scratch),
+    }
+}

@@ -1,0 +1,47 @@
+//! What a scene can ask beyond yes or no, each a type that the user picks and pays for.
+//!
+//! | type | asks | told of each pair |
+//! | --- | --- | --- |
+//! | [`Within`] | which pairs are within a margin | nothing |
+//! | [`Distances`] | how far apart, within a margin | [`Distance`](crate::Distance) |
+//! | [`Depths`] | how deep | [`Depth`](crate::epa::Depth) |
+//!
+//! [`Within`] is a narrow phase. The others are solvers of single pairs: [`OfTouching`] asks them
+//! after the lanes, and only of the pairs that the lanes find, so that a scene of which one pair
+//! in fifty touches pays for one in fifty. [`EachPair`](crate::EachPair) asks them of every pair.
+//!
+//! ```
+//! use dcd_gjk::{Depths, Distances, OfTouching};
+//! let how_deep = OfTouching::new(Depths)?;
+//! let how_far = OfTouching::new(Distances::within(0.05)?)?;
+//! # Ok::<(), dcd_geom::ShapeError>(())
+//! ```
+//!
+//! Every number is in metres, every vector in the world frame. A normal points from a, the object
+//! with the smaller index, to b. Asked of (b, a), a solver answers the same bits, mirrored. A bound
+//! is proved: the truth lies within it.
+
+mod depths;
+mod distances;
+mod of_touching;
+mod sampled;
+mod within;
+
+pub use depths::Depths;
+pub use distances::Distances;
+pub use of_touching::OfTouching;
+pub use within::Within;
+
+pub(crate) use within::grown;
+
+use dcd_geom::{Aabb, ShapeError};
+
+/// That a margin is a length that boxes have room for.
+fn check_margin(margin: f64) -> Result<(), ShapeError> {
+    // Written so that NaN is refused.
+    if (0.0..=Aabb::LIMIT).contains(&margin) {
+        Ok(())
+    } else {
+        Err(ShapeError::BadLength { what: "margin", value: margin })
+    }
+}

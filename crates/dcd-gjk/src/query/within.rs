@@ -1,0 +1,191 @@
+//! All pairs within a margin, by any narrow phase that says yes or no.
+
+use super::check_margin;
+use crate::{Findings, NarrowPhase, Overlap, Reason};
+use dcd_geom::{Aabb, Divide, Pair, Scene, ShapeError, Stamp};
+
+/// Which pairs are within a margin of each other: a narrow phase's yes or no on the scene's
+/// shapes, each with a ball of half the margin swept round it.
+///
+/// So the answer is as proved as that narrow phase's: with [`Overlap`] exact, a distance of the
+/// margin itself included. Half the margin is added to each shape's own radius with one rounding;
+/// for shapes without a radius there is none. A margin of 0 is the narrow phase itself.
+///
+/// Costs a second copy of the shapes and, a step, of the poses. Where an object that has grown
+/// would reach beyond [`Aabb::LIMIT`], no pair of the scene is decided ([`Reason::Range`]).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Within<N = Overlap> {
+    narrow: N,
+    margin: f64,
+}
+
+impl Within {
+    /// By the default narrow phase: proved.
+    ///
+    /// # Errors
+    /// A margin, in metres, that is negative, not a number, or above [`Aabb::LIMIT`].
+    pub fn margin(margin: f64) -> Result<Self, ShapeError> {
+        Self::by(Overlap::default(), margin)
+    }
+}
+
+impl<N> Within<N> {
+    /// By that narrow phase.
+    ///
+    /// # Errors
+    /// A margin, in metres, that is negative, not a number, or above [`Aabb::LIMIT`].
+    pub fn by(narrow: N, margin: f64) -> Result<Self, ShapeError> {
+        check_margin(margin)?;
+        Ok(Self { narrow, margin })
+    }
+
+    fn half(&self) -> f64 {
+        self.margin / 2.0
+    }
+}
+
+/// The scene with its shapes grown, and what the narrow phase prepares of it.
+#[derive(Clone, Debug, Default)]
+pub struct Frame<F> {
+    grown: Grown,
+    prepared: F,
+}
+
+/// What stands for the scene.
+#[derive(Clone, Debug, Default)]
+enum Grown {
+    /// The scene itself.
+    #[default]
+    AsItIs,
+    /// A copy with grown shapes.
+    Copy { of: Stamp, by: f64, scene: Box<Scene> },
+    /// An object of the copy would be out of range.
+    OutOfRange,
+}
+
+/// A range of the objects.
+#[derive(Debug)]
+pub struct Part<'f, P> {
+    /// `None`: the scene as it is, its boxes to be grown afterwards.
+    grown: Option<&'f Scene>,
+    prepared: P,
+}
+
+impl<P: Divide> Divide for Part<'_, P> {
+    fn len(&self) -> usize {
+        self.prepared.len()
+    }
+
+    fn split_at(self, middle: usize) -> (Self, Self) {
+        let (first, others) = self.prepared.split_at(middle);
+        let part = |prepared| Self { grown: self.grown, prepared };
+        (part(first), part(others))
+    }
+}
+
+impl<N: NarrowPhase> NarrowPhase for Within<N> {
+    type Answer = N::Answer;
+    type Frame = Frame<N::Frame>;
+    type Part<'f>
+        = Part<'f, N::Part<'f>>
+    where
+        Self: 'f;
+    type Scratch = N::Scratch;
+
+    fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
+        frame.grown.follow(scene, self.half());
+        let grown = match &frame.grown {
+            Grown::Copy { scene, .. } => Some(&**scene),
+            Grown::AsItIs | Grown::OutOfRange => None,
+        };
+        let prepared = self.narrow.lay_out(grown.unwrap_or(scene), &mut frame.prepared);
+        Part { grown, prepared }
+    }
+
+    fn prepare(&self, scene: &Scene, first: usize, part: Self::Part<'_>, aabbs: &mut [Aabb]) {
+        let Part { grown: copy, prepared } = part;
+        self.narrow.prepare(copy.unwrap_or(scene), first, prepared, aabbs);
+        if copy.is_none() {
+            for aabb in aabbs {
+                *aabb = grown(aabb, self.half());
+            }
+        }
+    }
+
+    fn decide(
+        &self,
+        scene: &Scene,
+        frame: &Self::Frame,
+        pairs: &[Pair],
+        scratch: &mut N::Scratch,
+        findings: &mut Findings<'_, N::Answer>,
+    ) {
+        let scene = match &frame.grown {
+            Grown::AsItIs => scene,
+            Grown::Copy { scene, .. } => scene,
+            Grown::OutOfRange => {
+                for &pair in pairs {
+                    findings.report.leave(pair, Reason::Range);
+                }
+                return;
+            }
+        };
+        self.narrow.decide(scene, &frame.prepared, pairs, scratch, findings);
+    }
+}
+
+impl Grown {
+    /// Brings the copy to where the scene is; its shapes are grown once.
+    fn follow(&mut self, original: &Scene, half: f64) {
+        if half == 0.0 {
+            *self = Self::AsItIs;
+            return;
+        }
+        if let Self::Copy { of, by, scene } = self
+            && *of == original.layout()
+            && *by == half
+            && scene.follow(original)
+        {
+            return;
+        }
+        *self = match original.swept(half) {
+            Some(scene) => Self::Copy { of: original.layout(), by: half, scene: Box::new(scene) },
+            None => Self::OutOfRange,
+        };
+    }
+}
+
+/// A box that holds every point within `by` of this one; the box itself for 0.
+pub(crate) fn grown(aabb: &Aabb, by: f64) -> Aabb {
+    if by == 0.0 || *aabb == Aabb::EMPTY {
+        return *aabb;
+    }
+    // Half of an odd denormal, and each sum, is rounded once.
+    let by = by.next_up();
+    let (min, max) = (aabb.min.as_dvec3() - by, aabb.max.as_dvec3() + by);
+    let (below, above) = (min.map(f64::next_down), max.map(f64::next_up));
+    Aabb::outward(below, above)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dcd_geom::glam::Vec3;
+
+    #[test]
+    fn a_margin_that_is_no_length_is_refused_with_its_value() {
+        for bad in [-1e-300, f64::INFINITY, 1e38] {
+            let refused = Within::margin(bad).unwrap_err();
+            assert_eq!(refused, ShapeError::BadLength { what: "margin", value: bad });
+        }
+        assert!(Within::margin(f64::NAN).is_err());
+    }
+
+    #[test]
+    fn a_grown_box_grows_by_the_least_margin_too_and_by_none_not_at_all() {
+        let unit = Aabb { min: Vec3::NEG_ONE, max: Vec3::ONE };
+        assert_eq!(grown(&unit, 0.0), unit);
+        let least = grown(&unit, f64::from_bits(1));
+        assert!(least.min.x < -1.0 && least.max.z > 1.0 && least.max.z < 1.0 + 1e-6);
+    }
+}

@@ -1,0 +1,111 @@
+//! How deep.
+
+use super::scenes::{Draw, pile, shapes};
+use super::within::found;
+use super::{Body, ask, told};
+use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::{Polytope, Shape, Support, SupportMap};
+use dcd_gjk::{Depths, EachPair, OfTouching, Overlap, Verdict, law};
+use std::sync::Arc;
+
+#[test]
+fn depths_keep_the_law_one_by_one_and_after_the_lanes() {
+    let (scene, pairs) = pile(shapes(), 40);
+    law::narrow_phase(&EachPair(Depths), &scene, &pairs).unwrap();
+    law::narrow_phase(&OfTouching::new(Depths).unwrap(), &scene, &pairs).unwrap();
+}
+
+#[test]
+fn every_touching_pair_has_its_depth() {
+    let mut polytopes = shapes();
+    polytopes.pop();
+    let (scene, pairs) = pile(polytopes, 60);
+    let (yes, _) = found(&Overlap::default(), &scene, &pairs);
+    let (deep, report) = found(&OfTouching::new(Depths).unwrap(), &scene, &pairs);
+    let pairs_of = |contacts: &[dcd_gjk::Contact<_>]| -> Vec<_> {
+        contacts.iter().map(|contact| contact.pair).collect()
+    };
+    assert!(yes.len() > 50 && report.undecided().is_empty(), "{}", yes.len());
+    assert_eq!(yes.iter().map(|contact| contact.pair).collect::<Vec<_>>(), pairs_of(&deep));
+    assert_eq!(deep, found(&EachPair(Depths), &scene, &pairs).0);
+    for depth in deep.iter().map(|contact| contact.answer) {
+        assert!(depth.depth > 0.0 || depth.error_bound < 1e-15, "{depth:?}");
+        assert!((depth.normal.length() - 1.0).abs() < 1e-12 && !depth.is_saturated());
+    }
+}
+
+/// An ellipsoid, as a foreign shape: its support is a formula, right to a few roundings.
+struct Ellipsoid(DVec3);
+
+impl SupportMap<f64> for Ellipsoid {
+    fn support(&self, direction: DVec3) -> Support<f64> {
+        let stretched = self.0 * direction;
+        let point = self.0 * stretched.try_normalize().unwrap_or(DVec3::X);
+        // A feature for a point: its own bits, mixed.
+        let bits = point.to_array().map(f64::to_bits);
+        let mixed = bits.iter().fold(0u64, |mix, x| (mix ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        Support { point, feature: (mixed >> 32) as u32 }
+    }
+
+    fn support_error(&self) -> f64 {
+        4.0 * f64::EPSILON * self.0.max_element()
+    }
+}
+
+#[test]
+fn curved_shapes_have_a_depth_within_its_bound() {
+    // Two ellipsoids along a common principal axis: the depth along it is known, and least.
+    let half = DVec3::new(0.5, 1.0, 1.5);
+    let shape = Shape::custom(Arc::new(Ellipsoid(half))).unwrap();
+    for overlap in [1e-6, 1e-3, 0.1, 0.25] {
+        let a = Body::at(&shape, DVec3::new(10.0, 0.0, 0.0));
+        let b = Body::at(&shape, DVec3::new(11.0 - overlap, 0.0, 0.0));
+        let found = told(&Depths, &a, &b);
+        assert!(found.lower() <= overlap && overlap <= found.upper(), "{overlap} {found:?}");
+        assert!(found.error_bound <= 1e-8 * overlap + 1e-14, "{overlap} {found:?}");
+        assert!((found.normal.dot(DVec3::X) - 1.0).abs() < 1e-4, "{found:?}");
+    }
+}
+
+#[test]
+fn a_foreign_ball_is_as_deep_as_our_own() {
+    let mut draw = Draw(11);
+    let ours = Shape::sphere(0.5).unwrap();
+    let foreign = Shape::custom(Arc::new(Polytope::sphere(0.5).unwrap())).unwrap();
+    let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+    for _ in 0..50 {
+        let (turn, place) = (draw.turn(), draw.vector() * 0.8);
+        let a = Body::new(cube.clone(), DQuat::IDENTITY, DVec3::ZERO);
+        let answers =
+            [&ours, &foreign].map(|s| ask(&Depths, &a, &Body::new(s.clone(), turn, place)));
+        let [Verdict::Touching(ours), Verdict::Touching(foreign)] = answers else {
+            assert_eq!(answers[0], answers[1]);
+            continue;
+        };
+        let gap = (ours.depth - foreign.depth).abs();
+        assert!(gap <= ours.error_bound + foreign.error_bound + 1e-15, "{ours:?} {foreign:?}");
+        assert!(foreign.error_bound < 1e-13, "{foreign:?}");
+    }
+}
+
+#[test]
+fn the_depth_of_a_swapped_pair_is_mirrored_bit_for_bit() {
+    let mut draw = Draw(12);
+    let shapes = shapes();
+    let mut touching = 0;
+    for k in 0..200usize {
+        let body = |k: usize, draw: &mut Draw| {
+            Body::new(shapes[k % shapes.len()].clone(), draw.turn(), draw.vector() * 0.5)
+        };
+        let (a, b) = (body(k, &mut draw), body(k / 6, &mut draw));
+        let (Verdict::Touching(ab), Verdict::Touching(ba)) =
+            (ask(&Depths, &a, &b), ask(&Depths, &b, &a))
+        else {
+            continue;
+        };
+        touching += 1;
+        assert_eq!((ab.depth, ab.error_bound, ab.normal), (ba.depth, ba.error_bound, -ba.normal));
+        assert_eq!((ab.point_a, ab.point_b), (ba.point_b, ba.point_a));
+    }
+    assert!(touching > 100, "{touching}");
+}

@@ -1,0 +1,74 @@
+//! How far apart.
+
+use super::scenes::{Draw, pile, shapes};
+use super::within::found;
+use super::{Body, ask, told};
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Polytope, Shape};
+use dcd_gjk::{Distances, EachPair, OfTouching, PairSolver, Verdict, law};
+use std::sync::Arc;
+
+#[test]
+fn distances_keep_the_law_one_by_one_and_after_the_lanes() {
+    let (scene, pairs) = pile(shapes(), 40);
+    for margin in [0.0, 0.5] {
+        let solver = Distances::within(margin).unwrap();
+        law::narrow_phase(&EachPair(solver), &scene, &pairs).unwrap();
+        law::narrow_phase(&OfTouching::new(solver).unwrap(), &scene, &pairs).unwrap();
+    }
+}
+
+#[test]
+fn both_ways_of_asking_tell_the_same() {
+    let mut polytopes = shapes();
+    polytopes.pop();
+    let (scene, pairs) = pile(polytopes, 40);
+    let solver = Distances::within(0.5).unwrap();
+    let (alone, _) = found(&EachPair(solver), &scene, &pairs);
+    let (after, report) = found(&OfTouching::new(solver).unwrap(), &scene, &pairs);
+    assert!(alone.len() > 50 && alone == after, "{} {}", alone.len(), after.len());
+    assert!(report.undecided().is_empty(), "{:?}", report.undecided());
+    let apart = alone.iter().filter_map(|contact| contact.answer);
+    assert!(apart.clone().count() > 10 && apart.clone().all(|d| d.lower() <= 0.5));
+}
+
+#[test]
+fn a_pair_beyond_the_margin_is_apart_and_one_that_touches_has_no_distance() {
+    let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+    let solver = Distances::within(1.0).unwrap();
+    let a = Body::at(&cube, DVec3::ZERO);
+    assert_eq!(ask(&solver, &a, &Body::at(&cube, DVec3::X * 2.5)), Verdict::Apart);
+    assert_eq!(ask(&solver, &a, &Body::at(&cube, DVec3::X * 1e30)), Verdict::Apart);
+    assert_eq!(told(&solver, &a, &Body::at(&cube, DVec3::X)), None);
+    let found = told(&solver, &a, &Body::at(&cube, DVec3::X * 1.75)).unwrap();
+    assert!(found.lower() <= 0.75 && 0.75 <= found.upper() && found.upper() < 0.75 + 1e-15);
+    assert_eq!((found.normal, found.point_a.x, found.point_b.x), (DVec3::X, 0.5, 1.25));
+}
+
+#[test]
+fn the_balls_reject_nothing_that_is_within_the_margin() {
+    // Two balls along a random line, moved about the margin in steps of rounding.
+    let mut draw = Draw(5);
+    for k in 0..2000 {
+        let scale = 10f64.powi(k % 19 - 9);
+        let radii = [draw.unit().abs(), draw.unit().abs()].map(|r| r * scale);
+        let margin = draw.unit().abs() * scale;
+        let place = draw.vector() * scale * 10f64.powi(k % 7 - 1);
+        let far = radii[0] + radii[1] + margin;
+        let off = draw.vector().normalize() * far * (1.0 + f64::from(k % 5 - 2) * 1e-16);
+        let [a, b] = [(radii[0], place), (radii[1], place + off)].map(|(radius, place)| {
+            let sphere = Polytope::sphere(radius).unwrap();
+            let shape = if k % 3 == 0 {
+                Shape::custom(Arc::new(sphere)).unwrap()
+            } else {
+                Shape::from(sphere)
+            };
+            Body::new(shape, draw.turn(), place)
+        });
+        let solver = Distances::within(margin).unwrap();
+        let measured = solver.measure(a.placed(), b.placed(), &mut ());
+        if let (Verdict::Touching(Some(found)), Verdict::Apart) = (measured, ask(&solver, &a, &b)) {
+            assert!(found.upper() > margin, "{found:?} {margin}\n{a:?}\n{b:?}");
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! A seeded pile in which a part of the pairs touches, for every query.
+
+use super::Body;
+use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::{Object, Pair, Polytope, Scene, Shape};
+use std::sync::Arc;
+
+/// A multiplicative generator (Steele and Vigna 2022): enough for places.
+pub(crate) struct Draw(pub(crate) u64);
+
+impl Draw {
+    /// Uniform in −1 … 1.
+    pub(crate) fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(0xd134_2543_de82_ef95).wrapping_add(1);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    pub(crate) fn vector(&mut self) -> DVec3 {
+        DVec3::new(self.unit(), self.unit(), self.unit())
+    }
+
+    pub(crate) fn turn(&mut self) -> DQuat {
+        let [x, y, z, w] = [0; 4].map(|_| self.unit());
+        DQuat::from_xyzw(x, y, z, w + 1e-3).normalize()
+    }
+}
+
+/// A box, a ball, a rounded needle, a flat plate, a hull and, last, a foreign ball.
+pub(crate) fn shapes() -> Vec<Shape> {
+    let mut draw = Draw(3);
+    let cloud = (0..20).map(|_| draw.vector() * 0.6).collect();
+    let needle = Polytope::hull(vec![DVec3::NEG_X * 0.8, DVec3::X * 0.8]).unwrap();
+    vec![
+        Shape::cuboid(DVec3::new(0.5, 0.4, 0.3)).unwrap(),
+        Shape::sphere(0.4).unwrap(),
+        needle.rounded(0.1).unwrap().into(),
+        Shape::cuboid(DVec3::new(0.7, 0.6, 0.0)).unwrap(),
+        Shape::hull(cloud).unwrap(),
+        Shape::custom(Arc::new(Polytope::sphere(0.45).unwrap())).unwrap(),
+    ]
+}
+
+/// Objects of these shapes in turn; half of them not rotated, so that faces are parallel.
+pub(crate) fn pile(shapes: Vec<Shape>, objects: u32) -> (Scene, Vec<Pair>) {
+    let mut draw = Draw(7);
+    let kinds = shapes.len() as u32;
+    let object = |k: u32| {
+        let place = (draw.vector() * 8.0).round() / 4.0;
+        let turn = if k.is_multiple_of(2) { DQuat::IDENTITY } else { draw.turn() };
+        let Body { pose, .. } = Body::new(Shape::sphere(0.0).unwrap(), turn, place);
+        Object::new(k % kinds, pose)
+    };
+    let scene = Scene::new(shapes, (0..objects).map(object).collect::<Vec<_>>()).unwrap();
+    let pairs = (0..objects).flat_map(|i| (i + 1..objects).map(move |j| Pair::new(i, j)));
+    (scene, pairs.collect())
+}
