@@ -120,7 +120,7 @@ impl Report {
         whole
     }
 
-    /// Writes `report.md`, `report.html`, each table as CSV and JSON, each figure as SVG and JSON into
+    /// Writes `report.md`, `report.html`, each table as CSV, JSON and Markdown, each figure as SVG and JSON into
     /// `dir`, and the whole as JSON into `NAME.json` beside `dir`. Gives the paths of the pages and of
     /// the whole.
     ///
@@ -135,6 +135,7 @@ impl Report {
                     let path = |kind: &str| dir.join(format!("{}.{kind}", table.id()));
                     write(&path("csv"), &(self.comments() + &table.to_csv()))?;
                     write(&path("json"), &self.headed(table.to_json())?)?;
+                    write(&path("md"), &table.to_markdown())?;
                 }
                 Section::Figure(figure) => {
                     let path = |kind: &str| dir.join(format!("{}.{kind}", figure.id()));
@@ -216,6 +217,8 @@ mod tests {
             assert!(pages.iter().all(|page| page.is_file()));
             let csv = fs::read_to_string(dir.join("table1.csv"))?;
             assert!(csv.starts_with("# CPU: ") && csv.ends_with("\nours [ms]\n1.25\n"), "{csv}");
+            let markdown = fs::read_to_string(dir.join("table1.md"))?;
+            assert!(markdown.starts_with("| ours [ms] |"), "{markdown}");
             let json: Value = serde_json::from_str(&fs::read_to_string(dir.join("table1.json"))?)?;
             assert_eq!(json["result"]["rows"][0]["ours [ms]"], json!(1.25));
             assert!(json["header"]["compiler"].is_string());

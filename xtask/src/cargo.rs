@@ -157,10 +157,24 @@ pub fn printed(command: &mut Command) -> Result<String> {
     String::from_utf8(output.stdout).with_context(|| format!("{command:?} prints no text"))
 }
 
+/// Whether the toolchain has the standard library of a target.
+///
+/// # Errors
+/// The compiler cannot be asked.
+pub fn has_target(target: &str) -> Result<bool> {
+    let library = printed(rustc().args(["--print", "target-libdir", "--target", target]))?;
+    Ok(Path::new(library.trim()).is_dir())
+}
+
+fn rustc() -> Command {
+    let mut command = Command::new(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
+    command.current_dir(root());
+    command
+}
+
 /// The target triple of this machine.
 fn host() -> Result<String> {
-    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let version = printed(Command::new(rustc).current_dir(root()).arg("-vV"))?;
+    let version = printed(rustc().arg("-vV"))?;
     match version.lines().find_map(|line| line.strip_prefix("host: ")) {
         Some(host) => Ok(host.to_owned()),
         None => bail!("`rustc -vV` names no host: {version}"),
@@ -178,6 +192,12 @@ mod tests {
 {"reason":"build-finished","success":true}"#;
         let b = Executable { name: "b".to_owned(), path: "/t/b".into() };
         assert_eq!(executables(messages), [b]);
+    }
+
+    #[test]
+    fn the_toolchain_has_its_own_target() -> Result<()> {
+        assert!(has_target(&host()?)?);
+        Ok(())
     }
 
     #[test]

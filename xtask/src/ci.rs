@@ -15,10 +15,11 @@ type Check = fn() -> Result<()>;
 /// # Errors
 /// The first check that fails, by name.
 pub fn run() -> Result<()> {
-    let checks: [(&str, Check); 6] = [
+    let checks: [(&str, Check); 7] = [
         ("format", format),
         ("dependency policy", dependency_policy),
         ("clippy", clippy),
+        ("other processors", other_processors),
         ("docs", docs),
         ("examples", examples),
         ("quick measurements", quick_measurements),
@@ -48,6 +49,27 @@ fn dependency_policy() -> Result<()> {
 fn clippy() -> Result<()> {
     let all = ["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"];
     cargo::shown(cargo().args(all))
+}
+
+/// Targets without our intrinsics, on which the portable path is all there is.
+const PORTABLE: [&str; 2] = ["aarch64-unknown-linux-gnu", "wasm32-unknown-unknown"];
+
+/// That the rooms of a step compile for other processors, as far as the toolchain has them.
+fn other_processors() -> Result<()> {
+    for target in PORTABLE {
+        if !cargo::has_target(target)? {
+            eprintln!("-- {target}: skipped, `rustup target add {target}` would install it");
+            continue;
+        }
+        eprintln!("-- {target}");
+        let mut command = cargo();
+        command.args(["check", "--quiet", "--target", target]);
+        for room in policy::ROOMS {
+            command.args(["--package", room]);
+        }
+        cargo::shown(&mut command)?;
+    }
+    Ok(())
 }
 
 fn docs() -> Result<()> {

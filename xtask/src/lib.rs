@@ -10,3 +10,4 @@ pub mod ci;
 pub mod license;
 pub mod measure;
 pub mod policy;
+pub mod results;

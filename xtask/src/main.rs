@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{Args, Parser, Subcommand};
-use xtask::{ci, measure};
+use xtask::{ci, measure, results};
 
 /// Builds and runs what measures and checks this workspace.
 ///
@@ -32,6 +32,8 @@ enum Task {
     /// How the step scales with threads and with the number of objects
     #[command(disable_help_flag = true)]
     Scale(PassedOn),
+    /// Takes what was measured in full into docs/results, and fills the tables of the documents
+    Results,
     /// All checks in order, up to the first that fails: format, dependency policy, clippy, docs,
     /// every example, quick runs of the measuring binaries. The tests are `cargo test --workspace`
     Ci,
@@ -61,6 +63,7 @@ fn run(task: Task) -> Result<ExitCode> {
         Task::Compare(passed) => measure::run("compare", &passed.arguments),
         Task::Accuracy(passed) => measure::run("accuracy", &passed.arguments),
         Task::Scale(passed) => measure::run("scale", &passed.arguments),
+        Task::Results => results::take_in().map(|()| ExitCode::SUCCESS),
         Task::Ci => ci::run().map(|()| ExitCode::SUCCESS),
     }
 }

@@ -7,8 +7,8 @@ use crate::license::is_permissive;
 
 /// Rooms that know no threads; whoever needs one pair's answer depends on these alone.
 const WITHOUT_THREADS: [&str; 2] = ["dcd-geom", "dcd-gjk"];
-/// Rooms that know no Parry: it is a rival, behind doors of its own.
-const WITHOUT_PARRY: [&str; 6] =
+/// The rooms of a step. They know no Parry: it is a rival, behind doors of its own.
+pub const ROOMS: [&str; 6] =
     ["dcd-geom", "dcd-gjk", "dcd-bvh", "dcd-broad", "dcd-exec", "dcd-pipeline"];
 /// The only room with threads.
 const WITH_THREADS: &str = "dcd-exec";
@@ -29,7 +29,7 @@ pub fn breaches() -> Result<Vec<String>> {
     ]
     .concat();
     let present = |name: &&str| metadata.member(name).is_some();
-    for room in WITHOUT_PARRY.into_iter().filter(present) {
+    for room in ROOMS.into_iter().filter(present) {
         let tree = normal_dependencies(room)?;
         breaches.extend(foreigners(room, &tree));
     }
@@ -38,7 +38,7 @@ pub fn breaches() -> Result<Vec<String>> {
 
 /// A room that was renamed would else slip out of the policy.
 fn missing_rooms(metadata: &Metadata) -> Vec<String> {
-    let missing = WITHOUT_PARRY.into_iter().filter(|room| metadata.member(room).is_none());
+    let missing = ROOMS.into_iter().filter(|room| metadata.member(room).is_none());
     missing.map(|room| format!("the workspace has no package {room}")).collect()
 }
 

@@ -1,5 +1,6 @@
 //! What was compared as JSON, an object for each scene and number of threads.
 
+use dcd_gjk::Rung;
 use serde_json::{Map, Value, json};
 
 use crate::judge::Account;
@@ -47,10 +48,18 @@ pub(crate) fn objects(comparison: &Comparison) -> Vec<Value> {
                 "ours": beside.ours, "parry": beside.rival,
             }))),
             "ratio_range": race.map(|race| by_part(race, |beside| json!([beside.least, beside.most]))),
+            "settled": settled(comparison),
             "brute_force": race.and_then(|race| race.brute_force),
+            "every_pair": race.and_then(|race| race.every_pair),
         })
     };
     comparison.threads.iter().map(object).collect()
+}
+
+/// How many candidates each rung settled, under its name.
+fn settled(comparison: &Comparison) -> Map<String, Value> {
+    let rungs = Rung::ALL.iter().map(|rung| format!("{rung:?}"));
+    rungs.zip(&comparison.settled).map(|(rung, &count)| (rung, json!(count))).collect()
 }
 
 /// A value for each stage, under its name.

@@ -31,8 +31,8 @@ use subject::Subject;
 struct Line {
     #[command(flatten)]
     options: Options,
-    /// A scene by name, or a hull scene in a file
-    #[arg(long, value_name = "NAME|FILE", default_value = "paper", conflicts_with = "all")]
+    /// A scene by name, or a hull scene in a file; `all` is --all
+    #[arg(long, value_name = "NAME|FILE|all", default_value = "paper", conflicts_with = "all")]
     scene: String,
     /// Objects of a named scene [default: what the scene has]
     #[arg(long, value_name = "N", conflicts_with = "all")]
@@ -40,6 +40,9 @@ struct Line {
     /// Every named scene, at one thread and at two (or --threads)
     #[arg(long)]
     all: bool,
+    /// Leaves out named scenes of more objects
+    #[arg(long, value_name = "N")]
+    n_max: Option<usize>,
     /// How Parry is asked whether a candidate touches
     #[arg(long, value_enum, default_value_t)]
     query: ParryQuery,
@@ -49,12 +52,20 @@ struct Line {
 }
 
 fn main() -> ExitCode {
-    match run(&Line::parse()) {
+    match run(&Line::parse().with_all_by_name()) {
         Ok(code) => code,
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::FAILURE
         }
+    }
+}
+
+impl Line {
+    /// `--scene all` says `--all`.
+    fn with_all_by_name(self) -> Self {
+        let all = self.all || (self.scene == subject::ALL && self.n.is_none());
+        Self { all, ..self }
     }
 }
 
@@ -67,6 +78,8 @@ fn run(line: &Line) -> Result<ExitCode> {
     } else {
         vec![Subject::parse(&line.scene, line.n, options.seed)?]
     };
+    let within = |subject: &Subject| line.n_max.is_none_or(|most| subject.objects() <= Some(most));
+    let (subjects, left_out): (Vec<_>, Vec<_>) = subjects.into_iter().partition(within);
 
     let header = Header::observe(options);
     let dir = options.dir("compare");
@@ -87,6 +100,9 @@ fn run(line: &Line) -> Result<ExitCode> {
     }
     let mut report = show::report(header, &comparisons)?;
     report.missing(&units);
+    for subject in &left_out {
+        report.note(format!("{}: left out by --n-max.", subject.key()));
+    }
     let pages = report.write(&dir)?;
     units.finish()?;
     if line.json {
@@ -127,10 +143,11 @@ mod tests {
     fn one_thread_stands_beside_all_unless_a_number_is_asked_for() {
         let counts = |arguments: &[&str]| {
             let line = ["compare"].iter().chain(arguments);
-            thread_counts(&Line::parse_from(line))
+            thread_counts(&Line::parse_from(line).with_all_by_name())
         };
         assert_eq!(counts(&["--threads", "3"]), [3]);
         assert_eq!(counts(&["--all"]), [1, 2]);
+        assert_eq!(counts(&["--scene", "all"]), [1, 2]);
         assert_eq!(counts(&["--all", "--threads", "3"]), [1, 3]);
         assert_eq!(counts(&["--all", "--threads", "1"]), [1]);
         assert_eq!(counts(&[])[0], 1);

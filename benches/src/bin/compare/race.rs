@@ -5,14 +5,14 @@ use std::time::Duration;
 use anyhow::{Result, anyhow, ensure};
 use clap::ValueEnum;
 use dcd_benches::{Digest, Effort, Pair, Sample, timing};
-use dcd_broad::{BruteForce, WideTree};
-use dcd_gjk::Overlap;
+use dcd_broad::{BroadPhase, BruteForce, WideTree};
+use dcd_gjk::{Overlap, Rung};
 use dcd_parry::{ParryPipeline, Query, Ready};
 use dcd_pipeline::{Par, Pipeline};
 use serde::{Deserialize, Serialize};
 
 use crate::judge::{self, Answers, Judged, Said};
-use crate::rivals::{Ours, PARTS, Turn, WHOLE};
+use crate::rivals::{EveryPair, Ours, PARTS, Turn, WHOLE};
 use crate::subject::Subject;
 
 /// How long the rivals take turns on a scene at a number of threads, if they need no longer for
@@ -107,6 +107,8 @@ pub(crate) struct Race {
     /// The whole step beside our narrow phase on every pair of overlapping boxes, found without a
     /// tree. For small scenes.
     pub(crate) brute_force: Option<Beside>,
+    /// The whole step beside our boxes and our narrow phase on every pair there is. For small scenes.
+    pub(crate) every_pair: Option<Beside>,
 }
 
 /// A scene, judged and timed.
@@ -119,6 +121,8 @@ pub(crate) struct Comparison {
     /// Of our contacts in their order.
     pub(crate) digest: String,
     pub(crate) judged: Judged,
+    /// How many candidates each rung of ours settled, in the order of [`Rung::ALL`].
+    pub(crate) settled: Vec<u64>,
     /// The numbers of threads that were asked for.
     pub(crate) threads: Vec<usize>,
     /// One for each of them; none where our set is wrong.
@@ -136,11 +140,12 @@ impl Comparison {
 pub(crate) fn compare(subject: &Subject, course: &Course) -> Result<Comparison> {
     let scene = subject.scene()?;
     let mut said = Said::default();
-    let digest = {
+    let (digest, settled) = {
         let mut pipeline = Pipeline::new(WideTree::default(), Overlap::default());
         let step = pipeline.step(&scene, Par::Pool);
         said.ours = Answers::ours(&step);
-        Digest::of(step.contacts().map(|(i, j)| dcd_geom::Pair { i, j }))
+        let digest = Digest::of(step.contacts().map(|(i, j)| dcd_geom::Pair { i, j }));
+        (digest, Rung::ALL.map(|rung| step.report().settled(rung)).to_vec())
     };
     // Gone before the f32 shapes are made: at a million hulls both would not fit.
     said.parry_f64 = {
@@ -174,6 +179,7 @@ pub(crate) fn compare(subject: &Subject, course: &Course) -> Result<Comparison> 
             .map_or_else(String::new, |q| q.get_name().to_owned()),
         digest: format!("{:016x}", digest.list),
         judged,
+        settled,
         threads: course.threads.clone(),
         races,
     })
@@ -206,17 +212,26 @@ impl Track<'_, '_> {
         let parts = timing::pairs_of(rounds, || ours.times(), || parry.times());
         ensure!(!parry.has_strayed(), "Parry's contacts changed from step to step");
 
-        let mut brute_force = None;
+        let (mut brute_force, mut every_pair) = (None, None);
         if objects <= BRUTE {
-            let pipeline = Pipeline::new(BruteForce, Overlap::default());
-            let brute = Ours { pipeline, scene: self.scene, digest: |digest: Digest| digest.set };
-            let mut brute = Turn::new(brute, par, objects, self.digest.set);
+            let mut brute = self.brute(BruteForce, par);
             let [whole] = timing::pairs_of(rounds, || ours.whole(), || brute.whole());
             ensure!(!brute.has_strayed(), "brute force finds other contacts than the tree");
             brute_force = Some(whole.into());
+            let mut every = self.brute(EveryPair, par);
+            let [whole] = timing::pairs_of(rounds, || ours.whole(), || every.whole());
+            ensure!(!every.has_strayed(), "without boxes other contacts are found");
+            every_pair = Some(whole.into());
         }
         ensure!(!ours.has_strayed(), "our contacts or their order changed from step to step");
-        Ok(Race { threads, rounds, parts: parts.map(Beside::from), brute_force })
+        Ok(Race { threads, rounds, parts: parts.map(Beside::from), brute_force, every_pair })
+    }
+
+    /// Our step without a tree.
+    fn brute<B: BroadPhase>(&self, broad: B, par: Par) -> Turn<Ours<'_, B>> {
+        let pipeline = Pipeline::new(broad, Overlap::default());
+        let ours = Ours { pipeline, scene: self.scene, digest: |digest: Digest| digest.set };
+        Turn::new(ours, par, self.scene.len(), self.digest.set)
     }
 }
 
@@ -245,9 +260,10 @@ mod tests {
         assert!(judged.contacts > 0 && judged.ours.wrong() == 0 && judged.ours.undecided == 0);
         assert_eq!(judged.ours.contacts, judged.contacts);
         assert!(judged.ours.candidates >= judged.contacts);
+        assert_eq!(comparison.settled.iter().sum::<u64>(), judged.ours.candidates as u64);
         assert_eq!(comparison.races.iter().map(|race| race.threads).collect::<Vec<_>>(), [1, 2]);
         for race in &comparison.races {
-            assert!(race.brute_force.is_some());
+            assert!(race.brute_force.is_some() && race.every_pair.is_some());
             assert!(race.parts.iter().all(|part| part.ours.runs == QUICK && part.ratio.is_some()));
         }
     }

@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use dcd_benches::{Digest, timing};
 use dcd_broad::BroadPhase;
-use dcd_geom::{Pair, Scene};
+use dcd_exec::Segments;
+use dcd_geom::{Aabb, Pair, Scene};
 use dcd_gjk::Overlap;
 use dcd_parry::Ready;
 use dcd_pipeline::{Exec, Par, Pipeline, StageClock};
@@ -44,6 +45,28 @@ impl<B: BroadPhase> Rival for Ours<'_, B> {
         let (time, step) = timing::time(|| self.pipeline.step(self.scene, exec));
         let pairs = step.contacts().map(|(i, j)| Pair { i, j });
         Run { time, digest: (self.digest)(Digest::of(pairs)) }
+    }
+}
+
+/// No broad phase: every pair there is goes to the narrow phase.
+#[derive(Debug)]
+pub(crate) struct EveryPair;
+
+impl BroadPhase for EveryPair {
+    fn build(&mut self, _: &[Aabb], _: Exec<'_>) {}
+
+    fn pairs(
+        &mut self,
+        aabbs: &[Aabb],
+        keep: impl Fn(u32, u32) -> bool + Sync,
+        exec: Exec<'_>,
+        out: &mut Segments<Pair>,
+    ) {
+        out.fill(exec, aabbs.len(), |task, out| {
+            let i = task as u32;
+            let later = i + 1..aabbs.len() as u32;
+            out.extend(later.filter(|&j| keep(i, j)).map(|j| Pair { i, j }));
+        });
     }
 }
 
@@ -118,6 +141,15 @@ mod tests {
         fn step(&mut self, _: Exec<'_>) -> Run {
             Run { time: Duration::from_millis(1), digest: self.0.remove(0) }
         }
+    }
+
+    #[test]
+    fn without_a_broad_phase_every_pair_is_asked_once() {
+        let mut out = Segments::default();
+        let pair = |(i, j): (u32, u32)| Pair { i, j };
+        EveryPair.pairs(&[Aabb::EMPTY; 4], |i, j| i + j != 3, Par::Serial.into(), &mut out);
+        let pairs: Vec<Pair> = out.iter().flatten().copied().collect();
+        assert_eq!(pairs, [(0, 1), (0, 2), (1, 3), (2, 3)].map(pair));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use dcd_benches::{Cell, Column, Header, Report, Table};
+use dcd_gjk::Rung;
 
 use crate::json::objects;
 use crate::judge::{Account, Wrong};
@@ -9,7 +10,7 @@ use crate::race::{Comparison, Race};
 use crate::rivals::{PARTS, WHOLE};
 
 /// What a reader of the tables must know.
-const NOTES: [&str; 4] = [
+const NOTES: [&str; 5] = [
     "A ratio is Parry's time by ours, taken round by round, the two in turn in one process; the \
      median of the rounds, with the least and the most. Above 1 we are faster. `broad` is build and \
      pairs together. Every step is a first step: buffers are kept, nothing learnt about the poses \
@@ -25,18 +26,22 @@ const NOTES: [&str; 4] = [
      and Parry in f32 differ is settled by exact integers on the vertices R·v + t, and `wrong` \
      counts against that. A pair that is left undecided is not wrong. Where our set is wrong no \
      time is shown.",
+    "`brute force` and `every pair` are our own step without a tree, by our step: with the boxes of \
+     all pairs compared, and with all pairs given to the narrow phase as they are.",
 ];
 
 /// The report of all comparisons.
 pub(crate) fn report(header: Header, comparisons: &[Comparison]) -> Result<Report> {
     let mut report = Report::new("compare", "Our default pipeline beside Parry's best", header);
-    report.table(ratios(comparisons)?);
+    report.table(summary(comparisons)?);
+    report.table(ladder(comparisons)?);
     report.table(answers(comparisons)?);
     NOTES.into_iter().for_each(|note| report.note(note));
     for line in differences(comparisons) {
         report.note(line);
     }
     report.heading("Stages");
+    report.table(ratios(comparisons)?);
     report.table(stages(comparisons)?);
     report.attach("results", comparisons.iter().flat_map(objects).collect());
     Ok(report)
@@ -46,12 +51,74 @@ pub(crate) fn report(header: Header, comparisons: &[Comparison]) -> Result<Repor
 pub(crate) fn terminal(comparisons: &[Comparison]) -> Result<String> {
     let times = if comparisons.len() == 1 { stages(comparisons)? } else { ratios(comparisons)? };
     let mut text = String::new();
-    for table in [times, answers(comparisons)?] {
+    for table in [times, ladder(comparisons)?, answers(comparisons)?] {
         text += &format!("{}\n\n{}\n", table.title(), table.to_markdown());
     }
     let mut notes = differences(comparisons);
     notes.extend(NOTES.map(str::to_owned));
     Ok(text + &notes.join("\n"))
+}
+
+/// The figures that most readers want: one row for each scene and number of threads.
+fn summary(comparisons: &[Comparison]) -> Result<Table> {
+    let mut columns = ["scene", "N", "threads", "candidates", "contacts"].map(Column::new).to_vec();
+    columns.extend(["ours", "Parry f32"].map(|name| Column::new(name).unit("ms").decimals(4)));
+    columns.extend(SUMMARY.map(|part| Column::new(PARTS[part]).unit("×").decimals(1)));
+    columns.push(Column::new("Parry f32 wrong"));
+    let title = "The step beside Parry's, and how many times as fast";
+    let mut table = Table::new("summary", title, columns);
+    for_each_race(comparisons, |comparison, threads, race| {
+        let judged = &comparison.judged;
+        let mut row = name_cells(comparison, threads);
+        row.extend([judged.ours.candidates, judged.contacts].map(Cell::from));
+        let whole = race.map(|race| race.parts[WHOLE]);
+        row.push(whole.map(|whole| whole.ours.median).into());
+        row.push(whole.map(|whole| whole.rival.median).into());
+        row.extend(SUMMARY.map(|part| race.and_then(|race| race.parts[part].ratio).into()));
+        row.push(judged.parry_f32.wrong().into());
+        table.push(row)
+    })?;
+    Ok(table)
+}
+
+/// Whole, narrow and broad, as places in [`PARTS`].
+const SUMMARY: [usize; 3] = [WHOLE, 4, 3];
+
+/// What each rung settles, and what each stage costs on the first number of threads.
+fn ladder(comparisons: &[Comparison]) -> Result<Table> {
+    let settles = |k: usize| comparisons.iter().any(|c| c.settled.get(k).is_some_and(|&n| n > 0));
+    let rungs: Vec<usize> = (0..Rung::ALL.len()).filter(|&k| settles(k)).collect();
+    let mut columns = ["scene", "N", "candidates"].map(Column::new).to_vec();
+    columns.extend(rungs.iter().map(|&k| Column::new(spoken(k)).unit("%").decimals(2)));
+    columns.push(Column::new("threads"));
+    columns.extend(["boxes", "build"].map(|name| Column::new(name).unit("ns/object").decimals(1)));
+    columns.extend(["pairs", "narrow"].map(|name| Column::new(name).unit("ns/pair").decimals(1)));
+    let title = "What each rung settles, in percent of the candidates, and what each stage costs";
+    let mut table = Table::new("ladder", title, columns);
+    for comparison in comparisons {
+        let (objects, pairs) =
+            (comparison.objects as f64, comparison.judged.ours.candidates as f64);
+        let mut row = vec![Cell::from(comparison.scene.as_str()), comparison.objects.into()];
+        row.push(comparison.judged.ours.candidates.into());
+        let share = |&k: &usize| Some(100.0 * *comparison.settled.get(k)? as f64 / pairs);
+        row.extend(rungs.iter().map(|k| Cell::from(share(k))));
+        let race = comparison.races.first();
+        row.push(race.map(|race| race.threads).into());
+        for (part, count) in [(0, objects), (1, objects), (2, pairs), (4, pairs)] {
+            let ns = |race: &Race| race.parts[part].ours.median.as_secs_f64() * 1e9 / count;
+            row.push(race.map(ns).into());
+        }
+        table.push(row)?;
+    }
+    Ok(table)
+}
+
+/// What rung `k` of [`Rung::ALL`] is called.
+fn spoken(k: usize) -> String {
+    match Rung::ALL[k] {
+        Rung::CentreAxis => "centre axis".to_owned(),
+        rung => format!("{rung:?}").to_lowercase(),
+    }
 }
 
 /// One row for each scene and number of threads.
@@ -61,7 +128,7 @@ fn ratios(comparisons: &[Comparison]) -> Result<Table> {
     columns.extend(["ours", "Parry f32"].map(|name| Column::new(name).unit("ms").decimals(4)));
     columns.extend(["whole", "least", "most"].map(ratio));
     columns.extend(PARTS[..WHOLE].iter().map(|part| ratio(part)));
-    columns.extend([ratio("brute force"), Column::new("Parry f32 wrong")]);
+    columns.extend(["brute force", "every pair"].map(ratio));
     let mut table =
         Table::new("ratios", "Whole step, and how many times as fast as Parry", columns);
     for_each_race(comparisons, |comparison, threads, race| {
@@ -73,7 +140,7 @@ fn ratios(comparisons: &[Comparison]) -> Result<Table> {
         row.extend(range.unwrap_or_default().map(Cell::from));
         row.extend((0..WHOLE).map(|part| race.and_then(|race| race.parts[part].ratio).into()));
         row.push(race.and_then(|race| race.brute_force?.ratio).into());
-        row.push(comparison.judged.parry_f32.wrong().into());
+        row.push(race.and_then(|race| race.every_pair?.ratio).into());
         table.push(row)
     })?;
     Ok(table)
@@ -96,7 +163,8 @@ fn stages(comparisons: &[Comparison]) -> Result<Table> {
     for_each_race(comparisons, |comparison, threads, race| {
         let Some(race) = race else { return Ok(()) };
         let brute = race.brute_force.as_ref().map(|beside| ("whole, brute force", beside));
-        for (stage, beside) in PARTS.into_iter().zip(&race.parts).chain(brute) {
+        let every = race.every_pair.as_ref().map(|beside| ("whole, every pair", beside));
+        for (stage, beside) in PARTS.into_iter().zip(&race.parts).chain(brute).chain(every) {
             let mut row = name_cells(comparison, threads);
             row.push(stage.into());
             for sample in [beside.ours, beside.rival] {
@@ -212,6 +280,7 @@ mod tests {
             query: "intersection-test".to_owned(),
             digest: String::new(),
             judged,
+            settled: vec![0, 3, 1],
             threads: vec![1],
             races: Vec::new(),
         }
@@ -222,11 +291,22 @@ mod tests {
         let csv = ratios(&[wrong()])?.to_csv();
         let cells: Vec<&str> = csv.lines().nth(1).unwrap_or_default().split(',').collect();
         assert_eq!(cells[..3], ["paper", "2", "1"]);
-        assert!(cells[3..cells.len() - 1].iter().all(|cell| cell.is_empty()), "{csv}");
+        assert!(cells[3..].iter().all(|cell| cell.is_empty()), "{csv}");
         assert_eq!(stages(&[wrong()])?.to_csv().lines().count(), 1);
+        assert!(summary(&[wrong()])?.to_csv().ends_with(",,,,,,0\n"));
         let objects = objects(&wrong());
         assert!(objects[0]["ms"].is_null() && objects[0]["ratio"].is_null());
         assert_eq!(objects[0]["wrong"]["ours"]["false_contacts"], 1);
+        Ok(())
+    }
+
+    #[test]
+    fn a_rung_that_settles_nothing_anywhere_has_no_column() -> Result<()> {
+        let mut comparison = wrong();
+        comparison.judged.ours.candidates = 4;
+        let markdown = ladder(&[comparison])?.to_markdown();
+        assert!(markdown.contains("| centre axis [%] | cone [%] | threads"), "{markdown}");
+        assert!(markdown.contains("75.00") && markdown.contains("25.00"), "{markdown}");
         Ok(())
     }
 }

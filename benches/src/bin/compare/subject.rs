@@ -22,6 +22,9 @@ const SPARSE_SIZES: [usize; 3] = [10_000, 100_000, 1_000_000];
 /// No scene of a quick run over all is larger.
 const QUICK_SIZE: usize = 1_000;
 
+/// What stands for every named scene.
+pub(crate) const ALL: &str = "all";
+
 impl Subject {
     /// A scene's name, else a file's path.
     pub(crate) fn parse(scene: &str, objects: Option<usize>, seed: u64) -> Result<Self> {
@@ -44,6 +47,14 @@ impl Subject {
         match self {
             Self::Named(spec) => spec.name().to_owned(),
             Self::File(path) => path.display().to_string(),
+        }
+    }
+
+    /// How many objects a named scene has.
+    pub(crate) fn objects(&self) -> Option<usize> {
+        match self {
+            Self::Named(spec) => Some(spec.objects),
+            Self::File(_) => None,
         }
     }
 

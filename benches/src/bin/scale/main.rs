@@ -1,11 +1,13 @@
 //! How the step scales: with threads, with workers that are not here, and with objects.
 //!
 //! [`threads`] measures; [`span`] records tasks on one thread and schedules them on many;
-//! [`growth`] takes time and memory for each object; [`order`] what the fixed order costs.
+//! [`growth`] takes time and memory for each object; [`order`] what the fixed order costs;
+//! [`limit`] what no step can do without.
 
 #![forbid(unsafe_code)]
 
 mod growth;
+mod limit;
 mod order;
 mod record;
 mod runner;
@@ -22,7 +24,8 @@ use dcd_benches::{Header, Options, Report, Units};
 use runner::Case;
 
 /// How our default step scales: threads from one to all cores, tasks recorded on one thread and
-/// scheduled on up to 128 workers, time and memory for each object, and what the fixed order costs.
+/// scheduled on up to 128 workers, time and memory for each object, what the fixed order costs, and
+/// how far the limit is.
 #[derive(Parser)]
 #[command(name = "scale", version)]
 struct Line {
@@ -58,13 +61,17 @@ fn run(line: &Line) -> Result<()> {
     let header = Header::observe(options);
     let dir = options.dir("scale");
     let mut plan = growth::plan(most);
-    plan.extend([threads::plan(&cases), span::plan(&cases), order::plan(&cases)].concat());
+    plan.extend(
+        [threads::plan(&cases), span::plan(&cases), order::plan(&cases), limit::plan(&cases)]
+            .concat(),
+    );
     let run = format!("{}n_max={most}", header.fingerprint());
     let mut units = Units::open(&dir, &run, plan, options.start())?;
     for case in &cases {
         threads::measure(case, options, &mut units)?;
         span::measure(case, options, &mut units)?;
         order::measure(case, options, &mut units)?;
+        limit::measure(case, options, &mut units)?;
     }
     growth::measure(most, options, &mut units)?;
 
@@ -73,6 +80,7 @@ fn run(line: &Line) -> Result<()> {
     threads::show(&cases, &units, &mut report)?;
     span::show(&cases, &units, &mut report)?;
     order::show(&cases, &units, &mut report)?;
+    limit::show(&cases, &units, &mut report)?;
     growth::show(most, &units, &mut report)?;
     let pages = report.write(&dir)?;
     units.finish()?;
