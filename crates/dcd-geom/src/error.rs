@@ -1,5 +1,6 @@
 //! What can be wrong with input, always with the value and, where there are many, the index.
 
+use glam::DVec3;
 use std::fmt;
 
 /// Why a pose was refused.
@@ -73,6 +74,13 @@ pub enum ShapeError {
         /// How many.
         count: usize,
     },
+    /// A half-space's plane has no direction, or a number that is not finite.
+    BadPlane {
+        /// The normal given.
+        normal: DVec3,
+        /// The offset given.
+        offset: f64,
+    },
 }
 
 impl fmt::Display for ShapeError {
@@ -88,11 +96,23 @@ impl fmt::Display for ShapeError {
             Self::TooManyVertices { count } => {
                 write!(f, "{count} vertices are more than a u32 counts")
             }
+            Self::BadPlane { normal, offset } => {
+                write!(f, "the plane of normal {normal} and offset {offset} is none")
+            }
         }
     }
 }
 
 impl std::error::Error for ShapeError {}
+
+pub(crate) fn check_length(what: &'static str, value: f64) -> Result<(), ShapeError> {
+    // Written so that NaN is refused.
+    if value >= 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(ShapeError::BadLength { what, value })
+    }
+}
 
 /// Why a scene, or a change of one, was refused.
 #[derive(Clone, Copy, Debug, PartialEq)]

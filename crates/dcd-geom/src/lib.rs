@@ -10,8 +10,10 @@
 mod aabb;
 mod ball;
 mod core;
+mod curved;
 mod divide;
 mod error;
+mod half_space;
 #[allow(unsafe_code)] // the one module that may: each block carries its SAFETY line
 pub mod lanes;
 pub mod law;
@@ -26,8 +28,10 @@ mod support;
 pub use aabb::Aabb;
 pub use ball::Ball;
 pub use core::{Core, Cores};
+pub use curved::{Curved, CurvedKind};
 pub use divide::Divide;
 pub use error::{PoseError, SceneError, ShapeError};
+pub use half_space::HalfSpace;
 pub use pair::Pair;
 pub use polytope::{Kind, Polytope};
 pub use pose::Pose;

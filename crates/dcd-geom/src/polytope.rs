@@ -1,6 +1,7 @@
 //! Hulls of points, with or without a radius: the shape of the lanes.
 
 use crate::ball::{Ball, reach};
+use crate::error::check_length;
 use crate::lanes::{Block, WIDTH};
 use crate::support::farthest;
 use crate::{Real, ShapeError, Support, SupportMap};
@@ -14,6 +15,10 @@ pub enum Kind {
     Hull,
     /// One vertex; with a radius, a sphere.
     Point,
+    /// Two vertices; with a radius, a capsule.
+    Segment,
+    /// Three vertices.
+    Triangle,
     /// The box of these half extents round the origin, metres.
     Cuboid {
         /// Half the edge along x, y and z.
@@ -53,6 +58,40 @@ impl Polytope {
     pub fn sphere(radius: f64) -> Result<Self, ShapeError> {
         let centre = Ball { centre: DVec3::ZERO, radius: 0.0 };
         Self::from_parts(Kind::Point, vec![DVec3::ZERO], centre).rounded(radius)
+    }
+
+    /// The segment between two points, metres. With a radius, a capsule anywhere.
+    ///
+    /// # Errors
+    /// A number that is not finite.
+    pub fn segment(from: DVec3, to: DVec3) -> Result<Self, ShapeError> {
+        Self::flat(Kind::Segment, vec![from, to])
+    }
+
+    /// A capsule round the z axis, its middle at the origin: a ball of `radius` swept from
+    /// z = −`half_height` to z = `half_height`; metres.
+    ///
+    /// # Errors
+    /// A half height or radius that is negative or not finite.
+    pub fn capsule(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
+        check_length("half height", half_height)?;
+        Self::segment(DVec3::Z * -half_height, DVec3::Z * half_height)?.rounded(radius)
+    }
+
+    /// The triangle between three points, metres.
+    ///
+    /// # Errors
+    /// A number that is not finite.
+    pub fn triangle(corners: [DVec3; 3]) -> Result<Self, ShapeError> {
+        Self::flat(Kind::Triangle, corners.to_vec())
+    }
+
+    /// Points in one plane: there is no ball inside, and the centre is their mean.
+    fn flat(kind: Kind, vertices: Vec<DVec3>) -> Result<Self, ShapeError> {
+        check_vertices(&vertices)?;
+        let weight = 1.0 / vertices.len() as f64;
+        let centre = vertices.iter().fold(DVec3::ZERO, |sum, &v| sum + v * weight);
+        Ok(Self::from_parts(kind, vertices, Ball { centre, radius: 0.0 }))
     }
 
     /// A box round the origin.
@@ -168,15 +207,6 @@ fn check_count(count: usize) -> Result<(), ShapeError> {
     }
 }
 
-fn check_length(what: &'static str, value: f64) -> Result<(), ShapeError> {
-    // Written so that NaN is refused.
-    if value >= 0.0 && value.is_finite() {
-        Ok(())
-    } else {
-        Err(ShapeError::BadLength { what, value })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -193,6 +223,25 @@ mod tests {
         assert_eq!(refused, ShapeError::NotFinite { vertex: 1, value: f64::NEG_INFINITY });
         let nan = Polytope::hull(vec![DVec3::NAN]).unwrap_err();
         assert!(matches!(nan, ShapeError::NotFinite { vertex: 0, value } if value.is_nan()));
+    }
+
+    #[test]
+    fn segments_triangles_and_capsules_have_their_vertices_and_kinds() {
+        let segment = Polytope::segment(DVec3::X, DVec3::Y).unwrap();
+        assert_eq!(
+            (segment.kind(), segment.vertices()),
+            (Kind::Segment, &[DVec3::X, DVec3::Y][..])
+        );
+        let capsule = Polytope::capsule(2.0, 0.5).unwrap();
+        assert_eq!((capsule.kind(), capsule.swept_radius()), (Kind::Segment, 0.5));
+        assert_eq!(capsule.vertices(), [DVec3::Z * -2.0, DVec3::Z * 2.0]);
+        assert_eq!(capsule.inner(), Ball { centre: DVec3::ZERO, radius: 0.0 });
+        let triangle = Polytope::triangle([DVec3::X, DVec3::Y, DVec3::Z]).unwrap();
+        assert!(triangle.kind() == Kind::Triangle && triangle.outer_radius() < 0.8165);
+        let refused = Polytope::segment(DVec3::X, DVec3::NAN).unwrap_err();
+        assert!(matches!(refused, ShapeError::NotFinite { vertex: 1, .. }));
+        let refused = Polytope::capsule(-1.0, 0.5).unwrap_err();
+        assert_eq!(refused, ShapeError::BadLength { what: "half height", value: -1.0 });
     }
 
     #[test]

@@ -201,7 +201,9 @@ fn check_count(what: &'static str, count: usize) -> Result<(), SceneError> {
 }
 
 fn check_reach(object: usize, shape: &Shape, pose: &Pose) -> Result<(), SceneError> {
-    let reach = pose.translation().abs().max_element() + shape.reach() * (1.0 + pose.deviation());
+    // A half-space's box ends where the range does.
+    let own = if shape.is_bounded() { shape.reach() } else { 0.0 };
+    let reach = pose.translation().abs().max_element() + own * (1.0 + pose.deviation());
     // Written so that NaN is refused.
     if reach <= Aabb::LIMIT { Ok(()) } else { Err(SceneError::OutOfRange { object, reach }) }
 }

@@ -1,6 +1,7 @@
 //! The shapes of a scene.
 
-use crate::{Aabb, Polytope, Pose, ShapeError, Support, SupportMap};
+use crate::error::check_length;
+use crate::{Aabb, Ball, Curved, HalfSpace, Polytope, Pose, ShapeError, Support, SupportMap};
 use glam::DVec3;
 use std::fmt;
 use std::sync::Arc;
@@ -11,6 +12,10 @@ use std::sync::Arc;
 pub enum Shape {
     /// A hull of points, rounded or not: what the lanes are for.
     Polytope(Polytope),
+    /// A cylinder or a cone, rounded or not: one support at a time in f64.
+    Curved(Curved),
+    /// A half-space, rounded or not: closed forms alone.
+    HalfSpace(HalfSpace),
     /// A foreign shape, asked one support at a time in f64.
     Custom(Arc<dyn SupportMap<f64>>),
 }
@@ -40,6 +45,71 @@ impl Shape {
         Polytope::cuboid(half_extents).map(Self::Polytope)
     }
 
+    /// See [`Polytope::capsule`].
+    ///
+    /// # Errors
+    /// Those of [`Polytope::capsule`].
+    pub fn capsule(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
+        Polytope::capsule(half_height, radius).map(Self::Polytope)
+    }
+
+    /// See [`Polytope::segment`].
+    ///
+    /// # Errors
+    /// Those of [`Polytope::segment`].
+    pub fn segment(from: DVec3, to: DVec3) -> Result<Self, ShapeError> {
+        Polytope::segment(from, to).map(Self::Polytope)
+    }
+
+    /// See [`Polytope::triangle`].
+    ///
+    /// # Errors
+    /// Those of [`Polytope::triangle`].
+    pub fn triangle(corners: [DVec3; 3]) -> Result<Self, ShapeError> {
+        Polytope::triangle(corners).map(Self::Polytope)
+    }
+
+    /// See [`Curved::cylinder`].
+    ///
+    /// # Errors
+    /// Those of [`Curved::cylinder`].
+    pub fn cylinder(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
+        Curved::cylinder(half_height, radius).map(Self::Curved)
+    }
+
+    /// See [`Curved::cone`].
+    ///
+    /// # Errors
+    /// Those of [`Curved::cone`].
+    pub fn cone(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
+        Curved::cone(half_height, radius).map(Self::Curved)
+    }
+
+    /// See [`HalfSpace::new`].
+    ///
+    /// # Errors
+    /// Those of [`HalfSpace::new`].
+    pub fn half_space(normal: DVec3, offset: f64) -> Result<Self, ShapeError> {
+        HalfSpace::new(normal, offset).map(Self::HalfSpace)
+    }
+
+    /// The same core with a ball of this radius swept round it, metres; replaces any other radius,
+    /// a sphere's and a capsule's own among them.
+    ///
+    /// # Errors
+    /// A radius that is negative or not finite.
+    pub fn rounded(self, radius: f64) -> Result<Self, ShapeError> {
+        match self {
+            Self::Polytope(polytope) => polytope.rounded(radius).map(Self::Polytope),
+            Self::Curved(curved) => curved.rounded(radius).map(Self::Curved),
+            Self::HalfSpace(half_space) => half_space.rounded(radius).map(Self::HalfSpace),
+            Self::Custom(map) => {
+                check_length("radius", radius)?;
+                Ok(Self::Custom(Arc::new(Rounded { map, radius })))
+            }
+        }
+    }
+
     /// A shape known by its support map alone.
     ///
     /// # Errors
@@ -63,14 +133,31 @@ impl Shape {
     pub fn as_polytope(&self) -> Option<&Polytope> {
         match self {
             Self::Polytope(polytope) => Some(polytope),
-            Self::Custom(_) => None,
+            _ => None,
         }
     }
 
-    /// A bound on how far any point of the shape is from the origin of its own frame, metres.
+    /// Whether it has an end in every direction: all but half-spaces.
+    pub fn is_bounded(&self) -> bool {
+        !matches!(self, Self::HalfSpace(_))
+    }
+
+    /// A ball inside the core; of radius 0 where none is known.
+    pub fn inner(&self) -> Ball {
+        match self {
+            Self::Polytope(polytope) => polytope.inner(),
+            Self::Curved(curved) => curved.inner(),
+            Self::HalfSpace(_) | Self::Custom(_) => Ball { centre: DVec3::ZERO, radius: 0.0 },
+        }
+    }
+
+    /// A bound on how far any point of the shape is from the origin of its own frame, metres;
+    /// infinite for a half-space.
     pub fn reach(&self) -> f64 {
         match self {
             Self::Polytope(polytope) => polytope.reach() + polytope.swept_radius(),
+            Self::Curved(curved) => curved.reach() + curved.swept_radius(),
+            Self::HalfSpace(_) => f64::INFINITY,
             Self::Custom(_) => {
                 let (min, max) = self.extent(&Pose::IDENTITY);
                 min.abs().max(max.abs()).length()
@@ -84,21 +171,16 @@ impl Shape {
     /// # Errors
     /// A radius that is negative or not finite, by itself or when added.
     pub fn swept(&self, radius: f64) -> Result<Self, ShapeError> {
-        match self {
-            Self::Polytope(polytope) => {
-                let sum = polytope.swept_radius() + length(radius)?;
-                polytope.clone().rounded(sum).map(Self::Polytope)
-            }
-            Self::Custom(map) => {
-                let sum = map.radius() + length(radius)?;
-                Self::custom(Arc::new(Swept { core: Arc::clone(map), radius: sum }))
-            }
-        }
+        check_length("radius", radius)?;
+        self.clone().rounded(self.radius() + radius)
     }
 
     /// A box round the shape at this pose, rounded outward: the plain twin of what a narrow phase
-    /// computes in lanes.
+    /// computes in lanes. For a half-space see [`HalfSpace::aabb`].
     pub fn aabb(&self, pose: &Pose) -> Aabb {
+        if let Self::HalfSpace(half_space) = self {
+            return half_space.aabb(pose);
+        }
         let (min, max) = self.extent(pose);
         // Rotating loses at most 3u of the reach a component, adding the translation one u more
         // of what comes out; 8u has room for the row norm's excess over 1.
@@ -123,7 +205,7 @@ impl Shape {
                 }
                 (min - polytope.swept_radius(), max + polytope.swept_radius())
             }
-            Self::Custom(map) => {
+            map => {
                 let to_local = rotation.transpose();
                 let along = |d: DVec3| {
                     let local = to_local * d;
@@ -138,10 +220,14 @@ impl Shape {
     }
 }
 
+/// A half-space has no support map: its points are NaN, of which no solver's comparison proves
+/// anything.
 impl SupportMap<f64> for Shape {
     fn support(&self, direction: DVec3) -> Support<f64> {
         match self {
             Self::Polytope(polytope) => polytope.support(direction),
+            Self::Curved(curved) => curved.support(direction),
+            Self::HalfSpace(_) => Support { point: DVec3::NAN, feature: 0 },
             Self::Custom(map) => map.support(direction),
         }
     }
@@ -149,41 +235,36 @@ impl SupportMap<f64> for Shape {
     fn radius(&self) -> f64 {
         match self {
             Self::Polytope(polytope) => polytope.swept_radius(),
+            Self::Curved(curved) => curved.swept_radius(),
+            Self::HalfSpace(half_space) => half_space.swept_radius(),
             Self::Custom(map) => map.radius(),
         }
     }
 
     fn support_error(&self) -> f64 {
         match self {
-            Self::Polytope(_) => 0.0,
+            Self::Polytope(_) | Self::HalfSpace(_) => 0.0,
+            Self::Curved(curved) => curved.support_error(),
             Self::Custom(map) => map.support_error(),
         }
     }
 }
 
-fn length(value: f64) -> Result<f64, ShapeError> {
-    // Written so that NaN is refused.
-    let good = value >= 0.0 && value.is_finite();
-    good.then_some(value).ok_or(ShapeError::BadLength { what: "radius", value })
-}
-
-/// A foreign shape with another radius.
-struct Swept {
-    core: Arc<dyn SupportMap<f64>>,
+/// A foreign map with another radius.
+struct Rounded {
+    map: Arc<dyn SupportMap<f64>>,
     radius: f64,
 }
 
-impl SupportMap<f64> for Swept {
+impl SupportMap<f64> for Rounded {
     fn support(&self, direction: DVec3) -> Support<f64> {
-        self.core.support(direction)
+        self.map.support(direction)
     }
-
     fn radius(&self) -> f64 {
         self.radius
     }
-
     fn support_error(&self) -> f64 {
-        self.core.support_error()
+        self.map.support_error()
     }
 }
 
@@ -193,10 +274,24 @@ impl From<Polytope> for Shape {
     }
 }
 
+impl From<Curved> for Shape {
+    fn from(curved: Curved) -> Self {
+        Self::Curved(curved)
+    }
+}
+
+impl From<HalfSpace> for Shape {
+    fn from(half_space: HalfSpace) -> Self {
+        Self::HalfSpace(half_space)
+    }
+}
+
 impl fmt::Debug for Shape {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Polytope(polytope) => polytope.fmt(f),
+            Self::Curved(curved) => curved.fmt(f),
+            Self::HalfSpace(half_space) => half_space.fmt(f),
             Self::Custom(_) => f.write_str("Custom(..)"),
         }
     }
@@ -234,6 +329,38 @@ mod tests {
             assert_eq!(shape.swept(0.25).unwrap().radius(), 0.75);
             assert!(shape.swept(-0.25).is_err() && shape.swept(f64::NAN).is_err());
             assert!(shape.swept(f64::MAX).is_ok_and(|s| s.radius() == f64::MAX));
+        }
+    }
+
+    #[test]
+    fn every_kind_is_rounded_by_the_radius_given() {
+        let sphere: Arc<dyn SupportMap<f64>> = Arc::new(Polytope::sphere(2.0).unwrap());
+        let shapes = [
+            Shape::capsule(1.0, 0.5),
+            Shape::cuboid(DVec3::ONE),
+            Shape::cylinder(1.0, 0.5),
+            Shape::cone(1.0, 0.5),
+            Shape::half_space(DVec3::Z, 0.0),
+            Shape::custom(sphere),
+        ];
+        for shape in shapes.map(Result::unwrap) {
+            assert_eq!(shape.clone().rounded(0.125).unwrap().radius(), 0.125);
+            assert!(shape.rounded(f64::NAN).is_err());
+        }
+    }
+
+    #[test]
+    fn the_boxes_of_curved_shapes_hold_their_rims() {
+        let pose = Pose::new(DQuat::from_rotation_x(0.3), DVec3::ONE).unwrap();
+        for shape in [Shape::cylinder(1.0, 0.5), Shape::cone(1.0, 0.5)].map(Result::unwrap) {
+            let aabb = shape.aabb(&pose);
+            for k in 0..100 {
+                let (sin, cos) = (f64::from(k) * 0.0628).sin_cos();
+                let rim = pose.apply(DVec3::new(0.5 * cos, 0.5 * sin, -1.0));
+                assert!(aabb.contains(&Aabb::outward(rim, rim)), "{shape:?} {rim}");
+            }
+            let rounded = shape.rounded(0.25).unwrap().aabb(&pose);
+            assert!((rounded.min.x - aabb.min.x + 0.25).abs() < 1e-5);
         }
     }
 
