@@ -74,7 +74,8 @@ pub enum ShapeError {
         /// How many.
         count: usize,
     },
-    /// A half-space's plane has no direction, or a number that is not finite.
+    /// A half-space's plane has no direction, one far too long or too short, or a number that is not
+    /// finite.
     BadPlane {
         /// The normal given.
         normal: DVec3,
@@ -97,7 +98,7 @@ impl fmt::Display for ShapeError {
                 write!(f, "{count} vertices are more than a u32 counts")
             }
             Self::BadPlane { normal, offset } => {
-                write!(f, "the plane of normal {normal} and offset {offset} is none")
+                write!(f, "normal {normal} and offset {offset} make no plane")
             }
         }
     }

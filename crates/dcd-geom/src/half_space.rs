@@ -15,14 +15,20 @@ pub struct HalfSpace {
     swept_radius: f64,
 }
 
+/// How long a normal's largest component may be, no unit: far more than any needs, and so little
+/// that no product with one over- or underflows that is of use.
+const NORMALS: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
+
 impl HalfSpace {
     /// All points x with normal·x ≤ offset: the normal points out of it, `offset` is its product
     /// with any point of the plane.
     ///
     /// # Errors
-    /// A normal that is zero, or a number that is not finite.
+    /// A normal whose largest component is not within 1e±60 (0 and NaN are not), or an offset that
+    /// is not finite.
     pub fn new(normal: DVec3, offset: f64) -> Result<Self, ShapeError> {
-        if normal == DVec3::ZERO || !normal.is_finite() || !offset.is_finite() {
+        let largest = normal.abs().max_element();
+        if !(NORMALS.contains(&largest) && normal.is_finite() && offset.is_finite()) {
             return Err(ShapeError::BadPlane { normal, offset });
         }
         Ok(Self { normal, offset, swept_radius: 0.0 })
@@ -106,6 +112,8 @@ mod tests {
     fn a_plane_without_direction_or_place_is_refused() {
         for (normal, offset) in [
             (DVec3::ZERO, 0.0),
+            (DVec3::splat(1e-61), 0.0),
+            (DVec3::splat(1e61), 0.0),
             (DVec3::new(1.0, f64::NAN, 0.0), 0.0),
             (DVec3::new(f64::INFINITY, 0.0, 0.0), 0.0),
             (DVec3::Z, f64::NAN),

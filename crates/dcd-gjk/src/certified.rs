@@ -1,6 +1,7 @@
 //! The ladder of single pairs: f64 as far as it proves its answer, then exact integers.
 
 use crate::certificate::Bounds;
+use crate::closed::half_space;
 use crate::gjk::overlap_with_simplex;
 use crate::{Body, Difference, Placed, Reason, Rung, Verdict, exact, order};
 use dcd_geom::glam::DVec3;
@@ -46,9 +47,14 @@ pub fn overlap_exactly(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> bool {
     exact::touches(a, b, &[])
 }
 
-/// Whether any two shapes touch, and which rung proved it. A foreign shape knows no exact rung: a
-/// pair with one stays undecided where f64, widened by the map's stated support error, cannot tell.
+/// Whether any two shapes touch, and which rung proved it. Exact between polytopes, and between a
+/// half-space and all but foreign shapes. Cylinders, cones and foreign shapes know no exact rung
+/// else: a pair with one stays undecided where f64, widened by the stated support error, cannot
+/// tell.
 pub fn overlap_of(a: Placed<'_>, b: Placed<'_>) -> (Verdict<()>, Rung) {
+    if let Some(known) = half_space::overlap(a, b) {
+        return known;
+    }
     match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
             overlap(Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose))
@@ -59,6 +65,9 @@ pub fn overlap_of(a: Placed<'_>, b: Placed<'_>) -> (Verdict<()>, Rung) {
 
 /// What f64 alone can prove of any two shapes.
 pub(crate) fn overlap_in_f64(a: Placed<'_>, b: Placed<'_>) -> Verdict<()> {
+    if let Some(verdict) = half_space::overlap_in_f64(a, b) {
+        return verdict;
+    }
     let (a, b) = order::canonical(a, b);
     match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {

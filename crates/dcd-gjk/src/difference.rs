@@ -59,8 +59,7 @@ impl<'a> Body<'a, Polytope> {
 impl<'a> Body<'a, Shape> {
     /// A shape of a scene, whose reach is known.
     pub fn shape(map: &'a Shape, pose: &'a Pose) -> Self {
-        let unknown = Ball { centre: DVec3::ZERO, radius: 0.0 };
-        let Ball { centre, radius } = map.as_polytope().map_or(unknown, Polytope::inner);
+        let Ball { centre, radius } = map.inner();
         Self { map, pose, reach: map.reach(), centre, inner: radius }
     }
 }

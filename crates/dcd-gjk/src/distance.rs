@@ -12,6 +12,7 @@ mod refine;
 mod tests;
 
 use crate::certificate::Bounds;
+use crate::closed::half_space;
 use crate::exact::{self, Exact};
 use crate::{Body, Difference, Placed, Reason, Rung, Verdict, certified, order, portal};
 use approach::{Approach, approach};
@@ -100,6 +101,9 @@ impl DistanceResult {
 /// 1e-12 of the shapes' size, and the bound is of that order. With a foreign shape it is
 /// [`in_f64`]'s. (a, b) and (b, a) give the same bits, mirrored.
 pub fn distance(a: Placed<'_>, b: Placed<'_>) -> (DistanceResult, Rung) {
+    if let Some(found) = half_space::distance(a, b) {
+        return found;
+    }
     match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
             of_polytopes(Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose))

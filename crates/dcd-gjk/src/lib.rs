@@ -5,6 +5,7 @@
 
 mod certificate;
 pub mod certified;
+pub mod closed;
 mod difference;
 pub mod distance;
 mod door;

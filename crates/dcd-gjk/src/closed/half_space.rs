@@ -1,0 +1,359 @@
+//! Half-spaces against everything.
+//!
+//! A half-space n·x ≤ o at a pose is the set of all R·x + t, so with N = cof(R)·n it is
+//! N·(y − t) ≤ o·det R: exact in terms of R, whatever R departs from a rotation by. A shape is
+//! touched where its lowest point along N is. f64 tells with a bound; polytopes, cylinders and
+//! cones that are within it are judged exactly (docs/numerics.md, "half-spaces").
+
+use super::binary::Binary;
+use crate::epa::Depth;
+use crate::exact::nearest_point::scaled;
+use crate::simplex::{Scalar, Triple, cross, determinant, dot, minus, plus};
+use crate::{Distance, DistanceResult, Placed, Reason, Rung, Verdict};
+use dcd_geom::glam::{DMat3, DVec3};
+use dcd_geom::{HalfSpace, Pose, Shape, SupportMap, Vector};
+
+/// Unit roundoff of f64.
+const UNIT: f64 = f64::EPSILON / 2.0;
+
+/// How far a computed gap may be off. Unit: u·(|n|₁·(κ·reach + |δt|₁ + radii) + |o|). N loses 5u a
+/// component, √3 of that in length, its rotation and its products 6u·√3: 19u, and 2u for the sums;
+/// the offset 8u, the swept radii 13u. Smaller: wrong answers. Larger: more pairs judged exactly.
+const GAP: f64 = 32.0;
+
+/// Sizes below which underflow could show: their pairs are judged exactly.
+const SMALLEST: f64 = 1e-280;
+
+/// A half-space at a pose.
+#[derive(Clone, Copy)]
+struct Plane<'a> {
+    half_space: &'a HalfSpace,
+    pose: &'a Pose,
+}
+
+impl<'a> Plane<'a> {
+    fn of(placed: Placed<'a>) -> Option<Self> {
+        match placed.shape {
+            Shape::HalfSpace(half_space) => Some(Self { half_space, pose: placed.pose }),
+            _ => None,
+        }
+    }
+
+    /// N and o·det R, rounded.
+    fn rounded(self) -> (DVec3, f64) {
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = *self.pose.rotation();
+        let n = self.half_space.normal();
+        let cofactors = [y.cross(z), z.cross(x), x.cross(y)];
+        let normal = cofactors[0] * n.x + cofactors[1] * n.y + cofactors[2] * n.z;
+        (normal, self.half_space.offset() * x.dot(cofactors[0]))
+    }
+
+    /// N and o·det R, exactly.
+    fn exactly(self) -> (Triple<Binary>, Binary) {
+        let DMat3 { x_axis, y_axis, z_axis } = *self.pose.rotation();
+        let [x, y, z] = [x_axis, y_axis, z_axis].map(binary);
+        let n = binary(self.half_space.normal());
+        let cofactors = [cross(&y, &z), cross(&z, &x), cross(&x, &y)];
+        let along = |k: usize| cofactors[k].each_ref().map(|c| c.times(&n[k]));
+        let normal = plus(&plus(&along(0), &along(1)), &along(2));
+        (normal, determinant(&x, &y, &z).times(&self.half_space.offset().into()))
+    }
+}
+
+fn binary(v: DVec3) -> Triple<Binary> {
+    v.to_array().map(Binary::new)
+}
+
+/// How far the lowest point of a shape is above a plane, times |N|; what f64 knows of it.
+struct Gap {
+    value: f64,
+    /// What `value` may be off by; NaN or infinite where nothing is known.
+    error: f64,
+    /// |N|.
+    length: f64,
+    normal: DVec3,
+    /// The shape's lowest point, in its own frame, without its radius.
+    lowest: DVec3,
+}
+
+impl Gap {
+    fn of(plane: Plane<'_>, other: Placed<'_>) -> Self {
+        let (normal, offset) = plane.rounded();
+        let delta = other.pose.translation() - plane.pose.translation();
+        let d = other.pose.rotation().transpose() * normal;
+        let lowest = other.shape.support(-d).point;
+        let radius = plane.half_space.swept_radius() + other.shape.radius();
+        let length = normal.length();
+        let value = (d.dot(lowest) + normal.dot(delta)) - offset - radius * length;
+        let n = plane.half_space.normal().norm1();
+        let reach = other.shape.reach() * (1.0 + other.pose.deviation());
+        let size = n * (reach + delta.norm1() + radius) + plane.half_space.offset().abs();
+        let support_error = 2.0 * other.shape.support_error() * d.norm1();
+        // False for NaN.
+        let in_range = n >= SMALLEST && size >= SMALLEST;
+        let error = if in_range { GAP * UNIT * size + support_error } else { f64::INFINITY };
+        Self { value, error, length, normal, lowest }
+    }
+
+    /// `None` where f64 cannot tell.
+    fn touches(&self) -> Option<bool> {
+        if self.value > self.error {
+            Some(false)
+        } else if self.value < -self.error {
+            Some(true)
+        } else {
+            None
+        }
+    }
+}
+
+/// The exact gap of a shape whose core is the hull of points and discs: A − ρ·√p − r·√q is its sign.
+struct ExactGap {
+    /// N·(lowest − t) − o·det R.
+    above: Binary,
+    /// ρ²p: what a disc reaches below its middle, times |N|, squared.
+    disc: Binary,
+    /// r²q, r the sum of the swept radii, q = |N|².
+    swept: Binary,
+    normal_squared: Binary,
+}
+
+impl ExactGap {
+    /// The lowest of all; `None` for a shape that only its support map knows.
+    fn of(plane: Plane<'_>, other: Placed<'_>) -> Option<Self> {
+        let (normal, offset) = plane.exactly();
+        let axes = other.pose.rotation();
+        let d = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| dot(&normal, &binary(axis)));
+        let delta = minus(&binary(other.pose.translation()), &binary(plane.pose.translation()));
+        let base = dot(&normal, &delta).minus(&offset);
+        let across = d[0].squared().plus(&d[1].squared());
+        let normal_squared = dot(&normal, &normal);
+        let radius =
+            Binary::new(plane.half_space.swept_radius()).plus(&other.shape.radius().into());
+        let swept = radius.squared().times(&normal_squared);
+        let gap = |above: Binary, disc: Binary| Self {
+            above: above.plus(&base),
+            disc,
+            swept: swept.clone(),
+            normal_squared: normal_squared.clone(),
+        };
+        match other.shape {
+            Shape::Polytope(polytope) => {
+                let along = polytope.vertices().iter().map(|&v| dot(&d, &binary(v)));
+                let lowest = along.reduce(|a, b| if b.minus(&a).is_negative() { b } else { a })?;
+                Some(gap(lowest, Binary::zero()))
+            }
+            Shape::Curved(curved) => {
+                let [low, high] = curved.discs().map(|(z, radius)| {
+                    let disc = Binary::new(radius).squared().times(&across);
+                    gap(d[2].times(&z.into()), disc)
+                });
+                // Either may be the lowest: touching if one does.
+                Some(if low.touches() { low } else { high })
+            }
+            _ => None,
+        }
+    }
+
+    /// A ≤ √disc + √swept, by squaring twice.
+    fn touches(&self) -> bool {
+        if !self.above.is_positive() {
+            return true;
+        }
+        let rest = self.above.squared().minus(&self.disc).minus(&self.swept);
+        if !rest.is_positive() {
+            return true;
+        }
+        let four = Binary::new(4.0);
+        let product = self.disc.times(&self.swept).times(&four);
+        !rest.squared().minus(&product).is_positive()
+    }
+
+    /// (A − r√q)/√q of a polytope, rounded a dozen times; negative where the shapes overlap, and
+    /// for A > 0 as (A² − r²q)/(√q·(A + r√q)), which does not cancel.
+    fn distance(&self) -> f64 {
+        let root = |x: &Binary| {
+            let (m, e) = x.to_float();
+            let odd = e.rem_euclid(2);
+            ((m * f64::from(1 + odd as i32)).sqrt(), (e - odd) / 2)
+        };
+        let (length, length_exponent) = root(&self.normal_squared);
+        let (above, exponent) = self.above.to_float();
+        let (swept, swept_exponent) = root(&self.swept);
+        if !self.above.is_positive() {
+            return scaled(above / length, exponent - length_exponent)
+                - scaled(swept / length, swept_exponent - length_exponent);
+        }
+        let (top, top_exponent) = self.above.squared().minus(&self.swept).to_float();
+        let sum = above + scaled(swept, swept_exponent - exponent);
+        scaled(top / sum / length, top_exponent - exponent - length_exponent)
+    }
+}
+
+/// Whether two shapes touch of which at least one is a half-space; `None` where none is.
+///
+/// Exact for polytopes, cylinders, cones and half-spaces, rounded or not; a foreign shape stays
+/// undecided where f64 and its support error cannot tell.
+pub fn overlap(a: Placed<'_>, b: Placed<'_>) -> Option<(Verdict<()>, Rung)> {
+    let (touches, rung) = match (Plane::of(a), Plane::of(b)) {
+        (None, None) => return None,
+        (Some(a), Some(b)) => planes_touch(a, b),
+        (Some(plane), None) => touches(plane, b),
+        (None, Some(plane)) => touches(plane, a),
+    };
+    let verdict = match touches {
+        Some(true) => Verdict::Touching(()),
+        Some(false) => Verdict::Apart,
+        None => Verdict::Undecided(Reason::WithinRounding),
+    };
+    Some((verdict, rung))
+}
+
+/// What f64 alone can prove; two half-spaces are judged exactly all the same.
+pub(crate) fn overlap_in_f64(a: Placed<'_>, b: Placed<'_>) -> Option<Verdict<()>> {
+    let Some((plane, other, _)) = one_plane(a, b) else {
+        return overlap(a, b).map(|(verdict, _)| verdict);
+    };
+    Some(match Gap::of(plane, other).touches() {
+        Some(true) => Verdict::Touching(()),
+        Some(false) => Verdict::Apart,
+        None => Verdict::Undecided(Reason::WithinRounding),
+    })
+}
+
+fn touches(plane: Plane<'_>, other: Placed<'_>) -> (Option<bool>, Rung) {
+    match Gap::of(plane, other).touches() {
+        Some(touches) => (Some(touches), Rung::F64),
+        None => match ExactGap::of(plane, other) {
+            Some(gap) => (Some(gap.touches()), Rung::Exact),
+            None => (None, Rung::F64),
+        },
+    }
+}
+
+/// Two half-spaces share a point unless their normals are exactly opposite.
+fn planes_touch(a: Plane<'_>, b: Plane<'_>) -> (Option<bool>, Rung) {
+    let ((in_a, _), (in_b, _)) = (a.rounded(), b.rounded());
+    let [largest_a, largest_b] = [in_a, in_b].map(|n| n.abs().max_element());
+    let (in_a, in_b) = (in_a / largest_a, in_b / largest_b);
+    // Components of at most 1 that are off by less than 16u each. False for NaN.
+    let tolerance = 128.0 * UNIT;
+    if in_a.dot(in_b) > tolerance || in_a.cross(in_b).abs().max_element() > tolerance {
+        let normal = |largest: f64| (SMALLEST..1.0 / SMALLEST).contains(&largest);
+        if normal(largest_a) && normal(largest_b) {
+            return (Some(true), Rung::F64);
+        }
+    }
+    (Some(exact_planes_touch(a, b)), Rung::Exact)
+}
+
+/// With N_A·y ≤ c_A and N_B·y ≤ c_B opposite, they are apart by −c_B/|N_B| − c_A/|N_A|.
+fn exact_planes_touch(a: Plane<'_>, b: Plane<'_>) -> bool {
+    let ((in_a, offset_a), (in_b, offset_b)) = (a.exactly(), b.exactly());
+    let parallel = cross(&in_a, &in_b).iter().all(Binary::is_zero);
+    let product = dot(&in_a, &in_b);
+    if !parallel || product.is_positive() {
+        return true;
+    }
+    let delta = minus(&binary(b.pose.translation()), &binary(a.pose.translation()));
+    // N_A·y ≤ o_A and N_B·(y − δ) ≤ o_B, both times what makes the normals equal and opposite:
+    // x = N_A·(y): x ≤ o_A, and x ≥ N_A·δ + o_B·(N_A·N_B)/|N_B|².
+    let squared_b = dot(&in_b, &in_b);
+    let gap = dot(&in_a, &delta).minus(&offset_a).times(&squared_b).plus(&offset_b.times(&product));
+    let radius = Binary::new(a.half_space.swept_radius()).plus(&b.half_space.swept_radius().into());
+    let swept = radius.squared().times(&dot(&in_a, &in_a)).times(&squared_b.squared());
+    !gap.is_positive() || !gap.squared().minus(&swept).is_positive()
+}
+
+/// The distance of two shapes of which one is a half-space and the other none; `None` else.
+///
+/// For polytopes as good as between two of them: within some ulps of itself. For others within 32u
+/// of the pair's size and the support error.
+pub fn distance(a: Placed<'_>, b: Placed<'_>) -> Option<(DistanceResult, Rung)> {
+    let (plane, other, side) = one_plane(a, b)?;
+    let gap = Gap::of(plane, other);
+    let (touches, rung) = touches(plane, other);
+    Some(match touches {
+        None => (DistanceResult::Undecided(Reason::WithinRounding), rung),
+        Some(true) => (DistanceResult::Touching, rung),
+        Some(false) => {
+            let Signed { value, error_bound, rung } = signed(&gap, plane, other);
+            let (normal, [point_a, point_b]) = witnesses(&gap, other, value, side);
+            let distance = value.max(0.0);
+            let found = Distance { distance, point_a, point_b, normal, error_bound };
+            (DistanceResult::Apart(found), rung)
+        }
+    })
+}
+
+/// How deep two shapes overlap of which one is a half-space and the other none; `None` else. The
+/// shortest way out is along the plane's normal.
+pub fn depth(a: Placed<'_>, b: Placed<'_>) -> Option<Verdict<Depth>> {
+    let (plane, other, side) = one_plane(a, b)?;
+    let gap = Gap::of(plane, other);
+    Some(match touches(plane, other).0 {
+        None => Verdict::Undecided(Reason::WithinRounding),
+        Some(false) => Verdict::Apart,
+        Some(true) => {
+            let Signed { value, error_bound, .. } = signed(&gap, plane, other);
+            let (normal, [point_a, point_b]) = witnesses(&gap, other, value, side);
+            let depth = (-value).max(0.0);
+            Verdict::Touching(Depth { depth, normal, point_a, point_b, error_bound })
+        }
+    })
+}
+
+/// Which of the two is the half-space.
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    A,
+    B,
+}
+
+fn one_plane<'a>(a: Placed<'a>, b: Placed<'a>) -> Option<(Plane<'a>, Placed<'a>, Side)> {
+    match (Plane::of(a), Plane::of(b)) {
+        (Some(plane), None) => Some((plane, b, Side::A)),
+        (None, Some(plane)) => Some((plane, a, Side::B)),
+        _ => None,
+    }
+}
+
+/// A gap in metres, negative for an overlap.
+struct Signed {
+    value: f64,
+    error_bound: f64,
+    rung: Rung,
+}
+
+/// How far a gap in f64 may be off, relative to itself, before a polytope's is taken exactly.
+const SHARP: f64 = 1e-13;
+
+/// The largest number, with as large a bound, where it leaves the range of f64.
+fn signed(gap: &Gap, plane: Plane<'_>, other: Placed<'_>) -> Signed {
+    let mut value = gap.value / gap.length;
+    let mut error = gap.error / gap.length * (1.0 + 16.0 * UNIT) + 8.0 * UNIT * value.abs();
+    let mut rung = Rung::F64;
+    if !(error <= SHARP * value.abs())
+        && let Shape::Polytope(_) = other.shape
+        && let Some(gap) = ExactGap::of(plane, other)
+    {
+        value = gap.distance();
+        error = value.abs() * (16.0 * UNIT) + f64::from_bits(4);
+        rung = Rung::Exact;
+    }
+    let error_bound = if value.is_finite() { error.min(f64::MAX) } else { f64::MAX };
+    Signed { value: value.clamp(-f64::MAX, f64::MAX), error_bound, rung }
+}
+
+/// The normal from a to b, and the points of a and b, world frame: the lowest point of the shape,
+/// and the plane's next to it.
+fn witnesses(gap: &Gap, other: Placed<'_>, value: f64, side: Side) -> (DVec3, [DVec3; 2]) {
+    let outward = gap.normal / gap.length;
+    let on_shape = other.pose.apply(gap.lowest) - outward * other.shape.radius();
+    let on_plane = on_shape - outward * value;
+    let (normal, points) = match side {
+        Side::A => (outward, [on_plane, on_shape]),
+        Side::B => (-outward, [on_shape, on_plane]),
+    };
+    (normal, points.map(|point| point.clamp(DVec3::MIN, DVec3::MAX)))
+}
