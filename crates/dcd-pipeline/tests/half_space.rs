@@ -34,7 +34,7 @@ fn scene() -> Scene {
 #[test]
 fn every_broad_phase_finds_what_touches_a_half_space() {
     let scene = scene();
-    let mut brute = Pipeline::new(BruteForce::default(), Overlap::default());
+    let mut brute = Pipeline::new(BruteForce, Overlap::default());
     let step = brute.step(&scene, Par::Serial);
     assert!(step.report().undecided().is_empty());
     let mut expected: Vec<_> = step.contacts().collect();
