@@ -6,7 +6,7 @@ use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{HalfSpace, Polytope, Pose, Shape};
 use dcd_gjk::certified::{overlap_exactly, overlap_of};
 use dcd_gjk::closed::half_space;
-use dcd_gjk::{Body, DistanceResult, Placed, Verdict, distance};
+use dcd_gjk::{Body, Depths, DistanceResult, PairSolver, Placed, Verdict, distance};
 use judge::cases::Draw;
 
 /// z ≤ `offset` as far as a pair of `size` reaches: the same plane, with the same pose exactly the
@@ -202,6 +202,8 @@ fn distance_and_depth_are_along_the_normal_and_hold_their_bounds() {
         let (a, b) = (Placed { shape: &a, pose: &pose_a }, Placed { shape: &shape, pose: &pose_b });
         let Some(Verdict::Touching(deep)) = half_space::depth(a, b) else { panic!() };
         assert_eq!(distance::distance(a, b).0, DistanceResult::Touching);
+        let asked = Depths.solve(a, b, &mut Default::default());
+        assert_eq!(asked, Verdict::Touching(deep));
         let between = deep.point_a - deep.point_b;
         assert!((between - deep.normal * deep.depth).length() < 1e-13);
         assert!(normal.dot(deep.normal) > 1.0 - 1e-14);

@@ -1,6 +1,7 @@
 //! How deep touching pairs overlap.
 
 use super::sampled;
+use crate::closed::half_space;
 use crate::epa::{self, Depth};
 use crate::{Body, PairSolver, Placed, Rung, Verdict, certified};
 use dcd_geom::Shape;
@@ -9,7 +10,8 @@ use dcd_geom::Shape;
 ///
 /// A touching pair always has its depth, exact touching included (0). Between polytopes, rounded
 /// or not, the bound is at most 1e-9 of the depth but for 1e-22 of the pair's size, and nothing is
-/// undecided. With another shape the depth is that of polytopes inside the shapes, which grow
+/// undecided; nor against a half-space, out of which the shortest way is along its normal. With
+/// another shape the depth is that of polytopes inside the shapes, which grow
 /// where it is decided, bounded from above by the shapes' own supports; a pair is undecided where
 /// [`certified::overlap_of`] is.
 ///
@@ -45,7 +47,7 @@ impl PairSolver for Depths {
         }
         let (verdict, rung) = certified::overlap_of(a, b);
         let verdict = match verdict {
-            Verdict::Touching(()) => Verdict::Touching(sampled::depth_of_overlap(a, b, scratch)),
+            Verdict::Touching(()) => Verdict::Touching(of_touching(a, b, scratch)),
             Verdict::Apart => Verdict::Apart,
             Verdict::Undecided(reason) => Verdict::Undecided(reason),
         };
@@ -55,6 +57,9 @@ impl PairSolver for Depths {
 
 /// The depth of two shapes that are known to touch.
 pub(super) fn of_touching(a: Placed<'_>, b: Placed<'_>, scratch: &mut epa::Scratch) -> Depth {
+    if let Some(Verdict::Touching(depth)) = half_space::depth(a, b) {
+        return depth;
+    }
     match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
             let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
