@@ -14,6 +14,8 @@ pub struct Metadata {
     pub packages: Vec<Package>,
     /// Ids of our own.
     pub workspace_members: Vec<String>,
+    /// Where cargo puts what it builds.
+    pub target_directory: PathBuf,
 }
 
 /// One package of the tree.

@@ -23,6 +23,7 @@ pub fn run() -> Result<()> {
         ("docs", docs),
         ("examples", examples),
         ("quick measurements", quick_measurements),
+        ("fuzzing", fuzzing),
     ];
     let start = Instant::now();
     for (name, check) in checks {
@@ -126,4 +127,25 @@ fn quick_measurements() -> Result<()> {
         ensure!(code == std::process::ExitCode::SUCCESS, "`{name} --quick` failed: {code:?}");
     }
     Ok(())
+}
+
+/// How long each fuzz target runs, in seconds: long enough to meet what a change breaks at once.
+const FUZZED: &str = "5";
+
+/// The fuzz package, which is no member: its format, that it compiles, and each target for a few
+/// seconds where cargo-fuzz is installed.
+fn fuzzing() -> Result<()> {
+    let manifest = ["--manifest-path", "fuzz/Cargo.toml"];
+    cargo::shown(cargo().arg("fmt").args(manifest).arg("--check"))?;
+    // The workspace's own target folder, so that what it has built serves here too.
+    let folder = Metadata::read()?.target_directory;
+    let mut clippy = cargo();
+    clippy.arg("clippy").args(manifest).args(["--lib", "--examples", "--target-dir"]);
+    cargo::shown(clippy.arg(folder).args(["--", "--deny", "warnings"]))?;
+    let installed = cargo().args(["fuzz", "--version"]).output();
+    if !installed.is_ok_and(|output| output.status.success()) {
+        eprintln!("-- cargo-fuzz is not installed: no target is run");
+        return Ok(());
+    }
+    cargo::shown(Command::new("fuzz/run").arg(FUZZED).current_dir(cargo::root()))
 }

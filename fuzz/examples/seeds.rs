@@ -1,0 +1,117 @@
+//! Writes a few inputs for each target to start from: `seeds FOLDER`.
+
+use dcd_scenes::{RawObject, RawScene, RawShape, write_hull_scene};
+use glam::{DQuat, DVec3};
+use std::io;
+use std::path::PathBuf;
+
+fn main() -> io::Result<()> {
+    let Some(folder) = std::env::args_os().nth(1).map(PathBuf::from) else {
+        return Err(io::Error::other("usage: seeds FOLDER"));
+    };
+    let targets = [
+        ("overlap", pairs()),
+        ("measures", pairs()),
+        ("scene", scenes()),
+        ("readers", files()?),
+        ("hull", clouds()),
+    ];
+    for (target, seeds) in targets {
+        let folder = folder.join(target);
+        std::fs::create_dir_all(&folder)?;
+        for (k, seed) in seeds.iter().enumerate() {
+            std::fs::write(folder.join(format!("seed-{k}")), seed)?;
+        }
+    }
+    Ok(())
+}
+
+/// Eighths, as the numbers' first tags have them.
+const HALF: u8 = 4;
+const ONE: u8 = 8;
+
+/// A cube of edge 1; the same, rounded by an eighth; a sphere of radius ½; a tetrahedron.
+fn shapes() -> [Vec<u8>; 4] {
+    let corners = [[0, 0, 0], [ONE, 0, 0], [0, ONE, 0], [0, 0, ONE]].concat();
+    [
+        vec![0, HALF, HALF, HALF],
+        vec![16, HALF, HALF, HALF, 1],
+        vec![1, HALF],
+        [vec![2, 4], corners].concat(),
+    ]
+}
+
+/// At the origin, touching at (1, 0, 0), a float past that, turned by quarters, turned by any.
+fn poses() -> [Vec<u8>; 5] {
+    [
+        vec![0, 0, 0, 0],
+        vec![0, ONE, 0, 0],
+        vec![0, 81, ONE, 0, 0],
+        vec![1 | 1 << 2 | 1 << 4, ONE, HALF, 0],
+        vec![2, 1, 2, 3, 4, ONE, HALF, 1],
+    ]
+}
+
+fn pairs() -> Vec<Vec<u8>> {
+    let mut pairs = Vec::new();
+    for a in &shapes() {
+        for b in &shapes() {
+            for pose in &poses() {
+                pairs.push([&a[..], &poses()[0], b, pose].concat());
+            }
+        }
+    }
+    pairs
+}
+
+fn scenes() -> Vec<Vec<u8>> {
+    let head = |objects: u8| [vec![3], shapes().concat(), vec![objects]].concat();
+    let object = |k: u8| [vec![128 + k % 4], poses()[usize::from(k) % 5].clone()].concat();
+    let row = |k: u8| vec![128, 0, k.wrapping_mul(ONE) & 63, 0, 0];
+    let scene = |objects: u8, object: &dyn Fn(u8) -> Vec<u8>| {
+        (0..objects).fold(head(objects), |scene, k| [scene, object(k)].concat())
+    };
+    vec![scene(2, &object), scene(19, &object), scene(8, &row), scene(19, &row)]
+}
+
+fn clouds() -> Vec<Vec<u8>> {
+    let cube = (0..8u8).flat_map(|k| [k & 1, k >> 1 & 1, k >> 2 & 1].map(|bit| bit * ONE));
+    let round = (0..60u8).flat_map(|k| [k, k.wrapping_mul(7), k.wrapping_mul(29)]);
+    vec![cube.collect(), round.collect()]
+}
+
+fn files() -> io::Result<Vec<Vec<u8>>> {
+    let points = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let scene = RawScene {
+        shapes: vec![RawShape::Hull { points, triangles }],
+        objects: vec![RawObject { shape: 0, rotation: DQuat::IDENTITY, translation: DVec3::ONE }],
+    };
+    let mut hulls = vec![3];
+    write_hull_scene(&scene, &mut hulls)?;
+    let frame = ply();
+    Ok(vec![
+        b"\x000 0 0 1 1 1\n0.5 0 -1e3 2 3.25 1\n".to_vec(),
+        [&[1, 2, 0, 0, 0][..], &1f32.to_le_bytes().repeat(6)].concat(),
+        [&[2][..], &frame].concat(),
+        [&[2][..], &frame, &frame].concat(),
+        hulls,
+        b"\x04[[0, 1], [2, 5]]".to_vec(),
+        b"\x05{\"name\":\"x\",\"a\":[[0,0,0],[1,0,0]],\"pose_a\":{\"q\":[0,0,0,1],\"t\":[0,0,0]},\
+          \"b\":[[0,0,1]],\"pose_b\":{\"R\":[[1,0,0],[0,1,0],[0,0,1]],\"t\":[0,1,NaN]}}\n"
+            .to_vec(),
+    ])
+}
+
+/// One triangle.
+fn ply() -> Vec<u8> {
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n\
+                  property float y\nproperty float z\nelement face 1\n\
+                  property list uchar int vertex_indices\nend_header\n";
+    let corners = [0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let mut file = header.as_bytes().to_vec();
+    file.extend(corners.iter().flat_map(|x| x.to_le_bytes()));
+    file.push(3);
+    file.extend([0i32, 1, 2].iter().flat_map(|k| k.to_le_bytes()));
+    file
+}

@@ -1,0 +1,17 @@
+//! What the fuzz targets check, each for any bytes. A violated law panics, which is what a fuzzer
+//! looks for; docs/fuzzing.md says how to run them.
+#![forbid(unsafe_code)]
+
+mod hull;
+mod input;
+mod measures;
+mod overlap;
+mod readers;
+mod scene;
+
+pub use hull::hull;
+pub use input::Input;
+pub use measures::measures;
+pub use overlap::overlap;
+pub use readers::readers;
+pub use scene::scene;

@@ -1,0 +1,36 @@
+//! Yes or no, by every rung that sees one pair at a time.
+
+use crate::Input;
+use dcd_geom::{Polytope, Pose};
+use dcd_gjk::certified::{self, overlap_exactly};
+use dcd_gjk::{Body, Difference, Verdict, gjk};
+
+/// Two placed polytopes.
+pub(crate) type Pair = [(Polytope, Pose); 2];
+
+pub(crate) fn pair(input: &mut Input<'_>) -> Option<Pair> {
+    let mut placed = || Some((input.polytope()?, input.pose()?));
+    Some([placed()?, placed()?])
+}
+
+pub(crate) fn body((shape, pose): &(Polytope, Pose)) -> Body<'_, Polytope> {
+    Body::polytope(shape, pose)
+}
+
+/// The certified ladder is never undecided and agrees with its last rung, in either order; f32 and
+/// f64 alone never contradict it.
+pub fn overlap(bytes: &[u8]) {
+    let Some(pair) = pair(&mut Input(bytes)) else { return };
+    let [a, b] = pair.each_ref().map(body);
+    let touches = overlap_exactly(a, b);
+    let truth = if touches { Verdict::Touching(()) } else { Verdict::Apart };
+    assert_eq!(overlap_exactly(b, a), touches, "the last rung, seen from b");
+    let (verdict, rung) = certified::overlap(a, b);
+    assert_eq!(verdict, truth, "the ladder, at {rung:?}");
+    assert_eq!(certified::overlap(b, a), (verdict, rung), "the ladder, seen from b");
+    let in_f64 = Difference::<f64, _, _>::new(a, b).map(|difference| gjk::overlap(&difference));
+    let in_f32 = Difference::<f32, _, _>::new(a, b).map(|difference| gjk::overlap(&difference));
+    for verdict in [in_f64, in_f32].into_iter().flatten() {
+        assert!(verdict == truth || matches!(verdict, Verdict::Undecided(_)), "{verdict:?}");
+    }
+}
