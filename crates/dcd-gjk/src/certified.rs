@@ -2,6 +2,7 @@
 
 use crate::certificate::Bounds;
 use crate::closed::half_space;
+use crate::exact::boxes;
 use crate::gjk::overlap_with_simplex;
 use crate::{Body, Difference, Placed, Reason, Rung, Verdict, exact, order};
 use dcd_geom::glam::DVec3;
@@ -13,6 +14,9 @@ use dcd_geom::{Polytope, Shape, SupportMap};
 /// The same for (a, b) and (b, a). Some hundred nanoseconds in f64; where the gap or overlap is
 /// within its rounding, some microseconds in integers.
 pub fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (Verdict<()>, Rung) {
+    if let Some((touch, rung)) = boxes::touch(a, b) {
+        return (if touch { Verdict::Touching(()) } else { Verdict::Apart }, rung);
+    }
     let (a, b) = if order::are_swapped(a, b) { (b, a) } else { (a, b) };
     let mut hint = [[0; 2]; 4];
     let mut known = 0;
@@ -31,8 +35,12 @@ pub fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (Verdict<()>, Ru
 }
 
 /// Whether f64 proves two polytopes apart by one axis (world, from b to a, any length): what a
-/// search in f32 ended with is often right and only not certain.
+/// search in f32 ended with is often right and only not certain. For boxes with parallel edges, by
+/// any axis.
 pub(crate) fn are_apart_along(axis: DVec3, a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> bool {
+    if let Some((touch, _)) = boxes::touch(a, b) {
+        return !touch;
+    }
     let direction = crate::gjk::unit::<f64>(axis.to_array());
     let (Some(direction), Some(difference)) = (direction, Difference::<f64, _, _>::new(a, b))
     else {

@@ -14,12 +14,13 @@ pub(crate) const EPSILON: f64 = f64::from_bits((1023 - 103) << 52);
 /// high + low, |low| at most half an ulp of high.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DoubleDouble {
-    high: f64,
-    low: f64,
+    pub(crate) high: f64,
+    pub(crate) low: f64,
 }
 
 /// a + b and what its rounding lost, for any a and b.
-fn two_sum(a: f64, b: f64) -> DoubleDouble {
+#[inline]
+pub(crate) fn two_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
     let of_b = high - a;
     let of_a = high - of_b;
@@ -74,6 +75,12 @@ impl DoubleDouble {
 impl From<f64> for DoubleDouble {
     fn from(high: f64) -> Self {
         Self { high, low: 0.0 }
+    }
+}
+
+impl From<DoubleDouble> for f64 {
+    fn from(x: DoubleDouble) -> Self {
+        x.high
     }
 }
 

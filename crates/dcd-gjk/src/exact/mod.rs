@@ -7,6 +7,8 @@
 //! nearest point is strictly nearer, no simplex comes twice, and there are finitely many
 //! (docs/numerics.md, "the exact rung").
 
+pub(crate) mod boxes;
+mod expansion;
 pub(crate) mod grid;
 mod integer;
 pub(crate) mod nearest_point;

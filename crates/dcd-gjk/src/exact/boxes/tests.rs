@@ -1,0 +1,88 @@
+use super::*;
+use dcd_geom::Pose;
+use dcd_geom::glam::DQuat;
+use proptest::prelude::*;
+
+/// The closed form's answer, after the integers have agreed, seen from both.
+fn settled(a: (&Polytope, &Pose), b: (&Polytope, &Pose)) -> Option<(bool, Rung)> {
+    let (a, b) = (Body::polytope(a.0, a.1), Body::polytope(b.0, b.1));
+    let answer = touch(a, b);
+    assert_eq!(answer, touch(b, a));
+    if let Some((touches, _)) = answer {
+        assert_eq!(touches, crate::exact::touches(a, b, &[]), "{a:?} {b:?}");
+    }
+    answer
+}
+
+fn cuboid(x: f64, y: f64, z: f64) -> Polytope {
+    Polytope::cuboid(DVec3::new(x, y, z)).unwrap()
+}
+
+#[test]
+fn bricks_touch_exactly_and_a_float_more_is_a_gap() {
+    let brick = cuboid(0.35, 0.35, 0.35);
+    let origin = Pose::from_translation(DVec3::new(0.1, 0.2, 0.3)).unwrap();
+    for step in [DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::ONE] {
+        let mut flips = 0;
+        let mut before = None;
+        for ulps in -4i64..=4 {
+            let pitch = f64::from_bits(0.7f64.to_bits().wrapping_add_signed(ulps));
+            let t = origin.translation() + step * pitch;
+            let there = Pose::from_translation(t).unwrap();
+            let (touches, _) = settled((&brick, &origin), (&brick, &there)).unwrap();
+            flips += usize::from(before.is_some_and(|before| before != touches));
+            before = Some(touches);
+        }
+        assert_eq!(flips, 1, "{step}");
+    }
+}
+
+#[test]
+fn boxes_turned_by_quarters_have_their_edges_swapped() {
+    let plank = cuboid(2.0, 0.25, 0.5);
+    let upright = DMat3::from_cols(DVec3::Y, -DVec3::X, DVec3::Z);
+    let turned = |x: f64| Pose::from_matrix(upright, DVec3::new(x, 0.0, 0.0)).unwrap();
+    let touching = settled((&plank, &Pose::IDENTITY), (&plank, &turned(2.25)));
+    assert_eq!(touching, Some((true, Rung::Exact)));
+    let apart = settled((&plank, &Pose::IDENTITY), (&plank, &turned(2.25f64.next_up())));
+    assert_eq!(apart.unwrap().0, false);
+    assert_eq!(
+        settled((&plank, &Pose::IDENTITY), (&plank, &turned(3.0))),
+        Some((false, Rung::F64))
+    );
+}
+
+#[test]
+fn other_shapes_and_turns_are_left_to_others() {
+    let plank = cuboid(2.0, 0.25, 0.5);
+    let rounded = plank.clone().rounded(0.125).unwrap();
+    let turned = Pose::new(DQuat::from_rotation_x(0.3), DVec3::ONE).unwrap();
+    let here = Pose::IDENTITY;
+    assert_eq!(settled((&plank, &here), (&rounded, &here)), None);
+    assert_eq!(settled((&plank, &here), (&plank, &turned)), None);
+    let huge = cuboid(1e300, 1.0, 1.0);
+    assert_eq!(settled((&huge, &here), (&plank, &here)), None);
+    let hull = Polytope::hull(plank.vertices().to_vec()).unwrap();
+    assert_eq!(settled((&plank, &here), (&hull, &here)), None);
+}
+
+proptest! {
+    #[test]
+    fn turned_stacks_are_judged_as_integers_judge_them(
+        angles in prop::array::uniform3(-3.0..3.0f64), half in prop::array::uniform3(0.01..3.0f64),
+        offset in prop::array::uniform3(-1.5..1.5f64), at in prop::array::uniform3(-50.0..50.0f64),
+        face in 0usize..3, aligned in any::<bool>(),
+    ) {
+        let [x, y, z] = angles;
+        let turn = DQuat::from_rotation_x(x) * DQuat::from_rotation_y(y) * DQuat::from_rotation_z(z);
+        let turn = if aligned { DQuat::IDENTITY } else { turn };
+        let half = DVec3::from_array(half);
+        let mut way = DVec3::from_array(offset) * half;
+        // Face on face, to within rounding.
+        way[face] = 2.0 * half[face];
+        let brick = cuboid(half.x, half.y, half.z);
+        let here = Pose::new(turn, DVec3::from_array(at)).unwrap();
+        let there = Pose::new(turn, here.apply(way)).unwrap();
+        prop_assert!(settled((&brick, &here), (&brick, &there)).is_some());
+    }
+}
