@@ -1,4 +1,5 @@
-//! The ladder of single pairs: f64 as far as it proves its answer, then exact integers.
+//! The ladder of single pairs: f64 as far as it proves its answer, then double-double, then exact
+//! integers; boxes with parallel edges by a closed form.
 
 use crate::certificate::Bounds;
 use crate::closed::half_space;
@@ -11,8 +12,9 @@ use dcd_geom::{Polytope, Shape, SupportMap};
 /// Whether two polytopes, rounded or not, touch, and which rung proved it: exact for the vertices
 /// R·v + t and the radii as they are, touching included, never undecided.
 ///
-/// The same for (a, b) and (b, a). Some hundred nanoseconds in f64; where the gap or overlap is
-/// within its rounding, some microseconds in integers.
+/// The same for (a, b) and (b, a). Some hundred nanoseconds in f64, some tens for boxes with
+/// parallel edges; where the gap or overlap is within rounding, a microsecond in double-double, and
+/// for exact touching some microseconds in integers.
 pub fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (Verdict<()>, Rung) {
     if let Some((touch, rung)) = boxes::touch(a, b) {
         return (if touch { Verdict::Touching(()) } else { Verdict::Apart }, rung);

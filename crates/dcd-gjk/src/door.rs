@@ -61,7 +61,7 @@ pub enum Rung {
     F32,
     /// A solver in f64.
     F64,
-    /// Exact integers.
+    /// Numbers longer than f64: double-double with its bound, exact sums, exact integers.
     Exact,
     /// A foreign library.
     Foreign,

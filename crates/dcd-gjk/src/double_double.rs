@@ -28,12 +28,14 @@ pub(crate) fn two_sum(a: f64, b: f64) -> DoubleDouble {
 }
 
 /// The same for |a| ≥ |b| or a = 0.
+#[inline]
 fn quick_two_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
     DoubleDouble { high, low: b - (high - a) }
 }
 
 /// x as two numbers of 26 bits.
+#[inline]
 fn split(x: f64) -> (f64, f64) {
     const SPLITTER: f64 = 134_217_729.0; // 2²⁷ + 1
     let wide = SPLITTER * x;
@@ -42,6 +44,7 @@ fn split(x: f64) -> (f64, f64) {
 }
 
 /// a·b and what its rounding lost.
+#[inline]
 fn two_product(a: f64, b: f64) -> DoubleDouble {
     let high = a * b;
     let ((a1, a2), (b1, b2)) = (split(a), split(b));
@@ -49,6 +52,7 @@ fn two_product(a: f64, b: f64) -> DoubleDouble {
 }
 
 impl DoubleDouble {
+    #[inline]
     pub(crate) fn to_f64(self) -> f64 {
         self.high
     }
@@ -91,6 +95,7 @@ impl Scalar for DoubleDouble {
     fn one() -> Self {
         Self::from(1.0)
     }
+    #[inline]
     fn plus(&self, other: &Self) -> Self {
         let high = two_sum(self.high, other.high);
         let low = two_sum(self.low, other.low);
@@ -100,6 +105,7 @@ impl Scalar for DoubleDouble {
     fn minus(&self, other: &Self) -> Self {
         self.plus(&other.negated())
     }
+    #[inline]
     fn times(&self, other: &Self) -> Self {
         let product = two_product(self.high, other.high);
         let cross = self.high * other.low + self.low * other.high;
@@ -116,12 +122,20 @@ impl Scalar for DoubleDouble {
     }
 }
 
+/// 2^exponent: by its bits where they hold it, which is all but always.
+fn power_of_two(exponent: i32) -> f64 {
+    match exponent {
+        -1022..=1023 => f64::from_bits(((1023 + exponent) as u64) << 52),
+        _ => 2f64.powi(exponent),
+    }
+}
+
 impl Number for DoubleDouble {
     fn on_grid(x: f64, unit: i32) -> Self {
-        Self::from(x * 2f64.powi(-unit))
+        Self::from(x * power_of_two(-unit))
     }
     fn power_of_two(shift: u32) -> Self {
-        Self::from(2f64.powi(shift as i32))
+        Self::from(power_of_two(shift as i32))
     }
     fn rounded(direction: &Triple<Self>) -> DVec3 {
         let d = DVec3::from_array([0, 1, 2].map(|k| direction[k].high));
