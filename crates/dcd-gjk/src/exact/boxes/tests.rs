@@ -45,7 +45,7 @@ fn boxes_turned_by_quarters_have_their_edges_swapped() {
     let touching = settled((&plank, &Pose::IDENTITY), (&plank, &turned(2.25)));
     assert_eq!(touching, Some((true, Rung::Exact)));
     let apart = settled((&plank, &Pose::IDENTITY), (&plank, &turned(2.25f64.next_up())));
-    assert_eq!(apart.unwrap().0, false);
+    assert!(!apart.unwrap().0);
     assert_eq!(
         settled((&plank, &Pose::IDENTITY), (&plank, &turned(3.0))),
         Some((false, Rung::F64))
