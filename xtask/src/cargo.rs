@@ -15,6 +15,7 @@ pub struct Metadata {
     /// Ids of our own.
     pub workspace_members: Vec<String>,
     /// Where cargo puts what it builds.
+    #[serde(default)]
     pub target_directory: PathBuf,
 }
 
