@@ -21,6 +21,7 @@ mod bytes;
 mod capture;
 mod cloud;
 mod clouds;
+pub mod conformance;
 pub mod data;
 mod error;
 mod game_hulls;

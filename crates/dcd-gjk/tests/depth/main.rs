@@ -2,7 +2,6 @@
 
 mod by_hand;
 mod extreme;
-mod oracle;
 mod random;
 
 use dcd_geom::glam::DVec3;

@@ -1,9 +1,9 @@
 //! Seeded pairs against the oracle.
 
-use super::oracle::Truth;
 use super::*;
 use dcd_geom::glam::{DMat3, DQuat};
 use dcd_gjk::{DistanceResult, distance};
+use dcd_judge::Truth;
 use proptest::prelude::*;
 use std::ops::Range;
 
@@ -242,7 +242,7 @@ fn judge_rounded(a: &Placed, b: &Placed, share: f64) -> Result<(), TestCaseError
     // In two parts whose sum is exact: the oracle takes one radius.
     let part = radius * 0.75;
     let (a, b) = (round(a, part), round(b, radius - part));
-    let value = truth.rounded_by(radius);
+    let value = truth.rounded_by(radius).value();
     match ask(&a, &b) {
         Verdict::Touching(found) => {
             let Depth { depth, error_bound, .. } = found;

@@ -1,10 +1,11 @@
 //! Linear programming in whole numbers: the simplex method with Bland's rule, which ends, on a
 //! tableau with one common divisor, which stays whole.
 
+use crate::world::Point;
 use num_bigint::BigInt;
 
 /// Whether Σλa = Σμb, Σλ = 1, Σμ = 1 has a solution with λ, μ ≥ 0.
-pub fn hulls_touch(a: &[[BigInt; 3]], b: &[[BigInt; 3]]) -> bool {
+pub(crate) fn hulls_touch(a: &[Point], b: &[Point]) -> bool {
     let one = || BigInt::from(1);
     let mut rows: Vec<Vec<BigInt>> = (0..3)
         .map(|k| {
@@ -41,7 +42,7 @@ fn is_feasible(mut rows: Vec<Vec<BigInt>>) -> bool {
             if x < y || x == y && basis[r] < basis[best] { r } else { best }
         });
         // A cost that is bounded below by 0 always has one.
-        let leaves = leaves.unwrap();
+        let Some(leaves) = leaves else { return false };
         pivot(&mut rows, leaves, enters, &divisor);
         divisor = rows[leaves][enters].clone();
         basis[leaves] = enters;
