@@ -3,46 +3,68 @@
 
 use dcd_geom::glam::DVec3;
 use dcd_geom::lanes::Path;
-use dcd_geom::{Polytope, Pose, Scene, Shape};
-use dcd_gjk::{Body, Overlap, Verdict, certified};
+use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, Shape};
+use dcd_gjk::{Body, Findings, NarrowPhase, Overlap, Report, Verdict, certified};
 use dcd_pipeline::{Par, Pipeline, WideTree};
 use dcd_scenes::SceneSpec;
+use dcd_scenes::conformance::{Case, Category, Slide, flip};
 
-/// A pair whose second body slides along a line.
-struct Slide<'a> {
-    a: &'a Polytope,
-    at_a: Pose,
-    b: &'a Polytope,
-    from: Pose,
-    along: DVec3,
+fn certified_touches(case: &Case) -> bool {
+    let a = Body::polytope(&case.a, &case.pose_a);
+    let b = Body::polytope(&case.b, &case.pose_b);
+    certified::overlap(a, b).0 == Verdict::Touching(())
 }
 
-impl Slide<'_> {
-    fn pose(&self, s: f64) -> Pose {
-        let t = self.from.translation() + self.along * s;
-        Pose::from_matrix(*self.from.rotation(), t).unwrap()
-    }
+fn exactly_touches(case: &Case) -> bool {
+    dcd_judge::touches((&case.a, &case.pose_a), (&case.b, &case.pose_b))
+}
 
-    fn touches(&self, s: f64) -> bool {
-        let at_b = self.pose(s);
-        let verdict =
-            certified::overlap(Body::polytope(self.a, &self.at_a), Body::polytope(self.b, &at_b)).0;
-        verdict == Verdict::Touching(())
+/// All cases in one scene, settled at once, so that the lanes hold sixteen different ones.
+fn settled_by_lanes(cases: &[Case], path: Path) -> Vec<bool> {
+    let shapes = cases.iter().flat_map(|case| [case.a.clone().into(), case.b.clone().into()]);
+    let poses = cases.iter().flat_map(|case| [case.pose_a, case.pose_b]);
+    let scene = Scene::one_each(shapes.collect::<Vec<Shape>>(), poses.collect()).unwrap();
+    let pairs: Vec<Pair> = (0..cases.len() as u32).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
+    let narrow = Overlap::on(path);
+    let mut frame = <Overlap as NarrowPhase>::Frame::default();
+    let mut aabbs = vec![Aabb::default(); scene.len()];
+    let part = narrow.lay_out(&scene, &mut frame);
+    narrow.prepare(&scene, 0, part, &mut aabbs);
+    let (mut contacts, mut report) = (Vec::new(), Report::default());
+    let mut findings = Findings { contacts: &mut contacts, report: &mut report };
+    narrow.decide(&scene, &frame, &pairs, &mut Default::default(), &mut findings);
+    assert!(report.undecided().is_empty(), "{:?}", report.undecided());
+    let mut touches = vec![false; cases.len()];
+    for contact in contacts {
+        touches[contact.pair.i as usize / 2] = true;
     }
+    touches
+}
 
-    /// The last s that touches; the next float does not. `None` if the line starts apart.
-    fn flip(&self, far: f64) -> Option<f64> {
-        let (mut near, mut far) = (0.0_f64, far);
-        if !self.touches(near) || self.touches(far) {
-            return None;
+/// Flips at a time.
+const BATCH: usize = 256;
+
+#[test]
+fn twenty_thousand_answers_at_neighbouring_floats_are_right_by_the_exact_judge() {
+    let mut flips = (0..).filter_map(|k| flip(1, k, &certified_touches)).take(10_000);
+    let mut judged = 0;
+    loop {
+        let cases: Vec<Case> = flips.by_ref().take(BATCH).flatten().collect();
+        if cases.is_empty() {
+            break;
         }
-        while near.next_up() < far {
-            // Halfway in bits, so that the end is two neighbouring floats.
-            let middle = f64::from_bits(near.to_bits() + (far.to_bits() - near.to_bits()) / 2);
-            if self.touches(middle) { near = middle } else { far = middle }
+        // The certified rung said "touching" to the first of two and "apart" to the second.
+        let truth: Vec<bool> = cases.iter().map(exactly_touches).collect();
+        let wrong = truth.iter().enumerate().position(|(k, &touches)| touches != (k % 2 == 0));
+        assert_eq!(wrong.map(|k| &cases[k]).map(|case| format!("{case:?}")), None);
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            let found = settled_by_lanes(&cases, path);
+            let wrong = (0..cases.len()).find(|&k| found[k] != truth[k]);
+            assert_eq!(wrong.map(|k| &cases[k]).map(|case| format!("{case:?}")), None, "{path:?}");
         }
-        Some(near)
+        judged += cases.len();
     }
+    assert_eq!(judged, 20_000);
 }
 
 /// How far from the flip, in units of f32's roundoff of the pair's size.
@@ -65,16 +87,19 @@ fn attack(name: &str, scale: f64, offset: f64) {
             Pose::from_matrix(rotation, t).unwrap()
         };
         let along = (scene.poses()[i].translation() - scene.poses()[i + 1].translation()) * scale;
-        let slide = Slide { a: &a, at_a: at(i, &a), b: &b, from: at(i + 1, &b), along };
-        let Some(flip) = slide.flip(1e3) else { continue };
-        flips += 1;
         let unit = 2f64.powi(-24) * (a.reach() + b.reach()) / along.length();
+        let poses = [at(i, &a), at(i + 1, &b)];
+        let from = Case::new(Category::Overlap, [(a, poses[0]), (b, poses[1])]);
+        let slide = Slide::new(from, along);
+        let Some(flip) = slide.flip(1e3, &certified_touches) else { continue };
+        flips += 1;
         let sides =
             STEPS.iter().flat_map(|step| [flip + step * unit, flip.next_up() - step * unit]);
         for s in sides.chain([flip, flip.next_up()]).filter(|s| *s >= 0.0) {
-            let truth = slide.touches(s);
-            let shapes = vec![Shape::from(a.clone()), Shape::from(b.clone())];
-            let pair = Scene::one_each(shapes, vec![slide.at_a, slide.pose(s)]).unwrap();
+            let case = slide.at(s).unwrap();
+            let truth = certified_touches(&case);
+            let shapes = vec![Shape::from(case.a), Shape::from(case.b)];
+            let pair = Scene::one_each(shapes, vec![case.pose_a, case.pose_b]).unwrap();
             for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
                 let mut pipeline = Pipeline::new(WideTree::on(path), Overlap::on(path));
                 let found = pipeline.step(&pair, Par::Serial).contact_count() == 1;

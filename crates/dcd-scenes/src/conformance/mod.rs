@@ -137,7 +137,9 @@ pub struct Case {
 }
 
 impl Case {
-    fn new(category: Category, [(a, pose_a), (b, pose_b)]: [Placed; 2]) -> Self {
+    /// Of two shapes and where they are.
+    #[must_use]
+    pub fn new(category: Category, [(a, pose_a), (b, pose_b)]: [(Polytope, Pose); 2]) -> Self {
         let size = (a.reach() + a.swept_radius()).max(b.reach() + b.swept_radius());
         // log10 of a denormal is right too.
         let decade = if size > 0.0 { libm::round(libm::log10(size)) as i32 } else { 0 };
