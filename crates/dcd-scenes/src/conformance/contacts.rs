@@ -45,12 +45,12 @@ const PITCHES: [f64; 7] =
 pub(super) fn aligned(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
     let pitch = PITCHES[k % PITCHES.len()];
     let a = Polytope::cuboid(DVec3::splat(0.5)).ok()?;
-    let b = if k % 4 == 0 { cuboid(draw)? } else { a.clone() };
+    let b = if k.is_multiple_of(4) { cuboid(draw)? } else { a.clone() };
     let cell = |draw: &mut Draw| {
         let of_axis = [(); 3].map(|()| f64::from(draw.count(0..3)) - 1.0);
         DVec3::from_array(of_axis) * pitch
     };
-    let corner = DVec3::splat(if k % 3 == 0 { 1024.0 } else { 0.0 });
+    let corner = DVec3::splat(if k.is_multiple_of(3) { 1024.0 } else { 0.0 });
     let (here, there) = (corner, corner + cell(draw));
     let whole = match k % 2 {
         0 => Pose::IDENTITY,

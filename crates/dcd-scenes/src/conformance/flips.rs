@@ -17,7 +17,7 @@ pub(super) fn origin(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
     let out = if k % 4 == 3 { direction(draw) * size * 1e5 } else { DVec3::ZERO };
     let (a, b) = (shape(k, size, draw)?, shape(k / 5, size, draw)?);
     let at_a = turned(draw, out)?;
-    let at_b = if k % 5 == 0 { at_a } else { turned(draw, out)? };
+    let at_b = if k.is_multiple_of(5) { at_a } else { turned(draw, out)? };
     let shift = at_a.apply(a.inner().centre) - at_b.apply(b.inner().centre);
     let at_b = moved(&at_b, at_b.translation() + shift)?;
     Some([(a, at_a), (b, at_b)])

@@ -5,9 +5,12 @@ use crate::random::Draw;
 use dcd_geom::{Polytope, Pose};
 use glam::DVec3;
 
+/// Makes pair `k` of its kind.
+type Family = fn(usize, &mut Draw) -> Option<[Placed; 2]>;
+
 /// The families, each in turn.
 pub(super) fn known(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
-    const FAMILIES: [fn(usize, &mut Draw) -> Option<[Placed; 2]>; 10] = [
+    const FAMILIES: [Family; 10] = [
         small_hulls,
         cubes_as_hulls,
         part_in_a_hall,
@@ -64,7 +67,7 @@ fn corner_gap(k: usize, _: &mut Draw) -> Option<[Placed; 2]> {
 /// Apart or overlapping by a thousandth, 1e4 to 1e8 from the origin: world vertices in f32 lose it.
 fn baked_far_out(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
     let out = direction(draw) * power_of_ten(4 + (k % 5) as i32);
-    let gap = if k % 2 == 0 { 1e-3 } else { -1e-3 };
+    let gap = if k.is_multiple_of(2) { 1e-3 } else { -1e-3 };
     let cube = Polytope::cuboid(DVec3::splat(0.5)).ok()?;
     Some([(cube.clone(), at(out)?), (cube, at(out + DVec3::X * (1.0 + gap))?)])
 }
@@ -108,7 +111,8 @@ fn slab_and_crumb(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
     let slab = Polytope::cuboid(DVec3::new(24.0, 24.0, 0.25)).ok()?;
     let crumb = hull(draw, 0.01)?;
     let spot = draw.point(-20.0, 20.0) * DVec3::new(1.0, 1.0, 0.0);
-    let height = 0.25 + 0.01 * draw.between(-1.0, 1.0) + if k % 4 == 0 { 0.01 } else { 0.0 };
+    let height =
+        0.25 + 0.01 * draw.between(-1.0, 1.0) + if k.is_multiple_of(4) { 0.01 } else { 0.0 };
     Some([(slab, turned(draw, DVec3::ZERO)?), (crumb, turned(draw, spot + DVec3::Z * height)?)])
 }
 

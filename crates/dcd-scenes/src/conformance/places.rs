@@ -41,7 +41,7 @@ pub(super) fn ratio(k: usize, draw: &mut Draw) -> Pair {
         _ => a.1.apply(a.0.vertices()[k % a.0.vertices().len()]) + draw.point(-1.0, 1.0) * size,
     };
     let pair = [a, (hull(draw, size)?, turned(draw, spot)?)];
-    Some(if k % 2 == 0 { pair } else { swapped(pair) })
+    Some(if k.is_multiple_of(2) { pair } else { swapped(pair) })
 }
 
 pub(super) fn stretched(stretch: DVec3, draw: &mut Draw) -> Pair {
@@ -92,13 +92,13 @@ pub(super) fn collinear(k: usize, draw: &mut Draw) -> Pair {
 /// A point: with another, on a vertex, on the middle of an edge but for rounding, anywhere.
 pub(super) fn point(k: usize, draw: &mut Draw) -> Pair {
     let one = |p: DVec3| Polytope::hull(vec![p]).ok();
-    let spot = if k % 2 == 0 { DVec3::ZERO } else { draw.point(-1.0, 1.0) };
+    let spot = if k.is_multiple_of(2) { DVec3::ZERO } else { draw.point(-1.0, 1.0) };
     let a = (box_or_hull(k, draw, 1.0)?, turned(draw, spot)?);
     let [first, second] = [0, 1].map(|v| a.0.vertices()[v]);
     match k % 5 {
         0 => {
             let p = draw.point(-1.0, 1.0);
-            let step = if k % 2 == 0 { 0.0 } else { f64::EPSILON };
+            let step = if k.is_multiple_of(2) { 0.0 } else { f64::EPSILON };
             Some([(one(p)?, a.1), (one(p + DVec3::X * step)?, a.1)])
         }
         1 => Some([(one(first)?, a.1), a]),

@@ -8,7 +8,7 @@ use glam::DVec3;
 /// Spheres, capsules, rounded plates and hulls, of any scale; apart, tangent but for rounding,
 /// exactly tangent, overlapping by the radii alone, and by the cores.
 pub(super) fn rounded(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
-    let scale = if k % 5 == 0 { power_of_ten((k % 19) as i32 - 9) } else { 1.0 };
+    let scale = if k.is_multiple_of(5) { power_of_ten((k % 19) as i32 - 9) } else { 1.0 };
     if k % 6 == 5 {
         return tangent_spheres(k, draw);
     }

@@ -1,0 +1,137 @@
+//! The long run between neighbouring floats: every answer judged exactly, and a file of what was
+//! wrong.
+
+use anyhow::{Result, ensure};
+use dcd_benches::{Cell, Column, Header, Options, Report, Table, Units, timing};
+use dcd_scenes::conformance::{Case, flip};
+use serde::{Deserialize, Serialize};
+
+use crate::rung::{Query, Ready, Rung, Said};
+use crate::subject::{Subject, touches};
+
+/// Answers of a unit: after so many a run that is stopped goes on.
+const UNIT: u64 = 10_000;
+
+/// What a rung said of a unit's pairs.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Account {
+    wrong_yes: u64,
+    wrong_no: u64,
+    undecided: u64,
+}
+
+/// A unit of the run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Judged {
+    answers: u64,
+    /// Lines along which the pair never stopped touching, or never touched.
+    without_end: u64,
+    seconds: f64,
+    /// In the order of [`Rung::ALL`].
+    rungs: Vec<Account>,
+}
+
+/// Runs, or goes on with, so many answers, and writes the report `adversary`.
+pub(crate) fn run(options: &Options, answers: u64, json: bool) -> Result<()> {
+    let header = Header::observe(options);
+    let dir = options.dir("adversary");
+    let count = answers.div_ceil(UNIT);
+    let key = |unit: u64| format!("{unit:05}");
+    let mut units = Units::open(&dir, &header.fingerprint(), (0..count).map(key), options.start())?;
+    let mut all = Vec::new();
+    for unit in 0..count {
+        all.push(units.run(&key(unit), || judged(options.seed, unit))?);
+    }
+    let mut report = Report::new("adversary", "Between neighbouring floats", header);
+    report.missing(&units);
+    report.note(
+        "Hulls, plates, needles and boxes, some rounded, at 1e-6, 1 and 1e6 m, some far out, moved \
+         along a line until the answer flips between two neighbouring floats. Both neighbours are \
+         asked of every rung and judged exactly, by a linear program in whole numbers (for radii, by \
+         the exact signed depth).",
+    );
+    let sum = |of: fn(&Judged) -> u64| all.iter().map(of).sum::<u64>();
+    let judged = sum(|unit| unit.answers);
+    let seconds: f64 = all.iter().map(|unit| unit.seconds).sum();
+    report.note(format!(
+        "{judged} answers at {} flips in {seconds:.0} s; {} lines had no end and were passed over.",
+        judged / 2,
+        sum(|unit| unit.without_end)
+    ));
+    let table = table(&all)?;
+    report.table(table.clone());
+    let pages = report.write(&dir)?;
+    units.finish()?;
+    if json {
+        println!("{}", report.to_json());
+    } else {
+        println!("{}", table.to_markdown());
+        pages.iter().for_each(|page| println!("{}", page.display()));
+    }
+    let wrong: u64 = certified_wrong(&all);
+    ensure!(wrong == 0, "{wrong} answers of a certified rung are wrong or open");
+    Ok(())
+}
+
+fn judged(seed: u64, unit: u64) -> Result<Judged> {
+    let (time, judged) = timing::time(|| -> Result<Judged> {
+        let flips: Vec<Option<[Case; 2]>> =
+            (unit * UNIT / 2..(unit + 1) * UNIT / 2).map(|k| flip(seed, k, &touches)).collect();
+        let without_end = flips.iter().filter(|flip| flip.is_none()).count() as u64;
+        let cases: Vec<Case> = flips.into_iter().flatten().flatten().collect();
+        let subject = Subject::of_flips(&cases)?;
+        let pairs: Vec<u32> = (0..cases.len() as u32).collect();
+        let mut said = Vec::new();
+        let mut rungs = Vec::new();
+        for rung in Rung::ALL {
+            Ready::new(rung, &subject).ask((rung, Query::YesNo), &subject, &pairs, &mut said);
+            let mut account = Account::default();
+            for (&k, &said) in pairs.iter().zip(&said) {
+                match (said, subject.touches(k)) {
+                    (Said::Touching, false) => account.wrong_yes += 1,
+                    (Said::Apart, true) => account.wrong_no += 1,
+                    (Said::Open, _) => account.undecided += 1,
+                    _ => {}
+                }
+            }
+            rungs.push(account);
+        }
+        Ok(Judged { answers: cases.len() as u64, without_end, seconds: 0.0, rungs })
+    });
+    Ok(Judged { seconds: time.as_secs_f64(), ..judged? })
+}
+
+fn of_rung(all: &[Judged], rung: usize) -> Account {
+    all.iter().fold(Account::default(), |sum, unit| {
+        let account = unit.rungs.get(rung).copied().unwrap_or_default();
+        Account {
+            wrong_yes: sum.wrong_yes + account.wrong_yes,
+            wrong_no: sum.wrong_no + account.wrong_no,
+            undecided: sum.undecided + account.undecided,
+        }
+    })
+}
+
+fn certified_wrong(all: &[Judged]) -> u64 {
+    let certified = Rung::ALL.iter().enumerate().filter(|(_, rung)| rung.is_certified());
+    certified
+        .map(|(k, _)| of_rung(all, k))
+        .map(|account| account.wrong_yes + account.wrong_no + account.undecided)
+        .sum()
+}
+
+fn table(all: &[Judged]) -> Result<Table> {
+    let counts = ["answers", "wrong yes", "wrong no", "undecided"].map(Column::new);
+    let columns = [Column::new("rung")].into_iter().chain(counts);
+    let columns = columns.chain([Column::new("wrong").unit("%").decimals(4)]);
+    let mut table = Table::new("adversary", "Answers at neighbouring floats", columns);
+    let answers: u64 = all.iter().map(|unit| unit.answers).sum();
+    for (k, rung) in Rung::ALL.into_iter().enumerate() {
+        let Account { wrong_yes, wrong_no, undecided } = of_rung(all, k);
+        let share = 100.0 * (wrong_yes + wrong_no) as f64 / answers.max(1) as f64;
+        let counts = [answers, wrong_yes, wrong_no, undecided].map(Cell::from);
+        let row = [Cell::from(rung.name())].into_iter().chain(counts);
+        table.push(row.chain([share.into()]))?;
+    }
+    Ok(table)
+}

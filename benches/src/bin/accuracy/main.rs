@@ -1,0 +1,104 @@
+//! The trade of speed for accuracy: what each rung costs, and how often and how far it is wrong.
+//!
+//! [`subject`] holds pairs with their truth; [`rung`] asks; [`measure`] times the rungs in turn and
+//! counts what is wrong; [`show`] makes tables and pictures; [`adversary`] is the long run between
+//! neighbouring floats. The truth of the conformance suite is exact; that of a scene is the
+//! certified rung's, with the exact judge on every pair that any other rung doubts.
+
+#![forbid(unsafe_code)]
+
+mod adversary;
+mod measure;
+mod parry;
+mod rung;
+mod show;
+mod subject;
+mod tally;
+
+use std::process::ExitCode;
+
+use anyhow::{Result, bail};
+use clap::Parser;
+use dcd_benches::{Header, Options, Units};
+
+use measure::Measured;
+use rung::Query;
+use subject::{Recipe, Subject};
+
+/// What each rung of precision costs, and how often and how far it is wrong: nanoseconds a pair
+/// beside wrong yes, wrong no, undecided, and the error of distance and depth against the truth.
+///
+/// A wrong or undecided answer of a certified rung makes the exit code 1.
+#[derive(Parser)]
+#[command(name = "accuracy", version)]
+struct Line {
+    #[command(flatten)]
+    options: Options,
+    /// In place of the report, judge so many answers at neighbouring floats; a stopped run goes on
+    #[arg(long, value_name = "ANSWERS")]
+    adversary: Option<u64>,
+    /// Print the whole as JSON, in place of the tables
+    #[arg(long)]
+    json: bool,
+}
+
+fn main() -> ExitCode {
+    match run(&Line::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(line: &Line) -> Result<()> {
+    match line.adversary {
+        Some(answers) => adversary::run(&line.options, answers, line.json),
+        None => report(line),
+    }
+}
+
+fn report(line: &Line) -> Result<()> {
+    let options = &line.options;
+    let (recipes, absent) = subject::recipes(options);
+    let header = Header::observe(options);
+    let dir = options.dir("accuracy");
+    let key = |recipe: &Recipe, query: Query| format!("{}/{}", recipe.name(), query.name());
+    let plan = recipes.iter().flat_map(|recipe| Query::ALL.map(|query| key(recipe, query)));
+    let mut units = Units::open(&dir, &header.fingerprint(), plan, options.start())?;
+    let mut found: Vec<Measured> = Vec::new();
+    for recipe in &recipes {
+        let mut subject = None;
+        for query in Query::ALL {
+            let measured = units.run(&key(recipe, query), || {
+                if subject.is_none() {
+                    subject = Some(recipe.subject()?);
+                }
+                let made: Option<&Subject> = subject.as_ref();
+                made.map_or_else(
+                    || bail!("no subject"),
+                    |made| Ok(measure::measure(made, query, options)),
+                )
+            })?;
+            found.push(measured);
+        }
+    }
+
+    let mut report = show::report(header, &found)?;
+    absent.iter().for_each(|note| report.note(note));
+    report.missing(&units);
+    let pages = report.write(&dir)?;
+    units.finish()?;
+    if line.json {
+        println!("{}", report.to_json());
+    } else {
+        println!("{}", report.to_markdown());
+        pages.iter().for_each(|page| println!("{}", page.display()));
+    }
+    let broken: Vec<String> = found.iter().flat_map(Measured::broken_promises).collect();
+    if !broken.is_empty() {
+        bail!("{}", broken.join("\n"));
+    }
+    Ok(())
+}

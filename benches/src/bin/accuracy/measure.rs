@@ -1,0 +1,168 @@
+//! The rungs in turn on a subject's pairs: times, and what is wrong.
+
+use std::time::Duration;
+
+use dcd_benches::{Options, timing};
+use dcd_gjk::epa::Scratch;
+use serde::{Deserialize, Serialize};
+
+use crate::rung::{Query, Ready, Rung, Said};
+use crate::subject::{Known, Subject};
+use crate::tally::{Errors, Group, Tally};
+
+/// What was seen of all rungs on a subject and a query.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Measured {
+    pub(crate) subject: String,
+    pub(crate) query: Query,
+    /// How many pairs were asked about.
+    pub(crate) pairs: usize,
+    /// Pairs on which some rung differs from the truth as known: the exact judge settled those.
+    pub(crate) doubted: usize,
+    /// Of them, those on which the judge sides against the truth as known.
+    pub(crate) overruled: usize,
+    pub(crate) rungs: Vec<OfRung>,
+}
+
+/// What was seen of a rung.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct OfRung {
+    pub(crate) rung: Rung,
+    /// Median of the rounds.
+    pub(crate) ns: f64,
+    pub(crate) wrong_yes: usize,
+    pub(crate) wrong_no: usize,
+    pub(crate) undecided: usize,
+    /// Of the numbers, where it gave any.
+    pub(crate) errors: Option<Errors>,
+    /// By category and by decade, on the suite.
+    pub(crate) groups: Vec<Group>,
+}
+
+impl Measured {
+    /// What a rung promised and did not keep, a sentence each.
+    pub(crate) fn broken_promises(&self) -> Vec<String> {
+        let mut broken = Vec::new();
+        for of in &self.rungs {
+            let wrong = match of.rung {
+                rung if rung.is_certified() => of.wrong_yes + of.wrong_no,
+                rung if rung.is_conservative() => of.wrong_no,
+                _ => 0,
+            };
+            // Pairs beyond the range of f32 boxes have no place in a scene.
+            let open = of.rung == Rung::Certified && of.undecided > 0;
+            if wrong > 0 || open {
+                let (name, query) = (of.rung.name(), self.query.name());
+                let (subject, open) = (&self.subject, of.undecided);
+                broken.push(format!("{subject}, {query}: {name} has {wrong} wrong, {open} open"));
+            }
+        }
+        if self.overruled > 0 {
+            broken
+                .push(format!("{}: the judge overrules {} answers", self.subject, self.overruled));
+        }
+        broken
+    }
+}
+
+/// Rounds of a full run and of a quick one: odd, so that the median is one of them.
+const ROUNDS: [usize; 2] = [5, 3];
+/// No more pairs of a scene are asked for distance and depth, in a full run and in a quick one.
+const NUMBERS: [usize; 2] = [100_000, 5_000];
+/// No more doubts of a query are handed to the judge: some milliseconds each on large hulls.
+const MOST_DOUBTS: usize = 2_000;
+
+/// Asks every rung that has an answer, in turn.
+pub(crate) fn measure(subject: &Subject, query: Query, options: &Options) -> Measured {
+    let quick = usize::from(options.quick);
+    let pairs = asked(subject, query, NUMBERS[quick]);
+    let rungs = Rung::answering(query);
+    let mut ready: Vec<Ready<'_>> = rungs.iter().map(|&rung| Ready::new(rung, subject)).collect();
+    let mut said: Vec<Vec<Said>> = vec![Vec::with_capacity(pairs.len()); rungs.len()];
+    let mut times: Vec<Vec<Duration>> = vec![Vec::new(); rungs.len()];
+    // The first round warms up and does not count.
+    for round in 0..=ROUNDS[quick] {
+        for (k, &rung) in rungs.iter().enumerate() {
+            let answers = &mut said[k];
+            let (time, ()) = timing::time(|| ready[k].ask((rung, query), subject, &pairs, answers));
+            if round > 0 {
+                times[k].push(time);
+            }
+        }
+    }
+
+    let mut scratch = Scratch::default();
+    let values: Vec<f64> = match query {
+        Query::YesNo => Vec::new(),
+        _ => pairs.iter().map(|&k| subject.value(k, &mut scratch)).collect(),
+    };
+    let (doubted, overruled) = settle_doubts(subject, &pairs, &said);
+    let of_rung = |(k, &rung): (usize, &Rung)| {
+        let mut tally = Tally::new(subject);
+        for (index, (&pair, &said)) in pairs.iter().zip(&said[k]).enumerate() {
+            tally.book(pair, said, values.get(index).copied());
+        }
+        let ns =
+            median(&mut times[k].clone()).as_secs_f64() * 1e9 / asked_of(rung, subject, &pairs);
+        tally.into_rung(rung, ns)
+    };
+    Measured {
+        subject: subject.name.clone(),
+        query,
+        pairs: pairs.len(),
+        doubted,
+        overruled,
+        rungs: rungs.iter().enumerate().map(of_rung).collect(),
+    }
+}
+
+/// All pairs for yes or no, those apart for a distance, those that touch for a depth; spread evenly
+/// over the subject where there are more than `most`.
+fn asked(subject: &Subject, query: Query, most: usize) -> Vec<u32> {
+    let all = 0..subject.pairs.len() as u32;
+    let fit: Vec<u32> = match query {
+        Query::YesNo => return all.collect(),
+        Query::Distance => all.filter(|&k| !subject.touches(k)).collect(),
+        Query::Depth => all.filter(|&k| subject.touches(k)).collect(),
+    };
+    let step = fit.len().div_ceil(most).max(1);
+    fit.into_iter().step_by(step).collect()
+}
+
+/// How many pairs the time of a rung is shared by.
+fn asked_of(rung: Rung, subject: &Subject, pairs: &[u32]) -> f64 {
+    let count = match rung {
+        Rung::Lanes => pairs.iter().filter(|&&k| subject.in_scene[k as usize].is_some()).count(),
+        _ => pairs.len(),
+    };
+    count.max(1) as f64
+}
+
+/// The pairs on which a rung that means to be right differs from the truth of a scene, and on how
+/// many of them the exact judge differs from it too. The truth of a suite is exact as it is.
+fn settle_doubts(subject: &Subject, pairs: &[u32], said: &[Vec<Said>]) -> (usize, usize) {
+    if matches!(subject.truth, Known::Exactly(..)) {
+        return (0, 0);
+    }
+    let mut doubts = Vec::new();
+    for (index, &k) in pairs.iter().enumerate() {
+        let touches = subject.touches(k);
+        // Boxes and balls, the first two, say "touching" of most that are near.
+        let differs = |said: &Vec<Said>| match said[index] {
+            Said::Apart => touches,
+            Said::Touching => !touches,
+            Said::Measured(_) | Said::Open => false,
+        };
+        if said.iter().skip(2).any(differs) {
+            doubts.push(k);
+        }
+    }
+    let judged = doubts.iter().take(MOST_DOUBTS);
+    let overruled = judged.filter(|&&k| subject.judged(k).is_some_and(|t| t != subject.touches(k)));
+    (doubts.len(), overruled.count())
+}
+
+fn median(times: &mut [Duration]) -> Duration {
+    times.sort();
+    times.get(times.len() / 2).copied().unwrap_or_default()
+}

@@ -1,0 +1,281 @@
+//! Who is asked, and what.
+
+use dcd_geom::{Aabb, Polytope, Shape};
+use dcd_gjk::distance::{self, DistanceResult};
+use dcd_gjk::epa::{self, Scratch};
+use dcd_gjk::{
+    Body, Certified, Findings, Gjk, NarrowPhase, Overlap, PairSolver, Placed, Report, Verdict,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::parry::Theirs;
+use crate::subject::Subject;
+
+/// What is asked about a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Query {
+    YesNo,
+    Distance,
+    Depth,
+}
+
+/// Who answers, from the cheapest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Rung {
+    /// World boxes: conservative.
+    Boxes,
+    /// Outer balls: conservative.
+    Balls,
+    /// The default: lanes in f32 with certificates, then f64, then exact.
+    Lanes,
+    /// GJK in f32, one pair at a time.
+    F32,
+    /// GJK in f64, one pair at a time.
+    F64,
+    /// f64, then exact, one pair at a time.
+    Certified,
+    ParryF32,
+    ParryF64,
+}
+
+/// What a rung says of a pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Said {
+    Apart,
+    Touching,
+    /// Apart by so much, or so deep, as was asked; metres.
+    Measured(f64),
+    /// It cannot tell.
+    Open,
+}
+
+impl Query {
+    pub(crate) const ALL: [Self; 3] = [Self::YesNo, Self::Distance, Self::Depth];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::YesNo => "yes-no",
+            Self::Distance => "distance",
+            Self::Depth => "depth",
+        }
+    }
+}
+
+impl Rung {
+    pub(crate) const ALL: [Self; 8] = [
+        Self::Boxes,
+        Self::Balls,
+        Self::Lanes,
+        Self::F32,
+        Self::F64,
+        Self::Certified,
+        Self::ParryF32,
+        Self::ParryF64,
+    ];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Boxes => "boxes",
+            Self::Balls => "balls",
+            Self::Lanes => "certified, lanes",
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+            Self::Certified => "certified",
+            Self::ParryF32 => "Parry f32",
+            Self::ParryF64 => "Parry f64",
+        }
+    }
+
+    /// Whether each of its answers is promised to be right, and none open.
+    pub(crate) fn is_certified(self) -> bool {
+        matches!(self, Self::Lanes | Self::Certified)
+    }
+
+    /// Whether "apart" is promised to be right, and nothing else.
+    pub(crate) fn is_conservative(self) -> bool {
+        matches!(self, Self::Boxes | Self::Balls)
+    }
+
+    /// Who has an answer to that query.
+    pub(crate) fn answering(query: Query) -> Vec<Self> {
+        let answers = |rung: &Self| match query {
+            Query::YesNo => true,
+            Query::Distance => !matches!(rung, Self::Lanes | Self::F32),
+            Query::Depth => !matches!(rung, Self::Lanes | Self::F32 | Self::F64),
+        };
+        Self::ALL.into_iter().filter(answers).collect()
+    }
+}
+
+/// A rung that is ready to be asked about a subject's pairs: whatever depends on the shapes or on
+/// single objects alone is made.
+pub(crate) enum Ready<'s> {
+    Boxes(Vec<Aabb>),
+    Lanes(Box<<Overlap as NarrowPhase>::Frame>, <Overlap as NarrowPhase>::Scratch),
+    ParryF32(Theirs<'s, f32>),
+    ParryF64(Theirs<'s, f64>),
+    /// Nothing to prepare but memory.
+    Plain(Scratch),
+}
+
+impl<'s> Ready<'s> {
+    pub(crate) fn new(rung: Rung, subject: &'s Subject) -> Self {
+        match rung {
+            Rung::Boxes => {
+                let bodies = 0..subject.shapes.len();
+                Self::Boxes(bodies.map(|i| subject.shapes[i].aabb(&subject.poses[i])).collect())
+            }
+            Rung::Lanes => {
+                let narrow = Overlap::default();
+                let mut frame = Box::default();
+                let scene = &subject.scene;
+                let part = narrow.lay_out(scene, &mut frame);
+                narrow.prepare(scene, 0, part, &mut vec![Aabb::default(); scene.len()]);
+                Self::Lanes(frame, Default::default())
+            }
+            Rung::ParryF32 => Self::ParryF32(Theirs::new(subject)),
+            Rung::ParryF64 => Self::ParryF64(Theirs::new(subject)),
+            Rung::Balls | Rung::F32 | Rung::F64 | Rung::Certified => {
+                Self::Plain(Scratch::default())
+            }
+        }
+    }
+
+    /// What it says of the pairs, in their order.
+    pub(crate) fn ask(
+        &mut self,
+        (rung, query): (Rung, Query),
+        subject: &Subject,
+        pairs: &[u32],
+        said: &mut Vec<Said>,
+    ) {
+        said.clear();
+        match self {
+            Self::Boxes(boxes) => said.extend(pairs.iter().map(|&k| {
+                let [a, b] = subject.pairs[k as usize].map(|i| &boxes[i as usize]);
+                of_boxes(query, a, b)
+            })),
+            Self::Lanes(frame, scratch) => lanes(subject, (frame, scratch), pairs, said),
+            Self::ParryF32(theirs) => theirs.ask(query, subject, pairs, said),
+            Self::ParryF64(theirs) => theirs.ask(query, subject, pairs, said),
+            Self::Plain(scratch) => said.extend(pairs.iter().map(|&k| {
+                let [a, b] = subject.placed(k);
+                one(rung, query, [a, b], scratch)
+            })),
+        }
+    }
+}
+
+fn lanes(
+    subject: &Subject,
+    (frame, scratch): (&<Overlap as NarrowPhase>::Frame, &mut <Overlap as NarrowPhase>::Scratch),
+    pairs: &[u32],
+    said: &mut Vec<Said>,
+) {
+    // Pairs that no scene takes, since no f32 box holds them, are open; the rest in one go.
+    let (mut contacts, mut report) = (Vec::new(), Report::default());
+    let in_scene: Vec<dcd_geom::Pair> =
+        pairs.iter().filter_map(|&k| subject.in_scene[k as usize]).collect();
+    let findings = &mut Findings { contacts: &mut contacts, report: &mut report };
+    Overlap::default().decide(&subject.scene, frame, &in_scene, scratch, findings);
+    let mut contacts = contacts.iter().map(|contact| contact.pair).peekable();
+    let open: Vec<dcd_geom::Pair> = report.undecided().iter().map(|open| open.pair).collect();
+    said.extend(pairs.iter().map(|&k| match subject.in_scene[k as usize] {
+        None => Said::Open,
+        // Contacts come in the order of the pairs.
+        Some(pair) if contacts.next_if_eq(&pair).is_some() => Said::Touching,
+        Some(pair) if open.contains(&pair) => Said::Open,
+        Some(_) => Said::Apart,
+    }));
+}
+
+fn one(rung: Rung, query: Query, [a, b]: [Placed<'_>; 2], scratch: &mut Scratch) -> Said {
+    match (query, rung) {
+        (_, Rung::Balls) => of_balls(query, a, b),
+        (Query::YesNo, Rung::F32) => verdict(Gjk::<f32>::default().solve(a, b, &mut ())),
+        (Query::YesNo, Rung::F64) => verdict(Gjk::<f64>::default().solve(a, b, &mut ())),
+        (Query::YesNo, _) => verdict(Certified.solve(a, b, &mut ())),
+        (Query::Distance, Rung::F64) => of_distance(distance::in_f64(a, b)),
+        (Query::Distance, _) => of_distance(distance::distance(a, b).0),
+        (Query::Depth, _) => match [body(a), body(b)] {
+            [Some(a), Some(b)] => match epa::depth(a, b, scratch) {
+                Verdict::Touching(found) => Said::Measured(found.depth),
+                Verdict::Apart => Said::Apart,
+                Verdict::Undecided(_) => Said::Open,
+            },
+            _ => Said::Open,
+        },
+    }
+}
+
+pub(crate) fn body(side: Placed<'_>) -> Option<Body<'_, Polytope>> {
+    Some(Body::polytope(side.shape.as_polytope()?, side.pose))
+}
+
+fn verdict(verdict: Verdict<()>) -> Said {
+    match verdict {
+        Verdict::Apart => Said::Apart,
+        Verdict::Touching(()) => Said::Touching,
+        Verdict::Undecided(_) => Said::Open,
+    }
+}
+
+fn of_distance(result: DistanceResult) -> Said {
+    match result {
+        DistanceResult::Apart(found) => Said::Measured(found.distance),
+        DistanceResult::Touching => Said::Touching,
+        DistanceResult::Undecided(_) => Said::Open,
+    }
+}
+
+/// The gap of two boxes is at most the shapes' distance, their overlap at least the depth.
+fn of_boxes(query: Query, a: &Aabb, b: &Aabb) -> Said {
+    let gaps = [0, 1, 2].map(|k| {
+        let [low, high] = [a.min[k] - b.max[k], b.min[k] - a.max[k]].map(f64::from);
+        low.max(high)
+    });
+    let largest = gaps.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    match query {
+        Query::YesNo => {
+            if largest > 0.0 {
+                Said::Apart
+            } else {
+                Said::Touching
+            }
+        }
+        Query::Distance if largest > 0.0 => {
+            Said::Measured(gaps.map(|gap| gap.max(0.0).powi(2)).iter().sum::<f64>().sqrt())
+        }
+        Query::Distance => Said::Touching,
+        Query::Depth => Said::Measured(-largest.min(0.0)),
+    }
+}
+
+/// The same of the balls that hold the shapes.
+fn of_balls(query: Query, a: Placed<'_>, b: Placed<'_>) -> Said {
+    let [(centre_a, radius_a), (centre_b, radius_b)] = [a, b].map(ball);
+    let rounding = 16.0 * f64::EPSILON * (centre_a.abs() + centre_b.abs()).max_element();
+    let gap = (centre_a - centre_b).length() - (radius_a + radius_b) * (1.0 + 1e-14) - rounding;
+    match query {
+        Query::YesNo => {
+            if gap > 0.0 {
+                Said::Apart
+            } else {
+                Said::Touching
+            }
+        }
+        Query::Distance if gap > 0.0 => Said::Measured(gap),
+        Query::Distance => Said::Touching,
+        Query::Depth => Said::Measured(-gap.min(0.0)),
+    }
+}
+
+fn ball(side: Placed<'_>) -> (dcd_geom::glam::DVec3, f64) {
+    match side.shape {
+        Shape::Polytope(polytope) => {
+            let outer = polytope.outer_radius() * (1.0 + side.pose.deviation());
+            (side.pose.apply(polytope.inner().centre), outer + polytope.swept_radius())
+        }
+        shape => (side.pose.translation(), shape.reach() * (1.0 + side.pose.deviation())),
+    }
+}

@@ -1,0 +1,219 @@
+//! Tables and pictures of what was measured.
+
+use std::collections::HashMap;
+
+use anyhow::Result;
+use dcd_benches::{Axis, Cell, Column, Figure, Header, Report, Series, Table};
+
+use crate::measure::{Measured, OfRung};
+use crate::rung::{Query, Rung};
+use crate::tally::{Group, Kind};
+
+/// The subject whose times stand in the first picture, and the one whose errors do.
+const ORDINARY: &str = "paper";
+const HARD: &str = "suite";
+
+/// Where a share of nothing stands on a logarithmic axis, in percent: less than one pair of the
+/// suite. The same for an error, in sizes: less than any rounding.
+const NO_SHARE: f64 = 0.01;
+const NO_ERROR: f64 = 1e-20;
+
+/// What a reader of the tables must know.
+const NOTES: [&str; 5] = [
+    "Times are medians of the rounds, all rungs in turn in one process on one thread, asked about \
+     the same pairs in the same order. What depends on an object alone is made outside of the \
+     timer: world boxes, the lanes' rotated vertices, Parry's shapes and poses.",
+    "`boxes` and `balls` are conservative: their \"apart\" is never wrong, their \"touching\" only \
+     means near; as a distance they give what is at most the true one, as a depth what is at least \
+     it. `f32` and `f64` prove what they answer and leave open what they cannot prove. `certified` \
+     and `certified, lanes` prove every answer. What the lanes leave open on the suite are pairs \
+     beyond the range of f32 boxes, which no scene takes; the certified rung answers those one by \
+     one. Parry's answers are as it gives them; open is what it refuses.",
+    "The truth of the suite is exact: whole numbers of any length, another method than any rung's. \
+     The truth of a scene is the certified rung's; every pair on which a solver differs from it is \
+     settled by the exact judge (`doubted`), and `overruled` counts where that is wrong.",
+    "Distances are asked for the pairs that are apart, depths for those that touch. An error counts \
+     in sizes of the pair (no coordinate of A − B is larger than one size); a relative error is to \
+     the true distance or depth, where that is above 1e-12 of the size. On scenes the certified \
+     rung is the truth, so that its own error shows on the suite alone.",
+    "A wrong yes is a \"touching\" for a pair apart, a distance of 0 among them; a wrong no an \
+     \"apart\" for a pair that touches.",
+];
+
+/// The report of all that was measured.
+pub(crate) fn report(header: Header, found: &[Measured]) -> Result<Report> {
+    let mut report = Report::new("accuracy", "What speed costs in accuracy", header);
+    report.figure(trade(found)?);
+    report.note(
+        "Which rung to buy: left is fast, below is right. Nanoseconds are those of the paper's scene, \
+         where pairs are ordinary; the share of wrong and open answers is that of the suite, where \
+         they are not. A rung with neither stands at the bottom, at 0.01 %.",
+    );
+    report.table(answers(found)?);
+    for (query, id, title) in [
+        (Query::Distance, "distances", "Distances of pairs apart"),
+        (Query::Depth, "depths", "Depths of pairs that touch"),
+    ] {
+        report.table(numbers(found, query, (id, title))?);
+    }
+    NOTES.into_iter().for_each(|note| report.note(note));
+    report.figure(errors(found, Query::Distance, "distance")?);
+    report.figure(errors(found, Query::Depth, "depth")?);
+    report.note(
+        "The same for numbers on the suite, where the certified distance and depth have an exact \
+         truth: the 99th percentile of the error. An error of none stands at 1e-20.",
+    );
+    report.heading("Where each rung breaks");
+    for (kind, title) in [(Kind::Category, "category"), (Kind::Decade, "size in metres")] {
+        for query in Query::ALL {
+            report.table(breaks(found, query, (kind, title))?);
+        }
+    }
+    report.note(
+        "Wrong + open answers; then, for distance and depth, the worst error of the rest in sizes of \
+         the pair.",
+    );
+    report.attach("results", serde_json::to_value(found)?);
+    Ok(report)
+}
+
+fn of<'m>(found: &'m [Measured], subject: &str, query: Query) -> Option<&'m Measured> {
+    found.iter().find(|measured| measured.subject == subject && measured.query == query)
+}
+
+/// One row for each subject and rung: yes or no.
+fn answers(found: &[Measured]) -> Result<Table> {
+    let counts = ["wrong yes", "wrong no", "undecided", "doubted", "overruled"];
+    let columns = ["subject", "pairs", "rung"].map(Column::new).into_iter().chain([
+        Column::new("a pair").unit("ns").decimals(1),
+        Column::new("by certified, lanes").unit("×").decimals(2),
+    ]);
+    let columns = columns.chain(counts.map(Column::new));
+    let mut table = Table::new("answers", "Yes or no", columns);
+    for measured in found.iter().filter(|measured| measured.query == Query::YesNo) {
+        let lanes = measured.rungs.iter().find(|of| of.rung == Rung::Lanes).map(|of| of.ns);
+        for of in &measured.rungs {
+            let ratio = lanes.map_or(f64::NAN, |lanes| of.ns / lanes);
+            let mut row = name_cells(measured, of);
+            row.extend([of.ns, ratio].map(Cell::from));
+            row.extend([of.wrong_yes, of.wrong_no, of.undecided].map(Cell::from));
+            row.extend([measured.doubted, measured.overruled].map(Cell::from));
+            table.push(row)?;
+        }
+    }
+    Ok(table)
+}
+
+/// One row for each subject and rung: a number, and how far it is off.
+fn numbers(found: &[Measured], query: Query, (id, title): (&str, &str)) -> Result<Table> {
+    let columns = ["subject", "pairs", "rung"].map(Column::new).into_iter();
+    let columns = columns.chain([Column::new("a pair").unit("ns").decimals(1)]);
+    let counts = ["wrong", "undecided"].map(Column::new);
+    let errors =
+        ["median [sizes]", "99 % [sizes]", "worst [sizes]", "median, relative", "worst, relative"];
+    let columns = columns.chain(counts).chain(errors.map(Column::new));
+    let mut table = Table::new(id, title, columns);
+    for measured in found.iter().filter(|measured| measured.query == query) {
+        for of in &measured.rungs {
+            let mut row = name_cells(measured, of);
+            row.push(of.ns.into());
+            row.extend([of.wrong_yes + of.wrong_no, of.undecided].map(Cell::from));
+            row.extend(match of.errors {
+                None => [const { Cell::Missing }; 5],
+                Some(errors) => [
+                    errors.median,
+                    errors.percentile_99,
+                    errors.worst,
+                    errors.median_relative,
+                    errors.worst_relative,
+                ]
+                .map(in_powers),
+            });
+            table.push(row)?;
+        }
+    }
+    Ok(table)
+}
+
+fn name_cells(measured: &Measured, of: &OfRung) -> Vec<Cell> {
+    vec![measured.subject.as_str().into(), measured.pairs.into(), of.rung.name().into()]
+}
+
+/// An error spans too many powers of ten for a fixed number of decimals.
+fn in_powers(error: f64) -> Cell {
+    Cell::Text(if error == 0.0 { "0".to_owned() } else { format!("{error:.1e}") })
+}
+
+/// One row for each group of the suite, one column for each rung.
+fn breaks(found: &[Measured], query: Query, (kind, title): (Kind, &str)) -> Result<Table> {
+    let rungs = Rung::answering(query);
+    let names = rungs.iter().map(|rung| Column::new(rung.name()));
+    let columns = [title, "pairs"].map(Column::new).into_iter().chain(names);
+    let by = if kind == Kind::Category { "categories" } else { "decades" };
+    let query_name = query.name();
+    let title = format!("The suite by {title}: {query_name}");
+    let mut table = Table::new(format!("{by}-{query_name}"), title, columns);
+    let Some(measured) = of(found, HARD, query) else { return Ok(table) };
+    let groups = |of: &'_ OfRung| -> Vec<Group> {
+        of.groups.iter().filter(|group| group.kind == kind).cloned().collect()
+    };
+    let of_rungs: Vec<Vec<Group>> = measured.rungs.iter().map(groups).collect();
+    let Some(first) = of_rungs.first() else { return Ok(table) };
+    for (row, group) in first.iter().enumerate() {
+        let cells = of_rungs.iter().map(|groups| groups.get(row).map_or(Cell::Missing, broken));
+        let names = [Cell::from(group.name.as_str()), group.pairs.into()];
+        table.push(names.into_iter().chain(cells))?;
+    }
+    Ok(table)
+}
+
+fn broken(group: &Group) -> Cell {
+    let mut text = match (group.wrong, group.undecided) {
+        (0, 0) => "·".to_owned(),
+        (wrong, 0) => format!("{wrong}"),
+        (wrong, open) => format!("{wrong} + {open}"),
+    };
+    if let Some(worst) = group.worst.filter(|&worst| worst > 0.0) {
+        text = format!("{text}; {worst:.0e}");
+    }
+    Cell::Text(text)
+}
+
+/// Nanoseconds on ordinary pairs against the share of hard ones that is wrong or open.
+fn trade(found: &[Measured]) -> Result<Figure> {
+    let x = Axis::logarithmic("nanoseconds a pair, paper's scene");
+    let y = Axis::logarithmic("wrong or open on the suite [%]");
+    let mut figure = Figure::new("trade", "Yes or no: time against error", x, y);
+    let (Some(ordinary), Some(hard)) =
+        (of(found, ORDINARY, Query::YesNo), of(found, HARD, Query::YesNo))
+    else {
+        return Ok(figure);
+    };
+    let times: HashMap<&str, f64> =
+        ordinary.rungs.iter().map(|of| (of.rung.name(), of.ns)).collect();
+    for of in &hard.rungs {
+        let beyond = if of.rung == Rung::Lanes { 0 } else { of.undecided };
+        let broken = (of.wrong_yes + of.wrong_no + beyond) as f64;
+        let share = (100.0 * broken / hard.pairs.max(1) as f64).max(NO_SHARE);
+        if let Some(&ns) = times.get(of.rung.name()).filter(|&&ns| ns > 0.0) {
+            figure.push(Series::measured(of.rung.name(), [(ns, share)]))?;
+        }
+    }
+    Ok(figure)
+}
+
+/// Nanoseconds against the error of a number, both on the suite.
+fn errors(found: &[Measured], query: Query, name: &str) -> Result<Figure> {
+    let x = Axis::logarithmic("nanoseconds a pair, suite");
+    let y = Axis::logarithmic("error, 99th percentile [sizes]");
+    let title = format!("{}{}: time against error", name[..1].to_uppercase(), &name[1..]);
+    let mut figure = Figure::new(format!("error-{name}"), title, x, y);
+    let Some(measured) = of(found, HARD, query) else { return Ok(figure) };
+    for of in &measured.rungs {
+        if let Some(errors) = of.errors.filter(|_| of.ns > 0.0) {
+            let error = errors.percentile_99.max(NO_ERROR);
+            figure.push(Series::measured(of.rung.name(), [(of.ns, error)]))?;
+        }
+    }
+    Ok(figure)
+}
