@@ -1,5 +1,6 @@
 //! Who is asked, and what.
 
+use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Polytope, Shape};
 use dcd_gjk::distance::{self, DistanceResult};
 use dcd_gjk::epa::{self, Scratch};
@@ -255,7 +256,7 @@ fn of_boxes(query: Query, a: &Aabb, b: &Aabb) -> Said {
 fn of_balls(query: Query, a: Placed<'_>, b: Placed<'_>) -> Said {
     let [(centre_a, radius_a), (centre_b, radius_b)] = [a, b].map(ball);
     let rounding = 16.0 * f64::EPSILON * (centre_a.abs() + centre_b.abs()).max_element();
-    let gap = (centre_a - centre_b).length() - (radius_a + radius_b) * (1.0 + 1e-14) - rounding;
+    let gap = length(centre_a - centre_b) - (radius_a + radius_b) * (1.0 + 1e-14) - rounding;
     match query {
         Query::YesNo => {
             if gap > 0.0 {
@@ -270,7 +271,13 @@ fn of_balls(query: Query, a: Placed<'_>, b: Placed<'_>) -> Said {
     }
 }
 
-fn ball(side: Placed<'_>) -> (dcd_geom::glam::DVec3, f64) {
+/// Without squares that overflow.
+fn length(v: DVec3) -> f64 {
+    let largest = v.abs().max_element();
+    if largest > 0.0 { (v / largest).length() * largest } else { 0.0 }
+}
+
+fn ball(side: Placed<'_>) -> (DVec3, f64) {
     match side.shape {
         Shape::Polytope(polytope) => {
             let outer = polytope.outer_radius() * (1.0 + side.pose.deviation());
