@@ -1,7 +1,7 @@
 //! Who is asked, and what.
 
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Aabb, Polytope, Shape};
+use dcd_geom::{Aabb, Pair, Polytope, Shape};
 use dcd_gjk::distance::{self, DistanceResult};
 use dcd_gjk::epa::{self, Scratch};
 use dcd_gjk::{
@@ -112,7 +112,7 @@ impl Rung {
 /// single objects alone is made.
 pub(crate) enum Ready<'s> {
     Boxes(Vec<Aabb>),
-    Lanes(Box<<Overlap as NarrowPhase>::Frame>, <Overlap as NarrowPhase>::Scratch),
+    Lanes(Box<InLanes<Overlap>>),
     ParryF32(Theirs<'s, f32>),
     ParryF64(Theirs<'s, f64>),
     /// Nothing to prepare but memory.
@@ -126,14 +126,7 @@ impl<'s> Ready<'s> {
                 let bodies = 0..subject.shapes.len();
                 Self::Boxes(bodies.map(|i| subject.shapes[i].aabb(&subject.poses[i])).collect())
             }
-            Rung::Lanes => {
-                let narrow = Overlap::default();
-                let mut frame = Box::default();
-                let scene = &subject.scene;
-                let part = narrow.lay_out(scene, &mut frame);
-                narrow.prepare(scene, 0, part, &mut vec![Aabb::default(); scene.len()]);
-                Self::Lanes(frame, Default::default())
-            }
+            Rung::Lanes => Self::Lanes(Box::new(InLanes::new(Overlap::default(), subject))),
             Rung::ParryF32 => Self::ParryF32(Theirs::new(subject)),
             Rung::ParryF64 => Self::ParryF64(Theirs::new(subject)),
             Rung::Balls | Rung::F32 | Rung::F64 | Rung::Certified => {
@@ -156,7 +149,7 @@ impl<'s> Ready<'s> {
                 let [a, b] = subject.pairs[k as usize].map(|i| &boxes[i as usize]);
                 of_boxes(query, a, b)
             })),
-            Self::Lanes(frame, scratch) => lanes(subject, (frame, scratch), pairs, said),
+            Self::Lanes(lanes) => lanes.ask(subject, pairs, said),
             Self::ParryF32(theirs) => theirs.ask(query, subject, pairs, said),
             Self::ParryF64(theirs) => theirs.ask(query, subject, pairs, said),
             Self::Plain(scratch) => said.extend(pairs.iter().map(|&k| {
@@ -167,27 +160,39 @@ impl<'s> Ready<'s> {
     }
 }
 
-fn lanes(
-    subject: &Subject,
-    (frame, scratch): (&<Overlap as NarrowPhase>::Frame, &mut <Overlap as NarrowPhase>::Scratch),
-    pairs: &[u32],
-    said: &mut Vec<Said>,
-) {
-    // Pairs that no scene takes, since no f32 box holds them, are open; the rest in one go.
-    let (mut contacts, mut report) = (Vec::new(), Report::default());
-    let in_scene: Vec<dcd_geom::Pair> =
-        pairs.iter().filter_map(|&k| subject.in_scene[k as usize]).collect();
-    let findings = &mut Findings { contacts: &mut contacts, report: &mut report };
-    Overlap::default().decide(&subject.scene, frame, &in_scene, scratch, findings);
-    let mut contacts = contacts.iter().map(|contact| contact.pair).peekable();
-    let open: Vec<dcd_geom::Pair> = report.undecided().iter().map(|open| open.pair).collect();
-    said.extend(pairs.iter().map(|&k| match subject.in_scene[k as usize] {
-        None => Said::Open,
-        // Contacts come in the order of the pairs.
-        Some(pair) if contacts.next_if_eq(&pair).is_some() => Said::Touching,
-        Some(pair) if open.contains(&pair) => Said::Open,
-        Some(_) => Said::Apart,
-    }));
+/// A narrow phase that has its objects prepared.
+pub(crate) struct InLanes<N: NarrowPhase> {
+    narrow: N,
+    frame: N::Frame,
+    scratch: N::Scratch,
+}
+
+impl<N: NarrowPhase<Answer = ()>> InLanes<N> {
+    fn new(narrow: N, subject: &Subject) -> Self {
+        let mut frame = N::Frame::default();
+        let scene = &subject.scene;
+        let part = narrow.lay_out(scene, &mut frame);
+        narrow.prepare(scene, 0, part, &mut vec![Aabb::default(); scene.len()]);
+        Self { narrow, frame, scratch: N::Scratch::default() }
+    }
+
+    /// Pairs that no scene takes, since no f32 box holds them, are open.
+    fn ask(&mut self, subject: &Subject, pairs: &[u32], said: &mut Vec<Said>) {
+        let in_scene: Vec<Pair> =
+            pairs.iter().filter_map(|&k| subject.in_scene[k as usize]).collect();
+        let (mut contacts, mut report) = (Vec::new(), Report::default());
+        let findings = &mut Findings { contacts: &mut contacts, report: &mut report };
+        self.narrow.decide(&subject.scene, &self.frame, &in_scene, &mut self.scratch, findings);
+        let mut contacts = contacts.iter().map(|contact| contact.pair).peekable();
+        let open: Vec<Pair> = report.undecided().iter().map(|open| open.pair).collect();
+        said.extend(pairs.iter().map(|&k| match subject.in_scene[k as usize] {
+            None => Said::Open,
+            // Contacts come in the order of the pairs.
+            Some(pair) if contacts.next_if_eq(&pair).is_some() => Said::Touching,
+            Some(pair) if open.contains(&pair) => Said::Open,
+            Some(_) => Said::Apart,
+        }));
+    }
 }
 
 fn one(rung: Rung, query: Query, [a, b]: [Placed<'_>; 2], scratch: &mut Scratch) -> Said {
