@@ -1,6 +1,6 @@
 //! Sixteen lanes in two AVX2 registers of eight.
 
-use super::{IndexRow, Kernel, Lanes, Row, WIDTH};
+use super::{Kernel, Lanes, Row, WIDTH};
 use std::arch::x86_64::*;
 
 /// Runs the kernel in a function that carries the feature, into which all of it is inlined.
@@ -66,18 +66,18 @@ impl Lanes for Avx2 {
         (half, half)
     }
     #[inline(always)]
-    fn load(self, row: &Row) -> Self::F {
-        let at = row.0.as_ptr();
-        // SAFETY: as above; a `Row` is sixteen f32, aligned to 64.
-        unsafe { (_mm256_load_ps(at), _mm256_load_ps(at.add(8))) }
+    fn load_from(self, numbers: &[f32; WIDTH]) -> Self::F {
+        let at = numbers.as_ptr();
+        // SAFETY: as above; sixteen f32 are read from wherever they are.
+        unsafe { (_mm256_loadu_ps(at), _mm256_loadu_ps(at.add(8))) }
     }
     #[inline(always)]
-    fn store(self, a: Self::F, row: &mut Row) {
-        let at = row.0.as_mut_ptr();
-        // SAFETY: as above; a `Row` is sixteen f32, aligned to 64.
+    fn store_to(self, a: Self::F, numbers: &mut [f32; WIDTH]) {
+        let at = numbers.as_mut_ptr();
+        // SAFETY: as above; sixteen f32 are written to wherever they are.
         unsafe {
-            _mm256_store_ps(at, a.0);
-            _mm256_store_ps(at.add(8), a.1);
+            _mm256_storeu_ps(at, a.0);
+            _mm256_storeu_ps(at.add(8), a.1);
         }
     }
     #[inline(always)]
@@ -158,25 +158,37 @@ impl Lanes for Avx2 {
         (half, half)
     }
     #[inline(always)]
-    fn load_u(self, row: &IndexRow) -> Self::U {
-        let at = row.0.as_ptr().cast::<__m256i>();
-        // SAFETY: as above; an `IndexRow` is sixteen u32, aligned to 64.
-        unsafe { (_mm256_load_si256(at), _mm256_load_si256(at.add(1))) }
+    fn load_from_u(self, numbers: &[u32; WIDTH]) -> Self::U {
+        let at = numbers.as_ptr().cast::<__m256i>();
+        // SAFETY: as above; sixteen u32 are read from wherever they are.
+        unsafe { (_mm256_loadu_si256(at), _mm256_loadu_si256(at.add(1))) }
     }
     #[inline(always)]
-    fn store_u(self, a: Self::U, row: &mut IndexRow) {
-        let at = row.0.as_mut_ptr().cast::<__m256i>();
-        // SAFETY: as above; an `IndexRow` is sixteen u32, aligned to 64.
+    fn store_to_u(self, a: Self::U, numbers: &mut [u32; WIDTH]) {
+        let at = numbers.as_mut_ptr().cast::<__m256i>();
+        // SAFETY: as above; sixteen u32 are written to wherever they are.
         unsafe {
-            _mm256_store_si256(at, a.0);
-            _mm256_store_si256(at.add(1), a.1);
+            _mm256_storeu_si256(at, a.0);
+            _mm256_storeu_si256(at.add(1), a.1);
         }
     }
     #[inline(always)]
-    fn select_u(self, mask: Self::M, yes: Self::U, no: Self::U) -> Self::U {
-        (self.half_select(mask.0, yes.0, no.0), self.half_select(mask.1, yes.1, no.1))
+    fn add_u(self, a: Self::U, b: Self::U) -> Self::U {
+        both!(_mm256_add_epi32, a, b)
+    }
+    #[inline(always)]
+    fn lane_numbers(self) -> Self::U {
+        op!((
+            _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7),
+            _mm256_setr_epi32(8, 9, 10, 11, 12, 13, 14, 15)
+        ))
     }
 
+    #[inline(always)]
+    fn compress(self, mask: Self::M, a: Self::F) -> Self::F {
+        let packed = self.compress_u(mask, both!(_mm256_castps_si256, a));
+        both!(_mm256_castsi256_ps, packed)
+    }
     #[inline(always)]
     fn compress_u(self, mask: Self::M, a: Self::U) -> Self::U {
         let bits = self.bits(mask);
@@ -188,11 +200,19 @@ impl Lanes for Avx2 {
             _mm256_storeu_si256(at.cast(), self.half_front(bits, a.0));
             _mm256_storeu_si256(at.add(low).cast(), self.half_front(bits >> 8, a.1));
         }
-        self.load_u(&IndexRow(packed))
+        self.load_from_u(&packed)
     }
     #[inline(always)]
-    fn tag(self, a: Self::F) -> Self::F {
-        (self.half_tag(a.0, 0), self.half_tag(a.1, 8))
+    fn tag(self, a: Self::F, mask: Self::U, tag: Self::U) -> Self::F {
+        let mask = (op!(_mm256_castsi256_ps(mask.0)), op!(_mm256_castsi256_ps(mask.1)));
+        let tag = (op!(_mm256_castsi256_ps(tag.0)), op!(_mm256_castsi256_ps(tag.1)));
+        let rest = both!(_mm256_andnot_ps, mask, a);
+        both!(_mm256_or_ps, rest, tag)
+    }
+    #[inline(always)]
+    fn tag_of(self, a: Self::F, mask: Self::U) -> Self::U {
+        let bits = both!(_mm256_castps_si256, a);
+        both!(_mm256_and_si256, bits, mask)
     }
     #[inline(always)]
     fn largest_of_each(self, rows: &[Row; WIDTH]) -> Self::F {
@@ -212,25 +232,10 @@ impl Avx2 {
     }
 
     #[inline(always)]
-    fn half_select(self, mask: __m256, yes: __m256i, no: __m256i) -> __m256i {
-        op!(_mm256_blendv_epi8(no, yes, _mm256_castps_si256(mask)))
-    }
-
-    #[inline(always)]
     fn half_front(self, bits: u32, a: __m256i) -> __m256i {
         let table = &FRONT[(bits & 255) as usize];
         // SAFETY: as above; a table row is eight u32, read unaligned.
         unsafe { _mm256_permutevar8x32_epi32(a, _mm256_loadu_si256(table.as_ptr().cast())) }
-    }
-
-    #[inline(always)]
-    fn half_tag(self, a: __m256, first: i32) -> __m256 {
-        op!({
-            let lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-            let lane = _mm256_or_si256(lane, _mm256_set1_epi32(first));
-            let high = _mm256_and_si256(_mm256_castps_si256(a), _mm256_set1_epi32(!15));
-            _mm256_castsi256_ps(_mm256_or_si256(high, lane))
-        })
     }
 
     /// Lane k of the result is the largest lane of row `first + k`. Each level halves the rows and

@@ -1,6 +1,6 @@
 //! Sixteen lanes in one AVX-512 register.
 
-use super::{IndexRow, Kernel, Lanes, Row, WIDTH};
+use super::{Block, FLOATS, Kernel, Lanes, MOST_BLOCKS, Row, WIDTH};
 use std::arch::x86_64::*;
 
 /// Runs the kernel in a function that carries the feature, into which all of it is inlined.
@@ -35,14 +35,14 @@ impl Lanes for Avx512 {
         op!(_mm512_set1_ps(x))
     }
     #[inline(always)]
-    fn load(self, row: &Row) -> __m512 {
-        // SAFETY: as above; a `Row` is sixteen f32, aligned to 64.
-        unsafe { _mm512_load_ps(row.0.as_ptr()) }
+    fn load_from(self, numbers: &[f32; WIDTH]) -> __m512 {
+        // SAFETY: as above; sixteen f32 are read from wherever they are.
+        unsafe { _mm512_loadu_ps(numbers.as_ptr()) }
     }
     #[inline(always)]
-    fn store(self, a: __m512, row: &mut Row) {
-        // SAFETY: as above; a `Row` is sixteen f32, aligned to 64.
-        unsafe { _mm512_store_ps(row.0.as_mut_ptr(), a) }
+    fn store_to(self, a: __m512, numbers: &mut [f32; WIDTH]) {
+        // SAFETY: as above; sixteen f32 are written to wherever they are.
+        unsafe { _mm512_storeu_ps(numbers.as_mut_ptr(), a) }
     }
     #[inline(always)]
     fn add(self, a: __m512, b: __m512) -> __m512 {
@@ -119,33 +119,44 @@ impl Lanes for Avx512 {
         op!(_mm512_set1_epi32(x.cast_signed()))
     }
     #[inline(always)]
-    fn load_u(self, row: &IndexRow) -> __m512i {
-        // SAFETY: as above; an `IndexRow` is sixteen u32, aligned to 64.
-        unsafe { _mm512_load_si512(row.0.as_ptr().cast()) }
+    fn load_from_u(self, numbers: &[u32; WIDTH]) -> __m512i {
+        // SAFETY: as above; sixteen u32 are read from wherever they are.
+        unsafe { _mm512_loadu_si512(numbers.as_ptr().cast()) }
     }
     #[inline(always)]
-    fn store_u(self, a: __m512i, row: &mut IndexRow) {
-        // SAFETY: as above; an `IndexRow` is sixteen u32, aligned to 64.
-        unsafe { _mm512_store_si512(row.0.as_mut_ptr().cast(), a) }
+    fn store_to_u(self, a: __m512i, numbers: &mut [u32; WIDTH]) {
+        // SAFETY: as above; sixteen u32 are written to wherever they are.
+        unsafe { _mm512_storeu_si512(numbers.as_mut_ptr().cast(), a) }
     }
     #[inline(always)]
-    fn select_u(self, mask: __mmask16, yes: __m512i, no: __m512i) -> __m512i {
-        op!(_mm512_mask_blend_epi32(mask, no, yes))
+    fn add_u(self, a: __m512i, b: __m512i) -> __m512i {
+        op!(_mm512_add_epi32(a, b))
+    }
+    #[inline(always)]
+    fn lane_numbers(self) -> __m512i {
+        op!(_mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15))
     }
 
+    #[inline(always)]
+    fn compress(self, mask: __mmask16, a: __m512) -> __m512 {
+        op!(_mm512_maskz_compress_ps(mask, a))
+    }
     #[inline(always)]
     fn compress_u(self, mask: __mmask16, a: __m512i) -> __m512i {
         op!(_mm512_maskz_compress_epi32(mask, a))
     }
     #[inline(always)]
-    fn tag(self, a: __m512) -> __m512 {
-        let lane = op!(_mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
-        // 0xEA: (a and not-low-bits) or lane, in one ternary operation.
-        op!(_mm512_castsi512_ps(_mm512_ternarylogic_epi32::<0xEA>(
+    fn tag(self, a: __m512, mask: __m512i, tag: __m512i) -> __m512 {
+        // 0xBA: (a and not mask) or tag, in one ternary operation.
+        op!(_mm512_castsi512_ps(_mm512_ternarylogic_epi32::<0xBA>(
             _mm512_castps_si512(a),
-            _mm512_set1_epi32(!15),
-            lane
+            mask,
+            tag
         )))
+    }
+    #[inline(always)]
+    fn tag_of(self, a: __m512, mask: __m512i) -> __m512i {
+        op!(_mm512_and_si512(_mm512_castps_si512(a), mask))
     }
     #[inline(always)]
     fn largest_of_each(self, rows: &[Row; WIDTH]) -> __m512 {
@@ -167,6 +178,28 @@ impl Lanes for Avx512 {
             self.doubles(l1[6], l1[7]),
         ];
         self.quarters(self.quarters(l2[0], l2[1]), self.quarters(l2[2], l2[3]))
+    }
+
+    #[inline(always)]
+    fn pick(self, blocks: &[Block], first: __m512i, number: __m512i) -> [__m512; 3] {
+        let Some(last) = blocks.len().min(MOST_BLOCKS).checked_sub(1) else {
+            return [self.splat(0.0); 3];
+        };
+        // SAFETY: as above; what is read is of a block that exists, for its number is at most
+        // `last`, and its offset in floats is below 2³¹, as `MOST_BLOCKS` has it.
+        unsafe {
+            let block = _mm512_add_epi32(first, _mm512_srli_epi32::<4>(number));
+            let block = _mm512_min_epu32(block, _mm512_set1_epi32(last as i32));
+            let lane = _mm512_and_si512(number, _mm512_set1_epi32(15));
+            let at = _mm512_mullo_epi32(block, _mm512_set1_epi32(FLOATS as i32));
+            let at = _mm512_add_epi32(at, lane);
+            let x = blocks.as_ptr().cast::<f32>();
+            [
+                _mm512_i32gather_ps::<4>(at, x),
+                _mm512_i32gather_ps::<4>(at, x.add(WIDTH)),
+                _mm512_i32gather_ps::<4>(at, x.add(2 * WIDTH)),
+            ]
+        }
     }
 }
 

@@ -32,6 +32,13 @@ pub struct IndexRow(pub [u32; WIDTH]);
 #[repr(C)]
 pub struct Block(pub [Row; 3]);
 
+/// How many floats a block has.
+const FLOATS: usize = 3 * WIDTH;
+
+/// Of how many blocks [`Lanes::pick`] can tell one: the offset of a float is a signed 32-bit
+/// number. 8 GB of vertices.
+pub const MOST_BLOCKS: usize = i32::MAX as usize / FLOATS;
+
 /// What a kernel computes with: operations on sixteen f32, on sixteen u32 and on sixteen yes/no.
 ///
 /// Arithmetic is IEEE, rounded to nearest; [`Lanes::mul_add`] may or may not fuse. Comparisons
@@ -46,10 +53,10 @@ pub trait Lanes: Copy {
 
     /// x in every lane.
     fn splat(self, x: f32) -> Self::F;
-    /// From memory.
-    fn load(self, row: &Row) -> Self::F;
-    /// To memory.
-    fn store(self, a: Self::F, row: &mut Row);
+    /// From memory, wherever it begins.
+    fn load_from(self, numbers: &[f32; WIDTH]) -> Self::F;
+    /// To memory, wherever it begins.
+    fn store_to(self, a: Self::F, numbers: &mut [f32; WIDTH]);
     /// a + b.
     fn add(self, a: Self::F, b: Self::F) -> Self::F;
     /// a − b.
@@ -88,19 +95,66 @@ pub trait Lanes: Copy {
 
     /// x in every lane.
     fn splat_u(self, x: u32) -> Self::U;
-    /// From memory.
-    fn load_u(self, row: &IndexRow) -> Self::U;
-    /// To memory.
-    fn store_u(self, a: Self::U, row: &mut IndexRow);
-    /// `yes` where the mask is set, else `no`.
-    fn select_u(self, mask: Self::M, yes: Self::U, no: Self::U) -> Self::U;
+    /// From memory, wherever it begins.
+    fn load_from_u(self, numbers: &[u32; WIDTH]) -> Self::U;
+    /// To memory, wherever it begins.
+    fn store_to_u(self, a: Self::U, numbers: &mut [u32; WIDTH]);
+    /// a + b, modulo 2³².
+    fn add_u(self, a: Self::U, b: Self::U) -> Self::U;
+    /// Each lane's own number.
+    fn lane_numbers(self) -> Self::U;
 
     /// The lanes that the mask keeps, moved down to the front; the rest is unspecified.
+    fn compress(self, mask: Self::M, a: Self::F) -> Self::F;
+    /// The lanes that the mask keeps, moved down to the front; the rest is unspecified.
     fn compress_u(self, mask: Self::M, a: Self::U) -> Self::U;
-    /// a with its four lowest bits replaced by the number of its lane.
-    fn tag(self, a: Self::F) -> Self::F;
+    /// The bits of `a` outside `mask`, and the bits of `tag`, which lie inside it.
+    fn tag(self, a: Self::F, mask: Self::U, tag: Self::U) -> Self::F;
+    /// The bits of `a` inside `mask`.
+    fn tag_of(self, a: Self::F, mask: Self::U) -> Self::U;
     /// Lane k of the result is the largest lane of row k.
     fn largest_of_each(self, rows: &[Row; WIDTH]) -> Self::F;
+
+    /// The x, y and z of sixteen points: in lane k the point `number` of those that begin with
+    /// block `first`, sixteen a block. Past the last block, or past [`MOST_BLOCKS`], a point of some
+    /// block; without a block, 0.
+    #[inline(always)]
+    fn pick(self, blocks: &[Block], first: Self::U, number: Self::U) -> [Self::F; 3] {
+        let (mut firsts, mut numbers) = (IndexRow::default(), IndexRow::default());
+        self.store_u(first, &mut firsts);
+        self.store_u(number, &mut numbers);
+        let mut points = Block::default();
+        for k in 0..WIDTH {
+            let number = numbers.0[k] as usize;
+            let block = (firsts.0[k] as usize + number / WIDTH).min(blocks.len().saturating_sub(1));
+            let Some(Block([x, y, z])) = blocks.get(block) else { break };
+            points.0[0].0[k] = x.0[number % WIDTH];
+            points.0[1].0[k] = y.0[number % WIDTH];
+            points.0[2].0[k] = z.0[number % WIDTH];
+        }
+        [self.load(&points.0[0]), self.load(&points.0[1]), self.load(&points.0[2])]
+    }
+
+    /// A row from memory.
+    #[inline(always)]
+    fn load(self, row: &Row) -> Self::F {
+        self.load_from(&row.0)
+    }
+    /// A row to memory.
+    #[inline(always)]
+    fn store(self, a: Self::F, row: &mut Row) {
+        self.store_to(a, &mut row.0);
+    }
+    /// A row from memory.
+    #[inline(always)]
+    fn load_u(self, row: &IndexRow) -> Self::U {
+        self.load_from_u(&row.0)
+    }
+    /// A row to memory.
+    #[inline(always)]
+    fn store_u(self, a: Self::U, row: &mut IndexRow) {
+        self.store_to_u(a, &mut row.0);
+    }
 
     /// −a.
     #[inline(always)]
@@ -220,6 +274,7 @@ mod tests {
         a: &'a Row,
         b: &'a Row,
         rows: &'a [Row; WIDTH],
+        blocks: &'a [Block],
     }
 
     impl Kernel for Everything<'_> {
@@ -228,6 +283,8 @@ mod tests {
         #[inline(always)]
         fn run<L: Lanes>(self, l: L) -> Self::Output {
             let (a, b) = (l.load(self.a), l.load(self.b));
+            // Some lie past the last of five blocks.
+            let (first, number) = (l.tag_of(b, l.splat_u(3)), l.tag_of(a, l.splat_u(63)));
             let floats = [
                 l.splat(0.1),
                 l.add(a, b),
@@ -240,22 +297,29 @@ mod tests {
                 l.neg(a),
                 l.sqrt(l.abs(a)),
                 l.select(l.lt(a, b), a, b),
-                l.tag(a),
                 l.largest_of_each(self.rows),
+                l.tag(a, l.splat_u(63), l.add_u(l.lane_numbers(), l.splat_u(32))),
+                l.pick(self.blocks, first, number)[0],
+                l.pick(self.blocks, first, number)[2],
+                l.pick(&[], first, number)[1],
             ];
             let (lt, le) = (l.lt(a, b), l.le(a, b));
             let masks = [l.and(lt, le), l.or(lt, le), l.and_not(le, lt), l.mask(0xA5C3)];
             let index = l.load_u(&IndexRow(std::array::from_fn(|k| 100 + k as u32)));
             let kept = l.bits(lt).count_ones() as usize;
             let (mut chosen, mut packed) = (IndexRow::default(), IndexRow::default());
-            l.store_u(l.select_u(lt, index, l.splat_u(7)), &mut chosen);
+            l.store_u(l.tag_of(a, l.splat_u(15)), &mut chosen);
             l.store_u(l.compress_u(lt, index), &mut packed);
             let floats = floats.map(|f| {
                 let mut row = Row::default();
                 l.store(f, &mut row);
                 row
             });
-            let indices = chosen.0.into_iter().chain(packed.0[..kept].iter().copied()).collect();
+            let mut front = Row::default();
+            l.store(l.compress(lt, a), &mut front);
+            let front = front.0[..kept].iter().map(|x| x.to_bits());
+            let packed = packed.0[..kept].iter().copied();
+            let indices = chosen.0.into_iter().chain(packed).chain(front).collect();
             (floats.to_vec(), masks.map(|m| l.bits(m)).to_vec(), indices)
         }
     }
@@ -269,9 +333,13 @@ mod tests {
             a.0[3] = b.0[3];
             let rows =
                 std::array::from_fn(|r| Row(std::array::from_fn(|k| number(r * 16 + k + seed))));
-            let everything = |path| dispatch_on(path, Everything { a: &a, b: &b, rows: &rows });
+            let blocks: [Block; 5] = std::array::from_fn(|block| {
+                Block(std::array::from_fn(|axis| rows[block + axis * 5]))
+            });
+            let everything =
+                |path| dispatch_on(path, Everything { a: &a, b: &b, rows: &rows, blocks: &blocks });
             let (floats, masks, indices) = everything(Path::Portable);
-            for (row, &largest) in rows.iter().zip(&floats[12].0) {
+            for (row, &largest) in rows.iter().zip(&floats[11].0) {
                 assert_eq!(largest, row.0.iter().copied().fold(f32::MIN, f32::max));
             }
             for path in Path::ALL.into_iter().filter(|path| path.is_available()) {

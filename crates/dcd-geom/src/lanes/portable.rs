@@ -1,6 +1,6 @@
 //! Sixteen lanes as arrays: the plain twin of the other paths, for any CPU.
 
-use super::{IndexRow, Kernel, Lanes, Row, WIDTH};
+use super::{Kernel, Lanes, Row, WIDTH};
 use std::array::from_fn;
 
 /// Runs the kernel on arrays.
@@ -21,6 +21,18 @@ macro_rules! each {
     };
 }
 
+/// The items that the mask keeps, moved down to the front.
+#[inline(always)]
+fn front<T: Copy + Default>(mask: [bool; WIDTH], a: [T; WIDTH]) -> [T; WIDTH] {
+    let (mut packed, mut kept) = ([T::default(); WIDTH], 0);
+    for k in 0..WIDTH {
+        packed[kept & (WIDTH - 1)] = a[k];
+        kept += usize::from(mask[k]);
+    }
+    // A full mask wraps once at the very end, after every lane is in its place.
+    packed
+}
+
 impl Lanes for Portable {
     type F = [f32; WIDTH];
     type U = [u32; WIDTH];
@@ -31,12 +43,12 @@ impl Lanes for Portable {
         [x; WIDTH]
     }
     #[inline(always)]
-    fn load(self, row: &Row) -> Self::F {
-        row.0
+    fn load_from(self, numbers: &[f32; WIDTH]) -> Self::F {
+        *numbers
     }
     #[inline(always)]
-    fn store(self, a: Self::F, row: &mut Row) {
-        row.0 = a;
+    fn store_to(self, a: Self::F, numbers: &mut [f32; WIDTH]) {
+        *numbers = a;
     }
     #[inline(always)]
     fn add(self, a: Self::F, b: Self::F) -> Self::F {
@@ -114,31 +126,37 @@ impl Lanes for Portable {
         [x; WIDTH]
     }
     #[inline(always)]
-    fn load_u(self, row: &IndexRow) -> Self::U {
-        row.0
+    fn load_from_u(self, numbers: &[u32; WIDTH]) -> Self::U {
+        *numbers
     }
     #[inline(always)]
-    fn store_u(self, a: Self::U, row: &mut IndexRow) {
-        row.0 = a;
+    fn store_to_u(self, a: Self::U, numbers: &mut [u32; WIDTH]) {
+        *numbers = a;
     }
     #[inline(always)]
-    fn select_u(self, mask: Self::M, yes: Self::U, no: Self::U) -> Self::U {
-        each!(k => if mask[k] { yes[k] } else { no[k] })
+    fn add_u(self, a: Self::U, b: Self::U) -> Self::U {
+        each!(k => a[k].wrapping_add(b[k]))
+    }
+    #[inline(always)]
+    fn lane_numbers(self) -> Self::U {
+        each!(k => k as u32)
     }
 
     #[inline(always)]
-    fn compress_u(self, mask: Self::M, a: Self::U) -> Self::U {
-        let (mut packed, mut kept) = ([0; WIDTH], 0);
-        for k in 0..WIDTH {
-            packed[kept & (WIDTH - 1)] = a[k];
-            kept += usize::from(mask[k]);
-        }
-        // A full mask wraps once at the very end, after every lane is in its place.
-        packed
+    fn compress(self, mask: Self::M, a: Self::F) -> Self::F {
+        front(mask, a)
     }
     #[inline(always)]
-    fn tag(self, a: Self::F) -> Self::F {
-        each!(k => f32::from_bits(a[k].to_bits() & !15 | k as u32))
+    fn compress_u(self, mask: Self::M, a: Self::U) -> Self::U {
+        front(mask, a)
+    }
+    #[inline(always)]
+    fn tag(self, a: Self::F, mask: Self::U, tag: Self::U) -> Self::F {
+        each!(k => f32::from_bits(a[k].to_bits() & !mask[k] | tag[k]))
+    }
+    #[inline(always)]
+    fn tag_of(self, a: Self::F, mask: Self::U) -> Self::U {
+        each!(k => a[k].to_bits() & mask[k])
     }
     #[inline(always)]
     fn largest_of_each(self, rows: &[Row; WIDTH]) -> Self::F {

@@ -12,10 +12,22 @@ pub(super) const U: f32 = f32::EPSILON / 2.0;
 ///
 /// 7.01 for the vertices' components (shape, matrix and δ rounded to f32, three products and two
 /// sums each, two differences), 3 for the dot product, 6 for the two dot products (3 each) that
-/// chose the winners, 30 because the winner's lane number took the place of its value's four
-/// lowest bits: another vertex of the same bin may lie up to 15 ulps (30 u) lower. Smaller: a
-/// vertex on the other side could be missed and a touching pair be called apart.
-pub(super) const SEPARATION: f32 = 46.1;
+/// chose the winners; [`CHOICE`] comes on top. Smaller: a vertex on the other side could be missed
+/// and a touching pair be called apart.
+pub(super) const SEPARATION: f32 = 16.1;
+
+/// By how much the choice of the farthest vertex may be wrong. Unit: tag·κ·r·|d|₁ for each object.
+///
+/// The vertex's number takes the place of its value's lowest bits, of which `tag` is the mask: two
+/// values that differ in those bits alone differ by at most `tag` ulps, 2u·tag of the value, which
+/// is at most κ·r·|d|₁ and the rounding that [`SEPARATION`] counts: 1/16 more covers it.
+pub(super) const CHOICE: f64 = 2.125 * (f32::EPSILON / 2.0) as f64;
+
+/// Of an object with more blocks of vertices than these the pairs go to f64. Blocks of sixteen.
+///
+/// Their number takes 12 bits of a value at most, so that a separation is off by a thousandth of
+/// the size at most. Larger: the lanes prove less for large hulls. Smaller: more of them are slow.
+pub(super) const TAGGED_BLOCKS: u32 = 256;
 
 /// How far |c + Σ τ_k·p_k| may be off, with 0, 1, 2 and 3 points. Unit: u·m·(1 + Σ τ_k).
 pub(super) const HULL_OF_BALL: [f32; 4] = [17.0, 20.0, 22.0, 24.0];

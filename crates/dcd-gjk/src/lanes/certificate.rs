@@ -1,7 +1,7 @@
 //! The three certificates of the lanes. What they conclude is proved; what they leave open is not
 //! wrong, only unsettled (docs/numerics.md, "lanes").
 
-use super::bounds::{HULL_OF_BALL, SEPARATION, SHORTEST, U};
+use super::bounds::{HULL_OF_BALL, SHORTEST, U};
 use super::lot::{Lot, Number};
 use super::vector::V3;
 use dcd_geom::lanes::Lanes;
@@ -36,7 +36,7 @@ pub(super) fn hull_holds_origin<L: Lanes>(
 pub(super) fn separates<L: Lanes>(l: L, lot: &Lot, d: V3<L>, w: V3<L>) -> L::M {
     let unit = lot.number(l, Number::Unit);
     let norm1 = d.norm1(l);
-    let rounding = l.mul_add(unit, l.splat(SEPARATION), lot.number(l, Number::Slack));
+    let rounding = lot.number(l, Number::Separation);
     // |d|₂ is off by 3u at most; the radii are rounded up by more than the product loses.
     let length = l.mul(l.sqrt(d.dot(l, d)), l.splat(1.0 + 8.0 * U));
     let bound = l.mul_add(norm1, rounding, l.mul(lot.number(l, Number::Radius), length));

@@ -1,7 +1,7 @@
 //! What is prepared of every object once a step.
 
-use super::lot::Side;
-use dcd_geom::lanes::Block;
+use super::bounds::TAGGED_BLOCKS;
+use dcd_geom::lanes::{Block, MOST_BLOCKS};
 use dcd_geom::{Divide, Scene};
 
 /// All objects, ready for the lanes.
@@ -22,6 +22,8 @@ pub(super) struct Record {
     pub(super) first: u32,
     /// How many it has; 0 where the shape is no polytope.
     pub(super) blocks: u32,
+    /// The lowest bits of a value that carry its vertex's number: see [`super::support`].
+    pub(super) tag: u32,
     /// A ball round the centre inside the object, its swept radius included: rounded down.
     pub(super) inner: f32,
     /// A ball round the centre that holds the object, its swept radius included: rounded up.
@@ -32,6 +34,9 @@ pub(super) struct Record {
     pub(super) radius: f32,
     /// See [`super::bounds::CENTRE`], metres, rounded up.
     pub(super) slack: f32,
+    /// By how much the vertex that is told as the farthest may be nearer than another, rounded up.
+    /// Unit: metres a metre of the direction's 1-norm.
+    pub(super) choice: f32,
 }
 
 /// The frame's room for a range of the objects.
@@ -49,10 +54,12 @@ impl Frame {
         let mut first = 0u32;
         for (record, &shape) in self.records.iter_mut().zip(scene.shape_of()) {
             let blocks = cores[shape as usize].blocks;
-            // An object past the last u32 goes without blocks: its pairs are settled in f64.
-            let next = first.checked_add(blocks);
-            *record = Record { first, blocks: next.map_or(0, |_| blocks), ..*record };
-            first = next.unwrap_or(first);
+            // An object past the last block that the lanes can tell, or with more vertices than a
+            // tag can, goes without blocks: its pairs are settled in f64.
+            let next = first.saturating_add(blocks);
+            let fits = next as usize <= MOST_BLOCKS && blocks <= TAGGED_BLOCKS;
+            *record = Record { first, blocks: if fits { blocks } else { 0 }, ..*record };
+            first = if fits { next } else { first };
         }
         self.blocks.resize(first as usize, Block::default());
         Part { records: &mut self.records, blocks: &mut self.blocks }
@@ -68,9 +75,10 @@ impl Frame {
         &self.blocks[record.first as usize..][..record.blocks as usize]
     }
 
+    /// All objects' vertices.
     #[inline(always)]
-    pub(super) fn blocks(&self, side: &Side, lane: usize) -> &[Block] {
-        &self.blocks[side.first.0[lane] as usize..][..side.blocks.0[lane] as usize]
+    pub(super) fn blocks(&self) -> &[Block] {
+        &self.blocks
     }
 }
 

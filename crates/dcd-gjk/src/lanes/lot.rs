@@ -10,41 +10,22 @@ use dcd_geom::lanes::{IndexRow, Lanes, Row, WIDTH};
 pub(super) struct Lot {
     /// Each pair's number in its slice.
     pub(super) number: IndexRow,
-    /// The vertices of object a.
-    pub(super) a: Side,
-    /// The vertices of object b.
-    pub(super) b: Side,
-    /// Bit k: pair k has a portal that the ray from c to the origin passes.
-    pub(super) found: u32,
-    rows: [Row; 19],
+    /// The objects a.
+    pub(super) a: IndexRow,
+    /// The objects b.
+    pub(super) b: IndexRow,
+    rows: [Row; ROWS],
 }
 
-/// Where sixteen objects' vertices are in the frame.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Side {
-    /// The first block of each.
-    pub(super) first: IndexRow,
-    /// How many it has.
-    pub(super) blocks: IndexRow,
-}
+/// How many rows of a lot mean something after a stage: what is carried on.
+pub(super) const AFTER_BALLS: usize = Vector::C as usize + 3;
+/// See [`AFTER_BALLS`].
+pub(super) const AFTER_CONE: usize = Vector::P0 as usize + 3;
+/// See [`AFTER_BALLS`].
+pub(super) const AFTER_SECOND_POINT: usize = Number::Round as usize + 1;
 
-impl Side {
-    #[inline(always)]
-    pub(super) fn write(&mut self, lane: usize, first: u32, blocks: u32) {
-        self.first.0[lane] = first;
-        self.blocks.0[lane] = blocks;
-    }
-
-    #[inline(always)]
-    fn copy(&mut self, to: usize, from: &Self, lane: usize) {
-        self.write(to, from.first.0[lane], from.blocks.0[lane]);
-    }
-}
-
-/// How many rows of a lot mean something after a stage: what is pushed on.
-pub(super) const AFTER_SECOND_POINT: usize = Vector::D as usize + 3;
-/// See [`AFTER_SECOND_POINT`].
-pub(super) const AFTER_ROUND: usize = Vector::P2 as usize + 3;
+/// How many rows there are.
+const ROWS: usize = AFTER_SECOND_POINT;
 
 /// A row of numbers in a lot.
 #[derive(Clone, Copy, Debug)]
@@ -57,21 +38,27 @@ pub(super) enum Number {
     Unit = 2,
     /// The sum of the centres' own errors.
     Slack = 3,
+    /// What a separation may be off by, for a direction of 1-norm 1.
+    Separation = 4,
+    /// 1 where the pair has a portal that the ray from c to the origin passes, else 0.
+    Found = 20,
+    /// How many supports it took after the second point.
+    Round = 21,
 }
 
 /// Three rows of a lot.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Vector {
     /// The difference of the centres: the centre of a ball inside A − B.
-    C = 4,
+    C = 5,
     /// The first support point of the portal.
-    P0 = 7,
+    P0 = 8,
     /// The second.
-    P1 = 10,
+    P1 = 11,
     /// The direction of the next support.
-    D = 13,
+    D = 14,
     /// The third.
-    P2 = 16,
+    P2 = 17,
 }
 
 impl Lot {
@@ -119,51 +106,106 @@ impl Lot {
     }
 }
 
-/// Pairs in lots that are full but for the last.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Queue {
-    lots: Vec<Lot>,
+/// Pairs that wait for their next stage until they fill a lot, the first `R` rows of each.
+///
+/// A stage takes whole lots, so that no lane is idle and no loop over the lanes is cut short at a
+/// number that cannot be predicted; only the last lots of a slice are smaller.
+#[derive(Clone, Debug)]
+pub(super) struct Belt<const R: usize> {
     len: usize,
+    number: [u32; 2 * WIDTH],
+    a: [u32; 2 * WIDTH],
+    b: [u32; 2 * WIDTH],
+    rows: [[f32; 2 * WIDTH]; R],
 }
 
-impl Queue {
-    pub(super) fn clear(&mut self) {
-        self.lots.clear();
-        self.len = 0;
+impl<const R: usize> Default for Belt<R> {
+    fn default() -> Self {
+        let none = [0; 2 * WIDTH];
+        Self { len: 0, number: none, a: none, b: none, rows: [[0.0; 2 * WIDTH]; R] }
     }
+}
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.len == 0
-    }
-
-    /// How many lots there are.
-    pub(super) fn lots(&self) -> usize {
-        self.lots.len()
-    }
-
-    /// Lot k, and the mask of its lanes in use.
+impl<const R: usize> Belt<R> {
+    /// Whether a lot can be taken that is `whole`.
     #[inline(always)]
-    pub(super) fn lot(&mut self, k: usize) -> (&mut Lot, u32) {
-        let used = (self.len - k * WIDTH).min(WIDTH);
-        (&mut self.lots[k], (1 << used) - 1)
+    pub(super) fn has(&self, whole: Whole) -> bool {
+        match whole {
+            Whole::Only => self.len >= WIDTH,
+            Whole::OrLast => self.len > 0,
+        }
     }
 
-    /// Appends one pair of another lot, its first `ROWS` rows.
+    /// Appends the pairs of the lot set in `keep`. There must be room: [`Belt::has`] no whole lot.
     #[inline(always)]
-    pub(super) fn push<const ROWS: usize>(&mut self, from: &Lot, lane: usize) {
-        let to = self.len % WIDTH;
-        if to == 0 {
-            self.lots.push(Lot::default());
+    pub(super) fn push<L: Lanes>(&mut self, l: L, lot: &Lot, keep: u32) {
+        let (mask, at) = (l.mask(keep), self.len.min(WIDTH));
+        put_u(l, &mut self.number, at, l.compress_u(mask, l.load_u(&lot.number)));
+        put_u(l, &mut self.a, at, l.compress_u(mask, l.load_u(&lot.a)));
+        put_u(l, &mut self.b, at, l.compress_u(mask, l.load_u(&lot.b)));
+        for row in 0..R {
+            put(l, &mut self.rows[row], at, l.compress(mask, l.load(&lot.rows[row])));
         }
-        self.len += 1;
-        let Some(lot) = self.lots.last_mut() else { return };
-        lot.number.0[to] = from.number.0[lane];
-        lot.a.copy(to, &from.a, lane);
-        lot.b.copy(to, &from.b, lane);
-        lot.found |= (from.found >> lane & 1) << to;
-        for row in 0..ROWS {
-            lot.rows[row].0[to] = from.rows[row].0[lane];
+        self.len += keep.count_ones() as usize;
+    }
+
+    /// Moves the last pairs into the lot, sixteen or all there are, and returns how many. The
+    /// other lanes of the lot keep some pair's numbers.
+    #[inline(always)]
+    pub(super) fn take<L: Lanes>(&mut self, l: L, lot: &mut Lot) -> usize {
+        let at = self.len.saturating_sub(WIDTH).min(WIDTH);
+        l.store_u(from_u(l, &self.number, at), &mut lot.number);
+        l.store_u(from_u(l, &self.a, at), &mut lot.a);
+        l.store_u(from_u(l, &self.b, at), &mut lot.b);
+        for row in 0..R {
+            l.store(from(l, &self.rows[row], at), &mut lot.rows[row]);
         }
+        let taken = self.len - at;
+        self.len = at;
+        taken
+    }
+}
+
+/// Which lots a stage takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Whole {
+    /// Those of sixteen pairs.
+    Only,
+    /// Smaller ones too, for no more pairs will come.
+    OrLast,
+}
+
+/// Sixteen from `at` on, which is at most 16.
+#[inline(always)]
+fn from<L: Lanes>(l: L, row: &[f32; 2 * WIDTH], at: usize) -> L::F {
+    match row[at..].first_chunk() {
+        Some(numbers) => l.load_from(numbers),
+        None => l.splat(0.0),
+    }
+}
+
+/// See [`from`].
+#[inline(always)]
+fn from_u<L: Lanes>(l: L, row: &[u32; 2 * WIDTH], at: usize) -> L::U {
+    match row[at..].first_chunk() {
+        Some(numbers) => l.load_from_u(numbers),
+        None => l.splat_u(0),
+    }
+}
+
+/// Writes sixteen from `at` on, which is at most 16.
+#[inline(always)]
+fn put<L: Lanes>(l: L, row: &mut [f32; 2 * WIDTH], at: usize, numbers: L::F) {
+    if let Some(to) = row[at..].first_chunk_mut() {
+        l.store_to(numbers, to);
+    }
+}
+
+/// See [`put`].
+#[inline(always)]
+fn put_u<L: Lanes>(l: L, row: &mut [u32; 2 * WIDTH], at: usize, numbers: L::U) {
+    if let Some(to) = row[at..].first_chunk_mut() {
+        l.store_to_u(numbers, to);
     }
 }
 

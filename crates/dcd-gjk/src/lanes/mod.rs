@@ -24,7 +24,7 @@ use ahead::Ahead;
 use dcd_geom::glam::Vec3;
 use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{Aabb, Pair, Scene};
-use lot::{AFTER_ROUND, AFTER_SECOND_POINT, LanesOf, Queue};
+use lot::{AFTER_BALLS, AFTER_CONE, AFTER_SECOND_POINT, Belt, LanesOf, Lot, Whole};
 use opening::{Entry, Place};
 use support::Desk;
 
@@ -51,13 +51,20 @@ impl Overlap {
 /// What a thread reuses from slice to slice.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
-    /// What is known of each pair of the slice.
-    known: Vec<Known>,
-    queue: Queue,
-    next: Queue,
-    desk: Desk,
+    /// For each pair of the slice, whether it is known to touch.
+    touching: Vec<bool>,
     left: Vec<Left>,
     ahead: Ahead,
+    desk: Desk,
+    entry: Entry,
+    /// Where the later stages work.
+    lot: Lot,
+    /// What waits for the centre axis.
+    axis: Belt<AFTER_BALLS>,
+    /// What waits for the second point.
+    second: Belt<AFTER_CONE>,
+    /// What waits for the next support.
+    portal: Belt<AFTER_SECOND_POINT>,
 }
 
 /// A pair that the lanes leave open.
@@ -68,16 +75,6 @@ struct Left {
     /// Between the centres, and where the search ended: perhaps one separates. World axes, from b
     /// to a.
     axes: [Vec3; 2],
-}
-
-/// What is known of a pair so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Known {
-    #[default]
-    Open,
-    Apart,
-    Touching,
-    Undecided,
 }
 
 impl NarrowPhase for Overlap {
@@ -102,31 +99,33 @@ impl NarrowPhase for Overlap {
         scratch: &mut Scratch,
         findings: &mut Findings<'_, ()>,
     ) {
-        scratch.known.clear();
-        scratch.known.resize(pairs.len(), Known::Open);
+        scratch.touching.clear();
+        scratch.touching.resize(pairs.len(), false);
+        scratch.left.clear();
         dispatch_on(self.path, Decide { frame, pairs, scratch, report: findings.report });
         for left in &scratch.left {
             let number = left.number as usize;
-            scratch.known[number] = settle(scene, pairs[number], left.axes, findings.report);
+            let touches = settle(scene, pairs[number], left.axes, findings.report);
+            scratch.touching[number] = touches;
         }
-        append_contacts(&scratch.known, pairs, findings.contacts);
+        append_contacts(&scratch.touching, pairs, findings.contacts);
     }
 }
 
 /// Appends the touching pairs in order, without a branch that half of the pairs would mispredict.
-fn append_contacts(known: &[Known], pairs: &[Pair], contacts: &mut Vec<Contact<()>>) {
+fn append_contacts(touching: &[bool], pairs: &[Pair], contacts: &mut Vec<Contact<()>>) {
     let mut end = contacts.len();
     contacts.resize(end + pairs.len(), Contact::default());
-    for (known, &pair) in known.iter().zip(pairs) {
+    for (&touches, &pair) in touching.iter().zip(pairs) {
         contacts[end].pair = pair;
-        end += usize::from(*known == Known::Touching);
+        end += usize::from(touches);
     }
     contacts.truncate(end);
 }
 
 /// The later rungs for one pair that the lanes left open: the lanes' own axes in f64, then f64
-/// from the start, then exact integers.
-fn settle(scene: &Scene, pair: Pair, axes: [Vec3; 2], report: &mut Report) -> Known {
+/// from the start, then exact integers. Whether it is known to touch.
+fn settle(scene: &Scene, pair: Pair, axes: [Vec3; 2], report: &mut Report) -> bool {
     let placed =
         |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
     let (a, b) = (placed(pair.i), placed(pair.j));
@@ -142,14 +141,10 @@ fn settle(scene: &Scene, pair: Pair, axes: [Vec3; 2], report: &mut Report) -> Kn
         _ => certified::overlap_of(a, b),
     };
     match verdict {
-        Verdict::Undecided(reason) => {
-            report.leave(pair, reason);
-            return Known::Undecided;
-        }
-        Verdict::Apart => report.count(rung, 1),
-        Verdict::Touching(()) => report.count(rung, 1),
+        Verdict::Undecided(reason) => report.leave(pair, reason),
+        Verdict::Apart | Verdict::Touching(()) => report.count(rung, 1),
     }
-    if verdict == Verdict::Apart { Known::Apart } else { Known::Touching }
+    verdict == Verdict::Touching(())
 }
 
 /// Settles what the lanes can of a slice of pairs.
@@ -163,104 +158,121 @@ struct Decide<'a> {
 impl Kernel for Decide<'_> {
     type Output = ();
 
+    /// Every stage hands on what it leaves open, and works whenever a whole lot has come together.
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
-        self.open(l);
-        self.rounds(l);
+        let pairs = self.pairs;
+        self.scratch.ahead.look(self.frame, pairs.chunks(WIDTH).next().unwrap_or_default());
+        self.scratch.ahead.look(self.frame, pairs.chunks(WIDTH).nth(1).unwrap_or_default());
+        let mut first = 0;
+        loop {
+            let whole = if first < pairs.len() { Whole::Only } else { Whole::OrLast };
+            if whole == Whole::Only {
+                self.open(l, first);
+                first += WIDTH;
+            }
+            if self.scratch.axis.has(whole) {
+                self.centre_axis(l);
+            }
+            if self.scratch.second.has(whole) {
+                self.second_point(l);
+            }
+            while self.scratch.portal.has(whole) {
+                self.round(l);
+            }
+            let Scratch { axis, second, portal, .. } = &*self.scratch;
+            if whole == Whole::OrLast
+                && !(axis.has(whole) || second.has(whole) || portal.has(whole))
+            {
+                break;
+            }
+        }
     }
 }
 
 impl Decide<'_> {
-    /// Balls, axis, cone and the second point for every pair; the one in seven that is left is queued.
-    /// The stages are not closed up between: it costs more to move a pair than to carry it along.
+    /// Reads sixteen pairs and tries their balls.
     #[inline(always)]
-    fn open<L: Lanes>(&mut self, l: L) {
-        let mut entry = Entry::default();
-        let Scratch { known, queue, desk, left, ahead, .. } = &mut *self.scratch;
-        let mut at = Place { frame: self.frame, desk };
-        queue.clear();
-        left.clear();
-        let mut later = self.pairs.chunks(WIDTH);
-        ahead.look(self.frame, later.next().unwrap_or_default());
-        ahead.look(self.frame, later.next().unwrap_or_default());
-        for (group, pairs) in self.pairs.chunks(WIDTH).enumerate() {
-            ahead.look(self.frame, later.next().unwrap_or_default());
-            entry.read(self.frame, pairs, (group * WIDTH) as u32);
-            let balls = entry.balls(l);
-            let mut open = entry.live & !(balls.apart | balls.touching);
-            let axis = entry.centre_axis(l, &mut at, open);
-            open &= !axis;
-            let mut cone = entry.cone(l, open);
-            open &= !cone;
-            let second = portal::second_point(l, &mut at, &mut entry.lot, open);
-            open &= !second;
-            cone |= second;
-
-            let known = &mut known[group * WIDTH..];
-            mark(known, balls.apart | axis, balls.touching | cone);
-            self.report.count(Rung::Balls, count(balls.apart | balls.touching));
-            self.report.count(Rung::CentreAxis, count(axis));
-            self.report.count(Rung::Cone, count(cone));
-            for lane in LanesOf(!entry.live & (u32::MAX >> (32 - pairs.len()))) {
-                left.push(Left { number: entry.lot.number.0[lane], axes: [Vec3::ZERO; 2] });
-            }
-            for lane in LanesOf(open) {
-                queue.push::<AFTER_SECOND_POINT>(&entry.lot, lane);
-            }
+    fn open<L: Lanes>(&mut self, l: L, first: usize) {
+        let Scratch { touching, left, ahead, entry, axis, .. } = &mut *self.scratch;
+        let later = self.pairs.get(first + 2 * WIDTH..).unwrap_or_default();
+        ahead.look(self.frame, &later[..later.len().min(WIDTH)]);
+        let pairs = &self.pairs[first..self.pairs.len().min(first + WIDTH)];
+        entry.read(self.frame, pairs, first as u32);
+        let balls = entry.balls(l);
+        mark(&mut touching[first..], balls.touching);
+        self.report.count(Rung::Balls, count(balls.apart | balls.touching));
+        for lane in LanesOf(!entry.live & used(pairs.len())) {
+            left.push(Left { number: entry.lot.number.0[lane], axes: [Vec3::ZERO; 2] });
         }
+        axis.push(l, &entry.lot, entry.live & !(balls.apart | balls.touching));
     }
 
-    /// Support after support, the lots closed up after each.
+    /// The axis between the centres, and the cone.
     #[inline(always)]
-    fn rounds<L: Lanes>(&mut self, l: L) {
-        let Scratch { known, queue, next, desk, left, .. } = &mut *self.scratch;
+    fn centre_axis<L: Lanes>(&mut self, l: L) {
+        let Scratch { touching, desk, lot, axis, second, .. } = &mut *self.scratch;
+        let taken = axis.take(l, lot);
+        let open = used(taken);
         let mut at = Place { frame: self.frame, desk };
-        for _ in 0..portal::ROUNDS {
-            if queue.is_empty() {
-                break;
-            }
-            next.clear();
-            for k in 0..queue.lots() {
-                let (lot, open) = queue.lot(k);
-                let (settled, stuck) = portal::round(l, &mut at, lot, open);
-                let apart = settled.apart & !settled.touching;
-                for lane in LanesOf(apart) {
-                    known[lot.number.0[lane] as usize] = Known::Apart;
-                }
-                for lane in LanesOf(settled.touching) {
-                    known[lot.number.0[lane] as usize] = Known::Touching;
-                }
-                self.report.count(Rung::Portal, count(apart | settled.touching));
-                for lane in LanesOf(stuck) {
-                    left.push(Left { number: lot.number.0[lane], axes: lot.axes(lane) });
-                }
-                for lane in LanesOf(open & !(apart | settled.touching | stuck)) {
-                    next.push::<AFTER_ROUND>(lot, lane);
-                }
-            }
-            std::mem::swap(queue, next);
+        let apart = opening::centre_axis(l, &mut at, lot, taken) & open;
+        let cone = opening::cone(l, lot) & open & !apart;
+        scatter(touching, lot, cone);
+        self.report.count(Rung::CentreAxis, count(apart));
+        self.report.count(Rung::Cone, count(cone));
+        second.push(l, lot, open & !(apart | cone));
+    }
+
+    /// The cone of two points.
+    #[inline(always)]
+    fn second_point<L: Lanes>(&mut self, l: L) {
+        let Scratch { touching, desk, lot, second, portal, .. } = &mut *self.scratch;
+        let taken = second.take(l, lot);
+        let mut at = Place { frame: self.frame, desk };
+        let cone = portal::second_point(l, &mut at, lot, taken) & used(taken);
+        scatter(touching, lot, cone);
+        self.report.count(Rung::Cone, count(cone));
+        portal.push(l, lot, used(taken) & !cone);
+    }
+
+    /// One support, and what follows.
+    #[inline(always)]
+    fn round<L: Lanes>(&mut self, l: L) {
+        let Scratch { touching, left, desk, lot, portal, .. } = &mut *self.scratch;
+        let taken = portal.take(l, lot);
+        let open = used(taken);
+        let mut at = Place { frame: self.frame, desk };
+        let (settled, stuck) = portal::round(l, &mut at, lot, taken);
+        scatter(touching, lot, settled.touching & open);
+        self.report.count(Rung::Portal, count((settled.apart | settled.touching) & open));
+        for lane in LanesOf(stuck & open) {
+            left.push(Left { number: lot.number.0[lane], axes: lot.axes(lane) });
         }
-        for k in 0..queue.lots() {
-            let (lot, open) = queue.lot(k);
-            for lane in LanesOf(open) {
-                left.push(Left { number: lot.number.0[lane], axes: lot.axes(lane) });
-            }
-        }
+        portal.push(l, lot, open & !(settled.apart | settled.touching | stuck));
     }
 }
 
-/// Writes what is known of a group of pairs; every entry is written, so that none is a branch.
+/// The mask of that many lanes.
 #[inline(always)]
-fn mark(known: &mut [Known], apart: u32, touching: u32) {
-    for (lane, known) in known.iter_mut().take(WIDTH).enumerate() {
-        let is = |bits: u32| bits >> lane & 1 == 1;
-        *known = if is(apart) {
-            Known::Apart
-        } else if is(touching) {
-            Known::Touching
-        } else {
-            Known::Open
-        };
+fn used(lanes: usize) -> u32 {
+    (1 << lanes) - 1
+}
+
+/// Writes which of a group of pairs touch; every entry is written, so that none is a branch.
+#[inline(always)]
+fn mark(touching: &mut [bool], bits: u32) {
+    for (lane, touches) in touching.iter_mut().take(WIDTH).enumerate() {
+        *touches = bits >> lane & 1 == 1;
+    }
+}
+
+/// Writes which pairs of a lot touch, without a branch; what was known of the others stays.
+#[inline(always)]
+fn scatter(touching: &mut [bool], lot: &Lot, bits: u32) {
+    for lane in 0..WIDTH {
+        if let Some(touches) = touching.get_mut(lot.number.0[lane] as usize) {
+            *touches |= bits >> lane & 1 == 1;
+        }
     }
 }
 

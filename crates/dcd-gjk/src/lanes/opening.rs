@@ -1,7 +1,7 @@
 //! The first stages of a pair: balls, the axis between the centres, the cone.
 
-use super::bounds::{HULL_OF_BALL, OUTER_BALLS, SIZE, U};
-use super::certificate::{ball_holds_origin, separates};
+use super::bounds::{HULL_OF_BALL, OUTER_BALLS, SEPARATION, SIZE, U};
+use super::certificate::{ball_holds_origin, hull_holds_origin, separates};
 use super::frame::Frame;
 use super::lot::{Lot, Number, Vector};
 use super::support::{Desk, supports};
@@ -17,13 +17,15 @@ pub(super) struct Settled {
 }
 
 /// Sixteen pairs as they enter.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Entry {
     pub(super) lot: Lot,
     /// The sum of the outer radii, rounded up.
     outer: Row,
     /// The sum of the sizes, without |δ|₁.
     size: Row,
+    /// The sum of what the choice of the vertices may lose.
+    choice: Row,
     /// The lanes in use whose objects have vertices.
     pub(super) live: u32,
 }
@@ -37,8 +39,8 @@ impl Entry {
         for (k, pair) in pairs.iter().enumerate() {
             let (a, b) = (frame.record(pair.i), frame.record(pair.j));
             lot.number.0[k] = first + k as u32;
-            lot.a.write(k, a.first, a.blocks);
-            lot.b.write(k, b.first, b.blocks);
+            lot.a.0[k] = pair.i;
+            lot.b.0[k] = pair.j;
             let [x, y, z] = b.centre;
             let delta = [a.centre[0] - x, a.centre[1] - y, a.centre[2] - z];
             lot.write_vector(Vector::C, k, [delta[0] as f32, delta[1] as f32, delta[2] as f32]);
@@ -47,6 +49,7 @@ impl Entry {
             lot.write(Number::Slack, k, a.slack + b.slack);
             self.outer.0[k] = a.outer + b.outer;
             self.size.0[k] = a.size + b.size;
+            self.choice.0[k] = a.choice + b.choice;
             self.live |= u32::from(a.blocks.min(b.blocks) > 0) << k;
         }
     }
@@ -65,6 +68,9 @@ impl Entry {
         lot.set_number(l, Number::Unit, unit);
 
         let slack = lot.number(l, Number::Slack);
+        let separation = l.add(slack, l.load(&self.choice));
+        let separation = l.mul_add(unit, l.splat(SEPARATION), separation);
+        lot.set_number(l, Number::Separation, separation);
         let squared = c.dot(l, c);
         let error = l.mul_add(unit, l.splat(HULL_OF_BALL[0]), l.add(slack, slack));
         let touching = ball_holds_origin(l, squared, l.sub(lot.number(l, Number::Inner), error));
@@ -73,25 +79,24 @@ impl Entry {
         let apart = l.lt(l.mul(outer, outer), squared);
         Settled { apart: l.bits(l.and(live, apart)), touching: l.bits(l.and(live, touching)) }
     }
+}
 
-    /// Asks for the support towards the origin: rejects if the axis between the centres separates.
-    #[inline(always)]
-    pub(super) fn centre_axis<L: Lanes>(&mut self, l: L, at: &mut Place<'_>, open: u32) -> u32 {
-        let lot = &mut self.lot;
-        let c = lot.vector(l, Vector::C);
-        let p = at.farthest(l, lot, c.neg(l), open);
-        lot.set_vector(l, Vector::P0, p);
-        open & l.bits(separates(l, lot, c, p))
-    }
+/// Asks for the support towards the origin: rejects if the axis between the centres separates.
+#[inline(always)]
+pub(super) fn centre_axis<L: Lanes>(l: L, at: &mut Place<'_>, lot: &mut Lot, used: usize) -> u32 {
+    let c = lot.vector(l, Vector::C);
+    let p = at.farthest(l, lot, c.neg(l), used);
+    lot.set_vector(l, Vector::P0, p);
+    l.bits(separates(l, lot, c, p))
+}
 
-    /// Accepts if the hull of the inner ball and that support point holds the origin.
-    #[inline(always)]
-    pub(super) fn cone<L: Lanes>(&self, l: L, open: u32) -> u32 {
-        let (c, p) = (self.lot.vector(l, Vector::C), self.lot.vector(l, Vector::P0));
-        let tau = nearest_multiple(l, c, p);
-        let v = c.plus(l, tau, p);
-        open & l.bits(super::certificate::hull_holds_origin(l, &self.lot, v, tau, 1))
-    }
+/// Accepts if the hull of the inner ball and that support point holds the origin.
+#[inline(always)]
+pub(super) fn cone<L: Lanes>(l: L, lot: &Lot) -> u32 {
+    let (c, p) = (lot.vector(l, Vector::C), lot.vector(l, Vector::P0));
+    let tau = nearest_multiple(l, c, p);
+    let v = c.plus(l, tau, p);
+    l.bits(hull_holds_origin(l, lot, v, tau, 1))
 }
 
 /// The multiple τ ≥ 0 of p that brings c + τ·p nearest to the origin.
@@ -108,11 +113,11 @@ pub(super) struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// The point of A − B farthest along d, for the lanes set in `open`.
+    /// The point of A − B farthest along d, for the first lanes.
     #[inline(always)]
-    pub(super) fn farthest<L: Lanes>(&mut self, l: L, lot: &Lot, d: V3<L>, open: u32) -> V3<L> {
-        let a = supports(l, self.frame, self.desk, (&lot.a, d), open);
-        let b = supports(l, self.frame, self.desk, (&lot.b, d.neg(l)), open);
+    pub(super) fn farthest<L: Lanes>(&mut self, l: L, lot: &Lot, d: V3<L>, used: usize) -> V3<L> {
+        let a = supports(l, self.frame, self.desk, (&lot.a, d), used);
+        let b = supports(l, self.frame, self.desk, (&lot.b, d.neg(l)), used);
         a.sub(l, b).add(l, lot.vector(l, Vector::C))
     }
 }

@@ -11,17 +11,17 @@ use dcd_geom::lanes::Lanes;
 
 /// How many supports a pair may take after the second, before it is left to f64. The median is
 /// two; pairs that need more are within rounding of touching, or thin.
-pub(super) const ROUNDS: usize = 24;
+pub(super) const ROUNDS: f32 = 24.0;
 
 /// Asks for a second point across the cone's axis: accepts if the hull of the inner ball and both
 /// points holds the origin; else spans a plane through the centre and both, and looks beyond it on
 /// the origin's side.
 #[inline(always)]
-pub(super) fn second_point<L: Lanes>(l: L, at: &mut Place<'_>, lot: &mut Lot, open: u32) -> u32 {
+pub(super) fn second_point<L: Lanes>(l: L, at: &mut Place<'_>, lot: &mut Lot, used: usize) -> u32 {
     let (c, p) = (lot.vector(l, Vector::C), lot.vector(l, Vector::P0));
     // c + τ·p is at right angles to p: the support against it opens the widest angle.
     let d = c.plus(l, nearest_multiple(l, c, p), p).neg(l);
-    let q = at.farthest(l, lot, d, open);
+    let q = at.farthest(l, lot, d, used);
 
     let (pp, pq, qq) = (p.dot(l, p), p.dot(l, q), q.dot(l, q));
     let (cp, cq) = (c.dot(l, p), c.dot(l, q));
@@ -46,8 +46,9 @@ pub(super) fn second_point<L: Lanes>(l: L, at: &mut Place<'_>, lot: &mut Lot, op
     let nothing = V3(zero, zero, zero);
     let back = nothing.plus(l, l.neg(size), shortest);
     lot.set_vector(l, Vector::D, V3::select(l, has_no_plane(l, lot, normal), back, normal));
-    lot.found &= !open;
-    open & l.bits(touching)
+    lot.set_number(l, Number::Found, zero);
+    lot.set_number(l, Number::Round, zero);
+    l.bits(touching)
 }
 
 /// One support and what follows from it: apart, touching, a better portal; or `stuck`, where the
@@ -57,13 +58,13 @@ pub(super) fn round<L: Lanes>(
     l: L,
     at: &mut Place<'_>,
     lot: &mut Lot,
-    open: u32,
+    used: usize,
 ) -> (Settled, u32) {
     let (c, d) = (lot.vector(l, Vector::C), lot.vector(l, Vector::D));
     let p = [lot.vector(l, Vector::P0), lot.vector(l, Vector::P1), lot.vector(l, Vector::P2)];
-    let w = at.farthest(l, lot, d, open);
+    let w = at.farthest(l, lot, d, used);
     let apart = separates(l, lot, d.neg(l), w);
-    let had_portal = l.mask(lot.found);
+    let had_portal = l.lt(l.splat(0.0), lot.number(l, Number::Found));
     let gain = w.sub(l, p[0]).dot(l, d);
     let rounding = l.mul(l.mul(lot.number(l, Number::Unit), l.splat(GAIN)), d.norm1(l));
     let stuck = l.or(l.and(had_portal, l.le(gain, rounding)), has_no_plane(l, lot, d));
@@ -86,7 +87,9 @@ pub(super) fn round<L: Lanes>(
     let p1 = V3::select(l, to_p1, w, p[1]);
     let p2 = V3::select(l, completes, w, p[2]);
     let found = l.or(had_portal, completes);
-    lot.found = l.bits(found);
+    lot.set_number(l, Number::Found, l.select(found, l.splat(1.0), zero));
+    let round = l.add(lot.number(l, Number::Round), l.splat(1.0));
+    lot.set_number(l, Number::Round, round);
 
     let from = V3::select(l, found, p0, c);
     let one = V3::select(l, found, p1, p0).sub(l, from);
@@ -97,8 +100,10 @@ pub(super) fn round<L: Lanes>(
     lot.set_vector(l, Vector::P1, p1);
     lot.set_vector(l, Vector::P2, p2);
     let touching = l.and(found, portal_holds_origin(l, lot, c, [p0, p1, p2]));
-    let settled = Settled { apart: open & l.bits(apart), touching: open & l.bits(touching) };
-    (settled, open & l.bits(stuck) & !settled.apart & !settled.touching)
+    let stuck = l.or(stuck, l.le(l.splat(ROUNDS), round));
+    let (apart, touching) = (l.bits(apart), l.bits(touching));
+    let settled = Settled { apart: apart & !touching, touching };
+    (settled, l.bits(stuck) & !(apart | touching))
 }
 
 /// Whether c + Σ τ_k·p_k = 0 has a solution with every τ_k ≥ 0, by the ball's certificate.

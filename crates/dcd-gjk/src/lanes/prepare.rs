@@ -1,6 +1,6 @@
 //! Objects made ready: vertices rotated, balls bounded, boxes found.
 
-use super::bounds::{CENTRE, ROTATED, U};
+use super::bounds::{CENTRE, CHOICE, ROTATED, U};
 use super::frame::{Part, Record};
 use super::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
@@ -73,16 +73,19 @@ fn place(record: &Record, core: &Core, pose: &Pose) -> Record {
     let t = pose.translation();
     let centre = *pose.rotation() * core.centre + t;
     let slack = CENTRE * (f64::EPSILON / 2.0) * (t.abs().max_element() + core.reach * stretch);
+    let tag = record.blocks.next_power_of_two() * WIDTH as u32 - 1;
     let inner = core.inner * (1.0 - pose.deviation()) + core.radius;
     Record {
         centre: centre.to_array(),
         first: record.first,
         blocks: record.blocks,
+        tag,
         inner: below(inner),
         outer: above(core.outer * stretch + core.radius),
         size: above(core.outer * stretch),
         radius: above(core.radius),
         slack: above(slack),
+        choice: above(core.outer * stretch * f64::from(tag) * CHOICE),
     }
 }
 

@@ -1,62 +1,57 @@
 //! The support of sixteen objects in sixteen directions.
 
 use super::frame::Frame;
-use super::lot::{LanesOf, Side};
 use super::vector::V3;
 use dcd_geom::lanes::{IndexRow, Lanes, Row, WIDTH};
 
 /// What [`supports`] writes on its way; kept, so that it need not be cleared.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Desk {
-    /// For each lane its vertices' values along its direction, sixteen at a time the largest.
+    /// For each lane its vertices' values along its direction, tagged, block upon block.
     along: [Row; WIDTH],
-    /// And the block that each came from.
-    block_of: [IndexRow; WIDTH],
+    /// Each lane's first block in the frame.
+    first: IndexRow,
+    /// The mask of the bits that carry a vertex's number.
+    tag: IndexRow,
 }
 
-/// For each lane set in `live`, a farthest rotated vertex of that lane's object along its
-/// direction, up to rounding and to the four bits that carry the winner's lane; other lanes are
+/// For each of the first `used` lanes, a farthest rotated vertex of that lane's object along its
+/// direction, up to rounding and to the bits that carry the vertex's number; other lanes are
 /// unspecified.
+///
+/// The number travels in the value's own lowest bits, so that the largest of all brings it along.
 #[inline(always)]
 pub(super) fn supports<L: Lanes>(
     l: L,
     frame: &Frame,
     desk: &mut Desk,
-    (side, directions): (&Side, V3<L>),
-    live: u32,
+    (objects, directions): (&IndexRow, V3<L>),
+    used: usize,
 ) -> V3<L> {
     let mut d = [Row::default(); 3];
     directions.store(l, &mut d);
-    for k in LanesOf(live) {
+    let numbers = l.lane_numbers();
+    let later = l.add_u(numbers, l.splat_u(WIDTH as u32));
+    for k in 0..used.min(WIDTH) {
+        let record = frame.record(objects.0[k]);
+        desk.first.0[k] = record.first;
+        desk.tag.0[k] = record.tag;
         let d = V3::<L>(l.splat(d[0].0[k]), l.splat(d[1].0[k]), l.splat(d[2].0[k]));
-        let Some((head, tail)) = frame.blocks(side, k).split_first() else { continue };
-        let mut best = V3::load(l, &head.0).dot(l, d);
-        if !tail.is_empty() {
-            let mut block_of = l.splat_u(0);
-            let mut number = 0;
-            for block in tail {
-                number += 1;
-                let value = V3::load(l, &block.0).dot(l, d);
-                block_of = l.select_u(l.lt(best, value), l.splat_u(number), block_of);
-                best = l.max(value, best);
+        let tag = l.splat_u(record.tag);
+        let Some((block, rest)) = frame.blocks_of(record).split_first() else { continue };
+        let mut best = l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers);
+        // Most hulls have two blocks.
+        if let Some((block, rest)) = rest.split_first() {
+            best = l.max(best, l.tag(V3::load(l, &block.0).dot(l, d), tag, later));
+            let mut numbers = later;
+            for block in rest {
+                numbers = l.add_u(numbers, l.splat_u(WIDTH as u32));
+                best = l.max(best, l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers));
             }
-            l.store_u(block_of, &mut desk.block_of[k]);
         }
-        l.store(l.tag(best), &mut desk.along[k]);
+        l.store(best, &mut desk.along[k]);
     }
-    let mut winner = Row::default();
-    l.store(l.largest_of_each(&desk.along), &mut winner);
-
-    let mut points = [Row::default(); 3];
-    for k in LanesOf(live) {
-        let blocks = frame.blocks(side, k);
-        let lane = (winner.0[k].to_bits() & 15) as usize;
-        let number = if blocks.len() > 1 { desk.block_of[k].0[lane] as usize } else { 0 };
-        if let Some(block) = blocks.get(number) {
-            points[0].0[k] = block.0[0].0[lane];
-            points[1].0[k] = block.0[1].0[lane];
-            points[2].0[k] = block.0[2].0[lane];
-        }
-    }
-    V3::load(l, &points)
+    let number = l.tag_of(l.largest_of_each(&desk.along), l.load_u(&desk.tag));
+    let [x, y, z] = l.pick(frame.blocks(), l.load_u(&desk.first), number);
+    V3(x, y, z)
 }

@@ -4,8 +4,8 @@
 
 use super::bounds::{ROTATED, U};
 use super::frame::Frame;
-use super::lot::{LanesOf, Lot, Vector};
-use super::opening::{Entry, Place, Settled};
+use super::lot::{Lot, Vector};
+use super::opening::{Entry, Place, Settled, centre_axis, cone};
 use super::support::{Desk, supports};
 use super::vector::V3;
 use super::{Overlap, portal};
@@ -140,12 +140,10 @@ fn prepared_vertices_and_boxes_are_those_of_the_plain_pose() {
         for (i, ours) in aabbs.iter().enumerate() {
             let polytope = scene.shape(i).as_polytope().unwrap();
             let (record, pose) = (frame.record(i as u32), &scene.poses()[i]);
-            let mut side = super::lot::Side::default();
-            side.write(0, record.first, record.blocks);
             let bound = f64::from(ROTATED * U * record.size);
             for (k, &v) in polytope.vertices().iter().enumerate() {
                 let turned = *pose.rotation() * (v - polytope.inner().centre);
-                let block = frame.blocks(&side, 0)[k / WIDTH];
+                let block = frame.blocks_of(record)[k / WIDTH];
                 let found = DVec3::from_array(block.0.map(|row| f64::from(row.0[k % WIDTH])));
                 assert!((found - turned).abs().max_element() <= bound, "{path:?} {i} {k}");
                 assert!((record.outer as f64) >= turned.length());
@@ -163,7 +161,7 @@ struct Ask<'a> {
     frame: &'a Frame,
     lot: &'a Lot,
     directions: &'a [Row; 3],
-    live: u32,
+    used: usize,
 }
 
 impl Kernel for Ask<'_> {
@@ -173,7 +171,7 @@ impl Kernel for Ask<'_> {
     fn run<L: Lanes>(self, l: L) -> [Row; 3] {
         let mut points = [Row::default(); 3];
         let side = (&self.lot.a, V3::load(l, self.directions));
-        supports(l, self.frame, &mut Desk::default(), side, self.live).store(l, &mut points);
+        supports(l, self.frame, &mut Desk::default(), side, self.used).store(l, &mut points);
         points
     }
 }
@@ -188,26 +186,26 @@ fn no_vertex_is_farther_than_the_support_by_more_than_its_bound() {
             let directions: [DVec3; WIDTH] = std::array::from_fn(|_| numbers.vector());
             let rows = [0, 1, 2].map(|axis| Row(directions.map(|d| d[axis] as f32)));
             for k in 0..WIDTH {
-                let record = frame.record(first + k as u32);
-                lot.a.write(k, record.first, record.blocks);
+                lot.a.0[k] = first + k as u32;
             }
-            let live = 0b1011_0111_1101_1111;
+            let used = WIDTH - first as usize % 3;
             let found =
-                dispatch_on(path, Ask { frame: &frame, lot: &lot, directions: &rows, live });
-            for k in LanesOf(live) {
+                dispatch_on(path, Ask { frame: &frame, lot: &lot, directions: &rows, used });
+            for k in 0..used {
                 let at = |rows: &[Row; 3]| {
                     DVec3::from_array([0, 1, 2].map(|axis| f64::from(rows[axis].0[k])))
                 };
                 let (d, point) = (at(&rows), at(&found));
                 let record = frame.record(first + k as u32);
-                let farthest = frame.blocks(&lot.a, k).iter().flat_map(|block| {
+                let farthest = frame.blocks_of(record).iter().flat_map(|block| {
                     (0..WIDTH).map(move |lane| {
                         DVec3::from_array(block.0.map(|row| f64::from(row.0[lane])))
                     })
                 });
                 let farthest = farthest.map(|v| v.dot(d)).fold(f64::MIN, f64::max);
-                // Two dot products of 3u, and fifteen units in the last place for the lane number.
-                let bound = f64::from(36.1 * U * record.size) * d.abs().element_sum();
+                // Two dot products of 3u, and what the vertex's number may hide.
+                let bound = 6.1 * f64::from(U * record.size) + f64::from(record.choice);
+                let bound = bound * d.abs().element_sum();
                 assert!(point.dot(d) >= farthest - bound, "{path:?} {k}");
             }
         }
@@ -243,18 +241,19 @@ impl Kernel for Stages<'_> {
         let balls = entry.balls(l);
         let live = entry.live;
         // Every stage is asked about every pair, settled or not: each has its twin.
-        let axis = entry.centre_axis(l, &mut at, live);
-        let cone = entry.cone(l, live);
-        let second = portal::second_point(l, &mut at, &mut entry.lot, live);
+        let used = self.pairs.len();
+        let axis = centre_axis(l, &mut at, &mut entry.lot, used);
+        let cone = cone(l, &entry.lot) & !axis;
+        let second = portal::second_point(l, &mut at, &mut entry.lot, used);
         let mut p = [[Row::default(); 3]; 2];
         entry.lot.vector(l, Vector::P0).store(l, &mut p[0]);
         entry.lot.vector(l, Vector::P1).store(l, &mut p[1]);
         let mut rounds = Settled::default();
         let mut open = live & !(balls.apart | balls.touching | axis | cone | second);
-        for _ in 0..portal::ROUNDS {
-            let (settled, stuck) = portal::round(l, &mut at, &mut entry.lot, open);
-            rounds.apart |= settled.apart;
-            rounds.touching |= settled.touching;
+        while open != 0 {
+            let (settled, stuck) = portal::round(l, &mut at, &mut entry.lot, used);
+            rounds.apart |= settled.apart & open;
+            rounds.touching |= settled.touching & open;
             open &= !(settled.apart | settled.touching | stuck);
         }
         Said { live, balls, axis, cone, second, p, rounds }
