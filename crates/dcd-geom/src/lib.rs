@@ -13,6 +13,7 @@ mod core;
 mod curved;
 mod divide;
 mod error;
+mod facets;
 mod half_space;
 #[allow(unsafe_code)] // the one module that may: each block carries its SAFETY line
 pub mod lanes;
@@ -31,6 +32,7 @@ pub use core::{Core, Cores};
 pub use curved::{Curved, CurvedKind};
 pub use divide::Divide;
 pub use error::{PoseError, SceneError, ShapeError};
+pub use facets::{FLATNESS, Facet, Facets};
 pub use half_space::HalfSpace;
 pub use pair::Pair;
 pub use polytope::{Kind, Polytope};

@@ -4,8 +4,9 @@ use crate::ball::{Ball, reach};
 use crate::error::check_length;
 use crate::lanes::{Block, WIDTH};
 use crate::support::farthest;
-use crate::{Real, ShapeError, Support, SupportMap};
+use crate::{Facets, Real, ShapeError, Support, SupportMap};
 use glam::DVec3;
+use std::sync::OnceLock;
 
 /// What a polytope was made as: the parameters that a closed form, or another library, needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +39,7 @@ pub struct Polytope {
     inner: Ball,
     outer_radius: f64,
     reach: f64,
+    facets: OnceLock<Facets>,
 }
 
 impl Polytope {
@@ -123,7 +125,8 @@ impl Polytope {
     fn from_parts(kind: Kind, vertices: Vec<DVec3>, inner: Ball) -> Self {
         let outer_radius = Ball::around(inner.centre, &vertices).radius;
         let reach = reach(vertices.iter().copied());
-        Self { kind, vertices, radius: 0.0, inner, outer_radius, reach }
+        let facets = OnceLock::new();
+        Self { kind, vertices, radius: 0.0, inner, outer_radius, reach, facets }
     }
 
     /// What it was made as.
@@ -149,6 +152,12 @@ impl Polytope {
     /// The radius of a ball round [`Polytope::inner`]'s centre that holds the core, rounded up.
     pub fn outer_radius(&self) -> f64 {
         self.outer_radius
+    }
+
+    /// The faces of the core: found when they are first asked for, and then shared by all objects,
+    /// threads and frames.
+    pub fn facets(&self) -> &Facets {
+        self.facets.get_or_init(|| Facets::of(&self.vertices))
     }
 
     /// The largest distance of a vertex from the origin of the shape's own frame, rounded up.
