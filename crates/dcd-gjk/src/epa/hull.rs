@@ -137,6 +137,16 @@ impl Hull {
         0
     }
 
+    /// Takes the next face out of the queue, nearest first; it stays a part of the surface.
+    pub(super) fn take_nearest(&mut self) -> Option<u32> {
+        while let Some(queued) = self.queue.pop() {
+            if self.face(queued.face).alive {
+                return Some(queued.face);
+            }
+        }
+        None
+    }
+
     /// The hull of itself and a point that lies strictly beyond the face `seen`.
     ///
     /// The faces that the point lies strictly beyond are connected and bounded by one simple

@@ -27,6 +27,7 @@ mod answer;
 mod apart;
 mod hull;
 mod lattice;
+mod rival;
 mod search;
 mod start;
 mod wide;
@@ -34,11 +35,12 @@ mod witness;
 
 use crate::{Body, Verdict, exact, order};
 use answer::{Answer, Certainty};
+use apart::Gap;
 use dcd_geom::Polytope;
 use dcd_geom::glam::DVec3;
 use hull::Hull;
 use lattice::LatticeDifference;
-use search::{GROWTHS, Separated, Viewer};
+use search::{Bounds, GROWTHS, Separated, Viewer};
 
 /// How deep two shapes overlap, where, and what that is worth. World frame, metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -121,23 +123,64 @@ pub fn depth_of_overlap(
     in_canonical_order(a, b, scratch).0
 }
 
+/// Whether the direction of least depth is the only one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Direction {
+    /// Any other is deeper, by more than a billionth.
+    Alone,
+    /// Another is as good but for that; or it could not be told.
+    Rivalled,
+}
+
+/// The depth of a pair known to touch, and whether its direction is the only one.
+pub(crate) fn depth_and_direction(
+    a: Body<'_, Polytope>,
+    b: Body<'_, Polytope>,
+    scratch: &mut Scratch,
+) -> (Depth, Direction) {
+    let mut direction = Direction::Rivalled;
+    let swapped = order::are_swapped(a, b);
+    let (a, b) = if swapped { (b, a) } else { (a, b) };
+    let (depth, _) = solve(a, b, scratch, |viewer, hull, outcome| {
+        direction = match outcome {
+            Outcome::Overlap(bounds) => viewer.direction(hull, bounds),
+            // The nearest points of convex sets that are apart lie along one direction.
+            Outcome::Gap(gap) if gap.lower > viewer.difference.slack() => Direction::Alone,
+            Outcome::Gap(_) | Outcome::Separated => Direction::Rivalled,
+        };
+    });
+    (if swapped { depth.mirrored() } else { depth }, direction)
+}
+
 fn in_canonical_order(
     a: Body<'_, Polytope>,
     b: Body<'_, Polytope>,
     scratch: &mut Scratch,
 ) -> (Depth, Certainty) {
     if order::are_swapped(a, b) {
-        let (depth, certainty) = solve(b, a, scratch);
+        let (depth, certainty) = solve(b, a, scratch, |_, _, _| {});
         (depth.mirrored(), certainty)
     } else {
-        solve(a, b, scratch)
+        solve(a, b, scratch, |_, _, _| {})
     }
 }
 
+/// What the search ended with.
+enum Outcome<'a> {
+    /// Cores that overlap, or touch within rounding.
+    Overlap(&'a Bounds),
+    /// Cores that are apart, or touch within rounding.
+    Gap(&'a Gap),
+    /// Cores without a radius that are apart.
+    Separated,
+}
+
+/// `inspect` sees the outcome with the search as it ended; its hull is used up after.
 fn solve(
     a: Body<'_, Polytope>,
     b: Body<'_, Polytope>,
     scratch: &mut Scratch,
+    mut inspect: impl FnMut(&mut Viewer<'_>, &mut Hull, Outcome<'_>),
 ) -> (Depth, Certainty) {
     let Scratch { hull, dots } = scratch;
     let mut viewer = Viewer { difference: LatticeDifference::new(a, b, dots) };
@@ -148,15 +191,22 @@ fn solve(
         viewer.tetrahedron(centre).and_then(|corners| viewer.expand(corners, hull, GROWTHS));
     let answer = match found {
         Ok(bounds) if bounds.enclosed || radius == 0.0 => {
-            Answer::of_overlap(&viewer.difference, hull, bounds, radius)
+            let answer = Answer::of_overlap(&viewer.difference, hull, bounds, radius);
+            inspect(&mut viewer, hull, Outcome::Overlap(&bounds));
+            answer
         }
         Ok(bounds) => {
             let gap = viewer.gap(bounds.normal);
+            inspect(&mut viewer, hull, Outcome::Gap(&gap));
             Answer::of_gap(&viewer.difference, &gap, bounds.upper, radii)
         }
-        Err(Separated { normal }) if radius == 0.0 => Answer::apart(normal),
+        Err(Separated { normal }) if radius == 0.0 => {
+            inspect(&mut viewer, hull, Outcome::Separated);
+            Answer::apart(normal)
+        }
         Err(Separated { normal }) => {
             let gap = viewer.gap(normal);
+            inspect(&mut viewer, hull, Outcome::Gap(&gap));
             Answer::of_gap(&viewer.difference, &gap, 0.0, radii)
         }
     };

@@ -3,17 +3,17 @@
 use super::sampled;
 use crate::closed::half_space;
 use crate::epa::{self, Depth};
-use crate::{Body, PairSolver, Placed, Rung, Verdict, certified};
+use crate::{Body, PairSolver, Placed, Reason, Rung, Verdict, certified};
 use dcd_geom::Shape;
 
 /// How deep a pair overlaps, where, and with what bound: see [`Depth`].
 ///
 /// A touching pair always has its depth, exact touching included (0). Between polytopes, rounded
 /// or not, the bound is at most 1e-9 of the depth but for 1e-22 of the pair's size, and nothing is
-/// undecided; nor against a half-space, out of which the shortest way is along its normal. With
-/// another shape the depth is that of polytopes inside the shapes, which grow
-/// where it is decided, bounded from above by the shapes' own supports; a pair is undecided where
-/// [`certified::overlap_of`] is.
+/// undecided; nor against a half-space, out of which the shortest way is along its normal (two of
+/// them have no depth: [`Reason::Range`]). With another shape the depth is that of polytopes inside
+/// the shapes, which grow where it is decided, bounded from above by the shapes' own supports; a
+/// pair is undecided where [`certified::overlap_of`] is.
 ///
 /// Ten to twenty microseconds for hulls of tens of vertices; some hundred for other shapes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,7 +32,7 @@ impl PairSolver for Depths {
     }
 
     fn measure(&self, a: Placed<'_>, b: Placed<'_>, scratch: &mut epa::Scratch) -> Verdict<Depth> {
-        Verdict::Touching(of_touching(a, b, scratch))
+        of_touching(a, b, scratch)
     }
 
     fn settle(
@@ -47,7 +47,7 @@ impl PairSolver for Depths {
         }
         let (verdict, rung) = certified::overlap_of(a, b);
         let verdict = match verdict {
-            Verdict::Touching(()) => Verdict::Touching(of_touching(a, b, scratch)),
+            Verdict::Touching(()) => of_touching(a, b, scratch),
             Verdict::Apart => Verdict::Apart,
             Verdict::Undecided(reason) => Verdict::Undecided(reason),
         };
@@ -56,15 +56,23 @@ impl PairSolver for Depths {
 }
 
 /// The depth of two shapes that are known to touch.
-pub(super) fn of_touching(a: Placed<'_>, b: Placed<'_>, scratch: &mut epa::Scratch) -> Depth {
-    if let Some(Verdict::Touching(depth)) = half_space::depth(a, b) {
-        return depth;
+pub(super) fn of_touching(
+    a: Placed<'_>,
+    b: Placed<'_>,
+    scratch: &mut epa::Scratch,
+) -> Verdict<Depth> {
+    if let Some(verdict) = half_space::depth(a, b) {
+        return verdict;
     }
     match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
             let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
-            epa::depth_of_overlap(a, b, scratch)
+            Verdict::Touching(epa::depth_of_overlap(a, b, scratch))
         }
-        _ => sampled::depth_of_overlap(a, b, scratch),
+        // Two half-spaces: hardly ever to be parted at all.
+        _ if !(a.shape.reach().is_finite() && b.shape.reach().is_finite()) => {
+            Verdict::Undecided(Reason::Range)
+        }
+        _ => Verdict::Touching(sampled::depth_of_overlap(a, b, scratch)),
     }
 }

@@ -5,6 +5,7 @@
 //! | [`Within`] | which pairs are within a margin | nothing |
 //! | [`Distances`] | how far apart, within a margin | [`Distance`](crate::Distance) |
 //! | [`Depths`] | how deep | [`Depth`](crate::epa::Depth) |
+//! | [`Proximities`] | how far or how deep, and how that changes with the poses | [`Proximity`] |
 //!
 //! [`Within`] is a narrow phase. The others are solvers of single pairs: [`OfTouching`] asks them
 //! after the lanes, and only of the pairs that the lanes find, so that a scene of which one pair
@@ -21,15 +22,18 @@
 //! with the smaller index, to b. Asked of (b, a), a solver answers the same bits, mirrored. A bound
 //! is proved: the truth lies within it.
 
+mod contact_set;
 mod depths;
 mod distances;
 mod of_touching;
+mod proximity;
 mod sampled;
 mod within;
 
 pub use depths::Depths;
 pub use distances::Distances;
 pub use of_touching::OfTouching;
+pub use proximity::{Gradient, Proximities, Proximity, Smoothness, Twist};
 pub use within::Within;
 
 pub(crate) use within::grown;

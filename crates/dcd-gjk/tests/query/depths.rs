@@ -109,3 +109,34 @@ fn the_depth_of_a_swapped_pair_is_mirrored_bit_for_bit() {
     }
     assert!(touching > 100, "{touching}");
 }
+
+#[test]
+fn a_cylinder_and_a_cone_have_their_depth_against_boxes_and_each_other() {
+    let (cylinder, cone) = (Shape::cylinder(1.0, 0.5).unwrap(), Shape::cone(1.0, 0.5).unwrap());
+    let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+    let turn = DQuat::from_rotation_z(0.7);
+    // Caps and sides whose depth is known: along z two half heights, along x a radius.
+    for (a, b, place, depth) in [
+        (&cylinder, &cube, DVec3::new(0.1, 0.0, 1.4), 0.1),
+        (&cylinder, &cube, DVec3::new(0.9, 0.0, 0.0), 0.1),
+        (&cylinder, &cylinder, DVec3::new(0.6, 0.0, 0.3), 0.4),
+        (&cone, &cube, DVec3::new(0.1, 0.0, -1.4), 0.1),
+    ] {
+        let flat = DQuat::IDENTITY;
+        let (a, b) = (Body::new(a.clone(), turn, DVec3::ZERO), Body::new(b.clone(), flat, place));
+        let found = told(&Depths, &a, &b);
+        assert!((found.depth - depth).abs() <= found.error_bound, "{found:?}");
+        assert!(found.error_bound < 1e-8 * depth, "{found:?}");
+    }
+}
+
+#[test]
+fn a_floor_has_the_depth_of_what_is_below_it() {
+    let floor = Shape::half_space(DVec3::Z, 0.0).unwrap();
+    let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+    let (a, b) = (Body::at(&floor, DVec3::ZERO), Body::at(&cube, DVec3::Z * 0.25));
+    let found = told(&Depths, &a, &b);
+    assert!((found.depth - 0.25).abs() <= found.error_bound && found.normal == DVec3::Z);
+    assert_eq!(ask(&Depths, &a, &Body::at(&cube, DVec3::Z)), Verdict::Apart);
+    assert!(matches!(ask(&Depths, &a, &a), Verdict::Undecided(_)));
+}

@@ -1,0 +1,194 @@
+//! How far apart or how deep, as one number, and how it changes when the objects move.
+
+use super::contact_set::Extent;
+use super::depths;
+use crate::epa::{self, Direction};
+use crate::{Body, Distance, Distances, PairSolver, Placed, Rung, Verdict};
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Shape, ShapeError};
+
+/// The signed distance of two objects, where it is measured, and its derivatives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Proximity {
+    /// The distance of objects that are apart; less the depth of those that touch. Metres, finite.
+    pub signed_distance: f64,
+    /// The true one is within `signed_distance ± error_bound`. Metres, finite; `f64::MAX` marks a
+    /// number that f64 does not hold.
+    pub error_bound: f64,
+    /// The direction in which the objects are nearest, or part soonest: from a to b, of unit
+    /// length.
+    pub normal: DVec3,
+    /// The point of a nearest to b, or deepest in it. World frame, metres.
+    pub point_a: DVec3,
+    /// The point of b nearest to a, or deepest in it.
+    pub point_b: DVec3,
+    /// How the signed distance changes.
+    pub gradient: Gradient,
+    /// Whether it has that derivative.
+    pub smoothness: Smoothness,
+}
+
+/// The derivatives of a signed distance with respect to both poses.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gradient {
+    /// For a motion of a.
+    pub a: Twist,
+    /// For a motion of b.
+    pub b: Twist,
+}
+
+/// The derivative for a motion of one object, the other standing still. World axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Twist {
+    /// For a translation, per axis: metres a metre.
+    pub translation: DVec3,
+    /// For a rotation about the origin of the object's own frame, per axis: metres a radian.
+    pub rotation: DVec3,
+}
+
+/// Whether the signed distance has a derivative at these poses.
+///
+/// Where it has none, the gradient told is that of one of the directions or points that are equally
+/// near: a step against it still brings the objects together, or apart, at first order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Smoothness {
+    /// Not known: one of the shapes is a cylinder, a cone, or known by its support map alone.
+    #[default]
+    Unknown,
+    /// It has, and the gradient is it.
+    Smooth,
+    /// Faces or edges are parallel, to within a billionth: the points are not the only ones, and
+    /// the derivatives for rotations differ with their sense. Those for translations hold.
+    ManyPoints,
+    /// Several directions part the objects equally soon, to within a billionth, or the objects just
+    /// touch at an edge or a vertex.
+    ManyDirections,
+}
+
+/// The signed distance, with derivatives, of the pairs within a margin: "touching" is "within the
+/// margin".
+///
+/// Costs what [`Distances`] costs where objects are apart, and a little more than
+/// [`Depths`](super::Depths) where they touch.
+#[derive(Clone, Copy, Debug)]
+pub struct Proximities {
+    distances: Distances,
+}
+
+impl Proximities {
+    /// Of the pairs within that many metres.
+    ///
+    /// # Errors
+    /// A margin that is negative, not a number, or above [`dcd_geom::Aabb::LIMIT`].
+    pub fn within(margin: f64) -> Result<Self, ShapeError> {
+        Ok(Self { distances: Distances::within(margin)? })
+    }
+}
+
+impl PairSolver for Proximities {
+    type Answer = Proximity;
+    type Scratch = epa::Scratch;
+
+    fn rung(&self) -> Rung {
+        Rung::F64
+    }
+
+    fn margin(&self) -> f64 {
+        self.distances.margin()
+    }
+
+    fn solve(
+        &self,
+        a: Placed<'_>,
+        b: Placed<'_>,
+        scratch: &mut epa::Scratch,
+    ) -> Verdict<Proximity> {
+        told(self.distances.solve(a, b, &mut ()), a, b, scratch)
+    }
+
+    fn measure(
+        &self,
+        a: Placed<'_>,
+        b: Placed<'_>,
+        scratch: &mut epa::Scratch,
+    ) -> Verdict<Proximity> {
+        told(self.distances.measure(a, b, &mut ()), a, b, scratch)
+    }
+}
+
+fn told(
+    verdict: Verdict<Option<Distance>>,
+    a: Placed<'_>,
+    b: Placed<'_>,
+    scratch: &mut epa::Scratch,
+) -> Verdict<Proximity> {
+    match verdict {
+        Verdict::Apart => Verdict::Apart,
+        Verdict::Undecided(reason) => Verdict::Undecided(reason),
+        Verdict::Touching(Some(found)) => Verdict::Touching(
+            Proximity {
+                signed_distance: found.distance,
+                error_bound: found.error_bound,
+                normal: found.normal,
+                point_a: found.point_a,
+                point_b: found.point_b,
+                ..Proximity::default()
+            }
+            .with_gradient(a, b, Direction::Alone),
+        ),
+        Verdict::Touching(None) => overlapping(a, b, scratch),
+    }
+}
+
+fn overlapping(a: Placed<'_>, b: Placed<'_>, scratch: &mut epa::Scratch) -> Verdict<Proximity> {
+    let (verdict, direction) = match (a.shape, b.shape) {
+        (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
+            let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+            let (found, direction) = epa::depth_and_direction(a, b, scratch);
+            (Verdict::Touching(found), direction)
+        }
+        _ => (depths::of_touching(a, b, scratch), Direction::Alone),
+    };
+    let found = match verdict {
+        Verdict::Touching(found) => found,
+        Verdict::Apart => return Verdict::Apart,
+        Verdict::Undecided(reason) => return Verdict::Undecided(reason),
+    };
+    let touching = Proximity {
+        signed_distance: -found.depth,
+        error_bound: found.error_bound,
+        normal: found.normal,
+        point_a: found.point_a,
+        point_b: found.point_b,
+        ..Proximity::default()
+    };
+    Verdict::Touching(touching.with_gradient(a, b, direction))
+}
+
+impl Proximity {
+    /// A point x that moves with an object moves by δt + δω × (x − t); the signed distance changes
+    /// by the normal's part of that, for neither the normal's own change nor the points' along
+    /// their features counts at first order (docs/numerics.md, "derivatives").
+    fn with_gradient(self, a: Placed<'_>, b: Placed<'_>, direction: Direction) -> Self {
+        let Self { normal, point_a, point_b, .. } = self;
+        let turning =
+            |point: DVec3, side: Placed<'_>| (point - side.pose.translation()).cross(normal);
+        let gradient = Gradient {
+            a: Twist { translation: -normal, rotation: -turning(point_a, a) },
+            b: Twist { translation: normal, rotation: turning(point_b, b) },
+        };
+        let smoothness = match (direction, Extent::of(a, normal), Extent::of(b, -normal)) {
+            (_, None, _) | (_, _, None) => Smoothness::Unknown,
+            (Direction::Rivalled, ..) => Smoothness::ManyDirections,
+            (Direction::Alone, Some(in_a), Some(in_b)) => {
+                if in_a.meets_in_one_point(&in_b) {
+                    Smoothness::Smooth
+                } else {
+                    Smoothness::ManyPoints
+                }
+            }
+        };
+        Self { gradient, smoothness, ..self }
+    }
+}
