@@ -65,9 +65,9 @@ impl Measured {
     }
 }
 
-/// The rungs take turns on so many pairs: a slice of the pipeline's. The least time of the rounds
+/// The rungs take turns on so many pairs, less than a scheduler's slice. The least time of the rounds
 /// counts, slice by slice, so that whatever else the machine does falls out of the sum.
-const CHUNK: usize = 2048;
+const CHUNK: usize = 512;
 /// Rounds of a full run and of a quick one.
 const ROUNDS: [usize; 2] = [5, 3];
 /// No more pairs of a scene are asked for distance and depth, in a full run and in a quick one.

@@ -20,7 +20,7 @@ const NO_ERROR: f64 = 1e-20;
 
 /// What a reader of the tables must know.
 const NOTES: [&str; 5] = [
-    "The rungs take turns on slices of 2,048 pairs, in one process on one thread; the least time of \
+    "The rungs take turns on slices of 512 pairs, in one process on one thread; the least time of \
      the rounds counts, slice by slice. What depends on an object alone is made outside of the \
      timer: world boxes, the lanes' rotated vertices, Parry's shapes and poses.",
     "`boxes` and `balls` are conservative: their \"apart\" is never wrong, their \"touching\" only \
