@@ -15,7 +15,7 @@ type Check = fn() -> Result<()>;
 /// # Errors
 /// The first check that fails, by name.
 pub fn run() -> Result<()> {
-    let checks: [(&str, Check); 7] = [
+    let checks: [(&str, Check); 8] = [
         ("format", format),
         ("dependency policy", dependency_policy),
         ("clippy", clippy),
