@@ -27,5 +27,7 @@ pub use distance::{Distance, DistanceResult};
 pub use door::{Contact, Findings, NarrowPhase, Reason, Report, Rung, Undecided, Verdict};
 pub use each_pair::{EachPair, Nothing, PairSolver, Placed};
 pub use lanes::Overlap;
-pub use query::{Depths, Distances, OfTouching, Proximities, Proximity, Within};
+pub use query::{
+    Depths, Distances, Manifold, Manifolds, OfTouching, Proximities, Proximity, Within,
+};
 pub use solvers::{Certified, Gjk};

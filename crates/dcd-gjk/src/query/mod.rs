@@ -5,6 +5,7 @@
 //! | [`Within`] | which pairs are within a margin | nothing |
 //! | [`Distances`] | how far apart, within a margin | [`Distance`](crate::Distance) |
 //! | [`Depths`] | how deep | [`Depth`](crate::epa::Depth) |
+//! | [`Manifolds`] | where they touch, in up to four points | [`Manifold`] |
 //! | [`Proximities`] | how far or how deep, and how that changes with the poses | [`Proximity`] |
 //!
 //! [`Within`] is a narrow phase. The others are solvers of single pairs: [`OfTouching`] asks them
@@ -25,6 +26,7 @@
 mod contact_set;
 mod depths;
 mod distances;
+mod manifold;
 mod of_touching;
 mod proximity;
 mod sampled;
@@ -32,6 +34,7 @@ mod within;
 
 pub use depths::Depths;
 pub use distances::Distances;
+pub use manifold::{Feature, Manifold, ManifoldPoint, Manifolds};
 pub use of_touching::OfTouching;
 pub use proximity::{Gradient, Proximities, Proximity, Smoothness, Twist};
 pub use within::Within;

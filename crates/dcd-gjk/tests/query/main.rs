@@ -2,6 +2,7 @@
 
 mod depths;
 mod distances;
+mod manifolds;
 mod proximity;
 mod scenes;
 mod within;

@@ -1,0 +1,205 @@
+//! What two features have in common, seen along the normal.
+
+use super::Feature;
+use super::feature::{Point, Seen, edge};
+use dcd_geom::glam::DVec2;
+
+/// The sine below which two edges are parallel: they then meet along a length, not in a point.
+/// Larger: points where parallel edges lean apart. Smaller: one point where a beam lies on another.
+const PARALLEL: f64 = 1e-9;
+
+/// How far apart two corners must be, relative to the size, not to be one.
+const APART: f64 = 1e-9;
+
+/// A corner of what two features have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    /// Where, in the plane.
+    pub(super) at: DVec2,
+    /// The height of a's feature there, and of b's.
+    pub(super) heights: [f64; 2],
+    pub(super) features: [Feature; 2],
+    /// What the edge to the next corner is a part of.
+    side: Side,
+}
+
+/// What an edge of the patch is a part of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    /// An edge of the feature that is clipped, by its vertices.
+    Clipped(u32, u32),
+    /// An edge of the feature that clips.
+    Clips(u32, u32),
+    /// Where the depth is 0.
+    Surface,
+}
+
+impl Corner {
+    /// Of the cores; negative where they are apart.
+    pub(super) fn depth(&self) -> f64 {
+        self.heights[0] - self.heights[1]
+    }
+}
+
+/// What two features have in common, with the memory that clipping takes.
+#[derive(Debug, Default)]
+pub(super) struct Patch {
+    corners: Vec<Corner>,
+    next: Vec<Corner>,
+}
+
+/// Which of the two is clipped: its number in a pair.
+#[derive(Clone, Copy)]
+struct Clipping<'a> {
+    clipped: &'a Seen<'a>,
+    clips: &'a Seen<'a>,
+    /// 0 if that is a, 1 if b.
+    number: usize,
+}
+
+impl Patch {
+    pub(super) fn corners(&self) -> &[Corner] {
+        &self.corners
+    }
+
+    /// Where the cores are at least `least` deep.
+    pub(super) fn of(&mut self, a: &Seen<'_>, b: &Seen<'_>, least: f64, size: f64) {
+        self.corners.clear();
+        // The face that is more square to the normal clips: its plane is the better known.
+        let clipping = if a.facing() >= b.facing() {
+            Clipping { clipped: b, clips: a, number: 1 }
+        } else {
+            Clipping { clipped: a, clips: b, number: 0 }
+        };
+        match (clipping.clips.len(), clipping.clipped.len()) {
+            (3.., 2..) => self.clip(clipping, least),
+            (2, 2) => self.parallel_edges(a, b),
+            _ => {}
+        }
+        self.drop_doubles(size);
+    }
+
+    fn clip(&mut self, clipping: Clipping<'_>, least: f64) {
+        self.begin(clipping);
+        let Clipping { clips, .. } = clipping;
+        let mut last: Option<Point> = clips.points().last();
+        for to in clips.points() {
+            let Some(from) = last.replace(to) else { return };
+            let along = to.at - from.at;
+            let inside = |corner: &Corner| along.perp_dot(corner.at - from.at);
+            self.cut(inside, Side::Clips(from.index, to.index), clipping);
+        }
+        self.cut(|corner| corner.depth() - least, Side::Surface, clipping);
+    }
+
+    /// The clipped feature as it is.
+    fn begin(&mut self, Clipping { clipped, clips, number }: Clipping<'_>) {
+        let mut points = clipped.points().peekable();
+        let Some(&first) = points.peek() else { return };
+        while let Some(Point { index, at, height }) = points.next() {
+            let next = points.peek().unwrap_or(&first).index;
+            let mut heights = [clips.height(at); 2];
+            heights[number] = height;
+            let mut features = [clips.whole(); 2];
+            features[number] = Feature::Vertex(index);
+            self.corners.push(Corner { at, heights, features, side: Side::Clipped(index, next) });
+        }
+    }
+
+    /// Keeps where a function that is linear over the patch is at least 0 (Sutherland and Hodgman
+    /// 1974).
+    fn cut(&mut self, value: impl Fn(&Corner) -> f64, side: Side, clipping: Clipping<'_>) {
+        self.next.clear();
+        for (k, corner) in self.corners.iter().enumerate() {
+            let after = &self.corners[(k + 1) % self.corners.len()];
+            let (here, there) = (value(corner), value(after));
+            if here >= 0.0 {
+                self.next.push(*corner);
+            }
+            if (here >= 0.0) != (there >= 0.0) {
+                let mut between = corner.towards(after, here / (here - there));
+                between.features = clipping.features(corner.side, side);
+                between.side = if here >= 0.0 { side } else { corner.side };
+                self.next.push(between);
+            }
+        }
+        std::mem::swap(&mut self.corners, &mut self.next);
+    }
+
+    /// The ends of what two edges share, if they are parallel; nothing if they cross.
+    fn parallel_edges(&mut self, a: &Seen<'_>, b: &Seen<'_>) {
+        let mut ends_a = a.points();
+        let mut ends_b = b.points();
+        let (Some(p), Some(q)) = (ends_a.next(), ends_a.next()) else { return };
+        let (Some(r), Some(s)) = (ends_b.next(), ends_b.next()) else { return };
+        let (e, f) = (q.at - p.at, s.at - r.at);
+        if e.perp_dot(f).abs() > PARALLEL * e.length() * f.length() || e == DVec2::ZERO {
+            return;
+        }
+        let along = |point: &Point| (point.at - p.at).dot(e) / e.length_squared();
+        let mut others = [r, s];
+        others.sort_by(|v, w| along(v).total_cmp(&along(w)));
+        let [low, high] = others.map(|point| along(&point));
+        let (from, to) = (low.max(0.0), high.min(1.0));
+        if !(from <= to) {
+            return;
+        }
+        for (t, own, other) in
+            [(from, (low <= 0.0, p.index), others[0]), (to, (high >= 1.0, q.index), others[1])]
+        {
+            let share = if high > low { (t - low) / (high - low) } else { 0.0 };
+            let height_b = others[0].height + (others[1].height - others[0].height) * share;
+            let (is_own, index) = own;
+            let features = if is_own {
+                [Feature::Vertex(index), b.whole()]
+            } else {
+                [a.whole(), Feature::Vertex(other.index)]
+            };
+            let heights = [p.height + (q.height - p.height) * t, height_b];
+            self.corners.push(Corner { at: p.at + e * t, heights, features, side: Side::Surface });
+        }
+    }
+
+    fn drop_doubles(&mut self, size: f64) {
+        let near = APART * size;
+        let mut kept = 0;
+        for k in 0..self.corners.len() {
+            let corner = self.corners[k];
+            if self.corners[..kept].iter().all(|other| other.at.distance(corner.at) > near) {
+                self.corners[kept] = corner;
+                kept += 1;
+            }
+        }
+        self.corners.truncate(kept);
+    }
+}
+
+impl Clipping<'_> {
+    /// What a corner belongs to where an edge of the patch is cut by a side.
+    fn features(&self, of_edge: Side, by: Side) -> [Feature; 2] {
+        let (clipped, clips) = match (of_edge, by) {
+            (Side::Clipped(j, k), Side::Clips(l, m)) => (edge(j, k), edge(l, m)),
+            (Side::Clipped(j, k), _) => (edge(j, k), self.clips.whole()),
+            (Side::Clips(l, m), Side::Clips(n, o)) => {
+                let shared = [l, m].into_iter().find(|k| [n, o].contains(k));
+                (self.clipped.whole(), shared.map_or(edge(n, o), Feature::Vertex))
+            }
+            (Side::Clips(l, m), _) => (self.clipped.whole(), edge(l, m)),
+            (Side::Surface, Side::Clips(l, m)) => (self.clipped.whole(), edge(l, m)),
+            (Side::Surface, _) => (self.clipped.whole(), self.clips.whole()),
+        };
+        if self.number == 0 { [clipped, clips] } else { [clips, clipped] }
+    }
+}
+
+impl Corner {
+    /// A part of the way to another.
+    fn towards(&self, other: &Self, share: f64) -> Self {
+        let height = |k: usize| self.heights[k] + (other.heights[k] - self.heights[k]) * share;
+        Self {
+            at: self.at + (other.at - self.at) * share,
+            heights: [height(0), height(1)],
+            ..*self
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! Where touching pairs touch.
+
+use super::scenes::{Draw, pile, shapes};
+use super::{Body, ask, told};
+use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::{Polytope, Pose, Shape};
+use dcd_gjk::query::Feature;
+use dcd_gjk::{
+    Body as Core, Depths, DistanceResult, EachPair, Manifold, Manifolds, OfTouching, Verdict,
+    distance, law,
+};
+
+#[test]
+fn manifolds_keep_the_law_one_by_one_and_after_the_lanes() {
+    let (scene, pairs) = pile(shapes(), 40);
+    law::narrow_phase(&EachPair(Manifolds), &scene, &pairs).unwrap();
+    law::narrow_phase(&OfTouching::new(Manifolds).unwrap(), &scene, &pairs).unwrap();
+}
+
+/// How far a point is from a body: by the distance of a ball of radius 0, another method.
+fn outside(point: DVec3, body: &Body) -> f64 {
+    let ball = Polytope::sphere(0.0).unwrap();
+    let pose = Pose::from_translation(point).unwrap();
+    let polytope = body.shape.as_polytope().unwrap();
+    let (ball, body) = (Core::polytope(&ball, &pose), Core::polytope(polytope, &body.pose));
+    match distance::of_polytopes(ball, body).0 {
+        DistanceResult::Apart(found) => found.distance,
+        _ => 0.0,
+    }
+}
+
+/// Judges a manifold by the distance of its points from the bodies and by the depth.
+fn judge(found: &Manifold, a: &Body, b: &Body) {
+    let depth = told(&Depths, a, b);
+    let bound = found.error_bound;
+    let points = found.points();
+    assert!((1..=4).contains(&points.len()), "{found:?}");
+    assert_eq!(found.normal, depth.normal);
+    assert_eq!(points[0].depth, depth.depth, "the deepest first: {found:?}");
+    assert!(bound <= depth.error_bound + 1e-7, "{bound}");
+    for point in points {
+        assert!(outside(point.point_a, a) <= bound, "{point:?} {bound}\n{a:?}\n{b:?}");
+        assert!(outside(point.point_b, b) <= bound, "{point:?} {bound}\n{a:?}\n{b:?}");
+        assert!((0.0..=depth.depth).contains(&point.depth), "{found:?}");
+        let between = point.point_a - point.point_b - found.normal * point.depth;
+        assert!(between.length() <= bound, "{between} {found:?}\n{a:?}\n{b:?}");
+    }
+}
+
+#[test]
+fn points_lie_in_their_shapes_and_the_deepest_is_as_deep_as_the_pair() {
+    let mut draw = Draw(31);
+    let mut shapes = shapes();
+    shapes.pop();
+    let mut touching = [0; 5];
+    for k in 0..1500usize {
+        // A third not turned, a third hardly turned: faces flat on faces, and nearly.
+        let mut body = |k: usize| {
+            let turn = match k % 3 {
+                0 => DQuat::IDENTITY,
+                1 => DQuat::from_scaled_axis(draw.vector() * 0.02),
+                _ => draw.turn(),
+            };
+            let place = draw.vector() * 0.6;
+            let place = if k.is_multiple_of(2) { (place * 10.0).round() / 10.0 } else { place };
+            Body::new(shapes[k % shapes.len()].clone(), turn, place)
+        };
+        let (a, b) = (body(k), body(k / 5));
+        if let Verdict::Touching(found) = ask(&Manifolds, &a, &b) {
+            judge(&found, &a, &b);
+            touching[found.points().len()] += 1;
+        }
+    }
+    assert!(touching[1..].iter().all(|&count| count > 20), "{touching:?}");
+}
+
+#[test]
+fn stacked_faces_touch_in_the_corners_of_what_they_share() {
+    let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+    let place = DVec3::new(1e6, 0.0, 0.0);
+    for (gap, moved) in
+        [(0.0, DVec3::ZERO), (0.125, DVec3::ZERO), (0.0, DVec3::new(0.25, 0.5, 0.0))]
+    {
+        let a = Body::at(&cube, place);
+        let b = Body::at(&cube, place + moved + DVec3::Z * (1.0 - gap));
+        let found = told(&Manifolds, &a, &b);
+        judge(&found, &a, &b);
+        assert_eq!((found.normal, found.points().len()), (DVec3::Z, 4));
+        let at = |k: usize| found.points()[k].point_a - place;
+        let low = (0..4).map(at).fold(DVec3::INFINITY, DVec3::min);
+        let high = (0..4).map(at).fold(DVec3::NEG_INFINITY, DVec3::max);
+        let shared = (moved - DVec3::new(0.5, 0.5, -0.5), DVec3::splat(0.5));
+        assert!(low.distance(shared.0.with_z(0.5)) < 1e-9 && high.distance(shared.1) < 1e-9);
+        assert!(found.points().iter().all(|point| (point.depth - gap).abs() < 1e-9));
+    }
+}
+
+#[test]
+fn a_box_rocked_a_little_touches_along_its_edge_and_where_it_leaves_the_face() {
+    let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+    let a = Body::at(&Shape::cuboid(DVec3::new(2.0, 2.0, 0.5)).unwrap(), DVec3::ZERO);
+    let b = Body::new(cube, DQuat::from_rotation_y(0.01), DVec3::Z * 1.0);
+    let found = told(&Manifolds, &a, &b);
+    judge(&found, &a, &b);
+    let depths: Vec<f64> = found.points().iter().map(|point| point.depth).collect();
+    assert_eq!(depths.len(), 4, "{found:?}");
+    assert!((depths[0] - depths[1].max(depths[2]).max(depths[3])).abs() < 1e-12);
+    assert_eq!(depths.iter().filter(|&&depth| depth < 1e-12).count(), 2, "{depths:?}");
+}
+
+#[test]
+fn crossing_edges_touch_in_one_point_and_parallel_capsules_in_two() {
+    let beam = Shape::cuboid(DVec3::new(2.0, 0.5, 0.5)).unwrap();
+    let rolled = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_4);
+    let across = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2) * rolled;
+    let height = DVec3::Z * (2f64.sqrt() - 0.01);
+    let a = Body::new(beam.clone(), rolled, DVec3::ZERO);
+    let b = Body::new(beam, across, height);
+    let found = told(&Manifolds, &a, &b);
+    judge(&found, &a, &b);
+    assert_eq!(found.points().len(), 1);
+    assert!(matches!(found.points()[0].features, [Feature::Edge(..), Feature::Edge(..)]));
+    let capsule = Shape::capsule(2.0, 0.5).unwrap();
+    for turn in [DQuat::IDENTITY, rolled] {
+        let a = Body::new(capsule.clone(), turn, DVec3::ZERO);
+        let b = Body::new(capsule.clone(), turn, turn * DVec3::new(0.9, 0.0, 1.0));
+        let found = told(&Manifolds, &a, &b);
+        judge(&found, &a, &b);
+        let points = found.points();
+        assert_eq!(points.len(), 2, "{found:?}");
+        assert!((points[0].point_a.distance(points[1].point_a) - 3.0).abs() < 1e-9, "{found:?}");
+    }
+}
+
+#[test]
+fn points_segments_and_identical_shapes_have_their_manifolds() {
+    let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+    let point = Shape::sphere(0.0).unwrap();
+    let needle = Shape::segment(DVec3::NEG_X * 0.25, DVec3::X * 0.25).unwrap();
+    let capsule = Shape::capsule(0.25, 0.1).unwrap();
+    let ball = Shape::sphere(0.5).unwrap();
+    let flat = DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2);
+    let top = |height: f64| DVec3::Z * (0.5 + height);
+    for (b, count) in [
+        (Body::at(&point, top(-0.1)), 1),
+        (Body::at(&needle, top(-0.1)), 2),
+        (Body::at(&needle, top(0.0)), 2),
+        (Body::new(capsule.clone(), flat, top(0.05)), 2),
+        (Body::at(&capsule, top(0.3)), 1),
+        (Body::at(&ball, top(0.4)), 1),
+        (Body::at(&cube, DVec3::ZERO), 4),
+    ] {
+        let a = Body::at(&cube, DVec3::ZERO);
+        let found = told(&Manifolds, &a, &b);
+        judge(&found, &a, &b);
+        assert_eq!(found.points().len(), count, "{b:?} {found:?}");
+    }
+    for shape in [&point, &needle, &ball] {
+        let body = Body::at(shape, DVec3::ONE);
+        judge(&told(&Manifolds, &body, &body), &body, &body);
+    }
+}
+
+#[test]
+fn a_swapped_pair_has_the_mirrored_manifold_bit_for_bit() {
+    let mut draw = Draw(32);
+    let shapes = shapes();
+    let mut touching = 0;
+    for k in 0..300usize {
+        let mut body = |k: usize| {
+            let turn = if k.is_multiple_of(2) { DQuat::IDENTITY } else { draw.turn() };
+            Body::new(shapes[k % shapes.len()].clone(), turn, draw.vector() * 0.5)
+        };
+        let (a, b) = (body(k), body(k / 6));
+        let (Verdict::Touching(ab), Verdict::Touching(ba)) =
+            (ask(&Manifolds, &a, &b), ask(&Manifolds, &b, &a))
+        else {
+            continue;
+        };
+        touching += 1;
+        assert_eq!((ab.normal, ab.points().len()), (-ba.normal, ba.points().len()));
+        for (p, q) in ab.points().iter().zip(ba.points()) {
+            assert_eq!((p.point_a, p.point_b, p.depth), (q.point_b, q.point_a, q.depth));
+            assert_eq!(p.features, [q.features[1], q.features[0]]);
+        }
+    }
+    assert!(touching > 150, "{touching}");
+}
+
+#[test]
+fn features_stay_as_a_box_slides() {
+    let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+    let a = Body::at(&Shape::cuboid(DVec3::new(3.0, 3.0, 0.5)).unwrap(), DVec3::ZERO);
+    let turn = DQuat::from_rotation_z(0.2);
+    let at =
+        |x: f64| told(&Manifolds, &a, &Body::new(cube.clone(), turn, DVec3::new(x, 0.1, 0.99)));
+    let features = |found: Manifold| {
+        let mut features: Vec<_> = found.points().iter().map(|point| point.features).collect();
+        features.sort();
+        features
+    };
+    assert_eq!(features(at(0.0)), features(at(0.3)));
+    assert!(features(at(0.0)).iter().all(|f| matches!(f, [Feature::Face(_), Feature::Vertex(_)])));
+}
