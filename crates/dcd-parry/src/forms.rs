@@ -1,7 +1,8 @@
 //! Parry's shapes for the shapes of a scene, and where the objects are.
 
 use crate::{Library, Query};
-use dcd_geom::{Pair, Scene, Shape, glam::DVec3};
+use dcd_geom::glam::{DMat3, DVec3};
+use dcd_geom::{Pair, Pose, Scene, Shape};
 use dcd_gjk::{Findings, Reason, Rung, Verdict};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -37,18 +38,42 @@ impl<R: Library> Default for Placement<R> {
 impl<R: Library> Placement<R> {
     /// Object `i` of the scene.
     pub(crate) fn of(scene: &Scene, i: usize) -> Self {
-        let pose = &scene.poses()[i];
-        let farthest = pose.translation().length() + scene.shape(i).reach();
+        let pose = &in_parrys_frame(scene.shape(i), &scene.poses()[i]);
+        let farthest = pose.translation().length() + reach(scene.shape(i));
         // Two objects that are not far are within the range. Written so that NaN is far.
         let far = !(farthest <= R::RANGE / 4.0);
         Self { shape: scene.shape_of()[i], far, pose: R::pose(pose) }
     }
 }
 
+/// How far a shape reaches from the origin of its frame at Parry. Of a half-space nothing counts:
+/// its queries are one product with the normal.
+fn reach(shape: &Shape) -> f64 {
+    if shape.is_bounded() { shape.reach() } else { 0.0 }
+}
+
+/// Where Parry's own shape is. Its cylinders and cones are round the y axis, ours round z; its
+/// half-spaces end at the origin of their frame.
+fn in_parrys_frame(shape: &Shape, pose: &Pose) -> Pose {
+    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = *pose.rotation();
+    let moved = match shape {
+        Shape::Curved(_) => Pose::from_matrix(DMat3::from_cols(x, z, -y), pose.translation()),
+        Shape::HalfSpace(half_space) => {
+            let normal = half_space.normal();
+            let (length, unit) = (normal.length(), normal.normalize());
+            let end = unit * (half_space.offset() / length + half_space.swept_radius());
+            Pose::from_matrix(*pose.rotation(), pose.apply(end))
+        }
+        _ => return *pose,
+    };
+    // A turned rotation is one; a plane too far away for f64 stays where its frame is.
+    moved.unwrap_or(*pose)
+}
+
 impl<R: Library> Forms<R> {
     /// Of the scene's shapes: hulls are what costs.
     pub(crate) fn of(scene: &Scene) -> Self {
-        let made = |shape: &Shape| Form { form: R::form(shape), reach: shape.reach() };
+        let made = |shape: &Shape| Form { form: R::form(shape), reach: reach(shape) };
         let source = Arc::clone(scene.shared_shapes());
         Self { forms: source.iter().map(made).collect(), source }
     }

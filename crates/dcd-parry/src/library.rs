@@ -1,7 +1,7 @@
 //! What is asked of Parry, written once for both of its builds.
 
 use dcd_exec::{Exec, Par};
-use dcd_geom::{Kind, Polytope, Pose, Real, Shape, SupportMap, Vector};
+use dcd_geom::{CurvedKind, Kind, Polytope, Pose, Real, Shape, SupportMap, Vector};
 use std::panic::catch_unwind;
 
 /// Which of Parry's queries tells whether two of its shapes touch.
@@ -45,7 +45,8 @@ pub trait Library: Real {
     fn translation(pose: &Self::Pose) -> dcd_geom::glam::DVec3;
     /// Whether Parry's GJK finds that the shapes touch. `None` where it ran out of iterations.
     fn gjk(a: (&Shape, &Self::Pose), b: (&Shape, &Self::Pose)) -> Option<bool>;
-    /// Parry's own shape. `None` where it has none such or refuses the points.
+    /// Parry's own shape: round its y axis where ours is round z, a half-space through its origin.
+    /// `None` where it has none such or refuses the points.
     fn form(shape: &Shape) -> Option<Self::Form>;
     /// What the query says. `None` where it does not know the pair.
     fn touching(
@@ -161,9 +162,46 @@ macro_rules! behind_library {
                 }
 
                 fn form(shape: &Shape) -> Option<SharedShape> {
-                    let polytope = shape.as_polytope()?;
-                    let radius = polytope.swept_radius() as $real;
+                    let radius = shape.radius() as $real;
+                    let polytope = match shape {
+                        Shape::Polytope(polytope) => polytope,
+                        Shape::Curved(curved) => {
+                            let (h, r) = (curved.half_height() as $real, curved.radius() as $real);
+                            return Some(match (curved.kind(), radius == 0.0) {
+                                (CurvedKind::Cylinder, true) => SharedShape::cylinder(h, r),
+                                (CurvedKind::Cylinder, false) => {
+                                    SharedShape::round_cylinder(h, r, radius)
+                                }
+                                (CurvedKind::Cone, true) => SharedShape::cone(h, r),
+                                (CurvedKind::Cone, false) => SharedShape::round_cone(h, r, radius),
+                                _ => return None,
+                            });
+                        }
+                        // Its frame's origin is on the plane, the radius included.
+                        Shape::HalfSpace(half_space) => {
+                            let normal = half_space.normal().normalize();
+                            return Some(SharedShape::halfspace(Vector::from_dvec3(normal)));
+                        }
+                        _ => return None,
+                    };
+                    let corner = |k: usize| -> ParryVector {
+                        let vertex = polytope.vertices().get(k).copied();
+                        Vector::from_dvec3(vertex.unwrap_or_default())
+                    };
                     match polytope.kind() {
+                        Kind::Segment if radius == 0.0 => {
+                            Some(SharedShape::segment(corner(0), corner(1)))
+                        }
+                        Kind::Segment => Some(SharedShape::capsule(corner(0), corner(1), radius)),
+                        Kind::Triangle if radius == 0.0 => {
+                            Some(SharedShape::triangle(corner(0), corner(1), corner(2)))
+                        }
+                        Kind::Triangle => Some(SharedShape::round_triangle(
+                            corner(0),
+                            corner(1),
+                            corner(2),
+                            radius,
+                        )),
                         Kind::Point => Some(SharedShape::ball(radius)),
                         Kind::Cuboid { half_extents } => {
                             let [x, y, z] = half_extents.to_array().map(|h| h as $real);

@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 /// Parry's own shapes, asked through its public API.
 ///
-/// A sphere is its ball, a cuboid its cuboid, a hull its convex polyhedron, rounded ones its round
-/// shapes. Shapes that it has no counterpart for, or whose points its hull refuses, leave their
+/// Each kind is Parry's own: ball, cuboid, capsule, segment, triangle, cylinder, cone, half-space,
+/// a hull its convex polyhedron, rounded ones its round shapes. Shapes that it has no counterpart for, or whose points its hull refuses, leave their
 /// pairs undecided ([`dcd_gjk::Reason::Foreign`]). Its hull loses points that it takes for
 /// coplanar; the answer is then for its shape, not for ours.
 ///
