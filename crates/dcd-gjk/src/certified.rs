@@ -2,7 +2,7 @@
 //! integers; boxes with parallel edges by a closed form.
 
 use crate::certificate::Bounds;
-use crate::closed::half_space;
+use crate::closed::{self, half_space};
 use crate::exact::boxes;
 use crate::gjk::overlap_with_simplex;
 use crate::{Body, Difference, Placed, Reason, Rung, Verdict, exact, order};
@@ -20,6 +20,9 @@ pub fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (Verdict<()>, Ru
         return (if touch { Verdict::Touching(()) } else { Verdict::Apart }, rung);
     }
     let (a, b) = if order::are_swapped(a, b) { (b, a) } else { (a, b) };
+    if let Some(verdict) = closed::overlap(a, b) {
+        return (verdict, Rung::F64);
+    }
     let mut hint = [[0; 2]; 4];
     let mut known = 0;
     if let Some(difference) = Difference::<f64, _, _>::new(a, b) {

@@ -12,7 +12,7 @@ mod refine;
 mod tests;
 
 use crate::certificate::Bounds;
-use crate::closed::half_space;
+use crate::closed::{self, half_space};
 use crate::exact::{self, Exact};
 use crate::{Body, Difference, Placed, Reason, Rung, Verdict, certified, order, portal};
 use approach::{Approach, approach};
@@ -193,6 +193,9 @@ fn undecided_or_proved<S: SupportMap<f64>>(
 }
 
 fn in_order(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (DistanceResult, Rung) {
+    if let Some(found) = closed::distance(a, b) {
+        return (found, Rung::F64);
+    }
     let difference = Difference::<f64, _, _>::new(a, b);
     let mut hint = [[0; 2]; 3];
     let mut known = 0;

@@ -1,0 +1,107 @@
+//! Closed forms against the paths that serve any polytope.
+
+mod judge;
+
+use dcd_geom::glam::{DMat3, DVec3};
+use dcd_geom::{Polytope, Pose, Shape};
+use dcd_gjk::certified::{overlap, overlap_exactly};
+use dcd_gjk::{Body, DistanceResult, Placed, Rung, Verdict, distance};
+use judge::cases::Draw;
+
+fn length(draw: &mut Draw, size: f64) -> f64 {
+    (0.1 + 0.5 * draw.unit().abs()) * size
+}
+
+/// A sphere, a capsule, a segment or a cuboid, rounded or not; some flat.
+fn shape(draw: &mut Draw, size: f64) -> Polytope {
+    let flat = if draw.below(4) == 0 { 0.0 } else { 1.0 };
+    let made = match draw.below(5) {
+        0 => Polytope::sphere(length(draw, size)),
+        1 => Polytope::capsule(length(draw, size), length(draw, size)),
+        2 => Polytope::segment(draw.vector() * size, draw.vector() * size * flat),
+        3 => {
+            let edges = [(); 3].map(|()| length(draw, size));
+            Polytope::cuboid(DVec3::from_array(edges) * DVec3::new(1.0, 1.0, flat))
+        }
+        _ => Polytope::cuboid(DVec3::splat(length(draw, size))).unwrap().rounded(0.125 * size),
+    };
+    made.unwrap()
+}
+
+fn pose(draw: &mut Draw, size: f64) -> Pose {
+    let t = draw.vector() * (1.2 * size);
+    match draw.below(4) {
+        0 => Pose::from_translation(t).unwrap(),
+        1 => {
+            // As far from a rotation as a pose may be.
+            let off = DMat3::from_diagonal(DVec3::ONE + draw.vector() * 3e-7);
+            Pose::from_matrix(DMat3::from_quat(draw.rotation()) * off, t).unwrap()
+        }
+        _ => Pose::new(draw.rotation(), t).unwrap(),
+    }
+}
+
+#[test]
+fn closed_answers_are_the_exact_rungs_down_to_neighbouring_floats() {
+    let mut draw = Draw(31);
+    let mut exact = 0;
+    for k in 0..900 {
+        let size = [1e-3, 1.0, 1e3, 1e-60][k % 4];
+        let (a, b) = (shape(&mut draw, size), shape(&mut draw, size));
+        let (pose_a, pose_b) = (pose(&mut draw, size), pose(&mut draw, size));
+        let away = draw.vector() * (8.0 * size);
+        let mut judge = |step: f64| {
+            let t = pose_b.translation() + away * step;
+            let there = Pose::from_matrix(*pose_b.rotation(), t).unwrap();
+            let (a, b) = (Body::polytope(&a, &pose_a), Body::polytope(&b, &there));
+            let (answer, rung) = overlap(a, b);
+            assert_eq!((answer, rung), overlap(b, a));
+            exact += usize::from(rung == Rung::Exact);
+            let touching = overlap_exactly(a, b);
+            assert_eq!(answer == Verdict::Touching(()), touching, "{a:?} {b:?}");
+            touching
+        };
+        if !judge(0.0) || judge(1.0) {
+            continue;
+        }
+        let (mut near, mut far) = (0.0, 1.0);
+        for _ in 0..56 {
+            let middle = 0.5 * (near + far);
+            if judge(middle) { near = middle } else { far = middle }
+        }
+    }
+    assert!(exact > 500, "{exact}");
+}
+
+#[test]
+fn closed_distances_are_those_of_the_same_vertices_as_a_hull() {
+    let mut draw = Draw(32);
+    let mut apart = 0;
+    for k in 0..3000 {
+        let size = [1e-3, 1.0, 1e3][k % 3];
+        let pair = [(); 2].map(|()| shape(&mut draw, size));
+        let poses = [(); 2].map(|()| pose(&mut draw, size));
+        let hulls = pair.each_ref().map(|polytope| {
+            let hull = Polytope::hull(polytope.vertices().to_vec()).unwrap();
+            Shape::from(hull.rounded(polytope.swept_radius()).unwrap())
+        });
+        let pair = pair.map(Shape::from);
+        let ask = |shapes: &[Shape; 2]| {
+            let [a, b] = [0, 1].map(|k| Placed { shape: &shapes[k], pose: &poses[k] });
+            distance::distance(a, b).0
+        };
+        match (ask(&pair), ask(&hulls)) {
+            (DistanceResult::Apart(ours), DistanceResult::Apart(theirs)) => {
+                let bound = ours.error_bound + theirs.error_bound;
+                assert!((ours.distance - theirs.distance).abs() <= bound, "{pair:?} {poses:?}");
+                assert!(ours.error_bound <= 1e-12 * ours.distance, "{pair:?} {poses:?}");
+                let between = ours.point_b - ours.point_a;
+                let error = (between - ours.normal * ours.distance).length();
+                assert!(error <= 1e-14 * 16.0 * size, "{error} {pair:?} {poses:?}");
+                apart += 1;
+            }
+            (ours, theirs) => assert_eq!(ours, theirs, "{pair:?} {poses:?}"),
+        }
+    }
+    assert!(apart > 1000, "{apart}");
+}
