@@ -60,9 +60,8 @@ fn faults(case: &Case, scratch: &mut Scratch) -> Vec<String> {
     match distance::of_polytopes(a, b).0 {
         DistanceResult::Apart(found) if !touches => {
             if representable {
-                let near = [1e-12 * -value + 32.0 * U * size(case), least(value)];
-                let what = (found.distance, found.error_bound);
-                faults.extend(measured("distance", what, (&truth, -1.0), near));
+                let number = Number { value: -found.distance, bound: found.error_bound };
+                faults.extend(number.faults("distance", &truth, allowed(1e-12, value, case)));
             }
         }
         DistanceResult::Touching if touches => {}
@@ -71,9 +70,8 @@ fn faults(case: &Case, scratch: &mut Scratch) -> Vec<String> {
     match epa::depth(a, b, scratch) {
         Verdict::Touching(found) if touches => {
             let relative = if case.category.is_thin() { 1e-6 } else { 1e-9 };
-            let near = [relative * value + 32.0 * U * size(case), least(value)];
-            let what = (found.depth, found.error_bound);
-            faults.extend(measured("depth", what, (&truth, 1.0), near));
+            let number = Number { value: found.depth, bound: found.error_bound };
+            faults.extend(number.faults("depth", &truth, allowed(relative, value, case)));
         }
         Verdict::Apart if !touches => {}
         Verdict::Undecided(_) if touches && !representable => {}
@@ -82,29 +80,67 @@ fn faults(case: &Case, scratch: &mut Scratch) -> Vec<String> {
     faults
 }
 
-/// Some denormal units, which is what is left of any digit near the least number.
-fn least(value: f64) -> f64 {
-    if value.abs() < 1e-290 { 4.0 * f64::from_bits(1) } else { 0.0 }
+/// How far a number may be off, and how wide its bound may be.
+#[derive(Clone, Copy)]
+struct Allowed {
+    error: f64,
+    bound: f64,
 }
 
-/// What is off in a number and its bound; `sign` turns the number into the truth's.
-fn measured(
-    name: &str,
-    (found, bound): (f64, f64),
-    (truth, sign): (&Truth, f64),
-    [near, least]: [f64; 2],
-) -> Vec<String> {
-    let mut faults = Vec::new();
-    let error = truth.less(sign * found).abs();
-    if !(error <= near + least) {
-        faults.push(format!("{name} {found} is off by {error}, more than {near}"));
+fn allowed(relative: f64, value: f64, case: &Case) -> Allowed {
+    let size = size(case);
+    // Relative alone wherever the truth is above 1e-12 of the size.
+    let absolute = if value.abs() > 1e-12 * size { 0.0 } else { 32.0 * U * size };
+    // Some denormal units are what is left of any digit near the least number.
+    let least = if value.abs() < 1e-290 { 4.0 * f64::from_bits(1) } else { 0.0 };
+    Allowed {
+        error: relative * value.abs() + absolute + least,
+        bound: relative.max(1e-9) * value.abs() + 1e-12 * size + least,
     }
-    if !bound.is_finite() {
-        faults.push(format!("{name} {found} has the bound {bound}"));
-    } else if !truth.is_within(sign * found - bound, sign * found + bound) && !(error <= bound) {
-        faults.push(format!("{name} {found} ± {bound} does not hold {}", truth.value()));
+}
+
+/// A signed depth as a rung has it.
+struct Number {
+    value: f64,
+    bound: f64,
+}
+
+impl Number {
+    fn faults(&self, name: &str, truth: &Truth, allowed: Allowed) -> Vec<String> {
+        let mut faults = Vec::new();
+        let Self { value, bound } = *self;
+        let error = truth.less(value).abs();
+        if !(error <= allowed.error) {
+            faults.push(format!("{name} {value} is off by {error}, above {}", allowed.error));
+        }
+        if !(bound <= allowed.bound) {
+            faults.push(format!("{name} {value} has the bound {bound}, above {}", allowed.bound));
+        } else if !(truth.is_within(value - bound, value + bound) || error <= bound) {
+            faults.push(format!("{name} {value} ± {bound} does not hold {}", truth.value()));
+        }
+        faults
     }
-    faults
+}
+
+#[test]
+fn a_number_that_is_off_and_a_bound_that_is_wide_or_does_not_hold_are_faults() {
+    // Unit cubes a quarter apart.
+    let cube = Polytope::cuboid(dcd_geom::glam::DVec3::splat(0.5)).unwrap();
+    let there = Pose::from_translation(dcd_geom::glam::DVec3::X * 1.25).unwrap();
+    let case = Case::new(Category::Faces, [(cube.clone(), Pose::IDENTITY), (cube, there)]);
+    let [a, b] = sides(&case);
+    let truth = Truth::of(a, b);
+    let faults = |value: f64, bound: f64| {
+        let number = Number { value, bound };
+        number.faults("distance", &truth, allowed(1e-12, truth.value(), &case)).len()
+    };
+    assert_eq!(faults(-0.25, 0.0), 0);
+    assert_eq!(faults(-0.25 * (1.0 + 1e-13), 1e-13), 0);
+    assert_eq!(faults(-0.25 * (1.0 + 1e-11), 1e-10), 1, "off");
+    assert_eq!(faults(-0.25 * (1.0 + 1e-13), 1e-15), 1, "does not hold");
+    assert_eq!(faults(-0.25, 1e-9), 1, "wide");
+    assert_eq!(faults(-0.25, f64::NAN), 1);
+    assert_eq!(faults(f64::NAN, f64::INFINITY), 2);
 }
 
 #[test]
