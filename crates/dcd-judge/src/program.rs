@@ -1,8 +1,9 @@
-//! Linear programming in whole numbers: the simplex method with Bland's rule, which ends, on a
-//! tableau with one common divisor, which stays whole.
+//! Linear programming in whole numbers: the simplex method on a tableau with one common divisor,
+//! which stays whole. It takes the steepest column, which is quick, and after some steps Bland's
+//! rule, which ends.
 
 use crate::world::Point;
-use num_bigint::BigInt;
+use num_bigint::{BigInt, Sign};
 
 /// Whether Σλa = Σμb, Σλ = 1, Σμ = 1 has a solution with λ, μ ≥ 0.
 pub(crate) fn hulls_touch(a: &[Point], b: &[Point]) -> bool {
@@ -20,6 +21,9 @@ pub(crate) fn hulls_touch(a: &[Point], b: &[Point]) -> bool {
     is_feasible(rows)
 }
 
+/// Steps of the steepest column before Bland's rule. Any number ends; hulls need some ten.
+const STEEPEST: usize = 40;
+
 /// Whether rows·x = last column has a solution x ≥ 0; the last column must not be negative.
 fn is_feasible(mut rows: Vec<Vec<BigInt>>) -> bool {
     let columns = rows[0].len() - 1;
@@ -29,12 +33,18 @@ fn is_feasible(mut rows: Vec<Vec<BigInt>>) -> bool {
     rows.push(cost);
     let mut divisor = BigInt::from(1);
     let zero = BigInt::ZERO;
+    let mut step = 0;
     loop {
         let (cost, constraints) = rows.split_last().unwrap();
         if cost[columns] == zero {
             return true;
         }
-        let Some(enters) = (0..columns).find(|&c| cost[c] < zero) else { return false };
+        let mut falling = (0..columns).filter(|&c| cost[c] < zero);
+        let enters = match step {
+            0..STEEPEST => falling.min_by_key(|&c| &cost[c]),
+            _ => falling.next(),
+        };
+        let Some(enters) = enters else { return false };
         let candidates = (0..constraints.len()).filter(|&r| constraints[r][enters] > zero);
         let leaves = candidates.reduce(|best, r| {
             let (ours, theirs) = (&constraints[r], &constraints[best]);
@@ -46,6 +56,7 @@ fn is_feasible(mut rows: Vec<Vec<BigInt>>) -> bool {
         pivot(&mut rows, leaves, enters, &divisor);
         divisor = rows[leaves][enters].clone();
         basis[leaves] = enters;
+        step += 1;
     }
 }
 
@@ -55,7 +66,13 @@ fn pivot(rows: &mut [Vec<BigInt>], leaves: usize, enters: usize, divisor: &BigIn
         if r != leaves {
             let factor = row[enters].clone();
             for (x, y) in row.iter_mut().zip(&with) {
-                *x = (&*x * &with[enters] - &factor * y) / divisor;
+                let is_zero = |x: &BigInt| x.sign() == Sign::NoSign;
+                match (is_zero(x), is_zero(y) || is_zero(&factor)) {
+                    (true, true) => {}
+                    (false, true) => *x = &*x * &with[enters] / divisor,
+                    (true, false) => *x = -(&factor * y / divisor),
+                    (false, false) => *x = (&*x * &with[enters] - &factor * y) / divisor,
+                }
             }
         }
     }
