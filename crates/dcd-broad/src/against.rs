@@ -206,7 +206,7 @@ mod tests {
                     let mut out = Segments::default();
                     tree.pairs(asks, |_, _| true, par.into(), &mut out);
                     let told: Vec<Pair> = out.iter().flatten().copied().collect();
-                    let who = |pair: &Pair| if pair.i % 2 == 0 { pair.i } else { pair.j };
+                    let who = |pair: &Pair| if pair.i.is_multiple_of(2) { pair.i } else { pair.j };
                     assert!(told.iter().map(who).is_sorted(), "the boxes are out of order");
                     let mut told: Vec<_> = told.iter().map(|pair| (who(pair), *pair)).collect();
                     told.sort_unstable();
@@ -225,12 +225,12 @@ mod tests {
         let mut tree = StandingTree::default();
         tree.build(Named { aabbs: &boxes[..20], names: &names[20..] }, Par::Serial.into());
         let mut out = Vec::new();
-        let keep = |i, j| {
+        let keep = |i: u32, j: u32| {
             assert!(i < 20 && j >= 20);
-            (i + j) % 3 == 0
+            (i + j).is_multiple_of(3)
         };
         tree.append_pairs(Named { aabbs: &boxes[..20], names: &names[..20] }, keep, &mut out);
         assert_eq!(out.len(), (0..400).filter(|k| (k / 20 + 20 + k % 20) % 3 == 0).count());
-        assert!(out.iter().all(|pair| (pair.i + pair.j) % 3 == 0));
+        assert!(out.iter().all(|pair| (pair.i + pair.j).is_multiple_of(3)));
     }
 }

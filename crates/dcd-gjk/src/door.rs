@@ -171,7 +171,15 @@ impl<A> Findings<'_, A> {
 /// any threads, `decide` files every pair that it is given exactly once, contacts in the order of
 /// the pairs. A verdict depends on the two objects alone: not on the other pairs, their order, the
 /// scratch memory or the cut. The boxes that `prepare` writes contain the objects.
+///
+/// Objects in no pair need not be prepared. Laid out again for a scene of the same
+/// [`Scene::layout`], a frame keeps what it holds of every object, so that one that has not moved
+/// need not be prepared again.
 /// `law` tests it.
+///
+/// The frame stays from step to step: `prepare` finds there what it wrote of the object in that
+/// slot before, perhaps for another object ([`Scene::generations`]) or another scene
+/// ([`Scene::layout`]). Whatever is kept there may save work and never changes a verdict.
 pub trait NarrowPhase: Sync {
     /// What is told of a touching pair.
     type Answer: Copy + Default + Send + Sync + 'static;

@@ -33,6 +33,17 @@ where
     }
     pieces.must_equal(&whole, "in threes, the objects prepared one at a time")?;
 
+    upper_half_prepared(narrow, scene, &mut frame);
+    decided(narrow, scene, &frame, pairs, &mut scratch)
+        .must_equal(&whole, "the lower half of the objects prepared before")?;
+    let upper = |pair: &&Pair| pair.i as usize >= scene.len() / 2;
+    let upper: Vec<Pair> = pairs.iter().filter(upper).copied().collect();
+    let due = decided(narrow, scene, &frame, &upper, &mut scratch);
+    let mut half_empty = N::Frame::default();
+    upper_half_prepared(narrow, scene, &mut half_empty);
+    decided(narrow, scene, &half_empty, &upper, &mut scratch)
+        .must_equal(&due, "the lower half of the objects never prepared")?;
+
     let mut alone = Filed::default();
     for &pair in pairs.iter().rev() {
         alone.append(decided(narrow, scene, &frame, &[pair], &mut scratch));
@@ -68,6 +79,14 @@ fn prepared<N: NarrowPhase>(
         narrow.prepare(scene, first, part, aabbs);
     }
     aabbs
+}
+
+/// Lays out and prepares the upper half of the objects alone.
+fn upper_half_prepared<N: NarrowPhase>(narrow: &N, scene: &Scene, frame: &mut N::Frame) {
+    let middle = scene.len() / 2;
+    let (_, part) = narrow.lay_out(scene, frame).split_at(middle);
+    let mut aabbs = vec![Aabb::default(); scene.len() - middle];
+    narrow.prepare(scene, middle, part, &mut aabbs);
 }
 
 fn decided<N: NarrowPhase>(

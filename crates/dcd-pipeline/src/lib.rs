@@ -9,6 +9,8 @@
 #![forbid(unsafe_code)]
 
 mod clock;
+mod events;
+mod roster;
 mod step;
 
 pub use clock::StageClock;
@@ -16,4 +18,5 @@ pub use dcd_broad::{BroadPhase, WideTree};
 pub use dcd_exec::{Exec, Par};
 pub use dcd_geom::{self as geom, Pose, Scene, Shape};
 pub use dcd_gjk::{NarrowPhase, Overlap};
+pub use events::{Change, Event, Events};
 pub use step::{Pipeline, Step};

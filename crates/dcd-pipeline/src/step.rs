@@ -1,8 +1,9 @@
 //! One step, stage by stage.
 
+use crate::roster::{Roster, Search, awake, empty_free_slots};
 use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::{Cut, Exec, PerThread, Segments, Stage};
-use dcd_geom::{Aabb, Pair, Scene};
+use dcd_geom::{Aabb, Divide, Pair, Scene};
 use dcd_gjk::{Contact, Findings, NarrowPhase, Overlap, Report};
 
 /// How many objects a task prepares. Larger: fewer tasks to share. Smaller: more overhead a task
@@ -13,6 +14,32 @@ const OBJECTS_PER_TASK: usize = 256;
 /// this many candidates is judged without the pool.
 const PAIRS_PER_TASK: usize = 2048;
 
+/// Candidate pairs, and the slices of them that tasks judge.
+#[derive(Debug, Default)]
+struct Candidates {
+    /// Of two moving objects.
+    among: Segments<Pair>,
+    /// Of a moving and a static one.
+    between: Segments<Pair>,
+    slices: [Vec<Cut>; 2],
+}
+
+impl Candidates {
+    /// Cuts both lists anew, and returns how many slices there are.
+    fn cut(&mut self) -> usize {
+        self.among.cut(PAIRS_PER_TASK, &mut self.slices[0]);
+        self.between.cut(PAIRS_PER_TASK, &mut self.slices[1]);
+        self.slices[0].len() + self.slices[1].len()
+    }
+
+    fn slice(&self, k: usize) -> &[Pair] {
+        match k.checked_sub(self.slices[0].len()) {
+            None => self.among.slice(self.slices[0][k]),
+            Some(k) => self.between.slice(self.slices[1][k]),
+        }
+    }
+}
+
 /// Broad phase, narrow phase, and every buffer between them, kept from step to step.
 #[derive(Debug, Default)]
 pub struct Pipeline<B = WideTree, N: NarrowPhase = Overlap> {
@@ -20,8 +47,8 @@ pub struct Pipeline<B = WideTree, N: NarrowPhase = Overlap> {
     narrow: N,
     frame: N::Frame,
     aabbs: Vec<Aabb>,
-    candidates: Segments<Pair>,
-    slices: Vec<Cut>,
+    roster: Roster,
+    candidates: Candidates,
     contacts: Segments<Contact<N::Answer>>,
     scratch: PerThread<N::Scratch>,
     reports: PerThread<Report>,
@@ -36,8 +63,8 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             narrow,
             frame: N::Frame::default(),
             aabbs: Vec::new(),
-            candidates: Segments::default(),
-            slices: Vec::new(),
+            roster: Roster::default(),
+            candidates: Candidates::default(),
             contacts: Segments::default(),
             scratch: PerThread::default(),
             reports: PerThread::default(),
@@ -51,11 +78,35 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
     /// The result, its order included, does not depend on `exec` or on earlier steps. Nothing can
     /// fail; a pair that could not be settled is listed as undecided. After the first steps a
     /// serial step of a like scene allocates nothing.
+    ///
+    /// What is kept of the static objects is kept until one of them changes; what is prepared of
+    /// them, until any object comes or goes.
     pub fn step<'e>(&mut self, scene: &Scene, exec: impl Into<Exec<'e>>) -> Step<'_, N::Answer> {
+        self.step_where(scene, exec, |_, _| true)
+    }
+
+    /// The same for the pairs i < j that also `may(i, j)`. It is asked during the search, after the
+    /// scene's own filters and before any narrow work, perhaps on many threads; it must answer
+    /// alike for one pair in one step.
+    pub fn step_where<'e>(
+        &mut self,
+        scene: &Scene,
+        exec: impl Into<Exec<'e>>,
+        may: impl Fn(u32, u32) -> bool + Sync,
+    ) -> Step<'_, N::Answer> {
         let exec = exec.into();
         exec.stage(Stage::Boxes, || self.prepare(scene, exec));
-        exec.stage(Stage::Build, || self.broad.build(&self.aabbs, exec));
-        exec.stage(Stage::Pairs, || self.find_candidates(scene, exec));
+        exec.stage(Stage::Build, || {
+            self.roster.build(scene, &self.aabbs, &mut self.broad, exec);
+        });
+        exec.stage(Stage::Pairs, || {
+            // Two searches, so that a scene without filters asks nothing.
+            if scene.filters_movers() {
+                self.find(scene, exec, |i, j| scene.allows(i, j) && may(i, j));
+            } else {
+                self.find(scene, exec, may);
+            }
+        });
         exec.stage(Stage::Narrow, || self.judge(scene, exec));
         Step {
             aabbs: &self.aabbs,
@@ -65,32 +116,42 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         }
     }
 
+    /// Static objects that are prepared already are passed over, where no moving one is between.
     fn prepare(&mut self, scene: &Scene, exec: Exec) {
-        self.aabbs.resize(scene.len(), Aabb::default());
+        self.aabbs.resize(scene.len(), Aabb::EMPTY);
+        let rest = scene.static_count() > 0 && self.roster.still_holds(scene);
+        let has_free_slots = scene.object_count() < scene.len();
         let part = self.narrow.lay_out(scene, &mut self.frame);
         let narrow = &self.narrow;
-        exec.divide((part, &mut self.aabbs[..]), OBJECTS_PER_TASK, |first, (part, aabbs)| {
-            narrow.prepare(scene, first, part, aabbs);
+        exec.divide((part, &mut self.aabbs[..]), OBJECTS_PER_TASK, |first, objects| {
+            let slots = first..first + objects.1.len();
+            let slots = if rest { awake(scene, slots) } else { slots };
+            let (_, objects) = objects.split_at(slots.start - first);
+            let ((part, aabbs), _) = objects.split_at(slots.len());
+            if aabbs.is_empty() {
+                return;
+            }
+            narrow.prepare(scene, slots.start, part, aabbs);
+            if has_free_slots {
+                empty_free_slots(scene, slots.start, aabbs);
+            }
         });
     }
 
-    fn find_candidates(&mut self, scene: &Scene, exec: Exec) {
-        if scene.is_filtered() {
-            let keep = |i, j| scene.allows(i, j);
-            self.broad.pairs(&self.aabbs, keep, exec, &mut self.candidates);
-        } else {
-            self.broad.pairs(&self.aabbs, |_, _| true, exec, &mut self.candidates);
-        }
+    fn find(&mut self, scene: &Scene, exec: Exec, keep: impl Fn(u32, u32) -> bool + Sync) {
+        let Candidates { among, between, .. } = &mut self.candidates;
+        let search = Search { scene, keep, exec, among, between };
+        self.roster.find(&self.aabbs, &mut self.broad, search);
     }
 
     fn judge(&mut self, scene: &Scene, exec: Exec) {
-        let Self { narrow, frame, candidates, slices, contacts, scratch, reports, report, .. } =
-            self;
-        candidates.cut(PAIRS_PER_TASK, slices);
-        contacts.fill(exec, slices.len(), |k, contacts| {
+        let Self { narrow, frame, candidates, contacts, scratch, reports, report, .. } = self;
+        let slices = candidates.cut();
+        let candidates = &*candidates;
+        contacts.fill(exec, slices, |k, contacts| {
             scratch.with(|scratch| {
                 reports.with(|report| {
-                    let pairs = candidates.slice(slices[k]);
+                    let pairs = candidates.slice(k);
                     narrow.decide(scene, frame, pairs, scratch, &mut Findings { contacts, report });
                 });
             });
@@ -105,7 +166,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
 #[derive(Debug)]
 pub struct Step<'p, A: Send> {
     aabbs: &'p [Aabb],
-    candidates: &'p Segments<Pair>,
+    candidates: &'p Candidates,
     contacts: &'p Segments<Contact<A>>,
     report: &'p Report,
 }
@@ -126,17 +187,18 @@ impl<'p, A: Copy + Send> Step<'p, A> {
         self.contacts.len()
     }
 
-    /// The pairs whose boxes overlap, in a fixed order.
+    /// The pairs whose boxes overlap, in a fixed order: those of two moving objects first.
     pub fn candidates(&self) -> impl Iterator<Item = Pair> + use<'p, A> {
-        self.candidates.iter().flatten().copied()
+        let Candidates { among, between, .. } = self.candidates;
+        among.iter().chain(between.iter()).flatten().copied()
     }
 
     /// How many candidate pairs there were.
     pub fn candidate_count(&self) -> usize {
-        self.candidates.len()
+        self.candidates.among.len() + self.candidates.between.len()
     }
 
-    /// The box of each object.
+    /// The box of each slot; empty where it is free.
     pub fn aabbs(&self) -> &'p [Aabb] {
         self.aabbs
     }

@@ -1,7 +1,7 @@
 //! What a step allocates, and what it holds.
 
-use dcd_geom::{Pose, Scene};
-use dcd_pipeline::{Par, Pipeline};
+use dcd_geom::{Object, Pose, Scene};
+use dcd_pipeline::{Events, Par, Pipeline};
 use dcd_scenes::SceneSpec;
 
 fn scene(name: &str, objects: usize) -> Scene {
@@ -24,6 +24,30 @@ fn from_the_third_frame_on_a_serial_step_allocates_nothing() {
                 let turned = Pose::from_matrix(*pose.rotation(), -pose.translation()).unwrap();
                 scene.set_pose(i, turned).unwrap();
             }
+        }
+    }
+}
+
+#[test]
+fn static_objects_filters_and_events_allocate_nothing_either() {
+    let plain = scene("sparse", 2000);
+    let objects = (0..2000).map(|i| {
+        let object = Object::new(i, plain.poses()[i as usize]);
+        if i % 3 == 0 { object.fixed() } else { object }
+    });
+    let mut scene = Scene::new(plain.shapes().to_vec(), objects).unwrap();
+    scene.ignore_pair(0, 1).unwrap();
+    let (mut pipeline, mut events) = (<Pipeline>::default(), Events::default());
+    for frame in 0..8 {
+        let seen = allocation_counter::measure(|| {
+            let step = pipeline.step_where(&scene, Par::Serial, |i, j| i + j != 9);
+            assert!(!events.follow(&scene, &step, Par::Serial).is_empty());
+        });
+        assert!(frame < 4 || seen.count_total == 0, "frame {frame}: {seen:?}");
+        for i in (1..scene.len()).step_by(3) {
+            let pose = scene.poses()[i];
+            let turned = Pose::from_matrix(*pose.rotation(), -pose.translation()).unwrap();
+            scene.set_pose(i, turned).unwrap();
         }
     }
 }

@@ -1,0 +1,118 @@
+//! Who moves and who stands still, kept for as long as nobody comes or goes.
+
+use dcd_broad::{BroadPhase, Named, StandingTree};
+use dcd_exec::{Exec, Segments};
+use dcd_geom::{Aabb, Motion, Pair, Scene, Stamp};
+use std::ops::Range;
+
+/// The moving objects apart from the static ones, and a tree over the latter.
+///
+/// A scene of moving objects alone needs none of it: its boxes go to the broad phase as they are.
+#[derive(Debug, Default)]
+pub(crate) struct Roster {
+    layout: Option<Stamp>,
+    statics: Option<Stamp>,
+    /// The slots of the moving objects, ascending.
+    movers: Vec<u32>,
+    /// Their boxes.
+    boxes: Vec<Aabb>,
+    world: StandingTree,
+    /// The static objects' slots and boxes, while the tree over them is built.
+    standing: (Vec<u32>, Vec<Aabb>),
+}
+
+/// Whether every slot holds a moving object.
+fn all_move(scene: &Scene) -> bool {
+    scene.static_count() == 0 && scene.object_count() == scene.len()
+}
+
+impl Roster {
+    /// Whether the static objects and their places in the frame are those of the last
+    /// [`Roster::build`], so that what was prepared of them holds.
+    pub(crate) fn still_holds(&self, scene: &Scene) -> bool {
+        self.layout == Some(scene.layout()) && self.statics == Some(scene.statics())
+    }
+
+    /// Builds the broad phase over the moving objects, and the tree over the static ones if any of
+    /// these has changed.
+    pub(crate) fn build(
+        &mut self,
+        scene: &Scene,
+        aabbs: &[Aabb],
+        broad: &mut impl BroadPhase,
+        exec: Exec,
+    ) {
+        if self.layout != Some(scene.layout()) {
+            list(scene, Motion::Moving, &mut self.movers);
+        }
+        if self.statics != Some(scene.statics()) {
+            let (names, boxes) = &mut self.standing;
+            list(scene, Motion::Static, names);
+            boxes.clear();
+            boxes.extend(names.iter().map(|&slot| aabbs[slot as usize]));
+            self.world.build(Named { aabbs: boxes, names }, exec);
+        }
+        (self.layout, self.statics) = (Some(scene.layout()), Some(scene.statics()));
+        if all_move(scene) {
+            broad.build(aabbs, exec);
+        } else {
+            self.boxes.clear();
+            self.boxes.extend(self.movers.iter().map(|&slot| aabbs[slot as usize]));
+            broad.build(&self.boxes, exec);
+        }
+    }
+
+    /// Lists the candidates among the moving objects, then those of a moving object and a static
+    /// one.
+    pub(crate) fn find(
+        &self,
+        aabbs: &[Aabb],
+        broad: &mut impl BroadPhase,
+        search: Search<impl Fn(u32, u32) -> bool + Sync>,
+    ) {
+        let Search { scene, keep, exec, among, between } = search;
+        if all_move(scene) {
+            broad.pairs(aabbs, keep, exec, among);
+            between.clear();
+            return;
+        }
+        let slot = |k: u32| self.movers[k as usize];
+        broad.pairs(&self.boxes, |i, j| keep(slot(i), slot(j)), exec, among);
+        // Slots ascend, so that the smaller stays the smaller.
+        among.change_each(exec, |pair| *pair = Pair { i: slot(pair.i), j: slot(pair.j) });
+        self.world.pairs(Named { aabbs: &self.boxes, names: &self.movers }, keep, exec, between);
+    }
+}
+
+/// What is asked for, and where it is written.
+pub(crate) struct Search<'a, K> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) keep: K,
+    pub(crate) exec: Exec<'a>,
+    /// Candidates among the moving objects.
+    pub(crate) among: &'a mut Segments<Pair>,
+    /// Candidates of a moving and a static object.
+    pub(crate) between: &'a mut Segments<Pair>,
+}
+
+fn list(scene: &Scene, motion: Motion, slots: &mut Vec<u32>) {
+    slots.clear();
+    slots.extend((0..).take(scene.len()).filter(|&i| scene.motion(i as usize) == Some(motion)));
+}
+
+/// The part of a range of slots that holds all its moving objects.
+pub(crate) fn awake(scene: &Scene, slots: Range<usize>) -> Range<usize> {
+    let moves = |&i: &usize| scene.motion(i) == Some(Motion::Moving);
+    let Some(first) = slots.clone().find(moves) else { return slots.start..slots.start };
+    let last = slots.rev().find(moves).unwrap_or(first);
+    first..last + 1
+}
+
+/// Empties the boxes of the free slots among those from `first` on.
+pub(crate) fn empty_free_slots(scene: &Scene, first: usize, aabbs: &mut [Aabb]) {
+    for (i, aabb) in (first..).zip(aabbs) {
+        if scene.motion(i).is_none() {
+            *aabb = Aabb::EMPTY;
+        }
+    }
+}
