@@ -38,11 +38,16 @@ impl<R: Library> Default for Placement<R> {
 impl<R: Library> Placement<R> {
     /// Object `i` of the scene.
     pub(crate) fn of(scene: &Scene, i: usize) -> Self {
-        let pose = &in_parrys_frame(scene.shape(i), &scene.poses()[i]);
-        let farthest = pose.translation().length() + reach(scene.shape(i));
+        Self::at(scene.shape_of()[i], scene.shape(i), &scene.poses()[i])
+    }
+
+    /// A shape, by index and itself, at a pose.
+    fn at(index: u32, shape: &Shape, pose: &Pose) -> Self {
+        let pose = &in_parrys_frame(shape, pose);
+        let farthest = pose.translation().length() + reach(shape);
         // Two objects that are not far are within the range. Written so that NaN is far.
         let far = !(farthest <= R::RANGE / 4.0);
-        Self { shape: scene.shape_of()[i], far, pose: R::pose(pose) }
+        Self { shape: index, far, pose: R::pose(pose) }
     }
 }
 
@@ -100,9 +105,14 @@ impl<R: Library> Forms<R> {
         form.map_or(R::NO_BOX, |form| R::boxed(form, &placement.pose))
     }
 
+    /// A shape at a pose.
+    pub(crate) fn place(&self, shape: u32, pose: &Pose) -> Placement<R> {
+        Placement::at(shape, &self.source[shape as usize], pose)
+    }
+
     /// What the query says of two objects.
     #[inline]
-    fn verdict(&self, query: Query, a: &Placement<R>, b: &Placement<R>) -> Verdict<()> {
+    pub(crate) fn verdict(&self, query: Query, a: &Placement<R>, b: &Placement<R>) -> Verdict<()> {
         let [form_a, form_b] = [a, b].map(|placement| &self.forms[placement.shape as usize]);
         let (Some(shape_a), Some(shape_b)) = (&form_a.form, &form_b.form) else {
             return Verdict::Undecided(Reason::Foreign);
@@ -162,7 +172,6 @@ pub(crate) fn verdict(touching: Option<bool>, reason: Reason) -> Verdict<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dcd_geom::Pose;
     use dcd_gjk::Report;
 
     #[test]

@@ -3,6 +3,7 @@
 //! - [`ParryGjk`]: its GJK on our support maps, one pair at a time.
 //! - [`ParryShapes`]: its own shapes through its public queries, as a narrow phase.
 //! - [`ParryBvh`]: its bounding volume hierarchy, as a broad phase.
+//! - [`ParryWorld`]: its tree asked for posed shapes against obstacles that stand still.
 //! - [`ParryPipeline`]: its best pipeline from boxes to contacts, each stage its own: the rival.
 //!
 //! ```
@@ -35,9 +36,11 @@ mod gjk;
 mod library;
 mod pipeline;
 mod shapes;
+mod world;
 
 pub use bvh::ParryBvh;
 pub use gjk::ParryGjk;
 pub use library::{Library, Query};
 pub use pipeline::{ParryPipeline, ParryStep, Ready};
 pub use shapes::{ParryShapes, ShapesFrame};
+pub use world::{Hit, ParryWorld, Posed, Until};

@@ -32,7 +32,7 @@ pub trait Library: Real {
     /// A box.
     type Box: Copy + Send + Sync + 'static;
     /// A bounding volume hierarchy with its scratch memory; the default holds nothing.
-    type Tree: Default + Send;
+    type Tree: Default + Send + Sync;
 
     /// The largest sum of two shapes' reaches and the distance between them, metres, at which no
     /// formula of Parry's GJK overflows. Its triangle projections are sums of products of four
@@ -67,6 +67,9 @@ pub trait Library: Real {
     fn leaf_pairs(tree: &mut Self::Tree, pair: impl FnMut(u32, u32));
     /// The same pairs in the same order, found on rayon's current pool.
     fn leaf_pairs_parallel(tree: &Self::Tree) -> Vec<(u32, u32)>;
+
+    /// Tells the leaves whose boxes overlap that one, until it is told to stop by `false`.
+    fn leaves_near(tree: &Self::Tree, aabb: &Self::Box, leaf: impl FnMut(u32) -> bool);
 
     /// Replaces `found` by the same pairs, found where `exec` says.
     fn collect_leaf_pairs(tree: &mut Self::Tree, exec: Exec, found: &mut Vec<(u32, u32)>) {
@@ -267,6 +270,18 @@ macro_rules! behind_library {
 
                 fn leaf_pairs((tree, memory): &mut Self::Tree, mut pair: impl FnMut(u32, u32)) {
                     tree.traverse_bvtt_single_tree::<false>(memory, &mut pair);
+                }
+
+                fn leaves_near(
+                    (tree, _): &Self::Tree,
+                    aabb: &Aabb,
+                    mut leaf: impl FnMut(u32) -> bool,
+                ) {
+                    for near in tree.intersect_aabb(aabb) {
+                        if !leaf(near) {
+                            return;
+                        }
+                    }
                 }
 
                 fn leaf_pairs_parallel((tree, _): &Self::Tree) -> Vec<(u32, u32)> {

@@ -12,6 +12,7 @@ mod clock;
 mod events;
 mod roster;
 mod step;
+mod world;
 
 pub use clock::StageClock;
 pub use dcd_broad::{BroadPhase, WideTree};
@@ -20,3 +21,4 @@ pub use dcd_geom::{self as geom, Pose, Scene, Shape};
 pub use dcd_gjk::{NarrowPhase, Overlap};
 pub use events::{Change, Event, Events};
 pub use step::{Pipeline, Step};
+pub use world::{Finding, Found, Linkage, Other, Probe, World};

@@ -1,7 +1,7 @@
 //! What a step allocates, and what it holds.
 
 use dcd_geom::{Object, Pose, Scene};
-use dcd_pipeline::{Events, Par, Pipeline};
+use dcd_pipeline::{Events, Linkage, Overlap, Par, Pipeline, World};
 use dcd_scenes::SceneSpec;
 
 fn scene(name: &str, objects: usize) -> Scene {
@@ -49,5 +49,21 @@ fn static_objects_filters_and_events_allocate_nothing_either() {
             let turned = Pose::from_matrix(*pose.rotation(), -pose.translation()).unwrap();
             scene.set_pose(i, turned).unwrap();
         }
+    }
+}
+
+#[test]
+fn from_the_second_batch_on_serial_configurations_allocate_nothing() {
+    let world = World::new(&scene("paper", 200), Overlap::default(), Par::Serial).unwrap();
+    let robot = scene("paper", 4);
+    let linkage = Linkage::new(robot.shapes().to_vec()).against_itself(&[(0, 1)]).unwrap();
+    let mut probe = world.probe(linkage).unwrap();
+    let poses = scene("paper", 800).poses().to_vec();
+    for batch in 0..4 {
+        let seen = allocation_counter::measure(|| {
+            assert!(probe.first(&poses, Par::Serial).unwrap().iter().any(Option::is_some));
+            assert!(!probe.all(&poses, Par::Serial).unwrap().is_empty());
+        });
+        assert!(batch < 1 || seen.count_total == 0, "batch {batch}: {seen:?}");
     }
 }

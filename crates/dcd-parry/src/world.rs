@@ -1,0 +1,101 @@
+//! Parry's way to ask posed shapes against obstacles that stand still, as a rival.
+
+use crate::forms::{Forms, Placement};
+use crate::{Library, Query};
+use dcd_exec::{Exec, Segments};
+use dcd_geom::{Pose, Scene, SceneError, Shape};
+use dcd_gjk::Verdict;
+
+/// How many configurations a task asks for.
+const CONFIGURATIONS_PER_TASK: usize = 64;
+
+/// Parry's tree over the boxes of a scene's objects, asked for each link's box, and a query for
+/// each obstacle that it names. A panic of Parry's is passed on.
+pub struct ParryWorld<R: Library> {
+    query: Query,
+    forms: Forms<R>,
+    obstacles: Vec<Placement<R>>,
+    tree: R::Tree,
+    links: std::ops::Range<u32>,
+}
+
+/// The poses of a batch as Parry holds them: not part of what it is timed for.
+pub struct Posed<R: Library>(Vec<Placement<R>>);
+
+/// A link of a configuration, and the obstacle that Parry says it touches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Hit {
+    /// Which configuration.
+    pub configuration: u32,
+    /// Which of its links.
+    pub link: u32,
+    /// The obstacle's index in its scene.
+    pub obstacle: u32,
+}
+
+/// Whether a link is asked for after another of its configuration has touched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Until {
+    /// No: a configuration ends with its first hit.
+    First,
+    /// Yes: every hit is told.
+    Last,
+}
+
+impl<R: Library> ParryWorld<R> {
+    /// Over the objects of a scene, and for configurations of these links.
+    ///
+    /// # Errors
+    /// More shapes than a u32 counts.
+    pub fn new(scene: &Scene, links: &[Shape], query: Query) -> Result<Self, SceneError> {
+        let mut all = scene.clone();
+        let links = all.add_shapes(links.iter().cloned())?;
+        let forms = Forms::of(&all);
+        let obstacles: Vec<_> = (0..scene.len()).map(|i| Placement::of(&all, i)).collect();
+        let mut tree = R::Tree::default();
+        R::build(obstacles.iter().map(|placement| forms.boxed(placement)), &mut tree);
+        Ok(Self { query, forms, obstacles, tree, links })
+    }
+
+    /// Takes in the poses of configurations, one after the other, one pose a link.
+    pub fn place(&self, poses: &[Pose]) -> Posed<R> {
+        let links = self.links.clone().cycle();
+        Posed(links.zip(poses).map(|(shape, pose)| self.forms.place(shape, pose)).collect())
+    }
+
+    /// Replaces `hits` by what Parry says, configuration by configuration and link by link.
+    pub fn ask(&self, posed: &Posed<R>, until: Until, exec: Exec, hits: &mut Segments<Hit>) {
+        let grain = CONFIGURATIONS_PER_TASK * self.links.len().max(1);
+        let batches: Vec<_> = posed.0.chunks(grain).collect();
+        hits.fill(exec, batches.len(), |task, hits| {
+            let configurations = batches[task].chunks(self.links.len().max(1));
+            for (k, links) in configurations.enumerate() {
+                let configuration = (task * CONFIGURATIONS_PER_TASK + k) as u32;
+                self.ask_one(configuration, links, until, hits);
+            }
+        });
+    }
+
+    fn ask_one(
+        &self,
+        configuration: u32,
+        links: &[Placement<R>],
+        until: Until,
+        hits: &mut Vec<Hit>,
+    ) {
+        for (link, placement) in (0..).zip(links) {
+            let mut touched = false;
+            R::leaves_near(&self.tree, &self.forms.boxed(placement), |obstacle| {
+                let other = &self.obstacles[obstacle as usize];
+                if self.forms.verdict(self.query, placement, other) == Verdict::Touching(()) {
+                    hits.push(Hit { configuration, link, obstacle });
+                    touched = true;
+                }
+                !(touched && until == Until::First)
+            });
+            if touched && until == Until::First {
+                return;
+            }
+        }
+    }
+}

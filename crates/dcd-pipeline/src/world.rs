@@ -1,0 +1,66 @@
+//! One against many: what does not enter the scene, against obstacles that stand still.
+
+mod desk;
+mod linkage;
+mod probe;
+
+pub use linkage::Linkage;
+pub use probe::{Finding, Found, Other, Probe};
+
+use dcd_broad::{Named, StandingTree};
+use dcd_exec::Exec;
+use dcd_geom::{Aabb, Object, Scene, SceneError};
+use dcd_gjk::{NarrowPhase, Overlap};
+
+/// How many obstacles a task prepares.
+const OBSTACLES_PER_TASK: usize = 256;
+
+/// Obstacles prepared once: their boxes and a tree over them. Asked by a [`Probe`].
+#[derive(Debug)]
+pub struct World<N = Overlap> {
+    narrow: N,
+    /// The obstacles alone, one after the other.
+    obstacles: Scene,
+    /// For each obstacle its index in the scene that it came from.
+    names: Vec<u32>,
+    tree: StandingTree,
+}
+
+impl<N: NarrowPhase> World<N> {
+    /// From the objects of a scene, moving ones too, as they stand.
+    ///
+    /// # Errors
+    /// None that the scene has not passed already.
+    pub fn new<'e>(
+        scene: &Scene,
+        narrow: N,
+        exec: impl Into<Exec<'e>>,
+    ) -> Result<Self, SceneError> {
+        let exec = exec.into();
+        let there = |&i: &u32| scene.motion(i as usize).is_some();
+        let names: Vec<u32> = (0..).take(scene.len()).filter(there).collect();
+        let objects = names.iter().map(|&i| i as usize).map(|i| Object {
+            filter: scene.filters()[i],
+            ..Object::new(scene.shape_of()[i], scene.poses()[i])
+        });
+        let obstacles = Scene::new(scene.shapes().to_vec(), objects)?;
+        let mut aabbs = vec![Aabb::EMPTY; obstacles.len()];
+        let mut frame = N::Frame::default();
+        let part = narrow.lay_out(&obstacles, &mut frame);
+        exec.divide((part, &mut aabbs[..]), OBSTACLES_PER_TASK, |first, (part, aabbs)| {
+            narrow.prepare(&obstacles, first, part, aabbs);
+        });
+        let mut tree = StandingTree::default();
+        let own: Vec<u32> = (0..).take(aabbs.len()).collect();
+        tree.build(Named { aabbs: &aabbs, names: &own }, exec);
+        Ok(Self { narrow, obstacles, names, tree })
+    }
+
+    /// Ready to ask for configurations of these links, again and again.
+    ///
+    /// # Errors
+    /// More shapes or objects than a u32 counts: a probe holds 64 objects for each link.
+    pub fn probe(&self, linkage: Linkage) -> Result<Probe<'_, N>, SceneError> {
+        Probe::new(self, linkage)
+    }
+}

@@ -1,0 +1,204 @@
+//! Configurations of a linkage, asked against a world.
+
+use super::desk::{Desk, ROW};
+use super::{Linkage, World};
+use dcd_exec::{Exec, PerThread, Segments};
+use dcd_geom::{Object, Pose, Scene, SceneError};
+use dcd_gjk::{NarrowPhase, Verdict};
+use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// What a link touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Other {
+    /// An obstacle, by its index in the scene that the world was made from.
+    Obstacle(u32),
+    /// A link of the same configuration, of smaller index.
+    Link(u32),
+}
+
+/// Something that is not known to be apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finding<A> {
+    /// Which configuration.
+    pub configuration: u32,
+    /// Which of its links.
+    pub link: u32,
+    /// What the link touches.
+    pub other: Other,
+    /// That they touch, with what was asked for, or that it could not be settled.
+    pub verdict: Verdict<A>,
+}
+
+impl<A> Finding<A> {
+    /// Whether it is a proven contact.
+    pub fn touches(&self) -> bool {
+        matches!(self.verdict, Verdict::Touching(_))
+    }
+}
+
+/// The findings of a batch. Borrows the probe's buffers.
+#[derive(Debug)]
+pub struct Found<'p, A: Send>(&'p Segments<Finding<A>>);
+
+impl<'p, A: Copy + Send> Found<'p, A> {
+    /// In order.
+    pub fn iter(&self) -> impl Iterator<Item = Finding<A>> + use<'p, A> {
+        self.0.iter().flatten().copied()
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+/// Asks a world for a linkage's configurations, on many threads, and keeps what that needs: for
+/// each thread the obstacles as the narrow phase prepares them and room for 64 configurations.
+///
+/// A batch is the poses of its configurations one after the other, one pose a link. The answers do
+/// not depend on `exec` or on earlier batches. After the first batch a serial one of a like size
+/// allocates nothing.
+pub struct Probe<'w, N: NarrowPhase = dcd_gjk::Overlap> {
+    pub(super) world: &'w World<N>,
+    pub(super) linkage: Linkage,
+    /// The obstacles, then a row of objects for each link.
+    pub(super) template: Scene,
+    /// Which links are asked for together where the first hit is enough: ever more, so that few
+    /// are prepared in vain.
+    rounds: Vec<Range<usize>>,
+    desks: PerThread<Desk<N>>,
+    first: Vec<Option<Finding<N::Answer>>>,
+    all: Segments<Finding<N::Answer>>,
+}
+
+impl<'w, N: NarrowPhase> Probe<'w, N> {
+    pub(super) fn new(world: &'w World<N>, linkage: Linkage) -> Result<Self, SceneError> {
+        let mut template = world.obstacles.clone();
+        let shapes = template.add_shapes(linkage.shapes.iter().cloned())?;
+        for (shape, &filter) in shapes.zip(&linkage.filters) {
+            let object = Object { filter, ..Object::new(shape, Pose::IDENTITY) };
+            for _ in 0..ROW {
+                template.insert(object)?;
+            }
+        }
+        let mut rounds = Vec::new();
+        let mut start = 0;
+        while start < linkage.len() {
+            let end = linkage.len().min(2 * start + 1);
+            rounds.push(start..end);
+            start = end;
+        }
+        let (desks, first, all) = (PerThread::default(), Vec::new(), Segments::default());
+        Ok(Self { world, linkage, template, rounds, desks, first, all })
+    }
+
+    /// For each configuration a link that touches, if there is one: that of the smallest index, and
+    /// of what it touches the obstacle of the smallest index, or the link. Where nothing is known
+    /// to touch, a pair that could not be settled, if there is one. Links after the first that
+    /// touch may not be looked at.
+    ///
+    /// # Errors
+    /// There is not one pose for each link of each configuration; more configurations than a u32
+    /// counts; a pose out of range, by its index in the batch.
+    pub fn first<'e>(
+        &mut self,
+        poses: &[Pose],
+        exec: impl Into<Exec<'e>>,
+    ) -> Result<&[Option<Finding<N::Answer>>], SceneError> {
+        let count = self.count(poses)?;
+        let mut first = std::mem::take(&mut self.first);
+        first.clear();
+        first.resize(count, None);
+        let (refused, probe) = (Refused::default(), &*self);
+        exec.into().divide(&mut first[..], ROW, |start, found| {
+            probe.desks.with(|desk| {
+                desk.open(probe, start, found.len());
+                for round in &probe.rounds {
+                    refused.note(desk.place(probe, round, poses));
+                    desk.decide(probe, round);
+                    desk.keep_first(probe, found);
+                }
+            });
+        });
+        self.first = first;
+        refused.check(&self.template, self.linkage.len(), poses)?;
+        Ok(&self.first)
+    }
+
+    /// Every pair that touches or could not be settled, configuration by configuration: its links
+    /// with the obstacles in the order of the links, then its links with each other, then what
+    /// could not be settled.
+    ///
+    /// # Errors
+    /// Those of [`Probe::first`].
+    pub fn all<'e>(
+        &mut self,
+        poses: &[Pose],
+        exec: impl Into<Exec<'e>>,
+    ) -> Result<Found<'_, N::Answer>, SceneError> {
+        let count = self.count(poses)?;
+        let mut all = std::mem::take(&mut self.all);
+        let (refused, probe) = (Refused::default(), &*self);
+        all.fill(exec.into(), count.div_ceil(ROW), |task, out| {
+            probe.desks.with(|desk| {
+                let start = ROW * task;
+                let every = 0..probe.linkage.len();
+                desk.open(probe, start, ROW.min(count - start));
+                refused.note(desk.place(probe, &every, poses));
+                desk.decide(probe, &every);
+                desk.append_all(probe, out);
+            });
+        });
+        self.all = all;
+        refused.check(&self.template, self.linkage.len(), poses)?;
+        Ok(Found(&self.all))
+    }
+
+    /// How many configurations these poses are.
+    fn count(&self, poses: &[Pose]) -> Result<usize, SceneError> {
+        let links = self.linkage.len();
+        let count = poses.len().checked_div(links).unwrap_or(0);
+        if count * links != poses.len() {
+            return Err(SceneError::LengthsDiffer { shapes: links, poses: poses.len() });
+        }
+        let what = "configurations";
+        u32::try_from(count).map(|_| count).map_err(|_| SceneError::TooMany { what, count })
+    }
+}
+
+/// The first pose that an object cannot have, on any thread.
+struct Refused(AtomicUsize);
+
+impl Default for Refused {
+    fn default() -> Self {
+        Self(AtomicUsize::new(usize::MAX))
+    }
+}
+
+impl Refused {
+    fn note(&self, pose: Option<usize>) {
+        if let Some(pose) = pose {
+            self.0.fetch_min(pose, Ordering::Relaxed);
+        }
+    }
+
+    /// Says why it was refused.
+    fn check(self, template: &Scene, links: usize, poses: &[Pose]) -> Result<(), SceneError> {
+        let object = self.0.into_inner();
+        let Some(pose) = poses.get(object) else { return Ok(()) };
+        // The rows stand at the end, one a link.
+        let slot = template.len() - ROW * (links - object % links);
+        match template.clone().set_pose(slot, *pose) {
+            Err(SceneError::OutOfRange { reach, .. }) => {
+                Err(SceneError::OutOfRange { object, reach })
+            }
+            other => other,
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! Configurations against a world: what a scene of each alone says, at any thread count.
+
+use dcd_broad::BruteForce;
+use dcd_exec::with_threads;
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Filter, Object, Pose, Scene, SceneError, Shape};
+use dcd_gjk::{Certified, EachPair, PairSolver, Placed, Reason, Rung, Verdict};
+use dcd_pipeline::{Finding, Linkage, NarrowPhase, Other, Overlap, Par, Pipeline, World};
+use dcd_scenes::SceneSpec;
+
+/// Obstacles in a cube, one slot free, some that only robots of group 2 meet.
+fn obstacles() -> Scene {
+    let spec = SceneSpec::parse("paper").unwrap().with_objects(70).with_seed(21);
+    let paper = spec.scene().unwrap();
+    let objects = (0..70).map(|i| {
+        let object = Object::new(i, paper.poses()[i as usize]);
+        match i % 7 {
+            0 => object.fixed(),
+            1 => Object { filter: Filter { groups: 2, mask: u32::MAX }, ..object },
+            _ => object,
+        }
+    });
+    let mut scene = Scene::new(paper.shapes().to_vec(), objects).unwrap();
+    scene.remove(scene.handle(13).unwrap()).unwrap();
+    scene
+}
+
+fn shapes() -> Vec<Shape> {
+    let spec = SceneSpec::parse("needles").unwrap().with_objects(3).with_seed(4);
+    let mut shapes = spec.scene().unwrap().shapes().to_vec();
+    shapes.push(Shape::sphere(0.3).unwrap());
+    shapes.push(Shape::cuboid(DVec3::new(0.3, 0.2, 0.6)).unwrap());
+    shapes
+}
+
+const UNMET: Filter = Filter { groups: 1, mask: 1 };
+const EXCEPT: [(usize, usize); 2] = [(0, 1), (4, 3)];
+
+/// Five links, the last of which misses the obstacles of group 2.
+fn linkage() -> Linkage {
+    let linkage = Linkage::new(shapes()).with_filter(4, UNMET).unwrap();
+    linkage.against_itself(&EXCEPT).unwrap()
+}
+
+/// More than two rows of configurations, some of them far away.
+fn poses() -> Vec<Pose> {
+    let spec = SceneSpec::parse("paper").unwrap().with_objects(5 * 150).with_seed(8);
+    let paper = spec.scene().unwrap();
+    let spread = |(k, pose): (usize, &Pose)| {
+        let base = paper.poses()[k / 5 * 5].translation() * if k / 5 % 3 == 0 { 1.0 } else { 2.0 };
+        Pose::from_matrix(*pose.rotation(), base + pose.translation() * 0.4).unwrap()
+    };
+    paper.poses().iter().enumerate().map(spread).collect()
+}
+
+/// What touches in a scene of the obstacles and one configuration, every pair judged exactly.
+fn alone(obstacles: &Scene, configuration: u32, poses: &[Pose]) -> Vec<(u32, u32, Other)> {
+    let mut scene = obstacles.clone();
+    // Free slots would be taken by links.
+    while scene.object_count() < scene.len() {
+        let far = Pose::from_translation(DVec3::splat(1e6)).unwrap();
+        scene.insert(Object::new(0, far)).unwrap();
+    }
+    let first = scene.len() as u32;
+    let added = scene.add_shapes(shapes()).unwrap();
+    for (k, (shape, &pose)) in added.zip(poses).enumerate() {
+        let filter = if k == 4 { UNMET } else { Filter::ALL };
+        scene.insert(Object { filter, ..Object::new(shape, pose) }).unwrap();
+    }
+    let mut pipeline = Pipeline::new(BruteForce, EachPair(Certified));
+    let step = pipeline.step_where(&scene, Par::Serial, |i, j| {
+        let (k, l) =
+            ((i as usize).wrapping_sub(first as usize), (j as usize).wrapping_sub(first as usize));
+        j >= first && !EXCEPT.contains(&(k, l)) && !EXCEPT.contains(&(l, k))
+    });
+    let other = |i: u32| if i < first { Other::Obstacle(i) } else { Other::Link(i - first) };
+    let mut touching: Vec<_> =
+        step.contacts().map(|(i, j)| (configuration, j - first, other(i))).collect();
+    touching.sort_unstable();
+    touching
+}
+
+fn told(finding: &Finding<()>) -> (u32, u32, Other) {
+    assert!(finding.touches());
+    (finding.configuration, finding.link, finding.other)
+}
+
+#[test]
+fn every_configuration_gets_what_a_scene_of_its_own_says() {
+    let (obstacles, poses) = (obstacles(), poses());
+    let due: Vec<Vec<_>> =
+        (0..).zip(poses.chunks(5)).map(|(c, poses)| alone(&obstacles, c, poses)).collect();
+    assert!(due.iter().any(Vec::is_empty) && due.iter().any(|due| due.len() > 3));
+    let own = |touch: &&(u32, u32, Other)| matches!(touch.2, Other::Link(_));
+    assert!(due.iter().flatten().filter(own).count() > 10);
+
+    let world = World::new(&obstacles, Overlap::default(), Par::Serial).unwrap();
+    let mut probe = world.probe(linkage()).unwrap();
+    for _ in 0..2 {
+        let first = probe.first(&poses, Par::Serial).unwrap();
+        assert_eq!(first.len(), due.len());
+        for (found, due) in first.iter().zip(&due) {
+            assert_eq!(found.as_ref().map(told), due.first().copied());
+        }
+        let mut all: Vec<_> =
+            probe.all(&poses, Par::Serial).unwrap().iter().map(|found| told(&found)).collect();
+        assert!(all.iter().map(|touch| touch.0).is_sorted());
+        all.sort_unstable();
+        assert_eq!(all, due.concat());
+    }
+}
+
+#[test]
+fn the_answers_and_their_order_are_one_at_any_thread_count() {
+    let (obstacles, poses) = (obstacles(), poses());
+    let run = |par| {
+        let world = World::new(&obstacles, Overlap::default(), par).unwrap();
+        let mut probe = world.probe(linkage()).unwrap();
+        let first = probe.first(&poses, par).unwrap().to_vec();
+        // A smaller batch between.
+        probe.first(&poses[..35], par).unwrap();
+        let again = probe.first(&poses, par).unwrap().to_vec();
+        assert_eq!(first, again);
+        let all: Vec<_> = probe.all(&poses, par).unwrap().iter().collect();
+        (first, all)
+    };
+    let serial = run(Par::Serial);
+    for threads in [1, 2, 3, 7] {
+        assert!(with_threads(threads, || run(Par::Pool)).unwrap() == serial, "{threads} threads");
+    }
+}
+
+#[test]
+fn what_cannot_be_settled_is_told_and_a_contact_comes_before_it() {
+    /// Knows spheres alone.
+    struct Spheres;
+    impl PairSolver for Spheres {
+        type Answer = ();
+        type Scratch = ();
+        fn rung(&self) -> Rung {
+            Rung::Foreign
+        }
+        fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
+            let is_sphere = |p: &Placed<'_>| p.shape.as_polytope().unwrap().vertices().len() == 1;
+            match is_sphere(&a) && is_sphere(&b) {
+                true => Certified.solve(a, b, &mut Default::default()),
+                false => Verdict::Undecided(Reason::Foreign),
+            }
+        }
+    }
+    let (ball, cube) = (Shape::sphere(1.0).unwrap(), Shape::cuboid(DVec3::ONE).unwrap());
+    let room = Scene::new(vec![ball.clone()], [Object::new(0, Pose::IDENTITY)]).unwrap();
+    let world = World::new(&room, EachPair(Spheres), Par::Serial).unwrap();
+    let mut probe = world.probe(Linkage::new(vec![cube, ball])).unwrap();
+    let at = |x: f64| Pose::from_translation(DVec3::X * x).unwrap();
+    let batch = [at(0.0), at(9.0), at(0.0), at(1.0), at(9.0), at(9.0)];
+    let undecided = Verdict::Undecided(Reason::Foreign);
+    let first = probe.first(&batch, Par::Serial).unwrap();
+    assert_eq!(first[0].map(|found| (found.link, found.verdict)), Some((0, undecided)));
+    assert_eq!(first[1].map(|found| (found.link, found.verdict)), Some((1, Verdict::Touching(()))));
+    assert_eq!(first[2], None);
+    let all: Vec<_> = probe.all(&batch, Par::Serial).unwrap().iter().collect();
+    let short = |found: &Finding<()>| (found.configuration, found.link, found.verdict);
+    assert_eq!(
+        all.iter().map(short).collect::<Vec<_>>(),
+        [(0, 0, undecided), (1, 1, Verdict::Touching(())), (1, 0, undecided)]
+    );
+}
+
+#[test]
+fn a_batch_that_does_not_fit_is_refused_with_what_is_wrong() {
+    let world = World::new(&obstacles(), Overlap::default(), Par::Serial).unwrap();
+    let mut probe = world.probe(linkage()).unwrap();
+    let mut poses = poses();
+    let lengths = SceneError::LengthsDiffer { shapes: 5, poses: 7 };
+    assert_eq!(probe.first(&poses[..7], Par::Serial), Err(lengths));
+    assert_eq!(probe.all(&poses[..7], Par::Serial).map(|_| ()), Err(lengths));
+    let far = Pose::from_translation(DVec3::splat(2e37)).unwrap();
+    (poses[423], poses[617]) = (far, far);
+    for par in [Par::Serial, Par::Pool] {
+        let refused = probe.all(&poses, par).map(|_| ());
+        assert!(
+            matches!(refused, Err(SceneError::OutOfRange { object: 423, reach }) if reach >= 2e37)
+        );
+    }
+    assert!(probe.first(&[], Par::Serial).unwrap().is_empty());
+    let unknown = SceneError::NoSuchObject { object: 5, objects: 5 };
+    assert_eq!(linkage().against_itself(&[(5, 0)]).map(|_| ()), Err(unknown));
+}
+
+#[test]
+fn no_obstacle_and_no_link_are_legal_and_touch_nothing() {
+    fn count<N: NarrowPhase>(world: &World<N>, linkage: Linkage, poses: &[Pose]) -> usize {
+        let mut probe = world.probe(linkage).unwrap();
+        probe.all(poses, Par::Pool).unwrap().len()
+    }
+    let empty = World::new(&Scene::default(), Overlap::default(), Par::Serial).unwrap();
+    let ball = || Linkage::new(vec![Shape::sphere(1.0).unwrap(); 2]);
+    assert_eq!(count(&empty, ball(), &[Pose::IDENTITY; 4]), 0);
+    assert_eq!(count(&empty, ball().against_itself(&[]).unwrap(), &[Pose::IDENTITY; 4]), 2);
+    let world = World::new(&obstacles(), Overlap::default(), Par::Serial).unwrap();
+    assert_eq!(count(&world, Linkage::new(vec![]), &[]), 0);
+}
