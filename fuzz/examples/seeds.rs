@@ -1,6 +1,6 @@
 //! Writes a few inputs for each target to start from: `seeds FOLDER`.
 
-use dcd_scenes::{RawObject, RawScene, RawShape, write_hull_scene};
+use dcd_scenes::{Capture, RawObject, RawScene, RawShape, write_hull_scene};
 use glam::{DQuat, DVec3};
 use std::io;
 use std::path::PathBuf;
@@ -57,7 +57,8 @@ fn pairs() -> Vec<Vec<u8>> {
     for a in &shapes() {
         for b in &shapes() {
             for pose in &poses() {
-                pairs.push([&a[..], &poses()[0], b, pose].concat());
+                pairs.push([&a[..], &poses()[0], b, pose, &[0]].concat());
+                pairs.push([&a[..], &poses()[4], b, pose, &[1]].concat());
             }
         }
     }
@@ -89,15 +90,21 @@ fn files() -> io::Result<Vec<Vec<u8>>> {
     };
     let mut hulls = vec![3];
     write_hull_scene(&scene, &mut hulls)?;
+    let mut capture = vec![5];
+    let moving = scene.into_scene().map_err(io::Error::other)?;
+    let mut recorded = Capture::new(&moving).map_err(io::Error::other)?;
+    recorded.frame(&moving).map_err(io::Error::other)?;
+    recorded.write(&mut capture)?;
     let frame = ply();
     Ok(vec![
+        capture,
         b"\x000 0 0 1 1 1\n0.5 0 -1e3 2 3.25 1\n".to_vec(),
         [&[1, 2, 0, 0, 0][..], &1f32.to_le_bytes().repeat(6)].concat(),
         [&[2][..], &frame].concat(),
         [&[2][..], &frame, &frame].concat(),
         hulls,
         b"\x04[[0, 1], [2, 5]]".to_vec(),
-        b"\x05{\"name\":\"x\",\"a\":[[0,0,0],[1,0,0]],\"pose_a\":{\"q\":[0,0,0,1],\"t\":[0,0,0]},\
+        b"\x06{\"name\":\"x\",\"a\":[[0,0,0],[1,0,0]],\"pose_a\":{\"q\":[0,0,0,1],\"t\":[0,0,0]},\
           \"b\":[[0,0,1]],\"pose_b\":{\"R\":[[1,0,0],[0,1,0],[0,0,1]],\"t\":[0,1,NaN]}}\n"
             .to_vec(),
     ])

@@ -5,7 +5,7 @@
 //! bits at all, NaN included. Each function is `None` at the bytes' end, and where a constructor
 //! refuses what it was given.
 
-use dcd_geom::{Polytope, Pose};
+use dcd_geom::{Polytope, Pose, Shape};
 use glam::{DMat3, DQuat, DVec3};
 
 /// Bytes that are read from the front.
@@ -60,10 +60,29 @@ impl Input<'_> {
     /// A polytope, rounded or not.
     pub fn polytope(&mut self) -> Option<Polytope> {
         let kind = self.byte()?;
-        let core = match kind % 4 {
-            0 => Polytope::cuboid(self.vector()?.abs()),
+        let core = match kind % 8 {
+            0 | 4 => Polytope::cuboid(self.vector()?.abs()),
             1 => Polytope::sphere(self.number()?),
+            3 => Polytope::segment(self.vector()?, self.vector()?),
+            5 => Polytope::capsule(self.number()?, self.number()?),
+            7 => Polytope::triangle([self.vector()?, self.vector()?, self.vector()?]),
             _ => Polytope::hull(self.points()?),
+        };
+        let core = core.ok()?;
+        if kind & 16 == 0 { Some(core) } else { core.rounded(self.number()?.abs()).ok() }
+    }
+
+    /// A shape of any kind, most of them polytopes.
+    pub fn shape(&mut self) -> Option<Shape> {
+        let (&kind, _) = self.0.split_first()?;
+        if kind < 224 {
+            return self.polytope().map(Shape::from);
+        }
+        self.byte()?;
+        let core = match kind % 4 {
+            0 => Shape::half_space(self.vector()?, self.number()?),
+            1 => Shape::cone(self.number()?, self.number()?),
+            _ => Shape::cylinder(self.number()?, self.number()?),
         };
         let core = core.ok()?;
         if kind & 16 == 0 { Some(core) } else { core.rounded(self.number()?.abs()).ok() }

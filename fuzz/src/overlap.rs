@@ -9,8 +9,12 @@ use dcd_gjk::{Body, Difference, Verdict, gjk};
 pub(crate) type Pair = [(Polytope, Pose); 2];
 
 pub(crate) fn pair(input: &mut Input<'_>) -> Option<Pair> {
-    let mut placed = || Some((input.polytope()?, input.pose()?));
-    Some([placed()?, placed()?])
+    let (a, pose_a) = (input.polytope()?, input.pose()?);
+    let (b, pose_b) = (input.polytope()?, input.pose()?);
+    // Of the odd ones, turned alike: what is stacked in a frame of its own.
+    let turn = if input.byte().unwrap_or(0) % 2 == 1 { pose_a } else { pose_b };
+    let pose_b = Pose::from_matrix(*turn.rotation(), pose_b.translation()).ok()?;
+    Some([(a, pose_a), (b, pose_b)])
 }
 
 pub(crate) fn body((shape, pose): &(Polytope, Pose)) -> Body<'_, Polytope> {

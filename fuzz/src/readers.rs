@@ -1,20 +1,21 @@
 //! Everything that reads files.
 
 use dcd_scenes::{
-    SweptBoxes, read_boxes, read_clouds, read_frame, read_hull_scene, read_listed_pairs,
+    Capture, SweptBoxes, read_boxes, read_clouds, read_frame, read_hull_scene, read_listed_pairs,
     read_pairs, write_hull_scene,
 };
 
-/// The first byte says which reader, the rest is its file: none panics, and a scene that was read
-/// is written and read again without a change.
+/// The first byte says which reader, the rest is its file: none panics, and a scene or capture that
+/// was read is written and read again without a change.
 pub fn readers(bytes: &[u8]) {
     let Some((which, file)) = bytes.split_first() else { return };
-    match which % 6 {
+    match which % 7 {
         0 => drop(read_boxes(file)),
         1 => drop(read_clouds(file)),
         2 => frames(file),
         3 => hull_scene(file),
         4 => drop(read_listed_pairs(file)),
+        5 => capture(file),
         _ => read_pairs(file).flatten().for_each(drop),
     }
 }
@@ -35,4 +36,12 @@ fn hull_scene(file: &[u8]) {
     let again = read_hull_scene(&written).expect("what was written can be read");
     assert_eq!(again.digest(), scene.digest());
     let _ = scene.into_scene();
+}
+
+fn capture(file: &[u8]) {
+    let Ok(capture) = Capture::read(file) else { return };
+    let mut written = Vec::new();
+    capture.write(&mut written).expect("memory takes all");
+    let again = Capture::read(&written).expect("what was written can be read");
+    assert!(again.frames().eq(capture.frames()));
 }
