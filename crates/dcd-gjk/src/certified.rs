@@ -3,7 +3,7 @@
 
 use crate::certificate::Bounds;
 use crate::closed::{self, half_space};
-use crate::exact::boxes;
+use crate::exact::boxes::{self, Stack};
 use crate::gjk::overlap_with_simplex;
 use crate::{Body, Difference, Placed, Reason, Rung, Verdict, exact, order};
 use dcd_geom::glam::DVec3;
@@ -16,7 +16,7 @@ use dcd_geom::{Polytope, Shape, SupportMap};
 /// parallel edges; where the gap or overlap is within rounding, a microsecond in double-double, and
 /// for exact touching some microseconds in integers.
 pub fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (Verdict<()>, Rung) {
-    if let Some((touch, rung)) = boxes::touch(a, b) {
+    if let Stack::Known(touch, rung) = boxes::touch(a, b) {
         return (if touch { Verdict::Touching(()) } else { Verdict::Apart }, rung);
     }
     let (a, b) = if order::are_swapped(a, b) { (b, a) } else { (a, b) };
@@ -43,8 +43,10 @@ pub fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (Verdict<()>, Ru
 /// search in f32 ended with is often right and only not certain. For boxes with parallel edges, by
 /// any axis.
 pub(crate) fn are_apart_along(axis: DVec3, a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> bool {
-    if let Some((touch, _)) = boxes::touch(a, b) {
-        return !touch;
+    match boxes::touch_quickly(a, b) {
+        Stack::Known(touch, _) => return !touch,
+        Stack::Open => return false,
+        Stack::Other => {}
     }
     let direction = crate::gjk::unit::<f64>(axis.to_array());
     let (Some(direction), Some(difference)) = (direction, Difference::<f64, _, _>::new(a, b))

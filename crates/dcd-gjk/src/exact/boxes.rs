@@ -6,7 +6,7 @@
 
 use super::expansion::{exact_sign, filtered_sign};
 use crate::double_double::{self, DoubleDouble};
-use crate::simplex::{Scalar, Triple, cross, dot, norm1};
+use crate::simplex::{Scalar, Triple, cross, dot, minus, norm1};
 use crate::{Body, Rung};
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Polytope, Vector};
@@ -20,10 +20,50 @@ const SIZES: std::ops::Range<f64> = 1e-280..1e280;
 /// (docs/numerics.md, "parallel boxes")
 const EXCESS: f64 = 16.0;
 
-/// Whether two boxes with parallel edges share a point, and which rung proved it; `None` where they
-/// are no such two.
+/// What is known of two bodies as boxes with parallel edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Stack {
+    /// They are no such boxes.
+    Other,
+    /// Whether they share a point, and which rung proved it.
+    Known(bool, Rung),
+    /// They are within rounding of touching.
+    Open,
+}
+
+/// What the closed form tells by signs that f64 is sure of, and by sums that are exact.
 #[inline]
-pub(crate) fn touch(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Option<(bool, Rung)> {
+pub(crate) fn touch_quickly(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Stack {
+    match pair_of(a, b) {
+        None => Stack::Other,
+        Some(Pair::Aligned(half)) => aligned(a, b, half),
+        Some(Pair::Turned(half)) => turned(a, b, half),
+    }
+}
+
+/// What it tells with as many digits as need be: never open.
+#[inline]
+pub(crate) fn touch(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Stack {
+    match pair_of(a, b) {
+        None => Stack::Other,
+        Some(Pair::Aligned(half)) => aligned(a, b, half),
+        Some(Pair::Turned(half)) => match turned(a, b, half) {
+            Stack::Open => turned_closely(a, b, half),
+            known => known,
+        },
+    }
+}
+
+/// Boxes with parallel edges.
+enum Pair {
+    /// Along the world's axes.
+    Aligned(Halves),
+    /// By one rotation, along its columns.
+    Turned(Halves),
+}
+
+#[inline]
+fn pair_of(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Option<Pair> {
     let (Kind::Cuboid { half_extents: half_a }, Kind::Cuboid { half_extents: half_b }) =
         (a.map.kind(), b.map.kind())
     else {
@@ -32,15 +72,14 @@ pub(crate) fn touch(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Option<(boo
     if a.map.swept_radius() > 0.0 || b.map.swept_radius() > 0.0 {
         return None;
     }
-    let halves = Halves { a: half_a, b: half_b };
     let size = a.reach + b.reach + Vector::norm1(a.pose.translation() - b.pose.translation());
     if !SIZES.contains(&size) {
         return None;
     }
     let (r_a, r_b) = (a.pose.rotation(), b.pose.rotation());
     match (along_axes(r_a, half_a), along_axes(r_b, half_b)) {
-        (Some(half_a), Some(half_b)) => Some(aligned(a, b, Halves { a: half_a, b: half_b })),
-        _ if r_a == r_b => Some(parallel(a, b, halves)),
+        (Some(a), Some(b)) => Some(Pair::Aligned(Halves { a, b })),
+        _ if r_a == r_b => Some(Pair::Turned(Halves { a: half_a, b: half_b })),
         _ => None,
     }
 }
@@ -64,42 +103,57 @@ fn along_axes(r: &DMat3, half: DVec3) -> Option<DVec3> {
         .then(|| columns[0] * half.x + columns[1] * half.y + columns[2] * half.z)
 }
 
-/// Along each axis the half edges against the distance of the centres.
+/// h_A + h_B − |t_A − t_B|: half edge i against the centres along world axis k.
 #[inline]
-fn aligned(a: Body<'_, Polytope>, b: Body<'_, Polytope>, half: Halves) -> (bool, Rung) {
-    let (t_a, t_b) = (a.pose.translation(), b.pose.translation());
-    let terms = [0, 1, 2].map(|k| {
-        let (low, high) = (t_a[k].min(t_b[k]), t_a[k].max(t_b[k]));
-        [half.a[k], half.b[k], low, -high]
-    });
-    let signs = terms.map(filtered_sign);
+fn room(bodies: [Body<'_, Polytope>; 2], half: Halves, i: usize, k: usize) -> [f64; 4] {
+    let [t_a, t_b] = bodies.map(|body| body.pose.translation()[k]);
+    [half.a[i], half.b[i], t_a.min(t_b), -t_a.max(t_b)]
+}
+
+#[inline]
+fn aligned(a: Body<'_, Polytope>, b: Body<'_, Polytope>, half: Halves) -> Stack {
+    let rooms = [0, 1, 2].map(|k| room([a, b], half, k, k));
+    let signs = rooms.map(filtered_sign);
     if signs.contains(&Some(Ordering::Less)) {
-        return (false, Rung::F64);
+        return Stack::Known(false, Rung::F64);
     }
     if !signs.contains(&None) {
-        return (true, Rung::F64);
+        return Stack::Known(true, Rung::F64);
     }
-    (terms.into_iter().all(|terms| exact_sign(terms) != Ordering::Less), Rung::Exact)
+    let touch = rooms.into_iter().all(|terms| exact_sign(terms) != Ordering::Less);
+    Stack::Known(touch, Rung::Exact)
 }
 
 /// Boxes with one rotation R: A − B = R·box(H) + δ holds the origin if |nᵢ·δ| ≤ Hᵢ·det R for each
 /// product nᵢ of two columns of R, by Cramer's rule.
-fn parallel(a: Body<'_, Polytope>, b: Body<'_, Polytope>, half: Halves) -> (bool, Rung) {
-    match signs::<f64>(a, b, half, f64::EPSILON / 2.0) {
-        Some(touch) => (touch, Rung::F64),
-        None => match signs::<DoubleDouble>(a, b, half, double_double::EPSILON) {
-            Some(touch) => (touch, Rung::Exact),
-            None => (super::touches(a, b, &[]), Rung::Exact),
-        },
+fn turned(a: Body<'_, Polytope>, b: Body<'_, Polytope>, half: Halves) -> Stack {
+    let plain = Arithmetic { unit: f64::EPSILON / 2.0, sign: filtered_sign };
+    match signs::<f64>([a, b], half, &plain) {
+        Some(touch) => Stack::Known(touch, Rung::F64),
+        None => Stack::Open,
     }
 }
 
-/// Whether the two touch, by numbers with that unit roundoff; `None` within their rounding.
-fn signs<T: Scalar + From<f64> + Into<f64>>(
-    a: Body<'_, Polytope>,
-    b: Body<'_, Polytope>,
-    half: Halves,
+/// The same with more digits: double-double, then integers.
+fn turned_closely(a: Body<'_, Polytope>, b: Body<'_, Polytope>, half: Halves) -> Stack {
+    let long = Arithmetic { unit: double_double::EPSILON, sign: |sum| Some(exact_sign(sum)) };
+    let touch = signs::<DoubleDouble>([a, b], half, &long);
+    Stack::Known(touch.unwrap_or_else(|| super::touches(a, b, &[])), Rung::Exact)
+}
+
+/// What signs are found with.
+struct Arithmetic {
+    /// The unit roundoff.
     unit: f64,
+    /// Of a sum, as far as it is known.
+    sign: fn([f64; 4]) -> Option<Ordering>,
+}
+
+/// Whether the two touch; `None` within rounding.
+fn signs<T: Scalar + From<f64> + Into<f64>>(
+    [a, b]: [Body<'_, Polytope>; 2],
+    half: Halves,
+    arithmetic: &Arithmetic,
 ) -> Option<bool> {
     let wide = |v: DVec3| v.to_array().map(T::from);
     let rotation = a.pose.rotation();
@@ -107,22 +161,39 @@ fn signs<T: Scalar + From<f64> + Into<f64>>(
     let [x, y, z] = &columns;
     let normals = [cross(y, z), cross(z, x), cross(x, y)];
     let determinant = dot(x, &normals[0]);
-    let delta: Triple<T> =
-        crate::simplex::minus(&wide(a.pose.translation()), &wide(b.pose.translation()));
+    let delta: Triple<T> = minus(&wide(a.pose.translation()), &wide(b.pose.translation()));
     let distance = norm1(&delta.clone().map(Into::into));
     let mut inside = true;
-    for (normal, k) in normals.iter().zip(0..3) {
+    for (i, normal) in normals.iter().enumerate() {
+        if let Some(k) = upright(rotation, i) {
+            match (arithmetic.sign)(room([a, b], half, i, k)) {
+                Some(Ordering::Less) => return Some(false),
+                known => inside &= known.is_some(),
+            }
+            continue;
+        }
         let along = dot(normal, &delta);
         let along = if along.is_negative() { along.negated() } else { along };
-        let half = T::from(half.a[k]).plus(&T::from(half.b[k]));
+        let half = T::from(half.a[i]).plus(&T::from(half.b[i]));
         let excess: f64 = along.minus(&half.times(&determinant)).into();
-        let bound = EXCESS * unit * (distance + half.into());
+        let bound = EXCESS * arithmetic.unit * (distance + half.into());
         if excess > bound {
             return Some(false);
         }
         inside &= excess < -bound;
     }
     inside.then_some(true)
+}
+
+/// The world axis along which a box stands with its edges i, if there is one: column i of R is that
+/// axis, and the others have nothing of it. Then nᵢ·δ is δ's component times det R, exactly.
+fn upright(r: &DMat3, i: usize) -> Option<usize> {
+    let column = r.col(i).abs();
+    let k = (0..3).find(|&k| column[k] == 1.0)?;
+    let nothing = |x: f64| x == 0.0;
+    let rest = [(k + 1) % 3, (k + 2) % 3].map(|m| column[m]);
+    let others = [(i + 1) % 3, (i + 2) % 3].map(|j| r.col(j)[k]);
+    rest.into_iter().chain(others).all(nothing).then_some(k)
 }
 
 #[cfg(test)]
