@@ -4,6 +4,7 @@
 use crate::certificate::Bounds;
 use crate::closed::{self, half_space};
 use crate::exact::boxes::{self, Stack};
+use crate::exact::resting;
 use crate::gjk::overlap_with_simplex;
 use crate::{Body, Difference, Placed, Reason, Rung, Verdict, exact, order};
 use dcd_geom::glam::DVec3;
@@ -29,6 +30,9 @@ pub fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (Verdict<()>, Ru
         let (verdict, simplex) = overlap_with_simplex(&difference);
         if !matches!(verdict, Verdict::Undecided(_)) {
             return (verdict, Rung::F64);
+        }
+        if let Some(touch) = resting::touch(a, b, &difference) {
+            return (if touch { Verdict::Touching(()) } else { Verdict::Apart }, Rung::Exact);
         }
         for (slot, vertex) in hint.iter_mut().zip(simplex.vertices()) {
             *slot = [vertex.a.feature, vertex.b.feature];

@@ -14,6 +14,7 @@ mod expansion;
 pub(crate) mod grid;
 mod integer;
 pub(crate) mod nearest_point;
+pub(crate) mod resting;
 
 use crate::simplex::{Nearest, Triple, dot, nearest};
 use crate::{Body, Difference};
