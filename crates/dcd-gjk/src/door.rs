@@ -21,6 +21,8 @@ pub enum Reason {
     WithinRounding,
     /// The documented bound on iterations was reached.
     Iterations,
+    /// Simplified shapes differ here: the outer ones touch, the inner ones do not.
+    WithinTolerance,
     /// The numbers leave the range in which this rung's bounds hold.
     Range,
     /// The foreign library behind the door could not tell.

@@ -20,6 +20,7 @@ mod order;
 mod portal;
 pub mod query;
 mod simplex;
+pub mod simplify;
 mod solvers;
 
 pub use difference::{Body, Difference, Vertex};
