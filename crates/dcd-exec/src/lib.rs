@@ -76,6 +76,16 @@ impl<'a> Exec<'a> {
         });
     }
 
+    /// Whether so many tasks run on the calling thread, without the pool.
+    pub(crate) fn is_plain(self, tasks: usize) -> bool {
+        self.par == Par::Serial || tasks <= 1
+    }
+
+    /// Runs `task(0)`, `task(1)`, … on the calling thread, in order.
+    pub(crate) fn in_turn(self, count: usize, mut task: impl FnMut(usize)) {
+        self.section(count, || (0..count).for_each(|k| self.watched(k, || task(k))));
+    }
+
     /// Runs `task(k, item k)` for each item, in any order.
     pub fn each<T: Send>(self, items: &mut [T], task: impl Fn(usize, &mut T) + Sync) {
         self.section(items.len(), || match self.par {

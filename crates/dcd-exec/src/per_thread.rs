@@ -9,7 +9,8 @@ use thread_local::ThreadLocal;
 /// which stole) gets a value of its own: nothing is ever shared or refused.
 #[derive(Debug)]
 pub struct PerThread<T: Send> {
-    free: ThreadLocal<RefCell<Vec<T>>>,
+    /// In boxes, so that lending a large value moves a pointer.
+    free: ThreadLocal<RefCell<Vec<Box<T>>>>,
 }
 
 impl<T: Send> Default for PerThread<T> {
@@ -32,16 +33,16 @@ impl<T: Send + Default> PerThread<T> {
 impl<T: Send> PerThread<T> {
     /// Every value there is, in no particular order.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut T> {
-        self.free.iter_mut().flat_map(|free| free.get_mut().iter_mut())
+        self.free.iter_mut().flat_map(|free| free.get_mut().iter_mut().map(Box::as_mut))
     }
 
     /// Moves every value to `values`, in no particular order.
-    pub(crate) fn take_all(&mut self, values: &mut Vec<T>) {
+    pub(crate) fn take_all(&mut self, values: &mut Vec<Box<T>>) {
         self.free.iter_mut().for_each(|free| values.append(free.get_mut()));
     }
 
     /// Hands the values back to the threads that have worked before; if there is none, they stay.
-    pub(crate) fn give_back(&mut self, values: &mut Vec<T>) {
+    pub(crate) fn give_back(&mut self, values: &mut Vec<Box<T>>) {
         while !values.is_empty() {
             let mut threads = 0;
             for free in self.free.iter_mut() {
@@ -58,6 +59,13 @@ impl<T: Send> PerThread<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_value_stays_where_it_is_from_loan_to_loan() {
+        let values = PerThread::<[u8; 32]>::default();
+        let place = || values.with(|value| std::ptr::from_ref(value).addr());
+        assert_eq!(place(), place());
+    }
 
     #[test]
     fn a_borrow_inside_a_borrow_gets_a_value_of_its_own() {

@@ -11,7 +11,9 @@ const CHANGED_AT_ONCE: usize = 16 * 1024;
 #[derive(Debug)]
 pub struct Segments<T: Send> {
     lent: PerThread<Buffer<T>>,
-    buffers: Vec<Buffer<T>>,
+    /// As they are lent: out of its box and into another, a buffer would allocate.
+    #[allow(clippy::vec_box)]
+    buffers: Vec<Box<Buffer<T>>>,
     spans: Vec<Span>,
 }
 
@@ -79,6 +81,9 @@ impl<T: Send> Filler<'_, T> {
 impl<T: Send> Segments<T> {
     /// Replaces the contents: `task(k, buffer)` appends segment k to the buffer.
     pub fn fill(&mut self, exec: Exec, tasks: usize, task: impl Fn(usize, &mut Vec<T>) + Sync) {
+        if exec.is_plain(tasks) {
+            return self.fill_here(exec, tasks, task);
+        }
         let mut spans = std::mem::take(&mut self.spans);
         spans.clear();
         spans.resize(tasks, Span::default());
@@ -86,6 +91,30 @@ impl<T: Send> Segments<T> {
         let filler = Filler { lent: &self.lent, next: AtomicU32::new(0) };
         exec.each(&mut spans, |k, span| *span = filler.segment(|buffer| task(k, buffer)));
         self.settle(spans);
+    }
+
+    /// The same on the calling thread: one buffer, lent to nobody. What lending costs would show in
+    /// a small scene.
+    fn fill_here(&mut self, exec: Exec, tasks: usize, mut task: impl FnMut(usize, &mut Vec<T>)) {
+        if self.buffers.is_empty() {
+            self.lent.take_all(&mut self.buffers);
+        }
+        for buffer in &mut self.buffers {
+            buffer.items.clear();
+            buffer.number = None;
+        }
+        if self.buffers.is_empty() {
+            self.buffers.push(Box::default());
+        }
+        let Self { buffers, spans, .. } = self;
+        spans.clear();
+        let Some(Buffer { number, items }) = buffers.first_mut().map(Box::as_mut) else { return };
+        *number = Some(0);
+        exec.in_turn(tasks, |k| {
+            let start = items.len();
+            task(k, items);
+            spans.push(Span { buffer: 0, start, len: items.len().saturating_sub(start) });
+        });
     }
 
     /// Replaces the contents by the segments that `work` makes and returns in their final order.
@@ -233,6 +262,22 @@ mod tests {
             let before: Vec<_> = segments.iter().flatten().copied().collect();
             segments.change_each(par.into(), |item| *item += 7);
             assert!(segments.iter().flatten().copied().eq(before.iter().map(|item| item + 7)));
+        }
+    }
+
+    #[test]
+    fn serial_and_pooled_contents_take_each_others_place() {
+        let mut segments = Segments::default();
+        for (round, par) in [Par::Serial, Par::Pool, Par::Serial, Par::Pool].into_iter().enumerate()
+        {
+            for tasks in [0, 1, 2, 40] {
+                segments.fill(par.into(), tasks, |k, out| out.extend([k, k + round]));
+                let expected = (0..tasks).flat_map(|k| [k, k + round]);
+                assert!(segments.iter().flatten().copied().eq(expected), "{par:?}, {tasks}");
+                assert_eq!(segments.iter().count(), tasks);
+            }
+            segments.clear();
+            assert!(segments.is_empty());
         }
     }
 
