@@ -34,21 +34,23 @@ pub(crate) fn touch(
     if difference.radius() > 0.0 {
         return None;
     }
-    (0..3).find_map(|k| {
-        let (in_a, in_b) = (Heights::of(a, k)?, Heights::of(b, k)?);
-        let above = meeting(&in_a, &in_b);
-        let below = meeting(&in_b, &in_a);
-        match (above, below) {
-            (Ordering::Greater, _) | (_, Ordering::Greater) => Some(false),
-            (Ordering::Equal, _) => {
-                Faces { difference, k, in_a: in_a.at(in_a.low), in_b: in_b.at(in_b.high) }.overlap()
-            }
-            (_, Ordering::Equal) => {
-                Faces { difference, k, in_a: in_a.at(in_a.high), in_b: in_b.at(in_b.low) }.overlap()
-            }
-            _ => None,
+    let mut faces = None;
+    for k in 0..3 {
+        let (Some(in_a), Some(in_b)) = (Heights::of(a, k), Heights::of(b, k)) else { continue };
+        let found = match (meeting(&in_a, &in_b), meeting(&in_b, &in_a)) {
+            (Ordering::Greater, _) | (_, Ordering::Greater) => return Some(false),
+            (Ordering::Equal, _) => [in_a.at(in_a.low), in_b.at(in_b.high)],
+            (_, Ordering::Equal) => [in_a.at(in_a.high), in_b.at(in_b.low)],
+            _ => continue,
+        };
+        // Along two axes they meet in an edge or a corner: there is no triangle to be found.
+        if faces.is_some() {
+            return None;
         }
-    })
+        let [in_a, in_b] = found;
+        faces = Some(Faces { difference, k, in_a, in_b });
+    }
+    faces?.overlap()
 }
 
 /// The vertices of a body along a world axis, exactly: ± one of their own coordinates, and t.
