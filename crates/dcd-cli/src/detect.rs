@@ -1,5 +1,6 @@
 //! `dcd detect`: every touching pair of a scene.
 
+mod ask;
 mod contacts;
 mod source;
 mod steps;
@@ -9,6 +10,7 @@ use crate::capture::replay::Replay;
 use crate::failure::Failure;
 use crate::memory;
 use crate::rung::Rung;
+use ask::Ask;
 use clap::{Args, value_parser};
 pub(crate) use contacts::{digest, fnv1a};
 use source::{Loaded, Source};
@@ -29,7 +31,18 @@ nothing that was learnt about the poses is. The broad phase is the wide tree on 
 
 The digest is 64-bit FNV-1a over the contacts as --out writes them, without the count: u32 i, \
 u32 j, little endian, i < j, sorted. It is the same at any number of threads. The digests of \
---capture are over the contacts in the order that the step gives them.";
+--capture are over the contacts in the order that the step gives them.
+
+--answers writes {\"i\": …, \"j\": …, …} for each contact, i being a and j b, in metres and the \
+world frame:
+  overlap    nothing more
+  distance   distance, 0 for a pair that touches; else also normal, point_a, point_b
+  depth      depth, normal, point_a, point_b
+  manifold   depth, normal, points: each with depth, point_a, point_b, feature_a, feature_b
+  gradient   distance, below 0 for an overlap; normal, point_a, point_b; gradient_a and gradient_b, \
+each for a translation and for a rotation about the object's own origin; smoothness: smooth, many \
+points, many directions (no derivative, one of several told) or unknown
+The normal is of unit length and points from a to b. error_bound: the truth is within it.";
 
 /// Find every touching pair of a scene
 #[derive(Args)]
@@ -40,6 +53,8 @@ u32 j, little endian, i < j, sorted. It is the same at any number of threads. Th
 pub(crate) struct Detect {
     #[command(flatten)]
     source: Source,
+    #[command(flatten)]
+    ask: Ask,
     /// Who judges the candidate pairs
     #[arg(long, value_enum, default_value_t)]
     rung: Rung,
@@ -72,13 +87,18 @@ impl Detect {
             let text = if self.json { replayed.json() } else { replayed.text() };
             return stdout().write_all(text.as_bytes()).map_err(Failure::Output);
         }
+        let query = self.ask.query(self.rung)?;
         let Loaded { scene, clouds } = self.source.load()?;
         // Before the work, so that a wrong path costs none.
         let create =
             |path: &PathBuf| File::create(path).map_err(|e| Failure::at(path.display(), e));
         let out = self.out.as_ref().map(create).transpose()?;
-        let plan = Plan { rung: self.rung, threads, repeats: self.repeat };
+        let answers = self.ask.answers.as_ref().map(create).transpose()?;
+        let plan = Plan { rung: self.rung, query, threads, repeats: self.repeat };
         let found = steps::run(&scene, plan)?;
+        if let Some(file) = answers {
+            contacts::write_told(&found.told, BufWriter::new(file)).map_err(Failure::Output)?;
+        }
         if let Some(file) = out {
             contacts::write(&found.contacts, BufWriter::new(file)).map_err(Failure::Output)?;
         }

@@ -11,6 +11,7 @@ mod memory;
 mod pairs;
 mod quiet;
 mod rung;
+mod told;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

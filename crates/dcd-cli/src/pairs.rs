@@ -24,11 +24,14 @@ Points in metres in the shape's own frame; R row by row, or a unit quaternion q 
 A line comes out for each, in order:
   {"name": "…", "answer": "apart"|"touching"|"undecided", "rung": "…", …}
   rung         what settled it: f32, f64, exact, parry-f32, parry-f64
-  reason       why the pair is undecided, or its distance absent
+  reason       why the pair is undecided, or its distance without a bound: "out of range" where it is
+               more than an f64 holds, and the number told is one that it surely exceeds
   distance     metres; 0 for a touching pair
   depth        metres; for touching pairs alone, 0 for one that just touches
   normal       of unit length, from a to b, world frame
   point_a, point_b   between which the distance or depth is, world frame
+  points       of --query manifold, the deepest first: each with depth, point_a, point_b, feature_a,
+               feature_b (vertices by index); normal and error_bound are those of all
   error_bound  the truth is within it, metres; absent on Parry's rungs, which give none
 A line that is no such pair comes out as {"name": …, "error": "line …"}, on standard error too, and the run goes on; the exit code is 2 then.
 
@@ -56,11 +59,14 @@ pub(crate) struct Pairs {
 enum Query {
     /// Whether it touches
     #[default]
+    #[value(alias = "overlap")]
     Boolean,
     /// How far apart it is, and between which points
     Distance,
     /// How deep it overlaps, and where
     Depth,
+    /// The points in which it touches, up to four
+    Manifold,
 }
 
 /// One of the two.
@@ -95,6 +101,10 @@ struct Line<'a> {
 
 impl Pairs {
     pub(crate) fn run(self) -> Result<(), Failure> {
+        if self.query == Query::Manifold && matches!(self.rung, Rung::ParryF32 | Rung::ParryF64) {
+            let rung = format_args!("--rung {}", self.rung.name());
+            return Err(Failure::at(rung, "answers no --query manifold"));
+        }
         let (place, reader) = self.open()?;
         let mut out = stdout().lock();
         let mut ladder = Ladder::default();

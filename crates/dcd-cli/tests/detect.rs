@@ -251,3 +251,63 @@ fn help_tells_the_formats_the_rungs_and_the_exit_codes() {
         assert!(pairs.contains(word), "{word}");
     }
 }
+
+/// A row of cubes of edge 1, each 0.9 from the last, then one 0.2 away.
+fn row() -> Vec<u8> {
+    hull_file(&[0.0, 0.9, 1.8, 3.0].map(|x| Hull::unit_cube([x, 0.0, 0.0])))
+}
+
+#[test]
+fn each_query_writes_its_answers_and_finds_the_same_contacts() {
+    for (query, key) in [
+        ("depth", "depth"),
+        ("manifold", "points"),
+        ("distance", "distance"),
+        ("gradient", "gradient_a"),
+    ] {
+        let out = temporary(query);
+        let arguments =
+            ["detect", "-", "--json", "--query", query, "--answers", out.to_str().unwrap()];
+        let told = dcd_reading(&row(), &arguments).summary();
+        assert_eq!(told["contacts"], 2, "{told}");
+        let text = std::fs::read_to_string(&out).unwrap();
+        let lines: Vec<Value> =
+            text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        let pairs: Vec<_> = lines.iter().map(|line| (&line["i"], &line["j"])).collect();
+        assert_eq!(pairs, [(&0.into(), &1.into()), (&1.into(), &2.into())]);
+        assert!(lines.iter().all(|line| !line[key].is_null()), "{text}");
+        if query == "manifold" {
+            assert_eq!(lines[0]["points"].as_array().unwrap().len(), 4);
+            assert!((lines[0]["depth"].as_f64().unwrap() - 0.1).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_margin_finds_the_pairs_within_it_on_each_of_our_rungs() {
+    for rung in common::OUR_RUNGS {
+        for (margin, contacts) in [("0", 2), ("0.1", 2), ("0.25", 3), ("10", 6)] {
+            for query in ["overlap", "distance"] {
+                let arguments = ["--rung", rung, "--margin", margin, "--query", query, "--json"];
+                let told = dcd_reading(&row(), &[&["detect", "-"][..], &arguments].concat());
+                assert_eq!(told.summary()["contacts"], contacts, "{rung} {margin} {query}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_query_that_its_rung_or_margin_rules_out_is_refused_with_both() {
+    for (arguments, said) in [
+        (["--rung", "parry-f32", "--query", "depth"], "parry-f32"),
+        (["--rung", "parry-f64", "--margin", "0.1"], "parry-f64"),
+        (["--query", "manifold", "--margin", "0.1"], "0.1"),
+        (["--query", "overlap", "--margin", "-1"], "-1"),
+        (["--query", "overlap", "--margin", "NaN"], "NaN"),
+        (["--query", "overlap", "--margin", "1e38"], "100000000"),
+    ] {
+        let ran = dcd_reading(&row(), &[&["detect", "-"][..], &arguments].concat());
+        assert_eq!(ran.code, Some(2), "{ran:?}");
+        assert!(ran.stderr.contains(said), "{ran:?}");
+    }
+}

@@ -286,3 +286,35 @@ fn a_reader_that_has_read_enough_ends_the_run_in_silence() {
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), output.stderr.len()), (Some(1), 0), "{output:?}");
 }
+
+#[test]
+fn a_manifold_has_the_corners_of_what_two_faces_share() {
+    for rung in OUR_RUNGS {
+        let pairs = [cubes([0.75, 0.25, 0.5]), cubes([1.5, 0.0, 0.0])];
+        let [touching, apart] =
+            &ask(&pairs, &["--query", "manifold", "--rung", rung]).answers()[..]
+        else {
+            panic!()
+        };
+        let points = touching["points"].as_array().unwrap();
+        assert_eq!((points.len(), &apart["answer"]), (4, &"apart".into()), "{touching}");
+        assert!(apart["points"].is_null() && vector(touching, "normal") == DVec3::X);
+        for point in points {
+            assert!((number(point, "depth") - 0.25).abs() <= number(touching, "error_bound"));
+            let between = vector(point, "point_a") - vector(point, "point_b");
+            assert!(between.distance(DVec3::X * 0.25) < 1e-12, "{point}");
+        }
+    }
+    let refused = ask(&[cubes([0.5; 3])], &["--query", "manifold", "--rung", "parry-f64"]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("parry-f64"), "{refused:?}");
+}
+
+#[test]
+fn a_distance_that_no_f64_holds_is_told_from_below_with_the_reason() {
+    let far = cubes([0.0; 3]).to_string().replace("[0,0,0]", "[-1.7e308,0,0]");
+    let far = far.replace("[0.0,0.0,0.0]", "[1.7e308,0,0]");
+    let far: Value = serde_json::from_str(&far).unwrap();
+    let line = &ask(&[far], &["--query", "distance"]).answers()[0];
+    assert_eq!((&line["answer"], &line["reason"]), (&"apart".into(), &"out of range".into()));
+    assert!(number(line, "distance") == f64::MAX && line["error_bound"].is_null(), "{line}");
+}

@@ -1,6 +1,8 @@
 //! Contacts as a file, and their digest.
 
+use crate::told::Told;
 use dcd_geom::Pair;
+use serde::Serialize;
 use std::io::{self, Write};
 
 /// u32 count, then u32 i, u32 j each, little endian.
@@ -12,6 +14,23 @@ pub(super) fn write(contacts: &[Pair], mut out: impl Write) -> io::Result<()> {
     out.write_all(&count.to_le_bytes())?;
     for &pair in contacts {
         out.write_all(&bytes(pair))?;
+    }
+    out.flush()
+}
+
+#[derive(Serialize)]
+struct Line<'a> {
+    i: u32,
+    j: u32,
+    #[serde(flatten)]
+    told: &'a Told,
+}
+
+/// A line of JSON for each contact, in the order given.
+pub(super) fn write_told(contacts: &[(Pair, Told)], mut out: impl Write) -> io::Result<()> {
+    for (Pair { i, j }, told) in contacts {
+        serde_json::to_writer(&mut out, &Line { i: *i, j: *j, told })?;
+        out.write_all(b"\n")?;
     }
     out.flush()
 }

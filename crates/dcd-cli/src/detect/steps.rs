@@ -1,11 +1,16 @@
 //! The steps themselves, on the rung asked for, with the time of each stage.
 
+use super::ask::{Answers, Query, Question};
 use crate::failure::Failure;
 use crate::rung::Rung;
+use crate::told::{Tell, Told};
 use dcd_broad::WideTree;
 use dcd_exec::with_threads;
 use dcd_geom::{Pair, Scene};
-use dcd_gjk::{EachPair, Gjk, NarrowPhase, Overlap, Undecided};
+use dcd_gjk::{
+    Depths, Distances, EachPair, Gjk, Manifolds, NarrowPhase, OfTouching, Overlap, PairSolver,
+    Proximities, Undecided, Within,
+};
 use dcd_parry::{Library, ParryShapes};
 use dcd_pipeline::{Exec, Par, Pipeline, StageClock};
 use std::time::{Duration, Instant};
@@ -14,6 +19,7 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
     pub(super) rung: Rung,
+    pub(super) query: Query,
     /// At least 1; 1 is serial.
     pub(super) threads: usize,
     /// At least 1.
@@ -27,6 +33,8 @@ pub(super) struct Found {
     pub(super) pairs: usize,
     /// Sorted.
     pub(super) contacts: Vec<Pair>,
+    /// What was told of each, in the same order, if it is kept.
+    pub(super) told: Vec<(Pair, Told)>,
     pub(super) undecided: Vec<Undecided>,
     /// On Parry's rungs, how many shapes it refused: their pairs are undecided.
     pub(super) refused: Option<usize>,
@@ -37,12 +45,41 @@ pub(super) struct Found {
 /// Runs the plan. What a narrow phase derives from the shapes alone is made before the first step.
 pub(super) fn run(scene: &Scene, plan: Plan) -> Result<Found, Failure> {
     match plan.rung {
-        Rung::Fast => on_threads(scene, EachPair(Gjk::<f32>::default()), plan),
-        Rung::F64 => on_threads(scene, EachPair(Gjk::<f64>::default()), plan),
-        Rung::Certified => on_threads(scene, Overlap::default(), plan),
+        Rung::Fast => ours(scene, EachPair(Gjk::<f32>::default()), plan),
+        Rung::F64 => ours(scene, EachPair(Gjk::<f64>::default()), plan),
+        Rung::Certified => ours(scene, Overlap::default(), plan),
         Rung::ParryF32 => with_parry::<f32>(scene, plan),
         Rung::ParryF64 => with_parry::<f64>(scene, plan),
     }
+}
+
+/// That narrow phase, and what else is asked of the pairs that it finds.
+fn ours<N>(scene: &Scene, narrow: N, plan: Plan) -> Result<Found, Failure>
+where
+    N: NarrowPhase<Answer = ()> + Send,
+{
+    let Query { question, margin, .. } = plan.query;
+    let refused = |error| Failure::at("--margin", error);
+    match question {
+        Question::Overlap => on_threads(scene, Within::by(narrow, margin).map_err(refused)?, plan),
+        Question::Distance => {
+            after(scene, narrow, Distances::within(margin).map_err(refused)?, plan)
+        }
+        Question::Gradient => {
+            after(scene, narrow, Proximities::within(margin).map_err(refused)?, plan)
+        }
+        Question::Depth => after(scene, narrow, Depths, plan),
+        Question::Manifold => after(scene, narrow, Manifolds, plan),
+    }
+}
+
+fn after<N, S>(scene: &Scene, narrow: N, solver: S, plan: Plan) -> Result<Found, Failure>
+where
+    N: NarrowPhase + Send,
+    S: PairSolver<Answer: Tell> + Send + 'static,
+{
+    let narrow = OfTouching::after(narrow, solver);
+    on_threads(scene, narrow.map_err(|error| Failure::at("--margin", error))?, plan)
 }
 
 fn with_parry<R: Library>(scene: &Scene, plan: Plan) -> Result<Found, Failure> {
@@ -53,31 +90,35 @@ fn with_parry<R: Library>(scene: &Scene, plan: Plan) -> Result<Found, Failure> {
 
 fn on_threads<N>(scene: &Scene, narrow: N, plan: Plan) -> Result<Found, Failure>
 where
-    N: NarrowPhase + Send,
+    N: NarrowPhase<Answer: Tell> + Send,
 {
     if plan.threads == 1 {
-        return Ok(steps(scene, narrow, Par::Serial, plan.repeats));
+        return Ok(steps(scene, narrow, Par::Serial, plan));
     }
-    with_threads(plan.threads, || steps(scene, narrow, Par::Pool, plan.repeats))
+    with_threads(plan.threads, || steps(scene, narrow, Par::Pool, plan))
         .map_err(|error| Failure::at(format_args!("{} threads", plan.threads), error))
 }
 
-fn steps<N: NarrowPhase>(scene: &Scene, narrow: N, par: Par, repeats: u32) -> Found {
+fn steps<N: NarrowPhase<Answer: Tell>>(scene: &Scene, narrow: N, par: Par, plan: Plan) -> Found {
     let clock = StageClock::default();
     let mut pipeline = Pipeline::new(WideTree::default(), narrow);
     let mut found = Found::default();
-    for _ in 0..repeats {
+    for _ in 0..plan.repeats {
         let begun = Instant::now();
         let step = pipeline.step(scene, Exec::observed(par, &clock));
         let whole = begun.elapsed();
         let [boxes, build, pairs, narrow] = clock.take();
         found.times.push([boxes, build, pairs, narrow, whole]);
-        if found.times.len() == repeats as usize {
+        if found.times.len() == plan.repeats as usize {
             found.pairs = step.candidate_count();
             found.contacts = step.contacts().map(|(i, j)| Pair::new(i, j)).collect();
+            if plan.query.answers == Answers::Kept {
+                found.told = step.answers().map(|c| (c.pair, c.answer.tell())).collect();
+            }
             found.undecided = step.report().undecided().to_vec();
         }
     }
+    found.told.sort_unstable_by_key(|(pair, _)| *pair);
     found.contacts.sort_unstable();
     found
 }

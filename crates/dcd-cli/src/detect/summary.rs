@@ -27,6 +27,10 @@ struct Json {
     undecided: usize,
     threads: usize,
     rung: Rung,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    query: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    margin: Option<f64>,
     ms: Stages,
     /// null where the system does not tell.
     peak_rss_bytes: Option<u64>,
@@ -67,6 +71,7 @@ impl Summary<'_> {
     pub(super) fn json(&self) -> String {
         let Found { pairs, contacts, undecided, refused, .. } = self.found;
         let [aabbs, build, stage_pairs, narrow, total] = self.spreads();
+        let query = self.plan.query;
         let json = Json {
             objects: self.objects,
             pairs: *pairs,
@@ -74,6 +79,8 @@ impl Summary<'_> {
             undecided: undecided.len(),
             threads: self.plan.threads,
             rung: self.plan.rung,
+            query: Some(query.name()).filter(|_| !query.is_plain()),
+            margin: Some(query.margin).filter(|_| !query.is_plain()),
             ms: Stages { aabbs, build, pairs: stage_pairs, narrow, total },
             peak_rss_bytes: self.peak_bytes,
             digest: self.digest(),
@@ -106,7 +113,10 @@ impl Summary<'_> {
         line("candidate pairs", &self.found.pairs);
         line("contacts", &self.found.contacts.len());
         line("undecided", &format_args!("{}{}", self.found.undecided.len(), self.reasons()));
-        let Plan { rung, threads, repeats } = self.plan;
+        let Plan { rung, threads, repeats, query } = self.plan;
+        if !query.is_plain() {
+            line("query", &format_args!("{}, within {} m", query.name(), query.margin));
+        }
         line("rung", &rung.name());
         line("threads", &threads);
         line("milliseconds", &format_args!("{:>11} {:>11}   of {repeats}", "min", "median"));

@@ -1,6 +1,7 @@
 //! An answer as it is printed.
 
 use crate::rung::in_words;
+use crate::told::Point;
 use dcd_geom::glam::DVec3;
 use dcd_gjk::Verdict;
 use serde::Serialize;
@@ -18,6 +19,8 @@ pub(super) struct Answer {
     pub(super) depth: Option<f64>,
     #[serde(flatten)]
     pub(super) way: Option<Way>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) points: Option<Vec<Point>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) error_bound: Option<f64>,
 }
@@ -51,7 +54,8 @@ impl Answer {
             Verdict::Touching(_) => ("touching", None),
             Verdict::Undecided(reason) => ("undecided", Some(in_words(*reason))),
         };
-        Self { answer, rung, reason, distance: None, depth: None, way: None, error_bound: None }
+        let (distance, depth, way, points, error_bound) = (None, None, None, None, None);
+        Self { answer, rung, reason, distance, depth, way, points, error_bound }
     }
 
     /// The same with the parts of a and b exchanged.
@@ -61,6 +65,7 @@ impl Answer {
             point_a: point_b,
             point_b: point_a,
         });
-        Self { way, ..self }
+        let points = self.points.map(|points| points.into_iter().map(Point::mirrored).collect());
+        Self { way, points, ..self }
     }
 }

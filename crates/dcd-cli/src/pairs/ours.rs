@@ -3,14 +3,18 @@
 use super::Query;
 use super::answer::{Answer, Way};
 use crate::rung::{Rung, in_words};
+use crate::told::points;
 use dcd_geom::Polytope;
 use dcd_gjk::distance::{self, DistanceResult};
-use dcd_gjk::{Body, Certified, Gjk, PairSolver, Placed, Reason, Rung as Settled, Verdict, epa};
+use dcd_gjk::{
+    Body, Certified, Gjk, Manifolds, PairSolver, Placed, Reason, Rung as Settled, Verdict, epa,
+};
 
 /// The solvers' memory, from pair to pair.
 #[derive(Default)]
 pub(super) struct Ladder {
     depth: epa::Scratch,
+    manifold: <Manifolds as PairSolver>::Scratch,
 }
 
 impl Ladder {
@@ -30,10 +34,21 @@ impl Ladder {
             _ => Certified.settle(a, b, &mut ()),
         };
         let mut answer = Answer::new(&verdict, name(settled));
-        if query == Query::Depth && verdict == Verdict::Touching(()) {
-            self.deepen(&mut answer, a, b);
+        match (query, verdict) {
+            (Query::Depth, Verdict::Touching(())) => self.deepen(&mut answer, a, b),
+            (Query::Manifold, Verdict::Touching(())) => self.spread(&mut answer, a, b),
+            _ => {}
         }
         answer
+    }
+
+    fn spread(&mut self, answer: &mut Answer, a: Placed<'_>, b: Placed<'_>) {
+        let Verdict::Touching(found) = Manifolds.measure(a, b, &mut self.manifold) else { return };
+        let Some(deepest) = found.points().first() else { return };
+        answer.depth = Some(deepest.depth);
+        answer.way = Some(Way::new(found.normal, deepest.point_a, deepest.point_b));
+        answer.points = Some(points(&found));
+        answer.error_bound = Some(found.error_bound);
     }
 
     fn deepen(&mut self, answer: &mut Answer, a: Placed<'_>, b: Placed<'_>) {

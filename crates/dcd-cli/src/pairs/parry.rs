@@ -78,6 +78,7 @@ pub(super) fn answer<R: Queries>(query: Query, rung: &'static str, a: &Side, b: 
             Query::Boolean => touching::<R>(rung, a, b),
             Query::Distance => distance::<R>(rung, a, b),
             Query::Depth => depth::<R>(rung, a, b),
+            Query::Manifold => None,
         }
     };
     // It asserts its own invariants. Nothing that the closure reads can be left half changed.

@@ -1,0 +1,104 @@
+//! What is asked about the pairs of a scene.
+
+use crate::failure::Failure;
+use crate::rung::Rung;
+use clap::{Args, ValueEnum};
+use dcd_geom::Aabb;
+use std::path::PathBuf;
+
+/// The question, within which distance, and where the answers go.
+#[derive(Args)]
+pub(super) struct Ask {
+    /// What is asked about each touching pair
+    #[arg(long, value_enum, default_value_t, conflicts_with = "capture")]
+    query: Question,
+    /// Pairs within M metres of each other count as touching; with --query overlap, distance and
+    /// gradient
+    #[arg(
+        long,
+        value_name = "M",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        conflicts_with = "capture",
+        value_parser = margin
+    )]
+    margin: f64,
+    /// Write what was asked about each contact as JSON Lines, sorted by i and j (format: see
+    /// --help)
+    #[arg(long, value_name = "FILE", conflicts_with = "capture")]
+    pub(super) answers: Option<PathBuf>,
+}
+
+/// What is asked about each touching pair.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum Question {
+    /// Nothing more
+    #[default]
+    Overlap,
+    /// How far apart it is, and between which points
+    Distance,
+    /// How deep it overlaps, and where
+    Depth,
+    /// The points in which it touches, up to four
+    Manifold,
+    /// Its signed distance, and how that changes with both poses
+    Gradient,
+}
+
+/// A question that can be asked on its rung.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Query {
+    pub(super) question: Question,
+    /// Metres.
+    pub(super) margin: f64,
+    pub(super) answers: Answers,
+}
+
+/// What becomes of the answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Answers {
+    Kept,
+    /// The contacts alone are kept.
+    Dropped,
+}
+
+impl Ask {
+    /// The question, if that rung answers it.
+    pub(super) fn query(&self, rung: Rung) -> Result<Query, Failure> {
+        let Self { query: question, margin, .. } = *self;
+        let answers = if self.answers.is_some() { Answers::Kept } else { Answers::Dropped };
+        let query = Query { question, margin, answers };
+        if matches!(rung, Rung::ParryF32 | Rung::ParryF64) && !query.is_plain() {
+            let only = "answers --query overlap without a margin alone";
+            return Err(Failure::at(format_args!("--rung {}", rung.name()), only));
+        }
+        if matches!(question, Question::Depth | Question::Manifold) && margin > 0.0 {
+            let name = query.name();
+            let what = format_args!("touching pairs alone have a {name}: it must be 0");
+            return Err(Failure::at(format_args!("--margin {margin}"), what));
+        }
+        Ok(query)
+    }
+}
+
+impl Query {
+    /// Whether touching is all that is asked.
+    pub(super) fn is_plain(&self) -> bool {
+        self.question == Question::Overlap && self.margin == 0.0
+    }
+
+    /// As it is written on the command line.
+    pub(super) fn name(&self) -> String {
+        let value = self.question.to_possible_value();
+        value.map_or_else(String::new, |value| value.get_name().into())
+    }
+}
+
+fn margin(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("{text:?} is not a number"))?;
+    if (0.0..=Aabb::LIMIT).contains(&value) {
+        Ok(value)
+    } else {
+        Err(format!("{value} is not within 0 … {:e} metres", Aabb::LIMIT))
+    }
+}
