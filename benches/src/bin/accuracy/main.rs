@@ -72,14 +72,11 @@ fn report(line: &Line) -> Result<()> {
         let mut subject = None;
         for query in Query::ALL {
             let measured = units.run(&key(recipe, query), || {
-                if subject.is_none() {
-                    subject = Some(recipe.subject()?);
-                }
-                let made: Option<&Subject> = subject.as_ref();
-                made.map_or_else(
-                    || bail!("no subject"),
-                    |made| Ok(measure::measure(made, query, options)),
-                )
+                let subject: &Subject = match &mut subject {
+                    Some(made) => made,
+                    none => none.insert(recipe.subject()?),
+                };
+                Ok(measure::measure(subject, query, options))
             })?;
             found.push(measured);
         }

@@ -8,8 +8,8 @@ use dcd_gjk::epa::{self, Scratch};
 use dcd_gjk::{Body, Certified, Overlap, PairSolver, Placed, Verdict, certified};
 use dcd_judge::Truth;
 use dcd_pipeline::{Par, Pipeline, WideTree};
+use dcd_scenes::SceneSpec;
 use dcd_scenes::conformance::{Case, Category, suite};
-use dcd_scenes::{SceneSpec, SpecError};
 
 use crate::rung::{Said, body};
 
@@ -40,9 +40,6 @@ pub(crate) fn recipes(options: &Options) -> (Vec<Recipe>, Vec<String>) {
         let there = spec.and_then(|spec| spec.with_objects(1).raw().map(|_| spec));
         match there {
             Ok(spec) => recipes.push(Recipe::Scene { spec, seed: options.seed }),
-            Err(SpecError::NoData) => {
-                absent.push(format!("`{name}` is left out: {}", SpecError::NoData))
-            }
             Err(error) => absent.push(format!("`{name}` is left out: {error}")),
         }
     }
