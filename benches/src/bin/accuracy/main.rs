@@ -1,7 +1,7 @@
 //! The trade of speed for accuracy: what each rung costs, and how often and how far it is wrong.
 //!
 //! [`subject`] holds pairs with their truth; [`rung`] asks; [`measure`] times the rungs in turn and
-//! counts what is wrong; [`show`] makes tables and pictures; [`adversary`] is the long run between
+//! counts what is wrong; [`show`] makes tables and pictures; [`tolerance`] asks simplified hulls; [`adversary`] is the long run between
 //! neighbouring floats. The truth of the conformance suite is exact; that of a scene is the
 //! certified rung's, with the exact judge on every pair that any other rung doubts.
 
@@ -14,6 +14,7 @@ mod rung;
 mod show;
 mod subject;
 mod tally;
+mod tolerance;
 
 use std::process::ExitCode;
 
@@ -66,6 +67,7 @@ fn report(line: &Line) -> Result<()> {
     let dir = options.dir("accuracy");
     let key = |recipe: &Recipe, query: Query| format!("{}/{}", recipe.name(), query.name());
     let plan = recipes.iter().flat_map(|recipe| Query::ALL.map(|query| key(recipe, query)));
+    let plan = plan.chain([tolerance::KEY.to_owned()]);
     let mut units = Units::open(&dir, &header.fingerprint(), plan, options.start())?;
     let mut found: Vec<Measured> = Vec::new();
     for recipe in &recipes {
@@ -82,7 +84,10 @@ fn report(line: &Line) -> Result<()> {
         }
     }
 
+    let coarse = units.run(tolerance::KEY, || tolerance::measure(options))?;
+
     let mut report = show::report(header, &found)?;
+    tolerance::show(&coarse, &mut report)?;
     absent.iter().for_each(|note| report.note(note));
     report.missing(&units);
     let pages = report.write(&dir)?;
@@ -93,7 +98,8 @@ fn report(line: &Line) -> Result<()> {
         println!("{}", report.to_markdown());
         pages.iter().for_each(|page| println!("{}", page.display()));
     }
-    let broken: Vec<String> = found.iter().flat_map(Measured::broken_promises).collect();
+    let mut broken: Vec<String> = found.iter().flat_map(Measured::broken_promises).collect();
+    broken.extend(coarse.iter().filter_map(tolerance::Coarse::broken_promise));
     if !broken.is_empty() {
         bail!("{}", broken.join("\n"));
     }

@@ -80,42 +80,21 @@ pub(crate) fn measure(subject: &Subject, query: Query, options: &Options) -> Mea
     let quick = usize::from(options.quick);
     let pairs = asked(subject, query, NUMBERS[quick]);
     let rungs = Rung::answering(query);
-    let mut ready: Vec<Ready<'_>> = rungs.iter().map(|&rung| Ready::new(rung, subject)).collect();
-    let mut said = vec![vec![Said::Open; pairs.len()]; rungs.len()];
-    let mut least = vec![Duration::ZERO; rungs.len()];
-    let mut answers = Vec::with_capacity(CHUNK);
-    for (chunk, pairs) in pairs.chunks(CHUNK).enumerate() {
-        let mut times = vec![Duration::MAX; rungs.len()];
-        // The first round warms up and does not count.
-        for round in 0..=ROUNDS[quick] {
-            for (k, &rung) in rungs.iter().enumerate() {
-                let ask = || ready[k].ask((rung, query), subject, pairs, &mut answers);
-                let (time, ()) = timing::time(ask);
-                if round > 0 {
-                    times[k] = times[k].min(time);
-                }
-                let first = chunk * CHUNK;
-                said[k][first..first + pairs.len()].copy_from_slice(&answers);
-            }
-        }
-        for (sum, time) in least.iter_mut().zip(times) {
-            *sum += time;
-        }
-    }
+    let mut turns: Vec<Turn<'_>> = rungs.iter().map(|&rung| Turn::new(rung, subject)).collect();
+    take_turns(&mut turns, query, &pairs, options);
 
     let mut scratch = Scratch::default();
     let values: Vec<f64> = match query {
         Query::YesNo => Vec::new(),
         _ => pairs.iter().map(|&k| subject.value(k, &mut scratch)).collect(),
     };
-    let (doubted, overruled) = settle_doubts(subject, &pairs, &said);
-    let of_rung = |(k, &rung): (usize, &Rung)| {
+    let (doubted, overruled) = settle_doubts(subject, &pairs, &turns);
+    let of_rung = |turn: &Turn<'_>| {
         let mut tally = Tally::new(subject);
-        for (index, (&pair, &said)) in pairs.iter().zip(&said[k]).enumerate() {
+        for (index, (&pair, &said)) in pairs.iter().zip(&turn.said).enumerate() {
             tally.book(pair, said, values.get(index).copied());
         }
-        let ns = least[k].as_secs_f64() * 1e9 / asked_of(rung, subject, &pairs);
-        tally.into_rung(rung, ns)
+        tally.into_rung(turn.rung, turn.nanoseconds(&pairs))
     };
     Measured {
         subject: subject.name.clone(),
@@ -123,7 +102,7 @@ pub(crate) fn measure(subject: &Subject, query: Query, options: &Options) -> Mea
         pairs: pairs.len(),
         doubted,
         overruled,
-        rungs: rungs.iter().enumerate().map(of_rung).collect(),
+        rungs: turns.iter().map(of_rung).collect(),
     }
 }
 
@@ -140,18 +119,61 @@ fn asked(subject: &Subject, query: Query, most: usize) -> Vec<u32> {
     fit.into_iter().step_by(step).collect()
 }
 
-/// How many pairs the time of a rung is shared by.
-fn asked_of(rung: Rung, subject: &Subject, pairs: &[u32]) -> f64 {
-    let count = match rung {
-        Rung::Lanes => pairs.iter().filter(|&&k| subject.in_scene[k as usize].is_some()).count(),
-        _ => pairs.len(),
-    };
-    count.max(1) as f64
+/// A rung on its turns.
+pub(crate) struct Turn<'s> {
+    rung: Rung,
+    subject: &'s Subject,
+    ready: Ready<'s>,
+    least: Duration,
+    /// What it said, in the order of the pairs.
+    pub(crate) said: Vec<Said>,
+}
+
+impl<'s> Turn<'s> {
+    pub(crate) fn new(rung: Rung, subject: &'s Subject) -> Self {
+        let (least, said) = (Duration::ZERO, Vec::new());
+        Self { rung, subject, ready: Ready::new(rung, subject), least, said }
+    }
+
+    /// What a pair took.
+    pub(crate) fn nanoseconds(&self, pairs: &[u32]) -> f64 {
+        let in_scene = |&&k: &&u32| self.subject.in_scene[k as usize].is_some();
+        let count = match self.rung {
+            Rung::Lanes => pairs.iter().filter(in_scene).count(),
+            _ => pairs.len(),
+        };
+        self.least.as_secs_f64() * 1e9 / count.max(1) as f64
+    }
+}
+
+/// Asks each in turn about the same pairs, slice by slice.
+pub(crate) fn take_turns(turns: &mut [Turn<'_>], query: Query, pairs: &[u32], options: &Options) {
+    let rounds = ROUNDS[usize::from(options.quick)];
+    let mut answers = Vec::with_capacity(CHUNK);
+    for pairs in pairs.chunks(CHUNK) {
+        let mut times = vec![Duration::MAX; turns.len()];
+        // The first round warms up and does not count.
+        for round in 0..=rounds {
+            for (turn, least) in turns.iter_mut().zip(&mut times) {
+                let Turn { rung, subject, ready, said, .. } = turn;
+                let ask = || ready.ask((*rung, query), subject, pairs, &mut answers);
+                let (time, ()) = timing::time(ask);
+                if round == 0 {
+                    said.extend_from_slice(&answers);
+                } else {
+                    *least = time.min(*least);
+                }
+            }
+        }
+        for (turn, time) in turns.iter_mut().zip(times) {
+            turn.least += time;
+        }
+    }
 }
 
 /// The pairs on which a rung that means to be right differs from the truth of a scene, and on how
 /// many of them the exact judge differs from it too. The truth of a suite is exact as it is.
-fn settle_doubts(subject: &Subject, pairs: &[u32], said: &[Vec<Said>]) -> (usize, usize) {
+fn settle_doubts(subject: &Subject, pairs: &[u32], turns: &[Turn<'_>]) -> (usize, usize) {
     if matches!(subject.truth, Known::Exactly(..)) {
         return (0, 0);
     }
@@ -159,12 +181,12 @@ fn settle_doubts(subject: &Subject, pairs: &[u32], said: &[Vec<Said>]) -> (usize
     for (index, &k) in pairs.iter().enumerate() {
         let touches = subject.touches(k);
         // Boxes and balls, the first two, say "touching" of most that are near.
-        let differs = |said: &Vec<Said>| match said[index] {
+        let differs = |turn: &Turn<'_>| match turn.said[index] {
             Said::Apart => touches,
             Said::Touching => !touches,
             Said::Measured(_) | Said::Open => false,
         };
-        if said.iter().skip(2).any(differs) {
+        if turns.iter().skip(2).any(differs) {
             doubts.push(k);
         }
     }
