@@ -134,6 +134,11 @@ impl Scene {
         &self.filters
     }
 
+    /// The pairs that [`Scene::ignore_pair`] named, once each, ascending.
+    pub fn ignored_pairs(&self) -> impl Iterator<Item = crate::Pair> {
+        self.ignored.iter()
+    }
+
     /// For each slot how many objects have left it: see [`Handle`].
     pub fn generations(&self) -> &[u32] {
         &self.generations

@@ -1,9 +1,10 @@
 //! Recorded frames: a scene and where its objects were, frame by frame.
 
 mod read;
+mod shape;
 mod write;
 
-use dcd_geom::{Kind, Pose, Scene, SceneError, Shape};
+use dcd_geom::{Pose, Scene, SceneError};
 use std::fmt;
 
 /// What a file begins with.
@@ -13,18 +14,18 @@ const VERSION: u32 = 1;
 /// Bytes of one pose: R column by column, then t, in f64.
 const POSE_BYTES: usize = 12 * 8;
 
-/// What a shape's tag says.
-mod tag {
-    pub(super) const HULL: u32 = 0;
-    pub(super) const CUBOID: u32 = 1;
-    pub(super) const SPHERE: u32 = 2;
+/// What a slot holds.
+mod slot {
+    pub(super) const MOVING: u32 = 0;
+    pub(super) const STATIC: u32 = 1;
+    pub(super) const FREE: u32 = 2;
 }
 
 /// A scene and the poses of its objects in each frame, bit for bit: what a replay answers is what
 /// the recorded run answered.
 ///
-/// The shapes, the number of objects and their filters are those of [`Capture::new`] for all
-/// frames. The bytes of a file are described in `docs/captures.md`.
+/// Everything but the poses is that of [`Capture::new`] for all frames: shapes, which slot holds
+/// an object, filters, ignored pairs. The bytes of a file are described in `docs/captures.md`.
 ///
 /// ```
 /// use dcd_scenes::{Capture, SceneSpec};
@@ -51,7 +52,7 @@ impl Capture {
     /// # Errors
     /// A shape that the format has no words for: a foreign one.
     pub fn new(scene: &Scene) -> Result<Self, CaptureError> {
-        match scene.shapes().iter().position(|shape| !is_recordable(shape)) {
+        match scene.shapes().iter().position(|shape| shape::kind_of(shape).is_none()) {
             Some(shape) => Err(CaptureError::Shape { shape }),
             None => Ok(Self { scene: scene.clone(), poses: Vec::new(), count: 0 }),
         }
@@ -60,15 +61,22 @@ impl Capture {
     /// Adds a frame: the poses of the scene as it stands.
     ///
     /// # Errors
-    /// The scene has another number of objects than the one that the capture was made of.
+    /// The scene is not the one that the capture was made of, or a copy: objects have come, gone,
+    /// or changed whom they may touch.
     pub fn frame(&mut self, scene: &Scene) -> Result<(), CaptureError> {
-        let [recorded, found] = [&self.scene, scene].map(Scene::len);
-        if recorded != found {
-            return Err(CaptureError::Objects { recorded, found });
-        }
-        self.poses.extend_from_slice(scene.poses());
-        self.count += 1;
-        Ok(())
+        let recorded = &self.scene;
+        let what = if scene.layout() != recorded.layout() {
+            "objects"
+        } else if scene.filters() != recorded.filters() {
+            "filters"
+        } else if !scene.ignored_pairs().eq(recorded.ignored_pairs()) {
+            "ignored pairs"
+        } else {
+            self.poses.extend_from_slice(scene.poses());
+            self.count += 1;
+            return Ok(());
+        };
+        Err(CaptureError::Changed { what, frame: self.count })
     }
 
     /// The scene as it stood when recording began; of a file, as in its first frame.
@@ -88,38 +96,39 @@ impl Capture {
     }
 }
 
-fn is_recordable(shape: &Shape) -> bool {
-    let kind = shape.as_polytope().map(|polytope| polytope.kind());
-    matches!(kind, Some(Kind::Hull | Kind::Point | Kind::Cuboid { .. }))
-}
-
-/// Moves the objects of a scene to these poses, one for each.
+/// Moves the objects of a scene to these poses, one for each slot; those of free slots say nothing.
 ///
 /// # Errors
-/// Another number of poses than of objects, or a pose out of range; the objects before it have
+/// Another number of poses than of slots, or a pose out of range; the objects before it have
 /// moved then.
 pub fn place_frame(scene: &mut Scene, poses: &[Pose]) -> Result<(), SceneError> {
     if poses.len() != scene.len() {
         return Err(SceneError::LengthsDiffer { shapes: scene.len(), poses: poses.len() });
     }
-    poses.iter().enumerate().try_for_each(|(object, &pose)| scene.set_pose(object, pose))
+    for (slot, &pose) in poses.iter().enumerate() {
+        // What stands still is left alone, so that nothing is made anew for it.
+        if scene.motion(slot).is_some() && scene.poses()[slot] != pose {
+            scene.set_pose(slot, pose)?;
+        }
+    }
+    Ok(())
 }
 
 /// Why a scene cannot be recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CaptureError {
-    /// A shape is known by its support map alone.
+    /// A shape is of a kind that the format has no words for: known by its support map alone.
     Shape {
         /// Its index.
         shape: usize,
     },
-    /// A frame has another number of objects than the frames before.
-    Objects {
-        /// How many the capture has.
-        recorded: usize,
-        /// How many the frame has.
-        found: usize,
+    /// More than poses has changed since the capture was begun.
+    Changed {
+        /// What: "objects", "filters", "ignored pairs".
+        what: &'static str,
+        /// The frame that was to be added.
+        frame: usize,
     },
 }
 
@@ -129,8 +138,8 @@ impl fmt::Display for CaptureError {
             Self::Shape { shape } => {
                 write!(f, "shape {shape} is of a kind that captures have no words for")
             }
-            Self::Objects { recorded, found } => {
-                write!(f, "the capture has {recorded} objects, the frame {found}")
+            Self::Changed { what, frame } => {
+                write!(f, "frame {frame}: the scene's {what} have changed since the first")
             }
         }
     }

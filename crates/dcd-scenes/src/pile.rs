@@ -84,7 +84,8 @@ impl Pile {
             .enumerate()
             .map(|(k, body)| {
                 let shape = if k == 0 { 0 } else { 1 + (k as u64 - 1) % HULLS };
-                Ok(Object::new(shape as u32, body.pose(k)?))
+                let object = Object::new(shape as u32, body.pose(k)?);
+                Ok(if k == 0 { object.fixed() } else { object })
             })
             .collect::<Result<_, SpecError>>()?;
         let scene = Scene::new(shapes, objects).map_err(refused_scene)?;

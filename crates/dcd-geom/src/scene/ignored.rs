@@ -1,5 +1,7 @@
 //! Pairs that are never told.
 
+use crate::Pair;
+
 /// A set of pairs of objects, as a sorted list for each object: most have none, and are told so by
 /// one look.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +20,14 @@ impl IgnoredPairs {
     pub(super) fn contains(&self, i: u32, j: u32) -> bool {
         let partners = self.partners.get(i as usize).map_or(&[][..], Vec::as_slice);
         !partners.is_empty() && partners.binary_search(&j).is_ok()
+    }
+
+    /// All of them, once each, ascending.
+    pub(super) fn iter(&self) -> impl Iterator<Item = Pair> {
+        (0..).zip(&self.partners).flat_map(|(i, partners)| {
+            let later = partners.partition_point(|&j| j < i);
+            partners[later..].iter().map(move |&j| Pair { i, j })
+        })
     }
 
     /// Adds the pair of two different objects.

@@ -1,34 +1,35 @@
 //! A capture from bytes, every one of them checked.
 
-use super::{Capture, POSE_BYTES, SIGNATURE, VERSION, place_frame, tag};
+use super::{Capture, POSE_BYTES, SIGNATURE, VERSION, place_frame, shape, slot};
 use crate::ReadError;
 use crate::bytes::{Cursor, Field};
-use dcd_geom::{Filter, Object, Polytope, Pose, Scene, Shape};
+use dcd_geom::{Filter, Motion, Object, Pose, Scene, SceneError, Shape};
 use glam::{DMat3, DVec3};
 use std::path::Path;
 
 /// The least that a shape and an object take: asked before room is made for their number.
 const LEAST_SHAPE_BYTES: u64 = 4 + 8;
-const OBJECT_BYTES: u64 = 3 * 4;
+const OBJECT_BYTES: u64 = 4 * 4;
 
 impl Capture {
     /// Reads a file that [`Capture::write`] wrote.
     ///
     /// # Errors
     /// No capture, one of another version, one that is cut short or goes on behind its last frame,
-    /// a shape of an unknown kind, an object whose shape does not exist, a number that is not
+    /// a shape of an unknown kind, an object or pair of what does not exist, a number that is not
     /// finite, a matrix that is no rotation, an object out of range: each with its place and value.
     pub fn read(bytes: &[u8]) -> Result<Self, ReadError> {
         let mut cursor = Cursor::new(bytes, 0);
         let [shapes, objects, frames] = read_header(&mut cursor)?;
         cursor.room(field("shapes", 0), u64::from(shapes), LEAST_SHAPE_BYTES)?;
         let shapes: Vec<Shape> = (0..shapes as usize)
-            .map(|index| read_shape(&mut cursor, index))
+            .map(|index| shape::read(&mut cursor, index))
             .collect::<Result<_, _>>()?;
         cursor.room(field("objects", 0), u64::from(objects), OBJECT_BYTES)?;
         let placed: Vec<Placed> = (0..objects as usize)
             .map(|index| read_object(&mut cursor, index, shapes.len()))
             .collect::<Result<_, _>>()?;
+        let ignored = read_ignored(&mut cursor)?;
         let frame_bytes = 4 + u64::from(objects) * POSE_BYTES as u64;
         cursor.room(field("frames", 0), u64::from(frames), frame_bytes)?;
         // There is room for so many, so that they can be counted in memory.
@@ -37,13 +38,9 @@ impl Capture {
             read_frame(&mut cursor, frame, placed.len(), &mut poses)?;
         }
         cursor.end()?;
-        let first = |object: usize| poses.get(object).copied().unwrap_or(Pose::IDENTITY);
-        let objects = placed.iter().enumerate().map(|(index, &Placed { shape, filter })| Object {
-            filter,
-            ..Object::new(shape, first(index))
-        });
-        let scene =
-            Scene::new(shapes, objects).map_err(|error| ReadError::Scene { frame: 0, error })?;
+        let scene = build(shapes, &placed, &poses)
+            .and_then(|scene| ignore(scene, &ignored))
+            .map_err(|error| ReadError::Scene { frame: 0, error })?;
         let capture = Self { scene, poses, count: frames as usize };
         capture.check_range()?;
         Ok(capture)
@@ -70,6 +67,29 @@ impl Capture {
 struct Placed {
     shape: u32,
     filter: Filter,
+    held: u32,
+}
+
+/// The scene of the first frame.
+fn build(shapes: Vec<Shape>, placed: &[Placed], poses: &[Pose]) -> Result<Scene, SceneError> {
+    let objects = placed.iter().enumerate().map(|(slot, &Placed { shape, filter, held })| {
+        // Without a frame there is no pose.
+        let pose = poses.get(slot).copied().unwrap_or(Pose::IDENTITY);
+        let motion = if held == slot::STATIC { Motion::Static } else { Motion::Moving };
+        Object { shape, pose, filter, motion }
+    });
+    let mut scene = Scene::new(shapes, objects)?;
+    for (slot, _) in placed.iter().enumerate().filter(|(_, placed)| placed.held == slot::FREE) {
+        if let Some(handle) = scene.handle(slot) {
+            scene.remove(handle)?;
+        }
+    }
+    Ok(scene)
+}
+
+fn ignore(mut scene: Scene, pairs: &[[u32; 2]]) -> Result<Scene, SceneError> {
+    pairs.iter().try_for_each(|&[i, j]| scene.ignore_pair(i as usize, j as usize))?;
+    Ok(scene)
 }
 
 fn field(what: &'static str, index: usize) -> Field {
@@ -93,41 +113,32 @@ fn read_header(cursor: &mut Cursor<'_>) -> Result<[u32; 3], ReadError> {
     Ok(counts)
 }
 
-fn read_shape(cursor: &mut Cursor<'_>, index: usize) -> Result<Shape, ReadError> {
-    let at = cursor.at();
-    let kind = cursor.u32(field("shape", index))?;
-    let [radius] = cursor.f64s(field("shape", index))?;
-    let core = match kind {
-        tag::HULL => Polytope::hull(read_vertices(cursor, index)?),
-        tag::CUBOID => {
-            Polytope::cuboid(DVec3::from_array(cursor.f64s(field("half extents", index))?))
-        }
-        tag::SPHERE => Polytope::sphere(radius),
-        tag => return Err(ReadError::UnknownKind { what: "shape", index, at, tag }),
-    };
-    let shape = core.and_then(|core| core.rounded(radius));
-    shape.map(Shape::from).map_err(|error| ReadError::Shape { index, at, error })
-}
-
-fn read_vertices(cursor: &mut Cursor<'_>, index: usize) -> Result<Vec<DVec3>, ReadError> {
-    let count = cursor.u32(field("shape", index))?;
-    cursor.room(field("vertices", index), u64::from(count), 3 * 8)?;
-    let vertex = |_| cursor.f64s(field("vertices", index)).map(DVec3::from_array);
-    (0..count).map(vertex).collect()
-}
-
 fn read_object(cursor: &mut Cursor<'_>, index: usize, shapes: usize) -> Result<Placed, ReadError> {
     let what = "object";
-    let mut words = [0; 3];
+    let at = cursor.at();
+    let mut words = [0; 4];
     for word in &mut words {
         *word = cursor.u32(field(what, index))?;
     }
-    let [shape, groups, mask] = words;
+    let [shape, groups, mask, held] = words;
     if shape as usize >= shapes {
         let target = i64::from(shape);
         return Err(ReadError::OutOfBounds { what, index, target, count: shapes });
     }
-    Ok(Placed { shape, filter: Filter { groups, mask } })
+    if ![slot::MOVING, slot::STATIC, slot::FREE].contains(&held) {
+        return Err(ReadError::UnknownKind { what, index, at, tag: held });
+    }
+    Ok(Placed { shape, filter: Filter { groups, mask }, held })
+}
+
+fn read_ignored(cursor: &mut Cursor<'_>) -> Result<Vec<[u32; 2]>, ReadError> {
+    let count = cursor.u32(field("ignored pairs", 0))?;
+    cursor.room(field("ignored pairs", 0), u64::from(count), 2 * 4)?;
+    let pair = |index: u32| {
+        let field = field("ignored pairs", index as usize);
+        Ok([cursor.u32(field)?, cursor.u32(field)?])
+    };
+    (0..count).map(pair).collect()
 }
 
 /// A frame's number, by which a file that lost bytes is known, and its poses.

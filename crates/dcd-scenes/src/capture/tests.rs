@@ -1,6 +1,8 @@
 use super::*;
 use crate::ReadError;
-use dcd_geom::{Filter, Object, Polytope, PoseError, ShapeError, Support, SupportMap};
+use dcd_geom::{
+    Filter, Motion, Object, Polytope, PoseError, Shape, ShapeError, Support, SupportMap,
+};
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 
@@ -9,12 +11,16 @@ fn recorded() -> Capture {
     let hull = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.1, 0.2, 0.3)];
     let cuboid = Polytope::cuboid(DVec3::new(1.0, 2.0, 3.0)).unwrap().rounded(0.25).unwrap();
     let shapes = vec![Shape::hull(hull).unwrap(), cuboid.into(), Shape::sphere(0.5).unwrap()];
-    let object = |shape: u32, x| Object {
+    let object = |shape, x| Object {
+        shape,
+        pose: Pose::new(DQuat::from_rotation_y(x), DVec3::X * x).unwrap(),
         filter: Filter { groups: 1 << shape, mask: !(4 << shape) },
-        ..Object::new(shape, Pose::new(DQuat::from_rotation_y(x), DVec3::X * x).unwrap())
+        motion: if shape == 0 { Motion::Static } else { Motion::Moving },
     };
     let objects = [object(1, 0.3), object(0, -2.0), object(2, 0.7), object(1, 1.1)];
     let mut scene = Scene::new(shapes, objects).unwrap();
+    scene.remove(scene.handle(3).unwrap()).unwrap();
+    scene.ignore_pair(0, 2).unwrap();
     let mut capture = Capture::new(&scene).unwrap();
     for frame in 0..3 {
         let turn = DQuat::from_rotation_x(f64::from(frame) * 0.1);
@@ -34,7 +40,8 @@ fn written(capture: &Capture) -> Vec<u8> {
 const HEADER: usize = 8 + 4 * 4;
 const SHAPE_1: usize = HEADER + 4 + 8 + 4 + 4 * 24;
 const OBJECT_0: usize = SHAPE_1 + (4 + 8 + 24) + (4 + 8);
-const FRAME_0: usize = OBJECT_0 + 4 * 12;
+const IGNORED: usize = OBJECT_0 + 4 * 16;
+const FRAME_0: usize = IGNORED + 4 + 8;
 const FRAME_BYTES: usize = 4 + 4 * POSE_BYTES;
 
 /// Where a pose begins.
@@ -56,8 +63,33 @@ fn what_is_written_reads_back_bit_for_bit() {
     let again = Capture::read(&bytes).unwrap();
     assert_eq!(again.frame_count(), 3);
     assert!(again.frames().eq(capture.frames()));
-    assert_eq!(again.scene().filters(), capture.scene().filters());
+    let [a, b] = [&again, &capture].map(Capture::scene);
+    assert_eq!(a.filters(), b.filters());
+    assert!((0..5).all(|slot| a.motion(slot) == b.motion(slot)));
+    assert_eq!((a.motion(1), a.motion(3)), (Some(Motion::Static), None));
+    assert!(!a.allows(0, 2) && a.ignored_pairs().eq(b.ignored_pairs()));
     assert_eq!(written(&again), bytes);
+}
+
+#[test]
+fn every_kind_of_shape_reads_back_as_it_was() {
+    let shapes = [
+        Shape::capsule(1.0, 0.5),
+        Shape::segment(DVec3::X, DVec3::Y),
+        Shape::triangle([DVec3::X, DVec3::Y, DVec3::Z]),
+        Shape::cylinder(1.5, 0.25),
+        Shape::cone(1.5, 0.75).and_then(|cone| cone.rounded(0.125)),
+        Shape::half_space(DVec3::new(0.1, 0.2, 3.0), -0.5),
+        Shape::cuboid(DVec3::ONE).and_then(|cuboid| cuboid.rounded(0.1)),
+        Shape::sphere(2.0),
+        Shape::hull(vec![DVec3::ZERO, DVec3::X, DVec3::ONE, DVec3::Z]),
+    ];
+    let shapes: Vec<Shape> = shapes.into_iter().collect::<Result<_, _>>().unwrap();
+    let scene = Scene::one_each(shapes.clone(), vec![Pose::IDENTITY; shapes.len()]).unwrap();
+    let again = Capture::read(&written(&Capture::new(&scene).unwrap())).unwrap();
+    // All that a shape is made of shows here.
+    let [before, after] = [&scene, again.scene()].map(|scene| format!("{:?}", scene.shapes()));
+    assert_eq!(before, after);
 }
 
 #[test]
@@ -102,7 +134,13 @@ fn another_signature_or_version_is_refused_with_what_stands_there() {
 
 #[test]
 fn counts_that_the_file_cannot_hold_are_refused_before_room_is_made() {
-    for (at, what) in [(12, "shapes"), (16, "objects"), (20, "frames"), (HEADER + 12, "vertices")] {
+    for (at, what) in [
+        (12, "shapes"),
+        (16, "objects"),
+        (20, "frames"),
+        (IGNORED, "ignored pairs"),
+        (HEADER + 12, "vertices"),
+    ] {
         let refused = spoilt(at, &u32::MAX.to_le_bytes());
         let named = matches!(refused, ReadError::Truncated { what: w, .. } if w == what);
         assert!(named, "{what}: {refused}");
@@ -114,9 +152,17 @@ fn an_unknown_kind_and_an_unknown_shape_are_refused_with_index_and_value() {
     let kind = spoilt(SHAPE_1, &77u32.to_le_bytes());
     let named = matches!(kind, ReadError::UnknownKind { index: 1, at: SHAPE_1, tag: 77, .. });
     assert!(named, "{kind}");
-    let shape = spoilt(OBJECT_0 + 12, &3u32.to_le_bytes());
+    let shape = spoilt(OBJECT_0 + 16, &3u32.to_le_bytes());
     let named = matches!(shape, ReadError::OutOfBounds { index: 1, target: 3, count: 3, .. });
     assert!(named, "{shape}");
+    let held = spoilt(OBJECT_0 + 12, &3u32.to_le_bytes());
+    assert!(
+        matches!(held, ReadError::UnknownKind { index: 0, at: OBJECT_0, tag: 3, .. }),
+        "{held}"
+    );
+    let pair = spoilt(IGNORED + 8, &9u32.to_le_bytes());
+    let missing = SceneError::NoSuchObject { object: 9, objects: 4 };
+    assert!(matches!(pair, ReadError::Scene { error, .. } if error == missing), "{pair}");
 }
 
 #[test]
@@ -175,11 +221,16 @@ fn a_frame_that_carries_another_number_is_refused_with_both() {
 }
 
 #[test]
-fn a_frame_of_another_scene_and_a_foreign_shape_are_refused() {
+fn a_frame_of_a_scene_that_changed_and_a_foreign_shape_are_refused() {
     let mut capture = recorded();
-    let empty = Scene::one_each(vec![], vec![]).unwrap();
-    let refused = capture.frame(&empty).unwrap_err();
-    assert_eq!(refused, CaptureError::Objects { recorded: 4, found: 0 });
+    let refused = |capture: &mut Capture, scene: &Scene| capture.frame(scene).unwrap_err();
+    let changed = |what| CaptureError::Changed { what, frame: 3 };
+    let mut scene = capture.scene().clone();
+    scene.heed_pair(0, 2).unwrap();
+    assert_eq!(refused(&mut capture, &scene), changed("ignored pairs"));
+    scene.insert(Object::new(0, Pose::IDENTITY)).unwrap();
+    assert_eq!(refused(&mut capture, &scene), changed("objects"));
+    assert_eq!(capture.frame_count(), 3);
     struct Foreign;
     impl SupportMap<f64> for Foreign {
         fn support(&self, _: DVec3) -> Support<f64> {
