@@ -1,7 +1,7 @@
 //! Whether an SPDX licence expression lets anyone use a crate in any product.
 
 /// Licences that let it, as SPDX names them. MPL-2.0 covers only the files it stands in.
-const PERMISSIVE: [&str; 14] = [
+const PERMISSIVE: [&str; 15] = [
     "0BSD",
     "Apache-2.0",
     "BSD-1-Clause",
@@ -16,6 +16,8 @@ const PERMISSIVE: [&str; 14] = [
     "Unicode-3.0",
     "Unlicense",
     "Zlib",
+    // A BSD licence with the name of the library that it was written for.
+    "bzip2-1.0.6",
 ];
 
 /// Whether some choice that `expression` offers asks only for permissive licences.

@@ -10,6 +10,7 @@ mod failure;
 mod memory;
 mod pairs;
 mod quiet;
+mod robot;
 mod rung;
 mod told;
 
@@ -33,6 +34,7 @@ enum Command {
     Capture(capture::Capture),
     Detect(detect::Detect),
     Pairs(pairs::Pairs),
+    Robot(robot::Robot),
 }
 
 fn main() -> ExitCode {
@@ -41,6 +43,7 @@ fn main() -> ExitCode {
         Command::Capture(capture) => capture.run(),
         Command::Detect(detect) => detect.run(),
         Command::Pairs(pairs) => pairs.run(),
+        Command::Robot(robot) => robot.run(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -34,6 +34,8 @@ mod ply;
 mod random;
 mod raw;
 mod recipe;
+#[cfg(feature = "robots")]
+pub mod robot;
 mod spec;
 mod swept;
 mod walk;

@@ -1,0 +1,158 @@
+//! `dcd robot`: which links of a robot touch each other or its world.
+
+mod judge;
+mod problems;
+mod rival;
+mod state;
+
+use crate::failure::Failure;
+use clap::Args;
+use dcd_pipeline::{Par, Pipeline};
+use dcd_scenes::robot::{AllowedPairs, Request, Robot as Model, RobotError, Workcell, World};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::io::{Write, stdout};
+use std::path::PathBuf;
+
+const DETAILS: &str = "\
+Each mesh of the URDF's collision geometry (OBJ) is taken as the hull of its vertices. A world is \
+a scene of MoveIt as YAML: boxes, cylinders and spheres. The pairs of its allowed collision matrix \
+may touch as those of the SRDF may; without an SRDF, links that a joint joins and links that are \
+rigidly tied may. Joints that are fixed in the URDF stay as they are, whatever a request says.
+
+--all-problems checks, for each scene and request of the archive, 100 states on the straight line \
+from start to goal in joint space, both ends among them, by Parry in f64 as well, on the same \
+shapes; each pair on which the two differ is settled exactly and told. Times are of one thread: \
+ours of whole steps; Parry's of a tree over the world made once, the boxes of the links, and \
+query::intersection_test.";
+
+/// Find the touching links of a robot
+#[derive(Args)]
+#[command(after_long_help = DETAILS)]
+pub(crate) struct Robot {
+    /// The robot as URDF
+    urdf: PathBuf,
+    /// The pairs of links that may touch (disable_collisions)
+    #[arg(long, value_name = "FILE")]
+    srdf: Option<PathBuf>,
+    /// What stands round it: a scene of MoveIt as YAML
+    #[arg(long, value_name = "SCENE.yaml", conflicts_with = "all_problems")]
+    world: Option<PathBuf>,
+    /// Joint values, comma-separated: one for each moved joint in the URDF's order, or NAME=VALUE
+    /// for some [default: all 0]
+    #[arg(
+        long,
+        value_name = "VALUES",
+        allow_hyphen_values = true,
+        conflicts_with_all = ["request", "goal", "all_problems"]
+    )]
+    state: Option<String>,
+    /// A request of MoveIt as YAML in place of a state: its start
+    #[arg(long, value_name = "REQUEST.yaml", conflicts_with = "all_problems")]
+    request: Option<PathBuf>,
+    /// The request's goal in place of its start
+    #[arg(long, requires = "request")]
+    goal: bool,
+    /// An archive (tar.bz2) of sceneNUMBER.yaml and requestNUMBER.yaml: all are checked, beside
+    /// Parry
+    #[arg(long, value_name = "ARCHIVE")]
+    all_problems: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// What one state's check found.
+#[derive(Debug, Serialize)]
+struct Answer {
+    robot: String,
+    links_with_shapes: usize,
+    obstacles: usize,
+    state: Vec<(String, f64)>,
+    candidates: usize,
+    touching: Vec<[String; 2]>,
+    undecided: Vec<[String; 2]>,
+}
+
+impl Robot {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let model = Model::load(&self.urdf).map_err(refused)?;
+        let allowed = match &self.srdf {
+            Some(srdf) => AllowedPairs::load(srdf).map_err(refused)?,
+            None => AllowedPairs::adjacent(&model),
+        };
+        let text = match &self.all_problems {
+            Some(archive) => {
+                let checked = problems::check(&model, &allowed, archive)?;
+                if self.json { checked.json() } else { checked.text() }
+            }
+            None => {
+                let answer = self.check(model, allowed)?;
+                if self.json { answer.json() } else { answer.text() }
+            }
+        };
+        stdout().write_all(text.as_bytes()).map_err(Failure::Output)
+    }
+
+    fn check(&self, model: Model, mut allowed: AllowedPairs) -> Result<Answer, Failure> {
+        let world = self.world.as_deref().map(World::load).transpose().map_err(refused)?;
+        let world = world.unwrap_or_default();
+        allowed.extend(&world.allowed);
+        let state = self.state_of(&model)?;
+        let mut cell = Workcell::new(model, &world, &allowed).map_err(refused)?;
+        cell.set_state(&state).map_err(refused)?;
+        let mut pipeline = <Pipeline>::default();
+        let step = pipeline.step(cell.scene(), Par::Serial);
+        let named = |(i, j): (u32, u32)| [i, j].map(|k| cell.names()[k as usize].clone());
+        let mut touching: Vec<_> = step.contacts().map(named).collect();
+        touching.sort();
+        let undecided = step.report().undecided().iter();
+        Ok(Answer {
+            robot: cell.robot().name.clone(),
+            links_with_shapes: cell.robot().parts().len(),
+            obstacles: world.obstacles.len(),
+            state: cell.robot().moved_joints().iter().cloned().zip(state).collect(),
+            candidates: step.candidate_count(),
+            touching,
+            undecided: undecided.map(|undecided| named(undecided.pair.into())).collect(),
+        })
+    }
+
+    fn state_of(&self, model: &Model) -> Result<Vec<f64>, Failure> {
+        if let Some(path) = &self.request {
+            let request = Request::load(path).map_err(refused)?;
+            let state = if self.goal { request.goal_of(model) } else { request.start_of(model) };
+            return state.map_err(|error| Failure::at(path.display(), error));
+        }
+        match &self.state {
+            Some(text) => state::parse(text, model).map_err(|e| Failure::at("--state", e)),
+            None => Ok(vec![0.0; model.moved_joints().len()]),
+        }
+    }
+}
+
+/// The error names its file.
+fn refused(error: RobotError) -> Failure {
+    Failure::Input(error.to_string())
+}
+
+impl Answer {
+    fn json(&self) -> String {
+        // Strings and finite numbers alone: nothing in it can fail.
+        serde_json::to_string(self).unwrap_or_default() + "\n"
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        for (pairs, what) in [(&self.touching, "touch"), (&self.undecided, "are undecided")] {
+            for [a, b] in pairs {
+                // Writing to a string cannot fail.
+                let _ = writeln!(text, "{a} and {b} {what}");
+            }
+        }
+        if text.is_empty() {
+            text.push_str("nothing touches\n");
+        }
+        text
+    }
+}

@@ -1,0 +1,254 @@
+//! Every problem of an archive, checked by us and by Parry.
+
+use super::judge::{Settled, settle};
+use super::refused;
+use super::rival::{Rival, parry_pose};
+use crate::failure::Failure;
+use dcd_geom::{Pair, Pose};
+use dcd_pipeline::{Par, Pipeline};
+use dcd_scenes::robot::{AllowedPairs, Problem, Robot, Workcell, read_problems};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// States on the way from start to goal, both among them.
+const STATES: usize = 100;
+
+/// What all problems came to.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Checked {
+    problems: usize,
+    states: usize,
+    /// States in which something touches.
+    in_contact: usize,
+    starts_in_contact: usize,
+    goals_in_contact: usize,
+    /// Touching pairs, over all states.
+    contacts: usize,
+    undecided: usize,
+    parry_contacts: usize,
+    /// Pairs that Parry could not tell.
+    parry_undecided: usize,
+    differences: Vec<Difference>,
+    /// Of one thread.
+    ms: f64,
+    parry_ms: f64,
+    /// Parry's time over ours.
+    ratio: f64,
+    sets: Vec<Set>,
+}
+
+/// The problems of one folder.
+#[derive(Debug, Default, Serialize)]
+struct Set {
+    name: String,
+    problems: usize,
+    in_contact: usize,
+    starts_in_contact: usize,
+    goals_in_contact: usize,
+    contacts: usize,
+}
+
+/// A pair on which Parry in f64 and we differ.
+#[derive(Debug, Serialize)]
+struct Difference {
+    set: String,
+    number: String,
+    /// From 0, the start, to 99, the goal.
+    state: usize,
+    pair: [String; 2],
+    we_say: &'static str,
+    #[serde(flatten)]
+    settled: Settled,
+}
+
+/// Pipelines and lists that one problem leaves to the next.
+#[derive(Default)]
+struct Runner {
+    pipeline: Pipeline,
+    ours: Vec<Pair>,
+    theirs: Vec<Pair>,
+    spent: [Duration; 2],
+}
+
+/// Reads and checks the archive.
+pub(super) fn check(
+    robot: &Robot,
+    allowed: &AllowedPairs,
+    archive: &Path,
+) -> Result<Checked, Failure> {
+    let problems = read_problems(archive).map_err(refused)?;
+    let mut checked = Checked::default();
+    let mut runner = Runner::default();
+    for problem in &problems {
+        let place = || format!("{}: {}/{}", archive.display(), problem.set, problem.number);
+        checked.add(robot, allowed, problem, &mut runner).map_err(|e| match e {
+            Failure::Input(message) => Failure::at(place(), message),
+            other => other,
+        })?;
+    }
+    let [ours, parrys] = runner.spent.map(|spent| spent.as_secs_f64() * 1e3);
+    (checked.ms, checked.parry_ms, checked.ratio) = (ours, parrys, parrys / ours);
+    Ok(checked)
+}
+
+/// The point at `state` of [`STATES`] on the line between two states; the ends bit for bit.
+fn on_the_way(start: &[f64], goal: &[f64], state: usize) -> Vec<f64> {
+    let part = state as f64 / (STATES - 1) as f64;
+    start.iter().zip(goal).map(|(a, b)| a * (1.0 - part) + b * part).collect()
+}
+
+impl Checked {
+    fn add(
+        &mut self,
+        robot: &Robot,
+        allowed: &AllowedPairs,
+        problem: &Problem,
+        runner: &mut Runner,
+    ) -> Result<(), Failure> {
+        let mut allowed = allowed.clone();
+        allowed.extend(&problem.world.allowed);
+        let mut cell = Workcell::new(robot.clone(), &problem.world, &allowed).map_err(refused)?;
+        let mut rival = Rival::new(&cell)
+            .ok_or_else(|| Failure::Input("Parry has no shape for one of them".into()))?;
+        let start = problem.request.start_of(robot).map_err(refused)?;
+        let goal = problem.request.goal_of(robot).map_err(refused)?;
+        if self.sets.last().is_none_or(|set| set.name != problem.set) {
+            self.sets.push(Set { name: problem.set.clone(), ..Set::default() });
+        }
+        self.problems += 1;
+        let mut poses = Vec::new();
+        for state in 0..STATES {
+            robot.place(&on_the_way(&start, &goal, state), &mut poses).map_err(refused)?;
+            self.undecided += runner.step(&mut cell, &poses)?;
+            self.parry_undecided += runner.ask_parry(&cell, &mut rival, &poses);
+            self.count(state, runner);
+            if runner.ours != runner.theirs {
+                let found = differences(runner).map(|(pair, we_say)| Difference {
+                    set: problem.set.clone(),
+                    number: problem.number.clone(),
+                    state,
+                    pair: [pair.i, pair.j].map(|k| cell.names()[k as usize].clone()),
+                    we_say,
+                    settled: settle(cell.scene(), pair),
+                });
+                self.differences.extend(found);
+            }
+        }
+        if let Some(set) = self.sets.last_mut() {
+            set.problems += 1;
+        }
+        Ok(())
+    }
+
+    fn count(&mut self, state: usize, runner: &Runner) {
+        let touches = usize::from(!runner.ours.is_empty());
+        let at = |end| if state == end { touches } else { 0 };
+        let (starts, goals) = (at(0), at(STATES - 1));
+        self.states += 1;
+        self.in_contact += touches;
+        self.starts_in_contact += starts;
+        self.goals_in_contact += goals;
+        self.contacts += runner.ours.len();
+        self.parry_contacts += runner.theirs.len();
+        if let Some(set) = self.sets.last_mut() {
+            set.in_contact += touches;
+            set.starts_in_contact += starts;
+            set.goals_in_contact += goals;
+            set.contacts += runner.ours.len();
+        }
+    }
+}
+
+impl Runner {
+    /// Our contacts, sorted, and how many pairs stayed undecided.
+    fn step(&mut self, cell: &mut Workcell, poses: &[Pose]) -> Result<usize, Failure> {
+        let begun = Instant::now();
+        cell.set_poses(poses).map_err(refused)?;
+        let step = self.pipeline.step(cell.scene(), Par::Serial);
+        self.ours.clear();
+        self.ours.extend(step.contacts().map(|(i, j)| Pair::new(i, j)));
+        self.spent[0] += begun.elapsed();
+        self.ours.sort_unstable();
+        Ok(step.report().undecided().len())
+    }
+
+    /// Parry's, with the poses turned into its own before the clock starts.
+    fn ask_parry(&mut self, cell: &Workcell, rival: &mut Rival, poses: &[Pose]) -> usize {
+        let parts = cell.robot().parts().iter().zip(poses);
+        let placed: Vec<_> = parts.map(|(part, pose)| parry_pose(&part.shape, pose)).collect();
+        let begun = Instant::now();
+        let untold = rival.check(&placed, &mut self.theirs);
+        self.spent[1] += begun.elapsed();
+        self.theirs.sort_unstable();
+        untold
+    }
+}
+
+/// The pairs that one of the two lists alone has, and what we say of each.
+fn differences(runner: &Runner) -> impl Iterator<Item = (Pair, &'static str)> + use<> {
+    let only = |a: &[Pair], b: &[Pair]| -> Vec<Pair> {
+        a.iter().filter(|pair| b.binary_search(pair).is_err()).copied().collect()
+    };
+    let ours = only(&runner.ours, &runner.theirs).into_iter().map(|pair| (pair, "touching"));
+    let theirs = only(&runner.theirs, &runner.ours).into_iter().map(|pair| (pair, "not touching"));
+    ours.chain(theirs)
+}
+
+impl Checked {
+    pub(super) fn json(&self) -> String {
+        // Strings and numbers alone: nothing in it can fail.
+        serde_json::to_string(self).unwrap_or_default() + "\n"
+    }
+
+    pub(super) fn text(&self) -> String {
+        let mut text = String::new();
+        let width = self.sets.iter().map(|set| set.name.len()).max().unwrap_or(0);
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{:width$} problems starts goals states contacts", "in contact:");
+        for set in &self.sets {
+            let Set { name, problems, in_contact, starts_in_contact, goals_in_contact, contacts } =
+                set;
+            let _ = writeln!(
+                text,
+                "{name:width$} {problems:>8} {starts_in_contact:>6} {goals_in_contact:>5} \
+                 {in_contact:>6} {contacts:>8}"
+            );
+        }
+        let Self { problems, states, contacts, undecided, .. } = self;
+        let _ = writeln!(
+            text,
+            "{problems} problems, {states} states: {contacts} contacts, {undecided} undecided; \
+             Parry f64: {} contacts, {} untold, {} differences",
+            self.parry_contacts,
+            self.parry_undecided,
+            self.differences.len()
+        );
+        for Difference { set, number, state, pair: [a, b], we_say, settled } in &self.differences {
+            let Settled { truth, metres } = settled;
+            let _ = writeln!(
+                text,
+                "{set}/{number} state {state}: {a} and {b}: we say {we_say}, the truth is \
+                 {truth:?}, by {metres:?} m"
+            );
+        }
+        let Self { ms, parry_ms, ratio, .. } = self;
+        let _ = writeln!(text, "{ms:.1} ms, Parry {parry_ms:.1} ms: {ratio:.2} times");
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_ends_at_its_ends_and_is_straight_between() {
+        let (start, goal) = ([0.1, -0.785], [0.7, 2.4]);
+        assert_eq!(on_the_way(&start, &goal, 0), start);
+        assert_eq!(on_the_way(&start, &goal, STATES - 1), goal);
+        let third = on_the_way(&start, &goal, 33);
+        assert!((third[0] - 0.3).abs() < 1e-12, "{third:?}");
+    }
+}

@@ -1,0 +1,99 @@
+//! The same checks by Parry in f64: what a user of Parry would write.
+
+use dcd_geom::glam::DMat3;
+use dcd_geom::{Pair, Pose, Scene, Shape};
+use dcd_parry::{Library, Query};
+use dcd_scenes::robot::Workcell;
+use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
+use parry3d_f64::math::Pose as ParryPose;
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
+use parry3d_f64::shape::SharedShape;
+
+/// Parry's shapes for a workcell, a tree over its world, and which pairs are asked.
+pub(super) struct Rival {
+    links: Vec<SharedShape>,
+    obstacles: Vec<(SharedShape, ParryPose)>,
+    tree: Bvh,
+    /// The pairs of links that may not touch.
+    self_pairs: Vec<Pair>,
+    /// For each link and obstacle whether they may not touch.
+    asked: Vec<bool>,
+    boxes: Vec<Aabb>,
+}
+
+impl Rival {
+    /// None, if Parry has no shape for one of them.
+    pub(super) fn new(cell: &Workcell) -> Option<Self> {
+        let scene = cell.scene();
+        let links = cell.robot().parts().len();
+        let forms =
+            scene.shapes().iter().map(<f64 as Library>::form).collect::<Option<Vec<_>>>()?;
+        let (own, world) = forms.split_at(links);
+        let standing = (links..).zip(world);
+        let obstacles: Vec<_> =
+            standing.map(|(i, form)| (form.clone(), pose_of(scene, i))).collect();
+        let boxes = obstacles.iter().map(|(form, pose)| form.compute_aabb(pose)).enumerate();
+        let (all, own_links) = (scene.len() as u32, links as u32);
+        let pairs = (0..own_links).flat_map(|i| (i + 1..all).map(move |j| Pair { i, j }));
+        let (own_pairs, world_pairs): (Vec<_>, Vec<_>) = pairs.partition(|p| p.j < own_links);
+        Some(Self {
+            links: own.to_vec(),
+            tree: Bvh::from_iter(BvhBuildStrategy::Binned, boxes),
+            obstacles,
+            self_pairs: own_pairs.into_iter().filter(|p| scene.allows(p.i, p.j)).collect(),
+            asked: world_pairs.iter().map(|p| scene.allows(p.i, p.j)).collect(),
+            boxes: Vec::new(),
+        })
+    }
+
+    /// The touching pairs with the links at these poses, and how many it could not tell.
+    pub(super) fn check(&mut self, poses: &[ParryPose], touching: &mut Vec<Pair>) -> usize {
+        let Self { links, obstacles, tree, self_pairs, asked, boxes } = self;
+        touching.clear();
+        boxes.clear();
+        boxes.extend(links.iter().zip(poses).map(|(form, pose)| form.compute_aabb(pose)));
+        let mut untold = 0;
+        let mut ask = |pair: Pair, a: (&SharedShape, &ParryPose), b: (&SharedShape, &ParryPose)| {
+            match <f64 as Library>::touching(Query::IntersectionTest, a, b) {
+                Some(true) => touching.push(pair),
+                Some(false) => {}
+                None => untold += 1,
+            }
+        };
+        for &pair in &*self_pairs {
+            let [i, j] = [pair.i as usize, pair.j as usize];
+            if boxes[i].intersects(&boxes[j]) {
+                ask(pair, (&links[i], &poses[i]), (&links[j], &poses[j]));
+            }
+        }
+        for (i, aabb) in boxes.iter().enumerate() {
+            for leaf in tree.intersect_aabb(aabb) {
+                let k = leaf as usize;
+                if asked[i * obstacles.len() + k] {
+                    let pair = Pair { i: i as u32, j: links.len() as u32 + leaf };
+                    let (form, pose) = &obstacles[k];
+                    ask(pair, (&links[i], &poses[i]), (form, pose));
+                }
+            }
+        }
+        untold
+    }
+}
+
+/// Where object `i` is, in Parry's terms: for what stands along y there, y takes the place of z.
+fn pose_of(scene: &Scene, i: usize) -> ParryPose {
+    parry_pose(scene.shape(i), &scene.poses()[i])
+}
+
+/// A pose of that shape in Parry's terms.
+pub(super) fn parry_pose(shape: &Shape, pose: &Pose) -> ParryPose {
+    if let Shape::Curved(_) = shape {
+        let r = pose.rotation();
+        let turned = DMat3::from_cols(r.x_axis, r.z_axis, -r.y_axis);
+        // The columns of a rotation are one in this order too.
+        if let Ok(turned) = Pose::from_matrix(turned, pose.translation()) {
+            return <f64 as Library>::pose(&turned);
+        }
+    }
+    <f64 as Library>::pose(pose)
+}

@@ -1,0 +1,34 @@
+//! Joint values from the command line.
+
+use dcd_scenes::robot::Robot;
+
+/// `1,2,…` for all moved joints, or `name=1,…` for some; what is wrong, in words.
+pub(super) fn parse(text: &str, robot: &Robot) -> Result<Vec<f64>, String> {
+    let fields: Vec<&str> = text.split(',').map(str::trim).collect();
+    if fields.iter().any(|field| field.contains('=')) {
+        let named = fields.iter().enumerate().map(|(index, field)| match field.split_once('=') {
+            Some((name, value)) => Ok((name.trim().to_owned(), number(index, value)?)),
+            None => Err(format!("value {index} is {field:?}, without a joint's name")),
+        });
+        let named = named.collect::<Result<Vec<_>, _>>()?;
+        return robot.state(&named).map_err(|error| error.to_string());
+    }
+    let joints = robot.moved_joints();
+    if fields.len() != joints.len() {
+        return Err(format!(
+            "{} values, but {} joints move: {}",
+            fields.len(),
+            joints.len(),
+            joints.join(", ")
+        ));
+    }
+    fields.iter().enumerate().map(|(index, field)| number(index, field)).collect()
+}
+
+fn number(index: usize, text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(value) => Err(format!("value {index} is {value}, not a finite number")),
+        Err(_) => Err(format!("value {index} is {text:?}, no number")),
+    }
+}

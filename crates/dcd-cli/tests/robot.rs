@@ -1,0 +1,179 @@
+//! `dcd robot` as a stranger runs it. Tests of the Panda say that they skip where it is absent.
+#![allow(missing_docs)]
+
+mod common;
+
+use common::dcd;
+use dcd_scenes::data;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// The folder of the Panda, or the news that the test skips.
+fn panda() -> Option<PathBuf> {
+    let urdf = data::file("panda/panda.urdf");
+    if urdf.is_none() {
+        println!("skipped: panda/panda.urdf is not there");
+    }
+    Some(urdf?.parent()?.to_path_buf())
+}
+
+fn text(path: &Path) -> String {
+    path.to_str().unwrap().to_owned()
+}
+
+/// Files of a robot and its world, in a folder that is gone with the test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("dcd-robot-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        Self(folder)
+    }
+
+    fn file(&self, name: &str, content: &str) -> String {
+        let path = self.0.join(name);
+        std::fs::write(&path, content).unwrap();
+        text(&path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        std::fs::remove_dir_all(&self.0).ok();
+    }
+}
+
+/// Three boxes of edge 1, their middles at x = 0, 1.5 and 3.75; joints about z at 1.5 and 2.25.
+const ARM: &str = r#"<robot name="arm">
+  <link name="base"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+  <link name="upper"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+  <link name="lower"><collision><origin xyz="1.5 0 0"/><geometry><box size="1 1 1"/></geometry></collision></link>
+  <joint name="shoulder" type="continuous"><origin xyz="1.5 0 0"/><axis xyz="0 0 1"/>
+    <parent link="base"/><child link="upper"/></joint>
+  <joint name="elbow" type="continuous"><origin xyz="0.75 0 0"/><axis xyz="0 0 1"/>
+    <parent link="upper"/><child link="lower"/></joint>
+</robot>"#;
+
+/// A box whose face is at x = 4.25 and a ball above the base, which it touches in one point.
+const WORLD: &str = "world:
+  collision_objects:
+    - id: wall
+      primitives: [{type: box, dimensions: [1, 8, 8]}]
+      primitive_poses: [{position: [4.75, 0, 0], orientation: [0, 0, 0, 1]}]
+    - id: ball
+      primitives: [{type: sphere, dimensions: [0.5]}]
+      primitive_poses: [{position: [0, 0, 1], orientation: [0, 0, 0, 1]}]
+";
+
+fn touching(arguments: &[&str]) -> Vec<[String; 2]> {
+    let answer = dcd(&[&["robot", "--json"], arguments].concat()).summary();
+    assert_eq!(answer["undecided"], Value::Array(vec![]));
+    serde_json::from_value(answer["touching"].clone()).unwrap()
+}
+
+fn pairs(names: &[[&str; 2]]) -> Vec<[String; 2]> {
+    names.iter().map(|pair| pair.map(str::to_owned)).collect()
+}
+
+#[test]
+fn an_arm_touches_what_a_hand_computes_touching_faces_included() {
+    let folder = Folder::new("arm");
+    let (arm, world) = (folder.file("arm.urdf", ARM), folder.file("world.yaml", WORLD));
+    // Stretched out, the lower arm's face is exactly the wall's.
+    let rest = touching(&[&arm, "--world", &world]);
+    assert_eq!(rest, pairs(&[["base", "ball"], ["lower", "wall"]]));
+    // The elbow folded back, the lower arm is on the base: not adjacent, so that it is told.
+    let folded = touching(&[&arm, "--state", "elbow=3.141592653589793"]);
+    assert_eq!(folded, pairs(&[["base", "lower"]]));
+    let srdf = folder.file(
+        "arm.srdf",
+        r#"<robot name="arm"><disable_collisions link1="lower" link2="base"/></robot>"#,
+    );
+    // An SRDF says all: what is adjacent is allowed only if it says so.
+    let said = touching(&[&arm, "--srdf", &srdf, "--state", "0,3.141592653589793"]);
+    assert_eq!(said, pairs(&[["upper", "lower"]]));
+    let said = dcd(&["robot", &arm, "--world", &world]);
+    assert_eq!(said.stdout, "base and ball touch\nlower and wall touch\n");
+    assert_eq!(dcd(&["robot", &arm]).stdout, "nothing touches\n");
+}
+
+#[test]
+fn a_request_gives_its_start_and_its_goal() {
+    let folder = Folder::new("request");
+    let arm = folder.file("arm.urdf", ARM);
+    let request = folder.file(
+        "request.yaml",
+        "start_state: {joint_state: {name: [shoulder, elbow], position: [0.5, 0]}}
+goal_constraints: [{joint_constraints: [{joint_name: elbow, position: 3.141592653589793}]}]
+",
+    );
+    assert!(touching(&[&arm, "--request", &request]).is_empty());
+    let goal = ["--request", &request, "--goal"];
+    assert_eq!(touching(&[&[arm.as_str()], &goal[..]].concat()), pairs(&[["base", "lower"]]));
+}
+
+#[test]
+fn bad_input_is_refused_with_its_place_and_value() {
+    let folder = Folder::new("bad");
+    let arm = folder.file("arm.urdf", ARM);
+    let refused = |arguments: &[&str], why: &[&str]| {
+        dcd(&[&["robot"], arguments].concat()).assert_refused(why);
+    };
+    refused(&["no/such.urdf"], &["no/such.urdf"]);
+    let broken = folder.file("broken.urdf", "<robot><link></robot>");
+    refused(&[&broken], &["broken.urdf", "no URDF"]);
+    let lost = folder.file("lost.urdf", &ARM.replace("parent link=\"upper\"", "parent link=\"u\""));
+    refused(&[&lost], &["lost.urdf", "joint \"elbow\"", "no link \"u\""]);
+    refused(&[&arm, "--state", "1"], &["--state", "1 values", "2 joints move", "shoulder, elbow"]);
+    refused(&[&arm, "--state", "1,two"], &["value 1", "\"two\""]);
+    refused(&[&arm, "--state", "nan,0"], &["value 0 is NaN"]);
+    refused(&[&arm, "--state", "-1,1e400"], &["value 1 is inf"]);
+    refused(&[&arm, "--state", "knee=1"], &["no joint \"knee\""]);
+    refused(&[&arm, "--state", "elbow=1,2"], &["value 1", "without a joint's name"]);
+    let world = folder.file("bad.yaml", &WORLD.replace("dimensions: [0.5]", "dimensions: [-0.5]"));
+    refused(&[&arm, "--world", &world], &["bad.yaml", "\"ball\"", "-0.5"]);
+    let torn = folder.file("torn.yaml", "world: [");
+    refused(&[&arm, "--world", &torn], &["torn.yaml", "no scene"]);
+    let srdf = folder.file("bad.srdf", "<robot><disable_collisions link1=\"a\"/></robot>");
+    refused(&[&arm, "--srdf", &srdf], &["bad.srdf", "1:8", "link2"]);
+    refused(&[&arm, "--all-problems", &arm], &["arm.urdf"]);
+}
+
+#[test]
+fn the_panda_is_free_where_it_is_ready_and_not_where_it_is_in_its_base() {
+    let Some(folder) = panda() else { return };
+    let [urdf, srdf] = ["panda.urdf", "panda.srdf"].map(|name| text(&folder.join(name)));
+    let check = |state: &str| touching(&[&urdf, "--srdf", &srdf, "--state", state]);
+    assert!(check("0,-0.785,0,-2.356,0,1.571,0.785").is_empty());
+    // The hand bent down through the base.
+    let bent = check("0,1.7,0,-3.0,0,0.5,0");
+    println!("{bent:?}");
+    assert!(!bent.is_empty());
+}
+
+/// The whole archive: some seconds, for tests are optimised.
+#[test]
+fn every_state_of_the_archive_is_answered_as_parry_answers_it_but_for_what_is_settled() {
+    let Some(folder) = panda() else { return };
+    let archive = folder.join("problems.tar.bz2");
+    if !archive.is_file() {
+        println!("skipped: panda/problems.tar.bz2 is not there");
+        return;
+    }
+    let [urdf, srdf] = ["panda.urdf", "panda.srdf"].map(|name| text(&folder.join(name)));
+    let all = ["robot", &urdf, "--srdf", &srdf, "--json", "--all-problems", &text(&archive)];
+    let checked = dcd(&all).summary();
+    let number = |what: &str| checked[what].as_u64().unwrap();
+    assert_eq!((number("problems"), number("states")), (700, 70_000));
+    assert!(number("contacts") > 10_000 && number("in_contact") > 10_000);
+    // As those who made the problems promise.
+    assert_eq!((number("starts_in_contact"), number("goals_in_contact")), (0, 0));
+    assert_eq!(number("undecided"), 0);
+    for difference in checked["differences"].as_array().unwrap() {
+        println!("{difference}");
+        let truth = difference["truth"].as_str().unwrap();
+        let right = if difference["we_say"] == "touching" { "touching" } else { "apart" };
+        assert!(truth == right || truth == "open", "{difference}");
+    }
+}

@@ -1,0 +1,152 @@
+//! What can be wrong with a robot, its world or a state, always with the name and the value.
+
+use dcd_geom::{PoseError, SceneError, ShapeError};
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+/// Why a robot, a world or a state was refused.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum RobotError {
+    /// A file could not be read at all.
+    Io {
+        /// Which file.
+        path: PathBuf,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// A file is not of its kind.
+    Syntax {
+        /// Which kind: "URDF", "SRDF", "scene", "request", "mesh".
+        what: &'static str,
+        /// The file.
+        place: PathBuf,
+        /// What the reader says, with line and column where it knows them.
+        error: String,
+    },
+    /// Something is wrong inside a file.
+    InFile {
+        /// The file.
+        place: PathBuf,
+        /// What is wrong.
+        error: Box<RobotError>,
+    },
+    /// A name that nothing has.
+    Unknown {
+        /// Of what: "link", "joint".
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// Who uses it.
+        user: String,
+    },
+    /// Two have the same name.
+    Twice {
+        /// Of what.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// The links and joints make no tree.
+    NotATree {
+        /// A link that no root leads to, or that has two parents.
+        link: String,
+    },
+    /// Something that is not supported here.
+    Unsupported {
+        /// What: "joint type", "shape", "mesh format".
+        what: &'static str,
+        /// Its name in the file.
+        kind: String,
+        /// Who has it.
+        user: String,
+    },
+    /// A mesh that is named is in none of the places where it could be.
+    NoMesh {
+        /// The name.
+        name: String,
+        /// Where it was looked for first.
+        place: PathBuf,
+    },
+    /// A number that is no number, or none that can be meant.
+    BadNumber {
+        /// What.
+        what: &'static str,
+        /// Whose.
+        user: String,
+        /// The number.
+        value: f64,
+    },
+    /// Another number of something than there should be.
+    Count {
+        /// Of what.
+        what: &'static str,
+        /// Whose.
+        user: String,
+        /// How many there should be.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// A shape is refused.
+    Shape {
+        /// Whose.
+        user: String,
+        /// What is wrong with it.
+        error: ShapeError,
+    },
+    /// A pose is refused.
+    Pose {
+        /// Whose.
+        user: String,
+        /// What is wrong with it.
+        error: PoseError,
+    },
+    /// The scene is refused as a whole.
+    Scene(SceneError),
+}
+
+impl RobotError {
+    /// A file that cannot be read.
+    pub(super) fn io(path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        move |error| Self::Io { path: path.into(), error }
+    }
+
+    /// The same, said of a file.
+    pub(super) fn inside(self, place: impl Into<PathBuf>) -> Self {
+        Self::InFile { place: place.into(), error: Box::new(self) }
+    }
+}
+
+impl fmt::Display for RobotError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Io { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::Syntax { what, place, error } => {
+                write!(f, "{}: no {what}: {}", place.display(), error.trim_end())
+            }
+            Self::InFile { place, error } => write!(f, "{}: {error}", place.display()),
+            Self::Unknown { what, name, user } => write!(f, "{user}: there is no {what} {name:?}"),
+            Self::Twice { what, name } => write!(f, "there are two of {what} {name:?}"),
+            Self::NotATree { link } => {
+                write!(f, "link {link:?} is not on one way from one root")
+            }
+            Self::Unsupported { what, kind, user } => {
+                write!(f, "{user}: {what} {kind:?} is not supported")
+            }
+            Self::NoMesh { name, place } => {
+                write!(f, "mesh {name:?} is neither {} nor beside or above it", place.display())
+            }
+            Self::BadNumber { what, user, value } => write!(f, "{user}: the {what} is {value}"),
+            Self::Count { what, user, expected, found } => {
+                write!(f, "{user}: {found} {what}, not {expected}")
+            }
+            Self::Shape { user, error } => write!(f, "{user}: {error}"),
+            Self::Pose { user, error } => write!(f, "{user}: {error}"),
+            Self::Scene(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for RobotError {}
