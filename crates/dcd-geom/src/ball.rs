@@ -69,7 +69,7 @@ const COPLANAR: f64 = 1e-12;
 const FEW: usize = 64;
 
 /// The points that span the surface.
-fn extreme_points(points: &[DVec3]) -> Vec<DVec3> {
+pub(crate) fn extreme_points(points: &[DVec3]) -> Vec<DVec3> {
     if points.len() <= FEW {
         return points.to_vec();
     }
@@ -90,13 +90,13 @@ fn directions() -> impl Iterator<Item = DVec3> {
 ///
 /// Rounding may make it other than the hull, never open: a point takes the place of the triangles
 /// that it sees by the cone over their boundary, whichever they are.
-struct Surface {
+pub(crate) struct Surface {
     faces: Vec<([u32; 3], Face)>,
 }
 
 impl Surface {
     /// `None` where the points are flat, or an overflow leaves no normal.
-    fn around(points: &[DVec3]) -> Option<Self> {
+    pub(crate) fn around(points: &[DVec3]) -> Option<Self> {
         let corners = tetrahedron(points)?;
         let mut surface = Self { faces: Vec::with_capacity(2 * points.len()) };
         for skipped in 0..4 {
@@ -123,6 +123,12 @@ impl Surface {
             }
         }
         Some(surface)
+    }
+
+    /// Each triangle's inward normal, of unit length but for rounding, and how far along it the
+    /// nearest of its corners is outside of `centre`: see [`Face::clearance`].
+    pub(crate) fn planes(&self, centre: DVec3) -> impl Iterator<Item = (DVec3, f64)> + '_ {
+        self.faces.iter().map(move |(_, face)| (face.inward, face.clearance(centre)))
     }
 
     fn add(&mut self, points: &[DVec3], corners: [u32; 3]) -> Option<()> {

@@ -1,8 +1,8 @@
 //! What the lanes read of a shape, in one place for all shapes of a scene.
 
-use crate::Shape;
 use crate::lanes::Block;
-use glam::DVec3;
+use crate::{Shape, TwinBox};
+use glam::{DVec3, Vec3};
 
 /// What depends on a polytope alone, as the lanes want it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -21,6 +21,34 @@ pub struct Core {
     pub first: u32,
     /// How many blocks it has; 0 for a shape that is no polytope.
     pub blocks: u32,
+    /// Whether [`Cores::twin_box`] has its boxes.
+    pub has_twin_box: bool,
+}
+
+/// A [`TwinBox`] in f32.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LaneBox {
+    /// The directions of the edges, each component off by one rounding.
+    pub axes: [Vec3; 3],
+    /// Half the edges of the outer box, rounded up.
+    pub outer: Vec3,
+    /// Half the edges of the inner box, rounded down.
+    pub inner: Vec3,
+}
+
+impl LaneBox {
+    fn of(twin_box: &TwinBox) -> Self {
+        let axes = [twin_box.axes.x_axis, twin_box.axes.y_axis, twin_box.axes.z_axis];
+        let up = |x: f64| (x as f32).next_up();
+        let down = |x: f64| (x as f32).next_down().max(0.0);
+        let [x, y, z] = twin_box.outer.to_array().map(up);
+        let [u, v, w] = twin_box.inner.to_array().map(down);
+        Self {
+            axes: axes.map(|axis| axis.as_vec3()),
+            outer: Vec3::new(x, y, z),
+            inner: Vec3::new(u, v, w),
+        }
+    }
 }
 
 /// The cores of all shapes of a scene, and their vertices in f32 blocks, one after the other.
@@ -28,6 +56,8 @@ pub struct Core {
 pub struct Cores {
     cores: Vec<Core>,
     blocks: Vec<Block>,
+    /// One for each shape, up to the last that has one.
+    twin_boxes: Vec<LaneBox>,
 }
 
 impl Cores {
@@ -53,7 +83,12 @@ impl Cores {
                 radius: polytope.swept_radius(),
                 first,
                 blocks: u32::try_from(polytope.block_count()).ok()?,
+                has_twin_box: polytope.twin_box().is_some(),
             });
+            if let Some(twin_box) = polytope.twin_box() {
+                cores.twin_boxes.resize(cores.cores.len(), LaneBox::default());
+                cores.twin_boxes[cores.cores.len() - 1] = LaneBox::of(twin_box);
+            }
         }
         Some(cores)
     }
@@ -61,6 +96,12 @@ impl Cores {
     /// One for each shape of the scene.
     pub fn cores(&self) -> &[Core] {
         &self.cores
+    }
+
+    /// For each shape its boxes, up to the last that has some; meaningful where
+    /// [`Core::has_twin_box`] is set.
+    pub fn twin_boxes(&self) -> &[LaneBox] {
+        &self.twin_boxes
     }
 
     /// The vertices of a core, relative to its centre.

@@ -25,10 +25,11 @@ mod real;
 mod scene;
 mod shape;
 mod support;
+mod twin_box;
 
 pub use aabb::Aabb;
 pub use ball::Ball;
-pub use core::{Core, Cores};
+pub use core::{Core, Cores, LaneBox};
 pub use curved::{Curved, CurvedKind};
 pub use divide::Divide;
 pub use error::{PoseError, SceneError, ShapeError};
@@ -41,6 +42,7 @@ pub use real::{Matrix, Real, Vector};
 pub use scene::{Filter, Handle, Motion, Object, Scene, Stamp};
 pub use shape::Shape;
 pub use support::{Support, SupportMap};
+pub use twin_box::TwinBox;
 
 /// glam, so that a user has the same version of it.
 pub use glam;

@@ -4,7 +4,7 @@ use crate::ball::{Ball, reach};
 use crate::error::check_length;
 use crate::lanes::{Block, WIDTH};
 use crate::support::farthest;
-use crate::{Facets, Real, ShapeError, Support, SupportMap};
+use crate::{Facets, Real, ShapeError, Support, SupportMap, TwinBox};
 use glam::DVec3;
 use std::sync::OnceLock;
 
@@ -38,6 +38,7 @@ pub struct Polytope {
     radius: f64,
     inner: Ball,
     outer_radius: f64,
+    twin_box: Option<TwinBox>,
     reach: f64,
     facets: OnceLock<Facets>,
 }
@@ -124,9 +125,13 @@ impl Polytope {
 
     fn from_parts(kind: Kind, vertices: Vec<DVec3>, inner: Ball) -> Self {
         let outer_radius = Ball::around(inner.centre, &vertices).radius;
+        let twin_box = match kind {
+            Kind::Cuboid { half_extents } => Some(TwinBox::of_cuboid(half_extents)),
+            _ => TwinBox::of_hull(&vertices, inner, outer_radius),
+        };
         let reach = reach(vertices.iter().copied());
         let facets = OnceLock::new();
-        Self { kind, vertices, radius: 0.0, inner, outer_radius, reach, facets }
+        Self { kind, vertices, radius: 0.0, inner, outer_radius, twin_box, reach, facets }
     }
 
     /// What it was made as.
@@ -158,6 +163,12 @@ impl Polytope {
     /// threads and frames.
     pub fn facets(&self) -> &Facets {
         self.facets.get_or_init(|| Facets::of(&self.vertices))
+    }
+
+    /// A box round the core and one inside it, where they tell more than the balls do: of boxes
+    /// and of shapes that are long or flat.
+    pub fn twin_box(&self) -> Option<&TwinBox> {
+        self.twin_box.as_ref()
     }
 
     /// The largest distance of a vertex from the origin of the shape's own frame, rounded up.

@@ -17,8 +17,21 @@ use dcd_geom::{Polytope, Shape, SupportMap};
 /// parallel edges; where the gap or overlap is within rounding, a microsecond in double-double, and
 /// for exact touching some microseconds in integers.
 pub fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (Verdict<()>, Rung) {
+    overlap_after(&[], a, b)
+}
+
+/// [`overlap`], after axes that perhaps separate (world, from b to a, any length): what a search in
+/// f32 ended with is often right and only not certain.
+pub(crate) fn overlap_after(
+    axes: &[DVec3],
+    a: Body<'_, Polytope>,
+    b: Body<'_, Polytope>,
+) -> (Verdict<()>, Rung) {
     if let Stack::Known(touch, rung) = boxes::touch(a, b) {
         return (if touch { Verdict::Touching(()) } else { Verdict::Apart }, rung);
+    }
+    if axes.iter().any(|&axis| are_apart_along(axis, a, b)) {
+        return (Verdict::Apart, Rung::F64);
     }
     let (a, b) = if order::are_swapped(a, b) { (b, a) } else { (a, b) };
     if let Some(verdict) = closed::overlap(a, b) {
@@ -43,15 +56,8 @@ pub fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (Verdict<()>, Ru
     (if touches { Verdict::Touching(()) } else { Verdict::Apart }, Rung::Exact)
 }
 
-/// Whether f64 proves two polytopes apart by one axis (world, from b to a, any length): what a
-/// search in f32 ended with is often right and only not certain. For boxes with parallel edges, by
-/// any axis.
-pub(crate) fn are_apart_along(axis: DVec3, a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> bool {
-    match boxes::touch_quickly(a, b) {
-        Stack::Known(touch, _) => return !touch,
-        Stack::Open => return false,
-        Stack::Other => {}
-    }
+/// Whether f64 proves two polytopes apart by one axis, world, from b to a, of any length.
+fn are_apart_along(axis: DVec3, a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> bool {
     let direction = crate::gjk::unit::<f64>(axis.to_array());
     let (Some(direction), Some(difference)) = (direction, Difference::<f64, _, _>::new(a, b))
     else {

@@ -53,6 +53,8 @@ pub struct Undecided {
 pub enum Rung {
     /// Inner and outer balls, f32 lanes.
     Balls,
+    /// A box round and a box inside each shape, f32 lanes.
+    Boxes,
     /// The axis between the centres, f32 lanes.
     CentreAxis,
     /// The inner ball and one support point, f32 lanes.
@@ -71,8 +73,9 @@ pub enum Rung {
 
 impl Rung {
     /// All, from the cheapest.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Balls,
+        Self::Boxes,
         Self::CentreAxis,
         Self::Cone,
         Self::Portal,

@@ -181,6 +181,29 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
+    fn transpose(self, rows: &[Row; WIDTH]) -> [__m512; WIDTH] {
+        let quads = [
+            self.transpose_four(&rows[0], &rows[1], &rows[2], &rows[3]),
+            self.transpose_four(&rows[4], &rows[5], &rows[6], &rows[7]),
+            self.transpose_four(&rows[8], &rows[9], &rows[10], &rows[11]),
+            self.transpose_four(&rows[12], &rows[13], &rows[14], &rows[15]),
+        ];
+        let mut columns = [self.splat(0.0); WIDTH];
+        for k in 0..4 {
+            // Quarters 0 and 2, then 1 and 3, of two fours of rows, and of both such pairs.
+            let low = op!(_mm512_shuffle_f32x4::<0x88>(quads[0][k], quads[1][k]));
+            let high = op!(_mm512_shuffle_f32x4::<0x88>(quads[2][k], quads[3][k]));
+            columns[k] = op!(_mm512_shuffle_f32x4::<0x88>(low, high));
+            columns[8 + k] = op!(_mm512_shuffle_f32x4::<0xdd>(low, high));
+            let low = op!(_mm512_shuffle_f32x4::<0xdd>(quads[0][k], quads[1][k]));
+            let high = op!(_mm512_shuffle_f32x4::<0xdd>(quads[2][k], quads[3][k]));
+            columns[4 + k] = op!(_mm512_shuffle_f32x4::<0x88>(low, high));
+            columns[12 + k] = op!(_mm512_shuffle_f32x4::<0xdd>(low, high));
+        }
+        columns
+    }
+
+    #[inline(always)]
     fn pick(self, blocks: &[Block], first: __m512i, number: __m512i) -> [__m512; 3] {
         let Some(last) = blocks.len().min(MOST_BLOCKS).checked_sub(1) else {
             return [self.splat(0.0); 3];
@@ -200,6 +223,26 @@ impl Lanes for Avx512 {
                 _mm512_i32gather_ps::<4>(at, x.add(2 * WIDTH)),
             ]
         }
+    }
+}
+
+impl Avx512 {
+    /// Quarter q of register k is lane 4q + k of the four rows.
+    #[inline(always)]
+    fn transpose_four(self, a: &Row, b: &Row, c: &Row, d: &Row) -> [__m512; 4] {
+        op!({
+            let (a, b, c, d) = (self.load(a), self.load(b), self.load(c), self.load(d));
+            let ab_low = _mm512_castps_pd(_mm512_unpacklo_ps(a, b));
+            let ab_high = _mm512_castps_pd(_mm512_unpackhi_ps(a, b));
+            let cd_low = _mm512_castps_pd(_mm512_unpacklo_ps(c, d));
+            let cd_high = _mm512_castps_pd(_mm512_unpackhi_ps(c, d));
+            [
+                _mm512_castpd_ps(_mm512_unpacklo_pd(ab_low, cd_low)),
+                _mm512_castpd_ps(_mm512_unpackhi_pd(ab_low, cd_low)),
+                _mm512_castpd_ps(_mm512_unpacklo_pd(ab_high, cd_high)),
+                _mm512_castpd_ps(_mm512_unpackhi_pd(ab_high, cd_high)),
+            ]
+        })
     }
 }
 

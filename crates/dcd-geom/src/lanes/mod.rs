@@ -115,6 +115,20 @@ pub trait Lanes: Copy {
     /// Lane k of the result is the largest lane of row k.
     fn largest_of_each(self, rows: &[Row; WIDTH]) -> Self::F;
 
+    /// Row k of the result is lane k of all rows.
+    #[inline(always)]
+    fn transpose(self, rows: &[Row; WIDTH]) -> [Self::F; WIDTH] {
+        let mut columns = [Row::default(); WIDTH];
+        let mut result = [self.splat(0.0); WIDTH];
+        for k in 0..WIDTH {
+            for row in 0..WIDTH {
+                columns[k].0[row] = rows[row].0[k];
+            }
+            result[k] = self.load(&columns[k]);
+        }
+        result
+    }
+
     /// The x, y and z of sixteen points: in lane k the point `number` of those that begin with
     /// block `first`, sixteen a block. Past the last block, or past [`MOST_BLOCKS`], a point of some
     /// block; without a block, 0.
@@ -302,6 +316,9 @@ mod tests {
                 l.pick(self.blocks, first, number)[0],
                 l.pick(self.blocks, first, number)[2],
                 l.pick(&[], first, number)[1],
+                l.transpose(self.rows)[0],
+                l.transpose(self.rows)[7],
+                l.transpose(self.rows)[13],
             ];
             let (lt, le) = (l.lt(a, b), l.le(a, b));
             let masks = [l.and(lt, le), l.or(lt, le), l.and_not(le, lt), l.mask(0xA5C3)];
@@ -341,6 +358,9 @@ mod tests {
             let (floats, masks, indices) = everything(Path::Portable);
             for (row, &largest) in rows.iter().zip(&floats[11].0) {
                 assert_eq!(largest, row.0.iter().copied().fold(f32::MIN, f32::max));
+            }
+            for (row, &lane_13) in rows.iter().zip(&floats[18].0) {
+                assert_eq!(lane_13, row.0[13]);
             }
             for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
                 let there = everything(path);

@@ -49,6 +49,22 @@ pub(super) const GAIN: f32 = 8.0;
 /// never an answer.
 pub(super) const PLANE: f32 = 4.0;
 
+/// How far what the twin boxes' fifteen axes compare may be off, edges that are parallel up to
+/// [`PARALLEL`] taken as parallel. Unit: u·(m + the swept radii).
+///
+/// 32 for the arithmetic, 64 and 46 for turning one box by twice [`PARALLEL`] and shrinking it into
+/// itself (docs/numerics.md, "twin boxes"). Smaller: false answers both ways.
+pub(super) const TWIN_BOX: f32 = 256.0;
+
+/// Directions whose cross product has no component above this are parallel, and it is no axis to
+/// test. Unit: u. Larger: [`TWIN_BOX`] must grow with it. Smaller: fewer boxes with parallel edges
+/// are settled here.
+pub(super) const PARALLEL: f32 = 16.0;
+
+/// The largest deviation of a pose's matrix from a rotation for which the boxes are turned with it.
+/// No unit. Larger: [`TWIN_BOX`] would have to count it.
+pub(super) const TURNED: f64 = 1e-9;
+
 /// Sizes m for which no product of the kernels leaves f32's normal range (|n|² of a cross product
 /// of two edges occurs): outside of it a pair goes to f64. Metres.
 pub(super) const SIZE: std::ops::Range<f32> = 1e-7..1e9;

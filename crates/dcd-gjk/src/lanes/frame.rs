@@ -1,7 +1,7 @@
 //! What is prepared of every object once a step.
 
 use super::bounds::TAGGED_BLOCKS;
-use dcd_geom::lanes::{Block, MOST_BLOCKS};
+use dcd_geom::lanes::{Block, MOST_BLOCKS, Row};
 use dcd_geom::{Divide, Scene};
 
 /// All objects, ready for the lanes.
@@ -9,6 +9,8 @@ use dcd_geom::{Divide, Scene};
 pub struct Frame {
     records: Vec<Record>,
     blocks: Vec<Block>,
+    /// One for each object; none at all where no shape of the scene has boxes.
+    boxes: Vec<BoxRecord>,
 }
 
 /// One object on one cache line. The radii include what the pose's matrix departs from a rotation
@@ -37,6 +39,17 @@ pub(super) struct Record {
     /// By how much the vertex that is told as the farthest may be nearer than another, rounded up.
     /// Unit: metres a metre of the direction's 1-norm.
     pub(super) choice: f32,
+    /// 1 where the object's [`BoxRecord`] says something, else 0.
+    pub(super) boxed: u32,
+}
+
+/// An object's boxes on one cache line: the twin boxes of its shape, turned, round the record's
+/// centre.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct BoxRecord {
+    /// Three directions of edges in the world; half the edges of a box that holds the object, its
+    /// swept radius included, rounded up; and of one inside it, rounded down. Fifteen numbers.
+    pub(super) numbers: Row,
 }
 
 /// The frame's room for a range of the objects.
@@ -44,6 +57,7 @@ pub(super) struct Record {
 pub struct Part<'f> {
     pub(super) records: &'f mut [Record],
     pub(super) blocks: &'f mut [Block],
+    pub(super) boxes: &'f mut [BoxRecord],
 }
 
 impl Frame {
@@ -62,7 +76,9 @@ impl Frame {
             first = if fits { next } else { first };
         }
         self.blocks.resize(first as usize, Block::default());
-        Part { records: &mut self.records, blocks: &mut self.blocks }
+        let boxed = !scene.cores().twin_boxes().is_empty();
+        self.boxes.resize(if boxed { scene.len() } else { 0 }, BoxRecord::default());
+        Part { records: &mut self.records, blocks: &mut self.blocks, boxes: &mut self.boxes }
     }
 
     #[inline(always)]
@@ -73,6 +89,12 @@ impl Frame {
     #[inline(always)]
     pub(super) fn blocks_of(&self, record: &Record) -> &[Block] {
         &self.blocks[record.first as usize..][..record.blocks as usize]
+    }
+
+    /// The boxes of an object that has some.
+    #[inline(always)]
+    pub(super) fn boxes(&self, object: u32) -> &BoxRecord {
+        &self.boxes[object as usize]
     }
 
     /// All objects' vertices.
@@ -95,6 +117,10 @@ impl Divide for Part<'_> {
         };
         let (left, right) = self.records.split_at_mut(middle);
         let (left_blocks, right_blocks) = self.blocks.split_at_mut(blocks);
-        (Self { records: left, blocks: left_blocks }, Self { records: right, blocks: right_blocks })
+        let (left_boxes, right_boxes) = self.boxes.split_at_mut(middle.min(self.boxes.len()));
+        (
+            Self { records: left, blocks: left_blocks, boxes: left_boxes },
+            Self { records: right, blocks: right_blocks, boxes: right_boxes },
+        )
     }
 }

@@ -6,6 +6,7 @@
 
 mod ahead;
 mod bounds;
+mod boxes;
 mod certificate;
 mod frame;
 mod lot;
@@ -21,6 +22,7 @@ pub use frame::{Frame, Part};
 
 use crate::{Body, Contact, Findings, NarrowPhase, Placed, Report, Rung, Verdict, certified};
 use ahead::Ahead;
+use boxes::Boxes;
 use dcd_geom::glam::Vec3;
 use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{Aabb, Pair, Scene};
@@ -57,8 +59,11 @@ pub struct Scratch {
     ahead: Ahead,
     desk: Desk,
     entry: Entry,
+    boxes: Boxes,
     /// Where the later stages work.
     lot: Lot,
+    /// What waits for the twin boxes.
+    boxed: Belt<AFTER_BALLS>,
     /// What waits for the centre axis.
     axis: Belt<AFTER_BALLS>,
     /// What waits for the second point.
@@ -132,11 +137,7 @@ fn settle(scene: &Scene, pair: Pair, axes: [Vec3; 2], report: &mut Report) -> bo
     let (verdict, rung) = match (a.shape.as_polytope(), b.shape.as_polytope()) {
         (Some(in_a), Some(in_b)) => {
             let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
-            if axes.iter().any(|axis| certified::are_apart_along(axis.as_dvec3(), a, b)) {
-                (Verdict::Apart, Rung::F64)
-            } else {
-                certified::overlap(a, b)
-            }
+            certified::overlap_after(&axes.map(|axis| axis.as_dvec3()), a, b)
         }
         _ => certified::overlap_of(a, b),
     };
@@ -171,19 +172,22 @@ impl Kernel for Decide<'_> {
                 self.open(l, first);
                 first += WIDTH;
             }
-            if self.scratch.axis.has(whole) {
-                self.centre_axis(l);
+            // The later stage first: so each finds room for what the earlier one hands on.
+            loop {
+                let Scratch { boxed, axis, second, portal, .. } = &*self.scratch;
+                if portal.has(whole) {
+                    self.round(l);
+                } else if second.has(whole) {
+                    self.second_point(l);
+                } else if axis.has(whole) {
+                    self.centre_axis(l);
+                } else if boxed.has(whole) {
+                    self.twin_boxes(l);
+                } else {
+                    break;
+                }
             }
-            if self.scratch.second.has(whole) {
-                self.second_point(l);
-            }
-            while self.scratch.portal.has(whole) {
-                self.round(l);
-            }
-            let Scratch { axis, second, portal, .. } = &*self.scratch;
-            if whole == Whole::OrLast
-                && !(axis.has(whole) || second.has(whole) || portal.has(whole))
-            {
+            if whole == Whole::OrLast {
                 break;
             }
         }
@@ -194,7 +198,7 @@ impl Decide<'_> {
     /// Reads sixteen pairs and tries their balls.
     #[inline(always)]
     fn open<L: Lanes>(&mut self, l: L, first: usize) {
-        let Scratch { touching, left, ahead, entry, axis, .. } = &mut *self.scratch;
+        let Scratch { touching, left, ahead, entry, boxed, axis, .. } = &mut *self.scratch;
         let later = self.pairs.get(first + 2 * WIDTH..).unwrap_or_default();
         ahead.look(self.frame, &later[..later.len().min(WIDTH)]);
         let pairs = &self.pairs[first..self.pairs.len().min(first + WIDTH)];
@@ -205,7 +209,25 @@ impl Decide<'_> {
         for lane in LanesOf(!entry.live & used(pairs.len())) {
             left.push(Left { number: entry.lot.number.0[lane], axes: [Vec3::ZERO; 2] });
         }
-        axis.push(l, &entry.lot, entry.live & !(balls.apart | balls.touching));
+        let open = entry.live & !(balls.apart | balls.touching);
+        boxed.push(l, &entry.lot, open & entry.boxed);
+        axis.push(l, &entry.lot, open & !entry.boxed);
+    }
+
+    /// A box round and a box inside each.
+    #[inline(always)]
+    fn twin_boxes<L: Lanes>(&mut self, l: L) {
+        let Scratch { touching, left, boxes, lot, boxed, axis, .. } = &mut *self.scratch;
+        let taken = boxed.take(l, lot);
+        let (settled, aligned) = boxes::twin_boxes(l, self.frame, boxes, (lot, taken));
+        let open = used(taken);
+        scatter(touching, lot, settled.touching & open);
+        self.report.count(Rung::Boxes, count((settled.apart | settled.touching) & open));
+        let open = open & !(settled.apart | settled.touching);
+        for lane in LanesOf(open & aligned) {
+            left.push(Left { number: lot.number.0[lane], axes: lot.axes(lane) });
+        }
+        axis.push(l, lot, open & !aligned);
     }
 
     /// The axis between the centres, and the cone.

@@ -28,13 +28,15 @@ pub(super) struct Entry {
     choice: Row,
     /// The lanes in use whose objects have vertices.
     pub(super) live: u32,
+    /// Those whose objects both have boxes.
+    pub(super) boxed: u32,
 }
 
 impl Entry {
     /// Reads at most sixteen pairs' records; the first is number `first` of the slice.
     #[inline(always)]
     pub(super) fn read(&mut self, frame: &Frame, pairs: &[Pair], first: u32) {
-        self.live = 0;
+        (self.live, self.boxed) = (0, 0);
         let lot = &mut self.lot;
         for (k, pair) in pairs.iter().enumerate() {
             let (a, b) = (frame.record(pair.i), frame.record(pair.j));
@@ -51,6 +53,7 @@ impl Entry {
             self.size.0[k] = a.size + b.size;
             self.choice.0[k] = a.choice + b.choice;
             self.live |= u32::from(a.blocks.min(b.blocks) > 0) << k;
+            self.boxed |= (a.boxed & b.boxed) << k;
         }
     }
 

@@ -1,11 +1,11 @@
 //! Objects made ready: vertices rotated, balls bounded, boxes found.
 
-use super::bounds::{CENTRE, CHOICE, ROTATED, U};
-use super::frame::{Part, Record};
+use super::bounds::{CENTRE, CHOICE, ROTATED, TURNED, U};
+use super::frame::{BoxRecord, Part, Record};
 use super::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::lanes::{Block, Kernel, Lanes, Row, WIDTH, prefetch};
-use dcd_geom::{Aabb, Core, Pose, Scene};
+use dcd_geom::{Aabb, Core, LaneBox, Pose, Scene};
 
 /// Prepares the objects from `first` on.
 pub(super) struct Prepare<'a> {
@@ -23,6 +23,8 @@ impl Kernel for Prepare<'_> {
         let mut blocks = self.part.blocks;
         // The largest x, y, z and the largest −x, −y, −z of sixteen objects, lane by lane.
         let mut extremes = [[Row::default(); WIDTH]; 6];
+        let twin_boxes = self.scene.cores().twin_boxes();
+        let boxes = self.part.boxes;
         let groups = self.part.records.chunks_mut(WIDTH).zip(self.aabbs.chunks_mut(WIDTH));
         for (group, (records, aabbs)) in groups.enumerate() {
             let first = self.first + group * WIDTH;
@@ -35,6 +37,10 @@ impl Kernel for Prepare<'_> {
                 let core = &self.scene.cores().cores()[self.scene.shape_of()[object] as usize];
                 let pose = &self.scene.poses()[object];
                 *record = place(record, core, pose);
+                if record.boxed == 1 {
+                    let shape = self.scene.shape_of()[object] as usize;
+                    boxes[group * WIDTH + lane] = turn(&twin_boxes[shape], record, pose);
+                }
                 let local = &self.scene.cores().blocks(core)[..own.len()];
                 let found = rotate(l, pose, local, own);
                 for side in 0..6 {
@@ -85,8 +91,25 @@ fn place(record: &Record, core: &Core, pose: &Pose) -> Record {
         size: above(core.outer * stretch),
         radius: above(core.radius),
         slack: above(slack),
+        boxed: u32::from(core.has_twin_box && pose.deviation() < TURNED),
         choice: above(core.outer * stretch * f64::from(tag) * CHOICE),
     }
+}
+
+/// The boxes of a shape at a pose. What the matrix departs from a rotation by makes the boxes of the
+/// exact rotation larger and smaller.
+#[inline(always)]
+fn turn(twin_box: &LaneBox, record: &Record, pose: &Pose) -> BoxRecord {
+    let mut numbers = Row::default();
+    let margin = 4.0 * pose.deviation() * f64::from(record.size);
+    for axis in 0..3 {
+        let edge = *pose.rotation() * twin_box.axes[axis].as_dvec3();
+        numbers.0[3 * axis..][..3].copy_from_slice(&edge.as_vec3().to_array());
+        let outer = f64::from(twin_box.outer[axis]) + margin + f64::from(record.radius);
+        numbers.0[9 + axis] = above(outer);
+        numbers.0[12 + axis] = below((f64::from(twin_box.inner[axis]) - margin).max(0.0));
+    }
+    BoxRecord { numbers }
 }
 
 /// An f32 at most x ≥ 0: two roundings and the sum that made x are less than two units.
