@@ -3,7 +3,7 @@
 use crate::BroadPhase;
 use dcd_bvh::{Sixteen, WideBvh};
 use dcd_exec::{Exec, Segments};
-use dcd_geom::lanes::{IndexRow, Kernel, Lanes, Path, WIDTH, dispatch_on};
+use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{Aabb, Pair};
 
 /// Candidate pairs from a [`WideBvh`], whose leaves ask for themselves and for the leaves after.
@@ -159,14 +159,11 @@ impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
         if hits == 0 {
             return;
         }
-        let mut ids = IndexRow::default();
-        l.store_u(l.compress_u(l.mask(hits), l.load_u(&self.tree.ids()[leaf])), &mut ids);
+        let ids = l.compress_u(l.mask(hits), l.load_u(&self.tree.ids()[leaf]));
         let count = hits.count_ones() as usize;
         // Sixteen are written and the surplus taken back: a copy of fixed length has no loop.
         let mut pairs = [Pair::default(); WIDTH];
-        for (pair, &j) in pairs.iter_mut().zip(&ids.0) {
-            *pair = Pair { i: i.min(j), j: i.max(j) };
-        }
+        l.store_pairs(ids, l.splat_u(i), &mut pairs);
         let start = self.out.len();
         self.out.extend_from_slice(&pairs);
         self.out.truncate(start + count);

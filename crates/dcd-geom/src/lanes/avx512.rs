@@ -1,6 +1,7 @@
 //! Sixteen lanes in one AVX-512 register.
 
 use super::{Block, FLOATS, Kernel, Lanes, MOST_BLOCKS, Row, WIDTH};
+use crate::Pair;
 use std::arch::x86_64::*;
 
 /// Runs the kernel in a function that carries the feature, into which all of it is inlined.
@@ -144,6 +145,19 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn compress_u(self, mask: __mmask16, a: __m512i) -> __m512i {
         op!(_mm512_maskz_compress_epi32(mask, a))
+    }
+    #[inline(always)]
+    fn store_pairs(self, a: __m512i, b: __m512i, pairs: &mut [Pair; WIDTH]) {
+        // SAFETY: as above; sixteen pairs are thirty-two u32 in a row, as `repr(C)` has them.
+        unsafe {
+            let (i, j) = (_mm512_min_epu32(a, b), _mm512_max_epu32(a, b));
+            let first = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+            let last =
+                _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+            let at = pairs.as_mut_ptr();
+            _mm512_storeu_si512(at.cast(), _mm512_permutex2var_epi32(i, first, j));
+            _mm512_storeu_si512(at.add(8).cast(), _mm512_permutex2var_epi32(i, last, j));
+        }
     }
     #[inline(always)]
     fn tag(self, a: __m512, mask: __m512i, tag: __m512i) -> __m512 {

@@ -8,6 +8,8 @@
 //! The intrinsics below are the workspace's only `unsafe`. A lane type can be had only through
 //! [`dispatch`], which has checked the feature: that is every SAFETY line's reason.
 
+use crate::Pair;
+
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -108,6 +110,17 @@ pub trait Lanes: Copy {
     fn compress(self, mask: Self::M, a: Self::F) -> Self::F;
     /// The lanes that the mask keeps, moved down to the front; the rest is unspecified.
     fn compress_u(self, mask: Self::M, a: Self::U) -> Self::U;
+    /// Each lane's two numbers as a pair, the smaller first.
+    #[inline(always)]
+    fn store_pairs(self, a: Self::U, b: Self::U, pairs: &mut [Pair; WIDTH]) {
+        let (mut of_a, mut of_b) = (IndexRow::default(), IndexRow::default());
+        self.store_u(a, &mut of_a);
+        self.store_u(b, &mut of_b);
+        for k in 0..WIDTH {
+            let (a, b) = (of_a.0[k], of_b.0[k]);
+            pairs[k] = Pair { i: a.min(b), j: a.max(b) };
+        }
+    }
     /// The bits of `a` outside `mask`, and the bits of `tag`, which lie inside it.
     fn tag(self, a: Self::F, mask: Self::U, tag: Self::U) -> Self::F;
     /// The bits of `a` inside `mask`.
@@ -336,7 +349,10 @@ mod tests {
             l.store(l.compress(lt, a), &mut front);
             let front = front.0[..kept].iter().map(|x| x.to_bits());
             let packed = packed.0[..kept].iter().copied();
-            let indices = chosen.0.into_iter().chain(packed).chain(front).collect();
+            let mut pairs = [Pair::default(); WIDTH];
+            l.store_pairs(index, l.tag_of(a, l.splat_u(255)), &mut pairs);
+            let pairs = pairs.into_iter().flat_map(|pair| [pair.i, pair.j]);
+            let indices = chosen.0.into_iter().chain(packed).chain(front).chain(pairs).collect();
             (floats.to_vec(), masks.map(|m| l.bits(m)).to_vec(), indices)
         }
     }
@@ -359,6 +375,7 @@ mod tests {
             for (row, &largest) in rows.iter().zip(&floats[11].0) {
                 assert_eq!(largest, row.0.iter().copied().fold(f32::MIN, f32::max));
             }
+            assert!(indices[indices.len() - 2 * WIDTH..].chunks(2).all(|pair| pair[0] <= pair[1]));
             for (row, &lane_13) in rows.iter().zip(&floats[18].0) {
                 assert_eq!(lane_13, row.0[13]);
             }
