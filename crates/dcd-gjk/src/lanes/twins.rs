@@ -3,6 +3,7 @@
 //! must say the same.
 
 use super::bounds::{ROTATED, U};
+use super::boxes::{Boxes, twin_boxes};
 use super::frame::Frame;
 use super::lot::{Lot, Vector};
 use super::opening::{Entry, Place, Settled, centre_axis, cone};
@@ -209,6 +210,90 @@ fn no_vertex_is_farther_than_the_support_by_more_than_its_bound() {
                 assert!(point.dot(d) >= farthest - bound, "{path:?} {k}");
             }
         }
+    }
+}
+
+/// Long, flat and box-shaped objects, turned and placed near one another.
+fn thin_scene(seed: u64) -> Scene {
+    let mut numbers = Numbers(seed);
+    let shapes = (0..60).map(|k| match k % 3 {
+        0 => Shape::cuboid((numbers.vector() * 0.5).abs() + 0.05).unwrap(),
+        1 => cloud(&mut numbers, DVec3::new(0.1, 0.1, 1.5)),
+        _ => cloud(&mut numbers, DVec3::new(0.8, 0.8, 0.05)),
+    });
+    let shapes = shapes.collect();
+    let poses = (0..60).map(|_| {
+        let turn = DQuat::from_xyzw(numbers.next(), numbers.next(), numbers.next(), numbers.next());
+        Pose::new(turn.normalize(), numbers.vector()).unwrap()
+    });
+    let poses = poses.collect();
+    Scene::one_each(shapes, poses).unwrap()
+}
+
+fn cloud(numbers: &mut Numbers, size: DVec3) -> Shape {
+    Shape::hull((0..40).map(|_| numbers.vector() * size).collect()).unwrap()
+}
+
+/// The box stage of at most sixteen pairs.
+struct BoxStage<'a> {
+    frame: &'a Frame,
+    pairs: &'a [Pair],
+}
+
+impl Kernel for BoxStage<'_> {
+    type Output = (Settled, u32);
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Self::Output {
+        let (mut entry, mut boxes) = (Entry::default(), Boxes::default());
+        entry.read(self.frame, self.pairs, 0);
+        entry.balls(l);
+        let (settled, _) = twin_boxes(l, self.frame, &mut boxes, (&entry.lot, self.pairs.len()));
+        (settled, entry.boxed & entry.live)
+    }
+}
+
+/// A shape's box in f64: its edges' directions and half its edges.
+type PlainBox = (DMat3, DVec3);
+
+/// How far apart two boxes are at most along one of the fifteen axes, by projecting their corners;
+/// each axis as long as the product of the edges that make it.
+fn gap_of_boxes(c: DVec3, a: PlainBox, b: PlainBox) -> f64 {
+    let reach = |axis: DVec3, (edges, half): PlainBox| half.dot((edges.transpose() * axis).abs());
+    let edges = |m: DMat3| [m.x_axis, m.y_axis, m.z_axis];
+    let crossed = edges(a.0).into_iter().flat_map(|e| edges(b.0).map(|f| e.cross(f)));
+    let axes = edges(a.0).into_iter().chain(edges(b.0)).chain(crossed);
+    let gaps = axes.map(|axis| axis.dot(c).abs() - reach(axis, a) - reach(axis, b));
+    gaps.fold(f64::NEG_INFINITY, f64::max)
+}
+
+#[test]
+fn the_box_stage_says_what_boxes_in_f64_say() {
+    for seed in 20..24 {
+        let scene = thin_scene(seed);
+        let (pairs, mut seen) = (pairs(&scene), [0; 2]);
+        let side = |i: u32| {
+            let twin = *scene.shape(i as usize).as_polytope().unwrap().twin_box().unwrap();
+            let edges = *scene.poses()[i as usize].rotation() * twin.axes;
+            [(edges, twin.outer), (edges, twin.inner)]
+        };
+        for path in paths() {
+            let (frame, _) = prepared(&scene, path);
+            for group in pairs.chunks(WIDTH) {
+                let (said, boxed) = dispatch_on(path, BoxStage { frame: &frame, pairs: group });
+                assert_eq!(boxed, u32::MAX >> (32 - group.len()));
+                for (k, &pair) in group.iter().enumerate() {
+                    let (a, b) = (side(pair.i), side(pair.j));
+                    let c = Plain::of(&scene, pair).centre;
+                    let bit = |bits: u32| bits >> k & 1 == 1;
+                    agree("outer boxes", bit(said.apart), gap_of_boxes(c, a[0], b[0]));
+                    agree("inner boxes", bit(said.touching), -gap_of_boxes(c, a[1], b[1]));
+                    seen[0] += usize::from(bit(said.apart));
+                    seen[1] += usize::from(bit(said.touching));
+                }
+            }
+        }
+        assert!(seen.iter().all(|&count| count > 0), "boxes settled nothing: {seen:?}");
     }
 }
 
