@@ -33,7 +33,7 @@ pub(crate) enum Stack {
 
 /// What the closed form tells by signs that f64 is sure of, and by sums that are exact.
 #[inline]
-pub(crate) fn touch_quickly(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Stack {
+fn touch_quickly(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Stack {
     match pair_of(a, b) {
         None => Stack::Other,
         Some(Pair::Aligned(half)) => aligned(a, b, half),
@@ -44,13 +44,9 @@ pub(crate) fn touch_quickly(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Sta
 /// What it tells with as many digits as need be: never open.
 #[inline]
 pub(crate) fn touch(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Stack {
-    match pair_of(a, b) {
-        None => Stack::Other,
-        Some(Pair::Aligned(half)) => aligned(a, b, half),
-        Some(Pair::Turned(half)) => match turned(a, b, half) {
-            Stack::Open => turned_closely(a, b, half),
-            known => known,
-        },
+    match (touch_quickly(a, b), pair_of(a, b)) {
+        (Stack::Open, Some(Pair::Turned(half))) => turned_closely(a, b, half),
+        (known, _) => known,
     }
 }
 
