@@ -23,8 +23,8 @@ rigidly tied may. Joints that are fixed in the URDF stay as they are, whatever a
 --all-problems checks, for each scene and request of the archive, 100 states on the straight line \
 from start to goal in joint space, both ends among them, by Parry in f64 as well, on the same \
 shapes; each pair on which the two differ is settled exactly and told. Times are of one thread: \
-ours of whole steps; Parry's of a tree over the world made once, the boxes of the links, and \
-query::intersection_test.";
+ours of a batch of 100 states against a world that is made before; Parry's of the boxes of the \
+links, a tree over the world that is made before, and query::intersection_test.";
 
 /// Find the touching links of a robot
 #[derive(Args)]

@@ -4,8 +4,8 @@ use super::judge::{Settled, settle};
 use super::refused;
 use super::rival::{Rival, parry_pose};
 use crate::failure::Failure;
-use dcd_geom::{Pair, Pose};
-use dcd_pipeline::{Par, Pipeline};
+use dcd_geom::{Object, Pair, Pose, Scene};
+use dcd_pipeline::{Linkage, Other, Overlap, Par, World};
 use dcd_scenes::robot::{AllowedPairs, Problem, Robot, Workcell, read_problems};
 use serde::Serialize;
 use std::fmt::Write;
@@ -63,10 +63,11 @@ struct Difference {
     settled: Settled,
 }
 
-/// Pipelines and lists that one problem leaves to the next.
+/// What one problem leaves to the next.
 #[derive(Default)]
 struct Runner {
-    pipeline: Pipeline,
+    /// State by state.
+    batch: Vec<Vec<Pair>>,
     ours: Vec<Pair>,
     theirs: Vec<Pair>,
     spent: [Duration; 2],
@@ -118,13 +119,18 @@ impl Checked {
             self.sets.push(Set { name: problem.set.clone(), ..Set::default() });
         }
         self.problems += 1;
-        let mut poses = Vec::new();
+        let (mut poses, mut way) = (Vec::new(), Vec::new());
         for state in 0..STATES {
             robot.place(&on_the_way(&start, &goal, state), &mut poses).map_err(refused)?;
-            self.undecided += runner.step(&mut cell, &poses)?;
-            self.parry_undecided += runner.ask_parry(&cell, &mut rival, &poses);
+            way.extend_from_slice(&poses);
+        }
+        self.undecided += runner.probe(&cell, &way)?;
+        for (state, poses) in way.chunks(poses.len()).enumerate() {
+            runner.ours = std::mem::take(&mut runner.batch[state]);
+            self.parry_undecided += runner.ask_parry(&cell, &mut rival, poses);
             self.count(state, runner);
             if runner.ours != runner.theirs {
+                cell.set_poses(poses).map_err(refused)?;
                 let found = differences(runner).map(|(pair, we_say)| Difference {
                     set: problem.set.clone(),
                     number: problem.number.clone(),
@@ -162,16 +168,44 @@ impl Checked {
 }
 
 impl Runner {
-    /// Our contacts, sorted, and how many pairs stayed undecided.
-    fn step(&mut self, cell: &mut Workcell, poses: &[Pose]) -> Result<usize, Failure> {
+    /// Our contacts in each state, sorted, and how many pairs stayed undecided. What depends on the
+    /// world alone is made before the clock starts.
+    fn probe(&mut self, cell: &Workcell, way: &[Pose]) -> Result<usize, Failure> {
+        let refused = |error| Failure::Input(format!("{error}"));
+        let scene = cell.scene();
+        let links = cell.robot().parts().len();
+        let standing = (links..scene.len())
+            .map(|i| Object::new(scene.shape_of()[i], scene.poses()[i]).fixed());
+        let world = Scene::new(scene.shapes().to_vec(), standing).map_err(refused)?;
+        let world = World::new(&world, Overlap::default(), Par::Serial).map_err(refused)?;
+        let allowed = scene.ignored_pairs().map(|pair| (pair.i as usize, pair.j as usize));
+        let own: Vec<_> = allowed.filter(|&(_, j)| j < links).collect();
+        let shapes = cell.robot().parts().iter().map(|part| part.shape.clone()).collect();
+        let linkage = Linkage::new(shapes).against_itself(&own).map_err(refused)?;
+        let mut probe = world.probe(linkage).map_err(refused)?;
         let begun = Instant::now();
-        cell.set_poses(poses).map_err(refused)?;
-        let step = self.pipeline.step(cell.scene(), Par::Serial);
-        self.ours.clear();
-        self.ours.extend(step.contacts().map(|(i, j)| Pair::new(i, j)));
+        let found = probe.all(way, Par::Serial).map_err(refused)?;
         self.spent[0] += begun.elapsed();
-        self.ours.sort_unstable();
-        Ok(step.report().undecided().len())
+        self.batch.clear();
+        self.batch.resize(STATES, Vec::new());
+        let mut undecided = 0;
+        for finding in found.iter() {
+            let other = match finding.other {
+                Other::Obstacle(k) => k + links as u32,
+                Other::Link(k) => k,
+            };
+            let pair = Pair::new(finding.link, other);
+            if !scene.allows(pair.i, pair.j) {
+                continue;
+            }
+            if finding.touches() {
+                self.batch[finding.configuration as usize].push(pair);
+            } else {
+                undecided += 1;
+            }
+        }
+        self.batch.iter_mut().for_each(|pairs| pairs.sort_unstable());
+        Ok(undecided)
     }
 
     /// Parry's, with the poses turned into its own before the clock starts.
