@@ -82,6 +82,34 @@ pub enum ShapeError {
         /// The offset given.
         offset: f64,
     },
+    /// More parts or triangles than a u32 counts.
+    TooManyParts {
+        /// How many.
+        count: usize,
+    },
+    /// A part of a compound is itself made of parts, or has no end.
+    BadPart {
+        /// The part's index.
+        part: usize,
+    },
+    /// A vertex of a part leaves the range of f64 where the part stands.
+    PartNotFinite {
+        /// The part's index.
+        part: usize,
+        /// The vertex's index in the part.
+        vertex: usize,
+        /// What a coordinate became.
+        value: f64,
+    },
+    /// A triangle names a vertex that the mesh does not have.
+    NoSuchVertex {
+        /// The triangle's index.
+        triangle: usize,
+        /// The vertex it names.
+        vertex: u32,
+        /// How many there are.
+        vertices: usize,
+    },
 }
 
 impl fmt::Display for ShapeError {
@@ -99,6 +127,14 @@ impl fmt::Display for ShapeError {
             }
             Self::BadPlane { normal, offset } => {
                 write!(f, "normal {normal} and offset {offset} make no plane")
+            }
+            Self::TooManyParts { count } => write!(f, "{count} parts are more than a u32 counts"),
+            Self::BadPart { part } => write!(f, "part {part} is not convex and bounded"),
+            Self::PartNotFinite { part, vertex, value } => {
+                write!(f, "vertex {vertex} of part {part} is at {value} in its place")
+            }
+            Self::NoSuchVertex { triangle, vertex, vertices } => {
+                write!(f, "triangle {triangle} names vertex {vertex}, but there are {vertices}")
             }
         }
     }

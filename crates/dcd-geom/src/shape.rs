@@ -1,12 +1,14 @@
 //! The shapes of a scene.
 
 use crate::error::check_length;
-use crate::{Aabb, Ball, Curved, HalfSpace, Polytope, Pose, ShapeError, Support, SupportMap};
+use crate::{
+    Aabb, Ball, Compound, Curved, HalfSpace, Mesh, Polytope, Pose, ShapeError, Support, SupportMap,
+};
 use glam::DVec3;
 use std::fmt;
 use std::sync::Arc;
 
-/// A convex shape in its own frame, checked when it is made.
+/// A shape in its own frame, checked when it is made: convex, or made of convex parts.
 #[derive(Clone)]
 #[non_exhaustive]
 pub enum Shape {
@@ -18,6 +20,10 @@ pub enum Shape {
     HalfSpace(HalfSpace),
     /// A foreign shape, asked one support at a time in f64.
     Custom(Arc<dyn SupportMap<f64>>),
+    /// Convex parts, each with a place of its own.
+    Compound(Arc<Compound>),
+    /// A surface of triangles.
+    Mesh(Arc<Mesh>),
 }
 
 impl Shape {
@@ -107,7 +113,25 @@ impl Shape {
                 check_length("radius", radius)?;
                 Ok(Self::Custom(Arc::new(Rounded { map, radius })))
             }
+            Self::Compound(parts) => parts.rounded(radius).map(Self::from),
+            Self::Mesh(mesh) => Arc::unwrap_or_clone(mesh).rounded(radius).map(Self::from),
         }
+    }
+
+    /// See [`Compound::new`].
+    ///
+    /// # Errors
+    /// Those of [`Compound::new`].
+    pub fn compound(parts: Vec<(Self, Pose)>) -> Result<Self, ShapeError> {
+        Compound::new(parts).map(|compound| Self::Compound(Arc::new(compound)))
+    }
+
+    /// See [`Mesh::new`].
+    ///
+    /// # Errors
+    /// Those of [`Mesh::new`].
+    pub fn mesh(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self, ShapeError> {
+        Mesh::new(vertices, triangles).map(|mesh| Self::Mesh(Arc::new(mesh)))
     }
 
     /// A shape known by its support map alone.
@@ -129,6 +153,11 @@ impl Shape {
         Ok(Self::Custom(map))
     }
 
+    /// Whether it is one convex shape, and no compound or mesh.
+    pub fn is_convex(&self) -> bool {
+        !matches!(self, Self::Compound(_) | Self::Mesh(_))
+    }
+
     /// The polytope, if it is one.
     pub fn as_polytope(&self) -> Option<&Polytope> {
         match self {
@@ -147,7 +176,7 @@ impl Shape {
         match self {
             Self::Polytope(polytope) => polytope.inner(),
             Self::Curved(curved) => curved.inner(),
-            Self::HalfSpace(_) | Self::Custom(_) => Ball { centre: DVec3::ZERO, radius: 0.0 },
+            _ => Ball { centre: DVec3::ZERO, radius: 0.0 },
         }
     }
 
@@ -158,6 +187,8 @@ impl Shape {
             Self::Polytope(polytope) => polytope.reach() + polytope.swept_radius(),
             Self::Curved(curved) => curved.reach() + curved.swept_radius(),
             Self::HalfSpace(_) => f64::INFINITY,
+            Self::Compound(compound) => compound.reach(),
+            Self::Mesh(mesh) => mesh.reach() + mesh.swept_radius(),
             Self::Custom(_) => {
                 let (min, max) = self.extent(&Pose::IDENTITY);
                 min.abs().max(max.abs()).length()
@@ -172,6 +203,9 @@ impl Shape {
     /// A radius that is negative or not finite, by itself or when added.
     pub fn swept(&self, radius: f64) -> Result<Self, ShapeError> {
         check_length("radius", radius)?;
+        if let Self::Compound(compound) = self {
+            return compound.swept(radius).map(Self::from);
+        }
         self.clone().rounded(self.radius() + radius)
     }
 
@@ -194,16 +228,24 @@ impl Shape {
     /// The smallest and largest coordinates of R·shape, rounded, without the translation.
     fn extent(&self, pose: &Pose) -> (DVec3, DVec3) {
         let rotation = pose.rotation();
+        let around = |points: &[DVec3], radius: f64| {
+            let mut min = DVec3::INFINITY;
+            let mut max = DVec3::NEG_INFINITY;
+            for &v in points {
+                let world = *rotation * v;
+                min = min.min(world);
+                max = max.max(world);
+            }
+            (min - radius, max + radius)
+        };
         match self {
-            Self::Polytope(polytope) => {
-                let mut min = DVec3::INFINITY;
-                let mut max = DVec3::NEG_INFINITY;
-                for &v in polytope.vertices() {
-                    let world = *rotation * v;
-                    min = min.min(world);
-                    max = max.max(world);
-                }
-                (min - polytope.swept_radius(), max + polytope.swept_radius())
+            Self::Polytope(polytope) => around(polytope.vertices(), polytope.swept_radius()),
+            Self::Mesh(mesh) => around(mesh.points(), mesh.swept_radius()),
+            Self::Compound(compound) => {
+                let extents = compound.parts().iter().map(|part| part.placed().extent(pose));
+                extents.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), (min, max)| {
+                    (low.min(min), high.max(max))
+                })
             }
             map => {
                 let to_local = rotation.transpose();
@@ -220,8 +262,8 @@ impl Shape {
     }
 }
 
-/// A half-space has no support map: its points are NaN, of which no solver's comparison proves
-/// anything.
+/// A half-space has no support map, nor has what is not convex: their points are NaN, of which no
+/// solver's comparison proves anything.
 impl SupportMap<f64> for Shape {
     fn support(&self, direction: DVec3) -> Support<f64> {
         match self {
@@ -229,6 +271,7 @@ impl SupportMap<f64> for Shape {
             Self::Curved(curved) => curved.support(direction),
             Self::HalfSpace(_) => Support { point: DVec3::NAN, feature: 0 },
             Self::Custom(map) => map.support(direction),
+            Self::Compound(_) | Self::Mesh(_) => Support { point: DVec3::NAN, feature: 0 },
         }
     }
 
@@ -238,12 +281,14 @@ impl SupportMap<f64> for Shape {
             Self::Curved(curved) => curved.swept_radius(),
             Self::HalfSpace(half_space) => half_space.swept_radius(),
             Self::Custom(map) => map.radius(),
+            Self::Compound(_) => 0.0,
+            Self::Mesh(mesh) => mesh.swept_radius(),
         }
     }
 
     fn support_error(&self) -> f64 {
         match self {
-            Self::Polytope(_) | Self::HalfSpace(_) => 0.0,
+            Self::Polytope(_) | Self::HalfSpace(_) | Self::Compound(_) | Self::Mesh(_) => 0.0,
             Self::Curved(curved) => curved.support_error(),
             Self::Custom(map) => map.support_error(),
         }
@@ -265,6 +310,18 @@ impl SupportMap<f64> for Rounded {
     }
     fn support_error(&self) -> f64 {
         self.map.support_error()
+    }
+}
+
+impl From<Compound> for Shape {
+    fn from(compound: Compound) -> Self {
+        Self::Compound(Arc::new(compound))
+    }
+}
+
+impl From<Mesh> for Shape {
+    fn from(mesh: Mesh) -> Self {
+        Self::Mesh(Arc::new(mesh))
     }
 }
 
@@ -293,6 +350,8 @@ impl fmt::Debug for Shape {
             Self::Curved(curved) => curved.fmt(f),
             Self::HalfSpace(half_space) => half_space.fmt(f),
             Self::Custom(_) => f.write_str("Custom(..)"),
+            Self::Compound(compound) => compound.fmt(f),
+            Self::Mesh(mesh) => mesh.fmt(f),
         }
     }
 }

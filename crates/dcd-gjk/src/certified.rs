@@ -6,7 +6,7 @@ use crate::closed::{self, half_space};
 use crate::exact::boxes::{self, Stack};
 use crate::exact::resting;
 use crate::gjk::overlap_with_simplex;
-use crate::{Body, Difference, Placed, Reason, Rung, Verdict, exact, order};
+use crate::{Body, Difference, Placed, Reason, Rung, Verdict, exact, order, parts};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape, SupportMap};
 
@@ -76,7 +76,21 @@ pub fn overlap_exactly(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> bool {
 /// half-space and all but foreign shapes. Cylinders, cones and foreign shapes know no exact rung
 /// else: a pair with one stays undecided where f64, widened by the stated support error, cannot
 /// tell.
+///
+/// Of compounds and meshes every part is asked, in memory of this call's own: see [`overlap_with`].
 pub fn overlap_of(a: Placed<'_>, b: Placed<'_>) -> (Verdict<()>, Rung) {
+    overlap_with(a, b, &mut parts::Scratch::default())
+}
+
+/// The same in memory that is kept from pair to pair; convex shapes need none.
+pub fn overlap_with(
+    a: Placed<'_>,
+    b: Placed<'_>,
+    scratch: &mut parts::Scratch,
+) -> (Verdict<()>, Rung) {
+    if parts::are_asked(a.shape, b.shape) {
+        return parts::overlap(a, b, scratch);
+    }
     if let Some(known) = half_space::overlap(a, b) {
         return known;
     }
@@ -90,6 +104,9 @@ pub fn overlap_of(a: Placed<'_>, b: Placed<'_>) -> (Verdict<()>, Rung) {
 
 /// What f64 alone can prove of any two shapes.
 pub(crate) fn overlap_in_f64(a: Placed<'_>, b: Placed<'_>) -> Verdict<()> {
+    if parts::are_asked(a.shape, b.shape) {
+        return Verdict::Undecided(Reason::NotConvex);
+    }
     if let Some(verdict) = half_space::overlap_in_f64(a, b) {
         return verdict;
     }

@@ -14,7 +14,7 @@ mod tests;
 use crate::certificate::Bounds;
 use crate::closed::{self, half_space};
 use crate::exact::{self, Exact};
-use crate::{Body, Difference, Placed, Reason, Rung, Verdict, certified, order, portal};
+use crate::{Body, Difference, Placed, Reason, Rung, Verdict, certified, order, parts, portal};
 use approach::{Approach, approach};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape, SupportMap};
@@ -87,7 +87,7 @@ pub enum DistanceResult {
 }
 
 impl DistanceResult {
-    fn mirrored(self) -> Self {
+    pub(crate) fn mirrored(self) -> Self {
         match self {
             Self::Apart(distance) => Self::Apart(distance.mirrored()),
             other => other,
@@ -99,8 +99,12 @@ impl DistanceResult {
 ///
 /// Between polytopes, rounded or not, its relative error is at most 1e-12 wherever it is above
 /// 1e-12 of the shapes' size, and the bound is of that order. With a foreign shape it is
-/// [`in_f64`]'s. (a, b) and (b, a) give the same bits, mirrored.
+/// [`in_f64`]'s. Of compounds and meshes it is that of the nearest parts: see [`parts::distance`].
+/// (a, b) and (b, a) give the same bits, mirrored.
 pub fn distance(a: Placed<'_>, b: Placed<'_>) -> (DistanceResult, Rung) {
+    if parts::are_asked(a.shape, b.shape) {
+        return parts::distance(a, b, &mut parts::Scratch::default());
+    }
     if let Some(found) = half_space::distance(a, b) {
         return found;
     }
@@ -125,6 +129,9 @@ pub fn of_polytopes(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (DistanceRe
 /// The distance by f64 alone: undecided where a gap or overlap is within its rounding, and with a
 /// bound of about 28 · 2⁻⁵³ of the pair's size at the least.
 pub fn in_f64(a: Placed<'_>, b: Placed<'_>) -> DistanceResult {
+    if parts::are_asked(a.shape, b.shape) {
+        return DistanceResult::Undecided(Reason::NotConvex);
+    }
     if order::is_swapped(a, b) { in_f64_in_order(b, a).mirrored() } else { in_f64_in_order(a, b) }
 }
 

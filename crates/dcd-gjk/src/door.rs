@@ -25,6 +25,8 @@ pub enum Reason {
     WithinTolerance,
     /// The numbers leave the range in which this rung's bounds hold.
     Range,
+    /// A compound or a mesh, asked of a solver that knows convex shapes alone.
+    NotConvex,
     /// The foreign library behind the door could not tell.
     Foreign,
 }

@@ -17,6 +17,7 @@ pub mod gjk;
 pub mod lanes;
 pub mod law;
 mod order;
+pub mod parts;
 mod portal;
 pub mod query;
 mod simplex;

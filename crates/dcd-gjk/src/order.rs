@@ -3,7 +3,7 @@
 
 use crate::{Body, Placed};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Polytope, Pose, Shape, SupportMap};
+use dcd_geom::{Mesh, Polytope, Pose, Shape, SupportMap};
 use std::cmp::Ordering;
 
 /// The pair in its order: as given where nothing tells the two apart, and then it cannot matter.
@@ -13,7 +13,12 @@ pub(crate) fn canonical<'a>(a: Placed<'a>, b: Placed<'a>) -> (Placed<'a>, Placed
 
 /// Whether the second comes first.
 pub(crate) fn is_swapped(a: Placed<'_>, b: Placed<'_>) -> bool {
-    poses(a.pose, b.pose).then_with(|| shapes(a.shape, b.shape)).is_gt()
+    placed(a, b).is_gt()
+}
+
+/// Which comes first.
+pub(crate) fn placed(a: Placed<'_>, b: Placed<'_>) -> Ordering {
+    poses(a.pose, b.pose).then_with(|| shapes(a.shape, b.shape))
 }
 
 /// The same for polytopes.
@@ -27,6 +32,15 @@ fn poses(a: &Pose, b: &Pose) -> Ordering {
 }
 
 fn shapes(a: &Shape, b: &Shape) -> Ordering {
+    match (a, b) {
+        (Shape::Mesh(a), Shape::Mesh(b)) => return meshes(a, b),
+        (Shape::Compound(a), Shape::Compound(b)) => {
+            let parts = a.parts().iter().zip(b.parts());
+            let orders = parts.map(|(a, b)| shapes(a.placed(), b.placed()));
+            return first_difference(orders);
+        }
+        _ => {}
+    }
     match (a.as_polytope(), b.as_polytope()) {
         (Some(a), Some(b)) => polytopes(a, b),
         (Some(_), None) => Ordering::Less,
@@ -35,6 +49,16 @@ fn shapes(a: &Shape, b: &Shape) -> Ordering {
         (None, None) => numbers([a.radius(), a.support_error()], [b.radius(), b.support_error()])
             .then_with(|| vectors(ends(a), ends(b))),
     }
+}
+
+fn meshes(a: &Mesh, b: &Mesh) -> Ordering {
+    if std::ptr::eq(a, b) {
+        return Ordering::Equal;
+    }
+    a.swept_radius()
+        .total_cmp(&b.swept_radius())
+        .then_with(|| a.triangles().cmp(b.triangles()))
+        .then_with(|| vectors(a.vertices().iter().copied(), b.vertices().iter().copied()))
 }
 
 fn ends(shape: &Shape) -> impl Iterator<Item = DVec3> {
@@ -59,5 +83,9 @@ fn vectors(a: impl IntoIterator<Item = DVec3>, b: impl IntoIterator<Item = DVec3
 
 fn numbers(a: impl IntoIterator<Item = f64>, b: impl IntoIterator<Item = f64>) -> Ordering {
     let pairs = a.into_iter().zip(b);
-    pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+    first_difference(pairs.map(|(a, b)| a.total_cmp(&b)))
+}
+
+fn first_difference(mut orders: impl Iterator<Item = Ordering>) -> Ordering {
+    orders.find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }

@@ -1,6 +1,8 @@
 //! The ladder's rungs as solvers of single pairs: what a user picks and pays for.
 
-use crate::{Body, Difference, PairSolver, Placed, Reason, Rung, Verdict, certified, gjk, order};
+use crate::{
+    Body, Difference, PairSolver, Placed, Reason, Rung, Verdict, certified, gjk, order, parts,
+};
 use dcd_geom::glam::Vec3;
 use dcd_geom::{Shape, Support, SupportMap, Vector};
 use std::marker::PhantomData;
@@ -37,6 +39,9 @@ impl PairSolver for Gjk<f32> {
     }
 
     fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
+        if parts::are_asked(a.shape, b.shape) {
+            return Verdict::Undecided(Reason::NotConvex);
+        }
         let (a, b) = order::canonical(a, b);
         match (a.shape, b.shape) {
             (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
@@ -89,17 +94,22 @@ pub struct Certified;
 
 impl PairSolver for Certified {
     type Answer = ();
-    type Scratch = ();
+    type Scratch = parts::Scratch;
 
     fn rung(&self) -> Rung {
         Rung::Exact
     }
 
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
-        certified::overlap_of(a, b).0
+    fn solve(&self, a: Placed<'_>, b: Placed<'_>, scratch: &mut parts::Scratch) -> Verdict<()> {
+        self.settle(a, b, scratch).0
     }
 
-    fn settle(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> (Verdict<()>, Rung) {
-        certified::overlap_of(a, b)
+    fn settle(
+        &self,
+        a: Placed<'_>,
+        b: Placed<'_>,
+        scratch: &mut parts::Scratch,
+    ) -> (Verdict<()>, Rung) {
+        certified::overlap_with(a, b, scratch)
     }
 }

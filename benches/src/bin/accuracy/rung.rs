@@ -200,7 +200,7 @@ fn one(rung: Rung, query: Query, [a, b]: [Placed<'_>; 2], scratch: &mut Scratch)
         (_, Rung::Balls) => of_balls(query, a, b),
         (Query::YesNo, Rung::F32) => verdict(Gjk::<f32>::default().solve(a, b, &mut ())),
         (Query::YesNo, Rung::F64) => verdict(Gjk::<f64>::default().solve(a, b, &mut ())),
-        (Query::YesNo, _) => verdict(Certified.solve(a, b, &mut ())),
+        (Query::YesNo, _) => verdict(Certified.solve(a, b, &mut Default::default())),
         (Query::Distance, Rung::F64) => of_distance(distance::in_f64(a, b)),
         (Query::Distance, _) => of_distance(distance::distance(a, b).0),
         (Query::Depth, _) => match [body(a), body(b)] {

@@ -120,7 +120,7 @@ impl Subject {
         };
         let touches = |k: u32| {
             let [a, b] = subject.placed(k);
-            Certified.solve(a, b, &mut ()) == Verdict::Touching(())
+            Certified.solve(a, b, &mut Default::default()) == Verdict::Touching(())
         };
         subject.truth = Known::YesNo((0..subject.pairs.len() as u32).map(touches).collect());
         subject

@@ -31,7 +31,7 @@ impl Ladder {
         let (verdict, settled) = match rung {
             Rung::Fast => Gjk::<f32>::default().settle(a, b, &mut ()),
             Rung::F64 => Gjk::<f64>::default().settle(a, b, &mut ()),
-            _ => Certified.settle(a, b, &mut ()),
+            _ => Certified.settle(a, b, &mut Default::default()),
         };
         let mut answer = Answer::new(&verdict, name(settled));
         match (query, verdict) {

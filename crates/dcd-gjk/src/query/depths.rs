@@ -3,7 +3,7 @@
 use super::sampled;
 use crate::closed::half_space;
 use crate::epa::{self, Depth};
-use crate::{Body, PairSolver, Placed, Reason, Rung, Verdict, certified};
+use crate::{Body, PairSolver, Placed, Reason, Rung, Verdict, certified, parts};
 use dcd_geom::Shape;
 
 /// How deep a pair overlaps, where, and with what bound: see [`Depth`].
@@ -14,6 +14,9 @@ use dcd_geom::Shape;
 /// them have no depth: [`Reason::Range`]). With another shape the depth is that of polytopes inside
 /// the shapes, which grow where it is decided, bounded from above by the shapes' own supports; a
 /// pair is undecided where [`certified::overlap_of`] is.
+///
+/// Of compounds and meshes it is the depth of the deepest pair of parts, which is less than what
+/// separates the whole.
 ///
 /// Ten to twenty microseconds for hulls of tens of vertices; some hundred for other shapes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -61,6 +64,9 @@ pub(super) fn of_touching(
     b: Placed<'_>,
     scratch: &mut epa::Scratch,
 ) -> Verdict<Depth> {
+    if parts::are_asked(a.shape, b.shape) {
+        return parts::deepest(a, b, |a, b| of_touching(a, b, scratch));
+    }
     if let Some(verdict) = half_space::depth(a, b) {
         return verdict;
     }

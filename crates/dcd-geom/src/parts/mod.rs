@@ -1,0 +1,11 @@
+//! Shapes made of convex parts: compounds and triangle meshes, each with a tree over its parts
+//! that is built once, when the shape is made.
+
+mod build;
+mod compound;
+mod mesh;
+mod tree;
+
+pub use compound::{Compound, Part};
+pub use mesh::{Mesh, Triangles};
+pub use tree::{PartTree, Sixteen};

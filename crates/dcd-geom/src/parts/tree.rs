@@ -1,0 +1,209 @@
+//! A static tree over the parts of one shape, sixteen boxes a block.
+
+use super::build;
+use crate::Aabb;
+use crate::lanes::{IndexRow, Lanes, Row, WIDTH};
+use glam::Vec3;
+
+/// Sixteen boxes, coordinate by coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sixteen {
+    /// Their smallest x, y and z.
+    pub min: [Row; 3],
+    /// Their largest x, y and z.
+    pub max: [Row; 3],
+}
+
+impl Default for Sixteen {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
+impl Sixteen {
+    /// Sixteen empty boxes.
+    pub const EMPTY: Self =
+        Self { min: [Row([f32::INFINITY; WIDTH]); 3], max: [Row([f32::NEG_INFINITY; WIDTH]); 3] };
+
+    /// Box k, which must be below sixteen.
+    #[inline(always)]
+    pub fn get(&self, k: usize) -> Aabb {
+        let [x, y, z] = &self.min;
+        let min = Vec3::new(x.0[k], y.0[k], z.0[k]);
+        let [x, y, z] = &self.max;
+        Aabb { min, max: Vec3::new(x.0[k], y.0[k], z.0[k]) }
+    }
+
+    /// Replaces box k, which must be below sixteen.
+    pub fn set(&mut self, k: usize, aabb: &Aabb) {
+        for axis in 0..3 {
+            self.min[axis].0[k] = aabb.min[axis];
+            self.max[axis].0[k] = aabb.max[axis];
+        }
+    }
+
+    /// The box round all sixteen.
+    pub fn union(&self) -> Aabb {
+        (0..WIDTH).fold(Aabb::EMPTY, |all, k| all.union(&self.get(k)))
+    }
+
+    /// Which of the sixteen overlap that box, lane k as bit k; empty boxes never do. For kernels.
+    #[inline(always)]
+    pub fn overlaps<L: Lanes>(&self, l: L, one: &Aabb) -> u32 {
+        let (min, max) = (one.min.to_array(), one.max.to_array());
+        let mut all = l.mask(0xffff);
+        for axis in 0..3 {
+            let starts = l.le(l.load(&self.min[axis]), l.splat(max[axis]));
+            let ends = l.le(l.splat(min[axis]), l.load(&self.max[axis]));
+            all = l.and(all, l.and(starts, ends));
+        }
+        l.bits(all)
+    }
+}
+
+/// A tree over the boxes of a shape's parts, in the shape's own frame.
+///
+/// It is made of blocks of sixteen boxes. The first blocks are the leaves: their boxes are those of
+/// parts. A box of any other block is that round all of a block with a smaller number. The last
+/// block is the root. Lanes that are not needed hold the empty box.
+#[derive(Clone, Debug, Default)]
+pub struct PartTree {
+    blocks: Vec<Sixteen>,
+    below: Vec<IndexRow>,
+    unions: Vec<Aabb>,
+    leaves: usize,
+}
+
+impl PartTree {
+    /// Over these boxes, at least one, at most u32::MAX. O(n log² n).
+    pub(crate) fn over(boxes: &[Aabb]) -> Self {
+        let mut tree = Self::default();
+        build::build(boxes, &mut tree);
+        tree
+    }
+
+    /// The blocks: the leaves, then the others, the root last.
+    pub fn blocks(&self) -> &[Sixteen] {
+        &self.blocks
+    }
+
+    /// For each block, what its boxes stand for: parts below a leaf, else blocks. Lanes of empty
+    /// boxes are 0.
+    pub fn below(&self) -> &[IndexRow] {
+        &self.below
+    }
+
+    /// For each block, the box round all of its boxes.
+    pub fn unions(&self) -> &[Aabb] {
+        &self.unions
+    }
+
+    /// How many of the blocks are leaves.
+    pub fn leaf_count(&self) -> usize {
+        self.leaves
+    }
+
+    /// The number of the root.
+    pub fn root(&self) -> usize {
+        self.blocks.len().saturating_sub(1)
+    }
+
+    /// The box round all parts.
+    pub fn aabb(&self) -> Aabb {
+        self.unions.last().copied().unwrap_or(Aabb::EMPTY)
+    }
+
+    /// Appends a block of at most sixteen boxes, each with what it stands for; the last entries
+    /// appended as a leaf must come before the first that is none. The block's number.
+    pub(super) fn push(&mut self, entries: impl Iterator<Item = (Aabb, u32)>) -> u32 {
+        let (mut block, mut below) = (Sixteen::EMPTY, IndexRow::default());
+        for (lane, (aabb, number)) in entries.take(WIDTH).enumerate() {
+            block.set(lane, &aabb);
+            below.0[lane] = number;
+        }
+        self.blocks.push(block);
+        self.below.push(below);
+        self.unions.push(block.union());
+        (self.blocks.len() - 1) as u32
+    }
+
+    /// Whatever was appended so far are the leaves.
+    pub(super) fn end_of_leaves(&mut self) {
+        self.leaves = self.blocks.len();
+    }
+
+    /// Whether every part stands in one leaf with its box, and every box of another block is that
+    /// round the block that it stands for, each but the root once. O(n).
+    pub fn validate(&self, boxes: &[Aabb]) -> bool {
+        let mut parts = vec![0u32; boxes.len()];
+        let mut blocks = vec![0u32; self.blocks.len()];
+        for (number, (block, below)) in self.blocks.iter().zip(&self.below).enumerate() {
+            for lane in 0..WIDTH {
+                let (aabb, child) = (block.get(lane), below.0[lane] as usize);
+                if aabb == Aabb::EMPTY {
+                    continue;
+                }
+                let (seen, expected) = if number < self.leaves {
+                    (parts.get_mut(child), boxes.get(child))
+                } else if child < number {
+                    (blocks.get_mut(child), self.unions.get(child))
+                } else {
+                    return false;
+                };
+                match (seen, expected) {
+                    (Some(seen), Some(expected)) if aabb == *expected => *seen += 1,
+                    _ => return false,
+                }
+            }
+        }
+        let root = blocks.pop();
+        root == Some(0) && parts.iter().chain(&blocks).all(|&seen| seen == 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn boxes(count: usize) -> Vec<Aabb> {
+        let at = |k: usize| {
+            let t = k as f32;
+            let centre = Vec3::new((t * 0.37).sin() * t, (t * 0.73).cos() * t, t % 17.0) * 0.1;
+            let half = Vec3::new(0.1 + t % 3.0, 0.1, 0.3);
+            Aabb { min: centre - half, max: centre + half }
+        };
+        (0..count).map(at).collect()
+    }
+
+    #[test]
+    fn the_tree_is_valid_at_every_size() {
+        for count in [1, 2, 15, 16, 17, 255, 256, 257, 300, 4097, 5000] {
+            let boxes = boxes(count);
+            let tree = PartTree::over(&boxes);
+            assert!(tree.validate(&boxes), "{count}");
+            let all = boxes.iter().fold(Aabb::EMPTY, |all, b| all.union(b));
+            assert_eq!(tree.aabb(), all);
+        }
+    }
+
+    #[test]
+    fn parts_at_one_place_make_a_tree_too() {
+        let boxes = vec![Aabb { min: Vec3::ONE, max: Vec3::ONE }; 1000];
+        assert!(PartTree::over(&boxes).validate(&boxes));
+    }
+
+    #[test]
+    fn leaves_are_full_but_for_the_last_of_each_cut() {
+        let tree = PartTree::over(&boxes(2180));
+        assert_eq!(tree.leaf_count(), 2180usize.div_ceil(WIDTH));
+    }
+
+    #[test]
+    fn a_wrong_tree_is_not_valid() {
+        let boxes = boxes(300);
+        let mut tree = PartTree::over(&boxes);
+        assert!(!tree.validate(&boxes[..299]));
+        tree.blocks[0].max[1].0[3] += 1.0;
+        assert!(!tree.validate(&boxes));
+    }
+}

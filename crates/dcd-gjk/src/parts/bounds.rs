@@ -1,0 +1,44 @@
+//! Every tolerance of the search over parts. All are rounding bounds, derived in docs/numerics.md,
+//! "parts".
+
+/// Unit roundoff of f32.
+pub(super) const U: f64 = f32::EPSILON as f64 / 2.0;
+
+/// Unit roundoff of f64.
+pub(super) const U64: f64 = f64::EPSILON / 2.0;
+
+/// How far a face of a turned box may be from where it is computed. Unit: u·m, u of f32. Middle and
+/// half edges lose 4, the rounded matrix 1, three products and sums 4, the offset 2, the last sums
+/// 1; and what f64 loses. Smaller: parts that are missed. Larger: more pairs to compare.
+pub(super) const BOX: f64 = 16.0;
+
+/// How much a computed separation of two triangles may be above the true one. Unit: u·l·|d|₁, u of
+/// f32, l the size of the two leaves. The first corners lose 1, the second 6, two dot products
+/// 3 each of their own; 3 for the evaluation of the bound. Smaller: false "apart".
+pub(super) const SEPARATION: f64 = 12.1;
+
+/// What the two leaves' offset loses in f64. Unit: 2⁻⁵³·m. A relative pose 6 and 4, the turned
+/// centre 3, two sums 2: 15. Smaller: false "apart".
+pub(super) const OFFSET: f64 = 16.0;
+
+/// How much a swept radius is enlarged in f32: 3u for |d|, 2u for the product and the sum, 1u for
+/// the rounding of the radius, doubled. Unit: 1, relative.
+pub(super) const SWEPT: f64 = 12.0 * U;
+
+/// A direction whose components are all below this may lose its squares to underflow. Unit: square
+/// metres (it is a product of two edges). Larger: pairs left to f64. Smaller: false "apart" for
+/// rounded meshes.
+pub(super) const SHORTEST: f64 = 1e-15;
+
+/// Sizes of a pair between which no formula on f32 over- or underflows. Unit: metres. Outside, all
+/// pairs of parts are asked in turn.
+pub(super) const SIZE: [f64; 2] = [1e-7, 1e9];
+
+/// How much a determinant of three differences of corners may be off. Unit: 2⁻⁵³·m·e², e the
+/// largest component of a difference. 18.2 times the 12.1 that a difference loses, and 37·2 for
+/// the determinant's own arithmetic: 294.3. Smaller: false "touching".
+pub(super) const PIERCING: f64 = 300.0;
+
+/// How large e must be beside what a difference loses, so that products of two errors do not count.
+/// Unit: 2⁻⁵³·m: a thousand times 12.1.
+pub(super) const SMALLEST_EXTENT: f64 = 12_100.0;

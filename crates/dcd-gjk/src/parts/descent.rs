@@ -1,0 +1,189 @@
+//! Both trees at once, sixteen boxes against one at a time.
+
+use super::between::Between;
+use super::side::Side;
+use super::triangles::{Leaves, not_apart};
+use super::{Next, Scratch, Tally, pair};
+use dcd_geom::lanes::{Block, Kernel, Lanes};
+use dcd_geom::{Mesh, Sixteen};
+
+/// What is asked for.
+pub(super) enum Goal<'a> {
+    /// Whether any parts touch.
+    Any,
+    /// Which.
+    All(&'a mut Vec<[u32; 2]>),
+}
+
+/// The search of two placed shapes, the first with a tree.
+pub(super) struct Descent<'a, 'g> {
+    pub(super) a: &'a Side<'a>,
+    pub(super) b: &'a Side<'a>,
+    pub(super) between: &'a Between,
+    pub(super) scratch: &'a mut Scratch,
+    pub(super) tally: Tally<'g>,
+}
+
+impl<'g> Kernel for Descent<'_, 'g> {
+    type Output = Tally<'g>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, l: L) -> Tally<'g> {
+        self.scratch.begin(self.b);
+        self.scratch.stack.push([self.a.root(), self.b.root()]);
+        while let Some(blocks) = self.scratch.stack.pop() {
+            if self.compare(l, blocks) == Next::Stop {
+                break;
+            }
+        }
+        self.tally
+    }
+}
+
+impl Scratch {
+    /// Makes room for a search against this shape.
+    pub(super) fn begin(&mut self, b: &Side<'_>) {
+        let blocks = b.tree().map_or(1, |tree| tree.blocks().len());
+        let leaves = b.mesh().map_or(0, |mesh| mesh.leaves().len());
+        self.stack.clear();
+        self.placed.clear();
+        self.placed.resize(blocks, false);
+        self.turned.clear();
+        self.turned.resize(leaves, false);
+        // What is not placed or turned is not read.
+        if self.blocks.len() < blocks {
+            self.blocks.resize(blocks, Sixteen::EMPTY);
+        }
+        if self.corners.len() < leaves {
+            self.corners.resize(leaves, [Block::default(); 3]);
+        }
+    }
+
+    /// Brings a block of the second tree into the first frame, once.
+    #[inline(always)]
+    pub(super) fn place<L: Lanes>(&mut self, l: L, between: &Between, b: &Side<'_>, block: u32) {
+        let block = block as usize;
+        if std::mem::replace(&mut self.placed[block], true) {
+            return;
+        }
+        let placed = &mut self.blocks[block];
+        match b.tree() {
+            Some(tree) => between.place(l, &tree.blocks()[block], placed),
+            None => *placed = between.place_one(b),
+        }
+    }
+}
+
+impl Descent<'_, '_> {
+    /// A block of each: pairs of what is below them, or, where both are leaves, pairs of parts.
+    #[inline(always)]
+    fn compare<L: Lanes>(&mut self, l: L, [block_a, block_b]: [u32; 2]) -> Next {
+        self.scratch.place(l, self.between, self.b, block_b);
+        let Some(tree) = self.a.tree() else { return Next::Stop };
+        let boxes = &tree.blocks()[block_a as usize];
+        let around = &tree.unions()[block_a as usize];
+        let (below_a, below_b) = (self.a.below(block_a), self.b.below(block_b));
+        let (leaf_a, leaf_b) = (self.a.is_leaf(block_a), self.b.is_leaf(block_b));
+        let mut met = 0;
+        let mut leaves = None;
+        let mut reaching = self.scratch.blocks[block_b as usize].overlaps(l, around);
+        while reaching != 0 {
+            let lane = reaching.trailing_zeros() as usize;
+            reaching &= reaching - 1;
+            let one = self.scratch.blocks[block_b as usize].get(lane);
+            let hits = boxes.overlaps(l, &one);
+            let child_b = below_b.0[lane];
+            match (leaf_a, leaf_b) {
+                (true, true) => {
+                    let at = Meeting { blocks: [block_a, block_b], lane, hits };
+                    if self.parts(l, at, &mut leaves) == Next::Stop {
+                        return Next::Stop;
+                    }
+                }
+                (true, false) if hits != 0 => self.scratch.stack.push([block_a, child_b]),
+                (true, false) => {}
+                (false, true) => met |= hits,
+                (false, false) => {
+                    for child in Bits(hits) {
+                        self.scratch.stack.push([below_a.0[child], child_b]);
+                    }
+                }
+            }
+        }
+        for child in Bits(met) {
+            self.scratch.stack.push([below_a.0[child], block_b]);
+        }
+        Next::Go
+    }
+
+    /// One part of the second leaf against those of the first whose boxes it meets.
+    #[inline(always)]
+    fn parts<L: Lanes>(&mut self, l: L, at: Meeting, leaves: &mut Option<Leaves>) -> Next {
+        let Meeting { blocks: [block_a, block_b], lane, hits } = at;
+        if hits == 0 {
+            return Next::Go;
+        }
+        let part_b = self.b.below(block_b).0[lane];
+        let below = self.a.below(block_a);
+        if let (Some(mesh_a), Some(mesh_b)) = (self.a.mesh(), self.b.mesh()) {
+            let leaf_a = &mesh_a.leaves()[block_a as usize];
+            let radius = mesh_a.swept_radius() + mesh_b.swept_radius();
+            let leaf_b = &mesh_b.leaves()[block_b as usize];
+            let leaves =
+                leaves.get_or_insert_with(|| Leaves::of(self.between, leaf_a, leaf_b, radius));
+            self.turn(l, mesh_b, block_b);
+            let corners = [&leaf_a.corners, &self.scratch.corners[block_b as usize]];
+            for lane in Bits(not_apart(l, leaves, corners, (lane, hits))) {
+                let pair = [below.0[lane], part_b];
+                let settled = pair::settle_triangles(self.between, [self.a, self.b], pair);
+                if self.tally.file(pair, settled) == Next::Stop {
+                    return Next::Stop;
+                }
+            }
+            return Next::Go;
+        }
+        for lane in Bits(hits) {
+            let pair = [below.0[lane], part_b];
+            if self.tally.file(pair, pair::settle([self.a, self.b], pair)) == Next::Stop {
+                return Next::Stop;
+            }
+        }
+        Next::Go
+    }
+
+    /// Turns the triangles of a leaf of the second mesh into the first axes, once.
+    #[inline(always)]
+    fn turn<L: Lanes>(&mut self, l: L, mesh: &Mesh, leaf: u32) {
+        let leaf = leaf as usize;
+        if std::mem::replace(&mut self.scratch.turned[leaf], true) {
+            return;
+        }
+        for corner in 0..3 {
+            let from = &mesh.leaves()[leaf].corners[corner];
+            self.between.turn(l, from, &mut self.scratch.corners[leaf][corner]);
+        }
+    }
+}
+
+/// A lane of the second leaf, and the lanes of the first that it meets.
+struct Meeting {
+    blocks: [u32; 2],
+    lane: usize,
+    hits: u32,
+}
+
+/// The numbers of the bits that are set.
+struct Bits(u32);
+
+impl Iterator for Bits {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let lane = self.0.trailing_zeros();
+        (self.0 != 0).then(|| {
+            self.0 &= self.0 - 1;
+            lane as usize
+        })
+    }
+}

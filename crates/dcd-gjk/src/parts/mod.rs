@@ -1,0 +1,181 @@
+//! Compounds and triangle meshes against anything: both trees are walked at once, and pairs of
+//! parts are settled until one touches, or all of them if asked.
+//!
+//! Boxes and triangles are compared in f32 in the frame of the shape with more parts, with bounds
+//! for all rounding (docs/numerics.md, "parts"); what that leaves open is settled in f64 and, where
+//! both parts are polytopes, in exact integers. So answers are those of asking every pair of parts.
+
+mod between;
+mod bounds;
+mod deepest;
+mod descent;
+mod nearest;
+mod pair;
+mod piercing;
+mod side;
+#[cfg(test)]
+mod tests;
+mod triangles;
+
+use crate::{Placed, Reason, Rung, Verdict, order};
+use between::Between;
+use dcd_geom::lanes::{Block, IndexRow, Path, dispatch_on};
+use dcd_geom::{Shape, Sixteen};
+use descent::{Descent, Goal};
+use nearest::Open;
+use side::Side;
+use std::collections::BinaryHeap;
+
+pub(crate) use deepest::deepest;
+pub use nearest::distance;
+
+/// What is reused from pair to pair.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    /// The second tree's blocks in the first shape's frame, as far as they were asked for.
+    blocks: Vec<Sixteen>,
+    /// Which of them are.
+    placed: Vec<bool>,
+    /// The second mesh's triangles turned into the first shape's axes, likewise.
+    corners: Vec<[Block; 3]>,
+    turned: Vec<bool>,
+    /// Pairs of blocks still to be compared.
+    stack: Vec<[u32; 2]>,
+    /// What is still to be looked at for a distance.
+    open: BinaryHeap<Open>,
+}
+
+/// Whether two shapes touch, at least one of them a compound or a mesh, and the highest rung that
+/// was needed. Stops at the first touching pair of parts.
+///
+/// Never undecided where all parts are polytopes; else undecided if no pair touches and one is not
+/// known. The same for (a, b) and (b, a).
+pub fn overlap(a: Placed<'_>, b: Placed<'_>, scratch: &mut Scratch) -> (Verdict<()>, Rung) {
+    search(Path::best(), [a, b], scratch, Goal::Any)
+}
+
+/// The same on that path, or the portable one where this CPU does not have it; for tests and
+/// measurements.
+pub fn overlap_on(
+    path: Path,
+    [a, b]: [Placed<'_>; 2],
+    scratch: &mut Scratch,
+) -> (Verdict<()>, Rung) {
+    search(path, [a, b], scratch, Goal::Any)
+}
+
+/// Appends every touching pair of parts in ascending order: a part of `a` and one of `b`, by index;
+/// a convex shape is its own part 0. The verdict is that of [`overlap`], but undecided if any pair
+/// of parts is, since the list then may lack it.
+pub fn touching(
+    a: Placed<'_>,
+    b: Placed<'_>,
+    scratch: &mut Scratch,
+    pairs: &mut Vec<[u32; 2]>,
+) -> (Verdict<()>, Rung) {
+    let first = pairs.len();
+    let found = search(Path::best(), [a, b], scratch, Goal::All(pairs));
+    pairs[first..].sort_unstable();
+    found
+}
+
+/// Whether either is made of parts.
+pub(crate) fn are_asked(a: &Shape, b: &Shape) -> bool {
+    !(a.is_convex() && b.is_convex())
+}
+
+fn search(
+    path: Path,
+    [a, b]: [Placed<'_>; 2],
+    scratch: &mut Scratch,
+    goal: Goal<'_>,
+) -> (Verdict<()>, Rung) {
+    let ([first, second], swapped) = in_order(a, b);
+    let tally = Tally { goal, swapped, touching: false, undecided: None, rung: Rung::Portal };
+    let tally = match Between::of(&first, &second) {
+        Some(between) => {
+            let (a, b) = (&first, &second);
+            dispatch_on(path, Descent { a, b, between: &between, scratch, tally })
+        }
+        None => each(&first, &second, tally),
+    };
+    tally.answer()
+}
+
+/// The two as their parts, and whether they were exchanged: the one with more parts comes first,
+/// for the other's boxes are those that are turned; else an order by content.
+fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> ([Side<'a>; 2], bool) {
+    let (side_a, side_b) = (Side::of(a), Side::of(b));
+    let by_count = side_b.count().cmp(&side_a.count());
+    let swapped = by_count.then_with(|| order::placed(a, b)).is_gt();
+    (if swapped { [side_b, side_a] } else { [side_a, side_b] }, swapped)
+}
+
+/// Every part of one against every part of the other: where lengths leave the range of f32.
+fn each<'a>(a: &Side<'_>, b: &Side<'_>, mut tally: Tally<'a>) -> Tally<'a> {
+    for part_a in 0..a.count() {
+        for part_b in 0..b.count() {
+            if tally.file([part_a, part_b], pair::settle([a, b], [part_a, part_b])) == Next::Stop {
+                return tally;
+            }
+        }
+    }
+    tally
+}
+
+/// What is known so far.
+struct Tally<'a> {
+    goal: Goal<'a>,
+    /// Whether the caller's first shape is our second.
+    swapped: bool,
+    touching: bool,
+    undecided: Option<Reason>,
+    rung: Rung,
+}
+
+/// Whether anything more is to be asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Next {
+    Go,
+    Stop,
+}
+
+impl Tally<'_> {
+    /// Takes in the verdict on a pair of parts.
+    fn file(&mut self, [a, b]: [u32; 2], (verdict, rung): (Verdict<()>, Rung)) -> Next {
+        self.rung = self.rung.max(rung);
+        match verdict {
+            Verdict::Apart => Next::Go,
+            Verdict::Undecided(reason) => {
+                self.undecided = self.undecided.or(Some(reason));
+                Next::Go
+            }
+            Verdict::Touching(()) => {
+                self.touching = true;
+                match &mut self.goal {
+                    Goal::Any => Next::Stop,
+                    Goal::All(pairs) => {
+                        pairs.push(if self.swapped { [b, a] } else { [a, b] });
+                        Next::Go
+                    }
+                }
+            }
+        }
+    }
+
+    fn answer(self) -> (Verdict<()>, Rung) {
+        let known = match self.goal {
+            Goal::Any => self.touching,
+            Goal::All(_) => false,
+        };
+        let verdict = match self.undecided {
+            Some(reason) if !known => Verdict::Undecided(reason),
+            _ if self.touching => Verdict::Touching(()),
+            _ => Verdict::Apart,
+        };
+        (verdict, self.rung)
+    }
+}
+
+/// Of a convex shape: itself, its own part 0.
+const ITSELF: IndexRow = IndexRow([0; dcd_geom::lanes::WIDTH]);

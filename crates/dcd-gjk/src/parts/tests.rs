@@ -1,0 +1,384 @@
+//! The search against asking every pair of parts exactly.
+
+use super::{Scratch, overlap, overlap_on, touching};
+use crate::distance::DistanceResult;
+use crate::{Body, Placed, Reason, Rung, Verdict, certified};
+use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::lanes::Path;
+use dcd_geom::{Mesh, Polytope, Pose, Shape, Support, SupportMap};
+use std::sync::Arc;
+
+/// Numbers in [0, 1) from a seed.
+struct Draw(u64);
+
+impl Draw {
+    fn number(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn point(&mut self, half: f64) -> DVec3 {
+        DVec3::from_array([(); 3].map(|()| (2.0 * self.number() - 1.0) * half))
+    }
+
+    fn pose(&mut self, half: f64) -> Pose {
+        let [x, y, z] = self.point(1.0).to_array();
+        let turn = DQuat::from_xyzw(x, y, z, self.number() + 0.1).normalize();
+        Pose::new(turn, self.point(half)).unwrap()
+    }
+
+    /// Triangles strewn in a cube, some of them segments or points.
+    fn mesh(&mut self, triangles: usize, scale: f64) -> Shape {
+        let mut vertices = Vec::new();
+        for k in 0..triangles {
+            let at = self.point(scale);
+            let [b, c] = [(); 2].map(|()| at + self.point(0.7 * scale));
+            let b = if k % 7 == 3 { at } else { b };
+            vertices.extend([at, b, if k % 11 == 3 { b } else { c }]);
+        }
+        let corners = |k: u32| [3 * k, 3 * k + 1, 3 * k + 2];
+        Shape::mesh(vertices, (0..triangles as u32).map(corners).collect()).unwrap()
+    }
+
+    fn hull(&mut self, scale: f64) -> Shape {
+        let at = self.point(scale);
+        Shape::hull((0..12).map(|_| at + self.point(0.3 * scale)).collect()).unwrap()
+    }
+
+    fn compound(&mut self, parts: usize, scale: f64) -> Shape {
+        let part = |k: usize, draw: &mut Self| match k % 3 {
+            0 => (Shape::cuboid(DVec3::splat(0.2 * scale)).unwrap(), draw.pose(scale)),
+            1 => (Shape::sphere(0.3 * scale).unwrap(), draw.pose(scale)),
+            _ => (draw.hull(scale), Pose::IDENTITY),
+        };
+        Shape::compound((0..parts).map(|k| part(k, self)).collect()).unwrap()
+    }
+}
+
+/// The parts as polytopes in the frame of their shape.
+fn polytopes(shape: &Shape) -> Vec<Polytope> {
+    match shape {
+        Shape::Polytope(polytope) => vec![polytope.clone()],
+        Shape::Compound(compound) => {
+            compound.parts().iter().map(|p| p.placed().as_polytope().unwrap().clone()).collect()
+        }
+        Shape::Mesh(mesh) => (0..mesh.triangles().len())
+            .map(|k| {
+                let hull = Polytope::hull(mesh.corners(k).unwrap().to_vec()).unwrap();
+                hull.rounded(mesh.swept_radius()).unwrap()
+            })
+            .collect(),
+        other => panic!("{other:?} is no union of polytopes"),
+    }
+}
+
+/// Every pair of parts, asked of the exact rung alone.
+fn brute_force(a: Placed<'_>, b: Placed<'_>) -> Vec<[u32; 2]> {
+    let (parts_a, parts_b) = (polytopes(a.shape), polytopes(b.shape));
+    let mut pairs = Vec::new();
+    for (i, in_a) in (0u32..).zip(&parts_a) {
+        for (j, in_b) in (0u32..).zip(&parts_b) {
+            let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+            if certified::overlap_exactly(a, b) {
+                pairs.push([i, j]);
+            }
+        }
+    }
+    pairs
+}
+
+/// Compares all that the search can be asked with brute force; how many pairs of parts touch.
+fn check(a: Placed<'_>, b: Placed<'_>, scratch: &mut Scratch, what: &str) -> usize {
+    let expected = brute_force(a, b);
+    let touches = !expected.is_empty();
+    let verdict = if touches { Verdict::Touching(()) } else { Verdict::Apart };
+    let there = overlap(a, b, scratch);
+    assert_eq!(there.0, verdict, "{what}");
+    assert_eq!(overlap(b, a, scratch), there, "{what}: the other order");
+    for path in Path::ALL {
+        assert_eq!(overlap_on(path, [a, b], scratch).0, verdict, "{what}: {path:?}");
+    }
+    let mut pairs = vec![[7, 7]];
+    assert_eq!(touching(a, b, scratch, &mut pairs).0, verdict, "{what}");
+    assert_eq!(pairs[1..], expected, "{what}");
+    let mut mirrored = Vec::new();
+    let _ = touching(b, a, scratch, &mut mirrored);
+    let mut back: Vec<_> = mirrored.iter().map(|&[b, a]| [a, b]).collect();
+    back.sort_unstable();
+    assert_eq!(back, expected, "{what}: the other order");
+    expected.len()
+}
+
+fn check_seeds(
+    seeds: u64,
+    shapes: impl Fn(&mut Draw) -> [Shape; 2],
+    half: impl Fn(u64) -> (f64, f64),
+) -> (usize, usize) {
+    let mut scratch = Scratch::default();
+    let (mut touching, mut pairs) = (0, 0);
+    for seed in 0..seeds {
+        let mut draw = Draw(seed);
+        let [a, b] = shapes(&mut draw);
+        let (spread, offset) = half(seed);
+        let shift =
+            |pose: Pose| Pose::from_matrix(*pose.rotation(), pose.translation() + offset).unwrap();
+        let (pose_a, pose_b) = (shift(draw.pose(spread)), shift(draw.pose(spread)));
+        let a = Placed { shape: &a, pose: &pose_a };
+        let b = Placed { shape: &b, pose: &pose_b };
+        let found = check(a, b, &mut scratch, &format!("seed {seed}"));
+        touching += usize::from(found > 0);
+        pairs += found;
+    }
+    (touching, pairs)
+}
+
+#[test]
+fn two_meshes_touch_where_a_pair_of_triangles_does() {
+    let meshes = |draw: &mut Draw| {
+        [(); 2].map(|()| {
+            let count = 1 + (draw.number() * draw.number() * 60.0) as usize;
+            draw.mesh(count, 1.0)
+        })
+    };
+    let (touching, pairs) = check_seeds(120, meshes, |_| (1.4, 0.0));
+    assert!((20..110).contains(&touching) && pairs > 50, "{touching}, {pairs}");
+}
+
+#[test]
+fn a_mesh_of_one_triangle_is_a_triangle() {
+    let single = |draw: &mut Draw| [draw.mesh(1, 1.0), draw.mesh(1, 1.0)];
+    let (touching, _) = check_seeds(2000, single, |_| (0.3, 0.0));
+    assert!(touching > 20, "{touching}");
+}
+
+#[test]
+fn a_compound_touches_where_a_pair_of_parts_does() {
+    let compounds = |draw: &mut Draw| [draw.compound(20, 1.0), draw.compound(9, 1.0)];
+    let (touching, pairs) = check_seeds(60, compounds, |_| (1.7, 0.0));
+    assert!((5..60).contains(&touching) && pairs > 50, "{touching}, {pairs}");
+}
+
+#[test]
+fn a_mesh_meets_compounds_and_convex_shapes() {
+    let mixed = |draw: &mut Draw| [draw.mesh(60, 1.0), draw.compound(7, 1.0)];
+    let (touching, _) = check_seeds(50, mixed, |_| (1.7, 0.0));
+    assert!((5..50).contains(&touching), "{touching}");
+    let hull = |draw: &mut Draw| [draw.hull(1.0), draw.mesh(60, 1.0)];
+    let (touching, _) = check_seeds(150, hull, |_| (1.5, 0.0));
+    assert!((20..140).contains(&touching), "{touching}");
+    let ball = |draw: &mut Draw| [Shape::sphere(0.2).unwrap(), draw.compound(30, 1.0)];
+    let (touching, _) = check_seeds(150, ball, |_| (1.0, 0.0));
+    assert!((20..140).contains(&touching), "{touching}");
+}
+
+#[test]
+fn answers_are_exact_a_million_metres_from_the_origin() {
+    let meshes = |draw: &mut Draw| [draw.mesh(40, 1.0), draw.mesh(40, 1.0)];
+    let (touching, _) = check_seeds(60, meshes, |_| (1.2, 1e6));
+    assert!((10..60).contains(&touching), "{touching}");
+}
+
+#[test]
+fn scale_does_not_matter_inside_and_outside_of_the_range_of_f32() {
+    for scale in [1e-300, 1e-42, 1e-9, 1e-6, 1e-3, 1e3, 1e8, 1e12, 1e40, 1e150] {
+        let meshes = |draw: &mut Draw| [draw.mesh(20, scale), draw.mesh(20, scale)];
+        let (touching, _) = check_seeds(20, meshes, |_| (1.2 * scale, 0.0));
+        assert!((2..20).contains(&touching), "{scale}: {touching}");
+    }
+}
+
+#[test]
+fn a_rounded_mesh_sweeps_a_ball_round_every_triangle() {
+    let rounded = |draw: &mut Draw| {
+        let shapes = [draw.mesh(25, 1.0), draw.mesh(25, 1.0)];
+        shapes.map(|shape| shape.rounded(0.1 * draw.number()).unwrap())
+    };
+    let (touching, _) = check_seeds(60, rounded, |_| (2.0, 0.0));
+    assert!((5..60).contains(&touching), "{touching}");
+}
+
+/// A grid of squares in the plane z = 0, each of two triangles.
+fn floor(cells: u32) -> Shape {
+    let vertices = (0..=cells).flat_map(|x| (0..=cells).map(move |y| [x, y]));
+    let vertices = vertices.map(|[x, y]| DVec3::new(x.into(), y.into(), 0.0)).collect();
+    let at = |x: u32, y: u32| x * (cells + 1) + y;
+    let cell = |k: u32| (k / cells, k % cells);
+    let two = |(x, y): (u32, u32)| {
+        [[at(x, y), at(x + 1, y), at(x, y + 1)], [at(x + 1, y + 1), at(x + 1, y), at(x, y + 1)]]
+    };
+    Shape::mesh(vertices, (0..cells * cells).map(cell).flat_map(two).collect()).unwrap()
+}
+
+#[test]
+fn resting_is_a_contact_and_the_next_float_above_is_none() {
+    let (ground, cube) = (floor(6), Shape::cuboid(DVec3::splat(0.5)).unwrap());
+    let mut scratch = Scratch::default();
+    let ground = Placed { shape: &ground, pose: &Pose::IDENTITY };
+    for (z, contacts) in [(0.5, 18), (0.5f64.next_up(), 0), (0.5f64.next_down(), 18)] {
+        let pose = Pose::from_translation(DVec3::new(2.5, 3.5, z)).unwrap();
+        let cube = Placed { shape: &cube, pose: &pose };
+        // The cell below, two triangles of it, and whatever has a corner or an edge with it.
+        let found = check(ground, cube, &mut scratch, &format!("z = {z}"));
+        assert_eq!(found > 0, contacts > 0, "{found}");
+    }
+    let other = floor(2);
+    for (z, touches) in [(0.0, true), (f64::from_bits(1), false)] {
+        let pose = Pose::from_translation(DVec3::new(1.0, 1.0, z)).unwrap();
+        let found = check(ground, Placed { shape: &other, pose: &pose }, &mut scratch, "floors");
+        assert_eq!(found > 0, touches);
+    }
+}
+
+#[test]
+fn poses_that_shear_within_the_tolerance_change_no_answer() {
+    // Matrices as far from rotations as a pose admits: R_Aᵀ is not the inverse of R_A.
+    let mut scratch = Scratch::default();
+    let mut touching = 0;
+    for seed in 0..40 {
+        let mut draw = Draw(seed);
+        let (a, b) = (draw.mesh(30, 1.0), draw.mesh(20, 1.0));
+        let pose = |draw: &mut Draw| {
+            let pose = draw.pose(1.0);
+            let stretched = *pose.rotation() * (1.0 + 4e-7 * (2.0 * draw.number() - 1.0));
+            Pose::from_matrix(stretched, pose.translation()).unwrap()
+        };
+        let (pose_a, pose_b) = (pose(&mut draw), pose(&mut draw));
+        let a = Placed { shape: &a, pose: &pose_a };
+        let b = Placed { shape: &b, pose: &pose_b };
+        touching += usize::from(check(a, b, &mut scratch, &format!("seed {seed}")) > 0);
+    }
+    assert!((3..40).contains(&touching), "{touching}");
+}
+
+#[test]
+fn one_pose_for_both_is_the_same_in_both_orders() {
+    let mut draw = Draw(5);
+    let (a, b) = (draw.mesh(12, 1.0), draw.mesh(12, 1.0));
+    let mut scratch = Scratch::default();
+    let at = |shape| Placed { shape, pose: &Pose::IDENTITY };
+    let _ = check(at(&a), at(&b), &mut scratch, "two meshes");
+    assert!(check(at(&a), at(&a), &mut scratch, "a mesh with itself") >= 12);
+}
+
+/// A ball that owns up to no more than its support map.
+struct Foreign;
+
+impl SupportMap<f64> for Foreign {
+    fn support(&self, _: DVec3) -> Support<f64> {
+        Support { point: DVec3::ZERO, feature: 0 }
+    }
+    fn radius(&self) -> f64 {
+        0.5
+    }
+    fn support_error(&self) -> f64 {
+        1e-9
+    }
+}
+
+#[test]
+fn a_foreign_part_is_undecided_where_f64_cannot_tell_and_no_other_part_touches() {
+    let foreign = Shape::custom(Arc::new(Foreign)).unwrap();
+    let at = |x: f64| Pose::from_translation(DVec3::X * x).unwrap();
+    let (near, far) = (Shape::sphere(0.5).unwrap(), Shape::sphere(0.25).unwrap());
+    let alone = Shape::compound(vec![(foreign.clone(), at(0.0)), (far.clone(), at(9.0))]).unwrap();
+    let mut scratch = Scratch::default();
+    let mut ask = |shape: &Shape, x: f64| {
+        let a = Placed { shape, pose: &Pose::IDENTITY };
+        overlap(a, Placed { shape: &near, pose: &at(x) }, &mut scratch)
+    };
+    assert_eq!(ask(&alone, 1.0).0, Verdict::Undecided(Reason::WithinRounding));
+    assert_eq!(ask(&alone, 0.9).0, Verdict::Touching(()));
+    assert_eq!(ask(&alone, 1.1).0, Verdict::Apart);
+    let beside = Shape::compound(vec![(foreign, at(0.0)), (far, at(0.5))]).unwrap();
+    assert_eq!(ask(&beside, 1.0), (Verdict::Touching(()), Rung::F64));
+}
+
+#[test]
+fn the_distance_is_that_of_the_nearest_parts() {
+    let mut scratch = Scratch::default();
+    let mut apart = 0;
+    for seed in 0..150 {
+        let mut draw = Draw(seed);
+        let scale = [1.0, 1e-9, 1e3][seed as usize % 3];
+        let mut shape = |kind: u64| match kind % 3 {
+            0 => draw.mesh(1 + (seed % 23) as usize, scale),
+            1 => draw.compound(1 + (seed % 11) as usize, scale),
+            _ => draw.hull(scale),
+        };
+        let (a, b) = (shape(seed % 2), shape(seed / 2));
+        let (pose_a, pose_b) = (draw.pose(1.6 * scale), draw.pose(1.6 * scale));
+        let (a, b) = (Placed { shape: &a, pose: &pose_a }, Placed { shape: &b, pose: &pose_b });
+        let mut least = Some(f64::INFINITY);
+        for in_a in &polytopes(a.shape) {
+            for in_b in &polytopes(b.shape) {
+                let (in_a, in_b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+                let found = crate::distance::of_polytopes(in_a, in_b).0;
+                least = match (least, found) {
+                    (Some(least), DistanceResult::Apart(found)) => Some(least.min(found.distance)),
+                    _ => None,
+                };
+            }
+        }
+        let there = super::distance(a, b, &mut scratch).0;
+        match (there, least) {
+            (DistanceResult::Apart(found), Some(least)) => {
+                assert_eq!(found.distance, least, "seed {seed}");
+                let between = (found.point_a - found.point_b).length();
+                assert!((between - least).abs() < 1e-9 * (least + scale), "seed {seed}");
+                apart += 1;
+            }
+            (found, least) => assert_eq!((found, least), (DistanceResult::Touching, None)),
+        }
+        let DistanceResult::Apart(found) = there else { continue };
+        let DistanceResult::Apart(back) = super::distance(b, a, &mut scratch).0 else {
+            panic!("seed {seed}: the other order is not apart");
+        };
+        assert_eq!((found.distance, found.point_a), (back.distance, back.point_b), "seed {seed}");
+    }
+    assert!((50..140).contains(&apart), "{apart}");
+}
+
+#[test]
+fn the_depth_is_that_of_the_deepest_parts() {
+    use crate::{Depths, PairSolver, epa};
+    let mut scratch = epa::Scratch::default();
+    let mut touching = 0;
+    for seed in 0..60 {
+        let mut draw = Draw(seed);
+        let a = draw.compound(1 + (seed % 9) as usize, 1.0);
+        let b = if seed % 2 == 0 { draw.compound(5, 1.0) } else { draw.mesh(9, 1.0) };
+        let (pose_a, pose_b) = (draw.pose(0.8), draw.pose(0.8));
+        let (a, b) = (Placed { shape: &a, pose: &pose_a }, Placed { shape: &b, pose: &pose_b });
+        let mut most = None;
+        for in_a in &polytopes(a.shape) {
+            for in_b in &polytopes(b.shape) {
+                let (in_a, in_b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+                if let Verdict::Touching(found) = epa::depth(in_a, in_b, &mut scratch) {
+                    most = Some(found.depth.max(most.unwrap_or(0.0)));
+                }
+            }
+        }
+        let there = Depths.solve(a, b, &mut scratch);
+        let back = Depths.solve(b, a, &mut scratch);
+        match (there, back, most) {
+            (Verdict::Touching(found), Verdict::Touching(back), Some(most)) => {
+                assert_eq!(found.depth, most, "seed {seed}");
+                assert_eq!((found.depth, found.normal), (back.depth, -back.normal), "seed {seed}");
+                touching += 1;
+            }
+            (found, _, most) => assert!(found == Verdict::Apart && most.is_none(), "seed {seed}"),
+        }
+    }
+    assert!((15..60).contains(&touching), "{touching}");
+}
+
+#[test]
+fn a_solver_of_convex_shapes_says_so() {
+    use crate::{Gjk, PairSolver};
+    let mesh = Shape::from(Mesh::new(vec![DVec3::ZERO], vec![[0; 3]]).unwrap());
+    let placed = Placed { shape: &mesh, pose: &Pose::IDENTITY };
+    let expected = Verdict::Undecided(Reason::NotConvex);
+    assert_eq!(Gjk::<f64>::default().solve(placed, placed, &mut ()), expected);
+    assert_eq!(Gjk::<f32>::default().solve(placed, placed, &mut ()), expected);
+    assert_eq!(certified::overlap_of(placed, placed).0, Verdict::Touching(()));
+}
