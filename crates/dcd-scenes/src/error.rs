@@ -134,6 +134,11 @@ pub enum ReadError {
         /// The second's.
         second: usize,
     },
+    /// The text is no OBJ.
+    Obj {
+        /// What is wrong with it.
+        message: String,
+    },
     /// The text is not JSON of the right kind.
     Json(serde_json::Error),
     /// The file begins with other bytes than its kind does.
@@ -254,6 +259,7 @@ impl fmt::Display for ReadError {
             Self::FramesDiffer { what, first, second } => {
                 write!(f, "the frames differ in {what}: {first} and {second}")
             }
+            Self::Obj { message } => write!(f, "no OBJ: {message}"),
             Self::Json(error) => error.fmt(f),
             Self::Signature { expected, found } => {
                 let [expected, found] = [expected, found].map(|bytes| bytes.escape_ascii());

@@ -28,6 +28,8 @@ mod game_hulls;
 #[cfg(feature = "hull")]
 mod hull;
 mod hull_scene;
+#[cfg(feature = "meshes")]
+mod mesh;
 mod pairs;
 mod pile;
 mod ply;
@@ -49,6 +51,8 @@ pub use game_hulls::{GameHulls, GameSize};
 #[cfg(feature = "hull")]
 pub use hull::{Hull, HullRefusal, convex_hull};
 pub use hull_scene::{load_hull_scene, read_hull_scene, write_hull_scene};
+#[cfg(feature = "meshes")]
+pub use mesh::{load_mesh, load_obj, poses_in, read_obj};
 pub use pairs::{PairError, PairFault, PairInput, read_pair, read_pairs};
 pub use pile::{Pile, PileContact};
 pub use ply::{Frame, load_frame, read_frame};
