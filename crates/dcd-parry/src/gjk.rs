@@ -24,6 +24,9 @@ impl<R: Library> PairSolver for ParryGjk<R> {
     }
 
     fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
+        if !(a.shape.is_convex() && b.shape.is_convex()) {
+            return Verdict::Undecided(Reason::NotConvex);
+        }
         let [pose_a, pose_b] = [a.pose, b.pose].map(R::pose);
         let offset = R::translation(&pose_b) - R::translation(&pose_a);
         if !within_range::<R>([a.shape.reach(), b.shape.reach()], offset) {

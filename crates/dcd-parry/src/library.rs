@@ -1,7 +1,9 @@
 //! What is asked of Parry, written once for both of its builds.
 
 use dcd_exec::{Exec, Par};
-use dcd_geom::{CurvedKind, Kind, Polytope, Pose, Real, Shape, SupportMap, Vector};
+use dcd_geom::{
+    Compound, CurvedKind, Kind, Mesh, Part, Polytope, Pose, Real, Shape, SupportMap, Vector,
+};
 use std::panic::catch_unwind;
 
 /// Which of Parry's queries tells whether two of its shapes touch.
@@ -126,6 +128,22 @@ macro_rules! behind_library {
                 }
             }
 
+            /// Parts that Parry has no shape for leave it without the compound.
+            fn compound_form(compound: &Compound) -> Option<SharedShape> {
+                let part =
+                    |part: &Part| Some((<$real>::pose(&part.pose), <$real>::form(&part.shape)?));
+                let parts = compound.parts().iter().map(part).collect::<Option<Vec<_>>>()?;
+                Some(SharedShape::compound(parts))
+            }
+
+            /// Parry has no rounded mesh.
+            fn mesh_form(mesh: &Mesh) -> Option<SharedShape> {
+                let vertices = mesh.vertices().iter().map(|&v| Vector::from_dvec3(v)).collect();
+                let triangles = mesh.triangles().to_vec();
+                let sharp = mesh.swept_radius() == 0.0;
+                sharp.then(|| SharedShape::trimesh(vertices, triangles).ok()).flatten()
+            }
+
             impl Library for $real {
                 type Pose = ParryPose;
                 type Form = SharedShape;
@@ -185,6 +203,8 @@ macro_rules! behind_library {
                             let normal = half_space.normal().normalize();
                             return Some(SharedShape::halfspace(Vector::from_dvec3(normal)));
                         }
+                        Shape::Compound(compound) => return compound_form(compound),
+                        Shape::Mesh(mesh) => return mesh_form(mesh),
                         _ => return None,
                     };
                     let corner = |k: usize| -> ParryVector {
