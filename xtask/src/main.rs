@@ -26,6 +26,9 @@ enum Task {
     /// Our default pipeline beside Parry's best, in turn in one process: ratios per stage and whole
     #[command(disable_help_flag = true)]
     Compare(PassedOn),
+    /// Triangle meshes in many poses beside Parry's: answers judged, ratios of times
+    #[command(disable_help_flag = true)]
+    Meshes(PassedOn),
     /// What each rung of precision costs, and how often and how far it is wrong
     #[command(disable_help_flag = true)]
     Accuracy(PassedOn),
@@ -61,6 +64,7 @@ fn run(task: Task) -> Result<ExitCode> {
     match task {
         Task::Bench(passed) => measure::run("bench", &passed.arguments),
         Task::Compare(passed) => measure::run("compare", &passed.arguments),
+        Task::Meshes(passed) => measure::run("meshes", &passed.arguments),
         Task::Accuracy(passed) => measure::run("accuracy", &passed.arguments),
         Task::Scale(passed) => measure::run("scale", &passed.arguments),
         Task::Results => results::take_in().map(|()| ExitCode::SUCCESS),
