@@ -96,6 +96,13 @@ impl<K: Fn(u32, u32) -> bool> Kernel for Search<'_, K> {
     fn run<L: Lanes>(mut self, l: L) {
         let leaves = self.tree.leaves();
         let last = leaves.len().min(self.first + LEAVES_PER_TASK);
+        if self.tree.levels().is_empty() {
+            // A single leaf, and no stack to clear.
+            for leaf in self.first..last {
+                self.within(l, leaf);
+            }
+            return;
+        }
         let mut stack = Stack::default();
         for (asking, leaf) in leaves.iter().enumerate().take(last).skip(self.first) {
             let around = leaf.union();
@@ -129,7 +136,7 @@ impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
     #[inline(always)]
     fn within<L: Lanes>(&mut self, l: L, leaf: usize) {
         let boxes = &self.tree.leaves()[leaf];
-        for lane in 0..WIDTH {
+        for lane in 0..self.tree.boxes_in(leaf) {
             // Later lanes only; the empty boxes past the end overlap nothing.
             let later = u32::MAX << (lane + 1);
             let hits = overlaps(l, boxes, &boxes.get(lane)) & later & 0xffff;

@@ -145,7 +145,7 @@ impl WideBvh {
     fn raise_levels(&mut self, exec: Exec) {
         let mut nodes = self.leaves.len();
         let mut height = 0;
-        while nodes > 1 || (nodes == 1 && height == 0) {
+        while nodes > 1 {
             nodes = nodes.div_ceil(WIDTH);
             if self.levels.len() == height {
                 self.levels.push(Vec::new());
@@ -176,7 +176,13 @@ impl WideBvh {
         &self.ids
     }
 
-    /// The nodes above the leaves, level by level; the last level has one node.
+    /// How many boxes a leaf holds.
+    pub fn boxes_in(&self, leaf: usize) -> usize {
+        self.count.saturating_sub(leaf * WIDTH).min(WIDTH)
+    }
+
+    /// The nodes above the leaves, level by level; the last level has one node. None above a
+    /// single leaf.
     pub fn levels(&self) -> &[Vec<Sixteen>] {
         &self.levels
     }
@@ -223,6 +229,10 @@ fn sort_tiles(aabbs: &[Aabb], exec: Exec, order: &mut Vec<u64>) {
         ordered(aabbs[i as u32 as usize].centre()[axis]) << 32 | i & 0xffff_ffff
     };
     order.clear();
+    if aabbs.len() <= WIDTH {
+        // One leaf: there is nothing to keep apart.
+        return order.extend(0..aabbs.len() as u64);
+    }
     order.extend((0..aabbs.len() as u64).map(|i| key(i, 0)));
     exec.sort(order);
 

@@ -139,7 +139,7 @@ impl<'s> Turn<'s> {
     pub(crate) fn nanoseconds(&self, pairs: &[u32]) -> f64 {
         let in_scene = |&&k: &&u32| self.subject.in_scene[k as usize].is_some();
         let count = match self.rung {
-            Rung::Lanes => pairs.iter().filter(in_scene).count(),
+            Rung::Lanes | Rung::Fast => pairs.iter().filter(in_scene).count(),
             _ => pairs.len(),
         };
         self.least.as_secs_f64() * 1e9 / count.max(1) as f64

@@ -5,7 +5,7 @@ use dcd_geom::{Aabb, Pair, Polytope, Shape};
 use dcd_gjk::distance::{self, DistanceResult};
 use dcd_gjk::epa::{self, Scratch};
 use dcd_gjk::{
-    Body, Certified, Findings, Gjk, NarrowPhase, Overlap, PairSolver, Placed, Report, Verdict,
+    Body, Certified, Findings, Gjk, NarrowPhase, Overlap, OverlapUnproved, PairSolver, Placed, Report, Verdict,
 };
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +29,8 @@ pub(crate) enum Rung {
     Balls,
     /// The default: lanes in f32 with certificates, then f64, then exact.
     Lanes,
+    /// The same lanes in f32 without their certificates.
+    Fast,
     /// GJK in f32, one pair at a time.
     F32,
     /// GJK in f64, one pair at a time.
@@ -63,9 +65,10 @@ impl Query {
 }
 
 impl Rung {
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 9] = [
         Self::Boxes,
         Self::Balls,
+        Self::Fast,
         Self::Lanes,
         Self::F32,
         Self::F64,
@@ -78,6 +81,7 @@ impl Rung {
         match self {
             Self::Boxes => "boxes",
             Self::Balls => "balls",
+            Self::Fast => "fast, lanes",
             Self::Lanes => "certified, lanes",
             Self::F32 => "f32",
             Self::F64 => "f64",
@@ -101,8 +105,8 @@ impl Rung {
     pub(crate) fn answering(query: Query) -> Vec<Self> {
         let answers = |rung: &Self| match query {
             Query::YesNo => true,
-            Query::Distance => !matches!(rung, Self::Lanes | Self::F32),
-            Query::Depth => !matches!(rung, Self::Lanes | Self::F32 | Self::F64),
+            Query::Distance => !matches!(rung, Self::Fast | Self::Lanes | Self::F32),
+            Query::Depth => !matches!(rung, Self::Fast | Self::Lanes | Self::F32 | Self::F64),
         };
         Self::ALL.into_iter().filter(answers).collect()
     }
@@ -112,6 +116,7 @@ impl Rung {
 /// single objects alone is made.
 pub(crate) enum Ready<'s> {
     Boxes(Vec<Aabb>),
+    Fast(Box<InLanes<OverlapUnproved>>),
     Lanes(Box<InLanes<Overlap>>),
     ParryF32(Theirs<'s, f32>),
     ParryF64(Theirs<'s, f64>),
@@ -126,6 +131,7 @@ impl<'s> Ready<'s> {
                 let bodies = 0..subject.shapes.len();
                 Self::Boxes(bodies.map(|i| subject.shapes[i].aabb(&subject.poses[i])).collect())
             }
+            Rung::Fast => Self::Fast(Box::new(InLanes::new(OverlapUnproved::default(), subject))),
             Rung::Lanes => Self::Lanes(Box::new(InLanes::new(Overlap::default(), subject))),
             Rung::ParryF32 => Self::ParryF32(Theirs::new(subject)),
             Rung::ParryF64 => Self::ParryF64(Theirs::new(subject)),
@@ -149,6 +155,7 @@ impl<'s> Ready<'s> {
                 let [a, b] = subject.pairs[k as usize].map(|i| &boxes[i as usize]);
                 of_boxes(query, a, b)
             })),
+            Self::Fast(lanes) => lanes.ask(subject, pairs, said),
             Self::Lanes(lanes) => lanes.ask(subject, pairs, said),
             Self::ParryF32(theirs) => theirs.ask(query, subject, pairs, said),
             Self::ParryF64(theirs) => theirs.ask(query, subject, pairs, said),

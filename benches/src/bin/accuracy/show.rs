@@ -192,7 +192,7 @@ fn trade(found: &[Measured]) -> Result<Figure> {
     let times: HashMap<&str, f64> =
         ordinary.rungs.iter().map(|of| (of.rung.name(), of.ns)).collect();
     for of in &hard.rungs {
-        let beyond = if of.rung == Rung::Lanes { 0 } else { of.undecided };
+        let beyond = if matches!(of.rung, Rung::Lanes | Rung::Fast) { 0 } else { of.undecided };
         let broken = (of.wrong_yes + of.wrong_no + beyond) as f64;
         let share = (100.0 * broken / hard.pairs.max(1) as f64).max(NO_SHARE);
         if let Some(&ns) = times.get(of.rung.name()).filter(|&&ns| ns > 0.0) {

@@ -52,7 +52,7 @@ impl Replay {
         let capture = Capture::load(path).map_err(|error| Failure::Input(error.to_string()))?;
         let scene = capture.scene();
         let frames = match self.rung {
-            Rung::Fast => self.on_threads(&capture, EachPair(Gjk::<f32>::default())),
+            Rung::Fast => self.on_threads(&capture, OverlapUnproved::default()),
             Rung::F64 => self.on_threads(&capture, EachPair(Gjk::<f64>::default())),
             Rung::Certified => self.on_threads(&capture, Overlap::default()),
             Rung::ParryF32 => self.on_threads(&capture, ParryShapes::<f32>::new(scene)),

@@ -45,7 +45,7 @@ pub(super) struct Found {
 /// Runs the plan. What a narrow phase derives from the shapes alone is made before the first step.
 pub(super) fn run(scene: &Scene, plan: Plan) -> Result<Found, Failure> {
     match plan.rung {
-        Rung::Fast => ours(scene, EachPair(Gjk::<f32>::default()), plan),
+        Rung::Fast => ours(scene, OverlapUnproved::default(), plan),
         Rung::F64 => ours(scene, EachPair(Gjk::<f64>::default()), plan),
         Rung::Certified => ours(scene, Overlap::default(), plan),
         Rung::ParryF32 => with_parry::<f32>(scene, plan),

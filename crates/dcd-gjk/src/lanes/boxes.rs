@@ -1,6 +1,7 @@
 //! Twin boxes: two objects that each have a box round and a box inside them, on their own axes.
 
 use super::bounds::{PARALLEL, TWIN_BOX, U};
+use super::certificate::Trust;
 use super::frame::Frame;
 use super::lot::{Lot, Number, Vector};
 use super::opening::Settled;
@@ -55,7 +56,7 @@ impl<L: Lanes> Tally<L> {
 /// separates the inner ones (Gottschalk, Lin and Manocha 1996). Also tells which pairs have parallel
 /// edges: those that stay open just touch, and no other stage knows better.
 #[inline(always)]
-pub(super) fn twin_boxes<L: Lanes>(
+pub(super) fn twin_boxes<L: Lanes, T: Trust>(
     l: L,
     frame: &Frame,
     boxes: &mut Boxes,
@@ -84,7 +85,7 @@ pub(super) fn twin_boxes<L: Lanes>(
 
     let size = l.mul_add(lot.number(l, Number::Radius), l.splat(U), lot.number(l, Number::Unit));
     let slack = l.mul(lot.number(l, Number::Slack), l.splat(4.0));
-    let bound = l.mul_add(size, l.splat(TWIN_BOX), slack);
+    let bound = T::rounding(l, l.mul_add(size, l.splat(TWIN_BOX), slack));
     let none = l.mask(0);
     let mut tally = Tally { bound, apart: none, touching: l.mask(u32::MAX) };
     for i in 0..3 {

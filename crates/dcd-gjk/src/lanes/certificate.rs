@@ -6,6 +6,39 @@ use super::lot::{Lot, Number};
 use super::vector::V3;
 use dcd_geom::lanes::Lanes;
 
+/// What a conclusion is worth.
+pub(super) trait Trust: Copy + Sync {
+    /// What stands for a quantity's rounding: the bound itself, or nothing.
+    fn rounding<L: Lanes>(l: L, bound: L::F) -> L::F;
+
+    /// Whether a pair on which nothing is left to gain is handed on rather than called touching.
+    const HANDS_ON: bool;
+}
+
+/// Every rounding is counted: what is concluded is proved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Proved;
+
+impl Trust for Proved {
+    #[inline(always)]
+    fn rounding<L: Lanes>(_: L, bound: L::F) -> L::F {
+        bound
+    }
+    const HANDS_ON: bool = true;
+}
+
+/// f32 is taken at its word, as most libraries do.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trusted;
+
+impl Trust for Trusted {
+    #[inline(always)]
+    fn rounding<L: Lanes>(l: L, _: L::F) -> L::F {
+        l.splat(0.0)
+    }
+    const HANDS_ON: bool = false;
+}
+
 /// Whether a ball of radius t round v holds the origin: v·v < t², t > 0.
 #[inline(always)]
 pub(super) fn ball_holds_origin<L: Lanes>(l: L, squared: L::F, t: L::F) -> L::M {
@@ -15,7 +48,7 @@ pub(super) fn ball_holds_origin<L: Lanes>(l: L, squared: L::F, t: L::F) -> L::M 
 /// Whether the hull of the inner ball and `points` points p_k holds the origin, with
 /// v = c + Σ τ_k·p_k and `taus` = Σ τ_k for any τ_k ≥ 0.
 #[inline(always)]
-pub(super) fn hull_holds_origin<L: Lanes>(
+pub(super) fn hull_holds_origin<L: Lanes, T: Trust>(
     l: L,
     lot: &Lot,
     v: V3<L>,
@@ -26,20 +59,21 @@ pub(super) fn hull_holds_origin<L: Lanes>(
     let rounding =
         l.mul_add(lot.number(l, Number::Unit), l.splat(HULL_OF_BALL[points]), l.add(slack, slack));
     let weight = l.add(l.splat(1.0), taus);
-    let t = l.sub(lot.number(l, Number::Inner), l.mul(rounding, weight));
+    let rounding = T::rounding(l, l.mul(rounding, weight));
+    let t = l.sub(lot.number(l, Number::Inner), rounding);
     ball_holds_origin(l, v.dot(l, v), t)
 }
 
 /// Whether A − B is on the far side of direction d, with w its support along −d: the separation
 /// d·w exceeds what it may be off by, and the swept radii.
 #[inline(always)]
-pub(super) fn separates<L: Lanes>(l: L, lot: &Lot, d: V3<L>, w: V3<L>) -> L::M {
+pub(super) fn separates<L: Lanes, T: Trust>(l: L, lot: &Lot, d: V3<L>, w: V3<L>) -> L::M {
     let unit = lot.number(l, Number::Unit);
     let norm1 = d.norm1(l);
-    let rounding = lot.number(l, Number::Separation);
+    let rounding = T::rounding(l, l.mul(norm1, lot.number(l, Number::Separation)));
     // |d|₂ is off by 3u at most; the radii are rounded up by more than the product loses.
     let length = l.mul(l.sqrt(d.dot(l, d)), l.splat(1.0 + 8.0 * U));
-    let bound = l.mul_add(norm1, rounding, l.mul(lot.number(l, Number::Radius), length));
+    let bound = l.mul_add(lot.number(l, Number::Radius), length, rounding);
     let long_enough = l.lt(l.splat(SHORTEST * U), l.mul(unit, norm1));
     l.and(l.lt(bound, d.dot(l, w)), long_enough)
 }

@@ -23,11 +23,13 @@ pub use frame::{Frame, Part};
 use crate::{Body, Contact, Findings, NarrowPhase, Placed, Report, Rung, Verdict, certified};
 use ahead::Ahead;
 use boxes::Boxes;
+use certificate::{Proved, Trust, Trusted};
 use dcd_geom::glam::Vec3;
 use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{Aabb, Pair, Scene};
 use lot::{AFTER_BALLS, AFTER_CONE, AFTER_SECOND_POINT, Belt, LanesOf, Lot, Whole};
 use opening::{Entry, Place};
+use std::marker::PhantomData;
 use support::Desk;
 
 /// Whether two objects touch, proved: the most reliable rung, and the default.
@@ -47,6 +49,22 @@ impl Overlap {
     /// on every path; for tests and measurements.
     pub fn on(path: Path) -> Self {
         Self { path }
+    }
+}
+
+/// Whether two objects touch, as f32 has it: the same lanes without their certificate.
+///
+/// What it saves over [`Overlap`] is what a proof costs, next to nothing; what it risks is a wrong
+/// answer where the gap or overlap is within rounding, some 1e-5 of the objects' size. A pair on
+/// which f32 can gain no more is called touching. Answers may differ from CPU to CPU.
+#[derive(Clone, Copy, Debug)]
+pub struct OverlapUnproved {
+    path: Path,
+}
+
+impl Default for OverlapUnproved {
+    fn default() -> Self {
+        Self { path: Path::best() }
     }
 }
 
@@ -104,14 +122,55 @@ impl NarrowPhase for Overlap {
         scratch: &mut Scratch,
         findings: &mut Findings<'_, ()>,
     ) {
-        scratch.touching.clear();
-        scratch.touching.resize(pairs.len(), false);
-        scratch.left.clear();
-        dispatch_on(self.path, Decide { frame, pairs, scratch, report: findings.report });
+        Slice { path: self.path, scene, frame, pairs }.judge::<Proved>(scratch, findings);
+    }
+}
+
+impl NarrowPhase for OverlapUnproved {
+    type Answer = ();
+    type Frame = Frame;
+    type Part<'f> = Part<'f>;
+    type Scratch = Scratch;
+
+    fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Frame) -> Part<'f> {
+        frame.lay_out(scene)
+    }
+
+    fn prepare(&self, scene: &Scene, first: usize, part: Part<'_>, aabbs: &mut [Aabb]) {
+        dispatch_on(self.path, prepare::Prepare { scene, first, part, aabbs });
+    }
+
+    fn decide(
+        &self,
+        scene: &Scene,
+        frame: &Frame,
+        pairs: &[Pair],
+        scratch: &mut Scratch,
+        findings: &mut Findings<'_, ()>,
+    ) {
+        Slice { path: self.path, scene, frame, pairs }.judge::<Trusted>(scratch, findings);
+    }
+}
+
+/// Some pairs of a scene.
+struct Slice<'a> {
+    path: Path,
+    scene: &'a Scene,
+    frame: &'a Frame,
+    pairs: &'a [Pair],
+}
+
+impl Slice<'_> {
+    /// Lanes first, then one pair at a time what they leave: without a proof only shapes that have
+    /// no vertices, and sizes that f32 has no room for.
+    fn judge<T: Trust>(&self, scratch: &mut Scratch, findings: &mut Findings<'_, ()>) {
+        let Self { path, scene, frame, pairs } = *self;
+        let report = &mut *findings.report;
+        let trust = PhantomData::<T>;
+        dispatch_on(path, Decide { trust, frame, pairs, scratch, report });
         for left in &scratch.left {
             let number = left.number as usize;
-            let touches = settle(scene, pairs[number], left.axes, findings.report);
-            scratch.touching[number] = touches;
+            scratch.touching[number] = settle(scene, pairs[number], left.axes, findings.report);
         }
         append_contacts(&scratch.touching, pairs, findings.contacts);
     }
@@ -149,20 +208,25 @@ fn settle(scene: &Scene, pair: Pair, axes: [Vec3; 2], report: &mut Report) -> bo
 }
 
 /// Settles what the lanes can of a slice of pairs.
-struct Decide<'a> {
+struct Decide<'a, T> {
+    /// What the answers are worth.
+    trust: PhantomData<T>,
     frame: &'a Frame,
     pairs: &'a [Pair],
     scratch: &'a mut Scratch,
     report: &'a mut Report,
 }
 
-impl Kernel for Decide<'_> {
+impl<T: Trust> Kernel for Decide<'_, T> {
     type Output = ();
 
     /// Every stage hands on what it leaves open, and works whenever a whole lot has come together.
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
         let pairs = self.pairs;
+        self.scratch.touching.clear();
+        self.scratch.touching.resize(pairs.len(), false);
+        self.scratch.left.clear();
         self.scratch.ahead.look(self.frame, pairs.chunks(WIDTH).next().unwrap_or_default());
         self.scratch.ahead.look(self.frame, pairs.chunks(WIDTH).nth(1).unwrap_or_default());
         let mut first = 0;
@@ -194,7 +258,7 @@ impl Kernel for Decide<'_> {
     }
 }
 
-impl Decide<'_> {
+impl<T: Trust> Decide<'_, T> {
     /// Reads sixteen pairs and tries their balls.
     #[inline(always)]
     fn open<L: Lanes>(&mut self, l: L, first: usize) {
@@ -203,7 +267,7 @@ impl Decide<'_> {
         ahead.look(self.frame, &later[..later.len().min(WIDTH)]);
         let pairs = &self.pairs[first..self.pairs.len().min(first + WIDTH)];
         entry.read(self.frame, pairs, first as u32);
-        let balls = entry.balls(l);
+        let balls = entry.balls::<L, T>(l);
         mark(&mut touching[first..], balls.touching);
         self.report.count(Rung::Balls, count(balls.apart | balls.touching));
         for lane in LanesOf(!entry.live & used(pairs.len())) {
@@ -219,15 +283,16 @@ impl Decide<'_> {
     fn twin_boxes<L: Lanes>(&mut self, l: L) {
         let Scratch { touching, left, boxes, lot, boxed, axis, .. } = &mut *self.scratch;
         let taken = boxed.take(l, lot);
-        let (settled, aligned) = boxes::twin_boxes(l, self.frame, boxes, (lot, taken));
+        let (settled, aligned) = boxes::twin_boxes::<L, T>(l, self.frame, boxes, (lot, taken));
         let open = used(taken);
         scatter(touching, lot, settled.touching & open);
         self.report.count(Rung::Boxes, count((settled.apart | settled.touching) & open));
         let open = open & !(settled.apart | settled.touching);
-        for lane in LanesOf(open & aligned) {
+        let handed_on = if T::HANDS_ON { open & aligned } else { 0 };
+        for lane in LanesOf(handed_on) {
             left.push(Left { number: lot.number.0[lane], axes: lot.axes(lane) });
         }
-        axis.push(l, lot, open & !aligned);
+        axis.push(l, lot, open & !handed_on);
     }
 
     /// The axis between the centres, and the cone.
@@ -237,8 +302,8 @@ impl Decide<'_> {
         let taken = axis.take(l, lot);
         let open = used(taken);
         let mut at = Place { frame: self.frame, desk };
-        let apart = opening::centre_axis(l, &mut at, lot, taken) & open;
-        let cone = opening::cone(l, lot) & open & !apart;
+        let apart = opening::centre_axis::<L, T>(l, &mut at, lot, taken) & open;
+        let cone = opening::cone::<L, T>(l, lot) & open & !apart;
         scatter(touching, lot, cone);
         self.report.count(Rung::CentreAxis, count(apart));
         self.report.count(Rung::Cone, count(cone));
@@ -251,7 +316,7 @@ impl Decide<'_> {
         let Scratch { touching, desk, lot, second, portal, .. } = &mut *self.scratch;
         let taken = second.take(l, lot);
         let mut at = Place { frame: self.frame, desk };
-        let cone = portal::second_point(l, &mut at, lot, taken) & used(taken);
+        let cone = portal::second_point::<L, T>(l, &mut at, lot, taken) & used(taken);
         scatter(touching, lot, cone);
         self.report.count(Rung::Cone, count(cone));
         portal.push(l, lot, used(taken) & !cone);
@@ -264,7 +329,11 @@ impl Decide<'_> {
         let taken = portal.take(l, lot);
         let open = used(taken);
         let mut at = Place { frame: self.frame, desk };
-        let (settled, stuck) = portal::round(l, &mut at, lot, taken);
+        let (mut settled, mut stuck) = portal::round::<L, T>(l, &mut at, lot, taken);
+        if !T::HANDS_ON {
+            settled.touching |= stuck;
+            stuck = 0;
+        }
         scatter(touching, lot, settled.touching & open);
         self.report.count(Rung::Portal, count((settled.apart | settled.touching) & open));
         for lane in LanesOf(stuck & open) {

@@ -1,7 +1,7 @@
 //! The first stages of a pair: balls, the axis between the centres, the cone.
 
 use super::bounds::{HULL_OF_BALL, OUTER_BALLS, SEPARATION, SIZE, U};
-use super::certificate::{ball_holds_origin, hull_holds_origin, separates};
+use super::certificate::{Trust, ball_holds_origin, hull_holds_origin, separates};
 use super::frame::Frame;
 use super::lot::{Lot, Number, Vector};
 use super::support::{Desk, supports};
@@ -60,7 +60,7 @@ impl Entry {
     /// Accepts by inner balls and rejects by outer ones. Lanes whose size is out of range are left
     /// out of `live` from here on.
     #[inline(always)]
-    pub(super) fn balls<L: Lanes>(&mut self, l: L) -> Settled {
+    pub(super) fn balls<L: Lanes, T: Trust>(&mut self, l: L) -> Settled {
         let lot = &mut self.lot;
         let c = lot.vector(l, Vector::C);
         let size = l.add(l.load(&self.size), c.norm1(l));
@@ -76,9 +76,10 @@ impl Entry {
         lot.set_number(l, Number::Separation, separation);
         let squared = c.dot(l, c);
         let error = l.mul_add(unit, l.splat(HULL_OF_BALL[0]), l.add(slack, slack));
-        let touching = ball_holds_origin(l, squared, l.sub(lot.number(l, Number::Inner), error));
+        let inner = l.sub(lot.number(l, Number::Inner), T::rounding(l, error));
+        let touching = ball_holds_origin(l, squared, inner);
         let error = l.mul_add(unit, l.splat(OUTER_BALLS), l.add(slack, slack));
-        let outer = l.add(l.load(&self.outer), error);
+        let outer = l.add(l.load(&self.outer), T::rounding(l, error));
         let apart = l.lt(l.mul(outer, outer), squared);
         Settled { apart: l.bits(l.and(live, apart)), touching: l.bits(l.and(live, touching)) }
     }
@@ -86,20 +87,25 @@ impl Entry {
 
 /// Asks for the support towards the origin: rejects if the axis between the centres separates.
 #[inline(always)]
-pub(super) fn centre_axis<L: Lanes>(l: L, at: &mut Place<'_>, lot: &mut Lot, used: usize) -> u32 {
+pub(super) fn centre_axis<L: Lanes, T: Trust>(
+    l: L,
+    at: &mut Place<'_>,
+    lot: &mut Lot,
+    used: usize,
+) -> u32 {
     let c = lot.vector(l, Vector::C);
     let p = at.farthest(l, lot, c.neg(l), used);
     lot.set_vector(l, Vector::P0, p);
-    l.bits(separates(l, lot, c, p))
+    l.bits(separates::<L, T>(l, lot, c, p))
 }
 
 /// Accepts if the hull of the inner ball and that support point holds the origin.
 #[inline(always)]
-pub(super) fn cone<L: Lanes>(l: L, lot: &Lot) -> u32 {
+pub(super) fn cone<L: Lanes, T: Trust>(l: L, lot: &Lot) -> u32 {
     let (c, p) = (lot.vector(l, Vector::C), lot.vector(l, Vector::P0));
     let tau = nearest_multiple(l, c, p);
     let v = c.plus(l, tau, p);
-    l.bits(hull_holds_origin(l, lot, v, tau, 1))
+    l.bits(hull_holds_origin::<L, T>(l, lot, v, tau, 1))
 }
 
 /// The multiple τ ≥ 0 of p that brings c + τ·p nearest to the origin.

@@ -3,7 +3,7 @@
 //! Complex Collision Made Simple", Game Programming Gems 7, 2008).
 
 use super::bounds::{GAIN, PLANE, U};
-use super::certificate::{hull_holds_origin, separates};
+use super::certificate::{Trust, hull_holds_origin, separates};
 use super::lot::{Lot, Number, Vector};
 use super::opening::{Place, Settled, nearest_multiple};
 use super::vector::V3;
@@ -17,7 +17,12 @@ pub(super) const ROUNDS: f32 = 24.0;
 /// points holds the origin; else spans a plane through the centre and both, and looks beyond it on
 /// the origin's side.
 #[inline(always)]
-pub(super) fn second_point<L: Lanes>(l: L, at: &mut Place<'_>, lot: &mut Lot, used: usize) -> u32 {
+pub(super) fn second_point<L: Lanes, T: Trust>(
+    l: L,
+    at: &mut Place<'_>,
+    lot: &mut Lot,
+    used: usize,
+) -> u32 {
     let (c, p) = (lot.vector(l, Vector::C), lot.vector(l, Vector::P0));
     // c + τ·p is at right angles to p: the support against it opens the widest angle.
     let d = c.plus(l, nearest_multiple(l, c, p), p).neg(l);
@@ -30,7 +35,7 @@ pub(super) fn second_point<L: Lanes>(l: L, at: &mut Place<'_>, lot: &mut Lot, us
     let tau_p = l.max(l.div(l.sub(l.mul(cq, pq), l.mul(cp, qq)), determinant), zero);
     let tau_q = l.max(l.div(l.sub(l.mul(cp, pq), l.mul(cq, pp)), determinant), zero);
     let v = c.plus(l, tau_p, p).plus(l, tau_q, q);
-    let touching = hull_holds_origin(l, lot, v, l.add(tau_p, tau_q), 2);
+    let touching = hull_holds_origin::<L, T>(l, lot, v, l.add(tau_p, tau_q), 2);
 
     let edge = p.sub(l, c);
     let normal = edge.cross(l, q.sub(l, c));
@@ -54,7 +59,7 @@ pub(super) fn second_point<L: Lanes>(l: L, at: &mut Place<'_>, lot: &mut Lot, us
 /// One support and what follows from it: apart, touching, a better portal; or `stuck`, where the
 /// support is no farther than the portal itself and only rounding is left to gain.
 #[inline(always)]
-pub(super) fn round<L: Lanes>(
+pub(super) fn round<L: Lanes, T: Trust>(
     l: L,
     at: &mut Place<'_>,
     lot: &mut Lot,
@@ -63,7 +68,7 @@ pub(super) fn round<L: Lanes>(
     let (c, d) = (lot.vector(l, Vector::C), lot.vector(l, Vector::D));
     let p = [lot.vector(l, Vector::P0), lot.vector(l, Vector::P1), lot.vector(l, Vector::P2)];
     let w = at.farthest(l, lot, d, used);
-    let apart = separates(l, lot, d.neg(l), w);
+    let apart = separates::<L, T>(l, lot, d.neg(l), w);
     let had_portal = l.lt(l.splat(0.0), lot.number(l, Number::Found));
     let gain = w.sub(l, p[0]).dot(l, d);
     let rounding = l.mul(l.mul(lot.number(l, Number::Unit), l.splat(GAIN)), d.norm1(l));
@@ -99,7 +104,7 @@ pub(super) fn round<L: Lanes>(
     lot.set_vector(l, Vector::P0, p0);
     lot.set_vector(l, Vector::P1, p1);
     lot.set_vector(l, Vector::P2, p2);
-    let touching = l.and(found, portal_holds_origin(l, lot, c, [p0, p1, p2]));
+    let touching = l.and(found, portal_holds_origin::<L, T>(l, lot, c, [p0, p1, p2]));
     let stuck = l.or(stuck, l.le(l.splat(ROUNDS), round));
     let (apart, touching) = (l.bits(apart), l.bits(touching));
     let settled = Settled { apart: apart & !touching, touching };
@@ -108,7 +113,7 @@ pub(super) fn round<L: Lanes>(
 
 /// Whether c + Σ τ_k·p_k = 0 has a solution with every τ_k ≥ 0, by the ball's certificate.
 #[inline(always)]
-fn portal_holds_origin<L: Lanes>(l: L, lot: &Lot, c: V3<L>, p: [V3<L>; 3]) -> L::M {
+fn portal_holds_origin<L: Lanes, T: Trust>(l: L, lot: &Lot, c: V3<L>, p: [V3<L>; 3]) -> L::M {
     let zero = l.splat(0.0);
     let (m0, m1, m2) = (p[1].cross(l, p[2]), p[2].cross(l, p[0]), p[0].cross(l, p[1]));
     let scale = l.div(l.splat(-1.0), p[0].dot(l, m0));
@@ -116,7 +121,7 @@ fn portal_holds_origin<L: Lanes>(l: L, lot: &Lot, c: V3<L>, p: [V3<L>; 3]) -> L:
     let tau1 = l.max(l.mul(c.dot(l, m1), scale), zero);
     let tau2 = l.max(l.mul(c.dot(l, m2), scale), zero);
     let v = c.plus(l, tau0, p[0]).plus(l, tau1, p[1]).plus(l, tau2, p[2]);
-    hull_holds_origin(l, lot, v, l.add(tau0, l.add(tau1, tau2)), 3)
+    hull_holds_origin::<L, T>(l, lot, v, l.add(tau0, l.add(tau1, tau2)), 3)
 }
 
 /// Whether a plane's normal is too short to be one.

@@ -4,6 +4,7 @@
 
 use super::bounds::{ROTATED, U};
 use super::boxes::{Boxes, twin_boxes};
+use super::certificate::Proved;
 use super::frame::Frame;
 use super::lot::{Lot, Vector};
 use super::opening::{Entry, Place, Settled, centre_axis, cone};
@@ -247,8 +248,9 @@ impl Kernel for BoxStage<'_> {
     fn run<L: Lanes>(self, l: L) -> Self::Output {
         let (mut entry, mut boxes) = (Entry::default(), Boxes::default());
         entry.read(self.frame, self.pairs, 0);
-        entry.balls(l);
-        let (settled, _) = twin_boxes(l, self.frame, &mut boxes, (&entry.lot, self.pairs.len()));
+        entry.balls::<L, Proved>(l);
+        let (settled, _) =
+            twin_boxes::<L, Proved>(l, self.frame, &mut boxes, (&entry.lot, self.pairs.len()));
         (settled, entry.boxed & entry.live)
     }
 }
@@ -323,20 +325,20 @@ impl Kernel for Stages<'_> {
         let (mut entry, mut desk) = (Entry::default(), Desk::default());
         let mut at = Place { frame: self.frame, desk: &mut desk };
         entry.read(self.frame, self.pairs, 0);
-        let balls = entry.balls(l);
+        let balls = entry.balls::<L, Proved>(l);
         let live = entry.live;
         // Every stage is asked about every pair, settled or not: each has its twin.
         let used = self.pairs.len();
-        let axis = centre_axis(l, &mut at, &mut entry.lot, used);
-        let cone = cone(l, &entry.lot) & !axis;
-        let second = portal::second_point(l, &mut at, &mut entry.lot, used);
+        let axis = centre_axis::<L, Proved>(l, &mut at, &mut entry.lot, used);
+        let cone = cone::<L, Proved>(l, &entry.lot) & !axis;
+        let second = portal::second_point::<L, Proved>(l, &mut at, &mut entry.lot, used);
         let mut p = [[Row::default(); 3]; 2];
         entry.lot.vector(l, Vector::P0).store(l, &mut p[0]);
         entry.lot.vector(l, Vector::P1).store(l, &mut p[1]);
         let mut rounds = Settled::default();
         let mut open = live & !(balls.apart | balls.touching | axis | cone | second);
         while open != 0 {
-            let (settled, stuck) = portal::round(l, &mut at, &mut entry.lot, used);
+            let (settled, stuck) = portal::round::<L, Proved>(l, &mut at, &mut entry.lot, used);
             rounds.apart |= settled.apart & open;
             rounds.touching |= settled.touching & open;
             open &= !(settled.apart | settled.touching | stuck);
