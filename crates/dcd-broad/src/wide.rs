@@ -96,7 +96,7 @@ impl<K: Fn(u32, u32) -> bool> Kernel for Search<'_, K> {
     fn run<L: Lanes>(mut self, l: L) {
         let leaves = self.tree.leaves();
         let last = leaves.len().min(self.first + LEAVES_PER_TASK);
-        if self.tree.levels().is_empty() {
+        if leaves.len() <= 1 {
             // A single leaf, and no stack to clear.
             for leaf in self.first..last {
                 self.within(l, leaf);

@@ -145,7 +145,7 @@ impl WideBvh {
     fn raise_levels(&mut self, exec: Exec) {
         let mut nodes = self.leaves.len();
         let mut height = 0;
-        while nodes > 1 {
+        while nodes > 1 || (nodes == 1 && height == 0) {
             nodes = nodes.div_ceil(WIDTH);
             if self.levels.len() == height {
                 self.levels.push(Vec::new());
@@ -181,8 +181,7 @@ impl WideBvh {
         self.count.saturating_sub(leaf * WIDTH).min(WIDTH)
     }
 
-    /// The nodes above the leaves, level by level; the last level has one node. None above a
-    /// single leaf.
+    /// The nodes above the leaves, level by level; the last level has one node.
     pub fn levels(&self) -> &[Vec<Sixteen>] {
         &self.levels
     }

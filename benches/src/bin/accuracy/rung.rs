@@ -5,7 +5,8 @@ use dcd_geom::{Aabb, Pair, Polytope, Shape};
 use dcd_gjk::distance::{self, DistanceResult};
 use dcd_gjk::epa::{self, Scratch};
 use dcd_gjk::{
-    Body, Certified, Findings, Gjk, NarrowPhase, Overlap, OverlapUnproved, PairSolver, Placed, Report, Verdict,
+    Body, Certified, Findings, Gjk, NarrowPhase, Overlap, OverlapUnproved, PairSolver, Placed,
+    Report, Verdict,
 };
 use serde::{Deserialize, Serialize};
 

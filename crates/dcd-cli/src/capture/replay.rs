@@ -6,7 +6,7 @@ use crate::rung::Rung;
 use dcd_broad::WideTree;
 use dcd_exec::with_threads;
 use dcd_geom::{Pair, Scene};
-use dcd_gjk::{EachPair, Gjk, NarrowPhase, Overlap};
+use dcd_gjk::{EachPair, Gjk, NarrowPhase, Overlap, OverlapUnproved};
 use dcd_parry::ParryShapes;
 use dcd_pipeline::{Par, Pipeline};
 use dcd_scenes::{Capture, place_frame};

@@ -8,8 +8,8 @@ use dcd_broad::WideTree;
 use dcd_exec::with_threads;
 use dcd_geom::{Pair, Scene};
 use dcd_gjk::{
-    Depths, Distances, EachPair, Gjk, Manifolds, NarrowPhase, OfTouching, Overlap, PairSolver,
-    Proximities, Undecided, Within,
+    Depths, Distances, EachPair, Gjk, Manifolds, NarrowPhase, OfTouching, Overlap, OverlapUnproved,
+    PairSolver, Proximities, Undecided, Within,
 };
 use dcd_parry::{Library, ParryShapes};
 use dcd_pipeline::{Exec, Par, Pipeline, StageClock};

@@ -4,7 +4,7 @@
 //! long integers. Here A − B is a box itself, and whether it holds the origin is three signs, most
 //! of them plain in f64 (docs/numerics.md, "parallel boxes").
 
-use super::expansion::{exact_sign, filtered_sign};
+use super::expansion::{exact_sign, filtered_sign, quick_sign};
 use crate::double_double::{self, DoubleDouble};
 use crate::simplex::{Scalar, Triple, cross, dot, minus, norm1};
 use crate::{Body, Rung};
@@ -44,9 +44,12 @@ fn touch_quickly(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Stack {
 /// What it tells with as many digits as need be: never open.
 #[inline]
 pub(crate) fn touch(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Stack {
-    match (touch_quickly(a, b), pair_of(a, b)) {
-        (Stack::Open, Some(Pair::Turned(half))) => turned_closely(a, b, half),
-        (known, _) => known,
+    match touch_quickly(a, b) {
+        Stack::Open => match pair_of(a, b) {
+            Some(Pair::Turned(half)) => turned_closely(a, b, half),
+            _ => Stack::Open,
+        },
+        known => known,
     }
 }
 
@@ -109,12 +112,14 @@ fn room(bodies: [Body<'_, Polytope>; 2], half: Halves, i: usize, k: usize) -> [f
 #[inline]
 fn aligned(a: Body<'_, Polytope>, b: Body<'_, Polytope>, half: Halves) -> Stack {
     let rooms = [0, 1, 2].map(|k| room([a, b], half, k, k));
-    let signs = rooms.map(filtered_sign);
+    let signs = rooms.map(quick_sign);
     if signs.contains(&Some(Ordering::Less)) {
         return Stack::Known(false, Rung::F64);
     }
     if !signs.contains(&None) {
-        return Stack::Known(true, Rung::F64);
+        // Just touching is what f64's filter alone could not have told.
+        let just = signs.contains(&Some(Ordering::Equal));
+        return Stack::Known(true, if just { Rung::Exact } else { Rung::F64 });
     }
     let touch = rooms.into_iter().all(|terms| exact_sign(terms) != Ordering::Less);
     Stack::Known(touch, Rung::Exact)

@@ -23,25 +23,21 @@ pub(crate) fn filtered_sign<const N: usize>(terms: [f64; N]) -> Option<Ordering>
     }
 }
 
-/// The sign of the sum, exactly. Every partial sum must be finite.
+/// The sign of the sum where nothing is rounded on the way, as with numbers of few digits on a
+/// grid, or where it is beyond rounding; else `None`.
 #[inline]
-pub(crate) fn exact_sign<const N: usize>(terms: [f64; N]) -> Ordering {
+pub(crate) fn quick_sign<const N: usize>(terms: [f64; N]) -> Option<Ordering> {
     let (mut total, mut lost) = (0.0, 0.0);
     for &term in &terms {
         let sum = two_sum(total, term);
         total = sum.high;
         lost += sum.low.abs();
     }
-    // Numbers of few digits, as on a grid, add up without rounding.
-    if lost == 0.0 {
-        total.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
-    } else {
-        with_components(terms)
-    }
+    if lost == 0.0 { total.partial_cmp(&0.0) } else { filtered_sign(terms) }
 }
 
-/// The sign of the sum, whatever is rounded.
-fn with_components<const N: usize>(terms: [f64; N]) -> Ordering {
+/// The sign of the sum, exactly. Every partial sum must be finite.
+pub(crate) fn exact_sign<const N: usize>(terms: [f64; N]) -> Ordering {
     // Components in ascending order, some of them 0. The first k are in use.
     let mut components = [0.0; N];
     for (k, &term) in terms.iter().enumerate() {
@@ -76,6 +72,7 @@ mod tests {
         let truth = sum.cmp(&BigInt::ZERO);
         assert_eq!(exact_sign(terms), truth, "{terms:?}");
         assert!(filtered_sign(terms).is_none_or(|sign| sign == truth), "{terms:?}");
+        assert!(quick_sign(terms).is_none_or(|sign| sign == truth), "{terms:?}");
     }
 
     #[test]
