@@ -38,7 +38,7 @@ pub struct Polytope {
     radius: f64,
     inner: Ball,
     outer_radius: f64,
-    twin_box: Option<TwinBox>,
+    twin_box: Option<Box<TwinBox>>,
     reach: f64,
     facets: OnceLock<Facets>,
 }
@@ -129,6 +129,7 @@ impl Polytope {
             Kind::Cuboid { half_extents } => Some(TwinBox::of_cuboid(half_extents)),
             _ => TwinBox::of_hull(&vertices, inner, outer_radius),
         };
+        let twin_box = twin_box.map(Box::new);
         let reach = reach(vertices.iter().copied());
         let facets = OnceLock::new();
         Self { kind, vertices, radius: 0.0, inner, outer_radius, twin_box, reach, facets }
@@ -168,7 +169,7 @@ impl Polytope {
     /// A box round the core and one inside it, where they tell more than the balls do: of boxes
     /// and of shapes that are long or flat.
     pub fn twin_box(&self) -> Option<&TwinBox> {
-        self.twin_box.as_ref()
+        self.twin_box.as_deref()
     }
 
     /// The largest distance of a vertex from the origin of the shape's own frame, rounded up.

@@ -116,9 +116,9 @@ pub trait Lanes: Copy {
         let (mut of_a, mut of_b) = (IndexRow::default(), IndexRow::default());
         self.store_u(a, &mut of_a);
         self.store_u(b, &mut of_b);
-        for k in 0..WIDTH {
+        for (k, pair) in pairs.iter_mut().enumerate() {
             let (a, b) = (of_a.0[k], of_b.0[k]);
-            pairs[k] = Pair { i: a.min(b), j: a.max(b) };
+            *pair = Pair { i: a.min(b), j: a.max(b) };
         }
     }
     /// The bits of `a` outside `mask`, and the bits of `tag`, which lie inside it.
@@ -134,8 +134,8 @@ pub trait Lanes: Copy {
         let mut columns = [Row::default(); WIDTH];
         let mut result = [self.splat(0.0); WIDTH];
         for k in 0..WIDTH {
-            for row in 0..WIDTH {
-                columns[k].0[row] = rows[row].0[k];
+            for (number, row) in rows.iter().enumerate() {
+                columns[k].0[number] = row.0[k];
             }
             result[k] = self.load(&columns[k]);
         }
