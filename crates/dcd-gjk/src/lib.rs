@@ -3,6 +3,7 @@
 //! Deliberately absent: threads, trees, foreign libraries, a clock.
 #![forbid(unsafe_code)]
 
+mod bounds_only;
 mod certificate;
 pub mod certified;
 pub mod closed;
@@ -24,6 +25,7 @@ mod simplex;
 pub mod simplify;
 mod solvers;
 
+pub use bounds_only::BoundsOnly;
 pub use difference::{Body, Difference, Vertex};
 pub use distance::{Distance, DistanceResult};
 pub use door::{Contact, Findings, NarrowPhase, Reason, Report, Rung, Undecided, Verdict};

@@ -76,11 +76,14 @@ fn pair_of(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Option<Pair> {
         return None;
     }
     let (r_a, r_b) = (a.pose.rotation(), b.pose.rotation());
-    match (along_axes(r_a, half_a), along_axes(r_b, half_b)) {
-        (Some(a), Some(b)) => Some(Pair::Aligned(Halves { a, b })),
-        _ if r_a == r_b => Some(Pair::Turned(Halves { a: half_a, b: half_b })),
-        _ => None,
+    let halves = Halves { a: half_a, b: half_b };
+    if r_a == r_b {
+        return Some(match axes_of(r_a) {
+            Some(axes) => Pair::Aligned(halves.along(axes, axes)),
+            None => Pair::Turned(halves),
+        });
     }
+    Some(Pair::Aligned(halves.along(axes_of(r_a)?, axes_of(r_b)?)))
 }
 
 /// Half the edges of both.
@@ -90,16 +93,23 @@ struct Halves {
     b: DVec3,
 }
 
-/// Half the edges along the world's axes, exactly, of a box whose edges lie along them.
+impl Halves {
+    /// Half the edges along the world's axes, exactly, from those along the boxes' own.
+    #[inline]
+    fn along(self, of_a: [DVec3; 3], of_b: [DVec3; 3]) -> Self {
+        let turned =
+            |axes: [DVec3; 3], half: DVec3| axes[0] * half.x + axes[1] * half.y + axes[2] * half.z;
+        Self { a: turned(of_a, self.a), b: turned(of_b, self.b) }
+    }
+}
+
+/// Along which of the world's axes the edges of a box lie, if they do.
 #[inline]
-fn along_axes(r: &DMat3, half: DVec3) -> Option<DVec3> {
+fn axes_of(r: &DMat3) -> Option<[DVec3; 3]> {
     let columns = [r.x_axis.abs(), r.y_axis.abs(), r.z_axis.abs()];
-    let is_axis = |c: &DVec3| *c * *c == *c;
     // Entries of 0 and ±1 alone: a rotation to within 1e-6, so each row has one that is not 0.
-    columns
-        .iter()
-        .all(is_axis)
-        .then(|| columns[0] * half.x + columns[1] * half.y + columns[2] * half.z)
+    let are_axes = columns.iter().all(|c| *c * *c == *c);
+    are_axes.then_some(columns)
 }
 
 /// h_A + h_B − |t_A − t_B|: half edge i against the centres along world axis k.

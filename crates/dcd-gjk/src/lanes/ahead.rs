@@ -31,6 +31,9 @@ impl Ahead {
     /// sixteen.
     #[inline(always)]
     pub(super) fn look(&mut self, frame: &Frame, pairs: &[Pair]) {
+        if frame.is_near() {
+            return;
+        }
         for &object in &self.new[..self.count] {
             prefetch(frame.blocks_of(frame.record(object)));
         }

@@ -2,7 +2,7 @@
 
 use super::bounds::TAGGED_BLOCKS;
 use dcd_geom::lanes::{Block, MOST_BLOCKS, Row};
-use dcd_geom::{Divide, Scene};
+use dcd_geom::{Divide, Scene, Stamp};
 
 /// All objects, ready for the lanes.
 #[derive(Clone, Debug, Default)]
@@ -11,6 +11,8 @@ pub struct Frame {
     blocks: Vec<Block>,
     /// One for each object; none at all where no shape of the scene has boxes.
     boxes: Vec<BoxRecord>,
+    /// The scene's layout that the offsets are for.
+    layout: Option<Stamp>,
 }
 
 /// One object on one cache line. The radii include what the pose's matrix departs from a rotation
@@ -52,6 +54,10 @@ pub(super) struct BoxRecord {
     pub(super) numbers: Row,
 }
 
+/// Frames with at most this many bytes of vertices are not asked for ahead. Larger: large scenes
+/// wait for memory. Smaller: small ones spend a twentieth of their time on hints.
+const NEAR: usize = 8 << 20;
+
 /// The frame's room for a range of the objects.
 #[derive(Debug)]
 pub struct Part<'f> {
@@ -61,8 +67,17 @@ pub struct Part<'f> {
 }
 
 impl Frame {
-    /// Makes room: offsets only. `None` where the blocks are more than a u32 counts.
+    /// Makes room: offsets only, and nothing to do where the scene's layout is that of the last
+    /// step.
     pub(super) fn lay_out(&mut self, scene: &Scene) -> Part<'_> {
+        if self.layout != Some(scene.layout()) {
+            self.set_offsets(scene);
+            self.layout = Some(scene.layout());
+        }
+        Part { records: &mut self.records, blocks: &mut self.blocks, boxes: &mut self.boxes }
+    }
+
+    fn set_offsets(&mut self, scene: &Scene) {
         let cores = scene.cores().cores();
         self.records.resize(scene.len(), Record::default());
         let mut first = 0u32;
@@ -78,7 +93,6 @@ impl Frame {
         self.blocks.resize(first as usize, Block::default());
         let boxed = !scene.cores().twin_boxes().is_empty();
         self.boxes.resize(if boxed { scene.len() } else { 0 }, BoxRecord::default());
-        Part { records: &mut self.records, blocks: &mut self.blocks, boxes: &mut self.boxes }
     }
 
     #[inline(always)]
@@ -89,6 +103,13 @@ impl Frame {
     #[inline(always)]
     pub(super) fn blocks_of(&self, record: &Record) -> &[Block] {
         &self.blocks[record.first as usize..][..record.blocks as usize]
+    }
+
+    /// Whether a cache near enough holds all that pairs read: then asking ahead costs more than it
+    /// hides.
+    #[inline(always)]
+    pub(super) fn is_near(&self) -> bool {
+        size_of_val(&*self.blocks) <= NEAR
     }
 
     /// The boxes of an object that has some.

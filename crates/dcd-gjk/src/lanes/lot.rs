@@ -72,18 +72,6 @@ impl Lot {
         l.store(x, &mut self.rows[which as usize]);
     }
 
-    #[inline(always)]
-    pub(super) fn write(&mut self, which: Number, lane: usize, x: f32) {
-        self.rows[which as usize].0[lane] = x;
-    }
-
-    #[inline(always)]
-    pub(super) fn write_vector(&mut self, which: Vector, lane: usize, v: [f32; 3]) {
-        self.rows[which as usize].0[lane] = v[0];
-        self.rows[which as usize + 1].0[lane] = v[1];
-        self.rows[which as usize + 2].0[lane] = v[2];
-    }
-
     /// Two axes from b to a that may separate a lane's pair: between the centres, and against the
     /// direction of the next support.
     pub(super) fn axes(&self, lane: usize) -> [Vec3; 2] {

@@ -1,8 +1,9 @@
 //! The default narrow phase: sixteen pairs at a time in f32, every answer with its certificate.
 //!
 //! A pair passes stages, each a small kernel that settles what it can prove and hands on the rest:
-//! balls, the axis between the centres, the cone, a second point, the portal. What the lanes
-//! cannot prove is settled in f64, and what f64 cannot, in exact integers.
+//! balls, twin boxes, the axis between the centres, the cone, a second point, the portal. Between
+//! stages it waits on a belt until sixteen have come together. What the lanes cannot prove is
+//! settled in f64, and what f64 cannot, exactly.
 
 mod ahead;
 mod bounds;

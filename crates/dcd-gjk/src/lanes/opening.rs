@@ -7,7 +7,7 @@ use super::lot::{Lot, Number, Vector};
 use super::support::{Desk, supports};
 use super::vector::V3;
 use dcd_geom::Pair;
-use dcd_geom::lanes::{Lanes, Row};
+use dcd_geom::lanes::{Lanes, Row, WIDTH};
 
 /// Which of sixteen pairs a stage settled.
 #[derive(Clone, Copy, Default)]
@@ -20,12 +20,10 @@ pub(super) struct Settled {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Entry {
     pub(super) lot: Lot,
-    /// The sum of the outer radii, rounded up.
-    outer: Row,
-    /// The sum of the sizes, without |δ|₁.
-    size: Row,
-    /// The sum of what the choice of the vertices may lose.
-    choice: Row,
+    /// What the two records of each pair say together: the difference of the centres; the sums of
+    /// the inner radii, the swept radii, the slacks, the outer radii, the sizes, and of what the
+    /// choice of the vertices may lose.
+    sums: [Row; WIDTH],
     /// The lanes in use whose objects have vertices.
     pub(super) live: u32,
     /// Those whose objects both have boxes.
@@ -45,13 +43,16 @@ impl Entry {
             lot.b.0[k] = pair.j;
             let [x, y, z] = b.centre;
             let delta = [a.centre[0] - x, a.centre[1] - y, a.centre[2] - z];
-            lot.write_vector(Vector::C, k, [delta[0] as f32, delta[1] as f32, delta[2] as f32]);
-            lot.write(Number::Inner, k, a.inner + b.inner);
-            lot.write(Number::Radius, k, a.radius + b.radius);
-            lot.write(Number::Slack, k, a.slack + b.slack);
-            self.outer.0[k] = a.outer + b.outer;
-            self.size.0[k] = a.size + b.size;
-            self.choice.0[k] = a.choice + b.choice;
+            let sums = &mut self.sums[k].0;
+            for axis in 0..3 {
+                sums[axis] = delta[axis] as f32;
+            }
+            sums[3] = a.inner + b.inner;
+            sums[4] = a.radius + b.radius;
+            sums[5] = a.slack + b.slack;
+            sums[6] = a.outer + b.outer;
+            sums[7] = a.size + b.size;
+            sums[8] = a.choice + b.choice;
             self.live |= u32::from(a.blocks.min(b.blocks) > 0) << k;
             self.boxed |= (a.boxed & b.boxed) << k;
         }
@@ -62,24 +63,28 @@ impl Entry {
     #[inline(always)]
     pub(super) fn balls<L: Lanes, T: Trust>(&mut self, l: L) -> Settled {
         let lot = &mut self.lot;
-        let c = lot.vector(l, Vector::C);
-        let size = l.add(l.load(&self.size), c.norm1(l));
+        let [x, y, z, inner, radius, slack, outer, size, choice, ..] = l.transpose(&self.sums);
+        let c = V3(x, y, z);
+        lot.set_vector(l, Vector::C, c);
+        lot.set_number(l, Number::Inner, inner);
+        lot.set_number(l, Number::Radius, radius);
+        lot.set_number(l, Number::Slack, slack);
+        let size = l.add(size, c.norm1(l));
         let in_range = l.and(l.lt(l.splat(SIZE.start), size), l.lt(size, l.splat(SIZE.end)));
         let live = l.and(l.mask(self.live), in_range);
         self.live = l.bits(live);
         let unit = l.mul(size, l.splat(U));
         lot.set_number(l, Number::Unit, unit);
 
-        let slack = lot.number(l, Number::Slack);
-        let separation = l.add(slack, l.load(&self.choice));
+        let separation = l.add(slack, choice);
         let separation = l.mul_add(unit, l.splat(SEPARATION), separation);
         lot.set_number(l, Number::Separation, separation);
         let squared = c.dot(l, c);
         let error = l.mul_add(unit, l.splat(HULL_OF_BALL[0]), l.add(slack, slack));
-        let inner = l.sub(lot.number(l, Number::Inner), T::rounding(l, error));
+        let inner = l.sub(inner, T::rounding(l, error));
         let touching = ball_holds_origin(l, squared, inner);
         let error = l.mul_add(unit, l.splat(OUTER_BALLS), l.add(slack, slack));
-        let outer = l.add(l.load(&self.outer), T::rounding(l, error));
+        let outer = l.add(outer, T::rounding(l, error));
         let apart = l.lt(l.mul(outer, outer), squared);
         Settled { apart: l.bits(l.and(live, apart)), touching: l.bits(l.and(live, touching)) }
     }

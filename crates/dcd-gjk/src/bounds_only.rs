@@ -1,0 +1,86 @@
+//! The cheapest rung: boxes and balls alone.
+
+use crate::{PairSolver, Placed, Rung, Verdict};
+use dcd_geom::glam::DVec3;
+
+/// Whether boxes and balls round two objects leave it possible that they touch: "apart" is proved,
+/// "touching" only means near.
+///
+/// The box is the one that the broad phase sees; the ball is round the centre of the shape's inner
+/// ball, for polytopes, rounded or not. Wrap it in [`crate::EachPair`] for a scene.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BoundsOnly;
+
+/// How far the computed gap between two balls may be off. Unit: 2⁻⁵³ of the centres' coordinates and
+/// the reaches. Three products and three sums a coordinate, the difference, the norm and the sum of
+/// the radii: 14, and room. Smaller: a false "apart".
+const ROUNDING: f64 = 32.0;
+
+impl PairSolver for BoundsOnly {
+    type Answer = ();
+    type Scratch = ();
+
+    fn rung(&self) -> Rung {
+        Rung::Balls
+    }
+
+    fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
+        let boxes_meet = a.shape.aabb(a.pose).overlaps(&b.shape.aabb(b.pose));
+        if boxes_meet && balls_may_meet(a, b) { Verdict::Touching(()) } else { Verdict::Apart }
+    }
+}
+
+fn balls_may_meet(a: Placed<'_>, b: Placed<'_>) -> bool {
+    let (Some((centre_a, radius_a, size_a)), Some((centre_b, radius_b, size_b))) =
+        (ball(a), ball(b))
+    else {
+        return true;
+    };
+    let unit = f64::EPSILON / 2.0;
+    let rounding = ROUNDING * unit * (size_a + size_b);
+    // Written so that NaN and overflow leave it possible.
+    !(centre_a.distance(centre_b) > radius_a + radius_b + rounding)
+}
+
+/// A ball round a placed polytope, and the size of the numbers that it was computed from.
+fn ball(placed: Placed<'_>) -> Option<(DVec3, f64, f64)> {
+    let polytope = placed.shape.as_polytope()?;
+    let stretch = 1.0 + placed.pose.deviation();
+    let radius = polytope.outer_radius() * stretch + polytope.swept_radius();
+    let size = placed.pose.translation().abs().max_element() + polytope.reach() * stretch + radius;
+    Some((placed.pose.apply(polytope.inner().centre), radius, size))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dcd_geom::{Pose, Shape};
+
+    fn verdict(a: &Shape, b: &Shape, at: DVec3) -> Verdict<()> {
+        let pose = Pose::from_translation(at).unwrap();
+        let a = Placed { shape: a, pose: &Pose::IDENTITY };
+        BoundsOnly.solve(a, Placed { shape: b, pose: &pose }, &mut ())
+    }
+
+    #[test]
+    fn what_touches_is_never_called_apart_and_what_is_far_is() {
+        let ball = Shape::sphere(0.5).unwrap();
+        let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+        assert_eq!(verdict(&ball, &ball, DVec3::X), Verdict::Touching(()));
+        assert_eq!(verdict(&cube, &cube, DVec3::ONE), Verdict::Touching(()));
+        assert_eq!(verdict(&cube, &cube, DVec3::X * 1.001), Verdict::Apart);
+    }
+
+    #[test]
+    fn balls_reject_where_boxes_meet() {
+        let ball = Shape::sphere(0.5).unwrap();
+        assert_eq!(verdict(&ball, &ball, DVec3::splat(0.7)), Verdict::Apart);
+    }
+
+    #[test]
+    fn a_shape_without_a_ball_is_judged_by_its_box() {
+        let (cone, ball) = (Shape::cone(0.5, 0.5).unwrap(), Shape::sphere(0.5).unwrap());
+        assert_eq!(verdict(&cone, &ball, DVec3::X * 0.9), Verdict::Touching(()));
+        assert_eq!(verdict(&cone, &ball, DVec3::X * 1.1), Verdict::Apart);
+    }
+}
