@@ -4,7 +4,7 @@
 //! long integers. Here A − B is a box itself, and whether it holds the origin is three signs, most
 //! of them plain in f64 (docs/numerics.md, "parallel boxes").
 
-use super::expansion::{exact_sign, filtered_sign, quick_sign};
+use super::expansion::{exact_sign, filtered_sign, sum_and_loss};
 use crate::double_double::{self, DoubleDouble};
 use crate::simplex::{Scalar, Triple, cross, dot, minus, norm1};
 use crate::{Body, Rung};
@@ -122,14 +122,19 @@ fn room(bodies: [Body<'_, Polytope>; 2], half: Halves, i: usize, k: usize) -> [f
 #[inline]
 fn aligned(a: Body<'_, Polytope>, b: Body<'_, Polytope>, half: Halves) -> Stack {
     let rooms = [0, 1, 2].map(|k| room([a, b], half, k, k));
-    let signs = rooms.map(quick_sign);
+    // Without a branch: on which axis bricks touch cannot be predicted.
+    let [x, y, z] = rooms.map(sum_and_loss);
+    if x.1 + y.1 + z.1 == 0.0 {
+        let least = x.0.min(y.0).min(z.0);
+        // Just touching is what f64's filter alone could not have told.
+        return Stack::Known(least >= 0.0, if least == 0.0 { Rung::Exact } else { Rung::F64 });
+    }
+    let signs = rooms.map(filtered_sign);
     if signs.contains(&Some(Ordering::Less)) {
         return Stack::Known(false, Rung::F64);
     }
     if !signs.contains(&None) {
-        // Just touching is what f64's filter alone could not have told.
-        let just = signs.contains(&Some(Ordering::Equal));
-        return Stack::Known(true, if just { Rung::Exact } else { Rung::F64 });
+        return Stack::Known(true, Rung::F64);
     }
     let touch = rooms.into_iter().all(|terms| exact_sign(terms) != Ordering::Less);
     Stack::Known(touch, Rung::Exact)

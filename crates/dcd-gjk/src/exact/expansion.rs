@@ -23,17 +23,13 @@ pub(crate) fn filtered_sign<const N: usize>(terms: [f64; N]) -> Option<Ordering>
     }
 }
 
-/// The sign of the sum where nothing is rounded on the way, as with numbers of few digits on a
-/// grid, or where it is beyond rounding; else `None`.
+/// A number with the sign of the sum, if what comes with it is 0: what was rounded away before the
+/// last addition, as a magnitude. So it is with numbers of few digits, as on a grid.
 #[inline]
-pub(crate) fn quick_sign(terms: [f64; 4]) -> Option<Ordering> {
+pub(crate) fn sum_and_loss(terms: [f64; 4]) -> (f64, f64) {
     let (first, last) = (two_sum(terms[0], terms[1]), two_sum(terms[2], terms[3]));
-    if first.low == 0.0 && last.low == 0.0 {
-        // A rounded sum of two numbers has the sign of the sum.
-        (first.high + last.high).partial_cmp(&0.0)
-    } else {
-        filtered_sign(terms)
-    }
+    // A rounded sum of two numbers has the sign of the sum.
+    (first.high + last.high, first.low.abs() + last.low.abs())
 }
 
 /// The sign of the sum, exactly. Every partial sum must be finite.
@@ -74,7 +70,8 @@ mod tests {
         assert!(filtered_sign(terms).is_none_or(|sign| sign == truth), "{terms:?}");
         let four = [terms[0], terms[1], terms[2], terms[3] + terms[4]];
         let truth = exact_sign(four);
-        assert!(quick_sign(four).is_none_or(|sign| sign == truth), "{four:?}");
+        let (sum, loss) = sum_and_loss(four);
+        assert!(loss != 0.0 || sum.partial_cmp(&0.0) == Some(truth), "{four:?}");
     }
 
     #[test]

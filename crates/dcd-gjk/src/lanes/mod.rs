@@ -291,7 +291,8 @@ impl<T: Trust> Decide<'_, T> {
         let open = open & !(settled.apart | settled.touching);
         let handed_on = if T::HANDS_ON { open & aligned } else { 0 };
         for lane in LanesOf(handed_on) {
-            left.push(Left { number: lot.number.0[lane], axes: lot.axes(lane) });
+            // The closed form of boxes needs no axis.
+            left.push(Left { number: lot.number.0[lane], axes: [Vec3::ZERO; 2] });
         }
         axis.push(l, lot, open & !handed_on);
     }
