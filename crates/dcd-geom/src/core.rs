@@ -21,7 +21,7 @@ pub struct Core {
     pub first: u32,
     /// How many blocks it has; 0 for a shape that is no polytope.
     pub blocks: u32,
-    /// Whether [`Cores::twin_box`] has its boxes.
+    /// Whether [`Cores::twin_boxes`] has its boxes.
     pub has_twin_box: bool,
 }
 
