@@ -280,7 +280,7 @@ mod tests {
             query: "intersection-test".to_owned(),
             digest: String::new(),
             judged,
-            settled: vec![0, 3, 1],
+            settled: vec![0, 0, 3, 1],
             threads: vec![1],
             races: Vec::new(),
         }
