@@ -74,7 +74,7 @@ fn read_shape(cursor: &mut Cursor<'_>, index: usize) -> Result<RawShape, ReadErr
 ///
 /// # Errors
 /// Those of the writer; counts past u32 and an object whose shape does not exist, as invalid input
-/// that holds a [`SceneError`].
+/// that holds a [`SceneError`]; a sphere or a capsule, which the format has no radius for.
 pub fn write_hull_scene(scene: &RawScene, out: &mut impl Write) -> io::Result<()> {
     out.write_all(&count("objects", scene.objects.len())?)?;
     for (object, raw) in scene.objects.iter().enumerate() {
@@ -82,6 +82,10 @@ pub fn write_hull_scene(scene: &RawScene, out: &mut impl Write) -> io::Result<()
             let shapes = scene.shapes.len();
             return Err(invalid(SceneError::NoSuchShape { object, shape: raw.shape, shapes }));
         };
+        if let RawShape::Sphere { radius } | RawShape::Capsule { radius, .. } = shape {
+            let refused = format!("object {object}: a hull scene has no room for radius {radius}");
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, refused));
+        }
         write_shape(shape, out)?;
         write_numbers(&raw.rotation.to_array(), out)?;
         write_numbers(&raw.translation.to_array(), out)?;
@@ -93,7 +97,7 @@ fn write_shape(shape: &RawShape, out: &mut impl Write) -> io::Result<()> {
     let points = shape.points();
     let triangles: &[[u32; 3]] = match shape {
         RawShape::Hull { triangles, .. } => triangles,
-        RawShape::Cuboid { .. } => &[],
+        _ => &[],
     };
     out.write_all(&count("vertices", points.len())?)?;
     out.write_all(&count("triangles", triangles.len())?)?;
@@ -146,6 +150,15 @@ mod tests {
         let mut bytes = Vec::new();
         write_hull_scene(scene, &mut bytes).unwrap();
         bytes
+    }
+
+    #[test]
+    fn a_radius_is_refused_with_its_object() {
+        let mut scene = tetrahedron();
+        scene.shapes[1] = RawShape::Sphere { radius: 0.5 };
+        let refused = write_hull_scene(&scene, &mut Vec::new()).unwrap_err();
+        assert_eq!(refused.kind(), io::ErrorKind::InvalidInput);
+        assert!(refused.to_string().contains("object 1") && refused.to_string().contains("0.5"));
     }
 
     #[test]

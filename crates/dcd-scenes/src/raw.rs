@@ -20,6 +20,18 @@ pub enum RawShape {
         /// Half the edge along x, y and z.
         half_extents: DVec3,
     },
+    /// A ball round the origin.
+    Sphere {
+        /// Its radius.
+        radius: f64,
+    },
+    /// A ball swept along the z axis, its middle at the origin.
+    Capsule {
+        /// Half the way of the ball's centre.
+        half_height: f64,
+        /// The ball's radius.
+        radius: f64,
+    },
 }
 
 impl RawShape {
@@ -33,7 +45,8 @@ impl RawShape {
         Self::Hull { points, triangles: Vec::new() }
     }
 
-    /// Its points: a cuboid's eight corners, x fastest.
+    /// The points whose hull is its core: a cuboid's eight corners, x fastest; a sphere's or a
+    /// capsule's centres.
     pub fn points(&self) -> Vec<DVec3> {
         match self {
             Self::Hull { points, .. } => points.clone(),
@@ -43,6 +56,10 @@ impl RawShape {
                     *half_extents * DVec3::new(side(0), side(1), side(2))
                 })
                 .collect(),
+            Self::Sphere { .. } => vec![DVec3::ZERO],
+            Self::Capsule { half_height, .. } => {
+                vec![DVec3::Z * -*half_height, DVec3::Z * *half_height]
+            }
         }
     }
 
@@ -50,6 +67,8 @@ impl RawShape {
         match self {
             Self::Hull { points, .. } => Shape::hull(points),
             Self::Cuboid { half_extents } => Shape::cuboid(half_extents),
+            Self::Sphere { radius } => Shape::sphere(radius),
+            Self::Capsule { half_height, radius } => Shape::capsule(half_height, radius),
         }
     }
 }
@@ -106,6 +125,15 @@ impl RawScene {
                 RawShape::Cuboid { half_extents } => {
                     digest.number(u64::MAX);
                     digest.vector(*half_extents);
+                }
+                RawShape::Sphere { radius } => {
+                    digest.number(u64::MAX - 1);
+                    digest.number(radius.to_bits());
+                }
+                RawShape::Capsule { half_height, radius } => {
+                    digest.number(u64::MAX - 2);
+                    digest.number(half_height.to_bits());
+                    digest.number(radius.to_bits());
                 }
             }
         }

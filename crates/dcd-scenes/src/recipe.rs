@@ -29,6 +29,13 @@ pub(crate) enum Body {
     Hull { stretch: DVec3 },
     /// A box with edges in this range, metres.
     Box { low: f64, high: f64 },
+    /// The hull of the eight corners of such a box.
+    BoxAsHull { low: f64, high: f64 },
+    /// A sphere with a radius in this range, metres.
+    Sphere { low: f64, high: f64 },
+    /// In turn a sphere of radius 0.25 … 0.5, a box with edges in 0.3 … 1.5, a capsule of radius
+    /// 0.1 … 0.4 and half height 0.1 … 0.6, and the paper's hull; metres.
+    Mixed,
     /// The paper's, scaled by 10^u, u in this range; the first object is a slab.
     Sized { low: f64, high: f64, slab: DVec3 },
 }
@@ -71,6 +78,11 @@ impl Body {
     /// The paper's hull as it is.
     pub(crate) const PAPER: Self = Self::Hull { stretch: DVec3::ONE };
 }
+
+/// The boxes of every scene that has some.
+pub(crate) const BOX: Body = Body::Box { low: 0.3, high: 1.5 };
+/// The spheres of every scene that has some.
+pub(crate) const SPHERE: Body = Body::Sphere { low: 0.25, high: 0.5 };
 
 /// A [`Spread`] for a known number of objects.
 #[derive(Clone, Copy)]
@@ -119,13 +131,36 @@ impl Scatter {
                     RawObject { rotation: DQuat::IDENTITY, translation: DVec3::ZERO, ..object };
                 (RawShape::Cuboid { half_extents: slab * 0.5 }, flat)
             }
-            Body::Sized { low, high, .. } => {
-                let size = libm::exp10(draw.between(low, high));
-                (RawShape::of_cloud(cloud(&mut draw, DVec3::splat(size))), object)
+            body => (body.shape(i, &mut draw), object),
+        }
+    }
+}
+
+impl Body {
+    /// The shape of object `i`, where that is one of its kind alone.
+    fn shape(self, i: usize, draw: &mut Draw) -> RawShape {
+        match self {
+            Self::Hull { stretch } => RawShape::of_cloud(cloud(draw, stretch)),
+            Self::Box { low, high } => {
+                RawShape::Cuboid { half_extents: draw.point(low, high) * 0.5 }
             }
-            Body::Hull { stretch } => (RawShape::of_cloud(cloud(&mut draw, stretch)), object),
-            Body::Box { low, high } => {
-                (RawShape::Cuboid { half_extents: draw.point(low, high) * 0.5 }, object)
+            Self::BoxAsHull { low, high } => {
+                let corners = Self::Box { low, high }.shape(i, draw).points();
+                RawShape::Hull { points: corners, triangles: Vec::new() }
+            }
+            Self::Sphere { low, high } => RawShape::Sphere { radius: draw.between(low, high) },
+            Self::Mixed => match i % 4 {
+                0 => SPHERE.shape(i, draw),
+                1 => BOX.shape(i, draw),
+                2 => {
+                    let radius = draw.between(0.1, 0.4);
+                    RawShape::Capsule { half_height: draw.between(0.1, 0.6), radius }
+                }
+                _ => Self::PAPER.shape(i, draw),
+            },
+            Self::Sized { low, high, .. } => {
+                let size = libm::exp10(draw.between(low, high));
+                RawShape::of_cloud(cloud(draw, DVec3::splat(size)))
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Scenes by name.
 
-use crate::recipe::{Body, Recipe, Spread};
+use crate::recipe::{BOX, Body, Recipe, SPHERE, Spread};
 use crate::{BuildError, GameHulls, GameSize, RawScene, ReadError, data, load_clouds};
 use dcd_geom::Scene;
 use glam::DVec3;
@@ -56,9 +56,36 @@ impl SceneSpec {
 
     /// Boxes with edges uniform in 0.3 … 1.5. 20,000 objects.
     pub fn boxes() -> Self {
-        let body = Body::Box { low: 0.3, high: 1.5 };
         let spread = Spread::Dense(&[(20_000, 13.0)]);
-        Self::new("boxes", Recipe::Scattered { body, spread }, 20_000)
+        Self::new("boxes", Recipe::Scattered { body: BOX, spread }, 20_000)
+    }
+
+    /// Spheres of radius 0.25 … 0.5 with about 3 candidates each. 100,000 objects.
+    pub fn spheres() -> Self {
+        let spread = Spread::Dense(&[(100_000, 20.0)]);
+        Self::new("spheres", Recipe::Scattered { body: SPHERE, spread }, 100_000)
+    }
+
+    /// The boxes of [`SceneSpec::boxes`], turned alike but sparser: about 4 candidates each.
+    /// 100,000 objects.
+    pub fn cuboids() -> Self {
+        let recipe = Recipe::Scattered { body: BOX, spread: CUBOIDS };
+        Self::new("cuboids", recipe, 100_000)
+    }
+
+    /// The same, each as the hull of its eight corners: what a closed form is measured against.
+    /// 100,000 objects.
+    pub fn cuboids_as_hulls() -> Self {
+        let body = Body::BoxAsHull { low: 0.3, high: 1.5 };
+        let recipe = Recipe::Scattered { body, spread: CUBOIDS };
+        Self::new("cuboids-as-hulls", recipe, 100_000)
+    }
+
+    /// A quarter each of spheres, cuboids, capsules and the paper's hulls, with about 3 candidates
+    /// each. 100,000 objects.
+    pub fn mixed() -> Self {
+        let spread = Spread::Dense(&[(100_000, 27.0)]);
+        Self::new("mixed", Recipe::Scattered { body: Body::Mixed, spread }, 100_000)
     }
 
     /// The paper's hulls at sizes 10^u, u uniform in −2 … 0.7, and as object 0 one slab of
@@ -103,6 +130,10 @@ impl SceneSpec {
             Self::needles(),
             Self::plates(),
             Self::boxes(),
+            Self::spheres(),
+            Self::cuboids(),
+            Self::cuboids_as_hulls(),
+            Self::mixed(),
             Self::big_and_small(),
             Self::clustered(),
             game(GameSize::Unit),
@@ -183,6 +214,8 @@ impl SceneSpec {
 
 /// 10,000 objects in a cube of half-width 12.
 const TWELVE: Spread = Spread::Dense(&[(10_000, 12.0)]);
+/// 100,000 boxes in a cube of half-width 31.
+const CUBOIDS: Spread = Spread::Dense(&[(100_000, 31.0)]);
 
 fn check_positive(what: &'static str, value: f64) -> Result<(), SpecError> {
     // Written so that NaN is refused.

@@ -22,12 +22,16 @@ fn candidates(raw: RawScene) -> usize {
 }
 
 /// Name, digest of 100 objects with seed 7.
-const GOLDEN: [(&str, u64); 13] = [
+const GOLDEN: [(&str, u64); 17] = [
     ("paper", 0x3e4a_7081_2547_1d4b),
     ("sparse", 0x16cc_be9a_3291_6df4),
     ("needles", 0x6695_88a3_df08_84d5),
     ("plates", 0xdace_a3db_ec81_725c),
     ("boxes", 0xf532_c363_62d9_fccc),
+    ("spheres", 0x5a50_bcc3_255a_8e64),
+    ("cuboids", 0xc89d_7326_f862_fb83),
+    ("cuboids-as-hulls", 0x129b_606d_daa4_60d2),
+    ("mixed", 0x9ffe_d18d_856a_f130),
     ("big-and-small", 0x621c_a6e9_20c4_72f1),
     ("clustered", 0x4d88_dcb4_3b25_3867),
     ("game-hulls", 0x1c50_21fd_3ee9_9f8f),
@@ -88,6 +92,38 @@ fn sparse_scenes_have_about_four_candidates_an_object() {
         let Some(spec) = specs().into_iter().find(|spec| spec.name() == name) else { continue };
         let found = candidates(spec.raw().unwrap()) as f64 / spec.objects as f64;
         assert!((3.6..4.4).contains(&found), "{name}: {found}");
+    }
+}
+
+#[test]
+fn scenes_of_closed_forms_have_a_few_candidates_an_object() {
+    for (name, few) in [("spheres", 2.4..3.0), ("cuboids", 3.5..4.5), ("mixed", 2.6..3.4)] {
+        let spec = SceneSpec::parse(name).unwrap().with_objects(10_000);
+        let found = candidates(spec.raw().unwrap()) as f64 / 10_000.0;
+        assert!(few.contains(&found), "{name}: {found}");
+    }
+}
+
+#[test]
+fn cuboids_and_their_hulls_are_the_same_points_at_the_same_places() {
+    let raw = |spec: SceneSpec| spec.with_objects(50).raw().unwrap();
+    let (boxes, hulls) = (raw(SceneSpec::cuboids()), raw(SceneSpec::cuboids_as_hulls()));
+    assert_eq!(boxes.objects, hulls.objects);
+    for (cuboid, hull) in boxes.shapes.iter().zip(&hulls.shapes) {
+        assert!(matches!(cuboid, RawShape::Cuboid { .. }));
+        assert!(matches!(hull, RawShape::Hull { .. }));
+        assert_eq!(cuboid.points(), hull.points());
+    }
+}
+
+#[test]
+fn a_mixed_scene_takes_its_four_kinds_in_turn() {
+    let shapes = SceneSpec::mixed().with_objects(8).raw().unwrap().shapes;
+    for four in shapes.chunks(4) {
+        assert!(matches!(four[0], RawShape::Sphere { .. }));
+        assert!(matches!(four[1], RawShape::Cuboid { .. }));
+        assert!(matches!(four[2], RawShape::Capsule { .. }));
+        assert!(matches!(four[3], RawShape::Hull { .. }));
     }
 }
 
