@@ -22,6 +22,7 @@ impl Aabb {
     pub const LIMIT: f64 = 1.0e37;
 
     /// The smallest f32 box that contains the f64 one.
+    #[inline]
     pub fn outward(min: DVec3, max: DVec3) -> Self {
         Self {
             min: Vec3::new(round_down(min.x), round_down(min.y), round_down(min.z)),
@@ -63,14 +64,23 @@ impl Aabb {
     }
 }
 
+/// The largest f32 not above x. Which way the nearest one lies is as good as random, so that a
+/// branch on it would be mispredicted half of the time.
+#[inline]
 fn round_down(x: f64) -> f32 {
     let nearest = x as f32;
-    if f64::from(nearest) > x { nearest.next_down() } else { nearest }
+    let bits = nearest.to_bits();
+    let step = i32::from(f64::from(nearest) > x);
+    // One less for a positive number, one more for a negative one. Nothing above x is −∞ or, for x
+    // of 0, zero; a NaN is above nothing.
+    let sign = bits as i32 >> 31;
+    f32::from_bits(bits.wrapping_sub(((step ^ sign) - sign) as u32))
 }
 
+/// The smallest f32 not below x.
+#[inline]
 fn round_up(x: f64) -> f32 {
-    let nearest = x as f32;
-    if f64::from(nearest) < x { nearest.next_up() } else { nearest }
+    -round_down(-x)
 }
 
 #[cfg(test)]
@@ -85,6 +95,23 @@ mod tests {
         }
         let exact = Aabb::outward(DVec3::ONE, DVec3::ONE);
         assert_eq!(exact.min, exact.max);
+    }
+
+    #[test]
+    fn rounding_outward_is_to_the_next_float_and_no_farther() {
+        let mut bits = 1u64;
+        let any = std::iter::repeat_with(|| {
+            bits = bits.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            // Exponents of f32 and a little beyond.
+            let exponent = 1023 - 160 + (bits >> 54) % 300;
+            f64::from_bits(bits << 63 | exponent << 52 | bits >> 12)
+        });
+        let special = [0.0, -0.0, 1.0, 1e-46, 1e-45, 3e-39, 3.4028236e38, 1e300, f64::INFINITY];
+        for x in special.into_iter().flat_map(|x| [x, -x]).chain(any.take(20_000)) {
+            let (down, up) = (round_down(x), round_up(x));
+            assert!(f64::from(down) <= x && x <= f64::from(up), "{x}");
+            assert!(down == up || up == down.next_up(), "{x}: {down} {up}");
+        }
     }
 
     #[test]

@@ -61,7 +61,8 @@ pub enum Rung {
     CentreAxis,
     /// The inner ball and one support point, f32 lanes.
     Cone,
-    /// The inner ball and two or three support points, or a later axis, f32 lanes.
+    /// The inner ball and two or three support points, or a later axis; of rounded shapes the nearest
+    /// points of their cores. f32 lanes.
     Portal,
     /// A solver in plain f32.
     F32,

@@ -9,7 +9,8 @@ use dcd_geom::lanes::{WIDTH, prefetch};
 /// sixteen by sixteen objects.
 const REMEMBERED: usize = 256;
 
-/// Asks for the records of the pairs after the next, and for the vertices of the next.
+/// Asks for the records of the pairs after the next, and for the vertices of the next, or the boxes
+/// where no object has vertices.
 #[derive(Clone, Debug)]
 pub(super) struct Ahead {
     /// The objects asked for last, so that those of a dense scene, which recur in pair after pair,
@@ -27,7 +28,7 @@ impl Default for Ahead {
 }
 
 impl Ahead {
-    /// Asks for the vertices of the pairs of the last call, and for the records of these: at most
+    /// Asks for the vertices or boxes of the pairs of the last call, and for the records of these: at most
     /// sixteen.
     #[inline(always)]
     pub(super) fn look(&mut self, frame: &Frame, pairs: &[Pair]) {
@@ -35,7 +36,11 @@ impl Ahead {
             return;
         }
         for &object in &self.new[..self.count] {
-            prefetch(frame.blocks_of(frame.record(object)));
+            if frame.has_vertices() {
+                prefetch(frame.blocks_of(frame.record(object)));
+            } else if frame.has_boxes() {
+                prefetch(std::slice::from_ref(frame.boxes(object)));
+            }
         }
         self.count = 0;
         for pair in pairs {

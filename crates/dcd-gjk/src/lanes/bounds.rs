@@ -32,6 +32,18 @@ pub(super) const TAGGED_BLOCKS: u32 = 256;
 /// How far |c + Σ τ_k·p_k| may be off, with 0, 1, 2 and 3 points. Unit: u·m·(1 + Σ τ_k).
 pub(super) const HULL_OF_BALL: [f32; 4] = [17.0, 20.0, 22.0, 24.0];
 
+/// How far the nearest point that w, s·(p − w) and t·(q − w) make of three of A − B may be from one
+/// of the hull of the cores, with what its length loses. Unit: u·m.
+///
+/// 12.2 for the three points, 17.4 for their combination, 5.2 for the comparison with the radii
+/// (docs/numerics.md, "nearest points of cores"). Smaller: false contacts of rounded shapes.
+pub(super) const NEAREST: f32 = 40.0;
+
+/// By how much the sum of the swept radii, rounded up, may be above them. Unit: u of itself.
+///
+/// 7 for the two roundings up and the sum, 1 for the product. Smaller: false contacts.
+pub(super) const RADIUS: f32 = 16.0;
+
 /// How far |c| may be below its true value where outer balls reject. Unit: u·m.
 pub(super) const OUTER_BALLS: f32 = 24.0;
 

@@ -1,12 +1,14 @@
 //! What is prepared of every object once a step.
 
 use super::bounds::TAGGED_BLOCKS;
+use super::prepare::constants;
 use dcd_geom::lanes::{Block, MOST_BLOCKS, Row};
-use dcd_geom::{Divide, Scene, Stamp};
+use dcd_geom::{Divide, Kind, Scene, Shape, Stamp};
 
 /// All objects, ready for the lanes.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
+    form: Form,
     records: Vec<Record>,
     blocks: Vec<Block>,
     /// One for each object; none at all where no shape of the scene has boxes.
@@ -14,6 +16,38 @@ pub struct Frame {
     /// The scene's layout that the offsets are for.
     layout: Option<Stamp>,
 }
+
+/// What the objects of a scene have in common, and so what must be prepared of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Form {
+    /// Nothing: every polytope has its vertices.
+    #[default]
+    Any,
+    /// All are spheres: balls settle their pairs.
+    Spheres,
+    /// All are cuboids of radius 0: balls and boxes settle their pairs.
+    Cuboids,
+}
+
+impl Form {
+    fn of(shapes: &[Shape]) -> Self {
+        let kind = |shape: &Shape| shape.as_polytope().map(|p| (p.kind(), p.swept_radius()));
+        let spheres = |shape| matches!(kind(shape), Some((Kind::Point, _)));
+        let cuboids = |shape| matches!(kind(shape), Some((Kind::Cuboid { .. }, 0.0)));
+        if shapes.iter().all(spheres) {
+            Self::Spheres
+        } else if shapes.iter().all(cuboids) {
+            Self::Cuboids
+        } else {
+            Self::Any
+        }
+    }
+}
+
+/// A record's mark that its [`BoxRecord`] says something.
+pub(super) const BOXED: u32 = 1;
+/// A record's mark that the lanes can settle pairs of it: it has vertices, or needs none.
+pub(super) const LIVE: u32 = 2;
 
 /// One object on one cache line. The radii include what the pose's matrix departs from a rotation
 /// by, and are rounded to the safe side.
@@ -24,7 +58,7 @@ pub(super) struct Record {
     pub(super) centre: [f64; 3],
     /// The object's first block in the frame.
     pub(super) first: u32,
-    /// How many it has; 0 where the shape is no polytope.
+    /// How many it has; 0 where the shape is no polytope, or the scene of a form without vertices.
     pub(super) blocks: u32,
     /// The lowest bits of a value that carry its vertex's number: see [`super::support`].
     pub(super) tag: u32,
@@ -41,8 +75,8 @@ pub(super) struct Record {
     /// By how much the vertex that is told as the farthest may be nearer than another, rounded up.
     /// Unit: metres a metre of the direction's 1-norm.
     pub(super) choice: f32,
-    /// 1 where the object's [`BoxRecord`] says something, else 0.
-    pub(super) boxed: u32,
+    /// [`BOXED`] and [`LIVE`], each or not.
+    pub(super) marks: u32,
 }
 
 /// An object's boxes on one cache line: the twin boxes of its shape, turned, round the record's
@@ -58,9 +92,13 @@ pub(super) struct BoxRecord {
 /// wait for memory. Smaller: small ones spend a twentieth of their time on hints.
 const NEAR: usize = 8 << 20;
 
+/// The same of records, where pairs read no vertices: what the second cache holds.
+const NEAR_RECORDS: usize = 1 << 20;
+
 /// The frame's room for a range of the objects.
 #[derive(Debug)]
 pub struct Part<'f> {
+    pub(super) form: Form,
     pub(super) records: &'f mut [Record],
     pub(super) blocks: &'f mut [Block],
     pub(super) boxes: &'f mut [BoxRecord],
@@ -74,12 +112,20 @@ impl Frame {
             self.set_offsets(scene);
             self.layout = Some(scene.layout());
         }
-        Part { records: &mut self.records, blocks: &mut self.blocks, boxes: &mut self.boxes }
+        let Self { form, records, blocks, boxes, .. } = self;
+        Part { form: *form, records, blocks, boxes }
     }
 
     fn set_offsets(&mut self, scene: &Scene) {
         let cores = scene.cores().cores();
+        self.form = Form::of(scene.shapes());
         self.records.resize(scene.len(), Record::default());
+        let boxed = !scene.cores().twin_boxes().is_empty();
+        self.boxes.resize(if boxed { scene.len() } else { 0 }, BoxRecord::default());
+        if self.form != Form::Any {
+            self.blocks.clear();
+            return constants(scene, &mut self.records, &mut self.boxes);
+        }
         let mut first = 0u32;
         for (record, &shape) in self.records.iter_mut().zip(scene.shape_of()) {
             let blocks = cores[shape as usize].blocks;
@@ -91,8 +137,6 @@ impl Frame {
             first = if fits { next } else { first };
         }
         self.blocks.resize(first as usize, Block::default());
-        let boxed = !scene.cores().twin_boxes().is_empty();
-        self.boxes.resize(if boxed { scene.len() } else { 0 }, BoxRecord::default());
     }
 
     #[inline(always)]
@@ -105,11 +149,26 @@ impl Frame {
         &self.blocks[record.first as usize..][..record.blocks as usize]
     }
 
+    /// Whether polytopes have their vertices: if not, no stage asks for supports.
+    #[inline(always)]
+    pub(super) fn has_vertices(&self) -> bool {
+        self.form == Form::Any
+    }
+
     /// Whether a cache near enough holds all that pairs read: then asking ahead costs more than it
     /// hides.
     #[inline(always)]
     pub(super) fn is_near(&self) -> bool {
-        size_of_val(&*self.blocks) <= NEAR
+        match self.form {
+            Form::Any => size_of_val(&*self.blocks) <= NEAR,
+            Form::Spheres | Form::Cuboids => size_of_val(&*self.records) <= NEAR_RECORDS,
+        }
+    }
+
+    /// Whether there is room for boxes.
+    #[inline(always)]
+    pub(super) fn has_boxes(&self) -> bool {
+        !self.boxes.is_empty()
     }
 
     /// The boxes of an object that has some.
@@ -136,12 +195,13 @@ impl Divide for Part<'_> {
             Some(record) => (record.first - base) as usize,
             None => self.blocks.len(),
         };
+        let form = self.form;
         let (left, right) = self.records.split_at_mut(middle);
         let (left_blocks, right_blocks) = self.blocks.split_at_mut(blocks);
         let (left_boxes, right_boxes) = self.boxes.split_at_mut(middle.min(self.boxes.len()));
         (
-            Self { records: left, blocks: left_blocks, boxes: left_boxes },
-            Self { records: right, blocks: right_blocks, boxes: right_boxes },
+            Self { form, records: left, blocks: left_blocks, boxes: left_boxes },
+            Self { form, records: right, blocks: right_blocks, boxes: right_boxes },
         )
     }
 }

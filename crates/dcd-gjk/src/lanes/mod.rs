@@ -11,6 +11,7 @@ mod boxes;
 mod certificate;
 mod frame;
 mod lot;
+mod nearest;
 mod opening;
 mod portal;
 mod prepare;
@@ -28,7 +29,7 @@ use certificate::{Proved, Trust, Trusted};
 use dcd_geom::glam::Vec3;
 use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{Aabb, Pair, Scene};
-use lot::{AFTER_BALLS, AFTER_CONE, AFTER_SECOND_POINT, Belt, LanesOf, Lot, Whole};
+use lot::{AFTER_BALLS, AFTER_CONE, AFTER_SECOND_POINT, Belt, LanesOf, Lot, Number, Whole};
 use opening::{Entry, Place};
 use std::marker::PhantomData;
 use support::Desk;
@@ -85,6 +86,8 @@ pub struct Scratch {
     boxed: Belt<AFTER_BALLS>,
     /// What waits for the centre axis.
     axis: Belt<AFTER_BALLS>,
+    /// What waits for the next support of rounded shapes.
+    near: Belt<AFTER_SECOND_POINT>,
     /// What waits for the second point.
     second: Belt<AFTER_CONE>,
     /// What waits for the next support.
@@ -239,11 +242,13 @@ impl<T: Trust> Kernel for Decide<'_, T> {
             }
             // The later stage first: so each finds room for what the earlier one hands on.
             loop {
-                let Scratch { boxed, axis, second, portal, .. } = &*self.scratch;
+                let Scratch { boxed, axis, near, second, portal, .. } = &*self.scratch;
                 if portal.has(whole) {
                     self.round(l);
                 } else if second.has(whole) {
                     self.second_point(l);
+                } else if near.has(whole) {
+                    self.nearer(l);
                 } else if axis.has(whole) {
                     self.centre_axis(l);
                 } else if boxed.has(whole) {
@@ -271,12 +276,15 @@ impl<T: Trust> Decide<'_, T> {
         let balls = entry.balls::<L, T>(l);
         mark(&mut touching[first..], balls.touching);
         self.report.count(Rung::Balls, count(balls.apart | balls.touching));
-        for lane in LanesOf(!entry.live & used(pairs.len())) {
+        let open = entry.live & !(balls.apart | balls.touching);
+        let to_axis = if self.frame.has_vertices() { open & !entry.boxed } else { 0 };
+        let to_boxes = open & entry.boxed;
+        let to_left = used(pairs.len()) & !(entry.live & !open | to_boxes | to_axis);
+        for lane in LanesOf(to_left) {
             left.push(Left { number: entry.lot.number.0[lane], axes: [Vec3::ZERO; 2] });
         }
-        let open = entry.live & !(balls.apart | balls.touching);
-        boxed.push(l, &entry.lot, open & entry.boxed);
-        axis.push(l, &entry.lot, open & !entry.boxed);
+        boxed.push(l, &entry.lot, to_boxes);
+        axis.push(l, &entry.lot, to_axis);
     }
 
     /// A box round and a box inside each.
@@ -289,7 +297,11 @@ impl<T: Trust> Decide<'_, T> {
         scatter(touching, lot, settled.touching & open);
         self.report.count(Rung::Boxes, count((settled.apart | settled.touching) & open));
         let open = open & !(settled.apart | settled.touching);
-        let handed_on = if T::HANDS_ON { open & aligned } else { 0 };
+        let handed_on = match (self.frame.has_vertices(), T::HANDS_ON) {
+            (false, _) => open,
+            (true, true) => open & aligned,
+            (true, false) => 0,
+        };
         for lane in LanesOf(handed_on) {
             // The closed form of boxes needs no axis.
             left.push(Left { number: lot.number.0[lane], axes: [Vec3::ZERO; 2] });
@@ -300,7 +312,7 @@ impl<T: Trust> Decide<'_, T> {
     /// The axis between the centres, and the cone.
     #[inline(always)]
     fn centre_axis<L: Lanes>(&mut self, l: L) {
-        let Scratch { touching, desk, lot, axis, second, .. } = &mut *self.scratch;
+        let Scratch { touching, desk, lot, axis, near, second, .. } = &mut *self.scratch;
         let taken = axis.take(l, lot);
         let open = used(taken);
         let mut at = Place { frame: self.frame, desk };
@@ -309,7 +321,27 @@ impl<T: Trust> Decide<'_, T> {
         scatter(touching, lot, cone);
         self.report.count(Rung::CentreAxis, count(apart));
         self.report.count(Rung::Cone, count(cone));
-        second.push(l, lot, open & !(apart | cone));
+        let open = open & !(apart | cone);
+        let rounded = l.bits(l.lt(l.splat(0.0), lot.number(l, Number::Radius)));
+        second.push(l, lot, open & !rounded);
+        if open & rounded != 0 {
+            nearest::begin(l, lot);
+            near.push(l, lot, open & rounded);
+        }
+    }
+
+    /// A nearer point of two cores. Where there is none they overlap, as a portal may prove.
+    #[inline(always)]
+    fn nearer<L: Lanes>(&mut self, l: L) {
+        let Scratch { touching, desk, lot, near, second, .. } = &mut *self.scratch;
+        let taken = near.take(l, lot);
+        let open = used(taken);
+        let mut at = Place { frame: self.frame, desk };
+        let (settled, stuck) = nearest::round::<L, T>(l, &mut at, lot, taken);
+        scatter(touching, lot, settled.touching & open);
+        self.report.count(Rung::Portal, count((settled.apart | settled.touching) & open));
+        second.push(l, lot, stuck & open);
+        near.push(l, lot, open & !(settled.apart | settled.touching | stuck));
     }
 
     /// The cone of two points.

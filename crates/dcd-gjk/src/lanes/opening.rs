@@ -2,7 +2,7 @@
 
 use super::bounds::{HULL_OF_BALL, OUTER_BALLS, SEPARATION, SIZE, U};
 use super::certificate::{Trust, ball_holds_origin, hull_holds_origin, separates};
-use super::frame::Frame;
+use super::frame::{BOXED, Frame, LIVE};
 use super::lot::{Lot, Number, Vector};
 use super::support::{Desk, supports};
 use super::vector::V3;
@@ -24,7 +24,7 @@ pub(super) struct Entry {
     /// the inner radii, the swept radii, the slacks, the outer radii, the sizes, and of what the
     /// choice of the vertices may lose.
     sums: [Row; WIDTH],
-    /// The lanes in use whose objects have vertices.
+    /// The lanes in use of which both objects are marked as live.
     pub(super) live: u32,
     /// Those whose objects both have boxes.
     pub(super) boxed: u32,
@@ -53,8 +53,9 @@ impl Entry {
             sums[6] = a.outer + b.outer;
             sums[7] = a.size + b.size;
             sums[8] = a.choice + b.choice;
-            self.live |= u32::from(a.blocks.min(b.blocks) > 0) << k;
-            self.boxed |= (a.boxed & b.boxed) << k;
+            let both = a.marks & b.marks;
+            self.live |= u32::from(both & LIVE != 0) << k;
+            self.boxed |= u32::from(both & BOXED != 0) << k;
         }
     }
 

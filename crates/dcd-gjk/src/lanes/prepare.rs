@@ -1,7 +1,11 @@
 //! Objects made ready: vertices rotated, balls bounded, boxes found.
 
+mod forms;
+
+pub(super) use forms::constants;
+
 use super::bounds::{CENTRE, CHOICE, ROTATED, TURNED, U};
-use super::frame::{BoxRecord, Part, Record};
+use super::frame::{BOXED, BoxRecord, Form, LIVE, Part, Record};
 use super::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::lanes::{Block, Kernel, Lanes, Row, WIDTH, prefetch};
@@ -20,6 +24,18 @@ impl Kernel for Prepare<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
+        match self.part.form {
+            Form::Any => self.any(l),
+            Form::Spheres => self.spheres(),
+            Form::Cuboids => self.cuboids(),
+        }
+    }
+}
+
+impl Prepare<'_> {
+    /// Of any kinds, each from its vertices.
+    #[inline(always)]
+    fn any<L: Lanes>(self, l: L) {
         let mut blocks = self.part.blocks;
         // The largest x, y, z and the largest −x, −y, −z of sixteen objects, lane by lane.
         let mut extremes = [[Row::default(); WIDTH]; 6];
@@ -37,7 +53,7 @@ impl Kernel for Prepare<'_> {
                 let core = &self.scene.cores().cores()[self.scene.shape_of()[object] as usize];
                 let pose = &self.scene.poses()[object];
                 *record = place(record, core, pose);
-                if record.boxed == 1 {
+                if record.marks & BOXED != 0 {
                     let shape = self.scene.shape_of()[object] as usize;
                     boxes[group * WIDTH + lane] = turn(&twin_boxes[shape], record, pose);
                 }
@@ -72,15 +88,17 @@ fn look_ahead(scene: &Scene, object: usize) {
     }
 }
 
-/// Everything of a record but its vertices.
+/// Everything of a record but its vertices, for this pose and any that departs from a rotation by
+/// less than [`TURNED`].
 #[inline(always)]
 fn place(record: &Record, core: &Core, pose: &Pose) -> Record {
-    let stretch = 1.0 + pose.deviation();
+    let deviation = pose.deviation().max(TURNED);
+    let stretch = 1.0 + deviation;
     let t = pose.translation();
     let centre = *pose.rotation() * core.centre + t;
     let slack = CENTRE * (f64::EPSILON / 2.0) * (t.abs().max_element() + core.reach * stretch);
     let tag = record.blocks.next_power_of_two() * WIDTH as u32 - 1;
-    let inner = core.inner * (1.0 - pose.deviation()) + core.radius;
+    let inner = core.inner * (1.0 - deviation) + core.radius;
     Record {
         centre: centre.to_array(),
         first: record.first,
@@ -91,7 +109,8 @@ fn place(record: &Record, core: &Core, pose: &Pose) -> Record {
         size: above(core.outer * stretch),
         radius: above(core.radius),
         slack: above(slack),
-        boxed: u32::from(core.has_twin_box && pose.deviation() < TURNED),
+        marks: if core.has_twin_box && pose.deviation() < TURNED { BOXED } else { 0 }
+            | if record.blocks > 0 { LIVE } else { 0 },
         choice: above(core.outer * stretch * f64::from(tag) * CHOICE),
     }
 }
@@ -101,7 +120,7 @@ fn place(record: &Record, core: &Core, pose: &Pose) -> Record {
 #[inline(always)]
 fn turn(twin_box: &LaneBox, record: &Record, pose: &Pose) -> BoxRecord {
     let mut numbers = Row::default();
-    let margin = 4.0 * pose.deviation() * f64::from(record.size);
+    let margin = 4.0 * pose.deviation().max(TURNED) * f64::from(record.size);
     for axis in 0..3 {
         let edge = *pose.rotation() * twin_box.axes[axis].as_dvec3();
         numbers.0[3 * axis..][..3].copy_from_slice(&edge.as_vec3().to_array());

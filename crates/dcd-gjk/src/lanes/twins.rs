@@ -2,6 +2,9 @@
 //! has them. Where a quantity is farther from its threshold than rounding reaches, stage and twin
 //! must say the same.
 
+mod forms;
+mod nearest;
+
 use super::bounds::{ROTATED, U};
 use super::boxes::{Boxes, twin_boxes};
 use super::certificate::Proved;

@@ -1,0 +1,71 @@
+//! Scenes of one kind whose pairs need no vertices: what depends on a shape alone is written once a
+//! layout, what depends on its pose once a step.
+
+use super::super::bounds::{CENTRE, TURNED};
+use super::super::frame::{BOXED, BoxRecord, LIVE, Record};
+use super::{Prepare, above, place, turn};
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Aabb, Pose, Scene};
+
+/// Writes what depends on the shapes alone, for poses that depart from a rotation by less than
+/// [`TURNED`]. Spheres have no box record.
+pub(in super::super) fn constants(scene: &Scene, records: &mut [Record], boxes: &mut [BoxRecord]) {
+    let (cores, twin_boxes) = (scene.cores().cores(), scene.cores().twin_boxes());
+    for (record, &shape) in records.iter_mut().zip(scene.shape_of()) {
+        *record = place(&Record::default(), &cores[shape as usize], &Pose::IDENTITY);
+        record.marks |= LIVE;
+    }
+    for ((boxes, record), &shape) in boxes.iter_mut().zip(records).zip(scene.shape_of()) {
+        *boxes = turn(&twin_boxes[shape as usize], record, &Pose::IDENTITY);
+    }
+}
+
+impl Prepare<'_> {
+    /// A sphere's centre is its translation; its matrix moves nothing.
+    #[inline(always)]
+    pub(super) fn spheres(self) {
+        let poses = &self.scene.poses()[self.first..];
+        for ((record, pose), aabb) in self.part.records.iter_mut().zip(poses).zip(self.aabbs) {
+            let centre = pose.translation();
+            settle_centre(record, centre);
+            *aabb = around(record, centre, DVec3::splat(record.outer.into()));
+        }
+    }
+
+    /// A cuboid reaches |R|·h from its translation along the world's axes, whatever R departs from
+    /// a rotation by; what it departs by decides whether the lanes may turn the boxes with it.
+    #[inline(always)]
+    pub(super) fn cuboids(self) {
+        let poses = &self.scene.poses()[self.first..];
+        let records = self.part.records.iter_mut().zip(self.part.boxes);
+        for (((record, boxes), pose), aabb) in records.zip(poses).zip(self.aabbs) {
+            let (centre, rotation) = (pose.translation(), pose.rotation());
+            settle_centre(record, centre);
+            record.marks = if pose.deviation() < TURNED { BOXED | LIVE } else { 0 };
+            let numbers = &mut boxes.numbers.0;
+            let columns = rotation.to_cols_array();
+            for k in 0..9 {
+                numbers[k] = columns[k] as f32;
+            }
+            let reach = rotation.x_axis.abs() * f64::from(numbers[9])
+                + rotation.y_axis.abs() * f64::from(numbers[10])
+                + rotation.z_axis.abs() * f64::from(numbers[11]);
+            *aabb = around(record, centre, reach);
+        }
+    }
+}
+
+/// The record of a shape whose centre is the origin of its frame.
+#[inline(always)]
+fn settle_centre(record: &mut Record, centre: DVec3) {
+    let size = centre.abs().max_element() + f64::from(record.size);
+    record.centre = centre.to_array();
+    record.slack = above(CENTRE * (f64::EPSILON / 2.0) * size);
+}
+
+/// What reaches so far from the centre, and what both may be off by.
+#[inline(always)]
+fn around(record: &Record, centre: DVec3, reach: DVec3) -> Aabb {
+    let reach = reach + f64::from(record.slack);
+    Aabb::outward(centre - reach, centre + reach)
+}
