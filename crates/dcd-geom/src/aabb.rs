@@ -17,6 +17,11 @@ impl Aabb {
     pub const EMPTY: Self =
         Self { min: Vec3::splat(f32::INFINITY), max: Vec3::splat(f32::NEG_INFINITY) };
 
+    /// The box of all there is, which overlaps every box but the empty one. Not a valid box of an
+    /// object.
+    pub const EVERYTHING: Self =
+        Self { min: Vec3::splat(f32::NEG_INFINITY), max: Vec3::splat(f32::INFINITY) };
+
     /// How far an object may reach along an axis, in metres: a power of two that leaves room to
     /// add two coordinates and to scale them by a rounding bound without overflow in f32.
     pub const LIMIT: f64 = 1.0e37;

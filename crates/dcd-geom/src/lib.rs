@@ -9,6 +9,7 @@
 
 mod aabb;
 mod ball;
+mod bound;
 mod core;
 mod curved;
 mod divide;
@@ -30,6 +31,7 @@ mod twin_box;
 
 pub use aabb::Aabb;
 pub use ball::Ball;
+pub use bound::Bound;
 pub use core::{Core, Cores, LaneBox};
 pub use curved::{Curved, CurvedKind};
 pub use divide::Divide;

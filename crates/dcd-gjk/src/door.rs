@@ -178,7 +178,8 @@ impl<A> Findings<'_, A> {
 /// After `lay_out` and after `prepare` on parts that cover every object once, in any order and on
 /// any threads, `decide` files every pair that it is given exactly once, contacts in the order of
 /// the pairs. A verdict depends on the two objects alone: not on the other pairs, their order, the
-/// scratch memory or the cut. The boxes that `prepare` writes contain the objects.
+/// scratch memory or the cut. The boxes that `prepare` writes contain the objects, and where
+/// `growth` is known lie in the objects' bounds swept by it.
 ///
 /// Objects in no pair need not be prepared. Laid out again for a scene of the same
 /// [`Scene::layout`], a frame keeps what it holds of every object, so that one that has not moved
@@ -199,6 +200,13 @@ pub trait NarrowPhase: Sync {
         Self: 'f;
     /// Memory that a thread reuses from slice to slice.
     type Scratch: Default + Send;
+
+    /// By how much, metres, the box of an object may reach beyond its [`dcd_geom::Bound`]: half of a
+    /// margin, say. Whoever asks for few of many objects prepares those alone whose bounds, so
+    /// grown, overlap something. `None`: not known, and every object must be prepared.
+    fn growth(&self) -> Option<f64> {
+        None
+    }
 
     /// Makes room for every object of the scene: offsets only.
     fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f>;

@@ -96,6 +96,10 @@ impl<G: PairSolver> NarrowPhase for EachPair<G> {
         Self: 'f;
     type Scratch = G::Scratch;
 
+    fn growth(&self) -> Option<f64> {
+        Some(self.0.margin() / 2.0)
+    }
+
     fn lay_out(&self, scene: &Scene, (): &mut ()) -> Nothing {
         Nothing(scene.len())
     }

@@ -3,7 +3,7 @@
 use crate::{Contact, Findings, NarrowPhase, Report, Rung, Undecided};
 use dcd_geom::glam::DVec3;
 use dcd_geom::law::Broken;
-use dcd_geom::{Aabb, Divide, Pair, Scene, SupportMap};
+use dcd_geom::{Aabb, Bound, Divide, Pair, Scene, SupportMap};
 use std::fmt::Debug;
 
 /// Tests the law of [`NarrowPhase`] on a scene and pairs of its objects, each at most once.
@@ -18,6 +18,9 @@ where
     let mut frame = N::Frame::default();
     let aabbs = prepared(narrow, scene, &mut frame, usize::MAX);
     boxes_contain_their_objects(scene, &aabbs)?;
+    if let Some(growth) = narrow.growth() {
+        bounds_contain_their_boxes(scene, &aabbs, growth)?;
+    }
     let whole = decided(narrow, scene, &frame, pairs, &mut N::Scratch::default());
     whole.files_each_once(pairs)?;
 
@@ -184,6 +187,17 @@ fn boxes_contain_their_objects(scene: &Scene, aabbs: &[Aabb]) -> Result<(), Brok
             if !holds(aabb, world - room, world + room) {
                 return Err(Broken(format!("{aabb:?} of object {i} does not hold {world}")));
             }
+        }
+    }
+    Ok(())
+}
+
+fn bounds_contain_their_boxes(scene: &Scene, aabbs: &[Aabb], growth: f64) -> Result<(), Broken> {
+    for (i, (aabb, pose)) in aabbs.iter().zip(scene.poses()).enumerate() {
+        let Some(bound) = Bound::of(scene.shape(i)) else { continue };
+        let bound = bound.swept(growth).aabb(pose);
+        if !bound.contains(aabb) {
+            return Err(Broken(format!("{bound:?} of object {i} does not hold {aabb:?}")));
         }
     }
     Ok(())

@@ -75,6 +75,10 @@ impl<R: Library> NarrowPhase for ParryShapes<R> {
     type Part<'f> = ShapesPart<'f, R>;
     type Scratch = ();
 
+    fn growth(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
     fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut ShapesFrame<R>) -> ShapesPart<'f, R> {
         if !frame.forms.as_ref().is_some_and(|forms| forms.fit(scene)) {
             let made = self.made.as_ref().filter(|forms| forms.fit(scene)).cloned();

@@ -110,6 +110,10 @@ impl NarrowPhase for Overlap {
     type Part<'f> = Part<'f>;
     type Scratch = Scratch;
 
+    fn growth(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
     fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Frame) -> Part<'f> {
         frame.lay_out(scene)
     }
@@ -135,6 +139,10 @@ impl NarrowPhase for OverlapUnproved {
     type Frame = Frame;
     type Part<'f> = Part<'f>;
     type Scratch = Scratch;
+
+    fn growth(&self) -> Option<f64> {
+        Some(0.0)
+    }
 
     fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Frame) -> Part<'f> {
         frame.lay_out(scene)

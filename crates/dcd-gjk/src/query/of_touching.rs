@@ -53,6 +53,10 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for OfTouching<S, N> {
         Self: 'f;
     type Scratch = Scratch<N::Scratch, N::Answer, S::Scratch>;
 
+    fn growth(&self) -> Option<f64> {
+        self.narrow.growth()
+    }
+
     fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
         self.narrow.lay_out(scene, frame)
     }

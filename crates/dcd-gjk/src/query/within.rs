@@ -92,6 +92,10 @@ impl<N: NarrowPhase> NarrowPhase for Within<N> {
         Self: 'f;
     type Scratch = N::Scratch;
 
+    fn growth(&self) -> Option<f64> {
+        self.narrow.growth().map(|own| own + self.half())
+    }
+
     fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
         frame.grown.follow(scene, self.half());
         let grown = match &frame.grown {

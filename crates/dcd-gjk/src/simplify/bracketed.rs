@@ -44,6 +44,10 @@ impl NarrowPhase for Bracketed {
     type Part<'f> = Nothing;
     type Scratch = ();
 
+    fn growth(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
     fn lay_out(&self, scene: &Scene, (): &mut ()) -> Nothing {
         Nothing::of(scene.len())
     }
