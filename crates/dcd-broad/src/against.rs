@@ -1,8 +1,9 @@
 //! Boxes against a tree that stands still.
 
+use crate::{BoxRow, BoxSet};
 use dcd_bvh::{Sixteen, WideBvh};
 use dcd_exec::{Exec, Segments};
-use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
+use dcd_geom::lanes::{IndexRow, Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{Aabb, Pair};
 
 /// A wide tree over boxes that stay, asked for the boxes that other boxes overlap.
@@ -11,7 +12,8 @@ use dcd_geom::{Aabb, Pair};
 #[derive(Clone, Debug)]
 pub struct StandingTree {
     tree: WideBvh,
-    names: Vec<u32>,
+    /// For each leaf the names of its boxes; lanes past the end name any.
+    names: Vec<IndexRow>,
     path: Path,
 }
 
@@ -44,7 +46,9 @@ impl StandingTree {
     pub fn build(&mut self, boxes: Named, exec: Exec) {
         self.tree.build(boxes.aabbs, exec);
         self.names.clear();
-        self.names.extend_from_slice(boxes.names);
+        // Lanes past the end are 0, which is a box wherever there is a leaf.
+        let name = |id: u32| boxes.names[id as usize];
+        self.names.extend(self.tree.ids().iter().map(|ids| IndexRow(ids.0.map(name))));
     }
 
     /// Replaces `out` by the pairs i < j of a name asked for and a name that stays whose closed
@@ -70,65 +74,182 @@ impl StandingTree {
         let search = Search { tree: &self.tree, names: &self.names, asked, keep: &keep, out };
         dispatch_on(self.path, search);
     }
+
+    /// Which of the boxes of a row, out of those that `which` has, overlap any that
+    /// stays.
+    pub fn reached(&self, asked: &BoxRow, which: BoxSet) -> BoxSet {
+        dispatch_on(self.path, Reach { tree: &self.tree, asked, which })
+    }
+}
+
+/// Which boxes of a row overlap any of a tree.
+struct Reach<'a> {
+    tree: &'a WideBvh,
+    asked: &'a BoxRow,
+    which: BoxSet,
+}
+
+impl Kernel for Reach<'_> {
+    type Output = BoxSet;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> BoxSet {
+        let mut reached = 0;
+        for (k, boxes) in self.asked.boxes.iter().enumerate() {
+            let which = (self.which >> (k * WIDTH)) as u32 & 0xffff;
+            if which != 0 {
+                reached |= BoxSet::from(self.sixteen(l, boxes, which)) << (k * WIDTH);
+            }
+        }
+        reached
+    }
+}
+
+impl Reach<'_> {
+    /// Of sixteen boxes those that overlap any: at the top all at once, below one by one.
+    #[inline(always)]
+    fn sixteen<L: Lanes>(&self, l: L, boxes: &Sixteen, which: u32) -> u32 {
+        let Some((top, below)) = self.tree.levels().split_last() else { return 0 };
+        let children = below.last().map_or(self.tree.leaves().len(), Vec::len);
+        let mut open = which;
+        for child in 0..children.min(WIDTH) {
+            let union = Spread::<L>::lane(l, &top[0], child);
+            let mut near = open & union.overlaps(l, boxes);
+            while near != 0 {
+                let k = near.trailing_zeros() as usize;
+                near &= near - 1;
+                let asked = Spread::lane(l, boxes, k);
+                if self.any_below(l, child, &asked) {
+                    open &= !(1 << k);
+                }
+            }
+        }
+        which & !open
+    }
+
+    /// Whether a box overlaps any below a child of the top.
+    #[inline(always)]
+    fn any_below<L: Lanes>(&self, l: L, child: usize, asked: &Spread<L>) -> bool {
+        let height = self.tree.levels().len() - 1;
+        if height == 0 {
+            return asked.overlaps(l, &self.tree.leaves()[child]) != 0;
+        }
+        let mut walk = Walk::from(height, child as u32);
+        while let Some(leaf) = walk.next(l, self.tree, asked) {
+            if asked.overlaps(l, &self.tree.leaves()[leaf]) != 0 {
+                return true;
+            }
+        }
+        false
+    }
 }
 
 /// The pairs of some boxes with those of a tree.
 struct Search<'a, K> {
     tree: &'a WideBvh,
-    names: &'a [u32],
+    names: &'a [IndexRow],
     asked: Named<'a>,
     keep: &'a K,
     out: &'a mut Vec<Pair>,
 }
-
-/// Height and number of the nodes still to be asked: at most sixteen for each level but the
-/// lowest, and a u32 counts the boxes of at most eight levels.
-type Stack = [(usize, usize); 8 * WIDTH];
 
 impl<K: Fn(u32, u32) -> bool> Kernel for Search<'_, K> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
-        let Some(top) = self.tree.levels().len().checked_sub(1) else { return };
-        let mut stack: Stack = [(0, 0); 8 * WIDTH];
         for k in 0..self.asked.aabbs.len() {
             let asked = Spread::of(l, &self.asked.aabbs[k]);
-            stack[0] = (top, 0);
-            let mut waiting = 1;
-            while waiting > 0 {
-                waiting -= 1;
-                let (height, node) = stack[waiting];
-                let mut below = asked.overlaps(l, &self.tree.levels()[height][node]);
-                while below != 0 {
-                    let child = node * WIDTH + below.trailing_zeros() as usize;
-                    below &= below - 1;
-                    if height > 0 {
-                        stack[waiting] = (height - 1, child);
-                        waiting += 1;
-                    } else {
-                        let hits = asked.overlaps(l, &self.tree.leaves()[child]);
-                        self.emit(self.asked.names[k], child, hits);
-                    }
-                }
+            let mut walk = Walk::from(self.tree.levels().len(), 0);
+            while let Some(leaf) = walk.next(l, self.tree, &asked) {
+                let hits = asked.overlaps(l, &self.tree.leaves()[leaf]);
+                self.emit(l, self.asked.names[k], leaf, hits);
             }
         }
+    }
+}
+
+/// A way down a tree and back, from leaf to leaf that a box may overlap.
+struct Walk {
+    /// Above which level it begins, and on which one it is, from the lowest.
+    start: usize,
+    height: usize,
+    /// Where it begins.
+    root: u32,
+    /// Where it is on each level, and which of the children there it has still to see. A u32 counts
+    /// the boxes of at most eight levels.
+    nodes: [u32; 8],
+    children: [u32; 8],
+}
+
+impl Walk {
+    /// From the node of that number on the level below that height.
+    #[inline(always)]
+    fn from(start: usize, root: u32) -> Self {
+        Self { start, height: start, root, nodes: [0; 8], children: [0; 8] }
+    }
+
+    /// The next leaf whose union the box overlaps.
+    #[inline(always)]
+    fn next<L: Lanes>(&mut self, l: L, tree: &WideBvh, asked: &Spread<L>) -> Option<usize> {
+        if self.height == self.start {
+            self.enter(l, tree, asked, self.root)?;
+        }
+        loop {
+            let children = &mut self.children[self.height];
+            let first = self.nodes[self.height] << WIDTH.trailing_zeros();
+            if *children == 0 {
+                self.height += 1;
+                if self.height == self.start {
+                    return None;
+                }
+            } else if self.height == 0 {
+                let child = first + children.trailing_zeros();
+                *children &= *children - 1;
+                return Some(child as usize);
+            } else {
+                // The last one first, as from a stack.
+                let last = u32::BITS - 1 - children.leading_zeros();
+                *children ^= 1 << last;
+                self.enter(l, tree, asked, first + last)?;
+            }
+        }
+    }
+
+    /// Goes down to a node. `None` where there is no level below.
+    #[inline(always)]
+    fn enter<L: Lanes>(
+        &mut self,
+        l: L,
+        tree: &WideBvh,
+        asked: &Spread<L>,
+        node: u32,
+    ) -> Option<()> {
+        self.height = self.height.checked_sub(1)?;
+        self.nodes[self.height] = node;
+        self.children[self.height] = asked.overlaps(l, &tree.levels()[self.height][node as usize]);
+        Some(())
     }
 }
 
 impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
     /// Appends the pairs of one name with the lanes `hits` of a leaf.
     #[inline(always)]
-    fn emit(&mut self, asked: u32, leaf: usize, mut hits: u32) {
-        while hits != 0 {
-            let lane = hits.trailing_zeros() as usize;
-            hits &= hits - 1;
-            let stays = self.names[self.tree.ids()[leaf].0[lane] as usize];
-            let pair = Pair::new(asked, stays);
-            if (self.keep)(pair.i, pair.j) {
-                self.out.push(pair);
-            }
+    fn emit<L: Lanes>(&mut self, l: L, asked: u32, leaf: usize, hits: u32) {
+        let names = l.compress_u(l.mask(hits), l.load_u(&self.names[leaf]));
+        // Sixteen are written and the surplus taken back: a copy of fixed length has no loop.
+        let mut pairs = [Pair::default(); WIDTH];
+        l.store_pairs(names, l.splat_u(asked), &mut pairs);
+        let start = self.out.len();
+        self.out.extend_from_slice(&pairs);
+        self.out.truncate(start + hits.count_ones() as usize);
+        let new = &mut self.out[start..];
+        let mut kept = 0;
+        for k in 0..new.len() {
+            new[kept] = new[k];
+            kept += usize::from((self.keep)(new[k].i, new[k].j));
         }
+        self.out.truncate(start + kept);
     }
 }
 
@@ -146,6 +267,16 @@ impl<L: Lanes> Spread<L> {
         Self {
             min: [l.splat(min.x), l.splat(min.y), l.splat(min.z)],
             max: [l.splat(max.x), l.splat(max.y), l.splat(max.z)],
+        }
+    }
+
+    /// One of sixteen.
+    #[inline(always)]
+    fn lane(l: L, boxes: &Sixteen, k: usize) -> Self {
+        let [min, max] = [&boxes.min, &boxes.max];
+        Self {
+            min: [l.splat(min[0].0[k]), l.splat(min[1].0[k]), l.splat(min[2].0[k])],
+            max: [l.splat(max[0].0[k]), l.splat(max[1].0[k]), l.splat(max[2].0[k])],
         }
     }
 
@@ -214,6 +345,25 @@ mod tests {
                     expected.sort_unstable();
                     assert_eq!(told, expected, "{stay} and {ask} on {path:?}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_box_is_reached_where_it_has_a_pair_on_every_path_and_at_every_size() {
+        for stay in [0, 1, 17, 300, 5000] {
+            let (stays, asks) = (boxes(stay, 0.37), boxes(stay / 2 + 64, 0.61));
+            let asks = &asks[asks.len() - 64..];
+            let names: Vec<u32> = (0..stay as u32).collect();
+            let mut row = BoxRow::default();
+            asks.iter().enumerate().for_each(|(k, aabb)| row.set(k, aabb));
+            let which = 0xffff_f0f0_ffff_0ff3;
+            let meets = |k: &usize| stays.iter().any(|stay| stay.overlaps(&asks[*k]));
+            let due = (0..64).filter(meets).fold(0, |bits, k| bits | 1 << k) & which;
+            for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+                let mut tree = StandingTree::on(path);
+                tree.build(Named { aabbs: &stays, names: &names }, Par::Serial.into());
+                assert_eq!(tree.reached(&row, which), due, "{stay} on {path:?}");
             }
         }
     }

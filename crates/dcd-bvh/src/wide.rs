@@ -95,7 +95,9 @@ impl Sixteen {
         }
     }
 
-    fn set(&mut self, k: usize, aabb: &Aabb) {
+    /// Replaces box k, which must be below sixteen.
+    #[inline]
+    pub fn set(&mut self, k: usize, aabb: &Aabb) {
         for (row, x) in self.min.iter_mut().zip(aabb.min.to_array()) {
             row.0[k] = x;
         }
