@@ -1,7 +1,9 @@
 //! One against many: what does not enter the scene, against obstacles that stand still.
 
 mod desk;
+mod first;
 mod linkage;
+mod outlook;
 mod probe;
 
 pub use linkage::Linkage;
@@ -59,7 +61,7 @@ impl<N: NarrowPhase> World<N> {
     /// Ready to ask for configurations of these links, again and again.
     ///
     /// # Errors
-    /// More shapes or objects than a u32 counts: a probe holds 64 objects for each link.
+    /// More shapes or objects than a u32 counts: a probe holds 128 objects for each link.
     pub fn probe(&self, linkage: Linkage) -> Result<Probe<'_, N>, SceneError> {
         Probe::new(self, linkage)
     }

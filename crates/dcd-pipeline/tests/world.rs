@@ -3,8 +3,8 @@
 use dcd_broad::BruteForce;
 use dcd_exec::with_threads;
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Filter, Object, Pose, Scene, SceneError, Shape};
-use dcd_gjk::{Certified, EachPair, PairSolver, Placed, Reason, Rung, Verdict};
+use dcd_geom::{Aabb, Filter, Object, Pair, Pose, Scene, SceneError, Shape};
+use dcd_gjk::{Certified, EachPair, Findings, PairSolver, Placed, Reason, Rung, Verdict, Within};
 use dcd_pipeline::{Finding, Linkage, NarrowPhase, Other, Overlap, Par, Pipeline, World};
 use dcd_scenes::SceneSpec;
 
@@ -200,4 +200,78 @@ fn no_obstacle_and_no_link_are_legal_and_touch_nothing() {
     assert_eq!(count(&empty, ball().against_itself(&[]).unwrap(), &[Pose::IDENTITY; 4]), 2);
     let world = World::new(&obstacles(), Overlap::default(), Par::Serial).unwrap();
     assert_eq!(count(&world, Linkage::new(vec![]), &[]), 0);
+}
+
+/// Says nothing of how far its boxes reach, so that every link is posed and prepared.
+struct Blind<N>(N);
+
+impl<N: NarrowPhase> NarrowPhase for Blind<N> {
+    type Answer = N::Answer;
+    type Frame = N::Frame;
+    type Part<'f>
+        = N::Part<'f>
+    where
+        Self: 'f;
+    type Scratch = N::Scratch;
+
+    fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut N::Frame) -> N::Part<'f> {
+        self.0.lay_out(scene, frame)
+    }
+
+    fn prepare(&self, scene: &Scene, first: usize, part: N::Part<'_>, aabbs: &mut [Aabb]) {
+        self.0.prepare(scene, first, part, aabbs);
+    }
+
+    fn decide(
+        &self,
+        scene: &Scene,
+        frame: &N::Frame,
+        pairs: &[Pair],
+        scratch: &mut N::Scratch,
+        findings: &mut Findings<'_, N::Answer>,
+    ) {
+        self.0.decide(scene, frame, pairs, scratch, findings);
+    }
+}
+
+/// Of every kind that a bound is made of in a way of its own, one far from its frame's origin, and
+/// a half-space, which has none.
+fn of_every_kind() -> Vec<Shape> {
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let far = DVec3::new(3.0, -2.0, 0.5);
+    let place = Pose::from_translation(DVec3::new(0.0, 0.7, -0.2)).unwrap();
+    vec![
+        Shape::hull(corners.map(|v| v * 0.6 + far).to_vec()).unwrap(),
+        Shape::cylinder(0.5, 0.1).unwrap().rounded(0.05).unwrap(),
+        Shape::mesh(corners.to_vec(), vec![[0, 1, 2], [1, 2, 3]]).unwrap(),
+        Shape::compound(vec![
+            (Shape::cuboid(DVec3::splat(0.2)).unwrap(), place),
+            (Shape::cone(0.3, 0.2).unwrap(), Pose::IDENTITY),
+        ])
+        .unwrap(),
+        Shape::half_space(DVec3::Z, -2.0).unwrap(),
+    ]
+}
+
+#[test]
+fn what_bounds_pass_over_touches_nothing_whatever_the_shapes_and_the_margin() {
+    fn run<N: NarrowPhase<Answer = ()>>(narrow: N) -> (Vec<Finding<()>>, Vec<Option<Finding<()>>>) {
+        let world = World::new(&obstacles(), narrow, Par::Serial).unwrap();
+        let linkage = Linkage::new(of_every_kind()).against_itself(&[(1, 3)]).unwrap();
+        let mut probe = world.probe(linkage).unwrap();
+        let all = probe.all(&poses(), Par::Serial).unwrap().iter().collect();
+        (all, probe.first(&poses(), Par::Serial).unwrap().to_vec())
+    }
+    fn check<N: NarrowPhase<Answer = ()> + Clone>(narrow: N) -> usize {
+        let (all, first) = run(narrow.clone());
+        let (due, due_first) = run(Blind(narrow));
+        assert!(all == due && first == due_first);
+        for link in 0..5 {
+            assert!(all.iter().any(|found| found.link == link && found.touches()), "{link}");
+        }
+        all.len()
+    }
+    let touching = check(Overlap::default());
+    let within = check(Within::margin(0.25).unwrap());
+    assert!(touching > 100 && within > touching, "{touching} and {within}");
 }

@@ -1,36 +1,42 @@
 //! A thread's work on a few configurations.
 
+use super::first::Search;
+use super::outlook::{Members, Outlook, ROW, Set};
 use super::probe::{Finding, Other, Probe};
 use dcd_broad::Named;
 use dcd_geom::{Aabb, Divide, Pair, Pose, Scene};
 use dcd_gjk::{Contact, Findings, NarrowPhase, Report, Verdict};
 use std::ops::Range;
 
-/// How many configurations are worked on at once, and objects a row has: enough for full lanes
-/// when a few links are asked for, few enough for their vertices to stay near.
-pub(super) const ROW: usize = 64;
-
-/// A scene of the obstacles and of a row of objects for each link, made ready again and again:
-/// only the rows change.
+/// A scene of the obstacles and of a row of objects for each link, made ready again and again.
+///
+/// Links that are near something take the objects of their row one after the other, so that what is
+/// prepared lies without gaps; the rest of a row stays as it was.
 pub(super) struct Desk<N: NarrowPhase> {
     scene: Scene,
     frame: N::Frame,
-    aabbs: Vec<Aabb>,
+    pub(super) aabbs: Vec<Aabb>,
     /// 0, 1, 2, …: what the boxes of the rows are called.
     names: Vec<u32>,
     scratch: N::Scratch,
+    pub(super) outlook: Outlook,
     /// The first configuration, by its number in the batch.
-    start: usize,
+    pub(super) start: usize,
     /// The configurations that are still asked for, counted from the first.
-    open: Vec<u32>,
+    pub(super) open: Set,
+    /// For each link the configurations of which it is posed.
+    pub(super) posed: Vec<Set>,
     /// For each object of the rows the configuration that it stands for.
-    owners: Vec<u32>,
-    /// For each link of each configuration the object that stood for it.
-    slots: Vec<u32>,
-    pairs: Vec<Pair>,
-    contacts: Vec<Contact<N::Answer>>,
-    report: Report,
-    sorting: Sorting<N::Answer>,
+    pub(super) owners: Vec<u32>,
+    /// For each link and configuration the object that stands for it, where it is posed.
+    pub(super) slots: Vec<[u32; ROW]>,
+    /// For each link the objects that were posed last.
+    pub(super) fresh: Vec<Range<usize>>,
+    pub(super) pairs: Vec<Pair>,
+    pub(super) contacts: Vec<Contact<N::Answer>>,
+    pub(super) report: Report,
+    pub(super) search: Search,
+    pub(super) sorting: Sorting<N::Answer>,
 }
 
 impl<N: NarrowPhase> Default for Desk<N> {
@@ -41,20 +47,24 @@ impl<N: NarrowPhase> Default for Desk<N> {
             aabbs: Vec::new(),
             names: Vec::new(),
             scratch: N::Scratch::default(),
+            outlook: Outlook::default(),
             start: 0,
-            open: Vec::new(),
+            open: 0,
+            posed: Vec::new(),
             owners: Vec::new(),
             slots: Vec::new(),
+            fresh: Vec::new(),
             pairs: Vec::new(),
             contacts: Vec::new(),
             report: Report::default(),
+            search: Search::default(),
             sorting: Sorting::default(),
         }
     }
 }
 
 /// Findings to be put in the order of their configurations.
-struct Sorting<A> {
+pub(super) struct Sorting<A> {
     findings: Vec<Finding<A>>,
     /// Where those of each configuration begin.
     starts: [usize; ROW + 1],
@@ -69,111 +79,119 @@ impl<A> Default for Sorting<A> {
 impl<N: NarrowPhase> Desk<N> {
     /// Takes up configurations, at most a row; prepares the obstacles the first time.
     pub(super) fn open(&mut self, probe: &Probe<'_, N>, start: usize, count: usize) {
-        let template = &probe.template;
+        let (template, links) = (&probe.template, probe.linkage.len());
         if self.scene.layout() != template.layout() {
             self.scene = template.clone();
             self.aabbs.resize(template.len(), Aabb::EMPTY);
             self.names.extend((0..).take(template.len()));
-            self.owners.resize(ROW * probe.linkage.len(), 0);
-            self.slots.resize(ROW * probe.linkage.len(), 0);
+            self.owners.resize(ROW * links, 0);
+            self.slots.resize(links, [0; ROW]);
             let part = probe.world.narrow.lay_out(&self.scene, &mut self.frame);
             let ((part, aabbs), _) =
                 (part, &mut self.aabbs[..]).split_at(probe.world.obstacles.len());
             probe.world.narrow.prepare(&self.scene, 0, part, aabbs);
         }
+        self.outlook.open(probe);
+        self.posed.clear();
+        self.posed.resize(links, 0);
         self.start = start;
-        self.open.clear();
-        self.open.extend(0..count as u32);
+        // A row has at least one configuration.
+        self.open = Set::MAX >> (ROW - count);
     }
 
-    /// Poses and prepares some links of the open configurations. The index of the first pose that
-    /// was refused, if any.
-    pub(super) fn place(
-        &mut self,
-        probe: &Probe<'_, N>,
-        links: &Range<usize>,
-        poses: &[Pose],
-    ) -> Option<usize> {
-        let (rows, count) = (probe.world.obstacles.len(), probe.linkage.len());
-        let mut refused: Option<usize> = None;
-        for link in links.clone() {
-            for (place, &own) in self.open.iter().enumerate() {
-                let slot = rows + ROW * link + place;
-                let pose = (self.start + own as usize) * count + link;
-                if self.scene.set_pose(slot, poses[pose]).is_err() {
-                    refused = Some(refused.map_or(pose, |first| first.min(pose)));
-                }
-                self.owners[slot - rows] = own;
-                self.slots[own as usize * count + link] = slot as u32;
+    /// All pairs of the configurations taken up, settled. The index of the first pose that was
+    /// refused, if any.
+    pub(super) fn settle_all(&mut self, probe: &Probe<'_, N>, poses: &[Pose]) -> Option<usize> {
+        let links = probe.linkage.len();
+        for link in 0..links {
+            self.outlook.look(probe, link, self.open, &poses[self.start * links..]);
+        }
+        let refused = self.place(probe, poses);
+        self.pairs.clear();
+        for link in 0..links {
+            self.append_pairs(probe, link);
+        }
+        for (pair, &(k, l)) in probe.linkage.own_pairs.iter().enumerate() {
+            for own in Members(self.outlook.met(pair)) {
+                let met = self.own_pair(own, [k, l]);
+                self.pairs.extend(met);
             }
         }
-        let part = probe.world.narrow.lay_out(&self.scene, &mut self.frame);
-        let mut first = rows + ROW * links.start;
-        let (_, mut rest) = (part, &mut self.aabbs[..]).split_at(first);
-        for _ in links.clone() {
-            let (row, others) = rest.split_at(ROW);
-            let ((part, aabbs), _) = row.split_at(self.open.len());
-            probe.world.narrow.prepare(&self.scene, first, part, aabbs);
-            (first, rest) = (first + ROW, others);
-        }
+        self.decide(probe);
         refused
     }
 
-    /// Finds and settles the pairs of these links of the open configurations: with the obstacles,
-    /// link by link, then with the links before.
-    pub(super) fn decide(&mut self, probe: &Probe<'_, N>, links: &Range<usize>) {
-        let Self { scene, frame, aabbs, names, scratch, open, pairs, contacts, report, .. } = self;
-        pairs.clear();
-        for link in links.clone() {
-            let first = probe.world.obstacles.len() + ROW * link;
-            let row = first..first + open.len();
-            let asked = Named { aabbs: &aabbs[row.clone()], names: &names[row] };
-            if scene.filters_movers() {
-                probe.world.tree.append_pairs(asked, |i, j| scene.allows(i, j), pairs);
-            } else {
-                probe.world.tree.append_pairs(asked, |_, _| true, pairs);
-            }
-        }
-        let count = probe.linkage.len();
-        let own_pairs = &probe.linkage.own_pairs;
-        let own_pairs = own_pairs.iter().filter(|(_, l)| links.contains(&(*l as usize)));
-        for &(k, l) in own_pairs {
-            for &own in &*open {
-                let slot = |link: u32| self.slots[own as usize * count + link as usize];
-                let (k, l) = (slot(k), slot(l));
-                if aabbs[k as usize].overlaps(&aabbs[l as usize]) {
-                    pairs.push(Pair::new(k, l));
+    /// Poses and prepares what is near, of the open configurations, and not yet posed. The index of
+    /// the first pose that was refused.
+    pub(super) fn place(&mut self, probe: &Probe<'_, N>, poses: &[Pose]) -> Option<usize> {
+        let (rows, count) = (probe.world.obstacles.len(), probe.linkage.len());
+        let mut refused: Option<usize> = None;
+        self.fresh.clear();
+        for link in 0..count {
+            let first = rows + ROW * link + self.posed[link].count_ones() as usize;
+            let mut slot = first;
+            for own in Members(self.outlook.near(link) & self.open & !self.posed[link]) {
+                let pose = (self.start + own) * count + link;
+                if self.scene.set_pose(slot, poses[pose]).is_err() {
+                    refused = Some(refused.map_or(pose, |first| first.min(pose)));
+                    continue;
                 }
+                self.posed[link] |= 1 << own;
+                self.owners[slot - rows] = own as u32;
+                self.slots[link][own] = slot as u32;
+                slot += 1;
             }
+            self.fresh.push(first..slot);
         }
+        self.prepare(probe);
+        refused
+    }
+
+    /// Prepares what was posed last.
+    fn prepare(&mut self, probe: &Probe<'_, N>) {
+        let Self { scene, frame, aabbs, fresh, .. } = self;
+        let mut rest = (probe.world.narrow.lay_out(scene, frame), &mut aabbs[..]);
+        let mut start = 0;
+        for new in fresh.iter().filter(|new| !new.is_empty()) {
+            let (_, others) = rest.split_at(new.start - start);
+            let ((part, aabbs), others) = others.split_at(new.len());
+            probe.world.narrow.prepare(scene, new.start, part, aabbs);
+            (rest, start) = (others, new.end);
+        }
+    }
+
+    /// Appends the pairs of a link, where it was posed last, with the obstacles: object by object.
+    pub(super) fn append_pairs(&mut self, probe: &Probe<'_, N>, link: usize) {
+        let Self { scene, aabbs, names, fresh, pairs, .. } = self;
+        let new = fresh[link].clone();
+        let asked = Named { aabbs: &aabbs[new.clone()], names: &names[new] };
+        if scene.filters_movers() {
+            probe.world.tree.append_pairs(asked, |i, j| scene.allows(i, j), pairs);
+        } else {
+            probe.world.tree.append_pairs(asked, |_, _| true, pairs);
+        }
+    }
+
+    /// The pair of two links of one configuration, if their boxes overlap.
+    pub(super) fn own_pair(&self, own: usize, links: [u32; 2]) -> Option<Pair> {
+        let links = links.map(|link| link as usize);
+        // Of a pose that was refused there is no object.
+        if links.iter().any(|&link| self.posed[link] >> own & 1 == 0) {
+            return None;
+        }
+        let [k, l] = links.map(|link| self.slots[link][own]);
+        let overlap = self.aabbs[k as usize].overlaps(&self.aabbs[l as usize]);
+        overlap.then(|| Pair::new(k, l))
+    }
+
+    /// Settles the pairs.
+    pub(super) fn decide(&mut self, probe: &Probe<'_, N>) {
+        let Self { scene, frame, scratch, pairs, contacts, report, .. } = self;
         contacts.clear();
         report.clear();
         let mut findings = Findings { contacts, report };
         probe.world.narrow.decide(scene, frame, pairs, scratch, &mut findings);
         report.sort();
-    }
-
-    /// Writes the first finding of each open configuration, and closes those that touch.
-    pub(super) fn keep_first(
-        &mut self,
-        probe: &Probe<'_, N>,
-        found: &mut [Option<Finding<N::Answer>>],
-    ) {
-        for contact in &self.contacts {
-            let verdict = Verdict::Touching(contact.answer);
-            let (own, finding) = self.finding(probe, contact.pair, verdict);
-            let place = |finding: &Finding<_>| (finding.link, finding.other);
-            let known = found[own].as_ref().filter(|known| known.touches());
-            if known.is_none_or(|known| place(&finding) < place(known)) {
-                found[own] = Some(finding);
-            }
-        }
-        for undecided in self.report.undecided() {
-            let verdict = Verdict::Undecided(undecided.reason);
-            let (own, finding) = self.finding(probe, undecided.pair, verdict);
-            found[own].get_or_insert(finding);
-        }
-        self.open.retain(|&own| !found[own as usize].as_ref().is_some_and(Finding::touches));
     }
 
     /// Appends all findings, configuration by configuration.
@@ -203,7 +221,7 @@ impl<N: NarrowPhase> Desk<N> {
     }
 
     /// A pair of the scene as a finding, and its configuration counted from the first.
-    fn finding(
+    pub(super) fn finding(
         &self,
         probe: &Probe<'_, N>,
         Pair { i, j }: Pair,

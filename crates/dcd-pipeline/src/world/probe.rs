@@ -1,11 +1,11 @@
 //! Configurations of a linkage, asked against a world.
 
-use super::desk::{Desk, ROW};
+use super::desk::Desk;
+use super::outlook::ROW;
 use super::{Linkage, World};
 use dcd_exec::{Exec, PerThread, Segments};
-use dcd_geom::{Object, Pose, Scene, SceneError};
+use dcd_geom::{Bound, Object, Pose, Scene, SceneError};
 use dcd_gjk::{NarrowPhase, Verdict};
-use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What a link touches.
@@ -59,7 +59,10 @@ impl<'p, A: Copy + Send> Found<'p, A> {
 }
 
 /// Asks a world for a linkage's configurations, on many threads, and keeps what that needs: for
-/// each thread the obstacles as the narrow phase prepares them and room for 64 configurations.
+/// each thread the obstacles as the narrow phase prepares them and room for 128 configurations.
+///
+/// A link is prepared only where its [`Bound`] is near something: an obstacle's box, or another
+/// link's bound.
 ///
 /// A batch is the poses of its configurations one after the other, one pose a link. The answers do
 /// not depend on `exec` or on earlier batches. After the first batch a serial one of a like size
@@ -69,9 +72,8 @@ pub struct Probe<'w, N: NarrowPhase = dcd_gjk::Overlap> {
     pub(super) linkage: Linkage,
     /// The obstacles, then a row of objects for each link.
     pub(super) template: Scene,
-    /// Which links are asked for together where the first hit is enough: ever more, so that few
-    /// are prepared in vain.
-    rounds: Vec<Range<usize>>,
+    /// For each link what its box comes from without its vertices, where that is known.
+    pub(super) bounds: Vec<Option<Bound>>,
     desks: PerThread<Desk<N>>,
     first: Vec<Option<Finding<N::Answer>>>,
     all: Segments<Finding<N::Answer>>,
@@ -87,15 +89,11 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
                 template.insert(object)?;
             }
         }
-        let mut rounds = Vec::new();
-        let mut start = 0;
-        while start < linkage.len() {
-            let end = linkage.len().min(2 * start + 1);
-            rounds.push(start..end);
-            start = end;
-        }
+        let growth = world.narrow.growth();
+        let bound = |shape| Some(Bound::of(shape)?.swept(growth?));
+        let bounds = linkage.shapes.iter().map(bound).collect();
         let (desks, first, all) = (PerThread::default(), Vec::new(), Segments::default());
-        Ok(Self { world, linkage, template, rounds, desks, first, all })
+        Ok(Self { world, linkage, template, bounds, desks, first, all })
     }
 
     /// For each configuration a link that touches, if there is one: that of the smallest index, and
@@ -119,11 +117,7 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
         exec.into().divide(&mut first[..], ROW, |start, found| {
             probe.desks.with(|desk| {
                 desk.open(probe, start, found.len());
-                for round in &probe.rounds {
-                    refused.note(desk.place(probe, round, poses));
-                    desk.decide(probe, round);
-                    desk.keep_first(probe, found);
-                }
+                refused.note(desk.find_first(probe, poses, found));
             });
         });
         self.first = first;
@@ -148,10 +142,8 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
         all.fill(exec.into(), count.div_ceil(ROW), |task, out| {
             probe.desks.with(|desk| {
                 let start = ROW * task;
-                let every = 0..probe.linkage.len();
                 desk.open(probe, start, ROW.min(count - start));
-                refused.note(desk.place(probe, &every, poses));
-                desk.decide(probe, &every);
+                refused.note(desk.settle_all(probe, poses));
                 desk.append_all(probe, out);
             });
         });

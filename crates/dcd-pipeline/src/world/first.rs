@@ -1,0 +1,147 @@
+//! The first hit of each configuration of a row.
+
+use super::desk::Desk;
+use super::outlook::{Members, ROW, Set};
+use super::probe::{Finding, Probe};
+use dcd_geom::{Pair, Pose};
+use dcd_gjk::{NarrowPhase, Verdict};
+use std::ops::Range;
+
+/// How far the search of each configuration has come: each goes its own way through its links and
+/// what these are near of, in order, and all are asked together.
+#[derive(Default)]
+pub(super) struct Search {
+    /// For each link, and for none after the last, the configurations in which it is the next.
+    next: Vec<Set>,
+    /// For each link the configurations that have come to it last, where it is near something.
+    here: Vec<Set>,
+    /// The pairs found near, link by link and configuration by configuration.
+    near: Vec<Pair>,
+    /// For each configuration those that are still to be asked for, in the order of the answer.
+    waiting: Vec<Range<usize>>,
+}
+
+/// How many pairs are settled at once, if there are as many. Larger: more are settled in vain, behind
+/// one that touches. Smaller: lanes stay idle.
+const ENOUGH: usize = 128;
+
+impl<N: NarrowPhase> Desk<N> {
+    /// Finds the first hit of each configuration taken up, and writes it. The index of the first
+    /// pose that was refused, if any.
+    pub(super) fn find_first(
+        &mut self,
+        probe: &Probe<'_, N>,
+        poses: &[Pose],
+        found: &mut [Option<Finding<N::Answer>>],
+    ) -> Option<usize> {
+        let Search { next, here, near, waiting } = &mut self.search;
+        here.resize(probe.linkage.len(), 0);
+        next.clear();
+        next.resize(probe.linkage.len() + 1, 0);
+        next[0] = self.open;
+        near.clear();
+        waiting.clear();
+        waiting.resize(ROW, 0..0);
+        let mut refused: Option<usize> = None;
+        while self.open != 0 {
+            if self.advance(probe, poses) {
+                let new = self.place(probe, poses);
+                refused = refused.into_iter().chain(new).min();
+                self.gather(probe);
+            }
+            self.take_turns();
+            self.decide(probe);
+            self.keep_first(probe, found);
+        }
+        refused
+    }
+
+    /// Goes on, in every configuration that waits for nothing, to the next link near something.
+    /// Whether there is any.
+    fn advance(&mut self, probe: &Probe<'_, N>, poses: &[Pose]) -> bool {
+        let links = probe.linkage.len();
+        let row = &poses[self.start * links..];
+        let Search { next, here, waiting, .. } = &mut self.search;
+        let idle = Members(self.open).filter(|&own| waiting[own].is_empty());
+        let idle: Set = idle.fold(0, |set, own| set | 1 << own);
+        let (mut passing, mut found) = (0, 0);
+        for link in 0..links {
+            let look = (next[link] | passing) & idle & !found;
+            next[link] &= !look;
+            here[link] = if look == 0 { 0 } else { self.outlook.look(probe, link, look, row) };
+            passing = look & !here[link];
+            next[link + 1] |= here[link];
+            found |= here[link];
+        }
+        // They have no link left.
+        self.open &= !(idle & !found);
+        found != 0
+    }
+
+    /// Lists what the links come to are near of, in each configuration in order.
+    fn gather(&mut self, probe: &Probe<'_, N>) {
+        for link in 0..probe.linkage.len() {
+            self.pairs.clear();
+            self.append_pairs(probe, link);
+            let mut told = 0;
+            for own in Members(self.search.here[link] & self.posed[link]) {
+                let slot = self.slots[link][own];
+                let first = self.search.near.len();
+                let with_obstacles = self.pairs[told..].iter().take_while(|pair| pair.j == slot);
+                self.search.near.extend(with_obstacles);
+                told += self.search.near.len() - first;
+                for pair in probe.linkage.own_pairs_of(link) {
+                    if self.outlook.met(pair) >> own & 1 == 1 {
+                        let (k, l) = probe.linkage.own_pairs[pair];
+                        let met = self.own_pair(own, [k, l]);
+                        self.search.near.extend(met);
+                    }
+                }
+                self.search.waiting[own] = first..self.search.near.len();
+            }
+        }
+    }
+
+    /// Takes the next pairs of every configuration, few of many or many of few.
+    fn take_turns(&mut self) {
+        let Search { near, waiting, .. } = &mut self.search;
+        let each = (ENOUGH / self.open.count_ones().max(1) as usize).max(1);
+        self.pairs.clear();
+        for own in Members(self.open) {
+            let Range { start, end } = &mut waiting[own];
+            for _ in 0..each.min(*end - *start) {
+                let first = first_of(&near[*start..*end]);
+                near.swap(*start, *start + first);
+                self.pairs.push(near[*start]);
+                *start += 1;
+            }
+        }
+    }
+
+    /// Writes the first finding of each configuration, and closes those that touch.
+    fn keep_first(&mut self, probe: &Probe<'_, N>, found: &mut [Option<Finding<N::Answer>>]) {
+        for contact in &self.contacts {
+            let verdict = Verdict::Touching(contact.answer);
+            let (own, finding) = self.finding(probe, contact.pair, verdict);
+            if !found[own].as_ref().is_some_and(Finding::touches) {
+                found[own] = Some(finding);
+            }
+            self.open &= !(1 << own);
+        }
+        for undecided in self.report.undecided() {
+            let verdict = Verdict::Undecided(undecided.reason);
+            let (own, finding) = self.finding(probe, undecided.pair, verdict);
+            found[own].get_or_insert(finding);
+        }
+    }
+}
+
+/// The place of the pair that comes first in an answer: obstacles ascend, and links come after them.
+/// Few of the pairs are ever asked for, so that sorting them all costs more.
+fn first_of(pairs: &[Pair]) -> usize {
+    let mut first = (u32::MAX, 0);
+    for (place, pair) in pairs.iter().enumerate() {
+        first = if pair.i < first.0 { (pair.i, place) } else { first };
+    }
+    first.1
+}
