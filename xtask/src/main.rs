@@ -29,6 +29,9 @@ enum Task {
     /// Triangle meshes in many poses beside Parry's: answers judged, ratios of times
     #[command(disable_help_flag = true)]
     Meshes(PassedOn),
+    /// Batches of a robot's configurations against obstacles that stand still, beside Parry's
+    #[command(disable_help_flag = true)]
+    Batch(PassedOn),
     /// What each rung of precision costs, and how often and how far it is wrong
     #[command(disable_help_flag = true)]
     Accuracy(PassedOn),
@@ -65,6 +68,7 @@ fn run(task: Task) -> Result<ExitCode> {
         Task::Bench(passed) => measure::run("bench", &passed.arguments),
         Task::Compare(passed) => measure::run("compare", &passed.arguments),
         Task::Meshes(passed) => measure::run("meshes", &passed.arguments),
+        Task::Batch(passed) => measure::run("batch", &passed.arguments),
         Task::Accuracy(passed) => measure::run("accuracy", &passed.arguments),
         Task::Scale(passed) => measure::run("scale", &passed.arguments),
         Task::Results => results::take_in().map(|()| ExitCode::SUCCESS),

@@ -9,8 +9,13 @@ use serde::Deserialize;
 use crate::cargo;
 
 /// Measuring binaries, and their folders in `docs/results`.
-const FOLDERS: [(&str, &str); 4] =
-    [("bench", "paper"), ("compare", "compare"), ("scale", "scale"), ("accuracy", "accuracy")];
+const FOLDERS: [(&str, &str); 5] = [
+    ("bench", "paper"),
+    ("compare", "compare"),
+    ("batch", "batch"),
+    ("scale", "scale"),
+    ("accuracy", "accuracy"),
+];
 
 /// Documents that show tables of the results.
 const DOCUMENTS: [&str; 2] = ["docs/results/README.md", "docs/performance.md"];
