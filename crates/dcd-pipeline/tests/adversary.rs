@@ -3,7 +3,7 @@
 
 use dcd_geom::glam::DVec3;
 use dcd_geom::lanes::Path;
-use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, Shape};
+use dcd_geom::{Aabb, Kind, Pair, Polytope, Pose, Scene, Shape};
 use dcd_gjk::{Body, Findings, NarrowPhase, Overlap, Report, Verdict, certified};
 use dcd_pipeline::{Par, Pipeline, WideTree};
 use dcd_scenes::SceneSpec;
@@ -70,25 +70,37 @@ fn twenty_thousand_answers_at_neighbouring_floats_are_right_by_the_exact_judge()
 /// How far from the flip, in units of f32's roundoff of the pair's size.
 const STEPS: [f64; 9] = [0.0, 0.1, 0.5, 1.0, 3.0, 10.0, 30.0, 100.0, 1000.0];
 
-fn attack(name: &str, scale: f64, offset: f64) {
+/// A shape of the same kind, that much larger.
+fn scaled(polytope: &Polytope, scale: f64) -> Polytope {
+    let vertices = || polytope.vertices().iter().map(|&v| v * scale).collect::<Vec<_>>();
+    let core = match polytope.kind() {
+        Kind::Cuboid { half_extents } => Polytope::cuboid(half_extents * scale),
+        Kind::Point => Polytope::sphere(0.0),
+        Kind::Segment => Polytope::segment(vertices()[0], vertices()[1]),
+        _ => Polytope::hull(vertices()),
+    };
+    core.and_then(|core| core.rounded(polytope.swept_radius() * scale)).unwrap()
+}
+
+/// Every object against the one `next` places later.
+fn attack(name: &str, next: usize, scale: f64, offset: f64) {
     let objects = 120;
     let scene = SceneSpec::parse(name).unwrap().with_objects(objects).with_seed(9).scene().unwrap();
-    let scaled = |i: usize| {
-        let polytope = scene.shape(i).as_polytope().unwrap();
-        Polytope::hull(polytope.vertices().iter().map(|&v| v * scale).collect()).unwrap()
-    };
+    let scaled = |i: usize| scaled(scene.shape(i).as_polytope().unwrap(), scale);
     let mut flips = 0;
-    for i in 0..objects - 1 {
-        let (a, b) = (scaled(i), scaled(i + 1));
+    for i in 0..objects - next {
+        let (a, b) = (scaled(i), scaled(i + next));
         // Both centres at one place, so that every line starts in an overlap.
         let at = |k: usize, polytope: &Polytope| {
             let rotation = *scene.poses()[k].rotation();
             let t = DVec3::splat(offset) - rotation * polytope.inner().centre;
             Pose::from_matrix(rotation, t).unwrap()
         };
-        let along = (scene.poses()[i].translation() - scene.poses()[i + 1].translation()) * scale;
-        let unit = 2f64.powi(-24) * (a.reach() + b.reach()) / along.length();
-        let poses = [at(i, &a), at(i + 1, &b)];
+        let along =
+            (scene.poses()[i].translation() - scene.poses()[i + next].translation()) * scale;
+        let radii = a.swept_radius() + b.swept_radius();
+        let unit = 2f64.powi(-24) * (a.reach() + b.reach() + radii) / along.length();
+        let poses = [at(i, &a), at(i + next, &b)];
         let from = Case::new(Category::Overlap, [(a, poses[0]), (b, poses[1])]);
         let slide = Slide::new(from, along);
         let Some(flip) = slide.flip(1e3, &certified_touches) else { continue };
@@ -114,7 +126,7 @@ fn attack(name: &str, scale: f64, offset: f64) {
 fn the_lanes_are_right_on_both_sides_of_every_flip() {
     for name in ["paper", "needles", "plates"] {
         for scale in [1e-6, 1.0, 1e6] {
-            attack(name, scale, 0.0);
+            attack(name, 1, scale, 0.0);
         }
     }
 }
@@ -122,7 +134,25 @@ fn the_lanes_are_right_on_both_sides_of_every_flip() {
 #[test]
 fn the_lanes_are_right_on_both_sides_of_every_flip_far_from_the_origin() {
     for name in ["paper", "plates"] {
-        attack(name, 1.0, 1e5);
-        attack(name, 1.0, 1e9);
+        attack(name, 1, 1.0, 1e5);
+        attack(name, 1, 1.0, 1e9);
+    }
+}
+
+#[test]
+fn closed_forms_are_right_on_both_sides_of_every_flip() {
+    for (scale, offset) in [(1e-6, 0.0), (1.0, 0.0), (1e6, 0.0), (1.0, 1e5), (1.0, 1e9)] {
+        attack("spheres", 1, scale, offset);
+        attack("cuboids", 1, scale, offset);
+    }
+}
+
+#[test]
+fn rounded_shapes_are_right_on_both_sides_of_every_flip() {
+    // Four kinds in turn: the next is of another kind, the fourth of the same.
+    for next in 1..=4 {
+        for (scale, offset) in [(1e-6, 0.0), (1.0, 0.0), (1e6, 0.0), (1.0, 1e5)] {
+            attack("mixed", next, scale, offset);
+        }
     }
 }

@@ -9,8 +9,7 @@ use dcd_geom::lanes::{WIDTH, prefetch};
 /// sixteen by sixteen objects.
 const REMEMBERED: usize = 256;
 
-/// Asks for the records of the pairs after the next, and for the vertices of the next, or the boxes
-/// where no object has vertices.
+/// Asks for the records of the pairs after the next, and for the vertices of the next.
 #[derive(Clone, Debug)]
 pub(super) struct Ahead {
     /// The objects asked for last, so that those of a dense scene, which recur in pair after pair,
@@ -28,19 +27,23 @@ impl Default for Ahead {
 }
 
 impl Ahead {
-    /// Asks for the vertices or boxes of the pairs of the last call, and for the records of these: at most
+    /// Asks for the vertices of the pairs of the last call, and for the records of these: at most
     /// sixteen.
     #[inline(always)]
     pub(super) fn look(&mut self, frame: &Frame, pairs: &[Pair]) {
         if frame.is_near() {
             return;
         }
-        for &object in &self.new[..self.count] {
-            if frame.has_vertices() {
-                prefetch(frame.blocks_of(frame.record(object)));
-            } else if frame.has_boxes() {
-                prefetch(std::slice::from_ref(frame.boxes(object)));
+        if !frame.has_vertices() {
+            // A line or two an object: to ask again costs less than to remember.
+            for pair in pairs {
+                frame.ask_for(pair.i);
+                frame.ask_for(pair.j);
             }
+            return;
+        }
+        for &object in &self.new[..self.count] {
+            prefetch(frame.blocks_of(frame.record(object)));
         }
         self.count = 0;
         for pair in pairs {

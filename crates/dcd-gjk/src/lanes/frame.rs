@@ -2,7 +2,7 @@
 
 use super::bounds::TAGGED_BLOCKS;
 use super::prepare::constants;
-use dcd_geom::lanes::{Block, MOST_BLOCKS, Row};
+use dcd_geom::lanes::{Block, MOST_BLOCKS, Row, prefetch};
 use dcd_geom::{Divide, Kind, Scene, Shape, Stamp};
 
 /// All objects, ready for the lanes.
@@ -165,10 +165,13 @@ impl Frame {
         }
     }
 
-    /// Whether there is room for boxes.
+    /// Asks for all that pairs of an object without vertices read.
     #[inline(always)]
-    pub(super) fn has_boxes(&self) -> bool {
-        !self.boxes.is_empty()
+    pub(super) fn ask_for(&self, object: u32) {
+        prefetch(std::slice::from_ref(self.record(object)));
+        if let Some(boxes) = self.boxes.get(object as usize) {
+            prefetch(std::slice::from_ref(boxes));
+        }
     }
 
     /// The boxes of an object that has some.

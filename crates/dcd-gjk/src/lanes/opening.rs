@@ -21,7 +21,7 @@ pub(super) struct Settled {
 pub(super) struct Entry {
     pub(super) lot: Lot,
     /// What the two records of each pair say together: the difference of the centres; the sums of
-    /// the inner radii, the swept radii, the slacks, the outer radii, the sizes, and of what the
+    /// the inner radii, the outer radii, the sizes, the swept radii, the slacks, and of what the
     /// choice of the vertices may lose.
     sums: [Row; WIDTH],
     /// The lanes in use of which both objects are marked as live.
@@ -47,11 +47,12 @@ impl Entry {
             for axis in 0..3 {
                 sums[axis] = delta[axis] as f32;
             }
+            // In the order of the record, so that they are added as a vector.
             sums[3] = a.inner + b.inner;
-            sums[4] = a.radius + b.radius;
-            sums[5] = a.slack + b.slack;
-            sums[6] = a.outer + b.outer;
-            sums[7] = a.size + b.size;
+            sums[4] = a.outer + b.outer;
+            sums[5] = a.size + b.size;
+            sums[6] = a.radius + b.radius;
+            sums[7] = a.slack + b.slack;
             sums[8] = a.choice + b.choice;
             let both = a.marks & b.marks;
             self.live |= u32::from(both & LIVE != 0) << k;
@@ -64,7 +65,7 @@ impl Entry {
     #[inline(always)]
     pub(super) fn balls<L: Lanes, T: Trust>(&mut self, l: L) -> Settled {
         let lot = &mut self.lot;
-        let [x, y, z, inner, radius, slack, outer, size, choice, ..] = l.transpose(&self.sums);
+        let [x, y, z, inner, outer, size, radius, slack, choice, ..] = l.transpose(&self.sums);
         let c = V3(x, y, z);
         lot.set_vector(l, Vector::C, c);
         lot.set_number(l, Number::Inner, inner);
