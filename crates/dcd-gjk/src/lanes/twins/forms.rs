@@ -77,6 +77,7 @@ fn a_scene_of_one_kind_is_answered_as_exact_integers_answer_it() {
             let (found, report) = contacts(&scene, path);
             assert_eq!(found, exact, "{path:?}");
             assert!(report.undecided().is_empty());
+            crate::law::narrow_phase(&Overlap::on(path), &scene, &pairs(&scene)).unwrap();
         }
     }
 }
