@@ -77,20 +77,26 @@ impl<A> Default for Sorting<A> {
 }
 
 impl<N: NarrowPhase> Desk<N> {
-    /// Takes up configurations, at most a row; prepares the obstacles the first time.
-    pub(super) fn open(&mut self, probe: &Probe<'_, N>, start: usize, count: usize) {
+    /// Makes room and prepares the obstacles, the first time.
+    pub(super) fn set_up(&mut self, probe: &Probe<'_, N>) {
         let (template, links) = (&probe.template, probe.linkage.len());
-        if self.scene.layout() != template.layout() {
-            self.scene = template.clone();
-            self.aabbs.resize(template.len(), Aabb::EMPTY);
-            self.names.extend((0..).take(template.len()));
-            self.owners.resize(ROW * links, 0);
-            self.slots.resize(links, [0; ROW]);
-            let part = probe.world.narrow.lay_out(&self.scene, &mut self.frame);
-            let ((part, aabbs), _) =
-                (part, &mut self.aabbs[..]).split_at(probe.world.obstacles.len());
-            probe.world.narrow.prepare(&self.scene, 0, part, aabbs);
+        if self.scene.layout() == template.layout() {
+            return;
         }
+        self.scene = template.clone();
+        self.aabbs.resize(template.len(), Aabb::EMPTY);
+        self.names.extend((0..).take(template.len()));
+        self.owners.resize(ROW * links, 0);
+        self.slots.resize(links, [0; ROW]);
+        let part = probe.world.narrow.lay_out(&self.scene, &mut self.frame);
+        let ((part, aabbs), _) = (part, &mut self.aabbs[..]).split_at(probe.world.obstacles.len());
+        probe.world.narrow.prepare(&self.scene, 0, part, aabbs);
+    }
+
+    /// Takes up configurations, at most a row.
+    pub(super) fn open(&mut self, probe: &Probe<'_, N>, start: usize, count: usize) {
+        self.set_up(probe);
+        let links = probe.linkage.len();
         self.outlook.open(probe);
         self.posed.clear();
         self.posed.resize(links, 0);

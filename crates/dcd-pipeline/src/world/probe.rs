@@ -93,7 +93,10 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
         let bound = |shape| Some(Bound::of(shape)?.swept(growth?));
         let bounds = linkage.shapes.iter().map(bound).collect();
         let (desks, first, all) = (PerThread::default(), Vec::new(), Segments::default());
-        Ok(Self { world, linkage, template, bounds, desks, first, all })
+        let probe = Self { world, linkage, template, bounds, desks, first, all };
+        // So that the first batch on this thread need not.
+        probe.desks.with(|desk| desk.set_up(&probe));
+        Ok(probe)
     }
 
     /// For each configuration a link that touches, if there is one: that of the smallest index, and
