@@ -6,17 +6,19 @@ mod rival;
 mod state;
 
 use crate::failure::Failure;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use dcd_pipeline::{Par, Pipeline};
-use dcd_scenes::robot::{AllowedPairs, Request, Robot as Model, RobotError, Workcell, World};
+use dcd_scenes::robot::{
+    AllowedPairs, LinkShapes, Request, Robot as Model, RobotError, Workcell, World,
+};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::{Write, stdout};
 use std::path::PathBuf;
 
 const DETAILS: &str = "\
-Each mesh of the URDF's collision geometry (OBJ) is taken as the hull of its vertices. A world is \
-a scene of MoveIt as YAML: boxes, cylinders and spheres. The pairs of its allowed collision matrix \
+Each mesh of the URDF's collision geometry (OBJ) is taken as the hull of its vertices, or, with \
+--links meshes, as its triangles. A world is a scene of MoveIt as YAML: boxes, cylinders and spheres. The pairs of its allowed collision matrix \
 may touch as those of the SRDF may; without an SRDF, links that a joint joins and links that are \
 rigidly tied may. Joints that are fixed in the URDF stay as they are, whatever a request says.
 
@@ -25,6 +27,15 @@ from start to goal in joint space, both ends among them, by Parry in f64 as well
 shapes; each pair on which the two differ is settled exactly and told. Times are of one thread: \
 ours of a batch of 100 states against a world that is made before; Parry's of the boxes of the \
 links, a tree over the world that is made before, and query::intersection_test.";
+
+/// What the meshes of the links are taken as.
+#[derive(Clone, Copy, ValueEnum)]
+enum Links {
+    /// The hulls of their vertices
+    Hulls,
+    /// Their triangles, which have no inside
+    Meshes,
+}
 
 /// Find the touching links of a robot
 #[derive(Args)]
@@ -35,6 +46,9 @@ pub(crate) struct Robot {
     /// The pairs of links that may touch (disable_collisions)
     #[arg(long, value_name = "FILE")]
     srdf: Option<PathBuf>,
+    /// What the meshes of the links are taken as
+    #[arg(long, value_enum, default_value = "hulls")]
+    links: Links,
     /// What stands round it: a scene of MoveIt as YAML
     #[arg(long, value_name = "SCENE.yaml", conflicts_with = "all_problems")]
     world: Option<PathBuf>,
@@ -76,7 +90,11 @@ struct Answer {
 
 impl Robot {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        let model = Model::load(&self.urdf).map_err(refused)?;
+        let shapes = match self.links {
+            Links::Hulls => LinkShapes::Hulls,
+            Links::Meshes => LinkShapes::Meshes,
+        };
+        let model = Model::load_as(&self.urdf, shapes).map_err(refused)?;
         let allowed = match &self.srdf {
             Some(srdf) => AllowedPairs::load(srdf).map_err(refused)?,
             None => AllowedPairs::adjacent(&model),

@@ -152,9 +152,44 @@ fn the_panda_is_free_where_it_is_ready_and_not_where_it_is_in_its_base() {
     assert!(!bent.is_empty());
 }
 
+/// A cube of edge 2, six quads.
+const CUBE: &str =
+    "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1
+f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+
+#[test]
+fn a_ball_inside_a_link_touches_its_hull_and_not_its_surface() {
+    let folder = Folder::new("inside");
+    folder.file("cube.obj", CUBE);
+    let urdf = folder.file(
+        "cube.urdf",
+        "<robot name=\"cube\"><link name=\"cube\"><collision><geometry>\
+         <mesh filename=\"cube.obj\" scale=\"2 1 1\"/></geometry></collision></link></robot>",
+    );
+    let world = |x: &str| {
+        let text = WORLD.replace("[0, 0, 1]", &format!("[{x}, 0, 0]"));
+        folder.file(&format!("world{x}.yaml"), &text)
+    };
+    let (inside, through) = (world("0.5"), world("1.75"));
+    let links = |links, world: &str| touching(&[&urdf, "--world", world, "--links", links]);
+    assert_eq!(links("hulls", &inside), pairs(&[["cube", "ball"]]));
+    assert!(links("meshes", &inside).is_empty());
+    assert_eq!(links("meshes", &through), pairs(&[["cube", "ball"]]));
+    dcd(&["robot", &urdf, "--links", "balls"]).assert_refused(&["balls", "hulls, meshes"]);
+}
+
 /// The whole archive: some seconds, for tests are optimised.
 #[test]
 fn every_state_of_the_archive_is_answered_as_parry_answers_it_but_for_what_is_settled() {
+    answered_as_parry("hulls");
+}
+
+#[test]
+fn links_as_meshes_are_answered_as_parrys_meshes_are_but_for_what_is_settled() {
+    answered_as_parry("meshes");
+}
+
+fn answered_as_parry(links: &str) {
     let Some(folder) = panda() else { return };
     let archive = folder.join("problems.tar.bz2");
     if !archive.is_file() {
@@ -162,7 +197,9 @@ fn every_state_of_the_archive_is_answered_as_parry_answers_it_but_for_what_is_se
         return;
     }
     let [urdf, srdf] = ["panda.urdf", "panda.srdf"].map(|name| text(&folder.join(name)));
-    let all = ["robot", &urdf, "--srdf", &srdf, "--json", "--all-problems", &text(&archive)];
+    let archive = text(&archive);
+    let all = ["robot", &urdf, "--srdf", &srdf, "--links", links, "--json"];
+    let all = [&all[..], &["--all-problems", &archive]].concat();
     let checked = dcd(&all).summary();
     let number = |what: &str| checked[what].as_u64().unwrap();
     assert_eq!((number("problems"), number("states")), (700, 70_000));

@@ -1,6 +1,6 @@
 //! Robots and the worlds they stand in: URDF with OBJ meshes, SRDF, MoveIt's scenes and requests.
 //!
-//! A [`Robot`] is its links' convex shapes and its joints; [`Robot::place`] says where its shapes
+//! A [`Robot`] is its links' shapes and its joints; [`Robot::place`] says where its shapes
 //! are for joint values. [`AllowedPairs`] are those links that may touch. A [`World`] is boxes,
 //! cylinders and spheres. A [`Workcell`] is all of them as one checked scene, with names, whose
 //! pairs that may touch are refused before any narrow work.
@@ -19,7 +19,7 @@ mod world;
 
 pub use allowed::AllowedPairs;
 pub use error::RobotError;
-pub use model::{Joint, Link, Motion, Part, Robot};
+pub use model::{Joint, Link, LinkShapes, Motion, Part, Robot};
 pub use problem::{Problem, read_problems};
 pub use request::Request;
 pub use workcell::Workcell;

@@ -18,16 +18,39 @@ pub(super) enum Truth {
 #[derive(Debug, Serialize)]
 pub(super) struct Settled {
     pub(super) truth: Truth,
-    /// How far the surfaces are from each other, metres: the gap, or the depth of an overlap.
+    /// How far the surfaces are from each other, metres: the gap, or the depth of an overlap. Of
+    /// meshes it is not asked for.
     pub(super) metres: Option<f64>,
 }
 
-/// Settles a pair by exact arithmetic, or for curved shapes by the certificate of f64.
+/// Settles a pair by exact arithmetic, or for curved shapes by the certificate of f64; a mesh
+/// triangle by triangle.
 pub(super) fn settle(scene: &Scene, pair: Pair) -> Settled {
     let [i, j] = [pair.i as usize, pair.j as usize];
     let placed = |k: usize| Placed { shape: scene.shape(k), pose: &scene.poses()[k] };
     let (a, b) = (placed(i), placed(j));
-    let truth = match (a.shape, b.shape) {
+    let (in_a, in_b) = (pieces(a.shape), pieces(b.shape));
+    let each = in_a.iter().flat_map(|a| in_b.iter().map(move |b| (a, b)));
+    let truths =
+        each.map(|(of_a, of_b)| truth(Placed { shape: of_a, ..a }, Placed { shape: of_b, ..b }));
+    let truth = truths.fold(Truth::Apart, |so_far, this| match (so_far, this) {
+        (Truth::Touching, _) | (_, Truth::Touching) => Truth::Touching,
+        (Truth::Open, _) | (_, Truth::Open) => Truth::Open,
+        (Truth::Apart, Truth::Apart) => Truth::Apart,
+    });
+    Settled { truth, metres: if truth == Truth::Touching { depth(a, b) } else { gap(a, b) } }
+}
+
+/// The convex pieces of a shape.
+fn pieces(shape: &Shape) -> Vec<Shape> {
+    let Shape::Mesh(mesh) = shape else { return vec![shape.clone()] };
+    let corners = (0..mesh.triangles().len()).filter_map(|k| mesh.corners(k));
+    // The corners of a mesh are finite, and so make triangles.
+    corners.filter_map(|corners| Shape::triangle(corners).ok()).collect()
+}
+
+fn truth(a: Placed<'_>, b: Placed<'_>) -> Truth {
+    match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
             let [a, b] = [Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose)];
             if certified::overlap_exactly(a, b) { Truth::Touching } else { Truth::Apart }
@@ -37,8 +60,7 @@ pub(super) fn settle(scene: &Scene, pair: Pair) -> Settled {
             Verdict::Apart => Truth::Apart,
             Verdict::Undecided(_) => Truth::Open,
         },
-    };
-    Settled { truth, metres: if truth == Truth::Touching { depth(a, b) } else { gap(a, b) } }
+    }
 }
 
 fn gap(a: Placed<'_>, b: Placed<'_>) -> Option<f64> {

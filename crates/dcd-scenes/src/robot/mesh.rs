@@ -1,29 +1,22 @@
-//! The points of a mesh file.
+//! A mesh file of a URDF.
 
 use super::RobotError;
-use glam::DVec3;
+use crate::{Frame, load_obj};
 use std::path::{Path, PathBuf};
 
-/// The vertices of the OBJ file that a URDF in `folder` names, metres.
-pub(super) fn load_points(name: &str, folder: &Path) -> Result<Vec<DVec3>, RobotError> {
+/// The OBJ file that a URDF in `folder` names, metres.
+pub(super) fn load(name: &str, folder: &Path) -> Result<Frame, RobotError> {
     let path = find(name, folder)?;
     let kind = path.extension().map_or_else(String::new, |e| e.to_string_lossy().to_lowercase());
     if kind != "obj" {
         let user = path.display().to_string();
         return Err(RobotError::Unsupported { what: "mesh format", kind, user });
     }
-    // Materials say nothing of the shape, and are often absent.
-    let file = std::fs::File::open(&path).map_err(RobotError::io(&path))?;
-    let no_materials = |_: &Path| Ok(Default::default());
-    let options = tobj::LoadOptions { single_index: false, ..Default::default() };
-    let read = tobj::load_obj_buf(&mut std::io::BufReader::new(file), &options, no_materials);
-    let (models, _) = read.map_err(|error| RobotError::Syntax {
+    load_obj(&path).map_err(|error| RobotError::Syntax {
         what: "mesh",
-        place: path.clone(),
+        place: path,
         error: error.to_string(),
-    })?;
-    let numbers = models.iter().flat_map(|model| model.mesh.positions.as_chunks().0);
-    Ok(numbers.map(|&point| DVec3::from_array(point)).collect())
+    })
 }
 
 /// The file: from the folder, or from one above it, with and without the package's name.

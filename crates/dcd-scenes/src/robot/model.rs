@@ -1,8 +1,8 @@
-//! A robot: links that carry convex shapes, and the joints between them.
+//! A robot: links that carry shapes, and the joints between them.
 
 use super::RobotError;
 use super::kinematics::{Frame, in_order};
-use super::mesh::load_points;
+use super::mesh;
 use crate::RawShape;
 use dcd_geom::Shape;
 use glam::DVec3;
@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::path::Path;
 use urdf_rs::{Geometry, JointType};
 
-/// Links, joints, and the convex shapes that the links carry.
+/// Links, joints, and the shapes that the links carry.
 #[derive(Clone, Debug)]
 pub struct Robot {
     /// Its name.
@@ -30,7 +30,7 @@ pub struct Link {
     pub name: String,
 }
 
-/// A convex shape on a link.
+/// A shape on a link: convex, unless meshes were asked for.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// The link's index.
@@ -89,6 +89,16 @@ pub struct Drive {
     pub offset: f64,
 }
 
+/// What the meshes of a URDF's collision geometry are taken as.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LinkShapes {
+    /// The hull of the vertices of each: solid and convex.
+    #[default]
+    Hulls,
+    /// The triangles of each: a surface, without an inside.
+    Meshes,
+}
+
 impl Robot {
     /// Reads a URDF file and the OBJ meshes that its collision geometry names: each mesh becomes
     /// the hull of its vertices. What is drawn alone (visual geometry) is not looked at.
@@ -100,6 +110,14 @@ impl Robot {
     /// A file that cannot be read; links and joints that make no tree; what is not supported
     /// (floating and planar joints, meshes that are no OBJ); a number that is not finite.
     pub fn load(urdf: &Path) -> Result<Self, RobotError> {
+        Self::load_as(urdf, LinkShapes::Hulls)
+    }
+
+    /// [`Robot::load`] with meshes taken as hulls or as they are.
+    ///
+    /// # Errors
+    /// Those of [`Robot::load`]; with [`LinkShapes::Meshes`] a mesh without a triangle.
+    pub fn load_as(urdf: &Path, shapes: LinkShapes) -> Result<Self, RobotError> {
         let text = std::fs::read_to_string(urdf).map_err(RobotError::io(urdf))?;
         let refused = |error: &dyn std::fmt::Display| RobotError::Syntax {
             what: "URDF",
@@ -109,10 +127,10 @@ impl Robot {
         let own = without_extensions(&text).map_err(|error| refused(&error))?;
         let read = urdf_rs::read_from_string(&own).map_err(|error| refused(&error))?;
         let folder = urdf.parent().unwrap_or(Path::new("."));
-        Self::of(read, folder).map_err(|error| error.inside(urdf))
+        Self::of(read, folder, shapes).map_err(|error| error.inside(urdf))
     }
 
-    fn of(read: urdf_rs::Robot, folder: &Path) -> Result<Self, RobotError> {
+    fn of(read: urdf_rs::Robot, folder: &Path, shapes: LinkShapes) -> Result<Self, RobotError> {
         let links = Names::of("link", read.links.iter().map(|link| &link.name))?;
         let joint_names = Names::of("joint", read.joints.iter().map(|joint| &joint.name))?;
         let moved = moved_joints(&read.joints);
@@ -123,7 +141,8 @@ impl Robot {
         for (link, described) in read.links.iter().enumerate() {
             for collision in &described.collision {
                 let user = format!("link {:?}", described.name);
-                let shape = shape(&collision.geometry, folder, &user)?;
+                let (geometry, place) = (&collision.geometry, (folder, user.as_str()));
+                let shape = shape(geometry, shapes, place)?;
                 let origin = Frame::of_urdf(&collision.origin, &user)?;
                 parts.push(Part { link, shape, origin });
             }
@@ -142,7 +161,7 @@ impl Robot {
         &self.joints
     }
 
-    /// The convex shapes, in the order of their links.
+    /// The shapes, in the order of their links.
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
@@ -253,18 +272,26 @@ fn axis(joint: &urdf_rs::Joint, user: &str) -> Result<DVec3, RobotError> {
     })
 }
 
-fn shape(geometry: &Geometry, folder: &Path, user: &str) -> Result<Shape, RobotError> {
+/// The shape of a geometry that a `user` in a file of `folder` has.
+fn shape(
+    geometry: &Geometry,
+    shapes: LinkShapes,
+    (folder, user): (&Path, &str),
+) -> Result<Shape, RobotError> {
     let shape = match geometry {
         Geometry::Box { size } => Shape::cuboid(DVec3::from_array(**size) * 0.5),
         Geometry::Sphere { radius } => Shape::sphere(*radius),
         Geometry::Cylinder { radius, length } => super::world::cylinder(*length, *radius),
         Geometry::Mesh { filename, scale } => {
-            let mut points = load_points(filename, folder)?;
+            let mut read = mesh::load(filename, folder)?;
             if let Some(scale) = scale {
                 let scale = DVec3::from_array(**scale);
-                points.iter_mut().for_each(|point| *point *= scale);
+                read.vertices.iter_mut().for_each(|point| *point *= scale);
             }
-            Shape::hull(RawShape::of_cloud(points).points())
+            match shapes {
+                LinkShapes::Hulls => Shape::hull(RawShape::of_cloud(read.vertices).points()),
+                LinkShapes::Meshes => read.into_shape(),
+            }
         }
         Geometry::Capsule { radius, length } => super::world::capsule(*length, *radius),
     };
