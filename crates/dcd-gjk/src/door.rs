@@ -53,6 +53,8 @@ pub struct Undecided {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Rung {
+    /// An earlier step's proof, which still holds.
+    Remembered,
     /// Inner and outer balls, f32 lanes.
     Balls,
     /// A box round and a box inside each shape, f32 lanes.
@@ -76,7 +78,8 @@ pub enum Rung {
 
 impl Rung {
     /// All, from the cheapest.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
+        Self::Remembered,
         Self::Balls,
         Self::Boxes,
         Self::CentreAxis,
@@ -214,6 +217,15 @@ pub trait NarrowPhase: Sync {
     /// Prepares the objects from `first` on that the part has room for, and writes the box of each
     /// to `aabbs`, which has the part's length.
     fn prepare(&self, scene: &Scene, first: usize, part: Self::Part<'_>, aabbs: &mut [Aabb]);
+
+    /// Is told of all candidates between `prepare` and `decide`, slice by slice: for whoever keeps
+    /// something for each of them. Does nothing of itself.
+    fn foresee<'p>(
+        &self,
+        _frame: &mut Self::Frame,
+        _candidates: impl Iterator<Item = &'p [Pair]> + Clone,
+    ) {
+    }
 
     /// Settles the pairs.
     fn decide(

@@ -210,7 +210,7 @@ fn holds(aabb: &Aabb, min: DVec3, max: DVec3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Certified, EachPair, Gjk, Overlap, PairSolver, Placed, Verdict};
+    use crate::{Certified, Coherent, EachPair, Gjk, Overlap, PairSolver, Placed, Verdict};
     use dcd_geom::glam::DQuat;
     use dcd_geom::{Pose, Shape};
     use std::sync::atomic::{AtomicU32, Ordering};
@@ -240,6 +240,7 @@ mod tests {
         narrow_phase(&EachPair(Certified), &scene, &pairs).unwrap();
         narrow_phase(&Overlap::default(), &scene, &pairs).unwrap();
         narrow_phase(&Overlap::default(), &Scene::default(), &[]).unwrap();
+        narrow_phase(&Coherent::default(), &scene, &pairs).unwrap();
     }
 
     #[test]

@@ -30,7 +30,7 @@ pub use difference::{Body, Difference, Vertex};
 pub use distance::{Distance, DistanceResult};
 pub use door::{Contact, Findings, NarrowPhase, Reason, Report, Rung, Undecided, Verdict};
 pub use each_pair::{EachPair, Nothing, PairSolver, Placed};
-pub use lanes::{Overlap, OverlapUnproved};
+pub use lanes::{Coherent, Overlap, OverlapUnproved};
 pub use query::{
     Depths, Distances, Manifold, Manifolds, OfTouching, Proximities, Proximity, Within,
 };

@@ -148,6 +148,8 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         let Self { narrow, frame, candidates, contacts, scratch, reports, report, .. } = self;
         let slices = candidates.cut();
         let candidates = &*candidates;
+        narrow.foresee(frame, (0..slices).map(|k| candidates.slice(k)));
+        let frame = &*frame;
         contacts.fill(exec, slices, |k, contacts| {
             scratch.with(|scratch| {
                 reports.with(|report| {

@@ -4,8 +4,8 @@
 use dcd_exec::with_threads;
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Aabb, Filter, Handle, Object, Pair, Pose, Scene, Shape};
-use dcd_gjk::Findings;
-use dcd_pipeline::{Change, Event, Events, NarrowPhase, Overlap, Par, Pipeline};
+use dcd_gjk::{Coherent, Findings, Rung};
+use dcd_pipeline::{Change, Event, Events, NarrowPhase, Overlap, Par, Pipeline, WideTree};
 use dcd_scenes::SceneSpec;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -77,18 +77,19 @@ impl Walk {
         }
     }
 
-    /// Most frames move the moving objects alone; some move a static one, some insert, remove or
-    /// bring a new shape.
+    /// Most frames move the moving objects alone, some far, some a little, some not at all; some
+    /// frames move a static one, some insert, remove or bring a new shape.
     fn advance(&mut self) {
         for i in 0..self.scene.len() {
             let fixed = self.random.below(20_000) == 0;
             if self.scene.motion(i).is_none() || !(fixed || moves(&self.scene, i)) {
                 continue;
             }
+            let step = [0.05, 0.05, 1e-3, 1e-4, 0.0][i % 5];
             let pose = self.scene.poses()[i];
             let turn = DQuat::from_mat3(pose.rotation());
-            let turn = DQuat::from_scaled_axis(self.random.vector(0.05)) * turn;
-            let at = pose.translation() + self.random.vector(0.05);
+            let turn = DQuat::from_scaled_axis(self.random.vector(step)) * turn;
+            let at = pose.translation() + self.random.vector(step);
             let at = at.clamp(DVec3::splat(-HALF_WIDTH), DVec3::splat(HALF_WIDTH));
             self.scene.set_pose(i, Pose::new(turn.normalize(), at).unwrap()).unwrap();
         }
@@ -127,13 +128,19 @@ struct Told {
     events: Vec<Event>,
 }
 
-/// Runs the walk with one pipeline, and shows each frame to `look`.
-fn run(par: Par, mut look: impl FnMut(usize, &Scene, Told)) {
+/// Runs the walk with one pipeline, shows each frame to `look`, and returns how many answers came
+/// from earlier frames.
+fn run<N>(narrow: N, par: Par, mut look: impl FnMut(usize, &Scene, Told)) -> u64
+where
+    N: NarrowPhase<Answer = ()>,
+{
     let mut walk = Walk::new();
-    let (mut pipeline, mut events) = (<Pipeline>::default(), Events::default());
+    let mut pipeline = Pipeline::new(WideTree::default(), narrow);
+    let (mut events, mut remembered) = (Events::default(), 0);
     for frame in 0..1000 {
         let step = pipeline.step_where(&walk.scene, par, may);
         assert!(step.report().undecided().is_empty());
+        remembered += step.report().settled(Rung::Remembered);
         let told = Told {
             aabbs: step.aabbs().to_vec(),
             candidates: step.candidates().collect(),
@@ -143,6 +150,7 @@ fn run(par: Par, mut look: impl FnMut(usize, &Scene, Told)) {
         look(frame, &walk.scene, told);
         walk.advance();
     }
+    remembered
 }
 
 /// The plainest comparison of two sets of touching objects.
@@ -163,7 +171,7 @@ fn every_frame_of_a_thousand_is_that_of_a_fresh_pipeline_at_any_thread_count() {
     let mut frames = Vec::new();
     let mut before = Vec::new();
     let mut counts = [0; 3];
-    run(Par::Serial, |frame, scene, told| {
+    let remembered = run(Overlap::default(), Par::Serial, |frame, scene, told| {
         let mut fresh = <Pipeline>::default();
         let step = fresh.step_where(scene, Par::Serial, may);
         assert_eq!(told.aabbs, step.aabbs(), "boxes of frame {frame}");
@@ -179,15 +187,20 @@ fn every_frame_of_a_thousand_is_that_of_a_fresh_pipeline_at_any_thread_count() {
         before = now;
         frames.push(told);
     });
+    assert_eq!(remembered, 0);
     // Otherwise the walk would test nothing.
     assert!(counts.iter().all(|&count| count > 1000), "{counts:?}");
+    let same = |frame: usize, _: &Scene, told| {
+        assert!(told == frames[frame], "frame {frame}");
+    };
     for threads in [1, 2, 3] {
-        let same = with_threads(threads, || {
-            run(Par::Pool, |frame, _, told| {
-                assert!(told == frames[frame], "frame {frame} on {threads} threads");
-            });
-        });
-        same.unwrap();
+        let run = || {
+            run(Overlap::default(), Par::Pool, same);
+            run(Coherent::default(), Par::Pool, same)
+        };
+        let remembered = with_threads(threads, run).unwrap();
+        let candidates: usize = frames.iter().map(|told| told.candidates.len()).sum();
+        assert!(remembered > candidates as u64 / 10, "{remembered} of {candidates}");
     }
 }
 

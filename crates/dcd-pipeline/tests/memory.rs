@@ -1,8 +1,9 @@
 //! What a step allocates, and what it holds.
 
 use dcd_geom::{Object, Pose, Scene};
-use dcd_pipeline::{Events, Linkage, Overlap, Par, Pipeline, World};
-use dcd_scenes::SceneSpec;
+use dcd_gjk::{Coherent, Rung};
+use dcd_pipeline::{Events, Linkage, Overlap, Par, Pipeline, WideTree, World};
+use dcd_scenes::{RandomWalk, SceneSpec};
 
 fn scene(name: &str, objects: usize) -> Scene {
     SceneSpec::parse(name).unwrap().with_objects(objects).scene().unwrap()
@@ -25,6 +26,23 @@ fn from_the_third_frame_on_a_serial_step_allocates_nothing() {
                 scene.set_pose(i, turned).unwrap();
             }
         }
+    }
+}
+
+#[test]
+fn a_coherent_step_of_objects_that_barely_move_allocates_nothing_either() {
+    let mut scene = scene("paper", 2000);
+    let mut pipeline = Pipeline::new(WideTree::default(), Coherent::default());
+    let mut walk = RandomWalk::new(1e-4, 3).unwrap();
+    for frame in 0..8 {
+        let mut remembered = 0;
+        let seen = allocation_counter::measure(|| {
+            let step = pipeline.step(&scene, Par::Serial);
+            remembered = step.report().settled(Rung::Remembered);
+        });
+        assert!(frame < 2 || seen.count_total == 0, "frame {frame}: {seen:?}");
+        assert!(frame < 1 || remembered > 10_000, "frame {frame}: {remembered}");
+        walk.step(&mut scene).unwrap();
     }
 }
 

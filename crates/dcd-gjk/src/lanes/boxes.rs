@@ -61,7 +61,7 @@ pub(super) fn twin_boxes<L: Lanes, T: Trust>(
     frame: &Frame,
     boxes: &mut Boxes,
     (lot, used): (&Lot, usize),
-) -> (Settled, u32) {
+) -> (Settled<L>, u32) {
     for k in 0..used.min(WIDTH) {
         boxes.a[k] = frame.boxes(lot.a.0[k]).numbers;
         boxes.b[k] = frame.boxes(lot.b.0[k]).numbers;
@@ -116,7 +116,8 @@ pub(super) fn twin_boxes<L: Lanes, T: Trust>(
         }
         aligned = l.and(aligned, has_parallel);
     }
-    let settled = Settled { apart: l.bits(tally.apart), touching: l.bits(tally.touching) };
+    let (apart, touching) = (l.bits(tally.apart), l.bits(tally.touching));
+    let settled = Settled { apart, touching, room: zero };
     (settled, l.bits(aligned))
 }
 

@@ -28,7 +28,7 @@ pub(super) fn round<L: Lanes, T: Trust>(
     at: &mut Place<'_>,
     lot: &mut Lot,
     used: usize,
-) -> (Settled, u32) {
+) -> (Settled<L>, u32) {
     let d = lot.vector(l, Vector::D);
     let p = [lot.vector(l, Vector::P0), lot.vector(l, Vector::P1), lot.vector(l, Vector::P2)];
     let w = at.farthest(l, lot, d, used);
@@ -39,7 +39,7 @@ pub(super) fn round<L: Lanes, T: Trust>(
     let rounding = l.mul_add(lot.number(l, Number::Unit), l.splat(NEAREST), l.add(slack, slack));
     let radius = l.mul(lot.number(l, Number::Radius), l.splat(1.0 - RADIUS * U));
     let within = l.sub(radius, T::rounding(l, rounding));
-    let touching = ball_holds_origin(l, nearest.squared, within);
+    let touching = ball_holds_origin(l, nearest.squared, within, l.splat(1.0));
 
     let round = l.add(lot.number(l, Number::Round), l.splat(1.0));
     let gains = l.lt(nearest.squared, d.dot(l, d));
@@ -49,9 +49,8 @@ pub(super) fn round<L: Lanes, T: Trust>(
     lot.set_vector(l, Vector::P1, nearest.p);
     lot.set_vector(l, Vector::P2, nearest.q);
     lot.set_vector(l, Vector::D, nearest.point.neg(l));
-    let (apart, touching) = (l.bits(apart), l.bits(touching));
-    let settled = Settled { apart: apart & !touching, touching };
-    (settled, l.bits(stuck) & !(apart | touching))
+    let settled = Settled::by(l, apart, touching, u32::MAX);
+    (settled, l.bits(stuck) & !settled.all())
 }
 
 /// The point nearest to the origin of what w spans with three others: w itself, three edges, three

@@ -1,7 +1,9 @@
 //! The first stages of a pair: balls, the axis between the centres, the cone.
 
 use super::bounds::{HULL_OF_BALL, OUTER_BALLS, SEPARATION, SIZE, U};
-use super::certificate::{Trust, ball_holds_origin, hull_holds_origin, separates};
+use super::certificate::{
+    Certificate, Trust, ball_holds_origin, ball_misses_origin, hull_holds_origin, separates,
+};
 use super::frame::{BOXED, Frame, LIVE};
 use super::lot::{Lot, Number, Vector};
 use super::support::{Desk, supports};
@@ -10,10 +12,47 @@ use dcd_geom::Pair;
 use dcd_geom::lanes::{Lanes, Row, WIDTH};
 
 /// Which of sixteen pairs a stage settled.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Settled {
+#[derive(Clone, Copy)]
+pub(super) struct Settled<L: Lanes> {
     pub(super) apart: u32,
     pub(super) touching: u32,
+    /// The room of each settled lane: see [`Certificate`].
+    pub(super) room: L::F,
+}
+
+impl<L: Lanes> Settled<L> {
+    /// By two certificates of which a lane has one at most, in the lanes of `live`.
+    #[inline(always)]
+    pub(super) fn by(l: L, apart: Certificate<L>, touching: Certificate<L>, live: u32) -> Self {
+        let room = l.select(touching.holds, touching.room, apart.room);
+        let (apart, touching) = (l.bits(apart.holds) & live, l.bits(touching.holds) & live);
+        Self { apart: apart & !touching, touching, room }
+    }
+
+    /// By a certificate that rejects.
+    #[inline(always)]
+    pub(super) fn apart(l: L, apart: Certificate<L>) -> Self {
+        Self { apart: l.bits(apart.holds), touching: 0, room: apart.room }
+    }
+
+    /// By a certificate that accepts.
+    #[inline(always)]
+    pub(super) fn touching(l: L, touching: Certificate<L>) -> Self {
+        Self { apart: 0, touching: l.bits(touching.holds), room: touching.room }
+    }
+
+    /// Without the lanes that another has settled.
+    #[inline(always)]
+    pub(super) fn but(self, other: Self) -> Self {
+        let open = !other.all();
+        Self { apart: self.apart & open, touching: self.touching & open, ..self }
+    }
+
+    /// Which lanes it settled, either way.
+    #[inline(always)]
+    pub(super) fn all(&self) -> u32 {
+        self.apart | self.touching
+    }
 }
 
 /// Sixteen pairs as they enter.
@@ -63,7 +102,7 @@ impl Entry {
     /// Accepts by inner balls and rejects by outer ones. Lanes whose size is out of range are left
     /// out of `live` from here on.
     #[inline(always)]
-    pub(super) fn balls<L: Lanes, T: Trust>(&mut self, l: L) -> Settled {
+    pub(super) fn balls<L: Lanes, T: Trust>(&mut self, l: L) -> Settled<L> {
         let lot = &mut self.lot;
         let [x, y, z, inner, outer, size, radius, slack, choice, ..] = l.transpose(&self.sums);
         let c = V3(x, y, z);
@@ -84,11 +123,11 @@ impl Entry {
         let squared = c.dot(l, c);
         let error = l.mul_add(unit, l.splat(HULL_OF_BALL[0]), l.add(slack, slack));
         let inner = l.sub(inner, T::rounding(l, error));
-        let touching = ball_holds_origin(l, squared, inner);
+        let touching = ball_holds_origin(l, squared, inner, l.splat(1.0));
         let error = l.mul_add(unit, l.splat(OUTER_BALLS), l.add(slack, slack));
         let outer = l.add(outer, T::rounding(l, error));
-        let apart = l.lt(l.mul(outer, outer), squared);
-        Settled { apart: l.bits(l.and(live, apart)), touching: l.bits(l.and(live, touching)) }
+        let apart = ball_misses_origin(l, squared, outer);
+        Settled::by(l, apart, touching, self.live)
     }
 }
 
@@ -99,20 +138,20 @@ pub(super) fn centre_axis<L: Lanes, T: Trust>(
     at: &mut Place<'_>,
     lot: &mut Lot,
     used: usize,
-) -> u32 {
+) -> Certificate<L> {
     let c = lot.vector(l, Vector::C);
     let p = at.farthest(l, lot, c.neg(l), used);
     lot.set_vector(l, Vector::P0, p);
-    l.bits(separates::<L, T>(l, lot, c, p))
+    separates::<L, T>(l, lot, c, p)
 }
 
 /// Accepts if the hull of the inner ball and that support point holds the origin.
 #[inline(always)]
-pub(super) fn cone<L: Lanes, T: Trust>(l: L, lot: &Lot) -> u32 {
+pub(super) fn cone<L: Lanes, T: Trust>(l: L, lot: &Lot) -> Certificate<L> {
     let (c, p) = (lot.vector(l, Vector::C), lot.vector(l, Vector::P0));
     let tau = nearest_multiple(l, c, p);
     let v = c.plus(l, tau, p);
-    l.bits(hull_holds_origin::<L, T>(l, lot, v, tau, 1))
+    hull_holds_origin::<L, T>(l, lot, v, tau, 1)
 }
 
 /// The multiple τ ≥ 0 of p that brings c + τ·p nearest to the origin.

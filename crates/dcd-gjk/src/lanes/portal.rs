@@ -3,7 +3,7 @@
 //! Complex Collision Made Simple", Game Programming Gems 7, 2008).
 
 use super::bounds::{GAIN, PLANE, U};
-use super::certificate::{Trust, hull_holds_origin, separates};
+use super::certificate::{Certificate, Trust, hull_holds_origin, separates};
 use super::lot::{Lot, Number, Vector};
 use super::opening::{Place, Settled, nearest_multiple};
 use super::vector::V3;
@@ -22,7 +22,7 @@ pub(super) fn second_point<L: Lanes, T: Trust>(
     at: &mut Place<'_>,
     lot: &mut Lot,
     used: usize,
-) -> u32 {
+) -> Certificate<L> {
     let (c, p) = (lot.vector(l, Vector::C), lot.vector(l, Vector::P0));
     // c + τ·p is at right angles to p: the support against it opens the widest angle.
     let d = c.plus(l, nearest_multiple(l, c, p), p).neg(l);
@@ -53,7 +53,7 @@ pub(super) fn second_point<L: Lanes, T: Trust>(
     lot.set_vector(l, Vector::D, V3::select(l, has_no_plane(l, lot, normal), back, normal));
     lot.set_number(l, Number::Found, zero);
     lot.set_number(l, Number::Round, zero);
-    l.bits(touching)
+    touching
 }
 
 /// One support and what follows from it: apart, touching, a better portal; or `stuck`, where the
@@ -64,7 +64,7 @@ pub(super) fn round<L: Lanes, T: Trust>(
     at: &mut Place<'_>,
     lot: &mut Lot,
     used: usize,
-) -> (Settled, u32) {
+) -> (Settled<L>, u32) {
     let (c, d) = (lot.vector(l, Vector::C), lot.vector(l, Vector::D));
     let p = [lot.vector(l, Vector::P0), lot.vector(l, Vector::P1), lot.vector(l, Vector::P2)];
     let w = at.farthest(l, lot, d, used);
@@ -104,16 +104,21 @@ pub(super) fn round<L: Lanes, T: Trust>(
     lot.set_vector(l, Vector::P0, p0);
     lot.set_vector(l, Vector::P1, p1);
     lot.set_vector(l, Vector::P2, p2);
-    let touching = l.and(found, portal_holds_origin::<L, T>(l, lot, c, [p0, p1, p2]));
+    let mut touching = portal_holds_origin::<L, T>(l, lot, c, [p0, p1, p2]);
+    touching.holds = l.and(found, touching.holds);
     let stuck = l.or(stuck, l.le(l.splat(ROUNDS), round));
-    let (apart, touching) = (l.bits(apart), l.bits(touching));
-    let settled = Settled { apart: apart & !touching, touching };
-    (settled, l.bits(stuck) & !(apart | touching))
+    let settled = Settled::by(l, apart, touching, u32::MAX);
+    (settled, l.bits(stuck) & !settled.all())
 }
 
 /// Whether c + Σ τ_k·p_k = 0 has a solution with every τ_k ≥ 0, by the ball's certificate.
 #[inline(always)]
-fn portal_holds_origin<L: Lanes, T: Trust>(l: L, lot: &Lot, c: V3<L>, p: [V3<L>; 3]) -> L::M {
+fn portal_holds_origin<L: Lanes, T: Trust>(
+    l: L,
+    lot: &Lot,
+    c: V3<L>,
+    p: [V3<L>; 3],
+) -> Certificate<L> {
     let zero = l.splat(0.0);
     let (m0, m1, m2) = (p[1].cross(l, p[2]), p[2].cross(l, p[0]), p[0].cross(l, p[1]));
     let scale = l.div(l.splat(-1.0), p[0].dot(l, m0));

@@ -245,7 +245,7 @@ struct BoxStage<'a> {
 }
 
 impl Kernel for BoxStage<'_> {
-    type Output = (Settled, u32);
+    type Output = (Said, u32);
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Self::Output {
@@ -254,7 +254,7 @@ impl Kernel for BoxStage<'_> {
         entry.balls::<L, Proved>(l);
         let (settled, _) =
             twin_boxes::<L, Proved>(l, self.frame, &mut boxes, (&entry.lot, self.pairs.len()));
-        (settled, entry.boxed & entry.live)
+        (Said::of(settled), entry.boxed & entry.live)
     }
 }
 
@@ -308,37 +308,51 @@ struct Stages<'a> {
     pairs: &'a [Pair],
 }
 
-/// What the stages said of sixteen pairs.
+/// What a stage said of sixteen pairs.
+#[derive(Clone, Copy, Default)]
 struct Said {
+    apart: u32,
+    touching: u32,
+}
+
+impl Said {
+    fn of<L: Lanes>(settled: Settled<L>) -> Self {
+        Self { apart: settled.apart, touching: settled.touching }
+    }
+}
+
+/// What the stages said of sixteen pairs.
+struct AllSaid {
     live: u32,
-    balls: Settled,
+    balls: Said,
     axis: u32,
     cone: u32,
     second: u32,
     /// The portal after the second point.
     p: [[Row; 3]; 2],
-    rounds: Settled,
+    rounds: Said,
 }
 
 impl Kernel for Stages<'_> {
-    type Output = Said;
+    type Output = AllSaid;
 
     #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> Said {
+    fn run<L: Lanes>(self, l: L) -> AllSaid {
         let (mut entry, mut desk) = (Entry::default(), Desk::default());
         let mut at = Place { frame: self.frame, desk: &mut desk };
         entry.read(self.frame, self.pairs, 0);
-        let balls = entry.balls::<L, Proved>(l);
+        let balls = Said::of(entry.balls::<L, Proved>(l));
         let live = entry.live;
         // Every stage is asked about every pair, settled or not: each has its twin.
         let used = self.pairs.len();
-        let axis = centre_axis::<L, Proved>(l, &mut at, &mut entry.lot, used);
-        let cone = cone::<L, Proved>(l, &entry.lot) & !axis;
+        let axis = l.bits(centre_axis::<L, Proved>(l, &mut at, &mut entry.lot, used).holds);
+        let cone = l.bits(cone::<L, Proved>(l, &entry.lot).holds) & !axis;
         let second = portal::second_point::<L, Proved>(l, &mut at, &mut entry.lot, used);
+        let second = l.bits(second.holds);
         let mut p = [[Row::default(); 3]; 2];
         entry.lot.vector(l, Vector::P0).store(l, &mut p[0]);
         entry.lot.vector(l, Vector::P1).store(l, &mut p[1]);
-        let mut rounds = Settled::default();
+        let mut rounds = Said::default();
         let mut open = live & !(balls.apart | balls.touching | axis | cone | second);
         while open != 0 {
             let (settled, stuck) = portal::round::<L, Proved>(l, &mut at, &mut entry.lot, used);
@@ -346,7 +360,7 @@ impl Kernel for Stages<'_> {
             rounds.touching |= settled.touching & open;
             open &= !(settled.apart | settled.touching | stuck);
         }
-        Said { live, balls, axis, cone, second, p, rounds }
+        AllSaid { live, balls, axis, cone, second, p, rounds }
     }
 }
 

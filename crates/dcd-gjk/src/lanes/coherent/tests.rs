@@ -1,0 +1,215 @@
+//! The room of a proof beside the true distance or depth, ways beside the points' own, and facts
+//! that expire.
+
+use super::facts::{Fact, Facts};
+use super::track::Track;
+use super::*;
+use crate::lanes::Overlap;
+use crate::{Depths, DistanceResult, PairSolver, Placed, Verdict, distance};
+use dcd_geom::glam::{DMat3, DQuat, DVec3};
+use dcd_geom::{Object, Pose};
+use proptest::prelude::*;
+
+fn vector(half_width: f64) -> impl Strategy<Value = DVec3> {
+    let number = -half_width..half_width;
+    (number.clone(), number.clone(), number).prop_map(|(x, y, z)| DVec3::new(x, y, z))
+}
+
+fn pose(half_width: f64) -> impl Strategy<Value = Pose> {
+    (vector(3.0), vector(half_width))
+        .prop_map(|(turn, at)| Pose::new(DQuat::from_scaled_axis(turn), at).unwrap())
+}
+
+/// Hulls of all proportions, rounded or not, spheres and boxes.
+fn shape() -> impl Strategy<Value = Shape> {
+    let size = (0.02f64..1.0, 0.02f64..1.0, 0.02f64..1.0);
+    let points = prop::collection::vec(vector(1.0), 4..40);
+    (points, size, 0u32..5, 0.01f64..0.3).prop_filter_map("flat", |(points, size, kind, radius)| {
+        let size = DVec3::new(size.0, size.1, size.2);
+        let hull = Shape::hull(points.iter().map(|p| *p * size).collect());
+        match kind {
+            0 => Shape::sphere(radius).ok(),
+            1 => Shape::cuboid(size).ok(),
+            2 => hull.and_then(|hull| hull.rounded(radius)).ok(),
+            _ => hull.ok(),
+        }
+    })
+}
+
+/// The pairs of a scene, each with what the lanes proved of it and the room of that.
+fn rooms(scene: &Scene, path: Path) -> Vec<(Pair, bool, f32)> {
+    let narrow = Overlap::on(path);
+    let mut lanes = frame::Frame::default();
+    let mut aabbs = vec![Aabb::default(); scene.len()];
+    let part = narrow.lay_out(scene, &mut lanes);
+    narrow.prepare(scene, 0, part, &mut aabbs);
+    let objects = 0..scene.len() as u32;
+    let pairs = objects.clone().flat_map(|j| (0..j).map(move |i| Pair::new(i, j)));
+    let pairs: Vec<Pair> = pairs.collect();
+    let mut scratch = decide::Scratch::default();
+    let slice = Slice { path, scene, frame: &lanes, pairs: &pairs };
+    slice.judge::<Lasting>(&mut scratch, &mut Report::default());
+    let found = scratch.touching().iter().zip(scratch.room());
+    pairs.iter().zip(found).map(|(&pair, (&touching, &room))| (pair, touching, room)).collect()
+}
+
+/// How far apart two objects are, or how deep in each other, at most.
+fn reach(scene: &Scene, pair: Pair) -> f64 {
+    let placed =
+        |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
+    let (a, b) = (placed(pair.i), placed(pair.j));
+    match distance::distance(a, b).0 {
+        DistanceResult::Apart(distance) => distance.upper(),
+        _ => match Depths.solve(a, b, &mut <Depths as PairSolver>::Scratch::default()) {
+            Verdict::Touching(depth) => depth.depth + depth.error_bound,
+            other => panic!("{pair:?}: {other:?}"),
+        },
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn no_proof_has_more_room_than_the_true_distance_or_depth(
+        objects in prop::collection::vec((shape(), pose(1.2)), 2..12),
+    ) {
+        let (shapes, poses) = objects.into_iter().unzip();
+        let scene = Scene::one_each(shapes, poses).unwrap();
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            for (pair, _, room) in rooms(&scene, path) {
+                let reach = reach(&scene, pair);
+                prop_assert!(f64::from(room) <= reach, "{pair:?}, {path:?}: {room} of {reach}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_point_of_an_object_moves_farther_than_its_way(
+        shape in shape(),
+        from in pose(5.0),
+        to in pose(5.0),
+        part in 0.0f64..1.0,
+        stretch in -5e-7f64..5e-7,
+    ) {
+        // From almost no motion to any, and matrices that are almost rotations.
+        let blend = |a: DVec3, b: DVec3| a + (b - a) * part.powi(8);
+        let turn = DQuat::from_mat3(from.rotation()).slerp(DQuat::from_mat3(to.rotation()), part.powi(8));
+        let matrix = DMat3::from_quat(turn.normalize()) * (1.0 + stretch);
+        let to = Pose::from_matrix(matrix, blend(from.translation(), to.translation())).unwrap();
+        let object = Object::new(0, from);
+        let mut scene = Scene::new(vec![shape.clone()], [object]).unwrap();
+        let mut track = Track::default();
+        track.follow(&scene, 0);
+        let before = track.way();
+        scene.set_pose(0, to).unwrap();
+        track.follow(&scene, 0);
+        let way = track.way().travelled - before.travelled;
+        for v in shape.as_polytope().unwrap().vertices() {
+            let moved = to.apply(*v).distance(from.apply(*v));
+            prop_assert!(way == before.limit || moved <= way * (1.0 + 1e-15) + 1e-15, "{moved} {way}");
+        }
+    }
+}
+
+#[test]
+fn an_object_at_rest_goes_no_way_and_another_in_its_slot_goes_a_long_one() {
+    let shapes = vec![Shape::sphere(0.5).unwrap(), Shape::sphere(2.0).unwrap()];
+    let mut scene = Scene::new(shapes, [Object::new(1, Pose::IDENTITY)]).unwrap();
+    let mut track = Track::default();
+    track.follow(&scene, 0);
+    let at_first = track.way();
+    track.follow(&scene, 0);
+    assert_eq!(track.way().travelled, at_first.travelled);
+    assert!(!track.way().restless);
+    scene.remove(scene.handle(0).unwrap()).unwrap();
+    scene.insert(Object::new(0, Pose::IDENTITY)).unwrap();
+    track.follow(&scene, 0);
+    // No fact about the large one had more room than its limit.
+    assert!(track.way().travelled >= at_first.travelled + at_first.limit);
+}
+
+#[test]
+fn a_jump_beyond_all_bounds_counts_as_the_limit_and_many_of_them_wear_the_way_out() {
+    let mut scene =
+        Scene::new(vec![Shape::sphere(1.0).unwrap()], [Object::new(0, Pose::IDENTITY)]).unwrap();
+    let mut track = Track::default();
+    track.follow(&scene, 0);
+    for jump in 1..5000 {
+        let at = DVec3::X * if jump % 2 == 0 { 1e9 } else { -1e9 };
+        scene.set_pose(0, Pose::from_translation(at).unwrap()).unwrap();
+        let before = track.way();
+        let worn = track.follow(&scene, 0);
+        assert_eq!(track.way().travelled, before.travelled + before.limit);
+        assert!(track.way().restless);
+        if worn {
+            assert!(jump > 1000, "{jump}");
+            return;
+        }
+    }
+    panic!("never worn");
+}
+
+/// Facts about that many objects, each in a pair with each.
+fn facts(objects: u32) -> (Facts, Vec<Pair>) {
+    let pairs = (0..objects).flat_map(|j| (0..j).map(move |i| Pair::new(i, j)));
+    let pairs: Vec<Pair> = pairs.collect();
+    let mut facts = Facts::default();
+    facts.make_shelves(objects as usize);
+    (0..objects as usize).for_each(|i| go(&mut facts, i, 0.0));
+    facts.make_room(std::iter::once(&pairs[..]));
+    (facts, pairs)
+}
+
+fn go(facts: &mut Facts, object: usize, travelled: f64) {
+    let (shelves, limits) = facts.ways_mut();
+    let way = facts::Way { travelled, limit: 8.0, restless: false };
+    way.write(&mut shelves[object], &mut limits[object]);
+}
+
+#[test]
+fn a_fact_holds_until_both_objects_together_have_gone_its_room() {
+    let (mut facts, pairs) = facts(2);
+    assert_eq!(facts.recall(pairs[0]), None);
+    facts.remember(pairs[0], Fact::Touching, 0.5);
+    go(&mut facts, 0, 0.3);
+    go(&mut facts, 1, 0.1999);
+    assert_eq!(facts.recall(pairs[0]), Some(Fact::Touching));
+    go(&mut facts, 1, 0.2);
+    assert_eq!(facts.recall(pairs[0]), None);
+    facts.remember(pairs[0], Fact::Apart, 1.0);
+    assert_eq!(facts.recall(pairs[0]), Some(Fact::Apart));
+    // More room than the limit is not believed: a jump counts as no more.
+    facts.remember(pairs[0], Fact::Apart, 1e6);
+    go(&mut facts, 1, 8.2);
+    assert_eq!(facts.recall(pairs[0]), None);
+}
+
+#[test]
+fn what_is_recalled_is_what_was_remembered_and_little_finds_no_slot() {
+    let (facts, pairs) = facts(300);
+    let fact = |pair: Pair| if (pair.i ^ pair.j) % 3 == 0 { Fact::Touching } else { Fact::Apart };
+    pairs.iter().for_each(|&pair| facts.remember(pair, fact(pair), 0.1));
+    let known = pairs.iter().filter_map(|&pair| facts.recall(pair).map(|known| (pair, known)));
+    let known: Vec<_> = known.collect();
+    assert!(known.iter().all(|&(pair, known)| known == fact(pair)));
+    assert!(known.len() * 100 > pairs.len() * 95, "{} of {}", known.len(), pairs.len());
+}
+
+#[test]
+fn nothing_is_kept_of_restless_objects_without_room_or_without_shelves() {
+    let (mut facts, pairs) = facts(3);
+    for room in [0.0, -1.0, f32::NAN, 1e-38] {
+        facts.remember(pairs[0], Fact::Apart, room);
+        assert_eq!(facts.recall(pairs[0]), None, "{room}");
+    }
+    let (shelves, limits) = facts.ways_mut();
+    let way = facts::Way { travelled: 0.0, limit: 8.0, restless: true };
+    way.write(&mut shelves[2], &mut limits[2]);
+    facts.remember(Pair::new(0, 2), Fact::Apart, 1.0);
+    go(&mut facts, 2, 0.0);
+    assert_eq!(facts.recall(Pair::new(0, 2)), None);
+    facts.make_shelves(5);
+    facts.remember(Pair::new(3, 4), Fact::Apart, 1.0);
+    assert_eq!(facts.recall(Pair::new(3, 4)), None);
+}

@@ -1,0 +1,329 @@
+//! A slice of pairs on its way through the stages.
+
+use super::ahead::Ahead;
+use super::boxes::{self, Boxes};
+use super::certificate::Trust;
+use super::frame::Frame;
+use super::lot::{AFTER_BALLS, AFTER_CONE, AFTER_SECOND_POINT, Belt, LanesOf, Lot, Number, Whole};
+use super::nearest;
+use super::opening::{self, Entry, Place, Settled};
+use super::portal;
+use super::support::Desk;
+use crate::{Body, Placed, Report, Rung, Verdict, certified};
+use dcd_geom::glam::Vec3;
+use dcd_geom::lanes::{Kernel, Lanes, Path, Row, WIDTH, dispatch_on};
+use dcd_geom::{Pair, Scene};
+use std::marker::PhantomData;
+
+/// What a thread reuses from slice to slice.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    /// For each pair of the slice, whether it is known to touch.
+    touching: Vec<bool>,
+    /// For each pair of the slice the room of its proof, if that is kept: see
+    /// [`super::certificate::Certificate`]. 0 where the lanes settled nothing.
+    room: Vec<f32>,
+    left: Vec<Left>,
+    ahead: Ahead,
+    desk: Desk,
+    entry: Entry,
+    boxes: Boxes,
+    /// Where the later stages work.
+    lot: Lot,
+    /// What waits for the twin boxes.
+    boxed: Belt<AFTER_BALLS>,
+    /// What waits for the centre axis.
+    axis: Belt<AFTER_BALLS>,
+    /// What waits for the next support of rounded shapes.
+    near: Belt<AFTER_SECOND_POINT>,
+    /// What waits for the second point.
+    second: Belt<AFTER_CONE>,
+    /// What waits for the next support.
+    portal: Belt<AFTER_SECOND_POINT>,
+}
+
+impl Scratch {
+    /// For each pair of the slice judged last, whether it is known to touch.
+    pub(super) fn touching(&self) -> &[bool] {
+        &self.touching
+    }
+
+    /// For each of them how far its objects may move together before what the lanes proved of it
+    /// may no longer hold, metres; 0 where they proved nothing.
+    pub(super) fn room(&self) -> &[f32] {
+        &self.room
+    }
+}
+
+/// A pair that the lanes leave open.
+#[derive(Clone, Copy, Debug)]
+struct Left {
+    /// Its number in the slice.
+    number: u32,
+    /// Between the centres, and where the search ended: perhaps one separates. World axes, from b
+    /// to a.
+    axes: [Vec3; 2],
+}
+
+/// Some pairs of a scene.
+pub(super) struct Slice<'a> {
+    pub(super) path: Path,
+    pub(super) scene: &'a Scene,
+    pub(super) frame: &'a Frame,
+    pub(super) pairs: &'a [Pair],
+}
+
+impl Slice<'_> {
+    /// Lanes first, then one pair at a time what they leave: without a proof only shapes that have
+    /// no vertices, and sizes that f32 has no room for.
+    pub(super) fn judge<T: Trust>(&self, scratch: &mut Scratch, report: &mut Report) {
+        let Self { path, scene, frame, pairs } = *self;
+        let trust = PhantomData::<T>;
+        dispatch_on(path, Decide { trust, frame, pairs, scratch, report: &mut *report });
+        for left in &scratch.left {
+            let number = left.number as usize;
+            scratch.touching[number] = settle(scene, pairs[number], left.axes, report);
+        }
+    }
+}
+
+/// The later rungs for one pair that the lanes left open: the lanes' own axes in f64, then f64
+/// from the start, then exact integers. Whether it is known to touch.
+fn settle(scene: &Scene, pair: Pair, axes: [Vec3; 2], report: &mut Report) -> bool {
+    let placed =
+        |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
+    let (a, b) = (placed(pair.i), placed(pair.j));
+    let (verdict, rung) = match (a.shape.as_polytope(), b.shape.as_polytope()) {
+        (Some(in_a), Some(in_b)) => {
+            let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+            certified::overlap_after(&axes.map(|axis| axis.as_dvec3()), a, b)
+        }
+        _ => certified::overlap_of(a, b),
+    };
+    match verdict {
+        Verdict::Undecided(reason) => report.leave(pair, reason),
+        Verdict::Apart | Verdict::Touching(()) => report.count(rung, 1),
+    }
+    verdict == Verdict::Touching(())
+}
+
+/// Settles what the lanes can of a slice of pairs.
+struct Decide<'a, T> {
+    /// What the answers are worth.
+    trust: PhantomData<T>,
+    frame: &'a Frame,
+    pairs: &'a [Pair],
+    scratch: &'a mut Scratch,
+    report: &'a mut Report,
+}
+
+impl<T: Trust> Kernel for Decide<'_, T> {
+    type Output = ();
+
+    /// Every stage hands on what it leaves open, and works whenever a whole lot has come together.
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, l: L) {
+        let pairs = self.pairs;
+        self.scratch.touching.clear();
+        self.scratch.touching.resize(pairs.len(), false);
+        if T::KEEPS_ROOM {
+            self.scratch.room.clear();
+            self.scratch.room.resize(pairs.len(), 0.0);
+        }
+        self.scratch.left.clear();
+        self.scratch.ahead.look(self.frame, pairs.chunks(WIDTH).next().unwrap_or_default());
+        self.scratch.ahead.look(self.frame, pairs.chunks(WIDTH).nth(1).unwrap_or_default());
+        let mut first = 0;
+        loop {
+            let whole = if first < pairs.len() { Whole::Only } else { Whole::OrLast };
+            if whole == Whole::Only {
+                self.open(l, first);
+                first += WIDTH;
+            }
+            // The later stage first: so each finds room for what the earlier one hands on.
+            loop {
+                let Scratch { boxed, axis, near, second, portal, .. } = &*self.scratch;
+                if portal.has(whole) {
+                    self.round(l);
+                } else if second.has(whole) {
+                    self.second_point(l);
+                } else if near.has(whole) {
+                    self.nearer(l);
+                } else if axis.has(whole) {
+                    self.centre_axis(l);
+                } else if boxed.has(whole) {
+                    self.twin_boxes(l);
+                } else {
+                    break;
+                }
+            }
+            if whole == Whole::OrLast {
+                break;
+            }
+        }
+    }
+}
+
+impl<T: Trust> Decide<'_, T> {
+    /// Reads sixteen pairs and tries their balls.
+    #[inline(always)]
+    fn open<L: Lanes>(&mut self, l: L, first: usize) {
+        let Scratch { touching, left, ahead, entry, boxed, axis, .. } = &mut *self.scratch;
+        let later = self.pairs.get(first + 2 * WIDTH..).unwrap_or_default();
+        ahead.look(self.frame, &later[..later.len().min(WIDTH)]);
+        let pairs = &self.pairs[first..self.pairs.len().min(first + WIDTH)];
+        entry.read(self.frame, pairs, first as u32);
+        let balls = entry.balls::<L, T>(l);
+        mark(&mut touching[first..], balls.touching);
+        self.report.count(Rung::Balls, count(balls.all()));
+        let open = entry.live & !balls.all();
+        let to_axis = if self.frame.has_vertices() { open & !entry.boxed } else { 0 };
+        let to_boxes = open & entry.boxed;
+        let to_left = used(pairs.len()) & !(entry.live & !open | to_boxes | to_axis);
+        for lane in LanesOf(to_left) {
+            left.push(Left { number: entry.lot.number.0[lane], axes: [Vec3::ZERO; 2] });
+        }
+        boxed.push(l, &entry.lot, to_boxes);
+        axis.push(l, &entry.lot, to_axis);
+        if T::KEEPS_ROOM {
+            keep_room(l, &mut self.scratch.room, &entry.lot, (balls.room, balls.all()));
+        }
+    }
+
+    /// A box round and a box inside each.
+    #[inline(always)]
+    fn twin_boxes<L: Lanes>(&mut self, l: L) {
+        let Scratch { left, boxes, lot, boxed, .. } = &mut *self.scratch;
+        let taken = boxed.take(l, lot);
+        let (settled, aligned) = boxes::twin_boxes::<L, T>(l, self.frame, boxes, (lot, taken));
+        let open = used(taken) & !settled.all();
+        let handed_on = match (self.frame.has_vertices(), T::HANDS_ON) {
+            (false, _) => open,
+            (true, true) => open & aligned,
+            (true, false) => 0,
+        };
+        for lane in LanesOf(handed_on) {
+            // The closed form of boxes needs no axis.
+            left.push(Left { number: lot.number.0[lane], axes: [Vec3::ZERO; 2] });
+        }
+        self.settle(l, Rung::Boxes, settled, used(taken));
+        self.scratch.axis.push(l, &self.scratch.lot, open & !handed_on);
+    }
+
+    /// The axis between the centres, and the cone.
+    #[inline(always)]
+    fn centre_axis<L: Lanes>(&mut self, l: L) {
+        let Scratch { desk, lot, axis, .. } = &mut *self.scratch;
+        let taken = axis.take(l, lot);
+        let mut at = Place { frame: self.frame, desk };
+        let apart = opening::centre_axis::<L, T>(l, &mut at, lot, taken);
+        let apart = Settled::apart(l, apart);
+        let cone = Settled::touching(l, opening::cone::<L, T>(l, lot)).but(apart);
+        self.settle(l, Rung::CentreAxis, apart, used(taken));
+        self.settle(l, Rung::Cone, cone, used(taken));
+        let Scratch { lot, near, second, .. } = &mut *self.scratch;
+        let open = used(taken) & !(apart.all() | cone.all());
+        let rounded = l.bits(l.lt(l.splat(0.0), lot.number(l, Number::Radius)));
+        second.push(l, lot, open & !rounded);
+        if open & rounded != 0 {
+            nearest::begin(l, lot);
+            near.push(l, lot, open & rounded);
+        }
+    }
+
+    /// A nearer point of two cores. Where there is none they overlap, as a portal may prove.
+    #[inline(always)]
+    fn nearer<L: Lanes>(&mut self, l: L) {
+        let Scratch { desk, lot, near, .. } = &mut *self.scratch;
+        let taken = near.take(l, lot);
+        let mut at = Place { frame: self.frame, desk };
+        let (settled, stuck) = nearest::round::<L, T>(l, &mut at, lot, taken);
+        self.settle(l, Rung::Portal, settled, used(taken));
+        let Scratch { lot, near, second, .. } = &mut *self.scratch;
+        second.push(l, lot, stuck & used(taken));
+        near.push(l, lot, used(taken) & !(settled.all() | stuck));
+    }
+
+    /// The cone of two points.
+    #[inline(always)]
+    fn second_point<L: Lanes>(&mut self, l: L) {
+        let Scratch { desk, lot, second, .. } = &mut *self.scratch;
+        let taken = second.take(l, lot);
+        let mut at = Place { frame: self.frame, desk };
+        let cone = portal::second_point::<L, T>(l, &mut at, lot, taken);
+        let cone = Settled::touching(l, cone);
+        self.settle(l, Rung::Cone, cone, used(taken));
+        self.scratch.portal.push(l, &self.scratch.lot, used(taken) & !cone.all());
+    }
+
+    /// One support, and what follows.
+    #[inline(always)]
+    fn round<L: Lanes>(&mut self, l: L) {
+        let Scratch { left, desk, lot, portal, .. } = &mut *self.scratch;
+        let taken = portal.take(l, lot);
+        let mut at = Place { frame: self.frame, desk };
+        let (mut settled, mut stuck) = portal::round::<L, T>(l, &mut at, lot, taken);
+        if !T::HANDS_ON {
+            settled.touching |= stuck;
+            stuck = 0;
+        }
+        for lane in LanesOf(stuck & used(taken)) {
+            left.push(Left { number: lot.number.0[lane], axes: lot.axes(lane) });
+        }
+        self.settle(l, Rung::Portal, settled, used(taken));
+        let open = used(taken) & !(settled.all() | stuck);
+        self.scratch.portal.push(l, &self.scratch.lot, open);
+    }
+
+    /// Notes what a stage settled of the lanes in use.
+    #[inline(always)]
+    fn settle<L: Lanes>(&mut self, l: L, rung: Rung, settled: Settled<L>, used: u32) {
+        let Scratch { touching, room, lot, .. } = &mut *self.scratch;
+        scatter(touching, lot, settled.touching & used);
+        self.report.count(rung, count(settled.all() & used));
+        if T::KEEPS_ROOM {
+            keep_room(l, room, lot, (settled.room, settled.all() & used));
+        }
+    }
+}
+
+/// The mask of that many lanes.
+#[inline(always)]
+fn used(lanes: usize) -> u32 {
+    (1 << lanes) - 1
+}
+
+/// Writes which of a group of pairs touch; every entry is written, so that none is a branch.
+#[inline(always)]
+fn mark(touching: &mut [bool], bits: u32) {
+    for (lane, touches) in touching.iter_mut().take(WIDTH).enumerate() {
+        *touches = bits >> lane & 1 == 1;
+    }
+}
+
+/// Writes which pairs of a lot touch, without a branch; what was known of the others stays.
+#[inline(always)]
+fn scatter(touching: &mut [bool], lot: &Lot, bits: u32) {
+    for lane in 0..WIDTH {
+        if let Some(touches) = touching.get_mut(lot.number.0[lane] as usize) {
+            *touches |= bits >> lane & 1 == 1;
+        }
+    }
+}
+
+/// Writes the room of some pairs of a lot, without a branch.
+#[inline(always)]
+fn keep_room<L: Lanes>(l: L, room: &mut [f32], lot: &Lot, (found, bits): (L::F, u32)) {
+    let mut row = Row::default();
+    l.store(l.select(l.mask(bits), found, l.splat(0.0)), &mut row);
+    for lane in 0..WIDTH {
+        if let Some(room) = room.get_mut(lot.number.0[lane] as usize) {
+            *room += row.0[lane];
+        }
+    }
+}
+
+#[inline(always)]
+fn count(bits: u32) -> u64 {
+    bits.count_ones().into()
+}
