@@ -1,7 +1,7 @@
 //! Twin boxes: two objects that each have a box round and a box inside them, on their own axes.
 
 use super::bounds::{PARALLEL, TWIN_BOX, U};
-use super::certificate::Trust;
+use super::certificate::{Certificate, Trust};
 use super::frame::Frame;
 use super::lot::{Lot, Number, Vector};
 use super::opening::Settled;
@@ -37,14 +37,22 @@ struct Tally<L: Lanes> {
     bound: L::F,
     apart: L::M,
     touching: L::M,
+    /// The room that a separation, and an overlap, have: see [`super::certificate::Certificate`].
+    apart_by: L::F,
+    touching_by: L::F,
 }
 
 impl<L: Lanes> Tally<L> {
-    /// One axis: how far apart the centres are along it, and how far the outer and the inner boxes
-    /// reach. `skip`: no axis at all.
+    /// One axis no longer than 1: how far apart the centres are along it, and how far the outer and
+    /// the inner boxes reach. `skip`: no axis at all.
     #[inline(always)]
     fn try_axis(&mut self, l: L, distance: L::F, (outer, inner): (L::F, L::F), skip: L::M) {
         let distance = l.abs(distance);
+        // A shorter axis has more room than this.
+        let gap = l.sub(l.sub(distance, outer), self.bound);
+        self.apart_by = l.select(skip, self.apart_by, l.max(self.apart_by, gap));
+        let depth = l.sub(l.sub(inner, distance), self.bound);
+        self.touching_by = l.select(skip, self.touching_by, l.min(self.touching_by, depth));
         let apart = l.lt(l.add(outer, self.bound), distance);
         self.apart = l.or(self.apart, l.and_not(apart, skip));
         let overlap = l.lt(l.add(distance, self.bound), inner);
@@ -87,7 +95,13 @@ pub(super) fn twin_boxes<L: Lanes, T: Trust>(
     let slack = l.mul(lot.number(l, Number::Slack), l.splat(4.0));
     let bound = T::rounding(l, l.mul_add(size, l.splat(TWIN_BOX), slack));
     let none = l.mask(0);
-    let mut tally = Tally { bound, apart: none, touching: l.mask(u32::MAX) };
+    let mut tally = Tally {
+        bound,
+        apart: none,
+        touching: l.mask(u32::MAX),
+        apart_by: zero,
+        touching_by: l.splat(f32::MAX),
+    };
     for i in 0..3 {
         let outer = l.add(a.outer[i], dot3(l, b.outer, abs[i]));
         let inner = l.add(a.inner[i], dot3(l, b.inner, abs[i]));
@@ -116,8 +130,9 @@ pub(super) fn twin_boxes<L: Lanes, T: Trust>(
         }
         aligned = l.and(aligned, has_parallel);
     }
-    let (apart, touching) = (l.bits(tally.apart), l.bits(tally.touching));
-    let settled = Settled { apart, touching, room: zero };
+    let apart = Certificate::new(l, tally.apart, tally.apart_by, l.splat(1.0));
+    let touching = Certificate::new(l, tally.touching, tally.touching_by, l.splat(1.0));
+    let settled = Settled::by(l, apart, touching, u32::MAX);
     (settled, l.bits(aligned))
 }
 

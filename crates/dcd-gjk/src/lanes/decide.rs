@@ -168,7 +168,7 @@ impl<T: Trust> Decide<'_, T> {
     /// Reads sixteen pairs and tries their balls.
     #[inline(always)]
     fn open<L: Lanes>(&mut self, l: L, first: usize) {
-        let Scratch { touching, left, ahead, entry, boxed, axis, .. } = &mut *self.scratch;
+        let Scratch { touching, room, left, ahead, entry, boxed, axis, .. } = &mut *self.scratch;
         let later = self.pairs.get(first + 2 * WIDTH..).unwrap_or_default();
         ahead.look(self.frame, &later[..later.len().min(WIDTH)]);
         let pairs = &self.pairs[first..self.pairs.len().min(first + WIDTH)];
@@ -186,7 +186,7 @@ impl<T: Trust> Decide<'_, T> {
         boxed.push(l, &entry.lot, to_boxes);
         axis.push(l, &entry.lot, to_axis);
         if T::KEEPS_ROOM {
-            keep_room(l, &mut self.scratch.room, &entry.lot, (balls.room, balls.all()));
+            keep_room(l, room, &entry.lot, (balls.room, balls.all()));
         }
     }
 

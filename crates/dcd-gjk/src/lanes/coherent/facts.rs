@@ -228,8 +228,8 @@ impl Facts {
         let (own, other) = self.owner(pair);
         let (shelf, other_shelf) = (&self.shelves[own as usize], &self.shelves[other as usize]);
         let way = shelf.way + other_shelf.way;
-        let room = room.min(self.limits[own as usize]).min(self.limits[other as usize]);
-        let until = (way * ROUNDED + room) * ROUNDED;
+        let limit = self.limits[own as usize].min(self.limits[other as usize]);
+        let until = (way * ROUNDED + room.min(limit)) * ROUNDED;
         // Written so that NaN is not kept.
         if !(way < until && room > LEAST) {
             return;
