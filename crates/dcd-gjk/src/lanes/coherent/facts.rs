@@ -95,13 +95,13 @@ impl Way {
 }
 
 impl Shelf {
-    /// The bunch in which an object's slot is looked for first.
+    /// The bunch in which an object's slot is looked for first; `None` on a shelf without slots.
     #[inline(always)]
-    fn bunch(&self, other: u32) -> usize {
+    fn bunch(&self, other: u32) -> Option<usize> {
         // Fibonacci hashing (Knuth, The Art of Computer Programming 3, 6.4).
         let hash = other.wrapping_mul(0x9E37_79B9);
-        let bunch = u64::from(hash) * u64::from(self.bunches) >> 32;
-        self.first as usize + bunch as usize
+        let bunch = (u64::from(hash) * u64::from(self.bunches)) >> 32;
+        (self.bunches > 0).then_some(self.first as usize + bunch as usize)
     }
 }
 
@@ -162,7 +162,7 @@ impl Facts {
         let mut first = 0u32;
         for &object in &self.order {
             let shelf = &mut self.shelves[object as usize];
-            let slots = shelf.bunches.saturating_mul(SLOTS_FOR_ONE);
+            let slots = shelf.bunches.max(1).saturating_mul(SLOTS_FOR_ONE);
             let bunches = slots.div_ceil(size_of::<Bunch>() as u32 / size_of::<AtomicU64>() as u32);
             (shelf.first, shelf.bunches) = (first, bunches);
             first = first.saturating_add(bunches + 1);
@@ -185,8 +185,9 @@ impl Facts {
     #[inline(always)]
     pub(super) fn look_ahead(&self, pair: Pair) {
         let (own, other) = self.owner(pair);
-        let bunch = self.shelves[own as usize].bunch(other);
-        prefetch(self.slots.get(bunch..bunch + 1).unwrap_or_default());
+        if let Some(bunch) = self.shelves[own as usize].bunch(other) {
+            prefetch(self.slots.get(bunch..bunch + 1).unwrap_or_default());
+        }
     }
 
     /// What is known of a pair now.
@@ -198,7 +199,7 @@ impl Facts {
         if way.is_nan() {
             return None;
         }
-        let bunch = shelf.bunch(other);
+        let bunch = shelf.bunch(other)?;
         let mut slot = self.find(bunch, other);
         if slot == FULL {
             slot = self.find(bunch + 1, other);
@@ -236,7 +237,7 @@ impl Facts {
         }
         let touches = if fact == Fact::Touching { TOUCHES } else { 0 };
         let new = u64::from(other) << 32 | touches | u64::from(until.to_bits());
-        let bunch = shelf.bunch(other);
+        let Some(bunch) = shelf.bunch(other) else { return };
         for bunch in [bunch, bunch + 1] {
             if let Some(slot) = self.free_slot(shelf, bunch, other) {
                 slot.store(new, Relaxed);
