@@ -121,6 +121,10 @@ impl NarrowPhase for Coherent {
     type Part<'f> = Part<'f>;
     type Scratch = Scratch;
 
+    fn growth(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
     fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Frame) -> Part<'f> {
         let same_shapes =
             frame.shapes.as_ref().is_some_and(|s| Arc::ptr_eq(s, scene.shared_shapes()));
