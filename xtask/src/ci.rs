@@ -117,7 +117,7 @@ fn examples() -> Result<()> {
 /// check holds, not how fast they are.
 fn quick_measurements() -> Result<()> {
     let metadata = Metadata::read()?;
-    for name in ["bench", "compare", "meshes", "batch", "scale", "accuracy"] {
+    for name in ["bench", "compare", "meshes", "batch", "frames", "scale", "accuracy"] {
         if name == "accuracy" && !measure::exists(&metadata, name) {
             eprintln!("-- {name}: there is no such binary yet");
             continue;

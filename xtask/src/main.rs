@@ -32,6 +32,9 @@ enum Task {
     /// Batches of a robot's configurations against obstacles that stand still, beside Parry's
     #[command(disable_help_flag = true)]
     Batch(PassedOn),
+    /// Scenes that walk, frame by frame: what remembering proofs saves, beside Parry's refitted tree
+    #[command(disable_help_flag = true)]
+    Frames(PassedOn),
     /// What each rung of precision costs, and how often and how far it is wrong
     #[command(disable_help_flag = true)]
     Accuracy(PassedOn),
@@ -69,6 +72,7 @@ fn run(task: Task) -> Result<ExitCode> {
         Task::Compare(passed) => measure::run("compare", &passed.arguments),
         Task::Meshes(passed) => measure::run("meshes", &passed.arguments),
         Task::Batch(passed) => measure::run("batch", &passed.arguments),
+        Task::Frames(passed) => measure::run("frames", &passed.arguments),
         Task::Accuracy(passed) => measure::run("accuracy", &passed.arguments),
         Task::Scale(passed) => measure::run("scale", &passed.arguments),
         Task::Results => results::take_in().map(|()| ExitCode::SUCCESS),

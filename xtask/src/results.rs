@@ -9,10 +9,12 @@ use serde::Deserialize;
 use crate::cargo;
 
 /// Measuring binaries, and their folders in `docs/results`.
-const FOLDERS: [(&str, &str); 5] = [
+const FOLDERS: [(&str, &str); 7] = [
     ("bench", "paper"),
     ("compare", "compare"),
     ("batch", "batch"),
+    ("frames", "frames"),
+    ("meshes", "meshes"),
     ("scale", "scale"),
     ("accuracy", "accuracy"),
 ];

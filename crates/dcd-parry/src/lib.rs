@@ -41,6 +41,6 @@ mod world;
 pub use bvh::ParryBvh;
 pub use gjk::ParryGjk;
 pub use library::{Library, Query};
-pub use pipeline::{ParryPipeline, ParryStep, Ready};
+pub use pipeline::{ParryPipeline, ParryStep, Ready, Upkeep};
 pub use shapes::{ParryShapes, ShapesFrame};
 pub use world::{Hit, ParryWorld, Posed, Until};

@@ -65,6 +65,9 @@ pub trait Library: Real {
     /// The same in the memory of the tree before, if it had as many leaves: Parry's fastest way.
     /// It starts from the order of that tree's leaves, so that the new one depends on it.
     fn rebuild(boxes: impl ExactSizeIterator<Item = Self::Box>, tree: &mut Self::Tree);
+    /// The tree before with the leaves' new boxes: its nodes are fitted anew and a part of it is
+    /// improved, as Parry's users do from frame to frame. Built if it had another number of leaves.
+    fn refit(boxes: impl ExactSizeIterator<Item = Self::Box>, tree: &mut Self::Tree);
     /// Tells `pair` of every two leaves whose boxes overlap, once each, in the tree's order.
     fn leaf_pairs(tree: &mut Self::Tree, pair: impl FnMut(u32, u32));
     /// The same pairs in the same order, found on rayon's current pool.
@@ -286,6 +289,17 @@ macro_rules! behind_library {
                         tree.0.update_partially_if_present(aabb, leaf, 0.0);
                     }
                     tree.0.rebuild(&mut tree.1, BvhBuildStrategy::Binned);
+                }
+
+                fn refit(boxes: impl ExactSizeIterator<Item = Aabb>, tree: &mut Self::Tree) {
+                    if boxes.len() < 3 || tree.0.leaf_count() as usize != boxes.len() {
+                        return Self::build(boxes, tree);
+                    }
+                    for (leaf, aabb) in (0..).zip(boxes) {
+                        tree.0.update_partially_if_present(aabb, leaf, 0.0);
+                    }
+                    tree.0.refit(&mut tree.1);
+                    tree.0.optimize_incremental(&mut tree.1);
                 }
 
                 fn leaf_pairs((tree, memory): &mut Self::Tree, mut pair: impl FnMut(u32, u32)) {

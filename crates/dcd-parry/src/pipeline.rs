@@ -20,6 +20,7 @@ const PAIRS_PER_TASK: usize = 2048;
 /// other.
 pub struct ParryPipeline<R: Library> {
     query: Query,
+    upkeep: Upkeep,
     forms: Forms<R>,
     placements: Vec<Placement<R>>,
     /// The objects that Parry has a shape for: leaf k is object `accepted[k]`.
@@ -33,6 +34,18 @@ pub struct ParryPipeline<R: Library> {
     report: Report,
 }
 
+/// What becomes of the tree from step to step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Upkeep {
+    /// It is built anew by binning, in the memory of the one before: the fastest way where objects
+    /// have moved far, and without them all the same.
+    #[default]
+    Rebuild,
+    /// Its nodes are fitted to the new boxes, and a part of it improved: Parry's own way from frame
+    /// to frame.
+    Refit,
+}
+
 /// A pipeline with the objects where the scene has them.
 pub struct Ready<'a, R: Library> {
     pipeline: &'a mut ParryPipeline<R>,
@@ -44,6 +57,7 @@ impl<R: Library> ParryPipeline<R> {
     pub fn new(scene: &Scene, query: Query) -> Self {
         Self {
             query,
+            upkeep: Upkeep::default(),
             forms: Forms::of(scene),
             placements: Vec::new(),
             accepted: Vec::new(),
@@ -55,6 +69,11 @@ impl<R: Library> ParryPipeline<R> {
             reports: PerThread::default(),
             report: Report::default(),
         }
+    }
+
+    /// The same with the tree kept in that way.
+    pub fn with_upkeep(self, upkeep: Upkeep) -> Self {
+        Self { upkeep, ..self }
     }
 
     /// Takes over the scene's poses; and its shapes, if they are not those that were seen last.
@@ -113,13 +132,17 @@ impl<R: Library> ParryPipeline<R> {
 }
 
 impl<R: Library> Ready<'_, R> {
-    /// From boxes to contacts, in Parry's own order, which depends on earlier steps (the tree is
-    /// rebuilt from the one before) but not on `exec`.
+    /// From boxes to contacts, in Parry's own order, which depends on earlier steps (the tree comes
+    /// of the one before) but not on `exec`.
     pub fn step<'e>(&mut self, exec: impl Into<Exec<'e>>) -> ParryStep<'_> {
         let (pipeline, exec) = (&mut *self.pipeline, exec.into());
         exec.stage(Stage::Boxes, || pipeline.compute_boxes(exec));
         exec.stage(Stage::Build, || {
-            R::rebuild(pipeline.boxes.iter().copied(), &mut pipeline.tree);
+            let boxes = pipeline.boxes.iter().copied();
+            match pipeline.upkeep {
+                Upkeep::Rebuild => R::rebuild(boxes, &mut pipeline.tree),
+                Upkeep::Refit => R::refit(boxes, &mut pipeline.tree),
+            }
         });
         exec.stage(Stage::Pairs, || pipeline.find_candidates(self.scene, exec));
         exec.stage(Stage::Narrow, || pipeline.judge(exec));

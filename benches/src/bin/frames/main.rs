@@ -1,0 +1,75 @@
+//! Frames that barely differ: what is remembered from one to the next, and what that saves.
+//!
+//! No time is shown before the answers are judged: in every frame [`course`] holds the contacts of
+//! the pipeline that remembers, their order included, equal to those of the one that does not.
+
+#![forbid(unsafe_code)]
+
+mod course;
+mod show;
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::Parser;
+use dcd_benches::{Effort, Header, Options, Units};
+
+use course::{Course, Outcome};
+
+/// A scene whose objects walk at random, frame by frame on one thread: the default pipeline, the
+/// one that remembers proofs, and Parry's in f32 with its tree refitted, in turn in one process.
+#[derive(Parser)]
+#[command(name = "frames", version)]
+struct Line {
+    #[command(flatten)]
+    options: Options,
+    /// Print the whole as JSON, in place of the tables
+    #[arg(long)]
+    json: bool,
+}
+
+/// Scenes, their objects, and those of a quick run.
+const SCENES: [(&str, usize, usize); 2] = [("paper", 10_000, 1_000), ("sparse", 100_000, 5_000)];
+
+/// Standard deviations of a step along and about each axis, metres and rad: from rest on.
+const SIGMAS: [f64; 5] = [0.0, 1e-4, 1e-3, 3e-3, 1e-2];
+
+fn main() -> ExitCode {
+    match run(&Line::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(line: &Line) -> Result<()> {
+    let options = &line.options;
+    let quick = options.effort() == Effort::Quick;
+    let header = Header::observe(options);
+    let dir = options.dir("frames");
+    let courses: Vec<Course> = SCENES
+        .into_iter()
+        .flat_map(|(scene, full, few)| {
+            SIGMAS.map(|sigma| (scene, if quick { few } else { full }, sigma))
+        })
+        .map(|(scene, objects, sigma)| Course { scene, objects, sigma, seed: options.seed })
+        .collect();
+    let plan = courses.iter().map(Course::key);
+    let mut units = Units::open(&dir, &header.fingerprint(), plan, options.start())?;
+    let mut outcomes: Vec<Outcome> = Vec::new();
+    for course in &courses {
+        outcomes.push(units.run(&course.key(), || course.run(options.effort()))?);
+    }
+    let report = show::report(header, &outcomes)?;
+    let pages = report.write(&dir)?;
+    units.finish()?;
+    if line.json {
+        println!("{}", report.to_json());
+    } else {
+        println!("{}", report.to_markdown());
+        pages.iter().for_each(|page| println!("{}", page.display()));
+    }
+    Ok(())
+}
