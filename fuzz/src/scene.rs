@@ -2,9 +2,10 @@
 
 use crate::Input;
 use dcd_exec::Par;
+use dcd_geom::glam::DVec3;
 use dcd_geom::lanes::Path;
-use dcd_geom::{Filter, Motion, Object, Scene};
-use dcd_gjk::{Overlap, Placed, Verdict, certified};
+use dcd_geom::{Filter, Motion, Object, Pose, Scene};
+use dcd_gjk::{Coherent, Overlap, Placed, Verdict, certified};
 use dcd_pipeline::{Pipeline, WideTree};
 
 /// Objects in a scene at most: enough for a lot of sixteen pairs, and every pair is judged singly.
@@ -14,11 +15,12 @@ const OBJECTS: u8 = 20;
 const FRAMES: usize = 4;
 
 /// On each path the contacts are those of the certified ladder, pair by pair, and so are the pairs
-/// left undecided; a pipeline that has seen other frames gives what a fresh one gives.
+/// left undecided; a pipeline that has seen other frames gives what a fresh one gives, one that
+/// remembers proofs too.
 pub fn scene(bytes: &[u8]) {
     let mut input = Input(bytes);
     let Some(mut scene) = scene_of(&mut input) else { return };
-    let mut kept: Vec<_> = paths().map(pipeline).collect();
+    let mut kept: Vec<_> = paths().map(|path| (pipeline(path), remembering(path))).collect();
     for _ in 0..FRAMES {
         check(&scene, &mut kept);
         if change(&mut scene, &mut input).is_none() {
@@ -34,6 +36,12 @@ fn paths() -> impl Iterator<Item = Path> {
 fn pipeline(path: Path) -> Pipeline {
     Pipeline::new(WideTree::default(), Overlap::on(path))
 }
+
+fn remembering(path: Path) -> Remembering {
+    Pipeline::new(WideTree::default(), Coherent::on(path))
+}
+
+type Remembering = Pipeline<WideTree, Coherent>;
 
 fn scene_of(input: &mut Input<'_>) -> Option<Scene> {
     let shapes = 1 + input.byte()? % 4;
@@ -60,7 +68,7 @@ fn object(input: &mut Input<'_>, shapes: usize) -> Option<Object> {
 fn change(scene: &mut Scene, input: &mut Input<'_>) -> Option<()> {
     let changes = input.byte()? % 8;
     for _ in 0..changes {
-        let (kind, i) = (input.byte()? % 4, usize::from(input.byte()? % OBJECTS));
+        let (kind, i) = (input.byte()? % 5, usize::from(input.byte()? % OBJECTS));
         match kind {
             0 => {
                 let _ = scene.handle(i).map(|handle| scene.remove(handle));
@@ -71,12 +79,23 @@ fn change(scene: &mut Scene, input: &mut Input<'_>) -> Option<()> {
             2 => {
                 let _ = scene.ignore_pair(i, usize::from(input.byte()?));
             }
-            _ => {
+            3 => {
                 let _ = scene.set_pose(i, input.pose()?);
             }
+            _ => nudge(scene, i, input.byte()?),
         }
     }
     Some(())
+}
+
+/// A step of between 1 and 2⁻³¹ metres along an axis: what proofs may outlast.
+fn nudge(scene: &mut Scene, i: usize, byte: u8) {
+    let Some(&pose) = scene.poses().get(i) else { return };
+    let axis = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X][usize::from(byte % 4)];
+    let step = axis * 2f64.powi(-i32::from(byte >> 3));
+    if let Ok(pose) = Pose::from_matrix(*pose.rotation(), pose.translation() + step) {
+        let _ = scene.set_pose(i, pose);
+    }
 }
 
 /// What every pair that may be told comes to, one by one.
@@ -86,9 +105,9 @@ struct Judged {
     undecided: Vec<(u32, u32)>,
 }
 
-fn check(scene: &Scene, kept: &mut [Pipeline]) {
+fn check(scene: &Scene, kept: &mut [(Pipeline, Remembering)]) {
     let truth = judged(scene);
-    for (path, kept) in paths().zip(kept) {
+    for (path, (kept, remembering)) in paths().zip(kept) {
         let mut fresh = pipeline(path);
         let step = fresh.step(scene, Par::Serial);
         let contacts: Vec<_> = step.contacts().collect();
@@ -98,6 +117,8 @@ fn check(scene: &Scene, kept: &mut [Pipeline]) {
         assert_eq!(found, truth, "{path:?}");
         let again: Vec<_> = kept.step(scene, Par::Serial).contacts().collect();
         assert_eq!(again, contacts, "{path:?}, kept");
+        let again: Vec<_> = remembering.step(scene, Par::Serial).contacts().collect();
+        assert_eq!(again, contacts, "{path:?}, remembering");
     }
 }
 
