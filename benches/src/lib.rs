@@ -58,7 +58,7 @@ pub use agreement::Agreement;
 pub use digest::Digest;
 pub use figure::{Axis, Figure, Scale, Series};
 pub use machine::Header;
-pub use options::Options;
+pub use options::{Options, Print, exit_code};
 pub use progress::Progress;
 pub use report::Report;
 pub use resume::{Start, Units};

@@ -2,6 +2,7 @@
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::thread;
 
 use crate::resume::Start;
@@ -52,6 +53,27 @@ impl Options {
     #[must_use]
     pub fn dir(&self, name: &str) -> PathBuf {
         self.out.clone().unwrap_or_else(|| workspace().join("target").join("dcd").join(name))
+    }
+}
+
+/// What is printed of a report; a binary flattens it into its own options.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+#[command(about = None, long_about = None)]
+pub struct Print {
+    /// Print the whole as JSON, in place of the tables
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What a binary ends with; an error is told with all its causes.
+#[must_use]
+pub fn exit_code(result: anyhow::Result<()>) -> ExitCode {
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
     }
 }
 

@@ -11,6 +11,7 @@ use serde_json::{Map, Value, json};
 
 use crate::figure::Figure;
 use crate::machine::Header;
+use crate::options::Print;
 use crate::resume::Units;
 use crate::table::Table;
 
@@ -150,6 +151,21 @@ impl Report {
         write(&pages[1], &self.to_html()?)?;
         write(&pages[2], &(serde_json::to_string_pretty(&self.to_json())? + "\n"))?;
         Ok(pages)
+    }
+
+    /// Writes it, and prints its tables and where its pages are, or the whole as JSON.
+    ///
+    /// # Errors
+    /// Those of [`Report::write`].
+    pub fn hand_out(&self, dir: &Path, print: Print) -> Result<()> {
+        let pages = self.write(dir)?;
+        if print.json {
+            println!("{}", self.to_json());
+        } else {
+            println!("{}", self.to_markdown());
+            pages.iter().for_each(|page| println!("{}", page.display()));
+        }
+        Ok(())
     }
 
     /// The header as comment lines, as they stand above comma-separated values.

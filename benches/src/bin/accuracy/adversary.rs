@@ -2,7 +2,7 @@
 //! wrong.
 
 use anyhow::{Result, ensure};
-use dcd_benches::{Cell, Column, Header, Options, Report, Table, Units, timing};
+use dcd_benches::{Cell, Column, Header, Options, Print, Report, Table, Units, timing};
 use dcd_scenes::conformance::{Case, flip};
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +32,7 @@ struct Judged {
 }
 
 /// Runs, or goes on with, so many answers, and writes the report `adversary`.
-pub(crate) fn run(options: &Options, answers: u64, json: bool) -> Result<()> {
+pub(crate) fn run(options: &Options, answers: u64, print: Print) -> Result<()> {
     let header = Header::observe(options);
     let dir = options.dir("adversary");
     let count = answers.div_ceil(UNIT);
@@ -59,15 +59,9 @@ pub(crate) fn run(options: &Options, answers: u64, json: bool) -> Result<()> {
         sum(|unit| unit.without_end)
     ));
     let table = table(&all)?;
-    report.table(table.clone());
-    let pages = report.write(&dir)?;
+    report.table(table);
+    report.hand_out(&dir, print)?;
     units.finish()?;
-    if json {
-        println!("{}", report.to_json());
-    } else {
-        println!("{}", table.to_markdown());
-        pages.iter().for_each(|page| println!("{}", page.display()));
-    }
     let wrong: u64 = certified_wrong(&all);
     ensure!(wrong == 0, "{wrong} answers of a certified rung are wrong or open");
     Ok(())

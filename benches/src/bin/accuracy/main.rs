@@ -20,7 +20,7 @@ use std::process::ExitCode;
 
 use anyhow::{Result, bail};
 use clap::Parser;
-use dcd_benches::{Header, Options, Units};
+use dcd_benches::{Header, Options, Print, Units, exit_code};
 
 use measure::Measured;
 use rung::Query;
@@ -38,24 +38,17 @@ struct Line {
     /// In place of the report, judge so many answers at neighbouring floats; a stopped run goes on
     #[arg(long, value_name = "ANSWERS")]
     adversary: Option<u64>,
-    /// Print the whole as JSON, in place of the tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    print: Print,
 }
 
 fn main() -> ExitCode {
-    match run(&Line::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(run(&Line::parse()))
 }
 
 fn run(line: &Line) -> Result<()> {
     match line.adversary {
-        Some(answers) => adversary::run(&line.options, answers, line.json),
+        Some(answers) => adversary::run(&line.options, answers, line.print),
         None => report(line),
     }
 }
@@ -90,14 +83,8 @@ fn report(line: &Line) -> Result<()> {
     tolerance::show(&coarse, &mut report)?;
     absent.iter().for_each(|note| report.note(note));
     report.missing(&units);
-    let pages = report.write(&dir)?;
+    report.hand_out(&dir, line.print)?;
     units.finish()?;
-    if line.json {
-        println!("{}", report.to_json());
-    } else {
-        println!("{}", report.to_markdown());
-        pages.iter().for_each(|page| println!("{}", page.display()));
-    }
     let mut broken: Vec<String> = found.iter().flat_map(Measured::broken_promises).collect();
     broken.extend(coarse.iter().filter_map(tolerance::Coarse::broken_promise));
     if !broken.is_empty() {

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use anyhow::{Result, bail};
 use clap::Parser;
-use dcd_benches::{Header, Options, Units};
+use dcd_benches::{Header, Options, Print, Units, exit_code};
 use dcd_exec::{Par, with_threads};
 use dcd_parry::Until;
 
@@ -29,9 +29,8 @@ struct Line {
     /// Configurations [default: 10,000; 1,000 with --quick]
     #[arg(long, value_name = "N")]
     n: Option<usize>,
-    /// Print the whole as JSON, in place of the tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// The rooms: how many obstacles in a cube of which half-width, metres; from crowded to all but
@@ -62,13 +61,7 @@ impl Ask {
 }
 
 fn main() -> ExitCode {
-    match run(&Line::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(run(&Line::parse()))
 }
 
 fn run(line: &Line) -> Result<()> {
@@ -96,14 +89,8 @@ fn run(line: &Line) -> Result<()> {
         outcomes.push((ask, outcome));
     }
     let report = show::report(header, configurations, &outcomes)?;
-    let pages = report.write(&dir)?;
+    report.hand_out(&dir, line.print)?;
     units.finish()?;
-    if line.json {
-        println!("{}", report.to_json());
-    } else {
-        println!("{}", report.to_markdown());
-        pages.iter().for_each(|page| println!("{}", page.display()));
-    }
     if outcomes.iter().any(|(_, outcome)| outcome.ours_wrong > 0) {
         bail!("some of our answers are wrong");
     }

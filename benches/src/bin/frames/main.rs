@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::Parser;
-use dcd_benches::{Effort, Header, Options, Units};
+use dcd_benches::{Effort, Header, Options, Print, Units, exit_code};
 
 use course::{Course, Outcome};
 
@@ -23,9 +23,8 @@ use course::{Course, Outcome};
 struct Line {
     #[command(flatten)]
     options: Options,
-    /// Print the whole as JSON, in place of the tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// Scenes, their objects, and those of a quick run.
@@ -35,13 +34,7 @@ const SCENES: [(&str, usize, usize); 2] = [("paper", 10_000, 1_000), ("sparse", 
 const SIGMAS: [f64; 5] = [0.0, 1e-4, 1e-3, 3e-3, 1e-2];
 
 fn main() -> ExitCode {
-    match run(&Line::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(run(&Line::parse()))
 }
 
 fn run(line: &Line) -> Result<()> {
@@ -63,13 +56,7 @@ fn run(line: &Line) -> Result<()> {
         outcomes.push(units.run(&course.key(), || course.run(options.effort()))?);
     }
     let report = show::report(header, &outcomes)?;
-    let pages = report.write(&dir)?;
+    report.hand_out(&dir, line.print)?;
     units.finish()?;
-    if line.json {
-        println!("{}", report.to_json());
-    } else {
-        println!("{}", report.to_markdown());
-        pages.iter().for_each(|page| println!("{}", page.display()));
-    }
     Ok(())
 }

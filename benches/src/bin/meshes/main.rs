@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use anyhow::{Result, bail};
 use clap::Parser;
-use dcd_benches::{Header, Options, Units};
+use dcd_benches::{Header, Options, Print, Units, exit_code};
 use dcd_scenes::data;
 
 use contest::{Contest, Outcome};
@@ -30,19 +30,12 @@ struct Line {
     /// Poses [default: 10,000; 500 with --quick]
     #[arg(long, value_name = "N")]
     n: Option<usize>,
-    /// Print the whole as JSON, in place of the tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    print: Print,
 }
 
 fn main() -> ExitCode {
-    match run(&Line::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(run(&Line::parse()))
 }
 
 fn run(line: &Line) -> Result<()> {
@@ -60,14 +53,8 @@ fn run(line: &Line) -> Result<()> {
         Contest::new([&fixed, &moving], options.seed, count)?.run(options.effort())
     })?;
     let report = show::report(header, &outcome)?;
-    let pages = report.write(&dir)?;
+    report.hand_out(&dir, line.print)?;
     units.finish()?;
-    if line.json {
-        println!("{}", report.to_json());
-    } else {
-        println!("{}", report.to_markdown());
-        pages.iter().for_each(|page| println!("{}", page.display()));
-    }
     if outcome.ours.wrong > 0 {
         bail!("{} of our answers are wrong", outcome.ours.wrong);
     }

@@ -19,7 +19,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::Parser;
-use dcd_benches::{Header, Options, Report, Units};
+use dcd_benches::{Header, Options, Print, Report, Units, exit_code};
 
 use runner::Case;
 
@@ -35,19 +35,12 @@ struct Line {
     /// 1,000,000; 10,000 with --quick]
     #[arg(long, value_name = "N")]
     n_max: Option<usize>,
-    /// Print the whole as JSON, in place of the tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    print: Print,
 }
 
 fn main() -> ExitCode {
-    match run(&Line::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(run(&Line::parse()))
 }
 
 fn run(line: &Line) -> Result<()> {
@@ -82,14 +75,8 @@ fn run(line: &Line) -> Result<()> {
     order::show(&cases, &units, &mut report)?;
     limit::show(&cases, &units, &mut report)?;
     growth::show(most, &units, &mut report)?;
-    let pages = report.write(&dir)?;
+    report.hand_out(&dir, line.print)?;
     units.finish()?;
-    if line.json {
-        println!("{}", report.to_json());
-    } else {
-        println!("{}", report.to_markdown());
-        pages.iter().for_each(|page| println!("{}", page.display()));
-    }
     Ok(())
 }
 
