@@ -150,7 +150,7 @@ impl WideBvh {
         exec.divide(rows, NODES_PER_TASK, |first, (leaves, ids)| {
             let members = order[first * WIDTH..].chunks(WIDTH);
             for ((leaf, ids), members) in leaves.iter_mut().zip(ids).zip(members) {
-                *leaf = Sixteen::EMPTY;
+                (*leaf, *ids) = (Sixteen::EMPTY, IndexRow::default());
                 for (k, &key) in members.iter().enumerate() {
                     // The key's lower half is the box's index.
                     ids.0[k] = key as u32;
@@ -316,6 +316,10 @@ mod tests {
             pooled.build(&boxes, Par::Pool.into());
             assert!(serial.validate(&boxes), "{count}");
             assert_eq!(serial.ids, pooled.ids);
+            // A tree made afresh has 0 in the lanes past the end, and so has one that was larger.
+            let mut fresh = WideBvh::default();
+            fresh.build(&boxes, Par::Serial.into());
+            assert_eq!(serial.ids, fresh.ids, "{count}");
             assert_eq!(serial.levels, pooled.levels);
         }
     }
