@@ -36,21 +36,75 @@ const LEAVES_PER_TASK: usize = 16;
 
 impl BroadPhase for WideTree {
     fn build(&mut self, aabbs: &[Aabb], exec: Exec) {
-        self.tree.build(aabbs, exec);
+        if aabbs.len() > WIDTH {
+            self.tree.build(aabbs, exec);
+        }
     }
 
     fn pairs(
         &mut self,
-        _: &[Aabb],
+        aabbs: &[Aabb],
         keep: impl Fn(u32, u32) -> bool + Sync,
         exec: Exec,
         out: &mut Segments<Pair>,
     ) {
         let (tree, keep) = (&self.tree, &keep);
+        if aabbs.len() <= WIDTH {
+            // A tree of one leaf would take longer to build than to search.
+            out.fill(exec, usize::from(!aabbs.is_empty()), |_, out| {
+                dispatch_on(self.path, Few { aabbs, keep, out });
+            });
+            return;
+        }
         let tasks = tree.leaves().len().div_ceil(LEAVES_PER_TASK);
         out.fill(exec, tasks, |task, out| {
             dispatch_on(self.path, Search { tree, keep, first: task * LEAVES_PER_TASK, out });
         });
+    }
+}
+
+/// The pairs among at most sixteen boxes, in ascending order.
+struct Few<'a, K> {
+    aabbs: &'a [Aabb],
+    keep: &'a K,
+    out: &'a mut Vec<Pair>,
+}
+
+impl<K: Fn(u32, u32) -> bool> Kernel for Few<'_, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Self { aabbs, keep, out } = self;
+        let last = aabbs.len().min(WIDTH);
+        // Side by side in registers: memory would be waited for. Nobody asks for the first box.
+        let mut min = [l.splat(f32::INFINITY); 3];
+        let mut max = [l.splat(f32::NEG_INFINITY); 3];
+        for (lane, aabb) in aabbs[..last].iter().enumerate().skip(1) {
+            let here = l.mask(1 << lane);
+            min[0] = l.select(here, l.splat(aabb.min.x), min[0]);
+            min[1] = l.select(here, l.splat(aabb.min.y), min[1]);
+            min[2] = l.select(here, l.splat(aabb.min.z), min[2]);
+            max[0] = l.select(here, l.splat(aabb.max.x), max[0]);
+            max[1] = l.select(here, l.splat(aabb.max.y), max[1]);
+            max[2] = l.select(here, l.splat(aabb.max.z), max[2]);
+        }
+        for (i, aabb) in aabbs[..last.saturating_sub(1)].iter().enumerate() {
+            let mut all = l.le(min[0], l.splat(aabb.max.x));
+            all = l.and(all, l.le(l.splat(aabb.min.x), max[0]));
+            all = l.and(all, l.le(min[1], l.splat(aabb.max.y)));
+            all = l.and(all, l.le(l.splat(aabb.min.y), max[1]));
+            all = l.and(all, l.le(min[2], l.splat(aabb.max.z)));
+            all = l.and(all, l.le(l.splat(aabb.min.z), max[2]));
+            let mut hits = l.bits(all) & later(i);
+            while hits != 0 {
+                let (i, j) = (i as u32, hits.trailing_zeros());
+                hits &= hits - 1;
+                if keep(i, j) {
+                    out.push(Pair { i, j });
+                }
+            }
+        }
     }
 }
 
@@ -96,13 +150,6 @@ impl<K: Fn(u32, u32) -> bool> Kernel for Search<'_, K> {
     fn run<L: Lanes>(mut self, l: L) {
         let leaves = self.tree.leaves();
         let last = leaves.len().min(self.first + LEAVES_PER_TASK);
-        if leaves.len() <= 1 {
-            // A single leaf, and no stack to clear.
-            for leaf in self.first..last {
-                self.within(l, leaf);
-            }
-            return;
-        }
         let mut stack = Stack::default();
         for (asking, leaf) in leaves.iter().enumerate().take(last).skip(self.first) {
             let around = leaf.union();
@@ -137,9 +184,7 @@ impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
     fn within<L: Lanes>(&mut self, l: L, leaf: usize) {
         let boxes = &self.tree.leaves()[leaf];
         for lane in 0..self.tree.boxes_in(leaf) {
-            // Later lanes only; the empty boxes past the end overlap nothing.
-            let later = u32::MAX << (lane + 1);
-            let hits = overlaps(l, boxes, &boxes.get(lane)) & later & 0xffff;
+            let hits = overlaps(l, boxes, &boxes.get(lane)) & later(lane);
             self.emit(l, self.tree.ids()[leaf].0[lane], leaf, hits);
         }
     }
@@ -182,6 +227,12 @@ impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
         }
         self.out.truncate(start + kept);
     }
+}
+
+/// The lanes after that one. The empty boxes past the end overlap nothing.
+#[inline(always)]
+fn later(lane: usize) -> u32 {
+    0xffff & u32::MAX << (lane + 1)
 }
 
 /// Which of sixteen boxes overlap that one; empty boxes never do.

@@ -124,10 +124,13 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         let part = self.narrow.lay_out(scene, &mut self.frame);
         let narrow = &self.narrow;
         exec.divide((part, &mut self.aabbs[..]), OBJECTS_PER_TASK, |first, objects| {
-            let slots = first..first + objects.1.len();
-            let slots = if rest { awake(scene, slots) } else { slots };
-            let (_, objects) = objects.split_at(slots.start - first);
-            let ((part, aabbs), _) = objects.split_at(slots.len());
+            let mut slots = first..first + objects.1.len();
+            let mut objects = objects;
+            if rest {
+                slots = awake(scene, slots);
+                objects = objects.split_at(slots.start - first).1.split_at(slots.len()).0;
+            }
+            let (part, aabbs) = objects;
             if aabbs.is_empty() {
                 return;
             }

@@ -2,7 +2,7 @@
 
 use super::bounds::TAGGED_BLOCKS;
 use super::prepare::constants;
-use dcd_geom::lanes::{Block, MOST_BLOCKS, Row, prefetch};
+use dcd_geom::lanes::{Block, MOST_BLOCKS, Row, WIDTH, prefetch};
 use dcd_geom::{Divide, Kind, Scene, Shape, Stamp};
 
 /// All objects, ready for the lanes.
@@ -15,7 +15,14 @@ pub struct Frame {
     boxes: Vec<BoxRecord>,
     /// The scene's layout that the offsets are for.
     layout: Option<Stamp>,
+    /// Lent to the first part that has an object.
+    extremes: Box<Extremes>,
 }
+
+/// The largest x, y, z and the largest −x, −y, −z of sixteen objects, lane by lane, on their way to
+/// the boxes. To clear it takes as long as to prepare several objects.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Extremes(pub(super) [[Row; WIDTH]; 6]);
 
 /// What the objects of a scene have in common, and so what must be prepared of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -102,6 +109,8 @@ pub struct Part<'f> {
     pub(super) records: &'f mut [Record],
     pub(super) blocks: &'f mut [Block],
     pub(super) boxes: &'f mut [BoxRecord],
+    /// Room that need not be cleared; a part without makes its own.
+    pub(super) extremes: Option<&'f mut Extremes>,
 }
 
 impl Frame {
@@ -112,8 +121,8 @@ impl Frame {
             self.set_offsets(scene);
             self.layout = Some(scene.layout());
         }
-        let Self { form, records, blocks, boxes, .. } = self;
-        Part { form: *form, records, blocks, boxes }
+        let Self { form, records, blocks, boxes, extremes, .. } = self;
+        Part { form: *form, records, blocks, boxes, extremes: Some(extremes) }
     }
 
     fn set_offsets(&mut self, scene: &Scene) {
@@ -202,9 +211,23 @@ impl Divide for Part<'_> {
         let (left, right) = self.records.split_at_mut(middle);
         let (left_blocks, right_blocks) = self.blocks.split_at_mut(blocks);
         let (left_boxes, right_boxes) = self.boxes.split_at_mut(middle.min(self.boxes.len()));
+        let (lent, none) = (self.extremes, None);
+        let (left_lent, right_lent) = if middle > 0 { (lent, none) } else { (none, lent) };
         (
-            Self { form, records: left, blocks: left_blocks, boxes: left_boxes },
-            Self { form, records: right, blocks: right_blocks, boxes: right_boxes },
+            Self {
+                form,
+                records: left,
+                blocks: left_blocks,
+                boxes: left_boxes,
+                extremes: left_lent,
+            },
+            Self {
+                form,
+                records: right,
+                blocks: right_blocks,
+                boxes: right_boxes,
+                extremes: right_lent,
+            },
         )
     }
 }

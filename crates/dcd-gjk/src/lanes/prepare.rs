@@ -5,7 +5,7 @@ mod forms;
 pub(super) use forms::constants;
 
 use super::bounds::{CENTRE, CHOICE, ROTATED, TURNED, U};
-use super::frame::{BOXED, BoxRecord, Form, LIVE, Part, Record};
+use super::frame::{BOXED, BoxRecord, Extremes, Form, LIVE, Part, Record};
 use super::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::lanes::{Block, Kernel, Lanes, Row, WIDTH, prefetch};
@@ -37,8 +37,14 @@ impl Prepare<'_> {
     #[inline(always)]
     fn any<L: Lanes>(self, l: L) {
         let mut blocks = self.part.blocks;
-        // The largest x, y, z and the largest −x, −y, −z of sixteen objects, lane by lane.
-        let mut extremes = [[Row::default(); WIDTH]; 6];
+        let mut own;
+        let Extremes(extremes) = match self.part.extremes {
+            Some(lent) => lent,
+            None => {
+                own = Extremes::default();
+                &mut own
+            }
+        };
         let twin_boxes = self.scene.cores().twin_boxes();
         let boxes = self.part.boxes;
         let groups = self.part.records.chunks_mut(WIDTH).zip(self.aabbs.chunks_mut(WIDTH));
@@ -70,7 +76,7 @@ impl Prepare<'_> {
             for (lane, (record, aabb)) in records.iter().zip(aabbs).enumerate() {
                 *aabb = match record.blocks {
                     0 => self.scene.aabb(first + lane),
-                    _ => boxed(record, [0, 1, 2, 3, 4, 5].map(|side: usize| reach[side].0[lane])),
+                    _ => boxed(record, &reach, lane),
                 };
             }
         }
@@ -175,11 +181,12 @@ fn spread<L: Lanes>(l: L, v: Vec3) -> V3<L> {
     V3(l.splat(v.x), l.splat(v.y), l.splat(v.z))
 }
 
-/// The object's box: its rotated vertices' extremes round its centre, and what all of it may be
-/// off by.
+/// The box of the object in that lane: its rotated vertices' extremes round its centre, and what all
+/// of it may be off by.
 #[inline(always)]
-fn boxed(record: &Record, reach: [f32; 6]) -> Aabb {
-    let [x, y, z, nx, ny, nz] = reach.map(f64::from);
+fn boxed(record: &Record, reach: &[Row; 6], lane: usize) -> Aabb {
+    let at = |side: usize| f64::from(reach[side].0[lane]);
+    let (x, y, z, nx, ny, nz) = (at(0), at(1), at(2), at(3), at(4), at(5));
     let pad = f64::from(record.size) * f64::from(ROTATED * U)
         + f64::from(record.radius)
         + f64::from(record.slack);
