@@ -5,6 +5,7 @@ mod first;
 mod linkage;
 mod outlook;
 mod probe;
+mod set;
 
 pub use linkage::Linkage;
 pub use probe::{Finding, Found, Other, Probe};
@@ -61,7 +62,7 @@ impl<N: NarrowPhase> World<N> {
     /// Ready to ask for configurations of these links, again and again.
     ///
     /// # Errors
-    /// More shapes or objects than a u32 counts: a probe holds 128 objects for each link.
+    /// More shapes or objects than a u32 counts: a probe holds 512 objects for each link.
     pub fn probe(&self, linkage: Linkage) -> Result<Probe<'_, N>, SceneError> {
         Probe::new(self, linkage)
     }

@@ -42,9 +42,9 @@ fn linkage() -> Linkage {
     linkage.against_itself(&EXCEPT).unwrap()
 }
 
-/// More than two rows of configurations, some of them far away.
+/// More configurations than are worked on at once, some of them far away.
 fn poses() -> Vec<Pose> {
-    let spec = SceneSpec::parse("paper").unwrap().with_objects(5 * 150).with_seed(8);
+    let spec = SceneSpec::parse("paper").unwrap().with_objects(5 * 600).with_seed(8);
     let paper = spec.scene().unwrap();
     let spread = |(k, pose): (usize, &Pose)| {
         let base = paper.poses()[k / 5 * 5].translation() * if k / 5 % 3 == 0 { 1.0 } else { 2.0 };

@@ -1,8 +1,9 @@
 //! A thread's work on a few configurations.
 
 use super::first::Search;
-use super::outlook::{Members, Outlook, ROW, Set};
+use super::outlook::Outlook;
 use super::probe::{Finding, Other, Probe};
+use super::set::{Members, ROW, Set};
 use dcd_broad::Named;
 use dcd_geom::{Aabb, Divide, Pair, Pose, Scene};
 use dcd_gjk::{Contact, Findings, NarrowPhase, Report, Verdict};
@@ -49,7 +50,7 @@ impl<N: NarrowPhase> Default for Desk<N> {
             scratch: N::Scratch::default(),
             outlook: Outlook::default(),
             start: 0,
-            open: 0,
+            open: Set::default(),
             posed: Vec::new(),
             owners: Vec::new(),
             slots: Vec::new(),
@@ -99,10 +100,9 @@ impl<N: NarrowPhase> Desk<N> {
         let links = probe.linkage.len();
         self.outlook.open(probe);
         self.posed.clear();
-        self.posed.resize(links, 0);
+        self.posed.resize(links, Set::default());
         self.start = start;
-        // A row has at least one configuration.
-        self.open = Set::MAX >> (ROW - count);
+        self.open = Set::first(count);
     }
 
     /// All pairs of the configurations taken up, settled. The index of the first pose that was
@@ -134,7 +134,7 @@ impl<N: NarrowPhase> Desk<N> {
         let mut refused: Option<usize> = None;
         self.fresh.clear();
         for link in 0..count {
-            let first = rows + ROW * link + self.posed[link].count_ones() as usize;
+            let first = rows + ROW * link + self.posed[link].len();
             let mut slot = first;
             for own in Members(self.outlook.near(link) & self.open & !self.posed[link]) {
                 let pose = (self.start + own) * count + link;
@@ -142,7 +142,7 @@ impl<N: NarrowPhase> Desk<N> {
                     refused = Some(refused.map_or(pose, |first| first.min(pose)));
                     continue;
                 }
-                self.posed[link] |= 1 << own;
+                self.posed[link].add(own);
                 self.owners[slot - rows] = own as u32;
                 self.slots[link][own] = slot as u32;
                 slot += 1;
@@ -182,7 +182,7 @@ impl<N: NarrowPhase> Desk<N> {
     pub(super) fn own_pair(&self, own: usize, links: [u32; 2]) -> Option<Pair> {
         let links = links.map(|link| link as usize);
         // Of a pose that was refused there is no object.
-        if links.iter().any(|&link| self.posed[link] >> own & 1 == 0) {
+        if links.iter().any(|&link| !self.posed[link].has(own)) {
             return None;
         }
         let [k, l] = links.map(|link| self.slots[link][own]);

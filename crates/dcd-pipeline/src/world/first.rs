@@ -1,8 +1,8 @@
 //! The first hit of each configuration of a row.
 
 use super::desk::Desk;
-use super::outlook::{Members, ROW, Set};
 use super::probe::{Finding, Probe};
+use super::set::{Members, ROW, Set};
 use dcd_geom::{Pair, Pose};
 use dcd_gjk::{NarrowPhase, Verdict};
 use std::ops::Range;
@@ -23,7 +23,7 @@ pub(super) struct Search {
 
 /// How many pairs are settled at once, if there are as many. Larger: more are settled in vain, behind
 /// one that touches. Smaller: lanes stay idle.
-const ENOUGH: usize = 128;
+const ENOUGH: usize = 256;
 
 impl<N: NarrowPhase> Desk<N> {
     /// Finds the first hit of each configuration taken up, and writes it. The index of the first
@@ -35,15 +35,15 @@ impl<N: NarrowPhase> Desk<N> {
         found: &mut [Option<Finding<N::Answer>>],
     ) -> Option<usize> {
         let Search { next, here, near, waiting } = &mut self.search;
-        here.resize(probe.linkage.len(), 0);
+        here.resize(probe.linkage.len(), Set::default());
         next.clear();
-        next.resize(probe.linkage.len() + 1, 0);
+        next.resize(probe.linkage.len() + 1, Set::default());
         next[0] = self.open;
         near.clear();
         waiting.clear();
         waiting.resize(ROW, 0..0);
         let mut refused: Option<usize> = None;
-        while self.open != 0 {
+        while !self.open.is_empty() {
             if self.advance(probe, poses) {
                 let new = self.place(probe, poses);
                 refused = refused.into_iter().chain(new).min();
@@ -62,20 +62,25 @@ impl<N: NarrowPhase> Desk<N> {
         let links = probe.linkage.len();
         let row = &poses[self.start * links..];
         let Search { next, here, waiting, .. } = &mut self.search;
-        let idle = Members(self.open).filter(|&own| waiting[own].is_empty());
-        let idle: Set = idle.fold(0, |set, own| set | 1 << own);
-        let (mut passing, mut found) = (0, 0);
+        let mut idle = Set::default();
+        for own in Members(self.open).filter(|&own| waiting[own].is_empty()) {
+            idle.add(own);
+        }
+        let (mut passing, mut found) = (Set::default(), Set::default());
         for link in 0..links {
             let look = (next[link] | passing) & idle & !found;
             next[link] &= !look;
-            here[link] = if look == 0 { 0 } else { self.outlook.look(probe, link, look, row) };
+            here[link] = match look.is_empty() {
+                true => look,
+                false => self.outlook.look(probe, link, look, row),
+            };
             passing = look & !here[link];
             next[link + 1] |= here[link];
             found |= here[link];
         }
         // They have no link left.
         self.open &= !(idle & !found);
-        found != 0
+        !found.is_empty()
     }
 
     /// Lists what the links come to are near of, in each configuration in order.
@@ -91,7 +96,7 @@ impl<N: NarrowPhase> Desk<N> {
                 self.search.near.extend(with_obstacles);
                 told += self.search.near.len() - first;
                 for pair in probe.linkage.own_pairs_of(link) {
-                    if self.outlook.met(pair) >> own & 1 == 1 {
+                    if self.outlook.met(pair).has(own) {
                         let (k, l) = probe.linkage.own_pairs[pair];
                         let met = self.own_pair(own, [k, l]);
                         self.search.near.extend(met);
@@ -105,7 +110,7 @@ impl<N: NarrowPhase> Desk<N> {
     /// Takes the next pairs of every configuration, few of many or many of few.
     fn take_turns(&mut self) {
         let Search { near, waiting, .. } = &mut self.search;
-        let each = (ENOUGH / self.open.count_ones().max(1) as usize).max(1);
+        let each = (ENOUGH / self.open.len().max(1)).max(1);
         self.pairs.clear();
         for own in Members(self.open) {
             let Range { start, end } = &mut waiting[own];
@@ -126,7 +131,7 @@ impl<N: NarrowPhase> Desk<N> {
             if !found[own].as_ref().is_some_and(Finding::touches) {
                 found[own] = Some(finding);
             }
-            self.open &= !(1 << own);
+            self.open.remove(own);
         }
         for undecided in self.report.undecided() {
             let verdict = Verdict::Undecided(undecided.reason);

@@ -1,36 +1,16 @@
 //! Which links are near anything, before any of them is prepared.
 
 use super::probe::Probe;
-use dcd_broad::{BoxRow, BoxSet};
+use super::set::{Members, Set, WORDS};
+use dcd_broad::BoxRow;
 use dcd_geom::{Aabb, Pose, lanes};
 use dcd_gjk::NarrowPhase;
-
-/// How many configurations are worked on at once: enough for full lanes, few enough for the
-/// vertices of their links to stay near.
-pub(super) const ROW: usize = BoxRow::LENGTH;
-
-/// Some of a row of configurations.
-pub(super) type Set = BoxSet;
-
-/// The members of a set, ascending.
-pub(super) struct Members(pub(super) Set);
-
-impl Iterator for Members {
-    type Item = usize;
-
-    #[inline]
-    fn next(&mut self) -> Option<usize> {
-        let member = self.0.trailing_zeros() as usize;
-        self.0 &= self.0.wrapping_sub(1);
-        (member < ROW).then_some(member)
-    }
-}
 
 /// Bounds of the links, and what they leave to be asked exactly.
 #[derive(Default)]
 pub(super) struct Outlook {
     /// For each link its bound in every configuration that was looked at.
-    bounds: Vec<BoxRow>,
+    bounds: Vec<[BoxRow; WORDS]>,
     /// For each link the configurations in which its bound overlaps an obstacle or a link.
     near: Vec<Set>,
     /// For each of the linkage's own pairs the configurations, of those that were looked at last,
@@ -46,10 +26,10 @@ impl Outlook {
     /// Makes room once, and forgets what was near.
     pub(super) fn open<N: NarrowPhase>(&mut self, probe: &Probe<'_, N>) {
         let links = probe.linkage.len();
-        self.bounds.resize_with(links, BoxRow::default);
+        self.bounds.resize_with(links, Default::default);
         self.near.clear();
-        self.near.resize(links, 0);
-        self.met.resize(probe.linkage.own_pairs.len(), 0);
+        self.near.resize(links, Set::default());
+        self.met.resize(probe.linkage.own_pairs.len(), Set::default());
     }
 
     /// Looks where a link is in some configurations of a row, all links before it having been
@@ -63,7 +43,7 @@ impl Outlook {
     ) -> Set {
         let links = probe.linkage.len();
         let row = &mut self.bounds[link];
-        let mut near = 0;
+        let mut near = Set::default();
         let call = |own: usize| {
             let place = own * links + link;
             lanes::prefetch(std::slice::from_ref(&poses[place]));
@@ -79,17 +59,20 @@ impl Outlook {
             let place = own * links + link;
             let bound = &probe.bounds[link];
             let aabb = bound.map_or(Aabb::EVERYTHING, |bound| bound.aabb(&poses[place]));
-            row.set(own, &aabb);
+            row[own / BoxRow::LENGTH].set(own % BoxRow::LENGTH, &aabb);
             if aabb.max.x == f32::INFINITY {
                 // Posed in any case, so that a pose out of range is met.
-                near |= 1 << own;
+                near.add(own);
             }
         }
-        near |= probe.world.tree.reached(row, which);
+        for (word, row) in row.iter().enumerate() {
+            near.0[word] |= probe.world.tree.reached(row, which.0[word]);
+        }
         for pair in probe.linkage.own_pairs_of(link) {
             let (k, l) = probe.linkage.own_pairs[pair];
             let [k, l] = [k as usize, l as usize];
-            let met = which & self.bounds[k].overlaps(&self.bounds[l]);
+            let overlap = |word: usize| self.bounds[k][word].overlaps(&self.bounds[l][word]);
+            let met = which & Set(std::array::from_fn(overlap));
             self.met[pair] = met;
             self.near[k] |= met;
             near |= met;
@@ -107,17 +90,5 @@ impl Outlook {
     /// those in which the later link was looked at last.
     pub(super) fn met(&self, pair: usize) -> Set {
         self.met[pair]
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn members_are_told_once_and_ascending() {
-        assert_eq!(Members(0).count(), 0);
-        assert_eq!(Members(1 << (ROW - 1) | 0b1010).collect::<Vec<_>>(), [1, 3, ROW - 1]);
-        assert!(Members(Set::MAX).eq(0..ROW));
     }
 }

@@ -1,9 +1,9 @@
 //! Configurations of a linkage, asked against a world.
 
 use super::desk::Desk;
-use super::outlook::ROW;
+use super::set::ROW;
 use super::{Linkage, World};
-use dcd_exec::{Exec, PerThread, Segments};
+use dcd_exec::{Exec, PerThread, Segments, threads};
 use dcd_geom::{Bound, Object, Pose, Scene, SceneError};
 use dcd_gjk::{NarrowPhase, Verdict};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -58,8 +58,17 @@ impl<'p, A: Copy + Send> Found<'p, A> {
     }
 }
 
+/// How many configurations are settled at once where every hit is asked for: lanes are full in any
+/// case, so that fewer objects stay nearer. At most a row.
+const ALL_AT_ONCE: usize = 128;
+
+/// How many tasks a thread has at least where first hits are asked for and a batch is large enough.
+/// More: shorter rows, whose lanes run empty sooner. Fewer: threads wait for the last. No effect on
+/// any result.
+const TASKS_PER_THREAD: usize = 2;
+
 /// Asks a world for a linkage's configurations, on many threads, and keeps what that needs: for
-/// each thread the obstacles as the narrow phase prepares them and room for 128 configurations.
+/// each thread the obstacles as the narrow phase prepares them and room for 512 configurations.
 ///
 /// A link is prepared only where its [`Bound`] is near something: an obstacle's box, or another
 /// link's bound.
@@ -117,7 +126,8 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
         first.clear();
         first.resize(count, None);
         let (refused, probe) = (Refused::default(), &*self);
-        exec.into().divide(&mut first[..], ROW, |start, found| {
+        let grain = count.div_ceil(TASKS_PER_THREAD * threads()).clamp(ALL_AT_ONCE, ROW);
+        exec.into().divide(&mut first[..], grain, |start, found| {
             probe.desks.with(|desk| {
                 desk.open(probe, start, found.len());
                 refused.note(desk.find_first(probe, poses, found));
@@ -142,10 +152,10 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
         let count = self.count(poses)?;
         let mut all = std::mem::take(&mut self.all);
         let (refused, probe) = (Refused::default(), &*self);
-        all.fill(exec.into(), count.div_ceil(ROW), |task, out| {
+        all.fill(exec.into(), count.div_ceil(ALL_AT_ONCE), |task, out| {
             probe.desks.with(|desk| {
-                let start = ROW * task;
-                desk.open(probe, start, ROW.min(count - start));
+                let start = ALL_AT_ONCE * task;
+                desk.open(probe, start, ALL_AT_ONCE.min(count - start));
                 refused.note(desk.settle_all(probe, poses));
                 desk.append_all(probe, out);
             });
