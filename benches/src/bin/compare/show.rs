@@ -280,7 +280,13 @@ mod tests {
             query: "intersection-test".to_owned(),
             digest: String::new(),
             judged,
-            settled: vec![0, 0, 3, 1],
+            settled: Rung::ALL
+                .map(|rung| match rung {
+                    Rung::CentreAxis => 3,
+                    Rung::Cone => 1,
+                    _ => 0,
+                })
+                .to_vec(),
             threads: vec![1],
             races: Vec::new(),
         }
