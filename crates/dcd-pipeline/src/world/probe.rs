@@ -3,7 +3,7 @@
 use super::desk::Desk;
 use super::set::ROW;
 use super::{Linkage, World};
-use dcd_exec::{Exec, PerThread, Segments, threads};
+use dcd_exec::{Exec, PerThread, Segments};
 use dcd_geom::{Bound, Object, Pose, Scene, SceneError};
 use dcd_gjk::{NarrowPhase, Verdict};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -62,10 +62,9 @@ impl<'p, A: Copy + Send> Found<'p, A> {
 /// case, so that fewer objects stay nearer. At most a row.
 const ALL_AT_ONCE: usize = 128;
 
-/// How many tasks a thread has at least where first hits are asked for and a batch is large enough.
-/// More: shorter rows, whose lanes run empty sooner. Fewer: threads wait for the last. No effect on
-/// any result.
-const TASKS_PER_THREAD: usize = 2;
+/// Into how many rows first hits are cut, if there are enough of them. Larger: shorter rows, whose
+/// lanes run empty sooner. Smaller: threads wait for the last. No effect on any answer.
+const ROWS: usize = 16;
 
 /// Asks a world for a linkage's configurations, on many threads, and keeps what that needs: for
 /// each thread the obstacles as the narrow phase prepares them and room for 512 configurations.
@@ -126,7 +125,7 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
         first.clear();
         first.resize(count, None);
         let (refused, probe) = (Refused::default(), &*self);
-        let grain = count.div_ceil(TASKS_PER_THREAD * threads()).clamp(ALL_AT_ONCE, ROW);
+        let grain = count.div_ceil(ROWS).clamp(ALL_AT_ONCE, ROW);
         exec.into().divide(&mut first[..], grain, |start, found| {
             probe.desks.with(|desk| {
                 desk.open(probe, start, found.len());
