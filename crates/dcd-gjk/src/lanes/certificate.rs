@@ -2,8 +2,10 @@
 //! wrong, only unsettled (docs/numerics.md, "lanes").
 
 use super::bounds::{HULL_OF_BALL, SHORTEST, U};
+use super::decide::{Scratch, Slice};
 use super::lot::{Lot, Number};
 use super::vector::V3;
+use crate::Report;
 use dcd_geom::lanes::Lanes;
 
 /// What a conclusion is worth.
@@ -16,6 +18,10 @@ pub trait Trust: Copy + Sync {
 
     /// Whether the room that a conclusion has is kept beside it.
     const KEEPS_ROOM: bool;
+
+    /// [`Slice::judge`]. Of no type parameter, so that the kernels are compiled here, once, and not
+    /// by every crate that names a narrow phase.
+    fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report);
 }
 
 /// Every rounding is counted: what is concluded is proved.
@@ -29,6 +35,10 @@ impl Trust for Proved {
     }
     const HANDS_ON: bool = true;
     const KEEPS_ROOM: bool = false;
+
+    fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
+        slice.judge::<Self>(scratch, report);
+    }
 }
 
 /// As [`Proved`], and how far the two objects may move before the proof no longer holds.
@@ -42,6 +52,10 @@ impl Trust for Lasting {
     }
     const HANDS_ON: bool = true;
     const KEEPS_ROOM: bool = true;
+
+    fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
+        slice.judge::<Self>(scratch, report);
+    }
 }
 
 /// f32 is taken at its word, as most libraries do.
@@ -55,6 +69,10 @@ impl Trust for Trusted {
     }
     const HANDS_ON: bool = false;
     const KEEPS_ROOM: bool = false;
+
+    fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
+        slice.judge::<Self>(scratch, report);
+    }
 }
 
 /// What a certificate says of sixteen pairs.

@@ -66,7 +66,7 @@ struct Left {
 }
 
 /// Some pairs of a scene.
-pub(super) struct Slice<'a> {
+pub struct Slice<'a> {
     pub(super) path: Path,
     pub(super) scene: &'a Scene,
     pub(super) frame: &'a Frame,

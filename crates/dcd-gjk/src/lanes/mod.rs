@@ -29,7 +29,7 @@ pub use frame::{Frame, Part};
 
 use crate::{Contact, Findings, NarrowPhase};
 use certificate::Trust;
-use dcd_geom::lanes::{Path, dispatch_on};
+use dcd_geom::lanes::Path;
 use dcd_geom::{Aabb, Pair, Scene};
 use decide::Slice;
 use std::marker::PhantomData;
@@ -83,7 +83,7 @@ impl<T: Trust> NarrowPhase for InLanes<T> {
     }
 
     fn prepare(&self, scene: &Scene, first: usize, part: Part<'_>, aabbs: &mut [Aabb]) {
-        dispatch_on(self.path, prepare::Prepare { scene, first, part, aabbs });
+        prepare::prepare(self.path, prepare::Prepare { scene, first, part, aabbs });
     }
 
     fn decide(
@@ -94,7 +94,7 @@ impl<T: Trust> NarrowPhase for InLanes<T> {
         scratch: &mut Scratch,
         findings: &mut Findings<'_, ()>,
     ) {
-        Slice { path: self.path, scene, frame, pairs }.judge::<T>(scratch, findings.report);
+        T::judge(&Slice { path: self.path, scene, frame, pairs }, scratch, findings.report);
         append_contacts(scratch.touching(), pairs, findings.contacts);
     }
 }

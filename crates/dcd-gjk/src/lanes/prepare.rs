@@ -8,8 +8,13 @@ use super::bounds::{CENTRE, CHOICE, ROTATED, TURNED, U};
 use super::frame::{BOXED, BoxRecord, Extremes, Form, LIVE, Part, Record};
 use super::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
-use dcd_geom::lanes::{Block, Kernel, Lanes, Row, WIDTH, prefetch};
+use dcd_geom::lanes::{Block, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, prefetch};
 use dcd_geom::{Aabb, Core, LaneBox, Pose, Scene};
+
+/// Runs the kernel on that path: compiled here, once.
+pub(super) fn prepare(path: Path, objects: Prepare<'_>) {
+    dispatch_on(path, objects);
+}
 
 /// Prepares the objects from `first` on.
 pub(super) struct Prepare<'a> {
