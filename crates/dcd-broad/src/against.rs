@@ -1,5 +1,6 @@
 //! Boxes against a tree that stands still.
 
+use crate::append::append;
 use crate::{BoxRow, BoxSet};
 use dcd_bvh::{Sixteen, WideBvh};
 use dcd_exec::{Exec, Segments};
@@ -236,20 +237,7 @@ impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
     /// Appends the pairs of one name with the lanes `hits` of a leaf.
     #[inline(always)]
     fn emit<L: Lanes>(&mut self, l: L, asked: u32, leaf: usize, hits: u32) {
-        let names = l.compress_u(l.mask(hits), l.load_u(&self.names[leaf]));
-        // Sixteen are written and the surplus taken back: a copy of fixed length has no loop.
-        let mut pairs = [Pair::default(); WIDTH];
-        l.store_pairs(names, l.splat_u(asked), &mut pairs);
-        let start = self.out.len();
-        self.out.extend_from_slice(&pairs);
-        self.out.truncate(start + hits.count_ones() as usize);
-        let new = &mut self.out[start..];
-        let mut kept = 0;
-        for k in 0..new.len() {
-            new[kept] = new[k];
-            kept += usize::from((self.keep)(new[k].i, new[k].j));
-        }
-        self.out.truncate(start + kept);
+        append(l, (asked, &self.names[leaf], hits), self.keep, self.out);
     }
 }
 

@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 mod against;
+mod append;
 mod brute_force;
 mod door;
 pub mod law;

@@ -1,6 +1,7 @@
 //! The fast broad phase: the wide tree against itself, sixteen boxes at a time.
 
 use crate::BroadPhase;
+use crate::append::append;
 use dcd_bvh::{Sixteen, WideBvh};
 use dcd_exec::{Exec, Segments};
 use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
@@ -211,21 +212,7 @@ impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
         if hits == 0 {
             return;
         }
-        let ids = l.compress_u(l.mask(hits), l.load_u(&self.tree.ids()[leaf]));
-        let count = hits.count_ones() as usize;
-        // Sixteen are written and the surplus taken back: a copy of fixed length has no loop.
-        let mut pairs = [Pair::default(); WIDTH];
-        l.store_pairs(ids, l.splat_u(i), &mut pairs);
-        let start = self.out.len();
-        self.out.extend_from_slice(&pairs);
-        self.out.truncate(start + count);
-        let new = &mut self.out[start..];
-        let mut kept = 0;
-        for k in 0..new.len() {
-            new[kept] = new[k];
-            kept += usize::from((self.keep)(new[k].i, new[k].j));
-        }
-        self.out.truncate(start + kept);
+        append(l, (i, &self.tree.ids()[leaf], hits), self.keep, self.out);
     }
 }
 
