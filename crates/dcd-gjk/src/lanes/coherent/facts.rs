@@ -2,7 +2,7 @@
 
 use dcd_geom::Pair;
 use dcd_geom::lanes::prefetch;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
+use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering::Relaxed};
 
 /// What is known of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,65 +11,80 @@ pub(super) enum Fact {
     Touching,
 }
 
-/// Facts by pair: for each object a shelf of slots, which hold what is known of it and of objects
-/// whose shelves come later.
+/// Facts by pair, in tiles: what is known of each of some objects and each of some others.
 ///
-/// Shelves come in the order in which the candidates last named their objects: where these come
-/// leaf by leaf, that of the leaves. So the pairs of a leaf find their facts in a few neighbouring
-/// shelves, for as long as objects stay about where they were.
+/// Objects are ranked by when the candidates last named them: where these come leaf by leaf, in the
+/// order of the leaves. So the pairs of two leaves, which come one after the other, find their facts
+/// in one tile, for as long as objects stay about where they were.
 ///
-/// A slot is one atomic word, so that threads read and write shelves at once. A fact that is lost
-/// to another thread's costs time and nothing else.
+/// A slot is one atomic word, so that threads read and write tiles at once; each pair has a slot of
+/// its own.
 #[derive(Debug, Default)]
 pub(super) struct Facts {
-    shelves: Vec<Shelf>,
+    standings: Vec<Standing>,
     /// For each object the room that no fact about it is above, metres.
     limits: Vec<f32>,
-    slots: Vec<Bunch>,
-    /// The objects in the order of their shelves; for laying out alone.
+    /// Objects whose ranks are alike but for this many bits share their tiles.
+    shift: u32,
+    /// For each group of objects its first tile, and one more.
+    firsts: Vec<u32>,
+    /// For each tile the other group that it is about, in ascending order from one `firsts` to the
+    /// next. Groups of which there was no candidate when tiles were laid out have none.
+    others: Vec<u32>,
+    /// Tile by tile: the sum of the two ways up to which the fact holds, as an f32 above 0 whose
+    /// sign bit says that the two touch; or 0. The first tile stands for those that do not exist.
+    slots: Vec<AtomicU32>,
+    /// The objects by rank, and the groups of each tile; for laying out alone.
     order: Vec<u32>,
-    /// How many facts have found no slot in this step.
+    listed: Vec<(u32, u32)>,
+    /// How many facts have found no tile in this step.
     refused: AtomicUsize,
-    /// Whether the shelves are to be laid out for the candidates of this step.
+    /// Whether tiles are to be laid out for the candidates of this step.
     empty: bool,
 }
 
-/// An object's part of the slots, and how far it has travelled.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Shelf {
-    /// Its place in the order of shelves.
-    place: u32,
-    /// Its first bunch of slots; one more than its own stands behind its last.
-    first: u32,
-    /// How many bunches it has; while shelves are laid out, for how
-    /// many pairs it is.
-    bunches: u32,
-    /// How far its points have travelled, metres, rounded up; NaN for an object that moves so fast
-    /// that nothing about it is worth keeping.
+/// Where an object's facts are, and how far it has travelled.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Standing {
+    rank: u32,
+    /// How far its points have travelled, metres, rounded up.
     way: f32,
 }
 
-/// Slots that are looked at together: a fact lies in the bunch that its pair is hashed to, or in the
-/// one after.
-type Bunch = [AtomicU64; 4];
+/// A pair's slot.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Slot(u32);
 
-/// Slots for each pair that a shelf is laid out for. Larger: more memory. Smaller: more facts find
-/// no slot.
-const SLOTS_FOR_ONE: u32 = 2;
+/// Where an object's facts are: see [`Facts::spot`].
+struct Spot {
+    /// That of the lower rank first.
+    groups: (u32, u32),
+    /// In the tile.
+    place: u32,
+    way: f32,
+}
 
-/// The shelves are laid out anew once the facts that have found no slot are this part of the
-/// candidates. Larger: done more often. Smaller: more is found anew in each step.
-const REFUSED: usize = 8;
+/// A pair's slot, and how far its objects have travelled together.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Found {
+    pub(super) slot: Slot,
+    way: f32,
+}
 
-/// A slot that holds nothing: its threshold is NaN, and so is above no way.
-const NOTHING: u64 = u64::MAX;
+/// The tile that stands for those that do not exist: nothing is written there.
+const NO_TILE: u32 = 0;
 
-/// What a search in a bunch tells where the fact may lie in the next one; as a threshold it is NaN
-/// as well.
-const FULL: u64 = u64::MAX - 1;
+/// Groups of sixteen where objects have this many candidates each, else of four: a tile should not
+/// be much larger than what is kept in it. Larger: more tiles to be found in dense scenes. Smaller:
+/// more memory in sparse ones.
+const DENSE: usize = 32;
+
+/// Tiles are laid out anew once the facts that have found none are this part of the candidates.
+/// Larger: done more often. Smaller: more is found anew in each step.
+const REFUSED: usize = 16;
 
 /// The bit of a slot that says which of the two it is: the threshold's sign.
-const TOUCHES: u64 = 1 << 31;
+const TOUCHES: u32 = 1 << 31;
 
 /// A smaller room is not kept, metres: f32's roundings are relative above it.
 const LEAST: f32 = 1e-30;
@@ -82,197 +97,177 @@ const ROUNDED: f32 = 1.0 - 8.0 * (f32::EPSILON / 2.0);
 pub(super) struct Way {
     pub(super) travelled: f64,
     pub(super) limit: f64,
-    /// Whether it moves too fast for facts about it to last.
-    pub(super) restless: bool,
 }
 
 impl Way {
     /// Both to the safe side; a way that does not change keeps its number.
-    pub(super) fn write(self, shelf: &mut Shelf, limit: &mut f32) {
-        shelf.way = if self.restless { f32::NAN } else { (self.travelled as f32).next_up() };
+    pub(super) fn write(self, standing: &mut Standing, limit: &mut f32) {
+        standing.way = (self.travelled as f32).next_up();
         *limit = (self.limit as f32).next_down().max(0.0);
     }
 }
 
-impl Shelf {
-    /// The bunch in which an object's slot is looked for first; `None` on a shelf without slots.
-    #[inline(always)]
-    fn bunch(&self, other: u32) -> Option<usize> {
-        // Fibonacci hashing (Knuth, The Art of Computer Programming 3, 6.4).
-        let hash = other.wrapping_mul(0x9E37_79B9);
-        let bunch = (u64::from(hash) * u64::from(self.bunches)) >> 32;
-        (self.bunches > 0).then_some(self.first as usize + bunch as usize)
+impl Default for Standing {
+    /// Of an object that came after the layout: no tile is about it.
+    fn default() -> Self {
+        Self { rank: u32::MAX, way: 0.0 }
     }
 }
 
 impl Facts {
-    /// Forgets all; slots and shelves are made when the candidates are known.
+    /// Forgets all; tiles are made when the candidates are known.
     pub(super) fn forget(&mut self) {
         self.empty = true;
     }
 
-    /// One for each object of the scene. New ones have no slots yet.
-    pub(super) fn make_shelves(&mut self, objects: usize) {
-        self.empty |= self.shelves.is_empty();
-        self.shelves.resize(objects, Shelf::default());
+    /// One for each object of the scene.
+    pub(super) fn make_standings(&mut self, objects: usize) {
+        self.empty |= self.standings.is_empty();
+        self.standings.resize(objects, Standing::default());
         self.limits.resize(objects, 0.0);
     }
 
     /// For each object where its way is written, and its limit.
-    pub(super) fn ways_mut(&mut self) -> (&mut [Shelf], &mut [f32]) {
-        (&mut self.shelves, &mut self.limits)
+    pub(super) fn ways_mut(&mut self) -> (&mut [Standing], &mut [f32]) {
+        (&mut self.standings, &mut self.limits)
     }
 
-    /// Lays out the shelves for these candidates if they are new, or too many facts found no slot.
+    /// Lays out the tiles for these candidates if they are new, or too many facts found none.
     pub(super) fn make_room<'p>(&mut self, candidates: impl Iterator<Item = &'p [Pair]> + Clone) {
         let refused = std::mem::take(self.refused.get_mut());
-        if refused > 0 {
+        if self.empty || refused > 0 {
             let pairs: usize = candidates.clone().map(<[Pair]>::len).sum();
-            self.empty |= refused > pairs / REFUSED;
-        }
-        if std::mem::take(&mut self.empty) {
-            self.set_places(candidates.clone());
-            self.set_bunches(candidates);
+            if self.empty || refused > pairs / REFUSED {
+                self.shift = if pairs / DENSE >= self.standings.len() { 4 } else { 2 };
+                self.set_ranks(candidates.clone());
+                self.set_tiles(candidates);
+                self.empty = false;
+            }
         }
     }
 
-    /// Numbers the objects in the order in which the candidates name them for the last time; those
-    /// that they do not name come first.
-    fn set_places<'p>(&mut self, candidates: impl Iterator<Item = &'p [Pair]>) {
-        self.shelves.iter_mut().for_each(|shelf| shelf.place = 0);
-        for (number, pair) in (1..).zip(candidates.flatten()) {
-            self.shelves[pair.i as usize].place = number;
-            self.shelves[pair.j as usize].place = number;
+    /// Ranks the objects by when the candidates name them for the last time.
+    fn set_ranks<'p>(&mut self, candidates: impl Iterator<Item = &'p [Pair]>) {
+        self.standings.iter_mut().for_each(|standing| standing.rank = u32::MAX);
+        for (number, pair) in (0..).zip(candidates.flatten()) {
+            self.standings[pair.i as usize].rank = number;
+            self.standings[pair.j as usize].rank = number;
         }
         self.order.clear();
-        self.order.extend((0..).take(self.shelves.len()));
-        self.order.sort_unstable_by_key(|&object| (self.shelves[object as usize].place, object));
-        for (number, &object) in (0..).zip(&self.order) {
-            self.shelves[object as usize].place = number;
+        self.order.extend((0..).take(self.standings.len()));
+        self.order.sort_unstable_by_key(|&object| (self.standings[object as usize].rank, object));
+        for (rank, &object) in (0..).zip(&self.order) {
+            self.standings[object as usize].rank = rank;
         }
     }
 
-    /// Makes room on each shelf for its pairs.
-    fn set_bunches<'p>(&mut self, candidates: impl Iterator<Item = &'p [Pair]>) {
-        self.shelves.iter_mut().for_each(|shelf| shelf.bunches = 0);
+    /// Makes an empty tile for every two groups of which there is a candidate.
+    fn set_tiles<'p>(&mut self, candidates: impl Iterator<Item = &'p [Pair]>) {
+        let groups = self.standings.len().div_ceil(1 << self.shift);
+        let mut tiles = std::mem::take(&mut self.listed);
+        tiles.clear();
         for &pair in candidates.flatten() {
-            let (own, _) = self.owner(pair);
-            self.shelves[own as usize].bunches += 1;
+            let groups = self.spot(pair).groups;
+            if tiles.last() != Some(&groups) {
+                tiles.push(groups);
+            }
         }
-        let mut first = 0u32;
-        for &object in &self.order {
-            let shelf = &mut self.shelves[object as usize];
-            let slots = shelf.bunches.max(1).saturating_mul(SLOTS_FOR_ONE);
-            let bunches = slots.div_ceil(size_of::<Bunch>() as u32 / size_of::<AtomicU64>() as u32);
-            (shelf.first, shelf.bunches) = (first, bunches);
-            first = first.saturating_add(bunches + 1);
-        }
+        tiles.sort_unstable();
+        tiles.dedup();
+        // Slots are told by 32 bits.
+        tiles.truncate((1 << (32 - 2 * self.shift)) - 1);
+        self.others.clear();
+        self.others.push(u32::MAX);
+        self.others.extend(tiles.iter().map(|&(_, other)| other));
+        self.firsts.clear();
+        let first = |group| 1 + tiles.partition_point(|&(low, _)| low < group) as u32;
+        self.firsts.extend((0..=groups as u32).map(first));
         self.slots.clear();
-        self.slots.resize_with(first as usize, || [const { AtomicU64::new(NOTHING) }; 4]);
+        self.slots.resize_with(self.others.len() << (2 * self.shift), || AtomicU32::new(0));
+        self.listed = tiles;
     }
 
-    /// On whose shelf a pair's fact lies, and the other object.
+    /// Where a pair's fact is, and how far its objects have travelled together.
     #[inline(always)]
-    fn owner(&self, Pair { i, j }: Pair) -> (u32, u32) {
-        if self.shelves[i as usize].place <= self.shelves[j as usize].place {
-            (i, j)
-        } else {
-            (j, i)
-        }
-    }
-
-    /// Asks memory for what [`Facts::recall`] will read. A hint.
-    #[inline(always)]
-    pub(super) fn look_ahead(&self, pair: Pair) {
-        let (own, other) = self.owner(pair);
-        if let Some(bunch) = self.shelves[own as usize].bunch(other) {
-            prefetch(self.slots.get(bunch..bunch + 1).unwrap_or_default());
+    fn spot(&self, Pair { i, j }: Pair) -> Spot {
+        let (a, b) = (self.standings[i as usize], self.standings[j as usize]);
+        let (low, high) = (a.rank.min(b.rank), a.rank.max(b.rank));
+        let alone = (1 << self.shift) - 1;
+        Spot {
+            groups: (low >> self.shift, high >> self.shift),
+            place: (low & alone) << self.shift | high & alone,
+            way: a.way + b.way,
         }
     }
 
-    /// What is known of a pair now.
+    /// The first slot of the tile of two groups.
     #[inline(always)]
-    pub(super) fn recall(&self, pair: Pair) -> Option<Fact> {
-        let (own, other) = self.owner(pair);
-        let shelf = &self.shelves[own as usize];
-        let way = shelf.way + self.shelves[other as usize].way;
-        if way.is_nan() {
-            return None;
-        }
-        let bunch = shelf.bunch(other)?;
-        let mut slot = self.find(bunch, other);
-        if slot == FULL {
-            slot = self.find(bunch + 1, other);
-        }
-        let fact = if slot & TOUCHES == 0 { Fact::Apart } else { Fact::Touching };
-        (way < threshold(slot)).then_some(fact)
+    fn tile(&self, (low, high): (u32, u32)) -> u32 {
+        let ends = self.firsts.get(low as usize..).and_then(|firsts| firsts.first_chunk());
+        let Some(&[first, end]) = ends else { return NO_TILE };
+        let others = self.others.get(first as usize..end as usize).unwrap_or_default();
+        let at = others.partition_point(|&other| other < high);
+        let found = others.get(at) == Some(&high);
+        if found { (first + at as u32) << (2 * self.shift) } else { NO_TILE }
     }
 
-    /// The slot about that object in a bunch; else [`FULL`] if there is no room left in it, or
-    /// [`NOTHING`].
+    /// Whether objects have so many candidates that a fact costs little beside a fresh answer.
+    pub(super) fn are_dense(&self) -> bool {
+        self.shift == 4
+    }
+
+    /// For looking up pairs one after the other.
+    pub(super) fn reader(&self) -> Reader<'_> {
+        Reader { facts: self, groups: (u32::MAX, u32::MAX), first: NO_TILE }
+    }
+
+    /// What is known of a pair that has just been found.
     #[inline(always)]
-    fn find(&self, bunch: usize, other: u32) -> u64 {
-        let Some(slots) = self.slots.get(bunch) else { return NOTHING };
-        // Slots are filled from the first on. No branch depends on where the fact lies.
-        let [.., last] = slots;
-        let mut found = if last.load(Relaxed) == NOTHING { NOTHING } else { FULL };
-        for slot in slots {
-            let slot = slot.load(Relaxed);
-            found = if (slot >> 32) as u32 == other { slot } else { found };
-        }
-        found
+    pub(super) fn recall(&self, found: &Found) -> Option<Fact> {
+        let word = self.slots.get(found.slot.0 as usize).map_or(0, |slot| slot.load(Relaxed));
+        let fact = if word & TOUCHES == 0 { Fact::Apart } else { Fact::Touching };
+        (found.way < f32::from_bits(word & !TOUCHES)).then_some(fact)
     }
 
     /// Keeps what was proved of a pair just now, with that room, metres.
     #[inline(always)]
-    pub(super) fn remember(&self, pair: Pair, fact: Fact, room: f32) {
-        let (own, other) = self.owner(pair);
-        let (shelf, other_shelf) = (&self.shelves[own as usize], &self.shelves[other as usize]);
-        let way = shelf.way + other_shelf.way;
-        let limit = self.limits[own as usize].min(self.limits[other as usize]);
+    pub(super) fn remember(&self, (pair, slot): (Pair, Slot), fact: Fact, room: f32) {
+        let Pair { i, j } = pair;
+        let way = self.standings[i as usize].way + self.standings[j as usize].way;
+        let limit = self.limits[i as usize].min(self.limits[j as usize]);
         let until = (way * ROUNDED + room.min(limit)) * ROUNDED;
         // Written so that NaN is not kept.
         if !(way < until && room > LEAST) {
             return;
         }
         let touches = if fact == Fact::Touching { TOUCHES } else { 0 };
-        let new = u64::from(other) << 32 | touches | u64::from(until.to_bits());
-        let Some(bunch) = shelf.bunch(other) else { return };
-        for bunch in [bunch, bunch + 1] {
-            if let Some(slot) = self.free_slot(shelf, bunch, other) {
-                slot.store(new, Relaxed);
-                return;
-            }
+        if slot.0 >> (2 * self.shift) == NO_TILE {
+            self.refused.fetch_add(1, Relaxed);
+        } else if let Some(slot) = self.slots.get(slot.0 as usize) {
+            slot.store(touches | until.to_bits(), Relaxed);
         }
-        self.refused.fetch_add(1, Relaxed);
-    }
-
-    /// Where a bunch has room for a fact about that object: where the last one about it is, else
-    /// where nothing is, else where something is no longer known.
-    #[inline(always)]
-    fn free_slot(&self, shelf: &Shelf, bunch: usize, other: u32) -> Option<&AtomicU64> {
-        let slots = self.slots.get(bunch)?;
-        let mut place = slots.len();
-        for k in (0..slots.len()).rev() {
-            place = if slots[k].load(Relaxed) == NOTHING { k } else { place };
-        }
-        for (k, slot) in slots.iter().enumerate() {
-            place = if (slot.load(Relaxed) >> 32) as u32 == other { k } else { place };
-        }
-        let expired = |slot: &&AtomicU64| self.has_expired(shelf, slot.load(Relaxed));
-        slots.get(place).or_else(|| slots.iter().find(expired))
-    }
-
-    /// Whether a slot of that shelf holds nothing that is still known.
-    #[inline(always)]
-    fn has_expired(&self, own: &Shelf, slot: u64) -> bool {
-        let other = self.shelves.get((slot >> 32) as usize);
-        !other.is_some_and(|other| own.way + other.way < threshold(slot))
     }
 }
 
-/// The sum of the two ways up to which a slot's fact holds.
-#[inline(always)]
-fn threshold(slot: u64) -> f32 {
-    f32::from_bits((slot & !TOUCHES) as u32)
+/// Looks up pairs, of which most have their facts in the tile of the one before.
+#[derive(Debug)]
+pub(super) struct Reader<'f> {
+    facts: &'f Facts,
+    /// Those of the last pair, and the first slot of their tile.
+    groups: (u32, u32),
+    first: u32,
+}
+
+impl Reader<'_> {
+    /// Where a pair's fact is. Asks memory for it.
+    #[inline(always)]
+    pub(super) fn find(&mut self, pair: Pair) -> Found {
+        let Spot { groups, place, way } = self.facts.spot(pair);
+        if groups != self.groups {
+            (self.groups, self.first) = (groups, self.facts.tile(groups));
+        }
+        let slot = self.first | place;
+        prefetch(self.facts.slots.get(slot as usize..slot as usize + 1).unwrap_or_default());
+        Found { slot: Slot(slot), way }
+    }
 }

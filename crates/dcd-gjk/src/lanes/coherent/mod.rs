@@ -11,7 +11,7 @@ use super::{append_contacts, frame, prepare};
 use crate::{Findings, NarrowPhase, Report, Rung};
 use dcd_geom::lanes::{Path, dispatch_on};
 use dcd_geom::{Aabb, Divide, Pair, Scene, Shape, Stamp};
-use facts::{Fact, Facts, Shelf};
+use facts::{Fact, Facts, Found, Slot, Standing};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 use track::Track;
@@ -24,10 +24,9 @@ use track::Track;
 /// two ways since its proof are shorter than the room of it. So nothing is tried again, and nothing
 /// is trusted: a fact expires before it can be wrong (docs/numerics.md, "coherence").
 ///
-/// Costs some 200 bytes an object and 16 a candidate pair, and a first step that takes about twice
-/// as long. Where more than half of the objects move by more than 1/128 of their radius in a step,
-/// it does what [`super::Overlap`] does. What the [`Report`] counts as [`Rung::Remembered`] may
-/// differ by some pairs from run to run on several threads; answers never do.
+/// Costs some 200 bytes an object, 13 (dense scenes) to 30 (sparse ones) a candidate pair, and a
+/// first step that takes half as long again. Where more than half of the objects move by more than
+/// 1/50 of their radius in a step (1/128 in sparse scenes), it does what [`super::Overlap`] does.
 #[derive(Clone, Copy, Debug)]
 pub struct Coherent {
     path: Path,
@@ -67,8 +66,10 @@ pub struct Frame {
 pub struct Part<'f> {
     lanes: frame::Part<'f>,
     tracks: &'f mut [Track],
-    ways: (&'f mut [Shelf], &'f mut [f32]),
+    ways: (&'f mut [Standing], &'f mut [f32]),
     told: Told<'f>,
+    /// How far an object must have moved to be restless, in its radius.
+    restless: f64,
 }
 
 /// What all parts tell the frame.
@@ -87,21 +88,29 @@ impl Divide for Part<'_> {
         let (lanes, later_lanes) = self.lanes.split_at(middle);
         let (tracks, later_tracks) = self.tracks.split_at_mut(middle);
         let (ways, later_ways) = self.ways.split_at(middle);
-        let told = self.told;
+        let (told, restless) = (self.told, self.restless);
         (
-            Self { lanes, tracks, ways, told },
-            Self { lanes: later_lanes, tracks: later_tracks, ways: later_ways, told },
+            Self { lanes, tracks, ways, told, restless },
+            Self { lanes: later_lanes, tracks: later_tracks, ways: later_ways, told, restless },
         )
     }
 }
 
-/// Where more than one object in so many is restless, nothing is looked up nor kept: of two objects
-/// that find each other at random three quarters of the pairs would be in vain. Larger: facts of
-/// the others are lost. Smaller: more is looked up in vain.
-const RESTLESS: usize = 2;
+/// An object that has just moved farther than this is restless. Unit: its outer radius. Larger: facts
+/// are kept that expire before they have paid for themselves. Smaller: some are lost that would have.
+const RESTLESS: f64 = 1.0 / 50.0;
 
-/// How many pairs ahead memory is asked for a fact. No effect on any result.
-const AHEAD: usize = 24;
+/// The same in scenes so sparse that what is not known costs more alone than among its neighbours:
+/// most of it is waiting for vertices.
+const RESTLESS_IF_SPARSE: f64 = 1.0 / 128.0;
+
+/// Where more than one object in so many is restless, nothing is looked up nor kept: then proofs
+/// would not last. Larger: facts of the others are lost. Smaller: more is looked up in vain.
+const MOST_RESTLESS: usize = 2;
+
+/// How many pairs are found before the first of them is read: as many as keep memory busy. No effect
+/// on any result.
+const AT_ONCE: usize = 128;
 
 /// What a thread reuses from slice to slice.
 #[derive(Clone, Debug, Default)]
@@ -111,8 +120,8 @@ pub struct Scratch {
     touching: Vec<bool>,
     /// The pairs of which nothing is known.
     open: Vec<Pair>,
-    /// Their numbers in the slice.
-    numbers: Vec<u32>,
+    /// Their numbers in the slice, and where their facts belong.
+    places: Vec<(u32, Slot)>,
 }
 
 impl NarrowPhase for Coherent {
@@ -135,14 +144,16 @@ impl NarrowPhase for Coherent {
         if frame.layout != Some(scene.layout()) {
             frame.layout = Some(scene.layout());
             frame.tracks.resize(scene.len(), Track::default());
-            frame.facts.make_shelves(scene.len());
+            frame.facts.make_standings(scene.len());
         }
         if std::mem::take(frame.worn.get_mut()) {
             frame.facts.forget();
             frame.tracks.iter_mut().for_each(Track::start_again);
         }
         *frame.restless.get_mut() = 0;
+        let dense = frame.facts.are_dense();
         Part {
+            restless: if dense { RESTLESS } else { RESTLESS_IF_SPARSE },
             lanes: frame.lanes.lay_out(scene),
             tracks: &mut frame.tracks,
             ways: frame.facts.ways_mut(),
@@ -153,11 +164,10 @@ impl NarrowPhase for Coherent {
     fn prepare(&self, scene: &Scene, first: usize, part: Part<'_>, aabbs: &mut [Aabb]) {
         let (mut worn, mut restless) = (false, 0);
         let ways = part.ways.0.iter_mut().zip(part.ways.1);
-        for (i, (track, (shelf, limit))) in (first..).zip(part.tracks.iter_mut().zip(ways)) {
+        for (i, (track, (standing, limit))) in (first..).zip(part.tracks.iter_mut().zip(ways)) {
             worn |= track.follow(scene, i);
-            let way = track.way();
-            way.write(shelf, limit);
-            restless += usize::from(way.restless);
+            track.way().write(standing, limit);
+            restless += usize::from(track.exceeds(part.restless));
         }
         if worn {
             part.told.worn.store(true, Relaxed);
@@ -178,7 +188,7 @@ impl NarrowPhase for Coherent {
         scratch: &mut Scratch,
         findings: &mut Findings<'_, ()>,
     ) {
-        if frame.restless.load(Relaxed) * RESTLESS > scene.len() {
+        if frame.restless.load(Relaxed) * MOST_RESTLESS > scene.len() {
             let slice = Slice { path: self.path, scene, frame: &frame.lanes, pairs };
             slice.judge::<Proved>(&mut scratch.lanes, findings.report);
             return append_contacts(scratch.lanes.touching(), pairs, findings.contacts);
@@ -196,32 +206,39 @@ impl Scratch {
     fn recall(&mut self, facts: &Facts, pairs: &[Pair], report: &mut Report) {
         self.touching.resize(pairs.len(), false);
         self.open.resize(pairs.len(), Pair::default());
-        self.numbers.resize(pairs.len(), 0);
+        self.places.resize(pairs.len(), (0, Slot::default()));
         let mut end = 0;
-        for (number, &pair) in pairs.iter().enumerate() {
-            if let Some(&ahead) = pairs.get(number + AHEAD) {
-                facts.look_ahead(ahead);
+        let mut reader = facts.reader();
+        let mut found = [Found::default(); AT_ONCE];
+        let mut numbers = 0..;
+        for (pairs, touching) in pairs.chunks(AT_ONCE).zip(self.touching.chunks_mut(AT_ONCE)) {
+            for (found, &pair) in found.iter_mut().zip(pairs) {
+                *found = reader.find(pair);
             }
-            let known = facts.recall(pair);
-            self.touching[number] = known == Some(Fact::Touching);
-            // Written without a branch, which would be mispredicted for every few pairs.
-            self.open[end] = pair;
-            self.numbers[end] = number as u32;
-            end += usize::from(known.is_none());
+            for ((touching, &pair), (found, number)) in
+                touching.iter_mut().zip(pairs).zip(found.iter().zip(&mut numbers))
+            {
+                let known = facts.recall(found);
+                *touching = known == Some(Fact::Touching);
+                // Written without a branch, which would be mispredicted for every few pairs.
+                self.open[end] = pair;
+                self.places[end] = (number, found.slot);
+                end += usize::from(known.is_none());
+            }
         }
         self.open.truncate(end);
-        self.numbers.truncate(end);
+        self.places.truncate(end);
         report.count(Rung::Remembered, (pairs.len() - end) as u64);
     }
 
     /// Keeps what the lanes proved of the others.
     fn remember(&mut self, facts: &Facts) {
         let found = self.lanes.touching().iter().zip(self.lanes.room());
-        let asked = self.open.iter().zip(&self.numbers);
-        for ((&pair, &number), (&touching, &room)) in asked.zip(found) {
+        let asked = self.open.iter().zip(&self.places);
+        for ((&pair, &(number, slot)), (&touching, &room)) in asked.zip(found) {
             self.touching[number as usize] = touching;
             let fact = if touching { Fact::Touching } else { Fact::Apart };
-            facts.remember(pair, fact, room);
+            facts.remember((pair, slot), fact, room);
         }
     }
 }

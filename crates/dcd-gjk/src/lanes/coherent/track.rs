@@ -18,11 +18,6 @@ pub(super) struct Track {
     step: f64,
 }
 
-/// An object that has just moved farther than this is restless: facts about it would not last, and
-/// it costs less to find them anew. Unit: the object's outer radius, as [`FAR`]'s. Larger: facts are
-/// kept that expire before they have paid for themselves. Smaller: some are lost that would have.
-const RESTLESS: f64 = 1.0 / 128.0;
-
 /// A step longer than this counts as this, and no fact is kept with more room. Unit: the object's
 /// outer radius. So a jump, or another object in the slot, ends every fact, and does not make the
 /// way so long that f32 tells no small room in it. Larger: ways wear out sooner. Smaller: objects
@@ -83,8 +78,12 @@ impl Track {
     }
 
     pub(super) fn way(&self) -> Way {
-        let restless = self.step > RESTLESS / FAR * self.limit;
-        Way { travelled: self.way, limit: self.limit, restless }
+        Way { travelled: self.way, limit: self.limit }
+    }
+
+    /// Whether it moved farther than that in its last step. Unit: the object's outer radius.
+    pub(super) fn exceeds(&self, radii: f64) -> bool {
+        self.step > radii / FAR * self.limit
     }
 }
 
