@@ -59,7 +59,7 @@ pub enum Rung {
     Balls,
     /// A box round and a box inside each shape, f32 lanes.
     Boxes,
-    /// The axis between the centres, f32 lanes.
+    /// The axis between the centres, or one remembered from an earlier step, f32 lanes.
     CentreAxis,
     /// The inner ball and one support point, f32 lanes.
     Cone,

@@ -1,17 +1,20 @@
 //! A slice of pairs on its way through the stages.
 
 use super::ahead::Ahead;
+use super::axis::{Axis, hinted};
 use super::boxes::{self, Boxes};
 use super::certificate::Trust;
 use super::frame::Frame;
-use super::lot::{AFTER_BALLS, AFTER_CONE, AFTER_SECOND_POINT, Belt, LanesOf, Lot, Number, Whole};
+use super::lot::{
+    AFTER_BALLS, AFTER_CONE, AFTER_SECOND_POINT, Belt, LanesOf, Lot, Number, Vector, Whole,
+};
 use super::nearest;
 use super::opening::{self, Entry, Place, Settled};
 use super::portal;
 use super::support::Desk;
 use crate::{Body, Placed, Report, Rung, Verdict, certified};
 use dcd_geom::glam::Vec3;
-use dcd_geom::lanes::{Kernel, Lanes, Path, Row, WIDTH, dispatch_on};
+use dcd_geom::lanes::{Block, Kernel, Lanes, Path, Row, WIDTH, dispatch_on};
 use dcd_geom::{Pair, Scene};
 use std::marker::PhantomData;
 
@@ -23,6 +26,9 @@ pub struct Scratch {
     /// For each pair of the slice the room of its proof, if that is kept: see
     /// [`super::certificate::Certificate`]. 0 where the lanes settled nothing.
     room: Vec<f32>,
+    /// For each pair of the slice, if room is kept, an axis to be tried first; then also one by which
+    /// the portal has told the two apart.
+    axes: Vec<Axis>,
     left: Vec<Left>,
     ahead: Ahead,
     desk: Desk,
@@ -52,6 +58,16 @@ impl Scratch {
     /// may no longer hold, metres; 0 where they proved nothing.
     pub(super) fn room(&self) -> &[f32] {
         &self.room
+    }
+
+    /// For each of them an axis that separated it, this time or before.
+    pub(super) fn axes(&self) -> &[Axis] {
+        &self.axes
+    }
+
+    /// To be written for each pair of a slice before it is judged, where room is kept.
+    pub(super) fn axes_mut(&mut self) -> &mut Vec<Axis> {
+        &mut self.axes
     }
 }
 
@@ -150,7 +166,7 @@ impl<T: Trust> Kernel for Decide<'_, T> {
                 } else if near.has(whole) {
                     self.nearer(l);
                 } else if axis.has(whole) {
-                    self.centre_axis(l);
+                    self.first_axis(l);
                 } else if boxed.has(whole) {
                     self.twin_boxes(l);
                 } else {
@@ -210,13 +226,17 @@ impl<T: Trust> Decide<'_, T> {
         self.scratch.axis.push(l, &self.scratch.lot, open & !handed_on);
     }
 
-    /// The axis between the centres, and the cone.
+    /// The axis between the centres, or one that separated before, and the cone.
     #[inline(always)]
-    fn centre_axis<L: Lanes>(&mut self, l: L) {
-        let Scratch { desk, lot, axis, .. } = &mut *self.scratch;
+    fn first_axis<L: Lanes>(&mut self, l: L) {
+        let Scratch { desk, lot, axis, axes, .. } = &mut *self.scratch;
         let taken = axis.take(l, lot);
         let mut at = Place { frame: self.frame, desk };
-        let apart = opening::centre_axis::<L, T>(l, &mut at, lot, taken);
+        let mut first = lot.vector(l, Vector::C);
+        if T::KEEPS_ROOM {
+            first = hinted(l, axes, (lot, taken), first);
+        }
+        let apart = opening::first_axis::<L, T>(l, &mut at, (lot, taken), first);
         let apart = Settled::apart(l, apart);
         let cone = Settled::touching(l, opening::cone::<L, T>(l, lot)).but(apart);
         self.settle(l, Rung::CentreAxis, apart, used(taken));
@@ -259,9 +279,13 @@ impl<T: Trust> Decide<'_, T> {
     /// One support, and what follows.
     #[inline(always)]
     fn round<L: Lanes>(&mut self, l: L) {
-        let Scratch { left, desk, lot, portal, .. } = &mut *self.scratch;
+        let Scratch { left, desk, lot, portal, axes, .. } = &mut *self.scratch;
         let taken = portal.take(l, lot);
         let mut at = Place { frame: self.frame, desk };
+        let mut against = Block::default();
+        if T::KEEPS_ROOM {
+            lot.vector(l, Vector::D).store(l, &mut against.0);
+        }
         let (mut settled, mut stuck) = portal::round::<L, T>(l, &mut at, lot, taken);
         if !T::HANDS_ON {
             settled.touching |= stuck;
@@ -269,6 +293,14 @@ impl<T: Trust> Decide<'_, T> {
         }
         for lane in LanesOf(stuck & used(taken)) {
             left.push(Left { number: lot.number.0[lane], axes: lot.axes(lane) });
+        }
+        if T::KEEPS_ROOM {
+            for lane in LanesOf(settled.apart & used(taken)) {
+                let [x, y, z] = against.0.map(|row| -row.0[lane]);
+                if let Some(axis) = axes.get_mut(lot.number.0[lane] as usize) {
+                    *axis = Axis::along(Vec3::new(x, y, z));
+                }
+            }
         }
         self.settle(l, Rung::Portal, settled, used(taken));
         let open = used(taken) & !(settled.all() | stuck);

@@ -6,6 +6,7 @@
 //! settled in f64, and what f64 cannot, exactly.
 
 mod ahead;
+mod axis;
 mod bounds;
 mod boxes;
 mod certificate;

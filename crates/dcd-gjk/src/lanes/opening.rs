@@ -131,18 +131,18 @@ impl Entry {
     }
 }
 
-/// Asks for the support towards the origin: rejects if the axis between the centres separates.
+/// Asks for the support against an axis, of itself the one between the centres: rejects if it
+/// separates.
 #[inline(always)]
-pub(super) fn centre_axis<L: Lanes, T: Trust>(
+pub(super) fn first_axis<L: Lanes, T: Trust>(
     l: L,
     at: &mut Place<'_>,
-    lot: &mut Lot,
-    used: usize,
+    (lot, used): (&mut Lot, usize),
+    axis: V3<L>,
 ) -> Certificate<L> {
-    let c = lot.vector(l, Vector::C);
-    let p = at.farthest(l, lot, c.neg(l), used);
+    let p = at.farthest(l, lot, axis.neg(l), used);
     lot.set_vector(l, Vector::P0, p);
-    separates::<L, T>(l, lot, c, p)
+    separates::<L, T>(l, lot, axis, p)
 }
 
 /// Accepts if the hull of the inner ball and that support point holds the origin.

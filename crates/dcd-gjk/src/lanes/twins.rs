@@ -10,7 +10,7 @@ use super::boxes::{Boxes, twin_boxes};
 use super::certificate::Proved;
 use super::frame::Frame;
 use super::lot::{Lot, Vector};
-use super::opening::{Entry, Place, Settled, centre_axis, cone};
+use super::opening::{Entry, Place, Settled, cone, first_axis};
 use super::support::{Desk, supports};
 use super::vector::V3;
 use super::{Overlap, portal};
@@ -345,7 +345,9 @@ impl Kernel for Stages<'_> {
         let live = entry.live;
         // Every stage is asked about every pair, settled or not: each has its twin.
         let used = self.pairs.len();
-        let axis = l.bits(centre_axis::<L, Proved>(l, &mut at, &mut entry.lot, used).holds);
+        let c = entry.lot.vector(l, Vector::C);
+        let axis = first_axis::<L, Proved>(l, &mut at, (&mut entry.lot, used), c);
+        let axis = l.bits(axis.holds);
         let cone = l.bits(cone::<L, Proved>(l, &entry.lot).holds) & !axis;
         let second = portal::second_point::<L, Proved>(l, &mut at, &mut entry.lot, used);
         let second = l.bits(second.holds);

@@ -1,8 +1,9 @@
 //! What is known of pairs, and until when.
 
+use crate::lanes::axis::Axis;
 use dcd_geom::Pair;
 use dcd_geom::lanes::prefetch;
-use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering::Relaxed};
+use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
 
 /// What is known of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +35,9 @@ pub(super) struct Facts {
     /// Tile by tile: the sum of the two ways up to which the fact holds, as an f32 above 0 whose
     /// sign bit says that the two touch; or 0. The first tile stands for those that do not exist.
     slots: Vec<AtomicU32>,
+    /// For eight slots each the axis that separates one of their pairs, and one more than which.
+    /// One that is lost to another pair's costs time and nothing else.
+    axes: Vec<AtomicU64>,
     /// The objects by rank, and the groups of each tile; for laying out alone.
     order: Vec<u32>,
     listed: Vec<(u32, u32)>,
@@ -82,6 +86,10 @@ const DENSE: usize = 32;
 /// Tiles are laid out anew once the facts that have found none are this part of the candidates.
 /// Larger: done more often. Smaller: more is found anew in each step.
 const REFUSED: usize = 16;
+
+/// How many slots share the room for one axis: of the pairs of a dense scene one in fifteen needs one.
+/// Larger: more are lost. Smaller: more memory.
+const SLOTS_WITH_ONE_AXIS: usize = 8;
 
 /// The bit of a slot that says which of the two it is: the threshold's sign.
 const TOUCHES: u32 = 1 << 31;
@@ -184,6 +192,8 @@ impl Facts {
         self.firsts.extend((0..=groups as u32).map(first));
         self.slots.clear();
         self.slots.resize_with(self.others.len() << (2 * self.shift), || AtomicU32::new(0));
+        self.axes.clear();
+        self.axes.resize_with(self.slots.len() / SLOTS_WITH_ONE_AXIS, || AtomicU64::new(0));
         self.listed = tiles;
     }
 
@@ -227,6 +237,35 @@ impl Facts {
         let word = self.slots.get(found.slot.0 as usize).map_or(0, |slot| slot.load(Relaxed));
         let fact = if word & TOUCHES == 0 { Fact::Apart } else { Fact::Touching };
         (found.way < f32::from_bits(word & !TOUCHES)).then_some(fact)
+    }
+
+    /// Where a slot's axis is, and what says that it is this slot's.
+    #[inline(always)]
+    fn axis_at(&self, Slot(slot): Slot) -> (Option<&AtomicU64>, u64) {
+        let (at, which) =
+            (slot as usize / SLOTS_WITH_ONE_AXIS, slot as usize % SLOTS_WITH_ONE_AXIS);
+        (self.axes.get(at), which as u64 + 1)
+    }
+
+    /// The axis that separated a pair when it was last told apart by one that was hard to find.
+    #[inline(always)]
+    pub(super) fn axis(&self, slot: Slot) -> Axis {
+        let (word, which) = self.axis_at(slot);
+        let word = word.map_or(0, |word| word.load(Relaxed));
+        let axis = if word & 0xffff == which { word } else { 0 };
+        Axis([(axis >> 16) as i16, (axis >> 32) as i16, (axis >> 48) as i16])
+    }
+
+    /// Keeps the axis of a pair that is apart, and forgets that of one that has come to touch.
+    #[inline(always)]
+    pub(super) fn keep_axis(&self, slot: Slot, fact: Fact, axis: Axis) {
+        let (word, which) = self.axis_at(slot);
+        let [x, y, z] = axis.0.map(|x| u64::from(x as u16));
+        let apart = z << 48 | y << 32 | x << 16 | which;
+        let new = if fact == Fact::Apart { apart } else { 0 };
+        if let Some(word) = word {
+            word.store(new, Relaxed);
+        }
     }
 
     /// Keeps what was proved of a pair just now, with that room, metres.

@@ -5,8 +5,9 @@ use super::facts::{Fact, Facts};
 use super::track::Track;
 use super::*;
 use crate::lanes::Overlap;
+use crate::lanes::axis::Axis;
 use crate::{Depths, DistanceResult, PairSolver, Placed, Verdict, distance};
-use dcd_geom::glam::{DMat3, DQuat, DVec3};
+use dcd_geom::glam::{DMat3, DQuat, DVec3, Vec3};
 use dcd_geom::{Object, Pose};
 use proptest::prelude::*;
 
@@ -36,8 +37,9 @@ fn shape() -> impl Strategy<Value = Shape> {
     })
 }
 
-/// The pairs of a scene, each with what the lanes proved of it and the room of that.
-fn rooms(scene: &Scene, path: Path) -> Vec<(Pair, bool, f32)> {
+/// The pairs of a scene, each with what the lanes proved of it and the room of that, after axes to
+/// be tried first.
+fn rooms(scene: &Scene, path: Path, axes: &[Axis]) -> Vec<(Pair, bool, f32)> {
     let narrow = Overlap::on(path);
     let mut lanes = frame::Frame::default();
     let mut aabbs = vec![Aabb::default(); scene.len()];
@@ -47,6 +49,7 @@ fn rooms(scene: &Scene, path: Path) -> Vec<(Pair, bool, f32)> {
     let pairs = objects.clone().flat_map(|j| (0..j).map(move |i| Pair::new(i, j)));
     let pairs: Vec<Pair> = pairs.collect();
     let mut scratch = decide::Scratch::default();
+    scratch.axes_mut().extend(pairs.iter().zip(axes.iter().cycle()).map(|(_, axis)| *axis));
     let slice = Slice { path, scene, frame: &lanes, pairs: &pairs };
     slice.judge::<Lasting>(&mut scratch, &mut Report::default());
     let found = scratch.touching().iter().zip(scratch.room());
@@ -73,13 +76,21 @@ proptest! {
     #[test]
     fn no_proof_has_more_room_than_the_true_distance_or_depth(
         objects in prop::collection::vec((shape(), pose(1.2)), 2..12),
+        axes in prop::collection::vec((vector(1.0), any::<bool>()), 0..7),
     ) {
         let (shapes, poses) = objects.into_iter().unzip();
         let scene = Scene::one_each(shapes, poses).unwrap();
+        let axis = |(d, is): (DVec3, bool)| if is { Axis::along(d.as_vec3()) } else { Axis::default() };
+        let axes: Vec<Axis> = axes.into_iter().map(axis).collect();
         for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-            for (pair, _, room) in rooms(&scene, path) {
+            let fresh = rooms(&scene, path, &[]);
+            for (&(pair, touching, room), of_fresh) in rooms(&scene, path, &axes).iter().zip(fresh) {
+                // Whatever is tried first, the answer is the same.
+                prop_assert_eq!(touching, of_fresh.1, "{:?}, {:?}", pair, path);
                 let reach = reach(&scene, pair);
-                prop_assert!(f64::from(room) <= reach, "{pair:?}, {path:?}: {room} of {reach}");
+                for room in [room, of_fresh.2] {
+                    prop_assert!(f64::from(room) <= reach, "{pair:?}, {path:?}: {room} of {reach}");
+                }
             }
         }
     }
@@ -209,6 +220,26 @@ fn what_is_recalled_is_what_was_remembered_in_any_order() {
             assert_eq!(facts.recall(&reader.find(pair)), Some(fact(pair)), "{pair:?}");
         }
     }
+}
+
+#[test]
+fn an_axis_is_kept_until_the_two_touch_or_a_neighbour_takes_its_room() {
+    let (facts, pairs) = facts(300);
+    let slot = |pair: Pair| facts.reader().find(pair).slot;
+    let (none, up) = (Axis::default(), Axis::along(Vec3::new(0.0, 1e-20, -5e-21)));
+    assert_eq!(up, Axis([0, i16::MAX, -16383]));
+    assert_eq!([Vec3::ZERO, Vec3::NAN].map(Axis::along), [none; 2]);
+    facts.keep_axis(slot(pairs[0]), Fact::Apart, up);
+    let having = pairs.iter().filter(|&&pair| facts.axis(slot(pair)) != none);
+    assert_eq!(having.copied().collect::<Vec<_>>(), [pairs[0]]);
+    assert_eq!(facts.axis(slot(pairs[0])), up);
+    facts.keep_axis(slot(pairs[0]), Fact::Touching, up);
+    assert_eq!(facts.axis(slot(pairs[0])), none);
+    // Of any axes some are lost, and none is taken for another pair's.
+    let own = |pair: Pair| Axis([pair.i as i16 + 1, pair.j as i16, -7]);
+    pairs.iter().for_each(|&pair| facts.keep_axis(slot(pair), Fact::Apart, own(pair)));
+    assert!(pairs.iter().all(|&pair| [none, own(pair)].contains(&facts.axis(slot(pair)))));
+    assert!(pairs.iter().filter(|&&pair| facts.axis(slot(pair)) != none).count() > pairs.len() / 9);
 }
 
 #[test]

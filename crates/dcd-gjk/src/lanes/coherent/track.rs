@@ -69,7 +69,10 @@ impl Track {
         } else {
             self.step = 0.0;
         }
-        self.pose = *pose;
+        // What stands still is not written.
+        if self.pose != *pose {
+            self.pose = *pose;
+        }
         self.way > WORN * self.limit
     }
 
