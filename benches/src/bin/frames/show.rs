@@ -13,7 +13,7 @@ const NOTES: [&str; 4] = [
      the pipeline that remembers (`Coherent`), the medians of its first frame, of its second, of \
      those from the third on.",
     "The first frame of the one that remembers also makes and fills its memory. Where most objects \
-     move by more than 1/50 of their radius in a frame (1/128 in sparse scenes), proofs would not \
+     move by more than 1/40 of their radius in a frame (1/128 in sparse scenes), proofs would not \
      last until they have paid for themselves; nothing is looked up or kept then, and \
      \"remembered\" is 0.",
     "Parry: `parry3d` in f32, its tree refitted and improved (`refit`, `optimize_incremental`), its \

@@ -30,7 +30,7 @@ use track::Track;
 ///
 /// Costs some 200 bytes an object, 17 (dense scenes) to 40 (sparse ones) a candidate pair, and a
 /// first step that takes half as long again. Where more than half of the objects move by more than
-/// 1/50 of their radius in a step (1/128 in sparse scenes), it does what [`super::Overlap`] does.
+/// 1/40 of their radius in a step (1/128 in sparse scenes), it does what [`super::Overlap`] does.
 /// What the [`Report`] counts as [`Rung::Remembered`] may differ by some pairs from run to run on
 /// several threads; answers never do.
 #[derive(Clone, Copy, Debug)]
@@ -104,7 +104,7 @@ impl Divide for Part<'_> {
 
 /// An object that has just moved farther than this is restless. Unit: its outer radius. Larger: facts
 /// are kept that expire before they have paid for themselves. Smaller: some are lost that would have.
-const RESTLESS: f64 = 1.0 / 50.0;
+const RESTLESS: f64 = 1.0 / 40.0;
 
 /// The same in scenes so sparse that what is not known costs more alone than among its neighbours:
 /// most of it is waiting for vertices.
