@@ -9,12 +9,18 @@ use crate::record::{Piece, Program, STAGES};
 pub(crate) struct Charges {
     /// For each task, nanoseconds.
     pub(crate) task: f64,
-    /// For each section, nanoseconds at two workers: waking the others and waiting for the last.
-    pub(crate) section: f64,
+    /// For a worker that has been idle as long as [`IDLE`] says, nanoseconds at two workers: until
+    /// it works in the next section. Who has just stopped looks out for more; who has waited
+    /// sleeps, and must be woken.
+    pub(crate) joining: [f64; IDLE.len()],
     /// How many times as long the tasks of each stage take beside others: memory, and whatever
     /// else two threads share.
     pub(crate) slowdown: [f64; STAGES],
 }
+
+/// Idle times after which joining a section was measured, nanoseconds. The longest stands for every
+/// longer one, and for that between two steps.
+pub(crate) const IDLE: [f64; 8] = [1e3, 3e3, 1e4, 1.5e4, 2e4, 3e4, 1e5, 3e5];
 
 /// Why a step on P workers takes longer than a P-th of the time on one, in nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -45,13 +51,12 @@ const SORTED_BY_ONE: f64 = 2000.0;
 /// The schedule of a program on so many workers, at least one: whoever is free takes the next task
 /// of the section; a piece begins when the one before has ended.
 pub(crate) fn forecast(program: &Program, workers: usize, charges: &Charges) -> Forecast {
-    let workers = workers.max(1);
-    let mut forecast = Forecast { workers, ..Forecast::default() };
+    let mut crew = Crew::new(workers.max(1), charges);
+    let mut forecast = Forecast { workers: crew.workers(), ..Forecast::default() };
     for stage in 0..STAGES {
         forecast.alone += program.work(stage);
         for piece in &program.stages[stage] {
-            let crew = Crew { workers, charges, slowdown: charges.slowdown[stage] };
-            let (time, losses) = crew.run(piece);
+            let (time, losses) = crew.run(piece, charges.slowdown[stage]);
             forecast.stages[stage] += time;
             forecast.losses[stage] = forecast.losses[stage].plus(losses);
         }
@@ -95,54 +100,105 @@ impl Losses {
     }
 }
 
-/// Who runs a piece, and at what price.
-struct Crew<'a> {
-    workers: usize,
-    charges: &'a Charges,
-    slowdown: f64,
-}
-
-impl Crew<'_> {
-    /// The time of a piece, and what of it is beyond a fair share of its work.
-    fn run(&self, piece: &Piece) -> (f64, Losses) {
-        let p = self.workers as f64;
-        let work = piece.work();
-        match piece {
-            Piece::Serial(time) => (*time, Losses { serial: time - time / p, ..Losses::default() }),
-            Piece::Section(tasks) if self.workers == 1 || tasks.len() <= 1 => {
-                (work, Losses { waiting: work - work / p, ..Losses::default() })
-            }
-            Piece::Section(tasks) => {
-                let charged = tasks.iter().map(|task| task * self.slowdown + self.charges.task);
-                // As many wake at once as are awake already.
-                let joined = self.charges.section * p.log2();
-                let busy = makespan(charged.clone(), self.workers);
-                let losses = Losses {
-                    memory: work * (self.slowdown - 1.0) / p,
-                    overhead: joined + self.charges.task * tasks.len() as f64 / p,
-                    waiting: busy - charged.sum::<f64>() / p,
-                    serial: 0.0,
-                };
-                (busy + joined, losses)
-            }
-            Piece::Sort { items, time } => {
-                let span = time.min(sort_span(*items as f64, *time));
-                // No greedy schedule takes longer (Brent 1974).
-                let time = span + (work - span) / p;
-                (time, Losses { waiting: time - work / p, ..Losses::default() })
+impl Charges {
+    /// How long a worker that has been idle that long takes to join a section, of two workers.
+    fn to_join(&self, idle: f64) -> f64 {
+        let above = IDLE.iter().position(|&known| idle < known).unwrap_or(IDLE.len());
+        match above.checked_sub(1) {
+            None => self.joining[0],
+            Some(below) if above == IDLE.len() => self.joining[below],
+            Some(below) => {
+                let part = (idle - IDLE[below]) / (IDLE[above] - IDLE[below]);
+                self.joining[below] + part * (self.joining[above] - self.joining[below])
             }
         }
     }
 }
 
-/// When the last of the tasks ends, each taken in turn by the worker that is free first.
-fn makespan(tasks: impl Iterator<Item = f64>, workers: usize) -> f64 {
-    let mut free = vec![0.0_f64; workers];
-    for task in tasks {
-        let next = (0..workers).min_by(|&a, &b| free[a].total_cmp(&free[b])).unwrap_or(0);
-        free[next] += task;
+/// Who runs the pieces, and at what price. The first worker is the step's own thread.
+struct Crew<'a> {
+    charges: &'a Charges,
+    now: f64,
+    /// When each worker stopped working.
+    stopped: Vec<f64>,
+}
+
+impl<'a> Crew<'a> {
+    /// All but the first asleep.
+    fn new(workers: usize, charges: &'a Charges) -> Self {
+        Self { charges, now: 0.0, stopped: vec![f64::NEG_INFINITY; workers] }
     }
-    free.into_iter().fold(0.0, f64::max)
+
+    fn workers(&self) -> usize {
+        self.stopped.len()
+    }
+
+    /// The time of a piece, and what of it is beyond a fair share of its work.
+    fn run(&mut self, piece: &Piece, slowdown: f64) -> (f64, Losses) {
+        let p = self.workers() as f64;
+        let work = piece.work();
+        let (time, losses) = match piece {
+            Piece::Serial(time) => (*time, Losses { serial: time - time / p, ..Losses::default() }),
+            Piece::Section(tasks) if self.workers() == 1 || tasks.len() <= 1 => {
+                (work, Losses { waiting: work - work / p, ..Losses::default() })
+            }
+            Piece::Section(tasks) => self.share(tasks, slowdown),
+            Piece::Sort { items, time } => {
+                let span = time.min(sort_span(*items as f64, *time));
+                let joining = self.joining().iter().sum::<f64>() / p;
+                // No greedy schedule takes longer (Brent 1974).
+                let time = joining + span + (work - span) / p;
+                self.stopped.fill(self.now + time);
+                let waiting = time - joining - work / p;
+                (time, Losses { waiting, overhead: joining, ..Losses::default() })
+            }
+        };
+        self.now += time;
+        (time, losses)
+    }
+
+    /// How long each worker takes until it works.
+    fn joining(&self) -> Vec<f64> {
+        // As many wake at once as are awake already.
+        let rounds = (self.workers() as f64).log2();
+        let to_join = |stopped: &f64| self.charges.to_join(self.now - stopped) * rounds;
+        let mut joining: Vec<f64> = self.stopped.iter().map(to_join).collect();
+        joining[0] = 0.0;
+        joining
+    }
+
+    /// A section of several tasks.
+    fn share(&mut self, tasks: &[f64], slowdown: f64) -> (f64, Losses) {
+        let p = self.workers() as f64;
+        let joining = self.joining();
+        let charged = tasks.iter().map(|task| task * slowdown + self.charges.task);
+        let ends = schedule(charged.clone(), &joining);
+        let time = ends.iter().flatten().copied().fold(0.0, f64::max);
+        for (stopped, end) in self.stopped.iter_mut().zip(&ends) {
+            *stopped = end.map_or(*stopped, |end| self.now + end);
+        }
+        let joined = joining.iter().map(|delay| delay.min(time)).sum::<f64>() / p;
+        let losses = Losses {
+            memory: tasks.iter().sum::<f64>() * (slowdown - 1.0) / p,
+            overhead: joined + self.charges.task * tasks.len() as f64 / p,
+            waiting: time - joined - charged.sum::<f64>() / p,
+            serial: 0.0,
+        };
+        (time, losses)
+    }
+}
+
+/// When each worker ends its last task, if it takes one: tasks are taken in turn by the worker that
+/// is free first, from when it has joined.
+fn schedule(tasks: impl Iterator<Item = f64>, joining: &[f64]) -> Vec<Option<f64>> {
+    let mut ends = vec![None; joining.len()];
+    let free = |ends: &[Option<f64>], k: usize| ends[k].unwrap_or(joining[k]);
+    for task in tasks {
+        let first = |&a: &usize, &b: &usize| free(&ends, a).total_cmp(&free(&ends, b));
+        let next = (0..joining.len()).min_by(first).unwrap_or(0);
+        ends[next] = Some(free(&ends, next) + task);
+    }
+    ends
 }
 
 /// The longest chain of a parallel quicksort whose every level takes as long as the others: one
@@ -160,7 +216,8 @@ fn sort_span(items: f64, time: f64) -> f64 {
 mod tests {
     use super::*;
 
-    const FREE: Charges = Charges { task: 0.0, section: 0.0, slowdown: [1.0; STAGES] };
+    const FREE: Charges =
+        Charges { task: 0.0, joining: [0.0; IDLE.len()], slowdown: [1.0; STAGES] };
 
     fn program(pieces: Vec<Piece>) -> Program {
         let mut program = Program::default();
@@ -180,8 +237,27 @@ mod tests {
 
     #[test]
     fn whoever_is_free_takes_the_next_task() {
-        assert_eq!(makespan([4.0, 1.0, 1.0, 1.0, 1.0].into_iter(), 2), 4.0);
-        assert_eq!(makespan([1.0, 1.0, 1.0, 1.0, 4.0].into_iter(), 2), 6.0);
+        let ends = |tasks: [f64; 5], joining| schedule(tasks.into_iter(), joining);
+        assert_eq!(ends([4.0, 1.0, 1.0, 1.0, 1.0], &[0.0; 2]), [Some(4.0); 2]);
+        assert_eq!(ends([1.0, 1.0, 1.0, 1.0, 4.0], &[0.0; 2]), [Some(6.0), Some(2.0)]);
+        assert_eq!(ends([1.0; 5], &[0.0, 3.5]), [Some(4.0), Some(4.5)]);
+        assert_eq!(ends([1.0; 5], &[0.0, 9.0]), [Some(5.0), None]);
+    }
+
+    #[test]
+    fn who_has_just_stopped_joins_sooner_than_who_sleeps() {
+        let asleep = Charges { joining: [1.0, 1.0, 1.0, 1.0, 11.0, 40.0, 40.0, 40.0], ..FREE };
+        let pieces = |between| {
+            let section = Piece::Section(vec![1e5; 2]);
+            program(vec![section.clone(), Piece::Serial(between), section])
+        };
+        // The first section of a step wakes the other worker; two workers are woken in one round.
+        let overhead =
+            |between| forecast(&pieces(between), 2, &asleep).losses[3].overhead * 2.0 - 40.0;
+        let (awake, dozing, sleeping) = (overhead(10.0), overhead(1.75e4), overhead(1e7));
+        assert!((awake - 1.0).abs() < 1e-9, "{awake}");
+        assert!((dozing - 6.0).abs() < 0.1, "{dozing}");
+        assert!((sleeping - 40.0).abs() < 1e-9, "{sleeping}");
     }
 
     #[test]
@@ -192,7 +268,8 @@ mod tests {
             Piece::Sort { items: 10_000, time: 500.0 },
             Piece::Section(vec![30.0]),
         ];
-        let charges = Charges { task: 0.5, section: 3.0, slowdown: [1.2; STAGES] };
+        let joining = [3.0; IDLE.len()];
+        let charges = Charges { task: 0.5, joining, slowdown: [1.2; STAGES] };
         for workers in [1, 2, 3, 28, 64, 128] {
             let forecast = forecast(&program(pieces.clone()), workers, &charges);
             let lost: f64 = forecast.losses.iter().flat_map(Losses::each).sum();
@@ -205,7 +282,8 @@ mod tests {
     #[test]
     fn one_worker_takes_the_time_of_one_thread_without_charges() {
         let pieces = vec![Piece::Section(vec![1.0; 9]), Piece::Sort { items: 5000, time: 7.0 }];
-        let charges = Charges { task: 9.0, section: 9.0, slowdown: [2.0; STAGES] };
+        let joining = [9.0; IDLE.len()];
+        let charges = Charges { task: 9.0, joining, slowdown: [2.0; STAGES] };
         assert_eq!(forecast(&program(pieces), 1, &charges).time(), 16.0);
     }
 

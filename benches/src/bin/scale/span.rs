@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 
 use crate::record::{Program, Recorder, STAGES, median, task_times};
 use crate::runner::{Case, PARTS, Runner, WHOLE, on_threads};
-use crate::schedule::{Charges, Forecast, Losses, forecast};
+use crate::schedule::{Charges, Forecast, IDLE, Losses, forecast};
 
 /// Workers that a step is scheduled on; the paper's machine has 28.
 const WORKERS: [usize; 10] = [1, 2, 4, 8, 16, 28, 32, 64, 96, 128];
@@ -75,7 +75,7 @@ fn see(scene: &Scene, rounds: u32) -> Result<Seen> {
         // Nothing is faster beside others; what seems so is noise.
         ratio.max(1.0)
     });
-    let charges = Charges { task: task_overhead(), section: section_overhead(), slowdown };
+    let charges = Charges { task: task_overhead(), joining: joining(rounds), slowdown };
     Ok(Seen { program: Program::median(&programs)?, charges, measured })
 }
 
@@ -93,17 +93,20 @@ fn task_overhead() -> f64 {
     median((0..64).map(once).collect())
 }
 
-/// What a section costs beside its tasks, nanoseconds: two of like length on two threads, after
-/// serial work as long as that between the sections of a step.
-fn section_overhead() -> f64 {
+/// What a section costs beside its tasks, nanoseconds: two of like length on two threads, after the
+/// other thread has been idle for each of [`IDLE`].
+fn joining(rounds: u32) -> [f64; IDLE.len()] {
     const WORK: Duration = Duration::from_micros(30);
-    const BETWEEN: Duration = Duration::from_micros(30);
-    let once = |_| {
-        work_for(BETWEEN);
+    let once = |idle: f64| {
+        work_for(Duration::from_nanos(idle as u64));
         let (time, ()) = timing::time(|| Exec::from(Par::Pool).tasks(2, |_| work_for(WORK)));
         time.saturating_sub(WORK).as_secs_f64() * 1e9
     };
-    median((0..64).map(once).collect())
+    IDLE.map(|idle| {
+        // Both threads are awake when the first of them is measured.
+        once(0.0);
+        median((0..16 * rounds).map(|_| once(idle)).collect())
+    })
 }
 
 fn work_for(time: Duration) {
@@ -153,8 +156,10 @@ const NOTES: [&str; 3] = [
      sections; piece by piece the median of the rounds. The schedule runs section after section, \
      as the step does, with a barrier between; whoever is free takes the next task. A task is \
      charged with what an empty task costs, and its time with the slow-down that the tasks of its \
-     stage showed at two threads; a section with what it costs to wake the other thread and wait \
-     for it, times log2 of the workers. All three are measured in the same run.",
+     stage showed at two threads; a worker joins a section after what the other of two threads took \
+     for that when it had been idle as long, times log2 of the workers: next to nothing for one \
+     that has just stopped, many microseconds for one that sleeps, as all do before a step. All \
+     three are measured in the same run.",
     "A parallel sort is no set of tasks: it is taken as a quicksort whose every level takes as long \
      as the others, and charged with its longest chain and a fair share of the rest.",
     "What is assumed and not measured: that the slow-down at many threads is that at two, which \
@@ -173,7 +178,8 @@ fn parts(seen: &[(&Case, Seen)]) -> Result<Table> {
     columns.push(Column::new("longest task").unit("µs").decimals(1));
     columns.push(Column::new("slow-down at two").unit("×").decimals(2));
     columns.extend(
-        ["a task's overhead", "a section's"].map(|name| Column::new(name).unit("µs").decimals(2)),
+        ["a task's overhead", "joining, awake", "joining, asleep"]
+            .map(|name| Column::new(name).unit("µs").decimals(2)),
     );
     let mut table = Table::new("parts", "What a step consists of", columns);
     for (case, Seen { program, charges, .. }) in seen {
@@ -184,7 +190,8 @@ fn parts(seen: &[(&Case, Seen)]) -> Result<Table> {
             row.push(program.tasks(stage).into());
             row.push((program.longest(stage) / 1e3).into());
             row.push(charges.slowdown[stage].into());
-            row.extend([charges.task, charges.section].map(|ns| Cell::from(ns / 1e3)));
+            let [awake, .., asleep] = charges.joining;
+            row.extend([charges.task, awake, asleep].map(|ns| Cell::from(ns / 1e3)));
             table.push(row)?;
         }
     }
@@ -311,7 +318,11 @@ fn object(case: &Case, seen: &Seen) -> Value {
             "rounds": seen.measured[WHOLE].a.runs,
         },
         "forecast_error_at_two": seen.error(),
-        "charges_ns": { "task": seen.charges.task, "section": seen.charges.section },
+        "charges_ns": {
+            "task": seen.charges.task,
+            "idle": IDLE,
+            "joining": seen.charges.joining,
+        },
         "slowdown": Stage::ALL.map(|stage| seen.charges.slowdown[stage as usize]),
         "forecasts": forecasts,
     })
