@@ -125,7 +125,7 @@ fn least_negated(row: &Row) -> f32 {
     least(&Row(row.0.map(|x| -x)))
 }
 
-/// How many keys a task makes: some microseconds of work.
+/// How many keys a task makes: some microseconds of work. As many are sorted without the pool.
 const KEYS_PER_TASK: usize = 4096;
 
 /// How many leaves or nodes a task fills: some microseconds of work.
@@ -254,33 +254,42 @@ fn sort_tiles(aabbs: &[Aabb], exec: Exec, order: &mut Vec<u64>) {
         // One leaf: there is nothing to keep apart.
         return order.iter_mut().zip(0..).for_each(|(k, i)| *k = i);
     }
+    let exec = exec.unless_few(aabbs.len(), KEYS_PER_TASK);
     exec.divide(&mut order[..], KEYS_PER_TASK, |first, part| {
         part.iter_mut().zip(first as u64..).for_each(|(k, i)| *k = key(i, 0));
     });
-    exec.sort(order);
 
     let leaves = aabbs.len().div_ceil(WIDTH);
     let across = (leaves as f64).cbrt().ceil().max(1.0) as usize;
     let strip = leaves.div_ceil(across * across).max(1) * WIDTH;
-    exec.divide(&mut order[..], strip * across, |_, slab| {
-        slab.iter_mut().for_each(|k| *k = key(*k, 1));
-        cut(slab, strip);
-        for strip in slab.chunks_mut(strip) {
+    let slab = strip * across;
+    for grain in grains(order.len(), slab) {
+        exec.divide(&mut order[..], grain, |_, keys| part(keys, grain / 2));
+    }
+    exec.divide(&mut order[..], slab, |_, keys| {
+        keys.iter_mut().for_each(|k| *k = key(*k, 1));
+        for grain in grains(keys.len(), strip) {
+            keys.chunks_mut(grain).for_each(|keys| part(keys, grain / 2));
+        }
+        for strip in keys.chunks_mut(strip) {
             strip.iter_mut().for_each(|k| *k = key(*k, 2));
             strip.sort_unstable();
         }
     });
 }
 
-/// Moves the keys into pieces of that many, each above the one before; no order within a piece.
-fn cut(keys: &mut [u64], piece: usize) {
-    let pieces = keys.len().div_ceil(piece);
-    if pieces > 1 {
-        let middle = pieces / 2 * piece;
-        keys.select_nth_unstable(middle);
-        let (left, right) = keys.split_at_mut(middle);
-        cut(left, piece);
-        cut(right, piece);
+/// Keys whose every piece of that many is above the one before, and in no order within, come from
+/// parting each grain in its middle, from the largest grain to two pieces: as many grains, all at
+/// once, as there are by then.
+fn grains(keys: usize, piece: usize) -> impl Iterator<Item = usize> {
+    let doublings = keys.div_ceil(piece).next_power_of_two().trailing_zeros();
+    (1..=doublings).rev().map(move |doubling| piece << doubling)
+}
+
+/// Moves the least keys, that many of them, before the others.
+fn part(keys: &mut [u64], count: usize) {
+    if count < keys.len() {
+        keys.select_nth_unstable(count);
     }
 }
 

@@ -56,6 +56,12 @@ impl<'a> Exec<'a> {
         self.par
     }
 
+    /// The same, but without the pool where there are so few items that it would cost more than it
+    /// saves. The tasks, and what comes of them, are the same.
+    pub fn unless_few(self, items: usize, few: usize) -> Self {
+        if items <= few { Self { par: Par::Serial, ..self } } else { self }
+    }
+
     /// Runs `work` as a stage by that name, for the observer.
     pub fn stage<T>(self, stage: Stage, work: impl FnOnce() -> T) -> T {
         let Some(observer) = self.observer else { return work() };
@@ -102,9 +108,9 @@ impl<'a> Exec<'a> {
     /// Sorts; the result is that of any sort where no two are equal.
     pub fn sort<T: Ord + Send>(self, items: &mut [T]) {
         let count = items.len();
-        let mut sort = || match self.par {
-            Par::Pool if count > Self::SORTED_AT_ONCE => items.par_sort_unstable(),
-            _ => items.sort_unstable(),
+        let mut sort = || match self.unless_few(count, Self::SORTED_AT_ONCE).par {
+            Par::Pool => items.par_sort_unstable(),
+            Par::Serial => items.sort_unstable(),
         };
         let Some(observer) = self.observer else { return sort() };
         observer.sort_begins(count);
