@@ -27,7 +27,7 @@ pub(super) const CHOICE: f64 = 2.125 * (f32::EPSILON / 2.0) as f64;
 ///
 /// Their number takes 12 bits of a value at most, so that a separation is off by a thousandth of
 /// the size at most. Larger: the lanes prove less for large hulls. Smaller: more of them are slow.
-pub(super) const TAGGED_BLOCKS: u32 = 256;
+pub(super) const TAGGED_BLOCKS: u32 = 255;
 
 /// How far |c + Σ τ_k·p_k| may be off, with 0, 1, 2 and 3 points. Unit: u·m·(1 + Σ τ_k).
 pub(super) const HULL_OF_BALL: [f32; 4] = [17.0, 20.0, 22.0, 24.0];

@@ -52,23 +52,27 @@ impl Form {
 }
 
 /// A record's mark that its [`BoxRecord`] says something.
-pub(super) const BOXED: u32 = 1;
+pub(super) const BOXED: u8 = 1;
 /// A record's mark that the lanes can settle pairs of it: it has vertices, or needs none.
-pub(super) const LIVE: u32 = 2;
+pub(super) const LIVE: u8 = 2;
 
 /// One object on one cache line. The radii include what the pose's matrix departs from a rotation
 /// by, and are rounded to the safe side.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub(super) struct Record {
-    /// Where the shape's centre is in the world, metres, up to `slack` a component.
-    pub(super) centre: [f64; 3],
+    /// Where the shape's centre is in the world, metres, up to `slack` a component. The fourth number
+    /// is 0: two centres are subtracted as one vector.
+    pub(super) centre: [f64; 4],
     /// The object's first block in the frame.
     pub(super) first: u32,
-    /// How many it has; 0 where the shape is no polytope, or the scene of a form without vertices.
-    pub(super) blocks: u32,
     /// The lowest bits of a value that carry its vertex's number: see [`super::support`].
-    pub(super) tag: u32,
+    pub(super) tag: u16,
+    /// How many blocks it has; 0 where the shape is no polytope, or the scene of a form without
+    /// vertices.
+    pub(super) blocks: u8,
+    /// [`BOXED`] and [`LIVE`], each or not.
+    pub(super) marks: u8,
     /// A ball round the centre inside the object, its swept radius included: rounded down.
     pub(super) inner: f32,
     /// A ball round the centre that holds the object, its swept radius included: rounded up.
@@ -82,8 +86,6 @@ pub(super) struct Record {
     /// By how much the vertex that is told as the farthest may be nearer than another, rounded up.
     /// Unit: metres a metre of the direction's 1-norm.
     pub(super) choice: f32,
-    /// [`BOXED`] and [`LIVE`], each or not.
-    pub(super) marks: u32,
 }
 
 /// An object's boxes on one cache line: the twin boxes of its shape, turned, round the record's
@@ -141,8 +143,9 @@ impl Frame {
             // An object past the last block that the lanes can tell, or with more vertices than a
             // tag can, goes without blocks: its pairs are settled in f64.
             let next = first.saturating_add(blocks);
+            let told = u8::try_from(blocks).unwrap_or(0);
             let fits = next as usize <= MOST_BLOCKS && blocks <= TAGGED_BLOCKS;
-            *record = Record { first, blocks: if fits { blocks } else { 0 }, ..*record };
+            *record = Record { first, blocks: if fits { told } else { 0 }, ..*record };
             first = if fits { next } else { first };
         }
         self.blocks.resize(first as usize, Block::default());
@@ -155,7 +158,7 @@ impl Frame {
 
     #[inline(always)]
     pub(super) fn blocks_of(&self, record: &Record) -> &[Block] {
-        &self.blocks[record.first as usize..][..record.blocks as usize]
+        &self.blocks[record.first as usize..][..usize::from(record.blocks)]
     }
 
     /// Whether polytopes have their vertices: if not, no stage asks for supports.

@@ -59,7 +59,7 @@ impl<L: Lanes> Settled<L> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Entry {
     pub(super) lot: Lot,
-    /// What the two records of each pair say together: the difference of the centres; the sums of
+    /// What the two records of each pair say together: the difference of the centres, and 0; the sums of
     /// the inner radii, the outer radii, the sizes, the swept radii, the slacks, and of what the
     /// choice of the vertices may lose.
     sums: [Row; WIDTH],
@@ -80,19 +80,17 @@ impl Entry {
             lot.number.0[k] = first + k as u32;
             lot.a.0[k] = pair.i;
             lot.b.0[k] = pair.j;
-            let [x, y, z] = b.centre;
-            let delta = [a.centre[0] - x, a.centre[1] - y, a.centre[2] - z];
             let sums = &mut self.sums[k].0;
-            for axis in 0..3 {
-                sums[axis] = delta[axis] as f32;
+            for axis in 0..4 {
+                sums[axis] = (a.centre[axis] - b.centre[axis]) as f32;
             }
             // In the order of the record, so that they are added as a vector.
-            sums[3] = a.inner + b.inner;
-            sums[4] = a.outer + b.outer;
-            sums[5] = a.size + b.size;
-            sums[6] = a.radius + b.radius;
-            sums[7] = a.slack + b.slack;
-            sums[8] = a.choice + b.choice;
+            sums[4] = a.inner + b.inner;
+            sums[5] = a.outer + b.outer;
+            sums[6] = a.size + b.size;
+            sums[7] = a.radius + b.radius;
+            sums[8] = a.slack + b.slack;
+            sums[9] = a.choice + b.choice;
             let both = a.marks & b.marks;
             self.live |= u32::from(both & LIVE != 0) << k;
             self.boxed |= u32::from(both & BOXED != 0) << k;
@@ -104,7 +102,7 @@ impl Entry {
     #[inline(always)]
     pub(super) fn balls<L: Lanes, T: Trust>(&mut self, l: L) -> Settled<L> {
         let lot = &mut self.lot;
-        let [x, y, z, inner, outer, size, radius, slack, choice, ..] = l.transpose(&self.sums);
+        let [x, y, z, _, inner, outer, size, radius, slack, choice, ..] = l.transpose(&self.sums);
         let c = V3(x, y, z);
         lot.set_vector(l, Vector::C, c);
         lot.set_number(l, Number::Inner, inner);

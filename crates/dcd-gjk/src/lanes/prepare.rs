@@ -57,7 +57,7 @@ impl Prepare<'_> {
             let first = self.first + group * WIDTH;
             for (lane, record) in records.iter_mut().enumerate() {
                 let (own, others) =
-                    std::mem::take(&mut blocks).split_at_mut(record.blocks as usize);
+                    std::mem::take(&mut blocks).split_at_mut(usize::from(record.blocks));
                 blocks = others;
                 let object = first + lane;
                 look_ahead(self.scene, object + AHEAD);
@@ -108,10 +108,10 @@ fn place(record: &Record, core: &Core, pose: &Pose) -> Record {
     let t = pose.translation();
     let centre = *pose.rotation() * core.centre + t;
     let slack = CENTRE * (f64::EPSILON / 2.0) * (t.abs().max_element() + core.reach * stretch);
-    let tag = record.blocks.next_power_of_two() * WIDTH as u32 - 1;
+    let tag = u16::from(record.blocks).next_power_of_two() * WIDTH as u16 - 1;
     let inner = core.inner * (1.0 - deviation) + core.radius;
     Record {
-        centre: centre.to_array(),
+        centre: centre.extend(0.0).to_array(),
         first: record.first,
         blocks: record.blocks,
         tag,
@@ -191,10 +191,11 @@ fn spread<L: Lanes>(l: L, v: Vec3) -> V3<L> {
 #[inline(always)]
 fn boxed(record: &Record, reach: &[Row; 6], lane: usize) -> Aabb {
     let at = |side: usize| f64::from(reach[side].0[lane]);
-    let (x, y, z, nx, ny, nz) = (at(0), at(1), at(2), at(3), at(4), at(5));
     let pad = f64::from(record.size) * f64::from(ROTATED * U)
         + f64::from(record.radius)
         + f64::from(record.slack);
-    let centre = DVec3::from_array(record.centre);
-    Aabb::outward(centre - (DVec3::new(nx, ny, nz) + pad), centre + (DVec3::new(x, y, z) + pad))
+    let [x, y, z, _] = record.centre;
+    let centre = DVec3::new(x, y, z);
+    let (reach, back) = (DVec3::new(at(0), at(1), at(2)), DVec3::new(at(3), at(4), at(5)));
+    Aabb::outward(centre - (back + pad), centre + (reach + pad))
 }

@@ -35,9 +35,9 @@ pub(super) fn supports<L: Lanes>(
     for k in 0..used.min(WIDTH) {
         let record = frame.record(objects.0[k]);
         desk.first.0[k] = record.first;
-        desk.tag.0[k] = record.tag;
+        desk.tag.0[k] = record.tag.into();
         let d = V3::<L>(l.splat(d[0].0[k]), l.splat(d[1].0[k]), l.splat(d[2].0[k]));
-        let tag = l.splat_u(record.tag);
+        let tag = l.splat_u(record.tag.into());
         let Some((block, rest)) = frame.blocks_of(record).split_first() else { continue };
         let mut best = l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers);
         // Most hulls have two blocks.

@@ -74,7 +74,7 @@ fn look_ahead(poses: &[Pose], k: usize) {
 #[inline(always)]
 fn settle_centre(record: &mut Record, centre: DVec3) {
     let size = centre.abs().max_element() + f64::from(record.size);
-    record.centre = centre.to_array();
+    record.centre = centre.extend(0.0).to_array();
     record.slack = above(CENTRE * (f64::EPSILON / 2.0) * size);
 }
 
