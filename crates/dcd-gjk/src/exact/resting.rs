@@ -31,7 +31,8 @@ pub(crate) fn touch(
     b: Body<'_, Polytope>,
     difference: &Difference<'_, f64, Polytope, Polytope>,
 ) -> Option<bool> {
-    if difference.radius() > 0.0 {
+    // The difference has scaled the radii: one of the least floats may be 0 there.
+    if a.map.swept_radius() > 0.0 || b.map.swept_radius() > 0.0 {
         return None;
     }
     let mut faces = None;

@@ -79,3 +79,15 @@ proptest! {
         settled(&lower, &(prism, heading(angles[1], [at[0], at[1], -2.0 * height])));
     }
 }
+
+#[test]
+fn a_radius_too_small_for_the_scaled_difference_still_counts() {
+    // Found by fuzzing: divided by the pair's size the radius is 0, and the gap is not above it.
+    let radius = 2.5e-323;
+    let aside = Pose::from_translation(DVec3::X * radius).unwrap();
+    let capsule = (Polytope::capsule(10.0, radius).unwrap(), aside);
+    let point = (cuboid(0.0, 0.0, 0.0), Pose::from_translation(DVec3::Z * 5.0).unwrap());
+    assert_eq!(settled(&capsule, &point), None);
+    let [a, b] = [&capsule, &point].map(|(shape, pose)| Body::polytope(shape, pose));
+    assert_eq!(crate::certified::overlap(a, b).0, crate::Verdict::Touching(()));
+}
