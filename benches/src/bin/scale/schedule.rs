@@ -102,7 +102,7 @@ impl Losses {
 
 impl Charges {
     /// How long a worker that has been idle that long takes to join a section, of two workers.
-    fn to_join(&self, idle: f64) -> f64 {
+    fn join_after(&self, idle: f64) -> f64 {
         let above = IDLE.iter().position(|&known| idle < known).unwrap_or(IDLE.len());
         match above.checked_sub(1) {
             None => self.joining[0],
@@ -161,8 +161,8 @@ impl<'a> Crew<'a> {
     fn joining(&self) -> Vec<f64> {
         // As many wake at once as are awake already.
         let rounds = (self.workers() as f64).log2();
-        let to_join = |stopped: &f64| self.charges.to_join(self.now - stopped) * rounds;
-        let mut joining: Vec<f64> = self.stopped.iter().map(to_join).collect();
+        let delay = |stopped: &f64| self.charges.join_after(self.now - stopped) * rounds;
+        let mut joining: Vec<f64> = self.stopped.iter().map(delay).collect();
         joining[0] = 0.0;
         joining
     }

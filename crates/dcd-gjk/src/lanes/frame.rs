@@ -152,6 +152,11 @@ impl Frame {
     }
 
     #[inline(always)]
+    pub(super) fn records(&self) -> &[Record] {
+        &self.records
+    }
+
+    #[inline(always)]
     pub(super) fn record(&self, object: u32) -> &Record {
         &self.records[object as usize]
     }

@@ -81,10 +81,11 @@ impl Entry {
             lot.a.0[k] = pair.i;
             lot.b.0[k] = pair.j;
             let sums = &mut self.sums[k].0;
-            for axis in 0..4 {
-                sums[axis] = (a.centre[axis] - b.centre[axis]) as f32;
-            }
-            // In the order of the record, so that they are added as a vector.
+            // In the order of the record, so that they are computed as vectors.
+            sums[0] = (a.centre[0] - b.centre[0]) as f32;
+            sums[1] = (a.centre[1] - b.centre[1]) as f32;
+            sums[2] = (a.centre[2] - b.centre[2]) as f32;
+            sums[3] = (a.centre[3] - b.centre[3]) as f32;
             sums[4] = a.inner + b.inner;
             sums[5] = a.outer + b.outer;
             sums[6] = a.size + b.size;

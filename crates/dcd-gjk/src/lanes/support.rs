@@ -32,13 +32,15 @@ pub(super) fn supports<L: Lanes>(
     directions.store(l, &mut d);
     let numbers = l.lane_numbers();
     let later = l.add_u(numbers, l.splat_u(WIDTH as u32));
+    let (records, blocks) = (frame.records(), frame.blocks());
     for k in 0..used.min(WIDTH) {
-        let record = frame.record(objects.0[k]);
+        let record = &records[objects.0[k] as usize];
         desk.first.0[k] = record.first;
         desk.tag.0[k] = record.tag.into();
         let d = V3::<L>(l.splat(d[0].0[k]), l.splat(d[1].0[k]), l.splat(d[2].0[k]));
         let tag = l.splat_u(record.tag.into());
-        let Some((block, rest)) = frame.blocks_of(record).split_first() else { continue };
+        let own = &blocks[record.first as usize..][..usize::from(record.blocks)];
+        let Some((block, rest)) = own.split_first() else { continue };
         let mut best = l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers);
         // Most hulls have two blocks.
         if let Some((block, rest)) = rest.split_first() {
