@@ -2,10 +2,10 @@
 
 use crate::append::append;
 use crate::{BoxRow, BoxSet};
-use dcd_bvh::{Sixteen, WideBvh};
+use dcd_bvh::WideBvh;
 use dcd_exec::{Exec, Segments};
 use dcd_geom::lanes::{IndexRow, Kernel, Lanes, Path, WIDTH, dispatch_on};
-use dcd_geom::{Aabb, Pair};
+use dcd_geom::{Aabb, Pair, Sixteen};
 
 /// A wide tree over boxes that stay, asked for the boxes that other boxes overlap.
 ///

@@ -1,8 +1,7 @@
 //! Boxes side by side.
 
-use dcd_bvh::Sixteen;
-use dcd_geom::Aabb;
 use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
+use dcd_geom::{Aabb, Sixteen};
 
 /// Which boxes of a [`BoxRow`], a bit each.
 pub type BoxSet = u128;

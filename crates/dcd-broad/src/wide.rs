@@ -2,7 +2,7 @@
 
 use crate::BroadPhase;
 use crate::append::append;
-use dcd_bvh::{Sixteen, WideBvh};
+use dcd_bvh::WideBvh;
 use dcd_exec::{Exec, Segments};
 use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{Aabb, Pair};
@@ -159,7 +159,7 @@ impl<K: Fn(u32, u32) -> bool> Kernel for Search<'_, K> {
                 stack.push((top, 0));
             }
             while let Some((height, node)) = stack.pop() {
-                let mut below = overlaps(l, &self.tree.levels()[height][node], &around);
+                let mut below = self.tree.levels()[height][node].overlaps(l, &around);
                 while below != 0 {
                     let child = node * WIDTH + below.trailing_zeros() as usize;
                     below &= below - 1;
@@ -185,7 +185,7 @@ impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
     fn within<L: Lanes>(&mut self, l: L, leaf: usize) {
         let boxes = &self.tree.leaves()[leaf];
         for lane in 0..self.tree.boxes_in(leaf) {
-            let hits = overlaps(l, boxes, &boxes.get(lane)) & later(lane);
+            let hits = boxes.overlaps(l, &boxes.get(lane)) & later(lane);
             self.emit(l, self.tree.ids()[leaf].0[lane], leaf, hits);
         }
     }
@@ -197,11 +197,11 @@ impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
         let boxes = &self.tree.leaves()[asking];
         let others = &self.tree.leaves()[other];
         let node = &self.tree.levels()[0][other / WIDTH];
-        let mut reaching = overlaps(l, boxes, &node.get(other % WIDTH));
+        let mut reaching = boxes.overlaps(l, &node.get(other % WIDTH));
         while reaching != 0 {
             let lane = reaching.trailing_zeros() as usize;
             reaching &= reaching - 1;
-            let hits = overlaps(l, others, &boxes.get(lane));
+            let hits = others.overlaps(l, &boxes.get(lane));
             self.emit(l, self.tree.ids()[asking].0[lane], other, hits);
         }
     }
@@ -220,17 +220,4 @@ impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
 #[inline(always)]
 fn later(lane: usize) -> u32 {
     0xffff & u32::MAX << (lane + 1)
-}
-
-/// Which of sixteen boxes overlap that one; empty boxes never do.
-#[inline(always)]
-fn overlaps<L: Lanes>(l: L, boxes: &Sixteen, one: &Aabb) -> u32 {
-    let (min, max) = (one.min.to_array(), one.max.to_array());
-    let mut all = l.mask(0xffff);
-    for axis in 0..3 {
-        let starts = l.le(l.load(&boxes.min[axis]), l.splat(max[axis]));
-        let ends = l.le(l.splat(min[axis]), l.load(&boxes.max[axis]));
-        all = l.and(all, l.and(starts, ends));
-    }
-    l.bits(all)
 }

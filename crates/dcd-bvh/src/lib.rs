@@ -16,4 +16,4 @@ mod wide;
 pub use binary::BinaryTree;
 pub use door::{Below, BoundingTree, BuildTree, Node};
 pub use paper::{BuildThreshold, PaperTree, Partition, Split};
-pub use wide::{Sixteen, WideBuilder, WideBvh};
+pub use wide::{WideBuilder, WideBvh};

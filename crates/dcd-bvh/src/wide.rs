@@ -2,9 +2,8 @@
 
 use crate::{Below, BoundingTree, BuildTree, Node};
 use dcd_exec::Exec;
-use dcd_geom::Aabb;
-use dcd_geom::glam::Vec3;
-use dcd_geom::lanes::{IndexRow, Row, WIDTH};
+use dcd_geom::lanes::{IndexRow, WIDTH};
+use dcd_geom::{Aabb, Sixteen};
 
 /// An implicit tree of sixteen children a node over spatially sorted boxes.
 ///
@@ -64,65 +63,6 @@ impl BoundingTree for WideBvh {
             place -= below;
         }
     }
-}
-
-/// Sixteen boxes, coordinate by coordinate.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sixteen {
-    /// Their smallest x, y and z.
-    pub min: [Row; 3],
-    /// Their largest x, y and z.
-    pub max: [Row; 3],
-}
-
-impl Sixteen {
-    /// Sixteen empty boxes.
-    pub const EMPTY: Self =
-        Self { min: [Row([f32::INFINITY; WIDTH]); 3], max: [Row([f32::NEG_INFINITY; WIDTH]); 3] };
-
-    /// Box k, which must be below sixteen.
-    pub fn get(&self, k: usize) -> Aabb {
-        let corner = |rows: &[Row; 3]| Vec3::new(rows[0].0[k], rows[1].0[k], rows[2].0[k]);
-        Aabb { min: corner(&self.min), max: corner(&self.max) }
-    }
-
-    /// The box round all sixteen.
-    pub fn union(&self) -> Aabb {
-        let [min, max] = [&self.min, &self.max];
-        Aabb {
-            min: Vec3::new(least(&min[0]), least(&min[1]), least(&min[2])),
-            max: -Vec3::new(least_negated(&max[0]), least_negated(&max[1]), least_negated(&max[2])),
-        }
-    }
-
-    /// Replaces box k, which must be below sixteen.
-    #[inline]
-    pub fn set(&mut self, k: usize, aabb: &Aabb) {
-        for (row, x) in self.min.iter_mut().zip(aabb.min.to_array()) {
-            row.0[k] = x;
-        }
-        for (row, x) in self.max.iter_mut().zip(aabb.max.to_array()) {
-            row.0[k] = x;
-        }
-    }
-}
-
-/// The least of a row, by halves: each comparison waits for three others instead of fifteen.
-fn least(row: &Row) -> f32 {
-    let mut least = row.0;
-    for half in [8, 4, 2, 1] {
-        for k in 0..half {
-            if least[k + half] < least[k] {
-                least[k] = least[k + half];
-            }
-        }
-    }
-    least[0]
-}
-
-/// The least of a row's negatives.
-fn least_negated(row: &Row) -> f32 {
-    least(&Row(row.0.map(|x| -x)))
 }
 
 /// How many keys a task makes: some microseconds of work. As many are sorted without the pool.
@@ -303,6 +243,7 @@ fn ordered(x: f32) -> u64 {
 mod tests {
     use super::*;
     use dcd_exec::Par;
+    use dcd_geom::glam::Vec3;
 
     /// Boxes on a spiral, of many sizes.
     fn boxes(count: usize) -> Vec<Aabb> {

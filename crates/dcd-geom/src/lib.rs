@@ -26,6 +26,7 @@ mod pose;
 mod real;
 mod scene;
 mod shape;
+mod sixteen;
 mod support;
 mod twin_box;
 
@@ -39,12 +40,13 @@ pub use error::{PoseError, SceneError, ShapeError};
 pub use facets::{FLATNESS, Facet, Facets};
 pub use half_space::HalfSpace;
 pub use pair::Pair;
-pub use parts::{Compound, Mesh, Part, PartTree, Sixteen, Triangles};
+pub use parts::{Compound, Mesh, Part, PartTree, Triangles};
 pub use polytope::{Kind, Polytope};
 pub use pose::Pose;
 pub use real::{Matrix, Real, Vector};
 pub use scene::{Filter, Handle, Motion, Object, Scene, Stamp};
 pub use shape::Shape;
+pub use sixteen::Sixteen;
 pub use support::{Support, SupportMap};
 pub use twin_box::TwinBox;
 

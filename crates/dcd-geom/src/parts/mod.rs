@@ -8,4 +8,4 @@ mod tree;
 
 pub use compound::{Compound, Part};
 pub use mesh::{Mesh, Triangles};
-pub use tree::{PartTree, Sixteen};
+pub use tree::PartTree;

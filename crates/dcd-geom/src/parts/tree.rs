@@ -1,65 +1,8 @@
 //! A static tree over the parts of one shape, sixteen boxes a block.
 
 use super::build;
-use crate::Aabb;
-use crate::lanes::{IndexRow, Lanes, Row, WIDTH};
-use glam::Vec3;
-
-/// Sixteen boxes, coordinate by coordinate.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sixteen {
-    /// Their smallest x, y and z.
-    pub min: [Row; 3],
-    /// Their largest x, y and z.
-    pub max: [Row; 3],
-}
-
-impl Default for Sixteen {
-    fn default() -> Self {
-        Self::EMPTY
-    }
-}
-
-impl Sixteen {
-    /// Sixteen empty boxes.
-    pub const EMPTY: Self =
-        Self { min: [Row([f32::INFINITY; WIDTH]); 3], max: [Row([f32::NEG_INFINITY; WIDTH]); 3] };
-
-    /// Box k, which must be below sixteen.
-    #[inline(always)]
-    pub fn get(&self, k: usize) -> Aabb {
-        let [x, y, z] = &self.min;
-        let min = Vec3::new(x.0[k], y.0[k], z.0[k]);
-        let [x, y, z] = &self.max;
-        Aabb { min, max: Vec3::new(x.0[k], y.0[k], z.0[k]) }
-    }
-
-    /// Replaces box k, which must be below sixteen.
-    pub fn set(&mut self, k: usize, aabb: &Aabb) {
-        for axis in 0..3 {
-            self.min[axis].0[k] = aabb.min[axis];
-            self.max[axis].0[k] = aabb.max[axis];
-        }
-    }
-
-    /// The box round all sixteen.
-    pub fn union(&self) -> Aabb {
-        (0..WIDTH).fold(Aabb::EMPTY, |all, k| all.union(&self.get(k)))
-    }
-
-    /// Which of the sixteen overlap that box, lane k as bit k; empty boxes never do. For kernels.
-    #[inline(always)]
-    pub fn overlaps<L: Lanes>(&self, l: L, one: &Aabb) -> u32 {
-        let (min, max) = (one.min.to_array(), one.max.to_array());
-        let mut all = l.mask(0xffff);
-        for axis in 0..3 {
-            let starts = l.le(l.load(&self.min[axis]), l.splat(max[axis]));
-            let ends = l.le(l.splat(min[axis]), l.load(&self.max[axis]));
-            all = l.and(all, l.and(starts, ends));
-        }
-        l.bits(all)
-    }
-}
+use crate::lanes::{IndexRow, WIDTH};
+use crate::{Aabb, Sixteen};
 
 /// A tree over the boxes of a shape's parts, in the shape's own frame.
 ///
@@ -164,6 +107,7 @@ impl PartTree {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     fn boxes(count: usize) -> Vec<Aabb> {
         let at = |k: usize| {
