@@ -16,6 +16,7 @@ pub mod law;
 mod row;
 mod sweep;
 mod tree_pairs;
+mod vicinity;
 mod wide;
 
 pub use against::{Named, StandingTree};
@@ -24,4 +25,5 @@ pub use door::BroadPhase;
 pub use row::{BoxRow, BoxSet};
 pub use sweep::SweepAndPrune;
 pub use tree_pairs::{LeafPairs, Traversal, TreePairs, Visits};
+pub use vicinity::{Outline, Reached, Vicinity};
 pub use wide::WideTree;

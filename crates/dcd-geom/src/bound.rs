@@ -1,7 +1,7 @@
 //! Boxes that cost nothing per vertex.
 
 use crate::{Aabb, Ball, Pose, Shape};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// A ball round a shape, from which a box follows at any pose without the shape's vertices: larger
 /// than [`Shape::aabb`], and enough to know that nothing is near.
@@ -11,6 +11,27 @@ pub struct Bound {
     ball: Ball,
     /// A bound on the distance of any of its points from the frame's origin.
     reach: f64,
+}
+
+/// A ball in the world, larger than what it stands for by more than f32 loses where two are compared
+/// (docs/numerics.md, "what is near"). Its radius is infinite where the shape is out of range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LooseBall {
+    /// Metres.
+    pub centre: Vec3,
+    /// Metres.
+    pub radius: f32,
+}
+
+impl LooseBall {
+    /// The ball of all there is.
+    pub const EVERYTHING: Self = Self { centre: Vec3::ZERO, radius: f32::INFINITY };
+
+    /// The box round it.
+    #[inline]
+    pub fn aabb(&self) -> Aabb {
+        Aabb { min: self.centre - self.radius, max: self.centre + self.radius }
+    }
 }
 
 /// By how much the box is larger than the ball. Unit: metres a metre of the reach and of the
@@ -54,17 +75,30 @@ impl Bound {
     /// what f32 loses. The infinite one where the shape reaches beyond [`Aabb::LIMIT`].
     #[inline]
     pub fn aabb(&self, pose: &Pose) -> Aabb {
+        self.ball(pose).aabb()
+    }
+
+    /// A ball that contains the shape. Infinite where the shape reaches beyond [`Aabb::LIMIT`].
+    #[inline]
+    pub fn ball(&self, pose: &Pose) -> LooseBall {
         let stretch = 1.0 + pose.deviation();
         let t = pose.translation();
         let reach = t.abs().max_element() + self.reach * stretch;
         // Written so that NaN is out of range.
         if !(reach <= Aabb::LIMIT) {
-            return Aabb::EVERYTHING;
+            return LooseBall::EVERYTHING;
         }
         let centre = (*pose.rotation() * self.ball.centre + t).as_vec3();
         let margin = MARGIN * reach + f64::from(f32::MIN_POSITIVE);
-        let radius = (self.ball.radius * stretch + margin) as f32;
-        Aabb { min: centre - radius, max: centre + radius }
+        LooseBall { centre, radius: (self.ball.radius * stretch + margin) as f32 }
+    }
+
+    /// No [`Bound::ball`] has a larger radius at a pose whose translation has no coordinate beyond
+    /// `within`, metres.
+    pub fn largest_ball(&self, within: f64) -> f32 {
+        let stretch = 1.0 + 8.0 * Pose::UNIT_TOLERANCE;
+        let margin = MARGIN * (within + self.reach * stretch) + f64::from(f32::MIN_POSITIVE);
+        ((self.ball.radius * stretch + margin) as f32).next_up()
     }
 }
 
@@ -123,6 +157,18 @@ mod tests {
                 assert!(loose.contains(&tight), "{shape:?} at {pose:?}: {loose:?}, {tight:?}");
                 let swept = shape.swept(0.5).unwrap().aabb(&pose);
                 assert!(bound.swept(0.5).aabb(&pose).contains(&swept), "{shape:?} at {pose:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_largest_ball_is_as_large_as_any_within_that_far() {
+        for bound in shapes().iter().filter_map(Bound::of) {
+            for place in [DVec3::ZERO, DVec3::new(-1e4, 3e3, -20.0), DVec3::X * 1e30] {
+                let turn = DQuat::from_rotation_x(0.7);
+                let ball = bound.ball(&Pose::new(turn, place).unwrap());
+                let within = place.abs().max_element();
+                assert!(ball.radius <= bound.largest_ball(within), "{bound:?} at {place}");
             }
         }
     }

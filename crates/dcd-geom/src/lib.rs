@@ -32,7 +32,7 @@ mod twin_box;
 
 pub use aabb::Aabb;
 pub use ball::Ball;
-pub use bound::Bound;
+pub use bound::{Bound, LooseBall};
 pub use core::{Core, Cores, LaneBox};
 pub use curved::{Curved, CurvedKind};
 pub use divide::Divide;

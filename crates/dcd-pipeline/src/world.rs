@@ -10,9 +10,9 @@ mod set;
 pub use linkage::Linkage;
 pub use probe::{Finding, Found, Other, Probe};
 
-use dcd_broad::{Named, StandingTree};
+use dcd_broad::{Named, Outline, StandingTree};
 use dcd_exec::Exec;
-use dcd_geom::{Aabb, Object, Scene, SceneError};
+use dcd_geom::{Aabb, Bound, LooseBall, Object, Scene, SceneError};
 use dcd_gjk::{NarrowPhase, Overlap};
 
 /// How many obstacles a task prepares.
@@ -27,6 +27,8 @@ pub struct World<N = Overlap> {
     /// For each obstacle its index in the scene that it came from.
     names: Vec<u32>,
     tree: StandingTree,
+    /// For each obstacle its box and its ball, grown as the narrow phase says.
+    outlines: Vec<Outline>,
 }
 
 impl<N: NarrowPhase> World<N> {
@@ -56,7 +58,23 @@ impl<N: NarrowPhase> World<N> {
         let mut tree = StandingTree::default();
         let own: Vec<u32> = (0..).take(aabbs.len()).collect();
         tree.build(Named { aabbs: &aabbs, names: &own }, exec);
-        Ok(Self { narrow, obstacles, names, tree })
+        let ball = |i| Some(Bound::of(obstacles.shape(i))?.swept(narrow.growth()?));
+        let outline = |(i, &aabb): (usize, &Aabb)| {
+            let ball = ball(i).map_or(LooseBall::EVERYTHING, |b| b.ball(&obstacles.poses()[i]));
+            Outline { aabb, ball }
+        };
+        let outlines = aabbs.iter().enumerate().map(outline).collect();
+        Ok(Self { narrow, obstacles, names, tree, outlines })
+    }
+
+    /// Beyond which coordinate there is nothing, but for what has no end, metres.
+    fn farthest(&self) -> f64 {
+        let farthest = |outline: &Outline| {
+            let Aabb { min, max } = outline.aabb;
+            f64::from(min.abs().max(max.abs()).max_element())
+        };
+        let ends = |&farthest: &f64| farthest < 0.1 * Aabb::LIMIT;
+        self.outlines.iter().map(farthest).filter(ends).fold(0.0, f64::max)
     }
 
     /// Ready to ask for configurations of these links, again and again.

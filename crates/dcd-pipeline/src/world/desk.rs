@@ -1,5 +1,6 @@
 //! A thread's work on a few configurations.
 
+use super::World;
 use super::first::Search;
 use super::outlook::Outlook;
 use super::probe::{Finding, Other, Probe};
@@ -118,7 +119,7 @@ impl<N: NarrowPhase> Desk<N> {
             self.append_pairs(probe, link);
         }
         for (pair, &(k, l)) in probe.linkage.own_pairs.iter().enumerate() {
-            for own in Members(self.outlook.met(pair)) {
+            for own in Members::of(self.outlook.met(pair)) {
                 let met = self.own_pair(own, [k, l]);
                 self.pairs.extend(met);
             }
@@ -136,7 +137,7 @@ impl<N: NarrowPhase> Desk<N> {
         for link in 0..count {
             let first = rows + ROW * link + self.posed[link].len();
             let mut slot = first;
-            for own in Members(self.outlook.near(link) & self.open & !self.posed[link]) {
+            for own in Members::of(self.outlook.near(link) & self.open & !self.posed[link]) {
                 let pose = (self.start + own) * count + link;
                 if self.scene.set_pose(slot, poses[pose]).is_err() {
                     refused = Some(refused.map_or(pose, |first| first.min(pose)));
@@ -166,16 +167,46 @@ impl<N: NarrowPhase> Desk<N> {
         }
     }
 
-    /// Appends the pairs of a link, where it was posed last, with the obstacles: object by object.
+    /// Appends the pairs of a link, where it was posed last, with the obstacles: object by object, the
+    /// obstacles ascending.
     pub(super) fn append_pairs(&mut self, probe: &Probe<'_, N>, link: usize) {
-        let Self { scene, aabbs, names, fresh, pairs, .. } = self;
-        let new = fresh[link].clone();
-        let asked = Named { aabbs: &aabbs[new.clone()], names: &names[new] };
-        if scene.filters_movers() {
-            probe.world.tree.append_pairs(asked, |i, j| scene.allows(i, j), pairs);
+        let mut pairs = std::mem::take(&mut self.pairs);
+        if self.scene.filters_movers() {
+            self.ask(probe, link, |i, j| self.scene.allows(i, j), &mut pairs);
         } else {
-            probe.world.tree.append_pairs(asked, |_, _| true, pairs);
+            self.ask(probe, link, |_, _| true, &mut pairs);
         }
+        self.pairs = pairs;
+    }
+
+    fn ask(
+        &self,
+        probe: &Probe<'_, N>,
+        link: usize,
+        keep: impl Fn(u32, u32) -> bool,
+        pairs: &mut Vec<Pair>,
+    ) {
+        let Self { aabbs, names, owners, .. } = self;
+        let (World { tree, obstacles, .. }, new) = (probe.world, self.fresh[link].clone());
+        let ask_tree = |slots: Range<usize>, pairs: &mut Vec<Pair>| {
+            if !slots.is_empty() {
+                let start = pairs.len();
+                let asked = Named { aabbs: &aabbs[slots.clone()], names: &names[slots] };
+                tree.append_pairs(asked, &keep, pairs);
+                pairs[start..].sort_unstable_by_key(|pair| (pair.j, pair.i));
+            }
+        };
+        // The objects since which the tree has not been asked: what they may reach is not known.
+        let mut unknown = new.start;
+        for slot in new.clone() {
+            let own = owners[slot - obstacles.len()] as usize;
+            if let Some(numbers) = self.outlook.obstacles(link, own) {
+                ask_tree(unknown..slot, pairs);
+                unknown = slot + 1;
+                probe.vicinity.append_pairs((names[slot], &aabbs[slot]), numbers, &keep, pairs);
+            }
+        }
+        ask_tree(unknown..new.end, pairs);
     }
 
     /// The pair of two links of one configuration, if their boxes overlap.

@@ -2,7 +2,7 @@
 
 use super::desk::Desk;
 use super::probe::{Finding, Probe};
-use super::set::{Members, ROW, Set};
+use super::set::{Marks, Members, ROW, Set};
 use dcd_geom::{Pair, Pose};
 use dcd_gjk::{NarrowPhase, Verdict};
 use std::ops::Range;
@@ -17,8 +17,11 @@ pub(super) struct Search {
     here: Vec<Set>,
     /// The pairs found near, link by link and configuration by configuration.
     near: Vec<Pair>,
-    /// For each configuration those that are still to be asked for, in the order of the answer.
+    /// For each configuration those that are still to be asked for, in the order of the answer:
+    /// obstacles ascend, and links come after them.
     waiting: Vec<Range<usize>>,
+    /// For each object of a link where its pairs end among those of the link.
+    ends: Vec<usize>,
 }
 
 /// How many pairs are settled at once, if there are as many. Larger: more are settled in vain, behind
@@ -34,7 +37,7 @@ impl<N: NarrowPhase> Desk<N> {
         poses: &[Pose],
         found: &mut [Option<Finding<N::Answer>>],
     ) -> Option<usize> {
-        let Search { next, here, near, waiting } = &mut self.search;
+        let Search { next, here, near, waiting, .. } = &mut self.search;
         here.resize(probe.linkage.len(), Set::default());
         next.clear();
         next.resize(probe.linkage.len() + 1, Set::default());
@@ -62,10 +65,11 @@ impl<N: NarrowPhase> Desk<N> {
         let links = probe.linkage.len();
         let row = &poses[self.start * links..];
         let Search { next, here, waiting, .. } = &mut self.search;
-        let mut idle = Set::default();
-        for own in Members(self.open).filter(|&own| waiting[own].is_empty()) {
-            idle.add(own);
+        let mut idle = Marks::default();
+        for own in Members::of(self.open) {
+            idle.mark(own, waiting[own].is_empty());
         }
+        let idle = idle.set();
         let (mut passing, mut found) = (Set::default(), Set::default());
         for link in 0..links {
             let look = (next[link] | passing) & idle & !found;
@@ -86,25 +90,45 @@ impl<N: NarrowPhase> Desk<N> {
     /// Lists what the links come to are near of, in each configuration in order.
     fn gather(&mut self, probe: &Probe<'_, N>) {
         for link in 0..probe.linkage.len() {
+            let new = self.fresh[link].clone();
             self.pairs.clear();
             self.append_pairs(probe, link);
-            let mut told = 0;
-            for own in Members(self.search.here[link] & self.posed[link]) {
-                let slot = self.slots[link][own];
-                let first = self.search.near.len();
-                let with_obstacles = self.pairs[told..].iter().take_while(|pair| pair.j == slot);
-                self.search.near.extend(with_obstacles);
-                told += self.search.near.len() - first;
-                for pair in probe.linkage.own_pairs_of(link) {
-                    if self.outlook.met(pair).has(own) {
-                        let (k, l) = probe.linkage.own_pairs[pair];
-                        let met = self.own_pair(own, [k, l]);
-                        self.search.near.extend(met);
-                    }
-                }
-                self.search.waiting[own] = first..self.search.near.len();
+            let Search { near, waiting, ends, here, .. } = &mut self.search;
+            // Where the pairs of each object end, if it has any.
+            ends.clear();
+            ends.resize(new.len(), 0);
+            for (pair, end) in self.pairs.iter().zip(1..) {
+                ends[pair.j as usize - new.start] = end;
+            }
+            let base = near.len();
+            near.extend_from_slice(&self.pairs);
+            let mut start = 0;
+            for (slot, &end) in new.zip(&*ends) {
+                let own = self.owners[slot - probe.world.obstacles.len()] as usize;
+                let end = start.max(end);
+                waiting[own] = base + start..base + end;
+                start = end;
+            }
+            if !probe.linkage.own_pairs_of(link).is_empty() {
+                let here = here[link] & self.posed[link];
+                Members::of(here).for_each(|own| self.gather_links(probe, link, own));
             }
         }
+    }
+
+    /// Lists the other links that a link is near of after what it is near of already.
+    fn gather_links(&mut self, probe: &Probe<'_, N>, link: usize, own: usize) {
+        let with_obstacles = self.search.waiting[own].clone();
+        let first = self.search.near.len();
+        self.search.near.extend_from_within(with_obstacles);
+        for pair in probe.linkage.own_pairs_of(link) {
+            if self.outlook.met(pair).has(own) {
+                let (k, l) = probe.linkage.own_pairs[pair];
+                let met = self.own_pair(own, [k, l]);
+                self.search.near.extend(met);
+            }
+        }
+        self.search.waiting[own] = first..self.search.near.len();
     }
 
     /// Takes the next pairs of every configuration, few of many or many of few.
@@ -112,13 +136,13 @@ impl<N: NarrowPhase> Desk<N> {
         let Search { near, waiting, .. } = &mut self.search;
         let each = (ENOUGH / self.open.len().max(1)).max(1);
         self.pairs.clear();
-        for own in Members(self.open) {
+        for own in Members::of(self.open) {
             let Range { start, end } = &mut waiting[own];
-            for _ in 0..each.min(*end - *start) {
-                let first = first_of(&near[*start..*end]);
-                near.swap(*start, *start + first);
-                self.pairs.push(near[*start]);
-                *start += 1;
+            let next = *start..(*start + each).min(*end);
+            *start = next.end;
+            match next.len() {
+                1 => self.pairs.push(near[next.start]),
+                _ => self.pairs.extend_from_slice(&near[next]),
             }
         }
     }
@@ -139,14 +163,4 @@ impl<N: NarrowPhase> Desk<N> {
             found[own].get_or_insert(finding);
         }
     }
-}
-
-/// The place of the pair that comes first in an answer: obstacles ascend, and links come after them.
-/// Few of the pairs are ever asked for, so that sorting them all costs more.
-fn first_of(pairs: &[Pair]) -> usize {
-    let mut first = (u32::MAX, 0);
-    for (place, pair) in pairs.iter().enumerate() {
-        first = if pair.i < first.0 { (pair.i, place) } else { first };
-    }
-    first.1
 }

@@ -3,6 +3,7 @@
 use super::desk::Desk;
 use super::set::ROW;
 use super::{Linkage, World};
+use dcd_broad::Vicinity;
 use dcd_exec::{Exec, PerThread, Segments};
 use dcd_geom::{Bound, Object, Pose, Scene, SceneError};
 use dcd_gjk::{NarrowPhase, Verdict};
@@ -82,6 +83,8 @@ pub struct Probe<'w, N: NarrowPhase = dcd_gjk::Overlap> {
     pub(super) template: Scene,
     /// For each link what its box comes from without its vertices, where that is known.
     pub(super) bounds: Vec<Option<Bound>>,
+    /// What stands near any place, for balls as large as the links'.
+    pub(super) vicinity: Vicinity,
     desks: PerThread<Desk<N>>,
     first: Vec<Option<Finding<N::Answer>>>,
     all: Segments<Finding<N::Answer>>,
@@ -99,9 +102,11 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
         }
         let growth = world.narrow.growth();
         let bound = |shape| Some(Bound::of(shape)?.swept(growth?));
-        let bounds = linkage.shapes.iter().map(bound).collect();
+        let bounds: Vec<Option<Bound>> = linkage.shapes.iter().map(bound).collect();
+        let largest = bounds.iter().flatten().map(|bound| bound.largest_ball(world.farthest()));
+        let vicinity = Vicinity::new(&world.outlines, largest.fold(0.0, f32::max));
         let (desks, first, all) = (PerThread::default(), Vec::new(), Segments::default());
-        let probe = Self { world, linkage, template, bounds, desks, first, all };
+        let probe = Self { world, linkage, template, bounds, vicinity, desks, first, all };
         // So that the first batch on this thread need not.
         probe.desks.with(|desk| desk.set_up(&probe));
         Ok(probe)
@@ -138,8 +143,8 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
     }
 
     /// Every pair that touches or could not be settled, configuration by configuration: its links
-    /// with the obstacles in the order of the links, then its links with each other, then what
-    /// could not be settled.
+    /// with the obstacles, in the order of the links and for each in that of the obstacles, then its
+    /// links with each other, then what could not be settled.
     ///
     /// # Errors
     /// Those of [`Probe::first`].

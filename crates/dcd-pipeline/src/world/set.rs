@@ -26,7 +26,7 @@ impl Set {
 
     #[inline]
     pub(super) fn is_empty(self) -> bool {
-        self == Self::default()
+        self.0.iter().fold(0, |all, word| all | word) == 0
     }
 
     /// How many members it has.
@@ -92,20 +92,53 @@ impl BitOrAssign for Set {
 }
 
 /// The members of a set, ascending.
-pub(super) struct Members(pub(super) Set);
+pub(super) struct Members {
+    set: Set,
+    /// Those left of the machine word that begins with this member.
+    bits: u64,
+    first: usize,
+}
+
+impl Members {
+    pub(super) fn of(set: Set) -> Self {
+        Self { set, bits: set.0[0] as u64, first: 0 }
+    }
+}
 
 impl Iterator for Members {
     type Item = usize;
 
     #[inline]
     fn next(&mut self) -> Option<usize> {
-        let words = &mut self.0.0;
-        let word = words.iter().position(|&word| word != 0)?;
-        let member = words[word].trailing_zeros() as usize;
-        words[word] &= words[word] - 1;
-        Some(word * BoxRow::LENGTH + member)
+        while self.bits == 0 {
+            self.first += HALF;
+            let word = *self.set.0.get(self.first / BoxRow::LENGTH)?;
+            self.bits = (word >> (self.first % BoxRow::LENGTH)) as u64;
+        }
+        let member = self.bits.trailing_zeros() as usize;
+        self.bits &= self.bits - 1;
+        Some(self.first + member)
     }
 }
+
+/// A set that comes together member by member, without a branch.
+#[derive(Default)]
+pub(super) struct Marks([u64; ROW / HALF]);
+
+impl Marks {
+    #[inline]
+    pub(super) fn mark(&mut self, member: usize, is_one: bool) {
+        self.0[member / HALF] |= u64::from(is_one) << (member % HALF);
+    }
+
+    pub(super) fn set(&self) -> Set {
+        let word = |k: usize| BoxSet::from(self.0[2 * k]) | BoxSet::from(self.0[2 * k + 1]) << HALF;
+        Set(std::array::from_fn(word))
+    }
+}
+
+/// As many members as one machine word has.
+const HALF: usize = u64::BITS as usize;
 
 #[cfg(test)]
 mod tests {
@@ -114,21 +147,21 @@ mod tests {
     #[test]
     fn members_are_told_once_and_ascending() {
         let mut set = Set::default();
-        assert!(set.is_empty() && Members(set).count() == 0);
+        assert!(set.is_empty() && Members::of(set).count() == 0);
         for member in [ROW - 1, 3, 1, BoxRow::LENGTH] {
             set.add(member);
         }
-        assert_eq!(Members(set).collect::<Vec<_>>(), [1, 3, BoxRow::LENGTH, ROW - 1]);
+        assert_eq!(Members::of(set).collect::<Vec<_>>(), [1, 3, BoxRow::LENGTH, ROW - 1]);
         assert!(set.has(3) && !set.has(2) && set.len() == 4);
         set.remove(3);
-        assert_eq!(Members(set).collect::<Vec<_>>(), [1, BoxRow::LENGTH, ROW - 1]);
-        assert!(Members(!Set::default()).eq(0..ROW));
+        assert_eq!(Members::of(set).collect::<Vec<_>>(), [1, BoxRow::LENGTH, ROW - 1]);
+        assert!(Members::of(!Set::default()).eq(0..ROW));
     }
 
     #[test]
     fn the_first_of_a_row_are_as_many_as_asked_for() {
         for count in [0, 1, BoxRow::LENGTH - 1, BoxRow::LENGTH, BoxRow::LENGTH + 1, ROW] {
-            assert!(Members(Set::first(count)).eq(0..count), "{count}");
+            assert!(Members::of(Set::first(count)).eq(0..count), "{count}");
         }
     }
 }
