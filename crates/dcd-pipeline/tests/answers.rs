@@ -2,6 +2,7 @@
 //! cannot prove it.
 
 use dcd_broad::{BruteForce, SweepAndPrune, WideTree};
+use dcd_geom::glam::DVec3;
 use dcd_geom::lanes::Path;
 use dcd_geom::{Pose, Scene, Shape};
 use dcd_gjk::{Certified, EachPair, Gjk, NarrowPhase, Overlap, Rung, law};
@@ -146,4 +147,18 @@ fn filters_are_asked_before_any_narrow_work() {
     found.sort_unstable();
     assert_eq!(found, [(0, 1), (1, 2)]);
     assert_eq!(step.candidate_count(), 2);
+}
+
+#[test]
+fn a_direction_whose_square_underflows_does_not_part_a_ball_from_the_sliver_that_it_touches() {
+    // Found by fuzzing: two corners 4e-34 m apart, and with the centre they span a plane whose
+    // normal is as short. Its length is 0 in f32, and so was what the ball's radius took away.
+    let corners = [[0.0; 3], [3.9e-34, 0.0, 0.0], [0.0, 1.0, 2.375], [0.0, 0.375, 0.5]];
+    let sliver = Shape::hull(corners.map(DVec3::from_array).to_vec()).unwrap();
+    let shapes = vec![Shape::sphere(0.5).unwrap(), sliver];
+    let poses = [0.0, 0.5].map(|z| Pose::from_translation(DVec3::new(1.0, 0.0, z)).unwrap());
+    let scene = Scene::one_each(shapes, poses.to_vec()).unwrap();
+    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+        assert_eq!(contacts(WideTree::default(), Overlap::on(path), &scene), [(0, 1)], "{path:?}");
+    }
 }

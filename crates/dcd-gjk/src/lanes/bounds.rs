@@ -81,10 +81,14 @@ pub(super) const TURNED: f64 = 1e-9;
 /// of two edges occurs): outside of it a pair goes to f64. Metres.
 pub(super) const SIZE: std::ops::Range<f32> = 1e-7..1e9;
 
-/// Below this, in m·|d|₁, a direction is too short for the bounds to hold against underflow, and
-/// nothing is concluded from it. Square metres. Products of a direction and a vertex lose at most
-/// 2⁻¹⁴⁹ each to underflow; u times this is a thousand times that.
-pub(super) const SHORTEST: f32 = 1e-34;
+/// A direction d whose |d|₁ is not above this is too short for the bounds to hold against underflow,
+/// and nothing is concluded from it. In the direction's own unit.
+///
+/// Three squares lose 2⁻¹⁴⁹ each, together a quarter of u of |d|₂² ≥ |d|₁²/3, so that the length which the swept
+/// radii are times keeps its 3u; products with a vertex lose as much, and the rounding that is
+/// counted, u·m·|d|₁ with m of [`SIZE`], is millions of times that. Smaller: rounded shapes that touch
+/// are called apart.
+pub(super) const SHORTEST: f32 = 1e-18;
 
 /// How far each coordinate of a computed centre R·c + t may be off, and the vertices relative to
 /// it. Unit: 2⁻⁵³·(|t|∞ + κ·reach), metres.

@@ -144,13 +144,12 @@ pub(super) fn hull_holds_origin<L: Lanes, T: Trust>(
 /// d·w exceeds what it may be off by, and the swept radii.
 #[inline(always)]
 pub(super) fn separates<L: Lanes, T: Trust>(l: L, lot: &Lot, d: V3<L>, w: V3<L>) -> Certificate<L> {
-    let unit = lot.number(l, Number::Unit);
     let norm1 = d.norm1(l);
     let rounding = T::rounding(l, l.mul(norm1, lot.number(l, Number::Separation)));
     // |d|₂ is off by 3u at most; the radii are rounded up by more than the product loses.
     let length = l.mul(l.sqrt(d.dot(l, d)), l.splat(1.0 + 8.0 * U));
     let bound = l.mul_add(lot.number(l, Number::Radius), length, rounding);
-    let long_enough = l.lt(l.splat(SHORTEST * U), l.mul(unit, norm1));
+    let long_enough = l.lt(l.splat(SHORTEST), norm1);
     let separation = d.dot(l, w);
     let holds = l.and(l.lt(bound, separation), long_enough);
     Certificate::new(l, holds, l.sub(separation, bound), length)
