@@ -203,9 +203,9 @@ fn sort_tiles(aabbs: &[Aabb], exec: Exec, order: &mut Vec<u64>) {
     let across = (leaves as f64).cbrt().ceil().max(1.0) as usize;
     let strip = leaves.div_ceil(across * across).max(1) * WIDTH;
     let slab = strip * across;
-    for grain in grains(order.len(), slab) {
-        exec.divide(&mut order[..], grain, |_, keys| part(keys, grain / 2));
-    }
+    // Parting, as below, would take half as long on one thread; but its first cuts are no tasks for
+    // many, who fall asleep meanwhile.
+    exec.sort(order);
     exec.divide(&mut order[..], slab, |_, keys| {
         keys.iter_mut().for_each(|k| *k = key(*k, 1));
         for grain in grains(keys.len(), strip) {
@@ -219,8 +219,7 @@ fn sort_tiles(aabbs: &[Aabb], exec: Exec, order: &mut Vec<u64>) {
 }
 
 /// Keys whose every piece of that many is above the one before, and in no order within, come from
-/// parting each grain in its middle, from the largest grain to two pieces: as many grains, all at
-/// once, as there are by then.
+/// parting each grain in its middle, from the largest grain to two pieces.
 fn grains(keys: usize, piece: usize) -> impl Iterator<Item = usize> {
     let doublings = keys.div_ceil(piece).next_power_of_two().trailing_zeros();
     (1..=doublings).rev().map(move |doubling| piece << doubling)
