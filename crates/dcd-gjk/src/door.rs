@@ -206,7 +206,8 @@ pub trait NarrowPhase: Sync {
 
     /// By how much, metres, the box of an object may reach beyond its [`dcd_geom::Bound`]: half of a
     /// margin, say. Objects whose bounds, so grown, are apart are not told of. Whoever asks for few
-    /// of many objects prepares those alone whose bounds, so grown, reach something. `None`: not known, and every object must be prepared.
+    /// of many objects prepares those alone whose bounds, so grown, reach something. `None`: not
+    /// known, and every object must be prepared.
     fn growth(&self) -> Option<f64> {
         None
     }

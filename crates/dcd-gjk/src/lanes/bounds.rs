@@ -27,7 +27,7 @@ pub(super) const CHOICE: f64 = 2.125 * (f32::EPSILON / 2.0) as f64;
 ///
 /// Their number takes 12 bits of a value at most, so that a separation is off by a thousandth of
 /// the size at most. Larger: the lanes prove less for large hulls. Smaller: more of them are slow.
-pub(super) const TAGGED_BLOCKS: u32 = 255;
+pub(super) const TAGGED_BLOCKS: u8 = 255;
 
 /// How far |c + Σ τ_k·p_k| may be off, with 0, 1, 2 and 3 points. Unit: u·m·(1 + Σ τ_k).
 pub(super) const HULL_OF_BALL: [f32; 4] = [17.0, 20.0, 22.0, 24.0];
@@ -84,10 +84,10 @@ pub(super) const SIZE: std::ops::Range<f32> = 1e-7..1e9;
 /// A direction d whose |d|₁ is not above this is too short for the bounds to hold against underflow,
 /// and nothing is concluded from it. In the direction's own unit.
 ///
-/// Three squares lose 2⁻¹⁴⁹ each, together a quarter of u of |d|₂² ≥ |d|₁²/3, so that the length which the swept
-/// radii are times keeps its 3u; products with a vertex lose as much, and the rounding that is
-/// counted, u·m·|d|₁ with m of [`SIZE`], is millions of times that. Smaller: rounded shapes that touch
-/// are called apart.
+/// Three squares lose 2⁻¹⁴⁹ each, together a quarter of u of |d|₂² ≥ |d|₁²/3, so that the length by
+/// which the swept radii are multiplied keeps its 3u; products with a vertex lose as much, and the
+/// rounding that is counted, u·m·|d|₁ with m of [`SIZE`], is far above that. Smaller: rounded shapes
+/// that touch are called apart.
 pub(super) const SHORTEST: f32 = 1e-18;
 
 /// How far each coordinate of a computed centre R·c + t may be off, and the vertices relative to

@@ -143,9 +143,8 @@ impl Frame {
             // An object past the last block that the lanes can tell, or with more vertices than a
             // tag can, goes without blocks: its pairs are settled in f64.
             let next = first.saturating_add(blocks);
-            let told = u8::try_from(blocks).unwrap_or(0);
-            let fits = next as usize <= MOST_BLOCKS && blocks <= TAGGED_BLOCKS;
-            *record = Record { first, blocks: if fits { told } else { 0 }, ..*record };
+            let fits = next as usize <= MOST_BLOCKS && blocks <= u32::from(TAGGED_BLOCKS);
+            *record = Record { first, blocks: if fits { blocks as u8 } else { 0 }, ..*record };
             first = if fits { next } else { first };
         }
         self.blocks.resize(first as usize, Block::default());

@@ -59,8 +59,8 @@ impl<L: Lanes> Settled<L> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Entry {
     pub(super) lot: Lot,
-    /// What the two records of each pair say together: the difference of the centres, and 0; the sums of
-    /// the inner radii, the outer radii, the sizes, the swept radii, the slacks, and of what the
+    /// What the two records of each pair say together: the difference of the centres, and 0; the sums
+    /// of the inner radii, the outer radii, the sizes, the swept radii, the slacks, and of what the
     /// choice of the vertices may lose.
     sums: [Row; WIDTH],
     /// The lanes in use of which both objects are marked as live.

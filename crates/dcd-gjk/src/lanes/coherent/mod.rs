@@ -29,7 +29,7 @@ use track::Track;
 /// certificate decides as ever.
 ///
 /// Costs some 200 bytes an object, 17 (dense scenes) to 40 (sparse ones) a candidate pair, and a
-/// first step that takes two thirds longer. Where more than half of the objects move by more than
+/// first step that takes about twice as long. Where more than half of the objects move by more than
 /// 1/40 of their radius in a step (1/128 in sparse scenes), it does what [`super::Overlap`] does.
 /// What the [`Report`] counts as [`Rung::Remembered`] may differ by some pairs from run to run on
 /// several threads; answers never do.

@@ -53,6 +53,7 @@ impl Track {
         let shape = scene.shape_of()[slot];
         let object = Some((scene.generations()[slot], shape));
         let pose = &scene.poses()[slot];
+        let moved = self.pose != *pose;
         if self.object != object {
             let core = &scene.cores().cores()[shape as usize];
             let limit = FAR * (core.outer + core.radius);
@@ -60,7 +61,7 @@ impl Track {
             self.way += self.limit.max(limit);
             // How fast it moves is not known yet.
             (self.object, self.limit, self.step) = (object, limit, 0.0);
-        } else if self.pose != *pose {
+        } else if moved {
             let core = &scene.cores().cores()[shape as usize];
             let step = displacement(&self.pose, pose, core);
             // Written so that NaN and overflow count as the longest step.
@@ -70,7 +71,7 @@ impl Track {
             self.step = 0.0;
         }
         // What stands still is not written.
-        if self.pose != *pose {
+        if moved {
             self.pose = *pose;
         }
         self.way > WORN * self.limit
