@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 
 mod binary;
+mod deal;
 mod door;
 pub mod law;
 mod paper;

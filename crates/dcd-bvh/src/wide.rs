@@ -1,5 +1,6 @@
 //! The fast tree: sixteen boxes a node, no pointers.
 
+use crate::deal::{Dealer, KEYS_PER_TASK, cut};
 use crate::{Below, BoundingTree, BuildTree, Node};
 use dcd_exec::Exec;
 use dcd_geom::lanes::{IndexRow, WIDTH};
@@ -16,6 +17,7 @@ pub struct WideBvh {
     ids: Vec<IndexRow>,
     levels: Vec<Vec<Sixteen>>,
     order: Vec<u64>,
+    dealer: Dealer,
     /// 0, 1, 2, … for every leaf and node: what the door's slices of children are cut from.
     numbers: Vec<u32>,
     count: usize,
@@ -65,9 +67,6 @@ impl BoundingTree for WideBvh {
     }
 }
 
-/// How many keys a task makes: some microseconds of work. As many are sorted without the pool.
-const KEYS_PER_TASK: usize = 4096;
-
 /// How many leaves or nodes a task fills: some microseconds of work.
 const NODES_PER_TASK: usize = 64;
 
@@ -76,8 +75,38 @@ impl WideBvh {
     /// not depend on `exec`. O(n log n).
     pub fn build(&mut self, aabbs: &[Aabb], exec: Exec) {
         self.count = aabbs.len();
-        sort_tiles(aabbs, exec, &mut self.order);
+        self.sort_tiles(aabbs, exec);
         self.refit(aabbs, exec);
+    }
+
+    /// Sorts the boxes by tiles of their centres: slabs of like count in x, strips of each slab in
+    /// y, and z within a strip (sort-tile-recursive; S. Leutenegger et al., 1997). Each key's lower
+    /// half is the box's index, which makes keys unique and so the order that of the boxes alone.
+    fn sort_tiles(&mut self, aabbs: &[Aabb], exec: Exec) {
+        let Self { order, dealer, .. } = self;
+        let key = |i: u64, axis: usize| {
+            ordered(aabbs[i as u32 as usize].centre()[axis]) << 32 | i & 0xffff_ffff
+        };
+        order.resize(aabbs.len(), 0);
+        if aabbs.len() <= WIDTH {
+            // One leaf: there is nothing to keep apart.
+            return order.iter_mut().zip(0..).for_each(|(k, i)| *k = i);
+        }
+        let exec = exec.unless_few(aabbs.len(), KEYS_PER_TASK);
+        let leaves = aabbs.len().div_ceil(WIDTH);
+        let across = (leaves as f64).cbrt().ceil().max(1.0) as usize;
+        let strip = leaves.div_ceil(across * across).max(1) * WIDTH;
+        let slab = strip * across;
+        dealer.part(exec, (order, slab), |i| key(i as u64, 0));
+        exec.divide(&mut order[..], slab, |_, keys| {
+            keys.iter_mut().for_each(|k| *k = key(*k, 1));
+            cut(keys, 0, strip);
+        });
+        // Tasks of their own: there are few slabs.
+        exec.divide(&mut order[..], strip, |_, keys| {
+            keys.iter_mut().for_each(|k| *k = key(*k, 2));
+            keys.sort_unstable();
+        });
     }
 
     /// Takes in moved boxes, as many as before, and keeps the order of the leaves. O(n).
@@ -179,52 +208,6 @@ impl WideBvh {
             below = level;
             right
         }) && seen.iter().all(|&seen| seen)
-    }
-}
-
-/// Sorts the boxes by tiles of their centres: slabs of like count in x, strips of each slab in y,
-/// and z within a strip (sort-tile-recursive; S. Leutenegger et al., 1997). Each key's lower half
-/// is the box's index, which makes keys unique and so the order that of the boxes alone.
-fn sort_tiles(aabbs: &[Aabb], exec: Exec, order: &mut Vec<u64>) {
-    let key = |i: u64, axis: usize| {
-        ordered(aabbs[i as u32 as usize].centre()[axis]) << 32 | i & 0xffff_ffff
-    };
-    order.resize(aabbs.len(), 0);
-    if aabbs.len() <= WIDTH {
-        // One leaf: there is nothing to keep apart.
-        return order.iter_mut().zip(0..).for_each(|(k, i)| *k = i);
-    }
-    let exec = exec.unless_few(aabbs.len(), KEYS_PER_TASK);
-    exec.divide(&mut order[..], KEYS_PER_TASK, |first, part| {
-        part.iter_mut().zip(first as u64..).for_each(|(k, i)| *k = key(i, 0));
-    });
-
-    let leaves = aabbs.len().div_ceil(WIDTH);
-    let across = (leaves as f64).cbrt().ceil().max(1.0) as usize;
-    let strip = leaves.div_ceil(across * across).max(1) * WIDTH;
-    let slab = strip * across;
-    // Cutting, as below, would take a fifth off the build on one thread; but its first cuts are no
-    // tasks for many, who fall asleep meanwhile.
-    exec.sort(order);
-    exec.divide(&mut order[..], slab, |_, keys| {
-        keys.iter_mut().for_each(|k| *k = key(*k, 1));
-        cut(keys, strip);
-        for strip in keys.chunks_mut(strip) {
-            strip.iter_mut().for_each(|k| *k = key(*k, 2));
-            strip.sort_unstable();
-        }
-    });
-}
-
-/// Moves the keys into pieces of that many, each above the one before; no order within a piece.
-fn cut(keys: &mut [u64], piece: usize) {
-    let pieces = keys.len().div_ceil(piece);
-    if pieces > 1 {
-        let middle = pieces / 2 * piece;
-        keys.select_nth_unstable(middle);
-        let (left, right) = keys.split_at_mut(middle);
-        cut(left, piece);
-        cut(right, piece);
     }
 }
 
