@@ -3,7 +3,7 @@
 
 use crate::certificate::Bounds;
 use crate::closed::{self, half_space};
-use crate::exact::boxes::{self, Stack};
+use crate::exact::boxes;
 use crate::exact::resting;
 use crate::gjk::overlap_with_simplex;
 use crate::{Body, Difference, Placed, Reason, Rung, Verdict, exact, order, parts};
@@ -27,8 +27,8 @@ pub(crate) fn overlap_after(
     a: Body<'_, Polytope>,
     b: Body<'_, Polytope>,
 ) -> (Verdict<()>, Rung) {
-    if let Stack::Known(touch, rung) = boxes::touch(a, b) {
-        return (if touch { Verdict::Touching(()) } else { Verdict::Apart }, rung);
+    if let Some((touch, rung)) = boxes::touch(a, b) {
+        return (verdict_of(touch), rung);
     }
     if axes.iter().any(|&axis| are_apart_along(axis, a, b)) {
         return (Verdict::Apart, Rung::F64);
@@ -45,15 +45,18 @@ pub(crate) fn overlap_after(
             return (verdict, Rung::F64);
         }
         if let Some(touch) = resting::touch(a, b, &difference) {
-            return (if touch { Verdict::Touching(()) } else { Verdict::Apart }, Rung::Exact);
+            return (verdict_of(touch), Rung::Exact);
         }
         for (slot, vertex) in hint.iter_mut().zip(simplex.vertices()) {
             *slot = [vertex.a.feature, vertex.b.feature];
             known += 1;
         }
     }
-    let touches = exact::touches(a, b, &hint[..known]);
-    (if touches { Verdict::Touching(()) } else { Verdict::Apart }, Rung::Exact)
+    (verdict_of(exact::touches(a, b, &hint[..known])), Rung::Exact)
+}
+
+fn verdict_of(touch: bool) -> Verdict<()> {
+    if touch { Verdict::Touching(()) } else { Verdict::Apart }
 }
 
 /// Whether f64 proves two polytopes apart by one axis, world, from b to a, of any length.

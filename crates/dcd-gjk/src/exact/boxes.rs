@@ -4,7 +4,7 @@
 //! long integers. Here A − B is a box itself, and whether it holds the origin is three signs, most
 //! of them plain in f64 (docs/numerics.md, "parallel boxes").
 
-use super::expansion::{exact_sign, filtered_sign, sum_and_loss};
+use super::expansion::{difference_and_loss, exact_sign, filtered_sign};
 use crate::double_double::{self, DoubleDouble};
 use crate::simplex::{Scalar, Triple, cross, dot, minus, norm1};
 use crate::{Body, Rung};
@@ -20,37 +20,14 @@ const SIZES: std::ops::Range<f64> = 1e-280..1e280;
 /// (docs/numerics.md, "parallel boxes")
 const EXCESS: f64 = 16.0;
 
-/// What is known of two bodies as boxes with parallel edges.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Stack {
-    /// They are no such boxes.
-    Other,
-    /// Whether they share a point, and which rung proved it.
-    Known(bool, Rung),
-    /// They are within rounding of touching.
-    Open,
-}
-
-/// What the closed form tells by signs that f64 is sure of, and by sums that are exact.
+/// Whether two boxes with parallel edges share a point, and which rung proved it, with as many
+/// digits as need be; `None` where the two are no such boxes.
 #[inline]
-fn touch_quickly(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Stack {
-    match pair_of(a, b) {
-        None => Stack::Other,
-        Some(Pair::Aligned(half)) => aligned(a, b, half),
-        Some(Pair::Turned(half)) => turned(a, b, half),
-    }
-}
-
-/// What it tells with as many digits as need be: never open.
-#[inline]
-pub(crate) fn touch(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Stack {
-    match touch_quickly(a, b) {
-        Stack::Open => match pair_of(a, b) {
-            Some(Pair::Turned(half)) => turned_closely(a, b, half),
-            _ => Stack::Open,
-        },
-        known => known,
-    }
+pub(crate) fn touch(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Option<(bool, Rung)> {
+    Some(match pair_of(a, b)? {
+        Pair::Aligned(half) => aligned([a, b].map(|body| body.pose.translation()), half),
+        Pair::Turned(half) => turned(a, b, half),
+    })
 }
 
 /// Boxes with parallel edges.
@@ -76,85 +53,91 @@ fn pair_of(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Option<Pair> {
         return None;
     }
     let (r_a, r_b) = (a.pose.rotation(), b.pose.rotation());
-    let halves = Halves { a: half_a, b: half_b };
     if r_a == r_b {
         return Some(match axes_of(r_a) {
-            Some(axes) => Pair::Aligned(halves.along(axes, axes)),
-            None => Pair::Turned(halves),
+            Some(axes) => Pair::Aligned(Halves { a: along(axes, half_a), b: along(axes, half_b) }),
+            None => Pair::Turned(Halves { a: half_a, b: half_b }),
         });
     }
-    Some(Pair::Aligned(halves.along(axes_of(r_a)?, axes_of(r_b)?)))
+    let (of_a, of_b) = (axes_of(r_a)?, axes_of(r_b)?);
+    Some(Pair::Aligned(Halves { a: along(of_a, half_a), b: along(of_b, half_b) }))
 }
 
-/// Half the edges of both.
+/// Half the edges of both, metres.
 #[derive(Clone, Copy)]
-struct Halves {
-    a: DVec3,
-    b: DVec3,
+pub(crate) struct Halves {
+    pub(crate) a: DVec3,
+    pub(crate) b: DVec3,
 }
 
-impl Halves {
-    /// Half the edges along the world's axes, exactly, from those along the boxes' own.
-    #[inline]
-    fn along(self, of_a: [DVec3; 3], of_b: [DVec3; 3]) -> Self {
-        let turned =
-            |axes: [DVec3; 3], half: DVec3| axes[0] * half.x + axes[1] * half.y + axes[2] * half.z;
-        Self { a: turned(of_a, self.a), b: turned(of_b, self.b) }
-    }
+/// Half the edges along the world's axes, exactly, of a box whose own edges lie along these.
+#[inline]
+pub(crate) fn along(axes: [DVec3; 3], half: DVec3) -> DVec3 {
+    axes[0] * half.x + axes[1] * half.y + axes[2] * half.z
 }
 
 /// Along which of the world's axes the edges of a box lie, if they do.
 #[inline]
-fn axes_of(r: &DMat3) -> Option<[DVec3; 3]> {
+pub(crate) fn axes_of(r: &DMat3) -> Option<[DVec3; 3]> {
     let columns = [r.x_axis.abs(), r.y_axis.abs(), r.z_axis.abs()];
     // Entries of 0 and ±1 alone: a rotation to within 1e-6, so each row has one that is not 0.
     let are_axes = columns.iter().all(|c| *c * *c == *c);
     are_axes.then_some(columns)
 }
 
-/// h_A + h_B − |t_A − t_B|: half edge i against the centres along world axis k.
-#[inline]
-fn room(bodies: [Body<'_, Polytope>; 2], half: Halves, i: usize, k: usize) -> [f64; 4] {
-    let [t_a, t_b] = bodies.map(|body| body.pose.translation()[k]);
-    [half.a[i], half.b[i], t_a.min(t_b), -t_a.max(t_b)]
+/// Whether two boxes with edges along the world's axes share a point, given their centres and half
+/// their edges along those axes; and which rung proved it. No sum of them may overflow.
+#[inline(always)]
+pub(crate) fn aligned(centres: [DVec3; 2], half: Halves) -> (bool, Rung) {
+    let [t_a, t_b] = centres;
+    let x = difference_and_loss([half.a.x, half.b.x], [t_a.x, t_b.x]);
+    let y = difference_and_loss([half.a.y, half.b.y], [t_a.y, t_b.y]);
+    let z = difference_and_loss([half.a.z, half.b.z], [t_a.z, t_b.z]);
+    // Without a branch: on which axis bricks touch cannot be predicted.
+    if x.1 + y.1 + z.1 == 0.0 {
+        let least = least(x.0, least(y.0, z.0));
+        // Just touching is what f64's filter alone could not have told.
+        return (least >= 0.0, if least == 0.0 { Rung::Exact } else { Rung::F64 });
+    }
+    aligned_closely(centres, half)
 }
 
-#[inline]
-fn aligned(a: Body<'_, Polytope>, b: Body<'_, Polytope>, half: Halves) -> Stack {
-    let rooms = [0, 1, 2].map(|k| room([a, b], half, k, k));
-    // Without a branch: on which axis bricks touch cannot be predicted.
-    let [x, y, z] = rooms.map(sum_and_loss);
-    if x.1 + y.1 + z.1 == 0.0 {
-        let least = x.0.min(y.0).min(z.0);
-        // Just touching is what f64's filter alone could not have told.
-        return Stack::Known(least >= 0.0, if least == 0.0 { Rung::Exact } else { Rung::F64 });
-    }
+/// The lesser of two numbers, neither of them NaN.
+#[inline(always)]
+fn least(x: f64, y: f64) -> f64 {
+    if x < y { x } else { y }
+}
+
+/// The same where something is rounded away.
+#[cold]
+fn aligned_closely(centres: [DVec3; 2], half: Halves) -> (bool, Rung) {
+    let rooms = [0, 1, 2].map(|k| room([half.a[k], half.b[k]], centres.map(|centre| centre[k])));
     let signs = rooms.map(filtered_sign);
     if signs.contains(&Some(Ordering::Less)) {
-        return Stack::Known(false, Rung::F64);
+        return (false, Rung::F64);
     }
     if !signs.contains(&None) {
-        return Stack::Known(true, Rung::F64);
+        return (true, Rung::F64);
     }
     let touch = rooms.into_iter().all(|terms| exact_sign(terms) != Ordering::Less);
-    Stack::Known(touch, Rung::Exact)
+    (touch, Rung::Exact)
+}
+
+/// h_A + h_B − |t_A − t_B| along an axis, given half an edge of each and their centres there.
+fn room(half: [f64; 2], [t_a, t_b]: [f64; 2]) -> [f64; 4] {
+    [half[0], half[1], t_a.min(t_b), -t_a.max(t_b)]
 }
 
 /// Boxes with one rotation R: A − B = R·box(H) + δ holds the origin if |nᵢ·δ| ≤ Hᵢ·det R for each
-/// product nᵢ of two columns of R, by Cramer's rule.
-fn turned(a: Body<'_, Polytope>, b: Body<'_, Polytope>, half: Halves) -> Stack {
+/// product nᵢ of two columns of R, by Cramer's rule. In f64, then in double-double, then in integers.
+fn turned(a: Body<'_, Polytope>, b: Body<'_, Polytope>, half: Halves) -> (bool, Rung) {
     let plain = Arithmetic { unit: f64::EPSILON / 2.0, sign: filtered_sign };
-    match signs::<f64>([a, b], half, &plain) {
-        Some(touch) => Stack::Known(touch, Rung::F64),
-        None => Stack::Open,
+    if let Some(touch) = signs::<f64>([a, b], half, &plain) {
+        return (touch, Rung::F64);
     }
-}
-
-/// The same with more digits: double-double, then integers.
-fn turned_closely(a: Body<'_, Polytope>, b: Body<'_, Polytope>, half: Halves) -> Stack {
     let long = Arithmetic { unit: double_double::EPSILON, sign: |sum| Some(exact_sign(sum)) };
     let touch = signs::<DoubleDouble>([a, b], half, &long);
-    Stack::Known(touch.unwrap_or_else(|| super::touches(a, b, &[])), Rung::Exact)
+    (touch.unwrap_or_else(|| super::touches(a, b, &[])), Rung::Exact)
 }
 
 /// What signs are found with.
@@ -179,10 +162,11 @@ fn signs<T: Scalar + From<f64> + Into<f64>>(
     let determinant = dot(x, &normals[0]);
     let delta: Triple<T> = minus(&wide(a.pose.translation()), &wide(b.pose.translation()));
     let distance = norm1(&delta.clone().map(Into::into));
+    let centres = [a, b].map(|body| body.pose.translation());
     let mut inside = true;
     for (i, normal) in normals.iter().enumerate() {
         if let Some(k) = upright(rotation, i) {
-            match (arithmetic.sign)(room([a, b], half, i, k)) {
+            match (arithmetic.sign)(room([half.a[i], half.b[i]], centres.map(|t| t[k]))) {
                 Some(Ordering::Less) => return Some(false),
                 known => inside &= known.is_some(),
             }

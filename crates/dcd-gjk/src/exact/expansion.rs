@@ -23,13 +23,13 @@ pub(crate) fn filtered_sign<const N: usize>(terms: [f64; N]) -> Option<Ordering>
     }
 }
 
-/// A number with the sign of the sum, if what comes with it is 0: what was rounded away before the
-/// last addition, as a magnitude. So it is with numbers of few digits, as on a grid.
-#[inline]
-pub(crate) fn sum_and_loss(terms: [f64; 4]) -> (f64, f64) {
-    let (first, last) = (two_sum(terms[0], terms[1]), two_sum(terms[2], terms[3]));
-    // A rounded sum of two numbers has the sign of the sum.
-    (first.high + last.high, first.low.abs() + last.low.abs())
+/// A number with the sign of h₀ + h₁ − |t₀ − t₁|, if what comes with it is 0: what was rounded away
+/// before the last difference, as a magnitude. So it is with numbers of few digits, as on a grid.
+#[inline(always)]
+pub(crate) fn difference_and_loss(h: [f64; 2], t: [f64; 2]) -> (f64, f64) {
+    let (sum, distance) = (two_sum(h[0], h[1]), two_sum(t[0], -t[1]));
+    // A rounded difference of two numbers has the sign of the difference.
+    (sum.high - distance.high.abs(), sum.low.abs() + distance.low.abs())
 }
 
 /// The sign of the sum, exactly. Every partial sum must be finite.
@@ -68,10 +68,10 @@ mod tests {
         let truth = sum.cmp(&BigInt::ZERO);
         assert_eq!(exact_sign(terms), truth, "{terms:?}");
         assert!(filtered_sign(terms).is_none_or(|sign| sign == truth), "{terms:?}");
-        let four = [terms[0], terms[1], terms[2], terms[3] + terms[4]];
-        let truth = exact_sign(four);
-        let (sum, loss) = sum_and_loss(four);
-        assert!(loss != 0.0 || sum.partial_cmp(&0.0) == Some(truth), "{four:?}");
+        let (h, t) = ([terms[0], terms[1]], [-terms[2], terms[3] + terms[4]]);
+        let truth = exact_sign([h[0], h[1], t[0].min(t[1]), -t[0].max(t[1])]);
+        let (difference, loss) = difference_and_loss(h, t);
+        assert!(loss != 0.0 || difference.partial_cmp(&0.0) == Some(truth), "{h:?} {t:?}");
     }
 
     #[test]

@@ -12,6 +12,7 @@ use super::nearest;
 use super::opening::{self, Entry, Place, Settled};
 use super::portal;
 use super::support::Desk;
+use super::upright;
 use crate::{Body, Placed, Report, Rung, Verdict, certified};
 use dcd_geom::glam::Vec3;
 use dcd_geom::lanes::{Block, Kernel, Lanes, Path, Row, WIDTH, dispatch_on};
@@ -98,7 +99,14 @@ impl Slice<'_> {
         dispatch_on(path, Decide { trust, frame, pairs, scratch, report: &mut *report });
         for left in &scratch.left {
             let number = left.number as usize;
-            scratch.touching[number] = settle(scene, pairs[number], left.axes, report);
+            let pair = pairs[number];
+            scratch.touching[number] = match upright::touch(frame, pair) {
+                Some((touch, rung)) => {
+                    report.count(rung, 1);
+                    touch
+                }
+                None => settle(scene, pair, left.axes, report),
+            };
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::bounds::TAGGED_BLOCKS;
 use super::prepare::constants;
+use super::upright::Upright;
 use dcd_geom::lanes::{Block, MOST_BLOCKS, Row, WIDTH, prefetch};
 use dcd_geom::{Divide, Kind, Scene, Shape, Stamp};
 
@@ -13,6 +14,8 @@ pub struct Frame {
     blocks: Vec<Block>,
     /// One for each object; none at all where no shape of the scene has boxes.
     boxes: Vec<BoxRecord>,
+    /// As many as there are boxes.
+    uprights: Vec<Upright>,
     /// The scene's layout that the offsets are for.
     layout: Option<Stamp>,
     /// Lent to the first part that has an object.
@@ -56,6 +59,9 @@ pub(super) const BOXED: u8 = 1;
 /// A record's mark that the lanes can settle pairs of it: it has vertices, or needs none.
 pub(super) const LIVE: u8 = 2;
 
+/// A record's mark that its [`Upright`] says something.
+pub(super) const UPRIGHT: u8 = 4;
+
 /// One object on one cache line. The radii include what the pose's matrix departs from a rotation
 /// by, and are rounded to the safe side.
 #[derive(Clone, Copy, Debug, Default)]
@@ -71,7 +77,7 @@ pub(super) struct Record {
     /// How many blocks it has; 0 where the shape is no polytope, or the scene of a form without
     /// vertices.
     pub(super) blocks: u8,
-    /// [`BOXED`] and [`LIVE`], each or not.
+    /// [`BOXED`], [`LIVE`] and [`UPRIGHT`], each or not.
     pub(super) marks: u8,
     /// A ball round the centre inside the object, its swept radius included: rounded down.
     pub(super) inner: f32,
@@ -111,6 +117,7 @@ pub struct Part<'f> {
     pub(super) records: &'f mut [Record],
     pub(super) blocks: &'f mut [Block],
     pub(super) boxes: &'f mut [BoxRecord],
+    pub(super) uprights: &'f mut [Upright],
     /// Room that need not be cleared; a part without makes its own.
     pub(super) extremes: Option<&'f mut Extremes>,
 }
@@ -123,8 +130,8 @@ impl Frame {
             self.set_offsets(scene);
             self.layout = Some(scene.layout());
         }
-        let Self { form, records, blocks, boxes, extremes, .. } = self;
-        Part { form: *form, records, blocks, boxes, extremes: Some(extremes) }
+        let Self { form, records, blocks, boxes, uprights, extremes, .. } = self;
+        Part { form: *form, records, blocks, boxes, uprights, extremes: Some(extremes) }
     }
 
     fn set_offsets(&mut self, scene: &Scene) {
@@ -133,6 +140,7 @@ impl Frame {
         self.records.resize(scene.len(), Record::default());
         let boxed = !scene.cores().twin_boxes().is_empty();
         self.boxes.resize(if boxed { scene.len() } else { 0 }, BoxRecord::default());
+        self.uprights.resize(self.boxes.len(), Upright::default());
         if self.form != Form::Any {
             self.blocks.clear();
             return constants(scene, &mut self.records, &mut self.boxes);
@@ -196,6 +204,11 @@ impl Frame {
         &self.boxes[object as usize]
     }
 
+    /// Half the edges along the world's axes of a cuboid that stands along them.
+    pub(super) fn upright(&self, object: u32) -> &Upright {
+        &self.uprights[object as usize]
+    }
+
     /// All objects' vertices.
     #[inline(always)]
     pub(super) fn blocks(&self) -> &[Block] {
@@ -217,7 +230,9 @@ impl Divide for Part<'_> {
         let form = self.form;
         let (left, right) = self.records.split_at_mut(middle);
         let (left_blocks, right_blocks) = self.blocks.split_at_mut(blocks);
-        let (left_boxes, right_boxes) = self.boxes.split_at_mut(middle.min(self.boxes.len()));
+        let boxes = middle.min(self.boxes.len());
+        let (left_boxes, right_boxes) = self.boxes.split_at_mut(boxes);
+        let (left_uprights, right_uprights) = self.uprights.split_at_mut(boxes);
         let (lent, none) = (self.extremes, None);
         let (left_lent, right_lent) = if middle > 0 { (lent, none) } else { (none, lent) };
         (
@@ -226,6 +241,7 @@ impl Divide for Part<'_> {
                 records: left,
                 blocks: left_blocks,
                 boxes: left_boxes,
+                uprights: left_uprights,
                 extremes: left_lent,
             },
             Self {
@@ -233,6 +249,7 @@ impl Divide for Part<'_> {
                 records: right,
                 blocks: right_blocks,
                 boxes: right_boxes,
+                uprights: right_uprights,
                 extremes: right_lent,
             },
         )

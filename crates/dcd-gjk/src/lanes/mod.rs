@@ -21,6 +21,7 @@ mod prepare;
 mod support;
 #[cfg(test)]
 mod twins;
+mod upright;
 mod vector;
 
 pub use certificate::{Proved, Trusted};

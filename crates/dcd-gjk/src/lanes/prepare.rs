@@ -5,7 +5,8 @@ mod forms;
 pub(super) use forms::constants;
 
 use super::bounds::{CENTRE, CHOICE, ROTATED, TURNED, U};
-use super::frame::{BOXED, BoxRecord, Extremes, Form, LIVE, Part, Record};
+use super::frame::{BOXED, BoxRecord, Extremes, Form, LIVE, Part, Record, UPRIGHT};
+use super::upright::Upright;
 use super::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::lanes::{Block, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, prefetch};
@@ -51,7 +52,7 @@ impl Prepare<'_> {
             }
         };
         let twin_boxes = self.scene.cores().twin_boxes();
-        let boxes = self.part.boxes;
+        let (boxes, uprights) = (self.part.boxes, self.part.uprights);
         let groups = self.part.records.chunks_mut(WIDTH).zip(self.aabbs.chunks_mut(WIDTH));
         for (group, (records, aabbs)) in groups.enumerate() {
             let first = self.first + group * WIDTH;
@@ -66,7 +67,12 @@ impl Prepare<'_> {
                 *record = place(record, core, pose);
                 if record.marks & BOXED != 0 {
                     let shape = self.scene.shape_of()[object] as usize;
-                    boxes[group * WIDTH + lane] = turn(&twin_boxes[shape], record, pose);
+                    let place = group * WIDTH + lane;
+                    boxes[place] = turn(&twin_boxes[shape], record, pose);
+                    if let Some(upright) = Upright::of(&self.scene.shapes()[shape], pose) {
+                        uprights[place] = upright;
+                        record.marks |= UPRIGHT;
+                    }
                 }
                 let local = &self.scene.cores().blocks(core)[..own.len()];
                 let found = rotate(l, pose, local, own);

@@ -6,18 +6,12 @@ use proptest::prelude::*;
 /// The closed form's answer, after the integers have agreed, seen from both.
 fn settled(a: (&Polytope, &Pose), b: (&Polytope, &Pose)) -> Option<(bool, Rung)> {
     let (a, b) = (Body::polytope(a.0, a.1), Body::polytope(b.0, b.1));
-    let quick = touch_quickly(a, b);
     let answer = touch(a, b);
-    assert_eq!((quick, answer), (touch_quickly(b, a), touch(b, a)));
-    assert!(quick == answer || quick == Stack::Open, "{quick:?} {answer:?}");
-    match answer {
-        Stack::Other => None,
-        Stack::Known(touches, rung) => {
-            assert_eq!(touches, crate::exact::touches(a, b, &[]), "{a:?} {b:?}");
-            Some((touches, rung))
-        }
-        Stack::Open => panic!("left open: {a:?} {b:?}"),
+    assert_eq!(answer, touch(b, a));
+    if let Some((touches, _)) = answer {
+        assert_eq!(touches, crate::exact::touches(a, b, &[]), "{a:?} {b:?}");
     }
+    answer
 }
 
 fn cuboid(x: f64, y: f64, z: f64) -> Polytope {

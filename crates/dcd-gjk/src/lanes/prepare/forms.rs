@@ -2,7 +2,8 @@
 //! layout, what depends on its pose once a step.
 
 use super::super::bounds::{CENTRE, TURNED};
-use super::super::frame::{BOXED, BoxRecord, LIVE, Record};
+use super::super::frame::{BOXED, BoxRecord, LIVE, Record, UPRIGHT};
+use super::super::upright::Upright;
 use super::{Prepare, above, place, turn};
 use dcd_geom::glam::DVec3;
 use dcd_geom::lanes::prefetch;
@@ -40,13 +41,18 @@ impl Prepare<'_> {
     #[inline(always)]
     pub(super) fn cuboids(self) {
         let poses = &self.scene.poses()[self.first..];
-        let records = self.part.records.iter_mut().zip(self.part.boxes);
+        let shape_of = &self.scene.shape_of()[self.first..];
+        let records = self.part.records.iter_mut().zip(self.part.boxes).zip(self.part.uprights);
         let objects = records.zip(poses).zip(self.aabbs).enumerate();
-        for (k, (((record, boxes), pose), aabb)) in objects {
+        for (k, ((((record, boxes), upright), pose), aabb)) in objects {
             look_ahead(poses, k);
             let (centre, rotation) = (pose.translation(), pose.rotation());
             settle_centre(record, centre);
             record.marks = if pose.deviation() < TURNED { BOXED | LIVE } else { 0 };
+            if let Some(found) = Upright::of(&self.scene.shapes()[shape_of[k] as usize], pose) {
+                *upright = found;
+                record.marks |= UPRIGHT;
+            }
             let numbers = &mut boxes.numbers.0;
             let columns = rotation.to_cols_array();
             for k in 0..9 {

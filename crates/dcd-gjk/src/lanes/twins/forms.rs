@@ -4,7 +4,7 @@ use super::super::bounds::TURNED;
 use super::super::frame::{BOXED, LIVE};
 use super::super::{Overlap, Scratch};
 use super::{Numbers, pairs, paths, prepared};
-use crate::{Body, Findings, NarrowPhase, Report, certified};
+use crate::{Body, Findings, NarrowPhase, Report, Rung, certified};
 use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::lanes::Path;
 use dcd_geom::{Pair, Pose, Scene, Shape, SupportMap};
@@ -54,6 +54,37 @@ fn cuboids() -> Scene {
     placed(34, shapes)
 }
 
+/// Cuboids along the world's axes, turned by quarters, each beside the one before: in touch along
+/// one axis, or a float short of it or past it, far from the origin and near.
+fn upright() -> Scene {
+    let mut numbers = Numbers(35);
+    let quarter = DMat3::from_cols(DVec3::Y, -DVec3::X, DVec3::Z);
+    let third = DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X);
+    let (mut shapes, mut poses) = (Vec::new(), Vec::<Pose>::new());
+    for k in 0..60usize {
+        let half = (numbers.vector() * 0.4).abs() + 0.1;
+        let turn = [DMat3::IDENTITY, quarter, third, quarter * third][k % 4];
+        let far = DVec3::X * [0.0, 1e3, 1e6][k / 20];
+        let t = match (k % 20, poses.last()) {
+            (1.., Some(last)) => {
+                let axis = DVec3::AXES[k % 3];
+                let reach = |half: DVec3, turn: DMat3| (turn.transpose() * axis).abs().dot(half);
+                let Some((before, turned)) = shapes.last().copied() else { panic!("no shape") };
+                let step = reach(half, turn) + reach(before, turned);
+                let ulps = [0i64, 1, -1, 40][k % 4];
+                let along = (last.translation().dot(axis) + step).to_bits();
+                let along = f64::from_bits(along.wrapping_add_signed(ulps));
+                last.translation() * (DVec3::ONE - axis) + axis * along
+            }
+            _ => far,
+        };
+        shapes.push((half, turn));
+        poses.push(Pose::from_matrix(turn, t).unwrap());
+    }
+    let shapes = shapes.into_iter().map(|(half, _)| Shape::cuboid(half).unwrap());
+    Scene::one_each(shapes.collect(), poses).unwrap()
+}
+
 /// What the lanes say of every pair, and how many of them they leave to the later rungs.
 pub(super) fn contacts(scene: &Scene, path: Path) -> (Vec<Pair>, Report) {
     let (frame, _) = prepared(scene, path);
@@ -78,6 +109,31 @@ fn a_scene_of_one_kind_is_answered_as_exact_integers_answer_it() {
             assert_eq!(found, exact, "{path:?}");
             assert!(report.undecided().is_empty());
             crate::law::narrow_phase(&Overlap::on(path), &scene, &pairs(&scene)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn upright_cuboids_at_rest_are_answered_exactly_alone_and_among_hulls() {
+    let alone = upright();
+    let mut shapes = alone.shapes().to_vec();
+    shapes.push(Shape::hull(vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z]).unwrap());
+    let mut poses = alone.poses().to_vec();
+    poses.push(Pose::from_translation(DVec3::splat(-9.0)).unwrap());
+    let among = Scene::one_each(shapes, poses).unwrap();
+    for scene in [alone, among] {
+        let body = |i: u32| {
+            let polytope = scene.shape(i as usize).as_polytope().unwrap();
+            Body::polytope(polytope, &scene.poses()[i as usize])
+        };
+        let touch = |pair: &Pair| certified::overlap_exactly(body(pair.i), body(pair.j));
+        let (exact, others): (Vec<Pair>, Vec<Pair>) = pairs(&scene).into_iter().partition(touch);
+        let beside = others.iter().filter(|pair| pair.j == pair.i + 1);
+        assert!(exact.len() > 25 && beside.count() > 10, "{}", exact.len());
+        for path in paths() {
+            let (found, report) = contacts(&scene, path);
+            assert_eq!(found, exact, "{path:?}");
+            assert!(report.settled(Rung::Exact) > 5, "{report:?}");
         }
     }
 }
