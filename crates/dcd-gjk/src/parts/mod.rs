@@ -103,11 +103,12 @@ fn search(
 }
 
 /// The two as their parts, and whether they were exchanged: the one with more parts comes first,
-/// for the other's boxes are those that are turned; else an order by content.
+/// for the other's boxes are those that are turned, and one with a tree before one without; else an
+/// order by content.
 fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> ([Side<'a>; 2], bool) {
     let (side_a, side_b) = (Side::of(a), Side::of(b));
-    let by_count = side_b.count().cmp(&side_a.count());
-    let swapped = by_count.then_with(|| order::placed(a, b)).is_gt();
+    let size = |side: &Side<'_>| (side.count(), side.tree().is_some());
+    let swapped = size(&side_b).cmp(&size(&side_a)).then_with(|| order::placed(a, b)).is_gt();
     (if swapped { [side_b, side_a] } else { [side_a, side_b] }, swapped)
 }
 

@@ -152,6 +152,39 @@ fn a_mesh_of_one_triangle_is_a_triangle() {
 }
 
 #[test]
+fn one_triangle_meets_one_convex_shape_whichever_pose_comes_first() {
+    let (mut scratch, mut touching) = (Scratch::default(), 0);
+    for seed in 0..400 {
+        let mut draw = Draw(seed);
+        let (mesh, hull) = (draw.mesh(1, 1.0), draw.hull(1.0));
+        let (pose_a, pose_b) = (draw.pose(0.4), draw.pose(0.4));
+        let (a, b) =
+            (Placed { shape: &mesh, pose: &pose_a }, Placed { shape: &hull, pose: &pose_b });
+        touching += check(a, b, &mut scratch, &format!("seed {seed}"));
+        let swapped = [Placed { pose: &pose_b, ..a }, Placed { pose: &pose_a, ..b }];
+        touching += check(swapped[0], swapped[1], &mut scratch, &format!("seed {seed}, swapped"));
+    }
+    assert!((10..700).contains(&touching), "{touching}");
+}
+
+#[test]
+fn a_triangle_without_extent_is_as_far_from_a_convex_shape_as_its_point() {
+    let mesh = Shape::mesh(vec![DVec3::ZERO], vec![[0; 3]]).unwrap();
+    let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+    let mut scratch = Scratch::default();
+    for x in [-1.0, 1.0, 0.5, -0.5] {
+        let pose = Pose::from_translation(DVec3::X * x).unwrap();
+        let point = Placed { shape: &mesh, pose: &pose };
+        let cube = Placed { shape: &cube, pose: &Pose::IDENTITY };
+        let DistanceResult::Apart(found) = super::distance(point, cube, &mut scratch).0 else {
+            assert_eq!(x.abs(), 0.5);
+            continue;
+        };
+        assert_eq!((found.distance, x.abs()), (0.5, 1.0));
+    }
+}
+
+#[test]
 fn a_compound_touches_where_a_pair_of_parts_does() {
     let compounds = |draw: &mut Draw| [draw.compound(20, 1.0), draw.compound(9, 1.0)];
     let (touching, pairs) = check_seeds(60, compounds, |_| (1.7, 0.0));
