@@ -13,7 +13,7 @@ use super::opening::{self, Entry, Place, Settled};
 use super::portal;
 use super::support::Desk;
 use super::upright;
-use crate::{Body, Placed, Report, Rung, Verdict, certified};
+use crate::{Body, Placed, Report, Rung, Verdict, certified, parts};
 use dcd_geom::glam::Vec3;
 use dcd_geom::lanes::{Block, Kernel, Lanes, Path, Row, WIDTH, dispatch_on};
 use dcd_geom::{Pair, Scene};
@@ -47,6 +47,8 @@ pub struct Scratch {
     second: Belt<AFTER_CONE>,
     /// What waits for the next support.
     portal: Belt<AFTER_SECOND_POINT>,
+    /// For what is made of parts.
+    parts: parts::Scratch,
 }
 
 impl Scratch {
@@ -105,15 +107,29 @@ impl Slice<'_> {
                     report.count(rung, 1);
                     touch
                 }
-                None => settle(scene, pair, left.axes, report),
+                None => {
+                    let known = Known { axes: left.axes, parts: &mut scratch.parts };
+                    settle(scene, pair, known, report)
+                }
             };
         }
     }
 }
 
+/// What the later rungs are handed beside a pair.
+struct Known<'a> {
+    axes: [Vec3; 2],
+    parts: &'a mut parts::Scratch,
+}
+
 /// The later rungs for one pair that the lanes left open: the lanes' own axes in f64, then f64
 /// from the start, then exact integers. Whether it is known to touch.
-fn settle(scene: &Scene, pair: Pair, axes: [Vec3; 2], report: &mut Report) -> bool {
+fn settle(
+    scene: &Scene,
+    pair: Pair,
+    Known { axes, parts }: Known<'_>,
+    report: &mut Report,
+) -> bool {
     let placed =
         |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
     let (a, b) = (placed(pair.i), placed(pair.j));
@@ -122,7 +138,7 @@ fn settle(scene: &Scene, pair: Pair, axes: [Vec3; 2], report: &mut Report) -> bo
             let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
             certified::overlap_after(&axes.map(|axis| axis.as_dvec3()), a, b)
         }
-        _ => certified::overlap_of(a, b),
+        _ => certified::overlap_with(a, b, parts),
     };
     match verdict {
         Verdict::Undecided(reason) => report.leave(pair, reason),

@@ -17,6 +17,15 @@ pub(super) const BOX: f64 = 16.0;
 /// 3 each of their own; 3 for the evaluation of the bound. Smaller: false "apart".
 pub(super) const SEPARATION: f64 = 12.1;
 
+/// How much lower a leaf's corners may be than they are computed along a wall's normal. Unit:
+/// u·ρ·|d|₁, u of f32, ρ the leaf's radius. The corners' rounding 1, the dot product 3. Smaller:
+/// false "apart".
+pub(super) const CORNERS: f64 = 4.1;
+
+/// The same for the lowest corner of a tree's box, which is exact. Unit: u·m·|d|₁. The dot product
+/// 3. Smaller: false "apart".
+pub(super) const CORNERS_OF_BOXES: f64 = 3.1;
+
 /// What the two leaves' offset loses in f64. Unit: 2⁻⁵³·m. A relative pose 6 and 4, the turned
 /// centre 3, two sums 2: 15. Smaller: false "apart".
 pub(super) const OFFSET: f64 = 16.0;

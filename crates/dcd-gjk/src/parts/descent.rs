@@ -1,7 +1,8 @@
 //! Both trees at once, sixteen boxes against one at a time.
 
 use super::between::Between;
-use super::side::Side;
+use super::pair::Settled;
+use super::side::{Parts, Side};
 use super::triangles::{Leaves, not_apart};
 use super::{Next, Scratch, Tally, pair};
 use dcd_geom::lanes::{Block, Kernel, Lanes};
@@ -30,6 +31,7 @@ impl<'g> Kernel for Descent<'_, 'g> {
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) -> Tally<'g> {
         self.scratch.begin(self.b);
+        self.scratch.walls.begin(self.between, [self.a, self.b]);
         self.scratch.stack.push([self.a.root(), self.b.root()]);
         while let Some(blocks) = self.scratch.stack.pop() {
             if self.compare(l, blocks) == Next::Stop {
@@ -91,7 +93,7 @@ impl Descent<'_, '_> {
             let lane = reaching.trailing_zeros() as usize;
             reaching &= reaching - 1;
             let one = self.scratch.blocks[block_b as usize].get(lane);
-            let hits = boxes.overlaps(l, &one);
+            let hits = self.scratch.walls.boxes(l, boxes, boxes.overlaps(l, &one));
             let child_b = below_b.0[lane];
             match (leaf_a, leaf_b) {
                 (true, true) => {
@@ -136,19 +138,42 @@ impl Descent<'_, '_> {
             for lane in Bits(not_apart(l, leaves, corners, (lane, hits))) {
                 let pair = [below.0[lane], part_b];
                 let settled = pair::settle_triangles(self.between, [self.a, self.b], pair);
-                if self.tally.file(pair, settled) == Next::Stop {
+                if self.tally.file(pair, (settled.verdict, settled.rung)) == Next::Stop {
                     return Next::Stop;
                 }
             }
             return Next::Go;
         }
-        for lane in Bits(hits) {
+        let mut open = self.beside_walls(l, block_a, hits);
+        while open != 0 {
+            let lane = open.trailing_zeros() as usize;
+            open &= open - 1;
             let pair = [below.0[lane], part_b];
-            if self.tally.file(pair, pair::settle([self.a, self.b], pair)) == Next::Stop {
+            let Settled { verdict, rung, axis } = pair::settle([self.a, self.b], pair);
+            if self.tally.file(pair, (verdict, rung)) == Next::Stop {
                 return Next::Stop;
+            }
+            if let Some(axis) = axis {
+                let along = self.a.pose.rotation().transpose() * axis;
+                self.scratch.walls.add(self.between, [self.a, self.b], along);
+                open = self.beside_walls(l, block_a, open);
             }
         }
         Next::Go
+    }
+
+    /// Which of the open parts of a leaf of the first shape no wall shuts out.
+    #[inline(always)]
+    fn beside_walls<L: Lanes>(&self, l: L, block: u32, open: u32) -> u32 {
+        match self.a.parts {
+            Parts::Mesh(mesh) => {
+                self.scratch.walls.triangles(l, &mesh.leaves()[block as usize], open)
+            }
+            Parts::Compound(compound) => {
+                self.scratch.walls.boxes(l, &compound.tree().blocks()[block as usize], open)
+            }
+            Parts::One(_) => open,
+        }
     }
 
     /// Turns the triangles of a leaf of the second mesh into the first axes, once.

@@ -16,6 +16,7 @@ mod side;
 #[cfg(test)]
 mod tests;
 mod triangles;
+mod walls;
 
 use crate::{Placed, Reason, Rung, Verdict, order};
 use between::Between;
@@ -25,6 +26,7 @@ use descent::{Descent, Goal};
 use nearest::Open;
 use side::Side;
 use std::collections::BinaryHeap;
+use walls::Walls;
 
 pub(crate) use deepest::deepest;
 pub use nearest::distance;
@@ -39,6 +41,8 @@ pub struct Scratch {
     /// The second mesh's triangles turned into the first shape's axes, likewise.
     corners: Vec<[Block; 3]>,
     turned: Vec<bool>,
+    /// Beyond which nothing of a convex second shape is.
+    walls: Walls,
     /// Pairs of blocks still to be compared.
     stack: Vec<[u32; 2]>,
     /// What is still to be looked at for a distance.
@@ -116,7 +120,8 @@ fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> ([Side<'a>; 2], bool) {
 fn each<'a>(a: &Side<'_>, b: &Side<'_>, mut tally: Tally<'a>) -> Tally<'a> {
     for part_a in 0..a.count() {
         for part_b in 0..b.count() {
-            if tally.file([part_a, part_b], pair::settle([a, b], [part_a, part_b])) == Next::Stop {
+            let pair::Settled { verdict, rung, .. } = pair::settle([a, b], [part_a, part_b]);
+            if tally.file([part_a, part_b], (verdict, rung)) == Next::Stop {
                 return tally;
             }
         }

@@ -3,26 +3,48 @@
 use super::between::Between;
 use super::piercing;
 use super::side::{Part, Side};
-use crate::gjk::overlap_with_simplex;
+use crate::gjk::{Simplex, overlap_with_simplex, start};
 use crate::{Body, Difference, Placed, Rung, Verdict, certified, exact};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Pose, Shape, Support, SupportMap};
 use std::borrow::Cow;
 
-/// Settles a pair of parts, by their indices, as the ladder does any pair.
-pub(super) fn settle([a, b]: [&Side<'_>; 2], [part_a, part_b]: [u32; 2]) -> (Verdict<()>, Rung) {
-    let (part_a, part_b) = (a.part(part_a), b.part(part_b));
-    if let (Some(core_a), Some(core_b)) = (Core::of(&part_a), Core::of(&part_b)) {
-        return overlap([&core_a, &core_b], [a.pose, b.pose]);
+/// What is known of a pair of parts.
+pub(super) struct Settled {
+    pub(super) verdict: Verdict<()>,
+    pub(super) rung: Rung,
+    /// Where the two are apart, an axis that perhaps separates them: world, from the second to the
+    /// first, of any length.
+    pub(super) axis: Option<DVec3>,
+}
+
+impl Settled {
+    fn by((verdict, rung): (Verdict<()>, Rung)) -> Self {
+        Self { verdict, rung, axis: None }
     }
-    // A foreign part: no exact rung.
+}
+
+/// Settles a pair of parts, by their indices, as the ladder does any pair.
+pub(super) fn settle([a, b]: [&Side<'_>; 2], [part_a, part_b]: [u32; 2]) -> Settled {
+    let (part_a, part_b) = (a.part(part_a), b.part(part_b));
+    let core_a = Core::of(&part_a);
+    if let (Some(core_a), Some(core_b)) = (&core_a, &Core::of(&part_b)) {
+        return overlap([core_a, core_b], [a.pose, b.pose]);
+    }
+    // A cylinder, a cone or a foreign part: no exact rung.
+    if let (Some(core), Part::Shape(shape)) = (&core_a, part_b)
+        && shape.is_bounded()
+        && let Some(settled) = in_f64(core.body(a.pose), Body::shape(shape, b.pose)).0
+    {
+        return settled;
+    }
     match (to_shape(part_a), to_shape(part_b)) {
-        (Some(shape_a), Some(shape_b)) => certified::overlap_of(
+        (Some(shape_a), Some(shape_b)) => Settled::by(certified::overlap_of(
             Placed { shape: &shape_a, pose: a.pose },
             Placed { shape: &shape_b, pose: b.pose },
-        ),
+        )),
         // Checked corners are finite, and a hull of three is never refused.
-        _ => (Verdict::Undecided(crate::Reason::Range), Rung::F64),
+        _ => Settled::by((Verdict::Undecided(crate::Reason::Range), Rung::F64)),
     }
 }
 
@@ -31,7 +53,7 @@ pub(super) fn settle_triangles(
     between: &Between,
     [a, b]: [&Side<'_>; 2],
     [part_a, part_b]: [u32; 2],
-) -> (Verdict<()>, Rung) {
+) -> Settled {
     if let (Part::Triangle { corners: in_a, .. }, Part::Triangle { corners: in_b, .. }) =
         (a.part(part_a), b.part(part_b))
     {
@@ -39,7 +61,7 @@ pub(super) fn settle_triangles(
         let in_a = in_a.map(|corner| *a.pose.rotation() * corner);
         let in_b = in_b.map(|corner| *b.pose.rotation() * corner + delta);
         if piercing::touch(&in_a, &in_b, between.size()) {
-            return (Verdict::Touching(()), Rung::F64);
+            return Settled::by((Verdict::Touching(()), Rung::F64));
         }
     }
     settle([a, b], [part_a, part_b])
@@ -117,24 +139,43 @@ fn triangle(corners: [DVec3; 3], radius: f64) -> Option<Polytope> {
     Polytope::hull(corners.to_vec()).and_then(|hull| hull.rounded(radius)).ok()
 }
 
+/// What f64 can prove, if it can, and the simplex where it ended.
+fn in_f64<A, B>(a: Body<'_, A>, b: Body<'_, B>) -> (Option<Settled>, Simplex<f64>)
+where
+    A: SupportMap<f64> + ?Sized,
+    B: SupportMap<f64> + ?Sized,
+{
+    let Some(difference) = Difference::<f64, _, _>::new(a, b) else {
+        return (None, Simplex::default());
+    };
+    let (verdict, simplex) = overlap_with_simplex(&difference);
+    let axis = match verdict {
+        Verdict::Undecided(_) => return (None, simplex),
+        Verdict::Touching(()) => None,
+        // Where the search ended with the first support, there is no simplex.
+        Verdict::Apart => Some(match simplex.nearest() {
+            Some(near) => DVec3::from_array(near.direction),
+            None => start::<f64>(difference.middle()),
+        }),
+    };
+    (Some(Settled { verdict, rung: Rung::F64, axis }), simplex)
+}
+
 /// The ladder for two hulls of points.
-fn overlap([a, b]: [&Core<'_>; 2], [pose_a, pose_b]: [&Pose; 2]) -> (Verdict<()>, Rung) {
+fn overlap([a, b]: [&Core<'_>; 2], [pose_a, pose_b]: [&Pose; 2]) -> Settled {
+    let (settled, simplex) = in_f64(a.body(pose_a), b.body(pose_b));
+    if let Some(settled) = settled {
+        return settled;
+    }
     let mut hint = [[0; 2]; 4];
-    let mut known = 0;
-    if let Some(difference) = Difference::<f64, _, _>::new(a.body(pose_a), b.body(pose_b)) {
-        let (verdict, simplex) = overlap_with_simplex(&difference);
-        if !matches!(verdict, Verdict::Undecided(_)) {
-            return (verdict, Rung::F64);
-        }
-        for (slot, vertex) in hint.iter_mut().zip(simplex.vertices()) {
-            *slot = [vertex.a.feature, vertex.b.feature];
-            known += 1;
-        }
+    for (slot, vertex) in hint.iter_mut().zip(simplex.vertices()) {
+        *slot = [vertex.a.feature, vertex.b.feature];
     }
     let (Some(a), Some(b)) = (a.polytope(), b.polytope()) else {
-        return (Verdict::Undecided(crate::Reason::Range), Rung::F64);
+        return Settled::by((Verdict::Undecided(crate::Reason::Range), Rung::F64));
     };
     let (a, b) = (Body::polytope(&a, pose_a), Body::polytope(&b, pose_b));
-    let touches = exact::touches(a, b, &hint[..known]);
-    (if touches { Verdict::Touching(()) } else { Verdict::Apart }, Rung::Exact)
+    let touches = exact::touches(a, b, &hint[..simplex.vertices().len()]);
+    let verdict = if touches { Verdict::Touching(()) } else { Verdict::Apart };
+    Settled::by((verdict, Rung::Exact))
 }

@@ -199,6 +199,15 @@ fn a_mesh_meets_compounds_and_convex_shapes() {
     let hull = |draw: &mut Draw| [draw.hull(1.0), draw.mesh(60, 1.0)];
     let (touching, _) = check_seeds(150, hull, |_| (1.5, 0.0));
     assert!((20..140).contains(&touching), "{touching}");
+    let cube = |draw: &mut Draw| {
+        let cube = Shape::cuboid(draw.point(0.4).abs()).unwrap();
+        [cube.rounded(0.1 * draw.number()).unwrap(), draw.mesh(200, 1.0)]
+    };
+    let (touching, _) = check_seeds(150, cube, |_| (2.0, 0.0));
+    assert!((20..140).contains(&touching), "{touching}");
+    let ball = |draw: &mut Draw| [Shape::sphere(0.2).unwrap(), draw.mesh(200, 1.0)];
+    let (touching, _) = check_seeds(150, ball, |_| (2.0, 0.0));
+    assert!((20..140).contains(&touching), "{touching}");
     let ball = |draw: &mut Draw| [Shape::sphere(0.2).unwrap(), draw.compound(30, 1.0)];
     let (touching, _) = check_seeds(150, ball, |_| (1.0, 0.0));
     assert!((20..140).contains(&touching), "{touching}");
@@ -291,6 +300,37 @@ fn one_pose_for_both_is_the_same_in_both_orders() {
     let at = |shape| Placed { shape, pose: &Pose::IDENTITY };
     let _ = check(at(&a), at(&b), &mut scratch, "two meshes");
     assert!(check(at(&a), at(&a), &mut scratch, "a mesh with itself") >= 12);
+}
+
+#[test]
+fn a_cylinder_meets_a_mesh_where_it_meets_a_triangle() {
+    let (mut scratch, mut touching) = (Scratch::default(), 0);
+    for seed in 0..150 {
+        let mut draw = Draw(seed);
+        let mesh = draw.mesh(100, 1.0);
+        let [h, r, swept] = [0.8, 0.4, 0.1].map(|most| most * draw.number());
+        let shape = if seed % 2 == 0 { Shape::cylinder(h, r) } else { Shape::cone(h, r) };
+        let shape = shape.unwrap().rounded(if seed % 3 == 0 { swept } else { 0.0 }).unwrap();
+        let (pose_a, pose_b) = (draw.pose(2.0), draw.pose(2.0));
+        let (a, b) =
+            (Placed { shape: &shape, pose: &pose_a }, Placed { shape: &mesh, pose: &pose_b });
+        let mut expected = Vec::new();
+        for (k, triangle) in (0u32..).zip(polytopes(&mesh)) {
+            let triangle = Shape::Polytope(triangle);
+            let (verdict, _) = certified::overlap_of(a, Placed { shape: &triangle, pose: &pose_b });
+            assert!(!matches!(verdict, Verdict::Undecided(_)), "seed {seed}");
+            if verdict == Verdict::Touching(()) {
+                expected.push([0, k]);
+            }
+        }
+        let mut found = Vec::new();
+        let _ = super::touching(a, b, &mut scratch, &mut found);
+        assert_eq!(found, expected, "seed {seed}");
+        let verdict = overlap(b, a, &mut scratch).0;
+        assert_eq!(verdict == Verdict::Touching(()), !expected.is_empty(), "seed {seed}");
+        touching += usize::from(!expected.is_empty());
+    }
+    assert!((20..130).contains(&touching), "{touching}");
 }
 
 /// A ball that owns up to no more than its support map.

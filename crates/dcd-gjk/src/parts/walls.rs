@@ -1,0 +1,133 @@
+//! Half-spaces that hold the whole second shape: what is outside of one is apart from it.
+//!
+//! A convex shape that misses one triangle beyond a plane mostly misses its neighbours, and the
+//! boxes round them, beyond the same plane. So the planes with which searches in f64 ended are kept
+//! for the rest of the pair, and sixteen boxes or triangles are held against each at once
+//! (docs/numerics.md, "parts").
+
+use super::between::Between;
+use super::bounds::{CORNERS, CORNERS_OF_BOXES, U, U64};
+use super::side::{Parts, Side};
+use dcd_geom::glam::{DVec3, Vec3};
+use dcd_geom::lanes::{Block, Lanes};
+use dcd_geom::{Kind, Shape, Sixteen, SupportMap, Triangles};
+
+/// How many walls are kept; the oldest goes first. No unit. Smaller: parts settled one by one that
+/// an earlier wall tells apart. Larger: more to hold each leaf against. Never an answer.
+const MOST: usize = 12;
+
+/// The half-space {x: normal·x ≤ height} in the first shape's axes, with a convex second shape in
+/// it. A point of the first that is surely above is apart from the second.
+#[derive(Clone, Copy, Debug)]
+struct Wall {
+    /// Numbers that f32 holds; the largest component is 1 or −1.
+    normal: Vec3,
+    /// Above the second shape, the swept radii of both and what f64 loses. Metres.
+    height: f64,
+    /// The same for the corners of the first tree's boxes.
+    height_of_boxes: f32,
+}
+
+/// The walls of one pair of shapes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Walls {
+    walls: Vec<Wall>,
+    /// Where the next one goes once there are as many as are kept.
+    oldest: usize,
+}
+
+impl Walls {
+    /// Forgets the last pair. Of a box those three faces are known at once that look towards the
+    /// first shape.
+    pub(super) fn begin(&mut self, between: &Between, [a, b]: [&Side<'_>; 2]) {
+        self.walls.clear();
+        self.oldest = 0;
+        let Parts::One(shape @ Shape::Polytope(polytope)) = b.parts else { return };
+        let (Kind::Cuboid { .. }, Some(tree)) = (polytope.kind(), a.tree()) else { return };
+        let towards = tree.aabb().centre().as_dvec3() - between.offset;
+        for axis in 0..3 {
+            let normal = between.rotation.col(axis);
+            let normal = if normal.dot(towards) < 0.0 { -normal } else { normal };
+            self.walls.extend(Wall::of(between, a, shape, normal));
+        }
+    }
+
+    /// Adds the wall of the second shape along a direction of the first axes, any length.
+    pub(super) fn add(&mut self, between: &Between, [a, b]: [&Side<'_>; 2], along: DVec3) {
+        let Parts::One(shape) = b.parts else { return };
+        let Some(wall) = Wall::of(between, a, shape, along) else { return };
+        if self.walls.len() < MOST {
+            self.walls.push(wall);
+        } else {
+            self.walls[self.oldest] = wall;
+            self.oldest = (self.oldest + 1) % MOST;
+        }
+    }
+
+    /// Which of the open lanes' boxes no wall shuts out.
+    #[inline(always)]
+    pub(super) fn boxes<L: Lanes>(&self, l: L, boxes: &Sixteen, mut open: u32) -> u32 {
+        for wall in self.walls.iter().rev() {
+            if open == 0 {
+                break;
+            }
+            let mut lowest = l.splat(0.0);
+            for (axis, along) in wall.normal.to_array().into_iter().enumerate() {
+                let nearest = if along < 0.0 { &boxes.max[axis] } else { &boxes.min[axis] };
+                lowest = l.mul_add(l.splat(along), l.load(nearest), lowest);
+            }
+            open &= !l.bits(l.lt(l.splat(wall.height_of_boxes), lowest));
+        }
+        open
+    }
+
+    /// Which of the open lanes' triangles no wall shuts out.
+    #[inline(always)]
+    pub(super) fn triangles<L: Lanes>(&self, l: L, leaf: &Triangles, mut open: u32) -> u32 {
+        for wall in self.walls.iter().rev() {
+            if open == 0 {
+                break;
+            }
+            let [x, y, z] = wall.normal.to_array().map(|along| l.splat(along));
+            let along = |corner: &Block| {
+                let [in_x, in_y, in_z] = &corner.0;
+                let along = l.mul(x, l.load(in_x));
+                let along = l.mul_add(y, l.load(in_y), along);
+                l.mul_add(z, l.load(in_z), along)
+            };
+            let [a, b, c] = &leaf.corners;
+            let lowest = l.min(l.min(along(a), along(b)), along(c));
+            open &= !l.bits(l.lt(l.splat(wall.height_over(leaf)), lowest));
+        }
+        open
+    }
+}
+
+impl Wall {
+    /// `None` where the direction is none.
+    fn of(between: &Between, a: &Side<'_>, shape: &Shape, along: DVec3) -> Option<Self> {
+        let largest = along.abs().max_element();
+        // Written so that NaN is no direction.
+        if !(largest > 0.0 && largest < f64::INFINITY) {
+            return None;
+        }
+        let normal = (along / largest).as_vec3();
+        let d = normal.as_dvec3();
+        let norm1 = d.abs().element_sum();
+        let local = between.rotation.transpose() * d;
+        let core = local.dot(shape.support(local).point) + d.dot(between.offset);
+        let short = shape.support_error() * local.abs().element_sum();
+        let swept = (a.radius() + shape.radius()) * between.stretch() * d.length();
+        let rounding = 2.0 * between.slack() * norm1;
+        let height = core + rounding + (short + swept) * (1.0 + 8.0 * U64);
+        let of_boxes = height + CORNERS_OF_BOXES * U * between.size() * norm1;
+        Some(Self { normal, height, height_of_boxes: (of_boxes as f32).next_up() })
+    }
+
+    /// What the corners of a leaf must exceed, counted from its centre.
+    fn height_over(&self, leaf: &Triangles) -> f32 {
+        let d = self.normal.as_dvec3();
+        let rounding = CORNERS * U * leaf.radius * d.abs().element_sum();
+        ((self.height - d.dot(leaf.centre) + rounding) as f32).next_up()
+    }
+}
