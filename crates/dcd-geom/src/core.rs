@@ -1,10 +1,12 @@
 //! What the lanes read of a shape, in one place for all shapes of a scene.
 
-use crate::lanes::Block;
-use crate::{Shape, TwinBox};
+use crate::inscribed::Inscribed;
+use crate::lanes::{Block, WIDTH};
+use crate::{Curved, Polytope, Shape, TwinBox};
 use glam::{DVec3, Vec3};
 
-/// What depends on a polytope alone, as the lanes want it.
+/// What depends on a shape alone, as the lanes want it: of a polytope, or of a curved shape with the
+/// vertices of a hull inside it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Core {
     /// The inner ball's centre in the shape's own frame, metres: the blocks count from here.
@@ -19,10 +21,15 @@ pub struct Core {
     pub radius: f64,
     /// Its first block in [`Cores::blocks`].
     pub first: u32,
-    /// How many blocks it has; 0 for a shape that is no polytope.
+    /// How many blocks it has; 0 for a shape that the lanes do not know.
     pub blocks: u32,
+    /// How much farther the core reaches than its vertices, at most, in any direction, metres: 0
+    /// for polytopes.
+    pub excess: f64,
     /// Whether [`Cores::twin_boxes`] has its boxes.
     pub has_twin_box: bool,
+    /// Whether the core is its twin boxes, both of them.
+    pub is_box: bool,
 }
 
 /// A [`TwinBox`] in f32.
@@ -65,32 +72,55 @@ impl Cores {
     pub(crate) fn of(shapes: &[Shape]) -> Option<Self> {
         let mut cores = Self::default();
         cores.cores.reserve(shapes.len());
-        cores
-            .blocks
-            .reserve(shapes.iter().filter_map(Shape::as_polytope).map(|p| p.block_count()).sum());
+        cores.blocks.reserve(shapes.iter().map(block_count).sum());
         for shape in shapes {
-            let Some(polytope) = shape.as_polytope() else {
-                cores.cores.push(Core::default());
-                continue;
-            };
-            let first = u32::try_from(cores.blocks.len()).ok()?;
-            cores.blocks.extend(polytope.local_blocks());
-            cores.cores.push(Core {
-                centre: polytope.inner().centre,
-                inner: polytope.inner().radius,
-                outer: polytope.outer_radius(),
-                reach: polytope.reach(),
-                radius: polytope.swept_radius(),
-                first,
-                blocks: u32::try_from(polytope.block_count()).ok()?,
-                has_twin_box: polytope.twin_box().is_some(),
-            });
-            if let Some(twin_box) = polytope.twin_box() {
-                cores.twin_boxes.resize(cores.cores.len(), LaneBox::default());
-                cores.twin_boxes[cores.cores.len() - 1] = LaneBox::of(twin_box);
+            match shape {
+                Shape::Polytope(polytope) => cores.add_polytope(polytope)?,
+                Shape::Curved(curved) => cores.add_curved(curved)?,
+                _ => cores.cores.push(Core::default()),
             }
         }
         Some(cores)
+    }
+
+    fn add_polytope(&mut self, polytope: &Polytope) -> Option<()> {
+        let core = Core {
+            inner: polytope.inner().radius,
+            outer: polytope.outer_radius(),
+            reach: polytope.reach(),
+            radius: polytope.swept_radius(),
+            centre: polytope.inner().centre,
+            ..Core::default()
+        };
+        self.add(core, polytope.vertices(), polytope.twin_box())
+    }
+
+    fn add_curved(&mut self, curved: &Curved) -> Option<()> {
+        let hull = Inscribed::of(curved);
+        let core = Core {
+            inner: hull.inner.radius,
+            outer: hull.outer,
+            reach: curved.reach(),
+            radius: curved.swept_radius(),
+            centre: hull.inner.centre,
+            excess: hull.excess,
+            ..Core::default()
+        };
+        self.add(core, &hull.vertices, hull.twin_box.as_ref())
+    }
+
+    fn add(&mut self, core: Core, vertices: &[DVec3], twin_box: Option<&TwinBox>) -> Option<()> {
+        let first = u32::try_from(self.blocks.len()).ok()?;
+        self.blocks.extend(local_blocks(vertices, core.centre));
+        let blocks = u32::try_from(self.blocks.len()).ok()? - first;
+        let has_twin_box = twin_box.is_some();
+        let is_box = twin_box.is_some_and(TwinBox::is_the_shape);
+        self.cores.push(Core { first, blocks, has_twin_box, is_box, ..core });
+        if let Some(twin_box) = twin_box {
+            self.twin_boxes.resize(self.cores.len(), LaneBox::default());
+            self.twin_boxes[self.cores.len() - 1] = LaneBox::of(twin_box);
+        }
+        Some(())
     }
 
     /// One for each shape of the scene.
@@ -108,5 +138,48 @@ impl Cores {
     #[inline]
     pub fn blocks(&self, core: &Core) -> &[Block] {
         &self.blocks[core.first as usize..][..core.blocks as usize]
+    }
+}
+
+/// How many blocks of vertices the lanes have of a shape; of a curved one about.
+pub(crate) fn block_count(shape: &Shape) -> usize {
+    match shape {
+        Shape::Polytope(polytope) => polytope.block_count(),
+        Shape::Curved(_) => 2,
+        _ => 0,
+    }
+}
+
+/// The vertices relative to the centre, rounded to f32, sixteen a block; the last block is filled up
+/// with the last vertex.
+fn local_blocks(vertices: &[DVec3], centre: DVec3) -> impl Iterator<Item = Block> + '_ {
+    vertices.chunks(WIDTH).map(move |chunk| {
+        let mut block = Block::default();
+        for lane in 0..WIDTH {
+            let vertex = chunk[lane.min(chunk.len() - 1)];
+            let local = (vertex - centre).as_vec3().to_array();
+            for (row, x) in block.0.iter_mut().zip(local) {
+                row.0[lane] = x;
+            }
+        }
+        block
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_block_is_filled_up_with_the_last_vertex() {
+        let points = (0..20).map(|k| DVec3::new(f64::from(k), f64::from(k % 3), 1.0)).collect();
+        let shapes = [Shape::hull(points).unwrap(), Shape::cylinder(1.0, 2.0).unwrap()];
+        let cores = Cores::of(&shapes).unwrap();
+        let [hull, cylinder] = [0, 1].map(|k| cores.cores()[k]);
+        assert_eq!((hull.first, hull.blocks, cylinder.first, cylinder.blocks), (0, 2, 2, 2));
+        let last = cores.blocks(&hull)[1];
+        assert_eq!(last.0[0].0[3], (19.0 - hull.centre.x) as f32);
+        assert_eq!(last.0[0].0[15], (19.0 - hull.centre.x) as f32);
+        assert!(hull.excess == 0.0 && cylinder.excess > 0.0);
     }
 }

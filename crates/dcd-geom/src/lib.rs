@@ -16,6 +16,7 @@ mod divide;
 mod error;
 mod facets;
 mod half_space;
+mod inscribed;
 #[allow(unsafe_code)] // the one module that may: each block carries its SAFETY line
 pub mod lanes;
 pub mod law;

@@ -2,7 +2,7 @@
 
 use crate::ball::{Ball, reach};
 use crate::error::check_length;
-use crate::lanes::{Block, WIDTH};
+use crate::lanes::WIDTH;
 use crate::support::farthest;
 use crate::{Facets, Real, ShapeError, Support, SupportMap, TwinBox};
 use glam::DVec3;
@@ -181,22 +181,6 @@ impl Polytope {
     pub(crate) fn block_count(&self) -> usize {
         self.vertices.len().div_ceil(WIDTH)
     }
-
-    /// The vertices relative to the inner ball's centre, rounded to f32, sixteen a block; the last
-    /// block is filled up with the last vertex.
-    pub(crate) fn local_blocks(&self) -> impl Iterator<Item = Block> + '_ {
-        self.vertices.chunks(WIDTH).map(|chunk| {
-            let mut block = Block::default();
-            for lane in 0..WIDTH {
-                let vertex = chunk[lane.min(chunk.len() - 1)];
-                let local = (vertex - self.inner.centre).as_vec3().to_array();
-                for (row, x) in block.0.iter_mut().zip(local) {
-                    row.0[lane] = x;
-                }
-            }
-            block
-        })
-    }
 }
 
 impl<R: Real> SupportMap<R> for Polytope {
@@ -285,17 +269,5 @@ mod tests {
                 Err(ShapeError::BadLength { what: "half extent", .. })
             ));
         }
-    }
-
-    #[test]
-    fn local_rows_are_centred_and_filled_up_with_the_last_vertex() {
-        let hull =
-            Polytope::hull((0..20).map(|k| DVec3::new(k as f64, (k % 3) as f64, 1.0)).collect())
-                .unwrap();
-        assert_eq!(hull.block_count(), 2);
-        let blocks: Vec<_> = hull.local_blocks().collect();
-        let c = hull.inner().centre;
-        assert_eq!(blocks[1].0[0].0[3], (19.0 - c.x) as f32);
-        assert_eq!(blocks[1].0[0].0[15], (19.0 - c.x) as f32);
     }
 }

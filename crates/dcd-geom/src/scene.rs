@@ -9,6 +9,7 @@ mod tests;
 
 pub use object::{Filter, Handle, Motion, Object, Stamp};
 
+use crate::core::block_count;
 use crate::{Aabb, Cores, Pose, SceneError, Shape};
 use ignored::IgnoredPairs;
 use std::sync::Arc;
@@ -195,8 +196,7 @@ impl Scene {
 
 fn derive_cores(shapes: &[Shape]) -> Result<Cores, SceneError> {
     check_count("shapes", shapes.len())?;
-    let polytopes = shapes.iter().filter_map(Shape::as_polytope);
-    let (what, count) = ("blocks of vertices", polytopes.map(|p| p.block_count()).sum());
+    let (what, count) = ("blocks of vertices", shapes.iter().map(block_count).sum());
     Cores::of(shapes).ok_or(SceneError::TooMany { what, count })
 }
 

@@ -32,6 +32,18 @@ impl TwinBox {
         Self { axes: DMat3::IDENTITY, outer: half_extents, inner: half_extents }
     }
 
+    /// Along the frame's own axes, with these half edges, for a shape with balls of these radii
+    /// inside and round it; `None` where it is too round to gain.
+    pub(crate) fn along_axes(outer: DVec3, inner: DVec3, balls: (f64, f64)) -> Option<Self> {
+        let thin = balls.0 < THIN * balls.1 && outer.is_finite();
+        thin.then_some(Self { axes: DMat3::IDENTITY, outer, inner })
+    }
+
+    /// Whether both are one box, so that the shape is that box.
+    pub(crate) fn is_the_shape(&self) -> bool {
+        self.inner == self.outer
+    }
+
     /// Of the hull of these points round the centre of that ball inside it; `None` where the hull
     /// is too round to gain, or its size overflows.
     pub(crate) fn of_hull(points: &[DVec3], inside: Ball, outer_radius: f64) -> Option<Self> {

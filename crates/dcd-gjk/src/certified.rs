@@ -59,8 +59,28 @@ fn verdict_of(touch: bool) -> Verdict<()> {
     if touch { Verdict::Touching(()) } else { Verdict::Apart }
 }
 
-/// Whether f64 proves two polytopes apart by one axis, world, from b to a, of any length.
-fn are_apart_along(axis: DVec3, a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> bool {
+/// [`overlap_with`], after such axes; shapes that have parts, or no support, are not asked along them.
+pub(crate) fn overlap_with_after(
+    axes: &[DVec3],
+    a: Placed<'_>,
+    b: Placed<'_>,
+    scratch: &mut parts::Scratch,
+) -> (Verdict<()>, Rung) {
+    if let (Some(in_a), Some(in_b)) = (a.shape.as_polytope(), b.shape.as_polytope()) {
+        return overlap_after(axes, Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+    }
+    let has_support = |shape: &Shape| matches!(shape, Shape::Polytope(_) | Shape::Curved(_));
+    if has_support(a.shape) && has_support(b.shape) {
+        let (a, b) = (Body::shape(a.shape, a.pose), Body::shape(b.shape, b.pose));
+        if axes.iter().any(|&axis| are_apart_along(axis, a, b)) {
+            return (Verdict::Apart, Rung::F64);
+        }
+    }
+    overlap_with(a, b, scratch)
+}
+
+/// Whether f64 proves two shapes apart by one axis, world, from b to a, of any length.
+fn are_apart_along<S: SupportMap<f64>>(axis: DVec3, a: Body<'_, S>, b: Body<'_, S>) -> bool {
     let direction = crate::gjk::unit::<f64>(axis.to_array());
     let (Some(direction), Some(difference)) = (direction, Difference::<f64, _, _>::new(a, b))
     else {

@@ -3,6 +3,7 @@
 
 use super::bounds::{HULL_OF_BALL, SHORTEST, U};
 use super::decide::{Scratch, Slice};
+use super::frame::{LIVE, WHOLE};
 use super::lot::{Lot, Number};
 use super::vector::V3;
 use crate::Report;
@@ -15,6 +16,9 @@ pub trait Trust: Copy + Sync {
 
     /// Whether a pair on which nothing is left to gain is handed on rather than called touching.
     const HANDS_ON: bool;
+
+    /// The mark of records whose pairs are judged.
+    const JUDGED: u8;
 
     /// Whether the room that a conclusion has is kept beside it.
     const KEEPS_ROOM: bool;
@@ -34,6 +38,7 @@ impl Trust for Proved {
         bound
     }
     const HANDS_ON: bool = true;
+    const JUDGED: u8 = LIVE;
     const KEEPS_ROOM: bool = false;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
@@ -51,6 +56,7 @@ impl Trust for Lasting {
         bound
     }
     const HANDS_ON: bool = true;
+    const JUDGED: u8 = LIVE;
     const KEEPS_ROOM: bool = true;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
@@ -68,6 +74,8 @@ impl Trust for Trusted {
         l.splat(0.0)
     }
     const HANDS_ON: bool = false;
+    // Between the hull inside a curved shape and the shape itself only bounds can tell.
+    const JUDGED: u8 = WHOLE;
     const KEEPS_ROOM: bool = false;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {

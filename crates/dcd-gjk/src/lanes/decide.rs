@@ -4,7 +4,7 @@ use super::ahead::Ahead;
 use super::axis::{Axis, hinted};
 use super::boxes::{self, Boxes};
 use super::certificate::Trust;
-use super::frame::Frame;
+use super::frame::{BOX, Frame};
 use super::lot::{
     AFTER_BALLS, AFTER_CONE, AFTER_SECOND_POINT, Belt, LanesOf, Lot, Number, Vector, Whole,
 };
@@ -13,7 +13,7 @@ use super::opening::{self, Entry, Place, Settled};
 use super::portal;
 use super::support::Desk;
 use super::upright;
-use crate::{Body, Placed, Report, Rung, Verdict, certified, parts};
+use crate::{Placed, Report, Rung, Verdict, certified, parts};
 use dcd_geom::glam::Vec3;
 use dcd_geom::lanes::{Block, Kernel, Lanes, Path, Row, WIDTH, dispatch_on};
 use dcd_geom::{Pair, Scene};
@@ -132,14 +132,9 @@ fn settle(
 ) -> bool {
     let placed =
         |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
-    let (a, b) = (placed(pair.i), placed(pair.j));
-    let (verdict, rung) = match (a.shape.as_polytope(), b.shape.as_polytope()) {
-        (Some(in_a), Some(in_b)) => {
-            let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
-            certified::overlap_after(&axes.map(|axis| axis.as_dvec3()), a, b)
-        }
-        _ => certified::overlap_with(a, b, parts),
-    };
+    let axes = axes.map(|axis| axis.as_dvec3());
+    let (verdict, rung) =
+        certified::overlap_with_after(&axes, placed(pair.i), placed(pair.j), parts);
     match verdict {
         Verdict::Undecided(reason) => report.leave(pair, reason),
         Verdict::Apart | Verdict::Touching(()) => report.count(rung, 1),
@@ -212,7 +207,7 @@ impl<T: Trust> Decide<'_, T> {
         let later = self.pairs.get(first + 2 * WIDTH..).unwrap_or_default();
         ahead.look(self.frame, &later[..later.len().min(WIDTH)]);
         let pairs = &self.pairs[first..self.pairs.len().min(first + WIDTH)];
-        entry.read(self.frame, pairs, first as u32);
+        entry.read::<T>(self.frame, pairs, first as u32);
         let balls = entry.balls::<L, T>(l);
         mark(&mut touching[first..], balls.touching);
         self.report.count(Rung::Balls, count(balls.all()));
@@ -239,7 +234,8 @@ impl<T: Trust> Decide<'_, T> {
         let open = used(taken) & !settled.all();
         let handed_on = match (self.frame.has_vertices(), T::HANDS_ON) {
             (false, _) => open,
-            (true, true) => open & aligned,
+            // A round or a hull between its boxes is not them.
+            (true, true) => are_boxes(self.frame, lot, open & aligned),
             (true, false) => 0,
         };
         for lane in LanesOf(handed_on) {
@@ -341,6 +337,15 @@ impl<T: Trust> Decide<'_, T> {
             keep_room(l, room, lot, (settled.room, settled.all() & used));
         }
     }
+}
+
+/// Of these lanes those whose objects are their boxes.
+#[inline(always)]
+fn are_boxes(frame: &Frame, lot: &Lot, lanes: u32) -> u32 {
+    LanesOf(lanes).fold(0, |boxes, lane| {
+        let [a, b] = [lot.a.0[lane], lot.b.0[lane]].map(|object| frame.record(object).marks);
+        boxes | u32::from(a & b & BOX != 0) << lane
+    })
 }
 
 /// The mask of that many lanes.

@@ -62,6 +62,12 @@ pub(super) const LIVE: u8 = 2;
 /// A record's mark that its [`Upright`] says something.
 pub(super) const UPRIGHT: u8 = 4;
 
+/// A record's mark that its vertices are all of it, and not those of a hull inside it; or that it
+/// needs none.
+pub(super) const WHOLE: u8 = 8;
+/// A record's mark that its boxes are the object itself.
+pub(super) const BOX: u8 = 16;
+
 /// One object on one cache line. The radii include what the pose's matrix departs from a rotation
 /// by, and are rounded to the safe side.
 #[derive(Clone, Copy, Debug, Default)]
@@ -74,10 +80,10 @@ pub(super) struct Record {
     pub(super) first: u32,
     /// The lowest bits of a value that carry its vertex's number: see [`super::support`].
     pub(super) tag: u16,
-    /// How many blocks it has; 0 where the shape is no polytope, or the scene of a form without
-    /// vertices.
+    /// How many blocks it has; 0 where the lanes do not know the shape, or the scene is of a form
+    /// without vertices.
     pub(super) blocks: u8,
-    /// [`BOXED`], [`LIVE`] and [`UPRIGHT`], each or not.
+    /// [`BOXED`], [`LIVE`], [`UPRIGHT`], [`WHOLE`] and [`BOX`], each or not.
     pub(super) marks: u8,
     /// A ball round the centre inside the object, its swept radius included: rounded down.
     pub(super) inner: f32,
@@ -89,8 +95,9 @@ pub(super) struct Record {
     pub(super) radius: f32,
     /// See [`super::bounds::CENTRE`], metres, rounded up.
     pub(super) slack: f32,
-    /// By how much the vertex that is told as the farthest may be nearer than another, rounded up.
-    /// Unit: metres a metre of the direction's 1-norm.
+    /// By how much the vertex that is told as the farthest may be nearer than another, or than
+    /// what the object has beyond its vertices, rounded up. Unit: metres a metre of the direction's
+    /// 1-norm.
     pub(super) choice: f32,
 }
 

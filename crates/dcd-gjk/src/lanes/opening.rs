@@ -4,7 +4,7 @@ use super::bounds::{HULL_OF_BALL, OUTER_BALLS, SEPARATION, SIZE, U};
 use super::certificate::{
     Certificate, Trust, ball_holds_origin, ball_misses_origin, hull_holds_origin, separates,
 };
-use super::frame::{BOXED, Frame, LIVE};
+use super::frame::{BOXED, Frame};
 use super::lot::{Lot, Number, Vector};
 use super::support::{Desk, supports};
 use super::vector::V3;
@@ -63,7 +63,7 @@ pub(super) struct Entry {
     /// of the inner radii, the outer radii, the sizes, the swept radii, the slacks, and of what the
     /// choice of the vertices may lose.
     sums: [Row; WIDTH],
-    /// The lanes in use of which both objects are marked as live.
+    /// The lanes in use of which both objects are marked as judged.
     pub(super) live: u32,
     /// Those whose objects both have boxes.
     pub(super) boxed: u32,
@@ -72,7 +72,7 @@ pub(super) struct Entry {
 impl Entry {
     /// Reads at most sixteen pairs' records; the first is number `first` of the slice.
     #[inline(always)]
-    pub(super) fn read(&mut self, frame: &Frame, pairs: &[Pair], first: u32) {
+    pub(super) fn read<T: Trust>(&mut self, frame: &Frame, pairs: &[Pair], first: u32) {
         (self.live, self.boxed) = (0, 0);
         let lot = &mut self.lot;
         for (k, pair) in pairs.iter().enumerate() {
@@ -93,7 +93,7 @@ impl Entry {
             sums[8] = a.slack + b.slack;
             sums[9] = a.choice + b.choice;
             let both = a.marks & b.marks;
-            self.live |= u32::from(both & LIVE != 0) << k;
+            self.live |= u32::from(both & T::JUDGED != 0) << k;
             self.boxed |= u32::from(both & BOXED != 0) << k;
         }
     }

@@ -5,7 +5,7 @@ mod forms;
 pub(super) use forms::constants;
 
 use super::bounds::{CENTRE, CHOICE, ROTATED, TURNED, U};
-use super::frame::{BOXED, BoxRecord, Extremes, Form, LIVE, Part, Record, UPRIGHT};
+use super::frame::{BOX, BOXED, BoxRecord, Extremes, Form, LIVE, Part, Record, UPRIGHT, WHOLE};
 use super::upright::Upright;
 use super::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
@@ -85,7 +85,7 @@ impl Prepare<'_> {
                 l.store(l.largest_of_each(&extremes[side]), &mut reach[side]);
             }
             for (lane, (record, aabb)) in records.iter().zip(aabbs).enumerate() {
-                *aabb = match record.blocks {
+                *aabb = match record.marks & WHOLE {
                     0 => self.scene.aabb(first + lane),
                     _ => boxed(record, &reach, lane),
                 };
@@ -126,10 +126,20 @@ fn place(record: &Record, core: &Core, pose: &Pose) -> Record {
         size: above(core.outer * stretch),
         radius: above(core.radius),
         slack: above(slack),
-        marks: if core.has_twin_box && pose.deviation() < TURNED { BOXED } else { 0 }
-            | if record.blocks > 0 { LIVE } else { 0 },
-        choice: above(core.outer * stretch * f64::from(tag) * CHOICE),
+        marks: marks(record, core, pose),
+        choice: above((core.outer * f64::from(tag) * CHOICE + core.excess) * stretch),
     }
+}
+
+/// What [`place`] marks.
+#[inline(always)]
+fn marks(record: &Record, core: &Core, pose: &Pose) -> u8 {
+    let marked = |holds: bool, mark: u8| if holds { mark } else { 0 };
+    let boxed = core.has_twin_box && pose.deviation() < TURNED;
+    marked(boxed, BOXED)
+        | marked(boxed && core.is_box && core.radius == 0.0, BOX)
+        | marked(record.blocks > 0, LIVE)
+        | marked(record.blocks > 0 && core.excess == 0.0, WHOLE)
 }
 
 /// The boxes of a shape at a pose. What the matrix departs from a rotation by makes the boxes of the

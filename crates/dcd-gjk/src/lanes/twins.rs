@@ -2,6 +2,7 @@
 //! has them. Where a quantity is farther from its threshold than rounding reaches, stage and twin
 //! must say the same.
 
+mod curved;
 mod forms;
 mod nearest;
 
@@ -250,7 +251,7 @@ impl Kernel for BoxStage<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Self::Output {
         let (mut entry, mut boxes) = (Entry::default(), Boxes::default());
-        entry.read(self.frame, self.pairs, 0);
+        entry.read::<Proved>(self.frame, self.pairs, 0);
         entry.balls::<L, Proved>(l);
         let (settled, _) =
             twin_boxes::<L, Proved>(l, self.frame, &mut boxes, (&entry.lot, self.pairs.len()));
@@ -340,7 +341,7 @@ impl Kernel for Stages<'_> {
     fn run<L: Lanes>(self, l: L) -> AllSaid {
         let (mut entry, mut desk) = (Entry::default(), Desk::default());
         let mut at = Place { frame: self.frame, desk: &mut desk };
-        entry.read(self.frame, self.pairs, 0);
+        entry.read::<Proved>(self.frame, self.pairs, 0);
         let balls = Said::of(entry.balls::<L, Proved>(l));
         let live = entry.live;
         // Every stage is asked about every pair, settled or not: each has its twin.

@@ -2,7 +2,7 @@
 //! layout, what depends on its pose once a step.
 
 use super::super::bounds::{CENTRE, TURNED};
-use super::super::frame::{BOXED, BoxRecord, LIVE, Record, UPRIGHT};
+use super::super::frame::{BOX, BOXED, BoxRecord, LIVE, Record, UPRIGHT, WHOLE};
 use super::super::upright::Upright;
 use super::{Prepare, above, place, turn};
 use dcd_geom::glam::DVec3;
@@ -15,7 +15,7 @@ pub(in super::super) fn constants(scene: &Scene, records: &mut [Record], boxes: 
     let (cores, twin_boxes) = (scene.cores().cores(), scene.cores().twin_boxes());
     for (record, &shape) in records.iter_mut().zip(scene.shape_of()) {
         *record = place(&Record::default(), &cores[shape as usize], &Pose::IDENTITY);
-        record.marks |= LIVE;
+        record.marks |= LIVE | WHOLE;
     }
     for ((boxes, record), &shape) in boxes.iter_mut().zip(records).zip(scene.shape_of()) {
         *boxes = turn(&twin_boxes[shape as usize], record, &Pose::IDENTITY);
@@ -48,7 +48,8 @@ impl Prepare<'_> {
             look_ahead(poses, k);
             let (centre, rotation) = (pose.translation(), pose.rotation());
             settle_centre(record, centre);
-            record.marks = if pose.deviation() < TURNED { BOXED | LIVE } else { 0 };
+            let marks = BOXED | BOX | LIVE | WHOLE;
+            record.marks = if pose.deviation() < TURNED { marks } else { 0 };
             if let Some(found) = Upright::of(&self.scene.shapes()[shape_of[k] as usize], pose) {
                 *upright = found;
                 record.marks |= UPRIGHT;

@@ -1,7 +1,7 @@
 //! Scenes of one kind beside the same objects with vertices, and beside exact arithmetic.
 
 use super::super::bounds::TURNED;
-use super::super::frame::{BOXED, LIVE};
+use super::super::frame::{BOX, BOXED, LIVE, WHOLE};
 use super::super::{Overlap, Scratch};
 use super::{Numbers, pairs, paths, prepared};
 use crate::{Body, Findings, NarrowPhase, Report, Rung, certified};
@@ -188,7 +188,8 @@ fn a_matrix_that_departs_too_far_leaves_a_cuboid_to_f64() {
     for path in paths() {
         let (frame, _) = prepared(&scene, path);
         for (i, pose) in scene.poses().iter().enumerate() {
-            let expected = if pose.deviation() < TURNED { BOXED | LIVE } else { 0 };
+            let all = BOXED | BOX | LIVE | WHOLE;
+            let expected = if pose.deviation() < TURNED { all } else { 0 };
             assert_eq!(frame.record(i as u32).marks, expected);
         }
         let (_, report) = contacts(&scene, path);

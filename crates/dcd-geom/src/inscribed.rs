@@ -1,0 +1,152 @@
+//! Hulls inside curved shapes: what the lanes take in their place, with how much they leave out.
+
+use crate::{Ball, Curved, CurvedKind, TwinBox};
+use glam::DVec3;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+/// The hull of some points of a curved shape's core.
+#[derive(Clone, Debug)]
+pub(crate) struct Inscribed {
+    /// All of them in the core.
+    pub(crate) vertices: Vec<DVec3>,
+    /// How much farther the core reaches than the hull, at most, in any direction; metres.
+    pub(crate) excess: f64,
+    /// The core's inner ball.
+    pub(crate) inner: Ball,
+    /// The radius of a ball round that one's centre that holds the core, rounded up.
+    pub(crate) outer: f64,
+    /// Of the core itself.
+    pub(crate) twin_box: Option<TwinBox>,
+}
+
+/// How many corners stand for a cylinder's rim: with the other's, two blocks of sixteen. An even
+/// number of blocks is what a support costs. More: fewer pairs are left to f64 (a corner more or
+/// less leaves out π²/2n² of the radius: a fiftieth), each support costs more.
+const CYLINDER_CORNERS: u32 = 16;
+
+/// The same for a cone's: with the apex, two blocks.
+const CONE_CORNERS: u32 = 31;
+
+/// What a corner is drawn inwards by, relative to the radius: four times what the rounding of its
+/// angle's sine and cosine and of two products may take it outwards.
+const INWARDS: f64 = 16.0 * f64::EPSILON;
+
+impl Inscribed {
+    /// Of a cylinder or a cone.
+    pub(crate) fn of(curved: &Curved) -> Self {
+        let corners = match curved.kind() {
+            CurvedKind::Cylinder => CYLINDER_CORNERS,
+            CurvedKind::Cone => CONE_CORNERS,
+        };
+        let rims = curved.discs().map(|(z, radius)| match radius {
+            0.0 => vec![DVec3::Z * z],
+            _ => {
+                (0..corners).map(|k| corner(radius, f64::from(k) / f64::from(corners), z)).collect()
+            }
+        });
+        let inner = curved.inner();
+        let outer = outer_radius(curved, inner.centre.z);
+        // A regular polygon's sides are cos(π/n) of the radius from its middle. The last term is
+        // for its corners, which are drawn inwards, and for what they are off by.
+        let share = 1.0 - (PI / f64::from(corners)).cos();
+        let excess = curved.radius() * (share + 4.0 * INWARDS);
+        let twin_box = twin_box(curved, (inner, outer));
+        Self { vertices: rims.concat(), excess, inner, outer, twin_box }
+    }
+}
+
+/// The point of a rim at that part of a full turn.
+fn corner(radius: f64, turn: f64, z: f64) -> DVec3 {
+    let (sine, cosine) = (2.0 * PI * turn).sin_cos();
+    let within = radius * (1.0 - INWARDS);
+    DVec3::new(within * cosine, within * sine, z)
+}
+
+/// The distance of the farthest point of both discs from the point of the axis at height z.
+fn outer_radius(curved: &Curved, z: f64) -> f64 {
+    let farthest = curved.discs().map(|(height, radius)| (height - z).hypot(radius));
+    farthest[0].max(farthest[1]) * (1.0 + 8.0 * f64::EPSILON)
+}
+
+/// A box round it and, for a cylinder, one inside, where balls tell little.
+fn twin_box(curved: &Curved, (inner, outer): (Ball, f64)) -> Option<TwinBox> {
+    let radius = curved.radius();
+    let reach = curved.half_height() + inner.centre.z.abs();
+    let around = DVec3::new(radius, radius, reach * (1.0 + 4.0 * f64::EPSILON));
+    let square = radius * FRAC_1_SQRT_2 * (1.0 - 4.0 * f64::EPSILON);
+    let inside = match curved.kind() {
+        CurvedKind::Cylinder => DVec3::new(square, square, curved.half_height()),
+        CurvedKind::Cone => DVec3::ZERO,
+    };
+    TwinBox::along_axes(around, inside, (inner.radius, outer))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SupportMap;
+
+    /// Directions all over the sphere, and along and across the axis.
+    fn directions() -> impl Iterator<Item = DVec3> {
+        let spiral = (0..2000).map(|k| {
+            let z = 1.0 - (f64::from(k) + 0.5) / 1000.0;
+            let (sine, cosine) = (f64::from(k) * 2.399963).sin_cos();
+            let across = (1.0 - z * z).sqrt();
+            DVec3::new(across * cosine, across * sine, z)
+        });
+        spiral.chain([DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z])
+    }
+
+    fn curved() -> impl Iterator<Item = Curved> {
+        let sizes = [(1.0, 0.5), (1e-3, 1e-3), (0.01, 7.0), (1e3, 1e-3), (0.0, 1.0), (1.0, 0.0)];
+        sizes
+            .into_iter()
+            .flat_map(|(h, r)| [Curved::cylinder(h, r).unwrap(), Curved::cone(h, r).unwrap()])
+    }
+
+    #[test]
+    fn the_hull_is_inside_and_the_core_reaches_no_farther_than_the_excess() {
+        for shape in curved() {
+            let hull = Inscribed::of(&shape);
+            let lower = shape.discs()[0].1;
+            for v in &hull.vertices {
+                let at = (v.z + shape.half_height()) / (2.0 * shape.half_height());
+                let allowed = match shape.kind() {
+                    CurvedKind::Cylinder => lower,
+                    CurvedKind::Cone if at > 0.5 => 0.0,
+                    CurvedKind::Cone => lower,
+                };
+                assert!(v.z.abs() <= shape.half_height() && v.x.hypot(v.y) <= allowed, "{v}");
+            }
+            let error = shape.support_error();
+            let mut largest = 0.0f64;
+            for d in directions() {
+                let farthest = hull.vertices.iter().map(|v| v.dot(d)).fold(f64::MIN, f64::max);
+                let beyond = shape.support(d).point.dot(d) - farthest;
+                assert!(beyond <= hull.excess + error, "{shape:?} {d}");
+                largest = largest.max(beyond);
+            }
+            assert!(largest >= 0.9 * hull.excess - error, "{shape:?}: {largest} {}", hull.excess);
+        }
+    }
+
+    #[test]
+    fn balls_and_boxes_hold_what_they_should() {
+        for shape in curved() {
+            let Inscribed { inner, outer, twin_box, .. } = Inscribed::of(&shape);
+            for d in directions() {
+                let farthest = shape.support(d).point - inner.centre;
+                assert!(farthest.length() <= outer, "{shape:?} {d}");
+                let Some(twin) = twin_box else { continue };
+                let error = shape.support_error();
+                assert!(farthest.abs().cmple(twin.outer + error).all(), "{shape:?} {d}");
+                // The inner box reaches no farther than the core in any direction.
+                let reach = twin.inner.dot(d.abs());
+                assert!(reach <= farthest.dot(d) + error, "{shape:?} {d}");
+            }
+        }
+        let long = Inscribed::of(&Curved::cylinder(3.0, 0.5).unwrap());
+        assert!(long.twin_box.unwrap().inner.min_element() > 0.35);
+        assert!(Inscribed::of(&Curved::cylinder(0.5, 0.5).unwrap()).twin_box.is_none());
+    }
+}
