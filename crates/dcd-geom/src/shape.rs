@@ -14,7 +14,8 @@ use std::sync::Arc;
 pub enum Shape {
     /// A hull of points, rounded or not: what the lanes are for.
     Polytope(Polytope),
-    /// A cylinder or a cone, rounded or not: one support at a time in f64.
+    /// A cylinder or a cone, rounded or not: in the lanes by a hull inside it, where that leaves the
+    /// answer open one support at a time in f64.
     Curved(Curved),
     /// A half-space, rounded or not: closed forms alone.
     HalfSpace(HalfSpace),
