@@ -94,6 +94,16 @@ impl Curved {
         self.half_height.hypot(self.radii[0]) * (1.0 + 8.0 * f64::EPSILON)
     }
 
+    /// The least and the largest v·d of its points v, the swept radius included, for a direction of
+    /// length 1; both on the safe side by the error of a support.
+    pub(crate) fn extent(&self, d: DVec3) -> (f64, f64) {
+        let across = (d.x * d.x + d.y * d.y).sqrt();
+        let [(z, r), (upper_z, upper_r)] = self.discs().map(|(z, r)| (d.z * z, across * r));
+        // A root loses less than a support's quotients, and the products and sums no more.
+        let margin = self.support_error() * d.abs().element_sum() + self.swept_radius;
+        ((z - r).min(upper_z - upper_r) - margin, (z + r).max(upper_z + upper_r) + margin)
+    }
+
     /// A ball inside the core, rounded down: the largest one but for rounding.
     pub fn inner(&self) -> Ball {
         let Self { half_height, radii: [radius, _], .. } = *self;

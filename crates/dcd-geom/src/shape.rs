@@ -248,6 +248,11 @@ impl Shape {
                     (low.min(min), high.max(max))
                 })
             }
+            Self::Curved(curved) => {
+                let rows = rotation.transpose();
+                let [x, y, z] = [rows.x_axis, rows.y_axis, rows.z_axis].map(|d| curved.extent(d));
+                (DVec3::new(x.0, y.0, z.0), DVec3::new(x.1, y.1, z.1))
+            }
             map => {
                 let to_local = rotation.transpose();
                 let along = |d: DVec3| {
@@ -421,6 +426,25 @@ mod tests {
             }
             let rounded = shape.rounded(0.25).unwrap().aabb(&pose);
             assert!((rounded.min.x - aabb.min.x + 0.25).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn the_boxes_of_curved_shapes_are_those_that_their_supports_give() {
+        let turns = [(0.0, 0.0), (0.3, -1.2), (2.9, 0.7), (std::f64::consts::FRAC_PI_2, 0.0)];
+        let sizes = [(1.0, 0.5), (0.0, 2.0), (3.0, 0.0), (1e-3, 40.0)];
+        for ((a, b), (half_height, radius)) in
+            turns.into_iter().flat_map(|turn| sizes.map(|size| (turn, size)))
+        {
+            let turn = DQuat::from_rotation_x(a) * DQuat::from_rotation_y(b);
+            let pose = Pose::new(turn, DVec3::new(1.0, -2.0, 0.5)).unwrap();
+            let curved = [Curved::cylinder(half_height, radius), Curved::cone(half_height, radius)];
+            for curved in curved.map(Result::unwrap) {
+                let plain = Shape::custom(Arc::new(curved)).unwrap().aabb(&pose);
+                let closed = Shape::from(curved).aabb(&pose);
+                let off = (plain.min - closed.min).abs().max((plain.max - closed.max).abs());
+                assert!(off.max_element() < 1e-5, "{curved:?} {plain:?} {closed:?}");
+            }
         }
     }
 
