@@ -141,11 +141,11 @@ impl Cores {
     }
 }
 
-/// How many blocks of vertices the lanes have of a shape; of a curved one about.
+/// How many blocks of vertices the lanes have of a shape; of a curved one at most.
 pub(crate) fn block_count(shape: &Shape) -> usize {
     match shape {
         Shape::Polytope(polytope) => polytope.block_count(),
-        Shape::Curved(_) => 2,
+        Shape::Curved(_) => 3,
         _ => 0,
     }
 }
@@ -176,7 +176,7 @@ mod tests {
         let shapes = [Shape::hull(points).unwrap(), Shape::cylinder(1.0, 2.0).unwrap()];
         let cores = Cores::of(&shapes).unwrap();
         let [hull, cylinder] = [0, 1].map(|k| cores.cores()[k]);
-        assert_eq!((hull.first, hull.blocks, cylinder.first, cylinder.blocks), (0, 2, 2, 2));
+        assert_eq!((hull.first, hull.blocks, cylinder.first, cylinder.blocks), (0, 2, 2, 3));
         let last = cores.blocks(&hull)[1];
         assert_eq!(last.0[0].0[3], (19.0 - hull.centre.x) as f32);
         assert_eq!(last.0[0].0[15], (19.0 - hull.centre.x) as f32);
