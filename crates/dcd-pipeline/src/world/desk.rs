@@ -193,7 +193,10 @@ impl<N: NarrowPhase> Desk<N> {
                 let start = pairs.len();
                 let asked = Named { aabbs: &aabbs[slots.clone()], names: &names[slots] };
                 tree.append_pairs(asked, &keep, pairs);
-                pairs[start..].sort_unstable_by_key(|pair| (pair.j, pair.i));
+                // The tree is asked slot by slot, so that short lists are left to be sorted.
+                let of_one_slot = |a: &Pair, b: &Pair| a.j == b.j;
+                let lists = pairs[start..].chunk_by_mut(of_one_slot);
+                lists.for_each(|list| list.sort_unstable_by_key(|pair| pair.i));
             }
         };
         // The objects since which the tree has not been asked: what they may reach is not known.
