@@ -14,9 +14,9 @@ const OBJECTS: u8 = 20;
 /// Frames at most.
 const FRAMES: usize = 4;
 
-/// On each path the contacts are those of the certified ladder, pair by pair, and so are the pairs
-/// left undecided; a pipeline that has seen other frames gives what a fresh one gives, one that
-/// remembers proofs too.
+/// On each path the contacts are those of the certified ladder, pair by pair; what stays undecided
+/// is among what the ladder leaves so, of which the lanes may know more (of curved shapes). A
+/// pipeline that has seen other frames gives what a fresh one gives, one that remembers proofs too.
 pub fn scene(bytes: &[u8]) {
     let mut input = Input(bytes);
     let Some(mut scene) = scene_of(&mut input) else { return };
@@ -99,7 +99,7 @@ fn nudge(scene: &mut Scene, i: usize, byte: u8) {
 }
 
 /// What every pair that may be told comes to, one by one.
-#[derive(Debug, Default, PartialEq, Eq)]
+#[derive(Debug, Default)]
 struct Judged {
     touching: Vec<(u32, u32)>,
     undecided: Vec<(u32, u32)>,
@@ -111,14 +111,20 @@ fn check(scene: &Scene, kept: &mut [(Pipeline, Remembering)]) {
         let mut fresh = pipeline(path);
         let step = fresh.step(scene, Par::Serial);
         let contacts: Vec<_> = step.contacts().collect();
-        let mut found = Judged { touching: contacts.clone(), ..Judged::default() };
-        found.touching.sort_unstable();
-        found.undecided.extend(step.report().undecided().iter().map(|left| pair_of(left.pair)));
-        assert_eq!(found, truth, "{path:?}");
+        let known = |pairs: &[(u32, u32)]| -> Vec<(u32, u32)> {
+            let known = pairs.iter().filter(|pair| !truth.undecided.contains(pair));
+            known.copied().collect()
+        };
+        let mut touching = known(&contacts);
+        touching.sort_unstable();
+        assert_eq!(touching, truth.touching, "{path:?}");
+        let open: Vec<_> =
+            step.report().undecided().iter().map(|left| pair_of(left.pair)).collect();
+        assert_eq!(known(&open), [], "{path:?}");
         let again: Vec<_> = kept.step(scene, Par::Serial).contacts().collect();
         assert_eq!(again, contacts, "{path:?}, kept");
         let again: Vec<_> = remembering.step(scene, Par::Serial).contacts().collect();
-        assert_eq!(again, contacts, "{path:?}, remembering");
+        assert_eq!(known(&again), known(&contacts), "{path:?}, remembering");
     }
 }
 

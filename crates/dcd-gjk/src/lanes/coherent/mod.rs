@@ -32,7 +32,8 @@ use track::Track;
 /// first step that takes about twice as long. Where more than half of the objects move by more than
 /// 1/40 of their radius in a step (1/128 in sparse scenes), it does what [`super::Overlap`] does.
 /// What the [`Report`] counts as [`Rung::Remembered`] may differ by some pairs from run to run on
-/// several threads; answers never do.
+/// several threads; answers never do. Of curved shapes so near to touching that [`super::Overlap`]
+/// leaves them undecided it may still know.
 #[derive(Clone, Copy, Debug)]
 pub struct Coherent {
     path: Path,
