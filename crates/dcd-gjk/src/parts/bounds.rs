@@ -26,6 +26,19 @@ pub(super) const CORNERS: f64 = 4.1;
 /// 3. Smaller: false "apart".
 pub(super) const CORNERS_OF_BOXES: f64 = 3.1;
 
+/// How far the point of a leaf's triangle that is nearest to a ball's centre may be from where it is
+/// computed, and how much lower a corner may be along it. Unit: u·l, u of f32, l the leaf's radius
+/// and its distance from the centre. √3 times 2 for a corner, 6 for the combination, 4 for weights
+/// that exceed 1, and 3 for its length. Smaller: false answers.
+pub(super) const NEAREST: f64 = 26.0;
+
+/// A ball's radius below which squares may lose to underflow. Unit: metres. Smaller: false
+/// "touching".
+pub(super) const SMALLEST_BALL: f64 = 1e-15;
+
+/// The length of an axis below which its square may. Unit: metres. Smaller: false "apart".
+pub(super) const SHORTEST_AXIS: f64 = 1e-18;
+
 /// What the two leaves' offset loses in f64. Unit: 2⁻⁵³·m. A relative pose 6 and 4, the turned
 /// centre 3, two sums 2: 15. Smaller: false "apart".
 pub(super) const OFFSET: f64 = 16.0;

@@ -1,12 +1,15 @@
 //! Both trees at once, sixteen boxes against one at a time.
 
+use super::balls::Balls;
 use super::between::Between;
+use super::nearest::gap;
 use super::pair::Settled;
 use super::side::{Parts, Side};
 use super::triangles::{Leaves, not_apart};
 use super::{Next, Scratch, Tally, pair};
-use dcd_geom::lanes::{Block, Kernel, Lanes};
-use dcd_geom::{Mesh, Sixteen};
+use crate::{Rung, Verdict};
+use dcd_geom::lanes::{Block, Kernel, Lanes, Row};
+use dcd_geom::{Aabb, Mesh, Sixteen};
 
 /// What is asked for.
 pub(super) enum Goal<'a> {
@@ -21,6 +24,8 @@ pub(super) struct Descent<'a, 'g> {
     pub(super) a: &'a Side<'a>,
     pub(super) b: &'a Side<'a>,
     pub(super) between: &'a Between,
+    /// In and round the second shape, if it is convex.
+    pub(super) balls: Option<Balls>,
     pub(super) scratch: &'a mut Scratch,
     pub(super) tally: Tally<'g>,
 }
@@ -112,10 +117,25 @@ impl Descent<'_, '_> {
                 }
             }
         }
-        for child in Bits(met) {
-            self.scratch.stack.push([below_a.0[child], block_b]);
-        }
+        self.push(l, [block_a, block_b], met);
         Next::Go
+    }
+
+    /// Puts blocks below one of the first tree before the same block of the second: the one nearest
+    /// to the middle of a convex second shape is looked at first, for it is likeliest to touch.
+    #[inline(always)]
+    fn push<L: Lanes>(&mut self, l: L, [block_a, block_b]: [u32; 2], mut met: u32) {
+        let mut gaps = Row::default();
+        if let (Some(tree), Some(balls)) = (self.a.tree(), &self.balls) {
+            let centre = balls.centre.as_vec3();
+            let centre = Aabb { min: centre, max: centre };
+            l.store(gap(l, &tree.blocks()[block_a as usize], &centre), &mut gaps);
+        }
+        let below = self.a.below(block_a);
+        while let Some(child) = Bits(met).max_by(|&j, &k| gaps.0[j].total_cmp(&gaps.0[k])) {
+            met &= !(1 << child);
+            self.scratch.stack.push([below.0[child], block_b]);
+        }
     }
 
     /// One part of the second leaf against those of the first whose boxes it meets.
@@ -145,9 +165,21 @@ impl Descent<'_, '_> {
             return Next::Go;
         }
         let mut open = self.beside_walls(l, block_a, hits);
-        while open != 0 {
-            let lane = open.trailing_zeros() as usize;
-            open &= open - 1;
+        let mut squares = Row::default();
+        if let (1.., Parts::Mesh(mesh), Some(balls)) = (open, self.a.parts, &self.balls) {
+            let told = balls.told(l, &mesh.leaves()[block_a as usize]);
+            for lane in Bits(told.touching & open) {
+                let known = (Verdict::Touching(()), Rung::Portal);
+                if self.tally.file([below.0[lane], part_b], known) == Next::Stop {
+                    return Next::Stop;
+                }
+            }
+            open &= !(told.touching | told.apart);
+            squares = told.squares;
+        }
+        // The nearest to the middle first: if any touches, it is likely the one.
+        while let Some(lane) = Bits(open).min_by(|&j, &k| squares.0[j].total_cmp(&squares.0[k])) {
+            open &= !(1 << lane);
             let pair = [below.0[lane], part_b];
             let Settled { verdict, rung, axis } = pair::settle([self.a, self.b], pair);
             if self.tally.file(pair, (verdict, rung)) == Next::Stop {

@@ -5,6 +5,7 @@
 //! for all rounding (docs/numerics.md, "parts"); what that leaves open is settled in f64 and, where
 //! both parts are polytopes, in exact integers. So answers are those of asking every pair of parts.
 
+mod balls;
 mod between;
 mod bounds;
 mod deepest;
@@ -19,6 +20,7 @@ mod triangles;
 mod walls;
 
 use crate::{Placed, Reason, Rung, Verdict, order};
+use balls::Balls;
 use between::Between;
 use dcd_geom::lanes::{Block, IndexRow, Path, dispatch_on};
 use dcd_geom::{Shape, Sixteen};
@@ -99,7 +101,8 @@ fn search(
     let tally = match Between::of(&first, &second) {
         Some(between) => {
             let (a, b) = (&first, &second);
-            dispatch_on(path, Descent { a, b, between: &between, scratch, tally })
+            let balls = Balls::of(&between, [a, b]);
+            dispatch_on(path, Descent { a, b, between: &between, balls, scratch, tally })
         }
         None => each(&first, &second, tally),
     };

@@ -243,7 +243,7 @@ impl Search<'_> {
 
 /// How far sixteen boxes are from one; infinite for boxes of nothing.
 #[inline(always)]
-fn gap<L: Lanes>(l: L, boxes: &Sixteen, one: &Aabb) -> L::F {
+pub(super) fn gap<L: Lanes>(l: L, boxes: &Sixteen, one: &Aabb) -> L::F {
     let (min, max) = (one.min.to_array(), one.max.to_array());
     let zero = l.splat(0.0);
     let mut square = zero;
