@@ -3,16 +3,23 @@
 use dcd_exec::Exec;
 use dcd_geom::Divide;
 
-/// How many keys a task deals: some microseconds of work. As many are parted without the pool.
-pub(crate) const KEYS_PER_TASK: usize = 4096;
+/// As many keys are parted without the pool: some tens of microseconds of work.
+pub(crate) const PARTED_AT_ONCE: usize = 4096;
 
-/// Into how many piles: tasks for many workers, and few enough that what a task deals to each is a
-/// run of some length.
+/// How many keys a task deals: some microseconds of work.
+const KEYS_PER_TASK: usize = 2048;
+
+/// Into how many piles at most: tasks for many workers, and few enough that what a task deals to
+/// each is a run of some length. A power of two.
 const PILES: usize = 128;
+
+/// About how many keys a pile has where there are fewer. Smaller: more splitters, which are serial
+/// work while others fall asleep. Larger: fewer tasks.
+const KEYS_PER_PILE: usize = 512;
 
 /// How many keys are looked at for each splitter. Smaller: piles of unlike size. Larger: longer
 /// serial work.
-const SAMPLES: usize = 4;
+const SAMPLES: usize = 2;
 
 /// Deals keys into piles by sampled splitters, as a sample sort does (W. Frazer and A. McKellar,
 /// 1970), and cuts a pile only where a piece ends within it. Keeps its memory.
@@ -47,12 +54,12 @@ impl Dealer {
         (keys, piece): (&mut [u64], usize),
         key: impl Fn(usize) -> u64 + Sync,
     ) {
-        if keys.len() <= KEYS_PER_TASK {
+        if keys.len() <= PARTED_AT_ONCE {
             keys.iter_mut().zip(0..).for_each(|(k, i)| *k = key(i));
             return cut(keys, 0, piece);
         }
         let splitters = self.split(keys.len(), &key);
-        self.deal(exec, keys, |pile, i| {
+        self.deal(exec, (keys, splitters.piles), |pile, i| {
             *pile = key(i);
             splitters.pile_of(*pile)
         });
@@ -66,23 +73,24 @@ impl Dealer {
 
     /// Splitters that make piles of like size of so many keys.
     fn split(&mut self, count: usize, key: impl Fn(usize) -> u64) -> Splitters {
-        let samples = SAMPLES * PILES;
+        let piles = (count / KEYS_PER_PILE).next_power_of_two().min(PILES);
+        let samples = SAMPLES * piles;
         self.samples.clear();
         self.samples.extend((0..samples).map(|k| key(k * count / samples)));
         self.samples.sort_unstable();
-        let mut splitters = [u64::MAX; PILES];
-        for (splitter, sample) in splitters.iter_mut().zip(self.samples.chunks(SAMPLES).skip(1)) {
+        let mut above = [u64::MAX; PILES];
+        for (splitter, sample) in above.iter_mut().zip(self.samples.chunks(SAMPLES).skip(1)) {
             *splitter = sample[0];
         }
-        Splitters(splitters)
+        Splitters { above, piles }
     }
 
-    /// Deals each task's keys to the piles, and tells where those end. `make` writes a key and says
-    /// its pile.
+    /// Deals each task's keys to so many piles, and tells where those end. `make` writes a key and
+    /// says its pile.
     fn deal(
         &mut self,
         exec: Exec,
-        keys: &mut [u64],
+        (keys, piles): (&mut [u64], usize),
         make: impl Fn(&mut u64, usize) -> usize + Sync,
     ) {
         self.dealt.resize(keys.len(), 0);
@@ -110,24 +118,29 @@ impl Dealer {
             ends[0] = Ends(next);
         });
         self.piles.clear();
-        self.piles.resize(PILES, 0);
+        self.piles.resize(piles, 0);
         for Ends(ends) in &self.ends {
             self.piles.iter_mut().zip(ends).for_each(|(sum, &end)| *sum += usize::from(end));
         }
     }
 }
 
-/// Ascending; the last is above all keys.
-struct Splitters([u64; PILES]);
+/// Where piles end.
+struct Splitters {
+    /// The least key that is above each pile, ascending; above all keys from the last pile on.
+    above: [u64; PILES],
+    /// How many there are: a power of two.
+    piles: usize,
+}
 
 impl Splitters {
     /// How many splitters are not above the key: by halving, without a branch.
     #[inline]
     fn pile_of(&self, key: u64) -> usize {
         let mut pile = 0;
-        let mut step = PILES / 2;
+        let mut step = self.piles / 2;
         while step > 0 {
-            pile += step * usize::from(self.0[(pile + step - 1) % PILES] <= key);
+            pile += step * usize::from(self.above[(pile + step - 1) % PILES] <= key);
             step /= 2;
         }
         pile
@@ -212,7 +225,7 @@ mod tests {
 
     #[test]
     fn pieces_hold_what_a_sort_would_put_there() {
-        for count in [1, 16, 4096, 4097, 9000, 50_000] {
+        for count in [1, 16, 4096, 4097, 9000, 50_000, 90_000] {
             for piece in [16, 300, 5000, 60_000] {
                 for values in [1, 3, 1 << 30] {
                     let mut sorted: Vec<u64> = (0..count).map(|i| scattered(i, values)).collect();
@@ -233,11 +246,13 @@ mod tests {
 
     #[test]
     fn a_key_goes_to_the_pile_after_all_splitters_that_are_not_above_it() {
-        let splitters: [u64; PILES] =
-            std::array::from_fn(|k| if k + 1 < PILES { 10 * k as u64 + 5 } else { u64::MAX });
-        for key in 0..10 * PILES as u64 {
-            let plain = splitters.iter().filter(|&&splitter| splitter <= key).count();
-            assert_eq!(Splitters(splitters).pile_of(key), plain, "{key}");
+        for piles in [1, 2, 16, PILES] {
+            let limit = |k: usize| if k + 1 < piles { 10 * k as u64 + 5 } else { u64::MAX };
+            let splitters = Splitters { above: std::array::from_fn(limit), piles };
+            for key in 0..10 * PILES as u64 {
+                let plain = splitters.above.iter().filter(|&&above| above <= key).count();
+                assert_eq!(splitters.pile_of(key), plain, "{piles} {key}");
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The fast tree: sixteen boxes a node, no pointers.
 
-use crate::deal::{Dealer, KEYS_PER_TASK, cut};
+use crate::deal::{Dealer, PARTED_AT_ONCE, cut};
 use crate::{Below, BoundingTree, BuildTree, Node};
 use dcd_exec::Exec;
 use dcd_geom::lanes::{IndexRow, WIDTH};
@@ -67,8 +67,9 @@ impl BoundingTree for WideBvh {
     }
 }
 
-/// How many leaves or nodes a task fills: some microseconds of work.
-const NODES_PER_TASK: usize = 64;
+/// How many leaves or nodes a task fills: a microsecond of work or two. Larger: in small scenes
+/// workers without a task fall asleep before the pairs are found.
+const NODES_PER_TASK: usize = 16;
 
 impl WideBvh {
     /// Makes the tree over these boxes, which are valid, in place of what it held. The result does
@@ -92,7 +93,7 @@ impl WideBvh {
             // One leaf: there is nothing to keep apart.
             return order.iter_mut().zip(0..).for_each(|(k, i)| *k = i);
         }
-        let exec = exec.unless_few(aabbs.len(), KEYS_PER_TASK);
+        let exec = exec.unless_few(aabbs.len(), PARTED_AT_ONCE);
         let leaves = aabbs.len().div_ceil(WIDTH);
         let across = (leaves as f64).cbrt().ceil().max(1.0) as usize;
         let strip = leaves.div_ceil(across * across).max(1) * WIDTH;
