@@ -58,8 +58,8 @@ impl Dealer {
             keys.iter_mut().zip(0..).for_each(|(k, i)| *k = key(i));
             return cut(keys, 0, piece);
         }
-        let splitters = self.split(keys.len(), &key);
-        self.deal(exec, (keys, splitters.piles), |pile, i| {
+        let (splitters, piles) = self.split(keys.len(), &key);
+        self.deal(exec, (keys, piles), |pile, i| {
             *pile = key(i);
             splitters.pile_of(*pile)
         });
@@ -71,8 +71,8 @@ impl Dealer {
         });
     }
 
-    /// Splitters that make piles of like size of so many keys.
-    fn split(&mut self, count: usize, key: impl Fn(usize) -> u64) -> Splitters {
+    /// Splitters that make piles of like size of so many keys, and how many piles.
+    fn split(&mut self, count: usize, key: impl Fn(usize) -> u64) -> (Splitters, usize) {
         let piles = (count / KEYS_PER_PILE).next_power_of_two().min(PILES);
         let samples = SAMPLES * piles;
         self.samples.clear();
@@ -82,7 +82,7 @@ impl Dealer {
         for (splitter, sample) in above.iter_mut().zip(self.samples.chunks(SAMPLES).skip(1)) {
             *splitter = sample[0];
         }
-        Splitters { above, piles }
+        (Splitters(above), piles)
     }
 
     /// Deals each task's keys to so many piles, and tells where those end. `make` writes a key and
@@ -125,22 +125,18 @@ impl Dealer {
     }
 }
 
-/// Where piles end.
-struct Splitters {
-    /// The least key that is above each pile, ascending; above all keys from the last pile on.
-    above: [u64; PILES],
-    /// How many there are: a power of two.
-    piles: usize,
-}
+/// The least key that is above each pile, ascending; from the last pile on above all keys.
+struct Splitters([u64; PILES]);
 
 impl Splitters {
-    /// How many splitters are not above the key: by halving, without a branch.
+    /// How many splitters are not above the key: by halving, as often whatever the number of piles,
+    /// so that the loop is unrolled and has no branch.
     #[inline]
     fn pile_of(&self, key: u64) -> usize {
         let mut pile = 0;
-        let mut step = self.piles / 2;
+        let mut step = PILES / 2;
         while step > 0 {
-            pile += step * usize::from(self.above[(pile + step - 1) % PILES] <= key);
+            pile += step * usize::from(self.0[(pile + step - 1) % PILES] <= key);
             step /= 2;
         }
         pile
@@ -248,9 +244,9 @@ mod tests {
     fn a_key_goes_to_the_pile_after_all_splitters_that_are_not_above_it() {
         for piles in [1, 2, 16, PILES] {
             let limit = |k: usize| if k + 1 < piles { 10 * k as u64 + 5 } else { u64::MAX };
-            let splitters = Splitters { above: std::array::from_fn(limit), piles };
+            let splitters = Splitters(std::array::from_fn(limit));
             for key in 0..10 * PILES as u64 {
-                let plain = splitters.above.iter().filter(|&&above| above <= key).count();
+                let plain = splitters.0.iter().filter(|&&above| above <= key).count();
                 assert_eq!(splitters.pile_of(key), plain, "{piles} {key}");
             }
         }
