@@ -14,7 +14,7 @@ pub struct Frame {
     blocks: Vec<Block>,
     /// One for each object; none at all where no shape of the scene has boxes.
     boxes: Vec<BoxRecord>,
-    /// As many as there are boxes.
+    /// One for each object; none at all where no shape of the scene is a cuboid.
     uprights: Vec<Upright>,
     /// The scene's layout that the offsets are for.
     layout: Option<Stamp>,
@@ -147,7 +147,8 @@ impl Frame {
         self.records.resize(scene.len(), Record::default());
         let boxed = !scene.cores().twin_boxes().is_empty();
         self.boxes.resize(if boxed { scene.len() } else { 0 }, BoxRecord::default());
-        self.uprights.resize(self.boxes.len(), Upright::default());
+        let may_stand = cores.iter().any(|core| core.is_box);
+        self.uprights.resize(if may_stand { scene.len() } else { 0 }, Upright::default());
         if self.form != Form::Any {
             self.blocks.clear();
             return constants(scene, &mut self.records, &mut self.boxes);
@@ -237,9 +238,9 @@ impl Divide for Part<'_> {
         let form = self.form;
         let (left, right) = self.records.split_at_mut(middle);
         let (left_blocks, right_blocks) = self.blocks.split_at_mut(blocks);
-        let boxes = middle.min(self.boxes.len());
-        let (left_boxes, right_boxes) = self.boxes.split_at_mut(boxes);
-        let (left_uprights, right_uprights) = self.uprights.split_at_mut(boxes);
+        let (left_boxes, right_boxes) = self.boxes.split_at_mut(middle.min(self.boxes.len()));
+        let (left_uprights, right_uprights) =
+            self.uprights.split_at_mut(middle.min(self.uprights.len()));
         let (lent, none) = (self.extremes, None);
         let (left_lent, right_lent) = if middle > 0 { (lent, none) } else { (none, lent) };
         (
