@@ -1,6 +1,6 @@
 //! What the lanes read of a shape, in one place for all shapes of a scene.
 
-use crate::inscribed::Inscribed;
+use crate::inscribed::{self, Inscribed};
 use crate::lanes::{Block, WIDTH};
 use crate::{Curved, Polytope, Shape, TwinBox};
 use glam::{DVec3, Vec3};
@@ -145,7 +145,7 @@ impl Cores {
 pub(crate) fn block_count(shape: &Shape) -> usize {
     match shape {
         Shape::Polytope(polytope) => polytope.block_count(),
-        Shape::Curved(_) => 3,
+        Shape::Curved(_) => inscribed::BLOCKS,
         _ => 0,
     }
 }

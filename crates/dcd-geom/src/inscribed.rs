@@ -1,5 +1,6 @@
 //! Hulls inside curved shapes: what the lanes take in their place, with how much they leave out.
 
+use crate::lanes::WIDTH;
 use crate::{Ball, Curved, CurvedKind, TwinBox};
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
@@ -26,6 +27,9 @@ const CYLINDER_CORNERS: u32 = 24;
 
 /// The same for a cone's one: with the apex two blocks.
 const CONE_CORNERS: u32 = 31;
+
+/// How many blocks the vertices fill at most.
+pub(crate) const BLOCKS: usize = (2 * CYLINDER_CORNERS as usize).div_ceil(WIDTH);
 
 /// What a corner is drawn inwards by, relative to the radius: four times what the rounding of its
 /// angle's sine and cosine and of two products may take it outwards.

@@ -55,7 +55,8 @@ pub(crate) fn overlap_after(
     (verdict_of(exact::touches(a, b, &hint[..known])), Rung::Exact)
 }
 
-fn verdict_of(touch: bool) -> Verdict<()> {
+/// What a sure answer is.
+pub(crate) fn verdict_of(touch: bool) -> Verdict<()> {
     if touch { Verdict::Touching(()) } else { Verdict::Apart }
 }
 

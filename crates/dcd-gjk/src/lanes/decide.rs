@@ -342,10 +342,12 @@ impl<T: Trust> Decide<'_, T> {
 /// Of these lanes those whose objects are their boxes.
 #[inline(always)]
 fn are_boxes(frame: &Frame, lot: &Lot, lanes: u32) -> u32 {
-    LanesOf(lanes).fold(0, |boxes, lane| {
-        let [a, b] = [lot.a.0[lane], lot.b.0[lane]].map(|object| frame.record(object).marks);
-        boxes | u32::from(a & b & BOX != 0) << lane
-    })
+    let mut boxes = 0;
+    for lane in LanesOf(lanes) {
+        let (a, b) = (frame.record(lot.a.0[lane]), frame.record(lot.b.0[lane]));
+        boxes |= u32::from(a.marks & b.marks & BOX != 0) << lane;
+    }
+    boxes
 }
 
 /// The mask of that many lanes.

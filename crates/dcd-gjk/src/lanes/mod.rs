@@ -22,7 +22,7 @@ mod support;
 #[cfg(test)]
 mod twins;
 mod upright;
-mod vector;
+pub(crate) mod vector;
 
 pub use certificate::{Proved, Trusted};
 pub use coherent::Coherent;

@@ -8,7 +8,7 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Pair, Pose, Shape};
 
 /// The sum of all lengths of a pair must be below this for the closed form, metres: no sum overflows.
-const SIZES: f64 = 1e300;
+const LARGEST: f64 = 1e300;
 
 /// Half the edges of a cuboid along the world's axes, exactly, metres. Its centre is its record's:
 /// exactly the translation, for a cuboid is round the origin of its frame.
@@ -44,5 +44,5 @@ pub(super) fn touch(frame: &Frame, pair: Pair) -> Option<(bool, Rung)> {
     });
     let size = half.a + half.b + centres[0].abs() + centres[1].abs();
     // False for an infinite sum.
-    (size.element_sum() < SIZES).then(|| aligned(centres, half))
+    (size.element_sum() < LARGEST).then(|| aligned(centres, half))
 }

@@ -176,6 +176,5 @@ fn overlap([a, b]: [&Core<'_>; 2], [pose_a, pose_b]: [&Pose; 2]) -> Settled {
     };
     let (a, b) = (Body::polytope(&a, pose_a), Body::polytope(&b, pose_b));
     let touches = exact::touches(a, b, &hint[..simplex.vertices().len()]);
-    let verdict = if touches { Verdict::Touching(()) } else { Verdict::Apart };
-    Settled::by((verdict, Rung::Exact))
+    Settled::by((certified::verdict_of(touches), Rung::Exact))
 }

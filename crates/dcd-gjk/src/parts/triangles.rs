@@ -2,6 +2,7 @@
 
 use super::between::Between;
 use super::bounds::{SEPARATION, SHORTEST, SWEPT, U};
+use crate::lanes::vector::V3;
 use dcd_geom::Triangles;
 use dcd_geom::lanes::{Block, Lanes};
 
@@ -36,8 +37,6 @@ impl Leaves {
     }
 }
 
-type Vector<L> = [<L as Lanes>::F; 3];
-
 /// Which of the open lanes' triangles of the first leaf are not proved apart from triangle `lane`
 /// of the second, whose corners were turned into the first axes.
 #[inline(always)]
@@ -47,29 +46,29 @@ pub(super) fn not_apart<L: Lanes>(
     [a, b]: [&[Block; 3]; 2],
     (lane, open): (usize, u32),
 ) -> u32 {
-    let zero = l.splat(0.0);
-    let mut pa = [[zero; 3]; 3];
-    let mut pb = [[zero; 3]; 3];
+    let [x, y, z] = leaves.offset;
+    let offset = V3(l.splat(x), l.splat(y), l.splat(z));
+    let nothing = V3(l.splat(0.0), l.splat(0.0), l.splat(0.0));
+    let (mut pa, mut pb) = ([nothing; 3], [nothing; 3]);
     for corner in 0..3 {
-        for axis in 0..3 {
-            pa[corner][axis] = l.load(&a[corner].0[axis]);
-            pb[corner][axis] = l.splat(b[corner].0[axis].0[lane] + leaves.offset[axis]);
-        }
+        pa[corner] = V3::load(l, &a[corner].0);
+        let [x, y, z] = &b[corner].0;
+        let one = V3(l.splat(x.0[lane]), l.splat(y.0[lane]), l.splat(z.0[lane]));
+        pb[corner] = one.add(l, offset);
     }
-    let edges_a = edges(l, &pa);
-    let edges_b = edges(l, &pb);
+    let (edges_a, edges_b) = (edges(l, &pa), edges(l, &pb));
     let mut open = open;
-    open &= !separated(l, leaves, cross(l, &edges_b[0], &edges_b[1]), [&pa, &pb]);
+    open &= !separated(l, leaves, edges_b[0].cross(l, edges_b[1]), [&pa, &pb]);
     if open == 0 {
         return 0;
     }
-    open &= !separated(l, leaves, cross(l, &edges_a[0], &edges_a[1]), [&pa, &pb]);
+    open &= !separated(l, leaves, edges_a[0].cross(l, edges_a[1]), [&pa, &pb]);
     for edge_b in &edges_b {
         if open == 0 {
             return 0;
         }
         for edge_a in &edges_a {
-            open &= !separated(l, leaves, cross(l, edge_a, edge_b), [&pa, &pb]);
+            open &= !separated(l, leaves, edge_a.cross(l, *edge_b), [&pa, &pb]);
         }
     }
     open
@@ -77,48 +76,23 @@ pub(super) fn not_apart<L: Lanes>(
 
 /// The lanes in which `d` separates the two triangles.
 #[inline(always)]
-fn separated<L: Lanes>(l: L, leaves: &Leaves, d: Vector<L>, [a, b]: [&[Vector<L>; 3]; 2]) -> u32 {
-    let ([low_a, high_a], [low_b, high_b]) = (interval(l, &d, a), interval(l, &d, b));
+fn separated<L: Lanes>(l: L, leaves: &Leaves, d: V3<L>, [a, b]: [&[V3<L>; 3]; 2]) -> u32 {
+    let ([low_a, high_a], [low_b, high_b]) = (interval(l, d, a), interval(l, d, b));
     let gap = l.max(l.sub(low_a, high_b), l.sub(low_b, high_a));
-    let norm = l.add(l.add(l.abs(d[0]), l.abs(d[1])), l.abs(d[2]));
-    let mut bound = l.mul_add(l.splat(leaves.bound), norm, l.splat(leaves.least));
+    let mut bound = l.mul_add(l.splat(leaves.bound), d.norm1(l), l.splat(leaves.least));
     if leaves.radius > f32::MIN_POSITIVE {
-        let square = dot(l, &d, &d);
-        bound = l.mul_add(l.splat(leaves.radius), l.sqrt(square), bound);
+        bound = l.mul_add(l.splat(leaves.radius), l.sqrt(d.dot(l, d)), bound);
     }
     l.bits(l.lt(bound, gap))
 }
 
 #[inline(always)]
-fn interval<L: Lanes>(l: L, d: &Vector<L>, points: &[Vector<L>; 3]) -> [L::F; 2] {
-    let (x, y, z) = (dot(l, d, &points[0]), dot(l, d, &points[1]), dot(l, d, &points[2]));
+fn interval<L: Lanes>(l: L, d: V3<L>, points: &[V3<L>; 3]) -> [L::F; 2] {
+    let (x, y, z) = (d.dot(l, points[0]), d.dot(l, points[1]), d.dot(l, points[2]));
     [l.min(l.min(x, y), z), l.max(l.max(x, y), z)]
 }
 
 #[inline(always)]
-fn edges<L: Lanes>(l: L, corners: &[Vector<L>; 3]) -> [Vector<L>; 3] {
-    let [a, b, c] = corners;
-    [sub(l, b, a), sub(l, c, b), sub(l, a, c)]
-}
-
-#[inline(always)]
-fn sub<L: Lanes>(l: L, a: &Vector<L>, b: &Vector<L>) -> Vector<L> {
-    [l.sub(a[0], b[0]), l.sub(a[1], b[1]), l.sub(a[2], b[2])]
-}
-
-#[inline(always)]
-fn dot<L: Lanes>(l: L, a: &Vector<L>, b: &Vector<L>) -> L::F {
-    l.mul_add(a[2], b[2], l.mul_add(a[1], b[1], l.mul(a[0], b[0])))
-}
-
-#[inline(always)]
-fn cross<L: Lanes>(l: L, a: &Vector<L>, b: &Vector<L>) -> Vector<L> {
-    let component = |i: usize, j: usize| (a[i], b[j], a[j], b[i]);
-    let [(a1, b2, a2, b1), (a2_, b0, a0, b2_), (a0_, b1_, a1_, b0_)] =
-        [component(1, 2), component(2, 0), component(0, 1)];
-    [
-        l.sub(l.mul(a1, b2), l.mul(a2, b1)),
-        l.sub(l.mul(a2_, b0), l.mul(a0, b2_)),
-        l.sub(l.mul(a0_, b1_), l.mul(a1_, b0_)),
-    ]
+fn edges<L: Lanes>(l: L, [a, b, c]: &[V3<L>; 3]) -> [V3<L>; 3] {
+    [b.sub(l, *a), c.sub(l, *b), a.sub(l, *c)]
 }

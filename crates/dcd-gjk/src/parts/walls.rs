@@ -8,8 +8,9 @@
 use super::between::Between;
 use super::bounds::{CORNERS, CORNERS_OF_BOXES, U, U64};
 use super::side::{Parts, Side};
+use crate::lanes::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
-use dcd_geom::lanes::{Block, Lanes};
+use dcd_geom::lanes::Lanes;
 use dcd_geom::{Kind, Shape, Sixteen, SupportMap, Triangles};
 
 /// How many walls are kept; the oldest goes first. No unit. Smaller: parts settled one by one that
@@ -88,15 +89,13 @@ impl Walls {
             if open == 0 {
                 break;
             }
-            let [x, y, z] = wall.normal.to_array().map(|along| l.splat(along));
-            let along = |corner: &Block| {
-                let [in_x, in_y, in_z] = &corner.0;
-                let along = l.mul(x, l.load(in_x));
-                let along = l.mul_add(y, l.load(in_y), along);
-                l.mul_add(z, l.load(in_z), along)
-            };
+            let Vec3 { x, y, z } = wall.normal;
+            let normal = V3(l.splat(x), l.splat(y), l.splat(z));
             let [a, b, c] = &leaf.corners;
-            let lowest = l.min(l.min(along(a), along(b)), along(c));
+            let a = normal.dot(l, V3::load(l, &a.0));
+            let b = normal.dot(l, V3::load(l, &b.0));
+            let c = normal.dot(l, V3::load(l, &c.0));
+            let lowest = l.min(l.min(a, b), c);
             open &= !l.bits(l.lt(l.splat(wall.height_over(leaf)), lowest));
         }
         open

@@ -65,11 +65,10 @@ fn upright() -> Scene {
         let half = (numbers.vector() * 0.4).abs() + 0.1;
         let turn = [DMat3::IDENTITY, quarter, third, quarter * third][k % 4];
         let far = DVec3::X * [0.0, 1e3, 1e6][k / 20];
-        let t = match (k % 20, poses.last()) {
-            (1.., Some(last)) => {
+        let t = match (k % 20, poses.last().zip(shapes.last())) {
+            (1.., Some((last, &(before, turned)))) => {
                 let axis = DVec3::AXES[k % 3];
                 let reach = |half: DVec3, turn: DMat3| (turn.transpose() * axis).abs().dot(half);
-                let Some((before, turned)) = shapes.last().copied() else { panic!("no shape") };
                 let step = reach(half, turn) + reach(before, turned);
                 let ulps = [0i64, 1, -1, 40][k % 4];
                 let along = (last.translation().dot(axis) + step).to_bits();
