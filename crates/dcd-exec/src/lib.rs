@@ -11,13 +11,15 @@
 mod observe;
 mod per_thread;
 mod segments;
+mod vigil;
 
 pub use dcd_geom::Divide;
 pub use observe::{Observer, Stage};
 pub use per_thread::PerThread;
 pub use segments::{Cut, Filler, Segments, Span};
 
-use rayon::prelude::*;
+use rayon::slice::ParallelSliceMut;
+use vigil::{Engaged, Vigil};
 
 /// Where tasks run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,11 +36,12 @@ pub enum Par {
 pub struct Exec<'a> {
     par: Par,
     observer: Option<&'a dyn Observer>,
+    vigil: Option<&'a Vigil>,
 }
 
 impl From<Par> for Exec<'_> {
     fn from(par: Par) -> Self {
-        Self { par, observer: None }
+        Self { par, ..Self::default() }
     }
 }
 
@@ -48,7 +51,7 @@ impl<'a> Exec<'a> {
 
     /// Tells `observer` when stages and tasks begin and end.
     pub fn observed(par: Par, observer: &'a dyn Observer) -> Self {
-        Self { par, observer: Some(observer) }
+        Self { observer: Some(observer), ..Self::from(par) }
     }
 
     /// Where tasks run, for foreign code that has a parallel twin of its own.
@@ -62,6 +65,22 @@ impl<'a> Exec<'a> {
         if items <= few { Self { par: Par::Serial, ..self } } else { self }
     }
 
+    /// Runs `work` in the pool, whose threads, once they have taken part, stay awake until it ends:
+    /// for work of many short sections. On the calling thread if that is where tasks run.
+    ///
+    /// Threads that find nothing to do yield to whatever else the machine or the pool has to do, and
+    /// sleep after a millisecond in vain.
+    pub fn attended<T: Send>(self, work: impl FnOnce(Exec<'_>) -> T + Send) -> T {
+        if self.par == Par::Serial || threads() == 1 {
+            return work(self);
+        }
+        rayon::scope(|_| {
+            let vigil = Vigil::default();
+            let _engaged = Engaged::begin();
+            work(Exec { vigil: Some(&vigil), ..self })
+        })
+    }
+
     /// Runs `work` as a stage by that name, for the observer.
     pub fn stage<T>(self, stage: Stage, work: impl FnOnce() -> T) -> T {
         let Some(observer) = self.observer else { return work() };
@@ -73,13 +92,10 @@ impl<'a> Exec<'a> {
 
     /// Runs `task(0)`, `task(1)`, … `task(count − 1)`, in any order.
     pub fn tasks(self, count: usize, task: impl Fn(usize) + Sync) {
-        self.section(count, || match self.par {
-            Par::Pool if count > 1 => {
-                let tasks = (0..count).into_par_iter().with_max_len(1);
-                tasks.for_each(|k| self.watched(k, || task(k)));
-            }
-            _ => (0..count).for_each(|k| self.watched(k, || task(k))),
-        });
+        if self.is_plain(count) {
+            return self.in_turn(count, task);
+        }
+        self.section(count, || self.divide_from(0, Count(count), 1, &|k, _| task(k)));
     }
 
     /// Whether so many tasks run on the calling thread, without the pool.
@@ -94,14 +110,8 @@ impl<'a> Exec<'a> {
 
     /// Runs `task(k, item k)` for each item, in any order.
     pub fn each<T: Send>(self, items: &mut [T], task: impl Fn(usize, &mut T) + Sync) {
-        self.section(items.len(), || match self.par {
-            Par::Pool if items.len() > 1 => {
-                let items = items.par_iter_mut().with_max_len(1).enumerate();
-                items.for_each(|(k, item)| self.watched(k, || task(k, item)));
-            }
-            _ => {
-                items.iter_mut().enumerate().for_each(|(k, item)| self.watched(k, || task(k, item)))
-            }
+        self.divide(items, 1, |first, items| {
+            items.iter_mut().enumerate().for_each(|(k, item)| task(first + k, item));
         });
     }
 
@@ -126,7 +136,10 @@ impl<'a> Exec<'a> {
     ) -> (A, B) {
         match self.par {
             Par::Serial => (a(), b()),
-            Par::Pool => rayon::join(a, b),
+            Par::Pool => match self.vigil {
+                None => rayon::join(a, b),
+                Some(vigil) => rayon::join(a, || vigil.engage(b)),
+            },
         }
     }
 
@@ -175,6 +188,18 @@ impl<'a> Exec<'a> {
         let result = work();
         observer.task_ends(k);
         result
+    }
+}
+
+/// So many tasks that work on nothing of their own.
+struct Count(usize);
+
+impl Divide for Count {
+    fn len(&self) -> usize {
+        self.0
+    }
+    fn split_at(self, middle: usize) -> (Self, Self) {
+        (Self(middle), Self(self.0 - middle))
     }
 }
 
@@ -229,15 +254,15 @@ mod tests {
 
     /// Counts what it is told.
     #[derive(Default)]
-    struct Count([AtomicUsize; 8]);
+    struct Told([AtomicUsize; 8]);
 
-    impl Count {
+    impl Told {
         fn add(&self, place: usize, by: usize) {
             self.0[place].fetch_add(by, Ordering::Relaxed);
         }
     }
 
-    impl Observer for Count {
+    impl Observer for Told {
         fn stage_begins(&self, _: Stage) {
             self.add(0, 1);
         }
@@ -267,14 +292,14 @@ mod tests {
     #[test]
     fn an_observer_sees_every_section_and_task_begin_and_end() {
         for par in [Par::Serial, Par::Pool] {
-            let count = Count::default();
-            let exec = Exec::observed(par, &count);
+            let told = Told::default();
+            let exec = Exec::observed(par, &told);
             exec.stage(Stage::Pairs, || exec.tasks(10, |_| ()));
             exec.each(&mut [0; 5], |_, _| ());
             exec.divide(&mut [0; 20][..], 8, |_, _| ());
             exec.sort(&mut [3, 1, 2]);
             let tasks = 10 + 5 + 3;
-            let seen = count.0.map(AtomicUsize::into_inner);
+            let seen = told.0.map(AtomicUsize::into_inner);
             assert_eq!(seen, [1, 1, tasks, 3, 3, 1, tasks, tasks]);
         }
     }

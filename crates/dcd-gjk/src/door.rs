@@ -192,7 +192,7 @@ impl<A> Findings<'_, A> {
 /// The frame stays from step to step: `prepare` finds there what it wrote of the object in that
 /// slot before, perhaps for another object ([`Scene::generations`]) or another scene
 /// ([`Scene::layout`]). Whatever is kept there may save work and never changes a verdict.
-pub trait NarrowPhase: Sync {
+pub trait NarrowPhase: Send + Sync {
     /// What is told of a touching pair.
     type Answer: Copy + Default + Send + Sync + 'static;
     /// What is prepared once a step for all objects; kept by the pipeline and reused.

@@ -5,7 +5,7 @@ use crate::{Findings, NarrowPhase, Rung, Verdict};
 use dcd_geom::{Aabb, Divide, Pair, Pose, Scene, Shape};
 
 /// Judges two placed shapes. The simplest way to bring one's own GJK: wrap it in [`EachPair`].
-pub trait PairSolver: Sync {
+pub trait PairSolver: Send + Sync {
     /// What is told of a touching pair.
     type Answer: Copy + Default + Send + Sync + 'static;
     /// Memory that a thread reuses from pair to pair; `()` for a solver that needs none.

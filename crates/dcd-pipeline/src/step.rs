@@ -95,6 +95,21 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         may: impl Fn(u32, u32) -> bool + Sync,
     ) -> Step<'_, N::Answer> {
         let exec = exec.into();
+        if scene.len() <= OBJECTS_PER_TASK {
+            self.walk(scene, exec, &may);
+        } else {
+            exec.attended(|exec| self.walk(scene, exec, &may));
+        }
+        Step {
+            aabbs: &self.aabbs,
+            candidates: &self.candidates,
+            contacts: &self.contacts,
+            report: &self.report,
+        }
+    }
+
+    /// All stages.
+    fn walk(&mut self, scene: &Scene, exec: Exec, may: &(impl Fn(u32, u32) -> bool + Sync)) {
         exec.stage(Stage::Boxes, || self.prepare(scene, exec));
         exec.stage(Stage::Build, || {
             self.roster.build(scene, &self.aabbs, &mut self.broad, exec);
@@ -108,12 +123,6 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             }
         });
         exec.stage(Stage::Narrow, || self.judge(scene, exec));
-        Step {
-            aabbs: &self.aabbs,
-            candidates: &self.candidates,
-            contacts: &self.contacts,
-            report: &self.report,
-        }
     }
 
     /// Static objects that are prepared already are passed over, where no moving one is between.

@@ -75,7 +75,12 @@ fn see(scene: &Scene, rounds: u32) -> Result<Seen> {
         // Nothing is faster beside others; what seems so is noise.
         ratio.max(1.0)
     });
-    let charges = Charges { task: task_overhead(), joining: joining(rounds), slowdown };
+    let charges = Charges {
+        task: task_overhead(),
+        waking: waking(rounds),
+        joining: joining(rounds),
+        slowdown,
+    };
     Ok(Seen { program: Program::median(&programs)?, charges, measured })
 }
 
@@ -93,20 +98,32 @@ fn task_overhead() -> f64 {
     median((0..64).map(once).collect())
 }
 
-/// What a section costs beside its tasks, nanoseconds: two of like length on two threads, after the
-/// other thread has been idle for each of [`IDLE`].
+/// What a section costs beside its tasks, nanoseconds, after the other thread has been idle for each
+/// of [`IDLE`] since it worked in the same step.
 fn joining(rounds: u32) -> [f64; IDLE.len()] {
-    const WORK: Duration = Duration::from_micros(30);
-    let once = |idle: f64| {
-        work_for(Duration::from_nanos(idle as u64));
-        let (time, ()) = timing::time(|| Exec::from(Par::Pool).tasks(2, |_| work_for(WORK)));
-        time.saturating_sub(WORK).as_secs_f64() * 1e9
-    };
     IDLE.map(|idle| {
-        // Both threads are awake when the first of them is measured.
-        once(0.0);
-        median((0..16 * rounds).map(|_| once(idle)).collect())
+        Exec::from(Par::Pool).attended(|exec| {
+            // Both threads are awake when the first of them is measured.
+            beside_its_tasks(exec, 0.0);
+            median((0..16 * rounds).map(|_| beside_its_tasks(exec, idle)).collect())
+        })
     })
+}
+
+/// The same for the first section of a step, before which the other thread sleeps.
+fn waking(rounds: u32) -> f64 {
+    const ASLEEP: f64 = 3e5;
+    let once = |_| beside_its_tasks(Par::Pool.into(), ASLEEP);
+    median((0..16 * rounds).map(once).collect())
+}
+
+/// What a section of two like tasks takes beside their time, on two threads, after so many
+/// nanoseconds without one.
+fn beside_its_tasks(exec: Exec, idle: f64) -> f64 {
+    const WORK: Duration = Duration::from_micros(30);
+    work_for(Duration::from_nanos(idle as u64));
+    let (time, ()) = timing::time(|| exec.tasks(2, |_| work_for(WORK)));
+    time.saturating_sub(WORK).as_secs_f64() * 1e9
 }
 
 fn work_for(time: Duration) {
@@ -157,9 +174,9 @@ const NOTES: [&str; 3] = [
      as the step does, with a barrier between; whoever is free takes the next task. A task is \
      charged with what an empty task costs, and its time with the slow-down that the tasks of its \
      stage showed at two threads; a worker joins a section after what the other of two threads took \
-     for that when it had been idle as long, times log2 of the workers: next to nothing for one \
-     that has just stopped, many microseconds for one that sleeps, as all do before a step. All \
-     three are measured in the same run.",
+     for that when it had been idle as long, times log2 of the workers: many microseconds for one \
+     that sleeps, as all do before a step, next to nothing for one that has worked in the step, for \
+     it stays awake. All three are measured in the same run.",
     "A parallel sort is no set of tasks: it is taken as a quicksort whose every level takes as long \
      as the others, and charged with its longest chain and a fair share of the rest.",
     "What is assumed and not measured: that the slow-down at many threads is that at two, which \
@@ -190,8 +207,8 @@ fn parts(seen: &[(&Case, Seen)]) -> Result<Table> {
             row.push(program.tasks(stage).into());
             row.push((program.longest(stage) / 1e3).into());
             row.push(charges.slowdown[stage].into());
-            let [awake, .., asleep] = charges.joining;
-            row.extend([charges.task, awake, asleep].map(|ns| Cell::from(ns / 1e3)));
+            let awake = charges.joining.into_iter().fold(0.0, f64::max);
+            row.extend([charges.task, awake, charges.waking].map(|ns| Cell::from(ns / 1e3)));
             table.push(row)?;
         }
     }
@@ -320,6 +337,7 @@ fn object(case: &Case, seen: &Seen) -> Value {
         "forecast_error_at_two": seen.error(),
         "charges_ns": {
             "task": seen.charges.task,
+            "waking": seen.charges.waking,
             "idle": IDLE,
             "joining": seen.charges.joining,
         },

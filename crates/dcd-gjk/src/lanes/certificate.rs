@@ -10,7 +10,7 @@ use crate::Report;
 use dcd_geom::lanes::Lanes;
 
 /// What a conclusion is worth.
-pub trait Trust: Copy + Sync {
+pub trait Trust: Copy + Send + Sync {
     /// What stands for a quantity's rounding: the bound itself, or nothing.
     fn rounding<L: Lanes>(l: L, bound: L::F) -> L::F;
 
