@@ -2,7 +2,7 @@
 
 use crate::inscribed::{self, Inscribed};
 use crate::lanes::{Block, WIDTH};
-use crate::{Curved, Polytope, Shape, TwinBox};
+use crate::{Compound, Curved, Part, Polytope, Pose, Shape, TwinBox};
 use glam::{DVec3, Vec3};
 
 /// What depends on a shape alone, as the lanes want it: of a polytope, or of a curved shape with the
@@ -30,7 +30,24 @@ pub struct Core {
     pub has_twin_box: bool,
     /// Whether the core is its twin boxes, both of them.
     pub is_box: bool,
+    /// The first of its parts' cores in [`Cores::cores`].
+    pub first_part: u32,
+    /// How many of those it has: 0 but for compounds of at most [`MOST_PARTS`] parts.
+    pub parts: u32,
+    /// Of a part its number in the compound.
+    pub part: u32,
 }
+
+/// Of a compound with more parts than these the lanes know nothing. No unit.
+///
+/// All parts of one are compared with all of another, sixteen at a time, and each is prepared with
+/// the object. Larger: large compounds cost memory and lists where a tree is quicker. Smaller: more
+/// of them are searched one pair at a time. Never an answer.
+pub const MOST_PARTS: usize = 256;
+
+/// How far a point and a centre, each R·v + t rounded, may have moved apart. Unit: of their distance
+/// from the origin. Each loses 4u a component, √3 of that: 14u, and room.
+const MOVED: f64 = 16.0 * f64::EPSILON;
 
 /// A [`TwinBox`] in f32.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,7 +80,7 @@ impl LaneBox {
 pub struct Cores {
     cores: Vec<Core>,
     blocks: Vec<Block>,
-    /// One for each shape, up to the last that has one.
+    /// One for each core, up to the last that has one.
     twin_boxes: Vec<LaneBox>,
 }
 
@@ -73,14 +90,43 @@ impl Cores {
         let mut cores = Self::default();
         cores.cores.reserve(shapes.len());
         cores.blocks.reserve(shapes.iter().map(block_count).sum());
-        for shape in shapes {
-            match shape {
-                Shape::Polytope(polytope) => cores.add_polytope(polytope)?,
-                Shape::Curved(curved) => cores.add_curved(curved)?,
-                _ => cores.cores.push(Core::default()),
+        shapes.iter().try_for_each(|shape| cores.add_shape(shape))?;
+        for (k, shape) in shapes.iter().enumerate() {
+            if let Shape::Compound(compound) = shape {
+                cores.add_parts(k, compound)?;
             }
         }
         Some(cores)
+    }
+
+    fn add_shape(&mut self, shape: &Shape) -> Option<()> {
+        match shape {
+            Shape::Polytope(polytope) => self.add_polytope(polytope),
+            Shape::Curved(curved) => self.add_curved(curved),
+            _ => {
+                self.cores.push(Core::default());
+                Some(())
+            }
+        }
+    }
+
+    /// The cores of a compound's parts, neighbours beside each other: in the order of its tree.
+    fn add_parts(&mut self, shape: usize, compound: &Compound) -> Option<()> {
+        if compound.parts().len() > MOST_PARTS {
+            return Some(());
+        }
+        let first_part = u32::try_from(self.cores.len()).ok()?;
+        for number in compound.tree().parts() {
+            let part = &compound.parts()[number as usize];
+            match part.moved_curved() {
+                Some(curved) => self.add_moved(curved, &part.pose)?,
+                None => self.add_shape(part.placed())?,
+            }
+            self.cores.last_mut()?.part = number;
+        }
+        let parts = u32::try_from(self.cores.len()).ok()? - first_part;
+        self.cores[shape] = Core { first_part, parts, ..self.cores[shape] };
+        Some(())
     }
 
     fn add_polytope(&mut self, polytope: &Polytope) -> Option<()> {
@@ -109,6 +155,26 @@ impl Cores {
         self.add(core, &hull.vertices, hull.twin_box.as_ref())
     }
 
+    /// A curved part in its place: R·v + t of the hull's vertices, each rounded. The reach counts
+    /// twice, for what they and the centre lose by that (docs/numerics.md, "parts").
+    fn add_moved(&mut self, curved: &Curved, pose: &Pose) -> Option<()> {
+        let hull = Inscribed::of(curved);
+        let stretch = 1.0 + pose.deviation();
+        let reach = curved.reach() * stretch + pose.translation().length();
+        let vertices: Vec<DVec3> = hull.vertices.iter().map(|&v| pose.apply(v)).collect();
+        let core = Core {
+            inner: hull.inner.radius * (2.0 - stretch),
+            outer: hull.outer * stretch + MOVED * reach,
+            reach: 2.0 * reach,
+            radius: curved.swept_radius(),
+            centre: pose.apply(hull.inner.centre),
+            excess: hull.excess * stretch,
+            ..Core::default()
+        };
+        let twin_box = hull.twin_box.and_then(|twin_box| twin_box.turned(pose, reach));
+        self.add(core, &vertices, twin_box.as_ref())
+    }
+
     fn add(&mut self, core: Core, vertices: &[DVec3], twin_box: Option<&TwinBox>) -> Option<()> {
         let first = u32::try_from(self.blocks.len()).ok()?;
         self.blocks.extend(local_blocks(vertices, core.centre));
@@ -123,12 +189,12 @@ impl Cores {
         Some(())
     }
 
-    /// One for each shape of the scene.
+    /// One for each shape of the scene, then those of compounds' parts.
     pub fn cores(&self) -> &[Core] {
         &self.cores
     }
 
-    /// For each shape its boxes, up to the last that has some; meaningful where
+    /// For each core its boxes, up to the last that has some; meaningful where
     /// [`Core::has_twin_box`] is set.
     pub fn twin_boxes(&self) -> &[LaneBox] {
         &self.twin_boxes
@@ -146,7 +212,17 @@ pub(crate) fn block_count(shape: &Shape) -> usize {
     match shape {
         Shape::Polytope(polytope) => polytope.block_count(),
         Shape::Curved(_) => inscribed::BLOCKS,
+        Shape::Compound(compound) if compound.parts().len() <= MOST_PARTS => {
+            compound.parts().iter().map(part_block_count).sum()
+        }
         _ => 0,
+    }
+}
+
+fn part_block_count(part: &Part) -> usize {
+    match part.moved_curved() {
+        Some(_) => inscribed::BLOCKS,
+        None => block_count(part.placed()),
     }
 }
 
@@ -181,5 +257,36 @@ mod tests {
         assert_eq!(last.0[0].0[3], (19.0 - hull.centre.x) as f32);
         assert_eq!(last.0[0].0[15], (19.0 - hull.centre.x) as f32);
         assert!(hull.excess == 0.0 && cylinder.excess > 0.0);
+    }
+
+    #[test]
+    fn the_parts_of_compounds_come_after_the_shapes() {
+        let cube = Shape::cuboid(DVec3::ONE).unwrap();
+        let parts = (0..20).map(|k| {
+            (cube.clone(), Pose::from_translation(DVec3::X * f64::from(k * 7 % 20)).unwrap())
+        });
+        let compound = Compound::new(parts.collect()).unwrap();
+        let shapes = [Shape::from(compound.clone()), cube];
+        let cores = Cores::of(&shapes).unwrap();
+        let whole = cores.cores()[0];
+        assert_eq!((whole.first_part, whole.parts, whole.blocks), (2, 20, 0));
+        let parts = &cores.cores()[2..];
+        let mut numbers: Vec<u32> = parts.iter().map(|core| core.part).collect();
+        numbers.sort_unstable();
+        assert_eq!(numbers, (0..20).collect::<Vec<_>>());
+        for core in parts {
+            let placed = compound.parts()[core.part as usize].placed();
+            assert_eq!(core.centre, placed.as_polytope().unwrap().inner().centre);
+            assert!(core.has_twin_box && cores.blocks(core).len() == 1);
+        }
+    }
+
+    #[test]
+    fn of_a_compound_of_very_many_parts_the_lanes_know_nothing() {
+        let part = (Shape::sphere(1.0).unwrap(), Pose::IDENTITY);
+        let shape = |parts| Shape::compound(vec![part.clone(); parts]).unwrap();
+        let cores = Cores::of(&[shape(MOST_PARTS), shape(MOST_PARTS + 1)]).unwrap();
+        assert_eq!([0, 1].map(|k| cores.cores()[k].parts), [MOST_PARTS as u32, 0]);
+        assert_eq!(cores.cores().len(), 2 + MOST_PARTS);
     }
 }

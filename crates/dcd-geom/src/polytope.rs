@@ -4,7 +4,7 @@ use crate::ball::{Ball, reach};
 use crate::error::check_length;
 use crate::lanes::WIDTH;
 use crate::support::farthest;
-use crate::{Facets, Real, ShapeError, Support, SupportMap, TwinBox};
+use crate::{Facets, Pose, Real, ShapeError, Support, SupportMap, TwinBox};
 use glam::DVec3;
 use std::sync::OnceLock;
 
@@ -123,12 +123,44 @@ impl Polytope {
         Ok(self)
     }
 
+    /// The hull of the vertices R·v + t, each rounded; without the radius. A box keeps its twin
+    /// boxes, one a little larger and one a little smaller.
+    ///
+    /// # Errors
+    /// A vertex that is not finite in its place.
+    pub(crate) fn moved(&self, pose: &Pose) -> Result<Self, ShapeError> {
+        let vertices: Vec<DVec3> = self.vertices.iter().map(|&v| pose.apply(v)).collect();
+        let turned = match self.kind {
+            Kind::Cuboid { half_extents } => {
+                let size = half_extents.length() + pose.translation().length();
+                TwinBox::of_cuboid(half_extents).turned(pose, size)
+            }
+            _ => None,
+        };
+        let Some(twin_box) = turned else { return Self::hull(vertices) };
+        check_vertices(&vertices)?;
+        let inner = Ball { centre: pose.translation(), radius: twin_box.inner.min_element() };
+        Ok(Self::with_twin_box(Kind::Hull, vertices, inner, Some(twin_box)))
+    }
+
     fn from_parts(kind: Kind, vertices: Vec<DVec3>, inner: Ball) -> Self {
-        let outer_radius = Ball::around(inner.centre, &vertices).radius;
         let twin_box = match kind {
             Kind::Cuboid { half_extents } => Some(TwinBox::of_cuboid(half_extents)),
-            _ => TwinBox::of_hull(&vertices, inner, outer_radius),
+            _ => {
+                let outer_radius = Ball::around(inner.centre, &vertices).radius;
+                TwinBox::of_hull(&vertices, inner, outer_radius)
+            }
         };
+        Self::with_twin_box(kind, vertices, inner, twin_box)
+    }
+
+    fn with_twin_box(
+        kind: Kind,
+        vertices: Vec<DVec3>,
+        inner: Ball,
+        twin_box: Option<TwinBox>,
+    ) -> Self {
+        let outer_radius = Ball::around(inner.centre, &vertices).radius;
         let twin_box = twin_box.map(Box::new);
         let reach = reach(vertices.iter().copied());
         let facets = OnceLock::new();

@@ -1,6 +1,7 @@
 //! Two boxes on the same axes, one round a shape and one inside it: what tells more than balls of a
 //! shape that is long or flat.
 
+use crate::Pose;
 use crate::ball::{Ball, Surface, extreme_points};
 use glam::{DMat3, DVec3};
 
@@ -26,10 +27,34 @@ const THIN: f64 = 0.5;
 /// rounding of all that is computed for them.
 const MARGIN: f64 = 1e-12;
 
+/// What a pose may depart from a rotation by for its matrix to be axes.
+const ORTHONORMAL: f64 = 1e-14;
+
+/// How much of a turned box's shortest edge its inner box must keep. No unit. Larger: more boxes far
+/// from their compound's origin are taken for hulls. Smaller: inner boxes that say little. Never an
+/// answer.
+const FAITHFUL: f64 = 0.999;
+
 impl TwinBox {
     /// Of a box round the origin with these half extents: both are that box.
     pub(crate) fn of_cuboid(half_extents: DVec3) -> Self {
         Self { axes: DMat3::IDENTITY, outer: half_extents, inner: half_extents }
+    }
+
+    /// Of the same core where each of its points R·v + t has been rounded, round the rounded place of
+    /// the centre; `size` is at least the length of any of these. `None` where an inner box is flat, or
+    /// so small or so far from a rotation that rounding would show.
+    ///
+    /// Where no point is off by more than ε, a hull reaches along any unit n as far as the exact one
+    /// less ε; a box in that with half edges shorter by ε reaches ε·|n|₁ ≥ ε less far, so the hull
+    /// holds it. R is within its deviation of a rotation, R·v + t loses less than 8u of the size.
+    pub(crate) fn turned(&self, pose: &Pose, size: f64) -> Option<Self> {
+        let off = 4.0 * pose.deviation() * size + MARGIN * size;
+        let (outer, inner) = (self.outer + off, self.inner - off);
+        // Written so that NaN has no boxes.
+        let thick = inner.min_element() > FAITHFUL * self.inner.min_element();
+        let turned = pose.deviation() < ORTHONORMAL && outer.is_finite();
+        (thick && turned).then_some(Self { axes: *pose.rotation() * self.axes, outer, inner })
     }
 
     /// Along the frame's own axes, with these half edges, for a shape with balls of these radii
@@ -210,6 +235,35 @@ mod tests {
         }
         // Slow to converge, but no direction separates.
         true
+    }
+
+    #[test]
+    fn a_turned_box_has_boxes_as_good_as_its_own() {
+        let half = DVec3::new(0.3, 0.5, 2.0);
+        let turn = glam::DQuat::from_rotation_z(0.4) * glam::DQuat::from_rotation_x(1.1);
+        for place in [DVec3::ZERO, DVec3::new(3.0, -20.0, 7.0), DVec3::new(0.0, 3e7, 0.0)] {
+            let pose = Pose::new(turn, place).unwrap();
+            let twin =
+                TwinBox::of_cuboid(half).turned(&pose, half.length() + place.length()).unwrap();
+            let size = 4.0 + place.length();
+            assert!((twin.outer - twin.inner).max_element() < 1e-11 * size, "{twin:?}");
+            for corner in [half, -half, half * DVec3::new(1.0, -1.0, 1.0)] {
+                let local = (twin.axes.transpose() * (pose.apply(corner) - place)).abs();
+                assert!(local.cmple(twin.outer).all() && local.cmpge(twin.inner).all());
+            }
+        }
+    }
+
+    #[test]
+    fn flat_boxes_far_ones_and_those_that_are_stretched_are_taken_for_hulls() {
+        let half = DVec3::ONE;
+        let of = |half: DVec3, pose: &Pose| {
+            TwinBox::of_cuboid(half).turned(pose, half.length() + pose.translation().length())
+        };
+        assert_eq!(of(DVec3::new(1.0, 0.0, 1.0), &Pose::IDENTITY), None);
+        assert_eq!(of(half, &Pose::from_translation(DVec3::X * 1e10).unwrap()), None);
+        let stretched = Pose::from_matrix(DMat3::IDENTITY * (1.0 + 1e-8), DVec3::ZERO).unwrap();
+        assert_eq!(of(half, &stretched), None);
     }
 
     #[test]

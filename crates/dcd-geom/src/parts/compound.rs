@@ -1,7 +1,7 @@
 //! Convex parts, each with a place in the compound.
 
 use super::tree::PartTree;
-use crate::{Aabb, Polytope, Pose, Shape, ShapeError, Support, SupportMap};
+use crate::{Aabb, Curved, Pose, Shape, ShapeError, Support, SupportMap};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -19,6 +19,14 @@ impl Part {
     /// The shape in the compound's frame: what every answer is given for.
     pub fn placed(&self) -> &Shape {
         &self.placed
+    }
+
+    /// The cylinder or cone that is known by its support map alone since it was moved.
+    pub(crate) fn moved_curved(&self) -> Option<&Curved> {
+        match (&self.shape, &self.placed) {
+            (Shape::Curved(curved), Shape::Custom(_)) => Some(curved),
+            _ => None,
+        }
     }
 }
 
@@ -110,8 +118,7 @@ fn placed(part: usize, shape: &Shape, pose: &Pose) -> Result<Shape, ShapeError> 
     let Some(polytope) = shape.as_polytope() else {
         return Shape::custom(Arc::new(Moved { shape: shape.clone(), pose: *pose }));
     };
-    let vertices = polytope.vertices().iter().map(|&v| pose.apply(v)).collect();
-    match Polytope::hull(vertices).and_then(|hull| hull.rounded(polytope.swept_radius())) {
+    match polytope.moved(pose).and_then(|hull| hull.rounded(polytope.swept_radius())) {
         Ok(polytope) => Ok(Shape::Polytope(polytope)),
         Err(ShapeError::NotFinite { vertex, value }) => {
             Err(ShapeError::PartNotFinite { part, vertex, value })
@@ -149,6 +156,7 @@ impl SupportMap<f64> for Moved {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Polytope;
     use glam::DQuat;
 
     fn at(x: f64) -> Pose {

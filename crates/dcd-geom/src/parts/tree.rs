@@ -36,6 +36,15 @@ impl PartTree {
         &self.below
     }
 
+    /// The parts in the order of the leaves, each once: neighbours are near each other.
+    pub(crate) fn parts(&self) -> impl Iterator<Item = u32> + '_ {
+        let leaves = self.blocks.iter().zip(&self.below).take(self.leaves);
+        leaves.flat_map(|(boxes, below)| {
+            let is_part = |&lane: &usize| boxes.get(lane) != Aabb::EMPTY;
+            (0..WIDTH).filter(is_part).map(|lane| below.0[lane])
+        })
+    }
+
     /// For each block, the box round all of its boxes.
     pub fn unions(&self) -> &[Aabb] {
         &self.unions

@@ -96,3 +96,31 @@ pub(super) const SHORTEST: f32 = 1e-18;
 /// Three products and three sums, the difference of two centres, and the subtraction of the centre
 /// from the vertices: 6, and room.
 pub(super) const CENTRE: f64 = 8.0;
+
+/// How far a component of c, or of a computed point of A − B, may be off where four of them hold the
+/// origin. Unit: u·m; [`MEAN`] comes on top.
+///
+/// 7.01 as for any rotated vertex, and 1 % for the determinants' own normals. Smaller: false contacts
+/// of flat shapes.
+pub(super) const CORNER: f32 = 8.0;
+
+/// How far the centre of a shape without an inner ball may be from its hull, and where it is from
+/// where it is computed. Unit: the centres' slack, which is 8 roundings of f64.
+///
+/// 6 roundings for the slack itself, and of the mean of at most 98 points 100. Smaller: false contacts
+/// of flat shapes far from the origin of their own frame.
+pub(super) const MEAN: f32 = 16.0;
+
+/// How far a determinant of three points may be off. Unit: u times the product of their 1-norms.
+///
+/// 2 for a minor, 3 for the dot product, and 3 for each norm of the bound. Smaller: false contacts of
+/// flat shapes.
+pub(super) const DETERMINANT: f32 = 16.0;
+
+/// What the rest of that bound is multiplied by, for its own rounding: two edges with 4 each, two
+/// products, a sum. Unit: 1. Smaller: false contacts of flat shapes.
+pub(super) const EVALUATED: f32 = 1.0 + 32.0 * U;
+
+/// An inner ball below this settles so little that four points are tried as well. Unit: u·m. Decides
+/// what is asked, never an answer.
+pub(super) const FLAT: f32 = 1024.0;

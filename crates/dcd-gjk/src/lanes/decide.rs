@@ -3,7 +3,9 @@
 use super::ahead::Ahead;
 use super::axis::{Axis, hinted};
 use super::boxes::{self, Boxes};
+use super::by_parts::{self, ByParts};
 use super::certificate::Trust;
+use super::expand;
 use super::frame::{BOX, Frame};
 use super::lot::{
     AFTER_BALLS, AFTER_CONE, AFTER_SECOND_POINT, Belt, LanesOf, Lot, Number, Vector, Whole,
@@ -48,7 +50,11 @@ pub struct Scratch {
     /// What waits for the next support.
     portal: Belt<AFTER_SECOND_POINT>,
     /// For what is made of parts.
-    parts: parts::Scratch,
+    pub(super) parts: parts::Scratch,
+    /// For those of them whose parts the lanes know.
+    pub(super) by_parts: by_parts::Scratch,
+    /// The pairs of these.
+    with_parts: Vec<Left>,
 }
 
 impl Scratch {
@@ -68,6 +74,12 @@ impl Scratch {
         &self.axes
     }
 
+    /// Exchanges where the next answers are written, and what is left open.
+    pub(super) fn lend(&mut self, touching: &mut Vec<bool>, left: &mut Vec<Left>) {
+        std::mem::swap(&mut self.touching, touching);
+        std::mem::swap(&mut self.left, left);
+    }
+
     /// To be written for each pair of a slice before it is judged, where room is kept.
     pub(super) fn axes_mut(&mut self) -> &mut Vec<Axis> {
         &mut self.axes
@@ -76,12 +88,12 @@ impl Scratch {
 
 /// A pair that the lanes leave open.
 #[derive(Clone, Copy, Debug)]
-struct Left {
+pub(super) struct Left {
     /// Its number in the slice.
-    number: u32,
+    pub(super) number: u32,
     /// Between the centres, and where the search ended: perhaps one separates. World axes, from b
     /// to a.
-    axes: [Vec3; 2],
+    pub(super) axes: [Vec3; 2],
 }
 
 /// Some pairs of a scene.
@@ -99,6 +111,7 @@ impl Slice<'_> {
         let Self { path, scene, frame, pairs } = *self;
         let trust = PhantomData::<T>;
         dispatch_on(path, Decide { trust, frame, pairs, scratch, report: &mut *report });
+        self.judge_by_parts(scratch, report);
         for left in &scratch.left {
             let number = left.number as usize;
             let pair = pairs[number];
@@ -113,6 +126,22 @@ impl Slice<'_> {
                 }
             };
         }
+    }
+
+    /// Takes out of the pairs left open those whose parts the lanes know, and settles them.
+    fn judge_by_parts(&self, scratch: &mut Scratch, report: &mut Report) {
+        let Self { path, scene, frame, pairs } = *self;
+        if !frame.has_compounds() {
+            return;
+        }
+        let mut with_parts = std::mem::take(&mut scratch.with_parts);
+        let has_parts = |left: &mut Left| expand::has_parts(frame, pairs[left.number as usize]);
+        with_parts.clear();
+        with_parts.extend(scratch.left.extract_if(.., has_parts));
+        let mut touching = std::mem::take(&mut scratch.touching);
+        let by_parts = ByParts { path, scene, frame, pairs };
+        by_parts.judge(&with_parts, scratch, (&mut touching, report));
+        (scratch.touching, scratch.with_parts) = (touching, with_parts);
     }
 }
 
@@ -143,13 +172,13 @@ fn settle(
 }
 
 /// Settles what the lanes can of a slice of pairs.
-struct Decide<'a, T> {
+pub(super) struct Decide<'a, T> {
     /// What the answers are worth.
-    trust: PhantomData<T>,
-    frame: &'a Frame,
-    pairs: &'a [Pair],
-    scratch: &'a mut Scratch,
-    report: &'a mut Report,
+    pub(super) trust: PhantomData<T>,
+    pub(super) frame: &'a Frame,
+    pub(super) pairs: &'a [Pair],
+    pub(super) scratch: &'a mut Scratch,
+    pub(super) report: &'a mut Report,
 }
 
 impl<T: Trust> Kernel for Decide<'_, T> {

@@ -1,21 +1,24 @@
 //! What is prepared of every object once a step.
 
-use super::bounds::TAGGED_BLOCKS;
+use super::compounds::{Compounds, Members, Room, laid_out};
 use super::prepare::constants;
 use super::upright::Upright;
-use dcd_geom::lanes::{Block, MOST_BLOCKS, Row, WIDTH, prefetch};
+use dcd_geom::lanes::{Block, Lanes, Row, WIDTH, prefetch};
 use dcd_geom::{Divide, Kind, Scene, Shape, Stamp};
 
 /// All objects, ready for the lanes.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
     form: Form,
+    /// How many objects there are. Behind them in the lists are the parts of compounds.
+    objects: usize,
     records: Vec<Record>,
     blocks: Vec<Block>,
-    /// One for each object; none at all where no shape of the scene has boxes.
+    /// One for each record; none at all where no shape of the scene has boxes.
     boxes: Vec<BoxRecord>,
     /// One for each object; none at all where no shape of the scene is a cuboid.
     uprights: Vec<Upright>,
+    compounds: Compounds,
     /// The scene's layout that the offsets are for.
     layout: Option<Stamp>,
     /// Lent to the first part that has an object.
@@ -25,7 +28,29 @@ pub struct Frame {
 /// The largest x, y, z and the largest −x, −y, −z of sixteen objects, lane by lane, on their way to
 /// the boxes. To clear it takes as long as to prepare several objects.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Extremes(pub(super) [[Row; WIDTH]; 6]);
+pub(super) struct Extremes([[Row; WIDTH]; 6]);
+
+impl Extremes {
+    /// Takes in those of one object's vertices, lane by lane.
+    #[inline(always)]
+    pub(super) fn keep<L: Lanes>(&mut self, l: L, object: usize, found: [L::F; 6]) {
+        let Self(rows) = self;
+        for side in 0..6 {
+            l.store(found[side], &mut rows[side][object]);
+        }
+    }
+
+    /// How far each of the sixteen objects reaches, to six sides.
+    #[inline(always)]
+    pub(super) fn of_each<L: Lanes>(&self, l: L) -> [Row; 6] {
+        let Self(rows) = self;
+        let mut reach = [Row::default(); 6];
+        for side in 0..6 {
+            l.store(l.largest_of_each(&rows[side]), &mut reach[side]);
+        }
+        reach
+    }
+}
 
 /// What the objects of a scene have in common, and so what must be prepared of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -125,6 +150,7 @@ pub struct Part<'f> {
     pub(super) blocks: &'f mut [Block],
     pub(super) boxes: &'f mut [BoxRecord],
     pub(super) uprights: &'f mut [Upright],
+    pub(super) room: Room<'f>,
     /// Room that need not be cleared; a part without makes its own.
     pub(super) extremes: Option<&'f mut Extremes>,
 }
@@ -137,33 +163,62 @@ impl Frame {
             self.set_offsets(scene);
             self.layout = Some(scene.layout());
         }
-        let Self { form, records, blocks, boxes, uprights, extremes, .. } = self;
-        Part { form: *form, records, blocks, boxes, uprights, extremes: Some(extremes) }
+        let Self { form, records, blocks, boxes, uprights, compounds, extremes, .. } = self;
+        let (records, of_parts) = records.split_at_mut(self.objects);
+        let own = match of_parts.first() {
+            Some(part) => part.first as usize,
+            None => blocks.len(),
+        };
+        let (blocks, blocks_of_parts) = blocks.split_at_mut(own);
+        let own = records.len().min(boxes.len());
+        let (boxes, boxes_of_parts) = boxes.split_at_mut(own);
+        let room = compounds.room(of_parts, blocks_of_parts, boxes_of_parts);
+        Part { form: *form, records, blocks, boxes, uprights, room, extremes: Some(extremes) }
     }
 
     fn set_offsets(&mut self, scene: &Scene) {
         let cores = scene.cores().cores();
         self.form = Form::of(scene.shapes());
+        self.objects = scene.len();
         self.records.resize(scene.len(), Record::default());
-        let boxed = !scene.cores().twin_boxes().is_empty();
-        self.boxes.resize(if boxed { scene.len() } else { 0 }, BoxRecord::default());
         let may_stand = cores.iter().any(|core| core.is_box);
         self.uprights.resize(if may_stand { scene.len() } else { 0 }, Upright::default());
-        if self.form != Form::Any {
-            self.blocks.clear();
-            return constants(scene, &mut self.records, &mut self.boxes);
-        }
         let mut first = 0u32;
-        for (record, &shape) in self.records.iter_mut().zip(scene.shape_of()) {
-            let blocks = cores[shape as usize].blocks;
-            // An object past the last block that the lanes can tell, or with more vertices than a
-            // tag can, goes without blocks: its pairs are settled in f64.
-            let next = first.saturating_add(blocks);
-            let fits = next as usize <= MOST_BLOCKS && blocks <= u32::from(TAGGED_BLOCKS);
-            *record = Record { first, blocks: if fits { blocks as u8 } else { 0 }, ..*record };
-            first = if fits { next } else { first };
+        if self.form == Form::Any {
+            for (record, &shape) in self.records.iter_mut().zip(scene.shape_of()) {
+                (*record, first) = laid_out(&cores[shape as usize], first);
+            }
         }
-        self.blocks.resize(first as usize, Block::default());
+        self.compounds.set_offsets(scene, &mut self.records, first);
+        let boxed = !scene.cores().twin_boxes().is_empty();
+        self.boxes.resize(if boxed { self.records.len() } else { 0 }, BoxRecord::default());
+        let blocks = self.compounds.blocks().unwrap_or(first);
+        self.blocks.resize(blocks as usize, Block::default());
+        if self.form != Form::Any {
+            constants(scene, &mut self.records, &mut self.boxes);
+        }
+    }
+
+    /// Whether the lanes know the parts of any object.
+    pub(super) fn has_compounds(&self) -> bool {
+        self.records.len() > self.objects
+    }
+
+    /// The parts of a compound that the lanes know.
+    #[inline(always)]
+    pub(super) fn members(&self, object: u32) -> Option<Members<'_>> {
+        self.compounds.members(object)
+    }
+
+    /// Whether the lanes know an object as one.
+    #[inline(always)]
+    pub(super) fn is_live(&self, object: u32) -> bool {
+        self.record(object).marks & LIVE != 0
+    }
+
+    /// The number of a record among the parts of that object, if it is one.
+    pub(super) fn place_of(&self, object: u32, record: u32) -> Option<u32> {
+        self.compounds.place_of(object, record)
     }
 
     #[inline(always)]
@@ -236,6 +291,7 @@ impl Divide for Part<'_> {
             None => self.blocks.len(),
         };
         let form = self.form;
+        let (left_room, right_room) = self.room.split_at(middle);
         let (left, right) = self.records.split_at_mut(middle);
         let (left_blocks, right_blocks) = self.blocks.split_at_mut(blocks);
         let (left_boxes, right_boxes) = self.boxes.split_at_mut(middle.min(self.boxes.len()));
@@ -250,6 +306,7 @@ impl Divide for Part<'_> {
                 blocks: left_blocks,
                 boxes: left_boxes,
                 uprights: left_uprights,
+                room: left_room,
                 extremes: left_lent,
             },
             Self {
@@ -258,6 +315,7 @@ impl Divide for Part<'_> {
                 blocks: right_blocks,
                 boxes: right_boxes,
                 uprights: right_uprights,
+                room: right_room,
                 extremes: right_lent,
             },
         )

@@ -6,6 +6,7 @@ use super::bounds::{GAIN, PLANE, U};
 use super::certificate::{Certificate, Trust, hull_holds_origin, separates};
 use super::lot::{Lot, Number, Vector};
 use super::opening::{Place, Settled, nearest_multiple};
+use super::tetrahedron;
 use super::vector::V3;
 use dcd_geom::lanes::Lanes;
 
@@ -105,6 +106,14 @@ pub(super) fn round<L: Lanes, T: Trust>(
     lot.set_vector(l, Vector::P1, p1);
     lot.set_vector(l, Vector::P2, p2);
     let mut touching = portal_holds_origin::<L, T>(l, lot, c, [p0, p1, p2]);
+    let flat = l.and(found, tetrahedron::is_flat(l, lot));
+    if l.bits(flat) != 0 {
+        let held = tetrahedron::holds_origin::<L, T>(l, lot, c, [p0, p1, p2]);
+        let held = l.and_not(l.and(flat, held), touching.holds);
+        // How far they reach beyond the origin is not kept.
+        touching.room = l.select(held, zero, touching.room);
+        touching.holds = l.or(touching.holds, held);
+    }
     touching.holds = l.and(found, touching.holds);
     let stuck = l.or(stuck, l.le(l.splat(ROUNDS), round));
     let settled = Settled::by(l, apart, touching, u32::MAX);

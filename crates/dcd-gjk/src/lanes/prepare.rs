@@ -5,6 +5,7 @@ mod forms;
 pub(super) use forms::constants;
 
 use super::bounds::{CENTRE, CHOICE, ROTATED, TURNED, U};
+use super::compounds::{Room, Whole};
 use super::frame::{BOX, BOXED, BoxRecord, Extremes, Form, LIVE, Part, Record, UPRIGHT, WHOLE};
 use super::upright::Upright;
 use super::vector::V3;
@@ -43,8 +44,9 @@ impl Prepare<'_> {
     #[inline(always)]
     fn any<L: Lanes>(self, l: L) {
         let mut blocks = self.part.blocks;
+        let mut room = self.part.room;
         let mut own;
-        let Extremes(extremes) = match self.part.extremes {
+        let extremes = match self.part.extremes {
             Some(lent) => lent,
             None => {
                 own = Extremes::default();
@@ -76,22 +78,35 @@ impl Prepare<'_> {
                 }
                 let local = &self.scene.cores().blocks(core)[..own.len()];
                 let found = rotate(l, pose, local, own);
-                for side in 0..6 {
-                    l.store(found[side], &mut extremes[side][lane]);
-                }
+                extremes.keep(l, lane, found);
             }
-            let mut reach = [Row::default(); 6];
-            for side in 0..6 {
-                l.store(l.largest_of_each(&extremes[side]), &mut reach[side]);
-            }
+            let reach = extremes.of_each(l);
             for (lane, (record, aabb)) in records.iter().zip(aabbs).enumerate() {
+                let place = (group * WIDTH + lane, first + lane);
                 *aabb = match record.marks & WHOLE {
-                    0 => self.scene.aabb(first + lane),
+                    0 => not_whole(l, self.scene, place, (&mut room, extremes)),
                     _ => boxed(record, &reach, lane),
                 };
             }
         }
     }
+}
+
+/// The box of an object that is not the hull of its vertices: round its parts, or its shape. It is
+/// the part's `k`-th and the scene's `object`-th.
+#[inline(always)]
+fn not_whole<L: Lanes>(
+    l: L,
+    scene: &Scene,
+    (k, object): (usize, usize),
+    (room, extremes): (&mut Room<'_>, &mut Extremes),
+) -> Aabb {
+    if !room.holds(k) {
+        return scene.aabb(object);
+    }
+    let core = &scene.cores().cores()[scene.shape_of()[object] as usize];
+    let (shape, pose) = (scene.shape(object), &scene.poses()[object]);
+    room.prepare(l, (k, Whole { scene, core, shape, pose }), extremes)
 }
 
 /// How many objects ahead their vertices are asked for: about as many as are prepared while memory
@@ -108,7 +123,7 @@ fn look_ahead(scene: &Scene, object: usize) {
 /// Everything of a record but its vertices, for this pose and any that departs from a rotation by
 /// less than [`TURNED`].
 #[inline(always)]
-fn place(record: &Record, core: &Core, pose: &Pose) -> Record {
+pub(super) fn place(record: &Record, core: &Core, pose: &Pose) -> Record {
     let deviation = pose.deviation().max(TURNED);
     let stretch = 1.0 + deviation;
     let t = pose.translation();
@@ -145,7 +160,7 @@ fn marks(record: &Record, core: &Core, pose: &Pose) -> u8 {
 /// The boxes of a shape at a pose. What the matrix departs from a rotation by makes the boxes of the
 /// exact rotation larger and smaller.
 #[inline(always)]
-fn turn(twin_box: &LaneBox, record: &Record, pose: &Pose) -> BoxRecord {
+pub(super) fn turn(twin_box: &LaneBox, record: &Record, pose: &Pose) -> BoxRecord {
     let mut numbers = Row::default();
     let margin = 4.0 * pose.deviation().max(TURNED) * f64::from(record.size);
     for axis in 0..3 {
@@ -173,7 +188,7 @@ fn above(x: f64) -> f32 {
 
 /// Writes R·v in f32 for every vertex, and returns the largest x, y, z, −x, −y, −z lane by lane.
 #[inline(always)]
-fn rotate<L: Lanes>(l: L, pose: &Pose, local: &[Block], out: &mut [Block]) -> [L::F; 6] {
+pub(super) fn rotate<L: Lanes>(l: L, pose: &Pose, local: &[Block], out: &mut [Block]) -> [L::F; 6] {
     let m = pose.rotation().as_mat3();
     let (mx, my, mz) = (spread(l, m.x_axis), spread(l, m.y_axis), spread(l, m.z_axis));
     let lowest = l.splat(f32::NEG_INFINITY);
@@ -205,7 +220,7 @@ fn spread<L: Lanes>(l: L, v: Vec3) -> V3<L> {
 /// The box of the object in that lane: its rotated vertices' extremes round its centre, and what all
 /// of it may be off by.
 #[inline(always)]
-fn boxed(record: &Record, reach: &[Row; 6], lane: usize) -> Aabb {
+pub(super) fn boxed(record: &Record, reach: &[Row; 6], lane: usize) -> Aabb {
     let at = |side: usize| f64::from(reach[side].0[lane]);
     let pad = f64::from(record.size) * f64::from(ROTATED * U)
         + f64::from(record.radius)

@@ -2,6 +2,7 @@
 //! has them. Where a quantity is farther from its threshold than rounding reaches, stage and twin
 //! must say the same.
 
+mod compounds;
 mod curved;
 mod forms;
 mod nearest;

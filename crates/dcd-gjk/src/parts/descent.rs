@@ -27,23 +27,15 @@ pub(super) struct Descent<'a, 'g> {
     /// In and round the second shape, if it is convex.
     pub(super) balls: Option<Balls>,
     pub(super) scratch: &'a mut Scratch,
-    pub(super) tally: Tally<'g>,
+    pub(super) tally: &'a mut Tally<'g>,
 }
 
-impl<'g> Kernel for Descent<'_, 'g> {
-    type Output = Tally<'g>;
+impl Kernel for Descent<'_, '_> {
+    type Output = Next;
 
     #[inline(always)]
-    fn run<L: Lanes>(mut self, l: L) -> Tally<'g> {
-        self.scratch.begin(self.b);
-        self.scratch.walls.begin(self.between, [self.a, self.b]);
-        self.scratch.stack.push([self.a.root(), self.b.root()]);
-        while let Some(blocks) = self.scratch.stack.pop() {
-            if self.compare(l, blocks) == Next::Stop {
-                break;
-            }
-        }
-        self.tally
+    fn run<L: Lanes>(mut self, l: L) -> Next {
+        self.descend(l)
     }
 }
 
@@ -82,6 +74,20 @@ impl Scratch {
 }
 
 impl Descent<'_, '_> {
+    /// From the roots down, until enough is known.
+    #[inline(always)]
+    pub(super) fn descend<L: Lanes>(&mut self, l: L) -> Next {
+        self.scratch.begin(self.b);
+        self.scratch.walls.begin(self.between, [self.a, self.b]);
+        self.scratch.stack.push([self.a.root(), self.b.root()]);
+        while let Some(blocks) = self.scratch.stack.pop() {
+            if self.compare(l, blocks) == Next::Stop {
+                return Next::Stop;
+            }
+        }
+        Next::Go
+    }
+
     /// A block of each: pairs of what is below them, or, where both are leaves, pairs of parts.
     #[inline(always)]
     fn compare<L: Lanes>(&mut self, l: L, [block_a, block_b]: [u32; 2]) -> Next {
@@ -230,7 +236,7 @@ struct Meeting {
 }
 
 /// The numbers of the bits that are set.
-struct Bits(u32);
+pub(super) struct Bits(pub(super) u32);
 
 impl Iterator for Bits {
     type Item = usize;

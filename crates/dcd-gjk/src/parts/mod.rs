@@ -14,6 +14,7 @@ mod nearest;
 mod pair;
 mod piercing;
 mod side;
+mod singly;
 #[cfg(test)]
 mod tests;
 mod triangles;
@@ -27,6 +28,7 @@ use dcd_geom::{Shape, Sixteen};
 use descent::{Descent, Goal};
 use nearest::Open;
 use side::Side;
+use singly::Singly;
 use std::collections::BinaryHeap;
 use walls::Walls;
 
@@ -97,39 +99,42 @@ fn search(
     goal: Goal<'_>,
 ) -> (Verdict<()>, Rung) {
     let ([first, second], swapped) = in_order(a, b);
-    let tally = Tally { goal, swapped, touching: false, undecided: None, rung: Rung::Portal };
-    let tally = match Between::of(&first, &second) {
-        Some(between) => {
-            let (a, b) = (&first, &second);
-            let balls = Balls::of(&between, [a, b]);
-            dispatch_on(path, Descent { a, b, between: &between, balls, scratch, tally })
+    let (a, b) = (&first, &second);
+    let mut tally = Tally { goal, swapped, touching: false, undecided: None, rung: Rung::Portal };
+    match (Between::of(a, b), singly::parts_of([a, b], &tally.goal)) {
+        (Some(between), Some(compound)) => {
+            let (sides, between, tally) = ([a, b], &between, &mut tally);
+            dispatch_on(path, Singly { sides, compound, between, scratch, tally });
         }
-        None => each(&first, &second, tally),
-    };
+        (Some(between), None) => {
+            let (balls, tally) = (Balls::of(&between, [a, b]), &mut tally);
+            dispatch_on(path, Descent { a, b, between: &between, balls, scratch, tally });
+        }
+        (None, _) => each(a, b, &mut tally),
+    }
     tally.answer()
 }
 
-/// The two as their parts, and whether they were exchanged: the one with more parts comes first,
-/// for the other's boxes are those that are turned, and one with a tree before one without; else an
-/// order by content.
+/// The two as their parts, and whether they were exchanged: a mesh comes first, then the one with more
+/// parts, for the other's boxes are those that are turned, and one with a tree before one without;
+/// else an order by content.
 fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> ([Side<'a>; 2], bool) {
     let (side_a, side_b) = (Side::of(a), Side::of(b));
-    let size = |side: &Side<'_>| (side.count(), side.tree().is_some());
+    let size = |side: &Side<'_>| (side.mesh().is_some(), side.count(), side.tree().is_some());
     let swapped = size(&side_b).cmp(&size(&side_a)).then_with(|| order::placed(a, b)).is_gt();
     (if swapped { [side_b, side_a] } else { [side_a, side_b] }, swapped)
 }
 
 /// Every part of one against every part of the other: where lengths leave the range of f32.
-fn each<'a>(a: &Side<'_>, b: &Side<'_>, mut tally: Tally<'a>) -> Tally<'a> {
+fn each(a: &Side<'_>, b: &Side<'_>, tally: &mut Tally<'_>) {
     for part_a in 0..a.count() {
         for part_b in 0..b.count() {
             let pair::Settled { verdict, rung, .. } = pair::settle([a, b], [part_a, part_b]);
             if tally.file([part_a, part_b], (verdict, rung)) == Next::Stop {
-                return tally;
+                return;
             }
         }
     }
-    tally
 }
 
 /// What is known so far.

@@ -11,11 +11,15 @@ use super::side::{Parts, Side};
 use crate::lanes::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::lanes::Lanes;
-use dcd_geom::{Kind, Shape, Sixteen, SupportMap, Triangles};
+use dcd_geom::{Shape, Sixteen, SupportMap, Triangles, TwinBox};
 
 /// How many walls are kept; the oldest goes first. No unit. Smaller: parts settled one by one that
 /// an earlier wall tells apart. Larger: more to hold each leaf against. Never an answer.
 const MOST: usize = 12;
+
+/// How much of the box round a shape the box inside it must be, along each axis, for their faces to
+/// be walls from the start. No unit. Smaller: walls that say little. Never an answer.
+const BOX: f64 = 0.99;
 
 /// The half-space {x: normal·x ≤ height} in the first shape's axes, with a convex second shape in
 /// it. A point of the first that is surely above is apart from the second.
@@ -44,10 +48,14 @@ impl Walls {
         self.walls.clear();
         self.oldest = 0;
         let Parts::One(shape @ Shape::Polytope(polytope)) = b.parts else { return };
-        let (Kind::Cuboid { .. }, Some(tree)) = (polytope.kind(), a.tree()) else { return };
-        let towards = tree.aabb().centre().as_dvec3() - between.offset;
+        let is_box = |twin_box: &&TwinBox| twin_box.inner.cmpgt(twin_box.outer * BOX).all();
+        let (Some(twin_box), Some(tree)) = (polytope.twin_box().filter(is_box), a.tree()) else {
+            return;
+        };
+        let middle = between.rotation * polytope.inner().centre + between.offset;
+        let towards = tree.aabb().centre().as_dvec3() - middle;
         for axis in 0..3 {
-            let normal = between.rotation.col(axis);
+            let normal = between.rotation * twin_box.axes.col(axis);
             let normal = if normal.dot(towards) < 0.0 { -normal } else { normal };
             self.walls.extend(Wall::of(between, a, shape, normal));
         }

@@ -1,0 +1,242 @@
+//! Compounds in the lanes: each part is an object of the frame, behind those of the scene.
+//!
+//! So a pair of compounds is as many pairs of parts as have boxes that overlap, and these pass the
+//! stages of any pair, sixteen at a time, whichever compounds they are of.
+
+use super::frame::{BOXED, BoxRecord, Extremes, Record};
+use super::prepare::{boxed, place, rotate, turn};
+use dcd_geom::lanes::{Block, Lanes, MOST_BLOCKS, WIDTH};
+use dcd_geom::{Aabb, Core, Pose, Scene, Shape, Sixteen};
+
+/// Where the parts of an object begin in a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Start {
+    /// Its first part's record.
+    pub(super) record: u32,
+    /// Its first part's first block of vertices.
+    pub(super) block: u32,
+    /// Its first group of boxes.
+    pub(super) group: u32,
+}
+
+/// The parts of a scene's compounds, as far as they have no room in the frame's own lists.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Compounds {
+    /// One for each object and one behind the last; none at all in a scene without compounds.
+    starts: Vec<Start>,
+    /// The parts' boxes in the world, sixteen a group, each group of one object.
+    groups: Vec<Sixteen>,
+    /// For each group the box round it.
+    unions: Vec<Aabb>,
+}
+
+/// The room for the parts of a range of objects.
+#[derive(Debug, Default)]
+pub(super) struct Room<'f> {
+    /// One more than there are objects, or none.
+    pub(super) starts: &'f [Start],
+    pub(super) records: &'f mut [Record],
+    pub(super) blocks: &'f mut [Block],
+    pub(super) boxes: &'f mut [BoxRecord],
+    groups: &'f mut [Sixteen],
+    unions: &'f mut [Aabb],
+}
+
+/// The parts of an object: their records follow each other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Members<'f> {
+    pub(super) first: u32,
+    pub(super) groups: &'f [Sixteen],
+    pub(super) unions: &'f [Aabb],
+}
+
+impl Compounds {
+    /// Makes room behind the objects' records and blocks, and writes where each part's blocks are.
+    pub(super) fn set_offsets(&mut self, scene: &Scene, records: &mut Vec<Record>, first: u32) {
+        self.starts.clear();
+        self.groups.clear();
+        self.unions.clear();
+        let cores = scene.cores().cores();
+        let parts = |shape: u32| &cores[shape as usize];
+        let count = |shape: &u32| parts(*shape).parts as usize;
+        let all = records.len() + scene.shape_of().iter().map(count).sum::<usize>();
+        // More than a u32 counts stay with the general search.
+        if all == records.len() || u32::try_from(all).is_err() {
+            return;
+        }
+        let mut block = first;
+        for &shape in scene.shape_of() {
+            self.starts.push(self.end(records, block));
+            let of = parts(shape);
+            for part in &cores[of.first_part as usize..][..of.parts as usize] {
+                let (record, next) = laid_out(part, block);
+                records.push(record);
+                block = next;
+            }
+            let groups = self.groups.len() + (of.parts as usize).div_ceil(WIDTH);
+            self.groups.resize(groups, Sixteen::EMPTY);
+            self.unions.resize(groups, Aabb::EMPTY);
+        }
+        self.starts.push(self.end(records, block));
+    }
+
+    fn end(&self, records: &[Record], block: u32) -> Start {
+        Start { record: records.len() as u32, block, group: self.groups.len() as u32 }
+    }
+
+    /// One past the last block.
+    pub(super) fn blocks(&self) -> Option<u32> {
+        self.starts.last().map(|end| end.block)
+    }
+
+    /// The room for all parts, of which these are the records, blocks and boxes.
+    pub(super) fn room<'f>(
+        &'f mut self,
+        records: &'f mut [Record],
+        blocks: &'f mut [Block],
+        boxes: &'f mut [BoxRecord],
+    ) -> Room<'f> {
+        let Self { starts, groups, unions } = self;
+        Room { starts, records, blocks, boxes, groups, unions }
+    }
+
+    /// The parts of an object, if it has some.
+    #[inline(always)]
+    pub(super) fn members(&self, object: u32) -> Option<Members<'_>> {
+        let [start, end] = *self.starts.get(object as usize..)?.first_chunk()?;
+        let groups = start.group as usize..end.group as usize;
+        let members = Members {
+            first: start.record,
+            groups: self.groups.get(groups.clone())?,
+            unions: self.unions.get(groups)?,
+        };
+        (start != end).then_some(members)
+    }
+
+    /// A record's number among the parts of that object.
+    pub(super) fn place_of(&self, object: u32, record: u32) -> Option<u32> {
+        let [start, end] = *self.starts.get(object as usize..)?.first_chunk()?;
+        (start.record..end.record).contains(&record).then(|| record - start.record)
+    }
+}
+
+/// A record with room for its vertices from that block on, and the next one's first block. What
+/// the lanes cannot tell goes without: its pairs are settled in f64.
+pub(super) fn laid_out(core: &Core, first: u32) -> (Record, u32) {
+    let next = first.saturating_add(core.blocks);
+    let fits =
+        next as usize <= MOST_BLOCKS && core.blocks <= u32::from(super::bounds::TAGGED_BLOCKS);
+    let (blocks, next) = if fits { (core.blocks as u8, next) } else { (0, first) };
+    (Record { first, blocks, ..Record::default() }, next)
+}
+
+impl<'f> Room<'f> {
+    pub(super) fn split_at(self, middle: usize) -> (Self, Self) {
+        let (Some(&base), Some(&cut)) = (self.starts.first(), self.starts.get(middle)) else {
+            return (self, Self::default());
+        };
+        let (records, later_records) =
+            self.records.split_at_mut((cut.record - base.record) as usize);
+        let (blocks, later_blocks) = self.blocks.split_at_mut((cut.block - base.block) as usize);
+        let boxes = records.len().min(self.boxes.len());
+        let (boxes, later_boxes) = self.boxes.split_at_mut(boxes);
+        let groups = (cut.group - base.group) as usize;
+        let (groups, later_groups) = self.groups.split_at_mut(groups);
+        let (unions, later_unions) = self.unions.split_at_mut(groups.len());
+        (
+            Self { starts: &self.starts[..=middle], records, blocks, boxes, groups, unions },
+            Self {
+                starts: &self.starts[middle..],
+                records: later_records,
+                blocks: later_blocks,
+                boxes: later_boxes,
+                groups: later_groups,
+                unions: later_unions,
+            },
+        )
+    }
+
+    /// Whether the range's `k`-th object has parts here.
+    #[inline(always)]
+    pub(super) fn holds(&self, k: usize) -> bool {
+        self.starts.get(k + 1).is_some_and(|end| *end != self.starts[k])
+    }
+
+    /// Makes the parts of the range's `k`-th object ready, and returns the box round them.
+    #[inline(always)]
+    pub(super) fn prepare<L: Lanes>(
+        &mut self,
+        l: L,
+        (k, whole): (usize, Whole<'_>),
+        extremes: &mut Extremes,
+    ) -> Aabb {
+        let [base, start, end] = [self.starts[0], self.starts[k], self.starts[k + 1]];
+        let mut part = (start.record - base.record) as usize;
+        let last = (end.record - base.record) as usize;
+        let mut blocks = &mut self.blocks[(start.block - base.block) as usize..];
+        let records = self.records[part..last].chunks_mut(WIDTH);
+        let mut core = whole.core.first_part as usize;
+        let mut around = Aabb::EMPTY;
+        for (group, records) in ((start.group - base.group) as usize..).zip(records) {
+            for (lane, record) in records.iter_mut().enumerate() {
+                let (own, others) =
+                    std::mem::take(&mut blocks).split_at_mut(usize::from(record.blocks));
+                blocks = others;
+                let boxes = self.boxes.get_mut(part + lane);
+                let found = whole.part(l, core + lane, (record, boxes), own);
+                extremes.keep(l, lane, found);
+            }
+            let reach = extremes.of_each(l);
+            for (lane, record) in records.iter().enumerate() {
+                let aabb = match record.marks & super::frame::WHOLE {
+                    0 => whole.aabb_of(core + lane),
+                    _ => boxed(record, &reach, lane),
+                };
+                self.groups[group].set(lane, &aabb);
+            }
+            self.unions[group] = self.groups[group].union();
+            around = around.union(&self.unions[group]);
+            core += records.len();
+            part += records.len();
+        }
+        around
+    }
+}
+
+/// A compound at a pose.
+#[derive(Clone, Copy)]
+pub(super) struct Whole<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) core: &'a Core,
+    pub(super) shape: &'a Shape,
+    pub(super) pose: &'a Pose,
+}
+
+impl Whole<'_> {
+    /// Writes what is prepared of the part with that core, and returns how far it reaches.
+    #[inline(always)]
+    fn part<L: Lanes>(
+        &self,
+        l: L,
+        core: usize,
+        (record, boxes): (&mut Record, Option<&mut BoxRecord>),
+        own: &mut [Block],
+    ) -> [L::F; 6] {
+        let cores = self.scene.cores();
+        let of = &cores.cores()[core];
+        *record = place(record, of, self.pose);
+        if let (true, Some(boxes)) = (record.marks & BOXED != 0, boxes) {
+            *boxes = turn(&cores.twin_boxes()[core], record, self.pose);
+        }
+        rotate(l, self.pose, &cores.blocks(of)[..own.len()], own)
+    }
+
+    /// The box of the part with that core, from the part itself.
+    fn aabb_of(&self, core: usize) -> Aabb {
+        let part = self.scene.cores().cores()[core].part;
+        match self.shape {
+            Shape::Compound(compound) => compound.parts()[part as usize].placed().aabb(self.pose),
+            _ => Aabb::EVERYTHING,
+        }
+    }
+}
