@@ -3,7 +3,8 @@
 //! A pair passes stages, each a small kernel that settles what it can prove and hands on the rest:
 //! balls, twin boxes, the axis between the centres, the cone, a second point, the portal. Between
 //! stages it waits on a belt until sixteen have come together. What the lanes cannot prove is
-//! settled in f64, and what f64 cannot, exactly.
+//! settled in f64, and what f64 cannot, exactly. A pair of compounds passes them as the pairs of its
+//! parts.
 
 mod ahead;
 mod axis;

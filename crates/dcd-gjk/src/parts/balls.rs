@@ -1,12 +1,12 @@
-//! Sixteen triangles beside the ball inside a convex shape and the ball round it: the point of each
-//! nearest to their centre tells much before any solver is asked, and of spheres all
+//! Sixteen triangles beside the ball inside a convex shape, the box inside it and the ball round it: the
+//! point of each nearest to their centre tells much before any solver is asked, and of spheres all
 //! (docs/numerics.md, "parts").
 
 use super::between::Between;
-use super::bounds::{NEAREST, SHORTEST_AXIS, SMALLEST_BALL, SWEPT, U, U64};
+use super::bounds::{INNER_BOX, NEAREST, SHORTEST_AXIS, SMALLEST_BALL, SWEPT, TURNED, U, U64};
 use super::side::{Parts, Side};
 use crate::lanes::vector::V3;
-use dcd_geom::glam::DVec3;
+use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::lanes::{Lanes, Row};
 use dcd_geom::{Shape, SupportMap, Triangles};
 
@@ -18,6 +18,43 @@ pub(super) struct Balls {
     inner: f64,
     outer: f64,
     slack: f64,
+    inside: Option<InnerBox>,
+}
+
+/// A box inside the second shape, round the same centre, in the first shape's axes.
+#[derive(Clone, Copy, Debug)]
+struct InnerBox {
+    /// The directions of its edges.
+    axes: [Vec3; 3],
+    /// Half of them.
+    half: DVec3,
+    /// What the two matrices depart from rotations by, relative.
+    departure: f64,
+}
+
+impl InnerBox {
+    /// `None` where the shape has none, or a pose is too far from a rotation for its axes.
+    fn of(between: &Between, shape: &Shape, departure: f64) -> Option<Self> {
+        let twin_box = shape.as_polytope()?.twin_box()?;
+        let half = twin_box.inner;
+        let turned = between.rotation * twin_box.axes;
+        let axes = [turned.x_axis, turned.y_axis, turned.z_axis].map(|axis| axis.as_vec3());
+        let says_something = half.min_element() > SMALLEST_BALL && departure < TURNED;
+        says_something.then_some(Self { axes, half, departure })
+    }
+
+    /// The lanes whose point v, relative to the centre, is in the box, whatever it is off by.
+    #[inline(always)]
+    fn holds<L: Lanes>(&self, l: L, v: V3<L>, (size, rounding): (f64, f64)) -> u32 {
+        let rounding = rounding + 1.01 * (INNER_BOX * U + 8.0 * self.departure) * size;
+        let mut inside = l.mask(u32::MAX);
+        for (axis, half) in self.axes.into_iter().zip(self.half.to_array()) {
+            let axis = V3(l.splat(axis.x), l.splat(axis.y), l.splat(axis.z));
+            let most = ((half - rounding) as f32).next_down();
+            inside = l.and(inside, l.lt(l.abs(axis.dot(l, v)), l.splat(most)));
+        }
+        l.bits(inside)
+    }
 }
 
 /// What the balls tell of a leaf's triangles.
@@ -46,6 +83,7 @@ impl Balls {
             inner: inner * (1.0 - 16.0 * U64),
             outer: outer * (1.0 + 16.0 * U64),
             slack: between.slack(),
+            inside: InnerBox::of(between, shape, turn_a + turn_b),
         })
     }
 
@@ -65,12 +103,15 @@ impl Balls {
         let square = v.dot(l, v);
 
         let within = self.inner - rounding;
-        let touching = if within > SMALLEST_BALL {
+        let mut touching = if within > SMALLEST_BALL {
             let most = (within * within * (1.0 - 4.0 * U)) as f32;
             l.bits(l.lt(square, l.splat(most.next_down())))
         } else {
             0
         };
+        if let Some(inside) = &self.inside {
+            touching |= inside.holds(l, v, (size, rounding));
+        }
         let beyond = ((self.outer + rounding) * (1.0 + SWEPT)) as f32;
         let least = 2.0 * SHORTEST_AXIS * size;
         let least = l.splat(least as f32 + f32::MIN_POSITIVE);

@@ -32,6 +32,14 @@ pub(super) const CORNERS_OF_BOXES: f64 = 3.1;
 /// that exceed 1, and 3 for its length. Smaller: false answers.
 pub(super) const NEAREST: f64 = 26.0;
 
+/// What is lost in a coordinate of that point along an edge of a box. Unit: u·l, as for [`NEAREST`],
+/// which comes on top. The edge's rounding 1 and the dot product 3. Smaller: false "touching".
+pub(super) const INNER_BOX: f64 = 4.1;
+
+/// How far the two poses together may be from rotations for a shape's inner box to be turned with
+/// them. No unit. Larger: the bound would have to count squares of it.
+pub(super) const TURNED: f64 = 1e-9;
+
 /// A ball's radius below which squares may lose to underflow. Unit: metres. Smaller: false
 /// "touching".
 pub(super) const SMALLEST_BALL: f64 = 1e-15;

@@ -107,6 +107,16 @@ impl<'a> Side<'a> {
 
 /// The smallest and largest coordinate of a convex shape along each of three directions, rounded.
 pub(super) fn extent(shape: &Shape, rows: [DVec3; 3], stretch: f64) -> (DVec3, DVec3) {
+    if let Shape::Polytope(polytope) = shape {
+        let [x, y, z] = rows;
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &v in polytope.vertices() {
+            let along = DVec3::new(x.dot(v), y.dot(v), z.dot(v));
+            (min, max) = (min.min(along), max.max(along));
+        }
+        let radius = polytope.swept_radius() * stretch;
+        return (min - radius, max + radius);
+    }
     let along = |d: DVec3| {
         let error = shape.support_error() * d.abs().element_sum();
         d.dot(shape.support(d).point) + error + shape.radius() * stretch

@@ -168,6 +168,32 @@ fn one_triangle_meets_one_convex_shape_whichever_pose_comes_first() {
 }
 
 #[test]
+fn triangles_as_near_to_a_boxs_face_as_rounding_are_told_as_exactly() {
+    let (mut scratch, mut touching) = (Scratch::default(), 0);
+    for seed in 0..600 {
+        let mut draw = Draw(seed);
+        let half = draw.point(1.0).abs() + 0.05;
+        let cuboid = Shape::cuboid(half).unwrap();
+        let part = vec![(cuboid.clone(), draw.pose(0.5))];
+        let lone = Shape::compound(part.clone()).unwrap();
+        let (shape, place) =
+            if seed % 2 == 0 { (&cuboid, Pose::IDENTITY) } else { (&lone, part[0].1) };
+        // Above or below the face that looks along z, by some 1e-10 to 1e-4 of the box.
+        let gap = 10f64.powf(-4.0 - 6.0 * draw.number()) * (draw.number() - 0.5).signum();
+        let corners = [(); 3].map(|()| {
+            let DVec3 { x, y, .. } = draw.point(0.8);
+            let slope = 0.3 * gap.abs() * draw.number();
+            place.apply(half * DVec3::new(x, y, 1.0) + DVec3::Z * (gap + slope))
+        });
+        let mesh = Shape::mesh(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
+        let pose = draw.pose(10.0);
+        let (a, b) = (Placed { shape, pose: &pose }, Placed { shape: &mesh, pose: &pose });
+        touching += check(a, b, &mut scratch, &format!("seed {seed}, gap {gap:e}"));
+    }
+    assert!((200..400).contains(&touching), "{touching}");
+}
+
+#[test]
 fn a_triangle_without_extent_is_as_far_from_a_convex_shape_as_its_point() {
     let mesh = Shape::mesh(vec![DVec3::ZERO], vec![[0; 3]]).unwrap();
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
