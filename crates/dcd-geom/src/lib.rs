@@ -33,7 +33,7 @@ mod twin_box;
 
 pub use aabb::Aabb;
 pub use ball::Ball;
-pub use bound::{Bound, LooseBall};
+pub use bound::{Bound, LooseBall, SnugBall};
 pub use core::{Core, Cores, LaneBox, MOST_PARTS};
 pub use curved::{Curved, CurvedKind};
 pub use divide::Divide;

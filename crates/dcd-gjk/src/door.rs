@@ -182,7 +182,8 @@ impl<A> Findings<'_, A> {
 /// any threads, `decide` files every pair that it is given exactly once, contacts in the order of
 /// the pairs. A verdict depends on the two objects alone: not on the other pairs, their order, the
 /// scratch memory or the cut. The boxes that `prepare` writes contain the objects, and where
-/// `growth` is known lie in the objects' bounds swept by it.
+/// `growth` is known lie in the objects' bounds swept by it. Where a `sole_answer` is known it is
+/// that of every two objects with a common point.
 ///
 /// Objects in no pair need not be prepared. Laid out again for a scene of the same
 /// [`Scene::layout`], a frame keeps what it holds of every object, so that one that has not moved
@@ -209,6 +210,12 @@ pub trait NarrowPhase: Send + Sync {
     /// of many objects prepares those alone whose bounds, so grown, reach something. `None`: not
     /// known, and every object must be prepared.
     fn growth(&self) -> Option<f64> {
+        None
+    }
+
+    /// What is told of any two objects that share a point, where that is the same for all: whoever
+    /// knows by other means that they do need not ask. `None`: each pair has to be asked for.
+    fn sole_answer(&self) -> Option<Self::Answer> {
         None
     }
 

@@ -23,6 +23,9 @@ where
     }
     let whole = decided(narrow, scene, &frame, pairs, &mut N::Scratch::default());
     whole.files_each_once(pairs)?;
+    if let Some(answer) = narrow.sole_answer() {
+        contacts_of_inner_balls_have_it(scene, pairs, &whole.contacts, answer)?;
+    }
 
     // Prepared in single objects from the last to the first, into a frame that was used before.
     let again = prepared(narrow, scene, &mut frame, 1);
@@ -198,6 +201,26 @@ fn bounds_contain_their_boxes(scene: &Scene, aabbs: &[Aabb], growth: f64) -> Res
         let bound = bound.swept(growth).aabb(pose);
         if !bound.contains(aabb) {
             return Err(Broken(format!("{bound:?} of object {i} does not hold {aabb:?}")));
+        }
+    }
+    Ok(())
+}
+
+fn contacts_of_inner_balls_have_it<A: PartialEq + Debug>(
+    scene: &Scene,
+    pairs: &[Pair],
+    contacts: &[Contact<A>],
+    answer: A,
+) -> Result<(), Broken> {
+    let inner = |i: u32| {
+        let i = i as usize;
+        Some(Bound::of(scene.shape(i))?.inner_ball(&scene.poses()[i]))
+    };
+    for pair in pairs {
+        let balls = inner(pair.i).zip(inner(pair.j));
+        let touch = balls.is_some_and(|(a, b)| a.short_of(&b) <= 0.0);
+        if touch && !contacts.iter().any(|c| c.pair == *pair && c.answer == answer) {
+            return Err(Broken(format!("{pair:?} touch, and {answer:?} is not told of them")));
         }
     }
     Ok(())

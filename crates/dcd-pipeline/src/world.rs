@@ -12,7 +12,7 @@ pub use probe::{Finding, Found, Other, Probe};
 
 use dcd_broad::{Named, Outline, StandingTree};
 use dcd_exec::Exec;
-use dcd_geom::{Aabb, Bound, LooseBall, Object, Scene, SceneError};
+use dcd_geom::{Aabb, Bound, LooseBall, Object, Scene, SceneError, SnugBall};
 use dcd_gjk::{NarrowPhase, Overlap};
 
 /// How many obstacles a task prepares.
@@ -27,7 +27,7 @@ pub struct World<N = Overlap> {
     /// For each obstacle its index in the scene that it came from.
     names: Vec<u32>,
     tree: StandingTree,
-    /// For each obstacle its box and its ball, grown as the narrow phase says.
+    /// For each obstacle its box and its ball, grown as the narrow phase says, and a ball in it.
     outlines: Vec<Outline>,
 }
 
@@ -58,10 +58,14 @@ impl<N: NarrowPhase> World<N> {
         let mut tree = StandingTree::default();
         let own: Vec<u32> = (0..).take(aabbs.len()).collect();
         tree.build(Named { aabbs: &aabbs, names: &own }, exec);
-        let ball = |i| Some(Bound::of(obstacles.shape(i))?.swept(narrow.growth()?));
         let outline = |(i, &aabb): (usize, &Aabb)| {
-            let ball = ball(i).map_or(LooseBall::EVERYTHING, |b| b.ball(&obstacles.poses()[i]));
-            Outline { aabb, ball }
+            let (bound, pose) = (Bound::of(obstacles.shape(i)), &obstacles.poses()[i]);
+            let grown = bound.and_then(|bound| Some(bound.swept(narrow.growth()?)));
+            Outline {
+                aabb,
+                ball: grown.map_or(LooseBall::EVERYTHING, |grown| grown.ball(pose)),
+                inner: bound.map_or(SnugBall::NOTHING, |bound| bound.inner_ball(pose)),
+            }
         };
         let outlines = aabbs.iter().enumerate().map(outline).collect();
         Ok(Self { narrow, obstacles, names, tree, outlines })

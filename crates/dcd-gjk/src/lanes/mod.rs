@@ -85,6 +85,10 @@ impl<T: Trust> NarrowPhase for InLanes<T> {
         Some(0.0)
     }
 
+    fn sole_answer(&self) -> Option<()> {
+        Some(())
+    }
+
     fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Frame) -> Part<'f> {
         frame.lay_out(scene)
     }

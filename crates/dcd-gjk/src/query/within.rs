@@ -96,6 +96,10 @@ impl<N: NarrowPhase> NarrowPhase for Within<N> {
         self.narrow.growth().map(|own| own + self.half())
     }
 
+    fn sole_answer(&self) -> Option<N::Answer> {
+        self.narrow.sole_answer()
+    }
+
     fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
         frame.grown.follow(scene, self.half());
         let grown = match &frame.grown {

@@ -22,10 +22,13 @@ pub(super) struct Desk<N: NarrowPhase> {
     names: Vec<u32>,
     scratch: N::Scratch,
     pub(super) outlook: Outlook,
-    /// The first configuration, by its number in the batch.
+    /// The first configuration, by its number in the batch, and how many there are.
     pub(super) start: usize,
+    count: usize,
     /// The configurations that are still asked for, counted from the first.
     pub(super) open: Set,
+    /// For each link the configurations in which it is wanted next.
+    pub(super) due: Vec<Set>,
     /// For each link the configurations of which it is posed.
     pub(super) posed: Vec<Set>,
     /// For each object of the rows the configuration that it stands for.
@@ -51,7 +54,9 @@ impl<N: NarrowPhase> Default for Desk<N> {
             scratch: N::Scratch::default(),
             outlook: Outlook::default(),
             start: 0,
+            count: 0,
             open: Set::default(),
+            due: Vec::new(),
             posed: Vec::new(),
             owners: Vec::new(),
             slots: Vec::new(),
@@ -95,23 +100,29 @@ impl<N: NarrowPhase> Desk<N> {
         probe.world.narrow.prepare(&self.scene, 0, part, aabbs);
     }
 
-    /// Takes up configurations, at most a row.
+    /// Takes up so many configurations, at most a row.
     pub(super) fn open(&mut self, probe: &Probe<'_, N>, start: usize, count: usize) {
         self.set_up(probe);
         let links = probe.linkage.len();
-        self.outlook.open(probe);
-        self.posed.clear();
-        self.posed.resize(links, Set::default());
-        self.start = start;
-        self.open = Set::first(count);
+        for sets in [&mut self.due, &mut self.posed] {
+            sets.clear();
+            sets.resize(links, Set::default());
+        }
+        (self.start, self.count) = (start, count);
     }
 
     /// All pairs of the configurations taken up, settled. The index of the first pose that was
     /// refused, if any.
     pub(super) fn settle_all(&mut self, probe: &Probe<'_, N>, poses: &[Pose]) -> Option<usize> {
         let links = probe.linkage.len();
-        for link in 0..links {
-            self.outlook.look(probe, link, self.open, &poses[self.start * links..]);
+        let row = (&poses[self.start * links..], self.count);
+        self.open = self.outlook.look(probe, row, |_, _, _| false);
+        for (link, due) in self.due.iter_mut().enumerate() {
+            *due = self.outlook.near(link);
+        }
+        for (pair, &(k, l)) in probe.linkage.own_pairs.iter().enumerate() {
+            self.due[k as usize] |= self.outlook.met(pair);
+            self.due[l as usize] |= self.outlook.met(pair);
         }
         let refused = self.place(probe, poses);
         self.pairs.clear();
@@ -128,8 +139,8 @@ impl<N: NarrowPhase> Desk<N> {
         refused
     }
 
-    /// Poses and prepares what is near, of the open configurations, and not yet posed. The index of
-    /// the first pose that was refused.
+    /// Poses and prepares what is due and not yet posed. The index of the first pose that was
+    /// refused.
     pub(super) fn place(&mut self, probe: &Probe<'_, N>, poses: &[Pose]) -> Option<usize> {
         let (rows, count) = (probe.world.obstacles.len(), probe.linkage.len());
         let mut refused: Option<usize> = None;
@@ -137,7 +148,7 @@ impl<N: NarrowPhase> Desk<N> {
         for link in 0..count {
             let first = rows + ROW * link + self.posed[link].len();
             let mut slot = first;
-            for own in Members::of(self.outlook.near(link) & self.open & !self.posed[link]) {
+            for own in Members::of(self.due[link] & !self.posed[link]) {
                 let pose = (self.start + own) * count + link;
                 if self.scene.set_pose(slot, poses[pose]).is_err() {
                     refused = Some(refused.map_or(pose, |first| first.min(pose)));

@@ -1,7 +1,6 @@
 //! What is posed together.
 
 use dcd_geom::{Filter, SceneError, Shape};
-use std::ops::Range;
 
 /// Shapes that are posed together, each by a pose of its own: a robot's links, a compound's parts,
 /// or one shape alone.
@@ -48,12 +47,6 @@ impl Linkage {
             self.own_pairs.extend(below.map(|k| (k as u32, l as u32)));
         }
         Ok(self)
-    }
-
-    /// The numbers of a link's pairs with the links before it.
-    pub(super) fn own_pairs_of(&self, link: usize) -> Range<usize> {
-        let before = |end: usize| self.own_pairs.partition_point(|&(_, l)| (l as usize) < end);
-        before(link)..before(link + 1)
     }
 
     /// How many links there are.

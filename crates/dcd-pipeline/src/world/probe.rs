@@ -112,14 +112,16 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
         Ok(probe)
     }
 
-    /// For each configuration a link that touches, if there is one: that of the smallest index, and
-    /// of what it touches the obstacle of the smallest index, or the link. Where nothing is known
-    /// to touch, a pair that could not be settled, if there is one. Links after the first that
-    /// touch may not be looked at.
+    /// For each configuration one contact, if it has any. Where nothing is known to touch, a pair that
+    /// could not be settled, if there is one.
+    ///
+    /// Which of several contacts is told is not specified, but that it is the one that is found with
+    /// the least work; it is always the same, whatever other configurations are asked with it.
     ///
     /// # Errors
     /// There is not one pose for each link of each configuration; more configurations than a u32
-    /// counts; a pose out of range, by its index in the batch.
+    /// counts; a pose out of range, by its index in the batch, unless another link of its
+    /// configuration was found to touch before it was prepared.
     pub fn first<'e>(
         &mut self,
         poses: &[Pose],
@@ -147,7 +149,7 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
     /// links with each other, then what could not be settled.
     ///
     /// # Errors
-    /// Those of [`Probe::first`].
+    /// Those of [`Probe::first`], and every pose out of range.
     pub fn all<'e>(
         &mut self,
         poses: &[Pose],
@@ -167,6 +169,12 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
         self.all = all;
         refused.check(&self.template, self.linkage.len(), poses)?;
         Ok(Found(&self.all))
+    }
+
+    /// Whether a link may touch an obstacle.
+    pub(super) fn allows(&self, link: usize, obstacle: u32) -> bool {
+        let obstacle = self.world.obstacles.filters()[obstacle as usize];
+        self.linkage.filters[link].allows(obstacle)
     }
 
     /// How many configurations these poses are.

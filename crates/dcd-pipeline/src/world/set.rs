@@ -15,15 +15,6 @@ pub(super) const WORDS: usize = 4;
 pub(super) struct Set(pub(super) [BoxSet; WORDS]);
 
 impl Set {
-    /// The first `count` of a row.
-    pub(super) fn first(count: usize) -> Self {
-        let all = |word: usize| BoxRow::LENGTH.min(count.saturating_sub(word * BoxRow::LENGTH));
-        Self(std::array::from_fn(|word| match all(word) {
-            0 => 0,
-            members => BoxSet::MAX >> (BoxRow::LENGTH - members),
-        }))
-    }
-
     #[inline]
     pub(super) fn is_empty(self) -> bool {
         self.0.iter().fold(0, |all, word| all | word) == 0
@@ -156,12 +147,5 @@ mod tests {
         set.remove(3);
         assert_eq!(Members::of(set).collect::<Vec<_>>(), [1, BoxRow::LENGTH, ROW - 1]);
         assert!(Members::of(!Set::default()).eq(0..ROW));
-    }
-
-    #[test]
-    fn the_first_of_a_row_are_as_many_as_asked_for() {
-        for count in [0, 1, BoxRow::LENGTH - 1, BoxRow::LENGTH, BoxRow::LENGTH + 1, ROW] {
-            assert!(Members::of(Set::first(count)).eq(0..count), "{count}");
-        }
     }
 }

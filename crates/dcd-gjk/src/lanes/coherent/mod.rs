@@ -141,6 +141,10 @@ impl NarrowPhase for Coherent {
         Some(0.0)
     }
 
+    fn sole_answer(&self) -> Option<()> {
+        Some(())
+    }
+
     fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Frame) -> Part<'f> {
         let same_shapes =
             frame.shapes.as_ref().is_some_and(|s| Arc::ptr_eq(s, scene.shared_shapes()));
