@@ -156,15 +156,15 @@ impl<T: Send> Segments<T> {
         self.spans.iter().map(|&span| self.slice(Cut(span)))
     }
 
-    /// Cuts every segment into pieces of at most `size` items, for tasks of like work, and lists
-    /// the pieces in order. They depend on the segments alone.
+    /// Cuts every segment into as few pieces of at most `size` items as there may be, all as long as
+    /// each other but for one item, and lists the pieces in order. They depend on the segments alone.
     pub fn cut(&self, size: usize, pieces: &mut Vec<Cut>) {
         pieces.clear();
-        let size = size.max(1);
         for &span in &self.spans {
-            for offset in (0..span.len).step_by(size) {
-                let len = size.min(span.len - offset);
-                pieces.push(Cut(Span { start: span.start + offset, len, ..span }));
+            let count = span.len.div_ceil(size.max(1));
+            for k in 0..count {
+                let [begin, end] = [k, k + 1].map(|k| k * span.len / count);
+                pieces.push(Cut(Span { start: span.start + begin, len: end - begin, ..span }));
             }
         }
     }

@@ -5,16 +5,18 @@ use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::{Cut, Exec, PerThread, Segments, Stage};
 use dcd_geom::{Aabb, Divide, Pair, Scene};
 use dcd_gjk::{Contact, Findings, NarrowPhase, Overlap, Report};
+use std::ops::Range;
 
 /// How many objects a task prepares. Larger: fewer tasks to share. Smaller: more overhead a task
 /// (about a microsecond). A scene of at most this many objects is prepared without the pool.
 const OBJECTS_PER_TASK: usize = 256;
 
-/// How many candidate pairs a task judges, at most: some tens of microseconds. A scene of at most
-/// this many candidates is judged without the pool.
+/// How many candidate pairs a task judges, at most: some tens of microseconds. Smaller: the lanes' last
+/// lots, which are not full, are more of the work. A scene of at most this many candidates is judged
+/// without the pool.
 const PAIRS_PER_TASK: usize = 2048;
 
-/// Candidate pairs, and the slices of them that tasks judge.
+/// Candidate pairs, and which of them each task judges.
 #[derive(Debug, Default)]
 struct Candidates {
     /// Of two moving objects.
@@ -22,14 +24,30 @@ struct Candidates {
     /// Of a moving and a static one.
     between: Segments<Pair>,
     slices: [Vec<Cut>; 2],
+    /// The slices of each task, numbered through both lists.
+    tasks: Vec<Range<usize>>,
 }
 
 impl Candidates {
-    /// Cuts both lists anew, and returns how many slices there are.
-    fn cut(&mut self) -> usize {
+    /// Cuts both lists anew, and shares the slices out.
+    fn cut(&mut self) {
         self.among.cut(PAIRS_PER_TASK, &mut self.slices[0]);
         self.between.cut(PAIRS_PER_TASK, &mut self.slices[1]);
-        self.slices[0].len() + self.slices[1].len()
+        self.tasks.clear();
+        let mut pairs = 0;
+        for k in 0..self.slices[0].len() + self.slices[1].len() {
+            let more = self.slice(k).len();
+            match self.tasks.last_mut() {
+                Some(last) if pairs + more <= PAIRS_PER_TASK => {
+                    last.end = k + 1;
+                    pairs += more;
+                }
+                _ => {
+                    self.tasks.push(k..k + 1);
+                    pairs = more;
+                }
+            }
+        }
     }
 
     fn slice(&self, k: usize) -> &[Pair] {
@@ -38,6 +56,31 @@ impl Candidates {
             Some(k) => self.between.slice(self.slices[1][k]),
         }
     }
+
+    /// All slices, in order.
+    fn slices(&self) -> impl Iterator<Item = &[Pair]> + Clone {
+        (0..self.slices[0].len() + self.slices[1].len()).map(|k| self.slice(k))
+    }
+
+    /// The pairs of a task, in one piece: in `joined` where they lie in several.
+    fn of_task<'a>(&'a self, task: usize, joined: &'a mut Vec<Pair>) -> &'a [Pair] {
+        let slices = self.tasks[task].clone();
+        if slices.len() == 1 {
+            return self.slice(slices.start);
+        }
+        joined.clear();
+        joined.reserve(PAIRS_PER_TASK);
+        slices.for_each(|k| joined.extend_from_slice(self.slice(k)));
+        joined
+    }
+}
+
+/// What a thread reuses from task to task.
+#[derive(Debug, Default)]
+struct Desk<S> {
+    scratch: S,
+    joined: Vec<Pair>,
+    report: Report,
 }
 
 /// Broad phase, narrow phase, and every buffer between them, kept from step to step.
@@ -50,8 +93,7 @@ pub struct Pipeline<B = WideTree, N: NarrowPhase = Overlap> {
     roster: Roster,
     candidates: Candidates,
     contacts: Segments<Contact<N::Answer>>,
-    scratch: PerThread<N::Scratch>,
-    reports: PerThread<Report>,
+    desks: PerThread<Desk<N::Scratch>>,
     report: Report,
 }
 
@@ -66,8 +108,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             roster: Roster::default(),
             candidates: Candidates::default(),
             contacts: Segments::default(),
-            scratch: PerThread::default(),
-            reports: PerThread::default(),
+            desks: PerThread::default(),
             report: Report::default(),
         }
     }
@@ -157,21 +198,19 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
     }
 
     fn judge(&mut self, scene: &Scene, exec: Exec) {
-        let Self { narrow, frame, candidates, contacts, scratch, reports, report, .. } = self;
-        let slices = candidates.cut();
+        let Self { narrow, frame, candidates, contacts, desks, report, .. } = self;
+        candidates.cut();
         let candidates = &*candidates;
-        narrow.foresee(frame, (0..slices).map(|k| candidates.slice(k)));
+        narrow.foresee(frame, candidates.slices());
         let frame = &*frame;
-        contacts.fill(exec, slices, |k, contacts| {
-            scratch.with(|scratch| {
-                reports.with(|report| {
-                    let pairs = candidates.slice(k);
-                    narrow.decide(scene, frame, pairs, scratch, &mut Findings { contacts, report });
-                });
+        contacts.fill(exec, candidates.tasks.len(), |task, contacts| {
+            desks.with(|Desk { scratch, joined, report }| {
+                let pairs = candidates.of_task(task, joined);
+                narrow.decide(scene, frame, pairs, scratch, &mut Findings { contacts, report });
             });
         });
         report.clear();
-        reports.iter_mut().for_each(|part| report.absorb(part));
+        desks.iter_mut().for_each(|desk| report.absorb(&mut desk.report));
         report.sort();
     }
 }
