@@ -2,7 +2,8 @@
 //!
 //! Work is cut into tasks whose number depends on the work alone; task k writes segment k; so what
 //! comes out is the same at any number of threads, and serial is the same code on one. A closure
-//! given to [`Exec`] must not care in which order or on which thread it runs.
+//! given to [`Exec`] must not care in which order or on which thread it runs. It is called through
+//! a pointer, once a task: what runs it is compiled once, not once more for each.
 //!
 //! Deliberately absent: a clock (an optional [`Observer`] is told when tasks begin and end; the
 //! clock is the caller's), a thread pool of our own ([`Par::Pool`] is rayon's current one), locks.
@@ -92,8 +93,12 @@ impl<'a> Exec<'a> {
 
     /// Runs `task(0)`, `task(1)`, … `task(count − 1)`, in any order.
     pub fn tasks(self, count: usize, task: impl Fn(usize) + Sync) {
+        self.tasks_by(count, &task);
+    }
+
+    fn tasks_by(self, count: usize, task: &(dyn Fn(usize) + Sync)) {
         if self.is_plain(count) {
-            return self.in_turn(count, task);
+            return self.in_turn(count, &mut |k| task(k));
         }
         self.section(count, || self.divide_from(0, Count(count), 1, &|k, _| task(k)));
     }
@@ -104,7 +109,7 @@ impl<'a> Exec<'a> {
     }
 
     /// Runs `task(0)`, `task(1)`, … on the calling thread, in order.
-    pub(crate) fn in_turn(self, count: usize, mut task: impl FnMut(usize)) {
+    pub(crate) fn in_turn(self, count: usize, task: &mut dyn FnMut(usize)) {
         self.section(count, || (0..count).for_each(|k| self.watched(k, || task(k))));
     }
 
@@ -146,9 +151,12 @@ impl<'a> Exec<'a> {
     /// Cuts `whole` into parts of `grain` elements (the last may be shorter) and runs
     /// `task(first element, part)` on each. `grain` must not be 0, and is taken as 1 if it is.
     pub fn divide<P: Divide>(self, whole: P, grain: usize, task: impl Fn(usize, P) + Sync) {
-        let grain = grain.max(1);
+        self.divide_by(whole, grain.max(1), &task);
+    }
+
+    fn divide_by<P: Divide>(self, whole: P, grain: usize, task: &(dyn Fn(usize, P) + Sync)) {
         let tasks = whole.len().div_ceil(grain);
-        self.section(tasks, || self.divide_from(0, whole, grain, &task));
+        self.section(tasks, || self.divide_from(0, whole, grain, task));
     }
 
     fn divide_from<P: Divide>(
@@ -156,7 +164,7 @@ impl<'a> Exec<'a> {
         first: usize,
         part: P,
         grain: usize,
-        task: &(impl Fn(usize, P) + Sync),
+        task: &(dyn Fn(usize, P) + Sync),
     ) {
         let tasks = part.len().div_ceil(grain);
         if tasks <= 1 {

@@ -22,11 +22,17 @@ impl<T: Send> Default for PerThread<T> {
 impl<T: Send + Default> PerThread<T> {
     /// Lends a value to `task`.
     pub fn with<R>(&self, task: impl FnOnce(&mut T) -> R) -> R {
-        let free = self.free.get_or_default();
-        let mut value = free.borrow_mut().pop().unwrap_or_default();
+        let (free, mut value) = self.lend();
         let result = task(&mut value);
         free.borrow_mut().push(value);
         result
+    }
+
+    /// A value, and where it is to be given back.
+    fn lend(&self) -> (&RefCell<Vec<Box<T>>>, Box<T>) {
+        let free = self.free.get_or_default();
+        let value = free.borrow_mut().pop().unwrap_or_default();
+        (free, value)
     }
 }
 

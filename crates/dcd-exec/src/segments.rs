@@ -81,6 +81,10 @@ impl<T: Send> Filler<'_, T> {
 impl<T: Send> Segments<T> {
     /// Replaces the contents: `task(k, buffer)` appends segment k to the buffer.
     pub fn fill(&mut self, exec: Exec, tasks: usize, task: impl Fn(usize, &mut Vec<T>) + Sync) {
+        self.fill_by(exec, tasks, &task);
+    }
+
+    fn fill_by(&mut self, exec: Exec, tasks: usize, task: &(dyn Fn(usize, &mut Vec<T>) + Sync)) {
         if exec.is_plain(tasks) {
             return self.fill_here(exec, tasks, task);
         }
@@ -95,7 +99,7 @@ impl<T: Send> Segments<T> {
 
     /// The same on the calling thread: one buffer, lent to nobody. What lending costs would show in
     /// a small scene.
-    fn fill_here(&mut self, exec: Exec, tasks: usize, mut task: impl FnMut(usize, &mut Vec<T>)) {
+    fn fill_here(&mut self, exec: Exec, tasks: usize, task: &dyn Fn(usize, &mut Vec<T>)) {
         if self.buffers.is_empty() {
             self.lent.take_all(&mut self.buffers);
         }
@@ -110,7 +114,7 @@ impl<T: Send> Segments<T> {
         spans.clear();
         let Some(Buffer { number, items }) = buffers.first_mut().map(Box::as_mut) else { return };
         *number = Some(0);
-        exec.in_turn(tasks, |k| {
+        exec.in_turn(tasks, &mut |k| {
             let start = items.len();
             task(k, items);
             spans.push(Span { buffer: 0, start, len: items.len().saturating_sub(start) });
