@@ -1,6 +1,6 @@
 //! Boxes against a tree that stands still.
 
-use crate::append::append;
+use crate::append::{append, append_where};
 use crate::{BoxRow, BoxSet};
 use dcd_bvh::WideBvh;
 use dcd_exec::{Exec, Segments};
@@ -72,8 +72,11 @@ impl StandingTree {
 
     /// Appends the same pairs to a list: for tasks of one's own.
     pub fn append_pairs(&self, asked: Named, keep: impl Fn(u32, u32) -> bool, out: &mut Vec<Pair>) {
-        let search = Search { tree: &self.tree, names: &self.names, asked, keep: &keep, out };
-        dispatch_on(self.path, search);
+        append_where(out, keep, |out| self.append_all(asked, out));
+    }
+
+    fn append_all(&self, asked: Named, out: &mut Vec<Pair>) {
+        dispatch_on(self.path, Search { tree: &self.tree, names: &self.names, asked, out });
     }
 
     /// Which of the boxes of a row, out of those that `which` has, overlap any that
@@ -146,15 +149,14 @@ impl Reach<'_> {
 }
 
 /// The pairs of some boxes with those of a tree.
-struct Search<'a, K> {
+struct Search<'a> {
     tree: &'a WideBvh,
     names: &'a [IndexRow],
     asked: Named<'a>,
-    keep: &'a K,
     out: &'a mut Vec<Pair>,
 }
 
-impl<K: Fn(u32, u32) -> bool> Kernel for Search<'_, K> {
+impl Kernel for Search<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -233,11 +235,11 @@ impl Walk {
     }
 }
 
-impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
+impl Search<'_> {
     /// Appends the pairs of one name with the lanes `hits` of a leaf.
     #[inline(always)]
     fn emit<L: Lanes>(&mut self, l: L, asked: u32, leaf: usize, hits: u32) {
-        append(l, (asked, &self.names[leaf], hits), self.keep, self.out);
+        append(l, (asked, &self.names[leaf], hits), self.out);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The fast broad phase: the wide tree against itself, sixteen boxes at a time.
 
 use crate::BroadPhase;
-use crate::append::append;
+use crate::append::{append, append_where};
 use dcd_bvh::WideBvh;
 use dcd_exec::{Exec, Segments};
 use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
@@ -29,6 +29,16 @@ impl WideTree {
     pub fn on(path: Path) -> Self {
         Self { tree: WideBvh::default(), path }
     }
+
+    fn append_few(&self, aabbs: &[Aabb], out: &mut Vec<Pair>) {
+        dispatch_on(self.path, Few { aabbs, out });
+    }
+
+    /// The pairs that task number `task` asks for.
+    fn append_task(&self, task: usize, out: &mut Vec<Pair>) {
+        let first = task * LEAVES_PER_TASK;
+        dispatch_on(self.path, Search { tree: &self.tree, first, out });
+    }
 }
 
 /// How many leaves a task asks for. Larger: fewer tasks to share. A scene of sixteen times as many
@@ -49,34 +59,33 @@ impl BroadPhase for WideTree {
         exec: Exec,
         out: &mut Segments<Pair>,
     ) {
-        let (tree, keep) = (&self.tree, &keep);
+        let this = &*self;
         if aabbs.len() <= WIDTH {
             // A tree of one leaf would take longer to build than to search.
             out.fill(exec, usize::from(!aabbs.is_empty()), |_, out| {
-                dispatch_on(self.path, Few { aabbs, keep, out });
+                append_where(out, &keep, |out| this.append_few(aabbs, out));
             });
             return;
         }
-        let tasks = tree.leaves().len().div_ceil(LEAVES_PER_TASK);
+        let tasks = this.tree.leaves().len().div_ceil(LEAVES_PER_TASK);
         out.fill(exec, tasks, |task, out| {
-            dispatch_on(self.path, Search { tree, keep, first: task * LEAVES_PER_TASK, out });
+            append_where(out, &keep, |out| this.append_task(task, out));
         });
     }
 }
 
 /// The pairs among at most sixteen boxes, in ascending order.
-struct Few<'a, K> {
+struct Few<'a> {
     aabbs: &'a [Aabb],
-    keep: &'a K,
     out: &'a mut Vec<Pair>,
 }
 
-impl<K: Fn(u32, u32) -> bool> Kernel for Few<'_, K> {
+impl Kernel for Few<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self { aabbs, keep, out } = self;
+        let Self { aabbs, out } = self;
         let last = aabbs.len().min(WIDTH);
         // Side by side in registers: memory would be waited for. Nobody asks for the first box.
         let mut min = [l.splat(f32::INFINITY); 3];
@@ -99,11 +108,8 @@ impl<K: Fn(u32, u32) -> bool> Kernel for Few<'_, K> {
             all = l.and(all, l.le(l.splat(aabb.min.z), max[2]));
             let mut hits = l.bits(all) & later(i);
             while hits != 0 {
-                let (i, j) = (i as u32, hits.trailing_zeros());
+                out.push(Pair { i: i as u32, j: hits.trailing_zeros() });
                 hits &= hits - 1;
-                if keep(i, j) {
-                    out.push(Pair { i, j });
-                }
             }
         }
     }
@@ -137,14 +143,13 @@ impl Stack {
 }
 
 /// The pairs of some leaves, with themselves and with the leaves after.
-struct Search<'a, K> {
+struct Search<'a> {
     tree: &'a WideBvh,
-    keep: &'a K,
     first: usize,
     out: &'a mut Vec<Pair>,
 }
 
-impl<K: Fn(u32, u32) -> bool> Kernel for Search<'_, K> {
+impl Kernel for Search<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -179,7 +184,7 @@ impl<K: Fn(u32, u32) -> bool> Kernel for Search<'_, K> {
     }
 }
 
-impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
+impl Search<'_> {
     /// The pairs within a leaf.
     #[inline(always)]
     fn within<L: Lanes>(&mut self, l: L, leaf: usize) {
@@ -212,7 +217,7 @@ impl<K: Fn(u32, u32) -> bool> Search<'_, K> {
         if hits == 0 {
             return;
         }
-        append(l, (i, &self.tree.ids()[leaf], hits), self.keep, self.out);
+        append(l, (i, &self.tree.ids()[leaf], hits), self.out);
     }
 }
 

@@ -63,14 +63,30 @@ impl Roster {
     }
 
     /// Lists the candidates among the moving objects, then those of a moving object and a static
-    /// one.
+    /// one: the pairs that the scene's filters let pass and the caller.
     pub(crate) fn find(
         &self,
         aabbs: &[Aabb],
         broad: &mut impl BroadPhase,
         search: Search<impl Fn(u32, u32) -> bool + Sync>,
     ) {
-        let Search { scene, keep, exec, among, between } = search;
+        let Search { scene, may, exec, among, between } = search;
+        // Two searches, so that a scene without filters asks nothing.
+        if scene.filters_movers() {
+            let keep = |i, j| scene.allows(i, j) && may(i, j);
+            self.find_where(aabbs, broad, Search { scene, may: keep, exec, among, between });
+        } else {
+            self.find_where(aabbs, broad, Search { scene, may, exec, among, between });
+        }
+    }
+
+    fn find_where(
+        &self,
+        aabbs: &[Aabb],
+        broad: &mut impl BroadPhase,
+        search: Search<impl Fn(u32, u32) -> bool + Sync>,
+    ) {
+        let Search { scene, may: keep, exec, among, between } = search;
         if all_move(scene) {
             broad.pairs(aabbs, keep, exec, among);
             between.clear();
@@ -87,7 +103,8 @@ impl Roster {
 /// What is asked for, and where it is written.
 pub(crate) struct Search<'a, K> {
     pub(crate) scene: &'a Scene,
-    pub(crate) keep: K,
+    /// Which pairs are wanted.
+    pub(crate) may: K,
     pub(crate) exec: Exec<'a>,
     /// Candidates among the moving objects.
     pub(crate) among: &'a mut Segments<Pair>,

@@ -97,6 +97,12 @@ pub struct Pipeline<B = WideTree, N: NarrowPhase = Overlap> {
     report: Report,
 }
 
+/// What a step may tell of: any pair. A function, since a closure's type would be another for every
+/// pipeline, and the search would be compiled for each.
+fn any(_: u32, _: u32) -> bool {
+    true
+}
+
 impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
     /// From the two phases, which may be anybody's.
     pub fn new(broad: B, narrow: N) -> Self {
@@ -123,7 +129,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
     /// What is kept of the static objects is kept until one of them changes; what is prepared of
     /// them, until any object comes or goes.
     pub fn step<'e>(&mut self, scene: &Scene, exec: impl Into<Exec<'e>>) -> Step<'_, N::Answer> {
-        self.step_where(scene, exec, |_, _| true)
+        self.step_where(scene, exec, any)
     }
 
     /// The same for the pairs i < j that also `may(i, j)`. It is asked during the search, after the
@@ -156,12 +162,9 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             self.roster.build(scene, &self.aabbs, &mut self.broad, exec);
         });
         exec.stage(Stage::Pairs, || {
-            // Two searches, so that a scene without filters asks nothing.
-            if scene.filters_movers() {
-                self.find(scene, exec, |i, j| scene.allows(i, j) && may(i, j));
-            } else {
-                self.find(scene, exec, may);
-            }
+            let Candidates { among, between, .. } = &mut self.candidates;
+            let search = Search { scene, may, exec, among, between };
+            self.roster.find(&self.aabbs, &mut self.broad, search);
         });
         exec.stage(Stage::Narrow, || self.judge(scene, exec));
     }
@@ -189,12 +192,6 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
                 empty_free_slots(scene, slots.start, aabbs);
             }
         });
-    }
-
-    fn find(&mut self, scene: &Scene, exec: Exec, keep: impl Fn(u32, u32) -> bool + Sync) {
-        let Candidates { among, between, .. } = &mut self.candidates;
-        let search = Search { scene, keep, exec, among, between };
-        self.roster.find(&self.aabbs, &mut self.broad, search);
     }
 
     fn judge(&mut self, scene: &Scene, exec: Exec) {
