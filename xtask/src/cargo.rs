@@ -46,7 +46,7 @@ pub struct Dependency {
 }
 
 /// One thing that cargo builds from a package.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, PartialEq, Eq, Deserialize)]
 pub struct Target {
     /// Its name.
     pub name: String,
@@ -110,10 +110,18 @@ pub fn cargo() -> Command {
 /// A built executable.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Executable {
-    /// The name of its target.
-    pub name: String,
+    /// What it was built from.
+    pub target: Target,
     /// Where it is.
     pub path: PathBuf,
+}
+
+impl Executable {
+    /// Whether it is the one of that kind and name: an example may be called as a binary is.
+    #[must_use]
+    pub fn is(&self, kind: &str, name: &str) -> bool {
+        self.target.name == name && self.target.kind.iter().any(|own| own == kind)
+    }
 }
 
 /// Builds with `cargo build` and the arguments; gives the executables among what was asked for.
@@ -134,8 +142,7 @@ fn executables(messages: &str) -> Vec<Executable> {
         target: Target,
     }
     let of_line = |line| serde_json::from_str(line).ok();
-    let named =
-        |message: Message| Executable { name: message.target.name, path: message.executable };
+    let named = |message: Message| Executable { target: message.target, path: message.executable };
     messages.lines().filter_map(of_line).map(named).collect()
 }
 
@@ -192,9 +199,11 @@ mod tests {
     fn executables_are_read_from_the_messages_of_a_build() {
         let messages = r#"{"reason":"compiler-artifact","target":{"name":"a","kind":["lib"]},"executable":null}
 {"reason":"compiler-artifact","target":{"name":"b","kind":["example"]},"executable":"/t/b"}
+{"reason":"compiler-artifact","target":{"name":"b","kind":["bin"]},"executable":"/t/c"}
 {"reason":"build-finished","success":true}"#;
-        let b = Executable { name: "b".to_owned(), path: "/t/b".into() };
-        assert_eq!(executables(messages), [b]);
+        let found = executables(messages);
+        assert_eq!(found.iter().map(|built| &built.path).collect::<Vec<_>>(), ["/t/b", "/t/c"]);
+        assert!(found[0].is("example", "b") && found[1].is("bin", "b") && !found[1].is("bin", "a"));
     }
 
     #[test]

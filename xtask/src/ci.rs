@@ -3,9 +3,9 @@
 use std::process::Command;
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 
-use crate::cargo::{self, Metadata, cargo};
+use crate::cargo::{self, Executable, Metadata, cargo};
 use crate::{measure, policy};
 
 type Check = fn() -> Result<()>;
@@ -79,34 +79,32 @@ fn docs() -> Result<()> {
     cargo::shown(&mut command)
 }
 
-/// Builds all examples at once, so that what they share is built once, then runs each.
+/// Builds all examples and binaries at once, as the tests are built: optimized, with debug assertions.
+/// So nothing is compiled twice, neither between the checks nor by `cargo test --workspace`.
+fn build_all(metadata: &Metadata) -> Result<Vec<Executable>> {
+    let all = ["--profile", "test", "--workspace", "--bins", "--examples"];
+    let mut build = all.map(str::to_owned).to_vec();
+    for package in metadata.members() {
+        let features = package.targets("example").flat_map(|example| &example.required_features);
+        for feature in features {
+            build.extend(["--features".to_owned(), format!("{}/{feature}", package.name)]);
+        }
+    }
+    cargo::build(&build).context("the examples and binaries do not build")
+}
+
+fn find<'a>(built: &'a [Executable], kind: &str, name: &str) -> Result<&'a Executable> {
+    let found = built.iter().find(|built| built.is(kind, name));
+    found.with_context(|| format!("cargo built the {kind} `{name}` but does not say where it is"))
+}
+
 fn examples() -> Result<()> {
     let metadata = Metadata::read()?;
-    let mut build = vec!["--release".to_owned(), "--examples".to_owned()];
-    let mut names = Vec::new();
-    for package in metadata.members() {
-        let examples: Vec<_> = package.targets("example").collect();
-        if examples.is_empty() {
-            continue;
-        }
-        build.extend(["--package".to_owned(), package.name.clone()]);
-        for example in examples {
-            names.push(example.name.as_str());
-            for feature in &example.required_features {
-                build.extend(["--features".to_owned(), format!("{}/{feature}", package.name)]);
-            }
-        }
-    }
-    if names.is_empty() {
-        eprintln!("the workspace has no examples");
-        return Ok(());
-    }
-    let built = cargo::build(&build).context("the examples do not build")?;
-    for name in names {
-        let Some(example) = built.iter().find(|built| built.name == name) else {
-            bail!("cargo built the example `{name}` but does not say where it is");
-        };
+    let built = build_all(&metadata)?;
+    for example in metadata.members().flat_map(|package| package.targets("example")) {
+        let name = &example.name;
         eprintln!("-- {name}");
+        let example = find(&built, "example", name)?;
         cargo::shown(Command::new(&example.path).current_dir(cargo::root()))
             .with_context(|| format!("the example `{name}` failed"))?;
     }
@@ -117,14 +115,16 @@ fn examples() -> Result<()> {
 /// check holds, not how fast they are.
 fn quick_measurements() -> Result<()> {
     let metadata = Metadata::read()?;
+    let built = build_all(&metadata)?;
     for name in ["bench", "compare", "meshes", "batch", "frames", "scale", "accuracy"] {
         if name == "accuracy" && !measure::exists(&metadata, name) {
             eprintln!("-- {name}: there is no such binary yet");
             continue;
         }
         eprintln!("-- {name} --quick");
-        let code = measure::run(name, &["--quick".into()])?;
-        ensure!(code == std::process::ExitCode::SUCCESS, "`{name} --quick` failed: {code:?}");
+        let binary = find(&built, "bin", name)?;
+        cargo::shown(Command::new(&binary.path).arg("--quick"))
+            .with_context(|| format!("`{name} --quick` failed"))?;
     }
     Ok(())
 }

@@ -28,7 +28,7 @@ pub fn run(name: &str, arguments: &[OsString]) -> Result<ExitCode> {
     }
     let build = ["--release", "--package", PACKAGE, "--bin", name].map(str::to_owned);
     let built = cargo::build(&build).with_context(|| format!("`{name}` does not build"))?;
-    let Some(executable) = built.iter().find(|built| built.name == name) else {
+    let Some(executable) = built.iter().find(|built| built.is("bin", name)) else {
         bail!("cargo built `{name}` but does not say where it is");
     };
     let status = Command::new(&executable.path).args(arguments).status();
