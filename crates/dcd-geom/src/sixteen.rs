@@ -66,6 +66,21 @@ impl Sixteen {
         }
         l.bits(all)
     }
+
+    /// How far each of the sixteen overlaps that box, along the axis where it does least: negative
+    /// where it does not, without end of an empty box. The sign is exact, as that of any difference
+    /// of two numbers is. For kernels that want to know more than [`Sixteen::overlaps`] tells.
+    #[inline(always)]
+    pub fn depths<L: Lanes>(&self, l: L, one: &Aabb) -> L::F {
+        let (min, max) = (one.min.to_array(), one.max.to_array());
+        let mut depth = l.splat(f32::INFINITY);
+        for axis in 0..3 {
+            let high = l.min(l.load(&self.max[axis]), l.splat(max[axis]));
+            let low = l.max(l.load(&self.min[axis]), l.splat(min[axis]));
+            depth = l.min(depth, l.sub(high, low));
+        }
+        depth
+    }
 }
 
 /// The least of a row, by halves: each comparison waits for three others instead of fifteen.
@@ -104,6 +119,24 @@ mod tests {
         }
     }
 
+    struct Depths<'a>(&'a Sixteen, &'a Aabb);
+
+    impl Kernel for Depths<'_> {
+        type Output = Row;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, l: L) -> Row {
+            let mut row = Row::default();
+            l.store(self.0.depths(l, self.1), &mut row);
+            row
+        }
+    }
+
+    /// The plain twin.
+    fn depth(a: &Aabb, b: &Aabb) -> f32 {
+        (a.max.min(b.max) - a.min.max(b.min)).min_element()
+    }
+
     /// Boxes in eighths, so that sides meet exactly; some are empty.
     fn boxes(count: u32) -> impl Iterator<Item = Aabb> {
         let mut state = 1u32;
@@ -134,6 +167,11 @@ mod tests {
             let expected = overlapping.fold(0, |bits: u32, k| bits | 1 << k);
             for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
                 assert_eq!(dispatch_on(path, Overlaps(&row, one)), expected);
+                let depths = dispatch_on(path, Depths(&row, one)).0;
+                for (found, aabb) in depths.iter().zip(boxes) {
+                    assert_eq!(*found, depth(aabb, one));
+                    assert_eq!(*found >= 0.0, aabb.overlaps(one));
+                }
             }
             seen[0] += expected.count_ones();
             seen[1] += u32::from(*one == Aabb::EMPTY);

@@ -139,7 +139,7 @@ impl Hits<'_> {
 
     #[inline(always)]
     fn of_group<L: Lanes>(&mut self, l: L, group: (&Sixteen, u32), one: (&Aabb, u32)) {
-        let depth = depths(l, group.0, one.0);
+        let depth = group.0.depths(l, one.0);
         let mut met = l.bits(l.le(l.splat(0.0), depth));
         let mut depths = Row::default();
         l.store(depth, &mut depths);
@@ -155,20 +155,6 @@ impl Hits<'_> {
     }
 }
 
-/// How far sixteen boxes overlap another, along the axis where they do least; negative where they do
-/// not. The sign is exact: a difference of two numbers has that of the true one.
-#[inline(always)]
-fn depths<L: Lanes>(l: L, boxes: &Sixteen, one: &Aabb) -> L::F {
-    let (min, max) = (one.min.to_array(), one.max.to_array());
-    let mut depth = l.splat(f32::INFINITY);
-    for axis in 0..3 {
-        let high = l.min(l.load(&boxes.max[axis]), l.splat(max[axis]));
-        let low = l.max(l.load(&boxes.min[axis]), l.splat(min[axis]));
-        depth = l.min(depth, l.sub(high, low));
-    }
-    depth
-}
-
 /// A box round an object, from the ball round it.
 #[inline(always)]
 fn ball_box(frame: &Frame, object: u32) -> Aabb {
@@ -177,60 +163,4 @@ fn ball_box(frame: &Frame, object: u32) -> Aabb {
     let centre = DVec3::new(x, y, z);
     let reach = f64::from(record.outer) + f64::from(record.slack);
     Aabb::outward(centre - reach, centre + reach)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use dcd_geom::glam::Vec3;
-    use dcd_geom::lanes::{Path, dispatch_on};
-
-    struct Depths<'a>(&'a Sixteen, &'a Aabb);
-
-    impl Kernel for Depths<'_> {
-        type Output = Row;
-
-        #[inline(always)]
-        fn run<L: Lanes>(self, l: L) -> Row {
-            let mut row = Row::default();
-            l.store(depths(l, self.0, self.1), &mut row);
-            row
-        }
-    }
-
-    /// The plain twin.
-    fn depth(a: &Aabb, b: &Aabb) -> f32 {
-        (a.max.min(b.max) - a.min.max(b.min)).min_element()
-    }
-
-    #[test]
-    fn sixteen_depths_are_what_they_are_one_by_one_and_of_nothing_there_is_none() {
-        let mut state = 1u32;
-        let mut eighths = || {
-            // The generator of Numerical Recipes.
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 28) as f32 / 8.0
-        };
-        let mut seen = [0; 2];
-        for _ in 0..200 {
-            let mut draw = || {
-                let min = Vec3::new(eighths(), eighths(), eighths());
-                Aabb { min, max: min + Vec3::new(eighths(), eighths(), eighths()) }
-            };
-            let mut boxes = Sixteen::EMPTY;
-            let drawn: Vec<Aabb> = (0..WIDTH - 1).map(|_| draw()).collect();
-            drawn.iter().enumerate().for_each(|(k, aabb)| boxes.set(k, aabb));
-            let one = draw();
-            for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-                let row = dispatch_on(path, Depths(&boxes, &one)).0;
-                assert_eq!(row[WIDTH - 1], f32::NEG_INFINITY);
-                for (found, aabb) in row.iter().zip(&drawn) {
-                    assert_eq!(*found, depth(aabb, &one));
-                    assert_eq!(*found >= 0.0, aabb.overlaps(&one));
-                    seen[usize::from(*found >= 0.0)] += 1;
-                }
-            }
-        }
-        assert!(seen.iter().all(|&count| count > 100), "{seen:?}");
-    }
 }
