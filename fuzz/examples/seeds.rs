@@ -12,7 +12,7 @@ fn main() -> io::Result<()> {
     let targets = [
         ("overlap", pairs()),
         ("measures", pairs()),
-        ("scene", scenes()),
+        ("scene", [scenes(), compounds()].concat()),
         ("readers", files()?),
         ("hull", clouds()),
     ];
@@ -29,6 +29,11 @@ fn main() -> io::Result<()> {
 /// Eighths, as the numbers' first tags have them.
 const HALF: u8 = 4;
 const ONE: u8 = 8;
+
+/// First bytes of shapes that are no polytopes, and the bit that rounds them.
+const CYLINDER: u8 = 226;
+const COMPOUND: u8 = 227;
+const ROUNDED: u8 = 16;
 
 /// A cube of edge 1; the same, rounded by an eighth; a sphere of radius ½; a tetrahedron.
 fn shapes() -> [Vec<u8>; 4] {
@@ -73,6 +78,36 @@ fn scenes() -> Vec<Vec<u8>> {
         (0..objects).fold(head(objects), |scene, k| [scene, object(k)].concat())
     };
     vec![scene(2, &object), scene(19, &object), scene(8, &row), scene(19, &row)]
+}
+
+/// One compound beside another, touching by their outermost parts; a long one among single shapes;
+/// parts that are round or no polytope, the whole rounded.
+fn compounds() -> Vec<Vec<u8>> {
+    let [cube, rounded, sphere, tetrahedron] = shapes();
+    let along = |x: u8| vec![0, x, 0, 0];
+    let compound = |parts: &[(&Vec<u8>, u8)]| {
+        let placed = parts.iter().map(|(shape, x)| [&shape[..], &along(*x)].concat());
+        [vec![COMPOUND, parts.len() as u8], placed.collect::<Vec<_>>().concat()].concat()
+    };
+    let object = |shape: u8, x: u8| [vec![128 + shape], along(x)].concat();
+    let scene = |shapes: &[&Vec<u8>], objects: &[Vec<u8>]| {
+        let shapes: Vec<u8> = shapes.iter().flat_map(|shape| shape.iter().copied()).collect();
+        [vec![3], shapes, vec![objects.len() as u8], objects.concat()].concat()
+    };
+    let short = compound(&[(&cube, 0), (&sphere, ONE), (&tetrahedron, 2 * ONE)]);
+    let row: Vec<_> = (0..19).map(|k| (&cube, k * 3)).collect();
+    let long = compound(&row);
+    let cylinder = vec![CYLINDER, HALF, HALF];
+    let mut mixed = compound(&[(&cylinder, 0), (&rounded, ONE)]);
+    mixed[0] |= ROUNDED;
+    mixed.push(1);
+    let scattered: Vec<_> = (0..16).map(|k| object(k % 4, k.wrapping_mul(5) & 63)).collect();
+    vec![
+        scene(&[&short, &short, &cube, &sphere], &[object(0, 0), object(1, 3 * ONE)]),
+        scene(&[&long, &short, &cube, &sphere], &scattered),
+        scene(&[&long, &long, &mixed, &cylinder], &scattered),
+        scene(&[&short, &mixed, &cube, &rounded], &scattered),
+    ]
 }
 
 fn clouds() -> Vec<Vec<u8>> {

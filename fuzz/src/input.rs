@@ -8,6 +8,12 @@
 use dcd_geom::{Polytope, Pose, Shape};
 use glam::{DMat3, DQuat, DVec3};
 
+/// A shape's first byte from which on it is no polytope.
+const RARE: u8 = 224;
+
+/// One more than a compound's parts at most: enough for a second row of sixteen boxes.
+const PARTS: u8 = 20;
+
 /// Bytes that are read from the front.
 #[derive(Clone, Copy, Debug)]
 pub struct Input<'a>(pub &'a [u8]);
@@ -74,8 +80,20 @@ impl Input<'_> {
 
     /// A shape of any kind, most of them polytopes.
     pub fn shape(&mut self) -> Option<Shape> {
+        if !self.0.first().is_some_and(|&kind| kind >= RARE && kind % 4 == 3) {
+            return self.convex();
+        }
+        let kind = self.byte()?;
+        let count = self.byte()? % PARTS;
+        let parts = (0..count).map(|_| Some((self.convex()?, self.pose()?)));
+        let core = Shape::compound(parts.collect::<Option<_>>()?);
+        self.perhaps_rounded(kind, core.ok()?)
+    }
+
+    /// A shape without parts, most of them polytopes.
+    fn convex(&mut self) -> Option<Shape> {
         let (&kind, _) = self.0.split_first()?;
-        if kind < 224 {
+        if kind < RARE {
             return self.polytope().map(Shape::from);
         }
         self.byte()?;
@@ -84,7 +102,10 @@ impl Input<'_> {
             1 => Shape::cone(self.number()?, self.number()?),
             _ => Shape::cylinder(self.number()?, self.number()?),
         };
-        let core = core.ok()?;
+        self.perhaps_rounded(kind, core.ok()?)
+    }
+
+    fn perhaps_rounded(&mut self, kind: u8, core: Shape) -> Option<Shape> {
         if kind & 16 == 0 { Some(core) } else { core.rounded(self.number()?.abs()).ok() }
     }
 

@@ -4,7 +4,7 @@ use crate::Input;
 use dcd_exec::Par;
 use dcd_geom::glam::DVec3;
 use dcd_geom::lanes::Path;
-use dcd_geom::{Filter, Motion, Object, Pose, Scene};
+use dcd_geom::{Filter, Motion, Object, Pose, Scene, Shape};
 use dcd_gjk::{Coherent, Overlap, Placed, Verdict, certified};
 use dcd_pipeline::{Pipeline, WideTree};
 
@@ -140,11 +140,51 @@ fn judged(scene: &Scene) -> Judged {
     let count = scene.len() as u32;
     let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
     for (i, j) in pairs.filter(|&(i, j)| scene.allows(i, j)) {
-        match certified::overlap_of(placed(i), placed(j)).0 {
+        let (a, b) = (placed(i), placed(j));
+        let found = part_by_part(a, b);
+        let whole = certified::overlap_of(a, b).0;
+        assert!(agree(found, whole), "{i}, {j}: {found:?} part by part, {whole:?} as a whole");
+        match found {
             Verdict::Apart => {}
             Verdict::Touching(()) => judged.touching.push((i, j)),
             Verdict::Undecided(_) => judged.undecided.push((i, j)),
         }
     }
     judged
+}
+
+/// Every part against every part up to the first that touches, with no tree that could hide one.
+fn part_by_part(a: Placed<'_>, b: Placed<'_>) -> Verdict<()> {
+    let (of_a, of_b) = (parts(a), parts(b));
+    let mut all = Verdict::Apart;
+    for (&a, &b) in of_a.iter().flat_map(|a| of_b.iter().map(move |b| (a, b))) {
+        match certified::overlap_of(a, b).0 {
+            Verdict::Apart => {}
+            Verdict::Touching(()) => return Verdict::Touching(()),
+            undecided => all = undecided,
+        }
+    }
+    all
+}
+
+fn parts(whole: Placed<'_>) -> Vec<Placed<'_>> {
+    let Placed { shape, pose } = whole;
+    match shape {
+        Shape::Compound(compound) => {
+            let parts = compound.parts().iter();
+            parts.map(|part| Placed { shape: part.placed(), pose }).collect()
+        }
+        _ => vec![whole],
+    }
+}
+
+/// Equal, or at least one of them not settled: a tree's boxes may know what a pair of parts leaves open.
+fn agree(one: Verdict<()>, other: Verdict<()>) -> bool {
+    let settled = |verdict| match verdict {
+        Verdict::Apart => Some(false),
+        Verdict::Touching(()) => Some(true),
+        Verdict::Undecided(_) => None,
+    };
+    let (one, other) = (settled(one), settled(other));
+    one == other || one.is_none() || other.is_none()
 }
