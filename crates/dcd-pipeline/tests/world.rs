@@ -150,6 +150,13 @@ fn the_hit_of_a_configuration_is_one_whatever_else_is_asked() {
     let mut backwards = hits(probe.first(&backwards, Par::Serial).unwrap());
     backwards.reverse();
     assert_eq!(backwards, due);
+    // So many that more of them are taken up at once.
+    let many = poses.repeat(2500 / due.len() + 1);
+    let mut many = hits(probe.first(&many, Par::Serial).unwrap());
+    assert!(many.len() > 2048);
+    assert!(many.chunks(due.len()).all(|hits| hits == due));
+    many = hits(probe.first(&poses, Par::Serial).unwrap());
+    assert_eq!(many, due);
 }
 
 #[test]
@@ -204,6 +211,12 @@ fn a_batch_that_does_not_fit_is_refused_with_what_is_wrong() {
         assert!(
             matches!(refused, Err(SceneError::OutOfRange { object: 423, reach }) if reach >= 2e37)
         );
+    }
+    // Of a first hit it is told where no other link touches; also where more are taken up at once.
+    poses[420..425].fill(far);
+    for batch in [poses.repeat(5), poses] {
+        let refused = probe.first(&batch, Par::Serial).map(|_| ());
+        assert!(matches!(refused, Err(SceneError::OutOfRange { object: 420, .. })), "{refused:?}");
     }
     assert!(probe.first(&[], Par::Serial).unwrap().is_empty());
     let unknown = SceneError::NoSuchObject { object: 5, objects: 5 };

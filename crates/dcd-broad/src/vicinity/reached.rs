@@ -53,13 +53,14 @@ impl Reached {
         // Never shorter, so that nothing is filled twice.
         let most = self.lists.len().max(lists.len() + 1);
         self.lists.resize(most, List::default());
-        let mut count = 0;
+        let (mut count, mut members_listed) = (0, 0);
         for (ball, (start, length)) in (0..).zip(lists) {
             self.lists[count] = List { ball, start, end: length };
             count += usize::from(length > 0);
+            members_listed += length as usize;
         }
         self.listed = count;
-        let most = self.numbers.len().max(count * LONGEST);
+        let most = self.numbers.len().max(members_listed + LONGEST);
         self.numbers.resize(most, 0);
         self.balls.resize(most, 0);
         self.before.resize(most + 1, 0);

@@ -84,7 +84,7 @@ impl<A> Default for Sorting<A> {
 }
 
 impl<N: NarrowPhase> Desk<N> {
-    /// Makes room and prepares the obstacles, the first time.
+    /// Makes room and prepares the obstacles, the first time and when there is need of more.
     pub(super) fn set_up(&mut self, probe: &Probe<'_, N>) {
         let (template, links) = (&probe.template, probe.linkage.len());
         if self.scene.layout() == template.layout() {
@@ -92,8 +92,9 @@ impl<N: NarrowPhase> Desk<N> {
         }
         self.scene = template.clone();
         self.aabbs.resize(template.len(), Aabb::EMPTY);
+        self.names.clear();
         self.names.extend((0..).take(template.len()));
-        self.owners.resize(ROW * links, 0);
+        self.owners.resize(probe.row * links, 0);
         self.slots.resize(links, [0; ROW]);
         let part = probe.world.narrow.lay_out(&self.scene, &mut self.frame);
         let ((part, aabbs), _) = (part, &mut self.aabbs[..]).split_at(probe.world.obstacles.len());
@@ -146,7 +147,7 @@ impl<N: NarrowPhase> Desk<N> {
         let mut refused: Option<usize> = None;
         self.fresh.clear();
         for link in 0..count {
-            let first = rows + ROW * link + self.posed[link].len();
+            let first = rows + probe.row * link + self.posed[link].len();
             let mut slot = first;
             for own in Members::of(self.due[link] & !self.posed[link]) {
                 let pose = (self.start + own) * count + link;
@@ -279,7 +280,7 @@ impl<N: NarrowPhase> Desk<N> {
         verdict: Verdict<N::Answer>,
     ) -> (usize, Finding<N::Answer>) {
         let rows = probe.world.obstacles.len();
-        let link = |slot: u32| ((slot as usize - rows) / ROW) as u32;
+        let link = |slot: u32| ((slot as usize - rows) / probe.row) as u32;
         let other = match probe.world.names.get(i as usize) {
             Some(&obstacle) => Other::Obstacle(obstacle),
             None => Other::Link(link(i)),

@@ -68,7 +68,8 @@ const ALL_AT_ONCE: usize = 128;
 const ROWS: usize = 16;
 
 /// Asks a world for a linkage's configurations, on many threads, and keeps what that needs: for
-/// each thread the obstacles as the narrow phase prepares them and room for 512 configurations.
+/// each thread the obstacles as the narrow phase prepares them and room for 128 configurations, or 512
+/// from the first batch on that is large enough.
 ///
 /// A link is prepared only where its [`Bound`] is near something: an obstacle's box, or another
 /// link's bound.
@@ -81,6 +82,8 @@ pub struct Probe<'w, N: NarrowPhase = dcd_gjk::Overlap> {
     pub(super) linkage: Linkage,
     /// The obstacles, then a row of objects for each link.
     pub(super) template: Scene,
+    /// How many objects a row has: the configurations that are taken up at once, at most.
+    pub(super) row: usize,
     /// For each link what its box comes from without its vertices, where that is known.
     pub(super) bounds: Vec<Option<Bound>>,
     /// What stands near any place, for balls as large as the links'.
@@ -92,21 +95,15 @@ pub struct Probe<'w, N: NarrowPhase = dcd_gjk::Overlap> {
 
 impl<'w, N: NarrowPhase> Probe<'w, N> {
     pub(super) fn new(world: &'w World<N>, linkage: Linkage) -> Result<Self, SceneError> {
-        let mut template = world.obstacles.clone();
-        let shapes = template.add_shapes(linkage.shapes.iter().cloned())?;
-        for (shape, &filter) in shapes.zip(&linkage.filters) {
-            let object = Object { filter, ..Object::new(shape, Pose::IDENTITY) };
-            for _ in 0..ROW {
-                template.insert(object)?;
-            }
-        }
+        let row = ALL_AT_ONCE;
+        let template = template(world, &linkage, row)?;
         let growth = world.narrow.growth();
         let bound = |shape| Some(Bound::of(shape)?.swept(growth?));
         let bounds: Vec<Option<Bound>> = linkage.shapes.iter().map(bound).collect();
         let largest = bounds.iter().flatten().map(|bound| bound.largest_ball(world.farthest()));
         let vicinity = Vicinity::new(&world.outlines, largest.fold(0.0, f32::max));
         let (desks, first, all) = (PerThread::default(), Vec::new(), Segments::default());
-        let probe = Self { world, linkage, template, bounds, vicinity, desks, first, all };
+        let probe = Self { world, linkage, template, row, bounds, vicinity, desks, first, all };
         // So that the first batch on this thread need not.
         probe.desks.with(|desk| desk.set_up(&probe));
         Ok(probe)
@@ -128,11 +125,14 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
         exec: impl Into<Exec<'e>>,
     ) -> Result<&[Option<Finding<N::Answer>>], SceneError> {
         let count = self.count(poses)?;
+        let grain = count.div_ceil(ROWS).clamp(ALL_AT_ONCE, ROW);
+        if grain > self.row {
+            (self.template, self.row) = (template(self.world, &self.linkage, ROW)?, ROW);
+        }
         let mut first = std::mem::take(&mut self.first);
         first.clear();
         first.resize(count, None);
         let (refused, probe) = (Refused::default(), &*self);
-        let grain = count.div_ceil(ROWS).clamp(ALL_AT_ONCE, ROW);
         exec.into().divide(&mut first[..], grain, |start, found| {
             probe.desks.with(|desk| {
                 desk.open(probe, start, found.len());
@@ -140,7 +140,7 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
             });
         });
         self.first = first;
-        refused.check(&self.template, self.linkage.len(), poses)?;
+        refused.check(self, poses)?;
         Ok(&self.first)
     }
 
@@ -167,7 +167,7 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
             });
         });
         self.all = all;
-        refused.check(&self.template, self.linkage.len(), poses)?;
+        refused.check(self, poses)?;
         Ok(Found(&self.all))
     }
 
@@ -189,6 +189,23 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
     }
 }
 
+/// The obstacles, then a row of that many objects for each link.
+fn template<N: NarrowPhase>(
+    world: &World<N>,
+    linkage: &Linkage,
+    row: usize,
+) -> Result<Scene, SceneError> {
+    let mut template = world.obstacles.clone();
+    let shapes = template.add_shapes(linkage.shapes.iter().cloned())?;
+    for (shape, &filter) in shapes.zip(&linkage.filters) {
+        let object = Object { filter, ..Object::new(shape, Pose::IDENTITY) };
+        for _ in 0..row {
+            template.insert(object)?;
+        }
+    }
+    Ok(template)
+}
+
 /// The first pose that an object cannot have, on any thread.
 struct Refused(AtomicUsize);
 
@@ -206,12 +223,11 @@ impl Refused {
     }
 
     /// Says why it was refused.
-    fn check(self, template: &Scene, links: usize, poses: &[Pose]) -> Result<(), SceneError> {
+    fn check<N: NarrowPhase>(self, probe: &Probe<'_, N>, poses: &[Pose]) -> Result<(), SceneError> {
         let object = self.0.into_inner();
         let Some(pose) = poses.get(object) else { return Ok(()) };
-        // The rows stand at the end, one a link.
-        let slot = template.len() - ROW * (links - object % links);
-        match template.clone().set_pose(slot, *pose) {
+        let slot = probe.world.obstacles.len() + probe.row * (object % probe.linkage.len());
+        match probe.template.clone().set_pose(slot, *pose) {
             Err(SceneError::OutOfRange { reach, .. }) => {
                 Err(SceneError::OutOfRange { object, reach })
             }
