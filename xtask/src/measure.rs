@@ -11,8 +11,7 @@ use crate::cargo::{self, Metadata};
 pub const PACKAGE: &str = "dcd-benches";
 
 /// Whether there is a measuring binary of this name.
-#[must_use]
-pub fn exists(metadata: &Metadata, name: &str) -> bool {
+fn exists(metadata: &Metadata, name: &str) -> bool {
     binaries(metadata).contains(&name)
 }
 

@@ -147,7 +147,7 @@ impl<N: NarrowPhase> Desk<N> {
         let mut refused: Option<usize> = None;
         self.fresh.clear();
         for link in 0..count {
-            let first = rows + probe.row * link + self.posed[link].len();
+            let first = probe.row_of(link) + self.posed[link].len();
             let mut slot = first;
             for own in Members::of(self.due[link] & !self.posed[link]) {
                 let pose = (self.start + own) * count + link;

@@ -96,7 +96,7 @@ pub struct Probe<'w, N: NarrowPhase = dcd_gjk::Overlap> {
 impl<'w, N: NarrowPhase> Probe<'w, N> {
     pub(super) fn new(world: &'w World<N>, linkage: Linkage) -> Result<Self, SceneError> {
         let row = ALL_AT_ONCE;
-        let template = template(world, &linkage, row)?;
+        let template = with_rows(world, &linkage, row)?;
         let growth = world.narrow.growth();
         let bound = |shape| Some(Bound::of(shape)?.swept(growth?));
         let bounds: Vec<Option<Bound>> = linkage.shapes.iter().map(bound).collect();
@@ -127,7 +127,7 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
         let count = self.count(poses)?;
         let grain = count.div_ceil(ROWS).clamp(ALL_AT_ONCE, ROW);
         if grain > self.row {
-            (self.template, self.row) = (template(self.world, &self.linkage, ROW)?, ROW);
+            (self.template, self.row) = (with_rows(self.world, &self.linkage, ROW)?, ROW);
         }
         let mut first = std::mem::take(&mut self.first);
         first.clear();
@@ -171,6 +171,11 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
         Ok(Found(&self.all))
     }
 
+    /// The slot at which a link's row begins.
+    pub(super) fn row_of(&self, link: usize) -> usize {
+        self.world.obstacles.len() + self.row * link
+    }
+
     /// Whether a link may touch an obstacle.
     pub(super) fn allows(&self, link: usize, obstacle: u32) -> bool {
         let obstacle = self.world.obstacles.filters()[obstacle as usize];
@@ -190,7 +195,7 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
 }
 
 /// The obstacles, then a row of that many objects for each link.
-fn template<N: NarrowPhase>(
+fn with_rows<N: NarrowPhase>(
     world: &World<N>,
     linkage: &Linkage,
     row: usize,
@@ -226,7 +231,7 @@ impl Refused {
     fn check<N: NarrowPhase>(self, probe: &Probe<'_, N>, poses: &[Pose]) -> Result<(), SceneError> {
         let object = self.0.into_inner();
         let Some(pose) = poses.get(object) else { return Ok(()) };
-        let slot = probe.world.obstacles.len() + probe.row * (object % probe.linkage.len());
+        let slot = probe.row_of(object % probe.linkage.len());
         match probe.template.clone().set_pose(slot, *pose) {
             Err(SceneError::OutOfRange { reach, .. }) => {
                 Err(SceneError::OutOfRange { object, reach })
