@@ -25,5 +25,5 @@ pub use door::BroadPhase;
 pub use row::{BoxRow, BoxSet};
 pub use sweep::SweepAndPrune;
 pub use tree_pairs::{LeafPairs, Traversal, TreePairs, Visits};
-pub use vicinity::{Cell, Outline, Reached, Vicinity};
+pub use vicinity::{Listing, Outline, Posed, Reached, Vicinity};
 pub use wide::WideTree;

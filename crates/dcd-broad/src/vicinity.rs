@@ -1,14 +1,17 @@
 //! What stands near a place, cell by cell.
 
 mod grid;
+mod look_up;
 mod reached;
 #[cfg(test)]
 mod tests;
 
-pub use reached::Reached;
+pub use look_up::Posed;
+pub use reached::{Listing, Reached};
 
 use dcd_geom::glam::Vec3A;
-use dcd_geom::{Aabb, LooseBall, Pair, SnugBall, lanes};
+use dcd_geom::lanes::WIDTH;
+use dcd_geom::{Aabb, BallRow, LooseBall, Pair, SnugBall};
 use grid::{Grid, Region};
 
 /// Where something stands: a box and a ball that both contain it, and a ball that it contains.
@@ -45,10 +48,6 @@ pub struct Vicinity {
     /// The lists, each ascending. One that is not known is the number after the last outline's.
     members: Vec<u32>,
 }
-
-/// The list that has all that a ball may reach: see [`Vicinity::cell`].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Cell(u32);
 
 /// What a cell knows.
 #[derive(Clone, Copy, Debug)]
@@ -138,37 +137,18 @@ impl Vicinity {
         self.outlines.len() as u32 - 1
     }
 
-    /// Where to look for what a ball may reach.
+    /// How far the inner ball of a noted one is from a contact with the outline it most likely touches:
+    /// [`SnugBall::short_of`]. From what is not known, infinitely far.
     #[inline]
-    pub fn cell(&self, ball: &LooseBall) -> Cell {
-        let cell = self.grid.cell(ball.centre.into());
-        // Written so that NaN is not known.
-        Cell(if ball.radius <= self.radius { cell as u32 } else { self.cells.len() as u32 - 2 })
+    pub fn short_of(&self, noted: &Listing, inner: &SnugBall) -> f32 {
+        self.inners[noted.likeliest as usize].short_of(inner)
     }
 
-    /// Asks for what a cell knows, a hint without effect on any result.
-    #[inline]
-    pub fn call(&self, Cell(cell): Cell) {
-        lanes::prefetch(&self.cells[cell as usize..][..1]);
-    }
-
-    /// The outline that an inner ball in that cell most likely touches, and how far it is from that:
-    /// [`SnugBall::short_of`]. That of what is not known is infinitely far.
-    #[inline]
-    pub fn likeliest(&self, Cell(cell): Cell, inner: &SnugBall) -> (u32, f32) {
-        let nearest = self.cells[cell as usize].nearest;
-        (nearest, self.inners[nearest as usize].short_of(inner))
-    }
-
-    /// Which outlines each of some balls may reach, given their cells.
-    pub fn reach(&self, balls: &[LooseBall], cells: &[Cell], reached: &mut Reached) {
-        let list = |Cell(cell): Cell| {
-            let [first, next] = [cell as usize, cell as usize + 1].map(|cell| self.cells[cell]);
-            (first.start, next.start - first.start)
-        };
-        reached.gather(cells.iter().map(|&cell| list(cell)), &self.members);
+    /// Finds which outlines the noted balls may reach; `balls` are those of the look-up, sixteen a row.
+    pub fn reach(&self, balls: &[BallRow], reached: &mut Reached) {
+        reached.gather(&self.members);
         reached.keep(|ball, number| {
-            let LooseBall { centre, radius } = balls[ball as usize];
+            let LooseBall { centre, radius } = balls[ball / WIDTH].get(ball % WIDTH);
             self.outlines[number as usize].is_near(centre.into(), radius)
         });
     }

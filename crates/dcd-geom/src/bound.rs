@@ -1,5 +1,11 @@
 //! Balls and boxes that cost nothing per vertex.
 
+mod bounds;
+#[cfg(test)]
+mod tests;
+
+pub use bounds::{BallRow, Bounds};
+
 use crate::{Aabb, Ball, Pose, Shape};
 use glam::{DVec3, Vec3};
 
@@ -70,9 +76,9 @@ impl SnugBall {
 /// metres a metre of the reach and of the translation.
 ///
 /// Several times what f32 loses in a box of vertices rotated in f32: twice 5.01 units of 2⁻²⁴ for a
-/// vertex, some ten for what is rounded up, of a size at most twice the reach. Smaller: such a box
-/// could stand out of this one, and balls that do not meet be taken for a contact. Larger: more is
-/// near, and less is proved to touch.
+/// vertex, some ten for what is rounded up, of a size at most twice the reach, and eleven of the reach
+/// for a ball's centre posed in f32. Smaller: such a box could stand out of this one, and balls that
+/// do not meet be taken for a contact. Larger: more is near, and less is proved to touch.
 const MARGIN: f64 = 1.0 / (1 << 16) as f64;
 
 impl Bound {
@@ -149,12 +155,13 @@ impl Bound {
         SnugBall { centre: ball.centre, radius: both - ball.radius }
     }
 
-    /// No [`Bound::ball`] has a larger radius at a pose whose translation has no coordinate beyond
-    /// `within`, metres.
+    /// Neither [`Bound::ball`] nor [`Bounds::balls`] has a larger radius at a pose whose translation has
+    /// no coordinate beyond `within`, metres.
     pub fn largest_ball(&self, within: f64) -> f32 {
         let stretch = 1.0 + 8.0 * Pose::UNIT_TOLERANCE;
         let margin = MARGIN * (within + self.reach * stretch) + f64::from(f32::MIN_POSITIVE);
-        ((self.ball.radius * stretch + margin) as f32).next_up()
+        // A power of two more than the six roundings of a radius in f32.
+        ((self.ball.radius * stretch + margin) * (1.0 + 4.0 * f64::from(f32::EPSILON))) as f32
     }
 }
 
@@ -188,145 +195,4 @@ fn round_all(centre: DVec3, parts: impl Iterator<Item = Option<Bound>>) -> (Ball
 /// The middle of a shape's box in its own frame.
 fn middle(shape: &Shape) -> DVec3 {
     shape.aabb(&Pose::IDENTITY).centre().as_dvec3()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::DQuat;
-    use std::sync::Arc;
-
-    fn shapes() -> Vec<Shape> {
-        let far = DVec3::new(1e4, -3e3, 20.0);
-        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
-        let hull = Shape::hull(corners.map(|v| v + far).to_vec()).unwrap();
-        let place = Pose::new(DQuat::from_rotation_y(0.3), DVec3::new(0.0, 9.0, 1.0)).unwrap();
-        vec![
-            hull.clone(),
-            hull.clone().rounded(0.25).unwrap(),
-            Shape::sphere(1e-30).unwrap(),
-            Shape::cuboid(DVec3::new(3.0, 0.1, 1e-9)).unwrap(),
-            Shape::cylinder(1.0, 0.2).unwrap(),
-            Shape::cone(0.4, 2.0).unwrap(),
-            Shape::mesh(corners.to_vec(), vec![[0, 1, 2], [1, 2, 3]]).unwrap(),
-            Shape::custom(Arc::new(polytope())).unwrap(),
-            Shape::compound(vec![(hull, place), (Shape::cone(1.0, 1.0).unwrap(), place)]).unwrap(),
-        ]
-    }
-
-    fn polytope() -> crate::Polytope {
-        crate::Polytope::hull(vec![DVec3::X, DVec3::Y * 3.0, DVec3::Z]).unwrap()
-    }
-
-    #[test]
-    fn it_holds_the_box_of_every_shape_at_every_pose() {
-        let turns = [0.0, 0.1, 1.0, 2.0, 3.0]
-            .map(|angle| DQuat::from_rotation_x(angle) * DQuat::from_rotation_z(0.7 * angle));
-        let places =
-            [DVec3::ZERO, DVec3::new(-1e4, 3e3, -20.0), DVec3::splat(1e-20), DVec3::X * 1e30];
-        for shape in shapes() {
-            let bound = Bound::of(&shape).unwrap();
-            for (turn, place) in turns.iter().flat_map(|q| places.map(|t| (*q, t))) {
-                let pose = Pose::new(turn, place).unwrap();
-                let (loose, tight) = (bound.aabb(&pose), shape.aabb(&pose));
-                assert!(loose.contains(&tight), "{shape:?} at {pose:?}: {loose:?}, {tight:?}");
-                let swept = shape.swept(0.5).unwrap().aabb(&pose);
-                assert!(bound.swept(0.5).aabb(&pose).contains(&swept), "{shape:?} at {pose:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_largest_ball_is_as_large_as_any_within_that_far() {
-        for bound in shapes().iter().filter_map(Bound::of) {
-            for place in [DVec3::ZERO, DVec3::new(-1e4, 3e3, -20.0), DVec3::X * 1e30] {
-                let turn = DQuat::from_rotation_x(0.7);
-                let ball = bound.ball(&Pose::new(turn, place).unwrap());
-                let within = place.abs().max_element();
-                assert!(ball.radius <= bound.largest_ball(within), "{bound:?} at {place}");
-            }
-        }
-    }
-
-    fn places() -> impl Iterator<Item = Pose> {
-        let turn = |k: u32| DQuat::from_rotation_x(f64::from(k)) * DQuat::from_rotation_z(0.7);
-        let place = |k: u32| DVec3::new(f64::from(k), -0.3, 1e3 * f64::from(k % 3));
-        (0..9).map(move |k| Pose::new(turn(k), place(k)).unwrap())
-    }
-
-    #[test]
-    fn an_inner_ball_reaches_no_farther_than_its_shape_in_any_direction() {
-        let directions = (0..500).map(|k| {
-            let t = f64::from(k);
-            DVec3::new(t.sin(), (t * 0.73).cos(), (t * 0.37).sin()).normalize()
-        });
-        let mut known = 0;
-        for (shape, pose) in shapes().iter().flat_map(|shape| places().map(move |p| (shape, p))) {
-            let bound = Bound::of(shape).unwrap();
-            let (loose, best) = (bound.ball(&pose), bound.inner_ball(&pose));
-            let concentric = bound.concentric(&loose);
-            assert!(concentric.radius <= best.radius && concentric.centre == loose.centre);
-            known += usize::from(concentric.radius > 0.0);
-            // A box is the reach along six directions, and those of a turned shape along others.
-            for d in directions.clone() {
-                let turned = Pose::new(DQuat::from_rotation_arc(d, DVec3::X), DVec3::ZERO).unwrap();
-                let whole = Pose::from_matrix(
-                    *turned.rotation() * *pose.rotation(),
-                    *turned.rotation() * pose.translation(),
-                );
-                let reach = f64::from(shape.aabb(&whole.unwrap()).max.x);
-                for ball in [best, concentric] {
-                    let far = d.dot(ball.centre.as_dvec3()) + f64::from(ball.radius);
-                    assert!(far <= reach, "{ball:?} of {shape:?} at {pose:?} along {d}");
-                }
-            }
-        }
-        assert!(known > 10, "{known}");
-    }
-
-    #[test]
-    fn balls_that_just_miss_are_short_of_meeting_and_those_that_overlap_are_not() {
-        let at = |x: f32, radius| SnugBall { centre: Vec3::X * x, radius };
-        for size in [1e-15, 1e-6, 1.0, 1e6, 1e15] {
-            let ball = at(3.0 * size, size);
-            assert!(ball.short_of(&at(0.0, 1.999 * size)) > 0.0);
-            assert!(ball.short_of(&at(0.0, 2.001 * size)) <= 0.0);
-        }
-        // No ball of negative radius meets any but one that holds its centre by more.
-        assert!(at(0.0, -1.0).short_of(&at(0.0, -1.0)) > 0.0);
-        assert!(at(0.0, -1.0).short_of(&at(0.0, 0.5)) > 0.0);
-        assert!(at(0.0, -1.0).short_of(&at(0.5, 2.0)) <= 0.0);
-        for other in [at(0.0, 1e30), at(f32::NAN, 1.0), at(0.0, f32::NAN), SnugBall::NOTHING] {
-            let short_of = SnugBall::NOTHING.short_of(&other);
-            assert!(short_of > 0.0 || short_of.is_nan(), "{other:?}");
-        }
-    }
-
-    #[test]
-    fn of_what_is_known_by_its_surface_or_its_map_alone_no_inner_ball_is_known() {
-        for shape in shapes() {
-            let bound = Bound::of(&shape).unwrap();
-            let ball = bound.inner_ball(&Pose::IDENTITY);
-            let is_solid = !matches!(shape, Shape::Mesh(_) | Shape::Custom(_));
-            assert_eq!(ball.radius > f32::NEG_INFINITY, is_solid, "{shape:?}");
-        }
-        let far = Pose::from_translation(DVec3::X * 1e200).unwrap();
-        let bound = Bound::of(&Shape::sphere(1.0).unwrap()).unwrap();
-        assert_eq!(bound.inner_ball(&far).radius, f32::NEG_INFINITY);
-    }
-
-    #[test]
-    fn it_is_no_larger_than_a_ball_needs() {
-        let bound = Bound::of(&Shape::sphere(2.0).unwrap()).unwrap();
-        let aabb = bound.aabb(&Pose::from_translation(DVec3::X * 3.0).unwrap());
-        assert!(aabb.max.x < 5.0001 && aabb.min.x > 0.9999);
-    }
-
-    #[test]
-    fn what_has_no_end_has_no_bound_and_what_is_out_of_range_is_everywhere() {
-        assert_eq!(Bound::of(&Shape::half_space(DVec3::Z, 0.0).unwrap()), None);
-        let bound = Bound::of(&Shape::sphere(1.0).unwrap()).unwrap();
-        let far = Pose::from_translation(DVec3::X * 1e200).unwrap();
-        assert_eq!(bound.aabb(&far), Aabb::EVERYTHING);
-    }
 }

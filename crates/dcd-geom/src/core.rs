@@ -228,7 +228,7 @@ fn part_block_count(part: &Part) -> usize {
 
 /// The vertices relative to the centre, rounded to f32, sixteen a block; the last block is filled up
 /// with the last vertex.
-fn local_blocks(vertices: &[DVec3], centre: DVec3) -> impl Iterator<Item = Block> + '_ {
+pub(crate) fn local_blocks(vertices: &[DVec3], centre: DVec3) -> impl Iterator<Item = Block> + '_ {
     vertices.chunks(WIDTH).map(move |chunk| {
         let mut block = Block::default();
         for lane in 0..WIDTH {

@@ -33,7 +33,7 @@ mod twin_box;
 
 pub use aabb::Aabb;
 pub use ball::Ball;
-pub use bound::{Bound, LooseBall, SnugBall};
+pub use bound::{BallRow, Bound, Bounds, LooseBall, SnugBall};
 pub use core::{Core, Cores, LaneBox, MOST_PARTS};
 pub use curved::{Curved, CurvedKind};
 pub use divide::Divide;
@@ -41,7 +41,7 @@ pub use error::{PoseError, SceneError, ShapeError};
 pub use facets::{FLATNESS, Facet, Facets};
 pub use half_space::HalfSpace;
 pub use pair::Pair;
-pub use parts::{Compound, Mesh, Part, PartTree, Triangles};
+pub use parts::{Compound, Corners, Mesh, Part, PartTree, Triangles};
 pub use polytope::{Kind, Polytope};
 pub use pose::Pose;
 pub use real::{Matrix, Real, Vector};

@@ -3,7 +3,7 @@
 use crate::{Contact, Findings, NarrowPhase, Report, Rung, Undecided};
 use dcd_geom::glam::DVec3;
 use dcd_geom::law::Broken;
-use dcd_geom::{Aabb, Bound, Divide, Pair, Scene, SupportMap};
+use dcd_geom::{Aabb, Bound, Divide, Pair, Scene, Shape, SupportMap};
 use std::fmt::Debug;
 
 /// Tests the law of [`NarrowPhase`] on a scene and pairs of its objects, each at most once.
@@ -179,7 +179,10 @@ const DIRECTIONS: [DVec3; 7] =
 fn boxes_contain_their_objects(scene: &Scene, aabbs: &[Aabb]) -> Result<(), Broken> {
     for (i, (aabb, pose)) in aabbs.iter().zip(scene.poses()).enumerate() {
         let shape = scene.shape(i);
-        let vertices = shape.as_polytope().map_or(&[][..], |polytope| polytope.vertices());
+        let vertices = match shape {
+            Shape::Mesh(mesh) => mesh.points(),
+            _ => shape.as_polytope().map_or(&[][..], |polytope| polytope.vertices()),
+        };
         let to_local = pose.rotation().transpose();
         let supports = DIRECTIONS.iter().map(|&d| shape.support(to_local * d).point);
         for local in vertices.iter().copied().chain(supports) {

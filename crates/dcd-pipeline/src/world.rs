@@ -84,7 +84,8 @@ impl<N: NarrowPhase> World<N> {
     /// Ready to ask for configurations of these links, again and again.
     ///
     /// # Errors
-    /// More shapes or objects than a u32 counts: a probe holds 512 objects for each link.
+    /// More shapes or objects than a u32 counts: a probe holds 128 objects for each link. A link that
+    /// is out of range without being moved, by its number.
     pub fn probe(&self, linkage: Linkage) -> Result<Probe<'_, N>, SceneError> {
         Probe::new(self, linkage)
     }

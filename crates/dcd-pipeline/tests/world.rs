@@ -197,6 +197,18 @@ fn what_cannot_be_settled_is_told_and_a_contact_comes_before_it() {
 }
 
 #[test]
+fn a_link_that_is_out_of_range_unmoved_is_refused_by_its_number() {
+    let world = World::new(&obstacles(), Overlap::default(), Par::Serial).unwrap();
+    let far = Shape::segment(DVec3::ZERO, DVec3::X * 1e300).unwrap();
+    let links = Linkage::new(vec![Shape::sphere(1.0).unwrap(), far]);
+    let refused = world.probe(links).map(|_| ());
+    assert!(
+        matches!(refused, Err(SceneError::OutOfRange { object: 1, reach }) if reach >= 1e300),
+        "{refused:?}"
+    );
+}
+
+#[test]
 fn a_batch_that_does_not_fit_is_refused_with_what_is_wrong() {
     let world = World::new(&obstacles(), Overlap::default(), Par::Serial).unwrap();
     let mut probe = world.probe(linkage()).unwrap();

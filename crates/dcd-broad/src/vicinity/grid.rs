@@ -2,6 +2,7 @@
 
 use dcd_geom::Aabb;
 use dcd_geom::glam::{UVec3, Vec3, Vec3A};
+use dcd_geom::lanes::{Block, Lanes};
 
 /// How many cells there may be, and how many may list an outline, for each outline. Larger: shorter
 /// lists in more memory. No effect on what is known to be near.
@@ -24,8 +25,8 @@ pub(super) struct Grid {
     strides: Vec3A,
 }
 
-/// An f32 of this size has no digits after the point.
-const WHOLE: f32 = (1 << 23) as f32;
+/// An f32 of this size has no digits after the point, and its lowest 23 bits are what it is larger by.
+pub(super) const WHOLE: f32 = (1 << 23) as f32;
 
 impl Grid {
     /// Of as many cells over that extent as [`CELLS`] and [`LISTED`] allow for these boxes.
@@ -78,12 +79,20 @@ impl Grid {
         (place + WHOLE) - WHOLE
     }
 
-    /// The number of the cell that a point is in.
-    #[inline]
-    pub(super) fn cell(&self, point: Vec3A) -> usize {
-        // The number's lowest bits, for it is whole and below 2²³.
-        let number = self.place(point).dot(self.strides);
-        ((number + WHOLE).to_bits() - WHOLE.to_bits()) as usize
+    /// The numbers of the cells that sixteen points are in, as [`Self::place`] has them.
+    #[inline(always)]
+    pub(super) fn cells<L: Lanes>(&self, l: L, points: &Block) -> L::F {
+        let mut number = l.splat(0.0);
+        for axis in 0..3 {
+            let from = l.sub(l.load(&points.0[axis]), l.splat(self.origin[axis]));
+            let place = l.mul(from, l.splat(self.scale[axis]));
+            let place = l.min(l.max(place, l.splat(0.0)), l.splat(self.last[axis]));
+            let whole = l.splat(WHOLE);
+            let place = l.sub(l.add(place, whole), whole);
+            // Whole numbers below 2²³: nothing is rounded.
+            number = l.mul_add(place, l.splat(self.strides[axis]), number);
+        }
+        number
     }
 
     fn range(&self, aabb: &Aabb) -> Range {

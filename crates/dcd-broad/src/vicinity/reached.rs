@@ -1,6 +1,8 @@
 //! Lists put one after the other, and what of them is kept.
 
 use super::LONGEST;
+use dcd_geom::lanes::IndexRow;
+use std::ops::Range;
 
 /// What balls may reach, ball by ball. Memory that is used again.
 ///
@@ -11,8 +13,10 @@ use super::LONGEST;
 pub struct Reached {
     /// The lists that have anything, more than there are: what is beyond means nothing, as in what
     /// follows.
-    lists: Vec<List>,
+    lists: Vec<Listing>,
     listed: usize,
+    /// The cells of the balls that are looked up.
+    pub(super) cells: Vec<IndexRow>,
     numbers: Vec<u32>,
     /// For each listed number the ball that it is listed for.
     balls: Vec<u32>,
@@ -20,10 +24,15 @@ pub struct Reached {
     before: Vec<u32>,
 }
 
+/// A ball of which anything is listed.
 #[derive(Clone, Copy, Debug, Default)]
-struct List {
-    ball: u32,
-    /// Where it begins: among the members, then among the numbers.
+pub struct Listing {
+    /// Its number.
+    pub ball: u32,
+    /// The number of the outline that it most likely touches; [`super::Vicinity::unknown`] where none
+    /// is known.
+    pub likeliest: u32,
+    /// Where its list begins: among the members, then among the numbers.
     start: u32,
     /// How many it has, then where it ends.
     end: u32,
@@ -43,24 +52,67 @@ impl Reached {
         &self.numbers[..end as usize]
     }
 
-    /// Puts the lists of balls one after the other, each given by its start among the members and its
-    /// length, at most [`LONGEST`]; after every start there are as many members.
-    pub(super) fn gather(
+    /// Forgets all balls.
+    pub fn clear(&mut self) {
+        self.listed = 0;
+    }
+
+    /// How many balls are noted.
+    pub fn noted(&self) -> usize {
+        self.listed
+    }
+
+    /// Tells the noted balls from the `from`-th on, run by run of so many balls, to what may end a run,
+    /// by its number: the rest of it is not told then, and none of it is noted any more.
+    #[inline]
+    pub fn sift(&mut self, from: usize, run: usize, mut ends: impl FnMut(usize, &Listing) -> bool) {
+        let (lists, run) = (&mut self.lists[..self.listed], run.max(1));
+        let from = from.min(lists.len());
+        let (mut next, mut kept) = (from, from);
+        while next < lists.len() {
+            let number = lists[next].ball as usize / run;
+            let end = (number + 1) * run;
+            let (start, mut has_ended) = (kept, false);
+            while next < lists.len() && (lists[next].ball as usize) < end {
+                if !has_ended {
+                    lists[kept] = lists[next];
+                    has_ended = ends(number, &lists[kept]);
+                    kept += 1;
+                }
+                next += 1;
+            }
+            kept = if has_ended { start } else { kept };
+        }
+        self.listed = kept;
+    }
+
+    /// Notes those of the balls that were looked up in whose cell anything stands. `list` is told how
+    /// many came before, and the cell; it tells where among the members its list lies, of at most
+    /// [`LONGEST`], and which is the likeliest.
+    #[inline]
+    pub(super) fn note(
         &mut self,
-        lists: impl ExactSizeIterator<Item = (u32, u32)>,
-        members: &[u32],
+        balls: Range<usize>,
+        list: impl Fn(usize, usize) -> (Range<u32>, u32),
     ) {
         // Never shorter, so that nothing is filled twice.
-        let most = self.lists.len().max(lists.len() + 1);
-        self.lists.resize(most, List::default());
-        let (mut count, mut members_listed) = (0, 0);
-        for (ball, (start, length)) in (0..).zip(lists) {
-            self.lists[count] = List { ball, start, end: length };
-            count += usize::from(length > 0);
-            members_listed += length as usize;
+        let most = self.lists.len().max(self.listed + balls.len() + 1);
+        self.lists.resize(most, Listing::default());
+        let cells = self.cells.iter().flat_map(|row| row.0).enumerate();
+        for (ball, (k, cell)) in balls.zip(cells) {
+            let (Range { start, end }, likeliest) = list(k, cell as usize);
+            self.lists[self.listed] =
+                Listing { ball: ball as u32, likeliest, start, end: end - start };
+            self.listed += usize::from(end > start);
         }
-        self.listed = count;
-        let most = self.numbers.len().max(members_listed + LONGEST);
+    }
+
+    /// Puts the lists one after the other; after every start there are as many members as a list may
+    /// have.
+    pub(super) fn gather(&mut self, members: &[u32]) {
+        let count = self.listed;
+        let members_listed: u32 = self.lists[..count].iter().map(|list| list.end).sum();
+        let most = self.numbers.len().max(members_listed as usize + LONGEST);
         self.numbers.resize(most, 0);
         self.balls.resize(most, 0);
         self.before.resize(most + 1, 0);
@@ -77,14 +129,14 @@ impl Reached {
 
     /// Keeps the numbers that `reaches` says their ball reaches.
     #[inline]
-    pub(super) fn keep(&mut self, reaches: impl Fn(u32, u32) -> bool) {
-        let Self { lists, listed, numbers, balls, before } = self;
+    pub(super) fn keep(&mut self, reaches: impl Fn(usize, u32) -> bool) {
+        let Self { lists, listed, numbers, balls, before, .. } = self;
         let lists = &mut lists[..*listed];
         let mut kept = 0;
         for k in 0..lists.last().map_or(0, |list| list.end as usize) {
             let number = numbers[k];
             numbers[kept] = number;
-            kept += usize::from(reaches(balls[k], number));
+            kept += usize::from(reaches(balls[k] as usize, number));
             before[k + 1] = kept as u32;
         }
         let mut start = 0;

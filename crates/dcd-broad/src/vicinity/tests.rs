@@ -2,6 +2,8 @@
 
 use super::*;
 use dcd_geom::glam::{Vec3, Vec3Swizzles};
+use dcd_geom::lanes::{IndexRow, Kernel, Lanes, Path, dispatch_on};
+use dcd_geom::{Bound, Bounds, Pose, Shape};
 
 fn outline(centre: Vec3, half: Vec3) -> Outline {
     let aabb = Aabb { min: centre - half, max: centre + half };
@@ -34,18 +36,60 @@ fn gap(outline: &Outline, ball: &LooseBall) -> f64 {
     centre.distance(nearest).max(between) - radius
 }
 
-fn reached(vicinity: &Vicinity, balls: &[LooseBall]) -> Vec<Vec<u32>> {
-    let mut reached = Reached::default();
-    let mut reach = |balls: &[LooseBall]| {
-        let cells: Vec<Cell> = balls.iter().map(|ball| vicinity.cell(ball)).collect();
-        vicinity.reach(balls, &cells, &mut reached);
+/// Finds the cells of all balls.
+struct Cells<'a>(&'a Vicinity, &'a [BallRow], &'a mut Vec<IndexRow>);
+
+impl Kernel for Cells<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Self(vicinity, balls, cells) = self;
+        cells.resize(balls.len(), IndexRow::default());
+        for (balls, cells) in balls.iter().zip(cells) {
+            l.store_u(vicinity.cells(l, balls), cells);
+        }
+    }
+}
+
+fn rows(balls: &[LooseBall]) -> Vec<BallRow> {
+    let row = |balls: &[LooseBall]| {
+        let mut row = BallRow::default();
+        for (k, ball) in balls.iter().enumerate() {
+            for (axis, x) in ball.centre.to_array().into_iter().enumerate() {
+                row.centre.0[axis].0[k] = x;
+            }
+            row.radius.0[k] = ball.radius;
+        }
+        row
     };
-    // In memory that was used before, by more.
-    reach(&[balls, balls].concat());
-    reach(balls);
-    let mut all = vec![Vec::new(); balls.len()];
-    for (ball, [start, end]) in reached.spans() {
-        all[ball] = reached.numbers()[start as usize..end as usize].to_vec();
+    balls.chunks(WIDTH).map(row).collect()
+}
+
+/// Notes the balls as [`Vicinity::look_up`] does.
+fn note(vicinity: &Vicinity, balls: &[LooseBall], path: Path, reached: &mut Reached) {
+    reached.clear();
+    dispatch_on(path, Cells(vicinity, &rows(balls), &mut reached.cells));
+    vicinity.note(0..balls.len(), &[], reached);
+}
+
+fn reached(vicinity: &Vicinity, balls: &[LooseBall]) -> Vec<Vec<u32>> {
+    let told = |path| {
+        let mut reached = Reached::default();
+        // The second time in memory that was used before, by more.
+        for balls in [&[balls, balls].concat(), balls] {
+            note(vicinity, balls, path, &mut reached);
+            vicinity.reach(&rows(balls), &mut reached);
+        }
+        let mut all = vec![Vec::new(); balls.len()];
+        for (ball, [start, end]) in reached.spans() {
+            all[ball] = reached.numbers()[start as usize..end as usize].to_vec();
+        }
+        all
+    };
+    let all = told(Path::Portable);
+    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+        assert_eq!(told(path), all, "{path:?}");
     }
     all
 }
@@ -148,18 +192,77 @@ fn the_likeliest_is_told_with_what_it_is_short_of_and_most_contacts_are_its() {
     outlines.iter_mut().for_each(|outline| outline.inner.radius *= 4.0);
     let balls = balls(2000, 1.0);
     let vicinity = Vicinity::new(&outlines, 0.2);
+    let mut reached = Reached::default();
+    note(&vicinity, &balls, Path::best(), &mut reached);
+    let inner = |ball: &LooseBall| SnugBall { centre: ball.centre, radius: ball.radius * 0.7 };
+    let mut noted = vec![(vicinity.unknown(), f32::INFINITY); balls.len()];
+    reached.sift(0, 1, |ball, listing| {
+        assert_eq!(ball, listing.ball as usize);
+        noted[ball] = (listing.likeliest, vicinity.short_of(listing, &inner(&balls[ball])));
+        false
+    });
     let (mut touching, mut told) = (0, 0);
-    for ball in &balls {
-        let inner = SnugBall { centre: ball.centre, radius: ball.radius * 0.7 };
-        let (number, short_of) = vicinity.likeliest(vicinity.cell(ball), &inner);
-        let due = |outline: &Outline| outline.inner.short_of(&inner);
+    for (ball, &(likeliest, short_of)) in balls.iter().zip(&noted) {
+        let due = |outline: &Outline| outline.inner.short_of(&inner(ball));
         let least = outlines.iter().map(due).fold(f32::INFINITY, f32::min);
-        match outlines.get(number as usize) {
+        match outlines.get(likeliest as usize) {
             Some(outline) => assert_eq!(short_of, due(outline)),
-            None => assert!(number == vicinity.unknown() && short_of == f32::INFINITY),
+            None => assert!(likeliest == vicinity.unknown() && short_of == f32::INFINITY),
         }
         touching += usize::from(least <= 0.0);
         told += usize::from(short_of <= 0.0);
     }
     assert!(touching > 100 && 5 * told > 4 * touching, "{told} of {touching}");
+}
+
+#[test]
+fn posed_bounds_are_looked_up_by_their_balls_row_after_row() {
+    let outlines = outlines(60, 1.0);
+    let vicinity = Vicinity::new(&outlines, 0.3);
+    let shapes = [0.1, 0.2, 0.05].map(|radius| Shape::sphere(radius).unwrap());
+    let bounds = Bounds::new(shapes.iter().map(Bound::of).collect());
+    let centres = balls(100, 1.0).into_iter().map(|ball| ball.centre.as_dvec3());
+    let poses: Vec<Pose> = centres.map(|t| Pose::from_translation(t).unwrap()).collect();
+    let mut found = vec![BallRow::default(); poses.len().div_ceil(WIDTH)];
+    let mut reached = Reached::default();
+    let posed = Posed { bounds: &bounds, poses: &poses };
+    // Rows that are not there are none.
+    for rows in [0..3, 3..4, 4..9, 8..9] {
+        vicinity.look_up(posed, rows, &mut found, &mut reached);
+    }
+    let mut due = Vec::new();
+    for (k, (pose, shape)) in poses.iter().zip(shapes.iter().cycle()).enumerate() {
+        let (ball, plain) = (found[k / WIDTH].get(k % WIDTH), Bound::of(shape).unwrap().ball(pose));
+        assert!(ball.centre.distance(plain.centre) < 1e-6, "{k}: {ball:?}, {plain:?}");
+        assert!((ball.radius - plain.radius).abs() < 1e-6, "{k}: {ball:?}, {plain:?}");
+        due.push(ball);
+    }
+    let mut again = Reached::default();
+    note(&vicinity, &due, Path::best(), &mut again);
+    assert!(reached.noted() > 20 && reached.noted() == again.noted());
+    vicinity.reach(&found, &mut reached);
+    vicinity.reach(&rows(&due), &mut again);
+    assert!(reached.spans().eq(again.spans()) && reached.numbers() == again.numbers());
+}
+
+#[test]
+fn a_run_that_has_ended_is_told_no_more_and_none_of_it_is_noted() {
+    let crowd = [outline(Vec3::ZERO, Vec3::ONE)];
+    let vicinity = Vicinity::new(&crowd, 0.5);
+    // Near it are all but the 3rd and all of the run that is third.
+    let far = |k: usize| k == 3 || (8..12).contains(&k);
+    let ball =
+        |k: usize| LooseBall { centre: Vec3::X * [0.0, 9.0][usize::from(far(k))], radius: 0.5 };
+    let balls: Vec<LooseBall> = (0..18).map(ball).collect();
+    let mut reached = Reached::default();
+    note(&vicinity, &balls, Path::best(), &mut reached);
+    let mut told = Vec::new();
+    reached.sift(2, 4, |run, listing| {
+        told.push((run, listing.ball));
+        listing.ball == 5 || listing.ball == 17
+    });
+    assert_eq!(told, [2, 4, 5, 12, 13, 14, 15, 16, 17].map(|ball| (ball as usize / 4, ball)));
+    vicinity.reach(&rows(&balls), &mut reached);
+    let left: Vec<usize> = reached.spans().map(|(ball, _)| ball).collect();
+    assert_eq!(left, [0, 1, 2, 12, 13, 14, 15]);
 }

@@ -72,6 +72,18 @@ impl Lanes for Avx2 {
         unsafe { (_mm256_loadu_ps(at), _mm256_loadu_ps(at.add(8))) }
     }
     #[inline(always)]
+    fn round_from(self, numbers: [&[f64; WIDTH / 2]; 2]) -> Self::F {
+        let half = |numbers: &[f64; WIDTH / 2]| {
+            // SAFETY: as above; four f64 are read from wherever they are, twice.
+            unsafe {
+                let low = _mm256_cvtpd_ps(_mm256_loadu_pd(numbers.as_ptr()));
+                let high = _mm256_cvtpd_ps(_mm256_loadu_pd(numbers.as_ptr().add(WIDTH / 4)));
+                _mm256_set_m128(high, low)
+            }
+        };
+        (half(numbers[0]), half(numbers[1]))
+    }
+    #[inline(always)]
     fn store_to(self, a: Self::F, numbers: &mut [f32; WIDTH]) {
         let at = numbers.as_mut_ptr();
         // SAFETY: as above; sixteen f32 are written to wherever they are.

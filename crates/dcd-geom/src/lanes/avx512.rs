@@ -41,6 +41,15 @@ impl Lanes for Avx512 {
         unsafe { _mm512_loadu_ps(numbers.as_ptr()) }
     }
     #[inline(always)]
+    fn round_from(self, numbers: [&[f64; WIDTH / 2]; 2]) -> __m512 {
+        // SAFETY: as above; eight f64 are read from wherever they are, twice.
+        unsafe {
+            let low = _mm512_cvtpd_ps(_mm512_loadu_pd(numbers[0].as_ptr()));
+            let high = _mm512_cvtpd_ps(_mm512_loadu_pd(numbers[1].as_ptr()));
+            _mm512_insertf32x8::<1>(_mm512_castps256_ps512(low), high)
+        }
+    }
+    #[inline(always)]
     fn store_to(self, a: __m512, numbers: &mut [f32; WIDTH]) {
         // SAFETY: as above; sixteen f32 are written to wherever they are.
         unsafe { _mm512_storeu_ps(numbers.as_mut_ptr(), a) }

@@ -57,6 +57,8 @@ pub trait Lanes: Copy {
     fn splat(self, x: f32) -> Self::F;
     /// From memory, wherever it begins.
     fn load_from(self, numbers: &[f32; WIDTH]) -> Self::F;
+    /// Eight f64 and eight more, rounded.
+    fn round_from(self, numbers: [&[f64; WIDTH / 2]; 2]) -> Self::F;
     /// To memory, wherever it begins.
     fn store_to(self, a: Self::F, numbers: &mut [f32; WIDTH]);
     /// a + b.
@@ -312,6 +314,8 @@ mod tests {
             let (a, b) = (l.load(self.a), l.load(self.b));
             // Some lie past the last of five blocks.
             let (first, number) = (l.tag_of(b, l.splat_u(3)), l.tag_of(a, l.splat_u(63)));
+            let halves = [0, WIDTH / 2].map(|from| self.a.0[from..].first_chunk().unwrap());
+            let thirds = halves.map(|half: &[f32; WIDTH / 2]| half.map(|x| f64::from(x) / 3.0));
             let floats = [
                 l.splat(0.1),
                 l.add(a, b),
@@ -332,6 +336,7 @@ mod tests {
                 l.transpose(self.rows)[0],
                 l.transpose(self.rows)[7],
                 l.transpose(self.rows)[13],
+                l.round_from([&thirds[0], &thirds[1]]),
             ];
             let (lt, le) = (l.lt(a, b), l.le(a, b));
             let masks = [l.and(lt, le), l.or(lt, le), l.and_not(le, lt), l.mask(0xA5C3)];
@@ -376,6 +381,9 @@ mod tests {
                 assert_eq!(largest, row.0.iter().copied().fold(f32::MIN, f32::max));
             }
             assert!(indices[indices.len() - 2 * WIDTH..].chunks(2).all(|pair| pair[0] <= pair[1]));
+            for (x, &rounded) in a.0.iter().zip(&floats[19].0) {
+                assert_eq!(rounded, (f64::from(*x) / 3.0) as f32);
+            }
             for (row, &lane_13) in rows.iter().zip(&floats[18].0) {
                 assert_eq!(lane_13, row.0[13]);
             }

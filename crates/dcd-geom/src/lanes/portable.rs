@@ -47,6 +47,10 @@ impl Lanes for Portable {
         *numbers
     }
     #[inline(always)]
+    fn round_from(self, numbers: [&[f64; WIDTH / 2]; 2]) -> Self::F {
+        std::array::from_fn(|k| numbers[k / (WIDTH / 2)][k % (WIDTH / 2)] as f32)
+    }
+    #[inline(always)]
     fn store_to(self, a: Self::F, numbers: &mut [f32; WIDTH]) {
         *numbers = a;
     }

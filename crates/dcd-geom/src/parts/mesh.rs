@@ -2,6 +2,7 @@
 
 use super::tree::PartTree;
 use crate::ball::reach;
+use crate::core::local_blocks;
 use crate::error::check_length;
 use crate::lanes::{Block, WIDTH};
 use crate::{Aabb, ShapeError};
@@ -19,6 +20,18 @@ pub struct Triangles {
     pub corners: [Block; 3],
 }
 
+/// All corners of a mesh as the lanes want them: relative to the middle of their box, in f32.
+#[derive(Clone, Debug)]
+pub struct Corners {
+    /// What they count from, in the mesh's frame, metres.
+    pub centre: DVec3,
+    /// The largest distance of a corner from the centre, rounded up.
+    pub radius: f64,
+    /// Each less the centre, rounded to f32, sixteen a block; the last block is filled up with the
+    /// last one.
+    pub blocks: Vec<Block>,
+}
+
 /// A surface of triangles: not what it encloses, if it encloses anything.
 ///
 /// Each triangle is the hull of its three corners. It may be degenerate: a segment, or a point.
@@ -29,6 +42,8 @@ pub struct Mesh {
     triangles: Vec<[u32; 3]>,
     /// Where there are corners, each point once: what the mesh's extent is taken from.
     points: Vec<DVec3>,
+    /// The same.
+    all_corners: Corners,
     tree: PartTree,
     leaves: Vec<Triangles>,
     reach: f64,
@@ -63,8 +78,8 @@ impl Mesh {
             })
             .collect();
         let points = distinct(triangles.iter().flat_map(corners).collect());
-        let reach = reach(points.iter().copied());
-        Ok(Self { vertices, triangles, points, tree, leaves, reach, radius: 0.0 })
+        let (all_corners, reach) = (Corners::of(&points), reach(points.iter().copied()));
+        Ok(Self { vertices, triangles, points, all_corners, tree, leaves, reach, radius: 0.0 })
     }
 
     /// The same triangles with a ball of this radius swept round each, metres; replaces any other
@@ -105,6 +120,11 @@ impl Mesh {
         &self.points
     }
 
+    /// The same points as the lanes want them: what the mesh's box is taken from.
+    pub fn all_corners(&self) -> &Corners {
+        &self.all_corners
+    }
+
     /// The tree over the triangles, the swept radius not counted.
     pub fn tree(&self) -> &PartTree {
         &self.tree
@@ -122,12 +142,24 @@ impl Mesh {
     }
 }
 
+/// The middle of the box round points.
+fn middle(points: impl Iterator<Item = DVec3> + Clone) -> DVec3 {
+    let low = points.clone().fold(DVec3::INFINITY, DVec3::min);
+    low * 0.5 + points.fold(DVec3::NEG_INFINITY, DVec3::max) * 0.5
+}
+
+impl Corners {
+    fn of(points: &[DVec3]) -> Self {
+        let centre = middle(points.iter().copied());
+        let radius = reach(points.iter().map(|&point| point - centre));
+        Self { centre, radius, blocks: local_blocks(points, centre).collect() }
+    }
+}
+
 impl Triangles {
     fn of(triangles: impl Iterator<Item = [DVec3; 3]> + Clone) -> Self {
         let points = triangles.clone().flatten();
-        let low = points.clone().fold(DVec3::INFINITY, DVec3::min);
-        let high = points.clone().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let centre = low * 0.5 + high * 0.5;
+        let centre = middle(points.clone());
         let mut corners = [Block::default(); 3];
         let first = triangles.clone().next().unwrap_or_default();
         let lanes = triangles.chain(std::iter::repeat(first));

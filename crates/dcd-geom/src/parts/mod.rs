@@ -7,5 +7,5 @@ mod mesh;
 mod tree;
 
 pub use compound::{Compound, Part};
-pub use mesh::{Mesh, Triangles};
+pub use mesh::{Corners, Mesh, Triangles};
 pub use tree::PartTree;

@@ -1,6 +1,8 @@
 //! Objects made ready: vertices rotated, balls bounded, boxes found.
 
 mod forms;
+#[cfg(test)]
+mod tests;
 
 pub(super) use forms::constants;
 
@@ -11,7 +13,7 @@ use super::upright::Upright;
 use super::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::lanes::{Block, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, prefetch};
-use dcd_geom::{Aabb, Core, LaneBox, Pose, Scene};
+use dcd_geom::{Aabb, Core, Corners, LaneBox, Mesh, Pose, Scene, Shape};
 
 /// Runs the kernel on that path: compiled here, once.
 pub(super) fn prepare(path: Path, objects: Prepare<'_>) {
@@ -76,15 +78,17 @@ impl Prepare<'_> {
                         record.marks |= UPRIGHT;
                     }
                 }
-                let local = &self.scene.cores().blocks(core)[..own.len()];
-                let found = rotate(l, pose, local, own);
+                let found = match own {
+                    [] => reach_of_corners(l, self.scene.shape(object), pose),
+                    _ => rotate(l, pose, &self.scene.cores().blocks(core)[..own.len()], own),
+                };
                 extremes.keep(l, lane, found);
             }
             let reach = extremes.of_each(l);
             for (lane, (record, aabb)) in records.iter().zip(aabbs).enumerate() {
                 let place = (group * WIDTH + lane, first + lane);
                 *aabb = match record.marks & WHOLE {
-                    0 => not_whole(l, self.scene, place, (&mut room, extremes)),
+                    0 => not_whole(l, self.scene, place, (&mut room, extremes, &reach)),
                     _ => boxed(record, &reach, lane),
                 };
             }
@@ -92,21 +96,51 @@ impl Prepare<'_> {
     }
 }
 
-/// The box of an object that is not the hull of its vertices: round its parts, or its shape. It is
-/// the part's `k`-th and the scene's `object`-th.
+/// The box of an object that is not the hull of its vertices: round its parts, a mesh's corners, or its
+/// shape. It is the part's `k`-th and the scene's `object`-th.
 #[inline(always)]
 fn not_whole<L: Lanes>(
     l: L,
     scene: &Scene,
     (k, object): (usize, usize),
-    (room, extremes): (&mut Room<'_>, &mut Extremes),
+    (room, extremes, reach): (&mut Room<'_>, &mut Extremes, &[Row; 6]),
 ) -> Aabb {
-    if !room.holds(k) {
-        return scene.aabb(object);
-    }
     let core = &scene.cores().cores()[scene.shape_of()[object] as usize];
     let (shape, pose) = (scene.shape(object), &scene.poses()[object]);
-    room.prepare(l, (k, Whole { scene, core, shape, pose }), extremes)
+    match shape {
+        Shape::Mesh(mesh) => boxed(&round_corners(mesh, pose), reach, k % WIDTH),
+        _ if room.holds(k) => room.prepare(l, (k, Whole { scene, core, shape, pose }), extremes),
+        _ => scene.aabb(object),
+    }
+}
+
+/// How far the corners of a mesh reach, lane by lane; of any other shape, nowhere.
+#[inline(always)]
+fn reach_of_corners<L: Lanes>(l: L, shape: &Shape, pose: &Pose) -> [L::F; 6] {
+    let mut all = [l.splat(f32::NEG_INFINITY); 6];
+    let Shape::Mesh(mesh) = shape else { return all };
+    let mut turned = [Block::default(); SOME];
+    for some in mesh.all_corners().blocks.chunks(SOME) {
+        let found = rotate(l, pose, some, &mut turned);
+        for side in 0..6 {
+            all[side] = l.max(all[side], found[side]);
+        }
+    }
+    all
+}
+
+/// How many blocks of a mesh are turned at once: what that leaves behind stays near. No effect on any
+/// result.
+const SOME: usize = 16;
+
+/// What [`boxed`] needs to know of the corners of a mesh.
+#[inline(always)]
+fn round_corners(mesh: &Mesh, pose: &Pose) -> Record {
+    let &Corners { centre, radius: outer, .. } = mesh.all_corners();
+    // The middle of a box may be farther off than its corners, by less than √3.
+    let reach = 2.0 * mesh.reach();
+    let core = Core { centre, outer, reach, radius: mesh.swept_radius(), ..Core::default() };
+    place(&Record::default(), &core, pose)
 }
 
 /// How many objects ahead their vertices are asked for: about as many as are prepared while memory

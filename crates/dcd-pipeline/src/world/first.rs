@@ -3,7 +3,7 @@
 use super::desk::Desk;
 use super::probe::{Finding, Other, Probe};
 use super::set::{Members, ROW, Set};
-use dcd_geom::{Pair, Pose, SnugBall};
+use dcd_geom::{Pair, Pose};
 use dcd_gjk::{NarrowPhase, Verdict};
 use std::ops::Range;
 
@@ -99,24 +99,22 @@ impl<N: NarrowPhase> Desk<N> {
         let sole_answer = probe.world.narrow.sole_answer();
         distances.resize(links * ROW, f32::INFINITY);
         let row = (&poses[*start * links..], found.len());
-        self.open = outlook.look(probe, row, |own, balls, cells| {
-            let seen = probe.bounds.iter().zip(balls.iter().zip(cells)).enumerate();
-            for (link, (bound, (ball, &cell))) in seen {
-                let inner = bound.map_or(SnugBall::NOTHING, |bound| bound.concentric(ball));
-                let (obstacle, distance) = probe.vicinity.likeliest(cell, &inner);
-                distances[own * links + link] = distance;
-                let Some(answer) = sole_answer.filter(|_| distance <= 0.0) else { continue };
-                if probe.allows(link, obstacle) {
-                    found[own] = Some(Finding {
-                        configuration: (*start + own) as u32,
-                        link: link as u32,
-                        other: Other::Obstacle(probe.world.names[obstacle as usize]),
-                        verdict: Verdict::Touching(answer),
-                    });
-                    return true;
-                }
+        self.open = outlook.look(probe, row, |[own, link], ball, noted| {
+            let inner = probe.bounds.concentric(link, ball);
+            let distance = probe.vicinity.short_of(noted, &inner);
+            distances[own * links + link] = distance;
+            let obstacle = noted.likeliest;
+            let Some(answer) = sole_answer.filter(|_| distance <= 0.0) else { return false };
+            let touches = probe.allows(link, obstacle);
+            if touches {
+                found[own] = Some(Finding {
+                    configuration: (*start + own) as u32,
+                    link: link as u32,
+                    other: Other::Obstacle(probe.world.names[obstacle as usize]),
+                    verdict: Verdict::Touching(answer),
+                });
             }
-            false
+            touches
         });
     }
 

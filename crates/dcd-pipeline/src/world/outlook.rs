@@ -1,19 +1,17 @@
 //! Which links are near anything, before any of them is prepared.
 
 use super::probe::Probe;
-use super::set::{Marks, ROW, Set, WORDS};
-use dcd_broad::{BoxRow, Cell, Reached};
-use dcd_geom::{LooseBall, Pose, lanes};
+use super::set::{Marks, Members, ROW, Set, WORDS};
+use dcd_broad::{BoxRow, Listing, Posed, Reached};
+use dcd_geom::lanes::WIDTH;
+use dcd_geom::{BallRow, LooseBall, Pose};
 use dcd_gjk::NarrowPhase;
 
 /// Bounds of the links of a row, and what they leave to be asked exactly.
 #[derive(Default)]
 pub(super) struct Outlook {
-    /// The configurations that are not ended.
-    owns: Vec<u32>,
-    /// Their links' balls and where those are looked up, configuration by configuration.
-    balls: Vec<LooseBall>,
-    cells: Vec<Cell>,
+    /// The links' balls, configuration by configuration.
+    balls: Vec<BallRow>,
     reached: Reached,
     /// For each configuration and link that may reach an obstacle, where among what is reached the
     /// obstacles begin and end; [`UNKNOWN`] where the tree has to be asked.
@@ -33,51 +31,41 @@ type Span = [u32; 2];
 
 const UNKNOWN: Span = [u32::MAX; 2];
 
-/// How many configurations ahead their poses are asked for: what is looked at while memory answers.
-/// No effect on any result.
-const AHEAD: usize = 3;
-
 impl Outlook {
     /// Looks where the links of so many configurations are; `poses` are those of the row.
     ///
-    /// `ends` is told the balls of a configuration's links and their cells, and may end it: then no
-    /// more is known of it. Returns the others.
+    /// `ends` is told which links may reach anything, by their configuration and their number, with
+    /// their ball and what is noted of it, and may end the configuration: then no more is known of it.
+    /// Returns the others.
     pub(super) fn look<N: NarrowPhase>(
         &mut self,
         probe: &Probe<'_, N>,
         (poses, count): (&[Pose], usize),
-        mut ends: impl FnMut(usize, &[LooseBall], &[Cell]) -> bool,
+        mut ends: impl FnMut([usize; 2], &LooseBall, &Listing) -> bool,
     ) -> Set {
         let links = probe.linkage.len();
-        self.owns.clear();
-        self.balls.resize(count * links, LooseBall::EVERYTHING);
-        self.cells.resize(count * links, Cell::default());
-        let mut left = Marks::default();
-        // Pose after pose, as they lie in memory.
-        for own in 0..count {
-            if let Some(later) = poses.get((own + AHEAD) * links..(own + AHEAD + 1) * links) {
-                lanes::prefetch(later);
-            }
-            // In the place of those that are ended.
-            let start = self.owns.len() * links;
-            let balls = &mut self.balls[start..][..links];
-            let cells = &mut self.cells[start..][..links];
-            let bounds = poses[own * links..].iter().zip(&probe.bounds);
-            for ((pose, bound), (ball, cell)) in bounds.zip(balls.iter_mut().zip(&mut *cells)) {
-                *ball = bound.as_ref().map_or(LooseBall::EVERYTHING, |bound| bound.ball(pose));
-                *cell = probe.vicinity.cell(ball);
-                probe.vicinity.call(*cell);
-            }
-            if !ends(own, balls, cells) {
-                self.owns.push(own as u32);
-                left.mark(own, true);
-            }
+        let Self { balls, reached, .. } = self;
+        balls.resize((count * links).div_ceil(WIDTH), BallRow::default());
+        reached.clear();
+        let mut left = Set::first(count);
+        let posed = Posed { bounds: &probe.bounds, poses: &poses[..count * links] };
+        // By sixteen configurations, which fill as many rows as there are links, so that they stay near.
+        for first in (0..balls.len()).step_by(links.max(1)) {
+            let rows = first..balls.len().min(first + links);
+            let noted = reached.noted();
+            probe.vicinity.look_up(posed, rows, balls, reached);
+            reached.sift(noted, links, |own, listing| {
+                let ball = listing.ball as usize;
+                let (link, at) = (ball - own * links, balls[ball / WIDTH].get(ball % WIDTH));
+                let has_ended = ends([own, link], &at, listing);
+                if has_ended {
+                    left.remove(own);
+                }
+                has_ended
+            });
         }
-        self.balls.truncate(self.owns.len() * links);
-        self.cells.truncate(self.owns.len() * links);
-        let left = left.set();
         self.ask_lists(probe);
-        self.ask_tree(probe);
+        self.ask_tree(probe, left);
         self.met.clear();
         for &(k, l) in &probe.linkage.own_pairs {
             let [k, l] = [k, l].map(|link| &self.bounds[link as usize]);
@@ -92,10 +80,10 @@ impl Outlook {
         self.spans.resize(links * ROW, UNKNOWN);
         self.listed.clear();
         self.listed.resize_with(links, Default::default);
-        probe.vicinity.reach(&self.balls, &self.cells, &mut self.reached);
+        probe.vicinity.reach(&self.balls, &mut self.reached);
         let numbers = self.reached.numbers();
         for (ball, span) in self.reached.spans() {
-            let (own, link) = (self.owns[ball / links] as usize, ball % links);
+            let (own, link) = (ball / links, ball % links);
             let is_any = span[1] > span[0];
             let is_unknown = is_any && numbers[span[0] as usize] == unlisted;
             self.spans[own * links + link] = if is_unknown { UNKNOWN } else { span };
@@ -105,7 +93,7 @@ impl Outlook {
     }
 
     /// Asks the tree where nothing is listed, and notes the boxes that are asked for later.
-    fn ask_tree<N: NarrowPhase>(&mut self, probe: &Probe<'_, N>) {
+    fn ask_tree<N: NarrowPhase>(&mut self, probe: &Probe<'_, N>, left: Set) {
         let links = probe.linkage.len();
         let asks_links = !probe.linkage.own_pairs.is_empty();
         self.bounds.resize_with(links, Default::default);
@@ -118,8 +106,9 @@ impl Outlook {
             }
             near &= !unknown;
             let row = &mut self.bounds[link];
-            for (&own, ball) in self.owns.iter().zip(self.balls.iter().skip(link).step_by(links)) {
-                let own = own as usize;
+            for own in Members::of(left) {
+                let ball = own * links + link;
+                let ball = self.balls[ball / WIDTH].get(ball % WIDTH);
                 if asks_links || unknown.has(own) {
                     row[own / BoxRow::LENGTH].set(own % BoxRow::LENGTH, &ball.aabb());
                 }

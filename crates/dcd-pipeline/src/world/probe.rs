@@ -5,7 +5,7 @@ use super::set::ROW;
 use super::{Linkage, World};
 use dcd_broad::Vicinity;
 use dcd_exec::{Exec, PerThread, Segments};
-use dcd_geom::{Bound, Object, Pose, Scene, SceneError};
+use dcd_geom::{Bound, Bounds, Object, Pose, Scene, SceneError};
 use dcd_gjk::{NarrowPhase, Verdict};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -85,7 +85,7 @@ pub struct Probe<'w, N: NarrowPhase = dcd_gjk::Overlap> {
     /// How many objects a row has: the configurations that are taken up at once, at most.
     pub(super) row: usize,
     /// For each link what its box comes from without its vertices, where that is known.
-    pub(super) bounds: Vec<Option<Bound>>,
+    pub(super) bounds: Bounds,
     /// What stands near any place, for balls as large as the links'.
     pub(super) vicinity: Vicinity,
     desks: PerThread<Desk<N>>,
@@ -102,6 +102,7 @@ impl<'w, N: NarrowPhase> Probe<'w, N> {
         let bounds: Vec<Option<Bound>> = linkage.shapes.iter().map(bound).collect();
         let largest = bounds.iter().flatten().map(|bound| bound.largest_ball(world.farthest()));
         let vicinity = Vicinity::new(&world.outlines, largest.fold(0.0, f32::max));
+        let bounds = Bounds::new(bounds);
         let (desks, first, all) = (PerThread::default(), Vec::new(), Segments::default());
         let probe = Self { world, linkage, template, row, bounds, vicinity, desks, first, all };
         // So that the first batch on this thread need not.
@@ -202,10 +203,15 @@ fn with_rows<N: NarrowPhase>(
 ) -> Result<Scene, SceneError> {
     let mut template = world.obstacles.clone();
     let shapes = template.add_shapes(linkage.shapes.iter().cloned())?;
-    for (shape, &filter) in shapes.zip(&linkage.filters) {
+    for (link, (shape, &filter)) in shapes.zip(&linkage.filters).enumerate() {
         let object = Object { filter, ..Object::new(shape, Pose::IDENTITY) };
         for _ in 0..row {
-            template.insert(object)?;
+            template.insert(object).map_err(|error| match error {
+                SceneError::OutOfRange { reach, .. } => {
+                    SceneError::OutOfRange { object: link, reach }
+                }
+                other => other,
+            })?;
         }
     }
     Ok(template)

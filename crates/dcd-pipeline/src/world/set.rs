@@ -15,6 +15,13 @@ pub(super) const WORDS: usize = 4;
 pub(super) struct Set(pub(super) [BoxSet; WORDS]);
 
 impl Set {
+    /// The first so many, at most all.
+    pub(super) fn first(count: usize) -> Self {
+        let mut first = Self::default();
+        (0..count).for_each(|member| first.add(member));
+        first
+    }
+
     #[inline]
     pub(super) fn is_empty(self) -> bool {
         self.0.iter().fold(0, |all, word| all | word) == 0
