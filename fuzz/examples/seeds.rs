@@ -12,7 +12,8 @@ fn main() -> io::Result<()> {
     let targets = [
         ("overlap", pairs()),
         ("measures", pairs()),
-        ("scene", [scenes(), compounds()].concat()),
+        ("scene", [scenes(), compounds(), meshes()].concat()),
+        ("probe", batches()),
         ("readers", files()?),
         ("hull", clouds()),
     ];
@@ -33,6 +34,7 @@ const ONE: u8 = 8;
 /// First bytes of shapes that are no polytopes, and the bit that rounds them.
 const CYLINDER: u8 = 226;
 const COMPOUND: u8 = 227;
+const MESH: u8 = 235;
 const ROUNDED: u8 = 16;
 
 /// A cube of edge 1; the same, rounded by an eighth; a sphere of radius ½; a tetrahedron.
@@ -108,6 +110,52 @@ fn compounds() -> Vec<Vec<u8>> {
         scene(&[&long, &long, &mixed, &cylinder], &scattered),
         scene(&[&short, &mixed, &cube, &rounded], &scattered),
     ]
+}
+
+/// The surface of a tetrahedron; a strip of as many triangles as there may be, rounded or not.
+fn surfaces() -> [Vec<u8>; 3] {
+    let corners = [[0, 0, 0], [ONE, 0, 0], [0, ONE, 0], [0, 0, ONE]].concat();
+    let closed = [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]].concat();
+    let zigzag: Vec<u8> = (0..16).flat_map(|k| [k * 3, k % 2 * ONE, 0]).collect();
+    let strip: Vec<u8> = (0..14).flat_map(|k| [k, k + 1, k + 2]).collect();
+    let strip = [vec![16], zigzag, vec![14], strip].concat();
+    [
+        [vec![MESH, 4], corners, vec![4], closed].concat(),
+        [vec![MESH], strip.clone()].concat(),
+        [vec![MESH | ROUNDED], strip, vec![1]].concat(),
+    ]
+}
+
+/// Surfaces among each other and among shapes of other kinds.
+fn meshes() -> Vec<Vec<u8>> {
+    let [closed, strip, rounded] = surfaces();
+    let [cube, ..] = shapes();
+    let objects: Vec<u8> = (0..16u8)
+        .flat_map(|k| [vec![128 + k % 4], poses()[usize::from(k) % 5].clone()].concat())
+        .collect();
+    let scene = |shapes: [&Vec<u8>; 4]| {
+        let shapes: Vec<u8> = shapes.iter().flat_map(|shape| shape.iter().copied()).collect();
+        [vec![3], shapes, vec![16], objects.clone()].concat()
+    };
+    vec![scene([&closed, &strip, &rounded, &cube]), scene([&strip, &strip, &closed, &rounded])]
+}
+
+/// A few links among every scene, once and again.
+fn batches() -> Vec<Vec<u8>> {
+    let [cube, rounded, sphere, tetrahedron] = shapes();
+    let [closed, ..] = surfaces();
+    let links = [vec![2], cube, sphere, tetrahedron].concat();
+    let others = [vec![1], closed, rounded].concat();
+    let poses = |count: usize| poses().into_iter().cycle().take(count).flatten();
+    let batches = |links: usize| {
+        let batch = |count: u8| [count].into_iter().chain(poses(usize::from(count) * links));
+        [1].into_iter().chain(batch(17)).chain(batch(3)).collect::<Vec<u8>>()
+    };
+    let scenes = [scenes(), compounds(), meshes()].concat();
+    let worlds = scenes.into_iter().flat_map(|scene| {
+        [[&links[..], &scene, &batches(3)].concat(), [&others[..], &scene, &batches(2)].concat()]
+    });
+    worlds.collect()
 }
 
 fn clouds() -> Vec<Vec<u8>> {

@@ -11,7 +11,7 @@ use glam::{DMat3, DQuat, DVec3};
 /// A shape's first byte from which on it is no polytope.
 const RARE: u8 = 224;
 
-/// One more than a compound's parts at most: enough for a second row of sixteen boxes.
+/// One more than the parts of a compound or a mesh at most: enough for a second row of sixteen boxes.
 const PARTS: u8 = 20;
 
 /// Bytes that are read from the front.
@@ -84,10 +84,23 @@ impl Input<'_> {
             return self.convex();
         }
         let kind = self.byte()?;
+        let core = if kind & 8 == 0 { self.compound() } else { self.mesh() };
+        self.perhaps_rounded(kind, core?)
+    }
+
+    fn compound(&mut self) -> Option<Shape> {
         let count = self.byte()? % PARTS;
         let parts = (0..count).map(|_| Some((self.convex()?, self.pose()?)));
-        let core = Shape::compound(parts.collect::<Option<_>>()?);
-        self.perhaps_rounded(kind, core.ok()?)
+        Shape::compound(parts.collect::<Option<_>>()?).ok()
+    }
+
+    fn mesh(&mut self) -> Option<Shape> {
+        let vertices = self.points()?;
+        let count = self.byte()? % PARTS;
+        let corner = |byte: u8| u32::from(byte) % (vertices.len().max(1) as u32);
+        let triangles = (0..count).map(|_| Some(self.bytes()?.map(corner)));
+        let triangles = triangles.collect::<Option<_>>()?;
+        Shape::mesh(vertices, triangles).ok()
     }
 
     /// A shape without parts, most of them polytopes.

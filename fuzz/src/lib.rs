@@ -5,8 +5,10 @@
 
 mod hull;
 mod input;
+mod judge;
 mod measures;
 mod overlap;
+mod probe;
 mod readers;
 mod scene;
 
@@ -14,5 +16,6 @@ pub use hull::hull;
 pub use input::Input;
 pub use measures::measures;
 pub use overlap::overlap;
+pub use probe::probe;
 pub use readers::readers;
 pub use scene::scene;

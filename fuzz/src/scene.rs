@@ -1,10 +1,11 @@
 //! Whole steps, on every path of the lanes.
 
 use crate::Input;
+use crate::judge::{agree, part_by_part};
 use dcd_exec::Par;
 use dcd_geom::glam::DVec3;
 use dcd_geom::lanes::Path;
-use dcd_geom::{Filter, Motion, Object, Pose, Scene, Shape};
+use dcd_geom::{Filter, Motion, Object, Pose, Scene};
 use dcd_gjk::{Coherent, Overlap, Placed, Verdict, certified};
 use dcd_pipeline::{Pipeline, WideTree};
 
@@ -29,7 +30,7 @@ pub fn scene(bytes: &[u8]) {
     }
 }
 
-fn paths() -> impl Iterator<Item = Path> {
+pub(crate) fn paths() -> impl Iterator<Item = Path> {
     Path::ALL.into_iter().filter(|path| path.is_available())
 }
 
@@ -43,7 +44,7 @@ fn remembering(path: Path) -> Remembering {
 
 type Remembering = Pipeline<WideTree, Coherent>;
 
-fn scene_of(input: &mut Input<'_>) -> Option<Scene> {
+pub(crate) fn scene_of(input: &mut Input<'_>) -> Option<Scene> {
     let shapes = 1 + input.byte()? % 4;
     let shapes = (0..shapes).map(|_| input.shape()).collect::<Option<Vec<_>>>()?;
     let count = input.byte()? % OBJECTS;
@@ -151,40 +152,4 @@ fn judged(scene: &Scene) -> Judged {
         }
     }
     judged
-}
-
-/// Every part against every part up to the first that touches, with no tree that could hide one.
-fn part_by_part(a: Placed<'_>, b: Placed<'_>) -> Verdict<()> {
-    let (of_a, of_b) = (parts(a), parts(b));
-    let mut all = Verdict::Apart;
-    for (&a, &b) in of_a.iter().flat_map(|a| of_b.iter().map(move |b| (a, b))) {
-        match certified::overlap_of(a, b).0 {
-            Verdict::Apart => {}
-            Verdict::Touching(()) => return Verdict::Touching(()),
-            undecided => all = undecided,
-        }
-    }
-    all
-}
-
-fn parts(whole: Placed<'_>) -> Vec<Placed<'_>> {
-    let Placed { shape, pose } = whole;
-    match shape {
-        Shape::Compound(compound) => {
-            let parts = compound.parts().iter();
-            parts.map(|part| Placed { shape: part.placed(), pose }).collect()
-        }
-        _ => vec![whole],
-    }
-}
-
-/// Equal, or at least one of them not settled: a tree's boxes may know what a pair of parts leaves open.
-fn agree(one: Verdict<()>, other: Verdict<()>) -> bool {
-    let settled = |verdict| match verdict {
-        Verdict::Apart => Some(false),
-        Verdict::Touching(()) => Some(true),
-        Verdict::Undecided(_) => None,
-    };
-    let (one, other) = (settled(one), settled(other));
-    one == other || one.is_none() || other.is_none()
 }
