@@ -6,7 +6,7 @@ use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Aabb, Filter, Handle, Object, Pair, Pose, Scene, Shape};
 use dcd_gjk::{Coherent, Findings, Rung};
 use dcd_pipeline::{Change, Event, Events, NarrowPhase, Overlap, Par, Pipeline, WideTree};
-use dcd_scenes::SceneSpec;
+use dcd_scenes::{RandomWalk, SceneSpec};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -232,6 +232,29 @@ impl NarrowPhase for Counting {
     ) {
         self.0.decide(scene, frame, pairs, scratch, findings);
     }
+}
+
+#[test]
+fn what_was_known_at_rest_serves_the_first_fast_frames_and_fast_ones_keep_nothing() {
+    // Dense enough for a look-up to cost little beside an answer.
+    let spec = SceneSpec::parse("paper").unwrap().with_objects(2500).with_seed(4);
+    let mut scene = spec.scene().unwrap();
+    let mut walk = RandomWalk::new(0.02, 11).unwrap();
+    let mut coherent = Pipeline::new(WideTree::default(), Coherent::default());
+    let mut fresh = <Pipeline>::default();
+    let mut known = Vec::new();
+    for walks in [false, false, true, true, true, true, true, false, false] {
+        if walks {
+            walk.step(&mut scene).unwrap();
+        }
+        let step = coherent.step(&scene, Par::Pool);
+        let candidates = step.candidate_count() as f64;
+        known.push(step.report().settled(Rung::Remembered) as f64 / candidates);
+        assert!(step.contacts().eq(fresh.step(&scene, Par::Pool).contacts()), "{known:?}");
+    }
+    let [first, at_rest, fast, .., still_fast, slow, slow_again] = known[..] else { panic!() };
+    assert!(first == 0.0 && at_rest > 0.99 && fast > 0.2, "{known:?}");
+    assert!(still_fast == 0.0 && slow < 0.5 && slow_again > 0.99, "{known:?}");
 }
 
 #[test]

@@ -12,10 +12,11 @@ const NOTES: [&str; 4] = [
      remembers nothing, the median of all frames but the first. \"First\", \"second\", \"later\": \
      the pipeline that remembers (`Coherent`), the medians of its first frame, of its second, of \
      those from the third on.",
-    "The first frame of the one that remembers also makes and fills its memory. Where most objects \
-     move by more than 1/40 of their radius in a frame (1/128 in sparse scenes), proofs would not \
-     last until they have paid for themselves; nothing is looked up or kept then, and \
-     \"remembered\" is 0.",
+    "The first frame of the one that remembers also makes and fills its memory, and looks for proofs \
+     that last. Where most objects move by more than 1/40 of their radius in a frame (1/128 in sparse \
+     scenes), new proofs would not last until they have paid for themselves: nothing more is kept \
+     then, and nothing is looked up (\"remembered\" is 0) once too little would be found, which in \
+     sparse scenes is at once.",
     "Parry: `parry3d` in f32, its tree refitted and improved (`refit`, `optimize_incremental`), its \
      GJK called directly for each pair, the second frame.",
     "The contacts of both of ours are equal in every frame, order included. \"Parry differs\": \

@@ -1,12 +1,13 @@
 //! A slice of pairs on its way through the stages.
 
 use super::ahead::Ahead;
-use super::axis::{Axis, hinted};
+use super::axis::hinted;
 use super::boxes::{self, Boxes};
 use super::by_parts::{self, ByParts};
 use super::certificate::Trust;
 use super::expand;
 use super::frame::{BOX, Frame};
+use super::kept::Kept;
 use super::lot::{
     AFTER_BALLS, AFTER_CONE, AFTER_SECOND_POINT, Belt, LanesOf, Lot, Number, Vector, Whole,
 };
@@ -17,7 +18,7 @@ use super::support::Desk;
 use super::upright;
 use crate::{Placed, Report, Rung, Verdict, certified, parts};
 use dcd_geom::glam::Vec3;
-use dcd_geom::lanes::{Block, Kernel, Lanes, Path, Row, WIDTH, dispatch_on};
+use dcd_geom::lanes::{Block, Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{Pair, Scene};
 use std::marker::PhantomData;
 
@@ -26,12 +27,8 @@ use std::marker::PhantomData;
 pub struct Scratch {
     /// For each pair of the slice, whether it is known to touch.
     touching: Vec<bool>,
-    /// For each pair of the slice the room of its proof, if that is kept: see
-    /// [`super::certificate::Certificate`]. 0 where the lanes settled nothing.
-    room: Vec<f32>,
-    /// For each pair of the slice, if room is kept, an axis to be tried first; then also one by which
-    /// the portal has told the two apart.
-    axes: Vec<Axis>,
+    /// Where proofs are to last.
+    kept: Kept,
     left: Vec<Left>,
     ahead: Ahead,
     desk: Desk,
@@ -63,15 +60,9 @@ impl Scratch {
         &self.touching
     }
 
-    /// For each of them how far its objects may move together before what the lanes proved of it
-    /// may no longer hold, metres; 0 where they proved nothing.
-    pub(super) fn room(&self) -> &[f32] {
-        &self.room
-    }
-
-    /// For each of them an axis that separated it, this time or before.
-    pub(super) fn axes(&self) -> &[Axis] {
-        &self.axes
+    /// What was kept of them, if proofs are to last.
+    pub(super) fn kept(&self) -> &Kept {
+        &self.kept
     }
 
     /// Exchanges where the next answers are written, and what is left open.
@@ -80,11 +71,15 @@ impl Scratch {
         std::mem::swap(&mut self.left, left);
     }
 
-    /// To be written for each pair of a slice before it is judged, where room is kept.
-    pub(super) fn axes_mut(&mut self) -> &mut Vec<Axis> {
-        &mut self.axes
+    /// To be written before a slice is judged by proofs that are to last.
+    pub(super) fn kept_mut(&mut self) -> &mut Kept {
+        &mut self.kept
     }
 }
+
+/// After how many supports, from the second point on, a pair that has a proof is content with what room
+/// it has. Larger: more pairs are known in the next steps. Smaller: a faster first step.
+const WIDENING: f32 = 4.0;
 
 /// A pair that the lanes leave open.
 #[derive(Clone, Copy, Debug)]
@@ -191,8 +186,7 @@ impl<T: Trust> Kernel for Decide<'_, T> {
         self.scratch.touching.clear();
         self.scratch.touching.resize(pairs.len(), false);
         if T::KEEPS_ROOM {
-            self.scratch.room.clear();
-            self.scratch.room.resize(pairs.len(), 0.0);
+            self.scratch.kept.begin(pairs.len());
         }
         self.scratch.left.clear();
         self.scratch.ahead.look(self.frame, pairs.chunks(WIDTH).next().unwrap_or_default());
@@ -232,7 +226,7 @@ impl<T: Trust> Decide<'_, T> {
     /// Reads sixteen pairs and tries their balls.
     #[inline(always)]
     fn open<L: Lanes>(&mut self, l: L, first: usize) {
-        let Scratch { touching, room, left, ahead, entry, boxed, axis, .. } = &mut *self.scratch;
+        let Scratch { touching, kept, left, ahead, entry, boxed, axis, .. } = &mut *self.scratch;
         let later = self.pairs.get(first + 2 * WIDTH..).unwrap_or_default();
         ahead.look(self.frame, &later[..later.len().min(WIDTH)]);
         let pairs = &self.pairs[first..self.pairs.len().min(first + WIDTH)];
@@ -241,17 +235,18 @@ impl<T: Trust> Decide<'_, T> {
         mark(&mut touching[first..], balls.touching);
         self.report.count(Rung::Balls, count(balls.all()));
         let open = entry.live & !balls.all();
-        let to_axis = if self.frame.has_vertices() { open & !entry.boxed } else { 0 };
+        let mut narrow = 0;
+        if T::KEEPS_ROOM {
+            narrow = balls.all() & !kept.note(l, &entry.lot, (balls.room, balls.all()));
+        }
+        let to_axis = if self.frame.has_vertices() { (open | narrow) & !entry.boxed } else { 0 };
         let to_boxes = open & entry.boxed;
-        let to_left = used(pairs.len()) & !(entry.live & !open | to_boxes | to_axis);
+        let to_left = used(pairs.len()) & !(balls.all() | to_boxes | to_axis);
         for lane in LanesOf(to_left) {
             left.push(Left { number: entry.lot.number.0[lane], axes: [Vec3::ZERO; 2] });
         }
         boxed.push(l, &entry.lot, to_boxes);
         axis.push(l, &entry.lot, to_axis);
-        if T::KEEPS_ROOM {
-            keep_room(l, room, &entry.lot, (balls.room, balls.all()));
-        }
     }
 
     /// A box round and a box inside each.
@@ -278,25 +273,27 @@ impl<T: Trust> Decide<'_, T> {
     /// The axis between the centres, or one that separated before, and the cone.
     #[inline(always)]
     fn first_axis<L: Lanes>(&mut self, l: L) {
-        let Scratch { desk, lot, axis, axes, .. } = &mut *self.scratch;
+        let Scratch { desk, lot, axis, kept, .. } = &mut *self.scratch;
         let taken = axis.take(l, lot);
         let mut at = Place { frame: self.frame, desk };
         let mut first = lot.vector(l, Vector::C);
         if T::KEEPS_ROOM {
-            first = hinted(l, axes, (lot, taken), first);
+            first = hinted(l, &kept.axes, (lot, taken), first);
         }
         let apart = opening::first_axis::<L, T>(l, &mut at, (lot, taken), first);
         let apart = Settled::apart(l, apart);
         let cone = Settled::touching(l, opening::cone::<L, T>(l, lot)).but(apart);
-        self.settle(l, Rung::CentreAxis, apart, used(taken));
-        self.settle(l, Rung::Cone, cone, used(taken));
+        let done = self.settle(l, Rung::CentreAxis, apart, used(taken))
+            | self.settle(l, Rung::Cone, cone, used(taken));
         let Scratch { lot, near, second, .. } = &mut *self.scratch;
-        let open = used(taken) & !(apart.all() | cone.all());
+        let open = used(taken) & !done;
         let rounded = l.bits(l.lt(l.splat(0.0), lot.number(l, Number::Radius)));
-        second.push(l, lot, open & !rounded);
-        if open & rounded != 0 {
+        // Nearer points also show how far two are apart.
+        let to_near = open & (rounded | apart.all());
+        second.push(l, lot, open & !to_near);
+        if to_near != 0 {
             nearest::begin(l, lot);
-            near.push(l, lot, open & rounded);
+            near.push(l, lot, to_near);
         }
     }
 
@@ -307,10 +304,11 @@ impl<T: Trust> Decide<'_, T> {
         let taken = near.take(l, lot);
         let mut at = Place { frame: self.frame, desk };
         let (settled, stuck) = nearest::round::<L, T>(l, &mut at, lot, taken);
-        self.settle(l, Rung::Portal, settled, used(taken));
+        let done = self.settle(l, Rung::Portal, settled, used(taken));
+        let (proved, enough) = self.narrow(l);
         let Scratch { lot, near, second, .. } = &mut *self.scratch;
-        second.push(l, lot, stuck & used(taken));
-        near.push(l, lot, used(taken) & !(settled.all() | stuck));
+        second.push(l, lot, stuck & used(taken) & !proved);
+        near.push(l, lot, used(taken) & !(done | stuck | enough));
     }
 
     /// The cone of two points.
@@ -321,14 +319,14 @@ impl<T: Trust> Decide<'_, T> {
         let mut at = Place { frame: self.frame, desk };
         let cone = portal::second_point::<L, T>(l, &mut at, lot, taken);
         let cone = Settled::touching(l, cone);
-        self.settle(l, Rung::Cone, cone, used(taken));
-        self.scratch.portal.push(l, &self.scratch.lot, used(taken) & !cone.all());
+        let done = self.settle(l, Rung::Cone, cone, used(taken));
+        self.scratch.portal.push(l, &self.scratch.lot, used(taken) & !done);
     }
 
     /// One support, and what follows.
     #[inline(always)]
     fn round<L: Lanes>(&mut self, l: L) {
-        let Scratch { left, desk, lot, portal, axes, .. } = &mut *self.scratch;
+        let Scratch { desk, lot, portal, .. } = &mut *self.scratch;
         let taken = portal.take(l, lot);
         let mut at = Place { frame: self.frame, desk };
         let mut against = Block::default();
@@ -340,31 +338,42 @@ impl<T: Trust> Decide<'_, T> {
             settled.touching |= stuck;
             stuck = 0;
         }
-        for lane in LanesOf(stuck & used(taken)) {
+        let done = self.settle(l, Rung::Portal, settled, used(taken));
+        let (proved, enough) = self.narrow(l);
+        let Scratch { left, lot, portal, kept, .. } = &mut *self.scratch;
+        for lane in LanesOf(stuck & used(taken) & !proved) {
             left.push(Left { number: lot.number.0[lane], axes: lot.axes(lane) });
         }
         if T::KEEPS_ROOM {
-            for lane in LanesOf(settled.apart & used(taken)) {
-                let [x, y, z] = against.0.map(|row| -row.0[lane]);
-                if let Some(axis) = axes.get_mut(lot.number.0[lane] as usize) {
-                    *axis = Axis::along(Vec3::new(x, y, z));
-                }
-            }
+            kept.note_axes(lot, &against, settled.apart & used(taken));
         }
-        self.settle(l, Rung::Portal, settled, used(taken));
-        let open = used(taken) & !(settled.all() | stuck);
-        self.scratch.portal.push(l, &self.scratch.lot, open);
+        portal.push(l, lot, used(taken) & !(done | stuck | enough));
     }
 
-    /// Notes what a stage settled of the lanes in use.
+    /// Notes what a stage settled of the lanes in use. Returns those that need no other stage.
     #[inline(always)]
-    fn settle<L: Lanes>(&mut self, l: L, rung: Rung, settled: Settled<L>, used: u32) {
-        let Scratch { touching, room, lot, .. } = &mut *self.scratch;
+    fn settle<L: Lanes>(&mut self, l: L, rung: Rung, settled: Settled<L>, used: u32) -> u32 {
+        let Scratch { touching, kept, lot, .. } = &mut *self.scratch;
+        let proved = settled.all() & used;
         scatter(touching, lot, settled.touching & used);
-        self.report.count(rung, count(settled.all() & used));
-        if T::KEEPS_ROOM {
-            keep_room(l, room, lot, (settled.room, settled.all() & used));
+        if !T::KEEPS_ROOM {
+            self.report.count(rung, count(proved));
+            return proved;
         }
+        self.report.count(rung, count(proved & !kept.proved(lot)));
+        kept.note(l, lot, (settled.room, proved))
+    }
+
+    /// The lanes that have a proof but not the room that is wanted, and those of them that have taken
+    /// [`WIDENING`] supports.
+    #[inline(always)]
+    fn narrow<L: Lanes>(&self, l: L) -> (u32, u32) {
+        if !T::KEEPS_ROOM {
+            return (0, 0);
+        }
+        let proved = self.scratch.kept.proved(&self.scratch.lot);
+        let round = self.scratch.lot.number(l, Number::Round);
+        (proved, proved & l.bits(l.le(l.splat(WIDENING), round)))
     }
 }
 
@@ -399,18 +408,6 @@ fn scatter(touching: &mut [bool], lot: &Lot, bits: u32) {
     for lane in 0..WIDTH {
         if let Some(touches) = touching.get_mut(lot.number.0[lane] as usize) {
             *touches |= bits >> lane & 1 == 1;
-        }
-    }
-}
-
-/// Writes the room of some pairs of a lot, without a branch.
-#[inline(always)]
-fn keep_room<L: Lanes>(l: L, room: &mut [f32], lot: &Lot, (found, bits): (L::F, u32)) {
-    let mut row = Row::default();
-    l.store(l.select(l.mask(bits), found, l.splat(0.0)), &mut row);
-    for lane in 0..WIDTH {
-        if let Some(room) = room.get_mut(lot.number.0[lane] as usize) {
-            *room += row.0[lane];
         }
     }
 }

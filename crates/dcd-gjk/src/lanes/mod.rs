@@ -17,6 +17,7 @@ mod compounds;
 mod decide;
 mod expand;
 mod frame;
+mod kept;
 mod lot;
 mod nearest;
 mod opening;

@@ -45,6 +45,11 @@ pub(super) struct Facts {
     refused: AtomicUsize,
     /// Whether tiles are to be laid out for the candidates of this step.
     empty: bool,
+    /// Whether they have been: then nothing is known of any pair.
+    new: bool,
+    /// How many pairs have been looked up in this step, and of how many something was known.
+    looked_up: AtomicUsize,
+    known: AtomicUsize,
 }
 
 /// Where an object's facts are, and how far it has travelled.
@@ -86,6 +91,10 @@ const DENSE: usize = 32;
 /// Tiles are laid out anew once the facts that have found none are this part of the candidates.
 /// Larger: done more often. Smaller: more is found anew in each step.
 const REFUSED: usize = 16;
+
+/// Where nothing new is kept, pairs are looked up for as long as this part of them was known in the
+/// step before. Larger: facts are lost that would have saved time. Smaller: more is looked up in vain.
+const PAYS: f64 = 0.75;
 
 /// How many slots share the room for one axis: of the pairs of a dense scene one in fifteen needs one.
 /// Larger: more are lost. Smaller: more memory.
@@ -143,13 +152,14 @@ impl Facts {
     /// Lays out the tiles for these candidates if they are new, or too many facts found none.
     pub(super) fn make_room<'p>(&mut self, candidates: impl Iterator<Item = &'p [Pair]> + Clone) {
         let refused = std::mem::take(self.refused.get_mut());
+        self.new = false;
         if self.empty || refused > 0 {
             let pairs: usize = candidates.clone().map(<[Pair]>::len).sum();
             if self.empty || refused > pairs / REFUSED {
                 self.shift = if pairs / DENSE >= self.standings.len() { 4 } else { 2 };
                 self.set_ranks(candidates.clone());
                 self.set_tiles(candidates);
-                self.empty = false;
+                (self.empty, self.new) = (false, true);
             }
         }
     }
@@ -219,6 +229,25 @@ impl Facts {
         let at = others.partition_point(|&other| other < high);
         let found = others.get(at) == Some(&high);
         if found { (first + at as u32) << (2 * self.shift) } else { NO_TILE }
+    }
+
+    /// Whether nothing is known of any pair, in this step.
+    pub(super) fn are_new(&self) -> bool {
+        self.new
+    }
+
+    /// Counts pairs that have been looked up, and those of which something was known.
+    pub(super) fn count(&self, looked_up: usize, known: usize) {
+        self.looked_up.fetch_add(looked_up, Relaxed);
+        self.known.fetch_add(known, Relaxed);
+    }
+
+    /// Whether the last step knew enough for another look-up to pay, though nothing be kept in it.
+    /// Begins to count anew.
+    pub(super) fn still_pay(&mut self) -> bool {
+        let looked_up = std::mem::take(self.looked_up.get_mut());
+        let known = std::mem::take(self.known.get_mut());
+        self.are_dense() && looked_up > 0 && (self.new || known as f64 >= PAYS * looked_up as f64)
     }
 
     /// Whether objects have so many candidates that a fact costs little beside a fresh answer.

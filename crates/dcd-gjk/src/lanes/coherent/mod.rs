@@ -6,7 +6,7 @@ mod tests;
 mod track;
 
 use super::axis::Axis;
-use super::certificate::{Lasting, Proved};
+use super::certificate::{Lasting, Proved, Trust};
 use super::decide::{self, Slice};
 use super::{append_contacts, frame, prepare};
 use crate::{Findings, NarrowPhase, Report, Rung};
@@ -29,8 +29,10 @@ use track::Track;
 /// certificate decides as ever.
 ///
 /// Costs some 200 bytes an object, 17 (dense scenes) to 40 (sparse ones) a candidate pair, and a
-/// first step that takes about twice as long. Where more than half of the objects move by more than
-/// 1/40 of their radius in a step (1/128 in sparse scenes), it does what [`super::Overlap`] does.
+/// first step that takes two to three times as long: it looks for proofs with more room than the
+/// first that are found. Where more than half of the objects move by more than 1/40 of their radius in
+/// a step (1/128 in sparse scenes), nothing new is kept, and what is known serves (dense scenes) until
+/// it has faded; then it does what [`super::Overlap`] does.
 /// What the [`Report`] counts as [`Rung::Remembered`] may differ by some pairs from run to run on
 /// several threads; answers never do. Of curved shapes so near to touching that [`super::Overlap`]
 /// leaves them undecided it may still know.
@@ -64,6 +66,8 @@ pub struct Frame {
     facts: Facts,
     /// How many objects move too fast for facts about them to last.
     restless: AtomicUsize,
+    /// Whether looking up pairs pays even if too many do.
+    still_pays: bool,
     /// Whether some way has become so long that f32 no longer tells small rooms in it.
     worn: AtomicBool,
 }
@@ -111,9 +115,14 @@ const RESTLESS: f64 = 1.0 / 40.0;
 /// most of it is waiting for vertices.
 const RESTLESS_IF_SPARSE: f64 = 1.0 / 128.0;
 
-/// Where more than one object in so many is restless, nothing is looked up nor kept: then proofs
-/// would not last. Larger: facts of the others are lost. Smaller: more is looked up in vain.
+/// Where more than one object in so many is restless, nothing new is kept: then proofs would not last.
+/// Larger: facts of the others are lost. Smaller: more is kept in vain.
 const MOST_RESTLESS: usize = 2;
+
+/// How much room the first proofs of all pairs are to have, if a few supports more give it. Unit: the
+/// pair's size m. Larger: more pairs are known in the next steps. Smaller: a faster first step. Later
+/// proofs are content with what room they have, for most pairs that must be proved again have no more.
+const ROOM_AT_FIRST: f32 = 1.0 / 24.0;
 
 /// How many pairs are found before the first of them is read: as many as keep memory busy. No effect
 /// on any result.
@@ -162,6 +171,7 @@ impl NarrowPhase for Coherent {
             frame.tracks.iter_mut().for_each(Track::start_again);
         }
         *frame.restless.get_mut() = 0;
+        frame.still_pays = frame.facts.still_pay();
         let dense = frame.facts.are_dense();
         Part {
             restless: if dense { RESTLESS } else { RESTLESS_IF_SPARSE },
@@ -199,15 +209,21 @@ impl NarrowPhase for Coherent {
         scratch: &mut Scratch,
         findings: &mut Findings<'_, ()>,
     ) {
-        if frame.restless.load(Relaxed) * MOST_RESTLESS > scene.len() {
+        let keeps = frame.restless.load(Relaxed) * MOST_RESTLESS <= scene.len();
+        if !keeps && !frame.still_pays {
             let slice = Slice { path: self.path, scene, frame: &frame.lanes, pairs };
             slice.judge::<Proved>(&mut scratch.lanes, findings.report);
             return append_contacts(scratch.lanes.touching(), pairs, findings.contacts);
         }
         scratch.recall(&frame.facts, pairs, findings.report);
-        let slice = Slice { path: self.path, scene, frame: &frame.lanes, pairs: &scratch.open };
-        slice.judge::<Lasting>(&mut scratch.lanes, findings.report);
-        scratch.remember(&frame.facts);
+        if keeps {
+            scratch.expect(&frame.facts);
+            scratch.judge_open::<Lasting>((self.path, scene, &frame.lanes), findings.report);
+            scratch.remember(&frame.facts);
+        } else {
+            scratch.judge_open::<Proved>((self.path, scene, &frame.lanes), findings.report);
+        }
+        scratch.take_answers();
         append_contacts(&scratch.touching, pairs, findings.contacts);
     }
 }
@@ -239,23 +255,45 @@ impl Scratch {
         }
         self.open.truncate(end);
         self.places.truncate(end);
-        let axes = self.lanes.axes_mut();
-        axes.clear();
-        axes.extend(self.places.iter().map(|&(_, slot)| facts.axis(slot)));
         report.count(Rung::Remembered, (pairs.len() - end) as u64);
+        facts.count(pairs.len(), pairs.len() - end);
+    }
+
+    /// Tells the lanes what is to be tried first of the others, and how much room is wanted.
+    fn expect(&mut self, facts: &Facts) {
+        let kept = self.lanes.kept_mut();
+        kept.want(if facts.are_new() { ROOM_AT_FIRST } else { 0.0 });
+        kept.axes.clear();
+        kept.axes.extend(self.places.iter().map(|&(_, slot)| facts.axis(slot)));
+    }
+
+    /// Asks the lanes about the others.
+    fn judge_open<T: Trust>(
+        &mut self,
+        (path, scene, frame): (Path, &Scene, &frame::Frame),
+        report: &mut Report,
+    ) {
+        Slice { path, scene, frame, pairs: &self.open }.judge::<T>(&mut self.lanes, report);
     }
 
     /// Keeps what the lanes proved of the others.
-    fn remember(&mut self, facts: &Facts) {
-        let found = self.lanes.touching().iter().zip(self.lanes.room());
-        let asked = self.open.iter().zip(&self.places).zip(self.lanes.axes());
-        for (((&pair, &(number, slot)), &axis), (&touching, &room)) in asked.zip(found) {
-            self.touching[number as usize] = touching;
+    fn remember(&self, facts: &Facts) {
+        let kept = self.lanes.kept();
+        let found = self.lanes.touching().iter().zip(kept.room());
+        let asked = self.open.iter().zip(&self.places).zip(&kept.axes);
+        for (((&pair, &(_, slot)), &axis), (&touching, &room)) in asked.zip(found) {
             let fact = if touching { Fact::Touching } else { Fact::Apart };
             facts.remember((pair, slot), fact, room);
             if axis != Axis::default() {
                 facts.keep_axis(slot, fact, axis);
             }
+        }
+    }
+
+    /// Writes the answers of the others to their places.
+    fn take_answers(&mut self) {
+        for (&(number, _), &touching) in self.places.iter().zip(self.lanes.touching()) {
+            self.touching[number as usize] = touching;
         }
     }
 }

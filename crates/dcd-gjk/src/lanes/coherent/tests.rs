@@ -38,8 +38,8 @@ fn shape() -> impl Strategy<Value = Shape> {
 }
 
 /// The pairs of a scene, each with what the lanes proved of it and the room of that, after axes to
-/// be tried first.
-fn rooms(scene: &Scene, path: Path, axes: &[Axis]) -> Vec<(Pair, bool, f32)> {
+/// be tried first and looking for that much room.
+fn rooms(scene: &Scene, path: Path, axes: &[Axis], wanted: f32) -> Vec<(Pair, bool, f32)> {
     let narrow = Overlap::on(path);
     let mut lanes = frame::Frame::default();
     let mut aabbs = vec![Aabb::default(); scene.len()];
@@ -49,10 +49,16 @@ fn rooms(scene: &Scene, path: Path, axes: &[Axis]) -> Vec<(Pair, bool, f32)> {
     let pairs = objects.clone().flat_map(|j| (0..j).map(move |i| Pair::new(i, j)));
     let pairs: Vec<Pair> = pairs.collect();
     let mut scratch = decide::Scratch::default();
-    scratch.axes_mut().extend(pairs.iter().zip(axes.iter().cycle()).map(|(_, axis)| *axis));
+    let kept = scratch.kept_mut();
+    kept.want(wanted);
+    kept.axes.extend(pairs.iter().zip(axes.iter().cycle()).map(|(_, axis)| *axis));
     let slice = Slice { path, scene, frame: &lanes, pairs: &pairs };
-    slice.judge::<Lasting>(&mut scratch, &mut Report::default());
-    let found = scratch.touching().iter().zip(scratch.room());
+    let mut report = Report::default();
+    slice.judge::<Lasting>(&mut scratch, &mut report);
+    // However many proofs a pair has, it is counted once.
+    let settled: u64 = Rung::ALL.iter().map(|&rung| report.settled(rung)).sum();
+    assert_eq!(settled as usize + report.undecided().len(), pairs.len());
+    let found = scratch.touching().iter().zip(scratch.kept().room());
     pairs.iter().zip(found).map(|(&pair, (&touching, &room))| (pair, touching, room)).collect()
 }
 
@@ -83,12 +89,18 @@ proptest! {
         let axis = |(d, is): (DVec3, bool)| if is { Axis::along(d.as_vec3()) } else { Axis::default() };
         let axes: Vec<Axis> = axes.into_iter().map(axis).collect();
         for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-            let fresh = rooms(&scene, path, &[]);
-            for (&(pair, touching, room), of_fresh) in rooms(&scene, path, &axes).iter().zip(fresh) {
-                // Whatever is tried first, the answer is the same.
-                prop_assert_eq!(touching, of_fresh.1, "{:?}, {:?}", pair, path);
+            let fresh = rooms(&scene, path, &[], 0.0);
+            let hinted = rooms(&scene, path, &axes, 0.0);
+            let [widened, widest] = [1.0 / 32.0, 1e3].map(|wanted| rooms(&scene, path, &[], wanted));
+            for (k, &(pair, touching, room)) in fresh.iter().enumerate() {
+                // Whatever is tried first and however much room is looked for, the answer is the same.
+                for told in [hinted[k], widened[k], widest[k]] {
+                    prop_assert_eq!(touching, told.1, "{:?}, {:?}", pair, path);
+                }
+                // A proof that had enough is not given up for one that has less.
+                prop_assert!(room <= widened[k].2 && room <= widest[k].2, "{pair:?}, {path:?}");
                 let reach = reach(&scene, pair);
-                for room in [room, of_fresh.2] {
+                for room in [room, hinted[k].2, widened[k].2, widest[k].2] {
                     prop_assert!(f64::from(room) <= reach, "{pair:?}, {path:?}: {room} of {reach}");
                 }
             }
@@ -120,6 +132,23 @@ proptest! {
             let moved = to.apply(*v).distance(from.apply(*v));
             prop_assert!(way == before.limit || moved <= way * (1.0 + 1e-15) + 1e-15, "{moved} {way}");
         }
+    }
+}
+
+#[test]
+fn most_proofs_have_more_room_where_it_is_wanted() {
+    let wave =
+        |k: i32| DVec3::new(f64::from(k).sin(), f64::from(3 * k).cos(), f64::from(7 * k).sin());
+    let hull = |k: i32| Shape::hull((0..20).map(|n| wave(20 * k + n) * 0.5).collect()).unwrap();
+    let place = |k: i32| Pose::new(DQuat::from_scaled_axis(wave(k)), wave(1000 + k) * 2.0).unwrap();
+    let scene = Scene::one_each((0..60).map(hull).collect(), (0..60).map(place).collect()).unwrap();
+    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+        let fresh = rooms(&scene, path, &[], 0.0);
+        let widened = rooms(&scene, path, &[], 1.0 / 32.0);
+        let is_narrow = |&k: &usize| (0.0..0.02).contains(&fresh[k].2);
+        let near: Vec<usize> = (0..fresh.len()).filter(is_narrow).collect();
+        let wider = near.iter().filter(|&&k| widened[k].2 > 1.5 * fresh[k].2).count();
+        assert!(near.len() > 20 && 2 * wider > near.len(), "{wider} of {}, {path:?}", near.len());
     }
 }
 
