@@ -40,10 +40,11 @@ impl Linkage {
         if let Some(&(a, b)) = except.iter().find(|(a, b)| a.max(b) >= &links) {
             return Err(SceneError::NoSuchObject { object: a.max(b), objects: links });
         }
-        let asked = |k: usize, l: usize| !except.contains(&(k, l)) && !except.contains(&(l, k));
+        let mut except: Vec<_> = except.iter().map(|&(a, b)| (a.min(b), a.max(b))).collect();
+        except.sort_unstable();
         self.own_pairs.clear();
         for l in 0..links {
-            let below = (0..l).filter(|&k| asked(k, l));
+            let below = (0..l).filter(|&k| except.binary_search(&(k, l)).is_err());
             self.own_pairs.extend(below.map(|k| (k as u32, l as u32)));
         }
         Ok(self)
