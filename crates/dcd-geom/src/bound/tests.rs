@@ -153,6 +153,44 @@ fn balls_that_just_miss_are_short_of_meeting_and_those_that_overlap_are_not() {
     }
 }
 
+/// The balls of two rows that meet.
+struct Meet<'a>([&'a BallRow; 2]);
+
+impl Kernel for Meet<'_> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> u32 {
+        self.0[0].meeting(l, self.0[1])
+    }
+}
+
+#[test]
+fn rows_of_balls_are_compared_number_by_number() {
+    // From so small that squares vanish to so large that they overflow.
+    let size = |k: usize| 10f32.powi(4 * k as i32 - 24);
+    let ball = |x: f32, radius: f32| LooseBall { centre: Vec3::Y * x, radius };
+    let (mut a, mut b) = (BallRow::default(), BallRow::default());
+    for k in 0..WIDTH {
+        // The even ones overlap, the odd ones miss.
+        let radius = size(k) * if k % 2 == 0 { 0.01 } else { -0.01 };
+        a.set(k, &ball(-size(k), 2.0 * size(k)));
+        b.set(k, &ball(size(k), radius));
+        assert_eq!(b.get(k), ball(size(k), radius));
+    }
+    b.set(7, &LooseBall::EVERYTHING);
+    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+        let meeting = dispatch_on(path, Meet([&a, &b]));
+        for k in 0..WIDTH {
+            let meets = meeting >> k & 1 == 1;
+            let may_miss = k % 2 == 1 && k != 7;
+            assert!(meets || may_miss, "{k}, {path:?}");
+            let is_told = (1e-18..1e18).contains(&size(k));
+            assert!(!(meets && may_miss && is_told), "{k}, {path:?}");
+        }
+    }
+}
+
 #[test]
 fn of_what_is_known_by_its_surface_or_its_map_alone_no_inner_ball_is_known() {
     for shape in shapes() {

@@ -2,8 +2,8 @@
 
 use super::probe::Probe;
 use super::set::{Marks, Members, ROW, Set, WORDS};
-use dcd_broad::{BoxRow, Listing, Posed, Reached};
-use dcd_geom::lanes::WIDTH;
+use dcd_broad::{BoxRow, BoxSet, Listing, Posed, Reached};
+use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{BallRow, LooseBall, Pose};
 use dcd_gjk::NarrowPhase;
 
@@ -19,11 +19,13 @@ pub(super) struct Outlook {
     /// For each link the configurations in which its bound may reach something, as the lists know,
     /// and those of them in which the tree has to be asked.
     listed: Vec<[Marks; 2]>,
-    /// For each link its box in each configuration, where the tree or other links are asked for it.
+    /// For each link its box in each configuration, where the tree is asked for it.
     bounds: Vec<[BoxRow; WORDS]>,
+    /// For each link its ball in each configuration, where other links are asked for it.
+    of_links: Vec<[BallRow; ROW / WIDTH]>,
     /// For each link the configurations in which its bound reaches an obstacle.
     near: Vec<Set>,
-    /// For each of the linkage's own pairs the configurations in which the two bounds overlap.
+    /// For each of the linkage's own pairs the configurations in which the two balls meet.
     met: Vec<Set>,
 }
 
@@ -66,11 +68,7 @@ impl Outlook {
         }
         self.ask_lists(probe);
         self.ask_tree(probe, left);
-        self.met.clear();
-        for &(k, l) in &probe.linkage.own_pairs {
-            let [k, l] = [k, l].map(|link| &self.bounds[link as usize]);
-            self.met.push(left & Set(std::array::from_fn(|word| k[word].overlaps(&l[word]))));
-        }
+        self.ask_links(probe, left);
         left
     }
 
@@ -92,26 +90,50 @@ impl Outlook {
         }
     }
 
+    /// Notes which links are near each other.
+    fn ask_links<N: NarrowPhase>(&mut self, probe: &Probe<'_, N>, left: Set) {
+        let (links, pairs) = (probe.linkage.len(), &probe.linkage.own_pairs[..]);
+        self.met.clear();
+        self.met.resize(pairs.len(), Set::default());
+        if pairs.is_empty() {
+            return;
+        }
+        self.of_links.resize_with(links, Default::default);
+        let mut rows = 0;
+        for own in Members::of(left) {
+            let row = own / WIDTH;
+            rows = row + 1;
+            for (link, balls) in self.of_links.iter_mut().enumerate() {
+                let ball = own * links + link;
+                let ball = self.balls[ball / WIDTH].get(ball % WIDTH);
+                balls[row].set(own % WIDTH, &ball);
+                // Posed in any case, so that a pose out of range is met.
+                if ball.radius == f32::INFINITY {
+                    self.near[link].add(own);
+                }
+            }
+        }
+        dispatch_on(Path::best(), Meet { pairs, rows, balls: &self.of_links, met: &mut self.met });
+        self.met.iter_mut().for_each(|met| *met &= left);
+    }
+
     /// Asks the tree where nothing is listed, and notes the boxes that are asked for later.
     fn ask_tree<N: NarrowPhase>(&mut self, probe: &Probe<'_, N>, left: Set) {
         let links = probe.linkage.len();
-        let asks_links = !probe.linkage.own_pairs.is_empty();
         self.bounds.resize_with(links, Default::default);
         self.near.clear();
         for (link, listed) in self.listed.iter().enumerate() {
             let [mut near, unknown] = listed.each_ref().map(Marks::set);
-            if !asks_links && unknown.is_empty() {
+            if unknown.is_empty() {
                 self.near.push(near);
                 continue;
             }
             near &= !unknown;
             let row = &mut self.bounds[link];
-            for own in Members::of(left) {
+            for own in Members::of(left & unknown) {
                 let ball = own * links + link;
                 let ball = self.balls[ball / WIDTH].get(ball % WIDTH);
-                if asks_links || unknown.has(own) {
-                    row[own / BoxRow::LENGTH].set(own % BoxRow::LENGTH, &ball.aabb());
-                }
+                row[own / BoxRow::LENGTH].set(own % BoxRow::LENGTH, &ball.aabb());
                 // Posed in any case, so that a pose out of range is met.
                 if ball.radius == f32::INFINITY {
                     near.add(own);
@@ -141,5 +163,29 @@ impl Outlook {
     /// The configurations in which two links are near each other, by the number of their pair.
     pub(super) fn met(&self, pair: usize) -> Set {
         self.met[pair]
+    }
+}
+
+/// Compares the balls of each pair in the first rows of configurations.
+struct Meet<'a> {
+    pairs: &'a [(u32, u32)],
+    rows: usize,
+    balls: &'a [[BallRow; ROW / WIDTH]],
+    met: &'a mut [Set],
+}
+
+impl Kernel for Meet<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        for (&(k, l), met) in self.pairs.iter().zip(self.met) {
+            let (a, b) = (&self.balls[k as usize], &self.balls[l as usize]);
+            for row in 0..self.rows.min(ROW / WIDTH) {
+                let meeting = BoxSet::from(a[row].meeting(lanes, &b[row]));
+                let first = row * WIDTH;
+                met.0[first / BoxRow::LENGTH] |= meeting << (first % BoxRow::LENGTH);
+            }
+        }
     }
 }
