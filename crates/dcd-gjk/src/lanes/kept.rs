@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::bounds::U;
-use super::lot::{Lot, Number};
+use super::lot::{LanesOf, Lot, Number};
 use dcd_geom::glam::Vec3;
 use dcd_geom::lanes::{Block, Lanes, Row, WIDTH};
 
@@ -77,12 +77,10 @@ impl Kept {
     /// Keeps the axes that separated some pairs: against the directions in which they were found.
     #[inline(always)]
     pub(super) fn note_axes(&mut self, lot: &Lot, against: &Block, lanes: u32) {
-        for lane in 0..WIDTH {
-            if lanes >> lane & 1 == 1 {
-                let [x, y, z] = against.0.map(|row| -row.0[lane]);
-                if let Some(axis) = self.axes.get_mut(lot.number.0[lane] as usize) {
-                    *axis = Axis::along(Vec3::new(x, y, z));
-                }
+        for lane in LanesOf(lanes) {
+            let [x, y, z] = against.0.map(|row| -row.0[lane]);
+            if let Some(axis) = self.axes.get_mut(lot.number.0[lane] as usize) {
+                *axis = Axis::along(Vec3::new(x, y, z));
             }
         }
     }

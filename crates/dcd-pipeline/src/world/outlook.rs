@@ -117,7 +117,7 @@ impl Outlook {
         self.met.iter_mut().for_each(|met| *met &= left);
     }
 
-    /// Asks the tree where nothing is listed, and notes the boxes that are asked for later.
+    /// Asks the tree where nothing is listed.
     fn ask_tree<N: NarrowPhase>(&mut self, probe: &Probe<'_, N>, left: Set) {
         let links = probe.linkage.len();
         self.bounds.resize_with(links, Default::default);

@@ -217,7 +217,7 @@ impl NarrowPhase for Coherent {
         }
         scratch.recall(&frame.facts, pairs, findings.report);
         if keeps {
-            scratch.expect(&frame.facts);
+            scratch.hint(&frame.facts);
             scratch.judge_open::<Lasting>((self.path, scene, &frame.lanes), findings.report);
             scratch.remember(&frame.facts);
         } else {
@@ -260,7 +260,7 @@ impl Scratch {
     }
 
     /// Tells the lanes what is to be tried first of the others, and how much room is wanted.
-    fn expect(&mut self, facts: &Facts) {
+    fn hint(&mut self, facts: &Facts) {
         let kept = self.lanes.kept_mut();
         kept.want(if facts.are_new() { ROOM_AT_FIRST } else { 0.0 });
         kept.axes.clear();
