@@ -52,6 +52,9 @@ pub struct Target {
     pub name: String,
     /// What it is: "lib", "bin", "example", …
     pub kind: Vec<String>,
+    /// Its first source file.
+    #[serde(default)]
+    pub src_path: PathBuf,
     /// Features without which it is not built.
     #[serde(rename = "required-features", default)]
     pub required_features: Vec<String>,

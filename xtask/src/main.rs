@@ -1,4 +1,5 @@
 //! The command `cargo xtask`.
+#![forbid(unsafe_code)]
 
 use std::ffi::OsString;
 use std::process::ExitCode;

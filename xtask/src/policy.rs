@@ -6,10 +6,12 @@ use crate::cargo::{Metadata, cargo, printed};
 use crate::license::is_permissive;
 
 /// Rooms that know no threads; whoever needs one pair's answer depends on these alone.
-const WITHOUT_THREADS: [&str; 2] = ["dcd-geom", "dcd-gjk"];
+const WITHOUT_THREADS: [&str; 3] = ["dcd-simd", "dcd-geom", "dcd-gjk"];
 /// The rooms of a step. They know no Parry: it is a rival, behind doors of its own.
-pub const ROOMS: [&str; 6] =
-    ["dcd-geom", "dcd-gjk", "dcd-bvh", "dcd-broad", "dcd-exec", "dcd-pipeline"];
+pub const ROOMS: [&str; 7] =
+    ["dcd-simd", "dcd-geom", "dcd-gjk", "dcd-bvh", "dcd-broad", "dcd-exec", "dcd-pipeline"];
+/// The only crate with `unsafe`.
+const WITH_UNSAFE: &str = "dcd-simd";
 /// The only room with threads.
 const WITH_THREADS: &str = "dcd-exec";
 /// What makes threads.
@@ -26,6 +28,7 @@ pub fn breaches() -> Result<Vec<String>> {
         versions_of_glam(&metadata),
         licences(&metadata),
         manifests_with_threads(&metadata),
+        targets_that_allow_unsafe(&metadata)?,
     ]
     .concat();
     let present = |name: &&str| metadata.member(name).is_some();
@@ -85,6 +88,22 @@ fn manifests_with_threads(metadata: &Metadata) -> Vec<String> {
         }
     }
     breaches
+}
+
+/// Libraries and binaries whose source does not forbid `unsafe`, but for the one crate that has it.
+fn targets_that_allow_unsafe(metadata: &Metadata) -> Result<Vec<String>> {
+    let mut breaches = Vec::new();
+    for package in metadata.members().filter(|package| package.name != WITH_UNSAFE) {
+        for target in package.targets("lib").chain(package.targets("bin")) {
+            let path = &target.src_path;
+            let source = std::fs::read_to_string(path)
+                .with_context(|| format!("cannot read {}", path.display()))?;
+            if !source.lines().any(|line| line == "#![forbid(unsafe_code)]") {
+                breaches.push(format!("{} does not forbid unsafe code", path.display()));
+            }
+        }
+    }
+    Ok(breaches)
 }
 
 /// Names of all packages that a build of `room` alone brings in, itself included.
@@ -158,6 +177,26 @@ mod tests {
         assert!(manifests_with_threads(&metadata(&[], "dcd-exec")?).is_empty());
         let breaches = manifests_with_threads(&metadata(&[], "dcd-gjk")?);
         assert_eq!(breaches.len(), 4, "two that have them, two that lack them: {breaches:?}");
+        Ok(())
+    }
+
+    #[test]
+    fn a_target_that_does_not_forbid_unsafe_is_a_breach() -> Result<()> {
+        let folder = std::env::temp_dir().join(format!("dcd-policy-{}", std::process::id()));
+        std::fs::create_dir_all(&folder)?;
+        let mut seen = Vec::new();
+        for source in ["#![forbid(unsafe_code)]\n", "// #![forbid(unsafe_code)]\n"] {
+            let path = folder.join("lib.rs");
+            std::fs::write(&path, source)?;
+            let mut metadata = metadata(&[], "dcd-exec")?;
+            for package in &mut metadata.packages {
+                let target = serde_json::json!({ "name": "x", "kind": ["lib"], "src_path": path });
+                package.targets = vec![serde_json::from_value(target)?];
+            }
+            seen.push(targets_that_allow_unsafe(&metadata)?.len());
+        }
+        std::fs::remove_dir_all(&folder)?;
+        assert_eq!(seen, [0, 2]);
         Ok(())
     }
 

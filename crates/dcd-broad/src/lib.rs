@@ -13,7 +13,6 @@ mod append;
 mod brute_force;
 mod door;
 pub mod law;
-mod row;
 mod sweep;
 mod tree_pairs;
 mod vicinity;
@@ -21,8 +20,8 @@ mod wide;
 
 pub use against::{Named, StandingTree};
 pub use brute_force::BruteForce;
+pub use dcd_geom::lanes::{BoxRow, BoxSet};
 pub use door::BroadPhase;
-pub use row::{BoxRow, BoxSet};
 pub use sweep::SweepAndPrune;
 pub use tree_pairs::{LeafPairs, Traversal, TreePairs, Visits};
 pub use vicinity::{Listing, Outline, Posed, Reached, Vicinity};

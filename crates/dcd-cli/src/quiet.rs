@@ -2,7 +2,7 @@
 
 use std::panic;
 
-/// Parry panics on some degenerate hulls. dcd-parry and dcd-scenes catch that and call the pair
+/// Parry panics on some degenerate hulls. dcd-parry and dcd-io catch that and call the pair
 /// undecided, or keep the point set; the message would only alarm. Every other panic is reported.
 pub(crate) fn about_parry() {
     let report = panic::take_hook();

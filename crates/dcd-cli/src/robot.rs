@@ -8,9 +8,7 @@ mod state;
 use crate::failure::Failure;
 use clap::{Args, ValueEnum};
 use dcd_pipeline::{Par, Pipeline};
-use dcd_scenes::robot::{
-    AllowedPairs, LinkShapes, Request, Robot as Model, RobotError, Workcell, World,
-};
+use dcd_robot::{AllowedPairs, LinkShapes, Request, Robot as Model, RobotError, Workcell, World};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::{Write, stdout};

@@ -4,9 +4,9 @@ mod bounds;
 #[cfg(test)]
 mod tests;
 
-pub use bounds::{BallRow, Bounds};
+pub use bounds::Bounds;
 
-use crate::{Aabb, Ball, Pose, Shape};
+use crate::{Aabb, Ball, LooseBall, Pose, Shape};
 use glam::{DVec3, Vec3};
 
 /// A ball round a shape and one inside it, at any pose without the shape's vertices. What the outer
@@ -23,27 +23,6 @@ pub struct Bound {
     inner_at_centre: f64,
     /// A bound on the distance of any of its points from the frame's origin.
     reach: f64,
-}
-
-/// A ball in the world, larger than what it stands for by more than f32 loses where two are compared
-/// (docs/numerics.md, "what is near"). Its radius is infinite where the shape is out of range.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LooseBall {
-    /// Metres.
-    pub centre: Vec3,
-    /// Metres.
-    pub radius: f32,
-}
-
-impl LooseBall {
-    /// The ball of all there is.
-    pub const EVERYTHING: Self = Self { centre: Vec3::ZERO, radius: f32::INFINITY };
-
-    /// The box round it.
-    #[inline]
-    pub fn aabb(&self) -> Aabb {
-        Aabb { min: self.centre - self.radius, max: self.centre + self.radius }
-    }
 }
 
 /// A ball in the world inside of what it stands for, smaller by more than f32 loses where two are

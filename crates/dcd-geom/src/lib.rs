@@ -3,11 +3,10 @@
 //! A [`Scene`] owns checked [`Shape`]s and places them by [`Pose`]s; whatever depends on a shape
 //! alone is computed once, when it is made. Input is f64 (glam); boxes are f32 rounded outward.
 //!
-//! Deliberately absent: threads, trees, solvers, files. The only `unsafe` of the workspace stands
-//! in [`lanes`].
-#![deny(unsafe_code)]
+//! Deliberately absent: threads, trees, solvers, files. The lanes stand in `dcd-simd`, and
+//! can be had here as [`lanes`].
+#![forbid(unsafe_code)]
 
-mod aabb;
 mod ball;
 mod bound;
 mod core;
@@ -17,37 +16,31 @@ mod error;
 mod facets;
 mod half_space;
 mod inscribed;
-#[allow(unsafe_code)] // the one module that may: each block carries its SAFETY line
-pub mod lanes;
 pub mod law;
-mod pair;
 mod parts;
 mod polytope;
 mod pose;
 mod real;
 mod scene;
 mod shape;
-mod sixteen;
 mod support;
 mod twin_box;
 
-pub use aabb::Aabb;
 pub use ball::Ball;
-pub use bound::{BallRow, Bound, Bounds, LooseBall, SnugBall};
+pub use bound::{Bound, Bounds, SnugBall};
 pub use core::{Core, Cores, LaneBox, MOST_PARTS};
 pub use curved::{Curved, CurvedKind};
+pub use dcd_simd::{self as lanes, Aabb, BallRow, LooseBall, Pair, Sixteen};
 pub use divide::Divide;
 pub use error::{PoseError, SceneError, ShapeError};
 pub use facets::{FLATNESS, Facet, Facets};
 pub use half_space::HalfSpace;
-pub use pair::Pair;
 pub use parts::{Compound, Corners, Mesh, Part, PartTree, Triangles};
 pub use polytope::{Kind, Polytope};
 pub use pose::Pose;
 pub use real::{Matrix, Real, Vector};
 pub use scene::{Filter, Handle, Motion, Object, Scene, Stamp};
 pub use shape::Shape;
-pub use sixteen::Sixteen;
 pub use support::{Support, SupportMap};
 pub use twin_box::TwinBox;
 

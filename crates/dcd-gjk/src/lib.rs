@@ -4,26 +4,22 @@
 #![forbid(unsafe_code)]
 
 mod bounds_only;
-mod certificate;
-pub mod certified;
-pub mod closed;
-mod difference;
-pub mod distance;
 mod door;
-mod double_double;
 mod each_pair;
-pub mod epa;
 mod exact;
-pub mod gjk;
-pub mod lanes;
 pub mod law;
-mod order;
-pub mod parts;
-mod portal;
+pub mod mesh;
 pub mod query;
-mod simplex;
+mod scalar;
+pub mod simd;
 pub mod simplify;
-mod solvers;
+mod temporal;
+
+pub(crate) use exact::double_double;
+pub use mesh as parts;
+pub(crate) use scalar::{certificate, difference, order, portal, simplex, solvers};
+pub use scalar::{certified, closed, distance, epa, gjk};
+pub use simd as lanes;
 
 pub use bounds_only::BoundsOnly;
 pub use difference::{Body, Difference, Vertex};

@@ -3,6 +3,7 @@
 //!
 //! Each part plans its units, measures those that are missing and draws what is there. Deliberately
 //! absent: how a time is taken and how a report looks, which the library decides for every binary.
+#![forbid(unsafe_code)]
 
 mod case;
 mod claims;

@@ -6,7 +6,7 @@ use super::rival::{Rival, parry_pose};
 use crate::failure::Failure;
 use dcd_geom::{Object, Pair, Pose, Scene};
 use dcd_pipeline::{Linkage, Other, Overlap, Par, World};
-use dcd_scenes::robot::{AllowedPairs, Problem, Robot, Workcell, read_problems};
+use dcd_robot::{AllowedPairs, Problem, Robot, Workcell, read_problems};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;

@@ -3,7 +3,7 @@
 use dcd_geom::glam::DMat3;
 use dcd_geom::{Pair, Pose, Scene, Shape};
 use dcd_parry::{Library, Query};
-use dcd_scenes::robot::Workcell;
+use dcd_robot::Workcell;
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 use parry3d_f64::math::Pose as ParryPose;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};

@@ -1,6 +1,6 @@
 //! Joint values from the command line.
 
-use dcd_scenes::robot::Robot;
+use dcd_robot::Robot;
 
 /// `1,2,…` for all moved joints, or `name=1,…` for some; what is wrong, in words.
 pub(super) fn parse(text: &str, robot: &Robot) -> Result<Vec<f64>, String> {

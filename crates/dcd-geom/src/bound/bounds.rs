@@ -1,9 +1,8 @@
 //! The bounds of many shapes, posed sixteen at a time.
 
-use super::{Bound, LooseBall, MARGIN, SnugBall};
-use crate::lanes::{Block, Lanes, Row, WIDTH};
-use crate::{Aabb, Pose};
-use glam::Vec3;
+use super::{Bound, MARGIN, SnugBall};
+use crate::lanes::{Lanes, Row, WIDTH};
+use crate::{Aabb, BallRow, LooseBall, Pose};
 
 /// Bounds that are posed together, again and again.
 #[derive(Clone, Debug)]
@@ -12,47 +11,6 @@ pub struct Bounds {
     /// The balls' centres, x, y and z, their radii and the reaches: each bound after bound and then
     /// from the first on again, so that sixteen can be read from any on.
     columns: [Vec<f32>; 5],
-}
-
-/// Sixteen loose balls, number by number.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct BallRow {
-    /// Metres.
-    pub centre: Block,
-    /// Metres.
-    pub radius: Row,
-}
-
-impl BallRow {
-    /// Ball k, which must be below sixteen.
-    #[inline]
-    pub fn get(&self, k: usize) -> LooseBall {
-        let Block([x, y, z]) = &self.centre;
-        LooseBall { centre: Vec3::new(x.0[k], y.0[k], z.0[k]), radius: self.radius.0[k] }
-    }
-
-    /// Replaces ball k, which must be below sixteen.
-    #[inline]
-    pub fn set(&mut self, k: usize, ball: &LooseBall) {
-        let Block([x, y, z]) = &mut self.centre;
-        [x.0[k], y.0[k], z.0[k]] = ball.centre.to_array();
-        self.radius.0[k] = ball.radius;
-    }
-
-    /// Which balls meet that of the same number in another row, a bit each: of all others what they
-    /// stand for is apart (docs/numerics.md, "what is near"). For kernels.
-    #[inline(always)]
-    pub fn meeting<L: Lanes>(&self, l: L, other: &Self) -> u32 {
-        let mut squared = l.splat(0.0);
-        for axis in 0..3 {
-            let (a, b) = (&self.centre.0[axis], &other.centre.0[axis]);
-            let difference = l.sub(l.load(a), l.load(b));
-            squared = l.add(squared, l.mul(difference, difference));
-        }
-        let both = l.add(l.load(&self.radius), l.load(&other.radius));
-        let reach = l.add(l.mul(both, both), l.splat(f32::MIN_POSITIVE));
-        l.bits(l.le(squared, reach))
-    }
 }
 
 /// Beyond this reach a ball is infinite, metres: less than [`Aabb::LIMIT`] by far more than f32 loses

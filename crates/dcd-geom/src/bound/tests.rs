@@ -1,6 +1,7 @@
 //! Bounds beside the shapes that they are of, and posed in lanes beside one by one.
 
 use super::*;
+use crate::BallRow;
 use crate::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 use glam::DQuat;
 use std::sync::Arc;

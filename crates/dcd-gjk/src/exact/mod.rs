@@ -10,6 +10,7 @@
 
 pub(crate) mod boxes;
 mod close;
+pub(crate) mod double_double;
 mod expansion;
 pub(crate) mod grid;
 mod integer;

@@ -1,0 +1,14 @@
+//! One pair at a time in f64 (and f32): GJK, EPA, portal refinement, closed forms, and the
+//! certificates of scalar arithmetic.
+
+pub(crate) mod certificate;
+pub mod certified;
+pub mod closed;
+pub(crate) mod difference;
+pub mod distance;
+pub mod epa;
+pub mod gjk;
+pub(crate) mod order;
+pub(crate) mod portal;
+pub(crate) mod simplex;
+pub(crate) mod solvers;

@@ -1,0 +1,323 @@
+//! What is prepared of every object once a step.
+
+use super::compounds::{Compounds, Members, Room, laid_out};
+use super::prepare::constants;
+use super::upright::Upright;
+use dcd_geom::lanes::{Block, Lanes, Row, WIDTH, prefetch};
+use dcd_geom::{Divide, Kind, Scene, Shape, Stamp};
+
+/// All objects, ready for the lanes.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    form: Form,
+    /// How many objects there are. Behind them in the lists are the parts of compounds.
+    objects: usize,
+    records: Vec<Record>,
+    blocks: Vec<Block>,
+    /// One for each record; none at all where no shape of the scene has boxes.
+    boxes: Vec<BoxRecord>,
+    /// One for each object; none at all where no shape of the scene is a cuboid.
+    uprights: Vec<Upright>,
+    compounds: Compounds,
+    /// The scene's layout that the offsets are for.
+    layout: Option<Stamp>,
+    /// Lent to the first part that has an object.
+    extremes: Box<Extremes>,
+}
+
+/// The largest x, y, z and the largest −x, −y, −z of sixteen objects, lane by lane, on their way to
+/// the boxes. To clear it takes as long as to prepare several objects.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Extremes([[Row; WIDTH]; 6]);
+
+impl Extremes {
+    /// Takes in those of one object's vertices, lane by lane.
+    #[inline(always)]
+    pub(super) fn keep<L: Lanes>(&mut self, l: L, object: usize, found: [L::F; 6]) {
+        let Self(rows) = self;
+        for side in 0..6 {
+            l.store(found[side], &mut rows[side][object]);
+        }
+    }
+
+    /// How far each of the sixteen objects reaches, to six sides.
+    #[inline(always)]
+    pub(super) fn of_each<L: Lanes>(&self, l: L) -> [Row; 6] {
+        let Self(rows) = self;
+        let mut reach = [Row::default(); 6];
+        for side in 0..6 {
+            l.store(l.largest_of_each(&rows[side]), &mut reach[side]);
+        }
+        reach
+    }
+}
+
+/// What the objects of a scene have in common, and so what must be prepared of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Form {
+    /// Nothing: every polytope has its vertices.
+    #[default]
+    Any,
+    /// All are spheres: balls settle their pairs.
+    Spheres,
+    /// All are cuboids of radius 0: balls and boxes settle their pairs.
+    Cuboids,
+}
+
+impl Form {
+    fn of(shapes: &[Shape]) -> Self {
+        let kind = |shape: &Shape| shape.as_polytope().map(|p| (p.kind(), p.swept_radius()));
+        let spheres = |shape| matches!(kind(shape), Some((Kind::Point, _)));
+        let cuboids = |shape| matches!(kind(shape), Some((Kind::Cuboid { .. }, 0.0)));
+        if shapes.iter().all(spheres) {
+            Self::Spheres
+        } else if shapes.iter().all(cuboids) {
+            Self::Cuboids
+        } else {
+            Self::Any
+        }
+    }
+}
+
+/// A record's mark that its [`BoxRecord`] says something.
+pub(super) const BOXED: u8 = 1;
+/// A record's mark that the lanes can settle pairs of it: it has vertices, or needs none.
+pub(super) const LIVE: u8 = 2;
+
+/// A record's mark that its [`Upright`] says something.
+pub(super) const UPRIGHT: u8 = 4;
+
+/// A record's mark that its vertices are all of it, and not those of a hull inside it; or that it
+/// needs none.
+pub(super) const WHOLE: u8 = 8;
+/// A record's mark that its boxes are the object itself.
+pub(super) const BOX: u8 = 16;
+
+/// One object on one cache line. The radii include what the pose's matrix departs from a rotation
+/// by, and are rounded to the safe side.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub(super) struct Record {
+    /// Where the shape's centre is in the world, metres, up to `slack` a component. The fourth number
+    /// is 0: two centres are subtracted as one vector.
+    pub(super) centre: [f64; 4],
+    /// The object's first block in the frame.
+    pub(super) first: u32,
+    /// The lowest bits of a value that carry its vertex's number: see [`super::support`].
+    pub(super) tag: u16,
+    /// How many blocks it has; 0 where the lanes do not know the shape, or the scene is of a form
+    /// without vertices.
+    pub(super) blocks: u8,
+    /// [`BOXED`], [`LIVE`], [`UPRIGHT`], [`WHOLE`] and [`BOX`], each or not.
+    pub(super) marks: u8,
+    /// A ball round the centre inside the object, its swept radius included: rounded down.
+    pub(super) inner: f32,
+    /// A ball round the centre that holds the object, its swept radius included: rounded up.
+    pub(super) outer: f32,
+    /// κ·r: a ball round the centre that holds the core, rounded up.
+    pub(super) size: f32,
+    /// The swept radius, rounded up.
+    pub(super) radius: f32,
+    /// See [`super::bounds::CENTRE`], metres, rounded up.
+    pub(super) slack: f32,
+    /// By how much the vertex that is told as the farthest may be nearer than another, or than
+    /// what the object has beyond its vertices, rounded up. Unit: metres a metre of the direction's
+    /// 1-norm.
+    pub(super) choice: f32,
+}
+
+/// An object's boxes on one cache line: the twin boxes of its shape, turned, round the record's
+/// centre.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct BoxRecord {
+    /// Three directions of edges in the world; half the edges of a box that holds the object, its
+    /// swept radius included, rounded up; and of one inside it, rounded down. Fifteen numbers.
+    pub(super) numbers: Row,
+}
+
+/// Frames with at most this many bytes of vertices are not asked for ahead. Larger: large scenes
+/// wait for memory. Smaller: small ones spend a twentieth of their time on hints.
+const NEAR: usize = 8 << 20;
+
+/// The same of records, where pairs read no vertices: what the second cache holds.
+const NEAR_RECORDS: usize = 1 << 20;
+
+/// The frame's room for a range of the objects.
+#[derive(Debug)]
+pub struct Part<'f> {
+    pub(super) form: Form,
+    pub(super) records: &'f mut [Record],
+    pub(super) blocks: &'f mut [Block],
+    pub(super) boxes: &'f mut [BoxRecord],
+    pub(super) uprights: &'f mut [Upright],
+    pub(super) room: Room<'f>,
+    /// Room that need not be cleared; a part without makes its own.
+    pub(super) extremes: Option<&'f mut Extremes>,
+}
+
+impl Frame {
+    /// Makes room: offsets only, and nothing to do where the scene's layout is that of the last
+    /// step.
+    pub(crate) fn lay_out(&mut self, scene: &Scene) -> Part<'_> {
+        if self.layout != Some(scene.layout()) {
+            self.set_offsets(scene);
+            self.layout = Some(scene.layout());
+        }
+        let Self { form, records, blocks, boxes, uprights, compounds, extremes, .. } = self;
+        let (records, of_parts) = records.split_at_mut(self.objects);
+        let own = match of_parts.first() {
+            Some(part) => part.first as usize,
+            None => blocks.len(),
+        };
+        let (blocks, blocks_of_parts) = blocks.split_at_mut(own);
+        let own = records.len().min(boxes.len());
+        let (boxes, boxes_of_parts) = boxes.split_at_mut(own);
+        let room = compounds.room(of_parts, blocks_of_parts, boxes_of_parts);
+        Part { form: *form, records, blocks, boxes, uprights, room, extremes: Some(extremes) }
+    }
+
+    fn set_offsets(&mut self, scene: &Scene) {
+        let cores = scene.cores().cores();
+        self.form = Form::of(scene.shapes());
+        self.objects = scene.len();
+        self.records.resize(scene.len(), Record::default());
+        let may_stand = cores.iter().any(|core| core.is_box);
+        self.uprights.resize(if may_stand { scene.len() } else { 0 }, Upright::default());
+        let mut first = 0u32;
+        if self.form == Form::Any {
+            for (record, &shape) in self.records.iter_mut().zip(scene.shape_of()) {
+                (*record, first) = laid_out(&cores[shape as usize], first);
+            }
+        }
+        self.compounds.set_offsets(scene, &mut self.records, first);
+        let boxed = !scene.cores().twin_boxes().is_empty();
+        self.boxes.resize(if boxed { self.records.len() } else { 0 }, BoxRecord::default());
+        let blocks = self.compounds.blocks().unwrap_or(first);
+        self.blocks.resize(blocks as usize, Block::default());
+        if self.form != Form::Any {
+            constants(scene, &mut self.records, &mut self.boxes);
+        }
+    }
+
+    /// Whether the lanes know the parts of any object.
+    pub(super) fn has_compounds(&self) -> bool {
+        self.records.len() > self.objects
+    }
+
+    /// The parts of a compound that the lanes know.
+    #[inline(always)]
+    pub(super) fn members(&self, object: u32) -> Option<Members<'_>> {
+        self.compounds.members(object)
+    }
+
+    /// Whether the lanes know an object as one.
+    #[inline(always)]
+    pub(super) fn is_live(&self, object: u32) -> bool {
+        self.record(object).marks & LIVE != 0
+    }
+
+    /// The number of a record among the parts of that object, if it is one.
+    pub(super) fn place_of(&self, object: u32, record: u32) -> Option<u32> {
+        self.compounds.place_of(object, record)
+    }
+
+    #[inline(always)]
+    pub(super) fn records(&self) -> &[Record] {
+        &self.records
+    }
+
+    #[inline(always)]
+    pub(super) fn record(&self, object: u32) -> &Record {
+        &self.records[object as usize]
+    }
+
+    #[inline(always)]
+    pub(super) fn blocks_of(&self, record: &Record) -> &[Block] {
+        &self.blocks[record.first as usize..][..usize::from(record.blocks)]
+    }
+
+    /// Whether polytopes have their vertices: if not, no stage asks for supports.
+    #[inline(always)]
+    pub(super) fn has_vertices(&self) -> bool {
+        self.form == Form::Any
+    }
+
+    /// Whether a cache near enough holds all that pairs read: then asking ahead costs more than it
+    /// hides.
+    #[inline(always)]
+    pub(super) fn is_near(&self) -> bool {
+        match self.form {
+            Form::Any => size_of_val(&*self.blocks) <= NEAR,
+            Form::Spheres | Form::Cuboids => size_of_val(&*self.records) <= NEAR_RECORDS,
+        }
+    }
+
+    /// Asks for all that pairs of an object without vertices read.
+    #[inline(always)]
+    pub(super) fn ask_for(&self, object: u32) {
+        prefetch(std::slice::from_ref(self.record(object)));
+        if let Some(boxes) = self.boxes.get(object as usize) {
+            prefetch(std::slice::from_ref(boxes));
+        }
+    }
+
+    /// The boxes of an object that has some.
+    #[inline(always)]
+    pub(super) fn boxes(&self, object: u32) -> &BoxRecord {
+        &self.boxes[object as usize]
+    }
+
+    /// Half the edges along the world's axes of a cuboid that stands along them.
+    pub(super) fn upright(&self, object: u32) -> &Upright {
+        &self.uprights[object as usize]
+    }
+
+    /// All objects' vertices.
+    #[inline(always)]
+    pub(super) fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+}
+
+impl Divide for Part<'_> {
+    fn len(&self) -> usize {
+        self.records.len()
+    }
+
+    fn split_at(self, middle: usize) -> (Self, Self) {
+        let base = self.records.first().map_or(0, |record| record.first);
+        let blocks = match self.records.get(middle) {
+            Some(record) => (record.first - base) as usize,
+            None => self.blocks.len(),
+        };
+        let form = self.form;
+        let (left_room, right_room) = self.room.split_at(middle);
+        let (left, right) = self.records.split_at_mut(middle);
+        let (left_blocks, right_blocks) = self.blocks.split_at_mut(blocks);
+        let (left_boxes, right_boxes) = self.boxes.split_at_mut(middle.min(self.boxes.len()));
+        let (left_uprights, right_uprights) =
+            self.uprights.split_at_mut(middle.min(self.uprights.len()));
+        let (lent, none) = (self.extremes, None);
+        let (left_lent, right_lent) = if middle > 0 { (lent, none) } else { (none, lent) };
+        (
+            Self {
+                form,
+                records: left,
+                blocks: left_blocks,
+                boxes: left_boxes,
+                uprights: left_uprights,
+                room: left_room,
+                extremes: left_lent,
+            },
+            Self {
+                form,
+                records: right,
+                blocks: right_blocks,
+                boxes: right_boxes,
+                uprights: right_uprights,
+                room: right_room,
+                extremes: right_lent,
+            },
+        )
+    }
+}

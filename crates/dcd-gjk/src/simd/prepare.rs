@@ -1,0 +1,266 @@
+//! Objects made ready: vertices rotated, balls bounded, boxes found.
+
+mod forms;
+#[cfg(test)]
+mod tests;
+
+pub(super) use forms::constants;
+
+use super::bounds::{CENTRE, CHOICE, ROTATED, TURNED, U};
+use super::compounds::{Room, Whole};
+use super::frame::{BOX, BOXED, BoxRecord, Extremes, Form, LIVE, Part, Record, UPRIGHT, WHOLE};
+use super::upright::Upright;
+use super::vector::V3;
+use dcd_geom::glam::{DVec3, Vec3};
+use dcd_geom::lanes::{Block, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, prefetch};
+use dcd_geom::{Aabb, Core, Corners, LaneBox, Mesh, Pose, Scene, Shape};
+
+/// Runs the kernel on that path: compiled here, once.
+pub(super) fn prepare(path: Path, objects: Prepare<'_>) {
+    dispatch_on(path, objects);
+}
+
+/// Prepares the objects from `first` on.
+pub(crate) struct Prepare<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) first: usize,
+    pub(crate) part: Part<'a>,
+    pub(crate) aabbs: &'a mut [Aabb],
+}
+
+impl Kernel for Prepare<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        match self.part.form {
+            Form::Any => self.any(l),
+            Form::Spheres => self.spheres(),
+            Form::Cuboids => self.cuboids(),
+        }
+    }
+}
+
+impl Prepare<'_> {
+    /// Of any kinds, each from its vertices.
+    #[inline(always)]
+    fn any<L: Lanes>(self, l: L) {
+        let mut blocks = self.part.blocks;
+        let mut room = self.part.room;
+        let mut own;
+        let extremes = match self.part.extremes {
+            Some(lent) => lent,
+            None => {
+                own = Extremes::default();
+                &mut own
+            }
+        };
+        let twin_boxes = self.scene.cores().twin_boxes();
+        let (boxes, uprights) = (self.part.boxes, self.part.uprights);
+        let groups = self.part.records.chunks_mut(WIDTH).zip(self.aabbs.chunks_mut(WIDTH));
+        for (group, (records, aabbs)) in groups.enumerate() {
+            let first = self.first + group * WIDTH;
+            for (lane, record) in records.iter_mut().enumerate() {
+                let (own, others) =
+                    std::mem::take(&mut blocks).split_at_mut(usize::from(record.blocks));
+                blocks = others;
+                let object = first + lane;
+                look_ahead(self.scene, object + AHEAD);
+                let core = &self.scene.cores().cores()[self.scene.shape_of()[object] as usize];
+                let pose = &self.scene.poses()[object];
+                *record = place(record, core, pose);
+                if record.marks & BOXED != 0 {
+                    let shape = self.scene.shape_of()[object] as usize;
+                    let place = group * WIDTH + lane;
+                    boxes[place] = turn(&twin_boxes[shape], record, pose);
+                    if let Some(upright) = Upright::of(&self.scene.shapes()[shape], pose) {
+                        uprights[place] = upright;
+                        record.marks |= UPRIGHT;
+                    }
+                }
+                let found = match own {
+                    [] => reach_of_corners(l, self.scene.shape(object), pose),
+                    _ => rotate(l, pose, &self.scene.cores().blocks(core)[..own.len()], own),
+                };
+                extremes.keep(l, lane, found);
+            }
+            let reach = extremes.of_each(l);
+            for (lane, (record, aabb)) in records.iter().zip(aabbs).enumerate() {
+                let place = (group * WIDTH + lane, first + lane);
+                *aabb = match record.marks & WHOLE {
+                    0 => not_whole(l, self.scene, place, (&mut room, extremes, &reach)),
+                    _ => boxed(record, &reach, lane),
+                };
+            }
+        }
+    }
+}
+
+/// The box of an object that is not the hull of its vertices: round its parts, a mesh's corners, or its
+/// shape. It is the part's `k`-th and the scene's `object`-th.
+#[inline(always)]
+fn not_whole<L: Lanes>(
+    l: L,
+    scene: &Scene,
+    (k, object): (usize, usize),
+    (room, extremes, reach): (&mut Room<'_>, &mut Extremes, &[Row; 6]),
+) -> Aabb {
+    let core = &scene.cores().cores()[scene.shape_of()[object] as usize];
+    let (shape, pose) = (scene.shape(object), &scene.poses()[object]);
+    match shape {
+        Shape::Mesh(mesh) => boxed(&round_corners(mesh, pose), reach, k % WIDTH),
+        _ if room.holds(k) => room.prepare(l, (k, Whole { scene, core, shape, pose }), extremes),
+        _ => scene.aabb(object),
+    }
+}
+
+/// How far the corners of a mesh reach, lane by lane; of any other shape, nowhere.
+#[inline(always)]
+fn reach_of_corners<L: Lanes>(l: L, shape: &Shape, pose: &Pose) -> [L::F; 6] {
+    let mut all = [l.splat(f32::NEG_INFINITY); 6];
+    let Shape::Mesh(mesh) = shape else { return all };
+    let mut turned = [Block::default(); SOME];
+    for some in mesh.all_corners().blocks.chunks(SOME) {
+        let found = rotate(l, pose, some, &mut turned);
+        for side in 0..6 {
+            all[side] = l.max(all[side], found[side]);
+        }
+    }
+    all
+}
+
+/// How many blocks of a mesh are turned at once: what that leaves behind stays near. No effect on any
+/// result.
+const SOME: usize = 16;
+
+/// What [`boxed`] needs to know of the corners of a mesh.
+#[inline(always)]
+fn round_corners(mesh: &Mesh, pose: &Pose) -> Record {
+    let &Corners { centre, radius: outer, .. } = mesh.all_corners();
+    // The middle of a box may be farther off than its corners, by less than √3.
+    let reach = 2.0 * mesh.reach();
+    let core = Core { centre, outer, reach, radius: mesh.swept_radius(), ..Core::default() };
+    place(&Record::default(), &core, pose)
+}
+
+/// How many objects ahead their vertices are asked for: about as many as are prepared while memory
+/// answers. No effect on any result.
+const AHEAD: usize = 4;
+
+#[inline(always)]
+fn look_ahead(scene: &Scene, object: usize) {
+    if let Some(&shape) = scene.shape_of().get(object) {
+        prefetch(scene.cores().blocks(&scene.cores().cores()[shape as usize]));
+    }
+}
+
+/// Everything of a record but its vertices, for this pose and any that departs from a rotation by
+/// less than [`TURNED`].
+#[inline(always)]
+pub(super) fn place(record: &Record, core: &Core, pose: &Pose) -> Record {
+    let deviation = pose.deviation().max(TURNED);
+    let stretch = 1.0 + deviation;
+    let t = pose.translation();
+    let centre = *pose.rotation() * core.centre + t;
+    let slack = CENTRE * (f64::EPSILON / 2.0) * (t.abs().max_element() + core.reach * stretch);
+    let tag = u16::from(record.blocks).next_power_of_two() * WIDTH as u16 - 1;
+    let inner = core.inner * (1.0 - deviation) + core.radius;
+    Record {
+        centre: centre.extend(0.0).to_array(),
+        first: record.first,
+        blocks: record.blocks,
+        tag,
+        inner: below(inner),
+        outer: above(core.outer * stretch + core.radius),
+        size: above(core.outer * stretch),
+        radius: above(core.radius),
+        slack: above(slack),
+        marks: marks(record, core, pose),
+        choice: above((core.outer * f64::from(tag) * CHOICE + core.excess) * stretch),
+    }
+}
+
+/// What [`place`] marks.
+#[inline(always)]
+fn marks(record: &Record, core: &Core, pose: &Pose) -> u8 {
+    let marked = |holds: bool, mark: u8| if holds { mark } else { 0 };
+    let boxed = core.has_twin_box && pose.deviation() < TURNED;
+    marked(boxed, BOXED)
+        | marked(boxed && core.is_box && core.radius == 0.0, BOX)
+        | marked(record.blocks > 0, LIVE)
+        | marked(record.blocks > 0 && core.excess == 0.0, WHOLE)
+}
+
+/// The boxes of a shape at a pose. What the matrix departs from a rotation by makes the boxes of the
+/// exact rotation larger and smaller.
+#[inline(always)]
+pub(super) fn turn(twin_box: &LaneBox, record: &Record, pose: &Pose) -> BoxRecord {
+    let mut numbers = Row::default();
+    let margin = 4.0 * pose.deviation().max(TURNED) * f64::from(record.size);
+    for axis in 0..3 {
+        let edge = *pose.rotation() * twin_box.axes[axis].as_dvec3();
+        numbers.0[3 * axis..][..3].copy_from_slice(&edge.as_vec3().to_array());
+        let outer = f64::from(twin_box.outer[axis]) + margin + f64::from(record.radius);
+        numbers.0[9 + axis] = above(outer);
+        numbers.0[12 + axis] = below((f64::from(twin_box.inner[axis]) - margin).max(0.0));
+    }
+    BoxRecord { numbers }
+}
+
+/// An f32 at most x ≥ 0: two roundings and the sum that made x are less than two units.
+#[inline(always)]
+fn below(x: f64) -> f32 {
+    (x as f32) * (1.0 - 4.0 * U)
+}
+
+/// An f32 at least x ≥ 0, and above 0 where x is.
+#[inline(always)]
+fn above(x: f64) -> f32 {
+    let up = (x as f32) * (1.0 + 4.0 * U);
+    if x > 0.0 { up.max(f32::MIN_POSITIVE) } else { up }
+}
+
+/// Writes R·v in f32 for every vertex, and returns the largest x, y, z, −x, −y, −z lane by lane.
+#[inline(always)]
+pub(super) fn rotate<L: Lanes>(l: L, pose: &Pose, local: &[Block], out: &mut [Block]) -> [L::F; 6] {
+    let m = pose.rotation().as_mat3();
+    let (mx, my, mz) = (spread(l, m.x_axis), spread(l, m.y_axis), spread(l, m.z_axis));
+    let lowest = l.splat(f32::NEG_INFINITY);
+    let mut extremes = [lowest; 6];
+    for (v, out) in local.iter().zip(out) {
+        let V3(x, y, z) = V3::<L>::load(l, &v.0);
+        let zero = l.splat(0.0);
+        let world = V3(zero, zero, zero).plus(l, z, mz).plus(l, y, my).plus(l, x, mx);
+        world.store(l, &mut out.0);
+        let back = world.neg(l);
+        extremes = [
+            l.max(extremes[0], world.0),
+            l.max(extremes[1], world.1),
+            l.max(extremes[2], world.2),
+            l.max(extremes[3], back.0),
+            l.max(extremes[4], back.1),
+            l.max(extremes[5], back.2),
+        ];
+    }
+    extremes
+}
+
+/// One vector in every lane.
+#[inline(always)]
+fn spread<L: Lanes>(l: L, v: Vec3) -> V3<L> {
+    V3(l.splat(v.x), l.splat(v.y), l.splat(v.z))
+}
+
+/// The box of the object in that lane: its rotated vertices' extremes round its centre, and what all
+/// of it may be off by.
+#[inline(always)]
+pub(super) fn boxed(record: &Record, reach: &[Row; 6], lane: usize) -> Aabb {
+    let at = |side: usize| f64::from(reach[side].0[lane]);
+    let pad = f64::from(record.size) * f64::from(ROTATED * U)
+        + f64::from(record.radius)
+        + f64::from(record.slack);
+    let [x, y, z, _] = record.centre;
+    let centre = DVec3::new(x, y, z);
+    let (reach, back) = (DVec3::new(at(0), at(1), at(2)), DVec3::new(at(3), at(4), at(5)));
+    Aabb::outward(centre - (back + pad), centre + (reach + pad))
+}

@@ -1,0 +1,299 @@
+//! Temporal coherence: what was proved of a pair in an earlier step, for as long as it holds.
+
+mod facts;
+#[cfg(test)]
+mod tests;
+mod track;
+
+use crate::simd::axis::Axis;
+use crate::simd::certificate::{Lasting, Proved, Trust};
+use crate::simd::decide::{self, Slice};
+use crate::simd::{append_contacts, frame, prepare};
+use crate::{Findings, NarrowPhase, Report, Rung};
+use dcd_geom::lanes::{Path, dispatch_on};
+use dcd_geom::{Aabb, Divide, Pair, Scene, Shape, Stamp};
+use facts::{Fact, Facts, Found, Slot, Standing};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
+use track::Track;
+
+/// Whether two objects touch, proved, for scenes that barely differ from step to step: the answers
+/// of [`crate::Overlap`], most of them from an earlier step's proofs.
+///
+/// A proof has room to spare: a distance that the points of both objects may travel together before
+/// it no longer holds. Every object's way is summed up, and a pair is settled for as long as the
+/// two ways since its proof are shorter than the room of it. So nothing is trusted: a fact
+/// expires before it can be wrong (docs/numerics.md, "coherence").
+///
+/// Of pairs that must be asked again, the axis that separated them last is tried first, and the
+/// certificate decides as ever.
+///
+/// Costs some 200 bytes an object, 17 (dense scenes) to 40 (sparse ones) a candidate pair, and a
+/// first step that takes two to three times as long: it looks for proofs with more room than the
+/// first that are found. Where more than half of the objects move by more than 1/40 of their radius in
+/// a step (1/128 in sparse scenes), nothing new is kept, and what is known serves (dense scenes) until
+/// it has faded; then it does what [`crate::Overlap`] does.
+/// What the [`Report`] counts as [`Rung::Remembered`] may differ by some pairs from run to run on
+/// several threads; answers never do. Of curved shapes so near to touching that [`crate::Overlap`]
+/// leaves them undecided it may still know.
+#[derive(Clone, Copy, Debug)]
+pub struct Coherent {
+    path: Path,
+}
+
+impl Default for Coherent {
+    fn default() -> Self {
+        Self { path: Path::best() }
+    }
+}
+
+impl Coherent {
+    /// On that path, or the portable one where this CPU does not have it. The answers are the same
+    /// on every path; for tests and measurements.
+    pub fn on(path: Path) -> Self {
+        Self { path }
+    }
+}
+
+/// All objects, ready for the lanes, and what outlasts a step.
+#[derive(Debug, Default)]
+pub struct Frame {
+    lanes: frame::Frame,
+    /// The shapes that everything remembered is about.
+    shapes: Option<Arc<[Shape]>>,
+    layout: Option<Stamp>,
+    tracks: Vec<Track>,
+    facts: Facts,
+    /// How many objects move too fast for facts about them to last.
+    restless: AtomicUsize,
+    /// Whether looking up pairs pays even if too many do.
+    still_pays: bool,
+    /// Whether some way has become so long that f32 no longer tells small rooms in it.
+    worn: AtomicBool,
+}
+
+/// The frame's room for a range of the objects.
+#[derive(Debug)]
+pub struct Part<'f> {
+    lanes: frame::Part<'f>,
+    tracks: &'f mut [Track],
+    ways: (&'f mut [Standing], &'f mut [f32]),
+    told: Told<'f>,
+    /// How far an object must have moved to be restless, in its radius.
+    restless: f64,
+}
+
+/// What all parts tell the frame.
+#[derive(Clone, Copy, Debug)]
+struct Told<'f> {
+    restless: &'f AtomicUsize,
+    worn: &'f AtomicBool,
+}
+
+impl Divide for Part<'_> {
+    fn len(&self) -> usize {
+        self.tracks.len()
+    }
+
+    fn split_at(self, middle: usize) -> (Self, Self) {
+        let (lanes, later_lanes) = self.lanes.split_at(middle);
+        let (tracks, later_tracks) = self.tracks.split_at_mut(middle);
+        let (ways, later_ways) = self.ways.split_at(middle);
+        let (told, restless) = (self.told, self.restless);
+        (
+            Self { lanes, tracks, ways, told, restless },
+            Self { lanes: later_lanes, tracks: later_tracks, ways: later_ways, told, restless },
+        )
+    }
+}
+
+/// An object that has just moved farther than this is restless. Unit: its outer radius. Larger: facts
+/// are kept that expire before they have paid for themselves. Smaller: some are lost that would have.
+const RESTLESS: f64 = 1.0 / 40.0;
+
+/// The same in scenes so sparse that what is not known costs more alone than among its neighbours:
+/// most of it is waiting for vertices.
+const RESTLESS_IF_SPARSE: f64 = 1.0 / 128.0;
+
+/// Where more than one object in so many is restless, nothing new is kept: then proofs would not last.
+/// Larger: facts of the others are lost. Smaller: more is kept in vain.
+const MOST_RESTLESS: usize = 2;
+
+/// How much room the first proofs of all pairs are to have, if a few supports more give it. Unit: the
+/// pair's size m. Larger: more pairs are known in the next steps. Smaller: a faster first step. Later
+/// proofs are content with what room they have, for most pairs that must be proved again have no more.
+const ROOM_AT_FIRST: f32 = 1.0 / 24.0;
+
+/// How many pairs are found before the first of them is read: as many as keep memory busy. No effect
+/// on any result.
+const AT_ONCE: usize = 128;
+
+/// What a thread reuses from slice to slice.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    lanes: decide::Scratch,
+    /// For each pair of the slice, whether it touches, as far as is known.
+    touching: Vec<bool>,
+    /// The pairs of which nothing is known.
+    open: Vec<Pair>,
+    /// Their numbers in the slice, and where their facts belong.
+    places: Vec<(u32, Slot)>,
+}
+
+impl NarrowPhase for Coherent {
+    type Answer = ();
+    type Frame = Frame;
+    type Part<'f> = Part<'f>;
+    type Scratch = Scratch;
+
+    fn growth(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
+    fn sole_answer(&self) -> Option<()> {
+        Some(())
+    }
+
+    fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Frame) -> Part<'f> {
+        let same_shapes =
+            frame.shapes.as_ref().is_some_and(|s| Arc::ptr_eq(s, scene.shared_shapes()));
+        if !same_shapes {
+            frame.shapes = Some(scene.shared_shapes().clone());
+            frame.facts.forget();
+        }
+        if frame.layout != Some(scene.layout()) {
+            frame.layout = Some(scene.layout());
+            frame.tracks.resize(scene.len(), Track::default());
+            frame.facts.make_standings(scene.len());
+        }
+        if std::mem::take(frame.worn.get_mut()) {
+            frame.facts.forget();
+            frame.tracks.iter_mut().for_each(Track::start_again);
+        }
+        *frame.restless.get_mut() = 0;
+        frame.still_pays = frame.facts.still_pay();
+        let dense = frame.facts.are_dense();
+        Part {
+            restless: if dense { RESTLESS } else { RESTLESS_IF_SPARSE },
+            lanes: frame.lanes.lay_out(scene),
+            tracks: &mut frame.tracks,
+            ways: frame.facts.ways_mut(),
+            told: Told { restless: &frame.restless, worn: &frame.worn },
+        }
+    }
+
+    fn prepare(&self, scene: &Scene, first: usize, part: Part<'_>, aabbs: &mut [Aabb]) {
+        let (mut worn, mut restless) = (false, 0);
+        let ways = part.ways.0.iter_mut().zip(part.ways.1);
+        for (i, (track, (standing, limit))) in (first..).zip(part.tracks.iter_mut().zip(ways)) {
+            worn |= track.follow(scene, i);
+            track.way().write(standing, limit);
+            restless += usize::from(track.exceeds(part.restless));
+        }
+        if worn {
+            part.told.worn.store(true, Relaxed);
+        }
+        part.told.restless.fetch_add(restless, Relaxed);
+        dispatch_on(self.path, prepare::Prepare { scene, first, part: part.lanes, aabbs });
+    }
+
+    fn foresee<'p>(&self, frame: &mut Frame, candidates: impl Iterator<Item = &'p [Pair]> + Clone) {
+        frame.facts.make_room(candidates);
+    }
+
+    fn decide(
+        &self,
+        scene: &Scene,
+        frame: &Frame,
+        pairs: &[Pair],
+        scratch: &mut Scratch,
+        findings: &mut Findings<'_, ()>,
+    ) {
+        let keeps = frame.restless.load(Relaxed) * MOST_RESTLESS <= scene.len();
+        if !keeps && !frame.still_pays {
+            let slice = Slice { path: self.path, scene, frame: &frame.lanes, pairs };
+            slice.judge::<Proved>(&mut scratch.lanes, findings.report);
+            return append_contacts(scratch.lanes.touching(), pairs, findings.contacts);
+        }
+        scratch.recall(&frame.facts, pairs, findings.report);
+        if keeps {
+            scratch.hint(&frame.facts);
+            scratch.judge_open::<Lasting>((self.path, scene, &frame.lanes), findings.report);
+            scratch.remember(&frame.facts);
+        } else {
+            scratch.judge_open::<Proved>((self.path, scene, &frame.lanes), findings.report);
+        }
+        scratch.take_answers();
+        append_contacts(&scratch.touching, pairs, findings.contacts);
+    }
+}
+
+impl Scratch {
+    /// Takes what is known of the pairs, and lists the others.
+    fn recall(&mut self, facts: &Facts, pairs: &[Pair], report: &mut Report) {
+        self.touching.resize(pairs.len(), false);
+        self.open.resize(pairs.len(), Pair::default());
+        self.places.resize(pairs.len(), (0, Slot::default()));
+        let mut end = 0;
+        let mut reader = facts.reader();
+        let mut found = [Found::default(); AT_ONCE];
+        let mut numbers = 0..;
+        for (pairs, touching) in pairs.chunks(AT_ONCE).zip(self.touching.chunks_mut(AT_ONCE)) {
+            for (found, &pair) in found.iter_mut().zip(pairs) {
+                *found = reader.find(pair);
+            }
+            for ((touching, &pair), (found, number)) in
+                touching.iter_mut().zip(pairs).zip(found.iter().zip(&mut numbers))
+            {
+                let known = facts.recall(found);
+                *touching = known == Some(Fact::Touching);
+                // Written without a branch, which would be mispredicted for every few pairs.
+                self.open[end] = pair;
+                self.places[end] = (number, found.slot);
+                end += usize::from(known.is_none());
+            }
+        }
+        self.open.truncate(end);
+        self.places.truncate(end);
+        report.count(Rung::Remembered, (pairs.len() - end) as u64);
+        facts.count(pairs.len(), pairs.len() - end);
+    }
+
+    /// Tells the lanes what is to be tried first of the others, and how much room is wanted.
+    fn hint(&mut self, facts: &Facts) {
+        let kept = self.lanes.kept_mut();
+        kept.want(if facts.are_new() { ROOM_AT_FIRST } else { 0.0 });
+        kept.axes.clear();
+        kept.axes.extend(self.places.iter().map(|&(_, slot)| facts.axis(slot)));
+    }
+
+    /// Asks the lanes about the others.
+    fn judge_open<T: Trust>(
+        &mut self,
+        (path, scene, frame): (Path, &Scene, &frame::Frame),
+        report: &mut Report,
+    ) {
+        Slice { path, scene, frame, pairs: &self.open }.judge::<T>(&mut self.lanes, report);
+    }
+
+    /// Keeps what the lanes proved of the others.
+    fn remember(&self, facts: &Facts) {
+        let kept = self.lanes.kept();
+        let found = self.lanes.touching().iter().zip(kept.room());
+        let asked = self.open.iter().zip(&self.places).zip(&kept.axes);
+        for (((&pair, &(_, slot)), &axis), (&touching, &room)) in asked.zip(found) {
+            let fact = if touching { Fact::Touching } else { Fact::Apart };
+            facts.remember((pair, slot), fact, room);
+            if axis != Axis::default() {
+                facts.keep_axis(slot, fact, axis);
+            }
+        }
+    }
+
+    /// Writes the answers of the others to their places.
+    fn take_answers(&mut self) {
+        for (&(number, _), &touching) in self.places.iter().zip(self.lanes.touching()) {
+            self.touching[number as usize] = touching;
+        }
+    }
+}

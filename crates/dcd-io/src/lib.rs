@@ -1,0 +1,40 @@
+//! Readers and writers of files: meshes, point clouds, boxes, hull scenes, captures, pairs.
+//!
+//! Readers take bytes and refuse what is wrong with its place and value; none panics, and none
+//! allocates for a count before it has seen that the file can hold so many. A scene that is read is
+//! a [`RawScene`], the plain material, which becomes a checked [`dcd_geom::Scene`].
+//!
+//! Deliberately absent: threads, clocks, pair finding, answers, random numbers.
+#![forbid(unsafe_code)]
+
+mod boxes;
+mod bytes;
+mod capture;
+mod cloud;
+mod clouds;
+pub mod data;
+mod error;
+#[cfg(feature = "hull")]
+mod hull;
+mod hull_scene;
+#[cfg(feature = "meshes")]
+mod mesh;
+mod pairs;
+mod ply;
+mod raw;
+mod swept;
+
+pub use boxes::{load_boxes, read_boxes};
+pub use capture::{Capture, CaptureError, place_frame};
+pub use cloud::{CloudCensus, CloudKind};
+pub use clouds::{load_clouds, read_clouds};
+pub use error::ReadError;
+#[cfg(feature = "hull")]
+pub use hull::{Hull, HullRefusal, convex_hull};
+pub use hull_scene::{load_hull_scene, read_hull_scene, write_hull_scene};
+#[cfg(feature = "meshes")]
+pub use mesh::{load_mesh, load_obj, read_obj};
+pub use pairs::{PairError, PairFault, PairInput, read_pair, read_pairs};
+pub use ply::{Frame, load_frame, read_frame};
+pub use raw::{BuildError, RawObject, RawScene, RawShape};
+pub use swept::{SweptBoxes, load_listed_pairs, read_listed_pairs};

@@ -1,0 +1,103 @@
+//! Triangle meshes from OBJ and PLY files.
+
+use crate::{Frame, ReadError, load_frame};
+use dcd_geom::{Shape, ShapeError};
+use glam::DVec3;
+use std::path::Path;
+
+/// Reads the triangles of a Wavefront OBJ file: all of its objects as one mesh, faces of more
+/// corners cut into fans. Points and lines are passed over, and materials are not looked for.
+///
+/// # Errors
+/// Text that is no OBJ, a number that is not finite, a face with a corner that is no vertex.
+pub fn read_obj(bytes: &[u8]) -> Result<Frame, ReadError> {
+    let options = tobj::LoadOptions {
+        triangulate: true,
+        ignore_points: true,
+        ignore_lines: true,
+        ..tobj::LoadOptions::default()
+    };
+    let no_materials = |_: &Path| Ok(Default::default());
+    let mut text = bytes;
+    let read = tobj::load_obj_buf(&mut text, &options, no_materials);
+    let (models, _) = read.map_err(|error| ReadError::Obj { message: error.to_string() })?;
+    let mut frame = Frame::default();
+    for model in models {
+        // Indices count from the object's own first vertex.
+        let first = frame.vertices.len() as u32;
+        let points = model.mesh.positions.as_chunks().0;
+        frame.vertices.extend(points.iter().map(|&point| DVec3::from_array(point)));
+        let corners = model.mesh.indices.as_chunks().0;
+        let faces = corners.iter().map(|&face: &[u32; 3]| face.map(|k| k.saturating_add(first)));
+        frame.faces.extend(faces);
+    }
+    for (index, vertex) in frame.vertices.iter().enumerate() {
+        if let Some(&value) = vertex.to_array().iter().find(|x| !x.is_finite()) {
+            return Err(ReadError::NotFinite { what: "vertex", index, value });
+        }
+    }
+    frame.check_corners()?;
+    Ok(frame)
+}
+
+/// [`read_obj`] from a file.
+///
+/// # Errors
+/// Those of [`read_obj`], and those of reading the file, both with its path.
+pub fn load_obj(path: &Path) -> Result<Frame, ReadError> {
+    ReadError::within(path, read_obj)
+}
+
+/// The mesh of a file: PLY where it is called so, else OBJ.
+///
+/// # Errors
+/// Those of [`load_frame`] and [`load_obj`].
+pub fn load_mesh(path: &Path) -> Result<Frame, ReadError> {
+    let is_ply = path.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("ply"));
+    if is_ply { load_frame(path) } else { load_obj(path) }
+}
+
+impl Frame {
+    /// The mesh as a shape.
+    ///
+    /// # Errors
+    /// Those of [`dcd_geom::Mesh::new`]: for what was read, no triangle at all.
+    pub fn into_shape(self) -> Result<Shape, ShapeError> {
+        Shape::mesh(self.vertices, self.faces)
+    }
+
+    /// The smallest and largest coordinates of the vertices; infinite where there are none.
+    pub fn extent(&self) -> (DVec3, DVec3) {
+        let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        self.vertices.iter().fold(none, |(low, high), &v| (low.min(v), high.max(v)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn objects_become_one_mesh_and_polygons_fans() {
+        let text = b"o first\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.1\nf 1 2 3 4\n\
+            o second\nv 5 5 5\nv 6 5 5\nv 6 6 5\nf 5/1/1 6/2/2 7/3/3\nl 1 2\n";
+        let frame = read_obj(text).unwrap();
+        assert_eq!(frame.faces.len(), 3);
+        let corners = |face: usize| frame.faces[face].map(|k| frame.vertices[k as usize]);
+        assert_eq!(corners(0), [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0)]);
+        assert_eq!(corners(1)[2], DVec3::new(0.0, 1.0, 0.1));
+        assert_eq!(corners(2)[0], DVec3::splat(5.0));
+        assert!(matches!(frame.into_shape().unwrap(), Shape::Mesh(_)));
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_file_is_said() {
+        let corner = read_obj(b"v 0 0 0\nv 1 0 0\nf 1 2 3\n").unwrap_err();
+        assert!(corner.to_string().contains("bounds"), "{corner}");
+        let word = read_obj(b"v 0 0 zero\n").unwrap_err();
+        assert!(matches!(word, ReadError::Obj { .. }), "{word}");
+        let nan = read_obj(b"v 0 0 0\nv 0 nan 0\nv 1 1 1\nf 1 2 3\n").unwrap_err();
+        assert!(matches!(nan, ReadError::NotFinite { index: 1, .. }), "{nan}");
+        assert!(read_obj(b"").unwrap().into_shape().is_err());
+    }
+}

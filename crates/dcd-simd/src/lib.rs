@@ -1,0 +1,428 @@
+//! Sixteen f32 lanes: one trait, three types, one dispatch; and the rows of boxes and balls that are
+//! built of them.
+//!
+//! A [`Kernel`] is written once, generic over [`Lanes`], in its own crate and without `unsafe`;
+//! [`dispatch`] runs it on the widest path that the CPU has. Every function between `run` and the
+//! lane operations must be `#[inline(always)]`: the operations become single instructions only
+//! inside the function here that carries the CPU feature, and cost fifty times as much outside.
+//!
+//! The intrinsics below are the workspace's only `unsafe`. A lane type can be had only through
+//! [`dispatch`], which has checked the feature: that is every SAFETY line's reason.
+
+mod aabb;
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod balls;
+mod pair;
+mod portable;
+mod row;
+mod sixteen;
+
+pub use aabb::Aabb;
+pub use balls::{BallRow, LooseBall};
+pub use pair::Pair;
+pub use row::{BoxRow, BoxSet};
+pub use sixteen::Sixteen;
+
+/// glam, so that a user has the same version of it.
+pub use glam;
+
+/// How many lanes every path has.
+pub const WIDTH: usize = 16;
+
+/// Sixteen numbers in memory, on a cache line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub struct Row(pub [f32; WIDTH]);
+
+/// Sixteen indices in memory, on a cache line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C, align(64))]
+pub struct IndexRow(pub [u32; WIDTH]);
+
+/// Sixteen points in memory: their x, their y, their z.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+pub struct Block(pub [Row; 3]);
+
+/// How many floats a block has.
+const FLOATS: usize = 3 * WIDTH;
+
+/// Of how many blocks [`Lanes::pick`] can tell one: the offset of a float is a signed 32-bit
+/// number. 8 GB of vertices.
+pub const MOST_BLOCKS: usize = i32::MAX as usize / FLOATS;
+
+/// What a kernel computes with: operations on sixteen f32, on sixteen u32 and on sixteen yes/no.
+///
+/// Arithmetic is IEEE, rounded to nearest; [`Lanes::mul_add`] may or may not fuse. Comparisons
+/// with NaN are false. Where an operand of `min` or `max` is NaN, the result may be either operand.
+pub trait Lanes: Copy {
+    /// Sixteen f32.
+    type F: Copy;
+    /// Sixteen u32.
+    type U: Copy;
+    /// Sixteen yes or no.
+    type M: Copy;
+
+    /// x in every lane.
+    fn splat(self, x: f32) -> Self::F;
+    /// From memory, wherever it begins.
+    fn load_from(self, numbers: &[f32; WIDTH]) -> Self::F;
+    /// Eight f64 and eight more, rounded.
+    fn round_from(self, numbers: [&[f64; WIDTH / 2]; 2]) -> Self::F;
+    /// To memory, wherever it begins.
+    fn store_to(self, a: Self::F, numbers: &mut [f32; WIDTH]);
+    /// a + b.
+    fn add(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a − b.
+    fn sub(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a·b.
+    fn mul(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a / b.
+    fn div(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a·b + c, with one rounding or two.
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    /// The smaller.
+    fn min(self, a: Self::F, b: Self::F) -> Self::F;
+    /// The larger.
+    fn max(self, a: Self::F, b: Self::F) -> Self::F;
+    /// |a|.
+    fn abs(self, a: Self::F) -> Self::F;
+    /// √a.
+    fn sqrt(self, a: Self::F) -> Self::F;
+    /// a < b.
+    fn lt(self, a: Self::F, b: Self::F) -> Self::M;
+    /// a ≤ b.
+    fn le(self, a: Self::F, b: Self::F) -> Self::M;
+    /// `yes` where the mask is set, else `no`.
+    fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F;
+
+    /// Both.
+    fn and(self, a: Self::M, b: Self::M) -> Self::M;
+    /// Either.
+    fn or(self, a: Self::M, b: Self::M) -> Self::M;
+    /// a and not b.
+    fn and_not(self, a: Self::M, b: Self::M) -> Self::M;
+    /// Lane k is bit k.
+    fn bits(self, mask: Self::M) -> u32;
+    /// Bit k is lane k; higher bits are ignored.
+    fn mask(self, bits: u32) -> Self::M;
+
+    /// x in every lane.
+    fn splat_u(self, x: u32) -> Self::U;
+    /// From memory, wherever it begins.
+    fn load_from_u(self, numbers: &[u32; WIDTH]) -> Self::U;
+    /// To memory, wherever it begins.
+    fn store_to_u(self, a: Self::U, numbers: &mut [u32; WIDTH]);
+    /// a + b, modulo 2³².
+    fn add_u(self, a: Self::U, b: Self::U) -> Self::U;
+    /// Each lane's own number.
+    fn lane_numbers(self) -> Self::U;
+
+    /// The lanes that the mask keeps, moved down to the front; the rest is unspecified.
+    fn compress(self, mask: Self::M, a: Self::F) -> Self::F;
+    /// The lanes that the mask keeps, moved down to the front; the rest is unspecified.
+    fn compress_u(self, mask: Self::M, a: Self::U) -> Self::U;
+    /// Each lane's two numbers as a pair, the smaller first.
+    #[inline(always)]
+    fn store_pairs(self, a: Self::U, b: Self::U, pairs: &mut [Pair; WIDTH]) {
+        let (mut of_a, mut of_b) = (IndexRow::default(), IndexRow::default());
+        self.store_u(a, &mut of_a);
+        self.store_u(b, &mut of_b);
+        for (k, pair) in pairs.iter_mut().enumerate() {
+            let (a, b) = (of_a.0[k], of_b.0[k]);
+            *pair = Pair { i: a.min(b), j: a.max(b) };
+        }
+    }
+    /// The bits of `a` outside `mask`, and the bits of `tag`, which lie inside it.
+    fn tag(self, a: Self::F, mask: Self::U, tag: Self::U) -> Self::F;
+    /// The bits of `a` inside `mask`.
+    fn tag_of(self, a: Self::F, mask: Self::U) -> Self::U;
+    /// Lane k of the result is the largest lane of row k.
+    fn largest_of_each(self, rows: &[Row; WIDTH]) -> Self::F;
+
+    /// Row k of the result is lane k of all rows.
+    #[inline(always)]
+    fn transpose(self, rows: &[Row; WIDTH]) -> [Self::F; WIDTH] {
+        let mut columns = [Row::default(); WIDTH];
+        let mut result = [self.splat(0.0); WIDTH];
+        for k in 0..WIDTH {
+            for (number, row) in rows.iter().enumerate() {
+                columns[k].0[number] = row.0[k];
+            }
+            result[k] = self.load(&columns[k]);
+        }
+        result
+    }
+
+    /// The x, y and z of sixteen points: in lane k the point `number` of those that begin with
+    /// block `first`, sixteen a block. Past the last block, or past [`MOST_BLOCKS`], a point of some
+    /// block; without a block, 0.
+    #[inline(always)]
+    fn pick(self, blocks: &[Block], first: Self::U, number: Self::U) -> [Self::F; 3] {
+        let (mut firsts, mut numbers) = (IndexRow::default(), IndexRow::default());
+        self.store_u(first, &mut firsts);
+        self.store_u(number, &mut numbers);
+        let mut points = Block::default();
+        for k in 0..WIDTH {
+            let number = numbers.0[k] as usize;
+            let block = (firsts.0[k] as usize + number / WIDTH).min(blocks.len().saturating_sub(1));
+            let Some(Block([x, y, z])) = blocks.get(block) else { break };
+            points.0[0].0[k] = x.0[number % WIDTH];
+            points.0[1].0[k] = y.0[number % WIDTH];
+            points.0[2].0[k] = z.0[number % WIDTH];
+        }
+        [self.load(&points.0[0]), self.load(&points.0[1]), self.load(&points.0[2])]
+    }
+
+    /// A row from memory.
+    #[inline(always)]
+    fn load(self, row: &Row) -> Self::F {
+        self.load_from(&row.0)
+    }
+    /// A row to memory.
+    #[inline(always)]
+    fn store(self, a: Self::F, row: &mut Row) {
+        self.store_to(a, &mut row.0);
+    }
+    /// A row from memory.
+    #[inline(always)]
+    fn load_u(self, row: &IndexRow) -> Self::U {
+        self.load_from_u(&row.0)
+    }
+    /// A row to memory.
+    #[inline(always)]
+    fn store_u(self, a: Self::U, row: &mut IndexRow) {
+        self.store_to_u(a, &mut row.0);
+    }
+
+    /// −a.
+    #[inline(always)]
+    fn neg(self, a: Self::F) -> Self::F {
+        self.sub(self.splat(-0.0), a)
+    }
+}
+
+/// A computation written once for every path.
+pub trait Kernel {
+    /// What it returns.
+    type Output;
+    /// The computation; to be marked `#[inline(always)]`.
+    fn run<L: Lanes>(self, lanes: L) -> Self::Output;
+}
+
+/// The instruction set that a kernel runs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// AVX-512 F, DQ, BW and VL: one register of sixteen.
+    Avx512,
+    /// AVX2 and FMA: two registers of eight.
+    Avx2,
+    /// Plain Rust on arrays of sixteen, for any CPU.
+    Portable,
+}
+
+impl Path {
+    /// All, the widest first.
+    pub const ALL: [Self; 3] = [Self::Avx512, Self::Avx2, Self::Portable];
+
+    /// Whether this CPU has it.
+    #[inline]
+    pub fn is_available(self) -> bool {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512bw")
+                    && is_x86_feature_detected!("avx512vl")
+            }
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            Self::Portable => true,
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
+        }
+    }
+
+    /// The widest that this CPU has.
+    #[inline]
+    pub fn best() -> Self {
+        if Self::Avx512.is_available() {
+            Self::Avx512
+        } else if Self::Avx2.is_available() {
+            Self::Avx2
+        } else {
+            Self::Portable
+        }
+    }
+}
+
+/// Runs the kernel on the widest path of this CPU. Once a batch, never once a pair.
+#[inline]
+pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
+    dispatch_on(Path::best(), kernel)
+}
+
+/// Runs the kernel on the path given, or on [`Path::Portable`] where this CPU does not have it.
+#[inline]
+pub fn dispatch_on<K: Kernel>(path: Path, kernel: K) -> K::Output {
+    match path {
+        #[cfg(target_arch = "x86_64")]
+        Path::Avx512 if path.is_available() => {
+            // SAFETY: the features were detected on this CPU.
+            unsafe { avx512::run(kernel) }
+        }
+        #[cfg(target_arch = "x86_64")]
+        Path::Avx2 if path.is_available() => {
+            // SAFETY: the features were detected on this CPU.
+            unsafe { avx2::run(kernel) }
+        }
+        _ => portable::run(kernel),
+    }
+}
+
+/// Asks the CPU to bring what will be read soon into the nearest cache; a hint, without effect on
+/// any result. Where there is no such hint, nothing.
+#[inline(always)]
+pub fn prefetch<T>(items: &[T]) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        let start = items.as_ptr().cast::<i8>();
+        for offset in (0..size_of_val(items)).step_by(CACHE_LINE) {
+            // SAFETY: a prefetch of any address is harmless, and every x86-64 CPU has it.
+            unsafe {
+                use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+                _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset));
+            }
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = items;
+}
+
+/// How many bytes a CPU reads at once.
+#[cfg(target_arch = "x86_64")]
+const CACHE_LINE: usize = 64;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every operation on one set of inputs, so that the paths can be compared bit by bit.
+    struct Everything<'a> {
+        a: &'a Row,
+        b: &'a Row,
+        rows: &'a [Row; WIDTH],
+        blocks: &'a [Block],
+    }
+
+    impl Kernel for Everything<'_> {
+        type Output = (Vec<Row>, Vec<u32>, Vec<u32>);
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, l: L) -> Self::Output {
+            let (a, b) = (l.load(self.a), l.load(self.b));
+            // Some lie past the last of five blocks.
+            let (first, number) = (l.tag_of(b, l.splat_u(3)), l.tag_of(a, l.splat_u(63)));
+            let halves = [0, WIDTH / 2].map(|from| self.a.0[from..].first_chunk().unwrap());
+            let thirds = halves.map(|half: &[f32; WIDTH / 2]| half.map(|x| f64::from(x) / 3.0));
+            let floats = [
+                l.splat(0.1),
+                l.add(a, b),
+                l.sub(a, b),
+                l.mul(a, b),
+                l.div(a, b),
+                l.min(a, b),
+                l.max(a, b),
+                l.abs(a),
+                l.neg(a),
+                l.sqrt(l.abs(a)),
+                l.select(l.lt(a, b), a, b),
+                l.largest_of_each(self.rows),
+                l.tag(a, l.splat_u(63), l.add_u(l.lane_numbers(), l.splat_u(32))),
+                l.pick(self.blocks, first, number)[0],
+                l.pick(self.blocks, first, number)[2],
+                l.pick(&[], first, number)[1],
+                l.transpose(self.rows)[0],
+                l.transpose(self.rows)[7],
+                l.transpose(self.rows)[13],
+                l.round_from([&thirds[0], &thirds[1]]),
+            ];
+            let (lt, le) = (l.lt(a, b), l.le(a, b));
+            let masks = [l.and(lt, le), l.or(lt, le), l.and_not(le, lt), l.mask(0xA5C3)];
+            let index = l.load_u(&IndexRow(std::array::from_fn(|k| 100 + k as u32)));
+            let kept = l.bits(lt).count_ones() as usize;
+            let (mut chosen, mut packed) = (IndexRow::default(), IndexRow::default());
+            l.store_u(l.tag_of(a, l.splat_u(15)), &mut chosen);
+            l.store_u(l.compress_u(lt, index), &mut packed);
+            let floats = floats.map(|f| {
+                let mut row = Row::default();
+                l.store(f, &mut row);
+                row
+            });
+            let mut front = Row::default();
+            l.store(l.compress(lt, a), &mut front);
+            let front = front.0[..kept].iter().map(|x| x.to_bits());
+            let packed = packed.0[..kept].iter().copied();
+            let mut pairs = [Pair::default(); WIDTH];
+            l.store_pairs(index, l.tag_of(a, l.splat_u(255)), &mut pairs);
+            let pairs = pairs.into_iter().flat_map(|pair| [pair.i, pair.j]);
+            let indices = chosen.0.into_iter().chain(packed).chain(front).chain(pairs).collect();
+            (floats.to_vec(), masks.map(|m| l.bits(m)).to_vec(), indices)
+        }
+    }
+
+    #[test]
+    fn every_path_gives_the_same_bits() {
+        let number = |k: usize| ((k * 2654435761) % 1000) as f32 * 0.37 - 150.0;
+        for seed in 0..50 {
+            let mut a = Row(std::array::from_fn(|k| number(k + 31 * seed)));
+            let b = Row(std::array::from_fn(|k| number(k + 17 * seed + 5)));
+            a.0[3] = b.0[3];
+            let rows =
+                std::array::from_fn(|r| Row(std::array::from_fn(|k| number(r * 16 + k + seed))));
+            let blocks: [Block; 5] = std::array::from_fn(|block| {
+                Block(std::array::from_fn(|axis| rows[block + axis * 5]))
+            });
+            let everything =
+                |path| dispatch_on(path, Everything { a: &a, b: &b, rows: &rows, blocks: &blocks });
+            let (floats, masks, indices) = everything(Path::Portable);
+            for (row, &largest) in rows.iter().zip(&floats[11].0) {
+                assert_eq!(largest, row.0.iter().copied().fold(f32::MIN, f32::max));
+            }
+            assert!(indices[indices.len() - 2 * WIDTH..].chunks(2).all(|pair| pair[0] <= pair[1]));
+            for (x, &rounded) in a.0.iter().zip(&floats[19].0) {
+                assert_eq!(rounded, (f64::from(*x) / 3.0) as f32);
+            }
+            for (row, &lane_13) in rows.iter().zip(&floats[18].0) {
+                assert_eq!(lane_13, row.0[13]);
+            }
+            for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+                let there = everything(path);
+                let bits =
+                    |rows: &[Row]| rows.iter().map(|r| r.0.map(f32::to_bits)).collect::<Vec<_>>();
+                assert_eq!(bits(&there.0), bits(&floats), "{path:?}");
+                assert_eq!((there.1, there.2), (masks.clone(), indices.clone()), "{path:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn comparisons_with_nan_are_false() {
+        struct Nan;
+        impl Kernel for Nan {
+            type Output = u32;
+            #[inline(always)]
+            fn run<L: Lanes>(self, l: L) -> u32 {
+                let (nan, one) = (l.splat(f32::NAN), l.splat(1.0));
+                l.bits(l.lt(nan, one)) | l.bits(l.le(one, nan)) | l.bits(l.lt(one, nan))
+            }
+        }
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            assert_eq!(dispatch_on(path, Nan), 0, "{path:?}");
+        }
+    }
+}
