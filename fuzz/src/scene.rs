@@ -35,11 +35,11 @@ pub(crate) fn paths() -> impl Iterator<Item = Path> {
 }
 
 fn pipeline(path: Path) -> Pipeline {
-    Pipeline::new(WideTree::default(), Overlap::on(path))
+    Pipeline::with(WideTree::default(), Overlap::on(path))
 }
 
 fn remembering(path: Path) -> Remembering {
-    Pipeline::new(WideTree::default(), Coherent::on(path))
+    Pipeline::with(WideTree::default(), Coherent::on(path))
 }
 
 type Remembering = Pipeline<WideTree, Coherent>;

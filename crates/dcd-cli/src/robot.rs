@@ -117,7 +117,7 @@ impl Robot {
         let state = self.state_of(&model)?;
         let mut cell = Workcell::new(model, &world, &allowed).map_err(refused)?;
         cell.set_state(&state).map_err(refused)?;
-        let mut pipeline = <Pipeline>::default();
+        let mut pipeline = Pipeline::new();
         let step = pipeline.step(cell.scene(), Par::Serial);
         let named = |(i, j): (u32, u32)| [i, j].map(|k| cell.names()[k as usize].clone());
         let mut touching: Vec<_> = step.contacts().map(named).collect();

@@ -162,6 +162,13 @@ pub enum SceneError {
         /// How many poses.
         poses: usize,
     },
+    /// A bulk change needs one value for each slot.
+    SlotsDiffer {
+        /// How many values were given.
+        given: usize,
+        /// How many slots there are.
+        slots: usize,
+    },
     /// An object names a shape that the scene does not have.
     NoSuchShape {
         /// The object's index.
@@ -209,6 +216,9 @@ impl fmt::Display for SceneError {
         match self {
             Self::LengthsDiffer { shapes, poses } => {
                 write!(f, "{shapes} shapes, but {poses} poses")
+            }
+            Self::SlotsDiffer { given, slots } => {
+                write!(f, "{given} values for a scene of {slots} slots")
             }
             Self::NoSuchShape { object, shape, shapes } => {
                 write!(f, "object {object} names shape {shape}, but there are {shapes} shapes")

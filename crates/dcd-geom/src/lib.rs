@@ -39,7 +39,7 @@ pub use parts::{Compound, Corners, Mesh, Part, PartTree, Triangles};
 pub use polytope::{Kind, Polytope};
 pub use pose::Pose;
 pub use real::{Matrix, Real, Vector};
-pub use scene::{Filter, Handle, Motion, Object, Scene, Stamp};
+pub use scene::{Filter, Handle, Motion, Object, ObjectRef, Scene, Stamp};
 pub use shape::Shape;
 pub use support::{Support, SupportMap};
 pub use twin_box::TwinBox;

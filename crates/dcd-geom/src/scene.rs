@@ -7,7 +7,7 @@ mod swept;
 #[cfg(test)]
 mod tests;
 
-pub use object::{Filter, Handle, Motion, Object, Stamp};
+pub use object::{Filter, Handle, Motion, Object, ObjectRef, Stamp};
 
 use crate::core::block_count;
 use crate::{Aabb, Cores, Pose, SceneError, Shape};
@@ -26,6 +26,7 @@ pub struct Scene {
     shape_of: Vec<u32>,
     poses: Vec<Pose>,
     filters: Vec<Filter>,
+    user_data: Vec<u64>,
     slots: Vec<Slot>,
     generations: Vec<u32>,
     /// The slots to be taken again, the last one first.
@@ -133,6 +134,11 @@ impl Scene {
     /// For each slot its filter.
     pub fn filters(&self) -> &[Filter] {
         &self.filters
+    }
+
+    /// For each slot the caller's own number: see [`Object::user_data`].
+    pub fn user_data(&self) -> &[u64] {
+        &self.user_data
     }
 
     /// The pairs that [`Scene::ignore_pair`] named, once each, ascending.

@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn contacts(narrow: impl NarrowPhase, scene: &Scene) -> Vec<(u32, u32)> {
-    let mut pipeline = Pipeline::new(WideTree::default(), narrow);
+    let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     let mut contacts: Vec<_> = pipeline.step(scene, Par::Serial).contacts().collect();
     contacts.sort_unstable();
     contacts

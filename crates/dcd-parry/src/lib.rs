@@ -15,7 +15,7 @@
 //! let poses = poses.into_iter().collect::<Result<Vec<_>, _>>()?;
 //! let scene = Scene::one_each(vec![Shape::sphere(1.0)?; 3], poses)?;
 //!
-//! let mut swapped = Pipeline::new(ParryBvh::default(), ParryShapes::<f64>::new(&scene));
+//! let mut swapped = Pipeline::with(ParryBvh::default(), ParryShapes::<f64>::new(&scene));
 //! let contacts: Vec<_> = swapped.step(&scene, Par::Serial).contacts().collect();
 //! assert_eq!(contacts, [(0, 1)]);
 //!

@@ -115,7 +115,7 @@ fn assert_degenerate_hulls_do_no_harm<R: Library>() {
         let shapes = ParryShapes::<R>::new(&scene).with_query(query);
         let refused: Vec<u32> = shapes.refused().collect();
         assert!([0, 1, 2, 3].iter().all(|point_or_line| refused.contains(point_or_line)));
-        let mut pipeline = Pipeline::new(ParryBvh::default(), shapes);
+        let mut pipeline = Pipeline::with(ParryBvh::default(), shapes);
         let step = pipeline.step(&scene, Par::Serial);
         let foreign = step.report().undecided().iter().filter(|u| u.reason == Reason::Foreign);
         let of_refused = |pair: &Pair| refused.contains(&pair.i) || refused.contains(&pair.j);

@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let at = |k: u32| Pose::from_translation(DVec3::X * f64::from(k) * 0.9);
     let poses = (0..10).map(at).collect::<Result<_, _>>()?;
     let scene = Scene::one_each(vec![Shape::sphere(0.5)?; 10], poses)?;
-    let mut mine = Pipeline::new(TreePairs::new(OneNode), Overlap::default());
+    let mut mine = Pipeline::with(TreePairs::new(OneNode), Overlap::default());
     assert_eq!(mine.step(&scene, Par::Serial).contact_count(), 9);
     dcd_bvh::law::tree(&OneNode, mine.step(&scene, Par::Serial).aabbs())?;
     Ok(())

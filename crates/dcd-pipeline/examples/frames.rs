@@ -7,7 +7,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let count = 1000;
     let shapes = vec![Shape::cuboid(DVec3::new(0.5, 0.3, 0.2))?; count];
     let mut scene = Scene::one_each(shapes, vec![Pose::IDENTITY; count])?;
-    let mut pipeline = <Pipeline>::default();
+    let mut pipeline = Pipeline::new();
     for frame in 0..10 {
         let time = f64::from(frame) * 0.1;
         for i in 0..count {

@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The first two are glued together: a contact that nobody needs to hear of.
     scene.ignore_pair(scene.index_of(balls[0])?, scene.index_of(balls[1])?)?;
 
-    let (mut pipeline, mut events) = (<Pipeline>::default(), Events::default());
+    let (mut pipeline, mut events) = (Pipeline::new(), Events::default());
     let mut begun = 0;
     for frame in 0..64 {
         // The last ball leaves; its handle is refused from then on.

@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     ];
     let scene = Scene::one_each(shapes, poses)?;
 
-    let mut pipeline = <Pipeline>::default();
+    let mut pipeline = Pipeline::new();
     let step = pipeline.step(&scene, Par::Pool);
     for (i, j) in step.contacts() {
         println!("objects {i} and {j} touch");

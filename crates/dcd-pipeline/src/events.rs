@@ -148,7 +148,7 @@ mod tests {
         let ball = Shape::sphere(0.5).unwrap();
         let mut scene =
             Scene::new(vec![ball], [0.0, 0.9, 5.0].map(|x| Object::new(0, at(x)))).unwrap();
-        let (mut pipeline, mut events) = (<Pipeline>::default(), Events::default());
+        let (mut pipeline, mut events) = (Pipeline::new(), Events::default());
         let mut told = |scene: &Scene| -> Vec<(u32, u32, Change)> {
             let events = events.follow(scene, &pipeline.step(scene, Par::Serial), Par::Serial);
             assert_eq!(events.iter().count(), events.len());
@@ -169,7 +169,7 @@ mod tests {
         let ball = Shape::sphere(0.5).unwrap();
         let objects = [0.0, 0.5, 1.0].map(|x| Object::new(0, at(x)));
         let mut scene = Scene::new(vec![ball], objects).unwrap();
-        let (mut pipeline, mut events) = (<Pipeline>::default(), Events::default());
+        let (mut pipeline, mut events) = (Pipeline::new(), Events::default());
         events.follow(&scene, &pipeline.step(&scene, Par::Serial), Par::Serial);
         let old = scene.handle(1).unwrap();
         scene.remove(old).unwrap();

@@ -1,8 +1,9 @@
 //! The step: from a scene's poses to its touching pairs.
 //!
 //! A corridor between the rooms: it owns every buffer, cuts the work into tasks and runs the
-//! stages; what a stage does is its room's matter. [`Pipeline::default`] is the fastest tree there
-//! is and the most reliable answers there are; any other phase comes in by its door.
+//! stages; what a stage does is its room's matter. [`Pipeline::new`] has the fastest tree there
+//! is and proved answers; [`Pipeline::with`] takes any other broad or narrow phase.
+//! [`prelude`] brings all that a scene needs into scope.
 //!
 //! Deliberately absent: Parry, files, a clock (but for [`StageClock`], which whoever wants times
 //! brings).
@@ -10,6 +11,7 @@
 
 mod clock;
 mod events;
+pub mod prelude;
 mod roster;
 mod step;
 mod world;
@@ -22,3 +24,14 @@ pub use dcd_gjk::{NarrowPhase, Overlap};
 pub use events::{Change, Event, Events};
 pub use step::{Pipeline, Step};
 pub use world::{Finding, Found, Linkage, Other, Probe, World};
+
+/// The guide's pages, whose code is compiled and run.
+#[cfg(doctest)]
+mod guide {
+    #[doc = include_str!("../../../README.md")]
+    mod readme {}
+    #[doc = include_str!("../../../docs/guide/hello.md")]
+    mod hello {}
+    #[doc = include_str!("../../../docs/guide/frames-and-events.md")]
+    mod frames_and_events {}
+}

@@ -103,9 +103,16 @@ fn any(_: u32, _: u32) -> bool {
     true
 }
 
+impl Pipeline {
+    /// The fastest tree and proved answers: [`WideTree`] and [`Overlap`].
+    pub fn new() -> Self {
+        Self::default()
+    }
+}
+
 impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
     /// From the two phases, which may be anybody's.
-    pub fn new(broad: B, narrow: N) -> Self {
+    pub fn with(broad: B, narrow: N) -> Self {
         Self {
             broad,
             narrow,

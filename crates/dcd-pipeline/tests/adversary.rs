@@ -113,7 +113,7 @@ fn attack(name: &str, next: usize, scale: f64, offset: f64) {
             let shapes = vec![Shape::from(case.a), Shape::from(case.b)];
             let pair = Scene::one_each(shapes, vec![case.pose_a, case.pose_b]).unwrap();
             for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-                let mut pipeline = Pipeline::new(WideTree::on(path), Overlap::on(path));
+                let mut pipeline = Pipeline::with(WideTree::on(path), Overlap::on(path));
                 let found = pipeline.step(&pair, Par::Serial).contact_count() == 1;
                 assert_eq!(found, truth, "{name} {scale} {offset}: pair {i} at {s} on {path:?}");
             }

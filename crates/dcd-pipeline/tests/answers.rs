@@ -49,7 +49,7 @@ fn mixed() -> Scene {
 
 /// The sorted contacts of a step.
 fn contacts(broad: impl BroadPhase, narrow: impl NarrowPhase, scene: &Scene) -> Vec<(u32, u32)> {
-    let mut pipeline = Pipeline::new(broad, narrow);
+    let mut pipeline = Pipeline::with(broad, narrow);
     let step = pipeline.step(scene, Par::Serial);
     assert!(step.report().undecided().is_empty());
     let mut contacts: Vec<_> = step.contacts().collect();
@@ -80,7 +80,7 @@ fn every_broad_phase_leads_to_the_same_contacts() {
 #[test]
 fn the_narrow_phases_keep_the_law() {
     for (name, scene) in scenes() {
-        let mut pipeline = <Pipeline>::default();
+        let mut pipeline = Pipeline::new();
         let pairs: Vec<_> = pipeline.step(&scene, Par::Serial).candidates().collect();
         let broken = |e| panic!("{name}: {e}");
         law::narrow_phase(&Overlap::default(), &scene, &pairs).unwrap_or_else(broken);
@@ -96,7 +96,7 @@ fn f32_and_f64_without_the_exact_rung_are_never_wrong_only_undecided() {
         check(&name, EachPair(Gjk::<f64>::default()), &scene, &truth);
     }
     fn check(name: &str, narrow: impl NarrowPhase, scene: &Scene, truth: &[(u32, u32)]) {
-        let mut pipeline = Pipeline::new(BruteForce, narrow);
+        let mut pipeline = Pipeline::with(BruteForce, narrow);
         let step = pipeline.step(scene, Par::Serial);
         let undecided: Vec<(u32, u32)> =
             step.report().undecided().iter().map(|u| u.pair.into()).collect();
@@ -114,7 +114,7 @@ fn overlapping_and_separate_bricks_stay_off_the_exact_rung() {
         [("bricks-overlapping", false), ("bricks-apart", false), ("bricks", true)]
     {
         let scene = SceneSpec::parse(name).unwrap().with_objects(512).scene().unwrap();
-        let mut pipeline = Pipeline::new(WideTree::default(), Overlap::default());
+        let mut pipeline = Pipeline::with(WideTree::default(), Overlap::default());
         let exact = pipeline.step(&scene, Par::Serial).report().settled(Rung::Exact);
         assert_eq!(exact > 0, rung_may_be_exact, "{name}: {exact}");
     }
@@ -122,7 +122,7 @@ fn overlapping_and_separate_bricks_stay_off_the_exact_rung() {
 
 #[test]
 fn no_object_and_one_object_give_no_pairs() {
-    let mut pipeline = <Pipeline>::default();
+    let mut pipeline = Pipeline::new();
     for objects in [0, 1] {
         let shapes = vec![Shape::sphere(1.0).unwrap(); objects];
         let scene = Scene::one_each(shapes, vec![Pose::IDENTITY; objects]).unwrap();
@@ -141,7 +141,7 @@ fn filters_are_asked_before_any_narrow_work() {
         |groups, mask| Object { filter: Filter { groups, mask }, ..Object::new(0, Pose::IDENTITY) };
     let scene =
         Scene::new(vec![ball], [object(1, 2), object(2, 1), object(1, 2), object(2, 2)]).unwrap();
-    let mut pipeline = <Pipeline>::default();
+    let mut pipeline = Pipeline::new();
     let step = pipeline.step(&scene, Par::Serial);
     let mut found: Vec<_> = step.contacts().collect();
     found.sort_unstable();

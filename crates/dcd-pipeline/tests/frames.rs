@@ -135,7 +135,7 @@ where
     N: NarrowPhase<Answer = ()>,
 {
     let mut walk = Walk::new();
-    let mut pipeline = Pipeline::new(WideTree::default(), narrow);
+    let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     let (mut events, mut remembered) = (Events::default(), 0);
     for frame in 0..1000 {
         let step = pipeline.step_where(&walk.scene, par, may);
@@ -172,7 +172,7 @@ fn every_frame_of_a_thousand_is_that_of_a_fresh_pipeline_at_any_thread_count() {
     let mut before = Vec::new();
     let mut counts = [0; 3];
     let remembered = run(Overlap::default(), Par::Serial, |frame, scene, told| {
-        let mut fresh = <Pipeline>::default();
+        let mut fresh = Pipeline::new();
         let step = fresh.step_where(scene, Par::Serial, may);
         assert_eq!(told.aabbs, step.aabbs(), "boxes of frame {frame}");
         assert!(told.candidates.iter().copied().eq(step.candidates()), "candidates of {frame}");
@@ -240,8 +240,8 @@ fn what_was_known_at_rest_serves_the_first_fast_frames_and_fast_ones_keep_nothin
     let spec = SceneSpec::parse("paper").unwrap().with_objects(2500).with_seed(4);
     let mut scene = spec.scene().unwrap();
     let mut walk = RandomWalk::new(0.02, 11).unwrap();
-    let mut coherent = Pipeline::new(WideTree::default(), Coherent::default());
-    let mut fresh = <Pipeline>::default();
+    let mut coherent = Pipeline::with(WideTree::default(), Coherent::default());
+    let mut fresh = Pipeline::new();
     let mut known = Vec::new();
     for walks in [false, false, true, true, true, true, true, false, false] {
         if walks {
@@ -268,7 +268,7 @@ fn static_objects_are_prepared_once_until_something_of_them_changes() {
     let mut scene = Scene::new(plain.shapes().to_vec(), objects).unwrap();
     static COUNT: AtomicUsize = AtomicUsize::new(0);
     let narrow = Counting(Overlap::default(), &COUNT);
-    let mut pipeline = Pipeline::new(dcd_broad::WideTree::default(), narrow);
+    let mut pipeline = Pipeline::with(dcd_broad::WideTree::default(), narrow);
     let mut prepared = |scene: &Scene| {
         pipeline.step(scene, Par::Serial);
         COUNT.swap(0, Ordering::Relaxed)
@@ -292,7 +292,7 @@ fn static_objects_are_prepared_once_until_something_of_them_changes() {
 fn static_objects_touch_the_moving_ones_and_never_each_other() {
     let mut walk = Walk::new();
     let mut brute: Vec<(u32, u32)> = Vec::new();
-    let mut plain = Pipeline::new(dcd_broad::BruteForce, Overlap::default());
+    let mut plain = Pipeline::with(dcd_broad::BruteForce, Overlap::default());
     for _ in 0..20 {
         // The same objects, all of them moving.
         let objects = (0..walk.scene.len()).map(|i| Object {
@@ -303,8 +303,7 @@ fn static_objects_touch_the_moving_ones_and_never_each_other() {
         brute.clear();
         brute.extend(plain.step(&all, Par::Serial).contacts());
         brute.retain(|&(i, j)| walk.scene.allows(i, j));
-        let mut told: Vec<_> =
-            <Pipeline>::default().step(&walk.scene, Par::Serial).contacts().collect();
+        let mut told: Vec<_> = Pipeline::new().step(&walk.scene, Par::Serial).contacts().collect();
         told.sort_unstable();
         assert_eq!(told, brute);
         walk.advance();

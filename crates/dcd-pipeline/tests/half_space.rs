@@ -34,7 +34,7 @@ fn scene() -> Scene {
 #[test]
 fn every_broad_phase_finds_what_touches_a_half_space() {
     let scene = scene();
-    let mut brute = Pipeline::new(BruteForce, Overlap::default());
+    let mut brute = Pipeline::with(BruteForce, Overlap::default());
     let step = brute.step(&scene, Par::Serial);
     assert!(step.report().undecided().is_empty());
     let mut expected: Vec<_> = step.contacts().collect();
@@ -43,8 +43,8 @@ fn every_broad_phase_finds_what_touches_a_half_space() {
     let with_slope = expected.iter().filter(|pair| pair.0 == 1).count();
     assert!(with_floor > 50 && with_floor < 250 && with_slope > 5, "{with_floor} {with_slope}");
 
-    let mut wide = Pipeline::new(WideTree::default(), Overlap::default());
-    let mut sweep = Pipeline::new(SweepAndPrune::default(), Overlap::default());
+    let mut wide = Pipeline::with(WideTree::default(), Overlap::default());
+    let mut sweep = Pipeline::with(SweepAndPrune::default(), Overlap::default());
     for par in [Par::Serial, Par::Pool] {
         for mut found in [
             wide.step(&scene, par).contacts().collect::<Vec<_>>(),
@@ -59,7 +59,7 @@ fn every_broad_phase_finds_what_touches_a_half_space() {
 #[test]
 fn a_floor_is_a_candidate_only_of_what_is_near_it() {
     let scene = scene();
-    let mut wide = Pipeline::new(WideTree::default(), Overlap::default());
+    let mut wide = Pipeline::with(WideTree::default(), Overlap::default());
     let step = wide.step(&scene, Par::Serial);
     let candidates = step.candidates().filter(|pair| pair.i == 0).count();
     let touching = step.contacts().filter(|pair| pair.0 == 0).count();

@@ -13,7 +13,7 @@ fn scene(name: &str, objects: usize) -> Scene {
 fn from_the_third_frame_on_a_serial_step_allocates_nothing() {
     for name in ["paper", "sparse", "boxes"] {
         let mut scene = scene(name, 2000);
-        let mut pipeline = <Pipeline>::default();
+        let mut pipeline = Pipeline::new();
         for frame in 0..6 {
             let seen = allocation_counter::measure(|| {
                 assert!(pipeline.step(&scene, Par::Serial).contact_count() > 0);
@@ -32,7 +32,7 @@ fn from_the_third_frame_on_a_serial_step_allocates_nothing() {
 #[test]
 fn a_coherent_step_of_objects_that_barely_move_allocates_nothing_either() {
     let mut scene = scene("paper", 2000);
-    let mut pipeline = Pipeline::new(WideTree::default(), Coherent::default());
+    let mut pipeline = Pipeline::with(WideTree::default(), Coherent::default());
     let mut walk = RandomWalk::new(1e-4, 3).unwrap();
     for frame in 0..8 {
         let mut remembered = 0;
@@ -55,7 +55,7 @@ fn static_objects_filters_and_events_allocate_nothing_either() {
     });
     let mut scene = Scene::new(plain.shapes().to_vec(), objects).unwrap();
     scene.ignore_pair(0, 1).unwrap();
-    let (mut pipeline, mut events) = (<Pipeline>::default(), Events::default());
+    let (mut pipeline, mut events) = (Pipeline::new(), Events::default());
     for frame in 0..8 {
         let seen = allocation_counter::measure(|| {
             let step = pipeline.step_where(&scene, Par::Serial, |i, j| i + j != 9);

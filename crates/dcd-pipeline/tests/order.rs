@@ -21,10 +21,10 @@ fn told<B: BroadPhase>(pipeline: &mut Pipeline<B, Overlap>, scene: &Scene, par: 
 
 fn the_order_is_one<B: BroadPhase + Send>(fresh: impl Fn() -> B + Sync) {
     let (large, small) = (scene(1500), scene(300));
-    let serial = told(&mut Pipeline::new(fresh(), Overlap::default()), &large, Par::Serial);
+    let serial = told(&mut Pipeline::with(fresh(), Overlap::default()), &large, Par::Serial);
     for threads in [1, 2, 3, 7] {
         let again = with_threads(threads, || {
-            let mut pipeline = Pipeline::new(fresh(), Overlap::default());
+            let mut pipeline = Pipeline::with(fresh(), Overlap::default());
             let first = told(&mut pipeline, &large, Par::Pool);
             // Used buffers, after a smaller scene, and serial after pooled.
             told(&mut pipeline, &small, Par::Pool);

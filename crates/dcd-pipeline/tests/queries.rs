@@ -15,7 +15,7 @@ fn scene() -> Scene {
 }
 
 fn answers<N: NarrowPhase + Send>(narrow: N, scene: &Scene, par: Par) -> Vec<Contact<N::Answer>> {
-    let mut pipeline = Pipeline::new(WideTree::default(), narrow);
+    let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     let first: Vec<_> = pipeline.step(scene, par).answers().collect();
     let second: Vec<_> = pipeline.step(scene, par).answers().collect();
     assert_eq!(first.len(), second.len());

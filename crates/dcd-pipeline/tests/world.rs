@@ -67,7 +67,7 @@ fn alone(obstacles: &Scene, configuration: u32, poses: &[Pose]) -> Vec<(u32, u32
         let filter = if k == 4 { UNMET } else { Filter::ALL };
         scene.insert(Object { filter, ..Object::new(shape, pose) }).unwrap();
     }
-    let mut pipeline = Pipeline::new(BruteForce, EachPair(Certified));
+    let mut pipeline = Pipeline::with(BruteForce, EachPair(Certified));
     let step = pipeline.step_where(&scene, Par::Serial, |i, j| {
         let (k, l) =
             ((i as usize).wrapping_sub(first as usize), (j as usize).wrapping_sub(first as usize));

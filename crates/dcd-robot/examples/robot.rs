@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = read_problems(&archive)?.swap_remove(0);
 
     let mut cell = Workcell::new(panda, &problem.world, &allowed)?;
-    let mut pipeline = <Pipeline>::default();
+    let mut pipeline = Pipeline::new();
     let (start, goal) =
         (problem.request.start_of(cell.robot())?, problem.request.goal_of(cell.robot())?);
     for percent in (0..=100u8).step_by(10) {

@@ -109,7 +109,7 @@ pub(crate) struct Label {
 
 impl Subject {
     fn of_scene(name: &str, scene: Scene) -> Self {
-        let mut pipeline = Pipeline::new(WideTree::default(), Overlap::default());
+        let mut pipeline = Pipeline::with(WideTree::default(), Overlap::default());
         let candidates: Vec<Pair> = pipeline.step(&scene, Par::Serial).candidates().collect();
         let count = scene.len();
         let mut subject = Self {

@@ -49,7 +49,7 @@ pub(crate) struct Case {
 
 impl Case {
     pub(crate) fn new(scene: Scene) -> Self {
-        let mut pipeline = <Pipeline>::default();
+        let mut pipeline = Pipeline::new();
         let mut contacts: Vec<Pair> = pairs(pipeline.step(&scene, Par::Pool).contacts()).collect();
         contacts.sort_unstable();
         Self { scene, contacts, parry: OnceLock::new() }

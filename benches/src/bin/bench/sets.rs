@@ -109,7 +109,7 @@ fn order(preset: Preset, scene: &Scene) -> Result<Order> {
                 Preset::AsCoded => {
                     digest(double_phase(TreePairs::paper_as_coded()), scene, threads)
                 }
-                Preset::Ours => digest(<Pipeline>::default(), scene, threads),
+                Preset::Ours => digest(Pipeline::new(), scene, threads),
             }?,
         ))
     };
@@ -268,7 +268,7 @@ mod tests {
     fn a_digest_sees_the_order() -> Result<()> {
         let mut cases = Cases::of(&SETTING);
         let scene = &cases.get(100)?.scene;
-        let ours = digest(<Pipeline>::default(), scene, 0)?;
+        let ours = digest(Pipeline::new(), scene, 0)?;
         let paper = digest(double_phase(TreePairs::default()), scene, 0)?;
         assert_ne!(ours, paper, "one set of candidates and contacts, in two orders");
         Ok(())

@@ -86,16 +86,16 @@ impl Variant {
             Way::OurNarrow => job.every_pair(&OurGjk::default()),
             Way::ParryNarrow => job.every_pair(case.parry()),
             Way::DoublePhase => {
-                job.pipeline(Pipeline::new(TreePairs::paper_as_coded(), OurGjk::default()))
+                job.pipeline(Pipeline::with(TreePairs::paper_as_coded(), OurGjk::default()))
             }
-            Way::Ours => job.pipeline(<Pipeline>::default()),
+            Way::Ours => job.pipeline(Pipeline::new()),
         })
     }
 }
 
 /// The paper's pipeline over one of its trees, walked as the paper walks it unless said otherwise.
 pub(crate) fn double_phase(broad: TreePairs<PaperTree>) -> Pipeline<TreePairs<PaperTree>, OurGjk> {
-    Pipeline::new(broad, OurGjk::default())
+    Pipeline::with(broad, OurGjk::default())
 }
 
 /// What is measured, and how.

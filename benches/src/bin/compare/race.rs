@@ -141,7 +141,7 @@ pub(crate) fn compare(subject: &Subject, course: &Course) -> Result<Comparison> 
     let scene = subject.scene()?;
     let mut said = Said::default();
     let (digest, settled) = {
-        let mut pipeline = Pipeline::new(WideTree::default(), Overlap::default());
+        let mut pipeline = Pipeline::with(WideTree::default(), Overlap::default());
         let step = pipeline.step(&scene, Par::Pool);
         said.ours = Answers::ours(&step);
         let digest = Digest::of(step.contacts().map(|(i, j)| dcd_geom::Pair { i, j }));
@@ -204,7 +204,7 @@ impl Track<'_, '_> {
 
     fn race_here(&mut self, par: Par, threads: usize, course: &Course) -> Result<Race> {
         let objects = self.scene.len();
-        let pipeline = Pipeline::new(WideTree::default(), Overlap::default());
+        let pipeline = Pipeline::with(WideTree::default(), Overlap::default());
         let ours = Ours { pipeline, scene: self.scene, digest: |digest| digest.list };
         let mut ours = Turn::new(ours, par, objects, self.digest.list);
         let mut parry = Turn::new(&mut *self.parry, par, objects, self.parry_digest);
@@ -229,7 +229,7 @@ impl Track<'_, '_> {
 
     /// Our step without a tree.
     fn brute<B: BroadPhase>(&self, broad: B, par: Par) -> Turn<Ours<'_, B>> {
-        let pipeline = Pipeline::new(broad, Overlap::default());
+        let pipeline = Pipeline::with(broad, Overlap::default());
         let ours = Ours { pipeline, scene: self.scene, digest: |digest: Digest| digest.set };
         Turn::new(ours, par, self.scene.len(), self.digest.set)
     }

@@ -92,8 +92,8 @@ impl Course {
             0.0 => None,
             sigma => Some(RandomWalk::new(sigma, self.seed)?),
         };
-        let mut plain = <Pipeline>::default();
-        let mut coherent = Pipeline::new(WideTree::default(), Coherent::default());
+        let mut plain = Pipeline::new();
+        let mut coherent = Pipeline::with(WideTree::default(), Coherent::default());
         let parry = ParryPipeline::<f32>::new(&scene, Query::DirectIntersectionTest);
         let mut parry = parry.with_upkeep(Upkeep::Refit);
         (seen.contacts, seen.parry_differs) = (0, 0);

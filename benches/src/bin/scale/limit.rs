@@ -42,7 +42,7 @@ pub(crate) fn measure(case: &Case, options: &Options, units: &mut Units) -> Resu
 }
 
 fn see(scene: &Scene, rounds: u32) -> Result<Seen> {
-    let mut pipeline = <Pipeline>::default();
+    let mut pipeline = Pipeline::new();
     let candidates: Vec<Pair> = pipeline.step(scene, Par::Serial).candidates().collect();
     let clock = StageClock::default();
     let mut step = || {

@@ -69,7 +69,7 @@ impl Lists {
 }
 
 fn see(scene: &Scene, par: Par, rounds: u32) -> Result<Seen> {
-    let mut pipeline = <Pipeline>::default();
+    let mut pipeline = Pipeline::new();
     let lists = {
         let step = pipeline.step(scene, par);
         let contacts = step.contacts().map(|(i, j)| Pair { i, j }).collect();

@@ -83,7 +83,7 @@ impl Replay {
 
 fn steps<N: NarrowPhase>(capture: &Capture, narrow: N, par: Par) -> Result<Vec<Frame>, Failure> {
     let mut scene: Scene = capture.scene().clone();
-    let mut pipeline = Pipeline::new(WideTree::default(), narrow);
+    let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     let mut frames = Vec::with_capacity(capture.frame_count());
     for (frame, poses) in capture.frames().enumerate() {
         place_frame(&mut scene, poses)

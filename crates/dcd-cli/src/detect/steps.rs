@@ -101,7 +101,7 @@ where
 
 fn steps<N: NarrowPhase<Answer: Tell>>(scene: &Scene, narrow: N, par: Par, plan: Plan) -> Found {
     let clock = StageClock::default();
-    let mut pipeline = Pipeline::new(WideTree::default(), narrow);
+    let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     let mut found = Found::default();
     for _ in 0..plan.repeats {
         let begun = Instant::now();

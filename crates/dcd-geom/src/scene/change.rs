@@ -1,23 +1,106 @@
-//! What changes between steps: poses, objects, shapes, pairs that are not told.
+//! What changes between steps: poses, objects, shapes, filters, ignored pairs.
 
 use super::{Slot, check_count, check_reach, derive_cores};
-use crate::{Filter, Handle, Motion, Object, Pose, Scene, SceneError, Shape, Stamp};
+use crate::{Filter, Handle, Motion, Object, ObjectRef, Pose, Scene, SceneError, Shape, Stamp};
 use std::ops::Range;
 
 impl Scene {
-    /// Moves object `i`. To move a static object is legal, and costs the next step what it keeps
-    /// of all static ones.
+    /// Moves an object. To move a static one is legal, and costs the next step what it keeps of all
+    /// static objects.
     ///
     /// # Errors
     /// There is no such object, or it would reach beyond [`crate::Aabb::LIMIT`]; nothing is changed
     /// then.
-    pub fn set_pose(&mut self, i: usize, pose: Pose) -> Result<(), SceneError> {
-        let motion = self.existing(i)?;
-        check_reach(i, &self.shapes[self.shape_of[i] as usize], &pose)?;
+    pub fn set_pose(&mut self, object: impl ObjectRef, pose: Pose) -> Result<(), SceneError> {
+        let i = object.index_in(self)?;
+        check_reach(i, self.shape(i), &pose)?;
         self.poses[i] = pose;
-        if motion == Motion::Static {
+        if self.slots[i] == Slot::Holds(Motion::Static) {
             self.standing_stamp = Stamp::draw();
         }
+        Ok(())
+    }
+
+    /// Moves all objects: one pose for each slot, that of a free slot is not read. Static objects whose
+    /// pose stays cost nothing.
+    ///
+    /// # Errors
+    /// Not one pose a slot, or the first object that would reach beyond [`crate::Aabb::LIMIT`]; nothing
+    /// is changed then.
+    pub fn set_poses(&mut self, poses: &[Pose]) -> Result<(), SceneError> {
+        if poses.len() != self.len() {
+            return Err(SceneError::SlotsDiffer { given: poses.len(), slots: self.len() });
+        }
+        let mut moves_static = false;
+        for (i, pose) in poses.iter().enumerate() {
+            match self.slots[i] {
+                Slot::Free => continue,
+                Slot::Holds(Motion::Static) => moves_static |= *pose != self.poses[i],
+                Slot::Holds(Motion::Moving) => {}
+            }
+            check_reach(i, self.shape(i), pose)?;
+        }
+        let pairs = self.poses.iter_mut().zip(poses).zip(&self.slots);
+        pairs.filter(|(_, slot)| **slot != Slot::Free).for_each(|((own, pose), _)| *own = *pose);
+        if moves_static {
+            self.standing_stamp = Stamp::draw();
+        }
+        Ok(())
+    }
+
+    /// Changes what an object may pair with, from the next step on.
+    ///
+    /// # Errors
+    /// There is no such object.
+    pub fn set_filter(&mut self, object: impl ObjectRef, filter: Filter) -> Result<(), SceneError> {
+        let i = object.index_in(self)?;
+        self.filters[i] = filter;
+        self.filtered |= filter != Filter::ALL;
+        Ok(())
+    }
+
+    /// Says whether an object moves from now on. It keeps its slot, its handle and its ignored pairs.
+    ///
+    /// # Errors
+    /// There is no such object.
+    pub fn set_motion(&mut self, object: impl ObjectRef, motion: Motion) -> Result<(), SceneError> {
+        let i = object.index_in(self)?;
+        let Slot::Holds(before) = self.slots[i] else { return Ok(()) };
+        if before != motion {
+            *self.count_of(before) -= 1;
+            *self.count_of(motion) += 1;
+            self.slots[i] = Slot::Holds(motion);
+            (self.layout, self.standing_stamp) = (Stamp::draw(), Stamp::draw());
+        }
+        Ok(())
+    }
+
+    /// Gives an object another of the scene's shapes. It keeps its slot, its handle and its ignored pairs.
+    ///
+    /// # Errors
+    /// There is no such object or shape, or the object would reach beyond [`crate::Aabb::LIMIT`]; nothing
+    /// is changed then.
+    pub fn set_shape(&mut self, object: impl ObjectRef, shape: u32) -> Result<(), SceneError> {
+        let i = object.index_in(self)?;
+        check_reach(i, self.known_shape(i, shape)?, &self.poses[i])?;
+        self.shape_of[i] = shape;
+        if let Some(motion) = self.motion(i) {
+            self.mark_change(motion);
+        }
+        Ok(())
+    }
+
+    /// Changes the caller's own number of an object.
+    ///
+    /// # Errors
+    /// There is no such object.
+    pub fn set_user_data(
+        &mut self,
+        object: impl ObjectRef,
+        user_data: u64,
+    ) -> Result<(), SceneError> {
+        let i = object.index_in(self)?;
+        self.user_data[i] = user_data;
         Ok(())
     }
 
@@ -39,7 +122,7 @@ impl Scene {
     /// The object has been removed before; nothing is changed then.
     pub fn remove(&mut self, handle: Handle) -> Result<(), SceneError> {
         let i = self.index_of(handle)?;
-        let motion = self.existing(i)?;
+        let Slot::Holds(motion) = self.slots[i] else { return Ok(()) };
         self.slots[i] = Slot::Free;
         *self.count_of(motion) -= 1;
         self.ignored.forget(handle.index);
@@ -91,7 +174,7 @@ impl Scene {
     ///
     /// # Errors
     /// One of them is not there, or both are one.
-    pub fn ignore_pair(&mut self, i: usize, j: usize) -> Result<(), SceneError> {
+    pub fn ignore_pair(&mut self, i: impl ObjectRef, j: impl ObjectRef) -> Result<(), SceneError> {
         let (i, j) = self.two_objects(i, j)?;
         self.ignored.insert(i, j);
         Ok(())
@@ -101,7 +184,7 @@ impl Scene {
     ///
     /// # Errors
     /// One of them is not there, or both are one.
-    pub fn heed_pair(&mut self, i: usize, j: usize) -> Result<(), SceneError> {
+    pub fn heed_pair(&mut self, i: impl ObjectRef, j: impl ObjectRef) -> Result<(), SceneError> {
         let (i, j) = self.two_objects(i, j)?;
         self.ignored.remove(i, j);
         Ok(())
@@ -111,20 +194,19 @@ impl Scene {
     pub(super) fn place(&mut self, object: Object) -> Result<u32, SceneError> {
         let slot = self.free.last().map_or(self.slots.len(), |&slot| slot as usize);
         check_count("objects", slot)?;
-        let Object { shape, pose, filter, motion } = object;
-        let shapes = self.shapes.len();
-        let known = self.shapes.get(shape as usize);
-        let known = known.ok_or(SceneError::NoSuchShape { object: slot, shape, shapes })?;
-        check_reach(slot, known, &pose)?;
+        let Object { shape, pose, filter, motion, user_data } = object;
+        check_reach(slot, self.known_shape(slot, shape)?, &pose)?;
         if self.free.pop().is_some() {
             self.shape_of[slot] = shape;
             self.poses[slot] = pose;
             self.filters[slot] = filter;
+            self.user_data[slot] = user_data;
             self.slots[slot] = Slot::Holds(motion);
         } else {
             self.shape_of.push(shape);
             self.poses.push(pose);
             self.filters.push(filter);
+            self.user_data.push(user_data);
             self.slots.push(Slot::Holds(motion));
             self.generations.push(0);
         }
@@ -133,14 +215,13 @@ impl Scene {
         Ok(slot as u32)
     }
 
-    fn existing(&self, i: usize) -> Result<Motion, SceneError> {
-        let missing = SceneError::NoSuchObject { object: i, objects: self.len() };
-        self.motion(i).ok_or(missing)
+    fn known_shape(&self, object: usize, shape: u32) -> Result<&Shape, SceneError> {
+        let missing = SceneError::NoSuchShape { object, shape, shapes: self.shapes.len() };
+        self.shapes.get(shape as usize).ok_or(missing)
     }
 
-    fn two_objects(&self, i: usize, j: usize) -> Result<(u32, u32), SceneError> {
-        self.existing(i)?;
-        self.existing(j)?;
+    fn two_objects(&self, i: impl ObjectRef, j: impl ObjectRef) -> Result<(u32, u32), SceneError> {
+        let (i, j) = (i.index_in(self)?, j.index_in(self)?);
         if i == j {
             return Err(SceneError::PairOfOne { object: i });
         }

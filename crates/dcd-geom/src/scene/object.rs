@@ -1,6 +1,6 @@
 //! What a scene places: an object, how it is filtered, and how it is known again.
 
-use crate::Pose;
+use crate::{Pose, Scene, SceneError};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Which objects may pair: each is a member of some groups and asks for some groups.
@@ -51,12 +51,25 @@ pub struct Object {
     pub filter: Filter,
     /// Whether it moves.
     pub motion: Motion,
+    /// Whatever the caller wants to find again: an entity's number, an index, a pointer. Nothing here reads
+    /// it. 0 unless said otherwise.
+    pub user_data: u64,
 }
 
 impl Object {
     /// A moving object that may pair with all.
     pub fn new(shape: u32, pose: Pose) -> Self {
-        Self { shape, pose, filter: Filter::ALL, motion: Motion::Moving }
+        Self { shape, pose, filter: Filter::ALL, motion: Motion::Moving, user_data: 0 }
+    }
+
+    /// The same with another filter.
+    pub fn with_filter(self, filter: Filter) -> Self {
+        Self { filter, ..self }
+    }
+
+    /// The same with the caller's own number.
+    pub fn with_user_data(self, user_data: u64) -> Self {
+        Self { user_data, ..self }
     }
 
     /// The same standing still.
@@ -72,6 +85,37 @@ pub struct Handle {
     pub index: u32,
     /// How many objects had the slot before it.
     pub generation: u32,
+}
+
+/// What names an object of a scene: its [`Handle`], or its index where that is known to hold.
+///
+/// A handle is refused once its object has been removed. An index names whatever has the slot now.
+pub trait ObjectRef: Copy + sealed::Sealed {
+    /// The index of the object in `scene`.
+    ///
+    /// # Errors
+    /// There is no such object, or it has been removed.
+    fn index_in(self, scene: &Scene) -> Result<usize, SceneError>;
+}
+
+impl ObjectRef for Handle {
+    fn index_in(self, scene: &Scene) -> Result<usize, SceneError> {
+        scene.index_of(self)
+    }
+}
+
+impl ObjectRef for usize {
+    fn index_in(self, scene: &Scene) -> Result<usize, SceneError> {
+        let missing = SceneError::NoSuchObject { object: self, objects: scene.len() };
+        scene.motion(self).map(|_| self).ok_or(missing)
+    }
+}
+
+/// Both ways to name an object are here: an index of another type would make `set_pose(0, …)` ambiguous.
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for super::Handle {}
+    impl Sealed for usize {}
 }
 
 /// Marks what a scene holds at some moment: equal stamps, equal contents, whichever scene shows

@@ -164,3 +164,82 @@ fn a_swept_scene_has_grown_shapes_in_the_same_slots_and_follows_the_poses() {
     assert!(swept.follow(&scene) && scene.swept(0.2 * Aabb::LIMIT).is_none());
     assert!(scene.swept(-1.0).is_none() && scene.swept(f64::NAN).is_none());
 }
+
+#[test]
+fn objects_are_named_by_handle_or_by_index_and_a_stale_handle_is_refused() {
+    let mut scene = row();
+    let first = scene.handle(0).unwrap();
+    let moved = Pose::from_translation(DVec3::X * 9.0).unwrap();
+    scene.set_pose(first, moved).unwrap();
+    assert_eq!(scene.poses()[0], moved);
+    scene.remove(first).unwrap();
+    let gone = Err(SceneError::NoLongerThere { handle: first });
+    assert_eq!(scene.set_pose(first, moved), gone);
+    assert_eq!(scene.set_filter(first, Filter::ALL), gone);
+    assert_eq!(scene.set_motion(first, Motion::Static), gone);
+    assert_eq!(scene.set_shape(first, 0), gone);
+    assert_eq!(scene.set_user_data(first, 7), gone);
+    let missing = Err(SceneError::NoSuchObject { object: 0, objects: 4 });
+    assert_eq!(scene.set_pose(0, moved), missing);
+}
+
+#[test]
+fn all_poses_change_at_once_or_none_does() {
+    let mut scene = row();
+    scene.remove(scene.handle(2).unwrap()).unwrap();
+    let (before, statics) = (scene.poses().to_vec(), scene.statics());
+    let differ = SceneError::SlotsDiffer { given: 3, slots: 4 };
+    assert_eq!(scene.set_poses(&before[..3]), Err(differ));
+    let far = Pose::from_translation(DVec3::X * 1e38).unwrap();
+    let mut poses = before.clone();
+    (poses[0], poses[3]) = (Pose::IDENTITY, far);
+    assert!(matches!(scene.set_poses(&poses), Err(SceneError::OutOfRange { object: 3, .. })));
+    assert_eq!((scene.poses(), scene.statics()), (&before[..], statics));
+
+    // A free slot's pose is not read; static objects that stay where they are keep their stamp.
+    (poses[0], poses[2], poses[3]) = (Pose::from_translation(DVec3::Y).unwrap(), far, before[3]);
+    scene.set_poses(&poses).unwrap();
+    assert_eq!((scene.poses()[0], scene.statics()), (poses[0], statics));
+    poses[1] = Pose::IDENTITY;
+    poses[3] = Pose::IDENTITY;
+    scene.set_poses(&poses).unwrap();
+    assert_ne!(scene.statics(), statics);
+}
+
+#[test]
+fn filter_motion_and_shape_change_without_a_new_handle() {
+    let mut scene = row();
+    scene.add_shapes([Shape::cuboid(DVec3::ONE).unwrap()]).unwrap();
+    let handle = scene.handle(0).unwrap();
+    scene.set_filter(handle, Filter { groups: 1, mask: 0 }).unwrap();
+    assert!(scene.filters_movers() && !scene.allows(0, 1));
+    scene.set_filter(handle, Filter::ALL).unwrap();
+    assert!(scene.allows(0, 1));
+
+    let (layout, statics) = (scene.layout(), scene.statics());
+    scene.set_motion(handle, Motion::Moving).unwrap();
+    assert_eq!((scene.layout(), scene.statics()), (layout, statics));
+    scene.set_motion(handle, Motion::Static).unwrap();
+    assert!(scene.layout() != layout && scene.statics() != statics);
+    assert_eq!((scene.static_count(), scene.allows(0, 1), scene.allows(0, 2)), (3, false, true));
+
+    let (layout, statics) = (scene.layout(), scene.statics());
+    scene.set_shape(handle, 1).unwrap();
+    assert!(scene.layout() != layout && scene.statics() != statics);
+    assert_eq!(scene.aabb(0), scene.shapes()[1].aabb(&scene.poses()[0]));
+    let missing = SceneError::NoSuchShape { object: 0, shape: 5, shapes: 2 };
+    assert_eq!(scene.set_shape(handle, 5), Err(missing));
+    assert_eq!(scene.handle(0), Some(handle));
+}
+
+#[test]
+fn an_object_carries_its_users_number_until_it_is_changed() {
+    let mut scene = row();
+    let handle = scene.insert(Object::new(0, Pose::IDENTITY).with_user_data(41)).unwrap();
+    assert_eq!((scene.user_data()[0], scene.user_data()[4]), (0, 41));
+    scene.set_user_data(handle, 42).unwrap();
+    assert_eq!(scene.user_data()[4], 42);
+    scene.remove(handle).unwrap();
+    scene.insert(Object::new(0, Pose::IDENTITY)).unwrap();
+    assert_eq!(scene.user_data()[4], 0);
+}

@@ -76,7 +76,7 @@ fn build(shapes: Vec<Shape>, placed: &[Placed], poses: &[Pose]) -> Result<Scene,
         // Without a frame there is no pose.
         let pose = poses.get(slot).copied().unwrap_or(Pose::IDENTITY);
         let motion = if held == slot::STATIC { Motion::Static } else { Motion::Moving };
-        Object { shape, pose, filter, motion }
+        Object { filter, motion, ..Object::new(shape, pose) }
     });
     let mut scene = Scene::new(shapes, objects)?;
     for (slot, _) in placed.iter().enumerate().filter(|(_, placed)| placed.held == slot::FREE) {

@@ -16,6 +16,7 @@ fn recorded() -> Capture {
         pose: Pose::new(DQuat::from_rotation_y(x), DVec3::X * x).unwrap(),
         filter: Filter { groups: 1 << shape, mask: !(4 << shape) },
         motion: if shape == 0 { Motion::Static } else { Motion::Moving },
+        user_data: 0,
     };
     let objects = [object(1, 0.3), object(0, -2.0), object(2, 0.7), object(1, 1.1)];
     let mut scene = Scene::new(shapes, objects).unwrap();

@@ -52,7 +52,7 @@ where
     B: dcd_broad::BroadPhase,
     N: NarrowPhase<Answer = ()>,
 {
-    let mut pipeline = Pipeline::new(broad, narrow);
+    let mut pipeline = Pipeline::with(broad, narrow);
     let step = pipeline.step(scene, Par::Serial);
     assert_eq!(step.report().undecided(), []);
     let mut pairs: Vec<_> = step.contacts().map(|(i, j)| Pair { i, j }).collect();

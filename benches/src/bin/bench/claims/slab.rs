@@ -68,7 +68,7 @@ fn step_of(preset: Preset, setting: &Setting, case: &Case) -> Step {
     match preset {
         Preset::AsWritten => of_tree(TreePairs::paper_as_written()),
         Preset::AsCoded => of_tree(TreePairs::paper_as_coded()),
-        Preset::Ours => Step { largest_leaf: None, timed: job.pipeline(<Pipeline>::default()) },
+        Preset::Ours => Step { largest_leaf: None, timed: job.pipeline(Pipeline::new()) },
     }
 }
 

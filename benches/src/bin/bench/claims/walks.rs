@@ -82,7 +82,7 @@ pub(super) fn measure(setting: &Setting, units: &mut Units, cases: &mut Cases) -
         on_one_thread(setting, |par| pipeline.step(&case.scene, par).contact_count())
     })?;
     units.run(&ours, || {
-        let mut pipeline = <Pipeline>::default();
+        let mut pipeline = Pipeline::new();
         let case = cases.get(objects)?;
         on_one_thread(setting, |par| pipeline.step(&case.scene, par).contact_count())
     })?;
