@@ -34,4 +34,6 @@ mod guide {
     mod hello {}
     #[doc = include_str!("../../../docs/guide/frames-and-events.md")]
     mod frames_and_events {}
+    #[doc = include_str!("../../../docs/guide/bring-your-own.md")]
+    mod bring_your_own {}
 }
