@@ -1,6 +1,6 @@
 //! Sixteen lanes in two AVX2 registers of eight.
 
-use super::{Kernel, Lanes, Row, WIDTH};
+use super::{Block, FLOATS, Kernel, Lanes, MOST_BLOCKS, Row, WIDTH};
 use crate::Pair;
 use std::arch::x86_64::*;
 
@@ -246,6 +246,26 @@ impl Lanes for Avx2 {
     fn largest_of_each(self, rows: &[Row; WIDTH]) -> Self::F {
         (self.largest_of_eight(rows, 0), self.largest_of_eight(rows, 8))
     }
+    #[inline(always)]
+    fn pick(self, blocks: &[Block], first: Self::U, number: Self::U) -> [Self::F; 3] {
+        let Some(last) = blocks.len().min(MOST_BLOCKS).checked_sub(1) else {
+            return [self.splat(0.0); 3];
+        };
+        let last = op!(_mm256_set1_epi32(last as i32));
+        let mut at = [0; WIDTH];
+        let halves =
+            (self.floats_at(first.0, number.0, last), self.floats_at(first.1, number.1, last));
+        self.store_to_u(halves, &mut at);
+        let x = blocks.as_ptr().cast::<f32>();
+        // SAFETY: each is that of an x, y or z of a block that exists.
+        unsafe {
+            [
+                self.gather(x, &at),
+                self.gather(x.add(WIDTH), &at),
+                self.gather(x.add(2 * WIDTH), &at),
+            ]
+        }
+    }
 }
 
 /// How many of the first eight lanes are kept: at most eight.
@@ -340,6 +360,51 @@ impl Avx2 {
             let to = to.cast::<__m256i>();
             _mm256_storeu_si256(to, _mm256_permute2x128_si256::<0x20>(low, high));
             _mm256_storeu_si256(to.add(1), _mm256_permute2x128_si256::<0x31>(low, high));
+        }
+    }
+
+    /// Where the x of eight points are, counted in floats: each of a block that exists, so below 2³¹ as
+    /// `MOST_BLOCKS` has it.
+    #[inline(always)]
+    fn floats_at(self, first: __m256i, number: __m256i, last: __m256i) -> __m256i {
+        op!({
+            let block = _mm256_add_epi32(first, _mm256_srli_epi32::<4>(number));
+            let block = _mm256_min_epu32(block, last);
+            let lane = _mm256_and_si256(number, _mm256_set1_epi32(15));
+            let at = _mm256_mullo_epi32(block, _mm256_set1_epi32(FLOATS as i32));
+            _mm256_add_epi32(at, lane)
+        })
+    }
+
+    /// Sixteen floats from wherever they are: on most CPUs without a wider path faster than the
+    /// instruction for it.
+    ///
+    /// # Safety
+    /// They are there.
+    #[inline(always)]
+    unsafe fn gather(self, from: *const f32, at: &[u32; WIDTH]) -> Halves<__m256> {
+        // SAFETY: as the caller says.
+        unsafe {
+            let four = [
+                self.gather_four(from, [at[0], at[1], at[2], at[3]]),
+                self.gather_four(from, [at[4], at[5], at[6], at[7]]),
+                self.gather_four(from, [at[8], at[9], at[10], at[11]]),
+                self.gather_four(from, [at[12], at[13], at[14], at[15]]),
+            ];
+            (_mm256_set_m128(four[1], four[0]), _mm256_set_m128(four[3], four[2]))
+        }
+    }
+
+    /// # Safety
+    /// They are there.
+    #[inline(always)]
+    unsafe fn gather_four(self, from: *const f32, at: [u32; 4]) -> __m128 {
+        // SAFETY: as the caller says.
+        unsafe {
+            let a = _mm_load_ss(from.add(at[0] as usize));
+            let b = _mm_insert_ps::<0x10>(a, _mm_load_ss(from.add(at[1] as usize)));
+            let c = _mm_insert_ps::<0x20>(b, _mm_load_ss(from.add(at[2] as usize)));
+            _mm_insert_ps::<0x30>(c, _mm_load_ss(from.add(at[3] as usize)))
         }
     }
 
