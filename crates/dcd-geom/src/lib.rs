@@ -16,6 +16,7 @@ mod divide;
 mod error;
 mod facets;
 mod half_space;
+mod hull;
 mod inscribed;
 #[allow(unsafe_code)] // the one module that may: each block carries its SAFETY line
 pub mod lanes;
@@ -40,6 +41,7 @@ pub use divide::Divide;
 pub use error::{PoseError, SceneError, ShapeError};
 pub use facets::{FLATNESS, Facet, Facets};
 pub use half_space::HalfSpace;
+pub use hull::{ConvexHull, Dimension, HullError};
 pub use pair::Pair;
 pub use parts::{Compound, Corners, Mesh, Part, PartTree, Triangles};
 pub use polytope::{Kind, Polytope};
