@@ -12,7 +12,7 @@
 //! # Ok::<(), dcd_scenes::SpecError>(())
 //! ```
 //!
-//! Deliberately absent: threads, clocks, pair finding, answers, and std's sine and power, whose
+//! Deliberately absent: threads (a [`Run`] brings them), clocks, pair finding, answers, and std's sine and power, whose
 //! last bits differ from machine to machine (libm's do not).
 #![forbid(unsafe_code)]
 
@@ -25,7 +25,6 @@ pub mod conformance;
 pub mod data;
 mod error;
 mod game_hulls;
-#[cfg(feature = "hull")]
 mod hull;
 mod hull_scene;
 #[cfg(feature = "meshes")]
@@ -38,6 +37,7 @@ mod raw;
 mod recipe;
 #[cfg(feature = "robots")]
 pub mod robot;
+mod run;
 mod spec;
 mod swept;
 mod walk;
@@ -48,7 +48,6 @@ pub use cloud::{CloudCensus, CloudKind};
 pub use clouds::{load_clouds, read_clouds};
 pub use error::ReadError;
 pub use game_hulls::{GameHulls, GameSize};
-#[cfg(feature = "hull")]
 pub use hull::{Hull, HullRefusal, convex_hull};
 pub use hull_scene::{load_hull_scene, read_hull_scene, write_hull_scene};
 #[cfg(feature = "meshes")]
@@ -57,6 +56,7 @@ pub use pairs::{PairError, PairFault, PairInput, read_pair, read_pairs};
 pub use pile::{Pile, PileContact};
 pub use ply::{Frame, load_frame, read_frame};
 pub use raw::{BuildError, RawObject, RawScene, RawShape};
+pub use run::Run;
 pub use spec::{SceneSpec, SpecError};
 pub use swept::{SweptBoxes, load_listed_pairs, read_listed_pairs};
 pub use walk::RandomWalk;
