@@ -14,7 +14,6 @@ mod cloud;
 mod clouds;
 pub mod data;
 mod error;
-#[cfg(feature = "hull")]
 mod hull;
 mod hull_scene;
 #[cfg(feature = "meshes")]
@@ -22,6 +21,7 @@ mod mesh;
 mod pairs;
 mod ply;
 mod raw;
+pub mod run;
 mod swept;
 
 pub use boxes::{load_boxes, read_boxes};
@@ -29,7 +29,6 @@ pub use capture::{Capture, CaptureError, place_frame};
 pub use cloud::{CloudCensus, CloudKind};
 pub use clouds::{load_clouds, read_clouds};
 pub use error::ReadError;
-#[cfg(feature = "hull")]
 pub use hull::{Hull, HullRefusal, convex_hull};
 pub use hull_scene::{load_hull_scene, read_hull_scene, write_hull_scene};
 #[cfg(feature = "meshes")]
