@@ -47,13 +47,14 @@ pub use capture::{Capture, CaptureError, place_frame};
 pub use cloud::{CloudCensus, CloudKind};
 pub use clouds::{load_clouds, read_clouds};
 pub use error::ReadError;
+pub use error::shown;
 pub use game_hulls::{GameHulls, GameSize};
 #[cfg(feature = "hull")]
 pub use hull::{Hull, HullRefusal, convex_hull};
 pub use hull_scene::{load_hull_scene, read_hull_scene, write_hull_scene};
 #[cfg(feature = "meshes")]
 pub use mesh::{load_mesh, load_obj, poses_in, read_obj};
-pub use pairs::{PairError, PairFault, PairInput, read_pair, read_pairs};
+pub use pairs::{LONGEST_LINE, PairError, PairFault, PairInput, read_pair, read_pairs};
 pub use pile::{Pile, PileContact};
 pub use ply::{Frame, load_frame, read_frame};
 pub use raw::{BuildError, RawObject, RawScene, RawShape};
