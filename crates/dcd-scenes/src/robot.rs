@@ -8,6 +8,7 @@
 //! Sines and cosines are libm's, so that a pose is the same on every machine.
 
 mod allowed;
+mod archive;
 mod error;
 mod kinematics;
 mod mesh;
@@ -18,9 +19,10 @@ mod workcell;
 mod world;
 
 pub use allowed::AllowedPairs;
+pub use archive::{LARGEST_ARCHIVE, LARGEST_ENTRY};
 pub use error::RobotError;
 pub use model::{Joint, Link, LinkShapes, Motion, Part, Robot};
-pub use problem::{Problem, read_problems};
+pub use problem::{Problem, problems_in, read_problems};
 pub use request::Request;
 pub use workcell::Workcell;
 pub use world::{Obstacle, World};
