@@ -126,10 +126,11 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
     /// fail; a pair that could not be settled is listed as undecided. After the first steps a
     /// serial step of a like scene allocates nothing.
     ///
-    /// What is prepared of the static objects is kept until one of them changes or any object comes or
-    /// goes; the tree over them, for as long as their AABBs are the same bytes. Nothing else outlasts a
-    /// step that could change a result or an order: what a step tells is a function of the scene, the
-    /// predicate and the two phases.
+    /// What is prepared of the static objects is kept until one of them changes, any object comes or
+    /// goes, or the narrow phase says that it has not kept it ([`NarrowPhase::keeps`]); the tree over
+    /// them, for as long as their AABBs are the same bytes. Nothing else outlasts a step that could
+    /// change a result or an order: what a step tells is a function of the scene, the predicate and the
+    /// two phases.
     pub fn step<'e>(&mut self, scene: &Scene, exec: impl Into<Exec<'e>>) -> Step<'_, N::Answer> {
         self.step_where(scene, exec, any)
     }
@@ -171,12 +172,14 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         exec.stage(Stage::Narrow, || self.judge(scene, exec));
     }
 
-    /// Static objects that are prepared already are passed over, where no moving one is between.
+    /// Static objects that are prepared already are passed over, where no moving one is between: if
+    /// the scene says that they have not changed and the narrow phase that its frame has not.
     fn prepare(&mut self, scene: &Scene, exec: Exec) -> Prepared {
         self.aabbs.resize(scene.len(), Aabb::EMPTY);
         let has_free_slots = scene.object_count() < scene.len();
         let part = self.narrow.lay_out(scene, &mut self.frame);
-        let rest = scene.static_count() > 0 && self.roster.still_holds(scene);
+        let may_rest = scene.static_count() > 0 && self.roster.still_holds(scene);
+        let rest = may_rest && self.narrow.keeps(&part);
         let narrow = &self.narrow;
         exec.divide((part, &mut self.aabbs[..]), OBJECTS_PER_TASK, |first, objects| {
             let mut slots = first..first + objects.1.len();
