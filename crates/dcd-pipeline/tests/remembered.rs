@@ -18,7 +18,7 @@ fn told<N>(kept: &mut Pipeline<WideTree, N>, fresh: N, scene: &Scene, when: &str
 where
     N: NarrowPhase<Answer = ()>,
 {
-    let mut fresh = Pipeline::new(WideTree::default(), fresh);
+    let mut fresh = Pipeline::with(WideTree::default(), fresh);
     let (step, due) = (kept.step(scene, Par::Serial), fresh.step(scene, Par::Serial));
     assert_eq!(step.aabbs(), due.aabbs(), "{when}");
     assert!(step.candidates().eq(due.candidates()), "{when}");
@@ -45,7 +45,7 @@ fn with_a_static_ball_that_moves(between: impl Fn(&mut Scene, &mut dyn FnMut(&Sc
             Object::new(0, at(0.0, 0.0, 100.0)),
         ];
         let mut scene = Scene::new(shapes, objects).unwrap();
-        let mut kept = Pipeline::new(WideTree::default(), Coherent::default());
+        let mut kept = Pipeline::with(WideTree::default(), Coherent::default());
         let mut step = |scene: &Scene, when: &str| {
             let touches = told(&mut kept, Coherent::default(), scene, when).contains(&(0, 1));
             let there = scene.poses()[0].translation() == DVec3::ZERO;
@@ -121,7 +121,7 @@ fn contacts_come_in_the_order_of_a_fresh_pipeline_after_shapes_of_another_kind_a
             if i < 25 { object.fixed() } else { object }
         });
         let mut scene = Scene::new(shapes.collect(), objects).unwrap();
-        let mut kept = <Pipeline>::default();
+        let mut kept = Pipeline::new();
         told(&mut kept, Overlap::default(), &scene, "cuboids alone");
         let added = scene.add_shapes([ball(0.5)]).unwrap();
         contacts += told(&mut kept, Overlap::default(), &scene, "a kind of shape more").len();
@@ -138,8 +138,8 @@ fn a_static_object_is_not_lost_while_another_is_out_of_the_range_of_a_margin() {
     let mut scene = Scene::new(vec![ball(1.0)], objects).unwrap();
     let within = || Within::margin(margin).unwrap();
     let coherent = || Within::by(Coherent::default(), margin).unwrap();
-    let mut kept = Pipeline::new(WideTree::default(), within());
-    let mut remembering = Pipeline::new(WideTree::default(), coherent());
+    let mut kept = Pipeline::with(WideTree::default(), within());
+    let mut remembering = Pipeline::with(WideTree::default(), coherent());
     for (x, touches) in [(0.5, true), (9.9e36, false), (0.5, true), (5e36, false), (0.7, true)] {
         scene.set_pose(1, at(x, 0.0, 0.0)).unwrap();
         let when = format!("at {x:e}");

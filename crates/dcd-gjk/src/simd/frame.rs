@@ -146,7 +146,7 @@ const NEAR_RECORDS: usize = 1 << 20;
 #[derive(Debug)]
 pub struct Part<'f> {
     /// Whether the frame's lists are those of the layout before, so that they hold what they held.
-    pub(super) kept: bool,
+    pub(crate) kept: bool,
     pub(super) form: Form,
     pub(super) records: &'f mut [Record],
     pub(super) blocks: &'f mut [Block],

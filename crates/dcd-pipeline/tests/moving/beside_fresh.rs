@@ -47,12 +47,12 @@ impl Kept {
     fn new() -> Option<Self> {
         Some(Self {
             overlap: Pipeline::default(),
-            coherent: Pipeline::new(WideTree::default(), Coherent::default()),
-            within: Pipeline::new(WideTree::default(), Within::margin(MARGIN).ok()?),
-            within_coherent: Pipeline::new(WideTree::default(), within_coherent()?),
-            depths: Pipeline::new(WideTree::default(), depths()?),
-            swept: Pipeline::new(SweepAndPrune::default(), Coherent::default()),
-            walked: Pipeline::new(TreePairs::default(), Overlap::default()),
+            coherent: Pipeline::with(WideTree::default(), Coherent::default()),
+            within: Pipeline::with(WideTree::default(), Within::margin(MARGIN).ok()?),
+            within_coherent: Pipeline::with(WideTree::default(), within_coherent()?),
+            depths: Pipeline::with(WideTree::default(), depths()?),
+            swept: Pipeline::with(SweepAndPrune::default(), Coherent::default()),
+            walked: Pipeline::with(TreePairs::default(), Overlap::default()),
         })
     }
 
@@ -123,7 +123,7 @@ where
     N::Answer: PartialEq + Debug,
 {
     let name = std::any::type_name::<N>();
-    let mut fresh = Pipeline::new(B::default(), fresh);
+    let mut fresh = Pipeline::with(B::default(), fresh);
     let (told, due) = (kept.step(scene, Par::Serial), fresh.step(scene, Par::Serial));
     let bits = |step: &Step<'_, N::Answer>| -> Vec<[u32; 6]> {
         let corners = |b: &dcd_geom::Aabb| [b.min.to_array(), b.max.to_array()].concat();
