@@ -1,11 +1,10 @@
-//! Hulls of point clouds, whose library is not ours.
+//! Hulls of point clouds.
 
 use crate::Input;
 use dcd_geom::Polytope;
 use dcd_scenes::convex_hull;
 
-/// A hull keeps points of its cloud, and is a legal shape; whatever the library does, nothing
-/// panics past the reader.
+/// A hull keeps points of its cloud, is closed, and is a legal shape; nothing panics.
 pub fn hull(bytes: &[u8]) {
     let mut input = Input(bytes);
     let mut cloud = Vec::new();
@@ -16,5 +15,6 @@ pub fn hull(bytes: &[u8]) {
     assert!(hull.vertices.iter().all(|vertex| cloud.contains(vertex)));
     let corners = hull.vertices.len();
     assert!(hull.triangles.iter().flatten().all(|&k| (k as usize) < corners));
+    assert_eq!(hull.triangles.len() + 4, 2 * corners);
     assert!(Polytope::hull(hull.vertices).is_ok());
 }

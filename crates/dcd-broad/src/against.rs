@@ -1,6 +1,6 @@
 //! Boxes against a tree that stands still.
 
-use crate::append::{append, append_where};
+use crate::append::{Appender, append_where};
 use crate::{BoxRow, BoxSet};
 use dcd_bvh::WideBvh;
 use dcd_exec::{Exec, Segments};
@@ -76,6 +76,7 @@ impl StandingTree {
     }
 
     fn append_all(&self, asked: Named, out: &mut Vec<Pair>) {
+        let out = Appender::new(out);
         dispatch_on(self.path, Search { tree: &self.tree, names: &self.names, asked, out });
     }
 
@@ -153,7 +154,7 @@ struct Search<'a> {
     tree: &'a WideBvh,
     names: &'a [IndexRow],
     asked: Named<'a>,
-    out: &'a mut Vec<Pair>,
+    out: Appender<'a>,
 }
 
 impl Kernel for Search<'_> {
@@ -239,7 +240,7 @@ impl Search<'_> {
     /// Appends the pairs of one name with the lanes `hits` of a leaf.
     #[inline(always)]
     fn emit<L: Lanes>(&mut self, l: L, asked: u32, leaf: usize, hits: u32) {
-        append(l, (asked, &self.names[leaf], hits), self.out);
+        self.out.append(l, asked, (&self.names[leaf], hits));
     }
 }
 

@@ -3,20 +3,49 @@
 use dcd_geom::Pair;
 use dcd_geom::lanes::{IndexRow, Lanes, WIDTH};
 
-/// Appends the pairs of an object with the `hits` of sixteen others.
-#[inline(always)]
-pub(crate) fn append<L: Lanes>(
-    l: L,
-    (one, others, hits): (u32, &IndexRow, u32),
-    out: &mut Vec<Pair>,
-) {
-    let others = l.compress_u(l.mask(hits), l.load_u(others));
-    // Sixteen are written and the surplus taken back: a copy of fixed length has no loop.
-    let mut pairs = [Pair::default(); WIDTH];
-    l.store_pairs(others, l.splat_u(one), &mut pairs);
-    let start = out.len();
-    out.extend_from_slice(&pairs);
-    out.truncate(start + hits.count_ones() as usize);
+/// A list that sixteen pairs at a time are written to, past its end.
+#[derive(Debug)]
+pub(crate) struct Appender<'a> {
+    out: &'a mut Vec<Pair>,
+    /// Where the next pair goes. What lies past it is room.
+    end: usize,
+}
+
+/// By how many pairs the list grows, at least sixteen. Larger: more room is cleared in vain at the end
+/// of a task. Smaller: it is made more often.
+const GROWTH: usize = 512;
+
+impl<'a> Appender<'a> {
+    pub(crate) fn new(out: &'a mut Vec<Pair>) -> Self {
+        let end = out.len();
+        Self { out, end }
+    }
+
+    /// Appends the pairs of an object with the `hits` of sixteen others.
+    #[inline(always)]
+    pub(crate) fn append<L: Lanes>(&mut self, l: L, one: u32, (others, hits): (&IndexRow, u32)) {
+        if self.out.len() < self.end + WIDTH {
+            self.grow();
+        }
+        // Sixteen are written where they stay, and the surplus is written over.
+        if let Some(room) = self.out[self.end..].first_chunk_mut() {
+            l.compress_pairs(hits, (one, l.load_u(others)), room);
+            self.end += hits.count_ones() as usize;
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self) {
+        self.out.resize(self.end + GROWTH, Pair::default());
+    }
+}
+
+impl Drop for Appender<'_> {
+    /// Takes the surplus back.
+    fn drop(&mut self) {
+        self.out.truncate(self.end);
+    }
 }
 
 /// Runs `search`, which appends, and takes back what it appended where `keep(i, j)` does not hold. The

@@ -1,7 +1,7 @@
 //! The fast broad phase: the wide tree against itself, sixteen boxes at a time.
 
 use crate::BroadPhase;
-use crate::append::{append, append_where};
+use crate::append::{Appender, append_where};
 use dcd_bvh::WideBvh;
 use dcd_exec::{Exec, Segments};
 use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
@@ -37,7 +37,7 @@ impl WideTree {
     /// The pairs that task number `task` asks for.
     fn append_task(&self, task: usize, out: &mut Vec<Pair>) {
         let first = task * LEAVES_PER_TASK;
-        dispatch_on(self.path, Search { tree: &self.tree, first, out });
+        dispatch_on(self.path, Search { tree: &self.tree, first, out: Appender::new(out) });
     }
 }
 
@@ -146,7 +146,7 @@ impl Stack {
 struct Search<'a> {
     tree: &'a WideBvh,
     first: usize,
-    out: &'a mut Vec<Pair>,
+    out: Appender<'a>,
 }
 
 impl Kernel for Search<'_> {
@@ -217,7 +217,7 @@ impl Search<'_> {
         if hits == 0 {
             return;
         }
-        append(l, (i, &self.tree.ids()[leaf], hits), self.out);
+        self.out.append(l, i, (&self.tree.ids()[leaf], hits));
     }
 }
 

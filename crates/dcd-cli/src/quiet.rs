@@ -2,8 +2,8 @@
 
 use std::panic;
 
-/// Parry panics on some degenerate hulls. dcd-parry and dcd-io catch that and call the pair
-/// undecided, or keep the point set; the message would only alarm. Every other panic is reported.
+/// Parry panics on some degenerate hulls. dcd-parry catches that and calls the pair
+/// undecided; the message would only alarm. Every other panic is reported.
 pub(crate) fn about_parry() {
     let report = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {

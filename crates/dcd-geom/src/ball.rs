@@ -29,7 +29,8 @@ impl Ball {
     /// A ball that lies inside the hull of `points`, as large as a few microseconds can find.
     ///
     /// Sound for any points: its radius is proved, with rounding, and is 0 where the hull is flat
-    /// or nothing could be proved. A closed surface of triangles between some of the points is
+    /// or nothing could be proved; the centre is then the mean of some of the points, within 2.02
+    /// units of 2⁻⁵³ of the largest length of a point from the hull. A closed surface of triangles between some of the points is
     /// made; if every triangle sees the centre on its inner side, every point of an open ball that
     /// misses all triangles has the centre's winding number and is inside the hull, however
     /// wrong the surface may otherwise be (docs/numerics.md, "inner balls").
@@ -38,15 +39,40 @@ impl Ball {
         if let Some(ball) = Surface::around(&chosen).and_then(|surface| inside_of(&surface)) {
             return ball;
         }
-        let weight = 1.0 / chosen.len().max(1) as f64;
-        let centre = chosen.iter().fold(DVec3::ZERO, |sum, &p| sum + p * weight);
-        Self { centre, radius: 0.0 }
+        Self::at_mean(&chosen)
+    }
+
+    /// A ball of radius 0 at the mean of the points: of a set that has no ball inside. The mean is
+    /// within 2.02u of the largest length of a point from the hull (docs/numerics.md, "centres").
+    pub(crate) fn at_mean(points: &[DVec3]) -> Self {
+        Self { centre: mean(points), radius: 0.0 }
     }
 
     /// The smallest ball round `centre` that holds all `points`, its radius rounded up.
     pub fn around(centre: DVec3, points: &[DVec3]) -> Self {
         Self { centre, radius: reach(points.iter().map(|&p| p - centre)) }
     }
+}
+
+/// The mean of the points, each coordinate within 2.02u of the exact one; the first point, which is
+/// in the hull itself, where a sum overflows; the origin for no point at all.
+///
+/// What a sum loses is added up beside it (Ogita, Rump and Oishi 2005), so that the number of points
+/// does not count. A plain sum of 98 would be off by a hundred roundings: certificates that take the
+/// centre for a point of the shape would be false far from the origin of the shape's own frame.
+fn mean(points: &[DVec3]) -> DVec3 {
+    let first = points.first().copied().unwrap_or(DVec3::ZERO);
+    let (mut sum, mut lost) = (DVec3::ZERO, DVec3::ZERO);
+    for &p in points {
+        let next = sum + p;
+        // The sum's own rounding, exactly (Knuth's two-sum).
+        let part = next - sum;
+        lost += (sum - (next - part)) + (p - part);
+        sum = next;
+    }
+    let mean = (sum + lost) / points.len().max(1) as f64;
+    // An overflow makes a NaN of what was lost.
+    if mean.is_finite() { mean } else { first }
 }
 
 /// The largest length of the vectors, rounded up; scaled, so that no square over- or underflows.
@@ -307,6 +333,39 @@ mod tests {
             assert_eq!(ball.radius, 0.0);
             assert!(ball.centre.is_finite());
         }
+    }
+
+    #[test]
+    fn the_centre_of_a_set_without_an_inner_ball_is_the_mean_to_two_roundings() {
+        let far = |x: f64, y: f64, z: f64| DVec3::new(x, y, z) * 2135251731709.0234;
+        let line = |count: u32| (0..count).map(|k| far(1.0, -0.3, 0.7) + DVec3::X * f64::from(k));
+        let copies = |count: usize| std::iter::repeat_n(far(1.0, 1.0, 1.0), count);
+        let flat = |count: u32| {
+            let point = |k: u32| far(f64::from(k % 7) * 0.1, f64::from(k * k % 11) / 3.0, 0.0);
+            (0..count).map(point)
+        };
+        for count in 1..=98 {
+            let sets = [line(count).collect(), copies(count as usize).collect::<Vec<_>>()];
+            for points in sets.into_iter().chain([flat(count).collect()]) {
+                let centre = Ball::at_mean(&points).centre;
+                for axis in 0..3 {
+                    // All are whole multiples of 2⁻²⁰ metres: exact in i128.
+                    let unit = 2f64.powi(20);
+                    let whole = |x: f64| {
+                        let scaled = x * unit;
+                        assert!(scaled.abs() < 1e30);
+                        scaled as i128
+                    };
+                    let sum: i128 = points.iter().map(|p| whole(p[axis])).sum();
+                    let fraction = points.iter().all(|p| (p[axis] * unit).fract() == 0.0);
+                    assert!(fraction && (centre[axis] * unit).fract() == 0.0);
+                    let off = (whole(centre[axis]) * i128::from(count) - sum).unsigned_abs() as f64;
+                    let allowed = 2.02 * U * sum.unsigned_abs() as f64;
+                    assert!(off <= allowed, "{count} points: {off} of {allowed}");
+                }
+            }
+        }
+        assert_eq!(Ball::at_mean(&[DVec3::MAX; 5]).centre, DVec3::MAX);
     }
 
     #[test]

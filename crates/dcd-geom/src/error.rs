@@ -33,15 +33,15 @@ pub enum PoseError {
 impl fmt::Display for PoseError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotFinite { value } => write!(f, "the pose holds {value}, not a finite number"),
+            Self::NotFinite { value } => write!(f, "the pose holds {value:e}, not a finite number"),
             Self::NotUnit { length_squared } => {
-                write!(f, "the quaternion has |q|² = {length_squared}, not 1")
+                write!(f, "the quaternion has |q|² = {length_squared:e}, not 1")
             }
             Self::NotOrthonormal { deviation } => {
-                write!(f, "the matrix is no rotation: |RᵀR − I| has an entry of {deviation}")
+                write!(f, "the matrix is no rotation: |RᵀR − I| has an entry of {deviation:e}")
             }
             Self::Mirrors { determinant } => {
-                write!(f, "the matrix is no rotation: its determinant is {determinant}")
+                write!(f, "the matrix is no rotation: its determinant is {determinant:e}")
             }
         }
     }
@@ -117,21 +117,22 @@ impl fmt::Display for ShapeError {
         match self {
             Self::Empty => write!(f, "the shape has no point"),
             Self::NotFinite { vertex, value } => {
-                write!(f, "vertex {vertex} holds {value}, not a finite number")
+                write!(f, "vertex {vertex} holds {value:e}, not a finite number")
             }
             Self::BadLength { what, value } => {
-                write!(f, "the {what} is {value}, not a finite length of at least 0")
+                write!(f, "the {what} is {value:e}, not a finite length of at least 0")
             }
             Self::TooManyVertices { count } => {
                 write!(f, "{count} vertices are more than a u32 counts")
             }
             Self::BadPlane { normal, offset } => {
-                write!(f, "normal {normal} and offset {offset} make no plane")
+                let [x, y, z] = normal.to_array();
+                write!(f, "normal [{x:e}, {y:e}, {z:e}] and offset {offset:e} make no plane")
             }
             Self::TooManyParts { count } => write!(f, "{count} parts are more than a u32 counts"),
             Self::BadPart { part } => write!(f, "part {part} is not convex and bounded"),
             Self::PartNotFinite { part, vertex, value } => {
-                write!(f, "vertex {vertex} of part {part} is at {value} in its place")
+                write!(f, "vertex {vertex} of part {part} is at {value:e} in its place")
             }
             Self::NoSuchVertex { triangle, vertex, vertices } => {
                 write!(f, "triangle {triangle} names vertex {vertex}, but there are {vertices}")
@@ -230,7 +231,7 @@ impl fmt::Display for SceneError {
                 write!(f, "{count} {what} are more than a u32 counts")
             }
             Self::OutOfRange { object, reach } => {
-                write!(f, "object {object} reaches {reach} m, beyond the range of f32 boxes")
+                write!(f, "object {object} reaches {reach:e} m, beyond the range of f32 boxes")
             }
             Self::NoLongerThere { handle } => {
                 let crate::Handle { index, generation } = handle;

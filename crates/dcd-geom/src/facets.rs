@@ -1,10 +1,10 @@
 //! The faces of a hull, coplanar triangles merged.
 
-mod quickhull;
+mod lattice;
 mod ring;
 
+use crate::hull::Triangle;
 use glam::DVec3;
-use quickhull::Triangle;
 
 /// How far a vertex may be from a face's plane to be a corner of it, relative to the largest
 /// extent. Well above the lattice of 2⁻³⁸ on which the hull is found and the rounding of
@@ -37,17 +37,17 @@ impl Facets {
     /// everywhere.
     pub fn of(vertices: &[DVec3]) -> Self {
         let mut facets = Self::default();
-        match quickhull::hull(vertices) {
-            quickhull::Hull::Solid(triangles) => facets.merge(vertices, &triangles),
-            quickhull::Hull::Flat { normal } => {
+        match lattice::hull(vertices) {
+            lattice::Hull::Solid(triangles) => facets.merge(vertices, &triangles),
+            lattice::Hull::Flat { normal } => {
                 let all: Vec<u32> = (0..vertices.len() as u32).collect();
                 let corners = ring::corners(vertices, &all, normal);
                 let backwards: Vec<u32> = corners.iter().rev().copied().collect();
                 facets.push(normal, &corners);
                 facets.push(-normal, &backwards);
             }
-            quickhull::Hull::Segment(ends) => facets.push(DVec3::ZERO, &ends),
-            quickhull::Hull::Point(only) => facets.push(DVec3::ZERO, &[only]),
+            lattice::Hull::Segment(ends) => facets.push(DVec3::ZERO, &ends),
+            lattice::Hull::Point(only) => facets.push(DVec3::ZERO, &[only]),
         }
         facets
     }
@@ -72,7 +72,7 @@ impl Facets {
     /// corners stay in its plane.
     fn merge(&mut self, vertices: &[DVec3], triangles: &[Triangle]) {
         let extent = vertices.iter().fold(0.0f64, |most, v| most.max(v.distance(vertices[0])));
-        let weighted: Vec<DVec3> = triangles.iter().map(|t| t.weighted_normal(vertices)).collect();
+        let weighted: Vec<DVec3> = triangles.iter().map(|t| weighted_normal(t, vertices)).collect();
         let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
         let area = |t: u32| weighted[t as usize].length_squared();
         order.sort_by(|&s, &t| area(t).total_cmp(&area(s)).then(s.cmp(&t)));
@@ -109,6 +109,12 @@ impl Facets {
             self.push(normal, &corners);
         }
     }
+}
+
+/// Along the outward normal, of twice the triangle's area.
+fn weighted_normal(triangle: &Triangle, vertices: &[DVec3]) -> DVec3 {
+    let [p, q, r] = triangle.corners.map(|k| vertices[k as usize]);
+    (q - p).cross(r - p)
 }
 
 #[cfg(test)]

@@ -185,14 +185,17 @@ impl<A> Findings<'_, A> {
 /// `growth` is known lie in the objects' bounds swept by it. Where a `sole_answer` is known it is
 /// that of every two objects with a common point.
 ///
-/// Objects in no pair need not be prepared. Laid out again for a scene of the same
-/// [`Scene::layout`], a frame keeps what it holds of every object, so that one that has not moved
-/// need not be prepared again.
+/// Objects in no pair need not be prepared. An object that has been prepared in a frame need not be
+/// prepared again after `lay_out` if three things hold: the scene's [`Scene::layout`] is the same, the
+/// object's pose is the same, and `keeps` says that the frame has kept what it held.
 /// `law` tests it.
 ///
 /// The frame stays from step to step: `prepare` finds there what it wrote of the object in that
 /// slot before, perhaps for another object ([`Scene::generations`]) or another scene
-/// ([`Scene::layout`]). Whatever is kept there may save work and never changes a verdict.
+/// ([`Scene::layout`]). Whatever is kept there may save work and never changes a verdict, an order
+/// or an AABB. In particular, nothing that changes for all objects at once (a form that they share, a
+/// copy that is made anew, sums that start again) may wait for `prepare`, which static objects do not
+/// see: `lay_out` brings it to every object, or `keeps` says `false`.
 pub trait NarrowPhase: Send + Sync {
     /// What is told of a touching pair.
     type Answer: Copy + Default + Send + Sync + 'static;
@@ -222,12 +225,20 @@ pub trait NarrowPhase: Send + Sync {
     /// Makes room for every object of the scene: offsets only.
     fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f>;
 
+    /// Whether the frame still holds, AABBs included, all that was prepared in it before it was laid
+    /// out as this part: asked of the whole part, before it is cut. `false` is always safe, and what
+    /// an implementation says unless it knows better: then every object is prepared again.
+    fn keeps(&self, _part: &Self::Part<'_>) -> bool {
+        false
+    }
+
     /// Prepares the objects from `first` on that the part has room for, and writes the box of each
     /// to `aabbs`, which has the part's length.
     fn prepare(&self, scene: &Scene, first: usize, part: Self::Part<'_>, aabbs: &mut [Aabb]);
 
     /// Is told of all candidates between `prepare` and `decide`, slice by slice: for whoever keeps
-    /// something for each of them. Does nothing of itself.
+    /// something for each of them. Does nothing of itself. A caller may leave it out; the verdicts
+    /// are the same.
     fn foresee<'p>(
         &self,
         _frame: &mut Self::Frame,

@@ -104,6 +104,11 @@ impl<G: PairSolver> NarrowPhase for EachPair<G> {
         Nothing(scene.len())
     }
 
+    /// Nothing is held but AABBs, which are the scene's.
+    fn keeps(&self, _: &Nothing) -> bool {
+        true
+    }
+
     fn prepare(&self, scene: &Scene, first: usize, _: Nothing, aabbs: &mut [Aabb]) {
         let half = self.0.margin() / 2.0;
         for (i, aabb) in (first..).zip(aabbs) {

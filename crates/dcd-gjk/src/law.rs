@@ -50,6 +50,17 @@ where
     decided(narrow, scene, &half_empty, &upper, &mut scratch)
         .must_equal(&due, "the lower half of the objects never prepared")?;
 
+    prepared(narrow, scene, &mut frame, usize::MAX);
+    if keeps_when_laid_out_again(narrow, scene, &mut frame) {
+        decided(narrow, scene, &frame, pairs, &mut scratch)
+            .must_equal(&whole, "laid out again by a frame that keeps what it held")?;
+    }
+    // Another scene between, of nothing: a frame that keeps something of it must not show it.
+    prepared(narrow, &Scene::default(), &mut frame, usize::MAX);
+    if prepared(narrow, scene, &mut frame, usize::MAX) != aabbs {
+        return Err(Broken("the boxes depend on the scene before".into()));
+    }
+
     let mut alone = Filed::default();
     for &pair in pairs.iter().rev() {
         alone.append(decided(narrow, scene, &frame, &[pair], &mut scratch));
@@ -93,6 +104,15 @@ fn upper_half_prepared<N: NarrowPhase>(narrow: &N, scene: &Scene, frame: &mut N:
     let (_, part) = narrow.lay_out(scene, frame).split_at(middle);
     let mut aabbs = vec![Aabb::default(); scene.len() - middle];
     narrow.prepare(scene, middle, part, &mut aabbs);
+}
+
+fn keeps_when_laid_out_again<N: NarrowPhase>(
+    narrow: &N,
+    scene: &Scene,
+    frame: &mut N::Frame,
+) -> bool {
+    let part = narrow.lay_out(scene, frame);
+    narrow.keeps(&part)
 }
 
 fn decided<N: NarrowPhase>(

@@ -1,6 +1,7 @@
 //! Boxes as text: one a line, min x y z max x y z.
 
 use crate::ReadError;
+use crate::bytes::without_mark;
 use dcd_geom::Aabb;
 use glam::Vec3;
 use std::path::Path;
@@ -15,7 +16,7 @@ use std::path::Path;
 /// # Errors
 /// A line without six fields, a field that is no number or not finite, a box that is inside out.
 pub fn read_boxes(bytes: &[u8]) -> Result<Vec<Aabb>, ReadError> {
-    let lines = bytes.split(|&byte| byte == b'\n').enumerate();
+    let lines = without_mark(bytes).split(|&byte| byte == b'\n').enumerate();
     let lines = lines.filter(|(_, line)| !line.trim_ascii().is_empty());
     lines.map(|(index, line)| read_box(index + 1, line)).collect()
 }
@@ -69,6 +70,11 @@ mod tests {
         assert_eq!(boxes[0].max, Vec3::new(1.0, 2.0, 3.5));
         assert_eq!(boxes[1].max.z, 1e-3);
         assert!(read_boxes(b"").unwrap().is_empty());
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_passed_over() {
+        assert_eq!(read_boxes(b"\xef\xbb\xbf0 0 0 1 1 1").unwrap().len(), 1);
     }
 
     #[test]

@@ -2,6 +2,11 @@
 
 use crate::ReadError;
 
+/// The text behind a byte order mark, if it begins with one.
+pub(crate) fn without_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
+}
+
 /// A place in a file.
 pub(crate) struct Cursor<'a> {
     bytes: &'a [u8],

@@ -68,8 +68,7 @@ pub struct CloudCensus {
     pub points: usize,
     /// Empty ones, and those that hold NaN or infinity: no shape at all.
     pub invalid: usize,
-    /// How many of the solid ones the hull library refused, so that they stay point sets. 0
-    /// without the feature `hull`, which asks none.
+    /// How many of the solid ones have no hull, so that they stay point sets: numbers too far apart.
     pub refused: usize,
 }
 
@@ -86,7 +85,6 @@ impl CloudCensus {
                 None => &mut census.invalid,
             };
             *slot += 1;
-            #[cfg(feature = "hull")]
             if CloudKind::of(cloud) == Some(CloudKind::Solid) && crate::convex_hull(cloud).is_err()
             {
                 census.refused += 1;

@@ -219,11 +219,17 @@ impl ReadError {
     }
 }
 
+/// A path as it stands in a message: no control character of a name reaches a terminal.
+pub fn shown(path: &Path) -> String {
+    let escaped = |c: char| if c.is_control() { c.escape_debug().to_string() } else { c.into() };
+    path.to_string_lossy().chars().map(escaped).collect()
+}
+
 impl fmt::Display for ReadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Io { path, error } => write!(f, "{}: {error}", path.display()),
-            Self::InFile { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::Io { path, error } => write!(f, "{}: {error}", shown(path)),
+            Self::InFile { path, error } => write!(f, "{}: {error}", shown(path)),
             Self::Truncated { what, index, at, needed, left } => write!(
                 f,
                 "the {what} of record {index} take {needed} bytes from byte {at} on, but {left} \
@@ -234,7 +240,7 @@ impl fmt::Display for ReadError {
             }
             Self::Empty { what, index } => write!(f, "{what} {index} has no point"),
             Self::NotFinite { what, index, value } => {
-                write!(f, "{what} {index} holds {value}, not a finite number")
+                write!(f, "{what} {index} holds {value:e}, not a finite number")
             }
             Self::OutOfBounds { what, index, target, count } => {
                 write!(f, "{what} {index} refers to {target}, but there are {count}")
@@ -246,7 +252,7 @@ impl fmt::Display for ReadError {
                 write!(f, "line {line}, field {field}: {text:?} is no number")
             }
             Self::InsideOut { line, axis, min, max } => {
-                write!(f, "line {line}: on axis {axis} the box goes from {min} to {max}")
+                write!(f, "line {line}: on axis {axis} the box goes from {min:e} to {max:e}")
             }
             Self::Header { line, text } => write!(f, "line {line} of the header: {text:?}"),
             Self::Missing { what } => write!(f, "there is no {what}"),

@@ -1,61 +1,30 @@
-//! The convex hull of a point cloud, from Parry, believed only after a check.
+//! The convex hull of a point cloud, if it has a volume worth the name.
 
 use crate::CloudKind;
+use dcd_geom::{ConvexHull, Dimension, HullError};
 use glam::DVec3;
-use parry3d_f64::transformation::try_convex_hull;
-use std::collections::HashMap;
 use std::fmt;
-use std::panic::catch_unwind;
-
-/// More points than this are not handed to the library: it recurses over the facets that a point
-/// sees, and a stack that runs out cannot be caught.
-const MOST_POINTS: usize = 4096;
-
-/// The smallest and largest extent of a cloud, metres, that the library is asked about: beyond
-/// them its squares and triple products leave the range of f64.
-const EXTENTS: std::ops::RangeInclusive<f64> = 1e-90..=1e90;
-
-/// How far a point of the cloud may lie beyond a facet's plane. No unit: times the cloud's largest
-/// extent. Above what the library itself decides by (100 ε on a cloud that it scales to between 1
-/// and 50), so that it rejects wrong hulls, not rounded ones. Larger: points of the cloud are lost.
-const OUTSIDE: f64 = 1e-12;
-
-/// What the triple product of three vectors of the cloud's extent may be wrong by. No unit: times
-/// the extent cubed; some ten roundings of 2⁻⁵³. It matters for slivers, whose plane is noise.
-const VOLUME_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// A hull: the shape is by definition the hull of these vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hull {
-    /// The cloud's points that are kept, each once, bit for bit and in the cloud's order.
+    /// The cloud's points that are not in the hull of the others, each once, bit for bit and in the
+    /// cloud's order.
     pub vertices: Vec<DVec3>,
     /// The surface, closed, counter-clockwise seen from outside, by index into `vertices`.
     pub triangles: Vec<[u32; 3]>,
 }
 
 /// Why a cloud has no hull here and stays a point set, which is a legal shape.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum HullRefusal {
     /// It is empty, or holds NaN or infinity.
     Invalid,
     /// It has no volume, or next to none.
     NotSolid(CloudKind),
-    /// It has more points than the library can be trusted with.
-    TooManyPoints {
-        /// How many.
-        count: usize,
-    },
-    /// It is too small or too large, in metres, for the library's arithmetic.
-    OutOfRange,
-    /// The library said no.
-    Library(String),
-    /// The library gave a hull that is not closed, has other vertices than the cloud, or leaves a
-    /// point of the cloud outside.
-    Unsound {
-        /// Which of these.
-        what: &'static str,
-    },
+    /// It has more points than a u32 counts, or numbers too far apart.
+    Refused(HullError),
 }
 
 impl fmt::Display for HullRefusal {
@@ -63,115 +32,33 @@ impl fmt::Display for HullRefusal {
         match self {
             Self::Invalid => write!(f, "the cloud is empty or not finite"),
             Self::NotSolid(kind) => write!(f, "the cloud has no volume: {kind:?}"),
-            Self::TooManyPoints { count } => {
-                write!(f, "{count} points are more than {MOST_POINTS}")
-            }
-            Self::OutOfRange => write!(f, "the cloud is too small or too large"),
-            Self::Library(reason) => write!(f, "the hull library refuses: {reason}"),
-            Self::Unsound { what } => write!(f, "the hull library's answer is unsound: {what}"),
+            Self::Refused(error) => error.fmt(f),
         }
     }
 }
 
 impl std::error::Error for HullRefusal {}
 
-/// The convex hull of a cloud, its inner points dropped.
-///
-/// A point may be dropped that lies outside of the kept ones' hull by at most 1e-12 of the cloud's
-/// extent. Costs tens of microseconds for a hundred points, and grows as points times facets.
+/// The convex hull of a cloud, its inner points dropped. Exact: see [`ConvexHull`].
 ///
 /// # Errors
-/// A cloud without volume, out of range, or whose hull the library refuses or gets wrong.
+/// A cloud without volume as [`CloudKind`] tells it, or one that [`ConvexHull::of`] refuses.
 pub fn convex_hull(points: &[DVec3]) -> Result<Hull, HullRefusal> {
-    let extent = check_cloud(points)?;
-    // The library asserts its own invariants, which no check beforehand can foresee. Catching is
-    // the last resort: it prints the panic's message, and does nothing where panics abort.
-    let found = catch_unwind(|| try_convex_hull(points))
-        .map_err(|_| HullRefusal::Library("it panicked".into()))?;
-    let (vertices, triangles) = found.map_err(|error| HullRefusal::Library(error.to_string()))?;
-    let hull = in_cloud_order(points, &vertices, &triangles)?;
-    check_closed(&hull.triangles)?;
-    check_convex(&hull, points, extent)?;
-    Ok(hull)
-}
-
-/// The cloud's largest extent along an axis, if the library may be asked about it.
-fn check_cloud(points: &[DVec3]) -> Result<f64, HullRefusal> {
     match CloudKind::of(points) {
         None => return Err(HullRefusal::Invalid),
         Some(CloudKind::Solid) => {}
         Some(kind) => return Err(HullRefusal::NotSolid(kind)),
     }
-    if points.len() > MOST_POINTS {
-        return Err(HullRefusal::TooManyPoints { count: points.len() });
+    let hull = ConvexHull::of(points).map_err(HullRefusal::Refused)?;
+    // The kind is rounded, so that it may take the noise of points far from the origin for more.
+    match hull.dimension() {
+        Dimension::Point => return Err(HullRefusal::NotSolid(CloudKind::Point)),
+        Dimension::Line => return Err(HullRefusal::NotSolid(CloudKind::Needle)),
+        Dimension::Plane => return Err(HullRefusal::NotSolid(CloudKind::Flat)),
+        Dimension::Solid => {}
     }
-    let min = points.iter().fold(DVec3::INFINITY, |m, &p| m.min(p));
-    let max = points.iter().fold(DVec3::NEG_INFINITY, |m, &p| m.max(p));
-    let extent = (max - min).max_element();
-    if EXTENTS.contains(&extent) { Ok(extent) } else { Err(HullRefusal::OutOfRange) }
-}
-
-/// The library's hull with its vertices in the cloud's order, so that only their set depends on
-/// the library.
-fn in_cloud_order(
-    points: &[DVec3],
-    vertices: &[DVec3],
-    triangles: &[[u32; 3]],
-) -> Result<Hull, HullRefusal> {
-    let bits = |p: &DVec3| p.to_array().map(f64::to_bits);
-    let mut position = HashMap::with_capacity(points.len());
-    for (index, point) in points.iter().enumerate() {
-        position.entry(bits(point)).or_insert(index);
-    }
-    let known = |vertex| position.get(&bits(vertex)).copied();
-    let foreign = HullRefusal::Unsound { what: "a vertex is not in the cloud" };
-    let from = vertices.iter().map(known).collect::<Option<Vec<_>>>().ok_or(foreign)?;
-    let mut kept = from.clone();
-    kept.sort_unstable();
-    kept.dedup();
-    let repeated = HullRefusal::Unsound { what: "a vertex occurs twice" };
-    if kept.len() != from.len() {
-        return Err(repeated);
-    }
-    let renamed = |&corner: &u32| {
-        let index = from.get(corner as usize)?;
-        Some(kept.binary_search(index).ok()? as u32)
-    };
-    let triangles = triangles.iter().map(|triangle| {
-        let [a, b, c] = triangle;
-        Some([renamed(a)?, renamed(b)?, renamed(c)?])
-    });
-    let missing = HullRefusal::Unsound { what: "a triangle names a vertex that is not there" };
-    let triangles = triangles.collect::<Option<Vec<_>>>().ok_or(missing)?;
-    Ok(Hull { vertices: kept.into_iter().map(|index| points[index]).collect(), triangles })
-}
-
-/// That each directed edge occurs once, and its reverse once.
-fn check_closed(triangles: &[[u32; 3]]) -> Result<(), HullRefusal> {
-    let edges = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-    let mut edges: Vec<_> = edges.collect();
-    edges.sort_unstable();
-    let once = edges.windows(2).all(|pair| pair[0] != pair[1]);
-    let closed = edges.iter().all(|&[a, b]| edges.binary_search(&[b, a]).is_ok());
-    if triangles.len() >= 4 && once && closed {
-        Ok(())
-    } else {
-        Err(HullRefusal::Unsound { what: "its surface is not closed" })
-    }
-}
-
-/// That no point of the cloud lies outside of any facet's plane.
-fn check_convex(hull: &Hull, points: &[DVec3], extent: f64) -> Result<(), HullRefusal> {
-    for triangle in &hull.triangles {
-        let [a, b, c] = triangle.map(|corner| hull.vertices[corner as usize]);
-        let normal = (b - a).cross(c - a);
-        let most = OUTSIDE * extent * normal.length() + VOLUME_ROUNDING * extent.powi(3);
-        // Written so that NaN is refused.
-        if !points.iter().all(|&p| normal.dot(p - a) <= most) {
-            return Err(HullRefusal::Unsound { what: "a point of the cloud is left outside" });
-        }
-    }
-    Ok(())
+    let vertices = hull.corners().iter().map(|&k| points[k as usize]).collect();
+    Ok(Hull { vertices, triangles: hull.triangles().to_vec() })
 }
 
 #[cfg(test)]
@@ -221,42 +108,34 @@ mod tests {
     }
 
     #[test]
-    fn invalid_huge_and_tiny_clouds_are_refused() {
+    fn invalid_clouds_are_refused() {
         assert_eq!(convex_hull(&[]), Err(HullRefusal::Invalid));
         assert_eq!(convex_hull(&[DVec3::NAN; 5]), Err(HullRefusal::Invalid));
-        for scale in [1e-200, 1e-100, 1e100, 1e308] {
-            let cloud: Vec<_> = grid(2).into_iter().map(|p| p * scale).collect();
-            assert_eq!(convex_hull(&cloud), Err(HullRefusal::OutOfRange), "{scale}");
-        }
-        assert_eq!(convex_hull(&grid(17)), Err(HullRefusal::TooManyPoints { count: 4913 }));
     }
 
     #[test]
-    fn a_slab_too_thin_for_the_library_stays_whole_or_is_refused() {
-        // The library takes this for flat and would lose one side.
+    fn huge_and_tiny_clouds_and_those_of_many_points_have_their_hulls() {
+        for scale in [5e-324, 1e-300, 1e-100, 1e100, 8e307] {
+            let cloud: Vec<_> = grid(3).into_iter().map(|p| p * scale).collect();
+            let corners: Vec<_> = grid(2).into_iter().map(|p| p * 2.0 * scale).collect();
+            assert_eq!(convex_hull(&cloud).unwrap().vertices, corners, "{scale:e}");
+        }
+        assert_eq!(convex_hull(&grid(40)).unwrap().vertices.len(), 8);
+    }
+
+    #[test]
+    fn numbers_too_far_apart_to_be_exact_are_refused() {
+        let mut cloud = grid(2);
+        cloud[0].x = 1e-250;
+        assert_eq!(convex_hull(&cloud), Err(HullRefusal::Refused(HullError::TooWide)));
+    }
+
+    #[test]
+    fn a_slab_keeps_both_its_sides_however_thin() {
         for thickness in [1e-2, 1e-3, 1e-4, 1e-5] {
             let flatten = DVec3::new(1.0, 1.0, thickness);
             let cloud: Vec<_> = grid(2).into_iter().map(|p| p * flatten).collect();
-            match convex_hull(&cloud) {
-                Ok(hull) => assert_eq!(hull.vertices, cloud),
-                Err(refusal) => {
-                    assert!(matches!(refusal, HullRefusal::Unsound { .. }), "{refusal}")
-                }
-            }
+            assert_eq!(convex_hull(&cloud).unwrap().vertices, cloud, "{thickness:e}");
         }
-    }
-
-    #[test]
-    fn a_surface_with_a_hole_or_a_lost_point_is_unsound() {
-        let cloud = grid(2);
-        let mut hull = convex_hull(&cloud).unwrap();
-        let mut with_spike = cloud.clone();
-        with_spike.push(DVec3::new(0.5, 0.5, 1.001));
-        assert!(check_convex(&hull, &cloud, 1.0).is_ok());
-        assert!(check_convex(&hull, &with_spike, 1.0).is_err());
-        hull.triangles.pop();
-        assert!(check_closed(&hull.triangles).is_err());
-        assert!(in_cloud_order(&cloud[1..], &cloud, &hull.triangles).is_err());
-        assert!(in_cloud_order(&cloud, &cloud, &[[0, 1, 8]]).is_err());
     }
 }

@@ -83,7 +83,8 @@ pub fn write_hull_scene(scene: &RawScene, out: &mut impl Write) -> io::Result<()
             return Err(invalid(SceneError::NoSuchShape { object, shape: raw.shape, shapes }));
         };
         if let RawShape::Sphere { radius } | RawShape::Capsule { radius, .. } = shape {
-            let refused = format!("object {object}: a hull scene has no room for radius {radius}");
+            let refused =
+                format!("object {object}: a hull scene has no room for radius {radius:e}");
             return Err(io::Error::new(io::ErrorKind::InvalidInput, refused));
         }
         write_shape(shape, out)?;
@@ -158,7 +159,7 @@ mod tests {
         scene.shapes[1] = RawShape::Sphere { radius: 0.5 };
         let refused = write_hull_scene(&scene, &mut Vec::new()).unwrap_err();
         assert_eq!(refused.kind(), io::ErrorKind::InvalidInput);
-        assert!(refused.to_string().contains("object 1") && refused.to_string().contains("0.5"));
+        assert!(refused.to_string().contains("object 1") && refused.to_string().contains("5e-1"));
     }
 
     #[test]

@@ -14,7 +14,6 @@ mod cloud;
 mod clouds;
 pub mod data;
 mod error;
-#[cfg(feature = "hull")]
 mod hull;
 mod hull_scene;
 #[cfg(feature = "meshes")]
@@ -22,19 +21,19 @@ mod mesh;
 mod pairs;
 mod ply;
 mod raw;
+pub mod run;
 mod swept;
 
 pub use boxes::{load_boxes, read_boxes};
 pub use capture::{Capture, CaptureError, place_frame};
 pub use cloud::{CloudCensus, CloudKind};
 pub use clouds::{load_clouds, read_clouds};
-pub use error::ReadError;
-#[cfg(feature = "hull")]
+pub use error::{ReadError, shown};
 pub use hull::{Hull, HullRefusal, convex_hull};
 pub use hull_scene::{load_hull_scene, read_hull_scene, write_hull_scene};
 #[cfg(feature = "meshes")]
 pub use mesh::{load_mesh, load_obj, read_obj};
-pub use pairs::{PairError, PairFault, PairInput, read_pair, read_pairs};
+pub use pairs::{LONGEST_LINE, PairError, PairFault, PairInput, read_pair, read_pairs};
 pub use ply::{Frame, load_frame, read_frame};
 pub use raw::{BuildError, RawObject, RawScene, RawShape};
 pub use swept::{SweptBoxes, load_listed_pairs, read_listed_pairs};

@@ -1,5 +1,6 @@
 //! Triangle meshes from OBJ and PLY files.
 
+use crate::bytes::without_mark;
 use crate::{Frame, ReadError, load_frame};
 use dcd_geom::{Shape, ShapeError};
 use glam::DVec3;
@@ -18,7 +19,7 @@ pub fn read_obj(bytes: &[u8]) -> Result<Frame, ReadError> {
         ..tobj::LoadOptions::default()
     };
     let no_materials = |_: &Path| Ok(Default::default());
-    let mut text = bytes;
+    let mut text = without_mark(bytes);
     let read = tobj::load_obj_buf(&mut text, &options, no_materials);
     let (models, _) = read.map_err(|error| ReadError::Obj { message: error.to_string() })?;
     let mut frame = Frame::default();
@@ -88,6 +89,13 @@ mod tests {
         assert_eq!(corners(1)[2], DVec3::new(0.0, 1.0, 0.1));
         assert_eq!(corners(2)[0], DVec3::splat(5.0));
         assert!(matches!(frame.into_shape().unwrap(), Shape::Mesh(_)));
+    }
+
+    #[test]
+    fn a_byte_order_mark_hides_no_vertex() {
+        let text = "\u{feff}v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let plain = read_obj(&text.as_bytes()[3..]).unwrap();
+        assert_eq!(read_obj(text.as_bytes()).unwrap(), plain);
     }
 
     #[test]

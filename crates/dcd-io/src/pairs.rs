@@ -1,15 +1,17 @@
 //! Pairs of posed point sets: JSON Lines, one pair a line.
 //!
 //! `{"name": "…", "a": [[x, y, z], …], "pose_a": {"R": [[…3], …3 rows], "t": [x, y, z]}, "b": …,
-//! "pose_b": …}`, metres; `q` = [x, y, z, w] may stand in place of `R`. Unknown keys are ignored.
+//! "pose_b": …}`, metres; `q` = [x, y, z, w] may stand in place of `R`. Keys that are none of these
+//! are refused, but for `name` and those that begin with an underscore.
 
 mod line;
 
+use crate::bytes::without_mark;
 use dcd_geom::{Polytope, Pose, PoseError, ShapeError};
 use glam::{DMat3, DQuat, DVec3};
 use line::{Number, PairLine, PoseValue, name_of, with_quoted_words};
 use std::fmt;
-use std::io::{self, BufRead};
+use std::io::{self, BufRead, Read};
 
 /// One pair, checked.
 #[derive(Clone, Debug)]
@@ -109,20 +111,32 @@ pub fn read_pair(line: &[u8]) -> Result<PairInput, PairError> {
     }
 }
 
+/// The longest line that [`read_pairs`] takes, bytes: some ten million numbers. Without a limit a file
+/// that never ends a line would take all memory.
+pub const LONGEST_LINE: u64 = 1 << 28;
+
 /// Reads line by line. A refused line does not end the run; an empty one is refused, since it is no
-/// pair. If the reader itself fails, that is the last item.
+/// pair. A byte order mark before the first is passed over. If the reader itself fails, that is the
+/// last item; so it is where a line is longer than [`LONGEST_LINE`], whose end is not looked for.
 pub fn read_pairs(
     mut reader: impl BufRead,
 ) -> impl Iterator<Item = io::Result<Result<PairInput, PairError>>> {
     let mut line = Vec::new();
-    let mut failed = false;
+    let (mut failed, mut is_first) = (false, true);
     std::iter::from_fn(move || {
         if failed {
             return None;
         }
         line.clear();
-        match reader.read_until(b'\n', &mut line) {
+        let is_start = std::mem::replace(&mut is_first, false);
+        match (&mut reader).take(LONGEST_LINE + 1).read_until(b'\n', &mut line) {
             Ok(0) => None,
+            Ok(length) if length as u64 > LONGEST_LINE => {
+                failed = true;
+                let what = format!("a line is longer than {LONGEST_LINE} bytes");
+                Some(Err(io::Error::new(io::ErrorKind::InvalidData, what)))
+            }
+            Ok(_) if is_start => Some(Ok(read_pair(without_mark(&line)))),
             Ok(_) => Some(Ok(read_pair(&line))),
             Err(error) => {
                 failed = true;
@@ -159,7 +173,7 @@ fn pose(which: &'static str, value: &PoseValue) -> Result<Pose, PairFault> {
 mod tests {
     use super::*;
 
-    const LINE: &str = r#"{"name": "edge", "a": [[0, 0, 0], [0.1, 2, 3]], "pose_a": {"R": [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "t": [4, 5, 6]}, "b": [[1, 1, 1]], "pose_b": {"q": [0, 0, 0, 1], "t": [0, 0, 0]}, "more": {"x": [null]}}"#;
+    const LINE: &str = r#"{"name": "edge", "a": [[0, 0, 0], [0.1, 2, 3]], "pose_a": {"R": [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "t": [4, 5, 6]}, "b": [[1, 1, 1]], "pose_b": {"q": [0, 0, 0, 1], "t": [0, 0, 0]}, "_more": {"x": [null]}}"#;
 
     fn refused(from: &str, to: &str) -> PairError {
         assert!(LINE.contains(from));
@@ -249,7 +263,7 @@ mod tests {
 
     #[test]
     fn a_pose_without_rotation_is_refused() {
-        for text in [r#""q": null"#, r#""p": [0, 0, 0, 1]"#] {
+        for text in [r#""q": null"#, r#""_p": [0, 0, 0, 1]"#] {
             let none = refused(r#""q": [0, 0, 0, 1]"#, text).fault;
             assert!(matches!(none, PairFault::NoRotation { which: "pose_b" }), "{none}");
         }
@@ -258,8 +272,8 @@ mod tests {
     #[test]
     fn a_line_that_is_no_pair_is_refused_and_says_why() {
         for (from, to, why) in [
-            (r#""a""#, r#""c""#, "missing field `a`"),
-            (r#""t": [4, 5, 6]"#, r#""u": 1"#, "missing field `t`"),
+            (r#""a""#, r#""_c""#, "missing field `a`"),
+            (r#""t": [4, 5, 6]"#, r#""_u": 1"#, "missing field `t`"),
             ("[0.1, 2, 3]", "[0.1, 2]", "invalid length 2"),
             ("[0.1, 2, 3]", "[0.1, 2, 3, 4]", "trailing characters"),
             ("0.1", "\"0.1\"", "expected a number"),
@@ -276,6 +290,67 @@ mod tests {
                 Err(PairError { fault: PairFault::Json(_), .. })
             ));
         }
+    }
+
+    #[test]
+    fn a_key_that_is_unknown_is_refused_at_every_level_but_for_names_and_underscores() {
+        for (from, to, key) in [
+            (r#""_more""#, r#""more""#, "more"),
+            (r#""_more""#, r#""margin""#, "margin"),
+            (r#""_more""#, r#""A""#, "A"),
+            (r#""t": [4"#, r#""r": [[1, 0, 0]], "t": [4"#, "r"),
+            (r#""q""#, r#""Q""#, "Q"),
+            (r#""_more""#, r#""\u001b[2J\n""#, "\\u{1b}[2J\\n"),
+        ] {
+            let error = refused(from, to);
+            assert_eq!(error.name.as_deref(), Some("edge"));
+            assert!(error.fault.to_string().contains(&format!("unknown field `{key}`")), "{error}");
+        }
+        for to in [r#""t": [4, 5, 6], "_a": 1, "_a": [{}]"#, r#""t": [4, 5, 6], "name": {"_": 1}"#]
+        {
+            assert!(read_pair(LINE.replacen(r#""t": [4, 5, 6]"#, to, 1).as_bytes()).is_ok());
+        }
+    }
+
+    #[test]
+    fn a_list_in_place_of_an_object_is_refused() {
+        let pose = r#"{"q": [0, 0, 0, 1], "t": [0, 0, 0]}"#;
+        let list = format!("[\"x\", [[0, 0, 0]], {pose}, [[0, 0, 0]], {pose}]");
+        assert!(read_pair(list.as_bytes()).is_err());
+        assert!(
+            read_pair(LINE.replacen(pose, "[null, [0, 0, 0, 1], [0, 0, 0]]", 1).as_bytes())
+                .is_err()
+        );
+    }
+
+    #[test]
+    fn nesting_of_any_depth_is_refused_or_passed_over_without_a_stack() {
+        let deep = |key: &str| {
+            LINE.replacen(r#"{"x": [null]}"#, &"[".repeat(1_000_000), 1).replacen("_more", key, 1)
+        };
+        assert!(read_pair(deep("_more").as_bytes()).is_err());
+        assert!(read_pair(deep("more").as_bytes()).is_err());
+        let closed = format!("{}{}", "[".repeat(100_000), "]".repeat(100_000));
+        let own = LINE.replacen(r#"{"x": [null]}"#, &closed, 1);
+        // Whether it is passed over is the JSON reader's matter.
+        let _ = read_pair(own.as_bytes());
+        let points = LINE.replacen("[[1, 1, 1]]", &closed, 1);
+        assert!(read_pair(points.as_bytes()).is_err());
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_passed_over_before_the_first_line_alone() {
+        let text = ["\u{feff}", LINE, "\n\u{feff}", LINE, "\n"].concat();
+        let fine: Vec<bool> =
+            read_pairs(text.as_bytes()).map(|line| line.unwrap().is_ok()).collect();
+        assert_eq!(fine, [true, false]);
+    }
+
+    #[test]
+    fn a_line_without_an_end_is_refused_before_it_takes_all_memory() {
+        let mut items = read_pairs(io::BufReader::new(io::repeat(b' ')));
+        let refused = items.next().unwrap().unwrap_err().to_string();
+        assert!(refused.contains(&LONGEST_LINE.to_string()) && items.next().is_none(), "{refused}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What a scene is made from, before anything is checked.
 
+use crate::run::{self, Run};
 use dcd_geom::{Object, Pose, PoseError, Scene, SceneError, Shape, ShapeError};
 use glam::{DQuat, DVec3};
 use std::fmt;
@@ -35,10 +36,9 @@ pub enum RawShape {
 }
 
 impl RawShape {
-    /// The hull of a cloud: its vertices and surface where a library finds them (feature `hull`),
-    /// else the cloud itself, which is the same shape.
+    /// The hull of a cloud: its vertices and surface where it has a volume, else the cloud itself,
+    /// which is the same shape.
     pub fn of_cloud(points: Vec<DVec3>) -> Self {
-        #[cfg(feature = "hull")]
         if let Ok(hull) = crate::convex_hull(&points) {
             return Self::Hull { points: hull.vertices, triangles: hull.triangles };
         }
@@ -99,10 +99,18 @@ impl RawScene {
     /// # Errors
     /// The first pose or shape that is refused, or a scene that is, with index and value.
     pub fn into_scene(self) -> Result<Scene, BuildError> {
-        let shapes = self.shapes.into_iter().enumerate().map(|(shape, raw)| {
+        self.into_scene_by(&run::in_order)
+    }
+
+    /// [`RawScene::into_scene`], the same by any [`Run`]: a task makes a shape.
+    ///
+    /// # Errors
+    /// Those of [`RawScene::into_scene`].
+    pub fn into_scene_by(self, run: &Run<'_>) -> Result<Scene, BuildError> {
+        let shapes = run::map(run, self.shapes, |shape, raw: RawShape| {
             raw.into_shape().map_err(|error| BuildError::Shape { shape, error })
         });
-        let shapes = shapes.collect::<Result<Vec<_>, _>>()?;
+        let shapes = shapes.into_iter().collect::<Result<Vec<_>, _>>()?;
         let objects = self.objects.iter().enumerate().map(|(object, raw)| {
             let pose = Pose::new(raw.rotation, raw.translation)
                 .map_err(|error| BuildError::Pose { object, error })?;

@@ -1,5 +1,6 @@
 //! Boxes swept by a mesh's vertices and faces from one frame to the next.
 
+use crate::bytes::without_mark;
 use crate::{Frame, ReadError};
 use dcd_geom::Aabb;
 use glam::DVec3;
@@ -79,7 +80,7 @@ fn edges(faces: &[[u32; 3]]) -> usize {
 /// # Errors
 /// Anything else.
 pub fn read_listed_pairs(bytes: &[u8]) -> Result<Vec<[u32; 2]>, ReadError> {
-    serde_json::from_slice(bytes).map_err(ReadError::Json)
+    serde_json::from_slice(without_mark(bytes)).map_err(ReadError::Json)
 }
 
 /// [`read_listed_pairs`] from a file.
@@ -131,6 +132,7 @@ mod tests {
     #[test]
     fn what_is_no_list_of_pairs_is_refused() {
         assert_eq!(read_listed_pairs(b"[[1,2],[3,4]]").unwrap(), [[1, 2], [3, 4]]);
+        assert_eq!(read_listed_pairs(b"\xef\xbb\xbf[[1,2]]").unwrap(), [[1, 2]]);
         for text in ["", "[[1,2]", "[[1]]", "[[1,2,3]]", "[[1,-2]]", "[[1,4294967296]]", "{}"] {
             let refused = read_listed_pairs(text.as_bytes());
             assert!(matches!(refused, Err(ReadError::Json(_))), "{text}");

@@ -88,7 +88,6 @@ proptest! {
 }
 
 /// Small lattices, sheared, squeezed and shaken: coplanar points, slivers and duplicates.
-#[cfg(feature = "hull")]
 fn degenerate_cloud() -> impl Strategy<Value = Vec<DVec3>> {
     let shake = prop::sample::select(vec![0.0, 1e-16, 1e-14, 1e-12, 1e-9, 1e-7]);
     let squeeze = (prop::sample::select(vec![1.0, 1e-2, 1e-4]), 1e-3..1.0);
@@ -101,7 +100,6 @@ fn degenerate_cloud() -> impl Strategy<Value = Vec<DVec3>> {
     })
 }
 
-#[cfg(feature = "hull")]
 proptest! {
     #![proptest_config(cases(2000))]
 

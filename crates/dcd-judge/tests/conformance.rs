@@ -1,9 +1,10 @@
 //! The certified rung on the whole conformance suite, by the exact judge.
 
-use dcd_geom::{Polytope, Pose};
+use dcd_geom::lanes::Path;
+use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, Shape};
 use dcd_gjk::distance::{self, DistanceResult};
 use dcd_gjk::epa::{self, Scratch};
-use dcd_gjk::{Body, Rung, Verdict, certified};
+use dcd_gjk::{Body, Findings, NarrowPhase, Overlap, Report, Rung, Verdict, certified};
 use dcd_judge::Truth;
 use dcd_scenes::conformance::{Case, Category, suite};
 use std::collections::BTreeMap;
@@ -155,6 +156,52 @@ fn the_certified_rung_is_right_on_the_whole_suite() {
         wrong.extend(faults.into_iter().map(|fault| format!("{k} {}: {fault}", case.category)));
     }
     assert!(wrong.is_empty(), "{} faults:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// A scene of both shapes of each case; none where one of them is out of a scene's range.
+fn scene_of(cases: &[&Case]) -> Option<Scene> {
+    let shapes = cases.iter().flat_map(|case| [case.a.clone().into(), case.b.clone().into()]);
+    let poses = cases.iter().flat_map(|case| [case.pose_a, case.pose_b]);
+    Scene::one_each(shapes.collect::<Vec<Shape>>(), poses.collect()).ok()
+}
+
+/// What the lanes say of each case, all settled at once; none of what they leave undecided.
+fn settled_by_lanes(scene: &Scene, path: Path) -> Vec<Option<bool>> {
+    let pairs: Vec<Pair> =
+        (0..scene.len() as u32 / 2).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
+    let narrow = Overlap::on(path);
+    let mut frame = <Overlap as NarrowPhase>::Frame::default();
+    let mut aabbs = vec![Aabb::default(); scene.len()];
+    let part = narrow.lay_out(scene, &mut frame);
+    narrow.prepare(scene, 0, part, &mut aabbs);
+    let (mut contacts, mut report) = (Vec::new(), Report::default());
+    let mut findings = Findings { contacts: &mut contacts, report: &mut report };
+    narrow.decide(scene, &frame, &pairs, &mut Default::default(), &mut findings);
+    let mut said = vec![Some(false); pairs.len()];
+    contacts.iter().for_each(|contact| said[contact.pair.i as usize / 2] = Some(true));
+    report.undecided().iter().for_each(|open| said[open.pair.i as usize / 2] = None);
+    said
+}
+
+#[test]
+fn the_lanes_are_right_on_the_whole_suite_on_every_path() {
+    // What the certified rung says of this suite is judged above.
+    let cases = suite(1, &certified_touches);
+    let (inside, outside): (Vec<&Case>, Vec<&Case>) =
+        cases.iter().partition(|case| scene_of(&[*case]).is_some());
+    println!("{} cases, {} out of a scene's range", inside.len(), outside.len());
+    for case in &outside {
+        assert_eq!(case.category, Category::Huge);
+    }
+    assert!(inside.len() >= 3000 - 200, "{}", inside.len());
+    let truth: Vec<bool> = inside.iter().map(|case| certified_touches(case)).collect();
+    let scene = scene_of(&inside).unwrap();
+    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+        let said = settled_by_lanes(&scene, path);
+        let wrong = (0..inside.len()).find(|&k| said[k] != Some(truth[k]));
+        let case = wrong.map(|k| format!("{k} {}: {:?}", inside[k].category, said[k]));
+        assert_eq!(case, None, "{path:?}");
+    }
 }
 
 #[test]

@@ -57,15 +57,20 @@ impl<R: Library> Default for ShapesFrame<R> {
 }
 
 /// Room for the placements of a range of objects.
-pub struct ShapesPart<'f, R: Library>(&'f mut [Placement<R>]);
+pub struct ShapesPart<'f, R: Library> {
+    placements: &'f mut [Placement<R>],
+    /// Whether the shapes are those of the step before.
+    kept: bool,
+}
 
 impl<R: Library> dcd_geom::Divide for ShapesPart<'_, R> {
     fn len(&self) -> usize {
-        self.0.len()
+        self.placements.len()
     }
     fn split_at(self, middle: usize) -> (Self, Self) {
-        let (left, right) = self.0.split_at_mut(middle);
-        (Self(left), Self(right))
+        let (left, right) = self.placements.split_at_mut(middle);
+        let part = |placements| Self { placements, kept: self.kept };
+        (part(left), part(right))
     }
 }
 
@@ -80,22 +85,21 @@ impl<R: Library> NarrowPhase for ParryShapes<R> {
     }
 
     fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut ShapesFrame<R>) -> ShapesPart<'f, R> {
-        if !frame.forms.as_ref().is_some_and(|forms| forms.fit(scene)) {
+        let kept = frame.forms.as_ref().is_some_and(|forms| forms.fit(scene));
+        if !kept {
             let made = self.made.as_ref().filter(|forms| forms.fit(scene)).cloned();
             frame.forms = Some(made.unwrap_or_else(|| Arc::new(Forms::of(scene))));
         }
         frame.placements.resize_with(scene.len(), Placement::default);
-        ShapesPart(&mut frame.placements)
+        ShapesPart { placements: &mut frame.placements, kept }
     }
 
-    fn prepare(
-        &self,
-        scene: &Scene,
-        first: usize,
-        ShapesPart(placements): ShapesPart<'_, R>,
-        aabbs: &mut [Aabb],
-    ) {
-        for (i, (placement, aabb)) in (first..).zip(placements.iter_mut().zip(aabbs)) {
+    fn keeps(&self, part: &ShapesPart<'_, R>) -> bool {
+        part.kept
+    }
+
+    fn prepare(&self, scene: &Scene, first: usize, part: ShapesPart<'_, R>, aabbs: &mut [Aabb]) {
+        for (i, (placement, aabb)) in (first..).zip(part.placements.iter_mut().zip(aabbs)) {
             *placement = Placement::of(scene, i);
             *aabb = scene.aabb(i);
         }

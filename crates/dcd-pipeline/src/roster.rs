@@ -17,8 +17,17 @@ pub(crate) struct Roster {
     /// Their boxes.
     boxes: Vec<Aabb>,
     world: StandingTree,
-    /// The static objects' slots and boxes, while the tree over them is built.
+    /// The static objects' slots and boxes that the tree is over.
     standing: (Vec<u32>, Vec<Aabb>),
+}
+
+/// Whose boxes have been written in this step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Prepared {
+    /// Everyone's.
+    All,
+    /// The moving objects', and perhaps others' as before.
+    Moving,
 }
 
 /// Whether every slot holds a moving object.
@@ -34,22 +43,21 @@ impl Roster {
     }
 
     /// Builds the broad phase over the moving objects, and the tree over the static ones if any of
-    /// these has changed.
+    /// their boxes has changed: a box may be another although nobody has moved, since what is prepared
+    /// of an object may depend on which shapes the scene has. So the tree is that of the boxes, whatever
+    /// was there before.
     pub(crate) fn build(
         &mut self,
         scene: &Scene,
-        aabbs: &[Aabb],
+        (aabbs, prepared): (&[Aabb], Prepared),
         broad: &mut impl BroadPhase,
         exec: Exec,
     ) {
         if self.layout != Some(scene.layout()) {
             list(scene, Motion::Moving, &mut self.movers);
         }
-        if self.statics != Some(scene.statics()) {
-            let (names, boxes) = &mut self.standing;
-            list(scene, Motion::Static, names);
-            boxes.clear();
-            boxes.extend(names.iter().map(|&slot| aabbs[slot as usize]));
+        if prepared == Prepared::All && self.take_standing(scene, aabbs) {
+            let (names, boxes) = &self.standing;
             self.world.build(Named { aabbs: boxes, names }, exec);
         }
         (self.layout, self.statics) = (Some(scene.layout()), Some(scene.statics()));
@@ -60,6 +68,23 @@ impl Roster {
             self.boxes.extend(self.movers.iter().map(|&slot| aabbs[slot as usize]));
             broad.build(&self.boxes, exec);
         }
+    }
+
+    /// Lists the static objects and their boxes; whether any of it has changed, bit for bit.
+    fn take_standing(&mut self, scene: &Scene, aabbs: &[Aabb]) -> bool {
+        let (names, boxes) = &mut self.standing;
+        let (known, mut changed) = (names.len(), self.statics != Some(scene.statics()));
+        if changed {
+            list(scene, Motion::Static, names);
+        }
+        changed |= names.len() != known;
+        boxes.resize(names.len(), Aabb::EMPTY);
+        for (old, &slot) in boxes.iter_mut().zip(&*names) {
+            let new = aabbs[slot as usize];
+            changed |= bits(old) != bits(&new);
+            *old = new;
+        }
+        changed
     }
 
     /// Lists the candidates among the moving objects, then those of a moving object and a static
@@ -98,6 +123,11 @@ impl Roster {
         among.change_each(exec, |pair| *pair = Pair { i: slot(pair.i), j: slot(pair.j) });
         self.world.pairs(Named { aabbs: &self.boxes, names: &self.movers }, keep, exec, between);
     }
+}
+
+/// Apart from each other where an order could tell them apart: −0 is not 0.
+fn bits(aabb: &Aabb) -> [[u32; 3]; 2] {
+    [aabb.min, aabb.max].map(|corner| corner.to_array().map(f32::to_bits))
 }
 
 /// What is asked for, and where it is written.

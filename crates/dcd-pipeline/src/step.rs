@@ -1,6 +1,6 @@
 //! One step, stage by stage.
 
-use crate::roster::{Roster, Search, awake, empty_free_slots};
+use crate::roster::{Prepared, Roster, Search, awake, empty_free_slots};
 use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::{Cut, Exec, PerThread, Segments, Stage};
 use dcd_geom::{Aabb, Divide, Pair, Scene};
@@ -133,8 +133,11 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
     /// fail; a pair that could not be settled is listed as undecided. After the first steps a
     /// serial step of a like scene allocates nothing.
     ///
-    /// What is kept of the static objects is kept until one of them changes; what is prepared of
-    /// them, until any object comes or goes.
+    /// What is prepared of the static objects is kept until one of them changes, any object comes or
+    /// goes, or the narrow phase says that it has not kept it ([`NarrowPhase::keeps`]); the tree over
+    /// them, for as long as their AABBs are the same bytes. Nothing else outlasts a step that could
+    /// change a result or an order: what a step tells is a function of the scene, the predicate and the
+    /// two phases.
     pub fn step<'e>(&mut self, scene: &Scene, exec: impl Into<Exec<'e>>) -> Step<'_, N::Answer> {
         self.step_where(scene, exec, any)
     }
@@ -164,9 +167,9 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
 
     /// All stages.
     fn walk(&mut self, scene: &Scene, exec: Exec, may: &(impl Fn(u32, u32) -> bool + Sync)) {
-        exec.stage(Stage::Boxes, || self.prepare(scene, exec));
+        let prepared = exec.stage(Stage::Boxes, || self.prepare(scene, exec));
         exec.stage(Stage::Build, || {
-            self.roster.build(scene, &self.aabbs, &mut self.broad, exec);
+            self.roster.build(scene, (&self.aabbs, prepared), &mut self.broad, exec);
         });
         exec.stage(Stage::Pairs, || {
             let Candidates { among, between, .. } = &mut self.candidates;
@@ -176,12 +179,14 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         exec.stage(Stage::Narrow, || self.judge(scene, exec));
     }
 
-    /// Static objects that are prepared already are passed over, where no moving one is between.
-    fn prepare(&mut self, scene: &Scene, exec: Exec) {
+    /// Static objects that are prepared already are passed over, where no moving one is between: if
+    /// the scene says that they have not changed and the narrow phase that its frame has not.
+    fn prepare(&mut self, scene: &Scene, exec: Exec) -> Prepared {
         self.aabbs.resize(scene.len(), Aabb::EMPTY);
-        let rest = scene.static_count() > 0 && self.roster.still_holds(scene);
         let has_free_slots = scene.object_count() < scene.len();
         let part = self.narrow.lay_out(scene, &mut self.frame);
+        let may_rest = scene.static_count() > 0 && self.roster.still_holds(scene);
+        let rest = may_rest && self.narrow.keeps(&part);
         let narrow = &self.narrow;
         exec.divide((part, &mut self.aabbs[..]), OBJECTS_PER_TASK, |first, objects| {
             let mut slots = first..first + objects.1.len();
@@ -199,6 +204,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
                 empty_free_slots(scene, slots.start, aabbs);
             }
         });
+        if rest { Prepared::Moving } else { Prepared::All }
     }
 
     fn judge(&mut self, scene: &Scene, exec: Exec) {

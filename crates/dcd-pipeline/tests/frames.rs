@@ -217,6 +217,10 @@ impl NarrowPhase for Counting {
         self.0.lay_out(scene, frame)
     }
 
+    fn keeps(&self, part: &Self::Part<'_>) -> bool {
+        self.0.keeps(part)
+    }
+
     fn prepare(&self, scene: &Scene, first: usize, part: Self::Part<'_>, aabbs: &mut [Aabb]) {
         self.1.fetch_add(aabbs.len(), Ordering::Relaxed);
         self.0.prepare(scene, first, part, aabbs);

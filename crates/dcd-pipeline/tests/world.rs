@@ -265,6 +265,10 @@ impl<N: NarrowPhase> NarrowPhase for Blind<N> {
         self.0.lay_out(scene, frame)
     }
 
+    fn keeps(&self, part: &N::Part<'_>) -> bool {
+        self.0.keeps(part)
+    }
+
     fn prepare(&self, scene: &Scene, first: usize, part: N::Part<'_>, aabbs: &mut [Aabb]) {
         self.0.prepare(scene, first, part, aabbs);
     }

@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 mod allowed;
+mod archive;
 mod error;
 mod kinematics;
 mod mesh;
@@ -19,9 +20,10 @@ mod workcell;
 mod world;
 
 pub use allowed::AllowedPairs;
+pub use archive::{LARGEST_ARCHIVE, LARGEST_ENTRY};
 pub use error::RobotError;
 pub use model::{Joint, Link, LinkShapes, Motion, Part, Robot};
-pub use problem::{Problem, read_problems};
+pub use problem::{Problem, problems_in, read_problems};
 pub use request::Request;
 pub use workcell::Workcell;
 pub use world::{Obstacle, World};

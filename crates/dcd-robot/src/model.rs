@@ -3,8 +3,7 @@
 use super::RobotError;
 use super::kinematics::{Frame, in_order};
 use super::mesh;
-use dcd_geom::Shape;
-use dcd_io::RawShape;
+use dcd_geom::{ConvexHull, Shape};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::path::Path;
@@ -272,6 +271,15 @@ fn axis(joint: &urdf_rs::Joint, user: &str) -> Result<DVec3, RobotError> {
     })
 }
 
+/// The corners of the points' hull, flat ones' too; all points where exact signs are out of reach, or
+/// where the shape will refuse them.
+fn corners(points: Vec<DVec3>) -> Vec<DVec3> {
+    match ConvexHull::of(&points) {
+        Ok(hull) => hull.corners().iter().map(|&k| points[k as usize]).collect(),
+        Err(_) => points,
+    }
+}
+
 /// The shape of a geometry that a `user` in a file of `folder` has.
 fn shape(
     geometry: &Geometry,
@@ -289,7 +297,7 @@ fn shape(
                 read.vertices.iter_mut().for_each(|point| *point *= scale);
             }
             match shapes {
-                LinkShapes::Hulls => Shape::hull(RawShape::of_cloud(read.vertices).points()),
+                LinkShapes::Hulls => Shape::hull(corners(read.vertices)),
                 LinkShapes::Meshes => read.into_shape(),
             }
         }

@@ -1,11 +1,11 @@
 //! Many scenes and requests, as MotionBenchMaker packs them.
 
+use super::archive::{Bounds, each_file};
 use super::{Request, RobotError, World};
-use bzip2::read::BzDecoder;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A world and a request that belong together.
 #[derive(Clone, Debug)]
@@ -24,19 +24,48 @@ pub struct Problem {
 /// (tar, packed by bzip2), in the order of their folders and numbers.
 ///
 /// # Errors
-/// An archive that cannot be read; a scene without its request or a request without its scene; what
-/// is wrong in one of them, by its path in the archive.
+/// An archive that cannot be read, holds no problem, or unpacks to more than [`LARGEST_ENTRY`] bytes a
+/// file or [`LARGEST_ARCHIVE`] in all; a scene without its request or a request without its scene, or two
+/// of one name; what is wrong in one of them, by its path in the archive.
+///
+/// [`LARGEST_ENTRY`]: super::LARGEST_ENTRY
+/// [`LARGEST_ARCHIVE`]: super::LARGEST_ARCHIVE
 pub fn read_problems(archive: &Path) -> Result<Vec<Problem>, RobotError> {
-    let texts = unpack(archive).map_err(RobotError::io(archive))?;
+    let file = File::open(archive).map_err(RobotError::io(archive))?;
+    problems_in(BufReader::new(file), archive)
+}
+
+/// [`read_problems`] from any bytes; `archive` is what messages call them.
+///
+/// # Errors
+/// Those of [`read_problems`].
+pub fn problems_in(packed: impl Read, archive: &Path) -> Result<Vec<Problem>, RobotError> {
     let mut halves: BTreeMap<(String, String), Halves> = BTreeMap::new();
-    for (path, text) in texts {
-        let Some((key, kind)) = kind_of(&path) else { continue };
+    let wanted = |path: &Path| kind_of(path).is_some();
+    each_file(packed, Bounds::default(), wanted, |path, text| {
+        let Some((key, kind)) = kind_of(path) else { return Ok(()) };
         let slot = halves.entry(key).or_default();
-        let inside = |error: RobotError| error.inside(archive.join(&path));
-        match kind {
-            Kind::Scene => slot.world = Some(World::read(&text).map_err(inside)?),
-            Kind::Request => slot.request = Some(Request::read(&text).map_err(inside)?),
+        let inside = |error: RobotError| Stop::Robot(error.inside(archive.join(path)));
+        let twice = match kind {
+            Kind::Scene => slot.world.replace(World::read(text).map_err(inside)?).is_some(),
+            Kind::Request => slot.request.replace(Request::read(text).map_err(inside)?).is_some(),
+        };
+        if twice {
+            let name = path.display().to_string();
+            return Err(inside(RobotError::Twice { what: "file", name }));
         }
+        Ok(())
+    })
+    .map_err(|stop| match stop {
+        Stop::Io(error) => RobotError::io(archive)(error),
+        Stop::Robot(error) => error,
+    })?;
+    if halves.is_empty() {
+        return Err(RobotError::Syntax {
+            what: "archive of problems",
+            place: archive.to_path_buf(),
+            error: "it holds no sceneNUMBER.yaml and requestNUMBER.yaml in a folder".to_owned(),
+        });
     }
     let mut problems = Vec::with_capacity(halves.len());
     for ((set, number), Halves { world, request }) in halves {
@@ -78,20 +107,16 @@ fn kind_of(path: &Path) -> Option<((String, String), Kind)> {
     is_number.then(|| ((set.to_owned(), number.to_owned()), kind))
 }
 
-/// The archive's files as texts.
-fn unpack(archive: &Path) -> std::io::Result<Vec<(PathBuf, String)>> {
-    let file = BufReader::new(File::open(archive)?);
-    let mut files = Vec::new();
-    for entry in tar::Archive::new(BzDecoder::new(file)).entries()? {
-        let mut entry = entry?;
-        if entry.header().entry_type().is_file() {
-            let path = entry.path()?.into_owned();
-            let mut text = String::new();
-            entry.read_to_string(&mut text)?;
-            files.push((path, text));
-        }
+/// What ends the reading of an archive.
+enum Stop {
+    Io(std::io::Error),
+    Robot(RobotError),
+}
+
+impl From<std::io::Error> for Stop {
+    fn from(error: std::io::Error) -> Self {
+        Self::Io(error)
     }
-    Ok(files)
 }
 
 #[cfg(test)]
@@ -109,6 +134,47 @@ mod tests {
         for other in ["scene1.yaml", "cage/scene.yaml", "cage/scene1.txt", "cage/config.yaml"] {
             assert!(kind(other).is_none(), "{other}");
         }
+    }
+
+    /// An archive of these files.
+    fn archive(files: &[(&str, &str)]) -> Vec<u8> {
+        let mut tar = tar::Builder::new(Vec::new());
+        for (name, text) in files {
+            let mut header = tar::Header::new_gnu();
+            header.set_size(text.len() as u64);
+            tar.append_data(&mut header, name, text.as_bytes()).unwrap();
+        }
+        let tar = tar.into_inner().unwrap();
+        let mut packed = Vec::new();
+        let mut encoder = bzip2::read::BzEncoder::new(&tar[..], bzip2::Compression::fast());
+        encoder.read_to_end(&mut packed).unwrap();
+        packed
+    }
+
+    fn refusal(files: &[(&str, &str)]) -> String {
+        problems_in(&archive(files)[..], Path::new("x.tar.bz2")).unwrap_err().to_string()
+    }
+
+    const SCENE: &str = "world: {collision_objects: [{id: can, primitives: [{type: sphere, \
+        dimensions: [1]}], primitive_poses: [{position: [0, 0, 0], orientation: [0, 0, 0, 1]}]}]}";
+    const REQUEST: &str = "start_state: {joint_state: {name: [], position: []}}";
+
+    #[test]
+    fn an_archive_without_problems_is_refused() {
+        for files in [&[][..], &[("readme.txt", "no scene")], &[("a/scene.yaml", SCENE)]] {
+            let refused = refusal(files);
+            assert!(refused.starts_with("x.tar.bz2: no archive of problems"), "{refused}");
+        }
+    }
+
+    #[test]
+    fn a_problem_needs_its_scene_and_its_request_once() {
+        let (scene, request) = (("a/scene1.yaml", SCENE), ("a/request1.yaml", REQUEST));
+        let both = archive(&[request, scene]);
+        assert_eq!(problems_in(&both[..], Path::new("x")).unwrap().len(), 1);
+        assert!(refusal(&[scene]).contains("no request \"a/1\""));
+        assert!(refusal(&[request]).contains("no scene \"a/1\""));
+        assert!(refusal(&[scene, request, scene]).contains("two of file \"a/scene1.yaml\""));
     }
 
     #[test]

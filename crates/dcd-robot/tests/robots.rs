@@ -129,3 +129,30 @@ fn the_atlas_is_read_too() {
     cell.set_state(&state).unwrap();
     assert!(cell.scene().is_filtered());
 }
+
+/// A robot of one link, whose mesh has those points.
+fn robot_of_points(name: &str, points: impl ExactSizeIterator<Item = DVec3>) -> Robot {
+    let folder = std::env::temp_dir().join(format!("dcd-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    // A point that no face has is not read.
+    let faces: String =
+        (3..=points.len()).map(|k| format!("f {} {} {k}\n", k - 2, k - 1)).collect();
+    let vertices: String = points.map(|p| format!("v {} {} {}\n", p.x, p.y, p.z)).collect();
+    let mesh = vertices + &faces;
+    std::fs::write(folder.join("link.obj"), mesh).unwrap();
+    let urdf = folder.join("robot.urdf");
+    let text = "<robot name=\"r\"><link name=\"a\"><collision><geometry>\
+        <mesh filename=\"link.obj\"/></geometry></collision></link></robot>";
+    std::fs::write(&urdf, text).unwrap();
+    let robot = Robot::load(&urdf).unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    robot
+}
+
+#[test]
+fn a_mesh_of_more_than_four_thousand_points_is_reduced_to_its_corners() {
+    let vertices = |robot: Robot| robot.parts()[0].shape.as_polytope().unwrap().vertices().len();
+    let cell = |k: u32| DVec3::new((k % 30).into(), (k / 30 % 30).into(), (k / 900).into());
+    assert_eq!(vertices(robot_of_points("solid", (0..27_000).map(cell))), 8);
+    assert_eq!(vertices(robot_of_points("flat", (0..900).map(cell))), 4);
+}

@@ -2,6 +2,7 @@
 
 use crate::random::Draw;
 use crate::{RawObject, RawScene, RawShape};
+use dcd_io::run::{self, Run};
 use glam::{DMat3, DVec3};
 
 /// For each object, how many others the half-width is worked out from.
@@ -32,6 +33,16 @@ impl GameHulls {
     /// A scene of clouds: object i has cloud i modulo their number, so that all occur if there are
     /// enough objects. The paper's rotations; the middle of each object's box is uniform in a cube.
     pub fn raw(&self, clouds: &[Vec<DVec3>], objects: usize, seed: u64) -> RawScene {
+        self.raw_by(clouds, (objects, seed), &run::in_order)
+    }
+
+    /// [`GameHulls::raw`], the same by any [`Run`]: a task makes a hull.
+    pub fn raw_by(
+        &self,
+        clouds: &[Vec<DVec3>],
+        (objects, seed): (usize, u64),
+        run: &Run<'_>,
+    ) -> RawScene {
         // No cloud, no object.
         let objects = if clouds.is_empty() { 0 } else { objects };
         let used = &clouds[..clouds.len().min(objects)];
@@ -46,7 +57,7 @@ impl GameHulls {
             object.translation = *spot * half_width - *middle;
         }
         RawScene {
-            shapes: scaled.into_iter().map(RawShape::of_cloud).collect(),
+            shapes: run::map(run, scaled, |_, cloud| RawShape::of_cloud(cloud)),
             objects: placed.into_iter().map(|placed| placed.object).collect(),
         }
     }

@@ -10,8 +10,9 @@
 //! # Ok::<(), dcd_scenes::SpecError>(())
 //! ```
 //!
-//! Deliberately absent: readers of files (`dcd-io`), robots (`dcd-robot`), threads, clocks, pair finding, answers, and std's sine and power, whose
-//! last bits differ from machine to machine (libm's do not).
+//! Deliberately absent: readers of files (`dcd-io`), robots (`dcd-robot`), threads (a [`Run`] brings
+//! them), clocks, pair finding, answers, and std's sine and power, whose last bits differ from
+//! machine to machine (libm's do not).
 #![forbid(unsafe_code)]
 
 pub mod conformance;
@@ -23,6 +24,7 @@ mod recipe;
 mod spec;
 mod walk;
 
+pub use dcd_io::run::Run;
 pub use dcd_io::*;
 pub use game_hulls::{GameHulls, GameSize};
 pub use pile::{Pile, PileContact};

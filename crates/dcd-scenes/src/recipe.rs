@@ -2,6 +2,7 @@
 
 use crate::random::Draw;
 use crate::{RawObject, RawScene, RawShape};
+use dcd_io::run::{self, Run};
 use glam::{DQuat, DVec3};
 
 /// Streams from here on are the clusters' middles; below they are objects.
@@ -54,11 +55,12 @@ pub(crate) enum Spread {
 
 impl Recipe {
     /// So many objects, which must be no more than a u32 counts.
-    pub(crate) fn raw(&self, objects: usize, seed: u64) -> RawScene {
+    pub(crate) fn raw(&self, objects: usize, seed: u64, run: &Run<'_>) -> RawScene {
         match *self {
             Self::Scattered { body, spread } => {
                 let scatter = Scatter { body, place: spread.place(objects), seed };
-                let (shapes, objects) = (0..objects).map(|i| scatter.object(i)).unzip();
+                let drawn = run::map(run, 0..objects, |_, i| scatter.object(i));
+                let (shapes, objects) = drawn.into_iter().unzip();
                 RawScene { shapes, objects }
             }
             Self::Bricks { pitch } => RawScene {

@@ -3,6 +3,7 @@
 use crate::recipe::{BOX, Body, Recipe, SPHERE, Spread};
 use crate::{BuildError, GameHulls, GameSize, RawScene, ReadError, data, load_clouds};
 use dcd_geom::Scene;
+use dcd_io::run::{self, Run};
 use glam::DVec3;
 use std::fmt;
 
@@ -169,12 +170,20 @@ impl SceneSpec {
         Self { seed, ..self }
     }
 
-    /// Draws the shapes and poses. Costs some tens of microseconds a hull.
+    /// Draws the shapes and poses. Costs some ten microseconds a hull.
     ///
     /// # Errors
     /// More objects than a u32 counts; a density or pitch that is not positive and finite; files
     /// that are needed and absent or broken.
     pub fn raw(&self) -> Result<RawScene, SpecError> {
+        self.raw_by(&run::in_order)
+    }
+
+    /// [`SceneSpec::raw`], the same by any [`Run`]: a task draws an object.
+    ///
+    /// # Errors
+    /// Those of [`SceneSpec::raw`].
+    pub fn raw_by(&self, run: &Run<'_>) -> Result<RawScene, SpecError> {
         if u32::try_from(self.objects).is_err() {
             return Err(SpecError::TooManyObjects { objects: self.objects });
         }
@@ -183,13 +192,13 @@ impl SceneSpec {
                 check_positive("number of candidates", game.candidates)?;
                 let path = data::file("hulls/convex_hulls.bin").ok_or(SpecError::NoData)?;
                 let clouds = load_clouds(&path).map_err(SpecError::Read)?;
-                Ok(game.raw(&clouds, self.objects, self.seed))
+                Ok(game.raw_by(&clouds, (self.objects, self.seed), run))
             }
             Family::Drawn(recipe) => {
                 if let Recipe::Bricks { pitch } = recipe {
                     check_positive("pitch", pitch)?;
                 }
-                Ok(recipe.raw(self.objects, self.seed))
+                Ok(recipe.raw(self.objects, self.seed, run))
             }
         }
     }
@@ -199,7 +208,16 @@ impl SceneSpec {
     /// # Errors
     /// Those of [`SceneSpec::raw`], and a scene out of range.
     pub fn scene(&self) -> Result<Scene, SpecError> {
-        self.raw()?.into_scene().map_err(SpecError::Build)
+        self.scene_by(&run::in_order)
+    }
+
+    /// [`SceneSpec::scene`], the same by any [`Run`], which is given the hulls first and then the
+    /// shapes.
+    ///
+    /// # Errors
+    /// Those of [`SceneSpec::scene`].
+    pub fn scene_by(&self, run: &Run<'_>) -> Result<Scene, SpecError> {
+        self.raw_by(run)?.into_scene_by(run).map_err(SpecError::Build)
     }
 
     fn new(name: &'static str, recipe: Recipe, objects: usize) -> Self {

@@ -1,7 +1,7 @@
 //! Seeded scenes: the same numbers on every machine and in every version.
-#![cfg(feature = "hull")]
 
-use dcd_scenes::{RawScene, RawShape, SceneSpec, data};
+use dcd_geom::Scene;
+use dcd_scenes::{RawScene, RawShape, Run, SceneSpec, data};
 
 /// Every named scene, but for those of the game where its clouds are absent.
 fn specs() -> Vec<SceneSpec> {
@@ -153,4 +153,28 @@ fn the_families_have_the_sizes_of_their_names() {
     let sizes: Vec<f64> = sized[1..].iter().map(|shape| extent(shape).max_element()).collect();
     assert!(sizes.iter().any(|&x| x < 0.02) && sizes.iter().any(|&x| x > 4.0));
     assert!(sizes.iter().all(|&x| x < 10f64.powf(0.7)));
+}
+
+#[test]
+fn whatever_order_the_objects_are_drawn_in_the_scene_is_the_same() {
+    let backwards = |count: usize, task: &(dyn Fn(usize) + Sync)| (0..count).rev().for_each(task);
+    let threaded = |count: usize, task: &(dyn Fn(usize) + Sync)| {
+        std::thread::scope(|scope| {
+            for first in 0..3 {
+                scope.spawn(move || (first..count).step_by(3).for_each(task));
+            }
+        });
+    };
+    let runs: [&Run<'_>; 2] = [&backwards, &threaded];
+    for spec in specs().into_iter().map(|spec| spec.with_objects(50)) {
+        let digest = spec.raw().unwrap().digest();
+        for run in runs {
+            assert_eq!(spec.raw_by(run).unwrap().digest(), digest, "{}", spec.name());
+            let shapes = |scene: Scene| -> Vec<_> {
+                scene.shapes().iter().map(|shape| format!("{:?}", shape.as_polytope())).collect()
+            };
+            let drawn = shapes(spec.scene_by(run).unwrap());
+            assert_eq!(drawn, shapes(spec.scene().unwrap()), "{}", spec.name());
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Sixteen lanes in two AVX2 registers of eight.
 
-use super::{Kernel, Lanes, Row, WIDTH};
+use super::{Block, FLOATS, Kernel, Lanes, MOST_BLOCKS, Row, WIDTH};
+use crate::Pair;
 use std::arch::x86_64::*;
 
 /// Runs the kernel in a function that carries the feature, into which all of it is inlined.
@@ -37,15 +38,15 @@ macro_rules! both {
 }
 
 /// For each of 256 masks, the positions of its set bits, in order: a permutation that moves the
-/// kept lanes to the front.
-static FRONT: [[u32; 8]; 256] = {
+/// kept lanes to the front. In bytes: wider, the table would take a quarter of the nearest cache.
+static FRONT: [[u8; 8]; 256] = {
     let mut table = [[0; 8]; 256];
     let mut mask = 0;
     while mask < 256 {
         let (mut lane, mut kept) = (0, 0);
         while lane < 8 {
             if mask >> lane & 1 == 1 {
-                table[mask][kept] = lane as u32;
+                table[mask][kept] = lane as u8;
                 kept += 1;
             }
             lane += 1;
@@ -197,22 +198,25 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn compress(self, mask: Self::M, a: Self::F) -> Self::F {
-        let packed = self.compress_u(mask, both!(_mm256_castps_si256, a));
-        both!(_mm256_castsi256_ps, packed)
+    fn compress_to(self, keep: u32, a: Self::F, to: &mut [f32; 2 * WIDTH], at: usize) {
+        let numbers = both!(_mm256_castps_si256, a);
+        // SAFETY: as above; sixteen numbers of 32 bits from at most the sixteenth of thirty-two on.
+        unsafe { self.fronts_to(keep, numbers, to.as_mut_ptr().add(at.min(WIDTH)).cast()) }
     }
     #[inline(always)]
-    fn compress_u(self, mask: Self::M, a: Self::U) -> Self::U {
-        let bits = self.bits(mask);
-        let mut packed = [0u32; WIDTH];
-        let low = (bits & 255).count_ones() as usize;
-        // SAFETY: as above; eight u32 at offset 0 and at an offset of at most 8 of sixteen.
+    fn compress_to_u(self, keep: u32, a: Self::U, to: &mut [u32; 2 * WIDTH], at: usize) {
+        // SAFETY: as above.
+        unsafe { self.fronts_to(keep, a, to.as_mut_ptr().add(at.min(WIDTH))) }
+    }
+    #[inline(always)]
+    fn compress_pairs(self, keep: u32, (one, others): (u32, Self::U), to: &mut [Pair; WIDTH]) {
+        let one = op!(_mm256_set1_epi32(one.cast_signed()));
+        // SAFETY: as above; eight pairs at most eight after the first of sixteen.
         unsafe {
-            let at = packed.as_mut_ptr();
-            _mm256_storeu_si256(at.cast(), self.half_front(bits, a.0));
-            _mm256_storeu_si256(at.add(low).cast(), self.half_front(bits >> 8, a.1));
+            self.front_pairs_to(keep, (one, others.0), to.as_mut_ptr());
+            let after = to.as_mut_ptr().add(kept_below(keep));
+            self.front_pairs_to(keep >> 8, (one, others.1), after);
         }
-        self.load_from_u(&packed)
     }
     #[inline(always)]
     fn tag(self, a: Self::F, mask: Self::U, tag: Self::U) -> Self::F {
@@ -242,6 +246,32 @@ impl Lanes for Avx2 {
     fn largest_of_each(self, rows: &[Row; WIDTH]) -> Self::F {
         (self.largest_of_eight(rows, 0), self.largest_of_eight(rows, 8))
     }
+    #[inline(always)]
+    fn pick(self, blocks: &[Block], first: Self::U, number: Self::U) -> [Self::F; 3] {
+        let Some(last) = blocks.len().min(MOST_BLOCKS).checked_sub(1) else {
+            return [self.splat(0.0); 3];
+        };
+        let last = op!(_mm256_set1_epi32(last as i32));
+        let mut at = [0; WIDTH];
+        let halves =
+            (self.floats_at(first.0, number.0, last), self.floats_at(first.1, number.1, last));
+        self.store_to_u(halves, &mut at);
+        let x = blocks.as_ptr().cast::<f32>();
+        // SAFETY: each is that of an x, y or z of a block that exists.
+        unsafe {
+            [
+                self.gather(x, &at),
+                self.gather(x.add(WIDTH), &at),
+                self.gather(x.add(2 * WIDTH), &at),
+            ]
+        }
+    }
+}
+
+/// How many of the first eight lanes are kept: at most eight.
+#[inline(always)]
+fn kept_below(keep: u32) -> usize {
+    (keep & 255).count_ones() as usize
 }
 
 /// What one half needs.
@@ -296,8 +326,86 @@ impl Avx2 {
     #[inline(always)]
     fn half_front(self, bits: u32, a: __m256i) -> __m256i {
         let table = &FRONT[(bits & 255) as usize];
-        // SAFETY: as above; a table row is eight u32, read unaligned.
-        unsafe { _mm256_permutevar8x32_epi32(a, _mm256_loadu_si256(table.as_ptr().cast())) }
+        // SAFETY: as above; a table row is eight bytes, read unaligned.
+        let lanes = unsafe { _mm256_cvtepu8_epi32(_mm_loadl_epi64(table.as_ptr().cast())) };
+        op!(_mm256_permutevar8x32_epi32(a, lanes))
+    }
+
+    /// Writes the kept lanes of each half where they belong, the second over the first's tail: through
+    /// a buffer, no store could be forwarded to the load that joins them.
+    ///
+    /// # Safety
+    /// There is room for sixteen.
+    #[inline(always)]
+    unsafe fn fronts_to(self, keep: u32, a: Halves<__m256i>, to: *mut u32) {
+        // SAFETY: eight u32 at an offset of at most eight.
+        unsafe {
+            _mm256_storeu_si256(to.cast(), self.half_front(keep, a.0));
+            let after = to.add(kept_below(keep)).cast();
+            _mm256_storeu_si256(after, self.half_front(keep >> 8, a.1));
+        }
+    }
+
+    /// The kept lanes' pairs with the other.
+    ///
+    /// # Safety
+    /// There is room for eight.
+    #[inline(always)]
+    unsafe fn front_pairs_to(self, keep: u32, (one, others): (__m256i, __m256i), to: *mut Pair) {
+        let others = self.half_front(keep, others);
+        // SAFETY: eight pairs are sixteen u32 in a row, as `repr(C)` has them.
+        unsafe {
+            let (i, j) = (_mm256_min_epu32(one, others), _mm256_max_epu32(one, others));
+            let (low, high) = (_mm256_unpacklo_epi32(i, j), _mm256_unpackhi_epi32(i, j));
+            let to = to.cast::<__m256i>();
+            _mm256_storeu_si256(to, _mm256_permute2x128_si256::<0x20>(low, high));
+            _mm256_storeu_si256(to.add(1), _mm256_permute2x128_si256::<0x31>(low, high));
+        }
+    }
+
+    /// Where the x of eight points are, counted in floats: each of a block that exists, so below 2³¹ as
+    /// `MOST_BLOCKS` has it.
+    #[inline(always)]
+    fn floats_at(self, first: __m256i, number: __m256i, last: __m256i) -> __m256i {
+        op!({
+            let block = _mm256_add_epi32(first, _mm256_srli_epi32::<4>(number));
+            let block = _mm256_min_epu32(block, last);
+            let lane = _mm256_and_si256(number, _mm256_set1_epi32(15));
+            let at = _mm256_mullo_epi32(block, _mm256_set1_epi32(FLOATS as i32));
+            _mm256_add_epi32(at, lane)
+        })
+    }
+
+    /// Sixteen floats from wherever they are: on most CPUs without a wider path faster than the
+    /// instruction for it.
+    ///
+    /// # Safety
+    /// They are there.
+    #[inline(always)]
+    unsafe fn gather(self, from: *const f32, at: &[u32; WIDTH]) -> Halves<__m256> {
+        // SAFETY: as the caller says.
+        unsafe {
+            let four = [
+                self.gather_four(from, [at[0], at[1], at[2], at[3]]),
+                self.gather_four(from, [at[4], at[5], at[6], at[7]]),
+                self.gather_four(from, [at[8], at[9], at[10], at[11]]),
+                self.gather_four(from, [at[12], at[13], at[14], at[15]]),
+            ];
+            (_mm256_set_m128(four[1], four[0]), _mm256_set_m128(four[3], four[2]))
+        }
+    }
+
+    /// # Safety
+    /// They are there.
+    #[inline(always)]
+    unsafe fn gather_four(self, from: *const f32, at: [u32; 4]) -> __m128 {
+        // SAFETY: as the caller says.
+        unsafe {
+            let a = _mm_load_ss(from.add(at[0] as usize));
+            let b = _mm_insert_ps::<0x10>(a, _mm_load_ss(from.add(at[1] as usize)));
+            let c = _mm_insert_ps::<0x20>(b, _mm_load_ss(from.add(at[2] as usize)));
+            _mm_insert_ps::<0x30>(c, _mm_load_ss(from.add(at[3] as usize)))
+        }
     }
 
     /// Lane k of the result is the largest lane of row `first + k`. Each level halves the rows and

@@ -148,22 +148,31 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn compress(self, mask: __mmask16, a: __m512) -> __m512 {
-        op!(_mm512_maskz_compress_ps(mask, a))
+    fn compress_to(self, keep: u32, a: __m512, to: &mut [f32; 2 * WIDTH], at: usize) {
+        // A masked store of what is kept would be slower on many a CPU.
+        let kept = op!(_mm512_maskz_compress_ps(self.mask(keep), a));
+        if let Some(to) = to[at.min(WIDTH)..].first_chunk_mut() {
+            self.store_to(kept, to);
+        }
     }
     #[inline(always)]
-    fn compress_u(self, mask: __mmask16, a: __m512i) -> __m512i {
-        op!(_mm512_maskz_compress_epi32(mask, a))
+    fn compress_to_u(self, keep: u32, a: __m512i, to: &mut [u32; 2 * WIDTH], at: usize) {
+        let kept = op!(_mm512_maskz_compress_epi32(self.mask(keep), a));
+        if let Some(to) = to[at.min(WIDTH)..].first_chunk_mut() {
+            self.store_to_u(kept, to);
+        }
     }
     #[inline(always)]
-    fn store_pairs(self, a: __m512i, b: __m512i, pairs: &mut [Pair; WIDTH]) {
+    fn compress_pairs(self, keep: u32, (one, others): (u32, __m512i), to: &mut [Pair; WIDTH]) {
         // SAFETY: as above; sixteen pairs are thirty-two u32 in a row, as `repr(C)` has them.
         unsafe {
-            let (i, j) = (_mm512_min_epu32(a, b), _mm512_max_epu32(a, b));
+            let kept = _mm512_maskz_compress_epi32(self.mask(keep), others);
+            let one = self.splat_u(one);
+            let (i, j) = (_mm512_min_epu32(one, kept), _mm512_max_epu32(one, kept));
             let first = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
             let last =
                 _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
-            let at = pairs.as_mut_ptr();
+            let at = to.as_mut_ptr();
             _mm512_storeu_si512(at.cast(), _mm512_permutex2var_epi32(i, first, j));
             _mm512_storeu_si512(at.add(8).cast(), _mm512_permutex2var_epi32(i, last, j));
         }

@@ -121,19 +121,19 @@ pub trait Lanes: Copy {
     /// Each lane's own number.
     fn lane_numbers(self) -> Self::U;
 
-    /// The lanes that the mask keeps, moved down to the front; the rest is unspecified.
-    fn compress(self, mask: Self::M, a: Self::F) -> Self::F;
-    /// The lanes that the mask keeps, moved down to the front; the rest is unspecified.
-    fn compress_u(self, mask: Self::M, a: Self::U) -> Self::U;
-    /// Each lane's two numbers as a pair, the smaller first.
+    /// Writes the lanes whose bits `keep` has, moved down to the front, from `at` on, which is at most
+    /// sixteen. Sixteen numbers are written; those past the kept ones are unspecified.
+    fn compress_to(self, keep: u32, a: Self::F, to: &mut [f32; 2 * WIDTH], at: usize);
+    /// [`Lanes::compress_to`] of indices.
+    fn compress_to_u(self, keep: u32, a: Self::U, to: &mut [u32; 2 * WIDTH], at: usize);
+    /// Writes the pairs of `one` and each of the lanes whose bits `keep` has, the smaller first, moved
+    /// down to the front; those past them are unspecified.
     #[inline(always)]
-    fn store_pairs(self, a: Self::U, b: Self::U, pairs: &mut [Pair; WIDTH]) {
-        let (mut of_a, mut of_b) = (IndexRow::default(), IndexRow::default());
-        self.store_u(a, &mut of_a);
-        self.store_u(b, &mut of_b);
-        for (k, pair) in pairs.iter_mut().enumerate() {
-            let (a, b) = (of_a.0[k], of_b.0[k]);
-            *pair = Pair { i: a.min(b), j: a.max(b) };
+    fn compress_pairs(self, keep: u32, (one, others): (u32, Self::U), to: &mut [Pair; WIDTH]) {
+        let mut kept = [0; 2 * WIDTH];
+        self.compress_to_u(keep, others, &mut kept, 0);
+        for (pair, &other) in to.iter_mut().zip(&kept) {
+            *pair = Pair { i: one.min(other), j: one.max(other) };
         }
     }
     /// The bits of `a` outside `mask`, and the bits of `tag`, which lie inside it.
@@ -311,6 +311,9 @@ const CACHE_LINE: usize = 64;
 mod tests {
     use super::*;
 
+    /// Bits past the lanes, which mean nothing.
+    const UNUSED: u32 = 0xffff_0000;
+
     /// Every operation on one set of inputs, so that the paths can be compared bit by bit.
     struct Everything<'a> {
         a: &'a Row,
@@ -355,22 +358,28 @@ mod tests {
             let masks = [l.and(lt, le), l.or(lt, le), l.and_not(le, lt), l.mask(0xA5C3)];
             let index = l.load_u(&IndexRow(std::array::from_fn(|k| 100 + k as u32)));
             let kept = l.bits(lt).count_ones() as usize;
-            let (mut chosen, mut packed) = (IndexRow::default(), IndexRow::default());
+            let mut chosen = IndexRow::default();
             l.store_u(l.tag_of(a, l.splat_u(15)), &mut chosen);
-            l.store_u(l.compress_u(lt, index), &mut packed);
             let floats = floats.map(|f| {
                 let mut row = Row::default();
                 l.store(f, &mut row);
                 row
             });
-            let mut front = Row::default();
-            l.store(l.compress(lt, a), &mut front);
-            let front = front.0[..kept].iter().map(|x| x.to_bits());
-            let packed = packed.0[..kept].iter().copied();
+            let keep = l.bits(lt) | UNUSED;
+            let mut compressed = Vec::new();
+            // What is there before `at` stays.
+            for at in [0, 5, WIDTH] {
+                let (mut front, mut packed) = ([0.5; 2 * WIDTH], [7; 2 * WIDTH]);
+                l.compress_to(keep, a, &mut front, at);
+                l.compress_to_u(keep, index, &mut packed, at);
+                compressed.extend(front[..at + kept].iter().map(|x| x.to_bits()));
+                compressed.extend(&packed[..at + kept]);
+            }
             let mut pairs = [Pair::default(); WIDTH];
-            l.store_pairs(index, l.tag_of(a, l.splat_u(255)), &mut pairs);
-            let pairs = pairs.into_iter().flat_map(|pair| [pair.i, pair.j]);
-            let indices = chosen.0.into_iter().chain(packed).chain(front).chain(pairs).collect();
+            l.compress_pairs(keep, (107, index), &mut pairs);
+            assert!(pairs[..kept].iter().all(|pair| pair.i <= pair.j));
+            let pairs = pairs[..kept].iter().flat_map(|pair| [pair.i, pair.j]);
+            let indices = chosen.0.into_iter().chain(compressed).chain(pairs).collect();
             (floats.to_vec(), masks.map(|m| l.bits(m)).to_vec(), indices)
         }
     }
@@ -393,7 +402,6 @@ mod tests {
             for (row, &largest) in rows.iter().zip(&floats[11].0) {
                 assert_eq!(largest, row.0.iter().copied().fold(f32::MIN, f32::max));
             }
-            assert!(indices[indices.len() - 2 * WIDTH..].chunks(2).all(|pair| pair[0] <= pair[1]));
             for (x, &rounded) in a.0.iter().zip(&floats[19].0) {
                 assert_eq!(rounded, (f64::from(*x) / 3.0) as f32);
             }

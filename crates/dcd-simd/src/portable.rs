@@ -21,16 +21,15 @@ macro_rules! each {
     };
 }
 
-/// The items that the mask keeps, moved down to the front.
+/// Writes the items whose bits `keep` has, moved down to the front, from `at` on.
 #[inline(always)]
-fn front<T: Copy + Default>(mask: [bool; WIDTH], a: [T; WIDTH]) -> [T; WIDTH] {
-    let (mut packed, mut kept) = ([T::default(); WIDTH], 0);
+fn front<T: Copy>(keep: u32, a: [T; WIDTH], to: &mut [T; 2 * WIDTH], at: usize) {
+    let mut end = at.min(WIDTH);
     for k in 0..WIDTH {
-        packed[kept & (WIDTH - 1)] = a[k];
-        kept += usize::from(mask[k]);
+        // At most the last place, as the mask shows to the compiler.
+        to[end & (2 * WIDTH - 1)] = a[k];
+        end += (keep >> k & 1) as usize;
     }
-    // A full mask wraps once at the very end, after every lane is in its place.
-    packed
 }
 
 impl Lanes for Portable {
@@ -147,12 +146,12 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn compress(self, mask: Self::M, a: Self::F) -> Self::F {
-        front(mask, a)
+    fn compress_to(self, keep: u32, a: Self::F, to: &mut [f32; 2 * WIDTH], at: usize) {
+        front(keep, a, to, at);
     }
     #[inline(always)]
-    fn compress_u(self, mask: Self::M, a: Self::U) -> Self::U {
-        front(mask, a)
+    fn compress_to_u(self, keep: u32, a: Self::U, to: &mut [u32; 2 * WIDTH], at: usize) {
+        front(keep, a, to, at);
     }
     #[inline(always)]
     fn tag(self, a: Self::F, mask: Self::U, tag: Self::U) -> Self::F {

@@ -145,6 +145,60 @@ mod tests {
         assert!(PartTree::over(&boxes).validate(&boxes));
     }
 
+    /// How many blocks are on the longest way from the root to a part, and how many parts are below
+    /// all blocks together: what building it takes, but for a factor.
+    fn depth_and_work(tree: &PartTree) -> (usize, usize) {
+        let mut sizes: Vec<(usize, usize)> = Vec::new();
+        for (number, (block, below)) in tree.blocks.iter().zip(&tree.below).enumerate() {
+            let filled = (0..WIDTH).filter(|&lane| block.get(lane) != Aabb::EMPTY);
+            let size = if number < tree.leaves {
+                (1, filled.count())
+            } else {
+                let children = filled.map(|lane| sizes[below.0[lane] as usize]);
+                children.fold((0, 0), |(d, n), (depth, parts)| (d.max(depth + 1), n + parts))
+            };
+            sizes.push(size);
+        }
+        let depth = sizes.last().map_or(0, |&(depth, _)| depth);
+        (depth, sizes.iter().map(|&(_, parts)| parts).sum())
+    }
+
+    #[test]
+    fn building_over_coincident_parts_takes_time_linear_in_their_number() {
+        let one = Aabb { min: Vec3::new(0.1, 0.7, 0.3), max: Vec3::new(1.3, 0.9, 2.1) };
+        let near = |k: usize| {
+            // A float apart: no two costs are the same, and none is worth a lopsided cut.
+            let shift = Vec3::X * (k % 3) as f32 * f32::EPSILON;
+            Aabb { min: one.min + shift, max: one.max + shift }
+        };
+        let flat = Aabb { max: Vec3::new(1.3, 0.7, 0.3), ..one };
+        let alike: [(&str, Vec<Aabb>); 4] = [
+            ("one box", vec![one; 40_000]),
+            ("a float apart", (0..40_000).map(near).collect()),
+            ("without area", vec![flat; 40_000]),
+            ("two places", (0..40_000).map(|k| if k < 39_990 { one } else { flat }).collect()),
+        ];
+        for (what, boxes) in alike {
+            let tree = PartTree::over(&boxes);
+            assert!(tree.validate(&boxes), "{what}");
+            let (depth, work) = depth_and_work(&tree);
+            assert!(depth <= 7 && work <= 7 * boxes.len(), "{what}: {depth} deep, {work} in all");
+        }
+    }
+
+    #[test]
+    fn sizes_that_double_make_no_path_longer_than_f32_has_powers_of_two() {
+        let boxes: Vec<Aabb> = (0..20_000)
+            .map(|k| {
+                let max = Vec3::splat(2f32.powi(k % 120 - 60));
+                Aabb { min: Vec3::ZERO, max }
+            })
+            .collect();
+        let tree = PartTree::over(&boxes);
+        let (depth, work) = depth_and_work(&tree);
+        assert!(tree.validate(&boxes) && depth <= 40 && work <= 40 * boxes.len(), "{depth} {work}");
+    }
+
     #[test]
     fn leaves_are_full_but_for_the_last_of_each_cut() {
         let tree = PartTree::over(&boxes(2180));

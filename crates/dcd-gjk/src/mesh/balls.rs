@@ -74,10 +74,12 @@ impl Balls {
             Shape::Polytope(polytope) => polytope.outer_radius() + polytope.swept_radius(),
             other => other.reach() + ball.centre.length(),
         };
+        // Of a foreign map no point is known to be inside, not even its frame's origin.
+        let known = if shape.centre_is_inside() { ball.radius } else { f64::NEG_INFINITY };
         let (turn_a, turn_b) = (a.pose.deviation(), b.pose.deviation());
         let swept = a.radius() + shape.radius();
         let outer = (outer * (1.0 + turn_b) + a.radius()) * (1.0 + turn_a);
-        let inner = (ball.radius * (1.0 - turn_b) + swept) * (1.0 - turn_a);
+        let inner = (known * (1.0 - turn_b) + swept) * (1.0 - turn_a);
         Some(Self {
             centre: between.rotation * ball.centre + between.offset,
             inner: inner * (1.0 - 16.0 * U64),

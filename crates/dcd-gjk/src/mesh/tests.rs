@@ -393,6 +393,24 @@ fn a_foreign_part_is_undecided_where_f64_cannot_tell_and_no_other_part_touches()
 }
 
 #[test]
+fn the_origin_of_a_foreign_frame_is_not_taken_for_a_point_of_its_shape() {
+    // A ball of radius 1 about (1.5, 1.5, 0), beside a triangle round the origin of its frame.
+    let ball = Polytope::hull(vec![DVec3::new(1.5, 1.5, 0.0)]).unwrap().rounded(1.0).unwrap();
+    let corners = vec![DVec3::ZERO, DVec3::X * 0.6, DVec3::Y * 0.6];
+    let mesh = Shape::mesh(corners, vec![[0, 1, 2]]).unwrap();
+    let foreign = Shape::custom(Arc::new(ball.clone())).unwrap();
+    for ball in [Shape::from(ball), foreign] {
+        let mut scratch = Scratch::default();
+        let here = |shape| Placed { shape, pose: &Pose::IDENTITY };
+        let (a, b) = (here(&mesh), here(&ball));
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            let found = overlap_on(path, [a, b], &mut scratch).0;
+            assert_eq!(found, Verdict::Apart, "{ball:?} on {path:?}");
+        }
+    }
+}
+
+#[test]
 fn the_distance_is_that_of_the_nearest_parts() {
     let mut scratch = Scratch::default();
     let mut apart = 0;

@@ -61,6 +61,10 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for OfTouching<S, N> {
         self.narrow.lay_out(scene, frame)
     }
 
+    fn keeps(&self, part: &Self::Part<'_>) -> bool {
+        self.narrow.keeps(part)
+    }
+
     fn prepare(&self, scene: &Scene, first: usize, part: Self::Part<'_>, aabbs: &mut [Aabb]) {
         self.narrow.prepare(scene, first, part, aabbs);
     }

@@ -68,6 +68,8 @@ enum Grown {
 pub struct Part<'f, P> {
     /// `None`: the scene as it is, its boxes to be grown afterwards.
     grown: Option<&'f Scene>,
+    /// Whether the same stood for the scene before.
+    kept: bool,
     prepared: P,
 }
 
@@ -78,7 +80,7 @@ impl<P: Divide> Divide for Part<'_, P> {
 
     fn split_at(self, middle: usize) -> (Self, Self) {
         let (first, others) = self.prepared.split_at(middle);
-        let part = |prepared| Self { grown: self.grown, prepared };
+        let part = |prepared| Self { prepared, grown: self.grown, kept: self.kept };
         (part(first), part(others))
     }
 }
@@ -101,17 +103,21 @@ impl<N: NarrowPhase> NarrowPhase for Within<N> {
     }
 
     fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
-        frame.grown.follow(scene, self.half());
+        let kept = frame.grown.follow(scene, self.half());
         let grown = match &frame.grown {
             Grown::Copy { scene, .. } => Some(&**scene),
             Grown::AsItIs | Grown::OutOfRange => None,
         };
         let prepared = self.narrow.lay_out(grown.unwrap_or(scene), &mut frame.prepared);
-        Part { grown, prepared }
+        Part { grown, kept, prepared }
+    }
+
+    fn keeps(&self, part: &Self::Part<'_>) -> bool {
+        part.kept && self.narrow.keeps(&part.prepared)
     }
 
     fn prepare(&self, scene: &Scene, first: usize, part: Self::Part<'_>, aabbs: &mut [Aabb]) {
-        let Part { grown: copy, prepared } = part;
+        let Part { grown: copy, prepared, .. } = part;
         self.narrow.prepare(copy.unwrap_or(scene), first, prepared, aabbs);
         if copy.is_none() {
             for aabb in aabbs {
@@ -143,23 +149,25 @@ impl<N: NarrowPhase> NarrowPhase for Within<N> {
 }
 
 impl Grown {
-    /// Brings the copy to where the scene is; its shapes are grown once.
-    fn follow(&mut self, original: &Scene, half: f64) {
+    /// Brings the copy to where the scene is; its shapes are grown once. Whether what stood for a
+    /// scene before still does.
+    fn follow(&mut self, original: &Scene, half: f64) -> bool {
         if half == 0.0 {
-            *self = Self::AsItIs;
-            return;
+            return matches!(std::mem::replace(self, Self::AsItIs), Self::AsItIs);
         }
         if let Self::Copy { of, by, scene } = self
             && *of == original.layout()
             && *by == half
             && scene.follow(original)
         {
-            return;
+            return true;
         }
-        *self = match original.swept(half) {
+        let new = match original.swept(half) {
             Some(scene) => Self::Copy { of: original.layout(), by: half, scene: Box::new(scene) },
             None => Self::OutOfRange,
         };
+        let before = std::mem::replace(self, new);
+        matches!((before, self), (Self::OutOfRange, Self::OutOfRange))
     }
 }
 

@@ -90,26 +90,20 @@ pub(super) const SIZE: std::ops::Range<f32> = 1e-7..1e9;
 /// that touch are called apart.
 pub(super) const SHORTEST: f32 = 1e-18;
 
-/// How far each coordinate of a computed centre R·c + t may be off, and the vertices relative to
-/// it. Unit: 2⁻⁵³·(|t|∞ + κ·reach), metres.
+/// How far each coordinate of a computed centre R·c + t may be off from a point of the core, and the
+/// vertices counted from it from their place. Unit: 2⁻⁵³·(|t|∞ + κ·reach), metres.
 ///
-/// Three products and three sums, the difference of two centres, and the subtraction of the centre
-/// from the vertices: 6, and room.
+/// Of κ·reach: three products and two sums of the rotation 3, the sum with t and the difference of two
+/// centres 1 each; and either the vertices less the centre 2, or the mean that stands for the centre of a
+/// core without an inner ball 2.02: 7.02. Of |t|: 2. (docs/numerics.md, "centres".) Smaller: false answers.
 pub(super) const CENTRE: f64 = 8.0;
 
 /// How far a component of c, or of a computed point of A − B, may be off where four of them hold the
-/// origin. Unit: u·m; [`MEAN`] comes on top.
+/// origin. Unit: u·m; the slacks come on top.
 ///
 /// 7.01 as for any rotated vertex, and 1 % for the determinants' own normals. Smaller: false contacts
 /// of flat shapes.
 pub(super) const CORNER: f32 = 8.0;
-
-/// How far the centre of a shape without an inner ball may be from its hull, and where it is from
-/// where it is computed. Unit: the centres' slack, which is 8 roundings of f64.
-///
-/// 6 roundings for the slack itself, and of the mean of at most 98 points 100. Smaller: false contacts
-/// of flat shapes far from the origin of their own frame.
-pub(super) const MEAN: f32 = 16.0;
 
 /// How far a determinant of three points may be off. Unit: u times the product of their 1-norms.
 ///

@@ -145,6 +145,8 @@ const NEAR_RECORDS: usize = 1 << 20;
 /// The frame's room for a range of the objects.
 #[derive(Debug)]
 pub struct Part<'f> {
+    /// Whether the frame's lists are those of the layout before, so that they hold what they held.
+    pub(crate) kept: bool,
     pub(super) form: Form,
     pub(super) records: &'f mut [Record],
     pub(super) blocks: &'f mut [Block],
@@ -159,7 +161,8 @@ impl Frame {
     /// Makes room: offsets only, and nothing to do where the scene's layout is that of the last
     /// step.
     pub(crate) fn lay_out(&mut self, scene: &Scene) -> Part<'_> {
-        if self.layout != Some(scene.layout()) {
+        let kept = self.layout == Some(scene.layout());
+        if !kept {
             self.set_offsets(scene);
             self.layout = Some(scene.layout());
         }
@@ -173,7 +176,8 @@ impl Frame {
         let own = records.len().min(boxes.len());
         let (boxes, boxes_of_parts) = boxes.split_at_mut(own);
         let room = compounds.room(of_parts, blocks_of_parts, boxes_of_parts);
-        Part { form: *form, records, blocks, boxes, uprights, room, extremes: Some(extremes) }
+        let form = *form;
+        Part { kept, form, records, blocks, boxes, uprights, room, extremes: Some(extremes) }
     }
 
     fn set_offsets(&mut self, scene: &Scene) {
@@ -290,7 +294,7 @@ impl Divide for Part<'_> {
             Some(record) => (record.first - base) as usize,
             None => self.blocks.len(),
         };
-        let form = self.form;
+        let (kept, form) = (self.kept, self.form);
         let (left_room, right_room) = self.room.split_at(middle);
         let (left, right) = self.records.split_at_mut(middle);
         let (left_blocks, right_blocks) = self.blocks.split_at_mut(blocks);
@@ -301,6 +305,7 @@ impl Divide for Part<'_> {
         let (left_lent, right_lent) = if middle > 0 { (lent, none) } else { (none, lent) };
         (
             Self {
+                kept,
                 form,
                 records: left,
                 blocks: left_blocks,
@@ -310,6 +315,7 @@ impl Divide for Part<'_> {
                 extremes: left_lent,
             },
             Self {
+                kept,
                 form,
                 records: right,
                 blocks: right_blocks,

@@ -127,12 +127,12 @@ impl<const R: usize> Belt<R> {
     /// Appends the pairs of the lot set in `keep`. There must be room: [`Belt::has`] no whole lot.
     #[inline(always)]
     pub(super) fn push<L: Lanes>(&mut self, l: L, lot: &Lot, keep: u32) {
-        let (mask, at) = (l.mask(keep), self.len.min(WIDTH));
-        put_u(l, &mut self.number, at, l.compress_u(mask, l.load_u(&lot.number)));
-        put_u(l, &mut self.a, at, l.compress_u(mask, l.load_u(&lot.a)));
-        put_u(l, &mut self.b, at, l.compress_u(mask, l.load_u(&lot.b)));
+        let at = self.len.min(WIDTH);
+        l.compress_to_u(keep, l.load_u(&lot.number), &mut self.number, at);
+        l.compress_to_u(keep, l.load_u(&lot.a), &mut self.a, at);
+        l.compress_to_u(keep, l.load_u(&lot.b), &mut self.b, at);
         for row in 0..R {
-            put(l, &mut self.rows[row], at, l.compress(mask, l.load(&lot.rows[row])));
+            l.compress_to(keep, l.load(&lot.rows[row]), &mut self.rows[row], at);
         }
         self.len += keep.count_ones() as usize;
     }
@@ -178,22 +178,6 @@ fn from_u<L: Lanes>(l: L, row: &[u32; 2 * WIDTH], at: usize) -> L::U {
     match row[at..].first_chunk() {
         Some(numbers) => l.load_from_u(numbers),
         None => l.splat_u(0),
-    }
-}
-
-/// Writes sixteen from `at` on, which is at most 16.
-#[inline(always)]
-fn put<L: Lanes>(l: L, row: &mut [f32; 2 * WIDTH], at: usize, numbers: L::F) {
-    if let Some(to) = row[at..].first_chunk_mut() {
-        l.store_to(numbers, to);
-    }
-}
-
-/// See [`put`].
-#[inline(always)]
-fn put_u<L: Lanes>(l: L, row: &mut [u32; 2 * WIDTH], at: usize, numbers: L::U) {
-    if let Some(to) = row[at..].first_chunk_mut() {
-        l.store_to_u(numbers, to);
     }
 }
 

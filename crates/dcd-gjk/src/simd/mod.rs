@@ -93,6 +93,10 @@ impl<T: Trust> NarrowPhase for InLanes<T> {
         frame.lay_out(scene)
     }
 
+    fn keeps(&self, part: &Part<'_>) -> bool {
+        part.kept
+    }
+
     fn prepare(&self, scene: &Scene, first: usize, part: Part<'_>, aabbs: &mut [Aabb]) {
         prepare::prepare(self.path, prepare::Prepare { scene, first, part, aabbs });
     }

@@ -1,7 +1,7 @@
 //! Touching without a ball: two flat shapes have none between them, and then four points of A − B
 //! round the origin must do.
 
-use super::bounds::{CORNER, DETERMINANT, EVALUATED, FLAT, MEAN, U};
+use super::bounds::{CORNER, DETERMINANT, EVALUATED, FLAT, U};
 use super::certificate::Trust;
 use super::lot::{Lot, Number};
 use super::vector::V3;
@@ -19,8 +19,7 @@ pub(super) fn is_flat<L: Lanes>(l: L, lot: &Lot) -> L::M {
 #[inline(always)]
 pub(super) fn holds_origin<L: Lanes, T: Trust>(l: L, lot: &Lot, c: V3<L>, p: [V3<L>; 3]) -> L::M {
     let unit = lot.number(l, Number::Unit);
-    let slack = l.mul(lot.number(l, Number::Slack), l.splat(MEAN));
-    let off = l.mul_add(unit, l.splat(CORNER), slack);
+    let off = l.mul_add(unit, l.splat(CORNER), lot.number(l, Number::Slack));
     // m³ times u² is beyond what underflow may take.
     let least = l.mul(l.mul(l.mul(unit, l.splat(1.0 / U)), unit), unit);
     let lengths = [p[0].norm1(l), p[1].norm1(l), p[2].norm1(l)];

@@ -52,6 +52,11 @@ impl NarrowPhase for Bracketed {
         Nothing::of(scene.len())
     }
 
+    /// Nothing is held but AABBs, which are the scene's.
+    fn keeps(&self, _: &Nothing) -> bool {
+        true
+    }
+
     fn prepare(&self, scene: &Scene, first: usize, _: Nothing, aabbs: &mut [Aabb]) {
         for (i, aabb) in (first..).zip(aabbs) {
             *aabb = scene.aabb(i);

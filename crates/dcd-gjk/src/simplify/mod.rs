@@ -77,12 +77,12 @@ impl fmt::Display for SimplifyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Tolerance { value } => {
-                write!(f, "the tolerance is {value}, not a finite length of at least 0")
+                write!(f, "the tolerance is {value:e}, not a finite length of at least 0")
             }
             Self::TooFewVertices { vertices } => {
                 write!(f, "{vertices} vertices are fewer than {}", Budget::FEWEST)
             }
-            Self::Size { size } => write!(f, "the shape's size of {size} m is out of range"),
+            Self::Size { size } => write!(f, "the shape's size of {size:e} m is out of range"),
         }
     }
 }

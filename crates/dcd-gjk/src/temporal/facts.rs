@@ -132,9 +132,13 @@ impl Default for Standing {
 }
 
 impl Facts {
-    /// Forgets all; tiles are made when the candidates are known.
+    /// Forgets all, at once; tiles are made when the candidates are known.
     pub(super) fn forget(&mut self) {
         self.empty = true;
+        // Without groups no pair has a tile, and without slots none has a fact.
+        self.firsts.clear();
+        self.slots.clear();
+        self.axes.clear();
     }
 
     /// One for each object of the scene.

@@ -76,6 +76,9 @@ pub struct Frame {
 #[derive(Debug)]
 pub struct Part<'f> {
     lanes: frame::Part<'f>,
+    /// Whether the ways of all objects are still those that were written last, or have been written
+    /// anew.
+    kept: bool,
     tracks: &'f mut [Track],
     ways: (&'f mut [Standing], &'f mut [f32]),
     told: Told<'f>,
@@ -99,10 +102,11 @@ impl Divide for Part<'_> {
         let (lanes, later_lanes) = self.lanes.split_at(middle);
         let (tracks, later_tracks) = self.tracks.split_at_mut(middle);
         let (ways, later_ways) = self.ways.split_at(middle);
-        let (told, restless) = (self.told, self.restless);
+        let (kept, told, restless) = (self.kept, self.told, self.restless);
+        let later = (later_lanes, later_tracks, later_ways);
         (
-            Self { lanes, tracks, ways, told, restless },
-            Self { lanes: later_lanes, tracks: later_tracks, ways: later_ways, told, restless },
+            Self { lanes, kept, tracks, ways, told, restless },
+            Self { lanes: later.0, kept, tracks: later.1, ways: later.2, told, restless },
         )
     }
 }
@@ -127,6 +131,21 @@ const ROOM_AT_FIRST: f32 = 1.0 / 24.0;
 /// How many pairs are found before the first of them is read: as many as keep memory busy. No effect
 /// on any result.
 const AT_ONCE: usize = 128;
+
+impl Frame {
+    /// Forgets all facts and lets all ways start from 0: those of every object, for who is not
+    /// prepared in this step must count from where the others do.
+    fn start_ways_again(&mut self) {
+        self.facts.forget();
+        let (standings, limits) = self.facts.ways_mut();
+        for (track, (standing, limit)) in
+            self.tracks.iter_mut().zip(standings.iter_mut().zip(limits))
+        {
+            track.start_again();
+            track.way().write(standing, limit);
+        }
+    }
+}
 
 /// What a thread reuses from slice to slice.
 #[derive(Clone, Debug, Default)]
@@ -160,6 +179,8 @@ impl NarrowPhase for Coherent {
         if !same_shapes {
             frame.shapes = Some(scene.shared_shapes().clone());
             frame.facts.forget();
+            // Limits are of the shapes before.
+            frame.tracks.clear();
         }
         if frame.layout != Some(scene.layout()) {
             frame.layout = Some(scene.layout());
@@ -167,8 +188,7 @@ impl NarrowPhase for Coherent {
             frame.facts.make_standings(scene.len());
         }
         if std::mem::take(frame.worn.get_mut()) {
-            frame.facts.forget();
-            frame.tracks.iter_mut().for_each(Track::start_again);
+            frame.start_ways_again();
         }
         *frame.restless.get_mut() = 0;
         frame.still_pays = frame.facts.still_pay();
@@ -176,10 +196,15 @@ impl NarrowPhase for Coherent {
         Part {
             restless: if dense { RESTLESS } else { RESTLESS_IF_SPARSE },
             lanes: frame.lanes.lay_out(scene),
+            kept: same_shapes,
             tracks: &mut frame.tracks,
             ways: frame.facts.ways_mut(),
             told: Told { restless: &frame.restless, worn: &frame.worn },
         }
+    }
+
+    fn keeps(&self, part: &Part<'_>) -> bool {
+        part.kept && part.lanes.kept
     }
 
     fn prepare(&self, scene: &Scene, first: usize, part: Part<'_>, aabbs: &mut [Aabb]) {

@@ -4,7 +4,6 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use std::fmt;
 
-#[derive(Deserialize)]
 pub(super) struct PairLine {
     pub(super) name: Option<String>,
     pub(super) a: Vec<[Number; 3]>,
@@ -13,13 +12,105 @@ pub(super) struct PairLine {
     pub(super) pose_b: PoseValue,
 }
 
-#[derive(Deserialize)]
 pub(super) struct PoseValue {
     /// Three rows.
-    #[serde(rename = "R")]
     pub(super) matrix: Option<[[Number; 3]; 3]>,
     pub(super) q: Option<[Number; 4]>,
     pub(super) t: [Number; 3],
+}
+
+impl<'de> Deserialize<'de> for PairLine {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(PairVisitor)
+    }
+}
+
+struct PairVisitor;
+
+impl<'de> Visitor<'de> for PairVisitor {
+    type Value = PairLine;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a pair")
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<PairLine, M::Error> {
+        let (mut name, mut a, mut pose_a, mut b, mut pose_b) = (None, None, None, None, None);
+        while let Some(key) = map.next_key::<String>()? {
+            match key.as_str() {
+                "name" => once(&mut map, "name", &mut name)?,
+                "a" => once(&mut map, "a", &mut a)?,
+                "pose_a" => once(&mut map, "pose_a", &mut pose_a)?,
+                "b" => once(&mut map, "b", &mut b)?,
+                "pose_b" => once(&mut map, "pose_b", &mut pose_b)?,
+                other => pass_over(&mut map, other, &["name", "a", "pose_a", "b", "pose_b"])?,
+            }
+        }
+        Ok(PairLine {
+            name: name.flatten(),
+            a: a.ok_or_else(|| M::Error::missing_field("a"))?,
+            pose_a: pose_a.ok_or_else(|| M::Error::missing_field("pose_a"))?,
+            b: b.ok_or_else(|| M::Error::missing_field("b"))?,
+            pose_b: pose_b.ok_or_else(|| M::Error::missing_field("pose_b"))?,
+        })
+    }
+}
+
+impl<'de> Deserialize<'de> for PoseValue {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(PoseVisitor)
+    }
+}
+
+struct PoseVisitor;
+
+impl<'de> Visitor<'de> for PoseVisitor {
+    type Value = PoseValue;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a pose")
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<PoseValue, M::Error> {
+        let (mut matrix, mut q, mut t) = (None, None, None);
+        while let Some(key) = map.next_key::<String>()? {
+            match key.as_str() {
+                "R" => once(&mut map, "R", &mut matrix)?,
+                "q" => once(&mut map, "q", &mut q)?,
+                "t" => once(&mut map, "t", &mut t)?,
+                other => pass_over(&mut map, other, &["R", "q", "t"])?,
+            }
+        }
+        let t = t.ok_or_else(|| M::Error::missing_field("t"))?;
+        Ok(PoseValue { matrix: matrix.flatten(), q: q.flatten(), t })
+    }
+}
+
+/// Reads the value of a key that may stand once.
+fn once<'de, M: MapAccess<'de>, T: Deserialize<'de>>(
+    map: &mut M,
+    key: &'static str,
+    value: &mut Option<T>,
+) -> Result<(), M::Error> {
+    if value.is_some() {
+        return Err(M::Error::duplicate_field(key));
+    }
+    *value = Some(map.next_value()?);
+    Ok(())
+}
+
+/// Passes over what is the writer's own: `name`, and keys that begin with an underscore. Any other
+/// could be a misspelt one, and what it says would be lost without a word.
+fn pass_over<'de, M: MapAccess<'de>>(
+    map: &mut M,
+    key: &str,
+    known: &'static [&'static str],
+) -> Result<(), M::Error> {
+    if key == "name" || key.starts_with('_') {
+        map.next_value::<IgnoredAny>()?;
+        return Ok(());
+    }
+    Err(M::Error::unknown_field(&key.escape_debug().to_string(), known))
 }
 
 /// A JSON number, or one of the quoted words that stand for what JSON has no number for.

@@ -166,10 +166,14 @@ impl<N: NarrowPhase> Desk<N> {
         refused
     }
 
-    /// Prepares what was posed last.
+    /// Prepares what was posed last; everything, where the frame has not kept the rest.
     fn prepare(&mut self, probe: &Probe<'_, N>) {
         let Self { scene, frame, aabbs, fresh, .. } = self;
-        let mut rest = (probe.world.narrow.lay_out(scene, frame), &mut aabbs[..]);
+        let part = probe.world.narrow.lay_out(scene, frame);
+        if !probe.world.narrow.keeps(&part) {
+            return probe.world.narrow.prepare(scene, 0, part, aabbs);
+        }
+        let mut rest = (part, &mut aabbs[..]);
         let mut start = 0;
         for new in fresh.iter().filter(|new| !new.is_empty()) {
             let (_, others) = rest.split_at(new.start - start);
