@@ -16,6 +16,7 @@ fn main() -> io::Result<()> {
         ("probe", batches()),
         ("readers", files()?),
         ("hull", clouds()),
+        ("far", moved()),
     ];
     for (target, seeds) in targets {
         let folder = folder.join(target);
@@ -156,6 +157,25 @@ fn batches() -> Vec<Vec<u8>> {
         [[&links[..], &scene, &batches(3)].concat(), [&others[..], &scene, &batches(2)].concat()]
     });
     worlds.collect()
+}
+
+/// One or two shapes of each kind, moved by none, by eighths, and by up to 2⁴⁰ of them; nine objects
+/// near each other, and a margin.
+fn moved() -> Vec<Vec<u8>> {
+    let [cube, rounded, sphere, tetrahedron] = shapes();
+    let [closed, _, strip] = surfaces();
+    let cylinder = vec![CYLINDER, HALF, HALF];
+    let compound = [vec![COMPOUND, 1], rounded.clone(), poses()[0].clone()].concat();
+    let segment = vec![3 | ROUNDED, 0, 0, 0, ONE, 0, 0, HALF];
+    let kinds = [cube, rounded, sphere, tetrahedron, closed, strip, cylinder, compound, segment];
+    let objects: Vec<u8> =
+        (0..9u8).flat_map(|k| [vec![k], poses()[usize::from(k) % 5].clone()].concat()).collect();
+    let by = |power: u8| vec![ONE, 3, ONE + 5, power];
+    let of = |a: &Vec<u8>, b: &Vec<u8>, power: u8| {
+        [&[1][..], a, &by(power), b, &by(power / 2), &[9], &objects, &[HALF]].concat()
+    };
+    let pairs = kinds.iter().flat_map(|a| kinds.iter().map(move |b| (a, b)));
+    pairs.flat_map(|(a, b)| [0, 20, 40].map(|power| of(a, b, power))).collect()
 }
 
 fn clouds() -> Vec<Vec<u8>> {

@@ -60,6 +60,12 @@ fn check_f64_alone(found: &Distance, a: Body<'_, Polytope>, b: Body<'_, Polytope
             assert!(off <= error * (1.0 + 1e-12), "{found:?} {rough:?}");
         }
         DistanceResult::Touching => panic!("f64 alone: touching; {found:?}"),
+        DistanceResult::Interval { within, depth, .. } => {
+            assert!(within.distance == 0.0 && within.error_bound.is_finite(), "{within:?}");
+            let least = found.distance - found.error_bound;
+            assert!(least <= within.error_bound * (1.0 + 1e-12), "{found:?} {within:?}");
+            assert!(depth.is_finite(), "{depth}");
+        }
         DistanceResult::Undecided(_) => {}
     }
 }

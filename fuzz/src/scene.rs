@@ -21,7 +21,7 @@ const FRAMES: usize = 4;
 pub fn scene(bytes: &[u8]) {
     let mut input = Input(bytes);
     let Some(mut scene) = scene_of(&mut input) else { return };
-    let mut kept: Vec<_> = paths().map(|path| (pipeline(path), remembering(path))).collect();
+    let mut kept = kept();
     for _ in 0..FRAMES {
         check(&scene, &mut kept);
         if change(&mut scene, &mut input).is_none() {
@@ -34,6 +34,11 @@ pub(crate) fn paths() -> impl Iterator<Item = Path> {
     Path::ALL.into_iter().filter(|path| path.is_available())
 }
 
+/// Pipelines that have seen nothing yet, for each path.
+pub(crate) fn kept() -> Vec<(Pipeline, Remembering)> {
+    paths().map(|path| (pipeline(path), remembering(path))).collect()
+}
+
 fn pipeline(path: Path) -> Pipeline {
     Pipeline::with(WideTree::default(), Overlap::on(path))
 }
@@ -42,7 +47,7 @@ fn remembering(path: Path) -> Remembering {
     Pipeline::with(WideTree::default(), Coherent::on(path))
 }
 
-type Remembering = Pipeline<WideTree, Coherent>;
+pub(crate) type Remembering = Pipeline<WideTree, Coherent>;
 
 pub(crate) fn scene_of(input: &mut Input<'_>) -> Option<Scene> {
     let shapes = 1 + input.byte()? % 4;
@@ -102,12 +107,12 @@ fn nudge(scene: &mut Scene, i: usize, byte: u8) {
 /// What every pair that may be told comes to, one by one. What stays undecided here the broad phase
 /// may know to be apart.
 #[derive(Debug, Default)]
-struct Judged {
-    touching: Vec<(u32, u32)>,
-    undecided: Vec<(u32, u32)>,
+pub(crate) struct Judged {
+    pub(crate) touching: Vec<(u32, u32)>,
+    pub(crate) undecided: Vec<(u32, u32)>,
 }
 
-fn check(scene: &Scene, kept: &mut [(Pipeline, Remembering)]) {
+pub(crate) fn check(scene: &Scene, kept: &mut [(Pipeline, Remembering)]) {
     let truth = judged(scene);
     for (path, (kept, remembering)) in paths().zip(kept) {
         let mut fresh = pipeline(path);
@@ -134,7 +139,7 @@ fn pair_of(pair: dcd_geom::Pair) -> (u32, u32) {
     pair.into()
 }
 
-fn judged(scene: &Scene) -> Judged {
+pub(crate) fn judged(scene: &Scene) -> Judged {
     let mut judged = Judged::default();
     let placed =
         |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };

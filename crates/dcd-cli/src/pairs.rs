@@ -26,7 +26,8 @@ A line comes out for each, in order:
   rung         what settled it: f32, f64, exact, parry-f32, parry-f64
   reason       why the pair is undecided, or its distance without a bound: "out of range" where it is
                more than an f64 holds, and the number told is one that it surely exceeds
-  distance     metres; 0 for a touching pair
+  distance     metres; 0 for a touching pair, and for one that f64 leaves undecided: it is apart, or
+               overlaps, by no more than error_bound
   depth        metres; for touching pairs alone, 0 for one that just touches
   normal       of unit length, from a to b, world frame
   point_a, point_b   between which the distance or depth is, world frame

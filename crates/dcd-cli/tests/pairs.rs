@@ -104,6 +104,26 @@ fn cubes_that_just_touch_are_touching_at_distance_and_depth_zero_by_the_exact_ru
 }
 
 #[test]
+fn a_pair_within_rounding_of_f64_has_a_distance_of_zero_and_the_truth_is_within_its_bound() {
+    let gaps = [0.0, f64::EPSILON, -f64::EPSILON / 2.0, 3.0 * f64::EPSILON];
+    let pairs = gaps.map(|gap| cubes([1.0 + gap, 0.5, 0.0]));
+    let ran = ask(&pairs, &["--rung", "f64", "--query", "distance"]);
+    let swapped = ask(&pairs, &["--rung", "f64", "--query", "distance", "--swap"]).answers();
+    for ((line, swapped), gap) in ran.answers().into_iter().zip(swapped).zip(gaps) {
+        assert_eq!(
+            (&line["answer"], &line["rung"]),
+            (&"undecided".into(), &"f64".into()),
+            "{line}"
+        );
+        assert_eq!((&line["reason"], number(&line, "distance")), (&"within rounding".into(), 0.0));
+        let bound = number(&line, "error_bound");
+        assert!(gap.abs() <= bound && bound < 1e-13, "{line}");
+        assert!(vector(&line, "normal").is_finite(), "{line}");
+        assert_eq!(number(&swapped, "error_bound"), bound);
+    }
+}
+
+#[test]
 fn only_what_the_query_asks_for_is_present() {
     let pairs = [cubes([3.0, 0.0, 0.0]), cubes([0.5, 0.0, 0.0])];
     let way = ["normal", "point_a", "point_b"];

@@ -25,9 +25,9 @@ pub struct Curved {
     swept_radius: f64,
 }
 
-/// How far a support may fall short. Unit: u·(half height + radius). A component of a rim point
-/// loses 1u for the direction's scaled component, 3u for its length, 1u each for the quotient and
-/// the product, against both components at once 12u; the choice of the disc 4u.
+/// How far a support may fall short, and how far it may be from the shape. Unit: u·(half height +
+/// radius). The rim's point loses 6 of its radius, the choice of the disc 6 of the radius or 4 of the
+/// half height: 12 (docs/numerics.md, "cylinders and cones"), and room. Smaller: false answers.
 const SUPPORT_ERROR: f64 = 20.0;
 
 impl Curved {

@@ -1,12 +1,13 @@
 //! The law of this crate's door, as a test that any narrow phase can call.
 
 use crate::{Contact, Findings, NarrowPhase, Report, Rung, Undecided};
-use dcd_geom::glam::DVec3;
+use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::law::Broken;
-use dcd_geom::{Aabb, Bound, Divide, Pair, Scene, Shape, SupportMap};
+use dcd_geom::{Aabb, Bound, Divide, HalfSpace, Pair, Scene, Shape, SupportMap};
 use std::fmt::Debug;
 
-/// Tests the law of [`NarrowPhase`] on a scene and pairs of its objects, each at most once.
+/// Tests the law of [`NarrowPhase`] on a scene and pairs of its objects, each at most once; shapes
+/// of every kind will do.
 ///
 /// # Errors
 /// The first breach.
@@ -192,30 +193,65 @@ impl<A: PartialEq + Debug> Filed<A> {
     }
 }
 
-/// How many directions of each object are compared with its box.
+/// The directions in which a shape without vertices is compared with its box.
 const DIRECTIONS: [DVec3; 7] =
     [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE, DVec3::NEG_ONE, DVec3::NEG_X, DVec3::NEG_Z];
 
 fn boxes_contain_their_objects(scene: &Scene, aabbs: &[Aabb]) -> Result<(), Broken> {
     for (i, (aabb, pose)) in aabbs.iter().zip(scene.poses()).enumerate() {
-        let shape = scene.shape(i);
-        let vertices = match shape {
-            Shape::Mesh(mesh) => mesh.points(),
-            _ => shape.as_polytope().map_or(&[][..], |polytope| polytope.vertices()),
-        };
         let to_local = pose.rotation().transpose();
-        let supports = DIRECTIONS.iter().map(|&d| shape.support(to_local * d).point);
-        for local in vertices.iter().copied().chain(supports) {
-            let world = pose.apply(local);
+        for Sample { point, radius } in samples(scene.shape(i), to_local) {
+            let world = pose.apply(point);
             // Three products and three sums of the comparison's own.
-            let slack = (shape.reach() + pose.translation().abs().max_element()) * 1e-15;
-            let room = DVec3::splat(shape.radius() - slack);
+            let size = point.length() + pose.translation().abs().max_element();
+            let room = DVec3::splat(radius - (size + radius) * 1e-15);
             if !holds(aabb, world - room, world + room) {
                 return Err(Broken(format!("{aabb:?} of object {i} does not hold {world}")));
             }
         }
     }
     Ok(())
+}
+
+/// A ball inside a shape, in its own frame.
+struct Sample {
+    point: DVec3,
+    radius: f64,
+}
+
+/// Balls that reach as far as the shape does: round vertices, or supports where it has none; of a
+/// compound those of every part, of a half-space some on its plane and below it.
+fn samples(shape: &Shape, to_local: DMat3) -> Vec<Sample> {
+    let points = match shape {
+        Shape::Compound(compound) => {
+            let parts = compound.parts().iter();
+            return parts.flat_map(|part| samples(part.placed(), to_local)).collect();
+        }
+        Shape::HalfSpace(half_space) => below(half_space),
+        Shape::Mesh(mesh) => mesh.points().to_vec(),
+        Shape::Polytope(polytope) => polytope.vertices().to_vec(),
+        convex => DIRECTIONS.iter().map(|&d| convex.support(to_local * d).point).collect(),
+    };
+    let radius = shape.radius();
+    points.into_iter().map(|point| Sample { point, radius }).collect()
+}
+
+/// How far from the plane's foot a half-space is looked at, metres.
+const FAR: [f64; 3] = [0.0, 1.0, 1e6];
+
+/// Points of a half-space: on its plane and below it, near and far to every side.
+fn below(half_space: &HalfSpace) -> Vec<DVec3> {
+    let normal = half_space.normal();
+    let foot = normal * (half_space.offset() / normal.length_squared());
+    let up = normal.normalize();
+    let along = up.any_orthonormal_vector();
+    let across = up.cross(along);
+    // The foot is off the plane by its rounding: what is asked is a little lower.
+    let foot = foot - up * (foot.length() * 1e-15);
+    let sides = [along, -along, across, -across];
+    let around = |far: f64| sides.map(|side| foot + side * far - up * (far * 1e-15));
+    let under = FAR.map(|far| foot - up * far);
+    FAR.into_iter().flat_map(around).chain(under).collect()
 }
 
 fn bounds_contain_their_boxes(scene: &Scene, aabbs: &[Aabb], growth: f64) -> Result<(), Broken> {

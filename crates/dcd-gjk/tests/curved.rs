@@ -1,11 +1,13 @@
-//! Cylinders and cones: between prisms inside and round them, and decided where they should be.
+//! Cylinders and cones: between prisms inside and round them, and decided where they should be; their
+//! supports and answers against exact arithmetic.
 
 mod judge;
 
 use dcd_geom::glam::{DMat3, DVec3};
-use dcd_geom::{Polytope, Pose, Shape};
+use dcd_geom::{Curved, Polytope, Pose, Shape, SupportMap};
 use dcd_gjk::{DistanceResult, Placed, Verdict, certified, distance};
 use judge::cases::Draw;
+use num_bigint::BigInt;
 use std::f64::consts::PI;
 
 /// Beyond this much of the pair's size f64 must decide (docs/numerics.md, "cylinders and cones").
@@ -152,4 +154,210 @@ fn aligned_and_identical_shapes_are_decided() {
             }
         }
     }
+}
+
+/// A float in units of 2⁻³⁰⁰. Products and sums of these are exact.
+fn whole(x: f64) -> BigInt {
+    let scaled = x * 2f64.powi(300);
+    assert!(scaled.is_finite() && scaled.fract() == 0.0, "{x}");
+    let exponent = ((scaled.to_bits() >> 52 & 0x7ff) as i32 - 1075).max(0);
+    BigInt::from((scaled / 2f64.powi(exponent)) as i128) << exponent
+}
+
+/// Of units of 2⁻³⁰⁰ to the power `power`.
+fn rounded(x: &BigInt, power: i32) -> f64 {
+    let shift = (x.bits() as i64 - 64).max(0);
+    let top = x.clone() >> shift;
+    let top = i128::try_from(top).unwrap() as f64;
+    // In two steps: the unit to a power is out of range.
+    let exponent = shift as i32 - 300 * power;
+    top * 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2)
+}
+
+/// How far the support in that direction falls short of the farthest point, and how far it is outside
+/// of its disc, both in units of 2⁻⁵³·(half height + radius), the first per |d|₁.
+fn support_is_off(shape: &Curved, d: DVec3) -> [f64; 2] {
+    const U: f64 = f64::EPSILON / 2.0;
+    let found = shape.support(d).point;
+    let [x, y, z] = d.to_array().map(whole);
+    let [px, py, pz] = found.to_array().map(whole);
+    let across = &x * &x + &y * &y;
+    let along = &x * &px + &y * &py + &z * &pz;
+    let size = shape.half_height() + shape.radius();
+    let short = shape.discs().map(|(height, radius)| {
+        // ρ·√q − Y = (ρ²·q − Y²)/(ρ·√q + Y), the numerator exactly.
+        let radius = whole(radius);
+        let rest = &along - &z * whole(height);
+        let reach = &radius * &radius * &across;
+        let (root, rest_f64) = (rounded(&reach, 4).sqrt(), rounded(&rest, 2));
+        match rest_f64 > 0.0 {
+            true => rounded(&(reach - &rest * &rest), 4) / (root + rest_f64),
+            false => root - rest_f64,
+        }
+    });
+    let short = short[0].max(short[1]) / (U * size * d.abs().element_sum());
+    let [lower, upper] = shape.discs();
+    let radius = if found.z > 0.0 { upper.1 } else { lower.1 };
+    let beyond = &px * &px + &py * &py - whole(radius) * whole(radius);
+    let outside = rounded(&beyond, 2) / (2.0 * radius.max(f64::MIN_POSITIVE)) / (U * size);
+    [short, outside]
+}
+
+#[test]
+fn supports_fall_short_by_less_than_the_proved_twelve_roundings() {
+    let mut draw = Draw(51);
+    let length = |draw: &mut Draw| (0.1 + draw.unit().abs()) * 2f64.powi(draw.below(9) as i32 - 4);
+    let shape = |kind: bool, h: f64, r: f64| {
+        if kind { Curved::cylinder(h, r) } else { Curved::cone(h, r) }.unwrap()
+    };
+    let mut worst = [0.0f64; 2];
+    for start in 0..400 {
+        let kind = start % 2 == 0;
+        let (mut h, mut r) = (length(&mut draw), length(&mut draw));
+        let mut d = draw.vector() * DVec3::new(1.0, length(&mut draw), length(&mut draw));
+        if !kind && start % 4 == 1 {
+            // Normal to the side, where both discs are as far.
+            d.z = d.x.hypot(d.y) * r / (2.0 * h);
+        }
+        let mut best = support_is_off(&shape(kind, h, r), d);
+        for _ in 0..60 {
+            let near = |x: f64, draw: &mut Draw| {
+                let most = 1 << (1 + draw.below(40));
+                let ulps = draw.below(most) as i64;
+                let other = f64::from_bits((x.to_bits() as i64 + ulps) as u64);
+                if draw.below(2) == 0 { other } else { x }
+            };
+            let (other_h, other_r) = (near(h, &mut draw), near(r, &mut draw));
+            let other = DVec3::from_array(d.to_array().map(|x| near(x, &mut draw)));
+            let found = support_is_off(&shape(kind, other_h, other_r), other);
+            for k in 0..2 {
+                worst[k] = worst[k].max(found[k]);
+            }
+            if found[0] > best[0] {
+                (best, h, r, d) = (found, other_h, other_r, other);
+            }
+        }
+    }
+    println!("short by {:.2} of 12, outside by {:.2} of 6", worst[0], worst[1]);
+    assert!(worst[0] <= 12.0 && worst[1] <= 6.0, "{worst:?}");
+    assert!(worst[0] > 1.0 && worst[1] > 1.0, "the climb finds nothing: {worst:?}");
+}
+
+/// Two shapes of which it is known exactly whether they touch at a place.
+struct Known {
+    shapes: [Shape; 2],
+    rotation: DMat3,
+    /// Where the second is, by one number.
+    at: Box<dyn Fn(f64) -> DVec3>,
+    /// Whether they touch there.
+    touches: Box<dyn Fn(DVec3) -> bool>,
+    /// Near the number where that changes.
+    about: f64,
+}
+
+/// x² + y² ≤ (Σ lengths)², exactly.
+fn within(x: f64, y: f64, lengths: [f64; 4]) -> bool {
+    let sum: BigInt = lengths.into_iter().map(whole).sum();
+    whole(x) * whole(x) + whole(y) * whole(y) <= &sum * &sum
+}
+
+fn known(draw: &mut Draw, k: usize) -> Known {
+    let size = [1.0, 2f64.powi(-20), 2f64.powi(20)][k % 3];
+    let mut length = || (0.1 + 0.9 * draw.unit().abs()) * size;
+    let (h, r, g, s) = (length(), length(), length(), length());
+    let swept = if k.is_multiple_of(2) { [0.0; 2] } else { [length(), length()] };
+    let [a, b] = swept;
+    let cylinder = |h, r, swept| Shape::cylinder(h, r).unwrap().rounded(swept).unwrap();
+    let cone = |h, r, swept| Shape::cone(h, r).unwrap().rounded(swept).unwrap();
+    let quarter = DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X);
+    let (c, z) = (draw.unit() * r.min(s), draw.unit() * 0.9 * h.min(g));
+    let lengths = [r, s, a, b];
+    match k % 5 {
+        // Side by side: the axes parallel, the heights overlapping.
+        0 => Known {
+            shapes: [cylinder(h, r, a), cylinder(g, s, b)],
+            rotation: DMat3::IDENTITY,
+            at: Box::new(move |x| DVec3::new(x, c, z)),
+            touches: Box::new(move |t| within(t.x, t.y, lengths)),
+            about: ((r + s + a + b).powi(2) - c * c).sqrt(),
+        },
+        // The cone's base is as high as some of the cylinder.
+        1 => Known {
+            shapes: [cone(h, r, a), cylinder(g, s, b)],
+            rotation: DMat3::IDENTITY,
+            at: Box::new(move |x| DVec3::new(x, c, z - h)),
+            touches: Box::new(move |t| within(t.x, t.y, lengths)),
+            about: ((r + s + a + b).powi(2) - c * c).sqrt(),
+        },
+        // End to end: the second's disc above the first's, overlapping it.
+        2 => Known {
+            shapes: [cylinder(h, r, a), cylinder(g, s, b)],
+            rotation: DMat3::IDENTITY,
+            at: Box::new(move |z| DVec3::new(c, 0.0, z)),
+            touches: Box::new(move |t| within(t.z, 0.0, [h, g, a, b])),
+            about: h + g + a + b,
+        },
+        // The apex below the middle of a disc.
+        3 => Known {
+            shapes: [cone(h, r, a), cylinder(g, s, b)],
+            rotation: DMat3::IDENTITY,
+            at: Box::new(move |z| DVec3::new(0.9 * c.abs().min(s), 0.0, z)),
+            touches: Box::new(move |t| within(t.z, 0.0, [h, g, a, b])),
+            about: h + g + a + b,
+        },
+        // Crossed: the second's axis along x.
+        _ => Known {
+            shapes: [cylinder(h, r, a), cylinder(g, s, b)],
+            rotation: quarter,
+            at: Box::new(move |y| DVec3::new(0.5 * z, y, 0.5 * z)),
+            touches: Box::new(move |t| within(t.y, 0.0, lengths)),
+            about: r + s + a + b,
+        },
+    }
+}
+
+#[test]
+fn pairs_known_exactly_are_never_contradicted_at_neighbouring_floats() {
+    let mut draw = Draw(52);
+    let mut open = 0;
+    for k in 0..300 {
+        let Known { shapes: [a, b], rotation, at, touches, about } = known(&mut draw, k);
+        let ulps = |x: f64, by: i64| f64::from_bits((x.to_bits() as i64 + by) as u64);
+        let (mut near, mut far) = (ulps(about, -1 << 20), ulps(about, 1 << 20));
+        assert!(touches(at(near)) && !touches(at(far)), "{k}");
+        while near.next_up() < far {
+            let middle = f64::from_bits(near.to_bits() + (far.to_bits() - near.to_bits()) / 2);
+            if touches(at(middle)) { near = middle } else { far = middle }
+        }
+        for exponent in 0..36 {
+            let step = (1i64 << exponent) - 1;
+            for (steps, truth) in [(ulps(near, -step), true), (ulps(far, step), false)] {
+                let pose = Pose::from_matrix(rotation, at(steps)).unwrap();
+                let here = Placed { shape: &a, pose: &Pose::IDENTITY };
+                let there = Placed { shape: &b, pose: &pose };
+                match verdict(here, there) {
+                    Verdict::Touching(()) => assert!(truth, "{k} {a:?} {b:?} {pose:?}"),
+                    Verdict::Apart => assert!(!truth, "{k} {a:?} {b:?} {pose:?}"),
+                    Verdict::Undecided(_) => {
+                        open += 1;
+                        // 2³⁴ ulps are a millionth.
+                        assert!(exponent < 26, "{k} {a:?} {b:?} {pose:?} {exponent}");
+                    }
+                }
+                let gap = (steps - near).abs();
+                match distance::distance(here, there).0 {
+                    DistanceResult::Interval { within: found, depth, .. } => {
+                        assert!(found.distance == 0.0 && found.error_bound.is_finite());
+                        // Along the axis that the place is told by, nothing is farther or deeper.
+                        let bound = if truth { depth } else { found.error_bound };
+                        assert!(bound >= 0.5 * gap && depth.is_finite(), "{k} {found:?} {gap}");
+                    }
+                    DistanceResult::Apart(found) => assert!(!truth, "{k} {found:?}"),
+                    DistanceResult::Touching => assert!(truth, "{k}"),
+                    DistanceResult::Undecided(reason) => panic!("{k}: {reason:?}"),
+                }
+            }
+        }
+    }
+    assert!(open > 0, "nothing is near the bound");
 }

@@ -28,6 +28,9 @@ fn measured([a, b]: &[Placed; 2]) -> Option<Distance> {
             if let DistanceResult::Apart(plain) = plain {
                 must_hold(a, b, &plain);
             }
+            if let DistanceResult::Interval { within: plain, .. } = plain {
+                assert!(plain.distance == 0.0 && distance_is_in(a, b, 0.0, plain.upper()));
+            }
             Some(found)
         }
         DistanceResult::Touching => {
@@ -35,7 +38,9 @@ fn measured([a, b]: &[Placed; 2]) -> Option<Distance> {
             assert!(!matches!(plain, DistanceResult::Apart(_)), "{a:?}\n{b:?}");
             None
         }
-        DistanceResult::Undecided(reason) => panic!("{reason:?} {a:?}\n{b:?}"),
+        DistanceResult::Interval { reason, .. } | DistanceResult::Undecided(reason) => {
+            panic!("{reason:?} {a:?}\n{b:?}")
+        }
     }
 }
 

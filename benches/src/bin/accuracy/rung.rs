@@ -238,7 +238,7 @@ fn of_distance(result: DistanceResult) -> Said {
     match result {
         DistanceResult::Apart(found) => Said::Measured(found.distance),
         DistanceResult::Touching => Said::Touching,
-        DistanceResult::Undecided(_) => Said::Open,
+        DistanceResult::Interval { .. } | DistanceResult::Undecided(_) => Said::Open,
     }
 }
 

@@ -68,11 +68,13 @@ fn distance(rung: Rung, a: Placed<'_>, b: Placed<'_>) -> Answer {
     let verdict = match found {
         DistanceResult::Apart(_) => Verdict::Apart,
         DistanceResult::Touching => Verdict::Touching(()),
-        DistanceResult::Undecided(reason) => Verdict::Undecided(reason),
+        DistanceResult::Interval { reason, .. } | DistanceResult::Undecided(reason) => {
+            Verdict::Undecided(reason)
+        }
     };
     let mut answer = Answer::new(&verdict, name(settled));
     match found {
-        DistanceResult::Apart(found) => {
+        DistanceResult::Apart(found) | DistanceResult::Interval { within: found, .. } => {
             answer.distance = Some(found.distance);
             answer.way = Some(Way::new(found.normal, found.point_a, found.point_b));
             if found.is_saturated() {

@@ -82,6 +82,9 @@ struct Best {
     lower: f64,
     touching: bool,
     undecided: Option<Reason>,
+    /// Of the pairs of which it is not known whether they touch: the nearest by its bound, and how deep
+    /// the deepest may be.
+    interval: Option<(Reason, Distance, f64)>,
     rung: Option<Rung>,
 }
 
@@ -112,6 +115,12 @@ impl Best {
             DistanceResult::Undecided(reason) => {
                 self.undecided = self.undecided.or(Some(reason));
             }
+            DistanceResult::Interval { reason, within, depth } => {
+                let (reason, known, deepest) = self.interval.unwrap_or((reason, within, depth));
+                let nearer = within.error_bound < known.error_bound;
+                let nearest = if nearer { within } else { known };
+                self.interval = Some((reason, nearest, deepest.max(depth)));
+            }
             DistanceResult::Apart(found) => {
                 let lower = found.distance - found.error_bound;
                 match &mut self.nearest {
@@ -138,6 +147,11 @@ impl Best {
 
     fn answer(self) -> (DistanceResult, Rung) {
         let rung = self.rung.unwrap_or(Rung::F64);
+        if let (false, None, Some((reason, within, depth))) =
+            (self.touching, self.undecided, self.interval)
+        {
+            return (DistanceResult::Interval { reason, within, depth }, rung);
+        }
         let result = match (self.touching, self.undecided, self.nearest) {
             (true, ..) => DistanceResult::Touching,
             (_, Some(reason), _) => DistanceResult::Undecided(reason),

@@ -8,7 +8,9 @@ use dcd_geom::{Aabb, Ball, ShapeError};
 /// How far apart pairs are, and between which points, for those within a margin: "touching" is
 /// "within the margin".
 ///
-/// Told of each is its [`Distance`]; `None` for a pair that shares a point, whose distance is 0.
+/// Told of each is its [`Distance`]; `None` for a pair that shares a point, whose distance is 0. A
+/// distance of 0 with a bound is that of a pair of which f64 cannot tell whether it touches, and that
+/// is surely within the margin.
 /// Between polytopes, rounded or not, nothing is undecided, and the distance is right in twelve
 /// digits; with another shape see [`crate::distance::in_f64`]. Costs a few microseconds a pair
 /// within the margin, and for most others a comparison of two balls.
@@ -48,6 +50,9 @@ impl PairSolver for Distances {
         match distance(a, b).0 {
             DistanceResult::Apart(found) => Verdict::Touching(Some(found)),
             DistanceResult::Touching => Verdict::Touching(None),
+            // What touches has no distance, whatever f64 knows of it.
+            DistanceResult::Interval { .. } if self.margin == 0.0 => Verdict::Touching(None),
+            DistanceResult::Interval { within, .. } => Verdict::Touching(Some(within)),
             DistanceResult::Undecided(reason) => Verdict::Undecided(reason),
         }
     }
@@ -64,11 +69,16 @@ impl PairSolver for Distances {
             DistanceResult::Apart(found) if found.upper() <= self.margin => {
                 Verdict::Touching(Some(found))
             }
-            DistanceResult::Apart(found) => match are_within(a, b, self.margin) {
-                Verdict::Touching(()) => Verdict::Touching(Some(found)),
-                Verdict::Apart => Verdict::Apart,
-                Verdict::Undecided(reason) => Verdict::Undecided(reason),
-            },
+            DistanceResult::Interval { within, .. } if within.upper() <= self.margin => {
+                Verdict::Touching(Some(within))
+            }
+            DistanceResult::Apart(found) | DistanceResult::Interval { within: found, .. } => {
+                match are_within(a, b, self.margin) {
+                    Verdict::Touching(()) => Verdict::Touching(Some(found)),
+                    Verdict::Apart => Verdict::Apart,
+                    Verdict::Undecided(reason) => Verdict::Undecided(reason),
+                }
+            }
         };
         (verdict, rung)
     }

@@ -2,6 +2,7 @@
 
 use super::contact_set::Extent;
 use super::depths;
+use crate::distance::{self, DistanceResult};
 use crate::epa::{self, Direction};
 use crate::{Body, Distance, Distances, PairSolver, Placed, Rung, Verdict};
 use dcd_geom::glam::DVec3;
@@ -53,7 +54,8 @@ pub struct Twist {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Smoothness {
-    /// Not known: one of the shapes is a cylinder, a cone, or known by its support map alone.
+    /// Not known: one of the shapes is a cylinder, a cone, or known by its support map alone; or whether
+    /// they touch is not known.
     #[default]
     Unknown,
     /// It has, and the gradient is it.
@@ -126,8 +128,8 @@ fn told(
     match verdict {
         Verdict::Apart => Verdict::Apart,
         Verdict::Undecided(reason) => Verdict::Undecided(reason),
-        Verdict::Touching(Some(found)) => Verdict::Touching(
-            Proximity {
+        Verdict::Touching(Some(found)) => {
+            let near = Proximity {
                 signed_distance: found.distance,
                 error_bound: found.error_bound,
                 normal: found.normal,
@@ -135,8 +137,20 @@ fn told(
                 point_b: found.point_b,
                 ..Proximity::default()
             }
-            .with_gradient(a, b, Direction::Alone),
-        ),
+            .with_gradient(a, b, Direction::Alone);
+            if found.distance > 0.0 {
+                return Verdict::Touching(near);
+            }
+            match distance::distance(a, b).0 {
+                // Perhaps they overlap: the signed distance is as far below 0 as that may be deep.
+                DistanceResult::Interval { depth, .. } => {
+                    let error_bound = found.error_bound.max(depth);
+                    let smoothness = Smoothness::Unknown;
+                    Verdict::Touching(Proximity { error_bound, smoothness, ..near })
+                }
+                _ => Verdict::Touching(near),
+            }
+        }
         Verdict::Touching(None) => overlapping(a, b, scratch),
     }
 }

@@ -82,7 +82,17 @@ pub enum DistanceResult {
     Apart(Distance),
     /// At least one common point: the distance is 0.
     Touching,
-    /// Whether they touch is not known, and why.
+    /// Whether they touch is not known.
+    Interval {
+        /// Why.
+        reason: Reason,
+        /// A distance of 0: the true one is at most its `error_bound`. The points and the normal are
+        /// those of the search's end.
+        within: Distance,
+        /// If they overlap, they are at most so deep. Metres, finite.
+        depth: f64,
+    },
+    /// Nothing is known, and why.
     Undecided(Reason),
 }
 
@@ -90,6 +100,9 @@ impl DistanceResult {
     pub(crate) fn mirrored(self) -> Self {
         match self {
             Self::Apart(distance) => Self::Apart(distance.mirrored()),
+            Self::Interval { reason, within, depth } => {
+                Self::Interval { reason, within: within.mirrored(), depth }
+            }
             other => other,
         }
     }
@@ -126,8 +139,8 @@ pub fn of_polytopes(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (DistanceRe
     }
 }
 
-/// The distance by f64 alone: undecided where a gap or overlap is within its rounding, and with a
-/// bound of about 28 · 2⁻⁵³ of the pair's size at the least.
+/// The distance by f64 alone: where a gap or overlap is within its rounding an interval round 0, and
+/// with a bound of about 28 · 2⁻⁵³ of the pair's size at the least.
 pub fn in_f64(a: Placed<'_>, b: Placed<'_>) -> DistanceResult {
     if parts::are_asked(a.shape, b.shape) {
         return DistanceResult::Undecided(Reason::NotConvex);
@@ -151,41 +164,72 @@ fn measured<S: SupportMap<f64>>(a: Body<'_, S>, b: Body<'_, S>) -> DistanceResul
     let bounds = Bounds::of(&difference);
     let near = match approach(&difference, &bounds) {
         Ok(near) => near,
-        Err(verdict) => return without_distance(verdict),
+        Err(Verdict::Undecided(reason)) => return DistanceResult::Undecided(reason),
+        Err(_) => return DistanceResult::Touching,
     };
-    let radius = bounds.radius();
-    if !(near.lower > bounds.swept_upper()) {
-        return without_distance(undecided_or_proved(&difference, &bounds, &near));
+    if near.lower > bounds.swept_upper() {
+        return DistanceResult::Apart(near.told(&bounds, difference.scale(), [a, b]));
     }
-    let scale = difference.scale();
-    let distance = near.length - radius;
-    // The radii's own rounding is in swept_upper; 4 ulps for this function's arithmetic.
-    let above = near.upper - radius * (1.0 - 8.0 * UNIT) - distance;
-    let below = distance - (near.lower - bounds.swept_upper());
-    let error = above.max(below) + 4.0 * f64::EPSILON * near.length;
-    let normal = unit(-near.direction);
-    let [core_a, core_b] = near.points(a, b);
-    let found = Distance {
-        distance: distance / scale,
-        point_a: core_a + normal * a.map.radius(),
-        point_b: core_b - normal * b.map.radius(),
-        normal,
-        error_bound: rounded_up(error / scale),
-    };
-    DistanceResult::Apart(found.saturated())
+    match undecided_or_proved(&difference, &bounds, &near) {
+        Verdict::Touching(()) => DistanceResult::Touching,
+        // Proved by an axis whose length is no bound: between 0 and what the search found.
+        Verdict::Apart => {
+            let within = near.within(&bounds, difference.scale(), [a, b]);
+            let half = 0.5 * within.error_bound;
+            let error_bound = rounded_up(half);
+            DistanceResult::Apart(Distance { distance: half, error_bound, ..within })
+        }
+        Verdict::Undecided(reason) => DistanceResult::Interval {
+            reason,
+            within: near.within(&bounds, difference.scale(), [a, b]),
+            // Any separation is at most the signed distance.
+            depth: rounded_up((bounds.swept_upper() - near.lower) / difference.scale()),
+        },
+    }
+}
+
+impl Approach {
+    /// Of swept shapes that the bounds prove apart.
+    fn told<S: SupportMap<f64>>(
+        &self,
+        bounds: &Bounds<f64>,
+        scale: f64,
+        bodies: [Body<'_, S>; 2],
+    ) -> Distance {
+        let radius = bounds.radius();
+        let distance = self.length - radius;
+        // The radii's own rounding is in swept_upper; 4 ulps for this function's arithmetic.
+        let above = self.upper - radius * (1.0 - 8.0 * UNIT) - distance;
+        let below = distance - (self.lower - bounds.swept_upper());
+        let error = above.max(below) + 4.0 * f64::EPSILON * self.length;
+        let error_bound = rounded_up(error / scale);
+        Distance { distance: distance / scale, error_bound, ..self.witnesses(bodies) }.saturated()
+    }
+
+    /// Of shapes that the bounds do not prove apart: 0, and how far apart they are at most.
+    fn within<S: SupportMap<f64>>(
+        &self,
+        bounds: &Bounds<f64>,
+        scale: f64,
+        bodies: [Body<'_, S>; 2],
+    ) -> Distance {
+        let above = self.upper - bounds.radius() * (1.0 - 8.0 * UNIT);
+        let error = above * (1.0 + 4.0 * f64::EPSILON);
+        let error_bound = rounded_up(error / scale);
+        Distance { distance: 0.0, error_bound, ..self.witnesses(bodies) }.saturated()
+    }
+
+    fn witnesses<S: SupportMap<f64>>(&self, [a, b]: [Body<'_, S>; 2]) -> Distance {
+        let normal = unit(-self.direction);
+        let [core_a, core_b] = self.points(a, b);
+        let point_a = core_a + normal * a.map.radius();
+        let point_b = core_b - normal * b.map.radius();
+        Distance { normal, point_a, point_b, ..Distance::default() }
+    }
 }
 
 /// Unit roundoff of f64.
 const UNIT: f64 = f64::EPSILON / 2.0;
-
-fn without_distance(verdict: Verdict<()>) -> DistanceResult {
-    match verdict {
-        Verdict::Touching(()) => DistanceResult::Touching,
-        Verdict::Undecided(reason) => DistanceResult::Undecided(reason),
-        // Proved by an axis whose length is no bound: less than the bound's own rounding.
-        Verdict::Apart => DistanceResult::Undecided(Reason::WithinRounding),
-    }
-}
 
 /// The verdict where the nearest point found does not prove the shapes apart.
 fn undecided_or_proved<S: SupportMap<f64>>(

@@ -4,8 +4,9 @@ use super::scenes::{Draw, pile, shapes};
 use super::within::found;
 use super::{Body, ask, told};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Polytope, Shape};
-use dcd_gjk::{Distances, EachPair, OfTouching, PairSolver, Verdict, law};
+use dcd_geom::{Polytope, Pose, Shape};
+use dcd_gjk::query::Smoothness;
+use dcd_gjk::{Distances, EachPair, OfTouching, PairSolver, Proximities, Reason, Verdict, law};
 use std::sync::Arc;
 
 #[test]
@@ -43,6 +44,29 @@ fn a_pair_beyond_the_margin_is_apart_and_one_that_touches_has_no_distance() {
     let found = told(&solver, &a, &Body::at(&cube, DVec3::X * 1.75)).unwrap();
     assert!(found.lower() <= 0.75 && 0.75 <= found.upper() && found.upper() < 0.75 + 1e-15);
     assert_eq!((found.normal, found.point_a.x, found.point_b.x), (DVec3::X, 0.5, 1.25));
+}
+
+#[test]
+fn a_pair_that_f64_cannot_tell_is_within_a_margin_at_zero_with_its_bound() {
+    // Rims that just touch: cylinders have no exact rung.
+    let cylinder = Shape::cylinder(0.5, 0.25).unwrap();
+    let (a, b) = (Body::at(&cylinder, DVec3::ZERO), Body::at(&cylinder, DVec3::X * 0.5));
+    let parts = vec![(cylinder.clone(), Pose::IDENTITY)];
+    let compound = Shape::compound(parts).unwrap();
+    for a in [a, Body::at(&compound, DVec3::ZERO)] {
+        let solver = Distances::within(0.1).unwrap();
+        let found = told(&solver, &a, &b).unwrap();
+        assert!(found.distance == 0.0 && found.normal.x > 0.99, "{found:?}");
+        assert!((1e-18..1e-13).contains(&found.error_bound), "{found:?}");
+        let near = told(&Proximities::within(0.1).unwrap(), &a, &b);
+        assert_eq!((near.signed_distance, near.error_bound), (0.0, found.error_bound));
+        assert_eq!(near.smoothness, Smoothness::Unknown);
+        // Of no margin, and of one below the bound, it is not known whether they are within it.
+        for margin in [0.0, 1e-17] {
+            let answer = ask(&Distances::within(margin).unwrap(), &a, &b);
+            assert_eq!(answer, Verdict::Undecided(Reason::WithinRounding), "{margin}");
+        }
+    }
 }
 
 #[test]

@@ -274,7 +274,16 @@ pub fn distance(a: Placed<'_>, b: Placed<'_>) -> Option<(DistanceResult, Rung)> 
     let gap = Gap::of(plane, other);
     let (touches, rung) = touches(plane, other);
     Some(match touches {
-        None => (DistanceResult::Undecided(Reason::WithinRounding), rung),
+        None => {
+            let Signed { value, error_bound, .. } = signed(&gap, plane, other);
+            let (normal, [point_a, point_b]) = witnesses(&gap, other, value, side);
+            let bound = |value: f64| (error_bound + value).next_up().clamp(0.0, f64::MAX);
+            let depth = bound(-value);
+            let error_bound = bound(value);
+            let within = Distance { distance: 0.0, point_a, point_b, normal, error_bound };
+            let reason = Reason::WithinRounding;
+            (DistanceResult::Interval { reason, within, depth }, rung)
+        }
         Some(true) => (DistanceResult::Touching, rung),
         Some(false) => {
             let Signed { value, error_bound, rung } = signed(&gap, plane, other);

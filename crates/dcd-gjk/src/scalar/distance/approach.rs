@@ -63,7 +63,17 @@ pub(super) fn approach<S: SupportMap<f64>>(
         }
         match unit::<f64>(near.direction) {
             Some(next) if !bounds.passes_through(squared) => best.direction = next,
-            _ => break,
+            // Rounding is all that parts the simplex from the origin: its normal bounds how deep the
+            // two overlap at most, if it does so better than what was tried before.
+            Some(last) => {
+                let (_, separation) = difference.lowest(last);
+                let lower = bounds.lower_bound(last, separation);
+                if lower > best.lower {
+                    (best.lower, best.direction) = (lower, last);
+                }
+                break;
+            }
+            None => break,
         }
     }
     // Not even one vertex: a foreign map answered NaN.

@@ -98,7 +98,12 @@ fn f64_alone_states_its_bound() {
     assert!((found.distance - 1e-9).abs() <= found.error_bound && found.error_bound < 1e-13);
     let there = at(1.0 + 1e-15, 0.1, 0.0);
     let b = Placed { shape: &cube, pose: &there };
-    assert_eq!(in_f64(a, b), DistanceResult::Undecided(Reason::WithinRounding));
+    let DistanceResult::Interval { reason, within, depth } = in_f64(a, b) else { panic!() };
+    assert!(reason == Reason::WithinRounding && within.distance == 0.0, "{within:?}");
+    assert!(within.normal.dot(DVec3::X) > 0.9, "{within:?}");
+    assert!((1.1e-15..1e-14).contains(&within.error_bound) && depth < 1e-14, "{within:?} {depth}");
+    let DistanceResult::Interval { within: other, .. } = in_f64(b, a) else { panic!() };
+    assert_eq!(other, within.mirrored());
 }
 
 #[test]
