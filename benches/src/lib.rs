@@ -45,6 +45,7 @@
 
 pub mod agreement;
 pub mod digest;
+pub mod draw;
 pub mod figure;
 pub mod machine;
 pub mod options;
@@ -56,6 +57,7 @@ pub mod timing;
 
 pub use agreement::Agreement;
 pub use digest::Digest;
+pub use draw::draw;
 pub use figure::{Axis, Figure, Scale, Series};
 pub use machine::Header;
 pub use options::{Options, Print, exit_code};

@@ -88,7 +88,7 @@ impl Detect {
             return stdout().write_all(text.as_bytes()).map_err(Failure::Output);
         }
         let query = self.ask.query(self.rung)?;
-        let Loaded { scene, clouds } = self.source.load()?;
+        let Loaded { scene, clouds } = self.source.load(threads)?;
         // Before the work, so that a wrong path costs none.
         let create =
             |path: &PathBuf| File::create(path).map_err(|e| Failure::at(path.display(), e));

@@ -7,6 +7,7 @@
 mod capture;
 mod detect;
 mod failure;
+mod making;
 mod memory;
 mod pairs;
 mod quiet;

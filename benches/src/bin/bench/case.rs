@@ -101,7 +101,7 @@ impl Cases {
     pub(crate) fn get(&mut self, objects: usize) -> Result<&Case> {
         let case = match self.last.take().filter(|case| case.scene.len() == objects) {
             Some(case) => case,
-            None => Case::new(spec(self.seed, objects).scene()?),
+            None => Case::new(dcd_benches::draw(&spec(self.seed, objects))?),
         };
         Ok(self.last.insert(case))
     }

@@ -77,7 +77,7 @@ impl Subject {
     /// Draws or reads it.
     pub(crate) fn scene(&self) -> Result<Scene> {
         Ok(match self {
-            Self::Named(spec) => spec.scene()?,
+            Self::Named(spec) => dcd_benches::draw(spec)?,
             Self::File(path) => {
                 // Its message names the path and the cause; its sources would name them again.
                 let raw = load_hull_scene(path).map_err(|error| anyhow!("{error}"))?;

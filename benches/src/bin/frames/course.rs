@@ -87,7 +87,7 @@ impl Course {
     /// All pipelines are new, and so their first frame is.
     fn walk(&self, seen: &mut Seen) -> Result<()> {
         let spec = SceneSpec::parse(self.scene)?.with_objects(self.objects).with_seed(self.seed);
-        let mut scene = spec.scene()?;
+        let mut scene = dcd_benches::draw(&spec)?;
         let mut walk = match self.sigma {
             0.0 => None,
             sigma => Some(RandomWalk::new(sigma, self.seed)?),

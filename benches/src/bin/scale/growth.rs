@@ -138,7 +138,7 @@ impl Planned {
         let spec = SceneSpec::parse(self.family.scene)?;
         let spec = spec.with_objects(self.objects).with_seed(options.seed);
         match self.family.what {
-            What::Step => see_steps(&spec.scene()?, options),
+            What::Step => see_steps(&dcd_benches::draw(&spec)?, options),
             What::Broad => see_broad(&boxes(&spec.raw()?)?, options),
         }
     }

@@ -51,7 +51,7 @@ impl Case {
         if let Some(scene) = self.scene.get() {
             return Ok(scene);
         }
-        let scene = self.spec.scene()?;
+        let scene = dcd_benches::draw(&self.spec)?;
         Ok(self.scene.get_or_init(|| scene))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Capture;
 use crate::failure::Failure;
+use crate::making::on_threads;
 use dcd_geom::{Pair, Scene, SceneError};
 use dcd_gjk::{Body, epa};
 use dcd_pipeline::{Par, Pipeline};
@@ -54,7 +55,9 @@ impl Moving {
         spec.objects = asked.n.map_or(spec.objects, |n| n as usize);
         let walk = RandomWalk::new(asked.sigma.unwrap_or(USUAL_SIGMA), asked.seed);
         let walk = walk.map_err(|error| Failure::at("--sigma", error))?;
-        let scene = spec.scene().map_err(|error| Failure::at(&asked.scene, error))?;
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let scene = on_threads(cores, |run| spec.scene_by(run))?;
+        let scene = scene.map_err(|error| Failure::at(&asked.scene, error))?;
         Ok(Self::Walking(Box::new(Walking { scene, walk })))
     }
 

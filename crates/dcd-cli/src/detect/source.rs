@@ -1,11 +1,12 @@
 //! Where the scene comes from.
 
 use crate::failure::Failure;
+use crate::making::on_threads;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use dcd_geom::Scene;
 use dcd_scenes::{
-    BuildError, CloudCensus, GameHulls, GameSize, ReadError, SceneSpec, load_clouds,
+    BuildError, CloudCensus, GameHulls, GameSize, ReadError, Run, SceneSpec, load_clouds,
     load_hull_scene, read_clouds, read_hull_scene,
 };
 use std::fmt::Display;
@@ -63,36 +64,40 @@ pub(super) struct Loaded {
 }
 
 impl Source {
-    pub(super) fn load(&self) -> Result<Loaded, Failure> {
+    /// The scene, its shapes made on so many threads.
+    pub(super) fn load(&self, threads: usize) -> Result<Loaded, Failure> {
         if let Some(name) = &self.scene {
-            return self.seeded(name).map(|scene| Loaded { scene, clouds: None });
+            return self.seeded(name, threads).map(|scene| Loaded { scene, clouds: None });
         }
         if let Some(path) = &self.clouds {
-            return self.spread_clouds(path);
+            return self.spread_clouds(path, threads);
         }
         // clap has seen to it that there is one.
         let path = self.file.as_deref().unwrap_or(Path::new(STANDARD_INPUT));
         let raw = read(path, load_hull_scene, read_hull_scene)?;
-        let scene = raw.into_scene().map_err(|error| refused(path, error))?;
+        let scene = on_threads(threads, |run| raw.into_scene_by(run))?;
+        let scene = scene.map_err(|error| refused(path, error))?;
         Ok(Loaded { scene, clouds: None })
     }
 
-    fn seeded(&self, name: &str) -> Result<Scene, Failure> {
+    fn seeded(&self, name: &str, threads: usize) -> Result<Scene, Failure> {
         let mut spec = SceneSpec::parse(name).map_err(|error| Failure::at("--scene", error))?;
         spec.objects = self.n.map_or(spec.objects, |n| n as usize);
         spec.seed = self.seed.unwrap_or(spec.seed);
-        spec.scene().map_err(|error| Failure::at(name, error))
+        let scene = on_threads(threads, |run| spec.scene_by(run))?;
+        scene.map_err(|error| Failure::at(name, error))
     }
 
-    fn spread_clouds(&self, path: &Path) -> Result<Loaded, Failure> {
+    fn spread_clouds(&self, path: &Path, threads: usize) -> Result<Loaded, Failure> {
         let clouds = read(path, load_clouds, read_clouds)?;
         let objects = self.n.map_or(clouds.len(), |n| n as usize);
         let game = GameHulls {
             size: if self.true_size { GameSize::True } else { GameSize::Unit },
             candidates: self.density.unwrap_or(USUAL_DENSITY),
         };
-        let raw = game.raw(&clouds, objects, self.seed.unwrap_or(1));
-        let scene = raw.into_scene().map_err(|error| refused(path, error))?;
+        let spread = (objects, self.seed.unwrap_or(1));
+        let make = |run: &Run<'_>| game.raw_by(&clouds, spread, run).into_scene_by(run);
+        let scene = on_threads(threads, make)?.map_err(|error| refused(path, error))?;
         let census = CloudCensus::of(clouds.iter().map(Vec::as_slice));
         Ok(Loaded { scene, clouds: Some(census) })
     }
