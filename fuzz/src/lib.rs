@@ -10,7 +10,9 @@ mod measures;
 mod overlap;
 mod probe;
 mod readers;
+mod robots;
 mod scene;
+mod text;
 
 pub use hull::hull;
 pub use input::Input;
@@ -18,4 +20,6 @@ pub use measures::measures;
 pub use overlap::overlap;
 pub use probe::probe;
 pub use readers::readers;
+pub use robots::{archives, srdf, urdf};
 pub use scene::scene;
+pub use text::{obj, requests, scenes};
