@@ -17,6 +17,12 @@ fn main() -> io::Result<()> {
         ("readers", files()?),
         ("hull", clouds()),
         ("far", moved()),
+        ("urdf", [chosen(0, ROBOTS), numbers(1)].concat()),
+        ("srdf", [plain(PAIRS), numbers(2)].concat()),
+        ("scenes", [chosen(0, WORLDS), numbers(1)].concat()),
+        ("requests", [chosen(0, REQUESTS), numbers(1)].concat()),
+        ("archives", [vec![vec![0], vec![1]], numbers(2)].concat()),
+        ("obj", plain(MESHES)),
     ];
     for (target, seeds) in targets {
         let folder = folder.join(target);
@@ -224,4 +230,54 @@ fn ply() -> Vec<u8> {
     file.push(3);
     file.extend([0i32, 1, 2].iter().flat_map(|k| k.to_le_bytes()));
     file
+}
+
+const ROBOTS: &[&str] = &[
+    "<robot name=\"arm\"><link name=\"a\"><collision><geometry><box size=\"1 1 1\"/></geometry>\
+     </collision></link><link name=\"b\"><collision><origin xyz=\"1 0 0\" rpy=\"0 0 1\"/><geometry>\
+     <sphere radius=\"0.5\"/></geometry></collision><collision><geometry><cylinder radius=\"1\" \
+     length=\"2\"/></geometry></collision></link><joint name=\"j\" type=\"revolute\"><axis \
+     xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/><parent link=\"a\"/>\
+     <child link=\"b\"/></joint></robot>",
+    "<?xml version=\"1.0\"?><!-- <collision> --><robot name=\"r\"><link name=\"a\"><visual><geometry>\
+     <sphere radius=\"1\"/></geometry></visual><inertial><mass value=\"1\"/></inertial></link>\
+     <joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/><mimic joint=\"k\"/>\
+     </joint><link name=\"b\"/></robot>",
+];
+
+const PAIRS: &[&str] =
+    &["<robot name=\"r\"><disable_collisions link1=\"a\" link2=\"b\" reason=\"Adjacent\"/>\
+     <virtual_joint name=\"v\" type=\"fixed\" parent_frame=\"world\" child_link=\"a\"/></robot>"];
+
+const WORLDS: &[&str] = &[
+    "name: s\nworld:\n  collision_objects:\n    - id: can\n      header: {frame_id: world}\n      \
+     pose: {position: [0, 0, 1], orientation: [0, 0, 0, 1]}\n      primitives:\n        - type: \
+     cylinder\n          dimensions: [0.2, 0.1]\n      primitive_poses:\n        - position: [1, 0, 0]\n\
+     \x20         orientation: [0, 0, 0, 1]\n",
+    "allowed_collision_matrix: {entry_names: [a, b], entry_values: [[false, true], [true, false]]}\n\
+     robot_state: {joint_state: {name: [j], position: [0.5]}}\nworld: {collision_objects: []}\n",
+];
+
+const REQUESTS: &[&str] =
+    &["start_state: {joint_state: {name: [a, b], position: [1, -0.5]}}\ngoal_constraints:\n  - \
+     joint_constraints:\n      - joint_name: b\n        position: 2\n"];
+
+const MESHES: &[&str] = &[
+    "o a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.1\nvt 0 0\nvn 0 0 1\nf 1/1/1 2//1 3 4\n",
+    "\u{feff}v 0 0 0 1\nv 1e-3 -0 5\nv 1 1 1\nf -3 -2 -1\no b\nv 5 5 5\nf 4 4 4\nl 1 2\n",
+];
+
+/// Texts behind the byte that chooses them.
+fn chosen(which: u8, texts: &[&str]) -> Vec<Vec<u8>> {
+    texts.iter().map(|text| [&[which], text.as_bytes()].concat()).collect()
+}
+
+fn plain(texts: &[&str]) -> Vec<Vec<u8>> {
+    texts.iter().map(|text| text.as_bytes().to_vec()).collect()
+}
+
+/// What is built from numbers, behind the byte that chooses it.
+fn numbers(which: u8) -> Vec<Vec<u8>> {
+    let counting = |step: u8| (0..200u8).map(move |k| k.wrapping_mul(step) % 61);
+    [1, 3, 7].map(|step| [which].into_iter().chain(counting(step)).collect()).to_vec()
 }

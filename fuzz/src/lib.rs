@@ -11,7 +11,9 @@ mod measures;
 mod overlap;
 mod probe;
 mod readers;
+mod robots;
 mod scene;
+mod text;
 
 pub use far::far;
 pub use hull::hull;
@@ -20,4 +22,6 @@ pub use measures::measures;
 pub use overlap::overlap;
 pub use probe::probe;
 pub use readers::readers;
+pub use robots::{archives, srdf, urdf};
 pub use scene::scene;
+pub use text::{obj, requests, scenes};

@@ -126,7 +126,7 @@ fn quick_measurements() -> Result<()> {
 }
 
 /// How long each fuzz target runs, in seconds: long enough to meet what a change breaks at once.
-const FUZZED: &str = "5";
+const FUZZED: &str = "10";
 
 /// The fuzz package, which is no member: its format, that it compiles, and each target for a few
 /// seconds where cargo-fuzz is installed.

@@ -4,11 +4,14 @@ mod frames;
 pub(crate) mod replay;
 
 use crate::failure::Failure;
-use clap::{Args, value_parser};
-use dcd_scenes::Capture as Recording;
+use crate::output::{Output, check_distinct};
+use crate::progress::Progress;
+use crate::{count, memory};
+use clap::Args;
+use dcd_geom::Pose;
+use dcd_scenes::{Capture as Recording, data, shown};
 use frames::Moving;
-use std::fs::File;
-use std::io::{BufWriter, Write, stdout};
+use std::io::{Write, stdout};
 use std::path::PathBuf;
 
 /// Record a scene that moves, to be replayed by `dcd detect --capture`
@@ -18,11 +21,11 @@ pub(crate) struct Capture {
     /// random
     #[arg(long, value_name = "NAME")]
     scene: String,
-    /// How many frames
-    #[arg(long, value_name = "K", default_value_t = 300, value_parser = value_parser!(u32).range(1..))]
+    /// How many frames; all are held in memory, 104 bytes an object and frame
+    #[arg(long, value_name = "K", default_value_t = 300, value_parser = count::frames)]
     frames: u32,
     /// How many objects [default: 1000 hulls; the scene's usual number]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count::objects)]
     n: Option<u32>,
     /// The seed
     #[arg(long, value_name = "S", default_value_t = 1)]
@@ -37,9 +40,17 @@ pub(crate) struct Capture {
 
 impl Capture {
     pub(crate) fn run(self) -> Result<(), Failure> {
+        let inputs = data::file("hulls/convex_hulls.bin");
+        let inputs: Vec<_> = inputs.as_deref().into_iter().collect();
+        check_distinct(&inputs, &[&self.out])?;
         let mut moving = Moving::new(&self)?;
+        let objects = moving.scene().len();
+        let what = format_args!("{} frames of {objects} objects", self.frames);
+        let poses = f64::from(self.frames) * objects as f64;
+        memory::demand("--frames", what, poses * size_of::<Pose>() as f64)?;
         // Before the work, so that a wrong path costs none.
-        let file = File::create(&self.out).map_err(|e| Failure::at(self.out.display(), e))?;
+        let mut file = Output::create(&self.out)?;
+        let progress = Progress::over(self.frames.into(), "frames");
         let refused = |error| Failure::at(&self.scene, error);
         let mut recording = Recording::new(moving.scene()).map_err(refused)?;
         for frame in 0..self.frames {
@@ -47,10 +58,12 @@ impl Capture {
                 moving.advance().map_err(|e| Failure::at(format_args!("frame {frame}"), e))?;
             }
             recording.frame(moving.scene()).map_err(refused)?;
+            progress.step();
         }
-        recording.write(&mut BufWriter::new(file)).map_err(Failure::Output)?;
-        let objects = moving.scene().len();
-        writeln!(stdout(), "{} frames of {objects} objects in {}", self.frames, self.out.display())
+        drop(progress);
+        file.write(|mut to| recording.write(&mut to))?;
+        file.commit()?;
+        writeln!(stdout(), "{} frames of {objects} objects in {}", self.frames, shown(&self.out))
             .map_err(Failure::Output)
     }
 }

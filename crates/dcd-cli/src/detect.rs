@@ -2,20 +2,22 @@
 
 mod ask;
 mod contacts;
+mod crowd;
 mod source;
 mod steps;
 mod summary;
 
 use crate::capture::replay::Replay;
+use crate::count;
 use crate::failure::Failure;
 use crate::memory;
+use crate::output::{Output, check_distinct};
 use crate::rung::Rung;
 use ask::Ask;
-use clap::{Args, value_parser};
+use clap::Args;
 pub(crate) use contacts::{digest, fnv1a};
 use source::{Loaded, Source};
-use std::fs::File;
-use std::io::{BufWriter, Write, stdout};
+use std::io::{Write, stdout};
 use std::path::PathBuf;
 use std::thread::available_parallelism;
 use steps::Plan;
@@ -42,7 +44,11 @@ world frame:
   gradient   distance, below 0 for an overlap; normal, point_a, point_b; gradient_a and gradient_b, \
 each for a translation and for a rotation about the object's own origin; smoothness: smooth, many \
 points, many directions (no derivative, one of several told) or unknown
-The normal is of unit length and points from a to b. error_bound: the truth is within it.";
+The normal is of unit length and points from a to b. error_bound: the truth is within it.
+
+Limits: 4,294,967,295 objects, vertices a shape and contacts in --out; coordinates within 1e37 m; \
+an eighth of the available memory for FILE, --clouds and --capture (also from a pipe); what memory \
+cannot hold (objects, pairs, frames) is refused with an estimate before it is asked for.";
 
 /// Find every touching pair of a scene
 #[derive(Args)]
@@ -58,16 +64,16 @@ pub(crate) struct Detect {
     /// Who judges the candidate pairs
     #[arg(long, value_enum, default_value_t)]
     rung: Rung,
-    /// How many threads; 1 touches no pool [default: one a core]
-    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
+    /// How many threads, 1 … 1,024; 1 touches no pool [default: one a core]
+    #[arg(long, value_name = "N", value_parser = count::threads)]
     threads: Option<u16>,
-    /// How many times the step is run and timed
+    /// How many times the step is run and timed, 1 … 1,000,000
     #[arg(
         long,
         value_name = "K",
         default_value_t = 1,
         conflicts_with = "capture",
-        value_parser = value_parser!(u32).range(1..=1_000_000)
+        value_parser = count::repeats
     )]
     repeat: u32,
     /// Print one JSON object
@@ -88,20 +94,25 @@ impl Detect {
             return stdout().write_all(text.as_bytes()).map_err(Failure::Output);
         }
         let query = self.ask.query(self.rung)?;
+        let outputs = [self.out.as_deref(), self.ask.answers.as_deref()];
+        let named: Vec<_> = outputs.into_iter().flatten().collect();
+        let inputs = self.source.inputs();
+        check_distinct(&inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &named)?;
         let Loaded { scene, clouds } = self.source.load(threads)?;
+        crowd::check(&scene)?;
         // Before the work, so that a wrong path costs none.
-        let create =
-            |path: &PathBuf| File::create(path).map_err(|e| Failure::at(path.display(), e));
-        let out = self.out.as_ref().map(create).transpose()?;
-        let answers = self.ask.answers.as_ref().map(create).transpose()?;
+        let [out, answers] = outputs.map(|path| path.map(Output::create).transpose());
+        let (mut out, mut answers) = (out?, answers?);
         let plan = Plan { rung: self.rung, query, threads, repeats: self.repeat };
         let found = steps::run(&scene, plan)?;
-        if let Some(file) = answers {
-            contacts::write_told(&found.told, BufWriter::new(file)).map_err(Failure::Output)?;
+        if let Some(file) = &mut answers {
+            file.write(|to| contacts::write_told(&found.told, to))?;
         }
-        if let Some(file) = out {
-            contacts::write(&found.contacts, BufWriter::new(file)).map_err(Failure::Output)?;
+        if let Some(file) = &mut out {
+            file.write(|to| contacts::write(&found.contacts, to))?;
         }
+        // When both are whole.
+        [answers, out].into_iter().flatten().try_for_each(Output::commit)?;
         let summary = Summary {
             objects: scene.len(),
             clouds,

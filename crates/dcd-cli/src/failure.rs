@@ -36,7 +36,27 @@ impl Failure {
     }
 }
 
+/// The message without control characters, which a name from a file may hold and a terminal obeys;
+/// messages of several lines stay so.
+fn escaped(message: &str) -> String {
+    let escaped = |c: char| {
+        if c.is_control() && c != '\n' { c.escape_debug().to_string() } else { c.into() }
+    };
+    message.chars().map(escaped).collect()
+}
+
 /// A line on standard error. Where that is gone too there is nobody left to tell.
 pub(crate) fn tell(message: impl Display) {
-    let _ = writeln!(stderr(), "dcd: {message}");
+    let _ = writeln!(stderr(), "dcd: {}", escaped(&message.to_string()));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_control_character_reaches_the_terminal() {
+        assert_eq!(escaped("\u{1b}[2Ja\tb\u{9b}\u{7f}\nc"), "\\u{1b}[2Ja\\tb\\u{9b}\\u{7f}\nc");
+        assert_eq!(escaped("grün, 1e-3"), "grün, 1e-3");
+    }
 }

@@ -5,11 +5,14 @@
 #![forbid(unsafe_code)]
 
 mod capture;
+mod count;
 mod detect;
 mod failure;
 mod making;
 mod memory;
+mod output;
 mod pairs;
+mod progress;
 mod quiet;
 mod robot;
 mod rung;
@@ -19,8 +22,11 @@ use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 2 bad input or usage, with the index and the value on standard error; \
-1 an answer could not be written.";
+Exit codes: 0 done; 2 bad input or usage, with the index and the value on standard error, or more \
+of something than memory can hold, with an estimate; 1 an answer could not be written.
+
+A file that is written appears whole or not at all, also where the run is interrupted; it must be \
+none of the inputs and none of the other outputs. Text may begin with a byte order mark.";
 
 /// Finds touching pairs of convex shapes, provably and repeatably.
 #[derive(Parser)]

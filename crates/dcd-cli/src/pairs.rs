@@ -5,21 +5,22 @@ mod ours;
 mod parry;
 
 use crate::failure::{Failure, tell};
+use crate::progress::Progress;
 use crate::rung::Rung;
 use answer::Answer;
 use clap::{Args, ValueEnum};
 use dcd_geom::{Polytope, Pose, Shape};
 use dcd_gjk::Placed;
-use dcd_scenes::{PairError, PairFault, PairInput, read_pairs};
+use dcd_scenes::{PairError, PairFault, PairInput, read_pairs, shown};
 use ours::Ladder;
 use serde::Serialize;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Write, stdin, stdout};
+use std::io::{self, BufRead, BufReader, IsTerminal, Write, stdin, stdout};
 use std::path::PathBuf;
 
 const DETAILS: &str = r#"FILE holds a pair a line:
   {"name": "…", "a": [[x, y, z], …], "pose_a": {"R": [[…3], …3 rows], "t": [x, y, z]}, "b": …, "pose_b": …}
-Points in metres in the shape's own frame; R row by row, or a unit quaternion q = [x, y, z, w] in its place.
+Points in metres in the shape's own frame; R row by row, or a unit quaternion q = [x, y, z, w] in its place. Other keys are refused, but for "name" and those that begin with an underscore; so is a line of more than 268,435,456 bytes, and JSON nested deeper than 127. The file may begin with a byte order mark.
 
 A line comes out for each, in order:
   {"name": "…", "answer": "apart"|"touching"|"undecided", "rung": "…", …}
@@ -108,6 +109,8 @@ impl Pairs {
         }
         let (place, reader) = self.open()?;
         let mut out = stdout().lock();
+        // Lines that are looked at are progress enough.
+        let progress = (!out.is_terminal()).then(|| Progress::over(0, "pairs"));
         let mut ladder = Ladder::default();
         let (mut lines, mut refused) = (0u64, 0u64);
         for item in read_pairs(reader) {
@@ -127,7 +130,9 @@ impl Pairs {
             };
             write_line(&mut out, &Line { name: name.as_deref(), outcome })
                 .map_err(Failure::Output)?;
+            progress.iter().for_each(Progress::step);
         }
+        drop(progress);
         if refused > 0 {
             return Err(Failure::at(place, format_args!("{refused} of {lines} lines refused")));
         }
@@ -138,7 +143,7 @@ impl Pairs {
         if self.file.as_os_str() == "-" {
             return Ok(("standard input".into(), Box::new(stdin().lock())));
         }
-        let place = self.file.display().to_string();
+        let place = shown(&self.file);
         match File::open(&self.file) {
             Ok(file) => Ok((place, Box::new(BufReader::new(file)))),
             Err(error) => Err(Failure::at(place, error)),

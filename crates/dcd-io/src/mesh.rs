@@ -20,6 +20,7 @@ pub fn read_obj(bytes: &[u8]) -> Result<Frame, ReadError> {
     };
     let no_materials = |_: &Path| Ok(Default::default());
     let mut text = without_mark(bytes);
+    check_indices(text)?;
     let read = tobj::load_obj_buf(&mut text, &options, no_materials);
     let (models, _) = read.map_err(|error| ReadError::Obj { message: error.to_string() })?;
     let mut frame = Frame::default();
@@ -39,6 +40,36 @@ pub fn read_obj(bytes: &[u8]) -> Result<Frame, ReadError> {
     }
     frame.check_corners()?;
     Ok(frame)
+}
+
+/// That every index of a face, line or point names one of the vertices (texture vertices, normals)
+/// that a u32 counts, from the end those before it. The library multiplies them unchecked: a large one
+/// would wrap round and name another vertex.
+fn check_indices(text: &[u8]) -> Result<(), ReadError> {
+    let mut counts = [0i64; 3];
+    for (index, line) in text.split(|&byte| byte == b'\n').enumerate() {
+        let text = String::from_utf8_lossy(line);
+        let mut words = text.split_whitespace();
+        match words.next() {
+            Some("v") => counts[0] += 1,
+            Some("vt") => counts[1] += 1,
+            Some("vn") => counts[2] += 1,
+            Some("f" | "l" | "p") => {
+                for field in words.flat_map(|corner| corner.split('/').zip(counts)) {
+                    // What is no number is for the library to refuse.
+                    let (Ok(k), count) = (field.0.parse::<i128>(), i128::from(field.1)) else {
+                        continue;
+                    };
+                    if k == 0 || k < -count || k > i128::from(u32::MAX) {
+                        let message = format!("line {}: there is no index {k}", index + 1);
+                        return Err(ReadError::Obj { message });
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// [`read_obj`] from a file.
@@ -89,6 +120,20 @@ mod tests {
         assert_eq!(corners(1)[2], DVec3::new(0.0, 1.0, 0.1));
         assert_eq!(corners(2)[0], DVec3::splat(5.0));
         assert!(matches!(frame.into_shape().unwrap(), Shape::Mesh(_)));
+    }
+
+    #[test]
+    fn an_index_that_wraps_round_names_no_other_vertex() {
+        let face = |corner: &str| {
+            let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1 2 {corner}\n");
+            read_obj(text.as_bytes()).map(|mesh| mesh.faces.len())
+        };
+        assert_eq!(face("-1").unwrap(), 1);
+        // Three times this is 2 more than 2⁶⁴.
+        for corner in ["6148914691236517207", "0", "-4", "3//-2", "3//0", "99999999999999999999"] {
+            let refused = face(corner).unwrap_err().to_string();
+            assert!(refused.contains("line 5"), "{corner}: {refused}");
+        }
     }
 
     #[test]

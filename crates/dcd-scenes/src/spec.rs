@@ -170,6 +170,16 @@ impl SceneSpec {
         Self { seed, ..self }
     }
 
+    /// How many bytes a step of the scene takes at least, its pairs not counted: so that a number of
+    /// objects that no memory holds is refused before it is asked for.
+    pub fn least_bytes(&self) -> f64 {
+        let an_object = match self.family {
+            Family::GameHulls(_) => 400.0,
+            Family::Drawn(recipe) => recipe.least_bytes(),
+        };
+        an_object * self.objects as f64
+    }
+
     /// Draws the shapes and poses. Costs some ten microseconds a hull.
     ///
     /// # Errors
@@ -284,7 +294,7 @@ impl fmt::Display for SpecError {
                 write!(f, "{objects} objects are more than a u32 counts")
             }
             Self::Parameter { what, value } => {
-                write!(f, "the {what} is {value}, not positive and finite")
+                write!(f, "the {what} is {value:e}, not positive and finite")
             }
             Self::NoData => write!(
                 f,

@@ -3,6 +3,7 @@
 use super::Capture;
 use crate::failure::Failure;
 use crate::making::on_threads;
+use crate::memory;
 use dcd_geom::{Pair, Scene, SceneError};
 use dcd_gjk::{Body, epa};
 use dcd_pipeline::{Par, Pipeline};
@@ -12,6 +13,8 @@ use dcd_scenes::{Pile, PileContact, RandomWalk, SceneSpec};
 const PILE: &str = "pile";
 /// Hulls in it.
 const USUAL_HULLS: u32 = 1_000;
+/// Bytes of a hull of the pile, which share their shapes, at least.
+const BYTES_A_HULL: f64 = 400.0;
 /// The deviation of a walk's steps, metres and rad.
 const USUAL_SIGMA: f64 = 0.01;
 
@@ -46,6 +49,8 @@ impl Moving {
                 return Err(Failure::at("--sigma", "a pile falls, it does not walk"));
             }
             let hulls = asked.n.unwrap_or(USUAL_HULLS) as usize;
+            let what = format_args!("{hulls} hulls");
+            memory::demand("--n", what, hulls as f64 * BYTES_A_HULL)?;
             let pile = Pile::new(hulls, asked.seed).map_err(|e| Failure::at("--n", e))?;
             return Ok(Self::Falling(Box::new(Falling::new(pile))));
         }
@@ -53,6 +58,8 @@ impl Moving {
             .map_err(|error| Failure::at("--scene", format_args!("{error} {PILE}")))?
             .with_seed(asked.seed);
         spec.objects = asked.n.map_or(spec.objects, |n| n as usize);
+        let what = format_args!("{} objects of {:?}", spec.objects, asked.scene);
+        memory::demand("--n", what, spec.least_bytes())?;
         let walk = RandomWalk::new(asked.sigma.unwrap_or(USUAL_SIGMA), asked.seed);
         let walk = walk.map_err(|error| Failure::at("--sigma", error))?;
         let cores = std::thread::available_parallelism().map_or(1, usize::from);

@@ -2,6 +2,8 @@
 
 use crate::detect::{digest, fnv1a};
 use crate::failure::Failure;
+use crate::memory;
+use crate::progress::Progress;
 use crate::rung::Rung;
 use dcd_broad::WideTree;
 use dcd_exec::with_threads;
@@ -9,9 +11,10 @@ use dcd_geom::{Pair, Scene};
 use dcd_gjk::{EachPair, Gjk, NarrowPhase, Overlap, OverlapUnproved};
 use dcd_parry::ParryShapes;
 use dcd_pipeline::{Par, Pipeline};
-use dcd_scenes::{Capture, place_frame};
+use dcd_scenes::{Capture, place_frame, shown};
 use serde::Serialize;
 use std::fmt::Write;
+use std::fs::File;
 use std::path::Path;
 use std::time::Instant;
 
@@ -49,7 +52,11 @@ pub(crate) struct Replayed {
 impl Replay {
     /// Steps through the file's frames with one pipeline, as the recorded program did.
     pub(crate) fn run(self, path: &Path) -> Result<Replayed, Failure> {
-        let capture = Capture::load(path).map_err(|error| Failure::Input(error.to_string()))?;
+        let place = shown(path);
+        let file = File::open(path).map_err(|error| Failure::at(&place, error))?;
+        let bytes = memory::read(&place, file)?;
+        let capture = Capture::read(&bytes).map_err(|error| Failure::at(&place, error))?;
+        drop(bytes);
         let scene = capture.scene();
         let frames = match self.rung {
             Rung::Fast => self.on_threads(&capture, OverlapUnproved::default()),
@@ -85,7 +92,9 @@ fn steps<N: NarrowPhase>(capture: &Capture, narrow: N, par: Par) -> Result<Vec<F
     let mut scene: Scene = capture.scene().clone();
     let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     let mut frames = Vec::with_capacity(capture.frame_count());
+    let progress = Progress::over(capture.frame_count() as u64, "frames");
     for (frame, poses) in capture.frames().enumerate() {
+        progress.step();
         place_frame(&mut scene, poses)
             .map_err(|error| Failure::at(format_args!("frame {frame}"), error))?;
         let begun = Instant::now();

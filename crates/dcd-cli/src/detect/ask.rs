@@ -75,7 +75,7 @@ impl Ask {
         if matches!(question, Question::Depth | Question::Manifold) && margin > 0.0 {
             let name = query.name();
             let what = format_args!("touching pairs alone have a {name}: it must be 0");
-            return Err(Failure::at(format_args!("--margin {margin}"), what));
+            return Err(Failure::at(format_args!("--margin {margin:e}"), what));
         }
         Ok(query)
     }
@@ -99,6 +99,6 @@ fn margin(text: &str) -> Result<f64, String> {
     if (0.0..=Aabb::LIMIT).contains(&value) {
         Ok(value)
     } else {
-        Err(format!("{value} is not within 0 … {:e} metres", Aabb::LIMIT))
+        Err(format!("{value:e} is not within 0 … {:e} metres", Aabb::LIMIT))
     }
 }

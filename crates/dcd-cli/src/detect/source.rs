@@ -2,15 +2,17 @@
 
 use crate::failure::Failure;
 use crate::making::on_threads;
+use crate::progress::Progress;
+use crate::{count, memory};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use dcd_geom::Scene;
 use dcd_scenes::{
-    BuildError, CloudCensus, GameHulls, GameSize, ReadError, Run, SceneSpec, load_clouds,
-    load_hull_scene, read_clouds, read_hull_scene,
+    BuildError, CloudCensus, GameHulls, GameSize, ReadError, Run, SceneSpec, data, read_clouds,
+    read_hull_scene, shown,
 };
-use std::fmt::Display;
-use std::io::{Read, stdin};
+use std::fs::File;
+use std::io::stdin;
 use std::path::{Path, PathBuf};
 
 /// The file name that stands for standard input.
@@ -38,7 +40,7 @@ pub(super) struct Source {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scene", "clouds", "n", "seed"])]
     pub(super) capture: Option<PathBuf>,
     /// How many objects [default: the scene's usual number; one for each cloud]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count::objects)]
     n: Option<u32>,
     /// The seed [default: 1]
     #[arg(long, value_name = "S")]
@@ -63,7 +65,16 @@ pub(super) struct Loaded {
     pub(super) clouds: Option<CloudCensus>,
 }
 
+/// Bytes of an object of clouds, which share their shapes, at least.
+const BYTES_A_CLOUD_OBJECT: f64 = 400.0;
+
 impl Source {
+    /// The files that it is read from.
+    pub(super) fn inputs(&self) -> Vec<PathBuf> {
+        let named = [&self.file, &self.clouds, &self.capture].into_iter().flatten().cloned();
+        named.chain(data::file("hulls/convex_hulls.bin")).collect()
+    }
+
     /// The scene, its shapes made on so many threads.
     pub(super) fn load(&self, threads: usize) -> Result<Loaded, Failure> {
         if let Some(name) = &self.scene {
@@ -74,7 +85,7 @@ impl Source {
         }
         // clap has seen to it that there is one.
         let path = self.file.as_deref().unwrap_or(Path::new(STANDARD_INPUT));
-        let raw = read(path, load_hull_scene, read_hull_scene)?;
+        let raw = read(path, read_hull_scene)?;
         let scene = on_threads(threads, |run| raw.into_scene_by(run))?;
         let scene = scene.map_err(|error| refused(path, error))?;
         Ok(Loaded { scene, clouds: None })
@@ -84,13 +95,17 @@ impl Source {
         let mut spec = SceneSpec::parse(name).map_err(|error| Failure::at("--scene", error))?;
         spec.objects = self.n.map_or(spec.objects, |n| n as usize);
         spec.seed = self.seed.unwrap_or(spec.seed);
+        let what = format_args!("{} objects of {name:?}", spec.objects);
+        memory::demand("--n", what, spec.least_bytes())?;
         let scene = on_threads(threads, |run| spec.scene_by(run))?;
         scene.map_err(|error| Failure::at(name, error))
     }
 
     fn spread_clouds(&self, path: &Path, threads: usize) -> Result<Loaded, Failure> {
-        let clouds = read(path, load_clouds, read_clouds)?;
+        let clouds = read(path, read_clouds)?;
         let objects = self.n.map_or(clouds.len(), |n| n as usize);
+        let bytes = BYTES_A_CLOUD_OBJECT * objects as f64;
+        memory::demand("--n", format_args!("{objects} objects"), bytes)?;
         let game = GameHulls {
             size: if self.true_size { GameSize::True } else { GameSize::Unit },
             candidates: self.density.unwrap_or(USUAL_DENSITY),
@@ -103,28 +118,23 @@ impl Source {
     }
 }
 
-/// From the file by `load`, from standard input by `parse`.
-fn read<T>(
-    path: &Path,
-    load: fn(&Path) -> Result<T, ReadError>,
-    parse: fn(&[u8]) -> Result<T, ReadError>,
-) -> Result<T, Failure> {
-    if path.as_os_str() != STANDARD_INPUT {
-        // The error names the file.
-        return load(path).map_err(|error| Failure::Input(error.to_string()));
-    }
-    let refused = |error: &dyn Display| Failure::at("standard input", error);
-    let mut bytes = Vec::new();
-    stdin().read_to_end(&mut bytes).map_err(|error| refused(&error))?;
-    parse(&bytes).map_err(|error| refused(&error))
+/// What `parse` makes of the file or of standard input.
+fn read<T>(path: &Path, parse: fn(&[u8]) -> Result<T, ReadError>) -> Result<T, Failure> {
+    let place = place(path);
+    let bytes = if path.as_os_str() == STANDARD_INPUT {
+        memory::read(&place, stdin())?
+    } else {
+        memory::read(&place, File::open(path).map_err(|error| Failure::at(&place, error))?)?
+    };
+    parse(&bytes).map_err(|error| Failure::at(&place, error))
+}
+
+fn place(path: &Path) -> String {
+    if path.as_os_str() == STANDARD_INPUT { "standard input".into() } else { shown(path) }
 }
 
 fn refused(path: &Path, error: BuildError) -> Failure {
-    if path.as_os_str() == STANDARD_INPUT {
-        Failure::at("standard input", error)
-    } else {
-        Failure::at(path.display(), error)
-    }
+    Failure::at(place(path), error)
 }
 
 fn names() -> PossibleValuesParser {

@@ -2,6 +2,7 @@
 
 use super::ask::{Answers, Query, Question};
 use crate::failure::Failure;
+use crate::progress::Progress;
 use crate::rung::Rung;
 use crate::told::{Tell, Told};
 use dcd_broad::WideTree;
@@ -103,12 +104,14 @@ fn steps<N: NarrowPhase<Answer: Tell>>(scene: &Scene, narrow: N, par: Par, plan:
     let clock = StageClock::default();
     let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     let mut found = Found::default();
+    let progress = Progress::over(plan.repeats.into(), "steps");
     for _ in 0..plan.repeats {
         let begun = Instant::now();
         let step = pipeline.step(scene, Exec::observed(par, &clock));
         let whole = begun.elapsed();
         let [boxes, build, pairs, narrow] = clock.take();
         found.times.push([boxes, build, pairs, narrow, whole]);
+        progress.step();
         if found.times.len() == plan.repeats as usize {
             found.pairs = step.candidate_count();
             found.contacts = step.contacts().map(|(i, j)| Pair::new(i, j)).collect();

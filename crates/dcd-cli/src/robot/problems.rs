@@ -4,6 +4,7 @@ use super::judge::{Settled, settle};
 use super::refused;
 use super::rival::{Rival, parry_pose};
 use crate::failure::Failure;
+use crate::progress::Progress;
 use dcd_geom::{Object, Pair, Pose, Scene};
 use dcd_pipeline::{Linkage, Other, Overlap, Par, World};
 use dcd_robot::{AllowedPairs, Problem, Robot, Workcell, read_problems};
@@ -82,7 +83,9 @@ pub(super) fn check(
     let problems = read_problems(archive).map_err(refused)?;
     let mut checked = Checked::default();
     let mut runner = Runner::default();
+    let progress = Progress::over(problems.len() as u64, "problems");
     for problem in &problems {
+        progress.step();
         let place = || format!("{}: {}/{}", archive.display(), problem.set, problem.number);
         checked.add(robot, allowed, problem, &mut runner).map_err(|e| match e {
             Failure::Input(message) => Failure::at(place(), message),

@@ -1,0 +1,171 @@
+//! A file that the command writes is there whole or not at all, and is nobody else's.
+#![allow(missing_docs)]
+
+mod common;
+
+use common::{Hull, dcd, hull_file};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A folder with a scene of two touching cubes, gone with the test.
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        let folder = Self(tempfile::tempdir().unwrap());
+        fs::write(folder.at("scene"), scene()).unwrap();
+        folder
+    }
+
+    fn at(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.0.path()).unwrap();
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+fn scene() -> Vec<u8> {
+    hull_file(&[0.0, 0.5].map(|x| Hull::unit_cube([x, 0.0, 0.0])))
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+#[test]
+fn an_output_that_is_the_input_is_refused_however_it_is_spelt() {
+    let folder = Folder::new();
+    fs::create_dir(folder.at("sub")).unwrap();
+    fs::hard_link(folder.at("scene"), folder.at("hard")).unwrap();
+    #[cfg_attr(not(unix), expect(unused_mut))]
+    let mut spellings = vec!["scene", "sub/../scene", "./scene", "hard"];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("scene", folder.at("soft")).unwrap();
+        spellings.push("soft");
+    }
+    for spelling in spellings {
+        for flag in ["--out", "--answers"] {
+            let (input, output) = (folder.at("scene"), folder.at(spelling));
+            let ran = dcd(&["detect", text(&input), flag, text(&output)]);
+            ran.assert_refused(&[spelling, "it is an input"]);
+            assert_eq!(fs::read(&input).unwrap(), scene(), "{spelling}");
+        }
+    }
+}
+
+#[test]
+fn two_outputs_that_are_one_file_are_refused() {
+    let folder = Folder::new();
+    let (out, scene) = (folder.at("out"), folder.at("scene"));
+    let answers = folder.at("sub");
+    fs::create_dir(&answers).unwrap();
+    let again = answers.join("../out");
+    for other in [&out, &again] {
+        let ran = dcd(&["detect", text(&scene), "--out", text(&out), "--answers", text(other)]);
+        ran.assert_refused(&["out", "one would be lost"]);
+    }
+    assert_eq!(folder.names(), ["scene", "sub"]);
+}
+
+#[test]
+fn a_capture_that_is_replayed_is_no_output_and_outputs_replace_what_was_there() {
+    let folder = Folder::new();
+    let out = folder.at("out");
+    fs::write(&out, "old").unwrap();
+    let ran = dcd(&["detect", text(&folder.at("scene")), "--out", text(&out)]);
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    assert_eq!(fs::read(&out).unwrap(), [1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]);
+    assert_eq!(folder.names(), ["out", "scene"]);
+}
+
+#[test]
+fn a_run_that_is_refused_leaves_the_old_output() {
+    let folder = Folder::new();
+    let (out, broken) = (folder.at("out"), folder.at("broken"));
+    fs::write(&out, "old").unwrap();
+    fs::write(&broken, [9, 0, 0, 0]).unwrap();
+    dcd(&["detect", text(&broken), "--out", text(&out)]).assert_refused(&["broken"]);
+    dcd(&["capture", "--scene", "heap", "--out", text(&out)]).assert_refused(&["heap"]);
+    assert_eq!(fs::read(&out).unwrap(), b"old");
+    assert_eq!(folder.names(), ["broken", "out", "scene"]);
+}
+
+/// A shell, for what only a shell can set up: limits, redirections.
+#[cfg(unix)]
+fn shell(script: &str, arguments: &[&Path]) -> std::process::Output {
+    std::process::Command::new("sh")
+        .args(["-c", script, env!("CARGO_BIN_EXE_dcd")])
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_that_is_standard_input_or_standard_output_is_refused() {
+    let folder = Folder::new();
+    let input = folder.at("scene");
+    let ran = shell("exec \"$0\" detect - --out \"$1\" <\"$1\"", &[&input]);
+    assert_eq!(ran.status.code(), Some(2), "{ran:?}");
+    assert_eq!(fs::read(&input).unwrap(), scene());
+    let out = folder.at("out");
+    let ran = shell("exec \"$0\" detect \"$1\" --out \"$2\" >\"$2\"", &[&input, &out]);
+    assert_eq!(ran.status.code(), Some(2), "{ran:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_the_old_output_and_no_litter() {
+    let folder = Folder::new();
+    let out = folder.at("out");
+    fs::write(&out, "old").unwrap();
+    // A block is 512 or 1,024 bytes, a capture of 50 cubes in 20 frames some 96 kB.
+    let script = "ulimit -f 8; exec \"$0\" capture --scene bricks --n 50 --frames 20 --out \"$1\"";
+    let ran = shell(script, &[&out]);
+    let told = String::from_utf8(ran.stderr).unwrap();
+    assert!(ran.status.code() == Some(1) && told.contains("out: "), "{:?} {told}", ran.status);
+    assert_eq!(fs::read(&out).unwrap(), b"old");
+    assert_eq!(folder.names(), ["out", "scene"]);
+    // A device stays one, and says that it is full.
+    let ran = dcd(&["detect", text(&folder.at("scene")), "--out", "/dev/full"]);
+    assert_eq!(ran.code, Some(1), "{ran:?}");
+    assert!(!fs::metadata("/dev/full").unwrap().is_file());
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_leaves_the_old_output_and_no_litter() {
+    use std::os::unix::process::ExitStatusExt;
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+    for signal in ["INT", "TERM", "HUP"] {
+        let folder = Folder::new();
+        let out = folder.at("out");
+        fs::write(&out, "old").unwrap();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_dcd"))
+            .args(["detect", "--scene", "paper", "--n", "1000", "--threads", "1"])
+            .args(["--repeat", "1000000", "--out", text(&out)])
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        let begun = Instant::now();
+        while folder.names().len() < 3 {
+            assert!(begun.elapsed() < Duration::from_secs(120), "no temporary file");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let number = child.id().to_string();
+        let sent = Command::new("kill").args([format!("-{signal}"), number]).status().unwrap();
+        assert!(sent.success());
+        let ended = child.wait().unwrap();
+        assert!(ended.signal().is_some(), "{signal}: {ended}");
+        assert_eq!(fs::read(&out).unwrap(), b"old");
+        assert_eq!(folder.names(), ["out", "scene"], "{signal}");
+    }
+}
