@@ -180,7 +180,8 @@ mod tests {
         let mut ignored = IgnoredPairs::default();
         ignored.insert(2, 3);
         ignored.group(&[1, 4, 2]);
-        let pairs = |ignored: &IgnoredPairs| ignored.iter().map(<(u32, u32)>::from).collect::<Vec<_>>();
+        let pairs =
+            |ignored: &IgnoredPairs| ignored.iter().map(<(u32, u32)>::from).collect::<Vec<_>>();
         assert_eq!(pairs(&ignored), [(1, 2), (1, 4), (2, 3), (2, 4)]);
         assert!(ignored.contains(4, 1) && !ignored.contains(1, 3) && !ignored.contains(0, 5));
         // One pair taken back, the others stay.

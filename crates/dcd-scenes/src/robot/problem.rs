@@ -1,13 +1,13 @@
 //! Many scenes and requests, as MotionBenchMaker packs them.
 
-use super::{Request, RobotError, World};
+use super::{PlanningScene, Request, RobotError};
 use bzip2::read::BzDecoder;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
-/// A world and a request that belong together.
+/// A scene and a request that belong together.
 #[derive(Clone, Debug)]
 pub struct Problem {
     /// The folder in the archive: what kind of scene it is.
@@ -15,7 +15,7 @@ pub struct Problem {
     /// The number that both files' names end in.
     pub number: String,
     /// `sceneNUMBER.yaml`.
-    pub world: World,
+    pub scene: PlanningScene,
     /// `requestNUMBER.yaml`.
     pub request: Request,
 }
@@ -24,7 +24,7 @@ pub struct Problem {
 /// (tar, packed by bzip2), in the order of their folders and numbers.
 ///
 /// # Errors
-/// An archive that cannot be read; a scene without its request or a request without its scene; what
+/// An archive that cannot be read, or without a problem; a scene without its request or a request without its scene; what
 /// is wrong in one of them, by its path in the archive.
 pub fn read_problems(archive: &Path) -> Result<Vec<Problem>, RobotError> {
     let texts = unpack(archive).map_err(RobotError::io(archive))?;
@@ -34,18 +34,22 @@ pub fn read_problems(archive: &Path) -> Result<Vec<Problem>, RobotError> {
         let slot = halves.entry(key).or_default();
         let inside = |error: RobotError| error.inside(archive.join(&path));
         match kind {
-            Kind::Scene => slot.world = Some(World::read(&text).map_err(inside)?),
+            Kind::Scene => slot.scene = Some(PlanningScene::read(&text).map_err(inside)?),
             Kind::Request => slot.request = Some(Request::read(&text).map_err(inside)?),
         }
     }
+    if halves.is_empty() {
+        let (user, why) = (archive.display().to_string(), "there is no problem in it".to_owned());
+        return Err(RobotError::Refused { user, why });
+    }
     let mut problems = Vec::with_capacity(halves.len());
-    for ((set, number), Halves { world, request }) in halves {
-        match (world, request) {
-            (Some(world), Some(request)) => {
-                problems.push(Problem { set, number, world, request });
+    for ((set, number), Halves { scene, request }) in halves {
+        match (scene, request) {
+            (Some(scene), Some(request)) => {
+                problems.push(Problem { set, number, scene, request });
             }
-            (world, _) => {
-                let what = if world.is_some() { "request" } else { "scene" };
+            (scene, _) => {
+                let what = if scene.is_some() { "request" } else { "scene" };
                 let user = archive.display().to_string();
                 return Err(RobotError::Unknown { what, name: format!("{set}/{number}"), user });
             }
@@ -56,7 +60,7 @@ pub fn read_problems(archive: &Path) -> Result<Vec<Problem>, RobotError> {
 
 #[derive(Default)]
 struct Halves {
-    world: Option<World>,
+    scene: Option<PlanningScene>,
     request: Option<Request>,
 }
 
