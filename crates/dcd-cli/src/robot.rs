@@ -153,7 +153,11 @@ impl Robot {
         allowed.extend(&world.allowed);
         let state = self.state_of(&model, srdf, &mut world)?;
         model.beyond_limits(&state).iter().for_each(|beyond| tell(format_args!("state: {beyond}")));
-        let mut cell = Workcell::new(model, &world, &allowed).map_err(refused)?;
+        let cell = Workcell::new(model, &world, &allowed);
+        let mut cell = cell.map_err(|error| match &self.world {
+            Some(path) => Failure::at(path.display(), error),
+            None => refused(error),
+        })?;
         cell.set_state(&state).map_err(refused)?;
         let mut pipeline = <Pipeline>::default();
         let step = pipeline.step(cell.scene(), Par::Serial);

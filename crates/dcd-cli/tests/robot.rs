@@ -158,7 +158,7 @@ fn bad_input_is_refused_with_its_place_and_value() {
 fn the_panda_is_free_where_it_is_ready_and_not_where_it_is_in_its_base() {
     let Some(folder) = panda() else { return };
     let [urdf, srdf] = ["panda.urdf", "panda.srdf"].map(|name| text(&folder.join(name)));
-    let notes = ["panda.urdf: not used: contact", "panda.srdf: not used: end_effector"];
+    let notes = ["panda.urdf: not used: 2 contact", "panda.srdf: not used: end_effector"];
     let check =
         |state: &str| touching_and_noted(&[&urdf, "--srdf", &srdf, "--state", state], &notes);
     assert!(check("0,-0.785,0,-2.356,0,1.571,0.785").is_empty());
@@ -218,7 +218,7 @@ fn answered_as_parry(links: &str) {
     let all = [&all[..], &["--all-problems", &archive]].concat();
     let mut ran = dcd(&all);
     for note in [
-        "panda.urdf: not used: contact",
+        "panda.urdf: not used: 2 contact",
         "in 700 problems: scene: not used: values of joints that are fixed or mimic others: \
          panda_finger_joint1, panda_finger_joint2",
         "in 700 problems: request: not used: allowed_planning_time",
@@ -247,7 +247,7 @@ fn a_ball_named_like_a_link_is_refused_and_under_another_name_it_touches() {
     let arm = folder.file("arm.urdf", ARM);
     let world = |name: &str| folder.file(&format!("{name}.yaml"), &WORLD.replace("ball", name));
     let same = dcd(&["robot", &arm, "--world", &world("upper")]);
-    same.assert_refused(&["obstacle \"upper\"", "a link of robot \"arm\""]);
+    same.assert_refused(&["upper.yaml: obstacle \"upper\"", "a link of robot \"arm\""]);
     let other = touching(&[&arm, "--world", &world("b")]);
     assert_eq!(other, pairs(&[["base", "b"], ["lower", "wall"]]));
     dcd(&["robot", &arm, "--world", &world("wall")]).assert_refused(&["line 6", "\"wall\""]);
