@@ -92,7 +92,7 @@ fn check_within(scene: &Scene, margin: f64) {
             assert!(!(0.0..=Aabb::LIMIT).contains(&margin), "{margin}");
             return;
         };
-        let mut pipeline = Pipeline::new(WideTree::default(), narrow);
+        let mut pipeline = Pipeline::with(WideTree::default(), narrow);
         let step = pipeline.step(scene, Par::Serial);
         let known = step.contacts().filter(|pair| !truth.undecided.contains(pair));
         let mut touching: Vec<_> = known.collect();

@@ -5,27 +5,52 @@ mod problems;
 mod rival;
 mod state;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, tell};
 use clap::{Args, ValueEnum};
 use dcd_pipeline::{Par, Pipeline};
-use dcd_robot::{AllowedPairs, LinkShapes, Request, Robot as Model, RobotError, Workcell, World};
+use dcd_robot::{
+    AllowedPairs, LinkShapes, Request, Robot as Model, RobotError, Srdf, Workcell, World,
+};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::io::{Write, stdout};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const DETAILS: &str = "\
 Each mesh of the URDF's collision geometry (OBJ) is taken as the hull of its vertices, or, with \
---links meshes, as its triangles. A world is a scene of MoveIt as YAML: boxes, cylinders and spheres. The pairs of its allowed collision matrix \
-may touch as those of the SRDF may; without an SRDF, links that a joint joins and links that are \
-rigidly tied may. Joints that are fixed in the URDF stay as they are, whatever a request says.
+--links meshes, as its triangles. Without an SRDF, links that a joint joins and links that are \
+rigidly tied may touch. Joints that are fixed in the URDF stay as they are, whatever a request says.
+
+A world is a scene of MoveIt as YAML, as ROS or Robowflex write it. Used are: boxes, spheres, \
+cylinders, cones and meshes (surfaces without an inside); header.frame_id, which is empty, the frame \
+of the SRDF's virtual joint, a link's at the scene's state, or one of fixed_frame_transforms; joint \
+values, where --state or a request says nothing; the virtual joint's transform; attached objects; \
+link_padding and link_scale, against the world alone; the allowed collision matrix with its \
+defaults, which counts more than the SRDF; operations add and remove. Planes, an octomap and other \
+operations are refused.
+
+Whatever a file says that is not understood is refused (exit code 2). What is understood and makes \
+no difference (colours, velocities, inertias, visual geometry, values of fixed joints), and what a \
+planner would warn of (values beyond limits, names that the robot does not have), is named on \
+standard error. xacro must be expanded first: xacro FILE > robot.urdf
+
+Files that are opened, all for reading: those named here, and each mesh that the collision geometry \
+of the URDF names. Such a name may lead anywhere: package://A/B is A/B or B, file:///A is /A, any \
+other name itself, from the URDF's folder or any above it. Nothing else is opened, no texture and no \
+visual mesh.
+
+Limits, each refused beyond: 64 MiB a file; of XML 2,000,000 elements, 64 nested, 64 attributes an \
+element, 64 namespaces; of YAML 4,000,000 nodes, 64 nested, 10,000 aliases; of a robot 10,000 mesh \
+files, 16,777,216 vertices; 8,388,608 pairs of shapes that may touch (rigid bodies do not count); \
+with --all-problems 4,096 shapes of a robot.
 
 --all-problems checks, for each scene and request of the archive, 100 states on the straight line \
 from start to goal in joint space, both ends among them, by Parry in f64 as well, on the same \
 shapes; each pair on which the two differ is settled exactly and told. Times are of one thread: \
 ours of a batch of 100 states against a world that is made before; Parry's of the boxes of the \
-links, a tree over the world that is made before, and query::intersection_test. A file of the archive \
-unpacks to 16,777,216 bytes at most, all of it to 1,073,741,824.";
+links, a tree over the world that is made before, and query::intersection_test. Padded links are \
+refused there. A file of the archive unpacks to 16,777,216 bytes at most, all of it to 1,073,741,824.";
 
 /// What the meshes of the links are taken as.
 #[derive(Clone, Copy, ValueEnum)]
@@ -52,7 +77,7 @@ pub(crate) struct Robot {
     #[arg(long, value_name = "SCENE.yaml", conflicts_with = "all_problems")]
     world: Option<PathBuf>,
     /// Joint values, comma-separated: one for each moved joint in the URDF's order, or NAME=VALUE
-    /// for some [default: all 0]
+    /// for some [default: the world's, else 0]
     #[arg(
         long,
         value_name = "VALUES",
@@ -94,58 +119,105 @@ impl Robot {
             Links::Meshes => LinkShapes::Meshes,
         };
         let model = Model::load_as(&self.urdf, shapes).map_err(refused)?;
-        let allowed = match &self.srdf {
-            Some(srdf) => AllowedPairs::load(srdf).map_err(refused)?,
+        note(&self.urdf, model.notes());
+        let srdf = self.srdf.as_deref().map(|path| load_srdf(path, &model)).transpose()?;
+        let allowed = match &srdf {
+            Some(srdf) => srdf.allowed.clone(),
             None => AllowedPairs::adjacent(&model),
         };
         let text = match &self.all_problems {
             Some(archive) => {
-                let checked = problems::check(&model, &allowed, archive)?;
+                let given = problems::Given { robot: &model, srdf: srdf.as_ref(), allowed };
+                let checked = problems::check(&given, archive)?;
                 if self.json { checked.json() } else { checked.text() }
             }
             None => {
-                let answer = self.check(model, allowed)?;
+                let answer = self.check(model, srdf.as_ref(), allowed)?;
                 if self.json { answer.json() } else { answer.text() }
             }
         };
         stdout().write_all(text.as_bytes()).map_err(Failure::Output)
     }
 
-    fn check(&self, model: Model, mut allowed: AllowedPairs) -> Result<Answer, Failure> {
-        let world = self.world.as_deref().map(World::load).transpose().map_err(refused)?;
-        let world = world.unwrap_or_default();
+    fn check(
+        &self,
+        model: Model,
+        srdf: Option<&Srdf>,
+        mut allowed: AllowedPairs,
+    ) -> Result<Answer, Failure> {
+        let mut world = World::default();
+        if let Some(path) = &self.world {
+            world = World::load(path, &model, srdf).map_err(refused)?;
+            note(path, &world.notes);
+        }
         allowed.extend(&world.allowed);
-        let state = self.state_of(&model)?;
-        let mut cell = Workcell::new(model, &world, &allowed).map_err(refused)?;
+        let state = self.state_of(&model, srdf, &mut world)?;
+        model.beyond_limits(&state).iter().for_each(|beyond| tell(format_args!("state: {beyond}")));
+        let cell = Workcell::new(model, &world, &allowed);
+        let mut cell = cell.map_err(|error| match &self.world {
+            Some(path) => Failure::at(path.display(), error),
+            None => refused(error),
+        })?;
         cell.set_state(&state).map_err(refused)?;
         let mut pipeline = Pipeline::new();
         let step = pipeline.step(cell.scene(), Par::Serial);
-        let named = |(i, j): (u32, u32)| [i, j].map(|k| cell.names()[k as usize].clone());
-        let mut touching: Vec<_> = step.contacts().map(named).collect();
-        touching.sort();
+        let named = |pair| cell.names_of(pair).map(str::to_owned);
+        let touching = once(step.contacts().map(named));
         let undecided = step.report().undecided().iter();
+        let undecided = once(undecided.map(|undecided| named(undecided.pair.into())));
         Ok(Answer {
             robot: cell.robot().name.clone(),
             links_with_shapes: cell.robot().parts().len(),
             obstacles: world.obstacles.len(),
             state: cell.robot().moved_joints().iter().cloned().zip(state).collect(),
             candidates: step.candidate_count(),
-            touching,
-            undecided: undecided.map(|undecided| named(undecided.pair.into())).collect(),
+            undecided: undecided.difference(&touching).cloned().collect(),
+            touching: touching.into_iter().collect(),
         })
     }
 
-    fn state_of(&self, model: &Model) -> Result<Vec<f64>, Failure> {
+    fn state_of(
+        &self,
+        model: &Model,
+        srdf: Option<&Srdf>,
+        world: &mut World,
+    ) -> Result<Vec<f64>, Failure> {
         if let Some(path) = &self.request {
             let request = Request::load(path).map_err(refused)?;
-            let state = if self.goal { request.goal_of(model) } else { request.start_of(model) };
+            note(path, &request.notes(model));
+            let state = request.place_base(world, srdf).and_then(|()| {
+                if self.goal {
+                    request.goal_in(world, model)
+                } else {
+                    request.start_in(world, model)
+                }
+            });
             return state.map_err(|error| Failure::at(path.display(), error));
         }
         match &self.state {
-            Some(text) => state::parse(text, model).map_err(|e| Failure::at("--state", e)),
-            None => Ok(vec![0.0; model.moved_joints().len()]),
+            Some(text) => {
+                state::parse(text, model, &world.joints).map_err(|e| Failure::at("--state", e))
+            }
+            None => model.state(&world.joints).map_err(refused),
         }
     }
+}
+
+fn load_srdf(path: &Path, model: &Model) -> Result<Srdf, Failure> {
+    let srdf = Srdf::load(path).map_err(refused)?;
+    let notes = srdf.notes(model).map_err(|error| Failure::at(path.display(), error))?;
+    note(path, &notes);
+    Ok(srdf)
+}
+
+/// What a file says that is not used, or that a planner would warn of.
+fn note(path: &Path, notes: &[String]) {
+    notes.iter().for_each(|note| tell(format_args!("{}: {note}", path.display())));
+}
+
+/// Each pair of names once, though links have several shapes.
+fn once(pairs: impl Iterator<Item = [String; 2]>) -> BTreeSet<[String; 2]> {
+    pairs.collect()
 }
 
 /// The error names its file.
@@ -164,6 +236,7 @@ impl Answer {
         for (pairs, what) in [(&self.touching, "touch"), (&self.undecided, "are undecided")] {
             for [a, b] in pairs {
                 // Writing to a string cannot fail.
+                let [a, b] = [a, b].map(|name| on_one_line(name));
                 let _ = writeln!(text, "{a} and {b} {what}");
             }
         }
@@ -172,4 +245,10 @@ impl Answer {
         }
         text
     }
+}
+
+/// A name with its control characters escaped.
+fn on_one_line(name: &str) -> String {
+    let escaped = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.into() };
+    name.chars().map(escaped).collect()
 }

@@ -5,6 +5,7 @@ mod common;
 
 use common::dcd;
 use dcd_scenes::data;
+use dcd_scenes::robot::bounds;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -67,7 +68,20 @@ const WORLD: &str = "world:
 ";
 
 fn touching(arguments: &[&str]) -> Vec<[String; 2]> {
-    let answer = dcd(&[&["robot", "--json"], arguments].concat()).summary();
+    touching_and_noted(arguments, &[])
+}
+
+/// The touching pairs, after asserting that each of these, and no line without one of them, is on
+/// standard error.
+fn touching_and_noted(arguments: &[&str], notes: &[&str]) -> Vec<[String; 2]> {
+    let mut ran = dcd(&[&["robot", "--json"], arguments].concat());
+    for note in notes {
+        assert!(ran.stderr.contains(note), "{note:?} is not in {ran:?}");
+    }
+    let expected = |line: &str| notes.iter().any(|note| line.contains(note));
+    assert!(ran.stderr.lines().all(expected), "{ran:?}");
+    ran.stderr.clear();
+    let answer = ran.summary();
     assert_eq!(answer["undecided"], Value::Array(vec![]));
     serde_json::from_value(answer["touching"].clone()).unwrap()
 }
@@ -122,9 +136,9 @@ fn bad_input_is_refused_with_its_place_and_value() {
     };
     refused(&["no/such.urdf"], &["no/such.urdf"]);
     let broken = folder.file("broken.urdf", "<robot><link></robot>");
-    refused(&[&broken], &["broken.urdf", "no URDF"]);
+    refused(&[&broken], &["broken.urdf", "no URDF", "1:"]);
     let lost = folder.file("lost.urdf", &ARM.replace("parent link=\"upper\"", "parent link=\"u\""));
-    refused(&[&lost], &["lost.urdf", "joint \"elbow\"", "no link \"u\""]);
+    refused(&[&lost], &["lost.urdf", "line 7", "joint \"elbow\"", "no link \"u\""]);
     refused(&[&arm, "--state", "1"], &["--state", "1 values", "2 joints move", "shoulder, elbow"]);
     refused(&[&arm, "--state", "1,two"], &["value 1", "\"two\""]);
     refused(&[&arm, "--state", "nan,0"], &["value 0 is NaN"]);
@@ -132,11 +146,11 @@ fn bad_input_is_refused_with_its_place_and_value() {
     refused(&[&arm, "--state", "knee=1"], &["no joint \"knee\""]);
     refused(&[&arm, "--state", "elbow=1,2"], &["value 1", "without a joint's name"]);
     let world = folder.file("bad.yaml", &WORLD.replace("dimensions: [0.5]", "dimensions: [-0.5]"));
-    refused(&[&arm, "--world", &world], &["bad.yaml", "\"ball\"", "-0.5"]);
+    refused(&[&arm, "--world", &world], &["bad.yaml", "line 6", "\"ball\"", "-0.5"]);
     let torn = folder.file("torn.yaml", "world: [");
     refused(&[&arm, "--world", &torn], &["torn.yaml", "no scene"]);
     let srdf = folder.file("bad.srdf", "<robot><disable_collisions link1=\"a\"/></robot>");
-    refused(&[&arm, "--srdf", &srdf], &["bad.srdf", "1:8", "link2"]);
+    refused(&[&arm, "--srdf", &srdf], &["bad.srdf", "line 1", "link2"]);
     refused(&[&arm, "--all-problems", &arm], &["arm.urdf"]);
 }
 
@@ -144,7 +158,9 @@ fn bad_input_is_refused_with_its_place_and_value() {
 fn the_panda_is_free_where_it_is_ready_and_not_where_it_is_in_its_base() {
     let Some(folder) = panda() else { return };
     let [urdf, srdf] = ["panda.urdf", "panda.srdf"].map(|name| text(&folder.join(name)));
-    let check = |state: &str| touching(&[&urdf, "--srdf", &srdf, "--state", state]);
+    let notes = ["panda.urdf: not used: 2 contact", "panda.srdf: not used: end_effector"];
+    let check =
+        |state: &str| touching_and_noted(&[&urdf, "--srdf", &srdf, "--state", state], &notes);
     assert!(check("0,-0.785,0,-2.356,0,1.571,0.785").is_empty());
     // The hand bent down through the base.
     let bent = check("0,1.7,0,-3.0,0,0.5,0");
@@ -200,7 +216,17 @@ fn answered_as_parry(links: &str) {
     let archive = text(&archive);
     let all = ["robot", &urdf, "--srdf", &srdf, "--links", links, "--json"];
     let all = [&all[..], &["--all-problems", &archive]].concat();
-    let checked = dcd(&all).summary();
+    let mut ran = dcd(&all);
+    for note in [
+        "panda.urdf: not used: 2 contact",
+        "in 700 problems: scene: not used: values of joints that are fixed or mimic others: \
+         panda_finger_joint1, panda_finger_joint2",
+        "in 700 problems: request: not used: allowed_planning_time",
+    ] {
+        assert!(ran.stderr.contains(note), "{note:?} is not in {:?}", ran.stderr);
+    }
+    ran.stderr.clear();
+    let checked = ran.summary();
     let number = |what: &str| checked[what].as_u64().unwrap();
     assert_eq!((number("problems"), number("states")), (700, 70_000));
     assert!(number("contacts") > 10_000 && number("in_contact") > 10_000);
@@ -212,5 +238,147 @@ fn answered_as_parry(links: &str) {
         let truth = difference["truth"].as_str().unwrap();
         let right = if difference["we_say"] == "touching" { "touching" } else { "apart" };
         assert!(truth == right || truth == "open", "{difference}");
+    }
+}
+
+#[test]
+fn a_ball_named_like_a_link_is_refused_and_under_another_name_it_touches() {
+    let folder = Folder::new("names");
+    let arm = folder.file("arm.urdf", ARM);
+    let world = |name: &str| folder.file(&format!("{name}.yaml"), &WORLD.replace("ball", name));
+    let same = dcd(&["robot", &arm, "--world", &world("upper")]);
+    same.assert_refused(&["upper.yaml: obstacle \"upper\"", "a link of robot \"arm\""]);
+    let other = touching(&[&arm, "--world", &world("b")]);
+    assert_eq!(other, pairs(&[["base", "b"], ["lower", "wall"]]));
+    dcd(&["robot", &arm, "--world", &world("wall")]).assert_refused(&["line 6", "\"wall\""]);
+}
+
+#[test]
+fn a_misspelt_world_a_request_in_its_place_and_an_empty_file_are_refused() {
+    let folder = Folder::new("typo");
+    let arm = folder.file("arm.urdf", ARM);
+    for (text, why) in [
+        ("world:\n  collision_object:\n    - id: ball\n", "collision_object"),
+        ("start_state: {joint_state: {name: [], position: []}}", "start_state"),
+        ("", "no scene"),
+    ] {
+        let world = folder.file("typo.yaml", text);
+        dcd(&["robot", &arm, "--world", &world]).assert_refused(&["typo.yaml: no scene", why]);
+    }
+    let empty = folder.file("empty.yaml", "world: {collision_objects: []}");
+    let noted = ["empty.yaml: there is no obstacle in it"];
+    assert!(touching_and_noted(&[&arm, "--world", &empty], &noted).is_empty());
+}
+
+#[test]
+fn a_forest_xacro_and_fifteen_thousand_nested_elements_are_refused_with_exit_code_2() {
+    let folder = Folder::new("forest");
+    let first = ARM.find("  <joint").unwrap();
+    let forest = folder.file("forest.urdf", &(ARM[..first].to_owned() + "</robot>"));
+    dcd(&["robot", &forest]).assert_refused(&["line 3", "\"base\" and \"upper\"", "one root"]);
+    let xacro = folder.file("arm.xacro", &ARM.replace("1.5 0 0", "${length} 0 0"));
+    dcd(&["robot", &xacro]).assert_refused(&["line 4", "${length}", "xacro must be expanded"]);
+    let nested = "<x>".repeat(15_000) + &"</x>".repeat(15_000);
+    let nested = folder.file("deep.urdf", &ARM.replace("</robot>", &(nested + "</robot>")));
+    dcd(&["robot", &nested]).assert_refused(&["deep.urdf: line 9", "64 nested elements"]);
+}
+
+#[test]
+fn links_of_several_shapes_are_reported_once_and_on_one_line() {
+    let folder = Folder::new("once");
+    let again = "<collision><geometry><sphere radius=\"0.5\"/></geometry></collision></link>";
+    let urdf = ARM.replacen("</link>", again, 1).replace("\"base\"", "\"ba&#10;se\"");
+    let arm = folder.file("arm.urdf", &urdf);
+    let world = folder.file("world.yaml", &WORLD.replace("[0, 0, 1]", "[0, 0, 0.5]"));
+    let said = dcd(&["robot", &arm, "--world", &world]);
+    assert_eq!(said.stdout, "ba\\nse and ball touch\nlower and wall touch\n", "{said:?}");
+    assert_eq!(touching(&[&arm, "--world", &world]).len(), 2);
+}
+
+#[test]
+fn a_state_beyond_limits_and_names_that_the_robot_does_not_have_are_warned_of() {
+    let folder = Folder::new("limits");
+    let limit = "<limit lower=\"-1\" upper=\"1\"/></joint>";
+    let arm =
+        folder.file("arm.urdf", &ARM.replace("</joint>", limit).replace("continuous", "revolute"));
+    let beyond = "state: joint \"elbow\" is at 3.141592653589793e0, beyond its limits -1e0 to 1e0";
+    let folded = touching_and_noted(&[&arm, "--state", "elbow=3.141592653589793"], &[beyond]);
+    assert_eq!(folded, pairs(&[["base", "lower"]]));
+    let srdf = folder.file(
+        "arm.srdf",
+        "<robot name=\"leg\"><disable_collisions link1=\"lower\" link2=\"knee\"/></robot>",
+    );
+    let notes = ["it is for robot \"leg\", not \"arm\"", "no such link", "\"knee\""];
+    touching_and_noted(&[&arm, "--srdf", &srdf], &notes);
+}
+
+#[test]
+fn the_scenes_state_holds_until_a_state_or_a_request_says_otherwise() {
+    let folder = Folder::new("state");
+    let arm = folder.file("arm.urdf", ARM);
+    let state = "robot_state: {joint_state: {name: [elbow], position: [3.141592653589793]}}\n";
+    let world = folder.file("world.yaml", &(WORLD.replace("4.75", "40") + state));
+    let with = |more: &[&str]| touching(&[&[&arm, "--world", &world], more].concat());
+    let folded = pairs(&[["base", "ball"], ["base", "lower"]]);
+    assert_eq!(with(&[]), folded);
+    assert_eq!(with(&["--state", "shoulder=0"]), folded);
+    assert_eq!(with(&["--state", "elbow=0"]), pairs(&[["base", "ball"]]));
+    let request = folder.file(
+        "request.yaml",
+        "start_state: {joint_state: {name: [shoulder], position: [0]}}
+goal_constraints: [{joint_constraints: [{joint_name: elbow, position: 0}]}]
+",
+    );
+    assert_eq!(with(&["--request", &request]), folded);
+    assert_eq!(with(&["--request", &request, "--goal"]), pairs(&[["base", "ball"]]));
+    let knee =
+        folder.file("knee.yaml", "start_state: {joint_state: {name: [knee], position: [0]}}");
+    dcd(&["robot", &arm, "--request", &knee]).assert_refused(&["knee.yaml", "no joint \"knee\""]);
+}
+
+/// tar and bzip2 of no file.
+const NO_PROBLEM: [u8; 46] = [
+    66, 90, 104, 57, 49, 65, 89, 38, 83, 89, 89, 123, 184, 228, 0, 0, 20, 80, 0, 192, 0, 4, 0, 0,
+    8, 32, 0, 48, 204, 5, 41, 166, 19, 98, 39, 139, 185, 34, 156, 40, 72, 44, 189, 220, 114, 0,
+];
+
+#[test]
+fn an_archive_without_a_problem_is_refused() {
+    let folder = Folder::new("archive");
+    let arm = folder.file("arm.urdf", ARM);
+    let archive = folder.0.join("empty.tar.bz2");
+    std::fs::write(&archive, NO_PROBLEM).unwrap();
+    let refused = dcd(&["robot", &arm, "--all-problems", &text(&archive)]);
+    refused.assert_refused(&["empty.tar.bz2", "no problem"]);
+}
+
+#[test]
+fn the_help_says_which_files_are_opened_and_every_limit() {
+    let help = dcd(&["robot", "--help"]).stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    let numbers = [
+        bounds::XML_ELEMENTS,
+        bounds::NESTING,
+        bounds::XML_ATTRIBUTES,
+        bounds::XML_NAMESPACES,
+        bounds::YAML_NODES,
+        bounds::YAML_ALIASES,
+        bounds::MESH_FILES,
+        bounds::VERTICES,
+        bounds::ALLOWED_PAIRS,
+    ];
+    for number in numbers {
+        let digits = number.to_string();
+        let grouped = (0..digits.len()).map(|k| {
+            let comma = k > 0 && (digits.len() - k) % 3 == 0;
+            format!("{}{}", if comma { "," } else { "" }, &digits[k..=k])
+        });
+        let grouped: String = grouped.collect();
+        assert!(help.contains(&grouped), "{grouped} is not in the help");
+    }
+    assert_eq!(bounds::FILE_BYTES, 64 << 20);
+    for said in
+        ["64 MiB a file", "lead anywhere", "Files that are opened", "xacro FILE > robot.urdf"]
+    {
+        assert!(help.contains(said), "{said:?} is not in the help");
     }
 }

@@ -141,7 +141,8 @@ impl Scene {
         &self.user_data
     }
 
-    /// The pairs that [`Scene::ignore_pair`] named, once each, ascending.
+    /// The pairs that [`Scene::ignore_pair`] named, and those among [`Scene::ignore_among`], once
+    /// each, ascending.
     pub fn ignored_pairs(&self) -> impl Iterator<Item = crate::Pair> {
         self.ignored.iter()
     }

@@ -2,7 +2,7 @@
 
 use dcd_io::data;
 use dcd_pipeline::{Par, Pipeline};
-use dcd_robot::{AllowedPairs, Robot, Workcell, read_problems};
+use dcd_robot::{Robot, Srdf, Workcell, read_problems};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let files = ["panda/panda.urdf", "panda/panda.srdf", "panda/problems.tar.bz2"];
@@ -11,10 +11,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Ok(());
     };
     let panda = Robot::load(&urdf)?;
-    let allowed = AllowedPairs::load(&srdf)?;
+    let srdf = Srdf::load(&srdf)?;
     let problem = read_problems(&archive)?.swap_remove(0);
+    let world = problem.scene.world(&panda, Some(&srdf))?;
+    let mut allowed = srdf.allowed.clone();
+    allowed.extend(&world.allowed);
 
-    let mut cell = Workcell::new(panda, &problem.world, &allowed)?;
+    let mut cell = Workcell::new(panda, &world, &allowed)?;
     let mut pipeline = Pipeline::new();
     let (start, goal) =
         (problem.request.start_of(cell.robot())?, problem.request.goal_of(cell.robot())?);

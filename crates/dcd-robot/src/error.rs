@@ -25,6 +25,44 @@ pub enum RobotError {
         /// What the reader says, with line and column where it knows them.
         error: String,
     },
+    /// A text is not of its kind.
+    NotOfKind {
+        /// Which kind: see [`RobotError::Syntax`].
+        what: &'static str,
+        /// What the reader says, with line and column where it knows them.
+        error: String,
+    },
+    /// Something is wrong on a line of a file.
+    AtLine {
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong.
+        error: Box<RobotError>,
+    },
+    /// Something that is understood and refused, or not understood.
+    Refused {
+        /// Which element.
+        user: String,
+        /// Why.
+        why: String,
+    },
+    /// More of something than is read.
+    TooLarge {
+        /// Of what.
+        what: &'static str,
+        /// The most that is read.
+        limit: usize,
+    },
+    /// More than one link has no parent.
+    Forest {
+        /// Two of them.
+        roots: [String; 2],
+    },
+    /// No link has a shape.
+    NoShapes {
+        /// The robot.
+        robot: String,
+    },
     /// Something is wrong inside a file.
     InFile {
         /// The file.
@@ -68,6 +106,15 @@ pub enum RobotError {
         name: String,
         /// Where it was looked for first.
         place: PathBuf,
+    },
+    /// A number that is not finite.
+    NotANumber {
+        /// What.
+        what: String,
+        /// Whose.
+        user: String,
+        /// The number.
+        value: f64,
     },
     /// A number that is no number, or none that can be meant.
     BadNumber {
@@ -113,6 +160,14 @@ impl RobotError {
         move |error| Self::Io { path: path.into(), error }
     }
 
+    /// The same, said of a line, unless it says one already.
+    pub(super) fn at_line(self, line: usize) -> Self {
+        match self {
+            Self::AtLine { .. } => self,
+            error => Self::AtLine { line, error: Box::new(error) },
+        }
+    }
+
     /// The same, said of a file.
     pub(super) fn inside(self, place: impl Into<PathBuf>) -> Self {
         Self::InFile { place: place.into(), error: Box::new(self) }
@@ -126,6 +181,16 @@ impl fmt::Display for RobotError {
             Self::Syntax { what, place, error } => {
                 write!(f, "{}: no {what}: {}", place.display(), error.trim_end())
             }
+            Self::NotOfKind { what, error } => write!(f, "no {what}: {}", error.trim_end()),
+            Self::AtLine { line, error } => write!(f, "line {line}: {error}"),
+            Self::Refused { user, why } => write!(f, "{user}: {why}"),
+            Self::TooLarge { what, limit } => write!(f, "more than {limit} {what}"),
+            Self::Forest { roots: [a, b] } => {
+                write!(f, "links {a:?} and {b:?} have no parent both: a robot has one root")
+            }
+            Self::NoShapes { robot } => {
+                write!(f, "robot {robot:?} has no collision geometry: nothing of it could touch")
+            }
             Self::InFile { place, error } => write!(f, "{}: {error}", place.display()),
             Self::Unknown { what, name, user } => write!(f, "{user}: there is no {what} {name:?}"),
             Self::Twice { what, name } => write!(f, "there are two of {what} {name:?}"),
@@ -138,7 +203,8 @@ impl fmt::Display for RobotError {
             Self::NoMesh { name, place } => {
                 write!(f, "mesh {name:?} is neither {} nor beside or above it", place.display())
             }
-            Self::BadNumber { what, user, value } => write!(f, "{user}: the {what} is {value}"),
+            Self::NotANumber { what, user, value } => write!(f, "{user}: the {what} is {value}"),
+            Self::BadNumber { what, user, value } => write!(f, "{user}: the {what} is {value:e}"),
             Self::Count { what, user, expected, found } => {
                 write!(f, "{user}: {found} {what}, not {expected}")
             }

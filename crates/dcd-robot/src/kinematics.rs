@@ -1,8 +1,9 @@
 //! Where a robot's shapes are for the values of its joints.
 
 use super::{Joint, Motion, Robot, RobotError};
-use dcd_geom::Pose;
+use dcd_geom::{Pose, PoseError};
 use glam::{DMat3, DVec3};
+use std::fmt;
 
 /// A frame in another: a point p of it is at R·p + t there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,14 +16,23 @@ impl Frame {
     pub(super) const IDENTITY: Self = Self { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
 
     /// URDF's: turned about x, then y, then z of the outer frame (roll, pitch, yaw; rad).
-    pub(super) fn of_urdf(pose: &urdf_rs::Pose, user: &str) -> Result<Self, RobotError> {
-        let numbers = pose.xyz.iter().chain(pose.rpy.iter());
-        if let Some(&value) = numbers.clone().find(|x| !x.is_finite()) {
-            return Err(RobotError::BadNumber { what: "origin", user: user.to_owned(), value });
-        }
-        let [roll, pitch, yaw] = *pose.rpy;
+    pub(super) fn of_angles(translation: DVec3, [roll, pitch, yaw]: [f64; 3]) -> Self {
         let rotation = turn(DVec3::Z, yaw) * turn(DVec3::Y, pitch) * turn(DVec3::X, roll);
-        Ok(Self { rotation, translation: DVec3::from_array(*pose.xyz) })
+        Self { rotation, translation }
+    }
+
+    pub(super) fn of_pose(pose: &Pose) -> Self {
+        Self { rotation: *pose.rotation(), translation: pose.translation() }
+    }
+
+    pub(super) fn pose(&self) -> Result<Pose, PoseError> {
+        Pose::from_matrix(self.rotation, self.translation)
+    }
+
+    /// The outer frame in this one.
+    pub(super) fn inverse(&self) -> Self {
+        let rotation = self.rotation.transpose();
+        Self { rotation, translation: -(rotation * self.translation) }
     }
 
     /// The frame that `inner` is in this one's outer frame.
@@ -51,39 +61,9 @@ fn turn(axis: DVec3, angle: f64) -> DMat3 {
     DMat3::IDENTITY + cross * sin + cross * cross * (1.0 - cos)
 }
 
-/// The joints, each behind the one that moves its parent link.
-///
-/// Refused if some link has two parents, or is on a ring.
-pub(super) fn in_order(
-    joints: Vec<Joint>,
-    links: &[urdf_rs::Link],
-) -> Result<Vec<Joint>, RobotError> {
-    let refused = |link: usize| RobotError::NotATree { link: links[link].name.clone() };
-    let mut is_child = vec![false; links.len()];
-    for joint in &joints {
-        if std::mem::replace(&mut is_child[joint.child], true) {
-            return Err(refused(joint.child));
-        }
-    }
-    let mut known: Vec<bool> = is_child.iter().map(|child| !child).collect();
-    let (mut ordered, mut waiting) = (Vec::with_capacity(joints.len()), joints);
-    while !waiting.is_empty() {
-        let before = waiting.len();
-        let (ready, rest): (Vec<_>, Vec<_>) =
-            waiting.into_iter().partition(|joint| known[joint.parent]);
-        if rest.len() == before {
-            return Err(refused(rest[0].child));
-        }
-        ready.iter().for_each(|joint| known[joint.child] = true);
-        ordered.extend(ready);
-        waiting = rest;
-    }
-    Ok(ordered)
-}
-
 impl Robot {
     /// Where the parts are for these values of [`Robot::moved_joints`], the root link at the
-    /// origin: one pose for each of [`Robot::parts`], in place of what was there.
+    /// base pose: one pose for each of [`Robot::parts`], in place of what was there.
     ///
     /// Limits are not asked for: a state beyond them has its place too.
     ///
@@ -91,19 +71,37 @@ impl Robot {
     /// Another number of values than of moved joints; a value that is not finite or so large that
     /// a pose is not.
     pub fn place(&self, state: &[f64], poses: &mut Vec<Pose>) -> Result<(), RobotError> {
-        self.check_state(state)?;
-        let mut frames = vec![Frame::IDENTITY; self.links.len()];
-        for joint in &self.joints {
-            frames[joint.child] = moved(&frames[joint.parent].then(&joint.origin), joint, state);
-        }
+        let frames = self.link_frames(state)?;
         poses.clear();
         for part in &self.parts {
-            let Frame { rotation, translation } = frames[part.link].then(&part.origin);
-            let pose = Pose::from_matrix(rotation, translation);
+            let pose = frames[part.link].then(&part.origin).pose();
             let user = || format!("link {:?}", self.links[part.link].name);
             poses.push(pose.map_err(|error| RobotError::Pose { user: user(), error })?);
         }
         Ok(())
+    }
+
+    /// Where each link is.
+    pub(super) fn link_frames(&self, state: &[f64]) -> Result<Vec<Frame>, RobotError> {
+        self.check_state(state)?;
+        let mut frames = vec![self.base; self.links.len()];
+        for joint in &self.joints {
+            frames[joint.child] = moved(&frames[joint.parent].then(&joint.origin), joint, state);
+        }
+        Ok(frames)
+    }
+
+    /// The joints that a state moves beyond their limits: a planner would not go there.
+    pub fn beyond_limits(&self, state: &[f64]) -> Vec<BeyondLimits<'_>> {
+        let beyond = |joint: &'_ Joint| {
+            let (limits, by) = (joint.limits?, joint.motion.drive()?);
+            let value = by.of(state)?;
+            (value < limits[0] || value > limits[1]).then_some((value, limits))
+        };
+        let found = self.joints.iter().filter_map(|joint| {
+            beyond(joint).map(|(value, limits)| BeyondLimits { joint: &joint.name, value, limits })
+        });
+        found.collect()
     }
 
     /// For each link the rigid body that it belongs to (links that no joint moves against each other
@@ -141,9 +139,28 @@ impl Robot {
     }
 }
 
+/// A joint beyond its limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BeyondLimits<'a> {
+    /// Its name.
+    pub joint: &'a str,
+    /// Its value, rad or metres; of a joint that mimics, what it comes to.
+    pub value: f64,
+    /// The least and the largest that it may have.
+    pub limits: [f64; 2],
+}
+
+impl fmt::Display for BeyondLimits<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { joint, value, limits: [lower, upper] } = self;
+        write!(f, "joint {joint:?} is at {value:e}, beyond its limits {lower:e} to {upper:e}")
+    }
+}
+
 /// The child's frame, from the joint's at rest.
 fn moved(rest: &Frame, joint: &Joint, state: &[f64]) -> Frame {
-    let value = |by: super::model::Drive| state[by.value] * by.factor + by.offset;
+    // The state has been counted.
+    let value = |by: super::model::Drive| by.of(state).unwrap_or_default();
     match joint.motion {
         Motion::Fixed => *rest,
         Motion::Turns { axis, by } => rest.turned(axis, value(by)),

@@ -4,23 +4,22 @@ use super::RobotError;
 use dcd_io::{Frame, load_obj};
 use std::path::{Path, PathBuf};
 
-/// The OBJ file that a URDF in `folder` names, metres.
-pub(super) fn load(name: &str, folder: &Path) -> Result<Frame, RobotError> {
-    let path = find(name, folder)?;
+/// The OBJ file of a robot, metres.
+pub(super) fn load(path: &Path) -> Result<Frame, RobotError> {
     let kind = path.extension().map_or_else(String::new, |e| e.to_string_lossy().to_lowercase());
     if kind != "obj" {
         let user = path.display().to_string();
         return Err(RobotError::Unsupported { what: "mesh format", kind, user });
     }
-    load_obj(&path).map_err(|error| RobotError::Syntax {
+    load_obj(path).map_err(|error| RobotError::Syntax {
         what: "mesh",
-        place: path,
+        place: path.to_path_buf(),
         error: error.to_string(),
     })
 }
 
-/// The file: from the folder, or from one above it, with and without the package's name.
-fn find(name: &str, folder: &Path) -> Result<PathBuf, RobotError> {
+/// The file of this name: from the folder, or from one above it, with and without the package's name.
+pub(super) fn find(name: &str, folder: &Path) -> Result<PathBuf, RobotError> {
     let bare = name.strip_prefix("package://").or(name.strip_prefix("file://")).unwrap_or(name);
     let in_package = bare.split_once('/').map(|(_, rest)| rest);
     let inside = if name.starts_with("package://") { in_package } else { None };

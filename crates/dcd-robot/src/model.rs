@@ -1,13 +1,13 @@
 //! A robot: links that carry shapes, and the joints between them.
 
-use super::RobotError;
-use super::kinematics::{Frame, in_order};
-use super::mesh;
-use dcd_geom::{ConvexHull, Shape};
+use super::kinematics::Frame;
+use super::names::Names;
+use super::shapes::Shapes;
+use super::urdf::{Described, DescribedJoint, Kind};
+use super::{RobotError, tree, urdf, xml};
+use dcd_geom::Shape;
 use glam::DVec3;
-use std::collections::HashMap;
 use std::path::Path;
-use urdf_rs::{Geometry, JointType};
 
 /// Links, joints, and the shapes that the links carry.
 #[derive(Clone, Debug)]
@@ -20,6 +20,12 @@ pub struct Robot {
     pub(super) parts: Vec<Part>,
     /// For each value of a state the joint that it moves.
     pub(super) moved: Vec<String>,
+    /// The link that has no parent.
+    pub(super) root: usize,
+    /// Its frame in the world.
+    pub(super) base: Frame,
+    /// What the file says and this robot does not use.
+    pub(super) notes: Vec<String>,
 }
 
 /// A rigid body of a robot.
@@ -36,6 +42,8 @@ pub struct Part {
     pub link: usize,
     /// The shape, in a frame of its own.
     pub shape: Shape,
+    /// The name of the object that it is of, if the link carries it and does not consist of it.
+    pub object: Option<String>,
     /// That frame in the link's.
     pub(super) origin: Frame,
 }
@@ -51,6 +59,8 @@ pub struct Joint {
     pub child: usize,
     /// How it moves.
     pub motion: Motion,
+    /// Its least and its largest value, rad or metres; none where it has no limits.
+    pub limits: Option<[f64; 2]>,
     pub(super) origin: Frame,
 }
 
@@ -88,6 +98,23 @@ pub struct Drive {
     pub offset: f64,
 }
 
+impl Motion {
+    /// What moves it; none where nothing does.
+    pub fn drive(&self) -> Option<Drive> {
+        match *self {
+            Self::Fixed => None,
+            Self::Turns { by, .. } | Self::Slides { by, .. } => Some(by),
+        }
+    }
+}
+
+impl Drive {
+    /// The joint's value in a state; none where the state is too short.
+    pub fn of(&self, state: &[f64]) -> Option<f64> {
+        state.get(self.value).map(|value| value * self.factor + self.offset)
+    }
+}
+
 /// What the meshes of a URDF's collision geometry are taken as.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LinkShapes {
@@ -103,11 +130,13 @@ impl Robot {
     /// the hull of its vertices. What is drawn alone (visual geometry) is not looked at.
     ///
     /// A mesh `package://A/B` is `A/B` or `B`, any other name itself, from the file's folder or one
-    /// above it.
+    /// above it; an absolute name is taken as it is. Each mesh file is read once.
     ///
     /// # Errors
-    /// A file that cannot be read; links and joints that make no tree; what is not supported
-    /// (floating and planar joints, meshes that are no OBJ); a number that is not finite.
+    /// A file that cannot be read; links and joints that are not one tree; xacro; elements and
+    /// attributes that are not understood; what is not supported (floating and planar joints, meshes
+    /// that are no OBJ); a number that is not finite; no collision geometry at all; more than the
+    /// [`bounds`](super::bounds).
     pub fn load(urdf: &Path) -> Result<Self, RobotError> {
         Self::load_as(urdf, LinkShapes::Hulls)
     }
@@ -116,38 +145,61 @@ impl Robot {
     ///
     /// # Errors
     /// Those of [`Robot::load`]; with [`LinkShapes::Meshes`] a mesh without a triangle.
-    pub fn load_as(urdf: &Path, shapes: LinkShapes) -> Result<Self, RobotError> {
-        let text = std::fs::read_to_string(urdf).map_err(RobotError::io(urdf))?;
-        let refused = |error: &dyn std::fmt::Display| RobotError::Syntax {
-            what: "URDF",
-            place: urdf.to_path_buf(),
-            error: error.to_string(),
-        };
-        let own = without_extensions(&text).map_err(|error| refused(&error))?;
-        let read = urdf_rs::read_from_string(&own).map_err(|error| refused(&error))?;
-        let folder = urdf.parent().unwrap_or(Path::new("."));
-        Self::of(read, folder, shapes).map_err(|error| error.inside(urdf))
+    pub fn load_as(path: &Path, shapes: LinkShapes) -> Result<Self, RobotError> {
+        let text = xml::text_of(path)?;
+        let folder = path.parent().unwrap_or(Path::new("."));
+        Self::read(&text, folder, shapes).map_err(|error| error.inside(path))
     }
 
-    fn of(read: urdf_rs::Robot, folder: &Path, shapes: LinkShapes) -> Result<Self, RobotError> {
-        let links = Names::of("link", read.links.iter().map(|link| &link.name))?;
-        let joint_names = Names::of("joint", read.joints.iter().map(|joint| &joint.name))?;
-        let moved = moved_joints(&read.joints);
-        let joints = read.joints.iter().map(|joint| Joint::of(joint, &links, &moved));
-        let joints = in_order(joints.collect::<Result<_, _>>()?, &read.links)?;
-        debug_assert_eq!(joint_names.0.len(), joints.len());
+    /// [`Robot::load_as`] of a text, whose meshes are looked for from a folder on.
+    ///
+    /// # Errors
+    /// Those of [`Robot::load_as`].
+    pub fn read(urdf: &str, folder: &Path, shapes: LinkShapes) -> Result<Self, RobotError> {
+        Self::of(urdf::read(urdf)?, Shapes::new(folder, shapes))
+    }
+
+    fn of(read: Described, mut shapes: Shapes<'_>) -> Result<Self, RobotError> {
+        let links = Names::of("link", read.links.iter().map(|link| (&*link.name, link.line)))?;
+        let joint_names = read.joints.iter().map(|joint| (&*joint.name, joint.line));
+        let drives = tree::drives(&read.joints, &Names::of("joint", joint_names)?)?;
+        let joints = read.joints.iter().zip(&drives.by).map(|(joint, &by)| {
+            Joint::of(joint, by, &links).map_err(|error| error.at_line(joint.line))
+        });
+        let tree = tree::in_order(joints.collect::<Result<_, _>>()?, &read.links)?;
         let mut parts = Vec::new();
         for (link, described) in read.links.iter().enumerate() {
-            for collision in &described.collision {
+            for collision in &described.collisions {
                 let user = format!("link {:?}", described.name);
-                let (geometry, place) = (&collision.geometry, (folder, user.as_str()));
-                let shape = shape(geometry, shapes, place)?;
-                let origin = Frame::of_urdf(&collision.origin, &user)?;
-                parts.push(Part { link, shape, origin });
+                let shape = shapes.shape(&collision.geometry, &user);
+                let shape = shape.map_err(|error| error.at_line(collision.line))?;
+                parts.push(Part { link, shape, object: None, origin: collision.origin });
             }
         }
-        let links = read.links.into_iter().map(|link| Link { name: link.name }).collect();
-        Ok(Self { name: read.name, links, joints, parts, moved })
+        if parts.is_empty() {
+            return Err(RobotError::NoShapes { robot: read.name });
+        }
+        Ok(Self {
+            name: read.name,
+            links: read.links.into_iter().map(|link| Link { name: link.name }).collect(),
+            joints: tree.joints,
+            parts,
+            moved: drives.moved,
+            root: tree.root,
+            base: Frame::IDENTITY,
+            notes: read.notes,
+        })
+    }
+
+    /// The name of the link or of the carried object that a part is of.
+    pub(super) fn name_of<'a>(&'a self, part: &'a Part) -> &'a str {
+        part.object.as_ref().unwrap_or(&self.links[part.link].name)
+    }
+
+    /// What the file says that makes no difference to what touches: how the robot looks, what it
+    /// weighs. A sentence each.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// The links, in the file's order.
@@ -171,137 +223,25 @@ impl Robot {
     }
 }
 
-/// The text without the elements of other namespaces, which are no part of URDF and which its reader
-/// does not expect.
-fn without_extensions(text: &str) -> Result<String, roxmltree::Error> {
-    let document = roxmltree::Document::parse(text)?;
-    let foreign = document.descendants().filter(|node| node.tag_name().namespace().is_some());
-    let (mut own, mut at) = (String::with_capacity(text.len()), 0);
-    for range in foreign.map(|node| node.range()) {
-        // What is inside another one is gone already.
-        if range.start >= at {
-            own.push_str(&text[at..range.start]);
-            at = range.end;
-        }
-    }
-    own.push_str(&text[at..]);
-    Ok(own)
-}
-
-/// Names and their indices.
-pub(super) struct Names<'a>(pub(super) HashMap<&'a str, usize>);
-
-impl<'a> Names<'a> {
-    fn of(what: &'static str, all: impl Iterator<Item = &'a String>) -> Result<Self, RobotError> {
-        let mut names = HashMap::new();
-        for (index, name) in all.enumerate() {
-            if names.insert(name.as_str(), index).is_some() {
-                return Err(RobotError::Twice { what, name: name.clone() });
-            }
-        }
-        Ok(Self(names))
-    }
-
-    fn link(&self, name: &str, user: &str) -> Result<usize, RobotError> {
-        self.0.get(name).copied().ok_or_else(|| RobotError::Unknown {
-            what: "link",
-            name: name.to_owned(),
-            user: user.to_owned(),
-        })
-    }
-}
-
-/// The joints with a value of their own, in the file's order.
-fn moved_joints(joints: &[urdf_rs::Joint]) -> Vec<String> {
-    let moves = |joint: &&urdf_rs::Joint| {
-        joint.mimic.is_none() && !matches!(joint.joint_type, JointType::Fixed)
-    };
-    joints.iter().filter(moves).map(|joint| joint.name.clone()).collect()
-}
-
 impl Joint {
-    fn of(joint: &urdf_rs::Joint, links: &Names<'_>, moved: &[String]) -> Result<Self, RobotError> {
+    fn of(
+        joint: &DescribedJoint,
+        by: Option<Drive>,
+        links: &Names<'_>,
+    ) -> Result<Self, RobotError> {
         let user = format!("joint {:?}", joint.name);
-        let drive = || Drive::of(joint, moved);
-        let motion = match joint.joint_type {
-            JointType::Fixed => Motion::Fixed,
-            JointType::Revolute | JointType::Continuous => {
-                Motion::Turns { axis: axis(joint, &user)?, by: drive()? }
-            }
-            JointType::Prismatic => Motion::Slides { axis: axis(joint, &user)?, by: drive()? },
-            ref other => {
-                let kind = format!("{other:?}").to_lowercase();
-                return Err(RobotError::Unsupported { what: "joint type", kind, user });
-            }
+        let motion = match (joint.kind, by) {
+            (Kind::Turns, Some(by)) => Motion::Turns { axis: joint.axis, by },
+            (Kind::Slides, Some(by)) => Motion::Slides { axis: joint.axis, by },
+            _ => Motion::Fixed,
         };
         Ok(Self {
             name: joint.name.clone(),
-            parent: links.link(&joint.parent.link, &user)?,
-            child: links.link(&joint.child.link, &user)?,
+            parent: links.index(&joint.parent, &user)?,
+            child: links.index(&joint.child, &user)?,
             motion,
-            origin: Frame::of_urdf(&joint.origin, &user)?,
+            limits: joint.limits,
+            origin: joint.origin,
         })
     }
-}
-
-impl Drive {
-    /// A joint that mimics another moves by that one's value, which must not mimic a third.
-    fn of(joint: &urdf_rs::Joint, moved: &[String]) -> Result<Self, RobotError> {
-        let leader = joint.mimic.as_ref().map_or(&joint.name, |mimic| &mimic.joint);
-        let value = moved.iter().position(|name| name == leader);
-        let value = value.ok_or_else(|| RobotError::Unknown {
-            what: "moved joint",
-            name: leader.clone(),
-            user: format!("joint {:?}", joint.name),
-        })?;
-        let mimic = joint.mimic.as_ref();
-        let factor = mimic.and_then(|mimic| mimic.multiplier).unwrap_or(1.0);
-        let offset = mimic.and_then(|mimic| mimic.offset).unwrap_or(0.0);
-        Ok(Self { value, factor, offset })
-    }
-}
-
-/// A joint's axis, of unit length.
-fn axis(joint: &urdf_rs::Joint, user: &str) -> Result<DVec3, RobotError> {
-    let given = DVec3::from_array(*joint.axis.xyz);
-    given.try_normalize().ok_or_else(|| RobotError::BadNumber {
-        what: "length of the axis",
-        user: user.to_owned(),
-        value: given.length(),
-    })
-}
-
-/// The corners of the points' hull, flat ones' too; all points where exact signs are out of reach, or
-/// where the shape will refuse them.
-fn corners(points: Vec<DVec3>) -> Vec<DVec3> {
-    match ConvexHull::of(&points) {
-        Ok(hull) => hull.corners().iter().map(|&k| points[k as usize]).collect(),
-        Err(_) => points,
-    }
-}
-
-/// The shape of a geometry that a `user` in a file of `folder` has.
-fn shape(
-    geometry: &Geometry,
-    shapes: LinkShapes,
-    (folder, user): (&Path, &str),
-) -> Result<Shape, RobotError> {
-    let shape = match geometry {
-        Geometry::Box { size } => Shape::cuboid(DVec3::from_array(**size) * 0.5),
-        Geometry::Sphere { radius } => Shape::sphere(*radius),
-        Geometry::Cylinder { radius, length } => super::world::cylinder(*length, *radius),
-        Geometry::Mesh { filename, scale } => {
-            let mut read = mesh::load(filename, folder)?;
-            if let Some(scale) = scale {
-                let scale = DVec3::from_array(**scale);
-                read.vertices.iter_mut().for_each(|point| *point *= scale);
-            }
-            match shapes {
-                LinkShapes::Hulls => Shape::hull(corners(read.vertices)),
-                LinkShapes::Meshes => read.into_shape(),
-            }
-        }
-        Geometry::Capsule { radius, length } => super::world::capsule(*length, *radius),
-    };
-    shape.map_err(|error| RobotError::Shape { user: user.to_owned(), error })
 }

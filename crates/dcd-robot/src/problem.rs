@@ -1,13 +1,13 @@
 //! Many scenes and requests, as MotionBenchMaker packs them.
 
 use super::archive::{Bounds, each_file};
-use super::{Request, RobotError, World};
+use super::{PlanningScene, Request, RobotError};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-/// A world and a request that belong together.
+/// A scene and a request that belong together.
 #[derive(Clone, Debug)]
 pub struct Problem {
     /// The folder in the archive: what kind of scene it is.
@@ -15,7 +15,7 @@ pub struct Problem {
     /// The number that both files' names end in.
     pub number: String,
     /// `sceneNUMBER.yaml`.
-    pub world: World,
+    pub scene: PlanningScene,
     /// `requestNUMBER.yaml`.
     pub request: Request,
 }
@@ -47,7 +47,7 @@ pub fn problems_in(packed: impl Read, archive: &Path) -> Result<Vec<Problem>, Ro
         let slot = halves.entry(key).or_default();
         let inside = |error: RobotError| Stop::Robot(error.inside(archive.join(path)));
         let twice = match kind {
-            Kind::Scene => slot.world.replace(World::read(text).map_err(inside)?).is_some(),
+            Kind::Scene => slot.scene.replace(PlanningScene::read(text).map_err(inside)?).is_some(),
             Kind::Request => slot.request.replace(Request::read(text).map_err(inside)?).is_some(),
         };
         if twice {
@@ -68,13 +68,13 @@ pub fn problems_in(packed: impl Read, archive: &Path) -> Result<Vec<Problem>, Ro
         });
     }
     let mut problems = Vec::with_capacity(halves.len());
-    for ((set, number), Halves { world, request }) in halves {
-        match (world, request) {
-            (Some(world), Some(request)) => {
-                problems.push(Problem { set, number, world, request });
+    for ((set, number), Halves { scene, request }) in halves {
+        match (scene, request) {
+            (Some(scene), Some(request)) => {
+                problems.push(Problem { set, number, scene, request });
             }
-            (world, _) => {
-                let what = if world.is_some() { "request" } else { "scene" };
+            (scene, _) => {
+                let what = if scene.is_some() { "request" } else { "scene" };
                 let user = archive.display().to_string();
                 return Err(RobotError::Unknown { what, name: format!("{set}/{number}"), user });
             }
@@ -85,7 +85,7 @@ pub fn problems_in(packed: impl Read, archive: &Path) -> Result<Vec<Problem>, Ro
 
 #[derive(Default)]
 struct Halves {
-    world: Option<World>,
+    scene: Option<PlanningScene>,
     request: Option<Request>,
 }
 

@@ -1,47 +1,99 @@
 //! Where a motion starts and where it shall end, from MoveIt's requests.
 
-use super::{Robot, RobotError};
+use super::kinematics::Frame;
+use super::message::{StateMessage, count};
+use super::notes::Unused;
+use super::scene::{base_of, joint_values};
+use super::yaml::{Held, Lined, line_of, parse};
+use super::{Robot, RobotError, Srdf, World, xml};
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
-use std::path::{Path, PathBuf};
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
 
 /// A motion planning request: joint values by name.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Request {
     /// The start's values.
     pub start: Vec<(String, f64)>,
     /// The goal's; joints that it leaves out stay where they start.
     pub goal: Vec<(String, f64)>,
+    state: StateMessage,
+    /// What the first goal asks for that joint values do not say.
+    beyond_joints: bool,
+    notes: Vec<String>,
 }
 
+/// moveit_msgs/MotionPlanRequest.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct File {
-    start_state: State,
+    start_state: StateMessage,
     #[serde(default)]
     goal_constraints: Vec<Goal>,
+    workspace_parameters: Option<Lined<Held>>,
+    path_constraints: Option<Lined<Held>>,
+    trajectory_constraints: Option<Lined<Held>>,
+    reference_trajectories: Option<Lined<Held>>,
+    // How to plan, which says nothing about what touches.
+    group_name: Option<Lined<Held>>,
+    planner_id: Option<Lined<Held>>,
+    pipeline_id: Option<Lined<Held>>,
+    num_planning_attempts: Option<Lined<Held>>,
+    allowed_planning_time: Option<Lined<Held>>,
+    max_velocity_scaling_factor: Option<Lined<Held>>,
+    max_acceleration_scaling_factor: Option<Lined<Held>>,
+    cartesian_speed_end_effector_link: Option<Lined<Held>>,
+    cartesian_speed_limited_link: Option<Lined<Held>>,
+    max_cartesian_speed: Option<Lined<Held>>,
 }
 
-#[derive(Deserialize)]
-struct State {
-    joint_state: JointState,
+impl File {
+    fn count_unused(&self, unused: &mut Unused) {
+        let fields = [
+            ("workspace_parameters", &self.workspace_parameters),
+            ("path_constraints", &self.path_constraints),
+            ("trajectory_constraints", &self.trajectory_constraints),
+            ("reference_trajectories", &self.reference_trajectories),
+            ("group_name", &self.group_name),
+            ("planner_id", &self.planner_id),
+            ("pipeline_id", &self.pipeline_id),
+            ("num_planning_attempts", &self.num_planning_attempts),
+            ("allowed_planning_time", &self.allowed_planning_time),
+            ("max_velocity_scaling_factor", &self.max_velocity_scaling_factor),
+            ("max_acceleration_scaling_factor", &self.max_acceleration_scaling_factor),
+            ("cartesian_speed_end_effector_link", &self.cartesian_speed_end_effector_link),
+            ("cartesian_speed_limited_link", &self.cartesian_speed_limited_link),
+            ("max_cartesian_speed", &self.max_cartesian_speed),
+        ];
+        fields.iter().for_each(|(kind, field)| count(unused, kind, field));
+        self.start_state.count_unused(unused);
+    }
 }
 
-#[derive(Deserialize)]
-struct JointState {
-    name: Vec<String>,
-    position: Vec<f64>,
-}
-
-#[derive(Deserialize)]
+/// moveit_msgs/Constraints.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 struct Goal {
-    #[serde(default)]
+    #[serde(rename = "name")]
+    _name: Option<Held>,
     joint_constraints: Vec<Constraint>,
+    position_constraints: Held,
+    orientation_constraints: Held,
+    visibility_constraints: Held,
 }
 
+/// moveit_msgs/JointConstraint.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Constraint {
     joint_name: String,
     position: f64,
+    #[serde(default, rename = "tolerance_above")]
+    _tolerance_above: Held,
+    #[serde(default, rename = "tolerance_below")]
+    _tolerance_below: Held,
+    #[serde(default, rename = "weight")]
+    _weight: Held,
 }
 
 impl Request {
@@ -52,16 +104,26 @@ impl Request {
     /// What is no such YAML; another number of names than of positions.
     pub fn read(yaml: &str) -> Result<Self, RobotError> {
         let file: File = parse("request", yaml)?;
-        let JointState { name, position } = file.start_state.joint_state;
-        let (expected, found) = (name.len(), position.len());
-        if expected != found {
-            let user = "joint_state".to_owned();
-            return Err(RobotError::Count { what: "positions", user, expected, found });
+        if let Some(attached) = file.start_state.attached_collision_objects.first() {
+            let user = format!("attached object {:?}", attached.value.object.id);
+            let why = "a request does not attach objects here: the scene may".to_owned();
+            return Err(RobotError::Refused { user, why }.at_line(line_of(attached)));
         }
-        let goal = file.goal_constraints.into_iter().next();
-        let constraints = goal.map_or_else(Vec::new, |goal| goal.joint_constraints);
+        let start = joint_values(&file.start_state)?;
+        let mut unused = Unused::default();
+        file.count_unused(&mut unused);
+        let mut notes: Vec<String> = unused.kinds().into_iter().collect();
+        if file.goal_constraints.len() > 1 {
+            let goals = file.goal_constraints.len();
+            notes.push(format!("of {goals} goal_constraints the first is used"));
+        }
+        let goal = file.goal_constraints.into_iter().next().unwrap_or_default();
+        let beyond =
+            [goal.position_constraints, goal.orientation_constraints, goal.visibility_constraints];
+        let beyond_joints = beyond.iter().any(|held| held.0);
+        let constraints = goal.joint_constraints;
         let goal = constraints.into_iter().map(|c| (c.joint_name, c.position)).collect();
-        Ok(Self { start: name.into_iter().zip(position).collect(), goal })
+        Ok(Self { start, goal, state: file.start_state, beyond_joints, notes })
     }
 
     /// [`Request::read`] from a file.
@@ -69,8 +131,7 @@ impl Request {
     /// # Errors
     /// Those of [`Request::read`], and those of reading the file, both with its path.
     pub fn load(path: &Path) -> Result<Self, RobotError> {
-        let text = std::fs::read_to_string(path).map_err(RobotError::io(path))?;
-        Self::read(&text).map_err(|error| error.inside(path))
+        Self::read(&xml::text_of(path)?).map_err(|error| error.inside(path))
     }
 
     /// The start as a state of the robot.
@@ -78,16 +139,55 @@ impl Request {
     /// # Errors
     /// See [`Robot::state`].
     pub fn start_of(&self, robot: &Robot) -> Result<Vec<f64>, RobotError> {
-        robot.state(&self.start)
+        self.start_in(&World::default(), robot)
     }
 
     /// The goal as a state of the robot.
     ///
     /// # Errors
-    /// See [`Robot::state`].
+    /// See [`Robot::state`]; a goal that asks for more than joint values.
     pub fn goal_of(&self, robot: &Robot) -> Result<Vec<f64>, RobotError> {
-        let values: Vec<_> = self.start.iter().chain(&self.goal).cloned().collect();
-        robot.state(&values)
+        self.goal_in(&World::default(), robot)
+    }
+
+    /// The start in a world, whose joint values count where the request says nothing.
+    ///
+    /// # Errors
+    /// See [`Robot::state`].
+    pub fn start_in(&self, world: &World, robot: &Robot) -> Result<Vec<f64>, RobotError> {
+        robot.state(&[&world.joints[..], &self.start].concat())
+    }
+
+    /// The goal in a world, whose joint values count where the request says nothing.
+    ///
+    /// # Errors
+    /// See [`Request::goal_of`].
+    pub fn goal_in(&self, world: &World, robot: &Robot) -> Result<Vec<f64>, RobotError> {
+        if self.beyond_joints {
+            let (user, why) = ("goal", "it asks for poses, and joint values alone are understood");
+            return Err(RobotError::Refused { user: user.to_owned(), why: why.to_owned() });
+        }
+        robot.state(&[&world.joints[..], &self.start, &self.goal].concat())
+    }
+
+    /// Puts the robot of a world where the request's start has its root, if it says so.
+    ///
+    /// # Errors
+    /// A joint that the SRDF does not know, or a pose that is refused.
+    pub fn place_base(&self, world: &mut World, srdf: Option<&Srdf>) -> Result<(), RobotError> {
+        if let Some(base) = base_of(&self.state, srdf)? {
+            let user = "start_state".to_owned();
+            let pose = Frame::pose(&base).map_err(|error| RobotError::Pose { user, error })?;
+            world.base = Some(pose);
+        }
+        Ok(())
+    }
+
+    /// What the request says that is not used: a sentence each.
+    pub fn notes(&self, robot: &Robot) -> Vec<String> {
+        let mut notes = self.notes.clone();
+        notes.extend(robot.idle_values(&self.start));
+        notes
     }
 }
 
@@ -98,15 +198,18 @@ impl Robot {
     /// # Errors
     /// A name that no joint has; a value that is not finite.
     pub fn state(&self, values: &[(String, f64)]) -> Result<Vec<f64>, RobotError> {
-        let mut state = vec![0.0; self.moved_joints().len()];
+        let (own, mut known) = (self.moved_joints(), HashMap::new());
+        known.extend(self.joints().iter().map(|joint| (joint.name.as_str(), None)));
+        known.extend(own.iter().map(String::as_str).zip((0..).map(Some)));
+        let mut state = vec![0.0; own.len()];
         for (name, value) in values {
             if !value.is_finite() {
                 let user = format!("joint {name:?}");
                 return Err(RobotError::BadNumber { what: "value", user, value: *value });
             }
-            match self.moved_joints().iter().position(|joint| joint == name) {
-                Some(index) => state[index] = *value,
-                None if self.joints().iter().any(|joint| joint.name == *name) => {}
+            match known.get(name.as_str()) {
+                Some(&Some(index)) => state[index] = *value,
+                Some(None) => {}
                 None => {
                     let (what, name) = ("joint", name.clone());
                     return Err(RobotError::Unknown { what, name, user: "state".to_owned() });
@@ -115,15 +218,19 @@ impl Robot {
         }
         Ok(state)
     }
-}
 
-/// YAML of the kind that a struct describes.
-pub(super) fn parse<T: DeserializeOwned>(what: &'static str, yaml: &str) -> Result<T, RobotError> {
-    serde_saphyr::from_str(yaml).map_err(|error| RobotError::Syntax {
-        what,
-        place: PathBuf::from("YAML"),
-        error: error.to_string(),
-    })
+    /// A sentence about those values that are of joints without a value of their own.
+    pub(super) fn idle_values(&self, values: &[(String, f64)]) -> Option<String> {
+        let own: HashSet<&str> = self.moved_joints().iter().map(String::as_str).collect();
+        let idle = values.iter().map(|(name, _)| name.as_str()).filter(|name| !own.contains(name));
+        let idle: Vec<&str> = idle.collect();
+        (!idle.is_empty()).then(|| {
+            format!(
+                "not used: values of joints that are fixed or mimic others: {}",
+                idle.join(", ")
+            )
+        })
+    }
 }
 
 #[cfg(test)]
@@ -136,7 +243,7 @@ goal_constraints:
   - joint_constraints:
       - joint_name: b
         position: 2
-max_corner: [1, 1, 1]
+planner_id: fast
 ";
 
     #[test]
@@ -153,7 +260,7 @@ max_corner: [1, 1, 1]
         assert_eq!(refused, "joint_state: 1 positions, not 2");
         for text in ["", "start_state: 3", "start_state: [", "\u{0}"] {
             let refused = Request::read(text).unwrap_err();
-            assert!(matches!(refused, RobotError::Syntax { what: "request", .. }), "{refused}");
+            assert!(matches!(refused, RobotError::NotOfKind { what: "request", .. }), "{refused}");
         }
     }
 }

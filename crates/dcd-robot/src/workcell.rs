@@ -1,10 +1,17 @@
 //! A robot and its world as one scene.
 
+mod pairs;
+
+use super::kinematics::Frame;
+use super::model::Part;
 use super::{AllowedPairs, Robot, RobotError, World};
-use dcd_geom::{Object, Pose, Scene};
+use dcd_geom::{Filter, Object, Pose, Scene, Shape};
+use std::collections::HashMap;
 
 /// A robot in a world: a checked scene whose first objects are the robot's parts, in their order,
-/// the others the world's obstacles, which stand still.
+/// what it carries behind its links; then the world's obstacles, which stand still; then, for each
+/// part that the world pads, the padded one, which meets obstacles alone while the part itself meets
+/// the robot alone.
 ///
 /// Pairs that may touch are no candidates, nor are two parts of one link.
 #[derive(Clone, Debug)]
@@ -14,34 +21,48 @@ pub struct Workcell {
     /// For each object the name of its link or obstacle.
     names: Vec<String>,
     poses: Vec<Pose>,
+    /// For each padded object its part.
+    padded: Vec<usize>,
+    first_padded: usize,
 }
 
+/// Who meets whom where links are padded.
+const LINK: u32 = 1;
+const OBSTACLE: u32 = 2;
+const PADDED: u32 = 4;
+
 impl Workcell {
-    /// With all joint values 0.
+    /// With all joint values 0. What the world says of the robot's base, of what it carries and of
+    /// padding holds; its allowed pairs count where `allowed` was extended by them.
     ///
     /// # Errors
-    /// A scene that is out of range.
+    /// A scene that is out of range; a link, an obstacle or a carried object of one name; a carried
+    /// object whose link the robot does not have; more allowed pairs than
+    /// [`ALLOWED_PAIRS`](super::bounds::ALLOWED_PAIRS).
     pub fn new(robot: Robot, world: &World, allowed: &AllowedPairs) -> Result<Self, RobotError> {
+        let robot = robot.equipped(world)?;
         let mut poses = Vec::new();
         robot.place(&vec![0.0; robot.moved_joints().len()], &mut poses)?;
-        let parts = robot.parts().iter();
         let obstacles = &world.obstacles;
-        let links = parts.clone().map(|part| robot.links()[part.link].name.clone());
-        let names = links.chain(obstacles.iter().map(|o| o.name.clone())).collect::<Vec<_>>();
-        let shapes = parts.map(|part| part.shape.clone());
-        let shapes = shapes.chain(obstacles.iter().map(|o| o.shape.clone())).collect();
-        let moving = (0..).zip(&poses).map(|(shape, &pose)| Object::new(shape, pose));
-        let first = poses.len() as u32;
-        let standing = (first..).zip(obstacles).map(|(s, o)| Object::new(s, o.pose).fixed());
-        let mut scene = Scene::new(shapes, moving.chain(standing)).map_err(RobotError::Scene)?;
-        for i in 0..poses.len() {
-            for j in i + 1..names.len() {
-                if names[i] == names[j] || allowed.contains(&names[i], &names[j]) {
-                    scene.ignore_pair(i, j).map_err(RobotError::Scene)?;
-                }
-            }
+        let mut names: Vec<String> =
+            robot.parts().iter().map(|part| robot.name_of(part).to_owned()).collect();
+        let own = pairs::own_names(&robot);
+        if let Some(same) = obstacles.iter().find(|obstacle| own.contains(&*obstacle.name)) {
+            let (user, name) = (format!("obstacle {:?}", same.name), robot.name.clone());
+            let why = format!("a link of robot {name:?}, or what it carries, has that name too");
+            return Err(RobotError::Refused { user, why });
         }
-        Ok(Self { robot, scene, names, poses })
+        names.extend(obstacles.iter().map(|obstacle| obstacle.name.clone()));
+        let (padded, larger) = padded(&robot, world)?;
+        let first_padded = names.len();
+        let of_padded: Vec<String> = padded.iter().map(|&part| names[part].clone()).collect();
+        names.extend(of_padded);
+        let objects = objects(&poses, world, &padded);
+        let shapes = robot.parts().iter().map(|part| part.shape.clone());
+        let shapes = shapes.chain(obstacles.iter().map(|o| o.shape.clone())).chain(larger);
+        let mut scene = Scene::new(shapes.collect(), objects).map_err(RobotError::Scene)?;
+        pairs::ignore(&mut scene, &names, robot.parts().len()..first_padded, allowed)?;
+        Ok(Self { robot, scene, names, poses, padded, first_padded })
     }
 
     /// Moves the robot to a state: see [`Robot::place`].
@@ -65,13 +86,14 @@ impl Workcell {
             let user = format!("robot {:?}", self.robot.name);
             return Err(RobotError::Count { what: "poses", user, expected, found });
         }
-        for (part, &pose) in poses.iter().enumerate() {
-            self.scene.set_pose(part, pose).map_err(RobotError::Scene)?;
+        let padded = (self.first_padded..).zip(&self.padded).map(|(i, &part)| (i, poses[part]));
+        for (i, pose) in poses.iter().copied().enumerate().chain(padded) {
+            self.scene.set_pose(i, pose).map_err(RobotError::Scene)?;
         }
         Ok(())
     }
 
-    /// The robot.
+    /// The robot, with what it carries.
     pub fn robot(&self) -> &Robot {
         &self.robot
     }
@@ -85,4 +107,94 @@ impl Workcell {
     pub fn names(&self) -> &[String] {
         &self.names
     }
+
+    /// The names of a pair of objects, the robot's first: of a padded link its own.
+    ///
+    /// # Panics
+    /// One of them is not in the scene.
+    pub fn names_of(&self, (i, j): (u32, u32)) -> [&str; 2] {
+        let own = |k: u32| {
+            let k = k as usize;
+            k.checked_sub(self.first_padded).map_or(k, |padded| self.padded[padded])
+        };
+        let (i, j) = (own(i), own(j));
+        [i.min(j), i.max(j)].map(|k| self.names[k].as_str())
+    }
+
+    /// Whether some link is padded: then the last objects are no obstacles.
+    pub fn is_padded(&self) -> bool {
+        !self.padded.is_empty()
+    }
+}
+
+impl Robot {
+    /// The robot where the world has it, with what it carries there.
+    fn equipped(mut self, world: &World) -> Result<Self, RobotError> {
+        if let Some(base) = &world.base {
+            self.base = Frame::of_pose(base);
+        }
+        let links: HashMap<&str, usize> =
+            self.links.iter().map(|link| link.name.as_str()).zip(0..).collect();
+        let mut parts = Vec::new();
+        let mut known: std::collections::HashSet<&str> = links.keys().copied().collect();
+        for attached in &world.attached {
+            let user = format!("attached object {:?}", attached.name);
+            let Some(&link) = links.get(&*attached.link) else {
+                let (what, name) = ("link", attached.link.clone());
+                return Err(RobotError::Unknown { what, name, user });
+            };
+            if !known.insert(&attached.name) {
+                let why = "a link or another attached object has that name too".to_owned();
+                return Err(RobotError::Refused { user, why });
+            }
+            parts.extend(attached.parts.iter().map(|(shape, origin)| Part {
+                link,
+                shape: shape.clone(),
+                object: Some(attached.name.clone()),
+                origin: *origin,
+            }));
+        }
+        self.parts.extend(parts);
+        Ok(self)
+    }
+}
+
+/// The parts that the world pads, and their shapes when padded.
+fn padded(robot: &Robot, world: &World) -> Result<(Vec<usize>, Vec<Shape>), RobotError> {
+    let (mut parts, mut shapes) = (Vec::new(), Vec::new());
+    for (index, part) in robot.parts().iter().enumerate().filter(|(_, p)| p.object.is_none()) {
+        let name = &robot.links()[part.link].name;
+        if let Some(padding) = world.padding.get(name) {
+            let user = format!("link {name:?}");
+            let shape = padding.applied(&part.shape);
+            parts.push(index);
+            shapes.push(shape.map_err(|error| RobotError::Shape { user, error })?);
+        }
+    }
+    Ok((parts, shapes))
+}
+
+/// The scene's objects, with filters only where something is padded.
+fn objects(poses: &[Pose], world: &World, padded: &[usize]) -> Vec<Object> {
+    let none = padded.is_empty();
+    let filter = |groups, mask| if none { Filter::ALL } else { Filter { groups, mask } };
+    let mut objects: Vec<Object> =
+        (0..).zip(poses).map(|(s, &pose)| Object::new(s, pose)).collect();
+    for object in &mut objects {
+        object.filter = filter(LINK, LINK | OBSTACLE);
+    }
+    for &part in padded {
+        objects[part].filter = filter(LINK, LINK);
+    }
+    let first = poses.len() as u32;
+    objects.extend((first..).zip(&world.obstacles).map(|(shape, obstacle)| Object {
+        filter: filter(OBSTACLE, LINK | PADDED),
+        ..Object::new(shape, obstacle.pose).fixed()
+    }));
+    let first = objects.len() as u32;
+    objects.extend((first..).zip(padded).map(|(shape, &part)| Object {
+        filter: filter(PADDED, OBSTACLE),
+        ..Object::new(shape, poses[part])
+    }));
+    objects
 }

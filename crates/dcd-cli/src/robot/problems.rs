@@ -3,18 +3,29 @@
 use super::judge::{Settled, settle};
 use super::refused;
 use super::rival::{Rival, parry_pose};
-use crate::failure::Failure;
+use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 use dcd_geom::{Object, Pair, Pose, Scene};
 use dcd_pipeline::{Linkage, Other, Overlap, Par, World};
-use dcd_robot::{AllowedPairs, Problem, Robot, Workcell, read_problems};
+use dcd_robot::{AllowedPairs, Problem, Robot, Srdf, Workcell, read_problems};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// States on the way from start to goal, both among them.
 const STATES: usize = 100;
+
+/// The most shapes of a robot: all of its pairs are listed for each problem.
+const SHAPES: usize = 4096;
+
+/// What all problems are about.
+pub(super) struct Given<'a> {
+    pub(super) robot: &'a Robot,
+    pub(super) srdf: Option<&'a Srdf>,
+    pub(super) allowed: AllowedPairs,
+}
 
 /// What all problems came to.
 #[derive(Debug, Default, Serialize)]
@@ -72,14 +83,17 @@ struct Runner {
     ours: Vec<Pair>,
     theirs: Vec<Pair>,
     spent: [Duration; 2],
+    /// What the files say that is not used, and in how many problems.
+    notes: BTreeMap<String, usize>,
 }
 
 /// Reads and checks the archive.
-pub(super) fn check(
-    robot: &Robot,
-    allowed: &AllowedPairs,
-    archive: &Path,
-) -> Result<Checked, Failure> {
+pub(super) fn check(given: &Given<'_>, archive: &Path) -> Result<Checked, Failure> {
+    let shapes = given.robot.parts().len();
+    if shapes > SHAPES {
+        let message = format!("--all-problems: {shapes} shapes of the robot, more than {SHAPES}");
+        return Err(Failure::Input(message));
+    }
     let problems = read_problems(archive).map_err(refused)?;
     let mut checked = Checked::default();
     let mut runner = Runner::default();
@@ -87,10 +101,13 @@ pub(super) fn check(
     for problem in &problems {
         progress.step();
         let place = || format!("{}: {}/{}", archive.display(), problem.set, problem.number);
-        checked.add(robot, allowed, problem, &mut runner).map_err(|e| match e {
+        checked.add(given, problem, &mut runner).map_err(|e| match e {
             Failure::Input(message) => Failure::at(place(), message),
             other => other,
         })?;
+    }
+    for (note, count) in &runner.notes {
+        tell(format_args!("{}: in {count} problems: {note}", archive.display()));
     }
     let [ours, parrys] = runner.spent.map(|spent| spent.as_secs_f64() * 1e3);
     (checked.ms, checked.parry_ms, checked.ratio) = (ours, parrys, parrys / ours);
@@ -106,25 +123,38 @@ fn on_the_way(start: &[f64], goal: &[f64], state: usize) -> Vec<f64> {
 impl Checked {
     fn add(
         &mut self,
-        robot: &Robot,
-        allowed: &AllowedPairs,
+        given: &Given<'_>,
         problem: &Problem,
         runner: &mut Runner,
     ) -> Result<(), Failure> {
+        let Given { robot, srdf, allowed } = given;
+        let mut world = problem.scene.world(robot, *srdf).map_err(refused)?;
+        problem.request.place_base(&mut world, *srdf).map_err(refused)?;
         let mut allowed = allowed.clone();
-        allowed.extend(&problem.world.allowed);
-        let mut cell = Workcell::new(robot.clone(), &problem.world, &allowed).map_err(refused)?;
+        allowed.extend(&world.allowed);
+        let start = problem.request.start_in(&world, robot).map_err(refused)?;
+        let goal = problem.request.goal_in(&world, robot).map_err(refused)?;
+        runner.note(problem, &world.notes, robot);
+        for (end, state) in [("start", &start), ("goal", &goal)] {
+            let beyond = robot.beyond_limits(state).into_iter();
+            let said = beyond.map(|beyond| {
+                format!("at the {end} joint {:?} is beyond its limits", beyond.joint)
+            });
+            said.for_each(|said| runner.count_note(said));
+        }
+        let mut cell = Workcell::new((*robot).clone(), &world, &allowed).map_err(refused)?;
+        if cell.is_padded() {
+            return Err(Failure::Input("padded links are not checked beside Parry".into()));
+        }
         let mut rival = Rival::new(&cell)
             .ok_or_else(|| Failure::Input("Parry has no shape for one of them".into()))?;
-        let start = problem.request.start_of(robot).map_err(refused)?;
-        let goal = problem.request.goal_of(robot).map_err(refused)?;
         if self.sets.last().is_none_or(|set| set.name != problem.set) {
             self.sets.push(Set { name: problem.set.clone(), ..Set::default() });
         }
         self.problems += 1;
         let (mut poses, mut way) = (Vec::new(), Vec::new());
         for state in 0..STATES {
-            robot.place(&on_the_way(&start, &goal, state), &mut poses).map_err(refused)?;
+            cell.robot().place(&on_the_way(&start, &goal, state), &mut poses).map_err(refused)?;
             way.extend_from_slice(&poses);
         }
         self.undecided += runner.probe(&cell, &way)?;
@@ -171,6 +201,17 @@ impl Checked {
 }
 
 impl Runner {
+    fn note(&mut self, problem: &Problem, notes: &[String], robot: &Robot) {
+        let notes = notes.iter().cloned().map(|note| format!("scene: {note}"));
+        let of_request = problem.request.notes(robot).into_iter();
+        let all = notes.chain(of_request.map(|note| format!("request: {note}")));
+        all.for_each(|note| self.count_note(note));
+    }
+
+    fn count_note(&mut self, note: String) {
+        *self.notes.entry(note).or_default() += 1;
+    }
+
     /// Our contacts in each state, sorted, and how many pairs stayed undecided. What depends on the
     /// world alone is made before the clock starts.
     fn probe(&mut self, cell: &Workcell, way: &[Pose]) -> Result<usize, Failure> {

@@ -2,8 +2,13 @@
 
 use dcd_robot::Robot;
 
-/// `1,2,…` for all moved joints, or `name=1,…` for some; what is wrong, in words.
-pub(super) fn parse(text: &str, robot: &Robot) -> Result<Vec<f64>, String> {
+/// `1,2,…` for all moved joints, or `name=1,…` for some, the others as they are `otherwise`; what is
+/// wrong, in words.
+pub(super) fn parse(
+    text: &str,
+    robot: &Robot,
+    otherwise: &[(String, f64)],
+) -> Result<Vec<f64>, String> {
     let fields: Vec<&str> = text.split(',').map(str::trim).collect();
     if fields.iter().any(|field| field.contains('=')) {
         let named = fields.iter().enumerate().map(|(index, field)| match field.split_once('=') {
@@ -11,7 +16,7 @@ pub(super) fn parse(text: &str, robot: &Robot) -> Result<Vec<f64>, String> {
             None => Err(format!("value {index} is {field:?}, without a joint's name")),
         });
         let named = named.collect::<Result<Vec<_>, _>>()?;
-        return robot.state(&named).map_err(|error| error.to_string());
+        return robot.state(&[otherwise, &named[..]].concat()).map_err(|error| error.to_string());
     }
     let joints = robot.moved_joints();
     if fields.len() != joints.len() {

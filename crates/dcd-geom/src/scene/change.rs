@@ -180,7 +180,21 @@ impl Scene {
         Ok(())
     }
 
-    /// Takes [`Scene::ignore_pair`] back, if it was said.
+    /// Never tells a pair of these objects, until it is removed: parts of one rigid body. Costs a
+    /// number an object, not one a pair. An object is in one group at a time: the last it was named
+    /// in.
+    ///
+    /// # Errors
+    /// One of them is not there; nothing is changed then.
+    pub fn ignore_among(&mut self, objects: &[usize]) -> Result<(), SceneError> {
+        objects.iter().try_for_each(|&i| self.existing(i).map(drop))?;
+        // They are slots, which a u32 counts.
+        let objects: Vec<u32> = objects.iter().map(|&i| i as u32).collect();
+        self.ignored.group(&objects);
+        Ok(())
+    }
+
+    /// Takes [`Scene::ignore_pair`] back, if it was said, and [`Scene::ignore_among`] for this pair.
     ///
     /// # Errors
     /// One of them is not there, or both are one.

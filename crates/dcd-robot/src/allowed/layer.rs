@@ -1,0 +1,145 @@
+//! What one source says about pairs.
+
+use std::collections::{BTreeMap, HashMap};
+
+/// Pairs, bodies and defaults of one file, or of a robot's own build.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Layer {
+    /// In the order of their names.
+    pairs: BTreeMap<[String; 2], bool>,
+    matrix: Matrix,
+    /// Links of one number are one rigid body.
+    bodies: HashMap<String, usize>,
+    /// Whether a name may touch whatever nothing else is said of.
+    defaults: BTreeMap<String, bool>,
+}
+
+/// Names, and for each two of them whether they may touch.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Matrix {
+    indices: HashMap<String, usize>,
+    names: Vec<String>,
+    /// Row by row.
+    values: Vec<bool>,
+}
+
+impl Matrix {
+    /// The rows are as many and as long as there are names, which differ.
+    pub(crate) fn new(names: Vec<String>, rows: &[Vec<bool>]) -> Self {
+        let indices = names.iter().cloned().zip(0..).collect();
+        Self { indices, names, values: rows.concat() }
+    }
+
+    fn says(&self, a: &str, b: &str) -> Option<bool> {
+        let (row, column) = (self.indices.get(a)?, self.indices.get(b)?);
+        self.values.get(row * self.names.len() + column).copied()
+    }
+
+    fn pairs(&self) -> impl Iterator<Item = ([&str; 2], bool)> {
+        self.names.iter().enumerate().flat_map(move |(row, a)| {
+            let later = self.names[row..].iter().zip(&self.values[row * self.names.len() + row..]);
+            later.map(move |(b, &may)| ([a.as_str(), b.as_str()], may))
+        })
+    }
+}
+
+impl Layer {
+    pub(crate) fn set(&mut self, a: &str, b: &str, may: bool) {
+        let (first, second) = if a <= b { (a, b) } else { (b, a) };
+        self.pairs.insert([first.to_owned(), second.to_owned()], may);
+    }
+
+    pub(crate) fn set_default(&mut self, name: &str, may: bool) {
+        self.defaults.insert(name.to_owned(), may);
+    }
+
+    pub(crate) fn set_matrix(&mut self, matrix: Matrix) {
+        self.matrix = matrix;
+    }
+
+    /// Puts a link in a body.
+    pub(crate) fn tie(&mut self, link: &str, body: usize) {
+        self.bodies.insert(link.to_owned(), body);
+    }
+
+    /// What it says of a pair; none where it does not speak of it. What names both comes before what
+    /// names one.
+    pub(super) fn says(&self, a: &str, b: &str) -> Option<bool> {
+        let (first, second) = if a <= b { (a, b) } else { (b, a) };
+        let pair = || self.pairs.get(&[first.to_owned(), second.to_owned()]).copied();
+        let tied = || self.bodies.get(a).filter(|body| self.bodies.get(b) == Some(body));
+        let named = if self.pairs.is_empty() { None } else { pair() };
+        named.or_else(|| self.matrix.says(first, second)).or_else(|| tied().map(|_| true)).or_else(
+            || match (self.defaults.get(a), self.defaults.get(b)) {
+                // As MoveIt has it: of two defaults the stricter.
+                (Some(&a), Some(&b)) => Some(a && b),
+                (one, other) => one.or(other).copied(),
+            },
+        )
+    }
+
+    /// Every pair that is named, with what is said of it.
+    pub(crate) fn named(&self) -> impl Iterator<Item = ([&str; 2], bool)> {
+        let listed = self.pairs.iter().map(|([a, b], &may)| ([a.as_str(), b.as_str()], may));
+        listed.chain(self.matrix.pairs())
+    }
+
+    /// The names that may touch all that nothing else is said of.
+    pub(crate) fn open(&self) -> impl Iterator<Item = &str> {
+        self.defaults.iter().filter(|(_, may)| **may).map(|(name, _)| name.as_str())
+    }
+
+    /// The names that by default may not touch.
+    pub(crate) fn closed(&self) -> impl Iterator<Item = &str> {
+        self.defaults.iter().filter(|(_, may)| !**may).map(|(name, _)| name.as_str())
+    }
+
+    /// The body of a link.
+    pub(crate) fn body(&self, link: &str) -> Option<usize> {
+        self.bodies.get(link).copied()
+    }
+
+    /// Every name that it speaks of, perhaps more than once.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        let listed = self.pairs.keys().flatten().map(String::as_str);
+        let all = listed.chain(self.matrix.names.iter().map(String::as_str));
+        all.chain(self.defaults.keys().map(String::as_str))
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        let tied = self.bodies.len();
+        self.open().next().is_none() && tied == 0 && self.named().all(|(_, may)| !may)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::AllowedPairs;
+    use super::*;
+
+    #[test]
+    fn what_is_said_later_counts_and_a_pair_before_a_body_before_a_default() {
+        let mut layer = Layer::default();
+        for link in ["a", "b", "c"] {
+            layer.tie(link, 7);
+        }
+        layer.set("b", "a", false);
+        layer.set_default("d", true);
+        layer.set_default("e", false);
+        let mut allowed = AllowedPairs::default();
+        allowed.push(layer);
+        let may = |allowed: &AllowedPairs, a, b| {
+            assert_eq!(allowed.contains(a, b), allowed.contains(b, a));
+            allowed.contains(a, b)
+        };
+        assert!(!may(&allowed, "a", "b") && may(&allowed, "a", "c"));
+        assert!(may(&allowed, "d", "a") && !may(&allowed, "d", "e") && !may(&allowed, "e", "a"));
+        let mut later = Layer::default();
+        let names = ["a", "b", "d"].map(str::to_owned).to_vec();
+        let rows = [[false, true, false], [true, false, false], [false; 3]].map(|row| row.to_vec());
+        later.set_matrix(Matrix::new(names, &rows));
+        allowed.push(later);
+        assert!(may(&allowed, "a", "b") && !may(&allowed, "d", "a") && may(&allowed, "d", "c"));
+        assert_eq!(allowed.len(), 1);
+    }
+}

@@ -1,0 +1,337 @@
+//! MoveIt's scenes: what they say, and the world that it comes to for a robot.
+
+use super::allowed::{Layer, Matrix};
+use super::frames::{Frames, frame_of};
+use super::kinematics::Frame;
+use super::message::{AttachedMessage, MatrixMessage, ObjectMessage, SceneMessage, StateMessage};
+use super::notes::Unused;
+use super::world::{Attached, Padding, World};
+use super::yaml::{Lined, line_of, parse};
+use super::{Robot, RobotError, Srdf, xml};
+use dcd_geom::Shape;
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+/// A scene of MoveIt, read and not yet laid out for a robot.
+#[derive(Clone, Debug)]
+pub struct PlanningScene(SceneMessage);
+
+impl PlanningScene {
+    /// Reads a scene as YAML: moveit_msgs/PlanningScene, in the spelling of ROS or of Robowflex. Keys
+    /// that such a message does not have are refused.
+    ///
+    /// # Errors
+    /// What is no such YAML, or has no `world`; more than the [`bounds`](super::bounds).
+    pub fn read(yaml: &str) -> Result<Self, RobotError> {
+        let message: SceneMessage = parse("scene", yaml)?;
+        if message.world.is_none() {
+            let error = "there is no world in it".to_owned();
+            return Err(RobotError::NotOfKind { what: "scene", error });
+        }
+        Ok(Self(message))
+    }
+
+    /// [`PlanningScene::read`] from a file.
+    ///
+    /// # Errors
+    /// Those of [`PlanningScene::read`], and those of reading the file, both with its path.
+    pub fn load(path: &Path) -> Result<Self, RobotError> {
+        Self::read(&xml::text_of(path)?).map_err(|error| error.inside(path))
+    }
+
+    /// What the scene says, for this robot, in the frame that the robot's root stands in: that of the
+    /// SRDF's virtual joint, or the root's own.
+    ///
+    /// Frames are that one (or none), any link's at the scene's state, and those of
+    /// `fixed_frame_transforms`. `operation` may add an object or remove an earlier one. An attached
+    /// object without shapes is the world's of that name. Primitives are boxes, spheres, cylinders
+    /// (height, radius; round z) and cones (height, radius; apex up); meshes are surfaces.
+    ///
+    /// # Errors
+    /// A frame, link or joint that is not known; two objects of one name; planes, an octomap and other
+    /// operations; dimensions, poses or matrix rows of another number than belong there, or that are
+    /// refused; a matrix that says two things of a pair.
+    pub fn world(&self, robot: &Robot, srdf: Option<&Srdf>) -> Result<World, RobotError> {
+        let message = &self.0;
+        let base = base_of(&message.robot_state, srdf)?;
+        let mut robot = robot.clone();
+        robot.base = base.unwrap_or(robot.base);
+        let mut world = World {
+            base: base.map(|frame| frame.pose()).transpose().map_err(in_state)?,
+            ..World::default()
+        };
+        world.joints = joint_values(&message.robot_state)?;
+        let state = robot.state(&world.joints)?;
+        let mut frames = Frames::of(&robot, srdf, &state)?;
+        message.fixed_frame_transforms.iter().try_for_each(|said| frames.fix(said))?;
+        self.place_objects(&mut world, &frames)?;
+        let mut layer = Layer::default();
+        if let Some(matrix) = &message.allowed_collision_matrix {
+            let added = add_matrix(&matrix.value, &mut layer);
+            added.map_err(|error| error.at_line(line_of(matrix)))?;
+        }
+        world.allowed.push(layer);
+        self.attach(&mut world, &frames)?;
+        self.pad(&mut world, &robot)?;
+        self.note(&mut world, &robot);
+        Ok(world)
+    }
+
+    fn place_objects(&self, world: &mut World, frames: &Frames<'_>) -> Result<(), RobotError> {
+        let message = self.0.world.as_ref();
+        if message
+            .and_then(|world| world.octomap.as_ref())
+            .is_some_and(|map| map.value.octomap.data.0)
+        {
+            let (user, why) = ("world".to_owned(), "an octomap is not supported".to_owned());
+            return Err(RobotError::Refused { user, why });
+        }
+        // Objects in their order, those that were removed empty.
+        let mut objects: Vec<Vec<super::Obstacle>> = Vec::new();
+        let mut known: HashMap<&str, usize> = HashMap::new();
+        for said in message.iter().flat_map(|world| &world.collision_objects) {
+            let object = &said.value;
+            let at = |error: RobotError| error.at_line(line_of(said));
+            match object.operation.0.to_lowercase().as_str() {
+                "" | "0" | "add" => {
+                    if known.insert(&object.id, objects.len()).is_some() {
+                        let name = object.id.clone();
+                        return Err(at(RobotError::Twice { what: "object", name }));
+                    }
+                    if object.is_bare() {
+                        world.notes.push(format!("object {:?} has no shape", object.id));
+                    }
+                    objects.push(object.obstacles(frames).map_err(at)?);
+                }
+                "1" | "remove" if object.id.is_empty() => {
+                    known.clear();
+                    objects.clear();
+                }
+                "1" | "remove" => match known.remove(object.id.as_str()) {
+                    Some(index) => objects[index].clear(),
+                    None => world.notes.push(format!("no object {:?} to remove", object.id)),
+                },
+                other => {
+                    let (what, kind) = ("operation", other.to_owned());
+                    let user = format!("object {:?}", object.id);
+                    return Err(at(RobotError::Unsupported { what, kind, user }));
+                }
+            }
+        }
+        world.obstacles = objects.concat();
+        Ok(())
+    }
+
+    fn attach(&self, world: &mut World, frames: &Frames<'_>) -> Result<(), RobotError> {
+        let mut layer = Layer::default();
+        let mut bodies: HashMap<&str, usize> = HashMap::new();
+        for said in &self.0.robot_state.attached_collision_objects {
+            let AttachedMessage { link_name, object, touch_links, .. } = &said.value;
+            let attached = attached(said, world, frames);
+            let attached = attached.map_err(|error| error.at_line(line_of(said)))?;
+            for link in touch_links.iter().chain([link_name]) {
+                if frames.link(link).is_none() {
+                    world.notes.push(format!(
+                        "object {:?} may touch link {link:?}, which the robot does not have",
+                        object.id
+                    ));
+                }
+                layer.set(&object.id, link, true);
+            }
+            // What one link carries does not move against each other.
+            let body = bodies.len();
+            layer.tie(&object.id, *bodies.entry(link_name).or_insert(body));
+            world.attached.push(attached);
+        }
+        world.allowed.push(layer);
+        Ok(())
+    }
+
+    fn pad(&self, world: &mut World, robot: &Robot) -> Result<(), RobotError> {
+        let paddings = self.0.link_padding.iter().map(|said| {
+            let value = said.value.padding;
+            (&said.value.link_name, "padding", value, line_of(said), value >= 0.0)
+        });
+        let scales = self.0.link_scale.iter().map(|said| {
+            let value = said.value.scale;
+            (&said.value.link_name, "scale", value, line_of(said), value > 0.0)
+        });
+        let links: HashSet<&str> = robot.links().iter().map(|link| link.name.as_str()).collect();
+        for (link, what, value, line, in_range) in paddings.chain(scales) {
+            let user = format!("link {link:?}");
+            if !(in_range && value.is_finite()) {
+                return Err(RobotError::BadNumber { what, user, value }.at_line(line));
+            }
+            if !links.contains(link.as_str()) {
+                world.notes.push(format!("{what} of {user}: the robot has no such link"));
+                continue;
+            }
+            let padding = world.padding.entry(link.clone()).or_insert(Padding::NONE);
+            match what {
+                "padding" => padding.padding = value,
+                _ => padding.scale = value,
+            }
+        }
+        world.padding.retain(|_, padding| *padding != Padding::NONE);
+        Ok(())
+    }
+
+    /// What a planner would go on after, and what is not used.
+    fn note(&self, world: &mut World, robot: &Robot) {
+        let message = &self.0;
+        if world.obstacles.is_empty() {
+            world.notes.push("there is no obstacle in it".to_owned());
+        }
+        if message.is_diff || message.robot_state.is_diff {
+            let what = if message.is_diff { "the scene" } else { "robot_state" };
+            world.notes.push(format!("{what} is a difference (is_diff): taken as the whole"));
+        }
+        let model = &message.robot_model_name;
+        if !model.is_empty() && *model != robot.name {
+            world.notes.push(format!("it is for robot {model:?}, not {:?}", robot.name));
+        }
+        let shapes = world.obstacles.iter().map(|o| (&o.name, &o.shape));
+        let mut surfaces: Vec<&str> =
+            shapes.filter(|(_, s)| matches!(s, Shape::Mesh(_))).map(|(name, _)| &**name).collect();
+        surfaces.dedup();
+        for name in surfaces {
+            world.notes.push(format!(
+                "object {name:?} is a surface of triangles: what is wholly inside does not touch it"
+            ));
+        }
+        world.notes.extend(robot.idle_values(&world.joints));
+        let mut unused = Unused::default();
+        message.count_unused(&mut unused);
+        world.notes.extend(unused.kinds());
+    }
+}
+
+fn in_state(error: dcd_geom::PoseError) -> RobotError {
+    RobotError::Pose { user: "robot_state".to_owned(), error }
+}
+
+/// The joint values of a state, by name.
+pub(super) fn joint_values(state: &StateMessage) -> Result<Vec<(String, f64)>, RobotError> {
+    let (expected, found) = (state.joint_state.name.len(), state.joint_state.position.len());
+    if expected != found {
+        let user = "joint_state".to_owned();
+        return Err(RobotError::Count { what: "positions", user, expected, found });
+    }
+    let values = state.joint_state.name.iter().cloned();
+    Ok(values.zip(state.joint_state.position.iter().copied()).collect())
+}
+
+/// Where a state puts the robot's root, if it says so.
+pub(super) fn base_of(
+    state: &StateMessage,
+    srdf: Option<&Srdf>,
+) -> Result<Option<Frame>, RobotError> {
+    let joints = &state.multi_dof_joint_state;
+    let user = "multi_dof_joint_state".to_owned();
+    let (expected, found) = (joints.joint_names.len(), joints.transforms.len());
+    if expected != found {
+        return Err(RobotError::Count { what: "transforms", user, expected, found });
+    }
+    let known = srdf.and_then(|srdf| srdf.virtual_joint.as_ref());
+    let frame = joints.header.frame_id.trim_start_matches('/');
+    let is_model = known.is_some_and(|joint| joint.parent == frame);
+    let mut base = None;
+    for (name, transform) in joints.joint_names.iter().zip(&joints.transforms) {
+        let place = frame_of(transform, &format!("joint {name:?}"))?;
+        let is_known = known.is_some_and(|joint| joint.name == *name);
+        // Whatever stands still at the identity says nothing, known or not.
+        if place == Frame::IDENTITY && !is_known {
+            continue;
+        }
+        if !is_known {
+            let what = "virtual joint (of an SRDF)";
+            return Err(RobotError::Unknown { what, name: name.clone(), user });
+        }
+        if !frame.is_empty() && !is_model {
+            return Err(RobotError::Unknown { what: "frame", name: frame.to_owned(), user });
+        }
+        base = Some(place);
+    }
+    Ok(base)
+}
+
+fn attached(
+    said: &Lined<AttachedMessage>,
+    world: &mut World,
+    frames: &Frames<'_>,
+) -> Result<Attached, RobotError> {
+    let AttachedMessage { link_name, object, .. } = &said.value;
+    let user = format!("attached object {:?}", object.id);
+    if !matches!(object.operation.0.to_lowercase().as_str(), "" | "0" | "add") {
+        let (what, kind) = ("operation", object.operation.0.clone());
+        return Err(RobotError::Unsupported { what, kind, user });
+    }
+    let Some(link) = frames.link(link_name) else {
+        let (what, name) = ("link", link_name.clone());
+        return Err(RobotError::Unknown { what, name, user });
+    };
+    let shapes = shapes_of(object, world, frames)?;
+    if shapes.is_empty() {
+        let why = "it has no shape, and the world has no object of that name".to_owned();
+        return Err(RobotError::Refused { user, why });
+    }
+    let to_link = link.inverse();
+    let parts = shapes.into_iter().map(|shape| {
+        let origin = to_link.then(&Frame::of_pose(&shape.pose));
+        (shape.shape, origin)
+    });
+    Ok(Attached { name: object.id.clone(), link: link_name.clone(), parts: parts.collect() })
+}
+
+/// An object's own shapes, or those of the world's object of its name, which leaves the world.
+fn shapes_of(
+    object: &ObjectMessage,
+    world: &mut World,
+    frames: &Frames<'_>,
+) -> Result<Vec<super::Obstacle>, RobotError> {
+    if !object.is_bare() {
+        return object.obstacles(frames);
+    }
+    let (own, rest) =
+        std::mem::take(&mut world.obstacles).into_iter().partition(|o| o.name == object.id);
+    world.obstacles = rest;
+    Ok(own)
+}
+
+fn add_matrix(matrix: &MatrixMessage, layer: &mut Layer) -> Result<(), RobotError> {
+    let user = || "allowed_collision_matrix".to_owned();
+    let MatrixMessage { entry_names, entry_values, default_entry_names, default_entry_values } =
+        matrix;
+    let counts = [
+        (entry_names.len(), entry_values.len()),
+        (default_entry_names.len(), default_entry_values.len()),
+    ];
+    let rows = entry_values.iter().map(|row| (entry_names.len(), row.0.len()));
+    for (expected, found) in counts.into_iter().chain(rows) {
+        if expected != found {
+            return Err(RobotError::Count { what: "entries", user: user(), expected, found });
+        }
+    }
+    let mut seen = HashSet::new();
+    if let Some(name) = entry_names.iter().find(|name| !seen.insert(name.as_str())) {
+        return Err(RobotError::Twice { what: "entry", name: name.clone() });
+    }
+    for (i, row) in entry_values.iter().enumerate() {
+        for (j, &value) in row.0.iter().enumerate().skip(i) {
+            if entry_values[j].0[i] != value {
+                let (a, b) = (&entry_names[i], &entry_names[j]);
+                let why = format!("of {a:?} and {b:?} it says both that they may touch and not");
+                return Err(RobotError::Refused { user: user(), why });
+            }
+        }
+    }
+    let rows: Vec<Vec<bool>> = entry_values.iter().map(|row| row.0.clone()).collect();
+    layer.set_matrix(Matrix::new(entry_names.clone(), &rows));
+    for (name, &may) in default_entry_names.iter().zip(default_entry_values) {
+        layer.set_default(name, may);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,194 @@
+//! What an SRDF file says that counts for touching.
+
+use super::allowed::Layer;
+use super::xml::{Walk, parse, text_of};
+use super::{AllowedPairs, Robot, RobotError};
+use roxmltree::Node;
+use std::path::Path;
+
+/// An SRDF file: which pairs may touch, and which frame the robot stands in.
+#[derive(Clone, Debug, Default)]
+pub struct Srdf {
+    /// The robot that it is for.
+    pub robot: String,
+    /// The pairs that it disables, whatever their reason, and links that it disables by default.
+    pub allowed: AllowedPairs,
+    /// What joins the robot's root to the world, if it says so.
+    pub virtual_joint: Option<VirtualJoint>,
+    notes: Vec<String>,
+}
+
+/// How a robot's root stands in a frame of the world.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct VirtualJoint {
+    /// Its name.
+    pub name: String,
+    /// The frame.
+    pub parent: String,
+    /// The robot's root link.
+    pub child: String,
+}
+
+/// What names groups and states of a planner, and what other programs add.
+const NOT_USED: [&str; 8] = [
+    "group",
+    "group_state",
+    "end_effector",
+    "passive_joint",
+    "joint_property",
+    "link_sphere_approximation",
+    "gripper",
+    "disable_default_controllers",
+];
+
+impl Srdf {
+    /// Reads a file: `disable_collisions`, `enable_collisions`, `disable_default_collisions` and
+    /// `virtual_joint`. Groups, their states and end effectors say nothing about touching.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no SRDF; what is not understood; an element without an
+    /// attribute that it needs; two virtual joints; xacro; more than the [`bounds`](super::bounds).
+    pub fn load(path: &Path) -> Result<Self, RobotError> {
+        Self::read(&text_of(path)?).map_err(|error| error.inside(path))
+    }
+
+    /// [`Srdf::load`] of a text.
+    ///
+    /// # Errors
+    /// Those of [`Srdf::load`].
+    pub fn read(text: &str) -> Result<Self, RobotError> {
+        let document = parse("SRDF", text)?;
+        let mut walk = Walk::of(text);
+        walk.refuse_xacro(&document)?;
+        let root = document.root_element();
+        if root.tag_name().name() != "robot" {
+            let error = format!("the root is {:?}, not \"robot\"", root.tag_name().name());
+            return Err(RobotError::NotOfKind { what: "SRDF", error });
+        }
+        let mut srdf = Self {
+            robot: root.attribute("name").unwrap_or_default().to_owned(),
+            ..Self::default()
+        };
+        let mut layer = Layer::default();
+        for node in walk.children(root)? {
+            match node.tag_name().name() {
+                "disable_collisions" => pair(&walk, node, &mut layer, true)?,
+                "enable_collisions" => pair(&walk, node, &mut layer, false)?,
+                "disable_default_collisions" => {
+                    walk.only(node, &["link"], "disable_default_collisions")?;
+                    layer.set_default(walk.required(node, "link", "robot")?, true);
+                }
+                "virtual_joint" => {
+                    let joint = virtual_joint(&walk, node)?;
+                    if srdf.virtual_joint.replace(joint).is_some() {
+                        let why = "there are two of them: a robot has one root";
+                        return Err(walk.refused(node, "virtual_joint", why));
+                    }
+                }
+                other if NOT_USED.contains(&other) => walk.pass_over(node),
+                other => {
+                    let why = format!("element {other:?} is not understood here");
+                    return Err(walk.refused(node, "robot", why));
+                }
+            }
+        }
+        srdf.allowed.push(layer);
+        srdf.notes.extend(walk.unused.note());
+        Ok(srdf)
+    }
+
+    /// What the file says that is not used, and what it says that this robot does not have: a
+    /// planner would go on.
+    ///
+    /// # Errors
+    /// A virtual joint to what is not the robot's root.
+    pub fn notes(&self, robot: &Robot) -> Result<Vec<String>, RobotError> {
+        let mut notes = self.notes.clone();
+        if self.robot != robot.name {
+            notes.push(format!("it is for robot {:?}, not {:?}", self.robot, robot.name));
+        }
+        let known: std::collections::HashSet<&str> =
+            robot.links().iter().map(|link| link.name.as_str()).collect();
+        let named = self.allowed.layers().iter().flat_map(Layer::names);
+        let mut unknown: Vec<&str> = named.filter(|name| !known.contains(name)).collect();
+        unknown.sort_unstable();
+        unknown.dedup();
+        for name in unknown {
+            notes.push(format!("pairs of {name:?}: the robot has no such link"));
+        }
+        match &self.virtual_joint {
+            Some(joint) if joint.child != robot.links()[robot.root].name => {
+                let user = format!("virtual_joint {:?}", joint.name);
+                let root = &robot.links()[robot.root].name;
+                let why = format!("its child is {:?}, but the root is {root:?}", joint.child);
+                Err(RobotError::Refused { user, why })
+            }
+            _ => Ok(notes),
+        }
+    }
+}
+
+/// Whether a pair `may` touch.
+fn pair(walk: &Walk, node: Node<'_, '_>, layer: &mut Layer, may: bool) -> Result<(), RobotError> {
+    let user = node.tag_name().name();
+    walk.only(node, &["link1", "link2", "reason", "proved"], user)?;
+    let [a, b] = ["link1", "link2"].map(|name| walk.required(node, name, "robot"));
+    layer.set(a?, b?, may);
+    Ok(())
+}
+
+fn virtual_joint(walk: &Walk, node: Node<'_, '_>) -> Result<VirtualJoint, RobotError> {
+    let user = "virtual_joint";
+    walk.only(node, &["name", "type", "parent_frame", "child_link"], user)?;
+    let said = |name| walk.required(node, name, user).map(str::to_owned);
+    match said("type")?.as_str() {
+        "fixed" | "floating" | "planar" => {}
+        other => {
+            let (what, kind) = ("joint type", other.to_owned());
+            let user = user.to_owned();
+            return Err(walk.at(node, RobotError::Unsupported { what, kind, user }));
+        }
+    }
+    Ok(VirtualJoint {
+        name: said("name")?,
+        parent: said("parent_frame")?,
+        child: said("child_link")?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn disabled_pairs_are_read_in_both_orders() {
+        let text = r#"<robot name="r">
+            <group name="g"><link name="a"/></group>
+            <virtual_joint name="v" type="floating" parent_frame="world" child_link="a"/>
+            <disable_collisions link1="b" link2="a" reason="Adjacent"/>
+            <disable_collisions link1="a" link2="c"/>
+            <disable_default_collisions link="d"/><enable_collisions link1="d" link2="c"/></robot>"#;
+        let srdf = Srdf::read(text).unwrap();
+        let allowed = &srdf.allowed;
+        assert_eq!(allowed.len(), 2);
+        assert!(allowed.contains("a", "b") && allowed.contains("b", "a"));
+        assert!(allowed.contains("c", "a") && !allowed.contains("b", "c"));
+        assert!(allowed.contains("d", "a") && !allowed.contains("c", "d"));
+        assert_eq!(srdf.virtual_joint.unwrap().parent, "world");
+        assert_eq!(srdf.notes, ["not used: group (line 2)"]);
+    }
+
+    #[test]
+    fn what_is_no_srdf_is_refused_with_its_place() {
+        let refused = |text: &str| Srdf::read(text).unwrap_err().to_string();
+        let lacking = refused("<robot>\n  <disable_collisions link1=\"a\"/>\n</robot>");
+        assert_eq!(lacking, "line 2: robot: disable_collisions has no link2");
+        assert!(Srdf::read("<robot").is_err());
+        assert!(refused("<scene/>").contains("\"scene\""));
+        assert!(refused("<robot><enable_colisions/></robot>").contains("enable_colisions"));
+        assert!(matches!(
+            AllowedPairs::load(Path::new("no/such.srdf")),
+            Err(RobotError::Io { path, .. }) if path == Path::new("no/such.srdf")
+        ));
+    }
+}

@@ -1,0 +1,248 @@
+//! What a URDF file says: every element and attribute is used, refused, or named as not used.
+
+mod geometry;
+
+pub(super) use geometry::{Collision, Geometry};
+
+use super::RobotError;
+use super::kinematics::Frame;
+use super::xml::{Walk, parse};
+use glam::DVec3;
+use roxmltree::Node;
+
+/// A file's links and joints, by their names, in its order.
+pub(super) struct Described {
+    pub(super) name: String,
+    pub(super) links: Vec<DescribedLink>,
+    pub(super) joints: Vec<DescribedJoint>,
+    /// What was not used.
+    pub(super) notes: Vec<String>,
+}
+
+pub(super) struct DescribedLink {
+    pub(super) name: String,
+    pub(super) line: usize,
+    pub(super) collisions: Vec<Collision>,
+}
+
+pub(super) struct DescribedJoint {
+    pub(super) name: String,
+    pub(super) line: usize,
+    pub(super) kind: Kind,
+    pub(super) parent: String,
+    pub(super) child: String,
+    pub(super) origin: Frame,
+    /// Of unit length; a fixed joint's means nothing.
+    pub(super) axis: DVec3,
+    pub(super) mimic: Option<Mimic>,
+    pub(super) limits: Option<[f64; 2]>,
+}
+
+/// The kinds of joints that are understood.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Fixed,
+    Turns,
+    Slides,
+}
+
+pub(super) struct Mimic {
+    pub(super) leader: String,
+    pub(super) factor: f64,
+    pub(super) offset: f64,
+}
+
+/// What a robot has beside links and joints: how it looks, moves, senses and is simulated.
+const OF_A_ROBOT: [&str; 7] =
+    ["material", "gazebo", "transmission", "sensor", "frame", "ros2_control", "loop_joint"];
+const OF_A_LINK: [&str; 7] =
+    ["inertial", "visual", "contact", "material", "sensor", "gazebo", "self_collision_checking"];
+const OF_A_JOINT: [&str; 7] = [
+    "dynamics",
+    "calibration",
+    "safety_controller",
+    "hardwareInterface",
+    "mechanicalReduction",
+    "sensor",
+    "gazebo",
+];
+
+/// Reads the text of a URDF file.
+pub(super) fn read(text: &str) -> Result<Described, RobotError> {
+    let document = parse("URDF", text)?;
+    let mut walk = Walk::of(text);
+    walk.refuse_xacro(&document)?;
+    let root = document.root_element();
+    if root.tag_name().name() != "robot" {
+        let error = format!("the root is {:?}, not \"robot\"", root.tag_name().name());
+        return Err(RobotError::NotOfKind { what: "URDF", error });
+    }
+    let name = root.attribute("name").unwrap_or_default().to_owned();
+    let mut described = Described { name, links: Vec::new(), joints: Vec::new(), notes: vec![] };
+    for node in walk.children(root)? {
+        match node.tag_name().name() {
+            "link" => described.links.push(link(&mut walk, node)?),
+            "joint" => described.joints.push(joint(&mut walk, node)?),
+            other if OF_A_ROBOT.contains(&other) => walk.pass_over(node),
+            other => return Err(unknown(&walk, node, other, "robot")),
+        }
+    }
+    described.notes.extend(walk.unused.note());
+    Ok(described)
+}
+
+fn unknown(walk: &Walk, node: Node<'_, '_>, name: &str, user: &str) -> RobotError {
+    walk.refused(node, user, format!("element {name:?} is not understood here"))
+}
+
+fn link(walk: &mut Walk, node: Node<'_, '_>) -> Result<DescribedLink, RobotError> {
+    let name = walk.required(node, "name", "link")?.to_owned();
+    let user = format!("link {name:?}");
+    walk.only(node, &["name", "type"], &user)?;
+    let mut link = DescribedLink { name, line: walk.line(node), collisions: Vec::new() };
+    for child in walk.children(node)? {
+        match child.tag_name().name() {
+            "collision" => link.collisions.push(geometry::collision(walk, child, &user)?),
+            other if OF_A_LINK.contains(&other) => walk.pass_over(child),
+            other => return Err(unknown(walk, child, other, &user)),
+        }
+    }
+    Ok(link)
+}
+
+/// The elements of a joint that count.
+#[derive(Default)]
+struct Said<'a, 'i> {
+    origin: Option<Node<'a, 'i>>,
+    parent: Option<Node<'a, 'i>>,
+    child: Option<Node<'a, 'i>>,
+    axis: Option<Node<'a, 'i>>,
+    limit: Option<Node<'a, 'i>>,
+    mimic: Option<Node<'a, 'i>>,
+}
+
+fn said<'a, 'i>(
+    walk: &mut Walk,
+    node: Node<'a, 'i>,
+    user: &str,
+) -> Result<Said<'a, 'i>, RobotError> {
+    let mut said = Said::default();
+    for child in walk.children(node)? {
+        let slot = match child.tag_name().name() {
+            "origin" => &mut said.origin,
+            "parent" => &mut said.parent,
+            "child" => &mut said.child,
+            "axis" => &mut said.axis,
+            "limit" => &mut said.limit,
+            "mimic" => &mut said.mimic,
+            other if OF_A_JOINT.contains(&other) => {
+                walk.pass_over(child);
+                continue;
+            }
+            other => return Err(unknown(walk, child, other, user)),
+        };
+        once(walk, slot, child, user)?;
+    }
+    Ok(said)
+}
+
+/// Puts an element in its place, which must be empty.
+fn once<'a, 'i>(
+    walk: &Walk,
+    slot: &mut Option<Node<'a, 'i>>,
+    node: Node<'a, 'i>,
+    user: &str,
+) -> Result<(), RobotError> {
+    if slot.replace(node).is_some() {
+        let why = format!("there are two of {:?}", node.tag_name().name());
+        return Err(walk.refused(node, user, why));
+    }
+    Ok(())
+}
+
+fn joint(walk: &mut Walk, node: Node<'_, '_>) -> Result<DescribedJoint, RobotError> {
+    let name = walk.required(node, "name", "joint")?.to_owned();
+    let user = format!("joint {name:?}");
+    walk.only(node, &["name", "type"], &user)?;
+    let of_type = walk.required(node, "type", &user)?;
+    let kind = match of_type {
+        "fixed" => Kind::Fixed,
+        "revolute" | "continuous" => Kind::Turns,
+        "prismatic" => Kind::Slides,
+        other => {
+            let (what, kind) = ("joint type", other.to_owned());
+            return Err(walk.at(node, RobotError::Unsupported { what, kind, user }));
+        }
+    };
+    let Said { origin, parent, child, axis, limit, mimic } = said(walk, node, &user)?;
+    let link = |walk: &Walk, end: Option<Node<'_, '_>>, what: &str| match end {
+        None => Err(walk.refused(node, &user, format!("it has no {what}"))),
+        Some(end) => {
+            walk.only(end, &["link"], &user)?;
+            walk.required(end, "link", &user).map(str::to_owned)
+        }
+    };
+    let (parent, child) = (link(walk, parent, "parent")?, link(walk, child, "child")?);
+    let origin = geometry::origin(walk, origin, &user)?;
+    let axis = if kind == Kind::Fixed { DVec3::X } else { axis_of(walk, axis, &user)? };
+    let dynamic = ["effort", "velocity", "acceleration", "deceleration", "jerk"];
+    if let Some(limit) = limit.filter(|l| l.attributes().any(|a| dynamic.contains(&a.name()))) {
+        walk.unused.add("limits of effort or velocity", walk.line(limit));
+    }
+    let limits = limits(walk, limit, &user)?;
+    if limits.is_none() && matches!(of_type, "revolute" | "prismatic") {
+        walk.unused.add("joints without the limits that their type has", walk.line(node));
+    }
+    let limits = if of_type == "continuous" { None } else { limits };
+    let mimic = match mimic {
+        // What does not move follows nobody.
+        Some(mimic) if kind == Kind::Fixed => {
+            walk.unused.add("mimic of a fixed joint", walk.line(mimic));
+            None
+        }
+        Some(mimic) => Some(mimic_of(walk, mimic, &user)?),
+        None => None,
+    };
+    let line = walk.line(node);
+    Ok(DescribedJoint { name, line, kind, parent, child, origin, axis, mimic, limits })
+}
+
+/// Of unit length; the x axis where nothing is said.
+fn axis_of(walk: &Walk, node: Option<Node<'_, '_>>, user: &str) -> Result<DVec3, RobotError> {
+    let Some(node) = node else { return Ok(DVec3::X) };
+    walk.only(node, &["xyz"], user)?;
+    let given = DVec3::from_array(walk.numbers(node, "xyz", user)?.unwrap_or([1.0, 0.0, 0.0]));
+    given.try_normalize().ok_or_else(|| {
+        let (what, user, value) = ("length of the axis", user.to_owned(), given.length());
+        walk.at(node, RobotError::BadNumber { what, user, value })
+    })
+}
+
+/// The least and the largest value; none where neither is said.
+fn limits(
+    walk: &Walk,
+    node: Option<Node<'_, '_>>,
+    user: &str,
+) -> Result<Option<[f64; 2]>, RobotError> {
+    let Some(node) = node else { return Ok(None) };
+    let known = ["lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"];
+    walk.only(node, &known, user)?;
+    let [lower, upper] = ["lower", "upper"].map(|name| walk.number(node, name, user));
+    match (lower?, upper?) {
+        (None, None) => Ok(None),
+        // As URDF has it, what is not said is 0.
+        (lower, upper) => Ok(Some([lower.unwrap_or(0.0), upper.unwrap_or(0.0)])),
+    }
+}
+
+fn mimic_of(walk: &Walk, node: Node<'_, '_>, user: &str) -> Result<Mimic, RobotError> {
+    walk.only(node, &["joint", "multiplier", "offset"], user)?;
+    Ok(Mimic {
+        leader: walk.required(node, "joint", user)?.to_owned(),
+        factor: walk.number(node, "multiplier", user)?.unwrap_or(1.0),
+        offset: walk.number(node, "offset", user)?.unwrap_or(0.0),
+    })
+}
+
+#[cfg(test)]
+mod tests;
