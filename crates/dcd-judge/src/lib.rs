@@ -8,6 +8,9 @@
 //!   vertex of A − B can have, in all digits of an f64;
 //! - [`distance_is_in`]: every vertex, segment and triangle of A − B in turn.
 //!
+//! [`shapes_touch`] asks the first of compounds and meshes part by part, and knows cylinders and cones
+//! in places where squares tell.
+//!
 //! A crate of its own, and never published, so that both the tests of other crates and the
 //! measuring binaries can be judged by it. No library depends on it. It costs milliseconds a pair
 //! and grows with the sixth power of the vertices: for hulls of up to some thirty points.
@@ -17,10 +20,12 @@ mod directions;
 mod features;
 mod program;
 mod rounding;
+mod shapes;
 mod truth;
 mod world;
 
 pub use features::{distance_is_in, touches};
+pub use shapes::{Placed, curved_touch, shapes_touch};
 pub use truth::Truth;
 
 use dcd_geom::{Polytope, Pose};

@@ -4,10 +4,10 @@
 use dcd_geom::glam::DVec3;
 use dcd_geom::lanes::Path;
 use dcd_geom::{Aabb, Kind, Pair, Polytope, Pose, Scene, Shape};
-use dcd_gjk::{Body, Findings, NarrowPhase, Overlap, Report, Verdict, certified};
+use dcd_gjk::{Body, Contact, Findings, NarrowPhase, Overlap, Placed, Report, Verdict, certified};
 use dcd_pipeline::{Par, Pipeline, WideTree};
 use dcd_scenes::SceneSpec;
-use dcd_scenes::conformance::{Case, Category, Slide, flip};
+use dcd_scenes::conformance::{Case, Category, ShapePair, Slide, flip, shape_flip};
 
 fn certified_touches(case: &Case) -> bool {
     let a = Body::polytope(&case.a, &case.pose_a);
@@ -24,21 +24,27 @@ fn settled_by_lanes(cases: &[Case], path: Path) -> Vec<bool> {
     let shapes = cases.iter().flat_map(|case| [case.a.clone().into(), case.b.clone().into()]);
     let poses = cases.iter().flat_map(|case| [case.pose_a, case.pose_b]);
     let scene = Scene::one_each(shapes.collect::<Vec<Shape>>(), poses.collect()).unwrap();
-    let pairs: Vec<Pair> = (0..cases.len() as u32).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
-    let narrow = Overlap::on(path);
-    let mut frame = <Overlap as NarrowPhase>::Frame::default();
-    let mut aabbs = vec![Aabb::default(); scene.len()];
-    let part = narrow.lay_out(&scene, &mut frame);
-    narrow.prepare(&scene, 0, part, &mut aabbs);
-    let (mut contacts, mut report) = (Vec::new(), Report::default());
-    let mut findings = Findings { contacts: &mut contacts, report: &mut report };
-    narrow.decide(&scene, &frame, &pairs, &mut Default::default(), &mut findings);
+    let (contacts, report) = settled(&scene, cases.len(), path);
     assert!(report.undecided().is_empty(), "{:?}", report.undecided());
     let mut touches = vec![false; cases.len()];
     for contact in contacts {
         touches[contact.pair.i as usize / 2] = true;
     }
     touches
+}
+
+/// Object 2k against object 2k + 1.
+fn settled(scene: &Scene, pairs: usize, path: Path) -> (Vec<Contact<()>>, Report) {
+    let pairs: Vec<Pair> = (0..pairs as u32).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
+    let narrow = Overlap::on(path);
+    let mut frame = <Overlap as NarrowPhase>::Frame::default();
+    let mut aabbs = vec![Aabb::default(); scene.len()];
+    let part = narrow.lay_out(scene, &mut frame);
+    narrow.prepare(scene, 0, part, &mut aabbs);
+    let (mut contacts, mut report) = (Vec::new(), Report::default());
+    let mut findings = Findings { contacts: &mut contacts, report: &mut report };
+    narrow.decide(scene, &frame, &pairs, &mut Default::default(), &mut findings);
+    (contacts, report)
 }
 
 /// Flips at a time.
@@ -65,6 +71,64 @@ fn twenty_thousand_answers_at_neighbouring_floats_are_right_by_the_exact_judge()
         judged += cases.len();
     }
     assert_eq!(judged, 20_000);
+}
+
+/// By the certified rung; of cylinders and cones, which have none, by the judge.
+fn shapes_touch(pair: &ShapePair) -> Option<bool> {
+    if pair.is_curved() {
+        return dcd_judge::shapes_touch((&pair.a, &pair.pose_a), (&pair.b, &pair.pose_b));
+    }
+    let a = Placed { shape: &pair.a, pose: &pair.pose_a };
+    let b = Placed { shape: &pair.b, pose: &pair.pose_b };
+    Some(certified::overlap_of(a, b).0 == Verdict::Touching(()))
+}
+
+/// What the lanes say of all pairs at once; `None` of those that they leave undecided.
+fn shapes_settled_by_lanes(pairs: &[ShapePair], path: Path) -> Vec<Option<bool>> {
+    let shapes = pairs.iter().flat_map(|pair| [pair.a.clone(), pair.b.clone()]);
+    let poses = pairs.iter().flat_map(|pair| [pair.pose_a, pair.pose_b]);
+    let scene = Scene::one_each(shapes.collect(), poses.collect()).unwrap();
+    let (contacts, report) = settled(&scene, pairs.len(), path);
+    let mut touches = vec![Some(false); pairs.len()];
+    for contact in contacts {
+        touches[contact.pair.i as usize / 2] = Some(true);
+    }
+    for undecided in report.undecided() {
+        touches[undecided.pair.i as usize / 2] = None;
+    }
+    touches
+}
+
+#[test]
+fn shapes_of_every_kind_are_right_at_neighbouring_floats_by_the_exact_judge() {
+    let mut flips = (0..).filter_map(|k| shape_flip(1, k, &shapes_touch)).take(1_500);
+    let (mut judged, mut open) = (0, 0);
+    loop {
+        let pairs: Vec<ShapePair> = flips.by_ref().take(BATCH).flatten().collect();
+        if pairs.is_empty() {
+            break;
+        }
+        for (k, pair) in pairs.iter().enumerate() {
+            let truth = dcd_judge::shapes_touch((&pair.a, &pair.pose_a), (&pair.b, &pair.pose_b));
+            assert_eq!(truth, Some(k % 2 == 0), "{pair:?}");
+        }
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            for (k, found) in shapes_settled_by_lanes(&pairs, path).into_iter().enumerate() {
+                // What is curved has no exact rung: it may be left open, and is never wrong.
+                let truth = (k % 2 == 0, pairs[k].is_curved());
+                match (found, truth) {
+                    (Some(found), (truth, _)) => {
+                        assert_eq!(found, truth, "{path:?} {:?}", pairs[k])
+                    }
+                    (None, (_, is_curved)) => assert!(is_curved, "{path:?} {:?}", pairs[k]),
+                }
+                open += usize::from(found.is_none());
+            }
+        }
+        judged += pairs.len();
+    }
+    assert_eq!(judged, 3_000);
+    assert!(open > 0, "no cylinder or cone was near enough");
 }
 
 /// How far from the flip, in units of f32's roundoff of the pair's size.

@@ -58,18 +58,23 @@ impl Slide {
     /// not. `None` if it does not touch at 0, or touches at `far`.
     #[must_use]
     pub fn flip(&self, far: f64, touches: Judge<'_>) -> Option<f64> {
-        let touching = |steps: f64| self.at(steps).map(|case| touches(&case));
-        let (mut near, mut far) = (0.0f64, far);
-        if !touching(near)? || touching(far)? {
-            return None;
-        }
-        while near.next_up() < far {
-            // Halfway in bits, so that the end is two neighbouring floats.
-            let middle = f64::from_bits(near.to_bits() + (far.to_bits() - near.to_bits()) / 2);
-            if touching(middle)? { near = middle } else { far = middle }
-        }
-        Some(near)
+        last_touching(far, |steps| self.at(steps).map(|case| touches(&case)))
     }
+}
+
+/// The last number in 0..far that touches; the next float does not. `None` if 0 does not, or `far` does,
+/// or it is not known of one on the way.
+pub(super) fn last_touching(far: f64, touching: impl Fn(f64) -> Option<bool>) -> Option<f64> {
+    let (mut near, mut far) = (0.0f64, far);
+    if !touching(near)? || touching(far)? {
+        return None;
+    }
+    while near.next_up() < far {
+        // Halfway in bits, so that the end is two neighbouring floats.
+        let middle = f64::from_bits(near.to_bits() + (far.to_bits() - near.to_bits()) / 2);
+        if touching(middle)? { near = middle } else { far = middle }
+    }
+    Some(near)
 }
 
 /// The neighbouring floats of a pair, moved along a line of its own: the one that touches, then

@@ -8,11 +8,13 @@ mod bodies;
 mod contacts;
 mod extremes;
 mod flips;
+mod kinds;
 mod known;
 mod places;
 mod rounded;
 
 pub use flips::Slide;
+pub use kinds::{ShapeJudge, ShapePair, shape_flip};
 
 use crate::random::Draw;
 use bodies::Placed;
