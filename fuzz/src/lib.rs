@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+mod frames;
 mod hull;
 mod input;
 mod judge;
@@ -12,6 +13,7 @@ mod probe;
 mod readers;
 mod scene;
 
+pub use frames::frames;
 pub use hull::hull;
 pub use input::Input;
 pub use measures::measures;
