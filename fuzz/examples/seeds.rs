@@ -13,6 +13,7 @@ fn main() -> io::Result<()> {
         ("overlap", pairs()),
         ("measures", pairs()),
         ("scene", [scenes(), compounds(), meshes()].concat()),
+        ("frames", courses()),
         ("probe", batches()),
         ("readers", files()?),
         ("hull", clouds()),
@@ -182,6 +183,16 @@ fn moved() -> Vec<Vec<u8>> {
     };
     let pairs = kinds.iter().flat_map(|a| kinds.iter().map(move |b| (a, b)));
     pairs.flat_map(|(a, b)| [0, 20, 40].map(|power| of(a, b, power))).collect()
+}
+
+/// Bytes that repeat in periods of many lengths, so that every kind of change comes up among steps in
+/// which little moves; each first scene of another size and form.
+fn courses() -> Vec<Vec<u8>> {
+    let course = |k: u8| {
+        let step = |n: u32| (n.wrapping_mul(2_654_435_761) >> 13) as u8 ^ k.wrapping_mul(37);
+        [vec![k % 6, k / 6], (0..900).map(step).collect()].concat()
+    };
+    (0..24).map(course).collect()
 }
 
 fn clouds() -> Vec<Vec<u8>> {

@@ -4,6 +4,7 @@
 #![deny(missing_docs)]
 
 mod far;
+mod frames;
 mod hull;
 mod input;
 mod judge;
@@ -16,6 +17,7 @@ mod scene;
 mod text;
 
 pub use far::far;
+pub use frames::frames;
 pub use hull::hull;
 pub use input::Input;
 pub use measures::measures;

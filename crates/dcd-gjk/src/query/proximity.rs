@@ -58,13 +58,16 @@ pub enum Smoothness {
     /// they touch is not known.
     #[default]
     Unknown,
-    /// It has, and the gradient is it.
+    /// It has, and the gradient is it. Never said where another direction is as good to within a
+    /// billionth of the depth or distance, radii included, or a millionth of a millionth of the pair's
+    /// size.
     Smooth,
     /// Faces or edges are parallel, to within a billionth: the points are not the only ones, and
     /// the derivatives for rotations differ with their sense. Those for translations hold.
     ManyPoints,
-    /// Several directions part the objects equally soon, to within a billionth, or the objects just
-    /// touch at an edge or a vertex.
+    /// Several directions part the objects equally soon, to within a billionth of the depth, radii
+    /// included; or the objects just touch at an edge or a vertex, to within a millionth of a millionth
+    /// of their size.
     ManyDirections,
 }
 
@@ -137,7 +140,7 @@ fn told(
                 point_b: found.point_b,
                 ..Proximity::default()
             }
-            .with_gradient(a, b, Direction::Alone);
+            .with_gradient(a, b, across(&found, (a, b), scratch));
             if found.distance > 0.0 {
                 return Verdict::Touching(near);
             }
@@ -153,6 +156,29 @@ fn told(
         }
         Verdict::Touching(None) => overlapping(a, b, scratch),
     }
+}
+
+/// Below which gap between two cores, relative to their size, the direction of their distance is
+/// looked at twice. Larger: slower. It has to be above ten times what the solver of depths takes for
+/// touching, for a pair's size there is up to six times that of the cores.
+const NARROW: f64 = 1e-11;
+
+/// Whether the direction of a distance is the only one: nearest points of convex sets lie along one
+/// direction, but of cores that barely miss each other at an edge it is an accident.
+fn across(
+    found: &Distance,
+    (a, b): (Placed<'_>, Placed<'_>),
+    scratch: &mut epa::Scratch,
+) -> Direction {
+    let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) else {
+        return Direction::Alone;
+    };
+    let gap = found.distance + in_a.swept_radius() + in_b.swept_radius();
+    if gap > NARROW * (in_a.outer_radius() + in_b.outer_radius()) {
+        return Direction::Alone;
+    }
+    let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+    epa::depth_and_direction(a, b, scratch).1
 }
 
 fn overlapping(a: Placed<'_>, b: Placed<'_>, scratch: &mut epa::Scratch) -> Verdict<Proximity> {

@@ -121,6 +121,40 @@ fn kinks_are_marked() {
 }
 
 #[test]
+fn directions_within_a_billionth_of_the_whole_depth_are_never_called_smooth() {
+    let mark = |a: &Shape, b: &Shape, at: DVec3| {
+        told(&proximities(), &Body::at(a, DVec3::ZERO), &Body::at(b, at)).smoothness
+    };
+    // A ball whose centre is beside a plate: the other way out is longer by 4e-11 of the depth.
+    let plate = Shape::cuboid(DVec3::new(2.0, 0.0, 3.0)).unwrap();
+    let ball = Shape::sphere(3.0).unwrap();
+    for (off, smoothness) in [
+        (5.8e-11, Smoothness::ManyDirections),
+        (1e-9, Smoothness::ManyDirections),
+        (1e-8, Smoothness::Smooth),
+    ] {
+        assert_eq!(mark(&plate, &ball, DVec3::Y * off), smoothness, "{off}");
+        assert_eq!(mark(&ball, &plate, DVec3::Y * off), smoothness, "{off}");
+    }
+    // A ball whose centre is inside of a cube, beside an edge: two faces.
+    let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+    let ball = Shape::sphere(1.0).unwrap();
+    let inside = |x: f64, y: f64| mark(&cube, &ball, DVec3::new(0.5 - x, 0.5 - y, 0.1));
+    assert_eq!(inside(1e-10, 2e-10), Smoothness::ManyDirections);
+    assert_eq!(inside(1e-10, 1e-8), Smoothness::Smooth);
+    // The same outside: before a face there is one way, beside an edge or a corner another nearby.
+    assert_eq!(inside(-1e-10, 0.3), Smoothness::Smooth);
+    assert_eq!(inside(-1e-10, 2e-10), Smoothness::ManyDirections);
+    assert_eq!(inside(-1e-10, -1e-10), Smoothness::ManyDirections);
+    assert_eq!(inside(-1e-8, -1e-8), Smoothness::Smooth);
+    // A point beside a point, and corners that barely miss each other.
+    assert_eq!(mark(&ball, &ball, DVec3::X * 1e-9), Smoothness::ManyDirections);
+    assert_eq!(mark(&ball, &ball, DVec3::X * 1e-8), Smoothness::Smooth);
+    assert_eq!(mark(&cube, &cube, DVec3::splat(1.0 + 1e-14)), Smoothness::ManyDirections);
+    assert_eq!(mark(&cube, &cube, DVec3::splat(1.0 + 1e-9)), Smoothness::Smooth);
+}
+
+#[test]
 fn concentric_balls_are_a_kink_and_others_are_smooth() {
     let ball = Shape::sphere(0.5).unwrap();
     let a = Body::at(&ball, DVec3::ZERO);

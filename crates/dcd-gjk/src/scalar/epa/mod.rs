@@ -39,7 +39,7 @@ use apart::Gap;
 use dcd_geom::Polytope;
 use dcd_geom::glam::DVec3;
 use hull::Hull;
-use lattice::LatticeDifference;
+use lattice::{LatticeDifference, Normal};
 use search::{Bounds, GROWTHS, Separated, Viewer};
 
 /// How deep two shapes overlap, where, and what that is worth. World frame, metres.
@@ -126,27 +126,32 @@ pub fn depth_of_overlap(
 /// Whether the direction of least depth is the only one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Direction {
-    /// Any other is deeper, by more than a billionth.
+    /// Any other is deeper, by more than a billionth of the depth of the rounded shapes; or its
+    /// likes are a cone round it.
     Alone,
     /// Another is as good but for that; or it could not be told.
     Rivalled,
 }
 
-/// The depth of a pair known to touch, and whether its direction is the only one.
+/// The depth of a pair known to touch, and whether its direction is the only one. Of a pair that is
+/// apart, whether the direction of its distance is.
 pub(crate) fn depth_and_direction(
     a: Body<'_, Polytope>,
     b: Body<'_, Polytope>,
     scratch: &mut Scratch,
 ) -> (Depth, Direction) {
     let mut direction = Direction::Rivalled;
+    let radius = a.map.swept_radius() + b.map.swept_radius();
     let swapped = order::are_swapped(a, b);
     let (a, b) = if swapped { (b, a) } else { (a, b) };
     let (depth, _) = solve(a, b, scratch, |viewer, hull, outcome| {
         direction = match outcome {
-            Outcome::Overlap(bounds) => viewer.direction(hull, bounds),
-            // The nearest points of convex sets that are apart lie along one direction.
-            Outcome::Gap(gap) if gap.lower > viewer.difference.slack() => Direction::Alone,
-            Outcome::Gap(_) | Outcome::Separated => Direction::Rivalled,
+            Outcome::Overlap(bounds) => viewer.direction(hull, bounds, radius),
+            Outcome::Gap(gap) => viewer.direction_across(hull, gap, radius),
+            Outcome::Separated(normal) => {
+                let gap = viewer.gap(normal);
+                viewer.direction_across(hull, &gap, radius)
+            }
         };
     });
     (if swapped { depth.mirrored() } else { depth }, direction)
@@ -171,8 +176,8 @@ enum Outcome<'a> {
     Overlap(&'a Bounds),
     /// Cores that are apart, or touch within rounding.
     Gap(&'a Gap),
-    /// Cores without a radius that are apart.
-    Separated,
+    /// Cores without a radius that are apart, along that direction.
+    Separated(Normal),
 }
 
 /// `inspect` sees the outcome with the search as it ended; its hull is used up after.
@@ -183,7 +188,7 @@ fn solve(
     mut inspect: impl FnMut(&mut Viewer<'_>, &mut Hull, Outcome<'_>),
 ) -> (Depth, Certainty) {
     let Scratch { hull, dots } = scratch;
-    let mut viewer = Viewer { difference: LatticeDifference::new(a, b, dots) };
+    let mut viewer = Viewer::new(LatticeDifference::new(a, b, dots));
     let radii = [a.map.swept_radius(), b.map.swept_radius()];
     let radius = radii[0] + radii[1];
     let centre = a.pose.apply(a.map.inner().centre) - b.pose.apply(b.map.inner().centre);
@@ -197,17 +202,19 @@ fn solve(
         }
         Ok(bounds) => {
             let gap = viewer.gap(bounds.normal);
+            let answer = Answer::of_gap(&viewer.difference, &gap, bounds.upper, radii);
             inspect(&mut viewer, hull, Outcome::Gap(&gap));
-            Answer::of_gap(&viewer.difference, &gap, bounds.upper, radii)
+            answer
         }
         Err(Separated { normal }) if radius == 0.0 => {
-            inspect(&mut viewer, hull, Outcome::Separated);
+            inspect(&mut viewer, hull, Outcome::Separated(normal));
             Answer::apart(normal)
         }
         Err(Separated { normal }) => {
             let gap = viewer.gap(normal);
+            let answer = Answer::of_gap(&viewer.difference, &gap, 0.0, radii);
             inspect(&mut viewer, hull, Outcome::Gap(&gap));
-            Answer::of_gap(&viewer.difference, &gap, 0.0, radii)
+            answer
         }
     };
     answer.in_world(viewer.difference.unit(), radii)

@@ -1,14 +1,17 @@
 //! Whether the direction of least depth has a rival: there the depth has no derivative.
 
 use super::Direction;
+use super::apart::Gap;
 use super::hull::Hull;
-use super::lattice::{POINT_BITS, length, rounded, two_to};
+use super::lattice::{Normal, POINT_BITS, length, rounded, scaled, two_to};
 use super::search::{Bounds, GROWTHS, Viewer};
 use dcd_geom::Vector;
 use dcd_geom::glam::DVec3;
 
-/// How much deeper a direction must be not to be a rival, relative to the depth. A billionth, as
-/// is promised of the depth itself. Larger: smooth points taken for kinks.
+/// How much deeper a direction must be not to be a rival, relative to the depth of the shapes with
+/// their radii: what a caller is told and steps along, however little of it is the cores'. A billionth,
+/// as is promised of the depth itself. Larger: smooth points taken for kinks. Smaller: "smooth" where
+/// the direction is an accident of rounding.
 const NEAR: f64 = 1e-9;
 
 /// The same for depths near 0, units: a millionth of a millionth of the pair's size.
@@ -18,17 +21,61 @@ const NEAR_ZERO: f64 = 1e-12;
 const ONE: f64 = 1e-12;
 
 impl Viewer<'_> {
-    /// Grows the hull on, until the nearest facet that looks another way is known. The hull must
-    /// be as the search left it, and its queue is used up.
-    pub(super) fn direction(&mut self, hull: &mut Hull, best: &Bounds) -> Direction {
+    /// Of cores that overlap, with that sum of radii, metres. The hull must be as the search left it,
+    /// and its queue is used up.
+    pub(super) fn direction(&mut self, hull: &mut Hull, best: &Bounds, radius: f64) -> Direction {
         if self.difference.is_flat() {
             // Both sides of a flat difference are equally near.
             return Direction::Rivalled;
         }
-        let best_normal = unit(rounded(&best.normal));
-        let near = best.upper.max(0.0) * (1.0 + NEAR)
-            + NEAR_ZERO * two_to(POINT_BITS)
-            + self.difference.slack();
+        let depth = best.upper.max(0.0);
+        let near = depth + self.margin(depth + self.in_units(radius));
+        self.alone(hull, &best.normal, near)
+    }
+
+    /// Of cores that are apart, with that sum of radii, metres.
+    ///
+    /// With a gap g the reach along the told direction is −g, and a rival's at most −g + ε. Where g
+    /// exceeds ε those are the directions of a negative reach below some bound: a convex cone round the
+    /// told one, for the reach is sublinear, in which the nearest point moves on without a kink. Where
+    /// it does not, another facet of the difference, or its other side, may be as near. Then the
+    /// facets are found as if the cores overlapped.
+    pub(super) fn direction_across(
+        &mut self,
+        hull: &mut Hull,
+        gap: &Gap,
+        radius: f64,
+    ) -> Direction {
+        let margin = self.margin((self.in_units(radius) - gap.lower).abs());
+        if gap.lower > margin {
+            return Direction::Alone;
+        }
+        // Which side the origin is on cannot be told.
+        if gap.lower <= self.difference.slack() {
+            return Direction::Rivalled;
+        }
+        self.look_past_separation();
+        let grown =
+            self.thorough().and_then(|corners| self.expand(corners, hull, GROWTHS).map(|_| ()));
+        if grown.is_err() || self.difference.is_flat() {
+            return Direction::Rivalled;
+        }
+        self.alone(hull, &gap.normal, margin - gap.lower)
+    }
+
+    /// How much more reach makes a direction no rival, units, for shapes of that depth or distance.
+    fn margin(&self, depth: f64) -> f64 {
+        depth * NEAR + NEAR_ZERO * two_to(POINT_BITS) + self.difference.slack()
+    }
+
+    fn in_units(&self, metres: f64) -> f64 {
+        scaled(metres, -self.difference.unit())
+    }
+
+    /// Grows the hull on, until the nearest facet that looks another way is known to be beyond `near`
+    /// or not.
+    fn alone(&mut self, hull: &mut Hull, best: &Normal, near: f64) -> Direction {
+        let best = unit(rounded(best));
         for _ in 0..GROWTHS {
             let Some(index) = hull.take_nearest() else { return Direction::Alone };
             let face = hull.face(index);
@@ -36,7 +83,7 @@ impl Viewer<'_> {
                 return Direction::Alone;
             }
             let normal = face.normal;
-            if Vector::length(unit(rounded(&normal)) - best_normal) < ONE {
+            if Vector::length(unit(rounded(&normal)) - best) < ONE {
                 continue;
             }
             let Ok(support) = self.view(&normal) else { return Direction::Rivalled };

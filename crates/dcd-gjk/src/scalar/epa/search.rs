@@ -17,6 +17,16 @@ const GAP: f64 = 1.0 / (1u64 << 42) as f64;
 /// The difference and what its supports prove.
 pub(super) struct Viewer<'a> {
     pub(super) difference: LatticeDifference<'a>,
+    separation: Separation,
+}
+
+/// What a direction that separates means to a search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Separation {
+    /// Its end: there is no overlap.
+    Ends,
+    /// Nothing: the facets are wanted, wherever the origin is.
+    Passes,
 }
 
 /// A direction in which every point of the difference has a negative product.
@@ -38,10 +48,20 @@ pub(super) struct Bounds {
 }
 
 impl<'a> Viewer<'a> {
-    /// The support along `normal`, unless that separates.
+    pub(super) fn new(difference: LatticeDifference<'a>) -> Self {
+        Self { difference, separation: Separation::Ends }
+    }
+
+    /// From now on no direction ends a search.
+    pub(super) fn look_past_separation(&mut self) {
+        self.separation = Separation::Passes;
+    }
+
+    /// The support along `normal`, unless that separates and ends the search.
     pub(super) fn view(&mut self, normal: &Normal) -> Result<Support, Separated> {
         let support = self.difference.support(normal);
-        if support.reach < Wide::ZERO
+        if self.separation == Separation::Ends
+            && support.reach < Wide::ZERO
             && support.reach.to_f64() < -self.difference.slack() * length(normal)
         {
             return Err(Separated { normal: *normal });
@@ -121,7 +141,7 @@ mod tests {
         let mut hull = Hull::default();
         let mut bounds = |limit| {
             let mut dots = Vec::new();
-            let mut viewer = Viewer { difference: LatticeDifference::new(a, b, &mut dots) };
+            let mut viewer = Viewer::new(LatticeDifference::new(a, b, &mut dots));
             let corners = viewer.tetrahedron(DVec3::ONE).unwrap();
             viewer.expand(corners, &mut hull, limit).unwrap()
         };

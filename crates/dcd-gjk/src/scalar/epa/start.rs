@@ -65,7 +65,7 @@ impl Viewer<'_> {
 
     /// The widest points on both sides of everything found so far: finds a tetrahedron wherever
     /// there is one, and otherwise proves the rank and adds apexes.
-    fn thorough(&mut self) -> Result<[Vertex; 4], Separated> {
+    pub(super) fn thorough(&mut self) -> Result<[Vertex; 4], Separated> {
         let v0 = self.view(&as_normal(AXES[0]))?.vertex;
         let axes = AXES.map(as_normal);
         let off_point = |v: &Vertex| length(&as_normal(minus(v.w, v0.w)));
