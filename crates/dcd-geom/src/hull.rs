@@ -177,25 +177,22 @@ impl Start {
         let indices = || 0..points.len() as u32;
         // Sums of absolute values, whose squares would leave the range.
         let size = |v: DVec3| v.abs().element_sum();
-        let farthest = |off: &dyn Fn(u32) -> f64| {
-            let off = indices().map(|k| (off(k), k));
-            off.fold((0.0, 0), |best, next| if next.0 > best.0 { next } else { best }).1
-        };
         let first = points.get(0);
-        let p = farthest(&|k| size(points.get(k) - first));
+        let p = farthest(points, |k| size(points.get(k) - first));
         let base = points.get(p);
-        let q = farthest(&|k| size(points.get(k) - base));
+        let q = farthest(points, |k| size(points.get(k) - base));
         if points.get(q) == base {
             return Self::Point;
         }
         let along = points.get(q) - base;
-        let r = farthest(&|k| size(along.cross(points.get(k) - base)));
+        let r = farthest(points, |k| size(along.cross(points.get(k) - base)));
         let is_off = |&k: &u32| !points.is_straight([p, q, k]);
         let Some(r) = Some(r).filter(is_off).or_else(|| indices().find(is_off)) else {
             return Self::Line;
         };
         let plane = points.plane([p, q, r]);
-        let s = farthest(&|k| points.height(k, &plane).abs());
+        let is_one = |k| k == p || k == q || k == r;
+        let s = farthest(points, |k| if is_one(k) { 0.0 } else { points.height(k, &plane).abs() });
         match points.height(s, &plane) {
             0.0 => Self::Plane([p, q, r]),
             // The fourth below the first three.
@@ -203,6 +200,12 @@ impl Start {
             _ => Self::Solid([p, r, q, s]),
         }
     }
+}
+
+/// The first of the points that are farthest.
+fn farthest(points: &ExactPoints, off: impl Fn(u32) -> f64) -> u32 {
+    let off = (0..points.len() as u32).map(|k| (off(k), k));
+    off.fold((0.0, 0), |best, next| if next.0 > best.0 { next } else { best }).1
 }
 
 /// The first and the last of points on a line.

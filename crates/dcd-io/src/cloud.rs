@@ -37,22 +37,24 @@ impl CloudKind {
         if extent == 0.0 {
             return Some(Self::Point);
         }
-        let unit = |p: DVec3| half(p) / extent;
-        let farthest = |distance: &dyn Fn(DVec3) -> f64| {
-            let far = points.iter().map(|&p| (distance(unit(p)), unit(p)));
-            far.fold((0.0, DVec3::ZERO), |best, next| if next.0 > best.0 { next } else { best })
-        };
-        let (_, a) = farthest(&|p| p.length());
-        let (length, b) = farthest(&|p| p.distance(a));
+        let units: Vec<DVec3> = points.iter().map(|&p| half(p) / extent).collect();
+        let (_, a) = farthest(&units, |p| p.length());
+        let (length, b) = farthest(&units, |p| p.distance(a));
         let along = (b - a) / length;
-        let (width, c) = farthest(&|p| (p - a).cross(along).length());
+        let (width, c) = farthest(&units, |p| (p - a).cross(along).length());
         if width <= THINNESS {
             return Some(Self::Needle);
         }
         let across = along.cross(c - a).normalize_or_zero();
-        let (thickness, _) = farthest(&|p| across.dot(p - a).abs());
+        let (thickness, _) = farthest(&units, |p| across.dot(p - a).abs());
         Some(if thickness <= THINNESS { Self::Flat } else { Self::Solid })
     }
+}
+
+/// The first of the points that are farthest, and how far it is.
+fn farthest(points: &[DVec3], distance: impl Fn(DVec3) -> f64) -> (f64, DVec3) {
+    let far = points.iter().map(|&p| (distance(p), p));
+    far.fold((0.0, DVec3::ZERO), |best, next| if next.0 > best.0 { next } else { best })
 }
 
 /// How many clouds are of each kind.

@@ -13,6 +13,10 @@ use std::collections::VecDeque;
 /// No point, or the end of a list.
 const NONE: u32 = u32::MAX;
 
+/// Room for so many faces is made at once: the hull of a hundred points then asks for memory a few
+/// times, not at each doubling.
+const FEW: usize = 128;
+
 /// A triangle of the surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Triangle {
@@ -20,6 +24,13 @@ pub(crate) struct Triangle {
     pub(crate) corners: [u32; 3],
     /// The triangle across the edge from corner k to corner k + 1.
     pub(crate) neighbours: [u32; 3],
+}
+
+impl Triangle {
+    /// The corner of a neighbour that is not this one's.
+    fn apex_of(&self, neighbour: &Self) -> Option<u32> {
+        neighbour.corners.into_iter().find(|corner| !self.corners.contains(corner))
+    }
 }
 
 /// The surface of the hull. The four points to begin with are corners of a solid, the fourth below
@@ -30,14 +41,14 @@ pub(crate) struct Triangle {
 pub(crate) fn surface(points: &ExactPoints, start: [u32; 4]) -> Vec<Triangle> {
     let mut search = Search {
         points,
-        faces: Vec::new(),
-        free: Vec::new(),
-        pending: VecDeque::new(),
+        faces: Vec::with_capacity(points.len().min(FEW)),
+        free: Vec::with_capacity(points.len().min(FEW)),
+        pending: VecDeque::with_capacity(points.len().min(FEW)),
         next: vec![NONE; points.len()],
         starting: vec![NONE; points.len()],
     };
     search.start(start);
-    let mut work = Work::default();
+    let mut work = Work::for_few(points.len());
     while let Some(face) = search.pending.pop_front() {
         let apex = search.faces[face as usize].farthest;
         if apex != NONE {
@@ -50,6 +61,12 @@ pub(crate) fn surface(points: &ExactPoints, start: [u32; 4]) -> Vec<Triangle> {
 /// Which points are corners of the hull: those whose triangles lie in at least three planes. In
 /// the middle of a face they lie in one, in the middle of an edge in two.
 pub(crate) fn corners(points: &ExactPoints, triangles: &[Triangle]) -> Vec<bool> {
+    if is_simplicial(points, triangles) {
+        let mut corners = vec![false; points.len()];
+        let all = triangles.iter().flat_map(|triangle| triangle.corners);
+        all.for_each(|corner| corners[corner as usize] = true);
+        return corners;
+    }
     let planes = planes(points, triangles);
     let mut seen = vec![[NONE; 3]; points.len()];
     for (triangle, &plane) in triangles.iter().zip(&planes) {
@@ -61,6 +78,18 @@ pub(crate) fn corners(points: &ExactPoints, triangles: &[Triangle]) -> Vec<bool>
         }
     }
     seen.into_iter().map(|planes| planes[2] != NONE).collect()
+}
+
+/// Whether no two neighbours lie in one plane.
+fn is_simplicial(points: &ExactPoints, triangles: &[Triangle]) -> bool {
+    triangles.iter().zip(0..).all(|(triangle, index)| {
+        let plane = points.plane(triangle.corners);
+        let others = triangle.neighbours.into_iter().filter(|&other| other > index);
+        others.into_iter().all(|other| {
+            let apex = triangle.apex_of(&triangles[other as usize]);
+            apex.is_none_or(|apex| points.height(apex, &plane) != 0.0)
+        })
+    })
 }
 
 /// For each triangle the first one in its plane that is reached from it over edges: on a convex
@@ -75,12 +104,11 @@ fn planes(points: &ExactPoints, triangles: &[Triangle]) -> Vec<u32> {
         planes[first as usize] = first;
         stack.push(first);
         while let Some(index) = stack.pop() {
-            let Triangle { corners, neighbours } = triangles[index as usize];
-            let plane = points.plane(corners);
-            for other in neighbours {
-                let apex = triangles[other as usize].corners.into_iter();
-                let mut apex = apex.filter(|corner| !corners.contains(corner));
-                let is_level = apex.next().is_none_or(|apex| points.height(apex, &plane) == 0.0);
+            let triangle = triangles[index as usize];
+            let plane = points.plane(triangle.corners);
+            for other in triangle.neighbours {
+                let apex = triangle.apex_of(&triangles[other as usize]);
+                let is_level = apex.is_none_or(|apex| points.height(apex, &plane) == 0.0);
                 if planes[other as usize] == NONE && is_level {
                     planes[other as usize] = first;
                     stack.push(other);
@@ -111,12 +139,23 @@ struct Edge {
 }
 
 /// Lists of one addition, kept for their memory.
-#[derive(Default)]
 struct Work {
     seen: Vec<u32>,
     horizon: Vec<Edge>,
     fresh: Vec<u32>,
     orphans: Vec<u32>,
+}
+
+impl Work {
+    fn for_few(points: usize) -> Self {
+        let few = points.min(FEW);
+        Self {
+            seen: Vec::with_capacity(few),
+            horizon: Vec::with_capacity(few),
+            fresh: Vec::with_capacity(few),
+            orphans: Vec::with_capacity(few),
+        }
+    }
 }
 
 struct Search<'a> {
