@@ -30,7 +30,7 @@ fn overlapping(boxes: &[Aabb]) -> f64 {
     let mut draw = || {
         state = state.wrapping_mul(0xd134_2543_de82_ef95).wrapping_add(1);
         // The upper bits, which a multiplication mixes best.
-        ((state >> 32) * boxes.len() as u64 >> 32) as usize
+        (((state >> 32) * boxes.len() as u64) >> 32) as usize
     };
     let mut found = 0u32;
     for _ in 0..DRAWN {
