@@ -5,7 +5,7 @@ mod common;
 
 use common::dcd;
 use dcd_scenes::data;
-use dcd_scenes::robot::bounds;
+use dcd_robot::bounds;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

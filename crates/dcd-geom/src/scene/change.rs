@@ -187,7 +187,7 @@ impl Scene {
     /// # Errors
     /// One of them is not there; nothing is changed then.
     pub fn ignore_among(&mut self, objects: &[usize]) -> Result<(), SceneError> {
-        objects.iter().try_for_each(|&i| self.existing(i).map(drop))?;
+        objects.iter().try_for_each(|&i| i.index_in(self).map(drop))?;
         // They are slots, which a u32 counts.
         let objects: Vec<u32> = objects.iter().map(|&i| i as u32).collect();
         self.ignored.group(&objects);
