@@ -67,7 +67,7 @@ fn object(input: &mut Input<'_>, shapes: usize) -> Option<Object> {
     };
     let motion = if byte & 32 == 0 { Motion::Moving } else { Motion::Static };
     let shape = u32::from(byte & 31) % shapes as u32;
-    Some(Object { shape, pose: input.pose()?, filter, motion })
+    Some(Object { filter, motion, ..Object::new(shape, input.pose()?) })
 }
 
 /// Up to seven changes; what the scene refuses leaves it as it was. `None` at the bytes' end.

@@ -1,9 +1,11 @@
 //! MoveIt's scenes and requests as YAML, and meshes as OBJ.
 
 use crate::Input;
-use dcd_robot::{Request, World};
+use dcd_robot::{LinkShapes, PlanningScene, Request, Robot, World};
 use dcd_scenes::{Frame, read_obj};
 use std::fmt;
+use std::path::Path;
+use std::sync::OnceLock;
 
 /// Bytes as they stand in a message.
 pub(crate) struct Shown<'a>(pub(crate) &'a [u8]);
@@ -20,12 +22,12 @@ pub fn scenes(bytes: &[u8]) {
     let Some((&which, rest)) = bytes.split_first() else { return };
     if which % 2 == 0 {
         if let Ok(text) = std::str::from_utf8(rest) {
-            drop(World::read(text));
+            drop(world(text));
         }
         return;
     }
     let Some((text, objects)) = built_scene(&mut Input(rest)) else { return };
-    let Ok(world) = World::read(&text) else { return };
+    let Some(world) = world(&text) else { return };
     assert_eq!(world.obstacles.len(), objects.len(), "{text}");
     for (obstacle, (name, place)) in world.obstacles.iter().zip(&objects) {
         assert_eq!(
@@ -34,6 +36,15 @@ pub fn scenes(bytes: &[u8]) {
             "{text}"
         );
     }
+}
+
+/// The scene that a text is, for a robot of one link.
+fn world(text: &str) -> Option<World> {
+    static ROBOT: OnceLock<Option<Robot>> = OnceLock::new();
+    let urdf = "<robot name='r'><link name='base'><collision><geometry><sphere radius='1'/></geometry>\
+                </collision></link></robot>";
+    let robot = ROBOT.get_or_init(|| Robot::read(urdf, Path::new("."), LinkShapes::Hulls).ok());
+    PlanningScene::read(text).ok()?.world(robot.as_ref()?, None).ok()
 }
 
 /// A scene's text, and the name and place of each of its shapes.

@@ -4,8 +4,8 @@
 mod common;
 
 use common::dcd;
-use dcd_scenes::data;
 use dcd_robot::bounds;
+use dcd_scenes::data;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

@@ -48,18 +48,19 @@ fn every_seeded_scene_has_the_same_contacts_on_every_path() {
 
 #[test]
 fn the_panda_has_the_same_contacts_on_every_path_in_every_problem_of_the_archive() {
-    use dcd_robot::{AllowedPairs, Robot, Workcell, read_problems};
+    use dcd_robot::{Robot, Srdf, Workcell, read_problems};
     let file = |name: &str| data::file(&format!("panda/{name}"));
     let files = ["panda.urdf", "panda.srdf", "problems.tar.bz2"].map(file);
     let [Some(urdf), Some(srdf), Some(archive)] = files else {
         return println!("skipped: the Panda is not there");
     };
-    let (panda, allowed) = (Robot::load(&urdf).unwrap(), AllowedPairs::load(&srdf).unwrap());
+    let (panda, srdf) = (Robot::load(&urdf).unwrap(), Srdf::load(&srdf).unwrap());
     let (mut cells, mut found) = (0, 0);
     for problem in read_problems(&archive).unwrap() {
-        let mut allowed = allowed.clone();
-        allowed.extend(&problem.world.allowed);
-        let mut cell = Workcell::new(panda.clone(), &problem.world, &allowed).unwrap();
+        let world = problem.scene.world(&panda, Some(&srdf)).unwrap();
+        let mut allowed = srdf.allowed.clone();
+        allowed.extend(&world.allowed);
+        let mut cell = Workcell::new(panda.clone(), &world, &allowed).unwrap();
         let start = problem.request.start_of(&panda).unwrap();
         let goal = problem.request.goal_of(&panda).unwrap();
         // Neither end touches anything; on the straight way between them much does.

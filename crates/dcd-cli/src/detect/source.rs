@@ -2,7 +2,6 @@
 
 use crate::failure::Failure;
 use crate::making::on_threads;
-use crate::progress::Progress;
 use crate::{count, memory};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
