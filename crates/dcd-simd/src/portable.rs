@@ -25,9 +25,9 @@ macro_rules! each {
 #[inline(always)]
 fn front<T: Copy>(keep: u32, a: [T; WIDTH], to: &mut [T; 2 * WIDTH], at: usize) {
     let mut end = at.min(WIDTH);
-    for k in 0..WIDTH {
+    for (k, item) in a.into_iter().enumerate() {
         // At most the last place, as the mask shows to the compiler.
-        to[end & (2 * WIDTH - 1)] = a[k];
+        to[end & (2 * WIDTH - 1)] = item;
         end += (keep >> k & 1) as usize;
     }
 }
