@@ -5,7 +5,7 @@
 mod input;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use dcd_gjk::{Gjk, PairSolver, Placed, Verdict};
+use dcd_gjk::{Gjk, PairSolver, PosedShape, Verdict};
 use std::hint::black_box;
 
 /// Every tenth candidate: all distances occur, and an iteration stays short.
@@ -14,7 +14,7 @@ const EVERY: usize = 10;
 fn gjk(criterion: &mut Criterion) {
     let scene = input::scene();
     let placed =
-        |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
+        |i: u32| PosedShape { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
     let candidates = input::candidates(&scene);
     let pairs: Vec<_> =
         candidates.iter().step_by(EVERY).map(|pair| (placed(pair.i), placed(pair.j))).collect();

@@ -6,8 +6,8 @@ mod input;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use dcd_geom::Aabb;
-use dcd_gjk::lanes::{Frame, Scratch};
-use dcd_gjk::{Findings, NarrowPhase, Overlap, Report};
+use dcd_gjk::simd::{Scratch, SimdFrame};
+use dcd_gjk::{ContactSink, NarrowPhase, Overlap, Report};
 use std::hint::black_box;
 
 /// As many as a task of the pipeline judges.
@@ -17,8 +17,8 @@ fn narrow(criterion: &mut Criterion) {
     let scene = input::scene();
     let pairs = input::candidates(&scene);
     let overlap = Overlap::default();
-    let mut frame = Frame::default();
-    let part = overlap.lay_out(&scene, &mut frame);
+    let mut frame = SimdFrame::default();
+    let part = overlap.layout(&scene, &mut frame);
     overlap.prepare(&scene, 0, part, &mut vec![Aabb::default(); scene.len()]);
 
     let (mut scratch, mut contacts, mut report) =
@@ -30,8 +30,8 @@ fn narrow(criterion: &mut Criterion) {
             contacts.clear();
             report.clear();
             for slice in black_box(&pairs).chunks(SLICE) {
-                let mut findings = Findings { contacts: &mut contacts, report: &mut report };
-                overlap.decide(&scene, &frame, slice, &mut scratch, &mut findings);
+                let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
+                overlap.decide(&scene, &frame, slice, &mut scratch, &mut sink);
             }
             black_box(contacts.len())
         });

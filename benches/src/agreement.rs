@@ -1,11 +1,11 @@
-//! Contact sets compared as sets; the exact rung settles each pair on which two differ.
+//! Contact sets compared as sets; the exact method settles each pair on which two differ.
 
 use dcd_geom::{Pair, Scene};
-use dcd_gjk::{Body, Undecided, certified};
+use dcd_gjk::{PosedSupport, Undecided, certified};
 use serde::{Deserialize, Serialize};
 
 /// How many of the pairs that differ are kept as examples.
-const MOST_EXAMPLES: usize = 8;
+const MAX_EXAMPLES: usize = 8;
 
 /// How one contact set stands to another, and who is right where they differ.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,13 +18,13 @@ pub struct Agreement {
     pub false_contacts: u64,
     /// Pairs not found, nor left undecided, that touch, exactly.
     pub missed: u64,
-    /// Pairs on which the exact rung sides with what was found: the other set is wrong there.
+    /// Pairs on which the exact method sides with what was found: the other set is wrong there.
     pub expected_wrong: u64,
     /// Pairs listed more than once, counted each time but the first.
     pub repeated: u64,
     /// Pairs left undecided: neither right nor wrong.
     pub undecided: u64,
-    /// Pairs with a foreign shape, which no exact rung can settle.
+    /// Pairs with a foreign shape, which no exact method can settle.
     pub unsettled: u64,
     /// Some of the pairs that differ.
     pub examples: Vec<(u32, u32)>,
@@ -102,7 +102,7 @@ impl Agreement {
     }
 
     fn note(&mut self, pair: Pair) {
-        if self.examples.len() < MOST_EXAMPLES {
+        if self.examples.len() < MAX_EXAMPLES {
             self.examples.push(pair.into());
         }
     }
@@ -112,7 +112,7 @@ impl Agreement {
 #[must_use]
 pub fn touches(scene: &Scene, pair: Pair) -> Option<bool> {
     let [a, b] = [pair.i as usize, pair.j as usize].map(|i| {
-        scene.shape(i).as_polytope().map(|shape| Body::polytope(shape, &scene.poses()[i]))
+        scene.shape(i).as_polytope().map(|shape| PosedSupport::polytope(shape, &scene.poses()[i]))
     });
     Some(certified::overlap_exactly(a?, b?))
 }

@@ -17,7 +17,7 @@ const SHORTEST_RUN: Duration = Duration::from_millis(1);
 const WARM_UP: Duration = Duration::from_millis(10);
 
 /// Bounds the untimed runs, and the repeats within one run, of what takes no measurable time.
-const MOST_REPEATS: u32 = 1000;
+const MAX_REPEATS: u32 = 1000;
 
 /// How often a run is repeated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,7 +146,7 @@ pub fn pairs_of<const K: usize>(
 fn warm_up<const K: usize>(first: [Duration; K], work: &mut impl FnMut() -> [Duration; K]) -> u32 {
     let mut last = longest(&first);
     let mut spent = last;
-    for _ in 1..MOST_REPEATS {
+    for _ in 1..MAX_REPEATS {
         if spent >= WARM_UP {
             break;
         }
@@ -154,7 +154,7 @@ fn warm_up<const K: usize>(first: [Duration; K], work: &mut impl FnMut() -> [Dur
         spent += last;
     }
     let repeats = SHORTEST_RUN.as_nanos().div_ceil(last.as_nanos().max(1));
-    u32::try_from(repeats).unwrap_or(MOST_REPEATS).min(MOST_REPEATS)
+    u32::try_from(repeats).unwrap_or(MAX_REPEATS).min(MAX_REPEATS)
 }
 
 /// One run: the mean times of `repeats` calls.
@@ -275,7 +275,7 @@ mod tests {
     #[test]
     fn work_without_a_measurable_time_ends() {
         let [sample] = measure_stages(Effort::Quick, || [Duration::ZERO]);
-        assert_eq!((sample.runs, sample.repeats), (3, MOST_REPEATS));
+        assert_eq!((sample.runs, sample.repeats), (3, MAX_REPEATS));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Writes a few inputs for each target to start from: `seeds FOLDER`.
 
-use dcd_scenes::{Capture, RawObject, RawScene, RawShape, write_hull_scene};
+use dcd_io::{Capture, RawObject, RawScene, RawShape, write_hull_scene};
 use glam::{DQuat, DVec3};
 use std::io;
 use std::path::PathBuf;

@@ -5,7 +5,7 @@ use crate::scene::{check, judged, kept, paths};
 use dcd_exec::Par;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Kind, Object, Polytope, Pose, Scene, Shape};
-use dcd_gjk::{Overlap, Placed, Verdict, Within, certified};
+use dcd_gjk::{Overlap, PosedShape, Verdict, Within, certified};
 use dcd_pipeline::{Pipeline, WideTree};
 
 /// One more than the objects of a scene at most: every pair is judged singly.
@@ -111,7 +111,7 @@ fn judge(scene: &Scene) {
     let all = (0..scene.len()).flat_map(|i| (i + 1..scene.len()).map(move |j| (i, j)));
     let small = all.filter_map(|(i, j)| Some((i, j, small(i)?, small(j)?)));
     for (i, j, a, b) in small.take(pairs) {
-        let placed = |i: usize| Placed { shape: scene.shape(i), pose: &scene.poses()[i] };
+        let placed = |i: usize| PosedShape { shape: scene.shape(i), pose: &scene.poses()[i] };
         let found = certified::overlap_of(placed(i), placed(j)).0;
         assert_eq!(found == Verdict::Touching(()), dcd_judge::touches(a, b), "{i}, {j}");
     }

@@ -2,7 +2,7 @@
 
 use crate::Input;
 use dcd_geom::Polytope;
-use dcd_scenes::convex_hull;
+use dcd_io::convex_hull;
 
 /// A hull keeps points of its cloud, is closed, and is a legal shape; nothing panics.
 pub fn hull(bytes: &[u8]) {

@@ -1,14 +1,14 @@
 //! What two shapes come to, part by part.
 
 use dcd_geom::{Polytope, Shape};
-use dcd_gjk::{Placed, Verdict, certified};
+use dcd_gjk::{PosedShape, Verdict, certified};
 
 /// Every part against every part up to the first that touches, with no tree that could hide one.
-pub(crate) fn part_by_part(a: Placed<'_>, b: Placed<'_>) -> Verdict<()> {
+pub(crate) fn part_by_part(a: PosedShape<'_>, b: PosedShape<'_>) -> Verdict<()> {
     let (of_a, of_b) = (parts(a.shape), parts(b.shape));
     let mut all = Verdict::Apart;
     for (one, other) in of_a.iter().flat_map(|a| of_b.iter().map(move |b| (a, b))) {
-        let (one, other) = (Placed { shape: one, ..a }, Placed { shape: other, ..b });
+        let (one, other) = (PosedShape { shape: one, ..a }, PosedShape { shape: other, ..b });
         match certified::overlap_of(one, other).0 {
             Verdict::Apart => {}
             Verdict::Touching(()) => return Verdict::Touching(()),

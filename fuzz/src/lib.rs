@@ -1,4 +1,4 @@
-//! What the fuzz targets check, each for any bytes. A violated law panics, which is what a fuzzer
+//! What the fuzz targets check, each for any bytes. A violated contract panics, which is what a fuzzer
 //! looks for; docs/fuzzing.md says how to run them.
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

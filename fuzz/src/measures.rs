@@ -4,7 +4,7 @@ use crate::Input;
 use crate::overlap::{body, pair};
 use dcd_geom::{Polytope, Pose, Shape};
 use dcd_gjk::certified::overlap_exactly;
-use dcd_gjk::{Body, Distance, DistanceResult, Placed, Verdict, distance, epa};
+use dcd_gjk::{Distance, DistanceResult, PosedShape, PosedSupport, Verdict, distance, epa};
 use glam::DVec3;
 
 /// Sizes whose squares and products stay within f64, metres: what the checks here compute with.
@@ -20,7 +20,7 @@ pub fn measures(bytes: &[u8]) {
     check_depth(a, b, touches);
 }
 
-fn check_distance(a: Body<'_, Polytope>, b: Body<'_, Polytope>, touches: bool) {
+fn check_distance(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>, touches: bool) {
     let (result, _) = distance::of_polytopes(a, b);
     let (seen_from_b, _) = distance::of_polytopes(b, a);
     match (result, seen_from_b) {
@@ -39,7 +39,7 @@ fn check_distance(a: Body<'_, Polytope>, b: Body<'_, Polytope>, touches: bool) {
     }
 }
 
-fn check_finite(found: &Distance, a: Body<'_, Polytope>, b: Body<'_, Polytope>) {
+fn check_finite(found: &Distance, a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) {
     assert!(found.distance >= 0.0 && found.error_bound >= 0.0, "{found:?}");
     assert!(found.error_bound.is_finite() && found.normal.is_finite(), "{found:?}");
     assert!((found.normal.length() - 1.0).abs() < 1e-9, "{found:?}");
@@ -50,9 +50,10 @@ fn check_finite(found: &Distance, a: Body<'_, Polytope>, b: Body<'_, Polytope>) 
     }
 }
 
-fn check_f64_alone(found: &Distance, a: Body<'_, Polytope>, b: Body<'_, Polytope>) {
+fn check_f64_alone(found: &Distance, a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) {
     let [in_a, in_b] = [a, b].map(|body| Shape::from(body.map.clone()));
-    let (a, b) = (Placed { shape: &in_a, pose: a.pose }, Placed { shape: &in_b, pose: b.pose });
+    let (a, b) =
+        (PosedShape { shape: &in_a, pose: a.pose }, PosedShape { shape: &in_b, pose: b.pose });
     match distance::in_f64(a, b) {
         DistanceResult::Apart(rough) => {
             let error = found.error_bound + rough.error_bound;
@@ -70,7 +71,7 @@ fn check_f64_alone(found: &Distance, a: Body<'_, Polytope>, b: Body<'_, Polytope
     }
 }
 
-fn check_depth(a: Body<'_, Polytope>, b: Body<'_, Polytope>, touches: bool) {
+fn check_depth(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>, touches: bool) {
     let mut scratch = epa::Scratch::default();
     let verdict = epa::depth(a, b, &mut scratch);
     let mirrored = epa::depth(b, a, &mut scratch);
@@ -93,7 +94,7 @@ fn check_depth(a: Body<'_, Polytope>, b: Body<'_, Polytope>, touches: bool) {
 }
 
 /// Moved by a little more than its depth, b is apart from a; by clearly less, it is not.
-fn check_parting(a: Body<'_, Polytope>, b: Body<'_, Polytope>, depth: &epa::Depth) {
+fn check_parting(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>, depth: &epa::Depth) {
     let size = size(a, b);
     if !SQUARED.contains(&size) {
         return;
@@ -101,7 +102,7 @@ fn check_parting(a: Body<'_, Polytope>, b: Body<'_, Polytope>, depth: &epa::Dept
     let touches_after = |way: f64| {
         let t: DVec3 = b.pose.translation() + depth.normal * way;
         let moved = Pose::from_matrix(*b.pose.rotation(), t).expect("of a valid pose");
-        overlap_exactly(a, Body { pose: &moved, ..b })
+        overlap_exactly(a, PosedSupport { pose: &moved, ..b })
     };
     let room = depth.error_bound + 1e-9 * size;
     assert!(!touches_after(depth.depth + room), "not parted: {depth:?}");
@@ -111,16 +112,16 @@ fn check_parting(a: Body<'_, Polytope>, b: Body<'_, Polytope>, depth: &epa::Dept
 }
 
 /// Whether nothing tells the two apart, so that no answer can be another seen from b.
-fn is_same(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> bool {
-    let content = |body: Body<'_, Polytope>| {
+fn is_same(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) -> bool {
+    let content = |body: PosedSupport<'_, Polytope>| {
         (*body.pose.rotation(), body.pose.translation(), body.map.swept_radius())
     };
     content(a) == content(b) && a.map.vertices() == b.map.vertices()
 }
 
 /// No coordinate of either shape is beyond it.
-fn size(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> f64 {
-    let of = |body: Body<'_, Polytope>| {
+fn size(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) -> f64 {
+    let of = |body: PosedSupport<'_, Polytope>| {
         2.0 * body.reach + body.pose.translation().abs().element_sum() + body.map.swept_radius()
     };
     of(a) + of(b)

@@ -1,9 +1,9 @@
-//! Yes or no, by every rung that sees one pair at a time.
+//! Yes or no, by every method that sees one pair at a time.
 
 use crate::Input;
 use dcd_geom::{Polytope, Pose};
 use dcd_gjk::certified::{self, overlap_exactly};
-use dcd_gjk::{Body, Difference, Verdict, gjk};
+use dcd_gjk::{Difference, PosedSupport, Verdict, gjk};
 
 /// Two placed polytopes.
 pub(crate) type Pair = [(Polytope, Pose); 2];
@@ -17,21 +17,21 @@ pub(crate) fn pair(input: &mut Input<'_>) -> Option<Pair> {
     Some([(a, pose_a), (b, pose_b)])
 }
 
-pub(crate) fn body((shape, pose): &(Polytope, Pose)) -> Body<'_, Polytope> {
-    Body::polytope(shape, pose)
+pub(crate) fn body((shape, pose): &(Polytope, Pose)) -> PosedSupport<'_, Polytope> {
+    PosedSupport::polytope(shape, pose)
 }
 
-/// The certified ladder is never undecided and agrees with its last rung, in either order; f32 and
+/// The certified ladder is never undecided and agrees with its last method, in either order; f32 and
 /// f64 alone never contradict it.
 pub fn overlap(bytes: &[u8]) {
     let Some(pair) = pair(&mut Input(bytes)) else { return };
     let [a, b] = pair.each_ref().map(body);
     let touches = overlap_exactly(a, b);
     let truth = if touches { Verdict::Touching(()) } else { Verdict::Apart };
-    assert_eq!(overlap_exactly(b, a), touches, "the last rung, seen from b");
-    let (verdict, rung) = certified::overlap(a, b);
-    assert_eq!(verdict, truth, "the ladder, at {rung:?}");
-    assert_eq!(certified::overlap(b, a), (verdict, rung), "the ladder, seen from b");
+    assert_eq!(overlap_exactly(b, a), touches, "the last method, seen from b");
+    let (verdict, method) = certified::overlap(a, b);
+    assert_eq!(verdict, truth, "the ladder, at {method:?}");
+    assert_eq!(certified::overlap(b, a), (verdict, method), "the ladder, seen from b");
     let in_f64 = Difference::<f64, _, _>::new(a, b).map(|difference| gjk::overlap(&difference));
     let in_f32 = Difference::<f32, _, _>::new(a, b).map(|difference| gjk::overlap(&difference));
     for verdict in [in_f64, in_f32].into_iter().flatten() {

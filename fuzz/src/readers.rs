@@ -1,8 +1,8 @@
 //! Everything that reads files.
 
-use dcd_scenes::{
-    Capture, SweptBoxes, read_boxes, read_clouds, read_frame, read_hull_scene, read_listed_pairs,
-    read_pairs, write_hull_scene,
+use dcd_io::{
+    Capture, SweptBoxes, read_boxes, read_clouds, read_hull_scene, read_listed_pairs, read_pairs,
+    read_ply, write_hull_scene,
 };
 
 /// The first byte says which reader, the rest is its file: none panics, and a scene or capture that
@@ -22,9 +22,9 @@ pub fn readers(bytes: &[u8]) {
 
 /// A frame, and the two that its halves may be.
 fn frames(file: &[u8]) {
-    let _ = read_frame(file);
+    let _ = read_ply(file);
     let (first, second) = file.split_at(file.len() / 2);
-    if let (Ok(first), Ok(second)) = (read_frame(first), read_frame(second)) {
+    if let (Ok(first), Ok(second)) = (read_ply(first), read_ply(second)) {
         let _ = SweptBoxes::between(&first, &second);
     }
 }

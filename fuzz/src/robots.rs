@@ -84,7 +84,7 @@ fn end_of_tag(tag: &str) -> Option<usize> {
     })
 }
 
-/// A chain of links with balls, boxes and cylinders, and how many it has.
+/// A chain of links with spheres, boxes and cylinders, and how many it has.
 fn built_robot(input: &mut Input<'_>) -> Option<(String, usize)> {
     let links = input.byte()? % 12;
     let (mut text, mut count) = (String::from("<robot name=\"r\">"), 0);

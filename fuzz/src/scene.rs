@@ -4,12 +4,12 @@ use crate::Input;
 use crate::judge::{agree, part_by_part};
 use dcd_exec::Par;
 use dcd_geom::glam::DVec3;
-use dcd_geom::lanes::Path;
 use dcd_geom::{Filter, Motion, Object, Pose, Scene};
-use dcd_gjk::{Coherent, Overlap, Placed, Verdict, certified};
+use dcd_gjk::{Coherent, Overlap, PosedShape, Verdict, certified};
 use dcd_pipeline::{Pipeline, WideTree};
+use dcd_simd::Path;
 
-/// Objects in a scene at most: enough for a lot of sixteen pairs, and every pair is judged singly.
+/// Objects in a scene at most: enough for a packet of sixteen pairs, and every pair is judged singly.
 const OBJECTS: u8 = 20;
 
 /// Frames at most.
@@ -142,7 +142,7 @@ fn pair_of(pair: dcd_geom::Pair) -> (u32, u32) {
 pub(crate) fn judged(scene: &Scene) -> Judged {
     let mut judged = Judged::default();
     let placed =
-        |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
+        |i: u32| PosedShape { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
     let count = scene.len() as u32;
     let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
     for (i, j) in pairs.filter(|&(i, j)| scene.allows(i, j)) {

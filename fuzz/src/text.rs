@@ -1,8 +1,8 @@
 //! MoveIt's scenes and requests as YAML, and meshes as OBJ.
 
 use crate::Input;
+use dcd_io::{RawMesh, read_obj};
 use dcd_robot::{LinkShapes, PlanningScene, Request, Robot, World};
-use dcd_scenes::{Frame, read_obj};
 use std::fmt;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -141,7 +141,7 @@ pub fn obj(bytes: &[u8]) {
     let count = mesh.vertices.len();
     assert!(mesh.faces.iter().flatten().all(|&corner| (corner as usize) < count));
     // Vertices that no face names are no part of a mesh, and need not be kept.
-    let corners = |mesh: &Frame| -> Vec<[[u64; 3]; 3]> {
+    let corners = |mesh: &RawMesh| -> Vec<[[u64; 3]; 3]> {
         let bits = |k: u32| mesh.vertices[k as usize].to_array().map(f64::to_bits);
         mesh.faces.iter().map(|face| face.map(bits)).collect()
     };
@@ -152,7 +152,7 @@ pub fn obj(bytes: &[u8]) {
     assert_eq!(mesh.clone().into_shape().is_err(), mesh.faces.is_empty());
 }
 
-fn text_of(mesh: &Frame) -> String {
+fn text_of(mesh: &RawMesh) -> String {
     let vertices = mesh.vertices.iter().map(|v| format!("v {:e} {:e} {:e}\n", v.x, v.y, v.z));
     let faces = mesh.faces.iter().map(|[a, b, c]| {
         format!("f {} {} {}\n", u64::from(*a) + 1, u64::from(*b) + 1, u64::from(*c) + 1)

@@ -65,8 +65,8 @@ fn other_processors() -> Result<()> {
         eprintln!("-- {target}");
         let mut command = cargo();
         command.args(["check", "--quiet", "--target", target]);
-        for room in policy::ROOMS {
-            command.args(["--package", room]);
+        for name_of in policy::STEP_CRATES {
+            command.args(["--package", name_of]);
         }
         cargo::shown(&mut command)?;
     }

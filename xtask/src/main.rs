@@ -24,7 +24,7 @@ enum Task {
     /// The paper's tables and figures, ours beside the published ones [--quick for a minute's run]
     #[command(disable_help_flag = true)]
     Bench(PassedOn),
-    /// Our default pipeline beside Parry's best, in turn in one process: ratios per stage and whole
+    /// Our default pipeline beside Parry's best, interleaved in one process: ratios per stage and whole
     #[command(disable_help_flag = true)]
     Compare(PassedOn),
     /// Triangle meshes in many poses beside Parry's: answers judged, ratios of times
@@ -36,7 +36,7 @@ enum Task {
     /// Scenes that walk, frame by frame: what remembering proofs saves, beside Parry's refitted tree
     #[command(disable_help_flag = true)]
     Frames(PassedOn),
-    /// What each rung of precision costs, and how often and how far it is wrong
+    /// What each method of precision costs, and how often and how far it is wrong
     #[command(disable_help_flag = true)]
     Accuracy(PassedOn),
     /// How the step scales with threads and with the number of objects

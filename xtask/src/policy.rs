@@ -7,8 +7,8 @@ use crate::license::is_permissive;
 
 /// Rooms that know no threads; whoever needs one pair's answer depends on these alone.
 const WITHOUT_THREADS: [&str; 3] = ["dcd-simd", "dcd-geom", "dcd-gjk"];
-/// The rooms of a step. They know no Parry: it is a rival, behind doors of its own.
-pub const ROOMS: [&str; 7] =
+/// The rooms of a step. They know no Parry: it is a rival, behind traits of its own.
+pub const STEP_CRATES: [&str; 7] =
     ["dcd-simd", "dcd-geom", "dcd-gjk", "dcd-bvh", "dcd-broad", "dcd-exec", "dcd-pipeline"];
 /// The only crate with `unsafe`.
 const WITH_UNSAFE: &str = "dcd-simd";
@@ -26,7 +26,7 @@ const THREADS: [&str; 2] = ["rayon", "thread_local"];
 pub fn breaches() -> Result<Vec<String>> {
     let metadata = Metadata::read()?;
     let mut breaches = [
-        missing_rooms(&metadata),
+        missing_crates(&metadata),
         versions_of_glam(&metadata),
         licences(&metadata),
         manifests_with_threads(&metadata),
@@ -34,18 +34,18 @@ pub fn breaches() -> Result<Vec<String>> {
     ]
     .concat();
     let present = |name: &&str| metadata.member(name).is_some();
-    for room in ROOMS.into_iter().chain(INPUT_AND_JUDGE).filter(present) {
-        let tree = normal_dependencies(room)?;
-        breaches.extend(foreigners(room, &tree));
+    for name_of in STEP_CRATES.into_iter().chain(INPUT_AND_JUDGE).filter(present) {
+        let tree = normal_dependencies(name_of)?;
+        breaches.extend(foreigners(name_of, &tree));
     }
     Ok(breaches)
 }
 
 /// A room that was renamed would else slip out of the policy.
-fn missing_rooms(metadata: &Metadata) -> Vec<String> {
-    let all = ROOMS.into_iter().chain(INPUT_AND_JUDGE);
-    let missing = all.filter(|room| metadata.member(room).is_none());
-    missing.map(|room| format!("the workspace has no package {room}")).collect()
+fn missing_crates(metadata: &Metadata) -> Vec<String> {
+    let all = STEP_CRATES.into_iter().chain(INPUT_AND_JUDGE);
+    let missing = all.filter(|name_of| metadata.member(name_of).is_none());
+    missing.map(|name_of| format!("the workspace has no package {name_of}")).collect()
 }
 
 fn versions_of_glam(metadata: &Metadata) -> Vec<String> {
@@ -109,24 +109,24 @@ fn targets_that_allow_unsafe(metadata: &Metadata) -> Result<Vec<String>> {
     Ok(breaches)
 }
 
-/// Names of all packages that a build of `room` alone brings in, itself included.
-fn normal_dependencies(room: &str) -> Result<Vec<String>> {
+/// Names of all packages that a build of `name_of` alone brings in, itself included.
+fn normal_dependencies(name_of: &str) -> Result<Vec<String>> {
     let arguments = ["--quiet", "--edges=normal", "--prefix=none", "--format={p}"];
-    let tree = printed(cargo().args(["tree", "--package", room]).args(arguments))
-        .with_context(|| format!("the dependencies of {room}"))?;
+    let tree = printed(cargo().args(["tree", "--package", name_of]).args(arguments))
+        .with_context(|| format!("the dependencies of {name_of}"))?;
     let name = |line: &str| line.split(' ').next().unwrap_or(line).to_owned();
     Ok(tree.lines().map(name).collect())
 }
 
-fn foreigners(room: &str, tree: &[String]) -> Vec<String> {
-    let has_threads = |name: &str| WITHOUT_THREADS.contains(&room) && THREADS.contains(&name);
+fn foreigners(name_of: &str, tree: &[String]) -> Vec<String> {
+    let has_threads = |name: &str| WITHOUT_THREADS.contains(&name_of) && THREADS.contains(&name);
     let mut names: Vec<&String> = tree.iter().collect();
     names.sort();
     names.dedup();
     names
         .into_iter()
         .filter(|name| name.starts_with("parry") || has_threads(name))
-        .map(|name| format!("{room} must not depend on {name}"))
+        .map(|name| format!("{name_of} must not depend on {name}"))
         .collect()
 }
 
@@ -158,9 +158,9 @@ mod tests {
         };
         let mut packages: Vec<_> =
             glams.iter().map(|version| package("glam", version, &[])).collect();
-        for room in ["dcd-exec", "dcd-gjk"] {
-            let named: &[&str] = if room == named_by { &THREADS } else { &[] };
-            packages.push(package(room, "0.1.0", named));
+        for name_of in ["dcd-exec", "dcd-gjk"] {
+            let named: &[&str] = if name_of == named_by { &THREADS } else { &[] };
+            packages.push(package(name_of, "0.1.0", named));
         }
         let members = ["dcd-exec 0.1.0", "dcd-gjk 0.1.0"];
         let value = serde_json::json!({ "packages": packages, "workspace_members": members });

@@ -1,7 +1,7 @@
 //! Pairs written sixteen at a time, and taken back where nobody wants them.
 
 use dcd_geom::Pair;
-use dcd_geom::lanes::{IndexRow, Lanes, WIDTH};
+use dcd_simd::{IndexRow, Lanes, WIDTH};
 
 /// A list that sixteen pairs at a time are written to, past its end.
 #[derive(Debug)]

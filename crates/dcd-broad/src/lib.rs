@@ -1,28 +1,28 @@
 //! From boxes to candidate pairs.
 //!
 //! [`WideTree`] is the fast way. [`TreePairs`] drives the paper's tree or one of one's own; a whole
-//! broad phase of one's own comes in by the door [`BroadPhase`], whose law [`law`] tests. What
-//! stands still is a [`StandingTree`], built once and asked by other boxes.
+//! broad phase of one's own comes in by the trait [`BroadPhase`], whose contract [`contract`] tests. What
+//! stands still is a [`StaticTree`], built once and asked by other boxes.
 //! [`BruteForce`] and [`SweepAndPrune`] share nothing with the trees that they judge.
 //!
 //! Deliberately absent: shapes, solvers.
 #![forbid(unsafe_code)]
 
-mod against;
 mod append;
+mod broad_phase;
 mod brute_force;
-mod door;
-pub mod law;
+pub mod contract;
+mod obstacle_grid;
+mod static_tree;
 mod sweep;
 mod tree_pairs;
-mod vicinity;
 mod wide;
 
-pub use against::{Named, StandingTree};
+pub use broad_phase::BroadPhase;
 pub use brute_force::BruteForce;
-pub use dcd_geom::lanes::{BoxRow, BoxSet};
-pub use door::BroadPhase;
+pub use dcd_simd::{Aabb128, Mask128};
+pub use obstacle_grid::{Cell, GridHits, ObstacleBounds, ObstacleGrid, PosedBounds};
+pub use static_tree::{IdentifiedAabbs, StaticTree};
 pub use sweep::SweepAndPrune;
 pub use tree_pairs::{LeafPairs, Traversal, TreePairs, Visits};
-pub use vicinity::{Listing, Outline, Posed, Reached, Vicinity};
 pub use wide::WideTree;

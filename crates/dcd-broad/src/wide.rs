@@ -4,8 +4,8 @@ use crate::BroadPhase;
 use crate::append::{Appender, append_where};
 use dcd_bvh::WideBvh;
 use dcd_exec::{Exec, Segments};
-use dcd_geom::lanes::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{Aabb, Pair};
+use dcd_simd::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 
 /// Candidate pairs from a [`WideBvh`], whose leaves ask for themselves and for the leaves after.
 ///
@@ -37,7 +37,7 @@ impl WideTree {
     /// The pairs that task number `task` asks for.
     fn append_task(&self, task: usize, out: &mut Vec<Pair>) {
         let first = task * LEAVES_PER_TASK;
-        dispatch_on(self.path, Search { tree: &self.tree, first, out: Appender::new(out) });
+        dispatch_on(self.path, SelfPairSearch { tree: &self.tree, first, out: Appender::new(out) });
     }
 }
 
@@ -143,13 +143,13 @@ impl Stack {
 }
 
 /// The pairs of some leaves, with themselves and with the leaves after.
-struct Search<'a> {
+struct SelfPairSearch<'a> {
     tree: &'a WideBvh,
     first: usize,
     out: Appender<'a>,
 }
 
-impl Kernel for Search<'_> {
+impl Kernel for SelfPairSearch<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -184,7 +184,7 @@ impl Kernel for Search<'_> {
     }
 }
 
-impl Search<'_> {
+impl SelfPairSearch<'_> {
     /// The pairs within a leaf.
     #[inline(always)]
     fn within<L: Lanes>(&mut self, l: L, leaf: usize) {

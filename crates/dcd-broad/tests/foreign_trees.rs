@@ -1,7 +1,7 @@
 //! Trees that nobody here made: of many children, of one child, and deeper than any stack.
 
-use dcd_broad::{LeafPairs, Traversal, TreePairs, Visits, law};
-use dcd_bvh::{Below, BoundingTree, BuildTree, Node};
+use dcd_broad::{LeafPairs, Traversal, TreePairs, Visits, contract};
+use dcd_bvh::{BoundingTree, BuildTree, Node, NodeContent};
 use dcd_exec::Exec;
 use dcd_geom::Aabb;
 use glam::Vec3;
@@ -16,7 +16,8 @@ impl BoundingTree for Nodes {
     }
     fn node(&self, number: u32) -> Node<'_> {
         let (aabb, children, boxes) = &self.0[number as usize];
-        let below = if boxes.is_empty() { Below::Nodes(children) } else { Below::Boxes(boxes) };
+        let below =
+            if boxes.is_empty() { NodeContent::Nodes(children) } else { NodeContent::Boxes(boxes) };
         Node { aabb: *aabb, below }
     }
 }
@@ -77,15 +78,15 @@ fn row(count: usize) -> Vec<Aabb> {
 }
 
 #[test]
-fn the_law_holds_over_trees_of_any_number_of_children() {
+fn the_contract_holds_over_trees_of_any_number_of_children() {
     let aabbs = row(500);
     for ways in [1, 2, 3, 8, 16] {
-        dcd_bvh::law::tree(&Ways(ways), &aabbs).unwrap();
+        dcd_bvh::contract::tree(&Ways(ways), &aabbs).unwrap();
         for visits in [Visits::Once, Visits::Twice] {
             for leaf_pairs in [LeafPairs::Tested, LeafPairs::Untested] {
                 let traversal = Traversal { max_depth: 4, visits, leaf_pairs };
                 let mut phase = TreePairs::new(Ways(ways)).with(traversal);
-                let surplus = law::broad_phase(&mut phase, &aabbs).unwrap();
+                let surplus = contract::broad_phase(&mut phase, &aabbs).unwrap();
                 assert_eq!(surplus > 0, leaf_pairs == LeafPairs::Untested);
             }
         }
@@ -95,8 +96,8 @@ fn the_law_holds_over_trees_of_any_number_of_children() {
 #[test]
 fn a_tree_as_deep_as_there_are_boxes_overflows_no_stack() {
     let aabbs = row(20_000);
-    dcd_bvh::law::tree(&Chain, &aabbs).unwrap();
+    dcd_bvh::contract::tree(&Chain, &aabbs).unwrap();
     let traversal = Traversal { max_depth: u32::MAX, ..Traversal::default() };
     let mut phase = TreePairs::new(Chain).with(traversal);
-    assert_eq!(law::broad_phase(&mut phase, &aabbs), Ok(0));
+    assert_eq!(contract::broad_phase(&mut phase, &aabbs), Ok(0));
 }

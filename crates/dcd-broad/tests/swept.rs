@@ -3,7 +3,7 @@
 use dcd_broad::{BroadPhase, SweepAndPrune, WideTree};
 use dcd_exec::{Par, Segments};
 use dcd_geom::Pair;
-use dcd_scenes::{SweptBoxes, data, load_frame, load_listed_pairs};
+use dcd_io::{SweptBoxes, data, load_listed_pairs, load_ply};
 
 fn pairs(phase: &mut impl BroadPhase, boxes: &[dcd_geom::Aabb]) -> Vec<Pair> {
     let mut out = Segments::default();
@@ -23,7 +23,7 @@ fn every_listed_pair_of_swept_boxes_is_a_candidate() {
         println!("skipped: the n-body frames are not there");
         return;
     };
-    let (first, second) = (load_frame(&first).unwrap(), load_frame(&second).unwrap());
+    let (first, second) = (load_ply(&first).unwrap(), load_ply(&second).unwrap());
     let swept = SweptBoxes::between(&first, &second).unwrap();
     let listed = load_listed_pairs(&listed).unwrap();
     assert_eq!(listed.len(), 9460);

@@ -1,6 +1,6 @@
 //! A binary tree in one array.
 
-use crate::{Below, BoundingTree, Node};
+use crate::{BoundingTree, Node, NodeContent};
 use dcd_geom::Aabb;
 
 /// A binary tree over boxes: a flat array of nodes, and the list of boxes that its leaves share.
@@ -54,10 +54,10 @@ impl BoundingTree for BinaryTree {
     fn node(&self, number: u32) -> Node<'_> {
         let node = self.nodes.get(number as usize).unwrap_or(&BinaryNode::UNUSED);
         let below = match &node.content {
-            Content::Nodes(children) => Below::Nodes(children),
+            Content::Nodes(children) => NodeContent::Nodes(children),
             &Content::Boxes { first, count } => {
                 let boxes = first as usize..first as usize + count as usize;
-                Below::Boxes(self.indices.get(boxes).unwrap_or_default())
+                NodeContent::Boxes(self.indices.get(boxes).unwrap_or_default())
             }
         };
         Node { aabb: node.aabb, below }

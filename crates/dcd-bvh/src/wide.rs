@@ -1,10 +1,10 @@
 //! The fast tree: sixteen boxes a node, no pointers.
 
-use crate::deal::{Dealer, PARTED_AT_ONCE, cut};
-use crate::{Below, BoundingTree, BuildTree, Node};
+use crate::sample_sort::{PARTED_AT_ONCE, SampleSort, cut};
+use crate::{BoundingTree, BuildTree, Node, NodeContent};
 use dcd_exec::Exec;
-use dcd_geom::lanes::{IndexRow, WIDTH};
-use dcd_geom::{Aabb, Sixteen};
+use dcd_geom::{Aabb, Aabb16};
+use dcd_simd::{IndexRow, WIDTH};
 
 /// An implicit tree of sixteen children a node over spatially sorted boxes.
 ///
@@ -13,17 +13,17 @@ use dcd_geom::{Aabb, Sixteen};
 /// Lanes past the end hold the empty box, which overlaps nothing.
 #[derive(Clone, Debug, Default)]
 pub struct WideBvh {
-    leaves: Vec<Sixteen>,
+    leaves: Vec<Aabb16>,
     ids: Vec<IndexRow>,
-    levels: Vec<Vec<Sixteen>>,
+    levels: Vec<Vec<Aabb16>>,
     order: Vec<u64>,
-    dealer: Dealer,
-    /// 0, 1, 2, … for every leaf and node: what the door's slices of children are cut from.
+    dealer: SampleSort,
+    /// 0, 1, 2, … for every leaf and node: what the trait's slices of children are cut from.
     numbers: Vec<u32>,
     count: usize,
 }
 
-/// Builds a [`WideBvh`] behind the door, for traversals that take any tree.
+/// Builds a [`WideBvh`] behind the trait, for traversals that take any tree.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct WideBuilder;
 
@@ -45,7 +45,10 @@ impl BoundingTree for WideBvh {
         let mut place = number as usize;
         if let Some(leaf) = self.leaves.get(place) {
             let count = (self.count - place * WIDTH).min(WIDTH);
-            return Node { aabb: leaf.union(), below: Below::Boxes(&self.ids[place].0[..count]) };
+            return Node {
+                aabb: leaf.union(),
+                below: NodeContent::Boxes(&self.ids[place].0[..count]),
+            };
         }
         // Where the level below starts, and how many it has.
         let (mut start, mut below) = (0, self.leaves.len());
@@ -53,12 +56,15 @@ impl BoundingTree for WideBvh {
         let mut levels = self.levels.iter();
         loop {
             let Some(level) = levels.next() else {
-                return Node { aabb: Aabb::EMPTY, below: Below::Boxes(&[]) };
+                return Node { aabb: Aabb::EMPTY, below: NodeContent::Boxes(&[]) };
             };
             if let Some(node) = level.get(place) {
                 let first = place * WIDTH;
                 let children = start + first..start + below.min(first + WIDTH);
-                return Node { aabb: node.union(), below: Below::Nodes(&self.numbers[children]) };
+                return Node {
+                    aabb: node.union(),
+                    below: NodeContent::Nodes(&self.numbers[children]),
+                };
             }
             start += below;
             below = level.len();
@@ -93,7 +99,7 @@ impl WideBvh {
             // One leaf: there is nothing to keep apart.
             return order.iter_mut().zip(0..).for_each(|(k, i)| *k = i);
         }
-        let exec = exec.unless_few(aabbs.len(), PARTED_AT_ONCE);
+        let exec = exec.serial_below(aabbs.len(), PARTED_AT_ONCE);
         let leaves = aabbs.len().div_ceil(WIDTH);
         let across = (leaves as f64).cbrt().ceil().max(1.0) as usize;
         let strip = leaves.div_ceil(across * across).max(1) * WIDTH;
@@ -113,14 +119,14 @@ impl WideBvh {
     /// Takes in moved boxes, as many as before, and keeps the order of the leaves. O(n).
     fn refit(&mut self, aabbs: &[Aabb], exec: Exec) {
         let leaves = self.count.div_ceil(WIDTH);
-        self.leaves.resize(leaves, Sixteen::EMPTY);
+        self.leaves.resize(leaves, Aabb16::EMPTY);
         self.ids.resize(leaves, IndexRow::default());
         let order = &self.order;
         let rows = (&mut self.leaves[..], &mut self.ids[..]);
         exec.divide(rows, NODES_PER_TASK, |first, (leaves, ids)| {
             let members = order[first * WIDTH..].chunks(WIDTH);
             for ((leaf, ids), members) in leaves.iter_mut().zip(ids).zip(members) {
-                (*leaf, *ids) = (Sixteen::EMPTY, IndexRow::default());
+                (*leaf, *ids) = (Aabb16::EMPTY, IndexRow::default());
                 for (k, &key) in members.iter().enumerate() {
                     // The key's lower half is the box's index.
                     ids.0[k] = key as u32;
@@ -144,10 +150,10 @@ impl WideBvh {
             }
             let (below, above) = self.levels.split_at_mut(height);
             let below = below.last().unwrap_or(&self.leaves);
-            above[0].resize(nodes, Sixteen::EMPTY);
+            above[0].resize(nodes, Aabb16::EMPTY);
             exec.divide(&mut above[0][..], NODES_PER_TASK, |first, part| {
                 for (node, children) in part.iter_mut().zip(below[first * WIDTH..].chunks(WIDTH)) {
-                    *node = Sixteen::EMPTY;
+                    *node = Aabb16::EMPTY;
                     for (k, child) in children.iter().enumerate() {
                         node.set(k, &child.union());
                     }
@@ -159,7 +165,7 @@ impl WideBvh {
     }
 
     /// The leaves' boxes.
-    pub fn leaves(&self) -> &[Sixteen] {
+    pub fn leaves(&self) -> &[Aabb16] {
         &self.leaves
     }
 
@@ -174,7 +180,7 @@ impl WideBvh {
     }
 
     /// The nodes above the leaves, level by level; the last level has one node.
-    pub fn levels(&self) -> &[Vec<Sixteen>] {
+    pub fn levels(&self) -> &[Vec<Aabb16>] {
         &self.levels
     }
 
@@ -200,7 +206,7 @@ impl WideBvh {
         let mut below = &self.leaves;
         self.levels.iter().all(|level| {
             let unions =
-                |n: usize, k: usize| below.get(n * WIDTH + k).map_or(Aabb::EMPTY, Sixteen::union);
+                |n: usize, k: usize| below.get(n * WIDTH + k).map_or(Aabb::EMPTY, Aabb16::union);
             let right = level.len() == below.len().div_ceil(WIDTH)
                 && level
                     .iter()
@@ -254,9 +260,9 @@ mod tests {
     }
 
     #[test]
-    fn behind_the_door_it_keeps_the_law() {
+    fn behind_the_door_it_keeps_the_contract() {
         for count in [0, 1, 16, 17, 300, 5000] {
-            crate::law::tree(&WideBuilder, &boxes(count)).unwrap();
+            crate::contract::tree(&WideBuilder, &boxes(count)).unwrap();
         }
     }
 

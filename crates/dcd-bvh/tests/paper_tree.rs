@@ -1,6 +1,8 @@
 //! The paper's tree in both versions, on boxes of every kind.
 
-use dcd_bvh::{Below, BinaryTree, BoundingTree, BuildThreshold, BuildTree, PaperTree, law};
+use dcd_bvh::{
+    BinaryTree, BoundingTree, BuildThreshold, BuildTree, NodeContent, PaperTree, contract,
+};
 use dcd_exec::{Par, with_threads};
 use dcd_geom::Aabb;
 use glam::Vec3;
@@ -34,17 +36,17 @@ fn depth_and_largest_leaf(tree: &BinaryTree) -> (u32, usize) {
     let mut found = (0, 0);
     while let Some((number, depth)) = stack.pop() {
         match tree.node(number).below {
-            Below::Nodes(children) => {
+            NodeContent::Nodes(children) => {
                 stack.extend(children.iter().map(|&child| (child, depth + 1)))
             }
-            Below::Boxes(boxes) => found = (found.0.max(depth), found.1.max(boxes.len())),
+            NodeContent::Boxes(boxes) => found = (found.0.max(depth), found.1.max(boxes.len())),
         }
     }
     found
 }
 
 #[test]
-fn the_law_holds_on_degenerate_boxes() {
+fn the_contract_holds_on_degenerate_boxes() {
     let far = |x: f32| boxed(Vec3::new(x, 0.0, 0.0), Vec3::ONE);
     let families = [
         vec![],
@@ -58,7 +60,7 @@ fn the_law_holds_on_degenerate_boxes() {
     ];
     for aabbs in families {
         for preset in PRESETS {
-            law::tree(&preset, &aabbs).unwrap();
+            contract::tree(&preset, &aabbs).unwrap();
         }
     }
 }
@@ -67,7 +69,7 @@ fn the_law_holds_on_degenerate_boxes() {
 fn the_same_array_at_any_thread_count() {
     let aabbs = scattered(20_000);
     for preset in PRESETS {
-        law::tree(&preset, &aabbs).unwrap();
+        contract::tree(&preset, &aabbs).unwrap();
         let serial = build(&preset, &aabbs);
         for threads in [1, 2, 3, 7] {
             let mut tree = BinaryTree::default();
@@ -118,7 +120,7 @@ fn one_slab_makes_half_of_the_scene_a_leaf_as_coded_and_not_as_written() {
     assert!(as_coded > 4_900, "{as_coded}");
     assert!(as_written <= 4, "{as_written}");
     for preset in PRESETS {
-        law::tree(&preset, &aabbs).unwrap();
+        contract::tree(&preset, &aabbs).unwrap();
     }
 }
 
@@ -131,7 +133,7 @@ fn no_input_makes_the_tree_deeper_than_128_and_the_logarithm_of_the_boxes() {
     // As coded: of boxes that begin at 0 the longest alone has its centroid at the middle.
     let nested = (1..20_000).map(|k| Aabb { min: Vec3::ZERO, max: Vec3::X * k as f32 });
     for (preset, aabbs) in PRESETS.into_iter().zip([powers.collect::<Vec<_>>(), nested.collect()]) {
-        law::tree(&preset, &aabbs).unwrap();
+        contract::tree(&preset, &aabbs).unwrap();
         let (depth, largest) = depth_and_largest_leaf(&build(&preset, &aabbs));
         let logarithm = aabbs.len().ilog2() + 1;
         assert!((128..=128 + logarithm).contains(&depth) && largest <= 4, "{depth} {largest}");
@@ -152,10 +154,10 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..Default::default() })]
 
     #[test]
-    fn the_law_holds_on_random_boxes(aabbs in lattice_boxes(), cutoff in 1u32..10) {
+    fn the_contract_holds_on_random_boxes(aabbs in lattice_boxes(), cutoff in 1u32..10) {
         let leaf_cutoff = NonZeroU32::new(cutoff).unwrap();
         for preset in PRESETS {
-            prop_assert_eq!(law::tree(&PaperTree { leaf_cutoff, ..preset }, &aabbs), Ok(()));
+            prop_assert_eq!(contract::tree(&PaperTree { leaf_cutoff, ..preset }, &aabbs), Ok(()));
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::progress::Progress;
 use crate::{count, memory};
 use clap::Args;
 use dcd_geom::Pose;
-use dcd_scenes::{Capture as Recording, data, shown};
+use dcd_io::{Capture as Recording, data, shown};
 use frames::Moving;
 use std::io::{Write, stdout};
 use std::path::PathBuf;

@@ -12,7 +12,7 @@ use crate::count;
 use crate::failure::Failure;
 use crate::memory;
 use crate::output::{Output, check_distinct};
-use crate::rung::Rung;
+use crate::precision::Precision;
 use ask::Ask;
 use clap::Args;
 pub(crate) use contacts::{digest, fnv1a};
@@ -29,7 +29,7 @@ count, the vertices (3 f64 each, metres), the triangles (3 u32 each; they may be
 quaternion x y z w (4 f64), a translation (3 f64).
 
 Reading and the making of shapes are not timed. Each repeat is a first step: buffers are kept, \
-nothing that was learnt about the poses is. The broad phase is the wide tree on every rung.
+nothing that was learnt about the poses is. The broad phase is the wide tree at every precision.
 
 The digest is 64-bit FNV-1a over the contacts as --out writes them, without the count: u32 i, \
 u32 j, little endian, i < j, sorted. It is the same at any number of threads. The digests of \
@@ -63,7 +63,7 @@ pub(crate) struct Detect {
     ask: Ask,
     /// Who judges the candidate pairs
     #[arg(long, value_enum, default_value_t)]
-    rung: Rung,
+    precision: Precision,
     /// How many threads, 1 … 1,024; 1 touches no pool [default: one a core]
     #[arg(long, value_name = "N", value_parser = count::threads)]
     threads: Option<u16>,
@@ -89,11 +89,11 @@ impl Detect {
         let cores = || available_parallelism().map_or(1, usize::from);
         let threads = self.threads.map_or_else(cores, usize::from);
         if let Some(path) = &self.source.capture {
-            let replayed = Replay { rung: self.rung, threads }.run(path)?;
+            let replayed = Replay { precision: self.precision, threads }.run(path)?;
             let text = if self.json { replayed.json() } else { replayed.text() };
             return stdout().write_all(text.as_bytes()).map_err(Failure::Output);
         }
-        let query = self.ask.query(self.rung)?;
+        let query = self.ask.query(self.precision)?;
         let outputs = [self.out.as_deref(), self.ask.answers.as_deref()];
         let named: Vec<_> = outputs.into_iter().flatten().collect();
         let inputs = self.source.inputs();
@@ -103,10 +103,10 @@ impl Detect {
         // Before the work, so that a wrong path costs none.
         let [out, answers] = outputs.map(|path| path.map(Output::create).transpose());
         let (mut out, mut answers) = (out?, answers?);
-        let plan = Plan { rung: self.rung, query, threads, repeats: self.repeat };
+        let plan = Plan { precision: self.precision, query, threads, repeats: self.repeat };
         let found = steps::run(&scene, plan)?;
         if let Some(file) = &mut answers {
-            file.write(|to| contacts::write_told(&found.told, to))?;
+            file.write(|to| contacts::write_reported(&found.reported, to))?;
         }
         if let Some(file) = &mut out {
             file.write(|to| contacts::write(&found.contacts, to))?;

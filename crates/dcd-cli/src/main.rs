@@ -12,11 +12,11 @@ mod making;
 mod memory;
 mod output;
 mod pairs;
+mod precision;
 mod progress;
 mod quiet;
+mod reported;
 mod robot;
-mod rung;
-mod told;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

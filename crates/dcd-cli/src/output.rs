@@ -9,7 +9,7 @@ mod same;
 mod signals;
 
 use crate::failure::Failure;
-use dcd_scenes::shown;
+use dcd_io::shown;
 pub(crate) use same::check_distinct;
 use std::ffi::OsString;
 use std::fs::{File, OpenOptions, Permissions};

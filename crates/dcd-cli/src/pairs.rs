@@ -5,14 +5,14 @@ mod ours;
 mod parry;
 
 use crate::failure::{Failure, tell};
+use crate::precision::Precision;
 use crate::progress::Progress;
-use crate::rung::Rung;
 use answer::Answer;
 use clap::{Args, ValueEnum};
 use dcd_geom::{Polytope, Pose, Shape};
-use dcd_gjk::Placed;
-use dcd_scenes::{PairError, PairFault, PairInput, read_pairs, shown};
-use ours::Ladder;
+use dcd_gjk::PosedShape;
+use dcd_io::{PairError, PairFault, PairInput, read_pairs, shown};
+use ours::Solvers;
 use serde::Serialize;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, IsTerminal, Write, stdin, stdout};
@@ -23,8 +23,8 @@ const DETAILS: &str = r#"FILE holds a pair a line:
 Points in metres in the shape's own frame; R row by row, or a unit quaternion q = [x, y, z, w] in its place. Other keys are refused, but for "name" and those that begin with an underscore; so is a line of more than 268,435,456 bytes, and JSON nested deeper than 127. The file may begin with a byte order mark.
 
 A line comes out for each, in order:
-  {"name": "…", "answer": "apart"|"touching"|"undecided", "rung": "…", …}
-  rung         what settled it: f32, f64, exact, parry-f32, parry-f64
+  {"name": "…", "answer": "apart"|"touching"|"undecided", "method": "…", …}
+  method       what decided it: f32, f64, exact, parry-f32, parry-f64
   reason       why the pair is undecided, or its distance without a bound: "out of range" where it is
                more than an f64 holds, and the number told is one that it surely exceeds
   distance     metres; 0 for a touching pair, and for one that f64 leaves undecided: it is apart, or
@@ -34,10 +34,10 @@ A line comes out for each, in order:
   point_a, point_b   between which the distance or depth is, world frame
   points       of --query manifold, the deepest first: each with depth, point_a, point_b, feature_a,
                feature_b (vertices by index); normal and error_bound are those of all
-  error_bound  the truth is within it, metres; absent on Parry's rungs, which give none
+  error_bound  the truth is within it, metres; absent on parry-f32 and parry-f64, which give none
 A line that is no such pair comes out as {"name": …, "error": "line …"}, on standard error too, and the run goes on; the exit code is 2 then.
 
-There is no distance in f32: --rung fast gives f64's. A depth comes from one algorithm, on an exact lattice: rung tells then what proved that the pair touches. Parry's rungs print what query::intersection_test, distance, closest_points and contact say, right or wrong."#;
+There is no distance in f32: --precision fast gives f64's. A depth comes from one algorithm, on an exact lattice: method tells then what proved that the pair touches. Parry's rungs print what query::intersection_test, distance, closest_points and contact say, right or wrong."#;
 
 /// Judge pairs of posed point sets, one a line
 #[derive(Args)]
@@ -47,11 +47,11 @@ pub(crate) struct Pairs {
     file: PathBuf,
     /// Who judges
     #[arg(long, value_enum, default_value_t)]
-    rung: Rung,
+    precision: Precision,
     /// What is asked about each pair
     #[arg(long, value_enum, default_value_t)]
     query: Query,
-    /// Ask for (b, a): the same answer mirrored, bit for bit, but on Parry's rungs
+    /// Ask for (b, a): the same answer mirrored, bit for bit, but on Parry's precisions
     #[arg(long)]
     swap: bool,
 }
@@ -82,8 +82,8 @@ impl Side {
         Self { shape: shape.into(), pose }
     }
 
-    fn placed(&self) -> Placed<'_> {
-        Placed { shape: &self.shape, pose: &self.pose }
+    fn placed(&self) -> PosedShape<'_> {
+        PosedShape { shape: &self.shape, pose: &self.pose }
     }
 }
 
@@ -103,22 +103,24 @@ struct Line<'a> {
 
 impl Pairs {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        if self.query == Query::Manifold && matches!(self.rung, Rung::ParryF32 | Rung::ParryF64) {
-            let rung = format_args!("--rung {}", self.rung.name());
-            return Err(Failure::at(rung, "answers no --query manifold"));
+        if self.query == Query::Manifold
+            && matches!(self.precision, Precision::ParryF32 | Precision::ParryF64)
+        {
+            let precision = format_args!("--precision {}", self.precision.name());
+            return Err(Failure::at(precision, "answers no --query manifold"));
         }
         let (place, reader) = self.open()?;
         let mut out = stdout().lock();
         // Lines that are looked at are progress enough.
         let progress = (!out.is_terminal()).then(|| Progress::over(0, "pairs"));
-        let mut ladder = Ladder::default();
+        let mut solvers = Solvers::default();
         let (mut lines, mut refused) = (0u64, 0u64);
         for item in read_pairs(reader) {
             lines += 1;
             let read = item.map_err(|error| Failure::at(&place, error))?;
             let (name, outcome) = match read {
                 Ok(pair) => {
-                    let (name, answer) = self.answer(pair, &mut ladder);
+                    let (name, answer) = self.answer(pair, &mut solvers);
                     (name, Outcome::Answered(answer))
                 }
                 Err(error) => {
@@ -150,15 +152,15 @@ impl Pairs {
         }
     }
 
-    fn answer(&self, pair: PairInput, ladder: &mut Ladder) -> (Option<String>, Answer) {
+    fn answer(&self, pair: PairInput, solvers: &mut Solvers) -> (Option<String>, Answer) {
         let a = Side::new(pair.a, pair.pose_a);
         let b = Side::new(pair.b, pair.pose_b);
         let (a, b) = if self.swap { (b, a) } else { (a, b) };
-        let answer = match self.rung {
-            Rung::ParryF32 => parry::answer::<f32>(self.query, "parry-f32", &a, &b),
-            Rung::ParryF64 => parry::answer::<f64>(self.query, "parry-f64", &a, &b),
-            rung => {
-                let answer = ladder.answer((rung, self.query), a.placed(), b.placed());
+        let answer = match self.precision {
+            Precision::ParryF32 => parry::answer::<f32>(self.query, "parry-f32", &a, &b),
+            Precision::ParryF64 => parry::answer::<f64>(self.query, "parry-f64", &a, &b),
+            precision => {
+                let answer = solvers.answer((precision, self.query), a.placed(), b.placed());
                 // Nothing tells two identical bodies apart: (b, a) is (a, b) to the ladder.
                 if self.swap && are_identical(&a, &b) { answer.mirrored() } else { answer }
             }

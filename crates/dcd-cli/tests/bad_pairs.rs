@@ -114,7 +114,7 @@ fn a_line_that_is_no_text_is_refused_and_the_run_goes_on() {
 }
 
 #[test]
-fn every_rung_and_query_survives_extreme_but_finite_numbers() {
+fn every_method_and_query_survives_extreme_but_finite_numbers() {
     let mut text = String::new();
     for size in ["1e308", "-1.7e308", "1e160", "1e-160", "1e-308", "5e-324"] {
         text += &FINE.replacen("0.1", size, 1).replacen('\n', "", 1);
@@ -122,15 +122,17 @@ fn every_rung_and_query_survives_extreme_but_finite_numbers() {
         text += &FINE.replace("[4, 5, 6]", &format!("[{size}, {size}, 1]"));
         text.push('\n');
     }
-    for rung in common::RUNGS {
+    for precision in common::PRECISIONS {
         for query in ["boolean", "distance", "depth"] {
-            let ran =
-                dcd_reading(text.as_bytes(), &["pairs", "-", "--rung", rung, "--query", query]);
+            let ran = dcd_reading(
+                text.as_bytes(),
+                &["pairs", "-", "--precision", precision, "--query", query],
+            );
             let answers = ran.answers();
             assert_eq!(answers.len(), 12);
             // What is no finite number is printed as null.
-            assert!(!ran.stdout.contains("null"), "{rung} {query}: {}", ran.stdout);
-            if rung == "certified" {
+            assert!(!ran.stdout.contains("null"), "{precision} {query}: {}", ran.stdout);
+            if precision == "certified" {
                 assert!(answers.iter().all(|line| line["answer"] != "undecided"), "{ran:?}");
             }
         }
@@ -147,7 +149,7 @@ fn an_unreadable_file_is_refused_with_its_name() {
 fn bad_usage_is_refused_with_what_was_given() {
     for (arguments, why) in [
         (&["pairs"][..], "<FILE>"),
-        (&["pairs", "-", "--rung", "slow"], "'slow'"),
+        (&["pairs", "-", "--precision", "slow"], "'slow'"),
         (&["pairs", "-", "--query", "volume"], "'volume'"),
         (&["pairs", "-", "-", "--swap"], "'-'"),
         (&[], "Usage"),

@@ -172,7 +172,7 @@ fn bad_usage_is_refused_with_what_was_given() {
         (&["detect", "-", "--threads", "1025"], "1025"),
         (&["detect", "-", "--threads", "two"], "'two'"),
         (&["detect", "-", "--repeat", "0"], "'0'"),
-        (&["detect", "-", "--rung", "slow"], "'slow'"),
+        (&["detect", "-", "--precision", "slow"], "'slow'"),
         (&["detect", "-", "--scene", "paper"], "--scene"),
         (&["detect", "-", "--n", "7"], "--n"),
         (&["detect", "--scene", "papier"], "'papier'"),

@@ -53,7 +53,10 @@ fn a_pile_of_300_frames_replays_with_the_same_bytes_at_one_two_and_three_threads
     let file = Scratch::new("pile");
     record(&["--scene", "pile", "--n", "150", "--frames", "300"], &file);
     let one = replay(&file, &["--threads", "1"]);
-    assert_eq!((one["objects"].as_u64(), one["rung"].as_str()), (Some(151), Some("certified")));
+    assert_eq!(
+        (one["objects"].as_u64(), one["precision"].as_str()),
+        (Some(151), Some("certified"))
+    );
     let frames = found(&one);
     assert_eq!(frames.len(), 300);
     // In the air first, a heap last, and no frame like the one before.
@@ -67,19 +70,19 @@ fn a_pile_of_300_frames_replays_with_the_same_bytes_at_one_two_and_three_threads
 }
 
 #[test]
-fn a_walk_replays_on_every_rung_and_its_first_frame_is_the_scene() {
+fn a_walk_replays_on_every_method_and_its_first_frame_is_the_scene() {
     let file = Scratch::new("walk");
     let scene = ["--scene", "paper", "--n", "300"];
     record(&[&scene[..], &["--frames", "4", "--sigma", "0.02"]].concat(), &file);
     let frames = found(&replay(&file, &[]));
     let first = dcd(&[&["detect", "--json"], &scene[..]].concat()).summary();
     assert_eq!(first["contacts"].as_u64(), Some(frames[0].1));
-    for rung in ["f64", "parry-f64"] {
-        let other = found(&replay(&file, &["--rung", rung]));
+    for precision in ["f64", "parry-f64"] {
+        let other = found(&replay(&file, &["--precision", precision]));
         let counts = |frames: &[(u64, u64, u64, String)]| -> Vec<_> {
             frames.iter().map(|frame| (frame.1, frame.2)).collect()
         };
-        assert_eq!(counts(&other), counts(&frames), "{rung}");
+        assert_eq!(counts(&other), counts(&frames), "{precision}");
     }
     let text = dcd(&["detect", "--capture", file.path()]);
     assert_eq!(text.code, Some(0));

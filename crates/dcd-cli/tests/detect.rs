@@ -3,8 +3,9 @@
 
 mod common;
 
-use common::{Hull, RUNGS, cube, dcd, dcd_reading, hull_file};
-use dcd_scenes::{SceneSpec, write_hull_scene};
+use common::{Hull, PRECISIONS, cube, dcd, dcd_reading, hull_file};
+use dcd_io::write_hull_scene;
+use dcd_scenes::SceneSpec;
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -36,9 +37,10 @@ fn fnv1a(bytes: &[u8]) -> String {
 fn no_object_and_one_object_are_legal_and_have_no_pair() {
     for objects in [0, 1] {
         let hulls = vec![Hull::unit_cube([1.0, 2.0, 3.0]); objects];
-        for rung in RUNGS {
+        for precision in PRECISIONS {
             for threads in ["1", "2"] {
-                let arguments = ["detect", "-", "--rung", rung, "--threads", threads, "--json"];
+                let arguments =
+                    ["detect", "-", "--precision", precision, "--threads", threads, "--json"];
                 let told = dcd_reading(&hull_file(&hulls), &arguments).summary();
                 for (key, value) in [("objects", objects), ("pairs", 0), ("contacts", 0)] {
                     assert_eq!(told[key], value, "{key}: {told}");
@@ -57,7 +59,7 @@ fn touching_cubes_are_a_contact_and_a_hair_apart_they_are_none() {
     let arguments = ["detect", "-", "--json", "--out", out.to_str().unwrap()];
     let told = dcd_reading(&file, &arguments).summary();
     assert_eq!((&told["objects"], &told["contacts"]), (&4.into(), &1.into()));
-    assert_eq!((&told["undecided"], &told["rung"]), (&0.into(), &"certified".into()));
+    assert_eq!((&told["undecided"], &told["precision"]), (&0.into(), &"certified".into()));
     assert_eq!(read_contacts(&std::fs::read(out).unwrap()), [(0, 1)]);
 }
 
@@ -72,7 +74,7 @@ fn the_json_has_the_documented_keys_in_order_and_sensible_times() {
         "contacts",
         "undecided",
         "threads",
-        "rung",
+        "precision",
         "ms",
         "peak_rss_bytes",
         "digest",
@@ -110,7 +112,7 @@ fn the_text_tells_what_the_json_tells() {
     }
     assert_eq!(Value::from(value("digest")), told["digest"]);
     assert_eq!((value("undecided"), value("threads")), ("0".into(), "2".into()));
-    assert_eq!(value("rung"), "certified");
+    assert_eq!(value("precision"), "certified");
 }
 
 #[test]
@@ -129,15 +131,16 @@ fn the_contact_file_is_sorted_and_the_digest_is_of_its_pairs() {
 
 #[test]
 fn the_digest_is_the_same_at_any_thread_count_and_in_every_repeat() {
-    for rung in RUNGS {
+    for precision in PRECISIONS {
         let told = ["1", "2", "3", "7"].map(|threads| {
-            let scene = ["detect", "--scene", "paper", "--n", "400", "--json", "--rung", rung];
+            let scene =
+                ["detect", "--scene", "paper", "--n", "400", "--json", "--precision", precision];
             let told = dcd(&[&scene[..], &["--threads", threads, "--repeat", threads]].concat());
             told.summary()
         });
         for other in &told[1..] {
             for key in ["pairs", "contacts", "undecided", "digest"] {
-                assert_eq!(other[key], told[0][key], "{rung}, {key}");
+                assert_eq!(other[key], told[0][key], "{precision}, {key}");
             }
         }
         assert_ne!(told[0]["digest"], NO_CONTACTS);
@@ -145,14 +148,16 @@ fn the_digest_is_the_same_at_any_thread_count_and_in_every_repeat() {
 }
 
 #[test]
-fn rungs_that_decide_every_pair_agree() {
-    let ask = |rung| dcd(&["detect", "--scene", "paper", "--n", "300", "--json", "--rung", rung]);
+fn methods_that_decide_every_pair_agree() {
+    let ask = |precision| {
+        dcd(&["detect", "--scene", "paper", "--n", "300", "--json", "--precision", precision])
+    };
     let certified = ask("certified").summary();
-    for rung in RUNGS {
-        let told = ask(rung).summary();
-        assert_eq!(told["rung"], rung);
-        if told["undecided"] == 0 && rung != "parry-f32" {
-            assert_eq!(told["digest"], certified["digest"], "{rung}");
+    for precision in PRECISIONS {
+        let told = ask(precision).summary();
+        assert_eq!(told["precision"], precision);
+        if told["undecided"] == 0 && precision != "parry-f32" {
+            assert_eq!(told["digest"], certified["digest"], "{precision}");
         }
     }
 }
@@ -187,17 +192,17 @@ fn triangles_may_be_absent_and_change_no_answer() {
 }
 
 #[test]
-fn flat_needle_like_and_point_like_hulls_are_legal_on_every_rung() {
+fn flat_needle_like_and_point_like_hulls_are_legal_on_every_method() {
     let mut hulls: Vec<_> = (0..4).map(|_| Hull::unit_cube([0.0; 3])).collect();
     hulls[1].vertices = cube([0.3, 0.3, 0.0]);
     hulls[2].vertices = vec![[0.1, 0.0, 0.0], [0.4, 0.1, 0.0]];
     hulls[3].vertices = vec![[0.2; 3]; 5];
-    for rung in RUNGS {
-        let arguments = ["detect", "-", "--json", "--rung", rung];
+    for precision in PRECISIONS {
+        let arguments = ["detect", "-", "--json", "--precision", precision];
         let told = dcd_reading(&hull_file(&hulls), &arguments).summary();
         let sum = told["contacts"].as_u64().unwrap() + told["undecided"].as_u64().unwrap();
         assert!(sum <= told["pairs"].as_u64().unwrap());
-        if rung == "certified" {
+        if precision == "certified" {
             // All in the cube, and the line in the plane; the point is in neither.
             assert_eq!((&told["contacts"], &told["undecided"]), (&4.into(), &0.into()), "{told}");
         }
@@ -238,7 +243,7 @@ fn clouds_become_a_scene_whose_density_is_a_parameter() {
 }
 
 #[test]
-fn help_tells_the_formats_the_rungs_and_the_exit_codes() {
+fn help_tells_the_formats_the_methods_and_the_exit_codes() {
     let all = dcd(&["--help"]).stdout;
     assert!(all.contains("detect") && all.contains("pairs") && all.contains("Exit codes: 0"));
     let detect = dcd(&["detect", "--help"]).stdout;
@@ -284,23 +289,24 @@ fn each_query_writes_its_answers_and_finds_the_same_contacts() {
 }
 
 #[test]
-fn a_margin_finds_the_pairs_within_it_on_each_of_our_rungs() {
-    for rung in common::OUR_RUNGS {
+fn a_margin_finds_the_pairs_within_it_on_each_of_our_methods() {
+    for precision in common::OUR_PRECISIONS {
         for (margin, contacts) in [("0", 2), ("0.1", 2), ("0.25", 3), ("10", 6)] {
             for query in ["overlap", "distance"] {
-                let arguments = ["--rung", rung, "--margin", margin, "--query", query, "--json"];
+                let arguments =
+                    ["--precision", precision, "--margin", margin, "--query", query, "--json"];
                 let told = dcd_reading(&row(), &[&["detect", "-"][..], &arguments].concat());
-                assert_eq!(told.summary()["contacts"], contacts, "{rung} {margin} {query}");
+                assert_eq!(told.summary()["contacts"], contacts, "{precision} {margin} {query}");
             }
         }
     }
 }
 
 #[test]
-fn a_query_that_its_rung_or_margin_rules_out_is_refused_with_both() {
+fn a_query_that_its_method_or_margin_rules_out_is_refused_with_both() {
     for (arguments, said) in [
-        (["--rung", "parry-f32", "--query", "depth"], "parry-f32"),
-        (["--rung", "parry-f64", "--margin", "0.1"], "parry-f64"),
+        (["--precision", "parry-f32", "--query", "depth"], "parry-f32"),
+        (["--precision", "parry-f64", "--margin", "0.1"], "parry-f64"),
         (["--query", "manifold", "--margin", "0.1"], "1e-1"),
         (["--query", "overlap", "--margin", "-1"], "-1"),
         (["--query", "overlap", "--margin", "NaN"], "NaN"),

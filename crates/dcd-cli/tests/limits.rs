@@ -94,14 +94,14 @@ const EMPTY_ARCHIVE: &[u8] =
     \x00\x04\x00\x00\x08\x20\x00\x30\xcc\x05\x29\xa6\x13\x62\x27\x8b\xb9\x22\x9c\x28\
     \x48\x2c\xbd\xdc\x72\x00";
 
-/// A robot of one ball, in a folder that is gone with the test.
+/// A robot of one sphere, in a folder that is gone with the test.
 #[test]
 fn an_archive_without_problems_is_refused_and_no_nan_is_printed() {
     let folder = tempfile::tempdir().unwrap();
     let (urdf, archive) = (folder.path().join("ball.urdf"), folder.path().join("empty.tar.bz2"));
-    let ball = "<robot name=\"ball\"><link name=\"a\"><collision><geometry><sphere radius=\"1\"/>\
+    let sphere = "<robot name=\"ball\"><link name=\"a\"><collision><geometry><sphere radius=\"1\"/>\
                 </geometry></collision></link></robot>";
-    std::fs::write(&urdf, ball).unwrap();
+    std::fs::write(&urdf, sphere).unwrap();
     std::fs::write(&archive, EMPTY_ARCHIVE).unwrap();
     let ran = dcd(&["robot", urdf.to_str().unwrap(), "--all-problems", archive.to_str().unwrap()]);
     ran.assert_refused(&["empty.tar.bz2", "holds no scene"]);

@@ -3,9 +3,10 @@
 
 mod common;
 
-use common::{OUR_RUNGS, RUNGS, Ran, cube, dcd, dcd_reading};
+use common::{OUR_PRECISIONS, PRECISIONS, Ran, cube, dcd, dcd_reading};
 use dcd_geom::glam::{DMat3, DVec3};
-use dcd_scenes::{RawScene, SceneSpec};
+use dcd_io::RawScene;
+use dcd_scenes::SceneSpec;
 use serde_json::{Value, json};
 
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -58,10 +59,11 @@ fn vector(line: &Value, key: &str) -> DVec3 {
 
 #[test]
 fn cubes_a_metre_apart_are_at_distance_one() {
-    for rung in RUNGS {
-        let line = ask(&[cubes([2.0, 0.0, 0.0])], &["--query", "distance", "--rung", rung])
-            .answers()
-            .remove(0);
+    for precision in PRECISIONS {
+        let line =
+            ask(&[cubes([2.0, 0.0, 0.0])], &["--query", "distance", "--precision", precision])
+                .answers()
+                .remove(0);
         assert_eq!((&line["answer"], number(&line, "distance")), (&"apart".into(), 1.0));
         assert!(vector(&line, "normal").abs_diff_eq(DVec3::X, 1e-12), "{line}");
         let [a, b] = ["point_a", "point_b"].map(|key| vector(&line, key));
@@ -71,8 +73,8 @@ fn cubes_a_metre_apart_are_at_distance_one() {
 
 #[test]
 fn cubes_that_overlap_by_a_quarter_are_a_quarter_deep() {
-    for rung in OUR_RUNGS {
-        let line = ask(&[cubes([0.75, 0.0, 0.0])], &["--query", "depth", "--rung", rung])
+    for precision in OUR_PRECISIONS {
+        let line = ask(&[cubes([0.75, 0.0, 0.0])], &["--query", "depth", "--precision", precision])
             .answers()
             .remove(0);
         assert_eq!((&line["answer"], number(&line, "depth")), (&"touching".into(), 0.25));
@@ -84,11 +86,11 @@ fn cubes_that_overlap_by_a_quarter_are_a_quarter_deep() {
 }
 
 #[test]
-fn cubes_that_just_touch_are_touching_at_distance_and_depth_zero_by_the_exact_rung() {
+fn cubes_that_just_touch_are_touching_at_distance_and_depth_zero_by_the_exact_method() {
     let pair = [cubes([1.0, 0.5, 0.0])];
     for (query, key) in [("distance", "distance"), ("depth", "depth")] {
         let line = ask(&pair, &["--query", query]).answers().remove(0);
-        assert_eq!((&line["answer"], &line["rung"]), (&"touching".into(), &"exact".into()));
+        assert_eq!((&line["answer"], &line["method"]), (&"touching".into(), &"exact".into()));
         assert_eq!(number(&line, key), 0.0);
         assert!(number(&line, "error_bound") < 1e-15);
     }
@@ -98,8 +100,8 @@ fn cubes_that_just_touch_are_touching_at_distance_and_depth_zero_by_the_exact_ru
     let off = (number(&line, "distance") - f64::EPSILON).abs();
     assert!(off <= number(&line, "error_bound") && off <= 1e-12 * f64::EPSILON, "{line}");
     // What f64 cannot prove it does not say.
-    let line = ask(&pair, &["--rung", "f64"]).answers().remove(0);
-    assert_eq!((&line["answer"], &line["rung"]), (&"undecided".into(), &"f64".into()));
+    let line = ask(&pair, &["--precision", "f64"]).answers().remove(0);
+    assert_eq!((&line["answer"], &line["method"]), (&"undecided".into(), &"f64".into()));
     assert_eq!(line["reason"], "within rounding");
 }
 
@@ -107,11 +109,11 @@ fn cubes_that_just_touch_are_touching_at_distance_and_depth_zero_by_the_exact_ru
 fn a_pair_within_rounding_of_f64_has_a_distance_of_zero_and_the_truth_is_within_its_bound() {
     let gaps = [0.0, f64::EPSILON, -f64::EPSILON / 2.0, 3.0 * f64::EPSILON];
     let pairs = gaps.map(|gap| cubes([1.0 + gap, 0.5, 0.0]));
-    let ran = ask(&pairs, &["--rung", "f64", "--query", "distance"]);
-    let swapped = ask(&pairs, &["--rung", "f64", "--query", "distance", "--swap"]).answers();
+    let ran = ask(&pairs, &["--precision", "f64", "--query", "distance"]);
+    let swapped = ask(&pairs, &["--precision", "f64", "--query", "distance", "--swap"]).answers();
     for ((line, swapped), gap) in ran.answers().into_iter().zip(swapped).zip(gaps) {
         assert_eq!(
-            (&line["answer"], &line["rung"]),
+            (&line["answer"], &line["method"]),
             (&"undecided".into(), &"f64".into()),
             "{line}"
         );
@@ -127,14 +129,14 @@ fn a_pair_within_rounding_of_f64_has_a_distance_of_zero_and_the_truth_is_within_
 fn only_what_the_query_asks_for_is_present() {
     let pairs = [cubes([3.0, 0.0, 0.0]), cubes([0.5, 0.0, 0.0])];
     let way = ["normal", "point_a", "point_b"];
-    let base = ["answer", "name", "rung"];
+    let base = ["answer", "name", "method"];
     let sorted = |parts: &[&[&'static str]]| {
         let mut keys = parts.concat();
         keys.sort_unstable();
         keys
     };
-    for rung in OUR_RUNGS {
-        let asked = |query| ask(&pairs, &["--rung", rung, "--query", query]).answers();
+    for precision in OUR_PRECISIONS {
+        let asked = |query| ask(&pairs, &["--precision", precision, "--query", query]).answers();
         assert!(asked("boolean").iter().all(|line| keys(line) == base));
         let lines = asked("distance");
         assert_eq!(keys(&lines[0]), sorted(&[&base, &way, &["distance", "error_bound"]]));
@@ -144,20 +146,20 @@ fn only_what_the_query_asks_for_is_present() {
         assert_eq!(keys(&lines[0]), base);
         assert_eq!(keys(&lines[1]), sorted(&[&base, &way, &["depth", "error_bound"]]));
     }
-    for rung in ["parry-f32", "parry-f64"] {
+    for precision in ["parry-f32", "parry-f64"] {
         for query in ["boolean", "distance", "depth"] {
-            for line in ask(&pairs, &["--rung", rung, "--query", query]).answers() {
-                assert!(line["rung"] == rung && line.get("error_bound").is_none(), "{line}");
+            for line in ask(&pairs, &["--precision", precision, "--query", query]).answers() {
+                assert!(line["method"] == precision && line.get("error_bound").is_none(), "{line}");
             }
         }
     }
 }
 
 #[test]
-fn the_boolean_query_is_the_default_and_so_is_the_certified_rung() {
+fn the_boolean_query_is_the_default_and_so_is_the_certified_method() {
     let pairs = neighbours("paper", 20);
     let plain = ask(&pairs, &[]).stdout;
-    assert_eq!(plain, ask(&pairs, &["--query", "boolean", "--rung", "certified"]).stdout);
+    assert_eq!(plain, ask(&pairs, &["--query", "boolean", "--precision", "certified"]).stdout);
     assert_eq!(plain.lines().count(), 19);
 }
 
@@ -184,15 +186,20 @@ fn the_swapped_answer_is_mirrored_bit_for_bit() {
         pairs.push(cubes(place));
     }
     let mut kinds = [0; 2];
-    for rung in OUR_RUNGS {
+    for precision in OUR_PRECISIONS {
         for query in ["boolean", "distance", "depth"] {
-            let straight = ask(&pairs, &["--rung", rung, "--query", query]).answers();
-            let swapped = ask(&pairs, &["--rung", rung, "--query", query, "--swap"]).answers();
+            let straight = ask(&pairs, &["--precision", precision, "--query", query]).answers();
+            let swapped =
+                ask(&pairs, &["--precision", precision, "--query", query, "--swap"]).answers();
             for (straight, swapped) in straight.into_iter().zip(swapped) {
                 kinds[0] += usize::from(straight.get("distance").is_some());
                 kinds[1] += usize::from(straight.get("depth").is_some());
                 // As text, so that the sign of zero counts.
-                assert_eq!(mirrored(straight).to_string(), swapped.to_string(), "{rung} {query}");
+                assert_eq!(
+                    mirrored(straight).to_string(),
+                    swapped.to_string(),
+                    "{precision} {query}"
+                );
             }
         }
     }
@@ -205,10 +212,10 @@ fn numbers_read_back_to_the_answer_of_the_library() {
     let lines = ask(&pairs, &["--query", "distance"]).answers();
     let mut apart = 0;
     for (pair, line) in pairs.iter().zip(lines) {
-        let pair = dcd_scenes::read_pair(pair.to_string().as_bytes()).unwrap();
+        let pair = dcd_io::read_pair(pair.to_string().as_bytes()).unwrap();
         let (a, b) = (pair.a.into(), pair.b.into());
-        let a = dcd_gjk::Placed { shape: &a, pose: &pair.pose_a };
-        let b = dcd_gjk::Placed { shape: &b, pose: &pair.pose_b };
+        let a = dcd_gjk::PosedShape { shape: &a, pose: &pair.pose_a };
+        let b = dcd_gjk::PosedShape { shape: &b, pose: &pair.pose_b };
         match dcd_gjk::distance::distance(a, b).0 {
             dcd_gjk::DistanceResult::Apart(found) => {
                 assert_eq!(number(&line, "distance").to_bits(), found.distance.to_bits());
@@ -229,7 +236,7 @@ fn numbers_read_back_to_the_answer_of_the_library() {
 fn distance_and_points_agree_with_each_other_and_with_parry() {
     let pairs = neighbours("paper", 60);
     let ours = ask(&pairs, &["--query", "distance"]).answers();
-    let parry = ask(&pairs, &["--query", "distance", "--rung", "parry-f64"]).answers();
+    let parry = ask(&pairs, &["--query", "distance", "--precision", "parry-f64"]).answers();
     for (ours, parry) in ours.iter().zip(&parry) {
         assert_eq!(ours["answer"], parry["answer"]);
         let distance = number(ours, "distance");
@@ -311,10 +318,10 @@ fn a_reader_that_has_read_enough_ends_the_run_in_silence() {
 
 #[test]
 fn a_manifold_has_the_corners_of_what_two_faces_share() {
-    for rung in OUR_RUNGS {
+    for precision in OUR_PRECISIONS {
         let pairs = [cubes([0.75, 0.25, 0.5]), cubes([1.5, 0.0, 0.0])];
         let [touching, apart] =
-            &ask(&pairs, &["--query", "manifold", "--rung", rung]).answers()[..]
+            &ask(&pairs, &["--query", "manifold", "--precision", precision]).answers()[..]
         else {
             panic!()
         };
@@ -327,7 +334,7 @@ fn a_manifold_has_the_corners_of_what_two_faces_share() {
             assert!(between.distance(DVec3::X * 0.25) < 1e-12, "{point}");
         }
     }
-    let refused = ask(&[cubes([0.5; 3])], &["--query", "manifold", "--rung", "parry-f64"]);
+    let refused = ask(&[cubes([0.5; 3])], &["--query", "manifold", "--precision", "parry-f64"]);
     assert!(refused.code == Some(2) && refused.stderr.contains("parry-f64"), "{refused:?}");
 }
 

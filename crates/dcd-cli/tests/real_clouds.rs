@@ -5,9 +5,10 @@ mod common;
 
 use common::dcd;
 use dcd_geom::{Scene, Shape};
-use dcd_gjk::{Body, certified};
+use dcd_gjk::{PosedSupport, certified};
+use dcd_io::{data, load_clouds};
 use dcd_parry::{Library, ParryShapes};
-use dcd_scenes::{GameHulls, GameSize, data, load_clouds};
+use dcd_scenes::{GameHulls, GameSize};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -26,7 +27,7 @@ fn detect(clouds: &Path, arguments: &[&str]) -> (Contacts, serde_json::Value) {
 
 fn touch_exactly(scene: &Scene, (i, j): (usize, usize)) -> bool {
     let [a, b] = [i, j].map(|k| match scene.shape(k) {
-        Shape::Polytope(polytope) => Body::polytope(polytope, &scene.poses()[k]),
+        Shape::Polytope(polytope) => PosedSupport::polytope(polytope, &scene.poses()[k]),
         other => panic!("object {k} is {other:?}"),
     });
     certified::overlap_exactly(a, b)
@@ -49,9 +50,9 @@ fn every_cloud_is_a_shape_and_parry_agrees_where_it_is_right() {
         // The same scene once more, for the judge.
         let raw = GameHulls { size, candidates: 4.0 }.raw(&clouds, clouds.len(), 1);
         let scene = raw.into_scene().unwrap();
-        let (parry, _) = detect(&path, &[arguments, &["--rung", "parry-f32"]].concat());
+        let (parry, _) = detect(&path, &[arguments, &["--precision", "parry-f32"]].concat());
         assert_differences_are_parrys::<f32>(&scene, &ours, &parry);
-        let (parry, _) = detect(&path, &[arguments, &["--rung", "parry-f64"]].concat());
+        let (parry, _) = detect(&path, &[arguments, &["--precision", "parry-f64"]].concat());
         assert_differences_are_parrys::<f64>(&scene, &ours, &parry);
     }
 }

@@ -4,8 +4,8 @@
 mod common;
 
 use common::dcd;
+use dcd_io::data;
 use dcd_robot::bounds;
-use dcd_scenes::data;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -56,7 +56,7 @@ const ARM: &str = r#"<robot name="arm">
     <parent link="upper"/><child link="lower"/></joint>
 </robot>"#;
 
-/// A box whose face is at x = 4.25 and a ball above the base, which it touches in one point.
+/// A box whose face is at x = 4.25 and a sphere above the base, which it touches in one point.
 const WORLD: &str = "world:
   collision_objects:
     - id: wall
@@ -174,7 +174,7 @@ const CUBE: &str =
 f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 
 #[test]
-fn a_ball_inside_a_link_touches_its_hull_and_not_its_surface() {
+fn a_sphere_inside_a_link_touches_its_hull_and_not_its_surface() {
     let folder = Folder::new("inside");
     folder.file("cube.obj", CUBE);
     let urdf = folder.file(
@@ -242,7 +242,7 @@ fn answered_as_parry(links: &str) {
 }
 
 #[test]
-fn a_ball_named_like_a_link_is_refused_and_under_another_name_it_touches() {
+fn a_sphere_named_like_a_link_is_refused_and_under_another_name_it_touches() {
     let folder = Folder::new("names");
     let arm = folder.file("arm.urdf", ARM);
     let world = |name: &str| folder.file(&format!("{name}.yaml"), &WORLD.replace("ball", name));

@@ -9,18 +9,18 @@
 //! clock is the caller's), a thread pool of our own ([`Par::Pool`] is rayon's current one), locks.
 #![forbid(unsafe_code)]
 
+mod keep_alive;
 mod observe;
 mod per_thread;
 mod segments;
-mod vigil;
 
-pub use dcd_geom::Divide;
+pub use dcd_geom::Splittable;
 pub use observe::{Observer, Stage};
 pub use per_thread::PerThread;
 pub use segments::{Cut, Filler, Segments, Span};
 
+use keep_alive::{Engaged, KeepAlive};
 use rayon::slice::ParallelSliceMut;
-use vigil::{Engaged, Vigil};
 
 /// Where tasks run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub enum Par {
 pub struct Exec<'a> {
     par: Par,
     observer: Option<&'a dyn Observer>,
-    vigil: Option<&'a Vigil>,
+    keep_alive: Option<&'a KeepAlive>,
 }
 
 impl From<Par> for Exec<'_> {
@@ -55,14 +55,14 @@ impl<'a> Exec<'a> {
         Self { observer: Some(observer), ..Self::from(par) }
     }
 
-    /// Where tasks run, for foreign code that has a parallel twin of its own.
+    /// Where tasks run, for foreign code that has a parallel version of its own.
     pub fn par(self) -> Par {
         self.par
     }
 
     /// The same, but without the pool where there are so few items that it would cost more than it
     /// saves. The tasks, and what comes of them, are the same.
-    pub fn unless_few(self, items: usize, few: usize) -> Self {
+    pub fn serial_below(self, items: usize, few: usize) -> Self {
         if items <= few { Self { par: Par::Serial, ..self } } else { self }
     }
 
@@ -71,14 +71,14 @@ impl<'a> Exec<'a> {
     ///
     /// Threads that find nothing to do yield to whatever else the machine or the pool has to do, and
     /// sleep after a millisecond in vain.
-    pub fn attended<T: Send>(self, work: impl FnOnce(Exec<'_>) -> T + Send) -> T {
+    pub fn with_warm_threads<T: Send>(self, work: impl FnOnce(Exec<'_>) -> T + Send) -> T {
         if self.par == Par::Serial || threads() == 1 {
             return work(self);
         }
         rayon::scope(|_| {
-            let vigil = Vigil::default();
+            let keep_alive = KeepAlive::default();
             let _engaged = Engaged::begin();
-            work(Exec { vigil: Some(&vigil), ..self })
+            work(Exec { keep_alive: Some(&keep_alive), ..self })
         })
     }
 
@@ -123,7 +123,7 @@ impl<'a> Exec<'a> {
     /// Sorts; the result is that of any sort where no two are equal.
     pub fn sort<T: Ord + Send>(self, items: &mut [T]) {
         let count = items.len();
-        let mut sort = || match self.unless_few(count, Self::SORTED_AT_ONCE).par {
+        let mut sort = || match self.serial_below(count, Self::SORTED_AT_ONCE).par {
             Par::Pool => items.par_sort_unstable(),
             Par::Serial => items.sort_unstable(),
         };
@@ -141,25 +141,25 @@ impl<'a> Exec<'a> {
     ) -> (A, B) {
         match self.par {
             Par::Serial => (a(), b()),
-            Par::Pool => match self.vigil {
+            Par::Pool => match self.keep_alive {
                 None => rayon::join(a, b),
-                Some(vigil) => rayon::join(a, || vigil.engage(b)),
+                Some(keep_alive) => rayon::join(a, || keep_alive.engage(b)),
             },
         }
     }
 
     /// Cuts `whole` into parts of `grain` elements (the last may be shorter) and runs
     /// `task(first element, part)` on each. `grain` must not be 0, and is taken as 1 if it is.
-    pub fn divide<P: Divide>(self, whole: P, grain: usize, task: impl Fn(usize, P) + Sync) {
+    pub fn divide<P: Splittable>(self, whole: P, grain: usize, task: impl Fn(usize, P) + Sync) {
         self.divide_by(whole, grain.max(1), &task);
     }
 
-    fn divide_by<P: Divide>(self, whole: P, grain: usize, task: &(dyn Fn(usize, P) + Sync)) {
+    fn divide_by<P: Splittable>(self, whole: P, grain: usize, task: &(dyn Fn(usize, P) + Sync)) {
         let tasks = whole.len().div_ceil(grain);
         self.section(tasks, || self.divide_from(0, whole, grain, task));
     }
 
-    fn divide_from<P: Divide>(
+    fn divide_from<P: Splittable>(
         self,
         first: usize,
         part: P,
@@ -202,7 +202,7 @@ impl<'a> Exec<'a> {
 /// So many tasks that work on nothing of their own.
 struct Count(usize);
 
-impl Divide for Count {
+impl Splittable for Count {
     fn len(&self) -> usize {
         self.0
     }

@@ -1,6 +1,6 @@
 //! Output in task order, written by many threads without a lock.
 
-use crate::{Divide, Exec, PerThread};
+use crate::{Exec, PerThread, Splittable};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// How many items a task changes: some microseconds of work.
@@ -217,7 +217,7 @@ struct Copies<'a, T> {
     out: &'a mut [T],
 }
 
-impl<T: Send> Divide for Copies<'_, T> {
+impl<T: Send> Splittable for Copies<'_, T> {
     fn len(&self) -> usize {
         self.spans.len()
     }

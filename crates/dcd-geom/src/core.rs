@@ -1,19 +1,19 @@
 //! What the lanes read of a shape, in one place for all shapes of a scene.
 
 use crate::inscribed::{self, Inscribed};
-use crate::lanes::{Block, WIDTH};
-use crate::{Compound, Curved, Part, Polytope, Pose, Shape, TwinBox};
+use crate::{Compound, Curved, ObbBounds, Part, Polytope, Pose, Shape};
+use dcd_simd::{Block, WIDTH};
 use glam::{DVec3, Vec3};
 
 /// What depends on a shape alone, as the lanes want it: of a polytope, or of a curved shape with the
 /// vertices of a hull inside it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Core {
-    /// The inner ball's centre in the shape's own frame, metres: the blocks count from here.
+    /// The inner sphere's centre in the shape's own frame, metres: the blocks count from here.
     pub centre: DVec3,
-    /// The radius of a ball round the centre inside the core, rounded down.
+    /// The radius of a sphere round the centre inside the core, rounded down.
     pub inner: f64,
-    /// The radius of a ball round the centre that holds the core, rounded up.
+    /// The radius of a sphere round the centre that holds the core, rounded up.
     pub outer: f64,
     /// The largest distance of a vertex from the origin of the shape's own frame, rounded up.
     pub reach: f64,
@@ -26,13 +26,13 @@ pub struct Core {
     /// How much farther the core reaches than its vertices, at most, in any direction, metres: 0
     /// for polytopes.
     pub excess: f64,
-    /// Whether [`Cores::twin_boxes`] has its boxes.
-    pub has_twin_box: bool,
-    /// Whether the core is its twin boxes, both of them.
+    /// Whether [`Cores::obbs`] has its boxes.
+    pub has_obb: bool,
+    /// Whether the core is its inner and outer OBBs, both of them.
     pub is_box: bool,
     /// The first of its parts' cores in [`Cores::cores`].
     pub first_part: u32,
-    /// How many of those it has: 0 but for compounds of at most [`MOST_PARTS`] parts.
+    /// How many of those it has: 0 but for compounds of at most [`MAX_PARTS`] parts.
     pub parts: u32,
     /// Of a part its number in the compound.
     pub part: u32,
@@ -43,15 +43,15 @@ pub struct Core {
 /// All parts of one are compared with all of another, sixteen at a time, and each is prepared with
 /// the object. Larger: large compounds cost memory and lists where a tree is quicker. Smaller: more
 /// of them are searched one pair at a time. Never an answer.
-pub const MOST_PARTS: usize = 256;
+pub const MAX_PARTS: usize = 256;
 
 /// How far a point and a centre, each R·v + t rounded, may have moved apart. Unit: of their distance
 /// from the origin. Each loses 4u a component, √3 of that: 14u, and room.
 const MOVED: f64 = 16.0 * f64::EPSILON;
 
-/// A [`TwinBox`] in f32.
+/// A [`ObbBounds`] in f32.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LaneBox {
+pub struct ObbBoundsF32 {
     /// The directions of the edges, each component off by one rounding.
     pub axes: [Vec3; 3],
     /// Half the edges of the outer box, rounded up.
@@ -60,13 +60,13 @@ pub struct LaneBox {
     pub inner: Vec3,
 }
 
-impl LaneBox {
-    fn of(twin_box: &TwinBox) -> Self {
-        let axes = [twin_box.axes.x_axis, twin_box.axes.y_axis, twin_box.axes.z_axis];
+impl ObbBoundsF32 {
+    fn of(obb: &ObbBounds) -> Self {
+        let axes = [obb.axes.x_axis, obb.axes.y_axis, obb.axes.z_axis];
         let up = |x: f64| (x as f32).next_up();
         let down = |x: f64| (x as f32).next_down().max(0.0);
-        let [x, y, z] = twin_box.outer.to_array().map(up);
-        let [u, v, w] = twin_box.inner.to_array().map(down);
+        let [x, y, z] = obb.outer.to_array().map(up);
+        let [u, v, w] = obb.inner.to_array().map(down);
         Self {
             axes: axes.map(|axis| axis.as_vec3()),
             outer: Vec3::new(x, y, z),
@@ -81,7 +81,7 @@ pub struct Cores {
     cores: Vec<Core>,
     blocks: Vec<Block>,
     /// One for each core, up to the last that has one.
-    twin_boxes: Vec<LaneBox>,
+    obbs: Vec<ObbBoundsF32>,
 }
 
 impl Cores {
@@ -112,7 +112,7 @@ impl Cores {
 
     /// The cores of a compound's parts, neighbours beside each other: in the order of its tree.
     fn add_parts(&mut self, shape: usize, compound: &Compound) -> Option<()> {
-        if compound.parts().len() > MOST_PARTS {
+        if compound.parts().len() > MAX_PARTS {
             return Some(());
         }
         let first_part = u32::try_from(self.cores.len()).ok()?;
@@ -138,7 +138,7 @@ impl Cores {
             centre: polytope.inner().centre,
             ..Core::default()
         };
-        self.add(core, polytope.vertices(), polytope.twin_box())
+        self.add(core, polytope.vertices(), polytope.obb())
     }
 
     fn add_curved(&mut self, curved: &Curved) -> Option<()> {
@@ -152,7 +152,7 @@ impl Cores {
             excess: hull.excess,
             ..Core::default()
         };
-        self.add(core, &hull.vertices, hull.twin_box.as_ref())
+        self.add(core, &hull.vertices, hull.obb.as_ref())
     }
 
     /// A curved part in its place: R·v + t of the hull's vertices, each rounded. The reach counts
@@ -171,20 +171,20 @@ impl Cores {
             excess: hull.excess * stretch,
             ..Core::default()
         };
-        let twin_box = hull.twin_box.and_then(|twin_box| twin_box.turned(pose, reach));
-        self.add(core, &vertices, twin_box.as_ref())
+        let obb = hull.obb.and_then(|obb| obb.turned(pose, reach));
+        self.add(core, &vertices, obb.as_ref())
     }
 
-    fn add(&mut self, core: Core, vertices: &[DVec3], twin_box: Option<&TwinBox>) -> Option<()> {
+    fn add(&mut self, core: Core, vertices: &[DVec3], obb: Option<&ObbBounds>) -> Option<()> {
         let first = u32::try_from(self.blocks.len()).ok()?;
         self.blocks.extend(local_blocks(vertices, core.centre));
         let blocks = u32::try_from(self.blocks.len()).ok()? - first;
-        let has_twin_box = twin_box.is_some();
-        let is_box = twin_box.is_some_and(TwinBox::is_the_shape);
-        self.cores.push(Core { first, blocks, has_twin_box, is_box, ..core });
-        if let Some(twin_box) = twin_box {
-            self.twin_boxes.resize(self.cores.len(), LaneBox::default());
-            self.twin_boxes[self.cores.len() - 1] = LaneBox::of(twin_box);
+        let has_obb = obb.is_some();
+        let is_box = obb.is_some_and(ObbBounds::is_the_shape);
+        self.cores.push(Core { first, blocks, has_obb, is_box, ..core });
+        if let Some(obb) = obb {
+            self.obbs.resize(self.cores.len(), ObbBoundsF32::default());
+            self.obbs[self.cores.len() - 1] = ObbBoundsF32::of(obb);
         }
         Some(())
     }
@@ -195,9 +195,9 @@ impl Cores {
     }
 
     /// For each core its boxes, up to the last that has some; meaningful where
-    /// [`Core::has_twin_box`] is set.
-    pub fn twin_boxes(&self) -> &[LaneBox] {
-        &self.twin_boxes
+    /// [`Core::has_obb`] is set.
+    pub fn obbs(&self) -> &[ObbBoundsF32] {
+        &self.obbs
     }
 
     /// The vertices of a core, relative to its centre.
@@ -212,7 +212,7 @@ pub(crate) fn block_count(shape: &Shape) -> usize {
     match shape {
         Shape::Polytope(polytope) => polytope.block_count(),
         Shape::Curved(_) => inscribed::BLOCKS,
-        Shape::Compound(compound) if compound.parts().len() <= MOST_PARTS => {
+        Shape::Compound(compound) if compound.parts().len() <= MAX_PARTS => {
             compound.parts().iter().map(part_block_count).sum()
         }
         _ => 0,
@@ -277,7 +277,7 @@ mod tests {
         for core in parts {
             let placed = compound.parts()[core.part as usize].placed();
             assert_eq!(core.centre, placed.as_polytope().unwrap().inner().centre);
-            assert!(core.has_twin_box && cores.blocks(core).len() == 1);
+            assert!(core.has_obb && cores.blocks(core).len() == 1);
         }
     }
 
@@ -285,8 +285,8 @@ mod tests {
     fn of_a_compound_of_very_many_parts_the_lanes_know_nothing() {
         let part = (Shape::sphere(1.0).unwrap(), Pose::IDENTITY);
         let shape = |parts| Shape::compound(vec![part.clone(); parts]).unwrap();
-        let cores = Cores::of(&[shape(MOST_PARTS), shape(MOST_PARTS + 1)]).unwrap();
-        assert_eq!([0, 1].map(|k| cores.cores()[k].parts), [MOST_PARTS as u32, 0]);
-        assert_eq!(cores.cores().len(), 2 + MOST_PARTS);
+        let cores = Cores::of(&[shape(MAX_PARTS), shape(MAX_PARTS + 1)]).unwrap();
+        assert_eq!([0, 1].map(|k| cores.cores()[k].parts), [MAX_PARTS as u32, 0]);
+        assert_eq!(cores.cores().len(), 2 + MAX_PARTS);
     }
 }

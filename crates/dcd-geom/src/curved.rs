@@ -1,7 +1,7 @@
 //! Cylinders and cones: shapes whose surface is curved, and known by their support map.
 
 use crate::error::check_length;
-use crate::{Ball, ShapeError, Support, SupportMap};
+use crate::{ShapeError, Sphere, Support, SupportMap};
 use glam::DVec3;
 
 /// What a curved shape was made as.
@@ -54,7 +54,7 @@ impl Curved {
         Ok(Self { kind, half_height, radii, swept_radius: 0.0 })
     }
 
-    /// The same core with a ball of this radius swept round it, metres; replaces any other radius.
+    /// The same core with a sphere of this radius swept round it, metres; replaces any other radius.
     ///
     /// # Errors
     /// A radius that is negative or not finite.
@@ -104,8 +104,8 @@ impl Curved {
         ((z - r).min(upper_z - upper_r) - margin, (z + r).max(upper_z + upper_r) + margin)
     }
 
-    /// A ball inside the core, rounded down: the largest one but for rounding.
-    pub fn inner(&self) -> Ball {
+    /// A sphere inside the core, rounded down: the largest one but for rounding.
+    pub fn inner(&self) -> Sphere {
         let Self { half_height, radii: [radius, _], .. } = *self;
         let (height, inner) = match self.kind {
             CurvedKind::Cylinder => (0.0, half_height.min(radius)),
@@ -114,7 +114,7 @@ impl Curved {
                 // circumference. Divided by the larger side, so that nothing overflows.
                 let largest = half_height.max(radius);
                 if largest == 0.0 {
-                    return Ball { centre: DVec3::ZERO, radius: 0.0 };
+                    return Sphere { centre: DVec3::ZERO, radius: 0.0 };
                 }
                 let (h, r) = (2.0 * (half_height / largest), radius / largest);
                 let inner = r * h / (r + h.hypot(r)) * (1.0 - 32.0 * f64::EPSILON) * largest;
@@ -123,7 +123,7 @@ impl Curved {
         };
         // The centre's own rounding is at most an ulp of the half height.
         let radius = (inner - half_height * f64::EPSILON).max(0.0);
-        Ball { centre: DVec3::new(0.0, 0.0, height), radius }
+        Sphere { centre: DVec3::new(0.0, 0.0, height), radius }
     }
 }
 
@@ -170,7 +170,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn curved_shapes_keep_the_law_of_support_maps() {
+    fn curved_shapes_keep_the_contract_of_support_maps() {
         let rim = |k: u32, r: f64, z: f64| {
             let angle = f64::from(k) * 0.1;
             DVec3::new(r * angle.cos(), r * angle.sin(), z) * (1.0 - 1e-15)
@@ -178,15 +178,15 @@ mod tests {
         for (h, r) in [(1.0, 0.5), (1e-3, 1e-3), (0.01, 7.0), (1e3, 1e-3), (0.0, 1.0), (1.0, 0.0)] {
             let cylinder = Curved::cylinder(h, r).unwrap();
             let points: Vec<_> = (0..63).flat_map(|k| [rim(k, r, h), rim(k, r, -h)]).collect();
-            crate::law::support_map::<f64>(&cylinder, &points).unwrap();
+            crate::contract::support_map::<f64>(&cylinder, &points).unwrap();
             let cone = Curved::cone(h, r).unwrap();
             let points: Vec<_> = (0..63).map(|k| rim(k, r, -h)).chain([DVec3::Z * h]).collect();
-            crate::law::support_map::<f64>(&cone, &points).unwrap();
+            crate::contract::support_map::<f64>(&cone, &points).unwrap();
         }
     }
 
     #[test]
-    fn the_inner_ball_is_inside_and_touches_the_side() {
+    fn the_inner_sphere_is_inside_and_touches_the_side() {
         let cylinder = Curved::cylinder(2.0, 0.5).unwrap().inner();
         assert!(cylinder.radius <= 0.5 && cylinder.radius > 0.5 * (1.0 - 1e-14));
         // Base 6 and height 4 make sides of 5: the inradius is 12 / 8.
@@ -194,8 +194,8 @@ mod tests {
         assert!(cone.radius <= 1.5 && cone.radius > 1.5 * (1.0 - 1e-13));
         assert!((cone.centre.z + 0.5).abs() < 1e-13);
         for (h, r) in [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1e300, 1e300), (1e-300, 1e-300)] {
-            let ball = Curved::cone(h, r).unwrap().inner();
-            assert!(ball.radius >= 0.0 && ball.radius <= h.min(r) && ball.centre.is_finite());
+            let sphere = Curved::cone(h, r).unwrap().inner();
+            assert!(sphere.radius >= 0.0 && sphere.radius <= h.min(r) && sphere.centre.is_finite());
         }
     }
 

@@ -201,12 +201,12 @@ pub enum SceneError {
         reach: f64,
     },
     /// The object that a handle was given for has been removed.
-    NoLongerThere {
+    StaleHandle {
         /// The handle.
         handle: crate::Handle,
     },
     /// A pair needs two different objects.
-    PairOfOne {
+    SelfPair {
         /// The object named twice.
         object: usize,
     },
@@ -233,11 +233,11 @@ impl fmt::Display for SceneError {
             Self::OutOfRange { object, reach } => {
                 write!(f, "object {object} reaches {reach:e} m, beyond the range of f32 boxes")
             }
-            Self::NoLongerThere { handle } => {
+            Self::StaleHandle { handle } => {
                 let crate::Handle { index, generation } = handle;
                 write!(f, "the object of slot {index}, generation {generation}, has been removed")
             }
-            Self::PairOfOne { object } => {
+            Self::SelfPair { object } => {
                 write!(f, "object {object} is named twice: a pair is of two")
             }
         }

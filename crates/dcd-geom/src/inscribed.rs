@@ -1,7 +1,7 @@
 //! Hulls inside curved shapes: what the lanes take in their place, with how much they leave out.
 
-use crate::lanes::WIDTH;
-use crate::{Ball, Curved, CurvedKind, TwinBox};
+use crate::{Curved, CurvedKind, ObbBounds, Sphere};
+use dcd_simd::WIDTH;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -12,12 +12,12 @@ pub(crate) struct Inscribed {
     pub(crate) vertices: Vec<DVec3>,
     /// How much farther the core reaches than the hull, at most, in any direction; metres.
     pub(crate) excess: f64,
-    /// The core's inner ball.
-    pub(crate) inner: Ball,
-    /// The radius of a ball round that one's centre that holds the core, rounded up.
+    /// The core's inner sphere.
+    pub(crate) inner: Sphere,
+    /// The radius of a sphere round that one's centre that holds the core, rounded up.
     pub(crate) outer: f64,
     /// Of the core itself.
-    pub(crate) twin_box: Option<TwinBox>,
+    pub(crate) obb: Option<ObbBounds>,
 }
 
 /// How many corners stand for each of a cylinder's rims: three blocks of sixteen in all. More: each
@@ -54,8 +54,8 @@ impl Inscribed {
         // for its corners, which are drawn inwards, and for what they are off by.
         let share = 1.0 - (PI / f64::from(corners)).cos();
         let excess = curved.radius() * (share + 4.0 * INWARDS);
-        let twin_box = twin_box(curved, (inner, outer));
-        Self { vertices: rims.concat(), excess, inner, outer, twin_box }
+        let obb = obb(curved, (inner, outer));
+        Self { vertices: rims.concat(), excess, inner, outer, obb }
     }
 }
 
@@ -72,8 +72,8 @@ fn outer_radius(curved: &Curved, z: f64) -> f64 {
     farthest[0].max(farthest[1]) * (1.0 + 8.0 * f64::EPSILON)
 }
 
-/// A box round it and, for a cylinder, one inside, where balls tell little.
-fn twin_box(curved: &Curved, (inner, outer): (Ball, f64)) -> Option<TwinBox> {
+/// A box round it and, for a cylinder, one inside, where spheres tell little.
+fn obb(curved: &Curved, (inner, outer): (Sphere, f64)) -> Option<ObbBounds> {
     let radius = curved.radius();
     let reach = curved.half_height() + inner.centre.z.abs();
     let around = DVec3::new(radius, radius, reach * (1.0 + 4.0 * f64::EPSILON));
@@ -82,7 +82,7 @@ fn twin_box(curved: &Curved, (inner, outer): (Ball, f64)) -> Option<TwinBox> {
         CurvedKind::Cylinder => DVec3::new(square, square, curved.half_height()),
         CurvedKind::Cone => DVec3::ZERO,
     };
-    TwinBox::along_axes(around, inside, (inner.radius, outer))
+    ObbBounds::along_axes(around, inside, (inner.radius, outer))
 }
 
 #[cfg(test)]
@@ -135,22 +135,22 @@ mod tests {
     }
 
     #[test]
-    fn balls_and_boxes_hold_what_they_should() {
+    fn spheres_and_boxes_hold_what_they_should() {
         for shape in curved() {
-            let Inscribed { inner, outer, twin_box, .. } = Inscribed::of(&shape);
+            let Inscribed { inner, outer, obb, .. } = Inscribed::of(&shape);
             for d in directions() {
                 let farthest = shape.support(d).point - inner.centre;
                 assert!(farthest.length() <= outer, "{shape:?} {d}");
-                let Some(twin) = twin_box else { continue };
+                let Some(reference) = obb else { continue };
                 let error = shape.support_error();
-                assert!(farthest.abs().cmple(twin.outer + error).all(), "{shape:?} {d}");
+                assert!(farthest.abs().cmple(reference.outer + error).all(), "{shape:?} {d}");
                 // The inner box reaches no farther than the core in any direction.
-                let reach = twin.inner.dot(d.abs());
+                let reach = reference.inner.dot(d.abs());
                 assert!(reach <= farthest.dot(d) + error, "{shape:?} {d}");
             }
         }
         let long = Inscribed::of(&Curved::cylinder(3.0, 0.5).unwrap());
-        assert!(long.twin_box.unwrap().inner.min_element() > 0.35);
-        assert!(Inscribed::of(&Curved::cylinder(0.5, 0.5).unwrap()).twin_box.is_none());
+        assert!(long.obb.unwrap().inner.min_element() > 0.35);
+        assert!(Inscribed::of(&Curved::cylinder(0.5, 0.5).unwrap()).obb.is_none());
     }
 }

@@ -7,44 +7,44 @@
 //! can be had here as [`lanes`].
 #![forbid(unsafe_code)]
 
-mod ball;
-mod bound;
+pub mod contract;
 mod core;
 mod curved;
-mod divide;
 mod error;
 mod facets;
 mod half_space;
 mod hull;
 mod inscribed;
-pub mod law;
+mod obb;
 mod parts;
 mod polytope;
 mod pose;
 mod real;
 mod scene;
 mod shape;
+mod sphere;
+mod sphere_bounds;
+mod splittable;
 mod support;
-mod twin_box;
 
-pub use ball::Ball;
-pub use bound::{Bound, Bounds, SnugBall};
-pub use core::{Core, Cores, LaneBox, MOST_PARTS};
+pub use core::{Core, Cores, MAX_PARTS, ObbBoundsF32};
 pub use curved::{Curved, CurvedKind};
-pub use dcd_simd::{self as lanes, Aabb, BallRow, LooseBall, Pair, Sixteen};
-pub use divide::Divide;
+pub use dcd_simd::{Aabb, Aabb16, BoundingSphere, Pair, Sphere16};
 pub use error::{PoseError, SceneError, ShapeError};
 pub use facets::{FLATNESS, Facet, Facets};
 pub use half_space::HalfSpace;
 pub use hull::{ConvexHull, Dimension, HullError};
+pub use obb::ObbBounds;
 pub use parts::{Compound, Corners, Mesh, Part, PartTree, Triangles};
 pub use polytope::{Kind, Polytope};
 pub use pose::Pose;
 pub use real::{Matrix, Real, Vector};
-pub use scene::{Filter, Handle, Motion, Object, ObjectRef, Scene, Stamp};
+pub use scene::{Filter, Handle, Motion, Object, ObjectRef, Revision, Scene};
 pub use shape::Shape;
+pub use sphere::Sphere;
+pub use sphere_bounds::{InscribedSphere, PackedSphereBounds, SphereBounds};
+pub use splittable::Splittable;
 pub use support::{Support, SupportMap};
-pub use twin_box::TwinBox;
 
 /// glam, so that a user has the same version of it.
 pub use glam;

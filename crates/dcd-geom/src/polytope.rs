@@ -1,10 +1,10 @@
 //! Hulls of points, with or without a radius: the shape of the lanes.
 
-use crate::ball::{Ball, reach};
 use crate::error::check_length;
-use crate::lanes::WIDTH;
+use crate::sphere::{Sphere, reach};
 use crate::support::farthest;
-use crate::{Facets, Pose, Real, ShapeError, Support, SupportMap, TwinBox};
+use crate::{Facets, ObbBounds, Pose, Real, ShapeError, Support, SupportMap};
+use dcd_simd::WIDTH;
 use glam::DVec3;
 use std::sync::OnceLock;
 
@@ -36,9 +36,9 @@ pub struct Polytope {
     kind: Kind,
     vertices: Vec<DVec3>,
     radius: f64,
-    inner: Ball,
+    inner: Sphere,
     outer_radius: f64,
-    twin_box: Option<Box<TwinBox>>,
+    obb: Option<Box<ObbBounds>>,
     reach: f64,
     facets: OnceLock<Facets>,
 }
@@ -50,7 +50,7 @@ impl Polytope {
     /// No point at all, a number that is not finite, or more points than a u32 counts.
     pub fn hull(vertices: Vec<DVec3>) -> Result<Self, ShapeError> {
         check_vertices(&vertices)?;
-        let inner = Ball::inside(&vertices);
+        let inner = Sphere::inside(&vertices);
         Ok(Self::from_parts(Kind::Hull, vertices, inner))
     }
 
@@ -59,7 +59,7 @@ impl Polytope {
     /// # Errors
     /// A radius that is negative or not finite.
     pub fn sphere(radius: f64) -> Result<Self, ShapeError> {
-        let centre = Ball { centre: DVec3::ZERO, radius: 0.0 };
+        let centre = Sphere { centre: DVec3::ZERO, radius: 0.0 };
         Self::from_parts(Kind::Point, vec![DVec3::ZERO], centre).rounded(radius)
     }
 
@@ -71,7 +71,7 @@ impl Polytope {
         Self::flat(Kind::Segment, vec![from, to])
     }
 
-    /// A capsule round the z axis, its middle at the origin: a ball of `radius` swept from
+    /// A capsule round the z axis, its middle at the origin: a sphere of `radius` swept from
     /// z = −`half_height` to z = `half_height`; metres.
     ///
     /// # Errors
@@ -89,10 +89,10 @@ impl Polytope {
         Self::flat(Kind::Triangle, corners.to_vec())
     }
 
-    /// Points in one plane: there is no ball inside, and the centre is their mean.
+    /// Points in one plane: there is no sphere inside, and the centre is their mean.
     fn flat(kind: Kind, vertices: Vec<DVec3>) -> Result<Self, ShapeError> {
         check_vertices(&vertices)?;
-        let centre = Ball::at_mean(&vertices);
+        let centre = Sphere::at_mean(&vertices);
         Ok(Self::from_parts(kind, vertices, centre))
     }
 
@@ -108,11 +108,11 @@ impl Polytope {
             let sign = |bit: u32| if k >> bit & 1 == 0 { -1.0 } else { 1.0 };
             half_extents * DVec3::new(sign(0), sign(1), sign(2))
         };
-        let inner = Ball { centre: DVec3::ZERO, radius: half_extents.min_element() };
+        let inner = Sphere { centre: DVec3::ZERO, radius: half_extents.min_element() };
         Ok(Self::from_parts(Kind::Cuboid { half_extents }, (0..8).map(corner).collect(), inner))
     }
 
-    /// The same core with a ball of this radius swept round it, metres; replaces any other radius.
+    /// The same core with a sphere of this radius swept round it, metres; replaces any other radius.
     ///
     /// # Errors
     /// A radius that is negative or not finite.
@@ -122,8 +122,8 @@ impl Polytope {
         Ok(self)
     }
 
-    /// The hull of the vertices R·v + t, each rounded; without the radius. A box keeps its twin
-    /// boxes, one a little larger and one a little smaller.
+    /// The hull of the vertices R·v + t, each rounded; without the radius. A box keeps its OBBs,
+    /// one a little larger and one a little smaller.
     ///
     /// # Errors
     /// A vertex that is not finite in its place.
@@ -132,38 +132,33 @@ impl Polytope {
         let turned = match self.kind {
             Kind::Cuboid { half_extents } => {
                 let size = half_extents.length() + pose.translation().length();
-                TwinBox::of_cuboid(half_extents).turned(pose, size)
+                ObbBounds::of_cuboid(half_extents).turned(pose, size)
             }
             _ => None,
         };
-        let Some(twin_box) = turned else { return Self::hull(vertices) };
+        let Some(obb) = turned else { return Self::hull(vertices) };
         check_vertices(&vertices)?;
-        let inner = Ball { centre: pose.translation(), radius: twin_box.inner.min_element() };
-        Ok(Self::with_twin_box(Kind::Hull, vertices, inner, Some(twin_box)))
+        let inner = Sphere { centre: pose.translation(), radius: obb.inner.min_element() };
+        Ok(Self::with_obb(Kind::Hull, vertices, inner, Some(obb)))
     }
 
-    fn from_parts(kind: Kind, vertices: Vec<DVec3>, inner: Ball) -> Self {
-        let twin_box = match kind {
-            Kind::Cuboid { half_extents } => Some(TwinBox::of_cuboid(half_extents)),
+    fn from_parts(kind: Kind, vertices: Vec<DVec3>, inner: Sphere) -> Self {
+        let obb = match kind {
+            Kind::Cuboid { half_extents } => Some(ObbBounds::of_cuboid(half_extents)),
             _ => {
-                let outer_radius = Ball::around(inner.centre, &vertices).radius;
-                TwinBox::of_hull(&vertices, inner, outer_radius)
+                let outer_radius = Sphere::around(inner.centre, &vertices).radius;
+                ObbBounds::of_hull(&vertices, inner, outer_radius)
             }
         };
-        Self::with_twin_box(kind, vertices, inner, twin_box)
+        Self::with_obb(kind, vertices, inner, obb)
     }
 
-    fn with_twin_box(
-        kind: Kind,
-        vertices: Vec<DVec3>,
-        inner: Ball,
-        twin_box: Option<TwinBox>,
-    ) -> Self {
-        let outer_radius = Ball::around(inner.centre, &vertices).radius;
-        let twin_box = twin_box.map(Box::new);
+    fn with_obb(kind: Kind, vertices: Vec<DVec3>, inner: Sphere, obb: Option<ObbBounds>) -> Self {
+        let outer_radius = Sphere::around(inner.centre, &vertices).radius;
+        let obb = obb.map(Box::new);
         let reach = reach(vertices.iter().copied());
         let facets = OnceLock::new();
-        Self { kind, vertices, radius: 0.0, inner, outer_radius, twin_box, reach, facets }
+        Self { kind, vertices, radius: 0.0, inner, outer_radius, obb, reach, facets }
     }
 
     /// What it was made as.
@@ -181,13 +176,13 @@ impl Polytope {
         self.radius
     }
 
-    /// A ball inside the core. Its centre is the point that the lanes count from. Of radius 0 where
+    /// A sphere inside the core. Its centre is the point that the lanes count from. Of radius 0 where
     /// the core is flat: the centre is then within 2.02·2⁻⁵³ of [`Polytope::reach`] from the core.
-    pub fn inner(&self) -> Ball {
+    pub fn inner(&self) -> Sphere {
         self.inner
     }
 
-    /// The radius of a ball round [`Polytope::inner`]'s centre that holds the core, rounded up.
+    /// The radius of a sphere round [`Polytope::inner`]'s centre that holds the core, rounded up.
     pub fn outer_radius(&self) -> f64 {
         self.outer_radius
     }
@@ -198,10 +193,10 @@ impl Polytope {
         self.facets.get_or_init(|| Facets::of(&self.vertices))
     }
 
-    /// A box round the core and one inside it, where they tell more than the balls do: of boxes
+    /// A box round the core and one inside it, where they tell more than the spheres do: of boxes
     /// and of shapes that are long or flat.
-    pub fn twin_box(&self) -> Option<&TwinBox> {
-        self.twin_box.as_deref()
+    pub fn obb(&self) -> Option<&ObbBounds> {
+        self.obb.as_deref()
     }
 
     /// The largest distance of a vertex from the origin of the shape's own frame, rounded up.
@@ -272,7 +267,7 @@ mod tests {
         let capsule = Polytope::capsule(2.0, 0.5).unwrap();
         assert_eq!((capsule.kind(), capsule.swept_radius()), (Kind::Segment, 0.5));
         assert_eq!(capsule.vertices(), [DVec3::Z * -2.0, DVec3::Z * 2.0]);
-        assert_eq!(capsule.inner(), Ball { centre: DVec3::ZERO, radius: 0.0 });
+        assert_eq!(capsule.inner(), Sphere { centre: DVec3::ZERO, radius: 0.0 });
         let triangle = Polytope::triangle([DVec3::X, DVec3::Y, DVec3::Z]).unwrap();
         assert!(triangle.kind() == Kind::Triangle && triangle.outer_radius() < 0.8165);
         let refused = Polytope::segment(DVec3::X, DVec3::NAN).unwrap_err();

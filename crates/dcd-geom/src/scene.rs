@@ -7,7 +7,7 @@ mod swept;
 #[cfg(test)]
 mod tests;
 
-pub use object::{Filter, Handle, Motion, Object, ObjectRef, Stamp};
+pub use object::{Filter, Handle, Motion, Object, ObjectRef, Revision};
 
 use crate::core::block_count;
 use crate::{Aabb, Cores, Pose, SceneError, Shape};
@@ -35,8 +35,8 @@ pub struct Scene {
     filtered: bool,
     moving: usize,
     standing: usize,
-    layout: Stamp,
-    standing_stamp: Stamp,
+    layout: Revision,
+    static_revision: Revision,
 }
 
 /// What a slot holds.
@@ -61,7 +61,7 @@ impl Scene {
         for object in objects {
             scene.place(object)?;
         }
-        (scene.layout, scene.standing_stamp) = (Stamp::draw(), Stamp::draw());
+        (scene.layout, scene.static_revision) = (Revision::draw(), Revision::draw());
         Ok(scene)
     }
 
@@ -159,13 +159,13 @@ impl Scene {
     }
 
     /// Marks everything but poses and filters: the shapes, and which slot holds what.
-    pub fn layout(&self) -> Stamp {
+    pub fn layout(&self) -> Revision {
         self.layout
     }
 
     /// Marks everything about the static objects, their poses included.
-    pub fn statics(&self) -> Stamp {
-        self.standing_stamp
+    pub fn statics(&self) -> Revision {
+        self.static_revision
     }
 
     /// Whether [`Scene::allows`] may refuse some pair of slots.

@@ -2,7 +2,8 @@
 
 use crate::error::check_length;
 use crate::{
-    Aabb, Ball, Compound, Curved, HalfSpace, Mesh, Polytope, Pose, ShapeError, Support, SupportMap,
+    Aabb, Compound, Curved, HalfSpace, Mesh, Polytope, Pose, ShapeError, Sphere, Support,
+    SupportMap,
 };
 use glam::DVec3;
 use std::fmt;
@@ -100,7 +101,7 @@ impl Shape {
         HalfSpace::new(normal, offset).map(Self::HalfSpace)
     }
 
-    /// The same core with a ball of this radius swept round it, metres; replaces any other radius,
+    /// The same core with a sphere of this radius swept round it, metres; replaces any other radius,
     /// a sphere's and a capsule's own among them.
     ///
     /// # Errors
@@ -178,13 +179,13 @@ impl Shape {
         matches!(self, Self::Polytope(_) | Self::Curved(_))
     }
 
-    /// A ball inside the core; of radius 0 where none is known. Its centre is then inside if
+    /// A sphere inside the core; of radius 0 where none is known. Its centre is then inside if
     /// [`Shape::centre_is_inside`] says so.
-    pub fn inner(&self) -> Ball {
+    pub fn inner(&self) -> Sphere {
         match self {
             Self::Polytope(polytope) => polytope.inner(),
             Self::Curved(curved) => curved.inner(),
-            _ => Ball { centre: DVec3::ZERO, radius: 0.0 },
+            _ => Sphere { centre: DVec3::ZERO, radius: 0.0 },
         }
     }
 
@@ -204,7 +205,7 @@ impl Shape {
         }
     }
 
-    /// The same shape with a ball of this radius swept round it, metres: what is within it of the
+    /// The same shape with a sphere of this radius swept round it, metres: what is within it of the
     /// shape. Added to a radius that the shape has, with one rounding.
     ///
     /// # Errors
@@ -217,7 +218,7 @@ impl Shape {
         self.clone().rounded(self.radius() + radius)
     }
 
-    /// A box round the shape at this pose, rounded outward: the plain twin of what a narrow phase
+    /// A box round the shape at this pose, rounded outward: the scalar reference of what a narrow phase
     /// computes in lanes. For a half-space see [`HalfSpace::aabb`].
     pub fn aabb(&self, pose: &Pose) -> Aabb {
         if let Self::HalfSpace(half_space) = self {
@@ -395,9 +396,9 @@ mod tests {
 
     #[test]
     fn a_swept_shape_has_the_sum_of_the_radii_and_no_bad_one() {
-        let ball = Shape::sphere(0.5).unwrap();
+        let sphere = Shape::sphere(0.5).unwrap();
         let custom = Shape::custom(Arc::new(Polytope::sphere(0.5).unwrap())).unwrap();
-        for shape in [ball, custom] {
+        for shape in [sphere, custom] {
             assert_eq!(shape.swept(0.25).unwrap().radius(), 0.75);
             assert!(shape.swept(-0.25).is_err() && shape.swept(f64::NAN).is_err());
             assert!(shape.swept(f64::MAX).is_ok_and(|s| s.radius() == f64::MAX));

@@ -14,27 +14,27 @@ pub struct Support<R: Real> {
     pub feature: u32,
 }
 
-/// A convex shape known by its support function: a core, and a ball swept round it.
+/// A convex shape known by its support function: a core, and a sphere swept round it.
 ///
-/// The shape is the Minkowski sum of its core and a ball of [`SupportMap::radius`], placed as
-/// (R·core + t) ⊕ ball(radius): the radius is a length of the world.
+/// The shape is the Minkowski sum of its core and a sphere of [`SupportMap::radius`], placed as
+/// (R·core + t) ⊕ sphere(radius): the radius is a length of the world.
 ///
-/// # Law
+/// # Contract
 /// For every finite `direction`, `support(direction).point` is a point of the core, and no point
 /// of the core is farther along `direction` by more than [`SupportMap::support_error`] times the
 /// sum of the direction's absolute components. A zero direction gives any point of the core.
-/// [`crate::law::support_map`] tests it.
+/// [`crate::contract::support_map`] tests it.
 pub trait SupportMap<R: Real>: Send + Sync {
     /// A farthest point of the core along `direction`, which need not be of unit length; both in
     /// the shape's own frame.
     fn support(&self, direction: R::Vec3) -> Support<R>;
 
-    /// The radius of the ball swept round the core, metres, at least 0.
+    /// The radius of the sphere swept round the core, metres, at least 0.
     fn radius(&self) -> R {
         R::ZERO
     }
 
-    /// How far a support may fall short, metres (see the law). 0 for a shape whose core is the
+    /// How far a support may fall short, metres (see the contract). 0 for a shape whose core is the
     /// hull of the points it returns and whose maximum is over rounded dot products: that
     /// rounding is in every solver's own bound.
     fn support_error(&self) -> R {

@@ -1,18 +1,21 @@
-//! Pushes a box off a ball along the gradient of their signed distance.
+//! Pushes a box off a sphere along the gradient of their signed distance.
 
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Pose, Shape};
-use dcd_gjk::{PairSolver, Placed, Proximities, Verdict};
+use dcd_gjk::{PairSolver, PosedShape, Proximities, Verdict};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let (ball, plank) = (Shape::sphere(0.5)?, Shape::cuboid(DVec3::new(1.0, 0.3, 0.2))?);
+    let (sphere, plank) = (Shape::sphere(0.5)?, Shape::cuboid(DVec3::new(1.0, 0.3, 0.2))?);
     let solver = Proximities::within(10.0)?;
     let mut scratch = Default::default();
     let (wanted, still) = (0.25, Pose::IDENTITY);
     let (mut turn, mut place) = (DQuat::IDENTITY, DVec3::new(0.7, 0.4, 0.1));
     for step in 0..100 {
         let pose = Pose::new(turn, place)?;
-        let (a, b) = (Placed { shape: &ball, pose: &still }, Placed { shape: &plank, pose: &pose });
+        let (a, b) = (
+            PosedShape { shape: &sphere, pose: &still },
+            PosedShape { shape: &plank, pose: &pose },
+        );
         let Verdict::Touching(found) = solver.solve(a, b, &mut scratch) else {
             return Err("farther than ten metres".into());
         };

@@ -1,17 +1,17 @@
-//! The cheapest rung: boxes and balls alone.
+//! The cheapest method: boxes and spheres alone.
 
-use crate::{PairSolver, Placed, Rung, Verdict};
+use crate::{Method, PairSolver, PosedShape, Verdict};
 use dcd_geom::glam::DVec3;
 
-/// Whether boxes and balls round two objects leave it possible that they touch: "apart" is proved,
+/// Whether boxes and spheres round two objects leave it possible that they touch: "apart" is proved,
 /// "touching" only means near.
 ///
-/// The box is the one that the broad phase sees; the ball is round the centre of the shape's inner
-/// ball, for polytopes, rounded or not. Wrap it in [`crate::EachPair`] for a scene.
+/// The box is the one that the broad phase sees; the sphere is round the centre of the shape's inner
+/// sphere, for polytopes, rounded or not. Wrap it in [`crate::Pairwise`] for a scene.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BoundsOnly;
 
-/// How far the computed gap between two balls may be off. Unit: 2⁻⁵³ of the centres' coordinates and
+/// How far the computed gap between two spheres may be off. Unit: 2⁻⁵³ of the centres' coordinates and
 /// the reaches. Three products and three sums a coordinate, the difference, the norm and the sum of
 /// the radii: 14, and room. Smaller: a false "apart".
 const ROUNDING: f64 = 32.0;
@@ -20,19 +20,19 @@ impl PairSolver for BoundsOnly {
     type Answer = ();
     type Scratch = ();
 
-    fn rung(&self) -> Rung {
-        Rung::Balls
+    fn method(&self) -> Method {
+        Method::Spheres
     }
 
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
+    fn solve(&self, a: PosedShape<'_>, b: PosedShape<'_>, (): &mut ()) -> Verdict<()> {
         let boxes_meet = a.shape.aabb(a.pose).overlaps(&b.shape.aabb(b.pose));
-        if boxes_meet && balls_may_meet(a, b) { Verdict::Touching(()) } else { Verdict::Apart }
+        if boxes_meet && spheres_may_meet(a, b) { Verdict::Touching(()) } else { Verdict::Apart }
     }
 }
 
-fn balls_may_meet(a: Placed<'_>, b: Placed<'_>) -> bool {
+fn spheres_may_meet(a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
     let (Some((centre_a, radius_a, size_a)), Some((centre_b, radius_b, size_b))) =
-        (ball(a), ball(b))
+        (sphere(a), sphere(b))
     else {
         return true;
     };
@@ -42,8 +42,8 @@ fn balls_may_meet(a: Placed<'_>, b: Placed<'_>) -> bool {
     !(centre_a.distance(centre_b) > radius_a + radius_b + rounding)
 }
 
-/// A ball round a placed polytope, and the size of the numbers that it was computed from.
-fn ball(placed: Placed<'_>) -> Option<(DVec3, f64, f64)> {
+/// A sphere round a placed polytope, and the size of the numbers that it was computed from.
+fn sphere(placed: PosedShape<'_>) -> Option<(DVec3, f64, f64)> {
     let polytope = placed.shape.as_polytope()?;
     let stretch = 1.0 + placed.pose.deviation();
     let radius = polytope.outer_radius() * stretch + polytope.swept_radius();
@@ -58,29 +58,29 @@ mod tests {
 
     fn verdict(a: &Shape, b: &Shape, at: DVec3) -> Verdict<()> {
         let pose = Pose::from_translation(at).unwrap();
-        let a = Placed { shape: a, pose: &Pose::IDENTITY };
-        BoundsOnly.solve(a, Placed { shape: b, pose: &pose }, &mut ())
+        let a = PosedShape { shape: a, pose: &Pose::IDENTITY };
+        BoundsOnly.solve(a, PosedShape { shape: b, pose: &pose }, &mut ())
     }
 
     #[test]
     fn what_touches_is_never_called_apart_and_what_is_far_is() {
-        let ball = Shape::sphere(0.5).unwrap();
+        let sphere = Shape::sphere(0.5).unwrap();
         let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
-        assert_eq!(verdict(&ball, &ball, DVec3::X), Verdict::Touching(()));
+        assert_eq!(verdict(&sphere, &sphere, DVec3::X), Verdict::Touching(()));
         assert_eq!(verdict(&cube, &cube, DVec3::ONE), Verdict::Touching(()));
         assert_eq!(verdict(&cube, &cube, DVec3::X * 1.001), Verdict::Apart);
     }
 
     #[test]
-    fn balls_reject_where_boxes_meet() {
-        let ball = Shape::sphere(0.5).unwrap();
-        assert_eq!(verdict(&ball, &ball, DVec3::splat(0.7)), Verdict::Apart);
+    fn spheres_reject_where_boxes_meet() {
+        let sphere = Shape::sphere(0.5).unwrap();
+        assert_eq!(verdict(&sphere, &sphere, DVec3::splat(0.7)), Verdict::Apart);
     }
 
     #[test]
-    fn a_shape_without_a_ball_is_judged_by_its_box() {
-        let (cone, ball) = (Shape::cone(0.5, 0.5).unwrap(), Shape::sphere(0.5).unwrap());
-        assert_eq!(verdict(&cone, &ball, DVec3::X * 0.9), Verdict::Touching(()));
-        assert_eq!(verdict(&cone, &ball, DVec3::X * 1.1), Verdict::Apart);
+    fn a_shape_without_a_sphere_is_judged_by_its_box() {
+        let (cone, sphere) = (Shape::cone(0.5, 0.5).unwrap(), Shape::sphere(0.5).unwrap());
+        assert_eq!(verdict(&cone, &sphere, DVec3::X * 0.9), Verdict::Touching(()));
+        assert_eq!(verdict(&cone, &sphere, DVec3::X * 1.1), Verdict::Apart);
     }
 }

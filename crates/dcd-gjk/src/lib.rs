@@ -4,11 +4,11 @@
 #![forbid(unsafe_code)]
 
 mod bounds_only;
-mod door;
-mod each_pair;
+pub mod contract;
 mod exact;
-pub mod law;
 pub mod mesh;
+mod narrow_phase;
+mod pairwise;
 pub mod query;
 mod scalar;
 pub mod simd;
@@ -16,18 +16,18 @@ pub mod simplify;
 mod temporal;
 
 pub(crate) use exact::double_double;
-pub use mesh as parts;
 pub(crate) use scalar::{certificate, difference, order, portal, simplex, solvers};
 pub use scalar::{certified, closed, distance, epa, gjk};
-pub use simd as lanes;
 
 pub use bounds_only::BoundsOnly;
-pub use difference::{Body, Difference, Vertex};
+pub use difference::{Difference, PosedSupport, Vertex};
 pub use distance::{Distance, DistanceResult};
-pub use door::{Contact, Findings, NarrowPhase, Reason, Report, Rung, Undecided, Verdict};
-pub use each_pair::{EachPair, Nothing, PairSolver, Placed};
-pub use lanes::{Coherent, Overlap, OverlapUnproved};
-pub use query::{
-    Depths, Distances, Manifold, Manifolds, OfTouching, Proximities, Proximity, Within,
+pub use narrow_phase::{
+    Contact, ContactSink, Method, NarrowPhase, Reason, Report, Undecided, Verdict,
 };
+pub use pairwise::{Empty, PairSolver, Pairwise, PosedShape};
+pub use query::{
+    Depths, Distances, Manifold, Manifolds, Proximities, Proximity, ThenMeasure, Within,
+};
+pub use simd::{Coherent, Overlap, OverlapUnchecked};
 pub use solvers::{Certified, Gjk};

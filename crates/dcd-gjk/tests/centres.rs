@@ -4,18 +4,19 @@
 mod judge;
 
 use dcd_geom::glam::DVec3;
-use dcd_geom::lanes::Path;
 use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, Shape};
 use dcd_gjk::{
-    Body, Coherent, Findings, NarrowPhase, Overlap, Placed, Report, Verdict, Within, certified,
+    Coherent, ContactSink, NarrowPhase, Overlap, PosedShape, PosedSupport, Report, Verdict, Within,
+    certified,
 };
+use dcd_simd::Path;
 use judge::cases::Draw;
 
 /// Two shapes at their poses.
 type Case = [(Shape, Pose); 2];
 
 fn truth(case: &Case) -> bool {
-    let [a, b] = case.each_ref().map(|(shape, pose)| Placed { shape, pose });
+    let [a, b] = case.each_ref().map(|(shape, pose)| PosedShape { shape, pose });
     certified::overlap_of(a, b).0 == Verdict::Touching(())
 }
 
@@ -26,12 +27,12 @@ fn found<N: NarrowPhase>(narrow: &N, cases: &[Case]) -> Vec<bool> {
     let scene = Scene::one_each(shapes, poses).unwrap();
     let pairs: Vec<Pair> = (0..cases.len() as u32).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
     let mut frame = N::Frame::default();
-    let part = narrow.lay_out(&scene, &mut frame);
+    let part = narrow.layout(&scene, &mut frame);
     narrow.prepare(&scene, 0, part, &mut vec![Aabb::default(); scene.len()]);
-    narrow.foresee(&mut frame, std::iter::once(&pairs[..]));
+    narrow.begin_pairs(&mut frame, std::iter::once(&pairs[..]));
     let (mut contacts, mut report) = (Vec::new(), Report::default());
-    let mut findings = Findings { contacts: &mut contacts, report: &mut report };
-    narrow.decide(&scene, &frame, &pairs, &mut N::Scratch::default(), &mut findings);
+    let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
+    narrow.decide(&scene, &frame, &pairs, &mut N::Scratch::default(), &mut sink);
     assert!(report.undecided().is_empty(), "{:?}", report.undecided());
     let mut touches = vec![false; cases.len()];
     for contact in contacts {
@@ -44,7 +45,7 @@ fn paths() -> impl Iterator<Item = Path> {
     Path::ALL.into_iter().filter(|path| path.is_available())
 }
 
-/// That every narrow phase of the lanes says of each case what the exact rung says.
+/// That every narrow phase of the lanes says of each case what the exact method says.
 fn check(cases: &[Case]) {
     let truth: Vec<bool> = cases.iter().map(truth).collect();
     for path in paths() {
@@ -62,13 +63,13 @@ fn next(x: f64, ulps: i64) -> f64 {
 
 #[test]
 fn copies_of_one_far_point_are_not_called_touching_by_their_mean() {
-    let ball = |x: f64| Shape::hull(vec![DVec3::splat(x); 64]).unwrap().rounded(1.0).unwrap();
+    let sphere = |x: f64| Shape::hull(vec![DVec3::splat(x); 64]).unwrap().rounded(1.0).unwrap();
     let (p, q, t) = (2135251731709.0234, 2135251731709.0078, 1.170341962416876);
     let mut cases = Vec::new();
     for k in 0..16 {
         for l in 0..16 {
             let pose = Pose::from_translation(DVec3::splat(t)).unwrap();
-            cases.push([(ball(next(p, k)), Pose::IDENTITY), (ball(next(q, l)), pose)]);
+            cases.push([(sphere(next(p, k)), Pose::IDENTITY), (sphere(next(q, l)), pose)]);
         }
     }
     assert!(!truth(&cases[0]));
@@ -80,7 +81,7 @@ fn copies_of_one_far_point_are_not_called_touching_by_their_mean() {
     assert_eq!(within, cases.iter().map(truth).collect::<Vec<_>>());
 }
 
-/// A core that has no ball inside, of about that size, round a point `far` of its own frame.
+/// A core that has no sphere inside, of about that size, round a point `far` of its own frame.
 fn core(draw: &mut Draw, size: f64, far: DVec3) -> Polytope {
     let count = draw.below(69);
     let mut flat = |count: u64| {
@@ -209,7 +210,7 @@ fn flat_shapes_are_within_a_margin_where_their_grown_shapes_touch() {
 }
 
 #[test]
-fn the_exact_rung_says_of_them_what_the_judge_says() {
+fn the_exact_method_says_of_them_what_the_judge_says() {
     let mut draw = Draw(33);
     for k in 0..60 {
         let out = [1e3, 1e9, 1e12][k % 3];
@@ -222,7 +223,7 @@ fn the_exact_rung_says_of_them_what_the_judge_says() {
         };
         let (a, b) = (side(), side());
         let judged = dcd_judge::touches((&a.0, &a.1), (&b.0, &b.1));
-        let (of_a, of_b) = (Body::polytope(&a.0, &a.1), Body::polytope(&b.0, &b.1));
+        let (of_a, of_b) = (PosedSupport::polytope(&a.0, &a.1), PosedSupport::polytope(&b.0, &b.1));
         assert_eq!(certified::overlap_exactly(of_a, of_b), judged, "{a:?} {b:?}");
     }
 }

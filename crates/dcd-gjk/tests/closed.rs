@@ -5,7 +5,7 @@ mod judge;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Polytope, Pose, Shape};
 use dcd_gjk::certified::{overlap, overlap_exactly};
-use dcd_gjk::{Body, DistanceResult, Placed, Rung, Verdict, distance};
+use dcd_gjk::{DistanceResult, Method, PosedShape, PosedSupport, Verdict, distance};
 use judge::cases::Draw;
 
 fn length(draw: &mut Draw, size: f64) -> f64 {
@@ -42,7 +42,7 @@ fn pose(draw: &mut Draw, size: f64) -> Pose {
 }
 
 #[test]
-fn closed_answers_are_the_exact_rungs_down_to_neighbouring_floats() {
+fn closed_answers_are_the_exact_methods_down_to_neighbouring_floats() {
     let mut draw = Draw(31);
     let mut exact = 0;
     for k in 0..900 {
@@ -53,10 +53,10 @@ fn closed_answers_are_the_exact_rungs_down_to_neighbouring_floats() {
         let mut judge = |step: f64| {
             let t = pose_b.translation() + away * step;
             let there = Pose::from_matrix(*pose_b.rotation(), t).unwrap();
-            let (a, b) = (Body::polytope(&a, &pose_a), Body::polytope(&b, &there));
-            let (answer, rung) = overlap(a, b);
-            assert_eq!((answer, rung), overlap(b, a));
-            exact += usize::from(rung == Rung::Exact);
+            let (a, b) = (PosedSupport::polytope(&a, &pose_a), PosedSupport::polytope(&b, &there));
+            let (answer, method) = overlap(a, b);
+            assert_eq!((answer, method), overlap(b, a));
+            exact += usize::from(method == Method::Exact);
             let touching = overlap_exactly(a, b);
             assert_eq!(answer == Verdict::Touching(()), touching, "{a:?} {b:?}");
             touching
@@ -87,7 +87,7 @@ fn closed_distances_are_those_of_the_same_vertices_as_a_hull() {
         });
         let pair = pair.map(Shape::from);
         let ask = |shapes: &[Shape; 2]| {
-            let [a, b] = [0, 1].map(|k| Placed { shape: &shapes[k], pose: &poses[k] });
+            let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
             distance::distance(a, b).0
         };
         match (ask(&pair), ask(&hulls)) {

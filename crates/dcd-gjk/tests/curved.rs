@@ -5,7 +5,7 @@ mod judge;
 
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Curved, Polytope, Pose, Shape, SupportMap};
-use dcd_gjk::{DistanceResult, Placed, Verdict, certified, distance};
+use dcd_gjk::{DistanceResult, PosedShape, Verdict, certified, distance};
 use judge::cases::Draw;
 use num_bigint::BigInt;
 use std::f64::consts::PI;
@@ -47,7 +47,7 @@ impl Bracket {
     }
 }
 
-fn verdict(a: Placed<'_>, b: Placed<'_>) -> Verdict<()> {
+fn verdict(a: PosedShape<'_>, b: PosedShape<'_>) -> Verdict<()> {
     let answer = certified::overlap_of(a, b).0;
     assert_eq!(answer, certified::overlap_of(b, a).0);
     answer
@@ -79,8 +79,8 @@ fn answers_and_distances_are_between_those_of_prisms_inside_and_outside() {
                 Pose::new(draw.rotation(), draw.vector() * (far * size)).unwrap()
             };
             let (pose_a, pose_b) = (pose(&mut draw, 0.1), pose(&mut draw, 0.9));
-            let b = Placed { shape: &shape, pose: &pose_b };
-            let of = |shape| Placed { shape, pose: &pose_a };
+            let b = PosedShape { shape: &shape, pose: &pose_b };
+            let of = |shape| PosedShape { shape, pose: &pose_a };
             let ours = verdict(of(&bracket.shape), b);
             if verdict(of(&bracket.inner), b) == Verdict::Touching(()) {
                 assert_eq!(ours, Verdict::Touching(()), "{:?} {shape:?}", bracket.shape);
@@ -113,15 +113,15 @@ fn gaps_and_overlaps_beyond_the_stated_bound_are_decided() {
         let pose_a = Pose::new(draw.rotation(), DVec3::ZERO).unwrap();
         let (rotation, far) = (draw.rotation(), draw.vector().normalize() * (6.0 * size));
         let pose_b = Pose::new(rotation, far).unwrap();
-        let placed_a = Placed { shape: &a, pose: &pose_a };
-        let start = distance::distance(placed_a, Placed { shape: &b, pose: &pose_b }).0;
+        let placed_a = PosedShape { shape: &a, pose: &pose_a };
+        let start = distance::distance(placed_a, PosedShape { shape: &b, pose: &pose_b }).0;
         let DistanceResult::Apart(found) = start else { panic!("{a:?} {b:?}") };
         for exponent in [2, 4, 6, 8, 9] {
             let gap = 10f64.powi(-exponent) * size + 2.0 * DECIDED * size;
             for sign in [1.0, -1.0] {
                 let way = found.normal * (found.distance - sign * gap);
                 let pose_b = Pose::new(rotation, far - way).unwrap();
-                let answer = verdict(placed_a, Placed { shape: &b, pose: &pose_b });
+                let answer = verdict(placed_a, PosedShape { shape: &b, pose: &pose_b });
                 assert!(!matches!(answer, Verdict::Undecided(_)), "{a:?} {b:?} {gap} {answer:?}");
                 // Two corners may pass each other.
                 assert!(sign < 0.0 || answer == Verdict::Apart, "{a:?} {b:?} {gap}");
@@ -140,8 +140,8 @@ fn aligned_and_identical_shapes_are_decided() {
             for b in [&cylinder, &cone, &cube] {
                 let judge = |rotation: DMat3, z: f64| {
                     let there = Pose::from_matrix(rotation, shift + DVec3::Z * z).unwrap();
-                    let here = Placed { shape: a, pose: &Pose::IDENTITY };
-                    verdict(here, Placed { shape: b, pose: &there })
+                    let here = PosedShape { shape: a, pose: &Pose::IDENTITY };
+                    verdict(here, PosedShape { shape: b, pose: &there })
                 };
                 // Base to base, the other one below and upside down.
                 for gap in [1e-9, 1e-6, 1e-3] {
@@ -333,8 +333,8 @@ fn pairs_known_exactly_are_never_contradicted_at_neighbouring_floats() {
             let step = (1i64 << exponent) - 1;
             for (steps, truth) in [(ulps(near, -step), true), (ulps(far, step), false)] {
                 let pose = Pose::from_matrix(rotation, at(steps)).unwrap();
-                let here = Placed { shape: &a, pose: &Pose::IDENTITY };
-                let there = Placed { shape: &b, pose: &pose };
+                let here = PosedShape { shape: &a, pose: &Pose::IDENTITY };
+                let there = PosedShape { shape: &b, pose: &pose };
                 match verdict(here, there) {
                     Verdict::Touching(()) => assert!(truth, "{k} {a:?} {b:?} {pose:?}"),
                     Verdict::Apart => assert!(!truth, "{k} {a:?} {b:?} {pose:?}"),

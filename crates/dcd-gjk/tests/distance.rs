@@ -7,15 +7,15 @@ use dcd_geom::glam::DVec3;
 use dcd_gjk::certified::overlap_exactly;
 use dcd_gjk::{Distance, DistanceResult, distance};
 use judge::cases::{Draw, aligned, bisected, lattice, random};
-use judge::{Placed, distance_is_in};
+use judge::{PosedShape, distance_is_in};
 
 /// Checks both ways' answers; the certified distance where they are apart.
-fn measured([a, b]: &[Placed; 2]) -> Option<Distance> {
+fn measured([a, b]: &[PosedShape; 2]) -> Option<Distance> {
     let (result, _) = distance::of_polytopes(a.body(), b.body());
     let (mirrored, _) = distance::of_polytopes(b.body(), a.body());
     let (shape_a, shape_b) = (Shape::from(a.shape.clone()), Shape::from(b.shape.clone()));
-    let placed_a = dcd_gjk::Placed { shape: &shape_a, pose: &a.pose };
-    let placed_b = dcd_gjk::Placed { shape: &shape_b, pose: &b.pose };
+    let placed_a = dcd_gjk::PosedShape { shape: &shape_a, pose: &a.pose };
+    let placed_b = dcd_gjk::PosedShape { shape: &shape_b, pose: &b.pose };
     let plain = distance::in_f64(placed_a, placed_b);
     let touches = overlap_exactly(a.body(), b.body());
     match result {
@@ -44,7 +44,7 @@ fn measured([a, b]: &[Placed; 2]) -> Option<Distance> {
     }
 }
 
-fn must_hold(a: &Placed, b: &Placed, found: &Distance) {
+fn must_hold(a: &PosedShape, b: &PosedShape, found: &Distance) {
     let Distance { distance, point_a, point_b, normal, error_bound } = *found;
     let low = (distance - error_bound).next_down().max(0.0);
     let high = (distance + error_bound).next_up();
@@ -56,7 +56,7 @@ fn must_hold(a: &Placed, b: &Placed, found: &Distance) {
 }
 
 /// The size that the promise of a small relative error speaks of.
-fn size(a: &Placed, b: &Placed) -> f64 {
+fn size(a: &PosedShape, b: &PosedShape) -> f64 {
     a.shape.reach() + b.shape.reach() + a.pose.translation().distance(b.pose.translation())
 }
 
@@ -88,7 +88,7 @@ fn gaps_between_neighbouring_floats_are_measured() {
         if k % 3 == 1 && pair.iter().all(|p| p.shape.vertices().len() > 5) && k > 20 {
             continue; // boxes have 64 differences: slow to judge
         }
-        let quick = |a: &Placed, b: &Placed| overlap_exactly(a.body(), b.body());
+        let quick = |a: &PosedShape, b: &PosedShape| overlap_exactly(a.body(), b.body());
         if let Some([touching, apart]) = bisected(&pair, draw.vector(), quick) {
             assert!(measured(&touching).is_none());
             let found = measured(&apart).unwrap();
@@ -124,10 +124,11 @@ fn distances_of_rounded_hulls_hold() {
         let radii = [draw.below(4) as f64 / 16.0, draw.unit().abs() * 0.25];
         let pair = if k % 2 == 0 { random(&mut draw, 4) } else { lattice(&mut draw, 4) };
         let [a, b] = pair;
-        let rounded = |p: Placed, r| Placed { shape: p.shape.rounded(r).unwrap(), pose: p.pose };
+        let rounded =
+            |p: PosedShape, r| PosedShape { shape: p.shape.rounded(r).unwrap(), pose: p.pose };
         let pair = [rounded(a, radii[0]), rounded(b, radii[1])];
         apart += usize::from(measured(&pair).is_some());
-        let quick = |a: &Placed, b: &Placed| overlap_exactly(a.body(), b.body());
+        let quick = |a: &PosedShape, b: &PosedShape| overlap_exactly(a.body(), b.body());
         if k % 4 == 0
             && let Some([touching, apart]) = bisected(&pair, draw.vector(), quick)
         {

@@ -1,4 +1,4 @@
-//! The last rung against a judge of another method.
+//! The last method against a judge of another method.
 
 mod judge;
 
@@ -6,14 +6,14 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Pose};
 use dcd_gjk::certified::overlap_exactly;
 use judge::cases::{Draw, aligned, bisected, lattice, random};
-use judge::{Placed, touches};
+use judge::{PosedShape, touches};
 
 fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()
 }
 
-/// The rung's answer, after the judge has agreed.
-fn settled([a, b]: &[Placed; 2]) -> bool {
+/// The method's answer, after the judge has agreed.
+fn settled([a, b]: &[PosedShape; 2]) -> bool {
     let answer = overlap_exactly(a.body(), b.body());
     assert_eq!(answer, touches(a, b), "{a:?}\n{b:?}");
     assert_eq!(answer, overlap_exactly(b.body(), a.body()));
@@ -26,7 +26,7 @@ fn the_judge_knows_what_can_be_solved_by_hand() {
     let square = Polytope::cuboid(DVec3::new(1.0, 1.0, 0.0)).unwrap();
     let segment = Polytope::hull(vec![DVec3::ZERO, DVec3::new(3.0, 4.0, 0.0)]).unwrap();
     let point = Polytope::hull(vec![DVec3::ZERO]).unwrap();
-    let placed = |shape: &Polytope, pose| Placed { shape: shape.clone(), pose };
+    let placed = |shape: &Polytope, pose| PosedShape { shape: shape.clone(), pose };
     let cases = [
         (placed(&cube, at(0.0, 0.0, 0.0)), placed(&cube, at(1.0, 1.0, 1.0)), true),
         (placed(&cube, at(0.0, 0.0, 0.0)), placed(&cube, at(1.0 + 1e-15, 1.0, 1.0)), false),
@@ -41,10 +41,10 @@ fn the_judge_knows_what_can_be_solved_by_hand() {
     for (a, b, expected) in cases {
         assert_eq!(touches(&a, &b), expected, "{a:?} {b:?}");
     }
-    // A ball of 1 beside a line through (3, 4): 4/5 of its distance along x.
-    let ball = |x: f64| placed(&point.clone().rounded(4.0).unwrap(), at(x, 0.0, 0.0));
-    assert!(touches(&placed(&segment, at(0.0, 0.0, 0.0)), &ball(5.0)));
-    assert!(!touches(&placed(&segment, at(0.0, 0.0, 0.0)), &ball(5.0f64.next_up())));
+    // A sphere of 1 beside a line through (3, 4): 4/5 of its distance along x.
+    let sphere = |x: f64| placed(&point.clone().rounded(4.0).unwrap(), at(x, 0.0, 0.0));
+    assert!(touches(&placed(&segment, at(0.0, 0.0, 0.0)), &sphere(5.0)));
+    assert!(!touches(&placed(&segment, at(0.0, 0.0, 0.0)), &sphere(5.0f64.next_up())));
 }
 
 #[test]
@@ -71,7 +71,7 @@ fn hulls_between_neighbouring_floats_are_judged_alike() {
             1 => aligned(&mut draw),
             _ => lattice(&mut draw, 6),
         };
-        let quick = |a: &Placed, b: &Placed| overlap_exactly(a.body(), b.body());
+        let quick = |a: &PosedShape, b: &PosedShape| overlap_exactly(a.body(), b.body());
         if let Some([touching, apart]) = bisected(&pair, draw.vector(), quick) {
             assert!(settled(&touching) && !settled(&apart));
             flips += 1;
@@ -102,10 +102,11 @@ fn rounded_hulls_are_judged_alike() {
         let pair = if k % 2 == 0 { lattice(&mut draw, 4) } else { random(&mut draw, 4) };
         let radii = [draw.below(5) as f64 / 8.0, draw.below(5) as f64 / 8.0];
         let [a, b] = pair;
-        let rounded = |p: Placed, r| Placed { shape: p.shape.rounded(r).unwrap(), pose: p.pose };
+        let rounded =
+            |p: PosedShape, r| PosedShape { shape: p.shape.rounded(r).unwrap(), pose: p.pose };
         let pair = [rounded(a, radii[0]), rounded(b, radii[1])];
         hits += usize::from(settled(&pair));
-        let quick = |a: &Placed, b: &Placed| overlap_exactly(a.body(), b.body());
+        let quick = |a: &PosedShape, b: &PosedShape| overlap_exactly(a.body(), b.body());
         if k % 5 == 0
             && let Some([touching, apart]) = bisected(&pair, draw.vector(), quick)
         {

@@ -1,4 +1,4 @@
-//! Half-spaces against the exact rung: near the origin, a half-space is a box of its depth.
+//! Half-spaces against the exact method: near the origin, a half-space is a box of its depth.
 
 mod judge;
 
@@ -6,7 +6,7 @@ use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{HalfSpace, Polytope, Pose, Shape};
 use dcd_gjk::certified::{overlap_exactly, overlap_of};
 use dcd_gjk::closed::half_space;
-use dcd_gjk::{Body, Depths, DistanceResult, PairSolver, Placed, Verdict, distance};
+use dcd_gjk::{Depths, DistanceResult, PairSolver, PosedShape, PosedSupport, Verdict, distance};
 use judge::cases::Draw;
 
 /// z ≤ `offset` as far as a pair of `size` reaches: the same plane, with the same pose exactly the
@@ -30,7 +30,7 @@ fn pose(draw: &mut Draw, size: f64) -> Pose {
     Pose::new(draw.rotation(), draw.vector() * size).unwrap()
 }
 
-fn touches(a: Placed<'_>, b: Placed<'_>) -> bool {
+fn touches(a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
     let answer = overlap_of(a, b).0;
     assert_eq!(answer, overlap_of(b, a).0);
     match answer {
@@ -41,7 +41,7 @@ fn touches(a: Placed<'_>, b: Placed<'_>) -> bool {
 }
 
 #[test]
-fn polytopes_are_judged_as_the_exact_rung_judges_a_box_of_the_same_plane() {
+fn polytopes_are_judged_as_the_exact_method_judges_a_box_of_the_same_plane() {
     let mut draw = Draw(5);
     let mut flips = 0;
     for size in [1e-3, 1.0, 1e3] {
@@ -53,11 +53,14 @@ fn polytopes_are_judged_as_the_exact_rung_judges_a_box_of_the_same_plane() {
                 let half_space = HalfSpace::new(DVec3::Z, offset).unwrap().rounded(swept).unwrap();
                 let (a, b) = (Shape::from(half_space), Shape::from(polytope.clone()));
                 let ours = touches(
-                    Placed { shape: &a, pose: &pose_a },
-                    Placed { shape: &b, pose: &pose_b },
+                    PosedShape { shape: &a, pose: &pose_a },
+                    PosedShape { shape: &b, pose: &pose_b },
                 );
                 let solid = boxed(offset, size).rounded(swept).unwrap();
-                let (a, b) = (Body::polytope(&solid, &pose_a), Body::polytope(&polytope, &pose_b));
+                let (a, b) = (
+                    PosedSupport::polytope(&solid, &pose_a),
+                    PosedSupport::polytope(&polytope, &pose_b),
+                );
                 assert_eq!(
                     ours,
                     overlap_exactly(a, b),
@@ -95,10 +98,13 @@ fn a_normal_counts_whatever_its_length_and_the_pose_as_it_is() {
         let length = 2f64.powi(draw.below(9) as i32 - 4);
         let a = Shape::half_space(DVec3::Z * length, offset * length).unwrap();
         let b = Shape::from(polytope.clone());
-        let ours =
-            touches(Placed { shape: &a, pose: &pose_a }, Placed { shape: &b, pose: &pose_b });
+        let ours = touches(
+            PosedShape { shape: &a, pose: &pose_a },
+            PosedShape { shape: &b, pose: &pose_b },
+        );
         let solid = boxed(offset, 1.0);
-        let (a, b) = (Body::polytope(&solid, &pose_a), Body::polytope(&polytope, &pose_b));
+        let (a, b) =
+            (PosedSupport::polytope(&solid, &pose_a), PosedSupport::polytope(&polytope, &pose_b));
         assert_eq!(ours, overlap_exactly(a, b));
     }
 }
@@ -124,7 +130,8 @@ fn cylinders_and_cones_touch_a_floor_up_to_the_last_bit() {
         for (z, touching) in [(height, true), (height.next_up(), false), (height.next_down(), true)]
         {
             let there = Pose::from_matrix(rotation, DVec3::new(5.0, -7.0, z)).unwrap();
-            let (a, b) = (Placed { shape: &floor, pose: &origin }, Placed { shape, pose: &there });
+            let (a, b) =
+                (PosedShape { shape: &floor, pose: &origin }, PosedShape { shape, pose: &there });
             assert_eq!(touches(a, b), touching, "{shape:?} {z:?}");
         }
     }
@@ -144,7 +151,10 @@ fn a_leaning_cylinder_touches_where_its_rim_does() {
         let at = |z: f64| {
             let pose = Pose::new(rotation, DVec3::Z * z).unwrap();
             let origin = Pose::IDENTITY;
-            touches(Placed { shape: &floor, pose: &origin }, Placed { shape: &shape, pose: &pose })
+            touches(
+                PosedShape { shape: &floor, pose: &origin },
+                PosedShape { shape: &shape, pose: &pose },
+            )
         };
         assert!(at(height * (1.0 - 1e-14)) && !at(height * (1.0 + 1e-14)), "{h} {r} {axis}");
     }
@@ -156,7 +166,7 @@ fn two_half_spaces_are_apart_only_where_they_face_away_from_each_other() {
     let (floor, slope) = (below(DVec3::Z, 0.0), below(DVec3::new(0.0, 1e-9, -1.0), -1.0));
     let origin = Pose::IDENTITY;
     let judge = |a: &Shape, b: &Shape| {
-        touches(Placed { shape: a, pose: &origin }, Placed { shape: b, pose: &origin })
+        touches(PosedShape { shape: a, pose: &origin }, PosedShape { shape: b, pose: &origin })
     };
     assert!(judge(&floor, &slope) && judge(&floor, &floor));
     // −2z ≤ o is z ≥ −o/2.
@@ -181,14 +191,18 @@ fn distance_and_depth_are_along_the_normal_and_hold_their_bounds() {
         for _ in 0..(k % 5) * 12 {
             let middle = 0.5 * (low + high);
             let a = half_space(middle);
-            let (a, b) =
-                (Placed { shape: &a, pose: &pose_a }, Placed { shape: &shape, pose: &pose_b });
+            let (a, b) = (
+                PosedShape { shape: &a, pose: &pose_a },
+                PosedShape { shape: &shape, pose: &pose_b },
+            );
             if touches(a, b) { high = middle } else { low = middle }
         }
         let (gap, gap_bound, normal) = {
             let a = half_space(low);
-            let (a, b) =
-                (Placed { shape: &a, pose: &pose_a }, Placed { shape: &shape, pose: &pose_b });
+            let (a, b) = (
+                PosedShape { shape: &a, pose: &pose_a },
+                PosedShape { shape: &shape, pose: &pose_b },
+            );
             let (DistanceResult::Apart(found), _) = distance::distance(a, b) else { panic!() };
             let (DistanceResult::Apart(back), _) = distance::distance(b, a) else { panic!() };
             assert_eq!((found.distance, found.normal), (back.distance, -back.normal));
@@ -199,7 +213,8 @@ fn distance_and_depth_are_along_the_normal_and_hold_their_bounds() {
             (found.distance, found.error_bound, found.normal)
         };
         let a = half_space(high);
-        let (a, b) = (Placed { shape: &a, pose: &pose_a }, Placed { shape: &shape, pose: &pose_b });
+        let (a, b) =
+            (PosedShape { shape: &a, pose: &pose_a }, PosedShape { shape: &shape, pose: &pose_b });
         let Some(Verdict::Touching(deep)) = half_space::depth(a, b) else { panic!() };
         assert_eq!(distance::distance(a, b).0, DistanceResult::Touching);
         let asked = Depths.solve(a, b, &mut Default::default());

@@ -1,18 +1,18 @@
-//! The law of narrow phases on scenes with shapes of every kind: the library's own keep it, and
+//! The contract of narrow phases on scenes with shapes of every kind: the library's own keep it, and
 //! what breaks it is caught.
 
 mod judge;
 
+use dcd_geom::contract::Violation;
 use dcd_geom::glam::DVec3;
-use dcd_geom::lanes::Path;
-use dcd_geom::law::Broken;
 use dcd_geom::{Aabb, Object, Pair, Pose, Scene, Shape};
-use dcd_gjk::simplify::Bracketed;
+use dcd_gjk::simplify::InnerOuter;
 use dcd_gjk::{
-    BoundsOnly, Certified, Coherent, Depths, Distances, EachPair, Findings, Gjk, Manifolds,
-    NarrowPhase, OfTouching, Overlap, OverlapUnproved, PairSolver, Placed, Proximities, Rung,
-    Verdict, Within, law,
+    BoundsOnly, Certified, Coherent, ContactSink, Depths, Distances, Gjk, Manifolds, Method,
+    NarrowPhase, Overlap, OverlapUnchecked, PairSolver, Pairwise, PosedShape, Proximities,
+    ThenMeasure, Verdict, Within, contract,
 };
+use dcd_simd::Path;
 use judge::cases::Draw;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -59,41 +59,41 @@ fn scene() -> (Scene, Vec<Pair>) {
     (Scene::new(shapes, objects).unwrap(), pairs.collect())
 }
 
-fn law_of<N>(narrow: &N) -> Result<(), Broken>
+fn contract_of<N>(narrow: &N) -> Result<(), Violation>
 where
     N: NarrowPhase,
     N::Answer: PartialEq + std::fmt::Debug,
 {
     let (scene, pairs) = scene();
-    law::narrow_phase(narrow, &scene, &pairs)
+    contract::narrow_phase(narrow, &scene, &pairs)
 }
 
 #[test]
-fn every_phase_of_our_own_keeps_the_law_among_compounds_meshes_and_half_spaces() {
+fn every_phase_of_our_own_keeps_the_contract_among_compounds_meshes_and_half_spaces() {
     for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-        law_of(&Overlap::on(path)).unwrap();
-        law_of(&OverlapUnproved::on(path)).unwrap();
-        law_of(&Coherent::on(path)).unwrap();
-        law_of(&Within::by(Overlap::on(path), 0.25).unwrap()).unwrap();
+        contract_of(&Overlap::on(path)).unwrap();
+        contract_of(&OverlapUnchecked::on(path)).unwrap();
+        contract_of(&Coherent::on(path)).unwrap();
+        contract_of(&Within::by(Overlap::on(path), 0.25).unwrap()).unwrap();
     }
-    law_of(&EachPair(Gjk::<f32>::default())).unwrap();
-    law_of(&EachPair(Gjk::<f64>::default())).unwrap();
-    law_of(&EachPair(Certified)).unwrap();
-    law_of(&EachPair(BoundsOnly)).unwrap();
-    law_of(&EachPair(Distances::within(0.25).unwrap())).unwrap();
-    law_of(&EachPair(Proximities::within(0.25).unwrap())).unwrap();
-    law_of(&EachPair(Depths)).unwrap();
-    law_of(&EachPair(Manifolds)).unwrap();
-    law_of(&OfTouching::new(Distances::within(0.25).unwrap()).unwrap()).unwrap();
-    law_of(&OfTouching::new(Depths).unwrap()).unwrap();
-    law_of(&OfTouching::new(Manifolds).unwrap()).unwrap();
-    law_of(&OfTouching::new(Proximities::within(0.25).unwrap()).unwrap()).unwrap();
-    law_of(&Within::by(EachPair(Certified), 0.25).unwrap()).unwrap();
+    contract_of(&Pairwise(Gjk::<f32>::default())).unwrap();
+    contract_of(&Pairwise(Gjk::<f64>::default())).unwrap();
+    contract_of(&Pairwise(Certified)).unwrap();
+    contract_of(&Pairwise(BoundsOnly)).unwrap();
+    contract_of(&Pairwise(Distances::within(0.25).unwrap())).unwrap();
+    contract_of(&Pairwise(Proximities::within(0.25).unwrap())).unwrap();
+    contract_of(&Pairwise(Depths)).unwrap();
+    contract_of(&Pairwise(Manifolds)).unwrap();
+    contract_of(&ThenMeasure::new(Distances::within(0.25).unwrap()).unwrap()).unwrap();
+    contract_of(&ThenMeasure::new(Depths).unwrap()).unwrap();
+    contract_of(&ThenMeasure::new(Manifolds).unwrap()).unwrap();
+    contract_of(&ThenMeasure::new(Proximities::within(0.25).unwrap()).unwrap()).unwrap();
+    contract_of(&Within::by(Pairwise(Certified), 0.25).unwrap()).unwrap();
     let inner = shapes().into_iter().map(|shape| match shape {
         Shape::Polytope(cube) => Shape::from(cube.rounded(0.0).unwrap()),
         other => other,
     });
-    law_of(&Bracketed::new(inner.collect())).unwrap();
+    contract_of(&InnerOuter::new(inner.collect())).unwrap();
 }
 
 /// Our own, but the box of one object is cut on one side by so much.
@@ -109,8 +109,8 @@ impl NarrowPhase for Cut {
     type Part<'f> = <Overlap as NarrowPhase>::Part<'f>;
     type Scratch = <Overlap as NarrowPhase>::Scratch;
 
-    fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
-        Overlap::default().lay_out(scene, frame)
+    fn layout<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
+        Overlap::default().layout(scene, frame)
     }
 
     fn prepare(&self, scene: &Scene, first: usize, part: Self::Part<'_>, aabbs: &mut [Aabb]) {
@@ -130,9 +130,9 @@ impl NarrowPhase for Cut {
         frame: &Self::Frame,
         pairs: &[Pair],
         scratch: &mut Self::Scratch,
-        findings: &mut Findings<'_, ()>,
+        sink: &mut ContactSink<'_, ()>,
     ) {
-        Overlap::default().decide(scene, frame, pairs, scratch, findings);
+        Overlap::default().decide(scene, frame, pairs, scratch, sink);
     }
 }
 
@@ -143,13 +143,13 @@ fn a_box_that_is_cut_is_caught_whatever_kind_of_shape_it_is_of() {
         for object in 0..kinds {
             // A floor has an end above alone; its box is wide.
             let by = if (2..4).contains(&object) { 3e38 } else { 1e-3 };
-            let refused = law_of(&Cut { object, side, by });
+            let refused = contract_of(&Cut { object, side, by });
             assert!(refused.is_err(), "side {side} of object {object}");
         }
-        law_of(&Cut { object: 0, side, by: 0.0 }).unwrap();
+        contract_of(&Cut { object: 0, side, by: 0.0 }).unwrap();
     }
     // The plane of the level one, which a thousandth is enough to cut.
-    assert!(law_of(&Cut { object: 2, side: 5, by: 1e-3 }).is_err());
+    assert!(contract_of(&Cut { object: 2, side: 5, by: 1e-3 }).is_err());
 }
 
 /// Says of one pair in some hundred the contrary when it is asked again.
@@ -160,11 +160,11 @@ impl PairSolver for Forgetful {
     type Answer = ();
     type Scratch = ();
 
-    fn rung(&self) -> Rung {
-        Rung::Foreign
+    fn method(&self) -> Method {
+        Method::Foreign
     }
 
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
+    fn solve(&self, a: PosedShape<'_>, b: PosedShape<'_>, (): &mut ()) -> Verdict<()> {
         let asked = self.0.fetch_add(1, Ordering::Relaxed);
         match Certified.solve(a, b, &mut Default::default()) {
             Verdict::Touching(()) if asked % 127 == 126 => Verdict::Apart,
@@ -176,5 +176,5 @@ impl PairSolver for Forgetful {
 
 #[test]
 fn a_phase_whose_answers_change_is_caught_among_shapes_of_every_kind() {
-    assert!(law_of(&EachPair(Forgetful::default())).is_err());
+    assert!(contract_of(&Pairwise(Forgetful::default())).is_err());
 }

@@ -5,8 +5,8 @@ mod judge;
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Pair, Polytope, Pose, Scene, Shape};
 use dcd_gjk::certified::{overlap, overlap_exactly};
-use dcd_gjk::simplify::{Bracketed, Budget, Simplified, SimplifyError, simplify};
-use dcd_gjk::{Body, DistanceResult, Reason, Verdict, distance};
+use dcd_gjk::simplify::{Budget, InnerOuter, Simplified, SimplifyError, simplify};
+use dcd_gjk::{DistanceResult, PosedSupport, Reason, Verdict, distance};
 use judge::cases::Draw;
 
 /// Points on an ellipsoid, stretched and turned: all of them vertices.
@@ -16,8 +16,8 @@ fn round(draw: &mut Draw, count: usize, stretch: DVec3) -> Polytope {
     Polytope::hull((0..count).map(point).collect()).unwrap()
 }
 
-fn body(polytope: &Polytope) -> Body<'_, Polytope> {
-    Body::polytope(polytope, &Pose::IDENTITY)
+fn body(polytope: &Polytope) -> PosedSupport<'_, Polytope> {
+    PosedSupport::polytope(polytope, &Pose::IDENTITY)
 }
 
 /// The largest distance of a vertex of `from` from `to`: the Hausdorff distance where one holds the
@@ -158,14 +158,17 @@ fn a_bracketed_scene_is_never_wrong_and_open_only_within_the_tolerance() {
     let outer = simple.iter().map(|found| Shape::from(found.outer.clone())).collect();
     let inner = simple.iter().map(|found| Shape::from(found.inner.clone())).collect();
     let scene = Scene::one_each(outer, poses.clone()).unwrap();
-    let bracketed = Bracketed::new(inner);
+    let inner_outer = InnerOuter::new(inner);
     let pairs: Vec<_> = (0..60).flat_map(|i| (i + 1..60).map(move |j| Pair { i, j })).collect();
     let mut seen = [0; 3];
     for &pair in &pairs {
         let [a, b] = [pair.i, pair.j].map(|i| i as usize);
-        let (a, b) = (Body::polytope(&shapes[a], &poses[a]), Body::polytope(&shapes[b], &poses[b]));
+        let (a, b) = (
+            PosedSupport::polytope(&shapes[a], &poses[a]),
+            PosedSupport::polytope(&shapes[b], &poses[b]),
+        );
         let truth = overlap(a, b).0;
-        match bracketed.verdict(&scene, pair).0 {
+        match inner_outer.verdict(&scene, pair).0 {
             Verdict::Undecided(reason) => {
                 assert_eq!(reason, Reason::WithinTolerance);
                 // No farther apart, and no deeper, than the hulls are off.
@@ -185,5 +188,5 @@ fn a_bracketed_scene_is_never_wrong_and_open_only_within_the_tolerance() {
         }
     }
     assert!(seen.iter().all(|&count| count > 10), "{seen:?}");
-    dcd_gjk::law::narrow_phase(&bracketed, &scene, &pairs).unwrap();
+    dcd_gjk::contract::narrow_phase(&inner_outer, &scene, &pairs).unwrap();
 }

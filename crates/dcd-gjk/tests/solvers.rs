@@ -1,19 +1,19 @@
-//! What GJK proves in f32 and f64, against the last rung.
+//! What GJK proves in f32 and f64, against the last method.
 
 mod judge;
 
 use dcd_geom::{Polytope, Real};
 use dcd_gjk::certified::{overlap, overlap_exactly};
-use dcd_gjk::{Difference, Rung, Verdict, gjk};
-use judge::Placed;
+use dcd_gjk::{Difference, Method, Verdict, gjk};
+use judge::PosedShape;
 use judge::cases::{Draw, aligned, bisected, lattice, random};
 
-fn verdict<R: Real>(a: &Placed, b: &Placed) -> Verdict<()> {
+fn verdict<R: Real>(a: &PosedShape, b: &PosedShape) -> Verdict<()> {
     Difference::<R, Polytope, Polytope>::new(a.body(), b.body())
         .map_or(Verdict::Undecided(dcd_gjk::Reason::Range), |difference| gjk::overlap(&difference))
 }
 
-/// How many pairs each rung left undecided.
+/// How many pairs each method left undecided.
 #[derive(Debug, Default)]
 struct Open {
     pairs: usize,
@@ -22,8 +22,8 @@ struct Open {
 }
 
 impl Open {
-    /// No rung may contradict the last one, and the ladder must end as it does.
-    fn judge(&mut self, [a, b]: &[Placed; 2]) {
+    /// No method may contradict the last one, and the ladder must end as it does.
+    fn judge(&mut self, [a, b]: &[PosedShape; 2]) {
         let touches = overlap_exactly(a.body(), b.body());
         let truth = if touches { Verdict::Touching(()) } else { Verdict::Apart };
         let (in_f32, in_f64) = (verdict::<f32>(a, b), verdict::<f64>(a, b));
@@ -31,12 +31,12 @@ impl Open {
             let open = matches!(found, Verdict::Undecided(_));
             assert!(open || found == truth, "{found:?}, in truth {truth:?}\n{a:?}\n{b:?}");
         }
-        let (settled, rung) = overlap(a.body(), b.body());
+        let (settled, method) = overlap(a.body(), b.body());
         assert_eq!(settled, truth);
-        assert_eq!((settled, rung), overlap(b.body(), a.body()));
+        assert_eq!((settled, method), overlap(b.body(), a.body()));
         self.pairs += 1;
         self.f32 += usize::from(matches!(in_f32, Verdict::Undecided(_)));
-        self.f64 += usize::from(rung == Rung::Exact);
+        self.f64 += usize::from(method == Method::Exact);
     }
 }
 
@@ -58,7 +58,7 @@ fn lattice_pairs_are_never_wrong() {
 }
 
 #[test]
-fn aligned_boxes_stay_off_the_last_rung_unless_they_touch() {
+fn aligned_boxes_stay_off_the_last_method_unless_they_touch() {
     let mut draw = Draw(23);
     let mut open = Open::default();
     for _ in 0..4000 {
@@ -78,7 +78,7 @@ fn aligned_boxes_stay_off_the_last_rung_unless_they_touch() {
 }
 
 #[test]
-fn identical_and_concentric_shapes_stay_off_the_last_rung() {
+fn identical_and_concentric_shapes_stay_off_the_last_method() {
     let mut draw = Draw(24);
     let mut open = Open::default();
     for k in 0..2000 {
@@ -105,7 +105,8 @@ fn pairs_between_neighbouring_floats_are_never_wrong() {
         };
         let scale = [1.0, 1e-9, 1e9, 1e-3][k % 4];
         let pair = pair.map(|placed| placed.scaled(scale));
-        let quick = |a: &Placed, b: &Placed| overlap(a.body(), b.body()).0 == Verdict::Touching(());
+        let quick =
+            |a: &PosedShape, b: &PosedShape| overlap(a.body(), b.body()).0 == Verdict::Touching(());
         if let Some(flip) = bisected(&pair, draw.vector() * scale, quick) {
             flip.iter().for_each(|pair| open.judge(pair));
         }

@@ -34,6 +34,6 @@ pub use hull_scene::{load_hull_scene, read_hull_scene, write_hull_scene};
 #[cfg(feature = "meshes")]
 pub use mesh::{load_mesh, load_obj, read_obj};
 pub use pairs::{LONGEST_LINE, PairError, PairFault, PairInput, read_pair, read_pairs};
-pub use ply::{Frame, load_frame, read_frame};
+pub use ply::{RawMesh, load_ply, read_ply};
 pub use raw::{BuildError, RawObject, RawScene, RawShape};
 pub use swept::{SweptBoxes, load_listed_pairs, read_listed_pairs};

@@ -1,7 +1,7 @@
 //! Triangle meshes from OBJ and PLY files.
 
 use crate::bytes::without_mark;
-use crate::{Frame, ReadError, load_frame};
+use crate::{RawMesh, ReadError, load_ply};
 use dcd_geom::{Shape, ShapeError};
 use glam::DVec3;
 use std::path::Path;
@@ -11,7 +11,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// Text that is no OBJ, a number that is not finite, a face with a corner that is no vertex.
-pub fn read_obj(bytes: &[u8]) -> Result<Frame, ReadError> {
+pub fn read_obj(bytes: &[u8]) -> Result<RawMesh, ReadError> {
     let options = tobj::LoadOptions {
         triangulate: true,
         ignore_points: true,
@@ -23,7 +23,7 @@ pub fn read_obj(bytes: &[u8]) -> Result<Frame, ReadError> {
     check_indices(text)?;
     let read = tobj::load_obj_buf(&mut text, &options, no_materials);
     let (models, _) = read.map_err(|error| ReadError::Obj { message: error.to_string() })?;
-    let mut frame = Frame::default();
+    let mut frame = RawMesh::default();
     for model in models {
         // Indices count from the object's own first vertex.
         let first = frame.vertices.len() as u32;
@@ -76,20 +76,20 @@ fn check_indices(text: &[u8]) -> Result<(), ReadError> {
 ///
 /// # Errors
 /// Those of [`read_obj`], and those of reading the file, both with its path.
-pub fn load_obj(path: &Path) -> Result<Frame, ReadError> {
+pub fn load_obj(path: &Path) -> Result<RawMesh, ReadError> {
     ReadError::within(path, read_obj)
 }
 
 /// The mesh of a file: PLY where it is called so, else OBJ.
 ///
 /// # Errors
-/// Those of [`load_frame`] and [`load_obj`].
-pub fn load_mesh(path: &Path) -> Result<Frame, ReadError> {
+/// Those of [`load_ply`] and [`load_obj`].
+pub fn load_mesh(path: &Path) -> Result<RawMesh, ReadError> {
     let is_ply = path.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("ply"));
-    if is_ply { load_frame(path) } else { load_obj(path) }
+    if is_ply { load_ply(path) } else { load_obj(path) }
 }
 
-impl Frame {
+impl RawMesh {
     /// The mesh as a shape.
     ///
     /// # Errors

@@ -13,7 +13,7 @@ use std::path::Path;
 
 /// One frame of a simulated triangle mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Frame {
+pub struct RawMesh {
     /// Where the vertices are, metres.
     pub vertices: Vec<DVec3>,
     /// The faces' corners, by index into `vertices`.
@@ -25,10 +25,10 @@ pub struct Frame {
 /// # Errors
 /// A header that is no such thing, a file that is cut short or goes on, a number that is not
 /// finite, a face that is no triangle or has a corner that is no vertex.
-pub fn read_frame(bytes: &[u8]) -> Result<Frame, ReadError> {
+pub fn read_ply(bytes: &[u8]) -> Result<RawMesh, ReadError> {
     let header = Header::read(bytes)?;
     let mut body = Body { cursor: Cursor::new(bytes, header.length), endian: header.endian };
-    let mut frame = Frame::default();
+    let mut frame = RawMesh::default();
     for element in &header.elements {
         match element.name.as_str() {
             "vertex" => frame.vertices = body.vertices(element)?,
@@ -41,15 +41,15 @@ pub fn read_frame(bytes: &[u8]) -> Result<Frame, ReadError> {
     Ok(frame)
 }
 
-/// [`read_frame`] from a file.
+/// [`read_ply`] from a file.
 ///
 /// # Errors
-/// Those of [`read_frame`], and those of reading the file, both with its path.
-pub fn load_frame(path: &Path) -> Result<Frame, ReadError> {
-    ReadError::within(path, read_frame)
+/// Those of [`read_ply`], and those of reading the file, both with its path.
+pub fn load_ply(path: &Path) -> Result<RawMesh, ReadError> {
+    ReadError::within(path, read_ply)
 }
 
-impl Frame {
+impl RawMesh {
     pub(crate) fn check_corners(&self) -> Result<(), ReadError> {
         let count = self.vertices.len();
         for (index, face) in self.faces.iter().enumerate() {
@@ -186,16 +186,16 @@ mod tests {
         bytes
     }
 
-    fn with_header(from: &str, to: &str) -> Result<Frame, ReadError> {
+    fn with_header(from: &str, to: &str) -> Result<RawMesh, ReadError> {
         let bytes = file(&[0, 1, 2]);
         let changed = HEADER.replace(from, to);
         assert_ne!(changed, HEADER);
-        read_frame(&[changed.as_bytes(), &bytes[HEADER.len()..]].concat())
+        read_ply(&[changed.as_bytes(), &bytes[HEADER.len()..]].concat())
     }
 
     #[test]
     fn vertices_and_faces_are_read_and_the_rest_passed_over() {
-        let frame = read_frame(&file(&[0, 1, 2])).unwrap();
+        let frame = read_ply(&file(&[0, 1, 2])).unwrap();
         assert_eq!(frame.vertices[2], DVec3::new(0.0, f64::from(0.1f32), 0.0));
         assert_eq!(frame.faces, [[0, 1, 2]]);
     }
@@ -209,7 +209,7 @@ mod tests {
         bytes.push(9);
         bytes.push(3);
         bytes.extend([0; 6]);
-        let frame = read_frame(&bytes).unwrap();
+        let frame = read_ply(&bytes).unwrap();
         assert_eq!(frame.vertices, [DVec3::new(1.0, 2.0, 3.0)]);
         assert_eq!(frame.faces, [[0; 3]]);
     }
@@ -218,9 +218,9 @@ mod tests {
     fn a_file_cut_at_any_byte_is_refused() {
         let bytes = file(&[0, 1, 2]);
         for end in 0..bytes.len() {
-            assert!(read_frame(&bytes[..end]).is_err(), "{end}");
+            assert!(read_ply(&bytes[..end]).is_err(), "{end}");
         }
-        let refused = read_frame(&[&bytes[..], &[0]].concat()).unwrap_err();
+        let refused = read_ply(&[&bytes[..], &[0]].concat()).unwrap_err();
         assert!(matches!(refused, ReadError::Oversized { left: 1, .. }));
     }
 
@@ -237,10 +237,10 @@ mod tests {
 
     #[test]
     fn a_face_that_is_no_triangle_or_leaves_the_vertices_is_refused() {
-        let refused = read_frame(&file(&[0, 1])).unwrap_err();
+        let refused = read_ply(&file(&[0, 1])).unwrap_err();
         assert!(matches!(refused, ReadError::NotATriangle { face: 0, corners: 2 }), "{refused}");
         for corner in [3, -1, i32::MAX] {
-            let refused = read_frame(&file(&[0, 1, corner])).unwrap_err();
+            let refused = read_ply(&file(&[0, 1, corner])).unwrap_err();
             assert!(
                 matches!(refused, ReadError::OutOfBounds { index: 0, count: 3, .. }),
                 "{refused}"
@@ -253,7 +253,7 @@ mod tests {
         let mut bytes = file(&[0, 1, 2]);
         let second = HEADER.len() + 13;
         bytes[second..second + 4].copy_from_slice(&f32::NAN.to_be_bytes());
-        let refused = read_frame(&bytes).unwrap_err();
+        let refused = read_ply(&bytes).unwrap_err();
         assert!(
             matches!(refused, ReadError::NotFinite { what: "vertex", index: 1, .. }),
             "{refused}"
@@ -265,7 +265,7 @@ mod tests {
         let mut bytes = HEADER.replace("list uchar", "list char").into_bytes();
         bytes.extend([0; 39]);
         bytes.push(0xff);
-        let refused = read_frame(&bytes).unwrap_err();
+        let refused = read_ply(&bytes).unwrap_err();
         assert!(matches!(refused, ReadError::Negative { index: 0, length: -1 }), "{refused}");
     }
 

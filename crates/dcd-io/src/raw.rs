@@ -21,16 +21,16 @@ pub enum RawShape {
         /// Half the edge along x, y and z.
         half_extents: DVec3,
     },
-    /// A ball round the origin.
+    /// A sphere round the origin.
     Sphere {
         /// Its radius.
         radius: f64,
     },
-    /// A ball swept along the z axis, its middle at the origin.
+    /// A sphere swept along the z axis, its middle at the origin.
     Capsule {
-        /// Half the way of the ball's centre.
+        /// Half the way of the sphere's centre.
         half_height: f64,
-        /// The ball's radius.
+        /// The sphere's radius.
         radius: f64,
     },
 }

@@ -1,7 +1,7 @@
 //! Boxes swept by a mesh's vertices and faces from one frame to the next.
 
 use crate::bytes::without_mark;
-use crate::{Frame, ReadError};
+use crate::{RawMesh, ReadError};
 use dcd_geom::Aabb;
 use glam::DVec3;
 use std::path::Path;
@@ -27,7 +27,7 @@ impl SweptBoxes {
     /// # Errors
     /// Frames of other numbers of vertices or faces, or whose faces differ; a corner that is no
     /// vertex.
-    pub fn between(first: &Frame, second: &Frame) -> Result<Self, ReadError> {
+    pub fn between(first: &RawMesh, second: &RawMesh) -> Result<Self, ReadError> {
         let counts = [
             ("number of vertices", first.vertices.len(), second.vertices.len()),
             ("number of faces", first.faces.len(), second.faces.len()),
@@ -95,10 +95,10 @@ pub fn load_listed_pairs(path: &Path) -> Result<Vec<[u32; 2]>, ReadError> {
 mod tests {
     use super::*;
 
-    fn square(height: f64) -> Frame {
+    fn square(height: f64) -> RawMesh {
         let corner = |x: f64, y: f64| DVec3::new(x, y, height);
         let vertices = vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
-        Frame { vertices, faces: vec![[0, 1, 2], [0, 2, 3]] }
+        RawMesh { vertices, faces: vec![[0, 1, 2], [0, 2, 3]] }
     }
 
     #[test]

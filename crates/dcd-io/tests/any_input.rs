@@ -1,8 +1,8 @@
 //! Whatever a file holds, it is read or refused; what is written reads back.
 
 use dcd_io::{
-    CloudKind, RawObject, RawScene, RawShape, read_boxes, read_clouds, read_frame, read_hull_scene,
-    read_pair, write_hull_scene,
+    CloudKind, RawObject, RawScene, RawShape, read_boxes, read_clouds, read_hull_scene, read_pair,
+    read_ply, write_hull_scene,
 };
 use glam::{DQuat, DVec3};
 use proptest::collection::vec;
@@ -71,12 +71,12 @@ proptest! {
         let _ = read_hull_scene(&bytes);
         let _ = read_clouds(&bytes);
         let _ = read_boxes(&bytes);
-        let _ = read_frame(&bytes);
+        let _ = read_ply(&bytes);
         let _ = read_pair(&bytes);
         let header = b"ply\nformat binary_little_endian 1.0\nelement face 5\n\
             property list uchar int vertex_index\nelement vertex 4\nproperty double x\n\
             property float y\nproperty short z\nend_header\n";
-        let _ = read_frame(&[&header[..], &bytes].concat());
+        let _ = read_ply(&[&header[..], &bytes].concat());
     }
 
     #[test]

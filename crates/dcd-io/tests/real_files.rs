@@ -1,7 +1,7 @@
 //! The files of the data folder, which nobody here made. Without it these tests say that they skip.
 
 use dcd_geom::Aabb;
-use dcd_io::{CloudCensus, SweptBoxes, data, load_boxes, load_clouds, load_frame};
+use dcd_io::{CloudCensus, SweptBoxes, data, load_boxes, load_clouds, load_ply};
 use std::path::PathBuf;
 
 /// A file, or the news that the test skips.
@@ -50,7 +50,7 @@ fn the_32006_boxes_have_twelve_pairs() {
 fn every_listed_pair_of_swept_boxes_overlaps() {
     let names = ["ccd-n-body/balls16_18.ply", "ccd-n-body/balls16_19.ply", "ccd-n-body/18vf.json"];
     let [Some(first), Some(second), Some(list)] = names.map(file) else { return };
-    let (first, second) = (load_frame(&first).unwrap(), load_frame(&second).unwrap());
+    let (first, second) = (load_ply(&first).unwrap(), load_ply(&second).unwrap());
     assert_eq!((first.vertices.len(), first.faces.len()), (73_960, 146_480));
     let swept = SweptBoxes::between(&first, &second).unwrap();
     assert_eq!(swept.boxes.len(), 73_960 + 146_480);

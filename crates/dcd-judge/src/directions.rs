@@ -43,7 +43,7 @@ enum Direction {
 }
 
 /// The world, with all differences, and what f64 sees of them.
-struct Search<'a> {
+struct DirectionSearch<'a> {
     world: &'a World,
     edges: Vec<Point>,
     differences: Vec<Point>,
@@ -55,7 +55,7 @@ struct Search<'a> {
 
 /// The least reach over all of them.
 pub(crate) fn least_reach(world: &World) -> Least {
-    let search = Search::new(world);
+    let search = DirectionSearch::new(world);
     let edges = search.edges.len();
     let axes = (0..3).map(Direction::Axis);
     let beside = (0..edges).take(1).flat_map(|e| (0..3).map(move |k| Direction::Beside(e, k)));
@@ -81,7 +81,7 @@ const OFF: f64 = 64.0 * U;
 /// doubled twice.
 const ROUNDING: f64 = 64.0 * U;
 
-impl<'a> Search<'a> {
+impl<'a> DirectionSearch<'a> {
     fn new(world: &'a World) -> Self {
         let edges = edges(world);
         let differences = world.differences();

@@ -172,11 +172,11 @@ mod tests {
 
     #[test]
     fn spheres_are_measured_by_their_radii() {
-        let ball = |r: f64| Polytope::sphere(r).unwrap();
-        let touch = Truth::of((&ball(2.0), &Pose::IDENTITY), (&ball(3.0), &at(3.0, 0.0, 4.0)));
+        let sphere = |r: f64| Polytope::sphere(r).unwrap();
+        let touch = Truth::of((&sphere(2.0), &Pose::IDENTITY), (&sphere(3.0), &at(3.0, 0.0, 4.0)));
         assert!(touch.touches() && touch.value() == 0.0);
         let less = 3f64.next_down();
-        let apart = Truth::of((&ball(2.0), &Pose::IDENTITY), (&ball(less), &at(3.0, 0.0, 4.0)));
+        let apart = Truth::of((&sphere(2.0), &Pose::IDENTITY), (&sphere(less), &at(3.0, 0.0, 4.0)));
         assert_eq!((apart.touches(), apart.value()), (false, -(3.0 - less)));
     }
 }

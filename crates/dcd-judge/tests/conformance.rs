@@ -1,18 +1,20 @@
-//! The certified rung on the whole conformance suite, by the exact judge.
+//! The certified method on the whole conformance suite, by the exact judge.
 
-use dcd_geom::lanes::Path;
 use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, Shape};
 use dcd_gjk::distance::{self, DistanceResult};
 use dcd_gjk::epa::{self, Scratch};
-use dcd_gjk::{Body, Findings, NarrowPhase, Overlap, Report, Rung, Verdict, certified};
+use dcd_gjk::{
+    ContactSink, Method, NarrowPhase, Overlap, PosedSupport, Report, Verdict, certified,
+};
 use dcd_judge::Truth;
 use dcd_scenes::conformance::{Case, Category, suite};
+use dcd_simd::Path;
 use std::collections::BTreeMap;
 
-type Bodies<'a> = [Body<'a, Polytope>; 2];
+type Bodies<'a> = [PosedSupport<'a, Polytope>; 2];
 
 fn bodies(case: &Case) -> Bodies<'_> {
-    [Body::polytope(&case.a, &case.pose_a), Body::polytope(&case.b, &case.pose_b)]
+    [PosedSupport::polytope(&case.a, &case.pose_a), PosedSupport::polytope(&case.b, &case.pose_b)]
 }
 
 fn sides(case: &Case) -> [(&Polytope, &Pose); 2] {
@@ -100,7 +102,7 @@ fn allowed(relative: f64, value: f64, case: &Case) -> Allowed {
     }
 }
 
-/// A signed depth as a rung has it.
+/// A signed depth as a method has it.
 struct Number {
     value: f64,
     bound: f64,
@@ -145,8 +147,8 @@ fn a_number_that_is_off_and_a_bound_that_is_wide_or_does_not_hold_are_faults() {
 }
 
 #[test]
-fn the_certified_rung_is_right_on_the_whole_suite() {
-    // The rung itself finds the neighbouring floats, which is quick; whatever it finds is judged.
+fn the_certified_method_is_right_on_the_whole_suite() {
+    // The method itself finds the neighbouring floats, which is quick; whatever it finds is judged.
     let cases = suite(1, &certified_touches);
     assert!(cases.len() >= 3000, "{}", cases.len());
     let mut scratch = Scratch::default();
@@ -172,11 +174,11 @@ fn settled_by_lanes(scene: &Scene, path: Path) -> Vec<Option<bool>> {
     let narrow = Overlap::on(path);
     let mut frame = <Overlap as NarrowPhase>::Frame::default();
     let mut aabbs = vec![Aabb::default(); scene.len()];
-    let part = narrow.lay_out(scene, &mut frame);
+    let part = narrow.layout(scene, &mut frame);
     narrow.prepare(scene, 0, part, &mut aabbs);
     let (mut contacts, mut report) = (Vec::new(), Report::default());
-    let mut findings = Findings { contacts: &mut contacts, report: &mut report };
-    narrow.decide(scene, &frame, &pairs, &mut Default::default(), &mut findings);
+    let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
+    narrow.decide(scene, &frame, &pairs, &mut Default::default(), &mut sink);
     let mut said = vec![Some(false); pairs.len()];
     contacts.iter().for_each(|contact| said[contact.pair.i as usize / 2] = Some(true));
     report.undecided().iter().for_each(|open| said[open.pair.i as usize / 2] = None);
@@ -185,7 +187,7 @@ fn settled_by_lanes(scene: &Scene, path: Path) -> Vec<Option<bool>> {
 
 #[test]
 fn the_lanes_are_right_on_the_whole_suite_on_every_path() {
-    // What the certified rung says of this suite is judged above.
+    // What the certified method says of this suite is judged above.
     let cases = suite(1, &certified_touches);
     let (inside, outside): (Vec<&Case>, Vec<&Case>) =
         cases.iter().partition(|case| scene_of(&[*case]).is_some());
@@ -210,8 +212,8 @@ fn every_category_has_its_pairs_and_both_answers_where_it_can() {
     let cases = suite(2, &certified_touches);
     for case in &cases {
         let [a, b] = bodies(case);
-        let (verdict, rung) = certified::overlap(a, b);
-        assert!(rung <= Rung::Exact);
+        let (verdict, method) = certified::overlap(a, b);
+        assert!(method <= Method::Exact);
         let touches = usize::from(verdict == Verdict::Touching(()));
         counts.entry(case.category).or_default()[touches] += 1;
     }

@@ -1,6 +1,6 @@
 //! The same step with our answers, with Parry's GJK on our shapes, and with Parry's own shapes.
 
-use dcd_gjk::{EachPair, NarrowPhase};
+use dcd_gjk::{NarrowPhase, Pairwise};
 use dcd_parry::{ParryGjk, ParryShapes};
 use dcd_pipeline::geom::glam::DVec3;
 use dcd_pipeline::{Overlap, Par, Pipeline, Pose, Scene, Shape, WideTree};
@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let ours = contacts(Overlap::default(), &scene);
     println!("ours: {ours:?}");
-    assert_eq!(contacts(EachPair(ParryGjk::<f64>::default()), &scene), ours);
+    assert_eq!(contacts(Pairwise(ParryGjk::<f64>::default()), &scene), ours);
     assert_eq!(contacts(ParryShapes::<f64>::new(&scene), &scene), ours);
     assert_eq!(contacts(ParryShapes::<f32>::new(&scene), &scene), ours);
     Ok(())

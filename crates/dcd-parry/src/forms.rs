@@ -3,7 +3,7 @@
 use crate::{Library, Query};
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Pair, Pose, Scene, Shape};
-use dcd_gjk::{Findings, Reason, Rung, Verdict};
+use dcd_gjk::{ContactSink, Method, Reason, Verdict};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
@@ -133,7 +133,7 @@ impl<R: Library> Forms<R> {
         query: Query,
         placements: &[Placement<R>],
         pairs: impl Iterator<Item = Pair>,
-        findings: &mut Findings<'_, ()>,
+        sink: &mut ContactSink<'_, ()>,
     ) {
         let mut rest = pairs;
         let mut asked = None;
@@ -142,12 +142,12 @@ impl<R: Library> Forms<R> {
                 for pair in rest.by_ref() {
                     asked = Some(pair);
                     let [a, b] = [pair.i, pair.j].map(|object| &placements[object as usize]);
-                    findings.file(pair, Rung::Foreign, self.verdict(query, a, b));
+                    sink.file(pair, Method::Foreign, self.verdict(query, a, b));
                 }
             }));
             match (run, asked) {
                 (Err(_), Some(pair)) => {
-                    findings.file(pair, Rung::Foreign, Verdict::Undecided(Reason::Foreign));
+                    sink.file(pair, Method::Foreign, Verdict::Undecided(Reason::Foreign));
                 }
                 _ => return,
             }
@@ -184,8 +184,8 @@ mod tests {
         // There is no object 7, so that asking for it panics.
         let pairs = [(0, 1), (0, 7), (1, 7), (1, 2), (2, 7)].map(|(i, j)| Pair { i, j });
         let (mut contacts, mut report) = (Vec::new(), Report::default());
-        let findings = &mut Findings { contacts: &mut contacts, report: &mut report };
-        forms.decide(Query::Distance, &placements, pairs.iter().copied(), findings);
+        let sink = &mut ContactSink { contacts: &mut contacts, report: &mut report };
+        forms.decide(Query::Distance, &placements, pairs.iter().copied(), sink);
         let touching: Vec<_> = contacts.iter().map(|contact| contact.pair).collect();
         assert_eq!(touching, [pairs[0], pairs[3]]);
         let undecided: Vec<_> = report.undecided().iter().map(|undecided| undecided.pair).collect();

@@ -2,7 +2,7 @@
 
 use crate::Library;
 use crate::forms::{verdict, within_range};
-use dcd_gjk::{PairSolver, Placed, Reason, Rung, Verdict};
+use dcd_gjk::{Method, PairSolver, PosedShape, Reason, Verdict};
 use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -19,11 +19,11 @@ impl<R: Library> PairSolver for ParryGjk<R> {
     type Answer = ();
     type Scratch = ();
 
-    fn rung(&self) -> Rung {
-        Rung::Foreign
+    fn method(&self) -> Method {
+        Method::Foreign
     }
 
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
+    fn solve(&self, a: PosedShape<'_>, b: PosedShape<'_>, (): &mut ()) -> Verdict<()> {
         if !(a.shape.is_convex() && b.shape.is_convex()) {
             return Verdict::Undecided(Reason::NotConvex);
         }

@@ -1,4 +1,4 @@
-//! Parry 0.31 behind the doors of this workspace, in its f32 build and in its f64 one.
+//! Parry 0.31 behind the traits of this workspace, in its f32 build and in its f64 one.
 //!
 //! - [`ParryGjk`]: its GJK on our support maps, one pair at a time.
 //! - [`ParryShapes`]: its own shapes through its public queries, as a narrow phase.

@@ -4,7 +4,7 @@ use crate::forms::{Forms, Placement};
 use crate::{Library, Query};
 use dcd_exec::{Exec, PerThread, Segments, Stage};
 use dcd_geom::{Pair, Scene};
-use dcd_gjk::{Contact, Findings, Report};
+use dcd_gjk::{Contact, ContactSink, Report};
 
 /// How many boxes a task computes.
 const OBJECTS_PER_TASK: usize = 256;
@@ -122,7 +122,7 @@ impl<R: Library> ParryPipeline<R> {
             reports.with(|report| {
                 let slice = candidates[k * PAIRS_PER_TASK..].iter().take(PAIRS_PER_TASK);
                 let pairs = slice.map(|&(a, b)| Pair::new(a, b));
-                forms.decide(*query, placements, pairs, &mut Findings { contacts, report });
+                forms.decide(*query, placements, pairs, &mut ContactSink { contacts, report });
             });
         });
         report.clear();

@@ -3,12 +3,12 @@
 use crate::forms::{Forms, Placement};
 use crate::{Library, Query};
 use dcd_geom::{Aabb, Pair, Scene};
-use dcd_gjk::{Findings, NarrowPhase, Reason, Rung, Verdict};
+use dcd_gjk::{ContactSink, Method, NarrowPhase, Reason, Verdict};
 use std::sync::Arc;
 
 /// Parry's own shapes, asked through its public API.
 ///
-/// Each kind is Parry's own: ball, cuboid, capsule, segment, triangle, cylinder, cone, half-space,
+/// Each kind is Parry's own: sphere, cuboid, capsule, segment, triangle, cylinder, cone, half-space,
 /// a hull its convex polyhedron, rounded ones its round shapes. Shapes that it has no counterpart for, or whose points its hull refuses, leave their
 /// pairs undecided ([`dcd_gjk::Reason::Foreign`]). Its hull loses points that it takes for
 /// coplanar; the answer is then for its shape, not for ours.
@@ -63,7 +63,7 @@ pub struct ShapesPart<'f, R: Library> {
     kept: bool,
 }
 
-impl<R: Library> dcd_geom::Divide for ShapesPart<'_, R> {
+impl<R: Library> dcd_geom::Splittable for ShapesPart<'_, R> {
     fn len(&self) -> usize {
         self.placements.len()
     }
@@ -80,11 +80,11 @@ impl<R: Library> NarrowPhase for ParryShapes<R> {
     type Part<'f> = ShapesPart<'f, R>;
     type Scratch = ();
 
-    fn growth(&self) -> Option<f64> {
+    fn aabb_margin(&self) -> Option<f64> {
         Some(0.0)
     }
 
-    fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut ShapesFrame<R>) -> ShapesPart<'f, R> {
+    fn layout<'f>(&self, scene: &Scene, frame: &'f mut ShapesFrame<R>) -> ShapesPart<'f, R> {
         let kept = frame.forms.as_ref().is_some_and(|forms| forms.fit(scene));
         if !kept {
             let made = self.made.as_ref().filter(|forms| forms.fit(scene)).cloned();
@@ -111,14 +111,14 @@ impl<R: Library> NarrowPhase for ParryShapes<R> {
         frame: &ShapesFrame<R>,
         pairs: &[Pair],
         (): &mut (),
-        findings: &mut Findings<'_, ()>,
+        sink: &mut ContactSink<'_, ()>,
     ) {
         let pairs = pairs.iter().copied();
         match &frame.forms {
-            Some(forms) => forms.decide(self.query, &frame.placements, pairs, findings),
+            Some(forms) => forms.decide(self.query, &frame.placements, pairs, sink),
             // Nothing was laid out.
             None => pairs.for_each(|pair| {
-                findings.file(pair, Rung::Foreign, Verdict::Undecided(Reason::Foreign));
+                sink.file(pair, Method::Foreign, Verdict::Undecided(Reason::Foreign));
             }),
         }
     }

@@ -6,7 +6,7 @@ use common::{QUERIES, contacts, rival_contacts};
 use dcd_exec::Par;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Pair, Scene};
-use dcd_gjk::{Certified, EachPair, law};
+use dcd_gjk::{Certified, Pairwise, contract};
 use dcd_parry::{Library, ParryBvh, ParryGjk, ParryPipeline, ParryShapes, Query};
 use dcd_scenes::SceneSpec;
 
@@ -14,9 +14,9 @@ use dcd_scenes::SceneSpec;
 fn every_way_in_f64_finds_the_contacts_that_are_proved_among_hulls() {
     for seed in 1..4 {
         let scene = SceneSpec::paper().with_objects(400).with_seed(seed).scene().unwrap();
-        let proved = contacts(ParryBvh::default(), EachPair(Certified), &scene);
+        let proved = contacts(ParryBvh::default(), Pairwise(Certified), &scene);
         assert!(proved.len() > 1000);
-        let gjk = EachPair(ParryGjk::<f64>::default());
+        let gjk = Pairwise(ParryGjk::<f64>::default());
         assert_eq!(contacts(ParryBvh::default(), gjk, &scene), proved, "{seed}");
         for query in QUERIES {
             let shapes = ParryShapes::<f64>::default().with_query(query);
@@ -44,7 +44,7 @@ fn cuboids_touch_where_no_axis_separates_them() {
         found.retain(|pair| doubtful.binary_search(pair).is_err());
         assert_eq!(found, expected, "{way}");
     };
-    let each = (EachPair(ParryGjk::<f32>::default()), EachPair(ParryGjk::<f64>::default()));
+    let each = (Pairwise(ParryGjk::<f32>::default()), Pairwise(ParryGjk::<f64>::default()));
     assert_found(contacts(ParryBvh::default(), each.0, &scene), "GJK f32");
     assert_found(contacts(ParryBvh::default(), each.1, &scene), "GJK f64");
     for query in QUERIES {
@@ -93,7 +93,7 @@ fn a_second_step_of_moved_objects_finds_what_a_fresh_pipeline_finds() {
 fn another_scene_gets_its_own_shapes() {
     let first = SceneSpec::paper().with_objects(150).scene().unwrap();
     let other = SceneSpec::paper().with_objects(150).with_seed(2).scene().unwrap();
-    let expected = contacts(ParryBvh::default(), EachPair(ParryGjk::<f64>::default()), &other);
+    let expected = contacts(ParryBvh::default(), Pairwise(ParryGjk::<f64>::default()), &other);
     assert_eq!(contacts(ParryBvh::default(), ParryShapes::<f64>::new(&first), &other), expected);
     let mut pipeline = ParryPipeline::<f64>::new(&first, Query::default());
     pipeline.place(&first).step(Par::Serial);
@@ -103,10 +103,10 @@ fn another_scene_gets_its_own_shapes() {
 #[test]
 fn parrys_narrow_phases_keep_the_law() {
     fn keeps<R: Library>(scene: &Scene, pairs: &[Pair]) {
-        law::narrow_phase(&EachPair(ParryGjk::<R>::default()), scene, pairs).unwrap();
+        contract::narrow_phase(&Pairwise(ParryGjk::<R>::default()), scene, pairs).unwrap();
         for query in QUERIES {
             let shapes = ParryShapes::<R>::default().with_query(query);
-            law::narrow_phase(&shapes, scene, pairs).unwrap();
+            contract::narrow_phase(&shapes, scene, pairs).unwrap();
         }
     }
     let all = (0..30).flat_map(|i| (i + 1..30).map(move |j| Pair::new(i, j)));

@@ -11,7 +11,7 @@ use dcd_geom::{Pose, Shape};
 use dcd_gjk::certified::{overlap_exactly, overlap_of};
 use dcd_gjk::distance::distance;
 use dcd_gjk::epa::Scratch;
-use dcd_gjk::{Body, Depths, DistanceResult, PairSolver, Placed, Reason, Verdict};
+use dcd_gjk::{Depths, DistanceResult, PairSolver, PosedShape, PosedSupport, Reason, Verdict};
 use dcd_parry::ParryShapes;
 use std::collections::BTreeMap;
 
@@ -123,11 +123,11 @@ impl Case {
         Self { shapes, poses, scale }
     }
 
-    fn placed(&self) -> [Placed<'_>; 2] {
-        [0, 1].map(|k| Placed { shape: &self.shapes[k], pose: &self.poses[k] })
+    fn placed(&self) -> [PosedShape<'_>; 2] {
+        [0, 1].map(|k| PosedShape { shape: &self.shapes[k], pose: &self.poses[k] })
     }
 
-    /// What is proved; for polytopes by the exact rung too.
+    /// What is proved; for polytopes by the exact method too.
     fn proved(&self) -> bool {
         let [a, b] = self.placed();
         let (answer, back) = (overlap_of(a, b).0, overlap_of(b, a).0);
@@ -138,7 +138,8 @@ impl Case {
             Verdict::Undecided(reason) => panic!("{reason:?}: {:?} {:?}", self.shapes, self.poses),
         };
         if let (Some(in_a), Some(in_b)) = (a.shape.as_polytope(), b.shape.as_polytope()) {
-            let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+            let (a, b) =
+                (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
             assert_eq!(overlap_exactly(a, b), touching, "{:?} {:?}", self.shapes, self.poses);
         }
         touching

@@ -6,9 +6,10 @@ use common::{contacts, rival_contacts};
 use dcd_broad::BruteForce;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Pair, Polytope, Pose, Scene, Shape};
-use dcd_gjk::{Body, Certified, EachPair, Overlap, Placed, Verdict, certified, parts};
+use dcd_gjk::{Certified, Overlap, Pairwise, PosedShape, PosedSupport, Verdict, certified, mesh};
+use dcd_io::{data, load_mesh};
 use dcd_parry::{Library, ParryShapes, Query};
-use dcd_scenes::{data, load_mesh, poses_in};
+use dcd_scenes::poses_in;
 
 /// Seeded points in a cube round the origin.
 fn points(half: f64, seed: u64) -> impl Iterator<Item = DVec3> {
@@ -63,16 +64,18 @@ fn polytopes(shape: &Shape) -> Vec<Polytope> {
 }
 
 /// Every pair of parts in integers.
-fn truth(a: Placed<'_>, b: Placed<'_>) -> bool {
+fn truth(a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
     let parts_b = polytopes(b.shape);
     polytopes(a.shape).iter().any(|in_a| {
-        let a = Body::polytope(in_a, a.pose);
-        parts_b.iter().any(|in_b| certified::overlap_exactly(a, Body::polytope(in_b, b.pose)))
+        let a = PosedSupport::polytope(in_a, a.pose);
+        parts_b
+            .iter()
+            .any(|in_b| certified::overlap_exactly(a, PosedSupport::polytope(in_b, b.pose)))
     })
 }
 
-fn placed(scene: &Scene, object: u32) -> Placed<'_> {
-    Placed { shape: scene.shape(object as usize), pose: &scene.poses()[object as usize] }
+fn placed(scene: &Scene, object: u32) -> PosedShape<'_> {
+    PosedShape { shape: scene.shape(object as usize), pose: &scene.poses()[object as usize] }
 }
 
 /// That the proved contacts are right wherever Parry says otherwise; how often it does.
@@ -96,7 +99,7 @@ fn compounds_and_meshes_agree_with_parry_or_exact_integers_say_why_not() {
         let scene = mixed(150, 3.0, seed);
         let proved = contacts(BruteForce, Overlap::default(), &scene);
         assert!((100..5000).contains(&proved.len()), "{}", proved.len());
-        assert_eq!(contacts(BruteForce, EachPair(Certified), &scene), proved, "{seed}");
+        assert_eq!(contacts(BruteForce, Pairwise(Certified), &scene), proved, "{seed}");
         let of_f64 = contacts(BruteForce, ParryShapes::<f64>::new(&scene), &scene);
         assert_eq!(differences(&scene, &proved, &of_f64, "f64"), 0, "{seed}");
         let pipeline = rival_contacts::<f64>(Query::IntersectionTest, &scene);
@@ -131,12 +134,12 @@ fn the_robot_among_its_surroundings_agrees_with_parry_or_exact_integers_say_why_
     let [form_fixed, form_moving] =
         [&fixed, &moving].map(|shape| <f64 as Library>::form(shape).unwrap());
     let here = <f64 as Library>::pose(&Pose::IDENTITY);
-    let mut scratch = parts::Scratch::default();
+    let mut scratch = mesh::Scratch::default();
     let mut touching = 0;
     for (k, pose) in poses_in(low, high, 3).take(300).enumerate() {
-        let a = Placed { shape: &fixed, pose: &Pose::IDENTITY };
-        let b = Placed { shape: &moving, pose: &pose };
-        let ours = parts::overlap(a, b, &mut scratch).0;
+        let a = PosedShape { shape: &fixed, pose: &Pose::IDENTITY };
+        let b = PosedShape { shape: &moving, pose: &pose };
+        let ours = mesh::overlap(a, b, &mut scratch).0;
         let there = (&form_moving, &<f64 as Library>::pose(&pose));
         let theirs = <f64 as Library>::touching(Query::default(), (&form_fixed, &here), there);
         let yes = ours == Verdict::Touching(());

@@ -1,6 +1,6 @@
 //! The same pairs in the same order at any number of threads.
 
-use dcd_broad::law;
+use dcd_broad::contract;
 use dcd_exec::{Par, with_threads};
 use dcd_geom::glam::Vec3;
 use dcd_geom::{Aabb, Filter, Object, Pair, Scene};
@@ -33,7 +33,7 @@ fn the_tree_keeps_the_law_of_broad_phases_at_any_thread_count() {
     let scene = scene();
     let aabbs: Vec<_> = (0..scene.len()).map(|i| scene.aabb(i)).collect();
     for threads in [1, 2, 3, 7] {
-        let broad_phase = || law::broad_phase(&mut ParryBvh::default(), &aabbs);
+        let broad_phase = || contract::broad_phase(&mut ParryBvh::default(), &aabbs);
         assert_eq!(with_threads(threads, broad_phase).unwrap(), Ok(0));
     }
 }
@@ -42,7 +42,7 @@ fn the_tree_keeps_the_law_of_broad_phases_at_any_thread_count() {
 fn no_box_one_two_and_identical_boxes_are_legal() {
     let cube = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
     for count in [0, 1, 2, 3, 100] {
-        assert_eq!(law::broad_phase(&mut ParryBvh::default(), &vec![cube; count]), Ok(0));
+        assert_eq!(contract::broad_phase(&mut ParryBvh::default(), &vec![cube; count]), Ok(0));
     }
 }
 

@@ -6,7 +6,7 @@ use common::{answers, ask, two};
 use dcd_exec::Par;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Pair, Pose, Scene, Shape, Support, SupportMap};
-use dcd_gjk::{EachPair, Reason};
+use dcd_gjk::{Pairwise, Reason};
 use dcd_parry::{Library, ParryBvh, ParryGjk, ParryPipeline, ParryShapes, Query};
 use dcd_pipeline::Pipeline;
 use std::sync::Arc;
@@ -28,7 +28,7 @@ impl SupportMap<f64> for Endless {
 }
 
 fn assert_undecided<R: Library>(scene: &Scene, reason: Reason) {
-    let gjk = EachPair(ParryGjk::<R>::default());
+    let gjk = Pairwise(ParryGjk::<R>::default());
     assert_eq!(ask(&gjk, scene), Err(reason));
 }
 
@@ -51,15 +51,15 @@ fn apart_along_x_is_still_an_answer() {
 #[test]
 fn a_panic_inside_parry_is_an_undecided_pair() {
     /// Finite along the axes, where it is checked, and NaN between them.
-    struct Broken;
-    impl SupportMap<f64> for Broken {
+    struct Violation;
+    impl SupportMap<f64> for Violation {
         fn support(&self, d: DVec3) -> Support<f64> {
             let on_axis = d.abs().max_element() == d.abs().element_sum();
             let point = if on_axis { d.normalize_or_zero() } else { DVec3::NAN };
             Support { point, feature: 0 }
         }
     }
-    let broken = Shape::custom(Arc::new(Broken)).unwrap();
+    let broken = Shape::custom(Arc::new(Violation)).unwrap();
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
     let scene = two((&cube, Pose::IDENTITY), (&broken, at(1.0, 0.0, 0.0)));
     assert_undecided::<f64>(&scene, Reason::Foreign);

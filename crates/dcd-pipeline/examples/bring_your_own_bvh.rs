@@ -1,7 +1,7 @@
-//! A tree of one's own behind the broad phase's door: one node over all boxes.
+//! A tree of one's own behind the broad phase's trait: one node over all boxes.
 
 use dcd_broad::TreePairs;
-use dcd_bvh::{Below, BoundingTree, BuildTree, Node};
+use dcd_bvh::{BoundingTree, BuildTree, Node, NodeContent};
 use dcd_pipeline::geom::{Aabb, glam::DVec3};
 use dcd_pipeline::{Exec, Overlap, Par, Pipeline, Pose, Scene, Shape};
 
@@ -23,7 +23,7 @@ impl BoundingTree for Tree {
         (!self.1.is_empty()).then_some(0)
     }
     fn node(&self, _: u32) -> Node<'_> {
-        Node { aabb: self.0, below: Below::Boxes(&self.1) }
+        Node { aabb: self.0, below: NodeContent::Boxes(&self.1) }
     }
 }
 
@@ -33,6 +33,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = Scene::one_each(vec![Shape::sphere(0.5)?; 10], poses)?;
     let mut mine = Pipeline::with(TreePairs::new(OneNode), Overlap::default());
     assert_eq!(mine.step(&scene, Par::Serial).contact_count(), 9);
-    dcd_bvh::law::tree(&OneNode, mine.step(&scene, Par::Serial).aabbs())?;
+    dcd_bvh::contract::tree(&OneNode, mine.step(&scene, Par::Serial).aabbs())?;
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use dcd_pipeline::geom::glam::{DQuat, DVec3};
 use dcd_pipeline::geom::{Object, PoseError};
-use dcd_pipeline::{Linkage, Other, Overlap, Par, Pose, Scene, Shape, World};
+use dcd_pipeline::{LinkSet, Other, Overlap, Par, Pose, Scene, Shape, StaticWorld};
 
 /// Where the links of an arm are whose every joint is bent by that angle.
 fn arm(angle: f64) -> Result<Vec<Pose>, PoseError> {
@@ -21,14 +21,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let shapes = vec![Shape::cuboid(DVec3::new(5.0, 5.0, 0.1))?, Shape::sphere(0.5)?];
     let at = |x: f64, z: f64| Pose::from_translation(DVec3::new(x, 0.0, z));
     let room = [Object::new(0, at(0.0, -0.2)?), Object::new(1, at(1.2, 2.2)?)];
-    let world = World::new(&Scene::new(shapes, room)?, Overlap::default(), Par::Pool)?;
+    let world = StaticWorld::new(&Scene::new(shapes, room)?, Overlap::default(), Par::Pool)?;
 
     let link = Shape::cuboid(DVec3::new(0.05, 0.05, 0.5))?;
-    let robot = Linkage::new(vec![link; 3]).against_itself(&[(0, 1), (1, 2)])?;
-    let mut probe = world.probe(robot)?;
+    let robot = LinkSet::new(vec![link; 3]).against_itself(&[(0, 1), (1, 2)])?;
+    let mut checker = world.checker(robot)?;
     let batch: Vec<Vec<Pose>> =
         (0..100).map(|k| arm(f64::from(k) * 0.02)).collect::<Result<_, _>>()?;
-    let first = probe.first(&batch.concat(), Par::Pool)?;
+    let first = checker.first(&batch.concat(), Par::Pool)?;
     for found in first.iter().flatten() {
         println!("{}: link {} and {:?}", found.configuration, found.link, found.other);
     }

@@ -145,9 +145,9 @@ mod tests {
 
     #[test]
     fn a_pair_begins_stays_and_ends() {
-        let ball = Shape::sphere(0.5).unwrap();
+        let sphere = Shape::sphere(0.5).unwrap();
         let mut scene =
-            Scene::new(vec![ball], [0.0, 0.9, 5.0].map(|x| Object::new(0, at(x)))).unwrap();
+            Scene::new(vec![sphere], [0.0, 0.9, 5.0].map(|x| Object::new(0, at(x)))).unwrap();
         let (mut pipeline, mut events) = (Pipeline::new(), Events::default());
         let mut told = |scene: &Scene| -> Vec<(u32, u32, Change)> {
             let events = events.follow(scene, &pipeline.step(scene, Par::Serial), Par::Serial);
@@ -166,9 +166,9 @@ mod tests {
 
     #[test]
     fn a_slot_that_changes_hands_ends_one_pair_and_begins_another() {
-        let ball = Shape::sphere(0.5).unwrap();
+        let sphere = Shape::sphere(0.5).unwrap();
         let objects = [0.0, 0.5, 1.0].map(|x| Object::new(0, at(x)));
-        let mut scene = Scene::new(vec![ball], objects).unwrap();
+        let mut scene = Scene::new(vec![sphere], objects).unwrap();
         let (mut pipeline, mut events) = (Pipeline::new(), Events::default());
         events.follow(&scene, &pipeline.step(&scene, Par::Serial), Par::Serial);
         let old = scene.handle(1).unwrap();

@@ -9,13 +9,14 @@
 //! brings).
 #![forbid(unsafe_code)]
 
+mod batch;
 mod clock;
 mod events;
+mod partition;
 pub mod prelude;
-mod roster;
 mod step;
-mod world;
 
+pub use batch::{BatchChecker, Hit, Hits, LinkSet, Other, StaticWorld};
 pub use clock::StageClock;
 pub use dcd_broad::{BroadPhase, WideTree};
 pub use dcd_exec::{Exec, Par};
@@ -23,7 +24,6 @@ pub use dcd_geom::{self as geom, Pose, Scene, Shape};
 pub use dcd_gjk::{NarrowPhase, Overlap};
 pub use events::{Change, Event, Events};
 pub use step::{Pipeline, Step};
-pub use world::{Finding, Found, Linkage, Other, Probe, World};
 
 /// The guide's pages, whose code is compiled and run.
 #[cfg(doctest)]

@@ -1,10 +1,10 @@
 //! One step, stage by stage.
 
-use crate::roster::{Prepared, Roster, Search, awake, empty_free_slots};
+use crate::partition::{CandidateSearch, Partition, Prepared, awake, empty_free_slots};
 use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::{Cut, Exec, PerThread, Segments, Stage};
-use dcd_geom::{Aabb, Divide, Pair, Scene};
-use dcd_gjk::{Contact, Findings, NarrowPhase, Overlap, Report};
+use dcd_geom::{Aabb, Pair, Scene, Splittable};
+use dcd_gjk::{Contact, ContactSink, NarrowPhase, Overlap, Report};
 use std::ops::Range;
 
 /// How many objects a task prepares. Larger: fewer tasks to share. Smaller: more overhead a task
@@ -12,7 +12,7 @@ use std::ops::Range;
 const OBJECTS_PER_TASK: usize = 256;
 
 /// How many candidate pairs a task judges, at most: some tens of microseconds. Smaller: the lanes' last
-/// lots, which are not full, are more of the work. A scene of at most this many candidates is judged
+/// packets, which are not full, are more of the work. A scene of at most this many candidates is judged
 /// without the pool.
 const PAIRS_PER_TASK: usize = 2048;
 
@@ -77,7 +77,7 @@ impl Candidates {
 
 /// What a thread reuses from task to task.
 #[derive(Debug, Default)]
-struct Desk<S> {
+struct WorkerScratch<S> {
     scratch: S,
     joined: Vec<Pair>,
     report: Report,
@@ -90,10 +90,10 @@ pub struct Pipeline<B = WideTree, N: NarrowPhase = Overlap> {
     narrow: N,
     frame: N::Frame,
     aabbs: Vec<Aabb>,
-    roster: Roster,
+    partition: Partition,
     candidates: Candidates,
     contacts: Segments<Contact<N::Answer>>,
-    desks: PerThread<Desk<N::Scratch>>,
+    workers: PerThread<WorkerScratch<N::Scratch>>,
     report: Report,
 }
 
@@ -118,10 +118,10 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             narrow,
             frame: N::Frame::default(),
             aabbs: Vec::new(),
-            roster: Roster::default(),
+            partition: Partition::default(),
             candidates: Candidates::default(),
             contacts: Segments::default(),
-            desks: PerThread::default(),
+            workers: PerThread::default(),
             report: Report::default(),
         }
     }
@@ -155,7 +155,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         if scene.len() <= OBJECTS_PER_TASK {
             self.walk(scene, exec, &may);
         } else {
-            exec.attended(|exec| self.walk(scene, exec, &may));
+            exec.with_warm_threads(|exec| self.walk(scene, exec, &may));
         }
         Step {
             aabbs: &self.aabbs,
@@ -169,12 +169,12 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
     fn walk(&mut self, scene: &Scene, exec: Exec, may: &(impl Fn(u32, u32) -> bool + Sync)) {
         let prepared = exec.stage(Stage::Boxes, || self.prepare(scene, exec));
         exec.stage(Stage::Build, || {
-            self.roster.build(scene, (&self.aabbs, prepared), &mut self.broad, exec);
+            self.partition.build(scene, (&self.aabbs, prepared), &mut self.broad, exec);
         });
         exec.stage(Stage::Pairs, || {
             let Candidates { among, between, .. } = &mut self.candidates;
-            let search = Search { scene, may, exec, among, between };
-            self.roster.find(&self.aabbs, &mut self.broad, search);
+            let search = CandidateSearch { scene, may, exec, among, between };
+            self.partition.find(&self.aabbs, &mut self.broad, search);
         });
         exec.stage(Stage::Narrow, || self.judge(scene, exec));
     }
@@ -184,8 +184,8 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
     fn prepare(&mut self, scene: &Scene, exec: Exec) -> Prepared {
         self.aabbs.resize(scene.len(), Aabb::EMPTY);
         let has_free_slots = scene.object_count() < scene.len();
-        let part = self.narrow.lay_out(scene, &mut self.frame);
-        let may_rest = scene.static_count() > 0 && self.roster.still_holds(scene);
+        let part = self.narrow.layout(scene, &mut self.frame);
+        let may_rest = scene.static_count() > 0 && self.partition.still_holds(scene);
         let rest = may_rest && self.narrow.keeps(&part);
         let narrow = &self.narrow;
         exec.divide((part, &mut self.aabbs[..]), OBJECTS_PER_TASK, |first, objects| {
@@ -208,19 +208,19 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
     }
 
     fn judge(&mut self, scene: &Scene, exec: Exec) {
-        let Self { narrow, frame, candidates, contacts, desks, report, .. } = self;
+        let Self { narrow, frame, candidates, contacts, workers, report, .. } = self;
         candidates.cut();
         let candidates = &*candidates;
-        narrow.foresee(frame, candidates.slices());
+        narrow.begin_pairs(frame, candidates.slices());
         let frame = &*frame;
         contacts.fill(exec, candidates.tasks.len(), |task, contacts| {
-            desks.with(|Desk { scratch, joined, report }| {
+            workers.with(|WorkerScratch { scratch, joined, report }| {
                 let pairs = candidates.of_task(task, joined);
-                narrow.decide(scene, frame, pairs, scratch, &mut Findings { contacts, report });
+                narrow.decide(scene, frame, pairs, scratch, &mut ContactSink { contacts, report });
             });
         });
         report.clear();
-        desks.iter_mut().for_each(|desk| report.absorb(&mut desk.report));
+        workers.iter_mut().for_each(|worker| report.absorb(&mut worker.report));
         report.sort();
     }
 }
@@ -266,7 +266,7 @@ impl<'p, A: Copy + Send> Step<'p, A> {
         self.aabbs
     }
 
-    /// How many pairs each rung settled, and those that none did.
+    /// How many pairs each method settled, and those that none did.
     pub fn report(&self) -> &'p Report {
         self.report
     }

@@ -2,16 +2,19 @@
 //! either side by less and more than the rounding of f32: where the lanes would be wrong first.
 
 use dcd_geom::glam::DVec3;
-use dcd_geom::lanes::Path;
 use dcd_geom::{Aabb, Kind, Pair, Polytope, Pose, Scene, Shape};
-use dcd_gjk::{Body, Contact, Findings, NarrowPhase, Overlap, Placed, Report, Verdict, certified};
+use dcd_gjk::{
+    Contact, ContactSink, NarrowPhase, Overlap, PosedShape, PosedSupport, Report, Verdict,
+    certified,
+};
 use dcd_pipeline::{Par, Pipeline, WideTree};
 use dcd_scenes::SceneSpec;
 use dcd_scenes::conformance::{Case, Category, ShapePair, Slide, flip, shape_flip};
+use dcd_simd::Path;
 
 fn certified_touches(case: &Case) -> bool {
-    let a = Body::polytope(&case.a, &case.pose_a);
-    let b = Body::polytope(&case.b, &case.pose_b);
+    let a = PosedSupport::polytope(&case.a, &case.pose_a);
+    let b = PosedSupport::polytope(&case.b, &case.pose_b);
     certified::overlap(a, b).0 == Verdict::Touching(())
 }
 
@@ -39,11 +42,11 @@ fn settled(scene: &Scene, pairs: usize, path: Path) -> (Vec<Contact<()>>, Report
     let narrow = Overlap::on(path);
     let mut frame = <Overlap as NarrowPhase>::Frame::default();
     let mut aabbs = vec![Aabb::default(); scene.len()];
-    let part = narrow.lay_out(scene, &mut frame);
+    let part = narrow.layout(scene, &mut frame);
     narrow.prepare(scene, 0, part, &mut aabbs);
     let (mut contacts, mut report) = (Vec::new(), Report::default());
-    let mut findings = Findings { contacts: &mut contacts, report: &mut report };
-    narrow.decide(scene, &frame, &pairs, &mut Default::default(), &mut findings);
+    let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
+    narrow.decide(scene, &frame, &pairs, &mut Default::default(), &mut sink);
     (contacts, report)
 }
 
@@ -59,7 +62,7 @@ fn twenty_thousand_answers_at_neighbouring_floats_are_right_by_the_exact_judge()
         if cases.is_empty() {
             break;
         }
-        // The certified rung said "touching" to the first of two and "apart" to the second.
+        // The certified method said "touching" to the first of two and "apart" to the second.
         let truth: Vec<bool> = cases.iter().map(exactly_touches).collect();
         let wrong = truth.iter().enumerate().position(|(k, &touches)| touches != (k % 2 == 0));
         assert_eq!(wrong.map(|k| &cases[k]).map(|case| format!("{case:?}")), None);
@@ -73,13 +76,13 @@ fn twenty_thousand_answers_at_neighbouring_floats_are_right_by_the_exact_judge()
     assert_eq!(judged, 20_000);
 }
 
-/// By the certified rung; of cylinders and cones, which have none, by the judge.
+/// By the certified method; of cylinders and cones, which have none, by the judge.
 fn shapes_touch(pair: &ShapePair) -> Option<bool> {
     if pair.is_curved() {
         return dcd_judge::shapes_touch((&pair.a, &pair.pose_a), (&pair.b, &pair.pose_b));
     }
-    let a = Placed { shape: &pair.a, pose: &pair.pose_a };
-    let b = Placed { shape: &pair.b, pose: &pair.pose_b };
+    let a = PosedShape { shape: &pair.a, pose: &pair.pose_a };
+    let b = PosedShape { shape: &pair.b, pose: &pair.pose_b };
     Some(certified::overlap_of(a, b).0 == Verdict::Touching(()))
 }
 
@@ -114,7 +117,7 @@ fn shapes_of_every_kind_are_right_at_neighbouring_floats_by_the_exact_judge() {
         }
         for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
             for (k, found) in shapes_settled_by_lanes(&pairs, path).into_iter().enumerate() {
-                // What is curved has no exact rung: it may be left open, and is never wrong.
+                // What is curved has no exact method: it may be left open, and is never wrong.
                 let truth = (k % 2 == 0, pairs[k].is_curved());
                 match (found, truth) {
                     (Some(found), (truth, _)) => {

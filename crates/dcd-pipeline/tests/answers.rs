@@ -3,11 +3,11 @@
 
 use dcd_broad::{BruteForce, SweepAndPrune, WideTree};
 use dcd_geom::glam::DVec3;
-use dcd_geom::lanes::Path;
 use dcd_geom::{Pose, Scene, Shape};
-use dcd_gjk::{Certified, EachPair, Gjk, NarrowPhase, Overlap, Rung, law};
+use dcd_gjk::{Certified, Gjk, Method, NarrowPhase, Overlap, Pairwise, contract};
 use dcd_pipeline::{BroadPhase, Par, Pipeline};
 use dcd_scenes::SceneSpec;
+use dcd_simd::Path;
 
 /// Few enough objects for every pair to be judged, in volumes small enough for many to touch.
 fn scenes() -> Vec<(String, Scene)> {
@@ -60,7 +60,7 @@ fn contacts(broad: impl BroadPhase, narrow: impl NarrowPhase, scene: &Scene) -> 
 #[test]
 fn every_path_of_the_lanes_gives_the_answers_of_the_exact_ladder() {
     for (name, scene) in scenes() {
-        let truth = contacts(BruteForce, EachPair(Certified), &scene);
+        let truth = contacts(BruteForce, Pairwise(Certified), &scene);
         for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
             let ours = contacts(WideTree::on(path), Overlap::on(path), &scene);
             assert_eq!(ours, truth, "{name} on {path:?}");
@@ -78,22 +78,23 @@ fn every_broad_phase_leads_to_the_same_contacts() {
 }
 
 #[test]
-fn the_narrow_phases_keep_the_law() {
+fn the_narrow_phases_keep_the_contract() {
     for (name, scene) in scenes() {
         let mut pipeline = Pipeline::new();
         let pairs: Vec<_> = pipeline.step(&scene, Par::Serial).candidates().collect();
         let broken = |e| panic!("{name}: {e}");
-        law::narrow_phase(&Overlap::default(), &scene, &pairs).unwrap_or_else(broken);
-        law::narrow_phase(&EachPair(Gjk::<f64>::default()), &scene, &pairs).unwrap_or_else(broken);
+        contract::narrow_phase(&Overlap::default(), &scene, &pairs).unwrap_or_else(broken);
+        contract::narrow_phase(&Pairwise(Gjk::<f64>::default()), &scene, &pairs)
+            .unwrap_or_else(broken);
     }
 }
 
 #[test]
-fn f32_and_f64_without_the_exact_rung_are_never_wrong_only_undecided() {
+fn f32_and_f64_without_the_exact_method_are_never_wrong_only_undecided() {
     for (name, scene) in scenes() {
-        let truth = contacts(BruteForce, EachPair(Certified), &scene);
-        check(&name, EachPair(Gjk::<f32>::default()), &scene, &truth);
-        check(&name, EachPair(Gjk::<f64>::default()), &scene, &truth);
+        let truth = contacts(BruteForce, Pairwise(Certified), &scene);
+        check(&name, Pairwise(Gjk::<f32>::default()), &scene, &truth);
+        check(&name, Pairwise(Gjk::<f64>::default()), &scene, &truth);
     }
     fn check(name: &str, narrow: impl NarrowPhase, scene: &Scene, truth: &[(u32, u32)]) {
         let mut pipeline = Pipeline::with(BruteForce, narrow);
@@ -109,14 +110,14 @@ fn f32_and_f64_without_the_exact_rung_are_never_wrong_only_undecided() {
 }
 
 #[test]
-fn overlapping_and_separate_bricks_stay_off_the_exact_rung() {
-    for (name, rung_may_be_exact) in
+fn overlapping_and_separate_bricks_stay_off_the_exact_method() {
+    for (name, method_may_be_exact) in
         [("bricks-overlapping", false), ("bricks-apart", false), ("bricks", true)]
     {
         let scene = SceneSpec::parse(name).unwrap().with_objects(512).scene().unwrap();
         let mut pipeline = Pipeline::with(WideTree::default(), Overlap::default());
-        let exact = pipeline.step(&scene, Par::Serial).report().settled(Rung::Exact);
-        assert_eq!(exact > 0, rung_may_be_exact, "{name}: {exact}");
+        let exact = pipeline.step(&scene, Par::Serial).report().settled(Method::Exact);
+        assert_eq!(exact > 0, method_may_be_exact, "{name}: {exact}");
     }
 }
 
@@ -136,11 +137,11 @@ fn no_object_and_one_object_give_no_pairs() {
 #[test]
 fn filters_are_asked_before_any_narrow_work() {
     use dcd_geom::{Filter, Object};
-    let ball = Shape::sphere(1.0).unwrap();
+    let sphere = Shape::sphere(1.0).unwrap();
     let object =
         |groups, mask| Object { filter: Filter { groups, mask }, ..Object::new(0, Pose::IDENTITY) };
     let scene =
-        Scene::new(vec![ball], [object(1, 2), object(2, 1), object(1, 2), object(2, 2)]).unwrap();
+        Scene::new(vec![sphere], [object(1, 2), object(2, 1), object(1, 2), object(2, 2)]).unwrap();
     let mut pipeline = Pipeline::new();
     let step = pipeline.step(&scene, Par::Serial);
     let mut found: Vec<_> = step.contacts().collect();
@@ -150,9 +151,9 @@ fn filters_are_asked_before_any_narrow_work() {
 }
 
 #[test]
-fn a_direction_whose_square_underflows_does_not_part_a_ball_from_the_sliver_that_it_touches() {
+fn a_direction_whose_square_underflows_does_not_part_a_sphere_from_the_sliver_that_it_touches() {
     // Found by fuzzing: two corners 4e-34 m apart, and with the centre they span a plane whose
-    // normal is as short. Its length is 0 in f32, and so was what the ball's radius took away.
+    // normal is as short. Its length is 0 in f32, and so was what the sphere's radius took away.
     let corners = [[0.0; 3], [3.9e-34, 0.0, 0.0], [0.0, 1.0, 2.375], [0.0, 0.375, 0.5]];
     let sliver = Shape::hull(corners.map(DVec3::from_array).to_vec()).unwrap();
     let shapes = vec![Shape::sphere(0.5).unwrap(), sliver];

@@ -2,8 +2,9 @@
 #![allow(missing_docs)]
 
 use dcd_exec::with_threads;
+use dcd_io::{Capture, place_frame};
 use dcd_pipeline::{Par, Pipeline, Scene};
-use dcd_scenes::{Capture, RandomWalk, SceneSpec, place_frame};
+use dcd_scenes::{RandomWalk, SceneSpec};
 
 type Contacts = Vec<(u32, u32)>;
 

@@ -4,7 +4,7 @@
 use dcd_exec::with_threads;
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Aabb, Filter, Handle, Object, Pair, Pose, Scene, Shape};
-use dcd_gjk::{Coherent, Findings, Rung};
+use dcd_gjk::{Coherent, ContactSink, Method};
 use dcd_pipeline::{Change, Event, Events, NarrowPhase, Overlap, Par, Pipeline, WideTree};
 use dcd_scenes::{RandomWalk, SceneSpec};
 use std::collections::BTreeMap;
@@ -140,7 +140,7 @@ where
     for frame in 0..1000 {
         let step = pipeline.step_where(&walk.scene, par, may);
         assert!(step.report().undecided().is_empty());
-        remembered += step.report().settled(Rung::Remembered);
+        remembered += step.report().settled(Method::Remembered);
         let told = Told {
             aabbs: step.aabbs().to_vec(),
             candidates: step.candidates().collect(),
@@ -213,8 +213,8 @@ impl NarrowPhase for Counting {
     type Part<'f> = <Overlap as NarrowPhase>::Part<'f>;
     type Scratch = <Overlap as NarrowPhase>::Scratch;
 
-    fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
-        self.0.lay_out(scene, frame)
+    fn layout<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
+        self.0.layout(scene, frame)
     }
 
     fn keeps(&self, part: &Self::Part<'_>) -> bool {
@@ -232,9 +232,9 @@ impl NarrowPhase for Counting {
         frame: &Self::Frame,
         pairs: &[Pair],
         scratch: &mut Self::Scratch,
-        findings: &mut Findings<'_, Self::Answer>,
+        sink: &mut ContactSink<'_, Self::Answer>,
     ) {
-        self.0.decide(scene, frame, pairs, scratch, findings);
+        self.0.decide(scene, frame, pairs, scratch, sink);
     }
 }
 
@@ -253,7 +253,7 @@ fn what_was_known_at_rest_serves_the_first_fast_frames_and_fast_ones_keep_nothin
         }
         let step = coherent.step(&scene, Par::Pool);
         let candidates = step.candidate_count() as f64;
-        known.push(step.report().settled(Rung::Remembered) as f64 / candidates);
+        known.push(step.report().settled(Method::Remembered) as f64 / candidates);
         assert!(step.contacts().eq(fresh.step(&scene, Par::Pool).contacts()), "{known:?}");
     }
     let [first, at_rest, fast, .., still_fast, slow, slow_again] = known[..] else { panic!() };

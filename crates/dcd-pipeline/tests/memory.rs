@@ -1,8 +1,8 @@
 //! What a step allocates, and what it holds.
 
 use dcd_geom::{Object, Pose, Scene};
-use dcd_gjk::{Coherent, Rung};
-use dcd_pipeline::{Events, Linkage, Overlap, Par, Pipeline, WideTree, World};
+use dcd_gjk::{Coherent, Method};
+use dcd_pipeline::{Events, LinkSet, Overlap, Par, Pipeline, StaticWorld, WideTree};
 use dcd_scenes::{RandomWalk, SceneSpec};
 
 fn scene(name: &str, objects: usize) -> Scene {
@@ -38,7 +38,7 @@ fn a_coherent_step_of_objects_that_barely_move_allocates_nothing_either() {
         let mut remembered = 0;
         let seen = allocation_counter::measure(|| {
             let step = pipeline.step(&scene, Par::Serial);
-            remembered = step.report().settled(Rung::Remembered);
+            remembered = step.report().settled(Method::Remembered);
         });
         assert!(frame < 2 || seen.count_total == 0, "frame {frame}: {seen:?}");
         assert!(frame < 1 || remembered > 10_000, "frame {frame}: {remembered}");
@@ -72,15 +72,15 @@ fn static_objects_filters_and_events_allocate_nothing_either() {
 
 #[test]
 fn from_the_second_batch_on_serial_configurations_allocate_nothing() {
-    let world = World::new(&scene("paper", 200), Overlap::default(), Par::Serial).unwrap();
+    let world = StaticWorld::new(&scene("paper", 200), Overlap::default(), Par::Serial).unwrap();
     let robot = scene("paper", 4);
-    let linkage = Linkage::new(robot.shapes().to_vec()).against_itself(&[(0, 1)]).unwrap();
-    let mut probe = world.probe(linkage).unwrap();
+    let link_set = LinkSet::new(robot.shapes().to_vec()).against_itself(&[(0, 1)]).unwrap();
+    let mut checker = world.checker(link_set).unwrap();
     let poses = scene("paper", 800).poses().to_vec();
     for batch in 0..4 {
         let seen = allocation_counter::measure(|| {
-            assert!(probe.first(&poses, Par::Serial).unwrap().iter().any(Option::is_some));
-            assert!(!probe.all(&poses, Par::Serial).unwrap().is_empty());
+            assert!(checker.first(&poses, Par::Serial).unwrap().iter().any(Option::is_some));
+            assert!(!checker.all(&poses, Par::Serial).unwrap().is_empty());
         });
         assert!(batch < 1 || seen.count_total == 0, "batch {batch}: {seen:?}");
     }

@@ -5,7 +5,8 @@ use dcd_broad::WideTree;
 use dcd_exec::with_threads;
 use dcd_geom::Scene;
 use dcd_gjk::{
-    Contact, Depths, Distances, Manifolds, NarrowPhase, OfTouching, PairSolver, Proximities, Within,
+    Contact, Depths, Distances, Manifolds, NarrowPhase, PairSolver, Proximities, ThenMeasure,
+    Within,
 };
 use dcd_pipeline::{Par, Pipeline};
 use dcd_scenes::SceneSpec;
@@ -27,7 +28,7 @@ where
     S: PairSolver<Answer: PartialEq + std::fmt::Debug> + Copy + Send + 'static,
 {
     let scene = scene();
-    let ask = |par| answers(OfTouching::new(solver).unwrap(), &scene, par);
+    let ask = |par| answers(ThenMeasure::new(solver).unwrap(), &scene, par);
     let serial = ask(Par::Serial);
     assert!(serial.len() > 100, "{}", serial.len());
     for threads in [1, 2, 5] {

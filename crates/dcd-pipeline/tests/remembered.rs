@@ -9,7 +9,7 @@ fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()
 }
 
-fn ball(radius: f64) -> Shape {
+fn sphere(radius: f64) -> Shape {
     Shape::sphere(radius).unwrap()
 }
 
@@ -28,15 +28,15 @@ where
     contacts
 }
 
-/// The static ball's first place, and its second; it touches the one at (1, 1, 0) at the origin only.
+/// The static sphere's first place, and its second; it touches the one at (1, 1, 0) at the origin only.
 const PLACES: [[f64; 3]; 2] = [[0.0, 0.0, 0.0], [-0.5, -0.5, 0.0]];
 
-/// Runs the steps that come between two places of a static ball of which something is known.
-fn with_a_static_ball_that_moves(between: impl Fn(&mut Scene, &mut dyn FnMut(&Scene, &str))) {
+/// Runs the steps that come between two places of a static sphere of which something is known.
+fn with_a_static_sphere_that_moves(between: impl Fn(&mut Scene, &mut dyn FnMut(&Scene, &str))) {
     for [from, to] in [PLACES, [PLACES[1], PLACES[0]]] {
         let pair =
-            Shape::compound(vec![(ball(1.0), Pose::IDENTITY), (ball(1.0), at(0.5, 0.0, 0.0))]);
-        let shapes = vec![ball(1.0), pair.unwrap(), ball(1e-5)];
+            Shape::compound(vec![(sphere(1.0), Pose::IDENTITY), (sphere(1.0), at(0.5, 0.0, 0.0))]);
+        let shapes = vec![sphere(1.0), pair.unwrap(), sphere(1e-5)];
         let place = |[x, y, z]: [f64; 3]| at(x, y, z);
         let objects = [
             Object::new(0, place(from)).fixed(),
@@ -63,7 +63,7 @@ fn with_a_static_ball_that_moves(between: impl Fn(&mut Scene, &mut dyn FnMut(&Sc
 
 #[test]
 fn a_proof_ends_when_a_static_object_moves_after_a_compound_has_taken_a_slot() {
-    with_a_static_ball_that_moves(|scene, step| {
+    with_a_static_sphere_that_moves(|scene, step| {
         scene.remove(scene.handle(2).unwrap()).unwrap();
         scene.insert(Object::new(1, at(100.0, 0.0, 0.0))).unwrap();
         (0..3).for_each(|_| step(scene, "a compound takes a slot"));
@@ -72,7 +72,7 @@ fn a_proof_ends_when_a_static_object_moves_after_a_compound_has_taken_a_slot() {
 
 #[test]
 fn a_proof_ends_when_a_static_object_moves_after_a_small_object_has_taken_a_slot() {
-    with_a_static_ball_that_moves(|scene, step| {
+    with_a_static_sphere_that_moves(|scene, step| {
         scene.remove(scene.handle(2).unwrap()).unwrap();
         scene.insert(Object::new(2, at(100.0, 0.0, 0.0))).unwrap();
         (0..3).for_each(|_| step(scene, "a small ball takes a slot"));
@@ -81,7 +81,7 @@ fn a_proof_ends_when_a_static_object_moves_after_a_small_object_has_taken_a_slot
 
 #[test]
 fn a_proof_ends_when_a_static_object_moves_after_another_has_travelled_thousands_of_its_radii() {
-    with_a_static_ball_that_moves(|scene, step| {
+    with_a_static_sphere_that_moves(|scene, step| {
         for jump in 0..1030 {
             scene.set_pose(2, at(100.0 + 50.0 * f64::from(jump % 2), 0.0, 0.0)).unwrap();
             step(scene, "a ball leaps to and fro");
@@ -91,7 +91,7 @@ fn a_proof_ends_when_a_static_object_moves_after_another_has_travelled_thousands
 
 #[test]
 fn a_proof_ends_when_a_static_object_moves_after_the_shapes_have_become_more() {
-    with_a_static_ball_that_moves(|scene, step| {
+    with_a_static_sphere_that_moves(|scene, step| {
         scene.add_shapes([Shape::half_space(DVec3::Z, -50.0).unwrap()]).unwrap();
         step(scene, "a shape is added");
         scene.insert(Object::new(3, Pose::IDENTITY).fixed()).unwrap();
@@ -123,7 +123,7 @@ fn contacts_come_in_the_order_of_a_fresh_pipeline_after_shapes_of_another_kind_a
         let mut scene = Scene::new(shapes.collect(), objects).unwrap();
         let mut kept = Pipeline::new();
         told(&mut kept, Overlap::default(), &scene, "cuboids alone");
-        let added = scene.add_shapes([ball(0.5)]).unwrap();
+        let added = scene.add_shapes([sphere(0.5)]).unwrap();
         contacts += told(&mut kept, Overlap::default(), &scene, "a kind of shape more").len();
         scene.insert(Object::new(added.start, Pose::IDENTITY)).unwrap();
         told(&mut kept, Overlap::default(), &scene, "a ball among the cuboids");
@@ -135,7 +135,7 @@ fn contacts_come_in_the_order_of_a_fresh_pipeline_after_shapes_of_another_kind_a
 fn a_static_object_is_not_lost_while_another_is_out_of_the_range_of_a_margin() {
     let margin = 1e36;
     let objects = [Object::new(0, Pose::IDENTITY).fixed(), Object::new(0, at(0.5, 0.0, 0.0))];
-    let mut scene = Scene::new(vec![ball(1.0)], objects).unwrap();
+    let mut scene = Scene::new(vec![sphere(1.0)], objects).unwrap();
     let within = || Within::margin(margin).unwrap();
     let coherent = || Within::by(Coherent::default(), margin).unwrap();
     let mut kept = Pipeline::with(WideTree::default(), within());

@@ -4,8 +4,10 @@ use dcd_broad::BruteForce;
 use dcd_exec::with_threads;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Filter, Object, Pair, Pose, Scene, SceneError, Shape};
-use dcd_gjk::{Certified, EachPair, Findings, PairSolver, Placed, Reason, Rung, Verdict, Within};
-use dcd_pipeline::{Finding, Linkage, NarrowPhase, Other, Overlap, Par, Pipeline, World};
+use dcd_gjk::{
+    Certified, ContactSink, Method, PairSolver, Pairwise, PosedShape, Reason, Verdict, Within,
+};
+use dcd_pipeline::{Hit, LinkSet, NarrowPhase, Other, Overlap, Par, Pipeline, StaticWorld};
 use dcd_scenes::SceneSpec;
 
 /// Obstacles in a cube, one slot free, some that only robots of group 2 meet.
@@ -37,9 +39,9 @@ const UNMET: Filter = Filter { groups: 1, mask: 1 };
 const EXCEPT: [(usize, usize); 2] = [(0, 1), (4, 3)];
 
 /// Five links, the last of which misses the obstacles of group 2.
-fn linkage() -> Linkage {
-    let linkage = Linkage::new(shapes()).with_filter(4, UNMET).unwrap();
-    linkage.against_itself(&EXCEPT).unwrap()
+fn link_set() -> LinkSet {
+    let link_set = LinkSet::new(shapes()).with_filter(4, UNMET).unwrap();
+    link_set.against_itself(&EXCEPT).unwrap()
 }
 
 /// More configurations than are worked on at once, some of them far away.
@@ -67,7 +69,7 @@ fn alone(obstacles: &Scene, configuration: u32, poses: &[Pose]) -> Vec<(u32, u32
         let filter = if k == 4 { UNMET } else { Filter::ALL };
         scene.insert(Object { filter, ..Object::new(shape, pose) }).unwrap();
     }
-    let mut pipeline = Pipeline::with(BruteForce, EachPair(Certified));
+    let mut pipeline = Pipeline::with(BruteForce, Pairwise(Certified));
     let step = pipeline.step_where(&scene, Par::Serial, |i, j| {
         let (k, l) =
             ((i as usize).wrapping_sub(first as usize), (j as usize).wrapping_sub(first as usize));
@@ -80,9 +82,9 @@ fn alone(obstacles: &Scene, configuration: u32, poses: &[Pose]) -> Vec<(u32, u32
     touching
 }
 
-fn told(finding: &Finding<()>) -> (u32, u32, Other) {
-    assert!(finding.touches());
-    (finding.configuration, finding.link, finding.other)
+fn told(hit: &Hit<()>) -> (u32, u32, Other) {
+    assert!(hit.touches());
+    (hit.configuration, hit.link, hit.other)
 }
 
 #[test]
@@ -94,17 +96,17 @@ fn every_configuration_gets_what_a_scene_of_its_own_says() {
     let own = |touch: &&(u32, u32, Other)| matches!(touch.2, Other::Link(_));
     assert!(due.iter().flatten().filter(own).count() > 10);
 
-    let world = World::new(&obstacles, Overlap::default(), Par::Serial).unwrap();
-    let mut probe = world.probe(linkage()).unwrap();
+    let world = StaticWorld::new(&obstacles, Overlap::default(), Par::Serial).unwrap();
+    let mut checker = world.checker(link_set()).unwrap();
     for _ in 0..2 {
-        let first = probe.first(&poses, Par::Serial).unwrap();
+        let first = checker.first(&poses, Par::Serial).unwrap();
         assert_eq!(first.len(), due.len());
         for (found, due) in first.iter().zip(&due) {
             assert_eq!(found.is_some(), !due.is_empty());
             assert!(found.iter().all(|found| due.contains(&told(found))), "{found:?} of {due:?}");
         }
         let mut all: Vec<_> =
-            probe.all(&poses, Par::Serial).unwrap().iter().map(|found| told(&found)).collect();
+            checker.all(&poses, Par::Serial).unwrap().iter().map(|found| told(&found)).collect();
         assert!(all.iter().map(|touch| touch.0).is_sorted());
         all.sort_unstable();
         assert_eq!(all, due.concat());
@@ -115,14 +117,14 @@ fn every_configuration_gets_what_a_scene_of_its_own_says() {
 fn the_answers_and_their_order_are_one_at_any_thread_count() {
     let (obstacles, poses) = (obstacles(), poses());
     let run = |par| {
-        let world = World::new(&obstacles, Overlap::default(), par).unwrap();
-        let mut probe = world.probe(linkage()).unwrap();
-        let first = probe.first(&poses, par).unwrap().to_vec();
+        let world = StaticWorld::new(&obstacles, Overlap::default(), par).unwrap();
+        let mut checker = world.checker(link_set()).unwrap();
+        let first = checker.first(&poses, par).unwrap().to_vec();
         // A smaller batch between.
-        probe.first(&poses[..35], par).unwrap();
-        let again = probe.first(&poses, par).unwrap().to_vec();
+        checker.first(&poses[..35], par).unwrap();
+        let again = checker.first(&poses, par).unwrap().to_vec();
         assert_eq!(first, again);
-        let all: Vec<_> = probe.all(&poses, par).unwrap().iter().collect();
+        let all: Vec<_> = checker.all(&poses, par).unwrap().iter().collect();
         (first, all)
     };
     let serial = run(Par::Serial);
@@ -134,28 +136,28 @@ fn the_answers_and_their_order_are_one_at_any_thread_count() {
 #[test]
 fn the_hit_of_a_configuration_is_one_whatever_else_is_asked() {
     let (obstacles, poses) = (obstacles(), poses());
-    let world = World::new(&obstacles, Overlap::default(), Par::Serial).unwrap();
-    let mut probe = world.probe(linkage()).unwrap();
-    let hits = |found: &[Option<Finding<()>>]| -> Vec<_> {
+    let world = StaticWorld::new(&obstacles, Overlap::default(), Par::Serial).unwrap();
+    let mut checker = world.checker(link_set()).unwrap();
+    let hits = |found: &[Option<Hit<()>>]| -> Vec<_> {
         found.iter().map(|found| found.map(|found| (found.link, found.other))).collect()
     };
-    let due = hits(probe.first(&poses, Par::Serial).unwrap());
+    let due = hits(checker.first(&poses, Par::Serial).unwrap());
     assert!(due.iter().flatten().any(|(_, other)| matches!(other, Other::Link(_))));
     let mut alone = Vec::new();
     for poses in poses.chunks(5) {
-        alone.extend(hits(probe.first(poses, Par::Serial).unwrap()));
+        alone.extend(hits(checker.first(poses, Par::Serial).unwrap()));
     }
     assert_eq!(alone, due);
     let backwards: Vec<Pose> = poses.chunks(5).rev().flatten().copied().collect();
-    let mut backwards = hits(probe.first(&backwards, Par::Serial).unwrap());
+    let mut backwards = hits(checker.first(&backwards, Par::Serial).unwrap());
     backwards.reverse();
     assert_eq!(backwards, due);
     // So many that more of them are taken up at once.
     let many = poses.repeat(2500 / due.len() + 1);
-    let mut many = hits(probe.first(&many, Par::Serial).unwrap());
+    let mut many = hits(checker.first(&many, Par::Serial).unwrap());
     assert!(many.len() > 2048);
     assert!(many.chunks(due.len()).all(|hits| hits == due));
-    many = hits(probe.first(&poses, Par::Serial).unwrap());
+    many = hits(checker.first(&poses, Par::Serial).unwrap());
     assert_eq!(many, due);
 }
 
@@ -166,30 +168,31 @@ fn what_cannot_be_settled_is_told_and_a_contact_comes_before_it() {
     impl PairSolver for Spheres {
         type Answer = ();
         type Scratch = ();
-        fn rung(&self) -> Rung {
-            Rung::Foreign
+        fn method(&self) -> Method {
+            Method::Foreign
         }
-        fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
-            let is_sphere = |p: &Placed<'_>| p.shape.as_polytope().unwrap().vertices().len() == 1;
+        fn solve(&self, a: PosedShape<'_>, b: PosedShape<'_>, (): &mut ()) -> Verdict<()> {
+            let is_sphere =
+                |p: &PosedShape<'_>| p.shape.as_polytope().unwrap().vertices().len() == 1;
             match is_sphere(&a) && is_sphere(&b) {
                 true => Certified.solve(a, b, &mut Default::default()),
                 false => Verdict::Undecided(Reason::Foreign),
             }
         }
     }
-    let (ball, cube) = (Shape::sphere(1.0).unwrap(), Shape::cuboid(DVec3::ONE).unwrap());
-    let room = Scene::new(vec![ball.clone()], [Object::new(0, Pose::IDENTITY)]).unwrap();
-    let world = World::new(&room, EachPair(Spheres), Par::Serial).unwrap();
-    let mut probe = world.probe(Linkage::new(vec![cube, ball])).unwrap();
+    let (sphere, cube) = (Shape::sphere(1.0).unwrap(), Shape::cuboid(DVec3::ONE).unwrap());
+    let room = Scene::new(vec![sphere.clone()], [Object::new(0, Pose::IDENTITY)]).unwrap();
+    let world = StaticWorld::new(&room, Pairwise(Spheres), Par::Serial).unwrap();
+    let mut checker = world.checker(LinkSet::new(vec![cube, sphere])).unwrap();
     let at = |x: f64| Pose::from_translation(DVec3::X * x).unwrap();
     let batch = [at(0.0), at(9.0), at(0.0), at(1.0), at(9.0), at(9.0)];
     let undecided = Verdict::Undecided(Reason::Foreign);
-    let first = probe.first(&batch, Par::Serial).unwrap();
+    let first = checker.first(&batch, Par::Serial).unwrap();
     assert_eq!(first[0].map(|found| (found.link, found.verdict)), Some((0, undecided)));
     assert_eq!(first[1].map(|found| (found.link, found.verdict)), Some((1, Verdict::Touching(()))));
     assert_eq!(first[2], None);
-    let all: Vec<_> = probe.all(&batch, Par::Serial).unwrap().iter().collect();
-    let short = |found: &Finding<()>| (found.configuration, found.link, found.verdict);
+    let all: Vec<_> = checker.all(&batch, Par::Serial).unwrap().iter().collect();
+    let short = |found: &Hit<()>| (found.configuration, found.link, found.verdict);
     assert_eq!(
         all.iter().map(short).collect::<Vec<_>>(),
         [(0, 0, undecided), (1, 1, Verdict::Touching(())), (1, 0, undecided)]
@@ -198,10 +201,10 @@ fn what_cannot_be_settled_is_told_and_a_contact_comes_before_it() {
 
 #[test]
 fn a_link_that_is_out_of_range_unmoved_is_refused_by_its_number() {
-    let world = World::new(&obstacles(), Overlap::default(), Par::Serial).unwrap();
+    let world = StaticWorld::new(&obstacles(), Overlap::default(), Par::Serial).unwrap();
     let far = Shape::segment(DVec3::ZERO, DVec3::X * 1e300).unwrap();
-    let links = Linkage::new(vec![Shape::sphere(1.0).unwrap(), far]);
-    let refused = world.probe(links).map(|_| ());
+    let links = LinkSet::new(vec![Shape::sphere(1.0).unwrap(), far]);
+    let refused = world.checker(links).map(|_| ());
     assert!(
         matches!(refused, Err(SceneError::OutOfRange { object: 1, reach }) if reach >= 1e300),
         "{refused:?}"
@@ -210,16 +213,16 @@ fn a_link_that_is_out_of_range_unmoved_is_refused_by_its_number() {
 
 #[test]
 fn a_batch_that_does_not_fit_is_refused_with_what_is_wrong() {
-    let world = World::new(&obstacles(), Overlap::default(), Par::Serial).unwrap();
-    let mut probe = world.probe(linkage()).unwrap();
+    let world = StaticWorld::new(&obstacles(), Overlap::default(), Par::Serial).unwrap();
+    let mut checker = world.checker(link_set()).unwrap();
     let mut poses = poses();
     let lengths = SceneError::LengthsDiffer { shapes: 5, poses: 7 };
-    assert_eq!(probe.first(&poses[..7], Par::Serial), Err(lengths));
-    assert_eq!(probe.all(&poses[..7], Par::Serial).map(|_| ()), Err(lengths));
+    assert_eq!(checker.first(&poses[..7], Par::Serial), Err(lengths));
+    assert_eq!(checker.all(&poses[..7], Par::Serial).map(|_| ()), Err(lengths));
     let far = Pose::from_translation(DVec3::splat(2e37)).unwrap();
     (poses[423], poses[617]) = (far, far);
     for par in [Par::Serial, Par::Pool] {
-        let refused = probe.all(&poses, par).map(|_| ());
+        let refused = checker.all(&poses, par).map(|_| ());
         assert!(
             matches!(refused, Err(SceneError::OutOfRange { object: 423, reach }) if reach >= 2e37)
         );
@@ -227,26 +230,26 @@ fn a_batch_that_does_not_fit_is_refused_with_what_is_wrong() {
     // Of a first hit it is told where no other link touches; also where more are taken up at once.
     poses[420..425].fill(far);
     for batch in [poses.repeat(5), poses] {
-        let refused = probe.first(&batch, Par::Serial).map(|_| ());
+        let refused = checker.first(&batch, Par::Serial).map(|_| ());
         assert!(matches!(refused, Err(SceneError::OutOfRange { object: 420, .. })), "{refused:?}");
     }
-    assert!(probe.first(&[], Par::Serial).unwrap().is_empty());
+    assert!(checker.first(&[], Par::Serial).unwrap().is_empty());
     let unknown = SceneError::NoSuchObject { object: 5, objects: 5 };
-    assert_eq!(linkage().against_itself(&[(5, 0)]).map(|_| ()), Err(unknown));
+    assert_eq!(link_set().against_itself(&[(5, 0)]).map(|_| ()), Err(unknown));
 }
 
 #[test]
 fn no_obstacle_and_no_link_are_legal_and_touch_nothing() {
-    fn count<N: NarrowPhase>(world: &World<N>, linkage: Linkage, poses: &[Pose]) -> usize {
-        let mut probe = world.probe(linkage).unwrap();
-        probe.all(poses, Par::Pool).unwrap().len()
+    fn count<N: NarrowPhase>(world: &StaticWorld<N>, link_set: LinkSet, poses: &[Pose]) -> usize {
+        let mut checker = world.checker(link_set).unwrap();
+        checker.all(poses, Par::Pool).unwrap().len()
     }
-    let empty = World::new(&Scene::default(), Overlap::default(), Par::Serial).unwrap();
-    let ball = || Linkage::new(vec![Shape::sphere(1.0).unwrap(); 2]);
-    assert_eq!(count(&empty, ball(), &[Pose::IDENTITY; 4]), 0);
-    assert_eq!(count(&empty, ball().against_itself(&[]).unwrap(), &[Pose::IDENTITY; 4]), 2);
-    let world = World::new(&obstacles(), Overlap::default(), Par::Serial).unwrap();
-    assert_eq!(count(&world, Linkage::new(vec![]), &[]), 0);
+    let empty = StaticWorld::new(&Scene::default(), Overlap::default(), Par::Serial).unwrap();
+    let sphere = || LinkSet::new(vec![Shape::sphere(1.0).unwrap(); 2]);
+    assert_eq!(count(&empty, sphere(), &[Pose::IDENTITY; 4]), 0);
+    assert_eq!(count(&empty, sphere().against_itself(&[]).unwrap(), &[Pose::IDENTITY; 4]), 2);
+    let world = StaticWorld::new(&obstacles(), Overlap::default(), Par::Serial).unwrap();
+    assert_eq!(count(&world, LinkSet::new(vec![]), &[]), 0);
 }
 
 /// Says nothing of how far its boxes reach, so that every link is posed and prepared.
@@ -261,8 +264,8 @@ impl<N: NarrowPhase> NarrowPhase for Blind<N> {
         Self: 'f;
     type Scratch = N::Scratch;
 
-    fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut N::Frame) -> N::Part<'f> {
-        self.0.lay_out(scene, frame)
+    fn layout<'f>(&self, scene: &Scene, frame: &'f mut N::Frame) -> N::Part<'f> {
+        self.0.layout(scene, frame)
     }
 
     fn keeps(&self, part: &N::Part<'_>) -> bool {
@@ -279,9 +282,9 @@ impl<N: NarrowPhase> NarrowPhase for Blind<N> {
         frame: &N::Frame,
         pairs: &[Pair],
         scratch: &mut N::Scratch,
-        findings: &mut Findings<'_, N::Answer>,
+        sink: &mut ContactSink<'_, N::Answer>,
     ) {
-        self.0.decide(scene, frame, pairs, scratch, findings);
+        self.0.decide(scene, frame, pairs, scratch, sink);
     }
 }
 
@@ -306,12 +309,12 @@ fn of_every_kind() -> Vec<Shape> {
 
 #[test]
 fn what_bounds_pass_over_touches_nothing_whatever_the_shapes_and_the_margin() {
-    fn run<N: NarrowPhase<Answer = ()>>(narrow: N) -> (Vec<Finding<()>>, Vec<Option<Finding<()>>>) {
-        let world = World::new(&obstacles(), narrow, Par::Serial).unwrap();
-        let linkage = Linkage::new(of_every_kind()).against_itself(&[(1, 3)]).unwrap();
-        let mut probe = world.probe(linkage).unwrap();
-        let all = probe.all(&poses(), Par::Serial).unwrap().iter().collect();
-        (all, probe.first(&poses(), Par::Serial).unwrap().to_vec())
+    fn run<N: NarrowPhase<Answer = ()>>(narrow: N) -> (Vec<Hit<()>>, Vec<Option<Hit<()>>>) {
+        let world = StaticWorld::new(&obstacles(), narrow, Par::Serial).unwrap();
+        let link_set = LinkSet::new(of_every_kind()).against_itself(&[(1, 3)]).unwrap();
+        let mut checker = world.checker(link_set).unwrap();
+        let all = checker.all(&poses(), Par::Serial).unwrap().iter().collect();
+        (all, checker.first(&poses(), Par::Serial).unwrap().to_vec())
     }
     fn check<N: NarrowPhase<Answer = ()> + Clone>(narrow: N) -> usize {
         let (all, first) = run(narrow.clone());

@@ -1,6 +1,6 @@
 //! The frames that a scene may name.
 
-use super::kinematics::Frame;
+use super::kinematics::JointFrame;
 use super::message::{FixedTransform, Transform};
 use super::yaml::{Lined, line_of};
 use super::{Robot, RobotError, Srdf};
@@ -17,8 +17,8 @@ const SAME_FRAME: f64 = 1e-9;
 pub(super) struct Frames<'a> {
     /// What the robot's root stands in, if the SRDF names it.
     model: Option<&'a str>,
-    links: HashMap<&'a str, Frame>,
-    fixed: HashMap<String, Frame>,
+    links: HashMap<&'a str, JointFrame>,
+    fixed: HashMap<String, JointFrame>,
 }
 
 impl<'a> Frames<'a> {
@@ -34,7 +34,7 @@ impl<'a> Frames<'a> {
     }
 
     /// The frame of that name, of which `user` speaks.
-    pub(super) fn find(&self, name: &str, user: &str) -> Result<Frame, RobotError> {
+    pub(super) fn find(&self, name: &str, user: &str) -> Result<JointFrame, RobotError> {
         self.known(name).ok_or_else(|| RobotError::Unknown {
             what: "frame",
             name: name.to_owned(),
@@ -42,16 +42,16 @@ impl<'a> Frames<'a> {
         })
     }
 
-    fn known(&self, name: &str) -> Option<Frame> {
+    fn known(&self, name: &str) -> Option<JointFrame> {
         let name = name.strip_prefix('/').unwrap_or(name);
         if name.is_empty() || Some(name) == self.model {
-            return Some(Frame::IDENTITY);
+            return Some(JointFrame::IDENTITY);
         }
         self.links.get(name).or_else(|| self.fixed.get(name)).copied()
     }
 
     /// Where the link is, if there is one of that name.
-    pub(super) fn link(&self, name: &str) -> Option<Frame> {
+    pub(super) fn link(&self, name: &str) -> Option<JointFrame> {
         self.links.get(name).copied()
     }
 
@@ -80,17 +80,17 @@ impl<'a> Frames<'a> {
     }
 }
 
-fn same(a: &Frame, b: &Frame) -> bool {
-    let entries = |frame: &Frame| frame.rotation.to_cols_array();
+fn same(a: &JointFrame, b: &JointFrame) -> bool {
+    let entries = |frame: &JointFrame| frame.rotation.to_cols_array();
     let near = |(a, b): (f64, f64)| (a - b).abs() <= SAME_FRAME;
     a.translation.distance(b.translation) <= SAME_FRAME
         && entries(a).into_iter().zip(entries(b)).all(near)
 }
 
 /// A transform as a frame, with its numbers checked.
-pub(super) fn frame_of(transform: &Transform, user: &str) -> Result<Frame, RobotError> {
+pub(super) fn frame_of(transform: &Transform, user: &str) -> Result<JointFrame, RobotError> {
     let Transform { translation, rotation } = transform;
     let pose = Pose::new(DQuat::from_array(rotation.0), DVec3::from_array(translation.0));
     let pose = pose.map_err(|error| RobotError::Pose { user: user.to_owned(), error })?;
-    Ok(Frame::of_pose(&pose))
+    Ok(JointFrame::of_pose(&pose))
 }

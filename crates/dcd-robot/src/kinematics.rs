@@ -7,12 +7,12 @@ use std::fmt;
 
 /// A frame in another: a point p of it is at R·p + t there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Frame {
+pub(super) struct JointFrame {
     pub(super) rotation: DMat3,
     pub(super) translation: DVec3,
 }
 
-impl Frame {
+impl JointFrame {
     pub(super) const IDENTITY: Self = Self { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
 
     /// URDF's: turned about x, then y, then z of the outer frame (roll, pitch, yaw; rad).
@@ -82,7 +82,7 @@ impl Robot {
     }
 
     /// Where each link is.
-    pub(super) fn link_frames(&self, state: &[f64]) -> Result<Vec<Frame>, RobotError> {
+    pub(super) fn link_frames(&self, state: &[f64]) -> Result<Vec<JointFrame>, RobotError> {
         self.check_state(state)?;
         let mut frames = vec![self.base; self.links.len()];
         for joint in &self.joints {
@@ -158,7 +158,7 @@ impl fmt::Display for BeyondLimits<'_> {
 }
 
 /// The child's frame, from the joint's at rest.
-fn moved(rest: &Frame, joint: &Joint, state: &[f64]) -> Frame {
+fn moved(rest: &JointFrame, joint: &Joint, state: &[f64]) -> JointFrame {
     // The state has been counted.
     let value = |by: super::model::Drive| by.of(state).unwrap_or_default();
     match joint.motion {

@@ -1,11 +1,11 @@
 //! A mesh file of a URDF.
 
 use super::RobotError;
-use dcd_io::{Frame, load_obj};
+use dcd_io::{RawMesh, load_obj};
 use std::path::{Path, PathBuf};
 
 /// The OBJ file of a robot, metres.
-pub(super) fn load(path: &Path) -> Result<Frame, RobotError> {
+pub(super) fn load(path: &Path) -> Result<RawMesh, RobotError> {
     let kind = path.extension().map_or_else(String::new, |e| e.to_string_lossy().to_lowercase());
     if kind != "obj" {
         let user = path.display().to_string();

@@ -62,7 +62,7 @@ pub(super) struct Header {
     #[serde(rename = "seq")]
     pub(super) _seq: u64,
     #[serde(rename = "stamp")]
-    pub(super) _stamp: Held,
+    pub(super) _revision: Held,
     pub(super) frame_id: String,
 }
 

@@ -1,6 +1,6 @@
 //! A robot: links that carry shapes, and the joints between them.
 
-use super::kinematics::Frame;
+use super::kinematics::JointFrame;
 use super::names::Names;
 use super::shapes::Shapes;
 use super::urdf::{Described, DescribedJoint, Kind};
@@ -23,7 +23,7 @@ pub struct Robot {
     /// The link that has no parent.
     pub(super) root: usize,
     /// Its frame in the world.
-    pub(super) base: Frame,
+    pub(super) base: JointFrame,
     /// What the file says and this robot does not use.
     pub(super) notes: Vec<String>,
 }
@@ -45,7 +45,7 @@ pub struct Part {
     /// The name of the object that it is of, if the link carries it and does not consist of it.
     pub object: Option<String>,
     /// That frame in the link's.
-    pub(super) origin: Frame,
+    pub(super) origin: JointFrame,
 }
 
 /// What joins a link to its parent.
@@ -61,7 +61,7 @@ pub struct Joint {
     pub motion: Motion,
     /// Its least and its largest value, rad or metres; none where it has no limits.
     pub limits: Option<[f64; 2]>,
-    pub(super) origin: Frame,
+    pub(super) origin: JointFrame,
 }
 
 /// How a joint moves: by a value of the state, times a factor, plus an offset (which are 1 and 0
@@ -186,7 +186,7 @@ impl Robot {
             parts,
             moved: drives.moved,
             root: tree.root,
-            base: Frame::IDENTITY,
+            base: JointFrame::IDENTITY,
             notes: read.notes,
         })
     }

@@ -1,7 +1,7 @@
 //! The shapes of collision objects.
 
 use super::frames::Frames;
-use super::kinematics::Frame;
+use super::kinematics::JointFrame;
 use super::message::{MeshMessage, ObjectMessage, Place, Primitive};
 use super::{Obstacle, RobotError, world};
 use dcd_geom::{Pose, PoseError, Shape};
@@ -19,7 +19,8 @@ impl ObjectMessage {
         let outer = frames.find(&self.header.frame_id, &user)?;
         let pose = |error| RobotError::Pose { user: user.clone(), error };
         // What is in the world's own frame keeps its pose bit for bit.
-        let outer = (outer != Frame::IDENTITY).then(|| outer.pose().map_err(pose)).transpose()?;
+        let outer =
+            (outer != JointFrame::IDENTITY).then(|| outer.pose().map_err(pose)).transpose()?;
         let lists = [
             ("primitive poses", self.primitives.len(), &self.primitive_poses),
             ("mesh poses", self.meshes.len(), &self.mesh_poses),

@@ -1,6 +1,6 @@
 //! Where a motion starts and where it shall end, from MoveIt's requests.
 
-use super::kinematics::Frame;
+use super::kinematics::JointFrame;
 use super::message::{StateMessage, count};
 use super::notes::Unused;
 use super::scene::{base_of, joint_values};
@@ -177,7 +177,7 @@ impl Request {
     pub fn place_base(&self, world: &mut World, srdf: Option<&Srdf>) -> Result<(), RobotError> {
         if let Some(base) = base_of(&self.state, srdf)? {
             let user = "start_state".to_owned();
-            let pose = Frame::pose(&base).map_err(|error| RobotError::Pose { user, error })?;
+            let pose = JointFrame::pose(&base).map_err(|error| RobotError::Pose { user, error })?;
             world.base = Some(pose);
         }
         Ok(())

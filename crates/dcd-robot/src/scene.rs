@@ -2,7 +2,7 @@
 
 use super::allowed::{Layer, Matrix};
 use super::frames::{Frames, frame_of};
-use super::kinematics::Frame;
+use super::kinematics::JointFrame;
 use super::message::{AttachedMessage, MatrixMessage, ObjectMessage, SceneMessage, StateMessage};
 use super::notes::Unused;
 use super::world::{Attached, Padding, World};
@@ -225,7 +225,7 @@ pub(super) fn joint_values(state: &StateMessage) -> Result<Vec<(String, f64)>, R
 pub(super) fn base_of(
     state: &StateMessage,
     srdf: Option<&Srdf>,
-) -> Result<Option<Frame>, RobotError> {
+) -> Result<Option<JointFrame>, RobotError> {
     let joints = &state.multi_dof_joint_state;
     let user = "multi_dof_joint_state".to_owned();
     let (expected, found) = (joints.joint_names.len(), joints.transforms.len());
@@ -240,7 +240,7 @@ pub(super) fn base_of(
         let place = frame_of(transform, &format!("joint {name:?}"))?;
         let is_known = known.is_some_and(|joint| joint.name == *name);
         // Whatever stands still at the identity says nothing, known or not.
-        if place == Frame::IDENTITY && !is_known {
+        if place == JointFrame::IDENTITY && !is_known {
             continue;
         }
         if !is_known {
@@ -277,7 +277,7 @@ fn attached(
     }
     let to_link = link.inverse();
     let parts = shapes.into_iter().map(|shape| {
-        let origin = to_link.then(&Frame::of_pose(&shape.pose));
+        let origin = to_link.then(&JointFrame::of_pose(&shape.pose));
         (shape.shape, origin)
     });
     Ok(Attached { name: object.id.clone(), link: link_name.clone(), parts: parts.collect() })

@@ -5,7 +5,7 @@ mod geometry;
 pub(super) use geometry::{Collision, Geometry};
 
 use super::RobotError;
-use super::kinematics::Frame;
+use super::kinematics::JointFrame;
 use super::xml::{Walk, parse};
 use glam::DVec3;
 use roxmltree::Node;
@@ -31,7 +31,7 @@ pub(super) struct DescribedJoint {
     pub(super) kind: Kind,
     pub(super) parent: String,
     pub(super) child: String,
-    pub(super) origin: Frame,
+    pub(super) origin: JointFrame,
     /// Of unit length; a fixed joint's means nothing.
     pub(super) axis: DVec3,
     pub(super) mimic: Option<Mimic>,

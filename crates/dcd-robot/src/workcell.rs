@@ -2,7 +2,7 @@
 
 mod pairs;
 
-use super::kinematics::Frame;
+use super::kinematics::JointFrame;
 use super::model::Part;
 use super::{AllowedPairs, Robot, RobotError, World};
 use dcd_geom::{Filter, Object, Pose, Scene, Shape};
@@ -131,7 +131,7 @@ impl Robot {
     /// The robot where the world has it, with what it carries there.
     fn equipped(mut self, world: &World) -> Result<Self, RobotError> {
         if let Some(base) = &world.base {
-            self.base = Frame::of_pose(base);
+            self.base = JointFrame::of_pose(base);
         }
         let links: HashMap<&str, usize> =
             self.links.iter().map(|link| link.name.as_str()).zip(0..).collect();

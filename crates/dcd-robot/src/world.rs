@@ -1,6 +1,6 @@
 //! What stands round a robot, and what a scene says of the robot in it.
 
-use super::kinematics::Frame;
+use super::kinematics::JointFrame;
 use super::{AllowedPairs, PlanningScene, Robot, RobotError, Srdf};
 use dcd_geom::{Pose, Shape, ShapeError};
 use std::collections::BTreeMap;
@@ -45,7 +45,7 @@ pub struct Attached {
     /// The link's name.
     pub link: String,
     /// Its shapes, each with its frame in the link's.
-    pub(super) parts: Vec<(Shape, Frame)>,
+    pub(super) parts: Vec<(Shape, JointFrame)>,
 }
 
 /// How much larger a link is to the world: against itself a robot is as it is built.
@@ -78,7 +78,7 @@ pub(super) fn cylinder(height: f64, radius: f64) -> Result<Shape, ShapeError> {
     Shape::cylinder(height * 0.5, radius)
 }
 
-/// A capsule round its z axis; its height is that of the cylinder between its balls.
+/// A capsule round its z axis; its height is that of the cylinder between its spheres.
 pub(super) fn capsule(height: f64, radius: f64) -> Result<Shape, ShapeError> {
     Shape::capsule(height * 0.5, radius)
 }

@@ -25,7 +25,8 @@ mod spec;
 mod walk;
 
 pub use dcd_io::run::Run;
-pub use dcd_io::*;
+pub use dcd_io::{BuildError, RawObject, RawScene, RawShape};
+use dcd_io::{ReadError, data, load_clouds};
 pub use game_hulls::{GameHulls, GameSize};
 pub use pile::{Pile, PileContact};
 pub use poses::poses_in;

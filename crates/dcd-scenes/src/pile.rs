@@ -29,7 +29,7 @@ const KEPT_SPEED: f64 = 0.9;
 /// Hulls above a slab, and how they move: gravity, contacts without rebound, friction.
 ///
 /// It asks for the contacts of its scene and gives the next frame: who finds them is the caller's
-/// matter. The slab is object 0 and never moves. Each body turns as a ball of its own size would,
+/// matter. The slab is object 0 and never moves. Each body turns as a sphere of its own size would,
 /// which is all that a scene needs; nothing here is a physics engine. Sums and square roots alone
 /// decide, so that the same contacts give the same bits on every machine.
 #[derive(Clone, Debug)]
@@ -200,7 +200,7 @@ impl Body {
             position: place + draw.point(-0.2, 0.2),
             rotation: rotation.normalize(),
             inverse_mass: 1.0,
-            // A ball's 2/5·m·r², r half a metre.
+            // A sphere's 2/5·m·r², r half a metre.
             inverse_inertia: 10.0,
             ..Self::slab()
         }

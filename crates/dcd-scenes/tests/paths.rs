@@ -2,7 +2,7 @@
 //! the portable one among them: the contacts are those of f64 and integers, pair by pair.
 
 use dcd_geom::Scene;
-use dcd_gjk::{Certified, EachPair};
+use dcd_gjk::{Certified, Pairwise};
 use dcd_io::data;
 use dcd_pipeline::{BroadPhase, NarrowPhase, Overlap, Par, Pipeline, WideTree};
 use dcd_scenes::SceneSpec;
@@ -20,7 +20,7 @@ fn contacts(broad: impl BroadPhase, narrow: impl NarrowPhase, scene: &Scene) -> 
 
 /// How many contacts there are, the same on every path.
 fn agreed(name: &str, scene: &Scene) -> usize {
-    let truth = contacts(WideTree::on(Path::Portable), EachPair(Certified), scene);
+    let truth = contacts(WideTree::on(Path::Portable), Pairwise(Certified), scene);
     for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
         let found = contacts(WideTree::on(path), Overlap::on(path), scene);
         assert_eq!(found, truth, "{name} on {path:?}");

@@ -1,7 +1,8 @@
 //! Seeded scenes: the same numbers on every machine and in every version.
 
 use dcd_geom::Scene;
-use dcd_scenes::{RawScene, RawShape, Run, SceneSpec, data};
+use dcd_io::{RawScene, RawShape, data};
+use dcd_scenes::{Run, SceneSpec};
 
 /// Every named scene, but for those of the game where its clouds are absent.
 fn specs() -> Vec<SceneSpec> {

@@ -1,6 +1,6 @@
 //! Sixteen lanes in two AVX2 registers of eight.
 
-use super::{Block, FLOATS, Kernel, Lanes, MOST_BLOCKS, Row, WIDTH};
+use super::{Block, FLOATS, Kernel, Lanes, MAX_BLOCKS, Row, WIDTH};
 use crate::Pair;
 use std::arch::x86_64::*;
 
@@ -248,7 +248,7 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn pick(self, blocks: &[Block], first: Self::U, number: Self::U) -> [Self::F; 3] {
-        let Some(last) = blocks.len().min(MOST_BLOCKS).checked_sub(1) else {
+        let Some(last) = blocks.len().min(MAX_BLOCKS).checked_sub(1) else {
             return [self.splat(0.0); 3];
         };
         let last = op!(_mm256_set1_epi32(last as i32));
@@ -364,7 +364,7 @@ impl Avx2 {
     }
 
     /// Where the x of eight points are, counted in floats: each of a block that exists, so below 2³¹ as
-    /// `MOST_BLOCKS` has it.
+    /// `MAX_BLOCKS` has it.
     #[inline(always)]
     fn floats_at(self, first: __m256i, number: __m256i, last: __m256i) -> __m256i {
         op!({

@@ -1,6 +1,6 @@
 //! Sixteen lanes in one AVX-512 register.
 
-use super::{Block, FLOATS, Kernel, Lanes, MOST_BLOCKS, Row, WIDTH};
+use super::{Block, FLOATS, Kernel, Lanes, MAX_BLOCKS, Row, WIDTH};
 use crate::Pair;
 use std::arch::x86_64::*;
 
@@ -237,11 +237,11 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     fn pick(self, blocks: &[Block], first: __m512i, number: __m512i) -> [__m512; 3] {
-        let Some(last) = blocks.len().min(MOST_BLOCKS).checked_sub(1) else {
+        let Some(last) = blocks.len().min(MAX_BLOCKS).checked_sub(1) else {
             return [self.splat(0.0); 3];
         };
         // SAFETY: as above; what is read is of a block that exists, for its number is at most
-        // `last`, and its offset in floats is below 2³¹, as `MOST_BLOCKS` has it.
+        // `last`, and its offset in floats is below 2³¹, as `MAX_BLOCKS` has it.
         unsafe {
             let block = _mm512_add_epi32(first, _mm512_srli_epi32::<4>(number));
             let block = _mm512_min_epu32(block, _mm512_set1_epi32(last as i32));

@@ -1,4 +1,4 @@
-//! Sixteen f32 lanes: one trait, three types, one dispatch; and the rows of boxes and balls that are
+//! Sixteen f32 lanes: one trait, three types, one dispatch; and the rows of boxes and spheres that are
 //! built of them.
 //!
 //! A [`Kernel`] is written once, generic over [`Lanes`], in its own crate and without `unsafe`;
@@ -10,21 +10,21 @@
 //! [`dispatch`], which has checked the feature: that is every SAFETY line's reason.
 
 mod aabb;
+mod aabb128;
+mod aabb16;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
-mod balls;
 mod pair;
 mod portable;
-mod row;
-mod sixteen;
+mod sphere16;
 
 pub use aabb::Aabb;
-pub use balls::{BallRow, LooseBall};
+pub use aabb16::Aabb16;
+pub use aabb128::{Aabb128, Mask128};
 pub use pair::Pair;
-pub use row::{BoxRow, BoxSet};
-pub use sixteen::Sixteen;
+pub use sphere16::{BoundingSphere, Sphere16};
 
 /// glam, so that a user has the same version of it.
 pub use glam;
@@ -52,7 +52,7 @@ const FLOATS: usize = 3 * WIDTH;
 
 /// Of how many blocks [`Lanes::pick`] can tell one: the offset of a float is a signed 32-bit
 /// number. 8 GB of vertices.
-pub const MOST_BLOCKS: usize = i32::MAX as usize / FLOATS;
+pub const MAX_BLOCKS: usize = i32::MAX as usize / FLOATS;
 
 /// What a kernel computes with: operations on sixteen f32, on sixteen u32 and on sixteen yes/no.
 ///
@@ -149,8 +149,8 @@ pub trait Lanes: Copy {
         let mut columns = [Row::default(); WIDTH];
         let mut result = [self.splat(0.0); WIDTH];
         for k in 0..WIDTH {
-            for (number, row) in rows.iter().enumerate() {
-                columns[k].0[number] = row.0[k];
+            for (number, aabb128) in rows.iter().enumerate() {
+                columns[k].0[number] = aabb128.0[k];
             }
             result[k] = self.load(&columns[k]);
         }
@@ -158,7 +158,7 @@ pub trait Lanes: Copy {
     }
 
     /// The x, y and z of sixteen points: in lane k the point `number` of those that begin with
-    /// block `first`, sixteen a block. Past the last block, or past [`MOST_BLOCKS`], a point of some
+    /// block `first`, sixteen a block. Past the last block, or past [`MAX_BLOCKS`], a point of some
     /// block; without a block, 0.
     #[inline(always)]
     fn pick(self, blocks: &[Block], first: Self::U, number: Self::U) -> [Self::F; 3] {
@@ -179,23 +179,23 @@ pub trait Lanes: Copy {
 
     /// A row from memory.
     #[inline(always)]
-    fn load(self, row: &Row) -> Self::F {
-        self.load_from(&row.0)
+    fn load(self, aabb128: &Row) -> Self::F {
+        self.load_from(&aabb128.0)
     }
     /// A row to memory.
     #[inline(always)]
-    fn store(self, a: Self::F, row: &mut Row) {
-        self.store_to(a, &mut row.0);
+    fn store(self, a: Self::F, aabb128: &mut Row) {
+        self.store_to(a, &mut aabb128.0);
     }
     /// A row from memory.
     #[inline(always)]
-    fn load_u(self, row: &IndexRow) -> Self::U {
-        self.load_from_u(&row.0)
+    fn load_u(self, aabb128: &IndexRow) -> Self::U {
+        self.load_from_u(&aabb128.0)
     }
     /// A row to memory.
     #[inline(always)]
-    fn store_u(self, a: Self::U, row: &mut IndexRow) {
-        self.store_to_u(a, &mut row.0);
+    fn store_u(self, a: Self::U, aabb128: &mut IndexRow) {
+        self.store_to_u(a, &mut aabb128.0);
     }
 
     /// −a.
@@ -361,9 +361,9 @@ mod tests {
             let mut chosen = IndexRow::default();
             l.store_u(l.tag_of(a, l.splat_u(15)), &mut chosen);
             let floats = floats.map(|f| {
-                let mut row = Row::default();
-                l.store(f, &mut row);
-                row
+                let mut aabb128 = Row::default();
+                l.store(f, &mut aabb128);
+                aabb128
             });
             let keep = l.bits(lt) | UNUSED;
             let mut compressed = Vec::new();
@@ -399,14 +399,14 @@ mod tests {
             let everything =
                 |path| dispatch_on(path, Everything { a: &a, b: &b, rows: &rows, blocks: &blocks });
             let (floats, masks, indices) = everything(Path::Portable);
-            for (row, &largest) in rows.iter().zip(&floats[11].0) {
-                assert_eq!(largest, row.0.iter().copied().fold(f32::MIN, f32::max));
+            for (aabb128, &largest) in rows.iter().zip(&floats[11].0) {
+                assert_eq!(largest, aabb128.0.iter().copied().fold(f32::MIN, f32::max));
             }
             for (x, &rounded) in a.0.iter().zip(&floats[19].0) {
                 assert_eq!(rounded, (f64::from(*x) / 3.0) as f32);
             }
-            for (row, &lane_13) in rows.iter().zip(&floats[18].0) {
-                assert_eq!(lane_13, row.0[13]);
+            for (aabb128, &lane_13) in rows.iter().zip(&floats[18].0) {
+                assert_eq!(lane_13, aabb128.0[13]);
             }
             for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
                 let there = everything(path);

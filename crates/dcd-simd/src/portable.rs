@@ -1,4 +1,4 @@
-//! Sixteen lanes as arrays: the plain twin of the other paths, for any CPU.
+//! Sixteen lanes as arrays: the scalar reference of the other paths, for any CPU.
 
 use super::{Kernel, Lanes, Row, WIDTH};
 use std::array::from_fn;

@@ -6,13 +6,13 @@ use dcd_benches::{Cell, Column, Header, Options, Print, Report, Table, Units, ti
 use dcd_scenes::conformance::{Case, flip};
 use serde::{Deserialize, Serialize};
 
-use crate::rung::{Query, Ready, Rung, Said};
+use crate::precision::{Precision, Query, Ready, Said};
 use crate::subject::{Subject, touches};
 
 /// Answers of a unit: after so many a run that is stopped goes on.
 const UNIT: u64 = 10_000;
 
-/// What a rung said of a unit's pairs.
+/// What a precision said of a unit's pairs.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Account {
     wrong_yes: u64,
@@ -27,8 +27,8 @@ struct Judged {
     /// Lines along which the pair never stopped touching, or never touched.
     without_end: u64,
     seconds: f64,
-    /// In the order of [`Rung::ALL`].
-    rungs: Vec<Account>,
+    /// In the order of [`Precision::ALL`].
+    precisions: Vec<Account>,
 }
 
 /// Runs, or goes on with, so many answers, and writes the report `adversary`.
@@ -76,9 +76,14 @@ fn judged(seed: u64, unit: u64) -> Result<Judged> {
         let subject = Subject::of_flips(&cases)?;
         let pairs: Vec<u32> = (0..cases.len() as u32).collect();
         let mut said = Vec::new();
-        let mut rungs = Vec::new();
-        for rung in Rung::ALL {
-            Ready::new(rung, &subject).ask((rung, Query::YesNo), &subject, &pairs, &mut said);
+        let mut precisions = Vec::new();
+        for precision in Precision::ALL {
+            Ready::new(precision, &subject).ask(
+                (precision, Query::YesNo),
+                &subject,
+                &pairs,
+                &mut said,
+            );
             let mut account = Account::default();
             for (&k, &said) in pairs.iter().zip(&said) {
                 match (said, subject.touches(k)) {
@@ -88,16 +93,16 @@ fn judged(seed: u64, unit: u64) -> Result<Judged> {
                     _ => {}
                 }
             }
-            rungs.push(account);
+            precisions.push(account);
         }
-        Ok(Judged { answers: cases.len() as u64, without_end, seconds: 0.0, rungs })
+        Ok(Judged { answers: cases.len() as u64, without_end, seconds: 0.0, precisions })
     });
     Ok(Judged { seconds: time.as_secs_f64(), ..judged? })
 }
 
-fn of_rung(all: &[Judged], rung: usize) -> Account {
+fn of_precision(all: &[Judged], precision: usize) -> Account {
     all.iter().fold(Account::default(), |sum, unit| {
-        let account = unit.rungs.get(rung).copied().unwrap_or_default();
+        let account = unit.precisions.get(precision).copied().unwrap_or_default();
         Account {
             wrong_yes: sum.wrong_yes + account.wrong_yes,
             wrong_no: sum.wrong_no + account.wrong_no,
@@ -107,9 +112,10 @@ fn of_rung(all: &[Judged], rung: usize) -> Account {
 }
 
 fn certified_wrong(all: &[Judged]) -> u64 {
-    let certified = Rung::ALL.iter().enumerate().filter(|(_, rung)| rung.is_certified());
+    let certified =
+        Precision::ALL.iter().enumerate().filter(|(_, precision)| precision.is_certified());
     certified
-        .map(|(k, _)| of_rung(all, k))
+        .map(|(k, _)| of_precision(all, k))
         .map(|account| account.wrong_yes + account.wrong_no + account.undecided)
         .sum()
 }
@@ -120,11 +126,11 @@ fn table(all: &[Judged]) -> Result<Table> {
     let columns = columns.chain([Column::new("wrong").unit("%").decimals(4)]);
     let mut table = Table::new("adversary", "Answers at neighbouring floats", columns);
     let answers: u64 = all.iter().map(|unit| unit.answers).sum();
-    for (k, rung) in Rung::ALL.into_iter().enumerate() {
-        let Account { wrong_yes, wrong_no, undecided } = of_rung(all, k);
+    for (k, precision) in Precision::ALL.into_iter().enumerate() {
+        let Account { wrong_yes, wrong_no, undecided } = of_precision(all, k);
         let share = 100.0 * (wrong_yes + wrong_no) as f64 / answers.max(1) as f64;
         let counts = [answers, wrong_yes, wrong_no, undecided].map(Cell::from);
-        let row = [Cell::from(rung.name())].into_iter().chain(counts);
+        let row = [Cell::from(precision.name())].into_iter().chain(counts);
         table.push(row.chain([share.into()]))?;
     }
     Ok(table)

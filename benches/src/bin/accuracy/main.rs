@@ -1,16 +1,16 @@
-//! The trade of speed for accuracy: what each rung costs, and how often and how far it is wrong.
+//! The trade of speed for accuracy: what each precision costs, and how often and how far it is wrong.
 //!
-//! [`subject`] holds pairs with their truth; [`rung`] asks; [`measure`] times the rungs in turn and
+//! [`subject`] holds pairs with their truth; [`precision`] asks; [`measure`] times the precisions in turn and
 //! counts what is wrong; [`show`] makes tables and pictures; [`tolerance`] asks simplified hulls; [`adversary`] is the long run between
 //! neighbouring floats. The truth of the conformance suite is exact; that of a scene is the
-//! certified rung's, with the exact judge on every pair that any other rung doubts.
+//! certified precision's, with the exact judge on every pair that any other precision doubts.
 
 #![forbid(unsafe_code)]
 
 mod adversary;
 mod measure;
 mod parry;
-mod rung;
+mod precision;
 mod show;
 mod subject;
 mod tally;
@@ -23,13 +23,13 @@ use clap::Parser;
 use dcd_benches::{Header, Options, Print, Units, exit_code};
 
 use measure::Measured;
-use rung::Query;
+use precision::Query;
 use subject::{Recipe, Subject};
 
-/// What each rung of precision costs, and how often and how far it is wrong: nanoseconds a pair
+/// What each precision of precision costs, and how often and how far it is wrong: nanoseconds a pair
 /// beside wrong yes, wrong no, undecided, and the error of distance and depth against the truth.
 ///
-/// A wrong or undecided answer of a certified rung makes the exit code 1.
+/// A wrong or undecided answer of a certified precision makes the exit code 1.
 #[derive(Parser)]
 #[command(name = "accuracy", version)]
 struct Line {

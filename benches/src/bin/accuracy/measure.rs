@@ -1,4 +1,4 @@
-//! The rungs in turn on a subject's pairs: times, and what is wrong.
+//! The precisions in turn on a subject's pairs: times, and what is wrong.
 
 use std::time::Duration;
 
@@ -6,28 +6,28 @@ use dcd_benches::{Options, timing};
 use dcd_gjk::epa::Scratch;
 use serde::{Deserialize, Serialize};
 
-use crate::rung::{Query, Ready, Rung, Said};
+use crate::precision::{Precision, Query, Ready, Said};
 use crate::subject::{Known, Subject};
 use crate::tally::{Errors, Group, Tally};
 
-/// What was seen of all rungs on a subject and a query.
+/// What was seen of all precisions on a subject and a query.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Measured {
     pub(crate) subject: String,
     pub(crate) query: Query,
     /// How many pairs were asked about.
     pub(crate) pairs: usize,
-    /// Pairs on which some rung differs from the truth as known: the exact judge settled those.
+    /// Pairs on which some precision differs from the truth as known: the exact judge settled those.
     pub(crate) doubted: usize,
     /// Of them, those on which the judge sides against the truth as known.
     pub(crate) overruled: usize,
-    pub(crate) rungs: Vec<OfRung>,
+    pub(crate) precisions: Vec<OfPrecision>,
 }
 
-/// What was seen of a rung.
+/// What was seen of a precision.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct OfRung {
-    pub(crate) rung: Rung,
+pub(crate) struct OfPrecision {
+    pub(crate) precision: Precision,
     /// A pair, the least of the rounds.
     pub(crate) ns: f64,
     pub(crate) wrong_yes: usize,
@@ -40,19 +40,19 @@ pub(crate) struct OfRung {
 }
 
 impl Measured {
-    /// What a rung promised and did not keep, a sentence each.
+    /// What a precision promised and did not keep, a sentence each.
     pub(crate) fn broken_promises(&self) -> Vec<String> {
         let mut broken = Vec::new();
-        for of in &self.rungs {
-            let wrong = match of.rung {
-                rung if rung.is_certified() => of.wrong_yes + of.wrong_no,
-                rung if rung.is_conservative() => of.wrong_no,
+        for of in &self.precisions {
+            let wrong = match of.precision {
+                precision if precision.is_certified() => of.wrong_yes + of.wrong_no,
+                precision if precision.is_conservative() => of.wrong_no,
                 _ => 0,
             };
             // Pairs beyond the range of f32 boxes have no place in a scene.
-            let open = of.rung == Rung::Certified && of.undecided > 0;
+            let open = of.precision == Precision::Certified && of.undecided > 0;
             if wrong > 0 || open {
-                let (name, query) = (of.rung.name(), self.query.name());
+                let (name, query) = (of.precision.name(), self.query.name());
                 let (subject, open) = (&self.subject, of.undecided);
                 broken.push(format!("{subject}, {query}: {name} has {wrong} wrong, {open} open"));
             }
@@ -65,7 +65,7 @@ impl Measured {
     }
 }
 
-/// The rungs take turns on so many pairs, less than a scheduler's slice. The least time of the rounds
+/// The precisions take turns on so many pairs, less than a scheduler's slice. The least time of the rounds
 /// counts, slice by slice, so that whatever else the machine does falls out of the sum.
 const CHUNK: usize = 512;
 /// Rounds of a full run and of a quick one.
@@ -73,14 +73,15 @@ const ROUNDS: [usize; 2] = [5, 3];
 /// No more pairs of a scene are asked for distance and depth, in a full run and in a quick one.
 const NUMBERS: [usize; 2] = [100_000, 5_000];
 /// No more doubts of a query are handed to the judge: some milliseconds each on large hulls.
-const MOST_DOUBTS: usize = 2_000;
+const MAX_DOUBTS: usize = 2_000;
 
-/// Asks every rung that has an answer, in turn.
+/// Asks every precision that has an answer, in turn.
 pub(crate) fn measure(subject: &Subject, query: Query, options: &Options) -> Measured {
     let quick = usize::from(options.quick);
     let pairs = asked(subject, query, NUMBERS[quick]);
-    let rungs = Rung::answering(query);
-    let mut turns: Vec<Turn<'_>> = rungs.iter().map(|&rung| Turn::new(rung, subject)).collect();
+    let precisions = Precision::answering(query);
+    let mut turns: Vec<Turn<'_>> =
+        precisions.iter().map(|&precision| Turn::new(precision, subject)).collect();
     take_turns(&mut turns, query, &pairs, options);
 
     let mut scratch = Scratch::default();
@@ -89,12 +90,12 @@ pub(crate) fn measure(subject: &Subject, query: Query, options: &Options) -> Mea
         _ => pairs.iter().map(|&k| subject.value(k, &mut scratch)).collect(),
     };
     let (doubted, overruled) = settle_doubts(subject, &pairs, &turns);
-    let of_rung = |turn: &Turn<'_>| {
+    let of_precision = |turn: &Turn<'_>| {
         let mut tally = Tally::new(subject);
         for (index, (&pair, &said)) in pairs.iter().zip(&turn.said).enumerate() {
             tally.book(pair, said, values.get(index).copied());
         }
-        tally.into_rung(turn.rung, turn.nanoseconds(&pairs))
+        tally.into_precision(turn.precision, turn.nanoseconds(&pairs))
     };
     Measured {
         subject: subject.name.clone(),
@@ -102,7 +103,7 @@ pub(crate) fn measure(subject: &Subject, query: Query, options: &Options) -> Mea
         pairs: pairs.len(),
         doubted,
         overruled,
-        rungs: turns.iter().map(of_rung).collect(),
+        precisions: turns.iter().map(of_precision).collect(),
     }
 }
 
@@ -119,9 +120,9 @@ fn asked(subject: &Subject, query: Query, most: usize) -> Vec<u32> {
     fit.into_iter().step_by(step).collect()
 }
 
-/// A rung on its turns.
+/// A precision on its turns.
 pub(crate) struct Turn<'s> {
-    rung: Rung,
+    precision: Precision,
     subject: &'s Subject,
     ready: Ready<'s>,
     least: Duration,
@@ -130,16 +131,16 @@ pub(crate) struct Turn<'s> {
 }
 
 impl<'s> Turn<'s> {
-    pub(crate) fn new(rung: Rung, subject: &'s Subject) -> Self {
+    pub(crate) fn new(precision: Precision, subject: &'s Subject) -> Self {
         let (least, said) = (Duration::ZERO, Vec::new());
-        Self { rung, subject, ready: Ready::new(rung, subject), least, said }
+        Self { precision, subject, ready: Ready::new(precision, subject), least, said }
     }
 
     /// What a pair took.
     pub(crate) fn nanoseconds(&self, pairs: &[u32]) -> f64 {
         let in_scene = |&&k: &&u32| self.subject.in_scene[k as usize].is_some();
-        let count = match self.rung {
-            Rung::Lanes | Rung::Fast => pairs.iter().filter(in_scene).count(),
+        let count = match self.precision {
+            Precision::Lanes | Precision::Fast => pairs.iter().filter(in_scene).count(),
             _ => pairs.len(),
         };
         self.least.as_secs_f64() * 1e9 / count.max(1) as f64
@@ -155,8 +156,8 @@ pub(crate) fn take_turns(turns: &mut [Turn<'_>], query: Query, pairs: &[u32], op
         // The first round warms up and does not count.
         for round in 0..=rounds {
             for (turn, least) in turns.iter_mut().zip(&mut times) {
-                let Turn { rung, subject, ready, said, .. } = turn;
-                let ask = || ready.ask((*rung, query), subject, pairs, &mut answers);
+                let Turn { precision, subject, ready, said, .. } = turn;
+                let ask = || ready.ask((*precision, query), subject, pairs, &mut answers);
                 let (time, ()) = timing::time(ask);
                 if round == 0 {
                     said.extend_from_slice(&answers);
@@ -171,7 +172,7 @@ pub(crate) fn take_turns(turns: &mut [Turn<'_>], query: Query, pairs: &[u32], op
     }
 }
 
-/// The pairs on which a rung that means to be right differs from the truth of a scene, and on how
+/// The pairs on which a precision that means to be right differs from the truth of a scene, and on how
 /// many of them the exact judge differs from it too. The truth of a suite is exact as it is.
 fn settle_doubts(subject: &Subject, pairs: &[u32], turns: &[Turn<'_>]) -> (usize, usize) {
     if matches!(subject.truth, Known::Exactly(..)) {
@@ -180,7 +181,7 @@ fn settle_doubts(subject: &Subject, pairs: &[u32], turns: &[Turn<'_>]) -> (usize
     let mut doubts = Vec::new();
     for (index, &k) in pairs.iter().enumerate() {
         let touches = subject.touches(k);
-        // Boxes and balls, the first two, say "touching" of most that are near.
+        // Boxes and spheres, the first two, say "touching" of most that are near.
         let differs = |turn: &Turn<'_>| match turn.said[index] {
             Said::Apart => touches,
             Said::Touching => !touches,
@@ -190,7 +191,7 @@ fn settle_doubts(subject: &Subject, pairs: &[u32], turns: &[Turn<'_>]) -> (usize
             doubts.push(k);
         }
     }
-    let judged = doubts.iter().take(MOST_DOUBTS);
+    let judged = doubts.iter().take(MAX_DOUBTS);
     let overruled = judged.filter(|&&k| subject.judged(k).is_some_and(|t| t != subject.touches(k)));
     (doubts.len(), overruled.count())
 }
@@ -206,47 +207,47 @@ mod tests {
         Options { quick: true, ..Options::default() }
     }
 
-    fn of(measured: &Measured, rung: Rung) -> &OfRung {
-        measured.rungs.iter().find(|of| of.rung == rung).unwrap()
+    fn of(measured: &Measured, precision: Precision) -> &OfPrecision {
+        measured.precisions.iter().find(|of| of.precision == precision).unwrap()
     }
 
     #[test]
-    fn every_rung_that_has_an_answer_is_timed_on_a_scene_and_none_breaks_its_promise() {
+    fn every_method_that_has_an_answer_is_timed_on_a_scene_and_none_breaks_its_promise() {
         let spec = SceneSpec::paper().with_objects(60);
         let subject = Recipe::Scene { spec, seed: 3 }.subject().unwrap();
         for query in Query::ALL {
             let measured = measure(&subject, query, &quick());
             assert!(measured.pairs > 10 && measured.overruled == 0);
             assert_eq!(measured.broken_promises(), Vec::<String>::new());
-            assert_eq!(measured.rungs.len(), Rung::answering(query).len());
-            assert!(measured.rungs.iter().all(|of| of.ns > 0.0));
+            assert_eq!(measured.precisions.len(), Precision::answering(query).len());
+            assert!(measured.precisions.iter().all(|of| of.ns > 0.0));
         }
     }
 
     #[test]
-    fn what_a_plain_rung_cannot_tell_is_counted_by_category() {
+    fn what_a_plain_method_cannot_tell_is_counted_by_category() {
         let cases = suite(5, &|_| false);
         let aligned = |case: &dcd_scenes::conformance::Case| case.category == Category::Aligned;
         let cases: Vec<_> = cases.into_iter().filter(aligned).collect();
         let subject = Subject::of_cases("aligned", &cases).unwrap();
         let measured = measure(&subject, Query::YesNo, &quick());
         assert_eq!(measured.broken_promises(), Vec::<String>::new());
-        let f32 = of(&measured, Rung::F32);
+        let f32 = of(&measured, Precision::F32);
         assert!(f32.undecided > 0 && f32.wrong_yes + f32.wrong_no == 0);
         let group = f32.groups.iter().find(|group| group.name == "aligned").unwrap();
         assert_eq!((group.pairs, group.undecided), (cases.len(), f32.undecided));
-        assert_eq!(of(&measured, Rung::Certified).undecided, 0);
+        assert_eq!(of(&measured, Precision::Certified).undecided, 0);
     }
 
     #[test]
-    fn a_wrong_answer_of_a_certified_rung_is_a_broken_promise() {
+    fn a_wrong_answer_of_a_certified_method_is_a_broken_promise() {
         let spec = SceneSpec::paper().with_objects(20);
         let subject = Recipe::Scene { spec, seed: 1 }.subject().unwrap();
         let mut measured = measure(&subject, Query::YesNo, &quick());
-        for of in &mut measured.rungs {
+        for of in &mut measured.precisions {
             of.wrong_no += 1;
         }
-        // Two conservative rungs and two certified ones.
+        // Two conservative precisions and two certified ones.
         assert_eq!(measured.broken_promises().len(), 4);
     }
 }

@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use dcd_parry::Library;
 
-use crate::rung::{Query, Said};
+use crate::precision::{Query, Said};
 use crate::subject::Subject;
 
 /// A shape of Parry's at a pose.

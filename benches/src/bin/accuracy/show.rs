@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use anyhow::Result;
 use dcd_benches::{Axis, Cell, Column, Figure, Header, Report, Series, Table};
 
-use crate::measure::{Measured, OfRung};
-use crate::rung::{Query, Rung};
+use crate::measure::{Measured, OfPrecision};
+use crate::precision::{Precision, Query};
 use crate::tally::{Group, Kind};
 
 /// The subject whose times stand in the first picture, and the one whose errors do.
@@ -81,7 +81,7 @@ fn of<'m>(found: &'m [Measured], subject: &str, query: Query) -> Option<&'m Meas
     found.iter().find(|measured| measured.subject == subject && measured.query == query)
 }
 
-/// One row for each subject and rung: yes or no.
+/// One row for each subject and precision: yes or no.
 fn answers(found: &[Measured]) -> Result<Table> {
     let counts = ["wrong yes", "wrong no", "undecided", "doubted", "overruled"];
     let columns = ["subject", "pairs", "rung"].map(Column::new).into_iter().chain([
@@ -91,8 +91,9 @@ fn answers(found: &[Measured]) -> Result<Table> {
     let columns = columns.chain(counts.map(Column::new));
     let mut table = Table::new("answers", "Yes or no", columns);
     for measured in found.iter().filter(|measured| measured.query == Query::YesNo) {
-        let lanes = measured.rungs.iter().find(|of| of.rung == Rung::Lanes).map(|of| of.ns);
-        for of in &measured.rungs {
+        let lanes =
+            measured.precisions.iter().find(|of| of.precision == Precision::Lanes).map(|of| of.ns);
+        for of in &measured.precisions {
             let ratio = lanes.map_or(f64::NAN, |lanes| of.ns / lanes);
             let mut row = name_cells(measured, of);
             row.extend([of.ns, ratio].map(Cell::from));
@@ -104,7 +105,7 @@ fn answers(found: &[Measured]) -> Result<Table> {
     Ok(table)
 }
 
-/// One row for each subject and rung: a number, and how far it is off.
+/// One row for each subject and precision: a number, and how far it is off.
 fn numbers(found: &[Measured], query: Query, (id, title): (&str, &str)) -> Result<Table> {
     let columns = ["subject", "pairs", "rung"].map(Column::new).into_iter();
     let columns = columns.chain([Column::new("a pair").unit("ns").decimals(1)]);
@@ -114,7 +115,7 @@ fn numbers(found: &[Measured], query: Query, (id, title): (&str, &str)) -> Resul
     let columns = columns.chain(counts).chain(errors.map(Column::new));
     let mut table = Table::new(id, title, columns);
     for measured in found.iter().filter(|measured| measured.query == query) {
-        for of in &measured.rungs {
+        for of in &measured.precisions {
             let mut row = name_cells(measured, of);
             row.push(of.ns.into());
             row.extend([of.wrong_yes + of.wrong_no, of.undecided].map(Cell::from));
@@ -135,8 +136,8 @@ fn numbers(found: &[Measured], query: Query, (id, title): (&str, &str)) -> Resul
     Ok(table)
 }
 
-fn name_cells(measured: &Measured, of: &OfRung) -> Vec<Cell> {
-    vec![measured.subject.as_str().into(), measured.pairs.into(), of.rung.name().into()]
+fn name_cells(measured: &Measured, of: &OfPrecision) -> Vec<Cell> {
+    vec![measured.subject.as_str().into(), measured.pairs.into(), of.precision.name().into()]
 }
 
 /// An error spans too many powers of ten for a fixed number of decimals.
@@ -144,23 +145,23 @@ fn in_powers(error: f64) -> Cell {
     Cell::Text(if error == 0.0 { "0".to_owned() } else { format!("{error:.1e}") })
 }
 
-/// One row for each group of the suite, one column for each rung.
+/// One row for each group of the suite, one column for each precision.
 fn breaks(found: &[Measured], query: Query, (kind, title): (Kind, &str)) -> Result<Table> {
-    let rungs = Rung::answering(query);
-    let names = rungs.iter().map(|rung| Column::new(rung.name()));
+    let precisions = Precision::answering(query);
+    let names = precisions.iter().map(|precision| Column::new(precision.name()));
     let columns = [title, "pairs"].map(Column::new).into_iter().chain(names);
     let by = if kind == Kind::Category { "categories" } else { "decades" };
     let query_name = query.name();
     let title = format!("The suite by {title}: {query_name}");
     let mut table = Table::new(format!("{by}-{query_name}"), title, columns);
     let Some(measured) = of(found, HARD, query) else { return Ok(table) };
-    let groups = |of: &'_ OfRung| -> Vec<Group> {
+    let groups = |of: &'_ OfPrecision| -> Vec<Group> {
         of.groups.iter().filter(|group| group.kind == kind).cloned().collect()
     };
-    let of_rungs: Vec<Vec<Group>> = measured.rungs.iter().map(groups).collect();
-    let Some(first) = of_rungs.first() else { return Ok(table) };
+    let of_methods: Vec<Vec<Group>> = measured.precisions.iter().map(groups).collect();
+    let Some(first) = of_methods.first() else { return Ok(table) };
     for (row, group) in first.iter().enumerate() {
-        let cells = of_rungs.iter().map(|groups| groups.get(row).map_or(Cell::Missing, broken));
+        let cells = of_methods.iter().map(|groups| groups.get(row).map_or(Cell::Missing, broken));
         let names = [Cell::from(group.name.as_str()), group.pairs.into()];
         table.push(names.into_iter().chain(cells))?;
     }
@@ -190,13 +191,17 @@ fn trade(found: &[Measured]) -> Result<Figure> {
         return Ok(figure);
     };
     let times: HashMap<&str, f64> =
-        ordinary.rungs.iter().map(|of| (of.rung.name(), of.ns)).collect();
-    for of in &hard.rungs {
-        let beyond = if matches!(of.rung, Rung::Lanes | Rung::Fast) { 0 } else { of.undecided };
+        ordinary.precisions.iter().map(|of| (of.precision.name(), of.ns)).collect();
+    for of in &hard.precisions {
+        let beyond = if matches!(of.precision, Precision::Lanes | Precision::Fast) {
+            0
+        } else {
+            of.undecided
+        };
         let broken = (of.wrong_yes + of.wrong_no + beyond) as f64;
         let share = (100.0 * broken / hard.pairs.max(1) as f64).max(NO_SHARE);
-        if let Some(&ns) = times.get(of.rung.name()).filter(|&&ns| ns > 0.0) {
-            figure.push(Series::measured(of.rung.name(), [(ns, share)]))?;
+        if let Some(&ns) = times.get(of.precision.name()).filter(|&&ns| ns > 0.0) {
+            figure.push(Series::measured(of.precision.name(), [(ns, share)]))?;
         }
     }
     Ok(figure)
@@ -209,10 +214,10 @@ fn errors(found: &[Measured], query: Query, name: &str) -> Result<Figure> {
     let title = format!("{}{}: time against error", name[..1].to_uppercase(), &name[1..]);
     let mut figure = Figure::new(format!("error-{name}"), title, x, y);
     let Some(measured) = of(found, HARD, query) else { return Ok(figure) };
-    for of in &measured.rungs {
+    for of in &measured.precisions {
         if let Some(errors) = of.errors.filter(|_| of.ns > 0.0) {
             let error = errors.percentile_99.max(NO_ERROR);
-            figure.push(Series::measured(of.rung.name(), [(of.ns, error)]))?;
+            figure.push(Series::measured(of.precision.name(), [(of.ns, error)]))?;
         }
     }
     Ok(figure)

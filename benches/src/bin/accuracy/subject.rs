@@ -5,13 +5,13 @@ use dcd_benches::Options;
 use dcd_geom::{Pair, Pose, Scene, Shape};
 use dcd_gjk::distance::{self, DistanceResult};
 use dcd_gjk::epa::{self, Scratch};
-use dcd_gjk::{Body, Certified, Overlap, PairSolver, Placed, Verdict, certified};
+use dcd_gjk::{Certified, Overlap, PairSolver, PosedShape, PosedSupport, Verdict, certified};
 use dcd_judge::Truth;
 use dcd_pipeline::{Par, Pipeline, WideTree};
 use dcd_scenes::SceneSpec;
 use dcd_scenes::conformance::{Case, Category, suite};
 
-use crate::rung::{Said, body};
+use crate::precision::{Said, body};
 
 /// How to make a subject.
 #[derive(Clone, Debug)]
@@ -70,10 +70,10 @@ impl Recipe {
     }
 }
 
-/// What the certified rung says of a case.
+/// What the certified precision says of a case.
 pub(crate) fn touches(case: &Case) -> bool {
-    let a = Body::polytope(&case.a, &case.pose_a);
-    let b = Body::polytope(&case.b, &case.pose_b);
+    let a = PosedSupport::polytope(&case.a, &case.pose_a);
+    let b = PosedSupport::polytope(&case.b, &case.pose_b);
     certified::overlap(a, b).0 == Verdict::Touching(())
 }
 
@@ -94,7 +94,7 @@ pub(crate) struct Subject {
 pub(crate) enum Known {
     /// Exactly, and which category and decade each is of.
     Exactly(Vec<Truth>, Vec<Label>),
-    /// Whether each touches: by the certified rung for a scene, by the judge for flips.
+    /// Whether each touches: by the certified precision for a scene, by the judge for flips.
     YesNo(Vec<bool>),
 }
 
@@ -179,9 +179,9 @@ impl Subject {
         })
     }
 
-    pub(crate) fn placed(&self, k: u32) -> [Placed<'_>; 2] {
+    pub(crate) fn placed(&self, k: u32) -> [PosedShape<'_>; 2] {
         self.pairs[k as usize]
-            .map(|i| Placed { shape: &self.shapes[i as usize], pose: &self.poses[i as usize] })
+            .map(|i| PosedShape { shape: &self.shapes[i as usize], pose: &self.poses[i as usize] })
     }
 
     pub(crate) fn touches(&self, k: u32) -> bool {
@@ -198,7 +198,7 @@ impl Subject {
         Some(dcd_judge::touches((shape_a, a.pose), (shape_b, b.pose)))
     }
 
-    /// The true depth, or the negative distance; on a scene as the certified rung has it.
+    /// The true depth, or the negative distance; on a scene as the certified precision has it.
     pub(crate) fn value(&self, k: u32, scratch: &mut Scratch) -> f64 {
         if let Known::Exactly(truths, _) = &self.truth {
             return truths[k as usize].value();
@@ -213,7 +213,7 @@ impl Subject {
         }
     }
 
-    /// How far a rung's number is from the truth, whose rounded value is `value`.
+    /// How far a precision's number is from the truth, whose rounded value is `value`.
     pub(crate) fn error(&self, k: u32, said: Said, value: f64) -> Option<f64> {
         let Said::Measured(found) = said else { return None };
         let signed = if self.touches(k) { found } else { -found };

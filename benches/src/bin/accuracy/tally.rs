@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::measure::OfRung;
-use crate::rung::{Rung, Said};
+use crate::measure::OfPrecision;
+use crate::precision::{Precision, Said};
 use crate::subject::{Known, Subject};
 
 /// How far numbers are off. A size is the pair's m: no coordinate of A − B is larger.
@@ -41,7 +41,7 @@ pub(crate) enum Kind {
     Decade,
 }
 
-/// The answers of one rung, booked one by one.
+/// The answers of one precision, booked one by one.
 pub(crate) struct Tally<'s> {
     subject: &'s Subject,
     wrong_yes: usize,
@@ -79,7 +79,7 @@ impl<'s> Tally<'s> {
         }
     }
 
-    /// What a rung said of pair `k`, whose true depth or negative distance is `value` where a
+    /// What a precision said of pair `k`, whose true depth or negative distance is `value` where a
     /// number was asked for.
     pub(crate) fn book(&mut self, k: u32, said: Said, value: Option<f64>) {
         let touches = self.subject.touches(k);
@@ -125,7 +125,7 @@ impl<'s> Tally<'s> {
         Fate::Off(off)
     }
 
-    pub(crate) fn into_rung(mut self, rung: Rung, ns: f64) -> OfRung {
+    pub(crate) fn into_precision(mut self, precision: Precision, ns: f64) -> OfPrecision {
         self.errors.sort_by(f64::total_cmp);
         self.relative.sort_by(f64::total_cmp);
         let at = |sorted: &[f64], share: f64| {
@@ -140,8 +140,8 @@ impl<'s> Tally<'s> {
             median_relative: at(&self.relative, 0.5),
             worst_relative: at(&self.relative, 1.0),
         });
-        OfRung {
-            rung,
+        OfPrecision {
+            precision,
             ns,
             wrong_yes: self.wrong_yes,
             wrong_no: self.wrong_no,

@@ -8,7 +8,7 @@ use dcd_scenes::SceneSpec;
 use serde::{Deserialize, Serialize};
 
 use crate::measure::{Turn, take_turns};
-use crate::rung::{Query, Rung, Said};
+use crate::precision::{Precision, Query, Said};
 use crate::subject::{Known, Recipe, Subject};
 
 /// The unit.
@@ -74,9 +74,9 @@ pub(crate) fn measure(options: &Options) -> Result<Vec<Coarse>> {
     }
     let mut turns: Vec<Turn<'_>> = Vec::new();
     for (_, outer, inner) in &levels {
-        turns.push(Turn::new(Rung::Lanes, outer));
-        turns.push(Turn::new(Rung::Certified, outer));
-        turns.push(Turn::new(Rung::Lanes, inner));
+        turns.push(Turn::new(Precision::Lanes, outer));
+        turns.push(Turn::new(Precision::Certified, outer));
+        turns.push(Turn::new(Precision::Lanes, inner));
     }
     take_turns(&mut turns, Query::YesNo, &pairs, options);
     let levels = levels.iter().zip(turns.chunks(3));

@@ -7,9 +7,9 @@ use dcd_benches::Effort;
 use dcd_benches::timing::{Pair, pairs_of, time};
 use dcd_exec::{Exec, Par, Segments};
 use dcd_geom::{Pose, Scene, Shape};
-use dcd_gjk::{Body, certified};
+use dcd_gjk::{PosedSupport, certified};
 use dcd_parry::{Hit, ParryWorld, Query, Until};
-use dcd_pipeline::{Linkage, Other, Overlap, Probe, World};
+use dcd_pipeline::{BatchChecker, LinkSet, Other, Overlap, StaticWorld};
 use dcd_scenes::{SceneSpec, poses_in};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -71,8 +71,8 @@ impl Room {
 
     /// Takes turns with Parry.
     pub(crate) fn race(&self, until: Until, par: Par, effort: Effort) -> Result<Outcome> {
-        let world = World::new(&self.obstacles, Overlap::default(), par)?;
-        let mut probe = world.probe(Linkage::new(self.links.clone()))?;
+        let world = StaticWorld::new(&self.obstacles, Overlap::default(), par)?;
+        let mut checker = world.checker(LinkSet::new(self.links.clone()))?;
         let query = Query::DirectIntersectionTest;
         let rival = ParryWorld::<f32>::new(&self.obstacles, &self.links, query)?;
         let posed = rival.place(&self.poses);
@@ -80,10 +80,10 @@ impl Room {
         let rounds = if effort == Effort::Quick { 3 } else { 10 };
         let [pair] = pairs_of(
             rounds,
-            || [time(|| count(&mut probe, &self.poses, until, par)).0],
+            || [time(|| count(&mut checker, &self.poses, until, par)).0],
             || [time(|| rival.ask(&posed, until, Exec::from(par), &mut told)).0],
         );
-        let ours = touching(&mut probe, &self.poses, until, par)?;
+        let ours = touching(&mut checker, &self.poses, until, par)?;
         let parrys: BTreeSet<Hit> = told.iter().flatten().copied().collect();
         let (ours_wrong, parry_wrong) = match until {
             Until::Last => self.judge(&ours, &parrys, |hit| self.touch(hit)),
@@ -100,7 +100,7 @@ impl Room {
         Ok(Outcome { hits: ours.len(), ours_wrong, parry_wrong, pair })
     }
 
-    /// How many of our findings and of Parry's are wrong or missing, where they differ.
+    /// How many of our hits and of Parry's are wrong or missing, where they differ.
     fn judge<T: Ord>(
         &self,
         ours: &BTreeSet<T>,
@@ -122,31 +122,31 @@ impl Room {
         let (Some(link), Some(other)) = (link, self.obstacles.shape(obstacle).as_polytope()) else {
             return false;
         };
-        let other = Body::polytope(other, &self.obstacles.poses()[obstacle]);
-        certified::overlap_exactly(Body::polytope(link, pose), other)
+        let other = PosedSupport::polytope(other, &self.obstacles.poses()[obstacle]);
+        certified::overlap_exactly(PosedSupport::polytope(link, pose), other)
     }
 }
 
-/// What is timed: how many findings there are.
-fn count(probe: &mut Probe<'_>, poses: &[Pose], until: Until, par: Par) -> usize {
+/// What is timed: how many hits there are.
+fn count(checker: &mut BatchChecker<'_>, poses: &[Pose], until: Until, par: Par) -> usize {
     match until {
-        Until::First => probe.first(poses, par).map_or(0, |first| first.iter().flatten().count()),
-        Until::Last => probe.all(poses, par).map_or(0, |all| all.len()),
+        Until::First => checker.first(poses, par).map_or(0, |first| first.iter().flatten().count()),
+        Until::Last => checker.all(poses, par).map_or(0, |all| all.len()),
     }
 }
 
-/// The same findings.
+/// The same hits.
 fn touching(
-    probe: &mut Probe<'_>,
+    checker: &mut BatchChecker<'_>,
     poses: &[Pose],
     until: Until,
     par: Par,
 ) -> Result<BTreeSet<Hit>> {
     let found: Vec<_> = match until {
-        Until::First => probe.first(poses, par)?.iter().flatten().copied().collect(),
-        Until::Last => probe.all(poses, par)?.iter().collect(),
+        Until::First => checker.first(poses, par)?.iter().flatten().copied().collect(),
+        Until::Last => checker.all(poses, par)?.iter().collect(),
     };
-    let hit = |found: &dcd_pipeline::Finding<()>| {
+    let hit = |found: &dcd_pipeline::Hit<()>| {
         ensure!(found.touches(), "{found:?} is not settled");
         let Other::Obstacle(obstacle) = found.other else { return Ok(None) };
         Ok(Some(Hit { configuration: found.configuration, link: found.link, obstacle }))

@@ -5,7 +5,7 @@ use std::ops::Range;
 use dcd_benches::Agreement;
 use dcd_exec::{Exec, PerThread, Segments};
 use dcd_geom::{Aabb, Pair, Scene};
-use dcd_gjk::{Contact, Findings, NarrowPhase, Report};
+use dcd_gjk::{Contact, ContactSink, NarrowPhase, Report};
 
 use crate::case::Case;
 
@@ -40,11 +40,11 @@ impl<'n, N: NarrowPhase<Answer = ()>> EveryPair<'n, N> {
         }
     }
 
-    /// Asks for every pair of the scene. The preparation of the objects is part of it, as the door
+    /// Asks for every pair of the scene. The preparation of the objects is part of it, as the trait
     /// demands: their boxes too, which nobody reads here.
     pub(crate) fn run(&mut self, scene: &Scene, exec: Exec) {
         self.aabbs.resize(scene.len(), Aabb::default());
-        let part = self.narrow.lay_out(scene, &mut self.frame);
+        let part = self.narrow.layout(scene, &mut self.frame);
         let narrow = self.narrow;
         exec.divide((part, &mut self.aabbs[..]), 256, |first, (part, aabbs)| {
             narrow.prepare(scene, first, part, aabbs);
@@ -55,8 +55,8 @@ impl<'n, N: NarrowPhase<Answer = ()>> EveryPair<'n, N> {
             scratch.with(|scratch| {
                 reports.with(|report| {
                     for_each_slice(&tasks[k], scene.len(), |pairs| {
-                        let findings = &mut Findings { contacts: &mut *contacts, report };
-                        narrow.decide(scene, frame, pairs, scratch, findings);
+                        let sink = &mut ContactSink { contacts: &mut *contacts, report };
+                        narrow.decide(scene, frame, pairs, scratch, sink);
                     });
                 });
             });

@@ -5,7 +5,7 @@ use dcd_benches::{Agreement, Column, Report, Table, Units};
 use dcd_broad::{BroadPhase, TreePairs};
 use dcd_exec::{Par, with_threads};
 use dcd_geom::Scene;
-use dcd_gjk::{Certified, EachPair, NarrowPhase};
+use dcd_gjk::{Certified, NarrowPhase, Pairwise};
 use dcd_parry::{ParryGjk, ParryShapes};
 use dcd_pipeline::Pipeline;
 use serde::{Deserialize, Serialize};
@@ -49,8 +49,8 @@ impl Judge {
     /// What it finds in one parallel run.
     fn judge(self, case: &Case) -> Agreement {
         match self {
-            Self::BruteForce => over_all_pairs(&EachPair(Certified), case),
-            Self::ParryGjk => over_all_pairs(&EachPair(ParryGjk::<f64>::default()), case),
+            Self::BruteForce => over_all_pairs(&Pairwise(Certified), case),
+            Self::ParryGjk => over_all_pairs(&Pairwise(ParryGjk::<f64>::default()), case),
             Self::ParryIntersection => over_all_pairs(&ParryShapes::<f64>::new(&case.scene), case),
             Self::AsWritten => {
                 let mut pipeline = double_phase(TreePairs::paper_as_written());

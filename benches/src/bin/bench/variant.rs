@@ -5,7 +5,7 @@ use dcd_benches::{Agreement, Sample, timing};
 use dcd_broad::{BroadPhase, TreePairs};
 use dcd_bvh::PaperTree;
 use dcd_exec::{Exec, Par};
-use dcd_gjk::{EachPair, Gjk, NarrowPhase};
+use dcd_gjk::{Gjk, NarrowPhase, Pairwise};
 use dcd_pipeline::Pipeline;
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +13,7 @@ use crate::case::{Case, Setting};
 use crate::every_pair::EveryPair;
 
 /// Our narrow phase where the paper's is meant: GJK in f64, one pair at a time.
-pub(crate) type OurGjk = EachPair<Gjk<f64>>;
+pub(crate) type OurGjk = Pairwise<Gjk<f64>>;
 
 /// A way from a scene to its contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! What was compared as JSON, an object for each scene and number of threads.
 
-use dcd_gjk::Rung;
+use dcd_gjk::Method;
 use serde_json::{Map, Value, json};
 
 use crate::judge::Account;
@@ -56,10 +56,10 @@ pub(crate) fn objects(comparison: &Comparison) -> Vec<Value> {
     comparison.threads.iter().map(object).collect()
 }
 
-/// How many candidates each rung settled, under its name.
+/// How many candidates each method settled, under its name.
 fn settled(comparison: &Comparison) -> Map<String, Value> {
-    let rungs = Rung::ALL.iter().map(|rung| format!("{rung:?}"));
-    rungs.zip(&comparison.settled).map(|(rung, &count)| (rung, json!(count))).collect()
+    let methods = Method::ALL.iter().map(|method| format!("{method:?}"));
+    methods.zip(&comparison.settled).map(|(method, &count)| (method, json!(count))).collect()
 }
 
 /// A value for each stage, under its name.

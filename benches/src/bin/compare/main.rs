@@ -21,7 +21,7 @@ use dcd_benches::{Header, Options, Units};
 use race::{Comparison, Course, ParryQuery};
 use subject::Subject;
 
-/// Our default pipeline and Parry's best one in f32, in turn in one process: the median of the
+/// Our default pipeline and Parry's best one in f32, interleaved in one process: the median of the
 /// ratios per stage and for the whole step.
 ///
 /// Our contact set must equal that of Parry in f64, each difference settled by exact arithmetic:

@@ -6,7 +6,7 @@ use anyhow::{Result, anyhow, ensure};
 use clap::ValueEnum;
 use dcd_benches::{Digest, Effort, Pair, Sample, timing};
 use dcd_broad::{BroadPhase, BruteForce, WideTree};
-use dcd_gjk::{Overlap, Rung};
+use dcd_gjk::{Method, Overlap};
 use dcd_parry::{ParryPipeline, Query, Ready};
 use dcd_pipeline::{Par, Pipeline};
 use serde::{Deserialize, Serialize};
@@ -121,7 +121,7 @@ pub(crate) struct Comparison {
     /// Of our contacts in their order.
     pub(crate) digest: String,
     pub(crate) judged: Judged,
-    /// How many candidates each rung of ours settled, in the order of [`Rung::ALL`].
+    /// How many candidates each method of ours settled, in the order of [`Method::ALL`].
     pub(crate) settled: Vec<u64>,
     /// The numbers of threads that were asked for.
     pub(crate) threads: Vec<usize>,
@@ -145,7 +145,7 @@ pub(crate) fn compare(subject: &Subject, course: &Course) -> Result<Comparison> 
         let step = pipeline.step(&scene, Par::Pool);
         said.ours = Answers::ours(&step);
         let digest = Digest::of(step.contacts().map(|(i, j)| dcd_geom::Pair { i, j }));
-        (digest, Rung::ALL.map(|rung| step.report().settled(rung)).to_vec())
+        (digest, Method::ALL.map(|method| step.report().settled(method)).to_vec())
     };
     // Gone before the f32 shapes are made: at a million hulls both would not fit.
     said.parry_f64 = {

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use dcd_benches::{Cell, Column, Header, Report, Table};
-use dcd_gjk::Rung;
+use dcd_gjk::Method;
 
 use crate::json::objects;
 use crate::judge::{Account, Wrong};
@@ -84,12 +84,12 @@ fn summary(comparisons: &[Comparison]) -> Result<Table> {
 /// Whole, narrow and broad, as places in [`PARTS`].
 const SUMMARY: [usize; 3] = [WHOLE, 4, 3];
 
-/// What each rung settles, and what each stage costs on the first number of threads.
+/// What each method settles, and what each stage costs on the first number of threads.
 fn ladder(comparisons: &[Comparison]) -> Result<Table> {
     let settles = |k: usize| comparisons.iter().any(|c| c.settled.get(k).is_some_and(|&n| n > 0));
-    let rungs: Vec<usize> = (0..Rung::ALL.len()).filter(|&k| settles(k)).collect();
+    let methods: Vec<usize> = (0..Method::ALL.len()).filter(|&k| settles(k)).collect();
     let mut columns = ["scene", "N", "candidates"].map(Column::new).to_vec();
-    columns.extend(rungs.iter().map(|&k| Column::new(spoken(k)).unit("%").decimals(2)));
+    columns.extend(methods.iter().map(|&k| Column::new(spoken(k)).unit("%").decimals(2)));
     columns.push(Column::new("threads"));
     columns.extend(["boxes", "build"].map(|name| Column::new(name).unit("ns/object").decimals(1)));
     columns.extend(["pairs", "narrow"].map(|name| Column::new(name).unit("ns/pair").decimals(1)));
@@ -101,7 +101,7 @@ fn ladder(comparisons: &[Comparison]) -> Result<Table> {
         let mut row = vec![Cell::from(comparison.scene.as_str()), comparison.objects.into()];
         row.push(comparison.judged.ours.candidates.into());
         let share = |&k: &usize| Some(100.0 * *comparison.settled.get(k)? as f64 / pairs);
-        row.extend(rungs.iter().map(|k| Cell::from(share(k))));
+        row.extend(methods.iter().map(|k| Cell::from(share(k))));
         let race = comparison.races.first();
         row.push(race.map(|race| race.threads).into());
         for (part, count) in [(0, objects), (1, objects), (2, pairs), (4, pairs)] {
@@ -113,11 +113,11 @@ fn ladder(comparisons: &[Comparison]) -> Result<Table> {
     Ok(table)
 }
 
-/// What rung `k` of [`Rung::ALL`] is called.
+/// What method `k` of [`Method::ALL`] is called.
 fn spoken(k: usize) -> String {
-    match Rung::ALL[k] {
-        Rung::CentreAxis => "centre axis".to_owned(),
-        rung => format!("{rung:?}").to_lowercase(),
+    match Method::ALL[k] {
+        Method::CentreAxis => "centre axis".to_owned(),
+        method => format!("{method:?}").to_lowercase(),
     }
 }
 
@@ -280,10 +280,10 @@ mod tests {
             query: "intersection-test".to_owned(),
             digest: String::new(),
             judged,
-            settled: Rung::ALL
-                .map(|rung| match rung {
-                    Rung::CentreAxis => 3,
-                    Rung::Cone => 1,
+            settled: Method::ALL
+                .map(|method| match method {
+                    Method::CentreAxis => 3,
+                    Method::Cone => 1,
                     _ => 0,
                 })
                 .to_vec(),
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rung_that_settles_nothing_anywhere_has_no_column() -> Result<()> {
+    fn a_method_that_settles_nothing_anywhere_has_no_column() -> Result<()> {
         let mut comparison = wrong();
         comparison.judged.ours.candidates = 4;
         let markdown = ladder(&[comparison])?.to_markdown();

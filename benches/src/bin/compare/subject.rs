@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail};
 use dcd_benches::Effort;
 use dcd_geom::Scene;
-use dcd_scenes::{SceneSpec, load_hull_scene};
+use dcd_io::load_hull_scene;
+use dcd_scenes::SceneSpec;
 
 /// A scene to be made.
 #[derive(Clone, Debug, PartialEq)]

@@ -17,7 +17,7 @@ use dcd_benches::{Effort, Header, Options, Print, Units, exit_code};
 use course::{Course, Outcome};
 
 /// A scene whose objects walk at random, frame by frame on one thread: the default pipeline, the
-/// one that remembers proofs, and Parry's in f32 with its tree refitted, in turn in one process.
+/// one that remembers proofs, and Parry's in f32 with its tree refitted, interleaved in one process.
 #[derive(Parser)]
 #[command(name = "frames", version)]
 struct Line {

@@ -6,9 +6,10 @@ use anyhow::{Context, Result, bail};
 use dcd_benches::Effort;
 use dcd_benches::timing::{Pair, pairs_of, time};
 use dcd_geom::{Polytope, Pose, Shape};
-use dcd_gjk::{Body, Placed, Verdict, certified, parts};
+use dcd_gjk::{PosedShape, PosedSupport, Verdict, certified, mesh};
+use dcd_io::load_mesh;
 use dcd_parry::{Library, Query};
-use dcd_scenes::{load_mesh, poses_in};
+use dcd_scenes::poses_in;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -64,7 +65,7 @@ impl Contest {
 
     pub(crate) fn run(&self, effort: Effort) -> Result<Outcome> {
         let every: Vec<usize> = (0..self.poses.len()).collect();
-        let mut scratch = parts::Scratch::default();
+        let mut scratch = mesh::Scratch::default();
         let ours: Replies = self.poses.iter().map(|pose| self.ours(pose, &mut scratch)).collect();
         let parry_f32 = Parry::<f32>::of(self)?;
         let parry_f64 = Parry::<f64>::of(self)?;
@@ -104,9 +105,9 @@ impl Contest {
         })
     }
 
-    fn ours(&self, pose: &Pose, scratch: &mut parts::Scratch) -> Option<bool> {
-        let fixed = Placed { shape: &self.fixed, pose: &Pose::IDENTITY };
-        let (verdict, _) = parts::overlap(fixed, Placed { shape: &self.moving, pose }, scratch);
+    fn ours(&self, pose: &Pose, scratch: &mut mesh::Scratch) -> Option<bool> {
+        let fixed = PosedShape { shape: &self.fixed, pose: &Pose::IDENTITY };
+        let (verdict, _) = mesh::overlap(fixed, PosedShape { shape: &self.moving, pose }, scratch);
         match verdict {
             Verdict::Apart => Some(false),
             Verdict::Touching(()) => Some(true),
@@ -123,8 +124,8 @@ impl Contest {
                 low.cmple(*other_high).all()
                     && other_low.cmple(*high).all()
                     && certified::overlap_exactly(
-                        Body::polytope(other, &Pose::IDENTITY),
-                        Body::polytope(hull, &self.poses[k]),
+                        PosedSupport::polytope(other, &Pose::IDENTITY),
+                        PosedSupport::polytope(hull, &self.poses[k]),
                     )
             })
         })
@@ -196,7 +197,7 @@ impl<R: Library> Parry<R> {
         times: &mut Vec<Beside>,
     ) {
         let rounds = if effort == Effort::Quick { 3 } else { 5 };
-        let mut scratch = parts::Scratch::default();
+        let mut scratch = mesh::Scratch::default();
         for (first, order) in [(First::Fixed, "env first"), (First::Moving, "rob first")] {
             let mut ours = || {
                 let yes =

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use anyhow::{Result, bail};
 use clap::Parser;
 use dcd_benches::{Header, Options, Print, Units, exit_code};
-use dcd_scenes::data;
+use dcd_io::data;
 
 use contest::{Contest, Outcome};
 
@@ -21,7 +21,7 @@ use contest::{Contest, Outcome};
 const FILES: [&str; 2] = ["meshes/env.obj", "meshes/rob.obj"];
 
 /// Two triangle meshes in seeded poses, yes or no, on one thread: our answers and times beside
-/// those of Parry's triangle meshes in f32 and f64, in turn in one process.
+/// those of Parry's triangle meshes in f32 and f64, interleaved in one process.
 #[derive(Parser)]
 #[command(name = "meshes", version)]
 struct Line {

@@ -8,8 +8,9 @@ use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::{Exec, Segments};
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Aabb, Pair, Scene};
+use dcd_io::{RawScene, RawShape};
 use dcd_pipeline::Par;
-use dcd_scenes::{RawScene, RawShape, SceneSpec};
+use dcd_scenes::SceneSpec;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -207,7 +208,7 @@ fn see_broad(boxes: &[Aabb], options: &Options) -> Result<Seen> {
 
 /// The world boxes of a scene of cuboids.
 fn boxes(scene: &RawScene) -> Result<Vec<Aabb>> {
-    let of = |object: &dcd_scenes::RawObject| {
+    let of = |object: &dcd_io::RawObject| {
         let shape = scene.shapes.get(object.shape as usize);
         let Some(RawShape::Cuboid { half_extents }) = shape else { return None };
         let [x, y, z] = DMat3::from_quat(object.rotation).to_cols_array_2d();

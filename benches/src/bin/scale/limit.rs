@@ -6,9 +6,9 @@ use std::hint::black_box;
 use anyhow::{Result, ensure};
 use dcd_benches::{Cell, Column, Options, Report, Sample, Table, Units, timing};
 use dcd_exec::Exec;
-use dcd_geom::lanes::{Block, Kernel, Lanes, Row, WIDTH, dispatch};
 use dcd_geom::{Pair, Scene};
 use dcd_pipeline::{Par, Pipeline, StageClock};
+use dcd_simd::{Block, Kernel, Lanes, Row, WIDTH, dispatch};
 use serde::{Deserialize, Serialize};
 
 use crate::runner::Case;

@@ -102,7 +102,7 @@ fn task_overhead() -> f64 {
 /// of [`IDLE`] since it worked in the same step.
 fn joining(rounds: u32) -> [f64; IDLE.len()] {
     IDLE.map(|idle| {
-        Exec::from(Par::Pool).attended(|exec| {
+        Exec::from(Par::Pool).with_warm_threads(|exec| {
             // Both threads are awake when the first of them is measured.
             beside_its_tasks(exec, 0.0);
             median((0..16 * rounds).map(|_| beside_its_tasks(exec, idle)).collect())

@@ -3,7 +3,7 @@
 use super::block::{Block, Corner, Visit};
 use super::run::Run;
 use super::{DEEPEST_SHARED, LeafPairs, Traversal, Visits};
-use dcd_bvh::{Below, BoundingTree, Node};
+use dcd_bvh::{BoundingTree, Node, NodeContent};
 use dcd_exec::{Exec, Filler, PerThread, Span};
 use dcd_geom::{Aabb, Pair};
 
@@ -34,7 +34,7 @@ impl<T: BoundingTree, K: Fn(u32, u32) -> bool + Sync> Walk<'_, T, K> {
             return run;
         }
         match (a.below, b.below) {
-            (Below::Nodes(rows), Below::Nodes(columns)) if depth < self.max_depth() => {
+            (NodeContent::Nodes(rows), NodeContent::Nodes(columns)) if depth < self.max_depth() => {
                 let (upper, lower) = Block { rows, columns, corner: self.corner(visit) }.halves();
                 let (first, second) = self
                     .exec
@@ -64,7 +64,7 @@ impl<T: BoundingTree, K: Fn(u32, u32) -> bool + Sync> Walk<'_, T, K> {
             if !a.aabb.overlaps(&b.aabb) {
                 continue;
             }
-            if let (Below::Boxes(rows), Below::Boxes(columns)) = (a.below, b.below) {
+            if let (NodeContent::Boxes(rows), NodeContent::Boxes(columns)) = (a.below, b.below) {
                 self.list(Block { rows, columns, corner: self.corner(visit) }, out);
                 continue;
             }
@@ -108,7 +108,7 @@ impl<T: BoundingTree, K: Fn(u32, u32) -> bool + Sync> Walk<'_, T, K> {
 /// The children of an inner node; a leaf stays itself while the other node is taken apart.
 fn children<'t>(node: &Node<'t>, number: &'t u32) -> &'t [u32] {
     match node.below {
-        Below::Nodes(children) => children,
-        Below::Boxes(_) => std::slice::from_ref(number),
+        NodeContent::Nodes(children) => children,
+        NodeContent::Boxes(_) => std::slice::from_ref(number),
     }
 }

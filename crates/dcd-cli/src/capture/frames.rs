@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::making::on_threads;
 use crate::memory;
 use dcd_geom::{Pair, Scene, SceneError};
-use dcd_gjk::{Body, epa};
+use dcd_gjk::{PosedSupport, epa};
 use dcd_pipeline::{Par, Pipeline};
 use dcd_scenes::{Pile, PileContact, RandomWalk, SceneSpec};
 
@@ -104,8 +104,8 @@ fn contact(scene: &Scene, i: u32, j: u32, scratch: &mut epa::Scratch) -> Option<
     let [a, b] = [i as usize, j as usize];
     let (shape_a, shape_b) = (scene.shape(a).as_polytope()?, scene.shape(b).as_polytope()?);
     let found = epa::depth_of_overlap(
-        Body::polytope(shape_a, &scene.poses()[a]),
-        Body::polytope(shape_b, &scene.poses()[b]),
+        PosedSupport::polytope(shape_a, &scene.poses()[a]),
+        PosedSupport::polytope(shape_b, &scene.poses()[b]),
         scratch,
     );
     Some(PileContact {

@@ -3,15 +3,15 @@
 use crate::detect::{digest, fnv1a};
 use crate::failure::Failure;
 use crate::memory;
+use crate::precision::Precision;
 use crate::progress::Progress;
-use crate::rung::Rung;
 use dcd_broad::WideTree;
 use dcd_exec::with_threads;
 use dcd_geom::{Pair, Scene};
-use dcd_gjk::{EachPair, Gjk, NarrowPhase, Overlap, OverlapUnproved};
+use dcd_gjk::{Gjk, NarrowPhase, Overlap, OverlapUnchecked, Pairwise};
+use dcd_io::{Capture, place_frame, shown};
 use dcd_parry::ParryShapes;
 use dcd_pipeline::{Par, Pipeline};
-use dcd_scenes::{Capture, place_frame, shown};
 use serde::Serialize;
 use std::fmt::Write;
 use std::fs::File;
@@ -21,14 +21,14 @@ use std::time::Instant;
 /// How the frames are stepped.
 #[derive(Clone, Copy)]
 pub(crate) struct Replay {
-    pub(crate) rung: Rung,
+    pub(crate) precision: Precision,
     /// At least 1; 1 is serial.
     pub(crate) threads: usize,
 }
 
 /// What one step found.
 #[derive(Debug, Serialize)]
-struct Frame {
+struct ReplayedFrame {
     frame: usize,
     pairs: usize,
     contacts: usize,
@@ -42,11 +42,11 @@ struct Frame {
 pub(crate) struct Replayed {
     objects: usize,
     threads: usize,
-    rung: Rung,
+    precision: Precision,
     /// Of the whole capture: FNV-1a over the frames' digests in order.
     digest: String,
     ms: f64,
-    frames: Vec<Frame>,
+    frames: Vec<ReplayedFrame>,
 }
 
 impl Replay {
@@ -58,25 +58,25 @@ impl Replay {
         let capture = Capture::read(&bytes).map_err(|error| Failure::at(&place, error))?;
         drop(bytes);
         let scene = capture.scene();
-        let frames = match self.rung {
-            Rung::Fast => self.on_threads(&capture, OverlapUnproved::default()),
-            Rung::F64 => self.on_threads(&capture, EachPair(Gjk::<f64>::default())),
-            Rung::Certified => self.on_threads(&capture, Overlap::default()),
-            Rung::ParryF32 => self.on_threads(&capture, ParryShapes::<f32>::new(scene)),
-            Rung::ParryF64 => self.on_threads(&capture, ParryShapes::<f64>::new(scene)),
+        let frames = match self.precision {
+            Precision::Fast => self.on_threads(&capture, OverlapUnchecked::default()),
+            Precision::F64 => self.on_threads(&capture, Pairwise(Gjk::<f64>::default())),
+            Precision::Certified => self.on_threads(&capture, Overlap::default()),
+            Precision::ParryF32 => self.on_threads(&capture, ParryShapes::<f32>::new(scene)),
+            Precision::ParryF64 => self.on_threads(&capture, ParryShapes::<f64>::new(scene)),
         }?;
         let bytes = frames.iter().flat_map(|frame| frame.digest.bytes());
         Ok(Replayed {
             objects: scene.len(),
             threads: self.threads,
-            rung: self.rung,
+            precision: self.precision,
             digest: format!("{:016x}", fnv1a(bytes)),
             ms: frames.iter().map(|frame| frame.ms).sum(),
             frames,
         })
     }
 
-    fn on_threads<N>(self, capture: &Capture, narrow: N) -> Result<Vec<Frame>, Failure>
+    fn on_threads<N>(self, capture: &Capture, narrow: N) -> Result<Vec<ReplayedFrame>, Failure>
     where
         N: NarrowPhase + Send,
     {
@@ -88,7 +88,11 @@ impl Replay {
     }
 }
 
-fn steps<N: NarrowPhase>(capture: &Capture, narrow: N, par: Par) -> Result<Vec<Frame>, Failure> {
+fn steps<N: NarrowPhase>(
+    capture: &Capture,
+    narrow: N,
+    par: Par,
+) -> Result<Vec<ReplayedFrame>, Failure> {
     let mut scene: Scene = capture.scene().clone();
     let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     let mut frames = Vec::with_capacity(capture.frame_count());
@@ -102,7 +106,7 @@ fn steps<N: NarrowPhase>(capture: &Capture, narrow: N, par: Par) -> Result<Vec<F
         let ms = begun.elapsed().as_secs_f64() * 1e3;
         // In the step's own order, so that the digest sees it.
         let contacts: Vec<Pair> = step.contacts().map(|(i, j)| Pair::new(i, j)).collect();
-        frames.push(Frame {
+        frames.push(ReplayedFrame {
             frame,
             pairs: step.candidate_count(),
             contacts: contacts.len(),
@@ -124,17 +128,17 @@ impl Replayed {
         let mut text = String::new();
         // Writing to a string cannot fail.
         let _ = writeln!(text, "frame    pairs contacts undecided         ms digest");
-        for Frame { frame, pairs, contacts, undecided, ms, digest } in &self.frames {
+        for ReplayedFrame { frame, pairs, contacts, undecided, ms, digest } in &self.frames {
             let _ = writeln!(
                 text,
                 "{frame:>5} {pairs:>8} {contacts:>8} {undecided:>9} {ms:>10.3} {digest}"
             );
         }
-        let Self { objects, threads, ms, digest, frames, rung } = self;
-        let (rung, count) = (rung.name(), frames.len());
+        let Self { objects, threads, ms, digest, frames, precision } = self;
+        let (precision, count) = (precision.name(), frames.len());
         let _ = writeln!(
             text,
-            "{count} frames of {objects} objects, rung {rung}, {threads} threads: {ms:.3} ms, \
+            "{count} frames of {objects} objects, precision {precision}, {threads} threads: {ms:.3} ms, \
              digest {digest}"
         );
         text

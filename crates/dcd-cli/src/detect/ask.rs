@@ -1,7 +1,7 @@
 //! What is asked about the pairs of a scene.
 
 use crate::failure::Failure;
-use crate::rung::Rung;
+use crate::precision::Precision;
 use clap::{Args, ValueEnum};
 use dcd_geom::Aabb;
 use std::path::PathBuf;
@@ -45,7 +45,7 @@ pub(super) enum Question {
     Gradient,
 }
 
-/// A question that can be asked on its rung.
+/// A question that can be asked on its precision.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Query {
     pub(super) question: Question,
@@ -63,14 +63,14 @@ pub(super) enum Answers {
 }
 
 impl Ask {
-    /// The question, if that rung answers it.
-    pub(super) fn query(&self, rung: Rung) -> Result<Query, Failure> {
+    /// The question, if that precision answers it.
+    pub(super) fn query(&self, precision: Precision) -> Result<Query, Failure> {
         let Self { query: question, margin, .. } = *self;
         let answers = if self.answers.is_some() { Answers::Kept } else { Answers::Dropped };
         let query = Query { question, margin, answers };
-        if matches!(rung, Rung::ParryF32 | Rung::ParryF64) && !query.is_plain() {
+        if matches!(precision, Precision::ParryF32 | Precision::ParryF64) && !query.is_plain() {
             let only = "answers --query overlap without a margin alone";
-            return Err(Failure::at(format_args!("--rung {}", rung.name()), only));
+            return Err(Failure::at(format_args!("--precision {}", precision.name()), only));
         }
         if matches!(question, Question::Depth | Question::Manifold) && margin > 0.0 {
             let name = query.name();

@@ -1,6 +1,6 @@
 //! Contacts as a file, and their digest.
 
-use crate::told::Told;
+use crate::reported::Reported;
 use dcd_geom::Pair;
 use serde::Serialize;
 use std::io::{self, Write};
@@ -23,13 +23,13 @@ struct Line<'a> {
     i: u32,
     j: u32,
     #[serde(flatten)]
-    told: &'a Told,
+    reported: &'a Reported,
 }
 
 /// A line of JSON for each contact, in the order given.
-pub(super) fn write_told(contacts: &[(Pair, Told)], mut out: impl Write) -> io::Result<()> {
-    for (Pair { i, j }, told) in contacts {
-        serde_json::to_writer(&mut out, &Line { i: *i, j: *j, told })?;
+pub(super) fn write_reported(contacts: &[(Pair, Reported)], mut out: impl Write) -> io::Result<()> {
+    for (Pair { i, j }, reported) in contacts {
+        serde_json::to_writer(&mut out, &Line { i: *i, j: *j, reported })?;
         out.write_all(b"\n")?;
     }
     out.flush()

@@ -6,10 +6,8 @@ use crate::{count, memory};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use dcd_geom::Scene;
-use dcd_scenes::{
-    BuildError, CloudCensus, GameHulls, GameSize, ReadError, Run, SceneSpec, data, read_clouds,
-    read_hull_scene, shown,
-};
+use dcd_io::{BuildError, CloudCensus, ReadError, data, read_clouds, read_hull_scene, shown};
+use dcd_scenes::{GameHulls, GameSize, Run, SceneSpec};
 use std::fs::File;
 use std::io::stdin;
 use std::path::{Path, PathBuf};

@@ -1,16 +1,16 @@
-//! The steps themselves, on the rung asked for, with the time of each stage.
+//! The steps themselves, on the precision asked for, with the time of each stage.
 
 use super::ask::{Answers, Query, Question};
 use crate::failure::Failure;
+use crate::precision::Precision;
 use crate::progress::Progress;
-use crate::rung::Rung;
-use crate::told::{Tell, Told};
+use crate::reported::{Report, Reported};
 use dcd_broad::WideTree;
 use dcd_exec::with_threads;
 use dcd_geom::{Pair, Scene};
 use dcd_gjk::{
-    Depths, Distances, EachPair, Gjk, Manifolds, NarrowPhase, OfTouching, Overlap, OverlapUnproved,
-    PairSolver, Proximities, Undecided, Within,
+    Depths, Distances, Gjk, Manifolds, NarrowPhase, Overlap, OverlapUnchecked, PairSolver,
+    Pairwise, Proximities, ThenMeasure, Undecided, Within,
 };
 use dcd_parry::{Library, ParryShapes};
 use dcd_pipeline::{Exec, Par, Pipeline, StageClock};
@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 /// What is to be run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
-    pub(super) rung: Rung,
+    pub(super) precision: Precision,
     pub(super) query: Query,
     /// At least 1; 1 is serial.
     pub(super) threads: usize,
@@ -35,9 +35,9 @@ pub(super) struct Found {
     /// Sorted.
     pub(super) contacts: Vec<Pair>,
     /// What was told of each, in the same order, if it is kept.
-    pub(super) told: Vec<(Pair, Told)>,
+    pub(super) reported: Vec<(Pair, Reported)>,
     pub(super) undecided: Vec<Undecided>,
-    /// On Parry's rungs, how many shapes it refused: their pairs are undecided.
+    /// On Parry's precisions, how many shapes it refused: their pairs are undecided.
     pub(super) refused: Option<usize>,
     /// For each step the stages in their order, and last the whole.
     pub(super) times: Vec<[Duration; 5]>,
@@ -45,12 +45,12 @@ pub(super) struct Found {
 
 /// Runs the plan. What a narrow phase derives from the shapes alone is made before the first step.
 pub(super) fn run(scene: &Scene, plan: Plan) -> Result<Found, Failure> {
-    match plan.rung {
-        Rung::Fast => ours(scene, OverlapUnproved::default(), plan),
-        Rung::F64 => ours(scene, EachPair(Gjk::<f64>::default()), plan),
-        Rung::Certified => ours(scene, Overlap::default(), plan),
-        Rung::ParryF32 => with_parry::<f32>(scene, plan),
-        Rung::ParryF64 => with_parry::<f64>(scene, plan),
+    match plan.precision {
+        Precision::Fast => ours(scene, OverlapUnchecked::default(), plan),
+        Precision::F64 => ours(scene, Pairwise(Gjk::<f64>::default()), plan),
+        Precision::Certified => ours(scene, Overlap::default(), plan),
+        Precision::ParryF32 => with_parry::<f32>(scene, plan),
+        Precision::ParryF64 => with_parry::<f64>(scene, plan),
     }
 }
 
@@ -77,9 +77,9 @@ where
 fn after<N, S>(scene: &Scene, narrow: N, solver: S, plan: Plan) -> Result<Found, Failure>
 where
     N: NarrowPhase + Send,
-    S: PairSolver<Answer: Tell> + Send + 'static,
+    S: PairSolver<Answer: Report> + Send + 'static,
 {
-    let narrow = OfTouching::after(narrow, solver);
+    let narrow = ThenMeasure::after(narrow, solver);
     on_threads(scene, narrow.map_err(|error| Failure::at("--margin", error))?, plan)
 }
 
@@ -91,7 +91,7 @@ fn with_parry<R: Library>(scene: &Scene, plan: Plan) -> Result<Found, Failure> {
 
 fn on_threads<N>(scene: &Scene, narrow: N, plan: Plan) -> Result<Found, Failure>
 where
-    N: NarrowPhase<Answer: Tell> + Send,
+    N: NarrowPhase<Answer: Report> + Send,
 {
     if plan.threads == 1 {
         return Ok(steps(scene, narrow, Par::Serial, plan));
@@ -100,7 +100,7 @@ where
         .map_err(|error| Failure::at(format_args!("{} threads", plan.threads), error))
 }
 
-fn steps<N: NarrowPhase<Answer: Tell>>(scene: &Scene, narrow: N, par: Par, plan: Plan) -> Found {
+fn steps<N: NarrowPhase<Answer: Report>>(scene: &Scene, narrow: N, par: Par, plan: Plan) -> Found {
     let clock = StageClock::default();
     let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     let mut found = Found::default();
@@ -116,12 +116,12 @@ fn steps<N: NarrowPhase<Answer: Tell>>(scene: &Scene, narrow: N, par: Par, plan:
             found.pairs = step.candidate_count();
             found.contacts = step.contacts().map(|(i, j)| Pair::new(i, j)).collect();
             if plan.query.answers == Answers::Kept {
-                found.told = step.answers().map(|c| (c.pair, c.answer.tell())).collect();
+                found.reported = step.answers().map(|c| (c.pair, c.answer.tell())).collect();
             }
             found.undecided = step.report().undecided().to_vec();
         }
     }
-    found.told.sort_unstable_by_key(|(pair, _)| *pair);
+    found.reported.sort_unstable_by_key(|(pair, _)| *pair);
     found.contacts.sort_unstable();
     found
 }

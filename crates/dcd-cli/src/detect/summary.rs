@@ -2,8 +2,8 @@
 
 use super::contacts::digest;
 use super::steps::{Found, Plan};
-use crate::rung::{Rung, in_words};
-use dcd_scenes::CloudCensus;
+use crate::precision::{Precision, in_words};
+use dcd_io::CloudCensus;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -26,7 +26,7 @@ struct Json {
     contacts: usize,
     undecided: usize,
     threads: usize,
-    rung: Rung,
+    precision: Precision,
     #[serde(skip_serializing_if = "Option::is_none")]
     query: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -78,7 +78,7 @@ impl Summary<'_> {
             contacts: contacts.len(),
             undecided: undecided.len(),
             threads: self.plan.threads,
-            rung: self.plan.rung,
+            precision: self.plan.precision,
             query: Some(query.name()).filter(|_| !query.is_plain()),
             margin: Some(query.margin).filter(|_| !query.is_plain()),
             ms: Stages { aabbs, build, pairs: stage_pairs, narrow, total },
@@ -113,11 +113,11 @@ impl Summary<'_> {
         line("candidate pairs", &self.found.pairs);
         line("contacts", &self.found.contacts.len());
         line("undecided", &format_args!("{}{}", self.found.undecided.len(), self.reasons()));
-        let Plan { rung, threads, repeats, query } = self.plan;
+        let Plan { precision, threads, repeats, query } = self.plan;
         if !query.is_plain() {
             line("query", &format_args!("{}, within {} m", query.name(), query.margin));
         }
-        line("rung", &rung.name());
+        line("precision", &precision.name());
         line("threads", &threads);
         line("milliseconds", &format_args!("{:>11} {:>11}   of {repeats}", "min", "median"));
         let names = ["  AABBs", "  build", "  pairs", "  narrow", "  total"];

@@ -1,7 +1,7 @@
 //! Which paths are one file, however they are spelt.
 
 use crate::failure::Failure;
-use dcd_scenes::shown;
+use dcd_io::shown;
 use std::fs::Metadata;
 use std::io;
 use std::path::{Path, PathBuf};

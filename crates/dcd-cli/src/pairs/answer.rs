@@ -1,7 +1,7 @@
 //! An answer as it is printed.
 
-use crate::rung::in_words;
-use crate::told::Point;
+use crate::precision::in_words;
+use crate::reported::Point;
 use dcd_geom::glam::DVec3;
 use dcd_gjk::Verdict;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use serde::Serialize;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Answer {
     answer: &'static str,
-    rung: &'static str,
+    method: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) reason: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,14 +48,14 @@ impl Way {
 
 impl Answer {
     /// The verdict alone.
-    pub(super) fn new<A>(verdict: &Verdict<A>, rung: &'static str) -> Self {
+    pub(super) fn new<A>(verdict: &Verdict<A>, method: &'static str) -> Self {
         let (answer, reason) = match verdict {
             Verdict::Apart => ("apart", None),
             Verdict::Touching(_) => ("touching", None),
             Verdict::Undecided(reason) => ("undecided", Some(in_words(*reason))),
         };
         let (distance, depth, way, points, error_bound) = (None, None, None, None, None);
-        Self { answer, rung, reason, distance, depth, way, points, error_bound }
+        Self { answer, method, reason, distance, depth, way, points, error_bound }
     }
 
     /// The same with the parts of a and b exchanged.

@@ -2,35 +2,35 @@
 
 use super::Query;
 use super::answer::{Answer, Way};
-use crate::rung::{Rung, in_words};
-use crate::told::points;
+use crate::precision::{Precision, in_words};
+use crate::reported::points;
 use dcd_geom::Polytope;
 use dcd_gjk::distance::{self, DistanceResult};
 use dcd_gjk::{
-    Body, Certified, Gjk, Manifolds, PairSolver, Placed, Reason, Rung as Settled, Verdict, epa,
+    Certified, Gjk, Manifolds, Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, epa,
 };
 
 /// The solvers' memory, from pair to pair.
 #[derive(Default)]
-pub(super) struct Ladder {
+pub(super) struct Solvers {
     depth: epa::Scratch,
     manifold: <Manifolds as PairSolver>::Scratch,
 }
 
-impl Ladder {
-    /// What that rung, one of ours, says of a and b.
+impl Solvers {
+    /// What that precision, one of ours, says of a and b.
     pub(super) fn answer(
         &mut self,
-        (rung, query): (Rung, Query),
-        a: Placed<'_>,
-        b: Placed<'_>,
+        (precision, query): (Precision, Query),
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
     ) -> Answer {
         if query == Query::Distance {
-            return distance(rung, a, b);
+            return distance(precision, a, b);
         }
-        let (verdict, settled) = match rung {
-            Rung::Fast => Gjk::<f32>::default().settle(a, b, &mut ()),
-            Rung::F64 => Gjk::<f64>::default().settle(a, b, &mut ()),
+        let (verdict, settled) = match precision {
+            Precision::Fast => Gjk::<f32>::default().settle(a, b, &mut ()),
+            Precision::F64 => Gjk::<f64>::default().settle(a, b, &mut ()),
             _ => Certified.settle(a, b, &mut Default::default()),
         };
         let mut answer = Answer::new(&verdict, name(settled));
@@ -42,7 +42,7 @@ impl Ladder {
         answer
     }
 
-    fn spread(&mut self, answer: &mut Answer, a: Placed<'_>, b: Placed<'_>) {
+    fn spread(&mut self, answer: &mut Answer, a: PosedShape<'_>, b: PosedShape<'_>) {
         let Verdict::Touching(found) = Manifolds.measure(a, b, &mut self.manifold) else { return };
         let Some(deepest) = found.points().first() else { return };
         answer.depth = Some(deepest.depth);
@@ -51,7 +51,7 @@ impl Ladder {
         answer.error_bound = Some(found.error_bound);
     }
 
-    fn deepen(&mut self, answer: &mut Answer, a: Placed<'_>, b: Placed<'_>) {
+    fn deepen(&mut self, answer: &mut Answer, a: PosedShape<'_>, b: PosedShape<'_>) {
         let (Some(a), Some(b)) = (body(a), body(b)) else { return };
         let found = epa::depth_of_overlap(a, b, &mut self.depth);
         answer.depth = Some(found.depth);
@@ -60,9 +60,9 @@ impl Ladder {
     }
 }
 
-fn distance(rung: Rung, a: Placed<'_>, b: Placed<'_>) -> Answer {
-    let (found, settled) = match rung {
-        Rung::Fast | Rung::F64 => (distance::in_f64(a, b), Settled::F64),
+fn distance(precision: Precision, a: PosedShape<'_>, b: PosedShape<'_>) -> Answer {
+    let (found, settled) = match precision {
+        Precision::Fast | Precision::F64 => (distance::in_f64(a, b), Method::F64),
         _ => distance::distance(a, b),
     };
     let verdict = match found {
@@ -93,14 +93,14 @@ fn distance(rung: Rung, a: Placed<'_>, b: Placed<'_>) -> Answer {
 }
 
 /// Every point set is a polytope.
-fn body<'a>(side: Placed<'a>) -> Option<Body<'a, Polytope>> {
-    Some(Body::polytope(side.shape.as_polytope()?, side.pose))
+fn body<'a>(side: PosedShape<'a>) -> Option<PosedSupport<'a, Polytope>> {
+    Some(PosedSupport::polytope(side.shape.as_polytope()?, side.pose))
 }
 
-fn name(rung: Settled) -> &'static str {
-    match rung {
-        Settled::Exact => "exact",
-        Settled::F64 => "f64",
+fn name(method: Method) -> &'static str {
+    match method {
+        Method::Exact => "exact",
+        Method::F64 => "f64",
         _ => "f32",
     }
 }

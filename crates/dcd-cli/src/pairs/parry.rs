@@ -65,8 +65,8 @@ fn in_f64<T: Into<f64>>(v: impl Into<[T; 3]>) -> DVec3 {
 
 /// What the build for R says. Undecided where it refuses a shape, does not know the pair, is out
 /// of its range, panics, or answers with what is no number.
-pub(super) fn answer<R: Queries>(query: Query, rung: &'static str, a: &Side, b: &Side) -> Answer {
-    let undecided = |reason| Answer::new(&Verdict::<()>::Undecided(reason), rung);
+pub(super) fn answer<R: Queries>(query: Query, method: &'static str, a: &Side, b: &Side) -> Answer {
+    let undecided = |reason| Answer::new(&Verdict::<()>::Undecided(reason), method);
     if !within_range::<R>(a, b) {
         return undecided(Reason::Range);
     }
@@ -75,9 +75,9 @@ pub(super) fn answer<R: Queries>(query: Query, rung: &'static str, a: &Side, b: 
         let [pose_a, pose_b] = [a, b].map(|side| R::pose(&side.pose));
         let (a, b) = ((&form_a?, &pose_a), (&form_b?, &pose_b));
         match query {
-            Query::Boolean => touching::<R>(rung, a, b),
-            Query::Distance => distance::<R>(rung, a, b),
-            Query::Depth => depth::<R>(rung, a, b),
+            Query::Boolean => touching::<R>(method, a, b),
+            Query::Distance => distance::<R>(method, a, b),
+            Query::Depth => depth::<R>(method, a, b),
             Query::Manifold => None,
         }
     };
@@ -91,14 +91,22 @@ fn within_range<R: Library>(a: &Side, b: &Side) -> bool {
     a.shape.reach() + b.shape.reach() + offset <= R::RANGE
 }
 
-fn touching<R: Queries>(rung: &'static str, a: Placed<'_, R>, b: Placed<'_, R>) -> Option<Answer> {
+fn touching<R: Queries>(
+    method: &'static str,
+    a: Placed<'_, R>,
+    b: Placed<'_, R>,
+) -> Option<Answer> {
     let touching = R::touching(dcd_parry::Query::IntersectionTest, a, b)?;
-    Some(verdict(touching, rung))
+    Some(verdict(touching, method))
 }
 
-fn distance<R: Queries>(rung: &'static str, a: Placed<'_, R>, b: Placed<'_, R>) -> Option<Answer> {
+fn distance<R: Queries>(
+    method: &'static str,
+    a: Placed<'_, R>,
+    b: Placed<'_, R>,
+) -> Option<Answer> {
     let distance = R::distance(a, b).filter(|distance| distance.is_finite())?;
-    let mut answer = verdict(distance == 0.0, rung);
+    let mut answer = verdict(distance == 0.0, method);
     answer.distance = Some(distance);
     if distance != 0.0 {
         let points = R::closest_points(a, b).filter(|points| points.iter().all(|p| p.is_finite()));
@@ -107,14 +115,14 @@ fn distance<R: Queries>(rung: &'static str, a: Placed<'_, R>, b: Placed<'_, R>) 
     Some(answer)
 }
 
-fn depth<R: Queries>(rung: &'static str, a: Placed<'_, R>, b: Placed<'_, R>) -> Option<Answer> {
+fn depth<R: Queries>(method: &'static str, a: Placed<'_, R>, b: Placed<'_, R>) -> Option<Answer> {
     let contact = R::contact(a, b)?;
-    let Some(contact) = contact else { return Some(verdict(false, rung)) };
+    let Some(contact) = contact else { return Some(verdict(false, method)) };
     if !(contact.distance.is_finite() && contact.way.is_finite()) {
         return None;
     }
     let touching = contact.distance <= 0.0;
-    let mut answer = verdict(touching, rung);
+    let mut answer = verdict(touching, method);
     if touching {
         answer.depth = Some(contact.distance.abs());
         answer.way = Some(contact.way);
@@ -122,6 +130,6 @@ fn depth<R: Queries>(rung: &'static str, a: Placed<'_, R>, b: Placed<'_, R>) -> 
     Some(answer)
 }
 
-fn verdict(touching: bool, rung: &'static str) -> Answer {
-    Answer::new(&if touching { Verdict::Touching(()) } else { Verdict::Apart }, rung)
+fn verdict(touching: bool, method: &'static str) -> Answer {
+    Answer::new(&if touching { Verdict::Touching(()) } else { Verdict::Apart }, method)
 }

@@ -1,7 +1,7 @@
 //! Who is right where two answers differ.
 
 use dcd_geom::{Pair, Scene, Shape};
-use dcd_gjk::{Body, DistanceResult, Placed, Verdict, certified, distance, epa};
+use dcd_gjk::{DistanceResult, PosedShape, PosedSupport, Verdict, certified, distance, epa};
 use serde::Serialize;
 
 /// What is true of a pair.
@@ -27,12 +27,13 @@ pub(super) struct Settled {
 /// triangle by triangle.
 pub(super) fn settle(scene: &Scene, pair: Pair) -> Settled {
     let [i, j] = [pair.i as usize, pair.j as usize];
-    let placed = |k: usize| Placed { shape: scene.shape(k), pose: &scene.poses()[k] };
+    let placed = |k: usize| PosedShape { shape: scene.shape(k), pose: &scene.poses()[k] };
     let (a, b) = (placed(i), placed(j));
     let (in_a, in_b) = (pieces(a.shape), pieces(b.shape));
     let each = in_a.iter().flat_map(|a| in_b.iter().map(move |b| (a, b)));
-    let truths =
-        each.map(|(of_a, of_b)| truth(Placed { shape: of_a, ..a }, Placed { shape: of_b, ..b }));
+    let truths = each.map(|(of_a, of_b)| {
+        truth(PosedShape { shape: of_a, ..a }, PosedShape { shape: of_b, ..b })
+    });
     let truth = truths.fold(Truth::Apart, |so_far, this| match (so_far, this) {
         (Truth::Touching, _) | (_, Truth::Touching) => Truth::Touching,
         (Truth::Open, _) | (_, Truth::Open) => Truth::Open,
@@ -49,10 +50,11 @@ fn pieces(shape: &Shape) -> Vec<Shape> {
     corners.filter_map(|corners| Shape::triangle(corners).ok()).collect()
 }
 
-fn truth(a: Placed<'_>, b: Placed<'_>) -> Truth {
+fn truth(a: PosedShape<'_>, b: PosedShape<'_>) -> Truth {
     match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
-            let [a, b] = [Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose)];
+            let [a, b] =
+                [PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose)];
             if certified::overlap_exactly(a, b) { Truth::Touching } else { Truth::Apart }
         }
         _ => match certified::overlap_of(a, b).0 {
@@ -63,15 +65,15 @@ fn truth(a: Placed<'_>, b: Placed<'_>) -> Truth {
     }
 }
 
-fn gap(a: Placed<'_>, b: Placed<'_>) -> Option<f64> {
+fn gap(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<f64> {
     match distance::distance(a, b).0 {
         DistanceResult::Apart(found) => Some(found.distance),
         _ => None,
     }
 }
 
-fn depth(a: Placed<'_>, b: Placed<'_>) -> Option<f64> {
+fn depth(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<f64> {
     let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
-    let [a, b] = [Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose)];
+    let [a, b] = [PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose)];
     Some(epa::depth_of_overlap(a, b, &mut epa::Scratch::default()).depth)
 }

@@ -6,7 +6,7 @@ use super::rival::{Rival, parry_pose};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 use dcd_geom::{Object, Pair, Pose, Scene};
-use dcd_pipeline::{Linkage, Other, Overlap, Par, World};
+use dcd_pipeline::{LinkSet, Other, Overlap, Par, StaticWorld};
 use dcd_robot::{AllowedPairs, Problem, Robot, Srdf, Workcell, read_problems};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -157,7 +157,7 @@ impl Checked {
             cell.robot().place(&on_the_way(&start, &goal, state), &mut poses).map_err(refused)?;
             way.extend_from_slice(&poses);
         }
-        self.undecided += runner.probe(&cell, &way)?;
+        self.undecided += runner.checker(&cell, &way)?;
         for (state, poses) in way.chunks(poses.len()).enumerate() {
             runner.ours = std::mem::take(&mut runner.batch[state]);
             self.parry_undecided += runner.ask_parry(&cell, &mut rival, poses);
@@ -214,36 +214,36 @@ impl Runner {
 
     /// Our contacts in each state, sorted, and how many pairs stayed undecided. What depends on the
     /// world alone is made before the clock starts.
-    fn probe(&mut self, cell: &Workcell, way: &[Pose]) -> Result<usize, Failure> {
+    fn checker(&mut self, cell: &Workcell, way: &[Pose]) -> Result<usize, Failure> {
         let refused = |error| Failure::Input(format!("{error}"));
         let scene = cell.scene();
         let links = cell.robot().parts().len();
         let standing = (links..scene.len())
             .map(|i| Object::new(scene.shape_of()[i], scene.poses()[i]).fixed());
         let world = Scene::new(scene.shapes().to_vec(), standing).map_err(refused)?;
-        let world = World::new(&world, Overlap::default(), Par::Serial).map_err(refused)?;
+        let world = StaticWorld::new(&world, Overlap::default(), Par::Serial).map_err(refused)?;
         let allowed = scene.ignored_pairs().map(|pair| (pair.i as usize, pair.j as usize));
         let own: Vec<_> = allowed.filter(|&(_, j)| j < links).collect();
         let shapes = cell.robot().parts().iter().map(|part| part.shape.clone()).collect();
-        let linkage = Linkage::new(shapes).against_itself(&own).map_err(refused)?;
-        let mut probe = world.probe(linkage).map_err(refused)?;
+        let link_set = LinkSet::new(shapes).against_itself(&own).map_err(refused)?;
+        let mut checker = world.checker(link_set).map_err(refused)?;
         let begun = Instant::now();
-        let found = probe.all(way, Par::Serial).map_err(refused)?;
+        let found = checker.all(way, Par::Serial).map_err(refused)?;
         self.spent[0] += begun.elapsed();
         self.batch.clear();
         self.batch.resize(STATES, Vec::new());
         let mut undecided = 0;
-        for finding in found.iter() {
-            let other = match finding.other {
+        for hit in found.iter() {
+            let other = match hit.other {
                 Other::Obstacle(k) => k + links as u32,
                 Other::Link(k) => k,
             };
-            let pair = Pair::new(finding.link, other);
+            let pair = Pair::new(hit.link, other);
             if !scene.allows(pair.i, pair.j) {
                 continue;
             }
-            if finding.touches() {
-                self.batch[finding.configuration as usize].push(pair);
+            if hit.touches() {
+                self.batch[hit.configuration as usize].push(pair);
             } else {
                 undecided += 1;
             }

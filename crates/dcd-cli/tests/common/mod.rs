@@ -5,8 +5,8 @@ use serde_json::Value;
 use std::io::Write;
 use std::process::{Command, Stdio};
 
-pub(crate) const RUNGS: [&str; 5] = ["fast", "f64", "certified", "parry-f32", "parry-f64"];
-pub(crate) const OUR_RUNGS: [&str; 3] = ["fast", "f64", "certified"];
+pub(crate) const PRECISIONS: [&str; 5] = ["fast", "f64", "certified", "parry-f32", "parry-f64"];
+pub(crate) const OUR_PRECISIONS: [&str; 3] = ["fast", "f64", "certified"];
 
 /// What a run left behind.
 #[derive(Debug)]

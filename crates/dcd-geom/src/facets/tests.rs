@@ -1,7 +1,7 @@
 //! Faces of shapes that are known, and of points that make it hard.
 
 use super::*;
-use crate::{Ball, Polytope};
+use crate::{Polytope, Sphere};
 
 /// That the rings are closed and convex, and hold every vertex.
 fn validate(vertices: &[DVec3]) -> Facets {
@@ -83,7 +83,7 @@ fn any_points_have_a_closed_surface() {
         validate(&points);
         // Few coordinates: most points are coplanar or collinear with others.
         let lattice: Vec<DVec3> = (0..count).map(|_| (vector() * 2.0).round() * scale).collect();
-        if Ball::inside(&lattice).radius > 1e-3 * scale {
+        if Sphere::inside(&lattice).radius > 1e-3 * scale {
             validate(&lattice);
         }
     }

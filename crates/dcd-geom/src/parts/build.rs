@@ -2,7 +2,7 @@
 
 use super::tree::PartTree;
 use crate::Aabb;
-use crate::lanes::WIDTH;
+use dcd_simd::WIDTH;
 use glam::Vec3;
 
 /// Fills an empty tree.

@@ -66,7 +66,7 @@ impl Compound {
         Ok(Self { parts, tree: PartTree::over(&boxes), reach })
     }
 
-    /// The same parts with a ball of this radius swept round each, metres; replaces any other
+    /// The same parts with a sphere of this radius swept round each, metres; replaces any other
     /// radius.
     ///
     /// # Errors
@@ -170,9 +170,10 @@ mod tests {
 
     #[test]
     fn a_compound_in_a_compound_is_refused_with_its_index() {
-        let ball = Shape::sphere(1.0).unwrap();
-        let pair = Shape::compound(vec![(ball.clone(), at(0.0)), (ball.clone(), at(1.0))]).unwrap();
-        let refused = Compound::new(vec![(ball, at(2.0)), (pair, at(0.0))]).unwrap_err();
+        let sphere = Shape::sphere(1.0).unwrap();
+        let pair =
+            Shape::compound(vec![(sphere.clone(), at(0.0)), (sphere.clone(), at(1.0))]).unwrap();
+        let refused = Compound::new(vec![(sphere, at(2.0)), (pair, at(0.0))]).unwrap_err();
         assert_eq!(refused, ShapeError::BadPart { part: 1 });
     }
 

@@ -1,11 +1,11 @@
 //! Triangles over shared vertices.
 
 use super::tree::PartTree;
-use crate::ball::reach;
 use crate::core::local_blocks;
 use crate::error::check_length;
-use crate::lanes::{Block, WIDTH};
+use crate::sphere::reach;
 use crate::{Aabb, ShapeError};
+use dcd_simd::{Block, WIDTH};
 use glam::DVec3;
 
 /// The triangles of one leaf as the lanes want them: relative to a point of their own, in f32.
@@ -82,7 +82,7 @@ impl Mesh {
         Ok(Self { vertices, triangles, points, all_corners, tree, leaves, reach, radius: 0.0 })
     }
 
-    /// The same triangles with a ball of this radius swept round each, metres; replaces any other
+    /// The same triangles with a sphere of this radius swept round each, metres; replaces any other
     /// radius.
     ///
     /// # Errors

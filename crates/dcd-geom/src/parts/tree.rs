@@ -1,8 +1,8 @@
 //! A static tree over the parts of one shape, sixteen boxes a block.
 
 use super::build;
-use crate::lanes::{IndexRow, WIDTH};
-use crate::{Aabb, Sixteen};
+use crate::{Aabb, Aabb16};
+use dcd_simd::{IndexRow, WIDTH};
 
 /// A tree over the boxes of a shape's parts, in the shape's own frame.
 ///
@@ -11,7 +11,7 @@ use crate::{Aabb, Sixteen};
 /// block is the root. Lanes that are not needed hold the empty box.
 #[derive(Clone, Debug, Default)]
 pub struct PartTree {
-    blocks: Vec<Sixteen>,
+    blocks: Vec<Aabb16>,
     below: Vec<IndexRow>,
     unions: Vec<Aabb>,
     leaves: usize,
@@ -26,7 +26,7 @@ impl PartTree {
     }
 
     /// The blocks: the leaves, then the others, the root last.
-    pub fn blocks(&self) -> &[Sixteen] {
+    pub fn blocks(&self) -> &[Aabb16] {
         &self.blocks
     }
 
@@ -68,7 +68,7 @@ impl PartTree {
     /// Appends a block of at most sixteen boxes, each with what it stands for; the last entries
     /// appended as a leaf must come before the first that is none. The block's number.
     pub(super) fn push(&mut self, entries: impl Iterator<Item = (Aabb, u32)>) -> u32 {
-        let (mut block, mut below) = (Sixteen::EMPTY, IndexRow::default());
+        let (mut block, mut below) = (Aabb16::EMPTY, IndexRow::default());
         for (lane, (aabb, number)) in entries.take(WIDTH).enumerate() {
             block.set(lane, &aabb);
             below.0[lane] = number;

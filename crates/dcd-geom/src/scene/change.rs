@@ -1,7 +1,7 @@
 //! What changes between steps: poses, objects, shapes, filters, ignored pairs.
 
 use super::{Slot, check_count, check_reach, derive_cores};
-use crate::{Filter, Handle, Motion, Object, ObjectRef, Pose, Scene, SceneError, Shape, Stamp};
+use crate::{Filter, Handle, Motion, Object, ObjectRef, Pose, Revision, Scene, SceneError, Shape};
 use std::ops::Range;
 
 impl Scene {
@@ -16,7 +16,7 @@ impl Scene {
         check_reach(i, self.shape(i), &pose)?;
         self.poses[i] = pose;
         if self.slots[i] == Slot::Holds(Motion::Static) {
-            self.standing_stamp = Stamp::draw();
+            self.static_revision = Revision::draw();
         }
         Ok(())
     }
@@ -43,7 +43,7 @@ impl Scene {
         let pairs = self.poses.iter_mut().zip(poses).zip(&self.slots);
         pairs.filter(|(_, slot)| **slot != Slot::Free).for_each(|((own, pose), _)| *own = *pose);
         if moves_static {
-            self.standing_stamp = Stamp::draw();
+            self.static_revision = Revision::draw();
         }
         Ok(())
     }
@@ -70,7 +70,7 @@ impl Scene {
             *self.count_of(before) -= 1;
             *self.count_of(motion) += 1;
             self.slots[i] = Slot::Holds(motion);
-            (self.layout, self.standing_stamp) = (Stamp::draw(), Stamp::draw());
+            (self.layout, self.static_revision) = (Revision::draw(), Revision::draw());
         }
         Ok(())
     }
@@ -148,7 +148,7 @@ impl Scene {
     pub fn index_of(&self, handle: Handle) -> Result<usize, SceneError> {
         match self.handle(handle.index as usize) {
             Some(known) if known == handle => Ok(handle.index as usize),
-            _ => Err(SceneError::NoLongerThere { handle }),
+            _ => Err(SceneError::StaleHandle { handle }),
         }
     }
 
@@ -165,7 +165,7 @@ impl Scene {
         let cores = derive_cores(&all)?;
         // Both fit a u32, or the cores would not have been made.
         let added = self.shapes.len() as u32..all.len() as u32;
-        (self.shapes, self.cores, self.layout) = (all.into(), cores, Stamp::draw());
+        (self.shapes, self.cores, self.layout) = (all.into(), cores, Revision::draw());
         Ok(added)
     }
 
@@ -198,13 +198,17 @@ impl Scene {
     ///
     /// # Errors
     /// One of them is not there, or both are one.
-    pub fn heed_pair(&mut self, i: impl ObjectRef, j: impl ObjectRef) -> Result<(), SceneError> {
+    pub fn unignore_pair(
+        &mut self,
+        i: impl ObjectRef,
+        j: impl ObjectRef,
+    ) -> Result<(), SceneError> {
         let (i, j) = self.two_objects(i, j)?;
         self.ignored.remove(i, j);
         Ok(())
     }
 
-    /// Puts an object in its slot, which is returned; the stamps are the caller's matter.
+    /// Puts an object in its slot, which is returned; the revisions are the caller's matter.
     pub(super) fn place(&mut self, object: Object) -> Result<u32, SceneError> {
         let slot = self.free.last().map_or(self.slots.len(), |&slot| slot as usize);
         check_count("objects", slot)?;
@@ -237,7 +241,7 @@ impl Scene {
     fn two_objects(&self, i: impl ObjectRef, j: impl ObjectRef) -> Result<(u32, u32), SceneError> {
         let (i, j) = (i.index_in(self)?, j.index_in(self)?);
         if i == j {
-            return Err(SceneError::PairOfOne { object: i });
+            return Err(SceneError::SelfPair { object: i });
         }
         // Both are slots, which a u32 counts.
         Ok((i as u32, j as u32))
@@ -251,9 +255,9 @@ impl Scene {
     }
 
     fn mark_change(&mut self, motion: Motion) {
-        self.layout = Stamp::draw();
+        self.layout = Revision::draw();
         if motion == Motion::Static {
-            self.standing_stamp = Stamp::draw();
+            self.static_revision = Revision::draw();
         }
     }
 }

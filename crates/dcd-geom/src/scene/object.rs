@@ -118,12 +118,12 @@ mod sealed {
     impl Sealed for usize {}
 }
 
-/// Marks what a scene holds at some moment: equal stamps, equal contents, whichever scene shows
-/// them. A change draws a stamp that no scene of the process has had.
+/// Marks what a scene holds at some moment: equal revisions, equal contents, whichever scene shows
+/// them. A change draws a revision that no scene of the process has had.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Stamp(u64);
+pub struct Revision(u64);
 
-impl Stamp {
+impl Revision {
     pub(super) fn draw() -> Self {
         // 0 is that of the scene of nothing.
         static NEXT: AtomicU64 = AtomicU64::new(1);

@@ -1,18 +1,18 @@
 //! A scene whose shapes have grown: what is within a margin of what.
 
 use super::{Slot, check_reach, derive_cores};
-use crate::{Motion, Scene, Shape, Stamp};
+use crate::{Motion, Revision, Scene, Shape};
 
 impl Scene {
-    /// The same objects in the same slots, every shape with a ball of this radius swept round it
+    /// The same objects in the same slots, every shape with a sphere of this radius swept round it
     /// (see [`Shape::swept`]), in metres. `None` for a radius that is negative or not finite, and
     /// where a shape or an object would reach out of range.
     pub fn swept(&self, radius: f64) -> Option<Self> {
         let grown: Result<Vec<Shape>, _> = self.shapes.iter().map(|s| s.swept(radius)).collect();
         let shapes = grown.ok()?;
         let cores = derive_cores(&shapes).ok()?;
-        let (layout, standing_stamp) = (Stamp::draw(), Stamp::draw());
-        let copy = Self { shapes: shapes.into(), cores, layout, standing_stamp, ..self.clone() };
+        let (layout, static_revision) = (Revision::draw(), Revision::draw());
+        let copy = Self { shapes: shapes.into(), cores, layout, static_revision, ..self.clone() };
         copy.is_in_range().then_some(copy)
     }
 
@@ -22,7 +22,7 @@ impl Scene {
         let moved = |i: usize| self.poses[i] != original.poses[i];
         let stands = |i: usize| self.slots[i] == Slot::Holds(Motion::Static);
         if self.standing > 0 && (0..self.len()).any(|i| stands(i) && moved(i)) {
-            self.standing_stamp = Stamp::draw();
+            self.static_revision = Revision::draw();
         }
         self.poses.clone_from(&original.poses);
         self.is_in_range()

@@ -4,29 +4,29 @@ use super::*;
 use crate::SupportMap;
 use glam::DVec3;
 
-fn ball() -> Shape {
+fn sphere() -> Shape {
     Shape::sphere(1.0).unwrap()
 }
 
 #[test]
 fn lengths_that_differ_are_refused_with_both() {
-    let refused = Scene::one_each(vec![ball()], vec![]).unwrap_err();
+    let refused = Scene::one_each(vec![sphere()], vec![]).unwrap_err();
     assert_eq!(refused, SceneError::LengthsDiffer { shapes: 1, poses: 0 });
 }
 
 #[test]
 fn an_unknown_shape_is_refused_with_the_object() {
     let object = |shape| Object::new(shape, Pose::IDENTITY);
-    let refused = Scene::new(vec![ball()], [object(0), object(7)]).unwrap_err();
+    let refused = Scene::new(vec![sphere()], [object(0), object(7)]).unwrap_err();
     assert_eq!(refused, SceneError::NoSuchShape { object: 1, shape: 7, shapes: 1 });
 }
 
 #[test]
 fn an_object_out_of_range_is_refused_and_set_pose_leaves_the_scene_alone() {
     let far = Pose::from_translation(DVec3::new(0.0, 1e38, 0.0)).unwrap();
-    let refused = Scene::one_each(vec![ball()], vec![far]).unwrap_err();
+    let refused = Scene::one_each(vec![sphere()], vec![far]).unwrap_err();
     assert!(matches!(refused, SceneError::OutOfRange { object: 0, reach } if reach >= 1e38));
-    let mut scene = Scene::one_each(vec![ball()], vec![Pose::IDENTITY]).unwrap();
+    let mut scene = Scene::one_each(vec![sphere()], vec![Pose::IDENTITY]).unwrap();
     assert!(scene.set_pose(0, far).is_err());
     assert_eq!(scene.poses()[0], Pose::IDENTITY);
     let missing = SceneError::NoSuchObject { object: 1, objects: 1 };
@@ -53,10 +53,10 @@ fn filters_must_agree_both_ways() {
     assert!(!robot.allows(robot) && !world.allows(Filter { groups: 1, mask: 0 }));
 }
 
-/// Four balls in a row, the second and the last static.
+/// Four spheres in a row, the second and the last static.
 fn row() -> Scene {
     let at = |x: f64| Object::new(0, Pose::from_translation(DVec3::X * x).unwrap());
-    Scene::new(vec![ball()], [at(0.0), at(1.0).fixed(), at(2.0), at(3.0).fixed()]).unwrap()
+    Scene::new(vec![sphere()], [at(0.0), at(1.0).fixed(), at(2.0), at(3.0).fixed()]).unwrap()
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn a_slot_is_taken_again_and_the_old_handle_is_not_honoured() {
     let newcomer = scene.insert(Object::new(0, Pose::IDENTITY)).unwrap();
     assert_eq!(newcomer, Handle { index: 1, generation: 1 });
     assert_eq!(scene.index_of(newcomer), Ok(1));
-    let gone = Err(SceneError::NoLongerThere { handle: second });
+    let gone = Err(SceneError::StaleHandle { handle: second });
     assert_eq!(scene.remove(second), gone);
     assert_eq!(scene.index_of(second).map(|_| ()), gone);
     assert_eq!(scene.insert(Object::new(0, Pose::IDENTITY)).unwrap().index, 4);
@@ -103,19 +103,19 @@ fn an_ignored_pair_may_not_pair_until_it_is_heeded_or_an_object_leaves() {
     assert!(!scene.filters_movers());
     scene.ignore_pair(2, 0).unwrap();
     assert!(scene.filters_movers() && !scene.allows(0, 2) && scene.allows(0, 1));
-    scene.heed_pair(0, 2).unwrap();
+    scene.unignore_pair(0, 2).unwrap();
     assert!(!scene.filters_movers() && scene.allows(0, 2));
     scene.ignore_pair(0, 2).unwrap();
     scene.remove(scene.handle(2).unwrap()).unwrap();
     scene.insert(Object::new(0, Pose::IDENTITY)).unwrap();
     assert!(scene.allows(0, 2));
-    assert_eq!(scene.ignore_pair(0, 0), Err(SceneError::PairOfOne { object: 0 }));
+    assert_eq!(scene.ignore_pair(0, 0), Err(SceneError::SelfPair { object: 0 }));
     let missing = SceneError::NoSuchObject { object: 7, objects: 4 };
     assert_eq!(scene.ignore_pair(0, 7), Err(missing));
 }
 
 #[test]
-fn a_stamp_changes_with_what_it_marks_and_with_nothing_else() {
+fn a_revision_changes_with_what_it_marks_and_with_nothing_else() {
     let mut scene = row();
     let copy = scene.clone();
     assert_eq!((copy.layout(), copy.statics()), (scene.layout(), scene.statics()));
@@ -137,7 +137,7 @@ fn a_stamp_changes_with_what_it_marks_and_with_nothing_else() {
 fn shapes_can_be_added_and_objects_keep_theirs() {
     let mut scene = row();
     let layout = scene.layout();
-    let added = scene.add_shapes([Shape::cuboid(DVec3::ONE).unwrap(), ball()]).unwrap();
+    let added = scene.add_shapes([Shape::cuboid(DVec3::ONE).unwrap(), sphere()]).unwrap();
     assert_eq!(added, 1..3);
     assert_ne!(scene.layout(), layout);
     let handle = scene.insert(Object::new(added.start, Pose::IDENTITY)).unwrap();
@@ -150,7 +150,7 @@ fn shapes_can_be_added_and_objects_keep_theirs() {
 fn a_swept_scene_has_grown_shapes_in_the_same_slots_and_follows_the_poses() {
     let at = |x: f64| Pose::from_translation(DVec3::X * x).unwrap();
     let objects = [Object::new(0, at(0.0)), Object::new(0, at(5.0)).fixed()];
-    let mut scene = Scene::new(vec![ball()], objects).unwrap();
+    let mut scene = Scene::new(vec![sphere()], objects).unwrap();
     scene.remove(scene.handle(0).unwrap()).unwrap();
     let mut swept = scene.swept(0.5).unwrap();
     assert_eq!((swept.shape(1).radius(), swept.motion(0)), (1.5, None));
@@ -173,7 +173,7 @@ fn objects_are_named_by_handle_or_by_index_and_a_stale_handle_is_refused() {
     scene.set_pose(first, moved).unwrap();
     assert_eq!(scene.poses()[0], moved);
     scene.remove(first).unwrap();
-    let gone = Err(SceneError::NoLongerThere { handle: first });
+    let gone = Err(SceneError::StaleHandle { handle: first });
     assert_eq!(scene.set_pose(first, moved), gone);
     assert_eq!(scene.set_filter(first, Filter::ALL), gone);
     assert_eq!(scene.set_motion(first, Motion::Static), gone);
@@ -196,7 +196,7 @@ fn all_poses_change_at_once_or_none_does() {
     assert!(matches!(scene.set_poses(&poses), Err(SceneError::OutOfRange { object: 3, .. })));
     assert_eq!((scene.poses(), scene.statics()), (&before[..], statics));
 
-    // A free slot's pose is not read; static objects that stay where they are keep their stamp.
+    // A free slot's pose is not read; static objects that stay where they are keep their revision.
     (poses[0], poses[2], poses[3]) = (Pose::from_translation(DVec3::Y).unwrap(), far, before[3]);
     scene.set_poses(&poses).unwrap();
     assert_eq!((scene.poses()[0], scene.statics()), (poses[0], statics));

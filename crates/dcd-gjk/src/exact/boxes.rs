@@ -7,7 +7,7 @@
 use super::expansion::{difference_and_loss, exact_sign, filtered_sign};
 use crate::double_double::{self, DoubleDouble};
 use crate::simplex::{Scalar, Triple, cross, dot, minus, norm1};
-use crate::{Body, Rung};
+use crate::{Method, PosedSupport};
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Polytope, Vector};
 use std::cmp::Ordering;
@@ -20,10 +20,13 @@ const SIZES: std::ops::Range<f64> = 1e-280..1e280;
 /// (docs/numerics.md, "parallel boxes")
 const EXCESS: f64 = 16.0;
 
-/// Whether two boxes with parallel edges share a point, and which rung proved it, with as many
+/// Whether two boxes with parallel edges share a point, and which method proved it, with as many
 /// digits as need be; `None` where the two are no such boxes.
 #[inline]
-pub(crate) fn touch(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Option<(bool, Rung)> {
+pub(crate) fn touch(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+) -> Option<(bool, Method)> {
     Some(match pair_of(a, b)? {
         Pair::Aligned(half) => aligned([a, b].map(|body| body.pose.translation()), half),
         Pair::Turned(half) => turned(a, b, half),
@@ -39,7 +42,7 @@ enum Pair {
 }
 
 #[inline]
-fn pair_of(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Option<Pair> {
+fn pair_of(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) -> Option<Pair> {
     let (Kind::Cuboid { half_extents: half_a }, Kind::Cuboid { half_extents: half_b }) =
         (a.map.kind(), b.map.kind())
     else {
@@ -86,9 +89,9 @@ pub(crate) fn axes_of(r: &DMat3) -> Option<[DVec3; 3]> {
 }
 
 /// Whether two boxes with edges along the world's axes share a point, given their centres and half
-/// their edges along those axes; and which rung proved it. No sum of them may overflow.
+/// their edges along those axes; and which method proved it. No sum of them may overflow.
 #[inline(always)]
-pub(crate) fn aligned(centres: [DVec3; 2], half: Halves) -> (bool, Rung) {
+pub(crate) fn aligned(centres: [DVec3; 2], half: Halves) -> (bool, Method) {
     let [t_a, t_b] = centres;
     let x = difference_and_loss([half.a.x, half.b.x], [t_a.x, t_b.x]);
     let y = difference_and_loss([half.a.y, half.b.y], [t_a.y, t_b.y]);
@@ -97,7 +100,7 @@ pub(crate) fn aligned(centres: [DVec3; 2], half: Halves) -> (bool, Rung) {
     if x.1 + y.1 + z.1 == 0.0 {
         let least = least(x.0, least(y.0, z.0));
         // Just touching is what f64's filter alone could not have told.
-        return (least >= 0.0, if least == 0.0 { Rung::Exact } else { Rung::F64 });
+        return (least >= 0.0, if least == 0.0 { Method::Exact } else { Method::F64 });
     }
     aligned_closely(centres, half)
 }
@@ -110,17 +113,17 @@ fn least(x: f64, y: f64) -> f64 {
 
 /// The same where something is rounded away.
 #[cold]
-fn aligned_closely(centres: [DVec3; 2], half: Halves) -> (bool, Rung) {
+fn aligned_closely(centres: [DVec3; 2], half: Halves) -> (bool, Method) {
     let rooms = [0, 1, 2].map(|k| room([half.a[k], half.b[k]], centres.map(|centre| centre[k])));
     let signs = rooms.map(filtered_sign);
     if signs.contains(&Some(Ordering::Less)) {
-        return (false, Rung::F64);
+        return (false, Method::F64);
     }
     if !signs.contains(&None) {
-        return (true, Rung::F64);
+        return (true, Method::F64);
     }
     let touch = rooms.into_iter().all(|terms| exact_sign(terms) != Ordering::Less);
-    (touch, Rung::Exact)
+    (touch, Method::Exact)
 }
 
 /// h_A + h_B − |t_A − t_B| along an axis, given half an edge of each and their centres there.
@@ -130,14 +133,18 @@ fn room(half: [f64; 2], [t_a, t_b]: [f64; 2]) -> [f64; 4] {
 
 /// Boxes with one rotation R: A − B = R·box(H) + δ holds the origin if |nᵢ·δ| ≤ Hᵢ·det R for each
 /// product nᵢ of two columns of R, by Cramer's rule. In f64, then in double-double, then in integers.
-fn turned(a: Body<'_, Polytope>, b: Body<'_, Polytope>, half: Halves) -> (bool, Rung) {
+fn turned(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    half: Halves,
+) -> (bool, Method) {
     let plain = Arithmetic { unit: f64::EPSILON / 2.0, sign: filtered_sign };
     if let Some(touch) = signs::<f64>([a, b], half, &plain) {
-        return (touch, Rung::F64);
+        return (touch, Method::F64);
     }
     let long = Arithmetic { unit: double_double::EPSILON, sign: |sum| Some(exact_sign(sum)) };
     let touch = signs::<DoubleDouble>([a, b], half, &long);
-    (touch.unwrap_or_else(|| super::touches(a, b, &[])), Rung::Exact)
+    (touch.unwrap_or_else(|| super::touches(a, b, &[])), Method::Exact)
 }
 
 /// What signs are found with.
@@ -150,7 +157,7 @@ struct Arithmetic {
 
 /// Whether the two touch; `None` within rounding.
 fn signs<T: Scalar + From<f64> + Into<f64>>(
-    [a, b]: [Body<'_, Polytope>; 2],
+    [a, b]: [PosedSupport<'_, Polytope>; 2],
     half: Halves,
     arithmetic: &Arithmetic,
 ) -> Option<bool> {

@@ -6,7 +6,7 @@
 //! rounding bound (docs/numerics.md, "close calls").
 
 use super::grid::{Extent, Grid};
-use crate::Body;
+use crate::PosedSupport;
 use crate::double_double::{DoubleDouble, EPSILON};
 use crate::simplex::{Triple, determinant, dot, minus, nearest, norm1};
 use dcd_geom::Polytope;
@@ -31,8 +31,8 @@ const THROUGH: f64 = 64.0;
 /// Whether two polytopes without radii touch, from a simplex of vertices by index; `None` where
 /// 106 bits do not tell. `unit` is the exponent of a power of two above their size m.
 pub(super) fn touch(
-    a: Body<'_, Polytope>,
-    b: Body<'_, Polytope>,
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
     unit: i32,
     hint: &[[u32; 2]],
 ) -> Option<bool> {
@@ -129,7 +129,7 @@ mod tests {
 
     /// Two hulls at the end of f64's search, and what integers say of them.
     fn settled(a: &(Polytope, Pose), b: &(Polytope, Pose)) -> Option<bool> {
-        let (a, b) = (Body::polytope(&a.0, &a.1), Body::polytope(&b.0, &b.1));
+        let (a, b) = (PosedSupport::polytope(&a.0, &a.1), PosedSupport::polytope(&b.0, &b.1));
         let difference = crate::Difference::<f64, _, _>::new(a, b).unwrap();
         let (_, simplex) = crate::gjk::overlap_with_simplex(&difference);
         let hint: Vec<_> = simplex.vertices().iter().map(|v| [v.a.feature, v.b.feature]).collect();
@@ -184,7 +184,7 @@ mod tests {
             let touches = |s: f64| {
                 let there = at(way + way * s);
                 crate::exact::touches(
-                    Body::polytope(&here.0, &here.1), Body::polytope(&other, &there), &[])
+                    PosedSupport::polytope(&here.0, &here.1), PosedSupport::polytope(&other, &there), &[])
             };
             let (mut low, mut high) = (0.0, 64.0);
             for _ in 0..60 {

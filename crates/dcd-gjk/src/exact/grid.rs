@@ -2,7 +2,7 @@
 //! difference is on it (integers), or as coarse as the pair (double-double).
 
 use super::integer::{Dyadic, Number};
-use crate::Body;
+use crate::PosedSupport;
 use crate::simplex::{Triple, dot, minus, plus};
 use dcd_geom::Polytope;
 use dcd_geom::glam::{DMat3, DVec3};
@@ -12,7 +12,7 @@ use dcd_geom::glam::{DMat3, DVec3};
 const FILTER: f64 = 27.0 * (f64::EPSILON / 2.0);
 
 /// The largest coordinate, in bits, for which machine words hold every number of the search: the
-/// longest product is s² with 8·14 + 12 = 124 bits (docs/numerics.md, "the exact rung").
+/// longest product is s² with 8·14 + 12 = 124 bits (docs/numerics.md, "the exact method").
 const SMALL_BITS: i32 = 14;
 
 /// How long a number may be before its first product in machine words.
@@ -32,7 +32,7 @@ pub(crate) struct Extent {
 
 impl Extent {
     /// So fine that every vertex is on it.
-    pub(crate) fn of(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Self {
+    pub(crate) fn of(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) -> Self {
         let bodies = [a, b];
         let sides = bodies.map(|body| {
             let vertices = body.map.vertices().iter().flat_map(|vertex| vertex.to_array());
@@ -98,11 +98,15 @@ pub(crate) struct Grid<'a, T> {
 }
 
 impl<'a, T: Number> Grid<'a, T> {
-    pub(crate) fn new(a: Body<'a, Polytope>, b: Body<'a, Polytope>, extent: &Extent) -> Self {
+    pub(crate) fn new(
+        a: PosedSupport<'a, Polytope>,
+        b: PosedSupport<'a, Polytope>,
+        extent: &Extent,
+    ) -> Self {
         let on_grid = |x: f64| T::on_grid(x, extent.unit);
         let translation =
-            |body: Body<'_, Polytope>| body.pose.translation().to_array().map(on_grid);
-        let radius = |body: Body<'_, Polytope>| on_grid(body.map.swept_radius());
+            |body: PosedSupport<'_, Polytope>| body.pose.translation().to_array().map(on_grid);
+        let radius = |body: PosedSupport<'_, Polytope>| on_grid(body.map.swept_radius());
         Self {
             a: Side::new(a, extent, 0),
             b: Side::new(b, extent, 1),
@@ -142,7 +146,7 @@ struct Side<'a, T> {
 }
 
 impl<'a, T: Number> Side<'a, T> {
-    fn new(body: Body<'a, Polytope>, extent: &Extent, k: usize) -> Self {
+    fn new(body: PosedSupport<'a, Polytope>, extent: &Extent, k: usize) -> Self {
         let rotation = body.pose.rotation();
         let filtered = FILTERED.contains(&body.reach);
         let rows =

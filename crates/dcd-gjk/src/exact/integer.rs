@@ -1,4 +1,4 @@
-//! Integers of the exact rung: machine words where every number surely fits, else long ones.
+//! Integers of the exact method: machine words where every number surely fits, else long ones.
 
 use crate::simplex::{Scalar, Triple};
 use dcd_geom::glam::DVec3;

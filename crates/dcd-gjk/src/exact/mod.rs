@@ -1,4 +1,4 @@
-//! The last rung: yes or no for two polytopes, rounded or not, in exact integers; and before it
+//! The last method: yes or no for two polytopes, rounded or not, in exact integers; and before it
 //! what is cheaper and proved as well, a closed form for parallel boxes and double-double.
 //!
 //! World vertices R·v + t are dyadic numbers, so on a fine enough grid they are integers, and so
@@ -6,7 +6,7 @@
 //! origin from its simplex alone, so numbers do not grow with the steps. It ends: a step that
 //! proves nothing finds a vertex strictly beyond the plane through the nearest point, so the next
 //! nearest point is strictly nearer, no simplex comes twice, and there are finitely many
-//! (docs/numerics.md, "the exact rung").
+//! (docs/numerics.md, "the exact method").
 
 pub(crate) mod boxes;
 mod close;
@@ -18,7 +18,7 @@ pub(crate) mod nearest_point;
 pub(crate) mod resting;
 
 use crate::simplex::{Nearest, Triple, dot, nearest};
-use crate::{Body, Difference};
+use crate::{Difference, PosedSupport};
 use dcd_geom::Polytope;
 use grid::{Extent, Grid};
 use integer::Small;
@@ -30,20 +30,28 @@ pub(crate) use nearest_point::{Exact, closest};
 /// Whether the two share a point, touching included.
 ///
 /// `hint` names vertices of a simplex to begin with, by their indices in A and B; any do, or none.
-pub(crate) fn touches(a: Body<'_, Polytope>, b: Body<'_, Polytope>, hint: &[[u32; 2]]) -> bool {
+pub(crate) fn touches(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    hint: &[[u32; 2]],
+) -> bool {
     let extent = Extent::of(a, b);
     if extent.is_small() {
-        Search::<Small>::new(Grid::new(a, b, &extent), hint).run()
+        ExactGjk::<Small>::new(Grid::new(a, b, &extent), hint).run()
     } else if let Some(touch) = close_call(a, b, hint) {
         touch
     } else {
-        Search::<Large>::new(Grid::new(a, b, &extent), hint).run()
+        ExactGjk::<Large>::new(Grid::new(a, b, &extent), hint).run()
     }
 }
 
 /// What double-double tells, of cores within the range of its bounds and with a simplex to begin
 /// with.
-fn close_call(a: Body<'_, Polytope>, b: Body<'_, Polytope>, hint: &[[u32; 2]]) -> Option<bool> {
+fn close_call(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    hint: &[[u32; 2]],
+) -> Option<bool> {
     let swept = a.map.swept_radius() > 0.0 || b.map.swept_radius() > 0.0;
     if swept || hint.is_empty() {
         return None;
@@ -53,7 +61,7 @@ fn close_call(a: Body<'_, Polytope>, b: Body<'_, Polytope>, hint: &[[u32; 2]]) -
     close::touch(a, b, 1023 - (scale.to_bits() >> 52) as i32, hint)
 }
 
-struct Search<'a, T> {
+struct ExactGjk<'a, T> {
     grid: Grid<'a, T>,
     radius_squared: T,
     /// The simplex, and which vertices its points stem from.
@@ -61,7 +69,7 @@ struct Search<'a, T> {
     pairs: Vec<[usize; 2]>,
 }
 
-impl<'a, T: Integer> Search<'a, T> {
+impl<'a, T: Integer> ExactGjk<'a, T> {
     fn new(grid: Grid<'a, T>, hint: &[[u32; 2]]) -> Self {
         // Three at most, so that no tetrahedron of the search is flat.
         let hint = hint.iter().take(3).map(|pair| pair.map(|k| k as usize));

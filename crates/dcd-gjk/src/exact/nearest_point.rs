@@ -2,8 +2,8 @@
 
 use super::grid::{Extent, Grid};
 use super::integer::{Integer, Large, Number};
-use super::{Search, nearest};
-use crate::Body;
+use super::{ExactGjk, nearest};
+use crate::PosedSupport;
 use crate::simplex::{Nearest, Scalar, dot};
 use dcd_geom::Polytope;
 use dcd_geom::glam::DVec3;
@@ -23,12 +23,12 @@ pub(crate) struct Exact {
 
 /// Of two that share no point; `None` where the cores do.
 pub(crate) fn closest(
-    a: Body<'_, Polytope>,
-    b: Body<'_, Polytope>,
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
     hint: &[[u32; 2]],
 ) -> Option<Exact> {
     let extent = Extent::of(a, b);
-    let mut search = Search::<Large>::new(Grid::new(a, b, &extent), hint);
+    let mut search = ExactGjk::<Large>::new(Grid::new(a, b, &extent), hint);
     loop {
         let near = nearest(&search.points)?;
         if near.count > 3 || !near.square[0].is_positive() {
@@ -45,7 +45,7 @@ pub(crate) fn closest(
     }
 }
 
-fn rounded(search: &Search<'_, Large>, near: &Nearest<Large>, unit: i64) -> Exact {
+fn rounded(search: &ExactGjk<'_, Large>, near: &Nearest<Large>, unit: i64) -> Exact {
     let [numerator, divisor] = &near.square;
     let excess = numerator.minus(&search.radius_squared.times(divisor));
     let length = root(numerator, divisor);

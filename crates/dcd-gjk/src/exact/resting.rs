@@ -6,7 +6,7 @@
 //! within the plane the faces overlap with room, which f64 proves (docs/numerics.md, "resting").
 
 use super::expansion::{exact_sign, filtered_sign};
-use crate::{Body, Difference};
+use crate::{Difference, PosedSupport};
 use dcd_geom::Polytope;
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
 use std::cmp::Ordering;
@@ -27,8 +27,8 @@ const PRODUCT: f64 = 3.0;
 
 /// Whether two polytopes without radii touch, where a plane across a world axis tells; else `None`.
 pub(crate) fn touch(
-    a: Body<'_, Polytope>,
-    b: Body<'_, Polytope>,
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
     difference: &Difference<'_, f64, Polytope, Polytope>,
 ) -> Option<bool> {
     // The difference has scaled the radii: one of the least floats may be 0 there.
@@ -66,7 +66,7 @@ struct Heights<'a> {
 
 impl<'a> Heights<'a> {
     /// If row k of R picks one coordinate.
-    fn of(body: Body<'a, Polytope>, k: usize) -> Option<Self> {
+    fn of(body: PosedSupport<'a, Polytope>, k: usize) -> Option<Self> {
         let column = picked(body.pose.rotation(), k)?;
         let sign = body.pose.rotation().col(column)[k];
         let vertices = body.map.vertices();

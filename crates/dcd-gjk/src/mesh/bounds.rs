@@ -17,7 +17,7 @@ pub(super) const BOX: f64 = 16.0;
 /// 3 each of their own; 3 for the evaluation of the bound. Smaller: false "apart".
 pub(super) const SEPARATION: f64 = 12.1;
 
-/// How much lower a leaf's corners may be than they are computed along a wall's normal. Unit:
+/// How much lower a leaf's corners may be than they are computed along a separating plane's normal. Unit:
 /// u·ρ·|d|₁, u of f32, ρ the leaf's radius. The corners' rounding 1, the dot product 3. Smaller:
 /// false "apart".
 pub(super) const CORNERS: f64 = 4.1;
@@ -26,7 +26,7 @@ pub(super) const CORNERS: f64 = 4.1;
 /// 3. Smaller: false "apart".
 pub(super) const CORNERS_OF_BOXES: f64 = 3.1;
 
-/// How far the point of a leaf's triangle that is nearest to a ball's centre may be from where it is
+/// How far the point of a leaf's triangle that is nearest to a sphere's centre may be from where it is
 /// computed, and how much lower a corner may be along it. Unit: u·l, u of f32, l the leaf's radius
 /// and its distance from the centre. √3 times 2 for a corner, 6 for the combination, 4 for weights
 /// that exceed 1, and 3 for its length. Smaller: false answers.
@@ -40,9 +40,9 @@ pub(super) const INNER_BOX: f64 = 4.1;
 /// them. No unit. Larger: the bound would have to count squares of it.
 pub(super) const TURNED: f64 = 1e-9;
 
-/// A ball's radius below which squares may lose to underflow. Unit: metres. Smaller: false
+/// A sphere's radius below which squares may lose to underflow. Unit: metres. Smaller: false
 /// "touching".
-pub(super) const SMALLEST_BALL: f64 = 1e-15;
+pub(super) const SMALLEST_SPHERE: f64 = 1e-15;
 
 /// The length of an axis below which its square may. Unit: metres. Smaller: false "apart".
 pub(super) const SHORTEST_AXIS: f64 = 1e-18;

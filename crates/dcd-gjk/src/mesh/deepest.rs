@@ -3,7 +3,7 @@
 use super::side::Side;
 use super::{Scratch, in_order, pair, touching};
 use crate::epa::Depth;
-use crate::{Placed, Verdict};
+use crate::{PosedShape, Verdict};
 
 /// The greatest of the depths of all touching pairs of parts, each as `depth` says; the default
 /// where no pair is known to touch.
@@ -11,9 +11,9 @@ use crate::{Placed, Verdict};
 /// Moving the shapes apart by it along its normal separates those two parts, and maybe not the
 /// others: it bounds from below what separates the whole. Mirrored for (b, a), bit for bit.
 pub(crate) fn deepest(
-    a: Placed<'_>,
-    b: Placed<'_>,
-    mut depth: impl FnMut(Placed<'_>, Placed<'_>) -> Verdict<Depth>,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    mut depth: impl FnMut(PosedShape<'_>, PosedShape<'_>) -> Verdict<Depth>,
 ) -> Verdict<Depth> {
     let (_, swapped) = in_order(a, b);
     // One order for both, so that of equals the same is taken.
@@ -31,8 +31,8 @@ pub(crate) fn deepest(
         else {
             continue;
         };
-        let in_a = Placed { shape: &in_a, pose: a.pose };
-        let found = match depth(in_a, Placed { shape: &in_b, pose: b.pose }) {
+        let in_a = PosedShape { shape: &in_a, pose: a.pose };
+        let found = match depth(in_a, PosedShape { shape: &in_b, pose: b.pose }) {
             Verdict::Touching(found) => found,
             Verdict::Apart => continue,
             Verdict::Undecided(reason) => return Verdict::Undecided(reason),

@@ -1,15 +1,15 @@
 //! Both trees at once, sixteen boxes against one at a time.
 
-use super::balls::Balls;
-use super::between::Between;
-use super::nearest::gap;
+use super::distance::gap;
 use super::pair::Settled;
+use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
+use super::spheres::Balls;
 use super::triangles::{Leaves, not_apart};
 use super::{Next, Scratch, Tally, pair};
-use crate::{Rung, Verdict};
-use dcd_geom::lanes::{Block, Kernel, Lanes, Row};
-use dcd_geom::{Aabb, Mesh, Sixteen};
+use crate::{Method, Verdict};
+use dcd_geom::{Aabb, Aabb16, Mesh};
+use dcd_simd::{Block, Kernel, Lanes, Row};
 
 /// What is asked for.
 pub(super) enum Goal<'a> {
@@ -23,9 +23,9 @@ pub(super) enum Goal<'a> {
 pub(super) struct Descent<'a, 'g> {
     pub(super) a: &'a Side<'a>,
     pub(super) b: &'a Side<'a>,
-    pub(super) between: &'a Between,
+    pub(super) relative: &'a RelativePose,
     /// In and round the second shape, if it is convex.
-    pub(super) balls: Option<Balls>,
+    pub(super) spheres: Option<Balls>,
     pub(super) scratch: &'a mut Scratch,
     pub(super) tally: &'a mut Tally<'g>,
 }
@@ -51,7 +51,7 @@ impl Scratch {
         self.turned.resize(leaves, false);
         // What is not placed or turned is not read.
         if self.blocks.len() < blocks {
-            self.blocks.resize(blocks, Sixteen::EMPTY);
+            self.blocks.resize(blocks, Aabb16::EMPTY);
         }
         if self.corners.len() < leaves {
             self.corners.resize(leaves, [Block::default(); 3]);
@@ -60,15 +60,21 @@ impl Scratch {
 
     /// Brings a block of the second tree into the first frame, once.
     #[inline(always)]
-    pub(super) fn place<L: Lanes>(&mut self, l: L, between: &Between, b: &Side<'_>, block: u32) {
+    pub(super) fn place<L: Lanes>(
+        &mut self,
+        l: L,
+        relative: &RelativePose,
+        b: &Side<'_>,
+        block: u32,
+    ) {
         let block = block as usize;
         if std::mem::replace(&mut self.placed[block], true) {
             return;
         }
         let placed = &mut self.blocks[block];
         match b.tree() {
-            Some(tree) => between.place(l, &tree.blocks()[block], placed),
-            None => *placed = between.place_one(b),
+            Some(tree) => relative.place(l, &tree.blocks()[block], placed),
+            None => *placed = relative.place_one(b),
         }
     }
 }
@@ -78,7 +84,7 @@ impl Descent<'_, '_> {
     #[inline(always)]
     pub(super) fn descend<L: Lanes>(&mut self, l: L) -> Next {
         self.scratch.begin(self.b);
-        self.scratch.walls.begin(self.between, [self.a, self.b]);
+        self.scratch.planes.begin(self.relative, [self.a, self.b]);
         self.scratch.stack.push([self.a.root(), self.b.root()]);
         while let Some(blocks) = self.scratch.stack.pop() {
             if self.compare(l, blocks) == Next::Stop {
@@ -91,7 +97,7 @@ impl Descent<'_, '_> {
     /// A block of each: pairs of what is below them, or, where both are leaves, pairs of parts.
     #[inline(always)]
     fn compare<L: Lanes>(&mut self, l: L, [block_a, block_b]: [u32; 2]) -> Next {
-        self.scratch.place(l, self.between, self.b, block_b);
+        self.scratch.place(l, self.relative, self.b, block_b);
         let Some(tree) = self.a.tree() else { return Next::Stop };
         let boxes = &tree.blocks()[block_a as usize];
         let around = &tree.unions()[block_a as usize];
@@ -104,7 +110,7 @@ impl Descent<'_, '_> {
             let lane = reaching.trailing_zeros() as usize;
             reaching &= reaching - 1;
             let one = self.scratch.blocks[block_b as usize].get(lane);
-            let hits = self.scratch.walls.boxes(l, boxes, boxes.overlaps(l, &one));
+            let hits = self.scratch.planes.boxes(l, boxes, boxes.overlaps(l, &one));
             let child_b = below_b.0[lane];
             match (leaf_a, leaf_b) {
                 (true, true) => {
@@ -132,8 +138,8 @@ impl Descent<'_, '_> {
     #[inline(always)]
     fn push<L: Lanes>(&mut self, l: L, [block_a, block_b]: [u32; 2], mut met: u32) {
         let mut gaps = Row::default();
-        if let (Some(tree), Some(balls)) = (self.a.tree(), &self.balls) {
-            let centre = balls.centre.as_vec3();
+        if let (Some(tree), Some(spheres)) = (self.a.tree(), &self.spheres) {
+            let centre = spheres.centre.as_vec3();
             let centre = Aabb { min: centre, max: centre };
             l.store(gap(l, &tree.blocks()[block_a as usize], &centre), &mut gaps);
         }
@@ -158,24 +164,24 @@ impl Descent<'_, '_> {
             let radius = mesh_a.swept_radius() + mesh_b.swept_radius();
             let leaf_b = &mesh_b.leaves()[block_b as usize];
             let leaves =
-                leaves.get_or_insert_with(|| Leaves::of(self.between, leaf_a, leaf_b, radius));
+                leaves.get_or_insert_with(|| Leaves::of(self.relative, leaf_a, leaf_b, radius));
             self.turn(l, mesh_b, block_b);
             let corners = [&leaf_a.corners, &self.scratch.corners[block_b as usize]];
             for lane in Bits(not_apart(l, leaves, corners, (lane, hits))) {
                 let pair = [below.0[lane], part_b];
-                let settled = pair::settle_triangles(self.between, [self.a, self.b], pair);
-                if self.tally.file(pair, (settled.verdict, settled.rung)) == Next::Stop {
+                let settled = pair::settle_triangles(self.relative, [self.a, self.b], pair);
+                if self.tally.file(pair, (settled.verdict, settled.method)) == Next::Stop {
                     return Next::Stop;
                 }
             }
             return Next::Go;
         }
-        let mut open = self.beside_walls(l, block_a, hits);
+        let mut open = self.beside_planes(l, block_a, hits);
         let mut squares = Row::default();
-        if let (1.., Parts::Mesh(mesh), Some(balls)) = (open, self.a.parts, &self.balls) {
-            let told = balls.told(l, &mesh.leaves()[block_a as usize]);
+        if let (1.., Parts::Mesh(mesh), Some(spheres)) = (open, self.a.parts, &self.spheres) {
+            let told = spheres.told(l, &mesh.leaves()[block_a as usize]);
             for lane in Bits(told.touching & open) {
-                let known = (Verdict::Touching(()), Rung::Portal);
+                let known = (Verdict::Touching(()), Method::Portal);
                 if self.tally.file([below.0[lane], part_b], known) == Next::Stop {
                     return Next::Stop;
                 }
@@ -187,28 +193,28 @@ impl Descent<'_, '_> {
         while let Some(lane) = Bits(open).min_by(|&j, &k| squares.0[j].total_cmp(&squares.0[k])) {
             open &= !(1 << lane);
             let pair = [below.0[lane], part_b];
-            let Settled { verdict, rung, axis } = pair::settle([self.a, self.b], pair);
-            if self.tally.file(pair, (verdict, rung)) == Next::Stop {
+            let Settled { verdict, method, axis } = pair::settle([self.a, self.b], pair);
+            if self.tally.file(pair, (verdict, method)) == Next::Stop {
                 return Next::Stop;
             }
             if let Some(axis) = axis {
                 let along = self.a.pose.rotation().transpose() * axis;
-                self.scratch.walls.add(self.between, [self.a, self.b], along);
-                open = self.beside_walls(l, block_a, open);
+                self.scratch.planes.add(self.relative, [self.a, self.b], along);
+                open = self.beside_planes(l, block_a, open);
             }
         }
         Next::Go
     }
 
-    /// Which of the open parts of a leaf of the first shape no wall shuts out.
+    /// Which of the open parts of a leaf of the first shape no separating plane shuts out.
     #[inline(always)]
-    fn beside_walls<L: Lanes>(&self, l: L, block: u32, open: u32) -> u32 {
+    fn beside_planes<L: Lanes>(&self, l: L, block: u32, open: u32) -> u32 {
         match self.a.parts {
             Parts::Mesh(mesh) => {
-                self.scratch.walls.triangles(l, &mesh.leaves()[block as usize], open)
+                self.scratch.planes.triangles(l, &mesh.leaves()[block as usize], open)
             }
             Parts::Compound(compound) => {
-                self.scratch.walls.boxes(l, &compound.tree().blocks()[block as usize], open)
+                self.scratch.planes.boxes(l, &compound.tree().blocks()[block as usize], open)
             }
             Parts::One(_) => open,
         }
@@ -223,7 +229,7 @@ impl Descent<'_, '_> {
         }
         for corner in 0..3 {
             let from = &mesh.leaves()[leaf].corners[corner];
-            self.between.turn(l, from, &mut self.scratch.corners[leaf][corner]);
+            self.relative.turn(l, from, &mut self.scratch.corners[leaf][corner]);
         }
     }
 }

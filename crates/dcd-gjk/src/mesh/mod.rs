@@ -5,60 +5,64 @@
 //! for all rounding (docs/numerics.md, "parts"); what that leaves open is settled in f64 and, where
 //! both parts are polytopes, in exact integers. So answers are those of asking every pair of parts.
 
-mod balls;
-mod between;
 mod bounds;
 mod deepest;
 mod descent;
-mod nearest;
+mod distance;
 mod pair;
+mod per_part;
 mod piercing;
+mod relative_pose;
+mod separating_planes;
 mod side;
-mod singly;
+mod spheres;
 #[cfg(test)]
 mod tests;
 mod triangles;
-mod walls;
 
-use crate::{Placed, Reason, Rung, Verdict, order};
-use balls::Balls;
-use between::Between;
-use dcd_geom::lanes::{Block, IndexRow, Path, dispatch_on};
-use dcd_geom::{Shape, Sixteen};
+use crate::{Method, PosedShape, Reason, Verdict, order};
+use dcd_geom::{Aabb16, Shape};
+use dcd_simd::{Block, IndexRow, Path, dispatch_on};
 use descent::{Descent, Goal};
-use nearest::Open;
+use distance::Open;
+use per_part::PerPart;
+use relative_pose::RelativePose;
+use separating_planes::SeparatingPlanes;
 use side::Side;
-use singly::Singly;
+use spheres::Balls;
 use std::collections::BinaryHeap;
-use walls::Walls;
 
 pub(crate) use deepest::deepest;
-pub use nearest::distance;
+pub use distance::distance;
 
 /// What is reused from pair to pair.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     /// The second tree's blocks in the first shape's frame, as far as they were asked for.
-    blocks: Vec<Sixteen>,
+    blocks: Vec<Aabb16>,
     /// Which of them are.
     placed: Vec<bool>,
     /// The second mesh's triangles turned into the first shape's axes, likewise.
     corners: Vec<[Block; 3]>,
     turned: Vec<bool>,
     /// Beyond which nothing of a convex second shape is.
-    walls: Walls,
+    planes: SeparatingPlanes,
     /// Pairs of blocks still to be compared.
     stack: Vec<[u32; 2]>,
     /// What is still to be looked at for a distance.
     open: BinaryHeap<Open>,
 }
 
-/// Whether two shapes touch, at least one of them a compound or a mesh, and the highest rung that
+/// Whether two shapes touch, at least one of them a compound or a mesh, and the highest method that
 /// was needed. Stops at the first touching pair of parts.
 ///
 /// Never undecided where all parts are polytopes; else undecided if no pair touches and one is not
 /// known. The same for (a, b) and (b, a).
-pub fn overlap(a: Placed<'_>, b: Placed<'_>, scratch: &mut Scratch) -> (Verdict<()>, Rung) {
+pub fn overlap(
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    scratch: &mut Scratch,
+) -> (Verdict<()>, Method) {
     search(Path::best(), [a, b], scratch, Goal::Any)
 }
 
@@ -66,9 +70,9 @@ pub fn overlap(a: Placed<'_>, b: Placed<'_>, scratch: &mut Scratch) -> (Verdict<
 /// measurements.
 pub fn overlap_on(
     path: Path,
-    [a, b]: [Placed<'_>; 2],
+    [a, b]: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
-) -> (Verdict<()>, Rung) {
+) -> (Verdict<()>, Method) {
     search(path, [a, b], scratch, Goal::Any)
 }
 
@@ -76,11 +80,11 @@ pub fn overlap_on(
 /// a convex shape is its own part 0. The verdict is that of [`overlap`], but undecided if any pair
 /// of parts is, since the list then may lack it.
 pub fn touching(
-    a: Placed<'_>,
-    b: Placed<'_>,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
     scratch: &mut Scratch,
     pairs: &mut Vec<[u32; 2]>,
-) -> (Verdict<()>, Rung) {
+) -> (Verdict<()>, Method) {
     let first = pairs.len();
     let found = search(Path::best(), [a, b], scratch, Goal::All(pairs));
     pairs[first..].sort_unstable();
@@ -94,21 +98,22 @@ pub(crate) fn are_asked(a: &Shape, b: &Shape) -> bool {
 
 fn search(
     path: Path,
-    [a, b]: [Placed<'_>; 2],
+    [a, b]: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
     goal: Goal<'_>,
-) -> (Verdict<()>, Rung) {
+) -> (Verdict<()>, Method) {
     let ([first, second], swapped) = in_order(a, b);
     let (a, b) = (&first, &second);
-    let mut tally = Tally { goal, swapped, touching: false, undecided: None, rung: Rung::Portal };
-    match (Between::of(a, b), singly::parts_of([a, b], &tally.goal)) {
-        (Some(between), Some(compound)) => {
-            let (sides, between, tally) = ([a, b], &between, &mut tally);
-            dispatch_on(path, Singly { sides, compound, between, scratch, tally });
+    let mut tally =
+        Tally { goal, swapped, touching: false, undecided: None, method: Method::Portal };
+    match (RelativePose::of(a, b), per_part::parts_of([a, b], &tally.goal)) {
+        (Some(relative), Some(compound)) => {
+            let (sides, relative, tally) = ([a, b], &relative, &mut tally);
+            dispatch_on(path, PerPart { sides, compound, relative, scratch, tally });
         }
-        (Some(between), None) => {
-            let (balls, tally) = (Balls::of(&between, [a, b]), &mut tally);
-            dispatch_on(path, Descent { a, b, between: &between, balls, scratch, tally });
+        (Some(relative), None) => {
+            let (spheres, tally) = (Balls::of(&relative, [a, b]), &mut tally);
+            dispatch_on(path, Descent { a, b, relative: &relative, spheres, scratch, tally });
         }
         (None, _) => each(a, b, &mut tally),
     }
@@ -118,7 +123,7 @@ fn search(
 /// The two as their parts, and whether they were exchanged: a mesh comes first, then the one with more
 /// parts, for the other's boxes are those that are turned, and one with a tree before one without;
 /// else an order by content.
-fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> ([Side<'a>; 2], bool) {
+fn in_order<'a>(a: PosedShape<'a>, b: PosedShape<'a>) -> ([Side<'a>; 2], bool) {
     let (side_a, side_b) = (Side::of(a), Side::of(b));
     let size = |side: &Side<'_>| (side.mesh().is_some(), side.count(), side.tree().is_some());
     let swapped = size(&side_b).cmp(&size(&side_a)).then_with(|| order::placed(a, b)).is_gt();
@@ -129,8 +134,8 @@ fn in_order<'a>(a: Placed<'a>, b: Placed<'a>) -> ([Side<'a>; 2], bool) {
 fn each(a: &Side<'_>, b: &Side<'_>, tally: &mut Tally<'_>) {
     for part_a in 0..a.count() {
         for part_b in 0..b.count() {
-            let pair::Settled { verdict, rung, .. } = pair::settle([a, b], [part_a, part_b]);
-            if tally.file([part_a, part_b], (verdict, rung)) == Next::Stop {
+            let pair::Settled { verdict, method, .. } = pair::settle([a, b], [part_a, part_b]);
+            if tally.file([part_a, part_b], (verdict, method)) == Next::Stop {
                 return;
             }
         }
@@ -144,7 +149,7 @@ struct Tally<'a> {
     swapped: bool,
     touching: bool,
     undecided: Option<Reason>,
-    rung: Rung,
+    method: Method,
 }
 
 /// Whether anything more is to be asked.
@@ -156,8 +161,8 @@ enum Next {
 
 impl Tally<'_> {
     /// Takes in the verdict on a pair of parts.
-    fn file(&mut self, [a, b]: [u32; 2], (verdict, rung): (Verdict<()>, Rung)) -> Next {
-        self.rung = self.rung.max(rung);
+    fn file(&mut self, [a, b]: [u32; 2], (verdict, method): (Verdict<()>, Method)) -> Next {
+        self.method = self.method.max(method);
         match verdict {
             Verdict::Apart => Next::Go,
             Verdict::Undecided(reason) => {
@@ -177,7 +182,7 @@ impl Tally<'_> {
         }
     }
 
-    fn answer(self) -> (Verdict<()>, Rung) {
+    fn answer(self) -> (Verdict<()>, Method) {
         let known = match self.goal {
             Goal::Any => self.touching,
             Goal::All(_) => false,
@@ -187,9 +192,9 @@ impl Tally<'_> {
             _ if self.touching => Verdict::Touching(()),
             _ => Verdict::Apart,
         };
-        (verdict, self.rung)
+        (verdict, self.method)
     }
 }
 
 /// Of a convex shape: itself, its own part 0.
-const ITSELF: IndexRow = IndexRow([0; dcd_geom::lanes::WIDTH]);
+const ITSELF: IndexRow = IndexRow([0; dcd_simd::WIDTH]);

@@ -1,10 +1,10 @@
 //! One pair of parts: f64 with its bounds, then exact integers.
 
-use super::between::Between;
 use super::piercing;
+use super::relative_pose::RelativePose;
 use super::side::{Part, Side};
 use crate::gjk::{Simplex, overlap_with_simplex, start};
-use crate::{Body, Difference, Placed, Rung, Verdict, certified, exact};
+use crate::{Difference, Method, PosedShape, PosedSupport, Verdict, certified, exact};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Pose, Shape, Support, SupportMap};
 use std::borrow::Cow;
@@ -12,15 +12,15 @@ use std::borrow::Cow;
 /// What is known of a pair of parts.
 pub(super) struct Settled {
     pub(super) verdict: Verdict<()>,
-    pub(super) rung: Rung,
+    pub(super) method: Method,
     /// Where the two are apart, an axis that perhaps separates them: world, from the second to the
     /// first, of any length.
     pub(super) axis: Option<DVec3>,
 }
 
 impl Settled {
-    fn by((verdict, rung): (Verdict<()>, Rung)) -> Self {
-        Self { verdict, rung, axis: None }
+    fn by((verdict, method): (Verdict<()>, Method)) -> Self {
+        Self { verdict, method, axis: None }
     }
 }
 
@@ -31,26 +31,26 @@ pub(super) fn settle([a, b]: [&Side<'_>; 2], [part_a, part_b]: [u32; 2]) -> Sett
     if let (Some(core_a), Some(core_b)) = (&core_a, &Core::of(&part_b)) {
         return overlap([core_a, core_b], [a.pose, b.pose]);
     }
-    // A cylinder, a cone or a foreign part: no exact rung.
+    // A cylinder, a cone or a foreign part: no exact method.
     if let (Some(core), Part::Shape(shape)) = (&core_a, part_b)
         && shape.is_bounded()
-        && let Some(settled) = in_f64(core.body(a.pose), Body::shape(shape, b.pose)).0
+        && let Some(settled) = in_f64(core.body(a.pose), PosedSupport::shape(shape, b.pose)).0
     {
         return settled;
     }
     match (to_shape(part_a), to_shape(part_b)) {
         (Some(shape_a), Some(shape_b)) => Settled::by(certified::overlap_of(
-            Placed { shape: &shape_a, pose: a.pose },
-            Placed { shape: &shape_b, pose: b.pose },
+            PosedShape { shape: &shape_a, pose: a.pose },
+            PosedShape { shape: &shape_b, pose: b.pose },
         )),
         // Checked corners are finite, and a hull of three is never refused.
-        _ => Settled::by((Verdict::Undecided(crate::Reason::Range), Rung::F64)),
+        _ => Settled::by((Verdict::Undecided(crate::Reason::Range), Method::F64)),
     }
 }
 
 /// The same for two triangles that no axis of theirs is known to separate: most of them pierce.
 pub(super) fn settle_triangles(
-    between: &Between,
+    relative: &RelativePose,
     [a, b]: [&Side<'_>; 2],
     [part_a, part_b]: [u32; 2],
 ) -> Settled {
@@ -60,8 +60,8 @@ pub(super) fn settle_triangles(
         let delta = b.pose.translation() - a.pose.translation();
         let in_a = in_a.map(|corner| *a.pose.rotation() * corner);
         let in_b = in_b.map(|corner| *b.pose.rotation() * corner + delta);
-        if piercing::touch(&in_a, &in_b, between.size()) {
-            return Settled::by((Verdict::Touching(()), Rung::F64));
+        if piercing::touch(&in_a, &in_b, relative.size()) {
+            return Settled::by((Verdict::Touching(()), Method::F64));
         }
     }
     settle([a, b], [part_a, part_b])
@@ -83,7 +83,7 @@ impl<'a> Core<'a> {
         }
     }
 
-    fn body<'b>(&'b self, pose: &'b Pose) -> Body<'b, Self> {
+    fn body<'b>(&'b self, pose: &'b Pose) -> PosedSupport<'b, Self> {
         let (reach, centre, inner) = match self {
             Self::Polytope(polytope) => {
                 let inner = polytope.inner();
@@ -93,7 +93,7 @@ impl<'a> Core<'a> {
                 (*reach, *a / 3.0 + *b / 3.0 + *c / 3.0, 0.0)
             }
         };
-        Body { map: self, pose, reach, centre, inner }
+        PosedSupport { map: self, pose, reach, centre, inner }
     }
 
     fn polytope(&self) -> Option<Cow<'a, Polytope>> {
@@ -140,7 +140,7 @@ fn triangle(corners: [DVec3; 3], radius: f64) -> Option<Polytope> {
 }
 
 /// What f64 can prove, if it can, and the simplex where it ended.
-fn in_f64<A, B>(a: Body<'_, A>, b: Body<'_, B>) -> (Option<Settled>, Simplex<f64>)
+fn in_f64<A, B>(a: PosedSupport<'_, A>, b: PosedSupport<'_, B>) -> (Option<Settled>, Simplex<f64>)
 where
     A: SupportMap<f64> + ?Sized,
     B: SupportMap<f64> + ?Sized,
@@ -158,7 +158,7 @@ where
             None => start::<f64>(difference.middle()),
         }),
     };
-    (Some(Settled { verdict, rung: Rung::F64, axis }), simplex)
+    (Some(Settled { verdict, method: Method::F64, axis }), simplex)
 }
 
 /// The ladder for two hulls of points.
@@ -172,9 +172,9 @@ fn overlap([a, b]: [&Core<'_>; 2], [pose_a, pose_b]: [&Pose; 2]) -> Settled {
         *slot = [vertex.a.feature, vertex.b.feature];
     }
     let (Some(a), Some(b)) = (a.polytope(), b.polytope()) else {
-        return Settled::by((Verdict::Undecided(crate::Reason::Range), Rung::F64));
+        return Settled::by((Verdict::Undecided(crate::Reason::Range), Method::F64));
     };
-    let (a, b) = (Body::polytope(&a, pose_a), Body::polytope(&b, pose_b));
+    let (a, b) = (PosedSupport::polytope(&a, pose_a), PosedSupport::polytope(&b, pose_b));
     let touches = exact::touches(a, b, &hint[..simplex.vertices().len()]);
-    Settled::by((certified::verdict_of(touches), Rung::Exact))
+    Settled::by((certified::verdict_of(touches), Method::Exact))
 }

@@ -1,10 +1,10 @@
 //! One of the two shapes: its parts, and the tree over them.
 
 use super::ITSELF;
-use crate::Placed;
+use crate::PosedShape;
 use dcd_geom::glam::{DVec3, Vec3};
-use dcd_geom::lanes::IndexRow;
 use dcd_geom::{Aabb, Compound, Mesh, PartTree, Pose, Shape, SupportMap};
+use dcd_simd::IndexRow;
 
 /// A placed shape as its parts.
 pub(super) struct Side<'a> {
@@ -36,7 +36,7 @@ pub(super) enum Part<'a> {
 }
 
 impl<'a> Side<'a> {
-    pub(super) fn of(placed: Placed<'a>) -> Self {
+    pub(super) fn of(placed: PosedShape<'a>) -> Self {
         let corner = |tree: &PartTree| {
             let Aabb { min, max } = tree.aabb();
             // Squares and sums lose 3u, 8u have room.

@@ -2,10 +2,10 @@
 
 use super::{Scratch, overlap, overlap_on, touching};
 use crate::distance::DistanceResult;
-use crate::{Body, Placed, Reason, Rung, Verdict, certified};
+use crate::{Method, PosedShape, PosedSupport, Reason, Verdict, certified};
 use dcd_geom::glam::{DQuat, DVec3};
-use dcd_geom::lanes::Path;
 use dcd_geom::{Mesh, Polytope, Pose, Shape, Support, SupportMap};
+use dcd_simd::Path;
 use std::sync::Arc;
 
 /// Numbers in [0, 1) from a seed.
@@ -72,13 +72,14 @@ fn polytopes(shape: &Shape) -> Vec<Polytope> {
     }
 }
 
-/// Every pair of parts, asked of the exact rung alone.
-fn brute_force(a: Placed<'_>, b: Placed<'_>) -> Vec<[u32; 2]> {
+/// Every pair of parts, asked of the exact method alone.
+fn brute_force(a: PosedShape<'_>, b: PosedShape<'_>) -> Vec<[u32; 2]> {
     let (parts_a, parts_b) = (polytopes(a.shape), polytopes(b.shape));
     let mut pairs = Vec::new();
     for (i, in_a) in (0u32..).zip(&parts_a) {
         for (j, in_b) in (0u32..).zip(&parts_b) {
-            let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+            let (a, b) =
+                (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
             if certified::overlap_exactly(a, b) {
                 pairs.push([i, j]);
             }
@@ -88,7 +89,7 @@ fn brute_force(a: Placed<'_>, b: Placed<'_>) -> Vec<[u32; 2]> {
 }
 
 /// Compares all that the search can be asked with brute force; how many pairs of parts touch.
-fn check(a: Placed<'_>, b: Placed<'_>, scratch: &mut Scratch, what: &str) -> usize {
+fn check(a: PosedShape<'_>, b: PosedShape<'_>, scratch: &mut Scratch, what: &str) -> usize {
     let expected = brute_force(a, b);
     let touches = !expected.is_empty();
     let verdict = if touches { Verdict::Touching(()) } else { Verdict::Apart };
@@ -123,8 +124,8 @@ fn check_seeds(
         let shift =
             |pose: Pose| Pose::from_matrix(*pose.rotation(), pose.translation() + offset).unwrap();
         let (pose_a, pose_b) = (shift(draw.pose(spread)), shift(draw.pose(spread)));
-        let a = Placed { shape: &a, pose: &pose_a };
-        let b = Placed { shape: &b, pose: &pose_b };
+        let a = PosedShape { shape: &a, pose: &pose_a };
+        let b = PosedShape { shape: &b, pose: &pose_b };
         let found = check(a, b, &mut scratch, &format!("seed {seed}"));
         touching += usize::from(found > 0);
         pairs += found;
@@ -158,10 +159,12 @@ fn one_triangle_meets_one_convex_shape_whichever_pose_comes_first() {
         let mut draw = Draw(seed);
         let (mesh, hull) = (draw.mesh(1, 1.0), draw.hull(1.0));
         let (pose_a, pose_b) = (draw.pose(0.4), draw.pose(0.4));
-        let (a, b) =
-            (Placed { shape: &mesh, pose: &pose_a }, Placed { shape: &hull, pose: &pose_b });
+        let (a, b) = (
+            PosedShape { shape: &mesh, pose: &pose_a },
+            PosedShape { shape: &hull, pose: &pose_b },
+        );
         touching += check(a, b, &mut scratch, &format!("seed {seed}"));
-        let swapped = [Placed { pose: &pose_b, ..a }, Placed { pose: &pose_a, ..b }];
+        let swapped = [PosedShape { pose: &pose_b, ..a }, PosedShape { pose: &pose_a, ..b }];
         touching += check(swapped[0], swapped[1], &mut scratch, &format!("seed {seed}, swapped"));
     }
     assert!((10..700).contains(&touching), "{touching}");
@@ -187,7 +190,7 @@ fn triangles_as_near_to_a_boxs_face_as_rounding_are_told_as_exactly() {
         });
         let mesh = Shape::mesh(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
         let pose = draw.pose(10.0);
-        let (a, b) = (Placed { shape, pose: &pose }, Placed { shape: &mesh, pose: &pose });
+        let (a, b) = (PosedShape { shape, pose: &pose }, PosedShape { shape: &mesh, pose: &pose });
         touching += check(a, b, &mut scratch, &format!("seed {seed}, gap {gap:e}"));
     }
     assert!((200..400).contains(&touching), "{touching}");
@@ -200,8 +203,8 @@ fn a_triangle_without_extent_is_as_far_from_a_convex_shape_as_its_point() {
     let mut scratch = Scratch::default();
     for x in [-1.0, 1.0, 0.5, -0.5] {
         let pose = Pose::from_translation(DVec3::X * x).unwrap();
-        let point = Placed { shape: &mesh, pose: &pose };
-        let cube = Placed { shape: &cube, pose: &Pose::IDENTITY };
+        let point = PosedShape { shape: &mesh, pose: &pose };
+        let cube = PosedShape { shape: &cube, pose: &Pose::IDENTITY };
         let DistanceResult::Apart(found) = super::distance(point, cube, &mut scratch).0 else {
             assert_eq!(x.abs(), 0.5);
             continue;
@@ -231,11 +234,11 @@ fn a_mesh_meets_compounds_and_convex_shapes() {
     };
     let (touching, _) = check_seeds(150, cube, |_| (2.0, 0.0));
     assert!((20..140).contains(&touching), "{touching}");
-    let ball = |draw: &mut Draw| [Shape::sphere(0.2).unwrap(), draw.mesh(200, 1.0)];
-    let (touching, _) = check_seeds(150, ball, |_| (2.0, 0.0));
+    let sphere = |draw: &mut Draw| [Shape::sphere(0.2).unwrap(), draw.mesh(200, 1.0)];
+    let (touching, _) = check_seeds(150, sphere, |_| (2.0, 0.0));
     assert!((20..140).contains(&touching), "{touching}");
-    let ball = |draw: &mut Draw| [Shape::sphere(0.2).unwrap(), draw.compound(30, 1.0)];
-    let (touching, _) = check_seeds(150, ball, |_| (1.0, 0.0));
+    let sphere = |draw: &mut Draw| [Shape::sphere(0.2).unwrap(), draw.compound(30, 1.0)];
+    let (touching, _) = check_seeds(150, sphere, |_| (1.0, 0.0));
     assert!((20..140).contains(&touching), "{touching}");
 }
 
@@ -256,7 +259,7 @@ fn scale_does_not_matter_inside_and_outside_of_the_range_of_f32() {
 }
 
 #[test]
-fn a_rounded_mesh_sweeps_a_ball_round_every_triangle() {
+fn a_rounded_mesh_sweeps_a_sphere_round_every_triangle() {
     let rounded = |draw: &mut Draw| {
         let shapes = [draw.mesh(25, 1.0), draw.mesh(25, 1.0)];
         shapes.map(|shape| shape.rounded(0.1 * draw.number()).unwrap())
@@ -281,10 +284,10 @@ fn floor(cells: u32) -> Shape {
 fn resting_is_a_contact_and_the_next_float_above_is_none() {
     let (ground, cube) = (floor(6), Shape::cuboid(DVec3::splat(0.5)).unwrap());
     let mut scratch = Scratch::default();
-    let ground = Placed { shape: &ground, pose: &Pose::IDENTITY };
+    let ground = PosedShape { shape: &ground, pose: &Pose::IDENTITY };
     for (z, contacts) in [(0.5, 18), (0.5f64.next_up(), 0), (0.5f64.next_down(), 18)] {
         let pose = Pose::from_translation(DVec3::new(2.5, 3.5, z)).unwrap();
-        let cube = Placed { shape: &cube, pose: &pose };
+        let cube = PosedShape { shape: &cube, pose: &pose };
         // The cell below, two triangles of it, and whatever has a corner or an edge with it.
         let found = check(ground, cube, &mut scratch, &format!("z = {z}"));
         assert_eq!(found > 0, contacts > 0, "{found}");
@@ -292,7 +295,8 @@ fn resting_is_a_contact_and_the_next_float_above_is_none() {
     let other = floor(2);
     for (z, touches) in [(0.0, true), (f64::from_bits(1), false)] {
         let pose = Pose::from_translation(DVec3::new(1.0, 1.0, z)).unwrap();
-        let found = check(ground, Placed { shape: &other, pose: &pose }, &mut scratch, "floors");
+        let found =
+            check(ground, PosedShape { shape: &other, pose: &pose }, &mut scratch, "floors");
         assert_eq!(found > 0, touches);
     }
 }
@@ -311,8 +315,8 @@ fn poses_that_shear_within_the_tolerance_change_no_answer() {
             Pose::from_matrix(stretched, pose.translation()).unwrap()
         };
         let (pose_a, pose_b) = (pose(&mut draw), pose(&mut draw));
-        let a = Placed { shape: &a, pose: &pose_a };
-        let b = Placed { shape: &b, pose: &pose_b };
+        let a = PosedShape { shape: &a, pose: &pose_a };
+        let b = PosedShape { shape: &b, pose: &pose_b };
         touching += usize::from(check(a, b, &mut scratch, &format!("seed {seed}")) > 0);
     }
     assert!((3..40).contains(&touching), "{touching}");
@@ -323,7 +327,7 @@ fn one_pose_for_both_is_the_same_in_both_orders() {
     let mut draw = Draw(5);
     let (a, b) = (draw.mesh(12, 1.0), draw.mesh(12, 1.0));
     let mut scratch = Scratch::default();
-    let at = |shape| Placed { shape, pose: &Pose::IDENTITY };
+    let at = |shape| PosedShape { shape, pose: &Pose::IDENTITY };
     let _ = check(at(&a), at(&b), &mut scratch, "two meshes");
     assert!(check(at(&a), at(&a), &mut scratch, "a mesh with itself") >= 12);
 }
@@ -338,12 +342,15 @@ fn a_cylinder_meets_a_mesh_where_it_meets_a_triangle() {
         let shape = if seed % 2 == 0 { Shape::cylinder(h, r) } else { Shape::cone(h, r) };
         let shape = shape.unwrap().rounded(if seed % 3 == 0 { swept } else { 0.0 }).unwrap();
         let (pose_a, pose_b) = (draw.pose(2.0), draw.pose(2.0));
-        let (a, b) =
-            (Placed { shape: &shape, pose: &pose_a }, Placed { shape: &mesh, pose: &pose_b });
+        let (a, b) = (
+            PosedShape { shape: &shape, pose: &pose_a },
+            PosedShape { shape: &mesh, pose: &pose_b },
+        );
         let mut expected = Vec::new();
         for (k, triangle) in (0u32..).zip(polytopes(&mesh)) {
             let triangle = Shape::Polytope(triangle);
-            let (verdict, _) = certified::overlap_of(a, Placed { shape: &triangle, pose: &pose_b });
+            let (verdict, _) =
+                certified::overlap_of(a, PosedShape { shape: &triangle, pose: &pose_b });
             assert!(!matches!(verdict, Verdict::Undecided(_)), "seed {seed}");
             if verdict == Verdict::Touching(()) {
                 expected.push([0, k]);
@@ -359,7 +366,7 @@ fn a_cylinder_meets_a_mesh_where_it_meets_a_triangle() {
     assert!((20..130).contains(&touching), "{touching}");
 }
 
-/// A ball that owns up to no more than its support map.
+/// A sphere that owns up to no more than its support map.
 struct Foreign;
 
 impl SupportMap<f64> for Foreign {
@@ -382,30 +389,30 @@ fn a_foreign_part_is_undecided_where_f64_cannot_tell_and_no_other_part_touches()
     let alone = Shape::compound(vec![(foreign.clone(), at(0.0)), (far.clone(), at(9.0))]).unwrap();
     let mut scratch = Scratch::default();
     let mut ask = |shape: &Shape, x: f64| {
-        let a = Placed { shape, pose: &Pose::IDENTITY };
-        overlap(a, Placed { shape: &near, pose: &at(x) }, &mut scratch)
+        let a = PosedShape { shape, pose: &Pose::IDENTITY };
+        overlap(a, PosedShape { shape: &near, pose: &at(x) }, &mut scratch)
     };
     assert_eq!(ask(&alone, 1.0).0, Verdict::Undecided(Reason::WithinRounding));
     assert_eq!(ask(&alone, 0.9).0, Verdict::Touching(()));
     assert_eq!(ask(&alone, 1.1).0, Verdict::Apart);
     let beside = Shape::compound(vec![(foreign, at(0.0)), (far, at(0.5))]).unwrap();
-    assert_eq!(ask(&beside, 1.0), (Verdict::Touching(()), Rung::F64));
+    assert_eq!(ask(&beside, 1.0), (Verdict::Touching(()), Method::F64));
 }
 
 #[test]
 fn the_origin_of_a_foreign_frame_is_not_taken_for_a_point_of_its_shape() {
-    // A ball of radius 1 about (1.5, 1.5, 0), beside a triangle round the origin of its frame.
-    let ball = Polytope::hull(vec![DVec3::new(1.5, 1.5, 0.0)]).unwrap().rounded(1.0).unwrap();
+    // A sphere of radius 1 about (1.5, 1.5, 0), beside a triangle round the origin of its frame.
+    let sphere = Polytope::hull(vec![DVec3::new(1.5, 1.5, 0.0)]).unwrap().rounded(1.0).unwrap();
     let corners = vec![DVec3::ZERO, DVec3::X * 0.6, DVec3::Y * 0.6];
     let mesh = Shape::mesh(corners, vec![[0, 1, 2]]).unwrap();
-    let foreign = Shape::custom(Arc::new(ball.clone())).unwrap();
-    for ball in [Shape::from(ball), foreign] {
+    let foreign = Shape::custom(Arc::new(sphere.clone())).unwrap();
+    for sphere in [Shape::from(sphere), foreign] {
         let mut scratch = Scratch::default();
-        let here = |shape| Placed { shape, pose: &Pose::IDENTITY };
-        let (a, b) = (here(&mesh), here(&ball));
+        let here = |shape| PosedShape { shape, pose: &Pose::IDENTITY };
+        let (a, b) = (here(&mesh), here(&sphere));
         for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
             let found = overlap_on(path, [a, b], &mut scratch).0;
-            assert_eq!(found, Verdict::Apart, "{ball:?} on {path:?}");
+            assert_eq!(found, Verdict::Apart, "{sphere:?} on {path:?}");
         }
     }
 }
@@ -424,11 +431,13 @@ fn the_distance_is_that_of_the_nearest_parts() {
         };
         let (a, b) = (shape(seed % 2), shape(seed / 2));
         let (pose_a, pose_b) = (draw.pose(1.6 * scale), draw.pose(1.6 * scale));
-        let (a, b) = (Placed { shape: &a, pose: &pose_a }, Placed { shape: &b, pose: &pose_b });
+        let (a, b) =
+            (PosedShape { shape: &a, pose: &pose_a }, PosedShape { shape: &b, pose: &pose_b });
         let mut least = Some(f64::INFINITY);
         for in_a in &polytopes(a.shape) {
             for in_b in &polytopes(b.shape) {
-                let (in_a, in_b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+                let (in_a, in_b) =
+                    (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
                 let found = crate::distance::of_polytopes(in_a, in_b).0;
                 least = match (least, found) {
                     (Some(least), DistanceResult::Apart(found)) => Some(least.min(found.distance)),
@@ -440,8 +449,8 @@ fn the_distance_is_that_of_the_nearest_parts() {
         match (there, least) {
             (DistanceResult::Apart(found), Some(least)) => {
                 assert_eq!(found.distance, least, "seed {seed}");
-                let between = (found.point_a - found.point_b).length();
-                assert!((between - least).abs() < 1e-9 * (least + scale), "seed {seed}");
+                let relative = (found.point_a - found.point_b).length();
+                assert!((relative - least).abs() < 1e-9 * (least + scale), "seed {seed}");
                 apart += 1;
             }
             (found, least) => assert_eq!((found, least), (DistanceResult::Touching, None)),
@@ -465,11 +474,13 @@ fn the_depth_is_that_of_the_deepest_parts() {
         let a = draw.compound(1 + (seed % 9) as usize, 1.0);
         let b = if seed % 2 == 0 { draw.compound(5, 1.0) } else { draw.mesh(9, 1.0) };
         let (pose_a, pose_b) = (draw.pose(0.8), draw.pose(0.8));
-        let (a, b) = (Placed { shape: &a, pose: &pose_a }, Placed { shape: &b, pose: &pose_b });
+        let (a, b) =
+            (PosedShape { shape: &a, pose: &pose_a }, PosedShape { shape: &b, pose: &pose_b });
         let mut most = None;
         for in_a in &polytopes(a.shape) {
             for in_b in &polytopes(b.shape) {
-                let (in_a, in_b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+                let (in_a, in_b) =
+                    (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
                 if let Verdict::Touching(found) = epa::depth(in_a, in_b, &mut scratch) {
                     most = Some(found.depth.max(most.unwrap_or(0.0)));
                 }
@@ -493,7 +504,7 @@ fn the_depth_is_that_of_the_deepest_parts() {
 fn a_solver_of_convex_shapes_says_so() {
     use crate::{Gjk, PairSolver};
     let mesh = Shape::from(Mesh::new(vec![DVec3::ZERO], vec![[0; 3]]).unwrap());
-    let placed = Placed { shape: &mesh, pose: &Pose::IDENTITY };
+    let placed = PosedShape { shape: &mesh, pose: &Pose::IDENTITY };
     let expected = Verdict::Undecided(Reason::NotConvex);
     assert_eq!(Gjk::<f64>::default().solve(placed, placed, &mut ()), expected);
     assert_eq!(Gjk::<f32>::default().solve(placed, placed, &mut ()), expected);

@@ -1,10 +1,10 @@
 //! Sixteen triangles against one: separating axes in f32, each with its bound.
 
-use super::between::Between;
 use super::bounds::{SEPARATION, SHORTEST, SWEPT, U};
-use crate::lanes::vector::V3;
+use super::relative_pose::RelativePose;
+use crate::simd::vector::V3;
 use dcd_geom::Triangles;
-use dcd_geom::lanes::{Block, Lanes};
+use dcd_simd::{Block, Lanes};
 
 /// What is the same for every pair of triangles of two leaves.
 #[derive(Clone, Copy)]
@@ -21,12 +21,12 @@ pub(super) struct Leaves {
 
 impl Leaves {
     /// Of a leaf of the first mesh and one of the second, with the sum of their swept radii.
-    pub(super) fn of(between: &Between, a: &Triangles, b: &Triangles, radius: f64) -> Self {
-        let offset = between.rotation * b.centre + between.offset - a.centre;
+    pub(super) fn of(relative: &RelativePose, a: &Triangles, b: &Triangles, radius: f64) -> Self {
+        let offset = relative.rotation * b.centre + relative.offset - a.centre;
         let size = a.radius + b.radius + offset.length();
         // Coordinates relative to the centres are far smaller than the shapes, and so is what they
         // lose; 1 % is room for the stretch of the matrices and for the sums here.
-        let bound = 1.01 * (SEPARATION * U * size + between.slack());
+        let bound = 1.01 * (SEPARATION * U * size + relative.slack());
         let least = if radius > 0.0 { 2.0 * SHORTEST * size } else { 0.0 };
         Self {
             offset: offset.as_vec3().to_array(),

@@ -1,6 +1,6 @@
 //! How many farthest points a shape has in a direction: a vertex, an edge or a face of them.
 
-use crate::Placed;
+use crate::PosedShape;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape};
 
@@ -20,7 +20,7 @@ pub(super) enum Extent {
 impl Extent {
     /// Along a unit direction in the world, for a half-space its normal. `None` for a shape that is
     /// neither that nor a polytope.
-    pub(super) fn of(side: Placed<'_>, direction: DVec3) -> Option<Self> {
+    pub(super) fn of(side: PosedShape<'_>, direction: DVec3) -> Option<Self> {
         let polytope = match side.shape {
             Shape::Polytope(polytope) => polytope,
             Shape::HalfSpace(_) => return Some(Self::Face),
@@ -76,7 +76,7 @@ mod tests {
     fn a_cube_has_a_face_an_edge_and_a_vertex() {
         let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
         let of = |d: DVec3| {
-            Extent::of(Placed { shape: &cube, pose: &Pose::IDENTITY }, d.normalize()).unwrap()
+            Extent::of(PosedShape { shape: &cube, pose: &Pose::IDENTITY }, d.normalize()).unwrap()
         };
         assert_eq!(of(DVec3::X), Extent::Face);
         assert!(matches!(of(DVec3::new(1.0, 1.0, 0.0)), Extent::Segment(e) if e.z.abs() == 1.0));

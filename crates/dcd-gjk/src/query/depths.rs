@@ -3,7 +3,7 @@
 use super::sampled;
 use crate::closed::half_space;
 use crate::epa::{self, Depth};
-use crate::{Body, PairSolver, Placed, Reason, Rung, Verdict, certified, parts};
+use crate::{Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, mesh};
 use dcd_geom::Shape;
 
 /// How deep a pair overlaps, where, and with what bound: see [`Depth`].
@@ -26,53 +26,65 @@ impl PairSolver for Depths {
     type Answer = Depth;
     type Scratch = epa::Scratch;
 
-    fn rung(&self) -> Rung {
-        Rung::Exact
+    fn method(&self) -> Method {
+        Method::Exact
     }
 
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>, scratch: &mut epa::Scratch) -> Verdict<Depth> {
+    fn solve(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut epa::Scratch,
+    ) -> Verdict<Depth> {
         self.settle(a, b, scratch).0
     }
 
-    fn measure(&self, a: Placed<'_>, b: Placed<'_>, scratch: &mut epa::Scratch) -> Verdict<Depth> {
+    fn measure(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut epa::Scratch,
+    ) -> Verdict<Depth> {
         of_touching(a, b, scratch)
     }
 
     fn settle(
         &self,
-        a: Placed<'_>,
-        b: Placed<'_>,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
         scratch: &mut epa::Scratch,
-    ) -> (Verdict<Depth>, Rung) {
+    ) -> (Verdict<Depth>, Method) {
         if let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) {
-            let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
-            return (epa::depth(a, b, scratch), Rung::Exact);
+            let (a, b) =
+                (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
+            return (epa::depth(a, b, scratch), Method::Exact);
         }
-        let (verdict, rung) = certified::overlap_of(a, b);
+        let (verdict, method) = certified::overlap_of(a, b);
         let verdict = match verdict {
             Verdict::Touching(()) => of_touching(a, b, scratch),
             Verdict::Apart => Verdict::Apart,
             Verdict::Undecided(reason) => Verdict::Undecided(reason),
         };
-        (verdict, rung)
+        (verdict, method)
     }
 }
 
 /// The depth of two shapes that are known to touch.
 pub(super) fn of_touching(
-    a: Placed<'_>,
-    b: Placed<'_>,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
     scratch: &mut epa::Scratch,
 ) -> Verdict<Depth> {
-    if parts::are_asked(a.shape, b.shape) {
-        return parts::deepest(a, b, |a, b| of_touching(a, b, scratch));
+    if mesh::are_asked(a.shape, b.shape) {
+        return mesh::deepest(a, b, |a, b| of_touching(a, b, scratch));
     }
     if let Some(verdict) = half_space::depth(a, b) {
         return verdict;
     }
     match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
-            let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+            let (a, b) =
+                (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
             Verdict::Touching(epa::depth_of_overlap(a, b, scratch))
         }
         // Two half-spaces: hardly ever to be parted at all.

@@ -2,8 +2,8 @@
 
 use super::check_margin;
 use crate::distance::{Distance, DistanceResult, distance};
-use crate::{PairSolver, Placed, Rung, Verdict, certified};
-use dcd_geom::{Aabb, Ball, ShapeError};
+use crate::{Method, PairSolver, PosedShape, Verdict, certified};
+use dcd_geom::{Aabb, ShapeError, Sphere};
 
 /// How far apart pairs are, and between which points, for those within a margin: "touching" is
 /// "within the margin".
@@ -13,7 +13,7 @@ use dcd_geom::{Aabb, Ball, ShapeError};
 /// is surely within the margin.
 /// Between polytopes, rounded or not, nothing is undecided, and the distance is right in twelve
 /// digits; with another shape see [`crate::distance::in_f64`]. Costs a few microseconds a pair
-/// within the margin, and for most others a comparison of two balls.
+/// within the margin, and for most others a comparison of two spheres.
 #[derive(Clone, Copy, Debug)]
 pub struct Distances {
     margin: f64,
@@ -34,19 +34,24 @@ impl PairSolver for Distances {
     type Answer = Option<Distance>;
     type Scratch = ();
 
-    fn rung(&self) -> Rung {
-        Rung::F64
+    fn method(&self) -> Method {
+        Method::F64
     }
 
     fn margin(&self) -> f64 {
         self.margin
     }
 
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>, scratch: &mut ()) -> Verdict<Self::Answer> {
+    fn solve(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut (),
+    ) -> Verdict<Self::Answer> {
         self.settle(a, b, scratch).0
     }
 
-    fn measure(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<Self::Answer> {
+    fn measure(&self, a: PosedShape<'_>, b: PosedShape<'_>, (): &mut ()) -> Verdict<Self::Answer> {
         match distance(a, b).0 {
             DistanceResult::Apart(found) => Verdict::Touching(Some(found)),
             DistanceResult::Touching => Verdict::Touching(None),
@@ -57,11 +62,16 @@ impl PairSolver for Distances {
         }
     }
 
-    fn settle(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> (Verdict<Self::Answer>, Rung) {
-        if balls_are_apart(a, b, self.margin) {
-            return (Verdict::Apart, Rung::F64);
+    fn settle(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        (): &mut (),
+    ) -> (Verdict<Self::Answer>, Method) {
+        if spheres_are_apart(a, b, self.margin) {
+            return (Verdict::Apart, Method::F64);
         }
-        let (found, rung) = distance(a, b);
+        let (found, method) = distance(a, b);
         let verdict = match found {
             DistanceResult::Touching => Verdict::Touching(None),
             DistanceResult::Undecided(reason) => Verdict::Undecided(reason),
@@ -80,16 +90,16 @@ impl PairSolver for Distances {
                 }
             }
         };
-        (verdict, rung)
+        (verdict, method)
     }
 }
 
 /// Whether two shapes are within a margin where their distance's bounds leave it open: the word of
 /// the same shapes, each grown by half.
-pub(super) fn are_within(a: Placed<'_>, b: Placed<'_>, margin: f64) -> Verdict<()> {
+pub(super) fn are_within(a: PosedShape<'_>, b: PosedShape<'_>, margin: f64) -> Verdict<()> {
     match (a.shape.swept(margin / 2.0), b.shape.swept(margin / 2.0)) {
         (Ok(in_a), Ok(in_b)) => {
-            let (a, b) = (Placed { shape: &in_a, ..a }, Placed { shape: &in_b, ..b });
+            let (a, b) = (PosedShape { shape: &in_a, ..a }, PosedShape { shape: &in_b, ..b });
             certified::overlap_of(a, b).0
         }
         // A radius that overflows reaches everywhere.
@@ -97,30 +107,32 @@ pub(super) fn are_within(a: Placed<'_>, b: Placed<'_>, margin: f64) -> Verdict<(
     }
 }
 
-/// Whether balls round two shapes prove that they are farther apart than `margin`.
+/// Whether spheres round two shapes prove that they are farther apart than `margin`.
 ///
 /// The centres and their difference lose at most 8u of everything that is added up, the radii's
 /// sum 4u; 16u and 8u leave room. NaN and overflow prove nothing.
-pub(super) fn balls_are_apart(a: Placed<'_>, b: Placed<'_>, margin: f64) -> bool {
+pub(super) fn spheres_are_apart(a: PosedShape<'_>, b: PosedShape<'_>, margin: f64) -> bool {
     const U: f64 = f64::EPSILON / 2.0;
-    let (ball_a, ball_b) = (ball(a), ball(b));
-    let size = |side: Placed<'_>, ball: Ball| {
-        side.pose.translation().abs().element_sum() + ball.centre.abs().element_sum() * 1.1
+    let (sphere_a, sphere_b) = (sphere(a), sphere(b));
+    let size = |side: PosedShape<'_>, sphere: Sphere| {
+        side.pose.translation().abs().element_sum() + sphere.centre.abs().element_sum() * 1.1
     };
-    let centres = a.pose.apply(ball_a.centre).distance(b.pose.apply(ball_b.centre));
-    let radii = ball_a.radius + ball_b.radius + margin;
-    let slack = 16.0 * U * (size(a, ball_a) + size(b, ball_b)) + 8.0 * U * (radii + centres);
+    let centres = a.pose.apply(sphere_a.centre).distance(b.pose.apply(sphere_b.centre));
+    let radii = sphere_a.radius + sphere_b.radius + margin;
+    let slack = 16.0 * U * (size(a, sphere_a) + size(b, sphere_b)) + 8.0 * U * (radii + centres);
     centres - radii > slack && centres <= Aabb::LIMIT * 4.0
 }
 
-/// A ball in the shape's own frame whose image holds the placed shape.
-fn ball(side: Placed<'_>) -> Ball {
+/// A sphere in the shape's own frame whose image holds the placed shape.
+fn sphere(side: PosedShape<'_>) -> Sphere {
     let stretch = 1.0 + side.pose.deviation();
     match side.shape.as_polytope() {
-        Some(polytope) => Ball {
+        Some(polytope) => Sphere {
             centre: polytope.inner().centre,
             radius: polytope.outer_radius() * stretch + polytope.swept_radius(),
         },
-        None => Ball { centre: dcd_geom::glam::DVec3::ZERO, radius: side.shape.reach() * stretch },
+        None => {
+            Sphere { centre: dcd_geom::glam::DVec3::ZERO, radius: side.shape.reach() * stretch }
+        }
     }
 }

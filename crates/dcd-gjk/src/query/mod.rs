@@ -8,14 +8,14 @@
 //! | [`Manifolds`] | where they touch, in up to four points | [`Manifold`] |
 //! | [`Proximities`] | how far or how deep, and how that changes with the poses | [`Proximity`] |
 //!
-//! [`Within`] is a narrow phase. The others are solvers of single pairs: [`OfTouching`] asks them
+//! [`Within`] is a narrow phase. The others are solvers of single pairs: [`ThenMeasure`] asks them
 //! after the lanes, and only of the pairs that the lanes find, so that a scene of which one pair
-//! in fifty touches pays for one in fifty. [`EachPair`](crate::EachPair) asks them of every pair.
+//! in fifty touches pays for one in fifty. [`Pairwise`](crate::EachPair) asks them of every pair.
 //!
 //! ```
-//! use dcd_gjk::{Depths, Distances, OfTouching};
-//! let how_deep = OfTouching::new(Depths)?;
-//! let how_far = OfTouching::new(Distances::within(0.05)?)?;
+//! use dcd_gjk::{Depths, Distances, ThenMeasure};
+//! let how_deep = ThenMeasure::new(Depths)?;
+//! let how_far = ThenMeasure::new(Distances::within(0.05)?)?;
 //! # Ok::<(), dcd_geom::ShapeError>(())
 //! ```
 //!
@@ -27,16 +27,16 @@ mod contact_set;
 mod depths;
 mod distances;
 mod manifold;
-mod of_touching;
 mod proximity;
 mod sampled;
+mod then_measure;
 mod within;
 
 pub use depths::Depths;
 pub use distances::Distances;
 pub use manifold::{Feature, Manifold, ManifoldPoint, Manifolds};
-pub use of_touching::OfTouching;
 pub use proximity::{Gradient, Proximities, Proximity, Smoothness, Twist};
+pub use then_measure::ThenMeasure;
 pub use within::Within;
 
 pub(crate) use within::grown;

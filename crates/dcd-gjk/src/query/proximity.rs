@@ -4,7 +4,7 @@ use super::contact_set::Extent;
 use super::depths;
 use crate::distance::{self, DistanceResult};
 use crate::epa::{self, Direction};
-use crate::{Body, Distance, Distances, PairSolver, Placed, Rung, Verdict};
+use crate::{Distance, Distances, Method, PairSolver, PosedShape, PosedSupport, Verdict};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Shape, ShapeError};
 
@@ -95,8 +95,8 @@ impl PairSolver for Proximities {
     type Answer = Proximity;
     type Scratch = epa::Scratch;
 
-    fn rung(&self) -> Rung {
-        Rung::F64
+    fn method(&self) -> Method {
+        Method::F64
     }
 
     fn margin(&self) -> f64 {
@@ -105,8 +105,8 @@ impl PairSolver for Proximities {
 
     fn solve(
         &self,
-        a: Placed<'_>,
-        b: Placed<'_>,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
         scratch: &mut epa::Scratch,
     ) -> Verdict<Proximity> {
         told(self.distances.solve(a, b, &mut ()), a, b, scratch)
@@ -114,8 +114,8 @@ impl PairSolver for Proximities {
 
     fn measure(
         &self,
-        a: Placed<'_>,
-        b: Placed<'_>,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
         scratch: &mut epa::Scratch,
     ) -> Verdict<Proximity> {
         told(self.distances.measure(a, b, &mut ()), a, b, scratch)
@@ -124,8 +124,8 @@ impl PairSolver for Proximities {
 
 fn told(
     verdict: Verdict<Option<Distance>>,
-    a: Placed<'_>,
-    b: Placed<'_>,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
     scratch: &mut epa::Scratch,
 ) -> Verdict<Proximity> {
     match verdict {
@@ -167,7 +167,7 @@ const NARROW: f64 = 1e-11;
 /// direction, but of cores that barely miss each other at an edge it is an accident.
 fn across(
     found: &Distance,
-    (a, b): (Placed<'_>, Placed<'_>),
+    (a, b): (PosedShape<'_>, PosedShape<'_>),
     scratch: &mut epa::Scratch,
 ) -> Direction {
     let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) else {
@@ -177,14 +177,19 @@ fn across(
     if gap > NARROW * (in_a.outer_radius() + in_b.outer_radius()) {
         return Direction::Alone;
     }
-    let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+    let (a, b) = (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
     epa::depth_and_direction(a, b, scratch).1
 }
 
-fn overlapping(a: Placed<'_>, b: Placed<'_>, scratch: &mut epa::Scratch) -> Verdict<Proximity> {
+fn overlapping(
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    scratch: &mut epa::Scratch,
+) -> Verdict<Proximity> {
     let (verdict, direction) = match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
-            let (a, b) = (Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+            let (a, b) =
+                (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
             let (found, direction) = epa::depth_and_direction(a, b, scratch);
             (Verdict::Touching(found), direction)
         }
@@ -210,10 +215,10 @@ impl Proximity {
     /// A point x that moves with an object moves by δt + δω × (x − t); the signed distance changes
     /// by the normal's part of that, for neither the normal's own change nor the points' along
     /// their features counts at first order (docs/numerics.md, "derivatives").
-    fn with_gradient(self, a: Placed<'_>, b: Placed<'_>, direction: Direction) -> Self {
+    fn with_gradient(self, a: PosedShape<'_>, b: PosedShape<'_>, direction: Direction) -> Self {
         let Self { normal, point_a, point_b, .. } = self;
         let turning =
-            |point: DVec3, side: Placed<'_>| (point - side.pose.translation()).cross(normal);
+            |point: DVec3, side: PosedShape<'_>| (point - side.pose.translation()).cross(normal);
         let gradient = Gradient {
             a: Twist { translation: -normal, rotation: -turning(point_a, a) },
             b: Twist { translation: normal, rotation: turning(point_b, b) },

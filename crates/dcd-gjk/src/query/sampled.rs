@@ -7,7 +7,7 @@
 //! until both bounds meet.
 
 use crate::epa::{Depth, Scratch, depth_of_overlap as depth_of_polytopes};
-use crate::{Body, Placed, order};
+use crate::{PosedShape, PosedSupport, order};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, SupportMap};
 
@@ -29,7 +29,11 @@ const GAP: f64 = 1e-9;
 const U: f64 = f64::EPSILON / 2.0;
 
 /// How deep two shapes overlap that are known to touch.
-pub(super) fn depth_of_overlap(a: Placed<'_>, b: Placed<'_>, scratch: &mut Scratch) -> Depth {
+pub(super) fn depth_of_overlap(
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    scratch: &mut Scratch,
+) -> Depth {
     if order::is_swapped(a, b) {
         Couple { a: b, b: a }.depth(scratch).mirrored()
     } else {
@@ -39,8 +43,8 @@ pub(super) fn depth_of_overlap(a: Placed<'_>, b: Placed<'_>, scratch: &mut Scrat
 
 /// Two shapes in their order.
 struct Couple<'a> {
-    a: Placed<'a>,
-    b: Placed<'a>,
+    a: PosedShape<'a>,
+    b: PosedShape<'a>,
 }
 
 impl Couple<'_> {
@@ -51,8 +55,8 @@ impl Couple<'_> {
         let mut width = 1.0;
         for _ in 0..ROUNDS {
             let [Some(hull_a), Some(hull_b)] = [inside[0].hull(), inside[1].hull()] else { break };
-            let body_a = Body::polytope(&hull_a, self.a.pose);
-            let body_b = Body::polytope(&hull_b, self.b.pose);
+            let body_a = PosedSupport::polytope(&hull_a, self.a.pose);
+            let body_b = PosedSupport::polytope(&hull_b, self.b.pose);
             let found = depth_of_polytopes(body_a, body_b, scratch);
             lower = lower.max(found.lower());
             let (depth, normal) = self.downhill(found.normal);
@@ -94,7 +98,7 @@ impl Couple<'_> {
     /// The farthest points of the two cores, along a world direction and against it, each in its
     /// own frame.
     fn ends(&self, direction: DVec3) -> [DVec3; 2] {
-        let farthest = |side: Placed<'_>, direction: DVec3| {
+        let farthest = |side: PosedShape<'_>, direction: DVec3| {
             side.shape.support(side.pose.rotation().transpose() * direction).point
         };
         [farthest(self.a, direction), farthest(self.b, -direction)]
@@ -130,14 +134,14 @@ fn ring(normal: DVec3, angle: f64) -> [DVec3; 6] {
 
 /// Points of a core in its own frame, whose hull is inside it.
 struct Inside<'a> {
-    shape: Placed<'a>,
+    shape: PosedShape<'a>,
     points: Vec<DVec3>,
     /// Its own vertices: nothing to grow.
     whole: bool,
 }
 
 impl<'a> Inside<'a> {
-    fn new(shape: Placed<'a>) -> Self {
+    fn new(shape: PosedShape<'a>) -> Self {
         if let Some(polytope) = shape.shape.as_polytope() {
             return Self { shape, points: polytope.vertices().to_vec(), whole: true };
         }

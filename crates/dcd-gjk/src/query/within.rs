@@ -1,11 +1,11 @@
 //! All pairs within a margin, by any narrow phase that says yes or no.
 
 use super::check_margin;
-use crate::{Findings, NarrowPhase, Overlap, Reason};
-use dcd_geom::{Aabb, Divide, Pair, Scene, ShapeError, Stamp};
+use crate::{ContactSink, NarrowPhase, Overlap, Reason};
+use dcd_geom::{Aabb, Pair, Revision, Scene, ShapeError, Splittable};
 
 /// Which pairs are within a margin of each other: a narrow phase's yes or no on the scene's
-/// shapes, each with a ball of half the margin swept round it.
+/// shapes, each with a sphere of half the margin swept round it.
 ///
 /// So the answer is as proved as that narrow phase's: with [`Overlap`] exact, a distance of the
 /// margin itself included. Half the margin is added to each shape's own radius with one rounding;
@@ -46,7 +46,7 @@ impl<N> Within<N> {
 
 /// The scene with its shapes grown, and what the narrow phase prepares of it.
 #[derive(Clone, Debug, Default)]
-pub struct Frame<F> {
+pub struct WithinFrame<F> {
     grown: Grown,
     prepared: F,
 }
@@ -58,7 +58,7 @@ enum Grown {
     #[default]
     AsItIs,
     /// A copy with grown shapes.
-    Copy { of: Stamp, by: f64, scene: Box<Scene> },
+    Copy { of: Revision, by: f64, scene: Box<Scene> },
     /// An object of the copy would be out of range.
     OutOfRange,
 }
@@ -73,7 +73,7 @@ pub struct Part<'f, P> {
     prepared: P,
 }
 
-impl<P: Divide> Divide for Part<'_, P> {
+impl<P: Splittable> Splittable for Part<'_, P> {
     fn len(&self) -> usize {
         self.prepared.len()
     }
@@ -87,28 +87,28 @@ impl<P: Divide> Divide for Part<'_, P> {
 
 impl<N: NarrowPhase> NarrowPhase for Within<N> {
     type Answer = N::Answer;
-    type Frame = Frame<N::Frame>;
+    type Frame = WithinFrame<N::Frame>;
     type Part<'f>
         = Part<'f, N::Part<'f>>
     where
         Self: 'f;
     type Scratch = N::Scratch;
 
-    fn growth(&self) -> Option<f64> {
-        self.narrow.growth().map(|own| own + self.half())
+    fn aabb_margin(&self) -> Option<f64> {
+        self.narrow.aabb_margin().map(|own| own + self.half())
     }
 
-    fn sole_answer(&self) -> Option<N::Answer> {
-        self.narrow.sole_answer()
+    fn constant_answer(&self) -> Option<N::Answer> {
+        self.narrow.constant_answer()
     }
 
-    fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
+    fn layout<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
         let kept = frame.grown.follow(scene, self.half());
         let grown = match &frame.grown {
             Grown::Copy { scene, .. } => Some(&**scene),
             Grown::AsItIs | Grown::OutOfRange => None,
         };
-        let prepared = self.narrow.lay_out(grown.unwrap_or(scene), &mut frame.prepared);
+        let prepared = self.narrow.layout(grown.unwrap_or(scene), &mut frame.prepared);
         Part { grown, kept, prepared }
     }
 
@@ -132,19 +132,19 @@ impl<N: NarrowPhase> NarrowPhase for Within<N> {
         frame: &Self::Frame,
         pairs: &[Pair],
         scratch: &mut N::Scratch,
-        findings: &mut Findings<'_, N::Answer>,
+        sink: &mut ContactSink<'_, N::Answer>,
     ) {
         let scene = match &frame.grown {
             Grown::AsItIs => scene,
             Grown::Copy { scene, .. } => scene,
             Grown::OutOfRange => {
                 for &pair in pairs {
-                    findings.report.leave(pair, Reason::Range);
+                    sink.report.leave(pair, Reason::Range);
                 }
                 return;
             }
         };
-        self.narrow.decide(scene, &frame.prepared, pairs, scratch, findings);
+        self.narrow.decide(scene, &frame.prepared, pairs, scratch, sink);
     }
 }
 

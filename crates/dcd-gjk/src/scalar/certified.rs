@@ -6,17 +6,20 @@ use crate::closed::{self, half_space};
 use crate::exact::boxes;
 use crate::exact::resting;
 use crate::gjk::overlap_with_simplex;
-use crate::{Body, Difference, Placed, Reason, Rung, Verdict, exact, order, parts};
+use crate::{Difference, Method, PosedShape, PosedSupport, Reason, Verdict, exact, mesh, order};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape, SupportMap};
 
-/// Whether two polytopes, rounded or not, touch, and which rung proved it: exact for the vertices
+/// Whether two polytopes, rounded or not, touch, and which method proved it: exact for the vertices
 /// R·v + t and the radii as they are, touching included, never undecided.
 ///
 /// The same for (a, b) and (b, a). Some hundred nanoseconds in f64, some tens for boxes with
 /// parallel edges; where the gap or overlap is within rounding, a microsecond in double-double, and
 /// for exact touching some microseconds in integers.
-pub fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (Verdict<()>, Rung) {
+pub fn overlap(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+) -> (Verdict<()>, Method) {
     overlap_after(&[], a, b)
 }
 
@@ -24,35 +27,35 @@ pub fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (Verdict<()>, Ru
 /// f32 ended with is often right and only not certain.
 pub(crate) fn overlap_after(
     axes: &[DVec3],
-    a: Body<'_, Polytope>,
-    b: Body<'_, Polytope>,
-) -> (Verdict<()>, Rung) {
-    if let Some((touch, rung)) = boxes::touch(a, b) {
-        return (verdict_of(touch), rung);
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+) -> (Verdict<()>, Method) {
+    if let Some((touch, method)) = boxes::touch(a, b) {
+        return (verdict_of(touch), method);
     }
     if axes.iter().any(|&axis| are_apart_along(axis, a, b)) {
-        return (Verdict::Apart, Rung::F64);
+        return (Verdict::Apart, Method::F64);
     }
     let (a, b) = if order::are_swapped(a, b) { (b, a) } else { (a, b) };
     if let Some(verdict) = closed::overlap(a, b) {
-        return (verdict, Rung::F64);
+        return (verdict, Method::F64);
     }
     let mut hint = [[0; 2]; 4];
     let mut known = 0;
     if let Some(difference) = Difference::<f64, _, _>::new(a, b) {
         let (verdict, simplex) = overlap_with_simplex(&difference);
         if !matches!(verdict, Verdict::Undecided(_)) {
-            return (verdict, Rung::F64);
+            return (verdict, Method::F64);
         }
         if let Some(touch) = resting::touch(a, b, &difference) {
-            return (verdict_of(touch), Rung::Exact);
+            return (verdict_of(touch), Method::Exact);
         }
         for (slot, vertex) in hint.iter_mut().zip(simplex.vertices()) {
             *slot = [vertex.a.feature, vertex.b.feature];
             known += 1;
         }
     }
-    (verdict_of(exact::touches(a, b, &hint[..known])), Rung::Exact)
+    (verdict_of(exact::touches(a, b, &hint[..known])), Method::Exact)
 }
 
 /// What a sure answer is.
@@ -63,25 +66,33 @@ pub(crate) fn verdict_of(touch: bool) -> Verdict<()> {
 /// [`overlap_with`], after such axes; shapes that have parts, or no support, are not asked along them.
 pub(crate) fn overlap_with_after(
     axes: &[DVec3],
-    a: Placed<'_>,
-    b: Placed<'_>,
-    scratch: &mut parts::Scratch,
-) -> (Verdict<()>, Rung) {
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    scratch: &mut mesh::Scratch,
+) -> (Verdict<()>, Method) {
     if let (Some(in_a), Some(in_b)) = (a.shape.as_polytope(), b.shape.as_polytope()) {
-        return overlap_after(axes, Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose));
+        return overlap_after(
+            axes,
+            PosedSupport::polytope(in_a, a.pose),
+            PosedSupport::polytope(in_b, b.pose),
+        );
     }
     let has_support = |shape: &Shape| matches!(shape, Shape::Polytope(_) | Shape::Curved(_));
     if has_support(a.shape) && has_support(b.shape) {
-        let (a, b) = (Body::shape(a.shape, a.pose), Body::shape(b.shape, b.pose));
+        let (a, b) = (PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose));
         if axes.iter().any(|&axis| are_apart_along(axis, a, b)) {
-            return (Verdict::Apart, Rung::F64);
+            return (Verdict::Apart, Method::F64);
         }
     }
     overlap_with(a, b, scratch)
 }
 
 /// Whether f64 proves two shapes apart by one axis, world, from b to a, of any length.
-fn are_apart_along<S: SupportMap<f64>>(axis: DVec3, a: Body<'_, S>, b: Body<'_, S>) -> bool {
+fn are_apart_along<S: SupportMap<f64>>(
+    axis: DVec3,
+    a: PosedSupport<'_, S>,
+    b: PosedSupport<'_, S>,
+) -> bool {
     let direction = crate::gjk::unit::<f64>(axis.to_array());
     let (Some(direction), Some(difference)) = (direction, Difference::<f64, _, _>::new(a, b))
     else {
@@ -91,44 +102,44 @@ fn are_apart_along<S: SupportMap<f64>>(axis: DVec3, a: Body<'_, S>, b: Body<'_, 
     Bounds::of(&difference).proves_apart(direction, separation)
 }
 
-/// The last rung alone: slow, and never in doubt. What every other answer is judged by.
-pub fn overlap_exactly(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> bool {
+/// The last method alone: slow, and never in doubt. What every other answer is judged by.
+pub fn overlap_exactly(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) -> bool {
     exact::touches(a, b, &[])
 }
 
-/// Whether any two shapes touch, and which rung proved it. Exact between polytopes, and between a
-/// half-space and all but foreign shapes. Cylinders, cones and foreign shapes know no exact rung
+/// Whether any two shapes touch, and which method proved it. Exact between polytopes, and between a
+/// half-space and all but foreign shapes. Cylinders, cones and foreign shapes know no exact method
 /// else: a pair with one stays undecided where f64, widened by the stated support error, cannot
 /// tell.
 ///
 /// Of compounds and meshes every part is asked, in memory of this call's own: see [`overlap_with`].
-pub fn overlap_of(a: Placed<'_>, b: Placed<'_>) -> (Verdict<()>, Rung) {
-    overlap_with(a, b, &mut parts::Scratch::default())
+pub fn overlap_of(a: PosedShape<'_>, b: PosedShape<'_>) -> (Verdict<()>, Method) {
+    overlap_with(a, b, &mut mesh::Scratch::default())
 }
 
 /// The same in memory that is kept from pair to pair; convex shapes need none.
 pub fn overlap_with(
-    a: Placed<'_>,
-    b: Placed<'_>,
-    scratch: &mut parts::Scratch,
-) -> (Verdict<()>, Rung) {
-    if parts::are_asked(a.shape, b.shape) {
-        return parts::overlap(a, b, scratch);
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    scratch: &mut mesh::Scratch,
+) -> (Verdict<()>, Method) {
+    if mesh::are_asked(a.shape, b.shape) {
+        return mesh::overlap(a, b, scratch);
     }
     if let Some(known) = half_space::overlap(a, b) {
         return known;
     }
     match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
-            overlap(Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose))
+            overlap(PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose))
         }
-        _ => (overlap_in_f64(a, b), Rung::F64),
+        _ => (overlap_in_f64(a, b), Method::F64),
     }
 }
 
 /// What f64 alone can prove of any two shapes.
-pub(crate) fn overlap_in_f64(a: Placed<'_>, b: Placed<'_>) -> Verdict<()> {
-    if parts::are_asked(a.shape, b.shape) {
+pub(crate) fn overlap_in_f64(a: PosedShape<'_>, b: PosedShape<'_>) -> Verdict<()> {
+    if mesh::are_asked(a.shape, b.shape) {
         return Verdict::Undecided(Reason::NotConvex);
     }
     if let Some(verdict) = half_space::overlap_in_f64(a, b) {
@@ -137,13 +148,13 @@ pub(crate) fn overlap_in_f64(a: Placed<'_>, b: Placed<'_>) -> Verdict<()> {
     let (a, b) = order::canonical(a, b);
     match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
-            verdict(Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose))
+            verdict(PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose))
         }
-        _ => verdict(Body::shape(a.shape, a.pose), Body::shape(b.shape, b.pose)),
+        _ => verdict(PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose)),
     }
 }
 
-fn verdict<S: SupportMap<f64>>(a: Body<'_, S>, b: Body<'_, S>) -> Verdict<()> {
+fn verdict<S: SupportMap<f64>>(a: PosedSupport<'_, S>, b: PosedSupport<'_, S>) -> Verdict<()> {
     match Difference::new(a, b) {
         Some(difference) => crate::gjk::overlap(&difference),
         None => Verdict::Undecided(Reason::Range),

@@ -1,11 +1,11 @@
 //! The Minkowski difference of two placed cores, by its support function.
 
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Ball, Matrix, Polytope, Pose, Real, Shape, Support, SupportMap, Vector};
+use dcd_geom::{Matrix, Polytope, Pose, Real, Shape, Sphere, Support, SupportMap, Vector};
 
 /// A support map at a pose, with a bound on how far its core reaches.
 #[derive(Debug)]
-pub struct Body<'a, S: ?Sized> {
+pub struct PosedSupport<'a, S: ?Sized> {
     /// The shape.
     pub map: &'a S,
     /// Where it is.
@@ -15,19 +15,19 @@ pub struct Body<'a, S: ?Sized> {
     /// A point near the core's middle, in its own frame, metres: where searches start. Any finite
     /// point is sound, a good one is quick.
     pub centre: DVec3,
-    /// The radius of a ball round the centre that is inside the core, metres; 0 where none is known.
+    /// The radius of a sphere round the centre that is inside the core, metres; 0 where none is known.
     pub inner: f64,
 }
 
-impl<S: ?Sized> Clone for Body<'_, S> {
+impl<S: ?Sized> Clone for PosedSupport<'_, S> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<S: ?Sized> Copy for Body<'_, S> {}
+impl<S: ?Sized> Copy for PosedSupport<'_, S> {}
 
-impl<'a, S: ?Sized> Body<'a, S> {
+impl<'a, S: ?Sized> PosedSupport<'a, S> {
     /// Any support map; six supports tell how far it reaches.
     pub fn new<R: Real>(map: &'a S, pose: &'a Pose) -> Self
     where
@@ -48,18 +48,18 @@ impl<'a, S: ?Sized> Body<'a, S> {
     }
 }
 
-impl<'a> Body<'a, Polytope> {
+impl<'a> PosedSupport<'a, Polytope> {
     /// A polytope, whose reach is known.
     pub fn polytope(map: &'a Polytope, pose: &'a Pose) -> Self {
-        let Ball { centre, radius } = map.inner();
+        let Sphere { centre, radius } = map.inner();
         Self { map, pose, reach: map.reach(), centre, inner: radius }
     }
 }
 
-impl<'a> Body<'a, Shape> {
+impl<'a> PosedSupport<'a, Shape> {
     /// A shape of a scene, whose reach is known.
     pub fn shape(map: &'a Shape, pose: &'a Pose) -> Self {
-        let Ball { centre, radius } = map.inner();
+        let Sphere { centre, radius } = map.inner();
         Self { map, pose, reach: map.reach(), centre, inner: radius }
     }
 }
@@ -107,7 +107,7 @@ where
 {
     /// Of two bodies. `None` if the pair's size leaves the range in which no product of a vertex
     /// and a direction over- or underflows noticeably: 2^±900 m in f64, 2^±96 m in f32.
-    pub fn new(a: Body<'a, A>, b: Body<'a, B>) -> Option<Self> {
+    pub fn new(a: PosedSupport<'a, A>, b: PosedSupport<'a, B>) -> Option<Self> {
         let delta = a.pose.translation() - b.pose.translation();
         let reach = |body_reach: f64, pose: &Pose| body_reach * (1.0 + pose.deviation());
         let inner = |radius: f64, pose: &Pose| radius * (1.0 - pose.deviation());
@@ -196,7 +196,7 @@ where
         self.middle
     }
 
-    /// The radius of a ball round the middle that is inside the difference, to within rounding;
+    /// The radius of a sphere round the middle that is inside the difference, to within rounding;
     /// scaled. 0 where none is known.
     pub fn inner(&self) -> R {
         self.inner
@@ -253,7 +253,7 @@ mod tests {
         let cube = Polytope::cuboid(DVec3::splat(0.5)).unwrap();
         let here = Pose::IDENTITY;
         let there = Pose::new(DQuat::IDENTITY, DVec3::new(3.0, 0.0, 0.0)).unwrap();
-        let (a, b) = (Body::polytope(&cube, &here), Body::polytope(&cube, &there));
+        let (a, b) = (PosedSupport::polytope(&cube, &here), PosedSupport::polytope(&cube, &there));
         let difference = Difference::<f64, _, _>::new(a, b).unwrap();
         let x = difference.support(DVec3::X);
         assert_eq!(x.w.x / difference.scale(), -2.0);

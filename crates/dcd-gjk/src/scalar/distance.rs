@@ -14,7 +14,9 @@ mod tests;
 use crate::certificate::Bounds;
 use crate::closed::{self, half_space};
 use crate::exact::{self, Exact};
-use crate::{Body, Difference, Placed, Reason, Rung, Verdict, certified, order, parts, portal};
+use crate::{
+    Difference, Method, PosedShape, PosedSupport, Reason, Verdict, certified, mesh, order, portal,
+};
 use approach::{Approach, approach};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape, SupportMap};
@@ -108,32 +110,35 @@ impl DistanceResult {
     }
 }
 
-/// The distance and the rung that reached it: never undecided between polytopes.
+/// The distance and the method that reached it: never undecided between polytopes.
 ///
 /// Between polytopes, rounded or not, its relative error is at most 1e-12 wherever it is above
 /// 1e-12 of the shapes' size, and the bound is of that order. With a foreign shape it is
-/// [`in_f64`]'s. Of compounds and meshes it is that of the nearest parts: see [`parts::distance`].
+/// [`in_f64`]'s. Of compounds and meshes it is that of the nearest parts: see [`mesh::distance`].
 /// (a, b) and (b, a) give the same bits, mirrored.
-pub fn distance(a: Placed<'_>, b: Placed<'_>) -> (DistanceResult, Rung) {
-    if parts::are_asked(a.shape, b.shape) {
-        return parts::distance(a, b, &mut parts::Scratch::default());
+pub fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> (DistanceResult, Method) {
+    if mesh::are_asked(a.shape, b.shape) {
+        return mesh::distance(a, b, &mut mesh::Scratch::default());
     }
     if let Some(found) = half_space::distance(a, b) {
         return found;
     }
     match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
-            of_polytopes(Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose))
+            of_polytopes(PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose))
         }
-        _ => (in_f64(a, b), Rung::F64),
+        _ => (in_f64(a, b), Method::F64),
     }
 }
 
 /// The distance between two polytopes: see [`distance`].
-pub fn of_polytopes(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (DistanceResult, Rung) {
+pub fn of_polytopes(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+) -> (DistanceResult, Method) {
     if order::are_swapped(a, b) {
-        let (result, rung) = in_order(b, a);
-        (result.mirrored(), rung)
+        let (result, method) = in_order(b, a);
+        (result.mirrored(), method)
     } else {
         in_order(a, b)
     }
@@ -141,23 +146,23 @@ pub fn of_polytopes(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (DistanceRe
 
 /// The distance by f64 alone: where a gap or overlap is within its rounding an interval round 0, and
 /// with a bound of about 28 · 2⁻⁵³ of the pair's size at the least.
-pub fn in_f64(a: Placed<'_>, b: Placed<'_>) -> DistanceResult {
-    if parts::are_asked(a.shape, b.shape) {
+pub fn in_f64(a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceResult {
+    if mesh::are_asked(a.shape, b.shape) {
         return DistanceResult::Undecided(Reason::NotConvex);
     }
     if order::is_swapped(a, b) { in_f64_in_order(b, a).mirrored() } else { in_f64_in_order(a, b) }
 }
 
-fn in_f64_in_order(a: Placed<'_>, b: Placed<'_>) -> DistanceResult {
+fn in_f64_in_order(a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceResult {
     match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
-            measured(Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose))
+            measured(PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose))
         }
-        _ => measured(Body::shape(a.shape, a.pose), Body::shape(b.shape, b.pose)),
+        _ => measured(PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose)),
     }
 }
 
-fn measured<S: SupportMap<f64>>(a: Body<'_, S>, b: Body<'_, S>) -> DistanceResult {
+fn measured<S: SupportMap<f64>>(a: PosedSupport<'_, S>, b: PosedSupport<'_, S>) -> DistanceResult {
     let Some(difference) = Difference::new(a, b) else {
         return DistanceResult::Undecided(Reason::Range);
     };
@@ -194,7 +199,7 @@ impl Approach {
         &self,
         bounds: &Bounds<f64>,
         scale: f64,
-        bodies: [Body<'_, S>; 2],
+        bodies: [PosedSupport<'_, S>; 2],
     ) -> Distance {
         let radius = bounds.radius();
         let distance = self.length - radius;
@@ -211,7 +216,7 @@ impl Approach {
         &self,
         bounds: &Bounds<f64>,
         scale: f64,
-        bodies: [Body<'_, S>; 2],
+        bodies: [PosedSupport<'_, S>; 2],
     ) -> Distance {
         let above = self.upper - bounds.radius() * (1.0 - 8.0 * UNIT);
         let error = above * (1.0 + 4.0 * f64::EPSILON);
@@ -219,7 +224,7 @@ impl Approach {
         Distance { distance: 0.0, error_bound, ..self.witnesses(bodies) }.saturated()
     }
 
-    fn witnesses<S: SupportMap<f64>>(&self, [a, b]: [Body<'_, S>; 2]) -> Distance {
+    fn witnesses<S: SupportMap<f64>>(&self, [a, b]: [PosedSupport<'_, S>; 2]) -> Distance {
         let normal = unit(-self.direction);
         let [core_a, core_b] = self.points(a, b);
         let point_a = core_a + normal * a.map.radius();
@@ -243,9 +248,12 @@ fn undecided_or_proved<S: SupportMap<f64>>(
     portal::overlap(difference, bounds)
 }
 
-fn in_order(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (DistanceResult, Rung) {
+fn in_order(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+) -> (DistanceResult, Method) {
     if let Some(found) = closed::distance(a, b) {
-        return (found, Rung::F64);
+        return (found, Method::F64);
     }
     let difference = Difference::<f64, _, _>::new(a, b);
     let mut hint = [[0; 2]; 3];
@@ -254,7 +262,7 @@ fn in_order(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (DistanceResult, Ru
     if let Some(difference) = &difference {
         let bounds = Bounds::of(difference);
         match approach(difference, &bounds) {
-            Err(Verdict::Touching(())) => return (DistanceResult::Touching, Rung::F64),
+            Err(Verdict::Touching(())) => return (DistanceResult::Touching, Method::F64),
             Err(_) => {}
             Ok(near) => {
                 apart = near.lower > bounds.swept_upper();
@@ -266,22 +274,26 @@ fn in_order(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> (DistanceResult, Ru
         }
     }
     if !apart {
-        let (verdict, rung) = certified::overlap(a, b);
+        let (verdict, method) = certified::overlap(a, b);
         if verdict != Verdict::Apart {
-            return (DistanceResult::Touching, rung);
+            return (DistanceResult::Touching, method);
         }
     }
     let hint = &hint[..known];
     if let Some(found) = difference.and_then(|d| refine::refined(a, b, d.scale(), hint)) {
-        return (DistanceResult::Apart(found.saturated()), Rung::F64);
+        return (DistanceResult::Apart(found.saturated()), Method::F64);
     }
     match exact::closest(a, b, hint) {
-        Some(found) => (DistanceResult::Apart(of_exact(a, b, &found).saturated()), Rung::Exact),
-        None => (DistanceResult::Touching, Rung::Exact),
+        Some(found) => (DistanceResult::Apart(of_exact(a, b, &found).saturated()), Method::Exact),
+        None => (DistanceResult::Touching, Method::Exact),
     }
 }
 
-fn of_exact(a: Body<'_, Polytope>, b: Body<'_, Polytope>, found: &Exact) -> Distance {
+fn of_exact(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    found: &Exact,
+) -> Distance {
     let normal = unit(-found.direction);
     let [core_a, core_b] = weighted(a, b, &found.pairs, &found.weights);
     Distance {
@@ -295,8 +307,8 @@ fn of_exact(a: Body<'_, Polytope>, b: Body<'_, Polytope>, found: &Exact) -> Dist
 
 /// R·Σλv + t of both, for vertices by index and weights that sum to 1.
 fn weighted(
-    a: Body<'_, Polytope>,
-    b: Body<'_, Polytope>,
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
     pairs: &[[usize; 2]],
     weights: &[f64],
 ) -> [DVec3; 2] {

@@ -1,28 +1,31 @@
 //! A canonical order of a pair, by content: solvers see (a, b) and (b, a) as one, so that both
 //! give the same bits.
 
-use crate::{Body, Placed};
+use crate::{PosedShape, PosedSupport};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Mesh, Polytope, Pose, Shape, SupportMap};
 use std::cmp::Ordering;
 
 /// The pair in its order: as given where nothing tells the two apart, and then it cannot matter.
-pub(crate) fn canonical<'a>(a: Placed<'a>, b: Placed<'a>) -> (Placed<'a>, Placed<'a>) {
+pub(crate) fn canonical<'a>(
+    a: PosedShape<'a>,
+    b: PosedShape<'a>,
+) -> (PosedShape<'a>, PosedShape<'a>) {
     if is_swapped(a, b) { (b, a) } else { (a, b) }
 }
 
 /// Whether the second comes first.
-pub(crate) fn is_swapped(a: Placed<'_>, b: Placed<'_>) -> bool {
+pub(crate) fn is_swapped(a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
     placed(a, b).is_gt()
 }
 
 /// Which comes first.
-pub(crate) fn placed(a: Placed<'_>, b: Placed<'_>) -> Ordering {
+pub(crate) fn placed(a: PosedShape<'_>, b: PosedShape<'_>) -> Ordering {
     poses(a.pose, b.pose).then_with(|| shapes(a.shape, b.shape))
 }
 
 /// The same for polytopes.
-pub(crate) fn are_swapped(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> bool {
+pub(crate) fn are_swapped(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) -> bool {
     poses(a.pose, b.pose).then_with(|| polytopes(a.map, b.map)).is_gt()
 }
 

@@ -18,8 +18,8 @@ use dcd_geom::{Real, SupportMap, Vector};
 /// How many supports one ray may take. No unit. Hulls need 3 to 8.
 const MAX_SUPPORTS: usize = 40;
 
-/// Where the first ray begins, in radii of the inner ball from its centre: half a radius, so that
-/// neither its own rounding nor the ball's matters, and off every symmetry.
+/// Where the first ray begins, in radii of the inner sphere from its centre: half a radius, so that
+/// neither its own rounding nor the sphere's matters, and off every symmetry.
 const OFF_CENTRE: [f64; 3] = [0.34375, 0.203125, -0.28125];
 
 /// The first direction in which the inner point's vertices are sought: none that shapes like. World
@@ -70,7 +70,7 @@ where
 {
     /// Whether a ray shows that the origin is surely inside.
     fn rays(&self) -> Result<bool, Axis> {
-        if let Some(inner) = self.inner_ball_point()
+        if let Some(inner) = self.inner_sphere_point()
             && self.ray(&inner)?
         {
             return Ok(true);
@@ -84,8 +84,8 @@ where
         Ok(false)
     }
 
-    /// A point of the inner ball off its centre, if the ball is large beside rounding.
-    fn inner_ball_point(&self) -> Option<Triple<R>> {
+    /// A point of the inner sphere off its centre, if the sphere is large beside rounding.
+    fn inner_sphere_point(&self) -> Option<Triple<R>> {
         let radius = self.difference.inner();
         let middle = self.difference.middle().components();
         let skewed = OFF_CENTRE.map(|x| R::from_f64(x) * radius);

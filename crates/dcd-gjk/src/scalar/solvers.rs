@@ -1,7 +1,8 @@
-//! The ladder's rungs as solvers of single pairs: what a user picks and pays for.
+//! The ladder's methods as solvers of single pairs: what a user picks and pays for.
 
 use crate::{
-    Body, Difference, PairSolver, Placed, Reason, Rung, Verdict, certified, gjk, order, parts,
+    Difference, Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, gjk,
+    mesh, order,
 };
 use dcd_geom::glam::Vec3;
 use dcd_geom::{Shape, Support, SupportMap, Vector};
@@ -11,8 +12,8 @@ use std::marker::PhantomData;
 /// rounding. The f64 one is scalar and never fuses: the same bits everywhere.
 ///
 /// ```
-/// use dcd_gjk::{EachPair, Gjk};
-/// let narrow_phase = EachPair(Gjk::<f64>::default());
+/// use dcd_gjk::{Pairwise, Gjk};
+/// let narrow_phase = Pairwise(Gjk::<f64>::default());
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Gjk<R>(PhantomData<R>);
@@ -21,11 +22,11 @@ impl PairSolver for Gjk<f64> {
     type Answer = ();
     type Scratch = ();
 
-    fn rung(&self) -> Rung {
-        Rung::F64
+    fn method(&self) -> Method {
+        Method::F64
     }
 
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
+    fn solve(&self, a: PosedShape<'_>, b: PosedShape<'_>, (): &mut ()) -> Verdict<()> {
         certified::overlap_in_f64(a, b)
     }
 }
@@ -34,19 +35,20 @@ impl PairSolver for Gjk<f32> {
     type Answer = ();
     type Scratch = ();
 
-    fn rung(&self) -> Rung {
-        Rung::F32
+    fn method(&self) -> Method {
+        Method::F32
     }
 
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>, (): &mut ()) -> Verdict<()> {
-        if parts::are_asked(a.shape, b.shape) {
+    fn solve(&self, a: PosedShape<'_>, b: PosedShape<'_>, (): &mut ()) -> Verdict<()> {
+        if mesh::are_asked(a.shape, b.shape) {
             return Verdict::Undecided(Reason::NotConvex);
         }
         let (a, b) = order::canonical(a, b);
         match (a.shape, b.shape) {
-            (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
-                overlap_in_f32(Body::polytope(in_a, a.pose), Body::polytope(in_b, b.pose))
-            }
+            (Shape::Polytope(in_a), Shape::Polytope(in_b)) => overlap_in_f32(
+                PosedSupport::polytope(in_a, a.pose),
+                PosedSupport::polytope(in_b, b.pose),
+            ),
             _ => {
                 let (map_a, map_b) = (Narrowed(a.shape), Narrowed(b.shape));
                 overlap_in_f32(map_a.body(a), map_b.body(b))
@@ -55,7 +57,10 @@ impl PairSolver for Gjk<f32> {
     }
 }
 
-fn overlap_in_f32<S: SupportMap<f32>>(a: Body<'_, S>, b: Body<'_, S>) -> Verdict<()> {
+fn overlap_in_f32<S: SupportMap<f32>>(
+    a: PosedSupport<'_, S>,
+    b: PosedSupport<'_, S>,
+) -> Verdict<()> {
     match Difference::<f32, _, _>::new(a, b) {
         Some(difference) => gjk::overlap(&difference),
         None => Verdict::Undecided(Reason::Range),
@@ -66,9 +71,10 @@ fn overlap_in_f32<S: SupportMap<f32>>(a: Body<'_, S>, b: Body<'_, S>) -> Verdict
 struct Narrowed<'a>(&'a Shape);
 
 impl Narrowed<'_> {
-    fn body<'a>(&'a self, placed: Placed<'a>) -> Body<'a, Self> {
-        let Body { pose, reach, centre, inner, .. } = Body::shape(placed.shape, placed.pose);
-        Body { map: self, pose, reach, centre, inner }
+    fn body<'a>(&'a self, placed: PosedShape<'a>) -> PosedSupport<'a, Self> {
+        let PosedSupport { pose, reach, centre, inner, .. } =
+            PosedSupport::shape(placed.shape, placed.pose);
+        PosedSupport { map: self, pose, reach, centre, inner }
     }
 }
 
@@ -94,22 +100,27 @@ pub struct Certified;
 
 impl PairSolver for Certified {
     type Answer = ();
-    type Scratch = parts::Scratch;
+    type Scratch = mesh::Scratch;
 
-    fn rung(&self) -> Rung {
-        Rung::Exact
+    fn method(&self) -> Method {
+        Method::Exact
     }
 
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>, scratch: &mut parts::Scratch) -> Verdict<()> {
+    fn solve(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut mesh::Scratch,
+    ) -> Verdict<()> {
         self.settle(a, b, scratch).0
     }
 
     fn settle(
         &self,
-        a: Placed<'_>,
-        b: Placed<'_>,
-        scratch: &mut parts::Scratch,
-    ) -> (Verdict<()>, Rung) {
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut mesh::Scratch,
+    ) -> (Verdict<()>, Method) {
         certified::overlap_with(a, b, scratch)
     }
 }

@@ -1,9 +1,9 @@
 //! Axes that separated two objects in an earlier step, to be tried first.
 
-use super::lot::Lot;
+use super::packet::PairPacket;
 use super::vector::V3;
 use dcd_geom::glam::Vec3;
-use dcd_geom::lanes::{Block, Lanes, WIDTH};
+use dcd_simd::{Block, Lanes, WIDTH};
 
 /// A direction in the world from b to a, of any length, to one part in 2¹⁵; or none, all 0. A hint:
 /// nothing is concluded from it without a certificate.
@@ -31,12 +31,12 @@ impl Axis {
 pub(super) fn hinted<L: Lanes>(
     l: L,
     axes: &[Axis],
-    (lot, used): (&Lot, usize),
+    (packet, used): (&PairPacket, usize),
     otherwise: V3<L>,
 ) -> V3<L> {
     let mut rows = Block::default();
     for lane in 0..used.min(WIDTH) {
-        let Axis([x, y, z]) = axes.get(lot.number.0[lane] as usize).copied().unwrap_or_default();
+        let Axis([x, y, z]) = axes.get(packet.number.0[lane] as usize).copied().unwrap_or_default();
         rows.0[0].0[lane] = f32::from(x) * UNIT;
         rows.0[1].0[lane] = f32::from(y) * UNIT;
         rows.0[2].0[lane] = f32::from(z) * UNIT;

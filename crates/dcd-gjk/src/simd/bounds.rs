@@ -30,7 +30,7 @@ pub(super) const CHOICE: f64 = 2.125 * (f32::EPSILON / 2.0) as f64;
 pub(super) const TAGGED_BLOCKS: u8 = 255;
 
 /// How far |c + Σ τ_k·p_k| may be off, with 0, 1, 2 and 3 points. Unit: u·m·(1 + Σ τ_k).
-pub(super) const HULL_OF_BALL: [f32; 4] = [17.0, 20.0, 22.0, 24.0];
+pub(super) const HULL_OF_SPHERE: [f32; 4] = [17.0, 20.0, 22.0, 24.0];
 
 /// How far the nearest point that w, s·(p − w) and t·(q − w) make of three of A − B may be from one
 /// of the hull of the cores, with what its length loses. Unit: u·m.
@@ -44,8 +44,8 @@ pub(super) const NEAREST: f32 = 40.0;
 /// 7 for the two roundings up and the sum, 1 for the product. Smaller: false contacts.
 pub(super) const RADIUS: f32 = 16.0;
 
-/// How far |c| may be below its true value where outer balls reject. Unit: u·m.
-pub(super) const OUTER_BALLS: f32 = 24.0;
+/// How far |c| may be below its true value where outer spheres reject. Unit: u·m.
+pub(super) const OUTER_SPHERES: f32 = 24.0;
 
 /// How far a component of a rotated vertex, in f32, may be off. Unit: u·(κ·r).
 ///
@@ -61,20 +61,20 @@ pub(super) const GAIN: f32 = 8.0;
 /// never an answer.
 pub(super) const PLANE: f32 = 4.0;
 
-/// How far what the twin boxes' fifteen axes compare may be off, edges that are parallel up to
+/// How far what the inner and outer OBBs' fifteen axes compare may be off, edges that are parallel up to
 /// [`PARALLEL`] taken as parallel. Unit: u·(m + the swept radii).
 ///
 /// 32 for the arithmetic, 64 and 46 for turning one box by twice [`PARALLEL`] and shrinking it into
-/// itself (docs/numerics.md, "twin boxes"). Smaller: false answers both ways.
-pub(super) const TWIN_BOX: f32 = 256.0;
+/// itself (docs/numerics.md, "inner and outer OBBs"). Smaller: false answers both ways.
+pub(super) const OBB: f32 = 256.0;
 
 /// Directions whose cross product has no component above this are parallel, and it is no axis to
-/// test. Unit: u. Larger: [`TWIN_BOX`] must grow with it. Smaller: fewer boxes with parallel edges
+/// test. Unit: u. Larger: [`OBB`] must grow with it. Smaller: fewer boxes with parallel edges
 /// are settled here.
 pub(super) const PARALLEL: f32 = 16.0;
 
 /// The largest deviation of a pose's matrix from a rotation for which the boxes are turned with it.
-/// No unit. Larger: [`TWIN_BOX`] would have to count it.
+/// No unit. Larger: [`OBB`] would have to count it.
 pub(super) const TURNED: f64 = 1e-9;
 
 /// Sizes m for which no product of the kernels leaves f32's normal range (|n|² of a cross product
@@ -95,7 +95,7 @@ pub(super) const SHORTEST: f32 = 1e-18;
 ///
 /// Of κ·reach: three products and two sums of the rotation 3, the sum with t and the difference of two
 /// centres 1 each; and either the vertices less the centre 2, or the mean that stands for the centre of a
-/// core without an inner ball 2.02: 7.02. Of |t|: 2. (docs/numerics.md, "centres".) Smaller: false answers.
+/// core without an inner sphere 2.02: 7.02. Of |t|: 2. (docs/numerics.md, "centres".) Smaller: false answers.
 pub(super) const CENTRE: f64 = 8.0;
 
 /// How far a component of c, or of a computed point of A − B, may be off where four of them hold the
@@ -115,6 +115,6 @@ pub(super) const DETERMINANT: f32 = 16.0;
 /// products, a sum. Unit: 1. Smaller: false contacts of flat shapes.
 pub(super) const EVALUATED: f32 = 1.0 + 32.0 * U;
 
-/// An inner ball below this settles so little that four points are tried as well. Unit: u·m. Decides
+/// An inner sphere below this settles so little that four points are tried as well. Unit: u·m. Decides
 /// what is asked, never an answer.
 pub(super) const FLAT: f32 = 1024.0;

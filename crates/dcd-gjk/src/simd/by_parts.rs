@@ -1,14 +1,14 @@
 //! Pairs of compounds settled by their parts: first the likeliest pair of parts of each, then all of
 //! those that this leaves open, then what the lanes do.
 
-use super::certificate::Proved;
+use super::certificate::CertifiedBounds;
 use super::decide::{self, Decide, Left};
 use super::expand::{Expand, Queue};
-use super::frame::Frame;
-use crate::{Placed, Reason, Report, Rung, Verdict, certified};
+use super::frame::SimdFrame;
+use crate::{Method, PosedShape, Reason, Report, Verdict, certified};
 use dcd_geom::glam::Vec3;
-use dcd_geom::lanes::{Path, dispatch_on};
 use dcd_geom::{Pair, Scene, Shape};
+use dcd_simd::{Path, dispatch_on};
 use std::marker::PhantomData;
 
 /// What is reused from slice to slice.
@@ -34,7 +34,7 @@ pub(super) struct Scratch {
 struct Known {
     touching: bool,
     undecided: Option<Reason>,
-    rung: Rung,
+    method: Method,
 }
 
 /// Two parts of which nothing is proved yet.
@@ -50,7 +50,7 @@ struct Doubt {
 pub(super) struct ByParts<'a> {
     pub(super) path: Path,
     pub(super) scene: &'a Scene,
-    pub(super) frame: &'a Frame,
+    pub(super) frame: &'a SimdFrame,
     pub(super) pairs: &'a [Pair],
 }
 
@@ -68,14 +68,14 @@ impl ByParts<'_> {
             let taken = dispatch_on(self.path, Expand { frame, pairs, left, queue });
             left = &left[taken..];
             self.answer(&mut scratch, lanes);
-            report.count(Rung::Portal, scratch.queue.apart);
+            report.count(Method::Portal, scratch.queue.apart);
             for (question, known) in scratch.queue.questions.iter().zip(&scratch.known) {
                 touching[question.number as usize] = known.touching;
                 match known.undecided {
                     Some(reason) if !known.touching => {
                         report.leave(pairs[question.number as usize], reason);
                     }
-                    _ => report.count(known.rung, 1),
+                    _ => report.count(known.method, 1),
                 }
             }
         }
@@ -96,8 +96,8 @@ impl ByParts<'_> {
             let [a, b] = scratch.queue.questions[doubt.question as usize].objects;
             let (a, b) = (self.placed(a, doubt.parts.i), self.placed(b, doubt.parts.j));
             let axes = doubt.axes.map(|axis| axis.as_dvec3());
-            let (verdict, rung) = certified::overlap_with_after(&axes, a, b, &mut lanes.parts);
-            known.rung = known.rung.max(rung);
+            let (verdict, method) = certified::overlap_with_after(&axes, a, b, &mut lanes.parts);
+            known.method = known.method.max(method);
             match verdict {
                 Verdict::Apart => {}
                 Verdict::Touching(()) => known.touching = true,
@@ -109,7 +109,7 @@ impl ByParts<'_> {
     /// Asks the lanes, notes what they prove, and keeps what they do not.
     fn ask(&self, scratch: &mut Scratch, lanes: &mut decide::Scratch) {
         let Scratch { asked, asked_for, touching, left, counts, known, doubts, .. } = scratch;
-        let (trust, frame, pairs) = (PhantomData::<Proved>, self.frame, &asked[..]);
+        let (trust, frame, pairs) = (PhantomData::<CertifiedBounds>, self.frame, &asked[..]);
         lanes.lend(touching, left);
         dispatch_on(self.path, Decide { trust, frame, pairs, scratch: lanes, report: counts });
         lanes.lend(touching, left);
@@ -125,7 +125,7 @@ impl ByParts<'_> {
     }
 
     /// An object's part, by its record; or the object, which is its own.
-    fn placed(&self, object: u32, record: u32) -> Placed<'_> {
+    fn placed(&self, object: u32, record: u32) -> PosedShape<'_> {
         let Self { scene, frame, .. } = self;
         let (slot, pose) = (object as usize, &scene.poses()[object as usize]);
         let part = frame.place_of(object, record).and_then(|place| {
@@ -137,14 +137,14 @@ impl ByParts<'_> {
                 _ => None,
             }
         });
-        Placed { shape: part.unwrap_or(scene.shape(slot)), pose }
+        PosedShape { shape: part.unwrap_or(scene.shape(slot)), pose }
     }
 }
 
 impl Scratch {
     /// One pair of parts for each question, of which nothing is known.
     fn ask_the_likeliest(&mut self) {
-        let none = Known { touching: false, undecided: None, rung: Rung::Portal };
+        let none = Known { touching: false, undecided: None, method: Method::Portal };
         self.known.clear();
         self.known.resize(self.queue.questions.len(), none);
         self.doubts.clear();

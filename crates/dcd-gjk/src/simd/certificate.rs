@@ -1,16 +1,16 @@
 //! The three certificates of the lanes. What they conclude is proved; what they leave open is not
 //! wrong, only unsettled (docs/numerics.md, "lanes").
 
-use super::bounds::{HULL_OF_BALL, SHORTEST, U};
+use super::bounds::{HULL_OF_SPHERE, SHORTEST, U};
 use super::decide::{Scratch, Slice};
 use super::frame::{LIVE, WHOLE};
-use super::lot::{Lot, Number};
+use super::packet::{Number, PairPacket};
 use super::vector::V3;
 use crate::Report;
-use dcd_geom::lanes::Lanes;
+use dcd_simd::Lanes;
 
 /// What a conclusion is worth.
-pub trait Trust: Copy + Send + Sync {
+pub trait ErrorBounds: Copy + Send + Sync {
     /// What stands for a quantity's rounding: the bound itself, or nothing.
     fn rounding<L: Lanes>(l: L, bound: L::F) -> L::F;
 
@@ -20,8 +20,8 @@ pub trait Trust: Copy + Send + Sync {
     /// The mark of records whose pairs are judged.
     const JUDGED: u8;
 
-    /// Whether the room that a conclusion has is kept beside it.
-    const KEEPS_ROOM: bool;
+    /// Whether the clearance that a conclusion has is kept beside it.
+    const KEEPS_CLEARANCE: bool;
 
     /// [`Slice::judge`]. Of no type parameter, so that the kernels are compiled here, once, and not
     /// by every crate that names a narrow phase.
@@ -30,34 +30,34 @@ pub trait Trust: Copy + Send + Sync {
 
 /// Every rounding is counted: what is concluded is proved.
 #[derive(Clone, Copy, Debug)]
-pub struct Proved;
+pub struct CertifiedBounds;
 
-impl Trust for Proved {
+impl ErrorBounds for CertifiedBounds {
     #[inline(always)]
     fn rounding<L: Lanes>(_: L, bound: L::F) -> L::F {
         bound
     }
     const HANDS_ON: bool = true;
     const JUDGED: u8 = LIVE;
-    const KEEPS_ROOM: bool = false;
+    const KEEPS_CLEARANCE: bool = false;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
         slice.judge::<Self>(scratch, report);
     }
 }
 
-/// As [`Proved`], and how far the two objects may move before the proof no longer holds.
+/// As [`CertifiedBounds`], and how far the two objects may move before the proof no longer holds.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lasting;
+pub(crate) struct ClearanceBounds;
 
-impl Trust for Lasting {
+impl ErrorBounds for ClearanceBounds {
     #[inline(always)]
     fn rounding<L: Lanes>(_: L, bound: L::F) -> L::F {
         bound
     }
     const HANDS_ON: bool = true;
     const JUDGED: u8 = LIVE;
-    const KEEPS_ROOM: bool = true;
+    const KEEPS_CLEARANCE: bool = true;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
         slice.judge::<Self>(scratch, report);
@@ -66,9 +66,9 @@ impl Trust for Lasting {
 
 /// f32 is taken at its word, as most libraries do.
 #[derive(Clone, Copy, Debug)]
-pub struct Trusted;
+pub struct UncheckedBounds;
 
-impl Trust for Trusted {
+impl ErrorBounds for UncheckedBounds {
     #[inline(always)]
     fn rounding<L: Lanes>(l: L, _: L::F) -> L::F {
         l.splat(0.0)
@@ -76,7 +76,7 @@ impl Trust for Trusted {
     const HANDS_ON: bool = false;
     // Between the hull inside a curved shape and the shape itself only bounds can tell.
     const JUDGED: u8 = WHOLE;
-    const KEEPS_ROOM: bool = false;
+    const KEEPS_CLEARANCE: bool = false;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
         slice.judge::<Self>(scratch, report);
@@ -85,31 +85,31 @@ impl Trust for Trusted {
 
 /// What a certificate says of sixteen pairs.
 ///
-/// The room of a lane where it holds is a distance s, metres, rounded down: along every unit
+/// The clearance of a lane where it holds is a distance s, metres, rounded down: along every unit
 /// direction A − B reaches s beyond the origin (touching), or along one it stays s short of it
 /// (apart). So the conclusion outlasts any motion of the two objects by which no point of A and
 /// no point of B travel more than s together. Whoever does not read it does not pay for it.
 #[derive(Clone, Copy)]
 pub(super) struct Certificate<L: Lanes> {
     pub(super) holds: L::M,
-    pub(super) room: L::F,
+    pub(super) clearance: L::F,
 }
 
-/// What the few roundings of a room, a square root among them, may add to it. No unit.
-const ROOM: f32 = 1.0 - 16.0 * U;
+/// What the few roundings of a clearance, a square root among them, may add to it. No unit.
+const CLEARANCE: f32 = 1.0 - 16.0 * U;
 
 impl<L: Lanes> Certificate<L> {
     /// By a difference whose parts are rounded to the safe side already, in units of `unit`.
     #[inline(always)]
     pub(super) fn new(l: L, holds: L::M, difference: L::F, unit: L::F) -> Self {
-        Self { holds, room: l.mul(l.div(difference, unit), l.splat(ROOM)) }
+        Self { holds, clearance: l.mul(l.div(difference, unit), l.splat(CLEARANCE)) }
     }
 }
 
-/// Whether a ball of radius t round v holds the origin: v·v < t², t > 0. The room in units of
+/// Whether a sphere of radius t round v holds the origin: v·v < t², t > 0. The clearance in units of
 /// `unit`.
 #[inline(always)]
-pub(super) fn ball_holds_origin<L: Lanes>(
+pub(super) fn sphere_holds_origin<L: Lanes>(
     l: L,
     squared: L::F,
     t: L::F,
@@ -120,43 +120,51 @@ pub(super) fn ball_holds_origin<L: Lanes>(
     Certificate::new(l, holds, l.sub(t, length), unit)
 }
 
-/// Whether v is longer than the radius t: balls round two objects that do not meet.
+/// Whether v is longer than the radius t: spheres round two objects that do not meet.
 #[inline(always)]
-pub(super) fn ball_misses_origin<L: Lanes>(l: L, squared: L::F, t: L::F) -> Certificate<L> {
+pub(super) fn sphere_misses_origin<L: Lanes>(l: L, squared: L::F, t: L::F) -> Certificate<L> {
     let holds = l.lt(l.mul(t, t), squared);
     let length = l.mul(l.sqrt(squared), l.splat(1.0 - 4.0 * U));
     Certificate::new(l, holds, l.sub(length, t), l.splat(1.0))
 }
 
-/// Whether the hull of the inner ball and `points` points p_k holds the origin, with
+/// Whether the hull of the inner sphere and `points` points p_k holds the origin, with
 /// v = c + Σ τ_k·p_k and `taus` = Σ τ_k for any τ_k ≥ 0.
 #[inline(always)]
-pub(super) fn hull_holds_origin<L: Lanes, T: Trust>(
+pub(super) fn hull_holds_origin<L: Lanes, T: ErrorBounds>(
     l: L,
-    lot: &Lot,
+    packet: &PairPacket,
     v: V3<L>,
     taus: L::F,
     points: usize,
 ) -> Certificate<L> {
-    let slack = lot.number(l, Number::Slack);
-    let rounding =
-        l.mul_add(lot.number(l, Number::Unit), l.splat(HULL_OF_BALL[points]), l.add(slack, slack));
+    let slack = packet.number(l, Number::Slack);
+    let rounding = l.mul_add(
+        packet.number(l, Number::Unit),
+        l.splat(HULL_OF_SPHERE[points]),
+        l.add(slack, slack),
+    );
     let weight = l.add(l.splat(1.0), taus);
     let rounding = T::rounding(l, l.mul(rounding, weight));
-    let t = l.sub(lot.number(l, Number::Inner), rounding);
-    // The hull holds a ball of 1/(1 + Σ τ_k) of that round the origin.
-    ball_holds_origin(l, v.dot(l, v), t, weight)
+    let t = l.sub(packet.number(l, Number::Inner), rounding);
+    // The hull holds a sphere of 1/(1 + Σ τ_k) of that round the origin.
+    sphere_holds_origin(l, v.dot(l, v), t, weight)
 }
 
 /// Whether A − B is on the far side of direction d, with w its support along −d: the separation
 /// d·w exceeds what it may be off by, and the swept radii.
 #[inline(always)]
-pub(super) fn separates<L: Lanes, T: Trust>(l: L, lot: &Lot, d: V3<L>, w: V3<L>) -> Certificate<L> {
+pub(super) fn separates<L: Lanes, T: ErrorBounds>(
+    l: L,
+    packet: &PairPacket,
+    d: V3<L>,
+    w: V3<L>,
+) -> Certificate<L> {
     let norm1 = d.norm1(l);
-    let rounding = T::rounding(l, l.mul(norm1, lot.number(l, Number::Separation)));
+    let rounding = T::rounding(l, l.mul(norm1, packet.number(l, Number::Separation)));
     // |d|₂ is off by 3u at most; the radii are rounded up by more than the product loses.
     let length = l.mul(l.sqrt(d.dot(l, d)), l.splat(1.0 + 8.0 * U));
-    let bound = l.mul_add(lot.number(l, Number::Radius), length, rounding);
+    let bound = l.mul_add(packet.number(l, Number::Radius), length, rounding);
     let long_enough = l.lt(l.splat(SHORTEST), norm1);
     let separation = d.dot(l, w);
     let holds = l.and(l.lt(bound, separation), long_enough);

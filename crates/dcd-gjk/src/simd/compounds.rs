@@ -3,10 +3,10 @@
 //! So a pair of compounds is as many pairs of parts as have boxes that overlap, and these pass the
 //! stages of any pair, sixteen at a time, whichever compounds they are of.
 
-use super::frame::{BOXED, BoxRecord, Extremes, Record};
+use super::frame::{Extremes, HAS_OBB, ObbRecord, Record};
 use super::prepare::{boxed, place, rotate, turn};
-use dcd_geom::lanes::{Block, Lanes, MOST_BLOCKS, WIDTH};
-use dcd_geom::{Aabb, Core, Pose, Scene, Shape, Sixteen};
+use dcd_geom::{Aabb, Aabb16, Core, Pose, Scene, Shape};
+use dcd_simd::{Block, Lanes, MAX_BLOCKS, WIDTH};
 
 /// Where the parts of an object begin in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,20 +25,20 @@ pub(super) struct Compounds {
     /// One for each object and one behind the last; none at all in a scene without compounds.
     starts: Vec<Start>,
     /// The parts' boxes in the world, sixteen a group, each group of one object.
-    groups: Vec<Sixteen>,
+    groups: Vec<Aabb16>,
     /// For each group the box round it.
     unions: Vec<Aabb>,
 }
 
 /// The room for the parts of a range of objects.
 #[derive(Debug, Default)]
-pub(super) struct Room<'f> {
+pub(super) struct CompoundPart<'f> {
     /// One more than there are objects, or none.
     pub(super) starts: &'f [Start],
     pub(super) records: &'f mut [Record],
     pub(super) blocks: &'f mut [Block],
-    pub(super) boxes: &'f mut [BoxRecord],
-    groups: &'f mut [Sixteen],
+    pub(super) boxes: &'f mut [ObbRecord],
+    groups: &'f mut [Aabb16],
     unions: &'f mut [Aabb],
 }
 
@@ -46,7 +46,7 @@ pub(super) struct Room<'f> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Members<'f> {
     pub(super) first: u32,
-    pub(super) groups: &'f [Sixteen],
+    pub(super) groups: &'f [Aabb16],
     pub(super) unions: &'f [Aabb],
 }
 
@@ -74,7 +74,7 @@ impl Compounds {
                 block = next;
             }
             let groups = self.groups.len() + (of.parts as usize).div_ceil(WIDTH);
-            self.groups.resize(groups, Sixteen::EMPTY);
+            self.groups.resize(groups, Aabb16::EMPTY);
             self.unions.resize(groups, Aabb::EMPTY);
         }
         self.starts.push(self.end(records, block));
@@ -90,14 +90,14 @@ impl Compounds {
     }
 
     /// The room for all parts, of which these are the records, blocks and boxes.
-    pub(super) fn room<'f>(
+    pub(super) fn compound_part<'f>(
         &'f mut self,
         records: &'f mut [Record],
         blocks: &'f mut [Block],
-        boxes: &'f mut [BoxRecord],
-    ) -> Room<'f> {
+        boxes: &'f mut [ObbRecord],
+    ) -> CompoundPart<'f> {
         let Self { starts, groups, unions } = self;
-        Room { starts, records, blocks, boxes, groups, unions }
+        CompoundPart { starts, records, blocks, boxes, groups, unions }
     }
 
     /// The parts of an object, if it has some.
@@ -125,12 +125,12 @@ impl Compounds {
 pub(super) fn laid_out(core: &Core, first: u32) -> (Record, u32) {
     let next = first.saturating_add(core.blocks);
     let fits =
-        next as usize <= MOST_BLOCKS && core.blocks <= u32::from(super::bounds::TAGGED_BLOCKS);
+        next as usize <= MAX_BLOCKS && core.blocks <= u32::from(super::bounds::TAGGED_BLOCKS);
     let (blocks, next) = if fits { (core.blocks as u8, next) } else { (0, first) };
     (Record { first, blocks, ..Record::default() }, next)
 }
 
-impl<'f> Room<'f> {
+impl<'f> CompoundPart<'f> {
     pub(super) fn split_at(self, middle: usize) -> (Self, Self) {
         let (Some(&base), Some(&cut)) = (self.starts.first(), self.starts.get(middle)) else {
             return (self, Self::default());
@@ -219,14 +219,14 @@ impl Whole<'_> {
         &self,
         l: L,
         core: usize,
-        (record, boxes): (&mut Record, Option<&mut BoxRecord>),
+        (record, boxes): (&mut Record, Option<&mut ObbRecord>),
         own: &mut [Block],
     ) -> [L::F; 6] {
         let cores = self.scene.cores();
         let of = &cores.cores()[core];
         *record = place(record, of, self.pose);
-        if let (true, Some(boxes)) = (record.marks & BOXED != 0, boxes) {
-            *boxes = turn(&cores.twin_boxes()[core], record, self.pose);
+        if let (true, Some(boxes)) = (record.marks & HAS_OBB != 0, boxes) {
+            *boxes = turn(&cores.obbs()[core], record, self.pose);
         }
         rotate(l, self.pose, &cores.blocks(of)[..own.len()], own)
     }

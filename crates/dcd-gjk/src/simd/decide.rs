@@ -1,25 +1,26 @@
 //! A slice of pairs on its way through the stages.
 
-use super::ahead::Ahead;
 use super::axis::hinted;
-use super::boxes::{self, Boxes};
+use super::axis_aligned;
 use super::by_parts::{self, ByParts};
-use super::certificate::Trust;
+use super::certificate::ErrorBounds;
 use super::expand;
-use super::frame::{BOX, Frame};
-use super::kept::Kept;
-use super::lot::{
-    AFTER_BALLS, AFTER_CONE, AFTER_SECOND_POINT, Belt, LanesOf, Lot, Number, Vector, Whole,
+use super::first_stages::{self, Entry, Place, Settled};
+use super::frame::{BOX, SimdFrame};
+use super::kept_proofs::KeptProofs;
+use super::obb::{self, ObbPairs};
+use super::packet::{
+    AFTER_CONE, AFTER_SECOND_POINT, AFTER_SPHERES, LanesOf, Number, PacketQueue, PairPacket,
+    Vector, Whole,
 };
-use super::nearest;
-use super::opening::{self, Entry, Place, Settled};
 use super::portal;
-use super::support::Desk;
-use super::upright;
-use crate::{Placed, Report, Rung, Verdict, certified, parts};
+use super::prefetch::Prefetch;
+use super::simplex;
+use super::support::SupportScratch;
+use crate::{Method, PosedShape, Report, Verdict, certified, mesh};
 use dcd_geom::glam::Vec3;
-use dcd_geom::lanes::{Block, Kernel, Lanes, Path, WIDTH, dispatch_on};
 use dcd_geom::{Pair, Scene};
+use dcd_simd::{Block, Kernel, Lanes, Path, WIDTH, dispatch_on};
 use std::marker::PhantomData;
 
 /// What a thread reuses from slice to slice.
@@ -28,26 +29,26 @@ pub struct Scratch {
     /// For each pair of the slice, whether it is known to touch.
     touching: Vec<bool>,
     /// Where proofs are to last.
-    kept: Kept,
+    kept: KeptProofs,
     left: Vec<Left>,
-    ahead: Ahead,
-    desk: Desk,
+    ahead: Prefetch,
+    support_scratch: SupportScratch,
     entry: Entry,
-    boxes: Boxes,
+    boxes: ObbPairs,
     /// Where the later stages work.
-    lot: Lot,
-    /// What waits for the twin boxes.
-    boxed: Belt<AFTER_BALLS>,
+    packet: PairPacket,
+    /// What waits for the inner and outer OBBs.
+    boxed: PacketQueue<AFTER_SPHERES>,
     /// What waits for the centre axis.
-    axis: Belt<AFTER_BALLS>,
+    axis: PacketQueue<AFTER_SPHERES>,
     /// What waits for the next support of rounded shapes.
-    near: Belt<AFTER_SECOND_POINT>,
+    near: PacketQueue<AFTER_SECOND_POINT>,
     /// What waits for the second point.
-    second: Belt<AFTER_CONE>,
+    second: PacketQueue<AFTER_CONE>,
     /// What waits for the next support.
-    portal: Belt<AFTER_SECOND_POINT>,
+    portal: PacketQueue<AFTER_SECOND_POINT>,
     /// For what is made of parts.
-    pub(super) parts: parts::Scratch,
+    pub(super) parts: mesh::Scratch,
     /// For those of them whose parts the lanes know.
     pub(super) by_parts: by_parts::Scratch,
     /// The pairs of these.
@@ -61,7 +62,7 @@ impl Scratch {
     }
 
     /// What was kept of them, if proofs are to last.
-    pub(crate) fn kept(&self) -> &Kept {
+    pub(crate) fn kept(&self) -> &KeptProofs {
         &self.kept
     }
 
@@ -72,7 +73,7 @@ impl Scratch {
     }
 
     /// To be written before a slice is judged by proofs that are to last.
-    pub(crate) fn kept_mut(&mut self) -> &mut Kept {
+    pub(crate) fn kept_mut(&mut self) -> &mut KeptProofs {
         &mut self.kept
     }
 }
@@ -95,14 +96,14 @@ pub(super) struct Left {
 pub struct Slice<'a> {
     pub(crate) path: Path,
     pub(crate) scene: &'a Scene,
-    pub(crate) frame: &'a Frame,
+    pub(crate) frame: &'a SimdFrame,
     pub(crate) pairs: &'a [Pair],
 }
 
 impl Slice<'_> {
     /// Lanes first, then one pair at a time what they leave: without a proof only shapes that have
     /// no vertices, and sizes that f32 has no room for.
-    pub(crate) fn judge<T: Trust>(&self, scratch: &mut Scratch, report: &mut Report) {
+    pub(crate) fn judge<T: ErrorBounds>(&self, scratch: &mut Scratch, report: &mut Report) {
         let Self { path, scene, frame, pairs } = *self;
         let trust = PhantomData::<T>;
         dispatch_on(path, Decide { trust, frame, pairs, scratch, report: &mut *report });
@@ -110,9 +111,9 @@ impl Slice<'_> {
         for left in &scratch.left {
             let number = left.number as usize;
             let pair = pairs[number];
-            scratch.touching[number] = match upright::touch(frame, pair) {
-                Some((touch, rung)) => {
-                    report.count(rung, 1);
+            scratch.touching[number] = match axis_aligned::touch(frame, pair) {
+                Some((touch, method)) => {
+                    report.count(method, 1);
                     touch
                 }
                 None => {
@@ -140,13 +141,13 @@ impl Slice<'_> {
     }
 }
 
-/// What the later rungs are handed beside a pair.
+/// What the later methods are handed beside a pair.
 struct Known<'a> {
     axes: [Vec3; 2],
-    parts: &'a mut parts::Scratch,
+    parts: &'a mut mesh::Scratch,
 }
 
-/// The later rungs for one pair that the lanes left open: the lanes' own axes in f64, then f64
+/// The later methods for one pair that the lanes left open: the lanes' own axes in f64, then f64
 /// from the start, then exact integers. Whether it is known to touch.
 fn settle(
     scene: &Scene,
@@ -155,13 +156,13 @@ fn settle(
     report: &mut Report,
 ) -> bool {
     let placed =
-        |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
+        |i: u32| PosedShape { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
     let axes = axes.map(|axis| axis.as_dvec3());
-    let (verdict, rung) =
+    let (verdict, method) =
         certified::overlap_with_after(&axes, placed(pair.i), placed(pair.j), parts);
     match verdict {
         Verdict::Undecided(reason) => report.leave(pair, reason),
-        Verdict::Apart | Verdict::Touching(()) => report.count(rung, 1),
+        Verdict::Apart | Verdict::Touching(()) => report.count(method, 1),
     }
     verdict == Verdict::Touching(())
 }
@@ -170,22 +171,22 @@ fn settle(
 pub(super) struct Decide<'a, T> {
     /// What the answers are worth.
     pub(super) trust: PhantomData<T>,
-    pub(super) frame: &'a Frame,
+    pub(super) frame: &'a SimdFrame,
     pub(super) pairs: &'a [Pair],
     pub(super) scratch: &'a mut Scratch,
     pub(super) report: &'a mut Report,
 }
 
-impl<T: Trust> Kernel for Decide<'_, T> {
+impl<T: ErrorBounds> Kernel for Decide<'_, T> {
     type Output = ();
 
-    /// Every stage hands on what it leaves open, and works whenever a whole lot has come together.
+    /// Every stage hands on what it leaves open, and works whenever a whole packet has come together.
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
         let pairs = self.pairs;
         self.scratch.touching.clear();
         self.scratch.touching.resize(pairs.len(), false);
-        if T::KEEPS_ROOM {
+        if T::KEEPS_CLEARANCE {
             self.scratch.kept.begin(pairs.len());
         }
         self.scratch.left.clear();
@@ -210,7 +211,7 @@ impl<T: Trust> Kernel for Decide<'_, T> {
                 } else if axis.has(whole) {
                     self.first_axis(l);
                 } else if boxed.has(whole) {
-                    self.twin_boxes(l);
+                    self.obbs(l);
                 } else {
                     break;
                 }
@@ -222,8 +223,8 @@ impl<T: Trust> Kernel for Decide<'_, T> {
     }
 }
 
-impl<T: Trust> Decide<'_, T> {
-    /// Reads sixteen pairs and tries their balls.
+impl<T: ErrorBounds> Decide<'_, T> {
+    /// Reads sixteen pairs and tries their spheres.
     #[inline(always)]
     fn open<L: Lanes>(&mut self, l: L, first: usize) {
         let Scratch { touching, kept, left, ahead, entry, boxed, axis, .. } = &mut *self.scratch;
@@ -231,158 +232,159 @@ impl<T: Trust> Decide<'_, T> {
         ahead.look(self.frame, &later[..later.len().min(WIDTH)]);
         let pairs = &self.pairs[first..self.pairs.len().min(first + WIDTH)];
         entry.read::<T>(self.frame, pairs, first as u32);
-        let balls = entry.balls::<L, T>(l);
-        mark(&mut touching[first..], balls.touching);
-        self.report.count(Rung::Balls, count(balls.all()));
-        let open = entry.live & !balls.all();
+        let spheres = entry.spheres::<L, T>(l);
+        mark(&mut touching[first..], spheres.touching);
+        self.report.count(Method::Spheres, count(spheres.all()));
+        let open = entry.live & !spheres.all();
         let mut narrow = 0;
-        if T::KEEPS_ROOM {
-            narrow = balls.all() & !kept.note(l, &entry.lot, (balls.room, balls.all()));
+        if T::KEEPS_CLEARANCE {
+            narrow =
+                spheres.all() & !kept.note(l, &entry.packet, (spheres.clearance, spheres.all()));
         }
         let to_axis = if self.frame.has_vertices() { (open | narrow) & !entry.boxed } else { 0 };
         let to_boxes = open & entry.boxed;
-        let to_left = used(pairs.len()) & !(balls.all() | to_boxes | to_axis);
+        let to_left = used(pairs.len()) & !(spheres.all() | to_boxes | to_axis);
         for lane in LanesOf(to_left) {
-            left.push(Left { number: entry.lot.number.0[lane], axes: [Vec3::ZERO; 2] });
+            left.push(Left { number: entry.packet.number.0[lane], axes: [Vec3::ZERO; 2] });
         }
-        boxed.push(l, &entry.lot, to_boxes);
-        axis.push(l, &entry.lot, to_axis);
+        boxed.push(l, &entry.packet, to_boxes);
+        axis.push(l, &entry.packet, to_axis);
     }
 
     /// A box round and a box inside each.
     #[inline(always)]
-    fn twin_boxes<L: Lanes>(&mut self, l: L) {
-        let Scratch { left, boxes, lot, boxed, .. } = &mut *self.scratch;
-        let taken = boxed.take(l, lot);
-        let (settled, aligned) = boxes::twin_boxes::<L, T>(l, self.frame, boxes, (lot, taken));
+    fn obbs<L: Lanes>(&mut self, l: L) {
+        let Scratch { left, boxes, packet, boxed, .. } = &mut *self.scratch;
+        let taken = boxed.take(l, packet);
+        let (settled, aligned) = obb::obbs::<L, T>(l, self.frame, boxes, (packet, taken));
         let open = used(taken) & !settled.all();
         let handed_on = match (self.frame.has_vertices(), T::HANDS_ON) {
             (false, _) => open,
             // A round or a hull between its boxes is not them.
-            (true, true) => are_boxes(self.frame, lot, open & aligned),
+            (true, true) => are_boxes(self.frame, packet, open & aligned),
             (true, false) => 0,
         };
         for lane in LanesOf(handed_on) {
             // The closed form of boxes needs no axis.
-            left.push(Left { number: lot.number.0[lane], axes: [Vec3::ZERO; 2] });
+            left.push(Left { number: packet.number.0[lane], axes: [Vec3::ZERO; 2] });
         }
-        self.settle(l, Rung::Boxes, settled, used(taken));
-        self.scratch.axis.push(l, &self.scratch.lot, open & !handed_on);
+        self.settle(l, Method::Obbs, settled, used(taken));
+        self.scratch.axis.push(l, &self.scratch.packet, open & !handed_on);
     }
 
     /// The axis between the centres, or one that separated before, and the cone.
     #[inline(always)]
     fn first_axis<L: Lanes>(&mut self, l: L) {
-        let Scratch { desk, lot, axis, kept, .. } = &mut *self.scratch;
-        let taken = axis.take(l, lot);
-        let mut at = Place { frame: self.frame, desk };
-        let mut first = lot.vector(l, Vector::C);
-        if T::KEEPS_ROOM {
-            first = hinted(l, &kept.axes, (lot, taken), first);
+        let Scratch { support_scratch, packet, axis, kept, .. } = &mut *self.scratch;
+        let taken = axis.take(l, packet);
+        let mut at = Place { frame: self.frame, support_scratch };
+        let mut first = packet.vector(l, Vector::C);
+        if T::KEEPS_CLEARANCE {
+            first = hinted(l, &kept.axes, (packet, taken), first);
         }
-        let apart = opening::first_axis::<L, T>(l, &mut at, (lot, taken), first);
+        let apart = first_stages::first_axis::<L, T>(l, &mut at, (packet, taken), first);
         let apart = Settled::apart(l, apart);
-        let cone = Settled::touching(l, opening::cone::<L, T>(l, lot)).but(apart);
-        let done = self.settle(l, Rung::CentreAxis, apart, used(taken))
-            | self.settle(l, Rung::Cone, cone, used(taken));
-        let Scratch { lot, near, second, .. } = &mut *self.scratch;
+        let cone = Settled::touching(l, first_stages::cone::<L, T>(l, packet)).but(apart);
+        let done = self.settle(l, Method::CentreAxis, apart, used(taken))
+            | self.settle(l, Method::Cone, cone, used(taken));
+        let Scratch { packet, near, second, .. } = &mut *self.scratch;
         let open = used(taken) & !done;
-        let rounded = l.bits(l.lt(l.splat(0.0), lot.number(l, Number::Radius)));
+        let rounded = l.bits(l.lt(l.splat(0.0), packet.number(l, Number::Radius)));
         // Nearer points also show how far two are apart.
         let to_near = open & (rounded | apart.all());
-        second.push(l, lot, open & !to_near);
+        second.push(l, packet, open & !to_near);
         if to_near != 0 {
-            nearest::begin(l, lot);
-            near.push(l, lot, to_near);
+            simplex::begin(l, packet);
+            near.push(l, packet, to_near);
         }
     }
 
     /// A nearer point of two cores. Where there is none they overlap, as a portal may prove.
     #[inline(always)]
     fn nearer<L: Lanes>(&mut self, l: L) {
-        let Scratch { desk, lot, near, .. } = &mut *self.scratch;
-        let taken = near.take(l, lot);
-        let mut at = Place { frame: self.frame, desk };
-        let (settled, stuck) = nearest::round::<L, T>(l, &mut at, lot, taken);
-        let done = self.settle(l, Rung::Portal, settled, used(taken));
+        let Scratch { support_scratch, packet, near, .. } = &mut *self.scratch;
+        let taken = near.take(l, packet);
+        let mut at = Place { frame: self.frame, support_scratch };
+        let (settled, stuck) = simplex::round::<L, T>(l, &mut at, packet, taken);
+        let done = self.settle(l, Method::Portal, settled, used(taken));
         let (proved, enough) = self.narrow(l);
-        let Scratch { lot, near, second, .. } = &mut *self.scratch;
-        second.push(l, lot, stuck & used(taken) & !proved);
-        near.push(l, lot, used(taken) & !(done | stuck | enough));
+        let Scratch { packet, near, second, .. } = &mut *self.scratch;
+        second.push(l, packet, stuck & used(taken) & !proved);
+        near.push(l, packet, used(taken) & !(done | stuck | enough));
     }
 
     /// The cone of two points.
     #[inline(always)]
     fn second_point<L: Lanes>(&mut self, l: L) {
-        let Scratch { desk, lot, second, .. } = &mut *self.scratch;
-        let taken = second.take(l, lot);
-        let mut at = Place { frame: self.frame, desk };
-        let cone = portal::second_point::<L, T>(l, &mut at, lot, taken);
+        let Scratch { support_scratch, packet, second, .. } = &mut *self.scratch;
+        let taken = second.take(l, packet);
+        let mut at = Place { frame: self.frame, support_scratch };
+        let cone = portal::second_point::<L, T>(l, &mut at, packet, taken);
         let cone = Settled::touching(l, cone);
-        let done = self.settle(l, Rung::Cone, cone, used(taken));
-        self.scratch.portal.push(l, &self.scratch.lot, used(taken) & !done);
+        let done = self.settle(l, Method::Cone, cone, used(taken));
+        self.scratch.portal.push(l, &self.scratch.packet, used(taken) & !done);
     }
 
     /// One support, and what follows.
     #[inline(always)]
     fn round<L: Lanes>(&mut self, l: L) {
-        let Scratch { desk, lot, portal, .. } = &mut *self.scratch;
-        let taken = portal.take(l, lot);
-        let mut at = Place { frame: self.frame, desk };
+        let Scratch { support_scratch, packet, portal, .. } = &mut *self.scratch;
+        let taken = portal.take(l, packet);
+        let mut at = Place { frame: self.frame, support_scratch };
         let mut against = Block::default();
-        if T::KEEPS_ROOM {
-            lot.vector(l, Vector::D).store(l, &mut against.0);
+        if T::KEEPS_CLEARANCE {
+            packet.vector(l, Vector::D).store(l, &mut against.0);
         }
-        let (mut settled, mut stuck) = portal::round::<L, T>(l, &mut at, lot, taken);
+        let (mut settled, mut stuck) = portal::round::<L, T>(l, &mut at, packet, taken);
         if !T::HANDS_ON {
             settled.touching |= stuck;
             stuck = 0;
         }
-        let done = self.settle(l, Rung::Portal, settled, used(taken));
+        let done = self.settle(l, Method::Portal, settled, used(taken));
         let (proved, enough) = self.narrow(l);
-        let Scratch { left, lot, portal, kept, .. } = &mut *self.scratch;
+        let Scratch { left, packet, portal, kept, .. } = &mut *self.scratch;
         for lane in LanesOf(stuck & used(taken) & !proved) {
-            left.push(Left { number: lot.number.0[lane], axes: lot.axes(lane) });
+            left.push(Left { number: packet.number.0[lane], axes: packet.axes(lane) });
         }
-        if T::KEEPS_ROOM {
-            kept.note_axes(lot, &against, settled.apart & used(taken));
+        if T::KEEPS_CLEARANCE {
+            kept.note_axes(packet, &against, settled.apart & used(taken));
         }
-        portal.push(l, lot, used(taken) & !(done | stuck | enough));
+        portal.push(l, packet, used(taken) & !(done | stuck | enough));
     }
 
     /// Notes what a stage settled of the lanes in use. Returns those that need no other stage.
     #[inline(always)]
-    fn settle<L: Lanes>(&mut self, l: L, rung: Rung, settled: Settled<L>, used: u32) -> u32 {
-        let Scratch { touching, kept, lot, .. } = &mut *self.scratch;
+    fn settle<L: Lanes>(&mut self, l: L, method: Method, settled: Settled<L>, used: u32) -> u32 {
+        let Scratch { touching, kept, packet, .. } = &mut *self.scratch;
         let proved = settled.all() & used;
-        scatter(touching, lot, settled.touching & used);
-        if !T::KEEPS_ROOM {
-            self.report.count(rung, count(proved));
+        scatter(touching, packet, settled.touching & used);
+        if !T::KEEPS_CLEARANCE {
+            self.report.count(method, count(proved));
             return proved;
         }
-        self.report.count(rung, count(proved & !kept.proved(lot)));
-        kept.note(l, lot, (settled.room, proved))
+        self.report.count(method, count(proved & !kept.proved(packet)));
+        kept.note(l, packet, (settled.clearance, proved))
     }
 
     /// The lanes that have a proof but not the room that is wanted, and those of them that have taken
     /// [`WIDENING`] supports.
     #[inline(always)]
     fn narrow<L: Lanes>(&self, l: L) -> (u32, u32) {
-        if !T::KEEPS_ROOM {
+        if !T::KEEPS_CLEARANCE {
             return (0, 0);
         }
-        let proved = self.scratch.kept.proved(&self.scratch.lot);
-        let round = self.scratch.lot.number(l, Number::Round);
+        let proved = self.scratch.kept.proved(&self.scratch.packet);
+        let round = self.scratch.packet.number(l, Number::Round);
         (proved, proved & l.bits(l.le(l.splat(WIDENING), round)))
     }
 }
 
 /// Of these lanes those whose objects are their boxes.
 #[inline(always)]
-fn are_boxes(frame: &Frame, lot: &Lot, lanes: u32) -> u32 {
+fn are_boxes(frame: &SimdFrame, packet: &PairPacket, lanes: u32) -> u32 {
     let mut boxes = 0;
     for lane in LanesOf(lanes) {
-        let (a, b) = (frame.record(lot.a.0[lane]), frame.record(lot.b.0[lane]));
+        let (a, b) = (frame.record(packet.a.0[lane]), frame.record(packet.b.0[lane]));
         boxes |= u32::from(a.marks & b.marks & BOX != 0) << lane;
     }
     boxes
@@ -402,11 +404,11 @@ fn mark(touching: &mut [bool], bits: u32) {
     }
 }
 
-/// Writes which pairs of a lot touch, without a branch; what was known of the others stays.
+/// Writes which pairs of a packet touch, without a branch; what was known of the others stays.
 #[inline(always)]
-fn scatter(touching: &mut [bool], lot: &Lot, bits: u32) {
+fn scatter(touching: &mut [bool], packet: &PairPacket, bits: u32) {
     for lane in 0..WIDTH {
-        if let Some(touches) = touching.get_mut(lot.number.0[lane] as usize) {
+        if let Some(touches) = touching.get_mut(packet.number.0[lane] as usize) {
             *touches |= bits >> lane & 1 == 1;
         }
     }

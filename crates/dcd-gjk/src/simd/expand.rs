@@ -3,10 +3,10 @@
 
 use super::compounds::Members;
 use super::decide::Left;
-use super::frame::Frame;
+use super::frame::SimdFrame;
 use dcd_geom::glam::DVec3;
-use dcd_geom::lanes::{Kernel, Lanes, Row, WIDTH};
-use dcd_geom::{Aabb, Pair, Sixteen};
+use dcd_geom::{Aabb, Aabb16, Pair};
+use dcd_simd::{Kernel, Lanes, Row, WIDTH};
 
 /// Two objects, one of them a compound at least, and where their pairs of parts are.
 #[derive(Clone, Copy, Debug)]
@@ -41,12 +41,12 @@ impl Queue {
 }
 
 /// When so many pairs of parts have come together they are settled before there are more. No unit.
-/// Larger: lists that no near cache holds. Smaller: lots that are not full.
+/// Larger: lists that no near cache holds. Smaller: packets that are not full.
 const ENOUGH: usize = 4096;
 
 /// Whether a pair is one for [`Expand`].
 #[inline(always)]
-pub(super) fn has_parts(frame: &Frame, pair: Pair) -> bool {
+pub(super) fn has_parts(frame: &SimdFrame, pair: Pair) -> bool {
     let known = |object| frame.members(object).is_some() || frame.is_live(object);
     let (i, j) = (frame.members(pair.i).is_some(), frame.members(pair.j).is_some());
     (i || j) && known(pair.i) && known(pair.j)
@@ -54,7 +54,7 @@ pub(super) fn has_parts(frame: &Frame, pair: Pair) -> bool {
 
 /// Fills a queue from the pairs left in a slice, all with parts; returns how many it took.
 pub(super) struct Expand<'a> {
-    pub(super) frame: &'a Frame,
+    pub(super) frame: &'a SimdFrame,
     pub(super) pairs: &'a [Pair],
     pub(super) left: &'a [Left],
     pub(super) queue: &'a mut Queue,
@@ -80,11 +80,11 @@ impl Kernel for Expand<'_> {
                     [pair.i, pair.j]
                 }
                 (Some(a), None) => {
-                    hits.of_one(l, &a, (&ball_box(frame, pair.j), pair.j));
+                    hits.of_one(l, &a, (&sphere_box(frame, pair.j), pair.j));
                     [pair.i, pair.j]
                 }
                 (None, Some(b)) => {
-                    hits.of_one(l, &b, (&ball_box(frame, pair.i), pair.i));
+                    hits.of_one(l, &b, (&sphere_box(frame, pair.i), pair.i));
                     [pair.j, pair.i]
                 }
                 (None, None) => [pair.i, pair.j],
@@ -138,7 +138,7 @@ impl Hits<'_> {
     }
 
     #[inline(always)]
-    fn of_group<L: Lanes>(&mut self, l: L, group: (&Sixteen, u32), one: (&Aabb, u32)) {
+    fn of_group<L: Lanes>(&mut self, l: L, group: (&Aabb16, u32), one: (&Aabb, u32)) {
         let depth = group.0.depths(l, one.0);
         let mut met = l.bits(l.le(l.splat(0.0), depth));
         let mut depths = Row::default();
@@ -155,9 +155,9 @@ impl Hits<'_> {
     }
 }
 
-/// A box round an object, from the ball round it.
+/// A box round an object, from the sphere round it.
 #[inline(always)]
-fn ball_box(frame: &Frame, object: u32) -> Aabb {
+fn sphere_box(frame: &SimdFrame, object: u32) -> Aabb {
     let record = frame.record(object);
     let [x, y, z, _] = record.centre;
     let centre = DVec3::new(x, y, z);

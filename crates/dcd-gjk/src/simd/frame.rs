@@ -1,26 +1,26 @@
 //! What is prepared of every object once a step.
 
-use super::compounds::{Compounds, Members, Room, laid_out};
+use super::axis_aligned::AxisAligned;
+use super::compounds::{CompoundPart, Compounds, Members, laid_out};
 use super::prepare::constants;
-use super::upright::Upright;
-use dcd_geom::lanes::{Block, Lanes, Row, WIDTH, prefetch};
-use dcd_geom::{Divide, Kind, Scene, Shape, Stamp};
+use dcd_geom::{Kind, Revision, Scene, Shape, Splittable};
+use dcd_simd::{Block, Lanes, Row, WIDTH, prefetch};
 
 /// All objects, ready for the lanes.
 #[derive(Clone, Debug, Default)]
-pub struct Frame {
+pub struct SimdFrame {
     form: Form,
     /// How many objects there are. Behind them in the lists are the parts of compounds.
     objects: usize,
     records: Vec<Record>,
     blocks: Vec<Block>,
     /// One for each record; none at all where no shape of the scene has boxes.
-    boxes: Vec<BoxRecord>,
+    boxes: Vec<ObbRecord>,
     /// One for each object; none at all where no shape of the scene is a cuboid.
-    uprights: Vec<Upright>,
+    uprights: Vec<AxisAligned>,
     compounds: Compounds,
     /// The scene's layout that the offsets are for.
-    layout: Option<Stamp>,
+    layout: Option<Revision>,
     /// Lent to the first part that has an object.
     extremes: Box<Extremes>,
 }
@@ -58,9 +58,9 @@ pub(super) enum Form {
     /// Nothing: every polytope has its vertices.
     #[default]
     Any,
-    /// All are spheres: balls settle their pairs.
+    /// All are spheres: spheres settle their pairs.
     Spheres,
-    /// All are cuboids of radius 0: balls and boxes settle their pairs.
+    /// All are cuboids of radius 0: spheres and boxes settle their pairs.
     Cuboids,
 }
 
@@ -79,13 +79,13 @@ impl Form {
     }
 }
 
-/// A record's mark that its [`BoxRecord`] says something.
-pub(super) const BOXED: u8 = 1;
+/// A record's mark that its [`ObbRecord`] says something.
+pub(super) const HAS_OBB: u8 = 1;
 /// A record's mark that the lanes can settle pairs of it: it has vertices, or needs none.
 pub(super) const LIVE: u8 = 2;
 
-/// A record's mark that its [`Upright`] says something.
-pub(super) const UPRIGHT: u8 = 4;
+/// A record's mark that its [`AxisAligned`] says something.
+pub(super) const AXIS_ALIGNED: u8 = 4;
 
 /// A record's mark that its vertices are all of it, and not those of a hull inside it; or that it
 /// needs none.
@@ -108,13 +108,13 @@ pub(super) struct Record {
     /// How many blocks it has; 0 where the lanes do not know the shape, or the scene is of a form
     /// without vertices.
     pub(super) blocks: u8,
-    /// [`BOXED`], [`LIVE`], [`UPRIGHT`], [`WHOLE`] and [`BOX`], each or not.
+    /// [`HAS_OBB`], [`LIVE`], [`AXIS_ALIGNED`], [`WHOLE`] and [`BOX`], each or not.
     pub(super) marks: u8,
-    /// A ball round the centre inside the object, its swept radius included: rounded down.
+    /// A sphere round the centre inside the object, its swept radius included: rounded down.
     pub(super) inner: f32,
-    /// A ball round the centre that holds the object, its swept radius included: rounded up.
+    /// A sphere round the centre that holds the object, its swept radius included: rounded up.
     pub(super) outer: f32,
-    /// κ·r: a ball round the centre that holds the core, rounded up.
+    /// κ·r: a sphere round the centre that holds the core, rounded up.
     pub(super) size: f32,
     /// The swept radius, rounded up.
     pub(super) radius: f32,
@@ -126,10 +126,10 @@ pub(super) struct Record {
     pub(super) choice: f32,
 }
 
-/// An object's boxes on one cache line: the twin boxes of its shape, turned, round the record's
+/// An object's boxes on one cache line: the inner and outer OBBs of its shape, turned, round the record's
 /// centre.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct BoxRecord {
+pub(super) struct ObbRecord {
     /// Three directions of edges in the world; half the edges of a box that holds the object, its
     /// swept radius included, rounded up; and of one inside it, rounded down. Fifteen numbers.
     pub(super) numbers: Row,
@@ -151,17 +151,17 @@ pub struct Part<'f> {
     pub(super) form: Form,
     pub(super) records: &'f mut [Record],
     pub(super) blocks: &'f mut [Block],
-    pub(super) boxes: &'f mut [BoxRecord],
-    pub(super) uprights: &'f mut [Upright],
-    pub(super) room: Room<'f>,
+    pub(super) boxes: &'f mut [ObbRecord],
+    pub(super) uprights: &'f mut [AxisAligned],
+    pub(super) compound_part: CompoundPart<'f>,
     /// Room that need not be cleared; a part without makes its own.
     pub(super) extremes: Option<&'f mut Extremes>,
 }
 
-impl Frame {
+impl SimdFrame {
     /// Makes room: offsets only, and nothing to do where the scene's layout is that of the last
     /// step.
-    pub(crate) fn lay_out(&mut self, scene: &Scene) -> Part<'_> {
+    pub(crate) fn layout(&mut self, scene: &Scene) -> Part<'_> {
         let kept = self.layout == Some(scene.layout());
         if !kept {
             self.set_offsets(scene);
@@ -176,9 +176,18 @@ impl Frame {
         let (blocks, blocks_of_parts) = blocks.split_at_mut(own);
         let own = records.len().min(boxes.len());
         let (boxes, boxes_of_parts) = boxes.split_at_mut(own);
-        let room = compounds.room(of_parts, blocks_of_parts, boxes_of_parts);
+        let compound_part = compounds.compound_part(of_parts, blocks_of_parts, boxes_of_parts);
         let form = *form;
-        Part { kept, form, records, blocks, boxes, uprights, room, extremes: Some(extremes) }
+        Part {
+            kept,
+            form,
+            records,
+            blocks,
+            boxes,
+            uprights,
+            compound_part,
+            extremes: Some(extremes),
+        }
     }
 
     fn set_offsets(&mut self, scene: &Scene) {
@@ -187,7 +196,7 @@ impl Frame {
         self.objects = scene.len();
         self.records.resize(scene.len(), Record::default());
         let may_stand = cores.iter().any(|core| core.is_box);
-        self.uprights.resize(if may_stand { scene.len() } else { 0 }, Upright::default());
+        self.uprights.resize(if may_stand { scene.len() } else { 0 }, AxisAligned::default());
         let mut first = 0u32;
         if self.form == Form::Any {
             for (record, &shape) in self.records.iter_mut().zip(scene.shape_of()) {
@@ -195,8 +204,8 @@ impl Frame {
             }
         }
         self.compounds.set_offsets(scene, &mut self.records, first);
-        let boxed = !scene.cores().twin_boxes().is_empty();
-        self.boxes.resize(if boxed { self.records.len() } else { 0 }, BoxRecord::default());
+        let boxed = !scene.cores().obbs().is_empty();
+        self.boxes.resize(if boxed { self.records.len() } else { 0 }, ObbRecord::default());
         let blocks = self.compounds.blocks().unwrap_or(first);
         self.blocks.resize(blocks as usize, Block::default());
         if self.form != Form::Any {
@@ -268,12 +277,12 @@ impl Frame {
 
     /// The boxes of an object that has some.
     #[inline(always)]
-    pub(super) fn boxes(&self, object: u32) -> &BoxRecord {
+    pub(super) fn boxes(&self, object: u32) -> &ObbRecord {
         &self.boxes[object as usize]
     }
 
     /// Half the edges along the world's axes of a cuboid that stands along them.
-    pub(super) fn upright(&self, object: u32) -> &Upright {
+    pub(super) fn upright(&self, object: u32) -> &AxisAligned {
         &self.uprights[object as usize]
     }
 
@@ -284,7 +293,7 @@ impl Frame {
     }
 }
 
-impl Divide for Part<'_> {
+impl Splittable for Part<'_> {
     fn len(&self) -> usize {
         self.records.len()
     }
@@ -296,7 +305,7 @@ impl Divide for Part<'_> {
             None => self.blocks.len(),
         };
         let (kept, form) = (self.kept, self.form);
-        let (left_room, right_room) = self.room.split_at(middle);
+        let (left_compounds, right_compounds) = self.compound_part.split_at(middle);
         let (left, right) = self.records.split_at_mut(middle);
         let (left_blocks, right_blocks) = self.blocks.split_at_mut(blocks);
         let (left_boxes, right_boxes) = self.boxes.split_at_mut(middle.min(self.boxes.len()));
@@ -312,7 +321,7 @@ impl Divide for Part<'_> {
                 blocks: left_blocks,
                 boxes: left_boxes,
                 uprights: left_uprights,
-                room: left_room,
+                compound_part: left_compounds,
                 extremes: left_lent,
             },
             Self {
@@ -322,7 +331,7 @@ impl Divide for Part<'_> {
                 blocks: right_blocks,
                 boxes: right_boxes,
                 uprights: right_uprights,
-                room: right_room,
+                compound_part: right_compounds,
                 extremes: right_lent,
             },
         )

@@ -1,70 +1,70 @@
 //! The default narrow phase: sixteen pairs at a time in f32, every answer with its certificate.
 //!
 //! A pair passes stages, each a small kernel that settles what it can prove and hands on the rest:
-//! balls, twin boxes, the axis between the centres, the cone, a second point, the portal. Between
-//! stages it waits on a belt until sixteen have come together. What the lanes cannot prove is
+//! spheres, inner and outer OBBs, the axis between the centres, the cone, a second point, the portal. Between
+//! stages it waits on a packet queue until sixteen have come together. What the lanes cannot prove is
 //! settled in f64, and what f64 cannot, exactly. A pair of compounds passes them as the pairs of its
 //! parts.
 
-mod ahead;
 pub(crate) mod axis;
+mod axis_aligned;
 pub(crate) mod bounds;
-mod boxes;
 mod by_parts;
 pub(crate) mod certificate;
 mod compounds;
 pub(crate) mod decide;
 mod expand;
+mod first_stages;
 pub(crate) mod frame;
-mod kept;
-mod lot;
-mod nearest;
-mod opening;
+mod kept_proofs;
+mod obb;
+mod packet;
 mod portal;
+mod prefetch;
 pub(crate) mod prepare;
+#[cfg(test)]
+mod reference;
+mod simplex;
 mod support;
 mod tetrahedron;
-#[cfg(test)]
-mod twins;
-mod upright;
 pub(crate) mod vector;
 
 pub use crate::temporal::Coherent;
-pub use certificate::{Proved, Trusted};
+pub use certificate::{CertifiedBounds, UncheckedBounds};
 pub use decide::Scratch;
-pub use frame::{Frame, Part};
+pub use frame::{Part, SimdFrame};
 
-use crate::{Contact, Findings, NarrowPhase};
-use certificate::Trust;
-use dcd_geom::lanes::Path;
+use crate::{Contact, ContactSink, NarrowPhase};
+use certificate::ErrorBounds;
 use dcd_geom::{Aabb, Pair, Scene};
+use dcd_simd::Path;
 use decide::Slice;
 use std::marker::PhantomData;
 
-/// Whether two objects touch, proved: the most reliable rung, and the default.
-pub type Overlap = InLanes<Proved>;
+/// Whether two objects touch, proved: the most reliable method, and the default.
+pub type Overlap = SimdOverlap<CertifiedBounds>;
 
 /// Whether two objects touch, as f32 has it: the same lanes without their certificate.
 ///
 /// What it saves over [`Overlap`] is what a proof costs, next to nothing; what it risks is a wrong
 /// answer where the gap or overlap is within rounding, some 1e-5 of the objects' size. A pair on
 /// which f32 can gain no more is called touching. Answers may differ from CPU to CPU.
-pub type OverlapUnproved = InLanes<Trusted>;
+pub type OverlapUnchecked = SimdOverlap<UncheckedBounds>;
 
-/// The lanes, by what their answers are worth: [`Overlap`] or [`OverlapUnproved`].
+/// The lanes, by what their answers are worth: [`Overlap`] or [`OverlapUnchecked`].
 #[derive(Clone, Copy, Debug)]
-pub struct InLanes<T> {
+pub struct SimdOverlap<T> {
     path: Path,
     trust: PhantomData<T>,
 }
 
-impl<T> Default for InLanes<T> {
+impl<T> Default for SimdOverlap<T> {
     fn default() -> Self {
         Self::on(Path::best())
     }
 }
 
-impl<T> InLanes<T> {
+impl<T> SimdOverlap<T> {
     /// On that path, or the portable one where this CPU does not have it. The proved answers are
     /// the same on every path; for tests and measurements.
     pub fn on(path: Path) -> Self {
@@ -72,25 +72,25 @@ impl<T> InLanes<T> {
     }
 }
 
-impl<T: Trust> NarrowPhase for InLanes<T> {
+impl<T: ErrorBounds> NarrowPhase for SimdOverlap<T> {
     type Answer = ();
-    type Frame = Frame;
+    type Frame = SimdFrame;
     type Part<'f>
         = Part<'f>
     where
         T: 'f;
     type Scratch = Scratch;
 
-    fn growth(&self) -> Option<f64> {
+    fn aabb_margin(&self) -> Option<f64> {
         Some(0.0)
     }
 
-    fn sole_answer(&self) -> Option<()> {
+    fn constant_answer(&self) -> Option<()> {
         Some(())
     }
 
-    fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Frame) -> Part<'f> {
-        frame.lay_out(scene)
+    fn layout<'f>(&self, scene: &Scene, frame: &'f mut SimdFrame) -> Part<'f> {
+        frame.layout(scene)
     }
 
     fn keeps(&self, part: &Part<'_>) -> bool {
@@ -104,13 +104,13 @@ impl<T: Trust> NarrowPhase for InLanes<T> {
     fn decide(
         &self,
         scene: &Scene,
-        frame: &Frame,
+        frame: &SimdFrame,
         pairs: &[Pair],
         scratch: &mut Scratch,
-        findings: &mut Findings<'_, ()>,
+        sink: &mut ContactSink<'_, ()>,
     ) {
-        T::judge(&Slice { path: self.path, scene, frame, pairs }, scratch, findings.report);
-        append_contacts(scratch.touching(), pairs, findings.contacts);
+        T::judge(&Slice { path: self.path, scene, frame, pairs }, scratch, sink.report);
+        append_contacts(scratch.touching(), pairs, sink.contacts);
     }
 }
 

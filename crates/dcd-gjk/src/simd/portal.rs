@@ -3,31 +3,31 @@
 //! Complex Collision Made Simple", Game Programming Gems 7, 2008).
 
 use super::bounds::{GAIN, PLANE, U};
-use super::certificate::{Certificate, Trust, hull_holds_origin, separates};
-use super::lot::{Lot, Number, Vector};
-use super::opening::{Place, Settled, nearest_multiple};
+use super::certificate::{Certificate, ErrorBounds, hull_holds_origin, separates};
+use super::first_stages::{Place, Settled, nearest_multiple};
+use super::packet::{Number, PairPacket, Vector};
 use super::tetrahedron;
 use super::vector::V3;
-use dcd_geom::lanes::Lanes;
+use dcd_simd::Lanes;
 
 /// How many supports a pair may take after the second, before it is left to f64. The median is
 /// two; pairs that need more are within rounding of touching, or thin.
 pub(super) const ROUNDS: f32 = 24.0;
 
-/// Asks for a second point across the cone's axis: accepts if the hull of the inner ball and both
+/// Asks for a second point across the cone's axis: accepts if the hull of the inner sphere and both
 /// points holds the origin; else spans a plane through the centre and both, and looks beyond it on
 /// the origin's side.
 #[inline(always)]
-pub(super) fn second_point<L: Lanes, T: Trust>(
+pub(super) fn second_point<L: Lanes, T: ErrorBounds>(
     l: L,
     at: &mut Place<'_>,
-    lot: &mut Lot,
+    packet: &mut PairPacket,
     used: usize,
 ) -> Certificate<L> {
-    let (c, p) = (lot.vector(l, Vector::C), lot.vector(l, Vector::P0));
+    let (c, p) = (packet.vector(l, Vector::C), packet.vector(l, Vector::P0));
     // c + τ·p is at right angles to p: the support against it opens the widest angle.
     let d = c.plus(l, nearest_multiple(l, c, p), p).neg(l);
-    let q = at.farthest(l, lot, d, used);
+    let q = at.farthest(l, packet, d, used);
 
     let (pp, pq, qq) = (p.dot(l, p), p.dot(l, q), q.dot(l, q));
     let (cp, cq) = (c.dot(l, p), c.dot(l, q));
@@ -36,44 +36,45 @@ pub(super) fn second_point<L: Lanes, T: Trust>(
     let tau_p = l.max(l.div(l.sub(l.mul(cq, pq), l.mul(cp, qq)), determinant), zero);
     let tau_q = l.max(l.div(l.sub(l.mul(cp, pq), l.mul(cq, pp)), determinant), zero);
     let v = c.plus(l, tau_p, p).plus(l, tau_q, q);
-    let touching = hull_holds_origin::<L, T>(l, lot, v, l.add(tau_p, tau_q), 2);
+    let touching = hull_holds_origin::<L, T>(l, packet, v, l.add(tau_p, tau_q), 2);
 
     let edge = p.sub(l, c);
     let normal = edge.cross(l, q.sub(l, c));
     // The plane's normal points to the origin's side once p and q are in this order.
     let turned = l.lt(zero, normal.dot(l, c));
-    lot.set_vector(l, Vector::P0, V3::select(l, turned, q, p));
-    lot.set_vector(l, Vector::P1, V3::select(l, turned, p, q));
+    packet.set_vector(l, Vector::P0, V3::select(l, turned, q, p));
+    packet.set_vector(l, Vector::P1, V3::select(l, turned, p, q));
     let normal = V3::select(l, turned, normal.neg(l), normal);
     // Where q is p again there is no plane: nothing lies across the axis, and the pair is most
     // likely apart along the shortest way from the segment to the origin. As long as a normal.
-    let size = l.mul(lot.number(l, Number::Unit), l.splat(1.0 / U));
+    let size = l.mul(packet.number(l, Number::Unit), l.splat(1.0 / U));
     let shortest = c.plus(l, l.div(l.neg(c.dot(l, edge)), edge.dot(l, edge)), edge);
     let nothing = V3(zero, zero, zero);
     let back = nothing.plus(l, l.neg(size), shortest);
-    lot.set_vector(l, Vector::D, V3::select(l, has_no_plane(l, lot, normal), back, normal));
-    lot.set_number(l, Number::Found, zero);
-    lot.set_number(l, Number::Round, zero);
+    packet.set_vector(l, Vector::D, V3::select(l, has_no_plane(l, packet, normal), back, normal));
+    packet.set_number(l, Number::Found, zero);
+    packet.set_number(l, Number::Round, zero);
     touching
 }
 
 /// One support and what follows from it: apart, touching, a better portal; or `stuck`, where the
 /// support is no farther than the portal itself and only rounding is left to gain.
 #[inline(always)]
-pub(super) fn round<L: Lanes, T: Trust>(
+pub(super) fn round<L: Lanes, T: ErrorBounds>(
     l: L,
     at: &mut Place<'_>,
-    lot: &mut Lot,
+    packet: &mut PairPacket,
     used: usize,
 ) -> (Settled<L>, u32) {
-    let (c, d) = (lot.vector(l, Vector::C), lot.vector(l, Vector::D));
-    let p = [lot.vector(l, Vector::P0), lot.vector(l, Vector::P1), lot.vector(l, Vector::P2)];
-    let w = at.farthest(l, lot, d, used);
-    let apart = separates::<L, T>(l, lot, d.neg(l), w);
-    let had_portal = l.lt(l.splat(0.0), lot.number(l, Number::Found));
+    let (c, d) = (packet.vector(l, Vector::C), packet.vector(l, Vector::D));
+    let p =
+        [packet.vector(l, Vector::P0), packet.vector(l, Vector::P1), packet.vector(l, Vector::P2)];
+    let w = at.farthest(l, packet, d, used);
+    let apart = separates::<L, T>(l, packet, d.neg(l), w);
+    let had_portal = l.lt(l.splat(0.0), packet.number(l, Number::Found));
     let gain = w.sub(l, p[0]).dot(l, d);
-    let rounding = l.mul(l.mul(lot.number(l, Number::Unit), l.splat(GAIN)), d.norm1(l));
-    let stuck = l.or(l.and(had_portal, l.le(gain, rounding)), has_no_plane(l, lot, d));
+    let rounding = l.mul(l.mul(packet.number(l, Number::Unit), l.splat(GAIN)), d.norm1(l));
+    let stuck = l.or(l.and(had_portal, l.le(gain, rounding)), has_no_plane(l, packet, d));
 
     // On which side of the planes through the ray (from c through the origin) and w each point is.
     let across = w.cross(l, c);
@@ -93,25 +94,25 @@ pub(super) fn round<L: Lanes, T: Trust>(
     let p1 = V3::select(l, to_p1, w, p[1]);
     let p2 = V3::select(l, completes, w, p[2]);
     let found = l.or(had_portal, completes);
-    lot.set_number(l, Number::Found, l.select(found, l.splat(1.0), zero));
-    let round = l.add(lot.number(l, Number::Round), l.splat(1.0));
-    lot.set_number(l, Number::Round, round);
+    packet.set_number(l, Number::Found, l.select(found, l.splat(1.0), zero));
+    let round = l.add(packet.number(l, Number::Round), l.splat(1.0));
+    packet.set_number(l, Number::Round, round);
 
     let from = V3::select(l, found, p0, c);
     let one = V3::select(l, found, p1, p0).sub(l, from);
     let two = V3::select(l, found, p2, p1).sub(l, from);
     // A pair that is stuck leaves with the direction that it is stuck at.
-    lot.set_vector(l, Vector::D, V3::select(l, stuck, d, one.cross(l, two)));
-    lot.set_vector(l, Vector::P0, p0);
-    lot.set_vector(l, Vector::P1, p1);
-    lot.set_vector(l, Vector::P2, p2);
-    let mut touching = portal_holds_origin::<L, T>(l, lot, c, [p0, p1, p2]);
-    let flat = l.and(found, tetrahedron::is_flat(l, lot));
+    packet.set_vector(l, Vector::D, V3::select(l, stuck, d, one.cross(l, two)));
+    packet.set_vector(l, Vector::P0, p0);
+    packet.set_vector(l, Vector::P1, p1);
+    packet.set_vector(l, Vector::P2, p2);
+    let mut touching = portal_holds_origin::<L, T>(l, packet, c, [p0, p1, p2]);
+    let flat = l.and(found, tetrahedron::is_flat(l, packet));
     if l.bits(flat) != 0 {
-        let held = tetrahedron::holds_origin::<L, T>(l, lot, c, [p0, p1, p2]);
+        let held = tetrahedron::holds_origin::<L, T>(l, packet, c, [p0, p1, p2]);
         let held = l.and_not(l.and(flat, held), touching.holds);
         // How far they reach beyond the origin is not kept.
-        touching.room = l.select(held, zero, touching.room);
+        touching.clearance = l.select(held, zero, touching.clearance);
         touching.holds = l.or(touching.holds, held);
     }
     touching.holds = l.and(found, touching.holds);
@@ -120,11 +121,11 @@ pub(super) fn round<L: Lanes, T: Trust>(
     (settled, l.bits(stuck) & !settled.all())
 }
 
-/// Whether c + Σ τ_k·p_k = 0 has a solution with every τ_k ≥ 0, by the ball's certificate.
+/// Whether c + Σ τ_k·p_k = 0 has a solution with every τ_k ≥ 0, by the sphere's certificate.
 #[inline(always)]
-fn portal_holds_origin<L: Lanes, T: Trust>(
+fn portal_holds_origin<L: Lanes, T: ErrorBounds>(
     l: L,
-    lot: &Lot,
+    packet: &PairPacket,
     c: V3<L>,
     p: [V3<L>; 3],
 ) -> Certificate<L> {
@@ -135,13 +136,13 @@ fn portal_holds_origin<L: Lanes, T: Trust>(
     let tau1 = l.max(l.mul(c.dot(l, m1), scale), zero);
     let tau2 = l.max(l.mul(c.dot(l, m2), scale), zero);
     let v = c.plus(l, tau0, p[0]).plus(l, tau1, p[1]).plus(l, tau2, p[2]);
-    hull_holds_origin::<L, T>(l, lot, v, l.add(tau0, l.add(tau1, tau2)), 3)
+    hull_holds_origin::<L, T>(l, packet, v, l.add(tau0, l.add(tau1, tau2)), 3)
 }
 
 /// Whether a plane's normal is too short to be one.
 #[inline(always)]
-fn has_no_plane<L: Lanes>(l: L, lot: &Lot, normal: V3<L>) -> L::M {
-    let unit = lot.number(l, Number::Unit);
+fn has_no_plane<L: Lanes>(l: L, packet: &PairPacket, normal: V3<L>) -> L::M {
+    let unit = packet.number(l, Number::Unit);
     l.le(normal.norm1(l), l.mul(l.mul(unit, l.splat(PLANE / U)), unit))
 }
 

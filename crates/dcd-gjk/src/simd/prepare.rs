@@ -1,4 +1,4 @@
-//! Objects made ready: vertices rotated, balls bounded, boxes found.
+//! Objects made ready: vertices rotated, spheres bounded, boxes found.
 
 mod forms;
 #[cfg(test)]
@@ -6,14 +6,16 @@ mod tests;
 
 pub(super) use forms::constants;
 
+use super::axis_aligned::AxisAligned;
 use super::bounds::{CENTRE, CHOICE, ROTATED, TURNED, U};
-use super::compounds::{Room, Whole};
-use super::frame::{BOX, BOXED, BoxRecord, Extremes, Form, LIVE, Part, Record, UPRIGHT, WHOLE};
-use super::upright::Upright;
+use super::compounds::{CompoundPart, Whole};
+use super::frame::{
+    AXIS_ALIGNED, BOX, Extremes, Form, HAS_OBB, LIVE, ObbRecord, Part, Record, WHOLE,
+};
 use super::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
-use dcd_geom::lanes::{Block, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, prefetch};
-use dcd_geom::{Aabb, Core, Corners, LaneBox, Mesh, Pose, Scene, Shape};
+use dcd_geom::{Aabb, Core, Corners, Mesh, ObbBoundsF32, Pose, Scene, Shape};
+use dcd_simd::{Block, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, prefetch};
 
 /// Runs the kernel on that path: compiled here, once.
 pub(super) fn prepare(path: Path, objects: Prepare<'_>) {
@@ -46,7 +48,7 @@ impl Prepare<'_> {
     #[inline(always)]
     fn any<L: Lanes>(self, l: L) {
         let mut blocks = self.part.blocks;
-        let mut room = self.part.room;
+        let mut compound_part = self.part.compound_part;
         let mut own;
         let extremes = match self.part.extremes {
             Some(lent) => lent,
@@ -55,7 +57,7 @@ impl Prepare<'_> {
                 &mut own
             }
         };
-        let twin_boxes = self.scene.cores().twin_boxes();
+        let obbs = self.scene.cores().obbs();
         let (boxes, uprights) = (self.part.boxes, self.part.uprights);
         let groups = self.part.records.chunks_mut(WIDTH).zip(self.aabbs.chunks_mut(WIDTH));
         for (group, (records, aabbs)) in groups.enumerate() {
@@ -69,13 +71,13 @@ impl Prepare<'_> {
                 let core = &self.scene.cores().cores()[self.scene.shape_of()[object] as usize];
                 let pose = &self.scene.poses()[object];
                 *record = place(record, core, pose);
-                if record.marks & BOXED != 0 {
+                if record.marks & HAS_OBB != 0 {
                     let shape = self.scene.shape_of()[object] as usize;
                     let place = group * WIDTH + lane;
-                    boxes[place] = turn(&twin_boxes[shape], record, pose);
-                    if let Some(upright) = Upright::of(&self.scene.shapes()[shape], pose) {
+                    boxes[place] = turn(&obbs[shape], record, pose);
+                    if let Some(upright) = AxisAligned::of(&self.scene.shapes()[shape], pose) {
                         uprights[place] = upright;
-                        record.marks |= UPRIGHT;
+                        record.marks |= AXIS_ALIGNED;
                     }
                 }
                 let found = match own {
@@ -88,7 +90,7 @@ impl Prepare<'_> {
             for (lane, (record, aabb)) in records.iter().zip(aabbs).enumerate() {
                 let place = (group * WIDTH + lane, first + lane);
                 *aabb = match record.marks & WHOLE {
-                    0 => not_whole(l, self.scene, place, (&mut room, extremes, &reach)),
+                    0 => not_whole(l, self.scene, place, (&mut compound_part, extremes, &reach)),
                     _ => boxed(record, &reach, lane),
                 };
             }
@@ -103,13 +105,15 @@ fn not_whole<L: Lanes>(
     l: L,
     scene: &Scene,
     (k, object): (usize, usize),
-    (room, extremes, reach): (&mut Room<'_>, &mut Extremes, &[Row; 6]),
+    (compound_part, extremes, reach): (&mut CompoundPart<'_>, &mut Extremes, &[Row; 6]),
 ) -> Aabb {
     let core = &scene.cores().cores()[scene.shape_of()[object] as usize];
     let (shape, pose) = (scene.shape(object), &scene.poses()[object]);
     match shape {
         Shape::Mesh(mesh) => boxed(&round_corners(mesh, pose), reach, k % WIDTH),
-        _ if room.holds(k) => room.prepare(l, (k, Whole { scene, core, shape, pose }), extremes),
+        _ if compound_part.holds(k) => {
+            compound_part.prepare(l, (k, Whole { scene, core, shape, pose }), extremes)
+        }
         _ => scene.aabb(object),
     }
 }
@@ -184,8 +188,8 @@ pub(super) fn place(record: &Record, core: &Core, pose: &Pose) -> Record {
 #[inline(always)]
 fn marks(record: &Record, core: &Core, pose: &Pose) -> u8 {
     let marked = |holds: bool, mark: u8| if holds { mark } else { 0 };
-    let boxed = core.has_twin_box && pose.deviation() < TURNED;
-    marked(boxed, BOXED)
+    let boxed = core.has_obb && pose.deviation() < TURNED;
+    marked(boxed, HAS_OBB)
         | marked(boxed && core.is_box && core.radius == 0.0, BOX)
         | marked(record.blocks > 0, LIVE)
         | marked(record.blocks > 0 && core.excess == 0.0, WHOLE)
@@ -194,17 +198,17 @@ fn marks(record: &Record, core: &Core, pose: &Pose) -> u8 {
 /// The boxes of a shape at a pose. What the matrix departs from a rotation by makes the boxes of the
 /// exact rotation larger and smaller.
 #[inline(always)]
-pub(super) fn turn(twin_box: &LaneBox, record: &Record, pose: &Pose) -> BoxRecord {
+pub(super) fn turn(obb: &ObbBoundsF32, record: &Record, pose: &Pose) -> ObbRecord {
     let mut numbers = Row::default();
     let margin = 4.0 * pose.deviation().max(TURNED) * f64::from(record.size);
     for axis in 0..3 {
-        let edge = *pose.rotation() * twin_box.axes[axis].as_dvec3();
+        let edge = *pose.rotation() * obb.axes[axis].as_dvec3();
         numbers.0[3 * axis..][..3].copy_from_slice(&edge.as_vec3().to_array());
-        let outer = f64::from(twin_box.outer[axis]) + margin + f64::from(record.radius);
+        let outer = f64::from(obb.outer[axis]) + margin + f64::from(record.radius);
         numbers.0[9 + axis] = above(outer);
-        numbers.0[12 + axis] = below((f64::from(twin_box.inner[axis]) - margin).max(0.0));
+        numbers.0[12 + axis] = below((f64::from(obb.inner[axis]) - margin).max(0.0));
     }
-    BoxRecord { numbers }
+    ObbRecord { numbers }
 }
 
 /// An f32 at most x ≥ 0: two roundings and the sum that made x are less than two units.

@@ -1,12 +1,12 @@
 //! The support of sixteen objects in sixteen directions.
 
-use super::frame::Frame;
+use super::frame::SimdFrame;
 use super::vector::V3;
-use dcd_geom::lanes::{IndexRow, Lanes, Row, WIDTH};
+use dcd_simd::{IndexRow, Lanes, Row, WIDTH};
 
 /// What [`supports`] writes on its way; kept, so that it need not be cleared.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Desk {
+pub(super) struct SupportScratch {
     /// For each lane its vertices' values along its direction, tagged, block upon block.
     along: [Row; WIDTH],
     /// Each lane's first block in the frame.
@@ -23,8 +23,8 @@ pub(super) struct Desk {
 #[inline(always)]
 pub(super) fn supports<L: Lanes>(
     l: L,
-    frame: &Frame,
-    desk: &mut Desk,
+    frame: &SimdFrame,
+    support_scratch: &mut SupportScratch,
     (objects, directions): (&IndexRow, V3<L>),
     used: usize,
 ) -> V3<L> {
@@ -35,8 +35,8 @@ pub(super) fn supports<L: Lanes>(
     let (records, blocks) = (frame.records(), frame.blocks());
     for k in 0..used.min(WIDTH) {
         let record = &records[objects.0[k] as usize];
-        desk.first.0[k] = record.first;
-        desk.tag.0[k] = record.tag.into();
+        support_scratch.first.0[k] = record.first;
+        support_scratch.tag.0[k] = record.tag.into();
         let d = V3::<L>(l.splat(d[0].0[k]), l.splat(d[1].0[k]), l.splat(d[2].0[k]));
         let tag = l.splat_u(record.tag.into());
         let own = &blocks[record.first as usize..][..usize::from(record.blocks)];
@@ -51,9 +51,10 @@ pub(super) fn supports<L: Lanes>(
                 best = l.max(best, l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers));
             }
         }
-        l.store(best, &mut desk.along[k]);
+        l.store(best, &mut support_scratch.along[k]);
     }
-    let number = l.tag_of(l.largest_of_each(&desk.along), l.load_u(&desk.tag));
-    let [x, y, z] = l.pick(frame.blocks(), l.load_u(&desk.first), number);
+    let number =
+        l.tag_of(l.largest_of_each(&support_scratch.along), l.load_u(&support_scratch.tag));
+    let [x, y, z] = l.pick(frame.blocks(), l.load_u(&support_scratch.first), number);
     V3(x, y, z)
 }

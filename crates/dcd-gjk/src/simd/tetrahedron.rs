@@ -1,25 +1,30 @@
-//! Touching without a ball: two flat shapes have none between them, and then four points of A − B
+//! Touching without a sphere: two flat shapes have none between them, and then four points of A − B
 //! round the origin must do.
 
 use super::bounds::{CORNER, DETERMINANT, EVALUATED, FLAT, U};
-use super::certificate::Trust;
-use super::lot::{Lot, Number};
+use super::certificate::ErrorBounds;
+use super::packet::{Number, PairPacket};
 use super::vector::V3;
-use dcd_geom::lanes::Lanes;
+use dcd_simd::Lanes;
 
-/// Whether a ball as small as the lane's is worth nothing beside rounding.
+/// Whether a sphere as small as the lane's is worth nothing beside rounding.
 #[inline(always)]
-pub(super) fn is_flat<L: Lanes>(l: L, lot: &Lot) -> L::M {
-    let unit = lot.number(l, Number::Unit);
-    l.lt(lot.number(l, Number::Inner), l.mul(unit, l.splat(FLAT)))
+pub(super) fn is_flat<L: Lanes>(l: L, packet: &PairPacket) -> L::M {
+    let unit = packet.number(l, Number::Unit);
+    l.lt(packet.number(l, Number::Inner), l.mul(unit, l.splat(FLAT)))
 }
 
 /// Whether the tetrahedron of c and three computed points surely holds the origin: if every point is
 /// moved by what it may be off, it still does (docs/numerics.md, "four points in the lanes").
 #[inline(always)]
-pub(super) fn holds_origin<L: Lanes, T: Trust>(l: L, lot: &Lot, c: V3<L>, p: [V3<L>; 3]) -> L::M {
-    let unit = lot.number(l, Number::Unit);
-    let off = l.mul_add(unit, l.splat(CORNER), lot.number(l, Number::Slack));
+pub(super) fn holds_origin<L: Lanes, T: ErrorBounds>(
+    l: L,
+    packet: &PairPacket,
+    c: V3<L>,
+    p: [V3<L>; 3],
+) -> L::M {
+    let unit = packet.number(l, Number::Unit);
+    let off = l.mul_add(unit, l.splat(CORNER), packet.number(l, Number::Slack));
     // m³ times u² is beyond what underflow may take.
     let least = l.mul(l.mul(l.mul(unit, l.splat(1.0 / U)), unit), unit);
     let lengths = [p[0].norm1(l), p[1].norm1(l), p[2].norm1(l)];
@@ -53,11 +58,11 @@ pub(super) fn holds_origin<L: Lanes, T: Trust>(l: L, lot: &Lot, c: V3<L>, p: [V3
 
 #[cfg(test)]
 mod tests {
-    use super::super::certificate::Proved;
-    use super::super::lot::Vector;
+    use super::super::certificate::CertifiedBounds;
+    use super::super::packet::Vector;
     use super::*;
     use dcd_geom::glam::DVec3;
-    use dcd_geom::lanes::{Block, Kernel, Path, WIDTH, dispatch_on};
+    use dcd_simd::{Block, Kernel, Path, WIDTH, dispatch_on};
 
     /// Sixteen tetrahedra of a size m, by their corners.
     struct Holds<'a>(&'a [Block; 4], f32);
@@ -67,17 +72,17 @@ mod tests {
 
         #[inline(always)]
         fn run<L: Lanes>(self, l: L) -> u32 {
-            let mut lot = Lot::default();
-            lot.set_number(l, Number::Unit, l.splat(self.1 * U));
-            lot.set_number(l, Number::Slack, l.splat(0.0));
-            lot.set_vector(l, Vector::C, V3::load(l, &self.0[0].0));
+            let mut packet = PairPacket::default();
+            packet.set_number(l, Number::Unit, l.splat(self.1 * U));
+            packet.set_number(l, Number::Slack, l.splat(0.0));
+            packet.set_vector(l, Vector::C, V3::load(l, &self.0[0].0));
             let [p, q, r] = [1, 2, 3].map(|k| V3::load(l, &self.0[k].0));
-            let c = lot.vector(l, Vector::C);
-            l.bits(holds_origin::<L, Proved>(l, &lot, c, [p, q, r]))
+            let c = packet.vector(l, Vector::C);
+            l.bits(holds_origin::<L, CertifiedBounds>(l, &packet, c, [p, q, r]))
         }
     }
 
-    /// The plain twin: by how much of m the least of the four heights exceeds 0, in f64; negative
+    /// The scalar reference: by how much of m the least of the four heights exceeds 0, in f64; negative
     /// where the point is outside.
     fn depth(corners: [DVec3; 4], point: DVec3) -> f64 {
         let mut depth = f64::INFINITY;

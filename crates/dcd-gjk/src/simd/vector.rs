@@ -1,6 +1,6 @@
 //! Sixteen vectors at a time.
 
-use dcd_geom::lanes::{Lanes, Row};
+use dcd_simd::{Lanes, Row};
 
 /// The x, y and z of sixteen vectors.
 pub(crate) struct V3<L: Lanes>(pub(crate) L::F, pub(crate) L::F, pub(crate) L::F);

@@ -1,22 +1,22 @@
 //! Hulls of few vertices inside and round a polytope, for scenes that trade accuracy for time.
 //!
 //! A scene of outer hulls misses no contact, one of inner hulls reports none that is not there, and
-//! [`Bracketed`] asks both and says where they differ.
+//! [`InnerOuter`] asks both and says where they differ.
 //!
 //! It stands beside the solvers because it asks them: how far a point is from a hull, with a bound,
 //! and at the end, exactly, whether the outer hull holds every vertex. A hull library would give
 //! neither.
 
-mod bracketed;
 mod inner;
+mod inner_outer;
 mod outer;
 
-use crate::{Body, DistanceResult, certified, distance};
+use crate::{DistanceResult, PosedSupport, certified, distance};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Pose};
 use std::fmt;
 
-pub use bracketed::Bracketed;
+pub use inner_outer::InnerOuter;
 
 /// What a simpler hull may cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -167,7 +167,10 @@ fn distinct(points: &[DVec3]) -> Vec<DVec3> {
 /// direction for one that is in it.
 fn beyond(point: DVec3, core: &Polytope) -> (f64, DVec3) {
     let Ok(alone) = Polytope::hull(vec![point]) else { return (f64::MAX, DVec3::ZERO) };
-    let (a, b) = (Body::polytope(core, &Pose::IDENTITY), Body::polytope(&alone, &Pose::IDENTITY));
+    let (a, b) = (
+        PosedSupport::polytope(core, &Pose::IDENTITY),
+        PosedSupport::polytope(&alone, &Pose::IDENTITY),
+    );
     match distance::of_polytopes(a, b).0 {
         DistanceResult::Apart(found) => (found.upper(), found.normal),
         _ => (0.0, DVec3::ZERO),
@@ -178,8 +181,8 @@ fn beyond(point: DVec3, core: &Polytope) -> (f64, DVec3) {
 fn holds_all(core: &Polytope, points: &[DVec3]) -> bool {
     points.iter().all(|&point| {
         Polytope::hull(vec![point]).is_ok_and(|alone| {
-            let core = Body::polytope(core, &Pose::IDENTITY);
-            certified::overlap_exactly(core, Body::polytope(&alone, &Pose::IDENTITY))
+            let core = PosedSupport::polytope(core, &Pose::IDENTITY);
+            certified::overlap_exactly(core, PosedSupport::polytope(&alone, &Pose::IDENTITY))
         })
     })
 }

@@ -2,7 +2,7 @@
 
 use crate::simd::axis::Axis;
 use dcd_geom::Pair;
-use dcd_geom::lanes::prefetch;
+use dcd_simd::prefetch;
 use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
 
 /// What is known of a pair.
@@ -23,7 +23,7 @@ pub(super) enum Fact {
 #[derive(Debug, Default)]
 pub(super) struct Facts {
     standings: Vec<Standing>,
-    /// For each object the room that no fact about it is above, metres.
+    /// For each object the clearance that no fact about it is above, metres.
     limits: Vec<f32>,
     /// Objects whose ranks are alike but for this many bits share their tiles.
     shift: u32,
@@ -96,20 +96,20 @@ const REFUSED: usize = 16;
 /// step before. Larger: facts are lost that would have saved time. Smaller: more is looked up in vain.
 const PAYS: f64 = 0.75;
 
-/// How many slots share the room for one axis: of the pairs of a dense scene one in fifteen needs one.
+/// How many slots share the clearance for one axis: of the pairs of a dense scene one in fifteen needs one.
 /// Larger: more are lost. Smaller: more memory.
 const SLOTS_WITH_ONE_AXIS: usize = 8;
 
 /// The bit of a slot that says which of the two it is: the threshold's sign.
 const TOUCHES: u32 = 1 << 31;
 
-/// A smaller room is not kept, metres: f32's roundings are relative above it.
+/// A smaller clearance is not kept, metres: f32's roundings are relative above it.
 const LEAST: f32 = 1e-30;
 
 /// What a sum of two ways, a threshold and their conversions to f32 may gain by rounding. No unit.
 const ROUNDED: f32 = 1.0 - 8.0 * (f32::EPSILON / 2.0);
 
-/// How far an object has travelled, and the room that no fact about it is above. Metres.
+/// How far an object has travelled, and the clearance that no fact about it is above. Metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     pub(super) travelled: f64,
@@ -301,15 +301,15 @@ impl Facts {
         }
     }
 
-    /// Keeps what was proved of a pair just now, with that room, metres.
+    /// Keeps what was proved of a pair just now, with that clearance, metres.
     #[inline(always)]
-    pub(super) fn remember(&self, (pair, slot): (Pair, Slot), fact: Fact, room: f32) {
+    pub(super) fn remember(&self, (pair, slot): (Pair, Slot), fact: Fact, clearance: f32) {
         let Pair { i, j } = pair;
         let way = self.standings[i as usize].way + self.standings[j as usize].way;
         let limit = self.limits[i as usize].min(self.limits[j as usize]);
-        let until = (way * ROUNDED + room.min(limit)) * ROUNDED;
+        let until = (way * ROUNDED + clearance.min(limit)) * ROUNDED;
         // Written so that NaN is not kept.
-        if !(way < until && room > LEAST) {
+        if !(way < until && clearance > LEAST) {
             return;
         }
         let touches = if fact == Fact::Touching { TOUCHES } else { 0 };

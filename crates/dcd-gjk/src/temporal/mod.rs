@@ -6,12 +6,12 @@ mod tests;
 mod track;
 
 use crate::simd::axis::Axis;
-use crate::simd::certificate::{Lasting, Proved, Trust};
+use crate::simd::certificate::{CertifiedBounds, ClearanceBounds, ErrorBounds};
 use crate::simd::decide::{self, Slice};
 use crate::simd::{append_contacts, frame, prepare};
-use crate::{Findings, NarrowPhase, Report, Rung};
-use dcd_geom::lanes::{Path, dispatch_on};
-use dcd_geom::{Aabb, Divide, Pair, Scene, Shape, Stamp};
+use crate::{ContactSink, Method, NarrowPhase, Report};
+use dcd_geom::{Aabb, Pair, Revision, Scene, Shape, Splittable};
+use dcd_simd::{Path, dispatch_on};
 use facts::{Fact, Facts, Found, Slot, Standing};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
@@ -20,20 +20,20 @@ use track::Track;
 /// Whether two objects touch, proved, for scenes that barely differ from step to step: the answers
 /// of [`crate::Overlap`], most of them from an earlier step's proofs.
 ///
-/// A proof has room to spare: a distance that the points of both objects may travel together before
+/// A proof has clearance to spare: a distance that the points of both objects may travel together before
 /// it no longer holds. Every object's way is summed up, and a pair is settled for as long as the
-/// two ways since its proof are shorter than the room of it. So nothing is trusted: a fact
+/// two ways since its proof are shorter than the clearance of it. So nothing is trusted: a fact
 /// expires before it can be wrong (docs/numerics.md, "coherence").
 ///
 /// Of pairs that must be asked again, the axis that separated them last is tried first, and the
 /// certificate decides as ever.
 ///
 /// Costs some 200 bytes an object, 17 (dense scenes) to 40 (sparse ones) a candidate pair, and a
-/// first step that takes two to three times as long: it looks for proofs with more room than the
+/// first step that takes two to three times as long: it looks for proofs with more clearance than the
 /// first that are found. Where more than half of the objects move by more than 1/40 of their radius in
 /// a step (1/128 in sparse scenes), nothing new is kept, and what is known serves (dense scenes) until
 /// it has faded; then it does what [`crate::Overlap`] does.
-/// What the [`Report`] counts as [`Rung::Remembered`] may differ by some pairs from run to run on
+/// What the [`Report`] counts as [`Method::Remembered`] may differ by some pairs from run to run on
 /// several threads; answers never do. Of curved shapes so near to touching that [`crate::Overlap`]
 /// leaves them undecided it may still know.
 #[derive(Clone, Copy, Debug)]
@@ -57,11 +57,11 @@ impl Coherent {
 
 /// All objects, ready for the lanes, and what outlasts a step.
 #[derive(Debug, Default)]
-pub struct Frame {
-    lanes: frame::Frame,
+pub struct TemporalFrame {
+    lanes: frame::SimdFrame,
     /// The shapes that everything remembered is about.
     shapes: Option<Arc<[Shape]>>,
-    layout: Option<Stamp>,
+    layout: Option<Revision>,
     tracks: Vec<Track>,
     facts: Facts,
     /// How many objects move too fast for facts about them to last.
@@ -72,7 +72,7 @@ pub struct Frame {
     worn: AtomicBool,
 }
 
-/// The frame's room for a range of the objects.
+/// The frame's clearance for a range of the objects.
 #[derive(Debug)]
 pub struct Part<'f> {
     lanes: frame::Part<'f>,
@@ -93,7 +93,7 @@ struct Told<'f> {
     worn: &'f AtomicBool,
 }
 
-impl Divide for Part<'_> {
+impl Splittable for Part<'_> {
     fn len(&self) -> usize {
         self.tracks.len()
     }
@@ -121,18 +121,18 @@ const RESTLESS_IF_SPARSE: f64 = 1.0 / 128.0;
 
 /// Where more than one object in so many is restless, nothing new is kept: then proofs would not last.
 /// Larger: facts of the others are lost. Smaller: more is kept in vain.
-const MOST_RESTLESS: usize = 2;
+const MAX_RESTLESS: usize = 2;
 
-/// How much room the first proofs of all pairs are to have, if a few supports more give it. Unit: the
+/// How much clearance the first proofs of all pairs are to have, if a few supports more give it. Unit: the
 /// pair's size m. Larger: more pairs are known in the next steps. Smaller: a faster first step. Later
-/// proofs are content with what room they have, for most pairs that must be proved again have no more.
-const ROOM_AT_FIRST: f32 = 1.0 / 24.0;
+/// proofs are content with what clearance they have, for most pairs that must be proved again have no more.
+const CLEARANCE_AT_FIRST: f32 = 1.0 / 24.0;
 
 /// How many pairs are found before the first of them is read: as many as keep memory busy. No effect
 /// on any result.
 const AT_ONCE: usize = 128;
 
-impl Frame {
+impl TemporalFrame {
     /// Forgets all facts and lets all ways start from 0: those of every object, for who is not
     /// prepared in this step must count from where the others do.
     fn start_ways_again(&mut self) {
@@ -161,19 +161,19 @@ pub struct Scratch {
 
 impl NarrowPhase for Coherent {
     type Answer = ();
-    type Frame = Frame;
+    type Frame = TemporalFrame;
     type Part<'f> = Part<'f>;
     type Scratch = Scratch;
 
-    fn growth(&self) -> Option<f64> {
+    fn aabb_margin(&self) -> Option<f64> {
         Some(0.0)
     }
 
-    fn sole_answer(&self) -> Option<()> {
+    fn constant_answer(&self) -> Option<()> {
         Some(())
     }
 
-    fn lay_out<'f>(&self, scene: &Scene, frame: &'f mut Frame) -> Part<'f> {
+    fn layout<'f>(&self, scene: &Scene, frame: &'f mut TemporalFrame) -> Part<'f> {
         let same_shapes =
             frame.shapes.as_ref().is_some_and(|s| Arc::ptr_eq(s, scene.shared_shapes()));
         if !same_shapes {
@@ -195,7 +195,7 @@ impl NarrowPhase for Coherent {
         let dense = frame.facts.are_dense();
         Part {
             restless: if dense { RESTLESS } else { RESTLESS_IF_SPARSE },
-            lanes: frame.lanes.lay_out(scene),
+            lanes: frame.lanes.layout(scene),
             kept: same_shapes,
             tracks: &mut frame.tracks,
             ways: frame.facts.ways_mut(),
@@ -222,34 +222,38 @@ impl NarrowPhase for Coherent {
         dispatch_on(self.path, prepare::Prepare { scene, first, part: part.lanes, aabbs });
     }
 
-    fn foresee<'p>(&self, frame: &mut Frame, candidates: impl Iterator<Item = &'p [Pair]> + Clone) {
+    fn begin_pairs<'p>(
+        &self,
+        frame: &mut TemporalFrame,
+        candidates: impl Iterator<Item = &'p [Pair]> + Clone,
+    ) {
         frame.facts.make_room(candidates);
     }
 
     fn decide(
         &self,
         scene: &Scene,
-        frame: &Frame,
+        frame: &TemporalFrame,
         pairs: &[Pair],
         scratch: &mut Scratch,
-        findings: &mut Findings<'_, ()>,
+        sink: &mut ContactSink<'_, ()>,
     ) {
-        let keeps = frame.restless.load(Relaxed) * MOST_RESTLESS <= scene.len();
+        let keeps = frame.restless.load(Relaxed) * MAX_RESTLESS <= scene.len();
         if !keeps && !frame.still_pays {
             let slice = Slice { path: self.path, scene, frame: &frame.lanes, pairs };
-            slice.judge::<Proved>(&mut scratch.lanes, findings.report);
-            return append_contacts(scratch.lanes.touching(), pairs, findings.contacts);
+            slice.judge::<CertifiedBounds>(&mut scratch.lanes, sink.report);
+            return append_contacts(scratch.lanes.touching(), pairs, sink.contacts);
         }
-        scratch.recall(&frame.facts, pairs, findings.report);
+        scratch.recall(&frame.facts, pairs, sink.report);
         if keeps {
             scratch.hint(&frame.facts);
-            scratch.judge_open::<Lasting>((self.path, scene, &frame.lanes), findings.report);
+            scratch.judge_open::<ClearanceBounds>((self.path, scene, &frame.lanes), sink.report);
             scratch.remember(&frame.facts);
         } else {
-            scratch.judge_open::<Proved>((self.path, scene, &frame.lanes), findings.report);
+            scratch.judge_open::<CertifiedBounds>((self.path, scene, &frame.lanes), sink.report);
         }
         scratch.take_answers();
-        append_contacts(&scratch.touching, pairs, findings.contacts);
+        append_contacts(&scratch.touching, pairs, sink.contacts);
     }
 }
 
@@ -280,22 +284,22 @@ impl Scratch {
         }
         self.open.truncate(end);
         self.places.truncate(end);
-        report.count(Rung::Remembered, (pairs.len() - end) as u64);
+        report.count(Method::Remembered, (pairs.len() - end) as u64);
         facts.count(pairs.len(), pairs.len() - end);
     }
 
-    /// Tells the lanes what is to be tried first of the others, and how much room is wanted.
+    /// Tells the lanes what is to be tried first of the others, and how much clearance is wanted.
     fn hint(&mut self, facts: &Facts) {
         let kept = self.lanes.kept_mut();
-        kept.want(if facts.are_new() { ROOM_AT_FIRST } else { 0.0 });
+        kept.want(if facts.are_new() { CLEARANCE_AT_FIRST } else { 0.0 });
         kept.axes.clear();
         kept.axes.extend(self.places.iter().map(|&(_, slot)| facts.axis(slot)));
     }
 
     /// Asks the lanes about the others.
-    fn judge_open<T: Trust>(
+    fn judge_open<T: ErrorBounds>(
         &mut self,
-        (path, scene, frame): (Path, &Scene, &frame::Frame),
+        (path, scene, frame): (Path, &Scene, &frame::SimdFrame),
         report: &mut Report,
     ) {
         Slice { path, scene, frame, pairs: &self.open }.judge::<T>(&mut self.lanes, report);
@@ -304,11 +308,11 @@ impl Scratch {
     /// Keeps what the lanes proved of the others.
     fn remember(&self, facts: &Facts) {
         let kept = self.lanes.kept();
-        let found = self.lanes.touching().iter().zip(kept.room());
+        let found = self.lanes.touching().iter().zip(kept.clearance());
         let asked = self.open.iter().zip(&self.places).zip(&kept.axes);
-        for (((&pair, &(_, slot)), &axis), (&touching, &room)) in asked.zip(found) {
+        for (((&pair, &(_, slot)), &axis), (&touching, &clearance)) in asked.zip(found) {
             let fact = if touching { Fact::Touching } else { Fact::Apart };
-            facts.remember((pair, slot), fact, room);
+            facts.remember((pair, slot), fact, clearance);
             if axis != Axis::default() {
                 facts.keep_axis(slot, fact, axis);
             }

@@ -1,4 +1,4 @@
-//! The room of a proof beside the true distance or depth, ways beside the points' own, and facts
+//! The clearance of a proof beside the true distance or depth, ways beside the points' own, and facts
 //! that expire.
 
 use super::facts::{Fact, Facts};
@@ -6,7 +6,7 @@ use super::track::Track;
 use super::*;
 use crate::simd::Overlap;
 use crate::simd::axis::Axis;
-use crate::{Depths, DistanceResult, PairSolver, Placed, Verdict, distance};
+use crate::{Depths, DistanceResult, PairSolver, PosedShape, Verdict, distance};
 use dcd_geom::glam::{DMat3, DQuat, DVec3, Vec3};
 use dcd_geom::{Object, Pose};
 use proptest::prelude::*;
@@ -37,13 +37,13 @@ fn shape() -> impl Strategy<Value = Shape> {
     })
 }
 
-/// The pairs of a scene, each with what the lanes proved of it and the room of that, after axes to
-/// be tried first and looking for that much room.
+/// The pairs of a scene, each with what the lanes proved of it and the clearance of that, after axes to
+/// be tried first and looking for that much clearance.
 fn rooms(scene: &Scene, path: Path, axes: &[Axis], wanted: f32) -> Vec<(Pair, bool, f32)> {
     let narrow = Overlap::on(path);
-    let mut lanes = frame::Frame::default();
+    let mut lanes = frame::SimdFrame::default();
     let mut aabbs = vec![Aabb::default(); scene.len()];
-    let part = narrow.lay_out(scene, &mut lanes);
+    let part = narrow.layout(scene, &mut lanes);
     narrow.prepare(scene, 0, part, &mut aabbs);
     let objects = 0..scene.len() as u32;
     let pairs = objects.clone().flat_map(|j| (0..j).map(move |i| Pair::new(i, j)));
@@ -54,18 +54,22 @@ fn rooms(scene: &Scene, path: Path, axes: &[Axis], wanted: f32) -> Vec<(Pair, bo
     kept.axes.extend(pairs.iter().zip(axes.iter().cycle()).map(|(_, axis)| *axis));
     let slice = Slice { path, scene, frame: &lanes, pairs: &pairs };
     let mut report = Report::default();
-    slice.judge::<Lasting>(&mut scratch, &mut report);
+    slice.judge::<ClearanceBounds>(&mut scratch, &mut report);
     // However many proofs a pair has, it is counted once.
-    let settled: u64 = Rung::ALL.iter().map(|&rung| report.settled(rung)).sum();
+    let settled: u64 = Method::ALL.iter().map(|&method| report.settled(method)).sum();
     assert_eq!(settled as usize + report.undecided().len(), pairs.len());
-    let found = scratch.touching().iter().zip(scratch.kept().room());
-    pairs.iter().zip(found).map(|(&pair, (&touching, &room))| (pair, touching, room)).collect()
+    let found = scratch.touching().iter().zip(scratch.kept().clearance());
+    pairs
+        .iter()
+        .zip(found)
+        .map(|(&pair, (&touching, &clearance))| (pair, touching, clearance))
+        .collect()
 }
 
 /// How far apart two objects are, or how deep in each other, at most.
 fn reach(scene: &Scene, pair: Pair) -> f64 {
     let placed =
-        |i: u32| Placed { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
+        |i: u32| PosedShape { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
     let (a, b) = (placed(pair.i), placed(pair.j));
     match distance::distance(a, b).0 {
         DistanceResult::Apart(distance) => distance.upper(),
@@ -92,16 +96,16 @@ proptest! {
             let fresh = rooms(&scene, path, &[], 0.0);
             let hinted = rooms(&scene, path, &axes, 0.0);
             let [widened, widest] = [1.0 / 32.0, 1e3].map(|wanted| rooms(&scene, path, &[], wanted));
-            for (k, &(pair, touching, room)) in fresh.iter().enumerate() {
-                // Whatever is tried first and however much room is looked for, the answer is the same.
+            for (k, &(pair, touching, clearance)) in fresh.iter().enumerate() {
+                // Whatever is tried first and however much clearance is looked for, the answer is the same.
                 for told in [hinted[k], widened[k], widest[k]] {
                     prop_assert_eq!(touching, told.1, "{:?}, {:?}", pair, path);
                 }
                 // A proof that had enough is not given up for one that has less.
-                prop_assert!(room <= widened[k].2 && room <= widest[k].2, "{pair:?}, {path:?}");
+                prop_assert!(clearance <= widened[k].2 && clearance <= widest[k].2, "{pair:?}, {path:?}");
                 let reach = reach(&scene, pair);
-                for room in [room, hinted[k].2, widened[k].2, widest[k].2] {
-                    prop_assert!(f64::from(room) <= reach, "{pair:?}, {path:?}: {room} of {reach}");
+                for clearance in [clearance, hinted[k].2, widened[k].2, widest[k].2] {
+                    prop_assert!(f64::from(clearance) <= reach, "{pair:?}, {path:?}: {clearance} of {reach}");
                 }
             }
         }
@@ -165,7 +169,7 @@ fn an_object_at_rest_goes_no_way_and_another_in_its_slot_goes_a_long_one() {
     scene.remove(scene.handle(0).unwrap()).unwrap();
     scene.insert(Object::new(0, Pose::IDENTITY)).unwrap();
     track.follow(&scene, 0);
-    // No fact about the large one had more room than its limit.
+    // No fact about the large one had more clearance than its limit.
     assert!(track.way().travelled >= at_first.travelled + at_first.limit);
 }
 
@@ -211,8 +215,8 @@ fn recall(facts: &Facts, pair: Pair) -> Option<Fact> {
     facts.recall(&facts.reader().find(pair))
 }
 
-fn remember(facts: &Facts, pair: Pair, fact: Fact, room: f32) {
-    facts.remember((pair, facts.reader().find(pair).slot), fact, room);
+fn remember(facts: &Facts, pair: Pair, fact: Fact, clearance: f32) {
+    facts.remember((pair, facts.reader().find(pair).slot), fact, clearance);
 }
 
 #[test]
@@ -227,7 +231,7 @@ fn a_fact_holds_until_both_objects_together_have_gone_its_room() {
     assert_eq!(recall(&facts, pairs[0]), None);
     remember(&facts, pairs[0], Fact::Apart, 1.0);
     assert_eq!(recall(&facts, pairs[0]), Some(Fact::Apart));
-    // More room than the limit is not believed: a jump counts as no more.
+    // More clearance than the limit is not believed: a jump counts as no more.
     remember(&facts, pairs[0], Fact::Apart, 1e6);
     go(&mut facts, 1, 8.2);
     assert_eq!(recall(&facts, pairs[0]), None);
@@ -241,8 +245,8 @@ fn what_is_recalled_is_what_was_remembered_in_any_order() {
         let fact = |pair: Pair| {
             if (pair.i ^ pair.j).is_multiple_of(3) { Fact::Touching } else { Fact::Apart }
         };
-        let room = |pair: Pair| 0.1 + (pair.i + 1000 * pair.j) as f32 * 1e-6;
-        pairs.iter().for_each(|&pair| remember(&facts, pair, fact(pair), room(pair)));
+        let clearance = |pair: Pair| 0.1 + (pair.i + 1000 * pair.j) as f32 * 1e-6;
+        pairs.iter().for_each(|&pair| remember(&facts, pair, fact(pair), clearance(pair)));
         pairs.sort_unstable_by_key(|pair| pair.i.wrapping_mul(2_654_435_761) ^ pair.j);
         let mut reader = facts.reader();
         for pair in pairs {
@@ -295,9 +299,9 @@ fn tiles_are_laid_out_for_the_candidates_and_anew_when_these_have_become_others(
 #[test]
 fn nothing_is_kept_without_room_or_without_a_tile() {
     let (mut facts, pairs) = facts(3);
-    for room in [0.0, -1.0, f32::NAN, 1e-38] {
-        remember(&facts, pairs[0], Fact::Apart, room);
-        assert_eq!(recall(&facts, pairs[0]), None, "{room}");
+    for clearance in [0.0, -1.0, f32::NAN, 1e-38] {
+        remember(&facts, pairs[0], Fact::Apart, clearance);
+        assert_eq!(recall(&facts, pairs[0]), None, "{clearance}");
     }
     // No tile is about objects that came after the layout.
     facts.make_standings(5);

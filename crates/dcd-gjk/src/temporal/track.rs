@@ -18,9 +18,9 @@ pub(super) struct Track {
     step: f64,
 }
 
-/// A step longer than this counts as this, and no fact is kept with more room. Unit: the object's
+/// A step longer than this counts as this, and no fact is kept with more clearance. Unit: the object's
 /// outer radius. So a jump, or another object in the slot, ends every fact, and does not make the
-/// way so long that f32 tells no small room in it. Larger: ways wear out sooner. Smaller: objects
+/// way so long that f32 tells no small clearance in it. Larger: ways wear out sooner. Smaller: objects
 /// far from all others are asked about more often.
 const FAR: f64 = 8.0;
 
@@ -33,7 +33,7 @@ const WORN: f64 = 1024.0;
 /// depart from rotations. Unit: the sum of their deviations. 1 + √(3/2) = 2.23.
 const DEPARTURE: f64 = 2.25;
 
-/// What the roundings of a displacement may take from it, f64. No unit. Some fifty, and room.
+/// What the roundings of a displacement may take from it, f64. No unit. Some fifty, and clearance.
 const ROUNDED: f64 = 1.0 + 256.0 * f64::EPSILON;
 
 /// How far the centre's difference may be off. Unit: 2⁻⁵³ of |t|₁ + |t'|₁ and both reaches; as
@@ -57,7 +57,7 @@ impl Track {
         if self.object != object {
             let core = &scene.cores().cores()[shape as usize];
             let limit = FAR * (core.outer + core.radius);
-            // No room of the object before was above its limit.
+            // No clearance of the object before was above its limit.
             self.way += self.limit.max(limit);
             // How fast it moves is not known yet.
             (self.object, self.limit, self.step) = (object, limit, 0.0);

@@ -110,14 +110,17 @@ fn points_repeated_a_hundred_times_are_one_point() {
 
 #[test]
 fn spheres_overlap_by_their_radii_less_their_distance() {
-    let ball = |r| Polytope::sphere(r).unwrap();
-    let found = touching(&(ball(2.0), Pose::IDENTITY), &(ball(3.5), at(3.0, 0.0, 4.0)));
+    let sphere = |r| Polytope::sphere(r).unwrap();
+    let found = touching(&(sphere(2.0), Pose::IDENTITY), &(sphere(3.5), at(3.0, 0.0, 4.0)));
     assert!((found.depth - 0.5).abs() <= found.error_bound && found.error_bound < 1e-13);
     assert!(found.normal.distance(DVec3::new(0.6, 0.0, 0.8)) < 1e-15);
     assert!(found.point_a.distance(found.normal * 2.0) < 1e-15);
-    let concentric = touching(&(ball(2.0), Pose::IDENTITY), &(ball(3.5), Pose::IDENTITY));
+    let concentric = touching(&(sphere(2.0), Pose::IDENTITY), &(sphere(3.5), Pose::IDENTITY));
     assert_eq!((concentric.depth, concentric.normal.length()), (5.5, 1.0));
-    assert_eq!(ask(&(ball(2.0), Pose::IDENTITY), &(ball(2.9), at(3.0, 0.0, 4.0))), Verdict::Apart);
+    assert_eq!(
+        ask(&(sphere(2.0), Pose::IDENTITY), &(sphere(2.9), at(3.0, 0.0, 4.0))),
+        Verdict::Apart
+    );
 }
 
 #[test]

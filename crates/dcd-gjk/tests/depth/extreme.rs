@@ -78,8 +78,8 @@ fn the_least_and_the_largest_numbers_have_their_depth() {
 
 #[test]
 fn a_depth_that_no_f64_holds_is_known_from_below_and_marked() {
-    let ball = Polytope::sphere(f64::MAX).unwrap();
-    let found = touching(&(ball.clone(), Pose::IDENTITY), &(ball, Pose::IDENTITY));
+    let sphere = Polytope::sphere(f64::MAX).unwrap();
+    let found = touching(&(sphere.clone(), Pose::IDENTITY), &(sphere, Pose::IDENTITY));
     assert!(found.depth == f64::MAX && found.is_saturated() && is_sound(&found), "{found:?}");
     assert_eq!((found.lower(), found.upper()), (0.0, f64::MAX));
 }
@@ -99,14 +99,14 @@ fn spiral(count: usize) -> Polytope {
 #[test]
 fn concentric_spirals_end_with_bounds_that_hold() {
     // All facets are nearly as far: the most work there is.
-    let ball = spiral(300);
-    let found = touching(&(ball.clone(), Pose::IDENTITY), &(ball, Pose::IDENTITY));
+    let sphere = spiral(300);
+    let found = touching(&(sphere.clone(), Pose::IDENTITY), &(sphere, Pose::IDENTITY));
     assert!(found.depth < 2.0 && found.depth > 1.9 && is_sound(&found), "{found:?}");
 }
 
 #[test]
 fn memory_that_was_used_before_changes_no_bit() {
-    let pairs: Vec<(Placed, Placed)> = (1..30)
+    let pairs: Vec<(PosedShape, PosedShape)> = (1..30)
         .map(|k| {
             let turn = dcd_geom::glam::DQuat::from_rotation_y(0.1 * f64::from(k));
             let place = Pose::new(turn, DVec3::new(0.02 * f64::from(k), 0.1, 0.0)).unwrap();
@@ -115,7 +115,8 @@ fn memory_that_was_used_before_changes_no_bit() {
         .collect();
     let mut scratch = Scratch::default();
     for (a, b) in &pairs {
-        let (a_body, b_body) = (Body::polytope(&a.0, &a.1), Body::polytope(&b.0, &b.1));
+        let (a_body, b_body) =
+            (PosedSupport::polytope(&a.0, &a.1), PosedSupport::polytope(&b.0, &b.1));
         assert_eq!(epa::depth(a_body, b_body, &mut scratch), ask(a, b));
     }
 }

@@ -7,10 +7,10 @@ mod random;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Pose};
 use dcd_gjk::epa::{self, Depth, Scratch};
-use dcd_gjk::{Body, Verdict};
+use dcd_gjk::{PosedSupport, Verdict};
 
 /// A shape and where it is.
-type Placed = (Polytope, Pose);
+type PosedShape = (Polytope, Pose);
 
 fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()
@@ -24,20 +24,20 @@ fn cube() -> Polytope {
     Polytope::cuboid(DVec3::splat(0.5)).unwrap()
 }
 
-fn ask(a: &Placed, b: &Placed) -> Verdict<Depth> {
-    let body = |(map, pose)| Body::polytope(map, pose);
+fn ask(a: &PosedShape, b: &PosedShape) -> Verdict<Depth> {
+    let body = |(map, pose)| PosedSupport::polytope(map, pose);
     let (a, b) = ((&a.0, &a.1), (&b.0, &b.1));
     epa::depth(body(a), body(b), &mut Scratch::default())
 }
 
 /// The depth, whether or not the query could prove the contact.
-fn overlap(a: &Placed, b: &Placed) -> Depth {
-    let body = |(map, pose)| Body::polytope(map, pose);
+fn overlap(a: &PosedShape, b: &PosedShape) -> Depth {
+    let body = |(map, pose)| PosedSupport::polytope(map, pose);
     let (a, b) = ((&a.0, &a.1), (&b.0, &b.1));
     epa::depth_of_overlap(body(a), body(b), &mut Scratch::default())
 }
 
-fn touching(a: &Placed, b: &Placed) -> Depth {
+fn touching(a: &PosedShape, b: &PosedShape) -> Depth {
     match ask(a, b) {
         Verdict::Touching(depth) => depth,
         other => panic!("{other:?} for {a:?} and {b:?}"),

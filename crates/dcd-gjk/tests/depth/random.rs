@@ -10,7 +10,7 @@ use std::ops::Range;
 /// What is promised of a depth, relative to itself.
 const PROMISED: f64 = 1e-9;
 
-fn judge(a: &Placed, b: &Placed) -> Result<(), TestCaseError> {
+fn judge(a: &PosedShape, b: &PosedShape) -> Result<(), TestCaseError> {
     let truth = Truth::of((&a.0, &a.1), (&b.0, &b.1));
     let found = match ask(a, b) {
         Verdict::Apart => {
@@ -39,13 +39,13 @@ fn judge(a: &Placed, b: &Placed) -> Result<(), TestCaseError> {
 }
 
 /// That the normal parts the shapes, and that the witnesses are where it says.
-fn separates(a: &Placed, b: &Placed, found: &Depth) -> Result<(), TestCaseError> {
+fn separates(a: &PosedShape, b: &PosedShape, found: &Depth) -> Result<(), TestCaseError> {
     let size = a.0.reach() + b.0.reach() + a.1.translation().length() + b.1.translation().length();
     let slack = 1e-14 * size;
     prop_assert!((found.normal.length() - 1.0).abs() < 1e-15);
     let between = found.point_a - found.point_b;
     prop_assert!(between.distance(found.normal * found.depth) <= slack, "{found:?}");
-    let farthest = |(map, pose): &Placed, n: DVec3| {
+    let farthest = |(map, pose): &PosedShape, n: DVec3| {
         let along = map.vertices().iter().map(|&v| pose.apply(v).dot(n));
         along.fold(f64::NEG_INFINITY, f64::max)
     };
@@ -183,7 +183,7 @@ proptest! {
     ) {
         let [a, b] = tilts.map(ellipse);
         let place = Pose::from_translation(in_plane(t[0], t[1])).unwrap();
-        let (body_a, body_b) = (Body::polytope(&a, &Pose::IDENTITY), Body::polytope(&b, &place));
+        let (body_a, body_b) = (PosedSupport::polytope(&a, &Pose::IDENTITY), PosedSupport::polytope(&b, &place));
         if let (DistanceResult::Apart(gap), _) = distance::of_polytopes(body_a, body_b) {
             let gap = gap.distance;
             let b = b.rounded(2.0 * gap).unwrap();
@@ -234,11 +234,12 @@ fn ellipse(tilt: f64) -> Polytope {
 }
 
 /// Radii that leave some overlap, down to an ulp or none, of whatever the cores' distance is.
-fn judge_rounded(a: &Placed, b: &Placed, share: f64) -> Result<(), TestCaseError> {
+fn judge_rounded(a: &PosedShape, b: &PosedShape, share: f64) -> Result<(), TestCaseError> {
     let truth = Truth::of((&a.0, &a.1), (&b.0, &b.1));
     let distance = (-truth.value()).max(0.0);
     let radius = (distance * (1.0 + share)).next_up().next_up();
-    let round = |(map, pose): &Placed, radius: f64| (map.clone().rounded(radius).unwrap(), *pose);
+    let round =
+        |(map, pose): &PosedShape, radius: f64| (map.clone().rounded(radius).unwrap(), *pose);
     // In two parts whose sum is exact: the oracle takes one radius.
     let part = radius * 0.75;
     let (a, b) = (round(a, part), round(b, radius - part));
@@ -260,7 +261,7 @@ fn judge_rounded(a: &Placed, b: &Placed, share: f64) -> Result<(), TestCaseError
     Ok(())
 }
 
-fn judge_sized(a: &Placed, b: &Placed, size: f64) -> Result<(), TestCaseError> {
+fn judge_sized(a: &PosedShape, b: &PosedShape, size: f64) -> Result<(), TestCaseError> {
     let truth = Truth::of((&a.0, &a.1), (&b.0, &b.1));
     let value = truth.value();
     let verdict = ask(a, b);

@@ -1,6 +1,6 @@
 //! Pairs from a seed.
 
-use super::Placed;
+use super::PosedShape;
 use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::{Polytope, Pose};
 
@@ -58,17 +58,17 @@ impl Draw {
 
 /// Hulls of lattice points in lattice places: faces, edges and corners that touch exactly, flat
 /// and collinear hulls, points, duplicates.
-pub fn lattice(draw: &mut Draw, most: u64) -> [Placed; 2] {
+pub fn lattice(draw: &mut Draw, most: u64) -> [PosedShape; 2] {
     [(); 2].map(|()| {
         let count = 1 + draw.below(most);
         let vertices = (0..count).map(|_| draw.lattice()).collect();
         let pose = Pose::from_matrix(draw.quarter_turns(), draw.lattice()).unwrap();
-        Placed::hull(vertices, pose)
+        PosedShape::hull(vertices, pose)
     })
 }
 
 /// Hulls of any points, stretched by up to 2⁻²⁰ along axes of their own, turned any way.
-pub fn random(draw: &mut Draw, most: u64) -> [Placed; 2] {
+pub fn random(draw: &mut Draw, most: u64) -> [PosedShape; 2] {
     [(); 2].map(|()| {
         let count = 1 + draw.below(most);
         let thin = 2f64.powi(-(draw.below(21) as i32));
@@ -79,27 +79,27 @@ pub fn random(draw: &mut Draw, most: u64) -> [Placed; 2] {
             _ => DVec3::ONE,
         };
         let vertices = (0..count).map(|_| draw.vector() * stretch).collect();
-        Placed::hull(vertices, Pose::new(draw.rotation(), draw.vector() * 0.5).unwrap())
+        PosedShape::hull(vertices, Pose::new(draw.rotation(), draw.vector() * 0.5).unwrap())
     })
 }
 
 /// A box and a box, aligned but for a rotation that both share.
-pub fn aligned(draw: &mut Draw) -> [Placed; 2] {
+pub fn aligned(draw: &mut Draw) -> [PosedShape; 2] {
     let rotation = if draw.below(2) == 0 { DQuat::IDENTITY } else { draw.rotation() };
     [(); 2].map(|()| {
         let half = (draw.lattice().abs() + 0.5) * 0.25;
         let shape = Polytope::cuboid(half).unwrap();
-        Placed { shape, pose: Pose::new(rotation, rotation * draw.lattice()).unwrap() }
+        PosedShape { shape, pose: Pose::new(rotation, rotation * draw.lattice()).unwrap() }
     })
 }
 
 /// B moved along a line until the exact answer flips between neighbouring floats: the pair that
 /// touches, and the pair that does not. `None` where the line never leaves A.
 pub fn bisected(
-    [a, b]: &[Placed; 2],
+    [a, b]: &[PosedShape; 2],
     direction: DVec3,
-    touches: impl Fn(&Placed, &Placed) -> bool,
-) -> Option<[[Placed; 2]; 2]> {
+    touches: impl Fn(&PosedShape, &PosedShape) -> bool,
+) -> Option<[[PosedShape; 2]; 2]> {
     let from = a.pose.translation();
     let at = |x: f64| [a.clone(), b.moved_to(from + direction * x)];
     let touching = |x: f64| {

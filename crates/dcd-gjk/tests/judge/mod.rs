@@ -5,23 +5,23 @@ pub mod cases;
 
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Pose};
-use dcd_gjk::Body;
+use dcd_gjk::PosedSupport;
 use dcd_judge::Side;
 
 /// A polytope somewhere.
 #[derive(Clone, Debug)]
-pub struct Placed {
+pub struct PosedShape {
     pub shape: Polytope,
     pub pose: Pose,
 }
 
-impl Placed {
+impl PosedShape {
     pub fn hull(vertices: Vec<DVec3>, pose: Pose) -> Self {
         Self { shape: Polytope::hull(vertices).unwrap(), pose }
     }
 
-    pub fn body(&self) -> Body<'_, Polytope> {
-        Body::polytope(&self.shape, &self.pose)
+    pub fn body(&self) -> PosedSupport<'_, Polytope> {
+        PosedSupport::polytope(&self.shape, &self.pose)
     }
 
     pub fn side(&self) -> Side<'_> {
@@ -44,11 +44,11 @@ impl Placed {
 }
 
 /// Whether the shapes, radii included, share a point.
-pub fn touches(a: &Placed, b: &Placed) -> bool {
+pub fn touches(a: &PosedShape, b: &PosedShape) -> bool {
     dcd_judge::touches(a.side(), b.side())
 }
 
 /// Whether the distance of two shapes that are apart, radii taken off, is in low..=high, exactly.
-pub fn distance_is_in(a: &Placed, b: &Placed, low: f64, high: f64) -> bool {
+pub fn distance_is_in(a: &PosedShape, b: &PosedShape, low: f64, high: f64) -> bool {
     dcd_judge::distance_is_in(a.side(), b.side(), low, high)
 }

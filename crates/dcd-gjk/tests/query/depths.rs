@@ -2,17 +2,17 @@
 
 use super::scenes::{Draw, pile, shapes};
 use super::within::found;
-use super::{Body, ask, told};
+use super::{PosedSupport, ask, told};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Polytope, Shape, Support, SupportMap};
-use dcd_gjk::{Depths, EachPair, OfTouching, Overlap, Verdict, law};
+use dcd_gjk::{Depths, Overlap, Pairwise, ThenMeasure, Verdict, contract};
 use std::sync::Arc;
 
 #[test]
-fn depths_keep_the_law_one_by_one_and_after_the_lanes() {
+fn depths_keep_the_contract_one_by_one_and_after_the_lanes() {
     let (scene, pairs) = pile(shapes(), 40);
-    law::narrow_phase(&EachPair(Depths), &scene, &pairs).unwrap();
-    law::narrow_phase(&OfTouching::new(Depths).unwrap(), &scene, &pairs).unwrap();
+    contract::narrow_phase(&Pairwise(Depths), &scene, &pairs).unwrap();
+    contract::narrow_phase(&ThenMeasure::new(Depths).unwrap(), &scene, &pairs).unwrap();
 }
 
 #[test]
@@ -21,13 +21,13 @@ fn every_touching_pair_has_its_depth() {
     polytopes.pop();
     let (scene, pairs) = pile(polytopes, 60);
     let (yes, _) = found(&Overlap::default(), &scene, &pairs);
-    let (deep, report) = found(&OfTouching::new(Depths).unwrap(), &scene, &pairs);
+    let (deep, report) = found(&ThenMeasure::new(Depths).unwrap(), &scene, &pairs);
     let pairs_of = |contacts: &[dcd_gjk::Contact<_>]| -> Vec<_> {
         contacts.iter().map(|contact| contact.pair).collect()
     };
     assert!(yes.len() > 50 && report.undecided().is_empty(), "{}", yes.len());
     assert_eq!(yes.iter().map(|contact| contact.pair).collect::<Vec<_>>(), pairs_of(&deep));
-    assert_eq!(deep, found(&EachPair(Depths), &scene, &pairs).0);
+    assert_eq!(deep, found(&Pairwise(Depths), &scene, &pairs).0);
     for depth in deep.iter().map(|contact| contact.answer) {
         assert!(depth.depth > 0.0 || depth.error_bound < 1e-15, "{depth:?}");
         assert!((depth.normal.length() - 1.0).abs() < 1e-12 && !depth.is_saturated());
@@ -58,8 +58,8 @@ fn curved_shapes_have_a_depth_within_its_bound() {
     let half = DVec3::new(0.5, 1.0, 1.5);
     let shape = Shape::custom(Arc::new(Ellipsoid(half))).unwrap();
     for overlap in [1e-6, 1e-3, 0.1, 0.25] {
-        let a = Body::at(&shape, DVec3::new(10.0, 0.0, 0.0));
-        let b = Body::at(&shape, DVec3::new(11.0 - overlap, 0.0, 0.0));
+        let a = PosedSupport::at(&shape, DVec3::new(10.0, 0.0, 0.0));
+        let b = PosedSupport::at(&shape, DVec3::new(11.0 - overlap, 0.0, 0.0));
         let found = told(&Depths, &a, &b);
         assert!(found.lower() <= overlap && overlap <= found.upper(), "{overlap} {found:?}");
         assert!(found.error_bound <= 1e-8 * overlap + 1e-14, "{overlap} {found:?}");
@@ -68,16 +68,16 @@ fn curved_shapes_have_a_depth_within_its_bound() {
 }
 
 #[test]
-fn a_foreign_ball_is_as_deep_as_our_own() {
+fn a_foreign_sphere_is_as_deep_as_our_own() {
     let mut draw = Draw(11);
     let ours = Shape::sphere(0.5).unwrap();
     let foreign = Shape::custom(Arc::new(Polytope::sphere(0.5).unwrap())).unwrap();
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
     for _ in 0..50 {
         let (turn, place) = (draw.turn(), draw.vector() * 0.8);
-        let a = Body::new(cube.clone(), DQuat::IDENTITY, DVec3::ZERO);
+        let a = PosedSupport::new(cube.clone(), DQuat::IDENTITY, DVec3::ZERO);
         let answers =
-            [&ours, &foreign].map(|s| ask(&Depths, &a, &Body::new(s.clone(), turn, place)));
+            [&ours, &foreign].map(|s| ask(&Depths, &a, &PosedSupport::new(s.clone(), turn, place)));
         let [Verdict::Touching(ours), Verdict::Touching(foreign)] = answers else {
             assert_eq!(answers[0], answers[1]);
             continue;
@@ -95,7 +95,7 @@ fn the_depth_of_a_swapped_pair_is_mirrored_bit_for_bit() {
     let mut touching = 0;
     for k in 0..200usize {
         let body = |k: usize, draw: &mut Draw| {
-            Body::new(shapes[k % shapes.len()].clone(), draw.turn(), draw.vector() * 0.5)
+            PosedSupport::new(shapes[k % shapes.len()].clone(), draw.turn(), draw.vector() * 0.5)
         };
         let (a, b) = (body(k, &mut draw), body(k / 6, &mut draw));
         let (Verdict::Touching(ab), Verdict::Touching(ba)) =
@@ -123,7 +123,10 @@ fn a_cylinder_and_a_cone_have_their_depth_against_boxes_and_each_other() {
         (&cone, &cube, DVec3::new(0.1, 0.0, -1.4), 0.1),
     ] {
         let flat = DQuat::IDENTITY;
-        let (a, b) = (Body::new(a.clone(), turn, DVec3::ZERO), Body::new(b.clone(), flat, place));
+        let (a, b) = (
+            PosedSupport::new(a.clone(), turn, DVec3::ZERO),
+            PosedSupport::new(b.clone(), flat, place),
+        );
         let found = told(&Depths, &a, &b);
         assert!((found.depth - depth).abs() <= found.error_bound, "{found:?}");
         assert!(found.error_bound < 1e-8 * depth, "{found:?}");
@@ -134,9 +137,9 @@ fn a_cylinder_and_a_cone_have_their_depth_against_boxes_and_each_other() {
 fn a_floor_has_the_depth_of_what_is_below_it() {
     let floor = Shape::half_space(DVec3::Z, 0.0).unwrap();
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
-    let (a, b) = (Body::at(&floor, DVec3::ZERO), Body::at(&cube, DVec3::Z * 0.25));
+    let (a, b) = (PosedSupport::at(&floor, DVec3::ZERO), PosedSupport::at(&cube, DVec3::Z * 0.25));
     let found = told(&Depths, &a, &b);
     assert!((found.depth - 0.25).abs() <= found.error_bound && found.normal == DVec3::Z);
-    assert_eq!(ask(&Depths, &a, &Body::at(&cube, DVec3::Z)), Verdict::Apart);
+    assert_eq!(ask(&Depths, &a, &PosedSupport::at(&cube, DVec3::Z)), Verdict::Apart);
     assert!(matches!(ask(&Depths, &a, &a), Verdict::Undecided(_)));
 }

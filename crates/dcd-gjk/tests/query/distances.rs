@@ -2,20 +2,22 @@
 
 use super::scenes::{Draw, pile, shapes};
 use super::within::found;
-use super::{Body, ask, told};
+use super::{PosedSupport, ask, told};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Pose, Shape};
 use dcd_gjk::query::Smoothness;
-use dcd_gjk::{Distances, EachPair, OfTouching, PairSolver, Proximities, Reason, Verdict, law};
+use dcd_gjk::{
+    Distances, PairSolver, Pairwise, Proximities, Reason, ThenMeasure, Verdict, contract,
+};
 use std::sync::Arc;
 
 #[test]
-fn distances_keep_the_law_one_by_one_and_after_the_lanes() {
+fn distances_keep_the_contract_one_by_one_and_after_the_lanes() {
     let (scene, pairs) = pile(shapes(), 40);
     for margin in [0.0, 0.5] {
         let solver = Distances::within(margin).unwrap();
-        law::narrow_phase(&EachPair(solver), &scene, &pairs).unwrap();
-        law::narrow_phase(&OfTouching::new(solver).unwrap(), &scene, &pairs).unwrap();
+        contract::narrow_phase(&Pairwise(solver), &scene, &pairs).unwrap();
+        contract::narrow_phase(&ThenMeasure::new(solver).unwrap(), &scene, &pairs).unwrap();
     }
 }
 
@@ -25,8 +27,8 @@ fn both_ways_of_asking_tell_the_same() {
     polytopes.pop();
     let (scene, pairs) = pile(polytopes, 40);
     let solver = Distances::within(0.5).unwrap();
-    let (alone, _) = found(&EachPair(solver), &scene, &pairs);
-    let (after, report) = found(&OfTouching::new(solver).unwrap(), &scene, &pairs);
+    let (alone, _) = found(&Pairwise(solver), &scene, &pairs);
+    let (after, report) = found(&ThenMeasure::new(solver).unwrap(), &scene, &pairs);
     assert!(alone.len() > 50 && alone == after, "{} {}", alone.len(), after.len());
     assert!(report.undecided().is_empty(), "{:?}", report.undecided());
     let apart = alone.iter().filter_map(|contact| contact.answer);
@@ -37,23 +39,24 @@ fn both_ways_of_asking_tell_the_same() {
 fn a_pair_beyond_the_margin_is_apart_and_one_that_touches_has_no_distance() {
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
     let solver = Distances::within(1.0).unwrap();
-    let a = Body::at(&cube, DVec3::ZERO);
-    assert_eq!(ask(&solver, &a, &Body::at(&cube, DVec3::X * 2.5)), Verdict::Apart);
-    assert_eq!(ask(&solver, &a, &Body::at(&cube, DVec3::X * 1e30)), Verdict::Apart);
-    assert_eq!(told(&solver, &a, &Body::at(&cube, DVec3::X)), None);
-    let found = told(&solver, &a, &Body::at(&cube, DVec3::X * 1.75)).unwrap();
+    let a = PosedSupport::at(&cube, DVec3::ZERO);
+    assert_eq!(ask(&solver, &a, &PosedSupport::at(&cube, DVec3::X * 2.5)), Verdict::Apart);
+    assert_eq!(ask(&solver, &a, &PosedSupport::at(&cube, DVec3::X * 1e30)), Verdict::Apart);
+    assert_eq!(told(&solver, &a, &PosedSupport::at(&cube, DVec3::X)), None);
+    let found = told(&solver, &a, &PosedSupport::at(&cube, DVec3::X * 1.75)).unwrap();
     assert!(found.lower() <= 0.75 && 0.75 <= found.upper() && found.upper() < 0.75 + 1e-15);
     assert_eq!((found.normal, found.point_a.x, found.point_b.x), (DVec3::X, 0.5, 1.25));
 }
 
 #[test]
 fn a_pair_that_f64_cannot_tell_is_within_a_margin_at_zero_with_its_bound() {
-    // Rims that just touch: cylinders have no exact rung.
+    // Rims that just touch: cylinders have no exact method.
     let cylinder = Shape::cylinder(0.5, 0.25).unwrap();
-    let (a, b) = (Body::at(&cylinder, DVec3::ZERO), Body::at(&cylinder, DVec3::X * 0.5));
+    let (a, b) =
+        (PosedSupport::at(&cylinder, DVec3::ZERO), PosedSupport::at(&cylinder, DVec3::X * 0.5));
     let parts = vec![(cylinder.clone(), Pose::IDENTITY)];
     let compound = Shape::compound(parts).unwrap();
-    for a in [a, Body::at(&compound, DVec3::ZERO)] {
+    for a in [a, PosedSupport::at(&compound, DVec3::ZERO)] {
         let solver = Distances::within(0.1).unwrap();
         let found = told(&solver, &a, &b).unwrap();
         assert!(found.distance == 0.0 && found.normal.x > 0.99, "{found:?}");
@@ -70,8 +73,8 @@ fn a_pair_that_f64_cannot_tell_is_within_a_margin_at_zero_with_its_bound() {
 }
 
 #[test]
-fn the_balls_reject_nothing_that_is_within_the_margin() {
-    // Two balls along a random line, moved about the margin in steps of rounding.
+fn the_spheres_reject_nothing_that_is_within_the_margin() {
+    // Two spheres along a random line, moved about the margin in steps of rounding.
     let mut draw = Draw(5);
     for k in 0..2000 {
         let scale = 10f64.powi(k % 19 - 9);
@@ -87,7 +90,7 @@ fn the_balls_reject_nothing_that_is_within_the_margin() {
             } else {
                 Shape::from(sphere)
             };
-            Body::new(shape, draw.turn(), place)
+            PosedSupport::new(shape, draw.turn(), place)
         });
         let solver = Distances::within(margin).unwrap();
         let measured = solver.measure(a.placed(), b.placed(), &mut ());

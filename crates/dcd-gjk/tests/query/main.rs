@@ -9,16 +9,16 @@ mod within;
 
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Pose, Shape};
-use dcd_gjk::{PairSolver, Placed, Verdict};
+use dcd_gjk::{PairSolver, PosedShape, Verdict};
 
 /// A shape and where it is.
 #[derive(Clone, Debug)]
-struct Body {
+struct PosedSupport {
     shape: Shape,
     pose: Pose,
 }
 
-impl Body {
+impl PosedSupport {
     fn new(shape: Shape, turn: DQuat, place: DVec3) -> Self {
         Self { shape, pose: Pose::new(turn, place).unwrap() }
     }
@@ -27,17 +27,17 @@ impl Body {
         Self::new(shape.clone(), DQuat::IDENTITY, place)
     }
 
-    fn placed(&self) -> Placed<'_> {
-        Placed { shape: &self.shape, pose: &self.pose }
+    fn placed(&self) -> PosedShape<'_> {
+        PosedShape { shape: &self.shape, pose: &self.pose }
     }
 }
 
-fn ask<S: PairSolver>(solver: &S, a: &Body, b: &Body) -> Verdict<S::Answer> {
+fn ask<S: PairSolver>(solver: &S, a: &PosedSupport, b: &PosedSupport) -> Verdict<S::Answer> {
     solver.solve(a.placed(), b.placed(), &mut S::Scratch::default())
 }
 
 /// What is told of a pair that touches, or is within the margin.
-fn told<S: PairSolver>(solver: &S, a: &Body, b: &Body) -> S::Answer {
+fn told<S: PairSolver>(solver: &S, a: &PosedSupport, b: &PosedSupport) -> S::Answer {
     let Verdict::Touching(answer) = ask(solver, a, b) else { panic!("{a:?}\n{b:?}") };
     answer
 }

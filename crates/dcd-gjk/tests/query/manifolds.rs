@@ -1,36 +1,36 @@
 //! Where touching pairs touch.
 
 use super::scenes::{Draw, pile, shapes};
-use super::{Body, ask, told};
+use super::{PosedSupport, ask, told};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Polytope, Pose, Shape};
 use dcd_gjk::query::Feature;
 use dcd_gjk::{
-    Body as Core, Depths, DistanceResult, EachPair, Manifold, Manifolds, OfTouching, Verdict,
-    distance, law,
+    Depths, DistanceResult, Manifold, Manifolds, Pairwise, PosedSupport as Core, ThenMeasure,
+    Verdict, contract, distance,
 };
 
 #[test]
-fn manifolds_keep_the_law_one_by_one_and_after_the_lanes() {
+fn manifolds_keep_the_contract_one_by_one_and_after_the_lanes() {
     let (scene, pairs) = pile(shapes(), 40);
-    law::narrow_phase(&EachPair(Manifolds), &scene, &pairs).unwrap();
-    law::narrow_phase(&OfTouching::new(Manifolds).unwrap(), &scene, &pairs).unwrap();
+    contract::narrow_phase(&Pairwise(Manifolds), &scene, &pairs).unwrap();
+    contract::narrow_phase(&ThenMeasure::new(Manifolds).unwrap(), &scene, &pairs).unwrap();
 }
 
-/// How far a point is from a body: by the distance of a ball of radius 0, another method.
-fn outside(point: DVec3, body: &Body) -> f64 {
-    let ball = Polytope::sphere(0.0).unwrap();
+/// How far a point is from a body: by the distance of a sphere of radius 0, another method.
+fn outside(point: DVec3, body: &PosedSupport) -> f64 {
+    let sphere = Polytope::sphere(0.0).unwrap();
     let pose = Pose::from_translation(point).unwrap();
     let polytope = body.shape.as_polytope().unwrap();
-    let (ball, body) = (Core::polytope(&ball, &pose), Core::polytope(polytope, &body.pose));
-    match distance::of_polytopes(ball, body).0 {
+    let (sphere, body) = (Core::polytope(&sphere, &pose), Core::polytope(polytope, &body.pose));
+    match distance::of_polytopes(sphere, body).0 {
         DistanceResult::Apart(found) => found.distance,
         _ => 0.0,
     }
 }
 
 /// Judges a manifold by the distance of its points from the bodies and by the depth.
-fn judge(found: &Manifold, a: &Body, b: &Body) {
+fn judge(found: &Manifold, a: &PosedSupport, b: &PosedSupport) {
     let depth = told(&Depths, a, b);
     let bound = found.error_bound;
     let points = found.points();
@@ -63,7 +63,7 @@ fn points_lie_in_their_shapes_and_the_deepest_is_as_deep_as_the_pair() {
             };
             let place = draw.vector() * 0.6;
             let place = if k.is_multiple_of(2) { (place * 10.0).round() / 10.0 } else { place };
-            Body::new(shapes[k % shapes.len()].clone(), turn, place)
+            PosedSupport::new(shapes[k % shapes.len()].clone(), turn, place)
         };
         let (a, b) = (body(k), body(k / 5));
         if let Verdict::Touching(found) = ask(&Manifolds, &a, &b) {
@@ -81,8 +81,8 @@ fn stacked_faces_touch_in_the_corners_of_what_they_share() {
     for (gap, moved) in
         [(0.0, DVec3::ZERO), (0.125, DVec3::ZERO), (0.0, DVec3::new(0.25, 0.5, 0.0))]
     {
-        let a = Body::at(&cube, place);
-        let b = Body::at(&cube, place + moved + DVec3::Z * (1.0 - gap));
+        let a = PosedSupport::at(&cube, place);
+        let b = PosedSupport::at(&cube, place + moved + DVec3::Z * (1.0 - gap));
         let found = told(&Manifolds, &a, &b);
         judge(&found, &a, &b);
         assert_eq!((found.normal, found.points().len()), (DVec3::Z, 4));
@@ -98,8 +98,8 @@ fn stacked_faces_touch_in_the_corners_of_what_they_share() {
 #[test]
 fn a_box_rocked_a_little_touches_along_its_edge_and_where_it_leaves_the_face() {
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
-    let a = Body::at(&Shape::cuboid(DVec3::new(2.0, 2.0, 0.5)).unwrap(), DVec3::ZERO);
-    let b = Body::new(cube, DQuat::from_rotation_y(0.01), DVec3::Z * 1.0);
+    let a = PosedSupport::at(&Shape::cuboid(DVec3::new(2.0, 2.0, 0.5)).unwrap(), DVec3::ZERO);
+    let b = PosedSupport::new(cube, DQuat::from_rotation_y(0.01), DVec3::Z * 1.0);
     let found = told(&Manifolds, &a, &b);
     judge(&found, &a, &b);
     let depths: Vec<f64> = found.points().iter().map(|point| point.depth).collect();
@@ -114,16 +114,16 @@ fn crossing_edges_touch_in_one_point_and_parallel_capsules_in_two() {
     let rolled = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_4);
     let across = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2) * rolled;
     let height = DVec3::Z * (2f64.sqrt() - 0.01);
-    let a = Body::new(beam.clone(), rolled, DVec3::ZERO);
-    let b = Body::new(beam, across, height);
+    let a = PosedSupport::new(beam.clone(), rolled, DVec3::ZERO);
+    let b = PosedSupport::new(beam, across, height);
     let found = told(&Manifolds, &a, &b);
     judge(&found, &a, &b);
     assert_eq!(found.points().len(), 1);
     assert!(matches!(found.points()[0].features, [Feature::Edge(..), Feature::Edge(..)]));
     let capsule = Shape::capsule(2.0, 0.5).unwrap();
     for turn in [DQuat::IDENTITY, rolled] {
-        let a = Body::new(capsule.clone(), turn, DVec3::ZERO);
-        let b = Body::new(capsule.clone(), turn, turn * DVec3::new(0.9, 0.0, 1.0));
+        let a = PosedSupport::new(capsule.clone(), turn, DVec3::ZERO);
+        let b = PosedSupport::new(capsule.clone(), turn, turn * DVec3::new(0.9, 0.0, 1.0));
         let found = told(&Manifolds, &a, &b);
         judge(&found, &a, &b);
         let points = found.points();
@@ -138,25 +138,25 @@ fn points_segments_and_identical_shapes_have_their_manifolds() {
     let point = Shape::sphere(0.0).unwrap();
     let needle = Shape::segment(DVec3::NEG_X * 0.25, DVec3::X * 0.25).unwrap();
     let capsule = Shape::capsule(0.25, 0.1).unwrap();
-    let ball = Shape::sphere(0.5).unwrap();
+    let sphere = Shape::sphere(0.5).unwrap();
     let flat = DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2);
     let top = |height: f64| DVec3::Z * (0.5 + height);
     for (b, count) in [
-        (Body::at(&point, top(-0.1)), 1),
-        (Body::at(&needle, top(-0.1)), 2),
-        (Body::at(&needle, top(0.0)), 2),
-        (Body::new(capsule.clone(), flat, top(0.05)), 2),
-        (Body::at(&capsule, top(0.3)), 1),
-        (Body::at(&ball, top(0.4)), 1),
-        (Body::at(&cube, DVec3::ZERO), 4),
+        (PosedSupport::at(&point, top(-0.1)), 1),
+        (PosedSupport::at(&needle, top(-0.1)), 2),
+        (PosedSupport::at(&needle, top(0.0)), 2),
+        (PosedSupport::new(capsule.clone(), flat, top(0.05)), 2),
+        (PosedSupport::at(&capsule, top(0.3)), 1),
+        (PosedSupport::at(&sphere, top(0.4)), 1),
+        (PosedSupport::at(&cube, DVec3::ZERO), 4),
     ] {
-        let a = Body::at(&cube, DVec3::ZERO);
+        let a = PosedSupport::at(&cube, DVec3::ZERO);
         let found = told(&Manifolds, &a, &b);
         judge(&found, &a, &b);
         assert_eq!(found.points().len(), count, "{b:?} {found:?}");
     }
-    for shape in [&point, &needle, &ball] {
-        let body = Body::at(shape, DVec3::ONE);
+    for shape in [&point, &needle, &sphere] {
+        let body = PosedSupport::at(shape, DVec3::ONE);
         judge(&told(&Manifolds, &body, &body), &body, &body);
     }
 }
@@ -169,7 +169,7 @@ fn a_swapped_pair_has_the_mirrored_manifold_bit_for_bit() {
     for k in 0..300usize {
         let mut body = |k: usize| {
             let turn = if k.is_multiple_of(2) { DQuat::IDENTITY } else { draw.turn() };
-            Body::new(shapes[k % shapes.len()].clone(), turn, draw.vector() * 0.5)
+            PosedSupport::new(shapes[k % shapes.len()].clone(), turn, draw.vector() * 0.5)
         };
         let (a, b) = (body(k), body(k / 6));
         let (Verdict::Touching(ab), Verdict::Touching(ba)) =
@@ -190,10 +190,11 @@ fn a_swapped_pair_has_the_mirrored_manifold_bit_for_bit() {
 #[test]
 fn features_stay_as_a_box_slides() {
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
-    let a = Body::at(&Shape::cuboid(DVec3::new(3.0, 3.0, 0.5)).unwrap(), DVec3::ZERO);
+    let a = PosedSupport::at(&Shape::cuboid(DVec3::new(3.0, 3.0, 0.5)).unwrap(), DVec3::ZERO);
     let turn = DQuat::from_rotation_z(0.2);
-    let at =
-        |x: f64| told(&Manifolds, &a, &Body::new(cube.clone(), turn, DVec3::new(x, 0.1, 0.99)));
+    let at = |x: f64| {
+        told(&Manifolds, &a, &PosedSupport::new(cube.clone(), turn, DVec3::new(x, 0.1, 0.99)))
+    };
     let features = |found: Manifold| {
         let mut features: Vec<_> = found.points().iter().map(|point| point.features).collect();
         features.sort();

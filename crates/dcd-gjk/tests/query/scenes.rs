@@ -1,6 +1,6 @@
 //! A seeded pile in which a part of the pairs touches, for every query.
 
-use super::Body;
+use super::PosedSupport;
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Object, Pair, Polytope, Scene, Shape};
 use std::sync::Arc;
@@ -25,7 +25,7 @@ impl Draw {
     }
 }
 
-/// A box, a ball, a rounded needle, a flat plate, a hull and, last, a foreign ball.
+/// A box, a sphere, a rounded needle, a flat plate, a hull and, last, a foreign sphere.
 pub(crate) fn shapes() -> Vec<Shape> {
     let mut draw = Draw(3);
     let cloud = (0..20).map(|_| draw.vector() * 0.6).collect();
@@ -47,7 +47,7 @@ pub(crate) fn pile(shapes: Vec<Shape>, objects: u32) -> (Scene, Vec<Pair>) {
     let object = |k: u32| {
         let place = (draw.vector() * 8.0).round() / 4.0;
         let turn = if k.is_multiple_of(2) { DQuat::IDENTITY } else { draw.turn() };
-        let Body { pose, .. } = Body::new(Shape::sphere(0.0).unwrap(), turn, place);
+        let PosedSupport { pose, .. } = PosedSupport::new(Shape::sphere(0.0).unwrap(), turn, place);
         Object::new(k % kinds, pose)
     };
     let scene = Scene::new(shapes, (0..objects).map(object).collect::<Vec<_>>()).unwrap();

@@ -4,8 +4,8 @@ use super::scenes::{pile, shapes};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Pair, Pose, Scene, Shape};
 use dcd_gjk::{
-    Certified, Contact, Distances, EachPair, Findings, NarrowPhase, OfTouching, Overlap, Reason,
-    Report, Within, law,
+    Certified, Contact, ContactSink, Distances, NarrowPhase, Overlap, Pairwise, Reason, Report,
+    ThenMeasure, Within, contract,
 };
 
 /// The contacts among the pairs whose boxes overlap, and what is told beside.
@@ -16,13 +16,13 @@ pub(crate) fn found<N: NarrowPhase>(
 ) -> (Vec<Contact<N::Answer>>, Report) {
     let mut frame = N::Frame::default();
     let mut aabbs = vec![dcd_geom::Aabb::default(); scene.len()];
-    let part = narrow.lay_out(scene, &mut frame);
+    let part = narrow.layout(scene, &mut frame);
     narrow.prepare(scene, 0, part, &mut aabbs);
     let overlap = |pair: &Pair| aabbs[pair.i as usize].overlaps(&aabbs[pair.j as usize]);
     let candidates: Vec<Pair> = pairs.iter().copied().filter(overlap).collect();
     let (mut contacts, mut report) = (Vec::new(), Report::default());
-    let mut findings = Findings { contacts: &mut contacts, report: &mut report };
-    narrow.decide(scene, &frame, &candidates, &mut N::Scratch::default(), &mut findings);
+    let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
+    narrow.decide(scene, &frame, &candidates, &mut N::Scratch::default(), &mut sink);
     (contacts, report)
 }
 
@@ -31,14 +31,14 @@ fn pairs_of<A>(contacts: &[Contact<A>]) -> Vec<Pair> {
 }
 
 #[test]
-fn every_margin_keeps_the_law_by_any_narrow_phase() {
+fn every_margin_keeps_the_contract_by_any_narrow_phase() {
     let (scene, pairs) = pile(shapes(), 40);
     for margin in [0.0, 0.3] {
-        law::narrow_phase(&Within::margin(margin).unwrap(), &scene, &pairs).unwrap();
-        let one_by_one = Within::by(EachPair(Certified), margin).unwrap();
-        law::narrow_phase(&one_by_one, &scene, &pairs).unwrap();
+        contract::narrow_phase(&Within::margin(margin).unwrap(), &scene, &pairs).unwrap();
+        let one_by_one = Within::by(Pairwise(Certified), margin).unwrap();
+        contract::narrow_phase(&one_by_one, &scene, &pairs).unwrap();
     }
-    law::narrow_phase(&Within::margin(0.1).unwrap(), &Scene::default(), &[]).unwrap();
+    contract::narrow_phase(&Within::margin(0.1).unwrap(), &Scene::default(), &[]).unwrap();
 }
 
 #[test]
@@ -49,7 +49,7 @@ fn the_pairs_within_a_margin_are_those_whose_distance_says_so() {
     let mut last = 0;
     for margin in [0.0, 0.125, 0.25, 1.0] {
         let lanes = found(&Within::margin(margin).unwrap(), &scene, &pairs).0;
-        let alone = found(&EachPair(Distances::within(margin).unwrap()), &scene, &pairs).0;
+        let alone = found(&Pairwise(Distances::within(margin).unwrap()), &scene, &pairs).0;
         assert_eq!(pairs_of(&lanes), pairs_of(&alone), "{margin}");
         assert!(lanes.len() > last && lanes.len() < pairs.len(), "{}", lanes.len());
         last = lanes.len();
@@ -65,9 +65,9 @@ fn a_gap_of_the_margin_is_within_it_and_the_next_float_is_not() {
         let scene = Scene::one_each(vec![cube.clone(); 2], vec![Pose::IDENTITY, there]).unwrap();
         let pairs = [Pair::new(0, 1)];
         assert_eq!(found(&Within::margin(0.25).unwrap(), &scene, &pairs).0.len(), within, "{gap}");
-        let far = OfTouching::new(Distances::within(0.25).unwrap()).unwrap();
+        let far = ThenMeasure::new(Distances::within(0.25).unwrap()).unwrap();
         assert_eq!(found(&far, &scene, &pairs).0.len(), within, "{gap}");
-        let alone = EachPair(Distances::within(0.25).unwrap());
+        let alone = Pairwise(Distances::within(0.25).unwrap());
         assert_eq!(found(&alone, &scene, &pairs).0.len(), within, "{gap}");
     }
 }
@@ -80,26 +80,26 @@ fn a_frame_follows_poses_and_shapes_from_step_to_step() {
         let cube = Shape::cuboid(DVec3::splat(shape)).unwrap();
         let there = Pose::from_translation(DVec3::X * x).unwrap();
         let scene = Scene::one_each(vec![cube; 2], vec![Pose::IDENTITY, there]).unwrap();
-        let part = narrow.lay_out(&scene, &mut frame);
+        let part = narrow.layout(&scene, &mut frame);
         let mut aabbs = [dcd_geom::Aabb::default(); 2];
         narrow.prepare(&scene, 0, part, &mut aabbs);
         let (mut contacts, mut report) = (Vec::new(), Report::default());
-        let mut findings = Findings { contacts: &mut contacts, report: &mut report };
+        let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
         let mut scratch = <Overlap as NarrowPhase>::Scratch::default();
-        narrow.decide(&scene, &frame, &[Pair::new(0, 1)], &mut scratch, &mut findings);
+        narrow.decide(&scene, &frame, &[Pair::new(0, 1)], &mut scratch, &mut sink);
         assert_eq!(contacts.len() == 1, x - 2.0 * shape <= 0.25, "{x} {shape}");
     }
 }
 
 #[test]
 fn an_object_that_grows_out_of_range_leaves_its_pairs_undecided() {
-    let ball = Shape::sphere(1.0).unwrap();
+    let sphere = Shape::sphere(1.0).unwrap();
     let far = Pose::from_translation(DVec3::X * 9.9e36).unwrap();
-    let scene = Scene::one_each(vec![ball.clone(), ball], vec![far, Pose::IDENTITY]).unwrap();
+    let scene = Scene::one_each(vec![sphere.clone(), sphere], vec![far, Pose::IDENTITY]).unwrap();
     let pairs = [Pair::new(0, 1)];
     let narrow = Within::margin(1e37).unwrap();
     let (contacts, report) = found(&narrow, &scene, &pairs);
     assert!(contacts.is_empty());
     assert_eq!(report.undecided()[0].reason, Reason::Range);
-    law::narrow_phase(&narrow, &scene, &pairs).unwrap();
+    contract::narrow_phase(&narrow, &scene, &pairs).unwrap();
 }

@@ -227,7 +227,7 @@ fn a_frame_of_a_scene_that_changed_and_a_foreign_shape_are_refused() {
     let refused = |capture: &mut Capture, scene: &Scene| capture.frame(scene).unwrap_err();
     let changed = |what| CaptureError::Changed { what, frame: 3 };
     let mut scene = capture.scene().clone();
-    scene.heed_pair(0, 2).unwrap();
+    scene.unignore_pair(0, 2).unwrap();
     assert_eq!(refused(&mut capture, &scene), changed("ignored pairs"));
     scene.insert(Object::new(0, Pose::IDENTITY)).unwrap();
     assert_eq!(refused(&mut capture, &scene), changed("objects"));

@@ -3,7 +3,7 @@
 
 use dcd_exec::Par;
 use dcd_geom::{Aabb, Pair, Pose, Scene, Shape};
-use dcd_gjk::{EachPair, Findings, NarrowPhase, Reason, Report};
+use dcd_gjk::{ContactSink, NarrowPhase, Pairwise, Reason, Report};
 use dcd_parry::{Library, ParryGjk, ParryPipeline, ParryShapes, Query};
 use dcd_pipeline::Pipeline;
 
@@ -14,11 +14,11 @@ pub(crate) const QUERIES: [Query; 3] =
 pub(crate) fn ask<N: NarrowPhase<Answer = ()>>(narrow: &N, scene: &Scene) -> Result<bool, Reason> {
     let mut frame = N::Frame::default();
     let mut aabbs = vec![Aabb::default(); scene.len()];
-    let part = narrow.lay_out(scene, &mut frame);
+    let part = narrow.layout(scene, &mut frame);
     narrow.prepare(scene, 0, part, &mut aabbs);
     let (mut contacts, mut report) = (Vec::new(), Report::default());
-    let findings = &mut Findings { contacts: &mut contacts, report: &mut report };
-    narrow.decide(scene, &frame, &[Pair::new(0, 1)], &mut N::Scratch::default(), findings);
+    let sink = &mut ContactSink { contacts: &mut contacts, report: &mut report };
+    narrow.decide(scene, &frame, &[Pair::new(0, 1)], &mut N::Scratch::default(), sink);
     report.undecided().first().map_or(Ok(!contacts.is_empty()), |undecided| Err(undecided.reason))
 }
 
@@ -28,7 +28,7 @@ pub(crate) fn two(a: (&Shape, Pose), b: (&Shape, Pose)) -> Scene {
 
 /// Every way in one precision, by name.
 pub(crate) fn answers<R: Library>(scene: &Scene) -> Vec<(String, Result<bool, Reason>)> {
-    let mut answers = vec![("GJK".into(), ask(&EachPair(ParryGjk::<R>::default()), scene))];
+    let mut answers = vec![("GJK".into(), ask(&Pairwise(ParryGjk::<R>::default()), scene))];
     for query in QUERIES {
         let shapes = ParryShapes::<R>::new(scene).with_query(query);
         answers.push((format!("{query:?}"), ask(&shapes, scene)));

@@ -1,6 +1,6 @@
 //! Pairs as sorted rows.
 
-use dcd_exec::{Divide, Exec};
+use dcd_exec::{Exec, Splittable};
 
 /// For each i of some pairs (i, j) its j's, ascending, one row after the other.
 #[derive(Debug, Default)]
@@ -69,7 +69,7 @@ struct Sorting<'a> {
     items: &'a mut [u32],
 }
 
-impl Divide for Sorting<'_> {
+impl Splittable for Sorting<'_> {
     fn len(&self) -> usize {
         self.bounds.len().saturating_sub(1)
     }

@@ -4,7 +4,7 @@ use super::course::{Course, Source};
 use dcd_broad::{SweepAndPrune, TreePairs};
 use dcd_bvh::PaperTree;
 use dcd_geom::{Pair, Scene};
-use dcd_gjk::{Coherent, Contact, Depths, NarrowPhase, OfTouching, Overlap, Rung, Within};
+use dcd_gjk::{Coherent, Contact, Depths, Method, NarrowPhase, Overlap, ThenMeasure, Within};
 use dcd_pipeline::{BroadPhase, Par, Pipeline, Step, WideTree};
 use std::fmt::Debug;
 
@@ -35,7 +35,7 @@ struct Kept {
     coherent: Pipeline<WideTree, Coherent>,
     within: Pipeline<WideTree, Within>,
     within_coherent: Pipeline<WideTree, Within<Coherent>>,
-    depths: Pipeline<WideTree, OfTouching<Depths, Coherent>>,
+    depths: Pipeline<WideTree, ThenMeasure<Depths, Coherent>>,
     swept: Pipeline<SweepAndPrune, Coherent>,
     walked: Pipeline<TreePairs<PaperTree>, Overlap>,
 }
@@ -70,7 +70,7 @@ impl Kept {
             same(&mut self.within_coherent, Within::margin(MARGIN).ok()?, scene, More);
         }
         if which & 0x70 == 0 {
-            same(&mut self.depths, OfTouching::new(Depths).ok()?, scene, More);
+            same(&mut self.depths, ThenMeasure::new(Depths).ok()?, scene, More);
         }
         if which & 0xc0 == 0 {
             same(&mut self.swept, Overlap::default(), scene, More);
@@ -86,8 +86,8 @@ fn within_coherent() -> Option<Within<Coherent>> {
     Within::by(Coherent::default(), MARGIN).ok()
 }
 
-fn depths() -> Option<OfTouching<Depths, Coherent>> {
-    OfTouching::after(Coherent::default(), Depths).ok()
+fn depths() -> Option<ThenMeasure<Depths, Coherent>> {
+    ThenMeasure::after(Coherent::default(), Depths).ok()
 }
 
 /// Runs a course to its end, or for so many steps.
@@ -149,6 +149,6 @@ where
         steps: 1,
         contacts: contacts.len(),
         between: candidates.iter().filter(|pair| fixed(pair.i) || fixed(pair.j)).count(),
-        remembered: told.report().settled(Rung::Remembered),
+        remembered: told.report().settled(Method::Remembered),
     }
 }

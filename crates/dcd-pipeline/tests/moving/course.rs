@@ -186,7 +186,7 @@ impl<'s, S: Source> Course<'s, S> {
             return Some(());
         };
         // Refused for a pair of one, which is as well.
-        let _ = if bytes[0] < 128 { scene.ignore_pair(i, j) } else { scene.heed_pair(i, j) };
+        let _ = if bytes[0] < 128 { scene.ignore_pair(i, j) } else { scene.unignore_pair(i, j) };
         Some(())
     }
 }
@@ -255,13 +255,13 @@ fn shape(source: &mut impl Source) -> Option<Shape> {
     let mut random = Seeded(u64::from(source.byte()?));
     let size = 0.15 + 0.5 * random.vector().x.abs();
     let at = |v: DVec3| Pose::from_translation(v).ok();
-    let ball = Shape::sphere(size).ok()?;
+    let sphere = Shape::sphere(size).ok()?;
     let cube = Shape::cuboid(DVec3::new(size, 0.3, 0.25)).ok()?;
     let hull = |count: usize, random: &mut Seeded| {
         Shape::hull((0..count).map(|_| random.vector() * size).collect()).ok()
     };
     match kind {
-        0 => Some(ball),
+        0 => Some(sphere),
         1 => Shape::sphere(1e-4).ok(),
         2 => Some(cube),
         3 => hull(12, &mut random),
@@ -272,7 +272,7 @@ fn shape(source: &mut impl Source) -> Option<Shape> {
         8 => Shape::cylinder(size, 0.3).ok(),
         9 => Shape::cone(size, 0.3).ok()?.rounded(0.05).ok(),
         10 | 11 => {
-            let parts = [(ball, at(random.vector() * 0.5)?), (cube, at(random.vector() * 0.5)?)];
+            let parts = [(sphere, at(random.vector() * 0.5)?), (cube, at(random.vector() * 0.5)?)];
             Shape::compound(parts.to_vec()).ok()
         }
         12 => {

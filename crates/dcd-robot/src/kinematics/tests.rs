@@ -83,7 +83,7 @@ fn an_arm_stands_where_a_hand_computes_it() {
 fn roll_pitch_and_yaw_turn_about_x_then_y_then_z_of_the_outer_frame() {
     let xyz = [1.0, 2.0, 3.0];
     let rpy = [FRAC_PI_2, 0.0, FRAC_PI_2];
-    let frame = Frame::of_angles(DVec3::from_array(xyz), rpy);
+    let frame = JointFrame::of_angles(DVec3::from_array(xyz), rpy);
     assert_near(frame.rotation * DVec3::X, DVec3::Y);
     assert_near(frame.rotation * DVec3::Y, DVec3::Z);
     assert_eq!(frame.translation, DVec3::new(1.0, 2.0, 3.0));

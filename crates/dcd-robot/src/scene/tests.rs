@@ -32,8 +32,8 @@ fn assert_refused(yaml: &str, why: &[&str]) {
     }
 }
 
-/// A scene of one ball of radius 0.25 with this in front of its lists, and this beside the world.
-fn ball(more: &str, beside: &str) -> String {
+/// A scene of one sphere of radius 0.25 with this in front of its lists, and this beside the world.
+fn sphere(more: &str, beside: &str) -> String {
     format!(
         "world:
   collision_objects:
@@ -45,9 +45,9 @@ fn ball(more: &str, beside: &str) -> String {
     )
 }
 
-/// Where the ball of [`ball`] is.
-fn ball_at(more: &str, beside: &str) -> DVec3 {
-    let world = world_of(&ball(more, beside)).unwrap();
+/// Where the sphere of [`sphere`] is.
+fn sphere_at(more: &str, beside: &str) -> DVec3 {
+    let world = world_of(&sphere(more, beside)).unwrap();
     assert_eq!(world.obstacles[0].name, "ball");
     world.obstacles[0].pose.translation()
 }
@@ -97,10 +97,10 @@ allowed_collision_matrix:
     .unwrap();
     let names: Vec<&str> = world.obstacles.iter().map(|o| o.name.as_str()).collect();
     assert_eq!(names, ["table", "table", "can"]);
-    let [table, ball, can] = &world.obstacles[..] else { unreachable!() };
+    let [table, sphere, can] = &world.obstacles[..] else { unreachable!() };
     let boxed = table.shape.aabb(&table.pose);
     assert!(boxed.min.z <= 0.0 && boxed.min.z > -1e-5 && boxed.max.y < 4.00001);
-    assert_eq!(ball.pose.translation(), DVec3::Z);
+    assert_eq!(sphere.pose.translation(), DVec3::Z);
     assert!(can.pose.translation().distance(DVec3::new(0.0, 1.0, 5.0)) < 1e-15);
     let boxed = can.shape.aabb(&can.pose);
     assert!((boxed.max.z - 5.2).abs() < 1e-5 && (boxed.max.x - 0.1).abs() < 1e-5);
@@ -146,8 +146,8 @@ fn what_is_wrong_in_a_scene_is_named() {
 #[test]
 fn a_misspelt_key_a_request_and_an_empty_file_are_no_scene() {
     assert_refused("world: {collision_object: [{id: ball}]}", &["no scene", "collision_object"]);
-    assert_refused(&ball("headr: {frame_id: arm}", ""), &["headr", "line 4"]);
-    assert_refused(&ball("", "wrld: 1"), &["wrld"]);
+    assert_refused(&sphere("headr: {frame_id: arm}", ""), &["headr", "line 4"]);
+    assert_refused(&sphere("", "wrld: 1"), &["wrld"]);
     assert_refused("start_state: {joint_state: {name: [], position: []}}", &["start_state"]);
     for empty in ["", "{}", "# nothing", "robot_model_name: arm"] {
         let refused = world_of(empty).unwrap_err();
@@ -159,29 +159,29 @@ fn a_misspelt_key_a_request_and_an_empty_file_are_no_scene() {
 fn a_world_without_an_obstacle_is_reported() {
     let world = world_of("world: {}").unwrap();
     assert_eq!(world.notes, ["there is no obstacle in it"]);
-    assert!(world_of(&ball("", "")).unwrap().notes.is_empty());
+    assert!(world_of(&sphere("", "")).unwrap().notes.is_empty());
 }
 
 #[test]
 fn an_objects_frame_is_the_roots_a_links_at_the_scenes_state_or_one_that_the_scene_fixes() {
     for frame in ["''", "\"\"", "world", "/world", "base"] {
         let header = format!("header: {{frame_id: {frame}}}");
-        assert_near(ball_at(&header, ""), DVec3::Z * 0.5);
+        assert_near(sphere_at(&header, ""), DVec3::Z * 0.5);
     }
     let tip = "header: {seq: 0, stamp: {secs: 0, nsecs: 0}, frame_id: tip}";
-    assert_near(ball_at(tip, ""), DVec3::new(3.0, 0.0, 0.5));
+    assert_near(sphere_at(tip, ""), DVec3::new(3.0, 0.0, 0.5));
     // A quarter turn takes the tip from x to y.
-    assert_near(ball_at(tip, QUARTER), DVec3::new(0.0, 3.0, 0.5));
+    assert_near(sphere_at(tip, QUARTER), DVec3::new(0.0, 3.0, 0.5));
     let fixed = "fixed_frame_transforms:
   - header: {frame_id: tip}
     child_frame_id: shelf
     transform: {translation: [0, 0, 7], rotation: [0, 0, 0, 1]}
   - child_frame_id: world
     transform: {translation: [0, 0, 0], rotation: [0, 0, 0, 1]}";
-    assert_near(ball_at("header: {frame_id: shelf}", fixed), DVec3::new(3.0, 0.0, 7.5));
-    assert_refused(&ball("header: {frame_id: shelf}", ""), &["line 3", "no frame \"shelf\""]);
+    assert_near(sphere_at("header: {frame_id: shelf}", fixed), DVec3::new(3.0, 0.0, 7.5));
+    assert_refused(&sphere("header: {frame_id: shelf}", ""), &["line 3", "no frame \"shelf\""]);
     let moved = fixed.replace("[0, 0, 0],", "[0, 0, 1],");
-    assert_refused(&ball("", &moved), &["fixed frame \"world\"", "elsewhere"]);
+    assert_refused(&sphere("", &moved), &["fixed frame \"world\"", "elsewhere"]);
 }
 
 #[test]
@@ -191,22 +191,22 @@ fn the_base_pose_and_joint_values_of_the_scene_are_used() {
   multi_dof_joint_state:
     joint_names: [floor]
     transforms: [{translation: [0, 0, 10], rotation: [0, 0, 0, 1]}]";
-    let world = world_of(&ball("header: {frame_id: tip}", state)).unwrap();
+    let world = world_of(&sphere("header: {frame_id: tip}", state)).unwrap();
     assert_near(world.obstacles[0].pose.translation(), DVec3::new(0.0, 3.0, 10.5));
     assert_near(world.base.unwrap().translation(), DVec3::Z * 10.0);
-    // The ball of the world's own frame is below the robot now, the one in the base's frame in it.
-    assert!(touching(&world_of(&ball("", state)).unwrap()).is_empty());
-    let inside = world_of(&ball("header: {frame_id: base}", state)).unwrap();
+    // The sphere of the world's own frame is below the robot now, the one in the base's frame in it.
+    assert!(touching(&world_of(&sphere("", state)).unwrap()).is_empty());
+    let inside = world_of(&sphere("header: {frame_id: base}", state)).unwrap();
     assert_eq!(touching(&inside), [["base", "ball"]]);
     let other = state.replace("[floor]", "[sky]");
-    assert_refused(&ball("", &other), &["no virtual joint", "\"sky\""]);
+    assert_refused(&sphere("", &other), &["no virtual joint", "\"sky\""]);
     let frame = state.replace("joint_names", "header: {frame_id: map}\n    joint_names");
-    assert_refused(&ball("", &frame), &["no frame \"map\""]);
+    assert_refused(&sphere("", &frame), &["no frame \"map\""]);
     let unknown = QUARTER.replace("turn", "elbow");
-    assert_refused(&ball("", &unknown), &["no joint \"elbow\""]);
+    assert_refused(&sphere("", &unknown), &["no joint \"elbow\""]);
 }
 
-/// A ball of radius 0.5 at the tip, at x = 3.5 at rest.
+/// A sphere of radius 0.5 at the tip, at x = 3.5 at rest.
 const HELD: &str = "robot_state:
   attached_collision_objects:
     - link_name: tip
@@ -221,7 +221,7 @@ const HELD: &str = "robot_state:
 #[test]
 fn what_the_robot_carries_moves_with_its_link_and_touches_all_but_its_touch_links() {
     let at = |x: &str, y: &str, held: &str| {
-        let text = ball("", held).replace("[0, 0, 0.5]", &format!("[{x}, {y}, 0]"));
+        let text = sphere("", held).replace("[0, 0, 0.5]", &format!("[{x}, {y}, 0]"));
         touching(&world_of(&text).unwrap())
     };
     // At x = 3 it is in the arm's cube (up to 2.5) and not in what stands at 3.75.
@@ -237,19 +237,19 @@ fn what_the_robot_carries_moves_with_its_link_and_touches_all_but_its_touch_link
     // Without shapes of its own it is the world's object of its name, which leaves the world.
     let taken = "robot_state:
   attached_collision_objects: [{link_name: base, object: {id: ball}, touch_links: []}]";
-    let world = world_of(&ball("", taken)).unwrap();
+    let world = world_of(&sphere("", taken)).unwrap();
     assert!(world.obstacles.is_empty() && touching(&world).is_empty());
     assert_eq!(world.attached[0].name, "ball");
     let lost = taken.replace("id: ball", "id: cup");
-    assert_refused(&ball("", &lost), &["line 8", "\"cup\"", "no shape"]);
-    assert_refused(&ball("", &HELD.replace("link_name: tip", "link_name: toe")), &["\"toe\""]);
+    assert_refused(&sphere("", &lost), &["line 8", "\"cup\"", "no shape"]);
+    assert_refused(&sphere("", &HELD.replace("link_name: tip", "link_name: toe")), &["\"toe\""]);
 }
 
 #[test]
 fn padding_and_scale_make_links_larger_to_the_world_and_not_to_the_robot() {
-    // The ball's rim is 0.1 beyond the arm's face at 2.5, and the base 0.5 off the arm's other face.
+    // The sphere's rim is 0.1 beyond the arm's face at 2.5, and the base 0.5 off the arm's other face.
     let at = |beside: &str| {
-        let text = ball("", beside).replace("[0, 0, 0.5]", "[2.85, 0, 0]");
+        let text = sphere("", beside).replace("[0, 0, 0.5]", "[2.85, 0, 0]");
         touching(&world_of(&text).unwrap())
     };
     assert!(at("").is_empty());
@@ -259,20 +259,20 @@ fn padding_and_scale_make_links_larger_to_the_world_and_not_to_the_robot() {
     assert_eq!(at("link_scale: [{link_name: arm, scale: 1.21}]"), [["arm", "ball"]]);
     // Padded by 2 the arm would be in the base, were they asked; they are adjacent, so ask the held.
     let both = format!("{HELD}link_padding: [{{link_name: base, padding: 3}}]\n");
-    let far = ball("", &both).replace("[0, 0, 0.5]", "[-3, 0, 0]");
+    let far = sphere("", &both).replace("[0, 0, 0.5]", "[-3, 0, 0]");
     assert_eq!(touching(&world_of(&far).unwrap()), [["base", "ball"]]);
     assert_refused(
-        &ball("", "link_padding: [{link_name: arm, padding: -1}]"),
+        &sphere("", "link_padding: [{link_name: arm, padding: -1}]"),
         &["padding is -1e0"],
     );
-    let note = world_of(&ball("", "link_padding: [{link_name: leg, padding: 1}]")).unwrap().notes;
+    let note = world_of(&sphere("", "link_padding: [{link_name: leg, padding: 1}]")).unwrap().notes;
     assert!(note[0].contains("\"leg\""), "{note:?}");
 }
 
 #[test]
 fn defaults_of_the_allowed_pairs_hold_where_no_entry_speaks() {
     let at = |matrix: &str| {
-        let text = ball("", &format!("allowed_collision_matrix: {{{matrix}}}"));
+        let text = sphere("", &format!("allowed_collision_matrix: {{{matrix}}}"));
         touching(&world_of(&text).unwrap())
     };
     let default = "default_entry_names: [ball], default_entry_values: [true]";
@@ -285,8 +285,9 @@ fn defaults_of_the_allowed_pairs_hold_where_no_entry_speaks() {
 
 #[test]
 fn what_is_removed_is_gone_and_octomaps_planes_and_other_operations_are_refused() {
-    let two =
-        |operation: &str| format!("{}    - id: ball\n      operation: {operation}\n", ball("", ""));
+    let two = |operation: &str| {
+        format!("{}    - id: ball\n      operation: {operation}\n", sphere("", ""))
+    };
     for remove in ["1", "REMOVE", "remove"] {
         assert!(world_of(&two(remove)).unwrap().obstacles.is_empty());
     }
@@ -328,7 +329,7 @@ fn what_makes_no_difference_is_named() {
 object_colors: [{id: ball, color: {r: 1, g: 0, b: 0, a: 1}}]
 robot_model_name: leg
 is_diff: true";
-    let notes = world_of(&ball("", state)).unwrap().notes.join("\n");
+    let notes = world_of(&sphere("", state)).unwrap().notes.join("\n");
     for said in
         ["joint velocities", "object_colors", "fixed or mimic others: stiff", "\"leg\"", "is_diff"]
     {
@@ -339,7 +340,7 @@ is_diff: true";
 #[test]
 fn an_obstacle_and_a_link_of_one_name_are_refused() {
     let same = |name: &str| {
-        let world = world_of(&ball("", "").replace("ball", name)).unwrap();
+        let world = world_of(&sphere("", "").replace("ball", name)).unwrap();
         Workcell::new(arm(), &world, &world.allowed).map(drop)
     };
     assert!(same("leg").is_ok());
@@ -348,7 +349,7 @@ fn an_obstacle_and_a_link_of_one_name_are_refused() {
         let refused = same(link).unwrap_err().to_string();
         assert!(refused.contains(&format!("obstacle {link:?}")), "{refused}");
     }
-    let world = world_of(&ball("", &HELD.replace("id: held", "id: ball"))).unwrap();
+    let world = world_of(&sphere("", &HELD.replace("id: held", "id: ball"))).unwrap();
     let refused = Workcell::new(arm(), &world, &world.allowed).map(drop).unwrap_err().to_string();
     assert!(refused.contains("\"ball\""), "{refused}");
 }
@@ -373,7 +374,7 @@ fn yaml_that_unfolds_or_nests_without_end_is_refused() {
 
 #[test]
 fn an_object_in_the_roots_frame_keeps_its_pose_bit_for_bit() {
-    let text = ball("", "").replace("[0, 0, 0.5]", "[0.1, -0.2, 0.3]");
+    let text = sphere("", "").replace("[0, 0, 0.5]", "[0.1, -0.2, 0.3]");
     let pose = world_of(&text).unwrap().obstacles[0].pose;
     assert_eq!(pose, Pose::new(DQuat::IDENTITY, DVec3::new(0.1, -0.2, 0.3)).unwrap());
 }

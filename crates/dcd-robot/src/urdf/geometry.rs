@@ -2,7 +2,7 @@
 
 use super::{once, unknown};
 use crate::RobotError;
-use crate::kinematics::Frame;
+use crate::kinematics::JointFrame;
 use crate::xml::Walk;
 use glam::{DQuat, DVec3};
 use roxmltree::Node;
@@ -10,7 +10,7 @@ use roxmltree::Node;
 /// A shape of a link, and where it is.
 pub(crate) struct Collision {
     pub(crate) line: usize,
-    pub(crate) origin: Frame,
+    pub(crate) origin: JointFrame,
     pub(crate) geometry: Geometry,
 }
 
@@ -57,20 +57,20 @@ pub(super) fn origin(
     walk: &Walk,
     node: Option<Node<'_, '_>>,
     user: &str,
-) -> Result<Frame, RobotError> {
-    let Some(node) = node else { return Ok(Frame::IDENTITY) };
+) -> Result<JointFrame, RobotError> {
+    let Some(node) = node else { return Ok(JointFrame::IDENTITY) };
     walk.only(node, &["xyz", "rpy", "quat_xyzw"], user)?;
     let xyz = DVec3::from_array(walk.numbers(node, "xyz", user)?.unwrap_or_default());
     let rpy = walk.numbers(node, "rpy", user)?;
     let Some(quaternion) = walk.numbers(node, "quat_xyzw", user)? else {
-        return Ok(Frame::of_angles(xyz, rpy.unwrap_or_default()));
+        return Ok(JointFrame::of_angles(xyz, rpy.unwrap_or_default()));
     };
     if rpy.is_some() {
         return Err(walk.refused(node, user, "origin has both rpy and quat_xyzw"));
     }
     let pose = dcd_geom::Pose::new(DQuat::from_array(quaternion), xyz);
     let pose = pose.map_err(|error| RobotError::Pose { user: user.to_owned(), error });
-    Ok(Frame::of_pose(&pose.map_err(|error| walk.at(node, error))?))
+    Ok(JointFrame::of_pose(&pose.map_err(|error| walk.at(node, error))?))
 }
 
 fn geometry(walk: &mut Walk, node: Node<'_, '_>, user: &str) -> Result<Geometry, RobotError> {

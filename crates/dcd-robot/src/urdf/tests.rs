@@ -2,7 +2,7 @@ use crate::{AllowedPairs, LinkShapes, Robot, RobotError, Workcell, World};
 use std::fmt::Write;
 use std::path::Path;
 
-const BALL: &str = "<collision><geometry><sphere radius=\"0.1\"/></geometry></collision>";
+const SPHERE: &str = "<collision><geometry><sphere radius=\"0.1\"/></geometry></collision>";
 
 fn read(text: &str) -> Result<Robot, RobotError> {
     Robot::read(text, Path::new("."), LinkShapes::Hulls)
@@ -16,7 +16,7 @@ fn robot(inside: &str) -> Result<Robot, RobotError> {
 }
 
 fn link(name: &str) -> String {
-    format!("<link name=\"{name}\">{BALL}</link>\n")
+    format!("<link name=\"{name}\">{SPHERE}</link>\n")
 }
 
 fn joint(kind: &str, [parent, child]: [&str; 2], more: &str) -> String {

@@ -21,7 +21,7 @@ pub struct ShapePair {
 }
 
 impl ShapePair {
-    /// Whether one of them is a cylinder or a cone, for which no exact rung answers.
+    /// Whether one of them is a cylinder or a cone, for which no exact method answers.
     #[must_use]
     pub fn is_curved(&self) -> bool {
         [&self.a, &self.b].into_iter().any(|shape| matches!(shape, Shape::Curved(_)))
@@ -89,7 +89,7 @@ fn core(kind: usize, draw: &mut Draw, size: f64, far: DVec3) -> Option<Polytope>
 fn body(kind: usize, draw: &mut Draw, size: f64, out: f64) -> Option<(Shape, Pose)> {
     let far = direction(draw) * out;
     let radius = match draw.count(0..3) {
-        // What has no ball inside is touched by its radius alone.
+        // What has no sphere inside is touched by its radius alone.
         0 if kind > 0 => 0.0,
         1 => size * 1e-3,
         _ => size * draw.between(0.1, 1.0),

@@ -20,7 +20,7 @@ pub(super) fn known(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
         drum_on_a_plate,
         near_parallel_triangles,
         slab_and_crumb,
-        ball_on_a_thin_triangle,
+        sphere_on_a_thin_triangle,
     ];
     FAMILIES[k % FAMILIES.len()](k / FAMILIES.len(), draw)
 }
@@ -116,12 +116,12 @@ fn slab_and_crumb(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
     Some([(slab, turned(draw, DVec3::ZERO)?), (crumb, turned(draw, spot + DVec3::Z * height)?)])
 }
 
-/// A ball that touches a long thin triangle near its edge, or just does not.
-fn ball_on_a_thin_triangle(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
+/// A sphere that touches a long thin triangle near its edge, or just does not.
+fn sphere_on_a_thin_triangle(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
     let tip = DVec3::new(100.0, 1e-3, 0.0);
     let triangle = Polytope::hull(vec![DVec3::ZERO, DVec3::X * 100.0, tip]).ok()?;
-    let ball = Polytope::sphere(0.5).ok()?;
+    let sphere = Polytope::sphere(0.5).ok()?;
     let over = DVec3::new(draw.between(0.0, 100.0), draw.between(-0.5, 0.5), 0.0);
     let height = [0.5, 0.5f64.next_up(), 0.4, 0.1, 0.5f64.next_down()][k % 5];
-    Some([(triangle, Pose::IDENTITY), (ball, at(over + DVec3::Z * height)?)])
+    Some([(triangle, Pose::IDENTITY), (sphere, at(over + DVec3::Z * height)?)])
 }

@@ -160,7 +160,7 @@ pub(super) fn identical(k: usize, draw: &mut Draw) -> Pair {
     Some([place.clone(), place])
 }
 
-/// The middles of their insides less apart than either's inner ball reaches.
+/// The middles of their insides less apart than either's inner sphere reaches.
 pub(super) fn deep(draw: &mut Draw) -> Pair {
     let (a, b) = (hull(draw, 1.0)?, hull(draw, 1.0)?);
     let (at_a, at_b) = (turned(draw, DVec3::ZERO)?, turned(draw, DVec3::ZERO)?);

@@ -37,7 +37,7 @@ fn tangent_spheres(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
         1 => (7.0 - part).next_up(),
         _ => (7.0 - part).next_down(),
     };
-    let ball = |radius: f64| Polytope::sphere(radius * scale).ok();
+    let sphere = |radius: f64| Polytope::sphere(radius * scale).ok();
     let spot = DVec3::new(2.0, 3.0, 6.0) * scale;
-    Some([(ball(part)?, turned(draw, DVec3::ZERO)?), (ball(rest)?, turned(draw, spot)?)])
+    Some([(sphere(part)?, turned(draw, DVec3::ZERO)?), (sphere(rest)?, turned(draw, spot)?)])
 }

@@ -3,11 +3,11 @@
 use anyhow::Result;
 use dcd_benches::{Agreement, Column, Report, Table, Units};
 use dcd_broad::TreePairs;
-use dcd_bvh::{Below, BinaryTree, BoundingTree, BuildTree, PaperTree};
+use dcd_bvh::{BinaryTree, BoundingTree, BuildTree, NodeContent, PaperTree};
 use dcd_exec::Par;
 use dcd_geom::{Aabb, Scene};
+use dcd_io::{RawObject, RawScene, RawShape};
 use dcd_pipeline::Pipeline;
-use dcd_scenes::{RawObject, RawScene, RawShape};
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -81,8 +81,8 @@ fn largest_leaf(builder: PaperTree, scene: &Scene) -> u64 {
     let mut rest: Vec<u32> = tree.root().into_iter().collect();
     while let Some(number) = rest.pop() {
         match tree.node(number).below {
-            Below::Nodes(children) => rest.extend(children),
-            Below::Boxes(boxes) => largest = largest.max(boxes.len() as u64),
+            NodeContent::Nodes(children) => rest.extend(children),
+            NodeContent::Boxes(boxes) => largest = largest.max(boxes.len() as u64),
         }
     }
     largest

@@ -10,7 +10,7 @@ use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::{Par, Segments};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, Shape, Support, SupportMap};
-use dcd_gjk::{Gjk, PairSolver, Placed, Verdict, distance};
+use dcd_gjk::{Gjk, PairSolver, PosedShape, Verdict, distance};
 use serde::{Deserialize, Serialize};
 
 use crate::case::{Setting, spec};
@@ -78,7 +78,7 @@ fn count(scene: &Scene) -> Result<Counted> {
     let objects = (0..scene.len()).map(|i| counting(scene, i, &asked));
     let objects: Vec<(Shape, Pose)> = objects.collect::<Result<_>>()?;
     // A foreign shape is asked for its reach before a search begins.
-    let reaches = |a: Placed, b: Placed| (a.shape.reach(), b.shape.reach());
+    let reaches = |a: PosedShape, b: PosedShape| (a.shape.reach(), b.shape.reach());
     let supports = |work: &dyn Fn()| {
         asked.store(0, Ordering::Relaxed);
         work();
@@ -88,7 +88,7 @@ fn count(scene: &Scene) -> Result<Counted> {
     for pair in candidates(scene) {
         let [a, b] = [pair.i, pair.j].map(|i| {
             let (shape, pose) = &objects[i as usize];
-            Placed { shape, pose }
+            PosedShape { shape, pose }
         });
         let before = supports(&|| _ = black_box(reaches(a, b)));
         // Each vertex of A − B is a support of A and one of B.

@@ -5,10 +5,10 @@ use dcd_benches::{Agreement, Column, Report, Table, Units};
 use dcd_broad::WideTree;
 use dcd_exec::Par;
 use dcd_geom::Scene;
-use dcd_gjk::{EachPair, Gjk, NarrowPhase, Overlap, Rung};
+use dcd_gjk::{Gjk, Method, NarrowPhase, Overlap, Pairwise};
+use dcd_io::{RawObject, RawScene, RawShape};
 use dcd_parry::{ParryGjk, ParryShapes, Query};
 use dcd_pipeline::Pipeline;
-use dcd_scenes::{RawObject, RawScene, RawShape};
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -72,8 +72,8 @@ impl Solver {
         let shapes = || ParryShapes::<f64>::default().with_query(Query::Distance);
         match self {
             Self::Ours => answered(case, Overlap::default()),
-            Self::OursF64 => answered(case, EachPair(Gjk::<f64>::default())),
-            Self::ParryGjkF64 => answered(case, EachPair(ParryGjk::<f64>::default())),
+            Self::OursF64 => answered(case, Pairwise(Gjk::<f64>::default())),
+            Self::ParryGjkF64 => answered(case, Pairwise(ParryGjk::<f64>::default())),
             Self::ParryDistanceF64 => answered(case, shapes()),
             Self::ParryF32 => answered(case, ParryShapes::<f32>::default()),
         }
@@ -92,7 +92,7 @@ fn answered<N: NarrowPhase<Answer = ()>>(case: &Case, narrow: N) -> Answered {
     let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     let step = pipeline.step(&case.scene, Par::Pool);
     let agreement = case.agreement_of(step.contacts(), step.report());
-    Answered { agreement, exact: step.report().settled(Rung::Exact) }
+    Answered { agreement, exact: step.report().settled(Method::Exact) }
 }
 
 impl Trial {

@@ -4,8 +4,8 @@ use dcd_geom::glam::DQuat;
 use proptest::prelude::*;
 
 /// The closed form's answer, after the integers have agreed, seen from both.
-fn settled(a: (&Polytope, &Pose), b: (&Polytope, &Pose)) -> Option<(bool, Rung)> {
-    let (a, b) = (Body::polytope(a.0, a.1), Body::polytope(b.0, b.1));
+fn settled(a: (&Polytope, &Pose), b: (&Polytope, &Pose)) -> Option<(bool, Method)> {
+    let (a, b) = (PosedSupport::polytope(a.0, a.1), PosedSupport::polytope(b.0, b.1));
     let answer = touch(a, b);
     assert_eq!(answer, touch(b, a));
     if let Some((touches, _)) = answer {
@@ -43,12 +43,12 @@ fn boxes_turned_by_quarters_have_their_edges_swapped() {
     let upright = DMat3::from_cols(DVec3::Y, -DVec3::X, DVec3::Z);
     let turned = |x: f64| Pose::from_matrix(upright, DVec3::new(x, 0.0, 0.0)).unwrap();
     let touching = settled((&plank, &Pose::IDENTITY), (&plank, &turned(2.25)));
-    assert_eq!(touching, Some((true, Rung::Exact)));
+    assert_eq!(touching, Some((true, Method::Exact)));
     let apart = settled((&plank, &Pose::IDENTITY), (&plank, &turned(2.25f64.next_up())));
     assert!(!apart.unwrap().0);
     assert_eq!(
         settled((&plank, &Pose::IDENTITY), (&plank, &turned(3.0))),
-        Some((false, Rung::F64))
+        Some((false, Method::F64))
     );
 }
 
@@ -78,7 +78,8 @@ fn boxes_that_stand_upright_are_told_exactly_whatever_their_heading() {
     let half = Halves { a: DVec3::new(0.5, 0.25, 0.35), b: DVec3::new(0.5, 0.25, 0.35) };
     for (z, touches) in [(0.7, true), (0.7f64.next_up(), false)] {
         let there = above(z);
-        let bodies = [Body::polytope(&crate_, &here), Body::polytope(&crate_, &there)];
+        let bodies =
+            [PosedSupport::polytope(&crate_, &here), PosedSupport::polytope(&crate_, &there)];
         // By double-double alone: integers are not asked.
         assert_eq!(signs::<DoubleDouble>(bodies, half, &long), Some(touches), "{z}");
         assert_eq!(settled((&crate_, &here), (&crate_, &there)).unwrap().0, touches);

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 /// What the plane tells, after the integers have agreed.
 fn settled(a: &(Polytope, Pose), b: &(Polytope, Pose)) -> Option<bool> {
-    let (a, b) = (Body::polytope(&a.0, &a.1), Body::polytope(&b.0, &b.1));
+    let (a, b) = (PosedSupport::polytope(&a.0, &a.1), PosedSupport::polytope(&b.0, &b.1));
     let answer = touch(a, b, &Difference::new(a, b).unwrap());
     let truth = crate::exact::touches(a, b, &[]);
     assert!(answer.is_none_or(|touches| touches == truth), "{a:?} {b:?}");
@@ -88,6 +88,6 @@ fn a_radius_too_small_for_the_scaled_difference_still_counts() {
     let capsule = (Polytope::capsule(10.0, radius).unwrap(), aside);
     let point = (cuboid(0.0, 0.0, 0.0), Pose::from_translation(DVec3::Z * 5.0).unwrap());
     assert_eq!(settled(&capsule, &point), None);
-    let [a, b] = [&capsule, &point].map(|(shape, pose)| Body::polytope(shape, pose));
+    let [a, b] = [&capsule, &point].map(|(shape, pose)| PosedSupport::polytope(shape, pose));
     assert_eq!(crate::certified::overlap(a, b).0, crate::Verdict::Touching(()));
 }

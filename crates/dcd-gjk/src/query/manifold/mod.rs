@@ -12,7 +12,7 @@ mod reduce;
 
 use super::depths;
 use crate::epa::{self, Depth};
-use crate::{Depths, PairSolver, Placed, Rung, Verdict, order};
+use crate::{Depths, Method, PairSolver, PosedShape, Verdict, order};
 use clip::{Corner, Patch};
 use dcd_geom::glam::DVec3;
 use feature::View;
@@ -93,33 +93,43 @@ impl PairSolver for Manifolds {
     type Answer = Manifold;
     type Scratch = Scratch;
 
-    fn rung(&self) -> Rung {
-        Depths.rung()
+    fn method(&self) -> Method {
+        Depths.method()
     }
 
-    fn solve(&self, a: Placed<'_>, b: Placed<'_>, scratch: &mut Scratch) -> Verdict<Manifold> {
+    fn solve(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut Scratch,
+    ) -> Verdict<Manifold> {
         self.settle(a, b, scratch).0
     }
 
-    fn measure(&self, a: Placed<'_>, b: Placed<'_>, scratch: &mut Scratch) -> Verdict<Manifold> {
+    fn measure(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut Scratch,
+    ) -> Verdict<Manifold> {
         told(depths::of_touching(a, b, &mut scratch.depth), a, b, &mut scratch.patch)
     }
 
     fn settle(
         &self,
-        a: Placed<'_>,
-        b: Placed<'_>,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
         scratch: &mut Scratch,
-    ) -> (Verdict<Manifold>, Rung) {
-        let (verdict, rung) = Depths.settle(a, b, &mut scratch.depth);
-        (told(verdict, a, b, &mut scratch.patch), rung)
+    ) -> (Verdict<Manifold>, Method) {
+        let (verdict, method) = Depths.settle(a, b, &mut scratch.depth);
+        (told(verdict, a, b, &mut scratch.patch), method)
     }
 }
 
 fn told(
     verdict: Verdict<Depth>,
-    a: Placed<'_>,
-    b: Placed<'_>,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
     patch: &mut Patch,
 ) -> Verdict<Manifold> {
     match verdict {
@@ -140,7 +150,7 @@ const SAME: f64 = 1e-9;
 /// relative to the shapes' size.
 const FLAT: f64 = 1e-8;
 
-fn in_order(depth: Depth, a: Placed<'_>, b: Placed<'_>, patch: &mut Patch) -> Manifold {
+fn in_order(depth: Depth, a: PosedShape<'_>, b: PosedShape<'_>, patch: &mut Patch) -> Manifold {
     let (Some(in_a), Some(in_b)) = (a.shape.as_polytope(), b.shape.as_polytope()) else {
         return of_one_point(depth, [Feature::Surface; 2]);
     };

@@ -1,5 +1,5 @@
 use super::*;
-use crate::Body;
+use crate::PosedSupport;
 use crate::exact::grid::{Extent, Grid};
 use crate::exact::nearest_point::scaled;
 use crate::exact::{Integer, Large, Number};
@@ -46,7 +46,8 @@ fn rough(x: &Large, unit: i32) -> f64 {
 /// How far the separation along `d` and the vertex are off, in their units: u·m·|d|₁ and u·m.
 fn errors<R: Real>(a: (DVec3, Pose), b: (DVec3, Pose), d: DVec3) -> [f64; 2] {
     let (hull_a, hull_b) = (Polytope::hull(vec![a.0]).unwrap(), Polytope::hull(vec![b.0]).unwrap());
-    let (body_a, body_b) = (Body::polytope(&hull_a, &a.1), Body::polytope(&hull_b, &b.1));
+    let (body_a, body_b) =
+        (PosedSupport::polytope(&hull_a, &a.1), PosedSupport::polytope(&hull_b, &b.1));
     let Some(difference) = Difference::<R, _, _>::new(body_a, body_b) else { return [0.0; 2] };
     let Some(d) = crate::gjk::unit::<R>(R::Vec3::from_dvec3(d).components()) else {
         return [0.0; 2];

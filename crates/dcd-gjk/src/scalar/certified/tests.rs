@@ -6,8 +6,8 @@ fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()
 }
 
-fn judge(a: &Polytope, pose_a: &Pose, b: &Polytope, pose_b: &Pose) -> (Verdict<()>, Rung) {
-    let (a, b) = (Body::polytope(a, pose_a), Body::polytope(b, pose_b));
+fn judge(a: &Polytope, pose_a: &Pose, b: &Polytope, pose_b: &Pose) -> (Verdict<()>, Method) {
+    let (a, b) = (PosedSupport::polytope(a, pose_a), PosedSupport::polytope(b, pose_b));
     let answer = overlap(a, b);
     assert_eq!(answer, overlap(b, a));
     answer
@@ -28,7 +28,7 @@ fn touching_faces_edges_and_corners_are_a_contact_and_a_float_more_is_not() {
             let there =
                 |x: f64| Pose::from_translation(DVec3::new(x, axis.y * scale, axis.z * scale));
             let touching = judge(&cube, &origin, &cube, &there(scale).unwrap());
-            assert_eq!(touching, (TOUCHING, Rung::Exact));
+            assert_eq!(touching, (TOUCHING, Method::Exact));
             let apart = judge(&cube, &origin, &cube, &there(scale.next_up()).unwrap());
             assert_eq!(apart.0, Verdict::Apart);
             let inside = judge(&cube, &origin, &cube, &there(scale.next_down()).unwrap());
@@ -72,16 +72,19 @@ fn flat_and_collinear_hulls_and_points_are_judged() {
 
 #[test]
 fn rounded_hulls_are_judged_by_their_radii_exactly() {
-    let ball = Polytope::sphere(0.75).unwrap();
+    let sphere = Polytope::sphere(0.75).unwrap();
     let rounded = cube(0.5).rounded(0.25).unwrap();
     let origin = at(0.0, 0.0, 0.0);
-    assert_eq!(judge(&ball, &origin, &ball, &at(1.5, 0.0, 0.0)), (TOUCHING, Rung::Exact));
-    assert_eq!(judge(&ball, &origin, &ball, &at(1.5f64.next_up(), 0.0, 0.0)).0, Verdict::Apart);
-    assert_eq!(judge(&ball, &origin, &rounded, &at(0.25, 1.5, 0.0)).0, TOUCHING);
-    assert_eq!(judge(&ball, &origin, &rounded, &at(0.25, 1.5f64.next_up(), 0.0)).0, Verdict::Apart);
-    // Edge to ball: 3-4-5, but for the rounding of 1.1 and 1.3.
+    assert_eq!(judge(&sphere, &origin, &sphere, &at(1.5, 0.0, 0.0)), (TOUCHING, Method::Exact));
+    assert_eq!(judge(&sphere, &origin, &sphere, &at(1.5f64.next_up(), 0.0, 0.0)).0, Verdict::Apart);
+    assert_eq!(judge(&sphere, &origin, &rounded, &at(0.25, 1.5, 0.0)).0, TOUCHING);
+    assert_eq!(
+        judge(&sphere, &origin, &rounded, &at(0.25, 1.5f64.next_up(), 0.0)).0,
+        Verdict::Apart
+    );
+    // Edge to sphere: 3-4-5, but for the rounding of 1.1 and 1.3.
     let edge = at(0.5 + 0.6, 0.5 + 0.8, 0.0);
-    assert_eq!(judge(&rounded, &origin, &ball, &edge).0, ball_on_edge());
+    assert_eq!(judge(&rounded, &origin, &sphere, &edge).0, sphere_on_edge());
     // Radii far larger than their cores, and cores far larger than their radii.
     let dot = Polytope::hull(vec![DVec3::splat(1e-20)]).unwrap().rounded(1e20).unwrap();
     assert_eq!(judge(&dot, &origin, &dot, &at(2e20, 0.0, 0.0)).0, TOUCHING);
@@ -91,7 +94,7 @@ fn rounded_hulls_are_judged_by_their_radii_exactly() {
 }
 
 /// x² + y² against 1, the square of 0.75 + 0.25, in integers of 2⁻⁶⁰.
-fn ball_on_edge() -> Verdict<()> {
+fn sphere_on_edge() -> Verdict<()> {
     let grid = |x: f64| (x * 2f64.powi(60)) as i128;
     let (x, y) = (grid(0.5 + 0.6) - grid(0.5), grid(0.5 + 0.8) - grid(0.5));
     if x * x + y * y <= 1i128 << 120 { TOUCHING } else { Verdict::Apart }
@@ -113,8 +116,10 @@ fn a_foreign_shape_is_undecided_within_its_support_error() {
     let origin = at(0.0, 0.0, 0.0);
     let judge = |x: f64| {
         let there = at(x, 0.0, 0.0);
-        let (a, b) =
-            (Placed { shape: &vague, pose: &origin }, Placed { shape: &cube, pose: &there });
+        let (a, b) = (
+            PosedShape { shape: &vague, pose: &origin },
+            PosedShape { shape: &cube, pose: &there },
+        );
         let answer = overlap_of(a, b);
         assert_eq!(answer, overlap_of(b, a));
         answer.0

@@ -1,7 +1,7 @@
 //! Cuboid against cuboid, rounded or not: the fifteen separating axes.
 
 use super::{SIZES, UNIT};
-use crate::{Body, Verdict};
+use crate::{PosedSupport, Verdict};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Polytope, Vector};
 
@@ -15,7 +15,10 @@ const CLEAR: f64 = 16384.0 * UNIT;
 const DEVIATION: f64 = 256.0 * UNIT;
 
 /// The verdict where all fifteen axes are clear, or one separates clearly.
-pub(super) fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Option<Verdict<()>> {
+pub(super) fn overlap(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+) -> Option<Verdict<()>> {
     let (Kind::Cuboid { half_extents: half_a }, Kind::Cuboid { half_extents: half_b }) =
         (a.map.kind(), b.map.kind())
     else {

@@ -9,7 +9,7 @@ use super::binary::Binary;
 use crate::epa::Depth;
 use crate::exact::nearest_point::scaled;
 use crate::simplex::{Scalar, Triple, cross, determinant, dot, minus, plus};
-use crate::{Distance, DistanceResult, Placed, Reason, Rung, Verdict};
+use crate::{Distance, DistanceResult, Method, PosedShape, Reason, Verdict};
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{HalfSpace, Pose, Shape, SupportMap, Vector};
 
@@ -32,7 +32,7 @@ struct Plane<'a> {
 }
 
 impl<'a> Plane<'a> {
-    fn of(placed: Placed<'a>) -> Option<Self> {
+    fn of(placed: PosedShape<'a>) -> Option<Self> {
         match placed.shape {
             Shape::HalfSpace(half_space) => Some(Self { half_space, pose: placed.pose }),
             _ => None,
@@ -77,7 +77,7 @@ struct Gap {
 }
 
 impl Gap {
-    fn of(plane: Plane<'_>, other: Placed<'_>) -> Self {
+    fn of(plane: Plane<'_>, other: PosedShape<'_>) -> Self {
         let (normal, offset) = plane.rounded();
         let delta = other.pose.translation() - plane.pose.translation();
         let d = other.pose.rotation().transpose() * normal;
@@ -120,7 +120,7 @@ struct ExactGap {
 
 impl ExactGap {
     /// The lowest of all; `None` for a shape that only its support map knows.
-    fn of(plane: Plane<'_>, other: Placed<'_>) -> Option<Self> {
+    fn of(plane: Plane<'_>, other: PosedShape<'_>) -> Option<Self> {
         let (normal, offset) = plane.exactly();
         let axes = other.pose.rotation();
         let d = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| dot(&normal, &binary(axis)));
@@ -194,8 +194,8 @@ impl ExactGap {
 ///
 /// Exact for polytopes, cylinders, cones and half-spaces, rounded or not; a foreign shape stays
 /// undecided where f64 and its support error cannot tell.
-pub fn overlap(a: Placed<'_>, b: Placed<'_>) -> Option<(Verdict<()>, Rung)> {
-    let (touches, rung) = match (Plane::of(a), Plane::of(b)) {
+pub fn overlap(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<(Verdict<()>, Method)> {
+    let (touches, method) = match (Plane::of(a), Plane::of(b)) {
         (None, None) => return None,
         (Some(a), Some(b)) => planes_touch(a, b),
         (Some(plane), None) => touches(plane, b),
@@ -206,11 +206,11 @@ pub fn overlap(a: Placed<'_>, b: Placed<'_>) -> Option<(Verdict<()>, Rung)> {
         Some(false) => Verdict::Apart,
         None => Verdict::Undecided(Reason::WithinRounding),
     };
-    Some((verdict, rung))
+    Some((verdict, method))
 }
 
 /// What f64 alone can prove; two half-spaces are judged exactly all the same.
-pub(crate) fn overlap_in_f64(a: Placed<'_>, b: Placed<'_>) -> Option<Verdict<()>> {
+pub(crate) fn overlap_in_f64(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Verdict<()>> {
     let Some((plane, other, _)) = one_plane(a, b) else {
         return overlap(a, b).map(|(verdict, _)| verdict);
     };
@@ -221,18 +221,18 @@ pub(crate) fn overlap_in_f64(a: Placed<'_>, b: Placed<'_>) -> Option<Verdict<()>
     })
 }
 
-fn touches(plane: Plane<'_>, other: Placed<'_>) -> (Option<bool>, Rung) {
+fn touches(plane: Plane<'_>, other: PosedShape<'_>) -> (Option<bool>, Method) {
     match Gap::of(plane, other).touches() {
-        Some(touches) => (Some(touches), Rung::F64),
+        Some(touches) => (Some(touches), Method::F64),
         None => match ExactGap::of(plane, other) {
-            Some(gap) => (Some(gap.touches()), Rung::Exact),
-            None => (None, Rung::F64),
+            Some(gap) => (Some(gap.touches()), Method::Exact),
+            None => (None, Method::F64),
         },
     }
 }
 
 /// Two half-spaces share a point unless their normals are exactly opposite.
-fn planes_touch(a: Plane<'_>, b: Plane<'_>) -> (Option<bool>, Rung) {
+fn planes_touch(a: Plane<'_>, b: Plane<'_>) -> (Option<bool>, Method) {
     let ((in_a, _), (in_b, _)) = (a.rounded(), b.rounded());
     let [largest_a, largest_b] = [in_a, in_b].map(|n| n.abs().max_element());
     let (in_a, in_b) = (in_a / largest_a, in_b / largest_b);
@@ -241,10 +241,10 @@ fn planes_touch(a: Plane<'_>, b: Plane<'_>) -> (Option<bool>, Rung) {
     if in_a.dot(in_b) > tolerance || in_a.cross(in_b).abs().max_element() > tolerance {
         let normal = |largest: f64| (SMALLEST..1.0 / SMALLEST).contains(&largest);
         if normal(largest_a) && normal(largest_b) {
-            return (Some(true), Rung::F64);
+            return (Some(true), Method::F64);
         }
     }
-    (Some(exact_planes_touch(a, b)), Rung::Exact)
+    (Some(exact_planes_touch(a, b)), Method::Exact)
 }
 
 /// With N_A·y ≤ c_A and N_B·y ≤ c_B opposite, they are apart by −c_B/|N_B| − c_A/|N_A|.
@@ -269,10 +269,10 @@ fn exact_planes_touch(a: Plane<'_>, b: Plane<'_>) -> bool {
 ///
 /// For polytopes as good as between two of them: within some ulps of itself. For others within 32u
 /// of the pair's size and the support error.
-pub fn distance(a: Placed<'_>, b: Placed<'_>) -> Option<(DistanceResult, Rung)> {
+pub fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<(DistanceResult, Method)> {
     let (plane, other, side) = one_plane(a, b)?;
     let gap = Gap::of(plane, other);
-    let (touches, rung) = touches(plane, other);
+    let (touches, method) = touches(plane, other);
     Some(match touches {
         None => {
             let Signed { value, error_bound, .. } = signed(&gap, plane, other);
@@ -282,22 +282,22 @@ pub fn distance(a: Placed<'_>, b: Placed<'_>) -> Option<(DistanceResult, Rung)> 
             let error_bound = bound(value);
             let within = Distance { distance: 0.0, point_a, point_b, normal, error_bound };
             let reason = Reason::WithinRounding;
-            (DistanceResult::Interval { reason, within, depth }, rung)
+            (DistanceResult::Interval { reason, within, depth }, method)
         }
-        Some(true) => (DistanceResult::Touching, rung),
+        Some(true) => (DistanceResult::Touching, method),
         Some(false) => {
-            let Signed { value, error_bound, rung } = signed(&gap, plane, other);
+            let Signed { value, error_bound, method } = signed(&gap, plane, other);
             let (normal, [point_a, point_b]) = witnesses(&gap, other, value, side);
             let distance = value.max(0.0);
             let found = Distance { distance, point_a, point_b, normal, error_bound };
-            (DistanceResult::Apart(found), rung)
+            (DistanceResult::Apart(found), method)
         }
     })
 }
 
 /// How deep two shapes overlap of which one is a half-space and the other none; `None` else. The
 /// shortest way out is along the plane's normal.
-pub fn depth(a: Placed<'_>, b: Placed<'_>) -> Option<Verdict<Depth>> {
+pub fn depth(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Verdict<Depth>> {
     let (plane, other, side) = one_plane(a, b)?;
     let gap = Gap::of(plane, other);
     Some(match touches(plane, other).0 {
@@ -319,7 +319,10 @@ enum Side {
     B,
 }
 
-fn one_plane<'a>(a: Placed<'a>, b: Placed<'a>) -> Option<(Plane<'a>, Placed<'a>, Side)> {
+fn one_plane<'a>(
+    a: PosedShape<'a>,
+    b: PosedShape<'a>,
+) -> Option<(Plane<'a>, PosedShape<'a>, Side)> {
     match (Plane::of(a), Plane::of(b)) {
         (Some(plane), None) => Some((plane, b, Side::A)),
         (None, Some(plane)) => Some((plane, a, Side::B)),
@@ -331,32 +334,32 @@ fn one_plane<'a>(a: Placed<'a>, b: Placed<'a>) -> Option<(Plane<'a>, Placed<'a>,
 struct Signed {
     value: f64,
     error_bound: f64,
-    rung: Rung,
+    method: Method,
 }
 
 /// How far a gap in f64 may be off, relative to itself, before a polytope's is taken exactly.
 const SHARP: f64 = 1e-13;
 
 /// The largest number, with as large a bound, where it leaves the range of f64.
-fn signed(gap: &Gap, plane: Plane<'_>, other: Placed<'_>) -> Signed {
+fn signed(gap: &Gap, plane: Plane<'_>, other: PosedShape<'_>) -> Signed {
     let mut value = gap.value / gap.length;
     let mut error = gap.error / gap.length * (1.0 + 16.0 * UNIT) + 8.0 * UNIT * value.abs();
-    let mut rung = Rung::F64;
+    let mut method = Method::F64;
     if !(error <= SHARP * value.abs())
         && let Shape::Polytope(_) = other.shape
         && let Some(gap) = ExactGap::of(plane, other)
     {
         value = gap.distance();
         error = value.abs() * (16.0 * UNIT) + f64::from_bits(4);
-        rung = Rung::Exact;
+        method = Method::Exact;
     }
     let error_bound = if value.is_finite() { error.min(f64::MAX) } else { f64::MAX };
-    Signed { value: value.clamp(-f64::MAX, f64::MAX), error_bound, rung }
+    Signed { value: value.clamp(-f64::MAX, f64::MAX), error_bound, method }
 }
 
 /// The normal from a to b, and the points of a and b, world frame: the lowest point of the shape,
 /// and the plane's next to it.
-fn witnesses(gap: &Gap, other: Placed<'_>, value: f64, side: Side) -> (DVec3, [DVec3; 2]) {
+fn witnesses(gap: &Gap, other: PosedShape<'_>, value: f64, side: Side) -> (DVec3, [DVec3; 2]) {
     let outward = gap.normal / gap.length;
     let on_shape = other.pose.apply(gap.lowest) - outward * other.shape.radius();
     let on_plane = on_shape - outward * value;

@@ -7,9 +7,9 @@
 mod binary;
 mod cuboids;
 pub mod half_space;
-mod nearest;
+mod segments;
 
-use crate::{Body, DistanceResult, Verdict};
+use crate::{DistanceResult, PosedSupport, Verdict};
 use dcd_geom::{Kind, Polytope};
 
 /// Unit roundoff of f64.
@@ -26,24 +26,30 @@ const SIZES: std::ops::Range<f64> = 1e-70..1e70;
 
 /// What a formula proves of two polytopes, if there is one for their kinds.
 #[inline]
-pub(crate) fn overlap(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Option<Verdict<()>> {
+pub(crate) fn overlap(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+) -> Option<Verdict<()>> {
     match (a.map.kind(), b.map.kind()) {
         (Kind::Hull | Kind::Triangle, _) | (_, Kind::Hull | Kind::Triangle) => None,
         (Kind::Cuboid { .. }, Kind::Cuboid { .. }) => cuboids::overlap(a, b),
-        _ => nearest::overlap(a, b),
+        _ => segments::overlap(a, b),
     }
 }
 
 /// The distance of two polytopes that a formula proves and that is as sharp as is promised, or that
 /// they touch.
 #[inline]
-pub(crate) fn distance(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> Option<DistanceResult> {
+pub(crate) fn distance(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+) -> Option<DistanceResult> {
     match (a.map.kind(), b.map.kind()) {
         (Kind::Hull | Kind::Triangle, _) | (_, Kind::Hull | Kind::Triangle) => None,
         (Kind::Cuboid { .. }, Kind::Cuboid { .. }) => match cuboids::overlap(a, b)? {
             Verdict::Touching(()) => Some(DistanceResult::Touching),
             _ => None,
         },
-        _ => nearest::distance(a, b),
+        _ => segments::distance(a, b),
     }
 }

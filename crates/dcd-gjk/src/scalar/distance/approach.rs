@@ -3,7 +3,7 @@
 use super::UNIT;
 use crate::certificate::{Bounds, combined_length};
 use crate::gjk::{MAX_SUPPORTS, Simplex, start, unit};
-use crate::{Body, Difference, Reason, Verdict, Vertex};
+use crate::{Difference, PosedSupport, Reason, Verdict, Vertex};
 use dcd_geom::SupportMap;
 use dcd_geom::glam::DVec3;
 
@@ -83,7 +83,11 @@ pub(super) fn approach<S: SupportMap<f64>>(
 
 impl Approach {
     /// The points of the two cores, world frame, metres.
-    pub(super) fn points<S: SupportMap<f64>>(&self, a: Body<'_, S>, b: Body<'_, S>) -> [DVec3; 2] {
+    pub(super) fn points<S: SupportMap<f64>>(
+        &self,
+        a: PosedSupport<'_, S>,
+        b: PosedSupport<'_, S>,
+    ) -> [DVec3; 2] {
         let total: f64 = self.weights[..self.simplex.vertices().len()].iter().sum();
         let sum = |point: fn(&Vertex<f64>) -> DVec3| {
             let vertices = self.simplex.vertices().iter().zip(self.weights);

@@ -1,7 +1,7 @@
 //! The end of the search in double-double: the same steps, with about 106 bits.
 
 use super::{Distance, rounded_up, unit, weighted};
-use crate::Body;
+use crate::PosedSupport;
 use crate::double_double::{DoubleDouble, EPSILON};
 use crate::exact::Number;
 use crate::exact::grid::{Extent, Grid};
@@ -23,8 +23,8 @@ const CLOSED: f64 = f64::EPSILON / 16.0;
 /// From a simplex of vertices by index, of two shapes that are apart. `None` where the bounds do
 /// not close: the gap is below 106 bits, or the numbers leave f64's range.
 pub(super) fn refined(
-    a: Body<'_, Polytope>,
-    b: Body<'_, Polytope>,
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
     scale: f64,
     hint: &[[u32; 2]],
 ) -> Option<Distance> {
@@ -74,8 +74,8 @@ fn length(points: &[Triple<DoubleDouble>], near: &Nearest<DoubleDouble>) -> Opti
 }
 
 fn answer(
-    a: Body<'_, Polytope>,
-    b: Body<'_, Polytope>,
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
     distance: f64,
     near: &Nearest<DoubleDouble>,
     pairs: &[[usize; 2]],

@@ -6,7 +6,7 @@ fn at(x: f64, y: f64, z: f64) -> Pose {
 }
 
 fn measure(a: &Shape, pose_a: &Pose, b: &Shape, pose_b: &Pose) -> Distance {
-    let (a, b) = (Placed { shape: a, pose: pose_a }, Placed { shape: b, pose: pose_b });
+    let (a, b) = (PosedShape { shape: a, pose: pose_a }, PosedShape { shape: b, pose: pose_b });
     let (result, _) = distance(a, b);
     assert_eq!(result, distance(b, a).0.mirrored());
     match result {
@@ -47,24 +47,25 @@ fn gaps_far_below_f64s_rounding_are_measured() {
 
 #[test]
 fn radii_shorten_the_distance_and_move_the_points() {
-    let ball = Shape::sphere(1.0).unwrap();
-    let found = measure(&ball, &at(0.0, 0.0, 0.0), &ball, &at(0.0, 3.0, 4.0));
+    let sphere = Shape::sphere(1.0).unwrap();
+    let found = measure(&sphere, &at(0.0, 0.0, 0.0), &sphere, &at(0.0, 3.0, 4.0));
     assert_eq!((found.distance, found.normal), (3.0, DVec3::new(0.0, 0.6, 0.8)));
     assert_eq!(found.point_a, found.normal);
     let near = 2.0f64.next_up();
-    let found = measure(&ball, &at(0.0, 0.0, 0.0), &ball, &at(near, 0.0, 0.0));
+    let found = measure(&sphere, &at(0.0, 0.0, 0.0), &sphere, &at(near, 0.0, 0.0));
     assert_eq!(found.distance, near - 2.0);
 }
 
 #[test]
 fn touching_and_overlapping_shapes_have_no_distance() {
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
-    let ball = Shape::sphere(0.5).unwrap();
+    let sphere = Shape::sphere(0.5).unwrap();
     let origin = at(0.0, 0.0, 0.0);
     for x in [0.0, 0.5, 1.0 - 1e-16, 1.0] {
         let there = at(x, 0.0, 0.0);
-        for shape in [&cube, &ball] {
-            let (a, b) = (Placed { shape: &cube, pose: &origin }, Placed { shape, pose: &there });
+        for shape in [&cube, &sphere] {
+            let (a, b) =
+                (PosedShape { shape: &cube, pose: &origin }, PosedShape { shape, pose: &there });
             assert_eq!(distance(a, b).0, DistanceResult::Touching);
         }
     }
@@ -93,11 +94,12 @@ fn f64_alone_states_its_bound() {
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
     let origin = at(0.0, 0.0, 0.0);
     let there = at(1.0 + 1e-9, 0.1, 0.0);
-    let (a, b) = (Placed { shape: &cube, pose: &origin }, Placed { shape: &cube, pose: &there });
+    let (a, b) =
+        (PosedShape { shape: &cube, pose: &origin }, PosedShape { shape: &cube, pose: &there });
     let DistanceResult::Apart(found) = in_f64(a, b) else { panic!() };
     assert!((found.distance - 1e-9).abs() <= found.error_bound && found.error_bound < 1e-13);
     let there = at(1.0 + 1e-15, 0.1, 0.0);
-    let b = Placed { shape: &cube, pose: &there };
+    let b = PosedShape { shape: &cube, pose: &there };
     let DistanceResult::Interval { reason, within, depth } = in_f64(a, b) else { panic!() };
     assert!(reason == Reason::WithinRounding && within.distance == 0.0, "{within:?}");
     assert!(within.normal.dot(DVec3::X) > 0.9, "{within:?}");

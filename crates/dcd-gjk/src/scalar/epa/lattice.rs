@@ -1,7 +1,7 @@
 //! Two placed polytopes rounded to a common lattice, and their difference on it, exactly.
 
 use super::wide::Wide;
-use crate::Body;
+use crate::PosedSupport;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Matrix, Polytope, Vector};
 
@@ -67,8 +67,8 @@ pub(super) struct LatticeDifference<'a> {
 
 impl<'a> LatticeDifference<'a> {
     pub(super) fn new(
-        a: Body<'a, Polytope>,
-        b: Body<'a, Polytope>,
+        a: PosedSupport<'a, Polytope>,
+        b: PosedSupport<'a, Polytope>,
         dots: &'a mut Vec<f64>,
     ) -> Self {
         let unit = unit(a, b);
@@ -137,14 +137,14 @@ struct Farthest {
 }
 
 struct LatticeBody<'a> {
-    body: Body<'a, Polytope>,
+    body: PosedSupport<'a, Polytope>,
     rows: [[Dyadic; 3]; 3],
     translation: [Dyadic; 3],
     unit: i32,
 }
 
 impl<'a> LatticeBody<'a> {
-    fn new(body: Body<'a, Polytope>, unit: i32) -> Self {
+    fn new(body: PosedSupport<'a, Polytope>, unit: i32) -> Self {
         let rotation = body.pose.rotation();
         let rows = [0, 1, 2].map(|k| rotation.row(k).to_array().map(Dyadic::new));
         let translation = body.pose.translation().to_array().map(Dyadic::new);
@@ -241,10 +241,10 @@ fn on_lattice(mantissa: i128, shift: i32) -> (i128, bool) {
 
 /// The exponent of the lattice's unit: the finest at which every vertex of the difference has
 /// `POINT_BITS` bits and every world coordinate `WORLD_BITS`.
-fn unit(a: Body<'_, Polytope>, b: Body<'_, Polytope>) -> i32 {
+fn unit(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) -> i32 {
     let (a_centre, b_centre) = (a.map.inner().centre, b.map.inner().centre);
     let apart = a.pose.apply(a_centre) - b.pose.apply(b_centre);
-    let position = |body: &Body<'_, Polytope>| {
+    let position = |body: &PosedSupport<'_, Polytope>| {
         Vector::norm1(body.pose.translation()) + body.map.reach() + body.map.outer_radius()
     };
     let position = position(&a) + position(&b);

@@ -33,7 +33,7 @@ mod start;
 mod wide;
 mod witness;
 
-use crate::{Body, Verdict, exact, order};
+use crate::{PosedSupport, Verdict, exact, order};
 use answer::{Answer, Certainty};
 use apart::Gap;
 use dcd_geom::Polytope;
@@ -93,13 +93,13 @@ pub struct Scratch {
 /// Whether two placed polytopes touch, and how deep.
 ///
 /// Every answer is proved, exact touching included: where the bounds of the depth leave it open,
-/// the exact rung decides. Never undecided; a depth that overflows is `f64::MAX`, marked by a
+/// the exact method decides. Never undecided; a depth that overflows is `f64::MAX`, marked by a
 /// bound of `f64::MAX` (see [`Depth::is_saturated`]).
 /// The answer for (b, a) is that for (a, b), mirrored bit for bit. Costs microseconds for hulls of
 /// tens of vertices.
 pub fn depth(
-    a: Body<'_, Polytope>,
-    b: Body<'_, Polytope>,
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
     scratch: &mut Scratch,
 ) -> Verdict<Depth> {
     let (depth, certainty) = in_canonical_order(a, b, scratch);
@@ -116,8 +116,8 @@ pub fn depth(
 /// For pairs that do not touch, against what was promised, the depth is 0 and the bound has no
 /// meaning; a depth that overflows is the largest number.
 pub fn depth_of_overlap(
-    a: Body<'_, Polytope>,
-    b: Body<'_, Polytope>,
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
     scratch: &mut Scratch,
 ) -> Depth {
     in_canonical_order(a, b, scratch).0
@@ -136,8 +136,8 @@ pub(crate) enum Direction {
 /// The depth of a pair known to touch, and whether its direction is the only one. Of a pair that is
 /// apart, whether the direction of its distance is.
 pub(crate) fn depth_and_direction(
-    a: Body<'_, Polytope>,
-    b: Body<'_, Polytope>,
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
     scratch: &mut Scratch,
 ) -> (Depth, Direction) {
     let mut direction = Direction::Rivalled;
@@ -158,8 +158,8 @@ pub(crate) fn depth_and_direction(
 }
 
 fn in_canonical_order(
-    a: Body<'_, Polytope>,
-    b: Body<'_, Polytope>,
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
     scratch: &mut Scratch,
 ) -> (Depth, Certainty) {
     if order::are_swapped(a, b) {
@@ -182,8 +182,8 @@ enum Outcome<'a> {
 
 /// `inspect` sees the outcome with the search as it ended; its hull is used up after.
 fn solve(
-    a: Body<'_, Polytope>,
-    b: Body<'_, Polytope>,
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
     scratch: &mut Scratch,
     mut inspect: impl FnMut(&mut Viewer<'_>, &mut Hull, Outcome<'_>),
 ) -> (Depth, Certainty) {

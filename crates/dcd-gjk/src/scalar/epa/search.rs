@@ -6,7 +6,7 @@ use super::wide::Wide;
 
 /// How often the polytope may grow. Each growth adds a vertex of a finite set, so the search ends
 /// by itself, after eight for hulls of tens of vertices; this bounds the time (a tenth of a second)
-/// where facets are many and all alike, as for concentric balls cut into thousands. Smaller:
+/// where facets are many and all alike, as for concentric spheres cut into thousands. Smaller:
 /// larger error bounds there.
 pub(super) const GROWTHS: usize = 1 << 14;
 
@@ -119,7 +119,7 @@ impl<'a> Viewer<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Body;
+    use crate::PosedSupport;
     use dcd_geom::glam::{DQuat, DVec3};
     use dcd_geom::{Polytope, Pose};
 
@@ -137,7 +137,8 @@ mod tests {
     fn a_search_that_is_cut_short_has_bounds_that_hold() {
         let (a, b) = (round(), round());
         let turned = Pose::new(DQuat::from_rotation_x(0.7), DVec3::new(0.1, 0.2, 0.3)).unwrap();
-        let (a, b) = (Body::polytope(&a, &Pose::IDENTITY), Body::polytope(&b, &turned));
+        let (a, b) =
+            (PosedSupport::polytope(&a, &Pose::IDENTITY), PosedSupport::polytope(&b, &turned));
         let mut hull = Hull::default();
         let mut bounds = |limit| {
             let mut dots = Vec::new();

@@ -1,5 +1,5 @@
 use super::*;
-use crate::Body;
+use crate::PosedSupport;
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Polytope, Pose};
 
@@ -9,7 +9,11 @@ fn at(x: f64, y: f64, z: f64) -> Pose {
 
 fn judge<R: Real>(a: (&Polytope, Pose), b: (&Polytope, Pose)) -> Verdict<()> {
     overlap(
-        &Difference::<R, _, _>::new(Body::polytope(a.0, &a.1), Body::polytope(b.0, &b.1)).unwrap(),
+        &Difference::<R, _, _>::new(
+            PosedSupport::polytope(a.0, &a.1),
+            PosedSupport::polytope(b.0, &b.1),
+        )
+        .unwrap(),
     )
 }
 
@@ -94,8 +98,9 @@ fn a_map_that_answers_nan_ends_undecided() {
         }
     }
     let pose = at(0.0, 0.0, 0.0);
-    let bad = Body { map: &Nan, pose: &pose, reach: 1.0, centre: DVec3::ZERO, inner: 0.0 };
+    let bad = PosedSupport { map: &Nan, pose: &pose, reach: 1.0, centre: DVec3::ZERO, inner: 0.0 };
     let cube = cube();
-    let difference = Difference::<f64, _, _>::new(bad, Body::polytope(&cube, &pose)).unwrap();
+    let difference =
+        Difference::<f64, _, _>::new(bad, PosedSupport::polytope(&cube, &pose)).unwrap();
     assert!(matches!(overlap(&difference), Verdict::Undecided(_)));
 }

@@ -1,24 +1,24 @@
 //! Scenes of one kind whose pairs need no vertices: what depends on a shape alone is written once a
 //! layout, what depends on its pose once a step.
 
+use super::super::axis_aligned::AxisAligned;
 use super::super::bounds::{CENTRE, TURNED};
-use super::super::frame::{BOX, BOXED, BoxRecord, LIVE, Record, UPRIGHT, WHOLE};
-use super::super::upright::Upright;
+use super::super::frame::{AXIS_ALIGNED, BOX, HAS_OBB, LIVE, ObbRecord, Record, WHOLE};
 use super::{Prepare, above, place, turn};
 use dcd_geom::glam::DVec3;
-use dcd_geom::lanes::prefetch;
 use dcd_geom::{Aabb, Pose, Scene};
+use dcd_simd::prefetch;
 
 /// Writes what depends on the shapes alone, for poses that depart from a rotation by less than
 /// [`TURNED`]. Spheres have no box record.
-pub(in super::super) fn constants(scene: &Scene, records: &mut [Record], boxes: &mut [BoxRecord]) {
-    let (cores, twin_boxes) = (scene.cores().cores(), scene.cores().twin_boxes());
+pub(in super::super) fn constants(scene: &Scene, records: &mut [Record], boxes: &mut [ObbRecord]) {
+    let (cores, obbs) = (scene.cores().cores(), scene.cores().obbs());
     for (record, &shape) in records.iter_mut().zip(scene.shape_of()) {
         *record = place(&Record::default(), &cores[shape as usize], &Pose::IDENTITY);
         record.marks |= LIVE | WHOLE;
     }
     for ((boxes, record), &shape) in boxes.iter_mut().zip(records).zip(scene.shape_of()) {
-        *boxes = turn(&twin_boxes[shape as usize], record, &Pose::IDENTITY);
+        *boxes = turn(&obbs[shape as usize], record, &Pose::IDENTITY);
     }
 }
 
@@ -48,11 +48,11 @@ impl Prepare<'_> {
             look_ahead(poses, k);
             let (centre, rotation) = (pose.translation(), pose.rotation());
             settle_centre(record, centre);
-            let marks = BOXED | BOX | LIVE | WHOLE;
+            let marks = HAS_OBB | BOX | LIVE | WHOLE;
             record.marks = if pose.deviation() < TURNED { marks } else { 0 };
-            if let Some(found) = Upright::of(&self.scene.shapes()[shape_of[k] as usize], pose) {
+            if let Some(found) = AxisAligned::of(&self.scene.shapes()[shape_of[k] as usize], pose) {
                 *upright = found;
-                record.marks |= UPRIGHT;
+                record.marks |= AXIS_ALIGNED;
             }
             let numbers = &mut boxes.numbers.0;
             let columns = rotation.to_cols_array();

@@ -1,15 +1,15 @@
-//! The boxes of meshes beside those of the plain twin.
+//! The boxes of meshes beside those of the scalar reference.
 
 use crate::{NarrowPhase, Overlap};
 use dcd_geom::glam::{DQuat, DVec3};
-use dcd_geom::lanes::Path;
 use dcd_geom::{Aabb, Pose, Scene, Shape};
+use dcd_simd::Path;
 
 fn boxes(scene: &Scene, path: Path) -> Vec<Aabb> {
     let narrow = Overlap::on(path);
     let mut frame = Default::default();
     let mut aabbs = vec![Aabb::EMPTY; scene.len()];
-    let part = narrow.lay_out(scene, &mut frame);
+    let part = narrow.layout(scene, &mut frame);
     narrow.prepare(scene, 0, part, &mut aabbs);
     aabbs
 }
@@ -25,7 +25,7 @@ fn strip(triangles: u32, size: f64, from: DVec3) -> Shape {
 }
 
 #[test]
-fn the_box_of_a_mesh_holds_its_corners_and_is_hardly_larger_than_its_plain_twin() {
+fn the_box_of_a_mesh_holds_its_corners_and_is_hardly_larger_than_its_plain_reference() {
     for size in [1e-9, 1e-3, 1.0, 1e6] {
         // One block of corners, one more than that, many times as many as are turned at once.
         let mut shapes: Vec<Shape> = [1, 14, 15, 900].map(|n| strip(n, size, DVec3::ZERO)).into();
@@ -50,9 +50,9 @@ fn the_box_of_a_mesh_holds_its_corners_and_is_hardly_larger_than_its_plain_twin(
                     let holds = low.cmpge(aabb.min.as_dvec3()) & high.cmple(aabb.max.as_dvec3());
                     assert!(holds.all(), "{path:?} {i}: {aabb:?} does not hold {at}");
                 }
-                let (twin, slack) = (shape.aabb(pose), (1e-6 * reach) as f32);
-                let larger = Aabb { min: twin.min - slack, max: twin.max + slack };
-                assert!(larger.contains(aabb), "{path:?} {i}: {aabb:?}, {twin:?}");
+                let (reference, slack) = (shape.aabb(pose), (1e-6 * reach) as f32);
+                let larger = Aabb { min: reference.min - slack, max: reference.max + slack };
+                assert!(larger.contains(aabb), "{path:?} {i}: {aabb:?}, {reference:?}");
             }
         }
     }

@@ -1,0 +1,28 @@
+//! The trait for a broad phase of one's own.
+
+use dcd_exec::{Exec, Segments};
+use dcd_geom::{Aabb, Pair};
+
+/// From boxes to candidate pairs.
+///
+/// # Contract
+/// After `build(aabbs)`, `pairs(aabbs, keep)` lists each pair i < j whose closed boxes overlap and
+/// for which `keep(i, j)` holds exactly once. It may list further pairs (a looser phase's
+/// candidates), each once and only where `keep` holds. The list and its order depend on the boxes
+/// and on `keep` alone, not on `exec`. `contract` tests it.
+///
+/// Boxes are valid ([`Aabb::is_valid`]): what a [`dcd_geom::Scene`] yields always is.
+pub trait BroadPhase: Send {
+    /// Takes in the boxes: makes or mends whatever structure the search needs.
+    fn build(&mut self, aabbs: &[Aabb], exec: Exec);
+
+    /// Replaces `out` by the candidate pairs of the boxes that were taken in last. `keep(i, j)` is
+    /// asked for i < j during the search, before any narrow work; it must be a pure function.
+    fn pairs(
+        &mut self,
+        aabbs: &[Aabb],
+        keep: impl Fn(u32, u32) -> bool + Sync,
+        exec: Exec,
+        out: &mut Segments<Pair>,
+    );
+}

@@ -1,0 +1,239 @@
+//! What stands near a place, cell by cell.
+
+mod cells;
+mod hits;
+mod look_up;
+#[cfg(test)]
+mod tests;
+
+pub use hits::{Cell, GridHits};
+pub use look_up::PosedBounds;
+
+use cells::{Grid, Region};
+use dcd_geom::glam::Vec3A;
+use dcd_geom::{Aabb, BoundingSphere, InscribedSphere, Pair, Sphere16};
+use dcd_simd::WIDTH;
+
+/// Where something stands: a box and a sphere that both contain it, and a sphere that it contains.
+#[derive(Clone, Copy, Debug)]
+pub struct ObstacleBounds {
+    /// The exact box, which pairs are told by.
+    pub aabb: Aabb,
+    /// A sphere round it, infinite where none is known.
+    pub sphere: BoundingSphere,
+    /// A sphere inside of it.
+    pub inner: InscribedSphere,
+}
+
+impl ObstacleBounds {
+    const EVERYTHING: Self = Self {
+        aabb: Aabb::EVERYTHING,
+        sphere: BoundingSphere::EVERYTHING,
+        inner: InscribedSphere::NOTHING,
+    };
+}
+
+/// A grid over obstacles that stay: each cell lists those that a sphere about one of its points may
+/// reach, and names the one that a sphere there most likely touches.
+///
+/// Most of what is asked for is near nothing, and for that one short list is read. Where a list
+/// would be long, or the sphere is larger than what was foreseen, the grid knows nothing, and a tree
+/// has to be asked.
+#[derive(Clone, Debug)]
+pub struct ObstacleGrid {
+    obstacle_bounds: Vec<Compact>,
+    inners: Vec<InscribedSphere>,
+    grid: Grid,
+    /// The largest radius that the lists are made for, metres.
+    radius: f32,
+    /// The grid's cells, one of what is larger than foreseen, and the end.
+    cells: Vec<Listed>,
+    /// The lists, each ascending. One that is not known is the number after the last obstacle's.
+    members: Vec<u32>,
+}
+
+/// What a cell knows.
+#[derive(Clone, Copy, Debug)]
+struct Listed {
+    /// Where its list begins; it ends where that of the next cell begins.
+    start: u32,
+    /// Of what it lists, or would list, the one whose inner sphere is nearest its middle.
+    nearest: u32,
+}
+
+/// How many obstacles a list may have. Larger: more are looked at one by one where a tree tests
+/// sixteen at once. Smaller: the tree is asked more often. No effect on any answer.
+const LONGEST: usize = 16;
+
+/// Beyond this an obstacle counts as infinite, metres: it widens no grid. A half-space's box ends at
+/// [`Aabb::LIMIT`].
+const INFINITE: f32 = 1e36;
+
+impl ObstacleGrid {
+    /// For spheres of at most this radius, metres.
+    pub fn new(obstacle_bounds: &[ObstacleBounds], radius: f32) -> Self {
+        let reached: Vec<Aabb> =
+            obstacle_bounds.iter().map(|obstacle| widened(&obstacle.aabb, radius)).collect();
+        let ends = |aabb: &&Aabb| aabb.max.abs().max(aabb.min.abs()).max_element() < INFINITE;
+        let extent = reached.iter().filter(ends).fold(Aabb::EMPTY, |all, one| all.union(one));
+        let grid = Grid::finest(extent, &reached);
+        let all = obstacle_bounds.iter().chain(&[ObstacleBounds::EVERYTHING]);
+        let mut obstacle_grid = Self {
+            obstacle_bounds: all.clone().map(Compact::of).collect(),
+            inners: all.map(|obstacle| obstacle.inner).collect(),
+            grid,
+            radius,
+            cells: Vec::new(),
+            members: Vec::new(),
+        };
+        let counts = obstacle_grid.layout(&reached);
+        obstacle_grid.list(&reached, &counts);
+        obstacle_grid
+    }
+
+    /// Finds what is nearest each cell, and makes room for its list. How many obstacles it reaches.
+    fn layout(&mut self, reached: &[Aabb]) -> Vec<u32> {
+        let unknown = self.unknown();
+        let mut counts = vec![0; self.grid.len()];
+        let mut nearest = vec![(unknown, f32::INFINITY); counts.len()];
+        for (number, (aabb, inner)) in (0..).zip(reached.iter().zip(&self.inners)) {
+            let obstacle = &self.obstacle_bounds[number as usize];
+            self.grid.for_each_cell(aabb, |cell, region| {
+                counts[cell] += u32::from(obstacle.is_near_any(&region, self.radius));
+                let away = region.middle.distance(inner.centre) - inner.radius;
+                if away < nearest[cell].1 {
+                    nearest[cell] = (number, away);
+                }
+            });
+        }
+        let mut start = 0;
+        for (&count, &(nearest, _)) in counts.iter().zip(&nearest) {
+            self.cells.push(Listed { start, nearest });
+            start += if count > LONGEST as u32 { 1 } else { count };
+        }
+        // A last list is that of what is larger than foreseen.
+        self.cells.extend([start, start + 1].map(|start| Listed { start, nearest: unknown }));
+        counts
+    }
+
+    /// Writes the lists that are not too long.
+    fn list(&mut self, reached: &[Aabb], counts: &[u32]) {
+        let length = self.cells.last().map_or(0, |end| end.start) as usize;
+        // All are read as long as they may be.
+        let mut members = vec![self.unknown(); length + LONGEST];
+        let mut next: Vec<u32> = self.cells.iter().map(|cell| cell.start).collect();
+        for (number, aabb) in (0..).zip(reached) {
+            let obstacle = &self.obstacle_bounds[number as usize];
+            self.grid.for_each_cell(aabb, |cell, region| {
+                let is_listed = counts[cell] <= LONGEST as u32;
+                if is_listed && obstacle.is_near_any(&region, self.radius) {
+                    members[next[cell] as usize] = number;
+                    next[cell] += 1;
+                }
+            });
+        }
+        self.members = members;
+    }
+
+    /// The number of what is not known, none of an obstacle.
+    pub fn unknown(&self) -> u32 {
+        self.obstacle_bounds.len() as u32 - 1
+    }
+
+    /// How far the inner sphere of a noted one is from a contact with the obstacle it most likely touches:
+    /// [`InscribedSphere::short_of`]. From what is not known, infinitely far.
+    #[inline]
+    pub fn short_of(&self, noted: &Cell, inner: &InscribedSphere) -> f32 {
+        self.inners[noted.likeliest as usize].short_of(inner)
+    }
+
+    /// Finds which obstacles the noted spheres may reach; `spheres` are those of the look-up, sixteen a row.
+    pub fn reach(&self, spheres: &[Sphere16], reached: &mut GridHits) {
+        reached.gather(&self.members);
+        reached.keep(|sphere, number| {
+            let BoundingSphere { centre, radius } = spheres[sphere / WIDTH].get(sphere % WIDTH);
+            self.obstacle_bounds[number as usize].is_near(centre.into(), radius)
+        });
+    }
+
+    /// Appends the pairs of a name with some of the obstacles, by their numbers, whose closed boxes
+    /// overlap that box and for which `keep(i, j)`, i < j, holds. No name may be that of an obstacle.
+    #[inline]
+    pub fn append_pairs(
+        &self,
+        (name, aabb): (u32, &Aabb),
+        numbers: &[u32],
+        keep: impl Fn(u32, u32) -> bool,
+        out: &mut Vec<Pair>,
+    ) {
+        let (min, max) = (Vec3A::from(aabb.min), Vec3A::from(aabb.max));
+        let start = out.len();
+        let mut end = start;
+        out.resize(start + numbers.len(), Pair::default());
+        for &number in numbers {
+            let obstacle = &self.obstacle_bounds[number as usize];
+            let overlap = (obstacle.min.cmple(max) & min.cmple(obstacle.max)).all();
+            let pair = Pair::new(number, name);
+            out[end] = pair;
+            end += usize::from(overlap && keep(pair.i, pair.j));
+        }
+        out.truncate(end);
+    }
+}
+
+/// By how much a radius is taken larger where a whole cell is asked for. No unit; far above what f32
+/// loses in a comparison. Smaller: contacts could be missed. Larger: longer lists.
+const SAFE: f32 = 1.0 + 1.0 / 1024.0;
+
+/// An obstacle as it is compared: a cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Compact {
+    min: Vec3A,
+    max: Vec3A,
+    centre: Vec3A,
+    radius: f32,
+}
+
+impl Compact {
+    fn of(obstacle: &ObstacleBounds) -> Self {
+        let ObstacleBounds {
+            aabb: Aabb { min, max },
+            sphere: BoundingSphere { centre, radius },
+            ..
+        } = *obstacle;
+        Self { min: min.into(), max: max.into(), centre: centre.into(), radius }
+    }
+
+    /// Whether a [`BoundingSphere`] may reach what both the box and the sphere contain: docs/numerics.md,
+    /// "what is near".
+    #[inline]
+    fn is_near(&self, centre: Vec3A, radius: f32) -> bool {
+        let beyond = (self.min - centre).max(centre - self.max).max(Vec3A::ZERO);
+        let both = radius + self.radius;
+        // What underflows is below the least normal number.
+        let in_box = beyond.length_squared() <= radius * radius + f32::MIN_POSITIVE;
+        let to_sphere = (centre - self.centre).length_squared();
+        in_box & (to_sphere <= both * both + f32::MIN_POSITIVE)
+    }
+
+    /// Whether a sphere of at most that radius about any point of a cell may be near.
+    fn is_near_any(&self, cell: &Region, radius: f32) -> bool {
+        let beyond = (self.min - cell.max).max(cell.min - self.max).max(Vec3A::ZERO);
+        let to_sphere = (self.centre - cell.max).max(cell.min - self.centre).max(Vec3A::ZERO);
+        let (radius, both) = (radius * SAFE, (radius + self.radius) * SAFE);
+        // Written so that a NaN is near.
+        let is_apart =
+            |beyond: Vec3A, reach: f32| beyond.length_squared() > reach * reach + f32::MIN_POSITIVE;
+        !is_apart(beyond, radius) && !is_apart(to_sphere, both)
+    }
+}
+
+/// Every centre of a sphere of that radius that may reach the box. One step outward is more than the
+/// difference's rounding.
+fn widened(aabb: &Aabb, radius: f32) -> Aabb {
+    Aabb {
+        min: (aabb.min - radius).map(f32::next_down),
+        max: (aabb.max + radius).map(f32::next_up),
+    }
+}

@@ -1,0 +1,149 @@
+//! Lists put one after the other, and what of them is kept.
+
+use super::LONGEST;
+use dcd_simd::IndexRow;
+use std::ops::Range;
+
+/// What spheres may reach, sphere by sphere. Memory that is used again.
+///
+/// Filled without a branch that depends on what is near: first the spheres of whose list anything
+/// stands are told from the others, then all lists are put one after the other, then all that is
+/// listed is tested.
+#[derive(Clone, Debug, Default)]
+pub struct GridHits {
+    /// The lists that have anything, more than there are: what is beyond means nothing, as in what
+    /// follows.
+    lists: Vec<Cell>,
+    listed: usize,
+    /// The cells of the spheres that are looked up.
+    pub(super) cells: Vec<IndexRow>,
+    numbers: Vec<u32>,
+    /// For each listed number the sphere that it is listed for.
+    spheres: Vec<u32>,
+    /// For each listed number how many before it are reached.
+    before: Vec<u32>,
+}
+
+/// A sphere of which anything is listed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Cell {
+    /// Its number.
+    pub sphere: u32,
+    /// The number of the obstacle that it most likely touches; [`super::ObstacleGrid::unknown`] where none
+    /// is known.
+    pub likeliest: u32,
+    /// Where its list begins: among the members, then among the numbers.
+    start: u32,
+    /// How many it has, then where it ends.
+    end: u32,
+}
+
+impl GridHits {
+    /// The spheres that may reach something: their numbers, ascending, and where among the
+    /// [`GridHits::numbers`] those of what they reach begin and end. A sphere may reach nothing there.
+    pub fn spans(&self) -> impl Iterator<Item = (usize, [u32; 2])> {
+        self.lists[..self.listed].iter().map(|list| (list.sphere as usize, [list.start, list.end]))
+    }
+
+    /// The numbers of the obstacles that each sphere may reach, ascending, sphere by sphere. Where that is
+    /// not known, [`super::ObstacleGrid::unknown`] alone.
+    pub fn numbers(&self) -> &[u32] {
+        let end = self.lists[..self.listed].last().map_or(0, |list| list.end);
+        &self.numbers[..end as usize]
+    }
+
+    /// Forgets all spheres.
+    pub fn clear(&mut self) {
+        self.listed = 0;
+    }
+
+    /// How many spheres are noted.
+    pub fn noted(&self) -> usize {
+        self.listed
+    }
+
+    /// Tells the noted spheres from the `from`-th on, run by run of so many spheres, to what may end a run,
+    /// by its number: the rest of it is not told then, and none of it is noted any more.
+    #[inline]
+    pub fn sift(&mut self, from: usize, run: usize, mut ends: impl FnMut(usize, &Cell) -> bool) {
+        let (lists, run) = (&mut self.lists[..self.listed], run.max(1));
+        let from = from.min(lists.len());
+        let (mut next, mut kept) = (from, from);
+        while next < lists.len() {
+            let number = lists[next].sphere as usize / run;
+            let end = (number + 1) * run;
+            let (start, mut has_ended) = (kept, false);
+            while next < lists.len() && (lists[next].sphere as usize) < end {
+                if !has_ended {
+                    lists[kept] = lists[next];
+                    has_ended = ends(number, &lists[kept]);
+                    kept += 1;
+                }
+                next += 1;
+            }
+            kept = if has_ended { start } else { kept };
+        }
+        self.listed = kept;
+    }
+
+    /// Notes those of the spheres that were looked up in whose cell anything stands. `list` is told how
+    /// many came before, and the cell; it tells where among the members its list lies, of at most
+    /// [`LONGEST`], and which is the likeliest.
+    #[inline]
+    pub(super) fn note(
+        &mut self,
+        spheres: Range<usize>,
+        list: impl Fn(usize, usize) -> (Range<u32>, u32),
+    ) {
+        // Never shorter, so that nothing is filled twice.
+        let most = self.lists.len().max(self.listed + spheres.len() + 1);
+        self.lists.resize(most, Cell::default());
+        let cells = self.cells.iter().flat_map(|row| row.0).enumerate();
+        for (sphere, (k, cell)) in spheres.zip(cells) {
+            let (Range { start, end }, likeliest) = list(k, cell as usize);
+            self.lists[self.listed] =
+                Cell { sphere: sphere as u32, likeliest, start, end: end - start };
+            self.listed += usize::from(end > start);
+        }
+    }
+
+    /// Puts the lists one after the other; after every start there are as many members as a list may
+    /// have.
+    pub(super) fn gather(&mut self, members: &[u32]) {
+        let count = self.listed;
+        let members_listed: u32 = self.lists[..count].iter().map(|list| list.end).sum();
+        let most = self.numbers.len().max(members_listed as usize + LONGEST);
+        self.numbers.resize(most, 0);
+        self.spheres.resize(most, 0);
+        self.before.resize(most + 1, 0);
+        let mut end = 0;
+        for list in &mut self.lists[..count] {
+            let from = &members[list.start as usize..][..LONGEST];
+            // As many in any case, so that there is no loop.
+            self.numbers[end..end + LONGEST].copy_from_slice(from);
+            self.spheres[end..end + LONGEST].fill(list.sphere);
+            end += list.end as usize;
+            list.end = end as u32;
+        }
+    }
+
+    /// Keeps the numbers that `reaches` says their sphere reaches.
+    #[inline]
+    pub(super) fn keep(&mut self, reaches: impl Fn(usize, u32) -> bool) {
+        let Self { lists, listed, numbers, spheres, before, .. } = self;
+        let lists = &mut lists[..*listed];
+        let mut kept = 0;
+        for k in 0..lists.last().map_or(0, |list| list.end as usize) {
+            let number = numbers[k];
+            numbers[kept] = number;
+            kept += usize::from(reaches(spheres[k] as usize, number));
+            before[k + 1] = kept as u32;
+        }
+        let mut start = 0;
+        for list in lists {
+            list.start = start;
+            list.end = before[list.end as usize];
+            start = list.end;
+        }
+    }
+}

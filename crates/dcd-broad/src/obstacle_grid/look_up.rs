@@ -1,0 +1,94 @@
+//! Where the spheres of posed bounds lie.
+
+use super::cells::WHOLE;
+use super::{GridHits, Listed, ObstacleGrid};
+use dcd_geom::{PackedSphereBounds, Pose, Sphere16};
+use dcd_simd::{IndexRow, Kernel, Lanes, Path, WIDTH, dispatch_on, prefetch};
+use std::ops::Range;
+
+/// Bounds at poses: the first pose is that of the first bound, the next of the next, after the last of
+/// the first again.
+#[derive(Clone, Copy, Debug)]
+pub struct PosedBounds<'a> {
+    /// What is posed.
+    pub bounds: &'a PackedSphereBounds,
+    /// Where it is.
+    pub poses: &'a [Pose],
+}
+
+impl ObstacleGrid {
+    /// Finds the spheres of some of the poses, sixteen a row, and notes those near which anything may
+    /// be, after those that are noted. Of `spheres`, which has a row for every sixteen poses, these are
+    /// written; rows that it does not have are none.
+    pub fn look_up(
+        &self,
+        posed: PosedBounds<'_>,
+        rows: Range<usize>,
+        spheres: &mut [Sphere16],
+        hits: &mut GridHits,
+    ) {
+        let end = rows.end.min(spheres.len());
+        let rows = rows.start.min(end)..end;
+        let count = if posed.bounds.is_empty() { 0 } else { posed.poses.len() };
+        let [first, end] = [rows.start, rows.end].map(|row| count.min(row * WIDTH));
+        hits.cells.resize(rows.len(), IndexRow::default());
+        dispatch_on(
+            Path::best(),
+            LookUp {
+                obstacle_grid: self,
+                bounds: posed.bounds,
+                first,
+                poses: &posed.poses[first..end],
+                spheres: &mut spheres[rows],
+                cells: &mut hits.cells,
+            },
+        );
+        self.note(first..end, &posed.poses[end..], hits);
+    }
+
+    /// The cells of sixteen spheres.
+    #[inline(always)]
+    pub(super) fn cells<L: Lanes>(&self, l: L, spheres: &Sphere16) -> L::U {
+        let cell = self.grid.cells(l, &spheres.centre);
+        // That of what is larger than foreseen. Written so that NaN is.
+        let unforeseen = l.splat((self.cells.len() - 2) as f32);
+        let is_foreseen = l.le(l.load(&spheres.radius), l.splat(self.radius));
+        let whole = l.add(l.select(is_foreseen, cell, unforeseen), l.splat(WHOLE));
+        l.tag_of(whole, l.splat_u(WHOLE as u32 - 1))
+    }
+
+    /// Notes those of the spheres whose cells were found near which anything may be.
+    pub(super) fn note(&self, spheres: Range<usize>, later: &[Pose], hits: &mut GridHits) {
+        hits.note(spheres, |number, cell| {
+            // While memory answers for these, that of as many later ones is asked.
+            prefetch(later.get(number..=number).unwrap_or_default());
+            let [Listed { start, nearest }, next] = [cell, cell + 1].map(|cell| self.cells[cell]);
+            (start..next.start, nearest)
+        });
+    }
+}
+
+/// Poses bounds, and finds the cells of their spheres.
+struct LookUp<'a> {
+    obstacle_grid: &'a ObstacleGrid,
+    bounds: &'a PackedSphereBounds,
+    /// How many poses come before.
+    first: usize,
+    poses: &'a [Pose],
+    spheres: &'a mut [Sphere16],
+    cells: &'a mut [IndexRow],
+}
+
+impl Kernel for LookUp<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let rows = self.poses.chunks(WIDTH).zip(self.spheres).zip(self.cells);
+        for (k, ((poses, spheres), cells)) in rows.enumerate() {
+            let bound = (self.first + k * WIDTH) % self.bounds.len();
+            self.bounds.spheres(l, bound, poses, spheres);
+            l.store_u(self.obstacle_grid.cells(l, spheres), cells);
+        }
+    }
+}

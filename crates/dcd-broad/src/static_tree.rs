@@ -1,0 +1,393 @@
+//! Boxes against a tree that stands still.
+
+use crate::append::{Appender, append_where};
+use crate::{Aabb128, Mask128};
+use dcd_bvh::WideBvh;
+use dcd_exec::{Exec, Segments};
+use dcd_geom::{Aabb, Aabb16, Pair};
+use dcd_simd::{IndexRow, Kernel, Lanes, Path, WIDTH, dispatch_on};
+
+/// A wide tree over boxes that stay, asked for the boxes that other boxes overlap.
+///
+/// Each box has a name, the index of its object; pairs are told by name.
+#[derive(Clone, Debug)]
+pub struct StaticTree {
+    tree: WideBvh,
+    /// For each leaf the names of its boxes; lanes past the end name any.
+    names: Vec<IndexRow>,
+    path: Path,
+}
+
+impl Default for StaticTree {
+    fn default() -> Self {
+        Self::on(Path::best())
+    }
+}
+
+/// Boxes and their names, as many.
+#[derive(Clone, Copy, Debug)]
+pub struct IdentifiedAabbs<'a> {
+    /// The boxes, valid ones.
+    pub aabbs: &'a [Aabb],
+    /// The index of each box's object.
+    pub names: &'a [u32],
+}
+
+/// How many boxes a task asks for: some tens of microseconds.
+const BOXES_PER_TASK: usize = 256;
+
+impl StaticTree {
+    /// On that path, or the portable one where this CPU does not have it. The pairs and their
+    /// order are the same on every path; for tests and measurements.
+    pub fn on(path: Path) -> Self {
+        Self { tree: WideBvh::default(), names: Vec::new(), path }
+    }
+
+    /// Takes in the boxes that stay, in place of those before.
+    pub fn build(&mut self, boxes: IdentifiedAabbs, exec: Exec) {
+        self.tree.build(boxes.aabbs, exec);
+        self.names.clear();
+        // Lanes past the end are 0, which is a box wherever there is a leaf.
+        let name = |id: u32| boxes.names[id as usize];
+        self.names.extend(self.tree.ids().iter().map(|ids| IndexRow(ids.0.map(name))));
+    }
+
+    /// Replaces `out` by the pairs i < j of a name asked for and a name that stays whose closed
+    /// boxes overlap and for which `keep(i, j)` holds: box by box as they are asked, in the order
+    /// of the tree. No name may be on both sides. The list does not depend on `exec`.
+    pub fn pairs(
+        &self,
+        asked: IdentifiedAabbs,
+        keep: impl Fn(u32, u32) -> bool + Sync,
+        exec: Exec,
+        out: &mut Segments<Pair>,
+    ) {
+        let count = asked.aabbs.len().min(asked.names.len());
+        out.fill(exec, count.div_ceil(BOXES_PER_TASK), |task, out| {
+            let part = BOXES_PER_TASK * task..count.min(BOXES_PER_TASK * (task + 1));
+            let asked =
+                IdentifiedAabbs { aabbs: &asked.aabbs[part.clone()], names: &asked.names[part] };
+            self.append_pairs(asked, &keep, out);
+        });
+    }
+
+    /// Appends the same pairs to a list: for tasks of one's own.
+    pub fn append_pairs(
+        &self,
+        asked: IdentifiedAabbs,
+        keep: impl Fn(u32, u32) -> bool,
+        out: &mut Vec<Pair>,
+    ) {
+        append_where(out, keep, |out| self.append_all(asked, out));
+    }
+
+    fn append_all(&self, asked: IdentifiedAabbs, out: &mut Vec<Pair>) {
+        let out = Appender::new(out);
+        dispatch_on(
+            self.path,
+            StaticTreeSearch { tree: &self.tree, names: &self.names, asked, out },
+        );
+    }
+
+    /// Which of the boxes of a row, out of those that `which` has, overlap any that
+    /// stays.
+    pub fn reached(&self, asked: &Aabb128, which: Mask128) -> Mask128 {
+        dispatch_on(self.path, Reach { tree: &self.tree, asked, which })
+    }
+}
+
+/// Which boxes of a row overlap any of a tree.
+struct Reach<'a> {
+    tree: &'a WideBvh,
+    asked: &'a Aabb128,
+    which: Mask128,
+}
+
+impl Kernel for Reach<'_> {
+    type Output = Mask128;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Mask128 {
+        let mut reached = 0;
+        for (k, boxes) in self.asked.boxes.iter().enumerate() {
+            let which = (self.which >> (k * WIDTH)) as u32 & 0xffff;
+            if which != 0 {
+                reached |= Mask128::from(self.sixteen(l, boxes, which)) << (k * WIDTH);
+            }
+        }
+        reached
+    }
+}
+
+impl Reach<'_> {
+    /// Of sixteen boxes those that overlap any: at the top all at once, below one by one.
+    #[inline(always)]
+    fn sixteen<L: Lanes>(&self, l: L, boxes: &Aabb16, which: u32) -> u32 {
+        let Some((top, below)) = self.tree.levels().split_last() else { return 0 };
+        let children = below.last().map_or(self.tree.leaves().len(), Vec::len);
+        let mut open = which;
+        for child in 0..children.min(WIDTH) {
+            let union = Spread::<L>::lane(l, &top[0], child);
+            let mut near = open & union.overlaps(l, boxes);
+            while near != 0 {
+                let k = near.trailing_zeros() as usize;
+                near &= near - 1;
+                let asked = Spread::lane(l, boxes, k);
+                if self.any_below(l, child, &asked) {
+                    open &= !(1 << k);
+                }
+            }
+        }
+        which & !open
+    }
+
+    /// Whether a box overlaps any below a child of the top.
+    #[inline(always)]
+    fn any_below<L: Lanes>(&self, l: L, child: usize, asked: &Spread<L>) -> bool {
+        let height = self.tree.levels().len() - 1;
+        if height == 0 {
+            return asked.overlaps(l, &self.tree.leaves()[child]) != 0;
+        }
+        let mut walk = Walk::from(height, child as u32);
+        while let Some(leaf) = walk.next(l, self.tree, asked) {
+            if asked.overlaps(l, &self.tree.leaves()[leaf]) != 0 {
+                return true;
+            }
+        }
+        false
+    }
+}
+
+/// The pairs of some boxes with those of a tree.
+struct StaticTreeSearch<'a> {
+    tree: &'a WideBvh,
+    names: &'a [IndexRow],
+    asked: IdentifiedAabbs<'a>,
+    out: Appender<'a>,
+}
+
+impl Kernel for StaticTreeSearch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, l: L) {
+        for k in 0..self.asked.aabbs.len() {
+            let asked = Spread::of(l, &self.asked.aabbs[k]);
+            let mut walk = Walk::from(self.tree.levels().len(), 0);
+            while let Some(leaf) = walk.next(l, self.tree, &asked) {
+                let hits = asked.overlaps(l, &self.tree.leaves()[leaf]);
+                self.emit(l, self.asked.names[k], leaf, hits);
+            }
+        }
+    }
+}
+
+/// A way down a tree and back, from leaf to leaf that a box may overlap.
+struct Walk {
+    /// Above which level it begins, and on which one it is, from the lowest.
+    start: usize,
+    height: usize,
+    /// Where it begins.
+    root: u32,
+    /// Where it is on each level, and which of the children there it has still to see. A u32 counts
+    /// the boxes of at most eight levels.
+    nodes: [u32; 8],
+    children: [u32; 8],
+}
+
+impl Walk {
+    /// From the node of that number on the level below that height.
+    #[inline(always)]
+    fn from(start: usize, root: u32) -> Self {
+        Self { start, height: start, root, nodes: [0; 8], children: [0; 8] }
+    }
+
+    /// The next leaf whose union the box overlaps.
+    #[inline(always)]
+    fn next<L: Lanes>(&mut self, l: L, tree: &WideBvh, asked: &Spread<L>) -> Option<usize> {
+        if self.height == self.start {
+            self.enter(l, tree, asked, self.root)?;
+        }
+        loop {
+            let children = &mut self.children[self.height];
+            let first = self.nodes[self.height] << WIDTH.trailing_zeros();
+            if *children == 0 {
+                self.height += 1;
+                if self.height == self.start {
+                    return None;
+                }
+            } else if self.height == 0 {
+                let child = first + children.trailing_zeros();
+                *children &= *children - 1;
+                return Some(child as usize);
+            } else {
+                // The last one first, as from a stack.
+                let last = u32::BITS - 1 - children.leading_zeros();
+                *children ^= 1 << last;
+                self.enter(l, tree, asked, first + last)?;
+            }
+        }
+    }
+
+    /// Goes down to a node. `None` where there is no level below.
+    #[inline(always)]
+    fn enter<L: Lanes>(
+        &mut self,
+        l: L,
+        tree: &WideBvh,
+        asked: &Spread<L>,
+        node: u32,
+    ) -> Option<()> {
+        self.height = self.height.checked_sub(1)?;
+        self.nodes[self.height] = node;
+        self.children[self.height] = asked.overlaps(l, &tree.levels()[self.height][node as usize]);
+        Some(())
+    }
+}
+
+impl StaticTreeSearch<'_> {
+    /// Appends the pairs of one name with the lanes `hits` of a leaf.
+    #[inline(always)]
+    fn emit<L: Lanes>(&mut self, l: L, asked: u32, leaf: usize, hits: u32) {
+        self.out.append(l, asked, (&self.names[leaf], hits));
+    }
+}
+
+/// One box in every lane.
+#[derive(Clone, Copy)]
+struct Spread<L: Lanes> {
+    min: [L::F; 3],
+    max: [L::F; 3],
+}
+
+impl<L: Lanes> Spread<L> {
+    #[inline(always)]
+    fn of(l: L, aabb: &Aabb) -> Self {
+        let (min, max) = (aabb.min, aabb.max);
+        Self {
+            min: [l.splat(min.x), l.splat(min.y), l.splat(min.z)],
+            max: [l.splat(max.x), l.splat(max.y), l.splat(max.z)],
+        }
+    }
+
+    /// One of sixteen.
+    #[inline(always)]
+    fn lane(l: L, boxes: &Aabb16, k: usize) -> Self {
+        let [min, max] = [&boxes.min, &boxes.max];
+        Self {
+            min: [l.splat(min[0].0[k]), l.splat(min[1].0[k]), l.splat(min[2].0[k])],
+            max: [l.splat(max[0].0[k]), l.splat(max[1].0[k]), l.splat(max[2].0[k])],
+        }
+    }
+
+    /// Which of sixteen boxes overlap it; empty boxes never do.
+    #[inline(always)]
+    fn overlaps(&self, l: L, boxes: &Aabb16) -> u32 {
+        let mut all = l.le(l.load(&boxes.min[0]), self.max[0]);
+        all = l.and(all, l.le(self.min[0], l.load(&boxes.max[0])));
+        for axis in 1..3 {
+            all = l.and(all, l.le(l.load(&boxes.min[axis]), self.max[axis]));
+            all = l.and(all, l.le(self.min[axis], l.load(&boxes.max[axis])));
+        }
+        l.bits(all)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dcd_exec::Par;
+    use glam::Vec3;
+
+    /// Boxes on a spiral, of many sizes, some touching others exactly.
+    fn boxes(count: usize, turn: f32) -> Vec<Aabb> {
+        let at = |k: usize| {
+            let t = k as f32;
+            let centre = Vec3::new((t * turn).sin() * t, (t * 0.73).cos() * t, t % 17.0) * 0.1;
+            let half = Vec3::new(0.5 + t % 3.0, 0.5, 0.25);
+            Aabb { min: (centre - half).floor(), max: (centre + half).ceil() }
+        };
+        (0..count).map(at).collect()
+    }
+
+    /// The plainest judge, in the order of the boxes asked.
+    fn expected(stay: IdentifiedAabbs, asked: IdentifiedAabbs) -> Vec<(u32, Pair)> {
+        let mut pairs = Vec::new();
+        for (a, &i) in asked.aabbs.iter().zip(asked.names) {
+            let hits = stay.aabbs.iter().zip(stay.names).filter(|(b, _)| a.overlaps(b));
+            pairs.extend(hits.map(|(_, &j)| (i, Pair::new(i, j))));
+        }
+        pairs
+    }
+
+    #[test]
+    fn each_overlap_is_told_once_box_by_box_on_every_path_and_at_every_size() {
+        for (stay, ask) in [(0, 5), (5, 0), (1, 1), (16, 40), (17, 300), (300, 600), (5000, 700)] {
+            let (stays, asks) = (boxes(stay, 0.37), boxes(ask, 0.61));
+            // Odd names stay, even ones ask.
+            let odd: Vec<u32> = (0..stay as u32).map(|k| 2 * k + 1).collect();
+            let even: Vec<u32> = (0..ask as u32).map(|k| 2 * k).collect();
+            let stays = IdentifiedAabbs { aabbs: &stays, names: &odd };
+            let asks = IdentifiedAabbs { aabbs: &asks, names: &even };
+            let expected = expected(stays, asks);
+            for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+                let mut tree = StaticTree::on(path);
+                tree.build(stays, Par::Serial.into());
+                for par in [Par::Serial, Par::Pool] {
+                    let mut out = Segments::default();
+                    tree.pairs(asks, |_, _| true, par.into(), &mut out);
+                    let told: Vec<Pair> = out.iter().flatten().copied().collect();
+                    let who = |pair: &Pair| if pair.i.is_multiple_of(2) { pair.i } else { pair.j };
+                    assert!(told.iter().map(who).is_sorted(), "the boxes are out of order");
+                    let mut told: Vec<_> = told.iter().map(|pair| (who(pair), *pair)).collect();
+                    told.sort_unstable();
+                    let mut expected = expected.clone();
+                    expected.sort_unstable();
+                    assert_eq!(told, expected, "{stay} and {ask} on {path:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_box_is_reached_where_it_has_a_pair_on_every_path_and_at_every_size() {
+        for stay in [0, 1, 17, 300, 5000] {
+            let (stays, asks) = (boxes(stay, 0.37), boxes(stay / 2 + 64, 0.61));
+            let asks = &asks[asks.len() - 64..];
+            let names: Vec<u32> = (0..stay as u32).collect();
+            let mut row = Aabb128::default();
+            asks.iter().enumerate().for_each(|(k, aabb)| row.set(k, aabb));
+            let which = 0xffff_f0f0_ffff_0ff3;
+            let meets = |k: &usize| stays.iter().any(|stay| stay.overlaps(&asks[*k]));
+            let due = (0..64).filter(meets).fold(0, |bits, k| bits | 1 << k) & which;
+            for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+                let mut tree = StaticTree::on(path);
+                tree.build(IdentifiedAabbs { aabbs: &stays, names: &names }, Par::Serial.into());
+                assert_eq!(tree.reached(&row, which), due, "{stay} on {path:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_refused_pair_is_not_told_and_is_asked_for_in_ascending_order() {
+        let boxes = vec![Aabb { min: Vec3::ZERO, max: Vec3::ONE }; 40];
+        let names: Vec<u32> = (0..40).collect();
+        let mut tree = StaticTree::default();
+        tree.build(
+            IdentifiedAabbs { aabbs: &boxes[..20], names: &names[20..] },
+            Par::Serial.into(),
+        );
+        let mut out = Vec::new();
+        let keep = |i: u32, j: u32| {
+            assert!(i < 20 && j >= 20);
+            (i + j).is_multiple_of(3)
+        };
+        tree.append_pairs(
+            IdentifiedAabbs { aabbs: &boxes[..20], names: &names[..20] },
+            keep,
+            &mut out,
+        );
+        assert_eq!(out.len(), (0..400).filter(|k| (k / 20 + 20 + k % 20) % 3 == 0).count());
+        assert!(out.iter().all(|pair| (pair.i + pair.j).is_multiple_of(3)));
+    }
+}

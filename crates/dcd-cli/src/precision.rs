@@ -1,0 +1,61 @@
+//! Precisions by name, and the words for what stays open.
+
+use clap::ValueEnum;
+use dcd_gjk::Reason;
+use serde::Serialize;
+
+/// Whose answer is asked for, and how much it is worth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Precision {
+    /// f32 taken at its word: right but for gaps and overlaps of some 1e-5 of the size; in `pairs`
+    /// GJK in f32, undecided there
+    Fast,
+    /// GJK in f64: answers what f64 can prove, else undecided
+    F64,
+    /// Every answer proved, down to exact integers: never undecided for hulls
+    #[default]
+    Certified,
+    /// Parry's own shapes and queries in f32, passed on right or wrong
+    ParryF32,
+    /// Parry's own shapes and queries in f64, passed on right or wrong
+    ParryF64,
+}
+
+impl Precision {
+    /// As it is written on the command line.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::F64 => "f64",
+            Self::Certified => "certified",
+            Self::ParryF32 => "parry-f32",
+            Self::ParryF64 => "parry-f64",
+        }
+    }
+}
+
+/// Why a pair stayed undecided, in words.
+pub(crate) fn in_words(reason: Reason) -> &'static str {
+    match reason {
+        Reason::WithinRounding => "within rounding",
+        Reason::Iterations => "out of iterations",
+        Reason::Range => "out of range",
+        Reason::Foreign => "the library cannot tell",
+        _ => "for another reason",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_method_is_named_as_the_command_line_and_json_write_it() {
+        for precision in Precision::value_variants() {
+            let written = precision.to_possible_value().map(|value| value.get_name().to_owned());
+            assert_eq!(written.as_deref(), Some(precision.name()));
+            assert_eq!(serde_json::to_value(precision).unwrap(), precision.name());
+        }
+    }
+}

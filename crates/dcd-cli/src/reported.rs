@@ -1,0 +1,158 @@
+//! What a query tells of a pair, as JSON. World frame, metres.
+
+use dcd_geom::glam::DVec3;
+use dcd_gjk::epa::Depth;
+use dcd_gjk::query::{Feature, ManifoldPoint, Smoothness, Twist};
+use dcd_gjk::{Distance, Manifold, Proximity};
+use serde::Serialize;
+
+/// What is told: only what was asked for is there.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub(crate) struct Reported {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    distance: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    depth: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    normal: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    point_a: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    point_b: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    points: Option<Vec<Point>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gradient_a: Option<Slopes>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gradient_b: Option<Slopes>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    smoothness: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error_bound: Option<f64>,
+}
+
+/// A point of a manifold.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct Point {
+    depth: f64,
+    point_a: [f64; 3],
+    point_b: [f64; 3],
+    feature_a: String,
+    feature_b: String,
+}
+
+impl Point {
+    /// The same with the parts of a and b exchanged.
+    pub(crate) fn mirrored(self) -> Self {
+        let Self { point_a, point_b, feature_a, feature_b, .. } = self;
+        Self {
+            point_a: point_b,
+            point_b: point_a,
+            feature_a: feature_b,
+            feature_b: feature_a,
+            ..self
+        }
+    }
+}
+
+/// Derivatives with respect to a pose.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+struct Slopes {
+    translation: [f64; 3],
+    rotation: [f64; 3],
+}
+
+/// An answer that can be told.
+pub(crate) trait Report {
+    fn tell(&self) -> Reported;
+}
+
+impl Report for () {
+    fn tell(&self) -> Reported {
+        Reported::default()
+    }
+}
+
+impl Report for Option<Distance> {
+    fn tell(&self) -> Reported {
+        let Some(found) = self else {
+            return Reported { distance: Some(0.0), error_bound: Some(0.0), ..Reported::default() };
+        };
+        let error_bound = Some(found.error_bound).filter(|_| !found.is_saturated());
+        Reported {
+            distance: Some(found.distance),
+            error_bound,
+            ..Reported::between(found.normal, found.point_a, found.point_b)
+        }
+    }
+}
+
+impl Report for Depth {
+    fn tell(&self) -> Reported {
+        let error_bound = Some(self.error_bound).filter(|_| !self.is_saturated());
+        let way = Reported::between(self.normal, self.point_a, self.point_b);
+        Reported { depth: Some(self.depth), error_bound, ..way }
+    }
+}
+
+impl Report for Manifold {
+    fn tell(&self) -> Reported {
+        Reported {
+            depth: self.points().first().map(|deepest| deepest.depth),
+            normal: Some(self.normal.to_array()),
+            points: Some(points(self)),
+            error_bound: Some(self.error_bound),
+            ..Reported::default()
+        }
+    }
+}
+
+impl Report for Proximity {
+    fn tell(&self) -> Reported {
+        let slopes = |twist: Twist| {
+            let [translation, rotation] = [twist.translation, twist.rotation].map(|v| v.to_array());
+            Some(Slopes { translation, rotation })
+        };
+        Reported {
+            distance: Some(self.signed_distance),
+            gradient_a: slopes(self.gradient.a),
+            gradient_b: slopes(self.gradient.b),
+            smoothness: Some(match self.smoothness {
+                Smoothness::Smooth => "smooth",
+                Smoothness::ManyPoints => "many points",
+                Smoothness::ManyDirections => "many directions",
+                _ => "unknown",
+            }),
+            error_bound: Some(self.error_bound),
+            ..Reported::between(self.normal, self.point_a, self.point_b)
+        }
+    }
+}
+
+impl Reported {
+    fn between(normal: DVec3, point_a: DVec3, point_b: DVec3) -> Self {
+        let [normal, point_a, point_b] = [normal, point_a, point_b].map(|v| Some(v.to_array()));
+        Self { normal, point_a, point_b, ..Self::default() }
+    }
+}
+
+/// The points of a manifold, the deepest first.
+pub(crate) fn points(manifold: &Manifold) -> Vec<Point> {
+    let point = |point: &ManifoldPoint| Point {
+        depth: point.depth,
+        point_a: point.point_a.to_array(),
+        point_b: point.point_b.to_array(),
+        feature_a: in_words(point.features[0]),
+        feature_b: in_words(point.features[1]),
+    };
+    manifold.points().iter().map(point).collect()
+}
+
+fn in_words(feature: Feature) -> String {
+    match feature {
+        Feature::Surface => "surface".into(),
+        Feature::Vertex(k) => format!("vertex {k}"),
+        Feature::Edge(j, k) => format!("edge {j} {k}"),
+        Feature::Face(k) => format!("face {k}"),
+    }
+}

@@ -1,0 +1,275 @@
+//! How far apart two shapes are: pairs of blocks and parts, the nearest boxes first, until no box
+//! left over is nearer than what was found.
+
+use super::pair;
+use super::relative_pose::RelativePose;
+use super::side::Side;
+use super::{Scratch, in_order};
+use crate::Method;
+use crate::distance::{Distance, DistanceResult, distance as of_convex};
+use crate::{PosedShape, Reason};
+use dcd_geom::{Aabb, Aabb16};
+use dcd_simd::{Kernel, Lanes, Row, WIDTH, dispatch};
+use std::cmp::Ordering;
+
+/// What is still to be looked at, and how near it may be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Open {
+    /// At most the distance between the two boxes' contents, metres, at least 0.
+    lower: f32,
+    what: What,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum What {
+    Parts([u32; 2]),
+    Blocks([u32; 2]),
+}
+
+/// The nearest is the greatest, for a heap; of equals any, but always the same.
+impl Ord for Open {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.lower.total_cmp(&self.lower).then_with(|| other.what.cmp(&self.what))
+    }
+}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Open {}
+
+/// The distance of two shapes, at least one of them a compound or a mesh, with the highest method
+/// that was needed: that of their nearest parts, with witness points on those.
+///
+/// Never undecided where all parts are polytopes. (a, b) and (b, a) give the same bits, mirrored.
+/// Costs some microseconds for every pair of parts whose boxes are nearer than the parts.
+pub fn distance(
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    scratch: &mut Scratch,
+) -> (DistanceResult, Method) {
+    let ([first, second], swapped) = in_order(a, b);
+    let mut best = Best::default();
+    match RelativePose::of(&first, &second) {
+        Some(relative) => {
+            let (a, b) = (&first, &second);
+            best = dispatch(NearestParts { a, b, relative: &relative, scratch, best });
+        }
+        None => {
+            'all: for part_a in 0..first.count() {
+                for part_b in 0..second.count() {
+                    if best.measure([&first, &second], [part_a, part_b]) == Known::All {
+                        break 'all;
+                    }
+                }
+            }
+        }
+    }
+    let (result, method) = best.answer();
+    (if swapped { result.mirrored() } else { result }, method)
+}
+
+/// The best so far.
+#[derive(Default)]
+struct Best {
+    nearest: Option<Distance>,
+    /// At most the true distance of any pair measured.
+    lower: f64,
+    touching: bool,
+    undecided: Option<Reason>,
+    /// Of the pairs of which it is not known whether they touch: the nearest by its bound, and how deep
+    /// the deepest may be.
+    interval: Option<(Reason, Distance, f64)>,
+    method: Option<Method>,
+}
+
+#[derive(PartialEq, Eq)]
+enum Known {
+    /// More may be nearer.
+    Some,
+    /// Nothing is nearer than touching.
+    All,
+}
+
+impl Best {
+    fn measure(&mut self, [a, b]: [&Side<'_>; 2], [part_a, part_b]: [u32; 2]) -> Known {
+        let (Some(in_a), Some(in_b)) =
+            (pair::to_shape(a.part(part_a)), pair::to_shape(b.part(part_b)))
+        else {
+            return Known::Some;
+        };
+        let (in_a, in_b) =
+            (PosedShape { shape: &in_a, pose: a.pose }, PosedShape { shape: &in_b, pose: b.pose });
+        let (result, method) = of_convex(in_a, in_b);
+        self.method = self.method.max(Some(method));
+        match result {
+            DistanceResult::Touching => {
+                self.touching = true;
+                return Known::All;
+            }
+            DistanceResult::Undecided(reason) => {
+                self.undecided = self.undecided.or(Some(reason));
+            }
+            DistanceResult::Interval { reason, within, depth } => {
+                let (reason, known, deepest) = self.interval.unwrap_or((reason, within, depth));
+                let nearer = within.error_bound < known.error_bound;
+                let nearest = if nearer { within } else { known };
+                self.interval = Some((reason, nearest, deepest.max(depth)));
+            }
+            DistanceResult::Apart(found) => {
+                let lower = found.distance - found.error_bound;
+                match &mut self.nearest {
+                    Some(nearest) => {
+                        self.lower = self.lower.min(lower);
+                        if found.distance < nearest.distance {
+                            *nearest = found;
+                        }
+                    }
+                    None => {
+                        self.lower = lower;
+                        self.nearest = Some(found);
+                    }
+                }
+            }
+        }
+        Known::Some
+    }
+
+    /// Whether nothing at least so far away can be nearer.
+    fn is_nearer_than(&self, lower: f32) -> bool {
+        self.nearest.is_some_and(|nearest| f64::from(lower) >= nearest.distance)
+    }
+
+    fn answer(self) -> (DistanceResult, Method) {
+        let method = self.method.unwrap_or(Method::F64);
+        if let (false, None, Some((reason, within, depth))) =
+            (self.touching, self.undecided, self.interval)
+        {
+            return (DistanceResult::Interval { reason, within, depth }, method);
+        }
+        let result = match (self.touching, self.undecided, self.nearest) {
+            (true, ..) => DistanceResult::Touching,
+            (_, Some(reason), _) => DistanceResult::Undecided(reason),
+            (_, _, Some(nearest)) => {
+                // Another pair may be nearer than the nearest by its own bound.
+                let below = (nearest.distance - self.lower).next_up();
+                let error_bound = nearest.error_bound.max(below).min(f64::MAX);
+                DistanceResult::Apart(Distance { error_bound, ..nearest })
+            }
+            // There is at least one pair, and each has an answer.
+            (_, None, None) => DistanceResult::Undecided(Reason::Range),
+        };
+        (result, method)
+    }
+}
+
+struct NearestParts<'a> {
+    a: &'a Side<'a>,
+    b: &'a Side<'a>,
+    relative: &'a RelativePose,
+    scratch: &'a mut Scratch,
+    best: Best,
+}
+
+impl Kernel for NearestParts<'_> {
+    type Output = Best;
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, l: L) -> Best {
+        self.scratch.begin(self.b);
+        self.scratch.open.clear();
+        let roots = What::Blocks([self.a.root(), self.b.root()]);
+        self.scratch.open.push(Open { lower: 0.0, what: roots });
+        while let Some(Open { lower, what }) = self.scratch.open.pop() {
+            if self.best.is_nearer_than(lower) {
+                break;
+            }
+            match what {
+                What::Blocks(blocks) => self.expand(l, blocks),
+                What::Parts(parts) => {
+                    if self.best.measure([self.a, self.b], parts) == Known::All {
+                        break;
+                    }
+                }
+            }
+        }
+        self.best
+    }
+}
+
+impl NearestParts<'_> {
+    /// Replaces two blocks by the pairs of what is below the upper one, or below both.
+    #[inline(always)]
+    fn expand<L: Lanes>(&mut self, l: L, [block_a, block_b]: [u32; 2]) {
+        self.scratch.place(l, self.relative, self.b, block_b);
+        let Some(tree) = self.a.tree() else { return };
+        let boxes = &tree.blocks()[block_a as usize];
+        let (below_a, below_b) = (self.a.below(block_a), self.b.below(block_b));
+        let leaves = [self.a.is_leaf(block_a), self.b.is_leaf(block_b)];
+        // Boxes are compared in axes that may be longer than the world's.
+        let shrink = l.splat((1.0 / self.relative.stretch()) as f32 * (1.0 - 16.0 * f32::EPSILON));
+        let mut nearest_of_a = Row([f32::INFINITY; WIDTH]);
+        for lane_b in 0..WIDTH {
+            let one = self.scratch.blocks[block_b as usize].get(lane_b);
+            // Boxes of nothing are NaN here.
+            if !one.is_valid() {
+                continue;
+            }
+            let mut gaps = Row::default();
+            l.store(l.mul(gap(l, boxes, &one), shrink), &mut gaps);
+            let mut nearest = f32::INFINITY;
+            for lane_a in 0..WIDTH {
+                let lower = gaps.0[lane_a];
+                let what = [below_a.0[lane_a], below_b.0[lane_b]];
+                match leaves {
+                    // To nothing it is infinitely far.
+                    _ if !(lower < f32::INFINITY) => {}
+                    [true, true] => self.push(lower, What::Parts(what)),
+                    [false, false] => self.push(lower, What::Blocks(what)),
+                    [true, false] => nearest = nearest.min(lower),
+                    [false, true] => {
+                        nearest_of_a.0[lane_a] = nearest_of_a.0[lane_a].min(lower);
+                    }
+                }
+            }
+            if nearest < f32::INFINITY {
+                self.push(nearest, What::Blocks([block_a, below_b.0[lane_b]]));
+            }
+        }
+        for lane in 0..WIDTH {
+            if nearest_of_a.0[lane] < f32::INFINITY {
+                self.push(nearest_of_a.0[lane], What::Blocks([below_a.0[lane], block_b]));
+            }
+        }
+    }
+
+    fn push(&mut self, lower: f32, what: What) {
+        if !self.best.is_nearer_than(lower) {
+            self.scratch.open.push(Open { lower, what });
+        }
+    }
+}
+
+/// How far sixteen boxes are from one; infinite for boxes of nothing.
+#[inline(always)]
+pub(super) fn gap<L: Lanes>(l: L, boxes: &Aabb16, one: &Aabb) -> L::F {
+    let (min, max) = (one.min.to_array(), one.max.to_array());
+    let zero = l.splat(0.0);
+    let mut square = zero;
+    for axis in 0..3 {
+        let before = l.sub(l.splat(min[axis]), l.load(&boxes.max[axis]));
+        let after = l.sub(l.load(&boxes.min[axis]), l.splat(max[axis]));
+        let along = l.max(zero, l.max(before, after));
+        square = l.mul_add(along, along, square);
+    }
+    l.sqrt(square)
+}

@@ -1,0 +1,258 @@
+//! The trait for a narrow phase of one's own, and what an answer is.
+
+use dcd_geom::{Aabb, Pair, Scene, Splittable};
+
+/// What is known of a pair: one of three, never a guess dressed as an answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict<A> {
+    /// No common point.
+    Apart,
+    /// At least one common point, and what was asked for about it.
+    Touching(A),
+    /// Not known, and why.
+    Undecided(Reason),
+}
+
+/// Why a pair stayed undecided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Reason {
+    /// The gap or overlap is smaller than the rounding of this method's arithmetic.
+    WithinRounding,
+    /// The documented bound on iterations was reached.
+    Iterations,
+    /// Simplified shapes differ here: the outer ones touch, the inner ones do not.
+    WithinTolerance,
+    /// The numbers leave the range in which this method's bounds hold.
+    Range,
+    /// A compound or a mesh, asked of a solver that knows convex shapes alone.
+    NotConvex,
+    /// The foreign library behind the trait could not tell.
+    Foreign,
+}
+
+/// A touching pair and what was asked for about it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contact<A> {
+    /// The objects.
+    pub pair: Pair,
+    /// Nothing (`()`), a distance, a depth, …
+    pub answer: A,
+}
+
+/// A pair that stayed undecided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Undecided {
+    /// The objects.
+    pub pair: Pair,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// Which part of the ladder settled a pair, from the cheapest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Method {
+    /// An earlier step's proof, which still holds.
+    Remembered,
+    /// Inner and outer spheres, f32 lanes.
+    Spheres,
+    /// A box round and a box inside each shape, f32 lanes.
+    Obbs,
+    /// The axis between the centres, or one remembered from an earlier step, f32 lanes.
+    CentreAxis,
+    /// The inner sphere and one support point, f32 lanes.
+    Cone,
+    /// The inner sphere and two or three support points, or a later axis; of rounded shapes the nearest
+    /// points of their cores. f32 lanes.
+    Portal,
+    /// A solver in plain f32.
+    F32,
+    /// A solver in f64.
+    F64,
+    /// Numbers longer than f64: double-double with its bound, exact sums, exact integers.
+    Exact,
+    /// A foreign library.
+    Foreign,
+}
+
+impl Method {
+    /// All, from the cheapest.
+    pub const ALL: [Self; 10] = [
+        Self::Remembered,
+        Self::Spheres,
+        Self::Obbs,
+        Self::CentreAxis,
+        Self::Cone,
+        Self::Portal,
+        Self::F32,
+        Self::F64,
+        Self::Exact,
+        Self::Foreign,
+    ];
+}
+
+/// How many pairs each method settled, and those that none did.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    settled: [u64; Method::ALL.len()],
+    undecided: Vec<Undecided>,
+}
+
+impl Report {
+    /// How many pairs that method settled, apart and touching.
+    pub fn settled(&self, method: Method) -> u64 {
+        self.settled[method as usize]
+    }
+
+    /// The pairs that no method settled.
+    pub fn undecided(&self) -> &[Undecided] {
+        &self.undecided
+    }
+
+    /// Counts `pairs` as settled by that method.
+    #[inline]
+    pub fn count(&mut self, method: Method, pairs: u64) {
+        self.settled[method as usize] += pairs;
+    }
+
+    /// Adds a pair that stayed undecided.
+    pub fn leave(&mut self, pair: Pair, reason: Reason) {
+        self.undecided.push(Undecided { pair, reason });
+    }
+
+    /// Takes the other's counts back.
+    pub(crate) fn withdraw(&mut self, other: &Self) {
+        for (sum, count) in self.settled.iter_mut().zip(other.settled) {
+            *sum = sum.saturating_sub(count);
+        }
+    }
+
+    /// Moves the other's counts and pairs here.
+    pub fn absorb(&mut self, other: &mut Self) {
+        for (sum, count) in self.settled.iter_mut().zip(&mut other.settled) {
+            *sum += std::mem::take(count);
+        }
+        self.undecided.append(&mut other.undecided);
+    }
+
+    /// Sorts the undecided pairs, so that they do not depend on which thread met them.
+    pub fn sort(&mut self) {
+        self.undecided.sort_unstable_by_key(|undecided| undecided.pair);
+    }
+
+    /// Forgets all, and keeps the memory.
+    pub fn clear(&mut self) {
+        self.settled = Default::default();
+        self.undecided.clear();
+    }
+}
+
+/// Where [`NarrowPhase::decide`] writes.
+#[derive(Debug)]
+pub struct ContactSink<'a, A> {
+    /// Touching pairs are appended here, in the order of the pairs given.
+    pub contacts: &'a mut Vec<Contact<A>>,
+    /// Everything else that a step tells.
+    pub report: &'a mut Report,
+}
+
+impl<A> ContactSink<'_, A> {
+    /// Files one verdict that `method` reached.
+    pub fn file(&mut self, pair: Pair, method: Method, verdict: Verdict<A>) {
+        match verdict {
+            Verdict::Apart => self.report.count(method, 1),
+            Verdict::Touching(answer) => {
+                self.report.count(method, 1);
+                self.contacts.push(Contact { pair, answer });
+            }
+            Verdict::Undecided(reason) => self.report.leave(pair, reason),
+        }
+    }
+}
+
+/// From candidate pairs to answers.
+///
+/// The pipeline drives it in three steps, so that it knows no threads: `layout` once, `prepare`
+/// on disjoint ranges of the objects, `decide` on slices of the pairs with scratch memory of the
+/// thread's own.
+///
+/// # Contract
+/// After `layout` and after `prepare` on parts that cover every object once, in any order and on
+/// any threads, `decide` files every pair that it is given exactly once, contacts in the order of
+/// the pairs. A verdict depends on the two objects alone: not on the other pairs, their order, the
+/// scratch memory or the cut. The boxes that `prepare` writes contain the objects, and where
+/// `aabb_margin` is known lie in the objects' bounds swept by it. Where a `constant_answer` is known it is
+/// that of every two objects with a common point.
+///
+/// Objects in no pair need not be prepared. An object that has been prepared in a frame need not be
+/// prepared again after `layout` if three things hold: the scene's [`Scene::layout`] is the same, the
+/// object's pose is the same, and `keeps` says that the frame has kept what it held.
+/// `contract` tests it.
+///
+/// The frame stays from step to step: `prepare` finds there what it wrote of the object in that
+/// slot before, perhaps for another object ([`Scene::generations`]) or another scene
+/// ([`Scene::layout`]). Whatever is kept there may save work and never changes a verdict, an order
+/// or an AABB. In particular, nothing that changes for all objects at once (a form that they share, a
+/// copy that is made anew, sums that start again) may wait for `prepare`, which static objects do not
+/// see: `layout` brings it to every object, or `keeps` says `false`.
+pub trait NarrowPhase: Send + Sync {
+    /// What is told of a touching pair.
+    type Answer: Copy + Default + Send + Sync + 'static;
+    /// What is prepared once a step for all objects; kept by the pipeline and reused.
+    type Frame: Default + Send + Sync;
+    /// A frame's room for a range of the objects.
+    type Part<'f>: Splittable
+    where
+        Self: 'f;
+    /// Memory that a thread reuses from slice to slice.
+    type Scratch: Default + Send;
+
+    /// By how much, metres, the box of an object may reach beyond its [`dcd_geom::SphereBounds`]: half of a
+    /// margin, say. Objects whose bounds, so grown, are apart are not told of. Whoever asks for few
+    /// of many objects prepares those alone whose bounds, so grown, reach something. `None`: not
+    /// known, and every object must be prepared.
+    fn aabb_margin(&self) -> Option<f64> {
+        None
+    }
+
+    /// What is told of any two objects that share a point, where that is the same for all: whoever
+    /// knows by other means that they do need not ask. `None`: each pair has to be asked for.
+    fn constant_answer(&self) -> Option<Self::Answer> {
+        None
+    }
+
+    /// Makes room for every object of the scene: offsets only.
+    fn layout<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f>;
+
+    /// Whether the frame still holds, AABBs included, all that was prepared in it before it was laid
+    /// out as this part: asked of the whole part, before it is cut. `false` is always safe, and what
+    /// an implementation says unless it knows better: then every object is prepared again.
+    fn keeps(&self, _part: &Self::Part<'_>) -> bool {
+        false
+    }
+
+    /// Prepares the objects from `first` on that the part has room for, and writes the box of each
+    /// to `aabbs`, which has the part's length.
+    fn prepare(&self, scene: &Scene, first: usize, part: Self::Part<'_>, aabbs: &mut [Aabb]);
+
+    /// Is told of all candidates between `prepare` and `decide`, slice by slice: for whoever keeps
+    /// something for each of them. Does nothing of itself. A caller may leave it out; the verdicts
+    /// are the same.
+    fn begin_pairs<'p>(
+        &self,
+        _frame: &mut Self::Frame,
+        _candidates: impl Iterator<Item = &'p [Pair]> + Clone,
+    ) {
+    }
+
+    /// Settles the pairs.
+    fn decide(
+        &self,
+        scene: &Scene,
+        frame: &Self::Frame,
+        pairs: &[Pair],
+        scratch: &mut Self::Scratch,
+        sink: &mut ContactSink<'_, Self::Answer>,
+    );
+}

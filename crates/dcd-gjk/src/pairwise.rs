@@ -1,0 +1,136 @@
+//! A narrow phase from a solver that sees one pair at a time.
+
+use crate::query::grown;
+use crate::{ContactSink, Method, NarrowPhase, Verdict};
+use dcd_geom::{Aabb, Pair, Pose, Scene, Shape, Splittable};
+
+/// Judges two placed shapes. The simplest way to bring one's own GJK: wrap it in [`Pairwise`].
+pub trait PairSolver: Send + Sync {
+    /// What is told of a touching pair.
+    type Answer: Copy + Default + Send + Sync + 'static;
+    /// Memory that a thread reuses from pair to pair; `()` for a solver that needs none.
+    type Scratch: Default + Send;
+
+    /// Which method its verdicts count for.
+    fn method(&self) -> Method;
+
+    /// The verdict on one pair, a pure function of the two shapes and poses: whatever the scratch
+    /// memory was used for before.
+    fn solve(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut Self::Scratch,
+    ) -> Verdict<Self::Answer>;
+
+    /// The verdict on a pair that is known to touch, or, with a [margin](Self::margin), to be
+    /// within it: what is to be told is asked for, and whether is not asked again.
+    fn measure(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut Self::Scratch,
+    ) -> Verdict<Self::Answer> {
+        self.solve(a, b, scratch)
+    }
+
+    /// Within which distance a pair counts as touching, metres: finite, at least 0. Boxes are
+    /// grown by half of it, so that a broad phase finds those pairs.
+    fn margin(&self) -> f64 {
+        0.0
+    }
+
+    /// The same verdict and the method that reached it. A solver of one method leaves this as it is.
+    fn settle(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut Self::Scratch,
+    ) -> (Verdict<Self::Answer>, Method) {
+        (self.solve(a, b, scratch), self.method())
+    }
+}
+
+/// A shape at a pose.
+#[derive(Clone, Copy, Debug)]
+pub struct PosedShape<'a> {
+    /// The shape.
+    pub shape: &'a Shape,
+    /// Where it is.
+    pub pose: &'a Pose,
+}
+
+/// A solver of single pairs as a narrow phase: prepares nothing, asks for each pair in turn.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pairwise<G>(
+    /// The solver.
+    pub G,
+);
+
+/// Nothing prepared, for so many objects.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Empty(usize);
+
+impl Empty {
+    /// For so many objects.
+    pub fn of(objects: usize) -> Self {
+        Self(objects)
+    }
+}
+
+impl Splittable for Empty {
+    fn len(&self) -> usize {
+        self.0
+    }
+    fn split_at(self, middle: usize) -> (Self, Self) {
+        (Self(middle), Self(self.0 - middle))
+    }
+}
+
+impl<G: PairSolver> NarrowPhase for Pairwise<G> {
+    type Answer = G::Answer;
+    type Frame = ();
+    type Part<'f>
+        = Empty
+    where
+        Self: 'f;
+    type Scratch = G::Scratch;
+
+    fn aabb_margin(&self) -> Option<f64> {
+        Some(self.0.margin() / 2.0)
+    }
+
+    fn layout(&self, scene: &Scene, (): &mut ()) -> Empty {
+        Empty(scene.len())
+    }
+
+    /// Nothing is held but AABBs, which are the scene's.
+    fn keeps(&self, _: &Empty) -> bool {
+        true
+    }
+
+    fn prepare(&self, scene: &Scene, first: usize, _: Empty, aabbs: &mut [Aabb]) {
+        let half = self.0.margin() / 2.0;
+        for (i, aabb) in (first..).zip(aabbs) {
+            *aabb = grown(&scene.aabb(i), half);
+        }
+    }
+
+    fn decide(
+        &self,
+        scene: &Scene,
+        (): &(),
+        pairs: &[Pair],
+        scratch: &mut G::Scratch,
+        sink: &mut ContactSink<'_, G::Answer>,
+    ) {
+        let placed = |i: u32| PosedShape {
+            shape: scene.shape(i as usize),
+            pose: &scene.poses()[i as usize],
+        };
+        for &pair in pairs {
+            let (verdict, method) = self.0.settle(placed(pair.i), placed(pair.j), scratch);
+            sink.file(pair, method, verdict);
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! A solver asked of the pairs that a narrow phase has found.
+
+use super::Within;
+use crate::{Contact, ContactSink, NarrowPhase, Overlap, PairSolver, PosedShape, Report, Verdict};
+use dcd_geom::{Aabb, Pair, Scene, ShapeError};
+
+/// Asks a solver of touching pairs alone: first the narrow phase says yes or no to all, by default
+/// the lanes, proved; then the solver tells more of those that touch.
+///
+/// For a solver with a [margin](PairSolver::margin), "touching" is "within the margin" (see
+/// [`Within`]). A pair that the solver cannot tell about is undecided, with the solver's reason.
+/// The methods of a [`Report`] are those of the narrow phase.
+#[derive(Clone, Copy, Debug)]
+pub struct ThenMeasure<S, N = Overlap> {
+    narrow: Within<N>,
+    solver: S,
+}
+
+impl<S: PairSolver> ThenMeasure<S> {
+    /// After the lanes.
+    ///
+    /// # Errors
+    /// The solver's margin is negative, not a number, or above [`Aabb::LIMIT`].
+    pub fn new(solver: S) -> Result<Self, ShapeError> {
+        Self::after(Overlap::default(), solver)
+    }
+}
+
+impl<S: PairSolver, N> ThenMeasure<S, N> {
+    /// After that narrow phase.
+    ///
+    /// # Errors
+    /// The solver's margin is negative, not a number, or above [`Aabb::LIMIT`].
+    pub fn after(narrow: N, solver: S) -> Result<Self, ShapeError> {
+        Ok(Self { narrow: Within::by(narrow, solver.margin())?, solver })
+    }
+}
+
+/// What a thread reuses from slice to slice.
+#[derive(Debug, Default)]
+pub struct Scratch<N, A, S> {
+    narrow: N,
+    touching: Vec<Contact<A>>,
+    solver: S,
+}
+
+impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> {
+    type Answer = S::Answer;
+    type Frame = <Within<N> as NarrowPhase>::Frame;
+    type Part<'f>
+        = <Within<N> as NarrowPhase>::Part<'f>
+    where
+        Self: 'f;
+    type Scratch = Scratch<N::Scratch, N::Answer, S::Scratch>;
+
+    fn aabb_margin(&self) -> Option<f64> {
+        self.narrow.aabb_margin()
+    }
+
+    fn layout<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
+        self.narrow.layout(scene, frame)
+    }
+
+    fn keeps(&self, part: &Self::Part<'_>) -> bool {
+        self.narrow.keeps(part)
+    }
+
+    fn prepare(&self, scene: &Scene, first: usize, part: Self::Part<'_>, aabbs: &mut [Aabb]) {
+        self.narrow.prepare(scene, first, part, aabbs);
+    }
+
+    fn decide(
+        &self,
+        scene: &Scene,
+        frame: &Self::Frame,
+        pairs: &[Pair],
+        scratch: &mut Self::Scratch,
+        sink: &mut ContactSink<'_, S::Answer>,
+    ) {
+        let Scratch { narrow, touching, solver } = scratch;
+        touching.clear();
+        let mut yes = ContactSink { contacts: touching, report: sink.report };
+        self.narrow.decide(scene, frame, pairs, narrow, &mut yes);
+        let placed = |i: u32| PosedShape {
+            shape: scene.shape(i as usize),
+            pose: &scene.poses()[i as usize],
+        };
+        for &Contact { pair, .. } in &*touching {
+            match self.solver.measure(placed(pair.i), placed(pair.j), solver) {
+                Verdict::Touching(answer) => sink.contacts.push(Contact { pair, answer }),
+                Verdict::Apart => {}
+                Verdict::Undecided(reason) => {
+                    sink.report.withdraw(&self.alone(scene, frame, pair, narrow));
+                    sink.report.leave(pair, reason);
+                }
+            }
+        }
+    }
+}
+
+impl<S: PairSolver + 'static, N: NarrowPhase> ThenMeasure<S, N> {
+    /// What the narrow phase counts for one pair: rare, so that it may allocate.
+    fn alone(
+        &self,
+        scene: &Scene,
+        frame: &<Self as NarrowPhase>::Frame,
+        pair: Pair,
+        scratch: &mut N::Scratch,
+    ) -> Report {
+        let (mut contacts, mut report) = (Vec::new(), Report::default());
+        let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
+        self.narrow.decide(scene, frame, &[pair], scratch, &mut sink);
+        report
+    }
+}

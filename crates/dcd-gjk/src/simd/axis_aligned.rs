@@ -1,0 +1,48 @@
+//! Cuboids that stand along the world's axes: bricks, crates, shelves, voxels. What the lanes leave
+//! open of them just touches, and no general search is needed to say so.
+
+use super::frame::{AXIS_ALIGNED, SimdFrame};
+use crate::Method;
+use crate::exact::boxes::{Halves, aligned, along, axes_of};
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Kind, Pair, Pose, Shape};
+
+/// The sum of all lengths of a pair must be below this for the closed form, metres: no sum overflows.
+const LARGEST: f64 = 1e300;
+
+/// Half the edges of a cuboid along the world's axes, exactly, metres. Its centre is its record's:
+/// exactly the translation, for a cuboid is round the origin of its frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct AxisAligned {
+    half: DVec3,
+}
+
+impl AxisAligned {
+    /// Of a shape at a pose, if it is a cuboid of radius 0 that stands so.
+    #[inline]
+    pub(super) fn of(shape: &Shape, pose: &Pose) -> Option<Self> {
+        // Most rotations have no such axes, and need no look at the shape.
+        let axes = axes_of(pose.rotation())?;
+        let polytope = shape.as_polytope().filter(|polytope| polytope.swept_radius() == 0.0)?;
+        let Kind::Cuboid { half_extents } = polytope.kind() else { return None };
+        Some(Self { half: along(axes, half_extents) })
+    }
+}
+
+/// Whether two objects touch, by the exact closed form, and which method that was; `None` unless both
+/// are marked as upright.
+#[inline]
+pub(super) fn touch(frame: &SimdFrame, pair: Pair) -> Option<(bool, Method)> {
+    let records = [pair.i, pair.j].map(|object| frame.record(object));
+    if records[0].marks & records[1].marks & AXIS_ALIGNED == 0 {
+        return None;
+    }
+    let half = Halves { a: frame.upright(pair.i).half, b: frame.upright(pair.j).half };
+    let centres = records.map(|record| {
+        let [x, y, z, _] = record.centre;
+        DVec3::new(x, y, z)
+    });
+    let size = half.a + half.b + centres[0].abs() + centres[1].abs();
+    // False for an infinite sum.
+    (size.element_sum() < LARGEST).then(|| aligned(centres, half))
+}

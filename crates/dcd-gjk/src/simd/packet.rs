@@ -1,0 +1,197 @@
+//! Pairs on their way through the stages, sixteen at a time.
+
+use super::vector::V3;
+use dcd_geom::glam::Vec3;
+use dcd_simd::{IndexRow, Lanes, Row, WIDTH};
+
+/// Sixteen pairs and what is known of them, row by row. Lengths are metres, in world axes; every
+/// point is one of A − B.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PairPacket {
+    /// Each pair's number in its slice.
+    pub(super) number: IndexRow,
+    /// The objects a.
+    pub(super) a: IndexRow,
+    /// The objects b.
+    pub(super) b: IndexRow,
+    rows: [Row; ROWS],
+}
+
+/// How many rows of a packet mean something after a stage: what is carried on.
+pub(super) const AFTER_SPHERES: usize = Vector::C as usize + 3;
+/// See [`AFTER_SPHERES`].
+pub(super) const AFTER_CONE: usize = Vector::P0 as usize + 3;
+/// See [`AFTER_SPHERES`].
+pub(super) const AFTER_SECOND_POINT: usize = Number::Round as usize + 1;
+
+/// How many rows there are.
+const ROWS: usize = AFTER_SECOND_POINT;
+
+/// A row of numbers in a packet.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Number {
+    /// The radius of a sphere round c inside A − B, rounded down.
+    Inner = 0,
+    /// The sum of the swept radii, rounded up.
+    Radius = 1,
+    /// u·m: the unit of every rounding bound.
+    Unit = 2,
+    /// The sum of the centres' own errors.
+    Slack = 3,
+    /// What a separation may be off by, for a direction of 1-norm 1.
+    Separation = 4,
+    /// 1 where the pair has a portal that the ray from c to the origin passes, else 0.
+    Found = 20,
+    /// How many supports it took after the second point.
+    Round = 21,
+}
+
+/// Three rows of a packet.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Vector {
+    /// The difference of the centres: the centre of a sphere inside A − B.
+    C = 5,
+    /// The first support point of the portal.
+    P0 = 8,
+    /// The second.
+    P1 = 11,
+    /// The direction of the next support.
+    D = 14,
+    /// The third.
+    P2 = 17,
+}
+
+impl PairPacket {
+    #[inline(always)]
+    pub(super) fn number<L: Lanes>(&self, l: L, which: Number) -> L::F {
+        l.load(&self.rows[which as usize])
+    }
+
+    #[inline(always)]
+    pub(super) fn set_number<L: Lanes>(&mut self, l: L, which: Number, x: L::F) {
+        l.store(x, &mut self.rows[which as usize]);
+    }
+
+    /// Two axes from b to a that may separate a lane's pair: between the centres, and against the
+    /// direction of the next support.
+    pub(super) fn axes(&self, lane: usize) -> [Vec3; 2] {
+        let at = |first: usize| Vec3::from_array([0, 1, 2].map(|k| self.rows[first + k].0[lane]));
+        [at(Vector::C as usize), -at(Vector::D as usize)]
+    }
+
+    #[inline(always)]
+    pub(super) fn vector<L: Lanes>(&self, l: L, which: Vector) -> V3<L> {
+        let at = which as usize;
+        V3(l.load(&self.rows[at]), l.load(&self.rows[at + 1]), l.load(&self.rows[at + 2]))
+    }
+
+    #[inline(always)]
+    pub(super) fn set_vector<L: Lanes>(&mut self, l: L, which: Vector, v: V3<L>) {
+        let at = which as usize;
+        l.store(v.0, &mut self.rows[at]);
+        l.store(v.1, &mut self.rows[at + 1]);
+        l.store(v.2, &mut self.rows[at + 2]);
+    }
+}
+
+/// Pairs that wait for their next stage until they fill a packet, the first `R` rows of each.
+///
+/// A stage takes whole packets, so that no lane is idle and no loop over the lanes is cut short at a
+/// number that cannot be predicted; only the last packets of a slice are smaller.
+#[derive(Clone, Debug)]
+pub(super) struct PacketQueue<const R: usize> {
+    len: usize,
+    number: [u32; 2 * WIDTH],
+    a: [u32; 2 * WIDTH],
+    b: [u32; 2 * WIDTH],
+    rows: [[f32; 2 * WIDTH]; R],
+}
+
+impl<const R: usize> Default for PacketQueue<R> {
+    fn default() -> Self {
+        let none = [0; 2 * WIDTH];
+        Self { len: 0, number: none, a: none, b: none, rows: [[0.0; 2 * WIDTH]; R] }
+    }
+}
+
+impl<const R: usize> PacketQueue<R> {
+    /// Whether a packet can be taken that is `whole`.
+    #[inline(always)]
+    pub(super) fn has(&self, whole: Whole) -> bool {
+        match whole {
+            Whole::Only => self.len >= WIDTH,
+            Whole::OrLast => self.len > 0,
+        }
+    }
+
+    /// Appends the pairs of the packet set in `keep`. There must be room: [`PacketQueue::has`] no whole packet.
+    #[inline(always)]
+    pub(super) fn push<L: Lanes>(&mut self, l: L, packet: &PairPacket, keep: u32) {
+        let at = self.len.min(WIDTH);
+        l.compress_to_u(keep, l.load_u(&packet.number), &mut self.number, at);
+        l.compress_to_u(keep, l.load_u(&packet.a), &mut self.a, at);
+        l.compress_to_u(keep, l.load_u(&packet.b), &mut self.b, at);
+        for row in 0..R {
+            l.compress_to(keep, l.load(&packet.rows[row]), &mut self.rows[row], at);
+        }
+        self.len += keep.count_ones() as usize;
+    }
+
+    /// Moves the last pairs into the packet, sixteen or all there are, and returns how many. The
+    /// other lanes of the packet keep some pair's numbers.
+    #[inline(always)]
+    pub(super) fn take<L: Lanes>(&mut self, l: L, packet: &mut PairPacket) -> usize {
+        let at = self.len.saturating_sub(WIDTH).min(WIDTH);
+        l.store_u(from_u(l, &self.number, at), &mut packet.number);
+        l.store_u(from_u(l, &self.a, at), &mut packet.a);
+        l.store_u(from_u(l, &self.b, at), &mut packet.b);
+        for row in 0..R {
+            l.store(from(l, &self.rows[row], at), &mut packet.rows[row]);
+        }
+        let taken = self.len - at;
+        self.len = at;
+        taken
+    }
+}
+
+/// Which packets a stage takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Whole {
+    /// Those of sixteen pairs.
+    Only,
+    /// Smaller ones too, for no more pairs will come.
+    OrLast,
+}
+
+/// Sixteen from `at` on, which is at most 16.
+#[inline(always)]
+fn from<L: Lanes>(l: L, row: &[f32; 2 * WIDTH], at: usize) -> L::F {
+    match row[at..].first_chunk() {
+        Some(numbers) => l.load_from(numbers),
+        None => l.splat(0.0),
+    }
+}
+
+/// See [`from`].
+#[inline(always)]
+fn from_u<L: Lanes>(l: L, row: &[u32; 2 * WIDTH], at: usize) -> L::U {
+    match row[at..].first_chunk() {
+        Some(numbers) => l.load_from_u(numbers),
+        None => l.splat_u(0),
+    }
+}
+
+/// The numbers of the set bits, from the lowest.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LanesOf(pub(super) u32);
+
+impl Iterator for LanesOf {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let lane = self.0.trailing_zeros();
+        self.0 &= self.0.wrapping_sub(1);
+        (lane < WIDTH as u32).then_some(lane as usize)
+    }
+}

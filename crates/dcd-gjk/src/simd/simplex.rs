@@ -1,0 +1,105 @@
+//! The nearest points of rounded shapes' cores: a pair touches if they are no farther apart than
+//! the radii (GJK; E. Gilbert, D. Johnson and S. Keerthi, "A fast procedure for computing the
+//! distance between complex objects in three-dimensional space", 1988).
+
+use super::bounds::{NEAREST, RADIUS, U};
+use super::certificate::{ErrorBounds, separates, sphere_holds_origin};
+use super::first_stages::{Place, Settled};
+use super::packet::{Number, PairPacket, Vector};
+use super::portal::ROUNDS;
+use super::vector::V3;
+use dcd_simd::Lanes;
+
+/// Begins with the first support as the nearest point known.
+#[inline(always)]
+pub(super) fn begin<L: Lanes>(l: L, packet: &mut PairPacket) {
+    let p = packet.vector(l, Vector::P0);
+    packet.set_vector(l, Vector::P1, p);
+    packet.set_vector(l, Vector::P2, p);
+    packet.set_vector(l, Vector::D, p.neg(l));
+    packet.set_number(l, Number::Round, l.splat(0.0));
+}
+
+/// One support towards the origin and what follows from it: apart, touching, a nearer point; or
+/// `stuck`, where no point is nearer: the cores overlap, or only rounding is left to gain.
+#[inline(always)]
+pub(super) fn round<L: Lanes, T: ErrorBounds>(
+    l: L,
+    at: &mut Place<'_>,
+    packet: &mut PairPacket,
+    used: usize,
+) -> (Settled<L>, u32) {
+    let d = packet.vector(l, Vector::D);
+    let p =
+        [packet.vector(l, Vector::P0), packet.vector(l, Vector::P1), packet.vector(l, Vector::P2)];
+    let w = at.farthest(l, packet, d, used);
+    let apart = separates::<L, T>(l, packet, d.neg(l), w);
+
+    let nearest = Nearest::of(l, w, p);
+    let slack = packet.number(l, Number::Slack);
+    let rounding = l.mul_add(packet.number(l, Number::Unit), l.splat(NEAREST), l.add(slack, slack));
+    let radius = l.mul(packet.number(l, Number::Radius), l.splat(1.0 - RADIUS * U));
+    let within = l.sub(radius, T::rounding(l, rounding));
+    let touching = sphere_holds_origin(l, nearest.squared, within, l.splat(1.0));
+
+    let round = l.add(packet.number(l, Number::Round), l.splat(1.0));
+    let gains = l.lt(nearest.squared, d.dot(l, d));
+    let stuck = l.or(l.le(l.splat(ROUNDS), round), l.and_not(l.mask(u32::MAX), gains));
+    packet.set_number(l, Number::Round, round);
+    packet.set_vector(l, Vector::P0, w);
+    packet.set_vector(l, Vector::P1, nearest.p);
+    packet.set_vector(l, Vector::P2, nearest.q);
+    packet.set_vector(l, Vector::D, nearest.point.neg(l));
+    let settled = Settled::by(l, apart, touching, u32::MAX);
+    (settled, l.bits(stuck) & !settled.all())
+}
+
+/// The point nearest to the origin of what w spans with three others: w itself, three edges, three
+/// triangles. A nearer point than the last lies on one of them, unless the four hold the origin.
+pub(super) struct Nearest<L: Lanes> {
+    pub(super) point: V3<L>,
+    pub(super) squared: L::F,
+    /// The points that it lies between, and w; those that it does not need are another's copy.
+    p: V3<L>,
+    q: V3<L>,
+}
+
+impl<L: Lanes> Nearest<L> {
+    #[inline(always)]
+    pub(super) fn of(l: L, w: V3<L>, p: [V3<L>; 3]) -> Self {
+        let (zero, one) = (l.splat(0.0), l.splat(1.0));
+        let mut nearest = Self { point: w, squared: w.dot(l, w), p: w, q: w };
+        let edges = [p[0].sub(l, w), p[1].sub(l, w), p[2].sub(l, w)];
+        let (mut along, mut square) = ([zero; 3], [zero; 3]);
+        for i in 0..3 {
+            along[i] = edges[i].dot(l, w);
+            square[i] = edges[i].dot(l, edges[i]);
+            let s = l.min(l.max(l.div(l.neg(along[i]), square[i]), zero), one);
+            nearest.offer(l, w.plus(l, s, edges[i]), [p[i], p[i]], l.mask(u32::MAX));
+        }
+        for i in 0..3 {
+            let j = (i + 1) % 3;
+            let product = edges[i].dot(l, edges[j]);
+            let determinant = l.sub(l.mul(square[i], square[j]), l.mul(product, product));
+            let s = l.sub(l.mul(along[j], product), l.mul(along[i], square[j]));
+            let t = l.sub(l.mul(along[i], product), l.mul(along[j], square[i]));
+            let (s, t) = (l.div(s, determinant), l.div(t, determinant));
+            // False for a NaN, which a triangle without area makes.
+            let inside = l.and(l.and(l.lt(zero, s), l.lt(zero, t)), l.lt(l.add(s, t), one));
+            let point = w.plus(l, s, edges[i]).plus(l, t, edges[j]);
+            nearest.offer(l, point, [p[i], p[j]], inside);
+        }
+        nearest
+    }
+
+    /// Takes a point of the hull that is nearer. A NaN is not.
+    #[inline(always)]
+    fn offer(&mut self, l: L, point: V3<L>, [p, q]: [V3<L>; 2], allowed: L::M) {
+        let squared = point.dot(l, point);
+        let nearer = l.and(l.lt(squared, self.squared), allowed);
+        self.point = V3::select(l, nearer, point, self.point);
+        self.squared = l.select(nearer, squared, self.squared);
+        self.p = V3::select(l, nearer, p, self.p);
+        self.q = V3::select(l, nearer, q, self.q);
+    }
+}

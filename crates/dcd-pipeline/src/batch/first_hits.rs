@@ -1,0 +1,254 @@
+//! A hit of each configuration of a row.
+
+use super::checker::{BatchChecker, Hit, Other};
+use super::set::{Members, ROW, Set};
+use super::worker::WorkerScratch;
+use dcd_geom::{Pair, Pose};
+use dcd_gjk::{NarrowPhase, Verdict};
+use std::ops::Range;
+
+/// How far the search of each configuration has come: each goes its own way through its links and
+/// what these are near of, in an order of its own, and all are asked together.
+#[derive(Default)]
+pub(super) struct FirstHitSearch {
+    /// For each configuration and link how far it is from a contact of inner spheres: see
+    /// [`InscribedSphere::short_of`].
+    distances: Vec<f32>,
+    /// For each configuration, one after the other, the links that are near an obstacle and not yet
+    /// asked for, in no order, and room for as many as there are; and how many there are.
+    links: Vec<Rank>,
+    left: Vec<u32>,
+    /// The configurations whose links are not yet asked for against each other.
+    folded: Set,
+    /// Those in which they are asked for now.
+    unfolding: Set,
+    /// The pairs found near, link by link and configuration by configuration.
+    near: Vec<Pair>,
+    /// For each configuration those that are still to be asked for, in the order of the answer.
+    waiting: Vec<Range<usize>>,
+    /// For each object of a link where its pairs end among those of the link.
+    ends: Vec<usize>,
+}
+
+/// A link and how far it is from a contact, as one number: the least is asked first.
+type Rank = i64;
+
+/// The rank of a link at that distance.
+#[inline]
+fn rank(link: usize, distance: f32) -> Rank {
+    // A NaN is far. The bits of numbers below 0 fall where those above rise.
+    let bits = distance.min(f32::MAX).to_bits() as i32;
+    let ordered = bits ^ ((bits >> 31) as u32 >> 1) as i32;
+    Rank::from(ordered) << 32 | link as Rank
+}
+
+/// The link that such a rank is of.
+#[inline]
+fn link_of(rank: Rank) -> usize {
+    rank as u32 as usize
+}
+
+/// How many pairs are settled at once, if there are as many. Larger: more are settled in vain, behind
+/// one that touches. Smaller: lanes stay idle.
+const ENOUGH: usize = 256;
+
+impl<N: NarrowPhase> WorkerScratch<N> {
+    /// Finds a hit of each configuration taken up, and writes it. The index of the first pose that
+    /// was refused, if any.
+    ///
+    /// What is found, and that a pose is refused, depends on the configuration alone: first inner
+    /// spheres are asked, link by link, then the links that are near something, the one with the
+    /// nearest inner sphere first, then the links against each other.
+    pub(super) fn find_first(
+        &mut self,
+        checker: &BatchChecker<'_, N>,
+        poses: &[Pose],
+        found: &mut [Option<Hit<N::Answer>>],
+    ) -> Option<usize> {
+        self.look_for_contacts(checker, poses, found);
+        self.rank_links(checker.link_set.len());
+        let FirstHitSearch { folded, near, waiting, .. } = &mut self.search;
+        let meet = |all: Set, pair| all | self.culling.met(pair);
+        *folded = (0..checker.link_set.self_pairs.len()).fold(Set::default(), meet);
+        near.clear();
+        waiting.clear();
+        waiting.resize(ROW, 0..0);
+        let mut refused: Option<usize> = None;
+        while !self.open.is_empty() {
+            if self.advance(checker) {
+                let new = self.place(checker, poses);
+                refused = refused.into_iter().chain(new).min();
+                self.gather(checker);
+            }
+            self.take_turns();
+            self.decide(checker);
+            self.keep_first(checker, found);
+        }
+        refused
+    }
+
+    /// Looks where all links are, and closes the configurations of which inner spheres prove a hit.
+    fn look_for_contacts(
+        &mut self,
+        checker: &BatchChecker<'_, N>,
+        poses: &[Pose],
+        found: &mut [Option<Hit<N::Answer>>],
+    ) {
+        let Self { culling, start, search: FirstHitSearch { distances, .. }, .. } = self;
+        let links = checker.link_set.len();
+        let constant_answer = checker.world.narrow.constant_answer();
+        distances.resize(links * ROW, f32::INFINITY);
+        let row = (&poses[*start * links..], found.len());
+        self.open = culling.look(checker, row, |[config, link], sphere, noted| {
+            let inner = checker.bounds.concentric(link, sphere);
+            let distance = checker.obstacle_grid.short_of(noted, &inner);
+            distances[config * links + link] = distance;
+            let obstacle = noted.likeliest;
+            let Some(answer) = constant_answer.filter(|_| distance <= 0.0) else { return false };
+            let touches = checker.allows(link, obstacle);
+            if touches {
+                found[config] = Some(Hit {
+                    configuration: (*start + config) as u32,
+                    link: link as u32,
+                    other: Other::Obstacle(checker.world.names[obstacle as usize]),
+                    verdict: Verdict::Touching(answer),
+                });
+            }
+            touches
+        });
+    }
+
+    /// Lists for each configuration the links that are near an obstacle.
+    fn rank_links(&mut self, count: usize) {
+        let FirstHitSearch { distances, links, left, .. } = &mut self.search;
+        links.resize(count * ROW, 0);
+        left.clear();
+        left.resize(ROW, 0);
+        for link in 0..count {
+            for config in Members::of(self.culling.near(link)) {
+                links[config * count + left[config] as usize] =
+                    rank(link, distances[config * count + link]);
+                left[config] += 1;
+            }
+        }
+    }
+
+    /// Goes on, in every configuration that waits for nothing, to the next link, or to its links
+    /// against each other. Whether there is any.
+    fn advance(&mut self, checker: &BatchChecker<'_, N>) -> bool {
+        let FirstHitSearch { links, left, folded, unfolding, waiting, .. } = &mut self.search;
+        let count = checker.link_set.len();
+        self.due.fill(Set::default());
+        *unfolding = Set::default();
+        let mut is_any = false;
+        for config in Members::of(self.open) {
+            if !waiting[config].is_empty() {
+                continue;
+            }
+            let links = &mut links[config * count..][..left[config] as usize];
+            if let Some(link) = take_least(links) {
+                left[config] -= 1;
+                self.due[link_of(link)].add(config);
+                is_any = true;
+            } else if folded.has(config) {
+                folded.remove(config);
+                unfolding.add(config);
+                is_any = true;
+            } else {
+                self.open.remove(config);
+            }
+        }
+        for (pair, &(k, l)) in checker.link_set.self_pairs.iter().enumerate() {
+            let met = self.culling.met(pair) & *unfolding;
+            self.due[k as usize] |= met;
+            self.due[l as usize] |= met;
+        }
+        is_any
+    }
+
+    /// Lists what the links come to are near of, in each configuration in order.
+    fn gather(&mut self, checker: &BatchChecker<'_, N>) {
+        for link in 0..checker.link_set.len() {
+            let new = self.fresh[link].clone();
+            if new.is_empty() {
+                continue;
+            }
+            self.pairs.clear();
+            self.append_pairs(checker, link);
+            let FirstHitSearch { near, waiting, ends, .. } = &mut self.search;
+            // Where the pairs of each object end, if it has any.
+            ends.clear();
+            ends.resize(new.len(), 0);
+            for (pair, end) in self.pairs.iter().zip(1..) {
+                ends[pair.j as usize - new.start] = end;
+            }
+            let base = near.len();
+            near.extend_from_slice(&self.pairs);
+            let mut start = 0;
+            for (slot, &end) in new.zip(&*ends) {
+                let config = self.owners[slot - checker.world.obstacles.len()] as usize;
+                let end = start.max(end);
+                waiting[config] = base + start..base + end;
+                start = end;
+            }
+        }
+        Members::of(self.search.unfolding).for_each(|config| self.gather_links(checker, config));
+    }
+
+    /// Lists the links of a configuration that are near each other.
+    fn gather_links(&mut self, checker: &BatchChecker<'_, N>, config: usize) {
+        let first = self.search.near.len();
+        for (pair, &(k, l)) in checker.link_set.self_pairs.iter().enumerate() {
+            if self.culling.met(pair).has(config) {
+                let met = self.self_pair(config, [k, l]);
+                self.search.near.extend(met);
+            }
+        }
+        self.search.waiting[config] = first..self.search.near.len();
+    }
+
+    /// Takes the next pairs of every configuration, few of many or many of few.
+    fn take_turns(&mut self) {
+        let FirstHitSearch { near, waiting, .. } = &mut self.search;
+        let each = (ENOUGH / self.open.len().max(1)).max(1);
+        self.pairs.clear();
+        for config in Members::of(self.open) {
+            let Range { start, end } = &mut waiting[config];
+            let next = *start..(*start + each).min(*end);
+            *start = next.end;
+            match next.len() {
+                1 => self.pairs.push(near[next.start]),
+                _ => self.pairs.extend_from_slice(&near[next]),
+            }
+        }
+    }
+
+    /// Writes the first hit of each configuration, and closes those that touch.
+    fn keep_first(&mut self, checker: &BatchChecker<'_, N>, found: &mut [Option<Hit<N::Answer>>]) {
+        for contact in &self.contacts {
+            let verdict = Verdict::Touching(contact.answer);
+            let (config, hit) = self.hit(checker, contact.pair, verdict);
+            if !found[config].as_ref().is_some_and(Hit::touches) {
+                found[config] = Some(hit);
+            }
+            self.open.remove(config);
+        }
+        for undecided in self.report.undecided() {
+            let verdict = Verdict::Undecided(undecided.reason);
+            let (config, hit) = self.hit(checker, undecided.pair, verdict);
+            found[config].get_or_insert(hit);
+        }
+    }
+}
+
+/// The least, the last in its place.
+#[inline]
+fn take_least(ranks: &mut [Rank]) -> Option<Rank> {
+    let last = ranks.len().checked_sub(1)?;
+    let mut least = last;
+    for k in 0..last {
+        least = if ranks[k] < ranks[least] { k } else { least };
+    }
+    ranks.swap(least, last);
+    Some(ranks[last])
+}

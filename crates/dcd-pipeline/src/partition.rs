@@ -1,0 +1,174 @@
+//! Who moves and who stands still, kept for as long as nobody comes or goes.
+
+use dcd_broad::{BroadPhase, IdentifiedAabbs, StaticTree};
+use dcd_exec::{Exec, Segments};
+use dcd_geom::{Aabb, Motion, Pair, Revision, Scene};
+use std::ops::Range;
+
+/// The moving objects apart from the static ones, and a tree over the latter.
+///
+/// A scene of moving objects alone needs none of it: its boxes go to the broad phase as they are.
+#[derive(Debug, Default)]
+pub(crate) struct Partition {
+    layout: Option<Revision>,
+    statics: Option<Revision>,
+    /// The slots of the moving objects, ascending.
+    movers: Vec<u32>,
+    /// Their boxes.
+    boxes: Vec<Aabb>,
+    world: StaticTree,
+    /// The static objects' slots and boxes that the tree is over.
+    standing: (Vec<u32>, Vec<Aabb>),
+}
+
+/// Whose boxes have been written in this step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Prepared {
+    /// Everyone's.
+    All,
+    /// The moving objects', and perhaps others' as before.
+    Moving,
+}
+
+/// Whether every slot holds a moving object.
+fn all_move(scene: &Scene) -> bool {
+    scene.static_count() == 0 && scene.object_count() == scene.len()
+}
+
+impl Partition {
+    /// Whether the static objects and their places in the frame are those of the last
+    /// [`Partition::build`], so that what was prepared of them holds.
+    pub(crate) fn still_holds(&self, scene: &Scene) -> bool {
+        self.layout == Some(scene.layout()) && self.statics == Some(scene.statics())
+    }
+
+    /// Builds the broad phase over the moving objects, and the tree over the static ones if any of
+    /// their boxes has changed: a box may be another although nobody has moved, since what is prepared
+    /// of an object may depend on which shapes the scene has. So the tree is that of the boxes, whatever
+    /// was there before.
+    pub(crate) fn build(
+        &mut self,
+        scene: &Scene,
+        (aabbs, prepared): (&[Aabb], Prepared),
+        broad: &mut impl BroadPhase,
+        exec: Exec,
+    ) {
+        if self.layout != Some(scene.layout()) {
+            list(scene, Motion::Moving, &mut self.movers);
+        }
+        if prepared == Prepared::All && self.take_standing(scene, aabbs) {
+            let (names, boxes) = &self.standing;
+            self.world.build(IdentifiedAabbs { aabbs: boxes, names }, exec);
+        }
+        (self.layout, self.statics) = (Some(scene.layout()), Some(scene.statics()));
+        if all_move(scene) {
+            broad.build(aabbs, exec);
+        } else {
+            self.boxes.clear();
+            self.boxes.extend(self.movers.iter().map(|&slot| aabbs[slot as usize]));
+            broad.build(&self.boxes, exec);
+        }
+    }
+
+    /// Lists the static objects and their boxes; whether any of it has changed, bit for bit.
+    fn take_standing(&mut self, scene: &Scene, aabbs: &[Aabb]) -> bool {
+        let (names, boxes) = &mut self.standing;
+        let (known, mut changed) = (names.len(), self.statics != Some(scene.statics()));
+        if changed {
+            list(scene, Motion::Static, names);
+        }
+        changed |= names.len() != known;
+        boxes.resize(names.len(), Aabb::EMPTY);
+        for (old, &slot) in boxes.iter_mut().zip(&*names) {
+            let new = aabbs[slot as usize];
+            changed |= bits(old) != bits(&new);
+            *old = new;
+        }
+        changed
+    }
+
+    /// Lists the candidates among the moving objects, then those of a moving object and a static
+    /// one: the pairs that the scene's filters let pass and the caller.
+    pub(crate) fn find(
+        &self,
+        aabbs: &[Aabb],
+        broad: &mut impl BroadPhase,
+        search: CandidateSearch<impl Fn(u32, u32) -> bool + Sync>,
+    ) {
+        let CandidateSearch { scene, may, exec, among, between } = search;
+        // Two searches, so that a scene without filters asks nothing.
+        if scene.filters_movers() {
+            let keep = |i, j| scene.allows(i, j) && may(i, j);
+            self.find_where(
+                aabbs,
+                broad,
+                CandidateSearch { scene, may: keep, exec, among, between },
+            );
+        } else {
+            self.find_where(aabbs, broad, CandidateSearch { scene, may, exec, among, between });
+        }
+    }
+
+    fn find_where(
+        &self,
+        aabbs: &[Aabb],
+        broad: &mut impl BroadPhase,
+        search: CandidateSearch<impl Fn(u32, u32) -> bool + Sync>,
+    ) {
+        let CandidateSearch { scene, may: keep, exec, among, between } = search;
+        if all_move(scene) {
+            broad.pairs(aabbs, keep, exec, among);
+            between.clear();
+            return;
+        }
+        let slot = |k: u32| self.movers[k as usize];
+        broad.pairs(&self.boxes, |i, j| keep(slot(i), slot(j)), exec, among);
+        // Slots ascend, so that the smaller stays the smaller.
+        among.change_each(exec, |pair| *pair = Pair { i: slot(pair.i), j: slot(pair.j) });
+        self.world.pairs(
+            IdentifiedAabbs { aabbs: &self.boxes, names: &self.movers },
+            keep,
+            exec,
+            between,
+        );
+    }
+}
+
+/// Apart from each other where an order could tell them apart: −0 is not 0.
+fn bits(aabb: &Aabb) -> [[u32; 3]; 2] {
+    [aabb.min, aabb.max].map(|corner| corner.to_array().map(f32::to_bits))
+}
+
+/// What is asked for, and where it is written.
+pub(crate) struct CandidateSearch<'a, K> {
+    pub(crate) scene: &'a Scene,
+    /// Which pairs are wanted.
+    pub(crate) may: K,
+    pub(crate) exec: Exec<'a>,
+    /// Candidates among the moving objects.
+    pub(crate) among: &'a mut Segments<Pair>,
+    /// Candidates of a moving and a static object.
+    pub(crate) between: &'a mut Segments<Pair>,
+}
+
+fn list(scene: &Scene, motion: Motion, slots: &mut Vec<u32>) {
+    slots.clear();
+    slots.extend((0..).take(scene.len()).filter(|&i| scene.motion(i as usize) == Some(motion)));
+}
+
+/// The part of a range of slots that holds all its moving objects.
+pub(crate) fn awake(scene: &Scene, slots: Range<usize>) -> Range<usize> {
+    let moves = |&i: &usize| scene.motion(i) == Some(Motion::Moving);
+    let Some(first) = slots.clone().find(moves) else { return slots.start..slots.start };
+    let last = slots.rev().find(moves).unwrap_or(first);
+    first..last + 1
+}
+
+/// Empties the boxes of the free slots among those from `first` on.
+pub(crate) fn empty_free_slots(scene: &Scene, first: usize, aabbs: &mut [Aabb]) {
+    for (i, aabb) in (first..).zip(aabbs) {
+        if scene.motion(i).is_none() {
+            *aabb = Aabb::EMPTY;
+        }
+    }
+}
