@@ -1,9 +1,10 @@
-//! From boxes to candidate pairs.
+//! Broad phase: from AABBs to candidate pairs.
 //!
-//! [`WideTree`] is the fast way. [`TreePairs`] drives the paper's tree or one of one's own; a whole
-//! broad phase of one's own comes in by the trait [`BroadPhase`], whose contract [`contract`] tests. What
-//! stands still is a [`StaticTree`], built once and asked by other boxes.
-//! [`BruteForce`] and [`SweepAndPrune`] share nothing with the trees that they judge.
+//! [`WideTree`] is the default. [`TreePairs`] traverses the paper's tree or one of your own against
+//! itself. A broad phase of your own implements [`BroadPhase`]; [`contract`] tests it. Static objects
+//! are in a [`StaticTree`], built once and queried with the boxes of what moves; an [`ObstacleGrid`]
+//! finds the obstacles near a sphere. [`BruteForce`] and [`SweepAndPrune`] share no code with the trees
+//! that they are compared with.
 //!
 //! Deliberately absent: shapes, solvers.
 #![forbid(unsafe_code)]

@@ -1,8 +1,8 @@
-//! Bounding volume hierarchies over boxes.
+//! Bounding volume hierarchies over AABBs.
 //!
-//! A tree of one's own comes in by the traits [`BuildTree`] and [`BoundingTree`], whose contracts
-//! [`contract`] tests. [`PaperTree`] makes the paper's tree in both of its versions; [`WideBvh`] is the
-//! fast one.
+//! [`WideBvh`] is the fast one, sixteen boxes a node. [`PaperTree`] builds the paper's binary tree in
+//! both of its versions. A tree of your own implements [`BuildTree`] and [`BoundingTree`]; [`contract`]
+//! tests it.
 //!
 //! Deliberately absent: shapes, pairs, any knowledge of what is in a box.
 #![forbid(unsafe_code)]

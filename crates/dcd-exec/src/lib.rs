@@ -1,12 +1,12 @@
-//! The only room with threads.
+//! Parallel execution with a fixed order of results. The only crate with threads.
 //!
-//! Work is cut into tasks whose number depends on the work alone; task k writes segment k; so what
-//! comes out is the same at any number of threads, and serial is the same code on one. A closure
-//! given to [`Exec`] must not care in which order or on which thread it runs. It is called through
-//! a pointer, once a task: what runs it is compiled once, not once more for each.
+//! Work is cut into tasks whose number depends on the work alone, and task k writes segment k
+//! ([`Segments`]). So the result is the same at any number of threads, and [`Par::Serial`] runs the same
+//! code on one. A closure given to [`Exec`] must not depend on the order or the thread in which it runs.
+//! It is called through a pointer, once a task, so that the code that runs it is compiled once.
 //!
-//! Deliberately absent: a clock (an optional [`Observer`] is told when tasks begin and end; the
-//! clock is the caller's), a thread pool of our own ([`Par::Pool`] is rayon's current one), locks.
+//! Deliberately absent: a clock (an optional [`Observer`] sees tasks begin and end, and may measure), a
+//! thread pool ([`Par::Pool`] is rayon's current one), locks.
 #![forbid(unsafe_code)]
 
 mod keep_alive;

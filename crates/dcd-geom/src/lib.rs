@@ -1,10 +1,10 @@
-//! What every stage shares: poses, boxes, shapes, support maps, scenes and SIMD lanes.
+//! Poses, shapes, support maps, bounds and scenes.
 //!
-//! A [`Scene`] owns checked [`Shape`]s and places them by [`Pose`]s; whatever depends on a shape
-//! alone is computed once, when it is made. Input is f64 (glam); boxes are f32 rounded outward.
+//! A [`Scene`] owns checked [`Shape`]s and places them by [`Pose`]s; whatever depends on a shape alone
+//! is computed once, when the shape is made. A [`SupportMap`] is all that a solver needs of a convex
+//! shape. Input is f64 (glam); AABBs are f32, rounded outward. [`contract`] tests a support map.
 //!
-//! Deliberately absent: threads, trees, solvers, files. The lanes stand in `dcd-simd`, and
-//! can be had here as [`lanes`].
+//! Deliberately absent: threads, trees over objects, solvers, files, `unsafe`.
 #![forbid(unsafe_code)]
 
 pub mod contract;

@@ -1,8 +1,8 @@
-//! Readers and writers of files: meshes, point clouds, boxes, hull scenes, captures, pairs.
+//! Readers and writers of files: meshes, point clouds, AABBs, hull scenes, captures, pairs.
 //!
-//! Readers take bytes and refuse what is wrong with its place and value; none panics, and none
-//! allocates for a count before it has seen that the file can hold so many. A scene that is read is
-//! a [`RawScene`], the plain material, which becomes a checked [`dcd_geom::Scene`].
+//! Readers take bytes. An error names the place and the value that is wrong; none panics, and none
+//! allocates for a count before it has seen that the file can hold so many. A scene is read as a
+//! [`RawScene`], the plain numbers, which becomes a checked [`dcd_geom::Scene`].
 //!
 //! Deliberately absent: threads, clocks, pair finding, answers, random numbers.
 #![forbid(unsafe_code)]

@@ -1,12 +1,13 @@
-//! The step: from a scene's poses to its touching pairs.
+//! Collision detection of a whole scene: the step, events, and batches of configurations.
 //!
-//! A corridor between the rooms: it owns every buffer, cuts the work into tasks and runs the
-//! stages; what a stage does is its room's matter. [`Pipeline::new`] has the fastest tree there
-//! is and proved answers; [`Pipeline::with`] takes any other broad or narrow phase.
-//! [`prelude`] brings all that a scene needs into scope.
+//! [`Pipeline::step`] takes a [`Scene`] to its touching pairs: AABBs, tree, candidate pairs, answers. It
+//! owns every buffer and cuts the work into tasks. By default it uses [`WideTree`] and [`Overlap`], the
+//! certified narrow phase; any other [`BroadPhase`] and [`NarrowPhase`] can take their places.
+//! [`Events`] compares a step's contacts with those of the step before. A [`StaticWorld`] prepares
+//! obstacles once; a [`BatchChecker`] checks configurations of a [`LinkSet`] against them, and its links
+//! against each other.
 //!
-//! Deliberately absent: Parry, files, a clock (but for [`StageClock`], which whoever wants times
-//! brings).
+//! Deliberately absent: Parry, files, a clock (but for [`StageClock`], for callers who want times).
 #![forbid(unsafe_code)]
 
 mod batch;

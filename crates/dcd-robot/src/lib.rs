@@ -1,13 +1,9 @@
-//! Robots and the worlds they stand in: URDF with OBJ meshes, SRDF, MoveIt's scenes and requests.
+//! Robots and their surroundings: URDF with OBJ meshes, SRDF, MoveIt's scenes and requests.
 //!
-//! A [`Robot`] is its links' shapes and its joints; [`Robot::place`] says where its shapes
-//! are for joint values. [`AllowedPairs`] are those links that may touch. A [`World`] is boxes,
-//! cylinders and spheres, by a [`PlanningScene`], with what that says of the robot. A [`Workcell`] is all of them as one checked scene, with names, whose
-//! pairs that may touch are refused before any narrow work.
-//!
-//! Whatever a file says is used, refused, or named in the `notes` of what was read; [`bounds`] are
-//! checked before the work that they bound. A mesh's name may lead anywhere in the file system: up
-//! from the URDF's folder, and to absolute paths.
+//! A [`Robot`] has links with shapes, and joints; [`Robot::place`] computes the poses of its shapes from
+//! joint values (forward kinematics). [`AllowedPairs`] are the links that may touch. A [`World`] is
+//! boxes, cylinders and spheres. A [`Workcell`] is all of them as one checked scene, with names; pairs
+//! that may touch are filtered before the narrow phase.
 //!
 //! Sines and cosines are libm's, so that a pose is the same on every machine.
 #![forbid(unsafe_code)]

@@ -1,13 +1,15 @@
-//! Sixteen f32 lanes: one trait, three types, one dispatch; and the rows of boxes and spheres that are
-//! built of them.
+//! SIMD lanes for collision kernels, and packed boxes and spheres built of them.
 //!
-//! A [`Kernel`] is written once, generic over [`Lanes`], in its own crate and without `unsafe`;
-//! [`dispatch`] runs it on the widest path that the CPU has. Every function between `run` and the
-//! lane operations must be `#[inline(always)]`: the operations become single instructions only
-//! inside the function here that carries the CPU feature, and cost fifty times as much outside.
+//! A [`Kernel`] is written once, generic over [`Lanes`]; [`dispatch`] runs it on the widest path that
+//! the CPU has: AVX-512, AVX2 or portable code, always sixteen f32 wide. [`Aabb16`], [`Aabb128`] and
+//! [`Sphere16`] store boxes and spheres coordinate by coordinate, so that one comparison tests sixteen.
 //!
-//! The intrinsics below are the workspace's only `unsafe`. A lane type can be had only through
-//! [`dispatch`], which has checked the feature: that is every SAFETY line's reason.
+//! Every function between [`Kernel::run`] and a lane operation must be `#[inline(always)]`: the
+//! operations become single instructions only inside the function that carries the CPU feature, and
+//! cost fifty times as much outside of it.
+//!
+//! This is the only crate with `unsafe`. A lane type can be had only through [`dispatch`], which has
+//! checked the CPU feature: that is the reason in every SAFETY line.
 
 mod aabb;
 mod aabb128;
