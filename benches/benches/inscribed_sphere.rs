@@ -11,7 +11,7 @@ use std::hint::black_box;
 fn inner_sphere(criterion: &mut Criterion) {
     let scene = input::scene();
     let hulls: Vec<_> = scene.shapes().iter().filter_map(Shape::as_polytope).collect();
-    let mut group = criterion.benchmark_group("inner ball");
+    let mut group = criterion.benchmark_group("inscribed sphere");
     group.throughput(Throughput::Elements(hulls.len() as u64));
     group.bench_function("paper's hulls", |bencher| {
         bencher.iter(|| {

@@ -15,8 +15,8 @@ const OBJECTS: u8 = 10;
 const JUDGED: (usize, usize) = (2, 8);
 
 /// Compounds, meshes, curved, flat and rounded shapes that are up to 2⁶⁰ m from the origin of their
-/// own frame. On each path the contacts are those of the certified ladder, pair by pair and part by
-/// part; so are the pairs within a margin; and the ladder says of small polytopes what the exact judge
+/// own frame. On each path the contacts are those of the certified solver, pair by pair and part by
+/// part; so are the pairs within a margin; and the certified solver says of small polytopes what the exact judge
 /// says.
 pub fn far(bytes: &[u8]) {
     let mut input = Input(bytes);
@@ -101,7 +101,7 @@ fn check_within(scene: &Scene, margin: f64) {
     }
 }
 
-/// What the ladder says of the first pairs of small polytopes is what the exact judge says.
+/// What the certified solver says of the first pairs of small polytopes is what the exact judge says.
 fn judge(scene: &Scene) {
     let (pairs, vertices) = JUDGED;
     let small = |i: usize| {

@@ -21,7 +21,7 @@ pub(crate) fn body((shape, pose): &(Polytope, Pose)) -> PosedSupport<'_, Polytop
     PosedSupport::polytope(shape, pose)
 }
 
-/// The certified ladder is never undecided and agrees with its last method, in either order; f32 and
+/// The certified solver is never undecided and agrees with its last method, in either order; f32 and
 /// f64 alone never contradict it.
 pub fn overlap(bytes: &[u8]) {
     let Some(pair) = pair(&mut Input(bytes)) else { return };
@@ -30,8 +30,8 @@ pub fn overlap(bytes: &[u8]) {
     let truth = if touches { Verdict::Touching(()) } else { Verdict::Apart };
     assert_eq!(overlap_exactly(b, a), touches, "the last method, seen from b");
     let (verdict, method) = certified::overlap(a, b);
-    assert_eq!(verdict, truth, "the ladder, at {method:?}");
-    assert_eq!(certified::overlap(b, a), (verdict, method), "the ladder, seen from b");
+    assert_eq!(verdict, truth, "the certified solver, at {method:?}");
+    assert_eq!(certified::overlap(b, a), (verdict, method), "the certified solver, seen from b");
     let in_f64 = Difference::<f64, _, _>::new(a, b).map(|difference| gjk::overlap(&difference));
     let in_f32 = Difference::<f32, _, _>::new(a, b).map(|difference| gjk::overlap(&difference));
     for verdict in [in_f64, in_f32].into_iter().flatten() {

@@ -15,7 +15,7 @@ const BATCHES: u8 = 3;
 /// One more than the configurations of a batch at most: enough for a second row of sixteen spheres.
 const CONFIGURATIONS: u8 = 24;
 
-/// On each path all hits are those of the certified ladder, pair by pair and part by part, and a first
+/// On each path all hits are those of the certified solver, pair by pair and part by part, and a first
 /// hit is one of them where there is one; what earlier batches left behind changes nothing.
 pub fn probe(bytes: &[u8]) {
     let mut input = Input(bytes);

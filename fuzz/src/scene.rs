@@ -15,8 +15,8 @@ const OBJECTS: u8 = 20;
 /// Frames at most.
 const FRAMES: usize = 4;
 
-/// On each path the contacts are those of the certified ladder, pair by pair; what stays undecided
-/// is among what the ladder leaves so, of which the lanes may know more (of curved shapes). A
+/// On each path the contacts are those of the certified solver, pair by pair; what stays undecided
+/// is among what the certified solver leaves so, of which the lanes may know more (of curved shapes). A
 /// pipeline that has seen other frames gives what a fresh one gives, one that remembers proofs too.
 pub fn scene(bytes: &[u8]) {
     let mut input = Input(bytes);

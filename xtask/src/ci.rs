@@ -55,7 +55,7 @@ fn clippy() -> Result<()> {
 /// Targets without our intrinsics, on which the portable path is all there is.
 const PORTABLE: [&str; 2] = ["aarch64-unknown-linux-gnu", "wasm32-unknown-unknown"];
 
-/// That the rooms of a step compile for other processors, as far as the toolchain has them.
+/// That the crates of a step compile for other processors, as far as the toolchain has them.
 fn other_processors() -> Result<()> {
     for target in PORTABLE {
         if !cargo::has_target(target)? {

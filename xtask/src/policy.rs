@@ -7,14 +7,14 @@ use crate::license::is_permissive;
 
 /// Rooms that know no threads; whoever needs one pair's answer depends on these alone.
 const WITHOUT_THREADS: [&str; 3] = ["dcd-simd", "dcd-geom", "dcd-gjk"];
-/// The rooms of a step. They know no Parry: it is a rival, behind traits of its own.
+/// The crates of a step. They know no Parry: it is a rival, behind traits of its own.
 pub const STEP_CRATES: [&str; 7] =
     ["dcd-simd", "dcd-geom", "dcd-gjk", "dcd-bvh", "dcd-broad", "dcd-exec", "dcd-pipeline"];
 /// The only crate with `unsafe`.
 const WITH_UNSAFE: &str = "dcd-simd";
 /// What gives them input and judges them: no Parry either, so that neither depends on a rival.
 const INPUT_AND_JUDGE: [&str; 4] = ["dcd-io", "dcd-robot", "dcd-scenes", "dcd-judge"];
-/// The only room with threads.
+/// The only crate with threads.
 const WITH_THREADS: &str = "dcd-exec";
 /// What makes threads.
 const THREADS: [&str; 2] = ["rayon", "thread_local"];
@@ -41,7 +41,7 @@ pub fn breaches() -> Result<Vec<String>> {
     Ok(breaches)
 }
 
-/// A room that was renamed would else slip out of the policy.
+/// A crate that was renamed would else slip out of the policy.
 fn missing_crates(metadata: &Metadata) -> Vec<String> {
     let all = STEP_CRATES.into_iter().chain(INPUT_AND_JUDGE);
     let missing = all.filter(|name_of| metadata.member(name_of).is_none());

@@ -37,7 +37,7 @@ impl ObstacleBounds {
 /// reach, and names the one that a sphere there most likely touches.
 ///
 /// Most of what is asked for is near nothing, and for that one short list is read. Where a list
-/// would be long, or the sphere is larger than what was foreseen, the grid knows nothing, and a tree
+/// would be long, or the sphere is larger than the grid was made for, the grid knows nothing, and a tree
 /// has to be asked.
 #[derive(Clone, Debug)]
 pub struct ObstacleGrid {
@@ -46,7 +46,7 @@ pub struct ObstacleGrid {
     grid: Grid,
     /// The largest radius that the lists are made for, metres.
     radius: f32,
-    /// The grid's cells, one of what is larger than foreseen, and the end.
+    /// The grid's cells, one of what is larger than the grid was made for, and the end.
     cells: Vec<Listed>,
     /// The lists, each ascending. One that is not known is the number after the last obstacle's.
     members: Vec<u32>,
@@ -111,7 +111,7 @@ impl ObstacleGrid {
             self.cells.push(Listed { start, nearest });
             start += if count > LONGEST as u32 { 1 } else { count };
         }
-        // A last list is that of what is larger than foreseen.
+        // A last list is that of what is larger than the grid was made for.
         self.cells.extend([start, start + 1].map(|start| Listed { start, nearest: unknown }));
         counts
     }

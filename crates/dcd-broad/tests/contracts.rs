@@ -18,7 +18,7 @@ fn every_phase_keeps_the_contract(aabbs: &[Aabb]) {
         ("brute force", contract::broad_phase(&mut BruteForce, aabbs)),
         ("sweep", contract::broad_phase(&mut SweepAndPrune::default(), aabbs)),
         ("tree", contract::broad_phase(&mut TreePairs::new(PaperTree::default()), aabbs)),
-        ("wide by the door", contract::broad_phase(&mut TreePairs::new(WideBuilder), aabbs)),
+        ("wide as a tree", contract::broad_phase(&mut TreePairs::new(WideBuilder), aabbs)),
         ("wide tree", contract::broad_phase(&mut WideTree::default(), aabbs)),
     ];
     for (phase, surplus) in exact {

@@ -17,7 +17,7 @@ pub struct WideBvh {
     ids: Vec<IndexRow>,
     levels: Vec<Vec<Aabb16>>,
     order: Vec<u64>,
-    dealer: SampleSort,
+    sample_sort: SampleSort,
     /// 0, 1, 2, … for every leaf and node: what the trait's slices of children are cut from.
     numbers: Vec<u32>,
     count: usize,
@@ -90,7 +90,7 @@ impl WideBvh {
     /// y, and z within a strip (sort-tile-recursive; S. Leutenegger et al., 1997). Each key's lower
     /// half is the box's index, which makes keys unique and so the order that of the boxes alone.
     fn sort_tiles(&mut self, aabbs: &[Aabb], exec: Exec) {
-        let Self { order, dealer, .. } = self;
+        let Self { order, sample_sort, .. } = self;
         let key = |i: u64, axis: usize| {
             ordered(aabbs[i as u32 as usize].centre()[axis]) << 32 | i & 0xffff_ffff
         };
@@ -104,7 +104,7 @@ impl WideBvh {
         let across = (leaves as f64).cbrt().ceil().max(1.0) as usize;
         let strip = leaves.div_ceil(across * across).max(1) * WIDTH;
         let slab = strip * across;
-        dealer.part(exec, (order, slab), |i| key(i as u64, 0));
+        sample_sort.part(exec, (order, slab), |i| key(i as u64, 0));
         exec.divide(&mut order[..], slab, |_, keys| {
             keys.iter_mut().for_each(|k| *k = key(*k, 1));
             cut(keys, 0, strip);

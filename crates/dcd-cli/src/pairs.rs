@@ -161,7 +161,7 @@ impl Pairs {
             Precision::ParryF64 => parry::answer::<f64>(self.query, "parry-f64", &a, &b),
             precision => {
                 let answer = solvers.answer((precision, self.query), a.placed(), b.placed());
-                // Nothing tells two identical bodies apart: (b, a) is (a, b) to the ladder.
+                // Nothing tells two identical bodies apart: (b, a) is (a, b) to the solver.
                 if self.swap && are_identical(&a, &b) { answer.mirrored() } else { answer }
             }
         };

@@ -49,7 +49,7 @@ pub struct Undecided {
     pub reason: Reason,
 }
 
-/// Which part of the ladder settled a pair, from the cheapest.
+/// What settled a pair, from the cheapest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Method {
@@ -201,7 +201,7 @@ pub trait NarrowPhase: Send + Sync {
     type Answer: Copy + Default + Send + Sync + 'static;
     /// What is prepared once a step for all objects; kept by the pipeline and reused.
     type Frame: Default + Send + Sync;
-    /// A frame's room for a range of the objects.
+    /// A frame's part for a range of the objects.
     type Part<'f>: Splittable
     where
         Self: 'f;

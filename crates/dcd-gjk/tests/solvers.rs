@@ -22,7 +22,7 @@ struct Open {
 }
 
 impl Open {
-    /// No method may contradict the last one, and the ladder must end as it does.
+    /// No method may contradict the last one, and the certified solver must end as it does.
     fn judge(&mut self, [a, b]: &[PosedShape; 2]) {
         let touches = overlap_exactly(a.body(), b.body());
         let truth = if touches { Verdict::Touching(()) } else { Verdict::Apart };

@@ -1,4 +1,4 @@
-//! A robot of three links in a room that stands still: which of its configurations are free?
+//! A robot of three links among static obstacles: which of its configurations are free?
 
 use dcd_pipeline::geom::glam::{DQuat, DVec3};
 use dcd_pipeline::geom::{Object, PoseError};
@@ -20,8 +20,8 @@ fn arm(angle: f64) -> Result<Vec<Pose>, PoseError> {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let shapes = vec![Shape::cuboid(DVec3::new(5.0, 5.0, 0.1))?, Shape::sphere(0.5)?];
     let at = |x: f64, z: f64| Pose::from_translation(DVec3::new(x, 0.0, z));
-    let room = [Object::new(0, at(0.0, -0.2)?), Object::new(1, at(1.2, 2.2)?)];
-    let world = StaticWorld::new(&Scene::new(shapes, room)?, Overlap::default(), Par::Pool)?;
+    let obstacles = [Object::new(0, at(0.0, -0.2)?), Object::new(1, at(1.2, 2.2)?)];
+    let world = StaticWorld::new(&Scene::new(shapes, obstacles)?, Overlap::default(), Par::Pool)?;
 
     let link = Shape::cuboid(DVec3::new(0.05, 0.05, 0.5))?;
     let robot = LinkSet::new(vec![link; 3]).against_itself(&[(0, 1), (1, 2)])?;

@@ -47,7 +47,7 @@ pub(crate) fn run(options: &Options, answers: u64, print: Print) -> Result<()> {
     report.note(
         "Hulls, plates, needles and boxes, some rounded, at 1e-6, 1 and 1e6 m, some far out, moved \
          along a line until the answer flips between two neighbouring floats. Both neighbours are \
-         asked of every rung and judged exactly, by a linear program in whole numbers (for radii, by \
+         asked at every precision and judged exactly, by a linear program in whole numbers (for radii, by \
          the exact signed depth).",
     );
     let sum = |of: fn(&Judged) -> u64| all.iter().map(of).sum::<u64>();
@@ -63,7 +63,7 @@ pub(crate) fn run(options: &Options, answers: u64, print: Print) -> Result<()> {
     report.hand_out(&dir, print)?;
     units.finish()?;
     let wrong: u64 = certified_wrong(&all);
-    ensure!(wrong == 0, "{wrong} answers of a certified rung are wrong or open");
+    ensure!(wrong == 0, "{wrong} certified answers are wrong or undecided");
     Ok(())
 }
 
@@ -122,7 +122,7 @@ fn certified_wrong(all: &[Judged]) -> u64 {
 
 fn table(all: &[Judged]) -> Result<Table> {
     let counts = ["answers", "wrong yes", "wrong no", "undecided"].map(Column::new);
-    let columns = [Column::new("rung")].into_iter().chain(counts);
+    let columns = [Column::new("precision")].into_iter().chain(counts);
     let columns = columns.chain([Column::new("wrong").unit("%").decimals(4)]);
     let mut table = Table::new("adversary", "Answers at neighbouring floats", columns);
     let answers: u64 = all.iter().map(|unit| unit.answers).sum();

@@ -20,22 +20,22 @@ const NO_ERROR: f64 = 1e-20;
 
 /// What a reader of the tables must know.
 const NOTES: [&str; 5] = [
-    "The rungs take turns on slices of 512 pairs, in one process on one thread; the least time of \
+    "The precisions are interleaved on slices of 512 pairs, in one process on one thread; the least time of \
      the rounds counts, slice by slice. What depends on an object alone is made outside of the \
      timer: world boxes, the lanes' rotated vertices, Parry's shapes and poses.",
     "`boxes` and `balls` are conservative: their \"apart\" is never wrong, their \"touching\" only \
      means near; as a distance they give what is at most the true one, as a depth what is at least \
      it. `f32` and `f64` prove what they answer and leave open what they cannot prove. `certified` \
      and `certified, lanes` prove every answer. What the lanes leave open on the suite are pairs \
-     beyond the range of f32 boxes, which no scene takes; the certified rung answers those one by \
+     beyond the range of f32 boxes, which no scene takes; the certified solver answers those one by \
      one. Parry's answers are as it gives them; open is what it refuses.",
-    "The truth of the suite is exact: whole numbers of any length, another method than any rung's. \
-     The truth of a scene is the certified rung's; every pair on which a solver differs from it is \
+    "The truth of the suite is exact: whole numbers of any length, another method than any solver's. \
+     The truth of a scene is the certified solver's; every pair on which a solver differs from it is \
      settled by the exact judge (`doubted`), and `overruled` counts where that is wrong.",
     "Distances are asked for the pairs that are apart, depths for those that touch. An error counts \
      in sizes of the pair (no coordinate of A − B is larger than one size); a relative error is to \
      the true distance or depth, where that is above 1e-12 of the size. On scenes the certified \
-     rung is the truth, so that its own error shows on the suite alone.",
+     solver is the truth, so that its own error shows on the suite alone.",
     "A wrong yes is a \"touching\" for a pair apart, a distance of 0 among them; a wrong no an \
      \"apart\" for a pair that touches.",
 ];
@@ -45,9 +45,9 @@ pub(crate) fn report(header: Header, found: &[Measured]) -> Result<Report> {
     let mut report = Report::new("accuracy", "What speed costs in accuracy", header);
     report.figure(trade(found)?);
     report.note(
-        "Which rung to buy: left is fast, below is right. Nanoseconds are those of the paper's scene, \
+        "Which precision to choose: left is fast, below is right. Nanoseconds are those of the paper's scene, \
          where pairs are ordinary; the share of wrong and open answers is that of the suite, where \
-         they are not. A rung with neither stands at the bottom, at 0.01 %.",
+         they are not. A precision with neither stands at the bottom, at 0.01 %.",
     );
     report.table(answers(found)?);
     for (query, id, title) in [
@@ -63,7 +63,7 @@ pub(crate) fn report(header: Header, found: &[Measured]) -> Result<Report> {
         "The same for numbers on the suite, where the certified distance and depth have an exact \
          truth: the 99th percentile of the error. An error of none stands at 1e-20.",
     );
-    report.heading("Where each rung breaks");
+    report.heading("Where each precision breaks");
     for (kind, title) in [(Kind::Category, "category"), (Kind::Decade, "size in metres")] {
         for query in Query::ALL {
             report.table(breaks(found, query, (kind, title))?);
@@ -84,7 +84,7 @@ fn of<'m>(found: &'m [Measured], subject: &str, query: Query) -> Option<&'m Meas
 /// One row for each subject and precision: yes or no.
 fn answers(found: &[Measured]) -> Result<Table> {
     let counts = ["wrong yes", "wrong no", "undecided", "doubted", "overruled"];
-    let columns = ["subject", "pairs", "rung"].map(Column::new).into_iter().chain([
+    let columns = ["subject", "pairs", "precision"].map(Column::new).into_iter().chain([
         Column::new("a pair").unit("ns").decimals(1),
         Column::new("by certified, lanes").unit("×").decimals(2),
     ]);
@@ -107,7 +107,7 @@ fn answers(found: &[Measured]) -> Result<Table> {
 
 /// One row for each subject and precision: a number, and how far it is off.
 fn numbers(found: &[Measured], query: Query, (id, title): (&str, &str)) -> Result<Table> {
-    let columns = ["subject", "pairs", "rung"].map(Column::new).into_iter();
+    let columns = ["subject", "pairs", "precision"].map(Column::new).into_iter();
     let columns = columns.chain([Column::new("a pair").unit("ns").decimals(1)]);
     let counts = ["wrong", "undecided"].map(Column::new);
     let errors =

@@ -19,7 +19,7 @@ use crate::variant::{Timed, Variant, double_phase};
 /// How the result is judged beyond the variants of the figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Judge {
-    /// Every pair by the whole ladder, one at a time: no boxes, no tree, no lanes.
+    /// Every pair by the certified solver, one at a time: no boxes, no tree, no lanes.
     BruteForce,
     /// Every pair by Parry's GJK in f64 on our support maps.
     ParryGjk,

@@ -34,7 +34,7 @@ const NOTES: [&str; 5] = [
 pub(crate) fn report(header: Header, comparisons: &[Comparison]) -> Result<Report> {
     let mut report = Report::new("compare", "Our default pipeline beside Parry's best", header);
     report.table(summary(comparisons)?);
-    report.table(ladder(comparisons)?);
+    report.table(methods(comparisons)?);
     report.table(answers(comparisons)?);
     NOTES.into_iter().for_each(|note| report.note(note));
     for line in differences(comparisons) {
@@ -51,7 +51,7 @@ pub(crate) fn report(header: Header, comparisons: &[Comparison]) -> Result<Repor
 pub(crate) fn terminal(comparisons: &[Comparison]) -> Result<String> {
     let times = if comparisons.len() == 1 { stages(comparisons)? } else { ratios(comparisons)? };
     let mut text = String::new();
-    for table in [times, ladder(comparisons)?, answers(comparisons)?] {
+    for table in [times, methods(comparisons)?, answers(comparisons)?] {
         text += &format!("{}\n\n{}\n", table.title(), table.to_markdown());
     }
     let mut notes = differences(comparisons);
@@ -85,7 +85,7 @@ fn summary(comparisons: &[Comparison]) -> Result<Table> {
 const SUMMARY: [usize; 3] = [WHOLE, 4, 3];
 
 /// What each method settles, and what each stage costs on the first number of threads.
-fn ladder(comparisons: &[Comparison]) -> Result<Table> {
+fn methods(comparisons: &[Comparison]) -> Result<Table> {
     let settles = |k: usize| comparisons.iter().any(|c| c.settled.get(k).is_some_and(|&n| n > 0));
     let methods: Vec<usize> = (0..Method::ALL.len()).filter(|&k| settles(k)).collect();
     let mut columns = ["scene", "N", "candidates"].map(Column::new).to_vec();
@@ -93,8 +93,9 @@ fn ladder(comparisons: &[Comparison]) -> Result<Table> {
     columns.push(Column::new("threads"));
     columns.extend(["boxes", "build"].map(|name| Column::new(name).unit("ns/object").decimals(1)));
     columns.extend(["pairs", "narrow"].map(|name| Column::new(name).unit("ns/pair").decimals(1)));
-    let title = "What each rung settles, in percent of the candidates, and what each stage costs";
-    let mut table = Table::new("ladder", title, columns);
+    let title =
+        "What each method resolves, in percent of the candidates, and what each stage costs";
+    let mut table = Table::new("methods", title, columns);
     for comparison in comparisons {
         let (objects, pairs) =
             (comparison.objects as f64, comparison.judged.ours.candidates as f64);
@@ -310,7 +311,7 @@ mod tests {
     fn a_method_that_settles_nothing_anywhere_has_no_column() -> Result<()> {
         let mut comparison = wrong();
         comparison.judged.ours.candidates = 4;
-        let markdown = ladder(&[comparison])?.to_markdown();
+        let markdown = methods(&[comparison])?.to_markdown();
         assert!(markdown.contains("| centre axis [%] | cone [%] | threads"), "{markdown}");
         assert!(markdown.contains("75.00") && markdown.contains("25.00"), "{markdown}");
         Ok(())

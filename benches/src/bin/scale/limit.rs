@@ -129,7 +129,7 @@ pub(crate) fn show(cases: &[Case], units: &Units, report: &mut Report) -> Result
     report.heading("How far the limit is");
     report.note(
         "One thread, in turn with the step. Whoever lists candidates writes them; whoever decides a \
-         pair that no ball settles reads every vertex of both objects once. `one support` does that \
+         pair that no sphere settles reads every vertex of both objects once. `one support` does that \
          for every pair, on the step's own pairs in their order, and nothing else.",
     );
     let ns = |name: &str| Column::new(name).unit("ns/pair").decimals(2);

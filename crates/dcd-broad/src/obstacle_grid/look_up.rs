@@ -50,7 +50,7 @@ impl ObstacleGrid {
     #[inline(always)]
     pub(super) fn cells<L: Lanes>(&self, l: L, spheres: &Sphere16) -> L::U {
         let cell = self.grid.cells(l, &spheres.centre);
-        // That of what is larger than foreseen. Written so that NaN is.
+        // That of what is larger than the grid was made for. Written so that NaN is.
         let unforeseen = l.splat((self.cells.len() - 2) as f32);
         let is_foreseen = l.le(l.load(&spheres.radius), l.splat(self.radius));
         let whole = l.add(l.select(is_foreseen, cell, unforeseen), l.splat(WHOLE));

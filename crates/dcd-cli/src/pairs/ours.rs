@@ -1,4 +1,4 @@
-//! What our own ladder says of a pair.
+//! The verdict of our own solvers on a pair.
 
 use super::Query;
 use super::answer::{Answer, Way};

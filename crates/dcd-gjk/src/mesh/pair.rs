@@ -24,7 +24,7 @@ impl Settled {
     }
 }
 
-/// Settles a pair of parts, by their indices, as the ladder does any pair.
+/// Settles a pair of parts, by their indices, as the certified solver does any pair.
 pub(super) fn settle([a, b]: [&Side<'_>; 2], [part_a, part_b]: [u32; 2]) -> Settled {
     let (part_a, part_b) = (a.part(part_a), b.part(part_b));
     let core_a = Core::of(&part_a);
@@ -161,7 +161,7 @@ where
     (Some(Settled { verdict, method: Method::F64, axis }), simplex)
 }
 
-/// The ladder for two hulls of points.
+/// The certified solver for two hulls of points.
 fn overlap([a, b]: [&Core<'_>; 2], [pose_a, pose_b]: [&Pose; 2]) -> Settled {
     let (settled, simplex) = in_f64(a.body(pose_a), b.body(pose_b));
     if let Some(settled) = settled {

@@ -1,4 +1,4 @@
-//! The ladder of single pairs: f64 as far as it proves its answer, then double-double, then exact
+//! The certified solver of single pairs: f64 as far as it proves its answer, then double-double, then exact
 //! integers; boxes with parallel edges by a closed form.
 
 use crate::certificate::Bounds;

@@ -1,4 +1,4 @@
-//! The ladder's methods as solvers of single pairs: what a user picks and pays for.
+//! The solvers of single pairs that a user chooses between.
 
 use crate::{
     Difference, Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, gjk,
@@ -93,7 +93,7 @@ impl SupportMap<f32> for Narrowed<'_> {
     }
 }
 
-/// The whole ladder for each pair: f64, then exact integers. Proved, and never undecided for
+/// All methods for each pair: f64, then exact integers. Proved, and never undecided for
 /// polytopes; the default where pairs are judged one at a time.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Certified;

@@ -138,7 +138,7 @@ impl Plain {
 fn agree(what: &str, said: bool, reference: f64) {
     assert!(
         reference.abs() < CLEAR || said == (reference > 0.0),
-        "{what}: {said}, but the twin has {reference}"
+        "{what}: {said}, but the reference has {reference}"
     );
 }
 
@@ -392,8 +392,8 @@ fn every_stage_says_what_its_plain_reference_says() {
                     let bit = |bits: u32| bits >> k & 1 == 1;
                     assert!(bit(said.live));
                     let (c, length) = (plain.centre, plain.centre.length());
-                    agree("inner balls", bit(said.spheres.touching), plain.inner - length);
-                    agree("outer balls", bit(said.spheres.apart), length - plain.outer);
+                    agree("inscribed spheres", bit(said.spheres.touching), plain.inner - length);
+                    agree("bounding spheres", bit(said.spheres.apart), length - plain.outer);
                     agree("centre axis", bit(said.axis), plain.separation(c));
 
                     let portal =
