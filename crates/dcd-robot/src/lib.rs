@@ -45,3 +45,8 @@ pub use scene::PlanningScene;
 pub use srdf::{Srdf, VirtualJoint};
 pub use workcell::Workcell;
 pub use world::{Attached, Obstacle, Padding, World};
+
+/// The guide's page, whose code is compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/guide/robots.md")]
+mod guide {}
