@@ -146,7 +146,7 @@ fn bad_input_is_refused_with_its_place_and_value() {
     refused(&[&arm, "--state", "knee=1"], &["no joint \"knee\""]);
     refused(&[&arm, "--state", "elbow=1,2"], &["value 1", "without a joint's name"]);
     let world = folder.file("bad.yaml", &WORLD.replace("dimensions: [0.5]", "dimensions: [-0.5]"));
-    refused(&[&arm, "--world", &world], &["bad.yaml", "line 6", "\"ball\"", "-0.5"]);
+    refused(&[&arm, "--world", &world], &["bad.yaml", "line 6", "\"ball\"", "-5e-1"]);
     let torn = folder.file("torn.yaml", "world: [");
     refused(&[&arm, "--world", &torn], &["torn.yaml", "no scene"]);
     let srdf = folder.file("bad.srdf", "<robot><disable_collisions link1=\"a\"/></robot>");
@@ -349,7 +349,7 @@ fn an_archive_without_a_problem_is_refused() {
     let archive = folder.0.join("empty.tar.bz2");
     std::fs::write(&archive, NO_PROBLEM).unwrap();
     let refused = dcd(&["robot", &arm, "--all-problems", &text(&archive)]);
-    refused.assert_refused(&["empty.tar.bz2", "no problem"]);
+    refused.assert_refused(&["empty.tar.bz2", "no archive of problems"]);
 }
 
 #[test]

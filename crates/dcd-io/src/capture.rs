@@ -28,8 +28,9 @@ mod slot {
 /// an object, filters, ignored pairs. The bytes of a file are described in `docs/captures.md`.
 ///
 /// ```
-/// use dcd_scenes::{Capture, SceneSpec};
-/// let scene = SceneSpec::paper().with_objects(20).scene()?;
+/// use dcd_geom::{Pose, Scene, Shape};
+/// use dcd_io::Capture;
+/// let scene = Scene::one_each(vec![Shape::sphere(0.5)?; 2], vec![Pose::IDENTITY; 2])?;
 /// let mut capture = Capture::new(&scene)?;
 /// capture.frame(&scene)?; // once a step, as the scene stands
 /// let mut file = Vec::new();
