@@ -202,7 +202,7 @@ impl Checked {
 
 impl Runner {
     fn note(&mut self, problem: &Problem, notes: &[String], robot: &Robot) {
-        let notes = notes.iter().cloned().map(|note| format!("scene: {note}"));
+        let notes = notes.iter().map(|note| format!("scene: {note}"));
         let of_request = problem.request.notes(robot).into_iter();
         let all = notes.chain(of_request.map(|note| format!("request: {note}")));
         all.for_each(|note| self.count_note(note));
