@@ -24,6 +24,9 @@ fn main() -> io::Result<()> {
         ("requests", [chosen(0, REQUESTS), numbers(1)].concat()),
         ("archives", [vec![vec![0], vec![1]], numbers(2)].concat()),
         ("obj", plain(MESHES)),
+        ("stl", stl()),
+        ("collada", collada()),
+        ("gltf", gltf()),
     ];
     for (target, seeds) in targets {
         let folder = folder.join(target);
@@ -291,4 +294,80 @@ fn plain(texts: &[&str]) -> Vec<Vec<u8>> {
 fn numbers(which: u8) -> Vec<Vec<u8>> {
     let counting = |step: u8| (0..200u8).map(move |k| k.wrapping_mul(step) % 61);
     [1, 3, 7].map(|step| [which].into_iter().chain(counting(step)).collect()).to_vec()
+}
+
+/// A square in both kinds, the binary one with a header that begins as text does.
+fn stl() -> Vec<Vec<u8>> {
+    let facet = |corner: &str| {
+        format!(
+            "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 1 0\nvertex {corner}\n\
+             endloop\nendfacet\n"
+        )
+    };
+    let text = ["solid a\n", &facet("0 1 0"), &facet("1e0 0 -0"), "endsolid a\n"].concat();
+    let mut binary = b"solid".to_vec();
+    binary.resize(80, 0);
+    binary.extend(2u32.to_le_bytes());
+    for last in [[0f32, 1.0, 0.0], [1.0, 0.0, 0.0]] {
+        let numbers = [[0.0; 3], [0.0; 3], [1.0, 1.0, 0.0], last];
+        binary.extend(numbers.iter().flatten().flat_map(|x: &f32| x.to_le_bytes()));
+        binary.extend([0; 2]);
+    }
+    vec![text.into_bytes(), binary]
+}
+
+/// One instance in a moved node for each kind of primitive and transform.
+fn collada() -> Vec<Vec<u8>> {
+    let input = "<input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>";
+    let file = |primitives: &str, transform: &str| {
+        format!(
+            "<COLLADA><asset><unit meter=\"0.0254\"/><up_axis>Y_UP</up_axis></asset>\
+             <library_geometries><geometry id=\"g\"><mesh><source id=\"s\">\
+             <float_array id=\"f\" count=\"12\">0 0 0 1 0 0 1 1 0 0 1 .5</float_array>\
+             <technique_common><accessor source=\"#f\" count=\"4\" stride=\"3\">\
+             <param name=\"X\"/><param name=\"Y\"/><param name=\"Z\"/></accessor>\
+             </technique_common></source><vertices id=\"v\">\
+             <input semantic=\"POSITION\" source=\"#s\"/></vertices>{primitives}</mesh></geometry>\
+             </library_geometries><library_nodes><node id=\"n\">{transform}\
+             <instance_geometry url=\"#g\"/></node></library_nodes><library_visual_scenes>\
+             <visual_scene id=\"w\"><node><instance_node url=\"#n\"/></node></visual_scene>\
+             </library_visual_scenes><scene><instance_visual_scene url=\"#w\"/></scene></COLLADA>"
+        )
+        .into_bytes()
+    };
+    let strip = format!("<tristrips count=\"1\">{input}<p>0 1 3 2</p></tristrips>");
+    let list = format!("<polylist>{input}<vcount>4 3</vcount><p>0 1 2 3 0 1 2</p></polylist>");
+    let triangles = format!("<triangles count=\"1\">{input}<p>0 1 2</p></triangles>");
+    vec![
+        file(&strip, "<translate>1 2 3</translate><rotate>0 0 1 90</rotate>"),
+        file(&list, "<skew>45 0 1 0 1 0 0</skew><scale>1 -1 1</scale>"),
+        file(&triangles, "<matrix>1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 1</matrix>"),
+        file(&triangles, "<lookat>1 2 3 0 0 0 0 0 1</lookat>"),
+    ]
+}
+
+/// A triangle in a data URI, and the same in a binary file.
+fn gltf() -> Vec<Vec<u8>> {
+    let file = |uri: &str| {
+        format!(
+            "{{\"asset\":{{\"version\":\"2.0\"}},\"scene\":0,\"scenes\":[{{\"nodes\":[0]}}],\
+             \"nodes\":[{{\"children\":[1],\"translation\":[1,2,3]}},{{\"mesh\":0,\"scale\":[1,1,-1]}}],\
+             \"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0}}}}]}}],\
+             \"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\
+             \"min\":[0,0,0],\"max\":[1,1,0]}}],\"bufferViews\":[{{\"buffer\":0,\"byteLength\":36}}],\
+             \"buffers\":[{{\"byteLength\":36{uri}}}]}}"
+        )
+    };
+    // Zeros: base64 needs no library for them, and the mesh is a point.
+    let text = file(&format!(",\"uri\":\"data:;base64,{}\"", "A".repeat(48)));
+    let mut json = file("").into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut binary = [b"glTF", &2u32.to_le_bytes()[..]].concat();
+    binary.extend((12 + 8 + json.len() as u32 + 8 + 36).to_le_bytes());
+    for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &vec![0; 36])] {
+        binary.extend((chunk.len() as u32).to_le_bytes());
+        binary.extend(kind);
+        binary.extend(chunk);
+    }
+    vec![text.into_bytes(), binary]
 }

@@ -7,9 +7,11 @@ mod state;
 
 use crate::failure::{Failure, tell};
 use clap::{Args, ValueEnum};
+use dcd_io::MeshPaths;
 use dcd_pipeline::{Par, Pipeline};
 use dcd_robot::{
-    AllowedPairs, LinkShapes, Request, Robot as Model, RobotError, Srdf, Workcell, World,
+    AllowedPairs, LinkShapes, MeshSource, Request, Robot as Model, RobotError, Srdf, Workcell,
+    World,
 };
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -18,39 +20,45 @@ use std::io::{Write, stdout};
 use std::path::{Path, PathBuf};
 
 const DETAILS: &str = "\
-Each mesh of the URDF's collision geometry (OBJ) is taken as the hull of its vertices, or, with \
---links meshes, as its triangles. Without an SRDF, links that a joint joins and links that are \
-rigidly tied may touch. Joints that are fixed in the URDF stay as they are, whatever a request says.
+Each mesh of the URDF's collision geometry (STL, COLLADA, OBJ, glTF, binary PLY) is taken as the \
+hull of its vertices, or, with --links meshes, as its triangles. Without an SRDF, links that a \
+joint joins and links that are rigidly tied may touch. Joints that are fixed in the URDF stay as \
+they are, whatever a request says.
 
 A world is a scene of MoveIt as YAML, as ROS or Robowflex write it. Used are: boxes, spheres, \
-cylinders, cones and meshes (surfaces without an inside); header.frame_id, which is empty, the frame \
-of the SRDF's virtual joint, a link's at the scene's state, or one of fixed_frame_transforms; joint \
-values, where --state or a request says nothing; the virtual joint's transform; attached objects; \
-link_padding and link_scale, against the world alone; the allowed collision matrix with its \
-defaults, which counts more than the SRDF; operations add and remove. Planes, an octomap and other \
-operations are refused.
+cylinders, cones and meshes (surfaces without an inside); header.frame_id, which is empty, the \
+frame of the SRDF's virtual joint, a link's at the scene's state, or one of \
+fixed_frame_transforms; joint values, where --state or a request says nothing; the virtual joint's \
+transform; attached objects; link_padding and link_scale, against the world alone; the allowed \
+collision matrix with its defaults, which counts more than the SRDF; operations add and remove. \
+Planes, an octomap and other operations are refused.
 
 Whatever a file says that is not understood is refused (exit code 2). What is understood and makes \
 no difference (colours, velocities, inertias, visual geometry, values of fixed joints), and what a \
 planner would warn of (values beyond limits, names that the robot does not have), is named on \
 standard error. xacro must be expanded first: xacro FILE > robot.urdf
 
-Files that are opened, all for reading: those named here, and each mesh that the collision geometry \
-of the URDF names. Such a name may lead anywhere: package://A/B is A/B or B, file:///A is /A, any \
-other name itself, from the URDF's folder or any above it. Nothing else is opened, no texture and no \
-visual mesh.
+Files that are opened, all for reading: those named here, each mesh that the collision geometry of \
+the URDF names, the buffers that a glTF names, and each package.xml where a package is looked for. \
+Such a name may lead anywhere: a package:// or model:// is the folder that --package gives it; \
+else the one whose package.xml names it, or that is called so, below a folder of ROS_PACKAGE_PATH, \
+or beside or above the URDF; else what follows the package's name, beside or above the URDF. \
+file:///A is /A, any other name itself, from the URDF's folder or any above it. Nothing else is \
+opened, no texture and no visual mesh.
 
 Limits, each refused beyond: 64 MiB a file; of XML 2,000,000 elements, 64 nested, 64 attributes an \
 element, 64 namespaces; of YAML 4,000,000 nodes, 64 nested, 10,000 aliases; of a robot 10,000 mesh \
-files, 16,777,216 vertices; 8,388,608 pairs of shapes that may touch (rigid bodies do not count); \
-with --all-problems 4,096 shapes of a robot.
+files, 16,777,216 vertices; of a COLLADA or glTF file 4,194,304 triangles, of a package search \
+10,000 folders, 4 nested, in each folder of ROS_PACKAGE_PATH; 8,388,608 pairs of shapes that may \
+touch (rigid bodies do not count); with --all-problems 4,096 shapes of a robot.
 
 --all-problems checks, for each scene and request of the archive, 100 states on the straight line \
 from start to goal in joint space, both ends among them, by Parry in f64 as well, on the same \
 shapes; each pair on which the two differ is settled exactly and told. Times are of one thread: \
 ours of a batch of 100 states against a world that is made before; Parry's of the boxes of the \
 links, a tree over the world that is made before, and query::intersection_test. Padded links are \
-refused there. A file of the archive unpacks to 16,777,216 bytes at most, all of it to 1,073,741,824.";
+refused there. A file of the archive unpacks to 16,777,216 bytes at most, all of it to \
+1,073,741,824.";
 
 /// What the meshes of the links are taken as.
 #[derive(Clone, Copy, ValueEnum)]
@@ -59,6 +67,15 @@ enum Links {
     Hulls,
     /// Their triangles, which have no inside
     Meshes,
+}
+
+/// Which way is up in a mesh file.
+#[derive(Clone, Copy, ValueEnum)]
+enum UpAxis {
+    /// Coordinates as they stand in the file, as MoveIt and RViz take them
+    Ros,
+    /// The up axis that the file names is turned to z
+    File,
 }
 
 /// Find the touching links of a robot
@@ -73,6 +90,12 @@ pub(crate) struct Robot {
     /// What the meshes of the links are taken as
     #[arg(long, value_enum, default_value = "hulls")]
     links: Links,
+    /// Where a package is whose meshes the URDF names: NAME=DIR
+    #[arg(long, value_name = "NAME=DIR")]
+    package: Vec<String>,
+    /// Which way is up in a COLLADA or glTF file that says so
+    #[arg(long, value_enum, default_value = "ros")]
+    up_axis: UpAxis,
     /// What stands round it: a scene of MoveIt as YAML
     #[arg(long, value_name = "SCENE.yaml", conflicts_with = "all_problems")]
     world: Option<PathBuf>,
@@ -114,11 +137,7 @@ struct Answer {
 
 impl Robot {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        let shapes = match self.links {
-            Links::Hulls => LinkShapes::Hulls,
-            Links::Meshes => LinkShapes::Meshes,
-        };
-        let model = Model::load_as(&self.urdf, shapes).map_err(refused)?;
+        let model = Model::load_with(&self.urdf, &self.meshes()?).map_err(refused)?;
         note(&self.urdf, model.notes());
         let srdf = self.srdf.as_deref().map(|path| load_srdf(path, &model)).transpose()?;
         let allowed = match &srdf {
@@ -137,6 +156,29 @@ impl Robot {
             }
         };
         stdout().write_all(text.as_bytes()).map_err(Failure::Output)
+    }
+
+    /// Where the meshes are and how they are read.
+    fn meshes(&self) -> Result<MeshSource, Failure> {
+        let folder = self.urdf.parent().unwrap_or(Path::new("."));
+        let mut paths = MeshPaths::new(folder).with_environment();
+        for package in &self.package {
+            paths = match package.split_once('=') {
+                Some((name, folder)) if !name.is_empty() && !folder.is_empty() => {
+                    paths.with_package(name, folder)
+                }
+                _ => return Err(Failure::at("--package", format!("{package:?} is no NAME=DIR"))),
+            };
+        }
+        let shapes = match self.links {
+            Links::Hulls => LinkShapes::Hulls,
+            Links::Meshes => LinkShapes::Meshes,
+        };
+        let up_axis = match self.up_axis {
+            UpAxis::Ros => dcd_io::UpAxis::Ros,
+            UpAxis::File => dcd_io::UpAxis::File,
+        };
+        Ok(MeshSource { paths, up_axis, shapes })
     }
 
     fn check(

@@ -194,6 +194,58 @@ fn a_sphere_inside_a_link_touches_its_hull_and_not_its_surface() {
     dcd(&["robot", &urdf, "--links", "balls"]).assert_refused(&["balls", "hulls, meshes"]);
 }
 
+/// A triangle in the plane of x and y with y up, in COLLADA.
+const TRIANGLE: &str = r##"<COLLADA><asset><up_axis>Y_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh><source id="s">
+<float_array id="f" count="9">0 0 0 4 0 0 0 4 0</float_array>
+<technique_common><accessor source="#f" count="3" stride="3"/></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="w"><node><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#w"/></scene></COLLADA>"##;
+
+#[test]
+fn packages_are_where_they_are_said_to_be_and_the_up_axis_as_asked_for() {
+    let folder = Folder::new("packages");
+    let elsewhere = Folder::new("elsewhere");
+    let mesh = elsewhere.file("flat.dae", TRIANGLE);
+    let urdf = folder.file(
+        "flat.urdf",
+        "<robot name=\"flat\"><link name=\"flat\"><collision><geometry>\
+         <mesh filename=\"package://flat_description/flat.dae\"/></geometry></collision></link></robot>",
+    );
+    // A sphere round (0, 0, 3): where the triangle is if y is turned to z.
+    let world = folder.file("up.yaml", &WORLD.replace("[0, 0, 1]", "[0, 0, 3]"));
+    dcd(&["robot", &urdf]).assert_refused(&["flat.urdf", "looked for", "--package NAME=DIR"]);
+    let package = format!("flat_description={}", text(&elsewhere.0));
+    let run = |up: &[&str]| {
+        let always =
+            ["robot", &urdf, "--package", &package, "--world", &world, "--links", "meshes"];
+        dcd(&[&always[..], up].concat())
+    };
+    for (arguments, answer) in [
+        (&[][..], "nothing touches\n"),
+        (&["--up-axis", "ros"], "nothing touches\n"),
+        (&["--up-axis", "file"], "flat and ball touch\n"),
+    ] {
+        let ran = run(arguments);
+        assert_eq!(ran.stdout, answer, "{arguments:?}");
+        for part in ["flat.dae", "Y_UP", "--up-axis"] {
+            assert!(ran.stderr.contains(part), "{part}: {}", ran.stderr);
+        }
+    }
+    dcd(&["robot", &urdf, "--package", "no_folder"]).assert_refused(&["--package", "NAME=DIR"]);
+    std::fs::write(&mesh, TRIANGLE.replace("<instance_geometry", "<instance_controller")).unwrap();
+    run(&[]).assert_refused(&[
+        "flat.urdf",
+        "flat.dae",
+        "link \"flat\"",
+        "<instance_controller>",
+        "line 8",
+    ]);
+}
+
 /// The whole archive: some seconds, for tests are optimised.
 #[test]
 fn every_state_of_the_archive_is_answered_as_parry_answers_it_but_for_what_is_settled() {

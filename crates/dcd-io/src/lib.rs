@@ -32,7 +32,10 @@ pub use error::{ReadError, shown};
 pub use hull::{Hull, HullRefusal, convex_hull};
 pub use hull_scene::{load_hull_scene, read_hull_scene, write_hull_scene};
 #[cfg(feature = "meshes")]
-pub use mesh::{load_mesh, load_obj, read_obj};
+pub use mesh::{
+    MeshError, MeshFormat, MeshNotFound, MeshOptions, MeshPaths, MeshPlace, MeshWarning,
+    TriangleMesh, UpAxis, load_mesh, load_obj, read_obj,
+};
 pub use pairs::{LONGEST_LINE, PairError, PairFault, PairInput, read_pair, read_pairs};
 pub use ply::{RawMesh, load_ply, read_ply};
 pub use raw::{BuildError, RawObject, RawScene, RawShape};

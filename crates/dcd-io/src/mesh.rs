@@ -1,10 +1,22 @@
-//! Triangle meshes from OBJ and PLY files.
+//! Triangle meshes from files.
+
+mod collada;
+mod error;
+mod gltf;
+mod obj;
+mod paths;
+mod stl;
+mod triangles;
 
 use crate::bytes::without_mark;
 use crate::{RawMesh, ReadError, load_ply};
 use dcd_geom::{Shape, ShapeError};
 use glam::DVec3;
 use std::path::Path;
+
+pub use error::{MeshError, MeshPlace};
+pub use paths::{MeshNotFound, MeshPaths};
+pub use triangles::{MeshFormat, MeshOptions, MeshWarning, TriangleMesh, UpAxis};
 
 /// Reads the triangles of a Wavefront OBJ file: all of its objects as one mesh, faces of more
 /// corners cut into fans. Points and lines are passed over, and materials are not looked for.

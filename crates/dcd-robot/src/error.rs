@@ -1,6 +1,7 @@
 //! What can be wrong with a robot, its world or a state, always with the name and the value.
 
 use dcd_geom::{PoseError, SceneError, ShapeError};
+use dcd_io::{MeshError, MeshNotFound};
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
@@ -18,7 +19,7 @@ pub enum RobotError {
     },
     /// A file is not of its kind.
     Syntax {
-        /// Which kind: "URDF", "SRDF", "scene", "request", "mesh".
+        /// Which kind: "URDF", "SRDF", "scene", "request".
         what: &'static str,
         /// The file.
         place: PathBuf,
@@ -93,7 +94,7 @@ pub enum RobotError {
     },
     /// Something that is not supported here.
     Unsupported {
-        /// What: "joint type", "shape", "mesh format".
+        /// What: "joint type", "shape".
         what: &'static str,
         /// Its name in the file.
         kind: String,
@@ -102,10 +103,17 @@ pub enum RobotError {
     },
     /// A mesh that is named is in none of the places where it could be.
     NoMesh {
-        /// The name.
-        name: String,
-        /// Where it was looked for first.
-        place: PathBuf,
+        /// Who names it.
+        user: String,
+        /// Its name, and where it was looked for.
+        error: MeshNotFound,
+    },
+    /// A mesh file is refused.
+    Mesh {
+        /// Who names it.
+        user: String,
+        /// What is wrong with it.
+        error: MeshError,
     },
     /// A number that is not finite.
     NotANumber {
@@ -200,9 +208,8 @@ impl fmt::Display for RobotError {
             Self::Unsupported { what, kind, user } => {
                 write!(f, "{user}: {what} {kind:?} is not supported")
             }
-            Self::NoMesh { name, place } => {
-                write!(f, "mesh {name:?} is neither {} nor beside or above it", place.display())
-            }
+            Self::NoMesh { user, error } => write!(f, "{user}: {error}"),
+            Self::Mesh { user, error } => write!(f, "{user}: {error}"),
             Self::NotANumber { what, user, value } => write!(f, "{user}: the {what} is {value}"),
             Self::BadNumber { what, user, value } => write!(f, "{user}: the {what} is {value:e}"),
             Self::Count { what, user, expected, found } => {

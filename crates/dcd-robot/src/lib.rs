@@ -1,4 +1,4 @@
-//! Robots and their surroundings: URDF with OBJ meshes, SRDF, MoveIt's scenes and requests.
+//! Robots and their surroundings: URDF with its meshes, SRDF, MoveIt's scenes and requests.
 //!
 //! A [`Robot`] has links with shapes, and joints; [`Robot::place`] computes the poses of its shapes from
 //! joint values (forward kinematics). [`AllowedPairs`] are the links that may touch. A [`World`] is
@@ -38,6 +38,7 @@ pub use allowed::AllowedPairs;
 pub use archive::{LARGEST_ARCHIVE, LARGEST_ENTRY};
 pub use error::RobotError;
 pub use kinematics::BeyondLimits;
+pub use mesh::MeshSource;
 pub use model::{Drive, Joint, Link, LinkShapes, Motion, Part, Robot};
 pub use problem::{Problem, problems_in, read_problems};
 pub use request::Request;

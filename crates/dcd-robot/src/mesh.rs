@@ -1,35 +1,42 @@
-//! A mesh file of a URDF.
+//! Where the mesh files of a URDF are, and how they are read.
 
-use super::RobotError;
-use dcd_io::{RawMesh, load_obj};
+use super::{LinkShapes, RobotError};
+use dcd_io::{MeshPaths, TriangleMesh, UpAxis};
+use glam::DVec3;
 use std::path::{Path, PathBuf};
 
-/// The OBJ file of a robot, metres.
-pub(super) fn load(path: &Path) -> Result<RawMesh, RobotError> {
-    let kind = path.extension().map_or_else(String::new, |e| e.to_string_lossy().to_lowercase());
-    if kind != "obj" {
-        let user = path.display().to_string();
-        return Err(RobotError::Unsupported { what: "mesh format", kind, user });
-    }
-    load_obj(path).map_err(|error| RobotError::Syntax {
-        what: "mesh",
-        place: path.to_path_buf(),
-        error: error.to_string(),
-    })
+/// Where a robot's mesh files are and how they are read.
+#[derive(Clone, Debug)]
+pub struct MeshSource {
+    /// Where they are.
+    pub paths: MeshPaths,
+    /// Which way is up in them.
+    pub up_axis: UpAxis,
+    /// What each is taken as.
+    pub shapes: LinkShapes,
 }
 
-/// The file of this name: from the folder, or from one above it, with and without the package's name.
-pub(super) fn find(name: &str, folder: &Path) -> Result<PathBuf, RobotError> {
-    let bare = name.strip_prefix("package://").or(name.strip_prefix("file://")).unwrap_or(name);
-    let in_package = bare.split_once('/').map(|(_, rest)| rest);
-    let inside = if name.starts_with("package://") { in_package } else { None };
-    let places = || {
-        folder.ancestors().flat_map(|above| {
-            // The parent of a bare file name is empty: the current folder.
-            let above = if above.as_os_str().is_empty() { Path::new(".") } else { above };
-            [Some(bare), inside].into_iter().flatten().map(|name| above.join(name))
-        })
-    };
-    let found = places().find(|path| path.is_file());
-    found.ok_or_else(|| RobotError::NoMesh { name: name.to_owned(), place: folder.join(bare) })
+impl MeshSource {
+    /// Meshes beside or above files of a folder, as they stand in their files.
+    pub(super) fn beside(folder: &Path, shapes: LinkShapes) -> Self {
+        Self { paths: MeshPaths::new(folder), up_axis: UpAxis::Ros, shapes }
+    }
+
+    /// The file of the mesh that `user` names.
+    pub(super) fn find(&self, name: &str, user: &str) -> Result<PathBuf, RobotError> {
+        let found = self.paths.resolve(name);
+        found.map_err(|error| RobotError::NoMesh { user: user.to_owned(), error })
+    }
+
+    /// The mesh that `user` names, scaled.
+    pub(super) fn load(
+        &self,
+        path: &Path,
+        scale: DVec3,
+        user: &str,
+    ) -> Result<TriangleMesh, RobotError> {
+        let mesh = TriangleMesh::load(path, self.up_axis);
+        let mesh = mesh.map_err(|error| RobotError::Mesh { user: user.to_owned(), error })?;
+        Ok(mesh.scaled(scale))
+    }
 }

@@ -4,7 +4,7 @@ use super::kinematics::JointFrame;
 use super::names::Names;
 use super::shapes::Shapes;
 use super::urdf::{Described, DescribedJoint, Kind};
-use super::{RobotError, tree, urdf, xml};
+use super::{MeshSource, RobotError, tree, urdf, xml};
 use dcd_geom::Shape;
 use glam::DVec3;
 use std::path::Path;
@@ -126,16 +126,16 @@ pub enum LinkShapes {
 }
 
 impl Robot {
-    /// Reads a URDF file and the OBJ meshes that its collision geometry names: each mesh becomes
+    /// Reads a URDF file and the meshes (STL, COLLADA, OBJ, glTF, PLY) that its collision geometry names: each mesh becomes
     /// the hull of its vertices. What is drawn alone (visual geometry) is not looked at.
     ///
-    /// A mesh `package://A/B` is `A/B` or `B`, any other name itself, from the file's folder or one
-    /// above it; an absolute name is taken as it is. Each mesh file is read once.
+    /// Meshes are looked for as [`dcd_io::MeshPaths`] says, without packages or roots. Each mesh file
+    /// is read once for a scale.
     ///
     /// # Errors
     /// A file that cannot be read; links and joints that are not one tree; xacro; elements and
-    /// attributes that are not understood; what is not supported (floating and planar joints, meshes
-    /// that are no OBJ); a number that is not finite; no collision geometry at all; more than the
+    /// attributes that are not understood; what is not supported (floating and planar joints, what
+    /// a mesh reader refuses); a number that is not finite; no collision geometry at all; more than the
     /// [`bounds`](super::bounds).
     pub fn load(urdf: &Path) -> Result<Self, RobotError> {
         Self::load_as(urdf, LinkShapes::Hulls)
@@ -146,9 +146,18 @@ impl Robot {
     /// # Errors
     /// Those of [`Robot::load`]; with [`LinkShapes::Meshes`] a mesh without a triangle.
     pub fn load_as(path: &Path, shapes: LinkShapes) -> Result<Self, RobotError> {
-        let text = xml::text_of(path)?;
         let folder = path.parent().unwrap_or(Path::new("."));
-        Self::read(&text, folder, shapes).map_err(|error| error.inside(path))
+        Self::load_with(path, &MeshSource::beside(folder, shapes))
+    }
+
+    /// [`Robot::load`] with meshes from where and as they are said to be.
+    ///
+    /// # Errors
+    /// Those of [`Robot::load_as`].
+    pub fn load_with(path: &Path, meshes: &MeshSource) -> Result<Self, RobotError> {
+        let text = xml::text_of(path)?;
+        let read = urdf::read(&text).and_then(|read| Self::of(read, Shapes::new(meshes)));
+        read.map_err(|error| error.inside(path))
     }
 
     /// [`Robot::load_as`] of a text, whose meshes are looked for from a folder on.
@@ -156,7 +165,7 @@ impl Robot {
     /// # Errors
     /// Those of [`Robot::load_as`].
     pub fn read(urdf: &str, folder: &Path, shapes: LinkShapes) -> Result<Self, RobotError> {
-        Self::of(urdf::read(urdf)?, Shapes::new(folder, shapes))
+        Self::of(urdf::read(urdf)?, Shapes::new(&MeshSource::beside(folder, shapes)))
     }
 
     fn of(read: Described, mut shapes: Shapes<'_>) -> Result<Self, RobotError> {
@@ -179,6 +188,8 @@ impl Robot {
         if parts.is_empty() {
             return Err(RobotError::NoShapes { robot: read.name });
         }
+        let mut notes = read.notes;
+        notes.extend(shapes.notes);
         Ok(Self {
             name: read.name,
             links: read.links.into_iter().map(|link| Link { name: link.name }).collect(),
@@ -187,7 +198,7 @@ impl Robot {
             moved: drives.moved,
             root: tree.root,
             base: JointFrame::IDENTITY,
-            notes: read.notes,
+            notes,
         })
     }
 
@@ -197,7 +208,8 @@ impl Robot {
     }
 
     /// What the file says that makes no difference to what touches: how the robot looks, what it
-    /// weighs. A sentence each.
+    /// weighs; and what a user should know of how its mesh files were read, with the file's path. A
+    /// sentence each.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }

@@ -3,26 +3,33 @@
 use super::bounds::{MESH_FILES, VERTICES};
 use super::scan::bounded;
 use super::urdf::Geometry;
-use super::{LinkShapes, RobotError, mesh, world};
+use super::{LinkShapes, MeshSource, RobotError, world};
 use dcd_geom::{ConvexHull, Shape};
 use glam::DVec3;
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::collections::{BTreeSet, HashMap};
+use std::path::PathBuf;
 
-/// Makes shapes of geometry that is described in a file of `folder`.
+/// Makes shapes of the geometry that a file describes.
 pub(super) struct Shapes<'a> {
-    folder: &'a Path,
-    kind: LinkShapes,
+    source: &'a MeshSource,
     /// Where each name leads.
     files: HashMap<String, PathBuf>,
     /// Of each file at each scale, by its bits.
     meshes: HashMap<(PathBuf, [u64; 3]), Shape>,
     vertices: usize,
+    /// What a user should know of how mesh files were read, each once.
+    pub(super) notes: BTreeSet<String>,
 }
 
 impl<'a> Shapes<'a> {
-    pub(super) fn new(folder: &'a Path, kind: LinkShapes) -> Self {
-        Self { folder, kind, files: HashMap::new(), meshes: HashMap::new(), vertices: 0 }
+    pub(super) fn new(source: &'a MeshSource) -> Self {
+        Self {
+            source,
+            files: HashMap::new(),
+            meshes: HashMap::new(),
+            vertices: 0,
+            notes: BTreeSet::new(),
+        }
     }
 
     /// The shape of a geometry that `user` has.
@@ -52,7 +59,7 @@ impl<'a> Shapes<'a> {
         let file = match self.files.get(name) {
             Some(file) => file.clone(),
             None => {
-                let file = mesh::find(name, self.folder)?;
+                let file = self.source.find(name, user)?;
                 self.files.insert(name.to_owned(), file.clone());
                 bounded("mesh files", self.files.len(), MESH_FILES)?;
                 file
@@ -62,11 +69,12 @@ impl<'a> Shapes<'a> {
         if let Some(known) = self.meshes.get(&key) {
             return Ok(known.clone());
         }
-        let mut read = mesh::load(&key.0)?;
-        read.vertices.iter_mut().for_each(|point| *point *= scale);
-        let shape = match self.kind {
-            LinkShapes::Hulls => Shape::hull(corners(read.vertices)),
-            LinkShapes::Meshes => read.into_shape(),
+        let mesh = self.source.load(&key.0, scale, user)?;
+        let notes = mesh.warnings.iter().map(|warning| format!("{}: {warning}", key.0.display()));
+        self.notes.extend(notes);
+        let shape = match self.source.shapes {
+            LinkShapes::Hulls => Shape::hull(corners(mesh.vertices)),
+            LinkShapes::Meshes => Shape::mesh(mesh.vertices, mesh.triangles),
         };
         let shape = shape.map_err(|error| RobotError::Shape { user: user.to_owned(), error })?;
         self.meshes.insert(key, shape.clone());

@@ -1,0 +1,57 @@
+//! The bytes of a glTF's buffers: in the binary file, in a data URI, or in a file beside it.
+
+use super::super::{MeshError, paths::percent_decoded};
+use super::refused;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use gltf::Document;
+use gltf::buffer::Source;
+use std::path::Path;
+
+/// The bytes of each buffer, at least as many as it says.
+pub(super) fn load(
+    document: &Document,
+    mut blob: Option<Vec<u8>>,
+    folder: Option<&Path>,
+) -> Result<Vec<Vec<u8>>, MeshError> {
+    let load = |buffer: gltf::Buffer<'_>| {
+        let path = format!("buffers[{}]", buffer.index());
+        let bytes = match buffer.source() {
+            Source::Bin => {
+                blob.take().ok_or_else(|| refused(&path, "the file has no BIN chunk"))?
+            }
+            Source::Uri(uri) => match uri.strip_prefix("data:") {
+                Some(data) => embedded(data).map_err(|problem| refused(&path, problem))?,
+                None => beside(uri, folder, &path)?,
+            },
+        };
+        if bytes.len() < buffer.length() {
+            let problem = format!("{} bytes, not {}", bytes.len(), buffer.length());
+            return Err(refused(&path, problem));
+        }
+        Ok(bytes)
+    };
+    document.buffers().map(load).collect()
+}
+
+/// What follows `data:`.
+fn embedded(data: &str) -> Result<Vec<u8>, String> {
+    let text = data.split_once(";base64,").map(|(_, text)| text);
+    let text = text.ok_or_else(|| "data other than base64 is not supported".to_owned())?;
+    STANDARD.decode(text).map_err(|error| error.to_string())
+}
+
+/// A file beside the mesh's own.
+fn beside(uri: &str, folder: Option<&Path>, path: &str) -> Result<Vec<u8>, MeshError> {
+    let Some(folder) = folder else {
+        return Err(refused(path, format!("{uri:?} is in another file")));
+    };
+    let places = [folder.join(uri), folder.join(percent_decoded(uri))];
+    // A name with a root would leave the folder, and what is no regular file need not end.
+    let file = places.iter().find(|file| file.is_file() && !Path::new(uri).is_absolute());
+    let Some(file) = file else {
+        let problem = format!("{uri:?} is no file below {}", folder.display());
+        return Err(refused(path, problem));
+    };
+    std::fs::read(file).map_err(MeshError::io(file))
+}

@@ -1,0 +1,231 @@
+//! Where a mesh file is that a URDF or a scene names.
+
+use std::collections::{BTreeSet, VecDeque};
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Folders nested deeper than this below a root are not searched for packages.
+const DEEPEST: usize = 4;
+
+/// More folders than this below a root are not searched for packages.
+const MAX_FOLDERS: usize = 10_000;
+
+/// Where mesh files are looked for.
+///
+/// | name | file |
+/// | --- | --- |
+/// | `package://NAME/FILE`, `model://NAME/FILE` | `FILE` in the package NAME: as [`Self::with_package`] says, and nowhere else; else below a root ([`Self::with_roots`]); else beside or above the naming file |
+/// | `file:///FILE`, `/FILE` | `/FILE` |
+/// | `file://FILE`, `FILE` | from the naming file's folder, or from one above it |
+///
+/// A folder is the package NAME if it is called so or its `package.xml` says so. Where no package is
+/// found, `FILE` and `NAME/FILE` are looked for beside or above the naming file. The first that
+/// exists is taken; `%20` and its like are tried as they are and decoded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MeshPaths {
+    folder: PathBuf,
+    packages: Vec<(String, PathBuf)>,
+    roots: Vec<PathBuf>,
+}
+
+/// A mesh that is in none of the places where it could be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MeshNotFound {
+    /// Its name.
+    pub name: String,
+    /// Where it was looked for, in order; empty for a name that says no place.
+    pub looked_in: Vec<PathBuf>,
+}
+
+impl MeshPaths {
+    /// For the names in a file of this folder, without packages or roots.
+    #[must_use]
+    pub fn new(folder: &Path) -> Self {
+        // The parent of a bare file name is empty: the current folder.
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        Self { folder: folder.to_path_buf(), packages: Vec::new(), roots: Vec::new() }
+    }
+
+    /// The same for the names in a file of another folder.
+    #[must_use]
+    pub fn with_folder(self, folder: &Path) -> Self {
+        Self { folder: Self::new(folder).folder, ..self }
+    }
+
+    /// The package of that name is this folder, and no other. The last said of a name counts.
+    #[must_use]
+    pub fn with_package(mut self, name: &str, folder: impl Into<PathBuf>) -> Self {
+        self.packages.push((name.to_owned(), folder.into()));
+        self
+    }
+
+    /// Packages are also looked for in these folders and below them.
+    #[must_use]
+    pub fn with_roots(mut self, roots: impl IntoIterator<Item = PathBuf>) -> Self {
+        self.roots.extend(roots.into_iter().filter(|root| !root.as_os_str().is_empty()));
+        self
+    }
+
+    /// [`Self::with_roots`] of the environment variable `ROS_PACKAGE_PATH`.
+    #[must_use]
+    pub fn with_environment(self) -> Self {
+        let roots = std::env::var_os("ROS_PACKAGE_PATH").unwrap_or_default();
+        self.with_roots(std::env::split_paths(&roots))
+    }
+
+    /// The file that a name means.
+    ///
+    /// # Errors
+    /// There is none; a scheme other than `package`, `model` and `file`.
+    pub fn resolve(&self, name: &str) -> Result<PathBuf, MeshNotFound> {
+        let mut search = Search { looked_in: Vec::new() };
+        let found = match name.split_once("://") {
+            Some(("package" | "model", rest)) => self.in_package(rest, &mut search),
+            Some(("file", rest)) => self.plain(rest, &mut search),
+            None => self.plain(name, &mut search),
+            Some(_) => None,
+        };
+        found.ok_or_else(|| MeshNotFound { name: name.to_owned(), looked_in: search.looked_in })
+    }
+
+    /// The folder and those above it. A relative one is made absolute, so that all are seen.
+    fn above(&self) -> Vec<PathBuf> {
+        let absolute = std::path::absolute(&self.folder).unwrap_or_else(|_| self.folder.clone());
+        absolute.ancestors().map(Path::to_path_buf).collect()
+    }
+
+    fn plain(&self, name: &str, search: &mut Search) -> Option<PathBuf> {
+        if Path::new(name).is_absolute() {
+            return search.file(Path::new(""), name);
+        }
+        self.above().iter().find_map(|above| search.file(above, name))
+    }
+
+    fn in_package(&self, rest: &str, search: &mut Search) -> Option<PathBuf> {
+        let (package, file) = rest.split_once('/')?;
+        if let Some((_, folder)) = self.packages.iter().rev().find(|(name, _)| name == package) {
+            return search.file(folder, file);
+        }
+        let below_roots = || self.roots.iter().flat_map(|root| packages_below(root, package));
+        if let Some(found) = below_roots().find_map(|folder| search.file(&folder, file)) {
+            return Some(found);
+        }
+        let above = self.above();
+        for folder in &above {
+            let found = beside(folder, package).iter().find_map(|folder| search.file(folder, file));
+            if found.is_some() {
+                return found;
+            }
+        }
+        above.iter().find_map(|folder| search.file(folder, file))
+    }
+}
+
+/// A search and the places where it has been.
+struct Search {
+    looked_in: Vec<PathBuf>,
+}
+
+impl Search {
+    /// The file of that name from a folder, if it is there.
+    fn file(&mut self, folder: &Path, name: &str) -> Option<PathBuf> {
+        let place = folder.join(name);
+        if place.is_file() {
+            return Some(place);
+        }
+        let decoded = folder.join(percent_decoded(name));
+        if decoded.is_file() {
+            return Some(decoded);
+        }
+        if !self.looked_in.contains(&place) {
+            self.looked_in.push(place);
+        }
+        None
+    }
+}
+
+/// The folders beside or in `folder` that are the package: one called so first, then `folder` itself
+/// and those in it whose `package.xml` says so.
+fn beside(folder: &Path, package: &str) -> Vec<PathBuf> {
+    let called = folder.join(package);
+    let inside = subfolders(folder).into_iter().filter(|inside| *inside != called);
+    let named = std::iter::once(folder.to_path_buf()).chain(inside);
+    let named = named.filter(|folder| package_name(folder).as_deref() == Some(package));
+    std::iter::once(called.clone()).chain(named).collect()
+}
+
+/// The folders below a root, itself among them, that are the package, nearest first. There are no
+/// packages inside of packages.
+fn packages_below(root: &Path, package: &str) -> Vec<PathBuf> {
+    let called = |folder: &Path| folder.file_name() == Some(package.as_ref());
+    let mut found = Vec::new();
+    let mut ahead = VecDeque::from([(root.to_path_buf(), 0)]);
+    let mut seen = 0;
+    while let Some((folder, depth)) = ahead.pop_front() {
+        seen += 1;
+        let name = package_name(&folder);
+        if name.as_deref().map_or_else(|| called(&folder), |name| name == package) {
+            found.push(folder.clone());
+        }
+        if name.is_none() && depth < DEEPEST && seen + ahead.len() < MAX_FOLDERS {
+            ahead.extend(subfolders(&folder).into_iter().map(|folder| (folder, depth + 1)));
+        }
+    }
+    found
+}
+
+/// The folders in a folder, by name; none where it cannot be read.
+fn subfolders(folder: &Path) -> BTreeSet<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect()
+}
+
+/// The name in a folder's `package.xml`, if it has one.
+fn package_name(folder: &Path) -> Option<String> {
+    let text = std::fs::read_to_string(folder.join("package.xml")).ok()?;
+    let document = roxmltree::Document::parse(&text).ok()?;
+    let name = document.root_element().children().find(|child| child.has_tag_name("name"))?;
+    Some(name.text()?.trim().to_owned())
+}
+
+/// The text with each `%` and two hexadecimal digits as the byte that they mean.
+pub(super) fn percent_decoded(text: &str) -> String {
+    let digit = |byte: u8| char::from(byte).to_digit(16).map(|value| value as u8);
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.as_bytes();
+    while let Some((&first, after)) = rest.split_first() {
+        let escaped = match (first, after) {
+            (b'%', &[high, low, ..]) => digit(high).zip(digit(low)),
+            _ => None,
+        };
+        bytes.push(escaped.map_or(first, |(high, low)| high << 4 | low));
+        rest = if escaped.is_some() { &after[2..] } else { after };
+    }
+    String::from_utf8(bytes).unwrap_or_else(|_| text.to_owned())
+}
+
+impl fmt::Display for MeshNotFound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.looked_in.is_empty() {
+            return write!(
+                f,
+                "mesh {:?} names no file: package://NAME/FILE, model://NAME/FILE, file://FILE and \
+                 paths do",
+                self.name
+            );
+        }
+        write!(f, "mesh {:?} is not found; looked for", self.name)?;
+        for (k, place) in self.looked_in.iter().enumerate() {
+            write!(f, "{} {}", if k == 0 { "" } else { "," }, place.display())?;
+        }
+        if self.name.starts_with("package://") || self.name.starts_with("model://") {
+            write!(f, " (--package NAME=DIR or ROS_PACKAGE_PATH say where a package is)")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for MeshNotFound {}
+
+#[cfg(test)]
+mod tests;
