@@ -165,8 +165,11 @@ fn packed(bytes: &[u8]) -> Vec<u8> {
     packed
 }
 
+/// The set and the number of a problem.
+type Numbered = (String, String);
+
 /// An archive of problems, and their sets and numbers.
-fn built_archive(input: &mut Input<'_>) -> Option<(Vec<u8>, BTreeSet<(String, String)>)> {
+fn built_archive(input: &mut Input<'_>) -> Option<(Vec<u8>, BTreeSet<Numbered>)> {
     let mut tar = tar::Builder::new(Vec::new());
     let mut problems = BTreeSet::new();
     let mut add = |name: String, text: &str| {

@@ -38,6 +38,9 @@ pub fn scenes(bytes: &[u8]) {
     }
 }
 
+/// The name and the place of a shape.
+pub(crate) type Placed = (String, [f64; 3]);
+
 /// The scene that a text is, for a robot of one link.
 fn world(text: &str) -> Option<World> {
     static ROBOT: OnceLock<Option<Robot>> = OnceLock::new();
@@ -48,7 +51,7 @@ fn world(text: &str) -> Option<World> {
 }
 
 /// A scene's text, and the name and place of each of its shapes.
-pub(crate) fn built_scene(input: &mut Input<'_>) -> Option<(String, Vec<(String, [f64; 3])>)> {
+pub(crate) fn built_scene(input: &mut Input<'_>) -> Option<(String, Vec<Placed>)> {
     let (mut text, mut shapes) = (String::from("world:\n  collision_objects:\n"), Vec::new());
     let count = input.byte()? % 6;
     for object in 0..count {

@@ -10,7 +10,7 @@
 //!
 //! [`Within`] is a narrow phase. The others are solvers of single pairs: [`ThenMeasure`] asks them
 //! after the lanes, and only of the pairs that the lanes find, so that a scene of which one pair
-//! in fifty touches pays for one in fifty. [`Pairwise`](crate::EachPair) asks them of every pair.
+//! in fifty touches pays for one in fifty. [`Pairwise`](crate::Pairwise) asks them of every pair.
 //!
 //! ```
 //! use dcd_gjk::{Depths, Distances, ThenMeasure};
