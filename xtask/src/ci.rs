@@ -8,7 +8,8 @@ use anyhow::{Context, Result, ensure};
 use crate::cargo::{self, Executable, Metadata, cargo};
 use crate::policy;
 
-type Check = fn() -> Result<()>;
+/// A check returns what it skipped, with the reason: a sentence each.
+type Check = fn() -> Result<Vec<String>>;
 
 /// Runs all checks but the tests.
 ///
@@ -26,40 +27,48 @@ pub fn run() -> Result<()> {
         ("fuzzing", fuzzing),
     ];
     let start = Instant::now();
+    let mut skipped = Vec::new();
     for (name, check) in checks {
         eprintln!("== {name}");
         let begin = Instant::now();
-        check().with_context(|| format!("the check `{name}` failed"))?;
+        let left_out = check().with_context(|| format!("the check `{name}` failed"))?;
+        skipped.extend(left_out.into_iter().map(|what| format!("{name}: {what}")));
         eprintln!("== {name}: passed in {:.0?}", begin.elapsed());
     }
     eprintln!("== all checks passed in {:.0?}", start.elapsed());
+    for what in skipped {
+        eprintln!("-- skipped: {what}");
+    }
     Ok(())
 }
 
-fn format() -> Result<()> {
+fn format() -> Result<Vec<String>> {
     cargo::shown(cargo().args(["fmt", "--all", "--check"]))
-        .context("run `cargo fmt --all` (or `rustup component add rustfmt`)")
+        .context("run `cargo fmt --all` (or `rustup component add rustfmt`)")?;
+    Ok(Vec::new())
 }
 
-fn dependency_policy() -> Result<()> {
+fn dependency_policy() -> Result<Vec<String>> {
     let breaches = policy::breaches()?;
     ensure!(breaches.is_empty(), "\n  {}", breaches.join("\n  "));
-    Ok(())
+    Ok(Vec::new())
 }
 
-fn clippy() -> Result<()> {
+fn clippy() -> Result<Vec<String>> {
     let all = ["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"];
-    cargo::shown(cargo().args(all))
+    cargo::shown(cargo().args(all))?;
+    Ok(Vec::new())
 }
 
 /// Targets without our intrinsics, on which the portable path is all there is.
 const PORTABLE: [&str; 2] = ["aarch64-unknown-linux-gnu", "wasm32-unknown-unknown"];
 
 /// That the crates of a step compile for other processors, as far as the toolchain has them.
-fn other_processors() -> Result<()> {
+fn other_processors() -> Result<Vec<String>> {
+    let mut skipped = Vec::new();
     for target in PORTABLE {
         if !cargo::has_target(target)? {
-            eprintln!("-- {target}: skipped, `rustup target add {target}` would install it");
+            skipped.push(format!("{target}: `rustup target add {target}` would install it"));
             continue;
         }
         eprintln!("-- {target}");
@@ -70,13 +79,14 @@ fn other_processors() -> Result<()> {
         }
         cargo::shown(&mut command)?;
     }
-    Ok(())
+    Ok(skipped)
 }
 
-fn docs() -> Result<()> {
+fn docs() -> Result<Vec<String>> {
     let mut command = cargo();
     command.args(["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings");
-    cargo::shown(&mut command)
+    cargo::shown(&mut command)?;
+    Ok(Vec::new())
 }
 
 /// Builds all examples and binaries at once, as the tests are built: optimized, with debug assertions.
@@ -98,7 +108,7 @@ fn find<'a>(built: &'a [Executable], kind: &str, name: &str) -> Result<&'a Execu
     found.with_context(|| format!("cargo built the {kind} `{name}` but does not say where it is"))
 }
 
-fn examples() -> Result<()> {
+fn examples() -> Result<Vec<String>> {
     let metadata = Metadata::read()?;
     let built = build_all(&metadata)?;
     for example in metadata.members().flat_map(|package| package.targets("example")) {
@@ -108,12 +118,12 @@ fn examples() -> Result<()> {
         cargo::shown(Command::new(&example.path).current_dir(cargo::root()))
             .with_context(|| format!("the example `{name}` failed"))?;
     }
-    Ok(())
+    Ok(Vec::new())
 }
 
 /// Each measuring binary with `--quick`: that they run and that what they check holds, not how fast they
 /// are.
-fn quick_measurements() -> Result<()> {
+fn quick_measurements() -> Result<Vec<String>> {
     let metadata = Metadata::read()?;
     let built = build_all(&metadata)?;
     for name in ["bench", "compare", "meshes", "batch", "frames", "scale", "accuracy"] {
@@ -122,7 +132,7 @@ fn quick_measurements() -> Result<()> {
         cargo::shown(Command::new(&binary.path).arg("--quick"))
             .with_context(|| format!("`{name} --quick` failed"))?;
     }
-    Ok(())
+    Ok(Vec::new())
 }
 
 /// How long each fuzz target runs, in seconds: long enough to meet what a change breaks at once.
@@ -130,7 +140,7 @@ const FUZZED: &str = "10";
 
 /// The fuzz package, which is no member: its format, that it compiles, and each target for a few
 /// seconds where cargo-fuzz is installed.
-fn fuzzing() -> Result<()> {
+fn fuzzing() -> Result<Vec<String>> {
     let manifest = ["--manifest-path", "fuzz/Cargo.toml"];
     cargo::shown(cargo().arg("fmt").args(manifest).arg("--check"))?;
     // The workspace's own target folder, so that what it has built serves here too.
@@ -140,8 +150,10 @@ fn fuzzing() -> Result<()> {
     cargo::shown(clippy.arg(folder).args(["--", "--deny", "warnings"]))?;
     let installed = cargo().args(["fuzz", "--version"]).output();
     if !installed.is_ok_and(|output| output.status.success()) {
-        eprintln!("-- cargo-fuzz is not installed: no target is run");
-        return Ok(());
+        return Ok(vec![
+            "no target is run: `cargo install cargo-fuzz` would install it".to_owned(),
+        ]);
     }
-    cargo::shown(Command::new("fuzz/run").arg(FUZZED).current_dir(cargo::root()))
+    cargo::shown(Command::new("fuzz/run").arg(FUZZED).current_dir(cargo::root()))?;
+    Ok(Vec::new())
 }
