@@ -98,8 +98,13 @@ impl PlanningScene {
                         let name = object.id.clone();
                         return Err(at(RobotError::Twice { what: "object", name }));
                     }
+                    // Its geometry may be in a database that is not here.
                     if object.is_bare() {
-                        world.notes.push(format!("object {:?} has no shape", object.id));
+                        let user = format!("object {:?}", object.id);
+                        return Err(at(RobotError::Refused {
+                            user,
+                            why: "it has no shape".to_owned(),
+                        }));
                     }
                     objects.push(object.obstacles(frames).map_err(at)?);
                 }

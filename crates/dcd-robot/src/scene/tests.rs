@@ -378,3 +378,9 @@ fn an_object_in_the_roots_frame_keeps_its_pose_bit_for_bit() {
     let pose = world_of(&text).unwrap().obstacles[0].pose;
     assert_eq!(pose, Pose::new(DQuat::IDENTITY, DVec3::new(0.1, -0.2, 0.3)).unwrap());
 }
+
+#[test]
+fn an_object_whose_geometry_is_elsewhere_is_refused() {
+    let bare = "world: {collision_objects: [{id: mug, type: {key: mug, db: objects}}]}";
+    assert_refused(bare, &["line 1", "\"mug\"", "no shape"]);
+}
