@@ -1,6 +1,36 @@
 //! Reading numbers from bytes that may end at any place.
 
 use crate::ReadError;
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::path::Path;
+
+/// Bytes of one mesh file, and of a file that it names. The largest scanned meshes have hundreds of
+/// megabytes; a larger file would ask for tens of gigabytes once it is read.
+pub(crate) const MESH_BYTES: u64 = 2 << 30;
+
+/// Bytes of a `package.xml`: kilobytes are usual. Larger: no package.
+pub(crate) const PACKAGE_BYTES: u64 = 1 << 20;
+
+/// A whole file of at most so many bytes. A device or a pipe, which need not end, is no such file.
+pub(crate) fn read_file(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    let file = File::open(path)?;
+    let data = file.metadata()?;
+    if !data.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
+    }
+    let too_large = || {
+        let problem = format!("{limit} bytes are the limit of such a file");
+        io::Error::new(io::ErrorKind::FileTooLarge, problem)
+    };
+    if data.len() > limit {
+        return Err(too_large());
+    }
+    let mut bytes = Vec::with_capacity(data.len() as usize);
+    // It may grow meanwhile.
+    file.take(limit + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit { Err(too_large()) } else { Ok(bytes) }
+}
 
 /// The text behind a byte order mark, if it begins with one.
 pub(crate) fn without_mark(text: &[u8]) -> &[u8] {
@@ -97,5 +127,32 @@ impl<'a> Cursor<'a> {
             0 => Ok(()),
             left => Err(ReadError::Oversized { at: self.at, left }),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::read_file;
+
+    #[test]
+    fn a_file_is_read_up_to_its_limit_and_refused_beyond() {
+        let path = std::env::temp_dir().join(format!("dcd-limit-{}", std::process::id()));
+        std::fs::write(&path, b"four").unwrap();
+        assert_eq!(read_file(&path, 4).unwrap(), b"four");
+        let error = read_file(&path, 3).unwrap_err().to_string();
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!(error, "3 bytes are the limit of such a file");
+    }
+
+    #[test]
+    fn a_folder_is_no_file() {
+        assert!(read_file(&std::env::temp_dir(), 1 << 20).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_without_an_end_is_refused_at_once() {
+        let error = read_file(std::path::Path::new("/dev/zero"), 1 << 40).unwrap_err();
+        assert_eq!(error.to_string(), "not a regular file");
     }
 }

@@ -2,12 +2,13 @@
 //!
 //! [`subject`] holds pairs with their truth; [`precision`] asks; [`measure`] times the precisions in turn and
 //! counts what is wrong; [`show`] makes tables and pictures; [`tolerance`] asks simplified hulls; [`adversary`] is the long run between
-//! neighbouring floats. The truth of the conformance suite is exact; that of a scene is the
+//! neighbouring floats, [`kinds`] its part for shapes of every kind. The truth of the conformance suite is exact; that of a scene is the
 //! certified precision's, with the exact judge on every pair that any other precision doubts.
 
 #![forbid(unsafe_code)]
 
 mod adversary;
+mod kinds;
 mod measure;
 mod parry;
 mod precision;
@@ -26,7 +27,7 @@ use measure::Measured;
 use precision::Query;
 use subject::{Recipe, Subject};
 
-/// What each precision of precision costs, and how often and how far it is wrong: nanoseconds a pair
+/// What each precision costs, and how often and how far it is wrong: nanoseconds a pair
 /// beside wrong yes, wrong no, undecided, and the error of distance and depth against the truth.
 ///
 /// A wrong or undecided answer of a certified precision makes the exit code 1.

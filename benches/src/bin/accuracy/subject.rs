@@ -9,7 +9,7 @@ use dcd_gjk::{Certified, Overlap, PairSolver, PosedShape, PosedSupport, Verdict,
 use dcd_judge::Truth;
 use dcd_pipeline::{Par, Pipeline, WideTree};
 use dcd_scenes::SceneSpec;
-use dcd_scenes::conformance::{Case, Category, suite};
+use dcd_scenes::conformance::{Case, Category, ShapePair, suite};
 
 use crate::precision::{Said, body};
 
@@ -77,6 +77,10 @@ pub(crate) fn touches(case: &Case) -> bool {
     certified::overlap(a, b).0 == Verdict::Touching(())
 }
 
+fn polytopes(case: &Case) -> ([Shape; 2], [Pose; 2]) {
+    ([case.a.clone().into(), case.b.clone().into()], [case.pose_a, case.pose_b])
+}
+
 /// Pairs of objects.
 pub(crate) struct Subject {
     pub(crate) name: String,
@@ -142,22 +146,37 @@ impl Subject {
             decade: case.decade,
         };
         let labels = cases.iter().map(label).collect();
-        Self::with_truth(name, cases, Known::Exactly(truths.collect(), labels))
+        Self::with_truth(
+            name,
+            cases.iter().map(polytopes),
+            Known::Exactly(truths.collect(), labels),
+        )
     }
 
     /// Of flips, judged yes or no alone.
     pub(crate) fn of_flips(cases: &[Case]) -> Result<Self> {
         let judged =
             |case: &Case| dcd_judge::touches((&case.a, &case.pose_a), (&case.b, &case.pose_b));
-        Self::with_truth("flips", cases, Known::YesNo(cases.iter().map(judged).collect()))
+        let truth = Known::YesNo(cases.iter().map(judged).collect());
+        Self::with_truth("flips", cases.iter().map(polytopes), truth)
     }
 
-    fn with_truth(name: &str, cases: &[Case], truth: Known) -> Result<Self> {
+    /// Of pairs of shapes of any kind, whose truth is known.
+    pub(crate) fn of_shapes(name: &str, pairs: &[ShapePair], touches: Vec<bool>) -> Result<Self> {
+        let pairs =
+            pairs.iter().map(|pair| ([pair.a.clone(), pair.b.clone()], [pair.pose_a, pair.pose_b]));
+        Self::with_truth(name, pairs, Known::YesNo(touches))
+    }
+
+    fn with_truth(
+        name: &str,
+        cases: impl ExactSizeIterator<Item = ([Shape; 2], [Pose; 2])>,
+        truth: Known,
+    ) -> Result<Self> {
         let (mut shapes, mut poses, mut in_scene) = (Vec::new(), Vec::new(), Vec::new());
         let (mut in_range, mut placed) = (Vec::new(), Vec::new());
-        for case in cases {
-            let pair = [Shape::from(case.a.clone()), Shape::from(case.b.clone())];
-            let at = [case.pose_a, case.pose_b];
+        let count = cases.len() as u32;
+        for (pair, at) in cases {
             let fits = Scene::one_each(pair.to_vec(), at.to_vec()).is_ok();
             let first = in_range.len() as u32;
             in_scene.push(fits.then(|| Pair::new(first, first + 1)));
@@ -170,7 +189,7 @@ impl Subject {
         }
         Ok(Self {
             name: name.to_owned(),
-            pairs: (0..cases.len() as u32).map(|k| [2 * k, 2 * k + 1]).collect(),
+            pairs: (0..count).map(|k| [2 * k, 2 * k + 1]).collect(),
             scene: Scene::one_each(in_range, placed).context("objects that fit pair by pair")?,
             shapes,
             poses,

@@ -1,5 +1,6 @@
 //! Where a mesh file is that a URDF or a scene names.
 
+use crate::bytes::{PACKAGE_BYTES, read_file};
 use std::collections::{BTreeSet, VecDeque};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -182,8 +183,8 @@ fn subfolders(folder: &Path) -> BTreeSet<PathBuf> {
 
 /// The name in a folder's `package.xml`, if it has one.
 fn package_name(folder: &Path) -> Option<String> {
-    let text = std::fs::read_to_string(folder.join("package.xml")).ok()?;
-    let document = roxmltree::Document::parse(&text).ok()?;
+    let bytes = read_file(&folder.join("package.xml"), PACKAGE_BYTES).ok()?;
+    let document = roxmltree::Document::parse(std::str::from_utf8(&bytes).ok()?).ok()?;
     let name = document.root_element().children().find(|child| child.has_tag_name("name"))?;
     Some(name.text()?.trim().to_owned())
 }

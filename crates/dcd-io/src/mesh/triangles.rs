@@ -1,6 +1,7 @@
 //! A triangle mesh as a file has it, whichever format that is.
 
 use super::{MeshError, collada, gltf, obj, stl};
+use crate::bytes::{MESH_BYTES, read_file};
 use crate::{RawMesh, read_ply};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -129,11 +130,11 @@ impl TriangleMesh {
     /// Reads a mesh file of the format that its name says.
     ///
     /// # Errors
-    /// Those of [`Self::read`] and [`MeshFormat::of`], and those of reading the file, all with its
-    /// path.
+    /// Those of [`Self::read`] and [`MeshFormat::of`], and those of reading the file, which has at
+    /// most 2 GiB, all with its path.
     pub fn load(path: &Path, up_axis: UpAxis) -> Result<Self, MeshError> {
         let format = MeshFormat::of(path).map_err(|error| error.inside(path))?;
-        let bytes = std::fs::read(path).map_err(MeshError::io(path))?;
+        let bytes = read_file(path, MESH_BYTES).map_err(MeshError::io(path))?;
         let options = MeshOptions { up_axis, folder: path.parent().map(Path::to_path_buf) };
         Self::read(&bytes, format, &options).map_err(|error| error.inside(path))
     }

@@ -28,6 +28,51 @@ impl ShapePair {
     }
 }
 
+/// What the shapes of a pair have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShapeFamily {
+    /// Points, segments, triangles and flat hulls with a radius: no sphere is inscribed in their cores.
+    Flat,
+    /// Hulls and cuboids, with and without a radius.
+    Polytopes,
+    /// Compounds of one to three such parts.
+    Compounds,
+    /// Triangle meshes, with and without a radius.
+    Meshes,
+    /// Cylinders and cones, with and without a radius.
+    Curved,
+}
+
+impl ShapeFamily {
+    /// All of them, in the order of a report.
+    pub const ALL: [Self; 5] =
+        [Self::Flat, Self::Polytopes, Self::Compounds, Self::Meshes, Self::Curved];
+
+    /// The family of pair `k` of [`shape_flip`].
+    #[must_use]
+    pub const fn of(k: u64) -> Self {
+        match k % 6 {
+            0 => Self::Flat,
+            1 | 2 => Self::Polytopes,
+            3 => Self::Compounds,
+            4 => Self::Meshes,
+            _ => Self::Curved,
+        }
+    }
+
+    /// Its name in a report.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Flat => "flat, rounded",
+            Self::Polytopes => "hulls and cuboids, some rounded",
+            Self::Compounds => "compounds",
+            Self::Meshes => "meshes",
+            Self::Curved => "cylinders and cones",
+        }
+    }
+}
+
 /// Whether a pair touches; `None` where that is not known.
 pub type ShapeJudge<'a> = &'a dyn Fn(&ShapePair) -> Option<bool>;
 

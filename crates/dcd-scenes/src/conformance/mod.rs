@@ -14,7 +14,7 @@ mod places;
 mod rounded;
 
 pub use flips::Slide;
-pub use kinds::{ShapeJudge, ShapePair, shape_flip};
+pub use kinds::{ShapeFamily, ShapeJudge, ShapePair, shape_flip};
 
 use crate::random::Draw;
 use bodies::Placed;

@@ -2,6 +2,7 @@
 
 use super::super::{MeshError, paths::percent_decoded};
 use super::refused;
+use crate::bytes::{MESH_BYTES, read_file};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use gltf::Document;
@@ -53,5 +54,5 @@ fn beside(uri: &str, folder: Option<&Path>, path: &str) -> Result<Vec<u8>, MeshE
         let problem = format!("{uri:?} is no file below {}", folder.display());
         return Err(refused(path, problem));
     };
-    std::fs::read(file).map_err(MeshError::io(file))
+    read_file(file, MESH_BYTES).map_err(MeshError::io(file))
 }
