@@ -101,9 +101,9 @@ mod tests {
         for threads in 1..5 {
             runs.store(0, Ordering::Relaxed);
             let done = with_threads(threads, || {
-                Exec::from(Par::Pool).tasks(9, |_| {
-                    Exec::from(Par::Pool).with_warm_threads(|exec| {
-                        exec.tasks(3, |_| Exec::from(Par::Pool).with_warm_threads(whole));
+                Exec::from(Par::WarmPool).tasks(9, |_| {
+                    Exec::from(Par::WarmPool).within_pool(|exec| {
+                        exec.tasks(3, |_| Exec::from(Par::WarmPool).within_pool(whole));
                         whole(exec);
                     });
                 });
@@ -117,22 +117,19 @@ mod tests {
     fn from_outside_the_work_moves_into_the_pool() {
         assert_eq!(rayon::current_thread_index(), None);
         let inside =
-            Exec::from(Par::Pool).with_warm_threads(|_| rayon::current_thread_index().is_some());
+            Exec::from(Par::WarmPool).within_pool(|_| rayon::current_thread_index().is_some());
         assert!(inside || crate::threads() == 1);
-        assert_eq!(
-            Exec::from(Par::Serial).with_warm_threads(|_| rayon::current_thread_index()),
-            None
-        );
+        assert_eq!(Exec::from(Par::Serial).within_pool(|_| rayon::current_thread_index()), None);
     }
 
     #[test]
     fn a_panic_passes_through_and_leaves_its_thread_free() {
         let free = with_threads(2, || {
-            let with_warm_threads = || {
-                Exec::from(Par::Pool)
-                    .with_warm_threads(|exec| exec.tasks(8, |k| assert_ne!(k, 5, "five")));
+            let within_pool = || {
+                Exec::from(Par::WarmPool)
+                    .within_pool(|exec| exec.tasks(8, |k| assert_ne!(k, 5, "five")));
             };
-            let panicked = catch_unwind(AssertUnwindSafe(with_warm_threads)).is_err();
+            let panicked = catch_unwind(AssertUnwindSafe(within_pool)).is_err();
             panicked && Engaged::begin().is_some()
         });
         assert!(matches!(free, Ok(true)));

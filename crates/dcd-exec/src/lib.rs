@@ -30,19 +30,31 @@ pub enum Par {
     /// On rayon's current pool: the global one, or that of `ThreadPool::install`.
     #[default]
     Pool,
+    /// The same pool, whose threads stay awake from section to section of a step. A sleeping thread
+    /// takes some ten microseconds to wake, longer than many a section, so a step of a millisecond
+    /// gains; but between sections each thread of the pool spins, up to a millisecond in vain, on
+    /// a core that the host might have used. `docs/performance.md` has what it gains.
+    WarmPool,
 }
 
 /// Where tasks run and who watches. Cheap to copy; made from a [`Par`].
 #[derive(Clone, Copy, Default)]
 pub struct Exec<'a> {
+    /// `Serial` or `Pool`.
     par: Par,
+    /// Whether threads of the pool are to stay awake in [`Self::within_pool`].
+    warm: bool,
     observer: Option<&'a dyn Observer>,
     keep_alive: Option<&'a KeepAlive>,
 }
 
 impl From<Par> for Exec<'_> {
     fn from(par: Par) -> Self {
-        Self { par, ..Self::default() }
+        let (par, warm) = match par {
+            Par::WarmPool => (Par::Pool, true),
+            par => (par, false),
+        };
+        Self { par, warm, ..Self::default() }
     }
 }
 
@@ -55,9 +67,9 @@ impl<'a> Exec<'a> {
         Self { observer: Some(observer), ..Self::from(par) }
     }
 
-    /// Where tasks run, for foreign code that has a parallel version of its own.
-    pub fn par(self) -> Par {
-        self.par
+    /// Whether tasks run on the pool, for foreign code that has a parallel version of its own.
+    pub fn is_pooled(self) -> bool {
+        self.par == Par::Pool
     }
 
     /// The same, but without the pool where there are so few items that it would cost more than it
@@ -66,16 +78,20 @@ impl<'a> Exec<'a> {
         if items <= few { Self { par: Par::Serial, ..self } } else { self }
     }
 
-    /// Runs `work` in the pool, whose threads, once they have taken part, stay awake until it ends:
-    /// for work of many short sections. On the calling thread if that is where tasks run.
+    /// Runs `work`, which is of many sections, inside the pool, so that it is entered once. On the calling
+    /// thread if that is where tasks run.
     ///
-    /// Threads that find nothing to do yield to whatever else the machine or the pool has to do, and
-    /// sleep after a millisecond in vain.
-    pub fn with_warm_threads<T: Send>(self, work: impl FnOnce(Exec<'_>) -> T + Send) -> T {
+    /// With [`Par::WarmPool`], threads that have taken part stay awake until it ends: those that find
+    /// nothing to do yield to whatever else the machine or the pool has to do, and sleep after a
+    /// millisecond in vain.
+    pub fn within_pool<T: Send>(self, work: impl FnOnce(Exec<'_>) -> T + Send) -> T {
         if self.par == Par::Serial || threads() == 1 {
             return work(self);
         }
         rayon::scope(|_| {
+            if !self.warm {
+                return work(self);
+            }
             let keep_alive = KeepAlive::default();
             let _engaged = Engaged::begin();
             work(Exec { keep_alive: Some(&keep_alive), ..self })
@@ -124,8 +140,8 @@ impl<'a> Exec<'a> {
     pub fn sort<T: Ord + Send>(self, items: &mut [T]) {
         let count = items.len();
         let mut sort = || match self.serial_below(count, Self::SORTED_AT_ONCE).par {
-            Par::Pool => items.par_sort_unstable(),
             Par::Serial => items.sort_unstable(),
+            Par::Pool | Par::WarmPool => items.par_sort_unstable(),
         };
         let Some(observer) = self.observer else { return sort() };
         observer.sort_begins(count);
@@ -141,7 +157,7 @@ impl<'a> Exec<'a> {
     ) -> (A, B) {
         match self.par {
             Par::Serial => (a(), b()),
-            Par::Pool => match self.keep_alive {
+            Par::Pool | Par::WarmPool => match self.keep_alive {
                 None => rayon::join(a, b),
                 Some(keep_alive) => rayon::join(a, || keep_alive.engage(b)),
             },
@@ -235,7 +251,7 @@ mod tests {
 
     #[test]
     fn every_task_runs_once_serial_or_pooled() {
-        for par in [Par::Serial, Par::Pool] {
+        for par in [Par::Serial, Par::Pool, Par::WarmPool] {
             let counts: Vec<AtomicUsize> = (0..100).map(|_| AtomicUsize::new(0)).collect();
             Exec::from(par).tasks(100, |k| {
                 counts[k].fetch_add(1, Ordering::Relaxed);
@@ -246,7 +262,7 @@ mod tests {
 
     #[test]
     fn division_gives_the_same_parts_at_any_thread_count() {
-        for par in [Par::Serial, Par::Pool] {
+        for par in [Par::Serial, Par::Pool, Par::WarmPool] {
             for len in [0, 1, 7, 8, 9, 100] {
                 let mut cells = vec![(0, 0); len];
                 Exec::from(par).divide(&mut cells[..], 8, |first, part| {
@@ -299,7 +315,7 @@ mod tests {
 
     #[test]
     fn an_observer_sees_every_section_and_task_begin_and_end() {
-        for par in [Par::Serial, Par::Pool] {
+        for par in [Par::Serial, Par::Pool, Par::WarmPool] {
             let told = Told::default();
             let exec = Exec::observed(par, &told);
             exec.stage(Stage::Pairs, || exec.tasks(10, |_| ()));

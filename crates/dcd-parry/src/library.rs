@@ -1,6 +1,6 @@
 //! What is asked of Parry, written once for both of its builds.
 
-use dcd_exec::{Exec, Par};
+use dcd_exec::Exec;
 use dcd_geom::{
     Compound, CurvedKind, Kind, Mesh, Part, Polytope, Pose, Real, Shape, SupportMap, Vector,
 };
@@ -89,7 +89,7 @@ pub trait Library: Real {
 
 /// Whether Parry's parallel functions are the faster ones.
 pub(crate) fn is_parallel(exec: Exec) -> bool {
-    exec.par() == Par::Pool && dcd_exec::threads() > 1
+    exec.is_pooled() && dcd_exec::threads() > 1
 }
 
 /// A support point of the core, in R; a custom shape is asked in f64.

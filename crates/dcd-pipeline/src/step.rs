@@ -155,7 +155,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         if scene.len() <= OBJECTS_PER_TASK {
             self.walk(scene, exec, &may);
         } else {
-            exec.with_warm_threads(|exec| self.walk(scene, exec, &may));
+            exec.within_pool(|exec| self.walk(scene, exec, &may));
         }
         Step {
             aabbs: &self.aabbs,

@@ -81,7 +81,7 @@ fn run(line: &Line) -> Result<()> {
                 Some(room) if room.size == ask.size => room,
                 _ => room.insert(Room::new(ask.size, configurations, options.seed)?),
             };
-            let par = if ask.threads == 1 { Par::Serial } else { Par::Pool };
+            let par = if ask.threads == 1 { Par::Serial } else { Par::WarmPool };
             let race = || room.race(ask.until, par, options.effort());
             with_threads(ask.threads, race)
                 .map_err(|error| anyhow::anyhow!("{} threads: {error}", ask.threads))?

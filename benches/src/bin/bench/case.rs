@@ -50,7 +50,8 @@ pub(crate) struct Case {
 impl Case {
     pub(crate) fn new(scene: Scene) -> Self {
         let mut pipeline = Pipeline::new();
-        let mut contacts: Vec<Pair> = pairs(pipeline.step(&scene, Par::Pool).contacts()).collect();
+        let mut contacts: Vec<Pair> =
+            pairs(pipeline.step(&scene, Par::WarmPool).contacts()).collect();
         contacts.sort_unstable();
         Self { scene, contacts, parry: OnceLock::new() }
     }

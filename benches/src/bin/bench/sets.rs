@@ -54,7 +54,7 @@ impl Judge {
             Self::ParryIntersection => over_all_pairs(&ParryShapes::<f64>::new(&case.scene), case),
             Self::AsWritten => {
                 let mut pipeline = double_phase(TreePairs::paper_as_written());
-                let step = pipeline.step(&case.scene, Par::Pool);
+                let step = pipeline.step(&case.scene, Par::WarmPool);
                 case.agreement_of(step.contacts(), step.report())
             }
         }
@@ -63,7 +63,7 @@ impl Judge {
 
 fn over_all_pairs<N: NarrowPhase<Answer = ()>>(narrow: &N, case: &Case) -> Agreement {
     let mut every_pair = EveryPair::new(narrow);
-    every_pair.run(&case.scene, Par::Pool.into());
+    every_pair.run(&case.scene, Par::WarmPool.into());
     every_pair.agreement(case)
 }
 
@@ -135,7 +135,7 @@ where
     };
     match threads {
         0 => Ok(step(Par::Serial)),
-        _ => with_threads(threads, || step(Par::Pool)).map_err(|error| anyhow!("{error}")),
+        _ => with_threads(threads, || step(Par::WarmPool)).map_err(|error| anyhow!("{error}")),
     }
 }
 

@@ -85,7 +85,7 @@ where
     let agreement = case.agreement_of(step.contacts(), step.report());
     let rows = timing::pairs_of(
         setting.effort.runs(first),
-        || observed(&mut parallel, case, Par::Pool),
+        || observed(&mut parallel, case, Par::WarmPool),
         || observed(&mut serial, case, Par::Serial),
     );
     Stages { rows: rows.to_vec(), agreement }

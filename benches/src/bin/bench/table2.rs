@@ -56,7 +56,7 @@ pub(crate) fn measure(setting: &Setting, units: &mut Units, cases: &mut Cases) -
     for (cutoff, sweep) in all() {
         units.run(&sweep.key(cutoff), || {
             let case = cases.get(setting.largest())?;
-            let job = Job { setting, case, exec: Par::Pool.into() };
+            let job = Job { setting, case, exec: Par::WarmPool.into() };
             Ok(job.pipeline(double_phase(sweep.broad_phase(cutoff))))
         })?;
     }

@@ -48,11 +48,11 @@ impl Variant {
     pub(crate) const ALL: [Self; 7] = [
         Self::new("our narrow phase, serial", Way::OurNarrow, Par::Serial),
         Self::new("Parry's narrow phase, serial", Way::ParryNarrow, Par::Serial),
-        Self::new("our narrow phase, parallel", Way::OurNarrow, Par::Pool),
-        Self::new("Parry's narrow phase, parallel", Way::ParryNarrow, Par::Pool),
+        Self::new("our narrow phase, parallel", Way::OurNarrow, Par::WarmPool),
+        Self::new("Parry's narrow phase, parallel", Way::ParryNarrow, Par::WarmPool),
         Self::new("double phase, serial", Way::DoublePhase, Par::Serial),
-        Self::new("double phase, parallel", Way::DoublePhase, Par::Pool),
-        Self::new("our default, parallel", Way::Ours, Par::Pool),
+        Self::new("double phase, parallel", Way::DoublePhase, Par::WarmPool),
+        Self::new("our default, parallel", Way::Ours, Par::WarmPool),
     ];
 
     const fn new(name: &'static str, way: Way, par: Par) -> Self {
@@ -74,7 +74,7 @@ impl Variant {
         let [serial, parallel] = crate::published::double_phase();
         match (self.way, self.par) {
             (Way::DoublePhase, Par::Serial) => Some(serial),
-            (Way::DoublePhase, Par::Pool) => Some(parallel),
+            (Way::DoublePhase, Par::WarmPool) => Some(parallel),
             _ => None,
         }
     }

@@ -142,7 +142,7 @@ pub(crate) fn compare(subject: &Subject, course: &Course) -> Result<Comparison> 
     let mut said = Said::default();
     let (digest, settled) = {
         let mut pipeline = Pipeline::with(WideTree::default(), Overlap::default());
-        let step = pipeline.step(&scene, Par::Pool);
+        let step = pipeline.step(&scene, Par::WarmPool);
         said.ours = Answers::ours(&step);
         let digest = Digest::of(step.contacts().map(|(i, j)| dcd_geom::Pair { i, j }));
         (digest, Method::ALL.map(|method| step.report().settled(method)).to_vec())
@@ -150,12 +150,12 @@ pub(crate) fn compare(subject: &Subject, course: &Course) -> Result<Comparison> 
     // Gone before the f32 shapes are made: at a million hulls both would not fit.
     said.parry_f64 = {
         let mut parry = ParryPipeline::<f64>::new(&scene, Query::IntersectionTest);
-        Answers::parry(&parry.place(&scene).step(Par::Pool))
+        Answers::parry(&parry.place(&scene).step(Par::WarmPool))
     };
     let mut parry = ParryPipeline::<f32>::new(&scene, course.query.into());
     let mut parry = parry.place(&scene);
     let parry_digest = {
-        let step = Ready::step(&mut parry, Par::Pool);
+        let step = Ready::step(&mut parry, Par::WarmPool);
         said.parry_f32 = Answers::parry(&step);
         Digest::of(step.contacts()).set
     };
@@ -198,7 +198,8 @@ impl Track<'_, '_> {
         if threads == 1 {
             return self.race_here(Par::Serial, threads, course);
         }
-        let race = dcd_exec::with_threads(threads, || self.race_here(Par::Pool, threads, course));
+        let race =
+            dcd_exec::with_threads(threads, || self.race_here(Par::WarmPool, threads, course));
         race.map_err(|error| anyhow!(error))?
     }
 

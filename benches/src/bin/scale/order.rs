@@ -44,7 +44,7 @@ pub(crate) fn measure(case: &Case, options: &Options, units: &mut Units) -> Resu
     units.run(&key(case), || {
         let scene = case.scene()?;
         let one = see(scene, Par::Serial, rounds)?;
-        let two = on_threads(2, || see(scene, Par::Pool, rounds))?;
+        let two = on_threads(2, || see(scene, Par::WarmPool, rounds))?;
         Ok(vec![Seen { threads: 1, ..one }, Seen { threads: 2, ..two }])
     })?;
     Ok(())

@@ -56,7 +56,7 @@ pub(crate) fn measure(case: &Case, options: &Options, units: &mut Units) -> Resu
 /// where its threads have put them.
 fn see(scene: &Scene, rounds: u32) -> Result<Seen> {
     let recorder = Recorder::default();
-    let (mut one, mut two) = (Runner::new(scene, Par::Serial), Runner::new(scene, Par::Pool));
+    let (mut one, mut two) = (Runner::new(scene, Par::Serial), Runner::new(scene, Par::WarmPool));
     let measured = timing::pairs_of(rounds, || two.times(), || one.times());
 
     let (mut programs, mut alone, mut together) = (Vec::new(), Vec::new(), Vec::new());
@@ -65,7 +65,7 @@ fn see(scene: &Scene, rounds: u32) -> Result<Seen> {
         let events = recorder.take();
         alone.push(task_times(&events));
         programs.push(Program::of(&events)?);
-        two.observed(Exec::observed(Par::Pool, &recorder));
+        two.observed(Exec::observed(Par::WarmPool, &recorder));
         together.push(task_times(&recorder.take()));
     }
     two.agrees_with(&one)?;
@@ -89,7 +89,7 @@ fn task_overhead() -> f64 {
     const TASKS: usize = 4096;
     let once = |_| {
         let (time, ()) = timing::time(|| {
-            Exec::from(Par::Pool).tasks(TASKS, |k| {
+            Exec::from(Par::WarmPool).tasks(TASKS, |k| {
                 black_box(k);
             });
         });
@@ -102,7 +102,7 @@ fn task_overhead() -> f64 {
 /// of [`IDLE`] since it worked in the same step.
 fn joining(rounds: u32) -> [f64; IDLE.len()] {
     IDLE.map(|idle| {
-        Exec::from(Par::Pool).with_warm_threads(|exec| {
+        Exec::from(Par::WarmPool).within_pool(|exec| {
             // Both threads are awake when the first of them is measured.
             beside_its_tasks(exec, 0.0);
             median((0..16 * rounds).map(|_| beside_its_tasks(exec, idle)).collect())

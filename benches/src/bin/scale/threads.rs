@@ -18,6 +18,9 @@ pub(crate) struct Run {
     threads: usize,
     /// As [`PARTS`]: first so many threads, then one.
     parts: [Pair; PARTS.len()],
+    /// The whole step with threads kept awake from section to section, then with threads that may
+    /// sleep.
+    awake: Pair,
 }
 
 fn key(case: &Case) -> String {
@@ -37,10 +40,13 @@ pub(crate) fn measure(case: &Case, options: &Options, units: &mut Units) -> Resu
         let run = |threads| {
             on_threads(threads, || {
                 let (mut many, mut one) =
-                    (Runner::new(scene, Par::Pool), Runner::new(scene, Par::Serial));
+                    (Runner::new(scene, Par::WarmPool), Runner::new(scene, Par::Serial));
                 let parts = timing::pairs_of(rounds, || many.times(), || one.times());
                 many.agrees_with(&one)?;
-                Ok(Run { threads, parts })
+                let mut asleep = Runner::new(scene, Par::Pool);
+                let awake = timing::pairs_of(rounds, || many.times(), || asleep.times())[WHOLE];
+                asleep.agrees_with(&one)?;
+                Ok(Run { threads, parts, awake })
             })
         };
         counts(options.threads()).into_iter().map(run).collect::<Result<Vec<Run>>>()
@@ -54,13 +60,16 @@ pub(crate) fn show(cases: &[Case], units: &Units, report: &mut Report) -> Result
     report.note(
         "Each number of threads takes turns with the serial step, which is the same code without \
          the pool; a speed-up is the median of the rounds' ratios. One thread in a pool of one \
-         shows what the pool itself costs.",
+         shows what the pool itself costs. Threads are kept awake from section to section \
+         (`Par::WarmPool`); the last column is what a step with threads that may sleep \
+         (`Par::Pool`) takes over that, the median of rounds in turn.",
     );
     let mut columns = ["scene", "N", "threads"].map(Column::new).to_vec();
     columns.push(Column::new("whole").unit("ms"));
     columns
         .extend(PARTS.map(|part| Column::new(format!("{part}, speed-up")).unit("×").decimals(2)));
     columns.extend(["least", "most"].map(|name| Column::new(name).unit("×").decimals(2)));
+    columns.push(Column::new("with threads that may sleep").unit("×").decimals(2));
     let mut table = Table::new("threads", "From one thread to all cores", columns);
     let title = "Speed-up of the whole step over one thread";
     let axes = [Axis::linear("threads"), Axis::linear("speed-up")];
@@ -74,6 +83,7 @@ pub(crate) fn show(cases: &[Case], units: &Units, report: &mut Report) -> Result
             row.push(whole.a.median.into());
             row.extend(run.parts.map(|part| Cell::from(part.ratio)));
             row.extend([whole.least, whole.most].map(Cell::from));
+            row.push(run.awake.ratio.into());
             table.push(row)?;
         }
         let points = runs.iter().map(|run| (run.threads as f64, run.parts[WHOLE].ratio));

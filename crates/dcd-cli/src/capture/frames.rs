@@ -93,7 +93,7 @@ impl Falling {
         let Self { pile, pipeline, contacts, scratch } = self;
         let scene = pile.scene();
         contacts.clear();
-        let touching = pipeline.step(scene, Par::Pool);
+        let touching = pipeline.step(scene, Par::WarmPool);
         contacts.extend(touching.contacts().filter_map(|(i, j)| contact(scene, i, j, scratch)));
         pile.advance(contacts)
     }

@@ -83,7 +83,7 @@ impl Replay {
         if self.threads == 1 {
             return steps(capture, narrow, Par::Serial);
         }
-        with_threads(self.threads, || steps(capture, narrow, Par::Pool))
+        with_threads(self.threads, || steps(capture, narrow, Par::WarmPool))
             .map_err(|error| Failure::at(format_args!("{} threads", self.threads), error))?
     }
 }

@@ -96,7 +96,7 @@ where
     if plan.threads == 1 {
         return Ok(steps(scene, narrow, Par::Serial, plan));
     }
-    with_threads(plan.threads, || steps(scene, narrow, Par::Pool, plan))
+    with_threads(plan.threads, || steps(scene, narrow, Par::WarmPool, plan))
         .map_err(|error| Failure::at(format_args!("{} threads", plan.threads), error))
 }
 

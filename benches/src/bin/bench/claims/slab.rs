@@ -60,7 +60,7 @@ fn add_slab(raw: &mut RawScene) {
 }
 
 fn step_of(preset: Preset, setting: &Setting, case: &Case) -> Step {
-    let job = Job { setting, case, exec: Par::Pool.into() };
+    let job = Job { setting, case, exec: Par::WarmPool.into() };
     let of_tree = |broad: TreePairs<PaperTree>| Step {
         largest_leaf: Some(largest_leaf(broad.builder, &case.scene)),
         timed: job.pipeline(double_phase(broad)),
@@ -76,7 +76,7 @@ fn step_of(preset: Preset, setting: &Setting, case: &Case) -> Step {
 fn largest_leaf(builder: PaperTree, scene: &Scene) -> u64 {
     let aabbs: Vec<Aabb> = (0..scene.len()).map(|i| scene.aabb(i)).collect();
     let mut tree = BinaryTree::default();
-    builder.build(&aabbs, Par::Pool.into(), &mut tree);
+    builder.build(&aabbs, Par::WarmPool.into(), &mut tree);
     let mut largest = 0;
     let mut rest: Vec<u32> = tree.root().into_iter().collect();
     while let Some(number) = rest.pop() {

@@ -90,7 +90,7 @@ struct Answered {
 /// Behind one broad phase, so that all are asked for the same candidates.
 fn answered<N: NarrowPhase<Answer = ()>>(case: &Case, narrow: N) -> Answered {
     let mut pipeline = Pipeline::with(WideTree::default(), narrow);
-    let step = pipeline.step(&case.scene, Par::Pool);
+    let step = pipeline.step(&case.scene, Par::WarmPool);
     let agreement = case.agreement_of(step.contacts(), step.report());
     Answered { agreement, exact: step.report().settled(Method::Exact) }
 }

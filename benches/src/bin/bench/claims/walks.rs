@@ -107,7 +107,7 @@ fn walked(setting: &Setting, way: Way, case: &Case) -> Walked {
     let step = std::cell::RefCell::new(&mut step);
     let [build, pairs] = timing::pairs_of(
         rounds,
-        || step.borrow_mut()(&mut parallel, Par::Pool),
+        || step.borrow_mut()(&mut parallel, Par::WarmPool),
         || step.borrow_mut()(&mut serial, Par::Serial),
     );
     Walked { build, pairs, candidates }
@@ -120,7 +120,7 @@ fn on_one_thread(setting: &Setting, mut step: impl FnMut(Par) -> usize + Send) -
         let step = std::cell::RefCell::new(&mut step);
         let timed = |par| [timing::time(|| step.borrow_mut()(par)).0];
         let rounds = setting.effort.runs(first);
-        let [pair] = timing::pairs_of(rounds, || timed(Par::Pool), || timed(Par::Serial));
+        let [pair] = timing::pairs_of(rounds, || timed(Par::WarmPool), || timed(Par::Serial));
         pair
     });
     measured.map_err(|error| anyhow!("{error}"))
