@@ -16,10 +16,11 @@ type Check = fn() -> Result<Vec<String>>;
 /// # Errors
 /// The first check that fails, by name.
 pub fn run() -> Result<()> {
-    let checks: [(&str, Check); 8] = [
+    let checks: [(&str, Check); 9] = [
         ("format", format),
         ("dependency policy", dependency_policy),
         ("clippy", clippy),
+        ("features", features),
         ("other processors", other_processors),
         ("docs", docs),
         ("examples", examples),
@@ -57,6 +58,15 @@ fn dependency_policy() -> Result<Vec<String>> {
 fn clippy() -> Result<Vec<String>> {
     let all = ["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"];
     cargo::shown(cargo().args(all))?;
+    Ok(Vec::new())
+}
+
+/// Features that no crate of the workspace turns on: their tests, and that the front compiles with them.
+fn features() -> Result<Vec<String>> {
+    let tests = ["test", "--quiet", "--package", "dcd-geom", "--features", "serde,mint", "--lib"];
+    cargo::shown(cargo().args(tests))?;
+    let front = ["check", "--quiet", "--package", "dcd-pipeline", "--features", "serde,mint"];
+    cargo::shown(cargo().args(front))?;
     Ok(Vec::new())
 }
 

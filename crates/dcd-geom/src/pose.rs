@@ -1,7 +1,7 @@
 //! Where an object is: a rotation and a translation, valid by construction.
 
 use crate::PoseError;
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 /// A rigid placement: a vertex v of the object's own frame is at R·v + t in the world.
 ///
@@ -36,6 +36,14 @@ impl Pose {
         }
         let matrix = DMat3::from_quat(rotation.normalize());
         Ok(Self { rotation: matrix, translation, deviation: row_deviation(&matrix) })
+    }
+
+    /// [`Pose::new`] of numbers in f32: the quaternion is widened without loss, then normalised in f64.
+    ///
+    /// # Errors
+    /// Those of [`Pose::new`].
+    pub fn from_f32(rotation: Quat, translation: Vec3) -> Result<Self, PoseError> {
+        Self::new(rotation.as_dquat(), translation.as_dvec3())
     }
 
     /// From a rotation matrix, which is taken as it is, and a translation in metres.
@@ -87,6 +95,60 @@ impl Pose {
     }
 }
 
+/// A pose as {"R": rows of the matrix, "t": translation}; what is read is checked as
+/// [`Pose::from_matrix`] checks it, and is the same pose bit for bit where the format keeps f64.
+#[cfg(feature = "serde")]
+mod serial {
+    use super::{DMat3, DVec3, Pose};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+    #[derive(Serialize, Deserialize)]
+    #[serde(rename = "Pose", deny_unknown_fields)]
+    struct Written {
+        #[serde(rename = "R")]
+        rows: [[f64; 3]; 3],
+        t: [f64; 3],
+    }
+
+    impl Serialize for Pose {
+        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+            let rows = self.rotation.transpose().to_cols_array_2d();
+            Written { rows, t: self.translation.to_array() }.serialize(serializer)
+        }
+    }
+
+    impl<'de> Deserialize<'de> for Pose {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            let Written { rows, t } = Written::deserialize(deserializer)?;
+            let rotation = DMat3::from_cols_array_2d(&rows).transpose();
+            Self::from_matrix(rotation, DVec3::from_array(t)).map_err(D::Error::custom)
+        }
+    }
+
+    #[cfg(test)]
+    mod tests {
+        use super::Pose;
+        use glam::{DQuat, DVec3};
+
+        #[test]
+        fn a_pose_is_read_back_bit_for_bit() {
+            let rotation = DQuat::from_xyzw(0.1, -0.2, 0.3, 0.9).normalize();
+            let pose = Pose::new(rotation, DVec3::new(1e-300, -0.1, 3e9)).unwrap();
+            let text = serde_json::to_string(&pose).unwrap();
+            assert_eq!(serde_json::from_str::<Pose>(&text).unwrap(), pose);
+        }
+
+        #[test]
+        fn what_is_no_pose_is_refused_with_its_value() {
+            let scaled = r#"{"R": [[2, 0, 0], [0, 2, 0], [0, 0, 2]], "t": [0, 0, 0]}"#;
+            let error = serde_json::from_str::<Pose>(scaled).unwrap_err().to_string();
+            assert!(error.contains("3e0"), "{error}");
+            let extra = r#"{"R": [[1,0,0],[0,1,0],[0,0,1]], "t": [0,0,0], "scale": 2}"#;
+            assert!(serde_json::from_str::<Pose>(extra).is_err());
+        }
+    }
+}
+
 fn finite<'a>(mut numbers: impl Iterator<Item = &'a f64>) -> Result<(), PoseError> {
     match numbers.find(|x| !x.is_finite()) {
         Some(&value) => Err(PoseError::NotFinite { value }),
@@ -125,6 +187,13 @@ mod tests {
         assert!(matches!(Pose::new(long, DVec3::ZERO), Err(PoseError::NotUnit { .. })));
         let f32_unit = DQuat::from_xyzw(0.6f32 as f64, 0.0, 0.8f32 as f64, 0.0);
         assert!(Pose::new(f32_unit, DVec3::ZERO).is_ok());
+    }
+
+    #[test]
+    fn a_pose_of_f32_numbers_is_that_of_the_same_numbers_in_f64() {
+        let (q, t) = (Quat::from_xyzw(0.6, 0.0, 0.8, 0.0), Vec3::new(0.1, -2.0, 1e30));
+        assert_eq!(Pose::from_f32(q, t), Pose::new(q.as_dquat(), t.as_dvec3()));
+        assert!(Pose::from_f32(Quat::from_xyzw(0.0, 0.0, 0.0, 1.01), t).is_err());
     }
 
     #[test]

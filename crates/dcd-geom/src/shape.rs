@@ -5,7 +5,7 @@ use crate::{
     Aabb, Compound, Curved, HalfSpace, Mesh, Polytope, Pose, ShapeError, Sphere, Support,
     SupportMap,
 };
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::fmt;
 use std::sync::Arc;
 
@@ -29,7 +29,8 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// See [`Polytope::hull`].
+    /// The convex hull of points in the shape's own frame, metres: [`Polytope::hull`]. Points inside of it cost time;
+    /// [`crate::ConvexHull`] drops them.
     ///
     /// # Errors
     /// Those of [`Polytope::hull`].
@@ -37,7 +38,7 @@ impl Shape {
         Polytope::hull(vertices).map(Self::Polytope)
     }
 
-    /// See [`Polytope::sphere`].
+    /// A sphere round the origin, metres: [`Polytope::sphere`].
     ///
     /// # Errors
     /// Those of [`Polytope::sphere`].
@@ -45,7 +46,7 @@ impl Shape {
         Polytope::sphere(radius).map(Self::Polytope)
     }
 
-    /// See [`Polytope::cuboid`].
+    /// A box round the origin, edges along the axes, by half its edges, metres: [`Polytope::cuboid`].
     ///
     /// # Errors
     /// Those of [`Polytope::cuboid`].
@@ -53,7 +54,8 @@ impl Shape {
         Polytope::cuboid(half_extents).map(Self::Polytope)
     }
 
-    /// See [`Polytope::capsule`].
+    /// A capsule along the z axis, its middle at the origin, metres; `half_height` is to the centre of
+    /// an end's sphere, so that it reaches to ±(`half_height` + `radius`): [`Polytope::capsule`].
     ///
     /// # Errors
     /// Those of [`Polytope::capsule`].
@@ -61,7 +63,7 @@ impl Shape {
         Polytope::capsule(half_height, radius).map(Self::Polytope)
     }
 
-    /// See [`Polytope::segment`].
+    /// The segment between two points, metres: [`Polytope::segment`]. With a radius, a capsule anywhere.
     ///
     /// # Errors
     /// Those of [`Polytope::segment`].
@@ -69,7 +71,7 @@ impl Shape {
         Polytope::segment(from, to).map(Self::Polytope)
     }
 
-    /// See [`Polytope::triangle`].
+    /// The triangle between three points, both sides of it, metres: [`Polytope::triangle`].
     ///
     /// # Errors
     /// Those of [`Polytope::triangle`].
@@ -77,7 +79,7 @@ impl Shape {
         Polytope::triangle(corners).map(Self::Polytope)
     }
 
-    /// See [`Curved::cylinder`].
+    /// A cylinder along the z axis, its middle at the origin, metres: [`Curved::cylinder`].
     ///
     /// # Errors
     /// Those of [`Curved::cylinder`].
@@ -85,7 +87,8 @@ impl Shape {
         Curved::cylinder(half_height, radius).map(Self::Curved)
     }
 
-    /// See [`Curved::cone`].
+    /// A cone along the z axis, its apex at z = `half_height`, its base at z = −`half_height`, metres:
+    /// [`Curved::cone`].
     ///
     /// # Errors
     /// Those of [`Curved::cone`].
@@ -93,7 +96,8 @@ impl Shape {
         Curved::cone(half_height, radius).map(Self::Curved)
     }
 
-    /// See [`HalfSpace::new`].
+    /// All points x with `normal`·x ≤ `offset` (metres times the normal's length; it need not be of
+    /// length 1): [`HalfSpace::new`]. The ground below z = 0 has the normal z and the offset 0.
     ///
     /// # Errors
     /// Those of [`HalfSpace::new`].
@@ -120,7 +124,7 @@ impl Shape {
         }
     }
 
-    /// See [`Compound::new`].
+    /// Shapes, each at a pose in the compound's own frame: [`Compound::new`].
     ///
     /// # Errors
     /// Those of [`Compound::new`].
@@ -128,12 +132,29 @@ impl Shape {
         Compound::new(parts).map(|compound| Self::Compound(Arc::new(compound)))
     }
 
-    /// See [`Mesh::new`].
+    /// A surface of triangles, both sides of them, by vertices in metres and three indices a triangle: [`Mesh::new`].
+    /// It has no inside: a shape that floats within touches nothing.
     ///
     /// # Errors
     /// Those of [`Mesh::new`].
     pub fn mesh(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self, ShapeError> {
         Mesh::new(vertices, triangles).map(|mesh| Self::Mesh(Arc::new(mesh)))
+    }
+
+    /// [`Shape::hull`] of points in f32, which f64 holds without loss.
+    ///
+    /// # Errors
+    /// Those of [`Polytope::hull`].
+    pub fn hull_from_f32(vertices: &[Vec3]) -> Result<Self, ShapeError> {
+        Self::hull(vertices.iter().map(|v| v.as_dvec3()).collect())
+    }
+
+    /// [`Shape::mesh`] of vertices in f32, which f64 holds without loss.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::new`].
+    pub fn mesh_from_f32(vertices: &[Vec3], triangles: Vec<[u32; 3]>) -> Result<Self, ShapeError> {
+        Self::mesh(vertices.iter().map(|v| v.as_dvec3()).collect(), triangles)
     }
 
     /// A shape known by its support map alone.

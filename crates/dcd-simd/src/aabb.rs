@@ -4,7 +4,9 @@ use glam::{DVec3, Vec3};
 
 /// A closed axis-aligned box in world coordinates, metres. f32, because boxes decide how much
 /// memory a broad phase reads; whoever makes one from f64 rounds outward, so that none is lost.
+/// With serde, {"min": [x, y, z], "max": [x, y, z]}; JSON has no form for an infinite one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aabb {
     /// The smallest corner.
     pub min: Vec3,
