@@ -3,6 +3,7 @@
 mod ask;
 mod contacts;
 mod crowd;
+mod picture;
 mod source;
 mod steps;
 mod summary;
@@ -13,7 +14,7 @@ use crate::failure::Failure;
 use crate::memory;
 use crate::output::{Output, check_distinct};
 use crate::precision::Precision;
-use ask::Ask;
+use ask::{Answers, Ask};
 use clap::Args;
 pub(crate) use contacts::{digest, fnv1a};
 use source::{Loaded, Source};
@@ -82,6 +83,11 @@ pub(crate) struct Detect {
     /// Write the contacts: u32 count, then u32 i, u32 j each, sorted, i < j, little endian
     #[arg(long, value_name = "FILE", conflicts_with = "capture")]
     out: Option<PathBuf>,
+    /// Write what was asked about as binary glTF 2.0, z up: objects of contacts and of undecided pairs in
+    /// another colour, the points of --query depth and manifold with their normals, the frames of
+    /// --capture as an animation at 60 Hz
+    #[arg(long, value_name = "FILE")]
+    glb: Option<PathBuf>,
 }
 
 impl Detect {
@@ -89,20 +95,25 @@ impl Detect {
         let cores = || available_parallelism().map_or(1, usize::from);
         let threads = self.threads.map_or_else(cores, usize::from);
         if let Some(path) = &self.source.capture {
-            let replayed = Replay { precision: self.precision, threads }.run(path)?;
+            check_distinct(&[path], &self.glb.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+            let replay = Replay { precision: self.precision, threads };
+            let replayed = replay.run(path, self.glb.as_deref())?;
             let text = if self.json { replayed.json() } else { replayed.text() };
             return stdout().write_all(text.as_bytes()).map_err(Failure::Output);
         }
-        let query = self.ask.query(self.precision)?;
-        let outputs = [self.out.as_deref(), self.ask.answers.as_deref()];
+        let mut query = self.ask.query(self.precision)?;
+        if self.glb.is_some() {
+            query.answers = Answers::Kept;
+        }
+        let outputs = [self.out.as_deref(), self.ask.answers.as_deref(), self.glb.as_deref()];
         let named: Vec<_> = outputs.into_iter().flatten().collect();
         let inputs = self.source.inputs();
         check_distinct(&inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &named)?;
         let Loaded { scene, clouds } = self.source.load(threads)?;
         crowd::check(&scene)?;
         // Before the work, so that a wrong path costs none.
-        let [out, answers] = outputs.map(|path| path.map(Output::create).transpose());
-        let (mut out, mut answers) = (out?, answers?);
+        let [out, answers, glb] = outputs.map(|path| path.map(Output::create).transpose());
+        let (mut out, mut answers, mut glb) = (out?, answers?, glb?);
         let plan = Plan { precision: self.precision, query, threads, repeats: self.repeat };
         let found = steps::run(&scene, plan)?;
         if let Some(file) = &mut answers {
@@ -111,8 +122,11 @@ impl Detect {
         if let Some(file) = &mut out {
             file.write(|to| contacts::write(&found.contacts, to))?;
         }
-        // When both are whole.
-        [answers, out].into_iter().flatten().try_for_each(Output::commit)?;
+        if let Some(file) = &mut glb {
+            file.write(|to| picture::write(&scene, &found, to))?;
+        }
+        // When all are whole.
+        [answers, out, glb].into_iter().flatten().try_for_each(Output::commit)?;
         let summary = Summary {
             objects: scene.len(),
             clouds,

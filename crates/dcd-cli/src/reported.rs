@@ -136,6 +136,22 @@ impl Reported {
     }
 }
 
+impl Reported {
+    /// The points in which a pair touches, halfway between its two surfaces, with the normal; none
+    /// where it was not asked.
+    pub(crate) fn contact_points(&self) -> Vec<(DVec3, DVec3)> {
+        let Some(normal) = self.normal.map(DVec3::from_array) else { return Vec::new() };
+        let halfway = |a: [f64; 3], b: [f64; 3]| {
+            ((DVec3::from_array(a) + DVec3::from_array(b)) * 0.5, normal)
+        };
+        match (&self.points, self.depth, self.point_a, self.point_b) {
+            (Some(points), ..) => points.iter().map(|p| halfway(p.point_a, p.point_b)).collect(),
+            (None, Some(_), Some(a), Some(b)) => vec![halfway(a, b)],
+            _ => Vec::new(),
+        }
+    }
+}
+
 /// The points of a manifold, the deepest first.
 pub(crate) fn points(manifold: &Manifold) -> Vec<Point> {
     let point = |point: &ManifoldPoint| Point {

@@ -14,6 +14,8 @@ mod cloud;
 mod clouds;
 pub mod data;
 mod error;
+#[cfg(feature = "meshes")]
+mod glb;
 mod hull;
 mod hull_scene;
 #[cfg(feature = "meshes")]
@@ -29,6 +31,8 @@ pub use capture::{Capture, CaptureError, place_frame};
 pub use cloud::{CloudCensus, CloudKind};
 pub use clouds::{load_clouds, read_clouds};
 pub use error::{ReadError, shown};
+#[cfg(feature = "meshes")]
+pub use glb::{GlbContact, GlbScene};
 pub use hull::{Hull, HullRefusal, convex_hull};
 pub use hull_scene::{load_hull_scene, read_hull_scene, write_hull_scene};
 #[cfg(feature = "meshes")]

@@ -3,18 +3,20 @@
 use crate::detect::{digest, fnv1a};
 use crate::failure::Failure;
 use crate::memory;
+use crate::output::Output;
 use crate::precision::Precision;
 use crate::progress::Progress;
 use dcd_broad::WideTree;
 use dcd_exec::with_threads;
 use dcd_geom::{Pair, Scene};
 use dcd_gjk::{Gjk, NarrowPhase, Overlap, OverlapUnchecked, Pairwise};
-use dcd_io::{Capture, place_frame, shown};
+use dcd_io::{Capture, GlbScene, place_frame, shown};
 use dcd_parry::ParryShapes;
 use dcd_pipeline::{Par, Pipeline};
 use serde::Serialize;
 use std::fmt::Write;
 use std::fs::File;
+use std::io;
 use std::path::Path;
 use std::time::Instant;
 
@@ -28,13 +30,16 @@ pub(crate) struct Replay {
 
 /// What one step found.
 #[derive(Debug, Serialize)]
-struct ReplayedFrame {
+pub(super) struct ReplayedFrame {
     frame: usize,
     pairs: usize,
     contacts: usize,
     undecided: usize,
     ms: f64,
     digest: String,
+    /// The objects of contacts and of undecided pairs.
+    #[serde(skip)]
+    touching: Vec<u32>,
 }
 
 /// What all found.
@@ -50,30 +55,42 @@ pub(crate) struct Replayed {
 }
 
 impl Replay {
-    /// Steps through the file's frames with one pipeline, as the recorded program did.
-    pub(crate) fn run(self, path: &Path) -> Result<Replayed, Failure> {
+    /// Steps through the file's frames with one pipeline, as the recorded program did; draws them, if a file
+    /// is named for it.
+    pub(crate) fn run(self, path: &Path, glb: Option<&Path>) -> Result<Replayed, Failure> {
         let place = shown(path);
         let file = File::open(path).map_err(|error| Failure::at(&place, error))?;
         let bytes = memory::read(&place, file)?;
         let capture = Capture::read(&bytes).map_err(|error| Failure::at(&place, error))?;
         drop(bytes);
-        let scene = capture.scene();
-        let frames = match self.precision {
-            Precision::Fast => self.on_threads(&capture, OverlapUnchecked::default()),
-            Precision::F64 => self.on_threads(&capture, Pairwise(Gjk::<f64>::default())),
-            Precision::Certified => self.on_threads(&capture, Overlap::default()),
-            Precision::ParryF32 => self.on_threads(&capture, ParryShapes::<f32>::new(scene)),
-            Precision::ParryF64 => self.on_threads(&capture, ParryShapes::<f64>::new(scene)),
-        }?;
+        // Before the work, so that a wrong path costs none.
+        let glb = glb.map(Output::create).transpose()?;
+        let frames = self.frames(&capture)?;
+        if let Some(mut file) = glb {
+            file.write(|to| draw(&capture, &frames, to))?;
+            file.commit()?;
+        }
         let bytes = frames.iter().flat_map(|frame| frame.digest.bytes());
         Ok(Replayed {
-            objects: scene.len(),
+            objects: capture.scene().len(),
             threads: self.threads,
             precision: self.precision,
             digest: format!("{:016x}", fnv1a(bytes)),
             ms: frames.iter().map(|frame| frame.ms).sum(),
             frames,
         })
+    }
+
+    /// Steps through all frames.
+    pub(super) fn frames(self, capture: &Capture) -> Result<Vec<ReplayedFrame>, Failure> {
+        let scene = capture.scene();
+        match self.precision {
+            Precision::Fast => self.on_threads(capture, OverlapUnchecked::default()),
+            Precision::F64 => self.on_threads(capture, Pairwise(Gjk::<f64>::default())),
+            Precision::Certified => self.on_threads(capture, Overlap::default()),
+            Precision::ParryF32 => self.on_threads(capture, ParryShapes::<f32>::new(scene)),
+            Precision::ParryF64 => self.on_threads(capture, ParryShapes::<f64>::new(scene)),
+        }
     }
 
     fn on_threads<N>(self, capture: &Capture, narrow: N) -> Result<Vec<ReplayedFrame>, Failure>
@@ -86,6 +103,22 @@ impl Replay {
         with_threads(self.threads, || steps(capture, narrow, Par::WarmPool))
             .map_err(|error| Failure::at(format_args!("{} threads", self.threads), error))?
     }
+}
+
+/// Frames a second in an animation.
+const RATE: f64 = 60.0;
+
+/// Writes a capture and what was found in its frames as an animation.
+pub(super) fn draw(
+    capture: &Capture,
+    found: &[ReplayedFrame],
+    out: &mut dyn io::Write,
+) -> io::Result<()> {
+    let mut glb = GlbScene::new(capture.scene());
+    for (k, (poses, found)) in capture.frames().zip(found).enumerate() {
+        glb.frame(k as f64 / RATE, poses, found.touching.iter().copied(), Vec::new())?;
+    }
+    glb.write(out)
 }
 
 fn steps<N: NarrowPhase>(
@@ -106,6 +139,11 @@ fn steps<N: NarrowPhase>(
         let ms = begun.elapsed().as_secs_f64() * 1e3;
         // In the step's own order, so that the digest sees it.
         let contacts: Vec<Pair> = step.contacts().map(|(i, j)| Pair::new(i, j)).collect();
+        let undecided = step.report().undecided().iter().map(|undecided| undecided.pair);
+        let mut touching: Vec<u32> =
+            contacts.iter().copied().chain(undecided).flat_map(|pair| [pair.i, pair.j]).collect();
+        touching.sort_unstable();
+        touching.dedup();
         frames.push(ReplayedFrame {
             frame,
             pairs: step.candidate_count(),
@@ -113,6 +151,7 @@ fn steps<N: NarrowPhase>(
             undecided: step.report().undecided().len(),
             ms,
             digest: format!("{:016x}", digest(&contacts)),
+            touching,
         });
     }
     Ok(frames)
@@ -128,7 +167,7 @@ impl Replayed {
         let mut text = String::new();
         // Writing to a string cannot fail.
         let _ = writeln!(text, "frame    pairs contacts undecided         ms digest");
-        for ReplayedFrame { frame, pairs, contacts, undecided, ms, digest } in &self.frames {
+        for ReplayedFrame { frame, pairs, contacts, undecided, ms, digest, .. } in &self.frames {
             let _ = writeln!(
                 text,
                 "{frame:>5} {pairs:>8} {contacts:>8} {undecided:>9} {ms:>10.3} {digest}"
