@@ -3,14 +3,15 @@
 
 mod judge;
 
-use dcd_geom::glam::DVec3;
-use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, Shape};
+use dcd_geom::glam::{DMat3, DVec3};
+use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, Shape, Support, SupportMap};
 use dcd_gjk::{
     Coherent, ContactSink, NarrowPhase, Overlap, PosedShape, PosedSupport, Report, Verdict, Within,
     certified,
 };
 use dcd_simd::Path;
 use judge::cases::Draw;
+use std::sync::Arc;
 
 /// Two shapes at their poses.
 type Case = [(Shape, Pose); 2];
@@ -226,4 +227,64 @@ fn the_exact_method_says_of_them_what_the_judge_says() {
         let (of_a, of_b) = (PosedSupport::polytope(&a.0, &a.1), PosedSupport::polytope(&b.0, &b.1));
         assert_eq!(certified::overlap_exactly(of_a, of_b), judged, "{a:?} {b:?}");
     }
+}
+
+/// A polytope that nothing but its support map tells of.
+struct Foreign(Polytope);
+
+impl SupportMap<f64> for Foreign {
+    fn support(&self, direction: DVec3) -> Support<f64> {
+        self.0.support(direction)
+    }
+}
+
+#[test]
+fn the_origin_of_a_foreign_map_or_of_a_moved_part_is_not_taken_for_a_point_of_it() {
+    let mut draw = Draw(34);
+    let mut near_calls = 0;
+    for k in 0..600 {
+        let out = [1.0, 1e2, 1e4, 1e6][k % 4];
+        let mut hull = |far: DVec3| {
+            Polytope::hull((0..4 + k % 5).map(|_| far + draw.vector()).collect()).unwrap()
+        };
+        let (a, b) = (hull(DVec3::ZERO), hull(DVec3::splat(out)));
+        let offset = draw.vector() * 0.5 - b.inner().centre;
+        let foreign = Shape::custom(Arc::new(Foreign(b.clone()))).unwrap();
+        let hull = Shape::from(a.clone());
+        let at = |steps: f64| Pose::from_translation(offset + DVec3::X * steps).unwrap();
+        let (mut near, mut apart) = (0.0, 10.0);
+        let touches = |pose: &Pose| {
+            let (a, b) =
+                (PosedSupport::polytope(&a, &Pose::IDENTITY), PosedSupport::polytope(&b, pose));
+            certified::overlap_exactly(a, b)
+        };
+        for _ in 0..60 {
+            let middle = 0.5 * (near + apart);
+            if touches(&at(middle)) { near = middle } else { apart = middle }
+        }
+        for unit in [0.0, 1.0, 4.0, 16.0, 64.0].map(|k| k * out * 2f64.powi(-50)) {
+            let pose = at(apart + unit);
+            let (a, b) = (
+                PosedShape { shape: &hull, pose: &Pose::IDENTITY },
+                PosedShape { shape: &foreign, pose: &pose },
+            );
+            let found = certified::overlap_of(a, b).0;
+            assert_ne!(found, Verdict::Touching(()), "{:?} {:?} {unit}", a, b.pose);
+            near_calls += usize::from(matches!(found, Verdict::Undecided(_)));
+        }
+    }
+    assert!(near_calls > 100, "{near_calls}");
+    // A part of a compound, a cylinder, far from the compound's own origin.
+    let corner = DVec3::new(1099511627776.0, 412316860416.0, 1786706395136.0);
+    let hull = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|v| corner + v);
+    let part = Pose::from_translation(DVec3::new(1048576.0, 393216.0, 1703936.0)).unwrap();
+    let cylinder = Shape::cylinder(0.5, 0.5).unwrap();
+    let turned = DMat3::from_cols(DVec3::Z, -DVec3::Y, DVec3::X);
+    let there = Pose::from_matrix(turned, DVec3::new(-1703935.0, 393216.875, -1048575.625));
+    let a = (Shape::hull(hull.to_vec()).unwrap(), Pose::from_translation(-corner).unwrap());
+    let b = (Shape::compound(vec![(cylinder, part)]).unwrap(), there.unwrap());
+    let (a, b) = (PosedShape { shape: &a.0, pose: &a.1 }, PosedShape { shape: &b.0, pose: &b.1 });
+    // 0.0248 apart, along about (−1, −1, −1).
+    assert_ne!(certified::overlap_of(a, b).0, Verdict::Touching(()));
+    assert_ne!(certified::overlap_of(b, a).0, Verdict::Touching(()));
 }

@@ -26,8 +26,18 @@ pub(super) fn parse<'a>(what: &'static str, text: &'a str) -> Result<Document<'a
     // Text and comments between elements are nodes too.
     let nodes_limit = 4 * XML_ELEMENTS as u32;
     let options = ParsingOptions { nodes_limit, ..ParsingOptions::default() };
-    Document::parse_with_options(text, options)
-        .map_err(|error| RobotError::NotOfKind { what, error: error.to_string() })
+    let refused = |error| RobotError::NotOfKind { what, error };
+    let document =
+        Document::parse_with_options(text, options).map_err(|error| refused(error.to_string()))?;
+    // The parser drops a colon before a name, and takes <:link> for a link.
+    let is_nameless = |node: &Node<'_, '_>| text[node.range()].starts_with("<:");
+    match document.descendants().find(is_nameless) {
+        None => Ok(document),
+        Some(node) => {
+            let error = format!("a prefix without a name before \":{}\"", node.tag_name().name());
+            Err(refused(error).at_line(Lines::of(text).line(node)))
+        }
+    }
 }
 
 /// Where lines begin: the parser's own search for a line walks the text from its start each time.

@@ -87,10 +87,10 @@ impl<'a> Core<'a> {
         let (reach, centre, inner) = match self {
             Self::Polytope(polytope) => {
                 let inner = polytope.inner();
-                (polytope.reach(), inner.centre, inner.radius)
+                (polytope.reach(), inner.centre, Some(inner.radius))
             }
             Self::Triangle { corners: [a, b, c], reach, .. } => {
-                (*reach, *a / 3.0 + *b / 3.0 + *c / 3.0, 0.0)
+                (*reach, *a / 3.0 + *b / 3.0 + *c / 3.0, Some(0.0))
             }
         };
         PosedSupport { map: self, pose, reach, centre, inner }

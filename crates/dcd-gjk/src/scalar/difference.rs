@@ -15,8 +15,9 @@ pub struct PosedSupport<'a, S: ?Sized> {
     /// A point near the core's middle, in its own frame, metres: where searches start. Any finite
     /// point is sound, a good one is quick.
     pub centre: DVec3,
-    /// The radius of a sphere round the centre that is inside the core, metres; 0 where none is known.
-    pub inner: f64,
+    /// The radius of a sphere round the centre that is inside the core, metres: 0 where only the centre
+    /// itself is known to be inside, to within 4·2⁻⁵³ of `reach`; `None` where not even that is.
+    pub inner: Option<f64>,
 }
 
 impl<S: ?Sized> Clone for PosedSupport<'_, S> {
@@ -44,7 +45,7 @@ impl<'a, S: ?Sized> PosedSupport<'a, S> {
         // The box's half diagonal, and room for the rounding of its length. An overflow makes it
         // infinite, and the pair then has no difference.
         let reach = corner.x.hypot(corner.y).hypot(corner.z) * (1.0 + 1e-6);
-        Self { map, pose, reach, centre: low * 0.5 + high * 0.5, inner: 0.0 }
+        Self { map, pose, reach, centre: low * 0.5 + high * 0.5, inner: None }
     }
 }
 
@@ -52,7 +53,7 @@ impl<'a> PosedSupport<'a, Polytope> {
     /// A polytope, whose reach is known.
     pub fn polytope(map: &'a Polytope, pose: &'a Pose) -> Self {
         let Sphere { centre, radius } = map.inner();
-        Self { map, pose, reach: map.reach(), centre, inner: radius }
+        Self { map, pose, reach: map.reach(), centre, inner: Some(radius) }
     }
 }
 
@@ -60,7 +61,8 @@ impl<'a> PosedSupport<'a, Shape> {
     /// A shape of a scene, whose reach is known.
     pub fn shape(map: &'a Shape, pose: &'a Pose) -> Self {
         let Sphere { centre, radius } = map.inner();
-        Self { map, pose, reach: map.reach(), centre, inner: radius }
+        let inner = map.centre_is_inside().then_some(radius);
+        Self { map, pose, reach: map.reach(), centre, inner }
     }
 }
 
@@ -110,7 +112,10 @@ where
     pub fn new(a: PosedSupport<'a, A>, b: PosedSupport<'a, B>) -> Option<Self> {
         let delta = a.pose.translation() - b.pose.translation();
         let reach = |body_reach: f64, pose: &Pose| body_reach * (1.0 + pose.deviation());
-        let inner = |radius: f64, pose: &Pose| radius * (1.0 - pose.deviation());
+        let inner = |side: Option<f64>, pose: &Pose| Some(side? * (1.0 - pose.deviation()));
+        // One centre that may be outside of its core makes the sum of both no point of the difference.
+        let inner = inner(a.inner, a.pose).zip(inner(b.inner, b.pose));
+        let inner = inner.map_or(0.0, |(of_a, of_b)| of_a + of_b);
         let size = reach(a.reach, a.pose) + reach(b.reach, b.pose) + Vector::norm1(delta);
         let scale = power_of_two_below_one(size)?;
         let wide = R::UNIT_ROUNDOFF.to_f64() < 1e-10;
@@ -127,7 +132,7 @@ where
             rotation_b: R::Mat3::from_dmat3(*rotation_b),
             delta: R::Vec3::from_dvec3(delta * scale),
             middle: R::Vec3::from_dvec3(middle * scale),
-            inner: R::from_f64((inner(a.inner, a.pose) + inner(b.inner, b.pose)) * scale),
+            inner: R::from_f64(inner * scale),
             scale: R::from_f64(scale),
             // Rounded up with room: the sum above has three roundings of its own.
             size: R::from_f64(size * scale * (1.0 + 8.0 * f64::EPSILON))

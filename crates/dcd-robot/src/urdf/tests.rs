@@ -84,6 +84,7 @@ fn what_is_not_understood_is_refused_with_its_line_and_what_makes_no_difference_
         ("xyz=\"0 0 1\"/><parent", "xyz=\"0 0\"/><parent", "2 numbers, not 3"),
         ("<collision>", "<x:collision xmlns:x=\"u\"/><collision>", "another namespace"),
         ("<axis xyz", "<axis xyz=\"1 0 0\"/><axis xyz", "two of \"axis\""),
+        ("<link name=\"b\">", "<:link name=\"b\">", "a prefix without a name before \":link\""),
         ("revolute", "ball", "joint type \"ball\" is not supported"),
     ] {
         assert_refused(&with(from, to), &[why]);

@@ -98,7 +98,7 @@ fn a_map_that_answers_nan_ends_undecided() {
         }
     }
     let pose = at(0.0, 0.0, 0.0);
-    let bad = PosedSupport { map: &Nan, pose: &pose, reach: 1.0, centre: DVec3::ZERO, inner: 0.0 };
+    let bad = PosedSupport { map: &Nan, pose: &pose, reach: 1.0, centre: DVec3::ZERO, inner: None };
     let cube = cube();
     let difference =
         Difference::<f64, _, _>::new(bad, PosedSupport::polytope(&cube, &pose)).unwrap();
