@@ -191,8 +191,11 @@ impl Report {
     }
 }
 
+/// The whole text or nothing: a run that is interrupted leaves the page that was there.
 fn write(path: &Path, text: &str) -> Result<()> {
-    fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+    let part = path.with_extension("part");
+    let write = || fs::write(&part, text).and_then(|()| fs::rename(&part, path));
+    write().with_context(|| format!("cannot write {}", path.display()))
 }
 
 #[cfg(test)]

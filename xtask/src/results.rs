@@ -61,9 +61,16 @@ pub fn take_in() -> Result<()> {
             found
         });
         let filled = filled.context(document)?;
-        fs::write(&path, filled).with_context(|| format!("cannot write {document}"))?;
+        replace(&path, &filled).with_context(|| format!("cannot write {document}"))?;
     }
     Ok(())
+}
+
+/// Puts the whole text in a document's place, or leaves it as it was.
+fn replace(path: &Path, text: &str) -> std::io::Result<()> {
+    let part = path.with_extension("part");
+    fs::write(&part, text)?;
+    fs::rename(&part, path)
 }
 
 /// The text with what stands between each pair of marks replaced by the table of that name; where

@@ -7,7 +7,7 @@ mod state;
 
 use crate::failure::{Failure, tell};
 use clap::{Args, ValueEnum};
-use dcd_io::MeshPaths;
+use dcd_io::{MeshPaths, shown};
 use dcd_pipeline::{Par, Pipeline};
 use dcd_robot::{
     AllowedPairs, LinkShapes, MeshSource, Request, Robot as Model, RobotError, Srdf, Workcell,
@@ -198,7 +198,7 @@ impl Robot {
         model.beyond_limits(&state).iter().for_each(|beyond| tell(format_args!("state: {beyond}")));
         let cell = Workcell::new(model, &world, &allowed);
         let mut cell = cell.map_err(|error| match &self.world {
-            Some(path) => Failure::at(path.display(), error),
+            Some(path) => Failure::at(shown(path), error),
             None => refused(error),
         })?;
         cell.set_state(&state).map_err(refused)?;
@@ -235,7 +235,7 @@ impl Robot {
                     request.start_in(world, model)
                 }
             });
-            return state.map_err(|error| Failure::at(path.display(), error));
+            return state.map_err(|error| Failure::at(shown(path), error));
         }
         match &self.state {
             Some(text) => {
@@ -248,14 +248,14 @@ impl Robot {
 
 fn load_srdf(path: &Path, model: &Model) -> Result<Srdf, Failure> {
     let srdf = Srdf::load(path).map_err(refused)?;
-    let notes = srdf.notes(model).map_err(|error| Failure::at(path.display(), error))?;
+    let notes = srdf.notes(model).map_err(|error| Failure::at(shown(path), error))?;
     note(path, &notes);
     Ok(srdf)
 }
 
 /// What a file says that is not used, or that a planner would warn of.
 fn note(path: &Path, notes: &[String]) {
-    notes.iter().for_each(|note| tell(format_args!("{}: {note}", path.display())));
+    notes.iter().for_each(|note| tell(format_args!("{}: {note}", shown(path))));
 }
 
 /// Each pair of names once, though links have several shapes.

@@ -26,11 +26,11 @@ pub struct Core {
     /// How much farther the core reaches than its vertices, at most, in any direction, metres: 0
     /// for polytopes.
     pub excess: f64,
-    /// Whether [`Cores::obbs`] has its boxes.
+    /// Whether [`Cores::obbs`] (of a part [`Cores::part_obbs`]) has its boxes.
     pub has_obb: bool,
     /// Whether the core is its inner and outer OBBs, both of them.
     pub is_box: bool,
-    /// The first of its parts' cores in [`Cores::cores`].
+    /// The first of its parts' cores in [`Cores::parts`].
     pub first_part: u32,
     /// How many of those it has: 0 but for compounds of at most [`MAX_PARTS`] parts.
     pub parts: u32,
@@ -78,58 +78,83 @@ impl ObbBoundsF32 {
 /// The cores of all shapes of a scene, and their vertices in f32 blocks, one after the other.
 #[derive(Clone, Debug, Default)]
 pub struct Cores {
-    cores: Vec<Core>,
+    shapes: Column,
+    parts: Column,
     blocks: Vec<Block>,
+}
+
+/// Cores, and the boxes of those that have some.
+#[derive(Clone, Debug, Default)]
+struct Column {
+    cores: Vec<Core>,
     /// One for each core, up to the last that has one.
     obbs: Vec<ObbBoundsF32>,
 }
 
+impl Column {
+    fn push(&mut self, core: Core, obb: Option<ObbBoundsF32>) {
+        self.cores.push(core);
+        if let Some(obb) = obb {
+            self.obbs.resize(self.cores.len(), ObbBoundsF32::default());
+            self.obbs[self.cores.len() - 1] = obb;
+        }
+    }
+}
+
 impl Cores {
-    /// Of these shapes. `None` if there are more than u32::MAX blocks.
-    pub(crate) fn of(shapes: &[Shape]) -> Option<Self> {
-        let mut cores = Self::default();
-        cores.cores.reserve(shapes.len());
-        cores.blocks.reserve(shapes.iter().map(block_count).sum());
-        shapes.iter().try_for_each(|shape| cores.add_shape(shape))?;
+    /// Adds those of these shapes: costs what they do, whatever is there. `false`, and nothing is changed,
+    /// if there would be more than u32::MAX blocks or parts.
+    pub(crate) fn append(&mut self, shapes: &[Shape]) -> bool {
+        let blocks: usize = shapes.iter().map(block_count).sum();
+        let parts: usize = shapes.iter().map(part_count).sum();
+        let fits = |count: usize| u32::try_from(count).is_ok();
+        if !fits(self.blocks.len() + blocks) || !fits(self.parts.cores.len() + parts) {
+            return false;
+        }
+        self.shapes.cores.reserve(shapes.len());
+        self.blocks.reserve(blocks);
+        for shape in shapes {
+            let (core, obb) = self.core(shape);
+            self.shapes.push(core, obb);
+        }
+        let first = self.shapes.cores.len() - shapes.len();
         for (k, shape) in shapes.iter().enumerate() {
             if let Shape::Compound(compound) = shape {
-                cores.add_parts(k, compound)?;
+                self.append_parts(first + k, compound);
             }
         }
-        Some(cores)
+        true
     }
 
-    fn add_shape(&mut self, shape: &Shape) -> Option<()> {
+    fn core(&mut self, shape: &Shape) -> (Core, Option<ObbBoundsF32>) {
         match shape {
-            Shape::Polytope(polytope) => self.add_polytope(polytope),
-            Shape::Curved(curved) => self.add_curved(curved),
-            _ => {
-                self.cores.push(Core::default());
-                Some(())
-            }
+            Shape::Polytope(polytope) => self.of_polytope(polytope),
+            Shape::Curved(curved) => self.of_curved(curved),
+            _ => (Core::default(), None),
         }
     }
 
     /// The cores of a compound's parts, neighbours beside each other: in the order of its tree.
-    fn add_parts(&mut self, shape: usize, compound: &Compound) -> Option<()> {
+    fn append_parts(&mut self, shape: usize, compound: &Compound) {
         if compound.parts().len() > MAX_PARTS {
-            return Some(());
+            return;
         }
-        let first_part = u32::try_from(self.cores.len()).ok()?;
+        // Their count was checked.
+        let first_part = self.parts.cores.len() as u32;
         for number in compound.tree().parts() {
             let part = &compound.parts()[number as usize];
-            match part.moved_curved() {
-                Some(curved) => self.add_moved(curved, &part.pose)?,
-                None => self.add_shape(part.placed())?,
-            }
-            self.cores.last_mut()?.part = number;
+            let (core, obb) = match part.moved_curved() {
+                Some(curved) => self.of_moved(curved, &part.pose),
+                None => self.core(part.placed()),
+            };
+            self.parts.push(Core { part: number, ..core }, obb);
         }
-        let parts = u32::try_from(self.cores.len()).ok()? - first_part;
-        self.cores[shape] = Core { first_part, parts, ..self.cores[shape] };
-        Some(())
+        let parts = self.parts.cores.len() as u32 - first_part;
+        let whole = &mut self.shapes.cores[shape];
+        *whole = Core { first_part, parts, ..*whole };
     }
 
-    fn add_polytope(&mut self, polytope: &Polytope) -> Option<()> {
+    fn of_polytope(&mut self, polytope: &Polytope) -> (Core, Option<ObbBoundsF32>) {
         let core = Core {
             inner: polytope.inner().radius,
             outer: polytope.outer_radius(),
@@ -138,10 +163,10 @@ impl Cores {
             centre: polytope.inner().centre,
             ..Core::default()
         };
-        self.add(core, polytope.vertices(), polytope.obb())
+        self.with_blocks(core, polytope.vertices(), polytope.obb())
     }
 
-    fn add_curved(&mut self, curved: &Curved) -> Option<()> {
+    fn of_curved(&mut self, curved: &Curved) -> (Core, Option<ObbBoundsF32>) {
         let hull = Inscribed::of(curved);
         let core = Core {
             inner: hull.inner.radius,
@@ -152,12 +177,12 @@ impl Cores {
             excess: hull.excess,
             ..Core::default()
         };
-        self.add(core, &hull.vertices, hull.obb.as_ref())
+        self.with_blocks(core, &hull.vertices, hull.obb.as_ref())
     }
 
     /// A curved part in its place: R·v + t of the hull's vertices, each rounded. The reach counts
     /// twice, for what they and the centre lose by that (docs/numerics.md, "parts").
-    fn add_moved(&mut self, curved: &Curved, pose: &Pose) -> Option<()> {
+    fn of_moved(&mut self, curved: &Curved, pose: &Pose) -> (Core, Option<ObbBoundsF32>) {
         let hull = Inscribed::of(curved);
         let stretch = 1.0 + pose.deviation();
         let reach = curved.reach() * stretch + pose.translation().length();
@@ -172,38 +197,63 @@ impl Cores {
             ..Core::default()
         };
         let obb = hull.obb.and_then(|obb| obb.turned(pose, reach));
-        self.add(core, &vertices, obb.as_ref())
+        self.with_blocks(core, &vertices, obb.as_ref())
     }
 
-    fn add(&mut self, core: Core, vertices: &[DVec3], obb: Option<&ObbBounds>) -> Option<()> {
-        let first = u32::try_from(self.blocks.len()).ok()?;
+    /// The core with its vertices and boxes.
+    fn with_blocks(
+        &mut self,
+        core: Core,
+        vertices: &[DVec3],
+        obb: Option<&ObbBounds>,
+    ) -> (Core, Option<ObbBoundsF32>) {
+        // Their count was checked.
+        let first = self.blocks.len() as u32;
         self.blocks.extend(local_blocks(vertices, core.centre));
-        let blocks = u32::try_from(self.blocks.len()).ok()? - first;
+        let blocks = self.blocks.len() as u32 - first;
         let has_obb = obb.is_some();
         let is_box = obb.is_some_and(ObbBounds::is_the_shape);
-        self.cores.push(Core { first, blocks, has_obb, is_box, ..core });
-        if let Some(obb) = obb {
-            self.obbs.resize(self.cores.len(), ObbBoundsF32::default());
-            self.obbs[self.cores.len() - 1] = ObbBoundsF32::of(obb);
-        }
-        Some(())
+        (Core { first, blocks, has_obb, is_box, ..core }, obb.map(ObbBoundsF32::of))
     }
 
-    /// One for each shape of the scene, then those of compounds' parts.
+    /// One for each shape of the scene.
     pub fn cores(&self) -> &[Core] {
-        &self.cores
+        &self.shapes.cores
     }
 
-    /// For each core its boxes, up to the last that has some; meaningful where
+    /// For each shape its boxes, up to the last that has some; meaningful where
     /// [`Core::has_obb`] is set.
     pub fn obbs(&self) -> &[ObbBoundsF32] {
-        &self.obbs
+        &self.shapes.obbs
+    }
+
+    /// Those of the parts of compounds: of each one after the other, from [`Core::first_part`] on.
+    pub fn parts(&self) -> &[Core] {
+        &self.parts.cores
+    }
+
+    /// For each of [`Cores::parts`] its boxes, as [`Cores::obbs`] has them.
+    pub fn part_obbs(&self) -> &[ObbBoundsF32] {
+        &self.parts.obbs
+    }
+
+    /// Whether any has boxes.
+    pub fn have_obbs(&self) -> bool {
+        !self.shapes.obbs.is_empty() || !self.parts.obbs.is_empty()
     }
 
     /// The vertices of a core, relative to its centre.
     #[inline]
     pub fn blocks(&self, core: &Core) -> &[Block] {
         &self.blocks[core.first as usize..][..core.blocks as usize]
+    }
+}
+
+/// How many cores its parts have.
+fn part_count(shape: &Shape) -> usize {
+    match shape {
+        Shape::Compound(compound) if compound.parts().len() <= MAX_PARTS => compound.parts().len(),
+        _ => 0,
     }
 }
 
@@ -246,11 +296,17 @@ pub(crate) fn local_blocks(vertices: &[DVec3], centre: DVec3) -> impl Iterator<I
 mod tests {
     use super::*;
 
+    fn of(shapes: &[Shape]) -> Cores {
+        let mut cores = Cores::default();
+        assert!(cores.append(shapes));
+        cores
+    }
+
     #[test]
     fn the_last_block_is_filled_up_with_the_last_vertex() {
         let points = (0..20).map(|k| DVec3::new(f64::from(k), f64::from(k % 3), 1.0)).collect();
         let shapes = [Shape::hull(points).unwrap(), Shape::cylinder(1.0, 2.0).unwrap()];
-        let cores = Cores::of(&shapes).unwrap();
+        let cores = of(&shapes);
         let [hull, cylinder] = [0, 1].map(|k| cores.cores()[k]);
         assert_eq!((hull.first, hull.blocks, cylinder.first, cylinder.blocks), (0, 2, 2, 3));
         let last = cores.blocks(&hull)[1];
@@ -260,17 +316,20 @@ mod tests {
     }
 
     #[test]
-    fn the_parts_of_compounds_come_after_the_shapes() {
+    fn the_parts_of_compounds_stand_apart_from_the_shapes_in_the_order_of_their_tree() {
         let cube = Shape::cuboid(DVec3::ONE).unwrap();
         let parts = (0..20).map(|k| {
             (cube.clone(), Pose::from_translation(DVec3::X * f64::from(k * 7 % 20)).unwrap())
         });
         let compound = Compound::new(parts.collect()).unwrap();
         let shapes = [Shape::from(compound.clone()), cube];
-        let cores = Cores::of(&shapes).unwrap();
-        let whole = cores.cores()[0];
-        assert_eq!((whole.first_part, whole.parts, whole.blocks), (2, 20, 0));
-        let parts = &cores.cores()[2..];
+        let mut cores = of(&shapes);
+        // Another one behind them, as if it had been there from the start.
+        assert!(cores.append(&shapes[..1]));
+        let (whole, again) = (cores.cores()[0], cores.cores()[2]);
+        assert_eq!((whole.first_part, whole.parts, whole.blocks), (0, 20, 0));
+        assert_eq!((again.first_part, again.parts, cores.parts().len()), (20, 20, 40));
+        let parts = &cores.parts()[..20];
         let mut numbers: Vec<u32> = parts.iter().map(|core| core.part).collect();
         numbers.sort_unstable();
         assert_eq!(numbers, (0..20).collect::<Vec<_>>());
@@ -285,8 +344,8 @@ mod tests {
     fn of_a_compound_of_very_many_parts_the_lanes_know_nothing() {
         let part = (Shape::sphere(1.0).unwrap(), Pose::IDENTITY);
         let shape = |parts| Shape::compound(vec![part.clone(); parts]).unwrap();
-        let cores = Cores::of(&[shape(MAX_PARTS), shape(MAX_PARTS + 1)]).unwrap();
+        let cores = of(&[shape(MAX_PARTS), shape(MAX_PARTS + 1)]);
         assert_eq!([0, 1].map(|k| cores.cores()[k].parts), [MAX_PARTS as u32, 0]);
-        assert_eq!(cores.cores().len(), 2 + MAX_PARTS);
+        assert_eq!((cores.cores().len(), cores.parts().len()), (2, MAX_PARTS));
     }
 }

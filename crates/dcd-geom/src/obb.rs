@@ -105,7 +105,12 @@ fn surface_area(half: DVec3) -> f64 {
 /// A convex region round the sphere's centre that meets no face lies inside the hull, as the sphere
 /// does (docs/numerics.md, "inner spheres"); a box misses a face if it stays on the inner side of the
 /// nearest of its corners.
-fn largest_inside(surface: &Surface, inside: Sphere, axes: &DMat3, outer: DVec3) -> Option<DVec3> {
+fn largest_inside(
+    surface: &Surface<'_>,
+    inside: Sphere,
+    axes: &DMat3,
+    outer: DVec3,
+) -> Option<DVec3> {
     if !(inside.radius > 0.0) {
         return None;
     }

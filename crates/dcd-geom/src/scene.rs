@@ -9,7 +9,6 @@ mod tests;
 
 pub use object::{Filter, Handle, Motion, Object, ObjectRef, Revision};
 
-use crate::core::block_count;
 use crate::{Aabb, Cores, Pose, SceneError, Shape};
 use ignored::IgnoredPairs;
 use std::sync::Arc;
@@ -21,7 +20,8 @@ use std::sync::Arc;
 /// is in no pair, and is taken by the next object.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
-    shapes: Arc<[Shape]>,
+    shapes: Arc<Vec<Shape>>,
+    shape_revision: Revision,
     cores: Cores,
     shape_of: Vec<u32>,
     poses: Vec<Pose>,
@@ -56,8 +56,8 @@ impl Scene {
         shapes: Vec<Shape>,
         objects: impl IntoIterator<Item = Object>,
     ) -> Result<Self, SceneError> {
-        let cores = derive_cores(&shapes)?;
-        let mut scene = Self { shapes: shapes.into(), cores, ..Self::default() };
+        let mut scene = Self::default();
+        scene.add_shapes(shapes)?;
         for object in objects {
             scene.place(object)?;
         }
@@ -110,10 +110,9 @@ impl Scene {
         &self.shapes
     }
 
-    /// The shapes, to be kept: whoever derives something from them can tell by `Arc::ptr_eq` that
-    /// it is still of this scene.
-    pub fn shared_shapes(&self) -> &Arc<[Shape]> {
-        &self.shapes
+    /// Marks the shapes: whoever derives something from them can tell that it is still of this scene.
+    pub fn shape_revision(&self) -> Revision {
+        self.shape_revision
     }
 
     /// What the lanes read of the shapes.
@@ -199,12 +198,6 @@ impl Scene {
             Slot::Free => Aabb::EMPTY,
         }
     }
-}
-
-fn derive_cores(shapes: &[Shape]) -> Result<Cores, SceneError> {
-    check_count("shapes", shapes.len())?;
-    let (what, count) = ("blocks of vertices", shapes.iter().map(block_count).sum());
-    Cores::of(shapes).ok_or(SceneError::TooMany { what, count })
 }
 
 /// That a scene may have this many of something.

@@ -116,35 +116,37 @@ fn directions() -> impl Iterator<Item = DVec3> {
 ///
 /// Rounding may make it other than the hull, never open: a point takes the place of the triangles
 /// that it sees by the cone over their boundary, whichever they are.
-pub(crate) struct Surface {
-    faces: Vec<([u32; 3], Face)>,
+pub(crate) struct Surface<'p> {
+    points: &'p [DVec3],
+    faces: Vec<Face>,
 }
 
-impl Surface {
+impl<'p> Surface<'p> {
     /// `None` where the points are flat, or an overflow leaves no normal.
-    pub(crate) fn around(points: &[DVec3]) -> Option<Self> {
+    pub(crate) fn around(points: &'p [DVec3]) -> Option<Self> {
         let corners = tetrahedron(points)?;
-        let mut surface = Self { faces: Vec::with_capacity(2 * points.len()) };
+        let mut surface = Self { points, faces: Vec::with_capacity(2 * points.len()) };
         for skipped in 0..4 {
             let [a, b, c] = [1, 2, 3].map(|k| corners[(skipped + k) % 4]);
             // Every other turn of four corners is odd.
             let outward = if skipped % 2 == 1 { [a, b, c] } else { [a, c, b] };
-            surface.add(points, outward)?;
+            surface.add(outward)?;
         }
         let size = reach(points.iter().map(|&p| p - points[0]));
         let mut edges = Vec::new();
         for (k, &p) in (0u32..).zip(points) {
             edges.clear();
-            surface.faces.retain(|(corners, face)| {
-                let sees = face.height(p) < -COPLANAR * size;
+            surface.faces.retain(|face| {
+                let sees = face.height(points, p) < -COPLANAR * size;
                 if sees {
+                    let corners = face.corners;
                     edges.extend((0..3).map(|e| [corners[e], corners[(e + 1) % 3]]));
                 }
                 !sees
             });
             for &[a, b] in &edges {
                 if !edges.contains(&[b, a]) {
-                    surface.add(points, [a, b, k])?;
+                    surface.add([a, b, k])?;
                 }
             }
         }
@@ -154,11 +156,16 @@ impl Surface {
     /// Each triangle's inward normal, of unit length but for rounding, and how far along it the
     /// nearest of its corners is outside of `centre`: see [`Face::clearance`].
     pub(crate) fn planes(&self, centre: DVec3) -> impl Iterator<Item = (DVec3, f64)> + '_ {
-        self.faces.iter().map(move |(_, face)| (face.inward, face.clearance(centre)))
+        self.faces.iter().map(move |face| (face.inward, face.clearance(self.points, centre)))
     }
 
-    fn add(&mut self, points: &[DVec3], corners: [u32; 3]) -> Option<()> {
-        self.faces.push((corners, Face::new(corners.map(|k| points[k as usize]))?));
+    /// The corners of all faces, one face after the other.
+    fn corners(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
+        self.faces.iter().flat_map(|face| face.at(self.points))
+    }
+
+    fn add(&mut self, corners: [u32; 3]) -> Option<()> {
+        self.faces.push(Face::new(self.points, corners)?);
         Some(())
     }
 }
@@ -179,30 +186,34 @@ fn tetrahedron(points: &[DVec3]) -> Option<[u32; 4]> {
     Some(if outward { [0, b, c, d] } else { [0, c, b, d] })
 }
 
-/// A triangle of the made surface: a corner and its inward normal, of unit length but for
-/// rounding.
+/// A triangle of the made surface: its corners by number, and its inward normal, of unit length but
+/// for rounding.
 struct Face {
-    corners: [DVec3; 3],
+    corners: [u32; 3],
     inward: DVec3,
 }
 
 impl Face {
-    fn new(corners: [DVec3; 3]) -> Option<Self> {
-        let [a, b, c] = corners;
+    fn new(points: &[DVec3], corners: [u32; 3]) -> Option<Self> {
+        let [a, b, c] = corners.map(|k| points[k as usize]);
         let normal = (c - a).cross(b - a);
         let length = normal.length();
         // False for NaN too, which an overflow makes.
         (length > 0.0 && length.is_finite()).then(|| Self { corners, inward: normal / length })
     }
 
+    fn at(&self, points: &[DVec3]) -> [DVec3; 3] {
+        self.corners.map(|k| points[k as usize])
+    }
+
     /// How far `p` is on the inner side, approximately.
-    fn height(&self, p: DVec3) -> f64 {
-        self.inward.dot(p - self.corners[0])
+    fn height(&self, points: &[DVec3], p: DVec3) -> f64 {
+        self.inward.dot(p - points[self.corners[0] as usize])
     }
 
     /// Whether det(a − p, b − p, c − p) is surely positive: p is on the inner side.
-    fn surely_sees(&self, p: DVec3) -> bool {
-        let [a, b, c] = self.corners.map(|corner| corner - p);
+    fn surely_sees(&self, points: &[DVec3], p: DVec3) -> bool {
+        let [a, b, c] = self.at(points).map(|corner| corner - p);
         let (m, n) = (b.abs(), c.abs());
         let minors =
             DVec3::new(m.y * n.z + m.z * n.y, m.z * n.x + m.x * n.z, m.x * n.y + m.y * n.x);
@@ -211,34 +222,30 @@ impl Face {
     }
 
     /// A lower bound on the distance from `p` to the triangle, up to rounding.
-    fn clearance(&self, p: DVec3) -> f64 {
-        let along = self.corners.map(|corner| self.inward.dot(p - corner));
+    fn clearance(&self, points: &[DVec3], p: DVec3) -> f64 {
+        let along = self.at(points).map(|corner| self.inward.dot(p - corner));
         along.into_iter().fold(f64::INFINITY, f64::min) / self.inward.length()
     }
 }
 
-fn inside_of(surface: &Surface) -> Option<Sphere> {
-    let centre = deepest(&surface.faces)?;
-    let radius = proved_radius(&surface.faces, centre)?;
+fn inside_of(surface: &Surface<'_>) -> Option<Sphere> {
+    let centre = deepest(surface)?;
+    let radius = proved_radius(surface, centre)?;
     Some(Sphere { centre, radius })
 }
 
 /// A point far from all faces: from their mean, pushed away from the nearest one again and again,
 /// by steps that shrink.
-fn deepest(faces: &[([u32; 3], Face)]) -> Option<DVec3> {
-    let weight = 1.0 / (3 * faces.len()).max(1) as f64;
-    let corners = || faces.iter().flat_map(|(_, face)| face.corners);
-    let mut centre = corners().fold(DVec3::ZERO, |sum, p| sum + p * weight);
-    let nearest = |p: DVec3| {
-        let heights = faces.iter().map(|(_, face)| (face.height(p), face.inward));
-        heights.reduce(|least, next| if next.0 < least.0 { next } else { least })
-    };
-    let (mut height, mut inward) = nearest(centre)?;
+fn deepest(surface: &Surface<'_>) -> Option<DVec3> {
+    let weight = 1.0 / (3 * surface.faces.len()).max(1) as f64;
+    let mut centre = surface.corners().fold(DVec3::ZERO, |sum, p| sum + p * weight);
+    let mut planes = Planes::of(surface);
+    let (mut height, mut nearest) = planes.nearest(centre)?;
     let (mut best, mut best_height) = (centre, height);
-    let mut step = FIRST_PUSH * reach(corners().map(|p| p - centre));
+    let mut step = FIRST_PUSH * reach(surface.corners().map(|p| p - centre));
     for _ in 0..PUSHES {
-        centre += inward * step;
-        (height, inward) = nearest(centre)?;
+        centre += surface.faces[nearest].inward * step;
+        (height, nearest) = planes.nearest(centre)?;
         if height > best_height {
             (best, best_height) = (centre, height);
         }
@@ -247,17 +254,66 @@ fn deepest(faces: &[([u32; 3], Face)]) -> Option<DVec3> {
     Some(best)
 }
 
+/// The planes of all faces, four at a time: a row a coordinate, which any compiler makes vectors of.
+struct Planes {
+    blocks: Vec<PlaneBlock>,
+    heights: Vec<[f64; 4]>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct PlaneBlock {
+    inward: [[f64; 4]; 3],
+    base: [[f64; 4]; 3],
+}
+
+impl Planes {
+    /// The last block is filled up with the last face.
+    fn of(surface: &Surface<'_>) -> Self {
+        let block = |faces: &[Face]| {
+            let mut block = PlaneBlock::default();
+            for lane in 0..4 {
+                let face = &faces[lane.min(faces.len() - 1)];
+                for axis in 0..3 {
+                    block.inward[axis][lane] = face.inward[axis];
+                    block.base[axis][lane] = surface.points[face.corners[0] as usize][axis];
+                }
+            }
+            block
+        };
+        let blocks: Vec<_> = surface.faces.chunks(4).map(block).collect();
+        Self { heights: vec![[0.0; 4]; blocks.len()], blocks }
+    }
+
+    /// The least height of a point above a face, and the first face that it is that of: as
+    /// [`Face::height`] has it, bit for bit.
+    fn nearest(&mut self, p: DVec3) -> Option<(f64, usize)> {
+        let mut least = [f64::INFINITY; 4];
+        for (PlaneBlock { inward, base }, heights) in self.blocks.iter().zip(&mut self.heights) {
+            for lane in 0..4 {
+                let [x, y, z] =
+                    [0, 1, 2].map(|axis| inward[axis][lane] * (p[axis] - base[axis][lane]));
+                heights[lane] = x + y + z;
+                least[lane] = if heights[lane] < least[lane] { heights[lane] } else { least[lane] };
+            }
+        }
+        let least = least.into_iter().fold(f64::INFINITY, f64::min);
+        let face = self.heights.as_flattened().iter().position(|&height| height == least)?;
+        Some((least, face))
+    }
+}
+
 /// The radius of a sphere round `centre` that surely misses every face, if every face surely sees
 /// the centre on its inner side.
-fn proved_radius(faces: &[([u32; 3], Face)], centre: DVec3) -> Option<f64> {
+fn proved_radius(surface: &Surface<'_>, centre: DVec3) -> Option<f64> {
+    let Surface { points, faces } = surface;
     let mut clearance = f64::INFINITY;
-    for (_, face) in faces {
-        if !face.surely_sees(centre) {
+    for face in faces {
+        if !face.surely_sees(points, centre) {
             return None;
         }
-        clearance = clearance.min(face.clearance(centre));
+        clearance = clearance.min(face.clearance(points, centre));
     }
-    let size = reach(faces.iter().flat_map(|(_, face)| face.corners).map(|p| p - centre));
+    let size = reach(surface.corners().map(|p| p - centre));
     let radius = clearance * (1.0 - 8.0 * U) - 5.0 * U * size * (1.0 + 8.0 * U);
     // False for NaN and for no face at all.
     (radius > 0.0 && radius.is_finite()).then_some(radius)
@@ -288,13 +344,13 @@ mod tests {
             let faces = Surface::around(&points).unwrap().faces;
             let edges: Vec<[u32; 2]> = faces
                 .iter()
-                .flat_map(|(c, _)| [[c[0], c[1]], [c[1], c[2]], [c[2], c[0]]])
+                .flat_map(|face| (0..3).map(|e| [face.corners[e], face.corners[(e + 1) % 3]]))
                 .collect();
             for &[a, b] in &edges {
                 assert_eq!(edges.iter().filter(|e| **e == [b, a]).count(), 1);
             }
-            for (_, face) in &faces {
-                assert!(points.iter().all(|&p| face.height(p) > -1e-12));
+            for face in &faces {
+                assert!(points.iter().all(|&p| face.height(&points, p) > -1e-12));
             }
         }
     }

@@ -2,15 +2,14 @@
 
 use crate::{Library, Query};
 use dcd_geom::glam::{DMat3, DVec3};
-use dcd_geom::{Pair, Pose, Scene, Shape};
+use dcd_geom::{Pair, Pose, Revision, Scene, Shape};
 use dcd_gjk::{ContactSink, Method, Reason, Verdict};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
 
 /// Parry's shapes, made once for the shapes of a scene.
 pub(crate) struct Forms<R: Library> {
-    /// The shapes that they were made for, kept so that they are known again.
-    source: Arc<[Shape]>,
+    /// Of the shapes that they were made for.
+    source: Revision,
     forms: Vec<Form<R>>,
 }
 
@@ -42,7 +41,7 @@ impl<R: Library> Placement<R> {
     }
 
     /// A shape, by index and itself, at a pose.
-    fn at(index: u32, shape: &Shape, pose: &Pose) -> Self {
+    pub(crate) fn at(index: u32, shape: &Shape, pose: &Pose) -> Self {
         let pose = &in_parrys_frame(shape, pose);
         let farthest = pose.translation().length() + reach(shape);
         // Two objects that are not far are within the range. Written so that NaN is far.
@@ -79,13 +78,13 @@ impl<R: Library> Forms<R> {
     /// Of the scene's shapes: hulls are what costs.
     pub(crate) fn of(scene: &Scene) -> Self {
         let made = |shape: &Shape| Form { form: R::form(shape), reach: reach(shape) };
-        let source = Arc::clone(scene.shared_shapes());
-        Self { forms: source.iter().map(made).collect(), source }
+        let forms = scene.shapes().iter().map(made).collect();
+        Self { forms, source: scene.shape_revision() }
     }
 
     /// Whether they were made for the shapes of this scene.
     pub(crate) fn fit(&self, scene: &Scene) -> bool {
-        Arc::ptr_eq(&self.source, scene.shared_shapes())
+        self.source == scene.shape_revision()
     }
 
     /// The shape's index for each that Parry refused.
@@ -103,11 +102,6 @@ impl<R: Library> Forms<R> {
     pub(crate) fn boxed(&self, placement: &Placement<R>) -> R::Box {
         let form = self.forms[placement.shape as usize].form.as_ref();
         form.map_or(R::NO_BOX, |form| R::boxed(form, &placement.pose))
-    }
-
-    /// A shape at a pose.
-    pub(crate) fn place(&self, shape: u32, pose: &Pose) -> Placement<R> {
-        Placement::at(shape, &self.source[shape as usize], pose)
     }
 
     /// What the query says of two objects.

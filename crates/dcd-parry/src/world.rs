@@ -13,6 +13,8 @@ const CONFIGURATIONS_PER_TASK: usize = 64;
 /// each obstacle that it names. A panic of Parry's is passed on.
 pub struct ParryWorld<R: Library> {
     query: Query,
+    /// The obstacles, and behind their shapes those of the links.
+    scene: Scene,
     forms: Forms<R>,
     obstacles: Vec<Placement<R>>,
     tree: R::Tree,
@@ -54,13 +56,15 @@ impl<R: Library> ParryWorld<R> {
         let obstacles: Vec<_> = (0..scene.len()).map(|i| Placement::of(&all, i)).collect();
         let mut tree = R::Tree::default();
         R::build(obstacles.iter().map(|placement| forms.boxed(placement)), &mut tree);
-        Ok(Self { query, forms, obstacles, tree, links })
+        Ok(Self { query, scene: all, forms, obstacles, tree, links })
     }
 
     /// Takes in the poses of configurations, one after the other, one pose a link.
     pub fn place(&self, poses: &[Pose]) -> Posed<R> {
         let links = self.links.clone().cycle();
-        Posed(links.zip(poses).map(|(shape, pose)| self.forms.place(shape, pose)).collect())
+        let shapes = self.scene.shapes();
+        let place = |(shape, pose)| Placement::at(shape, &shapes[shape as usize], pose);
+        Posed(links.zip(poses).map(place).collect())
     }
 
     /// Replaces `hits` by what Parry says, configuration by configuration and link by link.

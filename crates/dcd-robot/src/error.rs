@@ -1,7 +1,7 @@
 //! What can be wrong with a robot, its world or a state, always with the name and the value.
 
 use dcd_geom::{PoseError, SceneError, ShapeError};
-use dcd_io::{MeshError, MeshNotFound};
+use dcd_io::{MeshError, MeshNotFound, shown};
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
@@ -185,9 +185,9 @@ impl RobotError {
 impl fmt::Display for RobotError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Io { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::Io { path, error } => write!(f, "{}: {error}", shown(path)),
             Self::Syntax { what, place, error } => {
-                write!(f, "{}: no {what}: {}", place.display(), error.trim_end())
+                write!(f, "{}: no {what}: {}", shown(place), error.trim_end())
             }
             Self::NotOfKind { what, error } => write!(f, "no {what}: {}", error.trim_end()),
             Self::AtLine { line, error } => write!(f, "line {line}: {error}"),
@@ -199,7 +199,7 @@ impl fmt::Display for RobotError {
             Self::NoShapes { robot } => {
                 write!(f, "robot {robot:?} has no collision geometry: nothing of it could touch")
             }
-            Self::InFile { place, error } => write!(f, "{}: {error}", place.display()),
+            Self::InFile { place, error } => write!(f, "{}: {error}", shown(place)),
             Self::Unknown { what, name, user } => write!(f, "{user}: there is no {what} {name:?}"),
             Self::Twice { what, name } => write!(f, "there are two of {what} {name:?}"),
             Self::NotATree { link } => {

@@ -51,7 +51,7 @@ pub fn problems_in(packed: impl Read, archive: &Path) -> Result<Vec<Problem>, Ro
             Kind::Request => slot.request.replace(Request::read(text).map_err(inside)?).is_some(),
         };
         if twice {
-            let name = path.display().to_string();
+            let name = dcd_io::shown(path);
             return Err(inside(RobotError::Twice { what: "file", name }));
         }
         Ok(())
@@ -75,7 +75,7 @@ pub fn problems_in(packed: impl Read, archive: &Path) -> Result<Vec<Problem>, Ro
             }
             (scene, _) => {
                 let what = if scene.is_some() { "request" } else { "scene" };
-                let user = archive.display().to_string();
+                let user = dcd_io::shown(archive);
                 return Err(RobotError::Unknown { what, name: format!("{set}/{number}"), user });
             }
         }

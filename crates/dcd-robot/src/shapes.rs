@@ -70,7 +70,8 @@ impl<'a> Shapes<'a> {
             return Ok(known.clone());
         }
         let mesh = self.source.load(&key.0, scale, user)?;
-        let notes = mesh.warnings.iter().map(|warning| format!("{}: {warning}", key.0.display()));
+        let notes =
+            mesh.warnings.iter().map(|warning| format!("{}: {warning}", dcd_io::shown(&key.0)));
         self.notes.extend(notes);
         let shape = match self.source.shapes {
             LinkShapes::Hulls => Shape::hull(corners(mesh.vertices)),

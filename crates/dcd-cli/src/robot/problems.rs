@@ -6,6 +6,7 @@ use super::rival::{Rival, parry_pose};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 use dcd_geom::{Object, Pair, Pose, Scene};
+use dcd_io::shown;
 use dcd_pipeline::{LinkSet, Other, Overlap, Par, StaticWorld};
 use dcd_robot::{AllowedPairs, Problem, Robot, Srdf, Workcell, read_problems};
 use serde::Serialize;
@@ -100,14 +101,14 @@ pub(super) fn check(given: &Given<'_>, archive: &Path) -> Result<Checked, Failur
     let progress = Progress::over(problems.len() as u64, "problems");
     for problem in &problems {
         progress.step();
-        let place = || format!("{}: {}/{}", archive.display(), problem.set, problem.number);
+        let place = || format!("{}: {}/{}", shown(archive), problem.set, problem.number);
         checked.add(given, problem, &mut runner).map_err(|e| match e {
             Failure::Input(message) => Failure::at(place(), message),
             other => other,
         })?;
     }
     for (note, count) in &runner.notes {
-        tell(format_args!("{}: in {count} problems: {note}", archive.display()));
+        tell(format_args!("{}: in {count} problems: {note}", shown(archive)));
     }
     let [ours, parrys] = runner.spent.map(|spent| spent.as_secs_f64() * 1e3);
     (checked.ms, checked.parry_ms, checked.ratio) = (ours, parrys, parrys / ours);

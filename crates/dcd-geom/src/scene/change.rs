@@ -1,8 +1,10 @@
 //! What changes between steps: poses, objects, shapes, filters, ignored pairs.
 
-use super::{Slot, check_count, check_reach, derive_cores};
+use super::{Slot, check_count, check_reach};
+use crate::core::block_count;
 use crate::{Filter, Handle, Motion, Object, ObjectRef, Pose, Revision, Scene, SceneError, Shape};
 use std::ops::Range;
+use std::sync::Arc;
 
 impl Scene {
     /// Moves an object. To move a static one is legal, and costs the next step what it keeps of all
@@ -152,8 +154,8 @@ impl Scene {
         }
     }
 
-    /// Adds shapes, and returns their indices. What is derived from the shapes is derived anew, so
-    /// that many at once cost little more than one.
+    /// Adds shapes, and returns their indices. Costs what the new ones cost; those of a clone of this scene
+    /// are shared, and copied once. What a pipeline remembers of pairs is forgotten.
     ///
     /// # Errors
     /// More shapes, or blocks of vertices, than a u32 counts; nothing is changed then.
@@ -161,11 +163,22 @@ impl Scene {
         &mut self,
         shapes: impl IntoIterator<Item = Shape>,
     ) -> Result<Range<u32>, SceneError> {
-        let all: Vec<Shape> = self.shapes.iter().cloned().chain(shapes).collect();
-        let cores = derive_cores(&all)?;
-        // Both fit a u32, or the cores would not have been made.
-        let added = self.shapes.len() as u32..all.len() as u32;
-        (self.shapes, self.cores, self.layout) = (all.into(), cores, Revision::draw());
+        let new: Vec<Shape> = shapes.into_iter().collect();
+        let first = self.shapes.len();
+        check_count("shapes", first + new.len())?;
+        if !self.cores.append(&new) {
+            let count = self.shapes.iter().chain(&new).map(block_count).sum();
+            return Err(SceneError::TooMany { what: "blocks of vertices", count });
+        }
+        // Both fit a u32.
+        let added = first as u32..(first + new.len()) as u32;
+        let shapes = Arc::make_mut(&mut self.shapes);
+        if shapes.is_empty() {
+            *shapes = new;
+        } else {
+            shapes.extend(new);
+        }
+        (self.shape_revision, self.layout) = (Revision::draw(), Revision::draw());
         Ok(added)
     }
 

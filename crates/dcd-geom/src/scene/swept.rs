@@ -1,7 +1,8 @@
 //! A scene whose shapes have grown: what is within a margin of what.
 
-use super::{Slot, check_reach, derive_cores};
-use crate::{Motion, Revision, Scene, Shape};
+use super::{Slot, check_reach};
+use crate::{Cores, Motion, Revision, Scene, Shape};
+use std::sync::Arc;
 
 impl Scene {
     /// The same objects in the same slots, every shape with a sphere of this radius swept round it
@@ -10,9 +11,9 @@ impl Scene {
     pub fn swept(&self, radius: f64) -> Option<Self> {
         let grown: Result<Vec<Shape>, _> = self.shapes.iter().map(|s| s.swept(radius)).collect();
         let shapes = grown.ok()?;
-        let cores = derive_cores(&shapes).ok()?;
-        let (layout, static_revision) = (Revision::draw(), Revision::draw());
-        let copy = Self { shapes: shapes.into(), cores, layout, static_revision, ..self.clone() };
+        let mut copy = Self { shapes: Arc::default(), cores: Cores::default(), ..self.clone() };
+        copy.add_shapes(shapes).ok()?;
+        copy.static_revision = Revision::draw();
         copy.is_in_range().then_some(copy)
     }
 

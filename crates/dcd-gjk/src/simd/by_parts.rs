@@ -129,9 +129,9 @@ impl ByParts<'_> {
         let Self { scene, frame, .. } = self;
         let (slot, pose) = (object as usize, &scene.poses()[object as usize]);
         let part = frame.place_of(object, record).and_then(|place| {
-            let cores = scene.cores().cores();
-            let first = cores[scene.shape_of()[slot] as usize].first_part;
-            let number = cores[(first + place) as usize].part as usize;
+            let cores = scene.cores();
+            let first = cores.cores()[scene.shape_of()[slot] as usize].first_part;
+            let number = cores.parts()[(first + place) as usize].part as usize;
             match scene.shape(slot) {
                 Shape::Compound(compound) => Some(compound.parts()[number].placed()),
                 _ => None,

@@ -68,7 +68,8 @@ impl Compounds {
         for &shape in scene.shape_of() {
             self.starts.push(self.end(records, block));
             let of = parts(shape);
-            for part in &cores[of.first_part as usize..][..of.parts as usize] {
+            let own = &scene.cores().parts()[of.first_part as usize..][..of.parts as usize];
+            for part in own {
                 let (record, next) = laid_out(part, block);
                 records.push(record);
                 block = next;
@@ -223,17 +224,17 @@ impl Whole<'_> {
         own: &mut [Block],
     ) -> [L::F; 6] {
         let cores = self.scene.cores();
-        let of = &cores.cores()[core];
+        let of = &cores.parts()[core];
         *record = place(record, of, self.pose);
         if let (true, Some(boxes)) = (record.marks & HAS_OBB != 0, boxes) {
-            *boxes = turn(&cores.obbs()[core], record, self.pose);
+            *boxes = turn(&cores.part_obbs()[core], record, self.pose);
         }
         rotate(l, self.pose, &cores.blocks(of)[..own.len()], own)
     }
 
     /// The box of the part with that core, from the part itself.
     fn aabb_of(&self, core: usize) -> Aabb {
-        let part = self.scene.cores().cores()[core].part;
+        let part = self.scene.cores().parts()[core].part;
         match self.shape {
             Shape::Compound(compound) => compound.parts()[part as usize].placed().aabb(self.pose),
             _ => Aabb::EVERYTHING,

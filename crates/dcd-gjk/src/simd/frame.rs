@@ -195,7 +195,8 @@ impl SimdFrame {
         self.form = Form::of(scene.shapes());
         self.objects = scene.len();
         self.records.resize(scene.len(), Record::default());
-        let may_stand = cores.iter().any(|core| core.is_box);
+        let parts = scene.cores().parts();
+        let may_stand = cores.iter().chain(parts).any(|core| core.is_box);
         self.uprights.resize(if may_stand { scene.len() } else { 0 }, AxisAligned::default());
         let mut first = 0u32;
         if self.form == Form::Any {
@@ -204,7 +205,7 @@ impl SimdFrame {
             }
         }
         self.compounds.set_offsets(scene, &mut self.records, first);
-        let boxed = !scene.cores().obbs().is_empty();
+        let boxed = scene.cores().have_obbs();
         self.boxes.resize(if boxed { self.records.len() } else { 0 }, ObbRecord::default());
         let blocks = self.compounds.blocks().unwrap_or(first);
         self.blocks.resize(blocks as usize, Block::default());

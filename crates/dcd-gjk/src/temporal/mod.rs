@@ -10,10 +10,9 @@ use crate::simd::certificate::{CertifiedBounds, ClearanceBounds, ErrorBounds};
 use crate::simd::decide::{self, Slice};
 use crate::simd::{append_contacts, frame, prepare};
 use crate::{ContactSink, Method, NarrowPhase, Report};
-use dcd_geom::{Aabb, Pair, Revision, Scene, Shape, Splittable};
+use dcd_geom::{Aabb, Pair, Revision, Scene, Splittable};
 use dcd_simd::{Path, dispatch_on};
 use facts::{Fact, Facts, Found, Slot, Standing};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 use track::Track;
 
@@ -60,7 +59,7 @@ impl Coherent {
 pub struct TemporalFrame {
     lanes: frame::SimdFrame,
     /// The shapes that everything remembered is about.
-    shapes: Option<Arc<[Shape]>>,
+    shapes: Option<Revision>,
     layout: Option<Revision>,
     tracks: Vec<Track>,
     facts: Facts,
@@ -174,10 +173,9 @@ impl NarrowPhase for Coherent {
     }
 
     fn layout<'f>(&self, scene: &Scene, frame: &'f mut TemporalFrame) -> Part<'f> {
-        let same_shapes =
-            frame.shapes.as_ref().is_some_and(|s| Arc::ptr_eq(s, scene.shared_shapes()));
+        let same_shapes = frame.shapes == Some(scene.shape_revision());
         if !same_shapes {
-            frame.shapes = Some(scene.shared_shapes().clone());
+            frame.shapes = Some(scene.shape_revision());
             frame.facts.forget();
             // Limits are of the shapes before.
             frame.tracks.clear();

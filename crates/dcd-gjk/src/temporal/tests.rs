@@ -7,6 +7,7 @@ use super::*;
 use crate::simd::Overlap;
 use crate::simd::axis::Axis;
 use crate::{Depths, DistanceResult, PairSolver, PosedShape, Verdict, distance};
+use dcd_geom::Shape;
 use dcd_geom::glam::{DMat3, DQuat, DVec3, Vec3};
 use dcd_geom::{Object, Pose};
 use proptest::prelude::*;

@@ -93,8 +93,8 @@ impl MeshError {
 impl fmt::Display for MeshError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Io { path, error } => write!(f, "{}: {error}", path.display()),
-            Self::InFile { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::Io { path, error } => write!(f, "{}: {error}", crate::shown(path)),
+            Self::InFile { path, error } => write!(f, "{}: {error}", crate::shown(path)),
             Self::UnknownFormat { ending } => write!(
                 f,
                 "a mesh file that ends in {ending:?} is not read here: STL (.stl), COLLADA (.dae), \

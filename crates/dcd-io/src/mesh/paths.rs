@@ -217,7 +217,7 @@ impl fmt::Display for MeshNotFound {
         }
         write!(f, "mesh {:?} is not found; looked for", self.name)?;
         for (k, place) in self.looked_in.iter().enumerate() {
-            write!(f, "{} {}", if k == 0 { "" } else { "," }, place.display())?;
+            write!(f, "{} {}", if k == 0 { "" } else { "," }, crate::shown(place))?;
         }
         if self.name.starts_with("package://") || self.name.starts_with("model://") {
             write!(f, " (--package NAME=DIR or ROS_PACKAGE_PATH say where a package is)")?;

@@ -51,7 +51,7 @@ fn beside(uri: &str, folder: Option<&Path>, path: &str) -> Result<Vec<u8>, MeshE
     // A name with a root would leave the folder, and what is no regular file need not end.
     let file = places.iter().find(|file| file.is_file() && !Path::new(uri).is_absolute());
     let Some(file) = file else {
-        let problem = format!("{uri:?} is no file below {}", folder.display());
+        let problem = format!("{uri:?} is no file below {}", crate::shown(folder));
         return Err(refused(path, problem));
     };
     read_file(file, MESH_BYTES).map_err(MeshError::io(file))
