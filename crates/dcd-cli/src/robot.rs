@@ -4,6 +4,7 @@ mod judge;
 mod problems;
 mod rival;
 mod state;
+mod states;
 
 use crate::failure::{Failure, tell};
 use clap::{Args, ValueEnum};
@@ -81,7 +82,7 @@ enum UpAxis {
 
 /// Find the touching links of a robot
 #[derive(Args)]
-#[command(after_long_help = DETAILS)]
+#[command(after_long_help = format!("{}\n\n{DETAILS}", states::FORMAT))]
 pub(crate) struct Robot {
     /// The robot as URDF
     urdf: PathBuf,
@@ -109,6 +110,12 @@ pub(crate) struct Robot {
         conflicts_with_all = ["request", "goal", "all_problems"]
     )]
     state: Option<String>,
+    /// States in place of one, JSON Lines (format: see --help): a line of JSON comes out for each
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["state", "request", "goal", "all_problems"])]
+    states: Option<PathBuf>,
+    /// Grow all links by this much on all sides, metres, against the world alone
+    #[arg(long, value_name = "METRES", conflicts_with = "all_problems")]
+    padding: Option<f64>,
     /// A request of MoveIt as YAML in place of a state: its start
     #[arg(long, value_name = "REQUEST.yaml", conflicts_with = "all_problems")]
     request: Option<PathBuf>,
@@ -146,6 +153,7 @@ impl Robot {
             None => AllowedPairs::adjacent(&model),
         };
         let text = match &self.all_problems {
+            _ if self.states.is_some() => return self.check_states(&model, srdf.as_ref(), allowed),
             Some(archive) => {
                 let given = problems::Given { robot: &model, srdf: srdf.as_ref(), allowed };
                 let checked = problems::check(&given, archive)?;
@@ -188,11 +196,7 @@ impl Robot {
         srdf: Option<&Srdf>,
         mut allowed: AllowedPairs,
     ) -> Result<Answer, Failure> {
-        let mut world = World::default();
-        if let Some(path) = &self.world {
-            world = World::load(path, &model, srdf).map_err(refused)?;
-            note(path, &world.notes);
-        }
+        let mut world = self.load_world(&model, srdf)?;
         allowed.extend(&world.allowed);
         let state = self.state_of(&model, srdf, &mut world)?;
         model.beyond_limits(&state).iter().for_each(|beyond| tell(format_args!("state: {beyond}")));
@@ -217,6 +221,34 @@ impl Robot {
             undecided: undecided.difference(&touching).cloned().collect(),
             touching: touching.into_iter().collect(),
         })
+    }
+
+    fn load_world(&self, model: &Model, srdf: Option<&Srdf>) -> Result<World, Failure> {
+        let mut world = World::default();
+        if let Some(path) = &self.world {
+            world = World::load(path, model, srdf).map_err(refused)?;
+            note(path, &world.notes);
+        }
+        if let Some(padding) = self.padding {
+            world.pad(model, padding).map_err(|error| Failure::at("--padding", error))?;
+        }
+        Ok(world)
+    }
+
+    fn check_states(
+        &self,
+        model: &Model,
+        srdf: Option<&Srdf>,
+        mut allowed: AllowedPairs,
+    ) -> Result<(), Failure> {
+        let Some(path) = &self.states else { return Ok(()) };
+        let world = self.load_world(model, srdf)?;
+        allowed.extend(&world.allowed);
+        // Mesh files of what is carried are beside the file that names them.
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let meshes = MeshSource { paths: MeshPaths::new(folder), ..self.meshes()? };
+        let given = states::Given { robot: model, world: &world, allowed: &allowed, meshes };
+        states::check(&given, path)
     }
 
     fn state_of(

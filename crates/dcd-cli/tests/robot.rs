@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::dcd;
+use common::{Folder, dcd};
 use dcd_io::data;
 use dcd_robot::bounds;
 use serde_json::Value;
@@ -20,29 +20,6 @@ fn panda() -> Option<PathBuf> {
 
 fn text(path: &Path) -> String {
     path.to_str().unwrap().to_owned()
-}
-
-/// Files of a robot and its world, in a folder that is gone with the test.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("dcd-robot-{}-{name}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        Self(folder)
-    }
-
-    fn file(&self, name: &str, content: &str) -> String {
-        let path = self.0.join(name);
-        std::fs::write(&path, content).unwrap();
-        text(&path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        std::fs::remove_dir_all(&self.0).ok();
-    }
 }
 
 /// Three boxes of edge 1, their middles at x = 0, 1.5 and 3.75; joints about z at 1.5 and 2.25.

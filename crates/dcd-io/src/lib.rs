@@ -18,6 +18,7 @@ mod error;
 mod glb;
 mod hull;
 mod hull_scene;
+mod lines;
 #[cfg(feature = "meshes")]
 mod mesh;
 mod pairs;
@@ -35,12 +36,13 @@ pub use error::{ReadError, shown};
 pub use glb::{GlbContact, GlbScene};
 pub use hull::{Hull, HullRefusal, convex_hull};
 pub use hull_scene::{load_hull_scene, read_hull_scene, write_hull_scene};
+pub use lines::{LONGEST_LINE, read_lines};
 #[cfg(feature = "meshes")]
 pub use mesh::{
     MeshError, MeshFormat, MeshNotFound, MeshOptions, MeshPaths, MeshPlace, MeshWarning,
     TriangleMesh, UpAxis, load_mesh, load_obj, read_obj,
 };
-pub use pairs::{LONGEST_LINE, PairError, PairFault, PairInput, read_pair, read_pairs};
+pub use pairs::{PairError, PairFault, PairInput, read_pair, read_pairs};
 pub use ply::{RawMesh, load_ply, read_ply};
 pub use raw::{BuildError, RawObject, RawScene, RawShape};
 pub use swept::{SweptBoxes, load_listed_pairs, read_listed_pairs};

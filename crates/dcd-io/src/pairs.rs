@@ -6,12 +6,12 @@
 
 mod line;
 
-use crate::bytes::without_mark;
+use crate::read_lines;
 use dcd_geom::{Polytope, Pose, PoseError, ShapeError};
 use glam::{DMat3, DQuat, DVec3};
 use line::{Number, PairLine, PoseValue, name_of, with_quoted_words};
 use std::fmt;
-use std::io::{self, BufRead, Read};
+use std::io::{self, BufRead};
 
 /// One pair, checked.
 #[derive(Clone, Debug)]
@@ -111,39 +111,12 @@ pub fn read_pair(line: &[u8]) -> Result<PairInput, PairError> {
     }
 }
 
-/// The longest line that [`read_pairs`] takes, bytes: some ten million numbers. Without a limit a file
-/// that never ends a line would take all memory.
-pub const LONGEST_LINE: u64 = 1 << 28;
-
-/// Reads line by line. A refused line does not end the run; an empty one is refused, since it is no
-/// pair. A byte order mark before the first is passed over. If the reader itself fails, that is the
-/// last item; so it is where a line is longer than [`LONGEST_LINE`], whose end is not looked for.
+/// Reads line by line ([`read_lines`]). A refused line does not end the run; an empty one is refused, since
+/// it is no pair.
 pub fn read_pairs(
-    mut reader: impl BufRead,
+    reader: impl BufRead,
 ) -> impl Iterator<Item = io::Result<Result<PairInput, PairError>>> {
-    let mut line = Vec::new();
-    let (mut failed, mut is_first) = (false, true);
-    std::iter::from_fn(move || {
-        if failed {
-            return None;
-        }
-        line.clear();
-        let is_start = std::mem::replace(&mut is_first, false);
-        match (&mut reader).take(LONGEST_LINE + 1).read_until(b'\n', &mut line) {
-            Ok(0) => None,
-            Ok(length) if length as u64 > LONGEST_LINE => {
-                failed = true;
-                let what = format!("a line is longer than {LONGEST_LINE} bytes");
-                Some(Err(io::Error::new(io::ErrorKind::InvalidData, what)))
-            }
-            Ok(_) if is_start => Some(Ok(read_pair(without_mark(&line)))),
-            Ok(_) => Some(Ok(read_pair(&line))),
-            Err(error) => {
-                failed = true;
-                Some(Err(error))
-            }
-        }
-    })
+    read_lines(reader).map(|line| line.map(|line| read_pair(&line)))
 }
 
 fn vector(numbers: [Number; 3]) -> DVec3 {

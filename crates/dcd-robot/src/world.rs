@@ -48,6 +48,14 @@ pub struct Attached {
     pub(super) parts: Vec<(Shape, JointFrame)>,
 }
 
+impl Attached {
+    /// An object of these shapes, each at its pose in the frame of the link that carries it.
+    pub fn new(name: &str, link: &str, shapes: impl IntoIterator<Item = (Shape, Pose)>) -> Self {
+        let parts = shapes.into_iter().map(|(shape, pose)| (shape, JointFrame::of_pose(&pose)));
+        Self { name: name.to_owned(), link: link.to_owned(), parts: parts.collect() }
+    }
+}
+
 /// How much larger a link is to the world: against itself a robot is as it is built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Padding {
@@ -70,6 +78,34 @@ impl World {
     pub fn load(path: &Path, robot: &Robot, srdf: Option<&Srdf>) -> Result<Self, RobotError> {
         let world = PlanningScene::load(path)?.world(robot, srdf);
         world.map_err(|error| error.inside(path))
+    }
+
+    /// Lets a link carry an object, which may touch that link, what else the link carries, and whatever is named
+    /// in `touch`. The pairs are added to [`World::allowed`].
+    pub fn attach(&mut self, object: Attached, touch: impl IntoIterator<Item = impl AsRef<str>>) {
+        self.allowed.allow(&object.name, &object.link);
+        touch.into_iter().for_each(|name| self.allowed.allow(&object.name, name.as_ref()));
+        for other in self.attached.iter().filter(|other| other.link == object.link) {
+            self.allowed.allow(&object.name, &other.name);
+        }
+        self.attached.push(object);
+    }
+
+    /// Makes all links of a robot larger to the world by so much on all sides, metres, added to the padding that
+    /// each has.
+    ///
+    /// # Errors
+    /// A padding that is negative or not finite.
+    pub fn pad(&mut self, robot: &Robot, padding: f64) -> Result<(), RobotError> {
+        if !(padding >= 0.0 && padding.is_finite()) {
+            let user = format!("robot {:?}", robot.name);
+            return Err(RobotError::BadNumber { what: "padding", user, value: padding });
+        }
+        for link in robot.links() {
+            let own = self.padding.entry(link.name.clone()).or_insert(Padding::NONE);
+            own.padding += padding;
+        }
+        Ok(())
     }
 }
 

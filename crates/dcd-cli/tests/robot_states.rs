@@ -1,0 +1,112 @@
+//! `dcd robot --states` as a stranger runs it. The test of the Panda says that it skips where it is absent.
+#![allow(missing_docs)]
+
+mod common;
+
+use common::{Folder, dcd};
+use dcd_io::data;
+use serde_json::{Value, json};
+
+/// Three boxes of edge 1, their middles at x = 0, 1.5 and 3.75; joints about z at 1.5 and 2.25.
+const ARM: &str = r#"<robot name="arm">
+  <link name="base"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+  <link name="upper"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+  <link name="lower"><collision><origin xyz="1.5 0 0"/><geometry><box size="1 1 1"/></geometry></collision></link>
+  <joint name="shoulder" type="continuous"><origin xyz="1.5 0 0"/><axis xyz="0 0 1"/>
+    <parent link="base"/><child link="upper"/></joint>
+  <joint name="elbow" type="revolute"><origin xyz="0.75 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="-3" upper="3" effort="1" velocity="1"/><parent link="upper"/><child link="lower"/></joint>
+</robot>"#;
+
+/// A box whose face is at x = 4.25.
+const WALL: &str = "world:
+  collision_objects:
+    - id: wall
+      primitives: [{type: box, dimensions: [1, 8, 8]}]
+      primitive_poses: [{position: [4.75, 0, 0], orientation: [0, 0, 0, 1]}]
+";
+
+fn lines(text: &str) -> Vec<Value> {
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+#[test]
+fn a_line_comes_out_for_each_state_and_a_refused_one_does_not_end_the_run() {
+    let folder = Folder::new("states");
+    let (urdf, wall) = (folder.file("arm.urdf", ARM), folder.file("wall.yaml", WALL));
+    let states = r#"{"q": [0, 0]}
+{"q": {"elbow": 1.5707963267948966}}
+{"q": {"elbow": 4}}
+{"q": {"ankle": 0}}
+{"q": {"elbow": 1.5707963267948966}, "attached": [{"name": "rod", "link": "upper", "shape": {"box": [6, 0.1, 0.1]}}]}
+"#;
+    let states = folder.file("states.jsonl", states);
+    let ran = dcd(&["robot", &urdf, "--world", &wall, "--states", &states]);
+    assert_eq!(ran.code, Some(2), "{ran:?}");
+    assert!(ran.stderr.contains("line 3: joint \"elbow\" is at 4e0"), "{ran:?}");
+    assert!(ran.stderr.contains("1 of 5 lines refused"), "{ran:?}");
+    let found = lines(&ran.stdout);
+    let error = found[3]["error"].as_str().unwrap();
+    assert!(error.starts_with("line 4: ") && error.contains("ankle"), "{error}");
+    assert_eq!(found[0], json!({"state": 0, "free": false, "contacts": [["lower", "wall"]]}));
+    assert_eq!(found[1], json!({"state": 1, "free": true, "contacts": []}));
+    assert_eq!(found[4]["contacts"], json!([["base", "rod"], ["rod", "wall"]]));
+    assert_eq!(found.len(), 5);
+}
+
+#[test]
+fn padding_is_against_the_world_alone() {
+    let folder = Folder::new("padding");
+    let (urdf, wall) = (folder.file("arm.urdf", ARM), folder.file("wall.yaml", WALL));
+    // The lower link's face is at 2.25 + 0.5 + 1.5 - 0.01, where the arm is pushed back by nothing: turned a
+    // little, its corner is 2e-2 from the wall.
+    let states = folder.file("states.jsonl", "{\"q\": [0, 2.2]}\n{\"q\": [0, 1.2]}\n");
+    let free = |more: &[&str]| {
+        let ran = dcd(&[&["robot", &urdf, "--world", &wall, "--states", &states], more].concat());
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+        lines(&ran.stdout).iter().map(|line| line["free"].clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(free(&[]), [true, true]);
+    let padded = free(&["--padding", "1.0"]);
+    // Against itself the arm is as it is built: padded by a metre, all its links would meet.
+    assert_eq!(padded, [json!(true), json!(false)]);
+    let refused = dcd(&["robot", &urdf, "--padding", "-1"]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("-1"), "{refused:?}");
+}
+
+#[test]
+fn an_empty_file_and_one_that_is_not_there_are_refused() {
+    let folder = Folder::new("none");
+    let urdf = folder.file("arm.urdf", ARM);
+    let empty = folder.file("empty.jsonl", "");
+    let ran = dcd(&["robot", &urdf, "--states", &empty]);
+    assert!(ran.code == Some(2) && ran.stderr.contains("there is no state in it"), "{ran:?}");
+    let ran = dcd(&["robot", &urdf, "--states", "not-there.jsonl"]);
+    assert!(ran.code == Some(2) && ran.stderr.contains("not-there.jsonl"), "{ran:?}");
+}
+
+#[test]
+fn many_states_of_the_panda_are_answered_as_one_by_one() {
+    let Some(urdf) = data::file("panda/panda.urdf") else {
+        println!("skipped: panda/panda.urdf is not there");
+        return;
+    };
+    let (srdf, urdf) = (urdf.with_extension("srdf"), urdf.to_str().unwrap().to_owned());
+    let srdf = srdf.to_str().unwrap();
+    let folder = Folder::new("panda");
+    let state = |k: usize| -> Vec<f64> {
+        (0..7).map(|j| ((k * 7 + j * 3) % 23) as f64 * 0.2 - 1.1).collect()
+    };
+    let text: String = (0..200).map(|k| format!("{{\"q\": {:?}}}\n", state(k))).collect();
+    let ran = dcd(&["robot", &urdf, "--srdf", srdf, "--states", &folder.file("s.jsonl", &text)]);
+    let found = lines(&ran.stdout);
+    assert_eq!(found.len(), 200, "{}", ran.stderr);
+    for k in [0, 31, 32, 77, 199] {
+        let values: Vec<String> = state(k).iter().map(f64::to_string).collect();
+        let one = dcd(&["robot", &urdf, "--srdf", srdf, "--json", "--state", &values.join(",")]);
+        assert_eq!(one.code, Some(0), "{one:?}");
+        let one: Value = serde_json::from_str(&one.stdout).unwrap();
+        assert_eq!(found[k]["contacts"], one["touching"], "{k}");
+        assert_eq!(found[k]["free"], json!(one["touching"] == json!([])), "{k}");
+    }
+}

@@ -1,0 +1,179 @@
+//! States of a robot as lines of JSON: joint values, and what the robot carries in that state.
+//!
+//! `{"q": {"joint": value, …}}` or `{"q": [values in the order of the moved joints]}`, optionally with
+//! `"attached": [{"name": "…", "link": "…", "touch": ["…"], "shape": {"box": [x, y, z]} | {"sphere": r} |
+//! {"cylinder": [r, length]} | {"mesh": "file"}, "pose": {"xyz": […], "q": [x, y, z, w]}}]`.
+
+use super::json::{self, Json, refused};
+use super::kinematics::JointFrame;
+use super::shapes::Shapes;
+use super::urdf::Geometry;
+use super::{Attached, MeshSource, Robot, RobotError};
+use dcd_geom::Pose;
+use glam::{DQuat, DVec3};
+use std::sync::Arc;
+
+/// A state, and what the robot carries in it.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// A value for each of [`Robot::moved_joints`].
+    pub values: Vec<f64>,
+    /// What the robot carries, beside what its world says; shared by neighbouring lines that say the same.
+    pub attached: Arc<[AttachedObject]>,
+}
+
+/// An object that a link carries, and what it may touch.
+#[derive(Clone, Debug)]
+pub struct AttachedObject {
+    /// The object.
+    pub object: Attached,
+    /// Names of links, obstacles and other carried objects that it may touch, beside its own link.
+    pub touch: Vec<String>,
+}
+
+/// Reads states of one robot.
+#[derive(Debug)]
+pub struct StateReader<'a> {
+    robot: &'a Robot,
+    /// What holds for joints that a line does not name.
+    defaults: Vec<f64>,
+    meshes: MeshSource,
+    /// The last line's carried objects as they were told, and what they are.
+    last: (Option<Json>, Arc<[AttachedObject]>),
+}
+
+impl<'a> StateReader<'a> {
+    /// For a robot whose joints are at `defaults` (a value for each of [`Robot::moved_joints`]) where a
+    /// line says nothing else; `meshes` says where the mesh files of carried objects are.
+    pub fn new(robot: &'a Robot, defaults: Vec<f64>, meshes: MeshSource) -> Self {
+        Self { robot, defaults, meshes, last: (None, Arc::new([])) }
+    }
+
+    /// Reads one line.
+    ///
+    /// # Errors
+    /// What is no such object; a key that is not known, but for `name` and those that begin with an
+    /// underscore; a joint that the robot does not have, or that is fixed or mimics another; another number
+    /// of values than of moved joints; a value that is not finite; a carried object that
+    /// [`Workcell::new`](super::Workcell::new) would refuse by itself.
+    pub fn read(&mut self, line: &[u8]) -> Result<State, RobotError> {
+        let line = json::parse("state", line)?;
+        let [values, attached] = line.fields(["q", "attached"], "state")?;
+        let values = values.ok_or_else(|| refused("state", "there is no q"))?;
+        Ok(State { values: self.values(values)?, attached: self.attached(attached)? })
+    }
+
+    /// Joint values by name, or all of them in their order.
+    pub(super) fn values(&self, q: &Json) -> Result<Vec<f64>, RobotError> {
+        let joints = self.robot.moved_joints();
+        let value = |joint: &str, value: &Json| -> Result<f64, RobotError> {
+            let user = format!("joint {joint:?}");
+            let value = value.number("its value", &user)?;
+            let what = "value";
+            if value.is_finite() {
+                Ok(value)
+            } else {
+                Err(RobotError::BadNumber { what, user, value })
+            }
+        };
+        match q {
+            Json::List(list) if list.len() == joints.len() => {
+                joints.iter().zip(list).map(|(joint, q)| value(joint, q)).collect()
+            }
+            Json::List(list) => {
+                let user = format!("robot {:?}", self.robot.name);
+                let (what, expected, found) = ("joint values", joints.len(), list.len());
+                Err(RobotError::Count { what, user, expected, found })
+            }
+            Json::Object(entries) => {
+                let mut values = self.defaults.clone();
+                for (name, q) in entries {
+                    values[self.index_of(name)?] = value(name, q)?;
+                }
+                Ok(values)
+            }
+            _ => Err(refused("q", "it is neither an object nor a list")),
+        }
+    }
+
+    fn index_of(&self, name: &str) -> Result<usize, RobotError> {
+        if let Some(index) = self.robot.moved_joints().iter().position(|joint| joint == name) {
+            return Ok(index);
+        }
+        if self.robot.joints().iter().any(|joint| joint.name == name) {
+            return Err(refused(&format!("joint {name:?}"), "it is fixed or mimics another"));
+        }
+        let (what, name, user) = ("joint", name.to_owned(), "state".to_owned());
+        Err(RobotError::Unknown { what, name, user })
+    }
+
+    pub(super) fn attached(
+        &mut self,
+        said: Option<&Json>,
+    ) -> Result<Arc<[AttachedObject]>, RobotError> {
+        if self.last.0.as_ref() != said {
+            let objects = said.map_or(Ok(&[][..]), |said| said.list("attached", "state"))?;
+            let objects = objects.iter().map(|object| self.object(object));
+            self.last = (said.cloned(), objects.collect::<Result<_, _>>()?);
+        }
+        Ok(Arc::clone(&self.last.1))
+    }
+
+    fn object(&self, said: &Json) -> Result<AttachedObject, RobotError> {
+        const USER: &str = "attached object";
+        let keys = ["name", "link", "touch", "shape", "pose"];
+        let [name, link, touch, shape, pose] = said.fields(keys, USER)?;
+        let needed = |value: Option<&'_ Json>, key: &str| -> Result<Json, RobotError> {
+            value.cloned().ok_or_else(|| refused(USER, format!("there is no {key}")))
+        };
+        let name = needed(name, "name")?.text("name", USER)?.to_owned();
+        let user = format!("{USER} {name:?}");
+        let link = needed(link, "link")?.text("link", &user)?.to_owned();
+        let touch = touch.map_or(Ok(&[][..]), |touch| touch.list("touch", &user))?;
+        let touch = touch.iter().map(|name| name.text("touch", &user).map(str::to_owned));
+        let geometry = geometry(&needed(shape, "shape")?, &user)?;
+        let shape = Shapes::new(&self.meshes).shape(&geometry, &user)?;
+        let pose = pose.map_or(Ok(Pose::IDENTITY), |pose| posed(pose, &user))?;
+        let parts = vec![(shape, JointFrame::of_pose(&pose))];
+        Ok(AttachedObject {
+            object: Attached { name, link, parts },
+            touch: touch.collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+fn geometry(said: &Json, user: &str) -> Result<Geometry, RobotError> {
+    let Json::Object(entries) = said else { return Err(refused(user, "its shape is no object")) };
+    let [(kind, size)] = &entries[..] else {
+        return Err(refused(user, format!("its shape has {} kinds, not 1", entries.len())));
+    };
+    match kind.as_str() {
+        "box" => {
+            Ok(Geometry::Box { size: DVec3::from_array(size.numbers("edges of a box", user)?) })
+        }
+        "sphere" => Ok(Geometry::Sphere { radius: size.number("a sphere's radius", user)? }),
+        "cylinder" => {
+            let [radius, length] = size.numbers("sizes of a cylinder", user)?;
+            Ok(Geometry::Cylinder { radius, length })
+        }
+        "mesh" => {
+            let file = size.text("a mesh", user)?.to_owned();
+            Ok(Geometry::Mesh { file, scale: DVec3::ONE })
+        }
+        _ => {
+            let (what, kind, user) = ("shape", kind.clone(), user.to_owned());
+            Err(RobotError::Unsupported { what, kind, user })
+        }
+    }
+}
+
+fn posed(said: &Json, user: &str) -> Result<Pose, RobotError> {
+    let [xyz, q] = said.fields(["xyz", "q"], user)?;
+    let xyz = xyz.map_or(Ok([0.0; 3]), |xyz| xyz.numbers("coordinates of a pose", user))?;
+    let q = q.map_or(Ok([0.0, 0.0, 0.0, 1.0]), |q| q.numbers("numbers of a quaternion", user))?;
+    let pose = Pose::new(DQuat::from_array(q), DVec3::from_array(xyz));
+    pose.map_err(|error| RobotError::Pose { user: user.to_owned(), error })
+}
+
+#[cfg(test)]
+mod tests;

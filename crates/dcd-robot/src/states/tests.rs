@@ -1,0 +1,113 @@
+use super::*;
+use crate::{AllowedPairs, LinkShapes, Workcell, World};
+use dcd_pipeline::{Par, Pipeline};
+use std::path::Path;
+
+/// Two boxes of edge 1 at x = 0 and 2, the second turned about z by "turn"; "twin" does as "turn" does.
+const ARM: &str = r#"<robot name="arm">
+  <link name="base"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+  <link name="hand"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+  <link name="tip"/><link name="eye"/>
+  <joint name="turn" type="continuous"><origin xyz="2 0 0"/><axis xyz="0 0 1"/><parent link="base"/><child link="hand"/></joint>
+  <joint name="slide" type="prismatic"><axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/>
+    <parent link="hand"/><child link="tip"/></joint>
+  <joint name="twin" type="continuous"><axis xyz="0 0 1"/><mimic joint="turn"/><parent link="base"/><child link="eye"/></joint>
+</robot>"#;
+
+fn arm() -> Robot {
+    Robot::read(ARM, Path::new("."), LinkShapes::Hulls).unwrap()
+}
+
+fn reader(robot: &Robot) -> StateReader<'_> {
+    let meshes = MeshSource::beside(Path::new("."), LinkShapes::Hulls);
+    StateReader::new(robot, vec![0.5, 0.25], meshes)
+}
+
+#[test]
+fn values_are_taken_by_name_or_in_order_and_the_others_are_the_defaults() {
+    let robot = arm();
+    let mut reader = reader(&robot);
+    let mut values = |line: &str| reader.read(line.as_bytes()).unwrap().values;
+    assert_eq!(values(r#"{"q": [1, -2e-3]}"#), [1.0, -2e-3]);
+    assert_eq!(values(r#"{"q": {"slide": 0.1}, "_note": {"any": [null]}, "name": 7}"#), [0.5, 0.1]);
+    assert_eq!(values(r#"{"q": {}}"#), [0.5, 0.25]);
+}
+
+#[test]
+fn what_is_not_understood_is_refused_by_name() {
+    let robot = arm();
+    let mut reader = reader(&robot);
+    let attached = |object: &str| format!(r#"{{"q": [0, 0], "attached": [{object}]}}"#);
+    let with =
+        |shape: &str| attached(&format!(r#"{{"name": "cup", "link": "hand", "shape": {shape}}}"#));
+    let cases = [
+        ("", "no state"),
+        ("[1, 2]", "no object"),
+        ("{}", "there is no q"),
+        (r#"{"q": 1}"#, "neither an object nor a list"),
+        (r#"{"q": [1]}"#, "1 joint values, not 2"),
+        (r#"{"q": [1, "2"]}"#, "joint \"slide\": its value is no number"),
+        (r#"{"q": [1, NaN]}"#, "no state"),
+        (r#"{"q": [1, 1e999]}"#, "no state"),
+        (r#"{"q": {"trun": 1}}"#, "no joint \"trun\""),
+        (r#"{"q": {"twin": 1}}"#, "joint \"twin\": it is fixed or mimics another"),
+        (r#"{"q": {"turn": 1, "turn": 2}}"#, "key \"turn\" stands twice"),
+        (r#"{"q": [0, 0], "attach": []}"#, "key \"attach\" is none of q, attached"),
+        (&attached("{}"), "there is no name"),
+        (&attached(r#"{"name": "cup", "link": "hand"}"#), "there is no shape"),
+        (&with(r#"{"box": [1, 2]}"#), "2"),
+        (&with(r#"{"box": [1, 2, -3]}"#), "-1.5e0"),
+        (&with(r#"{"sphere": 1, "box": [1, 1, 1]}"#), "2 kinds, not 1"),
+        (&with(r#"{"cone": [1, 1]}"#), "shape \"cone\" is not supported"),
+        (&with(r#"{"mesh": "not/there.stl"}"#), "not/there.stl"),
+        (&with(r#"{"sphere": 1}, "pose": {"q": [0, 0, 0, 2]}"#), "attached object \"cup\""),
+        (&with(r#"{"sphere": 1}, "touch": "hand""#), "touch is no list"),
+    ];
+    for (line, why) in cases {
+        let error = reader.read(line.as_bytes()).unwrap_err().to_string();
+        assert!(error.contains(why), "{line}: {error}");
+    }
+}
+
+#[test]
+fn what_a_state_carries_moves_with_its_link_and_may_touch_what_it_is_allowed_to() {
+    let robot = arm();
+    let mut reader = reader(&robot);
+    // A stick from the hand's middle back to the base's, where the arm is not turned.
+    let line = |touch: &str, turn: f64| {
+        format!(
+            r#"{{"q": [{turn}, 0], "attached": [{{"name": "stick", "link": "hand", "touch": [{touch}],
+            "shape": {{"box": [2, 0.1, 0.1]}}, "pose": {{"xyz": [-1, 0, 0]}}}}]}}"#
+        )
+    };
+    let mut touching = |line: String| {
+        let state = reader.read(line.as_bytes()).unwrap();
+        let (mut world, mut allowed) = (World::default(), AllowedPairs::adjacent(&robot));
+        for AttachedObject { object, touch } in state.attached.iter() {
+            world.attach(object.clone(), touch);
+        }
+        allowed.extend(&world.allowed);
+        let mut cell = Workcell::new(robot.clone(), &world, &allowed).unwrap();
+        cell.set_state(&state.values).unwrap();
+        let mut pipeline = Pipeline::new();
+        let step = pipeline.step(cell.scene(), Par::Serial);
+        step.contacts().map(|pair| cell.names_of(pair).map(str::to_owned)).collect::<Vec<_>>()
+    };
+    assert_eq!(touching(line("", 0.0)), [["base", "stick"]]);
+    assert_eq!(touching(line("\"base\"", 0.0)), [] as [[&str; 2]; 0]);
+    assert_eq!(touching(line("", 1.5)), [] as [[&str; 2]; 0]);
+}
+
+#[test]
+fn neighbouring_lines_share_what_they_carry_alike() {
+    let robot = arm();
+    let mut reader = reader(&robot);
+    let cup = r#""attached": [{"name": "cup", "link": "hand", "shape": {"sphere": 0.1}}]"#;
+    let line = |more: &str| format!(r#"{{"q": [0, 0]{more}}}"#);
+    let mut read = |more: &str| reader.read(line(more).as_bytes()).unwrap().attached;
+    let none = read("");
+    let first = read(&format!(", {cup}"));
+    assert!(Arc::ptr_eq(&first, &read(&format!(", {cup}"))));
+    assert!(!Arc::ptr_eq(&first, &read(&format!(", {}", cup.replace("0.1", "0.2")))));
+    assert!(none.is_empty() && read("").is_empty());
+}
