@@ -145,6 +145,7 @@ fn pose(which: &'static str, value: &PoseValue) -> Result<Pose, PairFault> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::LONGEST_LINE;
 
     const LINE: &str = r#"{"name": "edge", "a": [[0, 0, 0], [0.1, 2, 3]], "pose_a": {"R": [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "t": [4, 5, 6]}, "b": [[1, 1, 1]], "pose_b": {"q": [0, 0, 0, 1], "t": [0, 0, 0]}, "_more": {"x": [null]}}"#;
 
