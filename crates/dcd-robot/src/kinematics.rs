@@ -71,7 +71,15 @@ impl Robot {
     /// Another number of values than of moved joints; a value that is not finite or so large that
     /// a pose is not.
     pub fn place(&self, state: &[f64], poses: &mut Vec<Pose>) -> Result<(), RobotError> {
-        let frames = self.link_frames(state)?;
+        self.pose_parts(&self.link_frames(state)?, poses)
+    }
+
+    /// Where the parts are, where each link is.
+    pub(super) fn pose_parts(
+        &self,
+        frames: &[JointFrame],
+        poses: &mut Vec<Pose>,
+    ) -> Result<(), RobotError> {
         poses.clear();
         for part in &self.parts {
             let pose = frames[part.link].then(&part.origin).pose();
@@ -123,7 +131,7 @@ impl Robot {
         (bodies, parents)
     }
 
-    fn check_state(&self, state: &[f64]) -> Result<(), RobotError> {
+    pub(super) fn check_state(&self, state: &[f64]) -> Result<(), RobotError> {
         let (expected, found) = (self.moved.len(), state.len());
         if expected != found {
             let user = format!("robot {:?}", self.name);

@@ -11,6 +11,7 @@
 mod allowed;
 mod archive;
 pub mod bounds;
+mod edge;
 mod error;
 mod frames;
 mod json;
@@ -38,6 +39,7 @@ mod yaml;
 
 pub use allowed::AllowedPairs;
 pub use archive::{LARGEST_ARCHIVE, LARGEST_ENTRY};
+pub use edge::{Edge, EdgeAnswer, EdgeChecker, EdgeReason, JointPath};
 pub use error::RobotError;
 pub use kinematics::BeyondLimits;
 pub use mesh::MeshSource;

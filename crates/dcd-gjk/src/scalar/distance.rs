@@ -131,6 +131,28 @@ pub fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> (DistanceResult, Method
     }
 }
 
+/// At most the gap of two convex shapes along a direction from a to b (world, any length): how far apart two
+/// planes are that are normal to it, a on one side and b beyond the other. Metres; below 0 where none
+/// such fit between. `None` for half-spaces, compounds and meshes, which have no support map, for a direction
+/// that is none, and where the pair leaves the range.
+///
+/// Proved in f64: unlike a distance it holds along that direction, so that what is known of both
+/// shapes' motion along it can be taken from it. One support of each shape.
+pub fn gap_along(a: PosedShape<'_>, b: PosedShape<'_>, direction: DVec3) -> Option<f64> {
+    let has_support = |shape: &Shape| shape.is_convex() && shape.is_bounded();
+    if !has_support(a.shape) || !has_support(b.shape) {
+        return None;
+    }
+    let axis = crate::gjk::unit::<f64>((-direction).to_array())?;
+    let (a, b) = (PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose));
+    let difference = Difference::<f64, _, _>::new(a, b)?;
+    let (_, separation) = difference.lowest(axis);
+    let bounds = Bounds::of(&difference);
+    let gap = (bounds.lower_bound(axis, separation) - bounds.swept_upper()).next_down();
+    let gap = gap / difference.scale();
+    gap.is_finite().then_some(gap)
+}
+
 /// The distance between two polytopes: see [`distance`].
 pub fn of_polytopes(
     a: PosedSupport<'_, Polytope>,

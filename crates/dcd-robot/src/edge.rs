@@ -1,0 +1,152 @@
+//! Whether a robot's motion is free, proved for all of it and not for samples.
+//!
+//! An interval of the path is proved free of a pair if the gap at its middle is larger than anything can
+//! close until its ends; else it is halved. Two bounds on how far parts move are tried: each joint's turn times
+//! the distance that it carries a point (Schwarzer, Saha, Latombe 2005), joints that carry both parts
+//! left out; and, along the direction in which the gap was found, the velocity at the middle with a bound
+//! on the acceleration, which lets a link slide along an obstacle (docs/numerics.md, "edges").
+
+mod path;
+mod reach;
+mod search;
+#[cfg(test)]
+mod tests;
+
+pub use path::JointPath;
+
+use super::{Robot, RobotError, Workcell};
+use dcd_geom::SphereBounds;
+use reach::Chain;
+use search::Search;
+
+/// Checks whether motions of a robot in its world are free.
+#[derive(Clone, Debug)]
+pub struct EdgeChecker {
+    cell: Workcell,
+    /// For each object of the scene the part that moves it, and by which joints.
+    movers: Vec<Option<(usize, Chain)>>,
+    /// For each object a sphere round its shape.
+    spheres: Vec<Option<SphereBounds>>,
+    pairs: Vec<EdgePair>,
+}
+
+/// Two objects that may not touch, a moving one first.
+#[derive(Clone, Copy, Debug)]
+struct EdgePair {
+    objects: [u32; 2],
+    /// How many moving joints carry both.
+    common: u32,
+}
+
+/// What is known of an edge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Edge {
+    /// Whether it is free.
+    pub answer: EdgeAnswer,
+    /// Up to which t all of it is proved free; 1 for a free edge.
+    pub free_until: f64,
+    /// How many intervals were looked at.
+    pub nodes: usize,
+}
+
+/// Whether an edge is free.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EdgeAnswer {
+    /// Proved: no configuration of it touches.
+    Free {
+        /// No configuration comes nearer to anything than that, metres; infinite where nothing could be met.
+        clearance: f64,
+    },
+    /// Proved: a configuration of it touches.
+    Hit {
+        /// Which: the state that [`JointPath::at`] gives for it, at the poses of [`Robot::place`].
+        t: f64,
+        /// The objects of the scene that touch there.
+        pair: [u32; 2],
+    },
+    /// Neither.
+    Undecided {
+        /// The first interval of t that is not known to be free.
+        t: [f64; 2],
+        /// A pair that could touch in it.
+        pair: [u32; 2],
+        /// Why it was not halved again.
+        reason: EdgeReason,
+    },
+}
+
+/// Why an interval was left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum EdgeReason {
+    /// The budget of intervals was spent.
+    Budget,
+    /// It is shorter than 2⁻⁴⁰: the gap is there within what rounding tells.
+    Short,
+}
+
+impl EdgeReason {
+    /// The reason in words.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Budget => "the budget of nodes is spent",
+            Self::Short => "no gap is proved however short the interval",
+        }
+    }
+}
+
+impl EdgeChecker {
+    /// For the robot of a work cell, with what it carries, among its obstacles; pairs that may touch are
+    /// left out.
+    pub fn new(cell: Workcell) -> Self {
+        let robot = cell.robot();
+        let mut parent_joint = vec![None; robot.links().len()];
+        for (index, joint) in robot.joints().iter().enumerate() {
+            parent_joint[joint.child] = Some(index);
+        }
+        let scene = cell.scene();
+        let mover = |i: usize| {
+            let part = cell.part_of(i)?;
+            let moved = (&robot.parts()[part], scene.shape(i));
+            Some((part, Chain::of(robot, moved, &parent_joint)))
+        };
+        let movers: Vec<_> = (0..scene.len()).map(mover).collect();
+        let spheres = (0..scene.len()).map(|i| SphereBounds::of(scene.shape(i))).collect();
+        let mut pairs = Vec::new();
+        for i in 0..scene.len() as u32 {
+            let Some((_, chain)) = &movers[i as usize] else { continue };
+            for j in 0..scene.len() as u32 {
+                let other = movers[j as usize].as_ref();
+                // Two moving ones once.
+                if (other.is_some() && j <= i) || !scene.allows(i, j) {
+                    continue;
+                }
+                let common = other.map_or(0, |(_, other)| {
+                    let both = chain.joints.iter().zip(&other.joints);
+                    both.take_while(|(a, b)| a == b).count() as u32
+                });
+                pairs.push(EdgePair { objects: [i, j], common });
+            }
+        }
+        Self { movers, spheres, pairs, cell }
+    }
+
+    /// The work cell.
+    pub fn cell(&self) -> &Workcell {
+        &self.cell
+    }
+
+    /// Whether the path is free, by at most `budget` intervals: the same answer at each call, whatever
+    /// else runs.
+    ///
+    /// # Errors
+    /// A control point that is no state of the robot; a state on the way in which a part is out of range.
+    pub fn check(&self, path: &JointPath, budget: usize) -> Result<Edge, RobotError> {
+        path.check(self.robot())?;
+        Search::new(self, path, budget)?.run()
+    }
+
+    fn robot(&self) -> &Robot {
+        self.cell.robot()
+    }
+}

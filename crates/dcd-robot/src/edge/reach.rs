@@ -1,0 +1,132 @@
+//! How far the points of a robot's parts can move while its joints do.
+
+use super::path::{Extents, U};
+use crate::model::Drive;
+use crate::{Motion, Part, Robot};
+use dcd_geom::Shape;
+
+/// What an f64 pose may be off by for each joint of its chain: units of 2⁻⁵³ of the chain's length. A
+/// joint's frame is turned by roll, pitch and yaw (three rotations of 48u, two products of 9u), by its own
+/// angle (48u), and multiplied twice (9u each): 228u (docs/numerics.md, "edges").
+const POSE: f64 = 264.0;
+
+/// The joints between the root and what moves with a part: the part, or its padded shape.
+#[derive(Clone, Debug)]
+pub(super) struct Chain {
+    /// Those that move, the root's first.
+    pub(super) joints: Vec<u32>,
+    /// How many joints there are, fixed ones too.
+    depth: usize,
+    /// What has to be added up for [`Lengths`], from the link to the root.
+    steps: Vec<Step>,
+    /// How far a point of the shape is from the link's frame.
+    extent: f64,
+    base: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    /// Its number among the chain's joints, if it moves, and what moves it.
+    moving: Option<(usize, Drive, bool)>,
+    /// How far its frame is from its parent's.
+    offset: f64,
+}
+
+/// A chain's lengths on one path.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lengths {
+    /// For each moving joint how fast it moves any point of the shape, metres a unit of t.
+    pub(super) speed: Vec<f64>,
+    /// For each moving joint how fast it turns, rad a unit of t; 0 where it slides.
+    pub(super) turn: Vec<f64>,
+    /// For each moving joint what its own change of speed adds to a point's acceleration.
+    pub(super) change: Vec<f64>,
+    /// How far an f64 pose at the rounded state may put a point from where it is.
+    pub(super) deviation: f64,
+}
+
+impl Chain {
+    /// Of a shape that moves as the part does.
+    pub(super) fn of(
+        robot: &Robot,
+        (part, shape): (&Part, &Shape),
+        above: &[Option<usize>],
+    ) -> Self {
+        let mut chain = Self {
+            joints: Vec::new(),
+            depth: 0,
+            steps: Vec::new(),
+            extent: part.origin.translation.length() + shape.reach() * (1.0 + 1e-9),
+            base: robot.base.translation.length(),
+        };
+        let mut link = part.link;
+        while let Some(index) = above[link] {
+            let joint = &robot.joints()[index];
+            let moving = joint.motion.drive().map(|by| {
+                chain.joints.push(index as u32);
+                (chain.joints.len() - 1, by, matches!(joint.motion, Motion::Slides { .. }))
+            });
+            chain.steps.push(Step { moving, offset: joint.origin.translation.length() });
+            chain.depth += 1;
+            link = joint.parent;
+        }
+        // Counted from the link until here.
+        chain.joints.reverse();
+        let count = chain.joints.len();
+        for step in &mut chain.steps {
+            if let Some((number, ..)) = &mut step.moving {
+                *number = count - 1 - *number;
+            }
+        }
+        chain
+    }
+
+    pub(super) fn lengths(&self, path: &Extents) -> Lengths {
+        const ROOM: f64 = 1.0 + 1e-9;
+        let none = vec![0.0; self.joints.len()];
+        let mut lengths =
+            Lengths { speed: none.clone(), turn: none.clone(), change: none, deviation: 0.0 };
+        let mut reach = self.extent;
+        let mut off = 0.0;
+        for step in &self.steps {
+            if let Some((number, by, slides)) = step.moving {
+                let factor = by.factor.abs();
+                let size = factor * path.size[by.value] + by.offset.abs();
+                let rate = factor * path.rate[by.value] * ROOM;
+                let change = factor * path.change[by.value] * ROOM;
+                // A slide moves every point alike, a turn by its distance from the axis.
+                let arm = if slides { 1.0 } else { reach };
+                lengths.speed[number] = rate * arm;
+                lengths.turn[number] = if slides { 0.0 } else { rate };
+                lengths.change[number] = change * arm;
+                // The value's rounding on the path, times the factor, plus the offset.
+                off += 20.0 * U * size * arm;
+                if slides {
+                    reach += size;
+                }
+            }
+            reach += step.offset;
+        }
+        let length = (reach + self.base) * ROOM;
+        lengths.deviation = off * ROOM + POSE * (self.depth + 2) as f64 * U * length;
+        lengths
+    }
+}
+
+impl Lengths {
+    /// How fast any point moves against the frame that the joints before the `first` leave where it is.
+    pub(super) fn speed_from(&self, first: usize) -> f64 {
+        self.speed[first..].iter().sum()
+    }
+
+    /// How large the acceleration of any point is there: each joint's own, and twice what the ones before it
+    /// turn its motion by.
+    pub(super) fn acceleration_from(&self, first: usize) -> f64 {
+        let (mut turned, mut sum) = (0.0, 0.0);
+        for k in first..self.speed.len() {
+            sum += self.change[k] + self.speed[k] * (self.turn[k] + 2.0 * turned);
+            turned += self.turn[k];
+        }
+        sum
+    }
+}

@@ -1,0 +1,265 @@
+use super::*;
+use crate::{AllowedPairs, Attached, LinkShapes, Obstacle, World};
+use dcd_geom::{Pose, Shape};
+use dcd_gjk::distance::{DistanceResult, distance};
+use dcd_gjk::{PosedShape, Verdict, certified};
+use glam::{DQuat, DVec3};
+use std::path::Path;
+
+/// An arm of links of length 1 along x, turned about z, y, z, …; the last one slides out of the one before.
+fn arm(turns: usize) -> Robot {
+    let link = |k: usize| {
+        format!(
+            "<link name=\"l{k}\"><collision><origin xyz=\"0.5 0 0\"/><geometry><box size=\"0.8 0.1 0.1\"/>\
+             </geometry></collision></link>"
+        )
+    };
+    let joint = |k: usize| {
+        let axis = if k.is_multiple_of(2) { "0 0 1" } else { "0 1 0" };
+        format!(
+            "<joint name=\"j{k}\" type=\"continuous\"><origin xyz=\"{} 0 0\"/><axis xyz=\"{axis}\"/>\
+             <parent link=\"{}\"/><child link=\"l{k}\"/></joint>",
+            if k == 0 { 0 } else { 1 },
+            if k == 0 { "base".to_owned() } else { format!("l{}", k - 1) }
+        )
+    };
+    let links: String = (0..turns).map(link).collect();
+    let joints: String = (0..turns).map(joint).collect();
+    let slide = format!(
+        "<link name=\"tip\"><collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>\
+         <joint name=\"slide\" type=\"prismatic\"><origin xyz=\"1.1 0 0\"/><axis xyz=\"1 0 0\"/>\
+         <limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/><parent link=\"l{}\"/><child link=\"tip\"/></joint>",
+        turns - 1
+    );
+    let text = format!("<robot name=\"arm\"><link name=\"base\"/>{links}{joints}{slide}</robot>");
+    Robot::read(&text, Path::new("."), LinkShapes::Hulls).unwrap()
+}
+
+fn obstacle(name: &str, shape: Shape, at: DVec3) -> Obstacle {
+    Obstacle { name: name.to_owned(), shape, pose: Pose::from_translation(at).unwrap() }
+}
+
+fn checker(robot: Robot, obstacles: Vec<Obstacle>) -> EdgeChecker {
+    let allowed = AllowedPairs::adjacent(&robot);
+    let world = World { obstacles, ..World::default() };
+    EdgeChecker::new(Workcell::new(robot, &world, &allowed).unwrap())
+}
+
+fn straight(from: &[f64], to: &[f64]) -> JointPath {
+    JointPath::Straight([from.to_vec(), to.to_vec()])
+}
+
+/// The pairs that touch at t, and the least distance of all others, by each pair alone.
+fn at(checker: &EdgeChecker, path: &JointPath, t: f64) -> (Vec<[u32; 2]>, f64) {
+    let (mut state, mut poses) = (Vec::new(), Vec::new());
+    path.at(t, &mut state);
+    let cell = checker.cell();
+    cell.robot().place(&state, &mut poses).unwrap();
+    let scene = cell.scene();
+    let posed = |i: u32| {
+        let pose = poses.get(i as usize).unwrap_or(&scene.poses()[i as usize]);
+        PosedShape { shape: scene.shape(i as usize), pose }
+    };
+    let (mut touching, mut least) = (Vec::new(), f64::INFINITY);
+    for i in 0..scene.len() as u32 {
+        for j in i + 1..scene.len() as u32 {
+            if !scene.allows(i, j) {
+                continue;
+            }
+            match certified::overlap_of(posed(i), posed(j)).0 {
+                Verdict::Touching(()) => touching.push([i, j]),
+                Verdict::Apart => {
+                    let DistanceResult::Apart(found) = distance(posed(i), posed(j)).0 else {
+                        continue;
+                    };
+                    least = least.min(found.upper());
+                }
+                Verdict::Undecided(_) => {}
+            }
+        }
+    }
+    (touching, least)
+}
+
+/// That an answer is what samples say as far as they say something.
+fn assert_holds(checker: &EdgeChecker, path: &JointPath, edge: &Edge, samples: usize) {
+    let free_until = if let EdgeAnswer::Free { .. } = edge.answer { 1.0 } else { edge.free_until };
+    let mut least = f64::INFINITY;
+    for k in 0..=samples {
+        let t = free_until * (k as f64 / samples as f64);
+        if t < free_until || free_until == 1.0 {
+            let (touching, distance) = at(checker, path, t);
+            assert!(touching.is_empty(), "{path:?}: {edge:?}, but {touching:?} at {t}");
+            least = least.min(distance);
+        }
+    }
+    match edge.answer {
+        EdgeAnswer::Free { clearance } => {
+            assert!(clearance > 0.0 && clearance <= least, "{path:?}: {edge:?}, but {least}");
+            assert!(clearance >= 0.49 * least, "{path:?}: {edge:?}, but {least}");
+        }
+        EdgeAnswer::Hit { t, pair } => {
+            let (touching, _) = at(checker, path, t);
+            assert!(touching.contains(&pair), "{path:?}: {edge:?}, but {touching:?}");
+            assert!(edge.free_until <= t);
+        }
+        EdgeAnswer::Undecided { t, .. } => assert_eq!(t[0], edge.free_until),
+    }
+}
+
+/// Numbers that differ from run to run; the seed is told where an assertion fails.
+struct Draw(u64);
+
+impl Draw {
+    fn new() -> Self {
+        let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap();
+        let seed = now.as_nanos() as u64;
+        println!("seed {seed}");
+        Self(seed)
+    }
+
+    /// From -1 to 1.
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    fn vector(&mut self) -> DVec3 {
+        DVec3::new(self.unit(), self.unit(), self.unit())
+    }
+}
+
+#[test]
+fn random_edges_are_answered_as_their_samples_say() {
+    let mut draw = Draw::new();
+    let [mut free, mut hits] = [0; 2];
+    for k in 0..40 {
+        let robot = arm(3);
+        let obstacles = (0..6).map(|n| {
+            let shape = match n % 4 {
+                0 => Shape::sphere(0.2 + 0.1 * draw.unit()),
+                1 => Shape::cuboid(draw.vector().abs() * 0.3 + 0.01),
+                2 => Shape::cylinder(0.3, 0.1),
+                _ => Shape::capsule(0.3, 0.1),
+            };
+            let turn = DQuat::from_scaled_axis(draw.vector() * 3.0);
+            let pose = Pose::new(turn, draw.vector() * 2.5).unwrap();
+            Obstacle { name: format!("o{n}"), shape: shape.unwrap(), pose }
+        });
+        let checker = checker(robot, obstacles.collect());
+        let mut state = || -> Vec<f64> { (0..4).map(|_| draw.unit() * 1.5).collect() };
+        let path = if k % 2 == 0 {
+            JointPath::Straight([state(), state()])
+        } else {
+            JointPath::Bezier([state(), state(), state(), state()])
+        };
+        let edge = checker.check(&path, 100_000).unwrap();
+        assert_holds(&checker, &path, &edge, 500);
+        assert_eq!(edge, checker.check(&path, 100_000).unwrap());
+        free += usize::from(matches!(edge.answer, EdgeAnswer::Free { .. }));
+        hits += usize::from(matches!(edge.answer, EdgeAnswer::Hit { .. }));
+        assert!(free + hits == k + 1, "{edge:?}");
+    }
+    assert!(free > 0 && hits > 0, "{free} free, {hits} hits");
+}
+
+#[test]
+fn a_thin_plate_that_a_long_arm_sweeps_past_is_met() {
+    // The tip's way crosses the plate of a millimetre in some 1e-4 of the edge.
+    let plate = Shape::cuboid(DVec3::new(0.3, 0.0005, 0.3)).unwrap();
+    let at_three = DVec3::new(3.0, 0.0, 0.0);
+    let checker = checker(arm(3), vec![obstacle("plate", plate, at_three)]);
+    let path = straight(&[-1.2, 0.0, 0.0, 0.2], &[1.3, 0.0, 0.0, 0.2]);
+    let edge = checker.check(&path, 10_000).unwrap();
+    assert!(matches!(edge.answer, EdgeAnswer::Hit { .. }), "{edge:?}");
+    assert_holds(&checker, &path, &edge, 2000);
+}
+
+#[test]
+fn a_full_turn_between_two_equal_places_is_not_passed_over() {
+    let ball = || Shape::sphere(0.2).unwrap();
+    let behind = DVec3::new(-2.0, 0.0, 0.0);
+    let turn = straight(&[0.0; 4], &[std::f64::consts::TAU, 0.0, 0.0, 0.0]);
+    let hit = checker(arm(3), vec![obstacle("ball", ball(), behind)]);
+    let edge = hit.check(&turn, 10_000).unwrap();
+    assert!(matches!(edge.answer, EdgeAnswer::Hit { .. }), "{edge:?}");
+    assert_holds(&hit, &turn, &edge, 500);
+    // Out of its reach it is free, and so is the way there and back.
+    let free = checker(arm(3), vec![obstacle("ball", ball(), behind * 4.0)]);
+    for path in [turn, JointPath::Bezier([vec![0.0; 4], vec![2.0; 4], vec![2.0; 4], vec![0.0; 4]])]
+    {
+        let edge = free.check(&path, 10_000).unwrap();
+        assert_holds(&free, &path, &edge, 500);
+    }
+}
+
+#[test]
+fn an_edge_of_length_zero_is_its_state() {
+    let checker =
+        checker(arm(2), vec![obstacle("ball", Shape::sphere(0.2).unwrap(), DVec3::Y * 2.0)]);
+    let stay = |angle: f64| straight(&[angle, 0.0, 0.0], &[angle, 0.0, 0.0]);
+    let edge = checker.check(&stay(0.0), 100).unwrap();
+    let EdgeAnswer::Free { clearance } = edge.answer else { panic!("{edge:?}") };
+    let (_, least) = at(&checker, &stay(0.0), 0.0);
+    assert!(clearance > 0.999 * least && clearance <= least, "{clearance} {least}");
+    let edge = checker.check(&stay(std::f64::consts::FRAC_PI_2), 100).unwrap();
+    assert!(matches!(edge.answer, EdgeAnswer::Hit { t: 0.0, .. }), "{edge:?}");
+}
+
+#[test]
+fn a_link_that_slides_along_a_wall_at_a_micrometre_is_proved_free() {
+    // The tip is a sphere of 0.1, its middle on y = 0; the wall's face is a micrometre beyond it.
+    for gap in [1e-3, 1e-6, 1e-8] {
+        let wall = Shape::cuboid(DVec3::new(5.0, 1.0, 5.0)).unwrap();
+        let place = DVec3::new(0.0, 1.1 + gap, 0.0);
+        let checker = checker(arm(1), vec![obstacle("wall", wall, place)]);
+        let path = straight(&[0.0, 0.0], &[0.0, 1.0]);
+        let edge = checker.check(&path, 100_000).unwrap();
+        let EdgeAnswer::Free { clearance } = edge.answer else { panic!("{gap}: {edge:?}") };
+        assert!(clearance <= gap * 1.0001 && clearance > 0.4 * gap, "{gap}: {clearance}");
+        assert!(edge.nodes < 100, "{gap}: {}", edge.nodes);
+        // Turned towards the wall by less than the gap at the far end, and by more.
+        for (angle, free) in [(0.4 * gap / 2.1, true), (3.0 * gap / 1.1, false)] {
+            let path = straight(&[0.0, 0.0], &[angle, 1.0]);
+            let edge = checker.check(&path, 100_000).unwrap();
+            assert_eq!(matches!(edge.answer, EdgeAnswer::Free { .. }), free, "{gap}: {edge:?}");
+            assert_holds(&checker, &path, &edge, 200);
+        }
+    }
+}
+
+#[test]
+fn what_a_link_carries_and_what_is_padded_moves_with_it() {
+    let robot = arm(2);
+    let ball = || obstacle("ball", Shape::sphere(0.2).unwrap(), DVec3::new(0.0, 3.5, 0.0));
+    let mut world = World { obstacles: vec![ball()], ..World::default() };
+    let turn = straight(&[0.0; 3], &[std::f64::consts::PI, 0.0, 0.0]);
+    let answer = |world: &World| {
+        let mut allowed = AllowedPairs::adjacent(&robot);
+        allowed.extend(&world.allowed);
+        let checker = EdgeChecker::new(Workcell::new(robot.clone(), world, &allowed).unwrap());
+        checker.check(&turn, 10_000).unwrap().answer
+    };
+    assert!(matches!(answer(&world), EdgeAnswer::Free { .. }));
+    let stick = Shape::cuboid(DVec3::new(0.7, 0.01, 0.01)).unwrap();
+    let there = Pose::from_translation(DVec3::X * 0.7).unwrap();
+    world.attach(Attached::new("stick", "tip", [(stick, there)]), [] as [&str; 0]);
+    assert!(matches!(answer(&world), EdgeAnswer::Hit { .. }));
+    let mut padded = World { obstacles: vec![ball()], ..World::default() };
+    padded.pad(&robot, 1.15).unwrap();
+    assert!(matches!(answer(&padded), EdgeAnswer::Hit { .. }));
+}
+
+#[test]
+fn a_budget_ends_the_search_and_tells_where() {
+    let wall = Shape::cuboid(DVec3::new(5.0, 1.0, 5.0)).unwrap();
+    let checker =
+        checker(arm(3), vec![obstacle("wall", wall, DVec3::new(0.0, 1.0 + 0.1 + 1e-5, 0.0))]);
+    let path = straight(&[-1.5, 0.3, 0.0, 0.0], &[0.0, 0.0, 0.0, 0.5]);
+    let edge = checker.check(&path, 5).unwrap();
+    let EdgeAnswer::Undecided { t, reason, .. } = edge.answer else { panic!("{edge:?}") };
+    assert_eq!((reason, t[0]), (EdgeReason::Budget, edge.free_until));
+    assert!(edge.nodes <= 5);
+    let refused = checker.check(&straight(&[0.0], &[0.0]), 5).unwrap_err().to_string();
+    assert!(refused.contains("1 joint values, not 4"), "{refused}");
+}
