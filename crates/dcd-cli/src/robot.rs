@@ -1,6 +1,8 @@
 //! `dcd robot`: which links of a robot touch each other or its world.
 
+mod edges;
 mod judge;
+mod lines;
 mod problems;
 mod rival;
 mod state;
@@ -82,7 +84,7 @@ enum UpAxis {
 
 /// Find the touching links of a robot
 #[derive(Args)]
-#[command(after_long_help = format!("{}\n\n{DETAILS}", states::FORMAT))]
+#[command(after_long_help = format!("{}\n\n{}\n\n{DETAILS}", states::FORMAT, edges::FORMAT))]
 pub(crate) struct Robot {
     /// The robot as URDF
     urdf: PathBuf,
@@ -113,6 +115,12 @@ pub(crate) struct Robot {
     /// States in place of one, JSON Lines (format: see --help): a line of JSON comes out for each
     #[arg(long, value_name = "FILE", conflicts_with_all = ["state", "request", "goal", "all_problems"])]
     states: Option<PathBuf>,
+    /// Edges between states, JSON Lines (format: see --help): whether all of each is free, proved
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["state", "states", "request", "goal", "all_problems"])]
+    edges: Option<PathBuf>,
+    /// At most how many intervals of an edge are looked at
+    #[arg(long, value_name = "N", requires = "edges", default_value_t = 100_000)]
+    budget: usize,
     /// Grow all links by this much on all sides, metres, against the world alone
     #[arg(long, value_name = "METRES", conflicts_with = "all_problems")]
     padding: Option<f64>,
@@ -152,8 +160,10 @@ impl Robot {
             Some(srdf) => srdf.allowed.clone(),
             None => AllowedPairs::adjacent(&model),
         };
+        if let Some(path) = self.states.as_ref().or(self.edges.as_ref()) {
+            return self.answer_lines(&model, srdf.as_ref(), allowed, path);
+        }
         let text = match &self.all_problems {
-            _ if self.states.is_some() => return self.check_states(&model, srdf.as_ref(), allowed),
             Some(archive) => {
                 let given = problems::Given { robot: &model, srdf: srdf.as_ref(), allowed };
                 let checked = problems::check(&given, archive)?;
@@ -235,20 +245,25 @@ impl Robot {
         Ok(world)
     }
 
-    fn check_states(
+    /// States or edges of a file.
+    fn answer_lines(
         &self,
         model: &Model,
         srdf: Option<&Srdf>,
         mut allowed: AllowedPairs,
+        path: &Path,
     ) -> Result<(), Failure> {
-        let Some(path) = &self.states else { return Ok(()) };
         let world = self.load_world(model, srdf)?;
         allowed.extend(&world.allowed);
         // Mesh files of what is carried are beside the file that names them.
         let folder = path.parent().unwrap_or(Path::new("."));
         let meshes = MeshSource { paths: MeshPaths::new(folder), ..self.meshes()? };
-        let given = states::Given { robot: model, world: &world, allowed: &allowed, meshes };
-        states::check(&given, path)
+        let given = lines::Given { robot: model, world: &world, allowed: &allowed, meshes };
+        if self.states.is_some() {
+            lines::answer(&states::States, &given, path)
+        } else {
+            lines::answer(&edges::Edges { budget: self.budget }, &given, path)
+        }
     }
 
     fn state_of(

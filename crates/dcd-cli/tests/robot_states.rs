@@ -80,7 +80,7 @@ fn an_empty_file_and_one_that_is_not_there_are_refused() {
     let urdf = folder.file("arm.urdf", ARM);
     let empty = folder.file("empty.jsonl", "");
     let ran = dcd(&["robot", &urdf, "--states", &empty]);
-    assert!(ran.code == Some(2) && ran.stderr.contains("there is no state in it"), "{ran:?}");
+    assert!(ran.code == Some(2) && ran.stderr.contains("there are no states in it"), "{ran:?}");
     let ran = dcd(&["robot", &urdf, "--states", "not-there.jsonl"]);
     assert!(ran.code == Some(2) && ran.stderr.contains("not-there.jsonl"), "{ran:?}");
 }

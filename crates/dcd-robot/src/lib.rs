@@ -48,7 +48,7 @@ pub use problem::{Problem, problems_in, read_problems};
 pub use request::Request;
 pub use scene::PlanningScene;
 pub use srdf::{Srdf, VirtualJoint};
-pub use states::{AttachedObject, State, StateReader};
+pub use states::{AttachedObject, EdgeRequest, State, StateReader};
 pub use workcell::Workcell;
 pub use world::{Attached, Obstacle, Padding, World};
 

@@ -1,6 +1,7 @@
-//! States of a robot as lines of JSON: joint values, and what the robot carries in that state.
+//! States and edges of a robot as lines of JSON, with what the robot carries there.
 //!
-//! `{"q": {"joint": value, …}}` or `{"q": [values in the order of the moved joints]}`, optionally with
+//! A state is `{"q": {"joint": value, …}}` or `{"q": [values in the order of the moved joints]}`, an edge
+//! `{"from": q, "to": q}` or `{"control": [q, q, q, q]}`; both optionally with
 //! `"attached": [{"name": "…", "link": "…", "touch": ["…"], "shape": {"box": [x, y, z]} | {"sphere": r} |
 //! {"cylinder": [r, length]} | {"mesh": "file"}, "pose": {"xyz": […], "q": [x, y, z, w]}}]`.
 
@@ -8,7 +9,7 @@ use super::json::{self, Json, refused};
 use super::kinematics::JointFrame;
 use super::shapes::Shapes;
 use super::urdf::Geometry;
-use super::{Attached, MeshSource, Robot, RobotError};
+use super::{Attached, JointPath, MeshSource, Robot, RobotError};
 use dcd_geom::Pose;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
@@ -19,6 +20,15 @@ pub struct State {
     /// A value for each of [`Robot::moved_joints`].
     pub values: Vec<f64>,
     /// What the robot carries, beside what its world says; shared by neighbouring lines that say the same.
+    pub attached: Arc<[AttachedObject]>,
+}
+
+/// An edge, and what the robot carries on it.
+#[derive(Clone, Debug)]
+pub struct EdgeRequest {
+    /// The edge.
+    pub path: JointPath,
+    /// As a [`State`] has it.
     pub attached: Arc<[AttachedObject]>,
 }
 
@@ -63,8 +73,36 @@ impl<'a> StateReader<'a> {
         Ok(State { values: self.values(values)?, attached: self.attached(attached)? })
     }
 
+    /// Reads one line of edges: `from` and `to`, or four points of `control`.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read); neither a straight edge nor a curve, or both.
+    pub fn read_edge(&mut self, line: &[u8]) -> Result<EdgeRequest, RobotError> {
+        const USER: &str = "edge";
+        let line = json::parse(USER, line)?;
+        let keys = ["from", "to", "control", "attached"];
+        let [from, to, control, attached] = line.fields(keys, USER)?;
+        let path = match (from, to, control) {
+            (Some(from), Some(to), None) => {
+                JointPath::Straight([self.values(from)?, self.values(to)?])
+            }
+            (None, None, Some(control)) => {
+                let points = control.list("control", USER)?;
+                let points = points.iter().map(|point| self.values(point));
+                let points = points.collect::<Result<Vec<_>, _>>()?;
+                let points = points.try_into().map_err(|points: Vec<_>| {
+                    let (what, user) = ("control points", USER.to_owned());
+                    RobotError::Count { what, user, expected: 4, found: points.len() }
+                })?;
+                JointPath::Bezier(points)
+            }
+            _ => return Err(refused(USER, "it has neither from and to nor control, or both")),
+        };
+        Ok(EdgeRequest { path, attached: self.attached(attached)? })
+    }
+
     /// Joint values by name, or all of them in their order.
-    pub(super) fn values(&self, q: &Json) -> Result<Vec<f64>, RobotError> {
+    fn values(&self, q: &Json) -> Result<Vec<f64>, RobotError> {
         let joints = self.robot.moved_joints();
         let value = |joint: &str, value: &Json| -> Result<f64, RobotError> {
             let user = format!("joint {joint:?}");
@@ -107,10 +145,7 @@ impl<'a> StateReader<'a> {
         Err(RobotError::Unknown { what, name, user })
     }
 
-    pub(super) fn attached(
-        &mut self,
-        said: Option<&Json>,
-    ) -> Result<Arc<[AttachedObject]>, RobotError> {
+    fn attached(&mut self, said: Option<&Json>) -> Result<Arc<[AttachedObject]>, RobotError> {
         if self.last.0.as_ref() != said {
             let objects = said.map_or(Ok(&[][..]), |said| said.list("attached", "state"))?;
             let objects = objects.iter().map(|object| self.object(object));

@@ -27,7 +27,8 @@ pub(super) struct Extents {
 }
 
 impl JointPath {
-    fn control_points(&self) -> &[Vec<f64>] {
+    /// Two of a straight path, four of a curve; a value for each of [`Robot::moved_joints`] in each.
+    pub fn control_points(&self) -> &[Vec<f64>] {
         match self {
             Self::Straight(ends) => ends,
             Self::Bezier(points) => points,

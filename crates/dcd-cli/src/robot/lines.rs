@@ -1,0 +1,213 @@
+//! Files of JSON Lines about one robot: a line of JSON comes out for each, in order.
+
+use super::refused;
+use crate::failure::{Failure, tell};
+use crate::progress::Progress;
+use dcd_exec::{Exec, PerThread, Segments};
+use dcd_io::{read_lines, shown};
+use dcd_pipeline::Par;
+use dcd_robot::{
+    AllowedPairs, AttachedObject, MeshSource, Robot, RobotError, StateReader, Workcell, World,
+};
+use serde::Serialize;
+use std::fs::File;
+use std::io::{BufReader, IsTerminal, Write, stdout};
+use std::path::Path;
+use std::sync::Arc;
+
+/// How many lines are read before they are checked, and how many a task checks.
+const BLOCK: usize = 4096;
+const PER_TASK: usize = 32;
+
+/// What all lines are about.
+pub(super) struct Given<'a> {
+    pub(super) robot: &'a Robot,
+    pub(super) world: &'a World,
+    pub(super) allowed: &'a AllowedPairs,
+    pub(super) meshes: MeshSource,
+}
+
+/// What lines ask.
+pub(super) trait Question: Sync {
+    /// What a line says.
+    type Item: Send + Sync;
+    /// What a thread keeps from line to line.
+    type Checker: Default + Send;
+    type Answer: Clone + Send + Sync + Serialize;
+    /// What the lines are called.
+    const PLURAL: &'static str;
+
+    /// The number of a line under its name.
+    fn which(index: usize) -> Which;
+
+    fn read(reader: &mut StateReader<'_>, line: &[u8]) -> Result<Self::Item, RobotError>;
+
+    /// The states that are named in it.
+    fn states(item: &Self::Item) -> &[Vec<f64>];
+
+    fn check(
+        &self,
+        given: &Given<'_>,
+        checker: &mut Self::Checker,
+        item: &Self::Item,
+    ) -> Result<Self::Answer, RobotError>;
+}
+
+/// The first key of what comes out for a line.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Which {
+    State(usize),
+    Edge(usize),
+}
+
+/// What comes out for a line.
+#[derive(Clone, Debug, Serialize)]
+struct Line<A> {
+    #[serde(flatten)]
+    which: Which,
+    #[serde(flatten)]
+    outcome: Outcome<A>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+enum Outcome<A> {
+    Checked(A),
+    Refused { error: String },
+}
+
+/// What is made for a robot that carries something, kept while lines say the same.
+#[derive(Debug)]
+pub(super) struct CellCache<T>(Option<(Arc<[AttachedObject]>, T)>);
+
+impl<T> Default for CellCache<T> {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+impl<T> CellCache<T> {
+    pub(super) fn of(
+        &mut self,
+        attached: &Arc<[AttachedObject]>,
+        make: impl FnOnce(&[AttachedObject]) -> Result<T, RobotError>,
+    ) -> Result<&mut T, RobotError> {
+        let made = match self.0.take() {
+            Some((last, made)) if Arc::ptr_eq(&last, attached) => made,
+            _ => make(attached)?,
+        };
+        Ok(&mut self.0.insert((Arc::clone(attached), made)).1)
+    }
+}
+
+/// Answers the lines of a file in their order.
+pub(super) fn answer<Q: Question>(
+    question: &Q,
+    given: &Given<'_>,
+    path: &Path,
+) -> Result<(), Failure> {
+    let place = shown(path);
+    let file = File::open(path).map_err(|error| Failure::at(&place, error))?;
+    let defaults = given.robot.state(&given.world.joints).map_err(refused)?;
+    let mut reader = StateReader::new(given.robot, defaults, given.meshes.clone());
+    let mut out = stdout().lock();
+    // Lines that are looked at are progress enough.
+    let progress = (!out.is_terminal()).then(|| Progress::over(0, Q::PLURAL));
+    let mut lines = read_lines(BufReader::new(file));
+    let (mut tally, checkers, mut answers) =
+        (Tally::new(Q::PLURAL), PerThread::default(), Segments::default());
+    loop {
+        let mut block = Vec::new();
+        for line in lines.by_ref().take(BLOCK) {
+            let line = line.map_err(|error| Failure::at(&place, error))?;
+            block.push(Q::read(&mut reader, &line).map_err(|error| error.to_string()));
+        }
+        if block.is_empty() {
+            break;
+        }
+        for (k, item) in (tally.lines..).zip(&block) {
+            tally.note_limits(given.robot, item.as_ref().map_or(&[], Q::states), (&place, k + 1));
+        }
+        let exec = Exec::from(Par::Pool).serial_below(block.len(), 2 * PER_TASK);
+        answers.fill(exec, block.len().div_ceil(PER_TASK), |task, answers| {
+            checkers.with(|checker: &mut Q::Checker| {
+                let first = task * PER_TASK;
+                for (k, item) in (tally.lines + first..).zip(&block[first..]).take(PER_TASK) {
+                    let checked = item.as_ref().map_err(String::clone).and_then(|item| {
+                        let answer = question.check(given, checker, item);
+                        answer.map_err(|error| error.to_string())
+                    });
+                    let outcome = checked.map_or_else(
+                        |error| Outcome::Refused { error: format!("line {}: {error}", k + 1) },
+                        Outcome::Checked,
+                    );
+                    answers.push(Line { which: Q::which(k), outcome });
+                    progress.iter().for_each(Progress::step);
+                }
+            });
+        });
+        for line in answers.iter().flatten() {
+            if let Outcome::Refused { error } = &line.outcome {
+                tell(format_args!("{place}: {error}"));
+                tally.refused += 1;
+            }
+            serde_json::to_writer(&mut out, line).map_err(|error| Failure::Output(error.into()))?;
+            out.write_all(b"\n").map_err(Failure::Output)?;
+        }
+        tally.lines += block.len();
+    }
+    drop(progress);
+    tally.end(&place)
+}
+
+/// What is told of all lines together.
+struct Tally {
+    plural: &'static str,
+    lines: usize,
+    refused: usize,
+    beyond: usize,
+}
+
+impl Tally {
+    fn new(plural: &'static str) -> Self {
+        Self { plural, lines: 0, refused: 0, beyond: 0 }
+    }
+
+    /// Tells of the first line with a state that a planner would not go to, and counts all.
+    fn note_limits(&mut self, robot: &Robot, states: &[Vec<f64>], (place, line): (&str, usize)) {
+        let mut beyond = states.iter().flat_map(|state| robot.beyond_limits(state)).peekable();
+        if let (Some(first), 0) = (beyond.peek(), self.beyond) {
+            tell(format_args!("{place}: line {line}: {first}"));
+        }
+        self.beyond += usize::from(beyond.peek().is_some());
+    }
+
+    fn end(self, place: &str) -> Result<(), Failure> {
+        let Self { plural, lines, refused, beyond } = self;
+        if beyond > 1 {
+            tell(format_args!("{place}: {beyond} of {lines} {plural} are beyond limits"));
+        }
+        if refused > 0 {
+            return Err(Failure::at(place, format_args!("{refused} of {lines} lines refused")));
+        }
+        if lines == 0 {
+            return Err(Failure::at(place, format_args!("there are no {plural} in it")));
+        }
+        Ok(())
+    }
+}
+
+impl Given<'_> {
+    /// The robot in its world, with what a line says that it carries.
+    pub(super) fn cell(&self, attached: &[AttachedObject]) -> Result<Workcell, RobotError> {
+        let mut world = World { allowed: AllowedPairs::default(), ..self.world.clone() };
+        for AttachedObject { object, touch } in attached {
+            world.attach(object.clone(), touch);
+        }
+        // What an attached object may touch counts more than what is said of all lines.
+        let mut allowed = self.allowed.clone();
+        allowed.extend(&world.allowed);
+        Workcell::new(self.robot.clone(), &world, &allowed)
+    }
+}
