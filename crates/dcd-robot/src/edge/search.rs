@@ -14,8 +14,8 @@ use glam::DVec3;
 const SHORTEST: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// How near to a hit the path before it is proved free, if it is. No unit. Smaller: more intervals before
-/// each hit. Larger: `free_until` ends earlier.
-const BEFORE_A_HIT: f64 = 1.0 / (1u64 << 12) as f64;
+/// each hit (at 2⁻¹² twice as many). Larger: `free_until` ends earlier.
+const BEFORE_A_HIT: f64 = 1.0 / (1u64 << 8) as f64;
 
 /// What the numbers of a bound lose in f64, relative, with much room.
 const ROOM: f64 = 1.0 + 1e-9;
@@ -29,6 +29,8 @@ pub(super) struct Search<'a> {
     /// For each pair how fast it closes at most, and what the poses of both may be off by, twice: where the gap
     /// is found, and where it is relied on.
     rates: Vec<[f64; 2]>,
+    /// For each pair the direction in which its gap was last found, zero before.
+    directions: Vec<DVec3>,
     /// A distance that some pair has somewhere on the path: what comes no nearer than half of it is proved.
     nearest: f64,
     clearance: f64,
@@ -89,12 +91,14 @@ impl<'a> Search<'a> {
             })
         });
         let rates = rates.collect();
+        let directions = vec![DVec3::ZERO; checker.pairs.len()];
         Ok(Self {
             checker,
             path,
             budget,
             lengths,
             rates,
+            directions,
             nearest: f64::INFINITY,
             clearance: f64::INFINITY,
             nodes: 0,
@@ -232,7 +236,7 @@ impl<'a> Search<'a> {
             let loosely = far - (half * speed + off);
             if self.suffices(loosely) {
                 self.clearance = self.clearance.min(loosely);
-            } else if !self.is_proved(pair, half) {
+            } else if !self.is_proved_along(pair, half) && !self.is_proved(pair, half) {
                 left.push(pair);
             }
             if self.hit.is_some_and(|(t, _)| t < node.to && t > node.from) {
@@ -243,9 +247,32 @@ impl<'a> Search<'a> {
         left
     }
 
-    /// Whether a clearance is so large that a larger one would not count: half of the nearest distance.
+    /// Whether a clearance is so large that a larger one would not count: half of the nearest distance; none
+    /// counts before a hit.
     fn suffices(&self, clearance: f64) -> bool {
-        clearance > 0.0 && clearance >= 0.5 * self.nearest
+        clearance > 0.0 && (self.hit.is_some() || clearance >= 0.5 * self.nearest)
+    }
+
+    /// Whether one direction proves enough: that of the pair's last gap, or from one middle to the other.
+    fn is_proved_along(&mut self, pair: u32, half: f64) -> bool {
+        let edge_pair = self.checker.pairs[pair as usize];
+        let [a, b] = edge_pair.objects;
+        let mut direction = self.directions[pair as usize];
+        if direction == DVec3::ZERO {
+            let [of_a, of_b] = [a, b].map(|object| &self.at.spheres[object as usize]);
+            direction = (of_b.centre - of_a.centre).as_dvec3();
+        }
+        let Some(gap) = gap_along(self.posed(a), self.posed(b), direction) else { return false };
+        let [speed, off] = self.rates[pair as usize];
+        let mut proved = gap - (half * speed + off);
+        if !self.suffices(proved) {
+            proved = proved.max(gap - (self.closing_along(&edge_pair, direction, half) + off));
+        }
+        let enough = self.suffices(proved);
+        if enough {
+            self.clearance = self.clearance.min(proved);
+        }
+        enough
     }
 
     /// Whether the pair is proved apart for `half` of t to either side of where the robot is now.
@@ -266,6 +293,7 @@ impl<'a> Search<'a> {
             _ => return false,
         };
         let along = gap_along(a, b, found.normal);
+        self.directions[pair as usize] = found.normal;
         let [speed, off] = self.rates[pair as usize];
         self.nearest = self.nearest.min(found.upper() + off);
         let mut proved = found.lower() - (half * speed + off);
