@@ -26,7 +26,7 @@ pub mod simplify;
 mod temporal;
 
 pub(crate) use exact::double_double;
-pub(crate) use scalar::{certificate, difference, order, portal, simplex, solvers};
+pub(crate) use scalar::{certificate, difference, expanding, order, portal, simplex, solvers};
 pub use scalar::{certified, closed, distance, epa, gjk};
 
 pub use bounds_only::BoundsOnly;
@@ -37,7 +37,8 @@ pub use narrow_phase::{
 };
 pub use pairwise::{Empty, PairSolver, Pairwise, PosedShape};
 pub use query::{
-    Depths, Distances, Manifold, Manifolds, Proximities, Proximity, ThenMeasure, Within,
+    Accuracy, Depths, Distances, Manifold, Manifolds, Proximities, Proximity, ThenMeasure,
+    WithAccuracy, Within,
 };
 pub use simd::{Coherent, Overlap, OverlapUnchecked};
 pub use solvers::{Certified, Gjk};

@@ -1,9 +1,11 @@
 //! How deep touching pairs overlap.
 
-use super::sampled;
+use super::{Accuracy, MeasureAt, sampled};
 use crate::closed::half_space;
 use crate::epa::{self, Depth};
-use crate::{Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, mesh};
+use crate::{
+    Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, expanding, mesh,
+};
 use dcd_geom::Shape;
 
 /// How deep a pair overlaps, where, and with what bound: see [`Depth`].
@@ -45,7 +47,7 @@ impl PairSolver for Depths {
         b: PosedShape<'_>,
         scratch: &mut epa::Scratch,
     ) -> Verdict<Depth> {
-        of_touching(a, b, scratch)
+        of_touching(Accuracy::Certified, a, b, scratch)
     }
 
     fn settle(
@@ -61,7 +63,7 @@ impl PairSolver for Depths {
         }
         let (verdict, method) = certified::overlap_of(a, b);
         let verdict = match verdict {
-            Verdict::Touching(()) => of_touching(a, b, scratch),
+            Verdict::Touching(()) => of_touching(Accuracy::Certified, a, b, scratch),
             Verdict::Apart => Verdict::Apart,
             Verdict::Undecided(reason) => Verdict::Undecided(reason),
         };
@@ -69,17 +71,41 @@ impl PairSolver for Depths {
     }
 }
 
+impl MeasureAt for Depths {
+    fn measure_at(
+        &self,
+        accuracy: Accuracy,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut epa::Scratch,
+    ) -> Verdict<Depth> {
+        of_touching(accuracy, a, b, scratch)
+    }
+}
+
+/// The bound that is promised of a depth, relative to it.
+const CERTIFIED: f64 = 1e-9;
+
 /// The depth of two shapes that are known to touch.
 pub(super) fn of_touching(
+    accuracy: Accuracy,
     a: PosedShape<'_>,
     b: PosedShape<'_>,
     scratch: &mut epa::Scratch,
 ) -> Verdict<Depth> {
     if mesh::are_asked(a.shape, b.shape) {
-        return mesh::deepest(a, b, |a, b| of_touching(a, b, scratch));
+        return mesh::deepest(a, b, |a, b| of_touching(accuracy, a, b, scratch));
     }
     if let Some(verdict) = half_space::depth(a, b) {
         return verdict;
+    }
+    let are_polytopes = a.shape.as_polytope().is_some() && b.shape.as_polytope().is_some();
+    if (accuracy != Accuracy::Certified || !are_polytopes)
+        && let Some(found) = expanding::depth_of_overlap(a, b, accuracy, &mut scratch.surface)
+        // What the search below promises.
+        && (accuracy != Accuracy::Certified || found.error_bound <= CERTIFIED * found.depth)
+    {
+        return Verdict::Touching(found);
     }
     match (a.shape, b.shape) {
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {

@@ -1,7 +1,7 @@
 //! How far apart the pairs within a margin are.
 
-use super::check_margin;
-use crate::distance::{Distance, DistanceResult, distance};
+use super::{Accuracy, MeasureAt, check_margin};
+use crate::distance::{Distance, DistanceResult, at_accuracy, distance};
 use crate::{Method, PairSolver, PosedShape, Verdict, certified};
 use dcd_geom::{Aabb, ShapeError, Sphere};
 
@@ -52,14 +52,7 @@ impl PairSolver for Distances {
     }
 
     fn measure(&self, a: PosedShape<'_>, b: PosedShape<'_>, (): &mut ()) -> Verdict<Self::Answer> {
-        match distance(a, b).0 {
-            DistanceResult::Apart(found) => Verdict::Touching(Some(found)),
-            DistanceResult::Touching => Verdict::Touching(None),
-            // What touches has no distance, whatever f64 knows of it.
-            DistanceResult::Interval { .. } if self.margin == 0.0 => Verdict::Touching(None),
-            DistanceResult::Interval { within, .. } => Verdict::Touching(Some(within)),
-            DistanceResult::Undecided(reason) => Verdict::Undecided(reason),
-        }
+        self.measure_at(Accuracy::Certified, a, b, &mut ())
     }
 
     fn settle(
@@ -91,6 +84,25 @@ impl PairSolver for Distances {
             }
         };
         (verdict, method)
+    }
+}
+
+impl MeasureAt for Distances {
+    fn measure_at(
+        &self,
+        accuracy: Accuracy,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        (): &mut (),
+    ) -> Verdict<Self::Answer> {
+        match at_accuracy(accuracy, a, b).0 {
+            DistanceResult::Apart(found) => Verdict::Touching(Some(found)),
+            DistanceResult::Touching => Verdict::Touching(None),
+            // What touches has no distance, whatever f64 knows of it.
+            DistanceResult::Interval { .. } if self.margin == 0.0 => Verdict::Touching(None),
+            DistanceResult::Interval { within, .. } => Verdict::Touching(Some(within)),
+            DistanceResult::Undecided(reason) => Verdict::Undecided(reason),
+        }
     }
 }
 

@@ -19,10 +19,13 @@
 //! # Ok::<(), dcd_geom::ShapeError>(())
 //! ```
 //!
+//! [`WithAccuracy`] gives a solver a wider bound for less time; the bound is proved all the same.
+//!
 //! Every number is in metres, every vector in the world frame. A normal points from a, the object
 //! with the smaller index, to b. Asked of (b, a), a solver answers the same bits, mirrored. A bound
 //! is proved: the truth lies within it.
 
+mod accuracy;
 mod contact_set;
 mod depths;
 mod distances;
@@ -32,6 +35,7 @@ mod sampled;
 mod then_measure;
 mod within;
 
+pub use accuracy::{Accuracy, MeasureAt, WithAccuracy};
 pub use depths::Depths;
 pub use distances::Distances;
 pub use manifold::{Feature, Manifold, ManifoldPoint, Manifolds};

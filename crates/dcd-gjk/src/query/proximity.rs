@@ -1,7 +1,7 @@
 //! How far apart or how deep, as one number, and how it changes when the objects move.
 
 use super::contact_set::Extent;
-use super::depths;
+use super::{Accuracy, MeasureAt, depths};
 use crate::distance::{self, DistanceResult};
 use crate::epa::{self, Direction};
 use crate::{Distance, Distances, Method, PairSolver, PosedShape, PosedSupport, Verdict};
@@ -109,7 +109,7 @@ impl PairSolver for Proximities {
         b: PosedShape<'_>,
         scratch: &mut epa::Scratch,
     ) -> Verdict<Proximity> {
-        told(self.distances.solve(a, b, &mut ()), a, b, scratch)
+        told(Accuracy::Certified, self.distances.solve(a, b, &mut ()), (a, b), scratch)
     }
 
     fn measure(
@@ -118,16 +118,31 @@ impl PairSolver for Proximities {
         b: PosedShape<'_>,
         scratch: &mut epa::Scratch,
     ) -> Verdict<Proximity> {
-        told(self.distances.measure(a, b, &mut ()), a, b, scratch)
+        self.measure_at(Accuracy::Certified, a, b, scratch)
+    }
+}
+
+impl MeasureAt for Proximities {
+    /// Below the accuracy that is certified, [`Smoothness`] is unknown.
+    fn measure_at(
+        &self,
+        accuracy: Accuracy,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut epa::Scratch,
+    ) -> Verdict<Proximity> {
+        let distance = self.distances.measure_at(accuracy, a, b, &mut ());
+        told(accuracy, distance, (a, b), scratch)
     }
 }
 
 fn told(
+    accuracy: Accuracy,
     verdict: Verdict<Option<Distance>>,
-    a: PosedShape<'_>,
-    b: PosedShape<'_>,
+    (a, b): (PosedShape<'_>, PosedShape<'_>),
     scratch: &mut epa::Scratch,
 ) -> Verdict<Proximity> {
+    let is_certified = accuracy == Accuracy::Certified;
     match verdict {
         Verdict::Apart => Verdict::Apart,
         Verdict::Undecided(reason) => Verdict::Undecided(reason),
@@ -140,7 +155,7 @@ fn told(
                 point_b: found.point_b,
                 ..Proximity::default()
             }
-            .with_gradient(a, b, across(&found, (a, b), scratch));
+            .with_gradient(a, b, is_certified.then(|| across(&found, (a, b), scratch)));
             if found.distance > 0.0 {
                 return Verdict::Touching(near);
             }
@@ -154,7 +169,7 @@ fn told(
                 _ => Verdict::Touching(near),
             }
         }
-        Verdict::Touching(None) => overlapping(a, b, scratch),
+        Verdict::Touching(None) => overlapping(accuracy, a, b, scratch),
     }
 }
 
@@ -182,18 +197,22 @@ fn across(
 }
 
 fn overlapping(
+    accuracy: Accuracy,
     a: PosedShape<'_>,
     b: PosedShape<'_>,
     scratch: &mut epa::Scratch,
 ) -> Verdict<Proximity> {
     let (verdict, direction) = match (a.shape, b.shape) {
+        _ if accuracy != Accuracy::Certified => {
+            (depths::of_touching(accuracy, a, b, scratch), None)
+        }
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
             let (a, b) =
                 (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
             let (found, direction) = epa::depth_and_direction(a, b, scratch);
-            (Verdict::Touching(found), direction)
+            (Verdict::Touching(found), Some(direction))
         }
-        _ => (depths::of_touching(a, b, scratch), Direction::Alone),
+        _ => (depths::of_touching(accuracy, a, b, scratch), Some(Direction::Alone)),
     };
     let found = match verdict {
         Verdict::Touching(found) => found,
@@ -215,7 +234,14 @@ impl Proximity {
     /// A point x that moves with an object moves by δt + δω × (x − t); the signed distance changes
     /// by the normal's part of that, for neither the normal's own change nor the points' along
     /// their features counts at first order (docs/numerics.md, "derivatives").
-    fn with_gradient(self, a: PosedShape<'_>, b: PosedShape<'_>, direction: Direction) -> Self {
+    ///
+    /// Without a word on the direction nothing is said of its smoothness.
+    fn with_gradient(
+        self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        direction: Option<Direction>,
+    ) -> Self {
         let Self { normal, point_a, point_b, .. } = self;
         let turning =
             |point: DVec3, side: PosedShape<'_>| (point - side.pose.translation()).cross(normal);
@@ -223,6 +249,7 @@ impl Proximity {
             a: Twist { translation: -normal, rotation: -turning(point_a, a) },
             b: Twist { translation: normal, rotation: turning(point_b, b) },
         };
+        let Some(direction) = direction else { return Self { gradient, ..self } };
         let smoothness = match (direction, Extent::of(a, normal), Extent::of(b, -normal)) {
             (_, None, _) | (_, _, None) => Smoothness::Unknown,
             (Direction::Rivalled, ..) => Smoothness::ManyDirections,

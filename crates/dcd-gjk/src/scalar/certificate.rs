@@ -122,6 +122,13 @@ impl<R: Real> Bounds<R> {
         length * (R::ONE + R::from_f64(LENGTH) * R::UNIT_ROUNDOFF) + self.upper
     }
 
+    /// At most the radius of a sphere round the origin that is inside the difference, from that of one
+    /// inside a surface of computed vertices: moved to the true ones, no point of the surface comes
+    /// nearer by more than a vertex is off.
+    pub(crate) fn least_reach(&self, inner: R) -> R {
+        (inner - self.upper).max(R::ZERO)
+    }
+
     /// At most the cores' distance, from a computed separation s along d; may be negative.
     pub(crate) fn lower_bound(&self, d: R::Vec3, s: R) -> R {
         let along = s / d.length();

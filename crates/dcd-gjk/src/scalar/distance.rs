@@ -14,10 +14,11 @@ mod tests;
 use crate::certificate::Bounds;
 use crate::closed::{self, half_space};
 use crate::exact::{self, Exact};
+use crate::query::Accuracy;
 use crate::{
     Difference, Method, PosedShape, PosedSupport, Reason, Verdict, certified, mesh, order, portal,
 };
-use approach::{Approach, approach};
+pub(crate) use approach::{Approach, approach};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape, SupportMap};
 
@@ -172,24 +173,63 @@ pub fn in_f64(a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceResult {
     if mesh::are_asked(a.shape, b.shape) {
         return DistanceResult::Undecided(Reason::NotConvex);
     }
-    if order::is_swapped(a, b) { in_f64_in_order(b, a).mirrored() } else { in_f64_in_order(a, b) }
+    to_within(0.0, a, b)
 }
 
-fn in_f64_in_order(a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceResult {
-    match (a.shape, b.shape) {
-        (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
-            measured(PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose))
-        }
-        _ => measured(PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose)),
+/// The distance with a bound as good as an accuracy asks for: from f64 where that suffices.
+pub(crate) fn at_accuracy(
+    accuracy: Accuracy,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+) -> (DistanceResult, Method) {
+    let is_bounded = a.shape.is_bounded() && b.shape.is_bounded();
+    if accuracy == Accuracy::Certified || mesh::are_asked(a.shape, b.shape) || !is_bounded {
+        return distance(a, b);
+    }
+    let gap = if accuracy == Accuracy::F32 { F32_GAP } else { 0.0 };
+    match to_within(gap, a, b) {
+        DistanceResult::Interval { .. } | DistanceResult::Undecided(_) => distance(a, b),
+        found => (found, Method::F64),
     }
 }
 
-fn measured<S: SupportMap<f64>>(a: PosedSupport<'_, S>, b: PosedSupport<'_, S>) -> DistanceResult {
+/// How near the bounds have to come for the accuracy of f32, relative to the pair's size. Larger: the bound
+/// is above what that accuracy promises. Smaller: more supports.
+const F32_GAP: f64 = 1e-6;
+
+fn to_within(gap: f64, a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceResult {
+    if order::is_swapped(a, b) {
+        in_f64_in_order(gap, b, a).mirrored()
+    } else {
+        in_f64_in_order(gap, a, b)
+    }
+}
+
+fn in_f64_in_order(gap: f64, a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceResult {
+    match (a.shape, b.shape) {
+        (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
+            let (a, b) =
+                (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
+            measured(gap, a, b)
+        }
+        _ => {
+            let (a, b) =
+                (PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose));
+            measured(gap, a, b)
+        }
+    }
+}
+
+fn measured<S: SupportMap<f64>>(
+    gap: f64,
+    a: PosedSupport<'_, S>,
+    b: PosedSupport<'_, S>,
+) -> DistanceResult {
     let Some(difference) = Difference::new(a, b) else {
         return DistanceResult::Undecided(Reason::Range);
     };
     let bounds = Bounds::of(&difference);
-    let near = match approach(&difference, &bounds) {
+    let near = match approach(&difference, &bounds, gap) {
         Ok(near) => near,
         Err(Verdict::Undecided(reason)) => return DistanceResult::Undecided(reason),
         Err(_) => return DistanceResult::Touching,
@@ -283,7 +323,7 @@ fn in_order(
     let mut apart = false;
     if let Some(difference) = &difference {
         let bounds = Bounds::of(difference);
-        match approach(difference, &bounds) {
+        match approach(difference, &bounds, 0.0) {
             Err(Verdict::Touching(())) => return (DistanceResult::Touching, Method::F64),
             Err(_) => {}
             Ok(near) => {
@@ -348,6 +388,6 @@ fn unit(direction: DVec3) -> DVec3 {
 }
 
 /// A little more, in the denormal range too; finite.
-fn rounded_up(x: f64) -> f64 {
+pub(crate) fn rounded_up(x: f64) -> f64 {
     (x.next_up() + f64::from_bits(1)).clamp(0.0, f64::MAX)
 }

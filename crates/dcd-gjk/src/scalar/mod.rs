@@ -7,6 +7,7 @@ pub mod closed;
 pub(crate) mod difference;
 pub mod distance;
 pub mod epa;
+pub(crate) mod expanding;
 pub mod gjk;
 pub(crate) mod order;
 pub(crate) mod portal;

@@ -10,7 +10,7 @@ mod clip;
 mod feature;
 mod reduce;
 
-use super::depths;
+use super::{Accuracy, MeasureAt, depths};
 use crate::epa::{self, Depth};
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, order};
 use clip::{Corner, Patch};
@@ -112,7 +112,7 @@ impl PairSolver for Manifolds {
         b: PosedShape<'_>,
         scratch: &mut Scratch,
     ) -> Verdict<Manifold> {
-        told(depths::of_touching(a, b, &mut scratch.depth), a, b, &mut scratch.patch)
+        self.measure_at(Accuracy::Certified, a, b, scratch)
     }
 
     fn settle(
@@ -123,6 +123,19 @@ impl PairSolver for Manifolds {
     ) -> (Verdict<Manifold>, Method) {
         let (verdict, method) = Depths.settle(a, b, &mut scratch.depth);
         (told(verdict, a, b, &mut scratch.patch), method)
+    }
+}
+
+impl MeasureAt for Manifolds {
+    fn measure_at(
+        &self,
+        accuracy: Accuracy,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut Scratch,
+    ) -> Verdict<Manifold> {
+        let depth = depths::of_touching(accuracy, a, b, &mut scratch.depth);
+        told(depth, a, b, &mut scratch.patch)
     }
 }
 

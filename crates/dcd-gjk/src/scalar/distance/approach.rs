@@ -8,25 +8,27 @@ use dcd_geom::SupportMap;
 use dcd_geom::glam::DVec3;
 
 /// The nearest point found. Lengths are those of the difference.
-pub(super) struct Approach {
+pub(crate) struct Approach {
     /// The vertices that span it.
     pub(super) simplex: Simplex<f64>,
     /// Their weights, up to a common factor.
     pub(super) weights: [f64; 4],
     /// From the origin to it, its largest component 1.
-    pub(super) direction: DVec3,
+    pub(crate) direction: DVec3,
     /// Its distance from the origin, as computed.
-    pub(super) length: f64,
+    pub(crate) length: f64,
     /// At least the cores' distance.
-    pub(super) upper: f64,
+    pub(crate) upper: f64,
     /// At most the cores' distance.
-    pub(super) lower: f64,
+    pub(crate) lower: f64,
 }
 
+/// `gap` is how near its bounds have to come, as a length of the difference; 0 for all that f64 has.
 /// Where the cores surely overlap, or nothing could be found, the verdict comes back.
-pub(super) fn approach<S: SupportMap<f64>>(
+pub(crate) fn approach<S: SupportMap<f64>>(
     difference: &Difference<'_, f64, S, S>,
     bounds: &Bounds<f64>,
+    gap: f64,
 ) -> Result<Approach, Verdict<()>> {
     let mut best = Approach {
         simplex: Simplex::default(),
@@ -42,7 +44,8 @@ pub(super) fn approach<S: SupportMap<f64>>(
         best.lower = best.lower.max(bounds.lower_bound(best.direction, separation));
         let along = separation / best.direction.length();
         // The gap is closed to the last bit, or the vertex is nothing new.
-        if best.length - along <= UNIT * best.length || best.simplex.holds(&vertex) {
+        let is_closed = best.length - along <= UNIT * best.length || best.upper - best.lower <= gap;
+        if is_closed || best.simplex.holds(&vertex) {
             break;
         }
         let mut simplex = best.simplex;
@@ -83,7 +86,7 @@ pub(super) fn approach<S: SupportMap<f64>>(
 
 impl Approach {
     /// The points of the two cores, world frame, metres.
-    pub(super) fn points<S: SupportMap<f64>>(
+    pub(crate) fn points<S: SupportMap<f64>>(
         &self,
         a: PosedSupport<'_, S>,
         b: PosedSupport<'_, S>,

@@ -33,6 +33,7 @@ mod start;
 mod wide;
 mod witness;
 
+use crate::expanding::Surface;
 use crate::{PosedSupport, Verdict, exact, order};
 use answer::{Answer, Certainty};
 use apart::Gap;
@@ -88,6 +89,7 @@ impl Depth {
 pub struct Scratch {
     hull: Hull,
     dots: Vec<f64>,
+    pub(crate) surface: Surface,
 }
 
 /// Whether two placed polytopes touch, and how deep.
@@ -187,7 +189,7 @@ fn solve(
     scratch: &mut Scratch,
     mut inspect: impl FnMut(&mut Viewer<'_>, &mut Hull, Outcome<'_>),
 ) -> (Depth, Certainty) {
-    let Scratch { hull, dots } = scratch;
+    let Scratch { hull, dots, .. } = scratch;
     let mut viewer = Viewer::new(LatticeDifference::new(a, b, dots));
     let radii = [a.map.swept_radius(), b.map.swept_radius()];
     let radius = radii[0] + radii[1];

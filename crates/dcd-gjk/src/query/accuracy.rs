@@ -1,0 +1,103 @@
+//! How good a bound has to be: speed for accuracy.
+
+use super::distances::are_within;
+use crate::{Method, PairSolver, PosedShape, Verdict, certified};
+
+/// How good the bound of a distance or depth has to be. Whichever is asked for, the bound is proved: a smaller
+/// accuracy makes it wider, never false. Who touches whom is not a matter of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Accuracy {
+    /// A millionth of the pair's size, as f32 would resolve it.
+    F32,
+    /// What f64 gives: 1e-10 of a depth or 3e-14 of the pair's size, some 3e-15 of it for a distance.
+    F64,
+    /// Twelve digits of a distance and nine of a depth, however small, by longer numbers where f64 has
+    /// not as many: what the solvers give by themselves.
+    #[default]
+    Certified,
+}
+
+/// A solver that trades accuracy for speed: [`Distances`](super::Distances), [`Depths`](super::Depths),
+/// [`Manifolds`](super::Manifolds), [`Proximities`](super::Proximities).
+pub trait MeasureAt: PairSolver {
+    /// [`PairSolver::measure`] with a bound as good as the accuracy asks for, or better.
+    fn measure_at(
+        &self,
+        accuracy: Accuracy,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut Self::Scratch,
+    ) -> Verdict<Self::Answer>;
+}
+
+/// A solver at an accuracy of the caller's choice.
+///
+/// ```
+/// use dcd_gjk::{Accuracy, Depths, ThenMeasure, WithAccuracy};
+/// let how_deep = ThenMeasure::new(WithAccuracy::new(Depths, Accuracy::F64))?;
+/// # Ok::<(), dcd_geom::ShapeError>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct WithAccuracy<S> {
+    solver: S,
+    accuracy: Accuracy,
+}
+
+impl<S: MeasureAt> WithAccuracy<S> {
+    /// That solver at that accuracy.
+    pub fn new(solver: S, accuracy: Accuracy) -> Self {
+        Self { solver, accuracy }
+    }
+}
+
+impl<S: MeasureAt> PairSolver for WithAccuracy<S> {
+    type Answer = S::Answer;
+    type Scratch = S::Scratch;
+
+    fn method(&self) -> Method {
+        self.solver.method()
+    }
+
+    fn margin(&self) -> f64 {
+        self.solver.margin()
+    }
+
+    fn solve(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut S::Scratch,
+    ) -> Verdict<S::Answer> {
+        self.settle(a, b, scratch).0
+    }
+
+    fn measure(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut S::Scratch,
+    ) -> Verdict<S::Answer> {
+        self.solver.measure_at(self.accuracy, a, b, scratch)
+    }
+
+    /// Yes or no is proved first, whatever the accuracy.
+    fn settle(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut S::Scratch,
+    ) -> (Verdict<S::Answer>, Method) {
+        let margin = self.margin();
+        let (verdict, method) = if margin > 0.0 {
+            (are_within(a, b, margin), Method::F64)
+        } else {
+            certified::overlap_of(a, b)
+        };
+        let verdict = match verdict {
+            Verdict::Touching(()) => self.measure(a, b, scratch),
+            Verdict::Apart => Verdict::Apart,
+            Verdict::Undecided(reason) => Verdict::Undecided(reason),
+        };
+        (verdict, method)
+    }
+}

@@ -1,0 +1,210 @@
+//! Penetration depth in f64: the expanding polytope with floating-point numbers, and a bound that holds
+//! whatever they lost on the way.
+//!
+//! As in [`epa`](crate::epa) a polytope inside A − B grows towards the face nearest the origin; here its planes
+//! are rounded, and nothing is believed of them. When the search ends the surface is looked at as it
+//! is: it is closed, since it only ever loses a patch and gains the cone over the patch's boundary. If
+//! every triangle surely has the origin on its inner side, the surface winds round it, and the sphere
+//! that reaches the nearest triangle is inside A − B: a lower bound (docs/numerics.md, "Depth in f64").
+//! The reach along any direction is an upper one. A search that ends without a good bound says nothing,
+//! and the caller asks the exact one.
+//!
+//! Works on support maps, so that cylinders, cones and foreign shapes need no sampling.
+
+mod surface;
+#[cfg(test)]
+mod tests;
+
+use crate::certificate::Bounds;
+use crate::distance::{Approach, approach, rounded_up};
+use crate::epa::Depth;
+use crate::gjk::unit;
+use crate::query::Accuracy;
+use crate::{Difference, PosedShape, PosedSupport, Vertex, order};
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Polytope, Shape, SupportMap};
+pub(crate) use surface::Surface;
+
+/// How often the polytope may grow: hulls of tens of vertices need ten, a cylinder against a cone a
+/// hundred. Smaller: more pairs of finely cut or curved shapes left to the exact search.
+const GROWTHS: usize = 256;
+
+/// How far the first tetrahedron must be from flat, relative to the pair's size: 2⁻²⁰, so that its planes
+/// mean something. Smaller: more sliver faces. Larger: more thin pairs left to the exact search.
+const FAT: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// Unit roundoff.
+const U: f64 = f64::EPSILON / 2.0;
+
+/// When a search ends, and what its bound may be.
+#[derive(Clone, Copy, Debug)]
+struct Tolerance {
+    /// Relative to the depth.
+    relative: f64,
+    /// Relative to the pair's size.
+    of_size: f64,
+}
+
+impl Tolerance {
+    fn of(accuracy: Accuracy) -> Self {
+        match accuracy {
+            // A tenth of what the best f32 lanes are promised to reach.
+            Accuracy::F32 => Self { relative: 0.0, of_size: 1e-6 },
+            Accuracy::F64 | Accuracy::Certified => Self { relative: 1e-10, of_size: 256.0 * U },
+        }
+    }
+
+    /// Lengths of a difference, which is no larger than 1.
+    fn admits(self, error: f64, depth: f64) -> bool {
+        error <= self.of_size.max(self.relative * depth)
+    }
+}
+
+/// How deep two convex shapes overlap that are known to touch; `None` where f64 finds no bound as good
+/// as the accuracy asks for, and for shapes without a support map.
+///
+/// (a, b) and (b, a) give the same bits, mirrored.
+pub(crate) fn depth_of_overlap(
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    accuracy: Accuracy,
+    surface: &mut Surface,
+) -> Option<Depth> {
+    let has_support = |shape: &Shape| shape.is_convex() && shape.is_bounded();
+    if !has_support(a.shape) || !has_support(b.shape) {
+        return None;
+    }
+    let tolerance = Tolerance::of(accuracy);
+    let swapped = order::is_swapped(a, b);
+    let (a, b) = if swapped { (b, a) } else { (a, b) };
+    let found = match (a.shape, b.shape) {
+        (Shape::Polytope(in_a), Shape::Polytope(in_b)) => of_supports::<Polytope>(
+            [PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose)],
+            tolerance,
+            surface,
+        ),
+        _ => of_supports::<Shape>(
+            [PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose)],
+            tolerance,
+            surface,
+        ),
+    }?;
+    Some(if swapped { found.mirrored() } else { found })
+}
+
+fn of_supports<S: SupportMap<f64>>(
+    bodies: [PosedSupport<'_, S>; 2],
+    tolerance: Tolerance,
+    surface: &mut Surface,
+) -> Option<Depth> {
+    let [a, b] = bodies;
+    let difference = Difference::new(a, b)?;
+    let search = Search { difference, bodies, tolerance };
+    let bounds = Bounds::of(&search.difference);
+    if bounds.radius() > 0.0
+        && let Ok(near) = approach(&search.difference, &bounds, 0.0)
+        && near.lower > 0.0
+    {
+        return search.of_apart_cores(&bounds, &near);
+    }
+    search.of_overlapping_cores(&bounds, surface)
+}
+
+struct Search<'a, S> {
+    difference: Difference<'a, f64, S, S>,
+    bodies: [PosedSupport<'a, S>; 2],
+    tolerance: Tolerance,
+}
+
+impl<S: SupportMap<f64>> Search<'_, S> {
+    /// Only what is swept round them overlaps: the radii, less the cores' distance.
+    fn of_apart_cores(&self, bounds: &Bounds<f64>, near: &Approach) -> Option<Depth> {
+        let depth = (bounds.radius() - near.length).max(0.0);
+        let error = (near.upper - near.length).max(near.length - near.lower)
+            + (bounds.swept_upper() - bounds.radius());
+        let [a, b] = self.bodies;
+        self.told(depth, error, near.points(a, b), -near.direction)
+    }
+
+    fn of_overlapping_cores(&self, bounds: &Bounds<f64>, surface: &mut Surface) -> Option<Depth> {
+        surface.start(self.tetrahedron()?)?;
+        let (mut reach, mut upper, mut normal) = (f64::MAX, f64::MAX, DVec3::ZERO);
+        for _ in 0..GROWTHS {
+            let nearest = surface.nearest();
+            let (direction, distance) = surface.plane(nearest);
+            let direction = unit::<f64>(direction.to_array())?;
+            let (vertex, separation) = self.difference.lowest(-direction);
+            let along = -separation / direction.length();
+            let most = -bounds.lower_bound(-direction, separation);
+            if most < upper {
+                (reach, upper, normal) = (along, most, direction);
+            }
+            // Done, or the vertex is nothing new.
+            if self.tolerance.admits(reach - distance, reach) || surface.holds(&vertex) {
+                break;
+            }
+            surface.insert(vertex, nearest)?;
+        }
+        let lower = bounds.least_reach(surface.inner_radius()?);
+        let depth = reach.max(0.0) + bounds.radius();
+        let error =
+            (upper - reach.max(0.0)).max(reach - lower) + (bounds.swept_upper() - bounds.radius());
+        self.told(depth, error, surface.witnesses(normal, self.bodies), normal)
+    }
+
+    /// In metres, if the bound is as good as what was asked for. `points` are of the cores.
+    fn told(&self, depth: f64, error: f64, points: [DVec3; 2], direction: DVec3) -> Option<Depth> {
+        if !self.tolerance.admits(error, depth) {
+            return None;
+        }
+        let scale = self.difference.scale();
+        let [a, b] = self.bodies;
+        let normal = direction.normalize();
+        let found = Depth {
+            depth: depth / scale,
+            normal,
+            point_a: points[0] + normal * a.map.radius(),
+            point_b: points[1] - normal * b.map.radius(),
+            error_bound: rounded_up((error + 8.0 * U * depth) / scale),
+        };
+        // What leaves the range is the exact search's to say.
+        let numbers = [found.depth, found.error_bound];
+        let vectors = [found.normal, found.point_a, found.point_b];
+        let is_finite =
+            numbers.iter().all(|x| x.is_finite()) && vectors.iter().all(|v| v.is_finite());
+        is_finite.then_some(found)
+    }
+
+    /// Four points of the difference that are far from one plane, each a support towards the origin.
+    fn tetrahedron(&self) -> Option<[Vertex<f64>; 4]> {
+        let farthest = |direction: DVec3| {
+            let direction = unit::<f64>(direction.to_array())?;
+            Some(self.difference.lowest(-direction).0)
+        };
+        let v0 = farthest(-self.difference.middle()).or_else(|| farthest(DVec3::X))?;
+        let v1 = farthest(-v0.w).or_else(|| farthest(-DVec3::X))?;
+        let edge = v1.w - v0.w;
+        if edge.length() < FAT {
+            return None;
+        }
+        let off_line = edge.cross(v0.w).cross(edge);
+        let square = if off_line.length() > FAT * edge.length_squared() {
+            -off_line
+        } else {
+            edge.any_orthogonal_vector()
+        };
+        let v2 = [square, -square].into_iter().find_map(|direction| {
+            let vertex = farthest(direction)?;
+            let fat = edge.cross(vertex.w - v0.w).length() >= FAT * edge.length();
+            fat.then_some(vertex)
+        })?;
+        let normal = edge.cross(v2.w - v0.w);
+        let inward = if normal.dot(v0.w) > 0.0 { -normal } else { normal };
+        let v3 = [inward, -inward].into_iter().find_map(|direction| {
+            let vertex = farthest(direction)?;
+            let height = direction.dot(vertex.w - v0.w) / direction.length();
+            (height >= FAT).then_some(vertex)
+        })?;
+        Some([v0, v1, v2, v3])
+    }
+}

@@ -1,0 +1,242 @@
+//! A closed surface of triangles that grows point by point, with rounded planes.
+
+use crate::simplex::{Triple, determinant};
+use crate::{PosedSupport, Vertex};
+use dcd_geom::SupportMap;
+use dcd_geom::glam::DVec3;
+
+/// Unit roundoff.
+const U: f64 = f64::EPSILON / 2.0;
+
+/// A triangle, counter-clockwise seen from outside.
+#[derive(Clone, Copy, Debug)]
+struct Face {
+    vertices: [u32; 3],
+    /// The face across the edge from vertex k to vertex k + 1.
+    neighbours: [u32; 3],
+    /// Outward, of unit length but for rounding.
+    normal: DVec3,
+    /// normal·w on the face.
+    distance: f64,
+    /// How far the face surely is from the origin, which is surely on its inner side; else negative infinity.
+    clear: f64,
+    /// Whether it is a part of the surface.
+    alive: bool,
+}
+
+/// An edge between what a new vertex sees and what it does not, as the seen face runs along it.
+#[derive(Clone, Copy, Debug)]
+struct Edge {
+    from: u32,
+    to: u32,
+    hidden: u32,
+}
+
+/// The surface, and memory that one search leaves to the next.
+#[derive(Debug, Default)]
+pub(crate) struct Surface {
+    vertices: Vec<Vertex<f64>>,
+    faces: Vec<Face>,
+    stack: Vec<u32>,
+    horizon: Vec<Edge>,
+    /// Of a vertex on the horizon: the new face whose horizon edge starts there.
+    starting: Vec<u32>,
+}
+
+/// No face starts here.
+const NONE: u32 = u32::MAX;
+
+impl Surface {
+    /// Starts over with a tetrahedron of four points that are not in one plane.
+    pub(super) fn start(&mut self, mut corners: [Vertex<f64>; 4]) -> Option<()> {
+        self.vertices.clear();
+        self.faces.clear();
+        self.starting.clear();
+        let [v0, v1, v2, v3] = corners.map(|vertex| vertex.w);
+        if (v1 - v0).cross(v2 - v0).dot(v3 - v0) < 0.0 {
+            corners.swap(1, 2);
+        }
+        self.vertices.extend(corners);
+        self.starting.resize(4, NONE);
+        // Each face, and across each of its edges the face that runs along it the other way.
+        for (vertices, neighbours) in [
+            ([0, 2, 1], [2, 3, 1]),
+            ([0, 1, 3], [0, 3, 2]),
+            ([0, 3, 2], [1, 3, 0]),
+            ([1, 2, 3], [0, 2, 1]),
+        ] {
+            self.push(vertices, neighbours)?;
+        }
+        Some(())
+    }
+
+    /// The face whose plane is nearest along its normal: the smallest signed distance, the older one
+    /// among equals.
+    pub(super) fn nearest(&self) -> u32 {
+        let mut best = (f64::INFINITY, 0);
+        for (index, face) in self.faces.iter().enumerate() {
+            if face.alive && face.distance < best.0 {
+                best = (face.distance, index);
+            }
+        }
+        best.1 as u32
+    }
+
+    /// A face's normal and distance.
+    pub(super) fn plane(&self, face: u32) -> (DVec3, f64) {
+        let Face { normal, distance, .. } = self.faces[face as usize];
+        (normal, distance)
+    }
+
+    /// Whether the surface has the vertex.
+    pub(super) fn holds(&self, vertex: &Vertex<f64>) -> bool {
+        self.vertices.iter().any(|other| other.is_same(vertex) || other.w == vertex.w)
+    }
+
+    /// Takes away the faces that the vertex sees, `seen` among them, and adds the cone over their
+    /// boundary. `None` where rounding makes that boundary more than one simple cycle, or a face a line.
+    pub(super) fn insert(&mut self, vertex: Vertex<f64>, seen: u32) -> Option<()> {
+        let new = self.vertices.len() as u32;
+        self.vertices.push(vertex);
+        self.starting.push(NONE);
+        self.find_horizon(vertex.w, seen);
+        let first = self.faces.len() as u32;
+        self.starting.fill(NONE);
+        for (k, edge) in self.horizon.iter().enumerate() {
+            let starting = &mut self.starting[edge.from as usize];
+            if *starting != NONE {
+                return None;
+            }
+            *starting = first + k as u32;
+        }
+        for k in 0..self.horizon.len() {
+            let Edge { from, to, hidden } = self.horizon[k];
+            let after = self.starting[to as usize];
+            if after == NONE {
+                return None;
+            }
+            self.reconnect(hidden, (to, from), first + k as u32);
+            // The face before this one on the cycle learns of it when it is made, or now.
+            self.push([from, to, new], [hidden, after, NONE])?;
+        }
+        for k in first..self.faces.len() as u32 {
+            let [_, after, _] = self.faces[k as usize].neighbours;
+            self.faces[after as usize].neighbours[2] = k;
+        }
+        (self.horizon.len() >= 3).then_some(())
+    }
+
+    /// Marks what the vertex sees as gone and collects the edges round it.
+    fn find_horizon(&mut self, point: DVec3, seen: u32) {
+        self.horizon.clear();
+        self.stack.clear();
+        self.faces[seen as usize].alive = false;
+        self.stack.push(seen);
+        while let Some(index) = self.stack.pop() {
+            let Face { vertices, neighbours, .. } = self.faces[index as usize];
+            for (k, &other) in neighbours.iter().enumerate() {
+                let neighbour = &mut self.faces[other as usize];
+                if !neighbour.alive {
+                    continue;
+                }
+                // Barely seen is not seen: a cone over such a face would have a sliver.
+                if neighbour.normal.dot(point) > neighbour.distance + 16.0 * U {
+                    neighbour.alive = false;
+                    self.stack.push(other);
+                } else {
+                    let (from, to) = (vertices[k], vertices[(k + 1) % 3]);
+                    self.horizon.push(Edge { from, to, hidden: other });
+                }
+            }
+        }
+    }
+
+    /// Makes `neighbour` the one across an edge of `face`.
+    fn reconnect(&mut self, face: u32, edge: (u32, u32), neighbour: u32) {
+        let face = &mut self.faces[face as usize];
+        for k in 0..3 {
+            if (face.vertices[k], face.vertices[(k + 1) % 3]) == edge {
+                face.neighbours[k] = neighbour;
+            }
+        }
+    }
+
+    fn push(&mut self, vertices: [u32; 3], neighbours: [u32; 3]) -> Option<()> {
+        let [p, q, r] = vertices.map(|k| self.vertices[k as usize].w);
+        let normal = (q - p).cross(r - p);
+        let length = normal.length();
+        if !(length > 0.0) {
+            return None;
+        }
+        let normal = normal / length;
+        let heights = [p, q, r].map(|v| normal.dot(v));
+        let clear = if is_inside([p, q, r]) { clearance(heights) } else { f64::NEG_INFINITY };
+        let distance = heights[0];
+        self.faces.push(Face { vertices, neighbours, normal, distance, clear, alive: true });
+        Some(())
+    }
+
+    /// The radius of a sphere round the origin that is surely inside of what the surface bounds, for the
+    /// vertices as they stand; 0 where the origin may be outside.
+    pub(super) fn inner_radius(&self) -> Option<f64> {
+        let alive = self.faces.iter().filter(|face| face.alive);
+        let least = alive.map(|face| face.clear).reduce(f64::min)?;
+        Some(least.max(0.0))
+    }
+
+    /// The points of the two cores where a direction from the origin leaves the surface; world, metres.
+    pub(super) fn witnesses<S: SupportMap<f64>>(
+        &self,
+        direction: DVec3,
+        [a, b]: [PosedSupport<'_, S>; 2],
+    ) -> [DVec3; 2] {
+        let (vertices, weights) = self.leaving(direction);
+        let corners = vertices.map(|k| &self.vertices[k as usize]);
+        let sum = |point: fn(&Vertex<f64>) -> DVec3| {
+            let terms = corners.iter().zip(weights).map(|(&vertex, w)| point(vertex) * w);
+            terms.sum::<DVec3>()
+        };
+        [a.pose.apply(sum(|v| v.a.point)), b.pose.apply(sum(|v| v.b.point))]
+    }
+
+    /// The triangle that a ray from the origin leaves by, and the weights of its corners there: the one
+    /// that it passes by the least, where rounding lets it slip between all.
+    fn leaving(&self, direction: DVec3) -> ([u32; 3], [f64; 3]) {
+        let mut best = (f64::NEG_INFINITY, [0; 3], [1.0, 0.0, 0.0]);
+        for Face { vertices, normal, .. } in self.faces.iter().filter(|face| face.alive) {
+            if normal.dot(direction) <= 0.0 {
+                continue;
+            }
+            let [p, q, r] = vertices.map(|k| self.vertices[k as usize].w);
+            let volumes = [q.cross(r), r.cross(p), p.cross(q)].map(|n| n.dot(direction));
+            let total: f64 = volumes.iter().sum();
+            let weights = volumes.map(|volume| volume / total);
+            let least = weights[0].min(weights[1]).min(weights[2]);
+            if total > 0.0 && least > best.0 {
+                best = (least, *vertices, weights);
+            }
+        }
+        let (_, vertices, weights) = best;
+        let weights = weights.map(|weight| weight.max(0.0));
+        let total: f64 = weights.iter().sum();
+        (vertices, weights.map(|weight| weight / total))
+    }
+}
+
+/// Whether the origin is surely on the inner side of a triangle: det(p, q, r) beyond 16u of its permanent,
+/// of which the determinant loses 5u and the permanent 5u of itself. Underflow proves nothing.
+fn is_inside(corners: [DVec3; 3]) -> bool {
+    let [p, q, r]: [Triple<f64>; 3] = corners.map(|v| v.to_array());
+    let [p_abs, q_abs, r_abs] = corners.map(DVec3::abs);
+    let permanent = p_abs.x * (q_abs.y * r_abs.z + q_abs.z * r_abs.y)
+        + p_abs.y * (q_abs.z * r_abs.x + q_abs.x * r_abs.z)
+        + p_abs.z * (q_abs.x * r_abs.y + q_abs.y * r_abs.x);
+    determinant(&p, &q, &r) > 16.0 * U * permanent + f64::MIN_POSITIVE
+}
+
+/// At most the distance of a triangle from the origin: its lowest corner along any direction. The
+/// direction's length is off by at most 8u, a product of it with a corner, all within 1 of the origin but for
+/// rounding, by 5u.
+fn clearance([p, q, r]: [f64; 3]) -> f64 {
+    p.min(q).min(r) * (1.0 - 16.0 * U) - 8.0 * U
+}

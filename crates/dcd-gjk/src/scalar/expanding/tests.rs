@@ -1,0 +1,117 @@
+//! The search beside the exact one, and its bound where that is hard to get.
+
+use super::{Surface, depth_of_overlap};
+use crate::query::Accuracy;
+use crate::{PosedShape, PosedSupport, Verdict, certified, epa};
+use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::{Pose, Shape};
+
+/// Numbers in 0 … 1, the same in every run.
+struct Draw(u64);
+
+impl Draw {
+    fn unit(&mut self) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn vector(&mut self) -> DVec3 {
+        DVec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
+    }
+
+    fn pose(&mut self, far: f64) -> Pose {
+        let turn = DQuat::from_scaled_axis(self.vector() * 3.0);
+        Pose::new(turn.normalize(), self.vector() * far).unwrap()
+    }
+
+    fn polytope(&mut self) -> Shape {
+        let count = 4 + (self.unit() * 60.0) as usize;
+        let shape = match (self.unit() * 4.0) as usize {
+            0 => Shape::cuboid(self.vector().abs() * 0.8 + 0.01).unwrap(),
+            1 => Shape::hull((0..count).map(|_| self.vector()).collect()).unwrap(),
+            2 => {
+                let thin = DVec3::new(1.0, 1.0, 1e-3);
+                Shape::hull((0..count).map(|_| self.vector() * thin).collect()).unwrap()
+            }
+            _ => Shape::capsule(0.5, 0.1 + 0.3 * self.unit()).unwrap(),
+        };
+        if self.unit() < 0.3 { shape.swept(0.2 * self.unit()).unwrap() } else { shape }
+    }
+}
+
+/// The exact search's word, if the two touch.
+fn truth(a: PosedShape<'_>, b: PosedShape<'_>, scratch: &mut epa::Scratch) -> Option<epa::Depth> {
+    let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
+    let (a, b) = (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
+    match epa::depth(a, b, scratch) {
+        Verdict::Touching(depth) => Some(depth),
+        _ => None,
+    }
+}
+
+#[test]
+fn the_exact_depth_is_within_the_bound_at_every_accuracy_and_most_pairs_are_answered() {
+    let (mut draw, mut surface, mut scratch) =
+        (Draw(1), Surface::default(), epa::Scratch::default());
+    let [mut touching, mut answered] = [0; 2];
+    for k in 0..4000 {
+        let (shape_a, shape_b) = (draw.polytope(), draw.polytope());
+        let (pose_a, pose_b) = (draw.pose(0.6), draw.pose(0.6));
+        let a = PosedShape { shape: &shape_a, pose: &pose_a };
+        let b = PosedShape { shape: &shape_b, pose: &pose_b };
+        let Some(truth) = truth(a, b, &mut scratch) else { continue };
+        touching += 1;
+        for accuracy in [Accuracy::F32, Accuracy::F64] {
+            let found = depth_of_overlap(a, b, accuracy, &mut surface);
+            let there_and_back = depth_of_overlap(b, a, accuracy, &mut surface);
+            assert_eq!(found.map(|f| f.mirrored()), there_and_back, "{k}");
+            let Some(found) = found else { continue };
+            answered += usize::from(accuracy == Accuracy::F64);
+            let off = (found.depth - truth.depth).abs();
+            assert!(off <= found.error_bound + truth.error_bound, "{k}: {found:?} {truth:?}");
+            let between = found.point_a - found.point_b - found.normal * found.depth;
+            assert!(between.length() < 1e-5, "{k}: {found:?}");
+            // The size of a pair here is up to 8.
+            let most = if accuracy == Accuracy::F32 { 1.6e-5 } else { 1e-9 };
+            assert!(found.error_bound <= most, "{k}: {found:?}");
+        }
+    }
+    assert!(touching > 1000 && answered * 100 > touching * 95, "{answered} of {touching}");
+}
+
+#[test]
+fn curved_shapes_are_answered_within_bounds_that_agree_with_their_hulls() {
+    let (mut draw, mut surface) = (Draw(2), Surface::default());
+    let [mut touching, mut answered] = [0; 2];
+    for k in 0..300 {
+        let [shape_a, shape_b] = [(); 2].map(|()| {
+            let (height, radius) = (0.2 + draw.unit(), 0.1 + 0.6 * draw.unit());
+            if draw.unit() < 0.5 {
+                Shape::cylinder(height, radius).unwrap()
+            } else {
+                Shape::cone(height, radius).unwrap()
+            }
+        });
+        let (pose_a, pose_b) = (draw.pose(0.5), draw.pose(0.5));
+        let a = PosedShape { shape: &shape_a, pose: &pose_a };
+        let b = PosedShape { shape: &shape_b, pose: &pose_b };
+        if certified::overlap_of(a, b).0 != Verdict::Touching(()) {
+            continue;
+        }
+        touching += 1;
+        let Some(found) = depth_of_overlap(a, b, Accuracy::F64, &mut surface) else { continue };
+        answered += 1;
+        // Moved by a little more than the depth they are apart, by a little less they are not.
+        for (factor, expected) in
+            [(1.0 + 1e-8, Verdict::Apart), (1.0 - 1e-8, Verdict::Touching(()))]
+        {
+            let length = found.depth * factor + (factor - 1.0).signum() * 1e-12;
+            let moved = pose_b.translation() + found.normal * length;
+            let pose = Pose::from_matrix(*pose_b.rotation(), moved).unwrap();
+            let b = PosedShape { shape: &shape_b, pose: &pose };
+            assert_eq!(certified::overlap_of(a, b).0, expected, "{k}: {found:?}");
+        }
+    }
+    assert!(touching > 100 && answered * 10 > touching * 9, "{answered} of {touching}");
+}
