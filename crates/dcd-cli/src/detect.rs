@@ -41,11 +41,13 @@ world frame:
   overlap    nothing more
   distance   distance, 0 for a pair that touches; else also normal, point_a, point_b
   depth      depth, normal, point_a, point_b
-  manifold   depth, normal, points: each with depth, point_a, point_b, feature_a, feature_b
+  manifold   manifolds: each with normal, depth, error_bound and points: each of these with depth, \
+point_a, point_b, feature_a, feature_b
   gradient   distance, below 0 for an overlap; normal, point_a, point_b; gradient_a and gradient_b, \
 each for a translation and for a rotation about the object's own origin; smoothness: smooth, many \
 points, many directions (no derivative, one of several told) or unknown
-The normal is of unit length and points from a to b. error_bound: the truth is within it.
+The normal is of unit length and points from a to b. error_bound: the truth is within it; --json has \
+the median, the 99th percentile and the worst of all, metres.
 
 Limits: 4,294,967,295 objects, vertices a shape and contacts in --out; coordinates within 1e37 m; \
 an eighth of the available memory for FILE, --clouds and --capture (also from a pipe); what memory \

@@ -5,7 +5,7 @@ mod ours;
 mod parry;
 
 use crate::failure::{Failure, tell};
-use crate::precision::Precision;
+use crate::precision::{Accuracy, Precision};
 use crate::progress::Progress;
 use answer::Answer;
 use clap::{Args, ValueEnum};
@@ -37,7 +37,7 @@ A line comes out for each, in order:
   error_bound  the truth is within it, metres; absent on parry-f32 and parry-f64, which give none
 A line that is no such pair comes out as {"name": …, "error": "line …"}, on standard error too, and the run goes on; the exit code is 2 then.
 
-There is no distance in f32: --precision fast gives f64's. A depth comes from one algorithm, on an exact lattice: method tells then what proved that the pair touches. Parry's rungs print what query::intersection_test, distance, closest_points and contact say, right or wrong."#;
+There is no distance in f32: --precision fast gives f64's. Of a depth or manifold, method tells what proved that the pair touches. Parry's rungs print what query::intersection_test, distance, closest_points and contact say, right or wrong."#;
 
 /// Judge pairs of posed point sets, one a line
 #[derive(Args)]
@@ -51,6 +51,10 @@ pub(crate) struct Pairs {
     /// What is asked about each pair
     #[arg(long, value_enum, default_value_t)]
     query: Query,
+    /// How good the bound of a distance or depth has to be, on our precisions: less is faster, and
+    /// proved all the same; no matter with --query boolean
+    #[arg(long, value_enum, default_value_t)]
+    accuracy: Accuracy,
     /// Ask for (b, a): the same answer mirrored, bit for bit, but on Parry's precisions
     #[arg(long)]
     swap: bool,
@@ -160,7 +164,8 @@ impl Pairs {
             Precision::ParryF32 => parry::answer::<f32>(self.query, "parry-f32", &a, &b),
             Precision::ParryF64 => parry::answer::<f64>(self.query, "parry-f64", &a, &b),
             precision => {
-                let answer = solvers.answer((precision, self.query), a.placed(), b.placed());
+                let answer =
+                    solvers.answer((precision, self.query, self.accuracy), a.placed(), b.placed());
                 // Nothing tells two identical bodies apart: (b, a) is (a, b) to the solver.
                 if self.swap && are_identical(&a, &b) { answer.mirrored() } else { answer }
             }

@@ -35,6 +35,29 @@ impl Precision {
     }
 }
 
+/// How good the bound of what is measured has to be; who touches whom is not a matter of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Accuracy {
+    /// A millionth of the pair's size
+    F32,
+    /// What f64 gives: some 3e-14 of the pair's size
+    F64,
+    /// Nine digits of a depth and twelve of a distance, however small
+    #[default]
+    Certified,
+}
+
+impl From<Accuracy> for dcd_gjk::Accuracy {
+    fn from(accuracy: Accuracy) -> Self {
+        match accuracy {
+            Accuracy::F32 => Self::F32,
+            Accuracy::F64 => Self::F64,
+            Accuracy::Certified => Self::Certified,
+        }
+    }
+}
+
 /// Why a pair stayed undecided, in words.
 pub(crate) fn in_words(reason: Reason) -> &'static str {
     match reason {

@@ -20,7 +20,7 @@ pub(crate) struct Reported {
     #[serde(skip_serializing_if = "Option::is_none")]
     point_b: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    points: Option<Vec<Point>>,
+    manifolds: Option<Vec<Patch>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     gradient_a: Option<Slopes>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -29,6 +29,15 @@ pub(crate) struct Reported {
     smoothness: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     error_bound: Option<f64>,
+}
+
+/// A manifold: one normal, up to four points.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Patch {
+    normal: [f64; 3],
+    depth: f64,
+    points: Vec<Point>,
+    error_bound: f64,
 }
 
 /// A point of a manifold.
@@ -65,11 +74,18 @@ struct Slopes {
 /// An answer that can be told.
 pub(crate) trait Report {
     fn tell(&self) -> Reported;
+
+    /// The bound of what was measured: none where nothing was, or nothing bounds it.
+    fn error_bound(&self) -> Option<f64>;
 }
 
 impl Report for () {
     fn tell(&self) -> Reported {
         Reported::default()
+    }
+
+    fn error_bound(&self) -> Option<f64> {
+        None
     }
 }
 
@@ -78,32 +94,42 @@ impl Report for Option<Distance> {
         let Some(found) = self else {
             return Reported { distance: Some(0.0), error_bound: Some(0.0), ..Reported::default() };
         };
-        let error_bound = Some(found.error_bound).filter(|_| !found.is_saturated());
         Reported {
             distance: Some(found.distance),
-            error_bound,
+            error_bound: self.error_bound(),
             ..Reported::between(found.normal, found.point_a, found.point_b)
         }
+    }
+
+    fn error_bound(&self) -> Option<f64> {
+        self.map_or(Some(0.0), |found| (!found.is_saturated()).then_some(found.error_bound))
     }
 }
 
 impl Report for Depth {
     fn tell(&self) -> Reported {
-        let error_bound = Some(self.error_bound).filter(|_| !self.is_saturated());
         let way = Reported::between(self.normal, self.point_a, self.point_b);
-        Reported { depth: Some(self.depth), error_bound, ..way }
+        Reported { depth: Some(self.depth), error_bound: self.error_bound(), ..way }
+    }
+
+    fn error_bound(&self) -> Option<f64> {
+        (!self.is_saturated()).then_some(self.error_bound)
     }
 }
 
 impl Report for Manifold {
     fn tell(&self) -> Reported {
-        Reported {
-            depth: self.points().first().map(|deepest| deepest.depth),
-            normal: Some(self.normal.to_array()),
-            points: Some(points(self)),
-            error_bound: Some(self.error_bound),
-            ..Reported::default()
-        }
+        let patch = Patch {
+            normal: self.normal.to_array(),
+            depth: self.points().first().map_or(0.0, |deepest| deepest.depth),
+            points: points(self),
+            error_bound: self.error_bound,
+        };
+        Reported { manifolds: Some(vec![patch]), ..Reported::default() }
+    }
+
+    fn error_bound(&self) -> Option<f64> {
+        Some(self.error_bound)
     }
 }
 
@@ -127,6 +153,10 @@ impl Report for Proximity {
             ..Reported::between(self.normal, self.point_a, self.point_b)
         }
     }
+
+    fn error_bound(&self) -> Option<f64> {
+        (self.error_bound < f64::MAX).then_some(self.error_bound)
+    }
 }
 
 impl Reported {
@@ -140,15 +170,18 @@ impl Reported {
     /// The points in which a pair touches, halfway between its two surfaces, with the normal; none
     /// where it was not asked.
     pub(crate) fn contact_points(&self) -> Vec<(DVec3, DVec3)> {
-        let Some(normal) = self.normal.map(DVec3::from_array) else { return Vec::new() };
-        let halfway = |a: [f64; 3], b: [f64; 3]| {
-            ((DVec3::from_array(a) + DVec3::from_array(b)) * 0.5, normal)
-        };
-        match (&self.points, self.depth, self.point_a, self.point_b) {
-            (Some(points), ..) => points.iter().map(|p| halfway(p.point_a, p.point_b)).collect(),
-            (None, Some(_), Some(a), Some(b)) => vec![halfway(a, b)],
-            _ => Vec::new(),
-        }
+        let halfway =
+            |a: [f64; 3], b: [f64; 3]| (DVec3::from_array(a) + DVec3::from_array(b)) * 0.5;
+        let patches = self.manifolds.iter().flatten();
+        let of_patches = patches.flat_map(|patch| {
+            let normal = DVec3::from_array(patch.normal);
+            patch.points.iter().map(move |p| (halfway(p.point_a, p.point_b), normal))
+        });
+        let alone = self.depth.and_then(|_| {
+            let (a, b) = (self.point_a?, self.point_b?);
+            Some((halfway(a, b), DVec3::from_array(self.normal?)))
+        });
+        of_patches.chain(alone).collect()
     }
 }
 

@@ -266,7 +266,7 @@ fn row() -> Vec<u8> {
 fn each_query_writes_its_answers_and_finds_the_same_contacts() {
     for (query, key) in [
         ("depth", "depth"),
-        ("manifold", "points"),
+        ("manifold", "manifolds"),
         ("distance", "distance"),
         ("gradient", "gradient_a"),
     ] {
@@ -282,8 +282,46 @@ fn each_query_writes_its_answers_and_finds_the_same_contacts() {
         assert_eq!(pairs, [(&0.into(), &1.into()), (&1.into(), &2.into())]);
         assert!(lines.iter().all(|line| !line[key].is_null()), "{text}");
         if query == "manifold" {
-            assert_eq!(lines[0]["points"].as_array().unwrap().len(), 4);
-            assert!((lines[0]["depth"].as_f64().unwrap() - 0.1).abs() < 1e-12);
+            let [patch] = &lines[0]["manifolds"].as_array().unwrap()[..] else { panic!("{text}") };
+            assert_eq!(patch["points"].as_array().unwrap().len(), 4);
+            assert!((patch["depth"].as_f64().unwrap() - 0.1).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn every_accuracy_has_the_same_contacts_and_numbers_within_its_bounds() {
+    for (query, key) in [("depth", "depth"), ("distance", "distance"), ("gradient", "distance")] {
+        let ask = |accuracy: &str| {
+            let out = temporary(&format!("{query}-{accuracy}"));
+            let mut arguments =
+                vec!["detect", "--scene", "mixed", "--n", "2000", "--json", "--query", query];
+            arguments.extend(["--accuracy", accuracy, "--answers", out.to_str().unwrap()]);
+            if query != "depth" {
+                arguments.extend(["--margin", "0.05"]);
+            }
+            let told = dcd(&arguments).summary();
+            let text = std::fs::read_to_string(&out).unwrap();
+            let answers: Vec<(f64, f64)> = text
+                .lines()
+                .map(|line| serde_json::from_str::<Value>(line).unwrap())
+                .map(|line| (line[key].as_f64().unwrap(), line["error_bound"].as_f64().unwrap()))
+                .collect();
+            (told, answers)
+        };
+        let (told, certified) = ask("certified");
+        assert!(certified.len() > 100, "{told}");
+        for accuracy in ["f32", "f64"] {
+            let (other, answers) = ask(accuracy);
+            assert_eq!(other["digest"], told["digest"]);
+            assert_eq!(other["accuracy"], accuracy);
+            let bounds = &other["error_bound"];
+            let worst = answers.iter().map(|&(_, bound)| bound).fold(0.0, f64::max);
+            assert_eq!(bounds["worst"].as_f64().unwrap(), worst);
+            assert!(bounds["median"].as_f64() <= bounds["p99"].as_f64(), "{bounds}");
+            for ((value, bound), (truth, slack)) in answers.into_iter().zip(&certified) {
+                assert!((value - truth).abs() <= bound + slack, "{query} {value} {truth} {bound}");
+            }
         }
     }
 }

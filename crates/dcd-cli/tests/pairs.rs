@@ -317,6 +317,31 @@ fn a_reader_that_has_read_enough_ends_the_run_in_silence() {
 }
 
 #[test]
+fn every_accuracy_gives_the_same_verdicts_and_numbers_within_its_bounds() {
+    let pairs = neighbours("paper", 1600);
+    for (query, key) in [("distance", "distance"), ("depth", "depth")] {
+        let certified = ask(&pairs, &["--query", query]).answers();
+        let mut measured = 0;
+        for accuracy in ["f32", "f64"] {
+            let found = ask(&pairs, &["--query", query, "--accuracy", accuracy]).answers();
+            let back = ask(&pairs, &["--query", query, "--accuracy", accuracy, "--swap"]).answers();
+            for ((line, swapped), truth) in found.iter().zip(&back).zip(&certified) {
+                assert_eq!(line["answer"], truth["answer"], "{line}");
+                if truth[key].is_null() {
+                    continue;
+                }
+                measured += 1;
+                let within = number(line, "error_bound") + number(truth, "error_bound");
+                assert!((number(line, key) - number(truth, key)).abs() <= within, "{line} {truth}");
+                assert!(number(line, "error_bound") < 1e-5, "{line}");
+                assert_eq!((&line[key], &line["point_a"]), (&swapped[key], &swapped["point_b"]));
+            }
+        }
+        assert!(measured > 20, "{query}: {measured}");
+    }
+}
+
+#[test]
 fn a_manifold_has_the_corners_of_what_two_faces_share() {
     for precision in OUR_PRECISIONS {
         let pairs = [cubes([0.75, 0.25, 0.5]), cubes([1.5, 0.0, 0.0])];

@@ -1,7 +1,7 @@
 //! What is asked about the pairs of a scene.
 
 use crate::failure::Failure;
-use crate::precision::Precision;
+use crate::precision::{Accuracy, Precision};
 use clap::{Args, ValueEnum};
 use dcd_geom::Aabb;
 use std::path::PathBuf;
@@ -12,6 +12,10 @@ pub(super) struct Ask {
     /// What is asked about each touching pair
     #[arg(long, value_enum, default_value_t, conflicts_with = "capture")]
     query: Question,
+    /// How good the bound of what is measured has to be: less is faster, and proved all the same; no
+    /// matter with --query overlap
+    #[arg(long, value_enum, default_value_t, conflicts_with = "capture")]
+    accuracy: Accuracy,
     /// Pairs within M metres of each other count as touching; with --query overlap, distance and
     /// gradient
     #[arg(
@@ -49,6 +53,7 @@ pub(super) enum Question {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Query {
     pub(super) question: Question,
+    pub(super) accuracy: Accuracy,
     /// Metres.
     pub(super) margin: f64,
     pub(super) answers: Answers,
@@ -65,9 +70,9 @@ pub(super) enum Answers {
 impl Ask {
     /// The question, if that precision answers it.
     pub(super) fn query(&self, precision: Precision) -> Result<Query, Failure> {
-        let Self { query: question, margin, .. } = *self;
+        let Self { query: question, accuracy, margin, .. } = *self;
         let answers = if self.answers.is_some() { Answers::Kept } else { Answers::Dropped };
-        let query = Query { question, margin, answers };
+        let query = Query { question, accuracy, margin, answers };
         if matches!(precision, Precision::ParryF32 | Precision::ParryF64) && !query.is_plain() {
             let only = "answers --query overlap without a margin alone";
             return Err(Failure::at(format_args!("--precision {}", precision.name()), only));

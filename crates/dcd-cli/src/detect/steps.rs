@@ -8,9 +8,10 @@ use crate::reported::{Report, Reported};
 use dcd_broad::WideTree;
 use dcd_exec::with_threads;
 use dcd_geom::{Pair, Scene};
+use dcd_gjk::query::MeasureAt;
 use dcd_gjk::{
-    Depths, Distances, Gjk, Manifolds, NarrowPhase, Overlap, OverlapUnchecked, PairSolver,
-    Pairwise, Proximities, ThenMeasure, Undecided, Within,
+    Depths, Distances, Gjk, Manifolds, NarrowPhase, Overlap, OverlapUnchecked, Pairwise,
+    Proximities, ThenMeasure, Undecided, WithAccuracy, Within,
 };
 use dcd_parry::{Library, ParryShapes};
 use dcd_pipeline::{Exec, Par, Pipeline, StageClock};
@@ -36,6 +37,8 @@ pub(super) struct Found {
     pub(super) contacts: Vec<Pair>,
     /// What was told of each, in the same order, if it is kept.
     pub(super) reported: Vec<(Pair, Reported)>,
+    /// The bound of each measure that has one.
+    pub(super) error_bounds: Vec<f64>,
     pub(super) undecided: Vec<Undecided>,
     /// On Parry's precisions, how many shapes it refused: their pairs are undecided.
     pub(super) refused: Option<usize>,
@@ -77,8 +80,9 @@ where
 fn after<N, S>(scene: &Scene, narrow: N, solver: S, plan: Plan) -> Result<Found, Failure>
 where
     N: NarrowPhase + Send,
-    S: PairSolver<Answer: Report> + Send + 'static,
+    S: MeasureAt<Answer: Report> + Send + 'static,
 {
+    let solver = WithAccuracy::new(solver, plan.query.accuracy.into());
     let narrow = ThenMeasure::after(narrow, solver);
     on_threads(scene, narrow.map_err(|error| Failure::at("--margin", error))?, plan)
 }
@@ -115,6 +119,7 @@ fn steps<N: NarrowPhase<Answer: Report>>(scene: &Scene, narrow: N, par: Par, pla
         if found.times.len() == plan.repeats as usize {
             found.pairs = step.candidate_count();
             found.contacts = step.contacts().map(|(i, j)| Pair::new(i, j)).collect();
+            found.error_bounds = step.answers().filter_map(|c| c.answer.error_bound()).collect();
             if plan.query.answers == Answers::Kept {
                 found.reported = step.answers().map(|c| (c.pair, c.answer.tell())).collect();
             }

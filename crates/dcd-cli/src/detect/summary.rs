@@ -1,8 +1,9 @@
 //! What is told of a run, as text and as JSON.
 
+use super::ask::Question;
 use super::contacts::digest;
 use super::steps::{Found, Plan};
-use crate::precision::{Precision, in_words};
+use crate::precision::{Accuracy, Precision, in_words};
 use dcd_io::CloudCensus;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -31,6 +32,10 @@ struct Json {
     query: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     margin: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    accuracy: Option<Accuracy>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error_bound: Option<ErrorBound>,
     ms: Stages,
     /// null where the system does not tell.
     peak_rss_bytes: Option<u64>,
@@ -57,6 +62,25 @@ struct Spread {
     median: f64,
 }
 
+/// Over all measures, metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+struct ErrorBound {
+    median: f64,
+    p99: f64,
+    worst: f64,
+}
+
+impl ErrorBound {
+    /// `None` where nothing was measured.
+    fn of(mut bounds: Vec<f64>) -> Option<Self> {
+        bounds.sort_unstable_by(f64::total_cmp);
+        let worst = *bounds.last()?;
+        // The least that so many are not above.
+        let at = |part: f64| bounds[((part * bounds.len() as f64).ceil() as usize).max(1) - 1];
+        Some(Self { median: at(0.5), p99: at(0.99), worst })
+    }
+}
+
 #[derive(Serialize)]
 struct Clouds {
     solid: usize,
@@ -81,6 +105,8 @@ impl Summary<'_> {
             precision: self.plan.precision,
             query: Some(query.name()).filter(|_| !query.is_plain()),
             margin: Some(query.margin).filter(|_| !query.is_plain()),
+            accuracy: Some(query.accuracy).filter(|_| query.question != Question::Overlap),
+            error_bound: ErrorBound::of(self.found.error_bounds.clone()),
             ms: Stages { aabbs, build, pairs: stage_pairs, narrow, total },
             peak_rss_bytes: self.peak_bytes,
             digest: self.digest(),
@@ -116,6 +142,12 @@ impl Summary<'_> {
         let Plan { precision, threads, repeats, query } = self.plan;
         if !query.is_plain() {
             line("query", &format_args!("{}, within {} m", query.name(), query.margin));
+        }
+        if let Some(ErrorBound { median, p99, worst }) =
+            ErrorBound::of(self.found.error_bounds.clone())
+        {
+            let bounds = format_args!("{median:.1e} median, {p99:.1e} 99 %, {worst:.1e} worst (m)");
+            line("error bound", &bounds);
         }
         line("precision", &precision.name());
         line("threads", &threads);
@@ -168,6 +200,15 @@ impl Spread {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn quantiles_of_bounds_are_bounds_that_occur() {
+        let of = |bounds: &[f64]| ErrorBound::of(bounds.to_vec());
+        assert_eq!(of(&[]), None);
+        assert_eq!(of(&[3.0]), Some(ErrorBound { median: 3.0, p99: 3.0, worst: 3.0 }));
+        let hundred: Vec<f64> = (1..=200).rev().map(f64::from).collect();
+        assert_eq!(of(&hundred), Some(ErrorBound { median: 100.0, p99: 198.0, worst: 200.0 }));
+    }
 
     #[test]
     fn the_median_is_the_middle_or_between_the_middle_two() {

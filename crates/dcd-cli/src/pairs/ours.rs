@@ -2,12 +2,12 @@
 
 use super::Query;
 use super::answer::{Answer, Way};
-use crate::precision::{Precision, in_words};
+use crate::precision::{Accuracy, Precision, in_words};
 use crate::reported::points;
-use dcd_geom::Polytope;
 use dcd_gjk::distance::{self, DistanceResult};
+use dcd_gjk::query::MeasureAt;
 use dcd_gjk::{
-    Certified, Gjk, Manifolds, Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, epa,
+    Certified, Depths, Gjk, Manifolds, Method, PairSolver, PosedShape, Reason, Verdict, epa,
 };
 
 /// The solvers' memory, from pair to pair.
@@ -21,12 +21,12 @@ impl Solvers {
     /// What that precision, one of ours, says of a and b.
     pub(super) fn answer(
         &mut self,
-        (precision, query): (Precision, Query),
+        (precision, query, accuracy): (Precision, Query, Accuracy),
         a: PosedShape<'_>,
         b: PosedShape<'_>,
     ) -> Answer {
         if query == Query::Distance {
-            return distance(precision, a, b);
+            return distance(precision, accuracy, a, b);
         }
         let (verdict, settled) = match precision {
             Precision::Fast => Gjk::<f32>::default().settle(a, b, &mut ()),
@@ -35,15 +35,22 @@ impl Solvers {
         };
         let mut answer = Answer::new(&verdict, name(settled));
         match (query, verdict) {
-            (Query::Depth, Verdict::Touching(())) => self.deepen(&mut answer, a, b),
-            (Query::Manifold, Verdict::Touching(())) => self.spread(&mut answer, a, b),
+            (Query::Depth, Verdict::Touching(())) => self.deepen(&mut answer, accuracy, a, b),
+            (Query::Manifold, Verdict::Touching(())) => self.spread(&mut answer, accuracy, a, b),
             _ => {}
         }
         answer
     }
 
-    fn spread(&mut self, answer: &mut Answer, a: PosedShape<'_>, b: PosedShape<'_>) {
-        let Verdict::Touching(found) = Manifolds.measure(a, b, &mut self.manifold) else { return };
+    fn spread(
+        &mut self,
+        answer: &mut Answer,
+        accuracy: Accuracy,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+    ) {
+        let found = Manifolds.measure_at(accuracy.into(), a, b, &mut self.manifold);
+        let Verdict::Touching(found) = found else { return };
         let Some(deepest) = found.points().first() else { return };
         answer.depth = Some(deepest.depth);
         answer.way = Some(Way::new(found.normal, deepest.point_a, deepest.point_b));
@@ -51,19 +58,30 @@ impl Solvers {
         answer.error_bound = Some(found.error_bound);
     }
 
-    fn deepen(&mut self, answer: &mut Answer, a: PosedShape<'_>, b: PosedShape<'_>) {
-        let (Some(a), Some(b)) = (body(a), body(b)) else { return };
-        let found = epa::depth_of_overlap(a, b, &mut self.depth);
+    fn deepen(
+        &mut self,
+        answer: &mut Answer,
+        accuracy: Accuracy,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+    ) {
+        let found = Depths.measure_at(accuracy.into(), a, b, &mut self.depth);
+        let Verdict::Touching(found) = found else { return };
         answer.depth = Some(found.depth);
         answer.way = Some(Way::new(found.normal, found.point_a, found.point_b));
         answer.error_bound = Some(found.error_bound);
     }
 }
 
-fn distance(precision: Precision, a: PosedShape<'_>, b: PosedShape<'_>) -> Answer {
+fn distance(
+    precision: Precision,
+    accuracy: Accuracy,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+) -> Answer {
     let (found, settled) = match precision {
         Precision::Fast | Precision::F64 => (distance::in_f64(a, b), Method::F64),
-        _ => distance::distance(a, b),
+        _ => distance::distance_at(accuracy.into(), a, b),
     };
     let verdict = match found {
         DistanceResult::Apart(_) => Verdict::Apart,
@@ -90,11 +108,6 @@ fn distance(precision: Precision, a: PosedShape<'_>, b: PosedShape<'_>) -> Answe
         DistanceResult::Undecided(_) => {}
     }
     answer
-}
-
-/// Every point set is a polytope.
-fn body<'a>(side: PosedShape<'a>) -> Option<PosedSupport<'a, Polytope>> {
-    Some(PosedSupport::polytope(side.shape.as_polytope()?, side.pose))
 }
 
 fn name(method: Method) -> &'static str {

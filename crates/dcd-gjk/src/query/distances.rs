@@ -1,7 +1,7 @@
 //! How far apart the pairs within a margin are.
 
 use super::{Accuracy, MeasureAt, check_margin};
-use crate::distance::{Distance, DistanceResult, at_accuracy, distance};
+use crate::distance::{Distance, DistanceResult, distance, distance_at};
 use crate::{Method, PairSolver, PosedShape, Verdict, certified};
 use dcd_geom::{Aabb, ShapeError, Sphere};
 
@@ -95,7 +95,7 @@ impl MeasureAt for Distances {
         b: PosedShape<'_>,
         (): &mut (),
     ) -> Verdict<Self::Answer> {
-        match at_accuracy(accuracy, a, b).0 {
+        match distance_at(accuracy, a, b).0 {
             DistanceResult::Apart(found) => Verdict::Touching(Some(found)),
             DistanceResult::Touching => Verdict::Touching(None),
             // What touches has no distance, whatever f64 knows of it.

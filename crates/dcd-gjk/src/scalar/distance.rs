@@ -176,8 +176,9 @@ pub fn in_f64(a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceResult {
     to_within(0.0, a, b)
 }
 
-/// The distance with a bound as good as an accuracy asks for: from f64 where that suffices.
-pub(crate) fn at_accuracy(
+/// The distance with a bound as good as an accuracy asks for: from f64 where that suffices. Never undecided
+/// between polytopes; (a, b) and (b, a) give the same bits, mirrored.
+pub fn distance_at(
     accuracy: Accuracy,
     a: PosedShape<'_>,
     b: PosedShape<'_>,
@@ -210,7 +211,7 @@ fn in_f64_in_order(gap: f64, a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceRe
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
             let (a, b) =
                 (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
-            measured(gap, a, b)
+            closed::distance(a, b).unwrap_or_else(|| measured(gap, a, b))
         }
         _ => {
             let (a, b) =
