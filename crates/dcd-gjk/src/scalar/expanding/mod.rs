@@ -145,7 +145,7 @@ impl<S: SupportMap<f64>> Search<'_, S> {
             }
             surface.insert(vertex, nearest)?;
         }
-        let lower = bounds.least_reach(surface.inner_radius()?);
+        let lower = bounds.least_reach(surface.inner_radius());
         let depth = reach.max(0.0) + bounds.radius();
         let error =
             (upper - reach.max(0.0)).max(reach - lower) + (bounds.swept_upper() - bounds.radius());

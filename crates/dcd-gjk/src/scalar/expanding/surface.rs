@@ -18,8 +18,6 @@ struct Face {
     normal: DVec3,
     /// normal·w on the face.
     distance: f64,
-    /// How far the face surely is from the origin, which is surely on its inner side; else negative infinity.
-    clear: f64,
     /// Whether it is a part of the surface.
     alive: bool,
 }
@@ -169,19 +167,23 @@ impl Surface {
             return None;
         }
         let normal = normal / length;
-        let heights = [p, q, r].map(|v| normal.dot(v));
-        let clear = if is_inside([p, q, r]) { clearance(heights) } else { f64::NEG_INFINITY };
-        let distance = heights[0];
-        self.faces.push(Face { vertices, neighbours, normal, distance, clear, alive: true });
+        let distance = normal.dot(p);
+        self.faces.push(Face { vertices, neighbours, normal, distance, alive: true });
         Some(())
     }
 
     /// The radius of a sphere round the origin that is surely inside of what the surface bounds, for the
     /// vertices as they stand; 0 where the origin may be outside.
-    pub(super) fn inner_radius(&self) -> Option<f64> {
-        let alive = self.faces.iter().filter(|face| face.alive);
-        let least = alive.map(|face| face.clear).reduce(f64::min)?;
-        Some(least.max(0.0))
+    pub(super) fn inner_radius(&self) -> f64 {
+        let mut least = f64::INFINITY;
+        for Face { vertices, normal, .. } in self.faces.iter().filter(|face| face.alive) {
+            let corners = vertices.map(|k| self.vertices[k as usize].w);
+            if !is_inside(corners) {
+                return 0.0;
+            }
+            least = least.min(clearance(*normal, corners));
+        }
+        if least < f64::INFINITY { least.max(0.0) } else { 0.0 }
     }
 
     /// The points of the two cores where a direction from the origin leaves the surface; world, metres.
@@ -237,6 +239,7 @@ fn is_inside(corners: [DVec3; 3]) -> bool {
 /// At most the distance of a triangle from the origin: its lowest corner along any direction. The
 /// direction's length is off by at most 8u, a product of it with a corner, all within 1 of the origin but for
 /// rounding, by 5u.
-fn clearance([p, q, r]: [f64; 3]) -> f64 {
+fn clearance(normal: DVec3, corners: [DVec3; 3]) -> f64 {
+    let [p, q, r] = corners.map(|v| normal.dot(v));
     p.min(q).min(r) * (1.0 - 16.0 * U) - 8.0 * U
 }
