@@ -1,5 +1,6 @@
 //! `dcd robot`: which links of a robot touch each other or its world.
 
+mod acm;
 mod edges;
 mod judge;
 mod lines;
@@ -13,8 +14,8 @@ use clap::{Args, ValueEnum};
 use dcd_io::{MeshPaths, shown};
 use dcd_pipeline::{Par, Pipeline};
 use dcd_robot::{
-    AllowedPairs, LinkShapes, MeshSource, Request, Robot as Model, RobotError, Srdf, Workcell,
-    World,
+    AllowedPairs, LinkShapes, MeshSource, PairSearch, Request, Robot as Model, RobotError, Srdf,
+    Workcell, World,
 };
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -134,6 +135,20 @@ pub(crate) struct Robot {
     /// Parry
     #[arg(long, value_name = "ARCHIVE")]
     all_problems: Option<PathBuf>,
+    /// Write the pairs of links that need no check as an SRDF: Adjacent, Always, and Never within the
+    /// joints' limits, with proved="true" where that is proved and not only sampled
+    #[arg(
+        long,
+        value_name = "OUT.srdf",
+        conflicts_with_all = ["srdf", "world", "state", "states", "edges", "request", "all_problems"]
+    )]
+    acm: Option<PathBuf>,
+    /// How many states are drawn
+    #[arg(long, value_name = "N", requires = "acm", default_value_t = PairSearch::default().samples)]
+    samples: usize,
+    /// Write pairs that touch at rest but not always too, as Default
+    #[arg(long, requires = "acm")]
+    allow_default: bool,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -162,6 +177,13 @@ impl Robot {
         };
         if let Some(path) = self.states.as_ref().or(self.edges.as_ref()) {
             return self.answer_lines(&model, srdf.as_ref(), allowed, path);
+        }
+        if let Some(out) = &self.acm {
+            let search = PairSearch { samples: self.samples, ..PairSearch::default() };
+            let (allow_default, urdf) = (self.allow_default, self.urdf.as_path());
+            let found = acm::Acm { search, allow_default, out, urdf }.write(&model)?;
+            let text = if self.json { found.json() } else { found.text() };
+            return stdout().write_all(text.as_bytes()).map_err(Failure::Output);
         }
         let text = match &self.all_problems {
             Some(archive) => {

@@ -12,11 +12,12 @@ mod search;
 #[cfg(test)]
 mod tests;
 
+pub(super) use path::Extents;
 pub use path::JointPath;
+pub(super) use reach::Chain;
 
 use super::{Robot, RobotError, Workcell};
 use dcd_geom::SphereBounds;
-use reach::Chain;
 use search::Search;
 
 /// Checks whether motions of a robot in its world are free.

@@ -166,7 +166,7 @@ impl fmt::Display for BeyondLimits<'_> {
 }
 
 /// The child's frame, from the joint's at rest.
-fn moved(rest: &JointFrame, joint: &Joint, state: &[f64]) -> JointFrame {
+pub(super) fn moved(rest: &JointFrame, joint: &Joint, state: &[f64]) -> JointFrame {
     // The state has been counted.
     let value = |by: super::model::Drive| by.of(state).unwrap_or_default();
     match joint.motion {

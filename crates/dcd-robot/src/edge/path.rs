@@ -17,13 +17,21 @@ pub enum JointPath {
 
 /// What bounds the values of a path, one of each for each value of a state.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Extents {
+pub(crate) struct Extents {
     /// The largest |q|.
-    pub(super) size: Vec<f64>,
+    pub(crate) size: Vec<f64>,
     /// The largest |dq/dt|.
-    pub(super) rate: Vec<f64>,
+    pub(crate) rate: Vec<f64>,
     /// The largest |d²q/dt²|.
     pub(super) change: Vec<f64>,
+}
+
+impl Extents {
+    /// Of so many values that are 0 and stay so.
+    pub(crate) fn still(values: usize) -> Self {
+        let none = vec![0.0; values];
+        Self { size: none.clone(), rate: none.clone(), change: none }
+    }
 }
 
 impl JointPath {

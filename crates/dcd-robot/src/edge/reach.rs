@@ -12,9 +12,9 @@ const POSE: f64 = 264.0;
 
 /// The joints between the root and what moves with a part: the part, or its padded shape.
 #[derive(Clone, Debug)]
-pub(super) struct Chain {
+pub(crate) struct Chain {
     /// Those that move, the root's first.
-    pub(super) joints: Vec<u32>,
+    pub(crate) joints: Vec<u32>,
     /// How many joints there are, fixed ones too.
     depth: usize,
     /// What has to be added up for [`Lengths`], from the link to the root.
@@ -34,20 +34,20 @@ struct Step {
 
 /// A chain's lengths on one path.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Lengths {
+pub(crate) struct Lengths {
     /// For each moving joint how fast it moves any point of the shape, metres a unit of t.
-    pub(super) speed: Vec<f64>,
+    pub(crate) speed: Vec<f64>,
     /// For each moving joint how fast it turns, rad a unit of t; 0 where it slides.
-    pub(super) turn: Vec<f64>,
+    pub(crate) turn: Vec<f64>,
     /// For each moving joint what its own change of speed adds to a point's acceleration.
-    pub(super) change: Vec<f64>,
+    pub(crate) change: Vec<f64>,
     /// How far an f64 pose at the rounded state may put a point from where it is.
-    pub(super) deviation: f64,
+    pub(crate) deviation: f64,
 }
 
 impl Chain {
     /// Of a shape that moves as the part does.
-    pub(super) fn of(
+    pub(crate) fn of(
         robot: &Robot,
         (part, shape): (&Part, &Shape),
         above: &[Option<usize>],
@@ -81,7 +81,7 @@ impl Chain {
         chain
     }
 
-    pub(super) fn lengths(&self, path: &Extents) -> Lengths {
+    pub(crate) fn lengths(&self, path: &Extents) -> Lengths {
         const ROOM: f64 = 1.0 + 1e-9;
         let none = vec![0.0; self.joints.len()];
         let mut lengths =
@@ -115,13 +115,13 @@ impl Chain {
 
 impl Lengths {
     /// How fast any point moves against the frame that the joints before the `first` leave where it is.
-    pub(super) fn speed_from(&self, first: usize) -> f64 {
+    pub(crate) fn speed_from(&self, first: usize) -> f64 {
         self.speed[first..].iter().sum()
     }
 
     /// How large the acceleration of any point is there: each joint's own, and twice what the ones before it
     /// turn its motion by.
-    pub(super) fn acceleration_from(&self, first: usize) -> f64 {
+    pub(crate) fn acceleration_from(&self, first: usize) -> f64 {
         let (mut turned, mut sum) = (0.0, 0.0);
         for k in first..self.speed.len() {
             sum += self.change[k] + self.speed[k] * (self.turn[k] + 2.0 * turned);
