@@ -2,7 +2,7 @@
 
 use super::judge::{Settled, settle};
 use super::refused;
-use super::rival::{Rival, parry_pose};
+use super::rival::{Rival, Wanted, parry_pose};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 use dcd_geom::{Object, Pair, Pose, Scene};
@@ -35,6 +35,8 @@ pub(super) struct Checked {
     states: usize,
     /// States in which something touches.
     in_contact: usize,
+    /// States of which the search for one hit finds one: those, and those in which only pairs touch that may.
+    first_hits: usize,
     starts_in_contact: usize,
     goals_in_contact: usize,
     /// Touching pairs, over all states.
@@ -44,12 +46,56 @@ pub(super) struct Checked {
     /// Pairs that Parry could not tell.
     parry_undecided: usize,
     differences: Vec<Difference>,
-    /// Of one thread.
-    ms: f64,
-    parry_ms: f64,
-    /// Parry's time over ours.
-    ratio: f64,
+    #[serde(flatten)]
+    times: Times,
     sets: Vec<Set>,
+}
+
+/// Milliseconds of one thread.
+#[derive(Debug, Default, Serialize)]
+struct Times {
+    /// Of the links' poses from joint values.
+    ms_kinematics: f64,
+    /// Of worlds and robots, once a problem.
+    ms_preparation: f64,
+    /// Of all hits.
+    ms: f64,
+    /// Of a first hit of each state.
+    ms_first: f64,
+    parry_ms: f64,
+    parry_ms_first: f64,
+    /// Parry's check alone over our kinematics, preparation and check: all hits.
+    ratio: f64,
+    /// The same for first hits.
+    ratio_first: f64,
+}
+
+/// The time of each part, of all problems.
+#[derive(Default)]
+struct Spent {
+    kinematics: Duration,
+    preparation: Duration,
+    all: Duration,
+    first: Duration,
+    parry_all: Duration,
+    parry_first: Duration,
+}
+
+impl Spent {
+    fn times(&self) -> Times {
+        let ms = |spent: Duration| spent.as_secs_f64() * 1e3;
+        let before = ms(self.kinematics) + ms(self.preparation);
+        Times {
+            ms_kinematics: ms(self.kinematics),
+            ms_preparation: ms(self.preparation),
+            ms: ms(self.all),
+            ms_first: ms(self.first),
+            parry_ms: ms(self.parry_all),
+            parry_ms_first: ms(self.parry_first),
+            ratio: ms(self.parry_all) / (before + ms(self.all)),
+            ratio_first: ms(self.parry_first) / (before + ms(self.first)),
+        }
+    }
 }
 
 /// The problems of one folder.
@@ -83,7 +129,9 @@ struct Runner {
     batch: Vec<Vec<Pair>>,
     ours: Vec<Pair>,
     theirs: Vec<Pair>,
-    spent: [Duration; 2],
+    spent: Spent,
+    /// In how many states the search for a first hit found one, pairs that may touch among them.
+    first_hits: usize,
     /// What the files say that is not used, and in how many problems.
     notes: BTreeMap<String, usize>,
 }
@@ -110,8 +158,8 @@ pub(super) fn check(given: &Given<'_>, archive: &Path) -> Result<Checked, Failur
     for (note, count) in &runner.notes {
         tell(format_args!("{}: in {count} problems: {note}", shown(archive)));
     }
-    let [ours, parrys] = runner.spent.map(|spent| spent.as_secs_f64() * 1e3);
-    (checked.ms, checked.parry_ms, checked.ratio) = (ours, parrys, parrys / ours);
+    checked.times = runner.spent.times();
+    checked.first_hits = runner.first_hits;
     Ok(checked)
 }
 
@@ -153,11 +201,15 @@ impl Checked {
             self.sets.push(Set { name: problem.set.clone(), ..Set::default() });
         }
         self.problems += 1;
+        let states: Vec<Vec<f64>> =
+            (0..STATES).map(|state| on_the_way(&start, &goal, state)).collect();
         let (mut poses, mut way) = (Vec::new(), Vec::new());
-        for state in 0..STATES {
-            cell.robot().place(&on_the_way(&start, &goal, state), &mut poses).map_err(refused)?;
+        let begun = Instant::now();
+        for state in &states {
+            cell.robot().place(state, &mut poses).map_err(refused)?;
             way.extend_from_slice(&poses);
         }
+        runner.spent.kinematics += begun.elapsed();
         self.undecided += runner.checker(&cell, &way)?;
         for (state, poses) in way.chunks(poses.len()).enumerate() {
             runner.ours = std::mem::take(&mut runner.batch[state]);
@@ -213,8 +265,7 @@ impl Runner {
         *self.notes.entry(note).or_default() += 1;
     }
 
-    /// Our contacts in each state, sorted, and how many pairs stayed undecided. What depends on the
-    /// world alone is made before the clock starts.
+    /// Our contacts in each state, sorted, and how many pairs stayed undecided.
     fn checker(&mut self, cell: &Workcell, way: &[Pose]) -> Result<usize, Failure> {
         let refused = |error| Failure::Input(format!("{error}"));
         let scene = cell.scene();
@@ -222,15 +273,22 @@ impl Runner {
         let standing = (links..scene.len())
             .map(|i| Object::new(scene.shape_of()[i], scene.poses()[i]).fixed());
         let world = Scene::new(scene.shapes().to_vec(), standing).map_err(refused)?;
+        let begun = Instant::now();
         let world = StaticWorld::new(&world, Overlap::default(), Par::Serial).map_err(refused)?;
         let allowed = scene.ignored_pairs().map(|pair| (pair.i as usize, pair.j as usize));
         let own: Vec<_> = allowed.filter(|&(_, j)| j < links).collect();
         let shapes = cell.robot().parts().iter().map(|part| part.shape.clone()).collect();
         let link_set = LinkSet::new(shapes).against_itself(&own).map_err(refused)?;
         let mut checker = world.checker(link_set).map_err(refused)?;
+        self.spent.preparation += begun.elapsed();
+        let begun = Instant::now();
+        let first = checker.first(way, Par::Serial).map_err(refused)?;
+        self.spent.first += begun.elapsed();
+        let touching = first.iter().flatten().filter(|hit| hit.touches());
+        self.first_hits += touching.count();
         let begun = Instant::now();
         let found = checker.all(way, Par::Serial).map_err(refused)?;
-        self.spent[0] += begun.elapsed();
+        self.spent.all += begun.elapsed();
         self.batch.clear();
         self.batch.resize(STATES, Vec::new());
         let mut undecided = 0;
@@ -258,8 +316,11 @@ impl Runner {
         let parts = cell.robot().parts().iter().zip(poses);
         let placed: Vec<_> = parts.map(|(part, pose)| parry_pose(&part.shape, pose)).collect();
         let begun = Instant::now();
-        let untold = rival.check(&placed, &mut self.theirs);
-        self.spent[1] += begun.elapsed();
+        rival.check(&placed, Wanted::First, &mut self.theirs);
+        self.spent.parry_first += begun.elapsed();
+        let begun = Instant::now();
+        let untold = rival.check(&placed, Wanted::All, &mut self.theirs);
+        self.spent.parry_all += begun.elapsed();
         self.theirs.sort_unstable();
         untold
     }
@@ -312,8 +373,20 @@ impl Checked {
                  {truth:?}, by {metres:?} m"
             );
         }
-        let Self { ms, parry_ms, ratio, .. } = self;
-        let _ = writeln!(text, "{ms:.1} ms, Parry {parry_ms:.1} ms: {ratio:.2} times");
+        let times = &self.times;
+        let _ = writeln!(
+            text,
+            "kinematics {:.1} ms, preparation {:.1} ms; all hits {:.1} ms, Parry {:.1} ms: {:.2} times; first \
+             hits {:.1} ms, Parry {:.1} ms: {:.2} times (Parry's check alone over our three)",
+            times.ms_kinematics,
+            times.ms_preparation,
+            times.ms,
+            times.parry_ms,
+            times.ratio,
+            times.ms_first,
+            times.parry_ms_first,
+            times.ratio_first
+        );
         text
     }
 }

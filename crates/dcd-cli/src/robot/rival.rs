@@ -21,6 +21,14 @@ pub(super) struct Rival {
     boxes: Vec<Aabb>,
 }
 
+/// How many touching pairs are wanted of a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wanted {
+    All,
+    /// One, if there is one.
+    First,
+}
+
 impl Rival {
     /// None, if Parry has no shape for one of them.
     pub(super) fn new(cell: &Workcell) -> Option<Self> {
@@ -46,8 +54,13 @@ impl Rival {
         })
     }
 
-    /// The touching pairs with the links at these poses, and how many it could not tell.
-    pub(super) fn check(&mut self, poses: &[ParryPose], touching: &mut Vec<Pair>) -> usize {
+    /// The touching pairs with the links at these poses, all or the first alone, and how many it could not tell.
+    pub(super) fn check(
+        &mut self,
+        poses: &[ParryPose],
+        wanted: Wanted,
+        touching: &mut Vec<Pair>,
+    ) -> usize {
         let Self { links, obstacles, tree, self_pairs, asked, boxes } = self;
         touching.clear();
         boxes.clear();
@@ -59,11 +72,14 @@ impl Rival {
                 Some(false) => {}
                 None => untold += 1,
             }
+            wanted == Wanted::First && !touching.is_empty()
         };
         for &pair in &*self_pairs {
             let [i, j] = [pair.i as usize, pair.j as usize];
-            if boxes[i].intersects(&boxes[j]) {
-                ask(pair, (&links[i], &poses[i]), (&links[j], &poses[j]));
+            if boxes[i].intersects(&boxes[j])
+                && ask(pair, (&links[i], &poses[i]), (&links[j], &poses[j]))
+            {
+                return untold;
             }
         }
         for (i, aabb) in boxes.iter().enumerate() {
@@ -72,7 +88,9 @@ impl Rival {
                 if asked[i * obstacles.len() + k] {
                     let pair = Pair { i: i as u32, j: links.len() as u32 + leaf };
                     let (form, pose) = &obstacles[k];
-                    ask(pair, (&links[i], &poses[i]), (form, pose));
+                    if ask(pair, (&links[i], &poses[i]), (form, pose)) {
+                        return untold;
+                    }
                 }
             }
         }
