@@ -84,7 +84,7 @@ impl<N: NarrowPhase> StaticWorld<N> {
     /// Ready to ask for configurations of these links, again and again.
     ///
     /// # Errors
-    /// More shapes or objects than a u32 counts: a batch checker holds 128 objects for each link. A link that
+    /// More shapes or objects than a u32 counts: a batch checker holds up to 512 objects for each link. A link that
     /// is out of range without being moved, by its number.
     pub fn checker(&self, link_set: LinkSet) -> Result<BatchChecker<'_, N>, SceneError> {
         BatchChecker::new(self, link_set)

@@ -59,16 +59,20 @@ impl<'p, A: Copy + Send> Hits<'p, A> {
     }
 }
 
-/// How many configurations are settled at once where every hit is asked for: lanes are full in any
-/// case, so that fewer objects stay nearer. At most a row.
-const ALL_AT_ONCE: usize = 128;
+/// How many configurations are taken up at once, at the least. Larger: more memory, which a checker
+/// of few configurations fills in vain (half a millisecond at 128). Smaller: lanes that run empty.
+const FEW: usize = 32;
 
-/// Into how many rows first hits are cut, if there are enough of them. Larger: shorter rows, whose
+/// How many are taken up at once, at the most, where every hit is asked for: lanes are full in any
+/// case, so that fewer objects stay nearer. At most a row.
+const MOST_OF_ALL: usize = 128;
+
+/// Into how many rows a batch is cut, if it has enough configurations. Larger: shorter rows, whose
 /// lanes run empty sooner. Smaller: threads wait for the last. No effect on any answer.
 const ROWS: usize = 16;
 
 /// Asks a world for a link set's configurations, on many threads, and keeps what that needs: for
-/// each thread the obstacles as the narrow phase prepares them and room for 128 configurations, or 512
+/// each thread the obstacles as the narrow phase prepares them and room for 32 configurations, 128 or 512
 /// from the first batch on that is large enough.
 ///
 /// A link is prepared only where its [`SphereBounds`] is near something: an obstacle's box, or another
@@ -95,7 +99,7 @@ pub struct BatchChecker<'w, N: NarrowPhase = dcd_gjk::Overlap> {
 
 impl<'w, N: NarrowPhase> BatchChecker<'w, N> {
     pub(super) fn new(world: &'w StaticWorld<N>, link_set: LinkSet) -> Result<Self, SceneError> {
-        let row = ALL_AT_ONCE;
+        let row = FEW;
         let template = with_rows(world, &link_set, row)?;
         let aabb_margin = world.narrow.aabb_margin();
         let bound = |shape| Some(SphereBounds::of(shape)?.swept(aabb_margin?));
@@ -127,10 +131,7 @@ impl<'w, N: NarrowPhase> BatchChecker<'w, N> {
         exec: impl Into<Exec<'e>>,
     ) -> Result<&[Option<Hit<N::Answer>>], SceneError> {
         let count = self.count(poses)?;
-        let grain = count.div_ceil(ROWS).clamp(ALL_AT_ONCE, ROW);
-        if grain > self.row {
-            (self.template, self.row) = (with_rows(self.world, &self.link_set, ROW)?, ROW);
-        }
+        let grain = self.grain(count, ROW)?;
         let mut first = std::mem::take(&mut self.first);
         first.clear();
         first.resize(count, None);
@@ -158,12 +159,13 @@ impl<'w, N: NarrowPhase> BatchChecker<'w, N> {
         exec: impl Into<Exec<'e>>,
     ) -> Result<Hits<'_, N::Answer>, SceneError> {
         let count = self.count(poses)?;
+        let grain = self.grain(count, MOST_OF_ALL)?;
         let mut all = std::mem::take(&mut self.all);
         let (refused, checker) = (Refused::default(), &*self);
-        all.fill(exec.into(), count.div_ceil(ALL_AT_ONCE), |task, out| {
+        all.fill(exec.into(), count.div_ceil(grain), |task, out| {
             checker.workers.with(|worker| {
-                let start = ALL_AT_ONCE * task;
-                worker.open(checker, start, ALL_AT_ONCE.min(count - start));
+                let start = grain * task;
+                worker.open(checker, start, grain.min(count - start));
                 refused.note(worker.settle_all(checker, poses));
                 worker.append_all(checker, out);
             });
@@ -171,6 +173,15 @@ impl<'w, N: NarrowPhase> BatchChecker<'w, N> {
         self.all = all;
         refused.check(self, poses)?;
         Ok(Hits(&self.all))
+    }
+
+    /// How many of so many configurations are taken up at once, and room for them.
+    fn grain(&mut self, count: usize, most: usize) -> Result<usize, SceneError> {
+        let grain = count.div_ceil(ROWS).clamp(FEW, most);
+        if grain > self.row {
+            (self.template, self.row) = (with_rows(self.world, &self.link_set, most)?, most);
+        }
+        Ok(grain)
     }
 
     /// The slot at which a link's row begins.
