@@ -42,7 +42,8 @@ world frame:
   distance   distance, 0 for a pair that touches; else also normal, point_a, point_b
   depth      depth, normal, point_a, point_b
   manifold   manifolds: each with normal, depth, error_bound and points: each of these with depth, \
-point_a, point_b, feature_a, feature_b
+point_a, point_b, feature_a, feature_b; of compounds and meshes also the deepest part_a, part_b, \
+triangle_a, triangle_b
   gradient   distance, below 0 for an overlap; normal, point_a, point_b; gradient_a and gradient_b, \
 each for a translation and for a rotation about the object's own origin; smoothness: smooth, many \
 points, many directions (no derivative, one of several told) or unknown

@@ -2,7 +2,7 @@
 
 use dcd_geom::glam::DVec3;
 use dcd_gjk::epa::Depth;
-use dcd_gjk::query::{Feature, ManifoldPoint, Smoothness, Twist};
+use dcd_gjk::query::{Feature, ManifoldPoint, PartIndex, Smoothness, Twist};
 use dcd_gjk::{Distance, Manifold, Proximity};
 use serde::Serialize;
 
@@ -38,6 +38,15 @@ struct Patch {
     depth: f64,
     points: Vec<Point>,
     error_bound: f64,
+    /// The deepest parts, of compounds and of meshes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    part_a: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    part_b: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    triangle_a: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    triangle_b: Option<u32>,
 }
 
 /// A point of a manifold.
@@ -119,11 +128,23 @@ impl Report for Depth {
 
 impl Report for Manifold {
     fn tell(&self) -> Reported {
+        let part = |k: usize| match self.parts[k] {
+            Some(PartIndex::Part(part)) => Some(part),
+            _ => None,
+        };
+        let triangle = |k: usize| match self.parts[k] {
+            Some(PartIndex::Triangle(triangle)) => Some(triangle),
+            _ => None,
+        };
         let patch = Patch {
             normal: self.normal.to_array(),
             depth: self.points().first().map_or(0.0, |deepest| deepest.depth),
             points: points(self),
             error_bound: self.error_bound,
+            part_a: part(0),
+            part_b: part(1),
+            triangle_a: triangle(0),
+            triangle_b: triangle(1),
         };
         Reported { manifolds: Some(vec![patch]), ..Reported::default() }
     }

@@ -32,7 +32,8 @@ use side::Side;
 use spheres::Balls;
 use std::collections::BinaryHeap;
 
-pub(crate) use deepest::deepest;
+pub use deepest::PartIndex;
+pub(crate) use deepest::{Deepest, PartPair, deepest, is_swapped, touching_parts};
 pub use distance::distance;
 
 /// What is reused from pair to pair.

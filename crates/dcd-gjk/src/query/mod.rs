@@ -35,6 +35,7 @@ mod sampled;
 mod then_measure;
 mod within;
 
+pub use crate::mesh::PartIndex;
 pub use accuracy::{Accuracy, MeasureAt, WithAccuracy};
 pub use depths::Depths;
 pub use distances::Distances;

@@ -203,3 +203,78 @@ fn features_stay_as_a_box_slides() {
     assert_eq!(features(at(0.0)), features(at(0.3)));
     assert!(features(at(0.0)).iter().all(|f| matches!(f, [Feature::Face(_), Feature::Vertex(_)])));
 }
+
+/// A floor of triangles at height 0, 0.5 wide each, larger than what stands on it.
+fn floor() -> Shape {
+    let side = 9;
+    let vertex =
+        |i: u32, j: u32| DVec3::new(f64::from(i) * 0.5 - 2.0, f64::from(j) * 0.5 - 2.0, 0.0);
+    let vertices = (0..side).flat_map(|i| (0..side).map(move |j| vertex(i, j))).collect();
+    let triangles = (0..side - 1).flat_map(|i| {
+        (0..side - 1).flat_map(move |j| {
+            let [a, b, c, d] =
+                [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(|[i, j]| i * side + j);
+            [[a, b, c], [a, c, d]]
+        })
+    });
+    Shape::mesh(vertices, triangles.collect()).unwrap()
+}
+
+/// What a shape can rest on at height 0, with its place.
+fn grounds() -> Vec<(&'static str, PosedSupport)> {
+    let half = DVec3::new(1.0, 1.0, 0.5);
+    let tile = Shape::cuboid(half).unwrap();
+    let at = |x: f64, y: f64| Pose::from_translation(DVec3::new(x, y, -0.5)).unwrap();
+    let tiles = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
+    let tiles = tiles.map(|(x, y)| (tile.clone(), at(x, y))).to_vec();
+    let plane = Shape::half_space(DVec3::Z, 0.0).unwrap();
+    vec![
+        ("cuboid", PosedSupport::at(&Shape::cuboid(DVec3::splat(2.0)).unwrap(), DVec3::Z * -2.0)),
+        ("half-space", PosedSupport::at(&plane, DVec3::ZERO)),
+        ("mesh", PosedSupport::at(&floor(), DVec3::ZERO)),
+        ("compound", PosedSupport::at(&Shape::compound(tiles).unwrap(), DVec3::ZERO)),
+    ]
+}
+
+#[test]
+fn whatever_rests_on_a_face_or_a_line_has_four_points_or_two_on_every_ground() {
+    let turned = DQuat::from_rotation_z(0.3);
+    let lying = DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2);
+    let cube = Shape::cuboid(DVec3::splat(0.4)).unwrap();
+    let bodies = [
+        ("box", cube.clone(), turned, 0.4, 4),
+        ("rounded box", cube.swept(0.1).unwrap(), turned, 0.5, 4),
+        ("capsule", Shape::capsule(0.4, 0.2).unwrap(), lying, 0.2, 2),
+        ("cylinder", Shape::cylinder(0.3, 0.4).unwrap(), turned, 0.3, 4),
+        ("lying cylinder", Shape::cylinder(0.3, 0.4).unwrap(), lying, 0.4, 2),
+        ("cone", Shape::cone(0.3, 0.4).unwrap(), turned, 0.3, 4),
+        ("sphere", Shape::sphere(0.4).unwrap(), turned, 0.4, 1),
+    ];
+    for (ground_name, ground) in grounds() {
+        for (name, shape, turn, height, count) in &bodies {
+            for deep in [0.01, 1e-4] {
+                let what = format!("{name} on {ground_name}, {deep}");
+                let place = DVec3::new(0.1, 0.05, height - deep);
+                let body = PosedSupport::new(shape.clone(), *turn, place);
+                let found = told(&Manifolds, &ground, &body);
+                assert!(found.normal.distance(DVec3::Z) < 1e-9, "{what}: {found:?}");
+                let points = found.points();
+                assert_eq!(points.len(), *count, "{what}: {found:?}");
+                let mut middle = DVec3::ZERO;
+                for point in points {
+                    assert!((point.depth - deep).abs() < 1e-7, "{what}: {found:?}");
+                    assert!(point.point_a.z.abs() < 1e-7, "{what}: {found:?}");
+                    assert!((point.point_b.z + deep).abs() < 1e-7, "{what}: {found:?}");
+                    middle += point.point_a / points.len() as f64;
+                }
+                // What it rests on is round its middle: it stands.
+                assert!(middle.truncate().distance(place.truncate()) < 0.15, "{what}: {found:?}");
+                let back = told(&Manifolds, &body, &ground);
+                assert_eq!((back.normal, back.points().len()), (-found.normal, *count), "{what}");
+                let is_made_of_parts = matches!(ground_name, "mesh" | "compound");
+                assert_eq!(found.parts[0].is_some(), is_made_of_parts, "{what}");
+                assert_eq!((found.parts[1], back.parts[1]), (None, found.parts[0]), "{what}");
+            }
+        }
+    }
+}

@@ -35,7 +35,18 @@ enum Side {
 }
 
 impl Corner {
-    /// Of the cores; negative where they are apart.
+    /// Where nothing is clipped.
+    pub(super) fn new(at: DVec2, heights: [f64; 2], features: [Feature; 2]) -> Self {
+        Self { at, heights, features, side: Side::Surface }
+    }
+
+    /// With the spheres that are swept round the cores.
+    pub(super) fn swept(self, [radius_a, radius_b]: [f64; 2]) -> Self {
+        let [height_a, height_b] = self.heights;
+        Self { heights: [height_a + radius_a, height_b - radius_b], ..self }
+    }
+
+    /// Negative where they are apart.
     pub(super) fn depth(&self) -> f64 {
         self.heights[0] - self.heights[1]
     }
@@ -161,17 +172,22 @@ impl Patch {
     }
 
     fn drop_doubles(&mut self, size: f64) {
-        let near = APART * size;
-        let mut kept = 0;
-        for k in 0..self.corners.len() {
-            let corner = self.corners[k];
-            if self.corners[..kept].iter().all(|other| other.at.distance(corner.at) > near) {
-                self.corners[kept] = corner;
-                kept += 1;
-            }
-        }
-        self.corners.truncate(kept);
+        drop_doubles(&mut self.corners, size);
     }
+}
+
+/// Keeps one corner of those at one place, the first.
+pub(super) fn drop_doubles(corners: &mut Vec<Corner>, size: f64) {
+    let near = APART * size;
+    let mut kept = 0;
+    for k in 0..corners.len() {
+        let corner = corners[k];
+        if corners[..kept].iter().all(|other| other.at.distance(corner.at) > near) {
+            corners[kept] = corner;
+            kept += 1;
+        }
+    }
+    corners.truncate(kept);
 }
 
 impl Clipping<'_> {

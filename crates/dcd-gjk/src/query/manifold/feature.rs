@@ -57,7 +57,8 @@ impl View {
         Self { x, y, normal }
     }
 
-    fn of(&self, v: DVec3) -> (DVec2, f64) {
+    /// The place of a vector in the plane, and its height.
+    pub(super) fn of(&self, v: DVec3) -> (DVec2, f64) {
         (DVec2::new(self.x.dot(v), self.y.dot(v)), self.normal.dot(v))
     }
 

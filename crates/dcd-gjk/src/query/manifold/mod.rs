@@ -7,13 +7,17 @@
 //! that are at least 0 deep, the deepest is kept, and three that span the most.
 
 mod clip;
+mod corners;
 mod feature;
+mod parts;
 mod reduce;
+mod stand_in;
 
 use super::{Accuracy, MeasureAt, depths};
 use crate::epa::{self, Depth};
+use crate::mesh::{self, PartIndex};
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, order};
-use clip::{Corner, Patch};
+use corners::Corners;
 use dcd_geom::glam::DVec3;
 use feature::View;
 
@@ -27,6 +31,8 @@ pub struct Manifold {
     /// How far a point may be outside its object, and its depth off what the objects are there:
     /// metres. The depth's own bound, and how flat a face is, about 1e-8 of the objects' size.
     pub error_bound: f64,
+    /// Which parts of a and of b are the deepest, where they are compounds or meshes.
+    pub parts: [Option<PartIndex>; 2],
 }
 
 /// A point where two objects touch.
@@ -70,14 +76,16 @@ impl Manifold {
             (point.point_a, point.point_b) = (point.point_b, point.point_a);
             point.features.reverse();
         }
+        self.parts.reverse();
         Self { normal: -self.normal, ..self }
     }
 }
 
 /// The contact manifold of touching pairs: see [`Manifold`].
 ///
-/// Between polytopes, rounded or not, up to four points; with any other shape the one point of the
-/// [`Depth`]. Costs [`Depths`], two passes over each polytope's faces, and for each polytope once
+/// Up to four points between polytopes, rounded or not, half-spaces, and cylinders and cones that rest on a
+/// face or along a line; with a foreign shape the one point of the [`Depth`]. Of compounds and meshes those
+/// of all parts whose features meet along the normal of the deepest two. Costs [`Depths`], two passes over each polytope's faces, and for each polytope once
 /// a microsecond a vertex to find them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Manifolds;
@@ -86,7 +94,7 @@ pub struct Manifolds;
 #[derive(Debug, Default)]
 pub struct Scratch {
     depth: epa::Scratch,
-    patch: Patch,
+    corners: Corners,
 }
 
 impl PairSolver for Manifolds {
@@ -122,7 +130,13 @@ impl PairSolver for Manifolds {
         scratch: &mut Scratch,
     ) -> (Verdict<Manifold>, Method) {
         let (verdict, method) = Depths.settle(a, b, &mut scratch.depth);
-        (told(verdict, a, b, &mut scratch.patch), method)
+        let verdict = match verdict {
+            Verdict::Touching(_) if mesh::are_asked(a.shape, b.shape) => {
+                self.measure(a, b, scratch)
+            }
+            verdict => told(verdict, a, b, &mut scratch.corners),
+        };
+        (verdict, method)
     }
 }
 
@@ -134,8 +148,11 @@ impl MeasureAt for Manifolds {
         b: PosedShape<'_>,
         scratch: &mut Scratch,
     ) -> Verdict<Manifold> {
+        if mesh::are_asked(a.shape, b.shape) {
+            return parts::measure(accuracy, a, b, scratch);
+        }
         let depth = depths::of_touching(accuracy, a, b, &mut scratch.depth);
-        told(depth, a, b, &mut scratch.patch)
+        told(depth, a, b, &mut scratch.corners)
     }
 }
 
@@ -143,15 +160,15 @@ fn told(
     verdict: Verdict<Depth>,
     a: PosedShape<'_>,
     b: PosedShape<'_>,
-    patch: &mut Patch,
+    corners: &mut Corners,
 ) -> Verdict<Manifold> {
     match verdict {
         Verdict::Apart => Verdict::Apart,
         Verdict::Undecided(reason) => Verdict::Undecided(reason),
         Verdict::Touching(depth) if order::is_swapped(a, b) => {
-            Verdict::Touching(in_order(depth.mirrored(), b, a, patch).mirrored())
+            Verdict::Touching(in_order(depth.mirrored(), b, a, corners).mirrored())
         }
-        Verdict::Touching(depth) => Verdict::Touching(in_order(depth, a, b, patch)),
+        Verdict::Touching(depth) => Verdict::Touching(in_order(depth, a, b, corners)),
     }
 }
 
@@ -163,45 +180,11 @@ const SAME: f64 = 1e-9;
 /// relative to the shapes' size.
 const FLAT: f64 = 1e-8;
 
-fn in_order(depth: Depth, a: PosedShape<'_>, b: PosedShape<'_>, patch: &mut Patch) -> Manifold {
-    let (Some(in_a), Some(in_b)) = (a.shape.as_polytope(), b.shape.as_polytope()) else {
-        return of_one_point(depth, [Feature::Surface; 2]);
-    };
-    // World axes, counted from a's origin: what is far from the world's is none the worse.
+fn in_order(depth: Depth, a: PosedShape<'_>, b: PosedShape<'_>, corners: &mut Corners) -> Manifold {
     let view = View::along(depth.normal);
-    let delta = b.pose.translation() - a.pose.translation();
-    let seen_a = view.seen(in_a, a.pose.rotation(), DVec3::ZERO, 1.0);
-    let seen_b = view.seen(in_b, b.pose.rotation(), delta, -1.0);
-    let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
-    let radii = [in_a.swept_radius(), in_b.swept_radius()];
-    let radius = radii[0] + radii[1];
-    patch.of(&seen_a, &seen_b, -radius, size);
-
-    let features = [seen_a.whole(), seen_b.whole()];
-    let witness = of_one_point(depth, features);
-    let error_bound = (depth.error_bound
-        + FLAT * size
-        + 8.0 * f64::EPSILON * (a.pose.translation().length() + b.pose.translation().length()))
-    .min(f64::MAX);
-    let deepest = patch.corners().iter().map(Corner::depth).fold(f64::NEG_INFINITY, f64::max);
-    // False for NaN, which numbers near the end of their range make.
-    let stands_for_all = deepest + radius >= depth.depth - SAME * size;
-    let Some((kept, count)) = reduce::to_four(patch.corners()).filter(|_| stands_for_all) else {
-        return Manifold { error_bound, ..witness };
-    };
-    let mut points = [ManifoldPoint::default(); 4];
-    for (point, corner) in points.iter_mut().zip(&kept[..count]) {
-        let [core_a, core_b] =
-            corner.heights.map(|z| view.in_world(corner.at, z) + a.pose.translation());
-        *point = ManifoldPoint {
-            point_a: core_a + depth.normal * radii[0],
-            point_b: core_b - depth.normal * radii[1],
-            depth: (corner.depth() + radius).clamp(0.0, depth.depth),
-            features: corner.features,
-        };
-    }
-    points[0].depth = depth.depth;
-    Manifold { normal: depth.normal, points, count: count as u8, error_bound }
+    corners.clear();
+    let features = corners.add(&view, &depth, [a, b]);
+    corners.manifold(&view, depth, [a, b], features)
 }
 
 /// The witnesses of the depth alone.
@@ -209,5 +192,5 @@ fn of_one_point(depth: Depth, features: [Feature; 2]) -> Manifold {
     let Depth { depth, normal, point_a, point_b, error_bound } = depth;
     let mut points = [ManifoldPoint::default(); 4];
     points[0] = ManifoldPoint { point_a, point_b, depth, features };
-    Manifold { normal, points, count: 1, error_bound }
+    Manifold { normal, points, count: 1, error_bound, parts: [None; 2] }
 }

@@ -1,0 +1,147 @@
+//! The corners of what two shapes, or many parts of them, have in common along one normal.
+
+use super::clip::{Corner, Patch, drop_doubles};
+use super::feature::{Seen, View};
+use super::stand_in::stand_in;
+use super::{FLAT, Feature, Manifold, ManifoldPoint, SAME, of_one_point, reduce};
+use crate::PosedShape;
+use crate::epa::Depth;
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Polytope, Shape};
+
+/// Corners with heights that count the swept radii; memory that clipping takes.
+#[derive(Debug, Default)]
+pub(super) struct Corners {
+    corners: Vec<Corner>,
+    patch: Patch,
+    /// How large the shapes are.
+    size: f64,
+}
+
+impl Corners {
+    pub(super) fn clear(&mut self) {
+        self.corners.clear();
+        self.size = 0.0;
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.corners.len()
+    }
+
+    pub(super) fn truncate(&mut self, count: usize) {
+        self.corners.truncate(count);
+    }
+
+    /// The depth of the deepest corner behind the first so many.
+    pub(super) fn deepest_after(&self, count: usize) -> f64 {
+        self.corners[count..].iter().map(Corner::depth).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// What is lost by faces that are not flat.
+    pub(super) fn tolerance(&self) -> f64 {
+        SAME * self.size
+    }
+
+    /// The witnesses of a depth.
+    pub(super) fn add_witness(&mut self, view: &View, depth: &Depth, origin: DVec3) {
+        let ((at, height_a), (_, height_b)) =
+            (view.of(depth.point_a - origin), view.of(depth.point_b - origin));
+        self.corners.push(Corner::new(at, [height_a, height_b], [Feature::Surface; 2]));
+    }
+
+    /// Adds the corners of two convex shapes: none where they have no features to be seen. Returns what they
+    /// show as wholes.
+    ///
+    /// World axes, counted from the first shape's origin: what is far from the world's is none the worse.
+    pub(super) fn add(
+        &mut self,
+        view: &View,
+        depth: &Depth,
+        sides: [PosedShape<'_>; 2],
+    ) -> [Feature; 2] {
+        let [a, b] = sides;
+        let delta = b.pose.translation() - a.pose.translation();
+        let (place_a, rotation_a, rotation_b) = (DVec3::ZERO, a.pose.rotation(), b.pose.rotation());
+        let plane = |point: DVec3| view.of(point - a.pose.translation()).1;
+        let in_a = stand_in(a.shape, rotation_a.transpose() * depth.normal);
+        let in_b = stand_in(b.shape, rotation_b.transpose() * -depth.normal);
+        match (in_a.as_deref(), in_b.as_deref(), a.shape, b.shape) {
+            (Some(in_a), Some(in_b), ..) => {
+                self.size = self.size.max(2.0 * (in_a.outer_radius() + in_b.outer_radius()));
+                let seen_a = view.seen(in_a, rotation_a, place_a, 1.0);
+                let seen_b = view.seen(in_b, rotation_b, delta, -1.0);
+                let radii = [in_a.swept_radius(), in_b.swept_radius()];
+                self.patch.of(&seen_a, &seen_b, -(radii[0] + radii[1]), self.size);
+                let swept = self.patch.corners().iter().map(|&corner| corner.swept(radii));
+                self.corners.extend(swept);
+                let is_own = |shape: &Shape, whole| {
+                    if shape.as_polytope().is_some() { whole } else { Feature::Surface }
+                };
+                [is_own(a.shape, seen_a.whole()), is_own(b.shape, seen_b.whole())]
+            }
+            (Some(in_a), None, _, Shape::HalfSpace(_)) => {
+                let seen = view.seen(in_a, rotation_a, place_a, 1.0);
+                self.on_plane(&seen, in_a, plane(depth.point_b), 0);
+                [seen.whole(), Feature::Surface]
+            }
+            (None, Some(in_b), Shape::HalfSpace(_), _) => {
+                let seen = view.seen(in_b, rotation_b, delta, -1.0);
+                self.on_plane(&seen, in_b, plane(depth.point_a), 1);
+                [Feature::Surface, seen.whole()]
+            }
+            _ => [Feature::Surface; 2],
+        }
+    }
+
+    /// The corners of a feature that are in a half-space, whose plane is level and at `height`; `number` is the
+    /// shape's, 0 or 1.
+    fn on_plane(&mut self, seen: &Seen<'_>, polytope: &Polytope, height: f64, number: usize) {
+        self.size = self.size.max(2.0 * polytope.outer_radius());
+        for point in seen.points() {
+            let mut heights = [height; 2];
+            heights[number] = point.height;
+            let mut radii = [0.0; 2];
+            radii[number] = polytope.swept_radius();
+            let mut features = [Feature::Surface; 2];
+            features[number] = Feature::Vertex(point.index);
+            let corner = Corner::new(point.at, heights, features).swept(radii);
+            if corner.depth() >= 0.0 {
+                self.corners.push(corner);
+            }
+        }
+    }
+
+    /// Up to four of the corners; the witnesses of the depth where none is as deep.
+    pub(super) fn manifold(
+        &mut self,
+        view: &View,
+        depth: Depth,
+        [a, b]: [PosedShape<'_>; 2],
+        features: [Feature; 2],
+    ) -> Manifold {
+        let witness = of_one_point(depth, features);
+        if self.size == 0.0 {
+            return witness;
+        }
+        drop_doubles(&mut self.corners, self.size);
+        let far = a.pose.translation().length() + b.pose.translation().length();
+        let error_bound =
+            (depth.error_bound + FLAT * self.size + 8.0 * f64::EPSILON * far).min(f64::MAX);
+        // False for NaN, which numbers near the end of their range make.
+        let stands_for_all = self.deepest_after(0) >= depth.depth - self.tolerance();
+        let Some((kept, count)) =
+            reduce::to_four(&self.corners, self.tolerance()).filter(|_| stands_for_all)
+        else {
+            return Manifold { error_bound, ..witness };
+        };
+        let mut points = [ManifoldPoint::default(); 4];
+        for (point, corner) in points.iter_mut().zip(&kept[..count]) {
+            let [point_a, point_b] =
+                corner.heights.map(|z| view.in_world(corner.at, z) + a.pose.translation());
+            let depth = corner.depth().clamp(0.0, depth.depth);
+            *point = ManifoldPoint { point_a, point_b, depth, features: corner.features };
+        }
+        points[0].depth = depth.depth;
+        Manifold { points, count: count as u8, error_bound, ..witness }
+    }
+}
