@@ -32,7 +32,7 @@ pub fn urdf(bytes: &[u8]) {
     if let Some(count) = count {
         assert_eq!(robot.parts().len(), count);
     }
-    let state = vec![0.0; robot.moved_joints().len()];
+    let state = robot.rest();
     let mut poses = Vec::new();
     if robot.place(&state, &mut poses).is_ok() {
         assert_eq!(poses.len(), robot.parts().len());

@@ -250,7 +250,7 @@ impl Robot {
             robot: cell.robot().name.clone(),
             links_with_shapes: cell.robot().parts().len(),
             obstacles: world.obstacles.len(),
-            state: cell.robot().moved_joints().iter().cloned().zip(state).collect(),
+            state: cell.robot().variables().iter().cloned().zip(state).collect(),
             candidates: step.candidate_count(),
             undecided: undecided.difference(&touching).cloned().collect(),
             touching: touching.into_iter().collect(),

@@ -64,7 +64,7 @@ fn never_holds(name: &str, urdf: &str) {
     let adjacent: Vec<&str> = text.lines().filter(|line| !line.contains("\"Never\"")).collect();
     let adjacent = Srdf::read(&adjacent.join("\n")).unwrap().allowed;
     let limits: Vec<[f64; 2]> = robot
-        .moved_joints()
+        .variables()
         .iter()
         .map(|name| {
             let joint = robot.joints().iter().find(|joint| joint.name == *name).unwrap();

@@ -2,7 +2,7 @@
 
 use super::{Joint, Motion, Robot, RobotError};
 use dcd_geom::{Pose, PoseError};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use std::fmt;
 
 /// A frame in another: a point p of it is at R·p + t there.
@@ -62,7 +62,7 @@ fn turn(axis: DVec3, angle: f64) -> DMat3 {
 }
 
 impl Robot {
-    /// Where the parts are for these values of [`Robot::moved_joints`], the root link at the
+    /// Where the parts are for these values of [`Robot::variables`], the root link at the
     /// base pose: one pose for each of [`Robot::parts`], in place of what was there.
     ///
     /// Limits are not asked for: a state beyond them has its place too.
@@ -137,13 +137,45 @@ impl Robot {
             let user = format!("robot {:?}", self.name);
             return Err(RobotError::Count { what: "joint values", user, expected, found });
         }
-        match self.moved.iter().zip(state).find(|(_, value)| !value.is_finite()) {
-            None => Ok(()),
-            Some((joint, &value)) => {
-                let user = format!("joint {joint:?}");
-                Err(RobotError::BadNumber { what: "value", user, value })
+        if let Some((joint, &value)) =
+            self.moved.iter().zip(state).find(|(_, value)| !value.is_finite())
+        {
+            let user = format!("joint {joint:?}");
+            return Err(RobotError::BadNumber { what: "value", user, value });
+        }
+        for joint in &self.joints {
+            let Motion::Orients { first } = joint.motion else { continue };
+            let square = quaternion(state, first).length_squared();
+            if !((square - 1.0).abs() <= UNIT_QUATERNION) {
+                let (what, user) = ("squared length of the quaternion", &joint.name);
+                let user = format!("joint {user:?}");
+                return Err(RobotError::BadNumber { what, user, value: square });
             }
         }
+        Ok(())
+    }
+
+    /// The state in which every value is 0, but a quaternion's w, which is 1.
+    pub fn rest(&self) -> Vec<f64> {
+        let mut rest = vec![0.0; self.moved.len()];
+        for joint in &self.joints {
+            if let Motion::Orients { first } = joint.motion {
+                rest[first + 3] = 1.0;
+            }
+        }
+        rest
+    }
+}
+
+/// How far the squared length of a quaternion may be from 1; within that it is made 1. No unit. Larger:
+/// mistakes pass for rounding. Smaller: numbers with six digits are refused.
+const UNIT_QUATERNION: f64 = 1e-6;
+
+/// The quaternion x y z w at such a place of a state.
+pub(super) fn quaternion(state: &[f64], first: usize) -> DQuat {
+    match state.get(first..first + 4) {
+        Some(&[x, y, z, w]) => DQuat::from_xyzw(x, y, z, w),
+        _ => DQuat::IDENTITY,
     }
 }
 
@@ -173,6 +205,10 @@ pub(super) fn moved(rest: &JointFrame, joint: &Joint, state: &[f64]) -> JointFra
         Motion::Fixed => *rest,
         Motion::Turns { axis, by } => rest.turned(axis, value(by)),
         Motion::Slides { axis, by } => rest.slid(axis * value(by)),
+        Motion::Orients { first } => {
+            let turn = DMat3::from_quat(quaternion(state, first).normalize());
+            JointFrame { rotation: rest.rotation * turn, ..*rest }
+        }
     }
 }
 

@@ -4,9 +4,10 @@ use super::kinematics::JointFrame;
 use super::names::Names;
 use super::shapes::Shapes;
 use super::urdf::{Described, DescribedJoint, Kind};
-use super::{MeshSource, RobotError, tree, urdf, xml};
+use super::{MeshSource, RobotError, several, tree, urdf, xml};
 use dcd_geom::Shape;
 use glam::DVec3;
+use std::ops::Range;
 use std::path::Path;
 
 /// Links, joints, and the shapes that the links carry.
@@ -18,14 +19,26 @@ pub struct Robot {
     /// Each behind the one that moves its parent link.
     pub(super) joints: Vec<Joint>,
     pub(super) parts: Vec<Part>,
-    /// For each value of a state the joint that it moves.
+    /// For each value of a state its name.
     pub(super) moved: Vec<String>,
+    /// The file's joints that have values.
+    pub(super) moved_joints: Vec<MovedJoint>,
     /// The link that has no parent.
     pub(super) root: usize,
     /// Its frame in the world.
     pub(super) base: JointFrame,
     /// What the file says and this robot does not use.
     pub(super) notes: Vec<String>,
+}
+
+/// A joint of a URDF that a state has values for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MovedJoint {
+    /// Its name.
+    pub name: String,
+    /// Which values of a state are its own: one; x, y (metres) and an angle (rad) of a planar joint; x, y, z
+    /// (metres) and a unit quaternion x, y, z, w of a floating one.
+    pub values: Range<usize>,
 }
 
 /// A rigid body of a robot.
@@ -85,6 +98,11 @@ pub enum Motion {
         /// By what.
         by: Drive,
     },
+    /// Turns as a unit quaternion says.
+    Orients {
+        /// Where its x, y, z and w begin in a state.
+        first: usize,
+    },
 }
 
 /// Which value of a state moves a joint, and how.
@@ -99,10 +117,10 @@ pub struct Drive {
 }
 
 impl Motion {
-    /// What moves it; none where nothing does.
+    /// The value that moves it; none where nothing does, or a quaternion.
     pub fn drive(&self) -> Option<Drive> {
         match *self {
-            Self::Fixed => None,
+            Self::Fixed | Self::Orients { .. } => None,
             Self::Turns { by, .. } | Self::Slides { by, .. } => Some(by),
         }
     }
@@ -134,7 +152,7 @@ impl Robot {
     ///
     /// # Errors
     /// A file that cannot be read; links and joints that are not one tree; xacro; elements and
-    /// attributes that are not understood; what is not supported (floating and planar joints, what
+    /// attributes that are not understood; what is not supported (a planar joint whose axis is not z, what
     /// a mesh reader refuses); a number that is not finite; no collision geometry at all; more than the
     /// [`bounds`](super::bounds).
     pub fn load(urdf: &Path) -> Result<Self, RobotError> {
@@ -169,6 +187,7 @@ impl Robot {
     }
 
     fn of(read: Described, mut shapes: Shapes<'_>) -> Result<Self, RobotError> {
+        let read = several::expanded(read);
         let links = Names::of("link", read.links.iter().map(|link| (&*link.name, link.line)))?;
         let joint_names = read.joints.iter().map(|joint| (&*joint.name, joint.line));
         let drives = tree::drives(&read.joints, &Names::of("joint", joint_names)?)?;
@@ -196,6 +215,7 @@ impl Robot {
             joints: tree.joints,
             parts,
             moved: drives.moved,
+            moved_joints: read.moved_joints,
             root: tree.root,
             base: JointFrame::IDENTITY,
             notes,
@@ -229,8 +249,14 @@ impl Robot {
         &self.parts
     }
 
-    /// The joints that a state has a value for, in its order: all that move and mimic no other.
-    pub fn moved_joints(&self) -> &[String] {
+    /// The URDF's joints that a state has values for, in its order: all that move and mimic no other.
+    pub fn moved_joints(&self) -> &[MovedJoint] {
+        &self.moved_joints
+    }
+
+    /// The names of a state's values, in its order: of a joint with one value its own, of others with what the
+    /// value is, as MoveIt has them (`base/x`, `base/y`, `base/theta`; `base/trans_x` … `base/rot_w`).
+    pub fn variables(&self) -> &[String] {
         &self.moved
     }
 }
@@ -245,6 +271,7 @@ impl Joint {
         let motion = match (joint.kind, by) {
             (Kind::Turns, Some(by)) => Motion::Turns { axis: joint.axis, by },
             (Kind::Slides, Some(by)) => Motion::Slides { axis: joint.axis, by },
+            (Kind::Orients, Some(by)) => Motion::Orients { first: by.value },
             _ => Motion::Fixed,
         };
         Ok(Self {

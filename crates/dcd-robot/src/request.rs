@@ -198,10 +198,11 @@ impl Robot {
     /// # Errors
     /// A name that no joint has; a value that is not finite.
     pub fn state(&self, values: &[(String, f64)]) -> Result<Vec<f64>, RobotError> {
-        let (own, mut known) = (self.moved_joints(), HashMap::new());
+        let (own, mut known) = (self.variables(), HashMap::new());
         known.extend(self.joints().iter().map(|joint| (joint.name.as_str(), None)));
+        known.extend(self.moved_joints().iter().map(|joint| (joint.name.as_str(), None)));
         known.extend(own.iter().map(String::as_str).zip((0..).map(Some)));
-        let mut state = vec![0.0; own.len()];
+        let mut state = self.rest();
         for (name, value) in values {
             if !value.is_finite() {
                 let user = format!("joint {name:?}");
@@ -221,7 +222,7 @@ impl Robot {
 
     /// A sentence about those values that are of joints without a value of their own.
     pub(super) fn idle_values(&self, values: &[(String, f64)]) -> Option<String> {
-        let own: HashSet<&str> = self.moved_joints().iter().map(String::as_str).collect();
+        let own: HashSet<&str> = self.variables().iter().map(String::as_str).collect();
         let idle = values.iter().map(|(name, _)| name.as_str()).filter(|name| !own.contains(name));
         let idle: Vec<&str> = idle.collect();
         (!idle.is_empty()).then(|| {

@@ -9,7 +9,7 @@ use super::json::{self, Json, refused};
 use super::kinematics::JointFrame;
 use super::shapes::Shapes;
 use super::urdf::Geometry;
-use super::{Attached, JointPath, MeshSource, Robot, RobotError};
+use super::{Attached, JointPath, MeshSource, MovedJoint, Robot, RobotError};
 use dcd_geom::Pose;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// A state, and what the robot carries in it.
 #[derive(Clone, Debug)]
 pub struct State {
-    /// A value for each of [`Robot::moved_joints`].
+    /// A value for each of [`Robot::variables`].
     pub values: Vec<f64>,
     /// What the robot carries, beside what its world says; shared by neighbouring lines that say the same.
     pub attached: Arc<[AttachedObject]>,
@@ -53,7 +53,7 @@ pub struct StateReader<'a> {
 }
 
 impl<'a> StateReader<'a> {
-    /// For a robot whose joints are at `defaults` (a value for each of [`Robot::moved_joints`]) where a
+    /// For a robot whose joints are at `defaults` (a value for each of [`Robot::variables`]) where a
     /// line says nothing else; `meshes` says where the mesh files of carried objects are.
     pub fn new(robot: &'a Robot, defaults: Vec<f64>, meshes: MeshSource) -> Self {
         Self { robot, defaults, meshes, last: (None, Arc::new([])) }
@@ -104,19 +104,13 @@ impl<'a> StateReader<'a> {
     /// Joint values by name, or all of them in their order.
     fn values(&self, q: &Json) -> Result<Vec<f64>, RobotError> {
         let joints = self.robot.moved_joints();
-        let value = |joint: &str, value: &Json| -> Result<f64, RobotError> {
-            let user = format!("joint {joint:?}");
-            let value = value.number("its value", &user)?;
-            let what = "value";
-            if value.is_finite() {
-                Ok(value)
-            } else {
-                Err(RobotError::BadNumber { what, user, value })
-            }
-        };
         match q {
             Json::List(list) if list.len() == joints.len() => {
-                joints.iter().zip(list).map(|(joint, q)| value(joint, q)).collect()
+                let mut values = self.defaults.clone();
+                for (joint, q) in joints.iter().zip(list) {
+                    set(joint, q, &mut values)?;
+                }
+                Ok(values)
             }
             Json::List(list) => {
                 let user = format!("robot {:?}", self.robot.name);
@@ -126,7 +120,7 @@ impl<'a> StateReader<'a> {
             Json::Object(entries) => {
                 let mut values = self.defaults.clone();
                 for (name, q) in entries {
-                    values[self.index_of(name)?] = value(name, q)?;
+                    set(self.joint(name)?, q, &mut values)?;
                 }
                 Ok(values)
             }
@@ -134,9 +128,9 @@ impl<'a> StateReader<'a> {
         }
     }
 
-    fn index_of(&self, name: &str) -> Result<usize, RobotError> {
-        if let Some(index) = self.robot.moved_joints().iter().position(|joint| joint == name) {
-            return Ok(index);
+    fn joint(&self, name: &str) -> Result<&'a MovedJoint, RobotError> {
+        if let Some(joint) = self.robot.moved_joints().iter().find(|joint| joint.name == name) {
+            return Ok(joint);
         }
         if self.robot.joints().iter().any(|joint| joint.name == name) {
             return Err(refused(&format!("joint {name:?}"), "it is fixed or mimics another"));
@@ -175,6 +169,29 @@ impl<'a> StateReader<'a> {
             touch: touch.collect::<Result<_, _>>()?,
         })
     }
+}
+
+/// Sets a joint's values: a number, or a list where it has several.
+fn set(joint: &MovedJoint, said: &Json, values: &mut [f64]) -> Result<(), RobotError> {
+    let user = format!("joint {:?}", joint.name);
+    let slots = &mut values[joint.values.clone()];
+    let said: &[Json] = match (said, slots.len()) {
+        (said, 1) => std::slice::from_ref(said),
+        (Json::List(list), count) if list.len() == count => list,
+        (Json::List(list), expected) => {
+            let (what, found) = ("values", list.len());
+            return Err(RobotError::Count { what, user, expected, found });
+        }
+        (_, count) => return Err(refused(&user, format!("its value is no list of {count}"))),
+    };
+    for (slot, said) in slots.iter_mut().zip(said) {
+        let value = said.number("its value", &user)?;
+        if !value.is_finite() {
+            return Err(RobotError::BadNumber { what: "value", user, value });
+        }
+        *slot = value;
+    }
+    Ok(())
 }
 
 fn geometry(said: &Json, user: &str) -> Result<Geometry, RobotError> {

@@ -72,7 +72,13 @@ pub(super) fn drives(joints: &[DescribedJoint], names: &Names<'_>) -> Result<Dri
     for (joint, by) in joints.iter().zip(&mut drives.by) {
         if joint.kind != Kind::Fixed && joint.mimic.is_none() {
             *by = Some(Drive { value: drives.moved.len(), factor: 1.0, offset: 0.0 });
-            drives.moved.push(joint.name.clone());
+            match joint.kind {
+                Kind::Orients => {
+                    let named = ["x", "y", "z", "w"].map(|end| format!("{}_{end}", joint.name));
+                    drives.moved.extend(named);
+                }
+                _ => drives.moved.push(joint.name.clone()),
+            }
         }
     }
     let mut on_the_way = vec![false; joints.len()];

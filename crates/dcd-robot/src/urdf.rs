@@ -4,9 +4,9 @@ mod geometry;
 
 pub(super) use geometry::{Collision, Geometry};
 
-use super::RobotError;
 use super::kinematics::JointFrame;
 use super::xml::{Walk, parse};
+use super::{MovedJoint, RobotError};
 use glam::DVec3;
 use roxmltree::Node;
 
@@ -15,6 +15,8 @@ pub(super) struct Described {
     pub(super) name: String,
     pub(super) links: Vec<DescribedLink>,
     pub(super) joints: Vec<DescribedJoint>,
+    /// Those with values of their own.
+    pub(super) moved_joints: Vec<MovedJoint>,
     /// What was not used.
     pub(super) notes: Vec<String>,
 }
@@ -44,6 +46,12 @@ pub(super) enum Kind {
     Fixed,
     Turns,
     Slides,
+    /// By a quaternion; no file has it alone.
+    Orients,
+    /// Slides along x and y and turns about z.
+    Planar,
+    /// Slides along all three and orients.
+    Floating,
 }
 
 pub(super) struct Mimic {
@@ -78,7 +86,13 @@ pub(super) fn read(text: &str) -> Result<Described, RobotError> {
         return Err(RobotError::NotOfKind { what: "URDF", error });
     }
     let name = root.attribute("name").unwrap_or_default().to_owned();
-    let mut described = Described { name, links: Vec::new(), joints: Vec::new(), notes: vec![] };
+    let mut described = Described {
+        name,
+        links: Vec::new(),
+        joints: Vec::new(),
+        moved_joints: Vec::new(),
+        notes: Vec::new(),
+    };
     for node in walk.children(root)? {
         match node.tag_name().name() {
             "link" => described.links.push(link(&mut walk, node)?),
@@ -169,6 +183,8 @@ fn joint(walk: &mut Walk, node: Node<'_, '_>) -> Result<DescribedJoint, RobotErr
         "fixed" => Kind::Fixed,
         "revolute" | "continuous" => Kind::Turns,
         "prismatic" => Kind::Slides,
+        "planar" => Kind::Planar,
+        "floating" => Kind::Floating,
         other => {
             let (what, kind) = ("joint type", other.to_owned());
             return Err(walk.at(node, RobotError::Unsupported { what, kind, user }));
@@ -184,7 +200,24 @@ fn joint(walk: &mut Walk, node: Node<'_, '_>) -> Result<DescribedJoint, RobotErr
     };
     let (parent, child) = (link(walk, parent, "parent")?, link(walk, child, "child")?);
     let origin = geometry::origin(walk, origin, &user)?;
-    let axis = if kind == Kind::Fixed { DVec3::X } else { axis_of(walk, axis, &user)? };
+    let has_several = matches!(kind, Kind::Planar | Kind::Floating);
+    if let (true, Some(mimic)) = (has_several, mimic) {
+        return Err(walk.refused(mimic, &user, "a joint of several values mimics none"));
+    }
+    if let (Kind::Planar, Some(node)) = (kind, axis)
+        && axis_of(walk, Some(node), &user)? != DVec3::Z
+    {
+        let why = "the axis of a planar joint is not z: which way its x and y are is not said";
+        return Err(walk.refused(node, &user, why));
+    }
+    if let (true, Some(limit)) = (has_several, limit) {
+        walk.unused.add("limits of joints of several values", walk.line(limit));
+    }
+    let axis = if matches!(kind, Kind::Turns | Kind::Slides) {
+        axis_of(walk, axis, &user)?
+    } else {
+        DVec3::X
+    };
     let dynamic = ["effort", "velocity", "acceleration", "deceleration", "jerk"];
     if let Some(limit) = limit.filter(|l| l.attributes().any(|a| dynamic.contains(&a.name()))) {
         walk.unused.add("limits of effort or velocity", walk.line(limit));
@@ -193,7 +226,7 @@ fn joint(walk: &mut Walk, node: Node<'_, '_>) -> Result<DescribedJoint, RobotErr
     if limits.is_none() && matches!(of_type, "revolute" | "prismatic") {
         walk.unused.add("joints without the limits that their type has", walk.line(node));
     }
-    let limits = if of_type == "continuous" { None } else { limits };
+    let limits = if has_several || of_type == "continuous" { None } else { limits };
     let mimic = match mimic {
         // What does not move follows nobody.
         Some(mimic) if kind == Kind::Fixed => {

@@ -31,7 +31,7 @@ fn the_panda_has_seven_joints_and_eleven_hulls() {
     let Some(panda) = panda() else { return };
     assert_eq!((panda.name.as_str(), panda.links().len(), panda.parts().len()), ("panda", 13, 11));
     let expected: Vec<String> = (1..=7).map(|k| format!("panda_joint{k}")).collect();
-    assert_eq!(panda.moved_joints(), expected);
+    assert_eq!(panda.variables(), expected);
     let fixed = panda.joints().iter().filter(|joint| joint.motion == Motion::Fixed).count();
     assert_eq!((panda.joints().len(), fixed), (12, 5));
     for part in panda.parts() {
@@ -129,9 +129,9 @@ fn the_atlas_is_read_too() {
     };
     let atlas = Robot::load(&urdf).unwrap();
     println!("{}: {} links, {} parts", atlas.name, atlas.links().len(), atlas.parts().len());
-    assert!(atlas.moved_joints().len() >= 28 && atlas.parts().len() >= 20);
+    assert!(atlas.variables().len() >= 28 && atlas.parts().len() >= 20);
     let allowed = AllowedPairs::adjacent(&atlas);
-    let state = vec![0.0; atlas.moved_joints().len()];
+    let state = vec![0.0; atlas.variables().len()];
     let mut cell = Workcell::new(atlas, &World::default(), &allowed).unwrap();
     cell.set_state(&state).unwrap();
     assert!(cell.scene().is_filtered());

@@ -18,7 +18,7 @@ pub(super) fn parse(
         let named = named.collect::<Result<Vec<_>, _>>()?;
         return robot.state(&[otherwise, &named[..]].concat()).map_err(|error| error.to_string());
     }
-    let joints = robot.moved_joints();
+    let joints = robot.variables();
     if fields.len() != joints.len() {
         return Err(format!(
             "{} values, but {} joints move: {}",

@@ -10,6 +10,11 @@ use dcd_geom::Shape;
 /// angle (48u), and multiplied twice (9u each): 228u (docs/numerics.md, "edges").
 const POSE: f64 = 264.0;
 
+/// What the way between two quaternions may be off by, beside that: units of 2⁻⁵³ rad, of the chain's length. A
+/// quaternion at right angles to the first loses some 8u over the sine of the angle between the two, which is
+/// 1e-3 at the least where it counts (docs/numerics.md, "edges").
+const SLERP: f64 = 65536.0;
+
 /// The joints between the root and what moves with a part: the part, or its padded shape.
 #[derive(Clone, Debug)]
 pub(crate) struct Chain {
@@ -22,6 +27,8 @@ pub(crate) struct Chain {
     /// How far a point of the shape is from the link's frame.
     extent: f64,
     base: f64,
+    /// Whether some joint turns by a quaternion.
+    orients: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -58,13 +65,21 @@ impl Chain {
             steps: Vec::new(),
             extent: part.origin.translation.length() + shape.reach() * (1.0 + 1e-9),
             base: robot.base.translation.length(),
+            orients: false,
         };
         let mut link = part.link;
         while let Some(index) = above[link] {
             let joint = &robot.joints()[index];
-            let moving = joint.motion.drive().map(|by| {
+            let by = match joint.motion {
+                // Of a quaternion the first number stands for all.
+                Motion::Orients { first } => Some(Drive { value: first, factor: 1.0, offset: 0.0 }),
+                _ => joint.motion.drive(),
+            };
+            let moving = by.map(|by| {
                 chain.joints.push(index as u32);
-                (chain.joints.len() - 1, by, matches!(joint.motion, Motion::Slides { .. }))
+                let slides = matches!(joint.motion, Motion::Slides { .. });
+                chain.orients |= matches!(joint.motion, Motion::Orients { .. });
+                (chain.joints.len() - 1, by, slides)
             });
             chain.steps.push(Step { moving, offset: joint.origin.translation.length() });
             chain.depth += 1;
@@ -108,7 +123,9 @@ impl Chain {
             reach += step.offset;
         }
         let length = (reach + self.base) * ROOM;
-        lengths.deviation = off * ROOM + POSE * (self.depth + 2) as f64 * U * length;
+        let of_quaternions = if self.orients { SLERP } else { 0.0 };
+        let of_poses = POSE * (self.depth + 2) as f64 + of_quaternions;
+        lengths.deviation = off * ROOM + of_poses * U * length;
         lengths
     }
 }

@@ -79,7 +79,7 @@ impl<'a> Search<'a> {
         path: &'a JointPath,
         budget: usize,
     ) -> Result<Self, RobotError> {
-        let extents = path.extents();
+        let extents = path.extents(checker.robot());
         let lengths = checker.movers.iter().map(|mover| {
             mover.as_ref().map_or_else(Lengths::default, |(_, chain)| chain.lengths(&extents))
         });
@@ -176,7 +176,7 @@ impl<'a> Search<'a> {
         let Self { checker, path, at, .. } = self;
         let robot = checker.robot();
         at.t = t;
-        path.at(t, &mut at.state);
+        path.at(robot, t, &mut at.state);
         path.rates_at(t, &mut at.rates);
         at.frames = robot.link_frames(&at.state)?;
         robot.pose_parts(&at.frames, &mut at.poses)?;
@@ -350,6 +350,12 @@ impl<'a> Search<'a> {
                     twist.velocity += turn.cross(middle - translation);
                 }
                 Motion::Slides { axis, by } => twist.velocity += rotation * axis * rate(by),
+                Motion::Orients { first } => {
+                    let rest = self.at.frames[joint.parent].then(&joint.origin).rotation;
+                    let turn = rest * self.path.turn(first);
+                    twist.turn += turn;
+                    twist.velocity += turn.cross(middle - translation);
+                }
             }
         }
         twist

@@ -52,8 +52,8 @@ fn straight(from: &[f64], to: &[f64]) -> JointPath {
 /// The pairs that touch at t, and the least distance of all others, by each pair alone.
 fn at(checker: &EdgeChecker, path: &JointPath, t: f64) -> (Vec<[u32; 2]>, f64) {
     let (mut state, mut poses) = (Vec::new(), Vec::new());
-    path.at(t, &mut state);
     let cell = checker.cell();
+    path.at(cell.robot(), t, &mut state);
     cell.robot().place(&state, &mut poses).unwrap();
     let scene = cell.scene();
     let posed = |i: u32| {
@@ -262,4 +262,96 @@ fn a_budget_ends_the_search_and_tells_where() {
     assert!(edge.nodes <= 5);
     let refused = checker.check(&straight(&[0.0], &[0.0]), 5).unwrap_err().to_string();
     assert!(refused.contains("1 joint values, not 4"), "{refused}");
+}
+
+/// A bar of length 2, its end at the origin of what floats.
+fn floating() -> Robot {
+    let text = r#"<robot name="floating"><link name="world"/>
+      <link name="bar"><collision><origin xyz="1 0 0"/><geometry><box size="2 0.1 0.1"/></geometry></collision></link>
+      <joint name="free" type="floating"><parent link="world"/><child link="bar"/></joint></robot>"#;
+    Robot::read(text, Path::new("."), LinkShapes::Hulls).unwrap()
+}
+
+#[test]
+fn a_floating_link_turns_the_way_that_its_quaternions_go() {
+    let post = || obstacle("post", Shape::sphere(0.1).unwrap(), DVec3::new(0.0, 1.5, 0.0));
+    let checker = checker(floating(), vec![post()]);
+    // By z·angle: a third of a turn to either side, from along x.
+    let turned = |angle: f64| {
+        let q = DQuat::from_rotation_z(angle);
+        [0.0, 0.0, 0.0, q.x, q.y, q.z, q.w]
+    };
+    let third = std::f64::consts::TAU / 3.0;
+    let there = straight(&turned(0.0), &turned(third));
+    let EdgeAnswer::Hit { t, .. } = checker.check(&there, 10_000).unwrap().answer else { panic!() };
+    assert!((t - 0.75).abs() < 0.1, "a quarter of a turn: {t}");
+    let away = straight(&turned(0.0), &turned(-third));
+    let EdgeAnswer::Free { clearance } = checker.check(&away, 10_000).unwrap().answer else {
+        panic!()
+    };
+    let least = (0..=1000).map(|k| at(&checker, &away, f64::from(k) / 1000.0).1);
+    let least = least.fold(f64::INFINITY, f64::min);
+    assert!(clearance <= least && clearance >= 0.4 * least, "{clearance} {least}");
+    // The same rotation by the opposite quaternion is the long way round, past the post.
+    let opposite = turned(-third).map(|x| -x);
+    let opposite = [0.0, 0.0, 0.0, opposite[3], opposite[4], opposite[5], opposite[6]];
+    let long = straight(&turned(0.0), &opposite);
+    assert!(matches!(checker.check(&long, 10_000).unwrap().answer, EdgeAnswer::Hit { .. }));
+}
+
+#[test]
+fn random_floating_edges_are_answered_as_their_samples_say() {
+    let mut draw = Draw::new();
+    let [mut free, mut hits] = [0; 2];
+    for k in 0..40 {
+        let posts = (0..5)
+            .map(|n| obstacle(&format!("o{n}"), Shape::sphere(0.3).unwrap(), draw.vector() * 3.0));
+        let checker = checker(floating(), posts.collect());
+        let mut state = || {
+            let (place, turn) = (draw.vector() * 2.0, DQuat::from_scaled_axis(draw.vector() * 3.0));
+            let mut state = place.to_array().to_vec();
+            state.extend(turn.normalize().to_array());
+            state
+        };
+        let path = JointPath::Straight([state(), state()]);
+        let found = checker.check(&path, 10_000).unwrap();
+        let samples: Vec<_> =
+            (0..=500).map(|s| at(&checker, &path, f64::from(s) / 500.0)).collect();
+        let least = samples.iter().map(|(_, least)| *least).fold(f64::INFINITY, f64::min);
+        match found.answer {
+            EdgeAnswer::Free { clearance } => {
+                free += 1;
+                assert!(samples.iter().all(|(touching, _)| touching.is_empty()), "{k}");
+                assert!(clearance <= least, "{k}: {clearance} {least}");
+            }
+            EdgeAnswer::Hit { t, pair } => {
+                hits += 1;
+                assert!(at(&checker, &path, t).0.contains(&pair), "{k}");
+            }
+            EdgeAnswer::Undecided { .. } => {}
+        }
+        let before =
+            samples.iter().enumerate().filter(|(s, _)| *s as f64 / 500.0 < found.free_until);
+        assert!(before.into_iter().all(|(_, (touching, _))| touching.is_empty()), "{k}");
+    }
+    assert!(free > 5 && hits > 5, "{free} {hits}");
+}
+
+#[test]
+fn quaternions_without_one_way_between_them_are_refused() {
+    let checker = checker(floating(), Vec::new());
+    let (one, other) = ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0]);
+    let refused = checker.check(&straight(&one, &other), 10).unwrap_err().to_string();
+    assert!(refused.contains("opposite") && refused.contains("free/rot_x"), "{refused}");
+    let far = straight(&one, &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.1]);
+    let refused = checker.check(&far, 10).unwrap_err().to_string();
+    assert!(refused.contains("quaternion") && refused.contains("free/rot"), "{refused}");
+    let [a, b] = [one.to_vec(), vec![0.0, 0.0, 0.0, 0.6, 0.0, 0.0, 0.8]];
+    let curve = JointPath::Bezier([a.clone(), a.clone(), b, a.clone()]);
+    let refused = checker.check(&curve, 10).unwrap_err().to_string();
+    assert!(refused.contains("curve of quaternions"), "{refused}");
+    let mut moved = a.clone();
+    moved[0] = 1.0;
+    let curve = JointPath::Bezier([a.clone(), moved.clone(), moved, a]);
+    assert!(matches!(checker.check(&curve, 10).unwrap().answer, EdgeAnswer::Free { .. }));
 }

@@ -3,7 +3,7 @@
 use super::samples::Ranges;
 use crate::edge::{Chain, Extents};
 use crate::kinematics::{JointFrame, moved};
-use crate::{Robot, RobotError};
+use crate::{Motion, Robot, RobotError};
 use dcd_gjk::distance::{DistanceResult, distance_at};
 use dcd_gjk::{Accuracy, PosedShape};
 use std::cmp::Ordering;
@@ -93,6 +93,11 @@ impl<'a> Joints<'a> {
         nodes: usize,
     ) -> Result<Outcome, RobotError> {
         let between = self.between(links, parts);
+        let orients =
+            |&joint: &usize| matches!(self.robot.joints()[joint].motion, Motion::Orients { .. });
+        if between.paths.iter().flatten().any(orients) {
+            return Ok(Outcome::Open);
+        }
         let range = |&value: &usize| self.ranges.values[value];
         let middle = between.values.iter().map(range).map(|[a, b]| 0.5 * a + 0.5 * b).collect();
         // A little more: the middle is rounded.
@@ -136,7 +141,7 @@ impl<'a> Joints<'a> {
         middle: Vec<f64>,
         half: Vec<f64>,
     ) -> Result<Option<Node>, RobotError> {
-        let mut state = vec![0.0; self.robot.moved_joints().len()];
+        let mut state = vec![0.0; self.robot.variables().len()];
         let mut extents = Extents::still(state.len());
         for ((&value, &at), &half) in between.values.iter().zip(&middle).zip(&half) {
             state[value] = at;
@@ -197,7 +202,9 @@ impl<'a> Joints<'a> {
         });
         let shared = path_a.iter().zip(&path_b).take_while(|(a, b)| a == b).count();
         let drive = |&joint: &usize| self.robot.joints()[joint].motion.drive();
-        let common = path_a[..shared].iter().filter_map(drive).count();
+        // As many as a chain counts.
+        let moves = |&&joint: &&usize| self.robot.joints()[joint].motion != Motion::Fixed;
+        let common = path_a[..shared].iter().filter(moves).count();
         path_a.drain(..shared);
         path_b.drain(..shared);
         let mut values: Vec<usize> =

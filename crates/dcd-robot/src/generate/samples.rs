@@ -4,6 +4,7 @@ use super::PairReason;
 use crate::{Motion, Robot, RobotError};
 use dcd_geom::{Pose, SphereBounds};
 use dcd_gjk::{PosedShape, Verdict, certified};
+use glam::DQuat;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::f64::consts::PI;
@@ -13,6 +14,8 @@ pub(super) struct Ranges {
     pub(super) values: Vec<[f64; 2]>,
     /// Whether all that the value may be is within them, or repeats what is.
     pub(super) is_whole: Vec<bool>,
+    /// Where quaternions begin.
+    quaternions: Vec<usize>,
 }
 
 /// What a joint without limits is sampled in, if it slides: metres. Nothing is proved of it.
@@ -23,12 +26,20 @@ const HALF_TURN: f64 = PI * (1.0 + 1e-9);
 
 impl Ranges {
     pub(super) fn of(robot: &Robot) -> Result<Self, RobotError> {
-        let count = robot.moved_joints().len();
-        let mut ranges = Self { values: vec![[0.0; 2]; count], is_whole: vec![true; count] };
+        let count = robot.variables().len();
+        let mut ranges = Self {
+            values: vec![[0.0; 2]; count],
+            is_whole: vec![true; count],
+            quaternions: Vec::new(),
+        };
         for joint in robot.joints() {
+            if let Motion::Orients { first } = joint.motion {
+                ranges.quaternions.push(first);
+                ranges.is_whole[first] = false;
+            }
             let Some(by) = joint.motion.drive() else { continue };
             let turns = matches!(joint.motion, Motion::Turns { .. });
-            let leads = robot.moved_joints()[by.value] == joint.name;
+            let leads = robot.variables()[by.value] == joint.name;
             match joint.limits {
                 Some([lower, upper]) if leads && lower > upper => {
                     let user = format!("joint {:?}", joint.name);
@@ -48,7 +59,7 @@ impl Ranges {
         // number of times.
         for joint in robot.joints() {
             let Some(by) = joint.motion.drive() else { continue };
-            let leader = &robot.moved_joints()[by.value];
+            let leader = &robot.variables()[by.value];
             let is_limited =
                 robot.joints().iter().any(|other| other.name == *leader && other.limits.is_some());
             let turns = matches!(joint.motion, Motion::Turns { .. });
@@ -61,13 +72,26 @@ impl Ranges {
 
     /// The state nearest to zero.
     fn rest(&self) -> Vec<f64> {
-        self.values.iter().map(|&[lower, upper]| 0f64.clamp(lower, upper)).collect()
+        let values = self.values.iter();
+        let mut rest: Vec<f64> = values.map(|&[lower, upper]| 0f64.clamp(lower, upper)).collect();
+        self.quaternions.iter().for_each(|first| rest[first + 3] = 1.0);
+        rest
     }
 
     fn draw(&self, random: &mut ChaCha8Rng) -> Vec<f64> {
         let unit = |random: &mut ChaCha8Rng| (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
         let between = |&[lower, upper]: &[f64; 2], u: f64| (lower + (upper - lower) * u).min(upper);
-        self.values.iter().map(|range| between(range, unit(random))).collect()
+        let mut state: Vec<f64> =
+            self.values.iter().map(|range| between(range, unit(random))).collect();
+        for &first in &self.quaternions {
+            // In the unit ball, where that is not too near to its middle.
+            let mut drawn = DQuat::IDENTITY * 0.0;
+            while !(1e-3..=1.0).contains(&drawn.length_squared()) {
+                drawn = DQuat::from_array([(); 4].map(|()| 2.0 * unit(random) - 1.0));
+            }
+            state[first..first + 4].copy_from_slice(&drawn.normalize().to_array());
+        }
+        state
     }
 }
 

@@ -111,3 +111,68 @@ fn neighbouring_lines_share_what_they_carry_alike() {
     assert!(!Arc::ptr_eq(&first, &read(&format!(", {}", cup.replace("0.1", "0.2")))));
     assert!(none.is_empty() && read("").is_empty());
 }
+
+/// A base that moves in the plane, an arm that turns on it, a drone.
+const SEVERAL: &str = r#"<robot name="several">
+  <link name="world"/>
+  <link name="base"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+  <link name="arm"><collision><origin xyz="1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="drone"><collision><origin xyz="0 0 1"/><geometry><sphere radius="0.2"/></geometry></collision></link>
+  <joint name="drive" type="planar"><origin xyz="0 0 0.5" rpy="0 0 1.5707963267948966"/>
+    <parent link="world"/><child link="base"/></joint>
+  <joint name="turn" type="continuous"><axis xyz="0 0 1"/><parent link="base"/><child link="arm"/></joint>
+  <joint name="fly" type="floating"><origin xyz="0 0 2"/><parent link="world"/><child link="drone"/></joint>
+</robot>"#;
+
+#[test]
+fn joints_of_several_values_are_lists_and_move_as_they_say() {
+    let robot = Robot::read(SEVERAL, Path::new("."), LinkShapes::Hulls).unwrap();
+    let names: Vec<&str> = robot.moved_joints().iter().map(|joint| joint.name.as_str()).collect();
+    assert_eq!(names, ["drive", "turn", "fly"]);
+    assert_eq!(robot.variables()[..4], ["drive/x", "drive/y", "drive/theta", "turn"]);
+    assert_eq!(robot.variables()[4..6], ["fly/trans_x", "fly/trans_y"]);
+    assert_eq!(robot.variables()[10], "fly/rot_w");
+    let meshes = MeshSource::beside(Path::new("."), LinkShapes::Hulls);
+    let mut reader = StateReader::new(&robot, robot.rest(), meshes);
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    // The drone turned by a quarter about x.
+    let line =
+        format!(r#"{{"q": [[1, 2, 1.5707963267948966], 0, [3, 4, 5, {half}, 0, 0, {half}]]}}"#);
+    let listed = reader.read(line.as_bytes()).unwrap().values;
+    let named = format!(
+        r#"{{"q": {{"fly": [3, 4, 5, {half}, 0, 0, {half}], "drive": [1, 2, 1.5707963267948966]}}}}"#
+    );
+    assert_eq!(reader.read(named.as_bytes()).unwrap().values, listed);
+    let mut poses = Vec::new();
+    robot.place(&listed, &mut poses).unwrap();
+    // The base's frame is turned by a quarter: its (1, 2) is the world's (−2, 1), and x of the base points to −x.
+    let places: Vec<_> = poses.iter().map(|pose| pose.translation()).collect();
+    let expected = [[-2.0, 1.0, 0.5], [-3.0, 1.0, 0.5], [3.0, 3.0, 7.0]];
+    for (place, expected) in places.iter().zip(expected) {
+        assert!(place.distance(DVec3::from_array(expected)) < 1e-12, "{places:?}");
+    }
+    robot.place(&robot.rest(), &mut poses).unwrap();
+    assert!(poses[2].translation().distance(DVec3::Z * 3.0) < 1e-12);
+    for (line, why) in [
+        (r#"{"q": {"fly": [0, 0, 0]}}"#, "joint \"fly\": 3 values, not 7"),
+        (r#"{"q": {"drive": 1}}"#, "no list of 3"),
+        (r#"{"q": {"turn": [1]}}"#, "no number"),
+        (r#"{"q": {"drive/x": 1}}"#, "drive/x"),
+    ] {
+        let refused = reader.read(line.as_bytes()).unwrap_err().to_string();
+        assert!(refused.contains(why), "{line}: {refused}");
+    }
+    let mut long = robot.rest();
+    long[10] = 1.5;
+    let refused = robot.place(&long, &mut poses).unwrap_err().to_string();
+    assert!(refused.contains("squared length of the quaternion"), "{refused}");
+    for (from, to, why) in [
+        ("type=\"planar\">", "type=\"planar\"><axis xyz=\"1 0 0\"/>", "axis of a planar joint"),
+        ("type=\"floating\">", "type=\"floating\"><mimic joint=\"turn\"/>", "mimics none"),
+    ] {
+        let text = SEVERAL.replace(from, to);
+        let refused =
+            Robot::read(&text, Path::new("."), LinkShapes::Hulls).unwrap_err().to_string();
+        assert!(refused.contains(why), "{refused}");
+    }
+}

@@ -113,7 +113,7 @@ fn a_joint_that_mimics_one_that_mimics_moves_by_both_rules_and_a_ring_of_them_is
         parts.concat()
     };
     let robot = robot(&arm("")).unwrap();
-    assert_eq!(robot.moved_joints(), ["a-b"]);
+    assert_eq!(robot.variables(), ["a-b"]);
     let mut poses = Vec::new();
     robot.place(&[0.5], &mut poses).unwrap();
     let along: Vec<f64> = poses.iter().map(|pose| pose.translation().x).collect();
@@ -166,11 +166,11 @@ fn elements_nested_fifteen_thousand_deep_are_refused_without_a_stack_overflow() 
 #[test]
 fn a_chain_of_a_hundred_thousand_links_is_read_placed_and_allowed_in_linear_time() {
     let chain = read(&chain(100_000, "continuous")).unwrap();
-    assert_eq!(chain.moved_joints().len(), 99_999);
+    assert_eq!(chain.variables().len(), 99_999);
     let allowed = AllowedPairs::adjacent(&chain);
     assert!(allowed.contains("l7", "l6") && !allowed.contains("l7", "l5"));
     let named: Vec<(String, f64)> =
-        chain.moved_joints().iter().map(|name| (name.clone(), 0.0)).collect();
+        chain.variables().iter().map(|name| (name.clone(), 0.0)).collect();
     let state = chain.state(&named).unwrap();
     let mut cell = Workcell::new(chain, &World::default(), &allowed).unwrap();
     cell.set_state(&state).unwrap();
@@ -200,7 +200,7 @@ fn a_long_chain_of_mimics_is_followed_in_linear_time_whatever_its_order() {
         write!(text, "{}", joint("prismatic", ["root", &child], &mimic)).unwrap();
     }
     let robot = read(&(text + "</robot>")).unwrap();
-    assert_eq!(robot.moved_joints(), ["root-l19999"]);
+    assert_eq!(robot.variables(), ["root-l19999"]);
     let mut poses = Vec::new();
     robot.place(&[0.25], &mut poses).unwrap();
     assert!(poses[1..].iter().all(|pose| pose.translation().x == 0.25));
