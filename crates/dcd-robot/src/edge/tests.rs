@@ -304,8 +304,8 @@ fn random_floating_edges_are_answered_as_their_samples_say() {
     let mut draw = Draw::new();
     let [mut free, mut hits] = [0; 2];
     for k in 0..40 {
-        let posts = (0..5)
-            .map(|n| obstacle(&format!("o{n}"), Shape::sphere(0.3).unwrap(), draw.vector() * 3.0));
+        let posts = (0..14)
+            .map(|n| obstacle(&format!("o{n}"), Shape::sphere(0.6).unwrap(), draw.vector() * 3.0));
         let checker = checker(floating(), posts.collect());
         let mut state = || {
             let (place, turn) = (draw.vector() * 2.0, DQuat::from_scaled_axis(draw.vector() * 3.0));
