@@ -4,7 +4,10 @@ use crate::Input;
 use crate::overlap::{body, pair};
 use dcd_geom::{Polytope, Pose, Shape};
 use dcd_gjk::certified::overlap_exactly;
-use dcd_gjk::{Distance, DistanceResult, PosedShape, PosedSupport, Verdict, distance, epa};
+use dcd_gjk::query::MeasureAt;
+use dcd_gjk::{
+    Accuracy, Depths, Distance, DistanceResult, PosedShape, PosedSupport, Verdict, distance, epa,
+};
 use glam::DVec3;
 
 /// Sizes whose squares and products stay within f64, metres: what the checks here compute with.
@@ -34,6 +37,7 @@ fn check_distance(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>, 
                 assert_eq!((found.point_a, found.normal), (mirrored.point_b, -mirrored.normal));
             }
             check_f64_alone(&found, a, b);
+            check_lesser_distances(a, b, &found);
         }
         other => panic!("touches: {touches}, {other:?}"),
     }
@@ -86,10 +90,61 @@ fn check_depth(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>, tou
                 assert_eq!((depth.point_a, depth.normal), (mirrored.point_b, -mirrored.normal));
             }
             check_parting(a, b, &depth);
+            check_lesser_depths(a, b, &depth);
         }
         (Verdict::Apart, Verdict::Apart) => assert!(!touches),
         (Verdict::Undecided(_), Verdict::Undecided(_)) => {}
         other => panic!("{other:?}"),
+    }
+}
+
+/// At every accuracy the distance is within its bound of the certified one, and mirrored.
+fn check_lesser_distances(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    truth: &Distance,
+) {
+    let [in_a, in_b] = [a, b].map(|body| Shape::from(body.map.clone()));
+    let (a, b) =
+        (PosedShape { shape: &in_a, pose: a.pose }, PosedShape { shape: &in_b, pose: b.pose });
+    for accuracy in [Accuracy::F32, Accuracy::F64] {
+        let found = distance::distance_at(accuracy, a, b).0;
+        let back = distance::distance_at(accuracy, b, a).0;
+        let (DistanceResult::Apart(found), DistanceResult::Apart(back)) = (found, back) else {
+            panic!("{accuracy:?}: {truth:?}, but {found:?} and {back:?}");
+        };
+        assert_eq!(found.distance.to_bits(), back.distance.to_bits());
+        if !(found.is_saturated() || truth.is_saturated()) {
+            let error = (found.error_bound + truth.error_bound) * (1.0 + 1e-12);
+            let off = (found.distance - truth.distance).abs();
+            assert!(off <= error, "{accuracy:?}: {found:?} {truth:?}");
+        }
+    }
+}
+
+/// The same for the depth.
+fn check_lesser_depths(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    truth: &epa::Depth,
+) {
+    let [in_a, in_b] = [a, b].map(|body| Shape::from(body.map.clone()));
+    let (a, b) =
+        (PosedShape { shape: &in_a, pose: a.pose }, PosedShape { shape: &in_b, pose: b.pose });
+    let mut scratch = epa::Scratch::default();
+    for accuracy in [Accuracy::F32, Accuracy::F64] {
+        let found = Depths.measure_at(accuracy, a, b, &mut scratch);
+        let back = Depths.measure_at(accuracy, b, a, &mut scratch);
+        let (Verdict::Touching(found), Verdict::Touching(back)) = (found, back) else {
+            panic!("{accuracy:?}: {truth:?}, but {found:?} and {back:?}");
+        };
+        assert_eq!(found.depth.to_bits(), back.depth.to_bits());
+        assert!(found.depth >= 0.0 && found.depth.is_finite() && found.error_bound >= 0.0);
+        if !(found.is_saturated() || truth.is_saturated()) {
+            let error = (found.error_bound + truth.error_bound) * (1.0 + 1e-12);
+            let off = (found.depth - truth.depth).abs();
+            assert!(off <= error, "{accuracy:?}: {found:?} {truth:?}");
+        }
     }
 }
 
