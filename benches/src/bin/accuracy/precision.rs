@@ -4,9 +4,10 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Pair, Polytope, Shape};
 use dcd_gjk::distance::{self, DistanceResult};
 use dcd_gjk::epa::{self, Scratch};
+use dcd_gjk::query::MeasureAt;
 use dcd_gjk::{
-    Certified, ContactSink, Gjk, NarrowPhase, Overlap, OverlapUnchecked, PairSolver, PosedShape,
-    PosedSupport, Report, Verdict,
+    Accuracy, Certified, ContactSink, Depths, Gjk, NarrowPhase, Overlap, OverlapUnchecked,
+    PairSolver, PosedShape, PosedSupport, Report, Verdict,
 };
 use serde::{Deserialize, Serialize};
 
@@ -32,9 +33,9 @@ pub(crate) enum Precision {
     Lanes,
     /// The same lanes in f32 without their certificates.
     Fast,
-    /// GJK in f32, one pair at a time.
+    /// GJK in f32, one pair at a time; distances and depths with the bound that f32 would resolve.
     F32,
-    /// GJK in f64, one pair at a time.
+    /// GJK in f64, one pair at a time; distances and depths with the bound that f64 gives.
     F64,
     /// f64, then exact, one pair at a time.
     Certified,
@@ -102,12 +103,20 @@ impl Precision {
         matches!(self, Self::Boxes | Self::Balls)
     }
 
+    /// With what bound it measures.
+    fn accuracy(self) -> Accuracy {
+        match self {
+            Self::F32 => Accuracy::F32,
+            Self::F64 => Accuracy::F64,
+            _ => Accuracy::Certified,
+        }
+    }
+
     /// Who has an answer to that query.
     pub(crate) fn answering(query: Query) -> Vec<Self> {
         let answers = |precision: &Self| match query {
             Query::YesNo => true,
-            Query::Distance => !matches!(precision, Self::Fast | Self::Lanes | Self::F32),
-            Query::Depth => !matches!(precision, Self::Fast | Self::Lanes | Self::F32 | Self::F64),
+            Query::Distance | Query::Depth => !matches!(precision, Self::Fast | Self::Lanes),
         };
         Self::ALL.into_iter().filter(answers).collect()
     }
@@ -122,7 +131,7 @@ pub(crate) enum Ready<'s> {
     ParryF32(Theirs<'s, f32>),
     ParryF64(Theirs<'s, f64>),
     /// Nothing to prepare but memory.
-    Plain(Scratch),
+    Plain(Box<Scratch>),
 }
 
 impl<'s> Ready<'s> {
@@ -141,7 +150,7 @@ impl<'s> Ready<'s> {
             Precision::ParryF32 => Self::ParryF32(Theirs::new(subject)),
             Precision::ParryF64 => Self::ParryF64(Theirs::new(subject)),
             Precision::Balls | Precision::F32 | Precision::F64 | Precision::Certified => {
-                Self::Plain(Scratch::default())
+                Self::Plain(Box::default())
             }
         }
     }
@@ -218,8 +227,16 @@ fn one(
         (Query::YesNo, Precision::F32) => verdict(Gjk::<f32>::default().solve(a, b, &mut ())),
         (Query::YesNo, Precision::F64) => verdict(Gjk::<f64>::default().solve(a, b, &mut ())),
         (Query::YesNo, _) => verdict(Certified.solve(a, b, &mut Default::default())),
-        (Query::Distance, Precision::F64) => of_distance(distance::in_f64(a, b)),
-        (Query::Distance, _) => of_distance(distance::distance(a, b).0),
+        (Query::Distance, precision) => {
+            of_distance(distance::distance_at(precision.accuracy(), a, b).0)
+        }
+        (Query::Depth, Precision::F32 | Precision::F64) => {
+            match Depths.measure_at(precision.accuracy(), a, b, scratch) {
+                Verdict::Touching(found) => Said::Measured(found.depth),
+                Verdict::Apart => Said::Apart,
+                Verdict::Undecided(_) => Said::Open,
+            }
+        }
         (Query::Depth, _) => match [body(a), body(b)] {
             [Some(a), Some(b)] => match epa::depth(a, b, scratch) {
                 Verdict::Touching(found) => Said::Measured(found.depth),

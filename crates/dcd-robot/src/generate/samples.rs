@@ -63,7 +63,8 @@ impl Ranges {
             let is_limited =
                 robot.joints().iter().any(|other| other.name == *leader && other.limits.is_some());
             let turns = matches!(joint.motion, Motion::Turns { .. });
-            if !is_limited && !(turns && by.factor.fract() == 0.0) {
+            let repeats = turns && by.factor.fract() == 0.0;
+            if !(is_limited || repeats) {
                 ranges.is_whole[by.value] = false;
             }
         }
