@@ -17,6 +17,7 @@ mod bounds_only;
 pub mod contract;
 mod exact;
 pub mod mesh;
+pub mod motion;
 mod narrow_phase;
 mod pairwise;
 pub mod query;

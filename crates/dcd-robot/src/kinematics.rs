@@ -2,6 +2,7 @@
 
 use super::{Joint, Motion, Robot, RobotError};
 use dcd_geom::{Pose, PoseError};
+use dcd_gjk::motion::rotation_about;
 use glam::{DMat3, DQuat, DVec3};
 use std::fmt;
 
@@ -17,7 +18,9 @@ impl JointFrame {
 
     /// URDF's: turned about x, then y, then z of the outer frame (roll, pitch, yaw; rad).
     pub(super) fn of_angles(translation: DVec3, [roll, pitch, yaw]: [f64; 3]) -> Self {
-        let rotation = turn(DVec3::Z, yaw) * turn(DVec3::Y, pitch) * turn(DVec3::X, roll);
+        let rotation = rotation_about(DVec3::Z, yaw)
+            * rotation_about(DVec3::Y, pitch)
+            * rotation_about(DVec3::X, roll);
         Self { rotation, translation }
     }
 
@@ -44,21 +47,12 @@ impl JointFrame {
     }
 
     fn turned(&self, axis: DVec3, angle: f64) -> Self {
-        Self { rotation: self.rotation * turn(axis, angle), ..*self }
+        Self { rotation: self.rotation * rotation_about(axis, angle), ..*self }
     }
 
     fn slid(&self, along: DVec3) -> Self {
         Self { translation: self.rotation * along + self.translation, ..*self }
     }
-}
-
-/// The rotation by an angle about an axis of unit length (Rodrigues): I + sin·K + (1 − cos)·K².
-fn turn(axis: DVec3, angle: f64) -> DMat3 {
-    let (sin, cos) = libm::sincos(angle);
-    let DVec3 { x, y, z } = axis;
-    let cross =
-        DMat3::from_cols(DVec3::new(0.0, z, -y), DVec3::new(-z, 0.0, x), DVec3::new(y, -x, 0.0));
-    DMat3::IDENTITY + cross * sin + cross * cross * (1.0 - cos)
 }
 
 impl Robot {

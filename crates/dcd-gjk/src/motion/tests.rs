@@ -1,0 +1,156 @@
+//! Impacts that are known, and random ones beside samples.
+
+use super::*;
+use crate::{Verdict, certified};
+use dcd_geom::glam::DQuat;
+
+fn at(place: DVec3) -> RigidMotion {
+    RigidMotion::still(Pose::from_translation(place).unwrap())
+}
+
+fn ask(a: (&Shape, &RigidMotion), b: (&Shape, &RigidMotion), until: f64) -> Impact {
+    let [a, b] = [a, b].map(|(shape, motion)| MovingShape { shape, motion });
+    time_of_impact(a, b, until, 1e-6).unwrap()
+}
+
+#[test]
+fn spheres_meet_when_their_centres_are_a_diameter_apart() {
+    let ball = Shape::sphere(0.5).unwrap();
+    let left = RigidMotion { linear: DVec3::X * 3.0, ..at(DVec3::X * -4.0) };
+    // Beside the axis by 0.6: at 0.8 along it they touch.
+    let right = RigidMotion { linear: DVec3::X * -1.0, ..at(DVec3::new(4.0, 0.6, 0.0)) };
+    let Impact::Hit { free_until, t, normal, .. } = ask((&ball, &left), (&ball, &right), 5.0)
+    else {
+        panic!()
+    };
+    let truth = (8.0 - 0.8) / 4.0;
+    assert!(free_until <= truth && t <= truth && truth - t < 1e-6, "{t} {truth}");
+    assert!(normal.distance(DVec3::new(0.8, 0.6, 0.0)) < 1e-5, "{normal}");
+    assert_eq!(ask((&ball, &left), (&ball, &right), 1.7), Impact::Free);
+    let beside = RigidMotion { start: at(DVec3::new(4.0, 1.001, 0.0)).start, ..right };
+    assert_eq!(ask((&ball, &left), (&ball, &beside), 100.0), Impact::Free);
+    let Impact::Hit { free_until, t, touches, .. } = ask((&ball, &left), (&ball, &left), 1.0)
+    else {
+        panic!()
+    };
+    assert_eq!((free_until, t, touches), (0.0, 0.0, true));
+}
+
+#[test]
+fn nothing_fast_passes_through_a_thin_plate_of_any_kind() {
+    let bar = Shape::cuboid(DVec3::new(0.5, 0.05, 0.05)).unwrap();
+    let thin = DVec3::new(2.0, 2.0, 1e-4);
+    let plate = Shape::cuboid(thin).unwrap();
+    let corner = |x: f64, y: f64| DVec3::new(2.0 * x, 2.0 * y, 0.0);
+    let corners = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    let surface = Shape::mesh(corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    let parts = Shape::compound(vec![(plate.clone(), Pose::IDENTITY)]).unwrap();
+    let plane = Shape::half_space(DVec3::NEG_Z, 0.0).unwrap();
+    let fast = RigidMotion {
+        linear: DVec3::Z * 1e4,
+        angular: DVec3::new(30.0, 50.0, -20.0),
+        ..at(DVec3::Z * -100.0)
+    };
+    for shape in [&plate, &surface, &parts, &plane] {
+        let still = at(DVec3::ZERO);
+        let found = ask((&bar, &fast), (shape, &still), 1.0);
+        let Impact::Hit { free_until, t, .. } = found else { panic!("{shape:?}: {found:?}") };
+        // The bar reaches no farther than half of its diagonal.
+        assert!(free_until <= t && (0.99e-2..1e-2).contains(&t), "{found:?}");
+        let pose = fast.pose_at(t).unwrap();
+        let (a, b) =
+            (PosedShape { shape: &bar, pose: &pose }, PosedShape { shape, pose: &still.start });
+        if let DistanceResult::Apart(gap) = distance_at(Accuracy::Certified, a, b).0 {
+            assert!(gap.distance <= 1e-6, "{gap:?}");
+        }
+    }
+}
+
+#[test]
+fn a_turning_bar_meets_a_post_when_its_side_gets_there() {
+    let bar = Shape::cuboid(DVec3::new(1.0, 0.05, 0.05)).unwrap();
+    // About its end.
+    let turning =
+        RigidMotion { angular: DVec3::Z * 2.0, centre: DVec3::NEG_X, ..at(DVec3::X * 1.0) };
+    let post = Shape::sphere(0.1).unwrap();
+    let still = at(DVec3::Y * 1.5);
+    let Impact::Hit { t, .. } = ask((&bar, &turning), (&post, &still), 10.0) else { panic!() };
+    let truth = (std::f64::consts::FRAC_PI_2 - (0.15f64 / 1.5).asin()) / 2.0;
+    assert!((t - truth).abs() < 1e-6, "{t} {truth}");
+    let far = at(DVec3::Y * 2.2);
+    assert_eq!(ask((&bar, &turning), (&post, &far), 2.0), Impact::Free);
+}
+
+/// Numbers in −1 … 1, the same in every run.
+struct Draw(u64);
+
+impl Draw {
+    fn number(&mut self) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    fn vector(&mut self) -> DVec3 {
+        DVec3::new(self.number(), self.number(), self.number())
+    }
+
+    fn shape(&mut self) -> Shape {
+        match (self.number() * 3.0).abs() as usize {
+            0 => Shape::cuboid(self.vector().abs() * 0.5 + 0.05).unwrap(),
+            1 => Shape::hull((0..12).map(|_| self.vector() * 0.6).collect()).unwrap(),
+            _ => Shape::cylinder(0.4, 0.2).unwrap(),
+        }
+    }
+
+    fn motion(&mut self) -> RigidMotion {
+        let turn = DQuat::from_scaled_axis(self.vector() * 3.0).normalize();
+        RigidMotion {
+            start: Pose::new(turn, self.vector() * 1.2).unwrap(),
+            linear: self.vector() * 4.0,
+            angular: self.vector() * 5.0,
+            centre: self.vector() * 0.3,
+        }
+    }
+}
+
+#[test]
+fn random_motions_are_answered_as_their_samples_say() {
+    let mut draw = Draw(3);
+    let [mut free, mut hits] = [0; 2];
+    for k in 0..400 {
+        let (shape_a, shape_b) = (draw.shape(), draw.shape());
+        let (motion_a, motion_b) = (draw.motion(), draw.motion());
+        let touches = |t: f64| {
+            let (pose_a, pose_b) = (motion_a.pose_at(t).unwrap(), motion_b.pose_at(t).unwrap());
+            let a = PosedShape { shape: &shape_a, pose: &pose_a };
+            let b = PosedShape { shape: &shape_b, pose: &pose_b };
+            (
+                certified::overlap_of(a, b).0 == Verdict::Touching(()),
+                distance_at(Accuracy::F64, a, b).0,
+            )
+        };
+        let found = ask((&shape_a, &motion_a), (&shape_b, &motion_b), 1.0);
+        let free_until = match found {
+            Impact::Free => {
+                free += 1;
+                1.0
+            }
+            Impact::Hit { free_until, t, .. } => {
+                hits += 1;
+                if let (false, DistanceResult::Apart(gap)) = touches(t) {
+                    assert!(gap.distance <= 1e-6, "{k}: {gap:?}");
+                }
+                free_until
+            }
+            Impact::Undecided { .. } => panic!("{k}: {found:?}"),
+        };
+        for sample in 0..200 {
+            let t = free_until * f64::from(sample) / 200.0;
+            assert!(free_until == 0.0 || !touches(t).0, "{k}: at {t}, {found:?}");
+        }
+        let back = ask((&shape_b, &motion_b), (&shape_a, &motion_a), 1.0);
+        assert_eq!(matches!(back, Impact::Free), matches!(found, Impact::Free), "{k}");
+    }
+    assert!(free > 50 && hits > 50, "{free} {hits}");
+}
