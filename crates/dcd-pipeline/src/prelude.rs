@@ -7,6 +7,7 @@ pub use crate::{Change, Event, Events, Exec, Par, Pipeline, Step, WideTree};
 pub use dcd_geom::glam::{DQuat, DVec3};
 pub use dcd_geom::{Filter, Handle, Motion, Object, ObjectRef, Pair, Pose, Scene, Shape};
 pub use dcd_gjk::{
-    BoundsOnly, Certified, Coherent, Contact, Depths, Distances, Gjk, Manifold, Manifolds, Overlap,
-    OverlapUnchecked, Pairwise, Proximities, ThenMeasure, Verdict, Within,
+    Accuracy, BoundsOnly, Certified, Coherent, Contact, Depths, Distances, Gjk, Manifold,
+    Manifolds, Overlap, OverlapUnchecked, Pairwise, Proximities, ThenMeasure, Verdict,
+    WithAccuracy, Within,
 };
