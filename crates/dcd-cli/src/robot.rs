@@ -35,7 +35,8 @@ frame of the SRDF's virtual joint, a link's at the scene's state, or one of \
 fixed_frame_transforms; joint values, where --state or a request says nothing; the virtual joint's \
 transform; attached objects; link_padding and link_scale, against the world alone; the allowed \
 collision matrix with its defaults, which counts more than the SRDF; operations add and remove. \
-Planes, an octomap and other operations are refused.
+Planes, an octomap and other operations are refused. A file whose name ends in .scene is the text that \
+MoveIt and RViz save: objects alone.
 
 Whatever a file says that is not understood is refused (exit code 2). What is understood and makes \
 no difference (colours, velocities, inertias, visual geometry, values of fixed joints), and what a \
@@ -103,8 +104,8 @@ pub(crate) struct Robot {
     /// Which way is up in a COLLADA or glTF file that says so
     #[arg(long, value_enum, default_value = "ros")]
     up_axis: UpAxis,
-    /// What stands round it: a scene of MoveIt as YAML
-    #[arg(long, value_name = "SCENE.yaml", conflicts_with = "all_problems")]
+    /// What stands round it: a scene of MoveIt as YAML, or as text (.scene)
+    #[arg(long, value_name = "SCENE", conflicts_with = "all_problems")]
     world: Option<PathBuf>,
     /// Joint values, comma-separated: one for each moved joint in the URDF's order, or NAME=VALUE
     /// for some [default: the world's, else 0]

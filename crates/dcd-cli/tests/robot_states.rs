@@ -55,6 +55,22 @@ fn a_line_comes_out_for_each_state_and_a_refused_one_does_not_end_the_run() {
 }
 
 #[test]
+fn a_world_as_text_is_the_same_world() {
+    let folder = Folder::new("scene-text");
+    let (urdf, wall) = (folder.file("arm.urdf", ARM), folder.file("wall.yaml", WALL));
+    let text = "wall\n* wall\n1\nbox\n1 8 8\n4.75 0 0\n0 0 0 1\n0 0 0 0\n.\n";
+    let scene = folder.file("wall.scene", text);
+    let states = folder.file("states.jsonl", "{\"q\": [0, 0]}\n{\"q\": [0, 1.5]}\n");
+    let [yaml, text] = [&wall, &scene].map(|world| {
+        let ran = dcd(&["robot", &urdf, "--world", world, "--states", &states]);
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+        lines(&ran.stdout)
+    });
+    assert_eq!(yaml, text);
+    assert_eq!(text[0]["contacts"], json!([["lower", "wall"]]));
+}
+
+#[test]
 fn padding_is_against_the_world_alone() {
     let folder = Folder::new("padding");
     let (urdf, wall) = (folder.file("arm.urdf", ARM), folder.file("wall.yaml", WALL));

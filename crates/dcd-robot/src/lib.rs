@@ -28,6 +28,7 @@ mod problem;
 mod request;
 mod scan;
 mod scene;
+mod scene_text;
 mod several;
 mod shapes;
 mod srdf;

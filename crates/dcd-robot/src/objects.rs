@@ -61,7 +61,7 @@ impl Place {
     }
 }
 
-fn composed(outer: &Pose, inner: &Pose) -> Result<Pose, PoseError> {
+pub(super) fn composed(outer: &Pose, inner: &Pose) -> Result<Pose, PoseError> {
     let rotation = *outer.rotation() * *inner.rotation();
     Pose::from_matrix(rotation, outer.apply(inner.translation()))
 }

@@ -8,7 +8,6 @@ use super::notes::Unused;
 use super::world::{Attached, Padding, World};
 use super::yaml::{Lined, line_of, parse};
 use super::{Robot, RobotError, Srdf, xml};
-use dcd_geom::Shape;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -184,9 +183,6 @@ impl PlanningScene {
     /// What a planner would go on after, and what is not used.
     fn note(&self, world: &mut World, robot: &Robot) {
         let message = &self.0;
-        if world.obstacles.is_empty() {
-            world.notes.push("there is no obstacle in it".to_owned());
-        }
         if message.is_diff || message.robot_state.is_diff {
             let what = if message.is_diff { "the scene" } else { "robot_state" };
             world.notes.push(format!("{what} is a difference (is_diff): taken as the whole"));
@@ -195,15 +191,7 @@ impl PlanningScene {
         if !model.is_empty() && *model != robot.name {
             world.notes.push(format!("it is for robot {model:?}, not {:?}", robot.name));
         }
-        let shapes = world.obstacles.iter().map(|o| (&o.name, &o.shape));
-        let mut surfaces: Vec<&str> =
-            shapes.filter(|(_, s)| matches!(s, Shape::Mesh(_))).map(|(name, _)| &**name).collect();
-        surfaces.dedup();
-        for name in surfaces {
-            world.notes.push(format!(
-                "object {name:?} is a surface of triangles: what is wholly inside does not touch it"
-            ));
-        }
+        world.note_obstacles();
         world.notes.extend(robot.idle_values(&world.joints));
         let mut unused = Unused::default();
         message.count_unused(&mut unused);

@@ -1,7 +1,7 @@
 //! What stands round a robot, and what a scene says of the robot in it.
 
 use super::kinematics::JointFrame;
-use super::{AllowedPairs, PlanningScene, Robot, RobotError, Srdf};
+use super::{AllowedPairs, PlanningScene, Robot, RobotError, Srdf, scene_text, xml};
 use dcd_geom::{Pose, Shape, ShapeError};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -71,13 +71,33 @@ impl Padding {
 }
 
 impl World {
-    /// Reads a scene of MoveIt for a robot: [`PlanningScene::load`], then [`PlanningScene::world`].
+    /// Reads a scene of MoveIt for a robot: [`PlanningScene::load`], then [`PlanningScene::world`]; of a file whose
+    /// name ends in `.scene` the text that MoveIt and RViz save, which holds objects alone.
     ///
     /// # Errors
-    /// Those of both, with the path.
+    /// Those of both, with the path; of a text what is not understood, with its line.
     pub fn load(path: &Path, robot: &Robot, srdf: Option<&Srdf>) -> Result<Self, RobotError> {
+        if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("scene")) {
+            return scene_text::read(&xml::text_of(path)?).map_err(|error| error.inside(path));
+        }
         let world = PlanningScene::load(path)?.world(robot, srdf);
         world.map_err(|error| error.inside(path))
+    }
+
+    /// What a user should know of the obstacles.
+    pub(super) fn note_obstacles(&mut self) {
+        if self.obstacles.is_empty() {
+            self.notes.push("there is no obstacle in it".to_owned());
+        }
+        let shapes = self.obstacles.iter().map(|o| (&o.name, &o.shape));
+        let mut surfaces: Vec<&str> =
+            shapes.filter(|(_, s)| matches!(s, Shape::Mesh(_))).map(|(name, _)| &**name).collect();
+        surfaces.dedup();
+        for name in surfaces {
+            self.notes.push(format!(
+                "object {name:?} is a surface of triangles: what is wholly inside does not touch it"
+            ));
+        }
     }
 
     /// Lets a link carry an object, which may touch that link, what else the link carries, and whatever is named
