@@ -40,6 +40,7 @@ impl Question for Edges {
     type Checker = CellCache<EdgeChecker>;
     type Answer = Answer;
     const PLURAL: &'static str = "edges";
+    const PER_TASK: usize = 1;
 
     fn which(index: usize) -> Which {
         Which::Edge(index)

@@ -15,9 +15,8 @@ use std::io::{BufReader, IsTerminal, Write, stdout};
 use std::path::Path;
 use std::sync::Arc;
 
-/// How many lines are read before they are checked, and how many a task checks.
+/// How many lines are read before they are checked.
 const BLOCK: usize = 4096;
-const PER_TASK: usize = 32;
 
 /// What all lines are about.
 pub(super) struct Given<'a> {
@@ -36,6 +35,8 @@ pub(super) trait Question: Sync {
     type Answer: Clone + Send + Sync + Serialize;
     /// What the lines are called.
     const PLURAL: &'static str;
+    /// How many lines a task checks: some tenths of a millisecond of work.
+    const PER_TASK: usize;
 
     /// The number of a line under its name.
     fn which(index: usize) -> Which;
@@ -129,11 +130,11 @@ pub(super) fn answer<Q: Question>(
         for (k, item) in (tally.lines..).zip(&block) {
             tally.note_limits(given.robot, item.as_ref().map_or(&[], Q::states), (&place, k + 1));
         }
-        let exec = Exec::from(Par::Pool).serial_below(block.len(), 2 * PER_TASK);
-        answers.fill(exec, block.len().div_ceil(PER_TASK), |task, answers| {
+        let exec = Exec::from(Par::Pool).serial_below(block.len(), 2 * Q::PER_TASK);
+        answers.fill(exec, block.len().div_ceil(Q::PER_TASK), |task, answers| {
             checkers.with(|checker: &mut Q::Checker| {
-                let first = task * PER_TASK;
-                for (k, item) in (tally.lines + first..).zip(&block[first..]).take(PER_TASK) {
+                let first = task * Q::PER_TASK;
+                for (k, item) in (tally.lines + first..).zip(&block[first..]).take(Q::PER_TASK) {
                     let checked = item.as_ref().map_err(String::clone).and_then(|item| {
                         let answer = question.check(given, checker, item);
                         answer.map_err(|error| error.to_string())

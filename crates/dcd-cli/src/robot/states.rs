@@ -40,6 +40,7 @@ impl Question for States {
     type Checker = Checker;
     type Answer = Answer;
     const PLURAL: &'static str = "states";
+    const PER_TASK: usize = 32;
 
     fn which(index: usize) -> Which {
         Which::State(index)
