@@ -6,6 +6,7 @@
 //! left out; and, along the direction in which the gap was found, the velocity at the middle with a bound
 //! on the acceleration, which lets a link slide along an obstacle (docs/numerics.md, "edges").
 
+mod own_box;
 mod path;
 mod reach;
 mod search;
@@ -18,6 +19,7 @@ pub(super) use reach::Chain;
 
 use super::{Robot, RobotError, Workcell};
 use dcd_geom::SphereBounds;
+use own_box::OwnBox;
 use search::Search;
 
 /// Checks whether motions of a robot in its world are free.
@@ -28,6 +30,8 @@ pub struct EdgeChecker {
     movers: Vec<Option<(usize, Chain)>>,
     /// For each object a sphere round its shape.
     spheres: Vec<Option<SphereBounds>>,
+    /// For each object the box round its shape in its own frame.
+    boxes: Vec<OwnBox>,
     pairs: Vec<EdgePair>,
 }
 
@@ -113,6 +117,7 @@ impl EdgeChecker {
         };
         let movers: Vec<_> = (0..scene.len()).map(mover).collect();
         let spheres = (0..scene.len()).map(|i| SphereBounds::of(scene.shape(i))).collect();
+        let boxes = (0..scene.len()).map(|i| OwnBox::of(scene.shape(i))).collect();
         let mut pairs = Vec::new();
         for i in 0..scene.len() as u32 {
             let Some((_, chain)) = &movers[i as usize] else { continue };
@@ -129,7 +134,7 @@ impl EdgeChecker {
                 pairs.push(EdgePair { objects: [i, j], common });
             }
         }
-        Self { movers, spheres, pairs, cell }
+        Self { movers, spheres, boxes, pairs, cell }
     }
 
     /// The work cell.

@@ -203,11 +203,16 @@ impl<'a> Search<'a> {
         PosedShape { shape: scene.shape(i), pose }
     }
 
-    /// At most the distance of two objects, by their spheres.
+    /// At most the distance of two objects, by the sphere of each and the other's sphere or box.
     fn far(&self, [a, b]: [u32; 2]) -> f64 {
-        let [a, b] = [a, b].map(|object| &self.at.spheres[object as usize]);
-        let between = a.centre.as_dvec3().distance(b.centre.as_dvec3()) * (1.0 - 1e-12);
-        between - f64::from(a.radius) - f64::from(b.radius)
+        let [in_a, in_b] = [a, b].map(|object| &self.at.spheres[object as usize]);
+        let [centre_a, centre_b] = [in_a, in_b].map(|sphere| sphere.centre.as_dvec3());
+        let [radius_a, radius_b] = [in_a, in_b].map(|sphere| f64::from(sphere.radius));
+        let to_box = |object: u32, point: DVec3| {
+            self.checker.boxes[object as usize].far(self.posed(object).pose, point)
+        };
+        let between = centre_a.distance(centre_b) * (1.0 - 1e-12) - radius_a - radius_b;
+        between.max(to_box(b, centre_a) - radius_a).max(to_box(a, centre_b) - radius_b)
     }
 
     /// A pair that is proved to touch where the robot is now.
