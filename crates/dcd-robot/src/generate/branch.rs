@@ -1,13 +1,24 @@
 //! Branch and bound over the joints between two links.
 
-use super::samples::Ranges;
+use super::samples::{Ranges, between_ends, unit};
 use crate::edge::{Chain, Extents};
 use crate::kinematics::{JointFrame, moved};
 use crate::{Motion, Robot, RobotError};
 use dcd_gjk::distance::{DistanceResult, distance_at};
 use dcd_gjk::{Accuracy, PosedShape};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+
+/// From how many random states a search looks for where to go downhill, and from how many of them, the nearest,
+/// it does. Fewer: more pairs that touch in few states are taken for pairs that never do.
+const STARTS: usize = 1024;
+const DESCENTS: usize = 24;
+
+/// The first step of a value, relative to its range, and the one at which a descent ends.
+const FIRST_STEP: f64 = 0.1;
+const LAST_STEP: f64 = 1e-3;
 
 /// What is known of a pair in the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,12 +96,13 @@ impl<'a> Joints<'a> {
         Self { robot, ranges, above }
     }
 
-    /// Whether two links touch somewhere, in at most `nodes` boxes; `parts` are those of each link.
+    /// Whether two links touch somewhere, in at most `nodes` boxes, then downhill from states drawn from `seed`;
+    /// `parts` are those of each link.
     pub(super) fn search(
         &self,
         links: [usize; 2],
         parts: &[Vec<usize>],
-        nodes: usize,
+        (nodes, seed): (usize, u64),
     ) -> Result<Outcome, RobotError> {
         let between = self.between(links, parts);
         let orients =
@@ -118,7 +130,7 @@ impl<'a> Joints<'a> {
                 return Ok(if is_whole { Outcome::Free } else { Outcome::Open });
             }
             if looked_at >= nodes {
-                break;
+                return self.downhill(&between, seed);
             }
             for side in [-0.5, 0.5] {
                 let (mut middle, mut half) = (node.middle.clone(), node.half.clone());
@@ -129,6 +141,45 @@ impl<'a> Joints<'a> {
                 };
                 looked_at += 1;
                 open.push(part);
+            }
+        }
+        Ok(Outcome::Open)
+    }
+
+    /// Looks for a touching state from the nearest of many random ones downhill, value by value, by steps that
+    /// are halved where none brings the two nearer.
+    fn downhill(&self, between: &Between, seed: u64) -> Result<Outcome, RobotError> {
+        let ranges: Vec<[f64; 2]> =
+            between.values.iter().map(|&value| self.ranges.values[value]).collect();
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let still = vec![0.0; ranges.len()];
+        let mut starts = Vec::with_capacity(STARTS);
+        for _ in 0..STARTS {
+            let drawn = ranges.iter().map(|range| between_ends(range, unit(&mut random))).collect();
+            match self.node(between, drawn, still.clone())? {
+                Some(node) => starts.push(node),
+                None => return Ok(Outcome::Touches),
+            }
+        }
+        starts.sort_by(|a, b| a.lower.total_cmp(&b.lower));
+        for mut at in starts.into_iter().take(DESCENTS) {
+            let mut step = FIRST_STEP;
+            while step > LAST_STEP {
+                let mut is_nearer = false;
+                for (value, &[lower, upper]) in ranges.iter().enumerate() {
+                    for side in [-step, step] {
+                        let mut state = at.middle.clone();
+                        state[value] = (state[value] + side * (upper - lower)).clamp(lower, upper);
+                        match self.node(between, state, still.clone())? {
+                            None => return Ok(Outcome::Touches),
+                            Some(next) if next.lower < at.lower => (at, is_nearer) = (next, true),
+                            Some(_) => {}
+                        }
+                    }
+                }
+                if !is_nearer {
+                    step *= 0.5;
+                }
             }
         }
         Ok(Outcome::Open)

@@ -80,10 +80,8 @@ impl Ranges {
     }
 
     fn draw(&self, random: &mut ChaCha8Rng) -> Vec<f64> {
-        let unit = |random: &mut ChaCha8Rng| (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-        let between = |&[lower, upper]: &[f64; 2], u: f64| (lower + (upper - lower) * u).min(upper);
         let mut state: Vec<f64> =
-            self.values.iter().map(|range| between(range, unit(random))).collect();
+            self.values.iter().map(|range| between_ends(range, unit(random))).collect();
         for &first in &self.quaternions {
             // In the unit ball, where that is not too near to its middle.
             let mut drawn = DQuat::IDENTITY * 0.0;
@@ -94,6 +92,16 @@ impl Ranges {
         }
         state
     }
+}
+
+/// A number from 0 up to 1.
+pub(super) fn unit(random: &mut ChaCha8Rng) -> f64 {
+    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// That part of the way from the least value to the largest.
+pub(super) fn between_ends(&[lower, upper]: &[f64; 2], part: f64) -> f64 {
+    (lower + (upper - lower) * part).min(upper)
 }
 
 /// What samples tell of pairs of links.
