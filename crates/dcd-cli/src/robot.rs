@@ -69,9 +69,11 @@ refused there. A file of the archive unpacks to 16,777,216 bytes at most, all of
 1,073,741,824.";
 
 /// What the meshes of the links are taken as.
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
 enum Links {
     /// The hulls of their vertices
+    #[default]
     Hulls,
     /// Their triangles, which have no inside
     Meshes,
@@ -161,6 +163,8 @@ pub(crate) struct Robot {
 #[derive(Debug, Serialize)]
 struct Answer {
     robot: String,
+    /// What the answer is about: hulls or meshes.
+    geometry: Links,
     links_with_shapes: usize,
     obstacles: usize,
     state: Vec<(String, f64)>,
@@ -190,7 +194,12 @@ impl Robot {
         }
         let text = match &self.all_problems {
             Some(archive) => {
-                let given = problems::Given { robot: &model, srdf: srdf.as_ref(), allowed };
+                let given = problems::Given {
+                    robot: &model,
+                    srdf: srdf.as_ref(),
+                    allowed,
+                    geometry: self.links,
+                };
                 let checked = problems::check(&given, archive)?;
                 if self.json { checked.json() } else { checked.text() }
             }
@@ -249,6 +258,7 @@ impl Robot {
         let undecided = once(undecided.map(|undecided| named(undecided.pair.into())));
         Ok(Answer {
             robot: cell.robot().name.clone(),
+            geometry: self.links,
             links_with_shapes: cell.robot().parts().len(),
             obstacles: world.obstacles.len(),
             state: cell.robot().variables().iter().cloned().zip(state).collect(),

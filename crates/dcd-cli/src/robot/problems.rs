@@ -1,8 +1,8 @@
 //! Every problem of an archive, checked by us and by Parry.
 
 use super::judge::{Settled, settle};
-use super::refused;
 use super::rival::{Rival, Wanted, parry_pose};
+use super::{Links, refused};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 use dcd_geom::{Object, Pair, Pose, Scene};
@@ -26,11 +26,13 @@ pub(super) struct Given<'a> {
     pub(super) robot: &'a Robot,
     pub(super) srdf: Option<&'a Srdf>,
     pub(super) allowed: AllowedPairs,
+    pub(super) geometry: Links,
 }
 
 /// What all problems came to.
 #[derive(Debug, Default, Serialize)]
 pub(super) struct Checked {
+    geometry: Links,
     problems: usize,
     states: usize,
     /// States in which something touches.
@@ -144,7 +146,7 @@ pub(super) fn check(given: &Given<'_>, archive: &Path) -> Result<Checked, Failur
         return Err(Failure::Input(message));
     }
     let problems = read_problems(archive).map_err(refused)?;
-    let mut checked = Checked::default();
+    let mut checked = Checked { geometry: given.geometry, ..Checked::default() };
     let mut runner = Runner::default();
     let progress = Progress::over(problems.len() as u64, "problems");
     for problem in &problems {
@@ -176,7 +178,7 @@ impl Checked {
         problem: &Problem,
         runner: &mut Runner,
     ) -> Result<(), Failure> {
-        let Given { robot, srdf, allowed } = given;
+        let Given { robot, srdf, allowed, .. } = given;
         let mut world = problem.scene.world(robot, *srdf).map_err(refused)?;
         problem.request.place_base(&mut world, *srdf).map_err(refused)?;
         let mut allowed = allowed.clone();
