@@ -32,7 +32,7 @@ pub fn urdf(bytes: &[u8]) {
     if let Some(count) = count {
         assert_eq!(robot.parts().len(), count);
     }
-    let state = robot.rest();
+    let state = robot.rest_state();
     let mut poses = Vec::new();
     if robot.place(&state, &mut poses).is_ok() {
         assert_eq!(poses.len(), robot.parts().len());

@@ -145,7 +145,16 @@ pub(crate) struct Robot {
     #[arg(
         long,
         value_name = "OUT.srdf",
-        conflicts_with_all = ["srdf", "world", "state", "states", "edges", "request", "all_problems"]
+        conflicts_with_all = [
+            "srdf",
+            "world",
+            "state",
+            "states",
+            "edges",
+            "request",
+            "all_problems",
+            "padding"
+        ]
     )]
     acm: Option<PathBuf>,
     /// How many states are drawn

@@ -45,7 +45,7 @@ pub enum Impact {
         t: f64,
         /// Whether they are proved to touch at `t`.
         touches: bool,
-        /// From a to b at `t`, of unit length; zero for shapes that touch as they stand.
+        /// From a to b at `t`, of unit length; zero where they touch.
         normal: DVec3,
         /// The point of a nearest to b at `t`, world frame.
         point_a: DVec3,
@@ -72,7 +72,7 @@ const POSE: f64 = 96.0;
 
 impl RigidMotion {
     /// At rest there.
-    pub fn still(start: Pose) -> Self {
+    pub fn at_rest(start: Pose) -> Self {
         Self { start, linear: DVec3::ZERO, angular: DVec3::ZERO, centre: DVec3::ZERO }
     }
 
@@ -82,7 +82,7 @@ impl RigidMotion {
     /// A pose that is not finite.
     pub fn pose_at(&self, t: f64) -> Result<Pose, PoseError> {
         let Self { start, linear, angular, centre } = *self;
-        let turned = rotation_by(angular * t);
+        let turned = rotation_from_scaled_axis(angular * t);
         let middle = start.apply(centre) + linear * t;
         let rotation = turned * *start.rotation();
         Pose::from_matrix(rotation, middle - rotation * centre)
@@ -99,16 +99,16 @@ impl RigidMotion {
 
 /// The rotation by a vector's length in rad about its direction (Rodrigues): I + sin·K + (1 − cos)·K². By
 /// libm's sine and cosine, the same on every machine.
-pub fn rotation_by(turn: DVec3) -> DMat3 {
+pub fn rotation_from_scaled_axis(turn: DVec3) -> DMat3 {
     let angle = turn.length();
     match turn.try_normalize() {
-        Some(axis) => rotation_about(axis, angle),
+        Some(axis) => rotation_from_axis_angle(axis, angle),
         None => DMat3::IDENTITY,
     }
 }
 
-/// The rotation by an angle in rad about an axis of unit length: see [`rotation_by`].
-pub fn rotation_about(axis: DVec3, angle: f64) -> DMat3 {
+/// The rotation by an angle in rad about an axis of unit length: see [`rotation_from_scaled_axis`].
+pub fn rotation_from_axis_angle(axis: DVec3, angle: f64) -> DMat3 {
     let (sin, cos) = libm::sincos(angle);
     let DVec3 { x, y, z } = axis;
     let cross =
@@ -126,9 +126,9 @@ pub fn rotation_about(axis: DVec3, angle: f64) -> DMat3 {
 /// let (ball, wall) = (Shape::sphere(0.1)?, Shape::cuboid(DVec3::new(0.001, 5.0, 5.0))?);
 /// let fast = RigidMotion {
 ///     linear: DVec3::X * 1000.0,
-///     ..RigidMotion::still(Pose::from_translation(DVec3::X * -2.0)?)
+///     ..RigidMotion::at_rest(Pose::from_translation(DVec3::X * -2.0)?)
 /// };
-/// let still = RigidMotion::still(Pose::IDENTITY);
+/// let still = RigidMotion::at_rest(Pose::IDENTITY);
 /// let (ball, wall) = (MovingShape { shape: &ball, motion: &fast }, MovingShape { shape: &wall, motion: &still });
 /// let Impact::Hit { t, .. } = time_of_impact(ball, wall, 1.0, 1e-6)? else { panic!() };
 /// assert!((t - 1.899e-3).abs() < 1e-8);
@@ -174,15 +174,15 @@ pub fn time_of_impact(
             None => (found.lower(), closing.at_most()),
         };
         let gap = gap - off;
-        if speed <= 0.0 && gap > 0.0 {
-            return Ok(Impact::Free);
+        if !(gap > 0.0) {
+            return Ok(Impact::Undecided { free_until: t });
         }
         // A quotient and a sum, rounded down with room.
         let next = t + gap / speed * (1.0 - 1e-12);
-        if next > until {
+        if speed <= 0.0 || next > until {
             return Ok(Impact::Free);
         }
-        if !(gap > 0.0 && next > t) {
+        if !(next > t) {
             return Ok(Impact::Undecided { free_until: t });
         }
         t = next;

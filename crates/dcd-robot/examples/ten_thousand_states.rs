@@ -17,7 +17,7 @@ const URDF: &str = r#"<robot name="arm">
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let robot = Robot::read(URDF, Path::new("."), LinkShapes::Hulls)?;
-    let allowed = AllowedPairs::of_pairs(&PairSearch::default().run(&robot)?);
+    let allowed = AllowedPairs::from_pairs(&PairSearch::default().run(&robot)?);
     let mut cell = Workcell::new(robot, &World::default(), &allowed)?;
     let (mut pipeline, mut free) = (Pipeline::new(), 0);
     for k in 0..10_000u32 {

@@ -64,7 +64,7 @@ pub enum EdgeAnswer {
     },
     /// Proved: a configuration of it touches.
     Hit {
-        /// Which: the state that [`JointPath::at`] gives for it, at the poses of [`Robot::place`].
+        /// Which: the state that [`JointPath::state_at`] gives for it, at the poses of [`Robot::place`].
         t: f64,
         /// The objects of the scene that touch there.
         pair: [u32; 2],

@@ -3,14 +3,17 @@
 //!
 //! Samples tell which pairs touch always and which sometimes. Of the others a branch and bound over the
 //! joints between the two links, within their limits, asks for a state in which they touch, or proves that
-//! there is none; what it leaves open is searched downhill from many states: at the middle of a box of joint values the distance is known with its bound, and no
-//! point of a link comes nearer than the motion bounds of [`edge`](crate::EdgeChecker) allow.
+//! there is none: at the middle of a box of joint values the distance is known with its bound, and no
+//! point of a link comes nearer than the motion bounds of [`edge`](crate::EdgeChecker) allow. What that leaves
+//! open is searched downhill from many states.
 
 mod branch;
 mod samples;
 #[cfg(test)]
 mod tests;
 
+use super::bounds::ALLOWED_PAIRS;
+use super::scan::bounded;
 use super::{AllowedPairs, Robot, RobotError};
 use branch::{Joints, Outcome};
 use samples::Ranges;
@@ -48,7 +51,7 @@ pub struct LinkPair {
 pub enum PairReason {
     /// A joint joins them, links without a shape passed over.
     Adjacent,
-    /// They touch in every sample.
+    /// They touch in every sample, of which there is one at least, and at rest.
     Always,
     /// They touch where all joints are 0 (or at the limit nearest to it), but not always: a fault of the
     /// model, for a robot at rest should be free.
@@ -77,7 +80,7 @@ impl PairSearch {
     ///
     /// # Errors
     /// A joint whose least value is above its largest; a state within the limits for which a part is out
-    /// of range.
+    /// of range; more pairs of links with shapes than [`ALLOWED_PAIRS`](super::bounds::ALLOWED_PAIRS).
     pub fn run(&self, robot: &Robot) -> Result<Vec<LinkPair>, RobotError> {
         let ranges = Ranges::of(robot)?;
         let (_, parents) = robot.bodies_and_parents();
@@ -86,6 +89,8 @@ impl PairSearch {
             parts[part.link].push(index);
         }
         let with_shapes: Vec<usize> = (0..parts.len()).filter(|&k| !parts[k].is_empty()).collect();
+        let count = with_shapes.len();
+        bounded("pairs of links", count * count.saturating_sub(1) / 2, ALLOWED_PAIRS)?;
         let (mut found, mut open) = (Vec::new(), Vec::new());
         for (k, &a) in with_shapes.iter().enumerate() {
             for &b in &with_shapes[k + 1..] {
@@ -121,7 +126,7 @@ impl PairSearch {
 
 impl AllowedPairs {
     /// Those pairs, whatever their reason.
-    pub fn of_pairs<'a>(pairs: impl IntoIterator<Item = &'a LinkPair>) -> Self {
+    pub fn from_pairs<'a>(pairs: impl IntoIterator<Item = &'a LinkPair>) -> Self {
         let mut allowed = Self::default();
         for LinkPair { links: [a, b], .. } in pairs {
             allowed.allow(a, b);

@@ -2,7 +2,7 @@
 
 use super::{Joint, Motion, Robot, RobotError};
 use dcd_geom::{Pose, PoseError};
-use dcd_gjk::motion::rotation_about;
+use dcd_gjk::motion::rotation_from_axis_angle;
 use glam::{DMat3, DQuat, DVec3};
 use std::fmt;
 
@@ -18,9 +18,9 @@ impl JointFrame {
 
     /// URDF's: turned about x, then y, then z of the outer frame (roll, pitch, yaw; rad).
     pub(super) fn of_angles(translation: DVec3, [roll, pitch, yaw]: [f64; 3]) -> Self {
-        let rotation = rotation_about(DVec3::Z, yaw)
-            * rotation_about(DVec3::Y, pitch)
-            * rotation_about(DVec3::X, roll);
+        let rotation = rotation_from_axis_angle(DVec3::Z, yaw)
+            * rotation_from_axis_angle(DVec3::Y, pitch)
+            * rotation_from_axis_angle(DVec3::X, roll);
         Self { rotation, translation }
     }
 
@@ -47,7 +47,7 @@ impl JointFrame {
     }
 
     fn turned(&self, axis: DVec3, angle: f64) -> Self {
-        Self { rotation: self.rotation * rotation_about(axis, angle), ..*self }
+        Self { rotation: self.rotation * rotation_from_axis_angle(axis, angle), ..*self }
     }
 
     fn slid(&self, along: DVec3) -> Self {
@@ -150,7 +150,7 @@ impl Robot {
     }
 
     /// The state in which every value is 0, but a quaternion's w, which is 1.
-    pub fn rest(&self) -> Vec<f64> {
+    pub fn rest_state(&self) -> Vec<f64> {
         let mut rest = vec![0.0; self.moved.len()];
         for joint in &self.joints {
             if let Motion::Orients { first } = joint.motion {

@@ -202,7 +202,7 @@ impl Robot {
         known.extend(self.joints().iter().map(|joint| (joint.name.as_str(), None)));
         known.extend(self.moved_joints().iter().map(|joint| (joint.name.as_str(), None)));
         known.extend(own.iter().map(String::as_str).zip((0..).map(Some)));
-        let mut state = self.rest();
+        let mut state = self.rest_state();
         for (name, value) in values {
             if !value.is_finite() {
                 let user = format!("joint {name:?}");

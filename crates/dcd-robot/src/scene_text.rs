@@ -19,8 +19,7 @@ pub(super) fn read(text: &str) -> Result<World, RobotError> {
     let mut lines = Lines { rest: text.lines().enumerate(), line: 0 };
     let mut world = World::default();
     let mut names = std::collections::HashSet::new();
-    // The scene's own name is a label.
-    lines.next("the scene's name")?;
+    lines.name()?;
     loop {
         let marker = lines.next("an object or the end")?;
         if marker == "." {
@@ -49,6 +48,9 @@ fn object(lines: &mut Lines<'_>, name: &str, world: &mut World) -> Result<(), Ro
     let is_new = lines.peek().is_some_and(|line| line.split_whitespace().count() > 1);
     let outer = if is_new { Some(lines.pose(name)?) } else { None };
     let [count] = lines.row::<usize, 1>("the number of shapes")?;
+    if count == 0 {
+        return Err(lines.refused(format!("object {name:?} has no shape")));
+    }
     for _ in 0..count {
         let shape = lines.shape(name)?;
         let own = lines.pose(name)?;
@@ -83,6 +85,18 @@ struct Lines<'t> {
 impl<'t> Lines<'t> {
     fn refused(&self, why: String) -> RobotError {
         RobotError::Refused { user: "scene".to_owned(), why }.at_line(self.line)
+    }
+
+    /// The scene's own name, which is a label and may be empty; no object's.
+    fn name(&mut self) -> Result<(), RobotError> {
+        self.line = 1;
+        match self.rest.next() {
+            None => Err(self.refused("the text ends where the scene's name should be".to_owned())),
+            Some((_, line)) if line.trim_start().starts_with('*') => {
+                Err(self.refused(format!("{line:?} stands where the scene's name should be")))
+            }
+            Some(_) => Ok(()),
+        }
     }
 
     /// The next line that is not empty.
@@ -199,6 +213,7 @@ mod tests {
         assert_eq!(new[0].pose.translation(), DVec3::new(1.0, 0.0, 2.0));
         assert!(new[0].pose.apply(DVec3::X).distance(DVec3::new(1.0, 1.0, 2.0)) < 1e-12);
         assert_eq!(shown(&new[1].shape), shown(&Shape::cone(0.2, 0.1).unwrap()));
+        assert_eq!(read(&OLD.replace("(noname)+", "")).unwrap().obstacles.len(), 3);
         assert_eq!(read("none\n.\n").unwrap().notes, ["there is no obstacle in it"]);
     }
 
@@ -207,6 +222,11 @@ mod tests {
         let with = |from: &str, to: &str| OLD.replacen(from, to, 1);
         for (text, why) in [
             (String::new(), "the scene's name"),
+            (OLD.replace("(noname)+\n", ""), "line 1: scene: \"* Box 0\" stands where"),
+            (
+                with("* post\n2\n", "* bare\n0\n* post\n2\n"),
+                "line 10: scene: object \"bare\" has no",
+            ),
             (OLD.replace(".\n", ""), "ends where"),
             (with("box", "plane"), "line 4: object \"Box 0\": shape \"plane\" is not supported"),
             (with("* Box 0", "Box 0"), "line 2"),

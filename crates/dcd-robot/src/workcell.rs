@@ -42,7 +42,7 @@ impl Workcell {
     pub fn new(robot: Robot, world: &World, allowed: &AllowedPairs) -> Result<Self, RobotError> {
         let robot = robot.equipped(world)?;
         let mut poses = Vec::new();
-        robot.place(&robot.rest(), &mut poses)?;
+        robot.place(&robot.rest_state(), &mut poses)?;
         let obstacles = &world.obstacles;
         let mut names: Vec<String> =
             robot.parts().iter().map(|part| robot.name_of(part).to_owned()).collect();

@@ -1,5 +1,7 @@
 //! The search against asking every pair of parts exactly.
 
+mod measures;
+
 use super::{Scratch, overlap, overlap_on, touching};
 use crate::distance::DistanceResult;
 use crate::{Method, PosedShape, PosedSupport, Reason, Verdict, certified};
@@ -415,89 +417,6 @@ fn the_origin_of_a_foreign_frame_is_not_taken_for_a_point_of_its_shape() {
             assert_eq!(found, Verdict::Apart, "{sphere:?} on {path:?}");
         }
     }
-}
-
-#[test]
-fn the_distance_is_that_of_the_nearest_parts() {
-    let mut scratch = Scratch::default();
-    let mut apart = 0;
-    for seed in 0..150 {
-        let mut draw = Draw(seed);
-        let scale = [1.0, 1e-9, 1e3][seed as usize % 3];
-        let mut shape = |kind: u64| match kind % 3 {
-            0 => draw.mesh(1 + (seed % 23) as usize, scale),
-            1 => draw.compound(1 + (seed % 11) as usize, scale),
-            _ => draw.hull(scale),
-        };
-        let (a, b) = (shape(seed % 2), shape(seed / 2));
-        let (pose_a, pose_b) = (draw.pose(1.6 * scale), draw.pose(1.6 * scale));
-        let (a, b) =
-            (PosedShape { shape: &a, pose: &pose_a }, PosedShape { shape: &b, pose: &pose_b });
-        let mut least = Some(f64::INFINITY);
-        for in_a in &polytopes(a.shape) {
-            for in_b in &polytopes(b.shape) {
-                let (in_a, in_b) =
-                    (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
-                let found = crate::distance::of_polytopes(in_a, in_b).0;
-                least = match (least, found) {
-                    (Some(least), DistanceResult::Apart(found)) => Some(least.min(found.distance)),
-                    _ => None,
-                };
-            }
-        }
-        let there = super::distance(a, b, &mut scratch).0;
-        match (there, least) {
-            (DistanceResult::Apart(found), Some(least)) => {
-                assert_eq!(found.distance, least, "seed {seed}");
-                let relative = (found.point_a - found.point_b).length();
-                assert!((relative - least).abs() < 1e-9 * (least + scale), "seed {seed}");
-                apart += 1;
-            }
-            (found, least) => assert_eq!((found, least), (DistanceResult::Touching, None)),
-        }
-        let DistanceResult::Apart(found) = there else { continue };
-        let DistanceResult::Apart(back) = super::distance(b, a, &mut scratch).0 else {
-            panic!("seed {seed}: the other order is not apart");
-        };
-        assert_eq!((found.distance, found.point_a), (back.distance, back.point_b), "seed {seed}");
-    }
-    assert!((50..140).contains(&apart), "{apart}");
-}
-
-#[test]
-fn the_depth_is_that_of_the_deepest_parts() {
-    use crate::{Depths, PairSolver, epa};
-    let mut scratch = epa::Scratch::default();
-    let mut touching = 0;
-    for seed in 0..60 {
-        let mut draw = Draw(seed);
-        let a = draw.compound(1 + (seed % 9) as usize, 1.0);
-        let b = if seed % 2 == 0 { draw.compound(5, 1.0) } else { draw.mesh(9, 1.0) };
-        let (pose_a, pose_b) = (draw.pose(0.8), draw.pose(0.8));
-        let (a, b) =
-            (PosedShape { shape: &a, pose: &pose_a }, PosedShape { shape: &b, pose: &pose_b });
-        let mut most = None;
-        for in_a in &polytopes(a.shape) {
-            for in_b in &polytopes(b.shape) {
-                let (in_a, in_b) =
-                    (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
-                if let Verdict::Touching(found) = epa::depth(in_a, in_b, &mut scratch) {
-                    most = Some(found.depth.max(most.unwrap_or(0.0)));
-                }
-            }
-        }
-        let there = Depths.solve(a, b, &mut scratch);
-        let back = Depths.solve(b, a, &mut scratch);
-        match (there, back, most) {
-            (Verdict::Touching(found), Verdict::Touching(back), Some(most)) => {
-                assert_eq!(found.depth, most, "seed {seed}");
-                assert_eq!((found.depth, found.normal), (back.depth, -back.normal), "seed {seed}");
-                touching += 1;
-            }
-            (found, _, most) => assert!(found == Verdict::Apart && most.is_none(), "seed {seed}"),
-        }
-    }
-    assert!((15..60).contains(&touching), "{touching}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::{Verdict, certified};
 use dcd_geom::glam::DQuat;
 
 fn at(place: DVec3) -> RigidMotion {
-    RigidMotion::still(Pose::from_translation(place).unwrap())
+    RigidMotion::at_rest(Pose::from_translation(place).unwrap())
 }
 
 fn ask(a: (&Shape, &RigidMotion), b: (&Shape, &RigidMotion), until: f64) -> Impact {
@@ -81,6 +81,21 @@ fn a_turning_bar_meets_a_post_when_its_side_gets_there() {
     assert_eq!(ask((&bar, &turning), (&post, &far), 2.0), Impact::Free);
 }
 
+#[test]
+fn a_gap_within_the_rounding_of_poses_is_no_proof_though_shapes_part() {
+    let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+    let here = at(DVec3::X * 1e6);
+    for speed in [1e-9, 1.0, 1e3] {
+        let gap = 1e-9;
+        let there = RigidMotion { linear: DVec3::X * speed, ..at(DVec3::X * (1e6 + 1.0 + gap)) };
+        let [a, b] = [&here, &there].map(|motion| MovingShape { shape: &cube, motion });
+        for until in [1e-12, 1.0, 1e3] {
+            let found = time_of_impact(a, b, until, 1e-12).unwrap();
+            assert_eq!(found, Impact::Undecided { free_until: 0.0 }, "{speed} {until}");
+        }
+    }
+}
+
 /// Numbers in −1 … 1, the same in every run.
 struct Draw(u64);
 
@@ -103,10 +118,10 @@ impl Draw {
         }
     }
 
-    fn motion(&mut self) -> RigidMotion {
+    fn motion(&mut self, far: DVec3) -> RigidMotion {
         let turn = DQuat::from_scaled_axis(self.vector() * 3.0).normalize();
         RigidMotion {
-            start: Pose::new(turn, self.vector() * 1.2).unwrap(),
+            start: Pose::new(turn, self.vector() * 1.2 + far).unwrap(),
             linear: self.vector() * 4.0,
             angular: self.vector() * 5.0,
             centre: self.vector() * 0.3,
@@ -120,7 +135,9 @@ fn random_motions_are_answered_as_their_samples_say() {
     let [mut free, mut hits] = [0; 2];
     for k in 0..400 {
         let (shape_a, shape_b) = (draw.shape(), draw.shape());
-        let (motion_a, motion_b) = (draw.motion(), draw.motion());
+        // A third of them where coordinates are as coarse as the tolerance.
+        let far = [0.0, 1e4, 1e8][k % 3] * draw.vector();
+        let (motion_a, motion_b) = (draw.motion(far), draw.motion(far));
         let touches = |t: f64| {
             let (pose_a, pose_b) = (motion_a.pose_at(t).unwrap(), motion_b.pose_at(t).unwrap());
             let a = PosedShape { shape: &shape_a, pose: &pose_a };
@@ -143,14 +160,20 @@ fn random_motions_are_answered_as_their_samples_say() {
                 }
                 free_until
             }
-            Impact::Undecided { .. } => panic!("{k}: {found:?}"),
+            Impact::Undecided { free_until } => {
+                assert!(k % 3 == 2, "{k}: {found:?}");
+                free_until
+            }
         };
         for sample in 0..200 {
             let t = free_until * f64::from(sample) / 200.0;
             assert!(free_until == 0.0 || !touches(t).0, "{k}: at {t}, {found:?}");
         }
         let back = ask((&shape_b, &motion_b), (&shape_a, &motion_a), 1.0);
-        assert_eq!(matches!(back, Impact::Free), matches!(found, Impact::Free), "{k}");
+        let is_open = |found| matches!(found, Impact::Undecided { .. });
+        if !is_open(found) && !is_open(back) {
+            assert_eq!(matches!(back, Impact::Free), matches!(found, Impact::Free), "{k}");
+        }
     }
     assert!(free > 50 && hits > 50, "{free} {hits}");
 }

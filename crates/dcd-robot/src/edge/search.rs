@@ -176,7 +176,7 @@ impl<'a> Search<'a> {
         let Self { checker, path, at, .. } = self;
         let robot = checker.robot();
         at.t = t;
-        path.at(robot, t, &mut at.state);
+        path.state_at(robot, t, &mut at.state);
         path.rates_at(t, &mut at.rates);
         at.frames = robot.link_frames(&at.state)?;
         robot.pose_parts(&at.frames, &mut at.poses)?;

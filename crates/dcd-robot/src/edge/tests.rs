@@ -53,7 +53,7 @@ fn straight(from: &[f64], to: &[f64]) -> JointPath {
 fn at(checker: &EdgeChecker, path: &JointPath, t: f64) -> (Vec<[u32; 2]>, f64) {
     let (mut state, mut poses) = (Vec::new(), Vec::new());
     let cell = checker.cell();
-    path.at(cell.robot(), t, &mut state);
+    path.state_at(cell.robot(), t, &mut state);
     cell.robot().place(&state, &mut poses).unwrap();
     let scene = cell.scene();
     let posed = |i: u32| {

@@ -129,6 +129,10 @@ impl<'a> Joints<'a> {
                 let is_whole = between.values.iter().all(|&value| self.ranges.is_whole[value]);
                 return Ok(if is_whole { Outcome::Free } else { Outcome::Open });
             }
+            if between.values.is_empty() {
+                // Nothing moves: apart, by less than the bound of their distance.
+                return Ok(Outcome::Open);
+            }
             if looked_at >= nodes {
                 return self.downhill(&between, seed);
             }
@@ -136,6 +140,8 @@ impl<'a> Joints<'a> {
                 let (mut middle, mut half) = (node.middle.clone(), node.half.clone());
                 middle[node.widest] += side * half[node.widest];
                 half[node.widest] *= 0.5 * (1.0 + 1e-12);
+                // The middle is rounded.
+                half[node.widest] += f64::EPSILON * middle[node.widest].abs();
                 let Some(part) = self.node(&between, middle, half)? else {
                     return Ok(Outcome::Touches);
                 };

@@ -32,6 +32,7 @@ impl Ranges {
             is_whole: vec![true; count],
             quaternions: Vec::new(),
         };
+        let mut is_limited = vec![false; count];
         for joint in robot.joints() {
             if let Motion::Orients { first } = joint.motion {
                 ranges.quaternions.push(first);
@@ -46,7 +47,9 @@ impl Ranges {
                     let why = format!("its limits are {lower:e} to {upper:e}");
                     return Err(RobotError::Refused { user, why });
                 }
-                Some(limits) if leads => ranges.values[by.value] = limits,
+                Some(limits) if leads => {
+                    (ranges.values[by.value], is_limited[by.value]) = (limits, true);
+                }
                 None if leads && turns => ranges.values[by.value] = [-HALF_TURN, HALF_TURN],
                 None if leads => {
                     ranges.values[by.value] = [-SLIDE, SLIDE];
@@ -59,9 +62,7 @@ impl Ranges {
         // number of times.
         for joint in robot.joints() {
             let Some(by) = joint.motion.drive() else { continue };
-            let leader = &robot.variables()[by.value];
-            let is_limited =
-                robot.joints().iter().any(|other| other.name == *leader && other.limits.is_some());
+            let is_limited = is_limited[by.value];
             let turns = matches!(joint.motion, Motion::Turns { .. });
             let repeats = turns && by.factor.fract() == 0.0;
             if !(is_limited || repeats) {
@@ -152,7 +153,9 @@ pub(super) fn of(
         });
     }
     let (always, apart): (Vec<Open>, Vec<Open>) = open.into_iter().partition(|p| p.touched > 0);
-    settled.extend(always.into_iter().map(|pair| (pair.links, PairReason::Always)));
+    // Rest alone is no "always".
+    let reason = if samples > 0 { PairReason::Always } else { PairReason::Default };
+    settled.extend(always.into_iter().map(|pair| (pair.links, reason)));
     Ok(Sampled { settled, apart: apart.into_iter().map(|pair| pair.links).collect() })
 }
 

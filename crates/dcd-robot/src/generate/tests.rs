@@ -89,6 +89,40 @@ fn what_touches_always_and_what_touches_at_rest_are_told_apart() {
 }
 
 #[test]
+fn links_that_nothing_moves_and_that_barely_part_are_no_proof_and_no_panic() {
+    for (gap, proved) in [(1e-13, false), (0.1, true)] {
+        let size = 1.0 - gap;
+        let links = [link("a", 0.0, 1.0), "<link name=\"none\"/>".to_owned(), link("b", 1.0, size)];
+        let fixed = |parent: &str, child: &str, x: f64| {
+            format!(
+                "<joint name=\"{child}\" type=\"fixed\"><origin xyz=\"{x} 0 0\"/>\
+                 <parent link=\"{parent}\"/><child link=\"{child}\"/></joint>"
+            )
+        };
+        // Both on a third link, so that no joint joins them.
+        let far = link("base", -9.0, 1.0);
+        let joints = [fixed("base", "none", 0.0), fixed("none", "a", 0.0), fixed("none", "b", 0.0)];
+        let text = format!("<robot name=\"r\">{far}{}{}</robot>", links.concat(), joints.concat());
+        let found = PairSearch::default().run(&robot(&text)).unwrap();
+        assert_eq!(reason(&found, "a", "b"), Some(PairReason::Never { proved }), "{gap}");
+    }
+}
+
+#[test]
+fn without_a_sample_nothing_touches_always() {
+    let text = format!(
+        "<robot name=\"r\"><link name=\"base\"/>{}{}{}{}</robot>",
+        link("a", 0.0, 1.0),
+        link("b", 0.2, 1.0),
+        joint("base", "a", 0.0, 1.0),
+        joint("base", "b", 0.0, 1.0)
+    );
+    let of = |samples| PairSearch { samples, ..PairSearch::default() }.run(&robot(&text)).unwrap();
+    assert_eq!(reason(&of(0), "a", "b"), Some(PairReason::Default));
+    assert_eq!(reason(&of(10), "a", "b"), Some(PairReason::Always));
+}
+
+#[test]
 fn an_srdf_that_is_written_is_read_again() {
     let pairs = PairSearch::default().run(&row(1.2)).unwrap();
     let text = write_srdf("row & \"more\"", &pairs);
@@ -96,7 +130,7 @@ fn an_srdf_that_is_written_is_read_again() {
     assert_eq!(srdf.robot, "row & \"more\"");
     assert_eq!(srdf.allowed.len(), pairs.len());
     for LinkPair { links: [a, b], .. } in &pairs {
-        assert!(srdf.allowed.contains(a, b) && AllowedPairs::of_pairs(&pairs).contains(b, a));
+        assert!(srdf.allowed.contains(a, b) && AllowedPairs::from_pairs(&pairs).contains(b, a));
     }
     assert!(text.contains("reason=\"Never\" proved=\"true\""), "{text}");
 }

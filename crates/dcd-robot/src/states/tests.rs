@@ -133,7 +133,7 @@ fn joints_of_several_values_are_lists_and_move_as_they_say() {
     assert_eq!(robot.variables()[4..6], ["fly/trans_x", "fly/trans_y"]);
     assert_eq!(robot.variables()[10], "fly/rot_w");
     let meshes = MeshSource::beside(Path::new("."), LinkShapes::Hulls);
-    let mut reader = StateReader::new(&robot, robot.rest(), meshes);
+    let mut reader = StateReader::new(&robot, robot.rest_state(), meshes);
     let half = std::f64::consts::FRAC_1_SQRT_2;
     // The drone turned by a quarter about x.
     let line =
@@ -151,7 +151,7 @@ fn joints_of_several_values_are_lists_and_move_as_they_say() {
     for (place, expected) in places.iter().zip(expected) {
         assert!(place.distance(DVec3::from_array(expected)) < 1e-12, "{places:?}");
     }
-    robot.place(&robot.rest(), &mut poses).unwrap();
+    robot.place(&robot.rest_state(), &mut poses).unwrap();
     assert!(poses[2].translation().distance(DVec3::Z * 3.0) < 1e-12);
     for (line, why) in [
         (r#"{"q": {"fly": [0, 0, 0]}}"#, "joint \"fly\": 3 values, not 7"),
@@ -162,7 +162,7 @@ fn joints_of_several_values_are_lists_and_move_as_they_say() {
         let refused = reader.read(line.as_bytes()).unwrap_err().to_string();
         assert!(refused.contains(why), "{line}: {refused}");
     }
-    let mut long = robot.rest();
+    let mut long = robot.rest_state();
     long[10] = 1.5;
     let refused = robot.place(&long, &mut poses).unwrap_err().to_string();
     assert!(refused.contains("squared length of the quaternion"), "{refused}");

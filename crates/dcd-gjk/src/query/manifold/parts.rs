@@ -35,17 +35,16 @@ fn in_order(
     let pairs = mesh::touching_parts(a, b);
     let (mut deepest, mut index) = (Deepest::default(), 0);
     let mut found = Vec::with_capacity(pairs.len());
-    for (k, pair) in pairs.iter().enumerate() {
+    for pair in &pairs {
         let [in_a, in_b] = posed(pair, a, b);
         match depths::of_touching(accuracy, in_a, in_b, &mut scratch.depth) {
             Verdict::Touching(depth) => {
                 if deepest.add(depth) {
-                    index = k;
+                    index = found.len();
                 }
-                found.push(depth);
+                found.push((pair, depth));
             }
-            // A list of pairs that touch: kept in step with it.
-            Verdict::Apart => found.push(Depth::default()),
+            Verdict::Apart => {}
             Verdict::Undecided(reason) => return Verdict::Undecided(reason),
         }
     }
@@ -54,7 +53,7 @@ fn in_order(
     let corners = &mut scratch.corners;
     corners.clear();
     let mut features = Default::default();
-    for (k, (pair, of_pair)) in pairs.iter().zip(&found).enumerate() {
+    for (k, (pair, of_pair)) in found.iter().enumerate() {
         let sides = posed(pair, a, b);
         let before = corners.len();
         // The planes of half-spaces are the pair's own; what is seen is seen along the deepest's normal.
@@ -71,7 +70,7 @@ fn in_order(
         }
     }
     let manifold = corners.manifold(&view, depth, [a, b], features);
-    let parts = pairs.get(index).map_or([None; 2], |pair| pair.parts);
+    let parts = found.get(index).map_or([None; 2], |(pair, _)| pair.parts);
     Verdict::Touching(Manifold { parts, ..manifold })
 }
 
