@@ -7,7 +7,7 @@ mod input;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use dcd_geom::Aabb;
 use dcd_gjk::simd::SimdFrame;
-use dcd_gjk::{NarrowPhase, Overlap};
+use dcd_gjk::{NarrowPhase, Overlap, Sides};
 use std::hint::black_box;
 
 fn boxes(criterion: &mut Criterion) {
@@ -19,7 +19,7 @@ fn boxes(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(scene.len() as u64));
     group.bench_function("prepare", |bencher| {
         bencher.iter(|| {
-            let part = overlap.layout(&scene, &mut frame);
+            let part = overlap.layout(&scene, Sides::One, &mut frame);
             overlap.prepare(black_box(&scene), 0, part, black_box(&mut aabbs));
         });
     });

@@ -7,7 +7,7 @@ mod input;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use dcd_geom::Aabb;
 use dcd_gjk::simd::{Scratch, SimdFrame};
-use dcd_gjk::{ContactSink, NarrowPhase, Overlap, Report};
+use dcd_gjk::{ContactSink, NarrowPhase, Overlap, Prepared, Report, Sides};
 use std::hint::black_box;
 
 /// As many as a task of the pipeline judges.
@@ -18,7 +18,7 @@ fn narrow(criterion: &mut Criterion) {
     let pairs = input::candidates(&scene);
     let overlap = Overlap::default();
     let mut frame = SimdFrame::default();
-    let part = overlap.layout(&scene, &mut frame);
+    let part = overlap.layout(&scene, Sides::One, &mut frame);
     overlap.prepare(&scene, 0, part, &mut vec![Aabb::default(); scene.len()]);
 
     let (mut scratch, mut contacts, mut report) =
@@ -31,7 +31,8 @@ fn narrow(criterion: &mut Criterion) {
             report.clear();
             for slice in black_box(&pairs).chunks(SLICE) {
                 let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
-                overlap.decide(&scene, &frame, slice, &mut scratch, &mut sink);
+                let side = Prepared { scene: &scene, frame: &frame };
+                overlap.decide(side, side, slice, &mut scratch, &mut sink);
             }
             black_box(contacts.len())
         });

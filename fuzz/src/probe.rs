@@ -53,7 +53,7 @@ fn batches(input: &mut Input<'_>, links: usize) -> Option<Vec<Vec<Pose>>> {
 
 type HitKey = (u32, u32, Other);
 
-fn check(scene: &Scene, links: &[Shape], poses: &[Pose], checker: &mut BatchChecker<'_>) {
+fn check(scene: &Scene, links: &[Shape], poses: &[Pose], checker: &mut BatchChecker) {
     let Ok(all) = checker.all(poses, Par::Serial) else {
         // Only what no scene would take is refused.
         let objects = poses.iter().zip((0..links.len() as u32).cycle());

@@ -156,14 +156,14 @@ impl ObstacleGrid {
         });
     }
 
-    /// Appends the pairs of a name with some of the obstacles, by their numbers, whose closed boxes
-    /// overlap that box and for which `keep(i, j)`, i < j, holds. No name may be that of an obstacle.
+    /// Appends the pairs (i, j) of some of the obstacles, by their numbers i, with what is called j, whose
+    /// closed boxes overlap that box and for which `keep(i)` holds.
     #[inline]
     pub fn append_pairs(
         &self,
         (name, aabb): (u32, &Aabb),
         numbers: &[u32],
-        keep: impl Fn(u32, u32) -> bool,
+        keep: impl Fn(u32) -> bool,
         out: &mut Vec<Pair>,
     ) {
         let (min, max) = (Vec3A::from(aabb.min), Vec3A::from(aabb.max));
@@ -173,9 +173,8 @@ impl ObstacleGrid {
         for &number in numbers {
             let obstacle = &self.obstacle_bounds[number as usize];
             let overlap = (obstacle.min.cmple(max) & min.cmple(obstacle.max)).all();
-            let pair = Pair::new(number, name);
-            out[end] = pair;
-            end += usize::from(overlap && keep(pair.i, pair.j));
+            out[end] = Pair { i: number, j: name };
+            end += usize::from(overlap && keep(number));
         }
         out.truncate(end);
     }

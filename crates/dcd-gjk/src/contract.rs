@@ -1,6 +1,6 @@
 //! The contract of this crate's trait, as a test that any narrow phase can call.
 
-use crate::{Contact, ContactSink, Method, NarrowPhase, Report, Undecided};
+use crate::{Contact, ContactSink, Method, NarrowPhase, Prepared, Report, Sides, Undecided};
 use dcd_geom::contract::Violation;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Aabb, HalfSpace, Pair, Scene, Shape, SphereBounds, Splittable, SupportMap};
@@ -17,7 +17,7 @@ where
     N::Answer: PartialEq + Debug,
 {
     let mut frame = N::Frame::default();
-    let aabbs = prepared(narrow, scene, &mut frame, usize::MAX);
+    let aabbs = prepared(narrow, scene, Sides::One, &mut frame, usize::MAX);
     boxes_contain_their_objects(scene, &aabbs)?;
     if let Some(aabb_margin) = narrow.aabb_margin() {
         bounds_contain_their_boxes(scene, &aabbs, aabb_margin)?;
@@ -29,7 +29,7 @@ where
     }
 
     // Prepared in single objects from the last to the first, into a frame that was used before.
-    let again = prepared(narrow, scene, &mut frame, 1);
+    let again = prepared(narrow, scene, Sides::One, &mut frame, 1);
     if again != aabbs {
         return Err(Violation("the boxes depend on how the objects are cut".into()));
     }
@@ -51,14 +51,14 @@ where
     decided(narrow, scene, &half_empty, &upper, &mut scratch)
         .must_equal(&due, "the lower half of the objects never prepared")?;
 
-    prepared(narrow, scene, &mut frame, usize::MAX);
+    prepared(narrow, scene, Sides::One, &mut frame, usize::MAX);
     if keeps_when_laid_out_again(narrow, scene, &mut frame) {
         decided(narrow, scene, &frame, pairs, &mut scratch)
             .must_equal(&whole, "laid out again by a frame that keeps what it held")?;
     }
     // Another scene between, of nothing: a frame that keeps something of it must not show it.
-    prepared(narrow, &Scene::default(), &mut frame, usize::MAX);
-    if prepared(narrow, scene, &mut frame, usize::MAX) != aabbs {
+    prepared(narrow, &Scene::default(), Sides::One, &mut frame, usize::MAX);
+    if prepared(narrow, scene, Sides::One, &mut frame, usize::MAX) != aabbs {
         return Err(Violation("the boxes depend on the scene before".into()));
     }
 
@@ -72,18 +72,47 @@ where
     let backwards: Vec<Pair> = pairs.iter().rev().copied().collect();
     let mut backwards = decided(narrow, scene, &frame, &backwards, &mut scratch);
     backwards.reverse();
-    backwards.must_equal(&whole, "in reverse order")
+    backwards.must_equal(&whole, "in reverse order")?;
+    two_sides_agree(narrow, scene, pairs, whole)
+}
+
+/// Compares the answers of one frame with those of two that hold the same objects. What settled a pair may
+/// differ.
+fn two_sides_agree<N>(
+    narrow: &N,
+    scene: &Scene,
+    pairs: &[Pair],
+    whole: Filed<N::Answer>,
+) -> Result<(), Violation>
+where
+    N: NarrowPhase,
+    N::Answer: PartialEq + Debug,
+{
+    let mut frames = [N::Frame::default(), N::Frame::default()];
+    for frame in &mut frames {
+        prepared(narrow, scene, Sides::Two, frame, usize::MAX);
+    }
+    let [a, b] = frames.each_ref().map(|frame| Prepared { scene, frame });
+    let mut scratch = N::Scratch::default();
+    let mut two = filed(narrow, (a, b), pairs, &mut scratch);
+    two.files_each_once(pairs)?;
+    two.settled = whole.settled;
+    two.must_equal(&whole, "of two frames")?;
+    let mut one = filed(narrow, (a, a), pairs, &mut scratch);
+    one.settled = whole.settled;
+    one.must_equal(&whole, "of one frame laid out for two sides")
 }
 
 /// Lays out and prepares, in parts of `grain` objects from the last to the first.
 fn prepared<N: NarrowPhase>(
     narrow: &N,
     scene: &Scene,
+    sides: Sides,
     frame: &mut N::Frame,
     grain: usize,
 ) -> Vec<Aabb> {
     let mut aabbs = vec![Aabb::default(); scene.len()];
-    let mut rest = (narrow.layout(scene, frame), &mut aabbs[..]);
+    let mut rest = (narrow.layout(scene, sides, frame), &mut aabbs[..]);
     let mut parts = Vec::new();
     let mut first = 0;
     while rest.len() > grain {
@@ -102,7 +131,7 @@ fn prepared<N: NarrowPhase>(
 /// Lays out and prepares the upper half of the objects alone.
 fn upper_half_prepared<N: NarrowPhase>(narrow: &N, scene: &Scene, frame: &mut N::Frame) {
     let middle = scene.len() / 2;
-    let (_, part) = narrow.layout(scene, frame).split_at(middle);
+    let (_, part) = narrow.layout(scene, Sides::One, frame).split_at(middle);
     let mut aabbs = vec![Aabb::default(); scene.len() - middle];
     narrow.prepare(scene, middle, part, &mut aabbs);
 }
@@ -112,7 +141,7 @@ fn keeps_when_laid_out_again<N: NarrowPhase>(
     scene: &Scene,
     frame: &mut N::Frame,
 ) -> bool {
-    let part = narrow.layout(scene, frame);
+    let part = narrow.layout(scene, Sides::One, frame);
     narrow.keeps(&part)
 }
 
@@ -123,12 +152,23 @@ fn decided<N: NarrowPhase>(
     pairs: &[Pair],
     scratch: &mut N::Scratch,
 ) -> Filed<N::Answer> {
+    let side = Prepared { scene, frame };
+    filed(narrow, (side, side), pairs, scratch)
+}
+
+fn filed<N: NarrowPhase>(
+    narrow: &N,
+    (a, b): (Prepared<'_, N::Frame>, Prepared<'_, N::Frame>),
+    pairs: &[Pair],
+    scratch: &mut N::Scratch,
+) -> Filed<N::Answer> {
     let mut contacts = Vec::new();
     let mut report = Report::default();
     let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
-    narrow.decide(scene, frame, pairs, scratch, &mut sink);
+    narrow.decide(a, b, pairs, scratch, &mut sink);
     let settled = Method::ALL.iter().map(|&method| report.settled(method)).sum();
-    Filed { contacts, undecided: report.undecided().to_vec(), settled }
+    let undecided = report.undecided().to_vec();
+    Filed { contacts, undecided, settled, filed: report.filed() }
 }
 
 /// What was filed for some pairs.
@@ -136,11 +176,12 @@ struct Filed<A> {
     contacts: Vec<Contact<A>>,
     undecided: Vec<Undecided>,
     settled: u64,
+    filed: u64,
 }
 
 impl<A> Default for Filed<A> {
     fn default() -> Self {
-        Self { contacts: Vec::new(), undecided: Vec::new(), settled: 0 }
+        Self { contacts: Vec::new(), undecided: Vec::new(), settled: 0, filed: 0 }
     }
 }
 
@@ -149,6 +190,7 @@ impl<A: PartialEq + Debug> Filed<A> {
         self.contacts.append(&mut other.contacts);
         self.undecided.append(&mut other.undecided);
         self.settled += other.settled;
+        self.filed += other.filed;
     }
 
     fn reverse(&mut self) {
@@ -156,9 +198,8 @@ impl<A: PartialEq + Debug> Filed<A> {
     }
 
     fn files_each_once(&self, pairs: &[Pair]) -> Result<(), Violation> {
-        let filed = self.settled + self.undecided.len() as u64;
-        if filed != pairs.len() as u64 {
-            return Err(Violation(format!("{filed} verdicts on {} pairs", pairs.len())));
+        if self.filed != pairs.len() as u64 {
+            return Err(Violation(format!("{} verdicts on {} pairs", self.filed, pairs.len())));
         }
         let mut remaining = pairs.iter();
         for Contact { pair, .. } in &self.contacts {

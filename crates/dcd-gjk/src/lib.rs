@@ -34,7 +34,7 @@ pub use bounds_only::BoundsOnly;
 pub use difference::{Difference, PosedSupport, Vertex};
 pub use distance::{Distance, DistanceResult};
 pub use narrow_phase::{
-    Contact, ContactSink, Method, NarrowPhase, Reason, Report, Undecided, Verdict,
+    Contact, ContactSink, Method, NarrowPhase, Prepared, Reason, Report, Sides, Undecided, Verdict,
 };
 pub use pairwise::{Empty, PairSolver, Pairwise, PosedShape};
 pub use query::{

@@ -97,15 +97,18 @@ impl Method {
 pub struct Report {
     settled: [u64; Method::ALL.len()],
     undecided: Vec<Undecided>,
+    /// How many of the undecided pairs are counted as settled too.
+    unmeasured: u64,
 }
 
 impl Report {
-    /// How many pairs that method settled, apart and touching.
+    /// How many pairs that method proved apart or touching.
     pub fn settled(&self, method: Method) -> u64 {
         self.settled[method as usize]
     }
 
-    /// The pairs that no method settled.
+    /// The pairs without an answer: no method settled them, or what was to be measured of a touching pair is not
+    /// known.
     pub fn undecided(&self) -> &[Undecided] {
         &self.undecided
     }
@@ -121,11 +124,16 @@ impl Report {
         self.undecided.push(Undecided { pair, reason });
     }
 
-    /// Takes the other's counts back.
-    pub(crate) fn withdraw(&mut self, other: &Self) {
-        for (sum, count) in self.settled.iter_mut().zip(other.settled) {
-            *sum = sum.saturating_sub(count);
-        }
+    /// Adds a pair that is counted as settled, since a method proved that it touches, and of which what was
+    /// to be measured is not known.
+    pub(crate) fn leave_unmeasured(&mut self, pair: Pair, reason: Reason) {
+        self.unmeasured += 1;
+        self.leave(pair, reason);
+    }
+
+    /// How many pairs were filed: those settled, and those that none settled.
+    pub fn filed(&self) -> u64 {
+        self.settled.iter().sum::<u64>() + self.undecided.len() as u64 - self.unmeasured
     }
 
     /// Moves the other's counts and pairs here.
@@ -134,6 +142,7 @@ impl Report {
             *sum += std::mem::take(count);
         }
         self.undecided.append(&mut other.undecided);
+        self.unmeasured += std::mem::take(&mut other.unmeasured);
     }
 
     /// Sorts the undecided pairs, so that they do not depend on which thread met them.
@@ -145,6 +154,7 @@ impl Report {
     pub fn clear(&mut self) {
         self.settled = Default::default();
         self.undecided.clear();
+        self.unmeasured = 0;
     }
 }
 
@@ -171,23 +181,54 @@ impl<A> ContactSink<'_, A> {
     }
 }
 
+/// Objects of a scene and what was prepared of them: one side of the pairs that
+/// [`NarrowPhase::decide`] is given.
+#[derive(Debug)]
+pub struct Prepared<'a, F> {
+    /// The objects, as they were when they were prepared.
+    pub scene: &'a Scene,
+    /// The frame that they were prepared in.
+    pub frame: &'a F,
+}
+
+impl<F> Clone for Prepared<'_, F> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<F> Copy for Prepared<'_, F> {}
+
+/// Which pairs a frame is prepared for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Sides {
+    /// Pairs of its own objects alone: what the scene does not require may be left out.
+    #[default]
+    One,
+    /// Pairs with objects of other frames too.
+    Two,
+}
+
 /// From candidate pairs to answers.
 ///
 /// The pipeline drives it in three steps, so that it knows no threads: `layout` once, `prepare`
 /// on disjoint ranges of the objects, `decide` on slices of the pairs with scratch memory of the
 /// thread's own.
 ///
+/// A pair's first object is one of side `a`, its second one of side `b`. A scene against itself passes one
+/// side twice; obstacles that are prepared once, and links that move among them, are two.
+///
 /// # Contract
 /// After `layout` and after `prepare` on parts that cover every object once, in any order and on
 /// any threads, `decide` files every pair that it is given exactly once, contacts in the order of
 /// the pairs. A verdict depends on the two objects alone: not on the other pairs, their order, the
-/// scratch memory or the cut. The boxes that `prepare` writes contain the objects, and where
+/// scratch memory, the cut, or whether both are in one frame. The boxes that `prepare` writes contain the objects, and where
 /// `aabb_margin` is known lie in the objects' bounds swept by it. Where a `constant_answer` is known it is
 /// that of every two objects with a common point.
 ///
 /// Objects in no pair need not be prepared. An object that has been prepared in a frame need not be
-/// prepared again after `layout` if three things hold: the scene's [`Scene::layout`] is the same, the
-/// object's pose is the same, and `keeps` says that the frame has kept what it held.
+/// prepared again after `layout` if three things hold: the scene's [`Scene::layout`] and the sides are the same,
+/// the object's pose is the same, and `keeps` says that the frame has kept what it held.
 /// `contract` tests it.
 ///
 /// The frame stays from step to step: `prepare` finds there what it wrote of the object in that
@@ -222,8 +263,10 @@ pub trait NarrowPhase: Send + Sync {
         None
     }
 
-    /// Makes room for every object of the scene: offsets only.
-    fn layout<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f>;
+    /// Makes room for every object of the scene: offsets only. Two frames may be paired in `decide` if both
+    /// were laid out for [`Sides::Two`].
+    fn layout<'f>(&self, scene: &Scene, sides: Sides, frame: &'f mut Self::Frame)
+    -> Self::Part<'f>;
 
     /// Whether the frame still holds, AABBs included, all that was prepared in it before it was laid
     /// out as this part: asked of the whole part, before it is cut. `false` is always safe, and what
@@ -246,11 +289,11 @@ pub trait NarrowPhase: Send + Sync {
     ) {
     }
 
-    /// Settles the pairs.
+    /// Settles the pairs: `i` is an object of `a`, `j` one of `b`. Where both are one side, i < j.
     fn decide(
         &self,
-        scene: &Scene,
-        frame: &Self::Frame,
+        a: Prepared<'_, Self::Frame>,
+        b: Prepared<'_, Self::Frame>,
         pairs: &[Pair],
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, Self::Answer>,

@@ -1,7 +1,7 @@
 //! A narrow phase from a solver that sees one pair at a time.
 
 use crate::query::grown;
-use crate::{ContactSink, Method, NarrowPhase, Verdict};
+use crate::{ContactSink, Method, NarrowPhase, Prepared, Sides, Verdict};
 use dcd_geom::{Aabb, Pair, Pose, Scene, Shape, Splittable};
 
 /// Judges two placed shapes. The simplest way to bring one's own GJK: wrap it in [`Pairwise`].
@@ -60,6 +60,15 @@ pub struct PosedShape<'a> {
     pub pose: &'a Pose,
 }
 
+impl<'a> PosedShape<'a> {
+    /// That object of a scene, by its index.
+    #[inline]
+    pub(crate) fn of(scene: &'a Scene, object: u32) -> Self {
+        let object = object as usize;
+        Self { shape: scene.shape(object), pose: &scene.poses()[object] }
+    }
+}
+
 /// A solver of single pairs as a narrow phase: prepares nothing, asks for each pair in turn.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pairwise<G>(
@@ -100,7 +109,7 @@ impl<G: PairSolver> NarrowPhase for Pairwise<G> {
         Some(self.0.margin() / 2.0)
     }
 
-    fn layout(&self, scene: &Scene, (): &mut ()) -> Empty {
+    fn layout(&self, scene: &Scene, _: Sides, (): &mut ()) -> Empty {
         Empty(scene.len())
     }
 
@@ -118,18 +127,15 @@ impl<G: PairSolver> NarrowPhase for Pairwise<G> {
 
     fn decide(
         &self,
-        scene: &Scene,
-        (): &(),
+        a: Prepared<'_, ()>,
+        b: Prepared<'_, ()>,
         pairs: &[Pair],
         scratch: &mut G::Scratch,
         sink: &mut ContactSink<'_, G::Answer>,
     ) {
-        let placed = |i: u32| PosedShape {
-            shape: scene.shape(i as usize),
-            pose: &scene.poses()[i as usize],
-        };
         for &pair in pairs {
-            let (verdict, method) = self.0.settle(placed(pair.i), placed(pair.j), scratch);
+            let (one, other) = (PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j));
+            let (verdict, method) = self.0.settle(one, other, scratch);
             sink.file(pair, method, verdict);
         }
     }

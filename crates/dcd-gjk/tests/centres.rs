@@ -6,8 +6,8 @@ mod judge;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, Shape, Support, SupportMap};
 use dcd_gjk::{
-    Coherent, ContactSink, NarrowPhase, Overlap, PosedShape, PosedSupport, Report, Verdict, Within,
-    certified,
+    Coherent, ContactSink, NarrowPhase, Overlap, PosedShape, PosedSupport, Prepared, Report, Sides,
+    Verdict, Within, certified,
 };
 use dcd_simd::Path;
 use judge::cases::Draw;
@@ -28,12 +28,13 @@ fn found<N: NarrowPhase>(narrow: &N, cases: &[Case]) -> Vec<bool> {
     let scene = Scene::one_each(shapes, poses).unwrap();
     let pairs: Vec<Pair> = (0..cases.len() as u32).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
     let mut frame = N::Frame::default();
-    let part = narrow.layout(&scene, &mut frame);
+    let part = narrow.layout(&scene, Sides::One, &mut frame);
     narrow.prepare(&scene, 0, part, &mut vec![Aabb::default(); scene.len()]);
     narrow.begin_pairs(&mut frame, std::iter::once(&pairs[..]));
     let (mut contacts, mut report) = (Vec::new(), Report::default());
     let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
-    narrow.decide(&scene, &frame, &pairs, &mut N::Scratch::default(), &mut sink);
+    let side = Prepared { scene: &scene, frame: &frame };
+    narrow.decide(side, side, &pairs, &mut N::Scratch::default(), &mut sink);
     assert!(report.undecided().is_empty(), "{:?}", report.undecided());
     let mut touches = vec![false; cases.len()];
     for contact in contacts {

@@ -9,8 +9,8 @@ use dcd_geom::{Aabb, Object, Pair, Pose, Scene, Shape};
 use dcd_gjk::simplify::InnerOuter;
 use dcd_gjk::{
     BoundsOnly, Certified, Coherent, ContactSink, Depths, Distances, Gjk, Manifolds, Method,
-    NarrowPhase, Overlap, OverlapUnchecked, PairSolver, Pairwise, PosedShape, Proximities,
-    ThenMeasure, Verdict, Within, contract,
+    NarrowPhase, Overlap, OverlapUnchecked, PairSolver, Pairwise, PosedShape, Prepared,
+    Proximities, Sides, ThenMeasure, Verdict, Within, contract,
 };
 use dcd_simd::Path;
 use judge::cases::Draw;
@@ -109,8 +109,13 @@ impl NarrowPhase for Cut {
     type Part<'f> = <Overlap as NarrowPhase>::Part<'f>;
     type Scratch = <Overlap as NarrowPhase>::Scratch;
 
-    fn layout<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
-        Overlap::default().layout(scene, frame)
+    fn layout<'f>(
+        &self,
+        scene: &Scene,
+        sides: Sides,
+        frame: &'f mut Self::Frame,
+    ) -> Self::Part<'f> {
+        Overlap::default().layout(scene, sides, frame)
     }
 
     fn prepare(&self, scene: &Scene, first: usize, part: Self::Part<'_>, aabbs: &mut [Aabb]) {
@@ -126,13 +131,13 @@ impl NarrowPhase for Cut {
 
     fn decide(
         &self,
-        scene: &Scene,
-        frame: &Self::Frame,
+        a: Prepared<'_, Self::Frame>,
+        b: Prepared<'_, Self::Frame>,
         pairs: &[Pair],
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, ()>,
     ) {
-        Overlap::default().decide(scene, frame, pairs, scratch, sink);
+        Overlap::default().decide(a, b, pairs, scratch, sink);
     }
 }
 

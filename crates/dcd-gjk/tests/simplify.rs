@@ -168,7 +168,7 @@ fn a_bracketed_scene_is_never_wrong_and_open_only_within_the_tolerance() {
             PosedSupport::polytope(&shapes[b], &poses[b]),
         );
         let truth = overlap(a, b).0;
-        match inner_outer.verdict(&scene, pair).0 {
+        match inner_outer.verdict((&scene, pair.i), (&scene, pair.j)).0 {
             Verdict::Undecided(reason) => {
                 assert_eq!(reason, Reason::WithinTolerance);
                 // No farther apart, and no deeper, than the hulls are off.

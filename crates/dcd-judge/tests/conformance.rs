@@ -4,7 +4,8 @@ use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, Shape};
 use dcd_gjk::distance::{self, DistanceResult};
 use dcd_gjk::epa::{self, Scratch};
 use dcd_gjk::{
-    ContactSink, Method, NarrowPhase, Overlap, PosedSupport, Report, Verdict, certified,
+    ContactSink, Method, NarrowPhase, Overlap, PosedSupport, Prepared, Report, Sides, Verdict,
+    certified,
 };
 use dcd_judge::Truth;
 use dcd_scenes::conformance::{Case, Category, suite};
@@ -174,11 +175,12 @@ fn settled_by_lanes(scene: &Scene, path: Path) -> Vec<Option<bool>> {
     let narrow = Overlap::on(path);
     let mut frame = <Overlap as NarrowPhase>::Frame::default();
     let mut aabbs = vec![Aabb::default(); scene.len()];
-    let part = narrow.layout(scene, &mut frame);
+    let part = narrow.layout(scene, Sides::One, &mut frame);
     narrow.prepare(scene, 0, part, &mut aabbs);
     let (mut contacts, mut report) = (Vec::new(), Report::default());
     let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
-    narrow.decide(scene, &frame, &pairs, &mut Default::default(), &mut sink);
+    let side = Prepared { scene, frame: &frame };
+    narrow.decide(side, side, &pairs, &mut Default::default(), &mut sink);
     let mut said = vec![Some(false); pairs.len()];
     contacts.iter().for_each(|contact| said[contact.pair.i as usize / 2] = Some(true));
     report.undecided().iter().for_each(|open| said[open.pair.i as usize / 2] = None);

@@ -87,6 +87,16 @@ impl<R: Library> Forms<R> {
         self.source == scene.shape_revision()
     }
 
+    /// What the query says of two objects with these shapes.
+    #[inline]
+    pub(crate) fn verdict(&self, query: Query, a: &Placement<R>, b: &Placement<R>) -> Verdict<()> {
+        touching(query, (self.form_of(a), a), (self.form_of(b), b))
+    }
+
+    fn form_of(&self, placement: &Placement<R>) -> &Form<R> {
+        &self.forms[placement.shape as usize]
+    }
+
     /// The shape's index for each that Parry refused.
     pub(crate) fn refused(&self) -> impl Iterator<Item = u32> {
         (0..).zip(&self.forms).filter(|(_, form)| form.form.is_none()).map(|(index, _)| index)
@@ -103,48 +113,64 @@ impl<R: Library> Forms<R> {
         let form = self.forms[placement.shape as usize].form.as_ref();
         form.map_or(R::NO_BOX, |form| R::boxed(form, &placement.pose))
     }
+}
 
-    /// What the query says of two objects.
-    #[inline]
-    pub(crate) fn verdict(&self, query: Query, a: &Placement<R>, b: &Placement<R>) -> Verdict<()> {
-        let [form_a, form_b] = [a, b].map(|placement| &self.forms[placement.shape as usize]);
-        let (Some(shape_a), Some(shape_b)) = (&form_a.form, &form_b.form) else {
-            return Verdict::Undecided(Reason::Foreign);
-        };
-        if a.far || b.far {
-            let offset = R::translation(&b.pose) - R::translation(&a.pose);
-            if !within_range::<R>([form_a.reach, form_b.reach], offset) {
-                return Verdict::Undecided(Reason::Range);
-            }
-        }
-        verdict(R::touching(query, (shape_a, &a.pose), (shape_b, &b.pose)), Reason::Foreign)
+/// Objects of a scene: Parry's shapes and where they are.
+pub(crate) struct Placed<'a, R: Library> {
+    pub(crate) forms: &'a Forms<R>,
+    pub(crate) placements: &'a [Placement<R>],
+}
+
+impl<'a, R: Library> Placed<'a, R> {
+    fn object(&self, object: u32) -> (&'a Form<R>, &'a Placement<R>) {
+        let placement = &self.placements[object as usize];
+        (self.forms.form_of(placement), placement)
     }
+}
 
-    /// Files every pair. A pair on which Parry panics is undecided: the run over the pairs is
-    /// caught there and goes on behind it, so that the others do not pay.
-    pub(crate) fn decide(
-        &self,
-        query: Query,
-        placements: &[Placement<R>],
-        pairs: impl Iterator<Item = Pair>,
-        sink: &mut ContactSink<'_, ()>,
-    ) {
-        let mut rest = pairs;
-        let mut asked = None;
-        loop {
-            let run = catch_unwind(AssertUnwindSafe(|| {
-                for pair in rest.by_ref() {
-                    asked = Some(pair);
-                    let [a, b] = [pair.i, pair.j].map(|object| &placements[object as usize]);
-                    sink.file(pair, Method::Foreign, self.verdict(query, a, b));
-                }
-            }));
-            match (run, asked) {
-                (Err(_), Some(pair)) => {
-                    sink.file(pair, Method::Foreign, Verdict::Undecided(Reason::Foreign));
-                }
-                _ => return,
+/// What the query says of two objects.
+#[inline]
+fn touching<R: Library>(
+    query: Query,
+    (form_a, a): (&Form<R>, &Placement<R>),
+    (form_b, b): (&Form<R>, &Placement<R>),
+) -> Verdict<()> {
+    let (Some(shape_a), Some(shape_b)) = (&form_a.form, &form_b.form) else {
+        return Verdict::Undecided(Reason::Foreign);
+    };
+    if a.far || b.far {
+        let offset = R::translation(&b.pose) - R::translation(&a.pose);
+        if !within_range::<R>([form_a.reach, form_b.reach], offset) {
+            return Verdict::Undecided(Reason::Range);
+        }
+    }
+    verdict(R::touching(query, (shape_a, &a.pose), (shape_b, &b.pose)), Reason::Foreign)
+}
+
+/// Files every pair of an object of the first side with one of the second. A pair on which Parry panics is
+/// undecided: the run over the pairs is caught there and goes on behind it, so that the others do not
+/// pay.
+pub(crate) fn decide<R: Library>(
+    query: Query,
+    (first, second): (Placed<'_, R>, Placed<'_, R>),
+    pairs: impl Iterator<Item = Pair>,
+    sink: &mut ContactSink<'_, ()>,
+) {
+    let mut rest = pairs;
+    let mut asked = None;
+    loop {
+        let run = catch_unwind(AssertUnwindSafe(|| {
+            for pair in rest.by_ref() {
+                asked = Some(pair);
+                let verdict = touching(query, first.object(pair.i), second.object(pair.j));
+                sink.file(pair, Method::Foreign, verdict);
             }
+        }));
+        match (run, asked) {
+            (Err(_), Some(pair)) => {
+                sink.file(pair, Method::Foreign, Verdict::Undecided(Reason::Foreign));
+            }
+            _ => return,
         }
     }
 }
@@ -179,7 +205,8 @@ mod tests {
         let pairs = [(0, 1), (0, 7), (1, 7), (1, 2), (2, 7)].map(|(i, j)| Pair { i, j });
         let (mut contacts, mut report) = (Vec::new(), Report::default());
         let sink = &mut ContactSink { contacts: &mut contacts, report: &mut report };
-        forms.decide(Query::Distance, &placements, pairs.iter().copied(), sink);
+        let side = || Placed { forms: &forms, placements: &placements };
+        decide(Query::Distance, (side(), side()), pairs.iter().copied(), sink);
         let touching: Vec<_> = contacts.iter().map(|contact| contact.pair).collect();
         assert_eq!(touching, [pairs[0], pairs[3]]);
         let undecided: Vec<_> = report.undecided().iter().map(|undecided| undecided.pair).collect();

@@ -1,6 +1,6 @@
 //! Parry's best pipeline, as a rival.
 
-use crate::forms::{Forms, Placement};
+use crate::forms::{Forms, Placed, Placement, decide};
 use crate::{Library, Query};
 use dcd_exec::{Exec, PerThread, Segments, Stage};
 use dcd_geom::{Pair, Scene};
@@ -122,7 +122,8 @@ impl<R: Library> ParryPipeline<R> {
             reports.with(|report| {
                 let slice = candidates[k * PAIRS_PER_TASK..].iter().take(PAIRS_PER_TASK);
                 let pairs = slice.map(|&(a, b)| Pair::new(a, b));
-                forms.decide(*query, placements, pairs, &mut ContactSink { contacts, report });
+                let sides = (Placed { forms, placements }, Placed { forms, placements });
+                decide(*query, sides, pairs, &mut ContactSink { contacts, report });
             });
         });
         report.clear();

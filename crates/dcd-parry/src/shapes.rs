@@ -1,9 +1,9 @@
 //! Parry's own shapes as a narrow phase.
 
-use crate::forms::{Forms, Placement};
+use crate::forms::{Forms, Placed, Placement, decide};
 use crate::{Library, Query};
 use dcd_geom::{Aabb, Pair, Scene};
-use dcd_gjk::{ContactSink, Method, NarrowPhase, Reason, Verdict};
+use dcd_gjk::{ContactSink, Method, NarrowPhase, Prepared, Reason, Sides, Verdict};
 use std::sync::Arc;
 
 /// Parry's own shapes, asked through its public API.
@@ -56,6 +56,12 @@ impl<R: Library> Default for ShapesFrame<R> {
     }
 }
 
+impl<R: Library> ShapesFrame<R> {
+    fn side(&self) -> Option<Placed<'_, R>> {
+        Some(Placed { forms: self.forms.as_deref()?, placements: &self.placements })
+    }
+}
+
 /// Room for the placements of a range of objects.
 pub struct ShapesPart<'f, R: Library> {
     placements: &'f mut [Placement<R>],
@@ -84,7 +90,12 @@ impl<R: Library> NarrowPhase for ParryShapes<R> {
         Some(0.0)
     }
 
-    fn layout<'f>(&self, scene: &Scene, frame: &'f mut ShapesFrame<R>) -> ShapesPart<'f, R> {
+    fn layout<'f>(
+        &self,
+        scene: &Scene,
+        _: Sides,
+        frame: &'f mut ShapesFrame<R>,
+    ) -> ShapesPart<'f, R> {
         let kept = frame.forms.as_ref().is_some_and(|forms| forms.fit(scene));
         if !kept {
             let made = self.made.as_ref().filter(|forms| forms.fit(scene)).cloned();
@@ -107,17 +118,17 @@ impl<R: Library> NarrowPhase for ParryShapes<R> {
 
     fn decide(
         &self,
-        _: &Scene,
-        frame: &ShapesFrame<R>,
+        a: Prepared<'_, ShapesFrame<R>>,
+        b: Prepared<'_, ShapesFrame<R>>,
         pairs: &[Pair],
         (): &mut (),
         sink: &mut ContactSink<'_, ()>,
     ) {
         let pairs = pairs.iter().copied();
-        match &frame.forms {
-            Some(forms) => forms.decide(self.query, &frame.placements, pairs, sink),
+        match (a.frame.side(), b.frame.side()) {
+            (Some(a), Some(b)) => decide(self.query, (a, b), pairs, sink),
             // Nothing was laid out.
-            None => pairs.for_each(|pair| {
+            _ => pairs.for_each(|pair| {
                 sink.file(pair, Method::Foreign, Verdict::Undecided(Reason::Foreign));
             }),
         }

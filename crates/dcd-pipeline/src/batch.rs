@@ -2,8 +2,10 @@
 
 mod checker;
 mod culling;
+mod decisions;
 mod first_hits;
 mod link_set;
+mod posed_links;
 mod set;
 mod worker;
 
@@ -12,23 +14,44 @@ pub use link_set::LinkSet;
 
 use dcd_broad::{IdentifiedAabbs, ObstacleBounds, StaticTree};
 use dcd_exec::Exec;
-use dcd_geom::{Aabb, BoundingSphere, InscribedSphere, Object, Scene, SceneError, SphereBounds};
-use dcd_gjk::{NarrowPhase, Overlap};
+use dcd_geom::{
+    Aabb, BoundingSphere, Filter, InscribedSphere, Object, Scene, SceneError, SphereBounds,
+};
+use dcd_gjk::{NarrowPhase, Overlap, Prepared, Sides};
+use std::sync::Arc;
 
 /// How many obstacles a task prepares.
 const OBSTACLES_PER_TASK: usize = 256;
 
-/// Obstacles prepared once: their boxes and a tree over them. Asked by a [`BatchChecker`].
-#[derive(Debug)]
-pub struct StaticWorld<N = Overlap> {
+/// Obstacles prepared once: shared by all batch checkers that check against them, on all their threads.
+/// A clone is the same world.
+pub struct StaticWorld<N: NarrowPhase = Overlap>(Arc<Obstacles<N>>);
+
+/// What is prepared of a world, once.
+struct Obstacles<N: NarrowPhase> {
     narrow: N,
     /// The obstacles alone, one after the other.
-    obstacles: Scene,
+    scene: Scene,
+    frame: N::Frame,
     /// For each obstacle its index in the scene that it came from.
     names: Vec<u32>,
     tree: StaticTree,
     /// For each obstacle its box and its sphere, grown as the narrow phase says, and a sphere in it.
-    obstacle_bounds: Vec<ObstacleBounds>,
+    bounds: Vec<ObstacleBounds>,
+    /// Whether some obstacle has a filter.
+    filtered: bool,
+}
+
+impl<N: NarrowPhase> Clone for StaticWorld<N> {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
+
+impl<N: NarrowPhase> std::fmt::Debug for StaticWorld<N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("StaticWorld").field("obstacles", &self.0.names).finish_non_exhaustive()
+    }
 }
 
 impl<N: NarrowPhase> StaticWorld<N> {
@@ -48,18 +71,18 @@ impl<N: NarrowPhase> StaticWorld<N> {
             filter: scene.filters()[i],
             ..Object::new(scene.shape_of()[i], scene.poses()[i])
         });
-        let obstacles = Scene::new(scene.shapes().to_vec(), objects)?;
-        let mut aabbs = vec![Aabb::EMPTY; obstacles.len()];
+        let scene = Scene::new(scene.shapes().to_vec(), objects)?;
+        let mut aabbs = vec![Aabb::EMPTY; scene.len()];
         let mut frame = N::Frame::default();
-        let part = narrow.layout(&obstacles, &mut frame);
-        exec.divide((part, &mut aabbs[..]), OBSTACLES_PER_TASK, |first_hits, (part, aabbs)| {
-            narrow.prepare(&obstacles, first_hits, part, aabbs);
+        let part = narrow.layout(&scene, Sides::Two, &mut frame);
+        exec.divide((part, &mut aabbs[..]), OBSTACLES_PER_TASK, |first, (part, aabbs)| {
+            narrow.prepare(&scene, first, part, aabbs);
         });
         let mut tree = StaticTree::default();
         let own: Vec<u32> = (0..).take(aabbs.len()).collect();
         tree.build(IdentifiedAabbs { aabbs: &aabbs, names: &own }, exec);
         let obstacle = |(i, &aabb): (usize, &Aabb)| {
-            let (bound, pose) = (SphereBounds::of(obstacles.shape(i)), &obstacles.poses()[i]);
+            let (bound, pose) = (SphereBounds::of(scene.shape(i)), &scene.poses()[i]);
             let grown = bound.and_then(|bound| Some(bound.swept(narrow.aabb_margin()?)));
             ObstacleBounds {
                 aabb,
@@ -67,8 +90,28 @@ impl<N: NarrowPhase> StaticWorld<N> {
                 inner: bound.map_or(InscribedSphere::NOTHING, |bound| bound.inner_sphere(pose)),
             }
         };
-        let obstacle_bounds = aabbs.iter().enumerate().map(obstacle).collect();
-        Ok(Self { narrow, obstacles, names, tree, obstacle_bounds })
+        let bounds = aabbs.iter().enumerate().map(obstacle).collect();
+        let filtered = scene.filters().iter().any(|filter| *filter != Filter::ALL);
+        Ok(Self(Arc::new(Obstacles { narrow, scene, frame, names, tree, bounds, filtered })))
+    }
+
+    /// Ready to check configurations of these links, again and again.
+    ///
+    /// # Errors
+    /// More shapes or objects than a u32 counts: a batch checker holds up to 512 objects for each link. A link that
+    /// is out of range without being moved, by its number.
+    pub fn checker(&self, link_set: LinkSet) -> Result<BatchChecker<N>, SceneError> {
+        BatchChecker::new(self.clone(), link_set)
+    }
+}
+
+impl<N: NarrowPhase> Obstacles<N> {
+    fn len(&self) -> usize {
+        self.names.len()
+    }
+
+    fn prepared(&self) -> Prepared<'_, N::Frame> {
+        Prepared { scene: &self.scene, frame: &self.frame }
     }
 
     /// Beyond which coordinate there is nothing, but for what has no end, metres.
@@ -78,15 +121,6 @@ impl<N: NarrowPhase> StaticWorld<N> {
             f64::from(min.abs().max(max.abs()).max_element())
         };
         let ends = |&farthest: &f64| farthest < 0.1 * Aabb::LIMIT;
-        self.obstacle_bounds.iter().map(farthest).filter(ends).fold(0.0, f64::max)
-    }
-
-    /// Ready to ask for configurations of these links, again and again.
-    ///
-    /// # Errors
-    /// More shapes or objects than a u32 counts: a batch checker holds up to 512 objects for each link. A link that
-    /// is out of range without being moved, by its number.
-    pub fn checker(&self, link_set: LinkSet) -> Result<BatchChecker<'_, N>, SceneError> {
-        BatchChecker::new(self, link_set)
+        self.bounds.iter().map(farthest).filter(ends).fold(0.0, f64::max)
     }
 }

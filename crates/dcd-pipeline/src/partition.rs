@@ -23,7 +23,7 @@ pub(crate) struct Partition {
 
 /// Whose boxes have been written in this step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Prepared {
+pub(crate) enum Boxed {
     /// Everyone's.
     All,
     /// The moving objects', and perhaps others' as before.
@@ -49,14 +49,14 @@ impl Partition {
     pub(crate) fn build(
         &mut self,
         scene: &Scene,
-        (aabbs, prepared): (&[Aabb], Prepared),
+        (aabbs, boxed): (&[Aabb], Boxed),
         broad: &mut impl BroadPhase,
         exec: Exec,
     ) {
         if self.layout != Some(scene.layout()) {
             list(scene, Motion::Moving, &mut self.movers);
         }
-        if prepared == Prepared::All && self.take_standing(scene, aabbs) {
+        if boxed == Boxed::All && self.take_standing(scene, aabbs) {
             let (names, boxes) = &self.standing;
             self.world.build(IdentifiedAabbs { aabbs: boxes, names }, exec);
         }

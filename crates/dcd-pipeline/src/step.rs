@@ -1,10 +1,10 @@
 //! One step, stage by stage.
 
-use crate::partition::{CandidateSearch, Partition, Prepared, awake, empty_free_slots};
+use crate::partition::{Boxed, CandidateSearch, Partition, awake, empty_free_slots};
 use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::{Cut, Exec, PerThread, Segments, Stage};
 use dcd_geom::{Aabb, Pair, Scene, Splittable};
-use dcd_gjk::{Contact, ContactSink, NarrowPhase, Overlap, Report};
+use dcd_gjk::{Contact, ContactSink, NarrowPhase, Overlap, Prepared, Report, Sides};
 use std::ops::Range;
 
 /// How many objects a task prepares. Larger: fewer tasks to share. Smaller: more overhead a task
@@ -181,10 +181,10 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
 
     /// Static objects that are prepared already are passed over, where no moving one is between: if
     /// the scene says that they have not changed and the narrow phase that its frame has not.
-    fn prepare(&mut self, scene: &Scene, exec: Exec) -> Prepared {
+    fn prepare(&mut self, scene: &Scene, exec: Exec) -> Boxed {
         self.aabbs.resize(scene.len(), Aabb::EMPTY);
         let has_free_slots = scene.object_count() < scene.len();
-        let part = self.narrow.layout(scene, &mut self.frame);
+        let part = self.narrow.layout(scene, Sides::One, &mut self.frame);
         let may_rest = scene.static_count() > 0 && self.partition.still_holds(scene);
         let rest = may_rest && self.narrow.keeps(&part);
         let narrow = &self.narrow;
@@ -204,7 +204,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
                 empty_free_slots(scene, slots.start, aabbs);
             }
         });
-        if rest { Prepared::Moving } else { Prepared::All }
+        if rest { Boxed::Moving } else { Boxed::All }
     }
 
     fn judge(&mut self, scene: &Scene, exec: Exec) {
@@ -212,11 +212,12 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         candidates.cut();
         let candidates = &*candidates;
         narrow.begin_pairs(frame, candidates.slices());
-        let frame = &*frame;
+        let side = Prepared { scene, frame: &*frame };
         contacts.fill(exec, candidates.tasks.len(), |task, contacts| {
             workers.with(|WorkerScratch { scratch, joined, report }| {
                 let pairs = candidates.of_task(task, joined);
-                narrow.decide(scene, frame, pairs, scratch, &mut ContactSink { contacts, report });
+                let sink = &mut ContactSink { contacts, report };
+                narrow.decide(side, side, pairs, scratch, sink);
             });
         });
         report.clear();

@@ -4,8 +4,8 @@
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Kind, Pair, Polytope, Pose, Scene, Shape};
 use dcd_gjk::{
-    Contact, ContactSink, NarrowPhase, Overlap, PosedShape, PosedSupport, Report, Verdict,
-    certified,
+    Contact, ContactSink, NarrowPhase, Overlap, PosedShape, PosedSupport, Prepared, Report, Sides,
+    Verdict, certified,
 };
 use dcd_pipeline::{Par, Pipeline, WideTree};
 use dcd_scenes::SceneSpec;
@@ -42,11 +42,12 @@ fn settled(scene: &Scene, pairs: usize, path: Path) -> (Vec<Contact<()>>, Report
     let narrow = Overlap::on(path);
     let mut frame = <Overlap as NarrowPhase>::Frame::default();
     let mut aabbs = vec![Aabb::default(); scene.len()];
-    let part = narrow.layout(scene, &mut frame);
+    let part = narrow.layout(scene, Sides::One, &mut frame);
     narrow.prepare(scene, 0, part, &mut aabbs);
     let (mut contacts, mut report) = (Vec::new(), Report::default());
     let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
-    narrow.decide(scene, &frame, &pairs, &mut Default::default(), &mut sink);
+    let side = Prepared { scene, frame: &frame };
+    narrow.decide(side, side, &pairs, &mut Default::default(), &mut sink);
     (contacts, report)
 }
 

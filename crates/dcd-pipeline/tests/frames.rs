@@ -4,7 +4,7 @@
 use dcd_exec::with_threads;
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Aabb, Filter, Handle, Object, Pair, Pose, Scene, Shape};
-use dcd_gjk::{Coherent, ContactSink, Method};
+use dcd_gjk::{Coherent, ContactSink, Method, Prepared, Sides};
 use dcd_pipeline::{Change, Event, Events, NarrowPhase, Overlap, Par, Pipeline, WideTree};
 use dcd_scenes::{RandomWalk, SceneSpec};
 use std::collections::BTreeMap;
@@ -213,8 +213,13 @@ impl NarrowPhase for Counting {
     type Part<'f> = <Overlap as NarrowPhase>::Part<'f>;
     type Scratch = <Overlap as NarrowPhase>::Scratch;
 
-    fn layout<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
-        self.0.layout(scene, frame)
+    fn layout<'f>(
+        &self,
+        scene: &Scene,
+        sides: Sides,
+        frame: &'f mut Self::Frame,
+    ) -> Self::Part<'f> {
+        self.0.layout(scene, sides, frame)
     }
 
     fn keeps(&self, part: &Self::Part<'_>) -> bool {
@@ -228,13 +233,13 @@ impl NarrowPhase for Counting {
 
     fn decide(
         &self,
-        scene: &Scene,
-        frame: &Self::Frame,
+        a: Prepared<'_, Self::Frame>,
+        b: Prepared<'_, Self::Frame>,
         pairs: &[Pair],
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, Self::Answer>,
     ) {
-        self.0.decide(scene, frame, pairs, scratch, sink);
+        self.0.decide(a, b, pairs, scratch, sink);
     }
 }
 

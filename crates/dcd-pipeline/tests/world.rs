@@ -5,7 +5,8 @@ use dcd_exec::with_threads;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Filter, Object, Pair, Pose, Scene, SceneError, Shape};
 use dcd_gjk::{
-    Certified, ContactSink, Method, PairSolver, Pairwise, PosedShape, Reason, Verdict, Within,
+    Certified, ContactSink, Method, PairSolver, Pairwise, PosedShape, Prepared, Reason, Sides,
+    Verdict, Within,
 };
 use dcd_pipeline::{Hit, LinkSet, NarrowPhase, Other, Overlap, Par, Pipeline, StaticWorld};
 use dcd_scenes::SceneSpec;
@@ -264,8 +265,8 @@ impl<N: NarrowPhase> NarrowPhase for Blind<N> {
         Self: 'f;
     type Scratch = N::Scratch;
 
-    fn layout<'f>(&self, scene: &Scene, frame: &'f mut N::Frame) -> N::Part<'f> {
-        self.0.layout(scene, frame)
+    fn layout<'f>(&self, scene: &Scene, sides: Sides, frame: &'f mut N::Frame) -> N::Part<'f> {
+        self.0.layout(scene, sides, frame)
     }
 
     fn keeps(&self, part: &N::Part<'_>) -> bool {
@@ -278,13 +279,13 @@ impl<N: NarrowPhase> NarrowPhase for Blind<N> {
 
     fn decide(
         &self,
-        scene: &Scene,
-        frame: &N::Frame,
+        a: Prepared<'_, N::Frame>,
+        b: Prepared<'_, N::Frame>,
         pairs: &[Pair],
         scratch: &mut N::Scratch,
         sink: &mut ContactSink<'_, N::Answer>,
     ) {
-        self.0.decide(scene, frame, pairs, scratch, sink);
+        self.0.decide(a, b, pairs, scratch, sink);
     }
 }
 

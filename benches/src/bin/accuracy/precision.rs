@@ -7,7 +7,7 @@ use dcd_gjk::epa::{self, Scratch};
 use dcd_gjk::query::MeasureAt;
 use dcd_gjk::{
     Accuracy, Certified, ContactSink, Depths, Gjk, NarrowPhase, Overlap, OverlapUnchecked,
-    PairSolver, PosedShape, PosedSupport, Report, Verdict,
+    PairSolver, PosedShape, PosedSupport, Prepared, Report, Sides, Verdict,
 };
 use serde::{Deserialize, Serialize};
 
@@ -192,7 +192,7 @@ impl<N: NarrowPhase<Answer = ()>> SimdOverlap<N> {
     fn new(narrow: N, subject: &Subject) -> Self {
         let mut frame = N::Frame::default();
         let scene = &subject.scene;
-        let part = narrow.layout(scene, &mut frame);
+        let part = narrow.layout(scene, Sides::One, &mut frame);
         narrow.prepare(scene, 0, part, &mut vec![Aabb::default(); scene.len()]);
         Self { narrow, frame, scratch: N::Scratch::default() }
     }
@@ -203,7 +203,8 @@ impl<N: NarrowPhase<Answer = ()>> SimdOverlap<N> {
             pairs.iter().filter_map(|&k| subject.in_scene[k as usize]).collect();
         let (mut contacts, mut report) = (Vec::new(), Report::default());
         let sink = &mut ContactSink { contacts: &mut contacts, report: &mut report };
-        self.narrow.decide(&subject.scene, &self.frame, &in_scene, &mut self.scratch, sink);
+        let side = Prepared { scene: &subject.scene, frame: &self.frame };
+        self.narrow.decide(side, side, &in_scene, &mut self.scratch, sink);
         let mut contacts = contacts.iter().map(|contact| contact.pair).peekable();
         let open: Vec<Pair> = report.undecided().iter().map(|open| open.pair).collect();
         said.extend(pairs.iter().map(|&k| match subject.in_scene[k as usize] {

@@ -128,7 +128,7 @@ impl Room {
 }
 
 /// What is timed: how many hits there are.
-fn count(checker: &mut BatchChecker<'_>, poses: &[Pose], until: Until, par: Par) -> usize {
+fn count(checker: &mut BatchChecker, poses: &[Pose], until: Until, par: Par) -> usize {
     match until {
         Until::First => checker.first(poses, par).map_or(0, |first| first.iter().flatten().count()),
         Until::Last => checker.all(poses, par).map_or(0, |all| all.len()),
@@ -137,7 +137,7 @@ fn count(checker: &mut BatchChecker<'_>, poses: &[Pose], until: Until, par: Par)
 
 /// The same hits.
 fn touching(
-    checker: &mut BatchChecker<'_>,
+    checker: &mut BatchChecker,
     poses: &[Pose],
     until: Until,
     par: Par,

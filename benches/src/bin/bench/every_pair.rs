@@ -5,7 +5,7 @@ use std::ops::Range;
 use dcd_benches::Agreement;
 use dcd_exec::{Exec, PerThread, Segments};
 use dcd_geom::{Aabb, Pair, Scene};
-use dcd_gjk::{Contact, ContactSink, NarrowPhase, Report};
+use dcd_gjk::{Contact, ContactSink, NarrowPhase, Prepared, Report, Sides};
 
 use crate::case::Case;
 
@@ -44,19 +44,20 @@ impl<'n, N: NarrowPhase<Answer = ()>> EveryPair<'n, N> {
     /// demands: their boxes too, which nobody reads here.
     pub(crate) fn run(&mut self, scene: &Scene, exec: Exec) {
         self.aabbs.resize(scene.len(), Aabb::default());
-        let part = self.narrow.layout(scene, &mut self.frame);
+        let part = self.narrow.layout(scene, Sides::One, &mut self.frame);
         let narrow = self.narrow;
         exec.divide((part, &mut self.aabbs[..]), 256, |first, (part, aabbs)| {
             narrow.prepare(scene, first, part, aabbs);
         });
         let Self { frame, contacts, scratch, reports, report, .. } = self;
+        let side = Prepared { scene, frame: &*frame };
         let tasks = tasks(scene.len());
         contacts.fill(exec, tasks.len(), |k, contacts| {
             scratch.with(|scratch| {
                 reports.with(|report| {
                     for_each_slice(&tasks[k], scene.len(), |pairs| {
                         let sink = &mut ContactSink { contacts: &mut *contacts, report };
-                        narrow.decide(scene, frame, pairs, scratch, sink);
+                        narrow.decide(side, side, pairs, scratch, sink);
                     });
                 });
             });

@@ -189,15 +189,10 @@ fn pairs_are_those_of_the_boxes_that_overlap_and_are_kept() {
     let numbers: Vec<u32> = (0..60).collect();
     let asked = Aabb { min: Vec3::splat(-0.7), max: Vec3::splat(0.4) };
     let mut pairs = vec![Pair::new(1, 2)];
-    obstacle_grid.append_pairs(
-        (99, &asked),
-        &numbers,
-        |i, j| !i.is_multiple_of(3) && j == 99,
-        &mut pairs,
-    );
+    obstacle_grid.append_pairs((7, &asked), &numbers, |i| !i.is_multiple_of(3), &mut pairs);
     let overlaps =
         |i: &u32| obstacle_bounds[*i as usize].aabb.overlaps(&asked) && !i.is_multiple_of(3);
-    let due: Vec<Pair> = numbers.into_iter().filter(overlaps).map(|i| Pair::new(i, 99)).collect();
+    let due: Vec<Pair> = numbers.into_iter().filter(overlaps).map(|i| Pair { i, j: 7 }).collect();
     assert!(due.len() > 3);
     assert_eq!(pairs[1..], due);
 }

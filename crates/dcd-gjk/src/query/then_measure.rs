@@ -1,15 +1,18 @@
 //! A solver asked of the pairs that a narrow phase has found.
 
 use super::Within;
-use crate::{Contact, ContactSink, NarrowPhase, Overlap, PairSolver, PosedShape, Report, Verdict};
+use crate::{
+    Contact, ContactSink, NarrowPhase, Overlap, PairSolver, PosedShape, Prepared, Sides, Verdict,
+};
 use dcd_geom::{Aabb, Pair, Scene, ShapeError};
 
 /// Asks a solver of touching pairs alone: first the narrow phase says yes or no to all, by default
 /// the lanes, proved; then the solver tells more of those that touch.
 ///
 /// For a solver with a [margin](PairSolver::margin), "touching" is "within the margin" (see
-/// [`Within`]). A pair that the solver cannot tell about is undecided, with the solver's reason.
-/// The methods of a [`Report`] are those of the narrow phase.
+/// [`Within`]). A pair that the solver cannot measure is undecided, with the solver's reason.
+/// The methods of a [`Report`](crate::Report) are those by which the narrow phase said yes or no, to pairs
+/// that could not be measured too.
 #[derive(Clone, Copy, Debug)]
 pub struct ThenMeasure<S, N = Overlap> {
     narrow: Within<N>,
@@ -57,8 +60,13 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
         self.narrow.aabb_margin()
     }
 
-    fn layout<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
-        self.narrow.layout(scene, frame)
+    fn layout<'f>(
+        &self,
+        scene: &Scene,
+        sides: Sides,
+        frame: &'f mut Self::Frame,
+    ) -> Self::Part<'f> {
+        self.narrow.layout(scene, sides, frame)
     }
 
     fn keeps(&self, part: &Self::Part<'_>) -> bool {
@@ -71,8 +79,8 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
 
     fn decide(
         &self,
-        scene: &Scene,
-        frame: &Self::Frame,
+        a: Prepared<'_, Self::Frame>,
+        b: Prepared<'_, Self::Frame>,
         pairs: &[Pair],
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, S::Answer>,
@@ -80,36 +88,14 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
         let Scratch { narrow, touching, solver } = scratch;
         touching.clear();
         let mut yes = ContactSink { contacts: touching, report: sink.report };
-        self.narrow.decide(scene, frame, pairs, narrow, &mut yes);
-        let placed = |i: u32| PosedShape {
-            shape: scene.shape(i as usize),
-            pose: &scene.poses()[i as usize],
-        };
+        self.narrow.decide(a, b, pairs, narrow, &mut yes);
         for &Contact { pair, .. } in &*touching {
-            match self.solver.measure(placed(pair.i), placed(pair.j), solver) {
+            let (one, other) = (PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j));
+            match self.solver.measure(one, other, solver) {
                 Verdict::Touching(answer) => sink.contacts.push(Contact { pair, answer }),
                 Verdict::Apart => {}
-                Verdict::Undecided(reason) => {
-                    sink.report.withdraw(&self.alone(scene, frame, pair, narrow));
-                    sink.report.leave(pair, reason);
-                }
+                Verdict::Undecided(reason) => sink.report.leave_unmeasured(pair, reason),
             }
         }
-    }
-}
-
-impl<S: PairSolver + 'static, N: NarrowPhase> ThenMeasure<S, N> {
-    /// What the narrow phase counts for one pair: rare, so that it may allocate.
-    fn alone(
-        &self,
-        scene: &Scene,
-        frame: &<Self as NarrowPhase>::Frame,
-        pair: Pair,
-        scratch: &mut N::Scratch,
-    ) -> Report {
-        let (mut contacts, mut report) = (Vec::new(), Report::default());
-        let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
-        self.narrow.decide(scene, frame, &[pair], scratch, &mut sink);
-        report
     }
 }

@@ -1,7 +1,7 @@
 //! All pairs within a margin, by any narrow phase that says yes or no.
 
 use super::check_margin;
-use crate::{ContactSink, NarrowPhase, Overlap, Reason};
+use crate::{ContactSink, NarrowPhase, Overlap, Prepared, Reason, Sides};
 use dcd_geom::{Aabb, Pair, Revision, Scene, ShapeError, Splittable};
 
 /// Which pairs are within a margin of each other: a narrow phase's yes or no on the scene's
@@ -102,13 +102,18 @@ impl<N: NarrowPhase> NarrowPhase for Within<N> {
         self.narrow.constant_answer()
     }
 
-    fn layout<'f>(&self, scene: &Scene, frame: &'f mut Self::Frame) -> Self::Part<'f> {
+    fn layout<'f>(
+        &self,
+        scene: &Scene,
+        sides: Sides,
+        frame: &'f mut Self::Frame,
+    ) -> Self::Part<'f> {
         let kept = frame.grown.follow(scene, self.half());
         let grown = match &frame.grown {
             Grown::Copy { scene, .. } => Some(&**scene),
             Grown::AsItIs | Grown::OutOfRange => None,
         };
-        let prepared = self.narrow.layout(grown.unwrap_or(scene), &mut frame.prepared);
+        let prepared = self.narrow.layout(grown.unwrap_or(scene), sides, &mut frame.prepared);
         Part { grown, kept, prepared }
     }
 
@@ -128,24 +133,27 @@ impl<N: NarrowPhase> NarrowPhase for Within<N> {
 
     fn decide(
         &self,
-        scene: &Scene,
-        frame: &Self::Frame,
+        a: Prepared<'_, Self::Frame>,
+        b: Prepared<'_, Self::Frame>,
         pairs: &[Pair],
         scratch: &mut N::Scratch,
         sink: &mut ContactSink<'_, N::Answer>,
     ) {
-        let scene = match &frame.grown {
-            Grown::AsItIs => scene,
-            Grown::Copy { scene, .. } => scene,
-            Grown::OutOfRange => {
-                for &pair in pairs {
-                    sink.report.leave(pair, Reason::Range);
-                }
-                return;
-            }
-        };
-        self.narrow.decide(scene, &frame.prepared, pairs, scratch, sink);
+        match (grown_side(a), grown_side(b)) {
+            (Some(a), Some(b)) => self.narrow.decide(a, b, pairs, scratch, sink),
+            _ => pairs.iter().for_each(|&pair| sink.report.leave(pair, Reason::Range)),
+        }
     }
+}
+
+/// What stands for one side; `None` where an object of it would be out of range.
+fn grown_side<F>(side: Prepared<'_, WithinFrame<F>>) -> Option<Prepared<'_, F>> {
+    let scene = match &side.frame.grown {
+        Grown::AsItIs => side.scene,
+        Grown::Copy { scene, .. } => scene,
+        Grown::OutOfRange => return None,
+    };
+    Some(Prepared { scene, frame: &side.frame.prepared })
 }
 
 impl Grown {

@@ -1,7 +1,7 @@
 //! Cuboids that stand along the world's axes: bricks, crates, shelves, voxels. What the lanes leave
 //! open of them just touches, and no general search is needed to say so.
 
-use super::frame::{AXIS_ALIGNED, SimdFrame};
+use super::frame::{AXIS_ALIGNED, FramePair};
 use crate::Method;
 use crate::exact::boxes::{Halves, aligned, along, axes_of};
 use dcd_geom::glam::DVec3;
@@ -32,12 +32,12 @@ impl AxisAligned {
 /// Whether two objects touch, by the exact closed form, and which method that was; `None` unless both
 /// are marked as upright.
 #[inline]
-pub(super) fn touch(frame: &SimdFrame, pair: Pair) -> Option<(bool, Method)> {
-    let records = [pair.i, pair.j].map(|object| frame.record(object));
+pub(super) fn touch(frames: FramePair<'_>, pair: Pair) -> Option<(bool, Method)> {
+    let records = [frames.a.record(pair.i), frames.b.record(pair.j)];
     if records[0].marks & records[1].marks & AXIS_ALIGNED == 0 {
         return None;
     }
-    let half = Halves { a: frame.upright(pair.i).half, b: frame.upright(pair.j).half };
+    let half = Halves { a: frames.a.upright(pair.i).half, b: frames.b.upright(pair.j).half };
     let centres = records.map(|record| {
         let [x, y, z, _] = record.centre;
         DVec3::new(x, y, z)

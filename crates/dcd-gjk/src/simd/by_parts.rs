@@ -2,13 +2,13 @@
 //! those that this leaves open, then what the lanes do.
 
 use super::certificate::CertifiedBounds;
-use super::decide::{self, Decide, Left};
+use super::decide::{self, Decide, Left, Slice};
 use super::expand::{Expand, Queue};
 use super::frame::SimdFrame;
-use crate::{Method, PosedShape, Reason, Report, Verdict, certified};
+use crate::{Method, PosedShape, Prepared, Reason, Report, Verdict, certified};
 use dcd_geom::glam::Vec3;
-use dcd_geom::{Pair, Scene, Shape};
-use dcd_simd::{Path, dispatch_on};
+use dcd_geom::{Pair, Shape};
+use dcd_simd::dispatch_on;
 use std::marker::PhantomData;
 
 /// What is reused from slice to slice.
@@ -46,42 +46,35 @@ struct Doubt {
     axes: [Vec3; 2],
 }
 
-/// Some pairs of a scene.
-pub(super) struct ByParts<'a> {
-    pub(super) path: Path,
-    pub(super) scene: &'a Scene,
-    pub(super) frame: &'a SimdFrame,
-    pub(super) pairs: &'a [Pair],
-}
-
-impl ByParts<'_> {
-    /// Settles these of the pairs, all with parts, and writes which touch.
-    pub(super) fn judge(
-        &self,
-        mut left: &[Left],
-        lanes: &mut decide::Scratch,
-        (touching, report): (&mut [bool], &mut Report),
-    ) {
-        let mut scratch = std::mem::take(&mut lanes.by_parts);
-        while !left.is_empty() {
-            let (frame, pairs, queue) = (self.frame, self.pairs, &mut scratch.queue);
-            let taken = dispatch_on(self.path, Expand { frame, pairs, left, queue });
-            left = &left[taken..];
-            self.answer(&mut scratch, lanes);
-            report.count(Method::Portal, scratch.queue.apart);
-            for (question, known) in scratch.queue.questions.iter().zip(&scratch.known) {
-                touching[question.number as usize] = known.touching;
-                match known.undecided {
-                    Some(reason) if !known.touching => {
-                        report.leave(pairs[question.number as usize], reason);
-                    }
-                    _ => report.count(known.method, 1),
+/// Settles these of a slice's pairs, all with parts, and writes which touch.
+pub(super) fn judge(
+    slice: &Slice<'_>,
+    mut left: &[Left],
+    lanes: &mut decide::Scratch,
+    (touching, report): (&mut [bool], &mut Report),
+) {
+    let mut scratch = std::mem::take(&mut lanes.by_parts);
+    let (frames, pairs) = (slice.frames(), slice.pairs);
+    while !left.is_empty() {
+        let queue = &mut scratch.queue;
+        let taken = dispatch_on(slice.path, Expand { frames, pairs, left, queue });
+        left = &left[taken..];
+        slice.answer(&mut scratch, lanes);
+        report.count(Method::Portal, scratch.queue.apart);
+        for (question, known) in scratch.queue.questions.iter().zip(&scratch.known) {
+            touching[question.number as usize] = known.touching;
+            match known.undecided {
+                Some(reason) if !known.touching => {
+                    report.leave(pairs[question.number as usize], reason);
                 }
+                _ => report.count(known.method, 1),
             }
         }
-        lanes.by_parts = scratch;
     }
+    lanes.by_parts = scratch;
+}
 
+impl Slice<'_> {
     /// Finds out what there is to be known of every question in the queue.
     fn answer(&self, scratch: &mut Scratch, lanes: &mut decide::Scratch) {
         scratch.ask_the_likeliest();
@@ -93,8 +86,9 @@ impl ByParts<'_> {
             if known.touching {
                 continue;
             }
-            let [a, b] = scratch.queue.questions[doubt.question as usize].objects;
-            let (a, b) = (self.placed(a, doubt.parts.i), self.placed(b, doubt.parts.j));
+            let number = scratch.queue.questions[doubt.question as usize].number;
+            let Pair { i, j } = self.pairs[number as usize];
+            let (a, b) = (placed(self.a, i, doubt.parts.i), placed(self.b, j, doubt.parts.j));
             let axes = doubt.axes.map(|axis| axis.as_dvec3());
             let (verdict, method) = certified::overlap_with_after(&axes, a, b, &mut lanes.parts);
             known.method = known.method.max(method);
@@ -109,9 +103,9 @@ impl ByParts<'_> {
     /// Asks the lanes, notes what they prove, and keeps what they do not.
     fn ask(&self, scratch: &mut Scratch, lanes: &mut decide::Scratch) {
         let Scratch { asked, asked_for, touching, left, counts, known, doubts, .. } = scratch;
-        let (trust, frame, pairs) = (PhantomData::<CertifiedBounds>, self.frame, &asked[..]);
+        let (trust, frames, pairs) = (PhantomData::<CertifiedBounds>, self.frames(), &asked[..]);
         lanes.lend(touching, left);
-        dispatch_on(self.path, Decide { trust, frame, pairs, scratch: lanes, report: counts });
+        dispatch_on(self.path, Decide { trust, frames, pairs, scratch: lanes, report: counts });
         lanes.lend(touching, left);
         counts.clear();
         for (&question, &touches) in asked_for.iter().zip(&*touching) {
@@ -123,22 +117,21 @@ impl ByParts<'_> {
             axes: left.axes,
         }));
     }
+}
 
-    /// An object's part, by its record; or the object, which is its own.
-    fn placed(&self, object: u32, record: u32) -> PosedShape<'_> {
-        let Self { scene, frame, .. } = self;
-        let (slot, pose) = (object as usize, &scene.poses()[object as usize]);
-        let part = frame.place_of(object, record).and_then(|place| {
-            let cores = scene.cores();
-            let first = cores.cores()[scene.shape_of()[slot] as usize].first_part;
-            let number = cores.parts()[(first + place) as usize].part as usize;
-            match scene.shape(slot) {
-                Shape::Compound(compound) => Some(compound.parts()[number].placed()),
-                _ => None,
-            }
-        });
-        PosedShape { shape: part.unwrap_or(scene.shape(slot)), pose }
-    }
+/// An object's part, by its record; or the object, which is its own.
+fn placed(side: Prepared<'_, SimdFrame>, object: u32, record: u32) -> PosedShape<'_> {
+    let whole = PosedShape::of(side.scene, object);
+    let part = side.frame.place_of(object, record).and_then(|place| {
+        let cores = side.scene.cores();
+        let first = cores.cores()[side.scene.shape_of()[object as usize] as usize].first_part;
+        let number = cores.parts()[(first + place) as usize].part as usize;
+        match whole.shape {
+            Shape::Compound(compound) => Some(compound.parts()[number].placed()),
+            _ => None,
+        }
+    });
+    PosedShape { shape: part.unwrap_or(whole.shape), ..whole }
 }
 
 impl Scratch {

@@ -2,11 +2,11 @@
 
 use super::axis::hinted;
 use super::axis_aligned;
-use super::by_parts::{self, ByParts};
+use super::by_parts;
 use super::certificate::ErrorBounds;
 use super::expand;
 use super::first_stages::{self, Entry, Place, Settled};
-use super::frame::{BOX, SimdFrame};
+use super::frame::{BOX, FramePair, SimdFrame};
 use super::kept_proofs::KeptProofs;
 use super::obb::{self, ObbPairs};
 use super::packet::{
@@ -17,9 +17,9 @@ use super::portal;
 use super::prefetch::Prefetch;
 use super::simplex;
 use super::support::SupportScratch;
-use crate::{Method, PosedShape, Report, Verdict, certified, mesh};
+use crate::{Method, PosedShape, Prepared, Report, Verdict, certified, mesh};
+use dcd_geom::Pair;
 use dcd_geom::glam::Vec3;
-use dcd_geom::{Pair, Scene};
 use dcd_simd::{Block, Kernel, Lanes, Path, WIDTH, dispatch_on};
 use std::marker::PhantomData;
 
@@ -92,33 +92,37 @@ pub(super) struct Left {
     pub(super) axes: [Vec3; 2],
 }
 
-/// Some pairs of a scene.
+/// Some pairs of an object of one side with one of the other.
 pub struct Slice<'a> {
     pub(crate) path: Path,
-    pub(crate) scene: &'a Scene,
-    pub(crate) frame: &'a SimdFrame,
+    pub(crate) a: Prepared<'a, SimdFrame>,
+    pub(crate) b: Prepared<'a, SimdFrame>,
     pub(crate) pairs: &'a [Pair],
 }
 
-impl Slice<'_> {
+impl<'a> Slice<'a> {
+    pub(super) fn frames(&self) -> FramePair<'a> {
+        FramePair { a: self.a.frame, b: self.b.frame }
+    }
+
     /// Lanes first, then one pair at a time what they leave: without a proof only shapes that have
     /// no vertices, and sizes that f32 has no room for.
     pub(crate) fn judge<T: ErrorBounds>(&self, scratch: &mut Scratch, report: &mut Report) {
-        let Self { path, scene, frame, pairs } = *self;
-        let trust = PhantomData::<T>;
-        dispatch_on(path, Decide { trust, frame, pairs, scratch, report: &mut *report });
+        let Self { path, pairs, .. } = *self;
+        let (trust, frames) = (PhantomData::<T>, self.frames());
+        dispatch_on(path, Decide { trust, frames, pairs, scratch, report: &mut *report });
         self.judge_by_parts(scratch, report);
         for left in &scratch.left {
             let number = left.number as usize;
             let pair = pairs[number];
-            scratch.touching[number] = match axis_aligned::touch(frame, pair) {
+            scratch.touching[number] = match axis_aligned::touch(frames, pair) {
                 Some((touch, method)) => {
                     report.count(method, 1);
                     touch
                 }
                 None => {
                     let known = Known { axes: left.axes, parts: &mut scratch.parts };
-                    settle(scene, pair, known, report)
+                    self.settle(pair, known, report)
                 }
             };
         }
@@ -126,18 +130,32 @@ impl Slice<'_> {
 
     /// Takes out of the pairs left open those whose parts the lanes know, and settles them.
     fn judge_by_parts(&self, scratch: &mut Scratch, report: &mut Report) {
-        let Self { path, scene, frame, pairs } = *self;
-        if !frame.has_compounds() {
+        let frames = self.frames();
+        if !frames.have_compounds() {
             return;
         }
         let mut with_parts = std::mem::take(&mut scratch.with_parts);
-        let has_parts = |left: &mut Left| expand::has_parts(frame, pairs[left.number as usize]);
+        let has_parts =
+            |left: &mut Left| expand::has_parts(frames, self.pairs[left.number as usize]);
         with_parts.clear();
         with_parts.extend(scratch.left.extract_if(.., has_parts));
         let mut touching = std::mem::take(&mut scratch.touching);
-        let by_parts = ByParts { path, scene, frame, pairs };
-        by_parts.judge(&with_parts, scratch, (&mut touching, report));
+        by_parts::judge(self, &with_parts, scratch, (&mut touching, report));
         (scratch.touching, scratch.with_parts) = (touching, with_parts);
+    }
+
+    /// The later methods for one pair that the lanes left open: the lanes' own axes in f64, then f64
+    /// from the start, then exact integers. Whether it is known to touch.
+    fn settle(&self, pair: Pair, Known { axes, parts }: Known<'_>, report: &mut Report) -> bool {
+        let a = PosedShape::of(self.a.scene, pair.i);
+        let b = PosedShape::of(self.b.scene, pair.j);
+        let axes = axes.map(|axis| axis.as_dvec3());
+        let (verdict, method) = certified::overlap_with_after(&axes, a, b, parts);
+        match verdict {
+            Verdict::Undecided(reason) => report.leave(pair, reason),
+            Verdict::Apart | Verdict::Touching(()) => report.count(method, 1),
+        }
+        verdict == Verdict::Touching(())
     }
 }
 
@@ -147,31 +165,11 @@ struct Known<'a> {
     parts: &'a mut mesh::Scratch,
 }
 
-/// The later methods for one pair that the lanes left open: the lanes' own axes in f64, then f64
-/// from the start, then exact integers. Whether it is known to touch.
-fn settle(
-    scene: &Scene,
-    pair: Pair,
-    Known { axes, parts }: Known<'_>,
-    report: &mut Report,
-) -> bool {
-    let placed =
-        |i: u32| PosedShape { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
-    let axes = axes.map(|axis| axis.as_dvec3());
-    let (verdict, method) =
-        certified::overlap_with_after(&axes, placed(pair.i), placed(pair.j), parts);
-    match verdict {
-        Verdict::Undecided(reason) => report.leave(pair, reason),
-        Verdict::Apart | Verdict::Touching(()) => report.count(method, 1),
-    }
-    verdict == Verdict::Touching(())
-}
-
 /// Settles what the lanes can of a slice of pairs.
 pub(super) struct Decide<'a, T> {
     /// What the answers are worth.
     pub(super) trust: PhantomData<T>,
-    pub(super) frame: &'a SimdFrame,
+    pub(super) frames: FramePair<'a>,
     pub(super) pairs: &'a [Pair],
     pub(super) scratch: &'a mut Scratch,
     pub(super) report: &'a mut Report,
@@ -190,8 +188,8 @@ impl<T: ErrorBounds> Kernel for Decide<'_, T> {
             self.scratch.kept.begin(pairs.len());
         }
         self.scratch.left.clear();
-        self.scratch.ahead.look(self.frame, pairs.chunks(WIDTH).next().unwrap_or_default());
-        self.scratch.ahead.look(self.frame, pairs.chunks(WIDTH).nth(1).unwrap_or_default());
+        self.scratch.ahead.look(self.frames, pairs.chunks(WIDTH).next().unwrap_or_default());
+        self.scratch.ahead.look(self.frames, pairs.chunks(WIDTH).nth(1).unwrap_or_default());
         let mut first = 0;
         loop {
             let whole = if first < pairs.len() { Whole::Only } else { Whole::OrLast };
@@ -229,9 +227,9 @@ impl<T: ErrorBounds> Decide<'_, T> {
     fn open<L: Lanes>(&mut self, l: L, first: usize) {
         let Scratch { touching, kept, left, ahead, entry, boxed, axis, .. } = &mut *self.scratch;
         let later = self.pairs.get(first + 2 * WIDTH..).unwrap_or_default();
-        ahead.look(self.frame, &later[..later.len().min(WIDTH)]);
+        ahead.look(self.frames, &later[..later.len().min(WIDTH)]);
         let pairs = &self.pairs[first..self.pairs.len().min(first + WIDTH)];
-        entry.read::<T>(self.frame, pairs, first as u32);
+        entry.read::<T>(self.frames, pairs, first as u32);
         let spheres = entry.spheres::<L, T>(l);
         mark(&mut touching[first..], spheres.touching);
         self.report.count(Method::Spheres, count(spheres.all()));
@@ -241,7 +239,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
             narrow =
                 spheres.all() & !kept.note(l, &entry.packet, (spheres.clearance, spheres.all()));
         }
-        let to_axis = if self.frame.has_vertices() { (open | narrow) & !entry.boxed } else { 0 };
+        let to_axis = if self.frames.have_vertices() { (open | narrow) & !entry.boxed } else { 0 };
         let to_boxes = open & entry.boxed;
         let to_left = used(pairs.len()) & !(spheres.all() | to_boxes | to_axis);
         for lane in LanesOf(to_left) {
@@ -256,12 +254,12 @@ impl<T: ErrorBounds> Decide<'_, T> {
     fn obbs<L: Lanes>(&mut self, l: L) {
         let Scratch { left, boxes, packet, boxed, .. } = &mut *self.scratch;
         let taken = boxed.take(l, packet);
-        let (settled, aligned) = obb::obbs::<L, T>(l, self.frame, boxes, (packet, taken));
+        let (settled, aligned) = obb::obbs::<L, T>(l, self.frames, boxes, (packet, taken));
         let open = used(taken) & !settled.all();
-        let handed_on = match (self.frame.has_vertices(), T::HANDS_ON) {
+        let handed_on = match (self.frames.have_vertices(), T::HANDS_ON) {
             (false, _) => open,
             // A round or a hull between its boxes is not them.
-            (true, true) => are_boxes(self.frame, packet, open & aligned),
+            (true, true) => are_boxes(self.frames, packet, open & aligned),
             (true, false) => 0,
         };
         for lane in LanesOf(handed_on) {
@@ -277,7 +275,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
     fn first_axis<L: Lanes>(&mut self, l: L) {
         let Scratch { support_scratch, packet, axis, kept, .. } = &mut *self.scratch;
         let taken = axis.take(l, packet);
-        let mut at = Place { frame: self.frame, support_scratch };
+        let mut at = Place { frames: self.frames, support_scratch };
         let mut first = packet.vector(l, Vector::C);
         if T::KEEPS_CLEARANCE {
             first = hinted(l, &kept.axes, (packet, taken), first);
@@ -304,7 +302,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
     fn nearer<L: Lanes>(&mut self, l: L) {
         let Scratch { support_scratch, packet, near, .. } = &mut *self.scratch;
         let taken = near.take(l, packet);
-        let mut at = Place { frame: self.frame, support_scratch };
+        let mut at = Place { frames: self.frames, support_scratch };
         let (settled, stuck) = simplex::round::<L, T>(l, &mut at, packet, taken);
         let done = self.settle(l, Method::Portal, settled, used(taken));
         let (proved, enough) = self.narrow(l);
@@ -318,7 +316,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
     fn second_point<L: Lanes>(&mut self, l: L) {
         let Scratch { support_scratch, packet, second, .. } = &mut *self.scratch;
         let taken = second.take(l, packet);
-        let mut at = Place { frame: self.frame, support_scratch };
+        let mut at = Place { frames: self.frames, support_scratch };
         let cone = portal::second_point::<L, T>(l, &mut at, packet, taken);
         let cone = Settled::touching(l, cone);
         let done = self.settle(l, Method::Cone, cone, used(taken));
@@ -330,7 +328,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
     fn round<L: Lanes>(&mut self, l: L) {
         let Scratch { support_scratch, packet, portal, .. } = &mut *self.scratch;
         let taken = portal.take(l, packet);
-        let mut at = Place { frame: self.frame, support_scratch };
+        let mut at = Place { frames: self.frames, support_scratch };
         let mut against = Block::default();
         if T::KEEPS_CLEARANCE {
             packet.vector(l, Vector::D).store(l, &mut against.0);
@@ -381,10 +379,10 @@ impl<T: ErrorBounds> Decide<'_, T> {
 
 /// Of these lanes those whose objects are their boxes.
 #[inline(always)]
-fn are_boxes(frame: &SimdFrame, packet: &PairPacket, lanes: u32) -> u32 {
+fn are_boxes(frames: FramePair<'_>, packet: &PairPacket, lanes: u32) -> u32 {
     let mut boxes = 0;
     for lane in LanesOf(lanes) {
-        let (a, b) = (frame.record(packet.a.0[lane]), frame.record(packet.b.0[lane]));
+        let (a, b) = (frames.a.record(packet.a.0[lane]), frames.b.record(packet.b.0[lane]));
         boxes |= u32::from(a.marks & b.marks & BOX != 0) << lane;
     }
     boxes

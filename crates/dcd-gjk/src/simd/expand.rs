@@ -3,7 +3,7 @@
 
 use super::compounds::Members;
 use super::decide::Left;
-use super::frame::SimdFrame;
+use super::frame::{FramePair, SimdFrame};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Aabb16, Pair};
 use dcd_simd::{Kernel, Lanes, Row, WIDTH};
@@ -13,8 +13,6 @@ use dcd_simd::{Kernel, Lanes, Row, WIDTH};
 pub(super) struct Question {
     /// The pair's number in its slice.
     pub(super) number: u32,
-    /// The objects, in the order in which their parts are in a pair.
-    pub(super) objects: [u32; 2],
     /// One past its pairs in [`Queue::rest`], which begin where the last question's end.
     pub(super) end: u32,
 }
@@ -46,15 +44,15 @@ const ENOUGH: usize = 4096;
 
 /// Whether a pair is one for [`Expand`].
 #[inline(always)]
-pub(super) fn has_parts(frame: &SimdFrame, pair: Pair) -> bool {
-    let known = |object| frame.members(object).is_some() || frame.is_live(object);
-    let (i, j) = (frame.members(pair.i).is_some(), frame.members(pair.j).is_some());
-    (i || j) && known(pair.i) && known(pair.j)
+pub(super) fn has_parts(frames: FramePair<'_>, pair: Pair) -> bool {
+    let FramePair { a, b } = frames;
+    let (i, j) = (a.members(pair.i).is_some(), b.members(pair.j).is_some());
+    (i || j) && (i || a.is_live(pair.i)) && (j || b.is_live(pair.j))
 }
 
 /// Fills a queue from the pairs left in a slice, all with parts; returns how many it took.
 pub(super) struct Expand<'a> {
-    pub(super) frame: &'a SimdFrame,
+    pub(super) frames: FramePair<'a>,
     pub(super) pairs: &'a [Pair],
     pub(super) left: &'a [Left],
     pub(super) queue: &'a mut Queue,
@@ -65,7 +63,7 @@ impl Kernel for Expand<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> usize {
-        let Self { frame, pairs, left, queue } = self;
+        let Self { frames: FramePair { a, b }, pairs, left, queue } = self;
         queue.clear();
         for (taken, left) in left.iter().enumerate() {
             if queue.rest.len() >= ENOUGH {
@@ -74,21 +72,18 @@ impl Kernel for Expand<'_> {
             let pair = pairs[left.number as usize];
             let begin = queue.rest.len();
             let mut hits = Hits { pairs: &mut queue.rest, deepest: f32::NEG_INFINITY, at: begin };
-            let objects = match (frame.members(pair.i), frame.members(pair.j)) {
-                (Some(a), Some(b)) => {
-                    hits.all(l, &a, &b);
-                    [pair.i, pair.j]
+            match (a.members(pair.i), b.members(pair.j)) {
+                (Some(a), Some(b)) => hits.all(l, &a, &b),
+                (Some(parts), None) => {
+                    let one = One { aabb: sphere_box(b, pair.j), record: pair.j, is_first: false };
+                    hits.of_one(l, &parts, &one);
                 }
-                (Some(a), None) => {
-                    hits.of_one(l, &a, (&sphere_box(frame, pair.j), pair.j));
-                    [pair.i, pair.j]
+                (None, Some(parts)) => {
+                    let one = One { aabb: sphere_box(a, pair.i), record: pair.i, is_first: true };
+                    hits.of_one(l, &parts, &one);
                 }
-                (None, Some(b)) => {
-                    hits.of_one(l, &b, (&sphere_box(frame, pair.i), pair.i));
-                    [pair.j, pair.i]
-                }
-                (None, None) => [pair.i, pair.j],
-            };
+                (None, None) => {}
+            }
             let likeliest = hits.at;
             if queue.rest.len() == begin {
                 queue.apart += 1;
@@ -96,10 +91,18 @@ impl Kernel for Expand<'_> {
             }
             queue.first.push(queue.rest.swap_remove(likeliest));
             let end = queue.rest.len() as u32;
-            queue.questions.push(Question { number: left.number, objects, end });
+            queue.questions.push(Question { number: left.number, end });
         }
         left.len()
     }
+}
+
+/// A part or an object that is its own, beside sixteen parts of the other object.
+struct One {
+    aabb: Aabb,
+    record: u32,
+    /// Whether it is of the pair's first object.
+    is_first: bool,
 }
 
 /// The pairs of parts of one pair of objects, and which is likeliest to touch.
@@ -122,8 +125,8 @@ impl Hits<'_> {
                     let lane = reaching.trailing_zeros();
                     reaching &= reaching - 1;
                     let record = b.first + (group * WIDTH) as u32 + lane;
-                    let one = (&boxes.get(lane as usize), record);
-                    self.of_group(l, (&a.groups[of_a], a.first + (of_a * WIDTH) as u32), one);
+                    let one = One { aabb: boxes.get(lane as usize), record, is_first: false };
+                    self.of_group(l, (&a.groups[of_a], a.first + (of_a * WIDTH) as u32), &one);
                 }
             }
         }
@@ -131,15 +134,15 @@ impl Hits<'_> {
 
     /// Of a compound and one object.
     #[inline(always)]
-    fn of_one<L: Lanes>(&mut self, l: L, a: &Members<'_>, one: (&Aabb, u32)) {
-        for (group, boxes) in a.groups.iter().enumerate() {
-            self.of_group(l, (boxes, a.first + (group * WIDTH) as u32), one);
+    fn of_one<L: Lanes>(&mut self, l: L, parts: &Members<'_>, one: &One) {
+        for (group, boxes) in parts.groups.iter().enumerate() {
+            self.of_group(l, (boxes, parts.first + (group * WIDTH) as u32), one);
         }
     }
 
     #[inline(always)]
-    fn of_group<L: Lanes>(&mut self, l: L, group: (&Aabb16, u32), one: (&Aabb, u32)) {
-        let depth = group.0.depths(l, one.0);
+    fn of_group<L: Lanes>(&mut self, l: L, group: (&Aabb16, u32), one: &One) {
+        let depth = group.0.depths(l, &one.aabb);
         let mut met = l.bits(l.le(l.splat(0.0), depth));
         let mut depths = Row::default();
         l.store(depth, &mut depths);
@@ -150,7 +153,11 @@ impl Hits<'_> {
                 self.deepest = depths.0[lane as usize];
                 self.at = self.pairs.len();
             }
-            self.pairs.push(Pair { i: group.1 + lane, j: one.1 });
+            let part = group.1 + lane;
+            self.pairs.push(match one.is_first {
+                true => Pair { i: one.record, j: part },
+                false => Pair { i: part, j: one.record },
+            });
         }
     }
 }

@@ -5,7 +5,7 @@ use super::certificate::{
     Certificate, ErrorBounds, hull_holds_origin, separates, sphere_holds_origin,
     sphere_misses_origin,
 };
-use super::frame::{HAS_OBB, SimdFrame};
+use super::frame::{FramePair, HAS_OBB};
 use super::packet::{Number, PairPacket, Vector};
 use super::support::{SupportScratch, supports};
 use super::vector::V3;
@@ -73,11 +73,16 @@ pub(super) struct Entry {
 impl Entry {
     /// Reads at most sixteen pairs' records; the first is number `first` of the slice.
     #[inline(always)]
-    pub(super) fn read<T: ErrorBounds>(&mut self, frame: &SimdFrame, pairs: &[Pair], first: u32) {
+    pub(super) fn read<T: ErrorBounds>(
+        &mut self,
+        frames: FramePair<'_>,
+        pairs: &[Pair],
+        first: u32,
+    ) {
         (self.live, self.boxed) = (0, 0);
         let packet = &mut self.packet;
         for (k, pair) in pairs.iter().enumerate() {
-            let (a, b) = (frame.record(pair.i), frame.record(pair.j));
+            let (a, b) = (frames.a.record(pair.i), frames.b.record(pair.j));
             packet.number.0[k] = first + k as u32;
             packet.a.0[k] = pair.i;
             packet.b.0[k] = pair.j;
@@ -163,7 +168,7 @@ pub(super) fn nearest_multiple<L: Lanes>(l: L, c: V3<L>, p: V3<L>) -> L::F {
 
 /// Where supports are found.
 pub(super) struct Place<'a> {
-    pub(super) frame: &'a SimdFrame,
+    pub(super) frames: FramePair<'a>,
     pub(super) support_scratch: &'a mut SupportScratch,
 }
 
@@ -177,8 +182,8 @@ impl Place<'_> {
         d: V3<L>,
         used: usize,
     ) -> V3<L> {
-        let a = supports(l, self.frame, self.support_scratch, (&packet.a, d), used);
-        let b = supports(l, self.frame, self.support_scratch, (&packet.b, d.neg(l)), used);
+        let a = supports(l, self.frames.a, self.support_scratch, (&packet.a, d), used);
+        let b = supports(l, self.frames.b, self.support_scratch, (&packet.b, d.neg(l)), used);
         a.sub(l, b).add(l, packet.vector(l, Vector::C))
     }
 }

@@ -3,6 +3,7 @@
 use super::axis_aligned::AxisAligned;
 use super::compounds::{CompoundPart, Compounds, Members, laid_out};
 use super::prepare::constants;
+use crate::Sides;
 use dcd_geom::{Kind, Revision, Scene, Shape, Splittable};
 use dcd_simd::{Block, Lanes, Row, WIDTH, prefetch};
 
@@ -19,8 +20,8 @@ pub struct SimdFrame {
     /// One for each object; none at all where no shape of the scene is a cuboid.
     uprights: Vec<AxisAligned>,
     compounds: Compounds,
-    /// The scene's layout that the offsets are for.
-    layout: Option<Revision>,
+    /// What the offsets are for.
+    layout: Option<(Revision, Sides)>,
     /// Lent to the first part that has an object.
     extremes: Box<Extremes>,
 }
@@ -143,6 +144,43 @@ const NEAR: usize = 4 << 20;
 /// The same of records, where pairs read no vertices: what the second cache holds.
 const NEAR_RECORDS: usize = 1 << 20;
 
+/// The frames of both objects of a pair: the first one's and the second one's, which may be one frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FramePair<'a> {
+    pub(crate) a: &'a SimdFrame,
+    pub(crate) b: &'a SimdFrame,
+}
+
+impl<'a> FramePair<'a> {
+    /// Of a scene against itself.
+    #[cfg(test)]
+    pub(crate) fn of_one(frame: &'a SimdFrame) -> Self {
+        Self { a: frame, b: frame }
+    }
+
+    pub(super) fn is_one(self) -> bool {
+        std::ptr::eq(self.a, self.b)
+    }
+
+    /// Whether polytopes have their vertices: if not, no stage asks for supports.
+    #[inline(always)]
+    pub(super) fn have_vertices(self) -> bool {
+        self.a.has_vertices() && self.b.has_vertices()
+    }
+
+    /// Whether a cache near enough holds all that pairs read: then asking ahead costs more than it
+    /// hides.
+    #[inline(always)]
+    pub(super) fn are_near(self) -> bool {
+        self.a.is_near() && self.b.is_near()
+    }
+
+    /// Whether the lanes know the parts of any object.
+    pub(super) fn have_compounds(self) -> bool {
+        self.a.has_compounds() || self.b.has_compounds()
+    }
+}
+
 /// The frame's room for a range of the objects.
 #[derive(Debug)]
 pub struct Part<'f> {
@@ -159,13 +197,14 @@ pub struct Part<'f> {
 }
 
 impl SimdFrame {
-    /// Makes room: offsets only, and nothing to do where the scene's layout is that of the last
-    /// step.
-    pub(crate) fn layout(&mut self, scene: &Scene) -> Part<'_> {
-        let kept = self.layout == Some(scene.layout());
+    /// Makes room: offsets only, and nothing to do where the scene's layout and the sides are those of the
+    /// last step.
+    pub(crate) fn layout(&mut self, scene: &Scene, sides: Sides) -> Part<'_> {
+        let layout = Some((scene.layout(), sides));
+        let kept = self.layout == layout;
         if !kept {
-            self.set_offsets(scene);
-            self.layout = Some(scene.layout());
+            self.set_offsets(scene, sides);
+            self.layout = layout;
         }
         let Self { form, records, blocks, boxes, uprights, compounds, extremes, .. } = self;
         let (records, of_parts) = records.split_at_mut(self.objects);
@@ -190,9 +229,12 @@ impl SimdFrame {
         }
     }
 
-    fn set_offsets(&mut self, scene: &Scene) {
+    fn set_offsets(&mut self, scene: &Scene, sides: Sides) {
         let cores = scene.cores().cores();
-        self.form = Form::of(scene.shapes());
+        self.form = match sides {
+            Sides::One => Form::of(scene.shapes()),
+            Sides::Two => Form::Any,
+        };
         self.objects = scene.len();
         self.records.resize(scene.len(), Record::default());
         let parts = scene.cores().parts();
@@ -214,8 +256,7 @@ impl SimdFrame {
         }
     }
 
-    /// Whether the lanes know the parts of any object.
-    pub(super) fn has_compounds(&self) -> bool {
+    fn has_compounds(&self) -> bool {
         self.records.len() > self.objects
     }
 
@@ -251,16 +292,13 @@ impl SimdFrame {
         &self.blocks[record.first as usize..][..usize::from(record.blocks)]
     }
 
-    /// Whether polytopes have their vertices: if not, no stage asks for supports.
     #[inline(always)]
     pub(super) fn has_vertices(&self) -> bool {
         self.form == Form::Any
     }
 
-    /// Whether a cache near enough holds all that pairs read: then asking ahead costs more than it
-    /// hides.
     #[inline(always)]
-    pub(super) fn is_near(&self) -> bool {
+    fn is_near(&self) -> bool {
         match self.form {
             Form::Any => size_of_val(&*self.blocks) <= NEAR,
             Form::Spheres | Form::Cuboids => size_of_val(&*self.records) <= NEAR_RECORDS,

@@ -34,7 +34,7 @@ pub use certificate::{CertifiedBounds, UncheckedBounds};
 pub use decide::Scratch;
 pub use frame::{Part, SimdFrame};
 
-use crate::{Contact, ContactSink, NarrowPhase};
+use crate::{Contact, ContactSink, NarrowPhase, Prepared, Sides};
 use certificate::ErrorBounds;
 use dcd_geom::{Aabb, Pair, Scene};
 use dcd_simd::Path;
@@ -89,8 +89,8 @@ impl<T: ErrorBounds> NarrowPhase for SimdOverlap<T> {
         Some(())
     }
 
-    fn layout<'f>(&self, scene: &Scene, frame: &'f mut SimdFrame) -> Part<'f> {
-        frame.layout(scene)
+    fn layout<'f>(&self, scene: &Scene, sides: Sides, frame: &'f mut SimdFrame) -> Part<'f> {
+        frame.layout(scene, sides)
     }
 
     fn keeps(&self, part: &Part<'_>) -> bool {
@@ -103,13 +103,13 @@ impl<T: ErrorBounds> NarrowPhase for SimdOverlap<T> {
 
     fn decide(
         &self,
-        scene: &Scene,
-        frame: &SimdFrame,
+        a: Prepared<'_, SimdFrame>,
+        b: Prepared<'_, SimdFrame>,
         pairs: &[Pair],
         scratch: &mut Scratch,
         sink: &mut ContactSink<'_, ()>,
     ) {
-        T::judge(&Slice { path: self.path, scene, frame, pairs }, scratch, sink.report);
+        T::judge(&Slice { path: self.path, a, b, pairs }, scratch, sink.report);
         append_contacts(scratch.touching(), pairs, sink.contacts);
     }
 }

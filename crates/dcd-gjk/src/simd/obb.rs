@@ -3,7 +3,7 @@
 use super::bounds::{OBB, PARALLEL, U};
 use super::certificate::{Certificate, ErrorBounds};
 use super::first_stages::Settled;
-use super::frame::SimdFrame;
+use super::frame::FramePair;
 use super::packet::{Number, PairPacket, Vector};
 use super::vector::V3;
 use dcd_simd::{Lanes, Row, WIDTH};
@@ -66,13 +66,13 @@ impl<L: Lanes> Tally<L> {
 #[inline(always)]
 pub(super) fn obbs<L: Lanes, T: ErrorBounds>(
     l: L,
-    frame: &SimdFrame,
+    frames: FramePair<'_>,
     boxes: &mut ObbPairs,
     (packet, used): (&PairPacket, usize),
 ) -> (Settled<L>, u32) {
     for k in 0..used.min(WIDTH) {
-        boxes.a[k] = frame.boxes(packet.a.0[k]).numbers;
-        boxes.b[k] = frame.boxes(packet.b.0[k]).numbers;
+        boxes.a[k] = frames.a.boxes(packet.a.0[k]).numbers;
+        boxes.b[k] = frames.b.boxes(packet.b.0[k]).numbers;
     }
     let (a, b) = (Side::<L>::load(l, &boxes.a), Side::<L>::load(l, &boxes.b));
     let c = packet.vector(l, Vector::C);

@@ -1,7 +1,7 @@
 //! What the next pairs will read, asked for in time: in a large scene a step is as fast as memory
 //! answers. Hints alone; no result depends on them.
 
-use super::frame::SimdFrame;
+use super::frame::{FramePair, SimdFrame};
 use dcd_geom::Pair;
 use dcd_simd::{WIDTH, prefetch};
 
@@ -9,20 +9,37 @@ use dcd_simd::{WIDTH, prefetch};
 /// sixteen by sixteen objects.
 const REMEMBERED: usize = 256;
 
+/// An object, and whether it is of the second frame of two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Asked {
+    object: u32,
+    of_second: bool,
+}
+
+/// No object: the last one that a u32 counts is asked for a little later than it could be.
+const NONE: Asked = Asked { object: u32::MAX, of_second: true };
+
+impl Asked {
+    #[inline(always)]
+    fn frame(self, frames: FramePair<'_>) -> &SimdFrame {
+        if self.of_second { frames.b } else { frames.a }
+    }
+}
+
 /// Asks for the records of the pairs after the next, and for the vertices of the next.
 #[derive(Clone, Debug)]
 pub(super) struct Prefetch {
     /// The objects asked for last, so that those of a dense scene, which recur in pair after pair,
     /// are not asked for again. Forgets by overwriting.
-    recent: [u32; REMEMBERED],
+    recent: [Asked; REMEMBERED],
     /// The objects whose records were asked for by the last call.
-    new: [u32; 2 * WIDTH],
+    new: [Asked; 2 * WIDTH],
     count: usize,
 }
 
 impl Default for Prefetch {
     fn default() -> Self {
-        Self { recent: [u32::MAX; REMEMBERED], new: [0; 2 * WIDTH], count: 0 }
+        Self { recent: [NONE; REMEMBERED], new: [NONE; 2 * WIDTH], count: 0 }
     }
 }
 
@@ -30,35 +47,37 @@ impl Prefetch {
     /// Asks for the vertices of the pairs of the last call, and for the records of these: at most
     /// sixteen.
     #[inline(always)]
-    pub(super) fn look(&mut self, frame: &SimdFrame, pairs: &[Pair]) {
-        if frame.is_near() {
+    pub(super) fn look(&mut self, frames: FramePair<'_>, pairs: &[Pair]) {
+        if frames.are_near() {
             return;
         }
-        if !frame.has_vertices() {
+        if !frames.have_vertices() {
             // A line or two an object: to ask again costs less than to remember.
             for pair in pairs {
-                frame.ask_for(pair.i);
-                frame.ask_for(pair.j);
+                frames.a.ask_for(pair.i);
+                frames.b.ask_for(pair.j);
             }
             return;
         }
-        for &object in &self.new[..self.count] {
-            prefetch(frame.blocks_of(frame.record(object)));
+        for asked in &self.new[..self.count] {
+            let frame = asked.frame(frames);
+            prefetch(frame.blocks_of(frame.record(asked.object)));
         }
         self.count = 0;
+        let of_second = !frames.is_one();
         for pair in pairs {
-            self.note(frame, pair.i);
-            self.note(frame, pair.j);
+            self.note(frames, Asked { object: pair.i, of_second: false });
+            self.note(frames, Asked { object: pair.j, of_second });
         }
     }
 
     #[inline(always)]
-    fn note(&mut self, frame: &SimdFrame, object: u32) {
-        let slot = &mut self.recent[object as usize % REMEMBERED];
-        if *slot != object && self.count < self.new.len() {
-            *slot = object;
-            prefetch(std::slice::from_ref(frame.record(object)));
-            self.new[self.count] = object;
+    fn note(&mut self, frames: FramePair<'_>, asked: Asked) {
+        let slot = &mut self.recent[asked.object as usize % REMEMBERED];
+        if *slot != asked && self.count < self.new.len() {
+            *slot = asked;
+            prefetch(std::slice::from_ref(asked.frame(frames).record(asked.object)));
+            self.new[self.count] = asked;
             self.count += 1;
         }
     }

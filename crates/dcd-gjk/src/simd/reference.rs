@@ -10,13 +10,13 @@ mod simplex;
 use super::bounds::{ROTATED, U};
 use super::certificate::CertifiedBounds;
 use super::first_stages::{Entry, Place, Settled, cone, first_axis};
-use super::frame::SimdFrame;
+use super::frame::{FramePair, SimdFrame};
 use super::obb::{ObbPairs, obbs};
 use super::packet::{PairPacket, Vector};
 use super::support::{SupportScratch, supports};
 use super::vector::V3;
 use super::{Overlap, portal};
-use crate::NarrowPhase;
+use crate::{NarrowPhase, Sides};
 use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::{Aabb, Pair, Pose, Scene, Shape};
 use dcd_simd::{Kernel, Lanes, Path, Row, WIDTH, dispatch_on};
@@ -58,7 +58,7 @@ fn scene(seed: u64) -> Scene {
 fn prepared(scene: &Scene, path: Path) -> (SimdFrame, Vec<Aabb>) {
     let (overlap, mut frame) = (Overlap::on(path), SimdFrame::default());
     let mut aabbs = vec![Aabb::default(); scene.len()];
-    let part = overlap.layout(scene, &mut frame);
+    let part = overlap.layout(scene, Sides::One, &mut frame);
     overlap.prepare(scene, 0, part, &mut aabbs);
     (frame, aabbs)
 }
@@ -256,11 +256,11 @@ impl Kernel for BoxStage<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Self::Output {
         let (mut entry, mut boxes) = (Entry::default(), ObbPairs::default());
-        entry.read::<CertifiedBounds>(self.frame, self.pairs, 0);
+        entry.read::<CertifiedBounds>(FramePair::of_one(self.frame), self.pairs, 0);
         entry.spheres::<L, CertifiedBounds>(l);
         let (settled, _) = obbs::<L, CertifiedBounds>(
             l,
-            self.frame,
+            FramePair::of_one(self.frame),
             &mut boxes,
             (&entry.packet, self.pairs.len()),
         );
@@ -349,8 +349,9 @@ impl Kernel for Stages<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> AllSaid {
         let (mut entry, mut support_scratch) = (Entry::default(), SupportScratch::default());
-        let mut at = Place { frame: self.frame, support_scratch: &mut support_scratch };
-        entry.read::<CertifiedBounds>(self.frame, self.pairs, 0);
+        let mut at =
+            Place { frames: FramePair::of_one(self.frame), support_scratch: &mut support_scratch };
+        entry.read::<CertifiedBounds>(FramePair::of_one(self.frame), self.pairs, 0);
         let spheres = Said::of(entry.spheres::<L, CertifiedBounds>(l));
         let live = entry.live;
         // Every stage is asked about every pair, settled or not: each has its reference.

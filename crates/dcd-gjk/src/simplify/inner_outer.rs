@@ -1,6 +1,9 @@
 //! A scene of outer hulls, and inside each shape another one.
 
-use crate::{ContactSink, Empty, Method, NarrowPhase, PosedShape, Reason, Verdict, certified};
+use crate::{
+    ContactSink, Empty, Method, NarrowPhase, PosedShape, Prepared, Reason, Sides, Verdict,
+    certified,
+};
 use dcd_geom::{Aabb, Pair, Scene, Shape};
 
 /// Yes, no, or within the tolerance: for a scene whose shapes contain the true ones, with shapes
@@ -20,21 +23,25 @@ impl InnerOuter {
         Self { inner }
     }
 
-    /// The verdict on two objects of a scene of outer shapes, by index.
-    pub fn verdict(&self, scene: &Scene, pair: Pair) -> (Verdict<()>, Method) {
-        let objects = [pair.i, pair.j].map(|object| object as usize);
-        let [a, b] = objects.map(|i| PosedShape { shape: scene.shape(i), pose: &scene.poses()[i] });
-        let (outer, method) = certified::overlap_of(a, b);
-        if outer == Verdict::Apart {
-            return (outer, method);
+    /// The verdict on two objects of scenes of outer shapes that share a list of shapes, each by its scene and
+    /// index.
+    pub fn verdict(&self, a: (&Scene, u32), b: (&Scene, u32)) -> (Verdict<()>, Method) {
+        let outer = |(scene, i)| PosedShape::of(scene, i);
+        let (verdict, method) = certified::overlap_of(outer(a), outer(b));
+        if verdict == Verdict::Apart {
+            return (verdict, method);
         }
-        let inside = |i: usize, own| self.inner.get(scene.shape_of()[i] as usize).unwrap_or(own);
-        let a = PosedShape { shape: inside(objects[0], a.shape), ..a };
-        let b = PosedShape { shape: inside(objects[1], b.shape), ..b };
-        match certified::overlap_of(a, b) {
+        match certified::overlap_of(self.inner_of(a), self.inner_of(b)) {
             (Verdict::Touching(()), method) => (Verdict::Touching(()), method),
             (_, method) => (Verdict::Undecided(Reason::WithinTolerance), method),
         }
+    }
+
+    /// The shape inside an object's, in its place.
+    fn inner_of<'a>(&'a self, (scene, object): (&'a Scene, u32)) -> PosedShape<'a> {
+        let outer = PosedShape::of(scene, object);
+        let inner = self.inner.get(scene.shape_of()[object as usize] as usize);
+        PosedShape { shape: inner.unwrap_or(outer.shape), ..outer }
     }
 }
 
@@ -48,7 +55,7 @@ impl NarrowPhase for InnerOuter {
         Some(0.0)
     }
 
-    fn layout(&self, scene: &Scene, (): &mut ()) -> Empty {
+    fn layout(&self, scene: &Scene, _: Sides, (): &mut ()) -> Empty {
         Empty::of(scene.len())
     }
 
@@ -65,14 +72,14 @@ impl NarrowPhase for InnerOuter {
 
     fn decide(
         &self,
-        scene: &Scene,
-        (): &(),
+        a: Prepared<'_, ()>,
+        b: Prepared<'_, ()>,
         pairs: &[Pair],
         (): &mut (),
         sink: &mut ContactSink<'_, ()>,
     ) {
         for &pair in pairs {
-            let (verdict, method) = self.verdict(scene, pair);
+            let (verdict, method) = self.verdict((a.scene, pair.i), (b.scene, pair.j));
             sink.file(pair, method, verdict);
         }
     }

@@ -9,7 +9,7 @@ use crate::simd::axis::Axis;
 use crate::simd::certificate::{CertifiedBounds, ClearanceBounds, ErrorBounds};
 use crate::simd::decide::{self, Slice};
 use crate::simd::{append_contacts, frame, prepare};
-use crate::{ContactSink, Method, NarrowPhase, Report};
+use crate::{ContactSink, Method, NarrowPhase, Prepared, Report, Sides};
 use dcd_geom::{Aabb, Pair, Revision, Scene, Splittable};
 use dcd_simd::{Path, dispatch_on};
 use facts::{Fact, Facts, Found, Slot, Standing};
@@ -172,7 +172,7 @@ impl NarrowPhase for Coherent {
         Some(())
     }
 
-    fn layout<'f>(&self, scene: &Scene, frame: &'f mut TemporalFrame) -> Part<'f> {
+    fn layout<'f>(&self, scene: &Scene, sides: Sides, frame: &'f mut TemporalFrame) -> Part<'f> {
         let same_shapes = frame.shapes == Some(scene.shape_revision());
         if !same_shapes {
             frame.shapes = Some(scene.shape_revision());
@@ -193,7 +193,7 @@ impl NarrowPhase for Coherent {
         let dense = frame.facts.are_dense();
         Part {
             restless: if dense { RESTLESS } else { RESTLESS_IF_SPARSE },
-            lanes: frame.lanes.layout(scene),
+            lanes: frame.lanes.layout(scene, sides),
             kept: same_shapes,
             tracks: &mut frame.tracks,
             ways: frame.facts.ways_mut(),
@@ -230,25 +230,28 @@ impl NarrowPhase for Coherent {
 
     fn decide(
         &self,
-        scene: &Scene,
-        frame: &TemporalFrame,
+        a: Prepared<'_, TemporalFrame>,
+        b: Prepared<'_, TemporalFrame>,
         pairs: &[Pair],
         scratch: &mut Scratch,
         sink: &mut ContactSink<'_, ()>,
     ) {
-        let keeps = frame.restless.load(Relaxed) * MAX_RESTLESS <= scene.len();
-        if !keeps && !frame.still_pays {
-            let slice = Slice { path: self.path, scene, frame: &frame.lanes, pairs };
+        let frame = a.frame;
+        let is_one = std::ptr::eq(frame, b.frame);
+        let keeps = frame.restless.load(Relaxed) * MAX_RESTLESS <= a.scene.len();
+        let [a, b] = [a, b].map(|side| Prepared { scene: side.scene, frame: &side.frame.lanes });
+        let slice = Slice { path: self.path, a, b, pairs };
+        if !is_one || !keeps && !frame.still_pays {
             slice.judge::<CertifiedBounds>(&mut scratch.lanes, sink.report);
             return append_contacts(scratch.lanes.touching(), pairs, sink.contacts);
         }
         scratch.recall(&frame.facts, pairs, sink.report);
         if keeps {
             scratch.hint(&frame.facts);
-            scratch.judge_open::<ClearanceBounds>((self.path, scene, &frame.lanes), sink.report);
+            scratch.judge_open::<ClearanceBounds>(slice, sink.report);
             scratch.remember(&frame.facts);
         } else {
-            scratch.judge_open::<CertifiedBounds>((self.path, scene, &frame.lanes), sink.report);
+            scratch.judge_open::<CertifiedBounds>(slice, sink.report);
         }
         scratch.take_answers();
         append_contacts(&scratch.touching, pairs, sink.contacts);
@@ -294,13 +297,9 @@ impl Scratch {
         kept.axes.extend(self.places.iter().map(|&(_, slot)| facts.axis(slot)));
     }
 
-    /// Asks the lanes about the others.
-    fn judge_open<T: ErrorBounds>(
-        &mut self,
-        (path, scene, frame): (Path, &Scene, &frame::SimdFrame),
-        report: &mut Report,
-    ) {
-        Slice { path, scene, frame, pairs: &self.open }.judge::<T>(&mut self.lanes, report);
+    /// Asks the lanes about the others of a slice.
+    fn judge_open<T: ErrorBounds>(&mut self, slice: Slice<'_>, report: &mut Report) {
+        Slice { pairs: &self.open, ..slice }.judge::<T>(&mut self.lanes, report);
     }
 
     /// Keeps what the lanes proved of the others.

@@ -44,7 +44,7 @@ fn rooms(scene: &Scene, path: Path, axes: &[Axis], wanted: f32) -> Vec<(Pair, bo
     let narrow = Overlap::on(path);
     let mut lanes = frame::SimdFrame::default();
     let mut aabbs = vec![Aabb::default(); scene.len()];
-    let part = narrow.layout(scene, &mut lanes);
+    let part = narrow.layout(scene, Sides::One, &mut lanes);
     narrow.prepare(scene, 0, part, &mut aabbs);
     let objects = 0..scene.len() as u32;
     let pairs = objects.clone().flat_map(|j| (0..j).map(move |i| Pair::new(i, j)));
@@ -53,7 +53,8 @@ fn rooms(scene: &Scene, path: Path, axes: &[Axis], wanted: f32) -> Vec<(Pair, bo
     let kept = scratch.kept_mut();
     kept.want(wanted);
     kept.axes.extend(pairs.iter().zip(axes.iter().cycle()).map(|(_, axis)| *axis));
-    let slice = Slice { path, scene, frame: &lanes, pairs: &pairs };
+    let side = Prepared { scene, frame: &lanes };
+    let slice = Slice { path, a: side, b: side, pairs: &pairs };
     let mut report = Report::default();
     slice.judge::<ClearanceBounds>(&mut scratch, &mut report);
     // However many proofs a pair has, it is counted once.

@@ -4,8 +4,8 @@ use super::scenes::{pile, shapes};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Pair, Pose, Scene, Shape};
 use dcd_gjk::{
-    Certified, Contact, ContactSink, Distances, NarrowPhase, Overlap, Pairwise, Reason, Report,
-    ThenMeasure, Within, contract,
+    Certified, Contact, ContactSink, Distances, NarrowPhase, Overlap, Pairwise, Prepared, Reason,
+    Report, Sides, ThenMeasure, Within, contract,
 };
 
 /// The contacts among the pairs whose boxes overlap, and what is told beside.
@@ -16,13 +16,14 @@ pub(crate) fn found<N: NarrowPhase>(
 ) -> (Vec<Contact<N::Answer>>, Report) {
     let mut frame = N::Frame::default();
     let mut aabbs = vec![dcd_geom::Aabb::default(); scene.len()];
-    let part = narrow.layout(scene, &mut frame);
+    let part = narrow.layout(scene, Sides::One, &mut frame);
     narrow.prepare(scene, 0, part, &mut aabbs);
     let overlap = |pair: &Pair| aabbs[pair.i as usize].overlaps(&aabbs[pair.j as usize]);
     let candidates: Vec<Pair> = pairs.iter().copied().filter(overlap).collect();
     let (mut contacts, mut report) = (Vec::new(), Report::default());
     let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
-    narrow.decide(scene, &frame, &candidates, &mut N::Scratch::default(), &mut sink);
+    let side = Prepared { scene, frame: &frame };
+    narrow.decide(side, side, &candidates, &mut N::Scratch::default(), &mut sink);
     (contacts, report)
 }
 
@@ -80,13 +81,14 @@ fn a_frame_follows_poses_and_shapes_from_step_to_step() {
         let cube = Shape::cuboid(DVec3::splat(shape)).unwrap();
         let there = Pose::from_translation(DVec3::X * x).unwrap();
         let scene = Scene::one_each(vec![cube; 2], vec![Pose::IDENTITY, there]).unwrap();
-        let part = narrow.layout(&scene, &mut frame);
+        let part = narrow.layout(&scene, Sides::One, &mut frame);
         let mut aabbs = [dcd_geom::Aabb::default(); 2];
         narrow.prepare(&scene, 0, part, &mut aabbs);
         let (mut contacts, mut report) = (Vec::new(), Report::default());
         let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
         let mut scratch = <Overlap as NarrowPhase>::Scratch::default();
-        narrow.decide(&scene, &frame, &[Pair::new(0, 1)], &mut scratch, &mut sink);
+        let side = Prepared { scene: &scene, frame: &frame };
+        narrow.decide(side, side, &[Pair::new(0, 1)], &mut scratch, &mut sink);
         assert_eq!(contacts.len() == 1, x - 2.0 * shape <= 0.25, "{x} {shape}");
     }
 }

@@ -3,7 +3,7 @@
 
 use dcd_exec::Par;
 use dcd_geom::{Aabb, Pair, Pose, Scene, Shape};
-use dcd_gjk::{ContactSink, NarrowPhase, Pairwise, Reason, Report};
+use dcd_gjk::{ContactSink, NarrowPhase, Pairwise, Prepared, Reason, Report, Sides};
 use dcd_parry::{Library, ParryGjk, ParryPipeline, ParryShapes, Query};
 use dcd_pipeline::Pipeline;
 
@@ -14,11 +14,12 @@ pub(crate) const QUERIES: [Query; 3] =
 pub(crate) fn ask<N: NarrowPhase<Answer = ()>>(narrow: &N, scene: &Scene) -> Result<bool, Reason> {
     let mut frame = N::Frame::default();
     let mut aabbs = vec![Aabb::default(); scene.len()];
-    let part = narrow.layout(scene, &mut frame);
+    let part = narrow.layout(scene, Sides::One, &mut frame);
     narrow.prepare(scene, 0, part, &mut aabbs);
     let (mut contacts, mut report) = (Vec::new(), Report::default());
     let sink = &mut ContactSink { contacts: &mut contacts, report: &mut report };
-    narrow.decide(scene, &frame, &[Pair::new(0, 1)], &mut N::Scratch::default(), sink);
+    let side = Prepared { scene, frame: &frame };
+    narrow.decide(side, side, &[Pair::new(0, 1)], &mut N::Scratch::default(), sink);
     report.undecided().first().map_or(Ok(!contacts.is_empty()), |undecided| Err(undecided.reason))
 }
 

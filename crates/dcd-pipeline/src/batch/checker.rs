@@ -2,11 +2,12 @@
 
 use super::set::ROW;
 use super::worker::WorkerScratch;
-use super::{LinkSet, StaticWorld};
+use super::{LinkSet, Obstacles, StaticWorld};
 use dcd_broad::ObstacleGrid;
 use dcd_exec::{Exec, PerThread, Segments};
-use dcd_geom::{Object, PackedSphereBounds, Pose, Scene, SceneError, SphereBounds};
+use dcd_geom::{Filter, Object, PackedSphereBounds, Pose, Scene, SceneError, SphereBounds};
 use dcd_gjk::{NarrowPhase, Verdict};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What a link touches.
@@ -71,9 +72,9 @@ const MOST_OF_ALL: usize = 128;
 /// lanes run empty sooner. Smaller: threads wait for the last. No effect on any answer.
 const ROWS: usize = 16;
 
-/// Asks a world for a link set's configurations, on many threads, and keeps what that needs: for
-/// each thread the obstacles as the narrow phase prepares them and room for 32 configurations, 128 or 512
-/// from the first batch on that is large enough.
+/// Checks configurations of a link set against a world, on many threads, and keeps what that needs: for
+/// each thread room for 32 configurations, 128 or 512 from the first batch on that is large enough. The
+/// world is shared, and may be exchanged ([`BatchChecker::set_world`]).
 ///
 /// A link is prepared only where its [`SphereBounds`] is near something: an obstacle's box, or another
 /// link's bound.
@@ -81,10 +82,12 @@ const ROWS: usize = 16;
 /// A batch is the poses of its configurations one after the other, one pose a link. The answers do
 /// not depend on `exec` or on earlier batches. After the first batch a serial one of a like size
 /// allocates nothing.
-pub struct BatchChecker<'w, N: NarrowPhase = dcd_gjk::Overlap> {
-    pub(super) world: &'w StaticWorld<N>,
+pub struct BatchChecker<N: NarrowPhase = dcd_gjk::Overlap> {
+    pub(super) world: Arc<Obstacles<N>>,
     pub(super) link_set: LinkSet,
-    /// The obstacles, then a row of objects for each link.
+    /// Whether a link may not touch every obstacle.
+    pub(super) filtered: bool,
+    /// A row of objects for each link.
     pub(super) template: Scene,
     /// How many objects a row has: the configurations that are taken up at once, at most.
     pub(super) row: usize,
@@ -97,22 +100,49 @@ pub struct BatchChecker<'w, N: NarrowPhase = dcd_gjk::Overlap> {
     all: Segments<Hit<N::Answer>>,
 }
 
-impl<'w, N: NarrowPhase> BatchChecker<'w, N> {
-    pub(super) fn new(world: &'w StaticWorld<N>, link_set: LinkSet) -> Result<Self, SceneError> {
+impl<N: NarrowPhase> BatchChecker<N> {
+    pub(super) fn new(
+        StaticWorld(world): StaticWorld<N>,
+        link_set: LinkSet,
+    ) -> Result<Self, SceneError> {
         let row = FEW;
-        let template = with_rows(world, &link_set, row)?;
-        let aabb_margin = world.narrow.aabb_margin();
-        let bound = |shape| Some(SphereBounds::of(shape)?.swept(aabb_margin?));
-        let bounds: Vec<Option<SphereBounds>> = link_set.shapes.iter().map(bound).collect();
-        let largest = bounds.iter().flatten().map(|bound| bound.largest_sphere(world.farthest()));
-        let obstacle_grid = ObstacleGrid::new(&world.obstacle_bounds, largest.fold(0.0, f32::max));
-        let bounds = PackedSphereBounds::new(bounds);
+        let template = rows_of(&link_set, row)?;
+        check_count(&world, &link_set)?;
+        let bounds = PackedSphereBounds::new(bounds_of(&world, &link_set));
+        let obstacle_grid = grid_for(&world, &link_set);
+        let filtered = has_filters(&world, &link_set);
         let (workers, first, all) = (PerThread::default(), Vec::new(), Segments::default());
-        let checker =
-            Self { world, link_set, template, row, bounds, obstacle_grid, workers, first, all };
+        let checker = Self {
+            world,
+            link_set,
+            filtered,
+            template,
+            row,
+            bounds,
+            obstacle_grid,
+            workers,
+            first,
+            all,
+        };
         // So that the first batch on this thread need not.
-        checker.workers.with(|worker| worker.set_up(&checker));
+        checker.workers.with(|worker| worker.open(&checker, 0..0));
         Ok(checker)
+    }
+
+    /// Checks against other obstacles from now on. Costs a look-up grid over the new ones, and nothing for the
+    /// links.
+    ///
+    /// # Errors
+    /// More objects than a u32 counts; nothing is changed then.
+    pub fn set_world(&mut self, StaticWorld(world): StaticWorld<N>) -> Result<(), SceneError> {
+        check_count(&world, &self.link_set)?;
+        if world.narrow.aabb_margin() != self.world.narrow.aabb_margin() {
+            self.bounds = PackedSphereBounds::new(bounds_of(&world, &self.link_set));
+        }
+        self.obstacle_grid = grid_for(&world, &self.link_set);
+        self.filtered = has_filters(&world, &self.link_set);
+        self.world = world;
+        Ok(())
     }
 
     /// For each configuration one contact, if it has any. Where nothing is known to touch, a pair that
@@ -138,7 +168,7 @@ impl<'w, N: NarrowPhase> BatchChecker<'w, N> {
         let (refused, checker) = (Refused::default(), &*self);
         exec.into().divide(&mut first[..], grain, |start, found| {
             checker.workers.with(|worker| {
-                worker.open(checker, start, found.len());
+                worker.open(checker, start..start + found.len());
                 refused.note(worker.find_first(checker, poses, found));
             });
         });
@@ -165,7 +195,7 @@ impl<'w, N: NarrowPhase> BatchChecker<'w, N> {
         all.fill(exec.into(), count.div_ceil(grain), |task, out| {
             checker.workers.with(|worker| {
                 let start = grain * task;
-                worker.open(checker, start, grain.min(count - start));
+                worker.open(checker, start..count.min(start + grain));
                 refused.note(worker.settle_all(checker, poses));
                 worker.append_all(checker, out);
             });
@@ -179,19 +209,14 @@ impl<'w, N: NarrowPhase> BatchChecker<'w, N> {
     fn grain(&mut self, count: usize, most: usize) -> Result<usize, SceneError> {
         let grain = count.div_ceil(ROWS).clamp(FEW, most);
         if grain > self.row {
-            (self.template, self.row) = (with_rows(self.world, &self.link_set, most)?, most);
+            (self.template, self.row) = (rows_of(&self.link_set, most)?, most);
         }
         Ok(grain)
     }
 
-    /// The slot at which a link's row begins.
-    pub(super) fn row_of(&self, link: usize) -> usize {
-        self.world.obstacles.len() + self.row * link
-    }
-
     /// Whether a link may touch an obstacle.
     pub(super) fn allows(&self, link: usize, obstacle: u32) -> bool {
-        let obstacle = self.world.obstacles.filters()[obstacle as usize];
+        let obstacle = self.world.scene.filters()[obstacle as usize];
         self.link_set.filters[link].allows(obstacle)
     }
 
@@ -207,26 +232,53 @@ impl<'w, N: NarrowPhase> BatchChecker<'w, N> {
     }
 }
 
-/// The obstacles, then a row of that many objects for each link.
-fn with_rows<N: NarrowPhase>(
-    world: &StaticWorld<N>,
-    link_set: &LinkSet,
-    row: usize,
-) -> Result<Scene, SceneError> {
-    let mut template = world.obstacles.clone();
-    let shapes = template.add_shapes(link_set.shapes.iter().cloned())?;
-    for (link, (shape, &filter)) in shapes.zip(&link_set.filters).enumerate() {
-        let object = Object { filter, ..Object::new(shape, Pose::IDENTITY) };
-        for _ in 0..row {
-            template.insert(object).map_err(|error| match error {
-                SceneError::OutOfRange { reach, .. } => {
-                    SceneError::OutOfRange { object: link, reach }
-                }
-                other => other,
-            })?;
-        }
+/// A row of that many objects for each link.
+fn rows_of(link_set: &LinkSet, row: usize) -> Result<Scene, SceneError> {
+    // Their count is checked before.
+    let links = 0..link_set.len() as u32;
+    let objects = links.flat_map(|link| (0..row).map(move |_| Object::new(link, Pose::IDENTITY)));
+    let rows = Scene::new(link_set.shapes.clone(), objects);
+    rows.map_err(|error| match error {
+        SceneError::OutOfRange { object, .. } => numbered(error, object / row),
+        other => other,
+    })
+}
+
+/// The error about an object, told of the one with that number.
+fn numbered(error: SceneError, number: usize) -> SceneError {
+    match error {
+        SceneError::OutOfRange { reach, .. } => SceneError::OutOfRange { object: number, reach },
+        other => other,
     }
-    Ok(template)
+}
+
+/// That obstacles and the most objects of links together are numbers of a u32.
+fn check_count<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> Result<(), SceneError> {
+    let count = world.len().saturating_add(link_set.len().saturating_mul(ROW));
+    let fits = u32::try_from(count).is_ok();
+    if fits { Ok(()) } else { Err(SceneError::TooMany { what: "objects", count }) }
+}
+
+/// For each link what its box comes from without its vertices, where that is known.
+fn bounds_of<N: NarrowPhase>(
+    world: &Obstacles<N>,
+    link_set: &LinkSet,
+) -> Vec<Option<SphereBounds>> {
+    let aabb_margin = world.narrow.aabb_margin();
+    let bound = |shape| Some(SphereBounds::of(shape)?.swept(aabb_margin?));
+    link_set.shapes.iter().map(bound).collect()
+}
+
+/// A grid over the obstacles for spheres as large as the links'.
+fn grid_for<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> ObstacleGrid {
+    let (bounds, farthest) = (bounds_of(world, link_set), world.farthest());
+    let radii = bounds.iter().flatten().map(|bound| bound.largest_sphere(farthest));
+    ObstacleGrid::new(&world.bounds, radii.fold(0.0, f32::max))
+}
+
+/// Whether a filter may part a link from an obstacle.
+fn has_filters<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> bool {
+    world.filtered || link_set.filters.iter().any(|filter| *filter != Filter::ALL)
 }
 
 /// The first pose that an object cannot have, on any thread.
@@ -248,17 +300,14 @@ impl Refused {
     /// Says why it was refused.
     fn check<N: NarrowPhase>(
         self,
-        checker: &BatchChecker<'_, N>,
+        checker: &BatchChecker<N>,
         poses: &[Pose],
     ) -> Result<(), SceneError> {
         let object = self.0.into_inner();
         let Some(pose) = poses.get(object) else { return Ok(()) };
-        let slot = checker.row_of(object % checker.link_set.len());
-        match checker.template.clone().set_pose(slot, *pose) {
-            Err(SceneError::OutOfRange { reach, .. }) => {
-                Err(SceneError::OutOfRange { object, reach })
-            }
-            other => other,
-        }
+        let shape = &checker.link_set.shapes[object % checker.link_set.len()];
+        // As the scene of links refused it.
+        let refused = Scene::one_each(vec![shape.clone()], vec![*pose]).map(drop);
+        refused.map_err(|error| numbered(error, object))
     }
 }

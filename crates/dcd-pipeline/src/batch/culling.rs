@@ -41,7 +41,7 @@ impl Culling {
     /// Returns the others.
     pub(super) fn look<N: NarrowPhase>(
         &mut self,
-        checker: &BatchChecker<'_, N>,
+        checker: &BatchChecker<N>,
         (poses, count): (&[Pose], usize),
         mut ends: impl FnMut([usize; 2], &BoundingSphere, &Cell) -> bool,
     ) -> Set {
@@ -74,7 +74,7 @@ impl Culling {
     }
 
     /// Notes which links reach what is listed.
-    fn ask_lists<N: NarrowPhase>(&mut self, checker: &BatchChecker<'_, N>) {
+    fn ask_lists<N: NarrowPhase>(&mut self, checker: &BatchChecker<N>) {
         let (links, unlisted) = (checker.link_set.len(), checker.obstacle_grid.unknown());
         self.spans.resize(links * ROW, UNKNOWN);
         self.listed.clear();
@@ -92,7 +92,7 @@ impl Culling {
     }
 
     /// Notes which links are near each other.
-    fn ask_links<N: NarrowPhase>(&mut self, checker: &BatchChecker<'_, N>, left: Set) {
+    fn ask_links<N: NarrowPhase>(&mut self, checker: &BatchChecker<N>, left: Set) {
         let (links, pairs) = (checker.link_set.len(), &checker.link_set.self_pairs[..]);
         self.met.clear();
         self.met.resize(pairs.len(), Set::default());
@@ -122,7 +122,7 @@ impl Culling {
     }
 
     /// Asks the tree where nothing is listed.
-    fn ask_tree<N: NarrowPhase>(&mut self, checker: &BatchChecker<'_, N>, left: Set) {
+    fn ask_tree<N: NarrowPhase>(&mut self, checker: &BatchChecker<N>, left: Set) {
         let links = checker.link_set.len();
         self.bounds.resize_with(links, Default::default);
         self.near.clear();

@@ -1,6 +1,7 @@
 //! A hit of each configuration of a row.
 
 use super::checker::{BatchChecker, Hit, Other};
+use super::decisions::Against;
 use super::set::{Members, ROW, Set};
 use super::worker::WorkerScratch;
 use dcd_geom::{Pair, Pose};
@@ -18,10 +19,14 @@ pub(super) struct FirstHitSearch {
     /// asked for, in no order, and room for as many as there are; and how many there are.
     links: Vec<Rank>,
     left: Vec<u32>,
-    /// The configurations whose links are not yet asked for against each other.
+    /// The configurations that have no hit yet, and something left to be asked for.
+    open: Set,
+    /// Those whose links are not yet asked for against each other.
     folded: Set,
     /// Those in which they are asked for now.
     unfolding: Set,
+    /// Those in which they are, so that all pairs that wait are pairs of links.
+    unfolded: Set,
     /// The pairs found near, link by link and configuration by configuration.
     near: Vec<Pair>,
     /// For each configuration those that are still to be asked for, in the order of the answer.
@@ -61,27 +66,28 @@ impl<N: NarrowPhase> WorkerScratch<N> {
     /// nearest inner sphere first, then the links against each other.
     pub(super) fn find_first(
         &mut self,
-        checker: &BatchChecker<'_, N>,
+        checker: &BatchChecker<N>,
         poses: &[Pose],
         found: &mut [Option<Hit<N::Answer>>],
     ) -> Option<usize> {
         self.look_for_contacts(checker, poses, found);
         self.rank_links(checker.link_set.len());
-        let FirstHitSearch { folded, near, waiting, .. } = &mut self.search;
+        let FirstHitSearch { folded, unfolded, near, waiting, .. } = &mut self.search;
         let meet = |all: Set, pair| all | self.culling.met(pair);
         *folded = (0..checker.link_set.self_pairs.len()).fold(Set::default(), meet);
+        *unfolded = Set::default();
         near.clear();
         waiting.clear();
         waiting.resize(ROW, 0..0);
         let mut refused: Option<usize> = None;
-        while !self.open.is_empty() {
+        while !self.search.open.is_empty() {
             if self.advance(checker) {
                 let new = self.place(checker, poses);
                 refused = refused.into_iter().chain(new).min();
                 self.gather(checker);
             }
             self.take_turns();
-            self.decide(checker);
+            self.decisions.decide(checker, &self.posed);
             self.keep_first(checker, found);
         }
         refused
@@ -90,16 +96,17 @@ impl<N: NarrowPhase> WorkerScratch<N> {
     /// Looks where all links are, and closes the configurations of which inner spheres prove a hit.
     fn look_for_contacts(
         &mut self,
-        checker: &BatchChecker<'_, N>,
+        checker: &BatchChecker<N>,
         poses: &[Pose],
         found: &mut [Option<Hit<N::Answer>>],
     ) {
-        let Self { culling, start, search: FirstHitSearch { distances, .. }, .. } = self;
+        let row = self.poses_of(checker, poses);
+        let Self { culling, taken, search: FirstHitSearch { distances, .. }, .. } = self;
         let links = checker.link_set.len();
         let constant_answer = checker.world.narrow.constant_answer();
         distances.resize(links * ROW, f32::INFINITY);
-        let row = (&poses[*start * links..], found.len());
-        self.open = culling.look(checker, row, |[config, link], sphere, noted| {
+        let row = (row, taken.len());
+        self.search.open = culling.look(checker, row, |[config, link], sphere, noted| {
             let inner = checker.bounds.concentric(link, sphere);
             let distance = checker.obstacle_grid.short_of(noted, &inner);
             distances[config * links + link] = distance;
@@ -108,7 +115,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
             let touches = checker.allows(link, obstacle);
             if touches {
                 found[config] = Some(Hit {
-                    configuration: (*start + config) as u32,
+                    configuration: (taken.start + config) as u32,
                     link: link as u32,
                     other: Other::Obstacle(checker.world.names[obstacle as usize]),
                     verdict: Verdict::Touching(answer),
@@ -135,13 +142,13 @@ impl<N: NarrowPhase> WorkerScratch<N> {
 
     /// Goes on, in every configuration that waits for nothing, to the next link, or to its links
     /// against each other. Whether there is any.
-    fn advance(&mut self, checker: &BatchChecker<'_, N>) -> bool {
-        let FirstHitSearch { links, left, folded, unfolding, waiting, .. } = &mut self.search;
+    fn advance(&mut self, checker: &BatchChecker<N>) -> bool {
+        let FirstHitSearch { links, left, open, folded, unfolding, waiting, .. } = &mut self.search;
         let count = checker.link_set.len();
         self.due.fill(Set::default());
         *unfolding = Set::default();
         let mut is_any = false;
-        for config in Members::of(self.open) {
+        for config in Members::of(*open) {
             if !waiting[config].is_empty() {
                 continue;
             }
@@ -155,7 +162,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
                 unfolding.add(config);
                 is_any = true;
             } else {
-                self.open.remove(config);
+                open.remove(config);
             }
         }
         for (pair, &(k, l)) in checker.link_set.self_pairs.iter().enumerate() {
@@ -167,41 +174,39 @@ impl<N: NarrowPhase> WorkerScratch<N> {
     }
 
     /// Lists what the links come to are near of, in each configuration in order.
-    fn gather(&mut self, checker: &BatchChecker<'_, N>) {
+    fn gather(&mut self, checker: &BatchChecker<N>) {
+        let FirstHitSearch { near, waiting, ends, .. } = &mut self.search;
         for link in 0..checker.link_set.len() {
-            let new = self.fresh[link].clone();
+            let new = self.posed.fresh(link);
             if new.is_empty() {
                 continue;
             }
-            self.pairs.clear();
-            self.append_pairs(checker, link);
-            let FirstHitSearch { near, waiting, ends, .. } = &mut self.search;
+            let base = near.len();
+            self.posed.append_pairs(checker, &self.culling, link, near);
             // Where the pairs of each object end, if it has any.
             ends.clear();
-            ends.resize(new.len(), 0);
-            for (pair, end) in self.pairs.iter().zip(1..) {
+            ends.resize(new.len(), base);
+            for (pair, end) in near[base..].iter().zip(base + 1..) {
                 ends[pair.j as usize - new.start] = end;
             }
-            let base = near.len();
-            near.extend_from_slice(&self.pairs);
-            let mut start = 0;
-            for (slot, &end) in new.zip(&*ends) {
-                let config = self.owners[slot - checker.world.obstacles.len()] as usize;
+            let mut start = base;
+            for (object, &end) in new.zip(&*ends) {
+                let config = self.posed.configuration(object as u32);
                 let end = start.max(end);
-                waiting[config] = base + start..base + end;
+                waiting[config] = start..end;
                 start = end;
             }
         }
         Members::of(self.search.unfolding).for_each(|config| self.gather_links(checker, config));
+        self.search.unfolded |= self.search.unfolding;
     }
 
     /// Lists the links of a configuration that are near each other.
-    fn gather_links(&mut self, checker: &BatchChecker<'_, N>, config: usize) {
+    fn gather_links(&mut self, checker: &BatchChecker<N>, config: usize) {
         let first = self.search.near.len();
-        for (pair, &(k, l)) in checker.link_set.self_pairs.iter().enumerate() {
+        for (pair, &links) in checker.link_set.self_pairs.iter().enumerate() {
             if self.culling.met(pair).has(config) {
-                let met = self.self_pair(config, [k, l]);
-                self.search.near.extend(met);
+                self.search.near.extend(self.posed.self_pair(config, links));
             }
         }
         self.search.waiting[config] = first..self.search.near.len();
@@ -209,35 +214,37 @@ impl<N: NarrowPhase> WorkerScratch<N> {
 
     /// Takes the next pairs of every configuration, few of many or many of few.
     fn take_turns(&mut self) {
-        let FirstHitSearch { near, waiting, .. } = &mut self.search;
-        let each = (ENOUGH / self.open.len().max(1)).max(1);
-        self.pairs.clear();
-        for config in Members::of(self.open) {
+        let FirstHitSearch { near, waiting, open, unfolded, .. } = &mut self.search;
+        let each = (ENOUGH / open.len().max(1)).max(1);
+        self.decisions.clear();
+        for config in Members::of(*open) {
             let Range { start, end } = &mut waiting[config];
             let next = *start..(*start + each).min(*end);
             *start = next.end;
+            let against = if unfolded.has(config) { Against::Links } else { Against::Obstacles };
+            let pairs = self.decisions.pairs_mut(against);
             match next.len() {
-                1 => self.pairs.push(near[next.start]),
-                _ => self.pairs.extend_from_slice(&near[next]),
+                1 => pairs.push(near[next.start]),
+                _ => pairs.extend_from_slice(&near[next]),
             }
         }
     }
 
     /// Writes the first hit of each configuration, and closes those that touch.
-    fn keep_first(&mut self, checker: &BatchChecker<'_, N>, found: &mut [Option<Hit<N::Answer>>]) {
-        for contact in &self.contacts {
-            let verdict = Verdict::Touching(contact.answer);
-            let (config, hit) = self.hit(checker, contact.pair, verdict);
+    fn keep_first(&mut self, checker: &BatchChecker<N>, found: &mut [Option<Hit<N::Answer>>]) {
+        let mut open = self.search.open;
+        for (against, pair, verdict) in self.decisions.hits() {
+            let (config, hit) = self.hit(checker, (against, pair), verdict);
+            if !hit.touches() {
+                found[config].get_or_insert(hit);
+                continue;
+            }
             if !found[config].as_ref().is_some_and(Hit::touches) {
                 found[config] = Some(hit);
             }
-            self.open.remove(config);
+            open.remove(config);
         }
-        for undecided in self.report.undecided() {
-            let verdict = Verdict::Undecided(undecided.reason);
-            let (config, hit) = self.hit(checker, undecided.pair, verdict);
-            found[config].get_or_insert(hit);
-        }
+        self.search.open = open;
     }
 }
 

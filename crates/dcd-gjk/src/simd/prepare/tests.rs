@@ -1,6 +1,6 @@
 //! The boxes of meshes beside those of the scalar reference.
 
-use crate::{NarrowPhase, Overlap};
+use crate::{NarrowPhase, Overlap, Sides};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Aabb, Pose, Scene, Shape};
 use dcd_simd::Path;
@@ -9,7 +9,7 @@ fn boxes(scene: &Scene, path: Path) -> Vec<Aabb> {
     let narrow = Overlap::on(path);
     let mut frame = Default::default();
     let mut aabbs = vec![Aabb::EMPTY; scene.len()];
-    let part = narrow.layout(scene, &mut frame);
+    let part = narrow.layout(scene, Sides::One, &mut frame);
     narrow.prepare(scene, 0, part, &mut aabbs);
     aabbs
 }

@@ -3,7 +3,8 @@
 use super::{Numbers, paths, prepared};
 use crate::simd::{Overlap, Scratch};
 use crate::{
-    ContactSink, Method, NarrowPhase, PosedShape, PosedSupport, Report, Verdict, certified,
+    ContactSink, Method, NarrowPhase, PosedShape, PosedSupport, Prepared, Report, Verdict,
+    certified,
 };
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Aabb, MAX_PARTS, Pair, Pose, Scene, Shape};
@@ -48,9 +49,10 @@ fn scene(seed: u64) -> Scene {
 /// The contacts, and how many pairs were settled or left.
 fn judged(scene: &Scene, path: Path, pairs: &[Pair]) -> (Vec<Pair>, u64) {
     let (frame, _) = prepared(scene, path);
+    let side = Prepared { scene, frame: &frame };
     let (mut contacts, mut report) = (Vec::new(), Report::default());
     let sink = &mut ContactSink { contacts: &mut contacts, report: &mut report };
-    Overlap::on(path).decide(scene, &frame, pairs, &mut Scratch::default(), sink);
+    Overlap::on(path).decide(side, side, pairs, &mut Scratch::default(), sink);
     let settled: u64 = Method::ALL.iter().map(|&method| report.settled(method)).sum();
     let contacts = contacts.iter().map(|contact| contact.pair).collect();
     (contacts, settled + report.undecided().len() as u64)

@@ -3,7 +3,7 @@
 use super::super::{OverlapUnchecked, Scratch};
 use super::forms::contacts;
 use super::{Numbers, pairs, paths, prepared};
-use crate::{ContactSink, Method, NarrowPhase, PosedShape, Report, Verdict, certified};
+use crate::{ContactSink, Method, NarrowPhase, PosedShape, Prepared, Report, Verdict, certified};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Pair, Pose, Scene, Shape, SupportMap};
 
@@ -61,10 +61,11 @@ fn without_a_certificate_curved_shapes_are_left_to_f64() {
     let scene = scene(44, 1.0);
     for path in paths() {
         let (frame, _) = prepared(&scene, path);
+        let side = Prepared { scene: &scene, frame: &frame };
         let (mut contacts, mut report) = (Vec::new(), Report::default());
         let sink = &mut ContactSink { contacts: &mut contacts, report: &mut report };
         let unproved = OverlapUnchecked::on(path);
-        unproved.decide(&scene, &frame, &pairs(&scene), &mut Scratch::default(), sink);
+        unproved.decide(side, side, &pairs(&scene), &mut Scratch::default(), sink);
         let is_curved = |i: u32| matches!(scene.shape(i as usize), Shape::Curved(_));
         let curved = pairs(&scene).into_iter().filter(|p| is_curved(p.i) || is_curved(p.j));
         assert!(report.settled(Method::F64) >= curved.count() as u64);

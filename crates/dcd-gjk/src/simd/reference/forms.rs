@@ -4,7 +4,7 @@ use super::super::bounds::TURNED;
 use super::super::frame::{BOX, HAS_OBB, LIVE, WHOLE};
 use super::super::{Overlap, Scratch};
 use super::{Numbers, pairs, paths, prepared};
-use crate::{ContactSink, Method, NarrowPhase, PosedSupport, Report, certified};
+use crate::{ContactSink, Method, NarrowPhase, PosedSupport, Prepared, Report, certified};
 use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::{Pair, Pose, Scene, Shape, SupportMap};
 use dcd_simd::Path;
@@ -87,9 +87,10 @@ fn upright() -> Scene {
 /// What the lanes say of every pair, and how many of them they leave to the later methods.
 pub(super) fn contacts(scene: &Scene, path: Path) -> (Vec<Pair>, Report) {
     let (frame, _) = prepared(scene, path);
+    let side = Prepared { scene, frame: &frame };
     let (mut contacts, mut report) = (Vec::new(), Report::default());
     let sink = &mut ContactSink { contacts: &mut contacts, report: &mut report };
-    Overlap::on(path).decide(scene, &frame, &pairs(scene), &mut Scratch::default(), sink);
+    Overlap::on(path).decide(side, side, &pairs(scene), &mut Scratch::default(), sink);
     (contacts.into_iter().map(|contact| contact.pair).collect(), report)
 }
 
