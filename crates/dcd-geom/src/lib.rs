@@ -8,13 +8,11 @@
 #![forbid(unsafe_code)]
 
 pub mod contract;
-mod core;
 mod curved;
 mod error;
 mod facets;
 mod half_space;
 mod hull;
-mod inscribed;
 mod obb;
 mod parts;
 mod polytope;
@@ -27,7 +25,6 @@ mod sphere_bounds;
 mod splittable;
 mod support;
 
-pub use core::{Core, Cores, MAX_PARTS, ObbBoundsF32};
 pub use curved::{Curved, CurvedKind};
 pub use dcd_simd::{Aabb, Aabb16, BoundingSphere, Pair, Sphere16};
 pub use error::{PoseError, SceneError, ShapeError};

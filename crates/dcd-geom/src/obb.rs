@@ -48,7 +48,7 @@ impl ObbBounds {
     /// Where no point is off by more than ε, a hull reaches along any unit n as far as the exact one
     /// less ε; a box in that with half edges shorter by ε reaches ε·|n|₁ ≥ ε less far, so the hull
     /// holds it. R is within its deviation of a rotation, R·v + t loses less than 8u of the size.
-    pub(crate) fn turned(&self, pose: &Pose, size: f64) -> Option<Self> {
+    pub fn turned(&self, pose: &Pose, size: f64) -> Option<Self> {
         let off = 4.0 * pose.deviation() * size + MARGIN * size;
         let (outer, inner) = (self.outer + off, self.inner - off);
         // Written so that NaN has no boxes.
@@ -59,13 +59,13 @@ impl ObbBounds {
 
     /// Along the frame's own axes, with these half edges, for a shape with spheres of these radii
     /// inside and round it; `None` where it is too round to gain.
-    pub(crate) fn along_axes(outer: DVec3, inner: DVec3, spheres: (f64, f64)) -> Option<Self> {
+    pub fn along_axes(outer: DVec3, inner: DVec3, spheres: (f64, f64)) -> Option<Self> {
         let thin = spheres.0 < THIN * spheres.1 && outer.is_finite();
         thin.then_some(Self { axes: DMat3::IDENTITY, outer, inner })
     }
 
     /// Whether both are one box, so that the shape is that box.
-    pub(crate) fn is_the_shape(&self) -> bool {
+    pub fn is_the_shape(&self) -> bool {
         self.inner == self.outer
     }
 

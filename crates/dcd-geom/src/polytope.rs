@@ -4,7 +4,6 @@ use crate::error::check_length;
 use crate::sphere::{Sphere, reach};
 use crate::support::farthest;
 use crate::{Facets, ObbBounds, Pose, Real, ShapeError, Support, SupportMap};
-use dcd_simd::WIDTH;
 use glam::DVec3;
 use std::sync::OnceLock;
 
@@ -202,11 +201,6 @@ impl Polytope {
     /// The largest distance of a vertex from the origin of the shape's own frame, rounded up.
     pub fn reach(&self) -> f64 {
         self.reach
-    }
-
-    /// How many blocks the vertices fill: at least one.
-    pub(crate) fn block_count(&self) -> usize {
-        self.vertices.len().div_ceil(WIDTH)
     }
 }
 

@@ -9,7 +9,7 @@ mod tests;
 
 pub use object::{Filter, Handle, Motion, Object, ObjectRef, Revision};
 
-use crate::{Aabb, Cores, Pose, SceneError, Shape};
+use crate::{Aabb, Pose, SceneError, Shape};
 use ignored::IgnoredPairs;
 use std::sync::Arc;
 
@@ -21,8 +21,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     shapes: Arc<Vec<Shape>>,
-    shape_revision: Revision,
-    cores: Cores,
+    shape_history: ShapeHistory,
     shape_of: Vec<u32>,
     poses: Vec<Pose>,
     filters: Vec<Filter>,
@@ -37,6 +36,37 @@ pub struct Scene {
     standing: usize,
     layout: Revision,
     static_revision: Revision,
+}
+
+/// The latest revisions of a list of shapes that only grows, each with the number of shapes it had.
+#[derive(Clone, Debug)]
+struct ShapeHistory(Vec<(Revision, usize)>);
+
+/// How many revisions are remembered. Larger: who follows a list from far behind saves deriving all of it.
+const REVISIONS: usize = 8;
+
+impl Default for ShapeHistory {
+    /// Of the list of nothing.
+    fn default() -> Self {
+        Self(vec![(Revision::default(), 0)])
+    }
+}
+
+impl ShapeHistory {
+    fn add(&mut self, count: usize) {
+        self.0.push((Revision::draw(), count));
+        let surplus = self.0.len().saturating_sub(REVISIONS);
+        self.0.drain(..surplus);
+    }
+
+    fn last(&self) -> Revision {
+        self.0.last().map_or(Revision::default(), |&(revision, _)| revision)
+    }
+
+    fn count_at(&self, known: Revision) -> Option<usize> {
+        let then = self.0.iter().rev().find(|(revision, _)| *revision == known);
+        then.map(|&(_, count)| count)
+    }
 }
 
 /// What a slot holds.
@@ -112,12 +142,13 @@ impl Scene {
 
     /// Marks the shapes: whoever derives something from them can tell that it is still of this scene.
     pub fn shape_revision(&self) -> Revision {
-        self.shape_revision
+        self.shape_history.last()
     }
 
-    /// What the lanes read of the shapes.
-    pub fn cores(&self) -> &Cores {
-        &self.cores
+    /// The shapes that were added since the list had that revision, the newest last. `None` where it never had
+    /// it, or had it many changes ago: then what was derived from the shapes has to be derived anew.
+    pub fn shapes_since(&self, known: Revision) -> Option<&[Shape]> {
+        self.shapes.get(self.shape_history.count_at(known)?..)
     }
 
     /// For each slot the index of its shape; that of the last object where it is free.

@@ -13,8 +13,8 @@ use std::sync::Arc;
 #[derive(Clone)]
 #[non_exhaustive]
 pub enum Shape {
-    /// A hull of points, rounded or not: what the lanes are for.
-    Polytope(Polytope),
+    /// A hull of points, rounded or not: what the lanes are for. Clones share it.
+    Polytope(Arc<Polytope>),
     /// A cylinder or a cone, rounded or not: in the lanes by a hull inside it, where that leaves the
     /// answer open one support at a time in f64.
     Curved(Curved),
@@ -35,7 +35,7 @@ impl Shape {
     /// # Errors
     /// Those of [`Polytope::hull`].
     pub fn hull(vertices: Vec<DVec3>) -> Result<Self, ShapeError> {
-        Polytope::hull(vertices).map(Self::Polytope)
+        Polytope::hull(vertices).map(Self::from)
     }
 
     /// A sphere round the origin, metres: [`Polytope::sphere`].
@@ -43,7 +43,7 @@ impl Shape {
     /// # Errors
     /// Those of [`Polytope::sphere`].
     pub fn sphere(radius: f64) -> Result<Self, ShapeError> {
-        Polytope::sphere(radius).map(Self::Polytope)
+        Polytope::sphere(radius).map(Self::from)
     }
 
     /// A box round the origin, edges along the axes, by half its edges, metres: [`Polytope::cuboid`].
@@ -51,7 +51,7 @@ impl Shape {
     /// # Errors
     /// Those of [`Polytope::cuboid`].
     pub fn cuboid(half_extents: DVec3) -> Result<Self, ShapeError> {
-        Polytope::cuboid(half_extents).map(Self::Polytope)
+        Polytope::cuboid(half_extents).map(Self::from)
     }
 
     /// A capsule along the z axis, its middle at the origin, metres; `half_height` is to the centre of
@@ -60,7 +60,7 @@ impl Shape {
     /// # Errors
     /// Those of [`Polytope::capsule`].
     pub fn capsule(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
-        Polytope::capsule(half_height, radius).map(Self::Polytope)
+        Polytope::capsule(half_height, radius).map(Self::from)
     }
 
     /// The segment between two points, metres: [`Polytope::segment`]. With a radius, a capsule anywhere.
@@ -68,7 +68,7 @@ impl Shape {
     /// # Errors
     /// Those of [`Polytope::segment`].
     pub fn segment(from: DVec3, to: DVec3) -> Result<Self, ShapeError> {
-        Polytope::segment(from, to).map(Self::Polytope)
+        Polytope::segment(from, to).map(Self::from)
     }
 
     /// The triangle between three points, both sides of it, metres: [`Polytope::triangle`].
@@ -76,7 +76,7 @@ impl Shape {
     /// # Errors
     /// Those of [`Polytope::triangle`].
     pub fn triangle(corners: [DVec3; 3]) -> Result<Self, ShapeError> {
-        Polytope::triangle(corners).map(Self::Polytope)
+        Polytope::triangle(corners).map(Self::from)
     }
 
     /// A cylinder along the z axis, its middle at the origin, metres: [`Curved::cylinder`].
@@ -112,7 +112,9 @@ impl Shape {
     /// A radius that is negative or not finite.
     pub fn rounded(self, radius: f64) -> Result<Self, ShapeError> {
         match self {
-            Self::Polytope(polytope) => polytope.rounded(radius).map(Self::Polytope),
+            Self::Polytope(polytope) => {
+                Arc::unwrap_or_clone(polytope).rounded(radius).map(Self::from)
+            }
             Self::Curved(curved) => curved.rounded(radius).map(Self::Curved),
             Self::HalfSpace(half_space) => half_space.rounded(radius).map(Self::HalfSpace),
             Self::Custom(map) => {
@@ -362,7 +364,7 @@ impl From<Mesh> for Shape {
 
 impl From<Polytope> for Shape {
     fn from(polytope: Polytope) -> Self {
-        Self::Polytope(polytope)
+        Self::Polytope(Arc::new(polytope))
     }
 }
 

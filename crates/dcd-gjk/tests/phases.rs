@@ -14,6 +14,7 @@ use dcd_gjk::{
 };
 use dcd_simd::Path;
 use judge::cases::Draw;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// One of each kind that has no vertices of its own, or many parts, and two that have.
@@ -90,7 +91,7 @@ fn every_phase_of_our_own_keeps_the_contract_among_compounds_meshes_and_half_spa
     contract_of(&ThenMeasure::new(Proximities::within(0.25).unwrap()).unwrap()).unwrap();
     contract_of(&Within::by(Pairwise(Certified), 0.25).unwrap()).unwrap();
     let inner = shapes().into_iter().map(|shape| match shape {
-        Shape::Polytope(cube) => Shape::from(cube.rounded(0.0).unwrap()),
+        Shape::Polytope(cube) => Shape::from(Arc::unwrap_or_clone(cube).rounded(0.0).unwrap()),
         other => other,
     });
     contract_of(&InnerOuter::new(inner.collect())).unwrap();

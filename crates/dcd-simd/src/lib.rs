@@ -49,6 +49,27 @@ pub struct IndexRow(pub [u32; WIDTH]);
 #[repr(C)]
 pub struct Block(pub [Row; 3]);
 
+impl Block {
+    /// Points relative to a centre, subtracted in f64 and rounded to f32, sixteen a block; the last block is
+    /// filled up with the last point.
+    pub fn relative(
+        points: &[glam::DVec3],
+        centre: glam::DVec3,
+    ) -> impl Iterator<Item = Self> + '_ {
+        points.chunks(WIDTH).map(move |chunk| {
+            let mut block = Self::default();
+            for lane in 0..WIDTH {
+                let point = chunk[lane.min(chunk.len() - 1)];
+                let relative = (point - centre).as_vec3().to_array();
+                for (row, x) in block.0.iter_mut().zip(relative) {
+                    row.0[lane] = x;
+                }
+            }
+            block
+        })
+    }
+}
+
 /// How many floats a block has.
 const FLOATS: usize = 3 * WIDTH;
 

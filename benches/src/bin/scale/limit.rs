@@ -2,6 +2,7 @@
 //! writing the pairs.
 
 use std::hint::black_box;
+use std::ops::Range;
 
 use anyhow::{Result, ensure};
 use dcd_benches::{Cell, Column, Options, Report, Sample, Table, Units, timing};
@@ -50,20 +51,21 @@ fn see(scene: &Scene, rounds: u32) -> Result<Seen> {
         let [.., pairs, narrow] = clock.take();
         [pairs, narrow]
     };
+    let vertices = Vertices::of(scene);
     let (mut list, mut sum) = (Vec::new(), 0.0);
     let mut least = || {
         let (written, ()) = timing::time(|| {
             list.clear();
             list.extend_from_slice(black_box(&candidates));
         });
-        let (supports, heights) = timing::time(|| dispatch(Supports { scene, pairs: &candidates }));
+        let (supports, heights) =
+            timing::time(|| dispatch(Supports { vertices: &vertices, pairs: &candidates }));
         sum += heights;
         [written, supports]
     };
     let [pairs, narrow] = timing::pairs_of(rounds, &mut step, &mut least);
     ensure!(list.len() == candidates.len() && !f32::is_nan(sum), "a support is no number");
-    let cores = scene.cores().cores();
-    let blocks = |i: u32| cores[scene.shape_of()[i as usize] as usize].blocks as usize;
+    let blocks = |object| vertices.of_object(object).len();
     let blocks: usize = candidates.iter().map(|pair| blocks(pair.i) + blocks(pair.j)).sum();
     Ok(Seen {
         candidates: candidates.len(),
@@ -75,10 +77,38 @@ fn see(scene: &Scene, rounds: u32) -> Result<Seen> {
     })
 }
 
+/// The vertices of a scene's polytopes, sixteen a block, shape after shape.
+struct Vertices {
+    blocks: Vec<Block>,
+    /// For each object its blocks.
+    objects: Vec<Range<usize>>,
+}
+
+impl Vertices {
+    fn of(scene: &Scene) -> Self {
+        let mut blocks = Vec::new();
+        let shapes = scene.shapes().iter().map(|shape| {
+            let first = blocks.len();
+            if let Some(polytope) = shape.as_polytope() {
+                blocks.extend(Block::relative(polytope.vertices(), polytope.inner().centre));
+            }
+            first..blocks.len()
+        });
+        let shapes: Vec<Range<usize>> = shapes.collect();
+        let objects = scene.shape_of().iter().map(|&shape| shapes[shape as usize].clone());
+        Self { objects: objects.collect(), blocks }
+    }
+
+    #[inline(always)]
+    fn of_object(&self, object: u32) -> &[Block] {
+        &self.blocks[self.objects[object as usize].clone()]
+    }
+}
+
 /// One support of each object of each pair, along one direction: every vertex is read, nothing is
 /// done with the winner but to count it.
 struct Supports<'a> {
-    scene: &'a Scene,
+    vertices: &'a Vertices,
     pairs: &'a [Pair],
 }
 
@@ -87,7 +117,6 @@ impl Kernel for Supports<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> f32 {
-        let (cores, shapes) = (self.scene.cores(), self.scene.shape_of());
         let mut along = [Row::default(); WIDTH];
         let mut sum = l.splat(0.0);
         for pairs in self.pairs.chunks(WIDTH) {
@@ -95,9 +124,8 @@ impl Kernel for Supports<'_> {
             for side in 0..2 {
                 for (lane, pair) in pairs.iter().enumerate() {
                     let object = if side == 0 { pair.i } else { pair.j };
-                    let core = &cores.cores()[shapes[object as usize] as usize];
                     let mut best = l.splat(f32::NEG_INFINITY);
-                    for block in cores.blocks(core) {
+                    for block in self.vertices.of_object(object) {
                         best = l.max(height(l, block), best);
                     }
                     l.store(best, &mut along[lane]);
@@ -164,16 +192,16 @@ mod tests {
         let case = Case::new("paper", 40, 1).unwrap();
         let scene = case.scene().unwrap();
         let pairs: Vec<Pair> = (1..40).map(|j| Pair { i: 0, j }).collect();
-        let total = dispatch(Supports { scene, pairs: &pairs });
+        let vertices = Vertices::of(scene);
+        let total = dispatch(Supports { vertices: &vertices, pairs: &pairs });
         let reach = |i: u32| {
-            let core = &scene.cores().cores()[i as usize];
             let d = [0.48, 0.6, 0.64];
             let rows = |block: &Block| {
                 (0..WIDTH)
                     .map(|k| (0..3).map(|axis| block.0[axis].0[k] * d[axis]).sum::<f32>())
                     .fold(f32::NEG_INFINITY, f32::max)
             };
-            scene.cores().blocks(core).iter().map(rows).fold(f32::NEG_INFINITY, f32::max)
+            vertices.of_object(i).iter().map(rows).fold(f32::NEG_INFINITY, f32::max)
         };
         let expected: f32 = pairs.iter().map(|pair| reach(pair.i) + reach(pair.j)).sum();
         assert!((total - expected).abs() < 1e-3, "{total} {expected}");

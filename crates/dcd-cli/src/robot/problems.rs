@@ -5,9 +5,9 @@ use super::rival::{Rival, Wanted, parry_pose};
 use super::{Links, refused};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
-use dcd_geom::{Object, Pair, Pose, Scene};
+use dcd_geom::{Pair, Pose, Scene};
 use dcd_io::shown;
-use dcd_pipeline::{LinkSet, Other, Overlap, Par, StaticWorld};
+use dcd_pipeline::{BatchChecker, LinkSet, Other, Overlap, Par, StaticWorld};
 use dcd_robot::{AllowedPairs, Problem, Robot, Srdf, Workcell, read_problems};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -124,6 +124,14 @@ struct Difference {
     settled: Settled,
 }
 
+/// A checker, and what its links were made from.
+struct CheckerOf {
+    checker: BatchChecker,
+    count: usize,
+    /// The pairs of links that may touch.
+    allowed: Vec<(usize, usize)>,
+}
+
 /// What one problem leaves to the next.
 #[derive(Default)]
 struct Runner {
@@ -134,6 +142,10 @@ struct Runner {
     spent: Spent,
     /// In how many states the search for a first hit found one, pairs that may touch among them.
     first_hits: usize,
+    /// How many links the robot has when it carries nothing.
+    links: usize,
+    /// Of the problem before, if the robot carried nothing.
+    checker: Option<CheckerOf>,
     /// What the files say that is not used, and in how many problems.
     notes: BTreeMap<String, usize>,
 }
@@ -147,7 +159,7 @@ pub(super) fn check(given: &Given<'_>, archive: &Path) -> Result<Checked, Failur
     }
     let problems = read_problems(archive).map_err(refused)?;
     let mut checked = Checked { geometry: given.geometry, ..Checked::default() };
-    let mut runner = Runner::default();
+    let mut runner = Runner { links: shapes, ..Runner::default() };
     let progress = Progress::over(problems.len() as u64, "problems");
     for problem in &problems {
         progress.step();
@@ -212,7 +224,7 @@ impl Checked {
             way.extend_from_slice(&poses);
         }
         runner.spent.kinematics += begun.elapsed();
-        self.undecided += runner.checker(&cell, &way)?;
+        self.undecided += runner.check(&cell, &way)?;
         for (state, poses) in way.chunks(poses.len()).enumerate() {
             runner.ours = std::mem::take(&mut runner.batch[state]);
             self.parry_undecided += runner.ask_parry(&cell, &mut rival, poses);
@@ -268,20 +280,30 @@ impl Runner {
     }
 
     /// Our contacts in each state, sorted, and how many pairs stayed undecided.
-    fn checker(&mut self, cell: &Workcell, way: &[Pose]) -> Result<usize, Failure> {
+    fn check(&mut self, cell: &Workcell, way: &[Pose]) -> Result<usize, Failure> {
         let refused = |error| Failure::Input(format!("{error}"));
         let scene = cell.scene();
         let links = cell.robot().parts().len();
-        let standing = (links..scene.len())
-            .map(|i| Object::new(scene.shape_of()[i], scene.poses()[i]).fixed());
-        let world = Scene::new(scene.shapes().to_vec(), standing).map_err(refused)?;
         let begun = Instant::now();
+        let obstacles = links..scene.len();
+        let shapes = obstacles.clone().map(|i| scene.shape(i).clone()).collect();
+        let poses = scene.poses()[obstacles].to_vec();
+        let world = Scene::one_each(shapes, poses).map_err(refused)?;
         let world = StaticWorld::new(&world, Overlap::default(), Par::Serial).map_err(refused)?;
         let allowed = scene.ignored_pairs().map(|pair| (pair.i as usize, pair.j as usize));
         let own: Vec<_> = allowed.filter(|&(_, j)| j < links).collect();
-        let shapes = cell.robot().parts().iter().map(|part| part.shape.clone()).collect();
-        let link_set = LinkSet::new(shapes).against_itself(&own).map_err(refused)?;
-        let mut checker = world.checker(link_set).map_err(refused)?;
+        let mut checker = match self.checker.take() {
+            // A robot that carries nothing has the same links in every problem.
+            Some(CheckerOf { mut checker, count, allowed }) if count == links && allowed == own => {
+                checker.set_world(world).map_err(refused)?;
+                checker
+            }
+            _ => {
+                let shapes = cell.robot().parts().iter().map(|part| part.shape.clone()).collect();
+                let link_set = LinkSet::new(shapes).against_itself(&own).map_err(refused)?;
+                world.checker(link_set).map_err(refused)?
+            }
+        };
         self.spent.preparation += begun.elapsed();
         let begun = Instant::now();
         let first = checker.first(way, Par::Serial).map_err(refused)?;
@@ -310,6 +332,9 @@ impl Runner {
             }
         }
         self.batch.iter_mut().for_each(|pairs| pairs.sort_unstable());
+        if links == self.links {
+            self.checker = Some(CheckerOf { checker, count: links, allowed: own });
+        }
         Ok(undecided)
     }
 

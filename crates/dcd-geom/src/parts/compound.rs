@@ -21,8 +21,8 @@ impl Part {
         &self.placed
     }
 
-    /// The cylinder or cone that is known by its support map alone since it was moved.
-    pub(crate) fn moved_curved(&self) -> Option<&Curved> {
+    /// The cylinder or cone that [`Part::placed`] knows by its support map alone, since it was moved.
+    pub fn moved_curved(&self) -> Option<&Curved> {
         match (&self.shape, &self.placed) {
             (Shape::Curved(curved), Shape::Custom(_)) => Some(curved),
             _ => None,
@@ -119,7 +119,7 @@ fn placed(part: usize, shape: &Shape, pose: &Pose) -> Result<Shape, ShapeError> 
         return Shape::custom(Arc::new(Moved { shape: shape.clone(), pose: *pose }));
     };
     match polytope.moved(pose).and_then(|hull| hull.rounded(polytope.swept_radius())) {
-        Ok(polytope) => Ok(Shape::Polytope(polytope)),
+        Ok(polytope) => Ok(Shape::from(polytope)),
         Err(ShapeError::NotFinite { vertex, value }) => {
             Err(ShapeError::PartNotFinite { part, vertex, value })
         }

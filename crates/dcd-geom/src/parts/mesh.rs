@@ -1,7 +1,6 @@
 //! Triangles over shared vertices.
 
 use super::tree::PartTree;
-use crate::core::local_blocks;
 use crate::error::check_length;
 use crate::sphere::reach;
 use crate::{Aabb, ShapeError};
@@ -152,7 +151,7 @@ impl Corners {
     fn of(points: &[DVec3]) -> Self {
         let centre = middle(points.iter().copied());
         let radius = reach(points.iter().map(|&point| point - centre));
-        Self { centre, radius, blocks: local_blocks(points, centre).collect() }
+        Self { centre, radius, blocks: Block::relative(points, centre).collect() }
     }
 }
 

@@ -37,7 +37,7 @@ impl PartTree {
     }
 
     /// The parts in the order of the leaves, each once: neighbours are near each other.
-    pub(crate) fn parts(&self) -> impl Iterator<Item = u32> + '_ {
+    pub fn parts(&self) -> impl Iterator<Item = u32> + '_ {
         let leaves = self.blocks.iter().zip(&self.below).take(self.leaves);
         leaves.flat_map(|(boxes, below)| {
             let is_part = |&lane: &usize| boxes.get(lane) != Aabb::EMPTY;

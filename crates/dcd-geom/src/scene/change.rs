@@ -1,7 +1,6 @@
 //! What changes between steps: poses, objects, shapes, filters, ignored pairs.
 
 use super::{Slot, check_count, check_reach};
-use crate::core::block_count;
 use crate::{Filter, Handle, Motion, Object, ObjectRef, Pose, Revision, Scene, SceneError, Shape};
 use std::ops::Range;
 use std::sync::Arc;
@@ -158,7 +157,7 @@ impl Scene {
     /// are shared, and copied once. What a pipeline remembers of pairs is forgotten.
     ///
     /// # Errors
-    /// More shapes, or blocks of vertices, than a u32 counts; nothing is changed then.
+    /// More shapes than a u32 counts; nothing is changed then.
     pub fn add_shapes(
         &mut self,
         shapes: impl IntoIterator<Item = Shape>,
@@ -166,10 +165,6 @@ impl Scene {
         let new: Vec<Shape> = shapes.into_iter().collect();
         let first = self.shapes.len();
         check_count("shapes", first + new.len())?;
-        if !self.cores.append(&new) {
-            let count = self.shapes.iter().chain(&new).map(block_count).sum();
-            return Err(SceneError::TooMany { what: "blocks of vertices", count });
-        }
         // Both fit a u32.
         let added = first as u32..(first + new.len()) as u32;
         let shapes = Arc::make_mut(&mut self.shapes);
@@ -178,7 +173,8 @@ impl Scene {
         } else {
             shapes.extend(new);
         }
-        (self.shape_revision, self.layout) = (Revision::draw(), Revision::draw());
+        self.shape_history.add(self.shapes.len());
+        self.layout = Revision::draw();
         Ok(added)
     }
 

@@ -1,7 +1,7 @@
 //! A scene whose shapes have grown: what is within a margin of what.
 
 use super::{Slot, check_reach};
-use crate::{Cores, Motion, Revision, Scene, Shape};
+use crate::{Motion, Revision, Scene, Shape};
 use std::sync::Arc;
 
 impl Scene {
@@ -11,7 +11,8 @@ impl Scene {
     pub fn swept(&self, radius: f64) -> Option<Self> {
         let grown: Result<Vec<Shape>, _> = self.shapes.iter().map(|s| s.swept(radius)).collect();
         let shapes = grown.ok()?;
-        let mut copy = Self { shapes: Arc::default(), cores: Cores::default(), ..self.clone() };
+        let mut copy =
+            Self { shapes: Arc::default(), shape_history: Default::default(), ..self.clone() };
         copy.add_shapes(shapes).ok()?;
         copy.static_revision = Revision::draw();
         copy.is_in_range().then_some(copy)

@@ -143,7 +143,28 @@ fn shapes_can_be_added_and_objects_keep_theirs() {
     let handle = scene.insert(Object::new(added.start, Pose::IDENTITY)).unwrap();
     assert_eq!(scene.shape(handle.index as usize).as_polytope().unwrap().vertices().len(), 8);
     assert_eq!(scene.shape(0).as_polytope().unwrap().vertices().len(), 1);
-    assert_eq!(scene.cores().cores().len(), 3);
+}
+
+#[test]
+fn who_derives_something_from_the_shapes_learns_which_are_new() {
+    let mut scene = row();
+    let nothing = Scene::default();
+    assert_eq!(scene.shapes_since(nothing.shape_revision()).map(<[Shape]>::len), Some(1));
+    let mut known = Vec::new();
+    for count in 1..12 {
+        known.push((scene.shape_revision(), count));
+        scene.add_shapes([sphere()]).unwrap();
+        let mut other = scene.clone();
+        other.add_shapes([sphere()]).unwrap();
+        assert_eq!(other.shapes_since(scene.shape_revision()).map(<[Shape]>::len), Some(1));
+        assert!(scene.shapes_since(other.shape_revision()).is_none());
+    }
+    let new = |revision| scene.shapes_since(revision).map(<[Shape]>::len);
+    assert_eq!(new(scene.shape_revision()), Some(0));
+    assert!(known[8..].iter().all(|&(revision, count)| new(revision) == Some(12 - count)));
+    // So far behind that all has to be derived anew.
+    assert_eq!(new(known[0].0), None);
+    assert!(scene.swept(1.0).unwrap().shapes_since(scene.shape_revision()).is_none());
 }
 
 #[test]

@@ -130,7 +130,7 @@ pub(super) fn to_shape(part: Part<'_>) -> Option<Cow<'_, Shape>> {
     match part {
         Part::Shape(shape) => Some(Cow::Borrowed(shape)),
         Part::Triangle { corners, radius, .. } => {
-            triangle(corners, radius).map(|polytope| Cow::Owned(Shape::Polytope(polytope)))
+            triangle(corners, radius).map(|polytope| Cow::Owned(Shape::from(polytope)))
         }
     }
 }

@@ -6,7 +6,8 @@ use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
 use super::spheres::Balls;
 use super::{Next, Scratch, Tally};
-use dcd_geom::{Aabb16, Compound, MAX_PARTS};
+use crate::simd::cores::MAX_PARTS;
+use dcd_geom::{Aabb16, Compound};
 use dcd_simd::{Kernel, Lanes};
 
 /// The second shape's parts, if they are to be asked singly: a compound's against a mesh, where it

@@ -60,7 +60,7 @@ impl Draw {
 /// The parts as polytopes in the frame of their shape.
 fn polytopes(shape: &Shape) -> Vec<Polytope> {
     match shape {
-        Shape::Polytope(polytope) => vec![polytope.clone()],
+        Shape::Polytope(polytope) => vec![Polytope::clone(polytope)],
         Shape::Compound(compound) => {
             compound.parts().iter().map(|p| p.placed().as_polytope().unwrap().clone()).collect()
         }
@@ -350,7 +350,7 @@ fn a_cylinder_meets_a_mesh_where_it_meets_a_triangle() {
         );
         let mut expected = Vec::new();
         for (k, triangle) in (0u32..).zip(polytopes(&mesh)) {
-            let triangle = Shape::Polytope(triangle);
+            let triangle = Shape::from(triangle);
             let (verdict, _) =
                 certified::overlap_of(a, PosedShape { shape: &triangle, pose: &pose_b });
             assert!(!matches!(verdict, Verdict::Undecided(_)), "seed {seed}");

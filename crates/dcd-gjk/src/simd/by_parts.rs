@@ -123,7 +123,7 @@ impl Slice<'_> {
 fn placed(side: Prepared<'_, SimdFrame>, object: u32, record: u32) -> PosedShape<'_> {
     let whole = PosedShape::of(side.scene, object);
     let part = side.frame.place_of(object, record).and_then(|place| {
-        let cores = side.scene.cores();
+        let cores = side.frame.cores();
         let first = cores.cores()[side.scene.shape_of()[object as usize] as usize].first_part;
         let number = cores.parts()[(first + place) as usize].part as usize;
         match whole.shape {

@@ -3,9 +3,10 @@
 //! So a pair of compounds is as many pairs of parts as have boxes that overlap, and these pass the
 //! stages of any pair, sixteen at a time, whichever compounds they are of.
 
+use super::cores::{Core, Cores};
 use super::frame::{Extremes, HAS_OBB, ObbRecord, Record};
 use super::prepare::{boxed, place, rotate, turn};
-use dcd_geom::{Aabb, Aabb16, Core, Pose, Scene, Shape};
+use dcd_geom::{Aabb, Aabb16, Pose, Scene, Shape};
 use dcd_simd::{Block, Lanes, MAX_BLOCKS, WIDTH};
 
 /// Where the parts of an object begin in a frame.
@@ -52,11 +53,17 @@ pub(super) struct Members<'f> {
 
 impl Compounds {
     /// Makes room behind the objects' records and blocks, and writes where each part's blocks are.
-    pub(super) fn set_offsets(&mut self, scene: &Scene, records: &mut Vec<Record>, first: u32) {
+    pub(super) fn set_offsets(
+        &mut self,
+        scene: &Scene,
+        all_cores: &Cores,
+        records: &mut Vec<Record>,
+        first: u32,
+    ) {
         self.starts.clear();
         self.groups.clear();
         self.unions.clear();
-        let cores = scene.cores().cores();
+        let cores = all_cores.cores();
         let parts = |shape: u32| &cores[shape as usize];
         let count = |shape: &u32| parts(*shape).parts as usize;
         let all = records.len() + scene.shape_of().iter().map(count).sum::<usize>();
@@ -68,7 +75,7 @@ impl Compounds {
         for &shape in scene.shape_of() {
             self.starts.push(self.end(records, block));
             let of = parts(shape);
-            let own = &scene.cores().parts()[of.first_part as usize..][..of.parts as usize];
+            let own = &all_cores.parts()[of.first_part as usize..][..of.parts as usize];
             for part in own {
                 let (record, next) = laid_out(part, block);
                 records.push(record);
@@ -207,7 +214,7 @@ impl<'f> CompoundPart<'f> {
 /// A compound at a pose.
 #[derive(Clone, Copy)]
 pub(super) struct Whole<'a> {
-    pub(super) scene: &'a Scene,
+    pub(super) cores: &'a Cores,
     pub(super) core: &'a Core,
     pub(super) shape: &'a Shape,
     pub(super) pose: &'a Pose,
@@ -223,7 +230,7 @@ impl Whole<'_> {
         (record, boxes): (&mut Record, Option<&mut ObbRecord>),
         own: &mut [Block],
     ) -> [L::F; 6] {
-        let cores = self.scene.cores();
+        let cores = self.cores;
         let of = &cores.parts()[core];
         *record = place(record, of, self.pose);
         if let (true, Some(boxes)) = (record.marks & HAS_OBB != 0, boxes) {
@@ -234,7 +241,7 @@ impl Whole<'_> {
 
     /// The box of the part with that core, from the part itself.
     fn aabb_of(&self, core: usize) -> Aabb {
-        let part = self.scene.cores().parts()[core].part;
+        let part = self.cores.parts()[core].part;
         match self.shape {
             Shape::Compound(compound) => compound.parts()[part as usize].placed().aabb(self.pose),
             _ => Aabb::EVERYTHING,

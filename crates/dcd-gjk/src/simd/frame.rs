@@ -2,6 +2,7 @@
 
 use super::axis_aligned::AxisAligned;
 use super::compounds::{CompoundPart, Compounds, Members, laid_out};
+use super::cores::Cores;
 use super::prepare::constants;
 use crate::Sides;
 use dcd_geom::{Kind, Revision, Scene, Shape, Splittable};
@@ -10,6 +11,8 @@ use dcd_simd::{Block, Lanes, Row, WIDTH, prefetch};
 /// All objects, ready for the lanes.
 #[derive(Clone, Debug, Default)]
 pub struct SimdFrame {
+    /// Of the scene's shapes.
+    cores: Cores,
     form: Form,
     /// How many objects there are. Behind them in the lists are the parts of compounds.
     objects: usize,
@@ -186,6 +189,7 @@ impl<'a> FramePair<'a> {
 pub struct Part<'f> {
     /// Whether the frame's lists are those of the layout before, so that they hold what they held.
     pub(crate) kept: bool,
+    pub(crate) cores: &'f Cores,
     pub(super) form: Form,
     pub(super) records: &'f mut [Record],
     pub(super) blocks: &'f mut [Block],
@@ -206,7 +210,7 @@ impl SimdFrame {
             self.set_offsets(scene, sides);
             self.layout = layout;
         }
-        let Self { form, records, blocks, boxes, uprights, compounds, extremes, .. } = self;
+        let Self { cores, form, records, blocks, boxes, uprights, compounds, extremes, .. } = self;
         let (records, of_parts) = records.split_at_mut(self.objects);
         let own = match of_parts.first() {
             Some(part) => part.first as usize,
@@ -219,6 +223,7 @@ impl SimdFrame {
         let form = *form;
         Part {
             kept,
+            cores,
             form,
             records,
             blocks,
@@ -230,14 +235,14 @@ impl SimdFrame {
     }
 
     fn set_offsets(&mut self, scene: &Scene, sides: Sides) {
-        let cores = scene.cores().cores();
+        self.cores.follow(scene);
+        let (cores, parts) = (self.cores.cores(), self.cores.parts());
         self.form = match sides {
             Sides::One => Form::of(scene.shapes()),
             Sides::Two => Form::Any,
         };
         self.objects = scene.len();
         self.records.resize(scene.len(), Record::default());
-        let parts = scene.cores().parts();
         let may_stand = cores.iter().chain(parts).any(|core| core.is_box);
         self.uprights.resize(if may_stand { scene.len() } else { 0 }, AxisAligned::default());
         let mut first = 0u32;
@@ -246,18 +251,22 @@ impl SimdFrame {
                 (*record, first) = laid_out(&cores[shape as usize], first);
             }
         }
-        self.compounds.set_offsets(scene, &mut self.records, first);
-        let boxed = scene.cores().have_obbs();
+        self.compounds.set_offsets(scene, &self.cores, &mut self.records, first);
+        let boxed = self.cores.have_obbs();
         self.boxes.resize(if boxed { self.records.len() } else { 0 }, ObbRecord::default());
         let blocks = self.compounds.blocks().unwrap_or(first);
         self.blocks.resize(blocks as usize, Block::default());
         if self.form != Form::Any {
-            constants(scene, &mut self.records, &mut self.boxes);
+            constants(scene, &self.cores, &mut self.records, &mut self.boxes);
         }
     }
 
     fn has_compounds(&self) -> bool {
         self.records.len() > self.objects
+    }
+
+    pub(super) fn cores(&self) -> &Cores {
+        &self.cores
     }
 
     /// The parts of a compound that the lanes know.
@@ -343,7 +352,7 @@ impl Splittable for Part<'_> {
             Some(record) => (record.first - base) as usize,
             None => self.blocks.len(),
         };
-        let (kept, form) = (self.kept, self.form);
+        let (kept, cores, form) = (self.kept, self.cores, self.form);
         let (left_compounds, right_compounds) = self.compound_part.split_at(middle);
         let (left, right) = self.records.split_at_mut(middle);
         let (left_blocks, right_blocks) = self.blocks.split_at_mut(blocks);
@@ -355,6 +364,7 @@ impl Splittable for Part<'_> {
         (
             Self {
                 kept,
+                cores,
                 form,
                 records: left,
                 blocks: left_blocks,
@@ -365,6 +375,7 @@ impl Splittable for Part<'_> {
             },
             Self {
                 kept,
+                cores,
                 form,
                 records: right,
                 blocks: right_blocks,

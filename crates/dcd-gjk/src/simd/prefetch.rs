@@ -9,20 +9,25 @@ use dcd_simd::{WIDTH, prefetch};
 /// sixteen by sixteen objects.
 const REMEMBERED: usize = 256;
 
-/// An object, and whether it is of the second frame of two.
+/// An object, and above its 32 bits whether it is of the second frame of two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Asked {
-    object: u32,
-    of_second: bool,
-}
+struct Asked(u64);
 
-/// No object: the last one that a u32 counts is asked for a little later than it could be.
-const NONE: Asked = Asked { object: u32::MAX, of_second: true };
+/// No object.
+const NONE: Asked = Asked(u64::MAX);
+
+/// Marks the objects of the second frame.
+const SECOND: u64 = 1 << 32;
 
 impl Asked {
     #[inline(always)]
+    fn object(self) -> u32 {
+        self.0 as u32
+    }
+
+    #[inline(always)]
     fn frame(self, frames: FramePair<'_>) -> &SimdFrame {
-        if self.of_second { frames.b } else { frames.a }
+        if self.0 & SECOND == 0 { frames.a } else { frames.b }
     }
 }
 
@@ -61,22 +66,22 @@ impl Prefetch {
         }
         for asked in &self.new[..self.count] {
             let frame = asked.frame(frames);
-            prefetch(frame.blocks_of(frame.record(asked.object)));
+            prefetch(frame.blocks_of(frame.record(asked.object())));
         }
         self.count = 0;
-        let of_second = !frames.is_one();
+        let second = if frames.is_one() { 0 } else { SECOND };
         for pair in pairs {
-            self.note(frames, Asked { object: pair.i, of_second: false });
-            self.note(frames, Asked { object: pair.j, of_second });
+            self.note(frames, Asked(pair.i.into()));
+            self.note(frames, Asked(second | u64::from(pair.j)));
         }
     }
 
     #[inline(always)]
     fn note(&mut self, frames: FramePair<'_>, asked: Asked) {
-        let slot = &mut self.recent[asked.object as usize % REMEMBERED];
+        let slot = &mut self.recent[asked.0 as usize % REMEMBERED];
         if *slot != asked && self.count < self.new.len() {
             *slot = asked;
-            prefetch(std::slice::from_ref(asked.frame(frames).record(asked.object)));
+            prefetch(std::slice::from_ref(asked.frame(frames).record(asked.object())));
             self.new[self.count] = asked;
             self.count += 1;
         }

@@ -9,12 +9,13 @@ pub(super) use forms::constants;
 use super::axis_aligned::AxisAligned;
 use super::bounds::{CENTRE, CHOICE, ROTATED, TURNED, U};
 use super::compounds::{CompoundPart, Whole};
+use super::cores::{Core, Cores, ObbBoundsF32};
 use super::frame::{
     AXIS_ALIGNED, BOX, Extremes, Form, HAS_OBB, LIVE, ObbRecord, Part, Record, WHOLE,
 };
 use super::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
-use dcd_geom::{Aabb, Core, Corners, Mesh, ObbBoundsF32, Pose, Scene, Shape};
+use dcd_geom::{Aabb, Corners, Mesh, Pose, Scene, Shape};
 use dcd_simd::{Block, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, prefetch};
 
 /// Runs the kernel on that path: compiled here, once.
@@ -57,7 +58,7 @@ impl Prepare<'_> {
                 &mut own
             }
         };
-        let obbs = self.scene.cores().obbs();
+        let cores = self.part.cores;
         let (boxes, uprights) = (self.part.boxes, self.part.uprights);
         let groups = self.part.records.chunks_mut(WIDTH).zip(self.aabbs.chunks_mut(WIDTH));
         for (group, (records, aabbs)) in groups.enumerate() {
@@ -67,14 +68,14 @@ impl Prepare<'_> {
                     std::mem::take(&mut blocks).split_at_mut(usize::from(record.blocks));
                 blocks = others;
                 let object = first + lane;
-                look_ahead(self.scene, object + AHEAD);
-                let core = &self.scene.cores().cores()[self.scene.shape_of()[object] as usize];
+                look_ahead(self.scene, cores, object + AHEAD);
+                let core = &cores.cores()[self.scene.shape_of()[object] as usize];
                 let pose = &self.scene.poses()[object];
                 *record = place(record, core, pose);
                 if record.marks & HAS_OBB != 0 {
                     let shape = self.scene.shape_of()[object] as usize;
                     let place = group * WIDTH + lane;
-                    boxes[place] = turn(&obbs[shape], record, pose);
+                    boxes[place] = turn(&cores.obbs()[shape], record, pose);
                     if let Some(upright) = AxisAligned::of(&self.scene.shapes()[shape], pose) {
                         uprights[place] = upright;
                         record.marks |= AXIS_ALIGNED;
@@ -82,7 +83,7 @@ impl Prepare<'_> {
                 }
                 let found = match own {
                     [] => reach_of_corners(l, self.scene.shape(object), pose),
-                    _ => rotate(l, pose, &self.scene.cores().blocks(core)[..own.len()], own),
+                    _ => rotate(l, pose, &cores.blocks(core)[..own.len()], own),
                 };
                 extremes.keep(l, lane, found);
             }
@@ -90,7 +91,10 @@ impl Prepare<'_> {
             for (lane, (record, aabb)) in records.iter().zip(aabbs).enumerate() {
                 let place = (group * WIDTH + lane, first + lane);
                 *aabb = match record.marks & WHOLE {
-                    0 => not_whole(l, self.scene, place, (&mut compound_part, extremes, &reach)),
+                    0 => {
+                        let rest = (&mut compound_part, &mut *extremes, &reach);
+                        not_whole(l, (self.scene, cores), place, rest)
+                    }
                     _ => boxed(record, &reach, lane),
                 };
             }
@@ -103,16 +107,16 @@ impl Prepare<'_> {
 #[inline(always)]
 fn not_whole<L: Lanes>(
     l: L,
-    scene: &Scene,
+    (scene, cores): (&Scene, &Cores),
     (k, object): (usize, usize),
     (compound_part, extremes, reach): (&mut CompoundPart<'_>, &mut Extremes, &[Row; 6]),
 ) -> Aabb {
-    let core = &scene.cores().cores()[scene.shape_of()[object] as usize];
+    let core = &cores.cores()[scene.shape_of()[object] as usize];
     let (shape, pose) = (scene.shape(object), &scene.poses()[object]);
     match shape {
         Shape::Mesh(mesh) => boxed(&round_corners(mesh, pose), reach, k % WIDTH),
         _ if compound_part.holds(k) => {
-            compound_part.prepare(l, (k, Whole { scene, core, shape, pose }), extremes)
+            compound_part.prepare(l, (k, Whole { cores, core, shape, pose }), extremes)
         }
         _ => scene.aabb(object),
     }
@@ -152,9 +156,9 @@ fn round_corners(mesh: &Mesh, pose: &Pose) -> Record {
 const AHEAD: usize = 4;
 
 #[inline(always)]
-fn look_ahead(scene: &Scene, object: usize) {
+fn look_ahead(scene: &Scene, cores: &Cores, object: usize) {
     if let Some(&shape) = scene.shape_of().get(object) {
-        prefetch(scene.cores().blocks(&scene.cores().cores()[shape as usize]));
+        prefetch(cores.blocks(&cores.cores()[shape as usize]));
     }
 }
 

@@ -209,7 +209,7 @@ impl NarrowPhase for Coherent {
         let (mut worn, mut restless) = (false, 0);
         let ways = part.ways.0.iter_mut().zip(part.ways.1);
         for (i, (track, (standing, limit))) in (first..).zip(part.tracks.iter_mut().zip(ways)) {
-            worn |= track.follow(scene, i);
+            worn |= track.follow(scene, part.lanes.cores.cores(), i);
             track.way().write(standing, limit);
             restless += usize::from(track.exceeds(part.restless));
         }

@@ -6,6 +6,7 @@ use super::track::Track;
 use super::*;
 use crate::simd::Overlap;
 use crate::simd::axis::Axis;
+use crate::simd::cores::Cores;
 use crate::{Depths, DistanceResult, PairSolver, PosedShape, Verdict, distance};
 use dcd_geom::Shape;
 use dcd_geom::glam::{DMat3, DQuat, DVec3, Vec3};
@@ -36,6 +37,12 @@ fn shape() -> impl Strategy<Value = Shape> {
             _ => hull.ok(),
         }
     })
+}
+
+fn cores_of(scene: &Scene) -> Cores {
+    let mut cores = Cores::default();
+    cores.follow(scene);
+    cores
 }
 
 /// The pairs of a scene, each with what the lanes proved of it and the clearance of that, after axes to
@@ -129,10 +136,11 @@ proptest! {
         let object = Object::new(0, from);
         let mut scene = Scene::new(vec![shape.clone()], [object]).unwrap();
         let mut track = Track::default();
-        track.follow(&scene, 0);
+        let cores = cores_of(&scene);
+        track.follow(&scene, cores.cores(), 0);
         let before = track.way();
         scene.set_pose(0, to).unwrap();
-        track.follow(&scene, 0);
+        track.follow(&scene, cores.cores(), 0);
         let way = track.way().travelled - before.travelled;
         for v in shape.as_polytope().unwrap().vertices() {
             let moved = to.apply(*v).distance(from.apply(*v));
@@ -163,14 +171,15 @@ fn an_object_at_rest_goes_no_way_and_another_in_its_slot_goes_a_long_one() {
     let shapes = vec![Shape::sphere(0.5).unwrap(), Shape::sphere(2.0).unwrap()];
     let mut scene = Scene::new(shapes, [Object::new(1, Pose::IDENTITY)]).unwrap();
     let mut track = Track::default();
-    track.follow(&scene, 0);
+    let cores = cores_of(&scene);
+    track.follow(&scene, cores.cores(), 0);
     let at_first = track.way();
-    track.follow(&scene, 0);
+    track.follow(&scene, cores.cores(), 0);
     assert_eq!(track.way().travelled, at_first.travelled);
     assert!(!track.exceeds(1e-9));
     scene.remove(scene.handle(0).unwrap()).unwrap();
     scene.insert(Object::new(0, Pose::IDENTITY)).unwrap();
-    track.follow(&scene, 0);
+    track.follow(&scene, cores.cores(), 0);
     // No fact about the large one had more clearance than its limit.
     assert!(track.way().travelled >= at_first.travelled + at_first.limit);
 }
@@ -180,12 +189,13 @@ fn a_jump_beyond_all_bounds_counts_as_the_limit_and_many_of_them_wear_the_way_ou
     let mut scene =
         Scene::new(vec![Shape::sphere(1.0).unwrap()], [Object::new(0, Pose::IDENTITY)]).unwrap();
     let mut track = Track::default();
-    track.follow(&scene, 0);
+    let cores = cores_of(&scene);
+    track.follow(&scene, cores.cores(), 0);
     for jump in 1..5000 {
         let at = DVec3::X * if jump % 2 == 0 { 1e9 } else { -1e9 };
         scene.set_pose(0, Pose::from_translation(at).unwrap()).unwrap();
         let before = track.way();
-        let worn = track.follow(&scene, 0);
+        let worn = track.follow(&scene, cores.cores(), 0);
         assert_eq!(track.way().travelled, before.travelled + before.limit);
         assert!(track.exceeds(7.9) && !track.exceeds(8.1));
         if worn {

@@ -1,6 +1,7 @@
 //! How far the points of an object have travelled.
 
 use super::facts::Way;
+use crate::simd::cores::Core;
 use dcd_geom::{Pose, Scene};
 
 /// An object's way: a sum, step by step, of how far its points have moved at most.
@@ -49,20 +50,20 @@ impl Default for Track {
 impl Track {
     /// Adds what the object of that slot has moved since it was seen last. Whether its way has
     /// become too long to be told in f32.
-    pub(super) fn follow(&mut self, scene: &Scene, slot: usize) -> bool {
+    pub(super) fn follow(&mut self, scene: &Scene, cores: &[Core], slot: usize) -> bool {
         let shape = scene.shape_of()[slot];
         let object = Some((scene.generations()[slot], shape));
         let pose = &scene.poses()[slot];
         let moved = self.pose != *pose;
         if self.object != object {
-            let core = &scene.cores().cores()[shape as usize];
+            let core = &cores[shape as usize];
             let limit = FAR * (core.outer + core.radius);
             // No clearance of the object before was above its limit.
             self.way += self.limit.max(limit);
             // How fast it moves is not known yet.
             (self.object, self.limit, self.step) = (object, limit, 0.0);
         } else if moved {
-            let core = &scene.cores().cores()[shape as usize];
+            let core = &cores[shape as usize];
             let step = displacement(&self.pose, pose, core);
             // Written so that NaN and overflow count as the longest step.
             self.step = if step < self.limit { step } else { self.limit };
@@ -93,7 +94,7 @@ impl Track {
 
 /// How far a point of the object moves at most from one pose to the other, metres, rounded up:
 /// its centre's way, and the change of the rotation times the outer radius.
-fn displacement(from: &Pose, to: &Pose, core: &dcd_geom::Core) -> f64 {
+fn displacement(from: &Pose, to: &Pose, core: &Core) -> f64 {
     let change = *to.rotation() - *from.rotation();
     let [x, y, z] = [change.x_axis, change.y_axis, change.z_axis];
     let frobenius = (x.length_squared() + y.length_squared() + z.length_squared()).sqrt();

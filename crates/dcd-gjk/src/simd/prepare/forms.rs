@@ -3,6 +3,7 @@
 
 use super::super::axis_aligned::AxisAligned;
 use super::super::bounds::{CENTRE, TURNED};
+use super::super::cores::Cores;
 use super::super::frame::{AXIS_ALIGNED, BOX, HAS_OBB, LIVE, ObbRecord, Record, WHOLE};
 use super::{Prepare, above, place, turn};
 use dcd_geom::glam::DVec3;
@@ -11,8 +12,13 @@ use dcd_simd::prefetch;
 
 /// Writes what depends on the shapes alone, for poses that depart from a rotation by less than
 /// [`TURNED`]. Spheres have no box record.
-pub(in super::super) fn constants(scene: &Scene, records: &mut [Record], boxes: &mut [ObbRecord]) {
-    let (cores, obbs) = (scene.cores().cores(), scene.cores().obbs());
+pub(in super::super) fn constants(
+    scene: &Scene,
+    cores: &Cores,
+    records: &mut [Record],
+    boxes: &mut [ObbRecord],
+) {
+    let (cores, obbs) = (cores.cores(), cores.obbs());
     for (record, &shape) in records.iter_mut().zip(scene.shape_of()) {
         *record = place(&Record::default(), &cores[shape as usize], &Pose::IDENTITY);
         record.marks |= LIVE | WHOLE;

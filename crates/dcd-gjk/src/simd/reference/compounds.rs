@@ -1,13 +1,14 @@
 //! Compounds part by part: what the lanes say of them is what every pair of parts says by itself.
 
 use super::{Numbers, paths, prepared};
+use crate::simd::cores::MAX_PARTS;
 use crate::simd::{Overlap, Scratch};
 use crate::{
     ContactSink, Method, NarrowPhase, PosedShape, PosedSupport, Prepared, Report, Verdict,
     certified,
 };
 use dcd_geom::glam::{DQuat, DVec3};
-use dcd_geom::{Aabb, MAX_PARTS, Pair, Pose, Scene, Shape};
+use dcd_geom::{Aabb, Pair, Pose, Scene, Shape};
 use dcd_simd::Path;
 
 fn pose(numbers: &mut Numbers, half: f64) -> Pose {

@@ -1,41 +1,41 @@
 //! What the lanes read of a shape, in one place for all shapes of a scene.
 
-use crate::inscribed::{self, Inscribed};
-use crate::{Compound, Curved, ObbBounds, Part, Polytope, Pose, Shape};
+use super::inscribed::Inscribed;
+use dcd_geom::glam::{DVec3, Vec3};
+use dcd_geom::{Compound, Curved, ObbBounds, Polytope, Pose, Revision, Scene, Shape};
 use dcd_simd::{Block, WIDTH};
-use glam::{DVec3, Vec3};
 
 /// What depends on a shape alone, as the lanes want it: of a polytope, or of a curved shape with the
 /// vertices of a hull inside it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Core {
+pub(crate) struct Core {
     /// The inner sphere's centre in the shape's own frame, metres: the blocks count from here.
-    pub centre: DVec3,
+    pub(crate) centre: DVec3,
     /// The radius of a sphere round the centre inside the core, rounded down.
-    pub inner: f64,
+    pub(crate) inner: f64,
     /// The radius of a sphere round the centre that holds the core, rounded up.
-    pub outer: f64,
+    pub(crate) outer: f64,
     /// The largest distance of a vertex from the origin of the shape's own frame, rounded up.
-    pub reach: f64,
+    pub(crate) reach: f64,
     /// The radius swept round the core.
-    pub radius: f64,
+    pub(crate) radius: f64,
     /// Its first block in [`Cores::blocks`].
-    pub first: u32,
+    pub(crate) first: u32,
     /// How many blocks it has; 0 for a shape that the lanes do not know.
-    pub blocks: u32,
+    pub(crate) blocks: u32,
     /// How much farther the core reaches than its vertices, at most, in any direction, metres: 0
     /// for polytopes.
-    pub excess: f64,
+    pub(crate) excess: f64,
     /// Whether [`Cores::obbs`] (of a part [`Cores::part_obbs`]) has its boxes.
-    pub has_obb: bool,
+    pub(crate) has_obb: bool,
     /// Whether the core is its inner and outer OBBs, both of them.
-    pub is_box: bool,
+    pub(crate) is_box: bool,
     /// The first of its parts' cores in [`Cores::parts`].
-    pub first_part: u32,
+    pub(crate) first_part: u32,
     /// How many of those it has: 0 but for compounds of at most [`MAX_PARTS`] parts.
-    pub parts: u32,
+    pub(crate) parts: u32,
     /// Of a part its number in the compound.
-    pub part: u32,
+    pub(crate) part: u32,
 }
 
 /// Of a compound with more parts than these the lanes know nothing. No unit.
@@ -43,7 +43,7 @@ pub struct Core {
 /// All parts of one are compared with all of another, sixteen at a time, and each is prepared with
 /// the object. Larger: large compounds cost memory and lists where a tree is quicker. Smaller: more
 /// of them are searched one pair at a time. Never an answer.
-pub const MAX_PARTS: usize = 256;
+pub(crate) const MAX_PARTS: usize = 256;
 
 /// How far a point and a centre, each R·v + t rounded, may have moved apart. Unit: of their distance
 /// from the origin. Each loses 4u a component, √3 of that: 14u, and room.
@@ -51,13 +51,13 @@ const MOVED: f64 = 16.0 * f64::EPSILON;
 
 /// A [`ObbBounds`] in f32.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ObbBoundsF32 {
+pub(crate) struct ObbBoundsF32 {
     /// The directions of the edges, each component off by one rounding.
-    pub axes: [Vec3; 3],
+    pub(crate) axes: [Vec3; 3],
     /// Half the edges of the outer box, rounded up.
-    pub outer: Vec3,
+    pub(crate) outer: Vec3,
     /// Half the edges of the inner box, rounded down.
-    pub inner: Vec3,
+    pub(crate) inner: Vec3,
 }
 
 impl ObbBoundsF32 {
@@ -77,7 +77,9 @@ impl ObbBoundsF32 {
 
 /// The cores of all shapes of a scene, and their vertices in f32 blocks, one after the other.
 #[derive(Clone, Debug, Default)]
-pub struct Cores {
+pub(crate) struct Cores {
+    /// Of which shapes.
+    of: Revision,
     shapes: Column,
     parts: Column,
     blocks: Vec<Block>,
@@ -102,17 +104,24 @@ impl Column {
 }
 
 impl Cores {
-    /// Adds those of these shapes: costs what they do, whatever is there. `false`, and nothing is changed,
-    /// if there would be more than u32::MAX blocks or parts.
-    pub(crate) fn append(&mut self, shapes: &[Shape]) -> bool {
-        let blocks: usize = shapes.iter().map(block_count).sum();
-        let parts: usize = shapes.iter().map(part_count).sum();
-        let fits = |count: usize| u32::try_from(count).is_ok();
-        if !fits(self.blocks.len() + blocks) || !fits(self.parts.cores.len() + parts) {
-            return false;
+    /// Takes in the shapes of a scene: those that are new, where the others are in already.
+    pub(crate) fn follow(&mut self, scene: &Scene) {
+        if self.of == scene.shape_revision() {
+            return;
         }
+        match scene.shapes_since(self.of) {
+            Some(new) => self.append(new),
+            None => {
+                *self = Self::default();
+                self.append(scene.shapes());
+            }
+        }
+        self.of = scene.shape_revision();
+    }
+
+    /// Adds those of these shapes: costs what they do, whatever is there.
+    fn append(&mut self, shapes: &[Shape]) {
         self.shapes.cores.reserve(shapes.len());
-        self.blocks.reserve(blocks);
         for shape in shapes {
             let (core, obb) = self.core(shape);
             self.shapes.push(core, obb);
@@ -123,7 +132,6 @@ impl Cores {
                 self.append_parts(first + k, compound);
             }
         }
-        true
     }
 
     fn core(&mut self, shape: &Shape) -> (Core, Option<ObbBoundsF32>) {
@@ -136,10 +144,11 @@ impl Cores {
 
     /// The cores of a compound's parts, neighbours beside each other: in the order of its tree.
     fn append_parts(&mut self, shape: usize, compound: &Compound) {
-        if compound.parts().len() > MAX_PARTS {
+        let after = self.parts.cores.len() + compound.parts().len();
+        // More than a u32 counts stay with the general search.
+        if compound.parts().len() > MAX_PARTS || u32::try_from(after).is_err() {
             return;
         }
-        // Their count was checked.
         let first_part = self.parts.cores.len() as u32;
         for number in compound.tree().parts() {
             let part = &compound.parts()[number as usize];
@@ -207,9 +216,11 @@ impl Cores {
         vertices: &[DVec3],
         obb: Option<&ObbBounds>,
     ) -> (Core, Option<ObbBoundsF32>) {
-        // Their count was checked.
+        let after = self.blocks.len() + vertices.len().div_ceil(WIDTH);
+        // More than a u32 counts are not kept: a shape without blocks is one that the lanes do not know.
+        let kept = if u32::try_from(after).is_ok() { vertices } else { &[] };
         let first = self.blocks.len() as u32;
-        self.blocks.extend(local_blocks(vertices, core.centre));
+        self.blocks.extend(Block::relative(kept, core.centre));
         let blocks = self.blocks.len() as u32 - first;
         let has_obb = obb.is_some();
         let is_box = obb.is_some_and(ObbBounds::is_the_shape);
@@ -217,79 +228,36 @@ impl Cores {
     }
 
     /// One for each shape of the scene.
-    pub fn cores(&self) -> &[Core] {
+    pub(crate) fn cores(&self) -> &[Core] {
         &self.shapes.cores
     }
 
     /// For each shape its boxes, up to the last that has some; meaningful where
     /// [`Core::has_obb`] is set.
-    pub fn obbs(&self) -> &[ObbBoundsF32] {
+    pub(crate) fn obbs(&self) -> &[ObbBoundsF32] {
         &self.shapes.obbs
     }
 
     /// Those of the parts of compounds: of each one after the other, from [`Core::first_part`] on.
-    pub fn parts(&self) -> &[Core] {
+    pub(crate) fn parts(&self) -> &[Core] {
         &self.parts.cores
     }
 
     /// For each of [`Cores::parts`] its boxes, as [`Cores::obbs`] has them.
-    pub fn part_obbs(&self) -> &[ObbBoundsF32] {
+    pub(crate) fn part_obbs(&self) -> &[ObbBoundsF32] {
         &self.parts.obbs
     }
 
     /// Whether any has boxes.
-    pub fn have_obbs(&self) -> bool {
+    pub(crate) fn have_obbs(&self) -> bool {
         !self.shapes.obbs.is_empty() || !self.parts.obbs.is_empty()
     }
 
     /// The vertices of a core, relative to its centre.
     #[inline]
-    pub fn blocks(&self, core: &Core) -> &[Block] {
+    pub(crate) fn blocks(&self, core: &Core) -> &[Block] {
         &self.blocks[core.first as usize..][..core.blocks as usize]
     }
-}
-
-/// How many cores its parts have.
-fn part_count(shape: &Shape) -> usize {
-    match shape {
-        Shape::Compound(compound) if compound.parts().len() <= MAX_PARTS => compound.parts().len(),
-        _ => 0,
-    }
-}
-
-/// How many blocks of vertices the lanes have of a shape; of a curved one at most.
-pub(crate) fn block_count(shape: &Shape) -> usize {
-    match shape {
-        Shape::Polytope(polytope) => polytope.block_count(),
-        Shape::Curved(_) => inscribed::BLOCKS,
-        Shape::Compound(compound) if compound.parts().len() <= MAX_PARTS => {
-            compound.parts().iter().map(part_block_count).sum()
-        }
-        _ => 0,
-    }
-}
-
-fn part_block_count(part: &Part) -> usize {
-    match part.moved_curved() {
-        Some(_) => inscribed::BLOCKS,
-        None => block_count(part.placed()),
-    }
-}
-
-/// The vertices relative to the centre, rounded to f32, sixteen a block; the last block is filled up
-/// with the last vertex.
-pub(crate) fn local_blocks(vertices: &[DVec3], centre: DVec3) -> impl Iterator<Item = Block> + '_ {
-    vertices.chunks(WIDTH).map(move |chunk| {
-        let mut block = Block::default();
-        for lane in 0..WIDTH {
-            let vertex = chunk[lane.min(chunk.len() - 1)];
-            let local = (vertex - centre).as_vec3().to_array();
-            for (row, x) in block.0.iter_mut().zip(local) {
-                row.0[lane] = x;
-            }
-        }
-        block
-    })
 }
 
 #[cfg(test)]
@@ -298,7 +266,7 @@ mod tests {
 
     fn of(shapes: &[Shape]) -> Cores {
         let mut cores = Cores::default();
-        assert!(cores.append(shapes));
+        cores.append(shapes);
         cores
     }
 
@@ -325,7 +293,7 @@ mod tests {
         let shapes = [Shape::from(compound.clone()), cube];
         let mut cores = of(&shapes);
         // Another one behind them, as if it had been there from the start.
-        assert!(cores.append(&shapes[..1]));
+        cores.append(&shapes[..1]);
         let (whole, again) = (cores.cores()[0], cores.cores()[2]);
         assert_eq!((whole.first_part, whole.parts, whole.blocks), (0, 20, 0));
         assert_eq!((again.first_part, again.parts, cores.parts().len()), (20, 20, 40));

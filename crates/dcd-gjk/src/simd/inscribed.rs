@@ -1,23 +1,22 @@
 //! Hulls inside curved shapes: what the lanes take in their place, with how much they leave out.
 
-use crate::{Curved, CurvedKind, ObbBounds, Sphere};
-use dcd_simd::WIDTH;
-use glam::DVec3;
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Curved, CurvedKind, ObbBounds, Sphere};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// The hull of some points of a curved shape's core.
 #[derive(Clone, Debug)]
-pub(crate) struct Inscribed {
+pub(super) struct Inscribed {
     /// All of them in the core.
-    pub(crate) vertices: Vec<DVec3>,
+    pub(super) vertices: Vec<DVec3>,
     /// How much farther the core reaches than the hull, at most, in any direction; metres.
-    pub(crate) excess: f64,
+    pub(super) excess: f64,
     /// The core's inner sphere.
-    pub(crate) inner: Sphere,
+    pub(super) inner: Sphere,
     /// The radius of a sphere round that one's centre that holds the core, rounded up.
-    pub(crate) outer: f64,
+    pub(super) outer: f64,
     /// Of the core itself.
-    pub(crate) obb: Option<ObbBounds>,
+    pub(super) obb: Option<ObbBounds>,
 }
 
 /// How many corners stand for each of a cylinder's rims: three blocks of sixteen in all. More: each
@@ -28,19 +27,16 @@ const CYLINDER_CORNERS: u32 = 24;
 /// The same for a cone's one: with the apex two blocks.
 const CONE_CORNERS: u32 = 31;
 
-/// How many blocks the vertices fill at most.
-pub(crate) const BLOCKS: usize = (2 * CYLINDER_CORNERS as usize).div_ceil(WIDTH);
-
 /// What a corner is drawn inwards by, relative to the radius: four times what the rounding of its
 /// angle's sine and cosine and of two products may take it outwards.
 const INWARDS: f64 = 16.0 * f64::EPSILON;
 
 impl Inscribed {
     /// Of a cylinder or a cone.
-    pub(crate) fn of(curved: &Curved) -> Self {
+    pub(super) fn of(curved: &Curved) -> Self {
         let corners = match curved.kind() {
             CurvedKind::Cylinder => CYLINDER_CORNERS,
-            CurvedKind::Cone => CONE_CORNERS,
+            _ => CONE_CORNERS,
         };
         let rims = curved.discs().map(|(z, radius)| match radius {
             0.0 => vec![DVec3::Z * z],
@@ -80,7 +76,7 @@ fn obb(curved: &Curved, (inner, outer): (Sphere, f64)) -> Option<ObbBounds> {
     let square = radius * FRAC_1_SQRT_2 * (1.0 - 4.0 * f64::EPSILON);
     let inside = match curved.kind() {
         CurvedKind::Cylinder => DVec3::new(square, square, curved.half_height()),
-        CurvedKind::Cone => DVec3::ZERO,
+        _ => DVec3::ZERO,
     };
     ObbBounds::along_axes(around, inside, (inner.radius, outer))
 }
@@ -88,7 +84,7 @@ fn obb(curved: &Curved, (inner, outer): (Sphere, f64)) -> Option<ObbBounds> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::SupportMap;
+    use dcd_geom::SupportMap;
 
     /// Directions all over the sphere, and along and across the axis.
     fn directions() -> impl Iterator<Item = DVec3> {
@@ -118,7 +114,7 @@ mod tests {
                 let allowed = match shape.kind() {
                     CurvedKind::Cylinder => lower,
                     CurvedKind::Cone if at > 0.5 => 0.0,
-                    CurvedKind::Cone => lower,
+                    _ => lower,
                 };
                 assert!(v.z.abs() <= shape.half_height() && v.x.hypot(v.y) <= allowed, "{v}");
             }
