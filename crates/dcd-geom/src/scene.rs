@@ -25,6 +25,7 @@ pub struct Scene {
     shape_of: Vec<u32>,
     poses: Vec<Pose>,
     filters: Vec<Filter>,
+    sensors: Vec<bool>,
     user_data: Vec<u64>,
     slots: Vec<Slot>,
     generations: Vec<u32>,
@@ -32,6 +33,7 @@ pub struct Scene {
     free: Vec<u32>,
     ignored: IgnoredPairs,
     filtered: bool,
+    sensor_count: usize,
     moving: usize,
     standing: usize,
     layout: Revision,
@@ -169,6 +171,16 @@ impl Scene {
     /// For each slot the caller's own number: see [`Object::user_data`].
     pub fn user_data(&self) -> &[u64] {
         &self.user_data
+    }
+
+    /// For each slot whether it holds a sensor: see [`Object::sensor`].
+    pub fn sensors(&self) -> &[bool] {
+        &self.sensors
+    }
+
+    /// Whether any object is a sensor.
+    pub fn has_sensors(&self) -> bool {
+        self.sensor_count > 0
     }
 
     /// The pairs that [`Scene::ignore_pair`] named, and those among [`Scene::ignore_among`], once

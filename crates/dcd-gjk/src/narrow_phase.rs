@@ -298,4 +298,17 @@ pub trait NarrowPhase: Send + Sync {
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, Self::Answer>,
     );
+
+    /// Says of the pairs whether they touch, as `decide` does; nobody reads the contacts' answers. For
+    /// whoever measures touching pairs: here it need not. Calls `decide` of itself.
+    fn sense(
+        &self,
+        a: Prepared<'_, Self::Frame>,
+        b: Prepared<'_, Self::Frame>,
+        pairs: &[Pair],
+        scratch: &mut Self::Scratch,
+        sink: &mut ContactSink<'_, Self::Answer>,
+    ) {
+        self.decide(a, b, pairs, scratch, sink);
+    }
 }

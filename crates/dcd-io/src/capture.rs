@@ -19,13 +19,15 @@ mod slot {
     pub(super) const MOVING: u32 = 0;
     pub(super) const STATIC: u32 = 1;
     pub(super) const FREE: u32 = 2;
+    /// Added to one of the first two: a sensor.
+    pub(super) const SENSOR: u32 = 4;
 }
 
 /// A scene and the poses of its objects in each frame, bit for bit: what a replay answers is what
 /// the recorded run answered.
 ///
 /// Everything but the poses is that of [`Capture::new`] for all frames: shapes, which slot holds
-/// an object, filters, ignored pairs. The bytes of a file are described in `docs/captures.md`.
+/// an object, filters, which are sensors, ignored pairs. The bytes of a file are described in `docs/captures.md`.
 ///
 /// ```
 /// use dcd_geom::{Pose, Scene, Shape};
@@ -70,6 +72,8 @@ impl Capture {
             "objects"
         } else if scene.filters() != recorded.filters() {
             "filters"
+        } else if scene.sensors() != recorded.sensors() {
+            "sensors"
         } else if !scene.ignored_pairs().eq(recorded.ignored_pairs()) {
             "ignored pairs"
         } else {
@@ -126,7 +130,7 @@ pub enum CaptureError {
     },
     /// More than poses has changed since the capture was begun.
     Changed {
-        /// What: "objects", "filters", "ignored pairs".
+        /// What: "objects", "filters", "sensors", "ignored pairs".
         what: &'static str,
         /// The frame that was to be added.
         frame: usize,

@@ -68,11 +68,30 @@ impl Events {
         step: &Step<'_, A>,
         exec: impl Into<Exec<'e>>,
     ) -> &Self {
-        let exec = exec.into();
+        self.follow_pairs(scene, || step.contacts(), exec.into())
+    }
+
+    /// The same of the pairs with a sensor ([`Step::sensed`]): what entered it, stayed and left. To be
+    /// followed beside contacts, in a list of its own.
+    pub fn follow_sensors<'e, A: Copy + Send + Sync>(
+        &mut self,
+        scene: &Scene,
+        step: &Step<'_, A>,
+        exec: impl Into<Exec<'e>>,
+    ) -> &Self {
+        self.follow_pairs(scene, || step.sensed(), exec.into())
+    }
+
+    fn follow_pairs<P: Iterator<Item = (u32, u32)>>(
+        &mut self,
+        scene: &Scene,
+        pairs: impl Fn() -> P,
+        exec: Exec,
+    ) -> &Self {
         std::mem::swap(&mut self.before, &mut self.now);
         self.now.generations.clear();
         self.now.generations.extend_from_slice(scene.generations());
-        self.now.partners.fill(scene.len(), || step.contacts(), exec);
+        self.now.partners.fill(scene.len(), pairs, exec);
         let (before, now) = (&self.before, &self.now);
         let objects = before.generations.len().max(now.generations.len());
         self.list.fill(exec, objects.div_ceil(OBJECTS_PER_TASK), |task, list| {

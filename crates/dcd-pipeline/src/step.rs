@@ -73,6 +73,45 @@ impl Candidates {
         slices.for_each(|k| joined.extend_from_slice(self.slice(k)));
         joined
     }
+
+    /// Those of them without a sensor.
+    fn of_solids<'a>(
+        &self,
+        task: usize,
+        sensors: &[bool],
+        joined: &'a mut Vec<Pair>,
+    ) -> &'a [Pair] {
+        self.of_task_where(task, |pair| !has_sensor(sensors, pair), joined)
+    }
+
+    /// Those with a sensor.
+    fn of_sensors<'a>(
+        &self,
+        task: usize,
+        sensors: &[bool],
+        joined: &'a mut Vec<Pair>,
+    ) -> &'a [Pair] {
+        self.of_task_where(task, |pair| has_sensor(sensors, pair), joined)
+    }
+
+    fn of_task_where<'a>(
+        &self,
+        task: usize,
+        is_wanted: impl Fn(Pair) -> bool,
+        joined: &'a mut Vec<Pair>,
+    ) -> &'a [Pair] {
+        joined.clear();
+        joined.reserve(PAIRS_PER_TASK);
+        for k in self.tasks[task].clone() {
+            joined.extend(self.slice(k).iter().copied().filter(|&pair| is_wanted(pair)));
+        }
+        joined
+    }
+}
+
+/// Whether an object of a pair is a sensor.
+fn has_sensor(sensors: &[bool], pair: Pair) -> bool {
+    sensors[pair.i as usize] || sensors[pair.j as usize]
 }
 
 /// What a thread reuses from task to task.
@@ -93,6 +132,8 @@ pub struct Pipeline<B = WideTree, N: NarrowPhase = Overlap> {
     partition: Partition,
     candidates: Candidates,
     contacts: Segments<Contact<N::Answer>>,
+    /// The touching pairs of which one is a sensor; nobody reads their answers.
+    sensed: Segments<Contact<N::Answer>>,
     workers: PerThread<WorkerScratch<N::Scratch>>,
     report: Report,
 }
@@ -121,6 +162,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             partition: Partition::default(),
             candidates: Candidates::default(),
             contacts: Segments::default(),
+            sensed: Segments::default(),
             workers: PerThread::default(),
             report: Report::default(),
         }
@@ -161,6 +203,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             aabbs: &self.aabbs,
             candidates: &self.candidates,
             contacts: &self.contacts,
+            sensed: &self.sensed,
             report: &self.report,
         }
     }
@@ -208,16 +251,28 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
     }
 
     fn judge(&mut self, scene: &Scene, exec: Exec) {
-        let Self { narrow, frame, candidates, contacts, workers, report, .. } = self;
+        let Self { narrow, frame, candidates, contacts, sensed, workers, report, .. } = self;
         candidates.cut();
         let candidates = &*candidates;
         narrow.begin_pairs(frame, candidates.slices());
         let side = Prepared { scene, frame: &*frame };
+        let sensors = scene.has_sensors().then(|| scene.sensors());
         contacts.fill(exec, candidates.tasks.len(), |task, contacts| {
             workers.with(|WorkerScratch { scratch, joined, report }| {
-                let pairs = candidates.of_task(task, joined);
+                let pairs = match sensors {
+                    None => candidates.of_task(task, joined),
+                    Some(sensors) => candidates.of_solids(task, sensors, joined),
+                };
                 let sink = &mut ContactSink { contacts, report };
                 narrow.decide(side, side, pairs, scratch, sink);
+            });
+        });
+        let sensing = if sensors.is_some() { candidates.tasks.len() } else { 0 };
+        sensed.fill(exec, sensing, |task, contacts| {
+            workers.with(|WorkerScratch { scratch, joined, report }| {
+                let pairs = candidates.of_sensors(task, scene.sensors(), joined);
+                let sink = &mut ContactSink { contacts, report };
+                narrow.sense(side, side, pairs, scratch, sink);
             });
         });
         report.clear();
@@ -232,11 +287,13 @@ pub struct Step<'p, A: Send> {
     aabbs: &'p [Aabb],
     candidates: &'p Candidates,
     contacts: &'p Segments<Contact<A>>,
+    sensed: &'p Segments<Contact<A>>,
     report: &'p Report,
 }
 
 impl<'p, A: Copy + Send> Step<'p, A> {
-    /// The touching pairs (i, j), i < j, in an order that depends on the scene alone.
+    /// The touching pairs (i, j), i < j, in an order that depends on the scene alone; pairs with a sensor are
+    /// not among them.
     pub fn contacts(&self) -> impl Iterator<Item = (u32, u32)> + use<'p, A> {
         self.answers().map(|contact| contact.pair.into())
     }
@@ -246,7 +303,13 @@ impl<'p, A: Copy + Send> Step<'p, A> {
         self.contacts.iter().flatten().copied()
     }
 
-    /// How many pairs touch.
+    /// The touching pairs (i, j), i < j, of which at least one is a sensor ([`dcd_geom::Object::sensor`]), in a
+    /// fixed order. Where the question has a margin, those within it.
+    pub fn sensed(&self) -> impl Iterator<Item = (u32, u32)> + use<'p, A> {
+        self.sensed.iter().flatten().map(|contact| contact.pair.into())
+    }
+
+    /// How many pairs touch, sensors apart.
     pub fn contact_count(&self) -> usize {
         self.contacts.len()
     }

@@ -34,6 +34,8 @@ pub(super) struct ReplayedFrame {
     frame: usize,
     pairs: usize,
     contacts: usize,
+    /// Touching pairs with a sensor, which are not among the contacts.
+    sensed: usize,
     undecided: usize,
     ms: f64,
     digest: String,
@@ -148,6 +150,7 @@ fn steps<N: NarrowPhase>(
             frame,
             pairs: step.candidate_count(),
             contacts: contacts.len(),
+            sensed: step.sensed().count(),
             undecided: step.report().undecided().len(),
             ms,
             digest: format!("{:016x}", digest(&contacts)),

@@ -76,6 +76,16 @@ impl Scene {
         Ok(())
     }
 
+    /// Makes an object a sensor, or solid, from the next step on.
+    ///
+    /// # Errors
+    /// There is no such object.
+    pub fn set_sensor(&mut self, object: impl ObjectRef, sensor: bool) -> Result<(), SceneError> {
+        let i = object.index_in(self)?;
+        self.note_sensor(i, sensor);
+        Ok(())
+    }
+
     /// Gives an object another of the scene's shapes. It keeps its slot, its handle and its ignored pairs.
     ///
     /// # Errors
@@ -126,6 +136,7 @@ impl Scene {
         let Slot::Holds(motion) = self.slots[i] else { return Ok(()) };
         self.slots[i] = Slot::Free;
         *self.count_of(motion) -= 1;
+        self.note_sensor(i, false);
         self.ignored.forget(handle.index);
         // A slot that has had as many objects as a u32 counts is not used again.
         if let Some(next) = handle.generation.checked_add(1) {
@@ -221,7 +232,7 @@ impl Scene {
     pub(super) fn place(&mut self, object: Object) -> Result<u32, SceneError> {
         let slot = self.free.last().map_or(self.slots.len(), |&slot| slot as usize);
         check_count("objects", slot)?;
-        let Object { shape, pose, filter, motion, user_data } = object;
+        let Object { shape, pose, filter, motion, sensor, user_data } = object;
         check_reach(slot, self.known_shape(slot, shape)?, &pose)?;
         if self.free.pop().is_some() {
             self.shape_of[slot] = shape;
@@ -233,13 +244,20 @@ impl Scene {
             self.shape_of.push(shape);
             self.poses.push(pose);
             self.filters.push(filter);
+            self.sensors.push(false);
             self.user_data.push(user_data);
             self.slots.push(Slot::Holds(motion));
             self.generations.push(0);
         }
+        self.note_sensor(slot, sensor);
         self.filtered |= filter != Filter::ALL;
         *self.count_of(motion) += 1;
         Ok(slot as u32)
+    }
+
+    fn note_sensor(&mut self, slot: usize, sensor: bool) {
+        let before = std::mem::replace(&mut self.sensors[slot], sensor);
+        self.sensor_count = self.sensor_count + usize::from(sensor) - usize::from(before);
     }
 
     fn known_shape(&self, object: usize, shape: u32) -> Result<&Shape, SceneError> {

@@ -51,6 +51,9 @@ pub struct Object {
     pub filter: Filter,
     /// Whether it moves.
     pub motion: Motion,
+    /// Whether it is a sensor: a step lists what touches it apart from the contacts, and measures nothing of
+    /// it.
+    pub sensor: bool,
     /// Whatever the caller wants to find again: an entity's number, an index, a pointer. Nothing here reads
     /// it. 0 unless said otherwise.
     pub user_data: u64,
@@ -59,7 +62,8 @@ pub struct Object {
 impl Object {
     /// A moving object that may pair with all.
     pub fn new(shape: u32, pose: Pose) -> Self {
-        Self { shape, pose, filter: Filter::ALL, motion: Motion::Moving, user_data: 0 }
+        let (filter, motion) = (Filter::ALL, Motion::Moving);
+        Self { shape, pose, filter, motion, sensor: false, user_data: 0 }
     }
 
     /// The same with another filter.
@@ -70,6 +74,11 @@ impl Object {
     /// The same with the caller's own number.
     pub fn with_user_data(self, user_data: u64) -> Self {
         Self { user_data, ..self }
+    }
+
+    /// The same as a sensor: a region that notices what enters it.
+    pub fn as_sensor(self) -> Self {
+        Self { sensor: true, ..self }
     }
 
     /// The same standing still.

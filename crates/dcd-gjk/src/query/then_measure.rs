@@ -85,10 +85,8 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
-        let Scratch { narrow, touching, solver } = scratch;
-        touching.clear();
-        let mut yes = ContactSink { contacts: touching, report: sink.report };
-        self.narrow.decide(a, b, pairs, narrow, &mut yes);
+        scratch.find_touching(&self.narrow, (a, b), pairs, sink);
+        let Scratch { touching, solver, .. } = scratch;
         for &Contact { pair, .. } in &*touching {
             let (one, other) = (PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j));
             match self.solver.measure(one, other, solver) {
@@ -97,5 +95,41 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
                 Verdict::Undecided(reason) => sink.report.leave_unmeasured(pair, reason),
             }
         }
+    }
+
+    fn sense(
+        &self,
+        a: Prepared<'_, Self::Frame>,
+        b: Prepared<'_, Self::Frame>,
+        pairs: &[Pair],
+        scratch: &mut Self::Scratch,
+        sink: &mut ContactSink<'_, S::Answer>,
+    ) {
+        scratch.find_touching(&self.narrow, (a, b), pairs, sink);
+        let unmeasured = |contact: &Contact<N::Answer>| Contact {
+            pair: contact.pair,
+            answer: S::Answer::default(),
+        };
+        sink.contacts.extend(scratch.touching.iter().map(unmeasured));
+    }
+}
+
+impl<S, A: Copy + Default + Send + Sync + 'static, P: Default + Send> Scratch<P, A, S> {
+    /// Lists the pairs to which the narrow phase says yes.
+    fn find_touching<N, T>(
+        &mut self,
+        narrow: &Within<N>,
+        (a, b): (
+            Prepared<'_, <Within<N> as NarrowPhase>::Frame>,
+            Prepared<'_, <Within<N> as NarrowPhase>::Frame>,
+        ),
+        pairs: &[Pair],
+        sink: &mut ContactSink<'_, T>,
+    ) where
+        N: NarrowPhase<Answer = A, Scratch = P>,
+    {
+        self.touching.clear();
+        let mut yes = ContactSink { contacts: &mut self.touching, report: sink.report };
+        narrow.decide(a, b, pairs, &mut self.narrow, &mut yes);
     }
 }

@@ -75,8 +75,10 @@ fn build(shapes: Vec<Shape>, placed: &[Placed], poses: &[Pose]) -> Result<Scene,
     let objects = placed.iter().enumerate().map(|(slot, &Placed { shape, filter, held })| {
         // Without a frame there is no pose.
         let pose = poses.get(slot).copied().unwrap_or(Pose::IDENTITY);
-        let motion = if held == slot::STATIC { Motion::Static } else { Motion::Moving };
-        Object { filter, motion, ..Object::new(shape, pose) }
+        let is_static = held & !slot::SENSOR == slot::STATIC;
+        let motion = if is_static { Motion::Static } else { Motion::Moving };
+        let sensor = held & slot::SENSOR != 0;
+        Object { filter, motion, sensor, ..Object::new(shape, pose) }
     });
     let mut scene = Scene::new(shapes, objects)?;
     for (slot, _) in placed.iter().enumerate().filter(|(_, placed)| placed.held == slot::FREE) {
@@ -125,7 +127,7 @@ fn read_object(cursor: &mut Cursor<'_>, index: usize, shapes: usize) -> Result<P
         let target = i64::from(shape);
         return Err(ReadError::OutOfBounds { what, index, target, count: shapes });
     }
-    if ![slot::MOVING, slot::STATIC, slot::FREE].contains(&held) {
+    if ![slot::MOVING, slot::STATIC].contains(&(held & !slot::SENSOR)) && held != slot::FREE {
         return Err(ReadError::UnknownKind { what, index, at, tag: held });
     }
     Ok(Placed { shape, filter: Filter { groups, mask }, held })

@@ -6,7 +6,7 @@ use dcd_geom::{
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 
-/// A hull, a rounded box and a sphere; the box twice; three frames.
+/// A hull, a rounded box and a sphere, which is a sensor; the box twice; three frames.
 fn recorded() -> Capture {
     let hull = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.1, 0.2, 0.3)];
     let cuboid = Polytope::cuboid(DVec3::new(1.0, 2.0, 3.0)).unwrap().rounded(0.25).unwrap();
@@ -16,6 +16,7 @@ fn recorded() -> Capture {
         pose: Pose::new(DQuat::from_rotation_y(x), DVec3::X * x).unwrap(),
         filter: Filter { groups: 1 << shape, mask: !(4 << shape) },
         motion: if shape == 0 { Motion::Static } else { Motion::Moving },
+        sensor: shape == 2,
         user_data: 0,
     };
     let objects = [object(1, 0.3), object(0, -2.0), object(2, 0.7), object(1, 1.1)];
@@ -67,6 +68,7 @@ fn what_is_written_reads_back_bit_for_bit() {
     let [a, b] = [&again, &capture].map(Capture::scene);
     assert_eq!(a.filters(), b.filters());
     assert!((0..5).all(|slot| a.motion(slot) == b.motion(slot)));
+    assert_eq!((a.sensors(), a.sensors()), (&[false, false, true, false][..], b.sensors()));
     assert_eq!((a.motion(1), a.motion(3)), (Some(Motion::Static), None));
     assert!(!a.allows(0, 2) && a.ignored_pairs().eq(b.ignored_pairs()));
     assert_eq!(written(&again), bytes);
@@ -229,6 +231,8 @@ fn a_frame_of_a_scene_that_changed_and_a_foreign_shape_are_refused() {
     let mut scene = capture.scene().clone();
     scene.unignore_pair(0, 2).unwrap();
     assert_eq!(refused(&mut capture, &scene), changed("ignored pairs"));
+    scene.set_sensor(2, false).unwrap();
+    assert_eq!(refused(&mut capture, &scene), changed("sensors"));
     scene.insert(Object::new(0, Pose::IDENTITY)).unwrap();
     assert_eq!(refused(&mut capture, &scene), changed("objects"));
     assert_eq!(capture.frame_count(), 3);

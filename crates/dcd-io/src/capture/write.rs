@@ -23,7 +23,8 @@ impl Capture {
                 Some(Motion::Static) => slot::STATIC,
                 Some(Motion::Moving) => slot::MOVING,
             };
-            words(out, &[scene.shape_of()[i], groups, mask, held])?;
+            let sensor = if scene.sensors()[i] { slot::SENSOR } else { 0 };
+            words(out, &[scene.shape_of()[i], groups, mask, held + sensor])?;
         }
         let ignored = u32::try_from(scene.ignored_pairs().count());
         words(
