@@ -204,7 +204,7 @@ impl Compact {
         Self { min: min.into(), max: max.into(), centre: centre.into(), radius }
     }
 
-    /// Whether a [`BoundingSphere`] may reach what both the box and the sphere contain: docs/numerics.md,
+    /// Whether a [`BoundingSphere`] may reach what both the box and the sphere contain: docs/numerics/proofs.md,
     /// "what is near".
     #[inline]
     fn is_near(&self, centre: Vec3A, radius: f32) -> bool {

@@ -17,6 +17,7 @@ mod progress;
 mod quiet;
 mod reported;
 mod robot;
+mod stepper;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

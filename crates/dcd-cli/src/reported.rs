@@ -4,6 +4,7 @@ use dcd_geom::glam::DVec3;
 use dcd_gjk::epa::Depth;
 use dcd_gjk::query::{Feature, ManifoldPoint, PartIndex, Smoothness, Twist};
 use dcd_gjk::{Distance, Manifold, Proximity};
+use dcd_pipeline::Answer;
 use serde::Serialize;
 
 /// What is told: only what was asked for is there.
@@ -88,13 +89,25 @@ pub(crate) trait Report {
     fn error_bound(&self) -> Option<f64>;
 }
 
-impl Report for () {
+impl Report for Answer {
     fn tell(&self) -> Reported {
-        Reported::default()
+        match self {
+            Self::Distance(distance) => distance.tell(),
+            Self::Depth(depth) => depth.tell(),
+            Self::Manifold(manifold) => manifold.tell(),
+            Self::Gradient(proximity) => proximity.tell(),
+            _ => Reported::default(),
+        }
     }
 
     fn error_bound(&self) -> Option<f64> {
-        None
+        match self {
+            Self::Distance(distance) => distance.error_bound(),
+            Self::Depth(depth) => depth.error_bound(),
+            Self::Manifold(manifold) => manifold.error_bound(),
+            Self::Gradient(proximity) => proximity.error_bound(),
+            _ => None,
+        }
     }
 }
 

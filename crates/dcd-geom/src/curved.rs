@@ -27,7 +27,7 @@ pub struct Curved {
 
 /// How far a support may fall short, and how far it may be from the shape. Unit: u·(half height +
 /// radius). The rim's point loses 6 of its radius, the choice of the disc 6 of the radius or 4 of the
-/// half height: 12 (docs/numerics.md, "cylinders and cones"), and room. Smaller: false answers.
+/// half height: 12 (docs/numerics/proofs.md, "cylinders and cones"), and room. Smaller: false answers.
 const SUPPORT_ERROR: f64 = 20.0;
 
 impl Curved {

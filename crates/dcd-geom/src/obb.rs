@@ -103,7 +103,7 @@ fn surface_area(half: DVec3) -> f64 {
 /// axis after the other as far as it still does.
 ///
 /// A convex region round the sphere's centre that meets no face lies inside the hull, as the sphere
-/// does (docs/numerics.md, "inner spheres"); a box misses a face if it stays on the inner side of the
+/// does (docs/numerics/proofs.md, "inner spheres"); a box misses a face if it stays on the inner side of the
 /// nearest of its corners.
 fn largest_inside(
     surface: &Surface<'_>,

@@ -33,7 +33,7 @@ impl Sphere {
     /// units of 2⁻⁵³ of the largest length of a point from the hull. A closed surface of triangles between some of the points is
     /// made; if every triangle sees the centre on its inner side, every point of an open sphere that
     /// misses all triangles has the centre's winding number and is inside the hull, however
-    /// wrong the surface may otherwise be (docs/numerics.md, "inner spheres").
+    /// wrong the surface may otherwise be (docs/numerics/proofs.md, "inner spheres").
     pub fn inside(points: &[DVec3]) -> Self {
         let chosen = extreme_points(points);
         if let Some(sphere) = Surface::around(&chosen).and_then(|surface| inside_of(&surface)) {
@@ -43,7 +43,7 @@ impl Sphere {
     }
 
     /// A sphere of radius 0 at the mean of the points: of a set that has no sphere inside. The mean is
-    /// within 2.02u of the largest length of a point from the hull (docs/numerics.md, "centres").
+    /// within 2.02u of the largest length of a point from the hull (docs/numerics/proofs.md, "centres").
     pub(crate) fn at_mean(points: &[DVec3]) -> Self {
         Self { centre: mean(points), radius: 0.0 }
     }

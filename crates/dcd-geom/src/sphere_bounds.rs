@@ -26,7 +26,7 @@ pub struct SphereBounds {
 }
 
 /// A sphere in the world inside of what it stands for, smaller by more than f32 loses where two are
-/// compared (docs/numerics.md, "what is near"). Its radius is below 0 where that is more than there
+/// compared (docs/numerics/proofs.md, "what is near"). Its radius is below 0 where that is more than there
 /// is, and −∞ where nothing is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InscribedSphere {

@@ -10,7 +10,7 @@ use judge::cases::Draw;
 use num_bigint::BigInt;
 use std::f64::consts::PI;
 
-/// Beyond this much of the pair's size f64 must decide (docs/numerics.md, "cylinders and cones").
+/// Beyond this much of the pair's size f64 must decide (docs/numerics/proofs.md, "cylinders and cones").
 const DECIDED: f64 = 1e-9;
 
 /// A cylinder or a cone, and hulls inside and round it that differ from it by 1.2e-3 of its radius.

@@ -2,7 +2,8 @@
 //!
 //! [`Pipeline::step`] takes a [`Scene`] to its touching pairs: AABBs, tree, candidate pairs, answers. It
 //! owns every buffer and cuts the work into tasks. By default it uses [`WideTree`] and [`Overlap`], the
-//! certified narrow phase; any other [`BroadPhase`] and [`NarrowPhase`] can take their places.
+//! certified narrow phase; any other [`BroadPhase`] and [`NarrowPhase`] can take their places. An
+//! [`AnyPipeline`] is told its [`Question`] at run time.
 //! [`Events`] compares a step's contacts with those of the step before. A [`StaticWorld`] prepares
 //! obstacles once; a [`BatchChecker`] checks configurations of a [`LinkSet`] against them, and its links
 //! against each other.
@@ -10,6 +11,7 @@
 //! Deliberately absent: Parry, files, a clock (but for [`StageClock`], for callers who want times).
 #![forbid(unsafe_code)]
 
+mod any;
 mod batch;
 mod clock;
 mod events;
@@ -17,6 +19,7 @@ mod partition;
 pub mod prelude;
 mod step;
 
+pub use any::{Answer, AnyPipeline, AnyStep, Precision, Question};
 pub use batch::{BatchChecker, Hit, Hits, LinkSet, Other, StaticWorld};
 pub use clock::StageClock;
 pub use dcd_broad::{BroadPhase, WideTree};

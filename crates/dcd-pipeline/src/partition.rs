@@ -2,7 +2,7 @@
 
 use dcd_broad::{BroadPhase, IdentifiedAabbs, StaticTree};
 use dcd_exec::{Exec, Segments};
-use dcd_geom::{Aabb, Motion, Pair, Revision, Scene};
+use dcd_geom::{Aabb, Motion, Pair, Revision, Scene, Splittable};
 use std::ops::Range;
 
 /// The moving objects apart from the static ones, and a tree over the latter.
@@ -156,12 +156,39 @@ fn list(scene: &Scene, motion: Motion, slots: &mut Vec<u32>) {
     slots.extend((0..).take(scene.len()).filter(|&i| scene.motion(i as usize) == Some(motion)));
 }
 
-/// The part of a range of slots that holds all its moving objects.
-pub(crate) fn awake(scene: &Scene, slots: Range<usize>) -> Range<usize> {
+/// So many static objects between moving ones are prepared with them. Larger: more is done in vain.
+/// Smaller: packets of sixteen that are not full.
+const GAP: usize = 16;
+
+/// Parts of a range of slots that hold all its moving objects, ascending.
+pub(crate) fn awake(scene: &Scene, slots: Range<usize>) -> impl Iterator<Item = Range<usize>> {
     let moves = |&i: &usize| scene.motion(i) == Some(Motion::Moving);
-    let Some(first) = slots.clone().find(moves) else { return slots.start..slots.start };
-    let last = slots.rev().find(moves).unwrap_or(first);
-    first..last + 1
+    let mut moving = slots.filter(moves).peekable();
+    std::iter::from_fn(move || {
+        let first = moving.next()?;
+        let mut end = first + 1;
+        while let Some(next) = moving.next_if(|&next| next < end + GAP) {
+            end = next + 1;
+        }
+        Some(first..end)
+    })
+}
+
+/// Calls `then` with each range's share of what belongs to the slots from `first` on. The ranges ascend and
+/// share nothing.
+pub(crate) fn for_each_range<S: Splittable>(
+    slots: S,
+    first: usize,
+    ranges: impl Iterator<Item = Range<usize>>,
+    mut then: impl FnMut(Range<usize>, S),
+) {
+    let (mut rest, mut start) = (slots, first);
+    for range in ranges {
+        let (_, others) = rest.split_at(range.start - start);
+        let (share, others) = others.split_at(range.len());
+        (rest, start) = (others, range.end);
+        then(range, share);
+    }
 }
 
 /// Empties the boxes of the free slots among those from `first` on.

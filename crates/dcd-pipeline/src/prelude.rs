@@ -3,7 +3,10 @@
 //! Shapes, poses and objects; the pipeline and what a step returns; the narrow phases to choose from; glam's
 //! vector and quaternion, in the version that the interface takes.
 
-pub use crate::{Change, Event, Events, Exec, Par, Pipeline, Step, WideTree};
+pub use crate::{
+    Answer, AnyPipeline, AnyStep, Change, Event, Events, Exec, Par, Pipeline, Precision, Question,
+    Step, WideTree,
+};
 pub use dcd_geom::glam::{DQuat, DVec3};
 pub use dcd_geom::{Filter, Handle, Motion, Object, ObjectRef, Pair, Pose, Scene, Shape};
 pub use dcd_gjk::{

@@ -1,9 +1,10 @@
 //! One step, stage by stage.
 
+use crate::partition::for_each_range;
 use crate::partition::{Boxed, CandidateSearch, Partition, awake, empty_free_slots};
 use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::{Cut, Exec, PerThread, Segments, Stage};
-use dcd_geom::{Aabb, Pair, Scene, Splittable};
+use dcd_geom::{Aabb, Pair, Scene};
 use dcd_gjk::{Contact, ContactSink, NarrowPhase, Overlap, Prepared, Report, Sides};
 use std::ops::Range;
 
@@ -168,6 +169,12 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         }
     }
 
+    /// Derives what depends on the scene's shapes alone, and makes room for its objects: what a first step
+    /// would do before anything else. No effect on any result.
+    pub fn prepare_shapes(&mut self, scene: &Scene) {
+        self.narrow.layout(scene, Sides::One, &mut self.frame);
+    }
+
     /// Finds every touching pair of the scene as it stands. `exec` is a [`dcd_exec::Par`], or an
     /// [`Exec`] with an observer.
     ///
@@ -232,19 +239,17 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         let rest = may_rest && self.narrow.keeps(&part);
         let narrow = &self.narrow;
         exec.divide((part, &mut self.aabbs[..]), OBJECTS_PER_TASK, |first, objects| {
-            let mut slots = first..first + objects.1.len();
-            let mut objects = objects;
+            let prepare = |slots: Range<usize>, (part, aabbs): (N::Part<'_>, &mut [Aabb])| {
+                narrow.prepare(scene, slots.start, part, aabbs);
+                if has_free_slots {
+                    empty_free_slots(scene, slots.start, aabbs);
+                }
+            };
+            let slots = first..first + objects.1.len();
             if rest {
-                slots = awake(scene, slots);
-                objects = objects.split_at(slots.start - first).1.split_at(slots.len()).0;
-            }
-            let (part, aabbs) = objects;
-            if aabbs.is_empty() {
-                return;
-            }
-            narrow.prepare(scene, slots.start, part, aabbs);
-            if has_free_slots {
-                empty_free_slots(scene, slots.start, aabbs);
+                for_each_range(objects, first, awake(scene, slots), prepare);
+            } else {
+                prepare(slots, objects);
             }
         });
         if rest { Boxed::Moving } else { Boxed::All }

@@ -4,7 +4,7 @@
 //! close until its ends; else it is halved. Two bounds on how far parts move are tried: each joint's turn times
 //! the distance that it carries a point (Schwarzer, Saha, Latombe 2005), joints that carry both parts
 //! left out; and, along the direction in which the gap was found, the velocity at the middle with a bound
-//! on the acceleration, which lets a link slide along an obstacle (docs/numerics.md, "edges").
+//! on the acceleration, which lets a link slide along an obstacle (docs/numerics/proofs.md, "edges").
 
 mod own_box;
 mod path;

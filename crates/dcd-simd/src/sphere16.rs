@@ -4,7 +4,7 @@ use crate::{Aabb, Block, Lanes, Row};
 use glam::Vec3;
 
 /// A sphere in the world, larger than what it stands for by more than f32 loses where two are compared
-/// (docs/numerics.md, "what is near"). Its radius is infinite where the shape is out of range.
+/// (docs/numerics/proofs.md, "what is near"). Its radius is infinite where the shape is out of range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundingSphere {
     /// Metres.
@@ -50,7 +50,7 @@ impl Sphere16 {
     }
 
     /// Which spheres meet that of the same number in another row, a bit each: of all others what they
-    /// stand for is apart (docs/numerics.md, "what is near"). For kernels.
+    /// stand for is apart (docs/numerics/proofs.md, "what is near"). For kernels.
     #[inline(always)]
     pub fn meeting<L: Lanes>(&self, l: L, other: &Self) -> u32 {
         let mut squared = l.splat(0.0);

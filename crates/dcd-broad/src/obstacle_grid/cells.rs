@@ -131,7 +131,7 @@ impl Grid {
     }
 }
 
-/// Half a cell's edge, in edges, with room for what f32 loses in a place: see docs/numerics.md, "what
+/// Half a cell's edge, in edges, with room for what f32 loses in a place: see docs/numerics/proofs.md, "what
 /// is near". Smaller: contacts could be missed. Larger: longer lists.
 const HALF: f32 = 0.5 + 1.0 / 16.0;
 

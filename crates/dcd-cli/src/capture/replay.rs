@@ -6,13 +6,10 @@ use crate::memory;
 use crate::output::Output;
 use crate::precision::Precision;
 use crate::progress::Progress;
-use dcd_broad::WideTree;
-use dcd_exec::with_threads;
+use crate::stepper::{Stepper, on_threads, stepper};
 use dcd_geom::{Pair, Scene};
-use dcd_gjk::{Gjk, NarrowPhase, Overlap, OverlapUnchecked, Pairwise};
 use dcd_io::{Capture, GlbScene, place_frame, shown};
-use dcd_parry::ParryShapes;
-use dcd_pipeline::{Par, Pipeline};
+use dcd_pipeline::{Par, Question};
 use serde::Serialize;
 use std::fmt::Write;
 use std::fs::File;
@@ -85,25 +82,8 @@ impl Replay {
 
     /// Steps through all frames.
     pub(super) fn frames(self, capture: &Capture) -> Result<Vec<ReplayedFrame>, Failure> {
-        let scene = capture.scene();
-        match self.precision {
-            Precision::Fast => self.on_threads(capture, OverlapUnchecked::default()),
-            Precision::F64 => self.on_threads(capture, Pairwise(Gjk::<f64>::default())),
-            Precision::Certified => self.on_threads(capture, Overlap::default()),
-            Precision::ParryF32 => self.on_threads(capture, ParryShapes::<f32>::new(scene)),
-            Precision::ParryF64 => self.on_threads(capture, ParryShapes::<f64>::new(scene)),
-        }
-    }
-
-    fn on_threads<N>(self, capture: &Capture, narrow: N) -> Result<Vec<ReplayedFrame>, Failure>
-    where
-        N: NarrowPhase + Send,
-    {
-        if self.threads == 1 {
-            return steps(capture, narrow, Par::Serial);
-        }
-        with_threads(self.threads, || steps(capture, narrow, Par::WarmPool))
-            .map_err(|error| Failure::at(format_args!("{} threads", self.threads), error))?
+        let mut stepper = stepper(capture.scene(), self.precision, Question::default())?;
+        on_threads(self.threads, |par| steps(capture, &mut *stepper, par))?
     }
 }
 
@@ -123,13 +103,12 @@ pub(super) fn draw(
     glb.write(out)
 }
 
-fn steps<N: NarrowPhase>(
+fn steps(
     capture: &Capture,
-    narrow: N,
+    stepper: &mut dyn Stepper,
     par: Par,
 ) -> Result<Vec<ReplayedFrame>, Failure> {
     let mut scene: Scene = capture.scene().clone();
-    let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     let mut frames = Vec::with_capacity(capture.frame_count());
     let progress = Progress::over(capture.frame_count() as u64, "frames");
     for (frame, poses) in capture.frames().enumerate() {
@@ -137,7 +116,7 @@ fn steps<N: NarrowPhase>(
         place_frame(&mut scene, poses)
             .map_err(|error| Failure::at(format_args!("frame {frame}"), error))?;
         let begun = Instant::now();
-        let step = pipeline.step(&scene, par);
+        let step = stepper.step(&scene, par.into());
         let ms = begun.elapsed().as_secs_f64() * 1e3;
         // In the step's own order, so that the digest sees it.
         let contacts: Vec<Pair> = step.contacts().map(|(i, j)| Pair::new(i, j)).collect();

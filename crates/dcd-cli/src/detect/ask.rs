@@ -77,6 +77,11 @@ impl Ask {
             let only = "answers --query overlap without a margin alone";
             return Err(Failure::at(format_args!("--precision {}", precision.name()), only));
         }
+        if precision != Precision::Certified && question != Question::Overlap {
+            let what =
+                "it is for --query overlap alone; --accuracy chooses how a measure is computed";
+            return Err(Failure::at(format_args!("--precision {}", precision.name()), what));
+        }
         if matches!(question, Question::Depth | Question::Manifold) && margin > 0.0 {
             let name = query.name();
             let what = format_args!("touching pairs alone have a {name}: it must be 0");
@@ -90,6 +95,20 @@ impl Query {
     /// Whether touching is all that is asked.
     pub(super) fn is_plain(&self) -> bool {
         self.question == Question::Overlap && self.margin == 0.0
+    }
+
+    /// The same for the library. The precision of a yes or no is chosen apart from it.
+    pub(super) fn asked(&self) -> dcd_pipeline::Question {
+        let (accuracy, margin) = (self.accuracy.into(), self.margin);
+        match self.question {
+            Question::Overlap => {
+                dcd_pipeline::Question::Overlap { precision: Default::default(), margin }
+            }
+            Question::Distance => dcd_pipeline::Question::Distance { accuracy, margin },
+            Question::Depth => dcd_pipeline::Question::Depth { accuracy },
+            Question::Manifold => dcd_pipeline::Question::Manifold { accuracy },
+            Question::Gradient => dcd_pipeline::Question::Gradient { accuracy, margin },
+        }
     }
 
     /// As it is written on the command line.

@@ -2,7 +2,7 @@
 //!
 //! What is stacked touches exactly or within rounding, where every general search has to end in
 //! long integers. Here A − B is a box itself, and whether it holds the origin is three signs, most
-//! of them plain in f64 (docs/numerics.md, "parallel boxes").
+//! of them plain in f64 (docs/numerics/proofs.md, "parallel boxes").
 
 use super::expansion::{difference_and_loss, exact_sign, filtered_sign};
 use crate::double_double::{self, DoubleDouble};
@@ -17,7 +17,7 @@ const SIZES: std::ops::Range<f64> = 1e-280..1e280;
 
 /// How far |n·δ| − H·det may be off. Unit: u·(|δ|₁ + H), in the arithmetic at hand. 7.2 of |δ|₁ and
 /// 11.8 of H, and room. Smaller: false answers. Larger: more pairs in longer numbers.
-/// (docs/numerics.md, "parallel boxes")
+/// (docs/numerics/proofs.md, "parallel boxes")
 const EXCESS: f64 = 16.0;
 
 /// Whether two boxes with parallel edges share a point, and which method proved it, with as many

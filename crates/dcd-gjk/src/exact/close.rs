@@ -3,7 +3,7 @@
 //! What f64 leaves open is rarely exact touching: mostly a gap or an overlap of some 1e-17 of the
 //! pair's size, which 106 bits tell at a tenth of the cost of integers. The search goes on where
 //! f64's ended, and ends in a separating axis or four vertices round the origin, each with its
-//! rounding bound (docs/numerics.md, "close calls").
+//! rounding bound (docs/numerics/proofs.md, "close calls").
 
 use super::grid::{Extent, Grid};
 use crate::PosedSupport;
@@ -16,7 +16,7 @@ use dcd_geom::Polytope;
 const MAX_STEPS: usize = 6;
 
 /// How far a computed separation d·w may be above the true one. Unit: ε·|d|₁, at m < 1. The vertex
-/// loses 5.01 and the product with d 3; that the vertex is the lowest, 12. (docs/numerics.md, "close
+/// loses 5.01 and the product with d 3; that the vertex is the lowest, 12. (docs/numerics/proofs.md, "close
 /// calls")
 const APART: f64 = 32.0;
 

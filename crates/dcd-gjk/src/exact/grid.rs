@@ -12,7 +12,7 @@ use dcd_geom::glam::{DMat3, DVec3};
 const FILTER: f64 = 27.0 * (f64::EPSILON / 2.0);
 
 /// The largest coordinate, in bits, for which machine words hold every number of the search: the
-/// longest product is s² with 8·14 + 12 = 124 bits (docs/numerics.md, "the exact method").
+/// longest product is s² with 8·14 + 12 = 124 bits (docs/numerics/proofs.md, "the exact method").
 const SMALL_BITS: i32 = 14;
 
 /// How long a number may be before its first product in machine words.

@@ -6,7 +6,7 @@
 //! origin from its simplex alone, so numbers do not grow with the steps. It ends: a step that
 //! proves nothing finds a vertex strictly beyond the plane through the nearest point, so the next
 //! nearest point is strictly nearer, no simplex comes twice, and there are finitely many
-//! (docs/numerics.md, "the exact method").
+//! (docs/numerics/proofs.md, "the exact method").
 
 pub(crate) mod boxes;
 mod close;

@@ -3,7 +3,7 @@
 //! A crate on a floor, a cup on a table: turned any way about the vertical, their faces share a
 //! plane exactly, and no search in rounded numbers can prove a contact in it. Along such an axis
 //! the heights are plain numbers, so that a sum of four tells exactly whether the planes coincide;
-//! within the plane the faces overlap with room, which f64 proves (docs/numerics.md, "resting").
+//! within the plane the faces overlap with room, which f64 proves (docs/numerics/proofs.md, "resting").
 
 use super::expansion::{exact_sign, filtered_sign};
 use crate::{Difference, PosedSupport};

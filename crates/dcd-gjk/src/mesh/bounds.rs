@@ -1,4 +1,4 @@
-//! Every tolerance of the search over parts. All are rounding bounds, derived in docs/numerics.md,
+//! Every tolerance of the search over parts. All are rounding bounds, derived in docs/numerics/proofs.md,
 //! "parts".
 
 /// Unit roundoff of f32.

@@ -2,7 +2,7 @@
 //! parts are settled until one touches, or all of them if asked.
 //!
 //! Boxes and triangles are compared in f32 in the frame of the shape with more parts, with bounds
-//! for all rounding (docs/numerics.md, "parts"); what that leaves open is settled in f64 and, where
+//! for all rounding (docs/numerics/proofs.md, "parts"); what that leaves open is settled in f64 and, where
 //! both parts are polytopes, in exact integers. So answers are those of asking every pair of parts.
 
 mod bounds;

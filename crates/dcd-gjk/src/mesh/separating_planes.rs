@@ -3,7 +3,7 @@
 //! A convex shape that misses one triangle beyond a plane mostly misses its neighbours, and the
 //! boxes round them, beyond the same plane. So the planes with which searches in f64 ended are kept
 //! for the rest of the pair, and sixteen boxes or triangles are held against each at once
-//! (docs/numerics.md, "parts").
+//! (docs/numerics/proofs.md, "parts").
 
 use super::bounds::{CORNERS, CORNERS_OF_BOXES, U, U64};
 use super::relative_pose::RelativePose;

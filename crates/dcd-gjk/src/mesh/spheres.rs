@@ -1,6 +1,6 @@
 //! Sixteen triangles beside the sphere inside a convex shape, the box inside it and the sphere round it: the
 //! point of each nearest to their centre tells much before any solver is asked, and of spheres all
-//! (docs/numerics.md, "parts").
+//! (docs/numerics/proofs.md, "parts").
 
 use super::bounds::{INNER_BOX, NEAREST, SHORTEST_AXIS, SMALLEST_SPHERE, SWEPT, TURNED, U, U64};
 use super::relative_pose::RelativePose;

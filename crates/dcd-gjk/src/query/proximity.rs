@@ -233,7 +233,7 @@ fn overlapping(
 impl Proximity {
     /// A point x that moves with an object moves by δt + δω × (x − t); the signed distance changes
     /// by the normal's part of that, for neither the normal's own change nor the points' along
-    /// their features counts at first order (docs/numerics.md, "derivatives").
+    /// their features counts at first order (docs/numerics/proofs.md, "derivatives").
     ///
     /// Without a word on the direction nothing is said of its smoothness.
     fn with_gradient(

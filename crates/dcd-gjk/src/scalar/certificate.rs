@@ -1,5 +1,5 @@
 //! Every tolerance of the scalar solvers, and the checks that use them. All are rounding bounds,
-//! derived in docs/numerics.md; none is a matter of taste.
+//! derived in docs/numerics/proofs.md; none is a matter of taste.
 //!
 //! Lengths here are those of a [`Difference`]: scaled so that the pair's size m is in [½, 1).
 
@@ -14,16 +14,16 @@ struct Constants {
     /// How far a computed separation d·w may be above the true one. Unit: u·m·|d|₁.
     /// Rᵀd loses 3, ·a 3, the first of the two sums 1; f32 rounds R and a first, 2 more. Tight:
     /// false separations were found at 5.99 (f64) and 7.98 (f32). Smaller: false apart. Larger:
-    /// more undecided pairs. (docs/numerics.md, "separation")
+    /// more undecided pairs. (docs/numerics/proofs.md, "separation")
     apart: f64,
     /// How far a component of a computed vertex w may be off. Unit: u·m. R·a loses 3, two sums 2;
-    /// f32 rounds R and a first, 2 more. (docs/numerics.md, "vertices")
+    /// f32 rounds R and a first, 2 more. (docs/numerics/proofs.md, "vertices")
     vertex: f64,
     /// How much longer Σλw/Σλ may truly be than computed. Unit: u·m. √3 of `vertex` and 4 for the
-    /// sum, rounded up with room. (docs/numerics.md, "distance")
+    /// sum, rounded up with room. (docs/numerics/proofs.md, "distance")
     upper: f64,
     /// How much shorter than s/|d| the distance may truly be. Unit: u·m. √3 of `apart`, since
-    /// |d|₁ ≤ √3·|d|. (docs/numerics.md, "distance")
+    /// |d|₁ ≤ √3·|d|. (docs/numerics/proofs.md, "distance")
     lower: f64,
 }
 

@@ -69,7 +69,7 @@ impl<'a> PosedSupport<'a, Shape> {
 /// A − B for two placed cores: all points (R_A·a + t_A) − (R_B·b + t_B), in world axes.
 ///
 /// Scaled by a power of two such that its size m is in [½, 1): no formula on it under- or
-/// overflows, and every rounding bound is relative to 1 (docs/numerics.md, "scale").
+/// overflows, and every rounding bound is relative to 1 (docs/numerics/model.md, "scale").
 #[derive(Debug)]
 pub struct Difference<'a, R: Real, A: ?Sized, B: ?Sized> {
     a: &'a A,

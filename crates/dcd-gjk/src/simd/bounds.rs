@@ -1,4 +1,4 @@
-//! Every tolerance of the f32 lanes. All are rounding bounds, derived in docs/numerics.md; none is
+//! Every tolerance of the f32 lanes. All are rounding bounds, derived in docs/numerics/proofs.md; none is
 //! a matter of taste.
 //!
 //! u = 2⁻²⁴; m is the pair's size, κ_A·r_A + κ_B·r_B + |δ|₁, with r the outer radius round the
@@ -36,7 +36,7 @@ pub(super) const HULL_OF_SPHERE: [f32; 4] = [17.0, 20.0, 22.0, 24.0];
 /// of the hull of the cores, with what its length loses. Unit: u·m.
 ///
 /// 12.2 for the three points, 17.4 for their combination, 5.2 for the comparison with the radii
-/// (docs/numerics.md, "nearest points of cores"). Smaller: false contacts of rounded shapes.
+/// (docs/numerics/proofs.md, "nearest points of cores"). Smaller: false contacts of rounded shapes.
 pub(super) const NEAREST: f32 = 40.0;
 
 /// By how much the sum of the swept radii, rounded up, may be above them. Unit: u of itself.
@@ -65,7 +65,7 @@ pub(super) const PLANE: f32 = 4.0;
 /// [`PARALLEL`] taken as parallel. Unit: u·(m + the swept radii).
 ///
 /// 32 for the arithmetic, 64 and 46 for turning one box by twice [`PARALLEL`] and shrinking it into
-/// itself (docs/numerics.md, "inner and outer OBBs"). Smaller: false answers both ways.
+/// itself (docs/numerics/proofs.md, "inner and outer OBBs"). Smaller: false answers both ways.
 pub(super) const OBB: f32 = 256.0;
 
 /// Directions whose cross product has no component above this are parallel, and it is no axis to
@@ -95,7 +95,7 @@ pub(super) const SHORTEST: f32 = 1e-18;
 ///
 /// Of κ·reach: three products and two sums of the rotation 3, the sum with t and the difference of two
 /// centres 1 each; and either the vertices less the centre 2, or the mean that stands for the centre of a
-/// core without an inner sphere 2.02: 7.02. Of |t|: 2. (docs/numerics.md, "centres".) Smaller: false answers.
+/// core without an inner sphere 2.02: 7.02. Of |t|: 2. (docs/numerics/proofs.md, "centres".) Smaller: false answers.
 pub(super) const CENTRE: f64 = 8.0;
 
 /// How far a component of c, or of a computed point of A − B, may be off where four of them hold the

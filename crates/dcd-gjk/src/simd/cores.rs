@@ -190,7 +190,7 @@ impl Cores {
     }
 
     /// A curved part in its place: R·v + t of the hull's vertices, each rounded. The reach counts
-    /// twice, for what they and the centre lose by that (docs/numerics.md, "parts").
+    /// twice, for what they and the centre lose by that (docs/numerics/proofs.md, "parts").
     fn of_moved(&mut self, curved: &Curved, pose: &Pose) -> (Core, Option<ObbBoundsF32>) {
         let hull = Inscribed::of(curved);
         let stretch = 1.0 + pose.deviation();

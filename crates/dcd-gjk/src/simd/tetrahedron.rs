@@ -15,7 +15,7 @@ pub(super) fn is_flat<L: Lanes>(l: L, packet: &PairPacket) -> L::M {
 }
 
 /// Whether the tetrahedron of c and three computed points surely holds the origin: if every point is
-/// moved by what it may be off, it still does (docs/numerics.md, "four points in the lanes").
+/// moved by what it may be off, it still does (docs/numerics/proofs.md, "four points in the lanes").
 #[inline(always)]
 pub(super) fn holds_origin<L: Lanes, T: ErrorBounds>(
     l: L,

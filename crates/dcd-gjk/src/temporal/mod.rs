@@ -22,7 +22,7 @@ use track::Track;
 /// A proof has clearance to spare: a distance that the points of both objects may travel together before
 /// it no longer holds. Every object's way is summed up, and a pair is settled for as long as the
 /// two ways since its proof are shorter than the clearance of it. So nothing is trusted: a fact
-/// expires before it can be wrong (docs/numerics.md, "coherence").
+/// expires before it can be wrong (docs/numerics/proofs.md, "coherence").
 ///
 /// Of pairs that must be asked again, the axis that separated them last is tried first, and the
 /// certificate decides as ever.

@@ -3,8 +3,9 @@
 use super::checker::BatchChecker;
 use super::culling::Culling;
 use super::set::{Members, ROW, Set};
+use crate::partition::for_each_range;
 use dcd_broad::IdentifiedAabbs;
-use dcd_geom::{Aabb, Pair, Pose, Scene, Splittable};
+use dcd_geom::{Aabb, Pair, Pose, Scene};
 use dcd_gjk::{NarrowPhase, Prepared, Sides};
 use std::ops::Range;
 
@@ -116,14 +117,10 @@ impl<N: NarrowPhase> PosedLinks<N> {
         if !narrow.keeps(&part) {
             return narrow.prepare(scene, 0, part, aabbs);
         }
-        let mut rest = (part, &mut aabbs[..]);
-        let mut start = 0;
-        for new in fresh.iter().filter(|new| !new.is_empty()) {
-            let (_, others) = rest.split_at(new.start - start);
-            let ((part, aabbs), others) = others.split_at(new.len());
+        let new = fresh.iter().filter(|new| !new.is_empty()).cloned();
+        for_each_range((part, &mut aabbs[..]), 0, new, |new, (part, aabbs)| {
             narrow.prepare(scene, new.start, part, aabbs);
-            (rest, start) = (others, new.end);
-        }
+        });
     }
 
     /// Appends the pairs of an obstacle and an object of a link, where it was posed last: object by object,

@@ -119,7 +119,7 @@ impl JointPath {
         }
     }
 
-    /// The values at t: of a quaternion by slerp, the way that its numbers go; of all others within 16u of the largest control value each (docs/numerics.md, "edges"); those
+    /// The values at t: of a quaternion by slerp, the way that its numbers go; of all others within 16u of the largest control value each (docs/numerics/proofs.md, "edges"); those
     /// given, at the ends.
     pub fn state_at(&self, robot: &Robot, t: f64, state: &mut Vec<f64>) {
         self.linear_at(t, state);

@@ -7,12 +7,12 @@ use dcd_geom::Shape;
 
 /// What an f64 pose may be off by for each joint of its chain: units of 2⁻⁵³ of the chain's length. A
 /// joint's frame is turned by roll, pitch and yaw (three rotations of 48u, two products of 9u), by its own
-/// angle (48u), and multiplied twice (9u each): 228u (docs/numerics.md, "edges").
+/// angle (48u), and multiplied twice (9u each): 228u (docs/numerics/proofs.md, "edges").
 const POSE: f64 = 264.0;
 
 /// What the way between two quaternions may be off by, beside that: units of 2⁻⁵³ rad, of the chain's length. A
 /// quaternion at right angles to the first loses some 8u over the sine of the angle between the two, which is
-/// 1e-3 at the least where it counts (docs/numerics.md, "edges").
+/// 1e-3 at the least where it counts (docs/numerics/proofs.md, "edges").
 const SLERP: f64 = 65536.0;
 
 /// The joints between the root and what moves with a part: the part, or its padded shape.

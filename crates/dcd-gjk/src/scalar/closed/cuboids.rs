@@ -8,7 +8,7 @@ use dcd_geom::{Kind, Polytope, Vector};
 /// How clearly an axis must separate or overlap, relative to the pair's size m: 2⁻³⁹. An axis and a
 /// separation along it lose less than 100u·m, and what R may depart from a rotation by is at most
 /// [`DEVIATION`], twice for each body: 2000u in all, a quarter of this. What is less clear is left
-/// to the general path. (docs/numerics.md, "closed forms")
+/// to the general path. (docs/numerics/proofs.md, "closed forms")
 const CLEAR: f64 = 16384.0 * UNIT;
 
 /// The largest deviation of a pose for which [`CLEAR`] is enough.

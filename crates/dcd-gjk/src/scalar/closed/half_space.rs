@@ -3,7 +3,7 @@
 //! A half-space n·x ≤ o at a pose is the set of all R·x + t, so with N = cof(R)·n it is
 //! N·(y − t) ≤ o·det R: exact in terms of R, whatever R departs from a rotation by. A shape is
 //! touched where its lowest point along N is. f64 tells with a bound; polytopes, cylinders and
-//! cones that are within it are judged exactly (docs/numerics.md, "half-spaces").
+//! cones that are within it are judged exactly (docs/numerics/proofs.md, "half-spaces").
 
 use super::binary::Binary;
 use crate::epa::Depth;

@@ -1,7 +1,7 @@
 //! Spheres, capsules and cuboids whose nearest points have a formula.
 //!
 //! The formula only proposes a point of each core; what is proved of the pair is what their
-//! difference proves, as any point and as any direction (docs/numerics.md, "closed forms").
+//! difference proves, as any point and as any direction (docs/numerics/proofs.md, "closed forms").
 
 use super::{LENGTH, SEPARATION, SIZES, UNIT};
 use crate::{Distance, DistanceResult, PosedSupport, Verdict};

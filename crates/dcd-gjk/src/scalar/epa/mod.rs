@@ -21,7 +21,7 @@
 //! - the bounds have no term relative to the pair's size but the lattice's, about 1e-23 of it, so
 //!   depths far below the rounding of f64 are right in nearly all their digits.
 //!
-//! docs/numerics.md, "depth", derives the bounds.
+//! docs/numerics/proofs.md, "depth", derives the bounds.
 
 mod answer;
 mod apart;

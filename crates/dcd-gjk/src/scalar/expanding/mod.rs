@@ -5,7 +5,7 @@
 //! are rounded, and nothing is believed of them. When the search ends the surface is looked at as it
 //! is: it is closed, since it only ever loses a patch and gains the cone over the patch's boundary. If
 //! every triangle surely has the origin on its inner side, the surface winds round it, and the sphere
-//! that reaches the nearest triangle is inside A − B: a lower bound (docs/numerics.md, "Depth in f64").
+//! that reaches the nearest triangle is inside A − B: a lower bound (docs/numerics/proofs.md, "Depth in f64").
 //! The reach along any direction is an upper one. A search that ends without a good bound says nothing,
 //! and the caller asks the exact one.
 //!

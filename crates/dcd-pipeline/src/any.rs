@@ -1,0 +1,265 @@
+//! A pipeline whose question is chosen at run time: for a command, a binding, a settings file.
+
+use crate::{Pipeline, Step};
+use dcd_broad::{BroadPhase, WideTree};
+use dcd_exec::Exec;
+use dcd_geom::{Pair, Scene, ShapeError};
+use dcd_gjk::epa::Depth;
+use dcd_gjk::{
+    Accuracy, Contact, Depths, Distance, Distances, Gjk, Manifold, Manifolds, Overlap,
+    OverlapUnchecked, Pairwise, Proximities, Proximity, Report, ThenMeasure, WithAccuracy, Within,
+};
+
+/// What a yes or no is worth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Precision {
+    /// f32 taken at its word: [`OverlapUnchecked`].
+    Fast,
+    /// What f64 can prove, else undecided: [`Gjk`].
+    F64,
+    /// Proved, down to exact arithmetic: [`Overlap`].
+    #[default]
+    Certified,
+}
+
+/// What is asked of a scene's pairs. Margins are metres: pairs within the margin of each other count as
+/// touching.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Question {
+    /// Whether they touch.
+    Overlap {
+        /// What the answer is worth.
+        precision: Precision,
+        /// Within which distance.
+        margin: f64,
+    },
+    /// How far apart they are: [`Distances`].
+    Distance {
+        /// How good the bound has to be.
+        accuracy: Accuracy,
+        /// Within which distance.
+        margin: f64,
+    },
+    /// How deep those that touch overlap: [`Depths`].
+    Depth {
+        /// How good the bound has to be.
+        accuracy: Accuracy,
+    },
+    /// In which points those that touch do: [`Manifolds`].
+    Manifold {
+        /// How good the bound has to be.
+        accuracy: Accuracy,
+    },
+    /// The signed distance and its derivatives: [`Proximities`].
+    Gradient {
+        /// How good the bound has to be.
+        accuracy: Accuracy,
+        /// Within which distance.
+        margin: f64,
+    },
+}
+
+impl Default for Question {
+    fn default() -> Self {
+        Self::Overlap { precision: Precision::default(), margin: 0.0 }
+    }
+}
+
+/// What a step reports of a touching pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Answer {
+    /// That it touches.
+    Overlap,
+    /// `None` where the two overlap, or are too near to be told apart.
+    Distance(Option<Distance>),
+    /// How deep it overlaps.
+    Depth(Depth),
+    /// Where it touches.
+    Manifold(Manifold),
+    /// Signed distance and derivatives.
+    Gradient(Proximity),
+}
+
+/// A narrow phase's measure at an accuracy.
+type Measured<S> = ThenMeasure<WithAccuracy<S>>;
+
+/// A [`Pipeline`] for a [`Question`] that is known at run time only.
+///
+/// One enum over the types that a program would otherwise name, so that a step is as fast as theirs.
+#[derive(Debug)]
+pub struct AnyPipeline<B: BroadPhase = WideTree>(Inner<B>);
+
+#[derive(Debug)]
+enum Inner<B: BroadPhase> {
+    Fast(Pipeline<B, Within<OverlapUnchecked>>),
+    F64(Pipeline<B, Within<Pairwise<Gjk<f64>>>>),
+    Certified(Pipeline<B, Within<Overlap>>),
+    Distance(Pipeline<B, Measured<Distances>>),
+    Depth(Pipeline<B, Measured<Depths>>),
+    Manifold(Pipeline<B, Measured<Manifolds>>),
+    Gradient(Pipeline<B, Measured<Proximities>>),
+}
+
+/// The same for whichever pipeline there is.
+macro_rules! whichever {
+    ($inner:expr, $pipeline:ident => $then:expr) => {
+        match $inner {
+            Inner::Fast($pipeline) => $then,
+            Inner::F64($pipeline) => $then,
+            Inner::Certified($pipeline) => $then,
+            Inner::Distance($pipeline) => $then,
+            Inner::Depth($pipeline) => $then,
+            Inner::Manifold($pipeline) => $then,
+            Inner::Gradient($pipeline) => $then,
+        }
+    };
+}
+
+impl AnyPipeline {
+    /// For that question, with the fastest tree.
+    ///
+    /// # Errors
+    /// A margin that is negative, not a number, or above [`dcd_geom::Aabb::LIMIT`].
+    pub fn new(question: Question) -> Result<Self, ShapeError> {
+        Self::with(WideTree::default(), question)
+    }
+}
+
+impl<B: BroadPhase> AnyPipeline<B> {
+    /// For that question, with a broad phase of one's own.
+    ///
+    /// # Errors
+    /// Those of [`AnyPipeline::new`].
+    pub fn with(broad: B, question: Question) -> Result<Self, ShapeError> {
+        let inner = match question {
+            Question::Overlap { precision: Precision::Fast, margin } => {
+                let narrow = Within::by(OverlapUnchecked::default(), margin)?;
+                Inner::Fast(Pipeline::with(broad, narrow))
+            }
+            Question::Overlap { precision: Precision::F64, margin } => {
+                let narrow = Within::by(Pairwise(Gjk::default()), margin)?;
+                Inner::F64(Pipeline::with(broad, narrow))
+            }
+            Question::Overlap { precision: Precision::Certified, margin } => {
+                Inner::Certified(Pipeline::with(broad, Within::margin(margin)?))
+            }
+            Question::Distance { accuracy, margin } => {
+                let solver = WithAccuracy::new(Distances::within(margin)?, accuracy);
+                Inner::Distance(Pipeline::with(broad, ThenMeasure::new(solver)?))
+            }
+            Question::Depth { accuracy } => {
+                let solver = WithAccuracy::new(Depths, accuracy);
+                Inner::Depth(Pipeline::with(broad, ThenMeasure::new(solver)?))
+            }
+            Question::Manifold { accuracy } => {
+                let solver = WithAccuracy::new(Manifolds, accuracy);
+                Inner::Manifold(Pipeline::with(broad, ThenMeasure::new(solver)?))
+            }
+            Question::Gradient { accuracy, margin } => {
+                let solver = WithAccuracy::new(Proximities::within(margin)?, accuracy);
+                Inner::Gradient(Pipeline::with(broad, ThenMeasure::new(solver)?))
+            }
+        };
+        Ok(Self(inner))
+    }
+
+    /// [`Pipeline::prepare_shapes`].
+    pub fn prepare_shapes(&mut self, scene: &Scene) {
+        whichever!(&mut self.0, pipeline => pipeline.prepare_shapes(scene));
+    }
+
+    /// [`Pipeline::step`].
+    pub fn step<'e>(&mut self, scene: &Scene, exec: impl Into<Exec<'e>>) -> AnyStep<'_> {
+        let exec = exec.into();
+        match &mut self.0 {
+            Inner::Fast(pipeline) => AnyStep::Overlap(pipeline.step(scene, exec)),
+            Inner::F64(pipeline) => AnyStep::Overlap(pipeline.step(scene, exec)),
+            Inner::Certified(pipeline) => AnyStep::Overlap(pipeline.step(scene, exec)),
+            Inner::Distance(pipeline) => AnyStep::Distance(pipeline.step(scene, exec)),
+            Inner::Depth(pipeline) => AnyStep::Depth(pipeline.step(scene, exec)),
+            Inner::Manifold(pipeline) => AnyStep::Manifold(pipeline.step(scene, exec)),
+            Inner::Gradient(pipeline) => AnyStep::Gradient(pipeline.step(scene, exec)),
+        }
+    }
+}
+
+/// What a step of an [`AnyPipeline`] found: a [`Step`] of the type that answers its question.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum AnyStep<'p> {
+    /// Yes or no.
+    Overlap(Step<'p, ()>),
+    /// Distances.
+    Distance(Step<'p, Option<Distance>>),
+    /// Depths.
+    Depth(Step<'p, Depth>),
+    /// Manifolds.
+    Manifold(Step<'p, Manifold>),
+    /// Signed distances and derivatives.
+    Gradient(Step<'p, Proximity>),
+}
+
+/// The same of whichever step there is.
+macro_rules! of_step {
+    ($any:expr, $step:ident => $then:expr) => {
+        match $any {
+            AnyStep::Overlap($step) => $then,
+            AnyStep::Distance($step) => $then,
+            AnyStep::Depth($step) => $then,
+            AnyStep::Manifold($step) => $then,
+            AnyStep::Gradient($step) => $then,
+        }
+    };
+}
+
+/// Pairs, perhaps with answers. A virtual call an item: the lists are short beside what made them.
+type List<'p, T> = Box<dyn Iterator<Item = T> + 'p>;
+
+impl<'p> AnyStep<'p> {
+    /// [`Step::contacts`].
+    pub fn contacts(&self) -> List<'p, (u32, u32)> {
+        of_step!(self, step => Box::new(step.contacts()))
+    }
+
+    /// [`Step::sensed`].
+    pub fn sensed(&self) -> List<'p, (u32, u32)> {
+        of_step!(self, step => Box::new(step.sensed()))
+    }
+
+    /// [`Step::answers`].
+    pub fn answers(&self) -> List<'p, (Pair, Answer)> {
+        fn list<'p, A: Copy + Send>(
+            step: &Step<'p, A>,
+            answer: fn(A) -> Answer,
+        ) -> List<'p, (Pair, Answer)> {
+            Box::new(
+                step.answers()
+                    .map(move |contact: Contact<A>| (contact.pair, answer(contact.answer))),
+            )
+        }
+        match self {
+            Self::Overlap(step) => list(step, |()| Answer::Overlap),
+            Self::Distance(step) => list(step, Answer::Distance),
+            Self::Depth(step) => list(step, Answer::Depth),
+            Self::Manifold(step) => list(step, Answer::Manifold),
+            Self::Gradient(step) => list(step, Answer::Gradient),
+        }
+    }
+
+    /// [`Step::contact_count`].
+    pub fn contact_count(&self) -> usize {
+        of_step!(self, step => step.contact_count())
+    }
+
+    /// [`Step::candidate_count`].
+    pub fn candidate_count(&self) -> usize {
+        of_step!(self, step => step.candidate_count())
+    }
+
+    /// [`Step::report`].
+    pub fn report(&self) -> &'p Report {
+        of_step!(self, step => step.report())
+    }
+}
