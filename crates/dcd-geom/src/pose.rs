@@ -51,8 +51,10 @@ impl Pose {
     /// # Errors
     /// A number that is not finite, or a matrix that is no rotation.
     pub fn from_matrix(rotation: DMat3, translation: DVec3) -> Result<Self, PoseError> {
-        finite(rotation.to_cols_array().iter().chain(&translation.to_array()))?;
-        let deviation = largest_entry(&(rotation.transpose() * rotation - DMat3::IDENTITY));
+        if !(rotation.is_finite() && translation.is_finite()) {
+            finite(rotation.to_cols_array().iter().chain(&translation.to_array()))?;
+        }
+        let deviation = largest_entry(&gram_excess(&rotation));
         // Written so that an overflow's NaN is refused.
         if !(deviation <= Self::UNIT_TOLERANCE) {
             return Err(PoseError::NotOrthonormal { deviation });
@@ -156,6 +158,17 @@ fn finite<'a>(mut numbers: impl Iterator<Item = &'a f64>) -> Result<(), PoseErro
     }
 }
 
+/// MᵀM − I, which is symmetric: three squares and three products of columns.
+fn gram_excess(m: &DMat3) -> DMat3 {
+    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = *m;
+    let (xy, xz, yz) = (x.dot(y), x.dot(z), y.dot(z));
+    DMat3::from_cols(
+        DVec3::new(x.dot(x) - 1.0, xy, xz),
+        DVec3::new(xy, y.dot(y) - 1.0, yz),
+        DVec3::new(xz, yz, z.dot(z) - 1.0),
+    )
+}
+
 fn largest_entry(m: &DMat3) -> f64 {
     m.to_cols_array()
         .iter()
@@ -166,7 +179,7 @@ fn largest_entry(m: &DMat3) -> f64 {
 /// each entry is three products and four sums of terms at most 1 + 1e-6, so 8·2⁻⁵³ an entry and
 /// three entries a row, doubled.
 fn row_deviation(r: &DMat3) -> f64 {
-    let excess = (*r * r.transpose() - DMat3::IDENTITY).transpose();
+    let excess = gram_excess(&r.transpose());
     let row = |v: DVec3| v.x.abs() + v.y.abs() + v.z.abs();
     row(excess.x_axis).max(row(excess.y_axis)).max(row(excess.z_axis)) + 48.0 * (f64::EPSILON / 2.0)
 }

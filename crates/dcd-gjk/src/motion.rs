@@ -110,10 +110,15 @@ pub fn rotation_from_scaled_axis(turn: DVec3) -> DMat3 {
 /// The rotation by an angle in rad about an axis of unit length: see [`rotation_from_scaled_axis`].
 pub fn rotation_from_axis_angle(axis: DVec3, angle: f64) -> DMat3 {
     let (sin, cos) = libm::sincos(angle);
-    let DVec3 { x, y, z } = axis;
-    let cross =
-        DMat3::from_cols(DVec3::new(0.0, z, -y), DVec3::new(-z, 0.0, x), DVec3::new(y, -x, 0.0));
-    DMat3::IDENTITY + cross * sin + cross * cross * (1.0 - cos)
+    // I + K·sin + K²·(1 − cos) with K the matrix of the cross product, written out.
+    let (DVec3 { x, y, z }, versine) = (axis, 1.0 - cos);
+    let (xx, yy, zz) = (x * x, y * y, z * z);
+    let (xy, xz, yz) = (x * y * versine, x * z * versine, y * z * versine);
+    DMat3::from_cols(
+        DVec3::new(1.0 - (zz + yy) * versine, z * sin + xy, -y * sin + xz),
+        DVec3::new(-z * sin + xy, 1.0 - (zz + xx) * versine, x * sin + yz),
+        DVec3::new(y * sin + xz, -x * sin + yz, 1.0 - (yy + xx) * versine),
+    )
 }
 
 /// When two shapes meet from t = 0 on until `until`, to within `tolerance` metres, at the least some 1e-13 of

@@ -298,6 +298,27 @@ fn static_objects_are_prepared_once_until_something_of_them_changes() {
 }
 
 #[test]
+fn static_objects_between_moving_ones_are_left_alone() {
+    let spec = SceneSpec::parse("sparse").unwrap().with_objects(2000);
+    let plain = spec.scene().unwrap();
+    // One moving object in a hundred, and two of them side by side.
+    let moves = |i: u32| i.is_multiple_of(100) || i == 101;
+    let objects = (0..2000).map(|i| {
+        let object = Object::new(i, plain.poses()[i as usize]);
+        if moves(i) { object } else { object.fixed() }
+    });
+    let scene = Scene::new(plain.shapes().to_vec(), objects).unwrap();
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    let narrow = Counting(Overlap::default(), &COUNT);
+    let mut pipeline = Pipeline::with(dcd_broad::WideTree::default(), narrow);
+    let first: Vec<_> = pipeline.step(&scene, Par::Serial).contacts().collect();
+    assert_eq!(COUNT.swap(0, Ordering::Relaxed), 2000);
+    let second: Vec<_> = pipeline.step(&scene, Par::Serial).contacts().collect();
+    assert_eq!(COUNT.swap(0, Ordering::Relaxed), 21);
+    assert_eq!(first, second);
+}
+
+#[test]
 fn static_objects_touch_the_moving_ones_and_never_each_other() {
     let mut walk = Walk::new();
     let mut brute: Vec<(u32, u32)> = Vec::new();

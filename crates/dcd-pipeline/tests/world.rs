@@ -8,7 +8,9 @@ use dcd_gjk::{
     Certified, ContactSink, Method, PairSolver, Pairwise, PosedShape, Prepared, Reason, Sides,
     Verdict, Within,
 };
-use dcd_pipeline::{Hit, LinkSet, NarrowPhase, Other, Overlap, Par, Pipeline, StaticWorld};
+use dcd_pipeline::{
+    BatchChecker, Hit, LinkSet, NarrowPhase, Other, Overlap, Par, Pipeline, StaticWorld,
+};
 use dcd_scenes::SceneSpec;
 
 /// Obstacles in a cube, one slot free, some that only robots of group 2 meet.
@@ -111,6 +113,31 @@ fn every_configuration_gets_what_a_scene_of_its_own_says() {
         assert!(all.iter().map(|touch| touch.0).is_sorted());
         all.sort_unstable();
         assert_eq!(all, due.concat());
+    }
+}
+
+#[test]
+fn a_checker_outlives_its_world_and_takes_another_one() {
+    let poses = poses();
+    let world_of =
+        |scene: &Scene| StaticWorld::new(scene, Overlap::default(), Par::Serial).unwrap();
+    let answers = |checker: &mut BatchChecker| {
+        let first = checker.first(&poses, Par::Serial).unwrap().to_vec();
+        let all: Vec<_> = checker.all(&poses, Par::Serial).unwrap().iter().collect();
+        (first, all)
+    };
+    // Other obstacles, more and fewer, and none.
+    let mut fewer = obstacles();
+    (0..fewer.len()).step_by(2).for_each(|i| fewer.remove(fewer.handle(i).unwrap()).unwrap_or(()));
+    let mut more = obstacles();
+    let far = Pose::from_translation(DVec3::splat(0.25)).unwrap();
+    more.insert(Object::new(0, far)).unwrap();
+    let mut checker = world_of(&obstacles()).checker(link_set()).unwrap();
+    answers(&mut checker);
+    for scene in [fewer, more, Scene::default(), obstacles()] {
+        checker.set_world(world_of(&scene)).unwrap();
+        let fresh = &mut world_of(&scene).checker(link_set()).unwrap();
+        assert!(answers(&mut checker) == answers(fresh), "{} obstacles", scene.object_count());
     }
 }
 

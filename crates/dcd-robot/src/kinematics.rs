@@ -40,8 +40,10 @@ impl JointFrame {
 
     /// The frame that `inner` is in this one's outer frame.
     pub(super) fn then(&self, inner: &Self) -> Self {
+        // Most origins are not turned.
+        let turned = inner.rotation != DMat3::IDENTITY;
         Self {
-            rotation: self.rotation * inner.rotation,
+            rotation: if turned { self.rotation * inner.rotation } else { self.rotation },
             translation: self.rotation * inner.translation + self.translation,
         }
     }

@@ -177,3 +177,22 @@ fn random_motions_are_answered_as_their_samples_say() {
     }
     assert!(free > 50 && hits > 50, "{free} {hits}");
 }
+
+#[test]
+fn a_rotation_is_its_series_in_the_matrix_of_the_cross_product() {
+    let axes =
+        [DVec3::X, DVec3::NEG_Y, DVec3::Z, DVec3::new(0.6, 0.0, -0.8), DVec3::ONE.normalize()];
+    for axis in axes {
+        for angle in [0.0, 1e-9, -0.3, 1.0, 2.5, 31.4, -1e5] {
+            let DVec3 { x, y, z } = axis;
+            let cross = DMat3::from_cols(
+                DVec3::new(0.0, z, -y),
+                DVec3::new(-z, 0.0, x),
+                DVec3::new(y, -x, 0.0),
+            );
+            let (sin, cos) = libm::sincos(angle);
+            let series = DMat3::IDENTITY + cross * sin + cross * cross * (1.0 - cos);
+            assert_eq!(rotation_from_axis_angle(axis, angle), series, "{axis} {angle}");
+        }
+    }
+}
