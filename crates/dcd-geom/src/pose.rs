@@ -55,7 +55,7 @@ impl Pose {
             finite(rotation.to_cols_array().iter().chain(&translation.to_array()))?;
         }
         let deviation = largest_entry(&gram_excess(&rotation));
-        // Written so that an overflow's NaN is refused.
+        // Written so that what overflows is refused.
         if !(deviation <= Self::UNIT_TOLERANCE) {
             return Err(PoseError::NotOrthonormal { deviation });
         }
@@ -64,6 +64,17 @@ impl Pose {
             return Err(PoseError::Mirrors { determinant });
         }
         Ok(Self { rotation, translation, deviation: row_deviation(&rotation) })
+    }
+
+    /// The same rotation elsewhere, metres.
+    ///
+    /// # Errors
+    /// A number that is not finite.
+    pub fn with_translation(self, translation: DVec3) -> Result<Self, PoseError> {
+        if !translation.is_finite() {
+            finite(translation.to_array().iter())?;
+        }
+        Ok(Self { translation, ..self })
     }
 
     /// A translation in metres, without rotation.
@@ -169,10 +180,12 @@ fn gram_excess(m: &DMat3) -> DMat3 {
     )
 }
 
+/// The largest entry of such a matrix. Where a product of two columns overflows, so does a square, so that no
+/// NaN hides it.
 fn largest_entry(m: &DMat3) -> f64 {
-    m.to_cols_array()
-        .iter()
-        .fold(0.0, |largest, x| if x.abs() <= largest { largest } else { x.abs() })
+    let diagonal = DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z);
+    let others = DVec3::new(m.x_axis.y, m.x_axis.z, m.y_axis.z);
+    diagonal.abs().max(others.abs()).max_element()
 }
 
 /// The ∞-norm (largest sum of a row) of R·Rᵀ − I, plus what its own evaluation may be wrong by:

@@ -40,12 +40,19 @@ impl JointFrame {
 
     /// The frame that `inner` is in this one's outer frame.
     pub(super) fn then(&self, inner: &Self) -> Self {
-        // Most origins are not turned.
-        let turned = inner.rotation != DMat3::IDENTITY;
         Self {
-            rotation: if turned { self.rotation * inner.rotation } else { self.rotation },
+            rotation: if inner.is_turned() {
+                self.rotation * inner.rotation
+            } else {
+                self.rotation
+            },
             translation: self.rotation * inner.translation + self.translation,
         }
+    }
+
+    /// Whether its axes are not the outer frame's: most origins' are.
+    fn is_turned(&self) -> bool {
+        self.rotation != DMat3::IDENTITY
     }
 
     fn turned(&self, axis: DVec3, angle: f64) -> Self {
@@ -77,10 +84,25 @@ impl Robot {
         poses: &mut Vec<Pose>,
     ) -> Result<(), RobotError> {
         poses.clear();
+        let links = &self.links;
+        let refused = |link: usize| {
+            move |error| RobotError::Pose { user: format!("link {:?}", links[link].name), error }
+        };
+        // The link of the part before, and its pose, whose rotation has been checked.
+        let mut last: Option<(usize, Pose)> = None;
         for part in &self.parts {
-            let pose = frames[part.link].then(&part.origin).pose();
-            let user = || format!("link {:?}", self.links[part.link].name);
-            poses.push(pose.map_err(|error| RobotError::Pose { user: user(), error })?);
+            let (link, frame) = (part.link, &frames[part.link]);
+            let pose = if part.origin.is_turned() {
+                frame.then(&part.origin).pose()
+            } else {
+                let of_link = match last {
+                    Some((known, pose)) if known == link => pose,
+                    _ => frame.pose().map_err(refused(link))?,
+                };
+                last = Some((link, of_link));
+                of_link.with_translation(frame.then(&part.origin).translation)
+            };
+            poses.push(pose.map_err(refused(link))?);
         }
         Ok(())
     }
