@@ -39,6 +39,9 @@ impl<S: PairSolver, N> ThenMeasure<S, N> {
     }
 }
 
+/// One side, as the yes or no takes it.
+type Side<'a, N> = Prepared<'a, <Within<N> as NarrowPhase>::Frame>;
+
 /// What a thread reuses from slice to slice.
 #[derive(Debug, Default)]
 pub struct Scratch<N, A, S> {
@@ -119,10 +122,7 @@ impl<S, A: Copy + Default + Send + Sync + 'static, P: Default + Send> Scratch<P,
     fn find_touching<N, T>(
         &mut self,
         narrow: &Within<N>,
-        (a, b): (
-            Prepared<'_, <Within<N> as NarrowPhase>::Frame>,
-            Prepared<'_, <Within<N> as NarrowPhase>::Frame>,
-        ),
+        (a, b): (Side<'_, N>, Side<'_, N>),
         pairs: &[Pair],
         sink: &mut ContactSink<'_, T>,
     ) where

@@ -47,7 +47,12 @@ const ENOUGH: usize = 4096;
 pub(super) fn has_parts(frames: FramePair<'_>, pair: Pair) -> bool {
     let FramePair { a, b } = frames;
     let (i, j) = (a.members(pair.i).is_some(), b.members(pair.j).is_some());
-    (i || j) && (i || a.is_live(pair.i)) && (j || b.is_live(pair.j))
+    match (i, j) {
+        (false, false) => false,
+        (true, true) => true,
+        (true, false) => b.is_live(pair.j),
+        (false, true) => a.is_live(pair.i),
+    }
 }
 
 /// Fills a queue from the pairs left in a slice, all with parts; returns how many it took.
