@@ -121,6 +121,9 @@ pub(crate) struct Robot {
     /// States in place of one, JSON Lines (format: see --help): a line of JSON comes out for each
     #[arg(long, value_name = "FILE", conflicts_with_all = ["state", "request", "goal", "all_problems"])]
     states: Option<PathBuf>,
+    /// Measure the least signed distance of each state of --states too, with its derivative by the joints
+    #[arg(long, requires = "states")]
+    clearance: bool,
     /// Edges between states, JSON Lines (format: see --help): whether all of each is free, proved
     #[arg(long, value_name = "FILE", conflicts_with_all = ["state", "states", "request", "goal", "all_problems"])]
     edges: Option<PathBuf>,
@@ -304,7 +307,7 @@ impl Robot {
         let meshes = MeshSource { paths: MeshPaths::new(folder), ..self.meshes()? };
         let given = lines::Given { robot: model, world: &world, allowed: &allowed, meshes };
         if self.states.is_some() {
-            lines::answer(&states::States, &given, path)
+            lines::answer(&states::States { clearance: self.clearance }, &given, path)
         } else {
             lines::answer(&edges::Edges { budget: self.budget }, &given, path)
         }

@@ -55,6 +55,33 @@ fn a_line_comes_out_for_each_state_and_a_refused_one_does_not_end_the_run() {
 }
 
 #[test]
+fn a_clearance_is_told_with_its_pair_and_its_derivatives() {
+    let folder = Folder::new("clearance");
+    let (urdf, wall) = (folder.file("arm.urdf", ARM), folder.file("wall.yaml", WALL));
+    let states = folder.file("states.jsonl", "{\"q\": [0, 1.5707963267948966]}\n{\"q\": [0, 0]}\n");
+    let asked = ["robot", &urdf, "--world", &wall, "--states", &states, "--clearance"];
+    let found = lines(&dcd(&asked).stdout);
+    // Neighbours do not count. From base's edge at (0.5, 0.5) to lower's at (1.75, 1), which turns about the
+    // elbow at x = 2.25 and the shoulder at 1.5.
+    let (clearance, distance) = (&found[0]["clearance"], 1.25f64.hypot(0.5));
+    let near = |value: &Value, due: f64| (value.as_f64().unwrap() - due).abs() < 1e-9;
+    assert!(near(&clearance["distance"], distance) && found[0]["free"] == true, "{clearance}");
+    assert!(clearance["error_bound"].as_f64().unwrap() < 1e-12, "{clearance}");
+    let slope = |joint: &str, x: f64| {
+        let due = (-1.25 + 0.5 * (1.75 - x)) / distance;
+        near(&clearance["gradient"][joint], due)
+    };
+    assert!(slope("elbow", 2.25) && slope("shoulder", 1.5), "{clearance}");
+    let pair = (&clearance["pair"][0], &clearance["pair"][1]);
+    assert_eq!((pair.0.as_str(), pair.1.as_str()), (Some("base"), Some("lower")), "{clearance}");
+    let deep = &found[1]["clearance"];
+    assert!(near(&deep["distance"], 0.0) && found[1]["free"] == false, "{deep}");
+    assert_eq!(deep["pair"], json!(["lower", "wall"]));
+    let alone = dcd(&["robot", &urdf, "--clearance"]);
+    assert_eq!(alone.code, Some(2), "{alone:?}");
+}
+
+#[test]
 fn a_world_as_text_is_the_same_world() {
     let folder = Folder::new("scene-text");
     let (urdf, wall) = (folder.file("arm.urdf", ARM), folder.file("wall.yaml", WALL));

@@ -11,6 +11,7 @@
 mod allowed;
 mod archive;
 pub mod bounds;
+mod clearance;
 mod edge;
 mod error;
 mod frames;
@@ -42,6 +43,7 @@ mod yaml;
 
 pub use allowed::AllowedPairs;
 pub use archive::{LARGEST_ARCHIVE, LARGEST_ENTRY};
+pub use clearance::Clearance;
 pub use edge::{Edge, EdgeAnswer, EdgeChecker, EdgeReason, JointPath};
 pub use error::RobotError;
 pub use generate::{LinkPair, PairReason, PairSearch, write_srdf};

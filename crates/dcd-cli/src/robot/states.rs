@@ -2,9 +2,9 @@
 
 use super::lines::{CellCache, Given, Question, Which};
 use dcd_pipeline::{Par, Pipeline};
-use dcd_robot::{RobotError, State, StateReader, Workcell};
+use dcd_robot::{Clearance, RobotError, State, StateReader, Workcell};
 use serde::Serialize;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::slice;
 
 /// What `--states` reads and prints.
@@ -14,10 +14,15 @@ Joints that an object does not name are where the world has them, else at 0. Wit
   {"name": "…", "link": "…", "touch": ["…"], "shape": …, "pose": {"xyz": [x, y, z], "q": [x, y, z, w]}}
 with one of {"box": [x, y, z]} (edges), {"sphere": radius}, {"cylinder": [radius, length]} (round z) and {"mesh": "file"} (beside the file of states; taken as --links says), the pose in the link's frame. It may touch its link and what "touch" names. Other keys are refused, but for "name" and those that begin with an underscore; so is a line of more than 268,435,456 bytes. A line comes out for each, in order, the same at any number of threads:
   {"state": k, "free": true|false|null, "contacts": [["a", "b"], …], "undecided": [["a", "b"], …]}
-k counts from 0; free is true only if every pair is proved apart, false if one is proved touching, else null; undecided is there where a pair is. A line that is no state comes out as {"state": k, "error": "line …"}, and the run goes on; the exit code is 2 then."#;
+k counts from 0; free is true only if every pair is proved apart, false if one is proved touching, else null; undecided is there where a pair is. With --clearance there is also
+  "clearance": {"distance": metres, "error_bound": …, "pair": ["a", "b"], "normal": [..], "point_a": [..], "point_b": [..], "gradient": {"joint": …, …}}
+the least signed distance of all pairs that are checked (below 0: how deep they overlap), the bound that holds for it, points and normal (from a to b) in the world, and its derivative by each value of a state; null where there is no pair. A line that is no state comes out as {"state": k, "error": "line …"}, and the run goes on; the exit code is 2 then."#;
 
 /// `--states`: which links touch in each.
-pub(super) struct States;
+pub(super) struct States {
+    /// Whether the least signed distance is measured too.
+    pub(super) clearance: bool,
+}
 
 /// What a thread checks states with.
 #[derive(Debug, Default)]
@@ -33,6 +38,38 @@ pub(super) struct Answer {
     contacts: BTreeSet<[String; 2]>,
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     undecided: BTreeSet<[String; 2]>,
+    /// Only where it is asked for; then `None` where there is no pair.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clearance: Option<Option<Nearest>>,
+}
+
+/// The least signed distance of a state.
+#[derive(Clone, Debug, Serialize)]
+struct Nearest {
+    distance: f64,
+    error_bound: f64,
+    pair: [String; 2],
+    normal: [f64; 3],
+    point_a: [f64; 3],
+    point_b: [f64; 3],
+    /// By each variable, by its name.
+    gradient: BTreeMap<String, f64>,
+}
+
+impl Nearest {
+    fn of(cell: &Workcell, clearance: &Clearance) -> Self {
+        let Clearance { pair, proximity, gradient } = clearance;
+        let variables = cell.robot().variables().iter().cloned();
+        Self {
+            distance: proximity.signed_distance,
+            error_bound: proximity.error_bound,
+            pair: cell.names_of((*pair).into()).map(str::to_owned),
+            normal: proximity.normal.to_array(),
+            point_a: proximity.point_a.to_array(),
+            point_b: proximity.point_b.to_array(),
+            gradient: variables.zip(gradient.iter().copied()).collect(),
+        }
+    }
 }
 
 impl Question for States {
@@ -72,6 +109,12 @@ impl Question for States {
             (true, true) => Some(true),
             (true, false) => None,
         };
-        Ok(Answer { free, contacts, undecided })
+        let clearance = if self.clearance {
+            let nearest = cell.clearance(&state.values)?;
+            Some(nearest.map(|nearest| Nearest::of(cell, &nearest)))
+        } else {
+            None
+        };
+        Ok(Answer { free, contacts, undecided, clearance })
     }
 }
