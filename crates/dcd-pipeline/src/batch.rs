@@ -55,7 +55,7 @@ impl<N: NarrowPhase> std::fmt::Debug for StaticWorld<N> {
 }
 
 impl<N: NarrowPhase> StaticWorld<N> {
-    /// From the objects of a scene, moving ones too, as they stand.
+    /// From the objects of a scene, moving ones and sensors too, as they stand.
     ///
     /// # Errors
     /// None that the scene has not passed already.

@@ -1,7 +1,8 @@
 //! One step, stage by stage.
 
-use crate::partition::for_each_range;
-use crate::partition::{Boxed, CandidateSearch, Partition, awake, empty_free_slots};
+use crate::partition::{
+    Boxed, CandidateSearch, Partition, awake, empty_free_slots, for_each_range,
+};
 use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::{Cut, Exec, PerThread, Segments, Stage};
 use dcd_geom::{Aabb, Pair, Scene};
