@@ -1,4 +1,4 @@
-//! Random bytes for the targets about pairs, where no fuzzer is installed: `cargo run --release --example random -- SECONDS`.
+//! Random bytes for the targets about pairs, frames and batches, where no fuzzer is installed: `cargo run --release --example random -- SECONDS`.
 
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -13,6 +13,8 @@ fn main() {
         let bytes: Vec<u8> = (0..length).map(|_| (next(&mut seed) >> 32) as u8).collect();
         dcd_fuzz::overlap(&bytes);
         dcd_fuzz::measures(&bytes);
+        dcd_fuzz::probe(&bytes);
+        dcd_fuzz::frames(&bytes);
         inputs += 1;
     }
     println!("{inputs} inputs");
