@@ -88,21 +88,19 @@ impl Robot {
         let refused = |link: usize| {
             move |error| RobotError::Pose { user: format!("link {:?}", links[link].name), error }
         };
-        // The link of the part before, and its pose, whose rotation has been checked.
-        let mut last: Option<(usize, Pose)> = None;
+        // The link of the part before, if that is turned as the link is: then its rotation has been checked.
+        let mut last = None;
         for part in &self.parts {
-            let (link, frame) = (part.link, &frames[part.link]);
-            let pose = if part.origin.is_turned() {
-                frame.then(&part.origin).pose()
-            } else {
-                let of_link = match last {
-                    Some((known, pose)) if known == link => pose,
-                    _ => frame.pose().map_err(refused(link))?,
-                };
-                last = Some((link, of_link));
-                of_link.with_translation(frame.then(&part.origin).translation)
+            let (link, placed) = (part.link, frames[part.link].then(&part.origin));
+            let as_link = !part.origin.is_turned();
+            let pose = match poses.last() {
+                Some(before) if as_link && last == Some(link) => {
+                    before.with_translation(placed.translation)
+                }
+                _ => placed.pose(),
             };
             poses.push(pose.map_err(refused(link))?);
+            last = as_link.then_some(link);
         }
         Ok(())
     }
