@@ -22,9 +22,9 @@ pub struct Clearance {
 }
 
 impl Workcell {
-    /// The least signed distance of all pairs that are checked, links and obstacles, at that state; moves
-    /// the robot there. Where it is at least its bound, that much room is proved everywhere. `None`:
-    /// there is no pair.
+    /// The least signed distance of all pairs that are checked, links (padded ones by their padded shapes) and
+    /// obstacles, at that state; moves the robot there. Its error bound covers every pair: the true least distance is
+    /// within it, whichever pair that is of. `None`: there is no pair.
     ///
     /// # Errors
     /// Those of [`Workcell::set_state`]; a pair whose signed distance is not known, by its names: nothing is
@@ -61,26 +61,20 @@ impl Workcell {
         let solver = Proximities::within(limit).map_err(refused)?;
         let mut scratch = Scratch::default();
         let mut found: Vec<(Pair, Proximity)> = Vec::new();
-        let mut least = f64::INFINITY;
+        let mut least = Least::default();
         for (gap, pair) in self.pairs_by_gap() {
             // No pair from here on is nearer than its boxes, which say nothing of depths.
-            if gap > limit || keep == Keep::Least && gap > least.max(0.0) {
+            if gap > limit || keep == Keep::Least && gap > least.signed_distance().max(0.0) {
                 break;
             }
             match solver.solve(self.posed(pair.i), self.posed(pair.j), &mut scratch) {
                 Verdict::Apart => {}
-                Verdict::Touching(proximity) => {
-                    if keep == Keep::Least && proximity.signed_distance < least {
-                        least = proximity.signed_distance;
-                        found.clear();
-                        found.push((pair, proximity));
-                    } else if keep == Keep::All {
-                        found.push((pair, proximity));
-                    }
-                }
+                Verdict::Touching(proximity) if keep == Keep::All => found.push((pair, proximity)),
+                Verdict::Touching(proximity) => least.take(pair, proximity),
                 Verdict::Undecided(reason) => return Err(self.unknown(pair, reason)),
             }
         }
+        found.extend(least.with_its_bound());
         let frames = self.robot().link_frames(state)?;
         let clearance = |(pair, proximity)| Clearance {
             pair,
@@ -143,6 +137,37 @@ impl Workcell {
 enum Keep {
     Least,
     All,
+}
+
+/// The least of signed distances, each known to within its own bound.
+#[derive(Default)]
+struct Least {
+    found: Option<(Pair, Proximity)>,
+    /// No true distance is below this, metres.
+    lower: Option<f64>,
+}
+
+impl Least {
+    fn signed_distance(&self) -> f64 {
+        self.found.map_or(f64::INFINITY, |(_, proximity)| proximity.signed_distance)
+    }
+
+    fn take(&mut self, pair: Pair, proximity: Proximity) {
+        // A step outward is more than a difference's rounding, here and below.
+        let lower = (proximity.signed_distance - proximity.error_bound).next_down();
+        self.lower = Some(self.lower.map_or(lower, |least| least.min(lower)));
+        if proximity.signed_distance < self.signed_distance() {
+            self.found = Some((pair, proximity));
+        }
+    }
+
+    /// The least with a bound that reaches down to what any other may be; where f64 does not hold it, `f64::MAX`.
+    fn with_its_bound(self) -> Option<(Pair, Proximity)> {
+        let (pair, mut proximity) = self.found?;
+        let down = (proximity.signed_distance - self.lower?).next_up();
+        proximity.error_bound = proximity.error_bound.max(down).min(f64::MAX);
+        Some((pair, proximity))
+    }
 }
 
 /// What the rounding of a gap between boxes may add to it. No unit.

@@ -36,6 +36,11 @@ impl PackedSphereBounds {
         Self { bounds, columns }
     }
 
+    /// The largest of [`SphereBounds::largest_sphere`]; of what has no bound nothing is said.
+    pub fn largest_sphere(&self, within: f64) -> f32 {
+        self.bounds.iter().flatten().map(|bound| bound.largest_sphere(within)).fold(0.0, f32::max)
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.bounds.len()

@@ -108,8 +108,8 @@ impl<N: NarrowPhase> BatchChecker<N> {
         let row = FEW;
         let template = rows_of(&link_set, row)?;
         check_count(&world, &link_set)?;
-        let bounds = PackedSphereBounds::new(bounds_of(&world, &link_set));
-        let obstacle_grid = grid_for(&world, &link_set);
+        let bounds = bounds_of(&world, &link_set);
+        let obstacle_grid = grid_for(&world, &bounds);
         let filtered = has_filters(&world, &link_set);
         let (workers, first, all) = (PerThread::default(), Vec::new(), Segments::default());
         let checker = Self {
@@ -137,9 +137,9 @@ impl<N: NarrowPhase> BatchChecker<N> {
     pub fn set_world(&mut self, StaticWorld(world): StaticWorld<N>) -> Result<(), SceneError> {
         check_count(&world, &self.link_set)?;
         if world.narrow.aabb_margin() != self.world.narrow.aabb_margin() {
-            self.bounds = PackedSphereBounds::new(bounds_of(&world, &self.link_set));
+            self.bounds = bounds_of(&world, &self.link_set);
         }
-        self.obstacle_grid = grid_for(&world, &self.link_set);
+        self.obstacle_grid = grid_for(&world, &self.bounds);
         self.filtered = has_filters(&world, &self.link_set);
         self.world = world;
         Ok(())
@@ -260,20 +260,15 @@ fn check_count<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> Resu
 }
 
 /// For each link what its box comes from without its vertices, where that is known.
-fn bounds_of<N: NarrowPhase>(
-    world: &Obstacles<N>,
-    link_set: &LinkSet,
-) -> Vec<Option<SphereBounds>> {
+fn bounds_of<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> PackedSphereBounds {
     let aabb_margin = world.narrow.aabb_margin();
     let bound = |shape| Some(SphereBounds::of(shape)?.swept(aabb_margin?));
-    link_set.shapes.iter().map(bound).collect()
+    PackedSphereBounds::new(link_set.shapes.iter().map(bound).collect())
 }
 
 /// A grid over the obstacles for spheres as large as the links'.
-fn grid_for<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> ObstacleGrid {
-    let (bounds, farthest) = (bounds_of(world, link_set), world.farthest());
-    let radii = bounds.iter().flatten().map(|bound| bound.largest_sphere(farthest));
-    ObstacleGrid::new(&world.bounds, radii.fold(0.0, f32::max))
+fn grid_for<N: NarrowPhase>(world: &Obstacles<N>, bounds: &PackedSphereBounds) -> ObstacleGrid {
+    ObstacleGrid::new(&world.bounds, bounds.largest_sphere(world.farthest()))
 }
 
 /// Whether a filter may part a link from an obstacle.

@@ -147,3 +147,27 @@ fn the_gradient_is_what_finite_differences_find_where_it_is_smooth() {
     }
     assert!(compared > 5000, "{compared}");
 }
+
+#[test]
+fn the_least_distance_has_a_bound_that_covers_the_pairs_that_are_less_well_known() {
+    let known = |signed_distance, error_bound| Proximity {
+        signed_distance,
+        error_bound,
+        ..Proximity::default()
+    };
+    let (near, far) = (Pair { i: 0, j: 1 }, Pair { i: 0, j: 2 });
+    // The second may be as near as 0.25.
+    let mut least = Least::default();
+    least.take(near, known(1.0, 1e-9));
+    least.take(far, known(1.25, 1.0));
+    let (pair, found) = least.with_its_bound().unwrap();
+    assert_eq!((pair, found.signed_distance), (near, 1.0));
+    assert!(found.error_bound >= 0.75 && found.error_bound < 0.75 + 1e-9);
+    // The other way round, and with a bound that says nothing.
+    let mut least = Least::default();
+    least.take(far, known(1.25, f64::MAX));
+    least.take(near, known(1.0, 1e-9));
+    let (pair, found) = least.with_its_bound().unwrap();
+    assert_eq!((pair, found.error_bound), (near, f64::MAX));
+    assert!(Least::default().with_its_bound().is_none());
+}
