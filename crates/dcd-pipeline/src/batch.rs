@@ -5,12 +5,15 @@ mod culling;
 mod decisions;
 mod first_hits;
 mod link_set;
+mod pair_decider;
 mod posed_links;
+mod rows;
 mod set;
 mod worker;
 
 pub use checker::{BatchChecker, Hit, Hits, Other};
 pub use link_set::LinkSet;
+pub use pair_decider::{Candidate, PairDecider};
 
 use dcd_broad::{IdentifiedAabbs, ObstacleBounds, StaticTree};
 use dcd_exec::Exec;

@@ -20,7 +20,7 @@ pub mod prelude;
 mod step;
 
 pub use any::{Answer, AnyPipeline, AnyStep, Precision, Question};
-pub use batch::{BatchChecker, Hit, Hits, LinkSet, Other, StaticWorld};
+pub use batch::{BatchChecker, Candidate, Hit, Hits, LinkSet, Other, PairDecider, StaticWorld};
 pub use clock::StageClock;
 pub use dcd_broad::{BroadPhase, WideTree};
 pub use dcd_exec::{Exec, Par};

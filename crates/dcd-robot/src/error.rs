@@ -40,6 +40,13 @@ pub enum RobotError {
         /// What is wrong.
         error: Box<RobotError>,
     },
+    /// Something is wrong with one of several states.
+    AtState {
+        /// Which, from 0.
+        state: usize,
+        /// What is wrong.
+        error: Box<RobotError>,
+    },
     /// Something that is understood and refused, or not understood.
     Refused {
         /// Which element.
@@ -191,6 +198,7 @@ impl fmt::Display for RobotError {
             }
             Self::NotOfKind { what, error } => write!(f, "no {what}: {}", error.trim_end()),
             Self::AtLine { line, error } => write!(f, "line {line}: {error}"),
+            Self::AtState { state, error } => write!(f, "state {state}: {error}"),
             Self::Refused { user, why } => write!(f, "{user}: {why}"),
             Self::TooLarge { what, limit } => write!(f, "more than {limit} {what}"),
             Self::Forest { roots: [a, b] } => {

@@ -60,6 +60,7 @@ impl Lanes for Avx2 {
     type F = Halves<__m256>;
     type U = Halves<__m256i>;
     type M = Halves<__m256>;
+    type D = Halves<__m256d>;
 
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F {
@@ -163,6 +164,39 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn mask(self, bits: u32) -> Self::M {
         (self.half_mask(bits), self.half_mask(bits >> 8))
+    }
+
+    #[inline(always)]
+    fn splat_d(self, x: f64) -> Self::D {
+        let half = op!(_mm256_set1_pd(x));
+        (half, half)
+    }
+    #[inline(always)]
+    fn load_d(self, numbers: &[f64; WIDTH / 2]) -> Self::D {
+        let at = numbers.as_ptr();
+        // SAFETY: as above; eight f64 are read from wherever they are.
+        unsafe { (_mm256_loadu_pd(at), _mm256_loadu_pd(at.add(WIDTH / 4))) }
+    }
+    #[inline(always)]
+    fn store_d(self, a: Self::D, numbers: &mut [f64; WIDTH / 2]) {
+        let at = numbers.as_mut_ptr();
+        // SAFETY: as above; eight f64 are written to wherever they are.
+        unsafe {
+            _mm256_storeu_pd(at, a.0);
+            _mm256_storeu_pd(at.add(WIDTH / 4), a.1);
+        }
+    }
+    #[inline(always)]
+    fn add_d(self, a: Self::D, b: Self::D) -> Self::D {
+        both!(_mm256_add_pd, a, b)
+    }
+    #[inline(always)]
+    fn sub_d(self, a: Self::D, b: Self::D) -> Self::D {
+        both!(_mm256_sub_pd, a, b)
+    }
+    #[inline(always)]
+    fn mul_d(self, a: Self::D, b: Self::D) -> Self::D {
+        both!(_mm256_mul_pd, a, b)
     }
 
     #[inline(always)]

@@ -30,6 +30,7 @@ impl Lanes for Avx512 {
     type F = __m512;
     type U = __m512i;
     type M = __mmask16;
+    type D = __m512d;
 
     #[inline(always)]
     fn splat(self, x: f32) -> __m512 {
@@ -122,6 +123,33 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn mask(self, bits: u32) -> __mmask16 {
         bits as __mmask16
+    }
+
+    #[inline(always)]
+    fn splat_d(self, x: f64) -> __m512d {
+        op!(_mm512_set1_pd(x))
+    }
+    #[inline(always)]
+    fn load_d(self, numbers: &[f64; WIDTH / 2]) -> __m512d {
+        // SAFETY: as above; eight f64 are read from wherever they are.
+        unsafe { _mm512_loadu_pd(numbers.as_ptr()) }
+    }
+    #[inline(always)]
+    fn store_d(self, a: __m512d, numbers: &mut [f64; WIDTH / 2]) {
+        // SAFETY: as above; eight f64 are written to wherever they are.
+        unsafe { _mm512_storeu_pd(numbers.as_mut_ptr(), a) }
+    }
+    #[inline(always)]
+    fn add_d(self, a: __m512d, b: __m512d) -> __m512d {
+        op!(_mm512_add_pd(a, b))
+    }
+    #[inline(always)]
+    fn sub_d(self, a: __m512d, b: __m512d) -> __m512d {
+        op!(_mm512_sub_pd(a, b))
+    }
+    #[inline(always)]
+    fn mul_d(self, a: __m512d, b: __m512d) -> __m512d {
+        op!(_mm512_mul_pd(a, b))
     }
 
     #[inline(always)]

@@ -77,9 +77,10 @@ const FLOATS: usize = 3 * WIDTH;
 /// number. 8 GB of vertices.
 pub const MAX_BLOCKS: usize = i32::MAX as usize / FLOATS;
 
-/// What a kernel computes with: operations on sixteen f32, on sixteen u32 and on sixteen yes/no.
+/// What a kernel computes with: operations on sixteen f32, on sixteen u32, on sixteen yes/no, and on eight f64.
 ///
-/// Arithmetic is IEEE, rounded to nearest; [`Lanes::mul_add`] may or may not fuse. Comparisons
+/// Arithmetic is IEEE, rounded to nearest, so that f64 lanes are the bits of the same operations one by one;
+/// [`Lanes::mul_add`] may or may not fuse. Comparisons
 /// with NaN are false. Where an operand of `min` or `max` is NaN, the result may be either operand.
 pub trait Lanes: Copy {
     /// Sixteen f32.
@@ -88,6 +89,8 @@ pub trait Lanes: Copy {
     type U: Copy;
     /// Sixteen yes or no.
     type M: Copy;
+    /// Eight f64.
+    type D: Copy;
 
     /// x in every lane.
     fn splat(self, x: f32) -> Self::F;
@@ -132,6 +135,19 @@ pub trait Lanes: Copy {
     fn bits(self, mask: Self::M) -> u32;
     /// Bit k is lane k; higher bits are ignored.
     fn mask(self, bits: u32) -> Self::M;
+
+    /// x in every lane.
+    fn splat_d(self, x: f64) -> Self::D;
+    /// From memory, wherever it begins.
+    fn load_d(self, numbers: &[f64; WIDTH / 2]) -> Self::D;
+    /// To memory, wherever it begins.
+    fn store_d(self, a: Self::D, numbers: &mut [f64; WIDTH / 2]);
+    /// a + b.
+    fn add_d(self, a: Self::D, b: Self::D) -> Self::D;
+    /// a − b.
+    fn sub_d(self, a: Self::D, b: Self::D) -> Self::D;
+    /// a·b.
+    fn mul_d(self, a: Self::D, b: Self::D) -> Self::D;
 
     /// x in every lane.
     fn splat_u(self, x: u32) -> Self::U;
@@ -345,6 +361,17 @@ mod tests {
         blocks: &'a [Block],
     }
 
+    /// Eight f64 through every operation on them, rounded.
+    #[inline(always)]
+    fn in_f64<L: Lanes>(l: L, [a, b]: &[[f64; WIDTH / 2]; 2]) -> L::F {
+        let (a, b) = (l.load_d(a), l.load_d(b));
+        let low = l.sub_d(l.mul_d(a, b), l.add_d(a, l.splat_d(0.1)));
+        let mut halves = [[0.0; WIDTH / 2]; 2];
+        l.store_d(low, &mut halves[0]);
+        l.store_d(l.mul_d(low, low), &mut halves[1]);
+        l.round_from([&halves[0], &halves[1]])
+    }
+
     impl Kernel for Everything<'_> {
         type Output = (Vec<Row>, Vec<u32>, Vec<u32>);
 
@@ -376,6 +403,7 @@ mod tests {
                 l.transpose(self.rows)[7],
                 l.transpose(self.rows)[13],
                 l.round_from([&thirds[0], &thirds[1]]),
+                in_f64(l, &thirds),
             ];
             let (lt, le) = (l.lt(a, b), l.le(a, b));
             let masks = [l.and(lt, le), l.or(lt, le), l.and_not(le, lt), l.mask(0xA5C3)];

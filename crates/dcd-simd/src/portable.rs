@@ -36,6 +36,7 @@ impl Lanes for Portable {
     type F = [f32; WIDTH];
     type U = [u32; WIDTH];
     type M = [bool; WIDTH];
+    type D = [f64; WIDTH / 2];
 
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F {
@@ -122,6 +123,31 @@ impl Lanes for Portable {
     #[inline(always)]
     fn mask(self, bits: u32) -> Self::M {
         each!(k => bits >> k & 1 == 1)
+    }
+
+    #[inline(always)]
+    fn splat_d(self, x: f64) -> Self::D {
+        [x; WIDTH / 2]
+    }
+    #[inline(always)]
+    fn load_d(self, numbers: &[f64; WIDTH / 2]) -> Self::D {
+        *numbers
+    }
+    #[inline(always)]
+    fn store_d(self, a: Self::D, numbers: &mut [f64; WIDTH / 2]) {
+        *numbers = a;
+    }
+    #[inline(always)]
+    fn add_d(self, a: Self::D, b: Self::D) -> Self::D {
+        each!(k => a[k] + b[k])
+    }
+    #[inline(always)]
+    fn sub_d(self, a: Self::D, b: Self::D) -> Self::D {
+        each!(k => a[k] - b[k])
+    }
+    #[inline(always)]
+    fn mul_d(self, a: Self::D, b: Self::D) -> Self::D {
+        each!(k => a[k] * b[k])
     }
 
     #[inline(always)]

@@ -1,13 +1,13 @@
 //! Configurations of a link set, asked against a world.
 
+use super::rows::{LinkRows, numbered};
 use super::set::ROW;
 use super::worker::WorkerScratch;
 use super::{LinkSet, Obstacles, StaticWorld};
 use dcd_broad::ObstacleGrid;
 use dcd_exec::{Exec, PerThread, Segments};
-use dcd_geom::{Filter, Object, PackedSphereBounds, Pose, Scene, SceneError, SphereBounds};
+use dcd_geom::{Filter, PackedSphereBounds, Pose, Scene, SceneError, SphereBounds};
 use dcd_gjk::{NarrowPhase, Verdict};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What a link touches.
@@ -83,14 +83,9 @@ const ROWS: usize = 16;
 /// not depend on `exec` or on earlier batches. After the first batch a serial one of a like size
 /// allocates nothing.
 pub struct BatchChecker<N: NarrowPhase = dcd_gjk::Overlap> {
-    pub(super) world: Arc<Obstacles<N>>,
-    pub(super) link_set: LinkSet,
+    pub(super) rows: LinkRows<N>,
     /// Whether a link may not touch every obstacle.
     pub(super) filtered: bool,
-    /// A row of objects for each link.
-    pub(super) template: Scene,
-    /// How many objects a row has: the configurations that are taken up at once, at most.
-    pub(super) row: usize,
     /// For each link what its box comes from without its vertices, where that is known.
     pub(super) bounds: PackedSphereBounds,
     /// What stands near any place, for spheres as large as the links'.
@@ -101,29 +96,13 @@ pub struct BatchChecker<N: NarrowPhase = dcd_gjk::Overlap> {
 }
 
 impl<N: NarrowPhase> BatchChecker<N> {
-    pub(super) fn new(
-        StaticWorld(world): StaticWorld<N>,
-        link_set: LinkSet,
-    ) -> Result<Self, SceneError> {
-        let row = FEW;
-        let template = rows_of(&link_set, row)?;
-        check_count(&world, &link_set)?;
-        let bounds = bounds_of(&world, &link_set);
-        let obstacle_grid = grid_for(&world, &bounds);
-        let filtered = has_filters(&world, &link_set);
+    pub(super) fn new(world: StaticWorld<N>, link_set: LinkSet) -> Result<Self, SceneError> {
+        let rows = LinkRows::new(world, link_set, FEW)?;
+        let bounds = bounds_of(&rows);
+        let obstacle_grid = grid_for(&rows.world, &bounds);
+        let filtered = has_filters(&rows);
         let (workers, first, all) = (PerThread::default(), Vec::new(), Segments::default());
-        let checker = Self {
-            world,
-            link_set,
-            filtered,
-            template,
-            row,
-            bounds,
-            obstacle_grid,
-            workers,
-            first,
-            all,
-        };
+        let checker = Self { rows, filtered, bounds, obstacle_grid, workers, first, all };
         // So that the first batch on this thread need not.
         checker.workers.with(|worker| worker.open(&checker, 0..0));
         Ok(checker)
@@ -134,14 +113,14 @@ impl<N: NarrowPhase> BatchChecker<N> {
     ///
     /// # Errors
     /// More objects than a u32 counts; nothing is changed then.
-    pub fn set_world(&mut self, StaticWorld(world): StaticWorld<N>) -> Result<(), SceneError> {
-        check_count(&world, &self.link_set)?;
-        if world.narrow.aabb_margin() != self.world.narrow.aabb_margin() {
-            self.bounds = bounds_of(&world, &self.link_set);
+    pub fn set_world(&mut self, world: StaticWorld<N>) -> Result<(), SceneError> {
+        let margin = self.rows.world.narrow.aabb_margin();
+        self.rows.set_world(world)?;
+        if self.rows.world.narrow.aabb_margin() != margin {
+            self.bounds = bounds_of(&self.rows);
         }
-        self.obstacle_grid = grid_for(&world, &self.bounds);
-        self.filtered = has_filters(&world, &self.link_set);
-        self.world = world;
+        self.obstacle_grid = grid_for(&self.rows.world, &self.bounds);
+        self.filtered = has_filters(&self.rows);
         Ok(())
     }
 
@@ -208,21 +187,21 @@ impl<N: NarrowPhase> BatchChecker<N> {
     /// How many of so many configurations are taken up at once, and room for them.
     fn grain(&mut self, count: usize, most: usize) -> Result<usize, SceneError> {
         let grain = count.div_ceil(ROWS).clamp(FEW, most);
-        if grain > self.row {
-            (self.template, self.row) = (rows_of(&self.link_set, most)?, most);
+        if grain > self.rows.row {
+            self.rows.lengthen(most)?;
         }
         Ok(grain)
     }
 
     /// Whether a link may touch an obstacle.
     pub(super) fn allows(&self, link: usize, obstacle: u32) -> bool {
-        let obstacle = self.world.scene.filters()[obstacle as usize];
-        self.link_set.filters[link].allows(obstacle)
+        let obstacle = self.rows.world.scene.filters()[obstacle as usize];
+        self.rows.link_set.filters[link].allows(obstacle)
     }
 
     /// How many configurations these poses are.
     fn count(&self, poses: &[Pose]) -> Result<usize, SceneError> {
-        let links = self.link_set.len();
+        let links = self.rows.link_set.len();
         let count = poses.len().checked_div(links).unwrap_or(0);
         if count * links != poses.len() {
             return Err(SceneError::LengthsDiffer { shapes: links, poses: poses.len() });
@@ -232,38 +211,11 @@ impl<N: NarrowPhase> BatchChecker<N> {
     }
 }
 
-/// A row of that many objects for each link.
-fn rows_of(link_set: &LinkSet, row: usize) -> Result<Scene, SceneError> {
-    // Their count is checked before.
-    let links = 0..link_set.len() as u32;
-    let objects = links.flat_map(|link| (0..row).map(move |_| Object::new(link, Pose::IDENTITY)));
-    let rows = Scene::new(link_set.shapes.clone(), objects);
-    rows.map_err(|error| match error {
-        SceneError::OutOfRange { object, .. } => numbered(error, object / row),
-        other => other,
-    })
-}
-
-/// The error about an object, told of the one with that number.
-fn numbered(error: SceneError, number: usize) -> SceneError {
-    match error {
-        SceneError::OutOfRange { reach, .. } => SceneError::OutOfRange { object: number, reach },
-        other => other,
-    }
-}
-
-/// That obstacles and the most objects of links together are numbers of a u32.
-fn check_count<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> Result<(), SceneError> {
-    let count = world.len().saturating_add(link_set.len().saturating_mul(ROW));
-    let fits = u32::try_from(count).is_ok();
-    if fits { Ok(()) } else { Err(SceneError::TooMany { what: "objects", count }) }
-}
-
 /// For each link what its box comes from without its vertices, where that is known.
-fn bounds_of<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> PackedSphereBounds {
-    let aabb_margin = world.narrow.aabb_margin();
+fn bounds_of<N: NarrowPhase>(rows: &LinkRows<N>) -> PackedSphereBounds {
+    let aabb_margin = rows.world.narrow.aabb_margin();
     let bound = |shape| Some(SphereBounds::of(shape)?.swept(aabb_margin?));
-    PackedSphereBounds::new(link_set.shapes.iter().map(bound).collect())
+    PackedSphereBounds::new(rows.link_set.shapes.iter().map(bound).collect())
 }
 
 /// A grid over the obstacles for spheres as large as the links'.
@@ -272,8 +224,8 @@ fn grid_for<N: NarrowPhase>(world: &Obstacles<N>, bounds: &PackedSphereBounds) -
 }
 
 /// Whether a filter may part a link from an obstacle.
-fn has_filters<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> bool {
-    world.filtered || link_set.filters.iter().any(|filter| *filter != Filter::ALL)
+fn has_filters<N: NarrowPhase>(rows: &LinkRows<N>) -> bool {
+    rows.world.filtered || rows.link_set.filters.iter().any(|filter| *filter != Filter::ALL)
 }
 
 /// The first pose that an object cannot have, on any thread.
@@ -300,7 +252,7 @@ impl Refused {
     ) -> Result<(), SceneError> {
         let object = self.0.into_inner();
         let Some(pose) = poses.get(object) else { return Ok(()) };
-        let shape = &checker.link_set.shapes[object % checker.link_set.len()];
+        let shape = &checker.rows.link_set.shapes[object % checker.rows.link_set.len()];
         // As the scene of links refused it.
         let refused = Scene::one_each(vec![shape.clone()], vec![*pose]).map(drop);
         refused.map_err(|error| numbered(error, object))

@@ -45,7 +45,7 @@ impl Culling {
         (poses, count): (&[Pose], usize),
         mut ends: impl FnMut([usize; 2], &BoundingSphere, &Cell) -> bool,
     ) -> Set {
-        let links = checker.link_set.len();
+        let links = checker.rows.link_set.len();
         let Self { spheres, reached, .. } = self;
         spheres.resize((count * links).div_ceil(WIDTH), Sphere16::default());
         reached.clear();
@@ -75,7 +75,7 @@ impl Culling {
 
     /// Notes which links reach what is listed.
     fn ask_lists<N: NarrowPhase>(&mut self, checker: &BatchChecker<N>) {
-        let (links, unlisted) = (checker.link_set.len(), checker.obstacle_grid.unknown());
+        let (links, unlisted) = (checker.rows.link_set.len(), checker.obstacle_grid.unknown());
         self.spans.resize(links * ROW, UNKNOWN);
         self.listed.clear();
         self.listed.resize_with(links, Default::default);
@@ -93,7 +93,7 @@ impl Culling {
 
     /// Notes which links are near each other.
     fn ask_links<N: NarrowPhase>(&mut self, checker: &BatchChecker<N>, left: Set) {
-        let (links, pairs) = (checker.link_set.len(), &checker.link_set.self_pairs[..]);
+        let (links, pairs) = (checker.rows.link_set.len(), &checker.rows.link_set.self_pairs[..]);
         self.met.clear();
         self.met.resize(pairs.len(), Set::default());
         if pairs.is_empty() {
@@ -123,7 +123,7 @@ impl Culling {
 
     /// Asks the tree where nothing is listed.
     fn ask_tree<N: NarrowPhase>(&mut self, checker: &BatchChecker<N>, left: Set) {
-        let links = checker.link_set.len();
+        let links = checker.rows.link_set.len();
         self.bounds.resize_with(links, Default::default);
         self.near.clear();
         for (link, listed) in self.listed.iter().enumerate() {
@@ -144,7 +144,7 @@ impl Culling {
                 }
             }
             for (word, row) in row.iter().enumerate() {
-                near.0[word] |= checker.world.tree.reached(row, unknown.0[word]);
+                near.0[word] |= checker.rows.world.tree.reached(row, unknown.0[word]);
             }
             self.near.push(near);
         }

@@ -1,6 +1,6 @@
 //! Pairs to be decided, and what is known of them.
 
-use super::checker::BatchChecker;
+use super::Obstacles;
 use super::posed_links::PosedLinks;
 use dcd_geom::Pair;
 use dcd_gjk::{Contact, ContactSink, NarrowPhase, Report, Verdict};
@@ -64,9 +64,9 @@ impl<N: NarrowPhase> Decisions<N> {
     }
 
     /// Decides all pairs.
-    pub(super) fn decide(&mut self, checker: &BatchChecker<N>, posed: &PosedLinks<N>) {
+    pub(super) fn decide(&mut self, world: &Obstacles<N>, posed: &PosedLinks<N>) {
         let Self { obstacles, links, scratch } = self;
-        let (world, posed) = (&checker.world, posed.prepared());
+        let posed = posed.prepared();
         for (side, half) in [(world.prepared(), obstacles), (posed, links)] {
             let (pairs, mut sink) = half.sink();
             if !pairs.is_empty() {

@@ -71,10 +71,10 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         found: &mut [Option<Hit<N::Answer>>],
     ) -> Option<usize> {
         self.look_for_contacts(checker, poses, found);
-        self.rank_links(checker.link_set.len());
+        self.rank_links(checker.rows.link_set.len());
         let FirstHitSearch { folded, unfolded, near, waiting, .. } = &mut self.search;
         let meet = |all: Set, pair| all | self.culling.met(pair);
-        *folded = (0..checker.link_set.self_pairs.len()).fold(Set::default(), meet);
+        *folded = (0..checker.rows.link_set.self_pairs.len()).fold(Set::default(), meet);
         *unfolded = Set::default();
         near.clear();
         waiting.clear();
@@ -87,7 +87,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
                 self.gather(checker);
             }
             self.take_turns();
-            self.decisions.decide(checker, &self.posed);
+            self.decisions.decide(&checker.rows.world, &self.posed);
             self.keep_first(checker, found);
         }
         refused
@@ -102,8 +102,8 @@ impl<N: NarrowPhase> WorkerScratch<N> {
     ) {
         let row = self.poses_of(checker, poses);
         let Self { culling, taken, search: FirstHitSearch { distances, .. }, .. } = self;
-        let links = checker.link_set.len();
-        let constant_answer = checker.world.narrow.constant_answer();
+        let links = checker.rows.link_set.len();
+        let constant_answer = checker.rows.world.narrow.constant_answer();
         distances.resize(links * ROW, f32::INFINITY);
         let row = (row, taken.len());
         self.search.open = culling.look(checker, row, |[config, link], sphere, noted| {
@@ -117,7 +117,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
                 found[config] = Some(Hit {
                     configuration: (taken.start + config) as u32,
                     link: link as u32,
-                    other: Other::Obstacle(checker.world.names[obstacle as usize]),
+                    other: Other::Obstacle(checker.rows.world.names[obstacle as usize]),
                     verdict: Verdict::Touching(answer),
                 });
             }
@@ -144,7 +144,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
     /// against each other. Whether there is any.
     fn advance(&mut self, checker: &BatchChecker<N>) -> bool {
         let FirstHitSearch { links, left, open, folded, unfolding, waiting, .. } = &mut self.search;
-        let count = checker.link_set.len();
+        let count = checker.rows.link_set.len();
         self.due.fill(Set::default());
         *unfolding = Set::default();
         let mut is_any = false;
@@ -165,7 +165,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
                 open.remove(config);
             }
         }
-        for (pair, &(k, l)) in checker.link_set.self_pairs.iter().enumerate() {
+        for (pair, &(k, l)) in checker.rows.link_set.self_pairs.iter().enumerate() {
             let met = self.culling.met(pair) & *unfolding;
             self.due[k as usize] |= met;
             self.due[l as usize] |= met;
@@ -176,7 +176,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
     /// Lists what the links come to are near of, in each configuration in order.
     fn gather(&mut self, checker: &BatchChecker<N>) {
         let FirstHitSearch { near, waiting, ends, .. } = &mut self.search;
-        for link in 0..checker.link_set.len() {
+        for link in 0..checker.rows.link_set.len() {
             let new = self.posed.fresh(link);
             if new.is_empty() {
                 continue;
@@ -204,7 +204,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
     /// Lists the links of a configuration that are near each other.
     fn gather_links(&mut self, checker: &BatchChecker<N>, config: usize) {
         let first = self.search.near.len();
-        for (pair, &links) in checker.link_set.self_pairs.iter().enumerate() {
+        for (pair, &links) in checker.rows.link_set.self_pairs.iter().enumerate() {
             if self.culling.met(pair).has(config) {
                 self.search.near.extend(self.posed.self_pair(config, links));
             }

@@ -1,7 +1,9 @@
 //! Links at poses, prepared for the narrow phase.
 
+use super::Obstacles;
 use super::checker::BatchChecker;
 use super::culling::Culling;
+use super::rows::LinkRows;
 use super::set::{Members, ROW, Set};
 use crate::partition::for_each_range;
 use dcd_broad::IdentifiedAabbs;
@@ -46,8 +48,8 @@ impl<N: NarrowPhase> Default for PosedLinks<N> {
 
 impl<N: NarrowPhase> PosedLinks<N> {
     /// Makes room, the first time and when there is need of more, and forgets all poses.
-    pub(super) fn clear(&mut self, checker: &BatchChecker<N>) {
-        let (template, links) = (&checker.template, checker.link_set.len());
+    pub(super) fn clear(&mut self, rows: &LinkRows<N>) {
+        let (template, links) = (&rows.template, rows.link_set.len());
         if self.scene.layout() != template.layout() {
             self.scene = template.clone();
             self.aabbs.resize(template.len(), Aabb::EMPTY);
@@ -58,7 +60,7 @@ impl<N: NarrowPhase> PosedLinks<N> {
         self.posed.resize(links, Set::default());
         self.fresh.clear();
         self.fresh.resize(links, 0..0);
-        let first = checker.world.len() as u32;
+        let first = rows.world.len() as u32;
         if self.names.len() != template.len() || self.names.first() != Some(&first) {
             self.names.clear();
             self.names.extend((first..).take(template.len()));
@@ -79,23 +81,23 @@ impl<N: NarrowPhase> PosedLinks<N> {
         self.configurations[object as usize] as usize
     }
 
-    /// Poses and prepares what is due and not yet posed; `poses` are those of the configurations taken up.
-    /// The index among them of the first pose that was refused.
+    /// Poses and prepares what is due and not yet posed, where `pose(configuration, link)` says. The first
+    /// pose that was refused, by its number: configuration by configuration.
     pub(super) fn place(
         &mut self,
-        checker: &BatchChecker<N>,
+        rows: &LinkRows<N>,
         due: &[Set],
-        poses: &[Pose],
+        mut pose: impl FnMut(usize, usize) -> Pose,
     ) -> Option<usize> {
-        let links = checker.link_set.len();
+        let links = rows.link_set.len();
         let mut refused: Option<usize> = None;
         for (link, &due) in due.iter().enumerate() {
-            let first = checker.row * link + self.posed[link].len();
+            let first = rows.row * link + self.posed[link].len();
             let mut object = first;
             for config in Members::of(due & !self.posed[link]) {
-                let pose = config * links + link;
-                if self.scene.set_pose(object, poses[pose]).is_err() {
-                    refused = Some(refused.map_or(pose, |first| first.min(pose)));
+                if self.scene.set_pose(object, pose(config, link)).is_err() {
+                    let number = config * links + link;
+                    refused = Some(refused.map_or(number, |first| first.min(number)));
                     continue;
                 }
                 self.posed[link].add(config);
@@ -105,14 +107,13 @@ impl<N: NarrowPhase> PosedLinks<N> {
             }
             self.fresh[link] = first..object;
         }
-        self.prepare(checker);
+        self.prepare(&rows.world.narrow);
         refused
     }
 
     /// Prepares what was posed last; everything, where the frame has not kept the rest.
-    fn prepare(&mut self, checker: &BatchChecker<N>) {
+    fn prepare(&mut self, narrow: &N) {
         let Self { scene, frame, aabbs, fresh, .. } = self;
-        let narrow = &checker.world.narrow;
         let part = narrow.layout(scene, Sides::Two, frame);
         if !narrow.keeps(&part) {
             return narrow.prepare(scene, 0, part, aabbs);
@@ -176,13 +177,25 @@ impl<N: NarrowPhase> PosedLinks<N> {
         let start = pairs.len();
         let (aabbs, names) = (&self.aabbs[objects.clone()], &self.names[objects]);
         let asked = IdentifiedAabbs { aabbs, names };
-        checker.world.tree.append_pairs(asked, |i, _| keep(i), pairs);
+        checker.rows.world.tree.append_pairs(asked, |i, _| keep(i), pairs);
         let new = &mut pairs[start..];
-        let obstacles = checker.world.len() as u32;
+        let obstacles = checker.rows.world.len() as u32;
         new.iter_mut().for_each(|pair| pair.j -= obstacles);
         // The tree is asked object by object, so that short lists are left to be sorted.
         let lists = new.chunk_by_mut(|a, b| a.j == b.j);
         lists.for_each(|list| list.sort_unstable_by_key(|pair| pair.i));
+    }
+
+    /// An obstacle and the object of a link in a configuration, if their boxes overlap.
+    pub(super) fn obstacle_pair(
+        &self,
+        world: &Obstacles<N>,
+        config: usize,
+        (link, obstacle): (usize, usize),
+    ) -> Option<Pair> {
+        let j = self.posed[link].has(config).then(|| self.objects[link][config])?;
+        let aabb = &world.bounds.get(obstacle)?.aabb;
+        aabb.overlaps(&self.aabbs[j as usize]).then_some(Pair { i: obstacle as u32, j })
     }
 
     /// The objects of two links of one configuration, if their boxes overlap.

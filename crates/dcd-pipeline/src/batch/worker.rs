@@ -56,15 +56,15 @@ impl<A> Default for Sorting<A> {
 impl<N: NarrowPhase> WorkerScratch<N> {
     /// Takes up these configurations, at most a row.
     pub(super) fn open(&mut self, checker: &BatchChecker<N>, taken: Range<usize>) {
-        self.posed.clear(checker);
+        self.posed.clear(&checker.rows);
         self.due.clear();
-        self.due.resize(checker.link_set.len(), Set::default());
+        self.due.resize(checker.rows.link_set.len(), Set::default());
         self.taken = taken;
     }
 
     /// The poses of the configurations taken up, out of those of the batch.
     pub(super) fn poses_of<'p>(&self, checker: &BatchChecker<N>, poses: &'p [Pose]) -> &'p [Pose] {
-        let links = checker.link_set.len();
+        let links = checker.rows.link_set.len();
         &poses[self.taken.start * links..self.taken.end * links]
     }
 
@@ -75,7 +75,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         checker: &BatchChecker<N>,
         poses: &[Pose],
     ) -> Option<usize> {
-        let self_pairs = &checker.link_set.self_pairs;
+        let self_pairs = &checker.rows.link_set.self_pairs;
         let row = self.poses_of(checker, poses);
         self.culling.look(checker, (row, self.taken.len()), |_, _, _| false);
         for (link, due) in self.due.iter_mut().enumerate() {
@@ -89,7 +89,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         let Self { culling, posed, decisions, .. } = self;
         decisions.clear();
         let pairs = decisions.pairs_mut(Against::Obstacles);
-        for link in 0..checker.link_set.len() {
+        for link in 0..checker.rows.link_set.len() {
             posed.append_pairs(checker, culling, link, pairs);
         }
         let pairs = decisions.pairs_mut(Against::Links);
@@ -98,15 +98,17 @@ impl<N: NarrowPhase> WorkerScratch<N> {
                 pairs.extend(posed.self_pair(config, links));
             }
         }
-        decisions.decide(checker, posed);
+        decisions.decide(&checker.rows.world, posed);
         refused
     }
 
     /// Poses and prepares what is due. The index in the batch of the first pose that was refused.
     pub(super) fn place(&mut self, checker: &BatchChecker<N>, poses: &[Pose]) -> Option<usize> {
-        let first = self.taken.start * checker.link_set.len();
+        let links = checker.rows.link_set.len();
+        let first = self.taken.start * links;
         let row = self.poses_of(checker, poses);
-        self.posed.place(checker, &self.due, row).map(|pose| first + pose)
+        let pose = |config, link| row[config * links + link];
+        self.posed.place(&checker.rows, &self.due, pose).map(|pose| first + pose)
     }
 
     /// Appends all hits, configuration by configuration.
@@ -139,9 +141,9 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         (against, Pair { i, j }): (Against, Pair),
         verdict: Verdict<N::Answer>,
     ) -> (usize, Hit<N::Answer>) {
-        let link = |object: u32| (object as usize / checker.row) as u32;
+        let link = |object: u32| (object as usize / checker.rows.row) as u32;
         let other = match against {
-            Against::Obstacles => Other::Obstacle(checker.world.names[i as usize]),
+            Against::Obstacles => Other::Obstacle(checker.rows.world.names[i as usize]),
             Against::Links => Other::Link(link(i)),
         };
         let config = self.posed.configuration(j);

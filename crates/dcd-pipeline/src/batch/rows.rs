@@ -1,0 +1,73 @@
+//! The objects that stand for links, a row for each, and what they are decided against.
+
+use super::set::ROW;
+use super::{LinkSet, Obstacles, StaticWorld};
+use dcd_geom::{Object, Pose, Scene, SceneError};
+use dcd_gjk::NarrowPhase;
+use std::sync::Arc;
+
+/// A world, links, and a row of objects for each link.
+pub(super) struct LinkRows<N: NarrowPhase> {
+    pub(super) world: Arc<Obstacles<N>>,
+    pub(super) link_set: LinkSet,
+    /// A row of objects for each link.
+    pub(super) template: Scene,
+    /// How many objects a row has: the configurations that are taken up at once, at most [`ROW`].
+    pub(super) row: usize,
+}
+
+impl<N: NarrowPhase> LinkRows<N> {
+    pub(super) fn new(
+        StaticWorld(world): StaticWorld<N>,
+        link_set: LinkSet,
+        row: usize,
+    ) -> Result<Self, SceneError> {
+        let row = row.min(ROW);
+        let template = rows_of(&link_set, row)?;
+        check_count(&world, &link_set)?;
+        Ok(Self { world, link_set, template, row })
+    }
+
+    /// Other obstacles for the same links; where there are too many, nothing is changed.
+    pub(super) fn set_world(
+        &mut self,
+        StaticWorld(world): StaticWorld<N>,
+    ) -> Result<(), SceneError> {
+        check_count(&world, &self.link_set)?;
+        self.world = world;
+        Ok(())
+    }
+
+    /// Longer rows.
+    pub(super) fn lengthen(&mut self, row: usize) -> Result<(), SceneError> {
+        (self.template, self.row) = (rows_of(&self.link_set, row)?, row);
+        Ok(())
+    }
+}
+
+/// A row of that many objects for each link.
+fn rows_of(link_set: &LinkSet, row: usize) -> Result<Scene, SceneError> {
+    // Their count is checked before.
+    let links = 0..link_set.len() as u32;
+    let objects = links.flat_map(|link| (0..row).map(move |_| Object::new(link, Pose::IDENTITY)));
+    let rows = Scene::new(link_set.shapes.clone(), objects);
+    rows.map_err(|error| match error {
+        SceneError::OutOfRange { object, .. } => numbered(error, object / row),
+        other => other,
+    })
+}
+
+/// The error about an object, told of the one with that number.
+pub(super) fn numbered(error: SceneError, number: usize) -> SceneError {
+    match error {
+        SceneError::OutOfRange { reach, .. } => SceneError::OutOfRange { object: number, reach },
+        other => other,
+    }
+}
+
+/// That obstacles and the most objects of links together are numbers of a u32.
+fn check_count<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> Result<(), SceneError> {
+    let count = world.len().saturating_add(link_set.len().saturating_mul(ROW));
+    let fits = u32::try_from(count).is_ok();
+    if fits { Ok(()) } else { Err(SceneError::TooMany { what: "objects", count }) }
+}

@@ -1,0 +1,502 @@
+//! Whether states are free, sixteen at a time.
+//!
+//! Sixteen states go through the lanes together: where the links are (the frames of [`Robot::place`] bit for
+//! bit), the spheres round and in what they carry against the obstacles and each other. Spheres prove most pairs
+//! apart and many to touch; only the pairs that are left are posed, prepared and decided by the narrow phase. A
+//! robot of spheres among boxes, cylinders and spheres is decided by the lanes but for what is within
+//! [`MARGIN`].
+
+mod covers;
+mod link_frames;
+mod links;
+mod sift;
+mod solids;
+#[cfg(test)]
+mod tests;
+
+use crate::{Robot, RobotError, Workcell};
+use dcd_exec::{Exec, PerThread, Segments};
+use dcd_geom::{Object, Pair, Pose, Scene, SceneError, Shape};
+use dcd_gjk::{Overlap, Verdict};
+use dcd_pipeline::{Candidate, LinkSet, Other, PairDecider, StaticWorld};
+use dcd_simd::{Lanes, Path, WIDTH, dispatch_on};
+use link_frames::{LinkFrames, Place};
+use links::{Body, LinkSpheres, links};
+use sift::{Found, Rounded, Sift};
+use solids::Solid;
+use std::sync::Mutex;
+
+/// By how much spheres are compared larger, where they are to be apart, or smaller, where they are to touch. Unit:
+/// metres a metre of the two sizes and places: 256 units of 2⁻²⁴, some four times what the roundings of frames,
+/// centres and radii to f32 and the comparison itself come to (docs/numerics/proofs.md, "states in lanes").
+/// Smaller: false answers. Larger: more is left to the narrow phase.
+const MARGIN: f64 = 1.0 / (1 << 16) as f64;
+
+/// How many packets of sixteen states are taken up together, so that what they leave fills the narrow phase's lanes.
+/// Larger: more memory for a thread. No effect on any answer.
+const PACKETS: usize = 4;
+
+/// How many states those are.
+const CHUNK: usize = PACKETS * WIDTH;
+
+/// How many pairs of a state are decided at once where one hit is enough. Larger: more is decided in vain. Smaller:
+/// lanes run empty.
+const AT_ONCE: usize = 4;
+
+/// Sixteen spheres, each metres.
+struct Sixteen<L: Lanes> {
+    centre: [L::F; 3],
+    outer: L::F,
+    inner: L::F,
+    /// By how much a comparison may be off.
+    margin: L::F,
+}
+
+impl<L: Lanes> Clone for Sixteen<L> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<L: Lanes> Copy for Sixteen<L> {}
+
+/// What is asked for of each state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Goal {
+    /// A hit.
+    One,
+    /// Every hit.
+    All,
+}
+
+/// A pair of a state that is not known to be apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StateHit {
+    /// Which state.
+    pub state: u32,
+    /// The two objects of [`Workcell::scene`], i < j; [`Workcell::names_of`] has their names.
+    pub pair: Pair,
+    /// That they touch, or that it could not be settled.
+    pub verdict: Verdict<()>,
+}
+
+impl StateHit {
+    /// Whether it is a proved contact.
+    pub fn touches(&self) -> bool {
+        matches!(self.verdict, Verdict::Touching(()))
+    }
+}
+
+/// Checks states of a robot in its world: the robot against the obstacles and against itself, with what it
+/// carries, padded where it is padded; pairs that may touch are left out.
+///
+/// A planner's threads share one (`&self`); memory is kept for each thread. The answers do not depend on the
+/// threads, nor on what else is asked.
+///
+/// ```
+/// use dcd_robot::{AllowedPairs, LinkShapes, Robot, StateChecker, Workcell, World};
+/// let urdf = r#"<robot name="pair">
+///   <link name="base"><collision><geometry><sphere radius="0.2"/></geometry></collision></link>
+///   <link name="hand"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+///   <joint name="slide" type="prismatic"><parent link="base"/><child link="hand"/><axis xyz="1 0 0"/>
+///     <limit lower="0" upper="2" effort="1" velocity="1"/></joint></robot>"#;
+/// let robot = Robot::read(urdf, std::path::Path::new("."), LinkShapes::Hulls)?;
+/// let cell = Workcell::new(robot, &World::default(), &AllowedPairs::default())?;
+/// let checker = StateChecker::new(&cell)?;
+/// assert_eq!(checker.collides(&[[0.25], [0.35]], dcd_pipeline::Par::Serial)?, [true, false]);
+/// # Ok::<(), dcd_robot::RobotError>(())
+/// ```
+#[derive(Debug)]
+pub struct StateChecker {
+    prepared: Prepared,
+    decider: PairDecider,
+    scratch: PerThread<Scratch>,
+}
+
+/// What does not depend on a state.
+#[derive(Debug)]
+struct Prepared {
+    robot: Robot,
+    scene: Scene,
+    /// For each body its object in the scene and the part that moves it: the parts, then the padded ones.
+    bodies: Vec<(u32, usize)>,
+    /// The scene's index of the first obstacle.
+    first_obstacle: u32,
+    solids: Vec<Solid>,
+    /// The spheres of what meets obstacles, link by link.
+    world_links: Vec<LinkSpheres>,
+    /// The spheres of what meets the robot, where they are not the same.
+    own_links: Option<Vec<LinkSpheres>>,
+    /// The links that may meet each other, by their places among those with spheres.
+    link_pairs: Vec<[u32; 2]>,
+    /// Whether some pair may touch, or does not meet.
+    filtered: bool,
+}
+
+/// What a thread works with.
+#[derive(Debug, Default)]
+struct Scratch {
+    frames: [LinkFrames; PACKETS],
+    rounded: Rounded,
+    found: Found,
+    asked: Vec<Candidate>,
+    hits: Vec<StateHit>,
+}
+
+impl Prepared {
+    fn of(cell: &Workcell) -> Self {
+        let (robot, scene) = (cell.robot().clone(), cell.scene().clone());
+        let parts = robot.parts.len() as u32;
+        let objects = 0..scene.len();
+        let moved = |i: usize| Some((i as u32, cell.part_of(i)?));
+        let bodies: Vec<(u32, usize)> = objects.filter_map(moved).collect();
+        let obstacles = parts..parts + (scene.len() - bodies.len()) as u32;
+        let solids = obstacles.clone().map(|i| Solid::of(&scene, i as usize)).collect();
+        let body = |number: usize| {
+            let (object, part) = bodies[number];
+            let part = &robot.parts[part];
+            Body {
+                number: number as u32,
+                link: part.link,
+                shape: scene.shape(object as usize),
+                origin: part.origin,
+            }
+        };
+        let all: Vec<usize> = (0..bodies.len()).collect();
+        let padded: Vec<usize> = bodies[parts as usize..].iter().map(|&(_, part)| part).collect();
+        let of = |keep: &dyn Fn(usize) -> bool| -> Vec<LinkSpheres> {
+            let kept: Vec<Body<'_>> = all.iter().filter(|&&k| keep(k)).map(|&k| body(k)).collect();
+            links(&robot, &kept)
+        };
+        let world_links = of(&|k| !padded.contains(&k));
+        let own_links = (!padded.is_empty()).then(|| of(&|k| k < parts as usize));
+        let filtered = scene.filters_movers();
+        let mut prepared = Self {
+            link_pairs: Vec::new(),
+            first_obstacle: parts,
+            robot,
+            scene,
+            bodies,
+            solids,
+            world_links,
+            own_links,
+            filtered,
+        };
+        prepared.link_pairs = prepared.link_pairs();
+        prepared
+    }
+
+    fn own_links(&self) -> &[LinkSpheres] {
+        self.own_links.as_deref().unwrap_or(&self.world_links)
+    }
+
+    /// The pairs of links of which some bodies may not touch.
+    fn link_pairs(&self) -> Vec<[u32; 2]> {
+        let links = self.own_links();
+        let bodies: Vec<Vec<u32>> = links.iter().map(LinkSpheres::bodies).collect();
+        let mut pairs = Vec::new();
+        for (b, of_b) in (0..).zip(&bodies) {
+            for (a, of_a) in (0..b).zip(&bodies) {
+                let meets = |&k: &u32| of_b.iter().any(|&other| self.allows(k, Other::Link(other)));
+                if of_a.iter().any(meets) {
+                    pairs.push([a, b]);
+                }
+            }
+        }
+        pairs
+    }
+
+    /// Whether a body is checked against an obstacle, by its number, or another body.
+    #[inline]
+    fn allows(&self, body: u32, other: Other) -> bool {
+        if !self.filtered {
+            return true;
+        }
+        let Pair { i, j } = self.pair(body, other);
+        self.scene.allows(i, j)
+    }
+
+    /// The objects of a pair.
+    fn pair(&self, body: u32, other: Other) -> Pair {
+        let object = |body: u32| self.bodies[body as usize].0;
+        match other {
+            Other::Obstacle(number) => Pair::new(object(body), self.first_obstacle + number),
+            Other::Link(other) => Pair::new(object(body), object(other)),
+        }
+    }
+
+    /// The obstacles as a world of their own, by their numbers.
+    fn world(&self) -> Result<StaticWorld, SceneError> {
+        let obstacles = (0..self.solids.len()).map(|k| self.first_obstacle as usize + k);
+        let shapes: Vec<Shape> = obstacles.clone().map(|i| self.scene.shape(i).clone()).collect();
+        let objects = (0..).zip(obstacles).map(|(s, i)| Object::new(s, self.scene.poses()[i]));
+        let world = Scene::new(shapes, objects)?;
+        StaticWorld::new(&world, Overlap::default(), dcd_pipeline::Par::Serial)
+    }
+
+    fn link_set(&self) -> LinkSet {
+        let shape = |&(object, _): &(u32, usize)| self.scene.shape(object as usize).clone();
+        LinkSet::new(self.bodies.iter().map(shape).collect())
+    }
+
+    /// Where a body is.
+    fn pose(&self, frames: &LinkFrames, lane: usize, body: usize) -> Result<Pose, RobotError> {
+        let part = &self.robot.parts[self.bodies[body].1];
+        let placed = frames.frame(part.link, lane).then(&part.origin);
+        placed.pose().map_err(|error| {
+            let user = format!("link {:?}", self.robot.links[part.link].name);
+            RobotError::Pose { user, error }
+        })
+    }
+}
+
+impl StateChecker {
+    /// For the robot of a work cell, with what it carries, among its obstacles. Later changes of the cell do not
+    /// reach the checker.
+    ///
+    /// # Errors
+    /// More objects than a u32 counts.
+    pub fn new(cell: &Workcell) -> Result<Self, RobotError> {
+        let prepared = Prepared::of(cell);
+        let world = prepared.world().map_err(RobotError::Scene)?;
+        let decider = PairDecider::new(world, prepared.link_set(), CHUNK);
+        let decider = decider.map_err(RobotError::Scene)?;
+        Ok(Self { prepared, decider, scratch: PerThread::default() })
+    }
+
+    /// For each state whether it is not proved free: whether something touches or could not be settled.
+    ///
+    /// # Errors
+    /// A state with another number of values than the robot has, or that [`Robot::place`] refuses; a link out of
+    /// range: by the state's index.
+    pub fn collides<'e, S: AsRef<[f64]> + Sync>(
+        &self,
+        states: &[S],
+        exec: impl Into<Exec<'e>>,
+    ) -> Result<Vec<bool>, RobotError> {
+        Ok(self.first(states, exec)?.iter().map(Option::is_some).collect())
+    }
+
+    /// For each state one contact, if it has any: the one that was found first, always the same. Where nothing is
+    /// known to touch, a pair that could not be settled, if there is one.
+    ///
+    /// # Errors
+    /// Those of [`StateChecker::collides`].
+    pub fn first<'e, S: AsRef<[f64]> + Sync>(
+        &self,
+        states: &[S],
+        exec: impl Into<Exec<'e>>,
+    ) -> Result<Vec<Option<StateHit>>, RobotError> {
+        let mut first = vec![None; self.count(states)?];
+        let refused = Refused::default();
+        exec.into().divide(&mut first[..], CHUNK, |start, first| {
+            self.scratch.with(|scratch| {
+                let states = &states[start..start + first.len()];
+                let found = scratch.first(self, (start, states), first);
+                found.unwrap_or_else(|(state, error)| refused.note(state, error));
+            });
+        });
+        refused.check()?;
+        Ok(first)
+    }
+
+    /// Every pair that touches or could not be settled, state by state, in the order of the objects.
+    ///
+    /// # Errors
+    /// Those of [`StateChecker::collides`].
+    pub fn all<'e, S: AsRef<[f64]> + Sync>(
+        &self,
+        states: &[S],
+        exec: impl Into<Exec<'e>>,
+    ) -> Result<Vec<StateHit>, RobotError> {
+        let (count, refused) = (self.count(states)?, Refused::default());
+        let mut all = Segments::default();
+        all.fill(exec.into(), count.div_ceil(CHUNK), |task, out| {
+            self.scratch.with(|scratch| {
+                let start = task * CHUNK;
+                let states = &states[start..count.min(start + CHUNK)];
+                let found = scratch.all(self, (start, states));
+                found.unwrap_or_else(|(state, error)| refused.note(state, error));
+                out.append(&mut scratch.hits);
+            });
+        });
+        refused.check()?;
+        Ok(all.iter().flatten().copied().collect())
+    }
+
+    /// How many states there are.
+    fn count<S>(&self, states: &[S]) -> Result<usize, RobotError> {
+        let (what, count) = ("states", states.len());
+        let too_many = |_| RobotError::Scene(SceneError::TooMany { what, count });
+        u32::try_from(count).map(|_| count).map_err(too_many)
+    }
+}
+
+/// A state, counted from the first of those taken up, and why it was refused.
+type RefusedState = (usize, RobotError);
+
+impl Scratch {
+    fn first<S: AsRef<[f64]>>(
+        &mut self,
+        checker: &StateChecker,
+        (start, states): (usize, &[S]),
+        first: &mut [Option<StateHit>],
+    ) -> Result<(), RefusedState> {
+        self.sift(&checker.prepared, states, Goal::One).map_err(|e| at(start, e))?;
+        let hit = |candidate: &Candidate, verdict| {
+            let Candidate { configuration, link, other } = *candidate;
+            let pair = checker.prepared.pair(link, other);
+            StateHit { state: start as u32 + configuration, pair, verdict }
+        };
+        for candidate in &self.found.touching {
+            let first = &mut first[candidate.configuration as usize];
+            first.get_or_insert(hit(candidate, Verdict::Touching(())));
+        }
+        let mut left = std::mem::take(&mut self.found.candidates);
+        left.sort_unstable();
+        left.dedup();
+        let touches = |hit: &Option<StateHit>| hit.as_ref().is_some_and(StateHit::touches);
+        loop {
+            // The next pairs of each state that has no contact yet.
+            self.asked.clear();
+            let mut taken = (u32::MAX, 0);
+            left.retain(|candidate| {
+                let state = candidate.configuration;
+                if touches(&first[state as usize]) {
+                    return false;
+                }
+                taken = if taken.0 == state { (state, taken.1 + 1) } else { (state, 0) };
+                let is_next = taken.1 < AT_ONCE;
+                if is_next {
+                    self.asked.push(*candidate);
+                }
+                !is_next
+            });
+            if self.asked.is_empty() {
+                break;
+            }
+            self.decide(checker, |candidate, verdict| {
+                let first = &mut first[candidate.configuration as usize];
+                let found = hit(&candidate, verdict);
+                if found.touches() && !touches(first) {
+                    *first = Some(found);
+                }
+                first.get_or_insert(found);
+            })
+            .map_err(|e| at(start, e))?;
+        }
+        self.found.candidates = left;
+        Ok(())
+    }
+
+    fn all<S: AsRef<[f64]>>(
+        &mut self,
+        checker: &StateChecker,
+        (start, states): (usize, &[S]),
+    ) -> Result<(), RefusedState> {
+        self.hits.clear();
+        self.sift(&checker.prepared, states, Goal::All).map_err(|e| at(start, e))?;
+        let mut hits = std::mem::take(&mut self.hits);
+        let mut note = |Candidate { configuration, link, other }, verdict| {
+            let pair = checker.prepared.pair(link, other);
+            hits.push(StateHit { state: start as u32 + configuration, pair, verdict });
+        };
+        for &candidate in &self.found.touching {
+            note(candidate, Verdict::Touching(()));
+        }
+        self.asked.clear();
+        self.asked.append(&mut self.found.candidates);
+        self.asked.sort_unstable();
+        self.asked.dedup();
+        let decided = self.decide(checker, note);
+        hits.sort_unstable_by_key(|hit| (hit.state, hit.pair, !hit.touches()));
+        hits.dedup_by_key(|hit| (hit.state, hit.pair));
+        self.hits = hits;
+        decided.map_err(|e| at(start, e))
+    }
+
+    /// Where the states' links are, and what their spheres tell.
+    fn sift<S: AsRef<[f64]>>(
+        &mut self,
+        prepared: &Prepared,
+        states: &[S],
+        goal: Goal,
+    ) -> Result<(), RefusedState> {
+        let Self { frames, rounded, found, .. } = self;
+        found.touching.clear();
+        found.candidates.clear();
+        for (k, state) in states.iter().enumerate() {
+            prepared.robot.check_state(state.as_ref()).map_err(|error| (k, error))?;
+        }
+        for (packet, (states, frames)) in states.chunks(WIDTH).zip(frames).enumerate() {
+            frames.read(&prepared.robot, states);
+            dispatch_on(Path::best(), Place { robot: &prepared.robot, states, to: frames });
+            let (first, open) = ((packet * WIDTH) as u32, (1 << states.len()) - 1);
+            let rounded = &mut *rounded;
+            let found = &mut *found;
+            dispatch_on(Path::best(), Sift { prepared, frames, rounded, first, open, goal, found });
+        }
+        Ok(())
+    }
+
+    /// Decides the pairs that are asked for.
+    fn decide(
+        &self,
+        checker: &StateChecker,
+        mut note: impl FnMut(Candidate, Verdict<()>),
+    ) -> Result<(), RefusedState> {
+        let prepared = &checker.prepared;
+        let mut refused: Option<RefusedState> = None;
+        let pose = |state: usize, body: usize| {
+            let pose = prepared.pose(&self.frames[state / WIDTH], state % WIDTH, body);
+            pose.unwrap_or_else(|error| {
+                if refused.as_ref().is_none_or(|&(first, _)| state < first) {
+                    refused = Some((state, error));
+                }
+                Pose::IDENTITY
+            })
+        };
+        let decided = checker.decider.decide(&self.asked, pose, |hit| {
+            let (configuration, link, other) = (hit.configuration, hit.link, hit.other);
+            note(Candidate { configuration, link, other }, hit.verdict);
+        });
+        if let Some(refused) = refused {
+            return Err(refused);
+        }
+        decided.map_err(|error| match error {
+            SceneError::OutOfRange { object, reach } => {
+                let (state, body) =
+                    (object / prepared.bodies.len(), object % prepared.bodies.len());
+                let object = prepared.bodies[body].0 as usize;
+                (state, RobotError::Scene(SceneError::OutOfRange { object, reach }))
+            }
+            other => (0, RobotError::Scene(other)),
+        })
+    }
+}
+
+/// A refusal counted from the batch's first state on.
+fn at(start: usize, (state, error): RefusedState) -> RefusedState {
+    (start + state, error)
+}
+
+/// The first state that was refused, on any thread.
+#[derive(Default)]
+struct Refused(Mutex<Option<RefusedState>>);
+
+impl Refused {
+    fn note(&self, state: usize, error: RobotError) {
+        let mut first = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if first.as_ref().is_none_or(|&(earlier, _)| state < earlier) {
+            *first = Some((state, error));
+        }
+    }
+
+    fn check(self) -> Result<(), RobotError> {
+        match self.0.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
+            Some((state, error)) => Err(RobotError::AtState { state, error: Box::new(error) }),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,308 @@
+//! Sixteen states against everything, by spheres: what is proved to touch, and what is left.
+
+use super::link_frames::LinkFrames;
+use super::links::{LinkSpheres, SphereRow};
+use super::solids::{Reached, Solid, inside, within};
+use super::{Goal, MARGIN, Prepared, Sixteen};
+use dcd_pipeline::{Candidate, Other};
+use dcd_simd::{Block, Kernel, Lanes, Row, WIDTH};
+use glam::Vec3;
+
+/// What the spheres of some states tell.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Found {
+    /// Pairs that are proved to touch: of each state all, or one where only one is asked for.
+    pub(super) touching: Vec<Candidate>,
+    /// Pairs that may touch, state by state where only one hit is asked for.
+    pub(super) candidates: Vec<Candidate>,
+}
+
+/// The links of sixteen states in f32.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rounded {
+    world: Vec<RoundedLink>,
+    own: Vec<RoundedLink>,
+    near: Vec<(u32, u32)>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct RoundedLink {
+    /// The rotation's columns, then the translation.
+    frame: [Row; 12],
+    /// Of the sphere round all that the link carries, in the world, metres.
+    centre: Block,
+    /// By how much a comparison of anything on the link may be off, metres.
+    margin: Row,
+}
+
+/// Compares the spheres of sixteen states.
+pub(super) struct Sift<'a> {
+    pub(super) prepared: &'a Prepared,
+    pub(super) frames: &'a LinkFrames,
+    pub(super) rounded: &'a mut Rounded,
+    /// The number of the first state.
+    pub(super) first: u32,
+    /// The states that there are, a bit each.
+    pub(super) open: u32,
+    pub(super) goal: Goal,
+    pub(super) found: &'a mut Found,
+}
+
+impl Kernel for Sift<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, l: L) {
+        let Rounded { world, own, near } = std::mem::take(self.rounded);
+        let (mut world, mut own, mut near) = (world, own, near);
+        round(l, &self.prepared.world_links, self.frames, &mut world);
+        for (link, rounded) in self.prepared.world_links.iter().zip(&world) {
+            self.against_obstacles(l, (link, rounded), &mut near);
+        }
+        let own_links = self.prepared.own_links();
+        if self.prepared.own_links.is_some() {
+            round(l, own_links, self.frames, &mut own);
+        }
+        let rounded = if self.prepared.own_links.is_some() { &own } else { &world };
+        for &[a, b] in &self.prepared.link_pairs {
+            let of = |k: u32| (&own_links[k as usize], &rounded[k as usize]);
+            self.against_each_other(l, of(a), of(b));
+        }
+        *self.rounded = Rounded { world, own, near };
+    }
+}
+
+/// Rounds the links' frames, and finds where their spheres are.
+#[inline(always)]
+fn round<L: Lanes>(l: L, links: &[LinkSpheres], frames: &LinkFrames, to: &mut Vec<RoundedLink>) {
+    to.resize(links.len(), RoundedLink::default());
+    for (link, rounded) in links.iter().zip(to) {
+        let row = &frames.frames[link.link];
+        for (numbers, row) in row.iter().zip(&mut rounded.frame) {
+            l.store(l.round_from([&numbers[0], &numbers[1]]), row);
+        }
+        let frame = loaded(l, &rounded.frame);
+        let at = [link.centre.x, link.centre.y, link.centre.z].map(
+            #[inline(always)]
+            |x| l.splat(x),
+        );
+        let centre = placed(l, &frame, at);
+        for (x, row) in centre.into_iter().zip(&mut rounded.centre.0) {
+            l.store(x, row);
+        }
+        let far = l.max(l.max(l.abs(frame[9]), l.abs(frame[10])), l.abs(frame[11]));
+        let margin = l.mul_add(far, l.splat(MARGIN as f32), l.splat(link.margin));
+        l.store(margin, &mut rounded.margin);
+    }
+}
+
+#[inline(always)]
+fn loaded<L: Lanes>(l: L, rows: &[Row; 12]) -> [L::F; 12] {
+    std::array::from_fn(
+        #[inline(always)]
+        |k| l.load(&rows[k]),
+    )
+}
+
+/// R·c + t.
+#[inline(always)]
+fn placed<L: Lanes>(l: L, frame: &[L::F; 12], [x, y, z]: [L::F; 3]) -> [L::F; 3] {
+    [0, 1, 2].map(
+        #[inline(always)]
+        |k| {
+            let sum = l.mul_add(frame[k], x, frame[9 + k]);
+            l.mul_add(frame[6 + k], z, l.mul_add(frame[3 + k], y, sum))
+        },
+    )
+}
+
+#[inline(always)]
+fn of_block<L: Lanes>(l: L, Block([x, y, z]): &Block) -> [L::F; 3] {
+    [l.load(x), l.load(y), l.load(z)]
+}
+
+impl RoundedLink {
+    /// The link's own sphere in all sixteen states.
+    #[inline(always)]
+    fn spheres<L: Lanes>(&self, l: L, link: &LinkSpheres) -> Sixteen<L> {
+        Sixteen {
+            centre: of_block(l, &self.centre),
+            outer: l.splat(link.radius),
+            inner: l.splat(f32::NEG_INFINITY),
+            margin: l.load(&self.margin),
+        }
+    }
+
+    /// Sixteen spheres on the link, in one of the states.
+    #[inline(always)]
+    fn row<L: Lanes>(&self, l: L, row: &SphereRow, lane: usize) -> Sixteen<L> {
+        let frame: [L::F; 12] = std::array::from_fn(
+            #[inline(always)]
+            |k| l.splat(self.frame[k].0[lane]),
+        );
+        Sixteen {
+            centre: placed(l, &frame, of_block(l, &row.centre)),
+            outer: l.load(&row.outer),
+            inner: l.load(&row.inner),
+            margin: l.splat(self.margin.0[lane]),
+        }
+    }
+
+    fn centre(&self, lane: usize) -> Vec3 {
+        let Block([x, y, z]) = &self.centre;
+        Vec3::new(x.0[lane], y.0[lane], z.0[lane])
+    }
+}
+
+/// The set bits of a number, the least first.
+fn bits(mut of: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = (of != 0).then(|| of.trailing_zeros() as usize)?;
+        of &= of - 1;
+        Some(bit)
+    })
+}
+
+impl Sift<'_> {
+    #[inline(always)]
+    fn against_obstacles<L: Lanes>(
+        &mut self,
+        l: L,
+        (link, rounded): (&LinkSpheres, &RoundedLink),
+        near: &mut Vec<(u32, u32)>,
+    ) {
+        near.clear();
+        let spheres = rounded.spheres(l, link);
+        let mut any = 0;
+        for (number, solid) in (0..).zip(&self.prepared.solids) {
+            let states = solid.reached(l, &spheres).near & self.open;
+            if states != 0 {
+                near.push((number, states));
+                any |= states;
+            }
+        }
+        for lane in bits(any) {
+            for row in &link.rows {
+                let spheres = rounded.row(l, row, lane);
+                for &(number, states) in &*near {
+                    if (states & self.open) >> lane & 1 == 0 {
+                        continue;
+                    }
+                    let solid: &Solid = &self.prepared.solids[number as usize];
+                    let reached = solid.reached(l, &spheres);
+                    self.note(lane, row, Other::Obstacle(number), reached);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn against_each_other<L: Lanes>(
+        &mut self,
+        l: L,
+        a: (&LinkSpheres, &RoundedLink),
+        b: (&LinkSpheres, &RoundedLink),
+    ) {
+        let [of_a, of_b] = [a, b].map(
+            #[inline(always)]
+            |(link, rounded)| rounded.spheres(l, link),
+        );
+        let states = meeting(l, &of_a, &of_b).near & self.open;
+        for lane in bits(states) {
+            // The spheres of one link that reach the other link's own.
+            let own = Sixteen {
+                centre: {
+                    let Vec3 { x, y, z } = a.1.centre(lane);
+                    [l.splat(x), l.splat(y), l.splat(z)]
+                },
+                outer: l.splat(a.0.radius),
+                inner: l.splat(f32::NEG_INFINITY),
+                margin: l.splat(a.1.margin.0[lane]),
+            };
+            for row in &b.0.rows {
+                let of_b = b.1.row(l, row, lane);
+                let candidates = meeting(l, &own, &of_b).near & row.filled;
+                if candidates == 0 {
+                    continue;
+                }
+                let mut stored = [Row::default(); 3];
+                for (x, row) in of_b.centre.into_iter().zip(&mut stored) {
+                    l.store(x, row);
+                }
+                for other in &a.0.rows {
+                    let of_a = a.1.row(l, other, lane);
+                    // Of all spheres of one body together.
+                    let (mut body, mut all) = (u32::MAX, Reached::default());
+                    for k in bits(candidates) {
+                        if row.bodies[k] != body {
+                            self.note(lane, other, Other::Link(body), all);
+                            (body, all) = (row.bodies[k], Reached::default());
+                        }
+                        let one = Sixteen {
+                            centre: [0, 1, 2].map(
+                                #[inline(always)]
+                                |axis| l.splat(stored[axis].0[k]),
+                            ),
+                            outer: l.splat(row.outer.0[k]),
+                            inner: l.splat(row.inner.0[k]),
+                            margin: of_b.margin,
+                        };
+                        let Reached { near, touched } = meeting(l, &of_a, &one);
+                        all.near |= near;
+                        all.touched |= touched;
+                    }
+                    self.note(lane, other, Other::Link(body), all);
+                }
+            }
+        }
+    }
+
+    /// Notes the bodies of a row that something is near.
+    #[inline(always)]
+    fn note(&mut self, lane: usize, row: &SphereRow, other: Other, reached: Reached) {
+        let (mut near, touched) = (reached.near & row.filled, reached.touched & row.filled);
+        while near != 0 && self.open >> lane & 1 == 1 {
+            let k = near.trailing_zeros() as usize;
+            let same = row.same[k];
+            near &= !same;
+            self.note_body(lane, (row.bodies[k], other), touched & same != 0);
+        }
+    }
+
+    fn note_body(&mut self, lane: usize, (body, other): (u32, Other), is_touching: bool) {
+        if !self.prepared.allows(body, other) {
+            return;
+        }
+        let (link, other) = match other {
+            Other::Link(other) => (body.max(other), Other::Link(body.min(other))),
+            obstacle => (body, obstacle),
+        };
+        let configuration = self.first + lane as u32;
+        let candidate = Candidate { configuration, link, other };
+        if !is_touching {
+            self.found.candidates.push(candidate);
+            return;
+        }
+        self.found.touching.push(candidate);
+        if self.goal == Goal::One {
+            self.open &= !(1 << lane);
+        }
+    }
+}
+
+/// Which spheres of the same number meet.
+#[inline(always)]
+fn meeting<L: Lanes>(l: L, a: &Sixteen<L>, b: &Sixteen<L>) -> Reached {
+    let [x, y, z] = [0, 1, 2].map(
+        #[inline(always)]
+        |k| l.sub(a.centre[k], b.centre[k]),
+    );
+    let square = l.mul_add(x, x, l.mul_add(y, y, l.mul(z, z)));
+    let margin = l.add(a.margin, b.margin);
+    let near = within(l, square, l.add(l.add(a.outer, b.outer), margin));
+    let touched = inside(l, square, l.sub(l.add(a.inner, b.inner), margin));
+    Reached { near: near | touched, touched }
+}
+
+/// Number of lanes, as the masks have them.
+const _: () = assert!(WIDTH == 16);

@@ -1,0 +1,203 @@
+//! Obstacles as sixteen spheres are compared with them.
+
+use super::{MARGIN, Sixteen};
+use dcd_geom::{Aabb, CurvedKind, Kind, Pose, Scene, Shape, SphereBounds};
+use dcd_simd::Lanes;
+use glam::Vec3;
+
+/// An obstacle: a closed form where its shape has one, else what is known round it and in it.
+#[derive(Clone, Debug)]
+pub(super) struct Solid {
+    form: Form,
+    /// The axes of its own frame in the world; none where they are the world's.
+    axes: Option<[Vec3; 3]>,
+    /// The origin of that frame, or the middle of the box, metres.
+    centre: Vec3,
+    /// Half the box, metres.
+    half: Vec3,
+    /// What is swept round it, metres.
+    swept: f32,
+    /// By how much a comparison with it may be off, metres.
+    margin: f32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    /// A sphere.
+    Point,
+    /// A capsule along its z axis, of that half height.
+    Segment { half_height: f32 },
+    /// A cylinder along its z axis.
+    Cylinder { half_height: f32, radius: f32 },
+    /// The box of `half`.
+    Box,
+    /// Something in the box and in the outer sphere, that contains the inner one.
+    Bounded { outer: (Vec3, f32), inner: (Vec3, f32) },
+}
+
+/// How far from a rotation an obstacle's matrix may be for closed forms, which take its transpose for its inverse;
+/// 2⁻³⁰ is a sixteen thousandth of [`MARGIN`]. What is farther is compared by its bounds.
+const RIGID: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// Which of sixteen spheres reach an obstacle, a bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Reached {
+    /// What is not proved apart, what is proved to touch among it.
+    pub(super) near: u32,
+    /// Whose inner spheres are proved to touch.
+    pub(super) touched: u32,
+}
+
+impl Solid {
+    /// Of an object of a scene.
+    pub(super) fn of(scene: &Scene, object: usize) -> Self {
+        let (shape, pose) = (scene.shape(object), &scene.poses()[object]);
+        closed(shape, pose).unwrap_or_else(|| bounded(shape, pose, &scene.aabb(object)))
+    }
+
+    /// Which of the spheres are near, and which touch. The outer and inner radii are without the spheres' own
+    /// margins (docs/numerics/proofs.md, "states in lanes").
+    #[inline(always)]
+    pub(super) fn reached<L: Lanes>(&self, l: L, spheres: &Sixteen<L>) -> Reached {
+        let Sixteen { centre, outer, inner, margin } = *spheres;
+        let margin = l.add(margin, l.splat(self.margin));
+        let mut from = [0, 1, 2].map(
+            #[inline(always)]
+            |k| l.sub(centre[k], l.splat(self.centre[k])),
+        );
+        if let Some(axes) = self.axes {
+            from = axes.map(
+                #[inline(always)]
+                |axis| {
+                    let sum = l.mul(from[0], l.splat(axis.x));
+                    let sum = l.mul_add(from[1], l.splat(axis.y), sum);
+                    l.mul_add(from[2], l.splat(axis.z), sum)
+                },
+            );
+        }
+        let beyond = |x: L::F, half: f32| l.max(l.sub(l.abs(x), l.splat(half)), l.splat(0.0));
+        let away = match self.form {
+            Form::Point => from,
+            Form::Segment { half_height } => [from[0], from[1], beyond(from[2], half_height)],
+            Form::Cylinder { half_height, radius } => {
+                let square = l.mul_add(from[0], from[0], l.mul(from[1], from[1]));
+                let radial = l.max(l.sub(l.sqrt(square), l.splat(radius)), l.splat(0.0));
+                [radial, l.splat(0.0), beyond(from[2], half_height)]
+            }
+            Form::Box | Form::Bounded { .. } => [0, 1, 2].map(
+                #[inline(always)]
+                |k| beyond(from[k], self.half[k]),
+            ),
+        };
+        let reach = |by: L::F, more: f32| l.add(l.add(by, l.splat(self.swept + more)), margin);
+        let room = |by: L::F, more: f32| l.sub(l.add(by, l.splat(self.swept + more)), margin);
+        let square = squared(l, away);
+        let mut near = within(l, square, reach(outer, 0.0));
+        let touched = if let Form::Bounded { outer: (middle, radius), inner: known } = self.form {
+            let to = |point: Vec3| {
+                squared(
+                    l,
+                    [0, 1, 2].map(
+                        #[inline(always)]
+                        |k| l.sub(centre[k], l.splat(point[k])),
+                    ),
+                )
+            };
+            near &= within(l, to(middle), reach(outer, radius));
+            inside(l, to(known.0), room(inner, known.1))
+        } else {
+            inside(l, square, room(inner, 0.0))
+        };
+        Reached { near: near | touched, touched }
+    }
+}
+
+#[inline(always)]
+fn squared<L: Lanes>(l: L, [x, y, z]: [L::F; 3]) -> L::F {
+    l.mul_add(x, x, l.mul_add(y, y, l.mul(z, z)))
+}
+
+/// Where such a distance may be within reach. Written so that a NaN is.
+#[inline(always)]
+pub(super) fn within<L: Lanes>(l: L, square: L::F, reach: L::F) -> u32 {
+    let reach = l.mul_add(reach, reach, l.splat(f32::MIN_POSITIVE));
+    ALL & !l.bits(l.lt(reach, square))
+}
+
+/// Where it is proved to be at most that; what underflows is below the least normal number. A NaN is not.
+#[inline(always)]
+pub(super) fn inside<L: Lanes>(l: L, square: L::F, room: L::F) -> u32 {
+    let square = l.add(square, l.splat(f32::MIN_POSITIVE));
+    let is_some = l.lt(l.splat(0.0), room);
+    l.bits(l.and(is_some, l.le(square, l.mul(room, room))))
+}
+
+const ALL: u32 = 0xffff;
+
+/// The closed form of a shape that has one.
+fn closed(shape: &Shape, pose: &Pose) -> Option<Solid> {
+    let (form, half, swept) = match shape {
+        Shape::Polytope(polytope) => {
+            let on_axis = polytope.vertices().iter().all(|v| v.x == 0.0 && v.y == 0.0);
+            let vertices = polytope.vertices();
+            let form = match polytope.kind() {
+                Kind::Point if on_axis && vertices.iter().all(|v| v.z == 0.0) => Form::Point,
+                Kind::Segment if on_axis && vertices[0].z == -vertices[1].z => {
+                    Form::Segment { half_height: vertices[1].z.abs() as f32 }
+                }
+                Kind::Cuboid { .. } => Form::Box,
+                _ => return None,
+            };
+            let half = match polytope.kind() {
+                Kind::Cuboid { half_extents } => half_extents,
+                _ => glam::DVec3::ZERO,
+            };
+            (form, half, polytope.swept_radius())
+        }
+        Shape::Curved(curved) if curved.kind() == CurvedKind::Cylinder => {
+            let (half_height, radius) = (curved.half_height() as f32, curved.radius() as f32);
+            let form = Form::Cylinder { half_height, radius };
+            (form, glam::DVec3::ZERO, curved.swept_radius())
+        }
+        _ => return None,
+    };
+    if !(pose.deviation() <= RIGID) {
+        return None;
+    }
+    let axes = pose.rotation();
+    let turned = *axes != glam::DMat3::IDENTITY;
+    let size = shape.reach() + pose.translation().abs().max_element();
+    Some(Solid {
+        form,
+        axes: turned.then(|| [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.as_vec3())),
+        centre: pose.translation().as_vec3(),
+        half: half.as_vec3(),
+        swept: swept as f32,
+        margin: margin_of(size),
+    })
+}
+
+/// Any shape by its box and its spheres.
+fn bounded(shape: &Shape, pose: &Pose, aabb: &Aabb) -> Solid {
+    let (min, max) = (aabb.min.as_dvec3(), aabb.max.as_dvec3());
+    let (middle, half) = (min * 0.5 + max * 0.5, max * 0.5 - min * 0.5);
+    let (mut outer, mut inner) = ((Vec3::ZERO, f32::INFINITY), (Vec3::ZERO, f32::NEG_INFINITY));
+    if let Some(bounds) = SphereBounds::of(shape) {
+        let (round, in_it) = (bounds.sphere(pose), bounds.inner_sphere(pose));
+        (outer, inner) = ((round.centre, round.radius), (in_it.centre, in_it.radius));
+    }
+    let size = middle.abs().max_element() + half.max_element();
+    Solid {
+        form: Form::Bounded { outer, inner },
+        axes: None,
+        centre: middle.as_vec3(),
+        half: half.as_vec3(),
+        swept: 0.0,
+        margin: margin_of(size),
+    }
+}
+
+/// The margin of what has that size, rounded up.
+pub(super) fn margin_of(size: f64) -> f32 {
+    (MARGIN * size) as f32 + f32::MIN_POSITIVE
+}

@@ -1,0 +1,326 @@
+//! States in lanes beside every pair decided alone, on random robots in random worlds.
+
+use super::*;
+use crate::{AllowedPairs, LinkShapes, Obstacle, Padding, World};
+use dcd_gjk::{Certified, PairSolver, PosedShape};
+use dcd_pipeline::Par;
+use glam::{DQuat, DVec3};
+use std::fmt::Write;
+use std::path::Path as FilePath;
+
+/// Numbers in −1 … 1 by a linear congruence.
+struct Draw(u64);
+
+impl Draw {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    fn below(&mut self, end: u32) -> u32 {
+        ((self.next() + 1.0) / 2.0 * f64::from(end)) as u32 % end
+    }
+
+    fn size(&mut self, least: f64, most: f64) -> f64 {
+        least + (most - least) * (self.next() + 1.0) / 2.0
+    }
+
+    fn vector(&mut self) -> DVec3 {
+        DVec3::new(self.next(), self.next(), self.next())
+    }
+
+    fn pose(&mut self, far: f64) -> Pose {
+        let q = DQuat::from_xyzw(self.next(), self.next(), self.next(), self.next()).normalize();
+        let turned = if self.below(3) == 0 { DQuat::IDENTITY } else { q };
+        Pose::new(turned, self.vector() * far).unwrap()
+    }
+}
+
+/// A chain with branches, of joints of every kind; what it carries as the draw says.
+fn robot(draw: &mut Draw, spheres_alone: bool) -> Robot {
+    let mut urdf = "<robot name=\"random\">".to_owned();
+    let links = 3 + draw.below(5);
+    for link in 0..links {
+        let _ = write!(urdf, "<link name=\"l{link}\">");
+        for _ in 0..draw.below(if spheres_alone { 20 } else { 4 }) + u32::from(link == 0) {
+            let at = draw.vector() * 0.2;
+            let rpy = draw.vector() * 3.0;
+            let kind = if spheres_alone { 0 } else { draw.below(3) };
+            let shape = match kind {
+                0 => format!("<sphere radius=\"{}\"/>", draw.size(0.02, 0.1)),
+                1 => {
+                    let mut edge = || draw.size(0.02, 0.5);
+                    format!("<box size=\"{} {} {}\"/>", edge(), edge(), edge())
+                }
+                _ => {
+                    let (radius, length) = (draw.size(0.02, 0.1), draw.size(0.02, 0.6));
+                    format!("<cylinder radius=\"{radius}\" length=\"{length}\"/>")
+                }
+            };
+            let _ = write!(
+                urdf,
+                "<collision><origin xyz=\"{} {} {}\" rpy=\"{} {} {}\"/><geometry>{shape}</geometry></collision>",
+                at.x, at.y, at.z, rpy.x, rpy.y, rpy.z
+            );
+        }
+        urdf += "</link>";
+    }
+    for child in 1..links {
+        let parent = if draw.below(4) == 0 { 0 } else { child - 1 };
+        let kind = ["revolute", "prismatic", "continuous", "fixed", "floating", "revolute"]
+            [draw.below(6) as usize];
+        let axis = match draw.below(4) {
+            0 => DVec3::X,
+            1 => -DVec3::Z,
+            2 => DVec3::Y,
+            _ => draw.vector().normalize(),
+        };
+        let (at, rpy) = (draw.vector() * 0.4, draw.vector() * f64::from(draw.below(2)));
+        let _ = write!(
+            urdf,
+            "<joint name=\"j{child}\" type=\"{kind}\"><parent link=\"l{parent}\"/><child link=\"l{child}\"/>\
+             <origin xyz=\"{} {} {}\" rpy=\"{} {} {}\"/><axis xyz=\"{} {} {}\"/>\
+             <limit lower=\"-3\" upper=\"3\" effort=\"1\" velocity=\"1\"/></joint>",
+            at.x, at.y, at.z, rpy.x, rpy.y, rpy.z, axis.x, axis.y, axis.z
+        );
+    }
+    urdf += "</robot>";
+    Robot::read(&urdf, FilePath::new("."), LinkShapes::Hulls).unwrap()
+}
+
+/// An obstacle of any kind of shape.
+fn shape(draw: &mut Draw) -> Shape {
+    let size = draw.size(0.05, 0.4);
+    let points = |draw: &mut Draw, count: u32| (0..count).map(|_| draw.vector() * size).collect();
+    let shape = match draw.below(11) {
+        0 | 1 => Shape::cuboid(draw.vector().abs() * size),
+        2 => Shape::cylinder(size, 0.1 + 0.4 * size),
+        3 => Shape::sphere(size),
+        4 => Shape::capsule(size, 0.1),
+        5 => Shape::hull(points(draw, 12)),
+        6 => Shape::cone(size, 0.2),
+        7 => Shape::half_space(draw.vector(), -1.0),
+        8 => Shape::mesh(points(draw, 6), vec![[0, 1, 2], [2, 3, 4], [3, 4, 5], [0, 4, 5]]),
+        9 => Shape::segment(draw.vector() * size, draw.vector()),
+        _ => {
+            let parts = [Shape::sphere(0.1), Shape::cylinder(0.1, 0.2)];
+            let parts = parts.into_iter().map(|part| (part.unwrap(), draw.pose(0.2)));
+            Shape::compound(parts.collect())
+        }
+    };
+    let shape = shape.unwrap();
+    if draw.below(4) == 0 { shape.swept(0.03).unwrap() } else { shape }
+}
+
+fn world(draw: &mut Draw, robot: &Robot) -> World {
+    let obstacles = (0..draw.below(12)).map(|k| Obstacle {
+        name: format!("o{k}"),
+        shape: shape(draw),
+        pose: draw.pose(0.8),
+    });
+    let mut world = World { obstacles: obstacles.collect(), ..World::default() };
+    if draw.below(3) == 0 {
+        world.base = Some(draw.pose(0.5));
+    }
+    for link in robot.links().iter().filter(|_| draw.below(6) == 0) {
+        world.padding.insert(link.name.clone(), Padding { scale: 1.0, padding: 0.02 });
+    }
+    world
+}
+
+fn cell(draw: &mut Draw) -> Workcell {
+    let spheres_alone = draw.below(2) == 0;
+    let robot = robot(draw, spheres_alone);
+    let world = world(draw, &robot);
+    let allowed =
+        if draw.below(4) == 0 { AllowedPairs::default() } else { AllowedPairs::adjacent(&robot) };
+    Workcell::new(robot, &world, &allowed).unwrap()
+}
+
+fn state(draw: &mut Draw, robot: &Robot) -> Vec<f64> {
+    let mut state = robot.rest_state();
+    for joint in robot.joints() {
+        if let crate::Motion::Orients { first } = joint.motion {
+            let q = DQuat::from_xyzw(draw.next(), draw.next(), draw.next(), draw.next());
+            state[first..first + 4].copy_from_slice(&q.normalize().to_array());
+        } else if let Some(by) = joint.motion.drive() {
+            state[by.value] = draw.next() * 3.0;
+        }
+    }
+    state
+}
+
+/// Every pair of a state that is not apart, each decided by itself in f64 and exactly.
+fn alone(cell: &mut Workcell, state: &[f64]) -> Vec<(Pair, bool)> {
+    cell.set_state(state).unwrap();
+    let scene = cell.scene();
+    let posed =
+        |i: u32| PosedShape { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
+    let mut memory = Default::default();
+    let mut found = Vec::new();
+    for j in 0..scene.len() as u32 {
+        for i in (0..j).filter(|&i| scene.allows(i, j)) {
+            match Certified.solve(posed(i), posed(j), &mut memory) {
+                Verdict::Apart => {}
+                verdict => found.push((Pair { i, j }, matches!(verdict, Verdict::Touching(_)))),
+            }
+        }
+    }
+    found.sort_unstable();
+    found
+}
+
+#[test]
+fn frames_are_those_of_one_state_at_a_time_bit_for_bit() {
+    let mut draw = Draw(7);
+    for round in 0..60 {
+        let robot = robot(&mut draw, round % 2 == 0);
+        let count = 1 + draw.below(16) as usize;
+        let states: Vec<Vec<f64>> = (0..count).map(|_| state(&mut draw, &robot)).collect();
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            let mut frames = LinkFrames::default();
+            frames.read(&robot, &states);
+            dispatch_on(path, Place { robot: &robot, states: &states, to: &mut frames });
+            for lane in 0..WIDTH {
+                let alone = robot.link_frames(&states[lane.min(count - 1)]).unwrap();
+                for (link, frame) in alone.iter().enumerate() {
+                    assert_eq!(frames.frame(link, lane), *frame, "{path:?}, link {link}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn answers_are_those_of_every_pair_decided_alone() {
+    let mut draw = Draw(1);
+    let (mut free, mut hits) = (0, 0);
+    for _ in 0..120 {
+        let mut cell = cell(&mut draw);
+        let checker = StateChecker::new(&cell).unwrap();
+        let count = 1 + draw.below(40) as usize;
+        let states: Vec<Vec<f64>> = (0..count).map(|_| state(&mut draw, cell.robot())).collect();
+        let all = checker.all(&states, Par::Serial).unwrap();
+        let first = checker.first(&states, Par::Serial).unwrap();
+        let collides = checker.collides(&states, Par::Serial).unwrap();
+        for (k, state) in states.iter().enumerate() {
+            let truth = alone(&mut cell, state);
+            let of_state = all.iter().filter(|hit| hit.state as usize == k);
+            let ours: Vec<_> = of_state.map(|hit| (hit.pair, hit.touches())).collect();
+            assert_eq!(ours, truth, "state {k} of {:?}", cell.names());
+            assert_eq!(collides[k], !truth.is_empty());
+            let told = first[k].map(|hit| (hit.pair, hit.touches()));
+            assert_eq!(told.is_some(), !truth.is_empty());
+            assert!(told.is_none_or(|hit| truth.contains(&hit)));
+            assert!(first[k].is_none_or(|hit| hit.state as usize == k));
+            let touches = truth.iter().any(|&(_, touches)| touches);
+            assert!(!touches || told.is_some_and(|(_, touches)| touches));
+            free += usize::from(truth.is_empty());
+            hits += truth.len();
+        }
+    }
+    assert!(free > 200 && hits > 2000, "{free} free, {hits} hits");
+}
+
+#[test]
+fn answers_depend_on_the_state_alone() {
+    let mut draw = Draw(3);
+    for _ in 0..12 {
+        let cell = cell(&mut draw);
+        let checker = StateChecker::new(&cell).unwrap();
+        let states: Vec<Vec<f64>> = (0..300).map(|_| state(&mut draw, cell.robot())).collect();
+        let (first, all) = (
+            checker.first(&states, Par::Serial).unwrap(),
+            checker.all(&states, Par::Serial).unwrap(),
+        );
+        for threads in [2, 3] {
+            let again = dcd_exec::with_threads(threads, || {
+                (
+                    checker.first(&states, Par::Pool).unwrap(),
+                    checker.all(&states, Par::Pool).unwrap(),
+                )
+            });
+            assert!(again.is_ok_and(|again| again == (first.clone(), all.clone())));
+        }
+        // Alone and with others.
+        for k in [0, 17, 63, 64, 299] {
+            let one = checker.first(&states[k..=k], Par::Serial).unwrap();
+            let told = first[k].map(|hit| StateHit { state: 0, ..hit });
+            assert_eq!(one, [told]);
+        }
+    }
+}
+
+/// A sphere that slides towards an obstacle is bisected down to the last state that is free.
+#[test]
+fn spheres_that_just_touch_are_told_as_exactly_as_pairs_alone() {
+    let urdf = r#"<robot name="probe"><link name="world"/>
+      <link name="ball"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+      <joint name="slide" type="prismatic"><parent link="world"/><child link="ball"/>
+      <origin xyz="0.03 0.02 0.01" rpy="0.1 0.2 0.3"/><axis xyz="0.6 0 0.8"/>
+      <limit lower="-9" upper="9" effort="1" velocity="1"/></joint></robot>"#;
+    let mut draw = Draw(9);
+    let mut flips = 0;
+    for _ in 0..40 {
+        let robot = Robot::read(urdf, FilePath::new("."), LinkShapes::Hulls).unwrap();
+        let shape = shape(&mut draw);
+        let pose = draw.pose(0.3);
+        let obstacles = vec![Obstacle { name: "o".to_owned(), shape, pose }];
+        let world = World { obstacles, ..World::default() };
+        let mut cell = Workcell::new(robot, &world, &AllowedPairs::default()).unwrap();
+        let checker = StateChecker::new(&cell).unwrap();
+        let touches = |value: f64| checker.collides(&[[value]], Par::Serial).unwrap()[0];
+        let (mut inside, mut outside) = (0.0, 4.0);
+        if !touches(inside) || touches(outside) {
+            continue;
+        }
+        while f64::midpoint(inside, outside) != inside && f64::midpoint(inside, outside) != outside
+        {
+            let middle = f64::midpoint(inside, outside);
+            let ours = touches(middle);
+            assert_eq!(ours, !alone(&mut cell, &[middle]).is_empty(), "at {middle:e}");
+            if ours { inside = middle } else { outside = middle }
+        }
+        flips += 1;
+    }
+    assert!(flips > 5, "{flips}");
+}
+
+#[test]
+fn bad_states_are_refused_by_their_index() {
+    let mut draw = Draw(5);
+    let cell = loop {
+        let cell = cell(&mut draw);
+        let slides = |joint: &crate::Joint| matches!(joint.motion, crate::Motion::Slides { .. });
+        if cell.robot().joints().iter().any(slides)
+            && cell.scene().len() > cell.robot().parts().len()
+        {
+            break cell;
+        }
+    };
+    let checker = StateChecker::new(&cell).unwrap();
+    let good = cell.robot().rest_state();
+    let said = |states: &[Vec<f64>]| checker.all(states, Par::Serial).unwrap_err().to_string();
+    let short = vec![good.clone(), good[1..].to_vec()];
+    assert!(said(&short).starts_with("state 1: "), "{}", said(&short));
+    let mut states = vec![good; 100];
+    states[77][0] = f64::NAN;
+    assert!(said(&states).starts_with("state 77: ") && said(&states).contains("NaN"));
+    assert!(checker.collides::<Vec<f64>>(&[], Par::Serial).unwrap().is_empty());
+}
+
+#[test]
+fn a_link_out_of_range_is_refused_and_never_free() {
+    let urdf = r#"<robot name="far"><link name="a"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+      <link name="b"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+      <joint name="slide" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/>
+      <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"#;
+    let robot = Robot::read(urdf, FilePath::new("."), LinkShapes::Hulls).unwrap();
+    let cell = Workcell::new(robot, &World::default(), &AllowedPairs::default()).unwrap();
+    let checker = StateChecker::new(&cell).unwrap();
+    for far in [1e38, 1e300, f64::MAX] {
+        let error = checker.first(&[[3.0], [far]], Par::Serial).unwrap_err().to_string();
+        assert!(error.starts_with("state 1: "), "{error}");
+    }
+    assert_eq!(checker.collides(&[[1e30], [0.1]], Par::Serial).unwrap(), [false, true]);
+}
