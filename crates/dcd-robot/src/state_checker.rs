@@ -14,7 +14,8 @@ mod solids;
 #[cfg(test)]
 mod tests;
 
-use crate::{Robot, RobotError, Workcell};
+use crate::kinematics::JointFrame;
+use crate::{Joint, Motion, Robot, RobotError, Workcell};
 use dcd_exec::{Exec, PerThread, Segments};
 use dcd_geom::{Object, Pair, Pose, Scene, SceneError, Shape};
 use dcd_gjk::{Overlap, Verdict};
@@ -24,7 +25,8 @@ use link_frames::{LinkFrames, Place};
 use links::{Body, LinkSpheres, links};
 use sift::{Found, Rounded, Sift};
 use solids::Solid;
-use std::sync::Mutex;
+use std::ops::Range;
+use std::sync::{Arc, Mutex};
 
 /// By how much spheres are compared larger, where they are to be apart, or smaller, where they are to touch. Unit:
 /// metres a metre of the two sizes and places: 256 units of 2⁻²⁴, some four times what the roundings of frames,
@@ -103,7 +105,7 @@ impl StateHit {
 ///     <limit lower="0" upper="2" effort="1" velocity="1"/></joint></robot>"#;
 /// let robot = Robot::read(urdf, std::path::Path::new("."), LinkShapes::Hulls)?;
 /// let cell = Workcell::new(robot, &World::default(), &AllowedPairs::default())?;
-/// let checker = StateChecker::new(&cell)?;
+/// let checker = StateChecker::new(cell)?;
 /// assert_eq!(checker.collides(&[[0.25], [0.35]], dcd_pipeline::Par::Serial)?, [true, false]);
 /// # Ok::<(), dcd_robot::RobotError>(())
 /// ```
@@ -117,12 +119,9 @@ pub struct StateChecker {
 /// What does not depend on a state.
 #[derive(Debug)]
 struct Prepared {
-    robot: Robot,
-    scene: Scene,
+    cell: Workcell,
     /// For each body its object in the scene and the part that moves it: the parts, then the padded ones.
     bodies: Vec<(u32, usize)>,
-    /// The scene's index of the first obstacle.
-    first_obstacle: u32,
     solids: Vec<Solid>,
     /// The spheres of what meets obstacles, link by link.
     world_links: Vec<LinkSpheres>,
@@ -145,46 +144,64 @@ struct Scratch {
 }
 
 impl Prepared {
-    fn of(cell: &Workcell) -> Self {
-        let (robot, scene) = (cell.robot().clone(), cell.scene().clone());
-        let parts = robot.parts.len() as u32;
-        let objects = 0..scene.len();
-        let moved = |i: usize| Some((i as u32, cell.part_of(i)?));
-        let bodies: Vec<(u32, usize)> = objects.filter_map(moved).collect();
-        let obstacles = parts..parts + (scene.len() - bodies.len()) as u32;
-        let solids = obstacles.clone().map(|i| Solid::of(&scene, i as usize)).collect();
-        let body = |number: usize| {
-            let (object, part) = bodies[number];
-            let part = &robot.parts[part];
-            Body {
-                number: number as u32,
-                link: part.link,
-                shape: scene.shape(object as usize),
-                origin: part.origin,
-            }
+    fn of(cell: Workcell) -> Self {
+        let parts = cell.robot().parts.len();
+        let bodies = bodies(&cell);
+        let is_padded = |part: usize| bodies[parts..].iter().any(|&(_, padded)| padded == part);
+        let meets_world = |&number: &usize| number >= parts || !is_padded(number);
+        let all = 0..bodies.len();
+        let spheres = |numbers: &mut dyn Iterator<Item = usize>| {
+            let shapes: Vec<Body<'_>> =
+                numbers.map(|number| body(&cell, &bodies, number)).collect();
+            links(cell.robot(), &shapes)
         };
-        let all: Vec<usize> = (0..bodies.len()).collect();
-        let padded: Vec<usize> = bodies[parts as usize..].iter().map(|&(_, part)| part).collect();
-        let of = |keep: &dyn Fn(usize) -> bool| -> Vec<LinkSpheres> {
-            let kept: Vec<Body<'_>> = all.iter().filter(|&&k| keep(k)).map(|&k| body(k)).collect();
-            links(&robot, &kept)
-        };
-        let world_links = of(&|k| !padded.contains(&k));
-        let own_links = (!padded.is_empty()).then(|| of(&|k| k < parts as usize));
-        let filtered = scene.filters_movers();
+        let world_links = spheres(&mut all.clone().filter(meets_world));
+        let own_links = cell.is_padded().then(|| spheres(&mut (0..parts)));
         let mut prepared = Self {
-            link_pairs: Vec::new(),
-            first_obstacle: parts,
-            robot,
-            scene,
             bodies,
-            solids,
+            solids: Vec::new(),
             world_links,
             own_links,
-            filtered,
+            link_pairs: Vec::new(),
+            filtered: false,
+            cell,
         };
-        prepared.link_pairs = prepared.link_pairs();
+        prepared.look_round();
         prepared
+    }
+
+    /// Takes another cell of the same robot, carrying the same. Gives it back where it is not.
+    fn exchange(&mut self, cell: Workcell) -> Result<(), Workcell> {
+        let (old, new) = (self.cell.robot(), cell.robot());
+        let is_same = bodies(&cell) == self.bodies
+            && old.links.len() == new.links.len()
+            && old.joints.iter().map(kinematics).eq(new.joints.iter().map(kinematics))
+            && (0..self.bodies.len()).all(|number| {
+                let of = |cell| body(cell, &self.bodies, number);
+                is_same_body(&of(&self.cell), &of(&cell))
+            });
+        if !is_same {
+            return Err(cell);
+        }
+        self.cell = cell;
+        self.look_round();
+        Ok(())
+    }
+
+    /// Takes the obstacles, and who may touch whom, from the cell.
+    fn look_round(&mut self) {
+        let scene = self.cell.scene();
+        self.solids = self.obstacles().map(|i| Solid::of(scene, i)).collect();
+        self.filtered = scene.filters_movers();
+        self.link_pairs = self.link_pairs();
+    }
+
+    fn robot(&self) -> &Robot {
+        self.cell.robot()
+    }
+
+    fn obstacles(&self) -> Range<usize> {
+        obstacles(&self.cell)
     }
 
     fn own_links(&self) -> &[LinkSpheres] {
@@ -214,55 +231,127 @@ impl Prepared {
             return true;
         }
         let Pair { i, j } = self.pair(body, other);
-        self.scene.allows(i, j)
+        self.cell.scene().allows(i, j)
     }
 
     /// The objects of a pair.
     fn pair(&self, body: u32, other: Other) -> Pair {
         let object = |body: u32| self.bodies[body as usize].0;
         match other {
-            Other::Obstacle(number) => Pair::new(object(body), self.first_obstacle + number),
+            Other::Obstacle(number) => {
+                Pair::new(object(body), self.obstacles().start as u32 + number)
+            }
             Other::Link(other) => Pair::new(object(body), object(other)),
         }
     }
 
-    /// The obstacles as a world of their own, by their numbers.
-    fn world(&self) -> Result<StaticWorld, SceneError> {
-        let obstacles = (0..self.solids.len()).map(|k| self.first_obstacle as usize + k);
-        let shapes: Vec<Shape> = obstacles.clone().map(|i| self.scene.shape(i).clone()).collect();
-        let objects = (0..).zip(obstacles).map(|(s, i)| Object::new(s, self.scene.poses()[i]));
-        let world = Scene::new(shapes, objects)?;
-        StaticWorld::new(&world, Overlap::default(), dcd_pipeline::Par::Serial)
-    }
-
     fn link_set(&self) -> LinkSet {
-        let shape = |&(object, _): &(u32, usize)| self.scene.shape(object as usize).clone();
+        let shape = |&(object, _): &(u32, usize)| self.cell.scene().shape(object as usize).clone();
         LinkSet::new(self.bodies.iter().map(shape).collect())
     }
 
     /// Where a body is.
     fn pose(&self, frames: &LinkFrames, lane: usize, body: usize) -> Result<Pose, RobotError> {
-        let part = &self.robot.parts[self.bodies[body].1];
+        let part = &self.robot().parts[self.bodies[body].1];
         let placed = frames.frame(part.link, lane).then(&part.origin);
         placed.pose().map_err(|error| {
-            let user = format!("link {:?}", self.robot.links[part.link].name);
+            let user = format!("link {:?}", self.robot().links[part.link].name);
             RobotError::Pose { user, error }
         })
     }
 }
 
+/// For each body of a cell its object in the scene and the part that moves it: the parts, then the padded ones.
+fn bodies(cell: &Workcell) -> Vec<(u32, usize)> {
+    let moved = |i: usize| Some((i as u32, cell.part_of(i)?));
+    (0..cell.scene().len()).filter_map(moved).collect()
+}
+
+/// The objects of the scene that stand still.
+fn obstacles(cell: &Workcell) -> Range<usize> {
+    let (first, end) = (cell.robot().parts.len(), cell.scene().len());
+    first..(first..end).find(|&i| cell.part_of(i).is_some()).unwrap_or(end)
+}
+
+/// The obstacles as a world of their own, by their numbers.
+fn world(cell: &Workcell) -> Result<StaticWorld, SceneError> {
+    let (scene, obstacles) = (cell.scene(), obstacles(cell));
+    let shapes: Vec<Shape> = obstacles.clone().map(|i| scene.shape(i).clone()).collect();
+    let objects = (0..).zip(obstacles).map(|(s, i)| Object::new(s, scene.poses()[i]));
+    let world = Scene::new(shapes, objects)?;
+    StaticWorld::new(&world, Overlap::default(), dcd_pipeline::Par::Serial)
+}
+
+fn body<'a>(cell: &'a Workcell, bodies: &[(u32, usize)], number: usize) -> Body<'a> {
+    let (object, part) = bodies[number];
+    let part = &cell.robot().parts[part];
+    let (link, shape, origin) = (part.link, cell.scene().shape(object as usize), part.origin);
+    Body { number: number as u32, link, shape, origin }
+}
+
+/// Whether two bodies are placed alike and share their shape.
+fn is_same_body(a: &Body<'_>, b: &Body<'_>) -> bool {
+    let shapes_are_one = match (a.shape, b.shape) {
+        (Shape::Polytope(a), Shape::Polytope(b)) => Arc::ptr_eq(a, b),
+        (Shape::Mesh(a), Shape::Mesh(b)) => Arc::ptr_eq(a, b),
+        (Shape::Compound(a), Shape::Compound(b)) => Arc::ptr_eq(a, b),
+        (Shape::Curved(a), Shape::Curved(b)) => a == b,
+        _ => false,
+    };
+    shapes_are_one && a.link == b.link && a.origin == b.origin
+}
+
+/// What of a joint says where its child is.
+fn kinematics(joint: &Joint) -> (usize, usize, &Motion, &JointFrame) {
+    (joint.parent, joint.child, &joint.motion, &joint.origin)
+}
+
 impl StateChecker {
-    /// For the robot of a work cell, with what it carries, among its obstacles. Later changes of the cell do not
-    /// reach the checker.
+    /// For the robot of a work cell, with what it carries, among its obstacles.
     ///
     /// # Errors
     /// More objects than a u32 counts.
-    pub fn new(cell: &Workcell) -> Result<Self, RobotError> {
-        let prepared = Prepared::of(cell);
-        let world = prepared.world().map_err(RobotError::Scene)?;
-        let decider = PairDecider::new(world, prepared.link_set(), CHUNK);
-        let decider = decider.map_err(RobotError::Scene)?;
+    pub fn new(cell: Workcell) -> Result<Self, RobotError> {
+        Self::of(Prepared::of(cell)).map_err(RobotError::Scene)
+    }
+
+    fn of(prepared: Prepared) -> Result<Self, SceneError> {
+        let decider = PairDecider::new(world(&prepared.cell)?, prepared.link_set(), CHUNK)?;
         Ok(Self { prepared, decider, scratch: PerThread::default() })
+    }
+
+    /// Checks in another cell from now on. Where the robot and what it carries are clones of those that there
+    /// were, padded alike, only the obstacles are prepared.
+    ///
+    /// # Errors
+    /// More objects than a u32 counts; nothing is changed then.
+    pub fn set_cell(&mut self, cell: Workcell) -> Result<(), RobotError> {
+        let world = world(&cell).map_err(RobotError::Scene)?;
+        match self.prepared.exchange(cell) {
+            Ok(()) => self.decider.set_world(world).map_err(RobotError::Scene),
+            Err(cell) => Self::new(cell).map(|new| *self = new),
+        }
+    }
+
+    /// The cell, its robot in whatever state.
+    pub fn cell(&self) -> &Workcell {
+        &self.prepared.cell
+    }
+
+    /// Computes where the links are and nothing else: what every question begins with, for measurements.
+    ///
+    /// # Errors
+    /// Those of [`StateChecker::collides`] but for links out of range.
+    #[doc(hidden)]
+    pub fn place_links<S: AsRef<[f64]>>(&self, states: &[S]) -> Result<(), RobotError> {
+        let refused = |(state, error)| RobotError::AtState { state, error: Box::new(error) };
+        self.scratch.with(|scratch| {
+            let mut chunks = states.chunks(CHUNK).enumerate();
+            chunks.try_for_each(|(chunk, states)| {
+                let placed = scratch.place(&self.prepared, states);
+                placed.map_err(|error| refused(at(chunk * CHUNK, error)))
+            })
+        })
     }
 
     /// For each state whether it is not proved free: whether something touches or could not be settled.
@@ -416,25 +505,37 @@ impl Scratch {
         decided.map_err(|e| at(start, e))
     }
 
-    /// Where the states' links are, and what their spheres tell.
+    /// Where the states' links are.
+    fn place<S: AsRef<[f64]>>(
+        &mut self,
+        prepared: &Prepared,
+        states: &[S],
+    ) -> Result<(), RefusedState> {
+        let robot = prepared.robot();
+        for (k, state) in states.iter().enumerate() {
+            robot.check_state(state.as_ref()).map_err(|error| (k, error))?;
+        }
+        for (states, frames) in states.chunks(WIDTH).zip(&mut self.frames) {
+            frames.read(robot, states);
+            dispatch_on(Path::best(), Place { robot, states, to: frames });
+        }
+        Ok(())
+    }
+
+    /// What the spheres of the states' links tell.
     fn sift<S: AsRef<[f64]>>(
         &mut self,
         prepared: &Prepared,
         states: &[S],
         goal: Goal,
     ) -> Result<(), RefusedState> {
+        self.place(prepared, states)?;
         let Self { frames, rounded, found, .. } = self;
         found.touching.clear();
         found.candidates.clear();
-        for (k, state) in states.iter().enumerate() {
-            prepared.robot.check_state(state.as_ref()).map_err(|error| (k, error))?;
-        }
         for (packet, (states, frames)) in states.chunks(WIDTH).zip(frames).enumerate() {
-            frames.read(&prepared.robot, states);
-            dispatch_on(Path::best(), Place { robot: &prepared.robot, states, to: frames });
             let (first, open) = ((packet * WIDTH) as u32, (1 << states.len()) - 1);
-            let rounded = &mut *rounded;
-            let found = &mut *found;
+            let (rounded, found) = (&mut *rounded, &mut *found);
             dispatch_on(Path::best(), Sift { prepared, frames, rounded, first, open, goal, found });
         }
         Ok(())

@@ -50,6 +50,13 @@ pub struct IndexRow(pub [u32; WIDTH]);
 pub struct Block(pub [Row; 3]);
 
 impl Block {
+    /// Point k, which must be below sixteen.
+    #[inline]
+    pub fn point(&self, k: usize) -> glam::Vec3 {
+        let Self([x, y, z]) = self;
+        glam::Vec3::new(x.0[k], y.0[k], z.0[k])
+    }
+
     /// Points relative to a centre, subtracted in f64 and rounded to f32, sixteen a block; the last block is
     /// filled up with the last point.
     pub fn relative(

@@ -37,8 +37,7 @@ impl Sphere16 {
     /// Sphere k, which must be below sixteen.
     #[inline]
     pub fn get(&self, k: usize) -> BoundingSphere {
-        let Block([x, y, z]) = &self.centre;
-        BoundingSphere { centre: Vec3::new(x.0[k], y.0[k], z.0[k]), radius: self.radius.0[k] }
+        BoundingSphere { centre: self.centre.point(k), radius: self.radius.0[k] }
     }
 
     /// Replaces sphere k, which must be below sixteen.

@@ -5,10 +5,10 @@ use super::rival::{Rival, Wanted, parry_pose};
 use super::{Links, refused};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
-use dcd_geom::{Pair, Pose, Scene};
+use dcd_geom::{Pair, Pose};
 use dcd_io::shown;
-use dcd_pipeline::{BatchChecker, LinkSet, Other, Overlap, Par, StaticWorld};
-use dcd_robot::{AllowedPairs, Problem, Robot, Srdf, Workcell, read_problems};
+use dcd_pipeline::Par;
+use dcd_robot::{AllowedPairs, Problem, Robot, Srdf, StateChecker, Workcell, read_problems};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -37,7 +37,7 @@ pub(super) struct Checked {
     states: usize,
     /// States in which something touches.
     in_contact: usize,
-    /// States of which the search for one hit finds one: those, and those in which only pairs touch that may.
+    /// States of which the search for one hit finds one.
     first_hits: usize,
     starts_in_contact: usize,
     goals_in_contact: usize,
@@ -56,7 +56,7 @@ pub(super) struct Checked {
 /// Milliseconds of one thread.
 #[derive(Debug, Default, Serialize)]
 struct Times {
-    /// Of the links' poses from joint values.
+    /// Of where the links are, from joint values: measured by itself, and taken off the two below.
     ms_kinematics: f64,
     /// Of worlds and robots, once a problem.
     ms_preparation: f64,
@@ -124,14 +124,6 @@ struct Difference {
     settled: Settled,
 }
 
-/// A checker, and what its links were made from.
-struct CheckerOf {
-    checker: BatchChecker,
-    count: usize,
-    /// The pairs of links that may touch.
-    allowed: Vec<(usize, usize)>,
-}
-
 /// What one problem leaves to the next.
 #[derive(Default)]
 struct Runner {
@@ -140,12 +132,10 @@ struct Runner {
     ours: Vec<Pair>,
     theirs: Vec<Pair>,
     spent: Spent,
-    /// In how many states the search for a first hit found one, pairs that may touch among them.
+    /// In how many states the search for a first hit found one.
     first_hits: usize,
-    /// How many links the robot has when it carries nothing.
-    links: usize,
-    /// Of the problem before, if the robot carried nothing.
-    checker: Option<CheckerOf>,
+    /// Of the problem before.
+    checker: Option<StateChecker>,
     /// What the files say that is not used, and in how many problems.
     notes: BTreeMap<String, usize>,
 }
@@ -159,7 +149,7 @@ pub(super) fn check(given: &Given<'_>, archive: &Path) -> Result<Checked, Failur
     }
     let problems = read_problems(archive).map_err(refused)?;
     let mut checked = Checked { geometry: given.geometry, ..Checked::default() };
-    let mut runner = Runner { links: shapes, ..Runner::default() };
+    let mut runner = Runner::default();
     let progress = Progress::over(problems.len() as u64, "problems");
     for problem in &problems {
         progress.step();
@@ -217,20 +207,15 @@ impl Checked {
         self.problems += 1;
         let states: Vec<Vec<f64>> =
             (0..STATES).map(|state| on_the_way(&start, &goal, state)).collect();
-        let (mut poses, mut way) = (Vec::new(), Vec::new());
-        let begun = Instant::now();
-        for state in &states {
-            cell.robot().place(state, &mut poses).map_err(refused)?;
-            way.extend_from_slice(&poses);
-        }
-        runner.spent.kinematics += begun.elapsed();
-        self.undecided += runner.check(&cell, &way)?;
-        for (state, poses) in way.chunks(poses.len()).enumerate() {
+        self.undecided += runner.check(&cell, &states)?;
+        let mut poses = Vec::new();
+        for (state, values) in states.iter().enumerate() {
+            cell.robot().place(values, &mut poses).map_err(refused)?;
             runner.ours = std::mem::take(&mut runner.batch[state]);
-            self.parry_undecided += runner.ask_parry(&cell, &mut rival, poses);
+            self.parry_undecided += runner.ask_parry(&cell, &mut rival, &poses);
             self.count(state, runner);
             if runner.ours != runner.theirs {
-                cell.set_poses(poses).map_err(refused)?;
+                cell.set_poses(&poses).map_err(refused)?;
                 let found = differences(runner).map(|(pair, we_say)| Difference {
                     set: problem.set.clone(),
                     number: problem.number.clone(),
@@ -280,61 +265,38 @@ impl Runner {
     }
 
     /// Our contacts in each state, sorted, and how many pairs stayed undecided.
-    fn check(&mut self, cell: &Workcell, way: &[Pose]) -> Result<usize, Failure> {
-        let refused = |error| Failure::Input(format!("{error}"));
-        let scene = cell.scene();
-        let links = cell.robot().parts().len();
+    fn check(&mut self, cell: &Workcell, states: &[Vec<f64>]) -> Result<usize, Failure> {
+        let cell = cell.clone();
         let begun = Instant::now();
-        let obstacles = links..scene.len();
-        let shapes = obstacles.clone().map(|i| scene.shape(i).clone()).collect();
-        let poses = scene.poses()[obstacles].to_vec();
-        let world = Scene::one_each(shapes, poses).map_err(refused)?;
-        let world = StaticWorld::new(&world, Overlap::default(), Par::Serial).map_err(refused)?;
-        let allowed = scene.ignored_pairs().map(|pair| (pair.i as usize, pair.j as usize));
-        let own: Vec<_> = allowed.filter(|&(_, j)| j < links).collect();
-        let mut checker = match self.checker.take() {
-            // A robot that carries nothing has the same links in every problem.
-            Some(CheckerOf { mut checker, count, allowed }) if count == links && allowed == own => {
-                checker.set_world(world).map_err(refused)?;
-                checker
-            }
-            _ => {
-                let shapes = cell.robot().parts().iter().map(|part| part.shape.clone()).collect();
-                let link_set = LinkSet::new(shapes).against_itself(&own).map_err(refused)?;
-                world.checker(link_set).map_err(refused)?
-            }
+        let checker = match self.checker.take() {
+            Some(mut checker) => checker.set_cell(cell).map(|()| checker),
+            None => StateChecker::new(cell),
         };
+        let checker = checker.map_err(refused)?;
         self.spent.preparation += begun.elapsed();
         let begun = Instant::now();
-        let first = checker.first(way, Par::Serial).map_err(refused)?;
-        self.spent.first += begun.elapsed();
+        checker.place_links(states).map_err(refused)?;
+        let kinematics = begun.elapsed();
+        let begun = Instant::now();
+        let first = checker.first(states, Par::Serial).map_err(refused)?;
+        self.spent.first += begun.elapsed().saturating_sub(kinematics);
         let touching = first.iter().flatten().filter(|hit| hit.touches());
         self.first_hits += touching.count();
         let begun = Instant::now();
-        let found = checker.all(way, Par::Serial).map_err(refused)?;
-        self.spent.all += begun.elapsed();
+        let found = checker.all(states, Par::Serial).map_err(refused)?;
+        self.spent.all += begun.elapsed().saturating_sub(kinematics);
+        self.spent.kinematics += kinematics;
         self.batch.clear();
         self.batch.resize(STATES, Vec::new());
         let mut undecided = 0;
-        for hit in found.iter() {
-            let other = match hit.other {
-                Other::Obstacle(k) => k + links as u32,
-                Other::Link(k) => k,
-            };
-            let pair = Pair::new(hit.link, other);
-            if !scene.allows(pair.i, pair.j) {
-                continue;
-            }
+        for hit in found {
             if hit.touches() {
-                self.batch[hit.configuration as usize].push(pair);
+                self.batch[hit.state as usize].push(hit.pair);
             } else {
                 undecided += 1;
             }
         }
-        self.batch.iter_mut().for_each(|pairs| pairs.sort_unstable());
-        if links == self.links {
-            self.checker = Some(CheckerOf { checker, count: links, allowed: own });
-        }
+        self.checker = Some(checker);
         Ok(undecided)
     }
 

@@ -91,10 +91,10 @@ impl<S: AsRef<[f64]>> Kernel for Place<'_, S> {
             let drive = &to.drives[number];
             for half in 0..2 {
                 let parent = &to.frames[joint.parent];
-                let frame = std::array::from_fn(
-                    #[inline(always)]
-                    |k| l.load_d(&parent[k][half]),
-                );
+                let mut frame = [l.splat_d(0.0); 12];
+                for k in 0..12 {
+                    frame[k] = l.load_d(&parent[k][half]);
+                }
                 let drive = [l.load_d(&drive[0][half]), l.load_d(&drive[1][half])];
                 let frame = driven(l, then(l, frame, &joint.origin), joint, drive);
                 let child = &mut to.frames[joint.child];
@@ -113,21 +113,19 @@ fn then<L: Lanes>(l: L, outer: [L::D; 12], inner: &JointFrame) -> [L::D; 12] {
     if inner.rotation != DMat3::IDENTITY {
         let columns = inner.rotation.to_cols_array();
         for k in 0..3 {
-            let column = [columns[3 * k], columns[3 * k + 1], columns[3 * k + 2]];
-            let column = turned(
-                l,
-                &outer,
-                [l.splat_d(column[0]), l.splat_d(column[1]), l.splat_d(column[2])],
-            );
+            let column = vector(l, columns[3 * k], columns[3 * k + 1], columns[3 * k + 2]);
+            let column = turned(l, &outer, column);
             frame[3 * k..3 * k + 3].copy_from_slice(&column);
         }
     }
-    let [x, y, z] = inner.translation.to_array();
-    let offset = turned(l, &outer, [l.splat_d(x), l.splat_d(y), l.splat_d(z)]);
-    for k in 0..3 {
-        frame[9 + k] = l.add_d(offset[k], outer[9 + k]);
-    }
+    let DVec3 { x, y, z } = inner.translation;
+    slid(l, &outer, vector(l, x, y, z), &mut frame);
     frame
+}
+
+#[inline(always)]
+fn vector<L: Lanes>(l: L, x: f64, y: f64, z: f64) -> [L::D; 3] {
+    [l.splat_d(x), l.splat_d(y), l.splat_d(z)]
 }
 
 /// [`moved`] of what turns, slides or stays.
@@ -141,32 +139,38 @@ fn driven<L: Lanes>(l: L, rest: [L::D; 12], joint: &Joint, drive: [L::D; 2]) -> 
                 frame[3 * k..3 * k + 3].copy_from_slice(&turned(l, &rest, rotation[k]));
             }
         }
-        Motion::Slides { axis, .. } => {
-            let along = axis.to_array();
-            let along = [0, 1, 2].map(
-                #[inline(always)]
-                |k| l.mul_d(l.splat_d(along[k]), drive[0]),
-            );
-            let offset = turned(l, &rest, along);
-            for k in 0..3 {
-                frame[9 + k] = l.add_d(offset[k], rest[9 + k]);
-            }
+        Motion::Slides { axis: DVec3 { x, y, z }, .. } => {
+            let axis = vector(l, x, y, z);
+            let along = [
+                l.mul_d(axis[0], drive[0]),
+                l.mul_d(axis[1], drive[0]),
+                l.mul_d(axis[2], drive[0]),
+            ];
+            slid(l, &rest, along, &mut frame);
         }
         Motion::Fixed | Motion::Orients { .. } => {}
     }
     frame
 }
 
+/// The frame's rotation times a vector, and its translation added: the translation of another.
+#[inline(always)]
+fn slid<L: Lanes>(l: L, frame: &[L::D; 12], by: [L::D; 3], to: &mut [L::D; 12]) {
+    let offset = turned(l, frame, by);
+    for k in 0..3 {
+        to[9 + k] = l.add_d(offset[k], frame[9 + k]);
+    }
+}
+
 /// The frame's rotation times a vector, summed as glam sums it.
 #[inline(always)]
 fn turned<L: Lanes>(l: L, frame: &[L::D; 12], [x, y, z]: [L::D; 3]) -> [L::D; 3] {
-    [0, 1, 2].map(
-        #[inline(always)]
-        |k| {
-            let sum = l.add_d(l.mul_d(frame[k], x), l.mul_d(frame[3 + k], y));
-            l.add_d(sum, l.mul_d(frame[6 + k], z))
-        },
-    )
+    let mut sum = [x; 3];
+    for k in 0..3 {
+        let two = l.add_d(l.mul_d(frame[k], x), l.mul_d(frame[3 + k], y));
+        sum[k] = l.add_d(two, l.mul_d(frame[6 + k], z));
+    }
+    sum
 }
 
 /// [`dcd_gjk::motion::rotation_from_axis_angle`] by its columns.
@@ -174,14 +178,30 @@ fn turned<L: Lanes>(l: L, frame: &[L::D; 12], [x, y, z]: [L::D; 3]) -> [L::D; 3]
 fn rotation<L: Lanes>(l: L, axis: DVec3, [sin, cos]: [L::D; 2]) -> [[L::D; 3]; 3] {
     let DVec3 { x, y, z } = axis;
     let (one, versine) = (l.splat_d(1.0), l.sub_d(l.splat_d(1.0), cos));
-    let by_sine = |factor: f64| l.mul_d(l.splat_d(factor), sin);
-    let by_versine = |factor: f64| l.mul_d(l.splat_d(factor), versine);
     let (xx, yy, zz) = (x * x, y * y, z * z);
-    let (xy, xz, yz) = (by_versine(x * y), by_versine(x * z), by_versine(y * z));
-    let diagonal = |others: f64| l.sub_d(one, by_versine(others));
+    let xy = times(l, x * y, versine);
+    let xz = times(l, x * z, versine);
+    let yz = times(l, y * z, versine);
     [
-        [diagonal(zz + yy), l.add_d(by_sine(z), xy), l.add_d(by_sine(-y), xz)],
-        [l.add_d(by_sine(-z), xy), diagonal(zz + xx), l.add_d(by_sine(x), yz)],
-        [l.add_d(by_sine(y), xz), l.add_d(by_sine(-x), yz), diagonal(yy + xx)],
+        [
+            l.sub_d(one, times(l, zz + yy, versine)),
+            l.add_d(times(l, z, sin), xy),
+            l.add_d(times(l, -y, sin), xz),
+        ],
+        [
+            l.add_d(times(l, -z, sin), xy),
+            l.sub_d(one, times(l, zz + xx, versine)),
+            l.add_d(times(l, x, sin), yz),
+        ],
+        [
+            l.add_d(times(l, y, sin), xz),
+            l.add_d(times(l, -x, sin), yz),
+            l.sub_d(one, times(l, yy + xx, versine)),
+        ],
     ]
+}
+
+#[inline(always)]
+fn times<L: Lanes>(l: L, factor: f64, x: L::D) -> L::D {
+    l.mul_d(l.splat_d(factor), x)
 }

@@ -78,17 +78,13 @@ fn round<L: Lanes>(l: L, links: &[LinkSpheres], frames: &LinkFrames, to: &mut Ve
     to.resize(links.len(), RoundedLink::default());
     for (link, rounded) in links.iter().zip(to) {
         let row = &frames.frames[link.link];
-        for (numbers, row) in row.iter().zip(&mut rounded.frame) {
-            l.store(l.round_from([&numbers[0], &numbers[1]]), row);
+        for k in 0..12 {
+            l.store(l.round_from([&row[k][0], &row[k][1]]), &mut rounded.frame[k]);
         }
         let frame = loaded(l, &rounded.frame);
-        let at = [link.centre.x, link.centre.y, link.centre.z].map(
-            #[inline(always)]
-            |x| l.splat(x),
-        );
-        let centre = placed(l, &frame, at);
-        for (x, row) in centre.into_iter().zip(&mut rounded.centre.0) {
-            l.store(x, row);
+        let centre = placed(l, &frame, splat(l, link.centre));
+        for k in 0..3 {
+            l.store(centre[k], &mut rounded.centre.0[k]);
         }
         let far = l.max(l.max(l.abs(frame[9]), l.abs(frame[10])), l.abs(frame[11]));
         let margin = l.mul_add(far, l.splat(MARGIN as f32), l.splat(link.margin));
@@ -98,22 +94,27 @@ fn round<L: Lanes>(l: L, links: &[LinkSpheres], frames: &LinkFrames, to: &mut Ve
 
 #[inline(always)]
 fn loaded<L: Lanes>(l: L, rows: &[Row; 12]) -> [L::F; 12] {
-    std::array::from_fn(
-        #[inline(always)]
-        |k| l.load(&rows[k]),
-    )
+    let mut frame = [l.splat(0.0); 12];
+    for k in 0..12 {
+        frame[k] = l.load(&rows[k]);
+    }
+    frame
+}
+
+#[inline(always)]
+fn splat<L: Lanes>(l: L, point: Vec3) -> [L::F; 3] {
+    [l.splat(point.x), l.splat(point.y), l.splat(point.z)]
 }
 
 /// R·c + t.
 #[inline(always)]
 fn placed<L: Lanes>(l: L, frame: &[L::F; 12], [x, y, z]: [L::F; 3]) -> [L::F; 3] {
-    [0, 1, 2].map(
-        #[inline(always)]
-        |k| {
-            let sum = l.mul_add(frame[k], x, frame[9 + k]);
-            l.mul_add(frame[6 + k], z, l.mul_add(frame[3 + k], y, sum))
-        },
-    )
+    let mut centre = [x; 3];
+    for k in 0..3 {
+        let sum = l.mul_add(frame[k], x, frame[9 + k]);
+        centre[k] = l.mul_add(frame[6 + k], z, l.mul_add(frame[3 + k], y, sum));
+    }
+    centre
 }
 
 #[inline(always)]
@@ -136,21 +137,16 @@ impl RoundedLink {
     /// Sixteen spheres on the link, in one of the states.
     #[inline(always)]
     fn row<L: Lanes>(&self, l: L, row: &SphereRow, lane: usize) -> Sixteen<L> {
-        let frame: [L::F; 12] = std::array::from_fn(
-            #[inline(always)]
-            |k| l.splat(self.frame[k].0[lane]),
-        );
+        let mut frame = [l.splat(0.0); 12];
+        for k in 0..12 {
+            frame[k] = l.splat(self.frame[k].0[lane]);
+        }
         Sixteen {
             centre: placed(l, &frame, of_block(l, &row.centre)),
             outer: l.load(&row.outer),
             inner: l.load(&row.inner),
             margin: l.splat(self.margin.0[lane]),
         }
-    }
-
-    fn centre(&self, lane: usize) -> Vec3 {
-        let Block([x, y, z]) = &self.centre;
-        Vec3::new(x.0[lane], y.0[lane], z.0[lane])
     }
 }
 
@@ -203,18 +199,12 @@ impl Sift<'_> {
         a: (&LinkSpheres, &RoundedLink),
         b: (&LinkSpheres, &RoundedLink),
     ) {
-        let [of_a, of_b] = [a, b].map(
-            #[inline(always)]
-            |(link, rounded)| rounded.spheres(l, link),
-        );
+        let (of_a, of_b) = (a.1.spheres(l, a.0), b.1.spheres(l, b.0));
         let states = meeting(l, &of_a, &of_b).near & self.open;
         for lane in bits(states) {
             // The spheres of one link that reach the other link's own.
             let own = Sixteen {
-                centre: {
-                    let Vec3 { x, y, z } = a.1.centre(lane);
-                    [l.splat(x), l.splat(y), l.splat(z)]
-                },
+                centre: splat(l, a.1.centre.point(lane)),
                 outer: l.splat(a.0.radius),
                 inner: l.splat(f32::NEG_INFINITY),
                 margin: l.splat(a.1.margin.0[lane]),
@@ -225,9 +215,9 @@ impl Sift<'_> {
                 if candidates == 0 {
                     continue;
                 }
-                let mut stored = [Row::default(); 3];
-                for (x, row) in of_b.centre.into_iter().zip(&mut stored) {
-                    l.store(x, row);
+                let mut stored = Block::default();
+                for k in 0..3 {
+                    l.store(of_b.centre[k], &mut stored.0[k]);
                 }
                 for other in &a.0.rows {
                     let of_a = a.1.row(l, other, lane);
@@ -239,10 +229,7 @@ impl Sift<'_> {
                             (body, all) = (row.bodies[k], Reached::default());
                         }
                         let one = Sixteen {
-                            centre: [0, 1, 2].map(
-                                #[inline(always)]
-                                |axis| l.splat(stored[axis].0[k]),
-                            ),
+                            centre: splat(l, stored.point(k)),
                             outer: l.splat(row.outer.0[k]),
                             inner: l.splat(row.inner.0[k]),
                             margin: of_b.margin,
@@ -293,10 +280,9 @@ impl Sift<'_> {
 /// Which spheres of the same number meet.
 #[inline(always)]
 fn meeting<L: Lanes>(l: L, a: &Sixteen<L>, b: &Sixteen<L>) -> Reached {
-    let [x, y, z] = [0, 1, 2].map(
-        #[inline(always)]
-        |k| l.sub(a.centre[k], b.centre[k]),
-    );
+    let x = l.sub(a.centre[0], b.centre[0]);
+    let y = l.sub(a.centre[1], b.centre[1]);
+    let z = l.sub(a.centre[2], b.centre[2]);
     let square = l.mul_add(x, x, l.mul_add(y, y, l.mul(z, z)));
     let margin = l.add(a.margin, b.margin);
     let near = within(l, square, l.add(l.add(a.outer, b.outer), margin));

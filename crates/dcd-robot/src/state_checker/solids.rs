@@ -61,55 +61,57 @@ impl Solid {
     pub(super) fn reached<L: Lanes>(&self, l: L, spheres: &Sixteen<L>) -> Reached {
         let Sixteen { centre, outer, inner, margin } = *spheres;
         let margin = l.add(margin, l.splat(self.margin));
-        let mut from = [0, 1, 2].map(
-            #[inline(always)]
-            |k| l.sub(centre[k], l.splat(self.centre[k])),
-        );
-        if let Some(axes) = self.axes {
-            from = axes.map(
-                #[inline(always)]
-                |axis| {
-                    let sum = l.mul(from[0], l.splat(axis.x));
-                    let sum = l.mul_add(from[1], l.splat(axis.y), sum);
-                    l.mul_add(from[2], l.splat(axis.z), sum)
-                },
-            );
+        let mut from = from_point(l, centre, self.centre);
+        if let Some([x, y, z]) = self.axes {
+            from = [along(l, from, x), along(l, from, y), along(l, from, z)];
         }
-        let beyond = |x: L::F, half: f32| l.max(l.sub(l.abs(x), l.splat(half)), l.splat(0.0));
+        let none = l.splat(0.0);
         let away = match self.form {
             Form::Point => from,
-            Form::Segment { half_height } => [from[0], from[1], beyond(from[2], half_height)],
+            Form::Segment { half_height } => [from[0], from[1], beyond(l, from[2], half_height)],
             Form::Cylinder { half_height, radius } => {
                 let square = l.mul_add(from[0], from[0], l.mul(from[1], from[1]));
-                let radial = l.max(l.sub(l.sqrt(square), l.splat(radius)), l.splat(0.0));
-                [radial, l.splat(0.0), beyond(from[2], half_height)]
+                let radial = l.max(l.sub(l.sqrt(square), l.splat(radius)), none);
+                [radial, none, beyond(l, from[2], half_height)]
             }
-            Form::Box | Form::Bounded { .. } => [0, 1, 2].map(
-                #[inline(always)]
-                |k| beyond(from[k], self.half[k]),
-            ),
+            Form::Box | Form::Bounded { .. } => [
+                beyond(l, from[0], self.half.x),
+                beyond(l, from[1], self.half.y),
+                beyond(l, from[2], self.half.z),
+            ],
         };
-        let reach = |by: L::F, more: f32| l.add(l.add(by, l.splat(self.swept + more)), margin);
-        let room = |by: L::F, more: f32| l.sub(l.add(by, l.splat(self.swept + more)), margin);
+        let swept = l.splat(self.swept);
+        let (reach, room) =
+            (l.add(l.add(outer, swept), margin), l.sub(l.add(inner, swept), margin));
         let square = squared(l, away);
-        let mut near = within(l, square, reach(outer, 0.0));
-        let touched = if let Form::Bounded { outer: (middle, radius), inner: known } = self.form {
-            let to = |point: Vec3| {
-                squared(
-                    l,
-                    [0, 1, 2].map(
-                        #[inline(always)]
-                        |k| l.sub(centre[k], l.splat(point[k])),
-                    ),
-                )
-            };
-            near &= within(l, to(middle), reach(outer, radius));
-            inside(l, to(known.0), room(inner, known.1))
-        } else {
-            inside(l, square, room(inner, 0.0))
+        let near = within(l, square, reach);
+        let Form::Bounded { outer: (middle, radius), inner: known } = self.form else {
+            let touched = inside(l, square, room);
+            return Reached { near: near | touched, touched };
         };
+        let to_outer = squared(l, from_point(l, centre, middle));
+        let near = near & within(l, to_outer, l.add(reach, l.splat(radius)));
+        let to_inner = squared(l, from_point(l, centre, known.0));
+        let touched = inside(l, to_inner, l.add(room, l.splat(known.1)));
         Reached { near: near | touched, touched }
     }
+}
+
+#[inline(always)]
+fn from_point<L: Lanes>(l: L, [x, y, z]: [L::F; 3], point: Vec3) -> [L::F; 3] {
+    [l.sub(x, l.splat(point.x)), l.sub(y, l.splat(point.y)), l.sub(z, l.splat(point.z))]
+}
+
+#[inline(always)]
+fn along<L: Lanes>(l: L, [x, y, z]: [L::F; 3], axis: Vec3) -> L::F {
+    let sum = l.mul(x, l.splat(axis.x));
+    l.mul_add(z, l.splat(axis.z), l.mul_add(y, l.splat(axis.y), sum))
+}
+
+/// How far a coordinate is beyond ± half.
+#[inline(always)]
+fn beyond<L: Lanes>(l: L, x: L::F, half: f32) -> L::F {
+    l.max(l.sub(l.abs(x), l.splat(half)), l.splat(0.0))
 }
 
 #[inline(always)]

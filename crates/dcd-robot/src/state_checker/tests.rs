@@ -197,7 +197,7 @@ fn answers_are_those_of_every_pair_decided_alone() {
     let (mut free, mut hits) = (0, 0);
     for _ in 0..120 {
         let mut cell = cell(&mut draw);
-        let checker = StateChecker::new(&cell).unwrap();
+        let checker = StateChecker::new(cell.clone()).unwrap();
         let count = 1 + draw.below(40) as usize;
         let states: Vec<Vec<f64>> = (0..count).map(|_| state(&mut draw, cell.robot())).collect();
         let all = checker.all(&states, Par::Serial).unwrap();
@@ -227,7 +227,7 @@ fn answers_depend_on_the_state_alone() {
     let mut draw = Draw(3);
     for _ in 0..12 {
         let cell = cell(&mut draw);
-        let checker = StateChecker::new(&cell).unwrap();
+        let checker = StateChecker::new(cell.clone()).unwrap();
         let states: Vec<Vec<f64>> = (0..300).map(|_| state(&mut draw, cell.robot())).collect();
         let (first, all) = (
             checker.first(&states, Par::Serial).unwrap(),
@@ -268,7 +268,7 @@ fn spheres_that_just_touch_are_told_as_exactly_as_pairs_alone() {
         let obstacles = vec![Obstacle { name: "o".to_owned(), shape, pose }];
         let world = World { obstacles, ..World::default() };
         let mut cell = Workcell::new(robot, &world, &AllowedPairs::default()).unwrap();
-        let checker = StateChecker::new(&cell).unwrap();
+        let checker = StateChecker::new(cell.clone()).unwrap();
         let touches = |value: f64| checker.collides(&[[value]], Par::Serial).unwrap()[0];
         let (mut inside, mut outside) = (0.0, 4.0);
         if !touches(inside) || touches(outside) {
@@ -298,7 +298,7 @@ fn bad_states_are_refused_by_their_index() {
             break cell;
         }
     };
-    let checker = StateChecker::new(&cell).unwrap();
+    let checker = StateChecker::new(cell.clone()).unwrap();
     let good = cell.robot().rest_state();
     let said = |states: &[Vec<f64>]| checker.all(states, Par::Serial).unwrap_err().to_string();
     let short = vec![good.clone(), good[1..].to_vec()];
@@ -317,7 +317,7 @@ fn a_link_out_of_range_is_refused_and_never_free() {
       <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"#;
     let robot = Robot::read(urdf, FilePath::new("."), LinkShapes::Hulls).unwrap();
     let cell = Workcell::new(robot, &World::default(), &AllowedPairs::default()).unwrap();
-    let checker = StateChecker::new(&cell).unwrap();
+    let checker = StateChecker::new(cell.clone()).unwrap();
     for far in [1e38, 1e300, f64::MAX] {
         let error = checker.first(&[[3.0], [far]], Par::Serial).unwrap_err().to_string();
         assert!(error.starts_with("state 1: "), "{error}");
