@@ -26,7 +26,7 @@ use links::{Body, LinkSpheres, links};
 use sift::{Found, Rounded, Sift};
 use solids::Solid;
 use std::ops::Range;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// By how much spheres are compared larger, where they are to be apart, or smaller, where they are to touch. Unit:
 /// metres a metre of the two sizes and places: 256 units of 2⁻²⁴, some four times what the roundings of frames,
@@ -44,6 +44,9 @@ const CHUNK: usize = PACKETS * WIDTH;
 /// How many pairs of a state are decided at once where one hit is enough. Larger: more is decided in vain. Smaller:
 /// lanes run empty.
 const AT_ONCE: usize = 4;
+
+/// How many configurations a [`PairDecider`] counts for each link.
+const MOST_AT_ONCE: usize = 512;
 
 /// Sixteen spheres, each metres.
 struct Sixteen<L: Lanes> {
@@ -112,7 +115,9 @@ impl StateHit {
 #[derive(Debug)]
 pub struct StateChecker {
     prepared: Prepared,
-    decider: PairDecider,
+    /// Made when the spheres first leave a pair to it, the obstacles' side for each cell.
+    decider: OnceLock<PairDecider>,
+    world: OnceLock<StaticWorld>,
     scratch: PerThread<Scratch>,
 }
 
@@ -166,7 +171,8 @@ impl Prepared {
             filtered: false,
             cell,
         };
-        prepared.look_round();
+        prepared.take_obstacles();
+        prepared.link_pairs = prepared.link_pairs();
         prepared
     }
 
@@ -183,17 +189,21 @@ impl Prepared {
         if !is_same {
             return Err(cell);
         }
+        let parts = 0..cell.robot().parts.len();
+        let is_filtered_alike = self.cell.scene().filters_like(cell.scene(), parts);
         self.cell = cell;
-        self.look_round();
+        self.take_obstacles();
+        if !is_filtered_alike {
+            self.link_pairs = self.link_pairs();
+        }
         Ok(())
     }
 
-    /// Takes the obstacles, and who may touch whom, from the cell.
-    fn look_round(&mut self) {
+    /// Takes the obstacles from the cell.
+    fn take_obstacles(&mut self) {
         let scene = self.cell.scene();
         self.solids = self.obstacles().map(|i| Solid::of(scene, i)).collect();
         self.filtered = scene.filters_movers();
-        self.link_pairs = self.link_pairs();
     }
 
     fn robot(&self) -> &Robot {
@@ -301,6 +311,17 @@ fn is_same_body(a: &Body<'_>, b: &Body<'_>) -> bool {
     shapes_are_one && a.link == b.link && a.origin == b.origin
 }
 
+/// What a cell holds, made if it is the first to be asked for.
+fn made<T>(
+    cell: &OnceLock<T>,
+    make: impl FnOnce() -> Result<T, SceneError>,
+) -> Result<&T, SceneError> {
+    match cell.get() {
+        Some(held) => Ok(held),
+        None => make().map(|new| cell.get_or_init(|| new)),
+    }
+}
+
 /// What of a joint says where its child is.
 fn kinematics(joint: &Joint) -> (usize, usize, &Motion, &JointFrame) {
     (joint.parent, joint.child, &joint.motion, &joint.origin)
@@ -310,27 +331,43 @@ impl StateChecker {
     /// For the robot of a work cell, with what it carries, among its obstacles.
     ///
     /// # Errors
-    /// More objects than a u32 counts.
+    /// More than 2³² objects, each body counted 512 times.
     pub fn new(cell: Workcell) -> Result<Self, RobotError> {
-        Self::of(Prepared::of(cell)).map_err(RobotError::Scene)
-    }
-
-    fn of(prepared: Prepared) -> Result<Self, SceneError> {
-        let decider = PairDecider::new(world(&prepared.cell)?, prepared.link_set(), CHUNK)?;
-        Ok(Self { prepared, decider, scratch: PerThread::default() })
+        Self::check_count(&cell)?;
+        Ok(Self {
+            prepared: Prepared::of(cell),
+            decider: OnceLock::new(),
+            world: OnceLock::new(),
+            scratch: PerThread::default(),
+        })
     }
 
     /// Checks in another cell from now on. Where the robot and what it carries are clones of those that there
     /// were, padded alike, only the obstacles are prepared.
     ///
     /// # Errors
-    /// More objects than a u32 counts; nothing is changed then.
+    /// Those of [`StateChecker::new`]; nothing is changed then.
     pub fn set_cell(&mut self, cell: Workcell) -> Result<(), RobotError> {
-        let world = world(&cell).map_err(RobotError::Scene)?;
+        Self::check_count(&cell)?;
         match self.prepared.exchange(cell) {
-            Ok(()) => self.decider.set_world(world).map_err(RobotError::Scene),
-            Err(cell) => Self::new(cell).map(|new| *self = new),
+            Ok(()) => self.world = OnceLock::new(),
+            Err(cell) => *self = Self::new(cell)?,
         }
+        Ok(())
+    }
+
+    /// That what the narrow phase counts is within a u32.
+    fn check_count(cell: &Workcell) -> Result<(), RobotError> {
+        let count = cell.scene().len().saturating_mul(MOST_AT_ONCE);
+        let too_many = |_| RobotError::Scene(SceneError::TooMany { what: "objects", count });
+        u32::try_from(count).map(drop).map_err(too_many)
+    }
+
+    /// What decides pairs, and the obstacles prepared for it.
+    fn decider(&self) -> Result<(&PairDecider, &StaticWorld), SceneError> {
+        let decider = || PairDecider::new(self.prepared.link_set(), CHUNK);
+        let world = || world(&self.prepared.cell);
+        Ok((made(&self.decider, decider)?, made(&self.world, world)?))
     }
 
     /// The cell, its robot in whatever state.
@@ -547,7 +584,11 @@ impl Scratch {
         checker: &StateChecker,
         mut note: impl FnMut(Candidate, Verdict<()>),
     ) -> Result<(), RefusedState> {
+        if self.asked.is_empty() {
+            return Ok(());
+        }
         let prepared = &checker.prepared;
+        let (decider, world) = checker.decider().map_err(|error| (0, RobotError::Scene(error)))?;
         let mut refused: Option<RefusedState> = None;
         let pose = |state: usize, body: usize| {
             let pose = prepared.pose(&self.frames[state / WIDTH], state % WIDTH, body);
@@ -558,7 +599,7 @@ impl Scratch {
                 Pose::IDENTITY
             })
         };
-        let decided = checker.decider.decide(&self.asked, pose, |hit| {
+        let decided = decider.decide(world, &self.asked, pose, |hit| {
             let (configuration, link, other) = (hit.configuration, hit.link, hit.other);
             note(Candidate { configuration, link, other }, hit.verdict);
         });

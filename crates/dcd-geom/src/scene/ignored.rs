@@ -8,7 +8,7 @@ const NO_GROUP: u32 = u32::MAX;
 /// A set of pairs of objects, as a sorted list for each object: most have none, and are told so by
 /// one look. Objects that are all ignored with each other are a group, which takes a number an
 /// object however large it is.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct IgnoredPairs {
     /// For each object its group; shorter than the scene where none has one.
     group_of: Vec<u32>,

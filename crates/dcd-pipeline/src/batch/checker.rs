@@ -8,6 +8,7 @@ use dcd_broad::ObstacleGrid;
 use dcd_exec::{Exec, PerThread, Segments};
 use dcd_geom::{Filter, PackedSphereBounds, Pose, Scene, SceneError, SphereBounds};
 use dcd_gjk::{NarrowPhase, Verdict};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What a link touches.
@@ -83,7 +84,8 @@ const ROWS: usize = 16;
 /// not depend on `exec` or on earlier batches. After the first batch a serial one of a like size
 /// allocates nothing.
 pub struct BatchChecker<N: NarrowPhase = dcd_gjk::Overlap> {
-    pub(super) rows: LinkRows<N>,
+    pub(super) world: Arc<Obstacles<N>>,
+    pub(super) rows: LinkRows,
     /// Whether a link may not touch every obstacle.
     pub(super) filtered: bool,
     /// For each link what its box comes from without its vertices, where that is known.
@@ -96,13 +98,17 @@ pub struct BatchChecker<N: NarrowPhase = dcd_gjk::Overlap> {
 }
 
 impl<N: NarrowPhase> BatchChecker<N> {
-    pub(super) fn new(world: StaticWorld<N>, link_set: LinkSet) -> Result<Self, SceneError> {
-        let rows = LinkRows::new(world, link_set, FEW)?;
-        let bounds = bounds_of(&rows);
-        let obstacle_grid = grid_for(&rows.world, &bounds);
-        let filtered = has_filters(&rows);
+    pub(super) fn new(
+        StaticWorld(world): StaticWorld<N>,
+        link_set: LinkSet,
+    ) -> Result<Self, SceneError> {
+        let rows = LinkRows::new(link_set, FEW)?;
+        rows.check_count(&world)?;
+        let bounds = bounds_of(&world, &rows.link_set);
+        let obstacle_grid = grid_for(&world, &bounds);
+        let filtered = has_filters(&world, &rows.link_set);
         let (workers, first, all) = (PerThread::default(), Vec::new(), Segments::default());
-        let checker = Self { rows, filtered, bounds, obstacle_grid, workers, first, all };
+        let checker = Self { world, rows, filtered, bounds, obstacle_grid, workers, first, all };
         // So that the first batch on this thread need not.
         checker.workers.with(|worker| worker.open(&checker, 0..0));
         Ok(checker)
@@ -113,14 +119,14 @@ impl<N: NarrowPhase> BatchChecker<N> {
     ///
     /// # Errors
     /// More objects than a u32 counts; nothing is changed then.
-    pub fn set_world(&mut self, world: StaticWorld<N>) -> Result<(), SceneError> {
-        let margin = self.rows.world.narrow.aabb_margin();
-        self.rows.set_world(world)?;
-        if self.rows.world.narrow.aabb_margin() != margin {
-            self.bounds = bounds_of(&self.rows);
+    pub fn set_world(&mut self, StaticWorld(world): StaticWorld<N>) -> Result<(), SceneError> {
+        self.rows.check_count(&world)?;
+        if world.narrow.aabb_margin() != self.world.narrow.aabb_margin() {
+            self.bounds = bounds_of(&world, &self.rows.link_set);
         }
-        self.obstacle_grid = grid_for(&self.rows.world, &self.bounds);
-        self.filtered = has_filters(&self.rows);
+        self.obstacle_grid = grid_for(&world, &self.bounds);
+        self.filtered = has_filters(&world, &self.rows.link_set);
+        self.world = world;
         Ok(())
     }
 
@@ -195,7 +201,7 @@ impl<N: NarrowPhase> BatchChecker<N> {
 
     /// Whether a link may touch an obstacle.
     pub(super) fn allows(&self, link: usize, obstacle: u32) -> bool {
-        let obstacle = self.rows.world.scene.filters()[obstacle as usize];
+        let obstacle = self.world.scene.filters()[obstacle as usize];
         self.rows.link_set.filters[link].allows(obstacle)
     }
 
@@ -212,10 +218,10 @@ impl<N: NarrowPhase> BatchChecker<N> {
 }
 
 /// For each link what its box comes from without its vertices, where that is known.
-fn bounds_of<N: NarrowPhase>(rows: &LinkRows<N>) -> PackedSphereBounds {
-    let aabb_margin = rows.world.narrow.aabb_margin();
+fn bounds_of<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> PackedSphereBounds {
+    let aabb_margin = world.narrow.aabb_margin();
     let bound = |shape| Some(SphereBounds::of(shape)?.swept(aabb_margin?));
-    PackedSphereBounds::new(rows.link_set.shapes.iter().map(bound).collect())
+    PackedSphereBounds::new(link_set.shapes.iter().map(bound).collect())
 }
 
 /// A grid over the obstacles for spheres as large as the links'.
@@ -224,8 +230,8 @@ fn grid_for<N: NarrowPhase>(world: &Obstacles<N>, bounds: &PackedSphereBounds) -
 }
 
 /// Whether a filter may part a link from an obstacle.
-fn has_filters<N: NarrowPhase>(rows: &LinkRows<N>) -> bool {
-    rows.world.filtered || rows.link_set.filters.iter().any(|filter| *filter != Filter::ALL)
+fn has_filters<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> bool {
+    world.filtered || link_set.filters.iter().any(|filter| *filter != Filter::ALL)
 }
 
 /// The first pose that an object cannot have, on any thread.

@@ -87,7 +87,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
                 self.gather(checker);
             }
             self.take_turns();
-            self.decisions.decide(&checker.rows.world, &self.posed);
+            self.decisions.decide(&checker.world, &self.posed);
             self.keep_first(checker, found);
         }
         refused
@@ -103,7 +103,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         let row = self.poses_of(checker, poses);
         let Self { culling, taken, search: FirstHitSearch { distances, .. }, .. } = self;
         let links = checker.rows.link_set.len();
-        let constant_answer = checker.rows.world.narrow.constant_answer();
+        let constant_answer = checker.world.narrow.constant_answer();
         distances.resize(links * ROW, f32::INFINITY);
         let row = (row, taken.len());
         self.search.open = culling.look(checker, row, |[config, link], sphere, noted| {
@@ -117,7 +117,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
                 found[config] = Some(Hit {
                     configuration: (taken.start + config) as u32,
                     link: link as u32,
-                    other: Other::Obstacle(checker.rows.world.names[obstacle as usize]),
+                    other: Other::Obstacle(checker.world.names[obstacle as usize]),
                     verdict: Verdict::Touching(answer),
                 });
             }

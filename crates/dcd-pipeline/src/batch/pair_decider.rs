@@ -25,7 +25,7 @@ pub struct Candidate {
 /// pairs are near: what a [`BatchChecker`](super::BatchChecker) does once it has culled. The link set's own
 /// filters and pairs are not asked.
 pub struct PairDecider<N: NarrowPhase = dcd_gjk::Overlap> {
-    rows: LinkRows<N>,
+    rows: LinkRows,
     scratch: PerThread<Scratch<N>>,
 }
 
@@ -53,54 +53,45 @@ impl<N: NarrowPhase> PairDecider<N> {
     ///
     /// # Errors
     /// Those of [`StaticWorld::checker`].
-    pub fn new(
-        world: StaticWorld<N>,
-        link_set: LinkSet,
-        configurations: usize,
-    ) -> Result<Self, SceneError> {
-        let rows = LinkRows::new(world, link_set, configurations)?;
+    pub fn new(link_set: LinkSet, configurations: usize) -> Result<Self, SceneError> {
+        let rows = LinkRows::new(link_set, configurations)?;
         Ok(Self { rows, scratch: PerThread::default() })
-    }
-
-    /// Decides against other obstacles from now on.
-    ///
-    /// # Errors
-    /// More objects than a u32 counts; nothing is changed then.
-    pub fn set_world(&mut self, world: StaticWorld<N>) -> Result<(), SceneError> {
-        self.rows.set_world(world)
     }
 
     /// Tells what is not known to be apart: contacts with obstacles, then of links, then what could not be
     /// decided. `pose(configuration, link)` is asked once for each link of a candidate.
     ///
     /// # Errors
-    /// A candidate of a configuration, a link or an obstacle that is not there, by its number; a pose out of
-    /// range, by configuration · links + link: nothing is told then.
+    /// More objects than a u32 counts; a candidate of a configuration, a link or an obstacle that is not there, by its
+    /// link; a pose out of range, by configuration · links + link: nothing is told then.
     pub fn decide(
         &self,
+        StaticWorld(world): &StaticWorld<N>,
         candidates: &[Candidate],
         pose: impl FnMut(usize, usize) -> Pose,
         hits: impl FnMut(Hit<N::Answer>),
     ) -> Result<(), SceneError> {
-        self.scratch.with(|scratch| scratch.decide(&self.rows, candidates, pose, hits))
+        self.rows.check_count(world)?;
+        let sides = (&**world, &self.rows);
+        self.scratch.with(|scratch| scratch.decide(sides, candidates, pose, hits))
     }
 }
 
 impl<N: NarrowPhase> Scratch<N> {
     fn decide(
         &mut self,
-        rows: &LinkRows<N>,
+        (world, rows): (&Obstacles<N>, &LinkRows),
         candidates: &[Candidate],
         mut pose: impl FnMut(usize, usize) -> Pose,
         mut hits: impl FnMut(Hit<N::Answer>),
     ) -> Result<(), SceneError> {
         let links = rows.link_set.len();
-        self.posed.clear(rows);
+        self.posed.clear(world, rows);
         self.due.clear();
         self.due.resize(links, Set::default());
         for candidate in candidates {
             let configuration = candidate.configuration as usize;
-            let is_there = candidate.others_are_there(rows) && configuration < rows.row;
+            let is_there = candidate.other_is_there(world) && configuration < rows.row;
             let Some(due) = self.due.get_mut(candidate.link as usize).filter(|_| is_there) else {
                 let object = candidate.link as usize;
                 return Err(SceneError::NoSuchObject { object, objects: links });
@@ -110,18 +101,18 @@ impl<N: NarrowPhase> Scratch<N> {
                 self.due[other as usize].add(configuration);
             }
         }
-        if let Some(refused) = self.posed.place(rows, &self.due, &mut pose) {
+        if let Some(refused) = self.posed.place(&world.narrow, rows, &self.due, &mut pose) {
             let (configuration, link) = (refused / links, refused % links);
             let reach = rows.link_set.shapes[link].reach();
             let reach = reach + pose(configuration, link).translation().length();
             return Err(SceneError::OutOfRange { object: refused, reach });
         }
-        self.list(rows, candidates);
-        self.decisions.decide(&rows.world, &self.posed);
+        self.list(world, candidates);
+        self.decisions.decide(world, &self.posed);
         for (against, pair, verdict) in self.decisions.hits() {
             let link = |object: u32| (object as usize / rows.row) as u32;
             let other = match against {
-                Against::Obstacles => Other::Obstacle(rows.world.names[pair.i as usize]),
+                Against::Obstacles => Other::Obstacle(world.names[pair.i as usize]),
                 Against::Links => Other::Link(link(pair.i)),
             };
             let configuration = self.posed.configuration(pair.j) as u32;
@@ -131,15 +122,15 @@ impl<N: NarrowPhase> Scratch<N> {
     }
 
     /// Lists the candidates whose boxes overlap.
-    fn list(&mut self, rows: &LinkRows<N>, candidates: &[Candidate]) {
+    fn list(&mut self, world: &Obstacles<N>, candidates: &[Candidate]) {
         let Self { posed, decisions, .. } = self;
         decisions.clear();
         for &Candidate { configuration, link, other } in candidates {
             let configuration = configuration as usize;
             match other {
                 Other::Obstacle(name) => {
-                    let pair = number_of(&rows.world, name).and_then(|obstacle| {
-                        posed.obstacle_pair(&rows.world, configuration, (link as usize, obstacle))
+                    let pair = number_of(world, name).and_then(|obstacle| {
+                        posed.obstacle_pair(world, configuration, (link as usize, obstacle))
                     });
                     decisions.pairs_mut(Against::Obstacles).extend(pair);
                 }
@@ -153,9 +144,9 @@ impl<N: NarrowPhase> Scratch<N> {
 }
 
 impl Candidate {
-    fn others_are_there<N: NarrowPhase>(&self, rows: &LinkRows<N>) -> bool {
+    fn other_is_there<N: NarrowPhase>(&self, world: &Obstacles<N>) -> bool {
         match self.other {
-            Other::Obstacle(name) => number_of(&rows.world, name).is_some(),
+            Other::Obstacle(name) => number_of(world, name).is_some(),
             Other::Link(other) => other < self.link,
         }
     }

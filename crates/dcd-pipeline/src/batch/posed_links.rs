@@ -48,7 +48,7 @@ impl<N: NarrowPhase> Default for PosedLinks<N> {
 
 impl<N: NarrowPhase> PosedLinks<N> {
     /// Makes room, the first time and when there is need of more, and forgets all poses.
-    pub(super) fn clear(&mut self, rows: &LinkRows<N>) {
+    pub(super) fn clear(&mut self, world: &Obstacles<N>, rows: &LinkRows) {
         let (template, links) = (&rows.template, rows.link_set.len());
         if self.scene.layout() != template.layout() {
             self.scene = template.clone();
@@ -60,7 +60,7 @@ impl<N: NarrowPhase> PosedLinks<N> {
         self.posed.resize(links, Set::default());
         self.fresh.clear();
         self.fresh.resize(links, 0..0);
-        let first = rows.world.len() as u32;
+        let first = world.len() as u32;
         if self.names.len() != template.len() || self.names.first() != Some(&first) {
             self.names.clear();
             self.names.extend((first..).take(template.len()));
@@ -85,7 +85,8 @@ impl<N: NarrowPhase> PosedLinks<N> {
     /// pose that was refused, by its number: configuration by configuration.
     pub(super) fn place(
         &mut self,
-        rows: &LinkRows<N>,
+        narrow: &N,
+        rows: &LinkRows,
         due: &[Set],
         mut pose: impl FnMut(usize, usize) -> Pose,
     ) -> Option<usize> {
@@ -107,7 +108,7 @@ impl<N: NarrowPhase> PosedLinks<N> {
             }
             self.fresh[link] = first..object;
         }
-        self.prepare(&rows.world.narrow);
+        self.prepare(narrow);
         refused
     }
 
@@ -177,9 +178,9 @@ impl<N: NarrowPhase> PosedLinks<N> {
         let start = pairs.len();
         let (aabbs, names) = (&self.aabbs[objects.clone()], &self.names[objects]);
         let asked = IdentifiedAabbs { aabbs, names };
-        checker.rows.world.tree.append_pairs(asked, |i, _| keep(i), pairs);
+        checker.world.tree.append_pairs(asked, |i, _| keep(i), pairs);
         let new = &mut pairs[start..];
-        let obstacles = checker.rows.world.len() as u32;
+        let obstacles = checker.world.len() as u32;
         new.iter_mut().for_each(|pair| pair.j -= obstacles);
         // The tree is asked object by object, so that short lists are left to be sorted.
         let lists = new.chunk_by_mut(|a, b| a.j == b.j);

@@ -1,14 +1,12 @@
-//! The objects that stand for links, a row for each, and what they are decided against.
+//! The objects that stand for links, a row for each.
 
 use super::set::ROW;
-use super::{LinkSet, Obstacles, StaticWorld};
+use super::{LinkSet, Obstacles};
 use dcd_geom::{Object, Pose, Scene, SceneError};
 use dcd_gjk::NarrowPhase;
-use std::sync::Arc;
 
-/// A world, links, and a row of objects for each link.
-pub(super) struct LinkRows<N: NarrowPhase> {
-    pub(super) world: Arc<Obstacles<N>>,
+/// Links, and a row of objects for each.
+pub(super) struct LinkRows {
     pub(super) link_set: LinkSet,
     /// A row of objects for each link.
     pub(super) template: Scene,
@@ -16,26 +14,21 @@ pub(super) struct LinkRows<N: NarrowPhase> {
     pub(super) row: usize,
 }
 
-impl<N: NarrowPhase> LinkRows<N> {
-    pub(super) fn new(
-        StaticWorld(world): StaticWorld<N>,
-        link_set: LinkSet,
-        row: usize,
-    ) -> Result<Self, SceneError> {
+impl LinkRows {
+    pub(super) fn new(link_set: LinkSet, row: usize) -> Result<Self, SceneError> {
         let row = row.min(ROW);
         let template = rows_of(&link_set, row)?;
-        check_count(&world, &link_set)?;
-        Ok(Self { world, link_set, template, row })
+        Ok(Self { link_set, template, row })
     }
 
-    /// Other obstacles for the same links; where there are too many, nothing is changed.
-    pub(super) fn set_world(
-        &mut self,
-        StaticWorld(world): StaticWorld<N>,
+    /// That obstacles and the most objects of links together are numbers of a u32.
+    pub(super) fn check_count<N: NarrowPhase>(
+        &self,
+        world: &Obstacles<N>,
     ) -> Result<(), SceneError> {
-        check_count(&world, &self.link_set)?;
-        self.world = world;
-        Ok(())
+        let count = world.len().saturating_add(self.link_set.len().saturating_mul(ROW));
+        let fits = u32::try_from(count).is_ok();
+        if fits { Ok(()) } else { Err(SceneError::TooMany { what: "objects", count }) }
     }
 
     /// Longer rows.
@@ -63,11 +56,4 @@ pub(super) fn numbered(error: SceneError, number: usize) -> SceneError {
         SceneError::OutOfRange { reach, .. } => SceneError::OutOfRange { object: number, reach },
         other => other,
     }
-}
-
-/// That obstacles and the most objects of links together are numbers of a u32.
-fn check_count<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> Result<(), SceneError> {
-    let count = world.len().saturating_add(link_set.len().saturating_mul(ROW));
-    let fits = u32::try_from(count).is_ok();
-    if fits { Ok(()) } else { Err(SceneError::TooMany { what: "objects", count }) }
 }

@@ -56,7 +56,7 @@ impl<A> Default for Sorting<A> {
 impl<N: NarrowPhase> WorkerScratch<N> {
     /// Takes up these configurations, at most a row.
     pub(super) fn open(&mut self, checker: &BatchChecker<N>, taken: Range<usize>) {
-        self.posed.clear(&checker.rows);
+        self.posed.clear(&checker.world, &checker.rows);
         self.due.clear();
         self.due.resize(checker.rows.link_set.len(), Set::default());
         self.taken = taken;
@@ -98,7 +98,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
                 pairs.extend(posed.self_pair(config, links));
             }
         }
-        decisions.decide(&checker.rows.world, posed);
+        decisions.decide(&checker.world, posed);
         refused
     }
 
@@ -108,7 +108,9 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         let first = self.taken.start * links;
         let row = self.poses_of(checker, poses);
         let pose = |config, link| row[config * links + link];
-        self.posed.place(&checker.rows, &self.due, pose).map(|pose| first + pose)
+        self.posed
+            .place(&checker.world.narrow, &checker.rows, &self.due, pose)
+            .map(|pose| first + pose)
     }
 
     /// Appends all hits, configuration by configuration.
@@ -143,7 +145,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
     ) -> (usize, Hit<N::Answer>) {
         let link = |object: u32| (object as usize / checker.rows.row) as u32;
         let other = match against {
-            Against::Obstacles => Other::Obstacle(checker.rows.world.names[i as usize]),
+            Against::Obstacles => Other::Obstacle(checker.world.names[i as usize]),
             Against::Links => Other::Link(link(i)),
         };
         let config = self.posed.configuration(j);
