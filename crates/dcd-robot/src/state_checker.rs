@@ -9,6 +9,7 @@
 mod covers;
 mod link_frames;
 mod links;
+mod separate;
 mod sift;
 mod solids;
 #[cfg(test)]
@@ -22,7 +23,8 @@ use dcd_gjk::{Overlap, Verdict};
 use dcd_pipeline::{Candidate, LinkSet, Other, PairDecider, StaticWorld};
 use dcd_simd::{Lanes, Path, WIDTH, dispatch_on};
 use link_frames::{LinkFrames, Place};
-use links::{Body, LinkSpheres, links};
+use links::{Body, BodyHull, LinkSpheres, links};
+use separate::Separate;
 use sift::{Found, Rounded, Sift};
 use solids::Solid;
 use std::ops::Range;
@@ -127,6 +129,8 @@ struct Prepared {
     cell: Workcell,
     /// For each body its object in the scene and the part that moves it: the parts, then the padded ones.
     bodies: Vec<(u32, usize)>,
+    /// For each body its vertices, if it is a hull.
+    hulls: Vec<Option<BodyHull>>,
     solids: Vec<Solid>,
     /// The spheres of what meets obstacles, link by link.
     world_links: Vec<LinkSpheres>,
@@ -144,6 +148,8 @@ struct Scratch {
     frames: [LinkFrames; PACKETS],
     rounded: Rounded,
     found: Found,
+    /// The pairs that are still to be decided, and those that are asked for now.
+    left: Vec<Candidate>,
     asked: Vec<Candidate>,
     hits: Vec<StateHit>,
 }
@@ -162,8 +168,10 @@ impl Prepared {
         };
         let world_links = spheres(&mut all.clone().filter(meets_world));
         let own_links = cell.is_padded().then(|| spheres(&mut (0..parts)));
+        let hulls = all.clone().map(|number| BodyHull::of(&body(&cell, &bodies, number))).collect();
         let mut prepared = Self {
             bodies,
+            hulls,
             solids: Vec::new(),
             world_links,
             own_links,
@@ -479,7 +487,9 @@ impl Scratch {
             let first = &mut first[candidate.configuration as usize];
             first.get_or_insert(hit(candidate, Verdict::Touching(())));
         }
-        let mut left = std::mem::take(&mut self.found.candidates);
+        let mut left = std::mem::take(&mut self.left);
+        left.clear();
+        left.extend(self.found.candidates.iter().map(|&(candidate, _)| candidate));
         left.sort_unstable();
         left.dedup();
         let touches = |hit: &Option<StateHit>| hit.as_ref().is_some_and(StateHit::touches);
@@ -512,7 +522,7 @@ impl Scratch {
             })
             .map_err(|e| at(start, e))?;
         }
-        self.found.candidates = left;
+        self.left = left;
         Ok(())
     }
 
@@ -532,7 +542,7 @@ impl Scratch {
             note(candidate, Verdict::Touching(()));
         }
         self.asked.clear();
-        self.asked.append(&mut self.found.candidates);
+        self.asked.extend(self.found.candidates.iter().map(|&(candidate, _)| candidate));
         self.asked.sort_unstable();
         self.asked.dedup();
         let decided = self.decide(checker, note);
@@ -572,8 +582,13 @@ impl Scratch {
         found.candidates.clear();
         for (packet, (states, frames)) in states.chunks(WIDTH).zip(frames).enumerate() {
             let (first, open) = ((packet * WIDTH) as u32, (1 << states.len()) - 1);
-            let (rounded, found) = (&mut *rounded, &mut *found);
-            dispatch_on(Path::best(), Sift { prepared, frames, rounded, first, open, goal, found });
+            let from = found.candidates.len();
+            let (path, round) = (Path::best(), &mut *rounded);
+            let left = &mut *found;
+            let sift = Sift { prepared, frames, rounded: round, first, open, goal, found: left };
+            let open = dispatch_on(path, sift);
+            let (rounded, found) = (&*rounded, &mut *found);
+            dispatch_on(path, Separate { prepared, rounded, first, open, goal, found, from });
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! The spheres that cover what each link carries.
 
 use super::covers::{CoverSphere, cover};
+use super::separate::MOST_BLOCKS;
 use super::solids::margin_of;
 use crate::Robot;
 use crate::kinematics::JointFrame;
@@ -16,6 +17,32 @@ pub(super) struct Body<'a> {
     pub(super) shape: &'a Shape,
     /// Its frame in the link's.
     pub(super) origin: JointFrame,
+}
+
+/// The vertices of a body that is a hull, in its link's frame.
+#[derive(Clone, Debug)]
+pub(super) struct BodyHull {
+    pub(super) link: usize,
+    pub(super) blocks: Vec<Block>,
+    /// What is swept round it, metres, rounded up.
+    pub(super) swept: f32,
+}
+
+impl BodyHull {
+    /// None of what is no hull, or a point alone, of which its sphere tells all.
+    pub(super) fn of(body: &Body<'_>) -> Option<Self> {
+        let polytope = body.shape.as_polytope()?;
+        let JointFrame { rotation, translation } = body.origin;
+        let vertices = polytope.vertices().iter().map(|&v| rotation * v + translation);
+        let vertices: Vec<DVec3> = vertices.collect();
+        let count = vertices.len().div_ceil(WIDTH);
+        let swept = (polytope.swept_radius() as f32).next_up();
+        (vertices.len() > 1 && count <= MOST_BLOCKS).then(|| Self {
+            link: body.link,
+            blocks: Block::relative(&vertices, DVec3::ZERO).collect(),
+            swept,
+        })
+    }
 }
 
 /// Sixteen spheres on a link, those of one body next to each other.
@@ -84,7 +111,7 @@ impl LinkSpheres {
         let middle = if middle.is_finite() { middle } else { DVec3::ZERO };
         let radius = |sphere: &CoverSphere| middle.distance(sphere.centre) + sphere.outer;
         let radius = all().map(radius).fold(0.0, f64::max);
-        let size = |sphere: &CoverSphere| sphere.centre.abs().element_sum() + sphere.outer;
+        let size = |sphere: &CoverSphere| sphere.centre.abs().element_sum() + 2.0 * sphere.outer;
         let size = all().map(size).fold(0.0, f64::max);
         let mut rows: Vec<SphereRow> = Vec::new();
         let mut used = WIDTH;

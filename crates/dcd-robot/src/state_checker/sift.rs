@@ -13,8 +13,8 @@ use glam::Vec3;
 pub(super) struct Found {
     /// Pairs that are proved to touch: of each state all, or one where only one is asked for.
     pub(super) touching: Vec<Candidate>,
-    /// Pairs that may touch, state by state where only one hit is asked for.
-    pub(super) candidates: Vec<Candidate>,
+    /// Pairs that may touch, each with a direction from what the link may touch to the link.
+    pub(super) candidates: Vec<(Candidate, Vec3)>,
 }
 
 /// The links of sixteen states in f32.
@@ -26,13 +26,25 @@ pub(super) struct Rounded {
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct RoundedLink {
+pub(super) struct RoundedLink {
     /// The rotation's columns, then the translation.
-    frame: [Row; 12],
+    pub(super) frame: [Row; 12],
     /// Of the sphere round all that the link carries, in the world, metres.
     centre: Block,
     /// By how much a comparison of anything on the link may be off, metres.
-    margin: Row,
+    pub(super) margin: Row,
+}
+
+impl Rounded {
+    /// The links that meet obstacles.
+    pub(super) fn world(&self) -> &[RoundedLink] {
+        &self.world
+    }
+
+    /// The links that meet each other.
+    pub(super) fn own(&self, prepared: &Prepared) -> &[RoundedLink] {
+        if prepared.own_links.is_some() { &self.own } else { &self.world }
+    }
 }
 
 /// Compares the spheres of sixteen states.
@@ -49,10 +61,11 @@ pub(super) struct Sift<'a> {
 }
 
 impl Kernel for Sift<'_> {
-    type Output = ();
+    /// The states that have no hit yet, where one is enough.
+    type Output = u32;
 
     #[inline(always)]
-    fn run<L: Lanes>(mut self, l: L) {
+    fn run<L: Lanes>(mut self, l: L) -> u32 {
         let Rounded { world, own, near } = std::mem::take(self.rounded);
         let (mut world, mut own, mut near) = (world, own, near);
         round(l, &self.prepared.world_links, self.frames, &mut world);
@@ -69,6 +82,7 @@ impl Kernel for Sift<'_> {
             self.against_each_other(l, of(a), of(b));
         }
         *self.rounded = Rounded { world, own, near };
+        self.open
     }
 }
 
@@ -186,7 +200,14 @@ impl Sift<'_> {
                     }
                     let solid: &Solid = &self.prepared.solids[number as usize];
                     let reached = solid.reached(l, &spheres);
-                    self.note(lane, row, Other::Obstacle(number), reached);
+                    if reached.near & row.filled != 0 {
+                        let mut at = Block::default();
+                        for k in 0..3 {
+                            l.store(spheres.centre[k], &mut at.0[k]);
+                        }
+                        let towards = |k: usize| solid.towards(at.point(k));
+                        self.note(lane, row, Other::Obstacle(number), reached, towards);
+                    }
                 }
             }
         }
@@ -221,11 +242,17 @@ impl Sift<'_> {
                 }
                 for other in &a.0.rows {
                     let of_a = a.1.row(l, other, lane);
+                    let mut at = Block::default();
+                    for k in 0..3 {
+                        l.store(of_a.centre[k], &mut at.0[k]);
+                    }
                     // Of all spheres of one body together.
-                    let (mut body, mut all) = (u32::MAX, Reached::default());
+                    let (mut body, mut of_body) = (u32::MAX, Vec3::ZERO);
+                    let mut all = Reached::default();
                     for k in bits(candidates) {
                         if row.bodies[k] != body {
-                            self.note(lane, other, Other::Link(body), all);
+                            let towards = |k: usize| of_body - at.point(k);
+                            self.note(lane, other, Other::Link(body), all, towards);
                             (body, all) = (row.bodies[k], Reached::default());
                         }
                         let one = Sixteen {
@@ -235,10 +262,14 @@ impl Sift<'_> {
                             margin: of_b.margin,
                         };
                         let Reached { near, touched } = meeting(l, &of_a, &one);
+                        if all.near == 0 && near & other.filled != 0 {
+                            of_body = stored.point(k);
+                        }
                         all.near |= near;
                         all.touched |= touched;
                     }
-                    self.note(lane, other, Other::Link(body), all);
+                    let towards = |k: usize| of_body - at.point(k);
+                    self.note(lane, other, Other::Link(body), all, towards);
                 }
             }
         }
@@ -246,28 +277,44 @@ impl Sift<'_> {
 
     /// Notes the bodies of a row that something is near.
     #[inline(always)]
-    fn note(&mut self, lane: usize, row: &SphereRow, other: Other, reached: Reached) {
+    fn note(
+        &mut self,
+        lane: usize,
+        row: &SphereRow,
+        other: Other,
+        reached: Reached,
+        towards: impl Fn(usize) -> Vec3,
+    ) {
         let (mut near, touched) = (reached.near & row.filled, reached.touched & row.filled);
         while near != 0 && self.open >> lane & 1 == 1 {
             let k = near.trailing_zeros() as usize;
             let same = row.same[k];
             near &= !same;
-            self.note_body(lane, (row.bodies[k], other), touched & same != 0);
+            let is_touching = touched & same != 0;
+            self.note_body(lane, (row.bodies[k], other), is_touching, towards(k));
         }
     }
 
-    fn note_body(&mut self, lane: usize, (body, other): (u32, Other), is_touching: bool) {
+    fn note_body(
+        &mut self,
+        lane: usize,
+        (body, other): (u32, Other),
+        is_touching: bool,
+        towards: Vec3,
+    ) {
         if !self.prepared.allows(body, other) {
             return;
         }
-        let (link, other) = match other {
-            Other::Link(other) => (body.max(other), Other::Link(body.min(other))),
-            obstacle => (body, obstacle),
+        let (link, other, towards) = match other {
+            // Told from the body to the other one.
+            Other::Link(other) if other > body => (other, Other::Link(body), towards),
+            Other::Link(other) => (body, Other::Link(other), -towards),
+            obstacle => (body, obstacle, towards),
         };
         let configuration = self.first + lane as u32;
         let candidate = Candidate { configuration, link, other };
         if !is_touching {
-            self.found.candidates.push(candidate);
+            self.found.candidates.push((candidate, towards));
             return;
         }
         self.found.touching.push(candidate);

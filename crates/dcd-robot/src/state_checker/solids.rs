@@ -2,8 +2,8 @@
 
 use super::{MARGIN, Sixteen};
 use dcd_geom::{Aabb, CurvedKind, Kind, Pose, Scene, Shape, SphereBounds};
-use dcd_simd::Lanes;
-use glam::Vec3;
+use dcd_simd::{Block, Lanes};
+use glam::{DVec3, Vec3};
 
 /// An obstacle: a closed form where its shape has one, else what is known round it and in it.
 #[derive(Clone, Debug)]
@@ -19,6 +19,9 @@ pub(super) struct Solid {
     swept: f32,
     /// By how much a comparison with it may be off, metres.
     margin: f32,
+    /// Its vertices in the world, if it is a hull; what is swept round them, metres, rounded up.
+    corners: Vec<Block>,
+    round: f32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +42,9 @@ enum Form {
 /// 2⁻³⁰ is a sixteen thousandth of [`MARGIN`]. What is farther is compared by its bounds.
 const RIGID: f64 = 1.0 / (1u64 << 30) as f64;
 
+/// Of hulls with more vertices planes are left to the narrow phase: theirs would be copied for every world.
+const CORNERS: usize = 64;
+
 /// Which of sixteen spheres reach an obstacle, a bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Reached {
@@ -52,7 +58,25 @@ impl Solid {
     /// Of an object of a scene.
     pub(super) fn of(scene: &Scene, object: usize) -> Self {
         let (shape, pose) = (scene.shape(object), &scene.poses()[object]);
-        closed(shape, pose).unwrap_or_else(|| bounded(shape, pose, &scene.aabb(object)))
+        let solid = closed(shape, pose);
+        let mut solid = solid.unwrap_or_else(|| bounded(shape, pose, &scene.aabb(object)));
+        if let Some(polytope) = shape.as_polytope().filter(|p| p.vertices().len() <= CORNERS) {
+            let corners = polytope.vertices().iter().map(|&v| pose.apply(v));
+            let corners: Vec<DVec3> = corners.collect();
+            solid.corners = Block::relative(&corners, DVec3::ZERO).collect();
+            solid.round = (polytope.swept_radius() as f32).next_up();
+        }
+        solid
+    }
+
+    /// Its vertices in the world, if it is a hull of few.
+    pub(super) fn corners(&self) -> Option<&[Block]> {
+        (!self.corners.is_empty()).then_some(&self.corners)
+    }
+
+    /// What is swept round those, and by how much a comparison may be off, metres.
+    pub(super) fn reach(&self) -> f32 {
+        self.round + self.margin
     }
 
     /// Which of the spheres are near, and which touch. The outer and inner radii are without the spheres' own
@@ -94,6 +118,26 @@ impl Solid {
         let to_inner = squared(l, from_point(l, centre, known.0));
         let touched = inside(l, to_inner, l.add(room, l.splat(known.1)));
         Reached { near: near | touched, touched }
+    }
+}
+
+impl Solid {
+    /// A direction from the obstacle to a point near it.
+    pub(super) fn towards(&self, point: Vec3) -> Vec3 {
+        let from = point - self.centre;
+        let beyond = |x: f32, half: f32| x.signum() * (x.abs() - half).max(0.0);
+        let of_box = |x: Vec3| {
+            let half = self.half;
+            Vec3::new(beyond(x.x, half.x), beyond(x.y, half.y), beyond(x.z, half.z))
+        };
+        let away = match self.axes {
+            None => of_box(from),
+            Some([x, y, z]) => {
+                let away = of_box(Vec3::new(x.dot(from), y.dot(from), z.dot(from)));
+                x * away.x + y * away.y + z * away.z
+            }
+        };
+        if away == Vec3::ZERO { from } else { away }
     }
 }
 
@@ -152,14 +196,14 @@ fn closed(shape: &Shape, pose: &Pose) -> Option<Solid> {
             };
             let half = match polytope.kind() {
                 Kind::Cuboid { half_extents } => half_extents,
-                _ => glam::DVec3::ZERO,
+                _ => DVec3::ZERO,
             };
             (form, half, polytope.swept_radius())
         }
         Shape::Curved(curved) if curved.kind() == CurvedKind::Cylinder => {
             let (half_height, radius) = (curved.half_height() as f32, curved.radius() as f32);
             let form = Form::Cylinder { half_height, radius };
-            (form, glam::DVec3::ZERO, curved.swept_radius())
+            (form, DVec3::ZERO, curved.swept_radius())
         }
         _ => return None,
     };
@@ -176,6 +220,8 @@ fn closed(shape: &Shape, pose: &Pose) -> Option<Solid> {
         half: half.as_vec3(),
         swept: swept as f32,
         margin: margin_of(size),
+        corners: Vec::new(),
+        round: 0.0,
     })
 }
 
@@ -196,6 +242,8 @@ fn bounded(shape: &Shape, pose: &Pose, aabb: &Aabb) -> Solid {
         half: half.as_vec3(),
         swept: 0.0,
         margin: margin_of(size),
+        corners: Vec::new(),
+        round: 0.0,
     }
 }
 

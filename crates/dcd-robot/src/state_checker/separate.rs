@@ -1,0 +1,155 @@
+//! Planes between hulls that spheres leave near each other, found without posing a vertex.
+//!
+//! A direction is turned into each hull's own frame, where its vertices lie sixteen to a block: the largest product is
+//! how far the hull reaches. A direction that does not part the hulls is mirrored by that between the two points found
+//! (Chung and Wang, "Quick collision detection of polytopes in virtual environments", 1996).
+
+use super::links::{BodyHull, LinkSpheres};
+use super::sift::{Found, Rounded, RoundedLink};
+use super::{Goal, Prepared};
+use dcd_pipeline::{Candidate, Other};
+use dcd_simd::{Block, Kernel, Lanes, Row, WIDTH};
+use glam::{Mat3, Vec3};
+
+/// How many directions are tried. More: pairs that touch cost more. Fewer: more are left to the narrow phase.
+const DIRECTIONS: usize = 5;
+
+/// Drops the candidates of a packet that a plane parts.
+pub(super) struct Separate<'a> {
+    pub(super) prepared: &'a Prepared,
+    pub(super) rounded: &'a Rounded,
+    /// The number of the packet's first state, and the states that have no hit yet.
+    pub(super) first: u32,
+    pub(super) open: u32,
+    pub(super) goal: Goal,
+    pub(super) found: &'a mut Found,
+    /// Where the packet's candidates begin.
+    pub(super) from: usize,
+}
+
+impl Kernel for Separate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Self { prepared, rounded, first, open, goal, found, from } = self;
+        let mut kept = from;
+        for k in from..found.candidates.len() {
+            let (candidate, towards) = found.candidates[k];
+            let lane = (candidate.configuration - first) as usize;
+            let is_wanted = goal == Goal::All || open >> lane & 1 == 1;
+            let hulls = if is_wanted { hulls(prepared, rounded, &candidate, lane) } else { None };
+            let parted = hulls.is_some_and(
+                #[inline(always)]
+                |hulls| are_parted(l, &hulls, towards),
+            );
+            if is_wanted && !parted {
+                found.candidates[kept] = (candidate, towards);
+                kept += 1;
+            }
+        }
+        found.candidates.truncate(kept);
+    }
+}
+
+/// A hull where it is in one state: its blocks of vertices, R and t, what is swept round it and what may be off.
+struct PlacedHull<'a> {
+    blocks: &'a [Block],
+    rotation: Mat3,
+    translation: Vec3,
+    margin: f32,
+}
+
+impl<'a> PlacedHull<'a> {
+    fn on(hull: &'a BodyHull, link: &RoundedLink, lane: usize) -> Self {
+        let number = |k: usize| link.frame[k].0[lane];
+        let column = |k: usize| Vec3::new(number(k), number(k + 1), number(k + 2));
+        Self {
+            blocks: &hull.blocks,
+            rotation: Mat3::from_cols(column(0), column(3), column(6)),
+            translation: column(9),
+            margin: hull.swept + link.margin.0[lane],
+        }
+    }
+
+    /// How far it reaches in a direction, from its translation on, and its point there.
+    #[inline(always)]
+    fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> (f32, Vec3) {
+        let Vec3 { x, y, z } = self.rotation.transpose() * direction;
+        let (x, y, z) = (l.splat(x), l.splat(y), l.splat(z));
+        let (mut best, mut block) = (l.splat(f32::NEG_INFINITY), l.splat(0.0));
+        for (number, Block(rows)) in self.blocks.iter().enumerate() {
+            let along = l.mul_add(l.load(&rows[0]), x, l.mul(l.load(&rows[1]), y));
+            let along = l.mul_add(l.load(&rows[2]), z, along);
+            let is_farther = l.lt(best, along);
+            best = l.select(is_farther, along, best);
+            block = l.select(is_farther, l.splat(number as f32), block);
+        }
+        let (mut values, mut blocks) = (Row::default(), Row::default());
+        l.store(best, &mut values);
+        l.store(block, &mut blocks);
+        let mut farthest = 0;
+        for lane in 1..WIDTH {
+            farthest = if values.0[lane] > values.0[farthest] { lane } else { farthest };
+        }
+        let vertex = self.blocks[blocks.0[farthest] as usize].point(farthest);
+        (values.0[farthest], self.rotation * vertex + self.translation)
+    }
+}
+
+/// The two hulls of a candidate, if both are hulls.
+fn hulls<'a>(
+    prepared: &'a Prepared,
+    rounded: &Rounded,
+    candidate: &Candidate,
+    lane: usize,
+) -> Option<[PlacedHull<'a>; 2]> {
+    let moved = |links: &[LinkSpheres], rounded: &[RoundedLink], body: u32| {
+        let hull = prepared.hulls[body as usize].as_ref()?;
+        let slot = links.binary_search_by_key(&hull.link, |link| link.link).ok()?;
+        Some(PlacedHull::on(hull, &rounded[slot], lane))
+    };
+    match candidate.other {
+        Other::Obstacle(number) => {
+            let solid = &prepared.solids[number as usize];
+            let still = PlacedHull {
+                blocks: solid.corners()?,
+                rotation: Mat3::IDENTITY,
+                translation: Vec3::ZERO,
+                margin: solid.reach(),
+            };
+            Some([still, moved(&prepared.world_links, rounded.world(), candidate.link)?])
+        }
+        Other::Link(other) => {
+            let (links, rounded) = (prepared.own_links(), rounded.own(prepared));
+            Some([moved(links, rounded, other)?, moved(links, rounded, candidate.link)?])
+        }
+    }
+}
+
+/// Whether a plane is found between the two, beginning across a direction from the first to the second. The value of
+/// the farthest product counts, whichever vertex it is of (docs/numerics/proofs.md, "states in lanes").
+#[inline(always)]
+fn are_parted<L: Lanes>(l: L, [a, b]: &[PlacedHull<'_>; 2], towards: Vec3) -> bool {
+    let mut direction = towards.normalize_or(Vec3::X);
+    let room = a.margin + b.margin;
+    for _ in 0..DIRECTIONS {
+        let (of_a, p) = a.reach(l, direction);
+        let (of_b, q) = b.reach(l, -direction);
+        let gap = direction.dot(b.translation - a.translation) - of_b - of_a;
+        // Written so that a NaN parts nothing.
+        if gap > room {
+            return true;
+        }
+        let across = (q - p).normalize_or_zero();
+        let mirrored = direction - across * (2.0 * across.dot(direction));
+        direction = mirrored.normalize_or_zero();
+        if direction == Vec3::ZERO {
+            return false;
+        }
+    }
+    false
+}
+
+/// For the indices of blocks to be exact as f32.
+pub(super) const MOST_BLOCKS: usize = 1 << 20;
