@@ -5,6 +5,8 @@
 //! boxes, cylinders and spheres. A [`Workcell`] is all of them as one checked scene, with names; pairs
 //! that may touch are filtered before the narrow phase.
 //!
+//! A [`StateChecker`] takes states sixteen at a time, an [`EdgeChecker`] whole motions.
+//!
 //! Sines and cosines are libm's, so that a pose is the same on every machine.
 #![forbid(unsafe_code)]
 

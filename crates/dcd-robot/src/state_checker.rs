@@ -9,6 +9,7 @@
 mod covers;
 mod link_frames;
 mod links;
+mod obstacle_tree;
 mod separate;
 mod sift;
 mod solids;
@@ -24,6 +25,7 @@ use dcd_pipeline::{Candidate, LinkSet, Other, PairDecider, StaticWorld};
 use dcd_simd::{Lanes, Path, WIDTH, dispatch_on};
 use link_frames::{LinkFrames, Place};
 use links::{Body, BodyHull, LinkSpheres, links};
+use obstacle_tree::ObstacleTree;
 use separate::Separate;
 use sift::{Found, Rounded, Sift};
 use solids::Solid;
@@ -132,6 +134,8 @@ struct Prepared {
     /// For each body its vertices, if it is a hull.
     hulls: Vec<Option<BodyHull>>,
     solids: Vec<Solid>,
+    /// Where there are many of them.
+    tree: Option<ObstacleTree>,
     /// The spheres of what meets obstacles, link by link.
     world_links: Vec<LinkSpheres>,
     /// The spheres of what meets the robot, where they are not the same.
@@ -173,6 +177,7 @@ impl Prepared {
             bodies,
             hulls,
             solids: Vec::new(),
+            tree: None,
             world_links,
             own_links,
             link_pairs: Vec::new(),
@@ -184,19 +189,20 @@ impl Prepared {
         prepared
     }
 
-    /// Takes another cell of the same robot, carrying the same. Gives it back where it is not.
-    fn exchange(&mut self, cell: Workcell) -> Result<(), Workcell> {
+    /// Whether a cell has the same robot, carrying the same.
+    fn has_robot_of(&self, cell: &Workcell) -> bool {
         let (old, new) = (self.cell.robot(), cell.robot());
-        let is_same = bodies(&cell) == self.bodies
+        bodies(cell) == self.bodies
             && old.links.len() == new.links.len()
             && old.joints.iter().map(kinematics).eq(new.joints.iter().map(kinematics))
             && (0..self.bodies.len()).all(|number| {
                 let of = |cell| body(cell, &self.bodies, number);
-                is_same_body(&of(&self.cell), &of(&cell))
-            });
-        if !is_same {
-            return Err(cell);
-        }
+                is_same_body(&of(&self.cell), &of(cell))
+            })
+    }
+
+    /// Takes another cell of the same robot.
+    fn exchange(&mut self, cell: Workcell) {
         let parts = 0..cell.robot().parts.len();
         let is_filtered_alike = self.cell.scene().filters_like(cell.scene(), parts);
         self.cell = cell;
@@ -204,13 +210,13 @@ impl Prepared {
         if !is_filtered_alike {
             self.link_pairs = self.link_pairs();
         }
-        Ok(())
     }
 
     /// Takes the obstacles from the cell.
     fn take_obstacles(&mut self) {
         let scene = self.cell.scene();
         self.solids = self.obstacles().map(|i| Solid::of(scene, i)).collect();
+        self.tree = ObstacleTree::of(scene, self.obstacles());
         self.filtered = scene.filters_movers();
     }
 
@@ -357,9 +363,11 @@ impl StateChecker {
     /// Those of [`StateChecker::new`]; nothing is changed then.
     pub fn set_cell(&mut self, cell: Workcell) -> Result<(), RobotError> {
         Self::check_count(&cell)?;
-        match self.prepared.exchange(cell) {
-            Ok(()) => self.world = OnceLock::new(),
-            Err(cell) => *self = Self::new(cell)?,
+        if self.prepared.has_robot_of(&cell) {
+            self.prepared.exchange(cell);
+            self.world = OnceLock::new();
+        } else {
+            *self = Self::new(cell)?;
         }
         Ok(())
     }

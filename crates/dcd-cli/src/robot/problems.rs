@@ -266,13 +266,13 @@ impl Runner {
 
     /// Our contacts in each state, sorted, and how many pairs stayed undecided.
     fn check(&mut self, cell: &Workcell, states: &[Vec<f64>]) -> Result<usize, Failure> {
-        let cell = cell.clone();
+        let (cell, again) = (cell.clone(), cell.clone());
         let begun = Instant::now();
         let checker = match self.checker.take() {
             Some(mut checker) => checker.set_cell(cell).map(|()| checker),
             None => StateChecker::new(cell),
         };
-        let checker = checker.map_err(refused)?;
+        let mut checker = checker.map_err(refused)?;
         self.spent.preparation += begun.elapsed();
         let begun = Instant::now();
         checker.place_links(states).map_err(refused)?;
@@ -282,6 +282,8 @@ impl Runner {
         self.spent.first += begun.elapsed().saturating_sub(kinematics);
         let touching = first.iter().flatten().filter(|hit| hit.touches());
         self.first_hits += touching.count();
+        // So that each prepares what it needs of the obstacles.
+        checker.set_cell(again).map_err(refused)?;
         let begun = Instant::now();
         let found = checker.all(states, Par::Serial).map_err(refused)?;
         self.spent.all += begun.elapsed().saturating_sub(kinematics);

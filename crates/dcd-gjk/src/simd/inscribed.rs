@@ -3,6 +3,7 @@
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Curved, CurvedKind, ObbBounds, Sphere};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::sync::LazyLock;
 
 /// The hull of some points of a curved shape's core.
 #[derive(Clone, Debug)]
@@ -38,11 +39,13 @@ impl Inscribed {
             CurvedKind::Cylinder => CYLINDER_CORNERS,
             _ => CONE_CORNERS,
         };
+        let turns: &[[f64; 2]] = match curved.kind() {
+            CurvedKind::Cylinder => &CYLINDER_TURNS,
+            _ => &CONE_TURNS,
+        };
         let rims = curved.discs().map(|(z, radius)| match radius {
             0.0 => vec![DVec3::Z * z],
-            _ => {
-                (0..corners).map(|k| corner(radius, f64::from(k) / f64::from(corners), z)).collect()
-            }
+            _ => turns.iter().map(|&turn| corner(radius, turn, z)).collect(),
         });
         let inner = curved.inner();
         let outer = outer_radius(curved, inner.centre.z);
@@ -55,9 +58,19 @@ impl Inscribed {
     }
 }
 
-/// The point of a rim at that part of a full turn.
-fn corner(radius: f64, turn: f64, z: f64) -> DVec3 {
-    let (sine, cosine) = (2.0 * PI * turn).sin_cos();
+/// The sines and cosines of the corners of a cylinder's rims: they cost more than all else of it.
+static CYLINDER_TURNS: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| turns(CYLINDER_CORNERS));
+
+/// The same of a cone's.
+static CONE_TURNS: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| turns(CONE_CORNERS));
+
+fn turns(corners: u32) -> Vec<[f64; 2]> {
+    let turn = |k: u32| (2.0 * PI * (f64::from(k) / f64::from(corners))).sin_cos();
+    (0..corners).map(turn).map(Into::into).collect()
+}
+
+/// The point of a rim in a direction by its sine and cosine.
+fn corner(radius: f64, [sine, cosine]: [f64; 2], z: f64) -> DVec3 {
     let within = radius * (1.0 - INWARDS);
     DVec3::new(within * cosine, within * sine, z)
 }

@@ -24,17 +24,16 @@ pub(super) struct LinkFrames {
 }
 
 impl LinkFrames {
-    /// Takes the values of the joints from at most sixteen states, which have been checked; past the last one
-    /// that one again.
+    /// Takes the values of the joints from at most sixteen states, which have been checked. Lanes past the last are
+    /// left as they are.
     pub(super) fn read(&mut self, robot: &Robot, states: &[impl AsRef<[f64]>]) {
         self.frames.resize(robot.links.len(), [[[0.0; HALF]; 2]; 12]);
         self.drives.resize(robot.joints.len(), [[[0.0; HALF]; 2]; 2]);
         for (joint, drive) in robot.joints.iter().zip(&mut self.drives) {
             let Some(by) = joint.motion.drive() else { continue };
             let turns = matches!(joint.motion, Motion::Turns { .. });
-            for lane in 0..WIDTH {
-                let state = states[lane.min(states.len() - 1)].as_ref();
-                let value = by.of(state).unwrap_or_default();
+            for (lane, state) in states.iter().take(WIDTH).enumerate() {
+                let value = by.of(state.as_ref()).unwrap_or_default();
                 let (a, b) = if turns { libm::sincos(value) } else { (value, 0.0) };
                 drive[0][lane / HALF][lane % HALF] = a;
                 drive[1][lane / HALF][lane % HALF] = b;
@@ -62,7 +61,8 @@ impl LinkFrames {
     }
 }
 
-/// Moves the links: joint by joint, so that a parent's frame is there before its child's.
+/// Moves the links: joint by joint, so that a parent's frame is there before its child's. Lanes past the last state
+/// mean nothing.
 pub(super) struct Place<'a, S> {
     pub(super) robot: &'a Robot,
     /// At most sixteen, those that were read.
@@ -81,15 +81,14 @@ impl<S: AsRef<[f64]>> Kernel for Place<'_, S> {
         }
         for (number, joint) in robot.joints.iter().enumerate() {
             if let Motion::Orients { .. } = joint.motion {
-                for lane in 0..WIDTH {
-                    let state = states[lane.min(states.len() - 1)].as_ref();
+                for (lane, state) in states.iter().enumerate() {
                     let rest = to.frame(joint.parent, lane).then(&joint.origin);
-                    to.set_frame(joint.child, lane, &moved(&rest, joint, state));
+                    to.set_frame(joint.child, lane, &moved(&rest, joint, state.as_ref()));
                 }
                 continue;
             }
             let drive = &to.drives[number];
-            for half in 0..2 {
+            for half in 0..states.len().div_ceil(HALF) {
                 let parent = &to.frames[joint.parent];
                 let mut frame = [l.splat_d(0.0); 12];
                 for k in 0..12 {

@@ -2,8 +2,10 @@
 
 use super::link_frames::LinkFrames;
 use super::links::{LinkSpheres, SphereRow};
+use super::obstacle_tree::ObstacleTree;
 use super::solids::{Reached, Solid, inside, within};
 use super::{Goal, MARGIN, Prepared, Sixteen};
+use dcd_geom::Aabb;
 use dcd_pipeline::{Candidate, Other};
 use dcd_simd::{Block, Kernel, Lanes, Row, WIDTH};
 use glam::Vec3;
@@ -92,13 +94,13 @@ fn round<L: Lanes>(l: L, links: &[LinkSpheres], frames: &LinkFrames, to: &mut Ve
     to.resize(links.len(), RoundedLink::default());
     for (link, rounded) in links.iter().zip(to) {
         let row = &frames.frames[link.link];
-        for k in 0..12 {
-            l.store(l.round_from([&row[k][0], &row[k][1]]), &mut rounded.frame[k]);
+        for (numbers, row) in row.iter().zip(&mut rounded.frame) {
+            l.store(l.round_from([&numbers[0], &numbers[1]]), row);
         }
         let frame = loaded(l, &rounded.frame);
         let centre = placed(l, &frame, splat(l, link.centre));
-        for k in 0..3 {
-            l.store(centre[k], &mut rounded.centre.0[k]);
+        for (x, row) in centre.into_iter().zip(&mut rounded.centre.0) {
+            l.store(x, row);
         }
         let far = l.max(l.max(l.abs(frame[9]), l.abs(frame[10])), l.abs(frame[11]));
         let margin = l.mul_add(far, l.splat(MARGIN as f32), l.splat(link.margin));
@@ -132,11 +134,37 @@ fn placed<L: Lanes>(l: L, frame: &[L::F; 12], [x, y, z]: [L::F; 3]) -> [L::F; 3]
 }
 
 #[inline(always)]
+fn stored<L: Lanes>(l: L, centre: [L::F; 3]) -> Block {
+    let mut block = Block::default();
+    for (x, row) in centre.into_iter().zip(&mut block.0) {
+        l.store(x, row);
+    }
+    block
+}
+
+#[inline(always)]
 fn of_block<L: Lanes>(l: L, Block([x, y, z]): &Block) -> [L::F; 3] {
     [l.load(x), l.load(y), l.load(z)]
 }
 
 impl RoundedLink {
+    /// Lists the obstacles whose boxes are near a sphere of that radius, state by state.
+    fn ask(&self, radius: f32, open: u32, tree: &ObstacleTree, near: &mut Vec<(u32, u32)>) {
+        let mut aabbs = [Aabb::EMPTY; WIDTH];
+        for lane in bits(open) {
+            let (centre, radius) = (self.centre.point(lane), radius + self.margin.0[lane]);
+            let aabb = Aabb { min: centre - radius, max: centre + radius };
+            // Written so that a NaN is near everything.
+            let is_known = aabb.min.is_finite() && aabb.max.is_finite();
+            aabbs[lane] = if is_known { aabb } else { Aabb::EVERYTHING };
+        }
+        tree.reached(&aabbs, |obstacle, lane| {
+            if open >> lane & 1 == 1 {
+                near.push((obstacle, 1 << lane));
+            }
+        });
+    }
+
     /// The link's own sphere in all sixteen states.
     #[inline(always)]
     fn spheres<L: Lanes>(&self, l: L, link: &LinkSpheres) -> Sixteen<L> {
@@ -152,8 +180,8 @@ impl RoundedLink {
     #[inline(always)]
     fn row<L: Lanes>(&self, l: L, row: &SphereRow, lane: usize) -> Sixteen<L> {
         let mut frame = [l.splat(0.0); 12];
-        for k in 0..12 {
-            frame[k] = l.splat(self.frame[k].0[lane]);
+        for (number, row) in frame.iter_mut().zip(&self.frame) {
+            *number = l.splat(row.0[lane]);
         }
         Sixteen {
             centre: placed(l, &frame, of_block(l, &row.centre)),
@@ -182,15 +210,11 @@ impl Sift<'_> {
         near: &mut Vec<(u32, u32)>,
     ) {
         near.clear();
-        let spheres = rounded.spheres(l, link);
-        let mut any = 0;
-        for (number, solid) in (0..).zip(&self.prepared.solids) {
-            let states = solid.reached(l, &spheres).near & self.open;
-            if states != 0 {
-                near.push((number, states));
-                any |= states;
-            }
+        match &self.prepared.tree {
+            None => self.compare_all(l, (link, rounded), near),
+            Some(tree) => rounded.ask(link.radius, self.open, tree, near),
         }
+        let any = near.iter().fold(0, |any, &(_, states)| any | states);
         for lane in bits(any) {
             for row in &link.rows {
                 let spheres = rounded.row(l, row, lane);
@@ -201,14 +225,28 @@ impl Sift<'_> {
                     let solid: &Solid = &self.prepared.solids[number as usize];
                     let reached = solid.reached(l, &spheres);
                     if reached.near & row.filled != 0 {
-                        let mut at = Block::default();
-                        for k in 0..3 {
-                            l.store(spheres.centre[k], &mut at.0[k]);
-                        }
+                        let at = stored(l, spheres.centre);
                         let towards = |k: usize| solid.towards(at.point(k));
                         self.note(lane, row, Other::Obstacle(number), reached, towards);
                     }
                 }
+            }
+        }
+    }
+
+    /// Lists the obstacles near a link and in which states.
+    #[inline(always)]
+    fn compare_all<L: Lanes>(
+        &self,
+        l: L,
+        (link, rounded): (&LinkSpheres, &RoundedLink),
+        near: &mut Vec<(u32, u32)>,
+    ) {
+        let spheres = rounded.spheres(l, link);
+        for (number, solid) in (0..).zip(&self.prepared.solids) {
+            let states = solid.reached(l, &spheres).near & self.open;
+            if states != 0 {
+                near.push((number, states));
             }
         }
     }
@@ -236,16 +274,10 @@ impl Sift<'_> {
                 if candidates == 0 {
                     continue;
                 }
-                let mut stored = Block::default();
-                for k in 0..3 {
-                    l.store(of_b.centre[k], &mut stored.0[k]);
-                }
+                let of_row = stored(l, of_b.centre);
                 for other in &a.0.rows {
                     let of_a = a.1.row(l, other, lane);
-                    let mut at = Block::default();
-                    for k in 0..3 {
-                        l.store(of_a.centre[k], &mut at.0[k]);
-                    }
+                    let at = stored(l, of_a.centre);
                     // Of all spheres of one body together.
                     let (mut body, mut of_body) = (u32::MAX, Vec3::ZERO);
                     let mut all = Reached::default();
@@ -256,14 +288,14 @@ impl Sift<'_> {
                             (body, all) = (row.bodies[k], Reached::default());
                         }
                         let one = Sixteen {
-                            centre: splat(l, stored.point(k)),
+                            centre: splat(l, of_row.point(k)),
                             outer: l.splat(row.outer.0[k]),
                             inner: l.splat(row.inner.0[k]),
                             margin: of_b.margin,
                         };
                         let Reached { near, touched } = meeting(l, &of_a, &one);
                         if all.near == 0 && near & other.filled != 0 {
-                            of_body = stored.point(k);
+                            of_body = of_row.point(k);
                         }
                         all.near |= near;
                         all.touched |= touched;

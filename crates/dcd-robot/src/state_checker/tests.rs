@@ -113,7 +113,9 @@ fn shape(draw: &mut Draw) -> Shape {
 }
 
 fn world(draw: &mut Draw, robot: &Robot) -> World {
-    let obstacles = (0..draw.below(12)).map(|k| Obstacle {
+    // Few, or more than are compared one after the other.
+    let most = if draw.below(5) == 0 { 120 } else { 12 };
+    let obstacles = (0..draw.below(most)).map(|k| Obstacle {
         name: format!("o{k}"),
         shape: shape(draw),
         pose: draw.pose(0.8),
@@ -181,8 +183,8 @@ fn frames_are_those_of_one_state_at_a_time_bit_for_bit() {
             let mut frames = LinkFrames::default();
             frames.read(&robot, &states);
             dispatch_on(path, Place { robot: &robot, states: &states, to: &mut frames });
-            for lane in 0..WIDTH {
-                let alone = robot.link_frames(&states[lane.min(count - 1)]).unwrap();
+            for (lane, state) in states.iter().enumerate() {
+                let alone = robot.link_frames(state).unwrap();
                 for (link, frame) in alone.iter().enumerate() {
                     assert_eq!(frames.frame(link, lane), *frame, "{path:?}, link {link}");
                 }
@@ -315,12 +317,52 @@ fn a_link_out_of_range_is_refused_and_never_free() {
       <link name="b"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
       <joint name="slide" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/>
       <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"#;
-    let robot = Robot::read(urdf, FilePath::new("."), LinkShapes::Hulls).unwrap();
-    let cell = Workcell::new(robot, &World::default(), &AllowedPairs::default()).unwrap();
-    let checker = StateChecker::new(cell.clone()).unwrap();
-    for far in [1e38, 1e300, f64::MAX] {
-        let error = checker.first(&[[3.0], [far]], Par::Serial).unwrap_err().to_string();
-        assert!(error.starts_with("state 1: "), "{error}");
+    // With none, with few and with many obstacles.
+    for obstacles in [0, 3, 100] {
+        let robot = Robot::read(urdf, FilePath::new("."), LinkShapes::Hulls).unwrap();
+        let obstacles = (0..obstacles).map(|k| Obstacle {
+            name: format!("o{k}"),
+            shape: Shape::sphere(0.1).unwrap(),
+            pose: Pose::from_translation(DVec3::new(0.0, 1.0 + f64::from(k), 0.0)).unwrap(),
+        });
+        let world = World { obstacles: obstacles.collect(), ..World::default() };
+        let cell = Workcell::new(robot, &world, &AllowedPairs::default()).unwrap();
+        let checker = StateChecker::new(cell).unwrap();
+        for far in [1e38, 1e300, f64::MAX] {
+            let error = checker.first(&[[3.0], [far]], Par::Serial).unwrap_err().to_string();
+            assert!(error.starts_with("state 1: "), "{error}");
+        }
+        assert_eq!(checker.collides(&[[1e30], [0.1]], Par::Serial).unwrap(), [false, true]);
     }
-    assert_eq!(checker.collides(&[[1e30], [0.1]], Par::Serial).unwrap(), [false, true]);
+}
+
+#[test]
+fn another_cell_is_checked_as_by_a_checker_of_its_own() {
+    let mut draw = Draw(21);
+    for round in 0..40 {
+        let robot = robot(&mut draw, round % 2 == 0);
+        let other = self::robot(&mut draw, round % 3 == 0);
+        let mut checker: Option<StateChecker> = None;
+        for _ in 0..6 {
+            let robot = if draw.below(4) == 0 { &other } else { &robot };
+            let world = world(&mut draw, robot);
+            let allowed = match draw.below(3) {
+                0 => AllowedPairs::default(),
+                _ => AllowedPairs::adjacent(robot),
+            };
+            let cell = Workcell::new(robot.clone(), &world, &allowed).unwrap();
+            let states: Vec<Vec<f64>> = (0..20).map(|_| state(&mut draw, robot)).collect();
+            let fresh = StateChecker::new(cell.clone()).unwrap();
+            let ours = match checker.take() {
+                Some(mut checker) => checker.set_cell(cell).map(|()| checker),
+                None => StateChecker::new(cell),
+            };
+            let ours = ours.unwrap();
+            let all = |checker: &StateChecker| checker.all(&states, Par::Serial).unwrap();
+            assert_eq!(all(&ours), all(&fresh));
+            let first = |checker: &StateChecker| checker.first(&states, Par::Serial).unwrap();
+            assert_eq!(first(&ours), first(&fresh));
+            checker = Some(ours);
+        }
+    }
 }

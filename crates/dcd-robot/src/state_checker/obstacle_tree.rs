@@ -1,0 +1,43 @@
+//! Many obstacles, where comparing with one after the other would cost more than a tree.
+
+use dcd_broad::{IdentifiedAabbs, StaticTree};
+use dcd_exec::{Exec, Par};
+use dcd_geom::{Aabb, Pair, Scene};
+use dcd_simd::WIDTH;
+use std::ops::Range;
+
+/// How many obstacles are compared one after the other. Larger: worlds of many cost more. Smaller: a tree is asked
+/// where few comparisons would do. No effect on any answer.
+const FEW: usize = 64;
+
+/// A tree over the boxes of obstacles.
+#[derive(Debug)]
+pub(super) struct ObstacleTree {
+    tree: StaticTree,
+    /// What the sixteen that ask are called: numbers after those of the obstacles.
+    names: [u32; WIDTH],
+}
+
+impl ObstacleTree {
+    /// Over these objects of a scene, where they are many.
+    pub(super) fn of(scene: &Scene, obstacles: Range<usize>) -> Option<Self> {
+        if obstacles.len() <= FEW {
+            return None;
+        }
+        let aabbs: Vec<Aabb> = obstacles.map(|object| scene.aabb(object)).collect();
+        let names: Vec<u32> = (0..).take(aabbs.len()).collect();
+        let mut tree = StaticTree::default();
+        tree.build(IdentifiedAabbs { aabbs: &aabbs, names: &names }, Exec::from(Par::Serial));
+        let first = aabbs.len() as u32;
+        Some(Self { tree, names: std::array::from_fn(|lane| first + lane as u32) })
+    }
+
+    /// Tells the numbers of the obstacles whose boxes each of sixteen overlaps, and of that.
+    pub(super) fn reached(&self, aabbs: &[Aabb; WIDTH], mut tell: impl FnMut(u32, usize)) {
+        let mut pairs: Vec<Pair> = Vec::new();
+        let asked = IdentifiedAabbs { aabbs, names: &self.names };
+        self.tree.append_pairs(asked, |_, _| true, &mut pairs);
+        pairs.sort_unstable();
+        pairs.iter().for_each(|pair| tell(pair.i, (pair.j - self.names[0]) as usize));
+    }
+}
