@@ -61,8 +61,10 @@ package.xml; 8,388,608 pairs of shapes that may touch (rigid bodies do not count
 --all-problems checks, for each scene and request of the archive, 100 states on the straight line \
 from start to goal in joint space, both ends among them, by Parry in f64 as well, on the same \
 shapes; each pair on which the two differ is settled exactly and told. Times are of one thread: \
-ours of the poses (kinematics), of what is made of world and robot once a problem (preparation), and of \
-a batch of 100 states, for all hits and for a first hit of each; Parry's of the boxes of the links, a \
+ours of where the links are (kinematics, measured by itself and taken off the checks, which include it), of \
+what is made of world and robot once a problem (preparation; obstacles are prepared for the narrow phase \
+in the checks, which need it or not), and of a batch of 100 states, for all hits and for a first hit of \
+each; Parry's of the boxes of the links, a \
 tree over the world that is made before, and query::intersection_test, to the last or to its first hit. \
 ratio is Parry's check alone over our sum, for all hits, ratio_first for first hits. Padded links are \
 refused there. A file of the archive unpacks to 16,777,216 bytes at most, all of it to \
