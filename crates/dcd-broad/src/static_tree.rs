@@ -4,6 +4,7 @@ use crate::append::{Appender, append_where};
 use crate::{Aabb128, Mask128};
 use dcd_bvh::WideBvh;
 use dcd_exec::{Exec, Segments};
+use dcd_geom::glam::Vec3;
 use dcd_geom::{Aabb, Aabb16, Pair};
 use dcd_simd::{IndexRow, Kernel, Lanes, Path, WIDTH, dispatch_on};
 
@@ -158,6 +159,12 @@ impl Reach<'_> {
     }
 }
 
+/// A box without infinite sides, which would overlap the empty boxes that fill up a leaf.
+#[inline(always)]
+fn finite(aabb: &Aabb) -> Aabb {
+    Aabb { min: aabb.min.max(Vec3::MIN), max: aabb.max.min(Vec3::MAX) }
+}
+
 /// The pairs of some boxes with those of a tree.
 struct StaticTreeSearch<'a> {
     tree: &'a WideBvh,
@@ -172,7 +179,7 @@ impl Kernel for StaticTreeSearch<'_> {
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
         for k in 0..self.asked.aabbs.len() {
-            let asked = Spread::of(l, &self.asked.aabbs[k]);
+            let asked = Spread::of(l, &finite(&self.asked.aabbs[k]));
             let mut walk = Walk::from(self.tree.levels().len(), 0);
             while let Some(leaf) = walk.next(l, self.tree, &asked) {
                 let hits = asked.overlaps(l, &self.tree.leaves()[leaf]);
@@ -297,7 +304,6 @@ impl<L: Lanes> Spread<L> {
 mod tests {
     use super::*;
     use dcd_exec::Par;
-    use glam::Vec3;
 
     /// Boxes on a spiral, of many sizes, some touching others exactly.
     fn boxes(count: usize, turn: f32) -> Vec<Aabb> {
@@ -365,6 +371,25 @@ mod tests {
                 tree.build(IdentifiedAabbs { aabbs: &stays, names: &names }, Par::Serial.into());
                 assert_eq!(tree.reached(&row, which), due, "{stay} on {path:?}");
             }
+        }
+    }
+
+    #[test]
+    fn a_box_without_an_end_meets_every_box_once() {
+        for count in [1, 7, 16, 100] {
+            let at = |k: u32| Vec3::splat(k as f32);
+            let boxes: Vec<Aabb> =
+                (0..count).map(|k| Aabb { min: at(k), max: at(k) + Vec3::ONE }).collect();
+            let names: Vec<u32> = (0..count).collect();
+            let mut tree = StaticTree::default();
+            tree.build(IdentifiedAabbs { aabbs: &boxes, names: &names }, Exec::from(Par::Serial));
+            let asked = [Aabb::EVERYTHING, Aabb::EMPTY];
+            let asked = IdentifiedAabbs { aabbs: &asked, names: &[1000, 1001] };
+            let mut pairs = Vec::new();
+            tree.append_pairs(asked, |_, _| true, &mut pairs);
+            pairs.sort_unstable();
+            let all: Vec<Pair> = (0..count).map(|i| Pair { i, j: 1000 }).collect();
+            assert_eq!(pairs, all);
         }
     }
 

@@ -154,10 +154,9 @@ impl RoundedLink {
         for lane in bits(open) {
             let (centre, radius) = (self.centre.point(lane), radius + self.margin.0[lane]);
             let aabb = Aabb { min: centre - radius, max: centre + radius };
-            // Written so that a NaN is near everything. A tree is asked with finite boxes.
+            // Written so that a NaN is near everything.
             let is_known = aabb.min.is_finite() && aabb.max.is_finite();
-            let all = Aabb { min: Vec3::MIN, max: Vec3::MAX };
-            aabbs[lane] = if is_known { aabb } else { all };
+            aabbs[lane] = if is_known { aabb } else { Aabb::EVERYTHING };
         }
         tree.reached(&aabbs, |obstacle, lane| {
             if open >> lane & 1 == 1 {
