@@ -237,9 +237,9 @@ impl Scene {
     /// Whether another scene filters the objects of these indices as this one does, and both were told to ignore the same
     /// pairs in the same way: then both allow the same pairs of them. Compares lists; where it says no, they still
     /// may.
-    pub fn filters_like(&self, other: &Self, objects: std::ops::Range<usize>) -> bool {
-        let filters = |scene: &Self| scene.filters.get(objects.clone()).map(<[_]>::to_vec);
-        self.ignored == other.ignored && filters(self) == filters(other)
+    pub fn has_same_filters(&self, other: &Self, objects: std::ops::Range<usize>) -> bool {
+        let own = self.filters.get(objects.clone());
+        self.ignored == other.ignored && own == other.filters.get(objects)
     }
 
     /// The box of object `i`: see [`Shape::aabb`]. Empty where the slot is free.

@@ -204,7 +204,7 @@ impl Prepared {
     /// Takes another cell of the same robot.
     fn exchange(&mut self, cell: Workcell) {
         let parts = 0..cell.robot().parts.len();
-        let is_filtered_alike = self.cell.scene().filters_like(cell.scene(), parts);
+        let is_filtered_alike = self.cell.scene().has_same_filters(cell.scene(), parts);
         self.cell = cell;
         self.take_obstacles();
         if !is_filtered_alike {

@@ -131,24 +131,26 @@ fn hulls<'a>(
 /// the farthest product counts, whichever vertex it is of (docs/numerics/proofs.md, "states in lanes").
 #[inline(always)]
 fn are_parted<L: Lanes>(l: L, [a, b]: &[PlacedHull<'_>; 2], towards: Vec3) -> bool {
-    let mut direction = towards.normalize_or(Vec3::X);
+    let mut direction = unit(towards).unwrap_or(Vec3::X);
     let room = a.margin + b.margin;
     for _ in 0..DIRECTIONS {
         let (of_a, p) = a.reach(l, direction);
         let (of_b, q) = b.reach(l, -direction);
         let gap = direction.dot(b.translation - a.translation) - of_b - of_a;
-        // Written so that a NaN parts nothing.
-        if gap > room {
+        // Written so that a NaN parts nothing, nor an infinite gap: a rotation of NaN reaches nowhere.
+        if gap > room && gap < f32::INFINITY {
             return true;
         }
-        let across = (q - p).normalize_or_zero();
-        let mirrored = direction - across * (2.0 * across.dot(direction));
-        direction = mirrored.normalize_or_zero();
-        if direction == Vec3::ZERO {
-            return false;
-        }
+        let mirrored = unit(q - p).map(|across| direction - across * (2.0 * across.dot(direction)));
+        let Some(next) = mirrored.and_then(unit) else { return false };
+        direction = next;
     }
     false
+}
+
+/// Of unit length, however short or long it was: a length whose square underflows would be wrong.
+fn unit(direction: Vec3) -> Option<Vec3> {
+    (direction / direction.abs().max_element()).try_normalize()
 }
 
 /// For the indices of blocks to be exact as f32.

@@ -109,14 +109,17 @@ impl Solid {
             (l.add(l.add(outer, swept), margin), l.sub(l.add(inner, swept), margin));
         let square = squared(l, away);
         let near = within(l, square, reach);
+        // A maximum may swallow a NaN: what is nowhere touches nothing.
+        let sum = l.add(l.add(centre[0], centre[1]), centre[2]);
+        let somewhere = l.bits(l.le(sum, sum));
         let Form::Bounded { outer: (middle, radius), inner: known } = self.form else {
-            let touched = inside(l, square, room);
+            let touched = inside(l, square, room) & somewhere;
             return Reached { near: near | touched, touched };
         };
         let to_outer = squared(l, from_point(l, centre, middle));
         let near = near & within(l, to_outer, l.add(reach, l.splat(radius)));
         let to_inner = squared(l, from_point(l, centre, known.0));
-        let touched = inside(l, to_inner, l.add(room, l.splat(known.1)));
+        let touched = inside(l, to_inner, l.add(room, l.splat(known.1))) & somewhere;
         Reached { near: near | touched, touched }
     }
 }

@@ -366,3 +366,34 @@ fn another_cell_is_checked_as_by_a_checker_of_its_own() {
         }
     }
 }
+
+/// A joint that mimics another by a factor comes to an infinite angle, and its link to a rotation of NaN.
+#[test]
+fn a_rotation_that_is_no_number_is_refused_and_never_free() {
+    let urdf = r#"<robot name="wild">
+      <link name="a"><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
+      <link name="b"><collision><geometry><box size="0.2 0.3 0.2"/></geometry></collision></link>
+      <link name="c"><collision><geometry><box size="0.3 0.2 0.2"/></geometry></collision></link>
+      <joint name="lead" type="continuous"><parent link="a"/><child link="b"/><origin xyz="1 0 0"/><axis xyz="0 0 1"/></joint>
+      <joint name="follow" type="continuous"><parent link="a"/><child link="c"/><origin xyz="0 2 0"/><axis xyz="0 0 1"/>
+        <mimic joint="lead" multiplier="10"/></joint></robot>"#;
+    for obstacles in [0, 1, 100] {
+        let robot = Robot::read(urdf, FilePath::new("."), LinkShapes::Hulls).unwrap();
+        let obstacles = (0..obstacles).map(|k| Obstacle {
+            name: format!("o{k}"),
+            shape: Shape::cuboid(DVec3::splat(0.1)).unwrap(),
+            pose: Pose::from_translation(DVec3::new(0.0, 0.0, 5.0 + f64::from(k))).unwrap(),
+        });
+        let world = World { obstacles: obstacles.collect(), ..World::default() };
+        let cell = Workcell::new(robot, &world, &AllowedPairs::default()).unwrap();
+        let checker = StateChecker::new(cell).unwrap();
+        assert_eq!(checker.collides(&[[0.3]], Par::Serial).unwrap(), [false]);
+        let states = [[0.3], [1e308]];
+        assert!(checker.cell().robot().place(&states[1], &mut Vec::new()).is_err());
+        let refused = [
+            checker.collides(&states, Par::Serial).unwrap_err().to_string(),
+            checker.all(&states, Par::Serial).unwrap_err().to_string(),
+        ];
+        assert!(refused.iter().all(|error| error.starts_with("state 1: ")), "{refused:?}");
+    }
+}
