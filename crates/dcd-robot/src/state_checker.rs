@@ -570,9 +570,14 @@ impl Scratch {
         for (k, state) in states.iter().enumerate() {
             robot.check_state(state.as_ref()).map_err(|error| (k, error))?;
         }
-        for (states, frames) in states.chunks(WIDTH).zip(&mut self.frames) {
+        for (packet, (states, frames)) in states.chunks(WIDTH).zip(&mut self.frames).enumerate() {
             frames.read(robot, states);
             dispatch_on(Path::best(), Place { robot, states, to: frames });
+            // Refused even where no pair asks for the link.
+            for (lane, state) in states.iter().enumerate().filter(|&(k, _)| !frames.is_finite(k)) {
+                let placed = robot.place(state.as_ref(), &mut Vec::new());
+                placed.map_err(|error| (packet * WIDTH + lane, error))?;
+            }
         }
         Ok(())
     }

@@ -52,6 +52,15 @@ impl LinkFrames {
         }
     }
 
+    /// Whether all frames of one of the states are numbers.
+    pub(super) fn is_finite(&self, lane: usize) -> bool {
+        // Zero times what is infinite or no number is no number.
+        let zero = |row: &FrameRow| {
+            row.iter().fold(0.0, |sum, numbers| sum + 0.0 * numbers[lane / HALF][lane % HALF])
+        };
+        self.frames.iter().fold(0.0, |sum, row| sum + zero(row)) == 0.0
+    }
+
     fn set_frame(&mut self, link: usize, lane: usize, frame: &JointFrame) {
         let numbers = frame.rotation.to_cols_array().into_iter();
         let numbers = numbers.chain(frame.translation.to_array());

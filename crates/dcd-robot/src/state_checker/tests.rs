@@ -396,4 +396,12 @@ fn a_rotation_that_is_no_number_is_refused_and_never_free() {
         ];
         assert!(refused.iter().all(|error| error.starts_with("state 1: ")), "{refused:?}");
     }
+    // Where nothing is checked either.
+    let robot = Robot::read(urdf, FilePath::new("."), LinkShapes::Hulls).unwrap();
+    let allowed = AllowedPairs::from_pairs(&crate::PairSearch::default().run(&robot).unwrap());
+    let cell = Workcell::new(robot, &World::default(), &allowed).unwrap();
+    let checker = StateChecker::new(cell).unwrap();
+    assert!(checker.prepared.link_pairs.is_empty());
+    let error = checker.collides(&[[0.3], [1e308]], Par::Serial).unwrap_err().to_string();
+    assert!(error.starts_with("state 1: "), "{error}");
 }
