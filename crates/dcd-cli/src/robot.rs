@@ -4,12 +4,14 @@ mod acm;
 mod edges;
 mod judge;
 mod lines;
+mod picture;
 mod problems;
 mod rival;
 mod state;
 mod states;
 
 use crate::failure::{Failure, tell};
+use crate::output::{Output, check_distinct};
 use clap::{Args, ValueEnum};
 use dcd_io::{MeshPaths, shown};
 use dcd_pipeline::{Par, Pipeline};
@@ -17,6 +19,7 @@ use dcd_robot::{
     AllowedPairs, LinkShapes, MeshSource, PairSearch, Request, Robot as Model, RobotError, Srdf,
     Workcell, World,
 };
+use picture::Picture;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -96,9 +99,9 @@ enum UpAxis {
 pub(crate) struct Robot {
     /// The robot as URDF
     urdf: PathBuf,
-    /// The pairs of links that may touch (disable_collisions)
+    /// The pairs of links that may touch (disable_collisions); of several files a later one counts more
     #[arg(long, value_name = "FILE")]
-    srdf: Option<PathBuf>,
+    srdf: Vec<PathBuf>,
     /// What the meshes of the links are taken as
     #[arg(long, value_enum, default_value = "hulls")]
     links: Links,
@@ -168,6 +171,10 @@ pub(crate) struct Robot {
     /// Write pairs that touch at rest but not always too, as Default
     #[arg(long, requires = "acm")]
     allow_default: bool,
+    /// Write what was asked about as binary glTF: links and obstacles, what touches in another colour, the points
+    /// where; states one after the other, half a second each; edges as motions of two seconds
+    #[arg(long, value_name = "OUT.glb", conflicts_with_all = ["all_problems", "acm"])]
+    glb: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -189,15 +196,16 @@ struct Answer {
 
 impl Robot {
     pub(crate) fn run(self) -> Result<(), Failure> {
+        let glb = self.picture()?;
         let model = Model::load_with(&self.urdf, &self.meshes()?).map_err(refused)?;
         note(&self.urdf, model.notes());
-        let srdf = self.srdf.as_deref().map(|path| load_srdf(path, &model)).transpose()?;
+        let srdf = load_srdf(&self.srdf, &model)?;
         let allowed = match &srdf {
             Some(srdf) => srdf.allowed.clone(),
             None => AllowedPairs::adjacent(&model),
         };
         if let Some(path) = self.states.as_ref().or(self.edges.as_ref()) {
-            return self.answer_lines(&model, srdf.as_ref(), allowed, path);
+            return self.answer_lines(&model, srdf.as_ref(), allowed, path, glb);
         }
         if let Some(out) = &self.acm {
             let search = PairSearch { samples: self.samples, ..PairSearch::default() };
@@ -218,7 +226,7 @@ impl Robot {
                 if self.json { checked.json() } else { checked.text() }
             }
             None => {
-                let answer = self.check(model, srdf.as_ref(), allowed)?;
+                let answer = self.check(model, srdf.as_ref(), allowed, glb)?;
                 if self.json { answer.json() } else { answer.text() }
             }
         };
@@ -253,6 +261,7 @@ impl Robot {
         model: Model,
         srdf: Option<&Srdf>,
         mut allowed: AllowedPairs,
+        glb: Option<Output>,
     ) -> Result<Answer, Failure> {
         let mut world = self.load_world(&model, srdf)?;
         allowed.extend(&world.allowed);
@@ -270,13 +279,19 @@ impl Robot {
         let touching = once(step.contacts().map(named));
         let undecided = step.report().undecided().iter();
         let undecided = once(undecided.map(|undecided| named(undecided.pair.into())));
+        let candidates = step.candidate_count();
+        if let Some(glb) = glb {
+            let mut picture = Picture::default();
+            picture.show(&state);
+            picture.write(&mut cell, glb)?;
+        }
         Ok(Answer {
             robot: cell.robot().name.clone(),
             geometry: self.links,
             links_with_shapes: cell.robot().parts().len(),
             obstacles: world.obstacles.len(),
             state: cell.robot().variables().iter().cloned().zip(state).collect(),
-            candidates: step.candidate_count(),
+            candidates,
             undecided: undecided.difference(&touching).cloned().collect(),
             touching: touching.into_iter().collect(),
         })
@@ -301,6 +316,7 @@ impl Robot {
         srdf: Option<&Srdf>,
         mut allowed: AllowedPairs,
         path: &Path,
+        glb: Option<Output>,
     ) -> Result<(), Failure> {
         let world = self.load_world(model, srdf)?;
         allowed.extend(&world.allowed);
@@ -309,10 +325,20 @@ impl Robot {
         let meshes = MeshSource { paths: MeshPaths::new(folder), ..self.meshes()? };
         let given = lines::Given { robot: model, world: &world, allowed: &allowed, meshes };
         if self.states.is_some() {
-            lines::answer(&states::States { clearance: self.clearance }, &given, path)
+            lines::answer(&states::States { clearance: self.clearance }, &given, path, glb)
         } else {
-            lines::answer(&edges::Edges { budget: self.budget }, &given, path)
+            lines::answer(&edges::Edges { budget: self.budget }, &given, path, glb)
         }
+    }
+
+    /// The file of the picture, which is none that is read.
+    fn picture(&self) -> Result<Option<Output>, Failure> {
+        let read = [&self.world, &self.states, &self.edges, &self.request];
+        let read = self.srdf.iter().chain(read.into_iter().flatten()).chain([&self.urdf]);
+        let read: Vec<&Path> = read.map(PathBuf::as_path).collect();
+        let glb: Vec<&Path> = self.glb.iter().map(PathBuf::as_path).collect();
+        check_distinct(&read, &glb)?;
+        self.glb.as_deref().map(Output::create).transpose()
     }
 
     fn state_of(
@@ -324,7 +350,7 @@ impl Robot {
         if let Some(path) = &self.request {
             let request = Request::load(path).map_err(refused)?;
             note(path, &request.notes(model));
-            let state = request.place_base(world, srdf).and_then(|()| {
+            let state = request.place_base(world, model, srdf).and_then(|()| {
                 if self.goal {
                     request.goal_in(world, model)
                 } else {
@@ -342,11 +368,19 @@ impl Robot {
     }
 }
 
-fn load_srdf(path: &Path, model: &Model) -> Result<Srdf, Failure> {
-    let srdf = Srdf::load(path).map_err(refused)?;
-    let notes = srdf.notes(model).map_err(|error| Failure::at(shown(path), error))?;
-    note(path, &notes);
-    Ok(srdf)
+/// All files as one, if there are any.
+fn load_srdf(paths: &[PathBuf], model: &Model) -> Result<Option<Srdf>, Failure> {
+    let mut all: Option<Srdf> = None;
+    for path in paths {
+        let srdf = Srdf::load(path).map_err(refused)?;
+        let at = |error| Failure::at(shown(path), error);
+        note(path, &srdf.notes(model).map_err(at)?);
+        match &mut all {
+            Some(all) => all.extend(srdf).map_err(at)?,
+            None => all = Some(srdf),
+        }
+    }
+    Ok(all)
 }
 
 /// What a file says that is not used, or that a planner would warn of.

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::dcd;
+use common::{Folder, dcd};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -90,4 +90,84 @@ fn a_picture_in_place_of_an_input_or_another_output_is_refused() {
     ]);
     assert_eq!(ran.code, Some(2), "{ran:?}");
     assert!(!file.0.exists());
+}
+
+/// A bar of length 2 that turns about z with its end on the axis, and a hand that is carried by it.
+const ARM: &str = r#"<robot name="arm">
+  <link name="base"/>
+  <link name="bar"><collision><origin xyz="1 0 0"/><geometry><box size="2 0.1 0.1"/></geometry></collision></link>
+  <joint name="turn" type="continuous"><axis xyz="0 0 1"/><parent link="base"/><child link="bar"/></joint>
+</robot>"#;
+
+/// A post of edge 0.2 at y = 1.5.
+const POST: &str = "world:
+  collision_objects:
+    - id: post
+      primitives: [{type: box, dimensions: [0.2, 0.2, 1]}]
+      primitive_poses: [{position: [0, 1.5, 0], orientation: [0, 0, 0, 1]}]
+";
+
+/// A robot's picture, drawn by the command with these arguments behind the robot and its world.
+fn drawn(folder: &Folder, arguments: &[&str]) -> Value {
+    let (urdf, post) = (folder.file("arm.urdf", ARM), folder.file("post.yaml", POST));
+    let glb = folder.file("out.glb", "");
+    let ran = dcd(&[&["robot", &urdf, "--world", &post, "--glb", &glb], arguments].concat());
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    document(Path::new(&glb))
+}
+
+/// How many times of frames an animation has, and how nodes change between them.
+fn frames_of(document: &Value) -> (u64, Vec<String>) {
+    let samplers = document["animations"][0]["samplers"].as_array().unwrap();
+    let times = samplers[0]["input"].as_u64().unwrap() as usize;
+    // Written out only where it is not LINEAR.
+    let between =
+        |sampler: &Value| sampler["interpolation"].as_str().unwrap_or("LINEAR").to_owned();
+    let mut kinds: Vec<String> = samplers.iter().map(between).collect();
+    kinds.sort();
+    kinds.dedup();
+    (document["accessors"][times]["count"].as_u64().unwrap(), kinds)
+}
+
+#[test]
+fn a_robot_is_drawn_in_its_world_by_the_names_of_links_and_obstacles() {
+    let folder = Folder::new("glb-state");
+    let free = drawn(&folder, &["--state", "0"]);
+    assert_eq!(names(&free, "nodes"), ["bar", "post", "z up"]);
+    assert_eq!(names(&free, "materials"), ["apart", "static"]);
+    let hit = drawn(&folder, &["--state", "1.5707963267948966"]);
+    assert_eq!(names(&hit, "nodes"), ["bar", "post", "contacts of frame 0", "z up"]);
+    assert_eq!(names(&hit, "materials"), ["touching", "contact"]);
+    // At 0.05 beside the post a padded bar touches it, and is drawn as it is.
+    let padded = drawn(&folder, &["--state", "1.4", "--padding", "0.3"]);
+    assert_eq!(names(&padded, "nodes"), ["bar", "post", "contacts of frame 0", "z up"]);
+}
+
+#[test]
+fn states_are_shown_one_after_the_other_and_edges_as_motions() {
+    let folder = Folder::new("glb-lines");
+    let states = folder.file("states.jsonl", "{\"q\": [0]}\n{\"q\": [1.6]}\n{\"q\": [3]}\n");
+    let shown = drawn(&folder, &["--states", &states]);
+    assert_eq!(frames_of(&shown), (3, vec!["STEP".to_owned()]));
+    assert!(names(&shown, "nodes").contains(&"contacts of frame 1".to_owned()));
+    let edges =
+        folder.file("edges.jsonl", "{\"from\": [0], \"to\": [1]}\n{\"from\": [1], \"to\": [2]}\n");
+    let moving = drawn(&folder, &["--edges", &edges]);
+    // 61 states each, and the one that the second touches in.
+    assert_eq!(frames_of(&moving), (123, vec!["LINEAR".to_owned(), "STEP".to_owned()]));
+}
+
+#[test]
+fn a_picture_of_robots_that_carry_different_things_is_refused_by_its_line() {
+    let folder = Folder::new("glb-carried");
+    let (urdf, glb) = (folder.file("arm.urdf", ARM), folder.file("out.glb", "as it was"));
+    let carried =
+        r#"{"q": [1], "attached": [{"name": "cup", "link": "bar", "shape": {"sphere": 0.1}}]}"#;
+    let states = folder.file("states.jsonl", &format!("{{\"q\": [0]}}\n{carried}\n"));
+    let ran = dcd(&["robot", &urdf, "--states", &states, "--glb", &glb]);
+    assert_eq!((ran.code, ran.stdout.lines().count()), (Some(2), 2), "{ran:?}");
+    assert!(ran.stderr.contains("--glb: line 2"), "{ran:?}");
+    assert_eq!(std::fs::read(&glb).unwrap(), b"as it was");
+    let ran = dcd(&["robot", &urdf, "--states", &states, "--glb", &states]);
+    assert_eq!(ran.code, Some(2), "{ran:?}");
 }

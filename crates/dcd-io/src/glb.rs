@@ -45,6 +45,10 @@ enum Look {
 #[derive(Clone, Debug)]
 pub struct GlbScene<'s> {
     scene: &'s Scene,
+    /// What each object is called; none: it is not drawn.
+    names: Vec<Option<String>>,
+    /// How poses go from frame to frame.
+    between: Interpolation,
     frames: Vec<Frame>,
 }
 
@@ -60,7 +64,33 @@ struct Frame {
 impl<'s> GlbScene<'s> {
     /// Of this scene's shapes and objects, no frame yet.
     pub fn new(scene: &'s Scene) -> Self {
-        Self { scene, frames: Vec::new() }
+        let is_there = |i: &usize| scene.motion(*i).is_some();
+        let name = |i| Some(i).filter(is_there).map(|i| format!("object {i}"));
+        let names = (0..scene.len()).map(name).collect();
+        Self { scene, names, between: Interpolation::Linear, frames: Vec::new() }
+    }
+
+    /// Calls each object by its name; one without a name is not drawn.
+    ///
+    /// # Errors
+    /// Another number of names than of slots, or a name for a slot without an object.
+    pub fn named(mut self, names: Vec<Option<String>>) -> io::Result<Self> {
+        if names.len() != self.scene.len() {
+            return refused(format!("{} names for {} objects", names.len(), self.scene.len()));
+        }
+        let none = |&i: &usize| names[i].is_some() && self.scene.motion(i).is_none();
+        if let Some(i) = (0..names.len()).find(none) {
+            return refused(format!("a name for object {i}, which is not there"));
+        }
+        self.names = names;
+        Ok(self)
+    }
+
+    /// Holds each frame until the next, in place of moving from one to the other.
+    #[must_use]
+    pub fn held(mut self) -> Self {
+        self.between = Interpolation::Step;
+        self
     }
 
     /// Adds a frame, `time` seconds after the first, which is at 0: a pose for each slot, the objects that
@@ -76,7 +106,6 @@ impl<'s> GlbScene<'s> {
         touching: impl IntoIterator<Item = u32>,
         contacts: Vec<GlbContact>,
     ) -> io::Result<()> {
-        let refused = |problem: String| Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
         let slots = self.scene.len();
         if poses.len() != slots {
             return refused(format!("{} poses for {slots} objects", poses.len()));
@@ -112,6 +141,10 @@ impl<'s> GlbScene<'s> {
     }
 }
 
+fn refused<T>(problem: String) -> io::Result<T> {
+    Err(io::Error::new(io::ErrorKind::InvalidInput, problem))
+}
+
 fn in_f32(pose: &Pose) -> ([f32; 3], [f32; 4]) {
     let rotation = DQuat::from_mat3(pose.rotation()).as_quat().normalize();
     (pose.translation().as_vec3().to_array(), rotation.to_array())
@@ -119,6 +152,8 @@ fn in_f32(pose: &Pose) -> ([f32; 3], [f32; 4]) {
 
 struct Writer<'g> {
     scene: &'g Scene,
+    names: &'g [Option<String>],
+    between: Interpolation,
     frames: &'g [Frame],
     extent: f64,
     document: Document,
@@ -135,8 +170,10 @@ impl<'g> Writer<'g> {
     fn new(glb: &'g GlbScene<'_>) -> Self {
         Self {
             scene: glb.scene,
+            names: &glb.names,
+            between: glb.between,
             frames: &glb.frames,
-            extent: extent(glb.scene),
+            extent: extent(glb.scene, &glb.names),
             document: Document::default(),
             surfaces: HashMap::new(),
             materials: HashMap::new(),
@@ -148,9 +185,9 @@ impl<'g> Writer<'g> {
     }
 
     fn write(mut self, out: &mut dyn Write) -> io::Result<()> {
-        let scene = self.scene;
-        let objects = (0..scene.len()).filter(|&i| scene.motion(i).is_some());
-        let mut nodes: Vec<Index<Node>> = objects.map(|i| self.object(i)).collect();
+        let names = self.names.iter().enumerate();
+        let objects = names.filter_map(|(i, name)| Some((i, name.as_deref()?)));
+        let mut nodes: Vec<Index<Node>> = objects.map(|(i, name)| self.object(i, name)).collect();
         for frame in 0..self.frames.len() {
             nodes.extend(self.contacts(frame));
         }
@@ -175,7 +212,7 @@ impl<'g> Writer<'g> {
     }
 
     /// The node of an object, with one below it for each look that it has in some frame.
-    fn object(&mut self, i: usize) -> Index<Node> {
+    fn object(&mut self, i: usize, name: &str) -> Index<Node> {
         let look = |frame: &Frame| match (frame.touching[i], self.scene.motion(i)) {
             (true, _) => Look::Touching,
             (false, Some(Motion::Static)) => Look::Static,
@@ -185,7 +222,7 @@ impl<'g> Writer<'g> {
         let shape = self.scene.shape_of()[i];
         let (translation, rotation) = self.frames[0].poses[i];
         let mut node = Node {
-            name: Some(format!("object {i}")),
+            name: Some(name.to_owned()),
             translation: Some(translation),
             rotation: Some(UnitQuaternion(rotation)),
             ..Node::default()
@@ -213,7 +250,7 @@ impl<'g> Writer<'g> {
         let first = frames[0].poses[i];
         if frames.iter().any(|frame| frame.poses[i].0 != first.0) {
             let places: Vec<_> = frames.iter().map(|frame| frame.poses[i].0).collect();
-            self.channel(node, Property::Translation, Interpolation::Linear, &places);
+            self.channel(node, Property::Translation, self.between, &places);
         }
         if frames.iter().any(|frame| frame.poses[i].1 != first.1) {
             let mut turns: Vec<[f32; 4]> = frames.iter().map(|frame| frame.poses[i].1).collect();
@@ -224,7 +261,7 @@ impl<'g> Writer<'g> {
                     turns[k] = turns[k].map(|x| -x);
                 }
             }
-            self.channel(node, Property::Rotation, Interpolation::Linear, &turns);
+            self.channel(node, Property::Rotation, self.between, &turns);
         }
     }
 
@@ -365,10 +402,10 @@ fn material(look: Look) -> Material {
     }
 }
 
-/// How wide the bounded objects of a scene lie, metres; 1 for none.
-fn extent(scene: &Scene) -> f64 {
+/// How wide the bounded objects that are drawn lie, metres; 1 for none.
+fn extent(scene: &Scene, names: &[Option<String>]) -> f64 {
     let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for i in (0..scene.len()).filter(|&i| scene.motion(i).is_some()) {
+    for i in (0..scene.len()).filter(|&i| names[i].is_some()) {
         if scene.shape(i).is_bounded() {
             let aabb = scene.aabb(i);
             min = min.min(aabb.min.as_dvec3());

@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut making = Duration::ZERO;
     for problem in read_problems(archive)? {
         let mut world = problem.scene.world(&robot, Some(&srdf))?;
-        problem.request.place_base(&mut world, Some(&srdf))?;
+        problem.request.place_base(&mut world, &robot, Some(&srdf))?;
         let start = problem.request.start_in(&world, &robot)?;
         let goal = problem.request.goal_in(&world, &robot)?;
         let mut allowed = srdf.allowed.clone();

@@ -3,7 +3,7 @@
 use super::kinematics::JointFrame;
 use super::message::{StateMessage, count};
 use super::notes::Unused;
-use super::scene::{base_of, joint_values};
+use super::scene::{MultiDof, joint_values};
 use super::yaml::{Held, Lined, line_of, parse};
 use super::{Robot, RobotError, Srdf, World, xml};
 use serde::Deserialize;
@@ -155,7 +155,7 @@ impl Request {
     /// # Errors
     /// See [`Robot::state`].
     pub fn start_in(&self, world: &World, robot: &Robot) -> Result<Vec<f64>, RobotError> {
-        robot.state(&[&world.joints[..], &self.start].concat())
+        robot.state(&self.values_in(world))
     }
 
     /// The goal in a world, whose joint values count where the request says nothing.
@@ -167,15 +167,28 @@ impl Request {
             let (user, why) = ("goal", "it asks for poses, and joint values alone are understood");
             return Err(RobotError::Refused { user: user.to_owned(), why: why.to_owned() });
         }
-        robot.state(&[&world.joints[..], &self.start, &self.goal].concat())
+        robot.state(&[self.values_in(world), self.goal.clone()].concat())
     }
 
-    /// Puts the robot of a world where the request's start has its root, if it says so.
+    /// Values of joints by name, the later ones of more weight.
+    fn values_in(&self, world: &World) -> Vec<(String, f64)> {
+        [&world.joints[..], &self.start].concat()
+    }
+
+    /// Takes over what the start says of joints of several values: the robot of a world stands where it has its
+    /// root, and its own floating and planar joints are among the world's values.
     ///
     /// # Errors
-    /// A joint that the SRDF does not know, or a pose that is refused.
-    pub fn place_base(&self, world: &mut World, srdf: Option<&Srdf>) -> Result<(), RobotError> {
-        if let Some(base) = base_of(&self.state, srdf)? {
+    /// A joint that neither the SRDF nor the robot knows, or a pose that is refused.
+    pub fn place_base(
+        &self,
+        world: &mut World,
+        robot: &Robot,
+        srdf: Option<&Srdf>,
+    ) -> Result<(), RobotError> {
+        let MultiDof { base, values } = MultiDof::of(&self.state, robot, srdf)?;
+        world.joints.extend(values);
+        if let Some(base) = base {
             let user = "start_state".to_owned();
             let pose = JointFrame::pose(&base).map_err(|error| RobotError::Pose { user, error })?;
             world.base = Some(pose);

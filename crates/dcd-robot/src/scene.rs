@@ -3,11 +3,13 @@
 use super::allowed::{Layer, Matrix};
 use super::frames::{Frames, frame_of};
 use super::kinematics::JointFrame;
-use super::message::{AttachedMessage, MatrixMessage, ObjectMessage, SceneMessage, StateMessage};
+use super::message::{
+    AttachedMessage, MatrixMessage, ObjectMessage, SceneMessage, StateMessage, Transform,
+};
 use super::notes::Unused;
 use super::world::{Attached, Padding, World};
-use super::yaml::{Lined, line_of, parse};
-use super::{Robot, RobotError, Srdf, xml};
+use super::yaml::{Lined, Numbers, line_of, parse};
+use super::{MovedJoint, Robot, RobotError, Srdf, xml};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -52,7 +54,7 @@ impl PlanningScene {
     /// refused; a matrix that says two things of a pair.
     pub fn world(&self, robot: &Robot, srdf: Option<&Srdf>) -> Result<World, RobotError> {
         let message = &self.0;
-        let base = base_of(&message.robot_state, srdf)?;
+        let MultiDof { base, values } = MultiDof::of(&message.robot_state, robot, srdf)?;
         let mut robot = robot.clone();
         robot.base = base.unwrap_or(robot.base);
         let mut world = World {
@@ -60,6 +62,7 @@ impl PlanningScene {
             ..World::default()
         };
         world.joints = joint_values(&message.robot_state)?;
+        world.joints.extend(values);
         let state = robot.state(&world.joints)?;
         let mut frames = Frames::of(&robot, srdf, &state)?;
         message.fixed_frame_transforms.iter().try_for_each(|said| frames.fix(said))?;
@@ -214,38 +217,72 @@ pub(super) fn joint_values(state: &StateMessage) -> Result<Vec<(String, f64)>, R
     Ok(values.zip(state.joint_state.position.iter().copied()).collect())
 }
 
-/// Where a state puts the robot's root, if it says so.
-pub(super) fn base_of(
-    state: &StateMessage,
-    srdf: Option<&Srdf>,
-) -> Result<Option<JointFrame>, RobotError> {
-    let joints = &state.multi_dof_joint_state;
-    let user = "multi_dof_joint_state".to_owned();
-    let (expected, found) = (joints.joint_names.len(), joints.transforms.len());
-    if expected != found {
-        return Err(RobotError::Count { what: "transforms", user, expected, found });
+/// What a state says of joints of several values.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct MultiDof {
+    /// Where the robot's root is: by the SRDF's virtual joint.
+    pub(super) base: Option<JointFrame>,
+    /// Values of the robot's own joints, by their names.
+    pub(super) values: Vec<(String, f64)>,
+}
+
+impl MultiDof {
+    /// From `multi_dof_joint_state`, whose transforms are a virtual joint's, a floating or a planar joint's.
+    pub(super) fn of(
+        state: &StateMessage,
+        robot: &Robot,
+        srdf: Option<&Srdf>,
+    ) -> Result<Self, RobotError> {
+        let joints = &state.multi_dof_joint_state;
+        let user = "multi_dof_joint_state".to_owned();
+        let (expected, found) = (joints.joint_names.len(), joints.transforms.len());
+        if expected != found {
+            return Err(RobotError::Count { what: "transforms", user, expected, found });
+        }
+        let known = srdf.and_then(|srdf| srdf.virtual_joint.as_ref());
+        let frame = joints.header.frame_id.trim_start_matches('/');
+        let model_frame = known.map_or(&*robot.links()[robot.root].name, |joint| &joint.parent);
+        let mut said = Self::default();
+        for (name, transform) in joints.joint_names.iter().zip(&joints.transforms) {
+            let place = frame_of(transform, &format!("joint {name:?}"))?;
+            let is_base = known.is_some_and(|joint| joint.name == *name);
+            let own = robot.moved_joints().iter().find(|joint| joint.name == *name);
+            let own = own.filter(|joint| joint.values.len() > 1);
+            // Whatever stands still at the identity says nothing, known or not.
+            if place == JointFrame::IDENTITY && !is_base && own.is_none() {
+                continue;
+            }
+            if !is_base && own.is_none() {
+                let what = "virtual joint (of an SRDF) and no joint of several values";
+                return Err(RobotError::Unknown { what, name: name.clone(), user });
+            }
+            if !frame.is_empty() && frame != model_frame {
+                return Err(RobotError::Unknown { what: "frame", name: frame.to_owned(), user });
+            }
+            match own {
+                Some(joint) => {
+                    let names = robot.variables()[joint.values.clone()].iter().cloned();
+                    said.values.extend(names.zip(values_of(joint, transform)?));
+                }
+                None => said.base = Some(place),
+            }
+        }
+        Ok(said)
     }
-    let known = srdf.and_then(|srdf| srdf.virtual_joint.as_ref());
-    let frame = joints.header.frame_id.trim_start_matches('/');
-    let is_model = known.is_some_and(|joint| joint.parent == frame);
-    let mut base = None;
-    for (name, transform) in joints.joint_names.iter().zip(&joints.transforms) {
-        let place = frame_of(transform, &format!("joint {name:?}"))?;
-        let is_known = known.is_some_and(|joint| joint.name == *name);
-        // Whatever stands still at the identity says nothing, known or not.
-        if place == JointFrame::IDENTITY && !is_known {
-            continue;
-        }
-        if !is_known {
-            let what = "virtual joint (of an SRDF)";
-            return Err(RobotError::Unknown { what, name: name.clone(), user });
-        }
-        if !frame.is_empty() && !is_model {
-            return Err(RobotError::Unknown { what: "frame", name: frame.to_owned(), user });
-        }
-        base = Some(place);
+}
+
+/// A transform as the values of a floating or a planar joint.
+fn values_of(joint: &MovedJoint, transform: &Transform) -> Result<Vec<f64>, RobotError> {
+    let Transform { translation: Numbers([x, y, z]), rotation: Numbers([a, b, c, w]) } = *transform;
+    if joint.values.len() == 7 {
+        return Ok(vec![x, y, z, a, b, c, w]);
     }
-    Ok(base)
+    if [z, a, b] != [0.0; 3] {
+        let user = format!("joint {:?}", joint.name);
+        let why = "it is planar, and its transform leaves the plane z = 0".to_owned();
+        return Err(RobotError::Refused { user, why });
+    }
+    Ok(vec![x, y, 2.0 * libm::atan2(c, w)])
 }
 
 fn attached(

@@ -97,6 +97,25 @@ impl Srdf {
         Ok(srdf)
     }
 
+    /// Adds what another file of the same robot says, which counts more where both speak of a pair.
+    ///
+    /// # Errors
+    /// Another virtual joint than there is.
+    pub fn extend(&mut self, other: Self) -> Result<(), RobotError> {
+        let Self { robot: _, allowed, virtual_joint, notes } = other;
+        if let (Some(old), Some(new)) = (&self.virtual_joint, &virtual_joint) {
+            if old != new {
+                let user = format!("virtual_joint {:?}", new.name);
+                let why = format!("there is {:?} already: a robot has one root", old.name);
+                return Err(RobotError::Refused { user, why });
+            }
+        }
+        self.allowed.extend(&allowed);
+        self.virtual_joint = self.virtual_joint.take().or(virtual_joint);
+        self.notes.extend(notes);
+        Ok(())
+    }
+
     /// What the file says that is not used, and what it says that this robot does not have: a
     /// planner would go on.
     ///
@@ -176,6 +195,20 @@ mod tests {
         assert!(allowed.contains("d", "a") && !allowed.contains("c", "d"));
         assert_eq!(srdf.virtual_joint.unwrap().parent, "world");
         assert_eq!(srdf.notes, ["not used: group (line 2)"]);
+    }
+
+    #[test]
+    fn of_two_files_the_second_counts_more_and_one_virtual_joint_is_enough() {
+        let joint = r#"<virtual_joint name="v" type="fixed" parent_frame="world" child_link="a"/>"#;
+        let read = |body: &str| Srdf::read(&format!("<robot name=\"r\">{body}</robot>")).unwrap();
+        let disabled = r#"<disable_collisions link1="a" link2="b"/>"#;
+        let mut both = read(&format!("{disabled}{joint}"));
+        both.extend(read(r#"<disable_collisions link1="c" link2="b"/>"#)).unwrap();
+        assert!(both.allowed.contains("a", "b") && both.allowed.contains("b", "c"));
+        both.extend(read(&format!(r#"<enable_collisions link1="b" link2="a"/>{joint}"#))).unwrap();
+        assert!(!both.allowed.contains("a", "b") && both.allowed.contains("b", "c"));
+        let other = both.extend(read(&joint.replace("world", "map"))).unwrap_err().to_string();
+        assert!(other.contains("one root"), "{other}");
     }
 
     #[test]

@@ -121,8 +121,8 @@ impl Workcell {
         [i.min(j), i.max(j)].map(|k| self.names[k].as_str())
     }
 
-    /// The part that moves an object of the scene; none of an obstacle.
-    pub(super) fn part_of(&self, object: usize) -> Option<usize> {
+    /// The part of [`Robot::parts`] that moves an object of the scene; none for an obstacle.
+    pub fn part_of(&self, object: usize) -> Option<usize> {
         match object.checked_sub(self.first_padded) {
             Some(padded) => self.padded.get(padded).copied(),
             None => (object < self.robot.parts().len()).then_some(object),

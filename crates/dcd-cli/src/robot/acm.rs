@@ -3,6 +3,7 @@
 use super::refused;
 use crate::failure::{Failure, tell};
 use crate::output::{Output, check_distinct};
+use crate::progress::Progress;
 use dcd_robot::{LinkPair, PairReason, PairSearch, Robot, write_srdf};
 use serde::Serialize;
 use std::path::Path;
@@ -35,7 +36,9 @@ impl Acm<'_> {
     pub(super) fn write(&self, robot: &Robot) -> Result<Counted, Failure> {
         check_distinct(&[self.urdf], &[self.out])?;
         let mut output = Output::create(self.out)?;
+        let progress = Progress::over(1, "looking for pairs that need no check");
         let mut pairs = self.search.run(robot).map_err(refused)?;
+        drop(progress);
         let mut counted = Counted::of(&pairs);
         let mut links: Vec<usize> = robot.parts().iter().map(|part| part.link).collect();
         links.dedup();

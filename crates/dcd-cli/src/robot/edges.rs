@@ -1,8 +1,12 @@
 //! Edges from a file, a line each, and a line of JSON for what is proved of them.
 
 use super::lines::{CellCache, Given, Question, Which};
-use dcd_robot::{EdgeAnswer, EdgeChecker, EdgeRequest, RobotError, StateReader};
+use super::picture::Picture;
+use dcd_robot::{
+    AttachedObject, EdgeAnswer, EdgeChecker, EdgeRequest, Robot, RobotError, StateReader,
+};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// What `--edges` reads and prints.
 pub(super) const FORMAT: &str = r#"--edges takes an edge a line, between states as --states has them:
@@ -76,5 +80,17 @@ impl Question for Edges {
             }
         };
         Ok(Answer { outcome, free_until: found.free_until })
+    }
+
+    fn attached(edge: &EdgeRequest) -> &Arc<[AttachedObject]> {
+        &edge.attached
+    }
+
+    fn draw(robot: &Robot, edge: &EdgeRequest, answer: &Answer, picture: &mut Picture) {
+        let hit = match &answer.outcome {
+            Outcome::Hit { t, .. } => Some(*t),
+            _ => None,
+        };
+        picture.follow(robot, &edge.path, hit);
     }
 }

@@ -1,7 +1,9 @@
 //! Files of JSON Lines about one robot: a line of JSON comes out for each, in order.
 
+use super::picture::Picture;
 use super::refused;
 use crate::failure::{Failure, tell};
+use crate::output::Output;
 use crate::progress::Progress;
 use dcd_exec::{Exec, PerThread, Segments};
 use dcd_io::{read_lines, shown};
@@ -52,6 +54,12 @@ pub(super) trait Question: Sync {
         checker: &mut Self::Checker,
         item: &Self::Item,
     ) -> Result<Self::Answer, RobotError>;
+
+    /// What the robot carries in it.
+    fn attached(item: &Self::Item) -> &Arc<[AttachedObject]>;
+
+    /// Adds what was asked about to a picture.
+    fn draw(robot: &Robot, item: &Self::Item, answer: &Self::Answer, picture: &mut Picture);
 }
 
 /// The first key of what comes out for a line.
@@ -102,11 +110,12 @@ impl<T> CellCache<T> {
     }
 }
 
-/// Answers the lines of a file in their order.
+/// Answers the lines of a file in their order, and draws them, if a file is named for it.
 pub(super) fn answer<Q: Question>(
     question: &Q,
     given: &Given<'_>,
     path: &Path,
+    glb: Option<Output>,
 ) -> Result<(), Failure> {
     let place = shown(path);
     let file = File::open(path).map_err(|error| Failure::at(&place, error))?;
@@ -116,6 +125,7 @@ pub(super) fn answer<Q: Question>(
     // Lines that are looked at are progress enough.
     let progress = (!out.is_terminal()).then(|| Progress::over(0, Q::PLURAL));
     let mut lines = read_lines(BufReader::new(file));
+    let mut drawing = glb.map(Drawing::new);
     let (mut tally, checkers, mut answers) =
         (Tally::new(Q::PLURAL), PerThread::default(), Segments::default());
     loop {
@@ -148,7 +158,12 @@ pub(super) fn answer<Q: Question>(
                 }
             });
         });
-        for line in answers.iter().flatten() {
+        for (line, item) in answers.iter().flatten().zip(&block) {
+            if let (Some(drawing), Outcome::Checked(answer), Ok(item)) =
+                (&mut drawing, &line.outcome, item)
+            {
+                drawing.draw::<Q>(given.robot, (line.which, item, answer));
+            }
             if let Outcome::Refused { error } = &line.outcome {
                 tell(format_args!("{place}: {error}"));
                 tally.refused += 1;
@@ -159,7 +174,46 @@ pub(super) fn answer<Q: Question>(
         tally.lines += block.len();
     }
     drop(progress);
+    drawing.map(|drawing| drawing.write(given)).transpose()?;
     tally.end(&place)
+}
+
+/// A picture of lines that are answered one after the other.
+struct Drawing {
+    file: Output,
+    picture: Picture,
+    /// What the robot carries in all of them, once one is drawn.
+    attached: Option<Arc<[AttachedObject]>>,
+    /// The first line in which it carries something else.
+    other: Option<Which>,
+}
+
+impl Drawing {
+    fn new(file: Output) -> Self {
+        Self { file, picture: Picture::default(), attached: None, other: None }
+    }
+
+    fn draw<Q: Question>(
+        &mut self,
+        robot: &Robot,
+        (which, item, answer): (Which, &Q::Item, &Q::Answer),
+    ) {
+        let attached = Q::attached(item);
+        if !Arc::ptr_eq(self.attached.get_or_insert_with(|| Arc::clone(attached)), attached) {
+            self.other.get_or_insert(which);
+        }
+        Q::draw(robot, item, answer, &mut self.picture);
+    }
+
+    fn write(self, given: &Given<'_>) -> Result<(), Failure> {
+        let Self { file, picture, attached, other } = self;
+        if let Some(Which::State(k) | Which::Edge(k)) = other {
+            let problem = format!("line {}: the robot carries other objects than before", k + 1);
+            return Err(Failure::at("--glb", problem));
+        }
+        let mut cell = given.cell(attached.as_deref().unwrap_or_default()).map_err(refused)?;
+        picture.write(&mut cell, file)
+    }
 }
 
 /// What is told of all lines together.

@@ -182,7 +182,7 @@ impl Checked {
     ) -> Result<(), Failure> {
         let Given { robot, srdf, allowed, .. } = given;
         let mut world = problem.scene.world(robot, *srdf).map_err(refused)?;
-        problem.request.place_base(&mut world, *srdf).map_err(refused)?;
+        problem.request.place_base(&mut world, robot, *srdf).map_err(refused)?;
         let mut allowed = allowed.clone();
         allowed.extend(&world.allowed);
         let start = problem.request.start_in(&world, robot).map_err(refused)?;

@@ -1,11 +1,13 @@
 //! States from a file, a line each, and a line of JSON for what is found.
 
 use super::lines::{CellCache, Given, Question, Which};
+use super::picture::Picture;
 use dcd_pipeline::{Par, Pipeline};
-use dcd_robot::{Clearance, RobotError, State, StateReader, Workcell};
+use dcd_robot::{AttachedObject, Clearance, Robot, RobotError, State, StateReader, Workcell};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::slice;
+use std::sync::Arc;
 
 /// What `--states` reads and prints.
 pub(super) const FORMAT: &str = r#"--states takes a state a line:
@@ -116,5 +118,13 @@ impl Question for States {
             None
         };
         Ok(Answer { free, contacts, undecided, clearance })
+    }
+
+    fn attached(state: &State) -> &Arc<[AttachedObject]> {
+        &state.attached
+    }
+
+    fn draw(_: &Robot, state: &State, _: &Answer, picture: &mut Picture) {
+        picture.show(&state.values);
     }
 }

@@ -102,3 +102,27 @@ fn an_empty_scene_is_a_file_too() {
     let document = document(&written(&GlbScene::new(&scene)));
     assert_eq!(document.nodes().count(), 1);
 }
+
+#[test]
+fn objects_have_the_names_that_they_are_given_and_none_without_a_name() {
+    let scene = scene();
+    let names = || vec![Some("arm".to_owned()), None, Some("wall".to_owned())];
+    let mut glb = GlbScene::new(&scene).named(names()).unwrap().held();
+    for k in 0..2 {
+        let mut poses = scene.poses().to_vec();
+        poses[0] = at(f64::from(k), 1.0);
+        glb.frame(f64::from(k), &poses, [], Vec::new()).unwrap();
+    }
+    let document = document(&written(&glb));
+    let drawn: Vec<_> = document.nodes().filter_map(|n| n.name().map(str::to_owned)).collect();
+    assert_eq!(drawn, ["arm", "wall", "z up"]);
+    for channel in document.animations().next().unwrap().channels() {
+        let interpolation = channel.sampler().interpolation();
+        assert_eq!(interpolation, gltf::animation::Interpolation::Step);
+    }
+    assert!(GlbScene::new(&scene).named(names()[1..].to_vec()).is_err());
+    let mut hole = scene.clone();
+    hole.remove(hole.handle(0).unwrap()).unwrap();
+    let refused = GlbScene::new(&hole).named(names()).unwrap_err().to_string();
+    assert!(refused.contains("object 0"), "{refused}");
+}

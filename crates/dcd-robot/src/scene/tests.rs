@@ -206,6 +206,39 @@ fn the_base_pose_and_joint_values_of_the_scene_are_used() {
     assert_refused(&sphere("", &unknown), &["no joint \"elbow\""]);
 }
 
+#[test]
+fn a_floating_and_a_planar_joint_take_their_values_from_a_transform() {
+    let urdf = |kind: &str| {
+        let (base, body) = (
+            "<link name=\"base\"/>",
+            r#"<joint name="move" type="KIND"><parent link="base"/>
+            <child link="body"/><axis xyz="0 0 1"/></joint>"#,
+        );
+        let shape = r#"<link name="body"><collision><geometry><sphere radius="1"/></geometry></collision></link>"#;
+        let text = format!("<robot name=\"r\">{base}{shape}{}</robot>", body.replace("KIND", kind));
+        Robot::read(&text, Path::new("."), LinkShapes::Hulls).unwrap()
+    };
+    let state = |robot: &Robot, frame: &str, transform: &str| {
+        let text = format!(
+            "world: {{}}\nrobot_state:\n  multi_dof_joint_state:\n    header: {{frame_id: {frame}}}\n    \
+             joint_names: [move]\n    transforms: [{{{transform}}}]"
+        );
+        let world = PlanningScene::read(&text).unwrap().world(robot, None)?;
+        robot.state(&world.joints)
+    };
+    let turned = "translation: [1, 2, 0], rotation: [0, 0, 0.6, 0.8]";
+    let floating = state(&urdf("floating"), "base", turned).unwrap();
+    assert_eq!(floating, [1.0, 2.0, 0.0, 0.0, 0.0, 0.6, 0.8]);
+    let planar = state(&urdf("planar"), "\"\"", turned).unwrap();
+    assert_eq!(planar[..2], [1.0, 2.0]);
+    assert!((planar[2].tan() - 24.0 / 7.0).abs() < 1e-12, "{planar:?}");
+    let refused = |transform: &str, frame: &str| {
+        state(&urdf("planar"), frame, transform).unwrap_err().to_string()
+    };
+    assert!(refused(&turned.replace("0]", "1]"), "base").contains("leaves the plane"));
+    assert!(refused(turned, "map").contains("\"map\""));
+}
+
 /// A sphere of radius 0.5 at the tip, at x = 3.5 at rest.
 const HELD: &str = "robot_state:
   attached_collision_objects:

@@ -4,9 +4,10 @@
 //! how far the hull reaches. A direction that does not part the hulls is mirrored by that between the two points found
 //! (Chung and Wang, "Quick collision detection of polytopes in virtual environments", 1996).
 
+use super::Goal;
 use super::links::{BodyHull, LinkSpheres};
+use super::prepared::Prepared;
 use super::sift::{Found, Rounded, RoundedLink};
-use super::{Goal, Prepared};
 use dcd_pipeline::{Candidate, Other};
 use dcd_simd::{Block, Kernel, Lanes, Row, WIDTH};
 use glam::{Mat3, Vec3};

@@ -3,8 +3,9 @@
 use super::link_frames::LinkFrames;
 use super::links::{LinkSpheres, SphereRow};
 use super::obstacle_tree::ObstacleTree;
+use super::prepared::Prepared;
 use super::solids::{Reached, Solid, inside, within};
-use super::{Goal, MARGIN, Prepared, Sixteen};
+use super::{Goal, MARGIN, Sixteen};
 use dcd_geom::Aabb;
 use dcd_pipeline::{Candidate, Other};
 use dcd_simd::{Block, Kernel, Lanes, Row, WIDTH};

@@ -1,9 +1,12 @@
 //! States in lanes beside every pair decided alone, on random robots in random worlds.
 
+use super::link_frames::{LinkFrames, Place};
 use super::*;
-use crate::{AllowedPairs, LinkShapes, Obstacle, Padding, World};
+use crate::{AllowedPairs, LinkShapes, Obstacle, Padding, Robot, World};
+use dcd_geom::{Pose, Shape};
 use dcd_gjk::{Certified, PairSolver, PosedShape};
 use dcd_pipeline::Par;
+use dcd_simd::{Path, dispatch_on};
 use glam::{DQuat, DVec3};
 use std::fmt::Write;
 use std::path::Path as FilePath;
@@ -404,4 +407,26 @@ fn a_rotation_that_is_no_number_is_refused_and_never_free() {
     assert!(checker.prepared.link_pairs.is_empty());
     let error = checker.collides(&[[0.3], [1e308]], Par::Serial).unwrap_err().to_string();
     assert!(error.starts_with("state 1: "), "{error}");
+}
+
+#[test]
+fn clearances_of_many_states_are_those_of_each_alone_in_the_cell_that_counts() {
+    let mut draw = Draw(17);
+    let robot = robot(&mut draw, false);
+    let states: Vec<Vec<f64>> = (0..9).map(|_| state(&mut draw, &robot)).collect();
+    let cell = |world: &World| {
+        Workcell::new(robot.clone(), world, &AllowedPairs::adjacent(&robot)).unwrap()
+    };
+    let worlds = [world(&mut draw, &robot), World::default()];
+    let mut checker = StateChecker::new(cell(&worlds[0])).unwrap();
+    for world in &worlds {
+        let mut alone = cell(world);
+        checker.set_cell(cell(world)).unwrap();
+        let expected: Vec<_> = states.iter().map(|state| alone.clearance(state).unwrap()).collect();
+        for exec in [Par::Serial, Par::Pool] {
+            assert_eq!(checker.clearances(&states, exec).unwrap(), expected);
+        }
+    }
+    let refused = checker.clearances(&[&states[0][..], &[]], Par::Serial).unwrap_err();
+    assert!(matches!(refused, RobotError::AtState { state: 1, .. }), "{refused}");
 }

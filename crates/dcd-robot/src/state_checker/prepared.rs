@@ -1,0 +1,211 @@
+//! What of a robot and its world does not depend on a state.
+
+use super::link_frames::LinkFrames;
+use super::links::{Body, BodyHull, LinkSpheres, links};
+use super::obstacle_tree::ObstacleTree;
+use super::solids::Solid;
+use crate::kinematics::JointFrame;
+use crate::{Joint, Motion, Robot, RobotError, Workcell};
+use dcd_geom::{Object, Pair, Pose, Scene, SceneError, Shape};
+use dcd_gjk::Overlap;
+use dcd_pipeline::{LinkSet, Other, StaticWorld};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// What does not depend on a state.
+#[derive(Debug)]
+pub(super) struct Prepared {
+    pub(super) cell: Workcell,
+    /// For each body its object in the scene and the part that moves it: the parts, then the padded ones.
+    pub(super) bodies: Vec<(u32, usize)>,
+    /// For each body its vertices, if it is a hull.
+    pub(super) hulls: Vec<Option<BodyHull>>,
+    pub(super) solids: Vec<Solid>,
+    /// Where there are many of them.
+    pub(super) tree: Option<ObstacleTree>,
+    /// The spheres of what meets obstacles, link by link.
+    pub(super) world_links: Vec<LinkSpheres>,
+    /// The spheres of what meets the robot, where they are not the same.
+    pub(super) own_links: Option<Vec<LinkSpheres>>,
+    /// The links that may meet each other, by their places among those with spheres.
+    pub(super) link_pairs: Vec<[u32; 2]>,
+    /// Whether some pair may touch, or does not meet.
+    filtered: bool,
+}
+
+impl Prepared {
+    pub(super) fn of(cell: Workcell) -> Self {
+        let parts = cell.robot().parts.len();
+        let bodies = bodies(&cell);
+        let is_padded = |part: usize| bodies[parts..].iter().any(|&(_, padded)| padded == part);
+        let meets_world = |&number: &usize| number >= parts || !is_padded(number);
+        let all = 0..bodies.len();
+        let spheres = |numbers: &mut dyn Iterator<Item = usize>| {
+            let shapes: Vec<Body<'_>> =
+                numbers.map(|number| body(&cell, &bodies, number)).collect();
+            links(cell.robot(), &shapes)
+        };
+        let world_links = spheres(&mut all.clone().filter(meets_world));
+        let own_links = cell.is_padded().then(|| spheres(&mut (0..parts)));
+        let hulls = all.clone().map(|number| BodyHull::of(&body(&cell, &bodies, number))).collect();
+        let mut prepared = Self {
+            bodies,
+            hulls,
+            solids: Vec::new(),
+            tree: None,
+            world_links,
+            own_links,
+            link_pairs: Vec::new(),
+            filtered: false,
+            cell,
+        };
+        prepared.take_obstacles();
+        prepared.link_pairs = prepared.link_pairs();
+        prepared
+    }
+
+    /// Whether a cell has the same robot, carrying the same.
+    pub(super) fn has_robot_of(&self, cell: &Workcell) -> bool {
+        let (old, new) = (self.cell.robot(), cell.robot());
+        bodies(cell) == self.bodies
+            && old.links.len() == new.links.len()
+            && old.joints.iter().map(kinematics).eq(new.joints.iter().map(kinematics))
+            && (0..self.bodies.len()).all(|number| {
+                let of = |cell| body(cell, &self.bodies, number);
+                is_same_body(&of(&self.cell), &of(cell))
+            })
+    }
+
+    /// Takes another cell of the same robot.
+    pub(super) fn exchange(&mut self, cell: Workcell) {
+        let parts = 0..cell.robot().parts.len();
+        let is_filtered_alike = self.cell.scene().has_same_filters(cell.scene(), parts);
+        self.cell = cell;
+        self.take_obstacles();
+        if !is_filtered_alike {
+            self.link_pairs = self.link_pairs();
+        }
+    }
+
+    /// Takes the obstacles from the cell.
+    fn take_obstacles(&mut self) {
+        let scene = self.cell.scene();
+        self.solids = self.obstacles().map(|i| Solid::of(scene, i)).collect();
+        self.tree = ObstacleTree::of(scene, self.obstacles());
+        self.filtered = scene.filters_movers();
+    }
+
+    pub(super) fn robot(&self) -> &Robot {
+        self.cell.robot()
+    }
+
+    fn obstacles(&self) -> Range<usize> {
+        obstacles(&self.cell)
+    }
+
+    pub(super) fn own_links(&self) -> &[LinkSpheres] {
+        self.own_links.as_deref().unwrap_or(&self.world_links)
+    }
+
+    /// The pairs of links of which some bodies may not touch.
+    fn link_pairs(&self) -> Vec<[u32; 2]> {
+        let links = self.own_links();
+        let bodies: Vec<Vec<u32>> = links.iter().map(LinkSpheres::bodies).collect();
+        let mut pairs = Vec::new();
+        for (b, of_b) in (0..).zip(&bodies) {
+            for (a, of_a) in (0..b).zip(&bodies) {
+                let meets = |&k: &u32| of_b.iter().any(|&other| self.allows(k, Other::Link(other)));
+                if of_a.iter().any(meets) {
+                    pairs.push([a, b]);
+                }
+            }
+        }
+        pairs
+    }
+
+    /// Whether a body is checked against an obstacle, by its number, or another body.
+    #[inline]
+    pub(super) fn allows(&self, body: u32, other: Other) -> bool {
+        if !self.filtered {
+            return true;
+        }
+        let Pair { i, j } = self.pair(body, other);
+        self.cell.scene().allows(i, j)
+    }
+
+    /// The objects of a pair.
+    pub(super) fn pair(&self, body: u32, other: Other) -> Pair {
+        let object = |body: u32| self.bodies[body as usize].0;
+        match other {
+            Other::Obstacle(number) => {
+                Pair::new(object(body), self.obstacles().start as u32 + number)
+            }
+            Other::Link(other) => Pair::new(object(body), object(other)),
+        }
+    }
+
+    pub(super) fn link_set(&self) -> LinkSet {
+        let shape = |&(object, _): &(u32, usize)| self.cell.scene().shape(object as usize).clone();
+        LinkSet::new(self.bodies.iter().map(shape).collect())
+    }
+
+    /// Where a body is.
+    pub(super) fn pose(
+        &self,
+        frames: &LinkFrames,
+        lane: usize,
+        body: usize,
+    ) -> Result<Pose, RobotError> {
+        let part = &self.robot().parts[self.bodies[body].1];
+        let placed = frames.frame(part.link, lane).then(&part.origin);
+        placed.pose().map_err(|error| {
+            let user = format!("link {:?}", self.robot().links[part.link].name);
+            RobotError::Pose { user, error }
+        })
+    }
+}
+
+/// For each body of a cell its object in the scene and the part that moves it: the parts, then the padded ones.
+fn bodies(cell: &Workcell) -> Vec<(u32, usize)> {
+    let moved = |i: usize| Some((i as u32, cell.part_of(i)?));
+    (0..cell.scene().len()).filter_map(moved).collect()
+}
+
+/// The objects of the scene that stand still.
+fn obstacles(cell: &Workcell) -> Range<usize> {
+    let (first, end) = (cell.robot().parts.len(), cell.scene().len());
+    first..(first..end).find(|&i| cell.part_of(i).is_some()).unwrap_or(end)
+}
+
+/// The obstacles as a world of their own, by their numbers.
+pub(super) fn world(cell: &Workcell) -> Result<StaticWorld, SceneError> {
+    let (scene, obstacles) = (cell.scene(), obstacles(cell));
+    let shapes: Vec<Shape> = obstacles.clone().map(|i| scene.shape(i).clone()).collect();
+    let objects = (0..).zip(obstacles).map(|(s, i)| Object::new(s, scene.poses()[i]));
+    let world = Scene::new(shapes, objects)?;
+    StaticWorld::new(&world, Overlap::default(), dcd_pipeline::Par::Serial)
+}
+
+fn body<'a>(cell: &'a Workcell, bodies: &[(u32, usize)], number: usize) -> Body<'a> {
+    let (object, part) = bodies[number];
+    let part = &cell.robot().parts[part];
+    let (link, shape, origin) = (part.link, cell.scene().shape(object as usize), part.origin);
+    Body { number: number as u32, link, shape, origin }
+}
+
+/// Whether two bodies are placed alike and share their shape.
+fn is_same_body(a: &Body<'_>, b: &Body<'_>) -> bool {
+    let shapes_are_one = match (a.shape, b.shape) {
+        (Shape::Polytope(a), Shape::Polytope(b)) => Arc::ptr_eq(a, b),
+        (Shape::Mesh(a), Shape::Mesh(b)) => Arc::ptr_eq(a, b),
+        (Shape::Compound(a), Shape::Compound(b)) => Arc::ptr_eq(a, b),
+        (Shape::Curved(a), Shape::Curved(b)) => a == b,
+        _ => false,
+    };
+    shapes_are_one && a.link == b.link && a.origin == b.origin
+}
+
+/// What of a joint says where its child is.
+fn kinematics(joint: &Joint) -> (usize, usize, &Motion, &JointFrame) {
+    (joint.parent, joint.child, &joint.motion, &joint.origin)
+}

@@ -1,0 +1,232 @@
+//! A thread's work on some packets of states.
+
+use super::link_frames::{LinkFrames, Place};
+use super::prepared::Prepared;
+use super::separate::Separate;
+use super::sift::{Found, Rounded, Sift};
+use super::{Goal, StateChecker, StateHit};
+use crate::RobotError;
+use dcd_geom::{Pose, SceneError};
+use dcd_gjk::Verdict;
+use dcd_pipeline::Candidate;
+use dcd_simd::{Path, WIDTH, dispatch_on};
+use std::sync::Mutex;
+
+/// How many packets of sixteen states are taken up together, so that what they leave fills the narrow phase's lanes.
+/// Larger: more memory for a thread. No effect on any answer.
+const PACKETS: usize = 4;
+
+/// How many states those are.
+pub(super) const CHUNK: usize = PACKETS * WIDTH;
+
+/// How many pairs of a state are decided at once where one hit is enough. Larger: more is decided in vain. Smaller:
+/// lanes run empty.
+const AT_ONCE: usize = 4;
+
+/// What a thread works with.
+#[derive(Debug, Default)]
+pub(super) struct Worker {
+    frames: [LinkFrames; PACKETS],
+    rounded: Rounded,
+    found: Found,
+    /// The pairs that are still to be decided, and those that are asked for now.
+    left: Vec<Candidate>,
+    asked: Vec<Candidate>,
+    pub(super) hits: Vec<StateHit>,
+}
+
+/// A state, counted from the first of those taken up, and why it was refused.
+pub(super) type RefusedState = (usize, RobotError);
+
+impl Worker {
+    pub(super) fn first<S: AsRef<[f64]>>(
+        &mut self,
+        checker: &StateChecker,
+        (start, states): (usize, &[S]),
+        first: &mut [Option<StateHit>],
+    ) -> Result<(), RefusedState> {
+        self.sift(&checker.prepared, states, Goal::One).map_err(|e| at(start, e))?;
+        let hit = |candidate: &Candidate, verdict| {
+            let Candidate { configuration, link, other } = *candidate;
+            let pair = checker.prepared.pair(link, other);
+            StateHit { state: start as u32 + configuration, pair, verdict }
+        };
+        for candidate in &self.found.touching {
+            let first = &mut first[candidate.configuration as usize];
+            first.get_or_insert(hit(candidate, Verdict::Touching(())));
+        }
+        let mut left = std::mem::take(&mut self.left);
+        left.clear();
+        left.extend(self.found.candidates.iter().map(|&(candidate, _)| candidate));
+        left.sort_unstable();
+        left.dedup();
+        let touches = |hit: &Option<StateHit>| hit.as_ref().is_some_and(StateHit::touches);
+        loop {
+            // The next pairs of each state that has no contact yet.
+            self.asked.clear();
+            let mut taken = (u32::MAX, 0);
+            left.retain(|candidate| {
+                let state = candidate.configuration;
+                if touches(&first[state as usize]) {
+                    return false;
+                }
+                taken = if taken.0 == state { (state, taken.1 + 1) } else { (state, 0) };
+                let is_next = taken.1 < AT_ONCE;
+                if is_next {
+                    self.asked.push(*candidate);
+                }
+                !is_next
+            });
+            if self.asked.is_empty() {
+                break;
+            }
+            self.decide(checker, |candidate, verdict| {
+                let first = &mut first[candidate.configuration as usize];
+                let found = hit(&candidate, verdict);
+                if found.touches() && !touches(first) {
+                    *first = Some(found);
+                }
+                first.get_or_insert(found);
+            })
+            .map_err(|e| at(start, e))?;
+        }
+        self.left = left;
+        Ok(())
+    }
+
+    pub(super) fn all<S: AsRef<[f64]>>(
+        &mut self,
+        checker: &StateChecker,
+        (start, states): (usize, &[S]),
+    ) -> Result<(), RefusedState> {
+        self.hits.clear();
+        self.sift(&checker.prepared, states, Goal::All).map_err(|e| at(start, e))?;
+        let mut hits = std::mem::take(&mut self.hits);
+        let mut note = |Candidate { configuration, link, other }, verdict| {
+            let pair = checker.prepared.pair(link, other);
+            hits.push(StateHit { state: start as u32 + configuration, pair, verdict });
+        };
+        for &candidate in &self.found.touching {
+            note(candidate, Verdict::Touching(()));
+        }
+        self.asked.clear();
+        self.asked.extend(self.found.candidates.iter().map(|&(candidate, _)| candidate));
+        self.asked.sort_unstable();
+        self.asked.dedup();
+        let decided = self.decide(checker, note);
+        hits.sort_unstable_by_key(|hit| (hit.state, hit.pair, !hit.touches()));
+        hits.dedup_by_key(|hit| (hit.state, hit.pair));
+        self.hits = hits;
+        decided.map_err(|e| at(start, e))
+    }
+
+    /// Where the states' links are.
+    pub(super) fn place<S: AsRef<[f64]>>(
+        &mut self,
+        prepared: &Prepared,
+        states: &[S],
+    ) -> Result<(), RefusedState> {
+        let robot = prepared.robot();
+        for (k, state) in states.iter().enumerate() {
+            robot.check_state(state.as_ref()).map_err(|error| (k, error))?;
+        }
+        for (packet, (states, frames)) in states.chunks(WIDTH).zip(&mut self.frames).enumerate() {
+            frames.read(robot, states);
+            dispatch_on(Path::best(), Place { robot, states, to: frames });
+            // Refused even where no pair asks for the link.
+            for (lane, state) in states.iter().enumerate().filter(|&(k, _)| !frames.is_finite(k)) {
+                let placed = robot.place(state.as_ref(), &mut Vec::new());
+                placed.map_err(|error| (packet * WIDTH + lane, error))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What the spheres of the states' links tell.
+    fn sift<S: AsRef<[f64]>>(
+        &mut self,
+        prepared: &Prepared,
+        states: &[S],
+        goal: Goal,
+    ) -> Result<(), RefusedState> {
+        self.place(prepared, states)?;
+        let Self { frames, rounded, found, .. } = self;
+        found.touching.clear();
+        found.candidates.clear();
+        for (packet, (states, frames)) in states.chunks(WIDTH).zip(frames).enumerate() {
+            let (first, open) = ((packet * WIDTH) as u32, (1 << states.len()) - 1);
+            let from = found.candidates.len();
+            let (path, round) = (Path::best(), &mut *rounded);
+            let left = &mut *found;
+            let sift = Sift { prepared, frames, rounded: round, first, open, goal, found: left };
+            let open = dispatch_on(path, sift);
+            let (rounded, found) = (&*rounded, &mut *found);
+            dispatch_on(path, Separate { prepared, rounded, first, open, goal, found, from });
+        }
+        Ok(())
+    }
+
+    /// Decides the pairs that are asked for.
+    fn decide(
+        &self,
+        checker: &StateChecker,
+        mut note: impl FnMut(Candidate, Verdict<()>),
+    ) -> Result<(), RefusedState> {
+        if self.asked.is_empty() {
+            return Ok(());
+        }
+        let prepared = &checker.prepared;
+        let (decider, world) = checker.decider().map_err(|error| (0, RobotError::Scene(error)))?;
+        let mut refused: Option<RefusedState> = None;
+        let pose = |state: usize, body: usize| {
+            let pose = prepared.pose(&self.frames[state / WIDTH], state % WIDTH, body);
+            pose.unwrap_or_else(|error| {
+                if refused.as_ref().is_none_or(|&(first, _)| state < first) {
+                    refused = Some((state, error));
+                }
+                Pose::IDENTITY
+            })
+        };
+        let decided = decider.decide(world, &self.asked, pose, |hit| {
+            let (configuration, link, other) = (hit.configuration, hit.link, hit.other);
+            note(Candidate { configuration, link, other }, hit.verdict);
+        });
+        if let Some(refused) = refused {
+            return Err(refused);
+        }
+        decided.map_err(|error| match error {
+            SceneError::OutOfRange { object, reach } => {
+                let (state, body) =
+                    (object / prepared.bodies.len(), object % prepared.bodies.len());
+                let object = prepared.bodies[body].0 as usize;
+                (state, RobotError::Scene(SceneError::OutOfRange { object, reach }))
+            }
+            other => (0, RobotError::Scene(other)),
+        })
+    }
+}
+
+/// A refusal counted from the batch's first state on.
+pub(super) fn at(start: usize, (state, error): RefusedState) -> RefusedState {
+    (start + state, error)
+}
+
+/// The first state that was refused, on any thread.
+#[derive(Default)]
+pub(super) struct Refused(Mutex<Option<RefusedState>>);
+
+impl Refused {
+    pub(super) fn note(&self, state: usize, error: RobotError) {
+        let mut first = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if first.as_ref().is_none_or(|&(earlier, _)| state < earlier) {
+            *first = Some((state, error));
+        }
+    }
+
+    pub(super) fn check(self) -> Result<(), RobotError> {
+        match self.0.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
+            Some((state, error)) => Err(RobotError::AtState { state, error: Box::new(error) }),
+            None => Ok(()),
+        }
+    }
+}
