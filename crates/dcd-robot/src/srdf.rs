@@ -103,12 +103,12 @@ impl Srdf {
     /// Another virtual joint than there is.
     pub fn extend(&mut self, other: Self) -> Result<(), RobotError> {
         let Self { robot: _, allowed, virtual_joint, notes } = other;
-        if let (Some(old), Some(new)) = (&self.virtual_joint, &virtual_joint) {
-            if old != new {
-                let user = format!("virtual_joint {:?}", new.name);
-                let why = format!("there is {:?} already: a robot has one root", old.name);
-                return Err(RobotError::Refused { user, why });
-            }
+        if let (Some(old), Some(new)) = (&self.virtual_joint, &virtual_joint)
+            && old != new
+        {
+            let user = format!("virtual_joint {:?}", new.name);
+            let why = format!("there is {:?} already: a robot has one root", old.name);
+            return Err(RobotError::Refused { user, why });
         }
         self.allowed.extend(&allowed);
         self.virtual_joint = self.virtual_joint.take().or(virtual_joint);
