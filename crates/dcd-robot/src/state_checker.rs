@@ -197,7 +197,7 @@ impl StateChecker {
     /// For each state whether it is not proved free: whether something touches or could not be settled.
     ///
     /// # Errors
-    /// A state with another number of values than the robot has, or that [`Robot::place`] refuses; a link out of
+    /// A state with another number of values than the robot has, or that [`Robot::place`](crate::Robot::place) refuses; a link out of
     /// range: by the state's index.
     pub fn collides<'e, S: AsRef<[f64]> + Sync>(
         &self,
