@@ -2,6 +2,7 @@
 
 mod acm;
 mod edges;
+mod geometry;
 mod judge;
 mod lines;
 mod picture;
@@ -16,9 +17,10 @@ use clap::{Args, ValueEnum};
 use dcd_io::{MeshPaths, shown};
 use dcd_pipeline::{Par, Pipeline};
 use dcd_robot::{
-    AllowedPairs, LinkShapes, MeshSource, PairSearch, Request, Robot as Model, RobotError, Srdf,
-    Workcell, World,
+    AllowedPairs, MeshSource, PairSearch, Request, Robot as Model, RobotError, Srdf, Workcell,
+    World,
 };
+use geometry::{Geometry, Links, LinksOf, link_shapes};
 use picture::Picture;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -28,7 +30,7 @@ use std::path::{Path, PathBuf};
 
 const DETAILS: &str = "\
 Each mesh of the URDF's collision geometry (STL, COLLADA, OBJ, glTF, binary PLY) is taken as the \
-hull of its vertices, or, with --links meshes, as its triangles. Without an SRDF, links that a \
+hull of its vertices, or as --links and --links-of say. Without an SRDF, links that a \
 joint joins and links that are rigidly tied may touch. Joints that are fixed in the URDF stay as \
 they are, whatever a request says.
 
@@ -73,17 +75,6 @@ ratio is Parry's check alone over our sum, for all hits, ratio_first for first h
 refused there. A file of the archive unpacks to 16,777,216 bytes at most, all of it to \
 1,073,741,824.";
 
-/// What the meshes of the links are taken as.
-#[derive(Clone, Copy, Debug, Default, Serialize, ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-enum Links {
-    /// The hulls of their vertices
-    #[default]
-    Hulls,
-    /// Their triangles, which have no inside
-    Meshes,
-}
-
 /// Which way is up in a mesh file.
 #[derive(Clone, Copy, ValueEnum)]
 enum UpAxis {
@@ -102,9 +93,13 @@ pub(crate) struct Robot {
     /// The pairs of links that may touch (disable_collisions); of several files a later one counts more
     #[arg(long, value_name = "FILE")]
     srdf: Vec<PathBuf>,
-    /// What the meshes of the links are taken as
-    #[arg(long, value_enum, default_value = "hulls")]
+    /// What the meshes of the links are taken as: hulls (of their vertices), hulls:N (hulls round them of at most N
+    /// vertices; how much larger is told), meshes (their triangles, which have no inside)
+    #[arg(long, value_name = "hulls|hulls:N|meshes", default_value_t)]
     links: Links,
+    /// The same for one link
+    #[arg(long, value_name = "LINK=hulls|hulls:N|meshes")]
+    links_of: Vec<LinksOf>,
     /// Where a package is whose meshes the URDF names: NAME=DIR
     #[arg(long, value_name = "NAME=DIR")]
     package: Vec<String>,
@@ -138,6 +133,9 @@ pub(crate) struct Robot {
     /// Grow all links by this much on all sides, metres, against the world alone
     #[arg(long, value_name = "METRES", conflicts_with = "all_problems")]
     padding: Option<f64>,
+    /// Let the robot's links meet each other as large as padding, the world's too, makes them
+    #[arg(long, conflicts_with_all = ["all_problems", "acm"])]
+    pad_self: bool,
     /// A request of MoveIt as YAML in place of a state: its start
     #[arg(long, value_name = "REQUEST.yaml", conflicts_with = "all_problems")]
     request: Option<PathBuf>,
@@ -184,8 +182,9 @@ pub(crate) struct Robot {
 #[derive(Debug, Serialize)]
 struct Answer {
     robot: String,
-    /// What the answer is about: hulls or meshes.
-    geometry: Links,
+    /// What the answer is about.
+    #[serde(flatten)]
+    geometry: Geometry,
     links_with_shapes: usize,
     obstacles: usize,
     state: Vec<(String, f64)>,
@@ -220,7 +219,7 @@ impl Robot {
                     robot: &model,
                     srdf: srdf.as_ref(),
                     allowed,
-                    geometry: self.links,
+                    geometry: self.geometry(&model),
                 };
                 let checked = problems::check(&given, archive)?;
                 if self.json { checked.json() } else { checked.text() }
@@ -245,15 +244,16 @@ impl Robot {
                 _ => return Err(Failure::at("--package", format!("{package:?} is no NAME=DIR"))),
             };
         }
-        let shapes = match self.links {
-            Links::Hulls => LinkShapes::Hulls,
-            Links::Meshes => LinkShapes::Meshes,
-        };
         let up_axis = match self.up_axis {
             UpAxis::Ros => dcd_io::UpAxis::Ros,
             UpAxis::File => dcd_io::UpAxis::File,
         };
-        Ok(MeshSource { paths, up_axis, shapes })
+        let of_links = link_shapes(&self.links_of);
+        Ok(MeshSource { paths, up_axis, shapes: self.links.0, of_links })
+    }
+
+    fn geometry(&self, robot: &Model) -> Geometry {
+        Geometry::new(self.links, &self.links_of, robot)
     }
 
     fn check(
@@ -287,7 +287,7 @@ impl Robot {
         }
         Ok(Answer {
             robot: cell.robot().name.clone(),
-            geometry: self.links,
+            geometry: self.geometry(cell.robot()),
             links_with_shapes: cell.robot().parts().len(),
             obstacles: world.obstacles.len(),
             state: cell.robot().variables().iter().cloned().zip(state).collect(),
@@ -305,6 +305,9 @@ impl Robot {
         }
         if let Some(padding) = self.padding {
             world.pad(model, padding).map_err(|error| Failure::at("--padding", error))?;
+        }
+        if self.pad_self {
+            world.padding.values_mut().for_each(|padding| padding.against_robot = true);
         }
         Ok(world)
     }

@@ -135,7 +135,7 @@ fn bad_input_is_refused_with_its_place_and_value() {
 fn the_panda_is_free_where_it_is_ready_and_not_where_it_is_in_its_base() {
     let Some(folder) = panda() else { return };
     let [urdf, srdf] = ["panda.urdf", "panda.srdf"].map(|name| text(&folder.join(name)));
-    let notes = ["panda.urdf: not used: 2 contact", "panda.srdf: not used: end_effector"];
+    let notes = ["panda.urdf: not used: 2 contact"];
     let check =
         |state: &str| touching_and_noted(&[&urdf, "--srdf", &srdf, "--state", state], &notes);
     assert!(check("0,-0.785,0,-2.356,0,1.571,0.785").is_empty());
@@ -168,7 +168,19 @@ fn a_sphere_inside_a_link_touches_its_hull_and_not_its_surface() {
     assert_eq!(links("hulls", &inside), pairs(&[["cube", "ball"]]));
     assert!(links("meshes", &inside).is_empty());
     assert_eq!(links("meshes", &through), pairs(&[["cube", "ball"]]));
-    dcd(&["robot", &urdf, "--links", "balls"]).assert_refused(&["balls", "hulls, meshes"]);
+    dcd(&["robot", &urdf, "--links", "balls"])
+        .assert_refused(&["balls", "hulls, hulls:N and meshes"]);
+    // A link may be otherwise than the rest, and the answer says so.
+    let of_links = ["--links", "meshes", "--links-of", "cube=hulls:8"];
+    assert_eq!(
+        touching(&[&[urdf.as_str(), "--world", &inside][..], &of_links].concat()),
+        pairs(&[["cube", "ball"]])
+    );
+    let json = dcd(&[&["robot", &urdf, "--json"][..], &of_links].concat()).stdout;
+    assert!(json.contains(r#""geometry":"meshes","geometry_of":{"cube":"hulls:8"}"#), "{json}");
+    let unknown = dcd(&["robot", &urdf, "--links-of", "cub=hulls"]);
+    unknown.assert_refused(&["there is no link \"cub\""]);
+    dcd(&["robot", &urdf, "--links", "hulls:7"]).assert_refused(&["link \"cube\"", "7 vertices"]);
 }
 
 /// A triangle in the plane of x and y with y up, in COLLADA.

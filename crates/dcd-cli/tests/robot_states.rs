@@ -113,6 +113,8 @@ fn padding_is_against_the_world_alone() {
     let padded = free(&["--padding", "1.0"]);
     // Against itself the arm is as it is built: padded by a metre, all its links would meet.
     assert_eq!(padded, [json!(true), json!(false)]);
+    // Unless it is asked for.
+    assert_eq!(free(&["--padding", "1.0", "--pad-self"]), [json!(false), json!(false)]);
     let refused = dcd(&["robot", &urdf, "--padding", "-1"]);
     assert!(refused.code == Some(2) && refused.stderr.contains("-1"), "{refused:?}");
 }

@@ -51,6 +51,11 @@ impl AllowedPairs {
         }
     }
 
+    /// Forgets the pairs that are allowed by name and that this name is of.
+    pub(super) fn forget(&mut self, name: &str) {
+        self.layers.iter_mut().for_each(|layer| layer.forget(name));
+    }
+
     /// Takes over what the other says, which counts where both speak of a pair.
     pub fn extend(&mut self, other: &Self) {
         self.layers.extend(other.layers.iter().cloned());

@@ -9,7 +9,7 @@ pub const FILE_BYTES: usize = 64 << 20;
 /// Elements of an XML file: about a hundred bytes of memory each.
 pub const XML_ELEMENTS: usize = 2_000_000;
 
-/// How deep elements of an XML file, and lists and maps of YAML, may be nested.
+/// How deep elements of an XML file, lists and maps of YAML, and an SRDF's groups of groups may be nested.
 pub const NESTING: usize = 64;
 
 /// Attributes of one XML element: whether two are equal is found by comparing all.

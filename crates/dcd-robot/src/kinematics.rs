@@ -1,9 +1,9 @@
 //! Where a robot's shapes are for the values of its joints.
 
-use super::{Joint, Motion, Robot, RobotError};
+use super::{Joint, Link, Motion, Robot, RobotError};
 use dcd_geom::{Pose, PoseError};
 use dcd_gjk::motion::rotation_from_axis_angle;
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::fmt;
 
 /// A frame in another: a point p of it is at R·p + t there.
@@ -30,6 +30,10 @@ impl JointFrame {
 
     pub(super) fn pose(&self) -> Result<Pose, PoseError> {
         Pose::from_matrix(self.rotation, self.translation)
+    }
+
+    pub(super) fn affine(&self) -> DAffine3 {
+        DAffine3 { matrix3: self.rotation, translation: self.translation }
     }
 
     /// The outer frame in this one.
@@ -75,6 +79,20 @@ impl Robot {
     /// a pose is not.
     pub fn place(&self, state: &[f64], poses: &mut Vec<Pose>) -> Result<(), RobotError> {
         self.pose_parts(&self.link_frames(state)?, poses)
+    }
+
+    /// Where the links' frames are, as [`Robot::place`] has the parts: one pose for each of [`Robot::links`].
+    ///
+    /// # Errors
+    /// Those of [`Robot::place`].
+    pub fn link_poses(&self, state: &[f64]) -> Result<Vec<Pose>, RobotError> {
+        let frames = self.link_frames(state)?;
+        let refused = |link: &Link| {
+            let user = format!("link {:?}", link.name);
+            move |error| RobotError::Pose { user, error }
+        };
+        let poses = self.links.iter().zip(&frames);
+        poses.map(|(link, frame)| frame.pose().map_err(refused(link))).collect()
     }
 
     /// Where the parts are, where each link is.

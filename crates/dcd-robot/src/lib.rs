@@ -56,7 +56,7 @@ pub use model::{Drive, Joint, Link, LinkShapes, Motion, MovedJoint, Part, Robot}
 pub use problem::{Problem, problems_in, read_problems};
 pub use request::Request;
 pub use scene::PlanningScene;
-pub use srdf::{Srdf, VirtualJoint};
+pub use srdf::{EndEffector, Group, GroupMember, GroupState, JointGroup, Srdf, VirtualJoint};
 pub use state_checker::{StateChecker, StateHit};
 pub use states::{AttachedObject, EdgeRequest, State, StateReader};
 pub use workcell::Workcell;

@@ -3,6 +3,7 @@
 use super::{LinkShapes, RobotError};
 use dcd_io::{MeshPaths, TriangleMesh, UpAxis};
 use glam::DVec3;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Where a robot's mesh files are and how they are read.
@@ -14,12 +15,20 @@ pub struct MeshSource {
     pub up_axis: UpAxis,
     /// What each is taken as.
     pub shapes: LinkShapes,
+    /// Links whose meshes are taken as something else, by their names.
+    pub of_links: BTreeMap<String, LinkShapes>,
 }
 
 impl MeshSource {
     /// Meshes beside or above files of a folder, as they stand in their files.
     pub(super) fn beside(folder: &Path, shapes: LinkShapes) -> Self {
-        Self { paths: MeshPaths::new(folder), up_axis: UpAxis::Ros, shapes }
+        let (paths, of_links) = (MeshPaths::new(folder), BTreeMap::new());
+        Self { paths, up_axis: UpAxis::Ros, shapes, of_links }
+    }
+
+    /// What the meshes of a link are taken as.
+    pub(super) fn shapes_of(&self, link: &str) -> LinkShapes {
+        self.of_links.get(link).copied().unwrap_or(self.shapes)
     }
 
     /// The file of the mesh that `user` names.

@@ -2,11 +2,11 @@
 
 use super::kinematics::JointFrame;
 use super::names::Names;
-use super::shapes::Shapes;
+use super::shapes::{MadeShape, Shapes};
 use super::urdf::{Described, DescribedJoint, Kind};
 use super::{MeshSource, RobotError, several, tree, urdf, xml};
 use dcd_geom::Shape;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use std::ops::Range;
 use std::path::Path;
 
@@ -57,6 +57,9 @@ pub struct Part {
     pub shape: Shape,
     /// The name of the object that it is of, if the link carries it and does not consist of it.
     pub object: Option<String>,
+    /// By how much at most the shape stands out of the hull of a mesh, metres, proved: 0 but for
+    /// [`LinkShapes::OuterHulls`].
+    pub tolerance: f64,
     /// That frame in the link's.
     pub(super) origin: JointFrame,
 }
@@ -116,6 +119,13 @@ pub struct Drive {
     pub offset: f64,
 }
 
+impl Part {
+    /// Its shape's frame in its link's, metres.
+    pub fn origin(&self) -> DAffine3 {
+        self.origin.affine()
+    }
+}
+
 impl Motion {
     /// The value that moves it; none where nothing does, or a quaternion.
     pub fn drive(&self) -> Option<Drive> {
@@ -134,11 +144,19 @@ impl Drive {
 }
 
 /// What the meshes of a URDF's collision geometry are taken as.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum LinkShapes {
     /// The hull of the vertices of each: solid and convex.
     #[default]
     Hulls,
+    /// A hull of few vertices that contains the hull of each, exactly: what is free of it is free of the mesh.
+    /// [`Part::tolerance`] says how much larger it may be.
+    OuterHulls {
+        /// At most so many vertices, at least [`Budget::FEWEST`](dcd_gjk::simplify::Budget::FEWEST). Fewer: faster, and
+        /// larger.
+        vertices: usize,
+    },
     /// The triangles of each: a surface, without an inside.
     Meshes,
 }
@@ -171,7 +189,8 @@ impl Robot {
     /// [`Robot::load`] with meshes from where and as they are said to be.
     ///
     /// # Errors
-    /// Those of [`Robot::load_as`].
+    /// Those of [`Robot::load_as`]; a link of [`MeshSource::of_links`] that the robot does not have; fewer vertices
+    /// than a hull may have.
     pub fn load_with(path: &Path, meshes: &MeshSource) -> Result<Self, RobotError> {
         let text = xml::text_of(path)?;
         let read = urdf::read(&text).and_then(|read| Self::of(read, Shapes::new(meshes)));
@@ -189,6 +208,9 @@ impl Robot {
     fn of(read: Described, mut shapes: Shapes<'_>) -> Result<Self, RobotError> {
         let read = several::expanded(read);
         let links = Names::of("link", read.links.iter().map(|link| (&*link.name, link.line)))?;
+        for link in shapes.source.of_links.keys() {
+            links.index(link, "what links' meshes are taken as")?;
+        }
         let joint_names = read.joints.iter().map(|joint| (&*joint.name, joint.line));
         let drives = tree::drives(&read.joints, &Names::of("joint", joint_names)?)?;
         let joints = read.joints.iter().zip(&drives.by).map(|(joint, &by)| {
@@ -197,18 +219,21 @@ impl Robot {
         let tree = tree::in_order(joints.collect::<Result<_, _>>()?, &read.links)?;
         let mut parts = Vec::new();
         for (link, described) in read.links.iter().enumerate() {
+            let user = format!("link {:?}", described.name);
+            let meshes = shapes.source.shapes_of(&described.name);
             for collision in &described.collisions {
-                let user = format!("link {:?}", described.name);
-                let shape = shapes.shape(&collision.geometry, &user);
-                let shape = shape.map_err(|error| error.at_line(collision.line))?;
-                parts.push(Part { link, shape, object: None, origin: collision.origin });
+                let shape = shapes.shape(&collision.geometry, (&user, meshes));
+                let MadeShape { shape, tolerance } =
+                    shape.map_err(|error| error.at_line(collision.line))?;
+                let origin = collision.origin;
+                parts.push(Part { link, shape, object: None, tolerance, origin });
             }
         }
         if parts.is_empty() {
             return Err(RobotError::NoShapes { robot: read.name });
         }
         let mut notes = read.notes;
-        notes.extend(shapes.notes);
+        notes.extend(shapes.notes());
         Ok(Self {
             name: read.name,
             links: read.links.into_iter().map(|link| Link { name: link.name }).collect(),
@@ -262,6 +287,11 @@ impl Robot {
 }
 
 impl Joint {
+    /// Its frame at rest in its parent link's, metres; at its value the child link's frame.
+    pub fn origin(&self) -> DAffine3 {
+        self.origin.affine()
+    }
+
     fn of(
         joint: &DescribedJoint,
         by: Option<Drive>,

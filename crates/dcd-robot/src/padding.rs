@@ -10,7 +10,7 @@ impl Padding {
     /// Boxes and cylinders are scaled about their middle, hulls and meshes about the mean of their
     /// vertices.
     pub(super) fn applied(&self, shape: &Shape) -> Result<Shape, ShapeError> {
-        let Self { scale, padding } = *self;
+        let Self { scale, padding, against_robot: _ } = *self;
         match shape {
             Shape::Polytope(polytope) => match polytope.kind() {
                 Kind::Cuboid { half_extents } if polytope.swept_radius() == 0.0 => {

@@ -1,12 +1,17 @@
-//! What an SRDF file says that counts for touching.
+//! What an SRDF file says: pairs that may touch, the robot's root, groups of joints.
+
+mod groups;
+
+pub use groups::{EndEffector, Group, GroupMember, GroupState, JointGroup};
 
 use super::allowed::Layer;
 use super::xml::{Walk, parse, text_of};
 use super::{AllowedPairs, Robot, RobotError};
+use groups::GroupNames;
 use roxmltree::Node;
 use std::path::Path;
 
-/// An SRDF file: which pairs may touch, and which frame the robot stands in.
+/// An SRDF file: which pairs may touch, which frame the robot stands in, and groups of its joints.
 #[derive(Clone, Debug, Default)]
 pub struct Srdf {
     /// The robot that it is for.
@@ -15,6 +20,12 @@ pub struct Srdf {
     pub allowed: AllowedPairs,
     /// What joins the robot's root to the world, if it says so.
     pub virtual_joint: Option<VirtualJoint>,
+    /// Its groups of joints, in its order.
+    pub groups: Vec<Group>,
+    /// Their named states.
+    pub group_states: Vec<GroupState>,
+    /// Which groups are the hands of others.
+    pub end_effectors: Vec<EndEffector>,
     notes: Vec<String>,
 }
 
@@ -29,11 +40,8 @@ pub struct VirtualJoint {
     pub child: String,
 }
 
-/// What names groups and states of a planner, and what other programs add.
-const NOT_USED: [&str; 8] = [
-    "group",
-    "group_state",
-    "end_effector",
+/// What a controller or a planner is told, and what other programs add.
+const NOT_USED: [&str; 5] = [
     "passive_joint",
     "joint_property",
     "link_sphere_approximation",
@@ -42,12 +50,12 @@ const NOT_USED: [&str; 8] = [
 ];
 
 impl Srdf {
-    /// Reads a file: `disable_collisions`, `enable_collisions`, `disable_default_collisions` and
-    /// `virtual_joint`. Groups, their states and end effectors say nothing about touching.
+    /// Reads a file: `disable_collisions`, `enable_collisions`, `disable_default_collisions`, `virtual_joint`,
+    /// `group`, `group_state` and `end_effector`.
     ///
     /// # Errors
     /// A file that cannot be read or is no SRDF; what is not understood; an element without an
-    /// attribute that it needs; two virtual joints; xacro; more than the [`bounds`](super::bounds).
+    /// attribute that it needs; two virtual joints, groups or states of one name; xacro; more than the [`bounds`](super::bounds).
     pub fn load(path: &Path) -> Result<Self, RobotError> {
         Self::read(&text_of(path)?).map_err(|error| error.inside(path))
     }
@@ -69,7 +77,7 @@ impl Srdf {
             robot: root.attribute("name").unwrap_or_default().to_owned(),
             ..Self::default()
         };
-        let mut layer = Layer::default();
+        let (mut layer, mut names) = (Layer::default(), GroupNames::default());
         for node in walk.children(root)? {
             match node.tag_name().name() {
                 "disable_collisions" => pair(&walk, node, &mut layer, true)?,
@@ -85,6 +93,17 @@ impl Srdf {
                         return Err(walk.refused(node, "virtual_joint", why));
                     }
                 }
+                "group" => {
+                    let group = Group::read(&mut walk, node)?;
+                    names.add_group(&group).map_err(|error| walk.at(node, error))?;
+                    srdf.groups.push(group);
+                }
+                "group_state" => {
+                    let state = GroupState::read(&mut walk, node)?;
+                    names.add_state(&state).map_err(|error| walk.at(node, error))?;
+                    srdf.group_states.push(state);
+                }
+                "end_effector" => srdf.end_effectors.push(EndEffector::read(&walk, node)?),
                 other if NOT_USED.contains(&other) => walk.pass_over(node),
                 other => {
                     let why = format!("element {other:?} is not understood here");
@@ -100,9 +119,10 @@ impl Srdf {
     /// Adds what another file of the same robot says, which counts more where both speak of a pair.
     ///
     /// # Errors
-    /// Another virtual joint than there is.
+    /// Another virtual joint than there is; a group or a group's state of a name that there is. Nothing is changed then.
     pub fn extend(&mut self, other: Self) -> Result<(), RobotError> {
-        let Self { robot: _, allowed, virtual_joint, notes } = other;
+        let Self { robot: _, allowed, virtual_joint, groups, group_states, end_effectors, notes } =
+            other;
         if let (Some(old), Some(new)) = (&self.virtual_joint, &virtual_joint)
             && old != new
         {
@@ -110,6 +130,13 @@ impl Srdf {
             let why = format!("there is {:?} already: a robot has one root", old.name);
             return Err(RobotError::Refused { user, why });
         }
+        let mut names = GroupNames::default();
+        self.groups.iter().chain(&groups).try_for_each(|group| names.add_group(group))?;
+        let mut states = self.group_states.iter().chain(&group_states);
+        states.try_for_each(|state| names.add_state(state))?;
+        self.groups.extend(groups);
+        self.group_states.extend(group_states);
+        self.end_effectors.extend(end_effectors);
         self.allowed.extend(&allowed);
         self.virtual_joint = self.virtual_joint.take().or(virtual_joint);
         self.notes.extend(notes);
@@ -135,6 +162,7 @@ impl Srdf {
         for name in unknown {
             notes.push(format!("pairs of {name:?}: the robot has no such link"));
         }
+        self.note_groups(robot, &mut notes)?;
         match &self.virtual_joint {
             Some(joint) if joint.child != robot.links()[robot.root].name => {
                 let user = format!("virtual_joint {:?}", joint.name);
@@ -194,7 +222,9 @@ mod tests {
         assert!(allowed.contains("c", "a") && !allowed.contains("b", "c"));
         assert!(allowed.contains("d", "a") && !allowed.contains("c", "d"));
         assert_eq!(srdf.virtual_joint.unwrap().parent, "world");
-        assert_eq!(srdf.notes, ["not used: group (line 2)"]);
+        assert_eq!(srdf.groups.len(), 1);
+        let unused = r#"<robot name="r"><passive_joint name="p"/></robot>"#;
+        assert_eq!(Srdf::read(unused).unwrap().notes, ["not used: passive_joint (line 1)"]);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::json::{self, Json, refused};
 use super::kinematics::JointFrame;
 use super::shapes::Shapes;
 use super::urdf::Geometry;
-use super::{Attached, JointPath, MeshSource, MovedJoint, Robot, RobotError};
+use super::{Attached, JointPath, LinkShapes, MeshSource, MovedJoint, Robot, RobotError};
 use dcd_geom::Pose;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
@@ -161,7 +161,12 @@ impl<'a> StateReader<'a> {
         let touch = touch.map_or(Ok(&[][..]), |touch| touch.list("touch", &user))?;
         let touch = touch.iter().map(|name| name.text("touch", &user).map(str::to_owned));
         let geometry = geometry(&needed(shape, "shape")?, &user)?;
-        let shape = Shapes::new(&self.meshes).shape(&geometry, &user)?;
+        let meshes = match self.meshes.shapes {
+            LinkShapes::Meshes => LinkShapes::Meshes,
+            // A budget is for the links.
+            _ => LinkShapes::Hulls,
+        };
+        let shape = Shapes::new(&self.meshes).shape(&geometry, (&user, meshes))?.shape;
         let pose = pose.map_or(Ok(Pose::IDENTITY), |pose| posed(pose, &user))?;
         let parts = vec![(shape, JointFrame::of_pose(&pose))];
         Ok(AttachedObject {

@@ -4,13 +4,13 @@ mod pairs;
 
 use super::kinematics::JointFrame;
 use super::model::Part;
-use super::{AllowedPairs, Robot, RobotError, World};
+use super::{AllowedPairs, Padding, Robot, RobotError, World};
 use dcd_geom::{Filter, Object, Pose, Scene, Shape};
 use std::collections::HashMap;
 
 /// A robot in a world: a checked scene whose first objects are the robot's parts, in their order,
 /// what it carries behind its links; then the world's obstacles, which stand still; then, for each
-/// part that the world pads, the padded one, which meets obstacles alone while the part itself meets
+/// part that the world alone pads, the padded one, which meets obstacles alone while the part itself meets
 /// the robot alone.
 ///
 /// Pairs that may touch are no candidates, nor are two parts of one link.
@@ -159,24 +159,42 @@ impl Robot {
                 link,
                 shape: shape.clone(),
                 object: Some(attached.name.clone()),
+                tolerance: 0.0,
                 origin: *origin,
             }));
         }
+        self.pad_against_itself(world)?;
         self.parts.extend(parts);
         Ok(self)
     }
 }
 
-/// The parts that the world pads, and their shapes when padded.
+impl Robot {
+    /// Makes those parts larger that are so to the robot too.
+    fn pad_against_itself(&mut self, world: &World) -> Result<(), RobotError> {
+        for part in &mut self.parts {
+            let name = &self.links[part.link].name;
+            if let Some(padding) = world.padding.get(name).filter(|p| p.against_robot) {
+                part.shape = padded_shape(padding, &part.shape, name)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn padded_shape(padding: &Padding, shape: &Shape, link: &str) -> Result<Shape, RobotError> {
+    let refused = |error| RobotError::Shape { user: format!("link {link:?}"), error };
+    padding.applied(shape).map_err(refused)
+}
+
+/// The parts that the world alone pads, and their shapes when padded.
 fn padded(robot: &Robot, world: &World) -> Result<(Vec<usize>, Vec<Shape>), RobotError> {
     let (mut parts, mut shapes) = (Vec::new(), Vec::new());
     for (index, part) in robot.parts().iter().enumerate().filter(|(_, p)| p.object.is_none()) {
         let name = &robot.links()[part.link].name;
-        if let Some(padding) = world.padding.get(name) {
-            let user = format!("link {name:?}");
-            let shape = padding.applied(&part.shape);
+        if let Some(padding) = world.padding.get(name).filter(|p| !p.against_robot) {
             parts.push(index);
-            shapes.push(shape.map_err(|error| RobotError::Shape { user, error })?);
+            shapes.push(padded_shape(padding, &part.shape, name)?);
         }
     }
     Ok((parts, shapes))

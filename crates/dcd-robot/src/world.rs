@@ -54,20 +54,39 @@ impl Attached {
         let parts = shapes.into_iter().map(|(shape, pose)| (shape, JointFrame::of_pose(&pose)));
         Self { name: name.to_owned(), link: link.to_owned(), parts: parts.collect() }
     }
+
+    /// Its shapes as obstacles, where they are when its link is there (see [`Robot::link_poses`]).
+    ///
+    /// # Errors
+    /// A place that is out of range.
+    pub fn obstacles(&self, link: &Pose) -> Result<Vec<Obstacle>, RobotError> {
+        let link = JointFrame::of_pose(link);
+        let refused = |error| {
+            let user = format!("attached object {:?}", self.name);
+            RobotError::Pose { user, error }
+        };
+        let placed = self.parts.iter().map(|(shape, origin)| {
+            let pose = link.then(origin).pose().map_err(refused)?;
+            Ok(Obstacle { name: self.name.clone(), shape: shape.clone(), pose })
+        });
+        placed.collect()
+    }
 }
 
-/// How much larger a link is to the world: against itself a robot is as it is built.
+/// How much larger a link is to the world, and to the robot itself where that is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Padding {
     /// What its shapes are multiplied by; above 0.
     pub scale: f64,
     /// What they are grown by on all sides after that, metres; at least 0.
     pub padding: f64,
+    /// Whether the robot itself meets the larger link too. A scene of MoveIt pads against the world alone.
+    pub against_robot: bool,
 }
 
 impl Padding {
     /// As it is.
-    pub const NONE: Self = Self { scale: 1.0, padding: 0.0 };
+    pub const NONE: Self = Self { scale: 1.0, padding: 0.0, against_robot: false };
 }
 
 impl World {
@@ -109,6 +128,14 @@ impl World {
             self.allowed.allow(&object.name, &other.name);
         }
         self.attached.push(object);
+    }
+
+    /// Takes what the robot carries under that name from it, with the pairs that it was allowed to touch by name
+    /// ([`World::allowed`]); `None`: it carries nothing of that name. [`Attached::obstacles`] puts it down.
+    pub fn detach(&mut self, name: &str) -> Option<Attached> {
+        let at = self.attached.iter().position(|attached| attached.name == name)?;
+        self.allowed.forget(name);
+        Some(self.attached.remove(at))
     }
 
     /// Makes all links of a robot larger to the world by so much on all sides, metres, added to the padding that

@@ -185,9 +185,26 @@ impl Walk {
         user: &str,
     ) -> Result<Option<[f64; N]>, RobotError> {
         let Some(text) = node.attribute(name) else { return Ok(None) };
+        let numbers = self.any_numbers(node, name, user)?;
+        let found = numbers.len();
+        let counted = numbers.try_into().map_err(|_| {
+            let element = node.tag_name().name();
+            let why = format!("{name} of {element} is {text:?}: {found} numbers, not {N}");
+            self.refused(node, user, why)
+        });
+        counted.map(Some)
+    }
+
+    /// The finite numbers of an attribute that is there, at least one.
+    pub(super) fn any_numbers(
+        &self,
+        node: Node<'_, '_>,
+        name: &str,
+        user: &str,
+    ) -> Result<Vec<f64>, RobotError> {
+        let text = node.attribute(name).unwrap_or_default();
         let element = node.tag_name().name();
-        let mut numbers = [0.0; N];
-        let mut found = 0;
+        let mut numbers = Vec::new();
         for word in text.split_whitespace() {
             let Ok(value) = word.parse::<f64>() else {
                 let why = format!("{name} of {element} is {text:?}, where {word:?} is no number");
@@ -197,16 +214,13 @@ impl Walk {
                 let (what, user) = (format!("{name} of {element}"), user.to_owned());
                 return Err(self.at(node, RobotError::NotANumber { what, user, value }));
             }
-            if let Some(slot) = numbers.get_mut(found) {
-                *slot = value;
-            }
-            found += 1;
+            numbers.push(value);
         }
-        if found != N {
-            let why = format!("{name} of {element} is {text:?}: {found} numbers, not {N}");
+        if numbers.is_empty() {
+            let why = format!("{name} of {element} is {text:?}: 0 numbers");
             return Err(self.refused(node, user, why));
         }
-        Ok(Some(numbers))
+        Ok(numbers)
     }
 
     pub(super) fn number(

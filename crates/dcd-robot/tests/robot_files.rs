@@ -5,6 +5,7 @@
 use dcd_io::{MeshPaths, RawMesh, TriangleMesh, UpAxis, data};
 use dcd_robot::{LinkShapes, MeshSource, Robot};
 use glam::DVec3;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 const PR2: &str = "robots/example-robot-data/robots/pr2_description/urdf/pr2.urdf";
@@ -150,10 +151,82 @@ fn a_package_that_is_said_to_be_elsewhere_is_not_looked_for_beside() {
         paths: paths.clone().with_package("ur_description", folder),
         up_axis: UpAxis::Ros,
         shapes: LinkShapes::Hulls,
+        of_links: BTreeMap::new(),
     };
     let package = urdf.ancestors().nth(2).unwrap();
     assert!(Robot::load_with(&urdf, &with(package)).is_ok());
     let error = Robot::load_with(&urdf, &with(Path::new("/no/such"))).unwrap_err().to_string();
     assert!(error.contains("/no/such/meshes/ur10/collision/"), "{error}");
     assert!(error.starts_with(urdf.to_str().unwrap()) && error.contains("link \""), "{error}");
+}
+
+#[test]
+fn outer_hulls_have_few_vertices_and_hold_every_vertex_of_the_mesh_hulls() {
+    let Some(urdf) = file(PR2) else { return };
+    const VERTICES: usize = 24;
+    let folder = urdf.parent().unwrap();
+    let whole = LinkShapes::Hulls;
+    let source = |shapes, of_links| MeshSource {
+        paths: MeshPaths::new(folder),
+        up_axis: UpAxis::Ros,
+        shapes,
+        of_links,
+    };
+    let exact = Robot::load_with(&urdf, &source(whole, BTreeMap::new())).unwrap();
+    let spared = "base_link";
+    let of_links = BTreeMap::from([(spared.to_owned(), whole)]);
+    let few = LinkShapes::OuterHulls { vertices: VERTICES };
+    let robot = Robot::load_with(&urdf, &source(few, of_links)).unwrap();
+    let mut larger = 0;
+    for (few, exact) in robot.parts().iter().zip(exact.parts()) {
+        let (Some(outer), Some(hull)) = (few.shape.as_polytope(), exact.shape.as_polytope()) else {
+            continue;
+        };
+        if robot.links()[few.link].name == spared {
+            assert_eq!((outer.vertices(), few.tolerance), (hull.vertices(), 0.0));
+            continue;
+        }
+        assert!(outer.vertices().len() <= VERTICES.max(8));
+        // Along no direction does the mesh stand out of it, nor it out of the mesh by more than is told.
+        let end = |points: &[DVec3], along: DVec3| {
+            points.iter().map(|p| p.dot(along)).fold(f64::NEG_INFINITY, f64::max)
+        };
+        for along in directions() {
+            let [outer, hull] = [outer, hull].map(|shape| end(shape.vertices(), along));
+            let rounding = 1e-12;
+            assert!(hull <= outer + rounding && outer <= hull + few.tolerance + rounding);
+        }
+        larger += usize::from(few.tolerance > 0.0);
+    }
+    assert!(larger > 10, "{larger}");
+    let told = robot.notes().iter().find(|note| note.contains("24 vertices")).unwrap();
+    assert!(told.contains("m larger"), "{told}");
+}
+
+/// Some hundred unit vectors all round.
+fn directions() -> impl Iterator<Item = DVec3> {
+    let turns = (0..16).map(|k| f64::from(k) / 8.0 * std::f64::consts::PI);
+    turns.flat_map(|a| {
+        (0..9).map(move |k| {
+            let z = f64::from(k) / 4.0 - 1.0;
+            let r = (1.0 - z * z).sqrt();
+            DVec3::new(r * a.cos(), r * a.sin(), z)
+        })
+    })
+}
+
+#[test]
+fn a_link_that_is_not_there_and_too_few_vertices_are_refused() {
+    let Some(urdf) = file(UR10) else { return };
+    let paths = MeshPaths::new(urdf.parent().unwrap());
+    let refused = |shapes, link: Option<&str>| {
+        let of_links = link.map(|link| (link.to_owned(), shapes)).into_iter().collect();
+        let (paths, up_axis) = (paths.clone(), UpAxis::Ros);
+        let source = MeshSource { paths, up_axis, shapes, of_links };
+        Robot::load_with(&urdf, &source).unwrap_err().to_string()
+    };
+    let unknown = refused(LinkShapes::Meshes, Some("no_such_link"));
+    assert!(unknown.contains("there is no link \"no_such_link\""), "{unknown}");
+    let few = refused(LinkShapes::OuterHulls { vertices: 7 }, None);
+    assert!(few.contains("link \"base_link_inertia\"") && few.contains("7 vertices"), "{few}");
 }

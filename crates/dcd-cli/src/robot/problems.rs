@@ -1,8 +1,9 @@
 //! Every problem of an archive, checked by us and by Parry.
 
+use super::geometry::Geometry;
 use super::judge::{Settled, settle};
+use super::refused;
 use super::rival::{Rival, Wanted, parry_pose};
-use super::{Links, refused};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 use dcd_geom::{Pair, Pose};
@@ -26,13 +27,14 @@ pub(super) struct Given<'a> {
     pub(super) robot: &'a Robot,
     pub(super) srdf: Option<&'a Srdf>,
     pub(super) allowed: AllowedPairs,
-    pub(super) geometry: Links,
+    pub(super) geometry: Geometry,
 }
 
 /// What all problems came to.
 #[derive(Debug, Default, Serialize)]
 pub(super) struct Checked {
-    geometry: Links,
+    #[serde(flatten)]
+    geometry: Geometry,
     problems: usize,
     states: usize,
     /// States in which something touches.
@@ -148,7 +150,7 @@ pub(super) fn check(given: &Given<'_>, archive: &Path) -> Result<Checked, Failur
         return Err(Failure::Input(message));
     }
     let problems = read_problems(archive).map_err(refused)?;
-    let mut checked = Checked { geometry: given.geometry, ..Checked::default() };
+    let mut checked = Checked { geometry: given.geometry.clone(), ..Checked::default() };
     let mut runner = Runner::default();
     let progress = Progress::over(problems.len() as u64, "problems");
     for problem in &problems {

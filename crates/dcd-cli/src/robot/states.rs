@@ -14,7 +14,7 @@ pub(super) const FORMAT: &str = r#"--states takes a state a line:
   {"q": {"joint": value, …}} or {"q": [values in the order of the moved joints]}
 Joints that an object does not name are where the world has them, else at 0. With "attached" the robot carries more in that state, a list of
   {"name": "…", "link": "…", "touch": ["…"], "shape": …, "pose": {"xyz": [x, y, z], "q": [x, y, z, w]}}
-with one of {"box": [x, y, z]} (edges), {"sphere": radius}, {"cylinder": [radius, length]} (round z) and {"mesh": "file"} (beside the file of states; taken as --links says), the pose in the link's frame. It may touch its link and what "touch" names. Other keys are refused, but for "name" and those that begin with an underscore; so is a line of more than 268,435,456 bytes. A line comes out for each, in order, the same at any number of threads:
+with one of {"box": [x, y, z]} (edges), {"sphere": radius}, {"cylinder": [radius, length]} (round z) and {"mesh": "file"} (beside the file of states; its hull, or with --links meshes its triangles), the pose in the link's frame. It may touch its link and what "touch" names. Other keys are refused, but for "name" and those that begin with an underscore; so is a line of more than 268,435,456 bytes. A line comes out for each, in order, the same at any number of threads:
   {"state": k, "free": true|false|null, "contacts": [["a", "b"], …], "undecided": [["a", "b"], …]}
 k counts from 0; free is true only if every pair is proved apart, false if one is proved touching, else null; undecided is there where a pair is. With --clearance there is also
   "clearance": {"distance": metres, "error_bound": …, "pair": ["a", "b"], "normal": [..], "point_a": [..], "point_b": [..], "gradient": {"joint": …, …}}

@@ -49,6 +49,11 @@ impl Layer {
         self.pairs.insert([first.to_owned(), second.to_owned()], may);
     }
 
+    /// Forgets the pairs of a name that may touch.
+    pub(super) fn forget(&mut self, name: &str) {
+        self.pairs.retain(|pair, may| !*may || pair.iter().all(|own| own != name));
+    }
+
     pub(crate) fn set_default(&mut self, name: &str, may: bool) {
         self.defaults.insert(name.to_owned(), may);
     }

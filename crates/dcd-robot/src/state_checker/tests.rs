@@ -128,7 +128,7 @@ fn world(draw: &mut Draw, robot: &Robot) -> World {
         world.base = Some(draw.pose(0.5));
     }
     for link in robot.links().iter().filter(|_| draw.below(6) == 0) {
-        world.padding.insert(link.name.clone(), Padding { scale: 1.0, padding: 0.02 });
+        world.padding.insert(link.name.clone(), Padding { padding: 0.02, ..Padding::NONE });
     }
     world
 }

@@ -176,3 +176,47 @@ fn joints_of_several_values_are_lists_and_move_as_they_say() {
         assert!(refused.contains(why), "{refused}");
     }
 }
+
+#[test]
+fn what_is_taken_and_put_down_stands_where_it_was_let_go() {
+    let robot = arm();
+    let ball = (dcd_geom::Shape::sphere(0.1).unwrap(), Pose::IDENTITY);
+    let mut world = World::default();
+    world.attach(Attached::new("ball", "hand", [ball]), ["base"]);
+    let state = [std::f64::consts::FRAC_PI_2, 0.0];
+    let held = Workcell::new(robot.clone(), &world, &world.allowed).unwrap();
+    let touching = |mut cell: Workcell, state: &[f64]| {
+        cell.set_state(state).unwrap();
+        let mut pipeline = Pipeline::new();
+        let contacts = pipeline.step(cell.scene(), Par::Serial).contacts();
+        contacts.map(|pair| cell.names_of(pair).map(str::to_owned)).collect::<Vec<_>>()
+    };
+    assert!(touching(held.clone(), &state).is_empty());
+    let poses = held.robot().link_poses(&state).unwrap();
+    let hand = held.robot().links().iter().position(|link| link.name == "hand").unwrap();
+    assert!(world.detach("cup").is_none());
+    let ball = world.detach("ball").unwrap();
+    world.obstacles.extend(ball.obstacles(&poses[hand]).unwrap());
+    assert_eq!(world.obstacles[0].pose.translation(), DVec3::new(2.0, 0.0, 0.0));
+    // It is in the hand, which may not touch it any more.
+    assert!(world.attached.is_empty() && world.allowed.is_empty());
+    let put = Workcell::new(robot, &world, &world.allowed).unwrap();
+    assert_eq!(touching(put, &state), [["hand", "ball"]]);
+}
+
+#[test]
+fn origins_are_those_of_the_file_and_carry_the_links_from_frame_to_frame() {
+    let robot = arm();
+    let state = [0.7, 0.0];
+    let poses = robot.link_poses(&state).unwrap();
+    for joint in robot.joints() {
+        let [parent, child] = [joint.parent, joint.child].map(|link| poses[link]);
+        let origin = joint.origin();
+        let at = parent.rotation().mul_vec3(origin.translation) + parent.translation();
+        assert!(at.distance(child.translation()) < 1e-15, "{}", joint.name);
+    }
+    let turn = robot.joints().iter().find(|joint| joint.name == "turn").unwrap();
+    assert_eq!(turn.origin(), glam::DAffine3::from_translation(DVec3::new(2.0, 0.0, 0.0)));
+    let part = &robot.parts()[1];
+    assert_eq!((part.origin(), part.tolerance), (glam::DAffine3::IDENTITY, 0.0));
+}
