@@ -39,7 +39,7 @@ impl Precision {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Accuracy {
-    /// A millionth of the pair's size
+    /// Some millionths of the pair's size
     F32,
     /// What f64 gives: some 3e-14 of the pair's size
     F64,

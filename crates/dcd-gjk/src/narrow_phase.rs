@@ -131,6 +131,11 @@ impl Report {
         self.leave(pair, reason);
     }
 
+    /// Hands out the pairs without an answer: they are not filed then.
+    pub(crate) fn take_undecided(&mut self) -> Vec<Undecided> {
+        std::mem::take(&mut self.undecided)
+    }
+
     /// How many pairs were filed: those settled, and those that none settled.
     pub fn filed(&self) -> u64 {
         self.settled.iter().sum::<u64>() + self.undecided.len() as u64 - self.unmeasured

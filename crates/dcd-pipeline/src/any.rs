@@ -7,7 +7,8 @@ use dcd_geom::{Pair, Scene, ShapeError};
 use dcd_gjk::epa::Depth;
 use dcd_gjk::{
     Accuracy, Contact, Depths, Distance, Distances, Gjk, Manifold, Manifolds, Overlap,
-    OverlapUnchecked, Pairwise, Proximities, Proximity, Report, ThenMeasure, WithAccuracy, Within,
+    OverlapUnchecked, Pairwise, Proximities, Proximity, Report, SimdDistances, ThenMeasure,
+    WithAccuracy, Within,
 };
 
 /// What a yes or no is worth.
@@ -97,6 +98,7 @@ enum Inner<B: BroadPhase> {
     F64(Pipeline<B, Within<Pairwise<Gjk<f64>>>>),
     Certified(Pipeline<B, Within<Overlap>>),
     Distance(Pipeline<B, Measured<Distances>>),
+    DistanceF32(Pipeline<B, SimdDistances>),
     Depth(Pipeline<B, Measured<Depths>>),
     Manifold(Pipeline<B, Measured<Manifolds>>),
     Gradient(Pipeline<B, Measured<Proximities>>),
@@ -110,6 +112,7 @@ macro_rules! whichever {
             Inner::F64($pipeline) => $then,
             Inner::Certified($pipeline) => $then,
             Inner::Distance($pipeline) => $then,
+            Inner::DistanceF32($pipeline) => $then,
             Inner::Depth($pipeline) => $then,
             Inner::Manifold($pipeline) => $then,
             Inner::Gradient($pipeline) => $then,
@@ -145,6 +148,9 @@ impl<B: BroadPhase> AnyPipeline<B> {
             Question::Overlap { precision: Precision::Certified, margin } => {
                 Inner::Certified(Pipeline::with(broad, Within::margin(margin)?))
             }
+            Question::Distance { accuracy: Accuracy::F32, margin } => {
+                Inner::DistanceF32(Pipeline::with(broad, SimdDistances::within(margin)?))
+            }
             Question::Distance { accuracy, margin } => {
                 let solver = WithAccuracy::new(Distances::within(margin)?, accuracy);
                 Inner::Distance(Pipeline::with(broad, ThenMeasure::new(solver)?))
@@ -178,6 +184,7 @@ impl<B: BroadPhase> AnyPipeline<B> {
             Inner::F64(pipeline) => AnyStep::Overlap(pipeline.step(scene, exec)),
             Inner::Certified(pipeline) => AnyStep::Overlap(pipeline.step(scene, exec)),
             Inner::Distance(pipeline) => AnyStep::Distance(pipeline.step(scene, exec)),
+            Inner::DistanceF32(pipeline) => AnyStep::Distance(pipeline.step(scene, exec)),
             Inner::Depth(pipeline) => AnyStep::Depth(pipeline.step(scene, exec)),
             Inner::Manifold(pipeline) => AnyStep::Manifold(pipeline.step(scene, exec)),
             Inner::Gradient(pipeline) => AnyStep::Gradient(pipeline.step(scene, exec)),

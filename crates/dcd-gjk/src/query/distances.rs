@@ -108,7 +108,7 @@ impl MeasureAt for Distances {
 
 /// Whether two shapes are within a margin where their distance's bounds leave it open: the word of
 /// the same shapes, each grown by half.
-pub(super) fn are_within(a: PosedShape<'_>, b: PosedShape<'_>, margin: f64) -> Verdict<()> {
+pub(crate) fn are_within(a: PosedShape<'_>, b: PosedShape<'_>, margin: f64) -> Verdict<()> {
     match (a.shape.swept(margin / 2.0), b.shape.swept(margin / 2.0)) {
         (Ok(in_a), Ok(in_b)) => {
             let (a, b) = (PosedShape { shape: &in_a, ..a }, PosedShape { shape: &in_b, ..b });

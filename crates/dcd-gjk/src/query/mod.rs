@@ -44,12 +44,13 @@ pub use proximity::{Gradient, Proximities, Proximity, Smoothness, Twist};
 pub use then_measure::ThenMeasure;
 pub use within::Within;
 
+pub(crate) use distances::are_within;
 pub(crate) use within::grown;
 
 use dcd_geom::{Aabb, ShapeError};
 
 /// That a margin is a length that boxes have room for.
-fn check_margin(margin: f64) -> Result<(), ShapeError> {
+pub(crate) fn check_margin(margin: f64) -> Result<(), ShapeError> {
     // Written so that NaN is refused.
     if (0.0..=Aabb::LIMIT).contains(&margin) {
         Ok(())

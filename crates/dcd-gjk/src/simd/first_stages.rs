@@ -182,8 +182,21 @@ impl Place<'_> {
         d: V3<L>,
         used: usize,
     ) -> V3<L> {
-        let a = supports(l, self.frames.a, self.support_scratch, (&packet.a, d), used);
-        let b = supports(l, self.frames.b, self.support_scratch, (&packet.b, d.neg(l)), used);
-        a.sub(l, b).add(l, packet.vector(l, Vector::C))
+        self.farthest_numbered(l, packet, d, used).0
+    }
+
+    /// The same, with the numbers of the two vertices.
+    #[inline(always)]
+    pub(super) fn farthest_numbered<L: Lanes>(
+        &mut self,
+        l: L,
+        packet: &PairPacket,
+        d: V3<L>,
+        used: usize,
+    ) -> (V3<L>, [L::U; 2]) {
+        let Self { frames, support_scratch } = self;
+        let (a, of_a) = supports(l, frames.a, support_scratch, (&packet.a, d), used);
+        let (b, of_b) = supports(l, frames.b, support_scratch, (&packet.b, d.neg(l)), used);
+        (a.sub(l, b).add(l, packet.vector(l, Vector::C)), [of_a, of_b])
     }
 }

@@ -23,9 +23,11 @@ pub(super) const AFTER_SPHERES: usize = Vector::C as usize + 3;
 pub(super) const AFTER_CONE: usize = Vector::P0 as usize + 3;
 /// See [`AFTER_SPHERES`].
 pub(super) const AFTER_SECOND_POINT: usize = Number::Round as usize + 1;
+/// See [`AFTER_SPHERES`]: of a pair whose distance is measured.
+pub(super) const AFTER_NEAREST: usize = Corner::C2 as usize + 2;
 
 /// How many rows there are.
-const ROWS: usize = AFTER_SECOND_POINT;
+const ROWS: usize = AFTER_NEAREST;
 
 /// A row of numbers in a packet.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +46,23 @@ pub(super) enum Number {
     Found = 20,
     /// How many supports it took after the second point.
     Round = 21,
+    /// At most the distance of the cores, metres.
+    Lower = 22,
+    /// The weight of the second point in the nearest one; the first has what the others leave of 1.
+    Second = 23,
+    /// The weight of the third.
+    Third = 24,
+}
+
+/// Two rows of a packet: which vertices of a and of b make a point, as floats.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Corner {
+    /// Of [`Vector::P0`].
+    C0 = 25,
+    /// Of [`Vector::P1`].
+    C1 = 27,
+    /// Of [`Vector::P2`].
+    C2 = 29,
 }
 
 /// Three rows of a packet.
@@ -83,6 +102,29 @@ impl PairPacket {
     pub(super) fn vector<L: Lanes>(&self, l: L, which: Vector) -> V3<L> {
         let at = which as usize;
         V3(l.load(&self.rows[at]), l.load(&self.rows[at + 1]), l.load(&self.rows[at + 2]))
+    }
+
+    #[inline(always)]
+    pub(super) fn corner<L: Lanes>(&self, l: L, which: Corner) -> [L::F; 2] {
+        let at = which as usize;
+        [l.load(&self.rows[at]), l.load(&self.rows[at + 1])]
+    }
+
+    #[inline(always)]
+    pub(super) fn set_corner<L: Lanes>(&mut self, l: L, which: Corner, [a, b]: [L::F; 2]) {
+        let at = which as usize;
+        l.store(a, &mut self.rows[at]);
+        l.store(b, &mut self.rows[at + 1]);
+    }
+
+    /// One lane's number.
+    pub(super) fn number_of(&self, lane: usize, which: Number) -> f32 {
+        self.rows[which as usize].0[lane]
+    }
+
+    /// One lane's corner: the vertices' numbers in a and in b.
+    pub(super) fn corner_of(&self, lane: usize, which: Corner) -> [u32; 2] {
+        [0, 1].map(|side| self.rows[which as usize + side].0[lane] as u32)
     }
 
     #[inline(always)]

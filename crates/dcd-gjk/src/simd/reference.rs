@@ -182,6 +182,7 @@ impl Kernel for Ask<'_> {
         let mut points = [Row::default(); 3];
         let side = (&self.packet.a, V3::load(l, self.directions));
         supports(l, self.frame, &mut SupportScratch::default(), side, self.used)
+            .0
             .store(l, &mut points);
         points
     }

@@ -35,7 +35,9 @@ pub(super) fn round<L: Lanes, T: ErrorBounds>(
     let w = at.farthest(l, packet, d, used);
     let apart = separates::<L, T>(l, packet, d.neg(l), w);
 
-    let nearest = Nearest::of(l, w, p);
+    let [p0, p1, p2] = p;
+    let p = [Vertex::unnumbered(l, p0), Vertex::unnumbered(l, p1), Vertex::unnumbered(l, p2)];
+    let nearest = Nearest::of(l, Vertex::unnumbered(l, w), p);
     let slack = packet.number(l, Number::Slack);
     let rounding = l.mul_add(packet.number(l, Number::Unit), l.splat(NEAREST), l.add(slack, slack));
     let radius = l.mul(packet.number(l, Number::Radius), l.splat(1.0 - RADIUS * U));
@@ -47,11 +49,42 @@ pub(super) fn round<L: Lanes, T: ErrorBounds>(
     let stuck = l.or(l.le(l.splat(ROUNDS), round), l.and_not(l.mask(u32::MAX), gains));
     packet.set_number(l, Number::Round, round);
     packet.set_vector(l, Vector::P0, w);
-    packet.set_vector(l, Vector::P1, nearest.p);
-    packet.set_vector(l, Vector::P2, nearest.q);
+    packet.set_vector(l, Vector::P1, nearest.p.at);
+    packet.set_vector(l, Vector::P2, nearest.q.at);
     packet.set_vector(l, Vector::D, nearest.point.neg(l));
     let settled = Settled::by(l, apart, touching, u32::MAX);
     (settled, l.bits(stuck) & !settled.all())
+}
+
+/// A point of A − B, and the numbers of the vertices of a and b that it is the difference of, as floats.
+pub(super) struct Vertex<L: Lanes> {
+    pub(super) at: V3<L>,
+    pub(super) corner: [L::F; 2],
+}
+
+impl<L: Lanes> Clone for Vertex<L> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<L: Lanes> Copy for Vertex<L> {}
+
+impl<L: Lanes> Vertex<L> {
+    /// Of numbers that nobody asks for.
+    #[inline(always)]
+    pub(super) fn unnumbered(l: L, at: V3<L>) -> Self {
+        Self { at, corner: [l.splat(0.0); 2] }
+    }
+
+    #[inline(always)]
+    fn select(l: L, mask: L::M, yes: Self, no: Self) -> Self {
+        let [a, b] = yes.corner;
+        let [of_a, of_b] = no.corner;
+        let corner = [l.select(mask, a, of_a), l.select(mask, b, of_b)];
+        Self { at: V3::select(l, mask, yes.at, no.at), corner }
+    }
 }
 
 /// The point nearest to the origin of what w spans with three others: w itself, three edges, three
@@ -60,22 +93,27 @@ pub(super) struct Nearest<L: Lanes> {
     pub(super) point: V3<L>,
     pub(super) squared: L::F,
     /// The points that it lies between, and w; those that it does not need are another's copy.
-    p: V3<L>,
-    q: V3<L>,
+    pub(super) p: Vertex<L>,
+    pub(super) q: Vertex<L>,
+    /// The weights of those two; w has what they leave of 1.
+    pub(super) weights: [L::F; 2],
 }
 
 impl<L: Lanes> Nearest<L> {
     #[inline(always)]
-    pub(super) fn of(l: L, w: V3<L>, p: [V3<L>; 3]) -> Self {
+    pub(super) fn of(l: L, new: Vertex<L>, p: [Vertex<L>; 3]) -> Self {
         let (zero, one) = (l.splat(0.0), l.splat(1.0));
-        let mut nearest = Self { point: w, squared: w.dot(l, w), p: w, q: w };
-        let edges = [p[0].sub(l, w), p[1].sub(l, w), p[2].sub(l, w)];
+        let w = new.at;
+        let weights = [zero; 2];
+        let mut nearest = Self { point: w, squared: w.dot(l, w), p: new, q: new, weights };
+        let edges = [p[0].at.sub(l, w), p[1].at.sub(l, w), p[2].at.sub(l, w)];
         let (mut along, mut square) = ([zero; 3], [zero; 3]);
         for i in 0..3 {
             along[i] = edges[i].dot(l, w);
             square[i] = edges[i].dot(l, edges[i]);
             let s = l.min(l.max(l.div(l.neg(along[i]), square[i]), zero), one);
-            nearest.offer(l, w.plus(l, s, edges[i]), [p[i], p[i]], l.mask(u32::MAX));
+            let offered = Self::between(w.plus(l, s, edges[i]), [p[i]; 2], [s, zero], l);
+            nearest.take_nearer(l, offered, l.mask(u32::MAX));
         }
         for i in 0..3 {
             let j = (i + 1) % 3;
@@ -87,19 +125,26 @@ impl<L: Lanes> Nearest<L> {
             // False for a NaN, which a triangle without area makes.
             let inside = l.and(l.and(l.lt(zero, s), l.lt(zero, t)), l.lt(l.add(s, t), one));
             let point = w.plus(l, s, edges[i]).plus(l, t, edges[j]);
-            nearest.offer(l, point, [p[i], p[j]], inside);
+            nearest.take_nearer(l, Self::between(point, [p[i], p[j]], [s, t], l), inside);
         }
         nearest
     }
 
+    #[inline(always)]
+    fn between(point: V3<L>, [p, q]: [Vertex<L>; 2], weights: [L::F; 2], l: L) -> Self {
+        Self { point, squared: point.dot(l, point), p, q, weights }
+    }
+
     /// Takes a point of the hull that is nearer. A NaN is not.
     #[inline(always)]
-    fn offer(&mut self, l: L, point: V3<L>, [p, q]: [V3<L>; 2], allowed: L::M) {
-        let squared = point.dot(l, point);
-        let nearer = l.and(l.lt(squared, self.squared), allowed);
-        self.point = V3::select(l, nearer, point, self.point);
-        self.squared = l.select(nearer, squared, self.squared);
-        self.p = V3::select(l, nearer, p, self.p);
-        self.q = V3::select(l, nearer, q, self.q);
+    fn take_nearer(&mut self, l: L, other: Self, allowed: L::M) {
+        let nearer = l.and(l.lt(other.squared, self.squared), allowed);
+        self.point = V3::select(l, nearer, other.point, self.point);
+        self.squared = l.select(nearer, other.squared, self.squared);
+        self.p = Vertex::select(l, nearer, other.p, self.p);
+        self.q = Vertex::select(l, nearer, other.q, self.q);
+        for (own, other) in self.weights.iter_mut().zip(other.weights) {
+            *own = l.select(nearer, other, *own);
+        }
     }
 }

@@ -16,8 +16,8 @@ pub(super) struct SupportScratch {
 }
 
 /// For each of the first `used` lanes, a farthest rotated vertex of that lane's object along its
-/// direction, up to rounding and to the bits that carry the vertex's number; other lanes are
-/// unspecified.
+/// direction, up to rounding and to the bits that carry the vertex's number, and that number; other lanes
+/// are unspecified.
 ///
 /// The number travels in the value's own lowest bits, so that the largest of all brings it along.
 #[inline(always)]
@@ -27,7 +27,7 @@ pub(super) fn supports<L: Lanes>(
     support_scratch: &mut SupportScratch,
     (objects, directions): (&IndexRow, V3<L>),
     used: usize,
-) -> V3<L> {
+) -> (V3<L>, L::U) {
     let mut d = [Row::default(); 3];
     directions.store(l, &mut d);
     let numbers = l.lane_numbers();
@@ -56,5 +56,5 @@ pub(super) fn supports<L: Lanes>(
     let number =
         l.tag_of(l.largest_of_each(&support_scratch.along), l.load_u(&support_scratch.tag));
     let [x, y, z] = l.pick(frame.blocks(), l.load_u(&support_scratch.first), number);
-    V3(x, y, z)
+    (V3(x, y, z), number)
 }

@@ -7,8 +7,10 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Pose, Shape};
 use dcd_gjk::query::Smoothness;
 use dcd_gjk::{
-    Distances, PairSolver, Pairwise, Proximities, Reason, ThenMeasure, Verdict, contract,
+    Distances, PairSolver, Pairwise, Proximities, Reason, SimdDistances, ThenMeasure, Verdict,
+    contract,
 };
+use dcd_simd::Path;
 use std::sync::Arc;
 
 #[test]
@@ -97,5 +99,106 @@ fn the_spheres_reject_nothing_that_is_within_the_margin() {
         if let (Verdict::Touching(Some(found)), Verdict::Apart) = (measured, ask(&solver, &a, &b)) {
             assert!(found.upper() > margin, "{found:?} {margin}\n{a:?}\n{b:?}");
         }
+    }
+}
+
+/// Hulls of many sizes and shapes, some rounded, near each other and far, some by a hair.
+fn hulls(draw: &mut Draw, scale: f64) -> Vec<Shape> {
+    let hull = |draw: &mut Draw, k: u32| {
+        let flat = DVec3::new(1.0, 1.0 / f64::from(1 + k % 7), if k % 5 == 0 { 0.0 } else { 0.6 });
+        let points = (0..4 + k * 5 % 90).map(|_| draw.vector() * flat * scale).collect();
+        let swept = if k % 3 == 0 { 0.1 * scale } else { 0.0 };
+        Polytope::hull(points).unwrap().rounded(swept).unwrap().into()
+    };
+    let mut shapes: Vec<Shape> = (0..30).map(|k| hull(draw, k)).collect();
+    shapes.push(Shape::sphere(0.3 * scale).unwrap());
+    shapes.push(Shape::cuboid(DVec3::new(0.5, 0.4, 0.3) * scale).unwrap());
+    shapes
+}
+
+#[test]
+fn the_lanes_tell_of_the_same_pairs_and_the_certified_distance_is_within_their_bound() {
+    let mut draw = Draw(17);
+    let (mut told, mut bounds) = (0, Vec::new());
+    for (round, scale) in [1.0, 1e-3, 1e3, 1.0].into_iter().enumerate() {
+        let shapes = hulls(&mut draw, scale);
+        let kinds = shapes.len() as u32;
+        let objects = (0..90).map(|k| {
+            let place = draw.vector() * 2.5 * scale + DVec3::splat(round as f64 * 100.0 * scale);
+            let turn = if k % 4 == 0 { dcd_geom::glam::DQuat::IDENTITY } else { draw.turn() };
+            dcd_geom::Object::new(k % kinds, Pose::new(turn, place).unwrap())
+        });
+        let scene = dcd_geom::Scene::new(shapes, objects.collect::<Vec<_>>()).unwrap();
+        let pairs: Vec<_> =
+            (0..90).flat_map(|i| (i + 1..90).map(move |j| dcd_geom::Pair::new(i, j))).collect();
+        let margin = 0.8 * scale;
+        let solver = Distances::within(margin).unwrap();
+        let (certified, asked) = found(&ThenMeasure::new(solver).unwrap(), &scene, &pairs);
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            let lanes = SimdDistances::on(path, margin).unwrap();
+            let (quick, report) = found(&lanes, &scene, &pairs);
+            assert!(report.undecided().is_empty() && quick.len() == certified.len());
+            assert_eq!(report.filed(), asked.filed());
+            for (quick, certified) in quick.iter().zip(&certified) {
+                assert_eq!(quick.pair, certified.pair, "{path:?}");
+                assert_eq!(quick.answer.is_some(), certified.answer.is_some(), "{path:?}");
+                let (Some(quick), Some(certified)) = (quick.answer, certified.answer) else {
+                    continue;
+                };
+                assert!(
+                    quick.lower() <= certified.upper() && certified.lower() <= quick.upper(),
+                    "{path:?} {quick:?} {certified:?}"
+                );
+                // The bound is for the lanes' word; what f64 makes of it is far better.
+                let along = quick.point_b - quick.point_a - quick.normal * quick.distance;
+                assert!(along.length() < 1e-11 * 300.0 * scale, "{along}");
+                let [i, j] = [quick.pair.i, quick.pair.j].map(|k| k as usize);
+                let apart = scene.poses()[i].translation() - scene.poses()[j].translation();
+                let size = scene.shape(i).reach() + scene.shape(j).reach() + apart.length();
+                assert!((quick.normal.length() - 1.0).abs() < 1e-14);
+                bounds.push(quick.error_bound / size);
+                told += 1;
+            }
+        }
+    }
+    bounds.sort_unstable_by(f64::total_cmp);
+    let p99 = bounds[bounds.len() * 99 / 100];
+    println!("{told} distances, bounds of {:e} and {p99:e}", bounds[bounds.len() / 2]);
+    assert!(told > 3000 && p99 < 1e-5, "{told} {p99}");
+}
+
+#[test]
+fn the_lanes_tell_the_same_of_both_orders_and_whatever_else_is_asked() {
+    let mut draw = Draw(23);
+    let shapes = hulls(&mut draw, 1.0);
+    let kinds = shapes.len() as u32;
+    let object = |k: u32, draw: &mut Draw| {
+        let pose = Pose::new(draw.turn(), draw.vector() * 2.5).unwrap();
+        dcd_geom::Object::new(k % kinds, pose)
+    };
+    let objects: Vec<_> = (0..60).map(|k| object(k, &mut draw)).collect();
+    let reversed: Vec<_> = objects.iter().rev().copied().collect();
+    let scene = dcd_geom::Scene::new(shapes.clone(), objects).unwrap();
+    let mirrored = dcd_geom::Scene::new(shapes, reversed).unwrap();
+    let pairs: Vec<_> =
+        (0..60).flat_map(|i| (i + 1..60).map(move |j| dcd_geom::Pair::new(i, j))).collect();
+    let lanes = SimdDistances::within(0.7).unwrap();
+    let (all, _) = found(&lanes, &scene, &pairs);
+    let (seen, _) = found(&lanes, &mirrored, &pairs);
+    let mut measured = 0;
+    for contact in &all {
+        let pair = dcd_geom::Pair::new(59 - contact.pair.j, 59 - contact.pair.i);
+        let other = seen.iter().find(|other| other.pair == pair).unwrap();
+        let (Some(one), Some(other)) = (contact.answer, other.answer) else { continue };
+        assert_eq!((one.distance, one.error_bound), (other.distance, other.error_bound));
+        assert_eq!((one.point_a, one.point_b), (other.point_b, other.point_a));
+        assert_eq!(one.normal, -other.normal);
+        measured += 1;
+    }
+    assert!(measured > 100, "{measured}");
+    for chunk in pairs.chunks(7) {
+        let (some, _) = found(&lanes, &scene, chunk);
+        let same = all.iter().filter(|contact| chunk.contains(&contact.pair));
+        assert!(some.iter().eq(same));
     }
 }

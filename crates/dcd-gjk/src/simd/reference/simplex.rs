@@ -1,6 +1,6 @@
 //! The nearest points of cores beside the same in f64, and rounded scenes beside exact arithmetic.
 
-use super::super::simplex::Nearest;
+use super::super::simplex::{Nearest, Vertex};
 use super::super::vector::V3;
 use super::forms::contacts;
 use super::{Numbers, pairs, paths};
@@ -18,7 +18,7 @@ impl Kernel for Four<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Self::Output {
         let (mut point, mut squared) = ([Row::default(); 3], Row::default());
-        let load = |k: usize| V3::<L>::load(l, &self.0[k]);
+        let load = |k: usize| Vertex::unnumbered(l, V3::<L>::load(l, &self.0[k]));
         let nearest = Nearest::of(l, load(0), [load(1), load(2), load(3)]);
         nearest.point.store(l, &mut point);
         l.store(nearest.squared, &mut squared);

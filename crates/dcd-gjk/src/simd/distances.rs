@@ -1,0 +1,204 @@
+//! How far apart pairs are, sixteen at a time in f32, with the bound that holds for it.
+
+use super::frame::{FramePair, SimdFrame};
+use super::nearest::{self, Found, NearestPoints};
+use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
+use crate::query::{are_within, check_margin, grown};
+use crate::{
+    Accuracy, Contact, ContactSink, Distance, Distances, NarrowPhase, PairSolver, PosedShape,
+    Prepared, Report, Sides, Verdict, WithAccuracy,
+};
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, ShapeError};
+use dcd_simd::Path;
+
+/// How far apart the pairs within a margin are: [`Distances`] at [`Accuracy::F32`], in packets of sixteen.
+///
+/// Who touches whom is proved as [`Overlap`](crate::Overlap) proves it; of the others the lanes find the nearest
+/// vertices, of which f64 makes the points and the distance. Its bound, proved, is some millionths of the pair's
+/// size: what the lanes prove from below. Shapes that the lanes do not know, sizes that f32 has no room for, and what the
+/// margin cuts through, are measured one pair at a time.
+///
+/// Whether a pair with a distance within its bound of the margin is told of is settled exactly.
+#[derive(Clone, Copy, Debug)]
+pub struct SimdDistances {
+    path: Path,
+    margin: f64,
+    solver: WithAccuracy<Distances>,
+}
+
+/// A bound above this, of the pair's size, is one that the lanes did not reach; the pair is measured in f64. No
+/// unit. Larger: worse bounds. Smaller: more pairs take a microsecond.
+const WORST: f64 = 8e-6;
+
+/// What the f64 arithmetic of a distance may be off by: unit 2⁻⁵³ of the pair's size. Weights 8, the rotations 12 for
+/// each shape, differences and the length 8; and room.
+const ROUNDED: f64 = 64.0 * f64::EPSILON / 2.0;
+
+impl SimdDistances {
+    /// Of the pairs within that many metres.
+    ///
+    /// # Errors
+    /// A margin that is negative, not a number, or above [`Aabb::LIMIT`].
+    pub fn within(margin: f64) -> Result<Self, ShapeError> {
+        Self::on(Path::best(), margin)
+    }
+
+    /// The same on a path: see [`SimdOverlap::on`](super::SimdOverlap::on).
+    ///
+    /// # Errors
+    /// Those of [`SimdDistances::within`].
+    pub fn on(path: Path, margin: f64) -> Result<Self, ShapeError> {
+        check_margin(margin)?;
+        let solver = WithAccuracy::new(Distances::within(margin)?, Accuracy::F32);
+        Ok(Self { path, margin, solver })
+    }
+
+    /// Settles a pair by itself.
+    fn alone(&self, a: PosedShape<'_>, b: PosedShape<'_>) -> Verdict<Option<Distance>> {
+        self.solver.solve(a, b, &mut ())
+    }
+
+    /// The pair whose nearest vertices are known.
+    fn told(
+        &self,
+        points: &NearestPoints,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+    ) -> Verdict<Option<Distance>> {
+        let Some(found) = distance_of(points, a, b) else { return self.alone(a, b) };
+        if found.lower() > self.margin {
+            return Verdict::Apart;
+        }
+        if found.upper() <= self.margin {
+            return Verdict::Touching(Some(found));
+        }
+        match are_within(a, b, self.margin) {
+            Verdict::Touching(()) => Verdict::Touching(Some(found)),
+            Verdict::Apart => Verdict::Apart,
+            Verdict::Undecided(reason) => Verdict::Undecided(reason),
+        }
+    }
+}
+
+/// What a thread reuses from slice to slice.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    yes: Yes,
+    report: Report,
+    /// The pairs that do not touch, as far as the lanes and what follows them know.
+    open: Vec<Pair>,
+    nearest: nearest::Scratch,
+}
+
+impl NarrowPhase for SimdDistances {
+    type Answer = Option<Distance>;
+    type Frame = SimdFrame;
+    type Part<'f> = Part<'f>;
+    type Scratch = Scratch;
+
+    fn aabb_margin(&self) -> Option<f64> {
+        Some(self.margin / 2.0)
+    }
+
+    fn layout<'f>(&self, scene: &Scene, _: Sides, frame: &'f mut SimdFrame) -> Part<'f> {
+        // With two sides every shape has its vertices.
+        frame.layout(scene, Sides::Two)
+    }
+
+    fn keeps(&self, part: &Part<'_>) -> bool {
+        part.kept
+    }
+
+    fn prepare(&self, scene: &Scene, first: usize, part: Part<'_>, aabbs: &mut [Aabb]) {
+        let objects = prepare::Prepare { scene, first, part, aabbs: &mut *aabbs };
+        prepare::prepare(self.path, objects);
+        for aabb in aabbs {
+            *aabb = grown(aabb, self.margin / 2.0);
+        }
+    }
+
+    fn decide(
+        &self,
+        a: Prepared<'_, SimdFrame>,
+        b: Prepared<'_, SimdFrame>,
+        pairs: &[Pair],
+        scratch: &mut Scratch,
+        sink: &mut ContactSink<'_, Option<Distance>>,
+    ) {
+        let Scratch { yes, report, open, nearest } = scratch;
+        report.clear();
+        CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, report);
+        // What is undecided there is asked again, by itself.
+        let undecided = report.take_undecided();
+        sink.report.absorb(report);
+        let touching = yes.touching();
+        open.clear();
+        open.extend(pairs.iter().zip(touching).filter(|(_, touches)| !**touches).map(|(p, _)| *p));
+        let frames = FramePair { a: a.frame, b: b.frame };
+        nearest::find(self.path, frames, (open, self.margin), nearest);
+        let mut found = nearest.found.iter();
+        for (&pair, &touches) in pairs.iter().zip(touching) {
+            if touches {
+                sink.contacts.push(Contact { pair, answer: None });
+                continue;
+            }
+            let (one, other) = (PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j));
+            let is_counted = !undecided.iter().any(|undecided| undecided.pair == pair);
+            let verdict = match found.next() {
+                Some(Found::Beyond) => Verdict::Apart,
+                Some(Found::Nearest(points)) => self.told(points, one, other),
+                _ => self.alone(one, other),
+            };
+            match (verdict, is_counted) {
+                (Verdict::Apart, true) => {}
+                (Verdict::Touching(answer), true) => sink.contacts.push(Contact { pair, answer }),
+                (Verdict::Undecided(reason), true) => sink.report.leave_unmeasured(pair, reason),
+                (verdict, false) => sink.file(pair, self.solver.method(), verdict),
+            }
+        }
+    }
+}
+
+/// The distance of two polytopes that are apart, by vertices whose weighted means are nearest points of their cores
+/// or nearly so, and what the lanes prove from below. `None`: those say too little.
+fn distance_of(points: &NearestPoints, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance> {
+    let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
+    let weights = weights(points.weights)?;
+    let turned = |side: usize, polytope: &Polytope, pose: &Pose| {
+        let vertices = polytope.vertices();
+        // The last block is filled up with the last vertex.
+        let vertex = |number: u32| vertices[(number as usize).min(vertices.len() - 1)];
+        let corners = points.corners.iter().zip(weights);
+        let mean: DVec3 = corners.map(|(corner, weight)| vertex(corner[side]) * weight).sum();
+        *pose.rotation() * mean
+    };
+    let (from_a, from_b) = (turned(0, in_a, a.pose), turned(1, in_b, b.pose));
+    let apart = a.pose.translation() - b.pose.translation();
+    let from_origin = (from_a - from_b) + apart;
+    let length = from_origin.length();
+    let normal = -from_origin / length;
+    let reach = |polytope: &Polytope, pose: &Pose| polytope.reach() * (1.0 + pose.deviation());
+    let size = reach(in_a, a.pose) + reach(in_b, b.pose) + apart.abs().element_sum();
+    let rounding = ROUNDED * (size + in_a.swept_radius() + in_b.swept_radius());
+    let radii = in_a.swept_radius() + in_b.swept_radius();
+    let distance = length - radii;
+    let lower = f64::from(points.lower) - radii;
+    let error_bound = (distance - lower).max(0.0) + 2.0 * rounding;
+    let is_good = distance > 0.0 && error_bound <= WORST * size && normal.is_finite();
+    is_good.then(|| Distance {
+        distance,
+        point_a: a.pose.translation() + from_a + normal * in_a.swept_radius(),
+        point_b: b.pose.translation() + from_b - normal * in_b.swept_radius(),
+        normal,
+        error_bound,
+    })
+}
+
+/// Of the three points: none below 0, and 1 together but for rounding.
+fn weights([second, third]: [f32; 2]) -> Option<[f64; 3]> {
+    let (second, third) = (f64::from(second), f64::from(third));
+    let all = [1.0 - second - third, second, third].map(|weight| weight.max(0.0));
+    let sum: f64 = all.iter().sum();
+    (sum > 0.5 && sum.is_finite()).then(|| all.map(|weight| weight / sum))
+}

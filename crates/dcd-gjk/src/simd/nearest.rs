@@ -1,0 +1,228 @@
+//! How far the cores of sixteen pairs are apart: GJK to the nearest points, with a bound from below that is
+//! proved and the vertices that the nearest points lie between.
+
+use super::bounds::{CLOSED, SHORTEST, U};
+use super::certificate::{CertifiedBounds, UncheckedBounds, separates};
+use super::first_stages::{Entry, Place};
+use super::frame::FramePair;
+use super::packet::{
+    AFTER_NEAREST, Corner, LanesOf, Number, PacketQueue, PairPacket, Vector, Whole,
+};
+use super::portal::ROUNDS;
+use super::simplex::{Nearest, Vertex};
+use super::support::SupportScratch;
+use super::vector::V3;
+use dcd_geom::Pair;
+use dcd_simd::{IndexRow, Kernel, Lanes, Path, Row, WIDTH, dispatch_on};
+
+/// What the lanes found of a pair.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) enum Found {
+    /// Nothing: the lanes do not know one of the shapes, or not at that size.
+    #[default]
+    Unknown,
+    /// That they are farther apart than the margin.
+    Beyond,
+    /// The nearest points of the cores.
+    Nearest(NearestPoints),
+}
+
+/// Three points of A − B whose weighted mean is nearest to the origin, or nearly so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct NearestPoints {
+    /// For each the numbers of its vertices in a and in b.
+    pub(super) corners: [[u32; 2]; 3],
+    /// The weights of the second and the third; the first has what they leave of 1.
+    pub(super) weights: [f32; 2],
+    /// At most the distance of the cores, metres: proved.
+    pub(super) lower: f32,
+}
+
+/// What a thread reuses from slice to slice.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch {
+    entry: Entry,
+    support_scratch: SupportScratch,
+    packet: PairPacket,
+    queue: PacketQueue<AFTER_NEAREST>,
+    /// For each pair of the slice what was found.
+    pub(super) found: Vec<Found>,
+}
+
+/// Looks for the nearest points of each pair, all of which are known to be apart.
+pub(super) fn find(
+    path: Path,
+    frames: FramePair<'_>,
+    (pairs, margin): (&[Pair], f64),
+    scratch: &mut Scratch,
+) {
+    // Rounded up, so that nobody within the margin is left out.
+    let margin = (margin as f32).next_up();
+    scratch.found.clear();
+    scratch.found.resize(pairs.len(), Found::Unknown);
+    dispatch_on(path, Search { frames, pairs, margin, scratch });
+}
+
+struct Search<'a> {
+    frames: FramePair<'a>,
+    pairs: &'a [Pair],
+    margin: f32,
+    scratch: &'a mut Scratch,
+}
+
+impl Kernel for Search<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, l: L) {
+        let mut first = 0;
+        loop {
+            let whole = if first < self.pairs.len() { Whole::Only } else { Whole::OrLast };
+            if whole == Whole::Only {
+                self.begin(l, first);
+                first += WIDTH;
+            }
+            while self.scratch.queue.has(whole) {
+                self.round(l);
+            }
+            if whole == Whole::OrLast {
+                break;
+            }
+        }
+    }
+}
+
+impl Search<'_> {
+    /// Reads sixteen pairs; the first point of each is the support along the axis between the centres.
+    #[inline(always)]
+    fn begin<L: Lanes>(&mut self, l: L, first: usize) {
+        let pairs = &self.pairs[first..self.pairs.len().min(first + WIDTH)];
+        let Scratch { entry, support_scratch, queue, found, .. } = &mut *self.scratch;
+        // Of shapes beyond their vertices the lanes know no distance.
+        entry.read::<UncheckedBounds>(self.frames, pairs, first as u32);
+        entry.spheres::<L, CertifiedBounds>(l);
+        let live = entry.live;
+        let packet = &mut entry.packet;
+        let radius = l.add(packet.number(l, Number::Radius), l.splat(self.margin));
+        packet.set_number(l, Number::Radius, l.mul(radius, l.splat(1.0 + 4.0 * U)));
+        packet.set_number(l, Number::Lower, l.splat(0.0));
+        let mut at = Place { frames: self.frames, support_scratch };
+        let axis = packet.vector(l, Vector::C);
+        let new = support(l, &mut at, packet, (axis.neg(l), pairs.len()));
+        let beyond = look_along(l, packet, axis, new.at) & live;
+        put_apart(found, packet, beyond);
+        let (zero, one) = (l.splat(0.0), [new; 3]);
+        packet.set_number(l, Number::Round, zero);
+        keep(l, packet, one, [zero; 2]);
+        packet.set_vector(l, Vector::D, new.at.neg(l));
+        queue.push(l, packet, live & !beyond);
+    }
+
+    /// One support towards the origin: the pair is beyond the margin, or its nearest point is as near as it
+    /// gets, or there is a nearer one.
+    #[inline(always)]
+    fn round<L: Lanes>(&mut self, l: L) {
+        let Scratch { support_scratch, packet, queue, found, .. } = &mut *self.scratch;
+        let taken = queue.take(l, packet);
+        let used = (1u32 << taken) - 1;
+        let mut at = Place { frames: self.frames, support_scratch };
+        let d = packet.vector(l, Vector::D);
+        let new = support(l, &mut at, packet, (d, taken));
+        let axis = d.neg(l);
+        let beyond = look_along(l, packet, axis, new.at) & used;
+        put_apart(found, packet, beyond);
+
+        let last = [
+            Vertex { at: packet.vector(l, Vector::P0), corner: packet.corner(l, Corner::C0) },
+            Vertex { at: packet.vector(l, Vector::P1), corner: packet.corner(l, Corner::C1) },
+            Vertex { at: packet.vector(l, Vector::P2), corner: packet.corner(l, Corner::C2) },
+        ];
+        let nearest = Nearest::of(l, new, last);
+        let squared = axis.dot(l, axis);
+        // |v|² − v·w, over |v|: how far the nearest point may be from the last.
+        let gap = l.sub(squared, axis.dot(l, new.at));
+        let unit = packet.number(l, Number::Unit);
+        let close = l.le(gap, l.mul(l.mul(unit, l.splat(CLOSED)), l.sqrt(squared)));
+        let gains = l.lt(nearest.squared, squared);
+        let done = (l.bits(close) | !l.bits(gains)) & used & !beyond;
+        put_nearest(found, packet, done);
+
+        let round = l.add(packet.number(l, Number::Round), l.splat(1.0));
+        packet.set_number(l, Number::Round, round);
+        keep(l, packet, [new, nearest.p, nearest.q], nearest.weights);
+        packet.set_vector(l, Vector::D, nearest.point.neg(l));
+        let open = used & !(beyond | done);
+        let spent = l.bits(l.le(l.splat(ROUNDS), round)) & open;
+        put_nearest(found, packet, spent);
+        queue.push(l, packet, open & !spent);
+    }
+}
+
+/// The support along a direction.
+#[inline(always)]
+fn support<L: Lanes>(
+    l: L,
+    at: &mut Place<'_>,
+    packet: &PairPacket,
+    (direction, used): (V3<L>, usize),
+) -> Vertex<L> {
+    let (point, [a, b]) = at.farthest_numbered(l, packet, direction, used);
+    Vertex { at: point, corner: [float(l, a), float(l, b)] }
+}
+
+#[inline(always)]
+fn float<L: Lanes>(l: L, number: L::U) -> L::F {
+    let (mut whole, mut row) = (IndexRow::default(), Row::default());
+    l.store_u(number, &mut whole);
+    for k in 0..WIDTH {
+        // Twelve bits at most.
+        row.0[k] = whole.0[k] as f32;
+    }
+    l.load(&row)
+}
+
+/// What the support against an axis says: raises what the distance is at least, and returns the lanes that
+/// are proved to be beyond the radii and the margin.
+#[inline(always)]
+fn look_along<L: Lanes>(l: L, packet: &mut PairPacket, axis: V3<L>, w: V3<L>) -> u32 {
+    let norm1 = axis.norm1(l);
+    let rounding = l.mul(norm1, packet.number(l, Number::Separation));
+    let length = l.mul(l.sqrt(axis.dot(l, axis)), l.splat(1.0 + 8.0 * U));
+    let lower = l.mul(l.div(l.sub(axis.dot(l, w), rounding), length), l.splat(1.0 - 8.0 * U));
+    let before = packet.number(l, Number::Lower);
+    let is_more = l.and(l.lt(before, lower), l.lt(l.splat(SHORTEST), norm1));
+    packet.set_number(l, Number::Lower, l.select(is_more, lower, before));
+    l.bits(separates::<L, CertifiedBounds>(l, packet, axis, w).holds)
+}
+
+/// Writes down the points and the weights of the second and third.
+#[inline(always)]
+fn keep<L: Lanes>(l: L, packet: &mut PairPacket, points: [Vertex<L>; 3], weights: [L::F; 2]) {
+    let [p0, p1, p2] = points;
+    packet.set_vector(l, Vector::P0, p0.at);
+    packet.set_vector(l, Vector::P1, p1.at);
+    packet.set_vector(l, Vector::P2, p2.at);
+    packet.set_corner(l, Corner::C0, p0.corner);
+    packet.set_corner(l, Corner::C1, p1.corner);
+    packet.set_corner(l, Corner::C2, p2.corner);
+    packet.set_number(l, Number::Second, weights[0]);
+    packet.set_number(l, Number::Third, weights[1]);
+}
+
+#[inline(always)]
+fn put_apart(found: &mut [Found], packet: &PairPacket, lanes: u32) {
+    for lane in LanesOf(lanes) {
+        found[packet.number.0[lane] as usize] = Found::Beyond;
+    }
+}
+
+#[inline(always)]
+fn put_nearest(found: &mut [Found], packet: &PairPacket, lanes: u32) {
+    for lane in LanesOf(lanes) {
+        found[packet.number.0[lane] as usize] = Found::Nearest(NearestPoints {
+            corners: [Corner::C0, Corner::C1, Corner::C2].map(|c| packet.corner_of(lane, c)),
+            weights: [Number::Second, Number::Third].map(|k| packet.number_of(lane, k)),
+            lower: packet.number_of(lane, Number::Lower),
+        });
+    }
+}
