@@ -105,9 +105,13 @@ fn the_spheres_reject_nothing_that_is_within_the_margin() {
 /// Hulls of many sizes and shapes, some rounded, near each other and far, some by a hair.
 fn hulls(draw: &mut Draw, scale: f64) -> Vec<Shape> {
     let hull = |draw: &mut Draw, k: u32| {
-        let flat = DVec3::new(1.0, 1.0 / f64::from(1 + k % 7), if k % 5 == 0 { 0.0 } else { 0.6 });
+        let flat = DVec3::new(
+            1.0,
+            1.0 / f64::from(1 + k % 7),
+            if k.is_multiple_of(5) { 0.0 } else { 0.6 },
+        );
         let points = (0..4 + k * 5 % 90).map(|_| draw.vector() * flat * scale).collect();
-        let swept = if k % 3 == 0 { 0.1 * scale } else { 0.0 };
+        let swept = if k.is_multiple_of(3) { 0.1 * scale } else { 0.0 };
         Polytope::hull(points).unwrap().rounded(swept).unwrap().into()
     };
     let mut shapes: Vec<Shape> = (0..30).map(|k| hull(draw, k)).collect();
@@ -142,6 +146,7 @@ fn the_lanes_tell_of_the_same_pairs_and_the_certified_distance_is_within_their_b
             for (quick, certified) in quick.iter().zip(&certified) {
                 assert_eq!(quick.pair, certified.pair, "{path:?}");
                 assert_eq!(quick.answer.is_some(), certified.answer.is_some(), "{path:?}");
+                let [i, j] = [quick.pair.i, quick.pair.j].map(|k| k as usize);
                 let (Some(quick), Some(certified)) = (quick.answer, certified.answer) else {
                     continue;
                 };
@@ -152,9 +157,9 @@ fn the_lanes_tell_of_the_same_pairs_and_the_certified_distance_is_within_their_b
                 // The bound is for the lanes' word; what f64 makes of it is far better.
                 let along = quick.point_b - quick.point_a - quick.normal * quick.distance;
                 assert!(along.length() < 1e-11 * 300.0 * scale, "{along}");
-                let [i, j] = [quick.pair.i, quick.pair.j].map(|k| k as usize);
                 let apart = scene.poses()[i].translation() - scene.poses()[j].translation();
-                let size = scene.shape(i).reach() + scene.shape(j).reach() + apart.length();
+                let size =
+                    scene.shape(i).reach() + scene.shape(j).reach() + apart.abs().element_sum();
                 assert!((quick.normal.length() - 1.0).abs() < 1e-14);
                 bounds.push(quick.error_bound / size);
                 told += 1;
@@ -162,9 +167,9 @@ fn the_lanes_tell_of_the_same_pairs_and_the_certified_distance_is_within_their_b
         }
     }
     bounds.sort_unstable_by(f64::total_cmp);
-    let p99 = bounds[bounds.len() * 99 / 100];
-    println!("{told} distances, bounds of {:e} and {p99:e}", bounds[bounds.len() / 2]);
-    assert!(told > 3000 && p99 < 1e-5, "{told} {p99}");
+    let worst = bounds[bounds.len() - 1];
+    println!("{told} distances, bounds of {:e} and {worst:e}", bounds[bounds.len() / 2]);
+    assert!(told > 3000 && worst < 1e-5, "{told} {worst}");
 }
 
 #[test]
