@@ -136,7 +136,8 @@ fn examples() -> Result<Vec<String>> {
 fn quick_measurements() -> Result<Vec<String>> {
     let metadata = Metadata::read()?;
     let built = build_all(&metadata)?;
-    for name in ["bench", "compare", "meshes", "batch", "frames", "scale", "accuracy"] {
+    let names = ["bench", "compare", "meshes", "batch", "frames", "scale", "accuracy", "questions"];
+    for name in names {
         eprintln!("-- {name} --quick");
         let binary = find(&built, "bin", name)?;
         cargo::shown(Command::new(&binary.path).arg("--quick"))

@@ -39,6 +39,9 @@ enum Task {
     /// What each method of precision costs, and how often and how far it is wrong
     #[command(disable_help_flag = true)]
     Accuracy(PassedOn),
+    /// Distance, depth and manifold at every accuracy, beside Parry's queries of the same pairs
+    #[command(disable_help_flag = true)]
+    Questions(PassedOn),
     /// How the step scales with threads and with the number of objects
     #[command(disable_help_flag = true)]
     Scale(PassedOn),
@@ -75,6 +78,7 @@ fn run(task: Task) -> Result<ExitCode> {
         Task::Batch(passed) => measure::run("batch", &passed.arguments),
         Task::Frames(passed) => measure::run("frames", &passed.arguments),
         Task::Accuracy(passed) => measure::run("accuracy", &passed.arguments),
+        Task::Questions(passed) => measure::run("questions", &passed.arguments),
         Task::Scale(passed) => measure::run("scale", &passed.arguments),
         Task::Results => results::take_in().map(|()| ExitCode::SUCCESS),
         Task::Ci => ci::run().map(|()| ExitCode::SUCCESS),

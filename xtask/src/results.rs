@@ -9,7 +9,7 @@ use serde::Deserialize;
 use crate::cargo;
 
 /// Measuring binaries, and their folders in `docs/results`.
-const FOLDERS: [(&str, &str); 7] = [
+const FOLDERS: [(&str, &str); 8] = [
     ("bench", "paper"),
     ("compare", "compare"),
     ("batch", "batch"),
@@ -17,6 +17,7 @@ const FOLDERS: [(&str, &str); 7] = [
     ("meshes", "meshes"),
     ("scale", "scale"),
     ("accuracy", "accuracy"),
+    ("questions", "questions"),
 ];
 
 /// Documents that show tables of the results.

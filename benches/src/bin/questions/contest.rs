@@ -1,0 +1,154 @@
+//! Asks us and Parry of the same pairs, in turn, and checks what we say.
+
+use std::collections::HashMap;
+
+use anyhow::Result;
+use dcd_benches::Effort;
+use dcd_benches::timing::{Pair as Times, pairs_of, time};
+use dcd_broad::WideTree;
+use dcd_geom::{Pair, Scene};
+use dcd_gjk::Accuracy;
+use dcd_gjk::Within;
+use dcd_pipeline::{Answer, AnyPipeline, Par, Pipeline, Question};
+use dcd_scenes::SceneSpec;
+use serde::{Deserialize, Serialize};
+
+use crate::parry::Parry;
+
+/// Pairs within that many metres are told of, where distances are asked for.
+pub(crate) const MARGIN: f64 = 0.1;
+
+/// What is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Kind {
+    Distance,
+    Depth,
+    Manifold,
+}
+
+impl Kind {
+    const ALL: [Self; 3] = [Self::Distance, Self::Depth, Self::Manifold];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Distance => "distance",
+            Self::Depth => "depth",
+            Self::Manifold => "manifold",
+        }
+    }
+
+    fn question(self, accuracy: Accuracy) -> Question {
+        match self {
+            Self::Distance => Question::Distance { accuracy, margin: MARGIN },
+            Self::Depth => Question::Depth { accuracy },
+            Self::Manifold => Question::Manifold { accuracy },
+        }
+    }
+
+    fn margin(self) -> f64 {
+        if self == Self::Distance { MARGIN } else { 0.0 }
+    }
+}
+
+/// Names of accuracies, certified first: the others are checked against it.
+const ACCURACIES: [(&str, Accuracy); 3] =
+    [("certified", Accuracy::Certified), ("f64", Accuracy::F64), ("f32", Accuracy::F32)];
+
+/// One question at one accuracy.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Asked {
+    pub(crate) kind: Kind,
+    pub(crate) accuracy: String,
+    pub(crate) candidates: usize,
+    /// Pairs that touch, or are within the margin.
+    pub(crate) told: usize,
+    /// The same by Parry.
+    pub(crate) parry_told: usize,
+    /// The bounds of what is measured, metres: 99 of 100 are below it, and all below the worst.
+    pub(crate) p99: f64,
+    pub(crate) worst: f64,
+    /// Answers that contradict the certified ones.
+    pub(crate) beyond: usize,
+    /// Our whole step, and Parry's queries alone.
+    pub(crate) times: Times,
+}
+
+/// A scene's.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Outcome {
+    pub(crate) scene: String,
+    pub(crate) objects: usize,
+    pub(crate) asked: Vec<Asked>,
+}
+
+/// What was measured of a pair: a value and its bound; none where there is nothing to measure.
+type Measured = Option<[f64; 2]>;
+
+pub(crate) fn run_scene(spec: &SceneSpec, scene: &Scene, effort: Effort) -> Result<Outcome> {
+    let mut asked = Vec::new();
+    for kind in Kind::ALL {
+        let pairs = candidates(scene, kind.margin())?;
+        let parry = Parry::new(scene, &pairs, kind.margin())?;
+        let mut certified = HashMap::new();
+        for (name, accuracy) in ACCURACIES {
+            let mut pipeline = AnyPipeline::new(kind.question(accuracy))?;
+            let found = measured(&mut pipeline, scene);
+            if accuracy == Accuracy::Certified {
+                certified.extend(found.iter().copied());
+            }
+            let is_beyond = |(pair, found): &&(Pair, Measured)| {
+                certified.get(pair).is_none_or(|truth| !agree(*found, *truth))
+            };
+            let beyond = found.iter().filter(is_beyond).count();
+            let missing = certified.len().abs_diff(found.len());
+            let mut bounds: Vec<f64> = found.iter().filter_map(|f| f.1).map(|[_, b]| b).collect();
+            bounds.sort_unstable_by(f64::total_cmp);
+            let at = |part: usize| bounds.get(bounds.len() * part / 100).copied();
+            let rounds = if effort == Effort::Quick { 1 } else { 7 };
+            let mut ours = || [time(|| pipeline.step(scene, Par::Serial).contacts().count()).0];
+            let mut theirs = || [time(|| parry.ask(kind)).0];
+            let [times] = pairs_of(rounds, &mut ours, &mut theirs);
+            asked.push(Asked {
+                kind,
+                accuracy: name.to_owned(),
+                candidates: pairs.len(),
+                told: found.len(),
+                parry_told: parry.ask(kind),
+                p99: at(99).unwrap_or(0.0),
+                worst: bounds.last().copied().unwrap_or(0.0),
+                beyond: beyond + missing,
+                times,
+            });
+        }
+    }
+    Ok(Outcome { scene: spec.name().to_owned(), objects: scene.len(), asked })
+}
+
+/// The pairs whose boxes, each grown by half the margin, meet.
+fn candidates(scene: &Scene, margin: f64) -> Result<Vec<Pair>> {
+    let mut pipeline = Pipeline::with(WideTree::default(), Within::margin(margin)?);
+    let step = pipeline.step(scene, Par::Serial);
+    Ok(step.candidates().collect())
+}
+
+fn measured(pipeline: &mut AnyPipeline, scene: &Scene) -> Vec<(Pair, Measured)> {
+    let step = pipeline.step(scene, Par::Serial);
+    let told = step.answers().map(|(pair, answer)| {
+        let measured = match answer {
+            Answer::Distance(distance) => distance.map(|d| [d.distance, d.error_bound]),
+            Answer::Depth(depth) => Some([depth.depth, depth.error_bound]),
+            // Its points have no one number to be compared by.
+            _ => None,
+        };
+        (pair, measured)
+    });
+    told.collect()
+}
+
+/// Whether two measures with their bounds may be of one truth.
+fn agree(found: Measured, truth: Measured) -> bool {
+    match (found, truth) {
+        (Some([x, of_x]), Some([y, of_y])) => (x - y).abs() <= (of_x + of_y) * (1.0 + 1e-12),
+        (found, truth) => found.is_some() == truth.is_some(),
+    }
+}

@@ -1,0 +1,56 @@
+//! A table of what was asked.
+
+use anyhow::Result;
+use dcd_benches::{Cell, Column, Header, Report, Table};
+
+use crate::contest::{MARGIN, Outcome};
+
+pub(crate) fn report(header: Header, outcomes: &[Outcome]) -> Result<Report> {
+    let title = "Distance, depth and manifold beside Parry's";
+    let mut report = Report::new("questions", title, header);
+    report.note(
+        "One thread, the two in turn in one process; the median of the rounds with the least and the most. Ours is the \
+         whole step: boxes, tree, pairs, yes or no, and what is measured. Parry's, in f32, is its query alone of the same \
+         candidate pairs, one after the other: `closest_points` with the margin, `contact`, `contact_manifolds` without a warm start.",
+    );
+    report.note(format!(
+        "Distances are of pairs within {MARGIN} m. The bound is proved for each answer; every answer is checked against the \
+         certified one of its pair.",
+    ));
+    let columns = ["scene", "objects", "question", "accuracy", "pairs", "told", "Parry tells"];
+    let columns = columns.map(Column::new).into_iter().chain([
+        Column::new("ours").unit("ms"),
+        Column::new("Parry f32").unit("ms"),
+        Column::new("ratio").unit("×").decimals(2),
+        Column::new("least").unit("×").decimals(2),
+        Column::new("most").unit("×").decimals(2),
+        Column::new("bound, 99 of 100").unit("µm").decimals(4),
+        Column::new("worst bound").unit("µm").decimals(4),
+    ]);
+    let mut table = Table::new("times", "Times, and Parry's by ours", columns);
+    for outcome in outcomes {
+        for asked in &outcome.asked {
+            let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3;
+            let times = &asked.times;
+            let counts = [asked.candidates, asked.told, asked.parry_told].map(Cell::from);
+            let names = [
+                Cell::from(outcome.scene.as_str()),
+                Cell::from(outcome.objects),
+                Cell::from(asked.kind.name()),
+                Cell::from(asked.accuracy.as_str()),
+            ];
+            let numbers = [
+                ms(times.a.median),
+                ms(times.b.median),
+                times.ratio,
+                times.least,
+                times.most,
+                asked.p99 * 1e6,
+                asked.worst * 1e6,
+            ];
+            table.push(names.into_iter().chain(counts).chain(numbers.map(Cell::from)))?;
+        }
+    }
+    report.table(table);
+    Ok(report)
+}
