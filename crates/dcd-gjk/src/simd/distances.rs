@@ -19,7 +19,9 @@ use dcd_simd::Path;
 /// size: what the lanes prove from below. Shapes that the lanes do not know, sizes that f32 has no room for, and what the
 /// margin cuts through, are measured one pair at a time.
 ///
-/// Whether a pair with a distance within its bound of the margin is told of is settled exactly.
+/// Whether a pair with a distance within its bound of the margin is told of is settled exactly. Distances and points
+/// may differ from CPU to CPU within their bounds, as f32's rounding does where it is fused; they do not with the number of
+/// threads, nor with what else is asked.
 #[derive(Clone, Copy, Debug)]
 pub struct SimdDistances {
     path: Path,
