@@ -1,10 +1,11 @@
 //! How deep touching pairs overlap.
 
 use super::{Accuracy, MeasureAt, sampled};
-use crate::closed::half_space;
+use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
 use crate::{
     Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, expanding, mesh,
+    order,
 };
 use dcd_geom::Shape;
 
@@ -56,6 +57,10 @@ impl PairSolver for Depths {
         b: PosedShape<'_>,
         scratch: &mut epa::Scratch,
     ) -> (Verdict<Depth>, Method) {
+        // A depth that is certified is more than its bound: the two touch.
+        if let Some(found) = by_formula(Accuracy::Certified, a, b) {
+            return (Verdict::Touching(found), Method::F64);
+        }
         if let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) {
             let (a, b) =
                 (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
@@ -99,6 +104,9 @@ pub(super) fn of_touching(
     if let Some(verdict) = half_space::depth(a, b) {
         return verdict;
     }
+    if let Some(found) = by_formula(accuracy, a, b) {
+        return Verdict::Touching(found);
+    }
     let are_polytopes = a.shape.as_polytope().is_some() && b.shape.as_polytope().is_some();
     if (accuracy != Accuracy::Certified || !are_polytopes)
         && let Some(found) = expanding::depth_of_overlap(a, b, accuracy, &mut scratch.surface)
@@ -118,5 +126,18 @@ pub(super) fn of_touching(
             Verdict::Undecided(Reason::Range)
         }
         _ => Verdict::Touching(sampled::depth_of_overlap(a, b, scratch)),
+    }
+}
+
+/// The depth of spheres, capsules and boxes whose cores do not overlap, where its bound is as good as is asked for.
+/// (a, b) and (b, a) give the same bits, mirrored.
+fn by_formula(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
+    let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
+    let (a, b) = (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
+    let sharp = if accuracy == Accuracy::Certified { closed::SHARP } else { closed::AS_F64 };
+    if order::are_swapped(a, b) {
+        closed::depth(b, a, sharp).map(Depth::mirrored)
+    } else {
+        closed::depth(a, b, sharp)
     }
 }

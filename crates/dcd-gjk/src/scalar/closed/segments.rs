@@ -4,6 +4,7 @@
 //! difference proves, as any point and as any direction (docs/numerics/proofs.md, "closed forms").
 
 use super::{LENGTH, SEPARATION, SIZES, UNIT};
+use crate::epa::Depth;
 use crate::{Distance, DistanceResult, PosedSupport, Verdict};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Polytope, Vector};
@@ -17,9 +18,6 @@ const LOWER: f64 = 12.5;
 
 /// A squared length of the difference, square metres, below which products with it could underflow.
 const SHORTEST: f64 = 1e-280;
-
-/// How far the bounds may leave a distance open, relative to itself: a tenth of what is promised.
-const SHARP: f64 = 1e-13;
 
 /// What is known of a pair from one point of each core.
 struct Proposal<'a> {
@@ -46,16 +44,27 @@ pub(super) fn overlap(
     Proposal::of(a, b)?.verdict()
 }
 
-/// Their distance, if it is proved and as sharp as is promised.
+/// Their distance, if it is proved and its bound at most `sharp` times itself.
 pub(super) fn distance(
     a: PosedSupport<'_, Polytope>,
     b: PosedSupport<'_, Polytope>,
+    sharp: f64,
 ) -> Option<DistanceResult> {
     let proposal = Proposal::of(a, b)?;
     if proposal.touches() {
         return Some(DistanceResult::Touching);
     }
-    proposal.distance().map(DistanceResult::Apart)
+    proposal.distance(sharp).map(DistanceResult::Apart)
+}
+
+/// How deep two that touch overlap, if their cores do not and the bound is at most `sharp` times the depth: what the
+/// distance of the cores leaves of the radii.
+pub(super) fn depth(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    sharp: f64,
+) -> Option<Depth> {
+    Proposal::of(a, b)?.depth(sharp)
 }
 
 impl<'a> Proposal<'a> {
@@ -115,29 +124,55 @@ impl<'a> Proposal<'a> {
         apart.then_some(Verdict::Apart)
     }
 
-    fn distance(&self) -> Option<Distance> {
-        let Self { a, b, unit, radius, length, .. } = *self;
+    fn distance(&self, sharp: f64) -> Option<Distance> {
+        let [lower, upper] = self.signed_distance()?;
+        let distance = self.length - self.radius;
+        let error_bound = self.error_of(distance, [lower, upper]);
+        if !(lower > 0.0 && error_bound <= sharp * distance) {
+            return None;
+        }
+        let (normal, point_a, point_b) = self.witnesses();
+        Some(Distance { distance, point_a, point_b, normal, error_bound })
+    }
+
+    fn depth(&self, sharp: f64) -> Option<Depth> {
+        let bounds = self.signed_distance()?;
+        // The cores are apart.
+        let is_apart = bounds[0] + self.radius * (1.0 - LENGTH * UNIT) > 0.0;
+        let depth = (self.radius - self.length).max(0.0);
+        let error_bound = self.error_of(-depth, bounds);
+        if !(is_apart && error_bound <= sharp * depth) {
+            return None;
+        }
+        let (normal, point_a, point_b) = self.witnesses();
+        Some(Depth { depth, normal, point_a, point_b, error_bound })
+    }
+
+    /// At most and at least the cores' distance less the radii; `None` where the points are too near to tell.
+    fn signed_distance(&self) -> Option<[f64; 2]> {
+        let Self { unit, radius, length, .. } = *self;
         if !(length * length >= SHORTEST) {
             return None;
         }
-        let distance = length - radius;
         let along = self.separation() / length;
         let relative = LENGTH * UNIT;
         let upper = length * (1.0 + relative) + POINT * unit - radius * (1.0 - relative);
         let lower = along - along.abs() * relative - LOWER * unit - radius * (1.0 + relative);
-        // Two sums each, of numbers that are at most the length and the radius.
-        let error = (upper - distance).max(distance - lower) + 4.0 * UNIT * (length + radius);
-        if !(lower > 0.0 && error <= SHARP * distance) {
-            return None;
-        }
-        let normal = self.w / -length;
-        Some(Distance {
-            distance,
-            point_a: a.pose.apply(self.points[0]) + normal * a.map.swept_radius(),
-            point_b: b.pose.apply(self.points[1]) - normal * b.map.swept_radius(),
-            normal,
-            error_bound: error,
-        })
+        Some([lower, upper])
+    }
+
+    /// How far the truth may be from a value, by the bounds. Two sums each, of numbers that are at most the length and
+    /// the radius.
+    fn error_of(&self, value: f64, [lower, upper]: [f64; 2]) -> f64 {
+        (upper - value).max(value - lower) + 4.0 * UNIT * (self.length + self.radius)
+    }
+
+    /// The normal from a to b, and a point of each swept shape on the line through the cores' nearest ones.
+    fn witnesses(&self) -> (DVec3, DVec3, DVec3) {
+        let Self { a, b, points, .. } = *self;
+        let normal = self.w / -self.length;
+        let point_a = a.pose.apply(points[0]) + normal * a.map.swept_radius();
+        (normal, point_a, b.pose.apply(points[1]) - normal * b.map.swept_radius())
     }
 }
 
