@@ -65,25 +65,7 @@ impl PairSolver for Distances {
             return (Verdict::Apart, Method::F64);
         }
         let (found, method) = distance(a, b);
-        let verdict = match found {
-            DistanceResult::Touching => Verdict::Touching(None),
-            DistanceResult::Undecided(reason) => Verdict::Undecided(reason),
-            DistanceResult::Apart(found) if found.lower() > self.margin => Verdict::Apart,
-            DistanceResult::Apart(found) if found.upper() <= self.margin => {
-                Verdict::Touching(Some(found))
-            }
-            DistanceResult::Interval { within, .. } if within.upper() <= self.margin => {
-                Verdict::Touching(Some(within))
-            }
-            DistanceResult::Apart(found) | DistanceResult::Interval { within: found, .. } => {
-                match are_within(a, b, self.margin) {
-                    Verdict::Touching(()) => Verdict::Touching(Some(found)),
-                    Verdict::Apart => Verdict::Apart,
-                    Verdict::Undecided(reason) => Verdict::Undecided(reason),
-                }
-            }
-        };
-        (verdict, method)
+        (told_within(found, self.margin, a, b), method)
     }
 }
 
@@ -106,9 +88,35 @@ impl MeasureAt for Distances {
     }
 }
 
+/// What is told of two shapes of that distance, if it is within a margin: settled exactly where the bounds leave
+/// it open.
+pub(crate) fn told_within(
+    found: DistanceResult,
+    margin: f64,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+) -> Verdict<Option<Distance>> {
+    match found {
+        DistanceResult::Touching => Verdict::Touching(None),
+        DistanceResult::Undecided(reason) => Verdict::Undecided(reason),
+        DistanceResult::Apart(found) if found.lower() > margin => Verdict::Apart,
+        DistanceResult::Apart(found) if found.upper() <= margin => Verdict::Touching(Some(found)),
+        DistanceResult::Interval { within, .. } if within.upper() <= margin => {
+            Verdict::Touching(Some(within))
+        }
+        DistanceResult::Apart(found) | DistanceResult::Interval { within: found, .. } => {
+            match are_within(a, b, margin) {
+                Verdict::Touching(()) => Verdict::Touching(Some(found)),
+                Verdict::Apart => Verdict::Apart,
+                Verdict::Undecided(reason) => Verdict::Undecided(reason),
+            }
+        }
+    }
+}
+
 /// Whether two shapes are within a margin where their distance's bounds leave it open: the word of
 /// the same shapes, each grown by half.
-pub(crate) fn are_within(a: PosedShape<'_>, b: PosedShape<'_>, margin: f64) -> Verdict<()> {
+pub(super) fn are_within(a: PosedShape<'_>, b: PosedShape<'_>, margin: f64) -> Verdict<()> {
     match (a.shape.swept(margin / 2.0), b.shape.swept(margin / 2.0)) {
         (Ok(in_a), Ok(in_b)) => {
             let (a, b) = (PosedShape { shape: &in_a, ..a }, PosedShape { shape: &in_b, ..b });
@@ -123,7 +131,7 @@ pub(crate) fn are_within(a: PosedShape<'_>, b: PosedShape<'_>, margin: f64) -> V
 ///
 /// The centres and their difference lose at most 8u of everything that is added up, the radii's
 /// sum 4u; 16u and 8u leave room. NaN and overflow prove nothing.
-pub(super) fn spheres_are_apart(a: PosedShape<'_>, b: PosedShape<'_>, margin: f64) -> bool {
+pub(crate) fn spheres_are_apart(a: PosedShape<'_>, b: PosedShape<'_>, margin: f64) -> bool {
     const U: f64 = f64::EPSILON / 2.0;
     let (sphere_a, sphere_b) = (sphere(a), sphere(b));
     let size = |side: PosedShape<'_>, sphere: Sphere| {

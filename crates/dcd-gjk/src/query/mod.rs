@@ -44,7 +44,7 @@ pub use proximity::{Gradient, Proximities, Proximity, Smoothness, Twist};
 pub use then_measure::ThenMeasure;
 pub use within::Within;
 
-pub(crate) use distances::are_within;
+pub(crate) use distances::{spheres_are_apart, told_within};
 pub(crate) use within::grown;
 
 use dcd_geom::{Aabb, ShapeError};

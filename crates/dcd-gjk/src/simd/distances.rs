@@ -3,16 +3,17 @@
 use super::frame::{FramePair, SimdFrame};
 use super::nearest::{self, Found, NearestPoints};
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
-use crate::query::{are_within, check_margin, grown};
+use crate::distance::{DistanceResult, distance_at};
+use crate::query::{check_margin, grown, spheres_are_apart, told_within};
 use crate::{
-    Accuracy, Contact, ContactSink, Distance, Distances, NarrowPhase, PairSolver, PosedShape,
-    Prepared, Report, Sides, Verdict, WithAccuracy,
+    Accuracy, Contact, ContactSink, Distance, Method, NarrowPhase, PosedShape, Prepared, Report,
+    Sides, Verdict,
 };
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, ShapeError};
 use dcd_simd::Path;
 
-/// How far apart the pairs within a margin are: [`Distances`] at [`Accuracy::F32`], in packets of sixteen.
+/// How far apart the pairs within a margin are: [`Distances`](crate::Distances) at [`Accuracy::F32`], in packets of sixteen.
 ///
 /// Who touches whom is proved as [`Overlap`](crate::Overlap) proves it; of the others the lanes find the nearest
 /// vertices, of which f64 makes the points and the distance. Its bound, proved, is some millionths of the pair's
@@ -26,7 +27,6 @@ use dcd_simd::Path;
 pub struct SimdDistances {
     path: Path,
     margin: f64,
-    solver: WithAccuracy<Distances>,
 }
 
 /// A bound above this, of the pair's size, is one that the lanes did not reach; the pair is measured in f64. No
@@ -52,13 +52,16 @@ impl SimdDistances {
     /// Those of [`SimdDistances::within`].
     pub fn on(path: Path, margin: f64) -> Result<Self, ShapeError> {
         check_margin(margin)?;
-        let solver = WithAccuracy::new(Distances::within(margin)?, Accuracy::F32);
-        Ok(Self { path, margin, solver })
+        Ok(Self { path, margin })
     }
 
-    /// Settles a pair by itself.
-    fn alone(&self, a: PosedShape<'_>, b: PosedShape<'_>) -> Verdict<Option<Distance>> {
-        self.solver.solve(a, b, &mut ())
+    /// Settles a pair by itself: no shape is grown by the margin but where its distance is within its bound of it.
+    fn alone(&self, a: PosedShape<'_>, b: PosedShape<'_>) -> (Verdict<Option<Distance>>, Method) {
+        if spheres_are_apart(a, b, self.margin) {
+            return (Verdict::Apart, Method::F64);
+        }
+        let (found, method) = distance_at(Accuracy::F32, a, b);
+        (told_within(found, self.margin, a, b), method)
     }
 
     /// The pair whose nearest vertices are known.
@@ -68,17 +71,9 @@ impl SimdDistances {
         a: PosedShape<'_>,
         b: PosedShape<'_>,
     ) -> Verdict<Option<Distance>> {
-        let Some(found) = distance_of(points, a, b) else { return self.alone(a, b) };
-        if found.lower() > self.margin {
-            return Verdict::Apart;
-        }
-        if found.upper() <= self.margin {
-            return Verdict::Touching(Some(found));
-        }
-        match are_within(a, b, self.margin) {
-            Verdict::Touching(()) => Verdict::Touching(Some(found)),
-            Verdict::Apart => Verdict::Apart,
-            Verdict::Undecided(reason) => Verdict::Undecided(reason),
+        match distance_of(points, a, b) {
+            Some(found) => told_within(DistanceResult::Apart(found), self.margin, a, b),
+            None => self.alone(a, b).0,
         }
     }
 }
@@ -132,6 +127,7 @@ impl NarrowPhase for SimdDistances {
         report.clear();
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, report);
         // What is undecided there is asked again, by itself.
+        report.sort();
         let undecided = report.take_undecided();
         sink.report.absorb(report);
         let touching = yes.touching();
@@ -146,17 +142,22 @@ impl NarrowPhase for SimdDistances {
                 continue;
             }
             let (one, other) = (PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j));
-            let is_counted = !undecided.iter().any(|undecided| undecided.pair == pair);
-            let verdict = match found.next() {
-                Some(Found::Beyond) => Verdict::Apart,
-                Some(Found::Nearest(points)) => self.told(points, one, other),
-                _ => self.alone(one, other),
+            let found = found.next().copied().unwrap_or_default();
+            if undecided.binary_search_by_key(&pair, |undecided| undecided.pair).is_ok() {
+                let (verdict, method) = self.alone(one, other);
+                sink.file(pair, method, verdict);
+                continue;
+            }
+            // Counted already, as apart.
+            let verdict = match found {
+                Found::Beyond => Verdict::Apart,
+                Found::Nearest(points) => self.told(&points, one, other),
+                Found::Unknown => self.alone(one, other).0,
             };
-            match (verdict, is_counted) {
-                (Verdict::Apart, true) => {}
-                (Verdict::Touching(answer), true) => sink.contacts.push(Contact { pair, answer }),
-                (Verdict::Undecided(reason), true) => sink.report.leave_unmeasured(pair, reason),
-                (verdict, false) => sink.file(pair, self.solver.method(), verdict),
+            match verdict {
+                Verdict::Apart => {}
+                Verdict::Touching(answer) => sink.contacts.push(Contact { pair, answer }),
+                Verdict::Undecided(reason) => sink.report.leave_unmeasured(pair, reason),
             }
         }
     }
