@@ -198,6 +198,10 @@ impl Robot {
         let glb = self.picture()?;
         let model = Model::load_with(&self.urdf, &self.meshes()?).map_err(refused)?;
         note(&self.urdf, model.notes());
+        // One object of JSON says it by itself; lines of it do not.
+        if !self.json || self.states.is_some() || self.edges.is_some() {
+            tell(self.geometry(&model));
+        }
         let srdf = load_srdf(&self.srdf, &model)?;
         let allowed = match &srdf {
             Some(srdf) => srdf.allowed.clone(),

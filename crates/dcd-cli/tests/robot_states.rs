@@ -60,7 +60,9 @@ fn a_clearance_is_told_with_its_pair_and_its_derivatives() {
     let (urdf, wall) = (folder.file("arm.urdf", ARM), folder.file("wall.yaml", WALL));
     let states = folder.file("states.jsonl", "{\"q\": [0, 1.5707963267948966]}\n{\"q\": [0, 0]}\n");
     let asked = ["robot", &urdf, "--world", &wall, "--states", &states, "--clearance"];
-    let found = lines(&dcd(&asked).stdout);
+    let ran = dcd(&asked);
+    assert!(ran.stderr.contains("meshes are taken as hulls"), "{ran:?}");
+    let found = lines(&ran.stdout);
     // Neighbours do not count. From base's edge at (0.5, 0.5) to lower's at (1.75, 1), which turns about the
     // elbow at x = 2.25 and the shoulder at 1.5.
     let (clearance, distance) = (&found[0]["clearance"], 1.25f64.hypot(0.5));

@@ -80,6 +80,13 @@ impl Geometry {
     }
 }
 
+impl fmt::Display for Geometry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "meshes are taken as {}", self.geometry)?;
+        self.geometry_of.iter().try_for_each(|(link, links)| write!(f, ", of {link:?} as {links}"))
+    }
+}
+
 /// By the links' names; where one is named twice the last counts.
 fn shapes_of(of_links: &[LinksOf]) -> BTreeMap<String, Links> {
     of_links.iter().map(|LinksOf(link, links)| (link.clone(), *links)).collect()
