@@ -1,0 +1,78 @@
+//! Why a share cannot be taken in.
+
+use dcd_geom::{PoseError, SceneError, ShapeError};
+use std::fmt;
+
+/// Why objects cannot be spread over ranks.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum RankError {
+    /// A shape of a kind that no message holds.
+    Foreign {
+        /// The shape's name.
+        shape: u64,
+    },
+    /// A body whose shape is not in its share.
+    NoSuchShape {
+        /// The body's name.
+        body: u64,
+        /// The shape's index in the share.
+        shape: usize,
+        /// How many shapes there are.
+        shapes: usize,
+    },
+    /// A message that this version did not write.
+    Message {
+        /// Whose.
+        sender: usize,
+    },
+    /// A margin that no pipeline takes.
+    Margin(ShapeError),
+    /// A body that a scene refuses.
+    Scene {
+        /// The body's name.
+        body: u64,
+        /// Why.
+        error: SceneError,
+    },
+    /// A pose that is none.
+    Pose {
+        /// The body's name.
+        body: u64,
+        /// Why.
+        error: PoseError,
+    },
+    /// A body that this rank does not own.
+    NotOwned {
+        /// The body's name.
+        body: u64,
+    },
+    /// A name above what a u32 counts, where a file has no room for it.
+    Name {
+        /// The name.
+        name: u64,
+    },
+}
+
+impl fmt::Display for RankError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Foreign { shape } => {
+                write!(f, "shape {shape}: ranks exchange hulls, boxes, spheres, capsules, segments and triangles alone")
+            }
+            Self::NoSuchShape { body, shape, shapes } => {
+                write!(f, "object {body}: there is no shape {shape} among {shapes}")
+            }
+            Self::Message { sender } => {
+                write!(f, "rank {sender} sent a message that this version does not write")
+            }
+            Self::Margin(error) => error.fmt(f),
+            Self::Scene { body, error } => write!(f, "object {body}: {error}"),
+            Self::Pose { body, error } => write!(f, "object {body}: {error}"),
+            Self::NotOwned { body } => write!(f, "object {body} is not owned by this rank"),
+            Self::Name { name } => write!(f, "object {name} is more than a u32 counts"),
+        }
+    }
+}
+
+impl std::error::Error for RankError {}
