@@ -200,6 +200,12 @@ impl Scene {
         &self.shapes[self.shape_of[i] as usize]
     }
 
+    /// Which of [`Scene::shapes`] object `i` has, which must be below [`Scene::len`].
+    #[inline]
+    pub fn shape_index(&self, i: usize) -> u32 {
+        self.shape_of[i]
+    }
+
     /// Marks everything but poses and filters: the shapes, and which slot holds what.
     pub fn layout(&self) -> Revision {
         self.layout

@@ -1,18 +1,24 @@
 //! Reading numbers from bytes that may end at any place.
 
 use crate::ReadError;
-use std::fs::File;
-use std::io::{self, Read as _};
-use std::path::Path;
+#[cfg(feature = "meshes")]
+use std::{
+    fs::File,
+    io::{self, Read as _},
+    path::Path,
+};
 
 /// Bytes of one mesh file, and of a file that it names. The largest scanned meshes have hundreds of
 /// megabytes; a larger file would ask for tens of gigabytes once it is read.
+#[cfg(feature = "meshes")]
 pub(crate) const MESH_BYTES: u64 = 2 << 30;
 
 /// Bytes of a `package.xml`: kilobytes are usual. Larger: no package.
+#[cfg(feature = "meshes")]
 pub(crate) const PACKAGE_BYTES: u64 = 1 << 20;
 
 /// A whole file of at most so many bytes. A device or a pipe, which need not end, is no such file.
+#[cfg(feature = "meshes")]
 pub(crate) fn read_file(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let file = File::open(path)?;
     let data = file.metadata()?;
@@ -130,7 +136,7 @@ impl<'a> Cursor<'a> {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "meshes"))]
 mod tests {
     use super::read_file;
 

@@ -2,14 +2,18 @@
 //! vertices (3 f64), triangles (3 u32), quaternion x y z w (4 f64), translation (3 f64).
 
 use crate::bytes::{Cursor, Field};
-use crate::{RawObject, RawScene, RawShape, ReadError};
+use crate::{RawObject, RawScene, RawShape, RawShare, ReadError};
 use dcd_geom::SceneError;
 use glam::{DQuat, DVec3};
-use std::io::{self, Write};
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
 use std::path::Path;
 
-/// Bytes of an object without vertices and triangles: two counts and seven f64.
-const SMALLEST: u64 = 8 + 7 * 8;
+/// Bytes of a pose: seven f64.
+const POSE_BYTES: u64 = 7 * 8;
+/// Bytes of an object without vertices and triangles: two counts and a pose.
+const SMALLEST: u64 = 8 + POSE_BYTES;
 
 /// Reads a hull scene, one shape an object. Poses, and that the numbers are finite, are checked by
 /// [`RawScene::into_scene`].
@@ -21,17 +25,138 @@ pub fn read_hull_scene(bytes: &[u8]) -> Result<RawScene, ReadError> {
     let mut cursor = Cursor::new(bytes, 0);
     let count = cursor.u32(Field { what: "count", index: 0 })?;
     cursor.room(Field { what: "objects", index: 0 }, count.into(), SMALLEST)?;
+    let scene = read_records(&mut cursor, 0..count)?;
+    cursor.end()?;
+    Ok(scene)
+}
+
+/// The records of these objects; the first has the first shape.
+fn read_records(cursor: &mut Cursor<'_>, objects: Range<u32>) -> Result<RawScene, ReadError> {
     let mut scene = RawScene::default();
-    for shape in 0..count {
-        let index = shape as usize;
-        scene.shapes.push(read_shape(&mut cursor, index)?);
+    for (shape, index) in (0..).zip(objects) {
+        let index = index as usize;
+        scene.shapes.push(read_shape(cursor, index)?);
         let field = Field { what: "pose", index };
+        cursor.room(field, 1, POSE_BYTES)?;
         let rotation = DQuat::from_array(cursor.f64s(field)?);
         let translation = DVec3::from_array(cursor.f64s(field)?);
         scene.objects.push(RawObject { shape, rotation, translation });
     }
-    cursor.end()?;
     Ok(scene)
+}
+
+/// Where the records of some objects stand in a hull scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HullRecords {
+    /// The objects.
+    pub objects: Range<u32>,
+    /// Their records, bytes of the file.
+    pub bytes: Range<u64>,
+}
+
+impl HullRecords {
+    /// Finds where the records of so many parts stand, in each about as many objects, by looking at every
+    /// record's counts alone: what does not fit in memory can be read part by part.
+    ///
+    /// # Errors
+    /// Those of reading the file; a file that is cut short or goes on.
+    pub fn find(path: &Path, parts: usize) -> Result<Vec<Self>, ReadError> {
+        let within = |error| ReadError::InFile { path: path.to_path_buf(), error: Box::new(error) };
+        let io = |error| ReadError::Io { path: path.to_path_buf(), error };
+        let mut file = File::open(path).map_err(io)?;
+        let length = file.metadata().map_err(io)?.len();
+        let mut scan = Scan { file: &mut file, at: 0, length };
+        let [count] =
+            scan.counts(Field { what: "count", index: 0 }).map_err(io)?.map_err(within)?;
+        scan.room(Field { what: "objects", index: 0 }, count, SMALLEST).map_err(within)?;
+        let parts = parts.max(1) as u64;
+        let first = |part: u64| (u64::from(count) * part / parts) as u32;
+        let mut found = Vec::new();
+        for part in 0..parts {
+            let (objects, start) = (first(part)..first(part + 1), scan.at);
+            for object in objects.clone() {
+                scan.pass(object as usize).map_err(io)?.map_err(within)?;
+            }
+            found.push(Self { objects, bytes: start..scan.at });
+        }
+        if scan.at < length {
+            let (at, left) = (scan.at as usize, (length - scan.at) as usize);
+            return Err(within(ReadError::Oversized { at, left }));
+        }
+        Ok(found)
+    }
+}
+
+/// What a file's system says, and what the file does.
+type Scanned<T> = io::Result<Result<T, ReadError>>;
+
+/// A place in a file of which little is read.
+struct Scan<'a> {
+    file: &'a mut File,
+    at: u64,
+    length: u64,
+}
+
+impl Scan<'_> {
+    fn room(&self, field: Field, count: u32, size: u64) -> Result<(), ReadError> {
+        let (needed, left) = (u64::from(count) * size, self.length - self.at);
+        if needed <= left {
+            return Ok(());
+        }
+        let Field { what, index } = field;
+        Err(ReadError::Truncated { what, index, at: self.at as usize, needed, left: left as usize })
+    }
+
+    /// The next u32s.
+    fn counts<const N: usize>(&mut self, field: Field) -> Scanned<[u32; N]> {
+        if let Err(error) = self.room(field, N as u32, 4) {
+            return Ok(Err(error));
+        }
+        let mut counts = [[0; 4]; N];
+        self.file.read_exact(counts.as_flattened_mut())?;
+        self.at += 4 * N as u64;
+        Ok(Ok(counts.map(u32::from_le_bytes)))
+    }
+
+    /// Passes over an object's record.
+    fn pass(&mut self, index: usize) -> Scanned<()> {
+        let [vertices, triangles] = match self.counts(Field { what: "counts", index })? {
+            Ok(counts) => counts,
+            Err(error) => return Ok(Err(error)),
+        };
+        for (what, count, size) in
+            [("vertices", vertices, 24), ("triangles", triangles, 12), ("pose", 1, POSE_BYTES)]
+        {
+            if let Err(error) = self.room(Field { what, index }, count, size) {
+                return Ok(Err(error));
+            }
+            self.at += u64::from(count) * size;
+        }
+        self.file.seek(SeekFrom::Start(self.at))?;
+        Ok(Ok(()))
+    }
+}
+
+/// Reads the records that [`HullRecords::find`] found.
+///
+/// # Errors
+/// Those of reading the file, and those of [`read_hull_scene`], with the indices of the whole; a file that has
+/// changed meanwhile.
+pub fn load_hull_records(path: &Path, records: &HullRecords) -> Result<RawShare, ReadError> {
+    let io = |error| ReadError::Io { path: path.to_path_buf(), error };
+    let mut file = File::open(path).map_err(io)?;
+    file.seek(SeekFrom::Start(records.bytes.start)).map_err(io)?;
+    let mut bytes = Vec::new();
+    file.take(records.bytes.end - records.bytes.start).read_to_end(&mut bytes).map_err(io)?;
+    let mut cursor = Cursor::new(&bytes, 0);
+    let scene = read_records(&mut cursor, records.objects.clone())
+        .and_then(|scene| cursor.end().map(|()| scene))
+        .map_err(|error| ReadError::InFile { path: path.to_path_buf(), error: Box::new(error) })?;
+    Ok(RawShare {
+        first: records.objects.start as usize,
+        shape_names: records.objects.clone().map(u64::from).collect(),
+        scene,
+    })
 }
 
 /// [`read_hull_scene`] from a file.
@@ -167,6 +292,56 @@ mod tests {
         let scene = tetrahedron();
         assert_eq!(read_hull_scene(&written(&scene)).unwrap(), scene);
         assert_eq!(read_hull_scene(&[0; 4]).unwrap(), RawScene::default());
+    }
+
+    #[test]
+    fn the_parts_of_a_file_are_the_whole() {
+        let mut whole = tetrahedron();
+        for k in 0..9 {
+            whole.objects.push(RawObject {
+                shape: k % 2,
+                translation: DVec3::splat(f64::from(k)),
+                ..whole.objects[0]
+            });
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene");
+        std::fs::write(&path, written(&whole)).unwrap();
+        let whole = load_hull_scene(&path).unwrap();
+        for parts in [1, 2, 5, 11, 40] {
+            let found = HullRecords::find(&path, parts).unwrap();
+            assert_eq!(found.len(), parts);
+            let mut joined = RawScene::default();
+            for records in &found {
+                let share = load_hull_records(&path, records).unwrap();
+                assert_eq!(share.first, joined.objects.len());
+                let names = share.shape_names.iter().map(|&name| name as u32);
+                let objects = share.scene.objects.iter().zip(names);
+                joined
+                    .objects
+                    .extend(objects.map(|(&object, shape)| RawObject { shape, ..object }));
+                joined.shapes.extend(share.scene.shapes);
+            }
+            assert_eq!(joined, whole);
+        }
+        let bytes = written(&tetrahedron());
+        for end in 0..bytes.len() {
+            std::fs::write(&path, &bytes[..end]).unwrap();
+            let [slowly, scanned] =
+                [load_hull_scene(&path).err(), HullRecords::find(&path, 2).err()]
+                    .map(|error| error.map(|error| error.to_string()));
+            assert_eq!(scanned, slowly, "{end}");
+        }
+        std::fs::write(&path, [bytes.clone(), vec![0]].concat()).unwrap();
+        assert!(HullRecords::find(&path, 2).unwrap_err().to_string().contains("1 byte"));
+        let corner = u32::from_le_bytes(bytes[108..112].try_into().unwrap());
+        assert!(corner < 4);
+        let mut wrong = bytes;
+        wrong[108] = 9;
+        std::fs::write(&path, wrong).unwrap();
+        let found = HullRecords::find(&path, 1).unwrap();
+        let refused = load_hull_records(&path, &found[0]).unwrap_err().to_string();
+        assert!(refused.contains("object 0") && refused.contains('9'), "{refused}");
     }
 
     #[test]

@@ -35,7 +35,9 @@ pub use error::{ReadError, shown};
 #[cfg(feature = "meshes")]
 pub use glb::{GlbContact, GlbScene};
 pub use hull::{Hull, HullRefusal, convex_hull};
-pub use hull_scene::{load_hull_scene, read_hull_scene, write_hull_scene};
+pub use hull_scene::{
+    HullRecords, load_hull_records, load_hull_scene, read_hull_scene, write_hull_scene,
+};
 pub use lines::{LONGEST_LINE, read_lines};
 #[cfg(feature = "meshes")]
 pub use mesh::{
@@ -44,5 +46,5 @@ pub use mesh::{
 };
 pub use pairs::{PairError, PairFault, PairInput, read_pair, read_pairs};
 pub use ply::{RawMesh, load_ply, read_ply};
-pub use raw::{BuildError, RawObject, RawScene, RawShape};
+pub use raw::{BuildError, RawObject, RawScene, RawShape, RawShare};
 pub use swept::{SweptBoxes, load_listed_pairs, read_listed_pairs};

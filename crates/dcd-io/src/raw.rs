@@ -154,6 +154,42 @@ impl RawScene {
     }
 }
 
+/// Some of a scene's objects, one after the other, with the shapes that they have: what one of several
+/// processes makes or reads of a whole that none of them holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RawShare {
+    /// The index of the first object in the whole.
+    pub first: usize,
+    /// For each shape its index in the whole.
+    pub shape_names: Vec<u64>,
+    /// The shapes and objects; these name the shapes by their index in here.
+    pub scene: RawScene,
+}
+
+impl RawShare {
+    /// [`RawScene::into_scene_by`] of the share.
+    ///
+    /// # Errors
+    /// Those of [`RawScene::into_scene`], with the indices of the whole.
+    pub fn into_scene_by(self, run: &Run<'_>) -> Result<Scene, BuildError> {
+        let Self { first, shape_names, scene } = self;
+        // One for each shape, and a shape's index is below 2⁶⁴.
+        let shape_name = |shape: usize| shape_names.get(shape).map_or(shape, |&name| name as usize);
+        scene.into_scene_by(run).map_err(|error| match error {
+            BuildError::Pose { object, error } => {
+                BuildError::Pose { object: first + object, error }
+            }
+            BuildError::Shape { shape, error } => {
+                BuildError::Shape { shape: shape_name(shape), error }
+            }
+            BuildError::Scene(SceneError::OutOfRange { object, reach }) => {
+                BuildError::Scene(SceneError::OutOfRange { object: first + object, reach })
+            }
+            error => error,
+        })
+    }
+}
+
 struct Fnv(u64);
 
 impl Fnv {
@@ -228,6 +264,17 @@ mod tests {
         lost.objects[0].shape = 1;
         let error = SceneError::NoSuchShape { object: 0, shape: 1, shapes: 1 };
         assert_eq!(lost.into_scene().unwrap_err(), BuildError::Scene(error));
+    }
+
+    #[test]
+    fn a_share_names_what_is_refused_as_the_whole_does() {
+        let share = |scene| RawShare { first: 10, shape_names: vec![30], scene };
+        let refused = |scene| share(scene).into_scene_by(&run::in_order).unwrap_err().to_string();
+        let zero = one(DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0), DVec3::ONE);
+        assert!(refused(zero).starts_with("object 10: "));
+        assert!(refused(one(DQuat::IDENTITY, DVec3::NAN)).starts_with("shape 30: "));
+        let far = refused(one(DQuat::IDENTITY, DVec3::splat(1e300)));
+        assert!(far.contains("object 10"), "{far}");
     }
 
     #[test]

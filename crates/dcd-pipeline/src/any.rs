@@ -1,5 +1,6 @@
 //! A pipeline whose question is chosen at run time: for a command, a binding, a settings file.
 
+use crate::step::any;
 use crate::{Pipeline, Step};
 use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::Exec;
@@ -178,16 +179,28 @@ impl<B: BroadPhase> AnyPipeline<B> {
 
     /// [`Pipeline::step`].
     pub fn step<'e>(&mut self, scene: &Scene, exec: impl Into<Exec<'e>>) -> AnyStep<'_> {
+        self.step_where(scene, exec, any)
+    }
+
+    /// [`Pipeline::step_where`].
+    pub fn step_where<'e>(
+        &mut self,
+        scene: &Scene,
+        exec: impl Into<Exec<'e>>,
+        may: impl Fn(u32, u32) -> bool + Sync,
+    ) -> AnyStep<'_> {
         let exec = exec.into();
         match &mut self.0 {
-            Inner::Fast(pipeline) => AnyStep::Overlap(pipeline.step(scene, exec)),
-            Inner::F64(pipeline) => AnyStep::Overlap(pipeline.step(scene, exec)),
-            Inner::Certified(pipeline) => AnyStep::Overlap(pipeline.step(scene, exec)),
-            Inner::Distance(pipeline) => AnyStep::Distance(pipeline.step(scene, exec)),
-            Inner::DistanceF32(pipeline) => AnyStep::Distance(pipeline.step(scene, exec)),
-            Inner::Depth(pipeline) => AnyStep::Depth(pipeline.step(scene, exec)),
-            Inner::Manifold(pipeline) => AnyStep::Manifold(pipeline.step(scene, exec)),
-            Inner::Gradient(pipeline) => AnyStep::Gradient(pipeline.step(scene, exec)),
+            Inner::Fast(pipeline) => AnyStep::Overlap(pipeline.step_where(scene, exec, may)),
+            Inner::F64(pipeline) => AnyStep::Overlap(pipeline.step_where(scene, exec, may)),
+            Inner::Certified(pipeline) => AnyStep::Overlap(pipeline.step_where(scene, exec, may)),
+            Inner::Distance(pipeline) => AnyStep::Distance(pipeline.step_where(scene, exec, may)),
+            Inner::DistanceF32(pipeline) => {
+                AnyStep::Distance(pipeline.step_where(scene, exec, may))
+            }
+            Inner::Depth(pipeline) => AnyStep::Depth(pipeline.step_where(scene, exec, may)),
+            Inner::Manifold(pipeline) => AnyStep::Manifold(pipeline.step_where(scene, exec, may)),
+            Inner::Gradient(pipeline) => AnyStep::Gradient(pipeline.step_where(scene, exec, may)),
         }
     }
 }

@@ -72,8 +72,7 @@ impl Cuts {
     /// Replaces `ranks` by those whose regions the box reaches, ascending.
     pub fn reached(&self, aabb: &Aabb, ranks: &mut Vec<usize>) {
         ranks.clear();
-        let cells =
-            CellBox { first: self.grid.cell(aabb.min), last: self.grid.cell(aabb.max) };
+        let cells = CellBox { first: self.grid.cell(aabb.min), last: self.grid.cell(aabb.max) };
         let ends = [cells.first, cells.last].map(key);
         // The smallest octant that holds both ends holds all that is between.
         let level = (u64::BITS - (ends[0] ^ ends[1]).leading_zeros()).div_ceil(3).min(BITS);
@@ -94,7 +93,9 @@ impl Cuts {
         } else {
             // One octant of a level at most holds a given cut, so that this ends soon.
             let halves = octant.halves();
-            halves.filter(|half| half.meets(cells)).for_each(|half| self.descend(half, cells, ranks));
+            halves
+                .filter(|half| half.meets(cells))
+                .for_each(|half| self.descend(half, cells, ranks));
         }
     }
 
@@ -167,7 +168,8 @@ mod tests {
         let mut reached = Vec::new();
         for round in 0..200 {
             let cuts = drawn(&mut numbers, 1 + round % 17);
-            let (a, b) = (numbers.point() * 1.4 - 0.2, numbers.point() * [0.01, 0.3, 2.0][round % 3]);
+            let (a, b) =
+                (numbers.point() * 1.4 - 0.2, numbers.point() * [0.01, 0.3, 2.0][round % 3]);
             let aabb = Aabb { min: a, max: a + b };
             cuts.reached(&aabb, &mut reached);
             assert!(reached.is_sorted());

@@ -47,6 +47,13 @@ pub enum RankError {
         /// The body's name.
         body: u64,
     },
+    /// Another rank's error.
+    Elsewhere {
+        /// Which rank's.
+        rank: usize,
+        /// What it says.
+        message: String,
+    },
     /// A name above what a u32 counts, where a file has no room for it.
     Name {
         /// The name.
@@ -58,7 +65,10 @@ impl fmt::Display for RankError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Foreign { shape } => {
-                write!(f, "shape {shape}: ranks exchange hulls, boxes, spheres, capsules, segments and triangles alone")
+                write!(
+                    f,
+                    "shape {shape}: ranks exchange hulls, boxes, spheres, capsules, segments and triangles alone"
+                )
             }
             Self::NoSuchShape { body, shape, shapes } => {
                 write!(f, "object {body}: there is no shape {shape} among {shapes}")
@@ -69,6 +79,7 @@ impl fmt::Display for RankError {
             Self::Margin(error) => error.fmt(f),
             Self::Scene { body, error } => write!(f, "object {body}: {error}"),
             Self::Pose { body, error } => write!(f, "object {body}: {error}"),
+            Self::Elsewhere { rank, message } => write!(f, "rank {rank}: {message}"),
             Self::NotOwned { body } => write!(f, "object {body} is not owned by this rank"),
             Self::Name { name } => write!(f, "object {name} is more than a u32 counts"),
         }

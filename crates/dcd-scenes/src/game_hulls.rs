@@ -1,9 +1,10 @@
 //! The point clouds of a shipped game, spread at a chosen density.
 
 use crate::random::Draw;
-use crate::{RawObject, RawScene, RawShape};
+use crate::{RawObject, RawScene, RawShape, RawShare};
 use dcd_io::run::{self, Run};
 use glam::{DMat3, DVec3};
+use std::ops::Range;
 
 /// For each object, how many others the half-width is worked out from.
 const PARTNERS: usize = 16;
@@ -43,22 +44,43 @@ impl GameHulls {
         (objects, seed): (usize, u64),
         run: &Run<'_>,
     ) -> RawScene {
+        self.share_by(clouds, 0..objects, (objects, seed), run).scene
+    }
+
+    /// Some of the objects, with the hulls that they have; all clouds are looked at.
+    pub(crate) fn share_by(
+        &self,
+        clouds: &[Vec<DVec3>],
+        range: Range<usize>,
+        (objects, seed): (usize, u64),
+        run: &Run<'_>,
+    ) -> RawShare {
         // No cloud, no object.
         let objects = if clouds.is_empty() { 0 } else { objects };
+        let range = range.start.min(objects)..range.end.min(objects);
         let used = &clouds[..clouds.len().min(objects)];
-        let scaled: Vec<Vec<DVec3>> = used.iter().map(|cloud| self.scaled(cloud)).collect();
+        let mut scaled: Vec<Vec<DVec3>> = used.iter().map(|cloud| self.scaled(cloud)).collect();
         let place = |i: usize| {
             let shape = i % scaled.len();
             Placed::draw(&mut Draw::new(seed, i as u64), &scaled[shape], shape as u32)
         };
         let mut placed: Vec<Placed> = (0..objects).map(place).collect();
         let half_width = half_width(&placed, self.candidates);
-        for Placed { object, spot, middle, .. } in &mut placed {
+        // Each cloud stands where the first object of the share that has it does.
+        let count = scaled.len().min(range.len());
+        let names: Vec<usize> = range.clone().take(count).map(|i| i % scaled.len()).collect();
+        for (k, Placed { object, spot, middle, .. }) in placed[range.clone()].iter_mut().enumerate()
+        {
+            object.shape = (k % count) as u32;
             object.translation = *spot * half_width - *middle;
         }
-        RawScene {
-            shapes: run::map(run, scaled, |_, cloud| RawShape::of_cloud(cloud)),
-            objects: placed.into_iter().map(|placed| placed.object).collect(),
+        let clouds = names.iter().map(|&shape| std::mem::take(&mut scaled[shape]));
+        let shapes = run::map(run, clouds, |_, cloud| RawShape::of_cloud(cloud));
+        let own = placed.drain(range.clone()).map(|placed| placed.object);
+        RawShare {
+            first: range.start,
+            shape_names: names.iter().map(|&shape| shape as u64).collect(),
+            scene: RawScene { shapes, objects: own.collect() },
         }
     }
 

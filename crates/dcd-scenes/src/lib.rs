@@ -25,7 +25,7 @@ mod spec;
 mod walk;
 
 pub use dcd_io::run::Run;
-pub use dcd_io::{BuildError, RawObject, RawScene, RawShape};
+pub use dcd_io::{BuildError, RawObject, RawScene, RawShape, RawShare};
 use dcd_io::{ReadError, data, load_clouds};
 pub use game_hulls::{GameHulls, GameSize};
 pub use pile::{Pile, PileContact};

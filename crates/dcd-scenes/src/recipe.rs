@@ -1,9 +1,10 @@
 //! The recipes of the seeded scenes.
 
 use crate::random::Draw;
-use crate::{RawObject, RawScene, RawShape};
+use crate::{RawObject, RawScene, RawShape, RawShare};
 use dcd_io::run::{self, Run};
 use glam::{DQuat, DVec3};
+use std::ops::Range;
 
 /// Streams from here on are the clusters' middles; below they are objects.
 const CLUSTER_STREAMS: u64 = 1 << 63;
@@ -64,23 +65,32 @@ impl Recipe {
         }
     }
 
-    /// So many objects, which must be no more than a u32 counts.
-    pub(crate) fn raw(&self, objects: usize, seed: u64, run: &Run<'_>) -> RawScene {
+    /// Some of so many objects, which must be no more than a u32 counts.
+    pub(crate) fn share(
+        &self,
+        range: Range<usize>,
+        (objects, seed): (usize, u64),
+        run: &Run<'_>,
+    ) -> RawShare {
+        let first = range.start;
         match *self {
             Self::Scattered { body, spread } => {
                 let scatter = Scatter { body, place: spread.place(objects), seed };
-                let drawn = run::map(run, 0..objects, |_, i| scatter.object(i));
+                let shape_names = range.clone().map(|i| i as u64).collect();
+                let drawn = run::map(run, range, |k, i| scatter.object(k as u32, i));
                 let (shapes, objects) = drawn.into_iter().unzip();
-                RawScene { shapes, objects }
+                RawShare { first, shape_names, scene: RawScene { shapes, objects } }
             }
-            Self::Bricks { pitch } => RawScene {
-                shapes: vec![RawShape::Cuboid { half_extents: DVec3::splat(0.5) }],
-                objects: (0..objects).map(|i| brick(i, pitch)).collect(),
-            },
+            Self::Bricks { pitch } => {
+                let shapes = vec![RawShape::Cuboid { half_extents: DVec3::splat(0.5) }];
+                let objects = range.map(|i| brick(i, pitch)).collect();
+                RawShare { first, shape_names: vec![0], scene: RawScene { shapes, objects } }
+            }
             Self::Identical => {
-                let first = Scatter { body: Body::PAPER, place: Place::Cube(3.0), seed };
-                let (shape, object) = first.object(0);
-                RawScene { shapes: vec![shape], objects: vec![object; objects] }
+                let scatter = Scatter { body: Body::PAPER, place: Place::Cube(3.0), seed };
+                let (shape, object) = scatter.object(0, 0);
+                let scene = RawScene { shapes: vec![shape], objects: vec![object; range.len()] };
+                RawShare { first, shape_names: vec![0], scene }
             }
         }
     }
@@ -124,8 +134,8 @@ struct Scatter {
 }
 
 impl Scatter {
-    /// Object `i`, which depends on the seed, `i` and the half-width alone.
-    fn object(&self, i: usize) -> (RawShape, RawObject) {
+    /// Object `i`, which depends on the seed, `i` and the half-width alone; its shape is to be number `shape`.
+    fn object(&self, shape: u32, i: usize) -> (RawShape, RawObject) {
         let mut draw = Draw::new(self.seed, i as u64);
         let rotation = draw.rotation();
         let spot = draw.point(-1.0, 1.0);
@@ -136,7 +146,7 @@ impl Scatter {
                 Draw::new(self.seed, stream).point(-1.0, 1.0) * whole + spot * cluster
             }
         };
-        let object = RawObject { shape: i as u32, rotation, translation };
+        let object = RawObject { shape, rotation, translation };
         match self.body {
             Body::Sized { slab, .. } if i == 0 => {
                 let flat =

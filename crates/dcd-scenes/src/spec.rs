@@ -1,11 +1,12 @@
 //! Scenes by name.
 
 use crate::recipe::{BOX, Body, Recipe, SPHERE, Spread};
-use crate::{BuildError, GameHulls, GameSize, RawScene, ReadError, data, load_clouds};
+use crate::{BuildError, GameHulls, GameSize, RawScene, RawShare, ReadError, data, load_clouds};
 use dcd_geom::Scene;
 use dcd_io::run::{self, Run};
 use glam::DVec3;
 use std::fmt;
+use std::ops::Range;
 
 /// A seeded scene: which, of how many objects, from which seed.
 ///
@@ -194,21 +195,31 @@ impl SceneSpec {
     /// # Errors
     /// Those of [`SceneSpec::raw`].
     pub fn raw_by(&self, run: &Run<'_>) -> Result<RawScene, SpecError> {
+        self.share_by(0..self.objects, run).map(|share| share.scene)
+    }
+
+    /// Draws some of the objects and the shapes that they have, the same as in the whole. Of clouds, which are
+    /// spread by all their sizes, all are drawn and the others dropped.
+    ///
+    /// # Errors
+    /// Those of [`SceneSpec::raw`].
+    pub fn share_by(&self, range: Range<usize>, run: &Run<'_>) -> Result<RawShare, SpecError> {
         if u32::try_from(self.objects).is_err() {
             return Err(SpecError::TooManyObjects { objects: self.objects });
         }
+        let range = range.start.min(self.objects)..range.end.min(self.objects);
         match self.family {
             Family::GameHulls(game) => {
                 check_positive("number of candidates", game.candidates)?;
                 let path = data::file("hulls/convex_hulls.bin").ok_or(SpecError::NoData)?;
                 let clouds = load_clouds(&path).map_err(SpecError::Read)?;
-                Ok(game.raw_by(&clouds, (self.objects, self.seed), run))
+                Ok(game.share_by(&clouds, range, (self.objects, self.seed), run))
             }
             Family::Drawn(recipe) => {
                 if let Recipe::Bricks { pitch } = recipe {
                     check_positive("pitch", pitch)?;
                 }
-                Ok(recipe.raw(self.objects, self.seed, run))
+                Ok(recipe.share(range, (self.objects, self.seed), run))
             }
         }
     }
@@ -323,6 +334,32 @@ mod tests {
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), all.len());
+    }
+
+    #[test]
+    fn shares_are_the_whole() {
+        for spec in SceneSpec::all() {
+            if spec.name.starts_with("game") && data::folder().is_none() {
+                eprintln!("skipped: {}, since there is no data folder", spec.name);
+                continue;
+            }
+            let spec = spec.with_objects(70);
+            let whole = spec.raw().unwrap();
+            let mut placed = Vec::new();
+            for range in [0..0, 0..13, 13..69, 69..100] {
+                let share = spec.share_by(range, &run::in_order).unwrap();
+                assert_eq!(share.first, placed.len());
+                assert_eq!(share.shape_names.len(), share.scene.shapes.len());
+                for (name, shape) in share.shape_names.iter().zip(&share.scene.shapes) {
+                    assert_eq!(*shape, whole.shapes[*name as usize]);
+                }
+                placed.extend(share.scene.objects.iter().map(|object| crate::RawObject {
+                    shape: share.shape_names[object.shape as usize] as u32,
+                    ..*object
+                }));
+            }
+            assert_eq!(placed, whole.objects, "{}", spec.name);
+        }
     }
 
     #[test]

@@ -1,0 +1,232 @@
+//! Where to cut, so that all ranks have equally much to do.
+
+use crate::{Cuts, Grid, Transport};
+use dcd_broad::{IdentifiedAabbs, StaticTree};
+use dcd_exec::{Exec, Segments};
+use dcd_geom::glam::{DVec3, Vec3};
+use dcd_geom::{Aabb, Pair};
+
+/// How many objects are drawn for a cut, about, at least; and for each rank. More: a better balance, and
+/// more to sort on every rank. 256 for a rank leave a deviation of some 6 % where costs are alike.
+const DRAWN: u64 = 1 << 14;
+const DRAWN_A_RANK: u64 = 256;
+
+/// How many pairs of those that were drawn are looked at, at most, for each object that was.
+const PAIRS_A_DRAWN: u64 = 16;
+
+/// What a rank has to do in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Load {
+    /// Objects that it owns.
+    pub objects: u64,
+    /// Candidate pairs that it judges.
+    pub pairs: u64,
+}
+
+impl Load {
+    /// In candidate pairs: an object, with its box and its place in the tree, takes about as long as two of
+    /// them (100 ns against 50 ns for the paper's hulls).
+    pub fn cost(self) -> u64 {
+        2 * self.objects + self.pairs
+    }
+}
+
+/// Regions of equal cost for the objects with these boxes and names, each rank giving those that it has.
+///
+/// Some objects are drawn, by their names alone, and the candidates that they are in; an object costs where
+/// its middle is, a pair where the lower corner of its intersection is. The regions are cut between them. So
+/// the cuts depend on the objects and the number of ranks, not on who has which.
+pub fn cut(transport: &impl Transport, boxes: &[Aabb], names: &[u64], exec: Exec) -> Cuts {
+    let grid = grid(transport, boxes);
+    let drawn = Drawn::among(transport, boxes, names);
+    let pairs = drawn.pairs(&grid, boxes, names, exec);
+    let objects = drawn.boxes.len() as u64;
+    let (pairs, weight) = thinned(transport, pairs, PAIRS_A_DRAWN * objects);
+    // A pair is found from both of its ends, so that it counts half at each.
+    let object = 2 * Load { objects: 1, pairs: 0 }.cost();
+    let objects = drawn.boxes.iter().map(|aabb| (grid.key_of(aabb), object));
+    let mut costs: Vec<(u64, u64)> =
+        objects.chain(pairs.into_iter().map(|key| (key, weight))).collect();
+    costs.sort_unstable();
+    Cuts::new(grid, starts(&costs, transport.size()))
+}
+
+/// The first key of each rank, where its part of the cost begins: of costs at keys, ascending.
+fn starts(costs: &[(u64, u64)], size: usize) -> Vec<u64> {
+    let whole: u64 = costs.iter().map(|&(_, cost)| cost).sum();
+    let mut starts = Vec::with_capacity(size);
+    let mut before = 0;
+    for &(key, cost) in costs {
+        // Before this one lies the share of all ranks up to the next.
+        while starts.len() < size && starts.len() as u64 * whole <= before * size as u64 {
+            starts.push(key);
+        }
+        before += cost;
+    }
+    starts.resize(size, u64::MAX);
+    starts
+}
+
+/// Of the numbered keys of all ranks at most so many, and how many each of them stands for: those that are
+/// kept depend on their numbers alone.
+fn thinned(transport: &impl Transport, own: Vec<(u64, u64)>, most: u64) -> (Vec<u64>, u64) {
+    let mut count = [own.len() as u64];
+    transport.sum(&mut count);
+    let halvings = (0..63).find(|halvings| count[0] >> halvings <= most).unwrap_or(63);
+    let kept = own.into_iter().filter(|(number, _)| number >> 1 <= (u64::MAX >> 1) >> halvings);
+    let bytes: Vec<u8> = kept.flat_map(|(_, key)| key.to_le_bytes()).collect();
+    let mut keys = Vec::new();
+    for given in transport.all_gather(&bytes) {
+        let (given, _) = given.as_chunks();
+        keys.extend(given.iter().map(|key| u64::from_le_bytes(*key)));
+    }
+    (keys, 1 << halvings)
+}
+
+/// Over the middles of all boxes.
+fn grid(transport: &impl Transport, boxes: &[Aabb]) -> Grid {
+    let middle = |aabb: &Aabb| (aabb.min + (aabb.max - aabb.min) * 0.5).as_dvec3();
+    let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (min, max) = boxes.iter().map(middle).fold(nothing, |(a, b), p| (a.min(p), b.max(p)));
+    let own: Vec<u8> =
+        [min, max].iter().flat_map(|v| v.to_array()).flat_map(f64::to_le_bytes).collect();
+    let (mut min, mut max) = nothing;
+    for given in transport.all_gather(&own) {
+        let (numbers, _) = given.as_chunks();
+        if let [a, b, c, d, e, f] = *numbers {
+            let vector = |v: [[u8; 8]; 3]| DVec3::from_array(v.map(f64::from_le_bytes));
+            (min, max) = (min.min(vector([a, b, c])), max.max(vector([d, e, f])));
+        }
+    }
+    Grid::over(min, max)
+}
+
+/// Objects that were drawn, the same on all ranks.
+struct Drawn {
+    boxes: Vec<Aabb>,
+    names: Vec<u64>,
+}
+
+impl Drawn {
+    fn among(transport: &impl Transport, boxes: &[Aabb], names: &[u64]) -> Self {
+        let mut count = [boxes.len() as u64];
+        transport.sum(&mut count);
+        let wanted = DRAWN.max(DRAWN_A_RANK * transport.size() as u64);
+        let is_drawn = |name: u64| {
+            let part = u64::MAX / count[0].max(1);
+            count[0] <= wanted || mixed(name) <= part.saturating_mul(wanted)
+        };
+        let mut own = Vec::new();
+        for (aabb, &name) in boxes.iter().zip(names).filter(|(_, name)| is_drawn(**name)) {
+            own.extend_from_slice(&name.to_le_bytes());
+            let corners = [aabb.min, aabb.max].map(|corner| corner.to_array());
+            corners.as_flattened().iter().for_each(|x| own.extend_from_slice(&x.to_le_bytes()));
+        }
+        let mut drawn = Self { boxes: Vec::new(), names: Vec::new() };
+        for given in transport.all_gather(&own) {
+            let (records, _) = given.as_chunks::<32>();
+            for record in records {
+                let (numbers, _) = record.as_chunks::<4>();
+                if let [low, high, corners @ ..] = numbers {
+                    let [low, high] = [low, high].map(|half| u64::from(u32::from_le_bytes(*half)));
+                    let at = |k: usize| f32::from_le_bytes(corners[k]);
+                    let corner = |k: usize| Vec3::new(at(k), at(k + 1), at(k + 2));
+                    drawn.names.push(low | high << 32);
+                    drawn.boxes.push(Aabb { min: corner(0), max: corner(3) });
+                }
+            }
+        }
+        drawn
+    }
+
+    /// The candidates of a drawn object and one of these: for each a number that depends on the pair, and the
+    /// key of its corner.
+    fn pairs(&self, grid: &Grid, boxes: &[Aabb], names: &[u64], exec: Exec) -> Vec<(u64, u64)> {
+        let mut found = Vec::new();
+        let drawn = u32::try_from(self.boxes.len()).unwrap_or(u32::MAX);
+        let indices: Vec<u32> = (0..drawn).collect();
+        let mut tree = StaticTree::default();
+        tree.build(IdentifiedAabbs { aabbs: &self.boxes, names: &indices }, exec);
+        let mut pairs: Segments<Pair> = Segments::default();
+        // In parts, so that the pairs of a wall and a world take little memory.
+        for (boxes, names) in boxes.chunks(PART).zip(names.chunks(PART)) {
+            let asked: Vec<u32> = (drawn..).take(boxes.len()).collect();
+            let is_another = |i: u32, j: u32| self.names[i as usize] != names[(j - drawn) as usize];
+            let asked = IdentifiedAabbs { aabbs: boxes, names: &asked };
+            tree.pairs(asked, is_another, exec, &mut pairs);
+            found.extend(pairs.iter().flatten().map(|pair| {
+                let (i, j) = (pair.i as usize, (pair.j - drawn) as usize);
+                let corner = self.boxes[i].min.max(boxes[j].min);
+                (mixed(mixed(self.names[i]) ^ names[j]), grid.key(corner))
+            }));
+        }
+        found
+    }
+}
+
+/// Boxes that are asked at a time.
+const PART: usize = 1 << 14;
+
+/// A number of which every bit depends on all of the name's (the finalizer of SplitMix64, Steele, Lea and
+/// Flood 2014).
+fn mixed(name: u64) -> u64 {
+    let mut z = name.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::threads;
+
+    #[test]
+    fn equal_costs_are_cut_in_equal_numbers_and_a_dear_one_stands_alone() {
+        let alike: Vec<_> = (0..12).map(|k| (k * 10, 5)).collect();
+        assert_eq!(starts(&alike, 4), [0, 30, 60, 90]);
+        let dear: Vec<_> = (0..4).map(|k| (k, if k == 1 { 97 } else { 1 })).collect();
+        assert_eq!(starts(&dear, 2), [0, 2]);
+        assert_eq!(starts(&[], 3), [u64::MAX; 3]);
+        assert_eq!(starts(&[(7, 1)], 3), [7, u64::MAX, u64::MAX]);
+    }
+
+    #[test]
+    fn what_is_thinned_stands_for_what_is_left_out() {
+        let numbered = |rank: u64| (0..10_000).map(|k| (mixed(k + (rank << 32)), k)).collect();
+        let found = threads::run(2, |rank| thinned(rank, numbered(rank.rank() as u64), 1000));
+        assert_eq!(found[0], found[1]);
+        let (keys, weight) = &found[0];
+        assert_eq!(*weight, 32);
+        let stands_for = keys.len() as f64 * 32.0;
+        assert!((stands_for / 20_000.0 - 1.0).abs() < 0.2, "{stands_for}");
+        let all = threads::run(2, |rank| thinned(rank, numbered(rank.rank() as u64), 20_000));
+        assert_eq!((all[0].0.len(), all[0].1), (20_000, 1));
+    }
+
+    #[test]
+    fn cuts_do_not_depend_on_who_has_which() {
+        let boxes: Vec<Aabb> = (0..1000u64)
+            .map(|k| {
+                let at = |axis| (mixed(3 * k + axis) >> 40) as f32 / 16384.0;
+                let min = Vec3::new(at(0), at(1), at(2));
+                Aabb { min, max: min + 10.0 }
+            })
+            .collect();
+        let spread = |way: fn(u64) -> usize| {
+            threads::run(3, |rank| {
+                let names: Vec<u64> = (0..1000).filter(|&k| way(k) == rank.rank()).collect();
+                let own: Vec<Aabb> = names.iter().map(|&k| boxes[k as usize]).collect();
+                cut(rank, &own, &names, Exec::default())
+            })
+        };
+        let (striped, all_on_one) = (spread(|k| k as usize % 3), spread(|_| 1));
+        assert_eq!(striped, all_on_one);
+        assert_eq!(striped[0], striped[2]);
+        let owners: Vec<usize> = boxes.iter().map(|aabb| striped[0].owner(aabb)).collect();
+        for rank in 0..3 {
+            let owned = owners.iter().filter(|&&owner| owner == rank).count();
+            assert!((250..420).contains(&owned), "{owned}");
+        }
+    }
+}
