@@ -333,7 +333,7 @@ mod tests {
             assert_eq!(scanned, slowly, "{end}");
         }
         std::fs::write(&path, [bytes.clone(), vec![0]].concat()).unwrap();
-        assert!(HullRecords::find(&path, 2).unwrap_err().to_string().contains("1 byte"));
+        assert!(HullRecords::find(&path, 2).unwrap_err().to_string().contains("1 bytes are left"));
         let corner = u32::from_le_bytes(bytes[108..112].try_into().unwrap());
         assert!(corner < 4);
         let mut wrong = bytes;

@@ -118,11 +118,6 @@ impl Local {
         Ok(())
     }
 
-    /// Whether that shape is known.
-    pub(crate) fn knows(&self, shape: u64) -> bool {
-        self.shapes.by_name.contains_key(&shape)
-    }
-
     /// Places a body whose shape is known, or moves it if it is there; from now on it has that role.
     pub(crate) fn put(
         &mut self,

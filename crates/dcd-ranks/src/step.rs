@@ -6,7 +6,7 @@ use crate::share::{Bounds, agree};
 use crate::wire::{Reader, Writer};
 use crate::{Cuts, Load, RankError, Share, Transport, cut};
 use dcd_exec::{Exec, Par};
-use dcd_geom::{Aabb, Object, Pair, Pose, Scene};
+use dcd_geom::{Aabb, Object, Pair, Pose, Scene, Shape};
 use dcd_pipeline::{Answer, AnyPipeline, AnyStep, Question};
 use std::collections::{HashMap, HashSet};
 
@@ -259,7 +259,7 @@ fn settle(
     let mut rounds = [share.bodies.len().div_ceil(BODIES_A_ROUND) as u64];
     let counts = transport.all_gather(&rounds[0].to_le_bytes());
     rounds[0] = counts.iter().map(|count| Reader(count).number().unwrap_or(0)).max().unwrap_or(0);
-    let (mut bodies, mut local) = (Vec::new(), Local::default());
+    let (mut bodies, mut known) = (Vec::new(), HashMap::new());
     let mut result = Ok(());
     for round in 0..rounds[0] as usize {
         let first = (round * BODIES_A_ROUND).min(share.bodies.len());
@@ -288,40 +288,40 @@ fn settle(
         let messages = messages.into_iter().map(|(message, _)| message.0).enumerate();
         let messages = messages.filter(|(_, message)| !message.is_empty()).collect();
         for (sender, message) in transport.exchange(messages) {
-            let taken = take_in(&message, &mut local, &mut bodies);
+            let taken = take_in(&message, &mut known, &mut bodies);
             result =
                 result.and(taken.map_err(|lost| lost.unwrap_or(RankError::Message { sender })));
         }
     }
     result?;
-    // Neighbours in space are neighbours in memory.
+    // Neighbours in space are neighbours in memory, they and their shapes.
     let grid = cuts.grid();
     bodies.sort_by_key(|(name, _, pose): &(u64, u64, Pose)| {
         (grid.key(pose.translation().as_vec3()), *name)
     });
+    let mut local = Local::default();
+    let in_order = bodies.iter().filter_map(|(_, shape, _)| Some((*shape, known.remove(shape)?)));
+    local.learn(in_order)?;
     for (name, shape, pose) in bodies {
         local.put((name, shape), pose, Role::Owned { inside: false })?;
     }
     Ok(local)
 }
 
-/// `Err(None)` where the message is none.
+/// Nothing where the message is none.
 fn take_in(
     message: &[u8],
-    local: &mut Local,
+    known: &mut HashMap<u64, Shape>,
     bodies: &mut Vec<(u64, u64, Pose)>,
-) -> Result<(), Option<RankError>> {
+) -> Option<()> {
     let mut reader = Reader(message);
-    let mut shapes = Vec::new();
     while !reader.0.is_empty() {
-        let (name, shape) = reader.number().zip(reader.number()).ok_or(None)?;
-        bodies.push((name, shape, reader.pose().ok_or(None)?));
-        if reader.byte().ok_or(None)? == 0 {
-            let made = reader.shape().ok_or(None)?;
-            if !local.knows(shape) {
-                shapes.push((shape, made));
-            }
+        let (name, shape) = reader.number().zip(reader.number())?;
+        bodies.push((name, shape, reader.pose()?));
+        if reader.byte()? == 0 {
+            let made = reader.shape()?;
+            known.entry(shape).or_insert(made);
         }
     }
-    Ok(local.learn(shapes)?)
+    Some(())
 }
