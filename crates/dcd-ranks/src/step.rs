@@ -289,8 +289,7 @@ fn settle(
         let messages = messages.filter(|(_, message)| !message.is_empty()).collect();
         for (sender, message) in transport.exchange(messages) {
             let taken = take_in(&message, &mut known, &mut bodies);
-            result =
-                result.and(taken.map_err(|lost| lost.unwrap_or(RankError::Message { sender })));
+            result = result.and(taken.ok_or(RankError::Message { sender }));
         }
     }
     result?;
