@@ -169,6 +169,7 @@ pub fn load_hull_scene(path: &Path) -> Result<RawScene, ReadError> {
 
 fn read_shape(cursor: &mut Cursor<'_>, index: usize) -> Result<RawShape, ReadError> {
     let counts = Field { what: "counts", index };
+    cursor.room(counts, 1, 8)?;
     let (vertices, triangles) = (cursor.u32(counts)?, cursor.u32(counts)?);
     let field = Field { what: "vertices", index };
     cursor.room(field, vertices.into(), 24)?;
