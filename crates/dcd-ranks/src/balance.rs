@@ -67,14 +67,15 @@ fn starts(costs: &[(u64, u64)], size: usize) -> Vec<u64> {
             (key, (before - cost) * size)
         })
         .collect();
-    let key_at = |sum: u64| {
-        let place = sums.partition_point(|&(_, before)| before < sum);
-        sums.get(place).map_or(u64::MAX, |&(key, _)| key)
-    };
     let cut = |rank: u64| {
-        let exact = rank * whole;
-        let [low, high] = [exact.saturating_sub(whole / GIVE), exact + whole / GIVE].map(key_at);
-        if high == u64::MAX { key_at(exact) } else { roundest(low, high) }
+        let (exact, give) = (rank * whole, whole / GIVE);
+        // Before which of them may be cut: where none is near enough, before the next.
+        let next = sums.partition_point(|&(_, before)| before < exact);
+        let first = sums.partition_point(|&(_, before)| before + give < exact);
+        let last = sums.partition_point(|&(_, before)| before <= exact + give);
+        let (first, last) = if first < last { (first, last - 1) } else { (next, next) };
+        let low = first.checked_sub(1).map_or(0, |before| sums[before].0);
+        sums.get(last).map_or(u64::MAX, |&(high, _)| roundest(low, high))
     };
     let mut starts: Vec<u64> =
         (0..size).map(|rank| if rank == 0 { 0 } else { cut(rank) }).collect();
@@ -209,7 +210,7 @@ mod tests {
     #[test]
     fn equal_costs_are_cut_in_equal_numbers_and_a_dear_one_stands_alone() {
         let alike: Vec<_> = (0..12).map(|k| (k * 10, 5)).collect();
-        assert_eq!(starts(&alike, 4), [0, 30, 60, 90]);
+        assert_eq!(starts(&alike, 4), [0, 24, 56, 88]);
         let dear: Vec<_> = (0..4).map(|k| (k, if k == 1 { 97 } else { 1 })).collect();
         assert_eq!(starts(&dear, 2), [0, 2]);
         assert_eq!(starts(&[], 3), [0, u64::MAX, u64::MAX]);
