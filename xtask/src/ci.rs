@@ -136,7 +136,17 @@ fn examples() -> Result<Vec<String>> {
 fn quick_measurements() -> Result<Vec<String>> {
     let metadata = Metadata::read()?;
     let built = build_all(&metadata)?;
-    let names = ["bench", "compare", "meshes", "batch", "frames", "scale", "accuracy", "questions"];
+    let names = [
+        "bench",
+        "compare",
+        "meshes",
+        "batch",
+        "frames",
+        "scale",
+        "accuracy",
+        "questions",
+        "ranks",
+    ];
     for name in names {
         eprintln!("-- {name} --quick");
         let binary = find(&built, "bin", name)?;

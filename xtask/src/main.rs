@@ -42,6 +42,9 @@ enum Task {
     /// Distance, depth and manifold at every accuracy, beside Parry's queries of the same pairs
     #[command(disable_help_flag = true)]
     Questions(PassedOn),
+    /// One scene over many ranks: objects, ghosts, bytes and balance of each, two ranks beside two threads
+    #[command(disable_help_flag = true)]
+    Ranks(PassedOn),
     /// How the step scales with threads and with the number of objects
     #[command(disable_help_flag = true)]
     Scale(PassedOn),
@@ -79,6 +82,7 @@ fn run(task: Task) -> Result<ExitCode> {
         Task::Frames(passed) => measure::run("frames", &passed.arguments),
         Task::Accuracy(passed) => measure::run("accuracy", &passed.arguments),
         Task::Questions(passed) => measure::run("questions", &passed.arguments),
+        Task::Ranks(passed) => measure::run("ranks", &passed.arguments),
         Task::Scale(passed) => measure::run("scale", &passed.arguments),
         Task::Results => results::take_in().map(|()| ExitCode::SUCCESS),
         Task::Ci => ci::run().map(|()| ExitCode::SUCCESS),

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use crate::cargo;
 
 /// Measuring binaries, and their folders in `docs/results`.
-const FOLDERS: [(&str, &str); 8] = [
+const FOLDERS: [(&str, &str); 9] = [
     ("bench", "paper"),
     ("compare", "compare"),
     ("batch", "batch"),
@@ -18,6 +18,7 @@ const FOLDERS: [(&str, &str); 8] = [
     ("scale", "scale"),
     ("accuracy", "accuracy"),
     ("questions", "questions"),
+    ("ranks", "ranks"),
 ];
 
 /// Documents that show tables of the results.

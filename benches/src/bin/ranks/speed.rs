@@ -1,0 +1,111 @@
+//! Two ranks of one thread beside one process of two threads, in turn.
+
+use std::time::Duration;
+
+use anyhow::{Context, Result, anyhow};
+use dcd_benches::{Cell, Column, Options, Report, Table, Units, timing};
+use dcd_exec::{Par, with_threads};
+use dcd_pipeline::Pipeline;
+use dcd_scenes::SceneSpec;
+use serde::{Deserialize, Serialize};
+
+use crate::program::Program;
+
+const SCENES: [(&str, usize); 2] = [("sparse", 100_000), ("sparse", 1_000_000)];
+const ROUNDS: usize = 5;
+const STEPS: usize = 7;
+
+/// Medians of a round, milliseconds.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Round {
+    threads_ms: f64,
+    ranks_ms: f64,
+    exchange_ms: f64,
+}
+
+fn key(scene: &str, objects: usize) -> String {
+    format!("speed/{scene}/N={objects}")
+}
+
+pub fn plan() -> Vec<String> {
+    SCENES.iter().map(|(scene, objects)| key(scene, *objects)).collect()
+}
+
+pub fn measure(program: &Program, options: &Options, units: &mut Units) -> Result<()> {
+    for (scene, objects) in SCENES {
+        units.run(&key(scene, objects), || {
+            (0..ROUNDS)
+                .map(|_| round(program, scene, objects, options.seed))
+                .collect::<Result<Vec<_>>>()
+        })?;
+    }
+    Ok(())
+}
+
+fn round(program: &Program, name: &str, objects: usize, seed: u64) -> Result<Round> {
+    let spec = SceneSpec::parse(name)?.with_objects(objects).with_seed(seed);
+    let threads_ms = {
+        let scene = spec.scene()?;
+        let mut pipeline = Pipeline::new();
+        pipeline.prepare_shapes(&scene);
+        let times = with_threads(2, || {
+            (0..STEPS)
+                .map(|_| timing::time(|| pipeline.step(&scene, Par::WarmPool).contact_count()).0)
+                .collect::<Vec<Duration>>()
+        });
+        median(times.map_err(|error| anyhow!("no threads: {error}"))?)
+    };
+    let arguments = ["--scene", name, "--n", &objects.to_string(), "--seed", &seed.to_string()];
+    let arguments =
+        arguments.into_iter().chain(["--repeat", &STEPS.to_string()]).map(str::to_owned);
+    let told = program.detect(2, &arguments.collect::<Vec<_>>())?;
+    let ms = |stage: &str| told["ms"][stage]["median"].as_f64().context("no time");
+    Ok(Round { threads_ms, ranks_ms: ms("total")?, exchange_ms: ms("exchange")? })
+}
+
+fn median(mut times: Vec<Duration>) -> f64 {
+    times.sort_unstable();
+    times.get(times.len() / 2).map_or(0.0, |time| time.as_secs_f64() * 1e3)
+}
+
+pub fn show(units: &Units, report: &mut Report) -> Result<()> {
+    let columns = [
+        Column::new("scene"),
+        Column::new("N"),
+        Column::new("two threads").unit("ms").decimals(2),
+        Column::new("two ranks").unit("ms").decimals(2),
+        Column::new("of which exchange").unit("ms").decimals(2),
+        Column::new("threads by ranks").unit("×").decimals(2),
+        Column::new("least").unit("×").decimals(2),
+        Column::new("most").unit("×").decimals(2),
+    ];
+    let mut table = Table::new("speed", "Two ranks beside two threads", columns);
+    for (scene, objects) in SCENES {
+        let Some(rounds) = units.get::<Vec<Round>>(&key(scene, objects)) else { continue };
+        let middle = |of: &dyn Fn(&Round) -> f64| {
+            let mut numbers: Vec<f64> = rounds.iter().map(of).collect();
+            numbers.sort_unstable_by(f64::total_cmp);
+            (numbers[0], numbers[numbers.len() / 2], numbers[numbers.len() - 1])
+        };
+        let (least, ratio, most) = middle(&|round| round.threads_ms / round.ranks_ms);
+        table.push([
+            Cell::from(scene),
+            Cell::from(objects as u64),
+            Cell::Number(middle(&|round| round.threads_ms).1),
+            Cell::Number(middle(&|round| round.ranks_ms).1),
+            Cell::Number(middle(&|round| round.exchange_ms).1),
+            Cell::Number(ratio),
+            Cell::Number(least),
+            Cell::Number(most),
+        ])?;
+    }
+    report.heading("Two ranks beside two threads");
+    report.note(format!(
+        "{ROUNDS} rounds, in each the median of {STEPS} steps of `Pipeline` on two threads and then of \
+         `mpirun -n 2 dcd-mpi`, the slower rank counting; the exchange of poses is in it, shapes that a rank has seen \
+         are not sent again. A rank's objects lie in memory in the order of their places, the scene's in that of their \
+         numbers."
+    ));
+    report.table(table);
+    Ok(())
+}
