@@ -55,10 +55,9 @@ fn round(program: &Program, name: &str, objects: usize, seed: u64) -> Result<Rou
         });
         median(times.map_err(|error| anyhow!("no threads: {error}"))?)
     };
-    let arguments = ["--scene", name, "--n", &objects.to_string(), "--seed", &seed.to_string()];
-    let arguments =
-        arguments.into_iter().chain(["--repeat", &STEPS.to_string()]).map(str::to_owned);
-    let told = program.detect(2, &arguments.collect::<Vec<_>>())?;
+    let (count, seed, steps) = (objects.to_string(), seed.to_string(), STEPS.to_string());
+    let arguments = ["--scene", name, "--n", &count, "--seed", &seed, "--repeat", &steps];
+    let told = program.detect(2, &arguments.map(str::to_owned))?;
     let ms = |stage: &str| told["ms"][stage]["median"].as_f64().context("no time");
     Ok(Round { threads_ms, ranks_ms: ms("total")?, exchange_ms: ms("exchange")? })
 }
