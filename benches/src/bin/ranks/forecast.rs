@@ -45,7 +45,7 @@ fn seconds_an_object() -> Result<f64> {
     Ok(times[times.len() / 2] / TIMED as f64)
 }
 
-pub fn show(fitted: Fitted, report: &mut Report) -> Result<()> {
+pub(crate) fn show(fitted: Fitted, report: &mut Report) -> Result<()> {
     let an_object = seconds_an_object()?;
     let mut columns = vec![
         Column::new("scaling"),

@@ -7,13 +7,13 @@ use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
 /// The program.
-pub struct Program {
+pub(crate) struct Program {
     path: PathBuf,
 }
 
 impl Program {
     /// Builds it; nothing where there is no MPI.
-    pub fn build() -> Result<Option<Self>> {
+    pub(crate) fn build() -> Result<Option<Self>> {
         let there = |command: &str| {
             Command::new(command).arg("--version").output().is_ok_and(|done| done.status.success())
         };
@@ -34,7 +34,7 @@ impl Program {
     }
 
     /// What it tells of a scene, as JSON.
-    pub fn detect(&self, ranks: usize, arguments: &[String]) -> Result<Value> {
+    pub(crate) fn detect(&self, ranks: usize, arguments: &[String]) -> Result<Value> {
         let output = Command::new("mpirun")
             .args(["-n", &ranks.to_string()])
             .arg(&self.path)

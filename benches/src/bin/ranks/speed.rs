@@ -27,11 +27,11 @@ fn key(scene: &str, objects: usize) -> String {
     format!("speed/{scene}/N={objects}")
 }
 
-pub fn plan() -> Vec<String> {
+pub(crate) fn plan() -> Vec<String> {
     SCENES.iter().map(|(scene, objects)| key(scene, *objects)).collect()
 }
 
-pub fn measure(program: &Program, options: &Options, units: &mut Units) -> Result<()> {
+pub(crate) fn measure(program: &Program, options: &Options, units: &mut Units) -> Result<()> {
     for (scene, objects) in SCENES {
         units.run(&key(scene, objects), || {
             (0..ROUNDS)
@@ -67,7 +67,7 @@ fn median(mut times: Vec<Duration>) -> f64 {
     times.get(times.len() / 2).map_or(0.0, |time| time.as_secs_f64() * 1e3)
 }
 
-pub fn show(units: &Units, report: &mut Report) -> Result<()> {
+pub(crate) fn show(units: &Units, report: &mut Report) -> Result<()> {
     let columns = [
         Column::new("scene"),
         Column::new("N"),

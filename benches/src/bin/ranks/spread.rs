@@ -46,11 +46,11 @@ fn cases() -> impl Iterator<Item = (&'static str, usize, usize)> {
     })
 }
 
-pub fn plan() -> Vec<String> {
+pub(crate) fn plan() -> Vec<String> {
     cases().map(|(scene, objects, ranks)| key(scene, objects, ranks)).collect()
 }
 
-pub fn measure(program: &Program, options: &Options, units: &mut Units) -> Result<()> {
+pub(crate) fn measure(program: &Program, options: &Options, units: &mut Units) -> Result<()> {
     for (scene, objects, ranks) in cases() {
         units.run(&key(scene, objects, ranks), || {
             let repeats = if objects > 1_000_000 { 3 } else { 7 };
@@ -93,7 +93,7 @@ fn row(told: &Value) -> Result<Row> {
     })
 }
 
-pub fn show(units: &Units, report: &mut Report) -> Result<()> {
+pub(crate) fn show(units: &Units, report: &mut Report) -> Result<()> {
     let columns = [
         Column::new("scene"),
         Column::new("N"),

@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 
 /// All ranks together, in a step whose shapes are known; the first step apart.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Ghosts {
-    pub ghosts: u64,
-    pub sent_bytes: u64,
-    pub first_sent_bytes: u64,
+pub(crate) struct Ghosts {
+    pub(crate) ghosts: u64,
+    pub(crate) sent_bytes: u64,
+    pub(crate) first_sent_bytes: u64,
 }
 
 const SIZE_RANKS: usize = 8;
@@ -43,11 +43,11 @@ fn cases(options: &Options) -> Vec<(usize, usize)> {
     cases
 }
 
-pub fn plan(options: &Options) -> Vec<String> {
+pub(crate) fn plan(options: &Options) -> Vec<String> {
     cases(options).into_iter().map(|(objects, ranks)| key(objects, ranks)).collect()
 }
 
-pub fn measure(options: &Options, units: &mut Units) -> Result<()> {
+pub(crate) fn measure(options: &Options, units: &mut Units) -> Result<()> {
     for (objects, ranks) in cases(options) {
         units.run(&key(objects, ranks), || counted(objects, ranks, options.seed))?;
     }
@@ -88,21 +88,21 @@ fn counted(objects: usize, size: usize, seed: u64) -> Result<Ghosts> {
 
 /// How many planes through the whole world cut it into so many equal boxes, a power of two: each axis in turn
 /// is halved.
-pub fn planes(ranks: usize) -> f64 {
+pub(crate) fn planes(ranks: usize) -> f64 {
     let halvings = ranks.max(1).ilog2();
     (0..3).map(|axis| f64::from((1u32 << ((halvings + 2 - axis) / 3)) - 1)).sum()
 }
 
 /// What was fitted: for each plane through a world of N objects these times N^(2/3).
 #[derive(Clone, Copy, Debug)]
-pub struct Fitted {
-    pub ghosts: f64,
-    pub bytes_a_ghost: f64,
+pub(crate) struct Fitted {
+    pub(crate) ghosts: f64,
+    pub(crate) bytes_a_ghost: f64,
 }
 
 impl Fitted {
     /// Ghosts of all ranks.
-    pub fn ghosts(self, objects: f64, ranks: usize) -> f64 {
+    pub(crate) fn ghosts(self, objects: f64, ranks: usize) -> f64 {
         self.ghosts * planes(ranks) * objects.powf(2.0 / 3.0)
     }
 }
@@ -119,7 +119,11 @@ fn fit(options: &Options, units: &Units) -> Option<Fitted> {
     Some(Fitted { ghosts: ghosts / surface, bytes_a_ghost })
 }
 
-pub fn show(options: &Options, units: &Units, report: &mut Report) -> Result<Option<Fitted>> {
+pub(crate) fn show(
+    options: &Options,
+    units: &Units,
+    report: &mut Report,
+) -> Result<Option<Fitted>> {
     let columns = [
         Column::new("N"),
         Column::new("ghosts"),
