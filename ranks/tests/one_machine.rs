@@ -11,10 +11,15 @@ use std::process::{Command, Output};
 
 const RANKS: [usize; 5] = [1, 2, 3, 4, 8];
 
-/// More ranks than cores, and in a container as root: what a test machine is.
 fn mpirun(ranks: usize, arguments: &[&str]) -> Output {
+    mpirun_of(Path::new(env!("CARGO_BIN_EXE_dcd-mpi")), ranks, arguments)
+}
+
+/// More ranks than cores, and in a container as root: what a test machine is.
+fn mpirun_of(program: &Path, ranks: usize, arguments: &[&str]) -> Output {
     Command::new("mpirun")
-        .args(["-n", &ranks.to_string(), env!("CARGO_BIN_EXE_dcd-mpi")])
+        .args(["-n", &ranks.to_string()])
+        .arg(program)
         .args(arguments)
         .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
         .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
@@ -138,4 +143,28 @@ fn what_cannot_be_read_is_told_once_and_ends_all_ranks() {
     std::fs::write(&path, &bytes[..bytes.len() / 2]).expect("written");
     let told = text(&mpirun(2, &["detect", name]).stderr);
     assert!(told.contains(name) && told.contains("of record"), "{told}");
+}
+
+#[test]
+fn a_rank_that_panics_ends_all_with_its_message() {
+    // Cargo builds examples beside the tests.
+    let example = Path::new(env!("CARGO_BIN_EXE_dcd-mpi")).with_file_name("examples").join("lost");
+    let lost = mpirun_of(&example, 3, &[]);
+    let told = text(&lost.stderr);
+    assert!(!lost.status.success());
+    assert!(told.contains("rank 1 is lost"), "{told}");
+    assert!(!text(&lost.stdout).contains("goes on"));
+}
+
+#[test]
+fn measures_are_of_as_many_pairs_as_on_one_machine() {
+    let scene = SceneSpec::sparse().with_objects(600).scene().expect("made");
+    let touching = contacts(&scene).len();
+    for query in ["depth", "manifold"] {
+        let arguments = ["detect", "--scene", "sparse", "--n", "600", "--json", "--query", query];
+        assert_eq!(json(&mpirun(3, &arguments))["contacts"], touching);
+    }
+    let near = ["detect", "--scene", "sparse", "--n", "600", "--json", "--query", "distance", "--margin", "0.3"];
+    let near = json(&mpirun(2, &near))["contacts"].as_u64().expect("a count") as usize;
+    assert!(near > touching);
 }

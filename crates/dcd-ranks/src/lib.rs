@@ -36,3 +36,10 @@ pub use grid::Grid;
 pub use share::{Body, Share};
 pub use step::{RankScene, RankStep};
 pub use transport::{Traffic, Transport};
+
+/// The guide's page, whose code is compiled and run.
+#[cfg(doctest)]
+mod guide {
+    #[doc = include_str!("../../../docs/guide/beyond-one-machine.md")]
+    mod beyond_one_machine {}
+}
