@@ -1,4 +1,5 @@
-//! Random bytes for the targets about pairs, frames and batches, where no fuzzer is installed: `cargo run --release --example random -- SECONDS`.
+//! Random bytes for the targets about pairs, frames and batches, where no fuzzer is installed: `cargo run
+//! --release --example random -- SECONDS`.
 
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 

@@ -5,7 +5,7 @@ mod ours;
 mod parry;
 
 use crate::failure::{Failure, tell};
-use crate::precision::{Accuracy, Precision};
+use crate::precision::{Accuracy, Library, Precision};
 use crate::progress::Progress;
 use answer::Answer;
 use clap::{Args, ValueEnum};
@@ -107,9 +107,7 @@ struct Line<'a> {
 
 impl Pairs {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        if self.query == Query::Manifold
-            && matches!(self.precision, Precision::ParryF32 | Precision::ParryF64)
-        {
+        if self.query == Query::Manifold && !matches!(self.precision.library(), Library::Ours(_)) {
             let precision = format_args!("--precision {}", self.precision.name());
             return Err(Failure::at(precision, "answers no --query manifold"));
         }
@@ -160,10 +158,10 @@ impl Pairs {
         let a = Side::new(pair.a, pair.pose_a);
         let b = Side::new(pair.b, pair.pose_b);
         let (a, b) = if self.swap { (b, a) } else { (a, b) };
-        let answer = match self.precision {
-            Precision::ParryF32 => parry::answer::<f32>(self.query, "parry-f32", &a, &b),
-            Precision::ParryF64 => parry::answer::<f64>(self.query, "parry-f64", &a, &b),
-            precision => {
+        let answer = match self.precision.library() {
+            Library::ParryF32 => parry::answer::<f32>(self.query, "parry-f32", &a, &b),
+            Library::ParryF64 => parry::answer::<f64>(self.query, "parry-f64", &a, &b),
+            Library::Ours(precision) => {
                 let answer =
                     solvers.answer((precision, self.query, self.accuracy), a.placed(), b.placed());
                 // Nothing tells two identical bodies apart: (b, a) is (a, b) to the solver.

@@ -22,7 +22,26 @@ pub(crate) enum Precision {
     ParryF64,
 }
 
+/// Whose pipelines or solvers a [`Precision`] asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Library {
+    Ours(dcd_pipeline::Precision),
+    ParryF32,
+    ParryF64,
+}
+
 impl Precision {
+    /// Whose, and for ours what the answer is worth.
+    pub(crate) fn library(self) -> Library {
+        match self {
+            Self::Fast => Library::Ours(dcd_pipeline::Precision::Fast),
+            Self::F64 => Library::Ours(dcd_pipeline::Precision::F64),
+            Self::Certified => Library::Ours(dcd_pipeline::Precision::Certified),
+            Self::ParryF32 => Library::ParryF32,
+            Self::ParryF64 => Library::ParryF64,
+        }
+    }
+
     /// As it is written on the command line.
     pub(crate) fn name(self) -> &'static str {
         match self {

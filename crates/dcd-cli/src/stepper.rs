@@ -1,11 +1,11 @@
 //! Whoever steps: our pipelines, or Parry's shapes in ours.
 
 use crate::failure::Failure;
-use crate::precision::Precision;
+use crate::precision::{Library, Precision};
 use dcd_broad::WideTree;
 use dcd_exec::with_threads;
 use dcd_geom::Scene;
-use dcd_parry::{Library, ParryShapes};
+use dcd_parry::ParryShapes;
 use dcd_pipeline::{AnyPipeline, AnyStep, Exec, Par, Pipeline, Question};
 
 /// A pipeline of either kind.
@@ -25,12 +25,12 @@ impl Stepper for AnyPipeline {
 }
 
 /// Parry's shapes in our pipeline.
-struct ByParry<R: Library> {
+struct ByParry<R: dcd_parry::Library> {
     pipeline: Pipeline<WideTree, ParryShapes<R>>,
     refused: usize,
 }
 
-impl<R: Library> ByParry<R> {
+impl<R: dcd_parry::Library> ByParry<R> {
     fn new(scene: &Scene) -> Self {
         let shapes = ParryShapes::new(scene);
         let refused = shapes.refused().count();
@@ -38,7 +38,7 @@ impl<R: Library> ByParry<R> {
     }
 }
 
-impl<R: Library> Stepper for ByParry<R> {
+impl<R: dcd_parry::Library> Stepper for ByParry<R> {
     fn step(&mut self, scene: &Scene, exec: Exec) -> AnyStep<'_> {
         AnyStep::Overlap(self.pipeline.step(scene, exec))
     }
@@ -61,18 +61,13 @@ pub(crate) fn stepper(
         pipeline.prepare_shapes(scene);
         Ok(Box::new(pipeline) as Box<dyn Stepper>)
     };
-    match (precision, question) {
-        (Precision::ParryF32, _) => Ok(Box::new(ByParry::<f32>::new(scene))),
-        (Precision::ParryF64, _) => Ok(Box::new(ByParry::<f64>::new(scene))),
-        (_, Question::Overlap { margin, .. }) => {
-            let precision = match precision {
-                Precision::Fast => dcd_pipeline::Precision::Fast,
-                Precision::F64 => dcd_pipeline::Precision::F64,
-                _ => dcd_pipeline::Precision::Certified,
-            };
+    match (precision.library(), question) {
+        (Library::ParryF32, _) => Ok(Box::new(ByParry::<f32>::new(scene))),
+        (Library::ParryF64, _) => Ok(Box::new(ByParry::<f64>::new(scene))),
+        (Library::Ours(precision), Question::Overlap { margin, .. }) => {
             ours(Question::Overlap { precision, margin })
         }
-        (_, question) => ours(question),
+        (Library::Ours(_), question) => ours(question),
     }
 }
 

@@ -48,7 +48,7 @@ impl ObbBounds {
     /// Where no point is off by more than ε, a hull reaches along any unit n as far as the exact one
     /// less ε; a box in that with half edges shorter by ε reaches ε·|n|₁ ≥ ε less far, so the hull
     /// holds it. R is within its deviation of a rotation, R·v + t loses less than 8u of the size.
-    pub fn turned(&self, pose: &Pose, size: f64) -> Option<Self> {
+    pub fn rotated(&self, pose: &Pose, size: f64) -> Option<Self> {
         let off = 4.0 * pose.deviation() * size + MARGIN * size;
         let (outer, inner) = (self.outer + off, self.inner - off);
         // Written so that NaN has no boxes.
@@ -59,13 +59,13 @@ impl ObbBounds {
 
     /// Along the frame's own axes, with these half edges, for a shape with spheres of these radii
     /// inside and round it; `None` where it is too round to gain.
-    pub fn along_axes(outer: DVec3, inner: DVec3, spheres: (f64, f64)) -> Option<Self> {
+    pub fn axis_aligned(outer: DVec3, inner: DVec3, spheres: (f64, f64)) -> Option<Self> {
         let thin = spheres.0 < THIN * spheres.1 && outer.is_finite();
         thin.then_some(Self { axes: DMat3::IDENTITY, outer, inner })
     }
 
     /// Whether both are one box, so that the shape is that box.
-    pub fn is_the_shape(&self) -> bool {
+    pub fn is_exact(&self) -> bool {
         self.inner == self.outer
     }
 
@@ -249,7 +249,7 @@ mod tests {
         for place in [DVec3::ZERO, DVec3::new(3.0, -20.0, 7.0), DVec3::new(0.0, 3e7, 0.0)] {
             let pose = Pose::new(turn, place).unwrap();
             let reference =
-                ObbBounds::of_cuboid(half).turned(&pose, half.length() + place.length()).unwrap();
+                ObbBounds::of_cuboid(half).rotated(&pose, half.length() + place.length()).unwrap();
             let size = 4.0 + place.length();
             assert!(
                 (reference.outer - reference.inner).max_element() < 1e-11 * size,
@@ -266,7 +266,7 @@ mod tests {
     fn flat_boxes_far_ones_and_those_that_are_stretched_are_taken_for_hulls() {
         let half = DVec3::ONE;
         let of = |half: DVec3, pose: &Pose| {
-            ObbBounds::of_cuboid(half).turned(pose, half.length() + pose.translation().length())
+            ObbBounds::of_cuboid(half).rotated(pose, half.length() + pose.translation().length())
         };
         assert_eq!(of(DVec3::new(1.0, 0.0, 1.0), &Pose::IDENTITY), None);
         assert_eq!(of(half, &Pose::from_translation(DVec3::X * 1e10).unwrap()), None);

@@ -131,7 +131,7 @@ impl Polytope {
         let turned = match self.kind {
             Kind::Cuboid { half_extents } => {
                 let size = half_extents.length() + pose.translation().length();
-                ObbBounds::of_cuboid(half_extents).turned(pose, size)
+                ObbBounds::of_cuboid(half_extents).rotated(pose, size)
             }
             _ => None,
         };

@@ -240,9 +240,9 @@ impl Scene {
             && !self.ignored.contains(i, j)
     }
 
-    /// Whether another scene filters the objects of these indices as this one does, and both were told to ignore the same
-    /// pairs in the same way: then both allow the same pairs of them. Compares lists; where it says no, they still
-    /// may.
+    /// Whether another scene filters the objects of these indices as this one does, and both were told to
+    /// ignore the same pairs in the same way: then both allow the same pairs of them. Compares lists; where
+    /// it says no, they still may.
     pub fn has_same_filters(&self, other: &Self, objects: std::ops::Range<usize>) -> bool {
         let own = self.filters.get(objects.clone());
         self.ignored == other.ignored && own == other.filters.get(objects)

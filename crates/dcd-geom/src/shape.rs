@@ -29,8 +29,8 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The convex hull of points in the shape's own frame, metres: [`Polytope::hull`]. Points inside of it cost time;
-    /// [`crate::ConvexHull`] drops them.
+    /// The convex hull of points in the shape's own frame, metres: [`Polytope::hull`]. Points inside of it
+    /// cost time; [`crate::ConvexHull`] drops them.
     ///
     /// # Errors
     /// Those of [`Polytope::hull`].
@@ -134,8 +134,8 @@ impl Shape {
         Compound::new(parts).map(|compound| Self::Compound(Arc::new(compound)))
     }
 
-    /// A surface of triangles, both sides of them, by vertices in metres and three indices a triangle: [`Mesh::new`].
-    /// It has no inside: a shape that floats within touches nothing.
+    /// A surface of triangles, both sides of them, by vertices in metres and three indices a triangle:
+    /// [`Mesh::new`]. It has no inside: a shape that floats within touches nothing.
     ///
     /// # Errors
     /// Those of [`Mesh::new`].

@@ -28,12 +28,12 @@ const PUSH_DECAY: f64 = 0.88;
 impl Sphere {
     /// A sphere that lies inside the hull of `points`, as large as a few microseconds can find.
     ///
-    /// Sound for any points: its radius is proved, with rounding, and is 0 where the hull is flat
-    /// or nothing could be proved; the centre is then the mean of some of the points, within 2.02
-    /// units of 2⁻⁵³ of the largest length of a point from the hull. A closed surface of triangles between some of the points is
-    /// made; if every triangle sees the centre on its inner side, every point of an open sphere that
-    /// misses all triangles has the centre's winding number and is inside the hull, however
-    /// wrong the surface may otherwise be (docs/numerics/proofs.md, "inner spheres").
+    /// Sound for any points: its radius is proved, with rounding, and is 0 where the hull is flat or nothing
+    /// could be proved; the centre is then the mean of some of the points, within 2.02 units of 2⁻⁵³ of the
+    /// largest length of a point from the hull. A closed surface of triangles between some of the points is
+    /// made; if every triangle sees the centre on its inner side, every point of an open sphere that misses
+    /// all triangles has the centre's winding number and is inside the hull, however wrong the surface may
+    /// otherwise be (docs/numerics/proofs.md, "inner spheres").
     pub fn inside(points: &[DVec3]) -> Self {
         let chosen = extreme_points(points);
         if let Some(sphere) = Surface::around(&chosen).and_then(|surface| inside_of(&surface)) {

@@ -134,8 +134,8 @@ impl SphereBounds {
         InscribedSphere { centre: sphere.centre, radius: both - sphere.radius }
     }
 
-    /// Neither [`SphereBounds::sphere`] nor [`PackedSphereBounds::spheres`] has a larger radius at a pose whose translation has
-    /// no coordinate beyond `within`, metres.
+    /// Neither [`SphereBounds::sphere`] nor [`PackedSphereBounds::spheres`] has a larger radius at a pose
+    /// whose translation has no coordinate beyond `within`, metres.
     pub fn largest_sphere(&self, within: f64) -> f32 {
         let stretch = 1.0 + 8.0 * Pose::UNIT_TOLERANCE;
         let margin = MARGIN * (within + self.reach * stretch) + f64::from(f32::MIN_POSITIVE);

@@ -23,7 +23,8 @@ where
         bounds_contain_their_boxes(scene, &aabbs, aabb_margin)?;
     }
     let whole = decided(narrow, scene, &frame, pairs, &mut N::Scratch::default());
-    whole.files_each_once(pairs)?;
+    whole.has_each_once(pairs)?;
+    senses_the_contacts(narrow, scene, &frame, pairs, &whole)?;
     if let Some(answer) = narrow.constant_answer() {
         contacts_of_inner_spheres_have_it(scene, pairs, &whole.contacts, answer)?;
     }
@@ -34,7 +35,7 @@ where
         return Err(Violation("the boxes depend on how the objects are cut".into()));
     }
     let mut scratch = N::Scratch::default();
-    let mut pieces = Filed::default();
+    let mut pieces = Decided::default();
     for piece in pairs.chunks(3) {
         pieces.append(decided(narrow, scene, &frame, piece, &mut scratch));
     }
@@ -62,7 +63,7 @@ where
         return Err(Violation("the boxes depend on the scene before".into()));
     }
 
-    let mut alone = Filed::default();
+    let mut alone = Decided::default();
     for &pair in pairs.iter().rev() {
         alone.append(decided(narrow, scene, &frame, &[pair], &mut scratch));
     }
@@ -82,7 +83,7 @@ fn two_sides_agree<N>(
     narrow: &N,
     scene: &Scene,
     pairs: &[Pair],
-    whole: Filed<N::Answer>,
+    whole: Decided<N::Answer>,
 ) -> Result<(), Violation>
 where
     N: NarrowPhase,
@@ -94,11 +95,11 @@ where
     }
     let [a, b] = frames.each_ref().map(|frame| Prepared { scene, frame });
     let mut scratch = N::Scratch::default();
-    let mut two = filed(narrow, (a, b), pairs, &mut scratch);
-    two.files_each_once(pairs)?;
+    let mut two = decided_between(narrow, (a, b), pairs, &mut scratch);
+    two.has_each_once(pairs)?;
     two.settled = whole.settled;
     two.must_equal(&whole, "of two frames")?;
-    let mut one = filed(narrow, (a, a), pairs, &mut scratch);
+    let mut one = decided_between(narrow, (a, a), pairs, &mut scratch);
     one.settled = whole.settled;
     one.must_equal(&whole, "of one frame laid out for two sides")
 }
@@ -151,55 +152,85 @@ fn decided<N: NarrowPhase>(
     frame: &N::Frame,
     pairs: &[Pair],
     scratch: &mut N::Scratch,
-) -> Filed<N::Answer> {
+) -> Decided<N::Answer> {
     let side = Prepared { scene, frame };
-    filed(narrow, (side, side), pairs, scratch)
+    decided_between(narrow, (side, side), pairs, scratch)
 }
 
-fn filed<N: NarrowPhase>(
+fn decided_between<N: NarrowPhase>(
     narrow: &N,
     (a, b): (Prepared<'_, N::Frame>, Prepared<'_, N::Frame>),
     pairs: &[Pair],
     scratch: &mut N::Scratch,
-) -> Filed<N::Answer> {
+) -> Decided<N::Answer> {
     let mut contacts = Vec::new();
     let mut report = Report::default();
     let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
     narrow.decide(a, b, pairs, scratch, &mut sink);
     let settled = Method::ALL.iter().map(|&method| report.settled(method)).sum();
     let undecided = report.undecided().to_vec();
-    Filed { contacts, undecided, settled, filed: report.filed() }
+    Decided { contacts, undecided, settled, pair_count: report.pair_count() }
 }
 
-/// What was filed for some pairs.
-struct Filed<A> {
-    contacts: Vec<Contact<A>>,
-    undecided: Vec<Undecided>,
-    settled: u64,
-    filed: u64,
-}
-
-impl<A> Default for Filed<A> {
-    fn default() -> Self {
-        Self { contacts: Vec::new(), undecided: Vec::new(), settled: 0, filed: 0 }
+/// Compares the pairs that are sensed with those that are decided to touch.
+fn senses_the_contacts<N: NarrowPhase>(
+    narrow: &N,
+    scene: &Scene,
+    frame: &N::Frame,
+    pairs: &[Pair],
+    whole: &Decided<N::Answer>,
+) -> Result<(), Violation> {
+    let side = Prepared { scene, frame };
+    let (mut contacts, mut report) = (Vec::new(), Report::default());
+    let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
+    narrow.sense(side, side, pairs, &mut N::Scratch::default(), &mut sink);
+    let is_unmeasured = |pair: Pair| whole.undecided.iter().any(|undecided| undecided.pair == pair);
+    let mut due = whole.contacts.iter().map(|contact| contact.pair).peekable();
+    for Contact { pair, .. } in contacts {
+        // Of a pair that touches and cannot be measured, it is known that it touches.
+        if due.next_if_eq(&pair).is_none() && !is_unmeasured(pair) {
+            return Err(Violation(format!("{pair:?} is sensed and no contact")));
+        }
+    }
+    match due.next() {
+        None => Ok(()),
+        Some(pair) => Err(Violation(format!("{pair:?} is a contact and not sensed"))),
     }
 }
 
-impl<A: PartialEq + Debug> Filed<A> {
+/// What was decided of some pairs.
+struct Decided<A> {
+    contacts: Vec<Contact<A>>,
+    undecided: Vec<Undecided>,
+    settled: u64,
+    pair_count: u64,
+}
+
+impl<A> Default for Decided<A> {
+    fn default() -> Self {
+        Self { contacts: Vec::new(), undecided: Vec::new(), settled: 0, pair_count: 0 }
+    }
+}
+
+impl<A: PartialEq + Debug> Decided<A> {
     fn append(&mut self, mut other: Self) {
         self.contacts.append(&mut other.contacts);
         self.undecided.append(&mut other.undecided);
         self.settled += other.settled;
-        self.filed += other.filed;
+        self.pair_count += other.pair_count;
     }
 
     fn reverse(&mut self) {
         self.contacts.reverse();
     }
 
-    fn files_each_once(&self, pairs: &[Pair]) -> Result<(), Violation> {
-        if self.filed != pairs.len() as u64 {
-            return Err(Violation(format!("{} verdicts on {} pairs", self.filed, pairs.len())));
+    fn has_each_once(&self, pairs: &[Pair]) -> Result<(), Violation> {
+        if self.pair_count != pairs.len() as u64 {
+            return Err(Violation(format!(
+                "{} verdicts on {} pairs",
+                self.pair_count,
+                pairs.len()
+            )));
         }
         let mut remaining = pairs.iter();
         for Contact { pair, .. } in &self.contacts {
@@ -221,10 +252,10 @@ impl<A: PartialEq + Debug> Filed<A> {
         if let Some((ours, theirs)) = first {
             return Err(Violation(format!("{ours:?} {how}, but {theirs:?} at once")));
         }
-        let sorted = |filed: &Self| {
-            let mut undecided = filed.undecided.clone();
+        let sorted = |decided: &Self| {
+            let mut undecided = decided.undecided.clone();
             undecided.sort_unstable_by_key(|undecided| undecided.pair);
-            (undecided, filed.contacts.len(), filed.settled)
+            (undecided, decided.contacts.len(), decided.settled)
         };
         let (ours, theirs) = (sorted(self), sorted(whole));
         if ours != theirs {

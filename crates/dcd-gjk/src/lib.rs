@@ -1,11 +1,11 @@
 //! Narrow phase: whether shapes touch, how far they are apart, how deep they overlap.
 //!
 //! [`Overlap`] decides a scene's candidate pairs in packets of sixteen, each answer with a certificate;
-//! pairs that f32 cannot certify go to f64 and then to exact arithmetic. [`Coherent`] also reuses the
-//! proofs of earlier steps. For single pairs, a [`PairSolver`] answers one question: yes or no
-//! ([`Certified`], [`Gjk`]), distance ([`Distances`]), depth ([`Depths`]), manifold ([`Manifolds`]).
-//! [`SimdDistances`] measures distances in packets too. [`Pairwise`] makes a narrow phase of a solver, [`ThenMeasure`] asks it of touching pairs only. A
-//! narrow phase of your own implements [`NarrowPhase`]; [`contract`] tests it.
+//! pairs that f32 cannot certify go to f64 and then to exact arithmetic. [`Coherent`] also reuses the proofs
+//! of earlier steps. For single pairs, a [`PairSolver`] answers one question: yes or no ([`Certified`],
+//! [`Gjk`]), distance ([`Distances`]), depth ([`Depths`]), manifold ([`Manifolds`]). [`SimdDistances`]
+//! measures distances in packets too. [`Pairwise`] makes a narrow phase of a solver, [`ThenMeasure`] asks it
+//! of touching pairs only. A narrow phase of your own implements [`NarrowPhase`]; [`contract`] tests it.
 //!
 //! Folders: `simd` (packets), `temporal` (proofs kept between steps), `scalar` (one pair in f64),
 //! `exact` (exact arithmetic), `mesh` (compounds and triangle meshes), `query` (what is measured).

@@ -121,9 +121,9 @@ pub fn rotation_from_axis_angle(axis: DVec3, angle: f64) -> DMat3 {
     )
 }
 
-/// When two shapes meet from t = 0 on until `until`, to within `tolerance` metres, at the least some 1e-13 of
-/// their size. Of compounds, meshes and half-spaces too: for those any gap counts, whatever its direction. A half-space
-/// that turns is undecided.
+/// When two shapes meet from t = 0 on until `until`, to within `tolerance` metres, at the least some 1e-13
+/// of their size. Of compounds, meshes and half-spaces too: for those any gap counts, whatever its
+/// direction. A half-space that turns is undecided.
 ///
 /// ```
 /// use dcd_geom::{Pose, Shape, glam::DVec3};

@@ -131,13 +131,13 @@ impl Report {
         self.leave(pair, reason);
     }
 
-    /// Hands out the pairs without an answer: they are not filed then.
+    /// Hands out the pairs without an answer: the report is not of them any more.
     pub(crate) fn take_undecided(&mut self) -> Vec<Undecided> {
         std::mem::take(&mut self.undecided)
     }
 
-    /// How many pairs were filed: those settled, and those that none settled.
-    pub fn filed(&self) -> u64 {
+    /// How many pairs it is of: those settled, and those that no method settled.
+    pub fn pair_count(&self) -> u64 {
         self.settled.iter().sum::<u64>() + self.undecided.len() as u64 - self.unmeasured
     }
 
@@ -224,10 +224,10 @@ pub enum Sides {
 /// side twice; obstacles that are prepared once, and links that move among them, are two.
 ///
 /// # Contract
-/// After `layout` and after `prepare` on parts that cover every object once, in any order and on
-/// any threads, `decide` files every pair that it is given exactly once, contacts in the order of
-/// the pairs. A verdict depends on the two objects alone: not on the other pairs, their order, the
-/// scratch memory, the cut, or whether both are in one frame. The boxes that `prepare` writes contain the objects, and where
+/// After `layout` and after `prepare` on parts that cover every object once, in any order and on any
+/// threads, `decide` files every pair that it is given exactly once, contacts in the order of the pairs. A
+/// verdict depends on the two objects alone: not on the other pairs, their order, the scratch memory, the
+/// cut, or whether both are in one frame. The boxes that `prepare` writes contain the objects, and where
 /// `aabb_margin` is known lie in the objects' bounds swept by it. Where a `constant_answer` is known it is
 /// that of every two objects with a common point.
 ///

@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 /// Parry's own shapes, asked through its public API.
 ///
-/// Each kind is Parry's own: sphere, cuboid, capsule, segment, triangle, cylinder, cone, half-space,
-/// a hull its convex polyhedron, rounded ones its round shapes. Shapes that it has no counterpart for, or whose points its hull refuses, leave their
-/// pairs undecided ([`dcd_gjk::Reason::Foreign`]). Its hull loses points that it takes for
-/// coplanar; the answer is then for its shape, not for ours.
+/// Each kind is Parry's own: sphere, cuboid, capsule, segment, triangle, cylinder, cone, half-space, a hull
+/// its convex polyhedron, rounded ones its round shapes. Shapes that it has no counterpart for, or whose
+/// points its hull refuses, leave their pairs undecided ([`dcd_gjk::Reason::Foreign`]). Its hull loses
+/// points that it takes for coplanar; the answer is then for its shape, not for ours.
 ///
 /// The shapes are made once and kept in the frame for as long as the scene keeps its shapes:
 /// by the first step, or beforehand by [`ParryShapes::new`], so that no step pays for them.

@@ -243,9 +243,9 @@ impl<'p> AnyStep<'p> {
         of_step!(self, step => Box::new(step.contacts()))
     }
 
-    /// [`Step::sensed`].
-    pub fn sensed(&self) -> List<'p, (u32, u32)> {
-        of_step!(self, step => Box::new(step.sensed()))
+    /// [`Step::sensor_pairs`].
+    pub fn sensor_pairs(&self) -> List<'p, (u32, u32)> {
+        of_step!(self, step => Box::new(step.sensor_pairs()))
     }
 
     /// [`Step::answers`].

@@ -71,7 +71,7 @@ impl Events {
         self.follow_pairs(scene, || step.contacts(), exec.into())
     }
 
-    /// The same of the pairs with a sensor ([`Step::sensed`]): what entered it, stayed and left. To be
+    /// The same of the pairs with a sensor ([`Step::sensor_pairs`]): what entered it, stayed and left. To be
     /// followed beside contacts, in a list of its own.
     pub fn follow_sensors<'e, A: Copy + Send + Sync>(
         &mut self,
@@ -79,7 +79,7 @@ impl Events {
         step: &Step<'_, A>,
         exec: impl Into<Exec<'e>>,
     ) -> &Self {
-        self.follow_pairs(scene, || step.sensed(), exec.into())
+        self.follow_pairs(scene, || step.sensor_pairs(), exec.into())
     }
 
     fn follow_pairs<P: Iterator<Item = (u32, u32)>>(

@@ -15,6 +15,7 @@ mod any;
 mod batch;
 mod clock;
 mod events;
+mod moving_ranges;
 mod partition;
 pub mod prelude;
 mod step;

@@ -2,8 +2,7 @@
 
 use dcd_broad::{BroadPhase, IdentifiedAabbs, StaticTree};
 use dcd_exec::{Exec, Segments};
-use dcd_geom::{Aabb, Motion, Pair, Revision, Scene, Splittable};
-use std::ops::Range;
+use dcd_geom::{Aabb, Motion, Pair, Revision, Scene};
 
 /// The moving objects apart from the static ones, and a tree over the latter.
 ///
@@ -154,48 +153,4 @@ pub(crate) struct CandidateSearch<'a, K> {
 fn list(scene: &Scene, motion: Motion, slots: &mut Vec<u32>) {
     slots.clear();
     slots.extend((0..).take(scene.len()).filter(|&i| scene.motion(i as usize) == Some(motion)));
-}
-
-/// So many static objects between moving ones are prepared with them. Larger: more is done in vain.
-/// Smaller: packets of sixteen that are not full.
-const GAP: usize = 16;
-
-/// Parts of a range of slots that hold all its moving objects, ascending.
-pub(crate) fn awake(scene: &Scene, slots: Range<usize>) -> impl Iterator<Item = Range<usize>> {
-    let moves = |&i: &usize| scene.motion(i) == Some(Motion::Moving);
-    let mut moving = slots.filter(moves).peekable();
-    std::iter::from_fn(move || {
-        let first = moving.next()?;
-        let mut end = first + 1;
-        while let Some(next) = moving.next_if(|&next| next < end + GAP) {
-            end = next + 1;
-        }
-        Some(first..end)
-    })
-}
-
-/// Calls `then` with each range's share of what belongs to the slots from `first` on. The ranges ascend and
-/// share nothing.
-pub(crate) fn for_each_range<S: Splittable>(
-    slots: S,
-    first: usize,
-    ranges: impl Iterator<Item = Range<usize>>,
-    mut then: impl FnMut(Range<usize>, S),
-) {
-    let (mut rest, mut start) = (slots, first);
-    for range in ranges {
-        let (_, others) = rest.split_at(range.start - start);
-        let (share, others) = others.split_at(range.len());
-        (rest, start) = (others, range.end);
-        then(range, share);
-    }
-}
-
-/// Empties the boxes of the free slots among those from `first` on.
-pub(crate) fn empty_free_slots(scene: &Scene, first: usize, aabbs: &mut [Aabb]) {
-    for (i, aabb) in (first..).zip(aabbs) {
-        if scene.motion(i).is_none() {
-            *aabb = Aabb::EMPTY;
-        }
-    }
 }

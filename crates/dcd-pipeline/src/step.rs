@@ -1,8 +1,7 @@
 //! One step, stage by stage.
 
-use crate::partition::{
-    Boxed, CandidateSearch, Partition, awake, empty_free_slots, for_each_range,
-};
+use crate::moving_ranges::{empty_free_slots, for_each_range, moving_ranges};
+use crate::partition::{Boxed, CandidateSearch, Partition};
 use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::{Cut, Exec, PerThread, Segments, Stage};
 use dcd_geom::{Aabb, Pair, Scene};
@@ -76,26 +75,7 @@ impl Candidates {
         joined
     }
 
-    /// Those of them without a sensor.
-    fn of_solids<'a>(
-        &self,
-        task: usize,
-        sensors: &[bool],
-        joined: &'a mut Vec<Pair>,
-    ) -> &'a [Pair] {
-        self.of_task_where(task, |pair| !has_sensor(sensors, pair), joined)
-    }
-
-    /// Those with a sensor.
-    fn of_sensors<'a>(
-        &self,
-        task: usize,
-        sensors: &[bool],
-        joined: &'a mut Vec<Pair>,
-    ) -> &'a [Pair] {
-        self.of_task_where(task, |pair| has_sensor(sensors, pair), joined)
-    }
-
+    /// Those of them that are wanted.
     fn of_task_where<'a>(
         &self,
         task: usize,
@@ -135,7 +115,7 @@ pub struct Pipeline<B = WideTree, N: NarrowPhase = Overlap> {
     candidates: Candidates,
     contacts: Segments<Contact<N::Answer>>,
     /// The touching pairs of which one is a sensor; nobody reads their answers.
-    sensed: Segments<Contact<N::Answer>>,
+    sensor_pairs: Segments<Contact<N::Answer>>,
     workers: PerThread<WorkerScratch<N::Scratch>>,
     report: Report,
 }
@@ -164,7 +144,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             partition: Partition::default(),
             candidates: Candidates::default(),
             contacts: Segments::default(),
-            sensed: Segments::default(),
+            sensor_pairs: Segments::default(),
             workers: PerThread::default(),
             report: Report::default(),
         }
@@ -211,7 +191,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             aabbs: &self.aabbs,
             candidates: &self.candidates,
             contacts: &self.contacts,
-            sensed: &self.sensed,
+            sensor_pairs: &self.sensor_pairs,
             report: &self.report,
         }
     }
@@ -248,7 +228,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             };
             let slots = first..first + objects.1.len();
             if rest {
-                for_each_range(objects, first, awake(scene, slots), prepare);
+                for_each_range(objects, first, moving_ranges(scene, slots), prepare);
             } else {
                 prepare(slots, objects);
             }
@@ -257,7 +237,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
     }
 
     fn judge(&mut self, scene: &Scene, exec: Exec) {
-        let Self { narrow, frame, candidates, contacts, sensed, workers, report, .. } = self;
+        let Self { narrow, frame, candidates, contacts, sensor_pairs, workers, report, .. } = self;
         candidates.cut();
         let candidates = &*candidates;
         narrow.begin_pairs(frame, candidates.slices());
@@ -267,16 +247,19 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             workers.with(|WorkerScratch { scratch, joined, report }| {
                 let pairs = match sensors {
                     None => candidates.of_task(task, joined),
-                    Some(sensors) => candidates.of_solids(task, sensors, joined),
+                    Some(sensors) => {
+                        candidates.of_task_where(task, |pair| !has_sensor(sensors, pair), joined)
+                    }
                 };
                 let sink = &mut ContactSink { contacts, report };
                 narrow.decide(side, side, pairs, scratch, sink);
             });
         });
         let sensing = if sensors.is_some() { candidates.tasks.len() } else { 0 };
-        sensed.fill(exec, sensing, |task, contacts| {
+        sensor_pairs.fill(exec, sensing, |task, contacts| {
             workers.with(|WorkerScratch { scratch, joined, report }| {
-                let pairs = candidates.of_sensors(task, scene.sensors(), joined);
+                let is_sensed = |pair| has_sensor(scene.sensors(), pair);
+                let pairs = candidates.of_task_where(task, is_sensed, joined);
                 let sink = &mut ContactSink { contacts, report };
                 narrow.sense(side, side, pairs, scratch, sink);
             });
@@ -293,7 +276,7 @@ pub struct Step<'p, A: Send> {
     aabbs: &'p [Aabb],
     candidates: &'p Candidates,
     contacts: &'p Segments<Contact<A>>,
-    sensed: &'p Segments<Contact<A>>,
+    sensor_pairs: &'p Segments<Contact<A>>,
     report: &'p Report,
 }
 
@@ -311,8 +294,8 @@ impl<'p, A: Copy + Send> Step<'p, A> {
 
     /// The touching pairs (i, j), i < j, of which at least one is a sensor ([`dcd_geom::Object::sensor`]), in a
     /// fixed order. Where the question has a margin, those within it.
-    pub fn sensed(&self) -> impl Iterator<Item = (u32, u32)> + use<'p, A> {
-        self.sensed.iter().flatten().map(|contact| contact.pair.into())
+    pub fn sensor_pairs(&self) -> impl Iterator<Item = (u32, u32)> + use<'p, A> {
+        self.sensor_pairs.iter().flatten().map(|contact| contact.pair.into())
     }
 
     /// How many pairs touch, sensors apart.

@@ -38,7 +38,7 @@ fn told<N: NarrowPhase + Send>(narrow: N, scene: &Scene, par: Par) -> Told<N::An
     // A second step, so that whoever remembers does.
     pipeline.step(scene, par);
     let step = pipeline.step(scene, par);
-    (step.answers().collect(), step.sensed().collect())
+    (step.answers().collect(), step.sensor_pairs().collect())
 }
 
 fn check<N>(narrow: impl Fn() -> N + Sync)
@@ -90,7 +90,7 @@ fn what_touches_a_sensor_is_never_measured() {
     let (_, sensing) = scene();
     let mut pipeline = Pipeline::with(WideTree::default(), ThenMeasure::new(counting).unwrap());
     let step = pipeline.step(&sensing, Par::Serial);
-    assert!(step.sensed().count() > 50);
+    assert!(step.sensor_pairs().count() > 50);
     assert_eq!(counting.0.load(Ordering::Relaxed), step.contact_count());
 }
 

@@ -48,16 +48,47 @@ pub fn cut(transport: &impl Transport, boxes: &[Aabb], names: &[u64], exec: Exec
     let mut costs: Vec<(u64, u64)> =
         objects.chain(pairs.into_iter().map(|key| (key, weight))).collect();
     costs.sort_unstable();
-    Cuts::new(grid, starts(&costs, transport.size(), drawn.noise()))
+    let stands_for = stands_for(transport, &grid, boxes, &drawn);
+    costs.iter_mut().for_each(|(key, cost)| *cost *= stands_for[octant(*key)]);
+    Cuts::new(grid, starts(&costs, transport.size()))
 }
 
-/// By how much of a rank's part a cut may be off, or by as much as the draw leaves open: for the sake of a rounder
-/// key, which makes larger cubes of the regions, with less surface and fewer ghosts.
-const GIVE: f64 = 0.02;
+/// Octants in which objects are counted: 32 along each axis.
+const OCTANTS: usize = 1 << 15;
 
-/// The first key of each rank, where its part of the cost begins, about: of costs at keys, ascending. `noise` is by
-/// how much of all a cut in the middle is off for having been drawn, doubled (one standard deviation).
-fn starts(costs: &[(u64, u64)], size: usize, noise: f64) -> Vec<u64> {
+/// What one drawn object stands for where all are drawn.
+const ONE: u64 = 1 << 10;
+
+/// The octant of a key.
+fn octant(key: u64) -> usize {
+    (key >> 48) as usize & (OCTANTS - 1)
+}
+
+/// For each octant how many objects one of those that were drawn there stands for: all are counted, so that a
+/// draw that has hit one place more than another moves no cut.
+fn stands_for(transport: &impl Transport, grid: &Grid, boxes: &[Aabb], drawn: &Drawn) -> Vec<u64> {
+    let counts = |boxes: &[Aabb]| {
+        let mut counts = vec![0u64; OCTANTS];
+        boxes.iter().for_each(|aabb| counts[octant(grid.key_of(aabb))] += 1);
+        counts
+    };
+    let mut all = counts(boxes);
+    transport.sum(&mut all);
+    let drawn = counts(&drawn.boxes);
+    let sum = |counts: &[u64]| counts.iter().sum::<u64>().max(1);
+    let usual = ONE * sum(&all) / sum(&drawn);
+    all.iter()
+        .zip(&drawn)
+        .map(|(&all, &drawn)| (ONE * all).checked_div(drawn).unwrap_or(usual))
+        .collect()
+}
+
+/// By how much of a rank's part a cut may be off, for the sake of a rounder key, which makes larger cubes of the
+/// regions, with less surface and fewer ghosts. Larger: worse balance.
+const GIVE: u64 = 25;
+
+/// The first key of each rank, where its part of the cost begins, about: of costs at keys, ascending.
+fn starts(costs: &[(u64, u64)], size: usize) -> Vec<u64> {
     let whole: u64 = costs.iter().map(|&(_, cost)| cost).sum();
     let (size, mut before) = (size as u64, 0);
     // Sums of cost before each key, times the number of ranks: a rank's part is `whole`.
@@ -69,10 +100,7 @@ fn starts(costs: &[(u64, u64)], size: usize, noise: f64) -> Vec<u64> {
         })
         .collect();
     let cut = |rank: u64| {
-        let exact = rank * whole;
-        let before = rank as f64 / size as f64;
-        let drawn = noise * size as f64 * (before * (1.0 - before)).sqrt();
-        let give = (whole as f64 * GIVE.max(drawn)) as u64;
+        let (exact, give) = (rank * whole, whole / GIVE);
         // Before which of them may be cut: where none is near enough, before the next.
         let next = sums.partition_point(|&(_, before)| before < exact);
         let first = sums.partition_point(|&(_, before)| before + give < exact);
@@ -135,8 +163,6 @@ fn grid(transport: &impl Transport, boxes: &[Aabb]) -> Grid {
 struct Drawn {
     boxes: Vec<Aabb>,
     names: Vec<u64>,
-    /// Out of so many.
-    all: u64,
 }
 
 impl Drawn {
@@ -154,7 +180,7 @@ impl Drawn {
             let corners = [aabb.min, aabb.max].map(|corner| corner.to_array());
             corners.as_flattened().iter().for_each(|x| own.extend_from_slice(&x.to_le_bytes()));
         }
-        let mut drawn = Self { boxes: Vec::new(), names: Vec::new(), all: count[0] };
+        let mut drawn = Self { boxes: Vec::new(), names: Vec::new() };
         for given in transport.all_gather(&own) {
             let (records, _) = given.as_chunks::<32>();
             for record in records {
@@ -169,13 +195,6 @@ impl Drawn {
             }
         }
         drawn
-    }
-
-    /// By how much the part of the drawn that lies before some place differs from that of all, where each is a half,
-    /// doubled: one standard deviation, of a draw without return.
-    fn noise(&self) -> f64 {
-        let (drawn, all) = (self.boxes.len().max(1) as f64, self.all.max(1) as f64);
-        (1.0 / drawn - 1.0 / all).max(0.0).sqrt()
     }
 
     /// The candidates of a drawn object and one of these: for each a number that depends on the pair, and the
@@ -223,11 +242,11 @@ mod tests {
     #[test]
     fn equal_costs_are_cut_in_equal_numbers_and_a_dear_one_stands_alone() {
         let alike: Vec<_> = (0..12).map(|k| (k * 10, 5)).collect();
-        assert_eq!(starts(&alike, 4, 0.0), [0, 24, 56, 88]);
+        assert_eq!(starts(&alike, 4), [0, 24, 56, 88]);
         let dear: Vec<_> = (0..4).map(|k| (k, if k == 1 { 97 } else { 1 })).collect();
-        assert_eq!(starts(&dear, 2, 0.0), [0, 2]);
-        assert_eq!(starts(&[], 3, 0.0), [0, u64::MAX, u64::MAX]);
-        assert_eq!(starts(&[(7, 1)], 3, 0.0), [0, u64::MAX, u64::MAX]);
+        assert_eq!(starts(&dear, 2), [0, 2]);
+        assert_eq!(starts(&[], 3), [0, u64::MAX, u64::MAX]);
+        assert_eq!(starts(&[(7, 1)], 3), [0, u64::MAX, u64::MAX]);
     }
 
     #[test]
@@ -238,9 +257,7 @@ mod tests {
         assert_eq!(roundest(8, 9), 9);
         // Even costs at odd keys: the cut is a power of two.
         let alike: Vec<_> = (0..10_000).map(|k| (2 * k + 385, 3)).collect();
-        assert_eq!(starts(&alike, 2, 0.0), [0, 10_240]);
-        // The less is known of where the middle is, the rounder.
-        assert_eq!(starts(&alike, 2, 0.5), [0, 8192]);
+        assert_eq!(starts(&alike, 2), [0, 10_240]);
         for (low, high) in [(3, 900), (1 << 40, (1 << 40) + 77), (12, 13)] {
             let round = roundest(low, high);
             let slowly = (low + 1..=high).max_by_key(|k| (k.trailing_zeros(), u64::MAX - k));

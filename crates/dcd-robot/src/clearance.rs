@@ -22,9 +22,9 @@ pub struct Clearance {
 }
 
 impl Workcell {
-    /// The least signed distance of all pairs that are checked, links (padded ones by their padded shapes) and
-    /// obstacles, at that state; moves the robot there. Its error bound covers every pair: the true least distance is
-    /// within it, whichever pair that is of. `None`: there is no pair.
+    /// The least signed distance of all pairs that are checked, links (padded ones by their padded shapes)
+    /// and obstacles, at that state; moves the robot there. Its error bound covers every pair: the true
+    /// least distance is within it, whichever pair that is of. `None`: there is no pair.
     ///
     /// # Errors
     /// Those of [`Workcell::set_state`]; a pair whose signed distance is not known, by its names: nothing is

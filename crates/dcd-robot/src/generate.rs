@@ -135,8 +135,8 @@ impl AllowedPairs {
     }
 }
 
-/// The pairs as an SRDF of that robot, which [`Srdf::read`](super::Srdf::read) and MoveIt read: `disable_collisions` with
-/// their reasons, those of `Never` with `proved`.
+/// The pairs as an SRDF of that robot, which [`Srdf::read`](super::Srdf::read) and MoveIt read:
+/// `disable_collisions` with their reasons, those of `Never` with `proved`.
 pub fn write_srdf(robot: &str, pairs: &[LinkPair]) -> String {
     let mut text = format!("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n", escaped(robot));
     for LinkPair { links, reason } in pairs {

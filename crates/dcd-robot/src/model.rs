@@ -153,8 +153,8 @@ pub enum LinkShapes {
     /// A hull of few vertices that contains the hull of each, exactly: what is free of it is free of the mesh.
     /// [`Part::tolerance`] says how much larger it may be.
     OuterHulls {
-        /// At most so many vertices, at least [`Budget::FEWEST`](dcd_gjk::simplify::Budget::FEWEST). Fewer: faster, and
-        /// larger.
+        /// At most so many vertices, at least [`Budget::FEWEST`](dcd_gjk::simplify::Budget::FEWEST). Fewer:
+        /// faster, and larger.
         vertices: usize,
     },
     /// The triangles of each: a surface, without an inside.
@@ -162,8 +162,8 @@ pub enum LinkShapes {
 }
 
 impl Robot {
-    /// Reads a URDF file and the meshes (STL, COLLADA, OBJ, glTF, PLY) that its collision geometry names: each mesh becomes
-    /// the hull of its vertices. What is drawn alone (visual geometry) is not looked at.
+    /// Reads a URDF file and the meshes (STL, COLLADA, OBJ, glTF, PLY) that its collision geometry names:
+    /// each mesh becomes the hull of its vertices. What is drawn alone (visual geometry) is not looked at.
     ///
     /// Meshes are looked for as [`dcd_io::MeshPaths`] says, without packages or roots. Each mesh file
     /// is read once for a scale.

@@ -1,8 +1,9 @@
 //! MoveIt's scenes as text (`.scene`), as its planning scene monitor and RViz write them: objects alone, in the
 //! frame of the world.
 //!
-//! A line for the scene's name; for each object `* NAME`, in newer files its pose, the number of its shapes, and each
-//! shape with its sizes, its pose and a colour, in newer files subframes; a line of a single `.` ends it.
+//! A line for the scene's name; for each object `* NAME`, in newer files its pose, the number of its shapes,
+//! and each shape with its sizes, its pose and a colour, in newer files subframes; a line of a single `.`
+//! ends it.
 
 use super::objects::composed;
 use super::{Obstacle, RobotError, World, world};

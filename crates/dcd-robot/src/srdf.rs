@@ -54,8 +54,9 @@ impl Srdf {
     /// `group`, `group_state` and `end_effector`.
     ///
     /// # Errors
-    /// A file that cannot be read or is no SRDF; what is not understood; an element without an
-    /// attribute that it needs; two virtual joints, groups or states of one name; xacro; more than the [`bounds`](super::bounds).
+    /// A file that cannot be read or is no SRDF; what is not understood; an element without an attribute
+    /// that it needs; two virtual joints, groups or states of one name; xacro; more than the
+    /// [`bounds`](super::bounds).
     pub fn load(path: &Path) -> Result<Self, RobotError> {
         Self::read(&text_of(path)?).map_err(|error| error.inside(path))
     }
@@ -119,7 +120,8 @@ impl Srdf {
     /// Adds what another file of the same robot says, which counts more where both speak of a pair.
     ///
     /// # Errors
-    /// Another virtual joint than there is; a group or a group's state of a name that there is. Nothing is changed then.
+    /// Another virtual joint than there is; a group or a group's state of a name that there is. Nothing is
+    /// changed then.
     pub fn extend(&mut self, other: Self) -> Result<(), RobotError> {
         let Self { robot: _, allowed, virtual_joint, groups, group_states, end_effectors, notes } =
             other;

@@ -197,8 +197,8 @@ impl StateChecker {
     /// For each state whether it is not proved free: whether something touches or could not be settled.
     ///
     /// # Errors
-    /// A state with another number of values than the robot has, or that [`Robot::place`](crate::Robot::place) refuses; a link out of
-    /// range: by the state's index.
+    /// A state with another number of values than the robot has, or that
+    /// [`Robot::place`](crate::Robot::place) refuses; a link out of range: by the state's index.
     pub fn collides<'e, S: AsRef<[f64]> + Sync>(
         &self,
         states: &[S],
@@ -254,8 +254,8 @@ impl StateChecker {
         Ok(all.iter().flatten().copied().collect())
     }
 
-    /// For each state the least signed distance of all pairs, as [`Workcell::clearance`] has it; `None` where there is
-    /// no pair.
+    /// For each state the least signed distance of all pairs, as [`Workcell::clearance`] has it; `None`
+    /// where there is no pair.
     ///
     /// # Errors
     /// Those of [`Workcell::clearance`], by the state's index.

@@ -15,9 +15,10 @@ struct Network {
     bandwidth: f64,
 }
 
-/// Ethernet of 40 Gb/s with usNIC: 1.93 µs and 37.23 Gb/s between two hosts under Open MPI 1.8.1 (Squyres, "MPI over
-/// 40Gb Ethernet", blogs.cisco.com). Red Storm: at most 5 µs between its furthest nodes and 1.5 GB/s into each by its
-/// requirements (Brightwell et al., "Portals 3.3 on the Sandia/Cray Red Storm system").
+/// Ethernet of 40 Gb/s with usNIC: 1.93 µs and 37.23 Gb/s between two hosts under Open MPI 1.8.1 (Squyres,
+/// "MPI over 40Gb Ethernet", blogs.cisco.com). Red Storm: at most 5 µs between its furthest nodes and 1.5
+/// GB/s into each by its requirements (Brightwell et al., "Portals 3.3 on the Sandia/Cray Red Storm
+/// system").
 const NETWORKS: [Network; 2] = [
     Network { name: "40 GbE", latency: 1.93e-6, bandwidth: 37.23e9 / 8.0 },
     Network { name: "Red Storm", latency: 5e-6, bandwidth: 1.5e9 },
@@ -81,8 +82,8 @@ pub(crate) fn show(fitted: Fitted, report: &mut Report) -> Result<()> {
                 Cell::Number(step * 1e3),
             ];
             for network in &NETWORKS {
-                // The counts go to all ranks in as many rounds as halvings, each of half of them; then the ghosts to the
-                // neighbours.
+                // The counts go to all ranks in as many rounds as halvings, each of half of them; then the
+                // ghosts to the neighbours.
                 let rounds = count.log2();
                 let counts = rounds * (network.latency + 8.0 * count / 2.0 / network.bandwidth);
                 let exchange = counts + NEIGHBOURS * network.latency + bytes / network.bandwidth;

@@ -1,8 +1,8 @@
 //! One scene over many ranks.
 //!
-//! [`spread`] runs the program under MPI at 1, 2, 4 and 8 ranks; [`speed`] sets two ranks beside two threads;
-//! [`surface`] counts ghosts with ranks that are threads, and tests a model of them; [`forecast`] says by that model
-//! what thousands of ranks would take.
+//! [`spread`] runs the program under MPI at 1, 2, 4 and 8 ranks; [`speed`] sets two ranks beside two
+//! threads; [`surface`] counts ghosts with ranks that are threads, and tests a model of them; [`forecast`]
+//! says by that model what thousands of ranks would take.
 
 #![forbid(unsafe_code)]
 
@@ -20,9 +20,9 @@ use dcd_benches::{Header, Options, Print, Report, Units, exit_code};
 
 use program::Program;
 
-/// One scene over many ranks: objects, ghosts, bytes, balance and memory of each, two ranks beside two threads,
-/// and a model of thousands. What runs under MPI needs mpirun; with --quick, or where it is absent, ranks are threads
-/// alone.
+/// One scene over many ranks: objects, ghosts, bytes, balance and memory of each, two ranks beside two
+/// threads, and a model of thousands. What runs under MPI needs mpirun; with --quick, or where it is absent,
+/// ranks are threads alone.
 #[derive(Parser)]
 #[command(name = "ranks", version)]
 struct Line {

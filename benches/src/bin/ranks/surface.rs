@@ -86,37 +86,46 @@ fn counted(objects: usize, size: usize, seed: u64) -> Result<Ghosts> {
     Ok(all)
 }
 
-/// How many planes through the whole world cut it into so many equal boxes, a power of two: each axis in turn
-/// is halved.
-pub(crate) fn planes(ranks: usize) -> f64 {
+/// Into how many slabs each axis is cut by so many ranks, a power of two: each axis in turn is halved.
+fn slabs(ranks: usize) -> [f64; 3] {
     let halvings = ranks.max(1).ilog2();
-    (0..3).map(|axis| f64::from((1u32 << ((halvings + 2 - axis) / 3)) - 1)).sum()
+    [0, 1, 2].map(|axis| f64::from(1u32 << ((halvings + 2 - axis) / 3)))
 }
 
-/// What was fitted: for each plane through a world of N objects these times N^(2/3).
+/// What was fitted: how large boxes are, by the world's edge, is this by the cube root of their number.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fitted {
-    pub(crate) ghosts: f64,
+    size: f64,
     pub(crate) bytes_a_ghost: f64,
 }
 
 impl Fitted {
-    /// Ghosts of all ranks.
+    /// Ghosts of all ranks: along an axis cut by p planes a box meets 1 + p·size slabs on average.
     pub(crate) fn ghosts(self, objects: f64, ranks: usize) -> f64 {
-        self.ghosts * planes(ranks) * objects.powf(2.0 / 3.0)
+        let size = self.size / objects.cbrt();
+        let met = slabs(ranks).map(|slabs| 1.0 + (slabs - 1.0) * size);
+        objects * (met.iter().product::<f64>() - 1.0)
     }
 }
 
+/// The size that gives as many ghosts at the fitted numbers of ranks as were found, by bisection.
 fn fit(options: &Options, units: &Units) -> Option<Fitted> {
     let objects = model_objects(options);
-    let known: Option<Vec<(usize, Ghosts)>> =
-        FITTED.into_iter().map(|ranks| Some((ranks, units.get(&key(objects, ranks))?))).collect();
+    let known: Option<Vec<Ghosts>> =
+        FITTED.into_iter().map(|ranks| units.get(&key(objects, ranks))).collect();
     let known = known?;
-    let sum = |of: &dyn Fn(&(usize, Ghosts)) -> f64| known.iter().map(of).sum::<f64>();
-    let ghosts = sum(&|(_, found)| found.ghosts as f64);
-    let surface = sum(&|(ranks, _)| planes(*ranks)) * (objects as f64).powf(2.0 / 3.0);
-    let bytes_a_ghost = sum(&|(_, found)| found.sent_bytes as f64) / ghosts;
-    Some(Fitted { ghosts: ghosts / surface, bytes_a_ghost })
+    let ghosts: f64 = known.iter().map(|found| found.ghosts as f64).sum();
+    let bytes: f64 = known.iter().map(|found| found.sent_bytes as f64).sum();
+    let of = |size: f64| Fitted { size, bytes_a_ghost: bytes / ghosts };
+    let by_model = |size: f64| {
+        FITTED.into_iter().map(|ranks| of(size).ghosts(objects as f64, ranks)).sum::<f64>()
+    };
+    let (mut low, mut high) = (0.0, 100.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if by_model(middle) < ghosts { low = middle } else { high = middle }
+    }
+    Some(of(low))
 }
 
 pub(crate) fn show(
@@ -154,7 +163,7 @@ pub(crate) fn show(
     let Some(fitted) = fit(options, units) else { return Ok(None) };
     let columns = [
         Column::new("ranks"),
-        Column::new("planes"),
+        Column::new("slabs"),
         Column::new("ghosts"),
         Column::new("by the model").decimals(0),
         Column::new("off by").unit("%").decimals(1),
@@ -171,7 +180,7 @@ pub(crate) fn show(
         let (known, sent) = (found.ghosts as f64, found.sent_bytes as f64);
         table.push([
             Cell::from(ranks as u64),
-            Cell::Number(planes(ranks)),
+            Cell::from(slabs(ranks).map(|slabs| slabs.to_string()).join(" × ")),
             Cell::from(found.ghosts),
             Cell::Number(ghosts),
             Cell::Number(100.0 * (ghosts / known - 1.0)),
@@ -181,10 +190,11 @@ pub(crate) fn show(
         ])?;
     }
     report.note(format!(
-        "The model, of {objects} objects in a cube: ghosts = {:.2} · planes · N^(2/3), the planes being those that cut \
-         the cube into the ranks' boxes (1 for 2 ranks, 2 for 4, 3 for 8, 9 for 64), and {:.0} bytes a ghost and step. \
-         Fitted at 2 and 4 ranks; at 1 there is no ghost.",
-        fitted.ghosts, fitted.bytes_a_ghost
+        "The model: {objects} objects uniform in a cube that is cut into slabs along each axis; a box {:.2}·N^(-1/3) \
+         of the cube's edge long meets 1 + p times that of p + 1 slabs, and is a ghost in all but one of the ranks' \
+         boxes that it meets; {:.0} bytes a ghost and step. Both numbers are fitted at 2 and 4 ranks; at 1 there is \
+         no ghost.",
+        fitted.size, fitted.bytes_a_ghost
     ));
     report.table(table);
     Ok(Some(fitted))

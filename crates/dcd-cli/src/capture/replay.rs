@@ -129,7 +129,7 @@ fn steps(
             frame,
             pairs: step.candidate_count(),
             contacts: contacts.len(),
-            sensed: step.sensed().count(),
+            sensed: step.sensor_pairs().count(),
             undecided: step.report().undecided().len(),
             ms,
             digest: format!("{:016x}", digest(&contacts)),

@@ -1,7 +1,7 @@
 //! What is asked about the pairs of a scene.
 
 use crate::failure::Failure;
-use crate::precision::{Accuracy, Precision};
+use crate::precision::{Accuracy, Library, Precision};
 use clap::{Args, ValueEnum};
 use dcd_geom::Aabb;
 use std::path::PathBuf;
@@ -73,7 +73,7 @@ impl Ask {
         let Self { query: question, accuracy, margin, .. } = *self;
         let answers = if self.answers.is_some() { Answers::Kept } else { Answers::Dropped };
         let query = Query { question, accuracy, margin, answers };
-        if matches!(precision, Precision::ParryF32 | Precision::ParryF64) && !query.is_plain() {
+        if !matches!(precision.library(), Library::Ours(_)) && !query.is_plain() {
             let only = "answers --query overlap without a margin alone";
             return Err(Failure::at(format_args!("--precision {}", precision.name()), only));
         }

@@ -2,13 +2,14 @@
 
 use super::Query;
 use super::answer::{Answer, Way};
-use crate::precision::{Accuracy, Precision, in_words};
+use crate::precision::{Accuracy, in_words};
 use crate::reported::points;
 use dcd_gjk::distance::{self, DistanceResult};
 use dcd_gjk::query::MeasureAt;
 use dcd_gjk::{
     Certified, Depths, Gjk, Manifolds, Method, PairSolver, PosedShape, Reason, Verdict, epa,
 };
+use dcd_pipeline::Precision;
 
 /// The solvers' memory, from pair to pair.
 #[derive(Default)]
@@ -31,7 +32,7 @@ impl Solvers {
         let (verdict, settled) = match precision {
             Precision::Fast => Gjk::<f32>::default().settle(a, b, &mut ()),
             Precision::F64 => Gjk::<f64>::default().settle(a, b, &mut ()),
-            _ => Certified.settle(a, b, &mut Default::default()),
+            Precision::Certified => Certified.settle(a, b, &mut Default::default()),
         };
         let mut answer = Answer::new(&verdict, name(settled));
         match (query, verdict) {
@@ -81,7 +82,7 @@ fn distance(
 ) -> Answer {
     let (found, settled) = match precision {
         Precision::Fast | Precision::F64 => (distance::in_f64(a, b), Method::F64),
-        _ => distance::distance_at(accuracy.into(), a, b),
+        Precision::Certified => distance::distance_at(accuracy.into(), a, b),
     };
     let verdict = match found {
         DistanceResult::Apart(_) => Verdict::Apart,

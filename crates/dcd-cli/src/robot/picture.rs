@@ -44,8 +44,8 @@ impl Picture {
         }
     }
 
-    /// Writes the robot of a cell in these states: links and obstacles by their names, of those that are padded what
-    /// they are without it; what touches, and what may, in another colour; the points where.
+    /// Writes the robot of a cell in these states: links and obstacles by their names, of those that are
+    /// padded what they are without it; what touches, and what may, in another colour; the points where.
     pub(super) fn write(&self, cell: &mut Workcell, mut file: Output) -> Result<(), Failure> {
         let scene = cell.scene().clone();
         let is_padded = |i: usize| cell.part_of(i).is_some_and(|part| part != i);

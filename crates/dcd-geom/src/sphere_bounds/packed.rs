@@ -58,8 +58,8 @@ impl PackedSphereBounds {
     }
 
     /// The spheres of at most sixteen poses, the first of bound `first`, the next of the next, after the
-    /// last of the first again: as [`SphereBounds::sphere`] has them but for what f32 loses (docs/numerics/proofs.md,
-    /// "what is near"). Those beyond the last pose mean nothing. For kernels.
+    /// last of the first again: as [`SphereBounds::sphere`] has them but for what f32 loses
+    /// (docs/numerics/proofs.md, "what is near"). Those beyond the last pose mean nothing. For kernels.
     #[inline(always)]
     pub fn spheres<L: Lanes>(&self, l: L, first: usize, poses: &[Pose], row: &mut Sphere16) {
         let mut rows = [Row::default(); WIDTH];

@@ -88,7 +88,7 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
-        scratch.find_touching(&self.narrow, (a, b), pairs, sink);
+        self.find_touching((a, b), pairs, scratch, sink);
         let Scratch { touching, solver, .. } = scratch;
         for &Contact { pair, .. } in &*touching {
             let (one, other) = (PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j));
@@ -108,7 +108,7 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
-        scratch.find_touching(&self.narrow, (a, b), pairs, sink);
+        self.find_touching((a, b), pairs, scratch, sink);
         let unmeasured = |contact: &Contact<N::Answer>| Contact {
             pair: contact.pair,
             answer: S::Answer::default(),
@@ -117,19 +117,17 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
     }
 }
 
-impl<S, A: Copy + Default + Send + Sync + 'static, P: Default + Send> Scratch<P, A, S> {
-    /// Lists the pairs to which the narrow phase says yes.
-    fn find_touching<N, T>(
-        &mut self,
-        narrow: &Within<N>,
+impl<S: PairSolver + 'static, N: NarrowPhase> ThenMeasure<S, N> {
+    /// Lists the pairs to which the narrow phase says yes, in the scratch memory.
+    fn find_touching(
+        &self,
         (a, b): (Side<'_, N>, Side<'_, N>),
         pairs: &[Pair],
-        sink: &mut ContactSink<'_, T>,
-    ) where
-        N: NarrowPhase<Answer = A, Scratch = P>,
-    {
-        self.touching.clear();
-        let mut yes = ContactSink { contacts: &mut self.touching, report: sink.report };
-        narrow.decide(a, b, pairs, &mut self.narrow, &mut yes);
+        scratch: &mut <Self as NarrowPhase>::Scratch,
+        sink: &mut ContactSink<'_, S::Answer>,
+    ) {
+        scratch.touching.clear();
+        let mut yes = ContactSink { contacts: &mut scratch.touching, report: sink.report };
+        self.narrow.decide(a, b, pairs, &mut scratch.narrow, &mut yes);
     }
 }

@@ -95,7 +95,8 @@ pub(super) const SHORTEST: f32 = 1e-18;
 ///
 /// Of κ·reach: three products and two sums of the rotation 3, the sum with t and the difference of two
 /// centres 1 each; and either the vertices less the centre 2, or the mean that stands for the centre of a
-/// core without an inner sphere 2.02: 7.02. Of |t|: 2. (docs/numerics/proofs.md, "centres".) Smaller: false answers.
+/// core without an inner sphere 2.02: 7.02. Of |t|: 2. (docs/numerics/proofs.md, "centres".) Smaller: false
+/// answers.
 pub(super) const CENTRE: f64 = 8.0;
 
 /// How far a component of c, or of a computed point of A − B, may be off where four of them hold the

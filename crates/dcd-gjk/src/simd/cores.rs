@@ -205,7 +205,7 @@ impl Cores {
             excess: hull.excess * stretch,
             ..Core::default()
         };
-        let obb = hull.obb.and_then(|obb| obb.turned(pose, reach));
+        let obb = hull.obb.and_then(|obb| obb.rotated(pose, reach));
         self.with_blocks(core, &vertices, obb.as_ref())
     }
 
@@ -223,7 +223,7 @@ impl Cores {
         self.blocks.extend(Block::relative(kept, core.centre));
         let blocks = self.blocks.len() as u32 - first;
         let has_obb = obb.is_some();
-        let is_box = obb.is_some_and(ObbBounds::is_the_shape);
+        let is_box = obb.is_some_and(ObbBounds::is_exact);
         (Core { first, blocks, has_obb, is_box, ..core }, obb.map(ObbBoundsF32::of))
     }
 

@@ -13,16 +13,17 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, ShapeError};
 use dcd_simd::Path;
 
-/// How far apart the pairs within a margin are: [`Distances`](crate::Distances) at [`Accuracy::F32`], in packets of sixteen.
+/// How far apart the pairs within a margin are: [`Distances`](crate::Distances) at [`Accuracy::F32`], in
+/// packets of sixteen.
 ///
-/// Who touches whom is proved as [`Overlap`](crate::Overlap) proves it; of the others the lanes find the nearest
-/// vertices, of which f64 makes the points and the distance. Its bound, proved, is some millionths of the pair's
-/// size: what the lanes prove from below. Shapes that the lanes do not know, sizes that f32 has no room for, and what the
-/// margin cuts through, are measured one pair at a time.
+/// Who touches whom is proved as [`Overlap`](crate::Overlap) proves it; of the others the lanes find the
+/// nearest vertices, of which f64 makes the points and the distance. Its bound, proved, is some millionths
+/// of the pair's size: what the lanes prove from below. Shapes that the lanes do not know, sizes that f32
+/// has no room for, and what the margin cuts through, are measured one pair at a time.
 ///
-/// Whether a pair with a distance within its bound of the margin is told of is settled exactly. Distances and points
-/// may differ from CPU to CPU within their bounds, as f32's rounding does where it is fused; they do not with the number of
-/// threads, nor with what else is asked.
+/// Whether a pair with a distance within its bound of the margin is told of is settled exactly. Distances
+/// and points may differ from CPU to CPU within their bounds, as f32's rounding does where it is fused; they
+/// do not with the number of threads, nor with what else is asked.
 #[derive(Clone, Copy, Debug)]
 pub struct SimdDistances {
     path: Path,
@@ -33,8 +34,8 @@ pub struct SimdDistances {
 /// unit. Larger: worse bounds. Smaller: more pairs take a microsecond.
 const WORST: f64 = 8e-6;
 
-/// What the f64 arithmetic of a distance may be off by: unit 2⁻⁵³ of the pair's size. Weights 8, the rotations 12 for
-/// each shape, differences and the length 8; and room.
+/// What the f64 arithmetic of a distance may be off by: unit 2⁻⁵³ of the pair's size. Weights 8, the
+/// rotations 12 for each shape, differences and the length 8; and room.
 const ROUNDED: f64 = 64.0 * f64::EPSILON / 2.0;
 
 impl SimdDistances {

@@ -91,7 +91,7 @@ fn obb(curved: &Curved, (inner, outer): (Sphere, f64)) -> Option<ObbBounds> {
         CurvedKind::Cylinder => DVec3::new(square, square, curved.half_height()),
         _ => DVec3::ZERO,
     };
-    ObbBounds::along_axes(around, inside, (inner.radius, outer))
+    ObbBounds::axis_aligned(around, inside, (inner.radius, outer))
 }
 
 #[cfg(test)]

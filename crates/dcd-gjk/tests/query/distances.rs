@@ -142,7 +142,7 @@ fn the_lanes_tell_of_the_same_pairs_and_the_certified_distance_is_within_their_b
             let lanes = SimdDistances::on(path, margin).unwrap();
             let (quick, report) = found(&lanes, &scene, &pairs);
             assert!(report.undecided().is_empty() && quick.len() == certified.len());
-            assert_eq!(report.filed(), asked.filed());
+            assert_eq!(report.pair_count(), asked.pair_count());
             for (quick, certified) in quick.iter().zip(&certified) {
                 assert_eq!(quick.pair, certified.pair, "{path:?}");
                 assert_eq!(quick.answer.is_some(), certified.answer.is_some(), "{path:?}");

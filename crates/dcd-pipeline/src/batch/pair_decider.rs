@@ -62,8 +62,8 @@ impl<N: NarrowPhase> PairDecider<N> {
     /// decided. `pose(configuration, link)` is asked once for each link of a candidate.
     ///
     /// # Errors
-    /// More objects than a u32 counts; a candidate of a configuration, a link or an obstacle that is not there, by its
-    /// link; a pose out of range, by configuration · links + link: nothing is told then.
+    /// More objects than a u32 counts; a candidate of a configuration, a link or an obstacle that is not
+    /// there, by its link; a pose out of range, by configuration · links + link: nothing is told then.
     pub fn decide(
         &self,
         StaticWorld(world): &StaticWorld<N>,

@@ -5,7 +5,7 @@ use super::checker::BatchChecker;
 use super::culling::Culling;
 use super::rows::LinkRows;
 use super::set::{Members, ROW, Set};
-use crate::partition::for_each_range;
+use crate::moving_ranges::for_each_range;
 use dcd_broad::IdentifiedAabbs;
 use dcd_geom::{Aabb, Pair, Pose, Scene};
 use dcd_gjk::{NarrowPhase, Prepared, Sides};

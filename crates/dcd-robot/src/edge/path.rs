@@ -105,8 +105,8 @@ impl JointPath {
         Ok(())
     }
 
-    /// How far a quaternion turns, rad, and about which axis of its parent's frame: no more than a turn, on a straight
-    /// path.
+    /// How far a quaternion turns, rad, and about which axis of its parent's frame: no more than a turn, on
+    /// a straight path.
     pub(super) fn turn(&self, first: usize) -> DVec3 {
         match self {
             Self::Straight([from, to]) => {
@@ -119,8 +119,8 @@ impl JointPath {
         }
     }
 
-    /// The values at t: of a quaternion by slerp, the way that its numbers go; of all others within 16u of the largest control value each (docs/numerics/proofs.md, "edges"); those
-    /// given, at the ends.
+    /// The values at t: of a quaternion by slerp, the way that its numbers go; of all others within 16u of
+    /// the largest control value each (docs/numerics/proofs.md, "edges"); those given, at the ends.
     pub fn state_at(&self, robot: &Robot, t: f64, state: &mut Vec<f64>) {
         self.linear_at(t, state);
         if let (Self::Straight([from, to]), true) = (self, t > 0.0 && t < 1.0) {

@@ -176,8 +176,8 @@ impl Srdf {
     /// Joints without a value of their own (fixed, or mimicking others) say nothing.
     ///
     /// # Errors
-    /// A state of that group that there is not; a joint that the robot does not have; another number of values than the
-    /// joint has.
+    /// A state of that group that there is not; a joint that the robot does not have; another number of
+    /// values than the joint has.
     pub fn group_state(
         &self,
         robot: &Robot,

@@ -1,8 +1,9 @@
 //! Planes between hulls that spheres leave near each other, found without posing a vertex.
 //!
-//! A direction is turned into each hull's own frame, where its vertices lie sixteen to a block: the largest product is
-//! how far the hull reaches. A direction that does not part the hulls is mirrored by that between the two points found
-//! (Chung and Wang, "Quick collision detection of polytopes in virtual environments", 1996).
+//! A direction is turned into each hull's own frame, where its vertices lie sixteen to a block: the largest
+//! product is how far the hull reaches. A direction that does not part the hulls is mirrored by that between
+//! the two points found (Chung and Wang, "Quick collision detection of polytopes in virtual environments",
+//! 1996).
 
 use super::Goal;
 use super::links::{BodyHull, LinkSpheres};
@@ -128,8 +129,9 @@ fn hulls<'a>(
     }
 }
 
-/// Whether a plane is found between the two, beginning across a direction from the first to the second. The value of
-/// the farthest product counts, whichever vertex it is of (docs/numerics/proofs.md, "states in lanes").
+/// Whether a plane is found between the two, beginning across a direction from the first to the second. The
+/// value of the farthest product counts, whichever vertex it is of (docs/numerics/proofs.md, "states in
+/// lanes").
 #[inline(always)]
 fn are_parted<L: Lanes>(l: L, [a, b]: &[PlacedHull<'_>; 2], towards: Vec3) -> bool {
     let mut direction = unit(towards).unwrap_or(Vec3::X);

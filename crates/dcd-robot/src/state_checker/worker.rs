@@ -12,8 +12,8 @@ use dcd_pipeline::Candidate;
 use dcd_simd::{Path, WIDTH, dispatch_on};
 use std::sync::Mutex;
 
-/// How many packets of sixteen states are taken up together, so that what they leave fills the narrow phase's lanes.
-/// Larger: more memory for a thread. No effect on any answer.
+/// How many packets of sixteen states are taken up together, so that what they leave fills the narrow
+/// phase's lanes. Larger: more memory for a thread. No effect on any answer.
 const PACKETS: usize = 4;
 
 /// How many states those are.

@@ -85,8 +85,8 @@ impl Manifold {
 ///
 /// Up to four points between polytopes, rounded or not, half-spaces, and cylinders and cones that rest on a
 /// face or along a line; with a foreign shape the one point of the [`Depth`]. Of compounds and meshes those
-/// of all parts whose features meet along the normal of the deepest two. Costs [`Depths`], two passes over each polytope's faces, and for each polytope once
-/// a microsecond a vertex to find them.
+/// of all parts whose features meet along the normal of the deepest two. Costs [`Depths`], two passes over
+/// each polytope's faces, and for each polytope once a microsecond a vertex to find them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Manifolds;
 

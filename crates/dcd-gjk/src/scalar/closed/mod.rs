@@ -45,7 +45,8 @@ pub(crate) const SHARP: f64 = 1e-13;
 /// Whatever a formula leaves open, some 40 · 2⁻⁵³ of the pair's size, is as sharp as f64 promises.
 pub(crate) const AS_F64: f64 = f64::INFINITY;
 
-/// How deep two polytopes that touch overlap, if a formula proves it with a bound of at most `sharp` times the depth.
+/// How deep two polytopes that touch overlap, if a formula proves it with a bound of at most `sharp` times
+/// the depth.
 #[inline]
 pub(crate) fn depth(
     a: PosedSupport<'_, Polytope>,

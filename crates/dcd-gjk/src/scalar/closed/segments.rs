@@ -57,8 +57,8 @@ pub(super) fn distance(
     proposal.distance(sharp).map(DistanceResult::Apart)
 }
 
-/// How deep two that touch overlap, if their cores do not and the bound is at most `sharp` times the depth: what the
-/// distance of the cores leaves of the radii.
+/// How deep two that touch overlap, if their cores do not and the bound is at most `sharp` times the depth:
+/// what the distance of the cores leaves of the radii.
 pub(super) fn depth(
     a: PosedSupport<'_, Polytope>,
     b: PosedSupport<'_, Polytope>,
@@ -161,8 +161,8 @@ impl<'a> Proposal<'a> {
         Some([lower, upper])
     }
 
-    /// How far the truth may be from a value, by the bounds. Two sums each, of numbers that are at most the length and
-    /// the radius.
+    /// How far the truth may be from a value, by the bounds. Two sums each, of numbers that are at most the
+    /// length and the radius.
     fn error_of(&self, value: f64, [lower, upper]: [f64; 2]) -> f64 {
         (upper - value).max(value - lower) + 4.0 * UNIT * (self.length + self.radius)
     }
