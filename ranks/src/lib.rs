@@ -23,6 +23,7 @@ use std::panic;
 pub struct Mpi {
     world: SimpleCommunicator,
     traffic: Cell<Traffic>,
+    piece: usize,
     _universe: Universe,
 }
 
@@ -40,7 +41,18 @@ impl Mpi {
             tell(what);
             SimpleCommunicator::world().abort(101);
         }));
-        Some(Self { world: universe.world(), traffic: Cell::default(), _universe: universe })
+        Some(Self {
+            world: universe.world(),
+            traffic: Cell::default(),
+            piece: PIECE,
+            _universe: universe,
+        })
+    }
+
+    /// The same with messages in pieces of at most so many bytes, at least one a rank: for tests.
+    #[doc(hidden)]
+    pub fn in_pieces_of(self, bytes: usize) -> Self {
+        Self { piece: bytes.clamp(self.size(), PIECE), ..self }
     }
 
     /// Ends all ranks with an exit code.
@@ -85,19 +97,19 @@ impl Transport for Mpi {
         traffic.received += incoming.iter().map(|(_, message)| message.len() as u64).sum::<u64>();
         self.traffic.set(traffic);
         // Pieces from one rank arrive in the order in which they were sent.
-        let pieces = |length: usize| length.div_ceil(PIECE);
+        let pieces = |length: usize| length.div_ceil(self.piece);
         let all = messages.iter().chain(&incoming);
         let count = all.map(|(_, message)| pieces(message.len())).sum();
         mpi::request::multiple_scope(count, |scope, requests| {
             for (from, message) in &mut incoming {
                 let source = self.world.process_at_rank(*from as i32);
-                for piece in message.chunks_mut(PIECE) {
+                for piece in message.chunks_mut(self.piece) {
                     requests.add(source.immediate_receive_into(scope, piece));
                 }
             }
             for (to, message) in &messages {
                 let destination = self.world.process_at_rank(*to as i32);
-                for piece in message.chunks(PIECE) {
+                for piece in message.chunks(self.piece) {
                     requests.add(destination.immediate_send(scope, piece));
                 }
             }
@@ -114,7 +126,7 @@ impl Transport for Mpi {
         let mut all: Vec<Vec<u8>> =
             lengths.iter().map(|&length| Vec::with_capacity(length as usize)).collect();
         // In rounds, so that all that is on the way is counted by an i32.
-        let share = PIECE / self.size();
+        let share = self.piece / self.size();
         let longest = lengths.iter().max().map_or(0, |&length| length as usize);
         for start in (0..longest).step_by(share) {
             let part = |length: usize| length.min(start + share) - length.min(start);

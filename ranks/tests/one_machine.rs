@@ -6,7 +6,7 @@ use dcd_io::write_hull_scene;
 use dcd_pipeline::Pipeline;
 use dcd_scenes::SceneSpec;
 use serde_json::Value;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 const RANKS: [usize; 5] = [1, 2, 3, 4, 8];
@@ -145,11 +145,23 @@ fn what_cannot_be_read_is_told_once_and_ends_all_ranks() {
     assert!(told.contains(name) && told.contains("of record"), "{told}");
 }
 
+/// Cargo builds examples beside the tests.
+fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_BIN_EXE_dcd-mpi")).with_file_name("examples").join(name)
+}
+
+#[test]
+fn messages_in_pieces_arrive_whole() {
+    for ranks in [1, 3] {
+        let done = mpirun_of(&example("pieces"), ranks, &[]);
+        assert!(done.status.success(), "{}", text(&done.stderr));
+        assert_eq!(text(&done.stdout).lines().filter(|line| *line == "whole").count(), ranks);
+    }
+}
+
 #[test]
 fn a_rank_that_panics_ends_all_with_its_message() {
-    // Cargo builds examples beside the tests.
-    let example = Path::new(env!("CARGO_BIN_EXE_dcd-mpi")).with_file_name("examples").join("lost");
-    let lost = mpirun_of(&example, 3, &[]);
+    let lost = mpirun_of(&example("lost"), 3, &[]);
     let told = text(&lost.stderr);
     assert!(!lost.status.success());
     assert!(told.contains("rank 1 is lost"), "{told}");
@@ -164,7 +176,10 @@ fn measures_are_of_as_many_pairs_as_on_one_machine() {
         let arguments = ["detect", "--scene", "sparse", "--n", "600", "--json", "--query", query];
         assert_eq!(json(&mpirun(3, &arguments))["contacts"], touching);
     }
-    let near = ["detect", "--scene", "sparse", "--n", "600", "--json", "--query", "distance", "--margin", "0.3"];
+    let near = [
+        "detect", "--scene", "sparse", "--n", "600", "--json", "--query", "distance", "--margin",
+        "0.3",
+    ];
     let near = json(&mpirun(2, &near))["contacts"].as_u64().expect("a count") as usize;
     assert!(near > touching);
 }

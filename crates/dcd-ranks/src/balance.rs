@@ -83,9 +83,13 @@ fn stands_for(transport: &impl Transport, grid: &Grid, boxes: &[Aabb], drawn: &D
         .collect()
 }
 
-/// By how much of a rank's part a cut may be off, for the sake of a rounder key, which makes larger cubes of the
-/// regions, with less surface and fewer ghosts. Larger: worse balance.
-const GIVE: u64 = 25;
+/// By how much of a rank's part a cut may be off, one part in so many, for the sake of a rounder key, which makes
+/// larger cubes of the regions, with less surface and fewer ghosts. Larger parts: worse balance.
+const GIVE: u64 = 50;
+
+/// The same for the sake of a key at which an octant as large as a rank's part, or larger, begins: then both regions
+/// are whole cubes.
+const GIVE_FOR_OCTANTS: u64 = 12;
 
 /// The first key of each rank, where its part of the cost begins, about: of costs at keys, ascending.
 fn starts(costs: &[(u64, u64)], size: usize) -> Vec<u64> {
@@ -99,15 +103,22 @@ fn starts(costs: &[(u64, u64)], size: usize) -> Vec<u64> {
             (key, (before - cost) * size)
         })
         .collect();
-    let cut = |rank: u64| {
-        let (exact, give) = (rank * whole, whole / GIVE);
-        // Before which of them may be cut: where none is near enough, before the next.
+    // The roundest key before which the cost is off by one part in `give` at most, or else that of the next.
+    let cut_within = |exact: u64, give: u64| {
+        let off = whole / give;
         let next = sums.partition_point(|&(_, before)| before < exact);
-        let first = sums.partition_point(|&(_, before)| before + give < exact);
-        let last = sums.partition_point(|&(_, before)| before <= exact + give);
+        let first = sums.partition_point(|&(_, before)| before + off < exact);
+        let last = sums.partition_point(|&(_, before)| before <= exact + off);
         let (first, last) = if first < last { (first, last - 1) } else { (next, next) };
         let low = first.checked_sub(1).map_or(0, |before| sums[before].0);
         sums.get(last).map_or(u64::MAX, |&(high, _)| roundest(low, high))
+    };
+    // Keys have 63 bits, three an octant.
+    let part = (63 - size.ilog2()) / 3 * 3;
+    let cut = |rank: u64| {
+        let wide = cut_within(rank * whole, GIVE_FOR_OCTANTS);
+        let is_whole = wide != u64::MAX && wide.trailing_zeros() >= part;
+        if is_whole { wide } else { cut_within(rank * whole, GIVE) }
     };
     let mut starts: Vec<u64> =
         (0..size).map(|rank| if rank == 0 { 0 } else { cut(rank) }).collect();

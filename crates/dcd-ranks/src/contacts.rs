@@ -57,6 +57,11 @@ pub fn sort_contacts(transport: &impl Transport, mut own: Vec<[u64; 2]>) -> Sort
     SortedContacts { contacts: sorted, places, total: counts.iter().sum() }
 }
 
+/// All contacts in order, on every rank: for as many as one memory holds.
+pub fn gather_contacts(transport: &impl Transport, sorted: &SortedContacts) -> Vec<[u64; 2]> {
+    transport.all_gather(&bytes(&sorted.contacts)).iter().flat_map(|part| contacts(part)).collect()
+}
+
 /// 64-bit FNV-1a (Fowler, Noll, Vo) of all contacts in order, each as two u32, little endian: its state goes from
 /// rank to rank.
 ///
@@ -105,6 +110,9 @@ mod tests {
                 let own = |k: usize| if count == 300 { size - 1 } else { k * k % size };
                 let own = all.iter().enumerate().filter(|(k, _)| own(*k) == rank.rank());
                 let sorted = sort_contacts(rank, own.map(|(_, contact)| *contact).collect());
+                let mut expected = all.clone();
+                expected.sort_unstable();
+                assert_eq!(gather_contacts(rank, &sorted), expected);
                 let digest = digest(rank, &sorted).unwrap();
                 (sorted, digest)
             });

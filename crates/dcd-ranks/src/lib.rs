@@ -29,7 +29,7 @@ mod transport;
 mod wire;
 
 pub use balance::{Load, cut};
-pub use contacts::{SortedContacts, digest, sort_contacts};
+pub use contacts::{SortedContacts, digest, gather_contacts, sort_contacts};
 pub use cuts::Cuts;
 pub use error::RankError;
 pub use grid::Grid;

@@ -5,6 +5,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, anyhow};
 use dcd_benches::{Cell, Column, Options, Report, Table, Units, timing};
 use dcd_exec::{Par, with_threads};
+use dcd_geom::Scene;
 use dcd_pipeline::Pipeline;
 use dcd_scenes::SceneSpec;
 use serde::{Deserialize, Serialize};
@@ -32,32 +33,39 @@ pub(crate) fn plan() -> Vec<String> {
 }
 
 pub(crate) fn measure(program: &Program, options: &Options, units: &mut Units) -> Result<()> {
-    for (scene, objects) in SCENES {
-        units.run(&key(scene, objects), || {
+    for (name, objects) in SCENES {
+        units.run(&key(name, objects), || {
+            let spec = SceneSpec::parse(name)?.with_objects(objects).with_seed(options.seed);
+            let scene = spec.scene()?;
+            let mut pipeline = Pipeline::new();
+            pipeline.prepare_shapes(&scene);
             (0..ROUNDS)
-                .map(|_| round(program, scene, objects, options.seed))
+                .map(|_| {
+                    let threads_ms = on_threads(&scene, &mut pipeline)?;
+                    on_ranks(program, &spec, threads_ms)
+                })
                 .collect::<Result<Vec<_>>>()
         })?;
     }
     Ok(())
 }
 
-fn round(program: &Program, name: &str, objects: usize, seed: u64) -> Result<Round> {
-    let spec = SceneSpec::parse(name)?.with_objects(objects).with_seed(seed);
-    let threads_ms = {
-        let scene = spec.scene()?;
-        let mut pipeline = Pipeline::new();
-        pipeline.prepare_shapes(&scene);
-        let times = with_threads(2, || {
-            (0..STEPS)
-                .map(|_| timing::time(|| pipeline.step(&scene, Par::WarmPool).contact_count()).0)
-                .collect::<Vec<Duration>>()
-        });
-        median(times.map_err(|error| anyhow!("no threads: {error}"))?)
-    };
-    let (count, seed, steps) = (objects.to_string(), seed.to_string(), STEPS.to_string());
-    let arguments = ["--scene", name, "--n", &count, "--seed", &seed, "--repeat", &steps];
-    let told = program.detect(2, &arguments.map(str::to_owned))?;
+/// The median of the steps, milliseconds.
+fn on_threads(scene: &Scene, pipeline: &mut Pipeline) -> Result<f64> {
+    let times = with_threads(2, || {
+        (0..STEPS)
+            .map(|_| timing::time(|| pipeline.step(scene, Par::WarmPool).contact_count()).0)
+            .collect::<Vec<Duration>>()
+    });
+    Ok(median(times.map_err(|error| anyhow!("no threads: {error}"))?))
+}
+
+fn on_ranks(program: &Program, spec: &SceneSpec, threads_ms: f64) -> Result<Round> {
+    let numbers = [spec.objects as u64, spec.seed, STEPS as u64].map(|number| number.to_string());
+    let [count, seed, steps] = numbers.each_ref().map(String::as_str);
+    let arguments = ["--scene", spec.name(), "--n", count, "--seed", seed, "--repeat", steps]
+        .map(str::to_owned);
+    let told = program.detect(2, &arguments)?;
     let ms = |stage: &str| told["ms"][stage]["median"].as_f64().context("no time");
     Ok(Round { threads_ms, ranks_ms: ms("total")?, exchange_ms: ms("exchange")? })
 }
