@@ -25,6 +25,8 @@ pub struct Header {
     pub os: String,
     /// SIMD features that the processor offers, whatever the build assumes.
     pub cpu_features: Vec<String>,
+    /// The instruction set that our kernels ran on.
+    pub simd: String,
     /// `rustc --version` of the build.
     pub compiler: String,
     /// Target triple of the build.
@@ -61,6 +63,7 @@ impl Header {
             threads: options.threads(),
             os: format!("{} {}", env::consts::OS, env::consts::ARCH),
             cpu_features: cpu_features(),
+            simd: dcd_simd::Path::best().name().to_owned(),
             compiler: env!("DCD_COMPILER").to_owned(),
             target: env!("DCD_TARGET").to_owned(),
             target_features: list(env!("DCD_TARGET_FEATURES")),
@@ -84,6 +87,7 @@ impl Header {
             ("threads", self.threads.to_string()),
             ("OS", self.os.clone()),
             ("CPU features", or_none(self.cpu_features.join(" "))),
+            ("SIMD path", self.simd.clone()),
             ("compiler", self.compiler.clone()),
             ("target", self.target.clone()),
             ("target features", or_none(self.target_features.join(" "))),

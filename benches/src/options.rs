@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread;
 
+use dcd_simd::Path as SimdPath;
+
 use crate::resume::Start;
 use crate::timing::Effort;
 
@@ -25,6 +27,9 @@ pub struct Options {
     /// Measure everything anew, even what a stopped run of this build has finished
     #[arg(long)]
     pub fresh: bool,
+    /// Run our kernels on this instruction set, avx512, avx2 or portable [default: the widest of this CPU]
+    #[arg(long, value_name = "PATH", value_parser = force_path)]
+    pub simd: Option<SimdPath>,
     /// Where the results go [default: target/dcd/NAME in the workspace]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -63,6 +68,13 @@ pub struct Print {
     /// Print the whole as JSON, in place of the tables
     #[arg(long)]
     pub json: bool,
+}
+
+/// The path of that name, which the whole process runs on from here.
+fn force_path(name: &str) -> Result<SimdPath, String> {
+    let path: SimdPath = name.parse()?;
+    path.force().map_err(|error| error.to_string())?;
+    Ok(path)
 }
 
 /// What a binary ends with; an error is told with all its causes.

@@ -20,6 +20,7 @@ mod robot;
 mod stepper;
 
 use clap::{Parser, Subcommand};
+use dcd_simd::Path;
 use std::process::ExitCode;
 
 const EXIT_CODES: &str = "\
@@ -33,6 +34,9 @@ none of the inputs and none of the other outputs. Text may begin with a byte ord
 #[derive(Parser)]
 #[command(name = "dcd", version, after_help = EXIT_CODES)]
 struct Cli {
+    /// Run the kernels on this instruction set, avx512, avx2 or portable [default: the widest of this CPU]
+    #[arg(long, value_name = "PATH", global = true, value_parser = force_path)]
+    simd: Option<Path>,
     #[command(subcommand)]
     command: Command,
 }
@@ -45,9 +49,17 @@ enum Command {
     Robot(robot::Robot),
 }
 
+/// The path of that name, which the whole process runs on from here.
+fn force_path(name: &str) -> Result<Path, String> {
+    let path: Path = name.parse()?;
+    path.force().map_err(|error| error.to_string())?;
+    Ok(path)
+}
+
 fn main() -> ExitCode {
     quiet::about_parry();
-    let done = match Cli::parse().command {
+    let Cli { command, .. } = Cli::parse();
+    let done = match command {
         Command::Capture(capture) => capture.run(),
         Command::Detect(detect) => detect.run(),
         Command::Pairs(pairs) => pairs.run(),

@@ -19,6 +19,7 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod pair;
+mod path;
 mod portable;
 mod sphere16;
 
@@ -26,6 +27,7 @@ pub use aabb::Aabb;
 pub use aabb16::Aabb16;
 pub use aabb128::{Aabb128, Mask128};
 pub use pair::Pair;
+pub use path::{Path, UnavailablePath};
 pub use sphere16::{BoundingSphere, Sphere16};
 
 /// glam, so that a user has the same version of it.
@@ -257,53 +259,6 @@ pub trait Kernel {
     type Output;
     /// The computation; to be marked `#[inline(always)]`.
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
-}
-
-/// The instruction set that a kernel runs on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Path {
-    /// AVX-512 F, DQ, BW and VL: one register of sixteen.
-    Avx512,
-    /// AVX2 and FMA: two registers of eight.
-    Avx2,
-    /// Plain Rust on arrays of sixteen, for any CPU.
-    Portable,
-}
-
-impl Path {
-    /// All, the widest first.
-    pub const ALL: [Self; 3] = [Self::Avx512, Self::Avx2, Self::Portable];
-
-    /// Whether this CPU has it.
-    #[inline]
-    pub fn is_available(self) -> bool {
-        match self {
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => {
-                is_x86_feature_detected!("avx512f")
-                    && is_x86_feature_detected!("avx512dq")
-                    && is_x86_feature_detected!("avx512bw")
-                    && is_x86_feature_detected!("avx512vl")
-            }
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
-            Self::Portable => true,
-            #[cfg(not(target_arch = "x86_64"))]
-            _ => false,
-        }
-    }
-
-    /// The widest that this CPU has.
-    #[inline]
-    pub fn best() -> Self {
-        if Self::Avx512.is_available() {
-            Self::Avx512
-        } else if Self::Avx2.is_available() {
-            Self::Avx2
-        } else {
-            Self::Portable
-        }
-    }
 }
 
 /// Runs the kernel on the widest path of this CPU. Once a batch, never once a pair.
