@@ -16,13 +16,14 @@ type Check = fn() -> Result<Vec<String>>;
 /// # Errors
 /// The first check that fails, by name.
 pub fn run() -> Result<()> {
-    let checks: [(&str, Check); 9] = [
+    let checks: [(&str, Check); 10] = [
         ("format", format),
         ("dependency policy", dependency_policy),
         ("clippy", clippy),
         ("features", features),
         ("other processors", other_processors),
         ("docs", docs),
+        ("packages", packages),
         ("examples", examples),
         ("quick measurements", quick_measurements),
         ("fuzzing", fuzzing),
@@ -96,6 +97,13 @@ fn docs() -> Result<Vec<String>> {
     let mut command = cargo();
     command.args(["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings");
     cargo::shown(&mut command)?;
+    Ok(Vec::new())
+}
+
+/// That every crate could be published as it stands, short of building it once more from its package.
+fn packages() -> Result<Vec<String>> {
+    let dry = ["publish", "--workspace", "--dry-run", "--no-verify", "--allow-dirty", "--quiet"];
+    cargo::shown(cargo().args(dry))?;
     Ok(Vec::new())
 }
 

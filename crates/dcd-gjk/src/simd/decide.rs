@@ -78,6 +78,38 @@ impl Scratch {
     }
 }
 
+/// A stage after the spheres, with a queue of its own.
+#[derive(Clone, Copy)]
+enum Stage {
+    Obbs,
+    CentreAxis,
+    Nearest,
+    SecondPoint,
+    Portal,
+}
+
+impl Stage {
+    /// All, the latest first.
+    const LATEST_FIRST: [Self; 5] =
+        [Self::Portal, Self::SecondPoint, Self::Nearest, Self::CentreAxis, Self::Obbs];
+}
+
+impl Scratch {
+    /// The latest stage for which a packet waits, so that each finds its queue with room for what the one before
+    /// hands on.
+    #[inline(always)]
+    fn latest_stage(&self, whole: Whole) -> Option<Stage> {
+        let waits = |stage: &Stage| match stage {
+            Stage::Obbs => self.boxed.has(whole),
+            Stage::CentreAxis => self.axis.has(whole),
+            Stage::Nearest => self.near.has(whole),
+            Stage::SecondPoint => self.second.has(whole),
+            Stage::Portal => self.portal.has(whole),
+        };
+        Stage::LATEST_FIRST.into_iter().find(waits)
+    }
+}
+
 /// After how many supports, from the second point on, a pair that has a proof is content with what room
 /// it has. Larger: more pairs are known in the next steps. Smaller: a faster first step.
 const WIDENING: f32 = 4.0;
@@ -197,21 +229,13 @@ impl<T: ErrorBounds> Kernel for Decide<'_, T> {
                 self.open(l, first);
                 first += WIDTH;
             }
-            // The later stage first: so each finds room for what the earlier one hands on.
-            loop {
-                let Scratch { boxed, axis, near, second, portal, .. } = &*self.scratch;
-                if portal.has(whole) {
-                    self.round(l);
-                } else if second.has(whole) {
-                    self.second_point(l);
-                } else if near.has(whole) {
-                    self.nearer(l);
-                } else if axis.has(whole) {
-                    self.first_axis(l);
-                } else if boxed.has(whole) {
-                    self.obbs(l);
-                } else {
-                    break;
+            while let Some(stage) = self.scratch.latest_stage(whole) {
+                match stage {
+                    Stage::Portal => self.round(l),
+                    Stage::SecondPoint => self.second_point(l),
+                    Stage::Nearest => self.nearer(l),
+                    Stage::CentreAxis => self.first_axis(l),
+                    Stage::Obbs => self.obbs(l),
                 }
             }
             if whole == Whole::OrLast {

@@ -3,6 +3,7 @@
 use super::vector::V3;
 use dcd_geom::glam::Vec3;
 use dcd_simd::{IndexRow, Lanes, Row, WIDTH};
+use std::mem::offset_of;
 
 /// Sixteen pairs and what is known of them, row by row. Lengths are metres, in world axes; every
 /// point is one of A − B.
@@ -17,14 +18,44 @@ pub(super) struct PairPacket {
     rows: [Row; ROWS],
 }
 
+/// The rows of a packet, in the order in which the stages come to need them: a queue carries the first so many.
+/// Never made: the places of its fields number the rows of [`PairPacket`].
+#[repr(C)]
+#[allow(dead_code)]
+struct Layout {
+    inner: Row,
+    radius: Row,
+    unit: Row,
+    slack: Row,
+    separation: Row,
+    centres: [Row; 3],
+    p0: [Row; 3],
+    p1: [Row; 3],
+    direction: [Row; 3],
+    p2: [Row; 3],
+    found: Row,
+    round: Row,
+    lower: Row,
+    second: Row,
+    third: Row,
+    c0: [Row; 2],
+    c1: [Row; 2],
+    c2: [Row; 2],
+}
+
+/// The number of the row that begins that many bytes into a [`Layout`].
+const fn row(offset: usize) -> isize {
+    (offset / size_of::<Row>()) as isize
+}
+
 /// How many rows of a packet mean something after a stage: what is carried on.
-pub(super) const AFTER_SPHERES: usize = Vector::C as usize + 3;
+pub(super) const AFTER_SPHERES: usize = row(offset_of!(Layout, p0)) as usize;
 /// See [`AFTER_SPHERES`].
-pub(super) const AFTER_CONE: usize = Vector::P0 as usize + 3;
+pub(super) const AFTER_CONE: usize = row(offset_of!(Layout, p1)) as usize;
 /// See [`AFTER_SPHERES`].
-pub(super) const AFTER_SECOND_POINT: usize = Number::Round as usize + 1;
+pub(super) const AFTER_SECOND_POINT: usize = row(offset_of!(Layout, lower)) as usize;
 /// See [`AFTER_SPHERES`]: of a pair whose distance is measured.
-pub(super) const AFTER_NEAREST: usize = Corner::C2 as usize + 2;
+pub(super) const AFTER_NEAREST: usize = row(size_of::<Layout>()) as usize;
 
 /// How many rows there are.
 const ROWS: usize = AFTER_NEAREST;
@@ -33,51 +64,51 @@ const ROWS: usize = AFTER_NEAREST;
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Number {
     /// The radius of a sphere round c inside A − B, rounded down.
-    Inner = 0,
+    Inner = row(offset_of!(Layout, inner)),
     /// The sum of the swept radii, rounded up.
-    Radius = 1,
+    Radius = row(offset_of!(Layout, radius)),
     /// u·m: the unit of every rounding bound.
-    Unit = 2,
+    Unit = row(offset_of!(Layout, unit)),
     /// The sum of the centres' own errors.
-    Slack = 3,
+    Slack = row(offset_of!(Layout, slack)),
     /// What a separation may be off by, for a direction of 1-norm 1.
-    Separation = 4,
+    Separation = row(offset_of!(Layout, separation)),
     /// 1 where the pair has a portal that the ray from c to the origin passes, else 0.
-    Found = 20,
+    Found = row(offset_of!(Layout, found)),
     /// How many supports it took after the second point.
-    Round = 21,
+    Round = row(offset_of!(Layout, round)),
     /// At most the distance of the cores, metres.
-    Lower = 22,
+    Lower = row(offset_of!(Layout, lower)),
     /// The weight of the second point in the nearest one; the first has what the others leave of 1.
-    Second = 23,
+    Second = row(offset_of!(Layout, second)),
     /// The weight of the third.
-    Third = 24,
+    Third = row(offset_of!(Layout, third)),
 }
 
 /// Two rows of a packet: which vertices of a and of b make a point, as floats.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Corner {
     /// Of [`Vector::P0`].
-    C0 = 25,
+    C0 = row(offset_of!(Layout, c0)),
     /// Of [`Vector::P1`].
-    C1 = 27,
+    C1 = row(offset_of!(Layout, c1)),
     /// Of [`Vector::P2`].
-    C2 = 29,
+    C2 = row(offset_of!(Layout, c2)),
 }
 
 /// Three rows of a packet.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Vector {
     /// The difference of the centres: the centre of a sphere inside A − B.
-    C = 5,
+    C = row(offset_of!(Layout, centres)),
     /// The first support point of the portal.
-    P0 = 8,
+    P0 = row(offset_of!(Layout, p0)),
     /// The second.
-    P1 = 11,
+    P1 = row(offset_of!(Layout, p1)),
     /// The direction of the next support.
-    D = 14,
+    D = row(offset_of!(Layout, direction)),
     /// The third.
-    P2 = 17,
+    P2 = row(offset_of!(Layout, p2)),
 }
 
 impl PairPacket {
