@@ -24,7 +24,7 @@ pub enum Precision {
     Certified,
 }
 
-/// What is asked of a scene's pairs. Margins are metres: pairs within the margin of each other count as
+/// The query for a scene's pairs. Margins are metres: pairs within the margin of each other count as
 /// touching.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -74,7 +74,7 @@ impl Default for Question {
 pub enum Answer {
     /// That it touches.
     Overlap,
-    /// `None` where the two overlap, or are too near to be told apart.
+    /// `None` where the two overlap, or are too near for that to be proved.
     Distance(Option<Distance>),
     /// How deep it overlaps.
     Depth(Depth),

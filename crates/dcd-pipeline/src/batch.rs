@@ -39,7 +39,7 @@ struct Obstacles<N: NarrowPhase> {
     /// For each obstacle its index in the scene that it came from.
     names: Vec<u32>,
     tree: StaticTree,
-    /// For each obstacle its box and its sphere, grown as the narrow phase says, and a sphere in it.
+    /// For each obstacle its AABB and its sphere, grown as the narrow phase says, and a sphere in it.
     bounds: Vec<ObstacleBounds>,
     /// Whether some obstacle has a filter.
     filtered: bool,

@@ -6,21 +6,21 @@ use dcd_geom::{Aabb, Motion, Pair, Revision, Scene};
 
 /// The moving objects apart from the static ones, and a tree over the latter.
 ///
-/// A scene of moving objects alone needs none of it: its boxes go to the broad phase as they are.
+/// A scene of moving objects alone needs none of it: its AABBs go to the broad phase as they are.
 #[derive(Debug, Default)]
 pub(crate) struct Partition {
     layout: Option<Revision>,
     statics: Option<Revision>,
     /// The slots of the moving objects, ascending.
     movers: Vec<u32>,
-    /// Their boxes.
+    /// Their AABBs.
     boxes: Vec<Aabb>,
     world: StaticTree,
-    /// The static objects' slots and boxes that the tree is over.
+    /// The static objects' slots and AABBs that the tree is over.
     standing: (Vec<u32>, Vec<Aabb>),
 }
 
-/// Whose boxes have been written in this step.
+/// Whose AABBs have been written in this step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Boxed {
     /// Everyone's.
@@ -42,8 +42,8 @@ impl Partition {
     }
 
     /// Builds the broad phase over the moving objects, and the tree over the static ones if any of
-    /// their boxes has changed: a box may be another although nobody has moved, since what is prepared
-    /// of an object may depend on which shapes the scene has. So the tree is that of the boxes, whatever
+    /// their AABBs has changed: an AABB may be another although nobody has moved, since what is prepared
+    /// of an object may depend on which shapes the scene has. So the tree is that of the AABBs, whatever
     /// was there before.
     pub(crate) fn build(
         &mut self,
@@ -69,7 +69,7 @@ impl Partition {
         }
     }
 
-    /// Lists the static objects and their boxes; whether any of it has changed, bit for bit.
+    /// Lists the static objects and their AABBs; whether any of it has changed, bit for bit.
     fn take_standing(&mut self, scene: &Scene, aabbs: &[Aabb]) -> bool {
         let (names, boxes) = &mut self.standing;
         let (known, mut changed) = (names.len(), self.statics != Some(scene.statics()));
@@ -95,7 +95,7 @@ impl Partition {
         search: CandidateSearch<impl Fn(u32, u32) -> bool + Sync>,
     ) {
         let CandidateSearch { scene, may, exec, among, between } = search;
-        // Two searches, so that a scene without filters asks nothing.
+        // Two searches, so that a scene without filters calls none.
         if scene.filters_movers() {
             let keep = |i, j| scene.allows(i, j) && may(i, j);
             self.find_where(
@@ -133,12 +133,12 @@ impl Partition {
     }
 }
 
-/// Apart from each other where an order could tell them apart: −0 is not 0.
+/// Bits, since `==` takes −0 for 0 and an order does not.
 fn bits(aabb: &Aabb) -> [[u32; 3]; 2] {
     [aabb.min, aabb.max].map(|corner| corner.to_array().map(f32::to_bits))
 }
 
-/// What is asked for, and where it is written.
+/// The query, and where its pairs are written.
 pub(crate) struct CandidateSearch<'a, K> {
     pub(crate) scene: &'a Scene,
     /// Which pairs are wanted.

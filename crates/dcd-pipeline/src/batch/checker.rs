@@ -1,4 +1,4 @@
-//! Configurations of a link set, asked against a world.
+//! Checks configurations of a link set against a world.
 
 use super::rows::{LinkRows, numbered};
 use super::set::ROW;
@@ -29,7 +29,7 @@ pub struct Hit<A> {
     pub link: u32,
     /// What the link touches.
     pub other: Other,
-    /// That they touch, with what was asked for, or that it could not be settled.
+    /// That they touch, with what the query computes, or that it could not be decided.
     pub verdict: Verdict<A>,
 }
 
@@ -65,19 +65,19 @@ impl<'p, A: Copy + Send> Hits<'p, A> {
 /// of few configurations fills in vain (half a millisecond at 128). Smaller: lanes that run empty.
 const FEW: usize = 32;
 
-/// How many are taken up at once, at the most, where every hit is asked for: lanes are full in any
-/// case, so that fewer objects stay nearer. At most a row.
+/// How many configurations a task takes at most if every hit is reported: lanes are full in any case, and
+/// fewer objects stay in cache. At most a row.
 const MOST_OF_ALL: usize = 128;
 
 /// Into how many rows a batch is cut, if it has enough configurations. Larger: shorter rows, whose
 /// lanes run empty sooner. Smaller: threads wait for the last. No effect on any answer.
 const ROWS: usize = 16;
 
-/// Checks configurations of a link set against a world, on many threads, and keeps what that needs: for
-/// each thread room for 32 configurations, 128 or 512 from the first batch on that is large enough. The
-/// world is shared, and may be exchanged ([`BatchChecker::set_world`]).
+/// Checks configurations of a link set against a world, on many threads, and keeps its buffers: for each
+/// thread those of 32 configurations, 128 or 512 from the first batch on that is large enough. The world is
+/// shared and can be replaced ([`BatchChecker::set_world`]).
 ///
-/// A link is prepared only where its [`SphereBounds`] is near something: an obstacle's box, or another
+/// A link is prepared only where its [`SphereBounds`] is near something: an obstacle's AABB, or another
 /// link's bound.
 ///
 /// A batch is the poses of its configurations one after the other, one pose a link. The answers do
@@ -88,7 +88,7 @@ pub struct BatchChecker<N: NarrowPhase = dcd_gjk::Overlap> {
     pub(super) rows: LinkRows,
     /// Whether a link may not touch every obstacle.
     pub(super) filtered: bool,
-    /// For each link what its box comes from without its vertices, where that is known.
+    /// For each link what its AABB comes from without its vertices, where that is known.
     pub(super) bounds: PackedSphereBounds,
     /// What stands near any place, for spheres as large as the links'.
     pub(super) obstacle_grid: ObstacleGrid,
@@ -130,11 +130,11 @@ impl<N: NarrowPhase> BatchChecker<N> {
         Ok(())
     }
 
-    /// For each configuration one contact, if it has any. Where nothing is known to touch, a pair that
-    /// could not be settled, if there is one.
+    /// One contact of each configuration that has any. Where nothing is known to touch, an undecided pair, if
+    /// there is one.
     ///
-    /// Which of several contacts is told is not specified, but that it is the one that is found with
-    /// the least work; it is always the same, whatever other configurations are asked with it.
+    /// Which of several contacts is reported is not specified (the one that costs the least work); it does
+    /// not depend on the other configurations of the batch.
     ///
     /// # Errors
     /// There is not one pose for each link of each configuration; more configurations than a u32
@@ -162,9 +162,9 @@ impl<N: NarrowPhase> BatchChecker<N> {
         Ok(&self.first)
     }
 
-    /// Every pair that touches or could not be settled, configuration by configuration: its links
-    /// with the obstacles, in the order of the links and for each in that of the obstacles, then its
-    /// links with each other, then what could not be settled.
+    /// Every pair that touches or is undecided, configuration by configuration: links with obstacles, in the
+    /// order of the links and for each in that of the obstacles, then links with each other, then the
+    /// undecided pairs.
     ///
     /// # Errors
     /// Those of [`BatchChecker::first`], and every pose out of range.
@@ -181,7 +181,7 @@ impl<N: NarrowPhase> BatchChecker<N> {
             checker.workers.with(|worker| {
                 let start = grain * task;
                 worker.open(checker, start..count.min(start + grain));
-                refused.note(worker.settle_all(checker, poses));
+                refused.note(worker.find_all(checker, poses));
                 worker.append_all(checker, out);
             });
         });
@@ -190,7 +190,7 @@ impl<N: NarrowPhase> BatchChecker<N> {
         Ok(Hits(&self.all))
     }
 
-    /// How many of so many configurations are taken up at once, and room for them.
+    /// How many configurations a task takes; reserves memory for them.
     fn grain(&mut self, count: usize, most: usize) -> Result<usize, SceneError> {
         let grain = count.div_ceil(ROWS).clamp(FEW, most);
         if grain > self.rows.row {
@@ -217,7 +217,7 @@ impl<N: NarrowPhase> BatchChecker<N> {
     }
 }
 
-/// For each link what its box comes from without its vertices, where that is known.
+/// For each link what its AABB comes from without its vertices, where that is known.
 fn bounds_of<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> PackedSphereBounds {
     let aabb_margin = world.narrow.aabb_margin();
     let bound = |shape| Some(SphereBounds::of(shape)?.swept(aabb_margin?));

@@ -8,34 +8,34 @@ use dcd_geom::{Pair, Pose};
 use dcd_gjk::{NarrowPhase, Verdict};
 use std::ops::Range;
 
-/// How far the search of each configuration has come: each goes its own way through its links and
-/// what these are near of, in an order of its own, and all are asked together.
+/// How far the search of each configuration has come. Configurations test their links in order of
+/// clearance; the pairs of all of them form one batch.
 #[derive(Default)]
 pub(super) struct FirstHitSearch {
     /// For each configuration and link how far it is from a contact of inner spheres: see
     /// [`InscribedSphere::short_of`].
     distances: Vec<f32>,
-    /// For each configuration, one after the other, the links that are near an obstacle and not yet
-    /// asked for, in no order, and room for as many as there are; and how many there are.
+    /// For each configuration the links that are near an obstacle and not yet tested, unordered, in slices of
+    /// one entry per link; and how many there are.
     links: Vec<Rank>,
     left: Vec<u32>,
-    /// The configurations that have no hit yet, and something left to be asked for.
+    /// The configurations that have no hit yet and untested pairs left.
     open: Set,
-    /// Those whose links are not yet asked for against each other.
+    /// Those whose links are not yet tested against each other.
     folded: Set,
-    /// Those in which they are asked for now.
+    /// Those in which links are being tested against each other.
     unfolding: Set,
     /// Those in which they are, so that all pairs that wait are pairs of links.
     unfolded: Set,
     /// The pairs found near, link by link and configuration by configuration.
     near: Vec<Pair>,
-    /// For each configuration those that are still to be asked for, in the order of the answer.
+    /// For each configuration the pairs still to be decided, in the order of the answer.
     waiting: Vec<Range<usize>>,
     /// For each object of a link where its pairs end among those of the link.
     ends: Vec<usize>,
 }
 
-/// A link and how far it is from a contact, as one number: the least is asked first.
+/// A link and its distance from a contact, as one number: the least is tested first.
 type Rank = i64;
 
 /// The rank of a link at that distance.
@@ -53,17 +53,17 @@ fn link_of(rank: Rank) -> usize {
     rank as u32 as usize
 }
 
-/// How many pairs are settled at once, if there are as many. Larger: more are settled in vain, behind
-/// one that touches. Smaller: lanes stay idle.
+/// How many pairs are decided at once, if there are as many. Larger: more are decided in vain, behind one
+/// that touches. Smaller: lanes stay idle.
 const ENOUGH: usize = 256;
 
 impl<N: NarrowPhase> WorkerScratch<N> {
     /// Finds a hit of each configuration taken up, and writes it. The index of the first pose that
     /// was refused, if any.
     ///
-    /// What is found, and that a pose is refused, depends on the configuration alone: first inner
-    /// spheres are asked, link by link, then the links that are near something, the one with the
-    /// nearest inner sphere first, then the links against each other.
+    /// What is found, and that a pose is refused, depends on the configuration alone: inner spheres are
+    /// tested first, link by link, then the links that are near something, the one with the nearest inner
+    /// sphere first, then the links against each other.
     pub(super) fn find_first(
         &mut self,
         checker: &BatchChecker<N>,

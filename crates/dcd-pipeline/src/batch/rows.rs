@@ -50,7 +50,7 @@ fn rows_of(link_set: &LinkSet, row: usize) -> Result<Scene, SceneError> {
     })
 }
 
-/// The error about an object, told of the one with that number.
+/// The error, renumbered to the object with that number.
 pub(super) fn numbered(error: SceneError, number: usize) -> SceneError {
     match error {
         SceneError::OutOfRange { reach, .. } => SceneError::OutOfRange { object: number, reach },

@@ -20,7 +20,7 @@ pub(super) struct WorkerScratch<N: NarrowPhase> {
     pub(super) due: Vec<Set>,
     pub(super) posed: PosedLinks<N>,
     pub(super) decisions: Decisions<N>,
-    /// Where only first hits are asked for.
+    /// For queries of first hits.
     pub(super) search: FirstHitSearch,
     /// Where all hits are.
     sorting: Sorting<N::Answer>,
@@ -70,11 +70,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
 
     /// All pairs of the configurations taken up, decided. The index in the batch of the first pose that was
     /// refused, if any.
-    pub(super) fn settle_all(
-        &mut self,
-        checker: &BatchChecker<N>,
-        poses: &[Pose],
-    ) -> Option<usize> {
+    pub(super) fn find_all(&mut self, checker: &BatchChecker<N>, poses: &[Pose]) -> Option<usize> {
         let self_pairs = &checker.rows.link_set.self_pairs;
         let row = self.poses_of(checker, poses);
         self.culling.look(checker, (row, self.taken.len()), |_, _, _| false);
