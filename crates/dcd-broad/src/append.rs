@@ -7,12 +7,12 @@ use dcd_simd::{IndexRow, Lanes, WIDTH};
 #[derive(Debug)]
 pub(crate) struct Appender<'a> {
     out: &'a mut Vec<Pair>,
-    /// Where the next pair goes. What lies past it is room.
+    /// Where the next pair goes. What lies past it is free.
     end: usize,
 }
 
-/// By how many pairs the list grows, at least sixteen. Larger: more room is cleared in vain at the end
-/// of a task. Smaller: it is made more often.
+/// By how many pairs the list grows, at least sixteen. Larger: more memory is cleared in vain at the end
+/// of a task. Smaller: it grows more often.
 const GROWTH: usize = 512;
 
 impl<'a> Appender<'a> {
@@ -28,8 +28,8 @@ impl<'a> Appender<'a> {
             self.grow();
         }
         // Sixteen are written where they stay, and the surplus is written over.
-        if let Some(room) = self.out[self.end..].first_chunk_mut() {
-            l.compress_pairs(hits, (one, l.load_u(others)), room);
+        if let Some(slot) = self.out[self.end..].first_chunk_mut() {
+            l.compress_pairs(hits, (one, l.load_u(others)), slot);
             self.end += hits.count_ones() as usize;
         }
     }

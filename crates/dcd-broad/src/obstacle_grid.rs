@@ -14,10 +14,10 @@ use dcd_geom::glam::Vec3A;
 use dcd_geom::{Aabb, BoundingSphere, InscribedSphere, Pair, Sphere16};
 use dcd_simd::WIDTH;
 
-/// Where something stands: a box and a sphere that both contain it, and a sphere that it contains.
+/// Where something stands: an AABB and a sphere that both contain it, and a sphere that it contains.
 #[derive(Clone, Copy, Debug)]
 pub struct ObstacleBounds {
-    /// The exact box, which pairs are told by.
+    /// The exact AABB, which decides pairs.
     pub aabb: Aabb,
     /// A sphere round it, infinite where none is known.
     pub sphere: BoundingSphere,
@@ -33,12 +33,12 @@ impl ObstacleBounds {
     };
 }
 
-/// A grid over obstacles that stay: each cell lists those that a sphere about one of its points may
-/// reach, and names the one that a sphere there most likely touches.
+/// A grid over static obstacles: each cell lists those that a sphere about one of its points may reach, and
+/// names the one that such a sphere most likely touches.
 ///
-/// Most of what is asked for is near nothing, and for that one short list is read. Where a list
-/// would be long, or the sphere is larger than the grid was made for, the grid knows nothing, and a tree
-/// has to be asked.
+/// Most query spheres are near nothing and read one short list. Where a list would be long, or a sphere is
+/// larger than the grid was made for, the grid answers [`ObstacleGrid::unknown`] and a tree must be
+/// queried.
 #[derive(Clone, Debug)]
 pub struct ObstacleGrid {
     obstacle_bounds: Vec<Compact>,
@@ -62,10 +62,10 @@ struct Listed {
 }
 
 /// How many obstacles a list may have. Larger: more are looked at one by one where a tree tests
-/// sixteen at once. Smaller: the tree is asked more often. No effect on any answer.
+/// sixteen at once. Smaller: the tree is queried more often. No effect on any answer.
 const LONGEST: usize = 16;
 
-/// Beyond this an obstacle counts as infinite, metres: it widens no grid. A half-space's box ends at
+/// Beyond this an obstacle counts as infinite, metres: it widens no grid. A half-space's AABB ends at
 /// [`Aabb::LIMIT`].
 const INFINITE: f32 = 1e36;
 
@@ -91,7 +91,7 @@ impl ObstacleGrid {
         obstacle_grid
     }
 
-    /// Finds what is nearest each cell, and makes room for its list. How many obstacles it reaches.
+    /// Lays out the lists and finds the obstacle nearest each cell. Returns the lengths of the lists.
     fn layout(&mut self, reached: &[Aabb]) -> Vec<u32> {
         let unknown = self.unknown();
         let mut counts = vec![0; self.grid.len()];
@@ -157,7 +157,7 @@ impl ObstacleGrid {
     }
 
     /// Appends the pairs (i, j) of some of the obstacles, by their numbers i, with what is called j, whose
-    /// closed boxes overlap that box and for which `keep(i)` holds.
+    /// closed AABBs overlap that AABB and for which `keep(i)` holds.
     #[inline]
     pub fn append_pairs(
         &self,
@@ -180,7 +180,7 @@ impl ObstacleGrid {
     }
 }
 
-/// By how much a radius is taken larger where a whole cell is asked for. No unit; far above what f32
+/// Factor on a radius in the query of a whole cell. No unit; far above what f32
 /// loses in a comparison. Smaller: contacts could be missed. Larger: longer lists.
 const SAFE: f32 = 1.0 + 1.0 / 1024.0;
 
@@ -204,7 +204,7 @@ impl Compact {
         Self { min: min.into(), max: max.into(), centre: centre.into(), radius }
     }
 
-    /// Whether a [`BoundingSphere`] may reach what both the box and the sphere contain: docs/numerics/proofs.md,
+    /// Whether a [`BoundingSphere`] may reach what both the AABB and the sphere contain: docs/numerics/proofs.md,
     /// "what is near".
     #[inline]
     fn is_near(&self, centre: Vec3A, radius: f32) -> bool {
@@ -228,7 +228,7 @@ impl Compact {
     }
 }
 
-/// Every centre of a sphere of that radius that may reach the box. One step outward is more than the
+/// Every centre of a sphere of that radius that may reach the AABB. One step outward is more than the
 /// difference's rounding.
 fn widened(aabb: &Aabb, radius: f32) -> Aabb {
     Aabb {

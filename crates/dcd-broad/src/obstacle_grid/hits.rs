@@ -6,9 +6,8 @@ use std::ops::Range;
 
 /// What spheres may reach, sphere by sphere. Memory that is used again.
 ///
-/// Filled without a branch that depends on what is near: first the spheres of whose list anything
-/// stands are told from the others, then all lists are put one after the other, then all that is
-/// listed is tested.
+/// Filled without a branch that depends on what is near: first the spheres with a list that is not empty are
+/// selected, then all lists are concatenated, then every entry is tested.
 #[derive(Clone, Debug, Default)]
 pub struct GridHits {
     /// The lists that have anything, more than there are: what is beyond means nothing, as in what
@@ -62,8 +61,8 @@ impl GridHits {
         self.listed
     }
 
-    /// Tells the noted spheres from the `from`-th on, run by run of so many spheres, to what may end a run,
-    /// by its number: the rest of it is not told then, and none of it is noted any more.
+    /// Passes the noted spheres from the `from`-th on to `ends`, by runs of so many spheres, with the number of
+    /// the run. Where it returns true, the rest of the run is skipped and all of it is dropped.
     #[inline]
     pub fn sift(&mut self, from: usize, run: usize, mut ends: impl FnMut(usize, &Cell) -> bool) {
         let (lists, run) = (&mut self.lists[..self.listed], run.max(1));
@@ -86,9 +85,9 @@ impl GridHits {
         self.listed = kept;
     }
 
-    /// Notes those of the spheres that were looked up in whose cell anything stands. `list` is told how
-    /// many came before, and the cell; it tells where among the members its list lies, of at most
-    /// [`LONGEST`], and which is the likeliest.
+    /// Notes those of the looked-up spheres whose cell lists anything. `list` takes the count of earlier entries
+    /// and the cell; it returns where among the members its list lies, of at most [`LONGEST`], and which
+    /// obstacle is the likeliest.
     #[inline]
     pub(super) fn note(
         &mut self,

@@ -60,7 +60,7 @@ impl ObstacleGrid {
     /// Notes those of the spheres whose cells were found near which anything may be.
     pub(super) fn note(&self, spheres: Range<usize>, later: &[Pose], hits: &mut GridHits) {
         hits.note(spheres, |number, cell| {
-            // While memory answers for these, that of as many later ones is asked.
+            // The next poses are prefetched.
             prefetch(later.get(number..=number).unwrap_or_default());
             let [Listed { start, nearest }, next] = [cell, cell + 1].map(|cell| self.cells[cell]);
             (start..next.start, nearest)
