@@ -85,7 +85,7 @@ impl SampleSort {
         (Splitters(above), piles)
     }
 
-    /// Deals each task's keys to so many piles, and tells where those end. `make` writes a key and
+    /// Deals each task's keys to so many piles, and records where those end. `make` writes a key and
     /// says its pile.
     fn deal(
         &mut self,
