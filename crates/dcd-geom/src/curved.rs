@@ -27,7 +27,7 @@ pub struct Curved {
 
 /// How far a support may fall short, and how far it may be from the shape. Unit: u·(half height +
 /// radius). The rim's point loses 6 of its radius, the choice of the disc 6 of the radius or 4 of the
-/// half height: 12 (docs/numerics/proofs.md, "cylinders and cones"), and room. Smaller: false answers.
+/// half height: 12 (docs/numerics/proofs.md, "cylinders and cones"), and a margin. Smaller: false answers.
 const SUPPORT_ERROR: f64 = 20.0;
 
 impl Curved {
@@ -152,7 +152,7 @@ impl SupportMap<f64> for Curved {
     }
 }
 
-/// A number that tells the rim's points apart: a mix of all their bits (the finaliser of
+/// A number that distinguishes the rim's points: a mix of all their bits (the finaliser of
 /// splitmix64), so that two of the few points of a simplex share one once in 2³².
 fn feature(point: DVec3) -> u32 {
     let mix = |hash: u64, x: f64| {

@@ -15,8 +15,8 @@ use std::sync::Arc;
 
 /// Shapes, and objects that place them: the input of a step, valid by construction.
 ///
-/// An object has a slot for as long as it is there: its index in everything that a step tells.
-/// Objects come and go by [`Scene::insert`] and [`Scene::remove`]; a free slot has an empty box,
+/// An object has a slot for as long as it is there: its index in everything that a step reports.
+/// Objects come and go by [`Scene::insert`] and [`Scene::remove`]; a free slot has an empty AABB,
 /// is in no pair, and is taken by the next object.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
@@ -142,7 +142,7 @@ impl Scene {
         &self.shapes
     }
 
-    /// Marks the shapes: whoever derives something from them can tell that it is still of this scene.
+    /// Marks the shapes: whoever derives something from them can check that it is still of this scene.
     pub fn shape_revision(&self) -> Revision {
         self.shape_history.last()
     }
@@ -240,15 +240,15 @@ impl Scene {
             && !self.ignored.contains(i, j)
     }
 
-    /// Whether another scene filters the objects of these indices as this one does, and both were told to
-    /// ignore the same pairs in the same way: then both allow the same pairs of them. Compares lists; where
-    /// it says no, they still may.
+    /// Whether another scene filters the objects of these indices as this one does and ignores the same pairs
+    /// by the same calls: then both allow the same pairs of them. Compares lists; where it says no, they still
+    /// may.
     pub fn has_same_filters(&self, other: &Self, objects: std::ops::Range<usize>) -> bool {
         let own = self.filters.get(objects.clone());
         self.ignored == other.ignored && own == other.filters.get(objects)
     }
 
-    /// The box of object `i`: see [`Shape::aabb`]. Empty where the slot is free.
+    /// The AABB of object `i`: see [`Shape::aabb`]. Empty where the slot is free.
     pub fn aabb(&self, i: usize) -> Aabb {
         match self.slots[i] {
             Slot::Holds(_) => self.shape(i).aabb(&self.poses[i]),
@@ -263,7 +263,7 @@ fn check_count(what: &'static str, count: usize) -> Result<(), SceneError> {
 }
 
 fn check_reach(object: usize, shape: &Shape, pose: &Pose) -> Result<(), SceneError> {
-    // A half-space's box ends where the range does.
+    // A half-space's AABB ends where the range does.
     let own = if shape.is_bounded() { shape.reach() } else { 0.0 };
     let reach = pose.translation().abs().max_element() + own * (1.0 + pose.deviation());
     // Written so that NaN is refused.

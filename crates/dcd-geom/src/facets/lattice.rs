@@ -1,7 +1,7 @@
 //! The hull of points in triangles, on a lattice.
 //!
-//! The points are rounded once to a lattice of 2⁻³⁸ of their extent, so that what rounding brought
-//! off a line or plane is told from what is off it by more; on it every decision is exact.
+//! The points are rounded once to a lattice of 2⁻³⁸ of their extent, which separates deviations from a line
+//! or plane that are rounding from larger ones; on it every decision is exact.
 
 use crate::hull::{ExactPoints, Triangle, surface};
 use glam::DVec3;

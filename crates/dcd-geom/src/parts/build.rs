@@ -172,7 +172,7 @@ fn middle(count: usize) -> usize {
     count.div_ceil(2 * WIDTH) * WIDTH
 }
 
-/// Half of a box's surface.
+/// Half of an AABB's surface.
 fn surface(aabb: &Aabb) -> f32 {
     let Vec3 { x, y, z } = aabb.max - aabb.min;
     x * y + y * z + z * x

@@ -19,7 +19,7 @@ pub struct Triangles {
     pub corners: [Block; 3],
 }
 
-/// All corners of a mesh as the lanes want them: relative to the middle of their box, in f32.
+/// All corners of a mesh as the lanes want them: relative to the middle of their AABB, in f32.
 #[derive(Clone, Debug)]
 pub struct Corners {
     /// What they count from, in the mesh's frame, metres.
@@ -69,7 +69,7 @@ impl Mesh {
         let tree = PartTree::over(&boxes);
         let leaves = (0..tree.leaf_count())
             .map(|leaf| {
-                // A lane without a triangle holds the empty box and the index 0.
+                // A lane without a triangle holds the empty AABB and the index 0.
                 let lanes = tree.below()[leaf].0;
                 let filled = |lane: usize| tree.blocks()[leaf].get(lane) != Aabb::EMPTY;
                 let count = (0..WIDTH).take_while(|&lane| filled(lane)).count();
@@ -119,7 +119,7 @@ impl Mesh {
         &self.points
     }
 
-    /// The same points as the lanes want them: what the mesh's box is taken from.
+    /// The same points as the lanes want them: what the mesh's AABB is taken from.
     pub fn all_corners(&self) -> &Corners {
         &self.all_corners
     }
@@ -141,7 +141,7 @@ impl Mesh {
     }
 }
 
-/// The middle of the box round points.
+/// The middle of the AABB round points.
 fn middle(points: impl Iterator<Item = DVec3> + Clone) -> DVec3 {
     let low = points.clone().fold(DVec3::INFINITY, DVec3::min);
     low * 0.5 + points.fold(DVec3::NEG_INFINITY, DVec3::max) * 0.5

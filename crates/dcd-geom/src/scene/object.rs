@@ -3,7 +3,7 @@
 use crate::{Pose, Scene, SceneError};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Which objects may pair: each is a member of some groups and asks for some groups.
+/// Which objects may pair: each is a member of some groups and collides with some groups.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Filter {
     /// The groups it is in, one bit each.
@@ -16,7 +16,7 @@ impl Filter {
     /// In every group, touching every group: what an object has unless said otherwise.
     pub const ALL: Self = Self { groups: u32::MAX, mask: u32::MAX };
 
-    /// Whether each asks for a group of the other.
+    /// Whether each collides with a group of the other.
     #[inline]
     pub fn allows(self, other: Self) -> bool {
         self.groups & other.mask != 0 && other.groups & self.mask != 0
@@ -90,7 +90,7 @@ impl Object {
 /// An object of a scene, known again after others have come and gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Handle {
-    /// The slot: the object's index in contacts, poses and boxes.
+    /// The slot: the object's index in contacts, poses and AABBs.
     pub index: u32,
     /// How many objects had the slot before it.
     pub generation: u32,
