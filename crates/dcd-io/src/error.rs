@@ -88,7 +88,7 @@ pub enum ReadError {
         /// What stands there.
         text: String,
     },
-    /// A box's smallest coordinate is above its largest.
+    /// An AABB's smallest coordinate is above its largest.
     InsideOut {
         /// The line.
         line: usize,

@@ -209,8 +209,7 @@ pub fn write_hull_scene(scene: &RawScene, out: &mut impl Write) -> io::Result<()
             return Err(invalid(SceneError::NoSuchShape { object, shape: raw.shape, shapes }));
         };
         if let RawShape::Sphere { radius } | RawShape::Capsule { radius, .. } = shape {
-            let refused =
-                format!("object {object}: a hull scene has no room for radius {radius:e}");
+            let refused = format!("object {object}: a hull scene cannot hold radius {radius:e}");
             return Err(io::Error::new(io::ErrorKind::InvalidInput, refused));
         }
         write_shape(shape, out)?;

@@ -7,7 +7,7 @@ use dcd_geom::{Filter, Motion, Object, Pose, Scene, SceneError, Shape};
 use glam::{DMat3, DVec3};
 use std::path::Path;
 
-/// The least that a shape and an object take: asked before room is made for their number.
+/// The least that a shape and an object take: checked before memory is reserved for their number.
 const LEAST_SHAPE_BYTES: u64 = 4 + 8;
 const OBJECT_BYTES: u64 = 4 * 4;
 
@@ -32,7 +32,7 @@ impl Capture {
         let ignored = read_ignored(&mut cursor)?;
         let frame_bytes = 4 + u64::from(objects) * POSE_BYTES as u64;
         cursor.room(field("frames", 0), u64::from(frames), frame_bytes)?;
-        // There is room for so many, so that they can be counted in memory.
+        // The file holds so many, so that they can be counted in memory.
         let mut poses = Vec::with_capacity(frames as usize * placed.len());
         for frame in 0..frames {
             read_frame(&mut cursor, frame, placed.len(), &mut poses)?;

@@ -70,7 +70,7 @@ fn check_header(bytes: &[u8]) -> Result<(), MeshError> {
     if (20..=bytes.len()).contains(&length) {
         return Ok(());
     }
-    let problem = format!("the header tells of {length} bytes, but there are {}", bytes.len());
+    let problem = format!("the header states {length} bytes, but there are {}", bytes.len());
     Err(MeshError::refused(MeshFormat::Gltf, MeshPlace::Byte(8), problem))
 }
 
