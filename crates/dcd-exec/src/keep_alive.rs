@@ -3,7 +3,7 @@
 //! An idle thread of the pool sleeps after some ten microseconds, and waking it takes longer than
 //! many a section of a step. So whoever has worked in a section waits for the next one awake, until
 //! the whole is over. It waits in a job of its own, below which nothing of ours waits, and meanwhile
-//! does whatever else the pool is asked to do: so nobody waits for a thread that waits.
+//! does whatever other work the pool has: so nobody waits for a thread that waits.
 
 use std::cell::Cell;
 use std::sync::Arc;

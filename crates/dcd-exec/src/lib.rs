@@ -62,7 +62,7 @@ impl<'a> Exec<'a> {
     /// How many items are sorted without touching the pool: some tens of microseconds of work.
     pub const SORTED_AT_ONCE: usize = 4096;
 
-    /// Tells `observer` when stages and tasks begin and end.
+    /// Notifies `observer` when stages and tasks begin and end.
     pub fn observed(par: Par, observer: &'a dyn Observer) -> Self {
         Self { observer: Some(observer), ..Self::from(par) }
     }
@@ -276,17 +276,17 @@ mod tests {
         }
     }
 
-    /// Counts what it is told.
+    /// Counts its notifications.
     #[derive(Default)]
-    struct Told([AtomicUsize; 8]);
+    struct Counts([AtomicUsize; 8]);
 
-    impl Told {
+    impl Counts {
         fn add(&self, place: usize, by: usize) {
             self.0[place].fetch_add(by, Ordering::Relaxed);
         }
     }
 
-    impl Observer for Told {
+    impl Observer for Counts {
         fn stage_begins(&self, _: Stage) {
             self.add(0, 1);
         }
@@ -316,14 +316,14 @@ mod tests {
     #[test]
     fn an_observer_sees_every_section_and_task_begin_and_end() {
         for par in [Par::Serial, Par::Pool, Par::WarmPool] {
-            let told = Told::default();
-            let exec = Exec::observed(par, &told);
+            let counts = Counts::default();
+            let exec = Exec::observed(par, &counts);
             exec.stage(Stage::Pairs, || exec.tasks(10, |_| ()));
             exec.each(&mut [0; 5], |_, _| ());
             exec.divide(&mut [0; 20][..], 8, |_, _| ());
             exec.sort(&mut [3, 1, 2]);
             let tasks = 10 + 5 + 3;
-            let seen = told.0.map(AtomicUsize::into_inner);
+            let seen = counts.0.map(AtomicUsize::into_inner);
             assert_eq!(seen, [1, 1, tasks, 3, 3, 1, tasks, tasks]);
         }
     }
