@@ -76,7 +76,7 @@ impl ShapeFamily {
 /// Whether a pair touches; `None` where that is not known.
 pub type ShapeJudge<'a> = &'a dyn Fn(&ShapePair) -> Option<bool>;
 
-/// How far from the origin of its own frame a shape is, in turn; in sizes.
+/// How far from the origin of its own frame a shape is, in a cycle; in sizes.
 const OUT: [f64; 4] = [0.0, 1e3, 1e7, 1e12];
 
 /// Streams of these pairs' draws: above those of [`super::flip`].

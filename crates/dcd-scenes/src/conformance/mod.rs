@@ -58,7 +58,7 @@ pub enum Category {
     Concentric,
     /// The same shape at the same pose.
     Identical,
-    /// Boxes aligned with each other, stacked as bricks and pallets are.
+    /// Cuboids aligned with each other, stacked as bricks and pallets are.
     Aligned,
     /// Moved until the next float touches: a gap that cannot be smaller.
     Gap,

@@ -32,7 +32,7 @@ pub(super) fn scaled(k: usize, draw: &mut Draw) -> Pair {
     Some([(sized(&a, size)?, at_a), (sized(&b, size)?, at_b)])
 }
 
-/// The second is 1 to 1e-6 as large, near a vertex of the first or anywhere in its box.
+/// The second is 1 to 1e-6 as large, near a vertex of the first or anywhere in its AABB.
 pub(super) fn ratio(k: usize, draw: &mut Draw) -> Pair {
     let size = power_of_ten(-((k % 7) as i32));
     let a = (hull(draw, 1.0)?, turned(draw, DVec3::ZERO)?);
