@@ -1,5 +1,5 @@
-//! Shapes of other kinds: compounds and meshes part by part, and cylinders and cones where squares of
-//! whole numbers tell.
+//! Shapes of other kinds: compounds and meshes part by part, and cylinders and cones where comparing squares
+//! of integers decides.
 
 use crate::touches;
 use crate::world::{lowest_bit, whole};

@@ -18,7 +18,7 @@ pub struct Truth {
     unit: i32,
 }
 
-/// Bits of a rounded result before it is rounded to an f64's 53: 17 digits and room for the
+/// Bits of a rounded result before it is rounded to an f64's 53: 17 digits and a margin for the
 /// unit that a root loses.
 const DIGITS: i64 = 72;
 
