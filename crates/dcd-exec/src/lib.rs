@@ -37,7 +37,7 @@ pub enum Par {
     WarmPool,
 }
 
-/// Where tasks run and who watches. Cheap to copy; made from a [`Par`].
+/// Where tasks run, and their observer. Cheap to copy; made from a [`Par`].
 #[derive(Clone, Copy, Default)]
 pub struct Exec<'a> {
     /// `Serial` or `Pool`.
@@ -72,7 +72,7 @@ impl<'a> Exec<'a> {
         self.par == Par::Pool
     }
 
-    /// The same, but without the pool where there are so few items that it would cost more than it
+    /// The same, but serial below `few` items, where the pool would cost more than it
     /// saves. The tasks, and what comes of them, are the same.
     pub fn serial_below(self, items: usize, few: usize) -> Self {
         if items <= few { Self { par: Par::Serial, ..self } } else { self }
@@ -114,7 +114,7 @@ impl<'a> Exec<'a> {
 
     fn tasks_by(self, count: usize, task: &(dyn Fn(usize) + Sync)) {
         if self.is_plain(count) {
-            return self.in_turn(count, &mut |k| task(k));
+            return self.in_order(count, &mut |k| task(k));
         }
         self.section(count, || self.divide_from(0, Count(count), 1, &|k, _| task(k)));
     }
@@ -125,7 +125,7 @@ impl<'a> Exec<'a> {
     }
 
     /// Runs `task(0)`, `task(1)`, … on the calling thread, in order.
-    pub(crate) fn in_turn(self, count: usize, task: &mut dyn FnMut(usize)) {
+    pub(crate) fn in_order(self, count: usize, task: &mut dyn FnMut(usize)) {
         self.section(count, || (0..count).for_each(|k| self.watched(k, || task(k))));
     }
 
@@ -136,7 +136,7 @@ impl<'a> Exec<'a> {
         });
     }
 
-    /// Sorts; the result is that of any sort where no two are equal.
+    /// Sorts. Unstable, so that the result is determined only if no two are equal.
     pub fn sort<T: Ord + Send>(self, items: &mut [T]) {
         let count = items.len();
         let mut sort = || match self.serial_below(count, Self::SORTED_AT_ONCE).par {

@@ -3,7 +3,7 @@
 /// The stages of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Stage {
-    /// World boxes, and whatever else depends on one object's pose alone.
+    /// World AABBs, and whatever else depends on one object's pose alone.
     Boxes,
     /// The structure of the broad phase.
     Build,

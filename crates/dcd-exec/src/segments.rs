@@ -33,7 +33,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// Both as one, where `next` begins in the same buffer at this one's end. Whether it does
+    /// Both as one span, where `next` begins in the same buffer at this one's end. Whether it does
     /// depends on the schedule; what they hold, one after the other, does not.
     pub fn followed_by(self, next: Self) -> Option<Self> {
         let adjoins = self.buffer == next.buffer && self.start + self.len == next.start;
@@ -114,7 +114,7 @@ impl<T: Send> Segments<T> {
         spans.clear();
         let Some(Buffer { number, items }) = buffers.first_mut().map(Box::as_mut) else { return };
         *number = Some(0);
-        exec.in_turn(tasks, &mut |k| {
+        exec.in_order(tasks, &mut |k| {
             let start = items.len();
             task(k, items);
             spans.push(Span { buffer: 0, start, len: items.len().saturating_sub(start) });
