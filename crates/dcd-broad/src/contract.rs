@@ -85,7 +85,7 @@ fn kept(phase: &mut impl BroadPhase, aabbs: &[Aabb], par: Par) -> Result<Vec<Pai
     Ok(out.iter().flatten().copied().collect())
 }
 
-/// The plainest judge: every two AABBs, ascending.
+/// Brute force: every two AABBs, ascending.
 fn overlapping(aabbs: &[Aabb]) -> Vec<Pair> {
     let mut pairs = Vec::new();
     for (i, a) in (0..).zip(aabbs) {
@@ -122,7 +122,7 @@ mod tests {
     use glam::Vec3;
     use std::sync::atomic::AtomicU32;
 
-    /// Brute force with something done to its list.
+    /// Brute force whose list is altered.
     struct Spoilt<F>(F);
 
     impl<F: Fn(&mut Vec<Pair>, &[Aabb]) + Send> BroadPhase for Spoilt<F> {

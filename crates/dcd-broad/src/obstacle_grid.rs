@@ -1,4 +1,4 @@
-//! What stands near a place, cell by cell.
+//! A grid of the obstacles near any point.
 
 mod cells;
 mod hits;
@@ -14,7 +14,7 @@ use dcd_geom::glam::Vec3A;
 use dcd_geom::{Aabb, BoundingSphere, InscribedSphere, Pair, Sphere16};
 use dcd_simd::WIDTH;
 
-/// Where something stands: an AABB and a sphere that both contain it, and a sphere that it contains.
+/// Bounds of an obstacle: an AABB and a sphere that both contain it, and a sphere that it contains.
 #[derive(Clone, Copy, Debug)]
 pub struct ObstacleBounds {
     /// The exact AABB, which decides pairs.
@@ -48,16 +48,16 @@ pub struct ObstacleGrid {
     radius: f32,
     /// The grid's cells, one of what is larger than the grid was made for, and the end.
     cells: Vec<Listed>,
-    /// The lists, each ascending. One that is not known is the number after the last obstacle's.
+    /// The lists, each ascending. An unknown one is the number after the last obstacle's.
     members: Vec<u32>,
 }
 
-/// What a cell knows.
+/// The list of a cell.
 #[derive(Clone, Copy, Debug)]
 struct Listed {
     /// Where its list begins; it ends where that of the next cell begins.
     start: u32,
-    /// Of what it lists, or would list, the one whose inner sphere is nearest its middle.
+    /// The obstacle whose inner sphere is nearest its middle, of those that it lists or would list.
     nearest: u32,
 }
 
@@ -70,7 +70,7 @@ const LONGEST: usize = 16;
 const INFINITE: f32 = 1e36;
 
 impl ObstacleGrid {
-    /// For spheres of at most this radius, metres.
+    /// A grid for spheres of at most this radius, metres.
     pub fn new(obstacle_bounds: &[ObstacleBounds], radius: f32) -> Self {
         let reached: Vec<Aabb> =
             obstacle_bounds.iter().map(|obstacle| widened(&obstacle.aabb, radius)).collect();
@@ -111,7 +111,7 @@ impl ObstacleGrid {
             self.cells.push(Listed { start, nearest });
             start += if count > LONGEST as u32 { 1 } else { count };
         }
-        // A last list is that of what is larger than the grid was made for.
+        // The last list is that of spheres larger than the grid was made for.
         self.cells.extend([start, start + 1].map(|start| Listed { start, nearest: unknown }));
         counts
     }
@@ -119,7 +119,7 @@ impl ObstacleGrid {
     /// Writes the lists that are not too long.
     fn list(&mut self, reached: &[Aabb], counts: &[u32]) {
         let length = self.cells.last().map_or(0, |end| end.start) as usize;
-        // All are read as long as they may be.
+        // Every list is read at its maximum length.
         let mut members = vec![self.unknown(); length + LONGEST];
         let mut next: Vec<u32> = self.cells.iter().map(|cell| cell.start).collect();
         for (number, aabb) in (0..).zip(reached) {
@@ -135,13 +135,13 @@ impl ObstacleGrid {
         self.members = members;
     }
 
-    /// The number of what is not known, none of an obstacle.
+    /// The number that stands for "unknown"; no obstacle has it.
     pub fn unknown(&self) -> u32 {
         self.obstacle_bounds.len() as u32 - 1
     }
 
-    /// How far the inner sphere of a noted one is from a contact with the obstacle it most likely touches:
-    /// [`InscribedSphere::short_of`]. From what is not known, infinitely far.
+    /// How far the inner sphere of a noted one is from a contact with the obstacle that it most likely touches
+    /// ([`InscribedSphere::short_of`]); infinite if that is unknown.
     #[inline]
     pub fn short_of(&self, noted: &Cell, inner: &InscribedSphere) -> f32 {
         self.inners[noted.likeliest as usize].short_of(inner)

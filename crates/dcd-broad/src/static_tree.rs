@@ -1,4 +1,4 @@
-//! AABBs against a tree that stands still.
+//! AABBs against a tree of static objects.
 
 use crate::append::{Appender, append_where};
 use crate::{Aabb128, Mask128};
@@ -25,7 +25,7 @@ impl Default for StaticTree {
     }
 }
 
-/// AABBs and their names, as many.
+/// AABBs and as many names.
 #[derive(Clone, Copy, Debug)]
 pub struct IdentifiedAabbs<'a> {
     /// The AABBs, valid ones.
@@ -38,13 +38,13 @@ pub struct IdentifiedAabbs<'a> {
 const BOXES_PER_TASK: usize = 256;
 
 impl StaticTree {
-    /// On that path, or the portable one where this CPU does not have it. The pairs and their
+    /// A tree on that path, or the portable one where this CPU does not have it. The pairs and their
     /// order are the same on every path; for tests and measurements.
     pub fn on(path: Path) -> Self {
         Self { tree: WideBvh::default(), names: Vec::new(), path }
     }
 
-    /// Takes in the AABBs that stay, in place of those before.
+    /// Builds the tree over static AABBs, in place of those before.
     pub fn build(&mut self, boxes: IdentifiedAabbs, exec: Exec) {
         self.tree.build(boxes.aabbs, exec);
         self.names.clear();
@@ -90,8 +90,8 @@ impl StaticTree {
         );
     }
 
-    /// Which of the AABBs of a row, out of those that `which` has, overlap any that
-    /// stays.
+    /// Which of the AABBs of a row, out of those that `which` has, overlap any
+    /// static one.
     pub fn reached(&self, query: &Aabb128, which: Mask128) -> Mask128 {
         dispatch_on(self.path, Reach { tree: &self.tree, query, which })
     }
@@ -121,7 +121,7 @@ impl Kernel for Reach<'_> {
 }
 
 impl Reach<'_> {
-    /// Of sixteen AABBs those that overlap any: at the top all at once, below one by one.
+    /// Which of sixteen AABBs overlap any: at the top all at once, below one by one.
     #[inline(always)]
     fn sixteen<L: Lanes>(&self, l: L, boxes: &Aabb16, which: u32) -> u32 {
         let Some((top, below)) = self.tree.levels().split_last() else { return 0 };
@@ -165,7 +165,7 @@ fn finite(aabb: &Aabb) -> Aabb {
     Aabb { min: aabb.min.max(Vec3::MIN), max: aabb.max.min(Vec3::MAX) }
 }
 
-/// The pairs of some AABBs with those of a tree.
+/// Finds the pairs of query AABBs with those of a tree.
 struct StaticTreeSearch<'a> {
     tree: &'a WideBvh,
     names: &'a [IndexRow],
@@ -189,7 +189,7 @@ impl Kernel for StaticTreeSearch<'_> {
     }
 }
 
-/// A way down a tree and back, from leaf to leaf that an AABB may overlap.
+/// A depth-first traversal, from leaf to leaf that an AABB may overlap.
 struct Walk {
     /// Above which level it begins, and on which one it is, from the lowest.
     start: usize,
@@ -203,7 +203,7 @@ struct Walk {
 }
 
 impl Walk {
-    /// From the node of that number on the level below that height.
+    /// A walk from the node of that number on the level below that height.
     #[inline(always)]
     fn from(start: usize, root: u32) -> Self {
         Self { start, height: start, root, nodes: [0; 8], children: [0; 8] }

@@ -65,7 +65,7 @@ fn ascending_bits(x: f32) -> u32 {
     if x.is_sign_negative() { !bits } else { bits | 1 << 31 }
 }
 
-/// In f64, where no square of a coordinate overflows.
+/// The axis of largest variance; in f64, where no square of a coordinate overflows.
 fn axis_of_variance(aabbs: &[Aabb]) -> usize {
     let centres = || aabbs.iter().map(|aabb| aabb.centre().as_dvec3());
     let mean = centres().sum::<DVec3>() / aabbs.len().max(1) as f64;

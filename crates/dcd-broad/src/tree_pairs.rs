@@ -11,7 +11,7 @@ use dcd_exec::{Exec, Par, PerThread, Segments};
 use dcd_geom::{Aabb, Pair};
 use walk::Walk;
 
-/// Finds pairs by walking anybody's tree against itself, as algorithms 2 and 3 of the ParustDCD
+/// Finds pairs by traversing any tree against itself, as algorithms 2 and 3 of the ParustDCD
 /// paper do. The list is the same at any number of threads.
 ///
 /// ```
@@ -100,7 +100,7 @@ impl TreePairs<PaperTree> {
 }
 
 impl<B: BuildTree> TreePairs<B> {
-    /// Over the trees of `builder`, with the default traversal.
+    /// A broad phase over the trees of `builder`, with the default traversal.
     pub fn new(builder: B) -> Self {
         Self {
             builder,
@@ -116,7 +116,7 @@ impl<B: BuildTree> TreePairs<B> {
         Self { traversal, ..self }
     }
 
-    /// The tree over the AABBs that were taken in last.
+    /// The tree over the AABBs of the last build.
     pub fn tree(&self) -> &B::Tree {
         &self.tree
     }

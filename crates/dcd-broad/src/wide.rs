@@ -24,7 +24,7 @@ impl Default for WideTree {
 }
 
 impl WideTree {
-    /// On that path, or the portable one where this CPU does not have it. The pairs and their
+    /// A tree on that path, or the portable one where this CPU does not have it. The pairs and their
     /// order are the same on every path; for tests and measurements.
     pub fn on(path: Path) -> Self {
         Self { tree: WideBvh::default(), path }

@@ -1,4 +1,4 @@
-//! Space in cells.
+//! A grid of cells.
 
 use dcd_geom::Aabb;
 use dcd_geom::glam::{UVec3, Vec3, Vec3A};
@@ -29,7 +29,7 @@ pub(super) struct Grid {
 pub(super) const WHOLE: f32 = (1 << 23) as f32;
 
 impl Grid {
-    /// Of as many cells over that extent as [`CELLS`] and [`LISTED`] allow for these AABBs.
+    /// The grid of as many cells over that extent as [`CELLS`] and [`LISTED`] allow for these AABBs.
     pub(super) fn finest(extent: Aabb, boxes: &[Aabb]) -> Self {
         let mut finest = Self::of(Aabb::default(), Vec3::ZERO);
         if !extent.is_valid() {
@@ -50,7 +50,7 @@ impl Grid {
         finest
     }
 
-    /// With so many cells along each axis.
+    /// A grid with so many cells along each axis.
     fn of(extent: Aabb, cells: Vec3) -> Self {
         // Nearly a cell short, so that the last point is in the last cell and not beyond.
         let scale = (cells - 0.75).max(Vec3::ZERO) / (extent.max - extent.min);
@@ -114,7 +114,7 @@ impl Grid {
         }
     }
 
-    /// What is in the cell at that place.
+    /// The region of the cell at that place.
     fn region(&self, place: UVec3) -> Region {
         let place = Vec3A::from(place.as_vec3());
         let edge = Vec3A::ONE / self.scale;
@@ -142,7 +142,7 @@ const ROUNDED: f32 = 4.0 * f32::EPSILON;
 /// A cell.
 pub(super) struct Region {
     pub(super) middle: Vec3,
-    /// No point of it is beyond these.
+    /// The corners of the cell's extent, rounded outward.
     pub(super) min: Vec3A,
     pub(super) max: Vec3A,
 }

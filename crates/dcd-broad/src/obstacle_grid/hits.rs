@@ -1,29 +1,29 @@
-//! Lists put one after the other, and what of them is kept.
+//! Concatenated lists, and their entries that are kept.
 
 use super::LONGEST;
 use dcd_simd::IndexRow;
 use std::ops::Range;
 
-/// What spheres may reach, sphere by sphere. Memory that is used again.
+/// The obstacles that spheres may reach, sphere by sphere. Reusable memory.
 ///
 /// Filled without a branch that depends on what is near: first the spheres with a list that is not empty are
 /// selected, then all lists are concatenated, then every entry is tested.
 #[derive(Clone, Debug, Default)]
 pub struct GridHits {
-    /// The lists that have anything, more than there are: what is beyond means nothing, as in what
+    /// The non-empty lists, longer than their number: entries beyond it are void, as in what
     /// follows.
     lists: Vec<Cell>,
     listed: usize,
     /// The cells of the spheres that are looked up.
     pub(super) cells: Vec<IndexRow>,
     numbers: Vec<u32>,
-    /// For each listed number the sphere that it is listed for.
+    /// For each listed number its sphere.
     spheres: Vec<u32>,
     /// For each listed number how many before it are reached.
     before: Vec<u32>,
 }
 
-/// A sphere of which anything is listed.
+/// A sphere with a non-empty list.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cell {
     /// Its number.
@@ -94,7 +94,7 @@ impl GridHits {
         spheres: Range<usize>,
         list: impl Fn(usize, usize) -> (Range<u32>, u32),
     ) {
-        // Never shorter, so that nothing is filled twice.
+        // Never shrinks, so that nothing is filled twice.
         let most = self.lists.len().max(self.listed + spheres.len() + 1);
         self.lists.resize(most, Cell::default());
         let cells = self.cells.iter().flat_map(|row| row.0).enumerate();
@@ -118,7 +118,7 @@ impl GridHits {
         let mut end = 0;
         for list in &mut self.lists[..count] {
             let from = &members[list.start as usize..][..LONGEST];
-            // As many in any case, so that there is no loop.
+            // A constant number, so that there is no loop.
             self.numbers[end..end + LONGEST].copy_from_slice(from);
             self.spheres[end..end + LONGEST].fill(list.sphere);
             end += list.end as usize;
