@@ -1,10 +1,10 @@
-//! Who moves and who stands still, kept for as long as nobody comes or goes.
+//! Moving and static objects, kept until an object is added or removed.
 
 use dcd_broad::{BroadPhase, IdentifiedAabbs, StaticTree};
 use dcd_exec::{Exec, Segments};
 use dcd_geom::{Aabb, Motion, Pair, Revision, Scene};
 
-/// The moving objects apart from the static ones, and a tree over the latter.
+/// The lists of moving and of static objects, and a tree over the static ones.
 ///
 /// A scene of moving objects alone needs none of it: its AABBs go to the broad phase as they are.
 #[derive(Debug, Default)]
@@ -17,10 +17,10 @@ pub(crate) struct Partition {
     boxes: Vec<Aabb>,
     world: StaticTree,
     /// The static objects' slots and AABBs that the tree is over.
-    standing: (Vec<u32>, Vec<Aabb>),
+    static_aabbs: (Vec<u32>, Vec<Aabb>),
 }
 
-/// Whose AABBs have been written in this step.
+/// Which AABBs this step has written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Boxed {
     /// Everyone's.
@@ -55,8 +55,8 @@ impl Partition {
         if self.layout != Some(scene.layout()) {
             list(scene, Motion::Moving, &mut self.movers);
         }
-        if boxed == Boxed::All && self.take_standing(scene, aabbs) {
-            let (names, boxes) = &self.standing;
+        if boxed == Boxed::All && self.take_statics(scene, aabbs) {
+            let (names, boxes) = &self.static_aabbs;
             self.world.build(IdentifiedAabbs { aabbs: boxes, names }, exec);
         }
         (self.layout, self.statics) = (Some(scene.layout()), Some(scene.statics()));
@@ -70,8 +70,8 @@ impl Partition {
     }
 
     /// Lists the static objects and their AABBs; whether any of it has changed, bit for bit.
-    fn take_standing(&mut self, scene: &Scene, aabbs: &[Aabb]) -> bool {
-        let (names, boxes) = &mut self.standing;
+    fn take_statics(&mut self, scene: &Scene, aabbs: &[Aabb]) -> bool {
+        let (names, boxes) = &mut self.static_aabbs;
         let (known, mut changed) = (names.len(), self.statics != Some(scene.statics()));
         if changed {
             list(scene, Motion::Static, names);
@@ -86,8 +86,8 @@ impl Partition {
         changed
     }
 
-    /// Lists the candidates among the moving objects, then those of a moving object and a static
-    /// one: the pairs that the scene's filters let pass and the caller.
+    /// Lists the candidates among the moving objects, then those of a moving and a static object: the pairs that
+    /// the scene's filters and the caller allow.
     pub(crate) fn find(
         &self,
         aabbs: &[Aabb],

@@ -134,7 +134,7 @@ impl Pipeline {
 }
 
 impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
-    /// From the two phases, which may be anybody's.
+    /// A pipeline of these two phases, which may be the caller's own.
     pub fn with(broad: B, narrow: N) -> Self {
         Self {
             broad,
@@ -210,7 +210,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         exec.stage(Stage::Narrow, || self.judge(scene, exec));
     }
 
-    /// Static objects that are prepared already are passed over, where no moving one is between: if
+    /// Prepares the objects. Skips static objects that are prepared already, where no moving one is between: if
     /// the scene says that they have not changed and the narrow phase that its frame has not.
     fn prepare(&mut self, scene: &Scene, exec: Exec) -> Boxed {
         self.aabbs.resize(scene.len(), Aabb::EMPTY);

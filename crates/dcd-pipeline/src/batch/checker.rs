@@ -20,7 +20,7 @@ pub enum Other {
     Link(u32),
 }
 
-/// Something that is not known to be apart.
+/// A pair that is not proved apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit<A> {
     /// Which configuration.
@@ -61,15 +61,15 @@ impl<'p, A: Copy + Send> Hits<'p, A> {
     }
 }
 
-/// How many configurations are taken up at once, at the least. Larger: more memory, which a checker
-/// of few configurations fills in vain (half a millisecond at 128). Smaller: lanes that run empty.
+/// The fewest configurations that a task takes. Larger: more memory, which a checker of few configurations
+/// fills in vain (half a millisecond at 128). Smaller: lanes that run empty.
 const FEW: usize = 32;
 
 /// How many configurations a task takes at most if every hit is reported: lanes are full in any case, and
 /// fewer objects stay in cache. At most a row.
 const MOST_OF_ALL: usize = 128;
 
-/// Into how many rows a batch is cut, if it has enough configurations. Larger: shorter rows, whose
+/// The number of rows of a batch, if it has enough configurations. Larger: shorter rows, whose
 /// lanes run empty sooner. Smaller: threads wait for the last. No effect on any answer.
 const ROWS: usize = 16;
 
@@ -88,9 +88,9 @@ pub struct BatchChecker<N: NarrowPhase = dcd_gjk::Overlap> {
     pub(super) rows: LinkRows,
     /// Whether a link may not touch every obstacle.
     pub(super) filtered: bool,
-    /// For each link what its AABB comes from without its vertices, where that is known.
+    /// For each link the sphere bounds that give its AABB without its vertices, where they exist.
     pub(super) bounds: PackedSphereBounds,
-    /// What stands near any place, for spheres as large as the links'.
+    /// The obstacles near any point, for spheres as large as the links'.
     pub(super) obstacle_grid: ObstacleGrid,
     workers: PerThread<WorkerScratch<N>>,
     first: Vec<Option<Hit<N::Answer>>>,
@@ -109,12 +109,12 @@ impl<N: NarrowPhase> BatchChecker<N> {
         let filtered = has_filters(&world, &rows.link_set);
         let (workers, first, all) = (PerThread::default(), Vec::new(), Segments::default());
         let checker = Self { world, rows, filtered, bounds, obstacle_grid, workers, first, all };
-        // So that the first batch on this thread need not.
+        // Allocates now what the first batch on this thread needs.
         checker.workers.with(|worker| worker.open(&checker, 0..0));
         Ok(checker)
     }
 
-    /// Checks against other obstacles from now on. Costs a look-up grid over the new ones, and nothing for the
+    /// Replaces the obstacles. Costs a look-up grid over the new ones, and nothing for the
     /// links.
     ///
     /// # Errors
@@ -205,7 +205,7 @@ impl<N: NarrowPhase> BatchChecker<N> {
         self.rows.link_set.filters[link].allows(obstacle)
     }
 
-    /// How many configurations these poses are.
+    /// The number of configurations of these poses.
     fn count(&self, poses: &[Pose]) -> Result<usize, SceneError> {
         let links = self.rows.link_set.len();
         let count = poses.len().checked_div(links).unwrap_or(0);
@@ -217,7 +217,7 @@ impl<N: NarrowPhase> BatchChecker<N> {
     }
 }
 
-/// For each link what its AABB comes from without its vertices, where that is known.
+/// For each link the sphere bounds that give its AABB without its vertices, where they exist.
 fn bounds_of<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> PackedSphereBounds {
     let aabb_margin = world.narrow.aabb_margin();
     let bound = |shape| Some(SphereBounds::of(shape)?.swept(aabb_margin?));
@@ -229,7 +229,7 @@ fn grid_for<N: NarrowPhase>(world: &Obstacles<N>, bounds: &PackedSphereBounds) -
     ObstacleGrid::new(&world.bounds, bounds.largest_sphere(world.farthest()))
 }
 
-/// Whether a filter may part a link from an obstacle.
+/// Whether some filter may exclude a link with an obstacle.
 fn has_filters<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> bool {
     world.filtered || link_set.filters.iter().any(|filter| *filter != Filter::ALL)
 }
@@ -250,7 +250,7 @@ impl Refused {
         }
     }
 
-    /// Says why it was refused.
+    /// The error with the reason of the refusal.
     fn check<N: NarrowPhase>(
         self,
         checker: &BatchChecker<N>,
@@ -259,7 +259,7 @@ impl Refused {
         let object = self.0.into_inner();
         let Some(pose) = poses.get(object) else { return Ok(()) };
         let shape = &checker.rows.link_set.shapes[object % checker.rows.link_set.len()];
-        // As the scene of links refused it.
+        // The same refusal as by the scene of links.
         let refused = Scene::one_each(vec![shape.clone()], vec![*pose]).map(drop);
         refused.map_err(|error| numbered(error, object))
     }

@@ -34,7 +34,7 @@ type Span = [u32; 2];
 const UNKNOWN: Span = [u32::MAX; 2];
 
 impl Culling {
-    /// Looks where the links of so many configurations are; `poses` are those of the row.
+    /// Places and culls the links of so many configurations; `poses` are those of the row.
     ///
     /// `ends` receives the links that may reach anything: their configuration and number, their sphere and
     /// what is noted of it. It may end the configuration, of which nothing more is computed then. Returns the

@@ -25,7 +25,7 @@ pub(super) struct FirstHitSearch {
     folded: Set,
     /// Those in which links are being tested against each other.
     unfolding: Set,
-    /// Those in which they are, so that all pairs that wait are pairs of links.
+    /// Those in which that has begun: all their pending pairs are pairs of links.
     unfolded: Set,
     /// The pairs found near, link by link and configuration by configuration.
     near: Vec<Pair>,
@@ -58,7 +58,7 @@ fn link_of(rank: Rank) -> usize {
 const ENOUGH: usize = 256;
 
 impl<N: NarrowPhase> WorkerScratch<N> {
-    /// Finds a hit of each configuration taken up, and writes it. The index of the first pose that
+    /// Finds and writes a hit of each configuration of the task. Returns the index of the first pose that
     /// was refused, if any.
     ///
     /// What is found, and that a pose is refused, depends on the configuration alone: inner spheres are
@@ -93,7 +93,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         refused
     }
 
-    /// Looks where all links are, and closes the configurations of which inner spheres prove a hit.
+    /// Culls all links, and closes the configurations in which inner spheres prove a hit.
     fn look_for_contacts(
         &mut self,
         checker: &BatchChecker<N>,
@@ -140,8 +140,8 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         }
     }
 
-    /// Goes on, in every configuration that waits for nothing, to the next link, or to its links
-    /// against each other. Whether there is any.
+    /// Advances every configuration without pending pairs to its next link, or to its links against each other.
+    /// Returns whether there is any.
     fn advance(&mut self, checker: &BatchChecker<N>) -> bool {
         let FirstHitSearch { links, left, open, folded, unfolding, waiting, .. } = &mut self.search;
         let count = checker.rows.link_set.len();
@@ -173,7 +173,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         is_any
     }
 
-    /// Lists what the links come to are near of, in each configuration in order.
+    /// Lists the pairs of each configuration's current link, in order.
     fn gather(&mut self, checker: &BatchChecker<N>) {
         let FirstHitSearch { near, waiting, ends, .. } = &mut self.search;
         for link in 0..checker.rows.link_set.len() {
@@ -212,7 +212,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         self.search.waiting[config] = first..self.search.near.len();
     }
 
-    /// Takes the next pairs of every configuration, few of many or many of few.
+    /// Takes the next pairs of every configuration: few each of many configurations, or many each of few.
     fn take_turns(&mut self) {
         let FirstHitSearch { near, waiting, open, unfolded, .. } = &mut self.search;
         let each = (ENOUGH / open.len().max(1)).max(1);
@@ -248,7 +248,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
     }
 }
 
-/// The least, the last in its place.
+/// Removes the least; the last takes its place.
 #[inline]
 fn take_least(ranks: &mut [Rank]) -> Option<Rank> {
     let last = ranks.len().checked_sub(1)?;

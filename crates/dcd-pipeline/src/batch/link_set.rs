@@ -1,4 +1,4 @@
-//! What is posed together.
+//! Shapes that are posed together.
 
 use dcd_geom::{Filter, SceneError, Shape};
 
@@ -30,8 +30,8 @@ impl LinkSet {
         Ok(self)
     }
 
-    /// Also tests the links against each other, except for these pairs, in either order: adjacent
-    /// links, which always touch. The links' filters say nothing here.
+    /// Also tests the links against each other (self-collision), except for these pairs, in either order: adjacent
+    /// links, which always touch. The links' filters do not apply here.
     ///
     /// # Errors
     /// A pair names a link that is not there.

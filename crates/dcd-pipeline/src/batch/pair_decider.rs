@@ -1,4 +1,4 @@
-//! Pairs that a culling of the caller's own has left.
+//! Decides the pairs that the caller's own culling left.
 
 use super::checker::{Hit, Other};
 use super::decisions::{Against, Decisions};
@@ -21,8 +21,8 @@ pub struct Candidate {
     pub other: Other,
 }
 
-/// Decides pairs of links with obstacles and with each other, where whoever poses the links knows which
-/// pairs are near: what a [`BatchChecker`](super::BatchChecker) does once it has culled. The link set's own
+/// Decides pairs of links with obstacles and with each other for a caller that does its own culling: what
+/// a [`BatchChecker`](super::BatchChecker) does after culling. The link set's own
 /// filters and pairs are ignored.
 pub struct PairDecider<N: NarrowPhase = dcd_gjk::Overlap> {
     rows: LinkRows,
@@ -49,7 +49,7 @@ impl<N: NarrowPhase> std::fmt::Debug for PairDecider<N> {
 }
 
 impl<N: NarrowPhase> PairDecider<N> {
-    /// For so many configurations at once, at most 512.
+    /// A decider for so many configurations at once, at most 512.
     ///
     /// # Errors
     /// Those of [`StaticWorld::checker`].

@@ -81,8 +81,8 @@ impl<N: NarrowPhase> PosedLinks<N> {
         self.configurations[object as usize] as usize
     }
 
-    /// Poses and prepares what is due and not yet posed, where `pose(configuration, link)` says. The first
-    /// pose that was refused, by its number: configuration by configuration.
+    /// Poses and prepares what is due and not yet posed, at `pose(configuration, link)`. Returns the number of the
+    /// first refused pose, configuration by configuration.
     pub(super) fn place(
         &mut self,
         narrow: &N,
@@ -202,7 +202,7 @@ impl<N: NarrowPhase> PosedLinks<N> {
     /// The objects of two links of one configuration, if their AABBs overlap.
     pub(super) fn self_pair(&self, config: usize, links: (u32, u32)) -> Option<Pair> {
         let links = [links.0, links.1].map(|link| link as usize);
-        // Of a pose that was refused there is no object.
+        // A refused pose has no object.
         if links.iter().any(|&link| !self.posed[link].has(config)) {
             return None;
         }
