@@ -76,7 +76,7 @@ impl<'a> Cursor<'a> {
 
     /// Checks, before anything is allocated for them, that so many records of at least so many bytes can
     /// follow.
-    pub(crate) fn room(&self, field: Field, count: u64, size: u64) -> Result<(), ReadError> {
+    pub(crate) fn check_count(&self, field: Field, count: u64, size: u64) -> Result<(), ReadError> {
         let left = self.rest().len();
         let needed = count.saturating_mul(size);
         if needed <= left as u64 {

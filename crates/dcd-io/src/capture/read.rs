@@ -21,17 +21,17 @@ impl Capture {
     pub fn read(bytes: &[u8]) -> Result<Self, ReadError> {
         let mut cursor = Cursor::new(bytes, 0);
         let [shapes, objects, frames] = read_header(&mut cursor)?;
-        cursor.room(field("shapes", 0), u64::from(shapes), LEAST_SHAPE_BYTES)?;
+        cursor.check_count(field("shapes", 0), u64::from(shapes), LEAST_SHAPE_BYTES)?;
         let shapes: Vec<Shape> = (0..shapes as usize)
             .map(|index| shape::read(&mut cursor, index))
             .collect::<Result<_, _>>()?;
-        cursor.room(field("objects", 0), u64::from(objects), OBJECT_BYTES)?;
+        cursor.check_count(field("objects", 0), u64::from(objects), OBJECT_BYTES)?;
         let placed: Vec<Placed> = (0..objects as usize)
             .map(|index| read_object(&mut cursor, index, shapes.len()))
             .collect::<Result<_, _>>()?;
         let ignored = read_ignored(&mut cursor)?;
         let frame_bytes = 4 + u64::from(objects) * POSE_BYTES as u64;
-        cursor.room(field("frames", 0), u64::from(frames), frame_bytes)?;
+        cursor.check_count(field("frames", 0), u64::from(frames), frame_bytes)?;
         // The file holds so many, so that they can be counted in memory.
         let mut poses = Vec::with_capacity(frames as usize * placed.len());
         for frame in 0..frames {
@@ -135,7 +135,7 @@ fn read_object(cursor: &mut Cursor<'_>, index: usize, shapes: usize) -> Result<P
 
 fn read_ignored(cursor: &mut Cursor<'_>) -> Result<Vec<[u32; 2]>, ReadError> {
     let count = cursor.u32(field("ignored pairs", 0))?;
-    cursor.room(field("ignored pairs", 0), u64::from(count), 2 * 4)?;
+    cursor.check_count(field("ignored pairs", 0), u64::from(count), 2 * 4)?;
     let pair = |index: u32| {
         let field = field("ignored pairs", index as usize);
         Ok([cursor.u32(field)?, cursor.u32(field)?])
