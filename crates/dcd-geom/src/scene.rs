@@ -35,7 +35,7 @@ pub struct Scene {
     filtered: bool,
     sensor_count: usize,
     moving: usize,
-    standing: usize,
+    statics: usize,
     layout: Revision,
     static_revision: Revision,
 }
@@ -120,12 +120,12 @@ impl Scene {
 
     /// How many objects there are, moving and static.
     pub fn object_count(&self) -> usize {
-        self.moving + self.standing
+        self.moving + self.statics
     }
 
     /// How many of them are static.
     pub fn static_count(&self) -> usize {
-        self.standing
+        self.statics
     }
 
     /// Whether slot `i` holds a moving object, a static one, or none.
@@ -218,7 +218,7 @@ impl Scene {
 
     /// Whether [`Scene::allows`] may refuse some pair of slots.
     pub fn is_filtered(&self) -> bool {
-        self.filters_movers() || self.standing > 1 || self.object_count() < self.len()
+        self.filters_movers() || self.statics > 1 || self.object_count() < self.len()
     }
 
     /// Whether it may refuse a pair with a moving object in it: filters other than

@@ -127,7 +127,7 @@ impl SphereBounds {
         self.inside(sphere, self.inner_at_centre)
     }
 
-    /// As much smaller than that radius as the loose sphere is larger than it need be.
+    /// As much smaller than that radius as the bounding sphere is larger than it need be.
     #[inline]
     fn inside(&self, sphere: &BoundingSphere, radius: f64) -> InscribedSphere {
         let both = (radius + self.sphere.radius) as f32;

@@ -276,7 +276,7 @@ impl Scene {
     fn count_of(&mut self, motion: Motion) -> &mut usize {
         match motion {
             Motion::Moving => &mut self.moving,
-            Motion::Static => &mut self.standing,
+            Motion::Static => &mut self.statics,
         }
     }
 

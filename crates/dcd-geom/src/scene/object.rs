@@ -81,7 +81,7 @@ impl Object {
         Self { sensor: true, ..self }
     }
 
-    /// The same standing still.
+    /// The same, static.
     pub fn fixed(self) -> Self {
         Self { motion: Motion::Static, ..self }
     }

@@ -23,7 +23,7 @@ impl Scene {
     pub fn follow(&mut self, original: &Self) -> bool {
         let moved = |i: usize| self.poses[i] != original.poses[i];
         let stands = |i: usize| self.slots[i] == Slot::Holds(Motion::Static);
-        if self.standing > 0 && (0..self.len()).any(|i| stands(i) && moved(i)) {
+        if self.statics > 0 && (0..self.len()).any(|i| stands(i) && moved(i)) {
             self.static_revision = Revision::draw();
         }
         self.poses.clone_from(&original.poses);
