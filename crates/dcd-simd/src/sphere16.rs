@@ -24,7 +24,7 @@ impl BoundingSphere {
     }
 }
 
-/// Sixteen loose spheres, number by number.
+/// Sixteen bounding spheres, component by component.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sphere16 {
     /// Metres.
