@@ -4,7 +4,7 @@ use crate::error::check_length;
 use crate::{ShapeError, Sphere, Support, SupportMap};
 use glam::DVec3;
 
-/// What a curved shape was made as.
+/// The kind of a curved shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CurvedKind {
@@ -20,7 +20,7 @@ pub enum CurvedKind {
 pub struct Curved {
     kind: CurvedKind,
     half_height: f64,
-    /// Of the lower and the upper disc.
+    /// The radii of the lower and the upper disc.
     radii: [f64; 2],
     swept_radius: f64,
 }
@@ -63,7 +63,7 @@ impl Curved {
         Ok(Self { swept_radius: radius, ..self })
     }
 
-    /// What it was made as.
+    /// Its kind.
     pub fn kind(&self) -> CurvedKind {
         self.kind
     }

@@ -33,7 +33,7 @@ pub struct Facet {
 }
 
 impl Facets {
-    /// Of the hull of the points. Costs a microsecond a point; the same for the same points
+    /// The faces of the hull of the points. Costs a microsecond a point; the same for the same points
     /// everywhere.
     pub fn of(vertices: &[DVec3]) -> Self {
         let mut facets = Self::default();

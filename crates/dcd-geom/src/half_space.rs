@@ -34,7 +34,7 @@ impl HalfSpace {
         Ok(Self { normal, offset, swept_radius: 0.0 })
     }
 
-    /// The same with a sphere of this radius swept round it, metres; replaces any other radius.
+    /// The half-space with a sphere of this radius swept round it, metres; replaces any other radius.
     ///
     /// # Errors
     /// A radius that is negative or not finite.

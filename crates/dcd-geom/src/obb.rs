@@ -26,7 +26,7 @@ const THIN: f64 = 0.5;
 /// rounding of all that is computed for them.
 const MARGIN: f64 = 1e-12;
 
-/// What a pose may depart from a rotation by for its matrix to be axes.
+/// The largest deviation of a pose from a rotation whose columns serve as axes.
 const ORTHONORMAL: f64 = 1e-14;
 
 /// How much of a turned OBB's shortest edge its inner OBB must keep. No unit. Larger: more OBBs far
@@ -35,12 +35,12 @@ const ORTHONORMAL: f64 = 1e-14;
 const FAITHFUL: f64 = 0.999;
 
 impl ObbBounds {
-    /// Of an OBB round the origin with these half extents: both are that OBB.
+    /// The bounds of a cuboid round the origin with these half extents: both OBBs are the cuboid.
     pub(crate) fn of_cuboid(half_extents: DVec3) -> Self {
         Self { axes: DMat3::IDENTITY, outer: half_extents, inner: half_extents }
     }
 
-    /// Of the same core where each of its points R·v + t has been rounded, round the rounded place of
+    /// The bounds of the core with each of its points R·v + t rounded, round the rounded place of
     /// the centre; `size` is at least the length of any of these. `None` where an inner OBB is flat, or
     /// so small or so far from a rotation that rounding would show.
     ///
@@ -68,7 +68,7 @@ impl ObbBounds {
         self.inner == self.outer
     }
 
-    /// Of the hull of these points round the centre of that sphere inside it; `None` where the hull
+    /// The bounds of the hull of these points, round the centre of that sphere inside it; `None` where the hull
     /// is too round to gain, or its size overflows.
     pub(crate) fn of_hull(points: &[DVec3], inside: Sphere, outer_radius: f64) -> Option<Self> {
         if !(inside.radius < THIN * outer_radius) || !outer_radius.is_finite() {

@@ -7,7 +7,7 @@ use crate::{Facets, ObbBounds, Pose, Real, ShapeError, Support, SupportMap};
 use glam::DVec3;
 use std::sync::OnceLock;
 
-/// What a polytope was made as: the parameters that a closed form, or another library, needs.
+/// The kind of a polytope: the parameters that a closed form, or another library, needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Kind {
@@ -160,7 +160,7 @@ impl Polytope {
         Self { kind, vertices, radius: 0.0, inner, outer_radius, obb, reach, facets }
     }
 
-    /// What it was made as.
+    /// Its kind and parameters.
     pub fn kind(&self) -> Kind {
         self.kind
     }
@@ -223,7 +223,7 @@ fn check_vertices(vertices: &[DVec3]) -> Result<(), ShapeError> {
     Ok(())
 }
 
-/// That a shape may have this many vertices.
+/// Checks that a shape may have this many vertices.
 fn check_count(count: usize) -> Result<(), ShapeError> {
     match u32::try_from(count) {
         Ok(0) => Err(ShapeError::Empty),

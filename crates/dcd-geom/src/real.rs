@@ -71,7 +71,7 @@ pub trait Vector<R: Real>:
 {
     /// The origin.
     const ZERO: Self;
-    /// From three components.
+    /// The vector of three components.
     fn new(x: R, y: R, z: R) -> Self;
     /// The three components.
     fn components(self) -> [R; 3];

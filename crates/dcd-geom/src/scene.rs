@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// Shapes, and objects that place them: the input of a step, valid by construction.
 ///
-/// An object has a slot for as long as it is there: its index in everything that a step reports.
+/// An object has a slot until it is removed: its index in everything that a step reports.
 /// Objects come and go by [`Scene::insert`] and [`Scene::remove`]; a free slot has an empty AABB,
 /// is in no pair, and is taken by the next object.
 #[derive(Clone, Debug, Default)]
@@ -48,7 +48,7 @@ struct ShapeHistory(Vec<(Revision, usize)>);
 const REVISIONS: usize = 8;
 
 impl Default for ShapeHistory {
-    /// Of the list of nothing.
+    /// The revision of an empty list.
     fn default() -> Self {
         Self(vec![(Revision::default(), 0)])
     }
@@ -71,7 +71,7 @@ impl ShapeHistory {
     }
 }
 
-/// What a slot holds.
+/// The content of a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Slot {
     Holds(Motion),
@@ -142,7 +142,7 @@ impl Scene {
         &self.shapes
     }
 
-    /// Marks the shapes: whoever derives something from them can check that it is still of this scene.
+    /// The revision of the shapes: data derived from them is valid while it is equal.
     pub fn shape_revision(&self) -> Revision {
         self.shape_history.last()
     }
@@ -257,7 +257,7 @@ impl Scene {
     }
 }
 
-/// That a scene may have this many of something.
+/// Checks that a scene may have this many of something.
 fn check_count(what: &'static str, count: usize) -> Result<(), SceneError> {
     if u32::try_from(count).is_ok() { Ok(()) } else { Err(SceneError::TooMany { what, count }) }
 }

@@ -228,7 +228,7 @@ impl Shape {
         }
     }
 
-    /// The same shape with a sphere of this radius swept round it, metres: what is within it of the
+    /// The shape with a sphere of this radius swept round it, metres: what is within it of the
     /// shape. Added to a radius that the shape has, with one rounding.
     ///
     /// # Errors

@@ -61,7 +61,7 @@ impl InscribedSphere {
 const MARGIN: f64 = 1.0 / (1 << 16) as f64;
 
 impl SphereBounds {
-    /// Of a shape that has an end in every direction.
+    /// The bounds of a shape; `None` if it is infinite.
     pub fn of(shape: &Shape) -> Option<Self> {
         let inner = shape.inner();
         let (sphere, inner) = match shape {
@@ -86,7 +86,7 @@ impl SphereBounds {
         reach.is_finite().then_some(Self { sphere, inner, inner_at_centre, reach })
     }
 
-    /// With a sphere of this radius swept round the shape, metres. What is inside of the shape is left
+    /// The bounds with a sphere of this radius swept round the shape, metres. What is inside of the shape is left
     /// as it is.
     pub fn swept(self, by: f64) -> Self {
         Self { sphere: larger(self.sphere, by), reach: self.reach + by, ..self }

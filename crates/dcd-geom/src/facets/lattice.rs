@@ -27,7 +27,7 @@ pub(super) enum Hull {
     Point(u32),
 }
 
-/// Of at least one point; of none, an index that nothing has.
+/// The hull of at least one point; of none, an invalid index.
 pub(super) fn hull(vertices: &[DVec3]) -> Hull {
     let points = on_lattice(vertices);
     let start = match Start::of(&points) {
@@ -55,7 +55,7 @@ fn on_lattice(vertices: &[DVec3]) -> Vec<Point> {
     vertices.iter().map(|&v| (v - middle).to_array().map(on_axis)).collect()
 }
 
-/// What to begin with.
+/// The initial simplex.
 enum Start {
     Solid([u32; 4]),
     Flat([u32; 3]),

@@ -18,7 +18,7 @@ pub struct PartTree {
 }
 
 impl PartTree {
-    /// Over these AABBs, at least one, at most u32::MAX. O(n log² n).
+    /// A tree over these AABBs, at least one, at most u32::MAX. O(n log² n).
     pub(crate) fn over(boxes: &[Aabb]) -> Self {
         let mut tree = Self::default();
         build::build(boxes, &mut tree);
@@ -30,7 +30,7 @@ impl PartTree {
         &self.blocks
     }
 
-    /// For each block, what its AABBs stand for: parts below a leaf, else blocks. Lanes of empty
+    /// For each block, the children of its AABBs: parts below a leaf, else blocks. Lanes of empty
     /// AABBs are 0.
     pub fn below(&self) -> &[IndexRow] {
         &self.below

@@ -45,9 +45,9 @@ pub enum Motion {
 pub struct Object {
     /// The shape's index in the scene.
     pub shape: u32,
-    /// Where it is.
+    /// Its pose.
     pub pose: Pose,
-    /// What it may pair with.
+    /// Its filter.
     pub filter: Filter,
     /// Whether it moves.
     pub motion: Motion,
@@ -66,22 +66,22 @@ impl Object {
         Self { shape, pose, filter, motion, sensor: false, user_data: 0 }
     }
 
-    /// The same with another filter.
+    /// The object with another filter.
     pub fn with_filter(self, filter: Filter) -> Self {
         Self { filter, ..self }
     }
 
-    /// The same with the caller's own number.
+    /// The object with a number of the caller's.
     pub fn with_user_data(self, user_data: u64) -> Self {
         Self { user_data, ..self }
     }
 
-    /// The same as a sensor: a region that notices what enters it.
+    /// The object as a sensor: a region that reports what enters it.
     pub fn as_sensor(self) -> Self {
         Self { sensor: true, ..self }
     }
 
-    /// The same, static.
+    /// The object as a static one.
     pub fn fixed(self) -> Self {
         Self { motion: Motion::Static, ..self }
     }
@@ -96,7 +96,7 @@ pub struct Handle {
     pub generation: u32,
 }
 
-/// What names an object of a scene: its [`Handle`], or its index where that is known to hold.
+/// Identifies an object of a scene: its [`Handle`], or its index where that is known to be valid.
 ///
 /// A handle is refused once its object has been removed. An index names whatever has the slot now.
 pub trait ObjectRef: Copy + sealed::Sealed {

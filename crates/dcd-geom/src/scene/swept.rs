@@ -5,7 +5,7 @@ use crate::{Motion, Revision, Scene, Shape};
 use std::sync::Arc;
 
 impl Scene {
-    /// The same objects in the same slots, every shape with a sphere of this radius swept round it
+    /// A scene of the same objects in the same slots, every shape with a sphere of this radius swept round it
     /// (see [`Shape::swept`]), in metres. `None` for a radius that is negative or not finite, and
     /// where a shape or an object would reach out of range.
     pub fn swept(&self, radius: f64) -> Option<Self> {
