@@ -127,7 +127,7 @@ impl<'a> Cursor<'a> {
         Ok(numbers)
     }
 
-    /// That the file ends here.
+    /// Checks that the file ends here.
     pub(crate) fn end(&self) -> Result<(), ReadError> {
         match self.rest().len() {
             0 => Ok(()),

@@ -54,7 +54,7 @@ impl Capture {
         ReadError::within(path, Self::read)
     }
 
-    /// That no frame moves an object out of range, so that a replay can set every pose.
+    /// Checks that no frame moves an object out of range, so that a replay can set every pose.
     fn check_range(&self) -> Result<(), ReadError> {
         let mut scene = self.scene.clone();
         self.frames().enumerate().try_for_each(|(frame, poses)| {

@@ -153,7 +153,7 @@ impl TriangleMesh {
         self.triangles.iter_mut().flatten().for_each(|corner| *corner = new[*corner as usize]);
     }
 
-    /// The same, each coordinate times that of the scale. Where the scale mirrors, the triangles'
+    /// The triangles, each coordinate times that of the scale. Where the scale mirrors, the triangles'
     /// corners change their order, so that what was the front stays the front.
     #[must_use]
     pub fn scaled(mut self, scale: DVec3) -> Self {
