@@ -24,7 +24,7 @@ pub struct PaperTree {
     pub split: Split,
     /// Whether a split keeps the order of the AABBs on each side.
     pub partition: Partition,
-    /// From how many AABBs on a node's work is shared.
+    /// The number of AABBs above which a node's work is shared.
     pub parallel_above: BuildThreshold,
     /// The most AABBs of a node that no split is tried on.
     pub leaf_cutoff: NonZeroU32,
@@ -85,7 +85,7 @@ impl PaperTree {
     }
 }
 
-/// As written: of the two presets the one that no large AABB can spoil.
+/// [`PaperTree::as_written`]: the preset that no large AABB can degrade.
 impl Default for PaperTree {
     fn default() -> Self {
         Self::as_written()

@@ -45,7 +45,7 @@ pub(super) fn partition(
     in_first + in_second
 }
 
-/// Of at most [`GRAIN`] indices.
+/// Partitions at most [`GRAIN`] indices, stably.
 fn stable(indices: &mut [u32], is_left: impl Fn(u32) -> bool) -> usize {
     let mut right_side = [0; GRAIN];
     let (mut left, mut right) = (0, 0);
