@@ -6,7 +6,7 @@ use dcd_io::run::{self, Run};
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
-/// For each object, how many others the half-width is worked out from.
+/// How many other objects an object is compared with to compute the half-width.
 const PARTNERS: usize = 16;
 /// The cube's edge, metres, is not looked for much beyond this: AABBs are f32.
 const LARGEST_EDGE: f64 = 1e12;

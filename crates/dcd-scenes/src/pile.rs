@@ -43,7 +43,7 @@ pub struct Pile {
 pub struct PileContact {
     /// The objects.
     pub pair: Pair,
-    /// Of unit length, from the pair's first object to its second.
+    /// The unit normal, from the pair's first object to its second.
     pub normal: DVec3,
     /// How deep they overlap.
     pub depth: f64,

@@ -45,12 +45,12 @@ pub(crate) enum Body {
 /// Where scattered objects are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Spread {
-    /// In a cube of this half-width, metres, however many there are.
+    /// A cube of this half-width, metres, for any number of objects.
     Fixed(f64),
-    /// In a cube of the half-width that stands beside the largest number not above that of the
+    /// A cube of the half-width listed for the largest number not above that of the
     /// objects (or the first), scaled so that the density is that entry's.
     Dense(&'static [(usize, f64)]),
-    /// In cubes of half-width `cluster`, their middles in one of half-width `whole`.
+    /// Cubes of half-width `cluster`, their middles in one of half-width `whole`.
     Clusters { cluster: f64, whole: f64 },
 }
 

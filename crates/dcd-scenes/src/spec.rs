@@ -26,9 +26,9 @@ pub struct SceneSpec {
 /// Where the objects come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Family {
-    /// From the seed alone.
+    /// Drawn from the seed alone.
     Drawn(Recipe),
-    /// From the clouds of a game, which are read from a file.
+    /// Hulls of a game's clouds, read from a file.
     GameHulls(GameHulls),
 }
 

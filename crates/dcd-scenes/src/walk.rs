@@ -17,7 +17,7 @@ pub struct RandomWalk {
 }
 
 impl RandomWalk {
-    /// With steps of this standard deviation, metres and rad.
+    /// A walk with steps of this standard deviation, metres and rad.
     ///
     /// # Errors
     /// A deviation that is not positive and finite.

@@ -32,7 +32,7 @@ pub(super) fn box_or_hull(k: usize, draw: &mut Draw, size: f64) -> Option<Polyto
     }
 }
 
-/// The same shape, every length multiplied.
+/// The shape, every length multiplied.
 pub(super) fn sized(shape: &Polytope, by: f64) -> Option<Polytope> {
     let hull = Polytope::hull(shape.vertices().iter().map(|&v| v * by).collect()).ok()?;
     hull.rounded(shape.swept_radius() * by).ok()
@@ -48,7 +48,7 @@ pub(super) fn at(t: DVec3) -> Option<Pose> {
     Pose::from_translation(t).ok()
 }
 
-/// The same turn, there.
+/// The same rotation at another translation.
 pub(super) fn moved(pose: &Pose, t: DVec3) -> Option<Pose> {
     Pose::from_matrix(*pose.rotation(), t).ok()
 }

@@ -12,11 +12,11 @@ use glam::DVec3;
 pub struct ShapePair {
     /// The first.
     pub a: Shape,
-    /// Where it is.
+    /// The first shape's pose.
     pub pose_a: Pose,
     /// The second.
     pub b: Shape,
-    /// Where it is.
+    /// The second shape's pose.
     pub pose_b: Pose,
 }
 
