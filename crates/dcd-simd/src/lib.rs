@@ -101,7 +101,7 @@ pub trait Lanes: Copy {
 
     /// x in every lane.
     fn splat(self, x: f32) -> Self::F;
-    /// From memory, wherever it begins.
+    /// Loads from memory, unaligned.
     fn load_from(self, numbers: &[f32; WIDTH]) -> Self::F;
     /// Eight f64 and eight more, rounded.
     fn round_from(self, numbers: [&[f64; WIDTH / 2]; 2]) -> Self::F;
@@ -145,7 +145,7 @@ pub trait Lanes: Copy {
 
     /// x in every lane.
     fn splat_d(self, x: f64) -> Self::D;
-    /// From memory, wherever it begins.
+    /// Loads from memory, unaligned.
     fn load_d(self, numbers: &[f64; WIDTH / 2]) -> Self::D;
     /// To memory, wherever it begins.
     fn store_d(self, a: Self::D, numbers: &mut [f64; WIDTH / 2]);
@@ -158,7 +158,7 @@ pub trait Lanes: Copy {
 
     /// x in every lane.
     fn splat_u(self, x: u32) -> Self::U;
-    /// From memory, wherever it begins.
+    /// Loads from memory, unaligned.
     fn load_from_u(self, numbers: &[u32; WIDTH]) -> Self::U;
     /// To memory, wherever it begins.
     fn store_to_u(self, a: Self::U, numbers: &mut [u32; WIDTH]);
