@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Parry's shapes, made once for the shapes of a scene.
 pub(crate) struct Forms<R: Library> {
-    /// Of the shapes that they were made for.
+    /// The revision of the shapes that they were made for.
     source: Revision,
     forms: Vec<Form<R>>,
 }
@@ -75,7 +75,7 @@ fn in_parrys_frame(shape: &Shape, pose: &Pose) -> Pose {
 }
 
 impl<R: Library> Forms<R> {
-    /// Of the scene's shapes: hulls are what costs.
+    /// Parry's forms of the scene's shapes: hulls are what costs.
     pub(crate) fn of(scene: &Scene) -> Self {
         let made = |shape: &Shape| Form { form: R::form(shape), reach: reach(shape) };
         let forms = scene.shapes().iter().map(made).collect();

@@ -13,7 +13,7 @@ pub enum Query {
     /// iterations, and does not say so.
     #[default]
     IntersectionTest,
-    /// The same with the function that it ends up in called directly where both shapes are
+    /// The same query, with the function that it ends up in called directly where both shapes are
     /// polyhedra: no dynamic dispatch at each support.
     DirectIntersectionTest,
     /// `query::distance` is 0, as the paper judged. It answers 0 where its GJK runs out of
@@ -62,7 +62,7 @@ pub trait Library: Real {
     const NO_BOX: Self::Box;
     /// The binned tree over AABBs, its leaves numbered in their order.
     fn build(boxes: impl ExactSizeIterator<Item = Self::Box>, tree: &mut Self::Tree);
-    /// The same in the memory of the tree before, if it had as many leaves: Parry's fastest way.
+    /// Builds in the memory of the tree before, if it had as many leaves: Parry's fastest way.
     /// It starts from the order of that tree's leaves, so that the new one depends on it.
     fn rebuild(boxes: impl ExactSizeIterator<Item = Self::Box>, tree: &mut Self::Tree);
     /// The tree before with the leaves' new AABBs: its nodes are fitted anew and a part of it is

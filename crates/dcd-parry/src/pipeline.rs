@@ -71,7 +71,7 @@ impl<R: Library> ParryPipeline<R> {
         }
     }
 
-    /// The same with the tree kept in that way.
+    /// The pipeline with the tree updated in that way.
     pub fn with_upkeep(self, upkeep: Upkeep) -> Self {
         Self { upkeep, ..self }
     }
@@ -180,7 +180,7 @@ impl<'p> ParryStep<'p> {
         self.contacts.len()
     }
 
-    /// The same pairs sorted, to be compared as a set.
+    /// The pairs sorted, to be compared as a set.
     pub fn sorted_contacts(&self) -> Vec<Pair> {
         let mut contacts: Vec<_> = self.contacts().collect();
         contacts.sort_unstable();

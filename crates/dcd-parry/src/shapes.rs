@@ -27,7 +27,7 @@ impl<R: Library> Default for ParryShapes<R> {
 }
 
 impl<R: Library> ParryShapes<R> {
-    /// With the shapes of this scene made now. Any other scene can be stepped too; its shapes are
+    /// Makes the shapes of this scene now. Any other scene can be stepped too; its shapes are
     /// made by its first step.
     pub fn new(scene: &Scene) -> Self {
         Self { query: Query::default(), made: Some(Arc::new(Forms::of(scene))) }

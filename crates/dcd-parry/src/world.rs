@@ -45,7 +45,7 @@ pub enum Until {
 }
 
 impl<R: Library> ParryWorld<R> {
-    /// Over the objects of a scene, and for configurations of these links.
+    /// A tree over the objects of a scene, for configurations of these links.
     ///
     /// # Errors
     /// More shapes than a u32 counts.
