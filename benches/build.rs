@@ -1,7 +1,7 @@
 //! Hands the compiler and its settings to the library: only the build knows them.
 //!
 //! The commit is not taken here: a build script is not run again when some other crate changes, so
-//! it would go stale. `machine` asks git when it runs.
+//! it would go stale. `machine` calls git when it runs.
 
 use std::env;
 use std::process::Command;

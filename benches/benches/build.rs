@@ -1,4 +1,4 @@
-//! The tree over all boxes, built from nothing, per object.
+//! The tree over all AABBs, built from nothing, per object.
 
 #![allow(missing_docs)] // criterion's macros make undocumented functions
 

@@ -1,4 +1,4 @@
-//! Contact sets compared as sets; the exact method settles each pair on which two differ.
+//! Contact sets compared as sets; the exact method judges each pair on which two differ.
 
 use dcd_geom::{Pair, Scene};
 use dcd_gjk::{PosedSupport, Undecided, certified};
@@ -24,8 +24,8 @@ pub struct Agreement {
     pub repeated: u64,
     /// Pairs left undecided: neither right nor wrong.
     pub undecided: u64,
-    /// Pairs with a foreign shape, which no exact method can settle.
-    pub unsettled: u64,
+    /// Pairs with a foreign shape, which no exact method can judge.
+    pub unjudged: u64,
     /// Some of the pairs that differ.
     pub examples: Vec<(u32, u32)>,
 }
@@ -54,15 +54,15 @@ impl Agreement {
         let mut rest = expected;
         for pair in found {
             let before = rest.partition_point(|&other| other < pair);
-            rest[..before].iter().for_each(|&other| agreement.settle_lost(scene, other, &open));
+            rest[..before].iter().for_each(|&other| agreement.judge_lost(scene, other, &open));
             rest = &rest[before..];
             if rest.first() == Some(&pair) {
                 rest = &rest[1..];
             } else {
-                agreement.settle_surplus(scene, pair);
+                agreement.judge_surplus(scene, pair);
             }
         }
-        rest.iter().for_each(|&other| agreement.settle_lost(scene, other, &open));
+        rest.iter().for_each(|&other| agreement.judge_lost(scene, other, &open));
         agreement
     }
 
@@ -75,28 +75,28 @@ impl Agreement {
     /// Pairs in one of the two sets alone, and repetitions.
     #[must_use]
     pub fn differences(&self) -> u64 {
-        self.false_contacts + self.missed + self.expected_wrong + self.repeated + self.unsettled
+        self.false_contacts + self.missed + self.expected_wrong + self.repeated + self.unjudged
     }
 
     /// A pair that is expected and was not found.
-    fn settle_lost(&mut self, scene: &Scene, pair: Pair, open: &[Pair]) {
+    fn judge_lost(&mut self, scene: &Scene, pair: Pair, open: &[Pair]) {
         if open.binary_search(&pair).is_ok() {
             return;
         }
         match touches(scene, pair) {
             Some(true) => self.missed += 1,
             Some(false) => self.expected_wrong += 1,
-            None => self.unsettled += 1,
+            None => self.unjudged += 1,
         }
         self.note(pair);
     }
 
     /// A pair that was found and is not expected.
-    fn settle_surplus(&mut self, scene: &Scene, pair: Pair) {
+    fn judge_surplus(&mut self, scene: &Scene, pair: Pair) {
         match touches(scene, pair) {
             Some(true) => self.expected_wrong += 1,
             Some(false) => self.false_contacts += 1,
-            None => self.unsettled += 1,
+            None => self.unjudged += 1,
         }
         self.note(pair);
     }
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn each_difference_is_settled_exactly_whoever_is_wrong() {
+    fn each_difference_is_judged_exactly_whoever_is_wrong() {
         let scene = row(5);
         let expected = pairs([(0, 1), (0, 4), (2, 3)]);
         let found = pairs([(0, 2), (1, 2), (2, 3)]);

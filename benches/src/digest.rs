@@ -2,7 +2,7 @@
 
 use dcd_geom::Pair;
 
-/// What two lists of pairs are told apart by.
+/// A digest that distinguishes two lists of pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Digest {
     /// Of the pairs in their order.

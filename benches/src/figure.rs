@@ -17,7 +17,7 @@ const HEIGHT: u32 = 540;
 const LEGEND_WIDTH: u32 = 230;
 const LEGEND_LINE: i32 = 24;
 
-/// Colours of Okabe and Ito (2008), told apart with any colour vision, without their yellow, which is
+/// Colours of Okabe and Ito (2008), distinct in any colour vision, without their yellow, which is
 /// too pale for a line; then a brown for charts with many series.
 const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),

@@ -36,7 +36,7 @@
 //! ```
 //!
 //! A time for a wrong set is worth nothing: [`Agreement`] compares contact sets and has each
-//! difference settled exactly.
+//! difference judged exactly.
 //!
 //! Deliberately absent: rivals and anything else that is measured. They belong to the binaries, so
 //! that the way of measuring does not depend on what is measured.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::options::{Options, cores, workspace};
 
-/// Packages whose versions and features a reader of a timing asks for, beside our own.
+/// Packages whose versions and features a reader of a timing wants, beside our own.
 const PACKAGES_OF_INTEREST: [&str; 7] =
     ["glam", "glamx", "parry3d", "parry3d-f64", "rayon", "simba", "thread_local"];
 
@@ -31,14 +31,14 @@ pub struct Header {
     pub compiler: String,
     /// Target triple of the build.
     pub target: String,
-    /// SIMD features that the build assumes without asking.
+    /// SIMD features that the build assumes unchecked.
     pub target_features: Vec<String>,
     /// RUSTFLAGS of the build; empty for none.
     pub flags: String,
     /// Profile and optimisation level of the build.
     pub profile: String,
     /// Our crates and the others that a timing depends on, as resolved, with their features.
-    /// Empty where cargo cannot be asked.
+    /// Empty where cargo cannot be run.
     pub packages: Vec<String>,
     /// The commit, with `-dirty` behind it if files differ from it; "unknown" without git.
     pub commit: String,
@@ -51,7 +51,7 @@ pub struct Header {
 }
 
 impl Header {
-    /// Asks the machine, the build, git and cargo; what cannot be learnt is "unknown" or empty.
+    /// Queries the machine, the build, git and cargo; what is unavailable is "unknown" or empty.
     ///
     /// Commit and packages are those of the workspace as it stands, hence of this executable only
     /// if it was built just before, as `cargo xtask` does.
@@ -196,7 +196,7 @@ fn executable() -> String {
     bytes.map_or_else(|_| "unknown".to_owned(), |bytes| format!("{:016x}", fnv1a(&bytes)))
 }
 
-/// FNV-1a, 64 bits (Fowler, Noll, Vo): it need not resist an adversary, only tell builds apart.
+/// FNV-1a, 64 bits (Fowler, Noll, Vo): it need not resist an adversary, only distinguish builds.
 fn fnv1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)

@@ -48,7 +48,7 @@ impl Options {
         if self.fresh { Start::Anew } else { Start::Resume }
     }
 
-    /// The number of threads of the parallel runs: as asked for, else the cores of the machine.
+    /// The number of threads of the parallel runs: as requested, else the cores of the machine.
     #[must_use]
     pub fn threads(&self) -> usize {
         self.threads.map_or_else(cores, NonZeroUsize::get)
@@ -77,7 +77,7 @@ fn force_path(name: &str) -> Result<SimdPath, String> {
     Ok(path)
 }
 
-/// What a binary ends with; an error is told with all its causes.
+/// What a binary ends with; an error is printed with all its causes.
 #[must_use]
 pub fn exit_code(result: anyhow::Result<()>) -> ExitCode {
     match result {

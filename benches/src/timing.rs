@@ -1,4 +1,4 @@
-//! How a time is taken: warm-up, number of runs, median and minimum, and rivals in turn.
+//! How a time is taken: warm-up, number of runs, median and minimum, and interleaved rivals.
 //!
 //! The closures give their own times, so the policy itself reads no clock and can be tested.
 
@@ -13,7 +13,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 const SHORTEST_RUN: Duration = Duration::from_millis(1);
 
 /// Runs go untimed until they add up to this, so that caches, branch predictors and the processor's
-/// frequency have settled.
+/// frequency are steady.
 const WARM_UP: Duration = Duration::from_millis(10);
 
 /// Bounds the untimed runs, and the repeats within one run, of what takes no measurable time.

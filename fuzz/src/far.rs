@@ -11,7 +11,7 @@ use dcd_pipeline::{Pipeline, WideTree};
 /// One more than the objects of a scene at most: every pair is judged singly.
 const OBJECTS: u8 = 10;
 
-/// How many pairs of a scene the exact judge is asked about, and of how many vertices each at most.
+/// How many pairs of a scene the exact judge checks, and of how many vertices each at most.
 const JUDGED: (usize, usize) = (2, 8);
 
 /// Compounds, meshes, curved, flat and rounded shapes that are up to 2⁶⁰ m from the origin of their

@@ -15,8 +15,8 @@ impl Source for Input<'_> {
     }
 }
 
-/// Every narrow phase that remembers, and those that only keep what rests, tell at each step of any
-/// course what a fresh pipeline tells: the same boxes, candidates and contacts, in the same order.
+/// Every narrow phase that remembers, and those that only keep what rests, report at each step of any
+/// course what a fresh pipeline reports: the same AABBs, candidates and contacts, in the same order.
 pub fn frames(bytes: &[u8]) {
     let Seen { steps, contacts, between, remembered } = run(&mut Input(bytes), STEPS);
     assert!(steps > 0 || (contacts, between, remembered) == (0, 0, 0), "something of no step");

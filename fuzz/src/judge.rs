@@ -35,13 +35,13 @@ fn parts(shape: &Shape) -> Vec<Shape> {
     }
 }
 
-/// Equal, or at least one of them not settled: a tree's boxes may know what a pair of parts leaves open.
+/// Equal, or at least one of them undecided: a tree's AABBs may decide what a pair of parts leaves open.
 pub(crate) fn agree(one: Verdict<()>, other: Verdict<()>) -> bool {
-    let settled = |verdict| match verdict {
+    let decided = |verdict| match verdict {
         Verdict::Apart => Some(false),
         Verdict::Touching(()) => Some(true),
         Verdict::Undecided(_) => None,
     };
-    let (one, other) = (settled(one), settled(other));
+    let (one, other) = (decided(one), decided(other));
     one == other || one.is_none() || other.is_none()
 }

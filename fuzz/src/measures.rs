@@ -159,14 +159,14 @@ fn check_parting(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>, d
         let moved = Pose::from_matrix(*b.pose.rotation(), t).expect("of a valid pose");
         overlap_exactly(a, PosedSupport { pose: &moved, ..b })
     };
-    let room = depth.error_bound + 1e-9 * size;
-    assert!(!touches_after(depth.depth + room), "not parted: {depth:?}");
-    if depth.depth > 2.0 * room {
-        assert!(touches_after(depth.depth - room), "parted too soon: {depth:?}");
+    let margin = depth.error_bound + 1e-9 * size;
+    assert!(!touches_after(depth.depth + margin), "not parted: {depth:?}");
+    if depth.depth > 2.0 * margin {
+        assert!(touches_after(depth.depth - margin), "parted too soon: {depth:?}");
     }
 }
 
-/// Whether nothing tells the two apart, so that no answer can be another seen from b.
+/// Whether the two are identical, so that the answer seen from b is the same answer.
 fn is_same(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) -> bool {
     let content = |body: PosedSupport<'_, Polytope>| {
         (*body.pose.rotation(), body.pose.translation(), body.map.swept_radius())

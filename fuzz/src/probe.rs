@@ -89,12 +89,12 @@ fn check(scene: &Scene, links: &[Shape], poses: &[Pose], checker: &mut BatchChec
         match found {
             Some(found) if found.touches() => assert!(touching.contains(&hit(found)), "{found:?}"),
             Some(found) => assert!(!of_own(&touching) && undecided.contains(&hit(found))),
-            None => assert!(!of_own(&touching) && !of_own(&undecided), "of {own} nothing is told"),
+            None => assert!(!of_own(&touching) && !of_own(&undecided), "of {own} nothing is reported"),
         }
     }
 }
 
-/// Every pair that is asked for, one by one.
+/// Every pair of the query, one by one.
 fn judged(scene: &Scene, links: &[Shape], poses: &[Pose]) -> Vec<(HitKey, Verdict<()>)> {
     let mut judged = Vec::new();
     for (own, poses) in (0..).zip(poses.chunks(links.len())) {

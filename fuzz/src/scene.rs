@@ -104,7 +104,7 @@ fn nudge(scene: &mut Scene, i: usize, byte: u8) {
     }
 }
 
-/// What every pair that may be told comes to, one by one. What stays undecided here the broad phase
+/// The verdict on every pair that may be reported, one by one. What stays undecided here the broad phase
 /// may know to be apart.
 #[derive(Debug, Default)]
 pub(crate) struct Judged {

@@ -61,7 +61,7 @@ pub struct Target {
 }
 
 impl Metadata {
-    /// Asks cargo about this workspace.
+    /// Reads this workspace's metadata from cargo.
     ///
     /// # Errors
     /// Cargo fails, or answers what cannot be read.
@@ -127,7 +127,7 @@ impl Executable {
     }
 }
 
-/// Builds with `cargo build` and the arguments; gives the executables among what was asked for.
+/// Builds with `cargo build` and the arguments; gives the executables among the requested targets.
 ///
 /// # Errors
 /// The build fails.
@@ -173,7 +173,7 @@ pub fn printed(command: &mut Command) -> Result<String> {
 /// Whether the toolchain has the standard library of a target.
 ///
 /// # Errors
-/// The compiler cannot be asked.
+/// The compiler cannot be run.
 pub fn has_target(target: &str) -> Result<bool> {
     let library = printed(rustc().args(["--print", "target-libdir", "--target", target]))?;
     Ok(Path::new(library.trim()).is_dir())

@@ -20,7 +20,7 @@ const PERMISSIVE: [&str; 15] = [
     "bzip2-1.0.6",
 ];
 
-/// Whether some choice that `expression` offers asks only for permissive licences.
+/// Whether some choice that `expression` offers needs only permissive licences.
 ///
 /// An expression that cannot be read is not permissive. A `/` between two names is the old form of
 /// `OR`; an exception (`WITH`) only ever permits more.

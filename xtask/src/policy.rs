@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use crate::cargo::{Metadata, cargo, printed};
 use crate::license::is_permissive;
 
-/// Rooms that know no threads; whoever needs one pair's answer depends on these alone.
+/// Crates that know no threads; whoever needs one pair's answer depends on these alone.
 const WITHOUT_THREADS: [&str; 3] = ["dcd-simd", "dcd-geom", "dcd-gjk"];
 /// The crates of a step. They know no Parry: it is a rival, behind traits of its own.
 pub const STEP_CRATES: [&str; 7] =
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn the_room_with_threads_is_seen_to_have_them() -> Result<()> {
+    fn the_crate_with_threads_is_seen_to_have_them() -> Result<()> {
         let tree = normal_dependencies(WITH_THREADS)?;
         assert!(THREADS.iter().all(|threads| tree.iter().any(|name| name == threads)), "{tree:?}");
         Ok(())
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn threads_named_anywhere_but_in_their_room_are_a_breach() -> Result<()> {
+    fn threads_named_outside_their_crate_are_a_breach() -> Result<()> {
         assert!(manifests_with_threads(&metadata(&[], "dcd-exec")?).is_empty());
         let breaches = manifests_with_threads(&metadata(&[], "dcd-gjk")?);
         assert_eq!(breaches.len(), 4, "two that have them, two that lack them: {breaches:?}");

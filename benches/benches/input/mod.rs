@@ -12,12 +12,12 @@ pub(crate) fn scene() -> Scene {
     SceneSpec::paper().with_objects(2_000).scene().expect("a drawn scene is in range")
 }
 
-/// The box of each object.
+/// The AABB of each object.
 pub(crate) fn aabbs(scene: &Scene) -> Vec<Aabb> {
     (0..scene.len()).map(|i| scene.aabb(i)).collect()
 }
 
-/// The pairs of overlapping boxes, in the order of the default pipeline.
+/// The pairs of overlapping AABBs, in the order of the default pipeline.
 pub(crate) fn candidates(scene: &Scene) -> Vec<Pair> {
     let aabbs = aabbs(scene);
     let mut tree = WideTree::default();

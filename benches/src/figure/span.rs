@@ -14,7 +14,7 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// The span of all values with a little room: from zero, or between whole steps of 1, 2 and 5.
+    /// The span of all values with a small margin: from zero, or between whole steps of 1, 2 and 5.
     pub(super) fn over(scale: Scale, values: impl Iterator<Item = f64> + Clone) -> Self {
         let low = values.clone().fold(f64::INFINITY, f64::min);
         let high = values.fold(f64::NEG_INFINITY, f64::max);
@@ -24,8 +24,8 @@ impl Span {
         let (low, high) = match scale {
             Scale::Linear => {
                 let (low, high) = (low.min(0.0), high.max(0.0));
-                let room = 0.04 * (high - low);
-                (if low < 0.0 { low - room } else { low }, high + room)
+                let margin = 0.04 * (high - low);
+                (if low < 0.0 { low - margin } else { low }, high + margin)
             }
             Scale::Logarithmic => (low / 1.25, high * 1.25),
         };

@@ -1,18 +1,18 @@
-//! Pairs written sixteen at a time, and taken back where nobody wants them.
+//! Writes pairs sixteen at a time, and drops those that a predicate excludes.
 
 use dcd_geom::Pair;
 use dcd_simd::{IndexRow, Lanes, WIDTH};
 
-/// A list that sixteen pairs at a time are written to, past its end.
+/// A list to whose end pairs are written sixteen at a time.
 #[derive(Debug)]
 pub(crate) struct Appender<'a> {
     out: &'a mut Vec<Pair>,
-    /// Where the next pair goes. What lies past it is room.
+    /// Where the next pair goes. What lies past it is free.
     end: usize,
 }
 
-/// By how many pairs the list grows, at least sixteen. Larger: more room is cleared in vain at the end
-/// of a task. Smaller: it is made more often.
+/// By how many pairs the list grows, at least sixteen. Larger: more memory is cleared in vain at the end
+/// of a task. Smaller: it grows more often.
 const GROWTH: usize = 512;
 
 impl<'a> Appender<'a> {
@@ -28,8 +28,8 @@ impl<'a> Appender<'a> {
             self.grow();
         }
         // Sixteen are written where they stay, and the surplus is written over.
-        if let Some(room) = self.out[self.end..].first_chunk_mut() {
-            l.compress_pairs(hits, (one, l.load_u(others)), room);
+        if let Some(slot) = self.out[self.end..].first_chunk_mut() {
+            l.compress_pairs(hits, (one, l.load_u(others)), slot);
             self.end += hits.count_ones() as usize;
         }
     }
@@ -42,14 +42,14 @@ impl<'a> Appender<'a> {
 }
 
 impl Drop for Appender<'_> {
-    /// Takes the surplus back.
+    /// Drops the surplus.
     fn drop(&mut self) {
         self.out.truncate(self.end);
     }
 }
 
-/// Runs `search`, which appends, and takes back what it appended where `keep(i, j)` does not hold. The
-/// search knows nothing of `keep`, so that its kernels are compiled once and not for every predicate.
+/// Runs `search`, which appends, and drops what it appended where `keep(i, j)` does not hold. The search does
+/// not see `keep`, so that its kernels are compiled once and not for every predicate.
 #[inline]
 pub(crate) fn append_where(
     out: &mut Vec<Pair>,
@@ -60,7 +60,7 @@ pub(crate) fn append_where(
     search(out);
     let new = &mut out[start..];
     let mut kept = 0;
-    // Without a branch that many a filter would have mispredicted.
+    // Branchless, since most filters would be mispredicted.
     for k in 0..new.len() {
         new[kept] = new[k];
         kept += usize::from(keep(new[k].i, new[k].j));

@@ -3,21 +3,21 @@
 use dcd_exec::{Exec, Segments};
 use dcd_geom::{Aabb, Pair};
 
-/// From boxes to candidate pairs.
+/// From AABBs to candidate pairs.
 ///
 /// # Contract
-/// After `build(aabbs)`, `pairs(aabbs, keep)` lists each pair i < j whose closed boxes overlap and
+/// After `build(aabbs)`, `pairs(aabbs, keep)` lists each pair i < j whose closed AABBs overlap and
 /// for which `keep(i, j)` holds exactly once. It may list further pairs (a looser phase's
-/// candidates), each once and only where `keep` holds. The list and its order depend on the boxes
+/// candidates), each once and only where `keep` holds. The list and its order depend on the AABBs
 /// and on `keep` alone, not on `exec`. `contract` tests it.
 ///
-/// Boxes are valid ([`Aabb::is_valid`]): what a [`dcd_geom::Scene`] yields always is.
+/// AABBs are valid ([`Aabb::is_valid`]): what a [`dcd_geom::Scene`] yields always is.
 pub trait BroadPhase: Send {
-    /// Takes in the boxes: makes or mends whatever structure the search needs.
+    /// Takes in the AABBs: makes or mends whatever structure the search needs.
     fn build(&mut self, aabbs: &[Aabb], exec: Exec);
 
-    /// Replaces `out` by the candidate pairs of the boxes that were taken in last. `keep(i, j)` is
-    /// asked for i < j during the search, before any narrow work; it must be a pure function.
+    /// Replaces `out` by the candidate pairs of the AABBs of the last update. `keep(i, j)` is called for
+    /// i < j during the search, before any narrow work; it must be a pure function.
     fn pairs(
         &mut self,
         aabbs: &[Aabb],

@@ -1,4 +1,4 @@
-//! Every pair of boxes.
+//! Every pair of AABBs.
 
 use crate::BroadPhase;
 use dcd_exec::{Exec, Segments};
@@ -7,7 +7,7 @@ use dcd_geom::{Aabb, Pair};
 /// Rows of the triangle of all pairs that a task tests.
 const ROWS: usize = 32;
 
-/// Compares every box with every other: the judge of the other phases. N²/2 tests, no memory; in
+/// Compares every AABB with every other: the reference for the other phases. N²/2 tests, no memory; in
 /// ascending order.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BruteForce;

@@ -6,9 +6,9 @@ pub use dcd_geom::contract::Violation;
 use dcd_geom::{Aabb, Pair};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Tests the contract of [`BroadPhase`] on these boxes: each overlapping pair is listed once and no
+/// Tests the contract of [`BroadPhase`] on these AABBs: each overlapping pair is listed once and no
 /// pair twice, i < j, `keep` is respected, and the list is the same on the pool, in used buffers,
-/// and after other boxes. Returns how many listed pairs do not overlap. N²/2 comparisons.
+/// and after other AABBs. Returns how many listed pairs do not overlap. N²/2 comparisons.
 ///
 /// # Errors
 /// The first breach.
@@ -66,7 +66,7 @@ fn list(
     out.iter().flatten().copied().collect()
 }
 
-/// The list under [`is_kept`], which must be asked for i < j alone.
+/// The list under [`is_kept`], which must be called for i < j alone.
 fn kept(phase: &mut impl BroadPhase, aabbs: &[Aabb], par: Par) -> Result<Vec<Pair>, Violation> {
     let exec = Exec::from(par);
     let mut out = Segments::default();
@@ -80,12 +80,12 @@ fn kept(phase: &mut impl BroadPhase, aabbs: &[Aabb], par: Par) -> Result<Vec<Pai
     phase.build(aabbs, exec);
     phase.pairs(aabbs, keep, exec, &mut out);
     if !in_order.into_inner() {
-        return Err(Violation("`keep` is asked about indices that are not i < j < N".into()));
+        return Err(Violation("`keep` is called with indices that are not i < j < N".into()));
     }
     Ok(out.iter().flatten().copied().collect())
 }
 
-/// The plainest judge: every two boxes, ascending.
+/// Brute force: every two AABBs, ascending.
 fn overlapping(aabbs: &[Aabb]) -> Vec<Pair> {
     let mut pairs = Vec::new();
     for (i, a) in (0..).zip(aabbs) {
@@ -122,7 +122,7 @@ mod tests {
     use glam::Vec3;
     use std::sync::atomic::AtomicU32;
 
-    /// Brute force with something done to its list.
+    /// Brute force whose list is altered.
     struct Spoilt<F>(F);
 
     impl<F: Fn(&mut Vec<Pair>, &[Aabb]) + Send> BroadPhase for Spoilt<F> {
@@ -141,7 +141,7 @@ mod tests {
         }
     }
 
-    /// What the contract says of a row of twenty boxes, each of which overlaps the next.
+    /// What the contract says of a row of twenty AABBs, each of which overlaps the next.
     fn verdict(spoil: impl Fn(&mut Vec<Pair>, &[Aabb]) + Send) -> String {
         let half = Vec3::splat(0.75);
         let centres = (0..20).map(|k| Vec3::X * k as f32);

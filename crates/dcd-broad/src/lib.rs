@@ -2,7 +2,7 @@
 //!
 //! [`WideTree`] is the default. [`TreePairs`] traverses the paper's tree or one of your own against
 //! itself. A broad phase of your own implements [`BroadPhase`]; [`contract`] tests it. Static objects
-//! are in a [`StaticTree`], built once and queried with the boxes of what moves; an [`ObstacleGrid`]
+//! are in a [`StaticTree`], built once and queried with the AABBs of what moves; an [`ObstacleGrid`]
 //! finds the obstacles near a sphere. [`BruteForce`] and [`SweepAndPrune`] share no code with the trees
 //! that they are compared with.
 //!

@@ -1,4 +1,4 @@
-//! What stands near a place, cell by cell.
+//! A grid of the obstacles near any point.
 
 mod cells;
 mod hits;
@@ -14,10 +14,10 @@ use dcd_geom::glam::Vec3A;
 use dcd_geom::{Aabb, BoundingSphere, InscribedSphere, Pair, Sphere16};
 use dcd_simd::WIDTH;
 
-/// Where something stands: a box and a sphere that both contain it, and a sphere that it contains.
+/// Bounds of an obstacle: an AABB and a sphere that both contain it, and a sphere that it contains.
 #[derive(Clone, Copy, Debug)]
 pub struct ObstacleBounds {
-    /// The exact box, which pairs are told by.
+    /// The exact AABB, which decides pairs.
     pub aabb: Aabb,
     /// A sphere round it, infinite where none is known.
     pub sphere: BoundingSphere,
@@ -33,12 +33,12 @@ impl ObstacleBounds {
     };
 }
 
-/// A grid over obstacles that stay: each cell lists those that a sphere about one of its points may
-/// reach, and names the one that a sphere there most likely touches.
+/// A grid over static obstacles: each cell lists those that a sphere about one of its points may reach, and
+/// names the one that such a sphere most likely touches.
 ///
-/// Most of what is asked for is near nothing, and for that one short list is read. Where a list
-/// would be long, or the sphere is larger than the grid was made for, the grid knows nothing, and a tree
-/// has to be asked.
+/// Most query spheres are near nothing and read one short list. Where a list would be long, or a sphere is
+/// larger than the grid was made for, the grid answers [`ObstacleGrid::unknown`] and a tree must be
+/// queried.
 #[derive(Clone, Debug)]
 pub struct ObstacleGrid {
     obstacle_bounds: Vec<Compact>,
@@ -48,29 +48,29 @@ pub struct ObstacleGrid {
     radius: f32,
     /// The grid's cells, one of what is larger than the grid was made for, and the end.
     cells: Vec<Listed>,
-    /// The lists, each ascending. One that is not known is the number after the last obstacle's.
+    /// The lists, each ascending. An unknown one is the number after the last obstacle's.
     members: Vec<u32>,
 }
 
-/// What a cell knows.
+/// The list of a cell.
 #[derive(Clone, Copy, Debug)]
 struct Listed {
     /// Where its list begins; it ends where that of the next cell begins.
     start: u32,
-    /// Of what it lists, or would list, the one whose inner sphere is nearest its middle.
+    /// The obstacle whose inner sphere is nearest its middle, of those that it lists or would list.
     nearest: u32,
 }
 
 /// How many obstacles a list may have. Larger: more are looked at one by one where a tree tests
-/// sixteen at once. Smaller: the tree is asked more often. No effect on any answer.
+/// sixteen at once. Smaller: the tree is queried more often. No effect on any answer.
 const LONGEST: usize = 16;
 
-/// Beyond this an obstacle counts as infinite, metres: it widens no grid. A half-space's box ends at
+/// Beyond this an obstacle counts as infinite, metres: it widens no grid. A half-space's AABB ends at
 /// [`Aabb::LIMIT`].
 const INFINITE: f32 = 1e36;
 
 impl ObstacleGrid {
-    /// For spheres of at most this radius, metres.
+    /// A grid for spheres of at most this radius, metres.
     pub fn new(obstacle_bounds: &[ObstacleBounds], radius: f32) -> Self {
         let reached: Vec<Aabb> =
             obstacle_bounds.iter().map(|obstacle| widened(&obstacle.aabb, radius)).collect();
@@ -91,7 +91,7 @@ impl ObstacleGrid {
         obstacle_grid
     }
 
-    /// Finds what is nearest each cell, and makes room for its list. How many obstacles it reaches.
+    /// Lays out the lists and finds the obstacle nearest each cell. Returns the lengths of the lists.
     fn layout(&mut self, reached: &[Aabb]) -> Vec<u32> {
         let unknown = self.unknown();
         let mut counts = vec![0; self.grid.len()];
@@ -111,7 +111,7 @@ impl ObstacleGrid {
             self.cells.push(Listed { start, nearest });
             start += if count > LONGEST as u32 { 1 } else { count };
         }
-        // A last list is that of what is larger than the grid was made for.
+        // The last list is that of spheres larger than the grid was made for.
         self.cells.extend([start, start + 1].map(|start| Listed { start, nearest: unknown }));
         counts
     }
@@ -119,7 +119,7 @@ impl ObstacleGrid {
     /// Writes the lists that are not too long.
     fn list(&mut self, reached: &[Aabb], counts: &[u32]) {
         let length = self.cells.last().map_or(0, |end| end.start) as usize;
-        // All are read as long as they may be.
+        // Every list is read at its maximum length.
         let mut members = vec![self.unknown(); length + LONGEST];
         let mut next: Vec<u32> = self.cells.iter().map(|cell| cell.start).collect();
         for (number, aabb) in (0..).zip(reached) {
@@ -135,13 +135,13 @@ impl ObstacleGrid {
         self.members = members;
     }
 
-    /// The number of what is not known, none of an obstacle.
+    /// The number that stands for "unknown"; no obstacle has it.
     pub fn unknown(&self) -> u32 {
         self.obstacle_bounds.len() as u32 - 1
     }
 
-    /// How far the inner sphere of a noted one is from a contact with the obstacle it most likely touches:
-    /// [`InscribedSphere::short_of`]. From what is not known, infinitely far.
+    /// How far the inner sphere of a noted one is from a contact with the obstacle that it most likely touches
+    /// ([`InscribedSphere::short_of`]); infinite if that is unknown.
     #[inline]
     pub fn short_of(&self, noted: &Cell, inner: &InscribedSphere) -> f32 {
         self.inners[noted.likeliest as usize].short_of(inner)
@@ -157,7 +157,7 @@ impl ObstacleGrid {
     }
 
     /// Appends the pairs (i, j) of some of the obstacles, by their numbers i, with what is called j, whose
-    /// closed boxes overlap that box and for which `keep(i)` holds.
+    /// closed AABBs overlap that AABB and for which `keep(i)` holds.
     #[inline]
     pub fn append_pairs(
         &self,
@@ -180,7 +180,7 @@ impl ObstacleGrid {
     }
 }
 
-/// By how much a radius is taken larger where a whole cell is asked for. No unit; far above what f32
+/// Factor on a radius in the query of a whole cell. No unit; far above what f32
 /// loses in a comparison. Smaller: contacts could be missed. Larger: longer lists.
 const SAFE: f32 = 1.0 + 1.0 / 1024.0;
 
@@ -204,7 +204,7 @@ impl Compact {
         Self { min: min.into(), max: max.into(), centre: centre.into(), radius }
     }
 
-    /// Whether a [`BoundingSphere`] may reach what both the box and the sphere contain: docs/numerics/proofs.md,
+    /// Whether a [`BoundingSphere`] may reach what both the AABB and the sphere contain: docs/numerics/proofs.md,
     /// "what is near".
     #[inline]
     fn is_near(&self, centre: Vec3A, radius: f32) -> bool {
@@ -228,7 +228,7 @@ impl Compact {
     }
 }
 
-/// Every centre of a sphere of that radius that may reach the box. One step outward is more than the
+/// Every centre of a sphere of that radius that may reach the AABB. One step outward is more than the
 /// difference's rounding.
 fn widened(aabb: &Aabb, radius: f32) -> Aabb {
     Aabb {

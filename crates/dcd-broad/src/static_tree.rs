@@ -1,4 +1,4 @@
-//! Boxes against a tree that stands still.
+//! AABBs against a tree of static objects.
 
 use crate::append::{Appender, append_where};
 use crate::{Aabb128, Mask128};
@@ -8,13 +8,13 @@ use dcd_geom::glam::Vec3;
 use dcd_geom::{Aabb, Aabb16, Pair};
 use dcd_simd::{IndexRow, Kernel, Lanes, Path, WIDTH, dispatch_on};
 
-/// A wide tree over boxes that stay, asked for the boxes that other boxes overlap.
+/// A wide tree over static AABBs, queried with other AABBs.
 ///
-/// Each box has a name, the index of its object; pairs are told by name.
+/// Each AABB has a name, the index of its object; pairs are reported by name.
 #[derive(Clone, Debug)]
 pub struct StaticTree {
     tree: WideBvh,
-    /// For each leaf the names of its boxes; lanes past the end name any.
+    /// For each leaf the names of its AABBs; lanes past the end name any.
     names: Vec<IndexRow>,
     path: Path,
 }
@@ -25,82 +25,82 @@ impl Default for StaticTree {
     }
 }
 
-/// Boxes and their names, as many.
+/// AABBs and as many names.
 #[derive(Clone, Copy, Debug)]
 pub struct IdentifiedAabbs<'a> {
-    /// The boxes, valid ones.
+    /// The AABBs, valid ones.
     pub aabbs: &'a [Aabb],
-    /// The index of each box's object.
+    /// The index of each AABB's object.
     pub names: &'a [u32],
 }
 
-/// How many boxes a task asks for: some tens of microseconds.
+/// How many AABBs a task queries: some tens of microseconds.
 const BOXES_PER_TASK: usize = 256;
 
 impl StaticTree {
-    /// On that path, or the portable one where this CPU does not have it. The pairs and their
+    /// A tree on that path, or the portable one where this CPU does not have it. The pairs and their
     /// order are the same on every path; for tests and measurements.
     pub fn on(path: Path) -> Self {
         Self { tree: WideBvh::default(), names: Vec::new(), path }
     }
 
-    /// Takes in the boxes that stay, in place of those before.
+    /// Builds the tree over static AABBs, in place of those before.
     pub fn build(&mut self, boxes: IdentifiedAabbs, exec: Exec) {
         self.tree.build(boxes.aabbs, exec);
         self.names.clear();
-        // Lanes past the end are 0, which is a box wherever there is a leaf.
+        // Lanes past the end are 0, which is an AABB wherever there is a leaf.
         let name = |id: u32| boxes.names[id as usize];
         self.names.extend(self.tree.ids().iter().map(|ids| IndexRow(ids.0.map(name))));
     }
 
-    /// Replaces `out` by the pairs i < j of a name asked for and a name that stays whose closed
-    /// boxes overlap and for which `keep(i, j)` holds: box by box as they are asked, in the order
+    /// Replaces `out` by the pairs i < j of a query's name and a static name whose closed
+    /// AABBs overlap and for which `keep(i, j)` holds: query by query, in the order
     /// of the tree. No name may be on both sides. The list does not depend on `exec`.
     pub fn pairs(
         &self,
-        asked: IdentifiedAabbs,
+        query: IdentifiedAabbs,
         keep: impl Fn(u32, u32) -> bool + Sync,
         exec: Exec,
         out: &mut Segments<Pair>,
     ) {
-        let count = asked.aabbs.len().min(asked.names.len());
+        let count = query.aabbs.len().min(query.names.len());
         out.fill(exec, count.div_ceil(BOXES_PER_TASK), |task, out| {
             let part = BOXES_PER_TASK * task..count.min(BOXES_PER_TASK * (task + 1));
-            let asked =
-                IdentifiedAabbs { aabbs: &asked.aabbs[part.clone()], names: &asked.names[part] };
-            self.append_pairs(asked, &keep, out);
+            let query =
+                IdentifiedAabbs { aabbs: &query.aabbs[part.clone()], names: &query.names[part] };
+            self.append_pairs(query, &keep, out);
         });
     }
 
     /// Appends the same pairs to a list: for tasks of one's own.
     pub fn append_pairs(
         &self,
-        asked: IdentifiedAabbs,
+        query: IdentifiedAabbs,
         keep: impl Fn(u32, u32) -> bool,
         out: &mut Vec<Pair>,
     ) {
-        append_where(out, keep, |out| self.append_all(asked, out));
+        append_where(out, keep, |out| self.append_all(query, out));
     }
 
-    fn append_all(&self, asked: IdentifiedAabbs, out: &mut Vec<Pair>) {
+    fn append_all(&self, query: IdentifiedAabbs, out: &mut Vec<Pair>) {
         let out = Appender::new(out);
         dispatch_on(
             self.path,
-            StaticTreeSearch { tree: &self.tree, names: &self.names, asked, out },
+            StaticTreeSearch { tree: &self.tree, names: &self.names, query, out },
         );
     }
 
-    /// Which of the boxes of a row, out of those that `which` has, overlap any that
-    /// stays.
-    pub fn reached(&self, asked: &Aabb128, which: Mask128) -> Mask128 {
-        dispatch_on(self.path, Reach { tree: &self.tree, asked, which })
+    /// Which of the AABBs of a row, out of those that `which` has, overlap any
+    /// static one.
+    pub fn reached(&self, query: &Aabb128, which: Mask128) -> Mask128 {
+        dispatch_on(self.path, Reach { tree: &self.tree, query, which })
     }
 }
 
-/// Which boxes of a row overlap any of a tree.
+/// Which AABBs of a row overlap any of a tree.
 struct Reach<'a> {
     tree: &'a WideBvh,
-    asked: &'a Aabb128,
+    query: &'a Aabb128,
     which: Mask128,
 }
 
@@ -110,7 +110,7 @@ impl Kernel for Reach<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Mask128 {
         let mut reached = 0;
-        for (k, boxes) in self.asked.boxes.iter().enumerate() {
+        for (k, boxes) in self.query.boxes.iter().enumerate() {
             let which = (self.which >> (k * WIDTH)) as u32 & 0xffff;
             if which != 0 {
                 reached |= Mask128::from(self.sixteen(l, boxes, which)) << (k * WIDTH);
@@ -121,7 +121,7 @@ impl Kernel for Reach<'_> {
 }
 
 impl Reach<'_> {
-    /// Of sixteen boxes those that overlap any: at the top all at once, below one by one.
+    /// Which of sixteen AABBs overlap any: at the top all at once, below one by one.
     #[inline(always)]
     fn sixteen<L: Lanes>(&self, l: L, boxes: &Aabb16, which: u32) -> u32 {
         let Some((top, below)) = self.tree.levels().split_last() else { return 0 };
@@ -133,8 +133,8 @@ impl Reach<'_> {
             while near != 0 {
                 let k = near.trailing_zeros() as usize;
                 near &= near - 1;
-                let asked = Spread::lane(l, boxes, k);
-                if self.any_below(l, child, &asked) {
+                let query = Spread::lane(l, boxes, k);
+                if self.any_below(l, child, &query) {
                     open &= !(1 << k);
                 }
             }
@@ -142,16 +142,16 @@ impl Reach<'_> {
         which & !open
     }
 
-    /// Whether a box overlaps any below a child of the top.
+    /// Whether an AABB overlaps any below a child of the top.
     #[inline(always)]
-    fn any_below<L: Lanes>(&self, l: L, child: usize, asked: &Spread<L>) -> bool {
+    fn any_below<L: Lanes>(&self, l: L, child: usize, query: &Spread<L>) -> bool {
         let height = self.tree.levels().len() - 1;
         if height == 0 {
-            return asked.overlaps(l, &self.tree.leaves()[child]) != 0;
+            return query.overlaps(l, &self.tree.leaves()[child]) != 0;
         }
         let mut walk = Walk::from(height, child as u32);
-        while let Some(leaf) = walk.next(l, self.tree, asked) {
-            if asked.overlaps(l, &self.tree.leaves()[leaf]) != 0 {
+        while let Some(leaf) = walk.next(l, self.tree, query) {
+            if query.overlaps(l, &self.tree.leaves()[leaf]) != 0 {
                 return true;
             }
         }
@@ -159,17 +159,17 @@ impl Reach<'_> {
     }
 }
 
-/// A box without infinite sides, which would overlap the empty boxes that fill up a leaf.
+/// An AABB without infinite sides, which would overlap the empty AABBs that fill up a leaf.
 #[inline(always)]
 fn finite(aabb: &Aabb) -> Aabb {
     Aabb { min: aabb.min.max(Vec3::MIN), max: aabb.max.min(Vec3::MAX) }
 }
 
-/// The pairs of some boxes with those of a tree.
+/// Finds the pairs of query AABBs with those of a tree.
 struct StaticTreeSearch<'a> {
     tree: &'a WideBvh,
     names: &'a [IndexRow],
-    asked: IdentifiedAabbs<'a>,
+    query: IdentifiedAabbs<'a>,
     out: Appender<'a>,
 }
 
@@ -178,18 +178,18 @@ impl Kernel for StaticTreeSearch<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
-        for k in 0..self.asked.aabbs.len() {
-            let asked = Spread::of(l, &finite(&self.asked.aabbs[k]));
+        for k in 0..self.query.aabbs.len() {
+            let query = Spread::of(l, &finite(&self.query.aabbs[k]));
             let mut walk = Walk::from(self.tree.levels().len(), 0);
-            while let Some(leaf) = walk.next(l, self.tree, &asked) {
-                let hits = asked.overlaps(l, &self.tree.leaves()[leaf]);
-                self.emit(l, self.asked.names[k], leaf, hits);
+            while let Some(leaf) = walk.next(l, self.tree, &query) {
+                let hits = query.overlaps(l, &self.tree.leaves()[leaf]);
+                self.emit(l, self.query.names[k], leaf, hits);
             }
         }
     }
 }
 
-/// A way down a tree and back, from leaf to leaf that a box may overlap.
+/// A depth-first traversal, from leaf to leaf that an AABB may overlap.
 struct Walk {
     /// Above which level it begins, and on which one it is, from the lowest.
     start: usize,
@@ -197,23 +197,23 @@ struct Walk {
     /// Where it begins.
     root: u32,
     /// Where it is on each level, and which of the children there it has still to see. A u32 counts
-    /// the boxes of at most eight levels.
+    /// the AABBs of at most eight levels.
     nodes: [u32; 8],
     children: [u32; 8],
 }
 
 impl Walk {
-    /// From the node of that number on the level below that height.
+    /// A walk from the node of that number on the level below that height.
     #[inline(always)]
     fn from(start: usize, root: u32) -> Self {
         Self { start, height: start, root, nodes: [0; 8], children: [0; 8] }
     }
 
-    /// The next leaf whose union the box overlaps.
+    /// The next leaf whose union the AABB overlaps.
     #[inline(always)]
-    fn next<L: Lanes>(&mut self, l: L, tree: &WideBvh, asked: &Spread<L>) -> Option<usize> {
+    fn next<L: Lanes>(&mut self, l: L, tree: &WideBvh, query: &Spread<L>) -> Option<usize> {
         if self.height == self.start {
-            self.enter(l, tree, asked, self.root)?;
+            self.enter(l, tree, query, self.root)?;
         }
         loop {
             let children = &mut self.children[self.height];
@@ -231,7 +231,7 @@ impl Walk {
                 // The last one first, as from a stack.
                 let last = u32::BITS - 1 - children.leading_zeros();
                 *children ^= 1 << last;
-                self.enter(l, tree, asked, first + last)?;
+                self.enter(l, tree, query, first + last)?;
             }
         }
     }
@@ -242,12 +242,12 @@ impl Walk {
         &mut self,
         l: L,
         tree: &WideBvh,
-        asked: &Spread<L>,
+        query: &Spread<L>,
         node: u32,
     ) -> Option<()> {
         self.height = self.height.checked_sub(1)?;
         self.nodes[self.height] = node;
-        self.children[self.height] = asked.overlaps(l, &tree.levels()[self.height][node as usize]);
+        self.children[self.height] = query.overlaps(l, &tree.levels()[self.height][node as usize]);
         Some(())
     }
 }
@@ -255,12 +255,12 @@ impl Walk {
 impl StaticTreeSearch<'_> {
     /// Appends the pairs of one name with the lanes `hits` of a leaf.
     #[inline(always)]
-    fn emit<L: Lanes>(&mut self, l: L, asked: u32, leaf: usize, hits: u32) {
-        self.out.append(l, asked, (&self.names[leaf], hits));
+    fn emit<L: Lanes>(&mut self, l: L, query: u32, leaf: usize, hits: u32) {
+        self.out.append(l, query, (&self.names[leaf], hits));
     }
 }
 
-/// One box in every lane.
+/// One AABB in every lane.
 #[derive(Clone, Copy)]
 struct Spread<L: Lanes> {
     min: [L::F; 3],
@@ -287,7 +287,7 @@ impl<L: Lanes> Spread<L> {
         }
     }
 
-    /// Which of sixteen boxes overlap it; empty boxes never do.
+    /// Which of sixteen AABBs overlap it; empty AABBs never do.
     #[inline(always)]
     fn overlaps(&self, l: L, boxes: &Aabb16) -> u32 {
         let mut all = l.le(l.load(&boxes.min[0]), self.max[0]);
@@ -305,7 +305,7 @@ mod tests {
     use super::*;
     use dcd_exec::Par;
 
-    /// Boxes on a spiral, of many sizes, some touching others exactly.
+    /// AABBs on a spiral, of many sizes, some touching others exactly.
     fn boxes(count: usize, turn: f32) -> Vec<Aabb> {
         let at = |k: usize| {
             let t = k as f32;
@@ -316,10 +316,10 @@ mod tests {
         (0..count).map(at).collect()
     }
 
-    /// The plainest judge, in the order of the boxes asked.
-    fn expected(stay: IdentifiedAabbs, asked: IdentifiedAabbs) -> Vec<(u32, Pair)> {
+    /// Brute force, in the order of the queries.
+    fn expected(stay: IdentifiedAabbs, query: IdentifiedAabbs) -> Vec<(u32, Pair)> {
         let mut pairs = Vec::new();
-        for (a, &i) in asked.aabbs.iter().zip(asked.names) {
+        for (a, &i) in query.aabbs.iter().zip(query.names) {
             let hits = stay.aabbs.iter().zip(stay.names).filter(|(b, _)| a.overlaps(b));
             pairs.extend(hits.map(|(_, &j)| (i, Pair::new(i, j))));
         }
@@ -327,29 +327,32 @@ mod tests {
     }
 
     #[test]
-    fn each_overlap_is_told_once_box_by_box_on_every_path_and_at_every_size() {
-        for (stay, ask) in [(0, 5), (5, 0), (1, 1), (16, 40), (17, 300), (300, 600), (5000, 700)] {
-            let (stays, asks) = (boxes(stay, 0.37), boxes(ask, 0.61));
-            // Odd names stay, even ones ask.
+    fn each_overlap_is_reported_once_box_by_box_on_every_path_and_at_every_size() {
+        for (stay, queried) in
+            [(0, 5), (5, 0), (1, 1), (16, 40), (17, 300), (300, 600), (5000, 700)]
+        {
+            let (stays, queries) = (boxes(stay, 0.37), boxes(queried, 0.61));
+            // Static names are odd, queries even.
             let odd: Vec<u32> = (0..stay as u32).map(|k| 2 * k + 1).collect();
-            let even: Vec<u32> = (0..ask as u32).map(|k| 2 * k).collect();
+            let even: Vec<u32> = (0..queried as u32).map(|k| 2 * k).collect();
             let stays = IdentifiedAabbs { aabbs: &stays, names: &odd };
-            let asks = IdentifiedAabbs { aabbs: &asks, names: &even };
-            let expected = expected(stays, asks);
+            let queries = IdentifiedAabbs { aabbs: &queries, names: &even };
+            let expected = expected(stays, queries);
             for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
                 let mut tree = StaticTree::on(path);
                 tree.build(stays, Par::Serial.into());
                 for par in [Par::Serial, Par::Pool] {
                     let mut out = Segments::default();
-                    tree.pairs(asks, |_, _| true, par.into(), &mut out);
-                    let told: Vec<Pair> = out.iter().flatten().copied().collect();
+                    tree.pairs(queries, |_, _| true, par.into(), &mut out);
+                    let reported: Vec<Pair> = out.iter().flatten().copied().collect();
                     let who = |pair: &Pair| if pair.i.is_multiple_of(2) { pair.i } else { pair.j };
-                    assert!(told.iter().map(who).is_sorted(), "the boxes are out of order");
-                    let mut told: Vec<_> = told.iter().map(|pair| (who(pair), *pair)).collect();
-                    told.sort_unstable();
+                    assert!(reported.iter().map(who).is_sorted(), "the boxes are out of order");
+                    let mut reported: Vec<_> =
+                        reported.iter().map(|pair| (who(pair), *pair)).collect();
+                    reported.sort_unstable();
                     let mut expected = expected.clone();
                     expected.sort_unstable();
-                    assert_eq!(told, expected, "{stay} and {ask} on {path:?}");
+                    assert_eq!(reported, expected, "{stay} and {queried} on {path:?}");
                 }
             }
         }
@@ -358,13 +361,13 @@ mod tests {
     #[test]
     fn a_box_is_reached_where_it_has_a_pair_on_every_path_and_at_every_size() {
         for stay in [0, 1, 17, 300, 5000] {
-            let (stays, asks) = (boxes(stay, 0.37), boxes(stay / 2 + 64, 0.61));
-            let asks = &asks[asks.len() - 64..];
+            let (stays, queries) = (boxes(stay, 0.37), boxes(stay / 2 + 64, 0.61));
+            let queries = &queries[queries.len() - 64..];
             let names: Vec<u32> = (0..stay as u32).collect();
             let mut row = Aabb128::default();
-            asks.iter().enumerate().for_each(|(k, aabb)| row.set(k, aabb));
+            queries.iter().enumerate().for_each(|(k, aabb)| row.set(k, aabb));
             let which = 0xffff_f0f0_ffff_0ff3;
-            let meets = |k: &usize| stays.iter().any(|stay| stay.overlaps(&asks[*k]));
+            let meets = |k: &usize| stays.iter().any(|stay| stay.overlaps(&queries[*k]));
             let due = (0..64).filter(meets).fold(0, |bits, k| bits | 1 << k) & which;
             for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
                 let mut tree = StaticTree::on(path);
@@ -383,10 +386,10 @@ mod tests {
             let names: Vec<u32> = (0..count).collect();
             let mut tree = StaticTree::default();
             tree.build(IdentifiedAabbs { aabbs: &boxes, names: &names }, Exec::from(Par::Serial));
-            let asked = [Aabb::EVERYTHING, Aabb::EMPTY];
-            let asked = IdentifiedAabbs { aabbs: &asked, names: &[1000, 1001] };
+            let query = [Aabb::EVERYTHING, Aabb::EMPTY];
+            let query = IdentifiedAabbs { aabbs: &query, names: &[1000, 1001] };
             let mut pairs = Vec::new();
-            tree.append_pairs(asked, |_, _| true, &mut pairs);
+            tree.append_pairs(query, |_, _| true, &mut pairs);
             pairs.sort_unstable();
             let all: Vec<Pair> = (0..count).map(|i| Pair { i, j: 1000 }).collect();
             assert_eq!(pairs, all);
@@ -394,7 +397,7 @@ mod tests {
     }
 
     #[test]
-    fn a_refused_pair_is_not_told_and_is_asked_for_in_ascending_order() {
+    fn a_refused_pair_is_not_reported_and_keep_sees_ascending_indices() {
         let boxes = vec![Aabb { min: Vec3::ZERO, max: Vec3::ONE }; 40];
         let names: Vec<u32> = (0..40).collect();
         let mut tree = StaticTree::default();

@@ -8,16 +8,16 @@ use glam::DVec3;
 /// Places of the sorted list that a task sweeps from.
 const GRAIN: usize = 256;
 
-/// Sorts the boxes by where they begin along one axis and compares each with those that begin
+/// Sorts the AABBs by where they begin along one axis and compares each with those that begin
 /// before it ends. The axis is that along which the centres vary most (Ericson, Real-Time Collision
 /// Detection, 2005, section 7.5).
 ///
-/// Cost: O(N log N), and a test for each pair of boxes that overlap along the axis: a few boxes as
+/// Cost: O(N log N), and a test for each pair of AABBs that overlap along the axis: a few AABBs as
 /// long as the scene do no harm, many do. In the order of the sweep.
 #[derive(Clone, Debug, Default)]
 pub struct SweepAndPrune {
     axis: usize,
-    /// Where each box begins, and its index: what is sorted.
+    /// Where each AABB begins, and its index: what is sorted.
     keys: Vec<u64>,
     sorted: Vec<(Aabb, u32)>,
 }
@@ -26,7 +26,7 @@ impl BroadPhase for SweepAndPrune {
     fn build(&mut self, aabbs: &[Aabb], exec: Exec) {
         self.axis = axis_of_variance(aabbs);
         self.keys.clear();
-        // Boxes that begin at one place follow each other by index: the order is that of no sort.
+        // AABBs that begin at one place follow each other by index: the order is that of no sort.
         let begins = |aabb: &Aabb| u64::from(ascending_bits(aabb.min[self.axis])) << 32;
         self.keys.extend(aabbs.iter().zip(0..).map(|(aabb, index)| begins(aabb) | index));
         exec.sort(&mut self.keys);
@@ -65,7 +65,7 @@ fn ascending_bits(x: f32) -> u32 {
     if x.is_sign_negative() { !bits } else { bits | 1 << 31 }
 }
 
-/// In f64, where no square of a coordinate overflows.
+/// The axis of largest variance; in f64, where no square of a coordinate overflows.
 fn axis_of_variance(aabbs: &[Aabb]) -> usize {
     let centres = || aabbs.iter().map(|aabb| aabb.centre().as_dvec3());
     let mean = centres().sum::<DVec3>() / aabbs.len().max(1) as f64;

@@ -11,7 +11,7 @@ use dcd_exec::{Exec, Par, PerThread, Segments};
 use dcd_geom::{Aabb, Pair};
 use walk::Walk;
 
-/// Finds pairs by walking anybody's tree against itself, as algorithms 2 and 3 of the ParustDCD
+/// Finds pairs by traversing any tree against itself, as algorithms 2 and 3 of the ParustDCD
 /// paper do. The list is the same at any number of threads.
 ///
 /// ```
@@ -57,7 +57,7 @@ pub enum Visits {
 /// Which pairs of two overlapping leaves are candidates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LeafPairs {
-    /// Those whose own boxes overlap.
+    /// Those whose own AABBs overlap.
     Tested,
     /// All: the candidates then depend on the tree, and larger leaves make more.
     Untested,
@@ -70,7 +70,7 @@ impl Traversal {
     /// Algorithm 3, with the parameter of section 3.4. The text of the algorithm and the code agree
     /// here: it starts from the pair of the root with itself, takes all four combinations of two
     /// nodes' children, thus meets each two nodes in both orders, and pushes every i < j of two
-    /// overlapping leaves. The prose calls a candidate a pair of overlapping boxes; whoever wants
+    /// overlapping leaves. The prose calls a candidate a pair of overlapping AABBs; whoever wants
     /// that sets [`LeafPairs::Tested`].
     pub const PAPER: Self =
         Self { max_depth: 16, visits: Visits::Twice, leaf_pairs: LeafPairs::Untested };
@@ -100,7 +100,7 @@ impl TreePairs<PaperTree> {
 }
 
 impl<B: BuildTree> TreePairs<B> {
-    /// Over the trees of `builder`, with the default traversal.
+    /// A broad phase over the trees of `builder`, with the default traversal.
     pub fn new(builder: B) -> Self {
         Self {
             builder,
@@ -116,7 +116,7 @@ impl<B: BuildTree> TreePairs<B> {
         Self { traversal, ..self }
     }
 
-    /// The tree over the boxes that were taken in last.
+    /// The tree over the AABBs of the last build.
     pub fn tree(&self) -> &B::Tree {
         &self.tree
     }

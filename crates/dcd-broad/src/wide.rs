@@ -1,4 +1,4 @@
-//! The fast broad phase: the wide tree against itself, sixteen boxes at a time.
+//! The fast broad phase: the wide tree against itself, sixteen AABBs at a time.
 
 use crate::BroadPhase;
 use crate::append::{Appender, append_where};
@@ -7,7 +7,7 @@ use dcd_exec::{Exec, Segments};
 use dcd_geom::{Aabb, Pair};
 use dcd_simd::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 
-/// Candidate pairs from a [`WideBvh`], whose leaves ask for themselves and for the leaves after.
+/// Candidate pairs from a [`WideBvh`], each leaf tested with itself and with later leaves.
 ///
 /// Lists exactly the overlapping pairs. Their order is that of the tree: tiles of sixteen objects
 /// against sixteen, so that a narrow phase finds what it reads in the nearest cache.
@@ -24,7 +24,7 @@ impl Default for WideTree {
 }
 
 impl WideTree {
-    /// On that path, or the portable one where this CPU does not have it. The pairs and their
+    /// A tree on that path, or the portable one where this CPU does not have it. The pairs and their
     /// order are the same on every path; for tests and measurements.
     pub fn on(path: Path) -> Self {
         Self { tree: WideBvh::default(), path }
@@ -34,14 +34,14 @@ impl WideTree {
         dispatch_on(self.path, Few { aabbs, out });
     }
 
-    /// The pairs that task number `task` asks for.
+    /// The pairs of task number `task`.
     fn append_task(&self, task: usize, out: &mut Vec<Pair>) {
         let first = task * LEAVES_PER_TASK;
         dispatch_on(self.path, SelfPairSearch { tree: &self.tree, first, out: Appender::new(out) });
     }
 }
 
-/// How many leaves a task asks for. Larger: fewer tasks to share. A scene of sixteen times as many
+/// How many leaves a task tests. Larger: fewer tasks to share. A scene of sixteen times as many
 /// objects is searched without the pool.
 const LEAVES_PER_TASK: usize = 16;
 
@@ -74,7 +74,7 @@ impl BroadPhase for WideTree {
     }
 }
 
-/// The pairs among at most sixteen boxes, in ascending order.
+/// The pairs among at most sixteen AABBs, in ascending order.
 struct Few<'a> {
     aabbs: &'a [Aabb],
     out: &'a mut Vec<Pair>,
@@ -87,7 +87,7 @@ impl Kernel for Few<'_> {
     fn run<L: Lanes>(self, l: L) {
         let Self { aabbs, out } = self;
         let last = aabbs.len().min(WIDTH);
-        // Side by side in registers: memory would be waited for. Nobody asks for the first box.
+        // In registers, since the round trip through memory would stall. The first AABB is never read.
         let mut min = [l.splat(f32::INFINITY); 3];
         let mut max = [l.splat(f32::NEG_INFINITY); 3];
         for (lane, aabb) in aabbs[..last].iter().enumerate().skip(1) {
@@ -115,8 +115,8 @@ impl Kernel for Few<'_> {
     }
 }
 
-/// Height and number of the nodes still to be asked. A node is replaced by at most sixteen of the
-/// level below, and a u32 counts the boxes of at most eight levels.
+/// Height and number of the nodes still to be visited. A node is replaced by at most sixteen of the
+/// level below, and a u32 counts the AABBs of at most eight levels.
 struct Stack {
     nodes: [(usize, usize); 8 * WIDTH],
     len: usize,
@@ -157,9 +157,9 @@ impl Kernel for SelfPairSearch<'_> {
         let leaves = self.tree.leaves();
         let last = leaves.len().min(self.first + LEAVES_PER_TASK);
         let mut stack = Stack::default();
-        for (asking, leaf) in leaves.iter().enumerate().take(last).skip(self.first) {
+        for (from, leaf) in leaves.iter().enumerate().take(last).skip(self.first) {
             let around = leaf.union();
-            self.within(l, asking);
+            self.within(l, from);
             if let Some(top) = self.tree.levels().len().checked_sub(1) {
                 stack.push((top, 0));
             }
@@ -170,13 +170,13 @@ impl Kernel for SelfPairSearch<'_> {
                     below &= below - 1;
                     // The last leaf below the child.
                     let reach = (child + 1) << (4 * height);
-                    if reach <= asking + usize::from(height == 0) {
+                    if reach <= from + usize::from(height == 0) {
                         continue;
                     }
                     if height > 0 {
                         stack.push((height - 1, child));
                     } else {
-                        self.between(l, asking, child);
+                        self.between(l, from, child);
                     }
                 }
             }
@@ -195,11 +195,11 @@ impl SelfPairSearch<'_> {
         }
     }
 
-    /// The pairs between a leaf and a later one: only the boxes that reach the other leaf's union
-    /// are compared with its boxes.
+    /// The pairs between a leaf and a later one: only the AABBs that reach the other leaf's union
+    /// are compared with its AABBs.
     #[inline(always)]
-    fn between<L: Lanes>(&mut self, l: L, asking: usize, other: usize) {
-        let boxes = &self.tree.leaves()[asking];
+    fn between<L: Lanes>(&mut self, l: L, from: usize, other: usize) {
+        let boxes = &self.tree.leaves()[from];
         let others = &self.tree.leaves()[other];
         let node = &self.tree.levels()[0][other / WIDTH];
         let mut reaching = boxes.overlaps(l, &node.get(other % WIDTH));
@@ -207,7 +207,7 @@ impl SelfPairSearch<'_> {
             let lane = reaching.trailing_zeros() as usize;
             reaching &= reaching - 1;
             let hits = others.overlaps(l, &boxes.get(lane));
-            self.emit(l, self.tree.ids()[asking].0[lane], other, hits);
+            self.emit(l, self.tree.ids()[from].0[lane], other, hits);
         }
     }
 
@@ -221,7 +221,7 @@ impl SelfPairSearch<'_> {
     }
 }
 
-/// The lanes after that one. The empty boxes past the end overlap nothing.
+/// The lanes after that one. The empty AABBs past the end overlap nothing.
 #[inline(always)]
 fn later(lane: usize) -> u32 {
     0xffff & u32::MAX << (lane + 1)

@@ -3,11 +3,11 @@
 use crate::{BoundingTree, Node, NodeContent};
 use dcd_geom::Aabb;
 
-/// A binary tree over boxes: a flat array of nodes, and the list of boxes that its leaves share.
+/// A binary tree over AABBs: a flat array of nodes, and the list of AABBs that its leaves share.
 ///
-/// A node whose boxes are split at place m of the list has its children at 2m − 1 and 2m. That
-/// place is no other node's, so that the array, like the tree, depends on the boxes alone. Where a
-/// leaf has several boxes, places stay empty.
+/// A node whose AABBs are split at place m of the list has its children at 2m − 1 and 2m. That
+/// place is no other node's, so that the array, like the tree, depends on the AABBs alone. Where a
+/// leaf has several AABBs, places stay empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BinaryTree {
     nodes: Vec<BinaryNode>,
@@ -17,7 +17,7 @@ pub struct BinaryTree {
 /// A place of the array: a node, or empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BinaryNode {
-    /// Contains all boxes below; [`Aabb::EMPTY`] in an empty place.
+    /// Contains all AABBs below; [`Aabb::EMPTY`] in an empty place.
     pub(crate) aabb: Aabb,
     pub(crate) content: Content,
 }
@@ -26,7 +26,7 @@ pub(crate) struct BinaryNode {
 pub(crate) enum Content {
     /// An inner node: where its children are.
     Nodes([u32; 2]),
-    /// A leaf: where its boxes are in the list. An empty place has none.
+    /// A leaf: where its AABBs are in the list. An empty place has none.
     Boxes { first: u32, count: u32 },
 }
 
@@ -35,8 +35,8 @@ impl BinaryNode {
 }
 
 impl BinaryTree {
-    /// Makes room for a tree over so many boxes: their indices in order, and empty places.
-    pub(crate) fn room_for(&mut self, boxes: usize) -> (&mut [u32], &mut [BinaryNode]) {
+    /// Reserves a tree over so many AABBs: their indices in order, and empty places.
+    pub(crate) fn reserve(&mut self, boxes: usize) -> (&mut [u32], &mut [BinaryNode]) {
         self.indices.clear();
         self.indices.extend(0..boxes as u32);
         self.nodes.clear();
@@ -45,7 +45,7 @@ impl BinaryTree {
     }
 }
 
-/// A number that no node has gives a leaf without boxes that overlaps nothing.
+/// A number that no node has gives a leaf without AABBs that overlaps nothing.
 impl BoundingTree for BinaryTree {
     fn root(&self) -> Option<u32> {
         (!self.nodes.is_empty()).then_some(0)

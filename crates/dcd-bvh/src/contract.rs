@@ -6,8 +6,8 @@ use dcd_geom::Aabb;
 pub use dcd_geom::contract::Violation;
 use std::collections::HashSet;
 
-/// Tests the contract of [`BuildTree`] on these boxes: the tree keeps the contract of [`BoundingTree`], is
-/// the same on the pool, and the same in the memory of a tree over other boxes.
+/// Tests the contract of [`BuildTree`] on these AABBs: the tree keeps the contract of [`BoundingTree`], is
+/// the same on the pool, and the same in the memory of a tree over other AABBs.
 ///
 /// # Errors
 /// The first breach.
@@ -36,14 +36,14 @@ pub fn tree<B: BuildTree>(builder: &B, aabbs: &[Aabb]) -> Result<(), Violation> 
     Ok(())
 }
 
-/// Tests the contract of [`BoundingTree`] on a tree over these boxes.
+/// Tests the contract of [`BoundingTree`] on a tree over these AABBs.
 ///
 /// # Errors
 /// The first breach.
 pub fn validate(tree: &impl BoundingTree, aabbs: &[Aabb]) -> Result<(), Violation> {
     let mut reached = vec![false; aabbs.len()];
     let mut numbers = HashSet::new();
-    // Nodes to look at, with what all nodes above them have in common: a box below must be in it.
+    // Nodes to look at, with what all nodes above them have in common: an AABB below must be in it.
     let everything = Aabb { min: Aabb::EMPTY.max, max: Aabb::EMPTY.min };
     let mut stack: Vec<(u32, Aabb)> =
         tree.root().map(|root| (root, everything)).into_iter().collect();
@@ -95,7 +95,7 @@ fn within(place: &str) -> impl Fn(Violation) -> Violation {
     move |Violation(breach)| Violation(format!("{place}: {breach}"))
 }
 
-/// A node without its number: how many nodes are below it, and which boxes.
+/// A node without its number: how many nodes are below it, and which AABBs.
 type Listed = (Aabb, usize, Vec<u32>);
 
 /// The nodes of a valid tree, depth first.
@@ -122,7 +122,7 @@ mod tests {
     use glam::Vec3;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// Nodes by hand: a box, children, boxes.
+    /// Nodes by hand: an AABB, children, AABBs.
     struct ByHand(Vec<(Aabb, &'static [u32], &'static [u32])>);
 
     impl BoundingTree for ByHand {
@@ -165,7 +165,7 @@ mod tests {
         }
     }
 
-    /// One leaf of all boxes, in another order each time.
+    /// One leaf of all AABBs, in another order each time.
     #[derive(Default)]
     struct Restless(AtomicUsize);
 

@@ -1,10 +1,10 @@
 //! Bounding volume hierarchies over AABBs.
 //!
-//! [`WideBvh`] is the fast one, sixteen boxes a node. [`PaperTree`] builds the paper's binary tree in
+//! [`WideBvh`] is the fast one, sixteen AABBs a node. [`PaperTree`] builds the paper's binary tree in
 //! both of its versions. A tree of your own implements [`BuildTree`] and [`BoundingTree`]; [`contract`]
 //! tests it.
 //!
-//! Deliberately absent: shapes, pairs, any knowledge of what is in a box.
+//! Deliberately absent: shapes, pairs, any knowledge of what is in an AABB.
 #![forbid(unsafe_code)]
 
 mod binary;

@@ -17,27 +17,27 @@ use std::num::NonZeroU32;
 /// Departure: below 128 levels a node is split in the middle of its list, so that no input makes
 /// the recursion deeper than 128 + log₂ N. The paper's depth is bounded by N alone.
 ///
-/// Cost: O(N) a level; for up to 2³¹ boxes.
+/// Cost: O(N) a level; for up to 2³¹ AABBs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PaperTree {
     /// Where a node is split.
     pub split: Split,
-    /// Whether a split keeps the order of the boxes on each side.
+    /// Whether a split keeps the order of the AABBs on each side.
     pub partition: Partition,
-    /// From how many boxes on a node's work is shared.
+    /// The number of AABBs above which a node's work is shared.
     pub parallel_above: BuildThreshold,
-    /// The most boxes of a node that no split is tried on.
+    /// The most AABBs of a node that no split is tried on.
     pub leaf_cutoff: NonZeroU32,
 }
 
-/// Along which axis a node is split, and where. Either way a box goes to the left if its centroid
+/// Along which axis a node is split, and where. Either way an AABB goes to the left if its centroid
 /// lies below the middle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
     /// The axis on which the centroids spread farthest, at the middle of their spread. Both sides
-    /// get boxes, but for centroids that are equal or neighbouring floats.
+    /// get AABBs, but for centroids that are equal or neighbouring floats.
     CentroidSpread,
-    /// The axis on which the boxes extend farthest, at the middle of their extent. Centroids may
+    /// The axis on which the AABBs extend farthest, at the middle of their extent. Centroids may
     /// all lie on one side of that: one slab as large as the scene turns half of it into one leaf.
     BoxExtent,
 }
@@ -45,18 +45,18 @@ pub enum Split {
 /// Whether a split keeps order. The candidates are the same set; their order is another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Partition {
-    /// Boxes keep their order on each side.
+    /// AABBs keep their order on each side.
     Stable,
-    /// Boxes are exchanged from both ends of the list, which moves fewer of them.
+    /// AABBs are exchanged from both ends of the list, which moves fewer of them.
     Unstable,
 }
 
-/// Above how many boxes a node's bounds, its split and its two subtrees are shared among threads.
+/// Above how many AABBs a node's bounds, its split and its two subtrees are shared among threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BuildThreshold {
-    /// Above a third of all boxes, rounded up: the topmost one to three nodes.
+    /// Above a third of all AABBs, rounded up: the topmost one to three nodes.
     ThirdOfObjects,
-    /// Above so many boxes.
+    /// Above so many AABBs.
     Objects(usize),
 }
 
@@ -85,7 +85,7 @@ impl PaperTree {
     }
 }
 
-/// As written: of the two presets the one that no large box can spoil.
+/// [`PaperTree::as_written`]: the preset that no large AABB can degrade.
 impl Default for PaperTree {
     fn default() -> Self {
         Self::as_written()

@@ -1,9 +1,9 @@
-//! Keys parted into pieces of like count without being sorted.
+//! Partitions keys into ordered pieces of like count, without sorting them.
 
 use dcd_exec::Exec;
 use dcd_geom::Splittable;
 
-/// As many keys are parted without the pool: some tens of microseconds of work.
+/// The most keys that are partitioned without the pool: some tens of microseconds of work.
 pub(crate) const PARTED_AT_ONCE: usize = 4096;
 
 /// How many keys a task deals: some microseconds of work.
@@ -85,7 +85,7 @@ impl SampleSort {
         (Splitters(above), piles)
     }
 
-    /// Deals each task's keys to so many piles, and tells where those end. `make` writes a key and
+    /// Deals each task's keys to so many piles, and records where those end. `make` writes a key and
     /// says its pile.
     fn deal(
         &mut self,

@@ -1,4 +1,4 @@
-//! The fast tree: sixteen boxes a node, no pointers.
+//! The fast tree: sixteen AABBs a node, no pointers.
 
 use crate::sample_sort::{PARTED_AT_ONCE, SampleSort, cut};
 use crate::{BoundingTree, BuildTree, Node, NodeContent};
@@ -6,11 +6,11 @@ use dcd_exec::Exec;
 use dcd_geom::{Aabb, Aabb16};
 use dcd_simd::{IndexRow, WIDTH};
 
-/// An implicit tree of sixteen children a node over spatially sorted boxes.
+/// An implicit tree of sixteen children a node over spatially sorted AABBs.
 ///
-/// Leaf k holds sixteen boxes; node n of level 0 the boxes of leaves 16n to 16n + 15; node n of
+/// Leaf k holds sixteen AABBs; node n of level 0 the AABBs of leaves 16n to 16n + 15; node n of
 /// the next level those of the nodes 16n to 16n + 15 below; and so up to a level of one node.
-/// Lanes past the end hold the empty box, which overlaps nothing.
+/// Lanes past the end hold the empty AABB, which overlaps nothing.
 #[derive(Clone, Debug, Default)]
 pub struct WideBvh {
     leaves: Vec<Aabb16>,
@@ -78,7 +78,7 @@ impl BoundingTree for WideBvh {
 const NODES_PER_TASK: usize = 16;
 
 impl WideBvh {
-    /// Makes the tree over these boxes, which are valid, in place of what it held. The result does
+    /// Makes the tree over these AABBs, which are valid, in place of what it held. The result does
     /// not depend on `exec`. O(n log n).
     pub fn build(&mut self, aabbs: &[Aabb], exec: Exec) {
         self.count = aabbs.len();
@@ -86,9 +86,9 @@ impl WideBvh {
         self.refit(aabbs, exec);
     }
 
-    /// Sorts the boxes by tiles of their centres: slabs of like count in x, strips of each slab in
+    /// Sorts the AABBs by tiles of their centres: slabs of like count in x, strips of each slab in
     /// y, and z within a strip (sort-tile-recursive; S. Leutenegger et al., 1997). Each key's lower
-    /// half is the box's index, which makes keys unique and so the order that of the boxes alone.
+    /// half is the AABB's index, which makes keys unique and so the order that of the AABBs alone.
     fn sort_tiles(&mut self, aabbs: &[Aabb], exec: Exec) {
         let Self { order, sample_sort, .. } = self;
         let key = |i: u64, axis: usize| {
@@ -116,7 +116,7 @@ impl WideBvh {
         });
     }
 
-    /// Takes in moved boxes, as many as before, and keeps the order of the leaves. O(n).
+    /// Takes in moved AABBs, as many as before, and keeps the order of the leaves. O(n).
     fn refit(&mut self, aabbs: &[Aabb], exec: Exec) {
         let leaves = self.count.div_ceil(WIDTH);
         self.leaves.resize(leaves, Aabb16::EMPTY);
@@ -128,7 +128,7 @@ impl WideBvh {
             for ((leaf, ids), members) in leaves.iter_mut().zip(ids).zip(members) {
                 (*leaf, *ids) = (Aabb16::EMPTY, IndexRow::default());
                 for (k, &key) in members.iter().enumerate() {
-                    // The key's lower half is the box's index.
+                    // The key's lower half is the AABB's index.
                     ids.0[k] = key as u32;
                     leaf.set(k, &aabbs[key as u32 as usize]);
                 }
@@ -164,17 +164,17 @@ impl WideBvh {
         self.levels.truncate(height);
     }
 
-    /// The leaves' boxes.
+    /// The leaves' AABBs.
     pub fn leaves(&self) -> &[Aabb16] {
         &self.leaves
     }
 
-    /// The index of each leaf's boxes; lanes past the end are 0.
+    /// The index of each leaf's AABBs; lanes past the end are 0.
     pub fn ids(&self) -> &[IndexRow] {
         &self.ids
     }
 
-    /// How many boxes a leaf holds.
+    /// How many AABBs a leaf holds.
     pub fn boxes_in(&self, leaf: usize) -> usize {
         self.count.saturating_sub(leaf * WIDTH).min(WIDTH)
     }
@@ -184,7 +184,7 @@ impl WideBvh {
         &self.levels
     }
 
-    /// Whether the tree is one over these boxes: each in one lane of one leaf, every node's boxes
+    /// Whether the tree is one over these AABBs: each in one lane of one leaf, every node's AABBs
     /// those round its children.
     pub fn validate(&self, aabbs: &[Aabb]) -> bool {
         let mut seen = vec![false; aabbs.len()];
@@ -230,7 +230,7 @@ mod tests {
     use dcd_exec::Par;
     use dcd_geom::glam::Vec3;
 
-    /// Boxes on a spiral, of many sizes.
+    /// AABBs on a spiral, of many sizes.
     fn boxes(count: usize) -> Vec<Aabb> {
         let at = |k: usize| {
             let t = k as f32;

@@ -1,4 +1,4 @@
-//! `dcd capture`: a scene that moves, recorded frame by frame.
+//! `dcd capture`: a moving scene, recorded frame by frame.
 
 mod frames;
 pub(crate) mod replay;
@@ -17,7 +17,7 @@ use std::io::{Write, stdout};
 use std::path::PathBuf;
 use std::thread::available_parallelism;
 
-/// Record a scene that moves, to be replayed by `dcd detect --capture`
+/// Record a moving scene, to be replayed by `dcd detect --capture`
 #[derive(Args)]
 pub(crate) struct Capture {
     /// `pile`: hulls that fall on a slab; or a seeded scene of `dcd detect`, whose objects walk at
@@ -36,7 +36,7 @@ pub(crate) struct Capture {
     /// The standard deviation of a step of the walk, metres and rad [default: 0.01]
     #[arg(long, value_name = "SIGMA", allow_negative_numbers = true)]
     sigma: Option<f64>,
-    /// Where the capture is written (format: docs/captures.md)
+    /// The capture to write (format: docs/captures.md)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Write the frames as binary glTF 2.0 too, an animation at 60 Hz, z up: objects that touch something

@@ -1,9 +1,9 @@
 //! `dcd detect`: every touching pair of a scene.
 
-mod ask;
 mod contacts;
 mod crowd;
 mod picture;
+mod question;
 mod source;
 mod steps;
 mod summary;
@@ -14,9 +14,9 @@ use crate::failure::Failure;
 use crate::memory;
 use crate::output::{Output, check_distinct};
 use crate::precision::Precision;
-use ask::{Answers, Ask};
 use clap::Args;
 pub(crate) use contacts::{digest, fnv1a};
+use question::{Answers, QueryOptions};
 use source::{Loaded, Source};
 use std::io::{Write, stdout};
 use std::path::PathBuf;
@@ -46,13 +46,13 @@ point_a, point_b, feature_a, feature_b; of compounds and meshes also the deepest
 triangle_a, triangle_b
   gradient   distance, below 0 for an overlap; normal, point_a, point_b; gradient_a and gradient_b, \
 each for a translation and for a rotation about the object's own origin; smoothness: smooth, many \
-points, many directions (no derivative, one of several told) or unknown
+points, many directions (no derivative, one of several reported) or unknown
 The normal is of unit length and points from a to b. error_bound: the truth is within it; --json has \
 the median, the 99th percentile and the worst of all, metres.
 
 Limits: 4,294,967,295 objects, vertices a shape and contacts in --out; coordinates within 1e37 m; \
 an eighth of the available memory for FILE, --clouds and --capture (also from a pipe); what memory \
-cannot hold (objects, pairs, frames) is refused with an estimate before it is asked for.";
+cannot hold (objects, pairs, frames) is refused with an estimate before allocation.";
 
 /// Find every touching pair of a scene
 #[derive(Args)]
@@ -64,8 +64,8 @@ pub(crate) struct Detect {
     #[command(flatten)]
     source: Source,
     #[command(flatten)]
-    ask: Ask,
-    /// Who judges the candidate pairs
+    question: QueryOptions,
+    /// How candidate pairs are decided
     #[arg(long, value_enum, default_value_t)]
     precision: Precision,
     /// How many threads, 1 … 1,024; 1 touches no pool [default: one a core]
@@ -86,7 +86,7 @@ pub(crate) struct Detect {
     /// Write the contacts: u32 count, then u32 i, u32 j each, sorted, i < j, little endian
     #[arg(long, value_name = "FILE", conflicts_with = "capture")]
     out: Option<PathBuf>,
-    /// Write what was asked about as binary glTF 2.0, z up: objects of contacts and of undecided pairs in
+    /// Write the scene as binary glTF 2.0, z up: objects of contacts and of undecided pairs in
     /// another colour, the points of --query depth and manifold with their normals, the frames of
     /// --capture as an animation at 60 Hz
     #[arg(long, value_name = "FILE")]
@@ -104,11 +104,11 @@ impl Detect {
             let text = if self.json { replayed.json() } else { replayed.text() };
             return stdout().write_all(text.as_bytes()).map_err(Failure::Output);
         }
-        let mut query = self.ask.query(self.precision)?;
+        let mut query = self.question.query(self.precision)?;
         if self.glb.is_some() {
             query.answers = Answers::Kept;
         }
-        let outputs = [self.out.as_deref(), self.ask.answers.as_deref(), self.glb.as_deref()];
+        let outputs = [self.out.as_deref(), self.question.answers.as_deref(), self.glb.as_deref()];
         let named: Vec<_> = outputs.into_iter().flatten().collect();
         let inputs = self.source.inputs();
         check_distinct(&inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &named)?;

@@ -1,4 +1,4 @@
-//! Why a run ended early, and with which exit code.
+//! Failures of a run, and their exit codes.
 
 use std::fmt::Display;
 use std::io::{self, Write, stderr};
@@ -19,17 +19,17 @@ impl Failure {
         Self::Input(format!("{place}: {error}"))
     }
 
-    /// Tells it on standard error; the exit code.
+    /// Prints it on standard error; returns the exit code.
     pub(crate) fn report(self) -> ExitCode {
         match self {
             Self::Input(message) => {
-                tell(message);
+                print_message(message);
                 ExitCode::from(2)
             }
-            // Whoever reads has read enough.
+            // The reader has closed the pipe.
             Self::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::from(1),
             Self::Output(error) => {
-                tell(format_args!("the answer could not be written: {error}"));
+                print_message(format_args!("the answer could not be written: {error}"));
                 ExitCode::from(1)
             }
         }
@@ -45,8 +45,8 @@ fn escaped(message: &str) -> String {
     message.chars().map(escaped).collect()
 }
 
-/// A line on standard error. Where that is gone too there is nobody left to tell.
-pub(crate) fn tell(message: impl Display) {
+/// Prints a line on standard error; ignores that it cannot be written.
+pub(crate) fn print_message(message: impl Display) {
     let _ = writeln!(stderr(), "dcd: {}", escaped(&message.to_string()));
 }
 

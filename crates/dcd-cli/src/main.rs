@@ -1,6 +1,6 @@
 //! The command `dcd`: touching pairs of a scene, and answers on single pairs, from files.
 //!
-//! It reads, asks the libraries and prints. Deliberately absent: any solver, any tolerance, any
+//! It reads, calls the libraries and prints. Deliberately absent: any solver, any tolerance, any
 //! seeded scene of its own.
 #![forbid(unsafe_code)]
 

@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use dcd_exec::{Exec, Par, with_threads};
 use dcd_scenes::Run;
 
-/// What `make` makes on so many threads; on one, without a pool. The same at any number.
+/// Runs `make` on so many threads; on one, without a pool. The result is the same at any number.
 pub(crate) fn on_threads<T: Send>(
     threads: usize,
     make: impl FnOnce(&Run<'_>) -> T + Send,

@@ -1,5 +1,5 @@
 //! How much memory the process has taken, and how much it may take: counts from files and flags are
-//! held against that before memory is asked for, since no program can go on when it gets none.
+//! checked against that before allocation, since no program can go on when it gets none.
 
 use crate::failure::Failure;
 use std::fmt::Display;
@@ -19,7 +19,7 @@ fn field(file: &str, name: &str) -> Option<u64> {
     kibibytes.checked_mul(1024)
 }
 
-/// What is taken for available where the system does not say, bytes.
+/// The available memory where the system does not report it, bytes.
 const UNKNOWN: u64 = 64 << 30;
 
 /// How much memory may still be taken, bytes: what the system has left, and what it leaves to this
@@ -43,7 +43,7 @@ fn control_group() -> Option<u64> {
     Some(number("memory.max")?.saturating_sub(number("memory.current")?))
 }
 
-/// That what takes so many bytes can be had.
+/// Checks that so many bytes are available.
 pub(crate) fn demand(place: impl Display, what: impl Display, bytes: f64) -> Result<(), Failure> {
     let available = available_bytes() as f64;
     // Written so that NaN is refused.
@@ -60,7 +60,7 @@ pub(crate) fn demand(place: impl Display, what: impl Display, bytes: f64) -> Res
 /// of them.
 const BYTES_A_BYTE: u64 = 8;
 
-/// All that a reader gives, if memory can hold what is made from it.
+/// Reads all of a reader, if memory holds what is made from it.
 pub(crate) fn read(place: impl Display, reader: impl Read) -> Result<Vec<u8>, Failure> {
     let most = available_bytes() / BYTES_A_BYTE;
     let mut bytes = Vec::new();

@@ -1,7 +1,7 @@
 //! Files that the command writes: whole, or not there at all.
 //!
 //! What is written goes to a temporary file beside the output, which takes its name when all of it is
-//! there. So whoever looks sees the old file or the new one, and a run that fails, is interrupted or
+//! there. So a reader sees the old file or the new one, and a run that fails, is interrupted or
 //! finds the disk full leaves what was there. Devices and pipes have no name to take: they are written
 //! to as they are.
 

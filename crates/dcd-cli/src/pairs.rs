@@ -4,7 +4,7 @@ mod answer;
 mod ours;
 mod parry;
 
-use crate::failure::{Failure, tell};
+use crate::failure::{Failure, print_message};
 use crate::precision::{Accuracy, Library, Precision};
 use crate::progress::Progress;
 use answer::Answer;
@@ -26,7 +26,7 @@ A line comes out for each, in order:
   {"name": "…", "answer": "apart"|"touching"|"undecided", "method": "…", …}
   method       what decided it: f32, f64, exact, parry-f32, parry-f64
   reason       why the pair is undecided, or its distance without a bound: "out of range" where it is
-               more than an f64 holds, and the number told is one that it surely exceeds
+               more than an f64 holds, and the number given is one that it surely exceeds
   distance     metres; 0 for a touching pair, and for one that f64 leaves undecided: it is apart, or
                overlaps, by no more than error_bound
   depth        metres; for touching pairs alone, 0 for one that just touches
@@ -37,30 +37,30 @@ A line comes out for each, in order:
   error_bound  the truth is within it, metres; absent on parry-f32 and parry-f64, which give none
 A line that is no such pair comes out as {"name": …, "error": "line …"}, on standard error too, and the run goes on; the exit code is 2 then.
 
-There is no distance in f32: --precision fast gives f64's. Of a depth or manifold, method tells what proved that the pair touches. Parry's rungs print what query::intersection_test, distance, closest_points and contact say, right or wrong."#;
+There is no distance in f32: --precision fast gives f64's. Of a depth or manifold, method names what proved that the pair touches. Parry's precisions print what query::intersection_test, distance, closest_points and contact say, right or wrong."#;
 
-/// Judge pairs of posed point sets, one a line
+/// Decide pairs of posed point sets, one a line
 #[derive(Args)]
 #[command(after_long_help = DETAILS)]
 pub(crate) struct Pairs {
     /// Pairs as JSON Lines (format: see --help); `-` is standard input
     file: PathBuf,
-    /// Who judges
+    /// How pairs are decided
     #[arg(long, value_enum, default_value_t)]
     precision: Precision,
-    /// What is asked about each pair
+    /// What to compute for each pair
     #[arg(long, value_enum, default_value_t)]
     query: Query,
-    /// How good the bound of a distance or depth has to be, on our precisions: less is faster, and
-    /// proved all the same; no matter with --query boolean
+    /// How tight the error bound of a distance or depth must be, on our precisions: looser is faster, and
+    /// still proved; ignored with --query boolean
     #[arg(long, value_enum, default_value_t)]
     accuracy: Accuracy,
-    /// Ask for (b, a): the same answer mirrored, bit for bit, but on Parry's precisions
+    /// Query (b, a): the same answer mirrored, bit for bit, but on Parry's precisions
     #[arg(long)]
     swap: bool,
 }
 
-/// What is asked about each pair.
+/// What is computed for each pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum Query {
     /// Whether it touches
@@ -113,7 +113,7 @@ impl Pairs {
         }
         let (place, reader) = self.open()?;
         let mut out = stdout().lock();
-        // Lines that are looked at are progress enough.
+        // Lines on a terminal are progress enough.
         let progress = (!out.is_terminal()).then(|| Progress::over(0, "pairs"));
         let mut solvers = Solvers::default();
         let (mut lines, mut refused) = (0u64, 0u64);
@@ -128,7 +128,7 @@ impl Pairs {
                 Err(error) => {
                     refused += 1;
                     let message = format!("line {lines}: {}", without_line(&error));
-                    tell(format_args!("{place}: {message}"));
+                    print_message(format_args!("{place}: {message}"));
                     (error.name, Outcome::Refused { error: message })
                 }
             };
@@ -164,7 +164,7 @@ impl Pairs {
             Library::Ours(precision) => {
                 let answer =
                     solvers.answer((precision, self.query, self.accuracy), a.placed(), b.placed());
-                // Nothing tells two identical bodies apart: (b, a) is (a, b) to the solver.
+                // Of two identical bodies (b, a) is (a, b) to the solver.
                 if self.swap && are_identical(&a, &b) { answer.mirrored() } else { answer }
             }
         };

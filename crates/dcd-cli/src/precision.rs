@@ -1,14 +1,14 @@
-//! Precisions by name, and the words for what stays open.
+//! Precisions by name, and the words for undecided pairs.
 
 use clap::ValueEnum;
 use dcd_gjk::Reason;
 use serde::Serialize;
 
-/// Whose answer is asked for, and how much it is worth.
+/// Whose answer is computed, and what it guarantees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Precision {
-    /// f32 taken at its word: right but for gaps and overlaps of some 1e-5 of the size; in `pairs`
+    /// f32 without error bounds: right but for gaps and overlaps of some 1e-5 of the size; in `pairs`
     /// GJK in f32, undecided there
     Fast,
     /// GJK in f64: answers what f64 can prove, else undecided
@@ -22,7 +22,7 @@ pub(crate) enum Precision {
     ParryF64,
 }
 
-/// Whose pipelines or solvers a [`Precision`] asks for.
+/// Whose pipelines or solvers a [`Precision`] uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Library {
     Ours(dcd_pipeline::Precision),
@@ -31,7 +31,7 @@ pub(crate) enum Library {
 }
 
 impl Precision {
-    /// Whose, and for ours what the answer is worth.
+    /// Whose, and for ours what the answer guarantees.
     pub(crate) fn library(self) -> Library {
         match self {
             Self::Fast => Library::Ours(dcd_pipeline::Precision::Fast),
@@ -54,7 +54,7 @@ impl Precision {
     }
 }
 
-/// How good the bound of what is measured has to be; who touches whom is not a matter of it.
+/// How tight the error bound of a measure must be; the contacts do not depend on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Accuracy {
@@ -83,7 +83,7 @@ pub(crate) fn in_words(reason: Reason) -> &'static str {
         Reason::WithinRounding => "within rounding",
         Reason::Iterations => "out of iterations",
         Reason::Range => "out of range",
-        Reason::Foreign => "the library cannot tell",
+        Reason::Foreign => "the library gives no answer",
         _ => "for another reason",
     }
 }

@@ -1,4 +1,4 @@
-//! Progress on standard error, where somebody watches a terminal: from two seconds of work on.
+//! Progress on standard error, if it is a terminal: after two seconds of work.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, stderr};
@@ -8,7 +8,7 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// How long work goes on without a word.
+/// How long work runs without a bar.
 const SILENT: Duration = Duration::from_secs(2);
 /// How often the bar is drawn.
 const REFRESH: Duration = Duration::from_millis(200);
@@ -17,7 +17,7 @@ const REFRESH: Duration = Duration::from_millis(200);
 #[derive(Debug)]
 pub(crate) struct Progress {
     done: Arc<AtomicU64>,
-    /// The end of it, and who draws; none where nobody watches.
+    /// The end signal and the drawing thread; none without a terminal.
     drawing: Option<(Sender<()>, JoinHandle<()>)>,
 }
 

@@ -1,4 +1,4 @@
-//! What is said of panics.
+//! The panic hook.
 
 use std::panic;
 

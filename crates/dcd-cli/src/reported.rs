@@ -1,4 +1,4 @@
-//! What a query tells of a pair, as JSON. World frame, metres.
+//! What a query reports of a pair, as JSON. World frame, metres.
 
 use dcd_geom::glam::DVec3;
 use dcd_gjk::epa::Depth;
@@ -7,7 +7,7 @@ use dcd_gjk::{Distance, Manifold, Proximity};
 use dcd_pipeline::Answer;
 use serde::Serialize;
 
-/// What is told: only what was asked for is there.
+/// What is reported: only what the query computes is present.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Reported {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -81,21 +81,21 @@ struct Slopes {
     rotation: [f64; 3],
 }
 
-/// An answer that can be told.
+/// An answer that can be reported.
 pub(crate) trait Report {
-    fn tell(&self) -> Reported;
+    fn report(&self) -> Reported;
 
     /// The bound of what was measured: none where nothing was, or nothing bounds it.
     fn error_bound(&self) -> Option<f64>;
 }
 
 impl Report for Answer {
-    fn tell(&self) -> Reported {
+    fn report(&self) -> Reported {
         match self {
-            Self::Distance(distance) => distance.tell(),
-            Self::Depth(depth) => depth.tell(),
-            Self::Manifold(manifold) => manifold.tell(),
-            Self::Gradient(proximity) => proximity.tell(),
+            Self::Distance(distance) => distance.report(),
+            Self::Depth(depth) => depth.report(),
+            Self::Manifold(manifold) => manifold.report(),
+            Self::Gradient(proximity) => proximity.report(),
             _ => Reported::default(),
         }
     }
@@ -112,7 +112,7 @@ impl Report for Answer {
 }
 
 impl Report for Option<Distance> {
-    fn tell(&self) -> Reported {
+    fn report(&self) -> Reported {
         let Some(found) = self else {
             return Reported { distance: Some(0.0), error_bound: Some(0.0), ..Reported::default() };
         };
@@ -129,7 +129,7 @@ impl Report for Option<Distance> {
 }
 
 impl Report for Depth {
-    fn tell(&self) -> Reported {
+    fn report(&self) -> Reported {
         let way = Reported::between(self.normal, self.point_a, self.point_b);
         Reported { depth: Some(self.depth), error_bound: self.error_bound(), ..way }
     }
@@ -140,7 +140,7 @@ impl Report for Depth {
 }
 
 impl Report for Manifold {
-    fn tell(&self) -> Reported {
+    fn report(&self) -> Reported {
         let part = |k: usize| match self.parts[k] {
             Some(PartIndex::Part(part)) => Some(part),
             _ => None,
@@ -168,7 +168,7 @@ impl Report for Manifold {
 }
 
 impl Report for Proximity {
-    fn tell(&self) -> Reported {
+    fn report(&self) -> Reported {
         let slopes = |twist: Twist| {
             let [translation, rotation] = [twist.translation, twist.rotation].map(|v| v.to_array());
             Some(Slopes { translation, rotation })
@@ -202,7 +202,7 @@ impl Reported {
 
 impl Reported {
     /// The points in which a pair touches, halfway between its two surfaces, with the normal; none
-    /// where it was not asked.
+    /// where the query computes none.
     pub(crate) fn contact_points(&self) -> Vec<(DVec3, DVec3)> {
         let halfway =
             |a: [f64; 3], b: [f64; 3]| (DVec3::from_array(a) + DVec3::from_array(b)) * 0.5;

@@ -11,7 +11,7 @@ mod rival;
 mod state;
 mod states;
 
-use crate::failure::{Failure, tell};
+use crate::failure::{Failure, print_message};
 use crate::output::{Output, check_distinct};
 use clap::{Args, ValueEnum};
 use dcd_io::{MeshPaths, shown};
@@ -65,12 +65,12 @@ package.xml; 8,388,608 pairs of shapes that may touch (rigid bodies do not count
 
 --all-problems checks, for each scene and request of the archive, 100 states on the straight line \
 from start to goal in joint space, both ends among them, by Parry in f64 as well, on the same \
-shapes; each pair on which the two differ is settled exactly and told. Times are of one thread: \
-ours of where the links are (kinematics, measured by itself and taken off the checks, which include it), of \
-what is made of world and robot once a problem (preparation; obstacles are prepared for the narrow phase \
-in the checks, which need it or not), and of a batch of 100 states, for all hits and for a first hit of \
-each; Parry's of the boxes of the links, a \
-tree over the world that is made before, and query::intersection_test, to the last or to its first hit. \
+shapes; each pair on which the two differ is judged exactly and reported. Times are of one thread. \
+Ours: kinematics (measured separately and subtracted from the checks, which include it); preparation \
+of world and robot, once a problem (the checks prepare the obstacles for the narrow phase, whether \
+they need it or not); a batch of 100 states, for all hits and for a first hit of each. Parry's: the \
+AABBs of the links, a tree over the world that is built before, and query::intersection_test, up to \
+the last or the first hit. \
 ratio is Parry's check alone over our sum, for all hits, ratio_first for first hits. Padded links are \
 refused there. A file of the archive unpacks to 16,777,216 bytes at most, all of it to \
 1,073,741,824.";
@@ -90,11 +90,11 @@ enum UpAxis {
 pub(crate) struct Robot {
     /// The robot as URDF
     urdf: PathBuf,
-    /// The pairs of links that may touch (disable_collisions); of several files a later one counts more
+    /// The pairs of links that may touch (disable_collisions); a later file overrides an earlier one
     #[arg(long, value_name = "FILE")]
     srdf: Vec<PathBuf>,
-    /// What the meshes of the links are taken as: hulls (of their vertices), hulls:N (hulls round them of at most N
-    /// vertices; how much larger is told), meshes (their triangles, which have no inside)
+    /// How meshes of links are represented: hulls (of their vertices), hulls:N (hulls round them of at most N
+    /// vertices; how much larger is reported), meshes (their triangles, which have no inside)
     #[arg(long, value_name = "hulls|hulls:N|meshes", default_value_t)]
     links: Links,
     /// The same for one link
@@ -106,7 +106,7 @@ pub(crate) struct Robot {
     /// Which way is up in a COLLADA or glTF file that says so
     #[arg(long, value_enum, default_value = "ros")]
     up_axis: UpAxis,
-    /// What stands round it: a scene of MoveIt as YAML, or as text (.scene)
+    /// The obstacles: a scene of MoveIt as YAML, or as text (.scene)
     #[arg(long, value_name = "SCENE", conflicts_with = "all_problems")]
     world: Option<PathBuf>,
     /// Joint values, comma-separated: one for each moved joint in the URDF's order, or NAME=VALUE
@@ -118,22 +118,22 @@ pub(crate) struct Robot {
         conflicts_with_all = ["request", "goal", "all_problems"]
     )]
     state: Option<String>,
-    /// States in place of one, JSON Lines (format: see --help): a line of JSON comes out for each
+    /// States in place of one, JSON Lines (format: see --help): prints a line of JSON for each
     #[arg(long, value_name = "FILE", conflicts_with_all = ["state", "request", "goal", "all_problems"])]
     states: Option<PathBuf>,
     /// Measure the least signed distance of each state of --states too, with its derivative by the joints
     #[arg(long, requires = "states")]
     clearance: bool,
-    /// Edges between states, JSON Lines (format: see --help): whether all of each is free, proved
+    /// Edges between states, JSON Lines (format: see --help): whether each is proved free throughout
     #[arg(long, value_name = "FILE", conflicts_with_all = ["state", "states", "request", "goal", "all_problems"])]
     edges: Option<PathBuf>,
-    /// At most how many intervals of an edge are looked at
+    /// The most intervals of an edge that are checked
     #[arg(long, value_name = "N", requires = "edges", default_value_t = 100_000)]
     budget: usize,
     /// Grow all links by this much on all sides, metres, against the world alone
     #[arg(long, value_name = "METRES", conflicts_with = "all_problems")]
     padding: Option<f64>,
-    /// Let the robot's links meet each other as large as padding, the world's too, makes them
+    /// Apply padding, the world's too, between the robot's links as well
     #[arg(long, conflicts_with_all = ["all_problems", "acm"])]
     pad_self: bool,
     /// A request of MoveIt as YAML in place of a state: its start
@@ -163,13 +163,13 @@ pub(crate) struct Robot {
         ]
     )]
     acm: Option<PathBuf>,
-    /// How many states are drawn
+    /// How many states are sampled
     #[arg(long, value_name = "N", requires = "acm", default_value_t = PairSearch::default().samples)]
     samples: usize,
     /// Write pairs that touch at rest but not always too, as Default
     #[arg(long, requires = "acm")]
     allow_default: bool,
-    /// Write what was asked about as binary glTF: links and obstacles, what touches in another colour, the points
+    /// Write what was checked as binary glTF: links and obstacles, what touches in another colour, the points
     /// where; states one after the other, half a second each; edges as motions of two seconds
     #[arg(long, value_name = "OUT.glb", conflicts_with_all = ["all_problems", "acm"])]
     glb: Option<PathBuf>,
@@ -182,7 +182,7 @@ pub(crate) struct Robot {
 #[derive(Debug, Serialize)]
 struct Answer {
     robot: String,
-    /// What the answer is about.
+    /// The subject of the answer.
     #[serde(flatten)]
     geometry: Geometry,
     links_with_shapes: usize,
@@ -200,7 +200,7 @@ impl Robot {
         note(&self.urdf, model.notes());
         // One object of JSON says it by itself; lines of it do not.
         if !self.json || self.states.is_some() || self.edges.is_some() {
-            tell(self.geometry(&model));
+            print_message(self.geometry(&model));
         }
         let srdf = load_srdf(&self.srdf, &model)?;
         let allowed = match &srdf {
@@ -270,7 +270,10 @@ impl Robot {
         let mut world = self.load_world(&model, srdf)?;
         allowed.extend(&world.allowed);
         let state = self.state_of(&model, srdf, &mut world)?;
-        model.beyond_limits(&state).iter().for_each(|beyond| tell(format_args!("state: {beyond}")));
+        model
+            .beyond_limits(&state)
+            .iter()
+            .for_each(|beyond| print_message(format_args!("state: {beyond}")));
         let cell = Workcell::new(model, &world, &allowed);
         let mut cell = cell.map_err(|error| match &self.world {
             Some(path) => Failure::at(shown(path), error),
@@ -316,7 +319,7 @@ impl Robot {
         Ok(world)
     }
 
-    /// States or edges of a file.
+    /// Checks the states or edges of a file.
     fn answer_lines(
         &self,
         model: &Model,
@@ -375,7 +378,7 @@ impl Robot {
     }
 }
 
-/// All files as one, if there are any.
+/// All files merged, if there are any.
 fn load_srdf(paths: &[PathBuf], model: &Model) -> Result<Option<Srdf>, Failure> {
     let mut all: Option<Srdf> = None;
     for path in paths {
@@ -390,9 +393,9 @@ fn load_srdf(paths: &[PathBuf], model: &Model) -> Result<Option<Srdf>, Failure> 
     Ok(all)
 }
 
-/// What a file says that is not used, or that a planner would warn of.
+/// Prints what a file says that is not used, or that a planner would warn of.
 fn note(path: &Path, notes: &[String]) {
-    notes.iter().for_each(|note| tell(format_args!("{}: {note}", shown(path))));
+    notes.iter().for_each(|note| print_message(format_args!("{}: {note}", shown(path))));
 }
 
 /// Each pair of names once, though links have several shapes.
@@ -400,7 +403,7 @@ fn once(pairs: impl Iterator<Item = [String; 2]>) -> BTreeSet<[String; 2]> {
     pairs.collect()
 }
 
-/// The error names its file.
+/// A failure from an error that names its file.
 fn refused(error: RobotError) -> Failure {
     Failure::Input(error.to_string())
 }

@@ -7,7 +7,7 @@ use common::{dcd, dcd_reading};
 
 const FINE: &str = r#"{"name": "fine", "a": [[0, 0, 0], [0.1, 2, 3]], "pose_a": {"R": [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "t": [4, 5, 6]}, "b": [[1, 1, 1]], "pose_b": {"q": [0, 0, 0, 1], "t": [0, 0, 0]}}"#;
 
-/// Asks for a fine pair, the bad one, and a fine one, and asserts that the middle one is refused
+/// Queries a fine pair, the bad one, and a fine one, and asserts that the middle one is refused
 /// with that name and with all of `why`, in its own line and on standard error.
 #[track_caller]
 fn assert_line_refused(bad: &str, name: Option<&str>, why: &[&str]) {

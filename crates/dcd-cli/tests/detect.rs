@@ -1,4 +1,4 @@
-//! What `dcd detect` finds and how it tells it.
+//! What `dcd detect` finds and how it reports it.
 #![allow(missing_docs)]
 
 mod common;
@@ -41,11 +41,14 @@ fn no_object_and_one_object_are_legal_and_have_no_pair() {
             for threads in ["1", "2"] {
                 let arguments =
                     ["detect", "-", "--precision", precision, "--threads", threads, "--json"];
-                let told = dcd_reading(&hull_file(&hulls), &arguments).summary();
+                let reported = dcd_reading(&hull_file(&hulls), &arguments).summary();
                 for (key, value) in [("objects", objects), ("pairs", 0), ("contacts", 0)] {
-                    assert_eq!(told[key], value, "{key}: {told}");
+                    assert_eq!(reported[key], value, "{key}: {reported}");
                 }
-                assert_eq!((&told["undecided"], &told["digest"]), (&0.into(), &NO_CONTACTS.into()));
+                assert_eq!(
+                    (&reported["undecided"], &reported["digest"]),
+                    (&0.into(), &NO_CONTACTS.into())
+                );
             }
         }
     }
@@ -57,9 +60,9 @@ fn touching_cubes_are_a_contact_and_a_hair_apart_they_are_none() {
     let out = temporary("touching_cubes");
     let file = hull_file(&places.map(Hull::unit_cube));
     let arguments = ["detect", "-", "--json", "--out", out.to_str().unwrap()];
-    let told = dcd_reading(&file, &arguments).summary();
-    assert_eq!((&told["objects"], &told["contacts"]), (&4.into(), &1.into()));
-    assert_eq!((&told["undecided"], &told["precision"]), (&0.into(), &"certified".into()));
+    let reported = dcd_reading(&file, &arguments).summary();
+    assert_eq!((&reported["objects"], &reported["contacts"]), (&4.into(), &1.into()));
+    assert_eq!((&reported["undecided"], &reported["precision"]), (&0.into(), &"certified".into()));
     assert_eq!(read_contacts(&std::fs::read(out).unwrap()), [(0, 1)]);
 }
 
@@ -67,7 +70,7 @@ fn touching_cubes_are_a_contact_and_a_hair_apart_they_are_none() {
 fn the_json_has_the_documented_keys_in_order_and_sensible_times() {
     let arguments = ["detect", "--scene", "paper", "--n", "60", "--json", "--repeat", "4"];
     let ran = dcd(&[&arguments[..], &["--threads", "2"]].concat());
-    let told = ran.summary();
+    let reported = ran.summary();
     let keys = [
         "objects",
         "pairs",
@@ -80,10 +83,14 @@ fn the_json_has_the_documented_keys_in_order_and_sensible_times() {
         "digest",
     ];
     let places = keys.map(|key| ran.stdout.find(&format!("\"{key}\":")).unwrap());
-    assert!(places.is_sorted() && told.as_object().unwrap().len() == keys.len(), "{}", ran.stdout);
-    assert_eq!(told["threads"], 2);
+    assert!(
+        places.is_sorted() && reported.as_object().unwrap().len() == keys.len(),
+        "{}",
+        ran.stdout
+    );
+    assert_eq!(reported["threads"], 2);
     let spread = |stage: &str| {
-        let number = |key: &str| told["ms"][stage][key].as_f64().unwrap();
+        let number = |key: &str| reported["ms"][stage][key].as_f64().unwrap();
         (number("min"), number("median"))
     };
     let stages = ["aabbs", "build", "pairs", "narrow"].map(spread);
@@ -92,15 +99,15 @@ fn the_json_has_the_documented_keys_in_order_and_sensible_times() {
     // The stages are parts of the step.
     assert!(stages.iter().map(|stage| stage.0).sum::<f64>() <= least && least <= middle);
     if cfg!(target_os = "linux") {
-        assert!(told["peak_rss_bytes"].as_u64().unwrap() > 1 << 20);
+        assert!(reported["peak_rss_bytes"].as_u64().unwrap() > 1 << 20);
     }
 }
 
 #[test]
-fn the_text_tells_what_the_json_tells() {
+fn the_text_reports_what_the_json_reports() {
     let arguments = ["detect", "--scene", "paper", "--n", "60", "--threads", "2"];
     let text = dcd(&arguments).stdout;
-    let told = dcd(&[&arguments[..], &["--json"]].concat()).summary();
+    let reported = dcd(&[&arguments[..], &["--json"]].concat()).summary();
     let value = |what: &str| {
         let line = text.lines().find_map(|line| line.strip_prefix(what)).unwrap();
         line.trim().to_owned()
@@ -108,9 +115,9 @@ fn the_text_tells_what_the_json_tells() {
     for (line, key) in
         [("objects", "objects"), ("candidate pairs", "pairs"), ("contacts", "contacts")]
     {
-        assert_eq!(value(line), told[key].to_string());
+        assert_eq!(value(line), reported[key].to_string());
     }
-    assert_eq!(Value::from(value("digest")), told["digest"]);
+    assert_eq!(Value::from(value("digest")), reported["digest"]);
     assert_eq!((value("undecided"), value("threads")), ("0".into(), "2".into()));
     assert_eq!(value("precision"), "certified");
 }
@@ -119,45 +126,46 @@ fn the_text_tells_what_the_json_tells() {
 fn the_contact_file_is_sorted_and_the_digest_is_of_its_pairs() {
     let out = temporary("sorted_contacts");
     let arguments = ["detect", "--scene", "paper", "--n", "500", "--json", "--out"];
-    let told = dcd(&[&arguments[..], &[out.to_str().unwrap()]].concat()).summary();
+    let reported = dcd(&[&arguments[..], &[out.to_str().unwrap()]].concat()).summary();
     let file = std::fs::read(out).unwrap();
     let contacts = read_contacts(&file);
     assert!(contacts.len() > 1000 && contacts.is_sorted());
     assert!(contacts.iter().all(|(i, j)| i < j && *j < 500));
     assert!(contacts.windows(2).all(|two| two[0] != two[1]));
-    assert_eq!(told["contacts"], contacts.len());
-    assert_eq!(told["digest"], fnv1a(&file[4..]));
+    assert_eq!(reported["contacts"], contacts.len());
+    assert_eq!(reported["digest"], fnv1a(&file[4..]));
 }
 
 #[test]
 fn the_digest_is_the_same_at_any_thread_count_and_in_every_repeat() {
     for precision in PRECISIONS {
-        let told = ["1", "2", "3", "7"].map(|threads| {
+        let reported = ["1", "2", "3", "7"].map(|threads| {
             let scene =
                 ["detect", "--scene", "paper", "--n", "400", "--json", "--precision", precision];
-            let told = dcd(&[&scene[..], &["--threads", threads, "--repeat", threads]].concat());
-            told.summary()
+            let reported =
+                dcd(&[&scene[..], &["--threads", threads, "--repeat", threads]].concat());
+            reported.summary()
         });
-        for other in &told[1..] {
+        for other in &reported[1..] {
             for key in ["pairs", "contacts", "undecided", "digest"] {
-                assert_eq!(other[key], told[0][key], "{precision}, {key}");
+                assert_eq!(other[key], reported[0][key], "{precision}, {key}");
             }
         }
-        assert_ne!(told[0]["digest"], NO_CONTACTS);
+        assert_ne!(reported[0]["digest"], NO_CONTACTS);
     }
 }
 
 #[test]
 fn methods_that_decide_every_pair_agree() {
-    let ask = |precision| {
+    let detect = |precision| {
         dcd(&["detect", "--scene", "paper", "--n", "300", "--json", "--precision", precision])
     };
-    let certified = ask("certified").summary();
+    let certified = detect("certified").summary();
     for precision in PRECISIONS {
-        let told = ask(precision).summary();
-        assert_eq!(told["precision"], precision);
-        if told["undecided"] == 0 && precision != "parry-f32" {
-            assert_eq!(told["digest"], certified["digest"], "{precision}");
+        let reported = detect(precision).summary();
+        assert_eq!(reported["precision"], precision);
+        if reported["undecided"] == 0 && precision != "parry-f32" {
+            assert_eq!(reported["digest"], certified["digest"], "{precision}");
         }
     }
 }
@@ -199,12 +207,16 @@ fn flat_needle_like_and_point_like_hulls_are_legal_on_every_method() {
     hulls[3].vertices = vec![[0.2; 3]; 5];
     for precision in PRECISIONS {
         let arguments = ["detect", "-", "--json", "--precision", precision];
-        let told = dcd_reading(&hull_file(&hulls), &arguments).summary();
-        let sum = told["contacts"].as_u64().unwrap() + told["undecided"].as_u64().unwrap();
-        assert!(sum <= told["pairs"].as_u64().unwrap());
+        let reported = dcd_reading(&hull_file(&hulls), &arguments).summary();
+        let sum = reported["contacts"].as_u64().unwrap() + reported["undecided"].as_u64().unwrap();
+        assert!(sum <= reported["pairs"].as_u64().unwrap());
         if precision == "certified" {
             // All in the cube, and the line in the plane; the point is in neither.
-            assert_eq!((&told["contacts"], &told["undecided"]), (&4.into(), &0.into()), "{told}");
+            assert_eq!(
+                (&reported["contacts"], &reported["undecided"]),
+                (&4.into(), &0.into()),
+                "{reported}"
+            );
         }
     }
 }
@@ -212,8 +224,8 @@ fn flat_needle_like_and_point_like_hulls_are_legal_on_every_method() {
 #[test]
 fn the_seed_makes_the_scene() {
     let digest = |seed| {
-        let told = dcd(&["detect", "--scene", "paper", "--n", "100", "--json", "--seed", seed]);
-        told.summary()["digest"].clone()
+        let reported = dcd(&["detect", "--scene", "paper", "--n", "100", "--json", "--seed", seed]);
+        reported.summary()["digest"].clone()
     };
     assert_eq!(digest("5"), digest("5"));
     assert_ne!(digest("5"), digest("6"));
@@ -230,9 +242,9 @@ fn clouds_become_a_scene_whose_density_is_a_parameter() {
     let file: Vec<u8> = (0..10).flat_map(cloud).collect();
     let candidates = |density| {
         let arguments = ["detect", "--clouds", "-", "--json", "--n", "2000", "--density", density];
-        let told = dcd_reading(&file, &arguments).summary();
-        assert_eq!((&told["clouds"]["solid"], &told["undecided"]), (&10.into(), &0.into()));
-        told["pairs"].as_f64().unwrap() / 2000.0
+        let reported = dcd_reading(&file, &arguments).summary();
+        assert_eq!((&reported["clouds"]["solid"], &reported["undecided"]), (&10.into(), &0.into()));
+        reported["pairs"].as_f64().unwrap() / 2000.0
     };
     assert!((candidates("1") - 1.0).abs() < 0.2);
     assert!((candidates("8") - 8.0).abs() < 1.6);
@@ -243,7 +255,7 @@ fn clouds_become_a_scene_whose_density_is_a_parameter() {
 }
 
 #[test]
-fn help_tells_the_formats_the_methods_and_the_exit_codes() {
+fn help_lists_the_formats_the_methods_and_the_exit_codes() {
     let all = dcd(&["--help"]).stdout;
     assert!(all.contains("detect") && all.contains("pairs") && all.contains("Exit codes: 0"));
     let detect = dcd(&["detect", "--help"]).stdout;
@@ -273,8 +285,8 @@ fn each_query_writes_its_answers_and_finds_the_same_contacts() {
         let out = temporary(query);
         let arguments =
             ["detect", "-", "--json", "--query", query, "--answers", out.to_str().unwrap()];
-        let told = dcd_reading(&row(), &arguments).summary();
-        assert_eq!(told["contacts"], 2, "{told}");
+        let reported = dcd_reading(&row(), &arguments).summary();
+        assert_eq!(reported["contacts"], 2, "{reported}");
         let text = std::fs::read_to_string(&out).unwrap();
         let lines: Vec<Value> =
             text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
@@ -292,7 +304,7 @@ fn each_query_writes_its_answers_and_finds_the_same_contacts() {
 #[test]
 fn every_accuracy_has_the_same_contacts_and_numbers_within_its_bounds() {
     for (query, key) in [("depth", "depth"), ("distance", "distance"), ("gradient", "distance")] {
-        let ask = |accuracy: &str| {
+        let detect = |accuracy: &str| {
             let out = temporary(&format!("{query}-{accuracy}"));
             let mut arguments =
                 vec!["detect", "--scene", "mixed", "--n", "2000", "--json", "--query", query];
@@ -300,20 +312,20 @@ fn every_accuracy_has_the_same_contacts_and_numbers_within_its_bounds() {
             if query != "depth" {
                 arguments.extend(["--margin", "0.05"]);
             }
-            let told = dcd(&arguments).summary();
+            let reported = dcd(&arguments).summary();
             let text = std::fs::read_to_string(&out).unwrap();
             let answers: Vec<(f64, f64)> = text
                 .lines()
                 .map(|line| serde_json::from_str::<Value>(line).unwrap())
                 .map(|line| (line[key].as_f64().unwrap(), line["error_bound"].as_f64().unwrap()))
                 .collect();
-            (told, answers)
+            (reported, answers)
         };
-        let (told, certified) = ask("certified");
-        assert!(certified.len() > 100, "{told}");
+        let (reported, certified) = detect("certified");
+        assert!(certified.len() > 100, "{reported}");
         for accuracy in ["f32", "f64"] {
-            let (other, answers) = ask(accuracy);
-            assert_eq!(other["digest"], told["digest"]);
+            let (other, answers) = detect(accuracy);
+            assert_eq!(other["digest"], reported["digest"]);
             assert_eq!(other["accuracy"], accuracy);
             let bounds = &other["error_bound"];
             let worst = answers.iter().map(|&(_, bound)| bound).fold(0.0, f64::max);
@@ -331,12 +343,16 @@ fn a_margin_finds_the_pairs_within_it_on_each_of_our_methods() {
     for precision in common::OUR_PRECISIONS {
         for (margin, contacts) in [("0", 2), ("0.1", 2), ("0.25", 3), ("10", 6)] {
             let queries = ["overlap", "distance"];
-            let asked = if precision == "certified" { &queries[..] } else { &queries[..1] };
-            for query in asked {
+            let supported = if precision == "certified" { &queries[..] } else { &queries[..1] };
+            for query in supported {
                 let arguments =
                     ["--precision", precision, "--margin", margin, "--query", query, "--json"];
-                let told = dcd_reading(&row(), &[&["detect", "-"][..], &arguments].concat());
-                assert_eq!(told.summary()["contacts"], contacts, "{precision} {margin} {query}");
+                let reported = dcd_reading(&row(), &[&["detect", "-"][..], &arguments].concat());
+                assert_eq!(
+                    reported.summary()["contacts"],
+                    contacts,
+                    "{precision} {margin} {query}"
+                );
             }
         }
     }

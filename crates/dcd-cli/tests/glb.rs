@@ -1,4 +1,4 @@
-//! `--glb` writes what was asked about, to be looked at.
+//! `--glb` writes what was checked, to be looked at.
 #![allow(missing_docs)]
 
 mod common;

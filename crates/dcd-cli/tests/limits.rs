@@ -1,4 +1,4 @@
-//! What is too much is refused with exit code 2 before it is asked for.
+//! What is too much is refused with exit code 2 before allocation.
 #![allow(missing_docs)]
 
 mod common;
@@ -41,7 +41,7 @@ fn within(kilobytes: u32, arguments: &[&str]) -> (Option<i32>, String) {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_memory_cannot_hold_is_refused_before_it_is_asked_for() {
+fn what_memory_cannot_hold_is_refused_before_allocation() {
     let one = "--threads=1";
     for (arguments, why) in [
         (&["detect", "--scene", "spheres", "--n", "4000000", one][..], "2.0e9 bytes of memory"),
@@ -50,11 +50,11 @@ fn what_memory_cannot_hold_is_refused_before_it_is_asked_for() {
         (&["detect", "--clouds", "/dev/zero", one], "/dev/zero: more than"),
         (&["detect", "--capture", "/dev/zero", one], "/dev/zero: more than"),
     ] {
-        let (code, told) = within(900_000, arguments);
-        assert!(code == Some(2) && told.contains(why), "{arguments:?}: {code:?} {told}");
+        let (code, printed) = within(900_000, arguments);
+        assert!(code == Some(2) && printed.contains(why), "{arguments:?}: {code:?} {printed}");
     }
-    let (code, told) = within(900_000, &["detect", "--scene", "identical", "--n", "500", one]);
-    assert_eq!((code, told.as_str()), (Some(0), ""));
+    let (code, printed) = within(900_000, &["detect", "--scene", "identical", "--n", "500", one]);
+    assert_eq!((code, printed.as_str()), (Some(0), ""));
 }
 
 #[test]
@@ -120,18 +120,18 @@ fn on_a_terminal(arguments: &str) -> Option<String> {
 fn progress_is_shown_on_a_terminal_once_work_takes_more_than_two_seconds() {
     // Twenty seconds where nothing else runs; the run is not waited for to be quick.
     let long = "detect --scene identical --n 1500 --threads 1 --repeat 60 --json";
-    let Some(told) = on_a_terminal(long) else {
+    let Some(printed) = on_a_terminal(long) else {
         return println!("skipped: the program script is not there");
     };
-    let seconds = |told: &str| {
-        let json = told.lines().find(|line| line.starts_with('{')).unwrap_or_default();
+    let seconds = |printed: &str| {
+        let json = printed.lines().find(|line| line.starts_with('{')).unwrap_or_default();
         let json: serde_json::Value = serde_json::from_str(json).unwrap_or_default();
         60.0 * json["ms"]["total"]["min"].as_f64().unwrap_or(0.0) * 1e-3
     };
-    if seconds(&told) < 2.5 {
+    if seconds(&printed) < 2.5 {
         return println!("skipped: this machine is done before progress is due");
     }
-    assert!(told.contains("/60 steps"), "{told}");
+    assert!(printed.contains("/60 steps"), "{printed}");
 }
 
 #[test]

@@ -129,8 +129,12 @@ fn a_full_disk_leaves_the_old_output_and_no_litter() {
     // A block is 512 or 1,024 bytes, a capture of 50 cubes in 20 frames some 96 kB.
     let script = "ulimit -f 8; exec \"$0\" capture --scene bricks --n 50 --frames 20 --out \"$1\"";
     let ran = shell(script, &[&out]);
-    let told = String::from_utf8(ran.stderr).unwrap();
-    assert!(ran.status.code() == Some(1) && told.contains("out: "), "{:?} {told}", ran.status);
+    let reported = String::from_utf8(ran.stderr).unwrap();
+    assert!(
+        ran.status.code() == Some(1) && reported.contains("out: "),
+        "{:?} {reported}",
+        ran.status
+    );
     assert_eq!(fs::read(&out).unwrap(), b"old");
     assert_eq!(folder.names(), ["out", "scene"]);
     // A device stays one, and says that it is full.

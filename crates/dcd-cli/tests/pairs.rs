@@ -40,7 +40,7 @@ fn neighbours(name: &str, objects: usize) -> Vec<Value> {
     (0..objects.len() - 1).map(pair).collect()
 }
 
-fn ask(pairs: &[Value], arguments: &[&str]) -> Ran {
+fn run_pairs(pairs: &[Value], arguments: &[&str]) -> Ran {
     let text: Vec<String> = pairs.iter().map(Value::to_string).collect();
     dcd_reading(text.join("\n").as_bytes(), &[&["pairs", "-"], arguments].concat())
 }
@@ -60,10 +60,12 @@ fn vector(line: &Value, key: &str) -> DVec3 {
 #[test]
 fn cubes_a_metre_apart_are_at_distance_one() {
     for precision in PRECISIONS {
-        let line =
-            ask(&[cubes([2.0, 0.0, 0.0])], &["--query", "distance", "--precision", precision])
-                .answers()
-                .remove(0);
+        let line = run_pairs(
+            &[cubes([2.0, 0.0, 0.0])],
+            &["--query", "distance", "--precision", precision],
+        )
+        .answers()
+        .remove(0);
         assert_eq!((&line["answer"], number(&line, "distance")), (&"apart".into(), 1.0));
         assert!(vector(&line, "normal").abs_diff_eq(DVec3::X, 1e-12), "{line}");
         let [a, b] = ["point_a", "point_b"].map(|key| vector(&line, key));
@@ -74,9 +76,10 @@ fn cubes_a_metre_apart_are_at_distance_one() {
 #[test]
 fn cubes_that_overlap_by_a_quarter_are_a_quarter_deep() {
     for precision in OUR_PRECISIONS {
-        let line = ask(&[cubes([0.75, 0.0, 0.0])], &["--query", "depth", "--precision", precision])
-            .answers()
-            .remove(0);
+        let line =
+            run_pairs(&[cubes([0.75, 0.0, 0.0])], &["--query", "depth", "--precision", precision])
+                .answers()
+                .remove(0);
         assert_eq!((&line["answer"], number(&line, "depth")), (&"touching".into(), 0.25));
         assert!(number(&line, "error_bound") < 1e-14);
         assert!(vector(&line, "normal").abs_diff_eq(DVec3::X, 1e-12), "{line}");
@@ -89,18 +92,18 @@ fn cubes_that_overlap_by_a_quarter_are_a_quarter_deep() {
 fn cubes_that_just_touch_are_touching_at_distance_and_depth_zero_by_the_exact_method() {
     let pair = [cubes([1.0, 0.5, 0.0])];
     for (query, key) in [("distance", "distance"), ("depth", "depth")] {
-        let line = ask(&pair, &["--query", query]).answers().remove(0);
+        let line = run_pairs(&pair, &["--query", query]).answers().remove(0);
         assert_eq!((&line["answer"], &line["method"]), (&"touching".into(), &"exact".into()));
         assert_eq!(number(&line, key), 0.0);
         assert!(number(&line, "error_bound") < 1e-15);
     }
     let apart = [cubes([1.0f64.next_up(), 0.5, 0.0])];
-    let line = ask(&apart, &["--query", "distance"]).answers().remove(0);
+    let line = run_pairs(&apart, &["--query", "distance"]).answers().remove(0);
     assert_eq!(line["answer"], "apart");
     let off = (number(&line, "distance") - f64::EPSILON).abs();
     assert!(off <= number(&line, "error_bound") && off <= 1e-12 * f64::EPSILON, "{line}");
     // What f64 cannot prove it does not say.
-    let line = ask(&pair, &["--precision", "f64"]).answers().remove(0);
+    let line = run_pairs(&pair, &["--precision", "f64"]).answers().remove(0);
     assert_eq!((&line["answer"], &line["method"]), (&"undecided".into(), &"f64".into()));
     assert_eq!(line["reason"], "within rounding");
 }
@@ -109,8 +112,9 @@ fn cubes_that_just_touch_are_touching_at_distance_and_depth_zero_by_the_exact_me
 fn a_pair_within_rounding_of_f64_has_a_distance_of_zero_and_the_truth_is_within_its_bound() {
     let gaps = [0.0, f64::EPSILON, -f64::EPSILON / 2.0, 3.0 * f64::EPSILON];
     let pairs = gaps.map(|gap| cubes([1.0 + gap, 0.5, 0.0]));
-    let ran = ask(&pairs, &["--precision", "f64", "--query", "distance"]);
-    let swapped = ask(&pairs, &["--precision", "f64", "--query", "distance", "--swap"]).answers();
+    let ran = run_pairs(&pairs, &["--precision", "f64", "--query", "distance"]);
+    let swapped =
+        run_pairs(&pairs, &["--precision", "f64", "--query", "distance", "--swap"]).answers();
     for ((line, swapped), gap) in ran.answers().into_iter().zip(swapped).zip(gaps) {
         assert_eq!(
             (&line["answer"], &line["method"]),
@@ -126,7 +130,7 @@ fn a_pair_within_rounding_of_f64_has_a_distance_of_zero_and_the_truth_is_within_
 }
 
 #[test]
-fn only_what_the_query_asks_for_is_present() {
+fn only_what_the_query_requests_is_present() {
     let pairs = [cubes([3.0, 0.0, 0.0]), cubes([0.5, 0.0, 0.0])];
     let way = ["normal", "point_a", "point_b"];
     let base = ["answer", "method", "name"];
@@ -136,19 +140,20 @@ fn only_what_the_query_asks_for_is_present() {
         keys
     };
     for precision in OUR_PRECISIONS {
-        let asked = |query| ask(&pairs, &["--precision", precision, "--query", query]).answers();
-        assert!(asked("boolean").iter().all(|line| keys(line) == base));
-        let lines = asked("distance");
+        let lines_of =
+            |query| run_pairs(&pairs, &["--precision", precision, "--query", query]).answers();
+        assert!(lines_of("boolean").iter().all(|line| keys(line) == base));
+        let lines = lines_of("distance");
         assert_eq!(keys(&lines[0]), sorted(&[&base, &way, &["distance", "error_bound"]]));
         assert_eq!(keys(&lines[1]), sorted(&[&base, &["distance", "error_bound"]]));
         assert_eq!(number(&lines[1], "distance"), 0.0);
-        let lines = asked("depth");
+        let lines = lines_of("depth");
         assert_eq!(keys(&lines[0]), base);
         assert_eq!(keys(&lines[1]), sorted(&[&base, &way, &["depth", "error_bound"]]));
     }
     for precision in ["parry-f32", "parry-f64"] {
         for query in ["boolean", "distance", "depth"] {
-            for line in ask(&pairs, &["--precision", precision, "--query", query]).answers() {
+            for line in run_pairs(&pairs, &["--precision", precision, "--query", query]).answers() {
                 assert!(line["method"] == precision && line.get("error_bound").is_none(), "{line}");
             }
         }
@@ -158,8 +163,11 @@ fn only_what_the_query_asks_for_is_present() {
 #[test]
 fn the_boolean_query_is_the_default_and_so_is_the_certified_method() {
     let pairs = neighbours("paper", 20);
-    let plain = ask(&pairs, &[]).stdout;
-    assert_eq!(plain, ask(&pairs, &["--query", "boolean", "--precision", "certified"]).stdout);
+    let plain = run_pairs(&pairs, &[]).stdout;
+    assert_eq!(
+        plain,
+        run_pairs(&pairs, &["--query", "boolean", "--precision", "certified"]).stdout
+    );
     assert_eq!(plain.lines().count(), 19);
 }
 
@@ -188,9 +196,11 @@ fn the_swapped_answer_is_mirrored_bit_for_bit() {
     let mut kinds = [0; 2];
     for precision in OUR_PRECISIONS {
         for query in ["boolean", "distance", "depth"] {
-            let straight = ask(&pairs, &["--precision", precision, "--query", query]).answers();
+            let straight =
+                run_pairs(&pairs, &["--precision", precision, "--query", query]).answers();
             let swapped =
-                ask(&pairs, &["--precision", precision, "--query", query, "--swap"]).answers();
+                run_pairs(&pairs, &["--precision", precision, "--query", query, "--swap"])
+                    .answers();
             for (straight, swapped) in straight.into_iter().zip(swapped) {
                 kinds[0] += usize::from(straight.get("distance").is_some());
                 kinds[1] += usize::from(straight.get("depth").is_some());
@@ -209,7 +219,7 @@ fn the_swapped_answer_is_mirrored_bit_for_bit() {
 #[test]
 fn numbers_read_back_to_the_answer_of_the_library() {
     let pairs = neighbours("paper", 40);
-    let lines = ask(&pairs, &["--query", "distance"]).answers();
+    let lines = run_pairs(&pairs, &["--query", "distance"]).answers();
     let mut apart = 0;
     for (pair, line) in pairs.iter().zip(lines) {
         let pair = dcd_io::read_pair(pair.to_string().as_bytes()).unwrap();
@@ -235,8 +245,8 @@ fn numbers_read_back_to_the_answer_of_the_library() {
 #[test]
 fn distance_and_points_agree_with_each_other_and_with_parry() {
     let pairs = neighbours("paper", 60);
-    let ours = ask(&pairs, &["--query", "distance"]).answers();
-    let parry = ask(&pairs, &["--query", "distance", "--precision", "parry-f64"]).answers();
+    let ours = run_pairs(&pairs, &["--query", "distance"]).answers();
+    let parry = run_pairs(&pairs, &["--query", "distance", "--precision", "parry-f64"]).answers();
     for (ours, parry) in ours.iter().zip(&parry) {
         assert_eq!(ours["answer"], parry["answer"]);
         let distance = number(ours, "distance");
@@ -253,14 +263,14 @@ fn distance_and_points_agree_with_each_other_and_with_parry() {
 fn a_rotation_may_be_a_quaternion_and_the_matrix_counts_where_both_stand() {
     let half = 0.5f64.sqrt();
     let mut pair = cubes([1.2, 0.0, 0.0]);
-    let straight = ask(&[pair.clone()], &["--query", "distance"]).answers().remove(0);
+    let straight = run_pairs(&[pair.clone()], &["--query", "distance"]).answers().remove(0);
     assert!((number(&straight, "distance") - 0.2).abs() < 1e-12);
     pair["pose_b"]["q"] = json!([0.0, 0.0, (half * 0.5 - 0.25 + 0.5).sqrt(), 0.0]);
-    assert_eq!(ask(&[pair.clone()], &["--query", "distance"]).answers()[0], straight);
+    assert_eq!(run_pairs(&[pair.clone()], &["--query", "distance"]).answers()[0], straight);
     // An eighth of a turn brings the edge to the face.
     let eighth = std::f64::consts::PI / 8.0;
     pair["pose_b"] = json!({"q": [0.0, 0.0, eighth.sin(), eighth.cos()], "t": [1.3, 0, 0]});
-    let turned = ask(&[pair], &["--query", "distance"]).answers().remove(0);
+    let turned = run_pairs(&[pair], &["--query", "distance"]).answers().remove(0);
     assert!((number(&turned, "distance") - (0.8 - half)).abs() < 1e-12, "{turned}");
 }
 
@@ -281,7 +291,7 @@ fn an_empty_file_has_no_answers_and_a_path_is_read_like_standard_input() {
     let path = format!("{}/one_pair.jsonl", env!("CARGO_TARGET_TMPDIR"));
     let pair = cubes([2.0, 0.0, 0.0]);
     std::fs::write(&path, pair.to_string()).unwrap();
-    assert_eq!(dcd(&["pairs", &path]).answers(), ask(&[pair], &[]).answers());
+    assert_eq!(dcd(&["pairs", &path]).answers(), run_pairs(&[pair], &[]).answers());
 }
 
 #[test]
@@ -320,11 +330,12 @@ fn a_reader_that_has_read_enough_ends_the_run_in_silence() {
 fn every_accuracy_gives_the_same_verdicts_and_numbers_within_its_bounds() {
     let pairs = neighbours("paper", 1600);
     for (query, key) in [("distance", "distance"), ("depth", "depth")] {
-        let certified = ask(&pairs, &["--query", query]).answers();
+        let certified = run_pairs(&pairs, &["--query", query]).answers();
         let mut measured = 0;
         for accuracy in ["f32", "f64"] {
-            let found = ask(&pairs, &["--query", query, "--accuracy", accuracy]).answers();
-            let back = ask(&pairs, &["--query", query, "--accuracy", accuracy, "--swap"]).answers();
+            let found = run_pairs(&pairs, &["--query", query, "--accuracy", accuracy]).answers();
+            let back =
+                run_pairs(&pairs, &["--query", query, "--accuracy", accuracy, "--swap"]).answers();
             for ((line, swapped), truth) in found.iter().zip(&back).zip(&certified) {
                 assert_eq!(line["answer"], truth["answer"], "{line}");
                 if truth[key].is_null() {
@@ -346,7 +357,7 @@ fn a_manifold_has_the_corners_of_what_two_faces_share() {
     for precision in OUR_PRECISIONS {
         let pairs = [cubes([0.75, 0.25, 0.5]), cubes([1.5, 0.0, 0.0])];
         let [touching, apart] =
-            &ask(&pairs, &["--query", "manifold", "--precision", precision]).answers()[..]
+            &run_pairs(&pairs, &["--query", "manifold", "--precision", precision]).answers()[..]
         else {
             panic!()
         };
@@ -359,16 +370,17 @@ fn a_manifold_has_the_corners_of_what_two_faces_share() {
             assert!(between.distance(DVec3::X * 0.25) < 1e-12, "{point}");
         }
     }
-    let refused = ask(&[cubes([0.5; 3])], &["--query", "manifold", "--precision", "parry-f64"]);
+    let refused =
+        run_pairs(&[cubes([0.5; 3])], &["--query", "manifold", "--precision", "parry-f64"]);
     assert!(refused.code == Some(2) && refused.stderr.contains("parry-f64"), "{refused:?}");
 }
 
 #[test]
-fn a_distance_that_no_f64_holds_is_told_from_below_with_the_reason() {
+fn a_distance_that_no_f64_holds_is_bounded_from_below_with_the_reason() {
     let far = cubes([0.0; 3]).to_string().replace("[0,0,0]", "[-1.7e308,0,0]");
     let far = far.replace("[0.0,0.0,0.0]", "[1.7e308,0,0]");
     let far: Value = serde_json::from_str(&far).unwrap();
-    let line = &ask(&[far], &["--query", "distance"]).answers()[0];
+    let line = &run_pairs(&[far], &["--query", "distance"]).answers()[0];
     assert_eq!((&line["answer"], &line["reason"]), (&"apart".into(), &"out of range".into()));
     assert!(number(line, "distance") == f64::MAX && line["error_bound"].is_null(), "{line}");
 }

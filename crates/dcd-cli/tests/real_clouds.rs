@@ -14,15 +14,15 @@ use std::path::Path;
 
 type Contacts = BTreeSet<(usize, usize)>;
 
-/// What `--out` wrote with these arguments, and what was told.
+/// What `--out` wrote with these arguments, and what was printed.
 fn detect(clouds: &Path, arguments: &[&str]) -> (Contacts, serde_json::Value) {
     let out = format!("{}/real_clouds{}", env!("CARGO_TARGET_TMPDIR"), arguments.concat());
     let command = ["detect", "--clouds", clouds.to_str().unwrap(), "--json", "--out", &out];
-    let told = dcd(&[&command[..], arguments].concat()).summary();
+    let reported = dcd(&[&command[..], arguments].concat()).summary();
     let file = std::fs::read(out).unwrap();
     let words = file[4..].chunks_exact(4).map(|w| u32::from_le_bytes(w.try_into().unwrap()));
     let words: Vec<usize> = words.map(|word| word as usize).collect();
-    (words.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect(), told)
+    (words.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect(), reported)
 }
 
 fn touch_exactly(scene: &Scene, (i, j): (usize, usize)) -> bool {
@@ -40,9 +40,9 @@ fn every_cloud_is_a_shape_and_parry_agrees_where_it_is_right() {
     };
     let clouds = load_clouds(&path).unwrap();
     for (size, arguments) in [(GameSize::Unit, &[][..]), (GameSize::True, &["--true-size"])] {
-        let (ours, told) = detect(&path, arguments);
-        assert_eq!((&told["objects"], &told["undecided"]), (&6755.into(), &0.into()));
-        let census = &told["clouds"];
+        let (ours, reported) = detect(&path, arguments);
+        assert_eq!((&reported["objects"], &reported["undecided"]), (&6755.into(), &0.into()));
+        let census = &reported["clouds"];
         let count = |kind| census[kind].as_u64().unwrap();
         assert_eq!(["solid", "flat", "needles", "points"].map(count).iter().sum::<u64>(), 6755);
         assert!(ours.len() > 5000, "{}", ours.len());

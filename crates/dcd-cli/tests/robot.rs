@@ -74,7 +74,7 @@ fn an_arm_touches_what_a_hand_computes_touching_faces_included() {
     // Stretched out, the lower arm's face is exactly the wall's.
     let rest = touching(&[&arm, "--world", &world]);
     assert_eq!(rest, pairs(&[["base", "ball"], ["lower", "wall"]]));
-    // The elbow folded back, the lower arm is on the base: not adjacent, so that it is told.
+    // The elbow folded back, the lower arm is on the base: not adjacent, so that it is reported.
     let folded = touching(&[&arm, "--state", "elbow=3.141592653589793"]);
     assert_eq!(folded, pairs(&[["base", "lower"]]));
     let srdf = folder.file(
@@ -168,8 +168,8 @@ fn a_sphere_inside_a_link_touches_its_hull_and_not_its_surface() {
     assert_eq!(links("hulls", &inside), pairs(&[["cube", "ball"]]));
     assert!(links("meshes", &inside).is_empty());
     assert_eq!(links("meshes", &through), pairs(&[["cube", "ball"]]));
-    dcd(&["robot", &urdf, "--links", "balls"])
-        .assert_refused(&["balls", "hulls, hulls:N and meshes"]);
+    dcd(&["robot", &urdf, "--links", "spheres"])
+        .assert_refused(&["spheres", "hulls, hulls:N and meshes"]);
     // A link may be otherwise than the rest, and the answer says so.
     let of_links = ["--links", "meshes", "--links-of", "cube=hulls:8"];
     assert_eq!(
@@ -195,7 +195,7 @@ const TRIANGLE: &str = r##"<COLLADA><asset><up_axis>Y_UP</up_axis></asset>
 <scene><instance_visual_scene url="#w"/></scene></COLLADA>"##;
 
 #[test]
-fn packages_are_where_they_are_said_to_be_and_the_up_axis_as_asked_for() {
+fn packages_are_where_they_are_said_to_be_and_the_up_axis_as_requested() {
     let folder = Folder::new("packages");
     let elsewhere = Folder::new("elsewhere");
     let mesh = elsewhere.file("flat.dae", TRIANGLE);
@@ -237,12 +237,12 @@ fn packages_are_where_they_are_said_to_be_and_the_up_axis_as_asked_for() {
 
 /// The whole archive: some seconds, for tests are optimised.
 #[test]
-fn every_state_of_the_archive_is_answered_as_parry_answers_it_but_for_what_is_settled() {
+fn every_state_of_the_archive_is_answered_as_by_parry_but_for_judged_differences() {
     answered_as_parry("hulls");
 }
 
 #[test]
-fn links_as_meshes_are_answered_as_parrys_meshes_are_but_for_what_is_settled() {
+fn links_as_meshes_are_answered_as_parrys_meshes_but_for_judged_differences() {
     answered_as_parry("meshes");
 }
 

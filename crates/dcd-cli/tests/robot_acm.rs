@@ -21,14 +21,14 @@ const ARMS: &str = r#"<robot name="arms">
 </robot>"#;
 
 #[test]
-fn a_pair_that_touches_at_rest_is_a_fault_that_is_written_only_if_asked_for() {
+fn a_pair_that_touches_at_rest_is_a_fault_that_is_written_only_on_request() {
     let folder = Folder::new("acm");
     let urdf = folder.file("arms.urdf", ARMS);
     let out = folder.path("out.srdf");
     let ran = dcd(&["robot", &urdf, "--acm", &out, "--json"]);
     assert_eq!(ran.code, Some(0), "{ran:?}");
-    let told: Value = serde_json::from_str(&ran.stdout).unwrap();
-    assert_eq!((&told["adjacent"], &told["at_rest"]), (&json!(2), &json!(1)));
+    let reported: Value = serde_json::from_str(&ran.stdout).unwrap();
+    assert_eq!((&reported["adjacent"], &reported["at_rest"]), (&json!(2), &json!(1)));
     assert!(ran.stderr.contains("touch at rest"), "{ran:?}");
     let written = std::fs::read_to_string(&out).unwrap();
     assert!(!written.contains("Default") && written.contains("Adjacent"), "{written}");
@@ -52,9 +52,9 @@ fn never_holds(name: &str, urdf: &str) {
     let out = folder.path("out.srdf");
     let ran = dcd(&["robot", urdf.to_str().unwrap(), "--acm", &out, "--json"]);
     assert_eq!(ran.code, Some(0), "{ran:?}");
-    let told: Value = serde_json::from_str(&ran.stdout).unwrap();
-    let never = ["never_proved", "never_sampled"].map(|key| told[key].as_u64().unwrap());
-    assert!(never.iter().sum::<u64>() > 0, "{told}");
+    let reported: Value = serde_json::from_str(&ran.stdout).unwrap();
+    let never = ["never_proved", "never_sampled"].map(|key| reported[key].as_u64().unwrap());
+    assert!(never.iter().sum::<u64>() > 0, "{reported}");
     let text = std::fs::read_to_string(&out).unwrap();
     let never: Vec<&str> = text.lines().filter(|line| line.contains("\"Never\"")).collect();
     let never = format!("<robot name=\"r\">{}</robot>", never.concat());

@@ -55,12 +55,12 @@ fn a_line_comes_out_for_each_state_and_a_refused_one_does_not_end_the_run() {
 }
 
 #[test]
-fn a_clearance_is_told_with_its_pair_and_its_derivatives() {
+fn a_clearance_is_reported_with_its_pair_and_its_derivatives() {
     let folder = Folder::new("clearance");
     let (urdf, wall) = (folder.file("arm.urdf", ARM), folder.file("wall.yaml", WALL));
     let states = folder.file("states.jsonl", "{\"q\": [0, 1.5707963267948966]}\n{\"q\": [0, 0]}\n");
-    let asked = ["robot", &urdf, "--world", &wall, "--states", &states, "--clearance"];
-    let ran = dcd(&asked);
+    let arguments = ["robot", &urdf, "--world", &wall, "--states", &states, "--clearance"];
+    let ran = dcd(&arguments);
     assert!(ran.stderr.contains("meshes are taken as hulls"), "{ran:?}");
     let found = lines(&ran.stdout);
     // Neighbours do not count. From base's edge at (0.5, 0.5) to lower's at (1.75, 1), which turns about the
@@ -115,7 +115,7 @@ fn padding_is_against_the_world_alone() {
     let padded = free(&["--padding", "1.0"]);
     // Against itself the arm is as it is built: padded by a metre, all its links would meet.
     assert_eq!(padded, [json!(true), json!(false)]);
-    // Unless it is asked for.
+    // Unless requested.
     assert_eq!(free(&["--padding", "1.0", "--pad-self"]), [json!(false), json!(false)]);
     let refused = dcd(&["robot", &urdf, "--padding", "-1"]);
     assert!(refused.code == Some(2) && refused.stderr.contains("-1"), "{refused:?}");

@@ -2,8 +2,8 @@
 //!
 //! An idle thread of the pool sleeps after some ten microseconds, and waking it takes longer than
 //! many a section of a step. So whoever has worked in a section waits for the next one awake, until
-//! the whole is over. It waits in a job of its own, below which nothing of ours waits, and meanwhile
-//! does whatever else the pool is asked to do: so nobody waits for a thread that waits.
+//! the step is over. It waits in a job of its own, below which nothing of ours waits, and meanwhile
+//! does whatever other work the pool has: so nobody waits for a thread that waits.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -14,11 +14,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const PATIENCE: u32 = 2048;
 
 thread_local! {
-    /// Whether this thread is in an attended whole or a job of one, or waits for the next.
+    /// Whether this thread is in a section kept awake or a job of one, or waits for the next.
     static ENGAGED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Says to all who wait whether the whole is over; it is when this is dropped.
+/// Signals to waiting threads that the step is over, when this is dropped.
 #[derive(Debug, Default)]
 pub(crate) struct KeepAlive {
     over: Arc<AtomicBool>,
@@ -58,7 +58,7 @@ impl Drop for Engaged {
     }
 }
 
-/// Works until the whole is over, unless this thread is wanted elsewhere: a job that waits for others
+/// Works until the step is over, unless this thread is needed elsewhere: a job that waits for others
 /// may come by this one, and must go on as soon as they are done.
 fn wait(over: &AtomicBool) {
     let Some(_engaged) = Engaged::begin() else { return };

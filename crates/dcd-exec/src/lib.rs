@@ -37,7 +37,7 @@ pub enum Par {
     WarmPool,
 }
 
-/// Where tasks run and who watches. Cheap to copy; made from a [`Par`].
+/// Where tasks run, and their observer. Cheap to copy; made from a [`Par`].
 #[derive(Clone, Copy, Default)]
 pub struct Exec<'a> {
     /// `Serial` or `Pool`.
@@ -62,7 +62,7 @@ impl<'a> Exec<'a> {
     /// How many items are sorted without touching the pool: some tens of microseconds of work.
     pub const SORTED_AT_ONCE: usize = 4096;
 
-    /// Tells `observer` when stages and tasks begin and end.
+    /// Notifies `observer` when stages and tasks begin and end.
     pub fn observed(par: Par, observer: &'a dyn Observer) -> Self {
         Self { observer: Some(observer), ..Self::from(par) }
     }
@@ -72,7 +72,7 @@ impl<'a> Exec<'a> {
         self.par == Par::Pool
     }
 
-    /// The same, but without the pool where there are so few items that it would cost more than it
+    /// The same, but serial below `few` items, where the pool would cost more than it
     /// saves. The tasks, and what comes of them, are the same.
     pub fn serial_below(self, items: usize, few: usize) -> Self {
         if items <= few { Self { par: Par::Serial, ..self } } else { self }
@@ -114,7 +114,7 @@ impl<'a> Exec<'a> {
 
     fn tasks_by(self, count: usize, task: &(dyn Fn(usize) + Sync)) {
         if self.is_plain(count) {
-            return self.in_turn(count, &mut |k| task(k));
+            return self.in_order(count, &mut |k| task(k));
         }
         self.section(count, || self.divide_from(0, Count(count), 1, &|k, _| task(k)));
     }
@@ -125,7 +125,7 @@ impl<'a> Exec<'a> {
     }
 
     /// Runs `task(0)`, `task(1)`, … on the calling thread, in order.
-    pub(crate) fn in_turn(self, count: usize, task: &mut dyn FnMut(usize)) {
+    pub(crate) fn in_order(self, count: usize, task: &mut dyn FnMut(usize)) {
         self.section(count, || (0..count).for_each(|k| self.watched(k, || task(k))));
     }
 
@@ -136,7 +136,7 @@ impl<'a> Exec<'a> {
         });
     }
 
-    /// Sorts; the result is that of any sort where no two are equal.
+    /// Sorts. Unstable, so that the result is determined only if no two are equal.
     pub fn sort<T: Ord + Send>(self, items: &mut [T]) {
         let count = items.len();
         let mut sort = || match self.serial_below(count, Self::SORTED_AT_ONCE).par {
@@ -276,17 +276,17 @@ mod tests {
         }
     }
 
-    /// Counts what it is told.
+    /// Counts its notifications.
     #[derive(Default)]
-    struct Told([AtomicUsize; 8]);
+    struct Counts([AtomicUsize; 8]);
 
-    impl Told {
+    impl Counts {
         fn add(&self, place: usize, by: usize) {
             self.0[place].fetch_add(by, Ordering::Relaxed);
         }
     }
 
-    impl Observer for Told {
+    impl Observer for Counts {
         fn stage_begins(&self, _: Stage) {
             self.add(0, 1);
         }
@@ -316,14 +316,14 @@ mod tests {
     #[test]
     fn an_observer_sees_every_section_and_task_begin_and_end() {
         for par in [Par::Serial, Par::Pool, Par::WarmPool] {
-            let told = Told::default();
-            let exec = Exec::observed(par, &told);
+            let counts = Counts::default();
+            let exec = Exec::observed(par, &counts);
             exec.stage(Stage::Pairs, || exec.tasks(10, |_| ()));
             exec.each(&mut [0; 5], |_, _| ());
             exec.divide(&mut [0; 20][..], 8, |_, _| ());
             exec.sort(&mut [3, 1, 2]);
             let tasks = 10 + 5 + 3;
-            let seen = told.0.map(AtomicUsize::into_inner);
+            let seen = counts.0.map(AtomicUsize::into_inner);
             assert_eq!(seen, [1, 1, tasks, 3, 3, 1, tasks, tasks]);
         }
     }

@@ -1,9 +1,9 @@
-//! Who is told when work begins and ends.
+//! Observers of when work begins and ends.
 
 /// The stages of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Stage {
-    /// World boxes, and whatever else depends on one object's pose alone.
+    /// World AABBs, and whatever else depends on one object's pose alone.
     Boxes,
     /// The structure of the broad phase.
     Build,
@@ -18,8 +18,8 @@ impl Stage {
     pub const ALL: [Self; 4] = [Self::Boxes, Self::Build, Self::Pairs, Self::Narrow];
 }
 
-/// Told when stages and tasks begin and end, on the thread where they do. Whoever times, brings
-/// the clock here.
+/// Notified when stages and tasks begin and end, on the thread where they do. Whoever times brings the
+/// clock here.
 pub trait Observer: Sync {
     /// A stage begins.
     fn stage_begins(&self, _stage: Stage) {}

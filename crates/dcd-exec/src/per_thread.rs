@@ -1,4 +1,4 @@
-//! Something reused by every task that runs on a thread.
+//! Values reused by the tasks of a thread.
 
 use std::cell::RefCell;
 use thread_local::ThreadLocal;

@@ -33,7 +33,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// Both as one, where `next` begins in the same buffer at this one's end. Whether it does
+    /// Both as one span, where `next` begins in the same buffer at this one's end. Whether it does
     /// depends on the schedule; what they hold, one after the other, does not.
     pub fn followed_by(self, next: Self) -> Option<Self> {
         let adjoins = self.buffer == next.buffer && self.start + self.len == next.start;
@@ -94,7 +94,7 @@ impl<T: Send> Segments<T> {
         self.clear();
         let filler = Filler { lent: &self.lent, next: AtomicU32::new(0) };
         exec.each(&mut spans, |k, span| *span = filler.segment(|buffer| task(k, buffer)));
-        self.settle(spans);
+        self.adopt(spans);
     }
 
     /// The same on the calling thread: one buffer, lent to nobody. What lending costs would show in
@@ -114,7 +114,7 @@ impl<T: Send> Segments<T> {
         spans.clear();
         let Some(Buffer { number, items }) = buffers.first_mut().map(Box::as_mut) else { return };
         *number = Some(0);
-        exec.in_turn(tasks, &mut |k| {
+        exec.in_order(tasks, &mut |k| {
             let start = items.len();
             task(k, items);
             spans.push(Span { buffer: 0, start, len: items.len().saturating_sub(start) });
@@ -126,7 +126,7 @@ impl<T: Send> Segments<T> {
         self.clear();
         let filler = Filler { lent: &self.lent, next: AtomicU32::new(0) };
         let spans = work(&filler);
-        self.settle(spans);
+        self.adopt(spans);
     }
 
     /// Empties the list and keeps its memory.
@@ -139,7 +139,7 @@ impl<T: Send> Segments<T> {
         self.lent.give_back(&mut self.buffers);
     }
 
-    fn settle(&mut self, spans: Vec<Span>) {
+    fn adopt(&mut self, spans: Vec<Span>) {
         self.lent.take_all(&mut self.buffers);
         self.buffers.sort_unstable_by_key(|buffer| buffer.number.unwrap_or(u32::MAX));
         self.spans = spans;
@@ -211,7 +211,7 @@ impl<T: Send + Sync + Copy + Default> Segments<T> {
     }
 }
 
-/// Segments and the room they are copied to.
+/// Segments and the memory they are copied to.
 struct Copies<'a, T> {
     spans: &'a [Span],
     out: &'a mut [T],
@@ -223,8 +223,8 @@ impl<T: Send> Splittable for Copies<'_, T> {
     }
     fn split_at(self, middle: usize) -> (Self, Self) {
         let (left, right) = self.spans.split_at(middle);
-        let (room, rest) = self.out.split_at_mut(left.iter().map(|span| span.len).sum());
-        (Self { spans: left, out: room }, Self { spans: right, out: rest })
+        let (slots, rest) = self.out.split_at_mut(left.iter().map(|span| span.len).sum());
+        (Self { spans: left, out: slots }, Self { spans: right, out: rest })
     }
 }
 

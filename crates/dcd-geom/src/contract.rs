@@ -19,7 +19,7 @@ impl fmt::Display for Violation {
 
 impl std::error::Error for Violation {}
 
-/// How many directions [`support_map`] asks.
+/// How many directions [`support_map`] samples.
 const DIRECTIONS: usize = 512;
 
 /// Tests the contract of [`SupportMap`]: no known point of the core is farther along a direction than

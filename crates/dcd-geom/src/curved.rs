@@ -4,7 +4,7 @@ use crate::error::check_length;
 use crate::{ShapeError, Sphere, Support, SupportMap};
 use glam::DVec3;
 
-/// What a curved shape was made as.
+/// The kind of a curved shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CurvedKind {
@@ -20,14 +20,14 @@ pub enum CurvedKind {
 pub struct Curved {
     kind: CurvedKind,
     half_height: f64,
-    /// Of the lower and the upper disc.
+    /// The radii of the lower and the upper disc.
     radii: [f64; 2],
     swept_radius: f64,
 }
 
 /// How far a support may fall short, and how far it may be from the shape. Unit: u·(half height +
 /// radius). The rim's point loses 6 of its radius, the choice of the disc 6 of the radius or 4 of the
-/// half height: 12 (docs/numerics/proofs.md, "cylinders and cones"), and room. Smaller: false answers.
+/// half height: 12 (docs/numerics/proofs.md, "cylinders and cones"), and a margin. Smaller: false answers.
 const SUPPORT_ERROR: f64 = 20.0;
 
 impl Curved {
@@ -63,7 +63,7 @@ impl Curved {
         Ok(Self { swept_radius: radius, ..self })
     }
 
-    /// What it was made as.
+    /// Its kind.
     pub fn kind(&self) -> CurvedKind {
         self.kind
     }
@@ -152,7 +152,7 @@ impl SupportMap<f64> for Curved {
     }
 }
 
-/// A number that tells the rim's points apart: a mix of all their bits (the finaliser of
+/// A number that distinguishes the rim's points: a mix of all their bits (the finaliser of
 /// splitmix64), so that two of the few points of a simplex share one once in 2³².
 fn feature(point: DVec3) -> u32 {
     let mix = |hash: u64, x: f64| {

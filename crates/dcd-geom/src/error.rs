@@ -181,7 +181,7 @@ pub enum SceneError {
     },
     /// There is no object of that index.
     NoSuchObject {
-        /// The index asked for.
+        /// The requested index.
         object: usize,
         /// How many there are.
         objects: usize,

@@ -16,7 +16,7 @@ pub const FLATNESS: f64 = 1e-9;
 /// to within [`FLATNESS`] of the largest extent, are one.
 ///
 /// A core that is flat has two faces, one for each side. One that is a segment or a point has one
-/// "face" of two corners or one, whose normal is zero, so that its edge or vertex is told as well.
+/// "face" of two corners or one, whose normal is zero, so that its edge or vertex is found as well.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facets {
     facets: Vec<Facet>,
@@ -33,7 +33,7 @@ pub struct Facet {
 }
 
 impl Facets {
-    /// Of the hull of the points. Costs a microsecond a point; the same for the same points
+    /// The faces of the hull of the points. Costs a microsecond a point; the same for the same points
     /// everywhere.
     pub fn of(vertices: &[DVec3]) -> Self {
         let mut facets = Self::default();

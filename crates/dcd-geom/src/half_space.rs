@@ -34,7 +34,7 @@ impl HalfSpace {
         Ok(Self { normal, offset, swept_radius: 0.0 })
     }
 
-    /// The same with a sphere of this radius swept round it, metres; replaces any other radius.
+    /// The half-space with a sphere of this radius swept round it, metres; replaces any other radius.
     ///
     /// # Errors
     /// A radius that is negative or not finite.
@@ -58,7 +58,7 @@ impl HalfSpace {
         self.swept_radius
     }
 
-    /// A box that holds it as far as objects reach: ±[`Aabb::LIMIT`] but where its plane is normal
+    /// An AABB that holds it as far as objects reach: ±[`Aabb::LIMIT`] but where its plane is normal
     /// to a world axis. A floor then meets in the tree what is near it, and not everything.
     pub fn aabb(&self, pose: &Pose) -> Aabb {
         let mut min = DVec3::splat(-Aabb::LIMIT);
@@ -85,12 +85,12 @@ impl HalfSpace {
         let (scale, t) = (pose.rotation().row(k)[j], pose.translation()[k]);
         let core = scale * (self.offset / self.normal[j]);
         // Two roundings of the core's, one for each sum.
-        let room = (core.abs() + t.abs() + self.swept_radius) * (4.0 * f64::EPSILON);
-        let room = room + f64::MIN_POSITIVE;
+        let margin = (core.abs() + t.abs() + self.swept_radius) * (4.0 * f64::EPSILON);
+        let margin = margin + f64::MIN_POSITIVE;
         if (scale > 0.0) == (self.normal[j] > 0.0) {
-            Some((Axis::Up(k), core + t + self.swept_radius + room))
+            Some((Axis::Up(k), core + t + self.swept_radius + margin))
         } else {
-            Some((Axis::Down(k), core + t - self.swept_radius - room))
+            Some((Axis::Down(k), core + t - self.swept_radius - margin))
         }
         // An overflow's NaN says nothing of where it ends.
         .filter(|(_, end)| !end.is_nan())

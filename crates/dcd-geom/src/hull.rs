@@ -75,7 +75,7 @@ impl fmt::Display for HullError {
 impl std::error::Error for HullError {}
 
 impl ConvexHull {
-    /// Of any number of points, of any size that f64 holds, degenerate or not. The same for the same
+    /// The hull of any number of points, of any size that f64 holds, degenerate or not. The same for the same
     /// points everywhere. Costs some ten microseconds for a hundred points and grows little faster
     /// than their number; clouds made for it can take the square of it.
     ///
@@ -134,7 +134,7 @@ impl ConvexHull {
         Self { dimension: Dimension::Solid, corners, triangles }
     }
 
-    /// Of points that are all corners.
+    /// The hull of points that are all corners.
     fn of_corners(points: &ExactPoints) -> Self {
         let triangles = match Start::of(points) {
             Start::Solid(start) => surface(points, start),
@@ -162,7 +162,7 @@ fn check(points: &[DVec3]) -> Result<(), HullError> {
     Ok(())
 }
 
-/// What to begin with: what the points span, and points that span it.
+/// The initial simplex: what the points span, and points that span it.
 enum Start {
     Point,
     Line,

@@ -1,57 +1,56 @@
-//! Two boxes on the same axes, one round a shape and one inside it: what tells more than spheres of a
-//! shape that is long or flat.
+//! Two OBBs on the same axes, one round a shape and one inside it: tighter than spheres for a shape that is
+//! long or flat.
 
 use crate::Pose;
 use crate::sphere::{Sphere, Surface, extreme_points};
 use glam::{DMat3, DVec3};
 
-/// A box that holds a shape's core and one that the core holds, both round the centre of its inner
+/// An OBB that holds a shape's core and one that the core holds, both round the centre of its inner
 /// sphere, on the same axes. All in the shape's own frame, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObbBounds {
     /// The directions of the edges, as columns, orthonormal up to 1e-14.
     pub axes: DMat3,
-    /// Half the edges of the box that holds the core, rounded up.
+    /// Half the edges of the OBB that holds the core, rounded up.
     pub outer: DVec3,
-    /// Half the edges of the box inside the core, rounded down; 0 where none was found.
+    /// Half the edges of the OBB inside the core, rounded down; 0 where none was found.
     pub inner: DVec3,
 }
 
-/// A shape gets its boxes where its inner sphere is smaller than this share of its outer one: of
-/// others the spheres and the axis between the centres tell as much. No unit. Larger: boxes for
-/// round shapes, which cost a stage and settle little. Smaller: more pairs of flat and long shapes
-/// need a solver.
+/// A shape gets its OBBs where its inner sphere is smaller than this share of its outer one: for others the
+/// spheres and the axis between the centres decide as much. No unit. Larger: OBBs for round shapes, which
+/// cost a stage and decide little. Smaller: more pairs of flat and long shapes need a solver.
 const THIN: f64 = 0.5;
 
-/// What the boxes are grown and shrunk by, relative to the shape's size: three hundred times the
+/// What the OBBs are grown and shrunk by, relative to the shape's size: three hundred times the
 /// rounding of all that is computed for them.
 const MARGIN: f64 = 1e-12;
 
-/// What a pose may depart from a rotation by for its matrix to be axes.
+/// The largest deviation of a pose from a rotation whose columns serve as axes.
 const ORTHONORMAL: f64 = 1e-14;
 
-/// How much of a turned box's shortest edge its inner box must keep. No unit. Larger: more boxes far
-/// from their compound's origin are taken for hulls. Smaller: inner boxes that say little. Never an
+/// How much of a turned OBB's shortest edge its inner OBB must keep. No unit. Larger: more OBBs far
+/// from their compound's origin are taken for hulls. Smaller: inner OBBs that say little. Never an
 /// answer.
 const FAITHFUL: f64 = 0.999;
 
 impl ObbBounds {
-    /// Of a box round the origin with these half extents: both are that box.
+    /// The bounds of a cuboid round the origin with these half extents: both OBBs are the cuboid.
     pub(crate) fn of_cuboid(half_extents: DVec3) -> Self {
         Self { axes: DMat3::IDENTITY, outer: half_extents, inner: half_extents }
     }
 
-    /// Of the same core where each of its points R·v + t has been rounded, round the rounded place of
-    /// the centre; `size` is at least the length of any of these. `None` where an inner box is flat, or
+    /// The bounds of the core with each of its points R·v + t rounded, round the rounded place of
+    /// the centre; `size` is at least the length of any of these. `None` where an inner OBB is flat, or
     /// so small or so far from a rotation that rounding would show.
     ///
     /// Where no point is off by more than ε, a hull reaches along any unit n as far as the exact one
-    /// less ε; a box in that with half edges shorter by ε reaches ε·|n|₁ ≥ ε less far, so the hull
+    /// less ε; an OBB in that with half edges shorter by ε reaches ε·|n|₁ ≥ ε less far, so the hull
     /// holds it. R is within its deviation of a rotation, R·v + t loses less than 8u of the size.
     pub fn rotated(&self, pose: &Pose, size: f64) -> Option<Self> {
         let off = 4.0 * pose.deviation() * size + MARGIN * size;
         let (outer, inner) = (self.outer + off, self.inner - off);
-        // Written so that NaN has no boxes.
+        // Written so that NaN has no OBBs.
         let thick = inner.min_element() > FAITHFUL * self.inner.min_element();
         let turned = pose.deviation() < ORTHONORMAL && outer.is_finite();
         (thick && turned).then_some(Self { axes: *pose.rotation() * self.axes, outer, inner })
@@ -64,12 +63,12 @@ impl ObbBounds {
         thin.then_some(Self { axes: DMat3::IDENTITY, outer, inner })
     }
 
-    /// Whether both are one box, so that the shape is that box.
+    /// Whether both are one OBB, so that the shape is that OBB.
     pub fn is_exact(&self) -> bool {
         self.inner == self.outer
     }
 
-    /// Of the hull of these points round the centre of that sphere inside it; `None` where the hull
+    /// The bounds of the hull of these points, round the centre of that sphere inside it; `None` where the hull
     /// is too round to gain, or its size overflows.
     pub(crate) fn of_hull(points: &[DVec3], inside: Sphere, outer_radius: f64) -> Option<Self> {
         if !(inside.radius < THIN * outer_radius) || !outer_radius.is_finite() {
@@ -94,16 +93,16 @@ fn extent(points: &[DVec3], axes: &DMat3, centre: DVec3) -> DVec3 {
     points.iter().fold(DVec3::ZERO, |most, &p| most.max((to_axes * (p - centre)).abs()))
 }
 
-/// Half the surface of a box, in quarters: what the chance of being met grows with.
+/// Half the surface of an OBB, in quarters: what the chance of being met grows with.
 fn surface_area(half: DVec3) -> f64 {
     half.x * half.y + half.y * half.z + half.z * half.x
 }
 
-/// A box inside the surface: the outer one shrunk until it misses every face, then grown along one
+/// An OBB inside the surface: the outer one shrunk until it misses every face, then grown along one
 /// axis after the other as far as it still does.
 ///
 /// A convex region round the sphere's centre that meets no face lies inside the hull, as the sphere
-/// does (docs/numerics/proofs.md, "inner spheres"); a box misses a face if it stays on the inner side of the
+/// does (docs/numerics/proofs.md, "inner spheres"); an OBB misses a face if it stays on the inner side of the
 /// nearest of its corners.
 fn largest_inside(
     surface: &Surface<'_>,
@@ -123,11 +122,11 @@ fn largest_inside(
     for axis in 0..3 {
         let along = DVec3::AXES[axis];
         let rest = half - half * along;
-        let room = faces.iter().fold(outer[axis], |room: f64, (n, clearance)| {
+        let limit = faces.iter().fold(outer[axis], |limit: f64, (n, clearance)| {
             let free = clearance - n.dot(rest);
-            if n[axis] * room > free { free / n[axis] } else { room }
+            if n[axis] * limit > free { free / n[axis] } else { limit }
         });
-        half = rest + along * room;
+        half = rest + along * limit;
     }
     // False for NaN.
     (half.min_element() > 0.0 && half.is_finite()).then_some(half)

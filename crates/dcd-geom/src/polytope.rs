@@ -7,7 +7,7 @@ use crate::{Facets, ObbBounds, Pose, Real, ShapeError, Support, SupportMap};
 use glam::DVec3;
 use std::sync::OnceLock;
 
-/// What a polytope was made as: the parameters that a closed form, or another library, needs.
+/// The kind of a polytope: the parameters that a closed form, or another library, needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Kind {
@@ -19,7 +19,7 @@ pub enum Kind {
     Segment,
     /// Three vertices.
     Triangle,
-    /// The box of these half extents round the origin, metres.
+    /// The cuboid of these half extents round the origin, metres.
     Cuboid {
         /// Half the edge along x, y and z.
         half_extents: DVec3,
@@ -95,7 +95,7 @@ impl Polytope {
         Ok(Self::from_parts(kind, vertices, centre))
     }
 
-    /// A box round the origin.
+    /// A cuboid round the origin.
     ///
     /// # Errors
     /// A half extent that is negative or not finite.
@@ -121,7 +121,7 @@ impl Polytope {
         Ok(self)
     }
 
-    /// The hull of the vertices R·v + t, each rounded; without the radius. A box keeps its OBBs,
+    /// The hull of the vertices R·v + t, each rounded; without the radius. A cuboid keeps its OBBs,
     /// one a little larger and one a little smaller.
     ///
     /// # Errors
@@ -160,7 +160,7 @@ impl Polytope {
         Self { kind, vertices, radius: 0.0, inner, outer_radius, obb, reach, facets }
     }
 
-    /// What it was made as.
+    /// Its kind and parameters.
     pub fn kind(&self) -> Kind {
         self.kind
     }
@@ -186,14 +186,13 @@ impl Polytope {
         self.outer_radius
     }
 
-    /// The faces of the core: found when they are first asked for, and then shared by all objects,
-    /// threads and frames.
+    /// The faces of the core: computed at the first call, then shared by all objects, threads and frames.
     pub fn facets(&self) -> &Facets {
         self.facets.get_or_init(|| Facets::of(&self.vertices))
     }
 
-    /// A box round the core and one inside it, where they tell more than the spheres do: of boxes
-    /// and of shapes that are long or flat.
+    /// An OBB round the core and one inside it, where they are tighter than the spheres: for cuboids and
+    /// shapes that are long or flat.
     pub fn obb(&self) -> Option<&ObbBounds> {
         self.obb.as_deref()
     }
@@ -224,7 +223,7 @@ fn check_vertices(vertices: &[DVec3]) -> Result<(), ShapeError> {
     Ok(())
 }
 
-/// That a shape may have this many vertices.
+/// Checks that a shape may have this many vertices.
 fn check_count(count: usize) -> Result<(), ShapeError> {
     match u32::try_from(count) {
         Ok(0) => Err(ShapeError::Empty),

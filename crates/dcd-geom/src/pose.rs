@@ -23,7 +23,7 @@ impl Pose {
     /// quaternions that were normalised in f32, far too small for a scaling to pass.
     pub const UNIT_TOLERANCE: f64 = 1e-6;
 
-    /// From a unit quaternion, which is normalised once more in f64, and a translation in metres.
+    /// A pose of a unit quaternion, which is normalised once more in f64, and a translation in metres.
     ///
     /// # Errors
     /// A number that is not finite, or a quaternion that is not of unit length.
@@ -46,7 +46,7 @@ impl Pose {
         Self::new(rotation.as_dquat(), translation.as_dvec3())
     }
 
-    /// From a rotation matrix, which is taken as it is, and a translation in metres.
+    /// A pose of a rotation matrix, which is taken as it is, and a translation in metres.
     ///
     /// # Errors
     /// A number that is not finite, or a matrix that is no rotation.
@@ -66,7 +66,7 @@ impl Pose {
         Ok(Self { rotation, translation, deviation: row_deviation(&rotation) })
     }
 
-    /// The same rotation elsewhere, metres.
+    /// The pose with another translation, metres.
     ///
     /// # Errors
     /// A number that is not finite.

@@ -55,7 +55,7 @@ pub trait Real:
     fn min(self, other: Self) -> Self;
 }
 
-/// What a solver asks of a vector of three.
+/// What a solver needs of a vector of three.
 pub trait Vector<R: Real>:
     Copy
     + Debug
@@ -71,7 +71,7 @@ pub trait Vector<R: Real>:
 {
     /// The origin.
     const ZERO: Self;
-    /// From three components.
+    /// The vector of three components.
     fn new(x: R, y: R, z: R) -> Self;
     /// The three components.
     fn components(self) -> [R; 3];
@@ -99,7 +99,7 @@ pub trait Vector<R: Real>:
     }
 }
 
-/// What a solver asks of a matrix of three by three.
+/// What a solver needs of a matrix of three by three.
 pub trait Matrix<R: Real>: Copy + Debug + Send + Sync + 'static {
     /// Each entry rounded to the nearest.
     fn from_dmat3(m: DMat3) -> Self;

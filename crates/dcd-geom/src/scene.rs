@@ -15,8 +15,8 @@ use std::sync::Arc;
 
 /// Shapes, and objects that place them: the input of a step, valid by construction.
 ///
-/// An object has a slot for as long as it is there: its index in everything that a step tells.
-/// Objects come and go by [`Scene::insert`] and [`Scene::remove`]; a free slot has an empty box,
+/// An object has a slot until it is removed: its index in everything that a step reports.
+/// Objects come and go by [`Scene::insert`] and [`Scene::remove`]; a free slot has an empty AABB,
 /// is in no pair, and is taken by the next object.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
@@ -35,7 +35,7 @@ pub struct Scene {
     filtered: bool,
     sensor_count: usize,
     moving: usize,
-    standing: usize,
+    statics: usize,
     layout: Revision,
     static_revision: Revision,
 }
@@ -48,7 +48,7 @@ struct ShapeHistory(Vec<(Revision, usize)>);
 const REVISIONS: usize = 8;
 
 impl Default for ShapeHistory {
-    /// Of the list of nothing.
+    /// The revision of an empty list.
     fn default() -> Self {
         Self(vec![(Revision::default(), 0)])
     }
@@ -71,7 +71,7 @@ impl ShapeHistory {
     }
 }
 
-/// What a slot holds.
+/// The content of a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Slot {
     Holds(Motion),
@@ -120,12 +120,12 @@ impl Scene {
 
     /// How many objects there are, moving and static.
     pub fn object_count(&self) -> usize {
-        self.moving + self.standing
+        self.moving + self.statics
     }
 
     /// How many of them are static.
     pub fn static_count(&self) -> usize {
-        self.standing
+        self.statics
     }
 
     /// Whether slot `i` holds a moving object, a static one, or none.
@@ -142,7 +142,7 @@ impl Scene {
         &self.shapes
     }
 
-    /// Marks the shapes: whoever derives something from them can tell that it is still of this scene.
+    /// The revision of the shapes: data derived from them is valid while it is equal.
     pub fn shape_revision(&self) -> Revision {
         self.shape_history.last()
     }
@@ -218,7 +218,7 @@ impl Scene {
 
     /// Whether [`Scene::allows`] may refuse some pair of slots.
     pub fn is_filtered(&self) -> bool {
-        self.filters_movers() || self.standing > 1 || self.object_count() < self.len()
+        self.filters_movers() || self.statics > 1 || self.object_count() < self.len()
     }
 
     /// Whether it may refuse a pair with a moving object in it: filters other than
@@ -240,15 +240,15 @@ impl Scene {
             && !self.ignored.contains(i, j)
     }
 
-    /// Whether another scene filters the objects of these indices as this one does, and both were told to
-    /// ignore the same pairs in the same way: then both allow the same pairs of them. Compares lists; where
-    /// it says no, they still may.
+    /// Whether another scene filters the objects of these indices as this one does and ignores the same pairs
+    /// by the same calls: then both allow the same pairs of them. Compares lists; where it says no, they still
+    /// may.
     pub fn has_same_filters(&self, other: &Self, objects: std::ops::Range<usize>) -> bool {
         let own = self.filters.get(objects.clone());
         self.ignored == other.ignored && own == other.filters.get(objects)
     }
 
-    /// The box of object `i`: see [`Shape::aabb`]. Empty where the slot is free.
+    /// The AABB of object `i`: see [`Shape::aabb`]. Empty where the slot is free.
     pub fn aabb(&self, i: usize) -> Aabb {
         match self.slots[i] {
             Slot::Holds(_) => self.shape(i).aabb(&self.poses[i]),
@@ -257,13 +257,13 @@ impl Scene {
     }
 }
 
-/// That a scene may have this many of something.
+/// Checks that a scene may have this many of something.
 fn check_count(what: &'static str, count: usize) -> Result<(), SceneError> {
     if u32::try_from(count).is_ok() { Ok(()) } else { Err(SceneError::TooMany { what, count }) }
 }
 
 fn check_reach(object: usize, shape: &Shape, pose: &Pose) -> Result<(), SceneError> {
-    // A half-space's box ends where the range does.
+    // A half-space's AABB ends where the range does.
     let own = if shape.is_bounded() { shape.reach() } else { 0.0 };
     let reach = pose.translation().abs().max_element() + own * (1.0 + pose.deviation());
     // Written so that NaN is refused.

@@ -20,7 +20,7 @@ pub enum Shape {
     Curved(Curved),
     /// A half-space, rounded or not: closed forms alone.
     HalfSpace(HalfSpace),
-    /// A foreign shape, asked one support at a time in f64.
+    /// A foreign shape, one support at a time in f64.
     Custom(Arc<dyn SupportMap<f64>>),
     /// Convex parts, each with a place of its own.
     Compound(Arc<Compound>),
@@ -46,7 +46,7 @@ impl Shape {
         Polytope::sphere(radius).map(Self::from)
     }
 
-    /// A box round the origin, edges along the axes, by half its edges, metres: [`Polytope::cuboid`].
+    /// A cuboid round the origin, edges along the axes, by half its edges, metres: [`Polytope::cuboid`].
     ///
     /// # Errors
     /// Those of [`Polytope::cuboid`].
@@ -162,7 +162,7 @@ impl Shape {
     /// A shape known by its support map alone.
     ///
     /// # Errors
-    /// A radius, support error or support point that is not finite, as far as the six axes tell.
+    /// A radius, support error or support point that is not finite, along the six axes.
     pub fn custom(map: Arc<dyn SupportMap<f64>>) -> Result<Self, ShapeError> {
         for (what, value) in [("radius", map.radius()), ("support error", map.support_error())] {
             if !(value >= 0.0 && value.is_finite()) {
@@ -228,7 +228,7 @@ impl Shape {
         }
     }
 
-    /// The same shape with a sphere of this radius swept round it, metres: what is within it of the
+    /// The shape with a sphere of this radius swept round it, metres: what is within it of the
     /// shape. Added to a radius that the shape has, with one rounding.
     ///
     /// # Errors
@@ -241,7 +241,7 @@ impl Shape {
         self.clone().rounded(self.radius() + radius)
     }
 
-    /// A box round the shape at this pose, rounded outward: the scalar reference of what a narrow phase
+    /// An AABB round the shape at this pose, rounded outward: the scalar reference of what a narrow phase
     /// computes in lanes. For a half-space see [`HalfSpace::aabb`].
     pub fn aabb(&self, pose: &Pose) -> Aabb {
         if let Self::HalfSpace(half_space) = self {
@@ -249,7 +249,7 @@ impl Shape {
         }
         let (min, max) = self.extent(pose);
         // Rotating loses at most 3u of the reach a component, adding the translation one u more
-        // of what comes out; 8u has room for the row norm's excess over 1.
+        // of what comes out; 8u covers the row norm's excess over 1.
         let u = f64::EPSILON / 2.0;
         let size = min.abs().max(max.abs());
         let t = pose.translation();

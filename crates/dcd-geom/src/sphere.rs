@@ -82,7 +82,7 @@ pub(crate) fn reach(vectors: impl Iterator<Item = DVec3> + Clone) -> f64 {
         return 0.0;
     }
     let longest = vectors.fold(0.0, |m: f64, v| m.max((v / largest).length_squared()));
-    // Subtraction, division, three squares, two sums, root and product: 6u, and room.
+    // Subtraction, division, three squares, two sums, root and product: 6u, and a margin.
     (longest.sqrt() * (1.0 + 8.0 * U) * largest).next_up()
 }
 

@@ -1,4 +1,4 @@
-//! Spheres and boxes that cost nothing per vertex.
+//! Spheres and AABBs that cost nothing per vertex.
 
 mod packed;
 #[cfg(test)]
@@ -10,7 +10,7 @@ use crate::{Aabb, BoundingSphere, Pose, Shape, Sphere};
 use glam::{DVec3, Vec3};
 
 /// A sphere round a shape and one inside it, at any pose without the shape's vertices. What the outer
-/// one does not reach is not near, larger than [`Shape::aabb`] as its box is; what the inner one
+/// one does not reach is not near, larger than [`Shape::aabb`] as its AABB is; what the inner one
 /// reaches is touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereBounds {
@@ -51,17 +51,17 @@ impl InscribedSphere {
     }
 }
 
-/// By how much the box is larger than the sphere, and the inner sphere smaller than it could be. Unit:
+/// By how much the AABB is larger than the sphere, and the inner sphere smaller than it could be. Unit:
 /// metres a metre of the reach and of the translation.
 ///
-/// Several times what f32 loses in a box of vertices rotated in f32: twice 5.01 units of 2⁻²⁴ for a
+/// Several times what f32 loses in an AABB of vertices rotated in f32: twice 5.01 units of 2⁻²⁴ for a
 /// vertex, some ten for what is rounded up, of a size at most twice the reach, and eleven of the reach
-/// for a sphere's centre posed in f32. Smaller: such a box could stand out of this one, and spheres that
+/// for a sphere's centre posed in f32. Smaller: such an AABB could stand out of this one, and spheres that
 /// do not meet be taken for a contact. Larger: more is near, and less is proved to touch.
 const MARGIN: f64 = 1.0 / (1 << 16) as f64;
 
 impl SphereBounds {
-    /// Of a shape that has an end in every direction.
+    /// The bounds of a shape; `None` if it is infinite.
     pub fn of(shape: &Shape) -> Option<Self> {
         let inner = shape.inner();
         let (sphere, inner) = match shape {
@@ -86,13 +86,13 @@ impl SphereBounds {
         reach.is_finite().then_some(Self { sphere, inner, inner_at_centre, reach })
     }
 
-    /// With a sphere of this radius swept round the shape, metres. What is inside of the shape is left
+    /// The bounds with a sphere of this radius swept round the shape, metres. What is inside of the shape is left
     /// as it is.
     pub fn swept(self, by: f64) -> Self {
         Self { sphere: larger(self.sphere, by), reach: self.reach + by, ..self }
     }
 
-    /// A box that contains [`Shape::aabb`], and every other box of the shape that is exact up to
+    /// An AABB that contains [`Shape::aabb`], and every other AABB of the shape that is exact up to
     /// what f32 loses. The infinite one where the shape reaches beyond [`Aabb::LIMIT`].
     #[inline]
     pub fn aabb(&self, pose: &Pose) -> Aabb {
@@ -127,7 +127,7 @@ impl SphereBounds {
         self.inside(sphere, self.inner_at_centre)
     }
 
-    /// As much smaller than that radius as the loose sphere is larger than it need be.
+    /// As much smaller than that radius as the bounding sphere is larger than it need be.
     #[inline]
     fn inside(&self, sphere: &BoundingSphere, radius: f64) -> InscribedSphere {
         let both = (radius + self.sphere.radius) as f32;
@@ -171,7 +171,7 @@ fn round_all(centre: DVec3, parts: impl Iterator<Item = Option<SphereBounds>>) -
     (sphere, inner)
 }
 
-/// The middle of a shape's box in its own frame.
+/// The middle of a shape's AABB in its own frame.
 fn middle(shape: &Shape) -> DVec3 {
     shape.aabb(&Pose::IDENTITY).centre().as_dvec3()
 }

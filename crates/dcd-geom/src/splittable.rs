@@ -1,4 +1,4 @@
-//! What can be cut in two.
+//! Buffers that can be split in two.
 
 /// A sequence that can be cut in two disjoint parts, so that each is worked on alone.
 ///

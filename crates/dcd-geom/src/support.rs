@@ -1,4 +1,4 @@
-//! The one question a solver asks of a shape.
+//! The one query that a solver makes of a shape.
 
 use crate::{Real, Vector};
 use glam::DVec3;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub struct Support<R: Real> {
     /// The point, in the shape's own frame, metres.
     pub point: R::Vec3,
-    /// What it belongs to: the index of a vertex, or any number by which the same point is told
+    /// What it belongs to: the index of a vertex, or any number by which the same point is known
     /// again. Two supports of one shape with the same feature are the same point.
     pub feature: u32,
 }

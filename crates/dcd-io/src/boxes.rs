@@ -1,4 +1,4 @@
-//! Boxes as text: one a line, min x y z max x y z.
+//! AABBs as text: one a line, min x y z max x y z.
 
 use crate::ReadError;
 use crate::bytes::without_mark;
@@ -6,15 +6,15 @@ use dcd_geom::Aabb;
 use glam::Vec3;
 use std::path::Path;
 
-/// Reads boxes. Blank lines are passed over.
+/// Reads AABBs. Blank lines are passed over.
 ///
 /// Each number becomes the nearest f32: such files are prints of f32, and where enough digits were
 /// printed the nearest one is the number itself; rounding outward would add a float to every side
-/// that is no binary fraction, and could join boxes that were apart. Equal texts give equal
-/// numbers, so that boxes that touch in the text touch here.
+/// that is no binary fraction, and could join AABBs that were apart. Equal texts give equal
+/// numbers, so that AABBs that touch in the text touch here.
 ///
 /// # Errors
-/// A line without six fields, a field that is no number or not finite, a box that is inside out.
+/// A line without six fields, a field that is no number or not finite, an AABB that is inside out.
 pub fn read_boxes(bytes: &[u8]) -> Result<Vec<Aabb>, ReadError> {
     let lines = without_mark(bytes).split(|&byte| byte == b'\n').enumerate();
     let lines = lines.filter(|(_, line)| !line.trim_ascii().is_empty());

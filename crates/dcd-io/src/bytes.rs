@@ -9,7 +9,7 @@ use std::{
 };
 
 /// Bytes of one mesh file, and of a file that it names. The largest scanned meshes have hundreds of
-/// megabytes; a larger file would ask for tens of gigabytes once it is read.
+/// megabytes; a larger file would need tens of gigabytes once it is read.
 #[cfg(feature = "meshes")]
 pub(crate) const MESH_BYTES: u64 = 2 << 30;
 
@@ -74,9 +74,9 @@ impl<'a> Cursor<'a> {
         self.rest().is_empty()
     }
 
-    /// That so many records of at least so many bytes can still follow: asked before anything is
-    /// allocated for them.
-    pub(crate) fn room(&self, field: Field, count: u64, size: u64) -> Result<(), ReadError> {
+    /// Checks, before anything is allocated for them, that so many records of at least so many bytes can
+    /// follow.
+    pub(crate) fn check_count(&self, field: Field, count: u64, size: u64) -> Result<(), ReadError> {
         let left = self.rest().len();
         let needed = count.saturating_mul(size);
         if needed <= left as u64 {
@@ -127,7 +127,7 @@ impl<'a> Cursor<'a> {
         Ok(numbers)
     }
 
-    /// That the file ends here.
+    /// Checks that the file ends here.
     pub(crate) fn end(&self) -> Result<(), ReadError> {
         match self.rest().len() {
             0 => Ok(()),

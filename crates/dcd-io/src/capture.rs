@@ -50,7 +50,7 @@ pub struct Capture {
 }
 
 impl Capture {
-    /// Of this scene, no frame yet. Copies the poses and shares the shapes.
+    /// A capture of this scene, without frames. Copies the poses and shares the shapes.
     ///
     /// # Errors
     /// A shape that the format has no words for: a foreign one.

@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn each_kind_is_told_from_the_others_at_any_scale() {
+    fn each_kind_is_distinguished_at_any_scale() {
         let mut flat = line();
         flat.push(DVec3::new(9.0, 1.0, 2.0));
         let mut solid = flat.clone();

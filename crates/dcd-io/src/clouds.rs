@@ -19,7 +19,7 @@ pub fn read_clouds(bytes: &[u8]) -> Result<Vec<Vec<DVec3>>, ReadError> {
             return Err(ReadError::Empty { what: "cloud", index });
         }
         let field = Field { what: "points", index };
-        cursor.room(field, count.into(), 12)?;
+        cursor.check_count(field, count.into(), 12)?;
         let mut cloud = Vec::with_capacity(count as usize);
         for _ in 0..count {
             let point = cursor.f32s::<3>(field)?;

@@ -27,9 +27,9 @@ pub enum ReadError {
     Truncated {
         /// What should stand there.
         what: &'static str,
-        /// Of which record.
+        /// The index of the record.
         index: usize,
-        /// Where it should start.
+        /// The byte offset where it should start.
         at: usize,
         /// How many bytes it takes.
         needed: u64,
@@ -52,7 +52,7 @@ pub enum ReadError {
     },
     /// A number is NaN or infinite.
     NotFinite {
-        /// Of what.
+        /// The kind of record.
         what: &'static str,
         /// Its index.
         index: usize,
@@ -88,7 +88,7 @@ pub enum ReadError {
         /// What stands there.
         text: String,
     },
-    /// A box's smallest coordinate is above its largest.
+    /// An AABB's smallest coordinate is above its largest.
     InsideOut {
         /// The line.
         line: usize,
@@ -127,7 +127,7 @@ pub enum ReadError {
     },
     /// Two frames that belong together do not.
     FramesDiffer {
-        /// In what.
+        /// The kind of record.
         what: &'static str,
         /// The first frame's number of them; of a face, its index.
         first: usize,
@@ -199,7 +199,7 @@ pub enum ReadError {
     },
     /// The scene is refused as a whole.
     Scene {
-        /// In which frame.
+        /// The frame's index.
         frame: usize,
         /// What is wrong with it.
         error: SceneError,

@@ -62,7 +62,7 @@ struct Frame {
 }
 
 impl<'s> GlbScene<'s> {
-    /// Of this scene's shapes and objects, no frame yet.
+    /// A picture of this scene's shapes and objects, without frames.
     pub fn new(scene: &'s Scene) -> Self {
         let is_there = |i: &usize| scene.motion(*i).is_some();
         let name = |i| Some(i).filter(is_there).map(|i| format!("object {i}"));

@@ -42,7 +42,7 @@ impl std::error::Error for HullRefusal {}
 /// The convex hull of a cloud, its inner points dropped. Exact: see [`ConvexHull`].
 ///
 /// # Errors
-/// A cloud without volume as [`CloudKind`] tells it, or one that [`ConvexHull::of`] refuses.
+/// A cloud without volume as [`CloudKind`] defines it, or one that [`ConvexHull::of`] refuses.
 pub fn convex_hull(points: &[DVec3]) -> Result<Hull, HullRefusal> {
     match CloudKind::of(points) {
         None => return Err(HullRefusal::Invalid),

@@ -24,7 +24,7 @@ const SMALLEST: u64 = 8 + POSE_BYTES;
 pub fn read_hull_scene(bytes: &[u8]) -> Result<RawScene, ReadError> {
     let mut cursor = Cursor::new(bytes, 0);
     let count = cursor.u32(Field { what: "count", index: 0 })?;
-    cursor.room(Field { what: "objects", index: 0 }, count.into(), SMALLEST)?;
+    cursor.check_count(Field { what: "objects", index: 0 }, count.into(), SMALLEST)?;
     let scene = read_records(&mut cursor, 0..count)?;
     cursor.end()?;
     Ok(scene)
@@ -37,7 +37,7 @@ fn read_records(cursor: &mut Cursor<'_>, objects: Range<u32>) -> Result<RawScene
         let index = index as usize;
         scene.shapes.push(read_shape(cursor, index)?);
         let field = Field { what: "pose", index };
-        cursor.room(field, 1, POSE_BYTES)?;
+        cursor.check_count(field, 1, POSE_BYTES)?;
         let rotation = DQuat::from_array(cursor.f64s(field)?);
         let translation = DVec3::from_array(cursor.f64s(field)?);
         scene.objects.push(RawObject { shape, rotation, translation });
@@ -68,7 +68,7 @@ impl HullRecords {
         let mut scan = Scan { file: &mut file, at: 0, length };
         let [count] =
             scan.counts(Field { what: "count", index: 0 }).map_err(io)?.map_err(within)?;
-        scan.room(Field { what: "objects", index: 0 }, count, SMALLEST).map_err(within)?;
+        scan.check_count(Field { what: "objects", index: 0 }, count, SMALLEST).map_err(within)?;
         let parts = parts.max(1) as u64;
         let first = |part: u64| (u64::from(count) * part / parts) as u32;
         let mut found = Vec::new();
@@ -98,7 +98,7 @@ struct Scan<'a> {
 }
 
 impl Scan<'_> {
-    fn room(&self, field: Field, count: u32, size: u64) -> Result<(), ReadError> {
+    fn check_count(&self, field: Field, count: u32, size: u64) -> Result<(), ReadError> {
         let (needed, left) = (u64::from(count) * size, self.length - self.at);
         if needed <= left {
             return Ok(());
@@ -109,7 +109,7 @@ impl Scan<'_> {
 
     /// The next u32s.
     fn counts<const N: usize>(&mut self, field: Field) -> Scanned<[u32; N]> {
-        if let Err(error) = self.room(field, N as u32, 4) {
+        if let Err(error) = self.check_count(field, N as u32, 4) {
             return Ok(Err(error));
         }
         let mut counts = [[0; 4]; N];
@@ -127,7 +127,7 @@ impl Scan<'_> {
         for (what, count, size) in
             [("vertices", vertices, 24), ("triangles", triangles, 12), ("pose", 1, POSE_BYTES)]
         {
-            if let Err(error) = self.room(Field { what, index }, count, size) {
+            if let Err(error) = self.check_count(Field { what, index }, count, size) {
                 return Ok(Err(error));
             }
             self.at += u64::from(count) * size;
@@ -169,16 +169,16 @@ pub fn load_hull_scene(path: &Path) -> Result<RawScene, ReadError> {
 
 fn read_shape(cursor: &mut Cursor<'_>, index: usize) -> Result<RawShape, ReadError> {
     let counts = Field { what: "counts", index };
-    cursor.room(counts, 1, 8)?;
+    cursor.check_count(counts, 1, 8)?;
     let (vertices, triangles) = (cursor.u32(counts)?, cursor.u32(counts)?);
     let field = Field { what: "vertices", index };
-    cursor.room(field, vertices.into(), 24)?;
+    cursor.check_count(field, vertices.into(), 24)?;
     let mut points = Vec::with_capacity(vertices as usize);
     for _ in 0..vertices {
         points.push(DVec3::from_array(cursor.f64s(field)?));
     }
     let field = Field { what: "triangles", index };
-    cursor.room(field, triangles.into(), 12)?;
+    cursor.check_count(field, triangles.into(), 12)?;
     let mut surface = Vec::with_capacity(triangles as usize);
     for _ in 0..triangles {
         let triangle = [cursor.u32(field)?, cursor.u32(field)?, cursor.u32(field)?];
@@ -209,8 +209,7 @@ pub fn write_hull_scene(scene: &RawScene, out: &mut impl Write) -> io::Result<()
             return Err(invalid(SceneError::NoSuchShape { object, shape: raw.shape, shapes }));
         };
         if let RawShape::Sphere { radius } | RawShape::Capsule { radius, .. } = shape {
-            let refused =
-                format!("object {object}: a hull scene has no room for radius {radius:e}");
+            let refused = format!("object {object}: a hull scene cannot hold radius {radius:e}");
             return Err(io::Error::new(io::ErrorKind::InvalidInput, refused));
         }
         write_shape(shape, out)?;

@@ -54,7 +54,7 @@ pub fn read_obj(bytes: &[u8]) -> Result<RawMesh, ReadError> {
     Ok(frame)
 }
 
-/// That every index of a face, line or point names one of the vertices (texture vertices, normals)
+/// Checks that every index of a face, line or point names one of the vertices (texture vertices, normals)
 /// that a u32 counts, from the end those before it. The library multiplies them unchecked: a large one
 /// would wrap round and name another vertex.
 fn check_indices(text: &[u8]) -> Result<(), ReadError> {

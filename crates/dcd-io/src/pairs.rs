@@ -20,11 +20,11 @@ pub struct PairInput {
     pub name: Option<String>,
     /// The first shape.
     pub a: Polytope,
-    /// Where it is.
+    /// The first shape's pose.
     pub pose_a: Pose,
     /// The second shape.
     pub b: Polytope,
-    /// Where it is.
+    /// The second shape's pose.
     pub pose_b: Pose,
 }
 

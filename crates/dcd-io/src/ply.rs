@@ -112,7 +112,7 @@ impl Body<'_> {
     ) -> Result<(), ReadError> {
         let smallest = element.properties.iter().map(|property| property.kind.smallest()).sum();
         let elements = Field { what: "elements", index: 0 };
-        self.cursor.room(elements, element.count, smallest)?;
+        self.cursor.check_count(elements, element.count, smallest)?;
         let mut row = vec![Vec::new(); element.properties.len()];
         for index in 0..element.count as usize {
             let field = Field { what: "element", index };
@@ -122,7 +122,7 @@ impl Body<'_> {
                     Kind::Scalar(scalar) => numbers.push(self.scalar(scalar, field)?),
                     Kind::List { length, item } => {
                         let length = self.length(length, field)?;
-                        self.cursor.room(field, length, item.size())?;
+                        self.cursor.check_count(field, length, item.size())?;
                         for _ in 0..length {
                             numbers.push(self.scalar(item, field)?);
                         }

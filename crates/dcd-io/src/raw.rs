@@ -16,7 +16,7 @@ pub enum RawShape {
         /// The hull's surface, outward, by index into `points`; empty where it is not known.
         triangles: Vec<[u32; 3]>,
     },
-    /// A box round the origin.
+    /// A cuboid round the origin.
     Cuboid {
         /// Half the edge along x, y and z.
         half_extents: DVec3,

@@ -1,4 +1,4 @@
-//! Boxes swept by a mesh's vertices and faces from one frame to the next.
+//! AABBs swept by a mesh's vertices and faces from one frame to the next.
 
 use crate::bytes::without_mark;
 use crate::{RawMesh, ReadError};
@@ -6,14 +6,14 @@ use dcd_geom::Aabb;
 use glam::DVec3;
 use std::path::Path;
 
-/// One box for each vertex and one for each face: the smallest that holds it in both frames, and
+/// One AABB for each vertex and one for each face: the smallest that holds it in both frames, and
 /// so wherever it is between them while its vertices move straight.
 ///
-/// Listed pairs name boxes by ids that count vertices first, then edges, then faces. Edges have
-/// ids but no box here.
+/// Listed pairs name AABBs by ids that count vertices first, then edges, then faces. Edges have
+/// ids but no AABB here.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SweptBoxes {
-    /// The boxes: vertices, then faces.
+    /// The AABBs: vertices, then faces.
     pub boxes: Vec<Aabb>,
     /// How many vertices there are.
     pub vertices: usize,
@@ -52,7 +52,7 @@ impl SweptBoxes {
         Ok(Self { boxes, vertices: first.vertices.len(), edges: edges(&first.faces) })
     }
 
-    /// The index in [`SweptBoxes::boxes`] of the box with this id; none if it is an edge's or
+    /// The index in [`SweptBoxes::boxes`] of the AABB with this id; none if it is an edge's or
     /// nobody's.
     pub fn index_of(&self, id: u32) -> Option<usize> {
         let id = id as usize;
@@ -75,7 +75,7 @@ fn edges(faces: &[[u32; 3]]) -> usize {
     edges.len()
 }
 
-/// Reads pairs of box ids: a JSON array of arrays of two.
+/// Reads pairs of AABB ids: a JSON array of arrays of two.
 ///
 /// # Errors
 /// Anything else.
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn boxes_hold_both_frames_and_ids_leave_room_for_edges() {
+    fn aabbs_hold_both_frames_and_ids_leave_space_for_edges() {
         let swept = SweptBoxes::between(&square(0.0), &square(2.0)).unwrap();
         assert_eq!((swept.vertices, swept.edges, swept.boxes.len()), (4, 5, 6));
         assert_eq!(swept.boxes[1], Aabb::outward(DVec3::X, DVec3::new(1.0, 0.0, 2.0)));

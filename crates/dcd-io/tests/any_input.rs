@@ -49,7 +49,7 @@ proptest! {
     fn a_written_scene_reads_back_bit_for_bit(scene in scene()) {
         let back = read_hull_scene(&written(&scene)).unwrap();
         prop_assert_eq!(back.digest(), scene.digest());
-        // NaN differs from itself, and surfaces do not count in the digest: the bytes tell both.
+        // NaN differs from itself, and surfaces do not count in the digest: the bytes show both.
         prop_assert_eq!(written(&back), written(&scene));
         let _ = back.into_scene();
     }

@@ -13,7 +13,7 @@ fn file(path: &str) -> Option<PathBuf> {
     found
 }
 
-/// Pairs of boxes for which `overlap` holds, all asked.
+/// Pairs of AABBs for which `overlap` holds, by brute force.
 fn pairs(boxes: &[Aabb], overlap: impl Fn(&Aabb, &Aabb) -> bool) -> usize {
     let row = |(i, a)| boxes[..i].iter().filter(|b| overlap(a, b)).count();
     boxes.iter().enumerate().map(row).sum()

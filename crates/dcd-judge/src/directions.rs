@@ -165,7 +165,7 @@ impl<'a> DirectionSearch<'a> {
         [a_high - b_low, b_high - a_low]
     }
 
-    /// Between which two numbers the lesser reach is, as far as f64 can tell.
+    /// Bounds of the lesser reach in f64.
     fn seen_reach(&self, direction: Direction) -> (f64, f64) {
         let n = match direction {
             Direction::Axis(k) => [0, 1, 2].map(|j| f64::from(i32::from(j == k))),

@@ -1,4 +1,4 @@
-//! Yes or no by linear programming, and the distance by every feature of A − B in turn.
+//! Yes or no by linear programming, and the distance by enumerating every feature of A − B.
 
 use crate::program;
 use crate::world::{World, cross, dot, lowest_bit, minus, whole};

@@ -6,10 +6,10 @@
 //! - [`touches`]: a linear program (Bland's rule), and for radii the nearest feature;
 //! - [`Truth`]: the signed depth, as the least reach over every direction that a facet, an edge or a
 //!   vertex of A − B can have, in all digits of an f64;
-//! - [`distance_is_in`]: every vertex, segment and triangle of A − B in turn.
+//! - [`distance_is_in`]: by enumerating the vertices, segments and triangles of A − B.
 //!
-//! [`shapes_touch`] asks the first of compounds and meshes part by part, and knows cylinders and cones
-//! in places where squares tell.
+//! [`shapes_touch`] applies the first to compounds and meshes part by part, and knows cylinders and cones
+//! where comparing squares decides.
 //!
 //! A crate of its own, and never published, so that both the tests of other crates and the
 //! measuring binaries can be judged by it. No library depends on it. It costs milliseconds a pair

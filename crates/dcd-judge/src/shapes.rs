@@ -1,5 +1,5 @@
-//! Shapes of other kinds: compounds and meshes part by part, and cylinders and cones where squares of
-//! whole numbers tell.
+//! Shapes of other kinds: compounds and meshes part by part, and cylinders and cones where comparing squares
+//! of integers decides.
 
 use crate::touches;
 use crate::world::{lowest_bit, whole};
@@ -92,7 +92,7 @@ pub fn curved_touch(a: (&Curved, &Pose), b: (&Curved, &Pose)) -> Option<bool> {
     }
 }
 
-/// Of two parallel discs, so far apart across and along: whether √across ≤ radii with no gap along,
+/// Whether two parallel discs touch, so far apart across and along: whether √across ≤ radii with no gap along,
 /// and else whether a sphere of the swept radius closes both gaps.
 fn discs_touch(across: &BigInt, radii: &BigInt, gap: &BigInt, swept: &BigInt) -> bool {
     let square = |x: &BigInt| x * x;

@@ -18,12 +18,12 @@ pub struct Truth {
     unit: i32,
 }
 
-/// Bits of a rounded result before it is rounded to an f64's 53: 17 digits and room for the
+/// Bits of a rounded result before it is rounded to an f64's 53: 17 digits and a margin for the
 /// unit that a root loses.
 const DIGITS: i64 = 72;
 
 impl Truth {
-    /// Of two placed shapes, their radii included.
+    /// The truth for two posed shapes, their radii included.
     pub fn of(a: Side<'_>, b: Side<'_>) -> Self {
         Self::in_world(&World::of(a, b))
     }
@@ -33,7 +33,7 @@ impl Truth {
         Self { reach, square, offset: world.radius.clone(), unit: world.unit }
     }
 
-    /// Of the same shapes with so much more radius, metres; negative for less.
+    /// The truth for the shapes with so much more radius, metres; negative for less.
     #[must_use]
     pub fn rounded_by(&self, radius: f64) -> Self {
         let unit = self.unit.min(lowest_bit(radius));

@@ -168,8 +168,8 @@ fn scene_of(cases: &[&Case]) -> Option<Scene> {
     Scene::one_each(shapes.collect::<Vec<Shape>>(), poses.collect()).ok()
 }
 
-/// What the lanes say of each case, all settled at once; none of what they leave undecided.
-fn settled_by_lanes(scene: &Scene, path: Path) -> Vec<Option<bool>> {
+/// The answer of the lanes for each case, all decided at once; none where they leave it undecided.
+fn decided_by_lanes(scene: &Scene, path: Path) -> Vec<Option<bool>> {
     let pairs: Vec<Pair> =
         (0..scene.len() as u32 / 2).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
     let narrow = Overlap::on(path);
@@ -201,7 +201,7 @@ fn the_lanes_are_right_on_the_whole_suite_on_every_path() {
     let truth: Vec<bool> = inside.iter().map(|case| certified_touches(case)).collect();
     let scene = scene_of(&inside).unwrap();
     for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-        let said = settled_by_lanes(&scene, path);
+        let said = decided_by_lanes(&scene, path);
         let wrong = (0..inside.len()).find(|&k| said[k] != Some(truth[k]));
         let case = wrong.map(|k| format!("{k} {}: {:?}", inside[k].category, said[k]));
         assert_eq!(case, None, "{path:?}");

@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Parry's shapes, made once for the shapes of a scene.
 pub(crate) struct Forms<R: Library> {
-    /// Of the shapes that they were made for.
+    /// The revision of the shapes that they were made for.
     source: Revision,
     forms: Vec<Form<R>>,
 }
@@ -75,7 +75,7 @@ fn in_parrys_frame(shape: &Shape, pose: &Pose) -> Pose {
 }
 
 impl<R: Library> Forms<R> {
-    /// Of the scene's shapes: hulls are what costs.
+    /// Parry's forms of the scene's shapes: hulls are what costs.
     pub(crate) fn of(scene: &Scene) -> Self {
         let made = |shape: &Shape| Form { form: R::form(shape), reach: reach(shape) };
         let forms = scene.shapes().iter().map(made).collect();
@@ -107,7 +107,7 @@ impl<R: Library> Forms<R> {
         self.forms[placement.shape as usize].form.is_some()
     }
 
-    /// Parry's box; a box of nothing for a refused shape.
+    /// Parry's AABB; an AABB of nothing for a refused shape.
     #[inline]
     pub(crate) fn boxed(&self, placement: &Placement<R>) -> R::Box {
         let form = self.forms[placement.shape as usize].form.as_ref();
@@ -157,16 +157,16 @@ pub(crate) fn decide<R: Library>(
     sink: &mut ContactSink<'_, ()>,
 ) {
     let mut rest = pairs;
-    let mut asked = None;
+    let mut pair_in_query = None;
     loop {
         let run = catch_unwind(AssertUnwindSafe(|| {
             for pair in rest.by_ref() {
-                asked = Some(pair);
+                pair_in_query = Some(pair);
                 let verdict = touching(query, first.object(pair.i), second.object(pair.j));
                 sink.file(pair, Method::Foreign, verdict);
             }
         }));
-        match (run, asked) {
+        match (run, pair_in_query) {
             (Err(_), Some(pair)) => {
                 sink.file(pair, Method::Foreign, Verdict::Undecided(Reason::Foreign));
             }
@@ -196,12 +196,12 @@ mod tests {
 
     #[test]
     fn a_panic_leaves_its_pair_undecided_and_the_others_decided() {
-        let ball = Shape::sphere(1.0).unwrap();
+        let sphere = Shape::sphere(1.0).unwrap();
         let poses = [0.0, 1.0, 1.5].map(|x| Pose::from_translation(DVec3::X * x).unwrap());
-        let scene = Scene::one_each(vec![ball; 3], poses.to_vec()).unwrap();
+        let scene = Scene::one_each(vec![sphere; 3], poses.to_vec()).unwrap();
         let forms = Forms::<f32>::of(&scene);
         let placements: Vec<_> = (0..3).map(|i| Placement::of(&scene, i)).collect();
-        // There is no object 7, so that asking for it panics.
+        // There is no object 7, so that its query panics.
         let pairs = [(0, 1), (0, 7), (1, 7), (1, 2), (2, 7)].map(|(i, j)| Pair { i, j });
         let (mut contacts, mut report) = (Vec::new(), Report::default());
         let sink = &mut ContactSink { contacts: &mut contacts, report: &mut report };

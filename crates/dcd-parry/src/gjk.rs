@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Parry's algorithm, our shapes: its GJK, started and stopped as its `intersection_test` does,
-/// asking our support maps in R.
+/// calling our support maps in R.
 ///
 /// Undecided where it runs out of its 100 iterations, where the pair is out of its range, and
 /// where it panics. Its tolerances are absolute lengths (ten epsilons of R), so that shapes of

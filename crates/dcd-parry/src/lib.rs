@@ -3,8 +3,8 @@
 //! - [`ParryGjk`]: its GJK on our support maps, one pair at a time.
 //! - [`ParryShapes`]: its own shapes through its public queries, as a narrow phase.
 //! - [`ParryBvh`]: its bounding volume hierarchy, as a broad phase.
-//! - [`ParryWorld`]: its tree asked for posed shapes against obstacles that stand still.
-//! - [`ParryPipeline`]: its best pipeline from boxes to contacts, each stage its own: the rival.
+//! - [`ParryWorld`]: its tree queried with posed shapes against static obstacles.
+//! - [`ParryPipeline`]: its best pipeline from AABBs to contacts, each stage its own: the rival.
 //!
 //! ```
 //! use dcd_geom::{Pose, Scene, Shape, glam::DVec3};
@@ -26,7 +26,7 @@
 //! ```
 //!
 //! What Parry says is passed on as it is, right or wrong; what it does not say (it panics, it runs
-//! out of iterations where that can be told, it refuses the shape, the numbers leave its range) is
+//! out of iterations where that is visible, it refuses the shape, the numbers leave its range) is
 //! undecided. Deliberately absent: any repair of its answers, and any use of it by the rest.
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! What is asked of Parry, written once for both of its builds.
+//! The interface to Parry, written once for both of its builds.
 
 use dcd_exec::Exec;
 use dcd_geom::{
@@ -6,18 +6,18 @@ use dcd_geom::{
 };
 use std::panic::catch_unwind;
 
-/// Which of Parry's queries tells whether two of its shapes touch.
+/// Which of Parry's queries decides whether two of its shapes touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Query {
     /// `query::intersection_test`, its yes or no. It answers "apart" where its GJK runs out of
-    /// iterations, and does not tell.
+    /// iterations, and does not say so.
     #[default]
     IntersectionTest,
-    /// The same with the function that it ends up in called directly where both shapes are
+    /// The same query, with the function that it ends up in called directly where both shapes are
     /// polyhedra: no dynamic dispatch at each support.
     DirectIntersectionTest,
     /// `query::distance` is 0, as the paper judged. It answers 0 where its GJK runs out of
-    /// iterations, and does not tell.
+    /// iterations, and does not say so.
     Distance,
 }
 
@@ -31,7 +31,7 @@ pub trait Library: Real {
     type Pose: Copy + Default + Send + Sync + 'static;
     /// A shape in its own frame, made once.
     type Form: Clone + Send + Sync + 'static;
-    /// A box.
+    /// An AABB.
     type Box: Copy + Send + Sync + 'static;
     /// A bounding volume hierarchy with its scratch memory; the default holds nothing.
     type Tree: Default + Send + Sync;
@@ -56,24 +56,24 @@ pub trait Library: Real {
         a: (&Self::Form, &Self::Pose),
         b: (&Self::Form, &Self::Pose),
     ) -> Option<bool>;
-    /// The box of a shape at a pose, rounded to nearest.
+    /// The AABB of a shape at a pose, rounded to nearest.
     fn boxed(form: &Self::Form, pose: &Self::Pose) -> Self::Box;
-    /// A box of nothing.
+    /// An AABB of nothing.
     const NO_BOX: Self::Box;
-    /// The binned tree over boxes, its leaves numbered in their order.
+    /// The binned tree over AABBs, its leaves numbered in their order.
     fn build(boxes: impl ExactSizeIterator<Item = Self::Box>, tree: &mut Self::Tree);
-    /// The same in the memory of the tree before, if it had as many leaves: Parry's fastest way.
+    /// Builds in the memory of the tree before, if it had as many leaves: Parry's fastest way.
     /// It starts from the order of that tree's leaves, so that the new one depends on it.
     fn rebuild(boxes: impl ExactSizeIterator<Item = Self::Box>, tree: &mut Self::Tree);
-    /// The tree before with the leaves' new boxes: its nodes are fitted anew and a part of it is
+    /// The tree before with the leaves' new AABBs: its nodes are fitted anew and a part of it is
     /// improved, as Parry's users do from frame to frame. Built if it had another number of leaves.
     fn refit(boxes: impl ExactSizeIterator<Item = Self::Box>, tree: &mut Self::Tree);
-    /// Tells `pair` of every two leaves whose boxes overlap, once each, in the tree's order.
+    /// Calls `pair` for every two leaves whose AABBs overlap, once each, in the tree's order.
     fn leaf_pairs(tree: &mut Self::Tree, pair: impl FnMut(u32, u32));
     /// The same pairs in the same order, found on rayon's current pool.
     fn leaf_pairs_parallel(tree: &Self::Tree) -> Vec<(u32, u32)>;
 
-    /// Tells the leaves whose boxes overlap that one, until it is told to stop by `false`.
+    /// Calls `leaf` for the leaves whose AABBs overlap that one, until it returns `false`.
     fn leaves_near(tree: &Self::Tree, aabb: &Self::Box, leaf: impl FnMut(u32) -> bool);
 
     /// Replaces `found` by the same pairs, found where `exec` says.
@@ -92,7 +92,7 @@ pub(crate) fn is_parallel(exec: Exec) -> bool {
     exec.is_pooled() && dcd_exec::threads() > 1
 }
 
-/// A support point of the core, in R; a custom shape is asked in f64.
+/// A support point of the core, in R; a custom shape is evaluated in f64.
 fn core_support<R: Real>(shape: &Shape, direction: R::Vec3) -> R::Vec3 {
     match shape.as_polytope() {
         Some(polytope) => SupportMap::<R>::support(polytope, direction).point,
@@ -176,7 +176,7 @@ macro_rules! behind_library {
                         &mut VoronoiSimplex::new(),
                         None,
                     );
-                    // Parry says "apart along x" when it gives up. If x does separate, asking for
+                    // Parry says "apart along x" when it gives up. If x does separate, querying
                     // that axis again gives the same positive separation, bit by bit.
                     if !touching && axis == ParryVector::X {
                         let nearest = CsoPoint::from_shapes(&b_in_a, &a, &b, axis).point;
@@ -281,7 +281,7 @@ macro_rules! behind_library {
                 }
 
                 fn rebuild(boxes: impl ExactSizeIterator<Item = Aabb>, tree: &mut Self::Tree) {
-                    // Parry leaves a tree of one or two leaves as it is, boxes apart.
+                    // Parry leaves a tree of one or two leaves as it is, AABBs apart.
                     if boxes.len() < 3 || tree.0.leaf_count() as usize != boxes.len() {
                         return Self::build(boxes, tree);
                     }

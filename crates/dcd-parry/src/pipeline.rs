@@ -6,13 +6,13 @@ use dcd_exec::{Exec, PerThread, Segments, Stage};
 use dcd_geom::{Pair, Scene};
 use dcd_gjk::{Contact, ContactSink, Report};
 
-/// How many boxes a task computes.
+/// How many AABBs a task computes.
 const OBJECTS_PER_TASK: usize = 256;
 
 /// How many candidate pairs a task judges, at most: about a millisecond.
 const PAIRS_PER_TASK: usize = 2048;
 
-/// Parry's boxes, its binned tree, the tree against itself (the parallel traversal above one
+/// Parry's AABBs, its binned tree, the tree against itself (the parallel traversal above one
 /// thread), and a query for each candidate: each stage as fast as its public API allows.
 ///
 /// Shapes are made here and poses converted by [`ParryPipeline::place`], since whoever uses Parry
@@ -41,7 +41,7 @@ pub enum Upkeep {
     /// have moved far, and without them all the same.
     #[default]
     Rebuild,
-    /// Its nodes are fitted to the new boxes, and a part of it improved: Parry's own way from frame
+    /// Its nodes are fitted to the new AABBs, and a part of it improved: Parry's own way from frame
     /// to frame.
     Refit,
 }
@@ -71,7 +71,7 @@ impl<R: Library> ParryPipeline<R> {
         }
     }
 
-    /// The same with the tree kept in that way.
+    /// The pipeline with the tree updated in that way.
     pub fn with_upkeep(self, upkeep: Upkeep) -> Self {
         Self { upkeep, ..self }
     }
@@ -133,7 +133,7 @@ impl<R: Library> ParryPipeline<R> {
 }
 
 impl<R: Library> Ready<'_, R> {
-    /// From boxes to contacts, in Parry's own order, which depends on earlier steps (the tree comes
+    /// From AABBs to contacts, in Parry's own order, which depends on earlier steps (the tree comes
     /// of the one before) but not on `exec`.
     pub fn step<'e>(&mut self, exec: impl Into<Exec<'e>>) -> ParryStep<'_> {
         let (pipeline, exec) = (&mut *self.pipeline, exec.into());
@@ -165,7 +165,7 @@ pub struct ParryStep<'p> {
 }
 
 impl<'p> ParryStep<'p> {
-    /// The pairs of objects whose boxes overlap, in the tree's order.
+    /// The pairs of objects whose AABBs overlap, in the tree's order.
     pub fn candidates(&self) -> impl ExactSizeIterator<Item = Pair> + use<'p> {
         self.candidates.iter().map(|&(a, b)| Pair::new(a, b))
     }
@@ -180,7 +180,7 @@ impl<'p> ParryStep<'p> {
         self.contacts.len()
     }
 
-    /// The same pairs sorted, to be compared as a set.
+    /// The pairs sorted, to be compared as a set.
     pub fn sorted_contacts(&self) -> Vec<Pair> {
         let mut contacts: Vec<_> = self.contacts().collect();
         contacts.sort_unstable();
@@ -192,7 +192,7 @@ impl<'p> ParryStep<'p> {
         self.refused
     }
 
-    /// The candidates that Parry could not tell, among others.
+    /// How the candidates were decided, and which Parry left undecided.
     pub fn report(&self) -> &'p Report {
         self.report
     }

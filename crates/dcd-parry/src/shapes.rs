@@ -6,7 +6,7 @@ use dcd_geom::{Aabb, Pair, Scene};
 use dcd_gjk::{ContactSink, Method, NarrowPhase, Prepared, Reason, Sides, Verdict};
 use std::sync::Arc;
 
-/// Parry's own shapes, asked through its public API.
+/// Parry's own shapes, queried through its public API.
 ///
 /// Each kind is Parry's own: sphere, cuboid, capsule, segment, triangle, cylinder, cone, half-space, a hull
 /// its convex polyhedron, rounded ones its round shapes. Shapes that it has no counterpart for, or whose
@@ -27,13 +27,13 @@ impl<R: Library> Default for ParryShapes<R> {
 }
 
 impl<R: Library> ParryShapes<R> {
-    /// With the shapes of this scene made now. Any other scene can be stepped too; its shapes are
+    /// Makes the shapes of this scene now. Any other scene can be stepped too; its shapes are
     /// made by its first step.
     pub fn new(scene: &Scene) -> Self {
         Self { query: Query::default(), made: Some(Arc::new(Forms::of(scene))) }
     }
 
-    /// Asks this query instead.
+    /// Uses this query instead.
     pub fn with_query(self, query: Query) -> Self {
         Self { query, ..self }
     }
@@ -62,7 +62,7 @@ impl<R: Library> ShapesFrame<R> {
     }
 }
 
-/// Room for the placements of a range of objects.
+/// Buffers for the placements of a range of objects.
 pub struct ShapesPart<'f, R: Library> {
     placements: &'f mut [Placement<R>],
     /// Whether the shapes are those of the step before.

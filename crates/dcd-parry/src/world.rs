@@ -1,4 +1,4 @@
-//! Parry's way to ask posed shapes against obstacles that stand still, as a rival.
+//! Parry's queries of posed shapes against static obstacles, as a rival.
 
 use crate::forms::{Forms, Placement};
 use crate::{Library, Query};
@@ -6,10 +6,10 @@ use dcd_exec::{Exec, Segments};
 use dcd_geom::{Pose, Scene, SceneError, Shape};
 use dcd_gjk::Verdict;
 
-/// How many configurations a task asks for.
+/// How many configurations a task takes.
 const CONFIGURATIONS_PER_TASK: usize = 64;
 
-/// Parry's tree over the boxes of a scene's objects, asked for each link's box, and a query for
+/// Parry's tree over the AABBs of a scene's objects, queried with each link's AABB, and a query for
 /// each obstacle that it names. A panic of Parry's is passed on.
 pub struct ParryWorld<R: Library> {
     query: Query,
@@ -35,17 +35,17 @@ pub struct Hit {
     pub obstacle: u32,
 }
 
-/// Whether a link is asked for after another of its configuration has touched.
+/// Whether a link is tested after another of its configuration has touched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Until {
     /// No: a configuration ends with its first hit.
     First,
-    /// Yes: every hit is told.
+    /// Yes: every hit is reported.
     Last,
 }
 
 impl<R: Library> ParryWorld<R> {
-    /// Over the objects of a scene, and for configurations of these links.
+    /// A tree over the objects of a scene, for configurations of these links.
     ///
     /// # Errors
     /// More shapes than a u32 counts.
@@ -68,19 +68,19 @@ impl<R: Library> ParryWorld<R> {
     }
 
     /// Replaces `hits` by what Parry says, configuration by configuration and link by link.
-    pub fn ask(&self, posed: &Posed<R>, until: Until, exec: Exec, hits: &mut Segments<Hit>) {
+    pub fn query(&self, posed: &Posed<R>, until: Until, exec: Exec, hits: &mut Segments<Hit>) {
         let grain = CONFIGURATIONS_PER_TASK * self.links.len().max(1);
         let batches: Vec<_> = posed.0.chunks(grain).collect();
         hits.fill(exec, batches.len(), |task, hits| {
             let configurations = batches[task].chunks(self.links.len().max(1));
             for (k, links) in configurations.enumerate() {
                 let configuration = (task * CONFIGURATIONS_PER_TASK + k) as u32;
-                self.ask_one(configuration, links, until, hits);
+                self.query_one(configuration, links, until, hits);
             }
         });
     }
 
-    fn ask_one(
+    fn query_one(
         &self,
         configuration: u32,
         links: &[Placement<R>],

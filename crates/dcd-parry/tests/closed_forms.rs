@@ -37,11 +37,11 @@ fn cuboids_touch_edge_to_edge_up_to_their_diagonals() {
 fn a_hull_is_met_where_its_face_is() {
     let corners = |k: u32| DVec3::new((k & 1).into(), (k >> 1 & 1).into(), (k >> 2).into());
     let cube = Shape::hull((0..8).map(corners).collect()).unwrap();
-    let ball = Shape::sphere(0.25).unwrap();
+    let sphere = Shape::sphere(0.25).unwrap();
     let cuboid = Shape::cuboid(DVec3::splat(0.25)).unwrap();
     for (gap, touching) in [(-1e-3, true), (1e-3, false)] {
         let above = at(0.3, 0.4, 1.25 + gap);
-        assert_all((&cube, Pose::IDENTITY), (&ball, above), touching);
+        assert_all((&cube, Pose::IDENTITY), (&sphere, above), touching);
         assert_all((&cube, Pose::IDENTITY), (&cuboid, above), touching);
         assert_all((&cube, Pose::IDENTITY), (&cube, at(1.0 + gap, 0.3, -0.2)), touching);
     }

@@ -1,11 +1,11 @@
 //! Every kind of shape against every kind: proved answers beside Parry's own in f64.
 //!
-//! `DCD_KIND_POSES=10000 cargo test --release -p dcd-parry --test kinds` asks as many poses of each
+//! `DCD_KIND_POSES=10000 cargo test --release -p dcd-parry --test kinds` tests as many poses of each
 //! pair of kinds at each scale; without it a few, so that the test is quick.
 
 mod common;
 
-use common::{ask, two};
+use common::{decide, two};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Pose, Shape};
 use dcd_gjk::certified::{overlap_exactly, overlap_of};
@@ -15,7 +15,7 @@ use dcd_gjk::{Depths, DistanceResult, PairSolver, PosedShape, PosedSupport, Reas
 use dcd_parry::ParryShapes;
 use std::collections::BTreeMap;
 
-/// Poses of each pair of kinds at each scale where nothing else is asked for.
+/// Poses of each pair of kinds at each scale by default.
 const FEW: usize = 12;
 
 /// How near to a touch Parry's f64 may err without being wrong in its own terms, relative to the
@@ -148,7 +148,7 @@ impl Case {
     fn parrys(&self) -> Result<bool, Reason> {
         let [a, b] = &self.shapes;
         let scene = two((a, self.poses[0]), (b, self.poses[1]));
-        ask(&ParryShapes::<f64>::new(&scene), &scene)
+        decide(&ParryShapes::<f64>::new(&scene), &scene)
     }
 
     fn is_near_a_touch(&self) -> bool {
@@ -166,8 +166,8 @@ impl Case {
 
 #[test]
 fn every_kind_against_every_kind_agrees_with_parry_or_differs_for_a_cause() {
-    let asked = std::env::var("DCD_KIND_POSES").ok();
-    let poses = asked.map_or(FEW, |count| count.parse().unwrap());
+    let count = std::env::var("DCD_KIND_POSES").ok();
+    let poses = count.map_or(FEW, |count| count.parse().unwrap());
     let mut differences = BTreeMap::<_, usize>::new();
     let (mut agreed, mut touching) = (0, 0);
     for (k, scale) in [1e-3, 1.0, 1e3].into_iter().enumerate() {

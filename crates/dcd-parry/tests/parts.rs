@@ -1,4 +1,4 @@
-//! Compounds and meshes beside Parry's: each difference is settled by exact integers on parts.
+//! Compounds and meshes beside Parry's: each difference is judged by exact integers on parts.
 
 mod common;
 
@@ -39,7 +39,7 @@ fn compound(seed: u64) -> Shape {
     Shape::compound(shapes.into_iter().zip(places).collect()).unwrap()
 }
 
-/// Meshes, compounds and convex shapes in turn.
+/// Meshes, compounds and convex shapes, alternating.
 fn mixed(objects: usize, half: f64, seed: u64) -> Scene {
     let shape = |k: u64| match k % 5 {
         0 | 1 => mesh(1 + (k % 37) as usize, seed * 1000 + k),

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{answers, ask, two};
+use common::{answers, decide, two};
 use dcd_exec::Par;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Pair, Pose, Scene, Shape, Support, SupportMap};
@@ -15,7 +15,7 @@ fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()
 }
 
-/// No convex shape: whatever is asked, it answers far to the side and a little beyond the origin,
+/// No convex shape: for any direction it answers far to the side and a little beyond the origin,
 /// so that the simplex comes nearer for ever.
 struct Endless;
 
@@ -29,7 +29,7 @@ impl SupportMap<f64> for Endless {
 
 fn assert_undecided<R: Library>(scene: &Scene, reason: Reason) {
     let gjk = Pairwise(ParryGjk::<R>::default());
-    assert_eq!(ask(&gjk, scene), Err(reason));
+    assert_eq!(decide(&gjk, scene), Err(reason));
 }
 
 #[test]

@@ -12,10 +12,10 @@ use dcd_gjk::{
     WithAccuracy, Within,
 };
 
-/// What a yes or no is worth.
+/// What a yes or no guarantees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Precision {
-    /// f32 taken at its word: [`OverlapUnchecked`].
+    /// f32 without error bounds: [`OverlapUnchecked`].
     Fast,
     /// What f64 can prove, else undecided: [`Gjk`].
     F64,
@@ -24,23 +24,23 @@ pub enum Precision {
     Certified,
 }
 
-/// What is asked of a scene's pairs. Margins are metres: pairs within the margin of each other count as
+/// The query for a scene's pairs. Margins are metres: pairs within the margin of each other count as
 /// touching.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Question {
     /// Whether they touch.
     Overlap {
-        /// What the answer is worth.
+        /// What the answer guarantees.
         precision: Precision,
-        /// Within which distance.
+        /// Pairs within this distance touch, metres.
         margin: f64,
     },
     /// How far apart they are: [`Distances`].
     Distance {
         /// How good the bound has to be.
         accuracy: Accuracy,
-        /// Within which distance.
+        /// Pairs within this distance touch, metres.
         margin: f64,
     },
     /// How deep those that touch overlap: [`Depths`].
@@ -48,7 +48,7 @@ pub enum Question {
         /// How good the bound has to be.
         accuracy: Accuracy,
     },
-    /// In which points those that touch do: [`Manifolds`].
+    /// The contact points of those that touch: [`Manifolds`].
     Manifold {
         /// How good the bound has to be.
         accuracy: Accuracy,
@@ -57,7 +57,7 @@ pub enum Question {
     Gradient {
         /// How good the bound has to be.
         accuracy: Accuracy,
-        /// Within which distance.
+        /// Pairs within this distance touch, metres.
         margin: f64,
     },
 }
@@ -74,7 +74,7 @@ impl Default for Question {
 pub enum Answer {
     /// That it touches.
     Overlap,
-    /// `None` where the two overlap, or are too near to be told apart.
+    /// `None` where the two overlap, or are too near for that to be proved.
     Distance(Option<Distance>),
     /// How deep it overlaps.
     Depth(Depth),
@@ -105,7 +105,7 @@ enum Inner<B: BroadPhase> {
     Gradient(Pipeline<B, Measured<Proximities>>),
 }
 
-/// The same for whichever pipeline there is.
+/// Calls the same method on the pipeline of any variant.
 macro_rules! whichever {
     ($inner:expr, $pipeline:ident => $then:expr) => {
         match $inner {
@@ -122,7 +122,7 @@ macro_rules! whichever {
 }
 
 impl AnyPipeline {
-    /// For that question, with the fastest tree.
+    /// A pipeline for that question, with the fastest tree.
     ///
     /// # Errors
     /// A margin that is negative, not a number, or above [`dcd_geom::Aabb::LIMIT`].
@@ -132,7 +132,7 @@ impl AnyPipeline {
 }
 
 impl<B: BroadPhase> AnyPipeline<B> {
-    /// For that question, with a broad phase of one's own.
+    /// A pipeline for that question, with the caller's broad phase.
     ///
     /// # Errors
     /// Those of [`AnyPipeline::new`].
@@ -221,7 +221,7 @@ pub enum AnyStep<'p> {
     Gradient(Step<'p, Proximity>),
 }
 
-/// The same of whichever step there is.
+/// Calls the same method on the step of any variant.
 macro_rules! of_step {
     ($any:expr, $step:ident => $then:expr) => {
         match $any {

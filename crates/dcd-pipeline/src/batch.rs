@@ -1,4 +1,4 @@
-//! One against many: what does not enter the scene, against obstacles that stand still.
+//! One against many: queries from outside the scene, against static obstacles.
 
 mod checker;
 mod culling;
@@ -30,7 +30,7 @@ const OBSTACLES_PER_TASK: usize = 256;
 /// A clone is the same world.
 pub struct StaticWorld<N: NarrowPhase = Overlap>(Arc<Obstacles<N>>);
 
-/// What is prepared of a world, once.
+/// The prepared obstacles of a world.
 struct Obstacles<N: NarrowPhase> {
     narrow: N,
     /// The obstacles alone, one after the other.
@@ -39,7 +39,7 @@ struct Obstacles<N: NarrowPhase> {
     /// For each obstacle its index in the scene that it came from.
     names: Vec<u32>,
     tree: StaticTree,
-    /// For each obstacle its box and its sphere, grown as the narrow phase says, and a sphere in it.
+    /// For each obstacle its AABB and its sphere, grown as the narrow phase says, and a sphere in it.
     bounds: Vec<ObstacleBounds>,
     /// Whether some obstacle has a filter.
     filtered: bool,
@@ -58,10 +58,10 @@ impl<N: NarrowPhase> std::fmt::Debug for StaticWorld<N> {
 }
 
 impl<N: NarrowPhase> StaticWorld<N> {
-    /// From the objects of a scene, moving ones and sensors too, as they stand.
+    /// Takes all objects of a scene, moving ones and sensors too, at their present poses.
     ///
     /// # Errors
-    /// None that the scene has not passed already.
+    /// None for a valid scene.
     pub fn new<'e>(
         scene: &Scene,
         narrow: N,
@@ -117,7 +117,7 @@ impl<N: NarrowPhase> Obstacles<N> {
         Prepared { scene: &self.scene, frame: &self.frame }
     }
 
-    /// Beyond which coordinate there is nothing, but for what has no end, metres.
+    /// The largest finite coordinate of an obstacle, metres.
     fn farthest(&self) -> f64 {
         let farthest = |obstacle: &ObstacleBounds| {
             let Aabb { min, max } = obstacle.aabb;

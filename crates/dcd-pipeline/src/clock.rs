@@ -1,4 +1,4 @@
-//! How long each stage took, for whoever wants to know.
+//! The time of each stage, for callers who want it.
 
 use dcd_exec::{Observer, Stage};
 use std::sync::Mutex;
@@ -21,7 +21,7 @@ impl StageClock {
     }
 
     fn with<T>(&self, work: impl FnOnce(&mut Times) -> T) -> T {
-        // A panic elsewhere leaves times that are as good as before.
+        // A panic elsewhere leaves valid times.
         work(&mut self.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner()))
     }
 }

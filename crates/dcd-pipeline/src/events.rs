@@ -168,19 +168,19 @@ mod tests {
         let mut scene =
             Scene::new(vec![sphere], [0.0, 0.9, 5.0].map(|x| Object::new(0, at(x)))).unwrap();
         let (mut pipeline, mut events) = (Pipeline::new(), Events::default());
-        let mut told = |scene: &Scene| -> Vec<(u32, u32, Change)> {
+        let mut reported = |scene: &Scene| -> Vec<(u32, u32, Change)> {
             let events = events.follow(scene, &pipeline.step(scene, Par::Serial), Par::Serial);
             assert_eq!(events.iter().count(), events.len());
             events.iter().map(|e| (e.a.index, e.b.index, e.change)).collect()
         };
-        assert_eq!(told(&scene), [(0, 1, Change::Begin)]);
+        assert_eq!(reported(&scene), [(0, 1, Change::Begin)]);
         scene.set_pose(2, at(-0.9)).unwrap();
-        assert_eq!(told(&scene), [(0, 1, Change::Stay), (0, 2, Change::Begin)]);
+        assert_eq!(reported(&scene), [(0, 1, Change::Stay), (0, 2, Change::Begin)]);
         scene.set_pose(1, at(9.0)).unwrap();
-        assert_eq!(told(&scene), [(0, 1, Change::End), (0, 2, Change::Stay)]);
+        assert_eq!(reported(&scene), [(0, 1, Change::End), (0, 2, Change::Stay)]);
         scene.set_pose(0, at(7.0)).unwrap();
-        assert_eq!(told(&scene), [(0, 2, Change::End)]);
-        assert_eq!(told(&scene), []);
+        assert_eq!(reported(&scene), [(0, 2, Change::End)]);
+        assert_eq!(reported(&scene), []);
     }
 
     #[test]

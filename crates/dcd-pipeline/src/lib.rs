@@ -3,7 +3,7 @@
 //! [`Pipeline::step`] takes a [`Scene`] to its touching pairs: AABBs, tree, candidate pairs, answers. It
 //! owns every buffer and cuts the work into tasks. By default it uses [`WideTree`] and [`Overlap`], the
 //! certified narrow phase; any other [`BroadPhase`] and [`NarrowPhase`] can take their places. An
-//! [`AnyPipeline`] is told its [`Question`] at run time.
+//! [`AnyPipeline`] takes its [`Question`] at run time.
 //! [`Events`] compares a step's contacts with those of the step before. A [`StaticWorld`] prepares
 //! obstacles once; a [`BatchChecker`] checks configurations of a [`LinkSet`] against them, and its links
 //! against each other.

@@ -41,7 +41,7 @@ pub(crate) fn for_each_range<S: Splittable>(
     }
 }
 
-/// Empties the boxes of the free slots among those from `first` on.
+/// Empties the AABBs of free slots, for a slice that begins at slot `first`.
 pub(crate) fn empty_free_slots(scene: &Scene, first: usize, aabbs: &mut [Aabb]) {
     for (i, aabb) in (first..).zip(aabbs) {
         if scene.motion(i).is_none() {

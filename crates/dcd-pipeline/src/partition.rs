@@ -1,26 +1,26 @@
-//! Who moves and who stands still, kept for as long as nobody comes or goes.
+//! Moving and static objects, kept until an object is added or removed.
 
 use dcd_broad::{BroadPhase, IdentifiedAabbs, StaticTree};
 use dcd_exec::{Exec, Segments};
 use dcd_geom::{Aabb, Motion, Pair, Revision, Scene};
 
-/// The moving objects apart from the static ones, and a tree over the latter.
+/// The lists of moving and of static objects, and a tree over the static ones.
 ///
-/// A scene of moving objects alone needs none of it: its boxes go to the broad phase as they are.
+/// A scene of moving objects alone needs none of it: its AABBs go to the broad phase as they are.
 #[derive(Debug, Default)]
 pub(crate) struct Partition {
     layout: Option<Revision>,
     statics: Option<Revision>,
     /// The slots of the moving objects, ascending.
     movers: Vec<u32>,
-    /// Their boxes.
+    /// Their AABBs.
     boxes: Vec<Aabb>,
     world: StaticTree,
-    /// The static objects' slots and boxes that the tree is over.
-    standing: (Vec<u32>, Vec<Aabb>),
+    /// The static objects' slots and AABBs that the tree is over.
+    static_aabbs: (Vec<u32>, Vec<Aabb>),
 }
 
-/// Whose boxes have been written in this step.
+/// Which AABBs this step has written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Boxed {
     /// Everyone's.
@@ -42,8 +42,8 @@ impl Partition {
     }
 
     /// Builds the broad phase over the moving objects, and the tree over the static ones if any of
-    /// their boxes has changed: a box may be another although nobody has moved, since what is prepared
-    /// of an object may depend on which shapes the scene has. So the tree is that of the boxes, whatever
+    /// their AABBs has changed: an AABB may be another although nobody has moved, since what is prepared
+    /// of an object may depend on which shapes the scene has. So the tree is that of the AABBs, whatever
     /// was there before.
     pub(crate) fn build(
         &mut self,
@@ -55,8 +55,8 @@ impl Partition {
         if self.layout != Some(scene.layout()) {
             list(scene, Motion::Moving, &mut self.movers);
         }
-        if boxed == Boxed::All && self.take_standing(scene, aabbs) {
-            let (names, boxes) = &self.standing;
+        if boxed == Boxed::All && self.take_statics(scene, aabbs) {
+            let (names, boxes) = &self.static_aabbs;
             self.world.build(IdentifiedAabbs { aabbs: boxes, names }, exec);
         }
         (self.layout, self.statics) = (Some(scene.layout()), Some(scene.statics()));
@@ -69,9 +69,9 @@ impl Partition {
         }
     }
 
-    /// Lists the static objects and their boxes; whether any of it has changed, bit for bit.
-    fn take_standing(&mut self, scene: &Scene, aabbs: &[Aabb]) -> bool {
-        let (names, boxes) = &mut self.standing;
+    /// Lists the static objects and their AABBs; whether any of it has changed, bit for bit.
+    fn take_statics(&mut self, scene: &Scene, aabbs: &[Aabb]) -> bool {
+        let (names, boxes) = &mut self.static_aabbs;
         let (known, mut changed) = (names.len(), self.statics != Some(scene.statics()));
         if changed {
             list(scene, Motion::Static, names);
@@ -86,8 +86,8 @@ impl Partition {
         changed
     }
 
-    /// Lists the candidates among the moving objects, then those of a moving object and a static
-    /// one: the pairs that the scene's filters let pass and the caller.
+    /// Lists the candidates among the moving objects, then those of a moving and a static object: the pairs that
+    /// the scene's filters and the caller allow.
     pub(crate) fn find(
         &self,
         aabbs: &[Aabb],
@@ -95,7 +95,7 @@ impl Partition {
         search: CandidateSearch<impl Fn(u32, u32) -> bool + Sync>,
     ) {
         let CandidateSearch { scene, may, exec, among, between } = search;
-        // Two searches, so that a scene without filters asks nothing.
+        // Two searches, so that a scene without filters calls none.
         if scene.filters_movers() {
             let keep = |i, j| scene.allows(i, j) && may(i, j);
             self.find_where(
@@ -133,12 +133,12 @@ impl Partition {
     }
 }
 
-/// Apart from each other where an order could tell them apart: −0 is not 0.
+/// Bits, since `==` takes −0 for 0 and an order does not.
 fn bits(aabb: &Aabb) -> [[u32; 3]; 2] {
     [aabb.min, aabb.max].map(|corner| corner.to_array().map(f32::to_bits))
 }
 
-/// What is asked for, and where it is written.
+/// The query, and where its pairs are written.
 pub(crate) struct CandidateSearch<'a, K> {
     pub(crate) scene: &'a Scene,
     /// Which pairs are wanted.

@@ -120,7 +120,7 @@ pub struct Pipeline<B = WideTree, N: NarrowPhase = Overlap> {
     report: Report,
 }
 
-/// What a step may tell of: any pair. A function, since a closure's type would be another for every
+/// The predicate that keeps every pair. A function, since a closure's type would be another for every
 /// pipeline, and the search would be compiled for each.
 pub(crate) fn any(_: u32, _: u32) -> bool {
     true
@@ -134,7 +134,7 @@ impl Pipeline {
 }
 
 impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
-    /// From the two phases, which may be anybody's.
+    /// A pipeline of these two phases, which may be the caller's own.
     pub fn with(broad: B, narrow: N) -> Self {
         Self {
             broad,
@@ -150,7 +150,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         }
     }
 
-    /// Derives what depends on the scene's shapes alone, and makes room for its objects: what a first step
+    /// Derives what depends on the scene's shapes alone, and allocates for its objects: what a first step
     /// would do before anything else. No effect on any result.
     pub fn prepare_shapes(&mut self, scene: &Scene) {
         self.narrow.layout(scene, Sides::One, &mut self.frame);
@@ -160,21 +160,21 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
     /// [`Exec`] with an observer.
     ///
     /// The result, its order included, does not depend on `exec` or on earlier steps. Nothing can
-    /// fail; a pair that could not be settled is listed as undecided. After the first steps a
+    /// fail; a pair that could not be decided is listed as undecided. After the first steps a
     /// serial step of a like scene allocates nothing.
     ///
     /// What is prepared of the static objects is kept until one of them changes, any object comes or
     /// goes, or the narrow phase says that it has not kept it ([`NarrowPhase::keeps`]); the tree over
     /// them, for as long as their AABBs are the same bytes. Nothing else outlasts a step that could
-    /// change a result or an order: what a step tells is a function of the scene, the predicate and the
+    /// change a result or an order: what a step reports is a function of the scene, the predicate and the
     /// two phases.
     pub fn step<'e>(&mut self, scene: &Scene, exec: impl Into<Exec<'e>>) -> Step<'_, N::Answer> {
         self.step_where(scene, exec, any)
     }
 
-    /// The same for the pairs i < j that also `may(i, j)`. It is asked during the search, after the
+    /// The same for the pairs i < j that also `may(i, j)`. It is called during the search, after the
     /// scene's own filters and before any narrow work, perhaps on many threads; it must answer
-    /// alike for one pair in one step.
+    /// the same for one pair in one step.
     pub fn step_where<'e>(
         &mut self,
         scene: &Scene,
@@ -210,7 +210,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         exec.stage(Stage::Narrow, || self.judge(scene, exec));
     }
 
-    /// Static objects that are prepared already are passed over, where no moving one is between: if
+    /// Prepares the objects. Skips static objects that are prepared already, where no moving one is between: if
     /// the scene says that they have not changed and the narrow phase that its frame has not.
     fn prepare(&mut self, scene: &Scene, exec: Exec) -> Boxed {
         self.aabbs.resize(scene.len(), Aabb::EMPTY);
@@ -287,7 +287,7 @@ impl<'p, A: Copy + Send> Step<'p, A> {
         self.answers().map(|contact| contact.pair.into())
     }
 
-    /// The touching pairs with what was asked for about them, in the same order.
+    /// The touching pairs with their answers, in the same order.
     pub fn answers(&self) -> impl Iterator<Item = Contact<A>> + use<'p, A> {
         self.contacts.iter().flatten().copied()
     }
@@ -303,7 +303,7 @@ impl<'p, A: Copy + Send> Step<'p, A> {
         self.contacts.len()
     }
 
-    /// The pairs whose boxes overlap, in a fixed order: those of two moving objects first.
+    /// The pairs whose AABBs overlap, in a fixed order: those of two moving objects first.
     pub fn candidates(&self) -> impl Iterator<Item = Pair> + use<'p, A> {
         let Candidates { among, between, .. } = self.candidates;
         among.iter().chain(between.iter()).flatten().copied()
@@ -314,12 +314,12 @@ impl<'p, A: Copy + Send> Step<'p, A> {
         self.candidates.among.len() + self.candidates.between.len()
     }
 
-    /// The box of each slot; empty where it is free.
+    /// The AABB of each slot; empty where it is free.
     pub fn aabbs(&self) -> &'p [Aabb] {
         self.aabbs
     }
 
-    /// How many pairs each method settled, and those that none did.
+    /// How many pairs each method decided, and the undecided ones.
     pub fn report(&self) -> &'p Report {
         self.report
     }

@@ -22,12 +22,12 @@ fn exactly_touches(case: &Case) -> bool {
     dcd_judge::touches((&case.a, &case.pose_a), (&case.b, &case.pose_b))
 }
 
-/// All cases in one scene, settled at once, so that the lanes hold sixteen different ones.
-fn settled_by_lanes(cases: &[Case], path: Path) -> Vec<bool> {
+/// All cases in one scene, decided at once, so that the lanes hold sixteen different ones.
+fn decided_by_lanes(cases: &[Case], path: Path) -> Vec<bool> {
     let shapes = cases.iter().flat_map(|case| [case.a.clone().into(), case.b.clone().into()]);
     let poses = cases.iter().flat_map(|case| [case.pose_a, case.pose_b]);
     let scene = Scene::one_each(shapes.collect::<Vec<Shape>>(), poses.collect()).unwrap();
-    let (contacts, report) = settled(&scene, cases.len(), path);
+    let (contacts, report) = decided(&scene, cases.len(), path);
     assert!(report.undecided().is_empty(), "{:?}", report.undecided());
     let mut touches = vec![false; cases.len()];
     for contact in contacts {
@@ -37,7 +37,7 @@ fn settled_by_lanes(cases: &[Case], path: Path) -> Vec<bool> {
 }
 
 /// Object 2k against object 2k + 1.
-fn settled(scene: &Scene, pairs: usize, path: Path) -> (Vec<Contact<()>>, Report) {
+fn decided(scene: &Scene, pairs: usize, path: Path) -> (Vec<Contact<()>>, Report) {
     let pairs: Vec<Pair> = (0..pairs as u32).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
     let narrow = Overlap::on(path);
     let mut frame = <Overlap as NarrowPhase>::Frame::default();
@@ -68,7 +68,7 @@ fn twenty_thousand_answers_at_neighbouring_floats_are_right_by_the_exact_judge()
         let wrong = truth.iter().enumerate().position(|(k, &touches)| touches != (k % 2 == 0));
         assert_eq!(wrong.map(|k| &cases[k]).map(|case| format!("{case:?}")), None);
         for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-            let found = settled_by_lanes(&cases, path);
+            let found = decided_by_lanes(&cases, path);
             let wrong = (0..cases.len()).find(|&k| found[k] != truth[k]);
             assert_eq!(wrong.map(|k| &cases[k]).map(|case| format!("{case:?}")), None, "{path:?}");
         }
@@ -88,11 +88,11 @@ fn shapes_touch(pair: &ShapePair) -> Option<bool> {
 }
 
 /// What the lanes say of all pairs at once; `None` of those that they leave undecided.
-fn shapes_settled_by_lanes(pairs: &[ShapePair], path: Path) -> Vec<Option<bool>> {
+fn shapes_decided_by_lanes(pairs: &[ShapePair], path: Path) -> Vec<Option<bool>> {
     let shapes = pairs.iter().flat_map(|pair| [pair.a.clone(), pair.b.clone()]);
     let poses = pairs.iter().flat_map(|pair| [pair.pose_a, pair.pose_b]);
     let scene = Scene::one_each(shapes.collect(), poses.collect()).unwrap();
-    let (contacts, report) = settled(&scene, pairs.len(), path);
+    let (contacts, report) = decided(&scene, pairs.len(), path);
     let mut touches = vec![Some(false); pairs.len()];
     for contact in contacts {
         touches[contact.pair.i as usize / 2] = Some(true);
@@ -117,7 +117,7 @@ fn shapes_of_every_kind_are_right_at_neighbouring_floats_by_the_exact_judge() {
             assert_eq!(truth, Some(k % 2 == 0), "{pair:?}");
         }
         for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-            for (k, found) in shapes_settled_by_lanes(&pairs, path).into_iter().enumerate() {
+            for (k, found) in shapes_decided_by_lanes(&pairs, path).into_iter().enumerate() {
                 // What is curved has no exact method: it may be left open, and is never wrong.
                 let truth = (k % 2 == 0, pairs[k].is_curved());
                 match (found, truth) {
@@ -217,7 +217,7 @@ fn closed_forms_are_right_on_both_sides_of_every_flip() {
 
 #[test]
 fn rounded_shapes_are_right_on_both_sides_of_every_flip() {
-    // Four kinds in turn: the next is of another kind, the fourth of the same.
+    // Four kinds in a cycle: the next is of another kind, the fourth of the same.
     for next in 1..=4 {
         for (scale, offset) in [(1e-6, 0.0), (1.0, 0.0), (1e6, 0.0), (1.0, 1e5)] {
             attack("mixed", next, scale, offset);

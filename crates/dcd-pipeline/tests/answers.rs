@@ -135,7 +135,7 @@ fn no_object_and_one_object_give_no_pairs() {
 }
 
 #[test]
-fn filters_are_asked_before_any_narrow_work() {
+fn filters_are_called_before_any_narrow_work() {
     use dcd_geom::{Filter, Object};
     let sphere = Shape::sphere(1.0).unwrap();
     let object =

@@ -1,5 +1,5 @@
-//! A thousand frames in which objects walk, come and go: what a pipeline tells in each, after all
-//! those before, is what a fresh one tells.
+//! A thousand frames in which objects move, appear and vanish: a pipeline reports in each, after all before,
+//! what a fresh one reports.
 
 use dcd_exec::with_threads;
 use dcd_geom::glam::{DQuat, DVec3};
@@ -119,9 +119,9 @@ fn may(i: u32, j: u32) -> bool {
     (i * 7) ^ j != 40 && !(i + j).is_multiple_of(17)
 }
 
-/// All that a frame tells.
+/// All that a frame reports.
 #[derive(PartialEq)]
-struct Told {
+struct Reported {
     aabbs: Vec<Aabb>,
     candidates: Vec<Pair>,
     contacts: Vec<(u32, u32)>,
@@ -130,7 +130,7 @@ struct Told {
 
 /// Runs the walk with one pipeline, shows each frame to `look`, and returns how many answers came
 /// from earlier frames.
-fn run<N>(narrow: N, par: Par, mut look: impl FnMut(usize, &Scene, Told)) -> u64
+fn run<N>(narrow: N, par: Par, mut look: impl FnMut(usize, &Scene, Reported)) -> u64
 where
     N: NarrowPhase<Answer = ()>,
 {
@@ -141,13 +141,13 @@ where
         let step = pipeline.step_where(&walk.scene, par, may);
         assert!(step.report().undecided().is_empty());
         remembered += step.report().settled(Method::Remembered);
-        let told = Told {
+        let reported = Reported {
             aabbs: step.aabbs().to_vec(),
             candidates: step.candidates().collect(),
             contacts: step.contacts().collect(),
             events: events.follow(&walk.scene, &step, par).iter().collect(),
         };
-        look(frame, &walk.scene, told);
+        look(frame, &walk.scene, reported);
         walk.advance();
     }
     remembered
@@ -171,27 +171,27 @@ fn every_frame_of_a_thousand_is_that_of_a_fresh_pipeline_at_any_thread_count() {
     let mut frames = Vec::new();
     let mut before = Vec::new();
     let mut counts = [0; 3];
-    let remembered = run(Overlap::default(), Par::Serial, |frame, scene, told| {
+    let remembered = run(Overlap::default(), Par::Serial, |frame, scene, reported| {
         let mut fresh = Pipeline::new();
         let step = fresh.step_where(scene, Par::Serial, may);
-        assert_eq!(told.aabbs, step.aabbs(), "boxes of frame {frame}");
-        assert!(told.candidates.iter().copied().eq(step.candidates()), "candidates of {frame}");
-        assert!(told.contacts.iter().copied().eq(step.contacts()), "contacts of frame {frame}");
-        for &(i, j) in &told.contacts {
+        assert_eq!(reported.aabbs, step.aabbs(), "boxes of frame {frame}");
+        assert!(reported.candidates.iter().copied().eq(step.candidates()), "candidates of {frame}");
+        assert!(reported.contacts.iter().copied().eq(step.contacts()), "contacts of frame {frame}");
+        for &(i, j) in &reported.contacts {
             assert!(scene.allows(i, j) && may(i, j), "{i} and {j} in frame {frame}");
         }
         let handle = |i: u32| scene.handle(i as usize).unwrap();
-        let now: Vec<_> = told.contacts.iter().map(|&(i, j)| (handle(i), handle(j))).collect();
-        assert_eq!(told.events, events_between(&before, &now), "events of frame {frame}");
-        told.events.iter().for_each(|event| counts[event.change as usize] += 1);
+        let now: Vec<_> = reported.contacts.iter().map(|&(i, j)| (handle(i), handle(j))).collect();
+        assert_eq!(reported.events, events_between(&before, &now), "events of frame {frame}");
+        reported.events.iter().for_each(|event| counts[event.change as usize] += 1);
         before = now;
-        frames.push(told);
+        frames.push(reported);
     });
     assert_eq!(remembered, 0);
     // Otherwise the walk would test nothing.
     assert!(counts.iter().all(|&count| count > 1000), "{counts:?}");
-    let same = |frame: usize, _: &Scene, told| {
-        assert!(told == frames[frame], "frame {frame}");
+    let same = |frame: usize, _: &Scene, reported| {
+        assert!(reported == frames[frame], "frame {frame}");
     };
     for threads in [1, 2, 3] {
         let run = || {
@@ -199,7 +199,7 @@ fn every_frame_of_a_thousand_is_that_of_a_fresh_pipeline_at_any_thread_count() {
             run(Coherent::default(), Par::Pool, same)
         };
         let remembered = with_threads(threads, run).unwrap();
-        let candidates: usize = frames.iter().map(|told| told.candidates.len()).sum();
+        let candidates: usize = frames.iter().map(|reported| reported.candidates.len()).sum();
         assert!(remembered > candidates as u64 / 10, "{remembered} of {candidates}");
     }
 }
@@ -292,7 +292,7 @@ fn static_objects_are_prepared_once_until_something_of_them_changes() {
     scene.remove(scene.handle(1999).unwrap()).unwrap();
     assert_eq!(prepared(&scene), 2000);
     assert_eq!(prepared(&scene), 99);
-    // Another scene between, whose boxes and frame take the same room.
+    // Another scene between, whose AABBs and frame take the same memory.
     assert_eq!(prepared(&plain), 2000);
     assert_eq!(prepared(&scene), 2000);
 }
@@ -333,9 +333,10 @@ fn static_objects_touch_the_moving_ones_and_never_each_other() {
         brute.clear();
         brute.extend(plain.step(&all, Par::Serial).contacts());
         brute.retain(|&(i, j)| walk.scene.allows(i, j));
-        let mut told: Vec<_> = Pipeline::new().step(&walk.scene, Par::Serial).contacts().collect();
-        told.sort_unstable();
-        assert_eq!(told, brute);
+        let mut reported: Vec<_> =
+            Pipeline::new().step(&walk.scene, Par::Serial).contacts().collect();
+        reported.sort_unstable();
+        assert_eq!(reported, brute);
         walk.advance();
     }
 }

@@ -1,5 +1,5 @@
-//! Moving scenes, static objects among them, on seeds of the moment: whatever a pipeline has seen,
-//! a step tells what a fresh one tells, in the same order.
+//! Moving scenes with static objects, on fresh seeds: whatever a pipeline has seen, a step reports what a
+//! fresh one reports, in the same order.
 //!
 //! `DCD_STEPS=100000 cargo test -p dcd-pipeline --test moving` runs so many steps;
 //! `DCD_SEED=…` repeats what a failure has printed.
@@ -21,15 +21,15 @@ const STEPS: usize = 2500;
 const COURSE: [usize; 8] = [100, 150, 200, 100, 150, 200, 100, 1500];
 
 /// A number from the environment.
-fn asked(name: &str) -> Option<u64> {
+fn environment(name: &str) -> Option<u64> {
     let value = std::env::var(name).ok()?;
     Some(value.parse().unwrap_or_else(|_| panic!("{name} is not a number: {value:?}")))
 }
 
 #[test]
-fn whatever_has_moved_before_a_step_tells_what_a_fresh_pipeline_tells_in_the_same_order() {
-    let seed = asked("DCD_SEED").unwrap_or_else(|| RandomState::new().hash_one("moving"));
-    let steps = asked("DCD_STEPS").map_or(STEPS, |steps| steps as usize);
+fn whatever_has_moved_before_a_step_reports_what_a_fresh_pipeline_reports_in_the_same_order() {
+    let seed = environment("DCD_SEED").unwrap_or_else(|| RandomState::new().hash_one("moving"));
+    let steps = environment("DCD_STEPS").map_or(STEPS, |steps| steps as usize);
     let mut all = Seen::default();
     for course in 0.. {
         if all.steps >= steps {

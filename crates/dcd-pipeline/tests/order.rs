@@ -11,27 +11,31 @@ fn scene(objects: usize) -> Scene {
     SceneSpec::parse("paper").unwrap().with_objects(objects).with_seed(11).scene().unwrap()
 }
 
-/// Candidates and contacts in the order in which a step tells them.
-type Told = (Vec<(u32, u32)>, Vec<(u32, u32)>);
+/// Candidates and contacts in the order in which a step reports them.
+type Reported = (Vec<(u32, u32)>, Vec<(u32, u32)>);
 
-fn told<B: BroadPhase>(pipeline: &mut Pipeline<B, Overlap>, scene: &Scene, par: Par) -> Told {
+fn reported<B: BroadPhase>(
+    pipeline: &mut Pipeline<B, Overlap>,
+    scene: &Scene,
+    par: Par,
+) -> Reported {
     let step = pipeline.step(scene, par);
     (step.candidates().map(Into::into).collect(), step.contacts().collect())
 }
 
 fn the_order_is_one<B: BroadPhase + Send>(fresh: impl Fn() -> B + Sync) {
     let (large, small) = (scene(1500), scene(300));
-    let serial = told(&mut Pipeline::with(fresh(), Overlap::default()), &large, Par::Serial);
+    let serial = reported(&mut Pipeline::with(fresh(), Overlap::default()), &large, Par::Serial);
     for threads in [1, 2, 3, 7] {
         let again = with_threads(threads, || {
             let mut pipeline = Pipeline::with(fresh(), Overlap::default());
-            let first = told(&mut pipeline, &large, Par::Pool);
+            let first = reported(&mut pipeline, &large, Par::Pool);
             // Used buffers, after a smaller scene, and serial after pooled.
-            told(&mut pipeline, &small, Par::Pool);
+            reported(&mut pipeline, &small, Par::Pool);
             [
                 first,
-                told(&mut pipeline, &large, Par::Pool),
-                told(&mut pipeline, &large, Par::Serial),
+                reported(&mut pipeline, &large, Par::Pool),
+                reported(&mut pipeline, &large, Par::Serial),
             ]
         });
         for one in again.unwrap() {
@@ -41,17 +45,17 @@ fn the_order_is_one<B: BroadPhase + Send>(fresh: impl Fn() -> B + Sync) {
 }
 
 #[test]
-fn the_wide_tree_tells_one_order_at_1_2_3_and_7_threads() {
+fn the_wide_tree_reports_one_order_at_1_2_3_and_7_threads() {
     the_order_is_one(WideTree::default);
 }
 
 #[test]
-fn both_paper_presets_tell_one_order_at_1_2_3_and_7_threads() {
+fn both_paper_presets_report_one_order_at_1_2_3_and_7_threads() {
     the_order_is_one(TreePairs::paper_as_written);
     the_order_is_one(TreePairs::paper_as_coded);
 }
 
 #[test]
-fn sweep_and_prune_tells_one_order_at_1_2_3_and_7_threads() {
+fn sweep_and_prune_reports_one_order_at_1_2_3_and_7_threads() {
     the_order_is_one(SweepAndPrune::default);
 }

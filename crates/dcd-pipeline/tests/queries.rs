@@ -28,16 +28,16 @@ where
     S: PairSolver<Answer: PartialEq + std::fmt::Debug> + Copy + Send + 'static,
 {
     let scene = scene();
-    let ask = |par| answers(ThenMeasure::new(solver).unwrap(), &scene, par);
-    let serial = ask(Par::Serial);
+    let run = |par| answers(ThenMeasure::new(solver).unwrap(), &scene, par);
+    let serial = run(Par::Serial);
     assert!(serial.len() > 100, "{}", serial.len());
     for threads in [1, 2, 5] {
-        assert_eq!(with_threads(threads, || ask(Par::Pool)).unwrap(), serial);
+        assert_eq!(with_threads(threads, || run(Par::Pool)).unwrap(), serial);
     }
 }
 
 #[test]
-fn every_query_tells_the_same_at_any_number_of_threads() {
+fn every_query_reports_the_same_at_any_number_of_threads() {
     are_the_same_at_any_number_of_threads(Depths);
     are_the_same_at_any_number_of_threads(Manifolds);
     are_the_same_at_any_number_of_threads(Distances::within(0.05).unwrap());

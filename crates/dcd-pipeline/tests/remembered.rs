@@ -14,7 +14,12 @@ fn sphere(radius: f64) -> Shape {
 }
 
 /// The contacts of a step, compared with a fresh pipeline's, order included.
-fn told<N>(kept: &mut Pipeline<WideTree, N>, fresh: N, scene: &Scene, when: &str) -> Vec<(u32, u32)>
+fn reported<N>(
+    kept: &mut Pipeline<WideTree, N>,
+    fresh: N,
+    scene: &Scene,
+    when: &str,
+) -> Vec<(u32, u32)>
 where
     N: NarrowPhase<Answer = ()>,
 {
@@ -47,16 +52,16 @@ fn with_a_static_sphere_that_moves(between: impl Fn(&mut Scene, &mut dyn FnMut(&
         let mut scene = Scene::new(shapes, objects).unwrap();
         let mut kept = Pipeline::with(WideTree::default(), Coherent::default());
         let mut step = |scene: &Scene, when: &str| {
-            let touches = told(&mut kept, Coherent::default(), scene, when).contains(&(0, 1));
+            let touches = reported(&mut kept, Coherent::default(), scene, when).contains(&(0, 1));
             let there = scene.poses()[0].translation() == DVec3::ZERO;
             assert_eq!(touches, there, "{when}");
         };
         step(&scene, "the first step");
         between(&mut scene, &mut step);
-        step(&scene, "before the static ball moves");
+        step(&scene, "before the static sphere moves");
         scene.set_pose(0, place(to)).unwrap();
         for _ in 0..3 {
-            step(&scene, "after the static ball has moved");
+            step(&scene, "after the static sphere has moved");
         }
     }
 }
@@ -75,7 +80,7 @@ fn a_proof_ends_when_a_static_object_moves_after_a_small_object_has_taken_a_slot
     with_a_static_sphere_that_moves(|scene, step| {
         scene.remove(scene.handle(2).unwrap()).unwrap();
         scene.insert(Object::new(2, at(100.0, 0.0, 0.0))).unwrap();
-        (0..3).for_each(|_| step(scene, "a small ball takes a slot"));
+        (0..3).for_each(|_| step(scene, "a small sphere takes a slot"));
     });
 }
 
@@ -84,7 +89,7 @@ fn a_proof_ends_when_a_static_object_moves_after_another_has_travelled_thousands
     with_a_static_sphere_that_moves(|scene, step| {
         for jump in 0..1030 {
             scene.set_pose(2, at(100.0 + 50.0 * f64::from(jump % 2), 0.0, 0.0)).unwrap();
-            step(scene, "a ball leaps to and fro");
+            step(scene, "a sphere leaps to and fro");
         }
     });
 }
@@ -122,11 +127,11 @@ fn contacts_come_in_the_order_of_a_fresh_pipeline_after_shapes_of_another_kind_a
         });
         let mut scene = Scene::new(shapes.collect(), objects).unwrap();
         let mut kept = Pipeline::new();
-        told(&mut kept, Overlap::default(), &scene, "cuboids alone");
+        reported(&mut kept, Overlap::default(), &scene, "cuboids alone");
         let added = scene.add_shapes([sphere(0.5)]).unwrap();
-        contacts += told(&mut kept, Overlap::default(), &scene, "a kind of shape more").len();
+        contacts += reported(&mut kept, Overlap::default(), &scene, "a kind of shape more").len();
         scene.insert(Object::new(added.start, Pose::IDENTITY)).unwrap();
-        told(&mut kept, Overlap::default(), &scene, "a ball among the cuboids");
+        reported(&mut kept, Overlap::default(), &scene, "a sphere among the cuboids");
     }
     assert!(contacts > 3000, "{contacts}");
 }
@@ -143,7 +148,7 @@ fn a_static_object_is_not_lost_while_another_is_out_of_the_range_of_a_margin() {
     for (x, touches) in [(0.5, true), (9.9e36, false), (0.5, true), (5e36, false), (0.7, true)] {
         scene.set_pose(1, at(x, 0.0, 0.0)).unwrap();
         let when = format!("at {x:e}");
-        assert_eq!(told(&mut kept, within(), &scene, &when).len(), usize::from(touches));
-        told(&mut remembering, coherent(), &scene, &when);
+        assert_eq!(reported(&mut kept, within(), &scene, &when).len(), usize::from(touches));
+        reported(&mut remembering, coherent(), &scene, &when);
     }
 }

@@ -31,9 +31,9 @@ fn is_sensed(pair: (u32, u32)) -> bool {
 }
 
 /// Contacts with their answers, and what was sensed.
-type Told<A> = (Vec<Contact<A>>, Vec<(u32, u32)>);
+type Reported<A> = (Vec<Contact<A>>, Vec<(u32, u32)>);
 
-fn told<N: NarrowPhase + Send>(narrow: N, scene: &Scene, par: Par) -> Told<N::Answer> {
+fn reported<N: NarrowPhase + Send>(narrow: N, scene: &Scene, par: Par) -> Reported<N::Answer> {
     let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     // A second step, so that whoever remembers does.
     pipeline.step(scene, par);
@@ -46,11 +46,11 @@ where
     N: NarrowPhase<Answer: PartialEq + std::fmt::Debug> + Send,
 {
     let (solid, sensing) = scene();
-    let (all, none) = told(narrow(), &solid, Par::Serial);
+    let (all, none) = reported(narrow(), &solid, Par::Serial);
     assert!(none.is_empty());
-    let (contacts, mut sensed) = told(narrow(), &sensing, Par::Serial);
+    let (contacts, mut sensed) = reported(narrow(), &sensing, Par::Serial);
     for threads in [1, 3] {
-        let again = with_threads(threads, || told(narrow(), &sensing, Par::Pool)).unwrap();
+        let again = with_threads(threads, || reported(narrow(), &sensing, Par::Pool)).unwrap();
         assert!(again == (contacts.clone(), sensed.clone()), "{threads} threads");
     }
     let due = all.iter().filter(|contact| !is_sensed(contact.pair.into()));

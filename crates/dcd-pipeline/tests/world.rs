@@ -85,7 +85,7 @@ fn alone(obstacles: &Scene, configuration: u32, poses: &[Pose]) -> Vec<(u32, u32
     touching
 }
 
-fn told(hit: &Hit<()>) -> (u32, u32, Other) {
+fn reported(hit: &Hit<()>) -> (u32, u32, Other) {
     assert!(hit.touches());
     (hit.configuration, hit.link, hit.other)
 }
@@ -106,10 +106,17 @@ fn every_configuration_gets_what_a_scene_of_its_own_says() {
         assert_eq!(first.len(), due.len());
         for (found, due) in first.iter().zip(&due) {
             assert_eq!(found.is_some(), !due.is_empty());
-            assert!(found.iter().all(|found| due.contains(&told(found))), "{found:?} of {due:?}");
+            assert!(
+                found.iter().all(|found| due.contains(&reported(found))),
+                "{found:?} of {due:?}"
+            );
         }
-        let mut all: Vec<_> =
-            checker.all(&poses, Par::Serial).unwrap().iter().map(|found| told(&found)).collect();
+        let mut all: Vec<_> = checker
+            .all(&poses, Par::Serial)
+            .unwrap()
+            .iter()
+            .map(|found| reported(&found))
+            .collect();
         assert!(all.iter().map(|touch| touch.0).is_sorted());
         all.sort_unstable();
         assert_eq!(all, due.concat());
@@ -162,7 +169,7 @@ fn the_answers_and_their_order_are_one_at_any_thread_count() {
 }
 
 #[test]
-fn the_hit_of_a_configuration_is_one_whatever_else_is_asked() {
+fn the_hit_of_a_configuration_does_not_depend_on_its_batch() {
     let (obstacles, poses) = (obstacles(), poses());
     let world = StaticWorld::new(&obstacles, Overlap::default(), Par::Serial).unwrap();
     let mut checker = world.checker(link_set()).unwrap();
@@ -190,7 +197,7 @@ fn the_hit_of_a_configuration_is_one_whatever_else_is_asked() {
 }
 
 #[test]
-fn what_cannot_be_settled_is_told_and_a_contact_comes_before_it() {
+fn what_cannot_be_decided_is_reported_and_a_contact_comes_before_it() {
     /// Knows spheres alone.
     struct Spheres;
     impl PairSolver for Spheres {
@@ -209,8 +216,8 @@ fn what_cannot_be_settled_is_told_and_a_contact_comes_before_it() {
         }
     }
     let (sphere, cube) = (Shape::sphere(1.0).unwrap(), Shape::cuboid(DVec3::ONE).unwrap());
-    let room = Scene::new(vec![sphere.clone()], [Object::new(0, Pose::IDENTITY)]).unwrap();
-    let world = StaticWorld::new(&room, Pairwise(Spheres), Par::Serial).unwrap();
+    let obstacle = Scene::new(vec![sphere.clone()], [Object::new(0, Pose::IDENTITY)]).unwrap();
+    let world = StaticWorld::new(&obstacle, Pairwise(Spheres), Par::Serial).unwrap();
     let mut checker = world.checker(LinkSet::new(vec![cube, sphere])).unwrap();
     let at = |x: f64| Pose::from_translation(DVec3::X * x).unwrap();
     let batch = [at(0.0), at(9.0), at(0.0), at(1.0), at(9.0), at(9.0)];
@@ -255,7 +262,7 @@ fn a_batch_that_does_not_fit_is_refused_with_what_is_wrong() {
             matches!(refused, Err(SceneError::OutOfRange { object: 423, reach }) if reach >= 2e37)
         );
     }
-    // Of a first hit it is told where no other link touches; also where more are taken up at once.
+    // A first hit reports it only where no other link touches; also in larger tasks.
     poses[420..425].fill(far);
     for batch in [poses.repeat(5), poses] {
         let refused = checker.first(&batch, Par::Serial).map(|_| ());
@@ -348,7 +355,7 @@ fn what_bounds_pass_over_touches_nothing_whatever_the_shapes_and_the_margin() {
         let (all, first) = run(narrow.clone());
         let (due, due_first) = run(Blind(narrow));
         assert!(all == due);
-        // Which of several hits is told depends on what is known of the links.
+        // Which of several hits is reported depends on what is known of the links.
         for (first, due) in first.iter().zip(due_first) {
             assert_eq!(first.is_some(), due.is_some());
             assert!(first.iter().all(|first| all.contains(first)));

@@ -6,9 +6,9 @@ use dcd_io::run::{self, Run};
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
-/// For each object, how many others the half-width is worked out from.
+/// How many other objects an object is compared with to compute the half-width.
 const PARTNERS: usize = 16;
-/// The cube's edge, metres, is not looked for much beyond this: boxes are f32.
+/// The cube's edge, metres, is not looked for much beyond this: AABBs are f32.
 const LARGEST_EDGE: f64 = 1e12;
 
 /// How large the hulls are.
@@ -32,7 +32,7 @@ pub struct GameHulls {
 
 impl GameHulls {
     /// A scene of clouds: object i has cloud i modulo their number, so that all occur if there are
-    /// enough objects. The paper's rotations; the middle of each object's box is uniform in a cube.
+    /// enough objects. The paper's rotations; the middle of each object's AABB is uniform in a cube.
     pub fn raw(&self, clouds: &[Vec<DVec3>], objects: usize, seed: u64) -> RawScene {
         self.raw_by(clouds, (objects, seed), &run::in_order)
     }
@@ -98,11 +98,11 @@ impl GameHulls {
 /// An object whose half-width is not known yet.
 struct Placed {
     object: RawObject,
-    /// Its box's middle, in half-widths.
+    /// Its AABB's middle, in half-widths.
     spot: DVec3,
-    /// Its box's middle relative to its own origin, metres, world axes.
+    /// Its AABB's middle relative to its own origin, metres, world axes.
     middle: DVec3,
-    /// Half the edges of its box.
+    /// Half the edges of its AABB.
     half: DVec3,
 }
 
@@ -121,7 +121,7 @@ fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)))
 }
 
-/// The half-width of the cube in which the expected number of overlapping boxes is `candidates` an
+/// The half-width of the cube in which the expected number of overlapping AABBs is `candidates` an
 /// object: by bisection, over a fixed choice of pairs. 0, all at one place, if even that gives too
 /// few; capped if no cube of finite size gives so few.
 fn half_width(placed: &[Placed], candidates: f64) -> f64 {
@@ -141,7 +141,7 @@ fn half_width(placed: &[Placed], candidates: f64) -> f64 {
     0.5 * high
 }
 
-/// The probability that two boxes overlap whose middles are uniform in a cube of this edge, on
+/// The probability that two AABBs overlap whose middles are uniform in a cube of this edge, on
 /// average over pairs: each object with some that are spread over the whole, since neighbours in
 /// the file are alike. Two uniform numbers in [0, L] are within s of each other with probability
 /// 2s/L − (s/L)².
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn the_density_is_about_what_was_asked_for() {
+    fn the_density_is_about_what_was_requested() {
         for candidates in [0.5, 4.0, 20.0] {
             for size in [GameSize::True, GameSize::Unit] {
                 let raw = GameHulls { size, candidates }.raw(&clouds(), 3000, 2);

@@ -28,7 +28,7 @@ const KEPT_SPEED: f64 = 0.9;
 
 /// Hulls above a slab, and how they move: gravity, contacts without rebound, friction.
 ///
-/// It asks for the contacts of its scene and gives the next frame: who finds them is the caller's
+/// It takes the contacts of its scene and gives the next frame: who finds them is the caller's
 /// matter. The slab is object 0 and never moves. Each body turns as a sphere of its own size would,
 /// which is all that a scene needs; nothing here is a physics engine. Sums and square roots alone
 /// decide, so that the same contacts give the same bits on every machine.
@@ -43,7 +43,7 @@ pub struct Pile {
 pub struct PileContact {
     /// The objects.
     pub pair: Pair,
-    /// Of unit length, from the pair's first object to its second.
+    /// The unit normal, from the pair's first object to its second.
     pub normal: DVec3,
     /// How deep they overlap.
     pub depth: f64,
@@ -163,7 +163,7 @@ fn resistance(a: &Body, b: &Body, point: DVec3, direction: DVec3) -> f64 {
         let lever = (point - body.position).cross(direction);
         body.inverse_mass + lever.length_squared() * body.inverse_inertia
     };
-    // Two slabs resist without end, and so does whatever is asked along no direction.
+    // Two slabs resist without end, and so does any body along no direction.
     let sum = one(a) + one(b);
     if sum > 0.0 { sum } else { f64::INFINITY }
 }

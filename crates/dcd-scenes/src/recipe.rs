@@ -29,13 +29,13 @@ pub(crate) enum Recipe {
 pub(crate) enum Body {
     /// The hull of the paper's cloud, stretched along its own axes.
     Hull { stretch: DVec3 },
-    /// A box with edges in this range, metres.
+    /// A cuboid with edges in this range, metres.
     Box { low: f64, high: f64 },
-    /// The hull of the eight corners of such a box.
+    /// The hull of the eight corners of such a cuboid.
     BoxAsHull { low: f64, high: f64 },
     /// A sphere with a radius in this range, metres.
     Sphere { low: f64, high: f64 },
-    /// In turn a sphere of radius 0.25 … 0.5, a box with edges in 0.3 … 1.5, a capsule of radius
+    /// In a cycle a sphere of radius 0.25 … 0.5, a cuboid with edges in 0.3 … 1.5, a capsule of radius
     /// 0.1 … 0.4 and half height 0.1 … 0.6, and the paper's hull; metres.
     Mixed,
     /// The paper's, scaled by 10^u, u in this range; the first object is a slab.
@@ -45,12 +45,12 @@ pub(crate) enum Body {
 /// Where scattered objects are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Spread {
-    /// In a cube of this half-width, metres, however many there are.
+    /// A cube of this half-width, metres, for any number of objects.
     Fixed(f64),
-    /// In a cube of the half-width that stands beside the largest number not above that of the
+    /// A cube of the half-width listed for the largest number not above that of the
     /// objects (or the first), scaled so that the density is that entry's.
     Dense(&'static [(usize, f64)]),
-    /// In cubes of half-width `cluster`, their middles in one of half-width `whole`.
+    /// Cubes of half-width `cluster`, their middles in one of half-width `whole`.
     Clusters { cluster: f64, whole: f64 },
 }
 
@@ -101,7 +101,7 @@ impl Body {
     pub(crate) const PAPER: Self = Self::Hull { stretch: DVec3::ONE };
 }
 
-/// The boxes of every scene that has some.
+/// The cuboids of every scene that has some.
 pub(crate) const BOX: Body = Body::Box { low: 0.3, high: 1.5 };
 /// The spheres of every scene that has some.
 pub(crate) const SPHERE: Body = Body::Sphere { low: 0.25, high: 0.5 };

@@ -26,9 +26,9 @@ pub struct SceneSpec {
 /// Where the objects come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Family {
-    /// From the seed alone.
+    /// Drawn from the seed alone.
     Drawn(Recipe),
-    /// From the clouds of a game, which are read from a file.
+    /// Hulls of a game's clouds, read from a file.
     GameHulls(GameHulls),
 }
 
@@ -56,7 +56,7 @@ impl SceneSpec {
         Self::stretched("plates", DVec3::new(2.0, 2.0, 0.05))
     }
 
-    /// Boxes with edges uniform in 0.3 … 1.5. 20,000 objects.
+    /// Cuboids with edges uniform in 0.3 … 1.5. 20,000 objects.
     pub fn boxes() -> Self {
         let spread = Spread::Dense(&[(20_000, 13.0)]);
         Self::new("boxes", Recipe::Scattered { body: BOX, spread }, 20_000)
@@ -68,7 +68,7 @@ impl SceneSpec {
         Self::new("spheres", Recipe::Scattered { body: SPHERE, spread }, 100_000)
     }
 
-    /// The boxes of [`SceneSpec::boxes`], turned alike but sparser: about 4 candidates each.
+    /// The cuboids of [`SceneSpec::boxes`], turned alike but sparser: about 4 candidates each.
     /// 100,000 objects.
     pub fn cuboids() -> Self {
         let recipe = Recipe::Scattered { body: BOX, spread: CUBOIDS };
@@ -172,7 +172,7 @@ impl SceneSpec {
     }
 
     /// How many bytes a step of the scene takes at least, its pairs not counted: so that a number of
-    /// objects that no memory holds is refused before it is asked for.
+    /// objects that no memory holds is refused before allocation.
     pub fn least_bytes(&self) -> f64 {
         let an_object = match self.family {
             Family::GameHulls(_) => 400.0,
@@ -253,7 +253,7 @@ impl SceneSpec {
 
 /// 10,000 objects in a cube of half-width 12.
 const TWELVE: Spread = Spread::Dense(&[(10_000, 12.0)]);
-/// 100,000 boxes in a cube of half-width 31.
+/// 100,000 cuboids in a cube of half-width 31.
 const CUBOIDS: Spread = Spread::Dense(&[(100_000, 31.0)]);
 
 fn check_positive(what: &'static str, value: f64) -> Result<(), SpecError> {
@@ -271,7 +271,7 @@ fn check_positive(what: &'static str, value: f64) -> Result<(), SpecError> {
 pub enum SpecError {
     /// No scene has that name.
     Unknown {
-        /// The name asked for.
+        /// The requested name.
         name: String,
     },
     /// More objects than a u32 counts.

@@ -17,7 +17,7 @@ pub struct RandomWalk {
 }
 
 impl RandomWalk {
-    /// With steps of this standard deviation, metres and rad.
+    /// A walk with steps of this standard deviation, metres and rad.
     ///
     /// # Errors
     /// A deviation that is not positive and finite.
@@ -77,7 +77,7 @@ mod tests {
     use crate::SceneSpec;
 
     #[test]
-    fn a_step_has_the_deviation_asked_for_and_the_same_seed_takes_the_same() {
+    fn a_step_has_the_requested_deviation_and_the_same_seed_takes_the_same() {
         let before = SceneSpec::bricks(1.0).with_objects(4_000).scene().unwrap();
         let (mut scene, mut again) = (before.clone(), before.clone());
         RandomWalk::new(0.01, 5).unwrap().step(&mut scene).unwrap();

@@ -14,7 +14,7 @@ fn specs() -> Vec<SceneSpec> {
     specs
 }
 
-/// Overlapping exact boxes, all pairs asked.
+/// Overlapping exact AABBs, by brute force.
 fn candidates(raw: RawScene) -> usize {
     let scene = raw.into_scene().unwrap();
     let boxes: Vec<_> = (0..scene.len()).map(|i| scene.aabb(i)).collect();

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-/// A closed axis-aligned box in world coordinates, metres. f32, because boxes decide how much
+/// A closed axis-aligned bounding box in world coordinates, metres. f32, because AABBs decide how much
 /// memory a broad phase reads; whoever makes one from f64 rounds outward, so that none is lost.
 /// With serde, {"min": [x, y, z], "max": [x, y, z]}; JSON has no form for an infinite one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,20 +15,20 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box of nothing: the neutral element of [`Aabb::union`], overlapping no box.
+    /// The AABB of nothing: the neutral element of [`Aabb::union`], overlapping no AABB.
     pub const EMPTY: Self =
         Self { min: Vec3::splat(f32::INFINITY), max: Vec3::splat(f32::NEG_INFINITY) };
 
-    /// The box of all there is, which overlaps every box but the empty one. Not a valid box of an
+    /// The AABB of all there is, which overlaps every AABB but the empty one. Not a valid AABB of an
     /// object.
     pub const EVERYTHING: Self =
         Self { min: Vec3::splat(f32::NEG_INFINITY), max: Vec3::splat(f32::INFINITY) };
 
-    /// How far an object may reach along an axis, in metres: a power of two that leaves room to
+    /// How far an object may reach along an axis, in metres: a power of two small enough to
     /// add two coordinates and to scale them by a rounding bound without overflow in f32.
     pub const LIMIT: f64 = 1.0e37;
 
-    /// The smallest f32 box that contains the f64 one.
+    /// The smallest f32 AABB that contains the f64 one.
     #[inline]
     pub fn outward(min: DVec3, max: DVec3) -> Self {
         Self {
@@ -37,7 +37,7 @@ impl Aabb {
         }
     }
 
-    /// Whether the closed boxes share a point: touching counts.
+    /// Whether the closed AABBs share a point: touching counts.
     #[inline]
     pub fn overlaps(&self, other: &Self) -> bool {
         self.min.x <= other.max.x
@@ -48,18 +48,18 @@ impl Aabb {
             && other.min.z <= self.max.z
     }
 
-    /// The smallest box that contains both.
+    /// The smallest AABB that contains both.
     #[inline]
     pub fn union(&self, other: &Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Whether every point of `other` is in this box.
+    /// Whether every point of `other` is in this AABB.
     pub fn contains(&self, other: &Self) -> bool {
         self.min.cmple(other.min).all() && other.max.cmple(self.max).all()
     }
 
-    /// The middle, finite for every finite box.
+    /// The middle, finite for every finite AABB.
     #[inline]
     pub fn centre(&self) -> Vec3 {
         self.min * 0.5 + self.max * 0.5

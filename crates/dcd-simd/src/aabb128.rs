@@ -1,14 +1,14 @@
-//! Boxes side by side.
+//! AABBs side by side.
 
 use crate::{Aabb, Aabb16, WIDTH};
 
-/// Which boxes of a [`Aabb128`], a bit each.
+/// Which AABBs of a [`Aabb128`], a bit each.
 pub type Mask128 = u128;
 
-/// Boxes side by side, coordinate by coordinate: as many as a [`Mask128`] has bits.
+/// AABBs side by side, coordinate by coordinate: as many as a [`Mask128`] has bits.
 #[derive(Clone, Debug)]
 pub struct Aabb128 {
-    /// The boxes, sixteen by sixteen.
+    /// The AABBs, sixteen by sixteen.
     pub boxes: [Aabb16; Self::LENGTH / WIDTH],
 }
 
@@ -22,7 +22,7 @@ impl Aabb128 {
     /// How many there are.
     pub const LENGTH: usize = Mask128::BITS as usize;
 
-    /// Replaces box k, which must be below the length.
+    /// Replaces AABB k, which must be below the length.
     #[inline]
     pub fn set(&mut self, k: usize, aabb: &Aabb) {
         self.boxes[k / WIDTH].set(k % WIDTH, aabb);

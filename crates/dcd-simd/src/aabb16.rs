@@ -1,10 +1,10 @@
-//! Sixteen boxes side by side: what trees are made of.
+//! Sixteen AABBs side by side: what trees are made of.
 
 use crate::Aabb;
 use crate::{Lanes, Row, WIDTH};
 use glam::Vec3;
 
-/// Sixteen boxes, coordinate by coordinate.
+/// Sixteen AABBs, coordinate by coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb16 {
     /// Their smallest x, y and z.
@@ -20,11 +20,11 @@ impl Default for Aabb16 {
 }
 
 impl Aabb16 {
-    /// Sixteen empty boxes.
+    /// Sixteen empty AABBs.
     pub const EMPTY: Self =
         Self { min: [Row([f32::INFINITY; WIDTH]); 3], max: [Row([f32::NEG_INFINITY; WIDTH]); 3] };
 
-    /// Box k, which must be below sixteen.
+    /// AABB k, which must be below sixteen.
     #[inline(always)]
     pub fn get(&self, k: usize) -> Aabb {
         let [x, y, z] = &self.min;
@@ -33,7 +33,7 @@ impl Aabb16 {
         Aabb { min, max: Vec3::new(x.0[k], y.0[k], z.0[k]) }
     }
 
-    /// Replaces box k, which must be below sixteen.
+    /// Replaces AABB k, which must be below sixteen.
     #[inline]
     pub fn set(&mut self, k: usize, aabb: &Aabb) {
         for (row, x) in self.min.iter_mut().zip(aabb.min.to_array()) {
@@ -44,7 +44,7 @@ impl Aabb16 {
         }
     }
 
-    /// The box round all sixteen.
+    /// The AABB round all sixteen.
     #[inline]
     pub fn union(&self) -> Aabb {
         let [min, max] = [&self.min, &self.max];
@@ -54,7 +54,7 @@ impl Aabb16 {
         }
     }
 
-    /// Which of the sixteen overlap that box, lane k as bit k; empty boxes never do. For kernels.
+    /// Which of the sixteen overlap that AABB, lane k as bit k; empty AABBs never do. For kernels.
     #[inline(always)]
     pub fn overlaps<L: Lanes>(&self, l: L, one: &Aabb) -> u32 {
         let (min, max) = (one.min.to_array(), one.max.to_array());
@@ -67,9 +67,9 @@ impl Aabb16 {
         l.bits(all)
     }
 
-    /// How far each of the sixteen overlaps that box, along the axis where it does least: negative
-    /// where it does not, without end of an empty box. The sign is exact, as that of any difference
-    /// of two numbers is. For kernels that want to know more than [`Aabb16::overlaps`] tells.
+    /// How far each of the sixteen overlaps that AABB, along the axis where it does least: negative
+    /// where it does not, without end of an empty AABB. The sign is exact, as that of any difference
+    /// of two numbers is. For kernels that need more than [`Aabb16::overlaps`].
     #[inline(always)]
     pub fn depths<L: Lanes>(&self, l: L, one: &Aabb) -> L::F {
         let (min, max) = (one.min.to_array(), one.max.to_array());
@@ -137,7 +137,7 @@ mod tests {
         (a.max.min(b.max) - a.min.max(b.min)).min_element()
     }
 
-    /// Boxes in eighths, so that sides meet exactly; some are empty.
+    /// AABBs in eighths, so that sides meet exactly; some are empty.
     fn boxes(count: u32) -> impl Iterator<Item = Aabb> {
         let mut state = 1u32;
         let mut next = move |below: u32| {

@@ -369,7 +369,7 @@ impl Avx2 {
     /// a buffer, no store could be forwarded to the load that joins them.
     ///
     /// # Safety
-    /// There is room for sixteen.
+    /// Sixteen can be written.
     #[inline(always)]
     unsafe fn fronts_to(self, keep: u32, a: Halves<__m256i>, to: *mut u32) {
         // SAFETY: eight u32 at an offset of at most eight.
@@ -383,7 +383,7 @@ impl Avx2 {
     /// The kept lanes' pairs with the other.
     ///
     /// # Safety
-    /// There is room for eight.
+    /// Eight can be written.
     #[inline(always)]
     unsafe fn front_pairs_to(self, keep: u32, (one, others): (__m256i, __m256i), to: *mut Pair) {
         let others = self.half_front(keep, others);

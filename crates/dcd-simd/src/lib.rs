@@ -1,8 +1,8 @@
-//! SIMD lanes for collision kernels, and packed boxes and spheres built of them.
+//! SIMD lanes for collision kernels, and packed AABBs and spheres built of them.
 //!
 //! A [`Kernel`] is written once, generic over [`Lanes`]; [`dispatch`] runs it on the widest path that
 //! the CPU has: AVX-512, AVX2 or portable code, always sixteen f32 wide. [`Aabb16`], [`Aabb128`] and
-//! [`Sphere16`] store boxes and spheres coordinate by coordinate, so that one comparison tests sixteen.
+//! [`Sphere16`] store AABBs and spheres coordinate by coordinate, so that one comparison tests sixteen.
 //!
 //! Every function between [`Kernel::run`] and a lane operation must be `#[inline(always)]`: the
 //! operations become single instructions only inside the function that carries the CPU feature, and
@@ -82,7 +82,7 @@ impl Block {
 /// How many floats a block has.
 const FLOATS: usize = 3 * WIDTH;
 
-/// Of how many blocks [`Lanes::pick`] can tell one: the offset of a float is a signed 32-bit
+/// How many blocks [`Lanes::pick`] can address: the offset of a float is a signed 32-bit
 /// number. 8 GB of vertices.
 pub const MAX_BLOCKS: usize = i32::MAX as usize / FLOATS;
 
@@ -103,7 +103,7 @@ pub trait Lanes: Copy {
 
     /// x in every lane.
     fn splat(self, x: f32) -> Self::F;
-    /// From memory, wherever it begins.
+    /// Loads from memory, unaligned.
     fn load_from(self, numbers: &[f32; WIDTH]) -> Self::F;
     /// Eight f64 and eight more, rounded.
     fn round_from(self, numbers: [&[f64; WIDTH / 2]; 2]) -> Self::F;
@@ -147,7 +147,7 @@ pub trait Lanes: Copy {
 
     /// x in every lane.
     fn splat_d(self, x: f64) -> Self::D;
-    /// From memory, wherever it begins.
+    /// Loads from memory, unaligned.
     fn load_d(self, numbers: &[f64; WIDTH / 2]) -> Self::D;
     /// To memory, wherever it begins.
     fn store_d(self, a: Self::D, numbers: &mut [f64; WIDTH / 2]);
@@ -160,7 +160,7 @@ pub trait Lanes: Copy {
 
     /// x in every lane.
     fn splat_u(self, x: u32) -> Self::U;
-    /// From memory, wherever it begins.
+    /// Loads from memory, unaligned.
     fn load_from_u(self, numbers: &[u32; WIDTH]) -> Self::U;
     /// To memory, wherever it begins.
     fn store_to_u(self, a: Self::U, numbers: &mut [u32; WIDTH]);
@@ -285,8 +285,8 @@ pub fn dispatch_on<K: Kernel>(path: Path, kernel: K) -> K::Output {
     }
 }
 
-/// Asks the CPU to bring what will be read soon into the nearest cache; a hint, without effect on
-/// any result. Where there is no such hint, nothing.
+/// Prefetches into the nearest cache what will be read soon: a hint, without effect on any result. Does
+/// nothing where there is no such instruction.
 #[inline(always)]
 pub fn prefetch<T>(items: &[T]) {
     #[cfg(target_arch = "x86_64")]

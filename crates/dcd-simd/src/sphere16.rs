@@ -17,14 +17,14 @@ impl BoundingSphere {
     /// The sphere of all there is.
     pub const EVERYTHING: Self = Self { centre: Vec3::ZERO, radius: f32::INFINITY };
 
-    /// The box round it.
+    /// The AABB round it.
     #[inline]
     pub fn aabb(&self) -> Aabb {
         Aabb { min: self.centre - self.radius, max: self.centre + self.radius }
     }
 }
 
-/// Sixteen loose spheres, number by number.
+/// Sixteen bounding spheres, component by component.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sphere16 {
     /// Metres.

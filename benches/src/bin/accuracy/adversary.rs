@@ -33,7 +33,7 @@ impl Account {
     ) -> Self {
         let pairs: Vec<u32> = (0..subject.pairs.len() as u32).filter(|&k| keep(k)).collect();
         let mut said = Vec::new();
-        Ready::new(precision, subject).ask((precision, Query::YesNo), subject, &pairs, &mut said);
+        Ready::new(precision, subject).run((precision, Query::YesNo), subject, &pairs, &mut said);
         let mut account = Self::default();
         for (&k, &said) in pairs.iter().zip(&said) {
             match (said, subject.touches(k)) {
@@ -79,9 +79,9 @@ pub(crate) fn run(options: &Options, answers: u64, print: Print) -> Result<()> {
     let mut report = Report::new("adversary", "Between neighbouring floats", header);
     report.missing(&units);
     report.note(
-        "Hulls, plates, needles and boxes, some rounded, at 1e-6, 1 and 1e6 m, some far out, moved \
+        "Hulls, plates, needles and cuboids, some rounded, at 1e-6, 1 and 1e6 m, some far out, moved \
          along a line until the answer flips between two neighbouring floats. Both neighbours are \
-         asked at every precision and judged exactly, by a linear program in whole numbers (for radii, by \
+         decided at every precision and judged exactly, by a linear program in whole numbers (for radii, by \
          the exact signed depth). So are flat and rounded shapes, compounds, meshes, cylinders and \
          cones, up to 1e12 of their sizes from the origin of their own frame, at the certified \
          precisions. No exact method of the library answers for cylinders and cones: what the \

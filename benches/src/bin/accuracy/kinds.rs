@@ -13,7 +13,7 @@ use crate::precision::Precision;
 use crate::subject::Subject;
 
 /// Who answers for every kind of shape and promises to be right.
-const ASKED: [Precision; 2] = [Precision::Lanes, Precision::Certified];
+const PRECISIONS: [Precision; 2] = [Precision::Lanes, Precision::Certified];
 
 /// What was said of each family.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -27,8 +27,8 @@ pub(crate) struct Families {
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Family {
     answers: u64,
-    /// In the order of [`ASKED`].
-    said: [Account; ASKED.len()],
+    /// In the order of [`PRECISIONS`].
+    said: [Account; PRECISIONS.len()],
 }
 
 impl Families {
@@ -82,7 +82,7 @@ pub(crate) fn judged(seed: u64, flips: Range<u64>) -> Result<Families> {
     for (family, each) in ShapeFamily::ALL.into_iter().zip(&mut families.each) {
         let keep = |k: u32| of[k as usize] == family;
         each.answers = of.iter().filter(|&&of| of == family).count() as u64;
-        each.said = ASKED.map(|precision| Account::take(precision, &subject, keep));
+        each.said = PRECISIONS.map(|precision| Account::take(precision, &subject, keep));
     }
     Ok(families)
 }
@@ -93,9 +93,9 @@ pub(crate) fn table<'f>(units: impl Iterator<Item = &'f Families> + Clone) -> Re
     let title = "Shapes of every kind at neighbouring floats";
     let mut table = Table::new("adversary-kinds", title, columns);
     for (k, family) in ShapeFamily::ALL.into_iter().enumerate() {
-        for (asked, precision) in ASKED.into_iter().enumerate() {
+        for (index, precision) in PRECISIONS.into_iter().enumerate() {
             let mut said = Account::default();
-            units.clone().for_each(|unit| said.add(unit.each[k].said[asked]));
+            units.clone().for_each(|unit| said.add(unit.each[k].said[index]));
             let answers: u64 = units.clone().map(|unit| unit.each[k].answers).sum();
             let counts = [answers, said.wrong_yes, said.wrong_no, said.undecided].map(Cell::from);
             let names = [family.name(), precision.name()].map(Cell::from);

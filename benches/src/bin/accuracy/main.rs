@@ -1,7 +1,7 @@
 //! The trade of speed for accuracy: what each precision costs, and how often and how far it is wrong.
 //!
-//! [`subject`] holds pairs with their truth; [`precision`] asks; [`measure`] times the precisions in turn
-//! and counts what is wrong; [`show`] makes tables and pictures; [`tolerance`] asks simplified hulls;
+//! [`subject`] holds pairs with their truth; [`precision`] answers; [`measure`] times the precisions
+//! interleaved and counts what is wrong; [`show`] makes tables and pictures; [`tolerance`] simplifies hulls;
 //! [`adversary`] is the long run between neighbouring floats, [`kinds`] its part for shapes of every kind.
 //! The truth of the conformance suite is exact; that of a scene is the certified precision's, with the exact
 //! judge on every pair that any other precision doubts.

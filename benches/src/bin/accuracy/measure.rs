@@ -1,4 +1,4 @@
-//! The precisions in turn on a subject's pairs: times, and what is wrong.
+//! The precisions interleaved on a subject's pairs: times, and what is wrong.
 
 use std::time::Duration;
 
@@ -15,9 +15,9 @@ use crate::tally::{Errors, Group, Tally};
 pub(crate) struct Measured {
     pub(crate) subject: String,
     pub(crate) query: Query,
-    /// How many pairs were asked about.
+    /// How many pairs were queried.
     pub(crate) pairs: usize,
-    /// Pairs on which some precision differs from the truth as known: the exact judge settled those.
+    /// Pairs on which some precision differs from the truth as known: the exact judge decided those.
     pub(crate) doubted: usize,
     /// Of them, those on which the judge sides against the truth as known.
     pub(crate) overruled: usize,
@@ -49,7 +49,7 @@ impl Measured {
                 precision if precision.is_conservative() => of.wrong_no,
                 _ => 0,
             };
-            // Pairs beyond the range of f32 boxes have no place in a scene.
+            // Pairs beyond the range of f32 AABBs have no place in a scene.
             let open = of.precision == Precision::Certified && of.undecided > 0;
             if wrong > 0 || open {
                 let (name, query) = (of.precision.name(), self.query.name());
@@ -70,15 +70,15 @@ impl Measured {
 const CHUNK: usize = 512;
 /// Rounds of a full run and of a quick one.
 const ROUNDS: [usize; 2] = [5, 3];
-/// No more pairs of a scene are asked for distance and depth, in a full run and in a quick one.
+/// The most pairs of a scene queried for distance and depth, in a full run and in a quick one.
 const NUMBERS: [usize; 2] = [100_000, 5_000];
 /// No more doubts of a query are handed to the judge: some milliseconds each on large hulls.
 const MAX_DOUBTS: usize = 2_000;
 
-/// Asks every precision that has an answer, in turn.
+/// Runs every precision that supports the query, interleaved.
 pub(crate) fn measure(subject: &Subject, query: Query, options: &Options) -> Measured {
     let quick = usize::from(options.quick);
-    let pairs = asked(subject, query, NUMBERS[quick]);
+    let pairs = selected(subject, query, NUMBERS[quick]);
     let precisions = Precision::answering(query);
     let mut turns: Vec<Turn<'_>> =
         precisions.iter().map(|&precision| Turn::new(precision, subject)).collect();
@@ -89,7 +89,7 @@ pub(crate) fn measure(subject: &Subject, query: Query, options: &Options) -> Mea
         Query::YesNo => Vec::new(),
         _ => pairs.iter().map(|&k| subject.value(k, &mut scratch)).collect(),
     };
-    let (doubted, overruled) = settle_doubts(subject, &pairs, &turns);
+    let (doubted, overruled) = judge_doubts(subject, &pairs, &turns);
     let of_precision = |turn: &Turn<'_>| {
         let mut tally = Tally::new(subject);
         for (index, (&pair, &said)) in pairs.iter().zip(&turn.said).enumerate() {
@@ -109,7 +109,7 @@ pub(crate) fn measure(subject: &Subject, query: Query, options: &Options) -> Mea
 
 /// All pairs for yes or no, those apart for a distance, those that touch for a depth; spread evenly
 /// over the subject where there are more than `most`.
-fn asked(subject: &Subject, query: Query, most: usize) -> Vec<u32> {
+fn selected(subject: &Subject, query: Query, most: usize) -> Vec<u32> {
     let all = 0..subject.pairs.len() as u32;
     let fit: Vec<u32> = match query {
         Query::YesNo => return all.collect(),
@@ -147,7 +147,7 @@ impl<'s> Turn<'s> {
     }
 }
 
-/// Asks each in turn about the same pairs, slice by slice.
+/// Runs all on the same pairs, interleaved slice by slice.
 pub(crate) fn take_turns(turns: &mut [Turn<'_>], query: Query, pairs: &[u32], options: &Options) {
     let rounds = ROUNDS[usize::from(options.quick)];
     let mut answers = Vec::with_capacity(CHUNK);
@@ -157,8 +157,8 @@ pub(crate) fn take_turns(turns: &mut [Turn<'_>], query: Query, pairs: &[u32], op
         for round in 0..=rounds {
             for (turn, least) in turns.iter_mut().zip(&mut times) {
                 let Turn { precision, subject, ready, said, .. } = turn;
-                let ask = || ready.ask((*precision, query), subject, pairs, &mut answers);
-                let (time, ()) = timing::time(ask);
+                let run = || ready.run((*precision, query), subject, pairs, &mut answers);
+                let (time, ()) = timing::time(run);
                 if round == 0 {
                     said.extend_from_slice(&answers);
                 } else {
@@ -174,14 +174,14 @@ pub(crate) fn take_turns(turns: &mut [Turn<'_>], query: Query, pairs: &[u32], op
 
 /// The pairs on which a precision that means to be right differs from the truth of a scene, and on how
 /// many of them the exact judge differs from it too. The truth of a suite is exact as it is.
-fn settle_doubts(subject: &Subject, pairs: &[u32], turns: &[Turn<'_>]) -> (usize, usize) {
+fn judge_doubts(subject: &Subject, pairs: &[u32], turns: &[Turn<'_>]) -> (usize, usize) {
     if matches!(subject.truth, Known::Exactly(..)) {
         return (0, 0);
     }
     let mut doubts = Vec::new();
     for (index, &k) in pairs.iter().enumerate() {
         let touches = subject.touches(k);
-        // Boxes and spheres, the first two, say "touching" of most that are near.
+        // AABBs and spheres, the first two, say "touching" of most that are near.
         let differs = |turn: &Turn<'_>| match turn.said[index] {
             Said::Apart => touches,
             Said::Touching => !touches,
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_plain_method_cannot_tell_is_counted_by_category() {
+    fn what_a_plain_method_cannot_decide_is_counted_by_category() {
         let cases = suite(5, &|_| false);
         let aligned = |case: &dcd_scenes::conformance::Case| case.category == Category::Aligned;
         let cases: Vec<_> = cases.into_iter().filter(aligned).collect();

@@ -54,14 +54,14 @@ impl<'s, R: Numbers> Theirs<'s, R> {
         }
     }
 
-    pub(crate) fn ask(&self, query: Query, subject: &Subject, pairs: &[u32], said: &mut Vec<Said>) {
+    pub(crate) fn run(&self, query: Query, subject: &Subject, pairs: &[u32], said: &mut Vec<Said>) {
         debug_assert!(std::ptr::eq(self.subject, subject));
         quietly(|| {
             said.extend(pairs.iter().map(|&k| {
                 let [i, j] = subject.pairs[k as usize].map(|i| i as usize);
                 // It asserts its own invariants. Nothing that is read can be left half changed.
-                let asked = catch_unwind(AssertUnwindSafe(|| self.one(query, i, j)));
-                asked.ok().flatten().unwrap_or(Said::Open)
+                let answer = catch_unwind(AssertUnwindSafe(|| self.one(query, i, j)));
+                answer.ok().flatten().unwrap_or(Said::Open)
             }));
         });
     }

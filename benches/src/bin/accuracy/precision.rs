@@ -1,4 +1,4 @@
-//! Who is asked, and what.
+//! The precisions and their queries.
 
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Pair, Polytope, Shape};
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::parry::Theirs;
 use crate::subject::Subject;
 
-/// What is asked about a pair.
+/// What is computed for a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Query {
     YesNo,
@@ -28,7 +28,7 @@ pub(crate) enum Precision {
     /// World boxes: conservative.
     Boxes,
     /// Outer spheres: conservative.
-    Balls,
+    Spheres,
     /// The default: lanes in f32 with certificates, then f64, then exact.
     Lanes,
     /// The same lanes in f32 without their certificates.
@@ -48,9 +48,9 @@ pub(crate) enum Precision {
 pub(crate) enum Said {
     Apart,
     Touching,
-    /// Apart by so much, or so deep, as was asked; metres.
+    /// Apart by so much, or so deep, as the query wants; metres.
     Measured(f64),
-    /// It cannot tell.
+    /// Undecided.
     Open,
 }
 
@@ -69,7 +69,7 @@ impl Query {
 impl Precision {
     pub(crate) const ALL: [Self; 9] = [
         Self::Boxes,
-        Self::Balls,
+        Self::Spheres,
         Self::Fast,
         Self::Lanes,
         Self::F32,
@@ -82,7 +82,7 @@ impl Precision {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Boxes => "boxes",
-            Self::Balls => "balls",
+            Self::Spheres => "spheres",
             Self::Fast => "fast, lanes",
             Self::Lanes => "certified, lanes",
             Self::F32 => "f32",
@@ -100,7 +100,7 @@ impl Precision {
 
     /// Whether "apart" is promised to be right, and nothing else.
     pub(crate) fn is_conservative(self) -> bool {
-        matches!(self, Self::Boxes | Self::Balls)
+        matches!(self, Self::Boxes | Self::Spheres)
     }
 
     /// With what bound it measures.
@@ -122,7 +122,7 @@ impl Precision {
     }
 }
 
-/// A precision that is ready to be asked about a subject's pairs: whatever depends on the shapes or on
+/// A precision that is ready for a subject's pairs: whatever depends on the shapes or on
 /// single objects alone is made.
 pub(crate) enum Ready<'s> {
     Boxes(Vec<Aabb>),
@@ -149,14 +149,14 @@ impl<'s> Ready<'s> {
             }
             Precision::ParryF32 => Self::ParryF32(Theirs::new(subject)),
             Precision::ParryF64 => Self::ParryF64(Theirs::new(subject)),
-            Precision::Balls | Precision::F32 | Precision::F64 | Precision::Certified => {
+            Precision::Spheres | Precision::F32 | Precision::F64 | Precision::Certified => {
                 Self::Plain(Box::default())
             }
         }
     }
 
     /// What it says of the pairs, in their order.
-    pub(crate) fn ask(
+    pub(crate) fn run(
         &mut self,
         (precision, query): (Precision, Query),
         subject: &Subject,
@@ -169,10 +169,10 @@ impl<'s> Ready<'s> {
                 let [a, b] = subject.pairs[k as usize].map(|i| &boxes[i as usize]);
                 of_boxes(query, a, b)
             })),
-            Self::Fast(lanes) => lanes.ask(subject, pairs, said),
-            Self::Lanes(lanes) => lanes.ask(subject, pairs, said),
-            Self::ParryF32(theirs) => theirs.ask(query, subject, pairs, said),
-            Self::ParryF64(theirs) => theirs.ask(query, subject, pairs, said),
+            Self::Fast(lanes) => lanes.run(subject, pairs, said),
+            Self::Lanes(lanes) => lanes.run(subject, pairs, said),
+            Self::ParryF32(theirs) => theirs.run(query, subject, pairs, said),
+            Self::ParryF64(theirs) => theirs.run(query, subject, pairs, said),
             Self::Plain(scratch) => said.extend(pairs.iter().map(|&k| {
                 let [a, b] = subject.placed(k);
                 one(precision, query, [a, b], scratch)
@@ -197,8 +197,8 @@ impl<N: NarrowPhase<Answer = ()>> SimdOverlap<N> {
         Self { narrow, frame, scratch: N::Scratch::default() }
     }
 
-    /// Pairs that no scene takes, since no f32 box holds them, are open.
-    fn ask(&mut self, subject: &Subject, pairs: &[u32], said: &mut Vec<Said>) {
+    /// Pairs that no scene takes, since no f32 AABB holds them, are open.
+    fn run(&mut self, subject: &Subject, pairs: &[u32], said: &mut Vec<Said>) {
         let in_scene: Vec<Pair> =
             pairs.iter().filter_map(|&k| subject.in_scene[k as usize]).collect();
         let (mut contacts, mut report) = (Vec::new(), Report::default());
@@ -224,7 +224,7 @@ fn one(
     scratch: &mut Scratch,
 ) -> Said {
     match (query, precision) {
-        (_, Precision::Balls) => of_spheres(query, a, b),
+        (_, Precision::Spheres) => of_spheres(query, a, b),
         (Query::YesNo, Precision::F32) => verdict(Gjk::<f32>::default().solve(a, b, &mut ())),
         (Query::YesNo, Precision::F64) => verdict(Gjk::<f64>::default().solve(a, b, &mut ())),
         (Query::YesNo, _) => verdict(Certified.solve(a, b, &mut Default::default())),
@@ -269,7 +269,7 @@ fn of_distance(result: DistanceResult) -> Said {
     }
 }
 
-/// The gap of two boxes is at most the shapes' distance, their overlap at least the depth.
+/// The gap of two AABBs is at most the shapes' distance, their overlap at least the depth.
 fn of_boxes(query: Query, a: &Aabb, b: &Aabb) -> Said {
     let gaps = [0, 1, 2].map(|k| {
         let [low, high] = [a.min[k] - b.max[k], b.min[k] - a.max[k]].map(f64::from);

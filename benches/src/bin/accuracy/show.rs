@@ -22,17 +22,17 @@ const NO_ERROR: f64 = 1e-20;
 const NOTES: [&str; 5] = [
     "The precisions are interleaved on slices of 512 pairs, in one process on one thread; the least time of \
      the rounds counts, slice by slice. What depends on an object alone is made outside of the \
-     timer: world boxes, the lanes' rotated vertices, Parry's shapes and poses.",
-    "`boxes` and `balls` are conservative: their \"apart\" is never wrong, their \"touching\" only \
+     timer: world AABBs, the lanes' rotated vertices, Parry's shapes and poses.",
+    "`boxes` and `spheres` are conservative: their \"apart\" is never wrong, their \"touching\" only \
      means near; as a distance they give what is at most the true one, as a depth what is at least \
      it. `f32` and `f64` prove what they answer and leave open what they cannot prove. `certified` \
      and `certified, lanes` prove every answer. What the lanes leave open on the suite are pairs \
-     beyond the range of f32 boxes, which no scene takes; the certified solver answers those one by \
+     beyond the range of f32 AABBs, which no scene takes; the certified solver answers those one by \
      one. Parry's answers are as it gives them; open is what it refuses.",
     "The truth of the suite is exact: whole numbers of any length, another method than any solver's. \
      The truth of a scene is the certified solver's; every pair on which a solver differs from it is \
-     settled by the exact judge (`doubted`), and `overruled` counts where that is wrong.",
-    "Distances are asked for the pairs that are apart, depths for those that touch. An error counts \
+     decided by the exact judge (`doubted`), and `overruled` counts where that is wrong.",
+    "Distances are computed for the pairs that are apart, depths for those that touch. An error counts \
      in sizes of the pair (no coordinate of A − B is larger than one size); a relative error is to \
      the true distance or depth, where that is above 1e-12 of the size. On scenes the certified \
      solver is the truth, so that its own error shows on the suite alone.",

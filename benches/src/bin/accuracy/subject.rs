@@ -39,7 +39,7 @@ pub(crate) fn recipes(options: &Options) -> (Vec<Recipe>, Vec<String>) {
     for (name, full, quick) in SCENES {
         let objects = if options.quick { quick } else { full };
         let spec = SceneSpec::parse(name).map(|spec| spec.with_objects(objects));
-        // Asked for one object, a scene says at once whether its files are there.
+        // For one object, a scene says at once whether its files are there.
         let there = spec.and_then(|spec| spec.with_objects(1).raw().map(|_| spec));
         match there {
             Ok(spec) => recipes.push(Recipe::Scene { spec, seed: options.seed }),
@@ -87,7 +87,7 @@ pub(crate) struct Subject {
     pub(crate) shapes: Vec<Shape>,
     pub(crate) poses: Vec<Pose>,
     pub(crate) pairs: Vec<[u32; 2]>,
-    /// The objects that f32 boxes hold, for the lanes.
+    /// The objects that f32 AABBs hold, for the lanes.
     pub(crate) scene: Scene,
     /// Each pair in that scene.
     pub(crate) in_scene: Vec<Option<Pair>>,

@@ -62,7 +62,7 @@ enum Fate {
     Off(f64),
 }
 
-/// Below this share of the pair's size a relative error is not asked for.
+/// Below this share of the pair's size no relative error is computed.
 const LEAST_SHARE: f64 = 1e-12;
 
 impl<'s> Tally<'s> {
@@ -80,7 +80,7 @@ impl<'s> Tally<'s> {
     }
 
     /// What a precision said of pair `k`, whose true depth or negative distance is `value` where a
-    /// number was asked for.
+    /// number is computed.
     pub(crate) fn book(&mut self, k: u32, said: Said, value: Option<f64>) {
         let touches = self.subject.touches(k);
         let fate = match said {
@@ -112,7 +112,7 @@ impl<'s> Tally<'s> {
     fn measured(&mut self, k: u32, said: Said, value: f64) -> Fate {
         let size = self.subject.size(k);
         let error = self.subject.error(k, said, value);
-        // Where not even the truth is an f64 no error can be told.
+        // Where the truth is no f64, the error is unknown.
         let Some(error) = error.filter(|error| error.is_finite() && size.is_finite()) else {
             return Fate::Right;
         };

@@ -1,11 +1,11 @@
-//! A batch of a robot's configurations against obstacles that stand still: ours beside Parry's.
+//! A batch of a robot's configurations against static obstacles: ours beside Parry's.
 //!
-//! No time is shown before the answers are judged: [`room`] has every hit that only one of us tells
-//! settled by exact integers.
+//! No time is shown before the answers are judged: [`setting`] has every hit that only one of us reports
+//! judged by exact integers.
 
 #![forbid(unsafe_code)]
 
-mod room;
+mod setting;
 mod show;
 
 use std::process::ExitCode;
@@ -16,11 +16,10 @@ use dcd_benches::{Header, Options, Print, Units, exit_code};
 use dcd_exec::{Par, with_threads};
 use dcd_parry::Until;
 
-use room::{Outcome, Room, Size};
+use setting::{Outcome, Setting, Size};
 
-/// Configurations of ten hulls against obstacles at random in rooms of several densities, the first
-/// hit of each and all hits: our answers and times beside those of Parry in f32, in turn in one
-/// process.
+/// Configurations of ten hulls against random obstacles of several densities, the first hit of each and
+/// all hits: our answers and times beside those of Parry in f32, interleaved in one process.
 #[derive(Parser)]
 #[command(name = "batch", version)]
 struct Line {
@@ -33,9 +32,8 @@ struct Line {
     print: Print,
 }
 
-/// The rooms: how many obstacles in a cube of which half-width, metres; from crowded to all but
-/// empty.
-const ROOMS: [Size; 6] = [
+/// How many obstacles in a cube of which half-width, metres; from crowded to all but empty.
+const SIZES: [Size; 6] = [
     Size { obstacles: 100, half_width: 2.5 },
     Size { obstacles: 100, half_width: 4.0 },
     Size { obstacles: 100, half_width: 8.0 },
@@ -44,15 +42,15 @@ const ROOMS: [Size; 6] = [
     Size { obstacles: 1000, half_width: 16.0 },
 ];
 
-/// A question to a room.
+/// A setting and its query.
 #[derive(Clone, Copy)]
-struct Ask {
+struct Case {
     size: Size,
     until: Until,
     threads: usize,
 }
 
-impl Ask {
+impl Case {
     fn key(&self) -> String {
         let Self { size, until, threads } = self;
         let Size { obstacles, half_width } = size;
@@ -69,24 +67,24 @@ fn run(line: &Line) -> Result<()> {
     let configurations = line.n.unwrap_or(if options.quick { 1_000 } else { 10_000 });
     let header = Header::observe(options);
     let dir = options.dir("batch");
-    let asks = asks(options.threads());
+    let cases = cases(options.threads());
     let fingerprint = format!("{}, {configurations} configurations", header.fingerprint());
-    let plan = asks.iter().map(Ask::key);
+    let plan = cases.iter().map(Case::key);
     let mut units = Units::open(&dir, &fingerprint, plan, options.start())?;
-    let mut room: Option<Room> = None;
-    let mut outcomes: Vec<(Ask, Outcome)> = Vec::new();
-    for ask in asks {
-        let outcome = units.run(&ask.key(), || {
-            let room = match &room {
-                Some(room) if room.size == ask.size => room,
-                _ => room.insert(Room::new(ask.size, configurations, options.seed)?),
+    let mut setting: Option<Setting> = None;
+    let mut outcomes: Vec<(Case, Outcome)> = Vec::new();
+    for case in cases {
+        let outcome = units.run(&case.key(), || {
+            let setting = match &setting {
+                Some(setting) if setting.size == case.size => setting,
+                _ => setting.insert(Setting::new(case.size, configurations, options.seed)?),
             };
-            let par = if ask.threads == 1 { Par::Serial } else { Par::WarmPool };
-            let race = || room.race(ask.until, par, options.effort());
-            with_threads(ask.threads, race)
-                .map_err(|error| anyhow::anyhow!("{} threads: {error}", ask.threads))?
+            let par = if case.threads == 1 { Par::Serial } else { Par::WarmPool };
+            let race = || setting.race(case.until, par, options.effort());
+            with_threads(case.threads, race)
+                .map_err(|error| anyhow::anyhow!("{} threads: {error}", case.threads))?
         })?;
-        outcomes.push((ask, outcome));
+        outcomes.push((case, outcome));
     }
     let report = show::report(header, configurations, &outcomes)?;
     report.hand_out(&dir, line.print)?;
@@ -97,15 +95,15 @@ fn run(line: &Line) -> Result<()> {
     Ok(())
 }
 
-/// Every room, first hit and all, on one thread and on so many.
-fn asks(threads: usize) -> Vec<Ask> {
+/// Every size, first hit and all, on one thread and on so many.
+fn cases(threads: usize) -> Vec<Case> {
     let mut counts = vec![1, threads];
     counts.dedup();
-    let mut asks = Vec::new();
-    for size in ROOMS {
+    let mut cases = Vec::new();
+    for size in SIZES {
         for until in [Until::First, Until::Last] {
-            asks.extend(counts.iter().map(|&threads| Ask { size, until, threads }));
+            cases.extend(counts.iter().map(|&threads| Case { size, until, threads }));
         }
     }
-    asks
+    cases
 }

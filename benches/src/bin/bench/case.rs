@@ -87,7 +87,7 @@ impl Case {
     }
 }
 
-/// The paper's scenes of one seed, made when they are asked for; the last one is kept.
+/// The paper's scenes of one seed, made on demand; the last one is kept.
 pub(crate) struct Cases {
     seed: u64,
     last: Option<Case>,

@@ -16,7 +16,7 @@ const PAIRS_AT_ONCE: usize = 1024;
 /// Pairs that make a task worth its overhead; one row of the triangle of pairs at least.
 const PAIRS_PER_TASK: usize = 4096;
 
-/// A narrow phase that is asked for all pairs, and its buffers, kept from run to run.
+/// A narrow phase that decides all pairs, and its buffers, kept from run to run.
 pub(crate) struct EveryPair<'n, N: NarrowPhase<Answer = ()>> {
     narrow: &'n N,
     frame: N::Frame,
@@ -40,8 +40,8 @@ impl<'n, N: NarrowPhase<Answer = ()>> EveryPair<'n, N> {
         }
     }
 
-    /// Asks for every pair of the scene. The preparation of the objects is part of it, as the trait
-    /// demands: their boxes too, which nobody reads here.
+    /// Decides every pair of the scene. The preparation of the objects is part of it, as the trait
+    /// demands: their AABBs too, which nobody reads here.
     pub(crate) fn run(&mut self, scene: &Scene, exec: Exec) {
         self.aabbs.resize(scene.len(), Aabb::default());
         let part = self.narrow.layout(scene, Sides::One, &mut self.frame);
@@ -109,14 +109,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_pair_is_asked_for_once_in_order() {
+    fn every_pair_is_listed_once_in_order() {
         for objects in [0, 1, 2, 50, 91, 92, 1500] {
-            let mut asked = Vec::new();
+            let mut pairs_seen = Vec::new();
             for rows in tasks(objects) {
-                for_each_slice(&rows, objects, |pairs| asked.extend_from_slice(pairs));
+                for_each_slice(&rows, objects, |pairs| pairs_seen.extend_from_slice(pairs));
             }
-            assert_eq!(asked.len(), objects * objects.saturating_sub(1) / 2, "{objects}");
-            assert!(asked.is_sorted() && asked.iter().all(|pair| pair.i < pair.j));
+            assert_eq!(pairs_seen.len(), objects * objects.saturating_sub(1) / 2, "{objects}");
+            assert!(pairs_seen.is_sorted() && pairs_seen.iter().all(|pair| pair.i < pair.j));
         }
     }
 }

@@ -54,7 +54,7 @@ pub(crate) fn draw_figure_1(setting: &Setting, units: &Units, report: &mut Repor
     report.heading("Figures 1 and 2: end to end");
     report.note(format!(
         "Our narrow phase is our GJK in f64, one pair at a time; Parry's is its own shapes in f64 \
-         judged by `distance`, as the paper judged; both ask all pairs, without a broad phase. The \
+         judged by `distance`, as the paper judged; both decide all pairs, without a broad phase. The \
          double phase is the paper's pipeline as coded, with our GJK. The paper prints numbers for \
          the double phase at N = {} alone: the sums of its Table 1.",
         published::OBJECTS

@@ -19,7 +19,7 @@ use crate::variant::{Timed, Variant, double_phase};
 /// How the result is judged beyond the variants of the figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Judge {
-    /// Every pair by the certified solver, one at a time: no boxes, no tree, no lanes.
+    /// Every pair by the certified solver, one at a time: no AABBs, no tree, no lanes.
     BruteForce,
     /// Every pair by Parry's GJK in f64 on our support maps.
     ParryGjk,
@@ -159,7 +159,7 @@ pub(crate) fn draw(setting: &Setting, units: &Units, report: &mut Report) -> Res
     report.heading("Correctness");
     report.note(
         "Each set is compared, after its length, with that of our default pipeline; a pair in one of \
-         the two alone is settled in exact integers, which know nothing of boxes, trees, lanes or \
+         the two alone is judged in exact integers, which know nothing of AABBs, trees, lanes or \
          floating point. Equal to the same set, all are equal to each other.",
     );
     let columns = [

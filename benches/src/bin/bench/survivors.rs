@@ -15,7 +15,7 @@ use crate::published;
 struct Survivors {
     as_written: u64,
     as_coded: u64,
-    /// Those whose own boxes overlap, by a sweep that shares nothing with the trees.
+    /// Those whose own AABBs overlap, by a sweep that shares nothing with the trees.
     overlapping: u64,
 }
 
@@ -72,7 +72,7 @@ pub(crate) fn draw(setting: &Setting, units: &Units, report: &mut Report) -> Res
     report.heading("Figure 3: survivors of the broad phase");
     report.note(
         "Per leaf, every pair of two overlapping leaves is a candidate, as in the paper; per pair, \
-         those whose own boxes overlap. That share hardly depends on N, since the scene is as large \
+         those whose own AABBs overlap. That share hardly depends on N, since the scene is as large \
          for every N: what declines in the paper's figure is the looseness of leaves, which shrink \
          as N grows. Its scene and ours are two draws of one distribution.",
     );

@@ -74,7 +74,7 @@ pub(crate) fn measure(setting: &Setting, units: &mut Units, cases: &mut Cases) -
     Ok(())
 }
 
-/// Serial and parallel in turn, each with buffers of its own.
+/// Serial and parallel interleaved, each with buffers of its own.
 fn stages<B, N>(setting: &Setting, case: &Case, new: impl Fn() -> Pipeline<B, N>) -> Stages
 where
     B: BroadPhase,

@@ -83,7 +83,7 @@ pub(crate) fn draw(setting: &Setting, units: &Units, report: &mut Report) -> Res
         "The paper's sweep names its output file by the cutoff but hands its pipeline the literal 4 \
          each time: hence its flat row (N = {}). Here the cutoff reaches the tree. A leaf's pairs \
          are all candidates in the paper's traversal, so larger leaves make more work for the narrow \
-         phase; where each pair's own boxes are compared, the candidates are the same at any cutoff.",
+         phase; where each pair's own AABBs are compared, the candidates are the same at any cutoff.",
         published::OBJECTS
     ));
     report.table(table);

@@ -40,7 +40,7 @@ pub(crate) fn objects(comparison: &Comparison) -> Vec<Value> {
                 "parry_f32": judged.parry_f32.refused,
                 "parry_f64": judged.parry_f64.refused,
             },
-            "settled_exactly": judged.settled_exactly,
+            "settled_exactly": judged.judged_exactly,
             "differences": judged.differences,
             "rounds": race.map(|race| race.rounds),
             "ratio": race.map(|race| by_part(race, |beside| json!(beside.ratio))),
@@ -48,7 +48,7 @@ pub(crate) fn objects(comparison: &Comparison) -> Vec<Value> {
                 "ours": beside.ours, "parry": beside.rival,
             }))),
             "ratio_range": race.map(|race| by_part(race, |beside| json!([beside.least, beside.most]))),
-            "settled": settled(comparison),
+            "settled": decided(comparison),
             "brute_force": race.and_then(|race| race.brute_force),
             "every_pair": race.and_then(|race| race.every_pair),
         })
@@ -56,10 +56,10 @@ pub(crate) fn objects(comparison: &Comparison) -> Vec<Value> {
     comparison.threads.iter().map(object).collect()
 }
 
-/// How many candidates each method settled, under its name.
-fn settled(comparison: &Comparison) -> Map<String, Value> {
+/// How many candidates each method decided, under its name.
+fn decided(comparison: &Comparison) -> Map<String, Value> {
     let methods = Method::ALL.iter().map(|method| format!("{method:?}"));
-    methods.zip(&comparison.settled).map(|(method, &count)| (method, json!(count))).collect()
+    methods.zip(&comparison.decided).map(|(method, &count)| (method, json!(count))).collect()
 }
 
 /// A value for each stage, under its name.

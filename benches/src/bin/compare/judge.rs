@@ -1,6 +1,6 @@
 //! Whose contact set is right, pair by pair.
 //!
-//! Pairs that all agree on are taken as they are. Every other is settled by exact integers, never
+//! Pairs that all agree on are taken as they are. Every other is decided by exact integers, never
 //! by a majority; so is every pair with an object that Parry has no shape for.
 
 use anyhow::{Context, Result};
@@ -33,7 +33,7 @@ pub(crate) struct Said {
     pub(crate) parry_f64: Answers,
 }
 
-/// How a rival's answers compare with the settled truth.
+/// How a rival's answers compare with the proved truth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Account {
     /// Pairs whose boxes overlap, by the rival's own boxes.
@@ -46,13 +46,13 @@ pub(crate) struct Account {
     pub(crate) repeated: usize,
     /// Touching pairs that it says are apart.
     pub(crate) missed: usize,
-    /// Pairs of which it says that it cannot tell.
+    /// Pairs that it leaves undecided.
     pub(crate) undecided: usize,
     /// Objects that it has no shape for; their pairs do not count for it.
     pub(crate) refused: usize,
 }
 
-/// A pair on which we and Parry in f64 differ, settled.
+/// A pair on which we and Parry in f64 differ, judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Difference {
     /// The first object.
@@ -75,13 +75,13 @@ pub(crate) enum Wrong {
     ParryF64,
 }
 
-/// The settled truth of a scene and what each said of it.
+/// The proved truth of a scene and what each said of it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Judged {
     /// Pairs that truly touch.
     pub(crate) contacts: usize,
-    /// Pairs that exact arithmetic settled.
-    pub(crate) settled_exactly: usize,
+    /// Pairs that exact arithmetic decided.
+    pub(crate) judged_exactly: usize,
     /// Ours.
     pub(crate) ours: Account,
     /// Parry in f32, which is timed.
@@ -157,7 +157,7 @@ impl Account {
     }
 }
 
-/// Settles every pair on which the three differ, and those that Parry in f64 has no say on.
+/// Judges every pair on which the three differ, and those that Parry in f64 has no say on.
 pub(crate) fn judge(scene: &Scene, said: &Said) -> Result<Judged> {
     let Said { ours, parry_f32, parry_f64 } = said;
     let mut disputed = pairs_without_judge(scene, &parry_f64.refused);
@@ -165,7 +165,7 @@ pub(crate) fn judge(scene: &Scene, said: &Said) -> Result<Judged> {
     let unanimous = sort_out([ours, parry_f32, parry_f64], &mut disputed);
     let mut judged = Judged {
         contacts: unanimous,
-        settled_exactly: disputed.len(),
+        judged_exactly: disputed.len(),
         ours: ours.account(),
         parry_f32: parry_f32.account(),
         parry_f64: parry_f64.account(),
@@ -221,7 +221,7 @@ fn sort_out(said: [&Answers; 3], disputed: &mut Vec<Pair>) -> usize {
     unanimous
 }
 
-/// Every pair of overlapping boxes with one of these objects.
+/// Every pair of overlapping AABBs with one of these objects.
 fn pairs_without_judge(scene: &Scene, refused: &[u32]) -> Vec<Pair> {
     if refused.is_empty() {
         return Vec::new();
@@ -264,16 +264,16 @@ mod tests {
         let all = || answers(&TRUTH);
         let said = Said { ours: all(), parry_f32: all(), parry_f64: all() };
         let judged = judge(&row(), &said).unwrap();
-        assert_eq!((judged.contacts, judged.settled_exactly), (2, 0));
+        assert_eq!((judged.contacts, judged.judged_exactly), (2, 0));
         assert_eq!(judged.ours.wrong() + judged.parry_f32.wrong() + judged.parry_f64.wrong(), 0);
     }
 
     #[test]
-    fn a_majority_does_not_settle_a_pair() {
+    fn a_majority_does_not_decide_a_pair() {
         let wrong = || answers(&[TRUTH[0], APART, TRUTH[1]]);
         let said = Said { ours: answers(&TRUTH), parry_f32: wrong(), parry_f64: wrong() };
         let judged = judge(&row(), &said).unwrap();
-        assert_eq!((judged.contacts, judged.settled_exactly), (2, 1));
+        assert_eq!((judged.contacts, judged.judged_exactly), (2, 1));
         assert_eq!((judged.ours.wrong(), judged.parry_f32.false_contacts), (0, 1));
         let Pair { i, j } = APART;
         let expected = Difference { i, j, touching: false, wrong: Wrong::ParryF64 };
@@ -303,7 +303,7 @@ mod tests {
         let ours = Answers::new(2, twice, &Report::default(), &[]);
         let said = Said { ours, parry_f32: answers(&TRUTH), parry_f64: answers(&TRUTH) };
         let judged = judge(&row(), &said).unwrap();
-        assert_eq!((judged.contacts, judged.settled_exactly, judged.ours.wrong()), (2, 0, 1));
+        assert_eq!((judged.contacts, judged.judged_exactly, judged.ours.wrong()), (2, 0, 1));
     }
 
     #[test]
@@ -316,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn what_parry_leaves_undecided_is_settled_exactly() {
+    fn what_parry_leaves_undecided_is_judged_exactly() {
         let none = || Answers { undecided: vec![TRUTH[0]], ..answers(&TRUTH[1..]) };
         let said = Said { ours: answers(&TRUTH[1..]), parry_f32: none(), parry_f64: none() };
         let judged = judge(&row(), &said).unwrap();
@@ -324,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn pairs_of_what_parry_refuses_are_settled_exactly_even_where_nobody_lists_them() {
+    fn pairs_of_what_parry_refuses_are_judged_exactly_even_where_nobody_lists_them() {
         let theirs = || Answers { refused: vec![0], ..answers(&TRUTH[1..]) };
         let said = |ours| Said { ours, parry_f32: theirs(), parry_f64: theirs() };
         let right = judge(&row(), &said(answers(&TRUTH))).unwrap();

@@ -1,7 +1,7 @@
-//! Our default pipeline beside Parry's best one: in turn, in one process, per stage and whole.
+//! Our default pipeline beside Parry's best one: interleaved in one process, per stage and whole.
 //!
 //! No time is shown before the answers are judged: [`judge`] compares whole contact sets and has
-//! exact arithmetic settle every difference; [`race`] takes turns; [`show`] makes the tables.
+//! exact arithmetic judge every difference; [`race`] takes turns; [`show`] makes the tables.
 
 #![forbid(unsafe_code)]
 
@@ -24,7 +24,7 @@ use subject::Subject;
 /// Our default pipeline and Parry's best one in f32, interleaved in one process: the median of the
 /// ratios per stage and for the whole step.
 ///
-/// Our contact set must equal that of Parry in f64, each difference settled by exact arithmetic:
+/// Our contact set must equal that of Parry in f64, each difference judged by exact arithmetic:
 /// a time for a wrong set is never shown, and the exit code is 1.
 #[derive(Parser)]
 #[command(name = "compare", version)]
@@ -43,7 +43,7 @@ struct Line {
     /// Leaves out named scenes of more objects
     #[arg(long, value_name = "N")]
     n_max: Option<usize>,
-    /// How Parry is asked whether a candidate touches
+    /// Which of Parry's queries decides whether a candidate touches
     #[arg(long, value_enum, default_value_t)]
     query: ParryQuery,
     /// Print one JSON object a line for each scene and number of threads, in place of tables
@@ -121,10 +121,10 @@ fn run(line: &Line) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// As asked for; else one thread, and beside it all cores, or two where every scene is run.
+/// As requested; else one thread, and beside it all cores, or two where every scene is run.
 fn thread_counts(line: &Line) -> Vec<usize> {
-    let asked = line.options.threads.map(std::num::NonZeroUsize::get);
-    match (asked, line.all) {
+    let threads = line.options.threads.map(std::num::NonZeroUsize::get);
+    match (threads, line.all) {
         (Some(threads), false) => vec![threads],
         (None, true) => vec![1, 2],
         _ => {
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_thread_stands_beside_all_unless_a_number_is_asked_for() {
+    fn one_thread_stands_beside_all_unless_a_number_is_given() {
         let counts = |arguments: &[&str]| {
             let line = ["compare"].iter().chain(arguments);
             thread_counts(&Line::parse_from(line).with_all_by_name())

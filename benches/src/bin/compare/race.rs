@@ -1,4 +1,4 @@
-//! A scene judged, then the rivals in turn.
+//! A scene judged, then the rivals interleaved.
 
 use std::time::Duration;
 
@@ -27,7 +27,7 @@ const SHORTEST_TURN: Duration = Duration::from_millis(1);
 /// Up to this many objects brute force is a rival too.
 const BRUTE: usize = 1_000;
 
-/// How Parry in f32 is asked.
+/// Which query of Parry in f32 decides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ParryQuery {
     /// `query::intersection_test`, as its users call it
@@ -104,10 +104,10 @@ pub(crate) struct Race {
     pub(crate) rounds: u32,
     /// In the order of [`PARTS`].
     pub(crate) parts: [Beside; PARTS.len()],
-    /// The whole step beside our narrow phase on every pair of overlapping boxes, found without a
+    /// The whole step beside our narrow phase on every pair of overlapping AABBs, found without a
     /// tree. For small scenes.
     pub(crate) brute_force: Option<Beside>,
-    /// The whole step beside our boxes and our narrow phase on every pair there is. For small scenes.
+    /// The whole step beside our AABBs and our narrow phase on every pair there is. For small scenes.
     pub(crate) every_pair: Option<Beside>,
 }
 
@@ -121,9 +121,9 @@ pub(crate) struct Comparison {
     /// Of our contacts in their order.
     pub(crate) digest: String,
     pub(crate) judged: Judged,
-    /// How many candidates each method of ours settled, in the order of [`Method::ALL`].
-    pub(crate) settled: Vec<u64>,
-    /// The numbers of threads that were asked for.
+    /// How many candidates each method of ours decided, in the order of [`Method::ALL`].
+    pub(crate) decided: Vec<u64>,
+    /// The requested numbers of threads.
     pub(crate) threads: Vec<usize>,
     /// One for each of them; none where our set is wrong.
     pub(crate) races: Vec<Race>,
@@ -140,7 +140,7 @@ impl Comparison {
 pub(crate) fn compare(subject: &Subject, course: &Course) -> Result<Comparison> {
     let scene = subject.scene()?;
     let mut said = Said::default();
-    let (digest, settled) = {
+    let (digest, decided) = {
         let mut pipeline = Pipeline::with(WideTree::default(), Overlap::default());
         let step = pipeline.step(&scene, Par::WarmPool);
         said.ours = Answers::ours(&step);
@@ -179,7 +179,7 @@ pub(crate) fn compare(subject: &Subject, course: &Course) -> Result<Comparison> 
             .map_or_else(String::new, |q| q.get_name().to_owned()),
         digest: format!("{:016x}", digest.list),
         judged,
-        settled,
+        decided,
         threads: course.threads.clone(),
         races,
     })
@@ -221,7 +221,7 @@ impl Track<'_, '_> {
             brute_force = Some(whole.into());
             let mut every = self.brute(EveryPair, par);
             let [whole] = timing::pairs_of(rounds, || ours.whole(), || every.whole());
-            ensure!(!every.has_strayed(), "without boxes other contacts are found");
+            ensure!(!every.has_strayed(), "without AABBs other contacts are found");
             every_pair = Some(whole.into());
         }
         ensure!(!ours.has_strayed(), "our contacts or their order changed from step to step");
@@ -261,7 +261,7 @@ mod tests {
         assert!(judged.contacts > 0 && judged.ours.wrong() == 0 && judged.ours.undecided == 0);
         assert_eq!(judged.ours.contacts, judged.contacts);
         assert!(judged.ours.candidates >= judged.contacts);
-        assert_eq!(comparison.settled.iter().sum::<u64>(), judged.ours.candidates as u64);
+        assert_eq!(comparison.decided.iter().sum::<u64>(), judged.ours.candidates as u64);
         assert_eq!(comparison.races.iter().map(|race| race.threads).collect::<Vec<_>>(), [1, 2]);
         for race in &comparison.races {
             assert!(race.brute_force.is_some() && race.every_pair.is_some());

@@ -134,7 +134,7 @@ enum Watched {
 mod tests {
     use super::*;
 
-    /// Finds what it is told to, in its turn.
+    /// Reports scripted values, one a run.
     struct Scripted(Vec<u64>);
 
     impl Rival for Scripted {
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_broad_phase_every_pair_is_asked_once() {
+    fn without_a_broad_phase_every_pair_is_decided_once() {
         let mut out = Segments::default();
         let pair = |(i, j): (u32, u32)| Pair { i, j };
         EveryPair.pairs(&[Aabb::EMPTY; 4], |i, j| i + j != 3, Par::Serial.into(), &mut out);

@@ -11,22 +11,22 @@ use crate::rivals::{PARTS, WHOLE};
 
 /// What a reader of the tables must know.
 const NOTES: [&str; 5] = [
-    "A ratio is Parry's time by ours, taken round by round, the two in turn in one process; the \
+    "A ratio is Parry's time by ours, taken round by round, the two interleaved in one process; the \
      median of the rounds, with the least and the most. Above 1 we are faster. `broad` is build and \
      pairs together. Every step is a first step: buffers are kept, nothing learnt about the poses \
      is (but for Parry's tree, which starts from the order of its last one, its fastest way).",
-    "Parry is parry3d in f32: its boxes, its binned tree, the tree against itself (the parallel \
+    "Parry is parry3d in f32: its AABBs, its binned tree, the tree against itself (the parallel \
      traversal above one thread), a query for each candidate. Its shapes are made and its poses \
      converted outside of the timer; our step starts from f64 poses.",
-    "Candidates differ by rounding: both take the box of the rotated vertices, but our boxes are \
+    "Candidates differ by rounding: both take the AABB of the rotated vertices, but our AABBs are \
      f32 rounded outward from f64, so that no contact is lost, and Parry's are f32 rounded to \
      nearest from a rotation in f32. Pairs with an object that Parry has no shape for are ours \
      alone.",
     "Our contact set is compared with that of Parry in f64; every pair on which we, Parry in f64 \
-     and Parry in f32 differ is settled by exact integers on the vertices R·v + t, and `wrong` \
+     and Parry in f32 differ is judged by exact integers on the vertices R·v + t, and `wrong` \
      counts against that. A pair that is left undecided is not wrong. Where our set is wrong no \
      time is shown.",
-    "`brute force` and `every pair` are our own step without a tree, by our step: with the boxes of \
+    "`brute force` and `every pair` are our own step without a tree, by our step: with the AABBs of \
      all pairs compared, and with all pairs given to the narrow phase as they are.",
 ];
 
@@ -84,10 +84,10 @@ fn summary(comparisons: &[Comparison]) -> Result<Table> {
 /// Whole, narrow and broad, as places in [`PARTS`].
 const SUMMARY: [usize; 3] = [WHOLE, 4, 3];
 
-/// What each method settles, and what each stage costs on the first number of threads.
+/// What each method decides, and what each stage costs on the first number of threads.
 fn methods(comparisons: &[Comparison]) -> Result<Table> {
-    let settles = |k: usize| comparisons.iter().any(|c| c.settled.get(k).is_some_and(|&n| n > 0));
-    let methods: Vec<usize> = (0..Method::ALL.len()).filter(|&k| settles(k)).collect();
+    let decides = |k: usize| comparisons.iter().any(|c| c.decided.get(k).is_some_and(|&n| n > 0));
+    let methods: Vec<usize> = (0..Method::ALL.len()).filter(|&k| decides(k)).collect();
     let mut columns = ["scene", "N", "candidates"].map(Column::new).to_vec();
     columns.extend(methods.iter().map(|&k| Column::new(spoken(k)).unit("%").decimals(2)));
     columns.push(Column::new("threads"));
@@ -101,7 +101,7 @@ fn methods(comparisons: &[Comparison]) -> Result<Table> {
             (comparison.objects as f64, comparison.judged.ours.candidates as f64);
         let mut row = vec![Cell::from(comparison.scene.as_str()), comparison.objects.into()];
         row.push(comparison.judged.ours.candidates.into());
-        let share = |&k: &usize| Some(100.0 * *comparison.settled.get(k)? as f64 / pairs);
+        let share = |&k: &usize| Some(100.0 * *comparison.decided.get(k)? as f64 / pairs);
         row.extend(methods.iter().map(|k| Cell::from(share(k))));
         let race = comparison.races.first();
         row.push(race.map(|race| race.threads).into());
@@ -195,7 +195,7 @@ fn answers(comparisons: &[Comparison]) -> Result<Table> {
         "Parry f64: wrong",
         "Parry f64: undecided",
         "Parry refused",
-        "settled exactly",
+        "judged exactly",
     ];
     let mut table =
         Table::new("answers", "What was found, and who is wrong", columns.map(Column::new));
@@ -214,7 +214,7 @@ fn answers(comparisons: &[Comparison]) -> Result<Table> {
             judged.parry_f64.wrong(),
             judged.parry_f64.undecided,
             judged.parry_f64.refused,
-            judged.settled_exactly,
+            judged.judged_exactly,
         ];
         let scene = Cell::from(comparison.scene.as_str());
         table.push([scene].into_iter().chain(counts.map(Cell::from)))?;
@@ -268,7 +268,7 @@ mod tests {
         let other = Account::default();
         let judged = Judged {
             contacts: 0,
-            settled_exactly: 1,
+            judged_exactly: 1,
             ours,
             parry_f32: other,
             parry_f64: other,
@@ -281,7 +281,7 @@ mod tests {
             query: "intersection-test".to_owned(),
             digest: String::new(),
             judged,
-            settled: Method::ALL
+            decided: Method::ALL
                 .map(|method| match method {
                     Method::CentreAxis => 3,
                     Method::Cone => 1,
@@ -308,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn a_method_that_settles_nothing_anywhere_has_no_column() -> Result<()> {
+    fn a_method_that_decides_nothing_anywhere_has_no_column() -> Result<()> {
         let mut comparison = wrong();
         comparison.judged.ours.candidates = 4;
         let markdown = methods(&[comparison])?.to_markdown();

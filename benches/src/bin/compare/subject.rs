@@ -67,7 +67,7 @@ impl Subject {
         }
     }
 
-    /// What tells it apart from every other of a run.
+    /// Its key, unique within a run.
     pub(crate) fn key(&self) -> String {
         match self {
             Self::Named(spec) => format!("{}/N={}", spec.name(), spec.objects),

@@ -11,7 +11,7 @@ use dcd_pipeline::{Par, Pipeline, WideTree};
 use dcd_scenes::{RandomWalk, SceneSpec};
 use serde::{Deserialize, Serialize};
 
-/// Frames of a walk. Parry is asked in the first [`OF_PARRY`] alone.
+/// Frames of a walk. Parry runs in the first [`OF_PARRY`] alone.
 const FRAMES: usize = 8;
 const OF_PARRY: usize = 3;
 
@@ -39,7 +39,7 @@ pub(crate) struct Outcome {
     pub(crate) parry_second: Duration,
     /// The part of the candidates that was remembered, in the second frame and in the last.
     pub(crate) remembered: [f64; 2],
-    /// Contacts of all frames that Parry was asked in, and how many of them differ.
+    /// Contacts of all frames that Parry ran in, and how many of them differ.
     pub(crate) contacts: usize,
     pub(crate) parry_differs: usize,
 }

@@ -7,7 +7,7 @@ use crate::course::Outcome;
 
 /// What a reader of the table must know.
 const NOTES: [&str; 4] = [
-    "One thread; whole steps, in turn in one process. σ is the standard deviation of a step along \
+    "One thread; whole steps, interleaved in one process. σ is the standard deviation of a step along \
      (metres) and about (rad) each axis; objects are about a metre. \"Default\": the pipeline that \
      remembers nothing, the median of all frames but the first. \"First\", \"second\", \"later\": \
      the pipeline that remembers (`Coherent`), the medians of its first frame, of its second, of \

@@ -1,4 +1,4 @@
-//! Asks everyone, judges, and takes times.
+//! Runs everyone, judges, and takes times.
 
 use std::path::Path;
 
@@ -54,7 +54,7 @@ pub(crate) struct Outcome {
 type Replies = Vec<Option<bool>>;
 
 impl Contest {
-    /// Translations are uniform in the box of the fixed mesh.
+    /// Translations are uniform in the AABB of the fixed mesh.
     pub(crate) fn new(paths: [&Path; 2], seed: u64, count: usize) -> Result<Self> {
         let [fixed, moving] = paths.map(load_mesh);
         let (fixed, moving) = (fixed?, moving?);
@@ -115,7 +115,7 @@ impl Contest {
         }
     }
 
-    /// Every pair of triangles whose boxes come near each other, in exact integers.
+    /// Every pair of triangles whose AABBs come near each other, in exact integers.
     fn truth(&self, k: usize) -> bool {
         let fixed = posed(&self.fixed, &Pose::IDENTITY);
         let moving = posed(&self.moving, &self.poses[k]);
@@ -132,7 +132,7 @@ impl Contest {
     }
 }
 
-/// Each triangle with its box in the world, grown by far more than any rounding.
+/// Each triangle with its AABB in the world, grown by far more than any rounding.
 fn posed(shape: &Shape, pose: &Pose) -> Vec<(Polytope, DVec3, DVec3)> {
     let Shape::Mesh(mesh) = shape else { return Vec::new() };
     let near = DVec3::splat(1e-6 * (mesh.reach() + pose.translation().length()));
@@ -175,7 +175,7 @@ impl<R: Library> Parry<R> {
         Ok(Self { fixed: form(&contest.fixed)?, moving: form(&contest.moving)?, poses, name })
     }
 
-    fn asked(&self, first: First, k: usize) -> Option<bool> {
+    fn answer(&self, first: First, k: usize) -> Option<bool> {
         let here = R::pose(&Pose::IDENTITY);
         let (fixed, moving) = ((&self.fixed, &here), (&self.moving, &self.poses[k]));
         match first {
@@ -185,7 +185,7 @@ impl<R: Library> Parry<R> {
     }
 
     fn replies(&self) -> Replies {
-        (0..self.poses.len()).map(|k| self.asked(First::Fixed, k)).collect()
+        (0..self.poses.len()).map(|k| self.answer(First::Fixed, k)).collect()
     }
 
     /// Takes turns with us on some of the poses, in both of its orders.
@@ -205,7 +205,7 @@ impl<R: Library> Parry<R> {
                 [time(|| which.iter().filter(yes).count()).0]
             };
             let rival = || {
-                let yes = |k: &&usize| self.asked(first, **k) == Some(true);
+                let yes = |k: &&usize| self.answer(first, **k) == Some(true);
                 [time(|| which.iter().filter(yes).count()).0]
             };
             let [pair] = pairs_of(rounds, &mut ours, rival);

@@ -1,7 +1,7 @@
 //! A robot's mesh in many poses against that of its surroundings: ours beside Parry's.
 //!
-//! No time is shown before the answers are judged: [`contest`] asks everyone, and has every pose on
-//! which two differ settled by exact integers on every pair of triangles near each other.
+//! No time is shown before the answers are judged: [`contest`] runs everyone, and has every pose on which
+//! two differ judged by exact integers on every pair of triangles near each other.
 
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! Tables of what was asked.
+//! Tables of queries and times.
 
 use anyhow::Result;
 use dcd_benches::{Cell, Column, Header, Report, Table};
@@ -7,14 +7,14 @@ use crate::contest::Outcome;
 
 /// What a reader of the tables must know.
 const NOTES: [&str; 3] = [
-    "Yes or no, one thread, the two in turn in one process; the median of the rounds with the least \
+    "Yes or no, one thread, the two interleaved in one process; the median of the rounds with the least \
      and the most. Meshes, trees and Parry's poses are made outside of the timer; nothing learnt \
-     from one pose serves the next. Parry walks the first mesh's tree with the second's box, so \
-     it is asked in both orders.",
-    "A pose on which we, Parry in f64 and Parry in f32 do not all agree is settled by exact integers \
-     on the vertices R·v + t of every two triangles whose boxes come near; `wrong` counts against \
+     from one pose serves the next. Parry walks the first mesh's tree with the second's AABB, so \
+     it runs in both orders.",
+    "A pose on which we, Parry in f64 and Parry in f32 do not all agree is judged by exact integers \
+     on the vertices R·v + t of every two triangles whose AABBs come near; `wrong` counts against \
      that.",
-    "Translations are uniform in the box of the surroundings, rotations are the paper's.",
+    "Translations are uniform in the AABB of the surroundings, rotations are the paper's.",
 ];
 
 pub(crate) fn report(header: Header, outcome: &Outcome) -> Result<Report> {

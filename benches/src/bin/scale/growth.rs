@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use crate::runner::{PARTS, Runner, WHOLE};
 
 /// Steps before a pipeline holds what it will hold.
-const SETTLING: usize = 3;
+const WARM_UP: usize = 3;
 
 /// Memory beside the input shapes and poses that a step may hold, bytes: for each object, rotated
 /// vertex and candidate pair.
@@ -28,7 +28,7 @@ const BUDGET: [f64; 3] = [200.0, 16.0, 8.0];
 enum What {
     /// Whole steps.
     Step,
-    /// The broad phase alone, on boxes that are there.
+    /// The broad phase alone, on AABBs that are there.
     Broad,
 }
 
@@ -42,7 +42,7 @@ struct Family {
     reach: usize,
     /// Memory that making the scene and stepping through it takes, bytes an object: measured, and
     /// rounded up.
-    room: u64,
+    bytes: u64,
 }
 
 const FAMILIES: [Family; 3] = [
@@ -51,21 +51,21 @@ const FAMILIES: [Family; 3] = [
         what: What::Step,
         sizes: &[1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000],
         reach: 1,
-        room: 9_000,
+        bytes: 9_000,
     },
     Family {
         scene: "paper",
         what: What::Step,
         sizes: &[10, 30, 100, 300, 1_000, 3_000, 10_000],
         reach: 1,
-        room: 20_000,
+        bytes: 20_000,
     },
     Family {
         scene: "boxes",
         what: What::Broad,
         sizes: &[1_000, 10_000, 100_000, 1_000_000, 10_000_000],
         reach: 10,
-        room: 800,
+        bytes: 800,
     },
 ];
 
@@ -97,7 +97,7 @@ impl Planned {
     }
 }
 
-/// The sizes of all families up to `most` objects (of boxes ten times as many).
+/// The sizes of all families up to `most` objects (of AABBs ten times as many).
 fn planned(most: usize) -> Vec<Planned> {
     let of_family = |family: Family| {
         let within = family.sizes.iter().filter(move |&&size| size <= most * family.reach);
@@ -126,7 +126,7 @@ pub(crate) fn measure(most: usize, options: &Options, units: &mut Units) -> Resu
 impl Planned {
     /// Why this size cannot be measured here, if it cannot.
     fn skipped(&self) -> Option<String> {
-        let need = self.family.room * self.objects as u64;
+        let need = self.family.bytes * self.objects as u64;
         let free = available_memory()?;
         let gib = |bytes: u64| bytes as f64 / (1u64 << 30) as f64;
         let (need_gib, free_gib) = (gib(need), gib(free));
@@ -149,7 +149,7 @@ fn see_steps(scene: &Scene, options: &Options) -> Result<Seen> {
     let mut pipeline = None;
     let first = allocation_counter::measure(|| {
         let pipeline = pipeline.insert(<dcd_pipeline::Pipeline>::default());
-        for _ in 0..SETTLING {
+        for _ in 0..WARM_UP {
             pipeline.step(scene, Par::Serial);
         }
     });
@@ -184,7 +184,7 @@ fn see_broad(boxes: &[Aabb], options: &Options) -> Result<Seen> {
     };
     let (mut tree, mut pairs) = (WideTree::default(), Segments::default());
     let first = allocation_counter::measure(|| {
-        for _ in 0..SETTLING {
+        for _ in 0..WARM_UP {
             step(&mut tree, &mut pairs);
         }
     });
@@ -206,7 +206,7 @@ fn see_broad(boxes: &[Aabb], options: &Options) -> Result<Seen> {
     })
 }
 
-/// The world boxes of a scene of cuboids.
+/// The world AABBs of a scene of cuboids.
 fn boxes(scene: &RawScene) -> Result<Vec<Aabb>> {
     let of = |object: &dcd_io::RawObject| {
         let shape = scene.shapes.get(object.shape as usize);
@@ -248,11 +248,11 @@ pub(crate) fn show(most: usize, units: &Units, report: &mut Report) -> Result<()
     let [object, vertex, pair] = BUDGET;
     report.heading("Growth");
     report.note(format!(
-        "One thread. Sparse scenes and boxes keep their density, so that the pairs grow with the \
-         objects; the paper's scene keeps its room, so that they grow with the square. Memory is \
-         the most that the step held at once during its first {SETTLING} runs beside the scene, \
+        "One thread. Sparse scenes and AABBs keep their density, so that the pairs grow with the \
+         objects; the paper's scene keeps its volume, so that they grow with the square. Memory is \
+         the most that the step held at once during its first {WARM_UP} runs beside the scene, \
          counted at the allocator; its budget is {object} bytes an object, {vertex} a rotated \
-         vertex and {pair} a candidate pair. Of the boxes the broad phase runs alone, and its \
+         vertex and {pair} a candidate pair. Of the AABBs the broad phase runs alone, and its \
          budget has no share for a vertex. A slope of 1 is a time that grows as the objects do.",
     ));
     for skipped in planned(most).iter().filter(|planned| units.missing().contains(&&*planned.key()))

@@ -22,7 +22,7 @@ struct Seen {
     /// Finding the candidates, and only writing them.
     pairs: Sample,
     written: Sample,
-    /// Deciding them, and only asking for one support of both objects.
+    /// Deciding them, and evaluating only one support of both objects.
     narrow: Sample,
     supports: Sample,
 }
@@ -156,8 +156,8 @@ fn height<L: Lanes>(l: L, block: &Block) -> L::F {
 pub(crate) fn show(cases: &[Case], units: &Units, report: &mut Report) -> Result<()> {
     report.heading("How far the limit is");
     report.note(
-        "One thread, in turn with the step. Whoever lists candidates writes them; whoever decides a \
-         pair that no sphere settles reads every vertex of both objects once. `one support` does that \
+        "One thread, interleaved with the step. Whoever lists candidates writes them; whoever decides a \
+         pair that no sphere decides reads every vertex of both objects once. `one support` does that \
          for every pair, on the step's own pairs in their order, and nothing else.",
     );
     let ns = |name: &str| Column::new(name).unit("ns/pair").decimals(2);

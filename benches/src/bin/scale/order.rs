@@ -134,7 +134,7 @@ pub(crate) fn show(cases: &[Case], units: &Units, report: &mut Report) -> Result
     report.heading("Fixed order");
     report.note(format!(
         "The step's own candidates and contacts, written again by tasks of {PAIRS_PER_TASK}: as \
-         ordered segments, cut for the next stage, and in turn with that to a list for each \
+         ordered segments, cut for the next stage, and interleaved with that to a list for each \
          thread. The difference is what the order costs. A step leaves its contacts in segments, \
          which are read in order; who wants them in one list pays for a copy.",
     ));

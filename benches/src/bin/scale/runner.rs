@@ -41,7 +41,7 @@ impl Case {
         self.spec.objects
     }
 
-    /// What tells it apart from every other of a run.
+    /// Its key, unique within a run.
     pub(crate) fn key(&self) -> String {
         format!("{}/N={}", self.name(), self.objects())
     }

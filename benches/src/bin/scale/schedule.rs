@@ -193,7 +193,7 @@ impl<'a> Crew<'a> {
     }
 }
 
-/// When each worker ends its last task, if it takes one: tasks are taken in turn by the worker that
+/// When each worker ends its last task, if it takes one: tasks are taken in order by the worker that
 /// is free first, from when it has joined.
 fn schedule(tasks: impl Iterator<Item = f64>, joining: &[f64]) -> Vec<Option<f64>> {
     let mut ends = vec![None; joining.len()];

@@ -157,7 +157,7 @@ pub(crate) fn show(cases: &[Case], units: &Units, report: &mut Report) -> Result
         let (error, bound) = (100.0 * seen.error(), 100.0 * TOLERANCE);
         let held = if seen.error().abs() <= TOLERANCE { "within" } else { "NOT within" };
         report.note(format!(
-            "{}: the forecast for two threads is off by {error:+.1} %, {held} the {bound:.0} % asked for.",
+            "{}: the forecast for two threads is off by {error:+.1} %, {held} the required {bound:.0} %.",
             case.key()
         ));
     }

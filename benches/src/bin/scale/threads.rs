@@ -12,7 +12,7 @@ use crate::runner::{Case, PARTS, Runner, WHOLE, on_threads};
 /// Up to this many threads every number of them is measured, beyond it the doubles.
 const ONE_BY_ONE: usize = 8;
 
-/// A number of threads, in turn with the serial step.
+/// A number of threads, interleaved with the serial step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Run {
     threads: usize,
@@ -62,7 +62,7 @@ pub(crate) fn show(cases: &[Case], units: &Units, report: &mut Report) -> Result
          the pool; a speed-up is the median of the rounds' ratios. One thread in a pool of one \
          shows what the pool itself costs. Threads are kept awake from section to section \
          (`Par::WarmPool`); the last column is what a step with threads that may sleep \
-         (`Par::Pool`) takes over that, the median of rounds in turn.",
+         (`Par::Pool`) takes over that, the median of interleaved rounds.",
     );
     let mut columns = ["scene", "N", "threads"].map(Column::new).to_vec();
     columns.push(Column::new("whole").unit("ms"));

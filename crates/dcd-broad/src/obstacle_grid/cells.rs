@@ -1,4 +1,4 @@
-//! Space in cells.
+//! A grid of cells.
 
 use dcd_geom::Aabb;
 use dcd_geom::glam::{UVec3, Vec3, Vec3A};
@@ -29,7 +29,7 @@ pub(super) struct Grid {
 pub(super) const WHOLE: f32 = (1 << 23) as f32;
 
 impl Grid {
-    /// Of as many cells over that extent as [`CELLS`] and [`LISTED`] allow for these boxes.
+    /// The grid of as many cells over that extent as [`CELLS`] and [`LISTED`] allow for these AABBs.
     pub(super) fn finest(extent: Aabb, boxes: &[Aabb]) -> Self {
         let mut finest = Self::of(Aabb::default(), Vec3::ZERO);
         if !extent.is_valid() {
@@ -50,7 +50,7 @@ impl Grid {
         finest
     }
 
-    /// With so many cells along each axis.
+    /// A grid with so many cells along each axis.
     fn of(extent: Aabb, cells: Vec3) -> Self {
         // Nearly a cell short, so that the last point is in the last cell and not beyond.
         let scale = (cells - 0.75).max(Vec3::ZERO) / (extent.max - extent.min);
@@ -71,7 +71,7 @@ impl Grid {
     }
 
     /// The place of each coordinate along its axis, a whole number. It never falls where a
-    /// coordinate grows, for rounding never turns two numbers round; so between two points of a box
+    /// coordinate grows, for rounding never turns two numbers round; so between two points of an AABB
     /// there are only places between theirs, whatever was rounded.
     #[inline]
     fn place(&self, point: Vec3A) -> Vec3A {
@@ -100,7 +100,7 @@ impl Grid {
         Range { first: place(aabb.min), end: place(aabb.max) + UVec3::ONE }
     }
 
-    /// Visits the cells that a box meets: their numbers, and what is in them.
+    /// Visits the cells that an AABB meets: their numbers, and what is in them.
     pub(super) fn for_each_cell(&self, aabb: &Aabb, mut visit: impl FnMut(usize, Region)) {
         let Range { first, end } = self.range(aabb);
         let strides = Vec3::from(self.strides).as_uvec3();
@@ -114,7 +114,7 @@ impl Grid {
         }
     }
 
-    /// What is in the cell at that place.
+    /// The region of the cell at that place.
     fn region(&self, place: UVec3) -> Region {
         let place = Vec3A::from(place.as_vec3());
         let edge = Vec3A::ONE / self.scale;
@@ -131,8 +131,8 @@ impl Grid {
     }
 }
 
-/// Half a cell's edge, in edges, with room for what f32 loses in a place: see docs/numerics/proofs.md, "what
-/// is near". Smaller: contacts could be missed. Larger: longer lists.
+/// Half a cell's edge, in edges, with a margin for the rounding of a coordinate in f32: see
+/// docs/numerics/proofs.md, "what is near". Smaller: contacts could be missed. Larger: longer lists.
 const HALF: f32 = 0.5 + 1.0 / 16.0;
 
 /// What f32 loses in a cell's middle and ends, beside that. Unit: of the middle. Smaller: contacts
@@ -142,7 +142,7 @@ const ROUNDED: f32 = 4.0 * f32::EPSILON;
 /// A cell.
 pub(super) struct Region {
     pub(super) middle: Vec3,
-    /// No point of it is beyond these.
+    /// The corners of the cell's extent, rounded outward.
     pub(super) min: Vec3A,
     pub(super) max: Vec3A,
 }

@@ -1,30 +1,29 @@
-//! Lists put one after the other, and what of them is kept.
+//! Concatenated lists, and their entries that are kept.
 
 use super::LONGEST;
 use dcd_simd::IndexRow;
 use std::ops::Range;
 
-/// What spheres may reach, sphere by sphere. Memory that is used again.
+/// The obstacles that spheres may reach, sphere by sphere. Reusable memory.
 ///
-/// Filled without a branch that depends on what is near: first the spheres of whose list anything
-/// stands are told from the others, then all lists are put one after the other, then all that is
-/// listed is tested.
+/// Filled without a branch that depends on what is near: first the spheres with a list that is not empty are
+/// selected, then all lists are concatenated, then every entry is tested.
 #[derive(Clone, Debug, Default)]
 pub struct GridHits {
-    /// The lists that have anything, more than there are: what is beyond means nothing, as in what
+    /// The non-empty lists, longer than their number: entries beyond it are void, as in what
     /// follows.
     lists: Vec<Cell>,
     listed: usize,
     /// The cells of the spheres that are looked up.
     pub(super) cells: Vec<IndexRow>,
     numbers: Vec<u32>,
-    /// For each listed number the sphere that it is listed for.
+    /// For each listed number its sphere.
     spheres: Vec<u32>,
     /// For each listed number how many before it are reached.
     before: Vec<u32>,
 }
 
-/// A sphere of which anything is listed.
+/// A sphere with a non-empty list.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cell {
     /// Its number.
@@ -62,8 +61,8 @@ impl GridHits {
         self.listed
     }
 
-    /// Tells the noted spheres from the `from`-th on, run by run of so many spheres, to what may end a run,
-    /// by its number: the rest of it is not told then, and none of it is noted any more.
+    /// Passes the noted spheres from the `from`-th on to `ends`, by runs of so many spheres, with the number of
+    /// the run. Where it returns true, the rest of the run is skipped and all of it is dropped.
     #[inline]
     pub fn sift(&mut self, from: usize, run: usize, mut ends: impl FnMut(usize, &Cell) -> bool) {
         let (lists, run) = (&mut self.lists[..self.listed], run.max(1));
@@ -86,16 +85,16 @@ impl GridHits {
         self.listed = kept;
     }
 
-    /// Notes those of the spheres that were looked up in whose cell anything stands. `list` is told how
-    /// many came before, and the cell; it tells where among the members its list lies, of at most
-    /// [`LONGEST`], and which is the likeliest.
+    /// Notes those of the looked-up spheres whose cell lists anything. `list` takes the count of earlier entries
+    /// and the cell; it returns where among the members its list lies, of at most [`LONGEST`], and which
+    /// obstacle is the likeliest.
     #[inline]
     pub(super) fn note(
         &mut self,
         spheres: Range<usize>,
         list: impl Fn(usize, usize) -> (Range<u32>, u32),
     ) {
-        // Never shorter, so that nothing is filled twice.
+        // Never shrinks, so that nothing is filled twice.
         let most = self.lists.len().max(self.listed + spheres.len() + 1);
         self.lists.resize(most, Cell::default());
         let cells = self.cells.iter().flat_map(|row| row.0).enumerate();
@@ -119,7 +118,7 @@ impl GridHits {
         let mut end = 0;
         for list in &mut self.lists[..count] {
             let from = &members[list.start as usize..][..LONGEST];
-            // As many in any case, so that there is no loop.
+            // A constant number, so that there is no loop.
             self.numbers[end..end + LONGEST].copy_from_slice(from);
             self.spheres[end..end + LONGEST].fill(list.sphere);
             end += list.end as usize;

@@ -1,4 +1,4 @@
-//! Where the spheres of posed bounds lie.
+//! Looks up the cells of posed spheres.
 
 use super::cells::WHOLE;
 use super::{GridHits, Listed, ObstacleGrid};
@@ -6,20 +6,19 @@ use dcd_geom::{PackedSphereBounds, Pose, Sphere16};
 use dcd_simd::{IndexRow, Kernel, Lanes, Path, WIDTH, dispatch_on, prefetch};
 use std::ops::Range;
 
-/// Bounds at poses: the first pose is that of the first bound, the next of the next, after the last of
-/// the first again.
+/// Bounds at poses: pose k is that of bound k modulo their number.
 #[derive(Clone, Copy, Debug)]
 pub struct PosedBounds<'a> {
-    /// What is posed.
+    /// The bounds.
     pub bounds: &'a PackedSphereBounds,
-    /// Where it is.
+    /// Their poses.
     pub poses: &'a [Pose],
 }
 
 impl ObstacleGrid {
-    /// Finds the spheres of some of the poses, sixteen a row, and notes those near which anything may
-    /// be, after those that are noted. Of `spheres`, which has a row for every sixteen poses, these are
-    /// written; rows that it does not have are none.
+    /// Places the spheres of some of the poses, sixteen a row, and appends those near which anything may be to the
+    /// noted ones. Writes only these rows of `spheres`, which has one for every sixteen poses; skips rows
+    /// that it does not have.
     pub fn look_up(
         &self,
         posed: PosedBounds<'_>,
@@ -50,17 +49,17 @@ impl ObstacleGrid {
     #[inline(always)]
     pub(super) fn cells<L: Lanes>(&self, l: L, spheres: &Sphere16) -> L::U {
         let cell = self.grid.cells(l, &spheres.centre);
-        // That of what is larger than the grid was made for. Written so that NaN is.
+        // The cell of spheres larger than the grid was made for. Written so that NaN is among them.
         let unforeseen = l.splat((self.cells.len() - 2) as f32);
         let is_foreseen = l.le(l.load(&spheres.radius), l.splat(self.radius));
         let whole = l.add(l.select(is_foreseen, cell, unforeseen), l.splat(WHOLE));
         l.tag_of(whole, l.splat_u(WHOLE as u32 - 1))
     }
 
-    /// Notes those of the spheres whose cells were found near which anything may be.
+    /// Notes those of the placed spheres near which anything may be.
     pub(super) fn note(&self, spheres: Range<usize>, later: &[Pose], hits: &mut GridHits) {
         hits.note(spheres, |number, cell| {
-            // While memory answers for these, that of as many later ones is asked.
+            // The next poses are prefetched.
             prefetch(later.get(number..=number).unwrap_or_default());
             let [Listed { start, nearest }, next] = [cell, cell + 1].map(|cell| self.cells[cell]);
             (start..next.start, nearest)

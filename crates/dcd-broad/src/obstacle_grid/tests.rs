@@ -1,4 +1,4 @@
-//! What the grid tells, beside the plainest judge.
+//! The grid's answers against brute force.
 
 use super::*;
 use dcd_geom::glam::{Vec3, Vec3Swizzles};
@@ -80,7 +80,7 @@ fn note(
 }
 
 fn reached(obstacle_grid: &ObstacleGrid, spheres: &[BoundingSphere]) -> Vec<Vec<u32>> {
-    let told = |path| {
+    let reported = |path| {
         let mut reached = GridHits::default();
         // The second time in memory that was used before, by more.
         for spheres in [&[spheres, spheres].concat(), spheres] {
@@ -93,9 +93,9 @@ fn reached(obstacle_grid: &ObstacleGrid, spheres: &[BoundingSphere]) -> Vec<Vec<
         }
         all
     };
-    let all = told(Path::Portable);
+    let all = reported(Path::Portable);
     for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-        assert_eq!(told(path), all, "{path:?}");
+        assert_eq!(reported(path), all, "{path:?}");
     }
     all
 }
@@ -108,24 +108,24 @@ fn must_agree_with_the_plainest_judge(
     let largest = spheres.iter().map(|sphere| sphere.radius).fold(0.0, f32::max);
     let obstacle_grid = ObstacleGrid::new(obstacle_bounds, largest);
     let mut unknown = 0;
-    for (sphere, told) in spheres.iter().zip(reached(&obstacle_grid, spheres)) {
-        if told == [obstacle_grid.unknown()] {
+    for (sphere, reported) in spheres.iter().zip(reached(&obstacle_grid, spheres)) {
+        if reported == [obstacle_grid.unknown()] {
             unknown += 1;
             continue;
         }
-        assert!(told.is_sorted());
+        assert!(reported.is_sorted());
         for (number, obstacle) in (0..).zip(obstacle_bounds) {
             // What spheres allow for is far more than this.
             let (gap, rounding) = (gap(obstacle, sphere), 1e-6 * f64::from(largest));
-            assert!(told.contains(&number) || gap > -rounding, "{number} is lost: {gap}");
-            assert!(!told.contains(&number) || gap <= rounding, "{number} is told: {gap}");
+            assert!(reported.contains(&number) || gap > -rounding, "{number} is lost: {gap}");
+            assert!(!reported.contains(&number) || gap <= rounding, "{number} is reported: {gap}");
         }
     }
     unknown
 }
 
 #[test]
-fn all_that_a_sphere_reaches_is_told_and_nothing_else_at_every_size() {
+fn all_that_a_sphere_reaches_is_reported_and_nothing_else_at_every_size() {
     for size in [1e-9, 1e-3, 1.0, 1e6, 1e15] {
         for count in [0, 1, 30, 500] {
             let spheres = spheres(400, size);
@@ -137,7 +137,7 @@ fn all_that_a_sphere_reaches_is_told_and_nothing_else_at_every_size() {
 }
 
 #[test]
-fn far_from_the_origin_where_a_cell_is_few_steps_of_f32_all_is_told_too() {
+fn far_from_the_origin_where_a_cell_is_few_steps_of_f32_all_is_reported_too() {
     for far in [1e3, 1e5, 3e6] {
         let shift = Vec3::new(far, -0.7 * far, 0.3 * far);
         let mut spheres = spheres(400, 1.0);
@@ -172,14 +172,14 @@ fn of_a_crowd_and_of_a_larger_sphere_than_foreseen_nothing_is_known() {
     let crowd = vec![obstacle(Vec3::ZERO, Vec3::ONE); LONGEST + 1];
     let obstacle_grid = ObstacleGrid::new(&crowd, 0.5);
     let at = |x: f32, radius| BoundingSphere { centre: Vec3::X * x, radius };
-    let asked = [at(0.0, 0.5), at(9.0, 0.5), at(9.0, 0.6), BoundingSphere::EVERYTHING];
+    let queries = [at(0.0, 0.5), at(9.0, 0.5), at(9.0, 0.6), BoundingSphere::EVERYTHING];
     let unknown = vec![obstacle_grid.unknown()];
     assert_eq!(
-        reached(&obstacle_grid, &asked),
+        reached(&obstacle_grid, &queries),
         [unknown.clone(), vec![], unknown.clone(), unknown]
     );
     let obstacle_grid = ObstacleGrid::new(&crowd[..LONGEST], 0.5);
-    assert_eq!(reached(&obstacle_grid, &asked[..1]), [(0..LONGEST as u32).collect::<Vec<_>>()]);
+    assert_eq!(reached(&obstacle_grid, &queries[..1]), [(0..LONGEST as u32).collect::<Vec<_>>()]);
 }
 
 #[test]
@@ -187,18 +187,18 @@ fn pairs_are_those_of_the_boxes_that_overlap_and_are_kept() {
     let obstacle_bounds = obstacle_bounds(60, 1.0);
     let obstacle_grid = ObstacleGrid::new(&obstacle_bounds, 0.1);
     let numbers: Vec<u32> = (0..60).collect();
-    let asked = Aabb { min: Vec3::splat(-0.7), max: Vec3::splat(0.4) };
+    let queries = Aabb { min: Vec3::splat(-0.7), max: Vec3::splat(0.4) };
     let mut pairs = vec![Pair::new(1, 2)];
-    obstacle_grid.append_pairs((7, &asked), &numbers, |i| !i.is_multiple_of(3), &mut pairs);
+    obstacle_grid.append_pairs((7, &queries), &numbers, |i| !i.is_multiple_of(3), &mut pairs);
     let overlaps =
-        |i: &u32| obstacle_bounds[*i as usize].aabb.overlaps(&asked) && !i.is_multiple_of(3);
+        |i: &u32| obstacle_bounds[*i as usize].aabb.overlaps(&queries) && !i.is_multiple_of(3);
     let due: Vec<Pair> = numbers.into_iter().filter(overlaps).map(|i| Pair { i, j: 7 }).collect();
     assert!(due.len() > 3);
     assert_eq!(pairs[1..], due);
 }
 
 #[test]
-fn the_likeliest_is_told_with_what_it_is_short_of_and_most_contacts_are_its() {
+fn the_likeliest_is_reported_with_its_shortfall_and_most_contacts_are_its() {
     let mut obstacle_bounds = obstacle_bounds(200, 1.0);
     obstacle_bounds.iter_mut().for_each(|obstacle| obstacle.inner.radius *= 4.0);
     let spheres = spheres(2000, 1.0);
@@ -215,7 +215,7 @@ fn the_likeliest_is_told_with_what_it_is_short_of_and_most_contacts_are_its() {
         noted[sphere] = (cell.likeliest, obstacle_grid.short_of(cell, &inner(&spheres[sphere])));
         false
     });
-    let (mut touching, mut told) = (0, 0);
+    let (mut touching, mut reported) = (0, 0);
     for (sphere, &(likeliest, short_of)) in spheres.iter().zip(&noted) {
         let due = |obstacle: &ObstacleBounds| obstacle.inner.short_of(&inner(sphere));
         let least = obstacle_bounds.iter().map(due).fold(f32::INFINITY, f32::min);
@@ -224,9 +224,9 @@ fn the_likeliest_is_told_with_what_it_is_short_of_and_most_contacts_are_its() {
             None => assert!(likeliest == obstacle_grid.unknown() && short_of == f32::INFINITY),
         }
         touching += usize::from(least <= 0.0);
-        told += usize::from(short_of <= 0.0);
+        reported += usize::from(short_of <= 0.0);
     }
-    assert!(touching > 100 && 5 * told > 4 * touching, "{told} of {touching}");
+    assert!(touching > 100 && 5 * reported > 4 * touching, "{reported} of {touching}");
 }
 
 #[test]
@@ -261,7 +261,7 @@ fn posed_bounds_are_looked_up_by_their_spheres_row_after_row() {
 }
 
 #[test]
-fn a_run_that_has_ended_is_told_no_more_and_none_of_it_is_noted() {
+fn a_run_that_has_ended_is_reported_no_more_and_none_of_it_is_noted() {
     let crowd = [obstacle(Vec3::ZERO, Vec3::ONE)];
     let obstacle_grid = ObstacleGrid::new(&crowd, 0.5);
     // Near it are all but the 3rd and all of the run that is third.
@@ -273,12 +273,15 @@ fn a_run_that_has_ended_is_told_no_more_and_none_of_it_is_noted() {
     let spheres: Vec<BoundingSphere> = (0..18).map(sphere).collect();
     let mut reached = GridHits::default();
     note(&obstacle_grid, &spheres, Path::best(), &mut reached);
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     reached.sift(2, 4, |run, cell| {
-        told.push((run, cell.sphere));
+        reported.push((run, cell.sphere));
         cell.sphere == 5 || cell.sphere == 17
     });
-    assert_eq!(told, [2, 4, 5, 12, 13, 14, 15, 16, 17].map(|sphere| (sphere as usize / 4, sphere)));
+    assert_eq!(
+        reported,
+        [2, 4, 5, 12, 13, 14, 15, 16, 17].map(|sphere| (sphere as usize / 4, sphere))
+    );
     obstacle_grid.reach(&rows(&spheres), &mut reached);
     let left: Vec<usize> = reached.spans().map(|(sphere, _)| sphere).collect();
     assert_eq!(left, [0, 1, 2, 12, 13, 14, 15]);

@@ -1,4 +1,4 @@
-//! Which nodes meet when two nodes have met.
+//! Combinations of the children of two nodes.
 
 use std::iter::DoubleEndedIterator;
 

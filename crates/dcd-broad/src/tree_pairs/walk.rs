@@ -19,7 +19,7 @@ pub(super) struct Walk<'w, T, K> {
 }
 
 impl<T: BoundingTree, K: Fn(u32, u32) -> bool + Sync> Walk<'_, T, K> {
-    /// Writes all candidates; where they are, in order.
+    /// Writes all candidates; returns their spans, in order.
     pub(super) fn gather(&self) -> Vec<Span> {
         let root = self.tree.root().map(|root| Visit { a: root, b: root });
         root.map(|visit| self.meet(visit, 0).into_spans().collect()).unwrap_or_default()

@@ -12,7 +12,7 @@ use dcd_geom::Aabb;
 const MIDPOINT_LEVELS: u32 = 128;
 
 pub(super) fn build(parameters: &PaperTree, aabbs: &[Aabb], exec: Exec, tree: &mut BinaryTree) {
-    let (indices, nodes) = tree.room_for(aabbs.len());
+    let (indices, nodes) = tree.reserve(aabbs.len());
     let Some((root, below)) = nodes.split_first_mut() else { return };
     let parallel_above = parameters.parallel_above.of(aabbs.len());
     let builder = Builder { parameters, aabbs, parallel_above };
@@ -31,16 +31,16 @@ struct Builder<'b> {
 struct Part<'t> {
     /// Where `indices` begins in the tree's list.
     first: usize,
-    /// The boxes of the subtree.
+    /// The AABBs of the subtree.
     indices: &'t mut [u32],
-    /// Room for the nodes below the subtree's root: two for every box but one.
+    /// Slots for the nodes below the subtree's root: two for every AABB but one.
     below: &'t mut [BinaryNode],
 }
 
 impl<'t> Part<'t> {
-    /// The two parts on both sides of `middle`, and the room between them for their roots. Which
-    /// room that is depends on `first + middle` alone, and no other node is split there: so a
-    /// node's place does not depend on who builds it when.
+    /// The two parts on both sides of `middle`, and the slots between them for their roots. Which slots
+    /// those are depends on `first + middle` alone, and no other node is split there: so a node's place does
+    /// not depend on who builds it when.
     fn split_at(self, middle: usize) -> (Self, &'t mut [BinaryNode], Self) {
         let (left, right) = self.indices.split_at_mut(middle);
         let (below_left, rest) = self.below.split_at_mut(2 * middle - 2);
@@ -76,7 +76,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Orders the boxes of a node into a left and a right side; where the right side begins.
+    /// Orders the AABBs of a node into a left and a right side; where the right side begins.
     fn split(self, indices: &mut [u32], depth: u32, exec: Exec) -> usize {
         if depth >= MIDPOINT_LEVELS {
             return indices.len() / 2;

@@ -1,5 +1,5 @@
-//! Bounds and sides of many boxes by halving the list: the same work, in the same order, whether
-//! the halves run at once or in turn.
+//! Bounds and sides of many AABBs by halving the list: the same work, in the same order, whether
+//! the halves run at once or one after the other.
 
 use super::Partition;
 use dcd_exec::Exec;
@@ -8,7 +8,7 @@ use dcd_geom::Aabb;
 /// Indices handled in one go. Larger: fewer tasks to share, more stack. Smaller: more overhead.
 const GRAIN: usize = 1024;
 
-/// The union of the boxes that `of` gives for the indices.
+/// The union of the AABBs that `of` gives for the indices.
 pub(super) fn reduce(indices: &[u32], exec: Exec, of: &(impl Fn(u32) -> Aabb + Sync)) -> Aabb {
     if indices.len() <= GRAIN {
         return indices.iter().fold(Aabb::EMPTY, |bounds, &i| bounds.union(&of(i)));
@@ -45,7 +45,7 @@ pub(super) fn partition(
     in_first + in_second
 }
 
-/// Of at most [`GRAIN`] indices.
+/// Partitions at most [`GRAIN`] indices, stably.
 fn stable(indices: &mut [u32], is_left: impl Fn(u32) -> bool) -> usize {
     let mut right_side = [0; GRAIN];
     let (mut left, mut right) = (0, 0);

@@ -1,4 +1,4 @@
-//! What makes one frame from the one before.
+//! The next frame of a moving scene.
 
 use super::Capture;
 use crate::failure::Failure;
@@ -9,7 +9,7 @@ use dcd_gjk::{PosedSupport, epa};
 use dcd_pipeline::{Par, Pipeline};
 use dcd_scenes::{Pile, PileContact, RandomWalk, SceneSpec};
 
-/// The name of the scene that falls.
+/// The name of the scene of falling hulls.
 const PILE: &str = "pile";
 /// Hulls in it.
 const USUAL_HULLS: u32 = 1_000;
@@ -18,11 +18,11 @@ const BYTES_A_HULL: f64 = 400.0;
 /// The deviation of a walk's steps, metres and rad.
 const USUAL_SIGMA: f64 = 0.01;
 
-/// A scene that moves.
+/// A moving scene.
 pub(super) enum Moving {
-    /// Hulls that fall.
+    /// Falling hulls.
     Falling(Box<Falling>),
-    /// Objects that walk at random.
+    /// A random walk.
     Walking(Box<Walking>),
 }
 
@@ -43,28 +43,28 @@ pub(super) struct Falling {
 }
 
 impl Moving {
-    pub(super) fn new(asked: &Capture) -> Result<Self, Failure> {
-        if asked.scene == PILE {
-            if asked.sigma.is_some() {
+    pub(super) fn new(options: &Capture) -> Result<Self, Failure> {
+        if options.scene == PILE {
+            if options.sigma.is_some() {
                 return Err(Failure::at("--sigma", "a pile falls, it does not walk"));
             }
-            let hulls = asked.n.unwrap_or(USUAL_HULLS) as usize;
+            let hulls = options.n.unwrap_or(USUAL_HULLS) as usize;
             let what = format_args!("{hulls} hulls");
             memory::demand("--n", what, hulls as f64 * BYTES_A_HULL)?;
-            let pile = Pile::new(hulls, asked.seed).map_err(|e| Failure::at("--n", e))?;
+            let pile = Pile::new(hulls, options.seed).map_err(|e| Failure::at("--n", e))?;
             return Ok(Self::Falling(Box::new(Falling::new(pile))));
         }
-        let mut spec = SceneSpec::parse(&asked.scene)
+        let mut spec = SceneSpec::parse(&options.scene)
             .map_err(|error| Failure::at("--scene", format_args!("{error} {PILE}")))?
-            .with_seed(asked.seed);
-        spec.objects = asked.n.map_or(spec.objects, |n| n as usize);
-        let what = format_args!("{} objects of {:?}", spec.objects, asked.scene);
+            .with_seed(options.seed);
+        spec.objects = options.n.map_or(spec.objects, |n| n as usize);
+        let what = format_args!("{} objects of {:?}", spec.objects, options.scene);
         memory::demand("--n", what, spec.least_bytes())?;
-        let walk = RandomWalk::new(asked.sigma.unwrap_or(USUAL_SIGMA), asked.seed);
+        let walk = RandomWalk::new(options.sigma.unwrap_or(USUAL_SIGMA), options.seed);
         let walk = walk.map_err(|error| Failure::at("--sigma", error))?;
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let scene = on_threads(cores, |run| spec.scene_by(run))?;
-        let scene = scene.map_err(|error| Failure::at(&asked.scene, error))?;
+        let scene = scene.map_err(|error| Failure::at(&options.scene, error))?;
         Ok(Self::Walking(Box::new(Walking { scene, walk })))
     }
 

@@ -7,10 +7,10 @@ use dcd_geom::{Aabb, Scene};
 /// Pairs that are drawn. More: a surer estimate, later.
 const DRAWN: u32 = 1 << 18;
 
-/// Bytes of a candidate pair while a step settles it, at least.
+/// Bytes of a candidate pair while a step decides it, at least.
 const BYTES_A_PAIR: f64 = 16.0;
 
-/// That the pairs of the scene can be had, by those whose boxes overlap among some that are drawn.
+/// Checks that memory holds the candidate pairs of the scene, estimated from a sample of all pairs.
 pub(super) fn check(scene: &Scene) -> Result<(), Failure> {
     let count = scene.len() as f64;
     let all = count * (count - 1.0) * 0.5;
@@ -23,7 +23,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Failure> {
     memory::demand("the scene", what, pairs * BYTES_A_PAIR)
 }
 
-/// The part of all pairs whose boxes overlap, by a fixed draw: so that a scene is always refused, or
+/// The part of all pairs whose AABBs overlap, by a fixed draw, so that a scene is always refused, or
 /// never.
 fn overlapping(boxes: &[Aabb]) -> f64 {
     let mut state = 1u64;
@@ -47,7 +47,7 @@ mod tests {
 
     #[test]
     fn the_part_that_overlaps_is_found_within_a_tenth() {
-        // In 100 places, 30 boxes each: one pair in 100.
+        // In 100 places, 30 AABBs each: one pair in 100.
         let at = |k: usize| {
             let min = Vec3::X * (k % 100) as f32 * 2.0;
             Aabb { min, max: min + Vec3::ONE }

@@ -1,4 +1,4 @@
-//! Where the scene comes from.
+//! The source of the scene.
 
 use crate::failure::Failure;
 use crate::making::on_threads;
@@ -66,7 +66,7 @@ pub(super) struct Loaded {
 const BYTES_A_CLOUD_OBJECT: f64 = 400.0;
 
 impl Source {
-    /// The files that it is read from.
+    /// The input files.
     pub(super) fn inputs(&self) -> Vec<PathBuf> {
         let named = [&self.file, &self.clouds, &self.capture].into_iter().flatten().cloned();
         named.chain(data::file("hulls/convex_hulls.bin")).collect()
@@ -115,7 +115,7 @@ impl Source {
     }
 }
 
-/// What `parse` makes of the file or of standard input.
+/// The file or standard input, parsed.
 fn read<T>(path: &Path, parse: fn(&[u8]) -> Result<T, ReadError>) -> Result<T, Failure> {
     let place = place(path);
     let bytes = if path.as_os_str() == STANDARD_INPUT {

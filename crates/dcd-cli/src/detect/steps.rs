@@ -1,6 +1,6 @@
-//! The steps themselves, on the precision asked for, with the time of each stage.
+//! The steps at the chosen precision, with the time of each stage.
 
-use super::ask::{Answers, Query};
+use super::question::{Answers, Query};
 use crate::failure::Failure;
 use crate::precision::Precision;
 use crate::progress::Progress;
@@ -11,7 +11,7 @@ use dcd_gjk::Undecided;
 use dcd_pipeline::{Exec, Par, StageClock};
 use std::time::{Duration, Instant};
 
-/// What is to be run.
+/// The run: how the scene is stepped.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
     pub(super) precision: Precision,
@@ -22,14 +22,14 @@ pub(super) struct Plan {
     pub(super) repeats: u32,
 }
 
-/// What was found, and how long each step took.
+/// The results, and the time of each step.
 #[derive(Debug, Default)]
 pub(super) struct Found {
     /// How many candidates there were.
     pub(super) pairs: usize,
     /// Sorted.
     pub(super) contacts: Vec<Pair>,
-    /// What was told of each, in the same order, if it is kept.
+    /// The answer for each, in the same order, if it is kept.
     pub(super) reported: Vec<(Pair, Reported)>,
     /// The bound of each measure that has one.
     pub(super) error_bounds: Vec<f64>,
@@ -42,7 +42,7 @@ pub(super) struct Found {
 
 /// Runs the plan. What depends on the shapes alone is derived before the first step.
 pub(super) fn run(scene: &Scene, plan: Plan) -> Result<Found, Failure> {
-    let mut stepper = stepper(scene, plan.precision, plan.query.asked())?;
+    let mut stepper = stepper(scene, plan.precision, plan.query.question())?;
     let found = on_threads(plan.threads, |par| steps(scene, &mut *stepper, par, plan))?;
     Ok(Found { refused: stepper.refused(), ..found })
 }
@@ -65,7 +65,7 @@ fn steps(scene: &Scene, stepper: &mut dyn Stepper, par: Par, plan: Plan) -> Foun
                 step.answers().filter_map(|(_, answer)| answer.error_bound()).collect();
             if plan.query.answers == Answers::Kept {
                 found.reported =
-                    step.answers().map(|(pair, answer)| (pair, answer.tell())).collect();
+                    step.answers().map(|(pair, answer)| (pair, answer.report())).collect();
             }
             found.undecided = step.report().undecided().to_vec();
         }

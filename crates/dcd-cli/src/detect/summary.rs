@@ -1,7 +1,7 @@
-//! What is told of a run, as text and as JSON.
+//! The summary of a run, as text and as JSON.
 
-use super::ask::Question;
 use super::contacts::digest;
+use super::question::Question;
 use super::steps::{Found, Plan};
 use crate::precision::{Accuracy, Precision, in_words};
 use dcd_io::CloudCensus;
@@ -10,13 +10,13 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::time::Duration;
 
-/// What is told.
+/// What is reported.
 pub(super) struct Summary<'a> {
     pub(super) objects: usize,
     pub(super) clouds: Option<CloudCensus>,
     pub(super) plan: Plan,
     pub(super) found: &'a Found,
-    /// `None` where the system does not tell.
+    /// `None` where the system does not report it.
     pub(super) peak_bytes: Option<u64>,
 }
 
@@ -37,7 +37,7 @@ struct Json {
     #[serde(skip_serializing_if = "Option::is_none")]
     error_bound: Option<ErrorBound>,
     ms: Stages,
-    /// null where the system does not tell.
+    /// null where the system does not report it.
     peak_rss_bytes: Option<u64>,
     digest: String,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -158,7 +158,7 @@ impl Summary<'_> {
         }
         match self.peak_bytes {
             Some(bytes) => line("peak memory", &format_args!("{:.1} MB", bytes as f64 / 1e6)),
-            None => line("peak memory", &"not told by this system"),
+            None => line("peak memory", &"not reported by this system"),
         }
         line("digest", &self.digest());
         text

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// The name that stands for standard input.
 const STANDARD_INPUT: &str = "-";
 
-/// That no output is an input or another output: by name, by link, or as a standard stream.
+/// Checks that no output is an input or another output: by name, by link, or as a standard stream.
 pub(crate) fn check_distinct(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Failure> {
     let inputs: Vec<_> = inputs.iter().filter_map(|path| Place::of_input(path)).collect();
     let mut taken: Vec<(PathBuf, Place)> = Vec::new();
@@ -30,7 +30,7 @@ pub(crate) fn check_distinct(inputs: &[&Path], outputs: &[&Path]) -> Result<(), 
     Ok(())
 }
 
-/// What tells a file from all others.
+/// What identifies a file.
 #[derive(Debug, PartialEq, Eq)]
 enum Place {
     /// A file that is there, by device and number.

@@ -1,4 +1,4 @@
-//! What is left to do when a signal ends the run: the temporary files go.
+//! Removes temporary files when a signal ends the run.
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -6,7 +6,7 @@ use dcd_geom::glam::DVec3;
 use dcd_gjk::Verdict;
 use serde::Serialize;
 
-/// What is said of a pair: only what was asked for is there. World frame, metres.
+/// The answer for a pair: only what the query computes is present. World frame, metres.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Answer {
     answer: &'static str,

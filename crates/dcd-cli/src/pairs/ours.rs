@@ -19,7 +19,7 @@ pub(super) struct Solvers {
 }
 
 impl Solvers {
-    /// What that precision, one of ours, says of a and b.
+    /// The answer of that precision, one of ours, for a and b.
     pub(super) fn answer(
         &mut self,
         (precision, query, accuracy): (Precision, Query, Accuracy),
@@ -29,12 +29,12 @@ impl Solvers {
         if query == Query::Distance {
             return distance(precision, accuracy, a, b);
         }
-        let (verdict, settled) = match precision {
+        let (verdict, method) = match precision {
             Precision::Fast => Gjk::<f32>::default().settle(a, b, &mut ()),
             Precision::F64 => Gjk::<f64>::default().settle(a, b, &mut ()),
             Precision::Certified => Certified.settle(a, b, &mut Default::default()),
         };
-        let mut answer = Answer::new(&verdict, name(settled));
+        let mut answer = Answer::new(&verdict, name(method));
         match (query, verdict) {
             (Query::Depth, Verdict::Touching(())) => self.deepen(&mut answer, accuracy, a, b),
             (Query::Manifold, Verdict::Touching(())) => self.spread(&mut answer, accuracy, a, b),
@@ -80,7 +80,7 @@ fn distance(
     a: PosedShape<'_>,
     b: PosedShape<'_>,
 ) -> Answer {
-    let (found, settled) = match precision {
+    let (found, method) = match precision {
         Precision::Fast | Precision::F64 => (distance::in_f64(a, b), Method::F64),
         Precision::Certified => distance::distance_at(accuracy.into(), a, b),
     };
@@ -91,7 +91,7 @@ fn distance(
             Verdict::Undecided(reason)
         }
     };
-    let mut answer = Answer::new(&verdict, name(settled));
+    let mut answer = Answer::new(&verdict, name(method));
     match found {
         DistanceResult::Apart(found) | DistanceResult::Interval { within: found, .. } => {
             answer.distance = Some(found.distance);

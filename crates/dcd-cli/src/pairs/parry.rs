@@ -1,4 +1,4 @@
-//! What Parry says of a pair, through its public queries, passed on as it is.
+//! Parry's answer for a pair, through its public queries, unchanged.
 
 use super::answer::{Answer, Way};
 use super::{Query, Side};
@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// A shape of Parry's at a pose.
 pub(super) type Placed<'a, R> = (&'a <R as Library>::Form, &'a <R as Library>::Pose);
 
-/// The queries of a build of Parry that tell more than yes or no.
+/// The queries of a build of Parry that give more than yes or no.
 pub(super) trait Queries: Library {
     /// `query::distance`; 0 is how it says that the shapes touch.
     fn distance(a: Placed<'_, Self>, b: Placed<'_, Self>) -> Option<f64>;
@@ -63,14 +63,14 @@ fn in_f64<T: Into<f64>>(v: impl Into<[T; 3]>) -> DVec3 {
     DVec3::from_array(v.into().map(Into::into))
 }
 
-/// What the build for R says. Undecided where it refuses a shape, does not know the pair, is out
+/// The answer of the build for R. Undecided where it refuses a shape, does not know the pair, is out
 /// of its range, panics, or answers with what is no number.
 pub(super) fn answer<R: Queries>(query: Query, method: &'static str, a: &Side, b: &Side) -> Answer {
     let undecided = |reason| Answer::new(&Verdict::<()>::Undecided(reason), method);
     if !within_range::<R>(a, b) {
         return undecided(Reason::Range);
     }
-    let ask = || {
+    let run = || {
         let [form_a, form_b] = [a, b].map(|side| R::form(&side.shape));
         let [pose_a, pose_b] = [a, b].map(|side| R::pose(&side.pose));
         let (a, b) = ((&form_a?, &pose_a), (&form_b?, &pose_b));
@@ -82,8 +82,8 @@ pub(super) fn answer<R: Queries>(query: Query, method: &'static str, a: &Side, b
         }
     };
     // It asserts its own invariants. Nothing that the closure reads can be left half changed.
-    let asked = catch_unwind(AssertUnwindSafe(ask));
-    asked.ok().flatten().unwrap_or_else(|| undecided(Reason::Foreign))
+    let answer = catch_unwind(AssertUnwindSafe(run));
+    answer.ok().flatten().unwrap_or_else(|| undecided(Reason::Foreign))
 }
 
 fn within_range<R: Library>(a: &Side, b: &Side) -> bool {

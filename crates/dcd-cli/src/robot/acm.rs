@@ -1,7 +1,7 @@
 //! The pairs of links that need no check, as an SRDF.
 
 use super::refused;
-use crate::failure::{Failure, tell};
+use crate::failure::{Failure, print_message};
 use crate::output::{Output, check_distinct};
 use crate::progress::Progress;
 use dcd_robot::{LinkPair, PairReason, PairSearch, Robot, write_srdf};
@@ -48,7 +48,7 @@ impl Acm<'_> {
             pairs.iter().filter(|pair| pair.reason == PairReason::Default)
         {
             let then = if self.allow_default { "allowed" } else { "left to be checked" };
-            tell(format_args!(
+            print_message(format_args!(
                 "{a:?} and {b:?} touch at rest but not always, a fault of the model: {then}"
             ));
         }

@@ -1,4 +1,4 @@
-//! What the meshes of links are taken as, and what an answer says of it.
+//! How meshes of links are represented, and how an answer reports it.
 
 use dcd_robot::{LinkShapes, Robot};
 use serde::{Serialize, Serializer};
@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
-/// What the meshes of links are taken as: `hulls`, `hulls:N` or `meshes`.
+/// How meshes of links are represented: `hulls`, `hulls:N` or `meshes`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Links(pub(super) LinkShapes);
 
@@ -43,7 +43,7 @@ impl Serialize for Links {
     }
 }
 
-/// The meshes of one link: `LINK=` and what they are taken as.
+/// The meshes of one link: `LINK=` and their representation.
 #[derive(Clone, Debug)]
 pub(super) struct LinksOf(String, Links);
 
@@ -58,13 +58,13 @@ impl FromStr for LinksOf {
     }
 }
 
-/// What an answer is about.
+/// The subject of an answer.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(super) struct Geometry {
     geometry: Links,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     geometry_of: BTreeMap<String, Links>,
-    /// By how much hulls of few vertices stand out at most, metres; where there are any.
+    /// The most by which hulls of few vertices exceed their meshes, metres, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     tolerance: Option<f64>,
 }

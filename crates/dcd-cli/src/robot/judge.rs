@@ -1,10 +1,10 @@
-//! Who is right where two answers differ.
+//! Exact judgement of pairs on which two answers differ.
 
 use dcd_geom::{Pair, Scene, Shape};
 use dcd_gjk::{DistanceResult, PosedShape, PosedSupport, Verdict, certified, distance, epa};
 use serde::Serialize;
 
-/// What is true of a pair.
+/// The truth of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Truth {
@@ -16,16 +16,16 @@ pub(super) enum Truth {
 
 /// A pair on which two answers differ.
 #[derive(Debug, Serialize)]
-pub(super) struct Settled {
+pub(super) struct Judged {
     pub(super) truth: Truth,
     /// How far the surfaces are from each other, metres: the gap, or the depth of an overlap. Of
-    /// meshes it is not asked for.
+    /// meshes it is not computed.
     pub(super) metres: Option<f64>,
 }
 
-/// Settles a pair by exact arithmetic, or for curved shapes by the certificate of f64; a mesh
+/// Judges a pair by exact arithmetic, or for curved shapes by the certificate of f64; a mesh
 /// triangle by triangle.
-pub(super) fn settle(scene: &Scene, pair: Pair) -> Settled {
+pub(super) fn judge_pair(scene: &Scene, pair: Pair) -> Judged {
     let [i, j] = [pair.i as usize, pair.j as usize];
     let placed = |k: usize| PosedShape { shape: scene.shape(k), pose: &scene.poses()[k] };
     let (a, b) = (placed(i), placed(j));
@@ -39,7 +39,7 @@ pub(super) fn settle(scene: &Scene, pair: Pair) -> Settled {
         (Truth::Open, _) | (_, Truth::Open) => Truth::Open,
         (Truth::Apart, Truth::Apart) => Truth::Apart,
     });
-    Settled { truth, metres: if truth == Truth::Touching { depth(a, b) } else { gap(a, b) } }
+    Judged { truth, metres: if truth == Truth::Touching { depth(a, b) } else { gap(a, b) } }
 }
 
 /// The convex pieces of a shape.

@@ -2,7 +2,7 @@
 
 use super::picture::Picture;
 use super::refused;
-use crate::failure::{Failure, tell};
+use crate::failure::{Failure, print_message};
 use crate::output::Output;
 use crate::progress::Progress;
 use dcd_exec::{Exec, PerThread, Segments};
@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// How many lines are read before they are checked.
 const BLOCK: usize = 4096;
 
-/// What all lines are about.
+/// What all lines have in common.
 pub(super) struct Given<'a> {
     pub(super) robot: &'a Robot,
     pub(super) world: &'a World,
@@ -28,9 +28,9 @@ pub(super) struct Given<'a> {
     pub(super) meshes: MeshSource,
 }
 
-/// What lines ask.
+/// The query of each line.
 pub(super) trait Question: Sync {
-    /// What a line says.
+    /// The content of a line.
     type Item: Send + Sync;
     /// What a thread keeps from line to line.
     type Checker: Default + Send;
@@ -58,11 +58,11 @@ pub(super) trait Question: Sync {
     /// What the robot carries in it.
     fn attached(item: &Self::Item) -> &Arc<[AttachedObject]>;
 
-    /// Adds what was asked about to a picture.
+    /// Adds what was checked to a picture.
     fn draw(robot: &Robot, item: &Self::Item, answer: &Self::Answer, picture: &mut Picture);
 }
 
-/// The first key of what comes out for a line.
+/// The first key of the output for a line.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Which {
@@ -70,7 +70,7 @@ pub(super) enum Which {
     Edge(usize),
 }
 
-/// What comes out for a line.
+/// The output for a line.
 #[derive(Clone, Debug, Serialize)]
 struct Line<A> {
     #[serde(flatten)]
@@ -122,7 +122,7 @@ pub(super) fn answer<Q: Question>(
     let defaults = given.robot.state(&given.world.joints).map_err(refused)?;
     let mut reader = StateReader::new(given.robot, defaults, given.meshes.clone());
     let mut out = stdout().lock();
-    // Lines that are looked at are progress enough.
+    // Lines on a terminal are progress enough.
     let progress = (!out.is_terminal()).then(|| Progress::over(0, Q::PLURAL));
     let mut lines = read_lines(BufReader::new(file));
     let mut drawing = glb.map(Drawing::new);
@@ -165,7 +165,7 @@ pub(super) fn answer<Q: Question>(
                 drawing.draw::<Q>(given.robot, (line.which, item, answer));
             }
             if let Outcome::Refused { error } = &line.outcome {
-                tell(format_args!("{place}: {error}"));
+                print_message(format_args!("{place}: {error}"));
                 tally.refused += 1;
             }
             serde_json::to_writer(&mut out, line).map_err(|error| Failure::Output(error.into()))?;
@@ -216,7 +216,7 @@ impl Drawing {
     }
 }
 
-/// What is told of all lines together.
+/// What is reported of all lines together.
 struct Tally {
     plural: &'static str,
     lines: usize,
@@ -229,11 +229,11 @@ impl Tally {
         Self { plural, lines: 0, refused: 0, beyond: 0 }
     }
 
-    /// Tells of the first line with a state that a planner would not go to, and counts all.
+    /// Reports the first line with a state that a planner would not go to, and counts all.
     fn note_limits(&mut self, robot: &Robot, states: &[Vec<f64>], (place, line): (&str, usize)) {
         let mut beyond = states.iter().flat_map(|state| robot.beyond_limits(state)).peekable();
         if let (Some(first), 0) = (beyond.peek(), self.beyond) {
-            tell(format_args!("{place}: line {line}: {first}"));
+            print_message(format_args!("{place}: line {line}: {first}"));
         }
         self.beyond += usize::from(beyond.peek().is_some());
     }
@@ -241,7 +241,7 @@ impl Tally {
     fn end(self, place: &str) -> Result<(), Failure> {
         let Self { plural, lines, refused, beyond } = self;
         if beyond > 1 {
-            tell(format_args!("{place}: {beyond} of {lines} {plural} are beyond limits"));
+            print_message(format_args!("{place}: {beyond} of {lines} {plural} are beyond limits"));
         }
         if refused > 0 {
             return Err(Failure::at(place, format_args!("{refused} of {lines} lines refused")));

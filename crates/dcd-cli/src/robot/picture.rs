@@ -1,7 +1,7 @@
 //! A robot in its world as binary glTF: states one after the other, motions between them.
 
 use super::refused;
-use crate::failure::{Failure, tell};
+use crate::failure::{Failure, print_message};
 use crate::output::Output;
 use dcd_io::{GlbContact, GlbScene};
 use dcd_pipeline::{Par, Pipeline};
@@ -69,7 +69,9 @@ impl Picture {
                 .map_err(Failure::Output)?;
         }
         if let Some(error) = unknown {
-            tell(format_args!("--glb: contact points that are not known are not drawn: {error}"));
+            print_message(format_args!(
+                "--glb: contact points that are not known are not drawn: {error}"
+            ));
         }
         file.write(|to| glb.write(to))?;
         file.commit()

@@ -1,10 +1,10 @@
 //! Every problem of an archive, checked by us and by Parry.
 
 use super::geometry::Geometry;
-use super::judge::{Settled, settle};
+use super::judge::{Judged, judge_pair};
 use super::refused;
 use super::rival::{Rival, Wanted, parry_pose};
-use crate::failure::{Failure, tell};
+use crate::failure::{Failure, print_message};
 use crate::progress::Progress;
 use dcd_geom::{Pair, Pose};
 use dcd_io::shown;
@@ -22,7 +22,7 @@ const STATES: usize = 100;
 /// The most shapes of a robot: all of its pairs are listed for each problem.
 const SHAPES: usize = 4096;
 
-/// What all problems are about.
+/// What all problems have in common.
 pub(super) struct Given<'a> {
     pub(super) robot: &'a Robot,
     pub(super) srdf: Option<&'a Srdf>,
@@ -30,7 +30,7 @@ pub(super) struct Given<'a> {
     pub(super) geometry: Geometry,
 }
 
-/// What all problems came to.
+/// The results of all problems.
 #[derive(Debug, Default, Serialize)]
 pub(super) struct Checked {
     #[serde(flatten)]
@@ -47,7 +47,7 @@ pub(super) struct Checked {
     contacts: usize,
     undecided: usize,
     parry_contacts: usize,
-    /// Pairs that Parry could not tell.
+    /// Pairs that Parry left undecided.
     parry_undecided: usize,
     differences: Vec<Difference>,
     #[serde(flatten)]
@@ -123,7 +123,7 @@ struct Difference {
     pair: [String; 2],
     we_say: &'static str,
     #[serde(flatten)]
-    settled: Settled,
+    judged: Judged,
 }
 
 /// What one problem leaves to the next.
@@ -162,7 +162,7 @@ pub(super) fn check(given: &Given<'_>, archive: &Path) -> Result<Checked, Failur
         })?;
     }
     for (note, count) in &runner.notes {
-        tell(format_args!("{}: in {count} problems: {note}", shown(archive)));
+        print_message(format_args!("{}: in {count} problems: {note}", shown(archive)));
     }
     checked.times = runner.spent.times();
     checked.first_hits = runner.first_hits;
@@ -214,7 +214,7 @@ impl Checked {
         for (state, values) in states.iter().enumerate() {
             cell.robot().place(values, &mut poses).map_err(refused)?;
             runner.ours = std::mem::take(&mut runner.batch[state]);
-            self.parry_undecided += runner.ask_parry(&cell, &mut rival, &poses);
+            self.parry_undecided += runner.query_parry(&cell, &mut rival, &poses);
             self.count(state, runner);
             if runner.ours != runner.theirs {
                 cell.set_poses(&poses).map_err(refused)?;
@@ -224,7 +224,7 @@ impl Checked {
                     state,
                     pair: [pair.i, pair.j].map(|k| cell.names()[k as usize].clone()),
                     we_say,
-                    settled: settle(cell.scene(), pair),
+                    judged: judge_pair(cell.scene(), pair),
                 });
                 self.differences.extend(found);
             }
@@ -305,7 +305,7 @@ impl Runner {
     }
 
     /// Parry's, with the poses turned into its own before the clock starts.
-    fn ask_parry(&mut self, cell: &Workcell, rival: &mut Rival, poses: &[Pose]) -> usize {
+    fn query_parry(&mut self, cell: &Workcell, rival: &mut Rival, poses: &[Pose]) -> usize {
         let parts = cell.robot().parts().iter().zip(poses);
         let placed: Vec<_> = parts.map(|(part, pose)| parry_pose(&part.shape, pose)).collect();
         let begun = Instant::now();
@@ -358,8 +358,8 @@ impl Checked {
             self.parry_undecided,
             self.differences.len()
         );
-        for Difference { set, number, state, pair: [a, b], we_say, settled } in &self.differences {
-            let Settled { truth, metres } = settled;
+        for Difference { set, number, state, pair: [a, b], we_say, judged } in &self.differences {
+            let Judged { truth, metres } = judged;
             let _ = writeln!(
                 text,
                 "{set}/{number} state {state}: {a} and {b}: we say {we_say}, the truth is \

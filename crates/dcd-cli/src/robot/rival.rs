@@ -9,7 +9,7 @@ use parry3d_f64::math::Pose as ParryPose;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d_f64::shape::SharedShape;
 
-/// Parry's shapes for a workcell, a tree over its world, and which pairs are asked.
+/// Parry's shapes for a workcell, a tree over its world, and which pairs are checked.
 pub(super) struct Rival {
     links: Vec<SharedShape>,
     obstacles: Vec<(SharedShape, ParryPose)>,
@@ -17,7 +17,7 @@ pub(super) struct Rival {
     /// The pairs of links that may not touch.
     self_pairs: Vec<Pair>,
     /// For each link and obstacle whether they may not touch.
-    asked: Vec<bool>,
+    is_checked: Vec<bool>,
     boxes: Vec<Aabb>,
 }
 
@@ -37,9 +37,8 @@ impl Rival {
         let forms =
             scene.shapes().iter().map(<f64 as Library>::form).collect::<Option<Vec<_>>>()?;
         let (own, world) = forms.split_at(links);
-        let standing = (links..).zip(world);
-        let obstacles: Vec<_> =
-            standing.map(|(i, form)| (form.clone(), pose_of(scene, i))).collect();
+        let placed = (links..).zip(world);
+        let obstacles: Vec<_> = placed.map(|(i, form)| (form.clone(), pose_of(scene, i))).collect();
         let boxes = obstacles.iter().map(|(form, pose)| form.compute_aabb(pose)).enumerate();
         let (all, own_links) = (scene.len() as u32, links as u32);
         let pairs = (0..own_links).flat_map(|i| (i + 1..all).map(move |j| Pair { i, j }));
@@ -49,35 +48,36 @@ impl Rival {
             tree: Bvh::from_iter(BvhBuildStrategy::Binned, boxes),
             obstacles,
             self_pairs: own_pairs.into_iter().filter(|p| scene.allows(p.i, p.j)).collect(),
-            asked: world_pairs.iter().map(|p| scene.allows(p.i, p.j)).collect(),
+            is_checked: world_pairs.iter().map(|p| scene.allows(p.i, p.j)).collect(),
             boxes: Vec::new(),
         })
     }
 
-    /// The touching pairs with the links at these poses, all or the first alone, and how many it could not tell.
+    /// The touching pairs with the links at these poses, all or the first alone, and how many it left undecided.
     pub(super) fn check(
         &mut self,
         poses: &[ParryPose],
         wanted: Wanted,
         touching: &mut Vec<Pair>,
     ) -> usize {
-        let Self { links, obstacles, tree, self_pairs, asked, boxes } = self;
+        let Self { links, obstacles, tree, self_pairs, is_checked, boxes } = self;
         touching.clear();
         boxes.clear();
         boxes.extend(links.iter().zip(poses).map(|(form, pose)| form.compute_aabb(pose)));
         let mut untold = 0;
-        let mut ask = |pair: Pair, a: (&SharedShape, &ParryPose), b: (&SharedShape, &ParryPose)| {
-            match <f64 as Library>::touching(Query::IntersectionTest, a, b) {
-                Some(true) => touching.push(pair),
-                Some(false) => {}
-                None => untold += 1,
-            }
-            wanted == Wanted::First && !touching.is_empty()
-        };
+        let mut query =
+            |pair: Pair, a: (&SharedShape, &ParryPose), b: (&SharedShape, &ParryPose)| {
+                match <f64 as Library>::touching(Query::IntersectionTest, a, b) {
+                    Some(true) => touching.push(pair),
+                    Some(false) => {}
+                    None => untold += 1,
+                }
+                wanted == Wanted::First && !touching.is_empty()
+            };
         for &pair in &*self_pairs {
             let [i, j] = [pair.i as usize, pair.j as usize];
             if boxes[i].intersects(&boxes[j])
-                && ask(pair, (&links[i], &poses[i]), (&links[j], &poses[j]))
+                && query(pair, (&links[i], &poses[i]), (&links[j], &poses[j]))
             {
                 return untold;
             }
@@ -85,10 +85,10 @@ impl Rival {
         for (i, aabb) in boxes.iter().enumerate() {
             for leaf in tree.intersect_aabb(aabb) {
                 let k = leaf as usize;
-                if asked[i * obstacles.len() + k] {
+                if is_checked[i * obstacles.len() + k] {
                     let pair = Pair { i: i as u32, j: links.len() as u32 + leaf };
                     let (form, pose) = &obstacles[k];
-                    if ask(pair, (&links[i], &poses[i]), (form, pose)) {
+                    if query(pair, (&links[i], &poses[i]), (form, pose)) {
                         return untold;
                     }
                 }

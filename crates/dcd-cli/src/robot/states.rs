@@ -40,7 +40,7 @@ pub(super) struct Answer {
     contacts: BTreeSet<[String; 2]>,
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     undecided: BTreeSet<[String; 2]>,
-    /// Only where it is asked for; then `None` where there is no pair.
+    /// Only on request; then `None` where there is no pair.
     #[serde(skip_serializing_if = "Option::is_none")]
     clearance: Option<Option<Nearest>>,
 }

@@ -1,7 +1,7 @@
 //! The hull of points in triangles, on a lattice.
 //!
-//! The points are rounded once to a lattice of 2⁻³⁸ of their extent, so that what rounding brought
-//! off a line or plane is told from what is off it by more; on it every decision is exact.
+//! The points are rounded once to a lattice of 2⁻³⁸ of their extent, which separates deviations from a line
+//! or plane that are rounding from larger ones; on it every decision is exact.
 
 use crate::hull::{ExactPoints, Triangle, surface};
 use glam::DVec3;
@@ -27,7 +27,7 @@ pub(super) enum Hull {
     Point(u32),
 }
 
-/// Of at least one point; of none, an index that nothing has.
+/// The hull of at least one point; of none, an invalid index.
 pub(super) fn hull(vertices: &[DVec3]) -> Hull {
     let points = on_lattice(vertices);
     let start = match Start::of(&points) {
@@ -55,7 +55,7 @@ fn on_lattice(vertices: &[DVec3]) -> Vec<Point> {
     vertices.iter().map(|&v| (v - middle).to_array().map(on_axis)).collect()
 }
 
-/// What to begin with.
+/// The initial simplex.
 enum Start {
     Solid([u32; 4]),
     Flat([u32; 3]),

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// How far a point must be outside the line of its neighbours to be a corner, relative to the
-/// product of the edges' lengths: the rounding of a cross product, and room. Larger: lost corners
+/// product of the edges' lengths: the rounding of a cross product, and a margin. Larger: lost corners
 /// of finely cut rims. Smaller: corners in the middle of edges.
 const STRAIGHT: f64 = 1e-12;
 
@@ -56,8 +56,8 @@ type Flat = (u32, [f64; 2]);
 
 fn turns_left(v: [f64; 2], w: [f64; 2], x: [f64; 2]) -> bool {
     let (e, f) = ([w[0] - v[0], w[1] - v[1]], [x[0] - w[0], x[1] - w[1]]);
-    let room = STRAIGHT * e[0].hypot(e[1]) * f[0].hypot(f[1]);
-    e[0] * f[1] - e[1] * f[0] > room
+    let threshold = STRAIGHT * e[0].hypot(e[1]) * f[0].hypot(f[1]);
+    e[0] * f[1] - e[1] * f[0] > threshold
 }
 
 /// From the first to the last point, turning left at each.

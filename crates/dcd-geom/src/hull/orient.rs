@@ -16,7 +16,7 @@ const TOP: i32 = 330;
 /// The exponent of the smallest bit of a coordinate: three times it is that of the smallest f64.
 const BOTTOM: i32 = -358;
 
-/// What the determinant may be wrong by, times the product of the three extents. No unit.
+/// The error bound of the determinant, in multiples of the product of the three extents. No unit.
 ///
 /// It is the sum of six products of one difference along each axis, and each product takes part in
 /// eight roundings: three of differences, two of multiplications, three of sums. So it is wrong by at
@@ -78,12 +78,12 @@ impl ExactPoints {
         self.points[k as usize]
     }
 
-    /// Only those, numbered anew.
+    /// These points alone, renumbered.
     pub(crate) fn only(&self, kept: &[u32]) -> Self {
         Self::in_range(kept.iter().map(|&k| self.get(k)).collect())
     }
 
-    /// The same with one more, within the same limits.
+    /// These points and one more, within the same limits.
     pub(crate) fn with(&self, point: DVec3) -> Self {
         let mut points = self.points.clone();
         points.push(point);

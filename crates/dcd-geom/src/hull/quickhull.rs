@@ -5,7 +5,7 @@
 //! tolerance. Only the choice of the next point is rounded, and any choice leads to the same hull.
 //!
 //! A point that is in a face's plane does not see it. So of coplanar points some may be in the
-//! middle of a face or edge: [`corners`] tells them from the hull's corners.
+//! middle of a face or edge: [`corners`] removes them.
 
 use super::orient::{ExactPoints, Plane};
 use std::collections::VecDeque;
@@ -13,8 +13,8 @@ use std::collections::VecDeque;
 /// No point, or the end of a list.
 const NONE: u32 = u32::MAX;
 
-/// Room for so many faces is made at once: the hull of a hundred points then asks for memory a few
-/// times, not at each doubling.
+/// So many faces are reserved at once: the hull of a hundred points then allocates a few times, not at each
+/// doubling.
 const FEW: usize = 128;
 
 /// A triangle of the surface.

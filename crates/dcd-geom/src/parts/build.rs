@@ -33,7 +33,7 @@ pub(super) fn build(boxes: &[Aabb], tree: &mut PartTree) {
     }
 }
 
-/// What stands below a block, by its place in one of two lists.
+/// The child of a block, by its index in one of two lists.
 enum Child {
     Leaf(usize),
     Inner(usize),
@@ -156,7 +156,7 @@ impl Cutter<'_> {
     }
 }
 
-/// Where a group is cut in two, and what that costs.
+/// A split of a group, and its cost.
 #[derive(Clone, Copy)]
 struct Cut {
     cost: f32,
@@ -172,7 +172,7 @@ fn middle(count: usize) -> usize {
     count.div_ceil(2 * WIDTH) * WIDTH
 }
 
-/// Half of a box's surface.
+/// Half of an AABB's surface.
 fn surface(aabb: &Aabb) -> f32 {
     let Vec3 { x, y, z } = aabb.max - aabb.min;
     x * y + y * z + z * x

@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub struct Part {
     /// The shape as it was given, in its own frame.
     pub shape: Shape,
-    /// Where it is in the compound.
+    /// Its pose in the compound.
     pub pose: Pose,
     placed: Shape,
 }
@@ -43,7 +43,7 @@ pub struct Compound {
 }
 
 impl Compound {
-    /// From at least one convex part and its place in the compound.
+    /// A compound of at least one convex part and its place in the compound.
     ///
     /// # Errors
     /// No part at all, more than a u32 counts, a part that is itself made of parts or has no end,

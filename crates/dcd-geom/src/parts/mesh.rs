@@ -10,7 +10,7 @@ use glam::DVec3;
 /// The triangles of one leaf as the lanes want them: relative to a point of their own, in f32.
 #[derive(Clone, Debug)]
 pub struct Triangles {
-    /// What the corners count from, in the mesh's frame, metres.
+    /// The origin of the corners, in the mesh's frame, metres.
     pub centre: DVec3,
     /// The largest distance of a corner from the centre, rounded up.
     pub radius: f64,
@@ -19,10 +19,10 @@ pub struct Triangles {
     pub corners: [Block; 3],
 }
 
-/// All corners of a mesh as the lanes want them: relative to the middle of their box, in f32.
+/// All corners of a mesh as the lanes want them: relative to the middle of their AABB, in f32.
 #[derive(Clone, Debug)]
 pub struct Corners {
-    /// What they count from, in the mesh's frame, metres.
+    /// The origin of these corners, in the mesh's frame, metres.
     pub centre: DVec3,
     /// The largest distance of a corner from the centre, rounded up.
     pub radius: f64,
@@ -39,9 +39,9 @@ pub struct Corners {
 pub struct Mesh {
     vertices: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
-    /// Where there are corners, each point once: what the mesh's extent is taken from.
+    /// The vertices that triangles use, each once: the mesh's extent is theirs.
     points: Vec<DVec3>,
-    /// The same.
+    /// These points as the lanes read them.
     all_corners: Corners,
     tree: PartTree,
     leaves: Vec<Triangles>,
@@ -50,7 +50,7 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// From vertices in the mesh's own frame, metres, and three of their indices a triangle. A
+    /// A mesh of vertices in its own frame, metres, and three of their indices a triangle. A
     /// vertex that no triangle names is allowed and no part of the mesh.
     ///
     /// # Errors
@@ -69,7 +69,7 @@ impl Mesh {
         let tree = PartTree::over(&boxes);
         let leaves = (0..tree.leaf_count())
             .map(|leaf| {
-                // A lane without a triangle holds the empty box and the index 0.
+                // A lane without a triangle holds the empty AABB and the index 0.
                 let lanes = tree.below()[leaf].0;
                 let filled = |lane: usize| tree.blocks()[leaf].get(lane) != Aabb::EMPTY;
                 let count = (0..WIDTH).take_while(|&lane| filled(lane)).count();
@@ -119,7 +119,7 @@ impl Mesh {
         &self.points
     }
 
-    /// The same points as the lanes want them: what the mesh's box is taken from.
+    /// The points as the lanes read them, for the mesh's AABB.
     pub fn all_corners(&self) -> &Corners {
         &self.all_corners
     }
@@ -141,7 +141,7 @@ impl Mesh {
     }
 }
 
-/// The middle of the box round points.
+/// The middle of the AABB round points.
 fn middle(points: impl Iterator<Item = DVec3> + Clone) -> DVec3 {
     let low = points.clone().fold(DVec3::INFINITY, DVec3::min);
     low * 0.5 + points.fold(DVec3::NEG_INFINITY, DVec3::max) * 0.5

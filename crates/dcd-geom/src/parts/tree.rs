@@ -1,14 +1,14 @@
-//! A static tree over the parts of one shape, sixteen boxes a block.
+//! A static tree over the parts of one shape, sixteen AABBs a block.
 
 use super::build;
 use crate::{Aabb, Aabb16};
 use dcd_simd::{IndexRow, WIDTH};
 
-/// A tree over the boxes of a shape's parts, in the shape's own frame.
+/// A tree over the AABBs of a shape's parts, in the shape's own frame.
 ///
-/// It is made of blocks of sixteen boxes. The first blocks are the leaves: their boxes are those of
-/// parts. A box of any other block is that round all of a block with a smaller number. The last
-/// block is the root. Lanes that are not needed hold the empty box.
+/// It is made of blocks of sixteen AABBs. The first blocks are the leaves: their AABBs are those of
+/// parts. An AABB of any other block is that round all of a block with a smaller number. The last
+/// block is the root. Lanes that are not needed hold the empty AABB.
 #[derive(Clone, Debug, Default)]
 pub struct PartTree {
     blocks: Vec<Aabb16>,
@@ -18,7 +18,7 @@ pub struct PartTree {
 }
 
 impl PartTree {
-    /// Over these boxes, at least one, at most u32::MAX. O(n log² n).
+    /// A tree over these AABBs, at least one, at most u32::MAX. O(n log² n).
     pub(crate) fn over(boxes: &[Aabb]) -> Self {
         let mut tree = Self::default();
         build::build(boxes, &mut tree);
@@ -30,8 +30,8 @@ impl PartTree {
         &self.blocks
     }
 
-    /// For each block, what its boxes stand for: parts below a leaf, else blocks. Lanes of empty
-    /// boxes are 0.
+    /// For each block, the children of its AABBs: parts below a leaf, else blocks. Lanes of empty
+    /// AABBs are 0.
     pub fn below(&self) -> &[IndexRow] {
         &self.below
     }
@@ -45,7 +45,7 @@ impl PartTree {
         })
     }
 
-    /// For each block, the box round all of its boxes.
+    /// For each block, the AABB round all of its AABBs.
     pub fn unions(&self) -> &[Aabb] {
         &self.unions
     }
@@ -60,12 +60,12 @@ impl PartTree {
         self.blocks.len().saturating_sub(1)
     }
 
-    /// The box round all parts.
+    /// The AABB round all parts.
     pub fn aabb(&self) -> Aabb {
         self.unions.last().copied().unwrap_or(Aabb::EMPTY)
     }
 
-    /// Appends a block of at most sixteen boxes, each with what it stands for; the last entries
+    /// Appends a block of at most sixteen AABBs, each with what it stands for; the last entries
     /// appended as a leaf must come before the first that is none. The block's number.
     pub(super) fn push(&mut self, entries: impl Iterator<Item = (Aabb, u32)>) -> u32 {
         let (mut block, mut below) = (Aabb16::EMPTY, IndexRow::default());
@@ -84,7 +84,7 @@ impl PartTree {
         self.leaves = self.blocks.len();
     }
 
-    /// Whether every part stands in one leaf with its box, and every box of another block is that
+    /// Whether every part stands in one leaf with its AABB, and every AABB of another block is that
     /// round the block that it stands for, each but the root once. O(n).
     pub fn validate(&self, boxes: &[Aabb]) -> bool {
         let mut parts = vec![0u32; boxes.len()];

@@ -126,7 +126,7 @@ impl Scene {
         Ok(Handle { index, generation: self.generations[index as usize] })
     }
 
-    /// Takes an object out, with the pairs of it that were ignored. Its slot has an empty box until
+    /// Takes an object out, with the pairs of it that were ignored. Its slot has an empty AABB until
     /// another object takes it.
     ///
     /// # Errors
@@ -189,7 +189,7 @@ impl Scene {
         Ok(added)
     }
 
-    /// Never tells the pair of objects i and j, until one of them is removed: a robot's adjacent
+    /// Ignores the pair of objects i and j, until one of them is removed: a robot's adjacent
     /// links, which are allowed to touch.
     ///
     /// # Errors
@@ -200,9 +200,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Never tells a pair of these objects, until it is removed: parts of one rigid body. Costs a
-    /// number an object, not one a pair. An object is in one group at a time: the last it was named
-    /// in.
+    /// Ignores all pairs of these objects, until they are removed: parts of one rigid body. Costs a number an
+    /// object, not one a pair. An object is in one group at a time: the last one that names it.
     ///
     /// # Errors
     /// One of them is not there; nothing is changed then.
@@ -277,7 +276,7 @@ impl Scene {
     fn count_of(&mut self, motion: Motion) -> &mut usize {
         match motion {
             Motion::Moving => &mut self.moving,
-            Motion::Static => &mut self.standing,
+            Motion::Static => &mut self.statics,
         }
     }
 

@@ -1,13 +1,13 @@
-//! Pairs that are never told.
+//! Ignored pairs, which are never reported.
 
 use crate::Pair;
 
 /// In place of a group's number.
 const NO_GROUP: u32 = u32::MAX;
 
-/// A set of pairs of objects, as a sorted list for each object: most have none, and are told so by
-/// one look. Objects that are all ignored with each other are a group, which takes a number an
-/// object however large it is.
+/// A set of pairs of objects, as a sorted list for each object: most lists are empty, which one look finds.
+/// Objects that are all ignored with each other are a group, which takes a number an object however large
+/// it is.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct IgnoredPairs {
     /// For each object its group; shorter than the scene where none has one.

@@ -3,7 +3,7 @@
 use crate::{Pose, Scene, SceneError};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Which objects may pair: each is a member of some groups and asks for some groups.
+/// Which objects may pair: each is a member of some groups and collides with some groups.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Filter {
     /// The groups it is in, one bit each.
@@ -16,7 +16,7 @@ impl Filter {
     /// In every group, touching every group: what an object has unless said otherwise.
     pub const ALL: Self = Self { groups: u32::MAX, mask: u32::MAX };
 
-    /// Whether each asks for a group of the other.
+    /// Whether each collides with a group of the other.
     #[inline]
     pub fn allows(self, other: Self) -> bool {
         self.groups & other.mask != 0 && other.groups & self.mask != 0
@@ -45,9 +45,9 @@ pub enum Motion {
 pub struct Object {
     /// The shape's index in the scene.
     pub shape: u32,
-    /// Where it is.
+    /// Its pose.
     pub pose: Pose,
-    /// What it may pair with.
+    /// Its filter.
     pub filter: Filter,
     /// Whether it moves.
     pub motion: Motion,
@@ -66,22 +66,22 @@ impl Object {
         Self { shape, pose, filter, motion, sensor: false, user_data: 0 }
     }
 
-    /// The same with another filter.
+    /// The object with another filter.
     pub fn with_filter(self, filter: Filter) -> Self {
         Self { filter, ..self }
     }
 
-    /// The same with the caller's own number.
+    /// The object with a number of the caller's.
     pub fn with_user_data(self, user_data: u64) -> Self {
         Self { user_data, ..self }
     }
 
-    /// The same as a sensor: a region that notices what enters it.
+    /// The object as a sensor: a region that reports what enters it.
     pub fn as_sensor(self) -> Self {
         Self { sensor: true, ..self }
     }
 
-    /// The same standing still.
+    /// The object as a static one.
     pub fn fixed(self) -> Self {
         Self { motion: Motion::Static, ..self }
     }
@@ -90,13 +90,13 @@ impl Object {
 /// An object of a scene, known again after others have come and gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Handle {
-    /// The slot: the object's index in contacts, poses and boxes.
+    /// The slot: the object's index in contacts, poses and AABBs.
     pub index: u32,
     /// How many objects had the slot before it.
     pub generation: u32,
 }
 
-/// What names an object of a scene: its [`Handle`], or its index where that is known to hold.
+/// Identifies an object of a scene: its [`Handle`], or its index where that is known to be valid.
 ///
 /// A handle is refused once its object has been removed. An index names whatever has the slot now.
 pub trait ObjectRef: Copy + sealed::Sealed {

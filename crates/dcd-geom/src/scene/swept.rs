@@ -5,7 +5,7 @@ use crate::{Motion, Revision, Scene, Shape};
 use std::sync::Arc;
 
 impl Scene {
-    /// The same objects in the same slots, every shape with a sphere of this radius swept round it
+    /// A scene of the same objects in the same slots, every shape with a sphere of this radius swept round it
     /// (see [`Shape::swept`]), in metres. `None` for a radius that is negative or not finite, and
     /// where a shape or an object would reach out of range.
     pub fn swept(&self, radius: f64) -> Option<Self> {
@@ -23,7 +23,7 @@ impl Scene {
     pub fn follow(&mut self, original: &Self) -> bool {
         let moved = |i: usize| self.poses[i] != original.poses[i];
         let stands = |i: usize| self.slots[i] == Slot::Holds(Motion::Static);
-        if self.standing > 0 && (0..self.len()).any(|i| stands(i) && moved(i)) {
+        if self.statics > 0 && (0..self.len()).any(|i| stands(i) && moved(i)) {
             self.static_revision = Revision::draw();
         }
         self.poses.clone_from(&original.poses);

@@ -98,7 +98,7 @@ fn two_static_objects_and_free_slots_may_not_pair() {
 }
 
 #[test]
-fn an_ignored_pair_may_not_pair_until_it_is_heeded_or_an_object_leaves() {
+fn an_ignored_pair_may_not_pair_until_it_is_unignored_or_an_object_leaves() {
     let mut scene = row();
     assert!(!scene.filters_movers());
     scene.ignore_pair(2, 0).unwrap();

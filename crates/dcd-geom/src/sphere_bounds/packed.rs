@@ -18,7 +18,7 @@ pub struct PackedSphereBounds {
 const FARTHEST: f32 = 0.999 * Aabb::LIMIT as f32;
 
 impl PackedSphereBounds {
-    /// Of these, in this order. What has no bound has infinite spheres.
+    /// Packs these bounds, in this order; `None` becomes infinite spheres.
     pub fn new(bounds: Vec<Option<SphereBounds>>) -> Self {
         let column = |number: fn(&SphereBounds) -> f64| -> Vec<f32> {
             let number =
@@ -99,7 +99,7 @@ fn moved<L: Lanes>(l: L, [x, y, z, t]: [L::F; 4], point: [&[f32]; 3]) -> L::F {
     l.add(l.add(sum, l.mul(z, sixteen(l, point[2]))), t)
 }
 
-/// The first sixteen of at least as many.
+/// The first sixteen numbers, of at least as many.
 #[inline(always)]
 fn sixteen<L: Lanes>(l: L, numbers: &[f32]) -> L::F {
     match numbers.first_chunk() {

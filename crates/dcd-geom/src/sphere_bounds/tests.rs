@@ -50,33 +50,33 @@ fn it_holds_the_box_of_every_shape_at_every_pose() {
 /// As the last of sixteen different poses, of another number on every path.
 fn in_lanes(bound: &SphereBounds, pose: &Pose) -> BoundingSphere {
     let other = SphereBounds::of(&Shape::sphere(0.3).unwrap());
-    let told = |path, count: usize| {
+    let sphere_at = |path, count: usize| {
         let bounds: Vec<_> = std::iter::repeat_n(other, count - 1).chain([Some(*bound)]).collect();
         let poses: Vec<Pose> =
             (0..5).flat_map(|_| places()).take(count - 1).chain([*pose]).collect();
         let mut row = Sphere16::default();
         let start = poses.len().saturating_sub(WIDTH);
         let (bounds, poses) = (&PackedSphereBounds::new(bounds), &poses[start..]);
-        dispatch_on(path, Balls { bounds, start, poses, row: &mut row });
+        dispatch_on(path, PlaceSpheres { bounds, start, poses, row: &mut row });
         row.get(poses.len() - 1)
     };
-    let sphere = told(Path::Portable, 1);
+    let sphere = sphere_at(Path::Portable, 1);
     for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
         for count in [1, 2, 5, 16, 17, 40] {
-            assert_eq!(told(path, count), sphere, "{path:?} {count}");
+            assert_eq!(sphere_at(path, count), sphere, "{path:?} {count}");
         }
     }
     sphere
 }
 
-struct Balls<'a> {
+struct PlaceSpheres<'a> {
     bounds: &'a PackedSphereBounds,
     start: usize,
     poses: &'a [Pose],
     row: &'a mut Sphere16,
 }
 
-impl Kernel for Balls<'_> {
+impl Kernel for PlaceSpheres<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -186,8 +186,8 @@ fn rows_of_spheres_are_compared_number_by_number() {
             let meets = meeting >> k & 1 == 1;
             let may_miss = k % 2 == 1 && k != 7;
             assert!(meets || may_miss, "{k}, {path:?}");
-            let is_told = (1e-18..1e18).contains(&size(k));
-            assert!(!(meets && may_miss && is_told), "{k}, {path:?}");
+            let is_exact = (1e-18..1e18).contains(&size(k));
+            assert!(!(meets && may_miss && is_exact), "{k}, {path:?}");
         }
     }
 }

@@ -7,7 +7,7 @@ use dcd_geom::{Filter, Motion, Object, Pose, Scene, SceneError, Shape};
 use glam::{DMat3, DVec3};
 use std::path::Path;
 
-/// The least that a shape and an object take: asked before room is made for their number.
+/// The least that a shape and an object take: checked before memory is reserved for their number.
 const LEAST_SHAPE_BYTES: u64 = 4 + 8;
 const OBJECT_BYTES: u64 = 4 * 4;
 
@@ -21,18 +21,18 @@ impl Capture {
     pub fn read(bytes: &[u8]) -> Result<Self, ReadError> {
         let mut cursor = Cursor::new(bytes, 0);
         let [shapes, objects, frames] = read_header(&mut cursor)?;
-        cursor.room(field("shapes", 0), u64::from(shapes), LEAST_SHAPE_BYTES)?;
+        cursor.check_count(field("shapes", 0), u64::from(shapes), LEAST_SHAPE_BYTES)?;
         let shapes: Vec<Shape> = (0..shapes as usize)
             .map(|index| shape::read(&mut cursor, index))
             .collect::<Result<_, _>>()?;
-        cursor.room(field("objects", 0), u64::from(objects), OBJECT_BYTES)?;
+        cursor.check_count(field("objects", 0), u64::from(objects), OBJECT_BYTES)?;
         let placed: Vec<Placed> = (0..objects as usize)
             .map(|index| read_object(&mut cursor, index, shapes.len()))
             .collect::<Result<_, _>>()?;
         let ignored = read_ignored(&mut cursor)?;
         let frame_bytes = 4 + u64::from(objects) * POSE_BYTES as u64;
-        cursor.room(field("frames", 0), u64::from(frames), frame_bytes)?;
-        // There is room for so many, so that they can be counted in memory.
+        cursor.check_count(field("frames", 0), u64::from(frames), frame_bytes)?;
+        // The file holds so many, so that they can be counted in memory.
         let mut poses = Vec::with_capacity(frames as usize * placed.len());
         for frame in 0..frames {
             read_frame(&mut cursor, frame, placed.len(), &mut poses)?;
@@ -54,7 +54,7 @@ impl Capture {
         ReadError::within(path, Self::read)
     }
 
-    /// That no frame moves an object out of range, so that a replay can set every pose.
+    /// Checks that no frame moves an object out of range, so that a replay can set every pose.
     fn check_range(&self) -> Result<(), ReadError> {
         let mut scene = self.scene.clone();
         self.frames().enumerate().try_for_each(|(frame, poses)| {
@@ -135,7 +135,7 @@ fn read_object(cursor: &mut Cursor<'_>, index: usize, shapes: usize) -> Result<P
 
 fn read_ignored(cursor: &mut Cursor<'_>) -> Result<Vec<[u32; 2]>, ReadError> {
     let count = cursor.u32(field("ignored pairs", 0))?;
-    cursor.room(field("ignored pairs", 0), u64::from(count), 2 * 4)?;
+    cursor.check_count(field("ignored pairs", 0), u64::from(count), 2 * 4)?;
     let pair = |index: u32| {
         let field = field("ignored pairs", index as usize);
         Ok([cursor.u32(field)?, cursor.u32(field)?])

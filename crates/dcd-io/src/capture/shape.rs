@@ -104,6 +104,6 @@ pub(super) fn read(cursor: &mut Cursor<'_>, index: usize) -> Result<Shape, ReadE
 fn read_vertices(cursor: &mut Cursor<'_>, index: usize) -> Result<Vec<DVec3>, ReadError> {
     let field = Field { what: "vertices", index };
     let count = cursor.u32(field)?;
-    cursor.room(field, u64::from(count), 3 * 8)?;
+    cursor.check_count(field, u64::from(count), 3 * 8)?;
     (0..count).map(|_| cursor.f64s(field).map(DVec3::from_array)).collect()
 }

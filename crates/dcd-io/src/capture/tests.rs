@@ -136,7 +136,7 @@ fn another_signature_or_version_is_refused_with_what_stands_there() {
 }
 
 #[test]
-fn counts_that_the_file_cannot_hold_are_refused_before_room_is_made() {
+fn counts_that_the_file_cannot_hold_are_refused_before_allocation() {
     for (at, what) in [
         (12, "shapes"),
         (16, "objects"),

@@ -19,7 +19,7 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// Of a shape in a scene that is `extent` metres wide: so far a half-space's plane is drawn, and a
+    /// The surface of a shape in a scene that is `extent` metres wide: so far a half-space's plane is drawn, and a
     /// thousandth of it thick what has no thickness in two directions.
     pub(super) fn of(shape: &Shape, extent: f64) -> Self {
         match shape {

@@ -107,7 +107,7 @@ impl Asset {
         Ok(self)
     }
 
-    /// From the file's axes to z up: what is right, up and towards the viewer stays so.
+    /// The rotation from the file's axes to z up.
     fn turn(&self) -> DMat3 {
         match self.up {
             // Right is −y, up x, towards the viewer z.

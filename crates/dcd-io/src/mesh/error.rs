@@ -84,7 +84,7 @@ impl MeshError {
         move |error| Self::Io { path: path.to_path_buf(), error }
     }
 
-    /// The same, said of a file.
+    /// The error with the file's path.
     pub(super) fn inside(self, path: &Path) -> Self {
         Self::InFile { path: path.to_path_buf(), error: Box::new(self) }
     }

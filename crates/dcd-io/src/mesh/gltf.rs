@@ -70,11 +70,11 @@ fn check_header(bytes: &[u8]) -> Result<(), MeshError> {
     if (20..=bytes.len()).contains(&length) {
         return Ok(());
     }
-    let problem = format!("the header tells of {length} bytes, but there are {}", bytes.len());
+    let problem = format!("the header states {length} bytes, but there are {}", bytes.len());
     Err(MeshError::refused(MeshFormat::Gltf, MeshPlace::Byte(8), problem))
 }
 
-/// That every attribute names an accessor: the library's own check takes that for granted.
+/// Checks that every attribute names an accessor: the library's own check assumes it.
 fn check_attributes(json: &gltf::json::Root) -> Result<(), MeshError> {
     let count = json.accessors.len();
     for (index, mesh) in json.meshes.iter().enumerate() {
@@ -229,7 +229,7 @@ fn strip(corners: &[u32]) -> Vec<[u32; 3]> {
     triangles.map(turned).collect()
 }
 
-/// From the node's frame to its parent's.
+/// The transform from the node's frame to its parent's.
 fn transform(node: &Node<'_>, path: &str) -> Result<DAffine3, MeshError> {
     use gltf::scene::Transform;
     let transform = match node.transform() {

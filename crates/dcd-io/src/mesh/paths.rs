@@ -39,7 +39,7 @@ pub struct MeshNotFound {
 }
 
 impl MeshPaths {
-    /// For the names in a file of this folder, without packages or roots.
+    /// Paths for the names in a file of this folder, without packages or roots.
     #[must_use]
     pub fn new(folder: &Path) -> Self {
         // The parent of a bare file name is empty: the current folder.
@@ -47,7 +47,7 @@ impl MeshPaths {
         Self { folder: folder.to_path_buf(), packages: Vec::new(), roots: Vec::new() }
     }
 
-    /// The same for the names in a file of another folder.
+    /// The paths for the names in a file of another folder.
     #[must_use]
     pub fn with_folder(self, folder: &Path) -> Self {
         Self { folder: Self::new(folder).folder, ..self }

@@ -18,13 +18,13 @@ const RECORD: usize = 50;
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
     // Many a binary file begins with "solid" too, so that its length decides first.
     let records = bytes.get(HEADER..).unwrap_or_default();
-    let room = (records.len() / RECORD) as u64;
+    let fitting = (records.len() / RECORD) as u64;
     match count(bytes) {
-        Some(count) if u64::from(count) == room => binary(records),
+        Some(count) if u64::from(count) == fitting => binary(records),
         _ if is_text(bytes) => text(bytes),
         Some(count) => {
             let problem = format!(
-                "the header counts {count} triangles, but {} bytes behind it hold {room}",
+                "the header counts {count} triangles, but {} bytes behind it hold {fitting}",
                 records.len()
             );
             Err(refused(MeshPlace::Byte(80), problem))
@@ -59,7 +59,7 @@ fn is_text(bytes: &[u8]) -> bool {
 
 /// Fewer bytes than a record may be left behind the last one: they can hold no triangle.
 fn binary(records: &[u8]) -> Result<TriangleMesh, MeshError> {
-    let mut welder = Welder::with_room_for(records.len() / RECORD);
+    let mut welder = Welder::with_capacity(records.len() / RECORD);
     for (index, record) in records.chunks_exact(RECORD).enumerate() {
         let number = |k: usize| {
             let at = 12 + 4 * k;

@@ -153,7 +153,7 @@ impl TriangleMesh {
         self.triangles.iter_mut().flatten().for_each(|corner| *corner = new[*corner as usize]);
     }
 
-    /// The same, each coordinate times that of the scale. Where the scale mirrors, the triangles'
+    /// The triangles, each coordinate times that of the scale. Where the scale mirrors, the triangles'
     /// corners change their order, so that what was the front stays the front.
     #[must_use]
     pub fn scaled(mut self, scale: DVec3) -> Self {
@@ -226,10 +226,10 @@ impl Assembly {
     #[must_use]
     pub(super) fn add(&mut self, part: &TriangleMesh, to_whole: glam::DAffine3) -> bool {
         let whole = &mut self.mesh;
-        let room = MAX_TRIANGLES - whole.triangles.len().min(MAX_TRIANGLES);
+        let free = MAX_TRIANGLES - whole.triangles.len().min(MAX_TRIANGLES);
         // Vertices are counted too: a part may have some that no triangle names.
         let vertices = whole.vertices.len() + part.vertices.len();
-        if part.triangles.len() > room || vertices > 3 * MAX_TRIANGLES {
+        if part.triangles.len() > free || vertices > 3 * MAX_TRIANGLES {
             return false;
         }
         let first = whole.vertices.len() as u32;
@@ -252,7 +252,7 @@ pub(super) struct Welder {
 }
 
 impl Welder {
-    pub(super) fn with_room_for(triangles: usize) -> Self {
+    pub(super) fn with_capacity(triangles: usize) -> Self {
         let mut welder = Self::default();
         welder.mesh.triangles.reserve_exact(triangles);
         // A closed surface has half as many vertices as triangles.

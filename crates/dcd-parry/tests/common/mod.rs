@@ -1,4 +1,4 @@
-//! One pair asked in every way that this crate knows.
+//! One pair decided in every way that this crate knows.
 #![allow(dead_code)] // each test file uses its part
 
 use dcd_exec::Par;
@@ -10,8 +10,11 @@ use dcd_pipeline::Pipeline;
 pub(crate) const QUERIES: [Query; 3] =
     [Query::IntersectionTest, Query::DirectIntersectionTest, Query::Distance];
 
-/// What a narrow phase says of objects 0 and 1: touching or not, or why it cannot tell.
-pub(crate) fn ask<N: NarrowPhase<Answer = ()>>(narrow: &N, scene: &Scene) -> Result<bool, Reason> {
+/// What a narrow phase says of objects 0 and 1: touching or not, or why it is undecided.
+pub(crate) fn decide<N: NarrowPhase<Answer = ()>>(
+    narrow: &N,
+    scene: &Scene,
+) -> Result<bool, Reason> {
     let mut frame = N::Frame::default();
     let mut aabbs = vec![Aabb::default(); scene.len()];
     let part = narrow.layout(scene, Sides::One, &mut frame);
@@ -29,10 +32,10 @@ pub(crate) fn two(a: (&Shape, Pose), b: (&Shape, Pose)) -> Scene {
 
 /// Every way in one precision, by name.
 pub(crate) fn answers<R: Library>(scene: &Scene) -> Vec<(String, Result<bool, Reason>)> {
-    let mut answers = vec![("GJK".into(), ask(&Pairwise(ParryGjk::<R>::default()), scene))];
+    let mut answers = vec![("GJK".into(), decide(&Pairwise(ParryGjk::<R>::default()), scene))];
     for query in QUERIES {
         let shapes = ParryShapes::<R>::new(scene).with_query(query);
-        answers.push((format!("{query:?}"), ask(&shapes, scene)));
+        answers.push((format!("{query:?}"), decide(&shapes, scene)));
     }
     answers
 }

@@ -1,4 +1,4 @@
-//! Configurations of a link set, asked against a world.
+//! Checks configurations of a link set against a world.
 
 use super::rows::{LinkRows, numbered};
 use super::set::ROW;
@@ -20,7 +20,7 @@ pub enum Other {
     Link(u32),
 }
 
-/// Something that is not known to be apart.
+/// A pair that is not proved apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit<A> {
     /// Which configuration.
@@ -29,7 +29,7 @@ pub struct Hit<A> {
     pub link: u32,
     /// What the link touches.
     pub other: Other,
-    /// That they touch, with what was asked for, or that it could not be settled.
+    /// That they touch, with what the query computes, or that it could not be decided.
     pub verdict: Verdict<A>,
 }
 
@@ -61,23 +61,23 @@ impl<'p, A: Copy + Send> Hits<'p, A> {
     }
 }
 
-/// How many configurations are taken up at once, at the least. Larger: more memory, which a checker
-/// of few configurations fills in vain (half a millisecond at 128). Smaller: lanes that run empty.
+/// The fewest configurations that a task takes. Larger: more memory, which a checker of few configurations
+/// fills in vain (half a millisecond at 128). Smaller: lanes that run empty.
 const FEW: usize = 32;
 
-/// How many are taken up at once, at the most, where every hit is asked for: lanes are full in any
-/// case, so that fewer objects stay nearer. At most a row.
+/// How many configurations a task takes at most if every hit is reported: lanes are full in any case, and
+/// fewer objects stay in cache. At most a row.
 const MOST_OF_ALL: usize = 128;
 
-/// Into how many rows a batch is cut, if it has enough configurations. Larger: shorter rows, whose
+/// The number of rows of a batch, if it has enough configurations. Larger: shorter rows, whose
 /// lanes run empty sooner. Smaller: threads wait for the last. No effect on any answer.
 const ROWS: usize = 16;
 
-/// Checks configurations of a link set against a world, on many threads, and keeps what that needs: for
-/// each thread room for 32 configurations, 128 or 512 from the first batch on that is large enough. The
-/// world is shared, and may be exchanged ([`BatchChecker::set_world`]).
+/// Checks configurations of a link set against a world, on many threads, and keeps its buffers: for each
+/// thread those of 32 configurations, 128 or 512 from the first batch on that is large enough. The world is
+/// shared and can be replaced ([`BatchChecker::set_world`]).
 ///
-/// A link is prepared only where its [`SphereBounds`] is near something: an obstacle's box, or another
+/// A link is prepared only where its [`SphereBounds`] is near something: an obstacle's AABB, or another
 /// link's bound.
 ///
 /// A batch is the poses of its configurations one after the other, one pose a link. The answers do
@@ -88,9 +88,9 @@ pub struct BatchChecker<N: NarrowPhase = dcd_gjk::Overlap> {
     pub(super) rows: LinkRows,
     /// Whether a link may not touch every obstacle.
     pub(super) filtered: bool,
-    /// For each link what its box comes from without its vertices, where that is known.
+    /// For each link the sphere bounds that give its AABB without its vertices, where they exist.
     pub(super) bounds: PackedSphereBounds,
-    /// What stands near any place, for spheres as large as the links'.
+    /// The obstacles near any point, for spheres as large as the links'.
     pub(super) obstacle_grid: ObstacleGrid,
     workers: PerThread<WorkerScratch<N>>,
     first: Vec<Option<Hit<N::Answer>>>,
@@ -109,12 +109,12 @@ impl<N: NarrowPhase> BatchChecker<N> {
         let filtered = has_filters(&world, &rows.link_set);
         let (workers, first, all) = (PerThread::default(), Vec::new(), Segments::default());
         let checker = Self { world, rows, filtered, bounds, obstacle_grid, workers, first, all };
-        // So that the first batch on this thread need not.
+        // Allocates now what the first batch on this thread needs.
         checker.workers.with(|worker| worker.open(&checker, 0..0));
         Ok(checker)
     }
 
-    /// Checks against other obstacles from now on. Costs a look-up grid over the new ones, and nothing for the
+    /// Replaces the obstacles. Costs a look-up grid over the new ones, and nothing for the
     /// links.
     ///
     /// # Errors
@@ -130,11 +130,11 @@ impl<N: NarrowPhase> BatchChecker<N> {
         Ok(())
     }
 
-    /// For each configuration one contact, if it has any. Where nothing is known to touch, a pair that
-    /// could not be settled, if there is one.
+    /// One contact of each configuration that has any. Where nothing is known to touch, an undecided pair, if
+    /// there is one.
     ///
-    /// Which of several contacts is told is not specified, but that it is the one that is found with
-    /// the least work; it is always the same, whatever other configurations are asked with it.
+    /// Which of several contacts is reported is not specified (the one that costs the least work); it does
+    /// not depend on the other configurations of the batch.
     ///
     /// # Errors
     /// There is not one pose for each link of each configuration; more configurations than a u32
@@ -162,9 +162,9 @@ impl<N: NarrowPhase> BatchChecker<N> {
         Ok(&self.first)
     }
 
-    /// Every pair that touches or could not be settled, configuration by configuration: its links
-    /// with the obstacles, in the order of the links and for each in that of the obstacles, then its
-    /// links with each other, then what could not be settled.
+    /// Every pair that touches or is undecided, configuration by configuration: links with obstacles, in the
+    /// order of the links and for each in that of the obstacles, then links with each other, then the
+    /// undecided pairs.
     ///
     /// # Errors
     /// Those of [`BatchChecker::first`], and every pose out of range.
@@ -181,7 +181,7 @@ impl<N: NarrowPhase> BatchChecker<N> {
             checker.workers.with(|worker| {
                 let start = grain * task;
                 worker.open(checker, start..count.min(start + grain));
-                refused.note(worker.settle_all(checker, poses));
+                refused.note(worker.find_all(checker, poses));
                 worker.append_all(checker, out);
             });
         });
@@ -190,7 +190,7 @@ impl<N: NarrowPhase> BatchChecker<N> {
         Ok(Hits(&self.all))
     }
 
-    /// How many of so many configurations are taken up at once, and room for them.
+    /// How many configurations a task takes; reserves memory for them.
     fn grain(&mut self, count: usize, most: usize) -> Result<usize, SceneError> {
         let grain = count.div_ceil(ROWS).clamp(FEW, most);
         if grain > self.rows.row {
@@ -205,7 +205,7 @@ impl<N: NarrowPhase> BatchChecker<N> {
         self.rows.link_set.filters[link].allows(obstacle)
     }
 
-    /// How many configurations these poses are.
+    /// The number of configurations of these poses.
     fn count(&self, poses: &[Pose]) -> Result<usize, SceneError> {
         let links = self.rows.link_set.len();
         let count = poses.len().checked_div(links).unwrap_or(0);
@@ -217,7 +217,7 @@ impl<N: NarrowPhase> BatchChecker<N> {
     }
 }
 
-/// For each link what its box comes from without its vertices, where that is known.
+/// For each link the sphere bounds that give its AABB without its vertices, where they exist.
 fn bounds_of<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> PackedSphereBounds {
     let aabb_margin = world.narrow.aabb_margin();
     let bound = |shape| Some(SphereBounds::of(shape)?.swept(aabb_margin?));
@@ -229,7 +229,7 @@ fn grid_for<N: NarrowPhase>(world: &Obstacles<N>, bounds: &PackedSphereBounds) -
     ObstacleGrid::new(&world.bounds, bounds.largest_sphere(world.farthest()))
 }
 
-/// Whether a filter may part a link from an obstacle.
+/// Whether some filter may exclude a link with an obstacle.
 fn has_filters<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> bool {
     world.filtered || link_set.filters.iter().any(|filter| *filter != Filter::ALL)
 }
@@ -250,7 +250,7 @@ impl Refused {
         }
     }
 
-    /// Says why it was refused.
+    /// The error with the reason of the refusal.
     fn check<N: NarrowPhase>(
         self,
         checker: &BatchChecker<N>,
@@ -259,7 +259,7 @@ impl Refused {
         let object = self.0.into_inner();
         let Some(pose) = poses.get(object) else { return Ok(()) };
         let shape = &checker.rows.link_set.shapes[object % checker.rows.link_set.len()];
-        // As the scene of links refused it.
+        // The same refusal as by the scene of links.
         let refused = Scene::one_each(vec![shape.clone()], vec![*pose]).map(drop);
         refused.map_err(|error| numbered(error, object))
     }

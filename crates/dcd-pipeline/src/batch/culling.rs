@@ -7,21 +7,21 @@ use dcd_geom::{BoundingSphere, Pose, Sphere16};
 use dcd_gjk::NarrowPhase;
 use dcd_simd::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 
-/// Bounds of the links of a row, and what they leave to be asked exactly.
+/// Bounds of the links of a row, and what they leave to exact queries.
 #[derive(Default)]
 pub(super) struct Culling {
     /// The links' spheres, configuration by configuration.
     spheres: Vec<Sphere16>,
     reached: GridHits,
-    /// For each configuration and link that may reach an obstacle, where among what is reached the
-    /// obstacles begin and end; [`UNKNOWN`] where the tree has to be asked.
+    /// For each configuration and link that may reach an obstacle, the range of these obstacles among the
+    /// grid's hits; [`UNKNOWN`] where the tree must be queried.
     spans: Vec<Span>,
     /// For each link the configurations in which its bound may reach something, as the lists know,
-    /// and those of them in which the tree has to be asked.
+    /// and those of them in which the tree must be queried.
     listed: Vec<[Marks; 2]>,
-    /// For each link its box in each configuration, where the tree is asked for it.
+    /// For each link its AABB in each configuration, for the query of the tree.
     bounds: Vec<[Aabb128; WORDS]>,
-    /// For each link its sphere in each configuration, where other links are asked for it.
+    /// For each link its sphere in each configuration, for the queries of other links.
     of_links: Vec<[Sphere16; ROW / WIDTH]>,
     /// For each link the configurations in which its bound reaches an obstacle.
     near: Vec<Set>,
@@ -34,11 +34,11 @@ type Span = [u32; 2];
 const UNKNOWN: Span = [u32::MAX; 2];
 
 impl Culling {
-    /// Looks where the links of so many configurations are; `poses` are those of the row.
+    /// Places and culls the links of so many configurations; `poses` are those of the row.
     ///
-    /// `ends` is told which links may reach anything, by their configuration and their number, with
-    /// their sphere and what is noted of it, and may end the configuration: then no more is known of it.
-    /// Returns the others.
+    /// `ends` receives the links that may reach anything: their configuration and number, their sphere and
+    /// what is noted of it. It may end the configuration, of which nothing more is computed then. Returns the
+    /// other configurations.
     pub(super) fn look<N: NarrowPhase>(
         &mut self,
         checker: &BatchChecker<N>,
@@ -67,14 +67,14 @@ impl Culling {
                 has_ended
             });
         }
-        self.ask_lists(checker);
-        self.ask_tree(checker, left);
-        self.ask_links(checker, left);
+        self.query_lists(checker);
+        self.query_tree(checker, left);
+        self.query_links(checker, left);
         left
     }
 
     /// Notes which links reach what is listed.
-    fn ask_lists<N: NarrowPhase>(&mut self, checker: &BatchChecker<N>) {
+    fn query_lists<N: NarrowPhase>(&mut self, checker: &BatchChecker<N>) {
         let (links, unlisted) = (checker.rows.link_set.len(), checker.obstacle_grid.unknown());
         self.spans.resize(links * ROW, UNKNOWN);
         self.listed.clear();
@@ -92,7 +92,7 @@ impl Culling {
     }
 
     /// Notes which links are near each other.
-    fn ask_links<N: NarrowPhase>(&mut self, checker: &BatchChecker<N>, left: Set) {
+    fn query_links<N: NarrowPhase>(&mut self, checker: &BatchChecker<N>, left: Set) {
         let (links, pairs) = (checker.rows.link_set.len(), &checker.rows.link_set.self_pairs[..]);
         self.met.clear();
         self.met.resize(pairs.len(), Set::default());
@@ -121,8 +121,8 @@ impl Culling {
         self.met.iter_mut().for_each(|met| *met &= left);
     }
 
-    /// Asks the tree where nothing is listed.
-    fn ask_tree<N: NarrowPhase>(&mut self, checker: &BatchChecker<N>, left: Set) {
+    /// Queries the tree where nothing is listed.
+    fn query_tree<N: NarrowPhase>(&mut self, checker: &BatchChecker<N>, left: Set) {
         let links = checker.rows.link_set.len();
         self.bounds.resize_with(links, Default::default);
         self.near.clear();

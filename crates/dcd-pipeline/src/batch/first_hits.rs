@@ -8,34 +8,34 @@ use dcd_geom::{Pair, Pose};
 use dcd_gjk::{NarrowPhase, Verdict};
 use std::ops::Range;
 
-/// How far the search of each configuration has come: each goes its own way through its links and
-/// what these are near of, in an order of its own, and all are asked together.
+/// How far the search of each configuration has come. Configurations test their links in order of
+/// clearance; the pairs of all of them form one batch.
 #[derive(Default)]
 pub(super) struct FirstHitSearch {
     /// For each configuration and link how far it is from a contact of inner spheres: see
     /// [`InscribedSphere::short_of`].
     distances: Vec<f32>,
-    /// For each configuration, one after the other, the links that are near an obstacle and not yet
-    /// asked for, in no order, and room for as many as there are; and how many there are.
+    /// For each configuration the links that are near an obstacle and not yet tested, unordered, in slices of
+    /// one entry per link; and how many there are.
     links: Vec<Rank>,
     left: Vec<u32>,
-    /// The configurations that have no hit yet, and something left to be asked for.
+    /// The configurations that have no hit yet and untested pairs left.
     open: Set,
-    /// Those whose links are not yet asked for against each other.
+    /// Those whose links are not yet tested against each other.
     folded: Set,
-    /// Those in which they are asked for now.
+    /// Those in which links are being tested against each other.
     unfolding: Set,
-    /// Those in which they are, so that all pairs that wait are pairs of links.
+    /// Those in which that has begun: all their pending pairs are pairs of links.
     unfolded: Set,
     /// The pairs found near, link by link and configuration by configuration.
     near: Vec<Pair>,
-    /// For each configuration those that are still to be asked for, in the order of the answer.
+    /// For each configuration the pairs still to be decided, in the order of the answer.
     waiting: Vec<Range<usize>>,
     /// For each object of a link where its pairs end among those of the link.
     ends: Vec<usize>,
 }
 
-/// A link and how far it is from a contact, as one number: the least is asked first.
+/// A link and its distance from a contact, as one number: the least is tested first.
 type Rank = i64;
 
 /// The rank of a link at that distance.
@@ -53,17 +53,17 @@ fn link_of(rank: Rank) -> usize {
     rank as u32 as usize
 }
 
-/// How many pairs are settled at once, if there are as many. Larger: more are settled in vain, behind
-/// one that touches. Smaller: lanes stay idle.
+/// How many pairs are decided at once, if there are as many. Larger: more are decided in vain, behind one
+/// that touches. Smaller: lanes stay idle.
 const ENOUGH: usize = 256;
 
 impl<N: NarrowPhase> WorkerScratch<N> {
-    /// Finds a hit of each configuration taken up, and writes it. The index of the first pose that
+    /// Finds and writes a hit of each configuration of the task. Returns the index of the first pose that
     /// was refused, if any.
     ///
-    /// What is found, and that a pose is refused, depends on the configuration alone: first inner
-    /// spheres are asked, link by link, then the links that are near something, the one with the
-    /// nearest inner sphere first, then the links against each other.
+    /// What is found, and that a pose is refused, depends on the configuration alone: inner spheres are
+    /// tested first, link by link, then the links that are near something, the one with the nearest inner
+    /// sphere first, then the links against each other.
     pub(super) fn find_first(
         &mut self,
         checker: &BatchChecker<N>,
@@ -93,7 +93,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         refused
     }
 
-    /// Looks where all links are, and closes the configurations of which inner spheres prove a hit.
+    /// Culls all links, and closes the configurations in which inner spheres prove a hit.
     fn look_for_contacts(
         &mut self,
         checker: &BatchChecker<N>,
@@ -140,8 +140,8 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         }
     }
 
-    /// Goes on, in every configuration that waits for nothing, to the next link, or to its links
-    /// against each other. Whether there is any.
+    /// Advances every configuration without pending pairs to its next link, or to its links against each other.
+    /// Returns whether there is any.
     fn advance(&mut self, checker: &BatchChecker<N>) -> bool {
         let FirstHitSearch { links, left, open, folded, unfolding, waiting, .. } = &mut self.search;
         let count = checker.rows.link_set.len();
@@ -173,7 +173,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         is_any
     }
 
-    /// Lists what the links come to are near of, in each configuration in order.
+    /// Lists the pairs of each configuration's current link, in order.
     fn gather(&mut self, checker: &BatchChecker<N>) {
         let FirstHitSearch { near, waiting, ends, .. } = &mut self.search;
         for link in 0..checker.rows.link_set.len() {
@@ -212,7 +212,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         self.search.waiting[config] = first..self.search.near.len();
     }
 
-    /// Takes the next pairs of every configuration, few of many or many of few.
+    /// Takes the next pairs of every configuration: few each of many configurations, or many each of few.
     fn take_turns(&mut self) {
         let FirstHitSearch { near, waiting, open, unfolded, .. } = &mut self.search;
         let each = (ENOUGH / open.len().max(1)).max(1);
@@ -248,7 +248,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
     }
 }
 
-/// The least, the last in its place.
+/// Removes the least; the last takes its place.
 #[inline]
 fn take_least(ranks: &mut [Rank]) -> Option<Rank> {
     let last = ranks.len().checked_sub(1)?;

@@ -1,4 +1,4 @@
-//! What is posed together.
+//! Shapes that are posed together.
 
 use dcd_geom::{Filter, SceneError, Shape};
 
@@ -8,12 +8,12 @@ use dcd_geom::{Filter, SceneError, Shape};
 pub struct LinkSet {
     pub(super) shapes: Vec<Shape>,
     pub(super) filters: Vec<Filter>,
-    /// The pairs of links (k, l), k < l, that are asked for too, by l.
+    /// The pairs of links (k, l), k < l, that are tested too, by l.
     pub(super) self_pairs: Vec<(u32, u32)>,
 }
 
 impl LinkSet {
-    /// Links that are asked against the world, not against each other.
+    /// Links that are tested against the world, not against each other.
     pub fn new(shapes: Vec<Shape>) -> Self {
         let filters = vec![Filter::ALL; shapes.len()];
         Self { shapes, filters, self_pairs: Vec::new() }
@@ -30,8 +30,8 @@ impl LinkSet {
         Ok(self)
     }
 
-    /// Asks for the links against each other too, but for these pairs, in either order: adjacent
-    /// links, which always touch. The links' filters say nothing here.
+    /// Also tests the links against each other (self-collision), except for these pairs, in either order: adjacent
+    /// links, which always touch. The links' filters do not apply here.
     ///
     /// # Errors
     /// A pair names a link that is not there.

@@ -1,4 +1,4 @@
-//! Pairs that a culling of the caller's own has left.
+//! Decides the pairs that the caller's own culling left.
 
 use super::checker::{Hit, Other};
 use super::decisions::{Against, Decisions};
@@ -21,9 +21,9 @@ pub struct Candidate {
     pub other: Other,
 }
 
-/// Decides pairs of links with obstacles and with each other, where whoever poses the links knows which
-/// pairs are near: what a [`BatchChecker`](super::BatchChecker) does once it has culled. The link set's own
-/// filters and pairs are not asked.
+/// Decides pairs of links with obstacles and with each other for a caller that does its own culling: what
+/// a [`BatchChecker`](super::BatchChecker) does after culling. The link set's own
+/// filters and pairs are ignored.
 pub struct PairDecider<N: NarrowPhase = dcd_gjk::Overlap> {
     rows: LinkRows,
     scratch: PerThread<Scratch<N>>,
@@ -49,7 +49,7 @@ impl<N: NarrowPhase> std::fmt::Debug for PairDecider<N> {
 }
 
 impl<N: NarrowPhase> PairDecider<N> {
-    /// For so many configurations at once, at most 512.
+    /// A decider for so many configurations at once, at most 512.
     ///
     /// # Errors
     /// Those of [`StaticWorld::checker`].
@@ -58,12 +58,12 @@ impl<N: NarrowPhase> PairDecider<N> {
         Ok(Self { rows, scratch: PerThread::default() })
     }
 
-    /// Tells what is not known to be apart: contacts with obstacles, then of links, then what could not be
-    /// decided. `pose(configuration, link)` is asked once for each link of a candidate.
+    /// Reports what is not proved apart: contacts with obstacles, then of links, then the undecided pairs.
+    /// `pose(configuration, link)` is called once for each link of a candidate.
     ///
     /// # Errors
     /// More objects than a u32 counts; a candidate of a configuration, a link or an obstacle that is not
-    /// there, by its link; a pose out of range, by configuration · links + link: nothing is told then.
+    /// there, by its link; a pose out of range, by configuration · links + link: nothing is reported then.
     pub fn decide(
         &self,
         StaticWorld(world): &StaticWorld<N>,
@@ -121,7 +121,7 @@ impl<N: NarrowPhase> Scratch<N> {
         Ok(())
     }
 
-    /// Lists the candidates whose boxes overlap.
+    /// Lists the candidates whose AABBs overlap.
     fn list(&mut self, world: &Obstacles<N>, candidates: &[Candidate]) {
         let Self { posed, decisions, .. } = self;
         decisions.clear();

@@ -27,7 +27,7 @@ pub(super) struct PosedLinks<N: NarrowPhase> {
     objects: Vec<[u32; ROW]>,
     /// For each link the objects that were posed last.
     fresh: Vec<Range<usize>>,
-    /// Where the tree is asked for an object: its number, counted on from those of the obstacles.
+    /// The number of an object in queries of the tree, counted on from those of the obstacles.
     names: Vec<u32>,
 }
 
@@ -47,7 +47,7 @@ impl<N: NarrowPhase> Default for PosedLinks<N> {
 }
 
 impl<N: NarrowPhase> PosedLinks<N> {
-    /// Makes room, the first time and when there is need of more, and forgets all poses.
+    /// Reserves memory, the first time and when more is needed, and forgets all poses.
     pub(super) fn clear(&mut self, world: &Obstacles<N>, rows: &LinkRows) {
         let (template, links) = (&rows.template, rows.link_set.len());
         if self.scene.layout() != template.layout() {
@@ -81,8 +81,8 @@ impl<N: NarrowPhase> PosedLinks<N> {
         self.configurations[object as usize] as usize
     }
 
-    /// Poses and prepares what is due and not yet posed, where `pose(configuration, link)` says. The first
-    /// pose that was refused, by its number: configuration by configuration.
+    /// Poses and prepares what is due and not yet posed, at `pose(configuration, link)`. Returns the number of the
+    /// first refused pose, configuration by configuration.
     pub(super) fn place(
         &mut self,
         narrow: &N,
@@ -135,13 +135,13 @@ impl<N: NarrowPhase> PosedLinks<N> {
         pairs: &mut Vec<Pair>,
     ) {
         if checker.filtered {
-            self.ask(checker, culling, link, |i| checker.allows(link, i), pairs);
+            self.query(checker, culling, link, |i| checker.allows(link, i), pairs);
         } else {
-            self.ask(checker, culling, link, |_| true, pairs);
+            self.query(checker, culling, link, |_| true, pairs);
         }
     }
 
-    fn ask(
+    fn query(
         &self,
         checker: &BatchChecker<N>,
         culling: &Culling,
@@ -150,22 +150,22 @@ impl<N: NarrowPhase> PosedLinks<N> {
         pairs: &mut Vec<Pair>,
     ) {
         let new = self.fresh(link);
-        // The objects since which the tree has not been asked: what they may reach is not known.
+        // The first object whose tree query is pending: what it may reach is not known.
         let mut unknown = new.start;
         for object in new.clone() {
             let config = self.configurations[object] as usize;
             if let Some(numbers) = culling.obstacles(link, config) {
-                self.ask_tree(checker, unknown..object, &keep, pairs);
+                self.query_tree(checker, unknown..object, &keep, pairs);
                 unknown = object + 1;
-                let asked = (object as u32, &self.aabbs[object]);
-                checker.obstacle_grid.append_pairs(asked, numbers, &keep, pairs);
+                let query = (object as u32, &self.aabbs[object]);
+                checker.obstacle_grid.append_pairs(query, numbers, &keep, pairs);
             }
         }
-        self.ask_tree(checker, unknown..new.end, &keep, pairs);
+        self.query_tree(checker, unknown..new.end, &keep, pairs);
     }
 
     /// Appends the pairs of some objects as the tree has them.
-    fn ask_tree(
+    fn query_tree(
         &self,
         checker: &BatchChecker<N>,
         objects: Range<usize>,
@@ -177,17 +177,17 @@ impl<N: NarrowPhase> PosedLinks<N> {
         }
         let start = pairs.len();
         let (aabbs, names) = (&self.aabbs[objects.clone()], &self.names[objects]);
-        let asked = IdentifiedAabbs { aabbs, names };
-        checker.world.tree.append_pairs(asked, |i, _| keep(i), pairs);
+        let query = IdentifiedAabbs { aabbs, names };
+        checker.world.tree.append_pairs(query, |i, _| keep(i), pairs);
         let new = &mut pairs[start..];
         let obstacles = checker.world.len() as u32;
         new.iter_mut().for_each(|pair| pair.j -= obstacles);
-        // The tree is asked object by object, so that short lists are left to be sorted.
+        // One query per object, so that short lists are left to be sorted.
         let lists = new.chunk_by_mut(|a, b| a.j == b.j);
         lists.for_each(|list| list.sort_unstable_by_key(|pair| pair.i));
     }
 
-    /// An obstacle and the object of a link in a configuration, if their boxes overlap.
+    /// An obstacle and the object of a link in a configuration, if their AABBs overlap.
     pub(super) fn obstacle_pair(
         &self,
         world: &Obstacles<N>,
@@ -199,10 +199,10 @@ impl<N: NarrowPhase> PosedLinks<N> {
         aabb.overlaps(&self.aabbs[j as usize]).then_some(Pair { i: obstacle as u32, j })
     }
 
-    /// The objects of two links of one configuration, if their boxes overlap.
+    /// The objects of two links of one configuration, if their AABBs overlap.
     pub(super) fn self_pair(&self, config: usize, links: (u32, u32)) -> Option<Pair> {
         let links = [links.0, links.1].map(|link| link as usize);
-        // Of a pose that was refused there is no object.
+        // A refused pose has no object.
         if links.iter().any(|&link| !self.posed[link].has(config)) {
             return None;
         }

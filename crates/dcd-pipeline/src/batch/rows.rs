@@ -21,7 +21,7 @@ impl LinkRows {
         Ok(Self { link_set, template, row })
     }
 
-    /// That obstacles and the most objects of links together are numbers of a u32.
+    /// Checks that obstacles and the most objects of links together fit a u32.
     pub(super) fn check_count<N: NarrowPhase>(
         &self,
         world: &Obstacles<N>,
@@ -31,7 +31,7 @@ impl LinkRows {
         if fits { Ok(()) } else { Err(SceneError::TooMany { what: "objects", count }) }
     }
 
-    /// Longer rows.
+    /// Lengthens the rows.
     pub(super) fn lengthen(&mut self, row: usize) -> Result<(), SceneError> {
         (self.template, self.row) = (rows_of(&self.link_set, row)?, row);
         Ok(())
@@ -50,7 +50,7 @@ fn rows_of(link_set: &LinkSet, row: usize) -> Result<Scene, SceneError> {
     })
 }
 
-/// The error about an object, told of the one with that number.
+/// The error, renumbered to the object with that number.
 pub(super) fn numbered(error: SceneError, number: usize) -> SceneError {
     match error {
         SceneError::OutOfRange { reach, .. } => SceneError::OutOfRange { object: number, reach },

@@ -144,7 +144,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn members_are_told_once_and_ascending() {
+    fn members_are_listed_once_and_ascending() {
         let mut set = Set::default();
         assert!(set.is_empty() && Members::of(set).count() == 0);
         for member in [ROW - 1, 3, 1, Aabb128::LENGTH] {

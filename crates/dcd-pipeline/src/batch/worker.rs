@@ -13,16 +13,16 @@ use std::ops::Range;
 /// The memory of a thread, phase by phase: which configurations there are, which of their links are near
 /// anything, those that are posed, and the pairs to be decided.
 pub(super) struct WorkerScratch<N: NarrowPhase> {
-    /// The configurations taken up, by their numbers in the batch.
+    /// The configurations of the task, by their numbers in the batch.
     pub(super) taken: Range<usize>,
     pub(super) culling: Culling,
     /// For each link the configurations in which it is wanted next, counted from the first taken up.
     pub(super) due: Vec<Set>,
     pub(super) posed: PosedLinks<N>,
     pub(super) decisions: Decisions<N>,
-    /// Where only first hits are asked for.
+    /// For queries of first hits.
     pub(super) search: FirstHitSearch,
-    /// Where all hits are.
+    /// For queries of all hits.
     sorting: Sorting<N::Answer>,
 }
 
@@ -54,7 +54,7 @@ impl<A> Default for Sorting<A> {
 }
 
 impl<N: NarrowPhase> WorkerScratch<N> {
-    /// Takes up these configurations, at most a row.
+    /// Starts a task of these configurations, at most a row.
     pub(super) fn open(&mut self, checker: &BatchChecker<N>, taken: Range<usize>) {
         self.posed.clear(&checker.world, &checker.rows);
         self.due.clear();
@@ -62,19 +62,15 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         self.taken = taken;
     }
 
-    /// The poses of the configurations taken up, out of those of the batch.
+    /// The poses of the task's configurations, out of those of the batch.
     pub(super) fn poses_of<'p>(&self, checker: &BatchChecker<N>, poses: &'p [Pose]) -> &'p [Pose] {
         let links = checker.rows.link_set.len();
         &poses[self.taken.start * links..self.taken.end * links]
     }
 
-    /// All pairs of the configurations taken up, decided. The index in the batch of the first pose that was
-    /// refused, if any.
-    pub(super) fn settle_all(
-        &mut self,
-        checker: &BatchChecker<N>,
-        poses: &[Pose],
-    ) -> Option<usize> {
+    /// Decides all pairs of the task's configurations. Returns the index in the batch of the first refused pose,
+    /// if any.
+    pub(super) fn find_all(&mut self, checker: &BatchChecker<N>, poses: &[Pose]) -> Option<usize> {
         let self_pairs = &checker.rows.link_set.self_pairs;
         let row = self.poses_of(checker, poses);
         self.culling.look(checker, (row, self.taken.len()), |_, _, _| false);
@@ -102,7 +98,7 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         refused
     }
 
-    /// Poses and prepares what is due. The index in the batch of the first pose that was refused.
+    /// Poses and prepares what is due. Returns the index in the batch of the first refused pose.
     pub(super) fn place(&mut self, checker: &BatchChecker<N>, poses: &[Pose]) -> Option<usize> {
         let links = checker.rows.link_set.len();
         let first = self.taken.start * links;

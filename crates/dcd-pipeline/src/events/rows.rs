@@ -14,8 +14,8 @@ pub(super) struct Rows {
 const ROWS_PER_TASK: usize = 256;
 
 impl Rows {
-    /// Takes in pairs whose i is below `rows`, each once, in any order. `pairs` is asked twice and
-    /// tells the same.
+    /// Takes in pairs whose i is below `rows`, each once, in any order. `pairs` is called twice and
+    /// yields the same pairs.
     pub(super) fn fill<P: Iterator<Item = (u32, u32)>>(
         &mut self,
         rows: usize,
@@ -100,12 +100,12 @@ mod tests {
                 [&[1][..], &[], &[4, 9], &[]]
             );
             rows.fill(700, || pairs.iter().copied(), par.into());
-            let mut told: Vec<(u32, u32)> =
+            let mut reported: Vec<(u32, u32)> =
                 (0..700).flat_map(|i| rows.row(i).iter().map(move |&j| (i as u32, j))).collect();
             let mut expected = pairs.clone();
             expected.sort_unstable();
-            assert!(told.is_sorted());
-            assert_eq!(std::mem::take(&mut told), expected);
+            assert!(reported.is_sorted());
+            assert_eq!(std::mem::take(&mut reported), expected);
             rows.fill(0, std::iter::empty, par.into());
             assert!(rows.row(0).is_empty());
         }

@@ -13,7 +13,7 @@ use std::fmt::Debug;
 enum Knows {
     /// Nothing.
     AsMuch,
-    /// Pairs of curved shapes that nobody can settle afresh: it may have seen them farther apart.
+    /// Pairs of curved shapes that no fresh step decides: it may have seen them farther apart.
     More,
 }
 
@@ -93,7 +93,7 @@ fn depths() -> Option<ThenMeasure<Depths, Coherent>> {
 /// Runs a course to its end, or for so many steps.
 ///
 /// # Panics
-/// A pipeline that has seen earlier steps tells anything else than one that has not: other boxes,
+/// A pipeline that has seen earlier steps reports anything else than one that has not: other AABBs,
 /// other candidates, other contacts, or the same in another order.
 pub(crate) fn run(source: &mut impl Source, steps: usize) -> Seen {
     let mut seen = Seen::default();
@@ -124,31 +124,35 @@ where
 {
     let name = std::any::type_name::<N>();
     let mut fresh = Pipeline::with(B::default(), fresh);
-    let (told, due) = (kept.step(scene, Par::Serial), fresh.step(scene, Par::Serial));
+    let (reported, due) = (kept.step(scene, Par::Serial), fresh.step(scene, Par::Serial));
     let bits = |step: &Step<'_, N::Answer>| -> Vec<[u32; 6]> {
         let corners = |b: &dcd_geom::Aabb| [b.min.to_array(), b.max.to_array()].concat();
         let boxes = step.aabbs().iter().map(|b| corners(b).iter().map(|x| x.to_bits()).collect());
         boxes.map(|bits: Vec<u32>| std::array::from_fn(|k| bits[k])).collect()
     };
-    assert_eq!(bits(&told), bits(&due), "{name}: boxes");
+    assert_eq!(bits(&reported), bits(&due), "{name}: boxes");
     let candidates: Vec<Pair> = due.candidates().collect();
-    assert_eq!(told.candidates().collect::<Vec<_>>(), candidates, "{name}: candidates, in order");
+    assert_eq!(
+        reported.candidates().collect::<Vec<_>>(),
+        candidates,
+        "{name}: candidates, in order"
+    );
     let undecided = |step: &Step<'_, N::Answer>| -> Vec<Pair> {
         step.report().undecided().iter().map(|left| left.pair).collect()
     };
-    let (left, open) = (undecided(&told), undecided(&due));
+    let (left, open) = (undecided(&reported), undecided(&due));
     match knows {
         Knows::AsMuch => assert_eq!(left, open, "{name}: undecided"),
         Knows::More => assert!(left.iter().all(|pair| open.contains(pair)), "{name}: undecided"),
     }
-    let settled = |contact: &Contact<N::Answer>| !open.contains(&contact.pair);
-    let contacts: Vec<_> = told.answers().filter(settled).collect();
+    let decided = |contact: &Contact<N::Answer>| !open.contains(&contact.pair);
+    let contacts: Vec<_> = reported.answers().filter(decided).collect();
     assert_eq!(contacts, due.answers().collect::<Vec<_>>(), "{name}: contacts, in order");
     let fixed = |i: u32| scene.motion(i as usize) == Some(dcd_geom::Motion::Static);
     Seen {
         steps: 1,
         contacts: contacts.len(),
         between: candidates.iter().filter(|pair| fixed(pair.i) || fixed(pair.j)).count(),
-        remembered: told.report().settled(Method::Remembered),
+        remembered: reported.report().settled(Method::Remembered),
     }
 }

@@ -198,7 +198,7 @@ fn set(scene: &mut Scene, i: usize, pose: Option<Pose>) {
     }
 }
 
-/// An object, of that kind if one is asked for.
+/// An object, of that kind if one is given.
 fn some_slot(scene: &Scene, byte: u8, kind: Option<Motion>) -> Option<usize> {
     let fits = |&i: &usize| match (scene.motion(i), kind) {
         (None, _) => false,

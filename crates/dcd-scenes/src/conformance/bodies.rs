@@ -18,13 +18,13 @@ pub(super) fn hull(draw: &mut Draw, size: f64) -> Option<Polytope> {
     Polytope::hull(cloud(draw, DVec3::splat(size))).ok()
 }
 
-/// A box whose half extents are multiples of 1/8 up to 1.
+/// A cuboid whose half extents are multiples of 1/8 up to 1.
 pub(super) fn cuboid(draw: &mut Draw) -> Option<Polytope> {
     let half = DVec3::from_array([(); 3].map(|()| f64::from(1 + draw.count(0..8)) / 8.0));
     Polytope::cuboid(half).ok()
 }
 
-/// The corners of a box in the cube of half-width `size`, or a cloud in it, in turn.
+/// The corners of a cuboid in the cube of half-width `size`, or a cloud in it, alternating.
 pub(super) fn box_or_hull(k: usize, draw: &mut Draw, size: f64) -> Option<Polytope> {
     match k % 2 {
         0 => hull(draw, size),
@@ -32,7 +32,7 @@ pub(super) fn box_or_hull(k: usize, draw: &mut Draw, size: f64) -> Option<Polyto
     }
 }
 
-/// The same shape, every length multiplied.
+/// The shape, every length multiplied.
 pub(super) fn sized(shape: &Polytope, by: f64) -> Option<Polytope> {
     let hull = Polytope::hull(shape.vertices().iter().map(|&v| v * by).collect()).ok()?;
     hull.rounded(shape.swept_radius() * by).ok()
@@ -48,7 +48,7 @@ pub(super) fn at(t: DVec3) -> Option<Pose> {
     Pose::from_translation(t).ok()
 }
 
-/// The same turn, there.
+/// The same rotation at another translation.
 pub(super) fn moved(pose: &Pose, t: DVec3) -> Option<Pose> {
     Pose::from_matrix(*pose.rotation(), t).ok()
 }

@@ -1,4 +1,4 @@
-//! Boxes that meet in faces, edges and corners, and stacks of boxes.
+//! Cuboids that meet in faces, edges and corners, and stacks of cuboids.
 
 use super::bodies::{Placed, cuboid, moved, quarter_turns, sign, turned};
 use crate::random::Draw;
@@ -9,7 +9,7 @@ use glam::DVec3;
 const OFF: [f64; 10] =
     [0.0, f64::EPSILON, -f64::EPSILON, 0.0, 1e-12, -1e-12, 0.0, 1e-7, -1e-7, 0.0];
 
-/// Two boxes that meet along so many axes: one a face, two an edge, three a corner. Their extents
+/// Two cuboids that meet along so many axes: one a face, two an edge, three a corner. Their extents
 /// are binary fractions and their turns quarter turns, so that they meet exactly; every third pair
 /// is turned as a whole, and meets but for rounding.
 pub(super) fn meeting(axes: usize, k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
@@ -41,7 +41,7 @@ fn half(cuboid: &Polytope) -> DVec3 {
 const PITCHES: [f64; 7] =
     [1.0, 1.0 - 1e-3, 1.0 + 1e-9, 1.0 - 1e-9, 1.0 + 1e-3, 1.0 + f64::EPSILON, 1.0 - f64::EPSILON];
 
-/// Boxes of a stack, of one size or two, near the origin or far out, turned together or not.
+/// Cuboids of a stack, of one size or two, near the origin or far out, turned together or not.
 pub(super) fn aligned(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
     let pitch = PITCHES[k % PITCHES.len()];
     let a = Polytope::cuboid(DVec3::splat(0.5)).ok()?;

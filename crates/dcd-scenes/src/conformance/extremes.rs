@@ -28,7 +28,7 @@ pub(super) fn cycling(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
     Some([(a, at_a), (b, moved(&at_a, *at_a.rotation() * local)?)])
 }
 
-/// Of height 2 round z, its corners off by up to `off`.
+/// A prism of height 2 round z, its corners off by up to `off`.
 fn prism(corners: u32, off: f64, draw: &mut Draw) -> Option<Polytope> {
     let mut points = Vec::new();
     for corner in 0..corners {

@@ -6,11 +6,11 @@ use crate::random::Draw;
 use dcd_geom::{Polytope, Pose};
 use glam::DVec3;
 
-/// How the hulls are stretched, in turn.
+/// How the hulls are stretched, in a cycle.
 const STRETCHES: [DVec3; 4] =
     [DVec3::ONE, DVec3::new(1.0, 1.0, 0.02), DVec3::new(0.05, 0.05, 1.0), DVec3::ONE];
 
-/// What is bisected: hulls, plates, needles and boxes, rounded or not, with their middles at one
+/// What is bisected: hulls, plates, needles and cuboids, rounded or not, with their middles at one
 /// place, turned alike or not, at scales of 1e-6, 1 and 1e6, some far out.
 pub(super) fn origin(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
     let size = power_of_ten(6 * (k % 3) as i32 - 6);

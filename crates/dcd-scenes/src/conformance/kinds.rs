@@ -12,11 +12,11 @@ use glam::DVec3;
 pub struct ShapePair {
     /// The first.
     pub a: Shape,
-    /// Where it is.
+    /// The first shape's pose.
     pub pose_a: Pose,
     /// The second.
     pub b: Shape,
-    /// Where it is.
+    /// The second shape's pose.
     pub pose_b: Pose,
 }
 
@@ -76,7 +76,7 @@ impl ShapeFamily {
 /// Whether a pair touches; `None` where that is not known.
 pub type ShapeJudge<'a> = &'a dyn Fn(&ShapePair) -> Option<bool>;
 
-/// How far from the origin of its own frame a shape is, in turn; in sizes.
+/// How far from the origin of its own frame a shape is, in a cycle; in sizes.
 const OUT: [f64; 4] = [0.0, 1e3, 1e7, 1e12];
 
 /// Streams of these pairs' draws: above those of [`super::flip`].

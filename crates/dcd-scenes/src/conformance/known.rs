@@ -8,7 +8,7 @@ use glam::DVec3;
 /// Makes pair `k` of its kind.
 type Family = fn(usize, &mut Draw) -> Option<[Placed; 2]>;
 
-/// The families, each in turn.
+/// The families, in a cycle.
 pub(super) fn known(k: usize, draw: &mut Draw) -> Option<[Placed; 2]> {
     const FAMILIES: [Family; 10] = [
         small_hulls,

@@ -22,15 +22,15 @@ use dcd_geom::{Polytope, Pose};
 use glam::DVec3;
 use std::fmt;
 
-/// What a pair is there for.
+/// The category of a test pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Category {
     /// Hulls of random points, turned any way.
     Random,
-    /// The same up to 1e9 from the origin.
+    /// Random hulls up to 1e9 from the origin.
     Far,
-    /// The same at 1e-9 … 1e9 metres.
+    /// Random hulls at 1e-9 … 1e9 metres.
     Scaled,
     /// One up to a million times as large as the other.
     Ratio,
@@ -58,7 +58,7 @@ pub enum Category {
     Concentric,
     /// The same shape at the same pose.
     Identical,
-    /// Boxes aligned with each other, stacked as bricks and pallets are.
+    /// Cuboids aligned with each other, stacked as bricks and pallets are.
     Aligned,
     /// Moved until the next float touches: a gap that cannot be smaller.
     Gap,
@@ -130,16 +130,16 @@ pub struct Case {
     pub decade: i32,
     /// The first shape.
     pub a: Polytope,
-    /// Where it is.
+    /// The first shape's pose.
     pub pose_a: Pose,
     /// The second shape.
     pub b: Polytope,
-    /// Where it is.
+    /// The second shape's pose.
     pub pose_b: Pose,
 }
 
 impl Case {
-    /// Of two shapes and where they are.
+    /// A case of two shapes and their poses.
     #[must_use]
     pub fn new(category: Category, [(a, pose_a), (b, pose_b)]: [(Polytope, Pose); 2]) -> Self {
         let size = (a.reach() + a.swept_radius()).max(b.reach() + b.swept_radius());

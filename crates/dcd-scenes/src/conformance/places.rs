@@ -15,7 +15,7 @@ pub(super) fn random(draw: &mut Draw) -> Pair {
     Some([(hull(draw, 1.0)?, turned(draw, DVec3::ZERO)?), (hull(draw, 1.0)?, turned(draw, spot)?)])
 }
 
-/// From 1 to 1e9 away.
+/// Pairs from 1 to 1e9 from the origin.
 pub(super) fn far(k: usize, draw: &mut Draw) -> Pair {
     let out = direction(draw) * power_of_ten((k % 10) as i32);
     let [(a, at_a), (b, at_b)] = random(draw)?;
@@ -24,7 +24,7 @@ pub(super) fn far(k: usize, draw: &mut Draw) -> Pair {
     Some([(a, at_a), (b, at_b)])
 }
 
-/// From 1e-9 to 1e9 metres.
+/// Pairs of sizes from 1e-9 to 1e9 metres.
 pub(super) fn scaled(k: usize, draw: &mut Draw) -> Pair {
     let size = power_of_ten((k % 19) as i32 - 9);
     let [(a, at_a), (b, at_b)] = random(draw)?;
@@ -32,7 +32,7 @@ pub(super) fn scaled(k: usize, draw: &mut Draw) -> Pair {
     Some([(sized(&a, size)?, at_a), (sized(&b, size)?, at_b)])
 }
 
-/// The second is 1 to 1e-6 as large, near a vertex of the first or anywhere in its box.
+/// The second is 1 to 1e-6 as large, near a vertex of the first or anywhere in its AABB.
 pub(super) fn ratio(k: usize, draw: &mut Draw) -> Pair {
     let size = power_of_ten(-((k % 7) as i32));
     let a = (hull(draw, 1.0)?, turned(draw, DVec3::ZERO)?);

@@ -72,7 +72,7 @@ fn step_of(preset: Preset, setting: &Setting, case: &Case) -> Step {
     }
 }
 
-/// How many boxes the fullest leaf holds.
+/// How many AABBs the fullest leaf holds.
 fn largest_leaf(builder: PaperTree, scene: &Scene) -> u64 {
     let aabbs: Vec<Aabb> = (0..scene.len()).map(|i| scene.aabb(i)).collect();
     let mut tree = BinaryTree::default();
@@ -128,8 +128,8 @@ pub(super) fn draw(setting: &Setting, units: &Units, report: &mut Report) -> Res
         ])?;
     }
     report.note(
-        "The code takes axis and midpoint from the boxes' extent and sorts by centroids, so that one \
-         large box can put all centroids on one side; what cannot be split is a leaf. The text takes \
+        "The code takes axis and midpoint from the AABBs' extent and sorts by centroids, so that one \
+         large AABB can put all centroids on one side; what cannot be split is a leaf. The text takes \
          both from the centroids. Steps are parallel.",
     );
     report.table(table);

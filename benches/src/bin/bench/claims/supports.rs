@@ -47,15 +47,15 @@ impl Tally {
     }
 }
 
-/// A polytope that counts how often it is asked.
+/// A polytope that counts its support queries.
 struct Counting {
     shape: Polytope,
-    asked: Arc<AtomicU64>,
+    calls: Arc<AtomicU64>,
 }
 
 impl SupportMap<f64> for Counting {
     fn support(&self, direction: DVec3) -> Support<f64> {
-        self.asked.fetch_add(1, Ordering::Relaxed);
+        self.calls.fetch_add(1, Ordering::Relaxed);
         self.shape.support(direction)
     }
 
@@ -74,15 +74,15 @@ pub(super) fn measure(setting: &Setting, units: &mut Units) -> Result<()> {
 }
 
 fn count(scene: &Scene) -> Result<Counted> {
-    let asked = Arc::new(AtomicU64::new(0));
-    let objects = (0..scene.len()).map(|i| counting(scene, i, &asked));
+    let calls = Arc::new(AtomicU64::new(0));
+    let objects = (0..scene.len()).map(|i| counting(scene, i, &calls));
     let objects: Vec<(Shape, Pose)> = objects.collect::<Result<_>>()?;
-    // A foreign shape is asked for its reach before a search begins.
+    // A foreign shape computes its reach before a search begins.
     let reaches = |a: PosedShape, b: PosedShape| (a.shape.reach(), b.shape.reach());
     let supports = |work: &dyn Fn()| {
-        asked.store(0, Ordering::Relaxed);
+        calls.store(0, Ordering::Relaxed);
         work();
-        asked.load(Ordering::Relaxed)
+        calls.load(Ordering::Relaxed)
     };
     let mut counted = Counted::default();
     for pair in candidates(scene) {
@@ -107,17 +107,17 @@ fn count(scene: &Scene) -> Result<Counted> {
 
 /// Object `i` as a foreign shape that counts, moved to its centre: that is where searches for
 /// foreign shapes start.
-fn counting(scene: &Scene, i: usize, asked: &Arc<AtomicU64>) -> Result<(Shape, Pose)> {
+fn counting(scene: &Scene, i: usize, calls: &Arc<AtomicU64>) -> Result<(Shape, Pose)> {
     let polytope = scene.shape(i).as_polytope().context("a hull of the paper's scene")?;
     let centre = polytope.inner().centre;
     let vertices = polytope.vertices().iter().map(|&vertex| vertex - centre).collect();
-    let counting = Counting { shape: Polytope::hull(vertices)?, asked: Arc::clone(asked) };
+    let counting = Counting { shape: Polytope::hull(vertices)?, calls: Arc::clone(calls) };
     let pose = &scene.poses()[i];
     let pose = Pose::from_matrix(*pose.rotation(), pose.apply(centre))?;
     Ok((Shape::custom(Arc::new(counting))?, pose))
 }
 
-/// The pairs whose boxes overlap.
+/// The pairs whose AABBs overlap.
 fn candidates(scene: &Scene) -> Vec<Pair> {
     let aabbs: Vec<Aabb> = (0..scene.len()).map(|i| scene.aabb(i)).collect();
     let (mut broad, mut found) = (WideTree::default(), Segments::default());

@@ -44,7 +44,7 @@ const TRIALS: [Trial; 7] = [
     Trial { name: "cubes, pitch 1 + 1e-9", kind: Kind::Grid(1.0 + 1e-9) },
 ];
 
-/// Who is asked.
+/// The solvers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Solver {
     Ours,
@@ -68,7 +68,7 @@ impl Solver {
         }
     }
 
-    fn ask(self, case: &Case) -> Answered {
+    fn answer(self, case: &Case) -> Answered {
         let shapes = || ParryShapes::<f64>::default().with_query(Query::Distance);
         match self {
             Self::Ours => answered(case, Overlap::default()),
@@ -83,11 +83,11 @@ impl Solver {
 #[derive(Debug, Serialize, Deserialize)]
 struct Answered {
     agreement: Agreement,
-    /// Pairs that only exact integers could settle.
+    /// Pairs that only exact integers could decide.
     exact: u64,
 }
 
-/// Behind one broad phase, so that all are asked for the same candidates.
+/// Behind one broad phase, so that all decide the same candidates.
 fn answered<N: NarrowPhase<Answer = ()>>(case: &Case, narrow: N) -> Answered {
     let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     let step = pipeline.step(&case.scene, Par::WarmPool);
@@ -143,7 +143,7 @@ pub(super) fn plan() -> Vec<String> {
 
 pub(super) fn measure(setting: &Setting, units: &mut Units) -> Result<()> {
     for (trial, solver) in all() {
-        units.run(&trial.key(solver), || Ok(solver.ask(&Case::new(trial.scene(setting)?))))?;
+        units.run(&trial.key(solver), || Ok(solver.answer(&Case::new(trial.scene(setting)?))))?;
     }
     Ok(())
 }
@@ -167,7 +167,7 @@ pub(super) fn draw(units: &Units, report: &mut Report) -> Result<()> {
         Column::new("false"),
         Column::new("missed"),
         Column::new("undecided"),
-        Column::new("settled in integers"),
+        Column::new("decided in integers"),
     ];
     let title = format!("Tiny scenes of {OBJECTS} objects and grids of {} unit cubes", EDGE.pow(3));
     let mut table = Table::new("tolerances", title, columns);
@@ -187,7 +187,7 @@ pub(super) fn draw(units: &Units, report: &mut Report) -> Result<()> {
     }
     report.note(
         "A tolerance that is a length fails when the scene is small, and where the gap is smaller \
-         than it. Differences are settled in exact integers on the scene as it is, after its \
+         than it. Differences are judged in exact integers on the scene as it is, after its \
          coordinates were rounded: the scaled scenes are scenes of their own.",
     );
     report.table(table);

@@ -172,7 +172,7 @@ fn inches_become_metres_after_all_transforms() {
 }
 
 #[test]
-fn the_up_axis_counts_only_where_it_is_asked_for() {
+fn the_up_axis_counts_only_on_request() {
     // The triangle's corner on y.
     for (axis, named, turned) in [
         ("<up_axis>Y_UP</up_axis>", "Y_UP", [0.0, 0.0, 1.0]),
@@ -226,7 +226,7 @@ fn polygons_strips_and_fans_become_triangles() {
 }
 
 #[test]
-fn several_inputs_with_offsets_of_their_own_are_told_apart() {
+fn several_inputs_with_offsets_of_their_own_are_distinguished() {
     let inputs = "<input semantic=\"NORMAL\" source=\"#nothing\" offset=\"0\"/>\
                   <input semantic=\"VERTEX\" source=\"#corners\" offset=\"2\"/>\
                   <input semantic=\"TEXCOORD\" source=\"#nothing\" offset=\"3\" set=\"1\"/>";
@@ -301,7 +301,7 @@ fn what_could_hide_geometry_is_refused_with_element_and_line() {
 }
 
 #[test]
-fn two_elements_of_an_id_are_told_apart_or_refused() {
+fn two_elements_of_an_id_are_distinguished_or_refused() {
     let again = format!("<library_geometries>{GEOMETRY}</library_geometries>");
     let text = file(&again, &format!("<node>{SHOWN}</node>"));
     assert!(refusal(&text).2.contains("several"));

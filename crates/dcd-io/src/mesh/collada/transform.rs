@@ -90,7 +90,7 @@ fn unit(node: Node<'_, '_>, axis: DVec3, what: &str) -> Result<DVec3, MeshError>
     scaled.try_normalize().ok_or_else(|| refused(node, format!("the {what} has no direction")))
 }
 
-/// Of degrees; exact for quarters of a turn.
+/// Sine and cosine of degrees; exact for quarters of a turn.
 fn sin_cos(degrees: f64) -> (f64, f64) {
     let within = degrees % 360.0;
     match within.rem_euclid(360.0) {

@@ -47,7 +47,7 @@ pub(super) fn count(node: Node<'_, '_>, name: &'static str) -> Result<Option<usi
     node.attribute(name).map(parse).transpose()
 }
 
-/// That an element holds as many as it says, if it says so.
+/// Checks that an element holds as many items as it states, if it states it.
 pub(super) fn check_count(node: Node<'_, '_>, found: usize) -> Result<(), MeshError> {
     match count(node, "count")? {
         Some(said) if said != found => {

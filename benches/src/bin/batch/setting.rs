@@ -1,4 +1,4 @@
-//! Asks both, judges, and takes times.
+//! Runs both, judges, and takes times.
 
 use std::collections::BTreeSet;
 
@@ -28,7 +28,7 @@ pub(crate) struct Size {
 }
 
 /// Obstacles, and configurations of a chain of links that starts somewhere among them.
-pub(crate) struct Room {
+pub(crate) struct Setting {
     pub(crate) size: Size,
     obstacles: Scene,
     links: Vec<Shape>,
@@ -37,15 +37,15 @@ pub(crate) struct Room {
 
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Outcome {
-    /// Findings of ours: configurations that touch, or links and obstacles that do.
+    /// Our hits: configurations that touch, or links and obstacles that do.
     pub(crate) hits: usize,
-    /// Findings that exact integers say are wrong or missing.
+    /// Hits that exact integers say are wrong or missing.
     pub(crate) ours_wrong: usize,
     pub(crate) parry_wrong: usize,
     pub(crate) pair: Pair,
 }
 
-impl Room {
+impl Setting {
     /// The paper's hulls; each joint a stride from the one before in a random direction.
     pub(crate) fn new(size: Size, configurations: usize, seed: u64) -> Result<Self> {
         let shapes = |objects, seed| -> Result<Vec<Shape>> {
@@ -76,15 +76,15 @@ impl Room {
         let query = Query::DirectIntersectionTest;
         let rival = ParryWorld::<f32>::new(&self.obstacles, &self.links, query)?;
         let posed = rival.place(&self.poses);
-        let mut told = Segments::default();
+        let mut hits = Segments::default();
         let rounds = if effort == Effort::Quick { 3 } else { 10 };
         let [pair] = pairs_of(
             rounds,
             || [time(|| count(&mut checker, &self.poses, until, par)).0],
-            || [time(|| rival.ask(&posed, until, Exec::from(par), &mut told)).0],
+            || [time(|| rival.query(&posed, until, Exec::from(par), &mut hits)).0],
         );
         let ours = touching(&mut checker, &self.poses, until, par)?;
-        let parrys: BTreeSet<Hit> = told.iter().flatten().copied().collect();
+        let parrys: BTreeSet<Hit> = hits.iter().flatten().copied().collect();
         let (ours_wrong, parry_wrong) = match until {
             Until::Last => self.judge(&ours, &parrys, |hit| self.touch(hit)),
             // Parry's first hit is its tree's; that there is one must agree.
@@ -147,7 +147,7 @@ fn touching(
         Until::Last => checker.all(poses, par)?.iter().collect(),
     };
     let hit = |found: &dcd_pipeline::Hit<()>| {
-        ensure!(found.touches(), "{found:?} is not settled");
+        ensure!(found.touches(), "{found:?} is undecided");
         let Other::Obstacle(obstacle) = found.other else { return Ok(None) };
         Ok(Some(Hit { configuration: found.configuration, link: found.link, obstacle }))
     };

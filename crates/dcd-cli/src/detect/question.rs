@@ -1,4 +1,4 @@
-//! What is asked about the pairs of a scene.
+//! The query for the pairs of a scene.
 
 use crate::failure::Failure;
 use crate::precision::{Accuracy, Library, Precision};
@@ -8,12 +8,12 @@ use std::path::PathBuf;
 
 /// The question, within which distance, and where the answers go.
 #[derive(Args)]
-pub(super) struct Ask {
-    /// What is asked about each touching pair
+pub(super) struct QueryOptions {
+    /// What to compute for each touching pair
     #[arg(long, value_enum, default_value_t, conflicts_with = "capture")]
     query: Question,
-    /// How good the bound of what is measured has to be: less is faster, and proved all the same; no
-    /// matter with --query overlap
+    /// How tight the error bound of a measure must be: looser is faster, and still proved; ignored with
+    /// --query overlap
     #[arg(long, value_enum, default_value_t, conflicts_with = "capture")]
     accuracy: Accuracy,
     /// Pairs within M metres of each other count as touching; with --query overlap, distance and
@@ -27,13 +27,13 @@ pub(super) struct Ask {
         value_parser = margin
     )]
     margin: f64,
-    /// Write what was asked about each contact as JSON Lines, sorted by i and j (format: see
+    /// Write the answer for each contact as JSON Lines, sorted by i and j (format: see
     /// --help)
     #[arg(long, value_name = "FILE", conflicts_with = "capture")]
     pub(super) answers: Option<PathBuf>,
 }
 
-/// What is asked about each touching pair.
+/// What is computed for each touching pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum Question {
     /// Nothing more
@@ -49,7 +49,7 @@ pub(super) enum Question {
     Gradient,
 }
 
-/// A question that can be asked on its precision.
+/// A query that its precision supports.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Query {
     pub(super) question: Question,
@@ -67,7 +67,7 @@ pub(super) enum Answers {
     Dropped,
 }
 
-impl Ask {
+impl QueryOptions {
     /// The question, if that precision answers it.
     pub(super) fn query(&self, precision: Precision) -> Result<Query, Failure> {
         let Self { query: question, accuracy, margin, .. } = *self;
@@ -92,13 +92,13 @@ impl Ask {
 }
 
 impl Query {
-    /// Whether touching is all that is asked.
+    /// Whether the query is yes or no alone.
     pub(super) fn is_plain(&self) -> bool {
         self.question == Question::Overlap && self.margin == 0.0
     }
 
-    /// The same for the library. The precision of a yes or no is chosen apart from it.
-    pub(super) fn asked(&self) -> dcd_pipeline::Question {
+    /// The same as the library's type. The precision of a yes or no is chosen separately.
+    pub(super) fn question(&self) -> dcd_pipeline::Question {
         let (accuracy, margin) = (self.accuracy.into(), self.margin);
         match self.question {
             Question::Overlap => {
