@@ -44,6 +44,11 @@ impl StaticTree {
         Self { tree: WideBvh::default(), names: Vec::new(), path }
     }
 
+    /// The tree, over the boxes as they were numbered when they were taken in.
+    pub fn tree(&self) -> &WideBvh {
+        &self.tree
+    }
+
     /// Takes in the boxes that stay, in place of those before.
     pub fn build(&mut self, boxes: IdentifiedAabbs, exec: Exec) {
         self.tree.build(boxes.aabbs, exec);

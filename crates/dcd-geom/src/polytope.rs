@@ -3,7 +3,7 @@
 use crate::error::check_length;
 use crate::sphere::{Sphere, reach};
 use crate::support::farthest;
-use crate::{Facets, ObbBounds, Pose, Real, ShapeError, Support, SupportMap};
+use crate::{FacetPlanes, Facets, ObbBounds, Pose, Real, ShapeError, Support, SupportMap};
 use glam::DVec3;
 use std::sync::OnceLock;
 
@@ -40,6 +40,7 @@ pub struct Polytope {
     obb: Option<Box<ObbBounds>>,
     reach: f64,
     facets: OnceLock<Facets>,
+    planes: OnceLock<FacetPlanes>,
 }
 
 impl Polytope {
@@ -156,8 +157,8 @@ impl Polytope {
         let outer_radius = Sphere::around(inner.centre, &vertices).radius;
         let obb = obb.map(Box::new);
         let reach = reach(vertices.iter().copied());
-        let facets = OnceLock::new();
-        Self { kind, vertices, radius: 0.0, inner, outer_radius, obb, reach, facets }
+        let (facets, planes) = (OnceLock::new(), OnceLock::new());
+        Self { kind, vertices, radius: 0.0, inner, outer_radius, obb, reach, facets, planes }
     }
 
     /// What it was made as.
@@ -190,6 +191,12 @@ impl Polytope {
     /// threads and frames.
     pub fn facets(&self) -> &Facets {
         self.facets.get_or_init(|| Facets::of(&self.vertices))
+    }
+
+    /// The planes of the core's faces, and what is proved of them: derived when they are first asked for, then
+    /// shared like the faces.
+    pub fn planes(&self) -> &FacetPlanes {
+        self.planes.get_or_init(|| FacetPlanes::of(self))
     }
 
     /// A box round the core and one inside it, where they tell more than the spheres do: of boxes

@@ -18,6 +18,7 @@ mod events;
 mod moving_ranges;
 mod partition;
 pub mod prelude;
+mod queries;
 mod step;
 
 pub use any::{Answer, AnyPipeline, AnyStep, Precision, Question};
@@ -28,6 +29,7 @@ pub use dcd_exec::{Exec, Par};
 pub use dcd_geom::{self as geom, Pose, Scene, Shape};
 pub use dcd_gjk::{NarrowPhase, Overlap};
 pub use events::{Change, Event, Events};
+pub use queries::{ObjectHit, Queries, QueryError, QueryFilter, SensorChoice};
 pub use step::{Pipeline, Step};
 
 /// The guide's pages, whose code is compiled and run.
