@@ -29,7 +29,10 @@ pub use dcd_exec::{Exec, Par};
 pub use dcd_geom::{self as geom, Pose, Scene, Shape};
 pub use dcd_gjk::{NarrowPhase, Overlap};
 pub use events::{Change, Event, Events};
-pub use queries::{ObjectHit, Queries, QueryError, QueryFilter, SensorChoice};
+pub use queries::{
+    Found, Impacts, NearestObject, ObjectHit, ObjectImpact, PairImpact, Queries, QueryError,
+    QueryFilter, RegionError, SensorChoice, Velocity,
+};
 pub use step::{Pipeline, Step};
 
 /// The guide's pages, whose code is compiled and run.

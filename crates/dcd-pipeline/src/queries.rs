@@ -1,12 +1,21 @@
 //! Queries of a scene on the trees of the last step.
 
+mod casts;
+mod impacts;
+mod nearest;
 mod rays;
+mod regions;
 
+pub use casts::ObjectImpact;
 use dcd_broad::StaticTree;
 use dcd_bvh::WideBvh;
+use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Filter, Motion, Scene};
 use dcd_simd::{Aabb16, BoxTest, Kernel, Lanes, Row, WIDTH, dispatch};
+pub use impacts::{Impacts, PairImpact, Velocity};
+pub use nearest::NearestObject;
 pub use rays::ObjectHit;
+pub use regions::{Found, RegionError};
 use std::fmt;
 
 /// Why a scene cannot be queried.
@@ -17,14 +26,52 @@ pub enum QueryError {
     NoStep,
     /// The scene is not what it was at the last step.
     SceneChanged,
+    /// A number that has to be finite, and at least 0 where it is a length or a time, is not.
+    BadNumber {
+        /// Which: "point", "distance", "time", "tolerance", "velocity".
+        what: &'static str,
+        /// Of which of those that were given.
+        index: usize,
+        /// What was given.
+        value: f64,
+    },
+    /// There is not one velocity for each slot.
+    LengthsDiffer {
+        /// How many velocities.
+        given: usize,
+        /// How many slots.
+        slots: usize,
+    },
+}
+
+fn check_length(what: &'static str, value: f64) -> Result<(), QueryError> {
+    // Written so that NaN is refused.
+    if value >= 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(QueryError::BadNumber { what, index: 0, value })
+    }
+}
+
+fn check_finite(what: &'static str, index: usize, v: DVec3) -> Result<(), QueryError> {
+    match v.to_array().into_iter().find(|x| !(x.abs() <= Aabb::LIMIT)) {
+        Some(value) => Err(QueryError::BadNumber { what, index, value }),
+        None => Ok(()),
+    }
 }
 
 impl fmt::Display for QueryError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::NoStep => "the pipeline has taken no step to query",
-            Self::SceneChanged => "the scene has changed since the last step",
-        })
+        match self {
+            Self::NoStep => f.write_str("the pipeline has taken no step to query"),
+            Self::SceneChanged => f.write_str("the scene has changed since the last step"),
+            Self::BadNumber { what, index, value } => {
+                write!(f, "{what} {index} holds {value:e}, out of range")
+            }
+            Self::LengthsDiffer { given, slots } => {
+                write!(f, "{given} velocities for a scene of {slots} slots")
+            }
+        }
     }
 }
 

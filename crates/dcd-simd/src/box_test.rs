@@ -58,6 +58,11 @@ impl RaySlabs {
     /// The ray from `origin` along `direction`, which is finite and not 0, and every ray that stays within `margin`
     /// metres of it.
     pub fn new(origin: DVec3, direction: DVec3, margin: f64) -> Self {
+        Self::swept([origin - margin, origin + margin], direction)
+    }
+
+    /// All rays along `direction`, which is finite and not 0, from points of a box, by its corners.
+    pub fn swept([low, high]: [DVec3; 2], direction: DVec3) -> Self {
         let largest = direction.abs().max_element();
         // A power of two, so that scaling is exact but for components that count as none.
         let exponent = ((largest.to_bits() >> 52) & 0x7ff) as i32 - 1023;
@@ -67,8 +72,7 @@ impl RaySlabs {
         let inverse =
             scaled.to_array().map(|d| if d.abs() < PARALLEL { 0.0 } else { (1.0 / d) as f32 });
         let bound = |x: f32| x.clamp(f32::MIN, f32::MAX);
-        let low = (origin - margin).to_array();
-        let high = (origin + margin).to_array();
+        let (low, high) = (low.to_array(), high.to_array());
         let mut slabs = Self {
             low: low.map(|x| bound(round_down(x.next_down()))),
             high: high.map(|x| bound(round_up(x.next_up()))),

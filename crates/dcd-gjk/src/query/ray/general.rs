@@ -30,16 +30,26 @@ pub(super) fn hit(ray: &Ray, posed: PosedShape<'_>) -> Option<RayHit> {
     };
     let reach = posed.shape.reach();
     let speed = ray.direction().length();
-    let away = (ray.origin() - posed.pose.translation()).length();
+    // About the shape's own origin, where its size counts and not how far it is from the world's. What the
+    // difference loses is the radius of the ball that moves in place of a point.
+    let from = ray.origin() - posed.pose.translation();
+    let away = from.length();
+    let lost = POINT * away;
     // Nothing of the shape is farther along.
     let end = ray.max_t().min((away + 2.0 * reach) / speed * (1.0 + 1e-9));
-    let (Ok(point), Ok(start)) = (Shape::sphere(0.0), Pose::from_translation(ray.origin())) else {
+    let (Ok(ball), Ok(point), Ok(start), Ok(pose)) = (
+        Shape::sphere(lost),
+        Shape::sphere(0.0),
+        Pose::from_translation(from),
+        posed.pose.with_translation(DVec3::ZERO),
+    ) else {
         return Some(unknown(0.0, end));
     };
+    let posed = PosedShape { shape: posed.shape, pose: &pose };
     let motion = RigidMotion { linear: ray.direction(), ..RigidMotion::at_rest(start) };
-    let still = RigidMotion::at_rest(*posed.pose);
-    let moving = MovingShape { shape: &point, motion: &motion };
-    let tolerance = NEAR * reach.max(f64::MIN_POSITIVE / NEAR) + POINT * away;
+    let still = RigidMotion::at_rest(pose);
+    let moving = MovingShape { shape: &ball, motion: &motion };
+    let tolerance = NEAR * reach.max(f64::MIN_POSITIVE / NEAR) + lost;
     let target = MovingShape { shape: posed.shape, motion: &still };
     let (free_until, t, normal) = match time_of_impact(moving, target, end, tolerance) {
         Ok(Impact::Free) => return None,
@@ -48,10 +58,10 @@ pub(super) fn hit(ray: &Ray, posed: PosedShape<'_>) -> Option<RayHit> {
         Err(_) => return Some(unknown(0.0, end)),
     };
     let is_deep = |t: f64| {
-        let place = ray.at(t);
+        let place = from + ray.direction() * t;
         let Ok(pose) = Pose::from_translation(place) else { return false };
         let point = PosedShape { shape: &point, pose: &pose };
-        let off = POINT * (ray.origin().length() + speed * t);
+        let off = lost + POINT * (away + speed * t);
         match Depths.solve(point, posed, &mut Scratch::default()) {
             Verdict::Touching(found) => found.depth - found.error_bound > off,
             _ => false,
