@@ -28,7 +28,7 @@ pub enum QueryError {
     SceneChanged,
     /// A number that has to be finite, and at least 0 where it is a length or a time, is not.
     BadNumber {
-        /// Which: "point", "distance", "time", "tolerance", "velocity".
+        /// Which: "point", "distance", "time", "tolerance", "velocity", "centre".
         what: &'static str,
         /// Of which of those that were given.
         index: usize,

@@ -2,7 +2,6 @@
 
 use super::{Queries, QueryError, QueryFilter, check_finite, check_length};
 use dcd_exec::Exec;
-use dcd_geom::glam::DVec3;
 use dcd_gjk::PosedShape;
 use dcd_gjk::motion::{Impact, MovingShape, RigidMotion, time_of_impact};
 use dcd_simd::{BoxTest, RaySlabs};
@@ -30,13 +29,19 @@ pub(super) fn check_times(until: f64, tolerance: f64) -> Result<(), QueryError> 
     check_length("tolerance", tolerance)
 }
 
+pub(super) fn check_motion(index: usize, motion: &RigidMotion) -> Result<(), QueryError> {
+    check_finite("velocity", index, motion.linear)?;
+    check_finite("velocity", index, motion.angular)?;
+    check_finite("centre", index, motion.centre)
+}
+
 impl Queries<'_> {
     /// What a moving shape meets first from t = 0 to `until`, all objects at rest, to within `tolerance` metres: the
     /// least time, of equal ones the least object. `None` is proved. A shape cast along a translation is a motion
     /// whose `angular` is 0.
     ///
     /// # Errors
-    /// A time or tolerance that is negative or not finite, a velocity that is not finite.
+    /// A time or tolerance that is negative or not finite, a velocity or centre that is out of range.
     pub fn cast(
         &self,
         moving: MovingShape<'_>,
@@ -45,9 +50,8 @@ impl Queries<'_> {
         filter: &QueryFilter<'_>,
     ) -> Result<Option<ObjectImpact>, QueryError> {
         check_times(until, tolerance)?;
+        check_motion(0, moving.motion)?;
         let motion = moving.motion;
-        check_finite("velocity", 0, motion.linear)?;
-        check_finite("velocity", 0, motion.angular)?;
         let longest = motion.linear.abs().max_element();
         let first = match moving.carried_box(until) {
             // Where it is met soonest first, if it goes anywhere.
@@ -114,8 +118,7 @@ impl Queries<'_> {
     ) -> Result<(), QueryError> {
         check_times(until, tolerance)?;
         for (k, moving) in moving.iter().enumerate() {
-            let velocities: [DVec3; 2] = [moving.motion.linear, moving.motion.angular];
-            velocities.into_iter().try_for_each(|v| check_finite("velocity", k, v))?;
+            check_motion(k, moving.motion)?;
         }
         impacts.clear();
         impacts.resize(moving.len(), None);

@@ -1,7 +1,7 @@
 //! When the moving objects of a scene meet: swept boxes in a tree, then the time of impact of each pair.
 
-use super::casts::{check_times, time_of};
-use super::{QueryError, check_finite};
+use super::QueryError;
+use super::casts::{check_motion, check_times, time_of};
 use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::{Exec, Segments};
 use dcd_geom::glam::DVec3;
@@ -71,17 +71,13 @@ impl Impacts {
         if velocities.len() != scene.len() {
             return Err(QueryError::LengthsDiffer { given: velocities.len(), slots: scene.len() });
         }
-        for (i, v) in velocities.iter().enumerate() {
-            [v.linear, v.angular, v.centre]
-                .into_iter()
-                .try_for_each(|x| check_finite("velocity", i, x))?;
-        }
         self.motions.clear();
         self.motions.extend(velocities.iter().zip(scene.poses()).map(|(v, &start)| {
             let &Velocity { linear, angular, centre } = v;
             RigidMotion { start, linear, angular, centre }
         }));
         let motions = &self.motions;
+        motions.iter().enumerate().try_for_each(|(i, motion)| check_motion(i, motion))?;
         let moving = |i: usize| MovingShape { shape: scene.shape(i), motion: &motions[i] };
         self.boxes.clear();
         self.boxes.resize(scene.len(), Aabb::EMPTY);

@@ -54,7 +54,7 @@ impl Sheared {
             }
         }
         let (u, v, w) = (edge(b, c), edge(c, a), edge(a, b));
-        let off = [span(b, c), span(c, a), span(a, b)].map(|span| m * (span + m));
+        let off = [span(b, c), span(c, a), span(a, b)].map(|span| m * (span + 2.0 * m));
         let (mut more, mut less) = (0, 0);
         for (sign, off) in [u, v, w].into_iter().zip(off) {
             more += u32::from(sign > off);
