@@ -44,6 +44,11 @@ impl StaticTree {
         Self { tree: WideBvh::default(), names: Vec::new(), path }
     }
 
+    /// The tree, over the AABBs in the order in which it was given them.
+    pub fn tree(&self) -> &WideBvh {
+        &self.tree
+    }
+
     /// Builds the tree over static AABBs, in place of those before.
     pub fn build(&mut self, boxes: IdentifiedAabbs, exec: Exec) {
         self.tree.build(boxes.aabbs, exec);

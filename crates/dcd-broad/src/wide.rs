@@ -14,6 +14,8 @@ use dcd_simd::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 #[derive(Clone, Debug)]
 pub struct WideTree {
     tree: WideBvh,
+    /// Whether the tree is that of the boxes taken in last: of a few there is none.
+    is_current: bool,
     path: Path,
 }
 
@@ -27,7 +29,7 @@ impl WideTree {
     /// A tree on that path, or the portable one where this CPU does not have it. The pairs and their
     /// order are the same on every path; for tests and measurements.
     pub fn on(path: Path) -> Self {
-        Self { tree: WideBvh::default(), path }
+        Self { tree: WideBvh::default(), is_current: false, path }
     }
 
     fn append_few(&self, aabbs: &[Aabb], out: &mut Vec<Pair>) {
@@ -47,9 +49,14 @@ const LEAVES_PER_TASK: usize = 16;
 
 impl BroadPhase for WideTree {
     fn build(&mut self, aabbs: &[Aabb], exec: Exec) {
-        if aabbs.len() > WIDTH {
+        self.is_current = aabbs.len() > WIDTH;
+        if self.is_current {
             self.tree.build(aabbs, exec);
         }
+    }
+
+    fn tree(&self) -> Option<&WideBvh> {
+        self.is_current.then_some(&self.tree)
     }
 
     fn pairs(

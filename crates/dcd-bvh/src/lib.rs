@@ -12,6 +12,7 @@ pub mod contract;
 mod paper;
 mod sample_sort;
 mod tree;
+mod visit;
 mod wide;
 
 pub use binary::BinaryTree;

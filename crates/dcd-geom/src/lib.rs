@@ -10,6 +10,7 @@
 pub mod contract;
 mod curved;
 mod error;
+mod facet_planes;
 mod facets;
 mod half_space;
 mod hull;
@@ -28,6 +29,7 @@ mod support;
 pub use curved::{Curved, CurvedKind};
 pub use dcd_simd::{Aabb, Aabb16, BoundingSphere, Pair, Sphere16};
 pub use error::{PoseError, SceneError, ShapeError};
+pub use facet_planes::FacetPlanes;
 pub use facets::{FLATNESS, Facet, Facets};
 pub use half_space::HalfSpace;
 pub use hull::{ConvexHull, Dimension, HullError};

@@ -3,7 +3,7 @@
 use crate::error::check_length;
 use crate::sphere::{Sphere, reach};
 use crate::support::farthest;
-use crate::{Facets, ObbBounds, Pose, Real, ShapeError, Support, SupportMap};
+use crate::{FacetPlanes, Facets, ObbBounds, Pose, Real, ShapeError, Support, SupportMap};
 use glam::DVec3;
 use std::sync::OnceLock;
 
@@ -40,6 +40,7 @@ pub struct Polytope {
     obb: Option<Box<ObbBounds>>,
     reach: f64,
     facets: OnceLock<Facets>,
+    planes: OnceLock<FacetPlanes>,
 }
 
 impl Polytope {
@@ -156,8 +157,8 @@ impl Polytope {
         let outer_radius = Sphere::around(inner.centre, &vertices).radius;
         let obb = obb.map(Box::new);
         let reach = reach(vertices.iter().copied());
-        let facets = OnceLock::new();
-        Self { kind, vertices, radius: 0.0, inner, outer_radius, obb, reach, facets }
+        let (facets, planes) = (OnceLock::new(), OnceLock::new());
+        Self { kind, vertices, radius: 0.0, inner, outer_radius, obb, reach, facets, planes }
     }
 
     /// Its kind and parameters.
@@ -189,6 +190,12 @@ impl Polytope {
     /// The faces of the core: computed at the first call, then shared by all objects, threads and frames.
     pub fn facets(&self) -> &Facets {
         self.facets.get_or_init(|| Facets::of(&self.vertices))
+    }
+
+    /// The planes of the core's faces, and what is proved of them: derived on first use, then shared like the
+    /// faces.
+    pub fn planes(&self) -> &FacetPlanes {
+        self.planes.get_or_init(|| FacetPlanes::of(self))
     }
 
     /// An OBB round the core and one inside it, where they are tighter than the spheres: for cuboids and

@@ -7,6 +7,7 @@ mod swept;
 #[cfg(test)]
 mod tests;
 
+use object::LazyRevision;
 pub use object::{Filter, Handle, Motion, Object, ObjectRef, Revision};
 
 use crate::{Aabb, Pose, SceneError, Shape};
@@ -38,6 +39,7 @@ pub struct Scene {
     statics: usize,
     layout: Revision,
     static_revision: Revision,
+    pose_revision: LazyRevision,
 }
 
 /// The latest revisions of a list of shapes that only grows, each with the number of shapes it had.
@@ -214,6 +216,11 @@ impl Scene {
     /// Marks everything about the static objects, their poses included.
     pub fn statics(&self) -> Revision {
         self.static_revision
+    }
+
+    /// Marks the poses of all objects: drawn when it is asked for after a pose was set.
+    pub fn pose_revision(&self) -> Revision {
+        self.pose_revision.get()
     }
 
     /// Whether [`Scene::allows`] may refuse some pair of slots.

@@ -248,5 +248,6 @@ fn radius(side: &MovingShape<'_>) -> f64 {
     own * (1.0 + start.deviation()) * (1.0 + 16.0 * U)
 }
 
+mod swept;
 #[cfg(test)]
 mod tests;

@@ -61,9 +61,9 @@ pub struct PosedShape<'a> {
 }
 
 impl<'a> PosedShape<'a> {
-    /// That object of a scene, by its index.
+    /// That object of a scene, by its index, which must be below [`Scene::len`].
     #[inline]
-    pub(crate) fn of(scene: &'a Scene, object: u32) -> Self {
+    pub fn of(scene: &'a Scene, object: u32) -> Self {
         let object = object as usize;
         Self { shape: scene.shape(object), pose: &scene.poses()[object] }
     }

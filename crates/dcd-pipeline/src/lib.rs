@@ -18,6 +18,7 @@ mod events;
 mod moving_ranges;
 mod partition;
 pub mod prelude;
+mod queries;
 mod step;
 
 pub use any::{Answer, AnyPipeline, AnyStep, Precision, Question};
@@ -26,8 +27,13 @@ pub use clock::StageClock;
 pub use dcd_broad::{BroadPhase, WideTree};
 pub use dcd_exec::{Exec, Par};
 pub use dcd_geom::{self as geom, Pose, Scene, Shape};
+pub use dcd_gjk::query::ray::{Ray, RayError, RayHit};
 pub use dcd_gjk::{NarrowPhase, Overlap};
 pub use events::{Change, Event, Events};
+pub use queries::{
+    Found, Impacts, NearestObject, ObjectHit, ObjectImpact, PairImpact, Queries, QueryError,
+    QueryFilter, RegionError, SensorChoice, Velocity,
+};
 pub use step::{Pipeline, Step};
 
 /// The guide's pages, whose code is compiled and run.
@@ -39,6 +45,8 @@ mod guide {
     mod hello {}
     #[doc = include_str!("../../../docs/guide/frames-and-events.md")]
     mod frames_and_events {}
+    #[doc = include_str!("../../../docs/guide/scene-queries.md")]
+    mod scene_queries {}
     #[doc = include_str!("../../../docs/guide/bring-your-own.md")]
     mod bring_your_own {}
 }

@@ -69,6 +69,16 @@ impl Partition {
         }
     }
 
+    /// The slots of the moving objects as the broad phase numbers them; `None` where each has its own number.
+    pub(crate) fn mover_slots(&self, scene: &Scene) -> Option<&[u32]> {
+        (!all_move(scene)).then_some(&self.movers)
+    }
+
+    /// The tree over the static objects, and their slots as it numbers them.
+    pub(crate) fn statics(&self) -> (&StaticTree, &[u32]) {
+        (&self.world, &self.static_aabbs.0)
+    }
+
     /// Lists the static objects and their AABBs; whether any of it has changed, bit for bit.
     fn take_statics(&mut self, scene: &Scene, aabbs: &[Aabb]) -> bool {
         let (names, boxes) = &mut self.static_aabbs;

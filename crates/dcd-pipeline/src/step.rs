@@ -2,9 +2,10 @@
 
 use crate::moving_ranges::{empty_free_slots, for_each_range, moving_ranges};
 use crate::partition::{Boxed, CandidateSearch, Partition};
+use crate::queries::{Queries, QueryError, Trees};
 use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::{Cut, Exec, PerThread, Segments, Stage};
-use dcd_geom::{Aabb, Pair, Scene};
+use dcd_geom::{Aabb, Pair, Revision, Scene};
 use dcd_gjk::{Contact, ContactSink, NarrowPhase, Overlap, Prepared, Report, Sides};
 use std::ops::Range;
 
@@ -118,6 +119,14 @@ pub struct Pipeline<B = WideTree, N: NarrowPhase = Overlap> {
     sensor_pairs: Segments<Contact<N::Answer>>,
     workers: PerThread<WorkerScratch<N::Scratch>>,
     report: Report,
+    stepped: Option<Stepped>,
+}
+
+/// Marks what a step has seen: layout, static objects, poses.
+type Stepped = [Revision; 3];
+
+fn revisions(scene: &Scene) -> Stepped {
+    [scene.layout(), scene.statics(), scene.pose_revision()]
 }
 
 /// The predicate that keeps every pair. A function, since a closure's type would be another for every
@@ -147,6 +156,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             sensor_pairs: Segments::default(),
             workers: PerThread::default(),
             report: Report::default(),
+            stepped: None,
         }
     }
 
@@ -196,8 +206,30 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
         }
     }
 
+    /// Queries of the scene as it stood at the last step, on that step's AABBs and trees: rays, points, regions,
+    /// nearest objects, shapes that move. Nothing is built.
+    ///
+    /// # Errors
+    /// There was no step, or the scene is another than at the last one: an object has moved, come or gone, or
+    /// changed its shape. Filters, sensors and the caller's own numbers may have changed; they are read anew.
+    pub fn queries<'a>(&'a self, scene: &'a Scene) -> Result<Queries<'a>, QueryError> {
+        match self.stepped {
+            None => Err(QueryError::NoStep),
+            Some(stepped) if stepped != revisions(scene) => Err(QueryError::SceneChanged),
+            Some(_) => {
+                let trees = Trees {
+                    movers: self.broad.tree(),
+                    mover_slots: self.partition.mover_slots(scene),
+                    statics: self.partition.statics(),
+                };
+                Ok(Queries::new(scene, &self.aabbs, trees))
+            }
+        }
+    }
+
     /// All stages.
     fn walk(&mut self, scene: &Scene, exec: Exec, may: &(impl Fn(u32, u32) -> bool + Sync)) {
+        self.stepped = Some(revisions(scene));
         let prepared = exec.stage(Stage::Boxes, || self.prepare(scene, exec));
         exec.stage(Stage::Build, || {
             self.partition.build(scene, (&self.aabbs, prepared), &mut self.broad, exec);

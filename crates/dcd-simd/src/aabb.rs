@@ -74,7 +74,7 @@ impl Aabb {
 /// The largest f32 not above x. Which way the nearest one lies is as good as random, so that a
 /// branch on it would be mispredicted half of the time.
 #[inline]
-fn round_down(x: f64) -> f32 {
+pub(crate) fn round_down(x: f64) -> f32 {
     let nearest = x as f32;
     let bits = nearest.to_bits();
     let step = i32::from(f64::from(nearest) > x);
@@ -86,7 +86,7 @@ fn round_down(x: f64) -> f32 {
 
 /// The smallest f32 not below x.
 #[inline]
-fn round_up(x: f64) -> f32 {
+pub(crate) fn round_up(x: f64) -> f32 {
     -round_down(-x)
 }
 

@@ -18,6 +18,7 @@ mod aabb16;
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod box_test;
 mod pair;
 mod path;
 mod portable;
@@ -26,6 +27,7 @@ mod sphere16;
 pub use aabb::Aabb;
 pub use aabb16::Aabb16;
 pub use aabb128::{Aabb128, Mask128};
+pub use box_test::{BoxTest, PlaneSet, PointDistance, RaySlabs, nearest_first};
 pub use pair::Pair;
 pub use path::{Path, UnavailablePath};
 pub use sphere16::{BoundingSphere, Sphere16};

@@ -5,6 +5,7 @@ mod build;
 mod compound;
 mod mesh;
 mod tree;
+mod visit;
 
 pub use compound::{Compound, Part};
 pub use mesh::{Corners, Mesh, Triangles};

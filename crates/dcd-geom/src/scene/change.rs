@@ -16,6 +16,7 @@ impl Scene {
         let i = object.index_in(self)?;
         check_reach(i, self.shape(i), &pose)?;
         self.poses[i] = pose;
+        self.pose_revision.mark();
         if self.slots[i] == Slot::Holds(Motion::Static) {
             self.static_revision = Revision::draw();
         }
@@ -43,6 +44,7 @@ impl Scene {
         }
         let pairs = self.poses.iter_mut().zip(poses).zip(&self.slots);
         pairs.filter(|(_, slot)| **slot != Slot::Free).for_each(|((own, pose), _)| *own = *pose);
+        self.pose_revision.mark();
         if moves_static {
             self.static_revision = Revision::draw();
         }
@@ -248,6 +250,7 @@ impl Scene {
             self.slots.push(Slot::Holds(motion));
             self.generations.push(0);
         }
+        self.pose_revision.mark();
         self.note_sensor(slot, sensor);
         self.filtered |= filter != Filter::ALL;
         *self.count_of(motion) += 1;

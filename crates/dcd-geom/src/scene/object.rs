@@ -139,3 +139,33 @@ impl Revision {
         Self(NEXT.fetch_add(1, Ordering::Relaxed))
     }
 }
+
+/// A revision that is drawn when it is next read, so that marking a change costs a store.
+#[derive(Debug, Default)]
+pub(super) struct LazyRevision(AtomicU64);
+
+impl LazyRevision {
+    /// Something has changed.
+    pub(super) fn mark(&mut self) {
+        *self.0.get_mut() = 0;
+    }
+
+    pub(super) fn get(&self) -> Revision {
+        let known = self.0.load(Ordering::Acquire);
+        if known != 0 {
+            return Revision(known);
+        }
+        let drawn = Revision::draw();
+        // Whoever comes second takes what the first has drawn.
+        match self.0.compare_exchange(0, drawn.0, Ordering::AcqRel, Ordering::Acquire) {
+            Ok(_) => drawn,
+            Err(first) => Revision(first),
+        }
+    }
+}
+
+impl Clone for LazyRevision {
+    fn clone(&self) -> Self {
+        Self(AtomicU64::new(self.0.load(Ordering::Acquire)))
+    }
+}

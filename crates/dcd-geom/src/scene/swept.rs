@@ -27,6 +27,7 @@ impl Scene {
             self.static_revision = Revision::draw();
         }
         self.poses.clone_from(&original.poses);
+        self.pose_revision.mark();
         self.is_in_range()
     }
 

@@ -31,6 +31,7 @@ mod depths;
 mod distances;
 mod manifold;
 mod proximity;
+pub mod ray;
 mod sampled;
 mod then_measure;
 mod within;

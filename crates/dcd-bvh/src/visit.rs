@@ -1,0 +1,82 @@
+//! Queries of the wide tree: boxes by ascending key.
+
+use crate::WideBvh;
+use dcd_simd::{BoxTest, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, nearest_first};
+
+/// A u32 counts the boxes of at most eight levels, and a node is replaced by at most sixteen.
+const STACK: usize = 8 * WIDTH;
+
+/// A node to be entered: the key of its box, its number, and its height above the leaves.
+type Entry = (f32, u32, u32);
+
+impl WideBvh {
+    /// Calls `visit(index, key)` for each box whose key is at most the limit, nearer nodes first, and takes what it
+    /// returns for the limit from then on; a negative one ends the search. The order depends on the tree and on
+    /// the limits alone. Does not allocate.
+    pub fn visit(&self, test: &impl BoxTest, limit: f32, visit: &mut dyn FnMut(u32, f32) -> f32) {
+        self.visit_on(Path::best(), test, limit, visit);
+    }
+
+    /// The same on that path, or the portable one where this CPU does not have it; for tests and measurements.
+    pub fn visit_on(
+        &self,
+        path: Path,
+        test: &impl BoxTest,
+        limit: f32,
+        visit: &mut dyn FnMut(u32, f32) -> f32,
+    ) {
+        dispatch_on(path, Visit { tree: self, test, limit, visit });
+    }
+}
+
+struct Visit<'a, T> {
+    tree: &'a WideBvh,
+    test: &'a T,
+    limit: f32,
+    visit: &'a mut dyn FnMut(u32, f32) -> f32,
+}
+
+impl<T: BoxTest> Kernel for Visit<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Self { tree, test, mut limit, visit } = self;
+        if tree.leaves().is_empty() {
+            return;
+        }
+        let mut stack: [Entry; STACK] = [(0.0, 0, 0); STACK];
+        stack[0] = (0.0, 0, tree.levels().len() as u32);
+        let mut count = 1;
+        let (mut keys, mut lanes) = (Row::default(), [0; WIDTH]);
+        while count > 0 {
+            count -= 1;
+            let (key, node, height) = stack[count];
+            if key > limit {
+                continue;
+            }
+            let boxes = match height {
+                0 => &tree.leaves()[node as usize],
+                height => &tree.levels()[height as usize - 1][node as usize],
+            };
+            let row = test.keys(l, boxes);
+            l.store(row, &mut keys);
+            let near = nearest_first(&keys, l.bits(l.le(row, l.splat(limit))), &mut lanes);
+            if height > 0 {
+                // The nearest on top.
+                for &lane in lanes[..near].iter().rev() {
+                    let child = node * WIDTH as u32 + u32::from(lane);
+                    stack[count] = (keys.0[lane as usize], child, height - 1);
+                    count += 1;
+                }
+                continue;
+            }
+            for &lane in &lanes[..near] {
+                let key = keys.0[lane as usize];
+                if key <= limit {
+                    limit = visit(tree.ids()[node as usize].0[lane as usize], key);
+                }
+            }
+        }
+    }
+}

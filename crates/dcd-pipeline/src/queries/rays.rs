@@ -1,0 +1,127 @@
+//! Rays through a scene.
+
+use super::{Queries, QueryFilter};
+use dcd_exec::{Exec, Segments};
+use dcd_gjk::PosedShape;
+use dcd_gjk::query::ray::{Ray, RayHit, first_hit, for_each_hit};
+
+/// How many rays a task casts: some tens of microseconds.
+const RAYS_PER_TASK: usize = 32;
+
+/// A hit, and of which object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObjectHit {
+    /// The object's index.
+    pub object: u32,
+    /// Where on it.
+    pub hit: RayHit,
+}
+
+impl ObjectHit {
+    /// By t, then by object, then by part or triangle.
+    fn order(&self, other: &Self) -> std::cmp::Ordering {
+        self.hit
+            .t
+            .total_cmp(&other.hit.t)
+            .then(self.object.cmp(&other.object))
+            .then(self.hit.part.cmp(&other.hit.part))
+    }
+}
+
+impl Queries<'_> {
+    /// The first hit of all objects that the filter lets pass: the least t, of equal ones that of the least object,
+    /// then of the least part. No object is met before its `t_lower`.
+    ///
+    /// A hit that is not certain may be a miss: what is behind it is in [`Queries::all_hits`].
+    pub fn first_hit(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Option<ObjectHit> {
+        let slabs = ray.slabs();
+        let mut first: Option<ObjectHit> = None;
+        // Later than this nothing can be first.
+        let mut end = ray.max_t();
+        self.visit(&slabs, slabs.key_of(end), &mut |object, _| {
+            if filter.sees(self.scene, object) {
+                let posed = PosedShape::of(self.scene, object);
+                if let Some(hit) = first_hit(ray, posed).map(|hit| ObjectHit { object, hit }) {
+                    if first.is_none_or(|known| hit.order(&known).is_lt()) {
+                        first = Some(hit);
+                    }
+                    if hit.hit.is_certain {
+                        end = end.min(hit.hit.t_upper);
+                    }
+                }
+            }
+            slabs.key_of(end)
+        });
+        first
+    }
+
+    /// Some object that the ray certainly meets, if any: sooner known than the first. The same at any number of
+    /// threads. Where it is `None`, hits that are not certain may remain.
+    pub fn any_hit(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Option<ObjectHit> {
+        let slabs = ray.slabs();
+        let mut found: Option<ObjectHit> = None;
+        self.visit(&slabs, slabs.key_of(ray.max_t()), &mut |object, _| {
+            if found.is_none() && filter.sees(self.scene, object) {
+                let posed = PosedShape::of(self.scene, object);
+                for_each_hit(ray, posed, ray.max_t(), &mut |hit| {
+                    if found.is_none() && hit.is_certain {
+                        found = Some(ObjectHit { object, hit });
+                    }
+                    if found.is_some() { -1.0 } else { ray.max_t() }
+                });
+            }
+            if found.is_some() { -1.0 } else { slabs.key_of(ray.max_t()) }
+        });
+        found
+    }
+
+    /// Replaces `hits` by all, one of each convex object, one of each part of a compound and each triangle of a mesh
+    /// that the ray may meet: by t, then by object, then by part.
+    pub fn all_hits(&self, ray: &Ray, filter: &QueryFilter<'_>, hits: &mut Vec<ObjectHit>) {
+        hits.clear();
+        let slabs = ray.slabs();
+        let end = slabs.key_of(ray.max_t());
+        self.visit(&slabs, end, &mut |object, _| {
+            if filter.sees(self.scene, object) {
+                for_each_hit(ray, PosedShape::of(self.scene, object), ray.max_t(), &mut |hit| {
+                    hits.push(ObjectHit { object, hit });
+                    ray.max_t()
+                });
+            }
+            end
+        });
+        hits.sort_unstable_by(ObjectHit::order);
+    }
+
+    /// Replaces `hits` by the first hit of each ray, in the order of the rays.
+    pub fn first_hits<'e>(
+        &self,
+        rays: &[Ray],
+        filter: &QueryFilter<'_>,
+        exec: impl Into<Exec<'e>>,
+        hits: &mut Vec<Option<ObjectHit>>,
+    ) {
+        hits.clear();
+        hits.resize(rays.len(), None);
+        exec.into().divide(&mut hits[..], RAYS_PER_TASK, |first, hits| {
+            for (hit, ray) in hits.iter_mut().zip(&rays[first..]) {
+                *hit = self.first_hit(ray, filter);
+            }
+        });
+    }
+
+    /// Replaces `hits` by all hits of each ray, those of ray k in segment k.
+    pub fn all_hits_of_each<'e>(
+        &self,
+        rays: &[Ray],
+        filter: &QueryFilter<'_>,
+        exec: impl Into<Exec<'e>>,
+        hits: &mut Segments<ObjectHit>,
+    ) {
+        hits.fill(exec.into(), rays.len(), |k, out| {
+            let mut hits = Vec::new();
+            self.all_hits(&rays[k], filter, &mut hits);
+            out.append(&mut hits);
+        });
+    }
+}
