@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use dcd_exec::{Exec, Par};
 use dcd_mpi::Mpi;
 use dcd_pipeline::{Question, StageClock};
-use dcd_ranks::{RankScene, RankStep, Traffic, Transport, digest, sort_contacts};
+use dcd_ranks::{RankError, RankScene, RankStep, Traffic, Transport, digest, sort_contacts};
 use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 use std::fmt::Display;
@@ -139,7 +139,7 @@ impl Detect {
         let threads = usize::from(self.threads);
         let par = agree(mpi, pool(threads))?;
         let (step, times, traffic) =
-            steps(&mut scene, mpi, par, self.repeat).map_err(Failure::input)?;
+            steps(&mut scene, mpi, par, self.repeat).unwrap_or_else(|error| lost(mpi, &error));
         let RankStep { contacts, undecided, load, .. } = step;
         let (owned, ghosts) = (scene.owned_count(), scene.ghost_count());
         let begun = Instant::now();
@@ -227,7 +227,13 @@ fn pool(threads: usize) -> Result<Par, Failure> {
 /// For each step the exchange, the stages in their order, and last the whole.
 pub(crate) type Times = [Duration; 6];
 
-type Stepped = Result<(RankStep, Vec<Times>, Traffic), dcd_ranks::RankError>;
+/// The other ranks do not know of it, and wait for this one: all end.
+fn lost(mpi: &Mpi, error: &RankError) -> ! {
+    eprintln!("dcd-mpi: rank {}: {error}", mpi.rank());
+    mpi.abort(2)
+}
+
+type Stepped = Result<(RankStep, Vec<Times>, Traffic), RankError>;
 
 /// The steps; the traffic is that of the last. All ranks begin each together.
 fn steps(scene: &mut RankScene<'_, Mpi>, mpi: &Mpi, par: Par, repeats: u32) -> Stepped {

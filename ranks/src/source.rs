@@ -103,7 +103,9 @@ fn made(raw: RawShare, place: &str, objects: u64, mpi: &Mpi) -> Result<Loaded, F
     let (first, names) = (raw.first as u64, raw.shape_names.clone());
     let scene = raw.into_scene_by(&run::in_order);
     let scene = agree(mpi, scene.map_err(|error| Failure::input(format!("{place}: {error}"))))?;
-    Ok(Loaded { share: Share::of_scene(&scene, first, |shape| names[shape]), objects })
+    let share = Share::of_scene(&scene, first, |shape| names[shape]);
+    let share = agree(mpi, share.map_err(|error| Failure::input(format!("{place}: {error}"))))?;
+    Ok(Loaded { share, objects })
 }
 
 /// That this machine has room for what its ranks take of all.

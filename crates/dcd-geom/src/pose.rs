@@ -192,6 +192,10 @@ fn largest_entry(m: &DMat3) -> f64 {
 /// each entry is three products and four sums of terms at most 1 + 1e-6, so 8·2⁻⁵³ an entry and
 /// three entries a row, doubled.
 fn row_deviation(r: &DMat3) -> f64 {
+    // By the matrix alone, however the pose was made: a pose that is written and read is the same.
+    if *r == DMat3::IDENTITY {
+        return 0.0;
+    }
     let excess = gram_excess(&r.transpose());
     let row = |v: DVec3| v.x.abs() + v.y.abs() + v.z.abs();
     row(excess.x_axis).max(row(excess.y_axis)).max(row(excess.z_axis)) + 48.0 * (f64::EPSILON / 2.0)

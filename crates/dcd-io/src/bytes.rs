@@ -111,6 +111,11 @@ impl<'a> Cursor<'a> {
         self.take(field).map(u32::from_le_bytes)
     }
 
+    /// The number that follows, without taking it.
+    pub(crate) fn peek_u32(&self) -> Option<u32> {
+        self.rest().first_chunk().map(|bytes| u32::from_le_bytes(*bytes))
+    }
+
     pub(crate) fn f32s<const N: usize>(&mut self, field: Field) -> Result<[f32; N], ReadError> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {

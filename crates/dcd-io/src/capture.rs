@@ -4,6 +4,8 @@ mod read;
 mod shape;
 mod write;
 
+pub use shape::{read_shape, write_shape};
+
 use dcd_geom::{Pose, Scene, SceneError};
 use std::fmt;
 

@@ -197,6 +197,17 @@ pub enum ReadError {
         /// What is wrong with it.
         error: PoseError,
     },
+    /// The pose of a compound's part is refused.
+    PartPose {
+        /// The compound's index.
+        index: usize,
+        /// The part in it.
+        part: usize,
+        /// Where the pose starts.
+        at: usize,
+        /// What is wrong with it.
+        error: PoseError,
+    },
     /// The scene is refused as a whole.
     Scene {
         /// The frame's index.
@@ -253,6 +264,9 @@ impl fmt::Display for ReadError {
             }
             Self::InsideOut { line, axis, min, max } => {
                 write!(f, "line {line}: on axis {axis} the box goes from {min:e} to {max:e}")
+            }
+            Self::PartPose { index, part, at, error } => {
+                write!(f, "shape {index}, part {part} at byte {at}: {error}")
             }
             Self::Header { line, text } => write!(f, "line {line} of the header: {text:?}"),
             Self::Missing { what } => write!(f, "there is no {what}"),

@@ -28,7 +28,7 @@ pub mod run;
 mod swept;
 
 pub use boxes::{load_boxes, read_boxes};
-pub use capture::{Capture, CaptureError, place_frame};
+pub use capture::{Capture, CaptureError, place_frame, read_shape, write_shape};
 pub use cloud::{CloudCensus, CloudKind};
 pub use clouds::{load_clouds, read_clouds};
 pub use error::{ReadError, shown};

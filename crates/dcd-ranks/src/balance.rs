@@ -37,8 +37,8 @@ impl Load {
 /// its middle is, a pair where the lower corner of its intersection is. The regions are cut between them. So
 /// the cuts depend on the objects and the number of ranks, not on who has which.
 pub fn cut(transport: &impl Transport, boxes: &[Aabb], names: &[u64], exec: Exec) -> Cuts {
-    let grid = grid(transport, boxes);
     let drawn = Drawn::among(transport, boxes, names);
+    let grid = grid(transport, boxes, &drawn.fences());
     let pairs = drawn.pairs(&grid, boxes, names, exec);
     let objects = drawn.boxes.len() as u64;
     let (pairs, weight) = thinned(transport, pairs, PAIRS_A_DRAWN * objects);
@@ -152,11 +152,22 @@ fn thinned(transport: &impl Transport, own: Vec<(u64, u64)>, most: u64) -> (Vec<
     (keys, 1 << halvings)
 }
 
-/// Over the middles of all boxes.
-fn grid(transport: &impl Transport, boxes: &[Aabb]) -> Grid {
-    let middle = |aabb: &Aabb| (aabb.min + (aabb.max - aabb.min) * 0.5).as_dvec3();
+/// In the middle of a box.
+fn middle(aabb: &Aabb) -> DVec3 {
+    (aabb.min + (aabb.max - aabb.min) * 0.5).as_dvec3()
+}
+
+/// A grid leaves out what is further from the middle half of the objects than so many times its extent: half-spaces,
+/// and what has fallen out of the world. Larger: such an object leaves the others fewer cells, of 2²¹ along an axis.
+/// Smaller: more objects that share the outermost cells.
+const FENCES: f64 = 1024.0;
+
+/// Over the middles of all boxes within the fences.
+fn grid(transport: &impl Transport, boxes: &[Aabb], fences: &(DVec3, DVec3)) -> Grid {
     let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let (min, max) = boxes.iter().map(middle).fold(nothing, |(a, b), p| (a.min(p), b.max(p)));
+    let is_within = |p: &DVec3| p.cmpge(fences.0).all() && p.cmple(fences.1).all();
+    let middles = boxes.iter().map(middle).filter(is_within);
+    let (min, max) = middles.fold(nothing, |(a, b), p| (a.min(p), b.max(p)));
     let own: Vec<u8> =
         [min, max].iter().flat_map(|v| v.to_array()).flat_map(f64::to_le_bytes).collect();
     let (mut min, mut max) = nothing;
@@ -208,6 +219,22 @@ impl Drawn {
         drawn
     }
 
+    /// From where to where the middles reach that a grid is laid over.
+    fn fences(&self) -> (DVec3, DVec3) {
+        let quartiles = |axis: usize| {
+            let mut along: Vec<f64> = self.boxes.iter().map(|aabb| middle(aabb)[axis]).collect();
+            along.sort_unstable_by(f64::total_cmp);
+            let quartile = |k: usize| along.get(along.len() * k / 4).copied().unwrap_or(0.0);
+            (quartile(1), quartile(3))
+        };
+        let [x, y, z] = [0, 1, 2].map(quartiles);
+        let (first, third) = (DVec3::new(x.0, y.0, z.0), DVec3::new(x.1, y.1, z.1));
+        let reach = FENCES * (third - first).max_element();
+        // More than half of them at one place say nothing of the others.
+        let reach = if reach > 0.0 { reach } else { f64::INFINITY };
+        (first - reach, third + reach)
+    }
+
     /// The candidates of a drawn object and one of these: for each a number that depends on the pair, and the
     /// key of its corner.
     fn pairs(&self, grid: &Grid, boxes: &[Aabb], names: &[u64], exec: Exec) -> Vec<(u64, u64)> {
@@ -238,7 +265,7 @@ const PART: usize = 1 << 14;
 
 /// A number of which every bit depends on all of the name's (the finalizer of SplitMix64, Steele, Lea and
 /// Flood 2014).
-fn mixed(name: u64) -> u64 {
+pub(crate) fn mixed(name: u64) -> u64 {
     let mut z = name.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -7,7 +7,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RankError {
-    /// A shape of a kind that no message holds.
+    /// A shape that no message holds: known by its support map alone, or with such a part.
     Foreign {
         /// The shape's name.
         shape: u64,
@@ -20,6 +20,18 @@ pub enum RankError {
         shape: usize,
         /// How many shapes there are.
         shapes: usize,
+    },
+    /// Two bodies of one name.
+    Twice {
+        /// The name.
+        body: u64,
+    },
+    /// An object of a scene has what ranks do not know of, and would be lost.
+    Unsupported {
+        /// Its index.
+        object: usize,
+        /// What: "a static object", "a filter", "a sensor", "an ignored pair".
+        what: &'static str,
     },
     /// A message that this version did not write.
     Message {
@@ -67,11 +79,15 @@ impl fmt::Display for RankError {
             Self::Foreign { shape } => {
                 write!(
                     f,
-                    "shape {shape}: ranks exchange hulls, boxes, spheres, capsules, segments and triangles alone"
+                    "shape {shape}: it is known by its support map alone, which no message holds"
                 )
             }
             Self::NoSuchShape { body, shape, shapes } => {
                 write!(f, "object {body}: there is no shape {shape} among {shapes}")
+            }
+            Self::Twice { body } => write!(f, "object {body} is there twice"),
+            Self::Unsupported { object, what } => {
+                write!(f, "object {object}: {what}, which ranks do not know of")
             }
             Self::Message { sender } => {
                 write!(f, "rank {sender} sent a message that this version does not write")

@@ -11,8 +11,8 @@ const OWNED: u8 = 1;
 
 /// Bytes of a body in a message: flag, two names, twelve numbers.
 const BODY_BYTES: usize = 1 + 2 * 8 + 12 * 8;
-/// Bytes of a shape in a message, at least: name, flag, radius, three numbers or a count.
-const SHAPE_BYTES: usize = 8 + 1 + 8 + 8;
+/// Bytes of a shape in a message, at least: name, kind, radius.
+const SHAPE_BYTES: usize = 8 + 4 + 8;
 
 /// What goes to one rank.
 #[derive(Debug, Default)]

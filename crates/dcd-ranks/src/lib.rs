@@ -12,7 +12,7 @@
 //!
 //! Every function that takes a [`Transport`] is collective: all ranks call it, in the same order.
 //!
-//! Deliberately absent: MPI, files, reading, clocks but for the caller's.
+//! Deliberately absent: MPI, files (of `dcd-io` it takes the bytes of a shape), clocks but for the caller's.
 #![forbid(unsafe_code)]
 
 mod balance;

@@ -1,8 +1,9 @@
 //! What a rank brings along.
 
+use crate::balance::mixed;
 use crate::{RankError, Transport};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Aabb, Pose, Scene, Shape};
+use dcd_geom::{Aabb, Filter, HalfSpace, Motion, Pose, Scene, Shape};
 
 /// An object of the whole.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,15 +27,26 @@ pub struct Share {
 
 impl Share {
     /// The objects of a scene of moving objects: body k is named `first` + k, and `shape_name` names the shapes.
-    pub fn of_scene(scene: &Scene, first: u64, shape_name: impl Fn(usize) -> u64) -> Self {
+    /// Slots that hold no object are passed over.
+    ///
+    /// # Errors
+    /// What ranks do not know of and would lose: a static object, a filter, a sensor, an ignored pair.
+    pub fn of_scene(
+        scene: &Scene,
+        first: u64,
+        shape_name: impl Fn(usize) -> u64,
+    ) -> Result<Self, RankError> {
+        refuse_what_is_lost(scene)?;
         let shapes = scene.shapes().iter().enumerate();
         let shapes = shapes.map(|(k, shape)| (shape_name(k), shape.clone())).collect();
-        let bodies = scene.poses().iter().enumerate().map(|(k, &pose)| Body {
+        let objects = scene.poses().iter().enumerate();
+        let objects = objects.filter(|&(k, _)| scene.motion(k).is_some());
+        let bodies = objects.map(|(k, &pose)| Body {
             name: first + k as u64,
             shape: scene.shape_index(k),
             pose,
         });
-        Self { shapes, bodies: bodies.collect() }
+        Ok(Self { shapes, bodies: bodies.collect() })
     }
 
     /// That every body has a shape.
@@ -50,9 +62,52 @@ impl Share {
     }
 }
 
+fn refuse_what_is_lost(scene: &Scene) -> Result<(), RankError> {
+    let lost = |object: usize| match scene.motion(object)? {
+        Motion::Static => Some("a static object"),
+        _ if scene.filters()[object] != Filter::default() => Some("a filter"),
+        _ if scene.sensors()[object] => Some("a sensor"),
+        _ => None,
+    };
+    let ignored = scene.ignored_pairs().next().map(|pair| (pair.i as usize, "an ignored pair"));
+    let object = (0..scene.len()).find_map(|object| Some((object, lost(object)?)));
+    match object.or(ignored) {
+        None => Ok(()),
+        Some((object, what)) => Err(RankError::Unsupported { object, what }),
+    }
+}
+
+/// That no name is that of two bodies, on whichever ranks: each name is looked at by one rank. Collective.
+pub(crate) fn check_names(transport: &impl Transport, names: &[u64]) -> Result<(), RankError> {
+    let mut messages = vec![Vec::new(); transport.size()];
+    for &name in names {
+        let judge = mixed(name) % transport.size() as u64;
+        messages[judge as usize].extend_from_slice(&name.to_le_bytes());
+    }
+    let messages = messages.into_iter().enumerate().filter(|(_, message)| !message.is_empty());
+    let mut seen: Vec<u64> = Vec::new();
+    for (_, message) in transport.exchange(messages.collect()) {
+        let (names, _) = message.as_chunks();
+        seen.extend(names.iter().map(|name| u64::from_le_bytes(*name)));
+    }
+    seen.sort_unstable();
+    let twice = seen.windows(2).find(|pair| pair[0] == pair[1]);
+    agree(transport, twice.map_or(Ok(()), |pair| Err(RankError::Twice { body: pair[0] })))
+}
+
+/// What a box in the world is made of, of a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Bounds {
+    /// Of one that has an end.
+    Box(LocalBox),
+    /// Of one that has none: its box reaches as far as objects do. So it is a ghost wherever its box reaches, and
+    /// is owned where the middle of that box lies.
+    HalfSpace(HalfSpace),
+}
+
 /// A box round a shape in its own frame, from which a box in the world is made at the cost of a matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Bounds {
+pub(crate) struct LocalBox {
     centre: DVec3,
     half: DVec3,
     radius: f64,
@@ -63,31 +118,61 @@ pub(crate) struct Bounds {
 const SLACK: f64 = 1.0 / (1u64 << 20) as f64;
 
 impl Bounds {
-    /// Of a polytope; of another shape, which no message holds, nothing.
+    /// Of any shape but one that is known by its support map alone, which no message holds.
     pub(crate) fn of(shape: &Shape) -> Option<Self> {
-        let polytope = shape.as_polytope()?;
-        let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (min, max) = polytope
-            .vertices()
-            .iter()
-            .fold(nothing, |(min, max), &vertex| (min.min(vertex), max.max(vertex)));
-        let centre = min + (max - min) * 0.5;
-        Some(Self {
-            centre,
-            half: (max - centre).max(centre - min),
-            radius: polytope.swept_radius(),
-        })
+        match shape {
+            Shape::Polytope(polytope) => {
+                Some(Self::Box(LocalBox::round(polytope.vertices(), polytope.swept_radius())))
+            }
+            Shape::Mesh(mesh) => {
+                Some(Self::Box(LocalBox::round(mesh.points(), mesh.swept_radius())))
+            }
+            Shape::HalfSpace(half_space) => Some(Self::HalfSpace(*half_space)),
+            Shape::Curved(_) | Shape::Compound(_) => {
+                let Aabb { min, max } = shape.aabb(&Pose::IDENTITY);
+                Some(Self::Box(LocalBox::round(&[min.as_dvec3(), max.as_dvec3()], 0.0)))
+            }
+            _ => None,
+        }
     }
 
     /// A box that holds the shape at that pose, and all within `grown` metres of it. The same on all ranks.
     #[inline]
     pub(crate) fn aabb(&self, pose: &Pose, grown: f64) -> Aabb {
+        match self {
+            Self::Box(local) => local.aabb(pose, grown),
+            Self::HalfSpace(half_space) => {
+                let Aabb { min, max } = half_space.aabb(pose);
+                let size = pose.translation().abs().max_element() + half_space.swept_radius();
+                let [min, max] = [min, max].map(|corner| {
+                    let corner = corner.as_dvec3();
+                    (corner, (corner.abs() + size) * SLACK + grown)
+                });
+                Aabb { min: (min.0 - min.1).as_vec3(), max: (max.0 + max.1).as_vec3() }
+            }
+        }
+    }
+}
+
+impl LocalBox {
+    fn round(points: &[DVec3], radius: f64) -> Self {
+        let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (min, max) =
+            points.iter().fold(nothing, |(min, max), &vertex| (min.min(vertex), max.max(vertex)));
+        let centre = min + (max - min) * 0.5;
+        Self { centre, half: (max - centre).max(centre - min), radius }
+    }
+
+    #[inline]
+    fn aabb(&self, pose: &Pose, grown: f64) -> Aabb {
         let turn = pose.rotation();
         let centre = pose.apply(self.centre);
         let [x, y, z] = self.half.to_array();
         let half = turn.x_axis.abs() * x + turn.y_axis.abs() * y + turn.z_axis.abs() * z;
-        // R may be a rotation up to some 1e-6, by which a sphere is no sphere.
-        let half = half + self.radius * (1.0 + pose.deviation()) + grown;
+        // R may be a rotation up to some 1e-6, by which a sphere is no sphere; a box that holds one may shrink by
+        // as much.
+        let (swept, held) = (1.0 + pose.deviation(), 1.0 + 2.0 * pose.deviation());
+        let half = half * held + self.radius * swept + grown;
         let size = centre.abs().max_element() + half.max_element() + self.centre.length();
         let half = half + size * SLACK;
         Aabb { min: (centre - half).as_vec3(), max: (centre + half).as_vec3() }
@@ -121,17 +206,24 @@ mod tests {
     fn the_box_holds_the_shapes_own_wherever_it_is() {
         let points = vec![DVec3::ZERO, DVec3::X * 3.0, DVec3::Y, DVec3::new(0.2, 0.3, -2.0)];
         let shapes = [
-            Shape::hull(points).unwrap(),
+            Shape::hull(points.clone()).unwrap(),
             Shape::sphere(0.3).unwrap(),
             Shape::capsule(0.5, 0.25).unwrap(),
             Shape::cuboid(DVec3::new(0.01, 2.0, 30.0)).unwrap(),
+            Shape::cone(0.5, 0.3).unwrap().rounded(0.1).unwrap(),
+            Shape::mesh(points, vec![[0, 1, 2], [1, 2, 3]]).unwrap(),
+            Shape::compound(vec![
+                (Shape::sphere(0.7).unwrap(), Pose::from_translation(DVec3::X).unwrap()),
+                (Shape::cylinder(1.0, 0.2).unwrap(), Pose::IDENTITY),
+            ])
+            .unwrap(),
         ];
         for (k, shape) in shapes.iter().enumerate() {
             let bounds = Bounds::of(shape).unwrap();
             for turn in 0..50 {
                 let angle = f64::from(turn) * 0.4;
                 let axis = DVec3::new(angle.sin(), 1.0, angle.cos()).normalize();
-                let spot = DVec3::new(angle, -angle, 1.0) * [1.0, 1e-3, 1e5, 1e9][k];
+                let spot = DVec3::new(angle, -angle, 1.0) * [1.0, 1e-3, 1e5, 1e9][k % 4];
                 let pose = Pose::new(DQuat::from_axis_angle(axis, angle), spot).unwrap();
                 let (outer, inner) = (bounds.aabb(&pose, 0.5), shape.aabb(&pose));
                 assert!(outer.min.cmplt(inner.min).all() && outer.max.cmpgt(inner.max).all());

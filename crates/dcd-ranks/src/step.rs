@@ -2,7 +2,7 @@
 
 use crate::ghosts::Exchange;
 use crate::local::{Local, Role};
-use crate::share::{Bounds, agree};
+use crate::share::{Bounds, agree, check_names};
 use crate::wire::{Reader, Writer};
 use crate::{Cuts, Load, RankError, Share, Transport, cut};
 use dcd_exec::{Exec, Par};
@@ -30,8 +30,9 @@ pub struct RankScene<'t, T> {
     is_measured: bool,
     /// By which boxes are grown, metres: half of the question's margin.
     grown: f64,
-    /// What the imbalance has cost since the last cut.
+    /// What the imbalance has cost since the last cut, and the least of it in a step: what new cuts would leave, too.
     wasted: u64,
+    left: u64,
 }
 
 /// What a rank found in a step: the pairs that it reports.
@@ -52,7 +53,7 @@ impl<'t, T: Transport> RankScene<'t, T> {
     ///
     /// # Errors
     /// On all ranks if there is one on any: a margin that no pipeline takes, a shape that no message holds, a
-    /// body without a shape or out of range.
+    /// body without a shape or out of range, two bodies of one name.
     pub fn new(transport: &'t T, share: Share, question: Question) -> Result<Self, RankError> {
         let made = Self::prepared(question).and_then(|made| share.check().map(|()| made));
         let bounds = share
@@ -74,6 +75,7 @@ impl<'t, T: Transport> RankScene<'t, T> {
             .map(|body| bounds[body.shape as usize].aabb(&body.pose, grown))
             .collect();
         let names: Vec<u64> = share.bodies.iter().map(|body| body.name).collect();
+        check_names(transport, &names)?;
         let cuts = cut(transport, &boxes, &names, Exec::from(Par::Serial));
         let local = agree(transport, settle(transport, &cuts, share, &boxes))?;
         Ok(Self {
@@ -86,6 +88,7 @@ impl<'t, T: Transport> RankScene<'t, T> {
             is_measured,
             grown,
             wasted: 0,
+            left: u64::MAX,
         })
     }
 
@@ -176,11 +179,13 @@ impl<'t, T: Transport> RankScene<'t, T> {
         let costs: Vec<u64> =
             costs.into_iter().map(|cost| Reader(&cost).number().unwrap_or(0)).collect();
         let (most, all) = (costs.iter().max().copied().unwrap_or(0), costs.iter().sum::<u64>());
-        self.wasted += most - all / size;
+        let waste = most - all / size;
+        self.left = self.left.min(waste);
+        self.wasted += waste - self.left;
         if self.wasted <= STEPS_A_CUT * (all / size) {
             return false;
         }
-        self.wasted = 0;
+        (self.wasted, self.left) = (0, u64::MAX);
         let slots: Vec<usize> = self.local.owned().collect();
         let boxes: Vec<Aabb> = slots.iter().map(|&slot| self.local.boxes()[slot]).collect();
         let names: Vec<u64> = slots.iter().map(|&slot| self.local.names()[slot]).collect();
@@ -229,13 +234,16 @@ fn measure_ordered(
         pairs.iter().map(|pair| pair.map(|slot| places[&slot])).collect();
     let whole = local.scene();
     let mut scene = Scene::default();
-    // What a scene holds, a smaller one does.
+    // What a scene holds, a smaller one does; if not, nobody knows of these pairs.
     let shapes = slots.iter().map(|&slot| whole.shape(slot as usize).clone());
-    if scene.add_shapes(shapes).is_err() {
+    let objects = (0..).zip(&slots);
+    let mut objects =
+        objects.map(|(shape, &slot)| Object::new(shape, whole.poses()[slot as usize]));
+    let made = scene.add_shapes(shapes).map(drop);
+    let made = made.and_then(|()| objects.try_for_each(|object| scene.insert(object).map(drop)));
+    if made.is_err() {
+        found.undecided += pairs.len();
         return;
-    }
-    for (shape, &slot) in (0..).zip(&slots) {
-        let _ = scene.insert(Object::new(shape, whole.poses()[slot as usize]));
     }
     let step = pipeline.step_where(&scene, Par::Serial, |i, j| asked.contains(&[i, j]));
     for (Pair { i, j }, answer) in step.answers() {

@@ -1,8 +1,10 @@
-//! Messages: numbers, little endian, one after the other; every one of 64 bits but for flags.
+//! Messages: numbers, little endian, one after the other; every one of 64 bits but for flags and
+//! what shapes are made of.
 
 use crate::RankError;
 use dcd_geom::glam::{DMat3, DVec3};
-use dcd_geom::{Kind, Pose, Shape};
+use dcd_geom::{Pose, Shape};
+use dcd_io::{read_shape, write_shape};
 
 /// A message that is being written.
 #[derive(Debug, Default)]
@@ -31,34 +33,12 @@ impl Writer {
         self.vector(pose.translation());
     }
 
-    /// A polytope as it was made, so that the same shape is made of it.
+    /// As a capture holds it, so that the same shape is made of it.
     pub(crate) fn shape(&mut self, name: u64, shape: &Shape) -> Result<(), RankError> {
-        let polytope = shape.as_polytope().ok_or(RankError::Foreign { shape: name })?;
-        let tag = match polytope.kind() {
-            Kind::Hull => HULL,
-            Kind::Point => POINT,
-            Kind::Segment => SEGMENT,
-            Kind::Triangle => TRIANGLE,
-            Kind::Cuboid { .. } => CUBOID,
-            _ => return Err(RankError::Foreign { shape: name }),
-        };
-        self.byte(tag);
-        self.length(polytope.swept_radius());
-        if let Kind::Cuboid { half_extents } = polytope.kind() {
-            self.vector(half_extents);
-            return Ok(());
-        }
-        self.number(polytope.vertices().len() as u64);
-        polytope.vertices().iter().for_each(|&vertex| self.vector(vertex));
-        Ok(())
+        // Memory takes all that is written: what is refused is the shape.
+        write_shape(&mut self.0, shape).map_err(|_| RankError::Foreign { shape: name })
     }
 }
-
-const HULL: u8 = 0;
-const POINT: u8 = 1;
-const SEGMENT: u8 = 2;
-const TRIANGLE: u8 = 3;
-const CUBOID: u8 = 4;
 
 /// A message that is being read. Nothing where it ends early or says what no message says.
 #[derive(Debug)]
@@ -99,20 +79,9 @@ impl Reader<'_> {
     }
 
     pub(crate) fn shape(&mut self) -> Option<Shape> {
-        let (tag, radius) = (self.byte()?, self.length()?);
-        if tag == CUBOID {
-            return Shape::cuboid(self.vector()?).ok()?.rounded(radius).ok();
-        }
-        let count = self.count(24)?;
-        let vertices = (0..count).map(|_| self.vector()).collect::<Option<Vec<_>>>()?;
-        let core = match (tag, vertices.as_slice()) {
-            (HULL, _) => Shape::hull(vertices),
-            (POINT, [_]) => Shape::sphere(0.0),
-            (SEGMENT, &[from, to]) => Shape::segment(from, to),
-            (TRIANGLE, &[a, b, c]) => Shape::triangle([a, b, c]),
-            _ => return None,
-        };
-        core.ok()?.rounded(radius).ok()
+        let (shape, rest) = read_shape(self.0).ok()?;
+        self.0 = rest;
+        Some(shape)
     }
 }
 
@@ -120,6 +89,8 @@ impl Reader<'_> {
 mod tests {
     use super::*;
     use dcd_geom::glam::DQuat;
+    use dcd_geom::{Support, SupportMap};
+    use std::sync::Arc;
 
     #[test]
     fn a_shape_and_a_pose_arrive_as_they_were() {
@@ -127,11 +98,11 @@ mod tests {
         let pose = Pose::new(rotation, DVec3::new(1e-3, -7.0, 1e9)).unwrap();
         let points = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::splat(0.1)];
         let shapes = [
-            Shape::hull(points).unwrap(),
-            Shape::sphere(0.3).unwrap(),
+            Shape::hull(points.clone()).unwrap(),
             Shape::capsule(0.5, 0.25).unwrap(),
-            Shape::triangle([DVec3::X, DVec3::Y, DVec3::Z]).unwrap(),
             Shape::cuboid(DVec3::new(1.0, 2.0, 3.0)).unwrap().rounded(0.125).unwrap(),
+            Shape::half_space(DVec3::Z, 0.5).unwrap(),
+            Shape::mesh(points, vec![[0, 1, 2], [1, 2, 3]]).unwrap(),
         ];
         for shape in shapes {
             let mut writer = Writer::default();
@@ -140,9 +111,8 @@ mod tests {
             let mut reader = Reader(&writer.0);
             let (got, place) = (reader.shape().unwrap(), reader.pose().unwrap());
             assert!(reader.0.is_empty());
-            let [a, b] = [&shape, &got].map(|shape| shape.as_polytope().unwrap());
-            assert_eq!((a.kind(), a.vertices()), (b.kind(), b.vertices()));
-            assert_eq!((a.swept_radius(), a.inner()), (b.swept_radius(), b.inner()));
+            // All that a shape is made of shows here.
+            assert_eq!(format!("{got:?}"), format!("{shape:?}"));
             assert_eq!(place, pose);
             for end in 0..writer.0.len() {
                 let mut cut = Reader(&writer.0[..end]);
@@ -153,7 +123,16 @@ mod tests {
 
     #[test]
     fn a_shape_that_no_message_holds_is_refused_with_its_name() {
-        let refused = Writer::default().shape(7, &Shape::cylinder(1.0, 1.0).unwrap());
+        let foreign = Shape::custom(Arc::new(Foreign)).unwrap();
+        let refused = Writer::default().shape(7, &foreign);
         assert_eq!(refused, Err(RankError::Foreign { shape: 7 }));
+    }
+
+    struct Foreign;
+
+    impl SupportMap<f64> for Foreign {
+        fn support(&self, direction: DVec3) -> Support<f64> {
+            Support { point: direction, feature: 0 }
+        }
     }
 }

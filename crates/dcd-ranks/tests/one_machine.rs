@@ -1,94 +1,16 @@
 //! What all ranks find together is what one machine finds: contacts, order, answers, candidates.
 
+mod common;
+
+use common::*;
 use dcd_geom::glam::{DQuat, DVec3};
-use dcd_geom::{Object, Pose, Scene, Shape};
+use dcd_geom::{Object, Pose, Scene, Shape, Support, SupportMap};
 use dcd_gjk::Accuracy;
 use dcd_io::{data, load_boxes};
-use dcd_pipeline::{Answer, AnyPipeline, Par, Precision, Question};
-use dcd_ranks::threads::{self, ThreadRank};
-use dcd_ranks::{Body, RankScene, RankStep, Share, Transport, digest, sort_contacts};
+use dcd_ranks::threads;
+use dcd_ranks::{Body, RankScene, Share, Transport, sort_contacts};
 use dcd_scenes::SceneSpec;
-
-const CERTIFIED: Question = Question::Overlap { precision: Precision::Certified, margin: 0.0 };
-
-/// Which rank brings an object along.
-type Deal = fn(object: usize, objects: usize, size: usize) -> usize;
-
-const IN_A_ROW: Deal = |object, objects, size| object * size / objects;
-const DEALT: Deal = |object, _, size| object.wrapping_mul(0x9e37_79b9) % size;
-const ALL_ON_THE_LAST: Deal = |_, _, size| size - 1;
-
-/// The part of the scene that a rank brings along. Shapes are named by index.
-fn share(scene: &Scene, rank: &ThreadRank, deal: Deal) -> Share {
-    let whole = Share::of_scene(scene, 0, |shape| shape as u64);
-    let is_own = |body: &Body| deal(body.name as usize, scene.len(), rank.size()) == rank.rank();
-    let bodies: Vec<Body> = whole.bodies.into_iter().filter(is_own).collect();
-    // With those shapes alone that it needs.
-    let mut shapes = Vec::new();
-    let mut own = Vec::new();
-    for body in bodies {
-        let shape = whole.shapes[body.shape as usize].clone();
-        let place = shapes.iter().position(|(name, _)| *name == shape.0).unwrap_or_else(|| {
-            shapes.push(shape);
-            shapes.len() - 1
-        });
-        own.push(Body { shape: place as u32, ..body });
-    }
-    Share { shapes, bodies: own }
-}
-
-struct Whole {
-    contacts: Vec<[u64; 2]>,
-    answers: Vec<(u32, u32, Answer)>,
-    candidates: usize,
-    undecided: usize,
-}
-
-fn on_one_machine(scene: &Scene, question: Question) -> Whole {
-    let mut pipeline = AnyPipeline::new(question).unwrap();
-    let step = pipeline.step(scene, Par::Serial);
-    let mut contacts: Vec<[u64; 2]> =
-        step.contacts().map(|(i, j)| [u64::from(i), u64::from(j)]).collect();
-    contacts.sort_unstable();
-    let mut answers: Vec<_> =
-        step.answers().map(|(pair, answer)| (pair.i, pair.j, answer)).collect();
-    answers.sort_by_key(|&(i, j, _)| (i, j));
-    let (candidates, undecided) = (step.candidate_count(), step.report().undecided().len());
-    Whole { contacts, answers, candidates, undecided }
-}
-
-fn step<T: Transport>(ranked: &mut RankScene<'_, T>) -> RankStep {
-    ranked.refresh(Par::Serial).unwrap();
-    ranked.detect(Par::Serial)
-}
-
-/// That the steps' contacts are those of one machine, and how the load was spread.
-fn check(name: &str, scene: &Scene, size: usize, deal: Deal) -> Vec<u64> {
-    let whole = on_one_machine(scene, CERTIFIED);
-    let found = threads::run(size, |rank| {
-        let mut ranked = RankScene::new(rank, share(scene, rank, deal), CERTIFIED).unwrap();
-        let first = step(&mut ranked);
-        // A second step tells the ranks less, and finds the same.
-        let found = step(&mut ranked);
-        assert_eq!(found.contacts.len(), first.contacts.len());
-        let sorted = sort_contacts(rank, found.contacts);
-        let digest = digest(rank, &sorted).unwrap();
-        let own: Vec<u64> = ranked.owned().map(|(name, _)| name).collect();
-        (sorted.contacts, digest, found.load, found.undecided, own)
-    });
-    let contacts: Vec<_> = found.iter().flat_map(|part| part.0.clone()).collect();
-    assert_eq!(contacts, whole.contacts, "{name} at {size} ranks");
-    let candidates: u64 = found.iter().map(|part| part.2.pairs).sum();
-    assert_eq!(candidates as usize, whole.candidates, "{name} at {size} ranks");
-    assert_eq!(found.iter().map(|part| part.3).sum::<usize>(), whole.undecided);
-    let mut owned: Vec<u64> = found.iter().flat_map(|part| part.4.clone()).collect();
-    owned.sort_unstable();
-    assert!(owned.iter().copied().eq(0..scene.len() as u64), "{name}: each is owned once");
-    let alone =
-        threads::run(1, |rank| digest(rank, &sort_contacts(rank, whole.contacts.clone())).unwrap());
-    assert!(found.iter().all(|part| part.1 == alone[0]));
-    found.iter().map(|part| part.2.cost()).collect()
-}
+use std::sync::Arc;
 
 #[test]
 fn every_seeded_scene_has_the_same_contacts_at_any_number_of_ranks() {
@@ -134,28 +56,9 @@ fn what_is_measured_is_the_same_to_the_last_bit() {
     let scene = SceneSpec::sparse().with_objects(1200).scene().unwrap();
     let mixed = SceneSpec::mixed().with_objects(1500).scene().unwrap();
     for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
-        let questions = [
-            Question::Distance { accuracy, margin: 0.2 },
-            Question::Depth { accuracy },
-            Question::Manifold { accuracy },
-            Question::Gradient { accuracy, margin: 0.05 },
-        ];
-        for question in questions {
+        for question in measures(accuracy) {
             for scene in [&scene, &mixed] {
-                let whole = on_one_machine(scene, question);
-                let found = threads::run(3, |rank| {
-                    let share = share(scene, rank, DEALT);
-                    let mut ranked = RankScene::new(rank, share, question).unwrap();
-                    step(&mut ranked)
-                });
-                let mut answers: Vec<_> = found
-                    .into_iter()
-                    .flat_map(|part| part.contacts.into_iter().zip(part.answers))
-                    .map(|([i, j], answer)| (i as u32, j as u32, answer))
-                    .collect();
-                answers.sort_by_key(|&(i, j, _)| (i, j));
-                assert!(!answers.is_empty());
-                assert_eq!(answers, whole.answers, "{question:?}");
+                check_measured(scene, question, 3);
             }
         }
     }
@@ -216,11 +119,17 @@ fn a_wall_is_shared_and_clusters_are_spread() {
 
 #[test]
 fn an_error_of_one_rank_is_one_of_all() {
-    let cylinder = Shape::cylinder(1.0, 0.5).unwrap();
+    struct Foreign;
+    impl SupportMap<f64> for Foreign {
+        fn support(&self, direction: DVec3) -> Support<f64> {
+            Support { point: direction, feature: 0 }
+        }
+    }
+    let foreign = Shape::custom(Arc::new(Foreign)).unwrap();
     let found = threads::run(3, |rank| {
         let mut share = Share::default();
         if rank.rank() == 1 {
-            share.shapes.push((9, cylinder.clone()));
+            share.shapes.push((9, foreign.clone()));
             share.bodies.push(Body { name: 4, shape: 0, pose: Pose::IDENTITY });
         }
         RankScene::new(rank, share, CERTIFIED).err().map(|error| error.to_string())

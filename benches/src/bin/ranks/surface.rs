@@ -63,7 +63,7 @@ fn counted(objects: usize, size: usize, seed: u64) -> Result<Ghosts> {
         let scene =
             spec.share_by(range, &dcd_io::run::in_order)?.into_scene_by(&dcd_io::run::in_order);
         let share =
-            Share::of_scene(&scene.context("a scene")?, first, |shape| first + shape as u64);
+            Share::of_scene(&scene.context("a scene")?, first, |shape| first + shape as u64)?;
         let mut ranked = RankScene::new(rank, share, Question::default())?;
         let sent = || rank.traffic().sent;
         let before = sent();

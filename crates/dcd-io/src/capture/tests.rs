@@ -74,6 +74,55 @@ fn what_is_written_reads_back_bit_for_bit() {
     assert_eq!(written(&again), bytes);
 }
 
+/// Its surface; with a vertex that no triangle names, and a triangle that is a segment.
+fn tetrahedron() -> Result<Shape, ShapeError> {
+    let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE * 9.0];
+    Shape::mesh(vertices, vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2], [0, 1, 1]])
+}
+
+/// Parts of radii of their own, one of them turned, one a cone that is moved.
+fn compound() -> Result<Shape, ShapeError> {
+    let turned = Pose::new(DQuat::from_rotation_z(0.3), DVec3::X).unwrap();
+    let parts = vec![
+        (Shape::cuboid(DVec3::ONE)?.rounded(0.25)?, Pose::IDENTITY),
+        (Shape::cone(1.0, 0.5)?.rounded(0.125)?, turned),
+        (Shape::sphere(0.5)?, turned),
+    ];
+    Shape::compound(parts)
+}
+
+#[test]
+fn a_shape_alone_reads_back_and_leaves_what_follows() {
+    for shape in [tetrahedron().unwrap(), compound().unwrap(), Shape::sphere(2.0).unwrap()] {
+        let mut bytes = Vec::new();
+        write_shape(&mut bytes, &shape).unwrap();
+        for end in 0..bytes.len() {
+            assert!(read_shape(&bytes[..end]).is_err(), "{shape:?}: {end}");
+        }
+        bytes.extend([7, 8, 9]);
+        let (again, rest) = read_shape(&bytes).unwrap();
+        assert_eq!(format!("{again:?}"), format!("{shape:?}"));
+        assert_eq!(rest, [7, 8, 9]);
+    }
+}
+
+#[test]
+fn a_part_that_no_compound_holds_is_refused_with_its_index() {
+    let mut bytes = Vec::new();
+    write_shape(&mut bytes, &compound().unwrap()).unwrap();
+    // The first part's kind stands behind the compound's kind, radius and count, and the part's pose.
+    let kind = 4 + 8 + 4 + POSE_BYTES;
+    let mut nested = bytes.clone();
+    nested[kind..kind + 4].copy_from_slice(&9u32.to_le_bytes());
+    let refused = read_shape(&nested).unwrap_err();
+    let error = ShapeError::BadPart { part: 0 };
+    assert!(matches!(refused, ReadError::Shape { error: e, .. } if e == error), "{refused}");
+    let mut mirrored = bytes;
+    mirrored[16..24].copy_from_slice(&(-1f64).to_le_bytes());
+    let refused = read_shape(&mirrored).unwrap_err();
+    assert!(matches!(refused, ReadError::PartPose { part: 0, at: 16, .. }), "{refused}");
+}
+
 #[test]
 fn every_kind_of_shape_reads_back_as_it_was() {
     let shapes = [
@@ -86,6 +135,8 @@ fn every_kind_of_shape_reads_back_as_it_was() {
         Shape::cuboid(DVec3::ONE).and_then(|cuboid| cuboid.rounded(0.1)),
         Shape::sphere(2.0),
         Shape::hull(vec![DVec3::ZERO, DVec3::X, DVec3::ONE, DVec3::Z]),
+        tetrahedron().and_then(|mesh| mesh.rounded(0.01)),
+        compound(),
     ];
     let shapes: Vec<Shape> = shapes.into_iter().collect::<Result<_, _>>().unwrap();
     let scene = Scene::one_each(shapes.clone(), vec![Pose::IDENTITY; shapes.len()]).unwrap();
@@ -245,4 +296,7 @@ fn a_frame_of_a_scene_that_changed_and_a_foreign_shape_are_refused() {
     let shapes = vec![Shape::sphere(1.0).unwrap(), Shape::custom(Arc::new(Foreign)).unwrap()];
     let scene = Scene::one_each(shapes, vec![Pose::IDENTITY; 2]).unwrap();
     assert_eq!(Capture::new(&scene).unwrap_err(), CaptureError::Shape { shape: 1 });
+    let inside = Shape::compound(vec![(scene.shapes()[1].clone(), Pose::IDENTITY)]).unwrap();
+    let refused = write_shape(&mut Vec::new(), &inside).unwrap_err();
+    assert_eq!(refused.kind(), std::io::ErrorKind::Unsupported);
 }

@@ -44,7 +44,7 @@ fn too_many(what: &'static str, count: usize) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, SceneError::TooMany { what, count })
 }
 
-fn write_pose(out: &mut impl Write, pose: &Pose) -> io::Result<()> {
+pub(super) fn write_pose(out: &mut impl Write, pose: &Pose) -> io::Result<()> {
     numbers(out, &pose.rotation().to_cols_array())?;
     numbers(out, &pose.translation().to_array())
 }
