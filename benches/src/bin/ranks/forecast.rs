@@ -6,7 +6,7 @@ use dcd_exec::Par;
 use dcd_pipeline::Pipeline;
 use dcd_scenes::SceneSpec;
 
-use crate::surface::Fitted;
+use crate::model::{Fitted, World};
 
 /// A network as published: seconds for a message, bytes a second and rank.
 struct Network {
@@ -46,7 +46,7 @@ fn seconds_an_object() -> Result<f64> {
     Ok(times[times.len() / 2] / TIMED as f64)
 }
 
-pub(crate) fn show(fitted: Fitted, report: &mut Report) -> Result<()> {
+pub(crate) fn show((world, fitted): (World, Fitted), report: &mut Report) -> Result<()> {
     let an_object = seconds_an_object()?;
     let mut columns = vec![
         Column::new("scaling"),
@@ -69,7 +69,7 @@ pub(crate) fn show(fitted: Fitted, report: &mut Report) -> Result<()> {
         for ranks in RANKS {
             let count = ranks as f64;
             let objects = if scaling == "weak" { WEAK_A_RANK * count } else { STRONG_OBJECTS };
-            let ghosts = fitted.ghosts(objects, ranks) / count;
+            let ghosts = fitted.ghosts(world.with_objects(objects), ranks) / count;
             let bytes = ghosts * fitted.bytes_a_ghost;
             let own = objects / count;
             let step = (own + ghosts) * an_object;

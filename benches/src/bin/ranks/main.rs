@@ -1,12 +1,13 @@
 //! One scene over many ranks.
 //!
 //! [`spread`] runs the program under MPI at 1, 2, 4 and 8 ranks; [`speed`] sets two ranks beside two
-//! threads; [`surface`] counts ghosts with ranks that are threads, and tests a model of them; [`forecast`]
+//! threads; [`surface`] counts ghosts with ranks that are threads, beside a [`model`] of them; [`forecast`]
 //! says by that model what thousands of ranks would take.
 
 #![forbid(unsafe_code)]
 
 mod forecast;
+mod model;
 mod program;
 mod speed;
 mod spread;
@@ -62,8 +63,8 @@ fn run(line: &Line) -> Result<()> {
     spread::show(&units, &mut report)?;
     speed::show(&units, &mut report)?;
     let fitted = surface::show(options, &units, &mut report)?;
-    if let Some(fitted) = fitted {
-        forecast::show(fitted, &mut report)?;
+    if let Some((world, fitted)) = fitted {
+        forecast::show((world, fitted), &mut report)?;
     }
     report.hand_out(&dir, line.print)?;
     units.finish()?;

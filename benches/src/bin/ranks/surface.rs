@@ -8,12 +8,16 @@ use dcd_ranks::{RankScene, Share, Transport, threads};
 use dcd_scenes::SceneSpec;
 use serde::{Deserialize, Serialize};
 
+use crate::model::{Fitted, World};
+
 /// All ranks together, in a step whose shapes are known; the first step apart.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Ghosts {
     pub(crate) ghosts: u64,
     pub(crate) sent_bytes: u64,
     pub(crate) first_sent_bytes: u64,
+    /// The edge of the cube in which the objects lie, metres.
+    pub(crate) edge: f64,
 }
 
 const SIZE_RANKS: usize = 8;
@@ -25,9 +29,9 @@ fn sizes(options: &Options) -> [usize; 4] {
     if options.quick { [500, 1_000, 2_000, 4_000] } else { [15_625, 62_500, 250_000, 1_000_000] }
 }
 
-/// The objects of the model's rows.
-fn model_objects(options: &Options) -> usize {
-    if options.quick { 4_000 } else { 1_000_000 }
+/// The objects of the model's rows; it is fitted at the most.
+fn model_objects(options: &Options) -> Vec<usize> {
+    if options.quick { vec![1_000, 4_000] } else { vec![62_500, 250_000, 1_000_000] }
 }
 
 fn key(objects: usize, ranks: usize) -> String {
@@ -37,7 +41,11 @@ fn key(objects: usize, ranks: usize) -> String {
 fn cases(options: &Options) -> Vec<(usize, usize)> {
     let mut cases: Vec<(usize, usize)> =
         sizes(options).into_iter().map(|objects| (objects, SIZE_RANKS)).collect();
-    cases.extend(MODEL_RANKS.into_iter().map(|ranks| (model_objects(options), ranks)));
+    cases.extend(
+        model_objects(options)
+            .into_iter()
+            .flat_map(|objects| MODEL_RANKS.into_iter().map(move |ranks| (objects, ranks))),
+    );
     cases.sort_unstable();
     cases.dedup();
     cases
@@ -62,8 +70,10 @@ fn counted(objects: usize, size: usize, seed: u64) -> Result<Ghosts> {
         let first = range.start as u64;
         let scene =
             spec.share_by(range, &dcd_io::run::in_order)?.into_scene_by(&dcd_io::run::in_order);
-        let share =
-            Share::of_scene(&scene.context("a scene")?, first, |shape| first + shape as u64)?;
+        let scene = scene.context("a scene")?;
+        let far = scene.poses().iter().map(|pose| pose.translation().abs().max_element());
+        let edge = 2.0 * far.fold(0.0, f64::max);
+        let share = Share::of_scene(&scene, first, |shape| first + shape as u64)?;
         let mut ranked = RankScene::new(rank, share, Question::default())?;
         let sent = || rank.traffic().sent;
         let before = sent();
@@ -74,65 +84,36 @@ fn counted(objects: usize, size: usize, seed: u64) -> Result<Ghosts> {
             ghosts: ranked.ghost_count() as u64,
             sent_bytes: sent() - first,
             first_sent_bytes: first - before,
+            edge,
         })
     });
-    let mut all = Ghosts { ghosts: 0, sent_bytes: 0, first_sent_bytes: 0 };
+    let mut all = Ghosts { ghosts: 0, sent_bytes: 0, first_sent_bytes: 0, edge: 0.0 };
     for rank in found {
         let rank = rank?;
         all.ghosts += rank.ghosts;
         all.sent_bytes += rank.sent_bytes;
         all.first_sent_bytes += rank.first_sent_bytes;
+        all.edge = all.edge.max(rank.edge);
     }
     Ok(all)
 }
 
-/// Into how many slabs each axis is cut by so many ranks, a power of two: each axis in turn is halved.
-fn slabs(ranks: usize) -> [f64; 3] {
-    let halvings = ranks.max(1).ilog2();
-    [0, 1, 2].map(|axis| f64::from(1u32 << ((halvings + 2 - axis) / 3)))
-}
-
-/// What was fitted: how large boxes are, by the world's edge, is this by the cube root of their number.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Fitted {
-    size: f64,
-    pub(crate) bytes_a_ghost: f64,
-}
-
-impl Fitted {
-    /// Ghosts of all ranks: along an axis cut by p planes a box meets 1 + p·size slabs on average.
-    pub(crate) fn ghosts(self, objects: f64, ranks: usize) -> f64 {
-        let size = self.size / objects.cbrt();
-        let met = slabs(ranks).map(|slabs| 1.0 + (slabs - 1.0) * size);
-        objects * (met.iter().product::<f64>() - 1.0)
-    }
-}
-
-/// The size that gives as many ghosts at the fitted numbers of ranks as were found, by bisection.
-fn fit(options: &Options, units: &Units) -> Option<Fitted> {
-    let objects = model_objects(options);
-    let known: Option<Vec<Ghosts>> =
-        FITTED.into_iter().map(|ranks| units.get(&key(objects, ranks))).collect();
-    let known = known?;
+/// The world whose ghosts at [`FITTED`] ranks the model is fitted to, and the model.
+fn fit(options: &Options, units: &Units) -> Option<(World, Fitted)> {
+    let objects = model_objects(options).into_iter().max()?;
+    let known = FITTED.into_iter().map(|ranks| units.get::<Ghosts>(&key(objects, ranks)));
+    let known = known.collect::<Option<Vec<_>>>()?;
     let ghosts: f64 = known.iter().map(|found| found.ghosts as f64).sum();
     let bytes: f64 = known.iter().map(|found| found.sent_bytes as f64).sum();
-    let of = |size: f64| Fitted { size, bytes_a_ghost: bytes / ghosts };
-    let by_model = |size: f64| {
-        FITTED.into_iter().map(|ranks| of(size).ghosts(objects as f64, ranks)).sum::<f64>()
-    };
-    let (mut low, mut high) = (0.0, 100.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if by_model(middle) < ghosts { low = middle } else { high = middle }
-    }
-    Some(of(low))
+    let world = World { objects: objects as f64, edge: known[0].edge };
+    Some((world, Fitted::of(world, &FITTED, ghosts, bytes)))
 }
 
 pub(crate) fn show(
     options: &Options,
     units: &Units,
     report: &mut Report,
-) -> Result<Option<Fitted>> {
+) -> Result<Option<(World, Fitted)>> {
     let columns = [
         Column::new("N"),
         Column::new("ghosts"),
@@ -160,10 +141,23 @@ pub(crate) fn show(
          surface, the share falls with the cube root of the number of objects. The first step sends the shapes too.",
     );
     report.table(table);
-    let Some(fitted) = fit(options, units) else { return Ok(None) };
+    let Some((world, fitted)) = fit(options, units) else { return Ok(None) };
+    report.note(format!(
+        "The model: boxes of {:.2} m, uniform in a cube as large as the scene's, are cut by the ranks' own rule, and \
+         those that reach into other regions are counted; {:.0} bytes a ghost and step. Both numbers are fitted to 2 \
+         and 4 ranks of {} objects; at 1 there is no ghost. No rank and no step of the others is needed to say these: \
+         the boxes are others than the scene's, all of one size, and as many.",
+        fitted.box_edge, fitted.bytes_a_ghost, world.objects
+    ));
+    report.table(by_model(options, units, fitted)?);
+    Ok(Some((world, fitted)))
+}
+
+/// The model beside what was counted.
+fn by_model(options: &Options, units: &Units, fitted: Fitted) -> Result<Table> {
     let columns = [
+        Column::new("N"),
         Column::new("ranks"),
-        Column::new("slabs"),
         Column::new("ghosts"),
         Column::new("by the model").decimals(0),
         Column::new("off by").unit("%").decimals(1),
@@ -172,15 +166,16 @@ pub(crate) fn show(
         Column::new("off by ").unit("%").decimals(1),
     ];
     let mut table = Table::new("model", "The model of ghosts", columns);
-    let objects = model_objects(options);
-    for ranks in MODEL_RANKS {
+    let rows = model_objects(options).into_iter();
+    for (objects, ranks) in rows.flat_map(|objects| MODEL_RANKS.map(|ranks| (objects, ranks))) {
         let Some(found) = units.get::<Ghosts>(&key(objects, ranks)) else { continue };
-        let ghosts = fitted.ghosts(objects as f64, ranks);
+        let world = World { objects: objects as f64, edge: found.edge };
+        let ghosts = fitted.ghosts(world, ranks);
         let bytes = ghosts * fitted.bytes_a_ghost;
         let (known, sent) = (found.ghosts as f64, found.sent_bytes as f64);
         table.push([
+            Cell::from(objects as u64),
             Cell::from(ranks as u64),
-            Cell::from(slabs(ranks).map(|slabs| slabs.to_string()).join(" × ")),
             Cell::from(found.ghosts),
             Cell::Number(ghosts),
             Cell::Number(100.0 * (ghosts / known - 1.0)),
@@ -189,13 +184,5 @@ pub(crate) fn show(
             Cell::Number(100.0 * (bytes / sent - 1.0)),
         ])?;
     }
-    report.note(format!(
-        "The model: {objects} objects uniform in a cube that is cut into slabs along each axis; a box {:.2}·N^(-1/3) \
-         of the cube's edge long meets 1 + p times that of p + 1 slabs, and is a ghost in all but one of the ranks' \
-         boxes that it meets; {:.0} bytes a ghost and step. Both numbers are fitted at 2 and 4 ranks; at 1 there is \
-         no ghost.",
-        fitted.size, fitted.bytes_a_ghost
-    ));
-    report.table(table);
-    Ok(Some(fitted))
+    Ok(table)
 }
