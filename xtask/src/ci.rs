@@ -154,7 +154,6 @@ fn quick_measurements() -> Result<Vec<String>> {
         "accuracy",
         "questions",
         "ranks",
-        "rays",
     ];
     for name in names {
         eprintln!("-- {name} --quick");

@@ -94,14 +94,14 @@ impl LocalRay {
             0.5 * (t_lower + t_upper)
         };
         let is_inside = outer.enter <= 0.0 && inner.is_none_or(|chord| chord.enter <= 0.0);
-        let normal = if is_inside { DVec3::ZERO } else { self.to_world(outer.normal) };
+        let normal = if is_inside { DVec3::ZERO } else { self.in_world(outer.normal) };
         let facet = outer.facet.filter(|_| !is_inside);
         let t = if is_inside { t_lower } else { t };
         Some(RayHit { t, t_lower, t_upper, is_certain, normal, facet, part: None })
     }
 
     /// A direction in the world, of unit length.
-    pub(super) fn to_world(&self, normal: DVec3) -> DVec3 {
+    pub(super) fn in_world(&self, normal: DVec3) -> DVec3 {
         (self.rotation * normal).normalize_or_zero()
     }
 }

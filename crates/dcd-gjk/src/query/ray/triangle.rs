@@ -89,7 +89,7 @@ impl Sheared {
             t_lower,
             t_upper,
             is_certain: is_met && first >= 0.0 && last <= ray.max_t(),
-            normal: local.to_world(normal),
+            normal: local.in_world(normal),
             facet: None,
             part: None,
         })
