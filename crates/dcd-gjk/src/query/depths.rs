@@ -1,6 +1,6 @@
 //! How deep touching pairs overlap.
 
-use super::{Accuracy, MeasureAt, sampled};
+use super::{Accuracy, MeasureAt, MeasureDepth, sampled};
 use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
 use crate::{
@@ -61,11 +61,6 @@ impl PairSolver for Depths {
         if let Some(found) = by_formula(Accuracy::Certified, a, b) {
             return (Verdict::Touching(found), Method::F64);
         }
-        if let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) {
-            let (a, b) =
-                (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
-            return (epa::depth(a, b, scratch), Method::Exact);
-        }
         let (verdict, method) = certified::overlap_of(a, b);
         let verdict = match verdict {
             Verdict::Touching(()) => of_touching(Accuracy::Certified, a, b, scratch),
@@ -88,8 +83,20 @@ impl MeasureAt for Depths {
     }
 }
 
+impl MeasureDepth for Depths {
+    fn measure_depth(
+        &self,
+        depth: Depth,
+        _: PosedShape<'_>,
+        _: PosedShape<'_>,
+        _: &mut epa::Scratch,
+    ) -> Verdict<Depth> {
+        Verdict::Touching(depth)
+    }
+}
+
 /// The bound that is promised of a depth, relative to it.
-const CERTIFIED: f64 = 1e-9;
+pub(crate) const CERTIFIED: f64 = 1e-9;
 
 /// The depth of two shapes that are known to touch.
 pub(super) fn of_touching(
@@ -107,10 +114,8 @@ pub(super) fn of_touching(
     if let Some(found) = by_formula(accuracy, a, b) {
         return Verdict::Touching(found);
     }
-    let are_polytopes = a.shape.as_polytope().is_some() && b.shape.as_polytope().is_some();
-    if (accuracy != Accuracy::Certified || !are_polytopes)
-        && let Some(found) = expanding::depth_of_overlap(a, b, accuracy, &mut scratch.surface)
-        // What the search below promises.
+    if let Some(found) = expanding::depth_of_overlap(a, b, accuracy, &mut scratch.surface)
+        // What the searches below promise.
         && (accuracy != Accuracy::Certified || found.error_bound <= CERTIFIED * found.depth)
     {
         return Verdict::Touching(found);
