@@ -92,8 +92,8 @@ impl View {
         };
         let (mut facing, mut slope) = (0.0, DVec2::ZERO);
         let points = match part {
-            Part::Vertex(index) => Points::of([index].into_iter().map(point)),
-            Part::Edge(ends) => Points::of(ends.into_iter().map(point)),
+            Part::Vertex(index) => Points::of(std::iter::once(point(index))),
+            Part::Edge(ends) => Points::of(ends.iter().copied().map(point)),
             Part::Face { facet, corners, .. } => {
                 let normal = to_view * facet.normal;
                 facing = normal.z.abs();

@@ -31,11 +31,11 @@ pub(crate) fn confirmed_depth(
     let mut nearest = (f64::INFINITY, DVec3::ZERO);
     let mut inner = ending.others.unwrap_or(0.0);
     for &face in ending.faces {
-        let corners = search.corners(face).map(|vertex| vertex.w);
-        let [p, q, r] = corners;
+        let [p, q, r] = search.corners(face);
+        let [p, q, r] = [p.w, q.w, r.w];
         let normal = (q - p).cross(r - p).try_normalize()?;
         let distance = normal.dot(p);
-        inner = inner.min(clearance(normal, corners));
+        inner = inner.min(clearance(normal, [p, q, r]));
         if distance < nearest.0 {
             nearest = (distance, normal);
         }
@@ -52,41 +52,47 @@ pub(crate) fn confirmed_depth(
 }
 
 impl Search<'_, Polytope> {
-    fn corners(&self, face: [[u32; 2]; 3]) -> [Vertex<f64>; 3] {
-        face.map(|pair| {
-            let [a, b] = [0, 1].map(|side| {
-                let vertices = self.bodies[side].map.vertices();
-                // The last block is filled up with the last vertex.
-                let feature = pair[side].min(vertices.len() as u32 - 1);
-                Support { point: vertices[feature as usize], feature }
-            });
-            Vertex { w: self.difference.world(a.point, b.point), a, b }
-        })
+    fn corners(&self, [p, q, r]: [[u32; 2]; 3]) -> [Vertex<f64>; 3] {
+        [self.vertex(p), self.vertex(q), self.vertex(r)]
+    }
+
+    fn vertex(&self, [a, b]: [u32; 2]) -> Vertex<f64> {
+        let support = |vertices: &[DVec3], feature: u32| {
+            // The last block is filled up with the last vertex.
+            let feature = feature.min(vertices.len() as u32 - 1);
+            Support { point: vertices[feature as usize], feature }
+        };
+        let [in_a, in_b] = &self.bodies;
+        let (a, b) = (support(in_a.map.vertices(), a), support(in_b.map.vertices(), b));
+        Vertex { w: self.difference.world(a.point, b.point), a, b }
     }
 
     /// The points of the two cores where a direction from the origin leaves the faces: by the one that it passes by
     /// the least.
     fn leaving(&self, faces: &[[[u32; 2]; 3]], direction: DVec3) -> [DVec3; 2] {
-        let mut best = (f64::NEG_INFINITY, [1.0, 0.0, 0.0], None);
+        let mut best = f64::NEG_INFINITY;
+        let mut points = [DVec3::NAN; 2];
         for &face in faces {
-            let corners = self.corners(face);
-            let [p, q, r] = corners.map(|vertex| vertex.w);
-            let volumes = [q.cross(r), r.cross(p), p.cross(q)].map(|n| n.dot(direction));
-            let total: f64 = volumes.iter().sum();
-            let weights = volumes.map(|volume| volume / total);
-            let least = weights[0].min(weights[1]).min(weights[2]);
-            if best.2.is_none() || (total > 0.0 && least > best.0) {
-                best = (if total > 0.0 { least } else { f64::NEG_INFINITY }, weights, Some(corners));
+            let [p, q, r] = self.corners(face);
+            let weights = DVec3::new(
+                q.w.cross(r.w).dot(direction),
+                r.w.cross(p.w).dot(direction),
+                p.w.cross(q.w).dot(direction),
+            );
+            let least = weights.min_element() / weights.element_sum();
+            // Of one face alone there is nothing to compare.
+            if faces.len() == 1 || least > best {
+                best = least;
+                let weights = weights.max(DVec3::ZERO);
+                let weights = weights / weights.element_sum();
+                let mean = |p: DVec3, q: DVec3, r: DVec3| p * weights.x + q * weights.y + r * weights.z;
+                points = [
+                    mean(p.a.point, q.a.point, r.a.point),
+                    mean(p.b.point, q.b.point, r.b.point),
+                ];
             }
         }
-        let (_, weights, Some(corners)) = best else { return [DVec3::NAN; 2] };
-        let weights = weights.map(|weight| weight.max(0.0));
-        let total: f64 = weights.iter().sum();
-        let mean = |point: fn(&Vertex<f64>) -> DVec3| -> DVec3 {
-            let terms = corners.iter().zip(weights);
-            terms.map(|(vertex, weight)| point(vertex) * (weight / total)).sum()
-        };
-        let [a, b] = self.bodies;
-        [a.pose.apply(mean(|vertex| vertex.a.point)), b.pose.apply(mean(|vertex| vertex.b.point))]
+        let [a, b] = &self.bodies;
+        [a.pose.apply(points[0]), b.pose.apply(points[1])]
     }
 }

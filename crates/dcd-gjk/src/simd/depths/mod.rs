@@ -194,7 +194,7 @@ fn depth<L: Lanes>(
     let (a, b) = if swapped { (b, a) } else { (a, b) };
     let bodies = [a.support()?, b.support()?];
     let difference = Difference::new(bodies[0], bodies[1])?;
-    let sides = [a, b].map(|side| (side.core, side.blocks, side.placed.pose));
+    let sides = [(a.core, a.blocks, a.placed.pose), (b.core, b.blocks, b.placed.pose)];
     let search = Search::of(&difference, sides, scratch)?;
     let unit = f64::from(search.unit);
     search.run(l)?;
@@ -217,7 +217,8 @@ fn confirmed(
     let mut faces = [[[0; 2]; 3]; MOST];
     let mut count = 0;
     for face in (0..surface.faces()).filter(|&face| distance(face) <= limit) {
-        *faces.get_mut(count)? = surface.corners(face).map(|point| point.vertices);
+        let [p, q, r] = surface.corners(face);
+        *faces.get_mut(count)? = [p.vertices, q.vertices, r.vertices];
         count += 1;
     }
     let holds_origin = least * LENGTH > off && all_inward(surface);

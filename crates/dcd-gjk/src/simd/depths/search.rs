@@ -2,7 +2,7 @@
 
 use super::super::bounds::U;
 use super::super::cores::Core;
-use super::surface::{Point, Surface, dot, load};
+use super::surface::{Point, Surface, dot, load, splat};
 use crate::Difference;
 use dcd_geom::glam::{DMat3, Vec3};
 use dcd_geom::{Polytope, Pose};
@@ -67,8 +67,9 @@ impl<'a> Search<'a> {
         let reach = |core: &Core, pose: &Pose| core.outer * (1.0 + pose.deviation()) * scale;
         let size = reach(a.0, a.2) + reach(b.0, b.2) + middle.abs().element_sum();
         let rotated = |(_, blocks, pose): (&Core, &'a [Block], &Pose)| {
-            let DMat3 { x_axis, y_axis, z_axis } = *pose.rotation();
-            let columns = [x_axis, y_axis, z_axis].map(|axis| (axis * scale).as_vec3().to_array());
+            let DMat3 { x_axis: x, y_axis: y, z_axis: z } = *pose.rotation() * scale;
+            let columns =
+                [x.as_vec3().to_array(), y.as_vec3().to_array(), z.as_vec3().to_array()];
             Rotated { blocks, columns }
         };
         // Much above 1 only for shapes far from their own origins; far below, f64 sees more than f32.
@@ -117,14 +118,15 @@ impl Kernel for Search<'_> {
 /// The vertices, turned and scaled.
 #[inline(always)]
 fn rotate<L: Lanes>(l: L, body: &Rotated<'_>, rotated: &mut Vec<Block>) {
-    let columns = body.columns.map(|column| column.map(|x| l.splat(x)));
+    let [x, y, z] = &body.columns;
+    let rows = [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]]];
+    let rows = [splat(l, rows[0]), splat(l, rows[1]), splat(l, rows[2])];
     rotated.resize(body.blocks.len(), Block::default());
     for (to, from) in rotated.iter_mut().zip(body.blocks) {
         let v = load(l, from);
-        for axis in 0..3 {
-            let row = [columns[0][axis], columns[1][axis], columns[2][axis]];
-            l.store(dot(l, row, v), &mut to.0[axis]);
-        }
+        l.store(dot(l, rows[0], v), &mut to.0[0]);
+        l.store(dot(l, rows[1], v), &mut to.0[1]);
+        l.store(dot(l, rows[2], v), &mut to.0[2]);
     }
 }
 
@@ -140,7 +142,7 @@ impl Vertices<'_> {
     #[inline(always)]
     fn farthest<L: Lanes>(&self, l: L, direction: [f32; 3]) -> Point {
         let (a, of_a) = farthest(l, self.a, direction);
-        let (b, of_b) = farthest(l, self.b, direction.map(|x| -x));
+        let (b, of_b) = farthest(l, self.b, [-direction[0], -direction[1], -direction[2]]);
         Point { at: ((of_a - of_b) + self.middle).to_array(), vertices: [a, b] }
     }
 
@@ -186,7 +188,7 @@ impl Vertices<'_> {
 /// The first of the vertices that are farthest along a direction, and its number.
 #[inline(always)]
 fn farthest<L: Lanes>(l: L, blocks: &[Block], direction: [f32; 3]) -> (u32, Vec3) {
-    let d = direction.map(|x| l.splat(x));
+    let d = splat(l, direction);
     let mut best = l.splat(f32::NEG_INFINITY);
     for block in blocks {
         best = l.max(best, dot(l, load(l, block), d));

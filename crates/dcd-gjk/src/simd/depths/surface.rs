@@ -81,7 +81,8 @@ impl Surface {
 
     /// The points that a face has for corners.
     pub(super) fn corners(&self, face: usize) -> [Point; 3] {
-        self.corners[face].map(|k| self.points[usize::from(k)])
+        let [p, q, r] = self.corners[face];
+        [self.points[usize::from(p)], self.points[usize::from(q)], self.points[usize::from(r)]]
     }
 
     pub(super) fn distance(&self, face: usize) -> f32 {
@@ -90,7 +91,8 @@ impl Surface {
 
     pub(super) fn normal(&self, face: usize) -> [f32; 3] {
         let Block([x, y, z]) = &self.normals[face / WIDTH];
-        [x, y, z].map(|row| row.0[face % WIDTH])
+        let lane = face % WIDTH;
+        [x.0[lane], y.0[lane], z.0[lane]]
     }
 
     /// The faces of which it is not known that they have the origin on their inner side.
@@ -109,8 +111,7 @@ impl Surface {
         self.inward = 0;
         // The base, and on each of its edges, the other way round, a side.
         self.corners[..4].copy_from_slice(&[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
-        let base = [3, 2, 1].map(|side: u8| 4 * side);
-        self.across[..3].copy_from_slice(&base);
+        self.across[..3].copy_from_slice(&[4 * 3, 4 * 2, 4]);
         for side in 0..3u8 {
             let (edge, next, last) = (4 * (side + 1), (side + 1) % 3, (side + 2) % 3);
             let at = usize::from(edge);
@@ -196,7 +197,7 @@ impl Surface {
     /// A bit for each face that a point is beyond by more than `clear`.
     #[inline(always)]
     fn visible<L: Lanes>(&self, l: L, at: [f32; 3], clear: f32) -> u64 {
-        let at = at.map(|x| l.splat(x));
+        let at = splat(l, at);
         let clear = l.splat(clear);
         let used = self.faces.div_ceil(WIDTH).clamp(1, BLOCKS);
         let mut visible = 0;
@@ -211,7 +212,7 @@ impl Surface {
     /// Lists the edges round the visible faces in the order of a walk along them; returns how many there are.
     #[inline(always)]
     fn find_horizon(&mut self, visible: u64) -> Option<usize> {
-        let mut edges = [Edge::default(); 3 * FACES];
+        let mut edges = [Edge { from: 0, to: 0, hidden: 0 }; 3 * FACES];
         let mut starting = [u8::MAX; POINTS];
         let mut count = 0;
         let mut rest = visible;
@@ -219,9 +220,10 @@ impl Surface {
             let face = rest.trailing_zeros() as usize % FACES;
             rest &= rest - 1;
             let [p, q, r] = self.corners[face];
-            for (k, (from, to)) in [(p, q), (q, r), (r, p)].into_iter().enumerate() {
-                let hidden = self.across[4 * face + k];
-                edges[count] = Edge { from, to, hidden };
+            let (ends, first) = ([p, q, r, p], 4 * face);
+            for k in 0..3 {
+                let hidden = self.across[first + k];
+                edges[count] = Edge { from: ends[k], to: ends[k + 1], hidden };
                 // What is not kept is written over: no branch.
                 count += usize::from(visible >> (hidden / 4) & 1 == 0);
             }
@@ -238,7 +240,10 @@ impl Surface {
             if walked > 0 && number == 0 {
                 return None;
             }
-            let edge = *edges.get(number)?;
+            if number >= count {
+                return None;
+            }
+            let edge = edges[number];
             self.horizon[walked] = edge;
             number = usize::from(starting[usize::from(edge.to) % POINTS]);
         }
@@ -273,17 +278,17 @@ impl Surface {
     fn measure<L: Lanes>(&mut self, l: L, edges: usize, apex: usize, taken: u64) -> Option<()> {
         let (mut from, mut to) = (Block::default(), Block::default());
         for (k, edge) in self.horizon[..edges].iter().enumerate() {
-            let ends = [edge.from, edge.to].map(|k| self.points[usize::from(k) % POINTS].at);
+            let start = &self.points[usize::from(edge.from) % POINTS].at;
+            let end = &self.points[usize::from(edge.to) % POINTS].at;
             for axis in 0..3 {
-                from.0[axis].0[k] = ends[0][axis];
-                to.0[axis].0[k] = ends[1][axis];
+                from.0[axis].0[k] = start[axis];
+                to.0[axis].0[k] = end[axis];
             }
         }
         let (p, q) = (load(l, &from), load(l, &to));
-        let r = self.points[apex].at.map(|x| l.splat(x));
+        let r = splat(l, self.points[apex].at);
         let (e, f) = (sub(l, q, p), sub(l, r, p));
-        let minor = |i: usize, j: usize| l.sub(l.mul(e[i], f[j]), l.mul(e[j], f[i]));
-        let n = [minor(1, 2), minor(2, 0), minor(0, 1)];
+        let n = cross(l, e, f);
         let squared = dot(l, n, n);
         let used = (1u32 << edges) - 1;
         if l.bits(l.lt(l.splat(LEAST), squared)) & used != used {
@@ -294,12 +299,12 @@ impl Surface {
         let error = l.add(l.mul(error, l.splat(DETERMINANT * U)), l.splat(LEAST));
         let inward = l.bits(l.lt(error, volume));
         let shrink = l.div(l.splat(1.0), l.sqrt(squared));
-        let n = n.map(|x| l.mul(x, shrink));
+        let n = [l.mul(n[0], shrink), l.mul(n[1], shrink), l.mul(n[2], shrink)];
         let lowest = l.min(l.min(dot(l, n, p), dot(l, n, q)), dot(l, n, r));
         let (mut normals, mut distances) = (Block::default(), Row::default());
-        for axis in 0..3 {
-            l.store(n[axis], &mut normals.0[axis]);
-        }
+        l.store(n[0], &mut normals.0[0]);
+        l.store(n[1], &mut normals.0[1]);
+        l.store(n[2], &mut normals.0[2]);
         l.store(lowest, &mut distances);
         let mut rest = taken;
         for k in 0..edges {
@@ -322,6 +327,12 @@ pub(super) fn load<L: Lanes>(l: L, block: &Block) -> [L::F; 3] {
     [l.load(&block.0[0]), l.load(&block.0[1]), l.load(&block.0[2])]
 }
 
+/// The same point sixteen times.
+#[inline(always)]
+pub(super) fn splat<L: Lanes>(l: L, point: [f32; 3]) -> [L::F; 3] {
+    [l.splat(point[0]), l.splat(point[1]), l.splat(point[2])]
+}
+
 /// Not fused.
 #[inline(always)]
 pub(super) fn dot<L: Lanes>(l: L, a: [L::F; 3], b: [L::F; 3]) -> L::F {
@@ -331,6 +342,16 @@ pub(super) fn dot<L: Lanes>(l: L, a: [L::F; 3], b: [L::F; 3]) -> L::F {
 #[inline(always)]
 fn sub<L: Lanes>(l: L, a: [L::F; 3], b: [L::F; 3]) -> [L::F; 3] {
     [l.sub(a[0], b[0]), l.sub(a[1], b[1]), l.sub(a[2], b[2])]
+}
+
+/// Not fused.
+#[inline(always)]
+fn cross<L: Lanes>(l: L, a: [L::F; 3], b: [L::F; 3]) -> [L::F; 3] {
+    [
+        l.sub(l.mul(a[1], b[2]), l.mul(a[2], b[1])),
+        l.sub(l.mul(a[2], b[0]), l.mul(a[0], b[2])),
+        l.sub(l.mul(a[0], b[1]), l.mul(a[1], b[0])),
+    ]
 }
 
 #[inline(always)]
