@@ -8,8 +8,8 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Object, Pair, Pose, Scene, Shape};
 use dcd_gjk::simplify::InnerOuter;
 use dcd_gjk::{
-    Accuracy, BoundsOnly, Certified, Coherent, ContactSink, Depths, Distances, Gjk, Manifolds, Method,
-    NarrowPhase, Overlap, OverlapUnchecked, PairSolver, Pairwise, PosedShape, Prepared,
+    Accuracy, BoundsOnly, Certified, Coherent, ContactSink, Depths, Distances, Gjk, Manifolds,
+    Method, NarrowPhase, Overlap, OverlapUnchecked, PairSolver, Pairwise, PosedShape, Prepared,
     Proximities, Sides, SimdDepths, SimdDistances, ThenMeasure, Verdict, Within, contract,
 };
 use dcd_simd::Path;

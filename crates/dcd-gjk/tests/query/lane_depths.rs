@@ -95,8 +95,7 @@ fn the_exact_depth_is_within_the_bound_on_every_path_and_all_paths_agree() {
         let mut draw = Draw(seed);
         let (scene, pairs) = pairs_of(&mut draw, scale, far, count);
         let (yes, _) = found(&Overlap::default(), &scene, &pairs);
-        let truths: Vec<_> =
-            yes.iter().map(|yes| exact(&scene, yes.pair, &mut scratch)).collect();
+        let truths: Vec<_> = yes.iter().map(|yes| exact(&scene, yes.pair, &mut scratch)).collect();
         for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
             let mut first: Option<Vec<Contact<epa::Depth>>> = None;
             for path in paths() {
@@ -154,6 +153,12 @@ fn both_orders_are_mirrored_and_what_else_is_asked_changes_nothing() {
         let (seen, _) = found(&lanes, &mirrored, &other_pairs);
         assert!(all.len() > 500 && all.len() == seen.len());
         for (one, other) in all.iter().zip(seen.iter().rev()) {
+            let [i, j] = [one.pair.i, one.pair.j].map(|k| k as usize);
+            let same = scene.shape_of()[i] == scene.shape_of()[j];
+            if same && scene.poses()[i] == scene.poses()[j] {
+                // Nothing tells the two apart: both orders are one.
+                continue;
+            }
             let (one, other) = (one.answer, other.answer);
             assert_eq!((one.depth, one.error_bound), (other.depth, other.error_bound));
             assert_eq!((one.point_a, one.point_b), (other.point_b, other.point_a));

@@ -85,11 +85,10 @@ impl Search<'_, Polytope> {
                 best = least;
                 let weights = weights.max(DVec3::ZERO);
                 let weights = weights / weights.element_sum();
-                let mean = |p: DVec3, q: DVec3, r: DVec3| p * weights.x + q * weights.y + r * weights.z;
-                points = [
-                    mean(p.a.point, q.a.point, r.a.point),
-                    mean(p.b.point, q.b.point, r.b.point),
-                ];
+                let mean =
+                    |p: DVec3, q: DVec3, r: DVec3| p * weights.x + q * weights.y + r * weights.z;
+                points =
+                    [mean(p.a.point, q.a.point, r.a.point), mean(p.b.point, q.b.point, r.b.point)];
             }
         }
         let [a, b] = &self.bodies;

@@ -22,9 +22,9 @@ use crate::epa::Depth;
 use crate::gjk::unit;
 use crate::query::Accuracy;
 use crate::{Difference, PosedShape, PosedSupport, Vertex, order};
+pub(crate) use confirm::{Ending, confirmed_depth};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape, SupportMap};
-pub(crate) use confirm::{Ending, confirmed_depth};
 pub(crate) use surface::{Surface, is_inside};
 
 /// How often the polytope may grow: hulls of tens of vertices need ten, a cylinder against a cone a

@@ -92,14 +92,14 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
     ) {
         let Scratch { yes, search, found, solver } = scratch;
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
-        let touching = || pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes).map(|(p, _)| *p);
+        let touching =
+            || pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes).map(|(p, _)| *p);
         found.clear();
         let accuracy = self.accuracy;
         let frames = FramePair { a: a.frame, b: b.frame };
         let posed = |pair: Pair| [PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j)];
-        let shapes = |pair: Pair| {
-            [a.scene.shape_of()[pair.i as usize], b.scene.shape_of()[pair.j as usize]]
-        };
+        let shapes =
+            |pair: Pair| [a.scene.shape_of()[pair.i as usize], b.scene.shape_of()[pair.j as usize]];
         let each = touching().map(|pair| (posed(pair), shapes(pair)));
         dispatch_on(self.path, Each { frames, accuracy, each, search, found: &mut *found });
         for (pair, found) in touching().zip(&*found) {

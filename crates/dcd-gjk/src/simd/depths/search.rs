@@ -68,8 +68,7 @@ impl<'a> Search<'a> {
         let size = reach(a.0, a.2) + reach(b.0, b.2) + middle.abs().element_sum();
         let rotated = |(_, blocks, pose): (&Core, &'a [Block], &Pose)| {
             let DMat3 { x_axis: x, y_axis: y, z_axis: z } = *pose.rotation() * scale;
-            let columns =
-                [x.as_vec3().to_array(), y.as_vec3().to_array(), z.as_vec3().to_array()];
+            let columns = [x.as_vec3().to_array(), y.as_vec3().to_array(), z.as_vec3().to_array()];
             Rotated { blocks, columns }
         };
         // Much above 1 only for shapes far from their own origins; far below, f64 sees more than f32.
