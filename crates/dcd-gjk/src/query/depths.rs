@@ -21,7 +21,8 @@ use dcd_geom::Shape;
 /// Of compounds and meshes it is the depth of the deepest pair of parts, which is less than what
 /// separates the whole.
 ///
-/// Ten to twenty microseconds for hulls of tens of vertices; some hundred for other shapes.
+/// Some four microseconds for hulls of tens of vertices, ten to twenty where f64 does not know nine digits;
+/// some hundred for other shapes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Depths;
 

@@ -280,9 +280,9 @@ impl Surface {
         for (k, edge) in self.horizon[..edges].iter().enumerate() {
             let start = &self.points[usize::from(edge.from) % POINTS].at;
             let end = &self.points[usize::from(edge.to) % POINTS].at;
-            for axis in 0..3 {
-                from.0[axis].0[k] = start[axis];
-                to.0[axis].0[k] = end[axis];
+            for (axis, (&start, &end)) in start.iter().zip(end).enumerate() {
+                from.0[axis].0[k] = start;
+                to.0[axis].0[k] = end;
             }
         }
         let (p, q) = (load(l, &from), load(l, &to));
