@@ -21,6 +21,10 @@ pub const FLATNESS: f64 = 1e-9;
 pub struct Facets {
     facets: Vec<Facet>,
     corners: Vec<u32>,
+    /// The faces of each vertex, one vertex after the other.
+    around: Vec<u32>,
+    /// For each vertex where its faces end in `around`; they begin where the last vertex's end.
+    ends: Vec<u32>,
 }
 
 /// A face.
@@ -49,6 +53,7 @@ impl Facets {
             lattice::Hull::Segment(ends) => facets.push(DVec3::ZERO, &ends),
             lattice::Hull::Point(only) => facets.push(DVec3::ZERO, &[only]),
         }
+        facets.link(vertices.len());
         facets
     }
 
@@ -60,6 +65,35 @@ impl Facets {
     /// The corners of a face by index into the vertices, counter-clockwise seen from outside.
     pub fn corners(&self, facet: &Facet) -> &[u32] {
         &self.corners[facet.first as usize..][..facet.count as usize]
+    }
+
+    /// The faces of which a vertex is a corner, in their order: none of a vertex that is no corner.
+    pub fn around(&self, vertex: u32) -> &[u32] {
+        let vertex = vertex as usize;
+        let first = if vertex == 0 { 0 } else { self.ends[vertex - 1] };
+        &self.around[first as usize..self.ends[vertex] as usize]
+    }
+
+    /// Lists the faces of each of so many vertices.
+    fn link(&mut self, vertices: usize) {
+        let mut ends = vec![0; vertices];
+        for &corner in &self.corners {
+            ends[corner as usize] += 1;
+        }
+        let mut total = 0;
+        for end in &mut ends {
+            // Where its faces begin; each that is listed moves it on, so that at last it is their end.
+            total += std::mem::replace(end, total);
+        }
+        self.around.resize(self.corners.len(), 0);
+        for (index, facet) in (0u32..).zip(&self.facets) {
+            for &corner in &self.corners[facet.first as usize..][..facet.count as usize] {
+                let next = &mut ends[corner as usize];
+                self.around[*next as usize] = index;
+                *next += 1;
+            }
+        }
+        self.ends = ends;
     }
 
     fn push(&mut self, normal: DVec3, corners: &[u32]) {

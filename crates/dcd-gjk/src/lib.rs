@@ -4,8 +4,8 @@
 //! pairs that f32 cannot certify go to f64 and then to exact arithmetic. [`Coherent`] also reuses the proofs
 //! of earlier steps. For single pairs, a [`PairSolver`] answers one question: yes or no ([`Certified`],
 //! [`Gjk`]), distance ([`Distances`]), depth ([`Depths`]), manifold ([`Manifolds`]). [`SimdDistances`]
-//! measures distances in packets too. [`Pairwise`] makes a narrow phase of a solver, [`ThenMeasure`] asks it
-//! of touching pairs only. A narrow phase of your own implements [`NarrowPhase`]; [`contract`] tests it.
+//! measures distances in packets too, [`SimdDepths`] depths and manifolds with lanes inside each pair.
+//! [`Pairwise`] makes a narrow phase of a solver, [`ThenMeasure`] asks it of touching pairs only. A narrow phase of your own implements [`NarrowPhase`]; [`contract`] tests it.
 //!
 //! Folders: `simd` (packets), `temporal` (proofs kept between steps), `scalar` (one pair in f64),
 //! `exact` (exact arithmetic), `mesh` (compounds and triangle meshes), `query` (what is measured).
@@ -41,5 +41,5 @@ pub use query::{
     Accuracy, Depths, Distances, Manifold, Manifolds, Proximities, Proximity, ThenMeasure,
     WithAccuracy, Within,
 };
-pub use simd::{Coherent, Overlap, OverlapUnchecked, SimdDistances};
+pub use simd::{Coherent, Overlap, OverlapUnchecked, SimdDepths, SimdDistances};
 pub use solvers::{Certified, Gjk};

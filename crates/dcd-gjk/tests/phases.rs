@@ -8,9 +8,9 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Object, Pair, Pose, Scene, Shape};
 use dcd_gjk::simplify::InnerOuter;
 use dcd_gjk::{
-    BoundsOnly, Certified, Coherent, ContactSink, Depths, Distances, Gjk, Manifolds, Method,
-    NarrowPhase, Overlap, OverlapUnchecked, PairSolver, Pairwise, PosedShape, Prepared,
-    Proximities, Sides, SimdDistances, ThenMeasure, Verdict, Within, contract,
+    Accuracy, BoundsOnly, Certified, Coherent, ContactSink, Depths, Distances, Gjk, Manifolds,
+    Method, NarrowPhase, Overlap, OverlapUnchecked, PairSolver, Pairwise, PosedShape, Prepared,
+    Proximities, Sides, SimdDepths, SimdDistances, ThenMeasure, Verdict, Within, contract,
 };
 use dcd_simd::Path;
 use judge::cases::Draw;
@@ -77,6 +77,8 @@ fn every_phase_of_our_own_keeps_the_contract_among_compounds_meshes_and_half_spa
         contract_of(&Coherent::on(path)).unwrap();
         contract_of(&Within::by(Overlap::on(path), 0.25).unwrap()).unwrap();
         contract_of(&SimdDistances::on(path, 0.25).unwrap()).unwrap();
+        contract_of(&SimdDepths::on(path, Depths, Accuracy::F32)).unwrap();
+        contract_of(&SimdDepths::on(path, Manifolds, Accuracy::Certified)).unwrap();
     }
     contract_of(&Pairwise(Gjk::<f32>::default())).unwrap();
     contract_of(&Pairwise(Gjk::<f64>::default())).unwrap();

@@ -8,8 +8,8 @@ use dcd_geom::{Pair, Scene, ShapeError};
 use dcd_gjk::epa::Depth;
 use dcd_gjk::{
     Accuracy, Contact, Depths, Distance, Distances, Gjk, Manifold, Manifolds, Overlap,
-    OverlapUnchecked, Pairwise, Proximities, Proximity, Report, SimdDistances, ThenMeasure,
-    WithAccuracy, Within,
+    OverlapUnchecked, Pairwise, Proximities, Proximity, Report, SimdDepths, SimdDistances,
+    ThenMeasure, WithAccuracy, Within,
 };
 
 /// What a yes or no guarantees.
@@ -100,8 +100,8 @@ enum Inner<B: BroadPhase> {
     Certified(Pipeline<B, Within<Overlap>>),
     Distance(Pipeline<B, Measured<Distances>>),
     DistanceF32(Pipeline<B, SimdDistances>),
-    Depth(Pipeline<B, Measured<Depths>>),
-    Manifold(Pipeline<B, Measured<Manifolds>>),
+    Depth(Pipeline<B, SimdDepths>),
+    Manifold(Pipeline<B, SimdDepths<Manifolds>>),
     Gradient(Pipeline<B, Measured<Proximities>>),
 }
 
@@ -157,12 +157,10 @@ impl<B: BroadPhase> AnyPipeline<B> {
                 Inner::Distance(Pipeline::with(broad, ThenMeasure::new(solver)?))
             }
             Question::Depth { accuracy } => {
-                let solver = WithAccuracy::new(Depths, accuracy);
-                Inner::Depth(Pipeline::with(broad, ThenMeasure::new(solver)?))
+                Inner::Depth(Pipeline::with(broad, SimdDepths::new(Depths, accuracy)))
             }
             Question::Manifold { accuracy } => {
-                let solver = WithAccuracy::new(Manifolds, accuracy);
-                Inner::Manifold(Pipeline::with(broad, ThenMeasure::new(solver)?))
+                Inner::Manifold(Pipeline::with(broad, SimdDepths::new(Manifolds, accuracy)))
             }
             Question::Gradient { accuracy, margin } => {
                 let solver = WithAccuracy::new(Proximities::within(margin)?, accuracy);

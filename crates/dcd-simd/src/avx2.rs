@@ -281,6 +281,14 @@ impl Lanes for Avx2 {
         (self.largest_of_eight(rows, 0), self.largest_of_eight(rows, 8))
     }
     #[inline(always)]
+    fn largest(self, a: Self::F) -> f32 {
+        let eight = op!(_mm256_max_ps(a.0, a.1));
+        let high = op!(_mm256_extractf128_ps::<1>(eight));
+        let four = op!(_mm_max_ps(_mm256_castps256_ps128(eight), high));
+        let two = op!(_mm_max_ps(four, _mm_movehl_ps(four, four)));
+        op!(_mm_cvtss_f32(_mm_max_ss(two, _mm_shuffle_ps::<1>(two, two))))
+    }
+    #[inline(always)]
     fn pick(self, blocks: &[Block], first: Self::U, number: Self::U) -> [Self::F; 3] {
         let Some(last) = blocks.len().min(MAX_BLOCKS).checked_sub(1) else {
             return [self.splat(0.0); 3];

@@ -92,6 +92,10 @@ impl Lanes for Avx512 {
         op!(_mm512_sqrt_ps(a))
     }
     #[inline(always)]
+    fn largest(self, a: __m512) -> f32 {
+        op!(_mm512_reduce_max_ps(a))
+    }
+    #[inline(always)]
     fn lt(self, a: __m512, b: __m512) -> __mmask16 {
         op!(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b))
     }

@@ -193,6 +193,22 @@ pub trait Lanes: Copy {
     /// Lane k of the result is the largest lane of row k.
     fn largest_of_each(self, rows: &[Row; WIDTH]) -> Self::F;
 
+    /// The largest lane; where a lane is NaN any, or NaN.
+    #[inline(always)]
+    fn largest(self, a: Self::F) -> f32 {
+        let mut row = Row::default();
+        self.store(a, &mut row);
+        let mut width = WIDTH / 2;
+        while width > 0 {
+            for k in 0..width {
+                let (x, y) = (row.0[k], row.0[k + width]);
+                row.0[k] = if x > y { x } else { y };
+            }
+            width /= 2;
+        }
+        row.0[0]
+    }
+
     /// Row k of the result is lane k of all rows.
     #[inline(always)]
     fn transpose(self, rows: &[Row; WIDTH]) -> [Self::F; WIDTH] {
@@ -368,6 +384,7 @@ mod tests {
                 l.transpose(self.rows)[13],
                 l.round_from([&thirds[0], &thirds[1]]),
                 in_f64(l, &thirds),
+                l.splat(l.largest(a)),
             ];
             let (lt, le) = (l.lt(a, b), l.le(a, b));
             let masks = [l.and(lt, le), l.or(lt, le), l.and_not(le, lt), l.mask(0xA5C3)];
@@ -420,6 +437,7 @@ mod tests {
             for (x, &rounded) in a.0.iter().zip(&floats[19].0) {
                 assert_eq!(rounded, (f64::from(*x) / 3.0) as f32);
             }
+            assert_eq!(floats[21].0[0], a.0.iter().copied().fold(f32::MIN, f32::max));
             for (aabb128, &lane_13) in rows.iter().zip(&floats[18].0) {
                 assert_eq!(lane_13, aabb128.0[13]);
             }

@@ -19,6 +19,11 @@ fn validate(vertices: &[DVec3]) -> Facets {
             edges.push((from, corners[(k + 1) % corners.len()]));
         }
     }
+    for vertex in 0..vertices.len() as u32 {
+        let has = |&k: &u32| facets.corners(&facets.facets()[k as usize]).contains(&vertex);
+        let around: Vec<u32> = (0..facets.facets().len() as u32).filter(has).collect();
+        assert_eq!(facets.around(vertex), around, "{vertices:?}");
+    }
     let mut backwards: Vec<_> = edges.iter().map(|&(from, to)| (to, from)).collect();
     edges.sort_unstable();
     backwards.sort_unstable();

@@ -1,6 +1,7 @@
 //! How good a bound has to be: speed for accuracy.
 
 use super::distances::are_within;
+use crate::epa::Depth;
 use crate::{Method, PairSolver, PosedShape, Verdict, certified};
 
 /// How good the bound of a distance or depth has to be. Whichever is asked for, the bound is proved: a smaller
@@ -26,6 +27,18 @@ pub trait MeasureAt: PairSolver {
     fn measure_at(
         &self,
         accuracy: Accuracy,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut Self::Scratch,
+    ) -> Verdict<Self::Answer>;
+}
+
+/// A solver whose answer is made of a pair's depth: [`Depths`](super::Depths), [`Manifolds`](super::Manifolds).
+pub trait MeasureDepth: MeasureAt {
+    /// What it says of two convex shapes whose depth is known.
+    fn measure_depth(
+        &self,
+        depth: Depth,
         a: PosedShape<'_>,
         b: PosedShape<'_>,
         scratch: &mut Self::Scratch,

@@ -37,7 +37,7 @@ mod then_measure;
 mod within;
 
 pub use crate::mesh::PartIndex;
-pub use accuracy::{Accuracy, MeasureAt, WithAccuracy};
+pub use accuracy::{Accuracy, MeasureAt, MeasureDepth, WithAccuracy};
 pub use depths::Depths;
 pub use distances::Distances;
 pub use manifold::{Feature, Manifold, ManifoldPoint, Manifolds};
@@ -45,6 +45,7 @@ pub use proximity::{Gradient, Proximities, Proximity, Smoothness, Twist};
 pub use then_measure::ThenMeasure;
 pub use within::Within;
 
+pub(crate) use depths::CERTIFIED;
 pub(crate) use distances::{spheres_are_apart, told_within};
 pub(crate) use within::grown;
 

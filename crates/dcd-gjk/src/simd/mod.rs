@@ -14,6 +14,7 @@ pub(crate) mod certificate;
 mod compounds;
 pub(crate) mod cores;
 pub(crate) mod decide;
+mod depths;
 mod distances;
 mod expand;
 mod first_stages;
@@ -36,6 +37,7 @@ pub(crate) mod vector;
 pub use crate::temporal::Coherent;
 pub use certificate::{CertifiedBounds, UncheckedBounds};
 pub use decide::Scratch;
+pub use depths::SimdDepths;
 pub use distances::SimdDistances;
 pub use frame::{Part, SimdFrame};
 

@@ -2,6 +2,7 @@
 
 mod depths;
 mod distances;
+mod lane_depths;
 mod manifolds;
 mod proximity;
 mod scenes;

@@ -75,7 +75,8 @@ fn the_depth_is_that_of_the_deepest_parts() {
         let back = Depths.solve(b, a, &mut scratch);
         match (there, back, most) {
             (Verdict::Touching(found), Verdict::Touching(back), Some(most)) => {
-                assert_eq!(found.depth, most, "seed {seed}");
+                let off = (found.depth - most).abs();
+                assert!(off <= found.error_bound + 1e-12 * most, "seed {seed}: {found:?} {most}");
                 assert_eq!((found.depth, found.normal), (back.depth, -back.normal), "seed {seed}");
                 touching += 1;
             }

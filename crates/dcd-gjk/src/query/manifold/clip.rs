@@ -82,7 +82,7 @@ impl Patch {
         } else {
             Clipping { clipped: a, clips: b, number: 0 }
         };
-        match (clipping.clips.len(), clipping.clipped.len()) {
+        match (clipping.clips.points().len(), clipping.clipped.points().len()) {
             (3.., 2..) => self.clip(clipping, least),
             (2, 2) => self.parallel_edges(a, b),
             _ => {}
@@ -93,7 +93,7 @@ impl Patch {
     fn clip(&mut self, clipping: Clipping<'_>, least: f64) {
         self.begin(clipping);
         let Clipping { clips, .. } = clipping;
-        let mut last: Option<Point> = clips.points().last();
+        let mut last = clips.points().last();
         for to in clips.points() {
             let Some(from) = last.replace(to) else { return };
             let along = to.at - from.at;
@@ -105,10 +105,9 @@ impl Patch {
 
     /// The clipped feature as it is.
     fn begin(&mut self, Clipping { clipped, clips, number }: Clipping<'_>) {
-        let mut points = clipped.points().peekable();
-        let Some(&first) = points.peek() else { return };
-        while let Some(Point { index, at, height }) = points.next() {
-            let next = points.peek().unwrap_or(&first).index;
+        let points = clipped.points();
+        for (k, &Point { index, at, height }) in points.iter().enumerate() {
+            let next = points[if k + 1 < points.len() { k + 1 } else { 0 }].index;
             let mut heights = [clips.height(at); 2];
             heights[number] = height;
             let mut features = [clips.whole(); 2];
@@ -121,9 +120,13 @@ impl Patch {
     /// 1974).
     fn cut(&mut self, value: impl Fn(&Corner) -> f64, side: Side, clipping: Clipping<'_>) {
         self.next.clear();
+        let Some(first) = self.corners.first() else { return };
+        let first = (first, value(first));
+        let mut of_corner = first.1;
         for (k, corner) in self.corners.iter().enumerate() {
-            let after = &self.corners[(k + 1) % self.corners.len()];
-            let (here, there) = (value(corner), value(after));
+            let next = self.corners.get(k + 1);
+            let (after, there) = next.map_or(first, |next| (next, value(next)));
+            let here = std::mem::replace(&mut of_corner, there);
             if here >= 0.0 {
                 self.next.push(*corner);
             }
@@ -139,16 +142,13 @@ impl Patch {
 
     /// The ends of what two edges share, if they are parallel; nothing if they cross.
     fn parallel_edges(&mut self, a: &Seen<'_>, b: &Seen<'_>) {
-        let mut ends_a = a.points();
-        let mut ends_b = b.points();
-        let (Some(p), Some(q)) = (ends_a.next(), ends_a.next()) else { return };
-        let (Some(r), Some(s)) = (ends_b.next(), ends_b.next()) else { return };
+        let ([p, q], [r, s]) = (a.points(), b.points()) else { return };
         let (e, f) = (q.at - p.at, s.at - r.at);
         if e.perp_dot(f).abs() > PARALLEL * e.length() * f.length() || e == DVec2::ZERO {
             return;
         }
         let along = |point: &Point| (point.at - p.at).dot(e) / e.length_squared();
-        let mut others = [r, s];
+        let mut others = [*r, *s];
         others.sort_by(|v, w| along(v).total_cmp(&along(w)));
         let [low, high] = others.map(|point| along(&point));
         let (from, to) = (low.max(0.0), high.min(1.0));

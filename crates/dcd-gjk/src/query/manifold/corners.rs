@@ -97,7 +97,7 @@ impl Corners {
     /// shape's, 0 or 1.
     fn on_plane(&mut self, seen: &Seen<'_>, polytope: &Polytope, height: f64, number: usize) {
         self.size = self.size.max(2.0 * polytope.outer_radius());
-        for point in seen.points() {
+        for &point in seen.points() {
             let mut heights = [height; 2];
             heights[number] = point.height;
             let mut radii = [0.0; 2];

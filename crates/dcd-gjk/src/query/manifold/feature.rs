@@ -23,28 +23,33 @@ pub(super) struct View {
 
 /// A feature as it is seen.
 pub(super) struct Seen<'a> {
-    view: &'a View,
-    polytope: &'a Polytope,
-    rotation: &'a DMat3,
-    place: DVec3,
     part: Part<'a>,
+    points: Points,
+    /// How square to the normal its face is, 0 where it is no face.
+    facing: f64,
+    /// By how much its plane rises along x and y; 0 where it is no face.
+    slope: DVec2,
 }
 
 /// What of the polytope it is.
 enum Part<'a> {
     Vertex(u32),
     Edge([u32; 2]),
-    Face {
-        index: u32,
-        facet: &'a Facet,
-        corners: &'a [u32],
-        /// Whether its corners go round clockwise: it looks against the normal.
-        clockwise: bool,
-    },
+    Face { index: u32, facet: &'a Facet, corners: &'a [u32] },
+}
+
+/// How many corners need no allocation.
+const FEW: usize = 8;
+
+/// The corners of a feature.
+struct Points {
+    few: [Point; FEW],
+    many: Vec<Point>,
+    count: usize,
 }
 
 /// A corner of a feature: its index, its place in the plane, its height.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Point {
     pub(super) index: u32,
     pub(super) at: DVec2,
@@ -70,15 +75,51 @@ impl View {
     /// What a polytope, rotated and then moved, shows along the normal times `sense`, which is 1
     /// or −1.
     pub(super) fn seen<'a>(
-        &'a self,
+        &self,
         polytope: &'a Polytope,
-        rotation: &'a DMat3,
+        rotation: &DMat3,
         place: DVec3,
         sense: f64,
     ) -> Seen<'a> {
         let direction = rotation.transpose() * (self.normal * sense);
-        let part = Choice { polytope, direction }.part(sense < 0.0);
-        Seen { view: self, polytope, rotation, place, part }
+        let part = Choice { polytope, direction }.part();
+        // All in the polytope's own frame: a vertex then costs one matrix.
+        let to_view = DMat3::from_cols(self.x, self.y, self.normal).transpose() * *rotation;
+        let origin = self.of(place);
+        let point = |index: u32| {
+            let v = to_view * polytope.vertices()[index as usize];
+            Point { index, at: origin.0 + v.truncate(), height: origin.1 + v.z }
+        };
+        let (mut facing, mut slope) = (0.0, DVec2::ZERO);
+        let points = match part {
+            Part::Vertex(index) => Points::of(std::iter::once(point(index))),
+            Part::Edge(ends) => Points::of(ends.iter().copied().map(point)),
+            Part::Face { facet, corners, .. } => {
+                let normal = to_view * facet.normal;
+                facing = normal.z.abs();
+                slope = -normal.truncate() / normal.z;
+                // One that looks against the normal goes round clockwise.
+                if sense < 0.0 {
+                    Points::of(corners.iter().rev().copied().map(point))
+                } else {
+                    Points::of(corners.iter().copied().map(point))
+                }
+            }
+        };
+        Seen { part, points, facing, slope }
+    }
+}
+
+impl Points {
+    fn of(points: impl ExactSizeIterator<Item = Point>) -> Self {
+        let count = points.len();
+        let (mut few, mut many) = ([Point::default(); FEW], Vec::new());
+        if count > FEW {
+            many.extend(points);
+        } else {
+            few.iter_mut().zip(points).for_each(|(slot, point)| *slot = point);
+        }
+        Self { few, many, count }
     }
 }
 
@@ -92,46 +133,21 @@ impl Seen<'_> {
         }
     }
 
-    /// How many corners it has.
-    pub(super) fn len(&self) -> usize {
-        match self.part {
-            Part::Vertex(_) => 1,
-            Part::Edge(_) => 2,
-            Part::Face { corners, .. } => corners.len(),
-        }
-    }
-
     /// Its corners, counter-clockwise as the normal looks back on them.
-    pub(super) fn points(&self) -> impl Iterator<Item = Point> + '_ {
-        (0..self.len()).map(|k| self.point(k))
-    }
-
-    fn point(&self, k: usize) -> Point {
-        let index = match self.part {
-            Part::Vertex(index) => index,
-            Part::Edge(ends) => ends[k],
-            Part::Face { corners, clockwise: false, .. } => corners[k],
-            Part::Face { corners, .. } => corners[corners.len() - 1 - k],
-        };
-        let world = *self.rotation * self.polytope.vertices()[index as usize] + self.place;
-        let (at, height) = self.view.of(world);
-        Point { index, at, height }
+    pub(super) fn points(&self) -> &[Point] {
+        let Points { few, many, count } = &self.points;
+        if *count > FEW { many } else { &few[..*count] }
     }
 
     /// How square to the normal its face is: the cosine between the two, 0 where it is no face.
     pub(super) fn facing(&self) -> f64 {
-        match self.part {
-            Part::Face { facet, .. } => (*self.rotation * facet.normal).dot(self.view.normal).abs(),
-            _ => 0.0,
-        }
+        self.facing
     }
 
     /// The height of its face's plane above a place, or of its first corner where it is no face.
     pub(super) fn height(&self, at: DVec2) -> f64 {
-        let base = self.point(0);
-        let Part::Face { facet, .. } = self.part else { return base.height };
-        let (slope, rise) = self.view.of(*self.rotation * facet.normal);
-        base.height - slope.dot(at - base.at) / rise
+        let base = self.points()[0];
+        base.height + self.slope.dot(at - base.at)
     }
 }
 
@@ -140,55 +156,95 @@ pub(super) fn edge(j: u32, k: u32) -> Feature {
     Feature::Edge(j.min(k), j.max(k))
 }
 
+/// The face that looks most along the direction, and the edge that rises least, of those looked at.
+struct Best<'a> {
+    facing: f64,
+    face: Option<Part<'a>>,
+    level: f64,
+    edge: Option<Part<'a>>,
+}
+
 /// Which part of a polytope faces a direction of its own frame, of unit length.
 struct Choice<'a> {
     polytope: &'a Polytope,
     direction: DVec3,
 }
 
+/// How many faces round the farthest vertices are listed; of more, all of the polytope's are looked at.
+const LISTED: usize = 64;
+
 impl<'a> Choice<'a> {
-    fn part(&self, clockwise: bool) -> Part<'a> {
-        let least = self.farthest() - FARTHEST * self.polytope.outer_radius();
-        let is_farthest = |&k: &u32| self.along(k) >= least;
+    fn part(&self) -> Part<'a> {
+        let vertices = self.polytope.vertices();
+        let farthest = vertices.iter().map(|&v| self.direction.dot(v));
+        let farthest = farthest.fold(f64::NEG_INFINITY, |most, x| if x > most { x } else { most });
+        let least = farthest - FARTHEST * self.polytope.outer_radius();
+        let is_farthest = |k: u32| self.along(k) >= least;
         let facets: &'a Facets = self.polytope.facets();
-        let mut facing = FACING;
-        let mut found = None;
-        let mut level = LEVEL;
-        let mut lying = None;
-        for (index, facet) in (0u32..).zip(facets.facets()) {
-            let corners = facets.corners(facet);
-            if !corners.iter().any(is_farthest) {
-                continue;
-            }
-            let cosine = facet.normal.dot(self.direction);
-            if cosine > facing && corners.len() > 2 {
-                facing = cosine;
-                found = Some(Part::Face { index, facet, corners, clockwise });
-            }
-            let mut last = corners[corners.len() - 1];
-            for &corner in corners {
-                if is_farthest(&last) || is_farthest(&corner) {
-                    let rise = self.rise(last, corner);
-                    if rise < level {
-                        level = rise;
-                        lying = Some(Part::Edge([last.min(corner), last.max(corner)]));
+        let mut best = Best { facing: FACING, face: None, level: LEVEL, edge: None };
+        let mut listed = [0; LISTED];
+        let mut count = 0;
+        let mut first = None;
+        for (k, &vertex) in (0u32..).zip(vertices) {
+            if self.direction.dot(vertex) >= least {
+                first = first.or(Some(k));
+                for &index in facets.around(k) {
+                    if let Some(slot) = listed.get_mut(count) {
+                        *slot = index;
                     }
+                    count += 1;
                 }
-                last = corner;
             }
         }
-        let vertices = 0..self.polytope.vertices().len() as u32;
-        let vertex = || Part::Vertex(vertices.clone().find(is_farthest).unwrap_or(0));
-        found.or(lying).unwrap_or_else(vertex)
+        if let Some(listed) = listed.get_mut(..count) {
+            // In the order of the faces, whoever lists them.
+            listed.sort_unstable();
+            let mut last = None;
+            for &index in &*listed {
+                if last.replace(index) != Some(index) {
+                    self.look_at(index, is_farthest, &mut best);
+                }
+            }
+        } else {
+            (0..facets.facets().len() as u32)
+                .filter(|&index| {
+                    let corners = facets.corners(&facets.facets()[index as usize]);
+                    corners.iter().any(|&corner| is_farthest(corner))
+                })
+                .for_each(|index| self.look_at(index, is_farthest, &mut best));
+        }
+        best.face.or(best.edge).unwrap_or(Part::Vertex(first.unwrap_or(0)))
+    }
+
+    /// Compares a face that has a farthest corner, and its edges that do, with the best so far.
+    fn look_at(&self, index: u32, is_farthest: impl Fn(u32) -> bool, best: &mut Best<'a>) {
+        let facets: &'a Facets = self.polytope.facets();
+        let facet = &facets.facets()[index as usize];
+        let corners = facets.corners(facet);
+        let cosine = facet.normal.dot(self.direction);
+        if cosine > best.facing && corners.len() > 2 {
+            best.facing = cosine;
+            best.face = Some(Part::Face { index, facet, corners });
+        }
+        // A face comes before any edge.
+        if best.face.is_some() {
+            return;
+        }
+        let mut last = corners[corners.len() - 1];
+        for &corner in corners {
+            if is_farthest(last) || is_farthest(corner) {
+                let rise = self.rise(last, corner);
+                if rise < best.level {
+                    best.level = rise;
+                    best.edge = Some(Part::Edge([last.min(corner), last.max(corner)]));
+                }
+            }
+            last = corner;
+        }
     }
 
     fn along(&self, k: u32) -> f64 {
         self.direction.dot(self.polytope.vertices()[k as usize])
-    }
-
-    fn farthest(&self) -> f64 {
-        let vertices = self.polytope.vertices().iter();
-        vertices.map(|&v| self.direction.dot(v)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// How much an edge rises, relative to its length. Above any limit for one without length.

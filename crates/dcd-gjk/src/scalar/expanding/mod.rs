@@ -11,6 +11,7 @@
 //!
 //! Works on support maps, so that cylinders, cones and foreign shapes need no sampling.
 
+mod confirm;
 mod surface;
 #[cfg(test)]
 mod tests;
@@ -21,9 +22,10 @@ use crate::epa::Depth;
 use crate::gjk::unit;
 use crate::query::Accuracy;
 use crate::{Difference, PosedShape, PosedSupport, Vertex, order};
+pub(crate) use confirm::{Ending, confirmed_depth};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape, SupportMap};
-pub(crate) use surface::Surface;
+pub(crate) use surface::{Surface, is_inside};
 
 /// How often the polytope may grow: hulls of tens of vertices need ten, a cylinder against a cone a
 /// hundred. Smaller: more pairs of finely cut or curved shapes left to the exact search.

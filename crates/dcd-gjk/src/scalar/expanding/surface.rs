@@ -227,7 +227,7 @@ impl Surface {
 
 /// Whether the origin is surely on the inner side of a triangle: det(p, q, r) beyond 16u of its permanent,
 /// of which the determinant loses 5u and the permanent 5u of itself. Underflow proves nothing.
-fn is_inside(corners: [DVec3; 3]) -> bool {
+pub(crate) fn is_inside(corners: [DVec3; 3]) -> bool {
     let [p, q, r]: [Triple<f64>; 3] = corners.map(|v| v.to_array());
     let [p_abs, q_abs, r_abs] = corners.map(DVec3::abs);
     let permanent = p_abs.x * (q_abs.y * r_abs.z + q_abs.z * r_abs.y)
@@ -239,7 +239,7 @@ fn is_inside(corners: [DVec3; 3]) -> bool {
 /// At most the distance of a triangle from the origin: its lowest corner along any direction. The
 /// direction's length is off by at most 8u, a product of it with a corner, all within 1 of the origin but for
 /// rounding, by 5u.
-fn clearance(normal: DVec3, corners: [DVec3; 3]) -> f64 {
+pub(super) fn clearance(normal: DVec3, corners: [DVec3; 3]) -> f64 {
     let [p, q, r] = corners.map(|v| normal.dot(v));
     p.min(q).min(r) * (1.0 - 16.0 * U) - 8.0 * U
 }

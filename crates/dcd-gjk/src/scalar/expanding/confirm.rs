@@ -1,0 +1,97 @@
+//! The depth at the end of a search in f32, measured in f64.
+
+use super::surface::clearance;
+use super::{Search, Tolerance};
+use crate::certificate::Bounds;
+use crate::epa::Depth;
+use crate::gjk::unit;
+use crate::query::{Accuracy, CERTIFIED};
+use crate::{Difference, PosedSupport, Vertex};
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Polytope, Support};
+
+/// What a search in f32 ended with: a closed surface of triangles between points of A − B.
+pub(crate) struct Ending<'a> {
+    /// Of the faces that may be the nearest the vertices of a and of b that make their corners.
+    pub(crate) faces: &'a [[[u32; 2]; 3]],
+    /// If the surface of the true points surely winds round the origin: at most the distance of the other
+    /// faces, as a length of the difference.
+    pub(crate) others: Option<f64>,
+}
+
+/// The depth of polytopes that are known to touch, if it is confirmed as well as the accuracy asks for.
+pub(crate) fn confirmed_depth(
+    difference: Difference<'_, f64, Polytope, Polytope>,
+    bodies: [PosedSupport<'_, Polytope>; 2],
+    accuracy: Accuracy,
+    ending: &Ending<'_>,
+) -> Option<Depth> {
+    let search = Search { difference, bodies, tolerance: Tolerance::of(accuracy) };
+    let bounds = Bounds::of(&search.difference);
+    let mut nearest = (f64::INFINITY, DVec3::ZERO);
+    let mut inner = ending.others.unwrap_or(0.0);
+    for &face in ending.faces {
+        let [p, q, r] = search.corners(face);
+        let [p, q, r] = [p.w, q.w, r.w];
+        let normal = (q - p).cross(r - p).try_normalize()?;
+        let distance = normal.dot(p);
+        inner = inner.min(clearance(normal, [p, q, r]));
+        if distance < nearest.0 {
+            nearest = (distance, normal);
+        }
+    }
+    let direction = unit::<f64>(nearest.1.to_array())?;
+    let (_, separation) = search.difference.lowest(-direction);
+    let along = (-separation / direction.length()).max(0.0);
+    let upper = -bounds.lower_bound(-direction, separation);
+    let lower = if ending.others.is_some() { bounds.least_reach(inner) } else { 0.0 };
+    let error = (upper - along).max(along - lower);
+    let found = search.told(along, error, search.leaving(ending.faces, direction), direction)?;
+    let is_good = accuracy != Accuracy::Certified || found.error_bound <= CERTIFIED * found.depth;
+    is_good.then_some(found)
+}
+
+impl Search<'_, Polytope> {
+    fn corners(&self, [p, q, r]: [[u32; 2]; 3]) -> [Vertex<f64>; 3] {
+        [self.vertex(p), self.vertex(q), self.vertex(r)]
+    }
+
+    fn vertex(&self, [a, b]: [u32; 2]) -> Vertex<f64> {
+        let support = |vertices: &[DVec3], feature: u32| {
+            // The last block is filled up with the last vertex.
+            let feature = feature.min(vertices.len() as u32 - 1);
+            Support { point: vertices[feature as usize], feature }
+        };
+        let [in_a, in_b] = &self.bodies;
+        let (a, b) = (support(in_a.map.vertices(), a), support(in_b.map.vertices(), b));
+        Vertex { w: self.difference.world(a.point, b.point), a, b }
+    }
+
+    /// The points of the two cores where a direction from the origin leaves the faces: by the one that it passes by
+    /// the least.
+    fn leaving(&self, faces: &[[[u32; 2]; 3]], direction: DVec3) -> [DVec3; 2] {
+        let mut best = f64::NEG_INFINITY;
+        let mut points = [DVec3::NAN; 2];
+        for &face in faces {
+            let [p, q, r] = self.corners(face);
+            let weights = DVec3::new(
+                q.w.cross(r.w).dot(direction),
+                r.w.cross(p.w).dot(direction),
+                p.w.cross(q.w).dot(direction),
+            );
+            let least = weights.min_element() / weights.element_sum();
+            // Of one face alone there is nothing to compare.
+            if faces.len() == 1 || least > best {
+                best = least;
+                let weights = weights.max(DVec3::ZERO);
+                let weights = weights / weights.element_sum();
+                let mean =
+                    |p: DVec3, q: DVec3, r: DVec3| p * weights.x + q * weights.y + r * weights.z;
+                points =
+                    [mean(p.a.point, q.a.point, r.a.point), mean(p.b.point, q.b.point, r.b.point)];
+            }
+        }
+        let [a, b] = &self.bodies;
+        [a.pose.apply(points[0]), b.pose.apply(points[1])]
+    }
+}

@@ -1,0 +1,207 @@
+//! How deep, with lanes inside each pair: beside the exact search, on every path.
+
+use super::scenes::{Draw, pile, shapes};
+use super::within::found;
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Object, Pair, Polytope, Pose, Scene, Shape};
+use dcd_gjk::{
+    Accuracy, Contact, Depths, Manifolds, Overlap, PosedSupport, SimdDepths, ThenMeasure,
+    WithAccuracy, epa,
+};
+use dcd_simd::Path;
+
+/// How many pairs of random hulls are compared with the exact search.
+const PAIRS: u32 = 20_000;
+
+/// Hulls of many sorts, each in 0.2 … 2 times `scale`: round ones, cuboids, needles, plates, flat and collinear
+/// ones, single points, one far from its own origin, a lattice of many coplanar corners.
+fn hulls(draw: &mut Draw, scale: f64) -> Vec<Shape> {
+    let mut all = Vec::new();
+    for k in 0..48 {
+        let count = [1, 2, 3, 4, 5, 8, 16, 24, 40, 64][k % 10];
+        let stretch = match k % 6 {
+            0 => DVec3::new(1.0, 0.03, 0.02),
+            1 => DVec3::new(1.0, 1.0, 1e-3),
+            2 => DVec3::new(1.0, 0.7, 0.0),
+            _ => DVec3::new(1.0, 0.8, 0.6),
+        };
+        let on_lattice = k % 7 == 3;
+        let away = if k % 11 == 5 { DVec3::splat(3.0) } else { DVec3::ZERO };
+        let corner = |draw: &mut Draw| {
+            let v = draw.vector();
+            let v = if on_lattice { (v * 2.0).round() / 2.0 } else { v };
+            (v * stretch + away) * scale
+        };
+        let points: Vec<_> = (0..count).map(|_| corner(draw)).collect();
+        all.push(Shape::hull(points).unwrap());
+    }
+    all.push(Shape::cuboid(DVec3::new(0.5, 0.4, 0.3) * scale).unwrap());
+    all
+}
+
+/// Pairs 2k, 2k + 1 that touch in many ways: deep, nested, concentric, identical, and by next to nothing.
+fn pairs_of(draw: &mut Draw, scale: f64, far: f64, count: u32) -> (Scene, Vec<Pair>) {
+    let shapes = hulls(draw, scale);
+    let kinds = shapes.len() as u32;
+    let mut objects = Vec::new();
+    for k in 0..count {
+        let kind = |draw: &mut Draw| ((draw.unit().abs() * f64::from(kinds)) as u32).min(kinds - 1);
+        let (one, other) = (kind(draw), kind(draw));
+        let other = if k % 16 == 0 { one } else { other };
+        let place = draw.vector() * far;
+        let turn = draw.turn();
+        objects.push(Object::new(one, Pose::new(turn, place).unwrap()));
+        let reach = match k % 8 {
+            0 => 0.0,
+            1 => 1e-9,
+            2 => 1e-3,
+            3 => 0.2,
+            _ => 1.0,
+        };
+        let middle = |kind: u32| shapes[kind as usize].as_polytope().unwrap().inner().centre;
+        let second = if k % 5 == 0 { turn } else { draw.turn() };
+        let centres = turn * middle(one) - second * middle(other);
+        let there = place + centres + draw.vector() * reach * scale;
+        objects.push(Object::new(other, Pose::new(second, there).unwrap()));
+    }
+    let pairs = (0..count).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
+    (Scene::new(shapes, objects).unwrap(), pairs)
+}
+
+fn exact(scene: &Scene, pair: Pair, scratch: &mut epa::Scratch) -> epa::Depth {
+    let side = |k: u32| {
+        let shape = scene.shape(k as usize).as_polytope().unwrap();
+        PosedSupport::polytope(shape, &scene.poses()[k as usize])
+    };
+    epa::depth_of_overlap(side(pair.i), side(pair.j), scratch)
+}
+
+fn paths() -> impl Iterator<Item = Path> {
+    Path::ALL.into_iter().filter(|path| path.is_available())
+}
+
+#[test]
+fn the_exact_depth_is_within_the_bound_on_every_path_and_all_paths_agree() {
+    let mut scratch = epa::Scratch::default();
+    let mut bounds = Vec::new();
+    for (seed, scale, far, count) in [
+        (1, 1.0, 1.0, PAIRS),
+        (2, 1e-4, 1e-4, 2000),
+        (3, 1e5, 1e5, 2000),
+        (4, 1.0, 1e6, 2000),
+        (5, 1e-12, 1e-12, 200),
+        (6, 1e12, 1e12, 200),
+    ] {
+        let mut draw = Draw(seed);
+        let (scene, pairs) = pairs_of(&mut draw, scale, far, count);
+        let (yes, _) = found(&Overlap::default(), &scene, &pairs);
+        let truths: Vec<_> = yes.iter().map(|yes| exact(&scene, yes.pair, &mut scratch)).collect();
+        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+            let mut first: Option<Vec<Contact<epa::Depth>>> = None;
+            for path in paths() {
+                let narrow = SimdDepths::on(path, Depths, accuracy);
+                let (depths, report) = found(&narrow, &scene, &pairs);
+                assert!(report.undecided().is_empty());
+                assert!(depths.iter().map(|c| c.pair).eq(yes.iter().map(|c| c.pair)));
+                match &first {
+                    Some(first) => assert!(*first == depths, "{seed} {path:?}"),
+                    None => first = Some(depths),
+                }
+            }
+            for (Contact { pair, answer }, truth) in first.unwrap().iter().zip(&truths) {
+                let (i, j) = (pair.i as usize, pair.j as usize);
+                let apart = scene.poses()[i].translation() - scene.poses()[j].translation();
+                let size =
+                    scene.shape(i).reach() + scene.shape(j).reach() + apart.abs().element_sum();
+                let off = (answer.depth - truth.depth).abs();
+                assert!(
+                    off <= answer.error_bound + truth.error_bound,
+                    "{seed} {pair:?} {accuracy:?} {answer:?} {truth:?}"
+                );
+                assert!((answer.normal.length() - 1.0).abs() < 1e-14);
+                match accuracy {
+                    Accuracy::F32 => bounds.push(answer.error_bound / size),
+                    Accuracy::F64 => assert!(answer.error_bound <= 1e-9 * size),
+                    Accuracy::Certified => {
+                        let most = (1e-9 * answer.depth).max(1e-21 * size);
+                        assert!(answer.error_bound <= most, "{seed} {pair:?} {answer:?}");
+                    }
+                }
+            }
+        }
+    }
+    bounds.sort_unstable_by(f64::total_cmp);
+    let (median, worst) = (bounds[bounds.len() / 2], bounds[bounds.len() - 1]);
+    println!("{} depths, bounds of {median:e} and {worst:e} of the size", bounds.len());
+    assert!(bounds.len() > 10_000 && worst < 1e-5, "{} {worst}", bounds.len());
+}
+
+#[test]
+fn both_orders_are_mirrored_and_what_else_is_asked_changes_nothing() {
+    let mut draw = Draw(23);
+    let (scene, pairs) = pairs_of(&mut draw, 1.0, 2.0, 1000);
+    let reversed: Vec<_> = (0..2000u32)
+        .rev()
+        .map(|k| Object::new(scene.shape_of()[k as usize], scene.poses()[k as usize]))
+        .collect();
+    let mirrored = Scene::new(scene.shapes().to_vec(), reversed).unwrap();
+    for accuracy in [Accuracy::F32, Accuracy::Certified] {
+        let lanes = SimdDepths::new(Depths, accuracy);
+        let (all, _) = found(&lanes, &scene, &pairs);
+        let other_pairs: Vec<_> =
+            pairs.iter().rev().map(|pair| Pair::new(1999 - pair.j, 1999 - pair.i)).collect();
+        let (seen, _) = found(&lanes, &mirrored, &other_pairs);
+        assert!(all.len() > 500 && all.len() == seen.len());
+        for (one, other) in all.iter().zip(seen.iter().rev()) {
+            let [i, j] = [one.pair.i, one.pair.j].map(|k| k as usize);
+            let same = scene.shape_of()[i] == scene.shape_of()[j];
+            if same && scene.poses()[i] == scene.poses()[j] {
+                // Nothing tells the two apart: both orders are one.
+                continue;
+            }
+            let (one, other) = (one.answer, other.answer);
+            assert_eq!((one.depth, one.error_bound), (other.depth, other.error_bound));
+            assert_eq!((one.point_a, one.point_b), (other.point_b, other.point_a));
+            assert_eq!(one.normal, -other.normal);
+        }
+        for chunk in pairs.chunks(7).take(40) {
+            let (some, _) = found(&lanes, &scene, chunk);
+            assert!(some.iter().eq(all.iter().filter(|contact| chunk.contains(&contact.pair))));
+        }
+    }
+}
+
+#[test]
+fn other_shapes_have_what_the_solver_says_alone() {
+    let mut all = shapes();
+    let parts =
+        [0.4, -0.4].map(|x| (all[0].clone(), Pose::from_translation(DVec3::X * x).unwrap()));
+    all.push(Shape::compound(parts.to_vec()).unwrap());
+    all.push(Shape::cylinder(0.5, 0.3).unwrap());
+    all.push(Polytope::segment(DVec3::NEG_X, DVec3::X).unwrap().rounded(0.2).unwrap().into());
+    let (scene, pairs) = pile(all, 80);
+    let accuracy = Accuracy::F64;
+    let alone = ThenMeasure::new(WithAccuracy::new(Depths, accuracy)).unwrap();
+    let (alone, _) = found(&alone, &scene, &pairs);
+    let (lanes, _) = found(&SimdDepths::new(Depths, accuracy), &scene, &pairs);
+    assert!(lanes.len() > 100 && lanes.len() == alone.len());
+    for (lanes, alone) in lanes.iter().zip(&alone) {
+        assert_eq!(lanes.pair, alone.pair);
+        let (lanes, alone) = (lanes.answer, alone.answer);
+        assert!(lanes.lower() <= alone.upper() && alone.lower() <= lanes.upper());
+    }
+}
+
+#[test]
+fn manifolds_after_the_lanes_are_as_deep_as_the_pair() {
+    let mut draw = Draw(29);
+    let (scene, pairs) = pairs_of(&mut draw, 1.0, 1.0, 1000);
+    let (depths, _) = found(&SimdDepths::new(Depths, Accuracy::F32), &scene, &pairs);
+    let (manifolds, _) = found(&SimdDepths::new(Manifolds, Accuracy::F32), &scene, &pairs);
+    assert!(manifolds.len() > 500 && manifolds.len() == depths.len());
+    for (manifold, depth) in manifolds.iter().zip(&depths) {
+        let (manifold, depth) = (manifold.answer, depth.answer);
+        assert_eq!((manifold.normal, manifold.points()[0].depth), (depth.normal, depth.depth));
+        assert!(manifold.points().iter().all(|point| point.depth <= depth.depth));
+    }
+}
