@@ -5,12 +5,15 @@
 //! (half-spaces, which have no support map).
 
 mod binary;
+mod cuboid_depth;
 mod cuboids;
 pub mod half_space;
 mod segments;
+mod spheres;
 
 use crate::epa::Depth;
 use crate::{DistanceResult, PosedSupport, Verdict};
+pub(crate) use cuboid_depth::depth as cuboid_depth;
 use dcd_geom::{Kind, Polytope};
 
 /// Unit roundoff of f64.
@@ -34,6 +37,7 @@ pub(crate) fn overlap(
     match (a.map.kind(), b.map.kind()) {
         (Kind::Hull | Kind::Triangle, _) | (_, Kind::Hull | Kind::Triangle) => None,
         (Kind::Cuboid { .. }, Kind::Cuboid { .. }) => cuboids::overlap(a, b),
+        (Kind::Point, Kind::Point) => spheres::overlap(a, b).or_else(|| segments::overlap(a, b)),
         _ => segments::overlap(a, b),
     }
 }
@@ -56,6 +60,9 @@ pub(crate) fn depth(
     match (a.map.kind(), b.map.kind()) {
         (Kind::Hull | Kind::Triangle, _) | (_, Kind::Hull | Kind::Triangle) => None,
         (Kind::Cuboid { .. }, Kind::Cuboid { .. }) => None,
+        (Kind::Point, Kind::Point) => {
+            spheres::depth(a, b, sharp).or_else(|| segments::depth(a, b, sharp))
+        }
         _ => segments::depth(a, b, sharp),
     }
 }
@@ -74,6 +81,9 @@ pub(crate) fn distance(
             Verdict::Touching(()) => Some(DistanceResult::Touching),
             _ => None,
         },
+        (Kind::Point, Kind::Point) => {
+            spheres::distance(a, b, sharp).or_else(|| segments::distance(a, b, sharp))
+        }
         _ => segments::distance(a, b, sharp),
     }
 }
