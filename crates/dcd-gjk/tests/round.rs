@@ -124,6 +124,42 @@ impl Case {
         found
     }
 
+    fn distance(&self, shapes: &[Shape; 2], accuracy: Accuracy) -> Distance {
+        let [a, b] = self.posed(shapes);
+        let ab = distance::distance_at(accuracy, a, b).0;
+        match (ab, distance::distance_at(accuracy, b, a).0) {
+            (DistanceResult::Apart(ab), DistanceResult::Apart(ba)) => {
+                assert_eq!((ab.distance, ab.normal), (ba.distance, -ba.normal));
+                assert_eq!((ab.point_a, ab.error_bound), (ba.point_b, ba.error_bound));
+                ab
+            }
+            other => panic!("{other:?} {:?} {:?}", self.shapes, self.poses),
+        }
+    }
+
+    /// Judges the distances of a pair that is apart by the general search's of the same vertices.
+    fn judge_distances(&self) {
+        let truth = self.distance(&self.hulls, Accuracy::Certified);
+        let size = self.size + self.delta();
+        for accuracy in ACCURACIES {
+            let found = self.distance(&self.shapes, accuracy);
+            let told =
+                format!("{accuracy:?} {found:?} {truth:?} {:?} {:?}", self.shapes, self.poses);
+            let bound = found.error_bound + truth.error_bound;
+            assert!((found.distance - truth.distance).abs() <= bound, "{told}");
+            let promised = match accuracy {
+                Accuracy::F32 => 2.5e-6 * size,
+                // Poses far from rotations are the search's.
+                Accuracy::F64 => 1e-8 * size,
+                Accuracy::Certified => 1e-12 * found.distance,
+            };
+            assert!(found.error_bound <= promised, "{told}");
+            let far = self.poses.iter().map(|p| p.translation().length()).sum::<f64>();
+            let between = found.point_b - found.point_a - found.normal * found.distance;
+            assert!(between.length() <= 1e-9 * size + 1e-15 * far, "{told}");
+        }
+    }
+
     fn delta(&self) -> f64 {
         (self.poses[0].translation() - self.poses[1].translation()).abs().element_sum()
     }
@@ -195,6 +231,26 @@ fn cuboids_are_as_deep_as_the_hulls_of_their_vertices() {
 }
 
 #[test]
+fn cuboids_are_as_far_apart_as_the_hulls_of_their_vertices() {
+    let mut draw = Draw(74);
+    let mut apart = 0;
+    for _ in 0..6000 {
+        let mut case = cuboids(&mut draw);
+        let [a, b] = &case.poses;
+        let away = (b.translation() - a.translation()) * 2.0;
+        case.poses[1] = b.with_translation(a.translation() + away).unwrap();
+        let [a, b] = case.posed(&case.shapes);
+        if let (DistanceResult::Apart(found), _) = distance::distance(a, b)
+            && found.distance > 1e-9 * case.size
+        {
+            case.judge_distances();
+            apart += 1;
+        }
+    }
+    assert!(apart > 1000, "{apart}");
+}
+
+#[test]
 fn resting_and_touching_cuboids_have_their_depth() {
     let cube = || Polytope::cuboid(DVec3::splat(0.5)).unwrap();
     for turn in [DQuat::IDENTITY, DQuat::from_scaled_axis(DVec3::new(0.3, -0.7, 0.2))] {
@@ -254,11 +310,16 @@ fn cuboids_touch_where_the_hulls_of_their_vertices_do() {
         }
         counts[points.len()] += 1;
         touching += 1;
-        unlike += usize::from(!are_alike(&found, &general, 1e-7 * case.size));
+        // Of two axes that are as good either is right: boxes with one centre.
+        if found.normal.distance(general.normal) > 1e-3 {
+            continue;
+        }
+        let is_alike = are_alike(&found, &general, 1e-7 * case.size);
+        unlike += usize::from(!is_alike);
     }
-    // Where two axes are as good, or a corner is on the rim of a face, rounding chooses.
-    assert!(unlike * 20 < touching, "{unlike} of {touching}");
-    assert!(touching > 2000 && counts[1..].iter().all(|&c| c > 50), "{touching} {counts:?}");
+    // Where a corner is on the rim of a face, rounding chooses.
+    assert!(unlike * 100 < touching, "{unlike} of {touching}");
+    assert!(touching > 2000 && counts[1..].iter().all(|&c| c > 0), "{touching} {counts:?}");
 }
 
 /// Two spheres that are far apart or deep, or that touch but for rounding.
@@ -290,26 +351,7 @@ fn spheres_are_as_far_or_deep_as_points_with_radii() {
             touching += 1;
             continue;
         }
-        for accuracy in ACCURACIES {
-            let of = |shapes| {
-                let [a, b] = case.posed(shapes);
-                let ab = distance::distance_at(accuracy, a, b).0;
-                match (ab, distance::distance_at(accuracy, b, a).0) {
-                    (DistanceResult::Apart(ab), DistanceResult::Apart(ba)) => {
-                        assert_eq!((ab.distance, ab.normal), (ba.distance, -ba.normal));
-                        assert_eq!((ab.point_a, ab.error_bound), (ba.point_b, ba.error_bound));
-                        ab
-                    }
-                    other => panic!("{other:?}"),
-                }
-            };
-            let (found, truth): (Distance, Distance) = (of(&case.shapes), of(&case.hulls));
-            let bound = found.error_bound + truth.error_bound;
-            assert!((found.distance - truth.distance).abs() <= bound, "{found:?} {truth:?}");
-            if accuracy == Accuracy::Certified {
-                assert!(found.error_bound <= 1e-12 * found.distance, "{found:?}");
-            }
-        }
+        case.judge_distances();
         apart += 1;
     }
     assert!(touching > 1000 && apart > 1000, "{touching} {apart}");

@@ -21,7 +21,8 @@ use dcd_geom::{Kind, Shape};
 /// Of compounds and meshes it is the depth of the deepest pair of parts, which is less than what
 /// separates the whole.
 ///
-/// Ten to twenty microseconds for hulls of tens of vertices; some hundred for other shapes.
+/// Ten to twenty microseconds for hulls of tens of vertices; some hundred for other shapes. Of spheres, and nearly always
+/// of cuboids, by formula: less than one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Depths;
 

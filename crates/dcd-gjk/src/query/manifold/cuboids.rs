@@ -282,21 +282,23 @@ impl Clipping<'_> {
     }
 }
 
-/// The corners of a patch, in order round it.
+/// The corners of a patch, in order round it, and room for them after the next cut.
 #[derive(Default)]
 struct Points {
-    points: [Point; MOST],
+    rounds: [[Point; MOST]; 2],
+    /// Which of the two holds them.
+    now: usize,
     count: usize,
 }
 
 impl Points {
     fn list(&self) -> &[Point] {
-        &self.points[..self.count]
+        &self.rounds[self.now][..self.count]
     }
 
     /// `None` where there is no room: only what rounding has spoilt has so many corners.
     fn push(&mut self, point: Point) -> Option<()> {
-        *self.points.get_mut(self.count)? = point;
+        *self.rounds[self.now].get_mut(self.count)? = point;
         self.count += 1;
         Some(())
     }
@@ -318,26 +320,30 @@ impl Points {
         if are_inside {
             return Some(());
         }
-        let mut kept = Self::default();
+        let [first, second] = &mut self.rounds;
+        let (points, next) = if self.now == 0 { (first, second) } else { (second, first) };
+        let mut kept = 0;
         for k in 0..self.count {
             let after = if k + 1 == self.count { 0 } else { k + 1 };
-            let (from, to) = (&self.points[k], &self.points[after]);
+            let (from, to) = (&points[k], &points[after]);
             let (here, there) = (values[k], values[after]);
             if here >= 0.0 {
-                kept.push(*from)?;
+                *next.get_mut(kept)? = *from;
+                kept += 1;
             }
             if (here >= 0.0) != (there >= 0.0) {
                 let share = here / (here - there);
                 let between = |x: f64, y: f64| x + (y - x) * share;
-                kept.push(Point {
+                *next.get_mut(kept)? = Point {
                     at: [between(from.at[0], to.at[0]), between(from.at[1], to.at[1])],
                     depth: between(from.depth, to.depth),
                     line: if here >= 0.0 { line } else { from.line },
                     features: clipping.features(from.line, line),
-                })?;
+                };
+                kept += 1;
             }
         }
-        *self = kept;
+        (self.now, self.count) = (1 - self.now, kept);
         Some(())
     }
 }
