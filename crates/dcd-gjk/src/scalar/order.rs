@@ -30,6 +30,11 @@ pub(crate) fn are_swapped(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Pol
 }
 
 fn poses(a: &Pose, b: &Pose) -> Ordering {
+    // Nearly always enough.
+    let first = a.translation().x.total_cmp(&b.translation().x);
+    if first.is_ne() {
+        return first;
+    }
     vectors([a.translation()], [b.translation()])
         .then_with(|| numbers(a.rotation().to_cols_array(), b.rotation().to_cols_array()))
 }

@@ -179,10 +179,12 @@ impl Patch {
 /// Keeps one corner of those at one place, the first.
 pub(super) fn drop_doubles(corners: &mut Vec<Corner>, size: f64) {
     let near = APART * size;
+    // Most are apart along one axis: a root saved.
+    let are_apart = |offset: DVec2| offset.abs().max_element() > near || offset.length() > near;
     let mut kept = 0;
     for k in 0..corners.len() {
         let corner = corners[k];
-        if corners[..kept].iter().all(|other| other.at.distance(corner.at) > near) {
+        if corners[..kept].iter().all(|other| are_apart(other.at - corner.at)) {
             corners[kept] = corner;
             kept += 1;
         }

@@ -1,6 +1,7 @@
 //! The corners of what two shapes, or many parts of them, have in common along one normal.
 
 use super::clip::{Corner, Patch, drop_doubles};
+use super::cuboids;
 use super::feature::{Seen, View};
 use super::stand_in::stand_in;
 use super::{FLAT, Feature, Manifold, ManifoldPoint, SAME, of_one_point, reduce};
@@ -59,6 +60,11 @@ impl Corners {
         depth: &Depth,
         sides: [PosedShape<'_>; 2],
     ) -> [Feature; 2] {
+        if let Some(patch) = cuboids::patch(view, depth.normal, sides) {
+            self.size = self.size.max(patch.size);
+            self.corners.extend(patch.corners());
+            return patch.whole;
+        }
         let [a, b] = sides;
         let delta = b.pose.translation() - a.pose.translation();
         let (place_a, rotation_a, rotation_b) = (DVec3::ZERO, a.pose.rotation(), b.pose.rotation());

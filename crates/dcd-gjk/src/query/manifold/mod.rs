@@ -8,6 +8,7 @@
 
 mod clip;
 mod corners;
+mod cuboids;
 mod feature;
 mod parts;
 mod reduce;
@@ -18,6 +19,7 @@ use crate::epa::{self, Depth};
 use crate::mesh::{self, PartIndex};
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, order};
 use corners::Corners;
+use dcd_geom::Kind;
 use dcd_geom::glam::DVec3;
 use feature::View;
 
@@ -177,11 +179,22 @@ fn told(
     match verdict {
         Verdict::Apart => Verdict::Apart,
         Verdict::Undecided(reason) => Verdict::Undecided(reason),
+        Verdict::Touching(depth) if are_spheres(a, b) => {
+            Verdict::Touching(of_one_point(depth, [Feature::Vertex(0); 2]))
+        }
         Verdict::Touching(depth) if order::is_swapped(a, b) => {
             Verdict::Touching(in_order(depth.mirrored(), b, a, corners).mirrored())
         }
         Verdict::Touching(depth) => Verdict::Touching(in_order(depth, a, b, corners)),
     }
+}
+
+/// Whether both are spheres, which touch in the witnesses of their depth.
+fn are_spheres(a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
+    let is_sphere = |side: PosedShape<'_>| {
+        side.shape.as_polytope().is_some_and(|polytope| polytope.kind() == Kind::Point)
+    };
+    is_sphere(a) && is_sphere(b)
 }
 
 /// How far from the witnesses' depth the deepest corner may be to stand for it, relative to the

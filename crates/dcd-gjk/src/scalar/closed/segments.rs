@@ -3,6 +3,7 @@
 //! The formula only proposes a point of each core; what is proved of the pair is what their
 //! difference proves, as any point and as any direction (docs/numerics/proofs.md, "closed forms").
 
+use super::cuboid_nearest;
 use super::{LENGTH, SEPARATION, SIZES, UNIT};
 use crate::epa::Depth;
 use crate::{Distance, DistanceResult, PosedSupport, Verdict};
@@ -15,6 +16,10 @@ const POINT: f64 = 20.0;
 
 /// See `lower` in certificate.rs. Unit: u·m.
 const LOWER: f64 = 12.5;
+
+/// The most that a distance of two boxes may be off for the points to be the nearest: [`POINT`], [`LOWER`] and the lengths.
+/// Unit: u·m. Larger: worse distances. Smaller: more pairs that need the search.
+const NEAREST: f64 = 64.0;
 
 /// A squared length of the difference, square metres, below which products with it could underflow.
 const SHORTEST: f64 = 1e-280;
@@ -67,12 +72,26 @@ pub(super) fn depth(
     Proposal::of(a, b)?.depth(sharp)
 }
 
+/// The distance of two boxes whose nearest points an axis proposes, if its bound is what f64 promises.
+pub(super) fn distance_of_cuboids(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+) -> Option<Distance> {
+    let proposal = Proposal::of_cuboids(a, b)?;
+    proposal.distance(f64::INFINITY).filter(|found| found.error_bound <= NEAREST * proposal.unit)
+}
+
+/// The pair's size m.
+fn size_of(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) -> f64 {
+    let reach = |body: PosedSupport<'_, Polytope>| body.reach * (1.0 + body.pose.deviation());
+    reach(a) + reach(b) + (a.pose.translation() - b.pose.translation()).norm1()
+}
+
 impl<'a> Proposal<'a> {
     fn of(a: PosedSupport<'a, Polytope>, b: PosedSupport<'a, Polytope>) -> Option<Self> {
         let delta = a.pose.translation() - b.pose.translation();
-        let reach = |body: PosedSupport<'_, Polytope>| body.reach * (1.0 + body.pose.deviation());
         let radius = a.map.swept_radius() + b.map.swept_radius();
-        let size = reach(a) + reach(b) + delta.norm1();
+        let size = size_of(a, b);
         // False for NaN.
         if !(SIZES.contains(&size) && radius < SIZES.end) {
             return None;
@@ -98,8 +117,25 @@ impl<'a> Proposal<'a> {
             }
             _ => return None,
         };
+        Some(Self::at(a, b, points, size))
+    }
+
+    /// Two boxes that are apart, by points that are perhaps the nearest.
+    fn of_cuboids(a: PosedSupport<'a, Polytope>, b: PosedSupport<'a, Polytope>) -> Option<Self> {
+        let points = cuboid_nearest::points(a, b)?;
+        Some(Self::at(a, b, points, size_of(a, b)))
+    }
+
+    fn at(
+        a: PosedSupport<'a, Polytope>,
+        b: PosedSupport<'a, Polytope>,
+        points: [DVec3; 2],
+        size: f64,
+    ) -> Self {
+        let delta = a.pose.translation() - b.pose.translation();
+        let radius = a.map.swept_radius() + b.map.swept_radius();
         let w = (*a.pose.rotation() * points[0] - *b.pose.rotation() * points[1]) + delta;
-        Some(Self { a, b, points, w, length: w.length(), delta, unit: UNIT * size, radius })
+        Self { a, b, points, w, length: w.length(), delta, unit: UNIT * size, radius }
     }
 
     /// min over A − B of w·x. Rounded as a separation of vertices is.

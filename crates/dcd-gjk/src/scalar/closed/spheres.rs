@@ -1,0 +1,148 @@
+//! Sphere against sphere: the distance of two centres and two radii.
+//!
+//! A sphere's centre is its pose's translation, exactly, so that the difference of two centres loses one rounding
+//! a component and its length a few, relative to itself: nothing here is relative to where the spheres are.
+//! Exchanging the two mirrors every bit.
+
+use super::{SIZES, UNIT};
+use crate::double_double::{self, DoubleDouble, two_sum};
+use crate::epa::Depth;
+use crate::simplex::Scalar;
+use crate::{Distance, DistanceResult, PosedSupport, Verdict};
+use dcd_geom::Polytope;
+use dcd_geom::glam::DVec3;
+
+/// What the computed distance of two centres may be off by. Unit: u, relative. A square loses 2u and what its
+/// component lost, twice; two sums, one u each; the root halves that and adds one: 4u.
+const LENGTH: f64 = 5.0;
+
+/// The same in double-double. Unit: its epsilon. The components are exact there.
+const LONG_LENGTH: f64 = 8.0;
+
+/// How far a bound in double-double may leave a distance or depth open, relative to itself: what is promised of a
+/// certified distance. Smaller: pairs that all but touch are left to longer numbers.
+const LONG_SHARP: f64 = 1e-12;
+
+/// Two spheres.
+struct Spheres {
+    /// From b's centre to a's, rounded, and its length.
+    between: DVec3,
+    length: f64,
+    centres: [DVec3; 2],
+    radii: [f64; 2],
+}
+
+/// A signed distance, below 0 where the spheres overlap, and what it may be off by.
+#[derive(Clone, Copy)]
+struct Gap {
+    value: f64,
+    error: f64,
+}
+
+/// Whether they touch, where f64 proves it.
+pub(super) fn overlap(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+) -> Option<Verdict<()>> {
+    let Gap { value, error } = Spheres::of(a, b)?.gap();
+    if value < -error {
+        Some(Verdict::Touching(()))
+    } else {
+        (value > error).then_some(Verdict::Apart)
+    }
+}
+
+/// How far apart they are, if that is proved with a bound of at most `sharp` times itself (or [`LONG_SHARP`]), or that
+/// they touch.
+pub(super) fn distance(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    sharp: f64,
+) -> Option<DistanceResult> {
+    let spheres = Spheres::of(a, b)?;
+    let gap = spheres.gap();
+    if gap.value < -gap.error {
+        return Some(DistanceResult::Touching);
+    }
+    let Gap { value, error } = spheres.sharpened(gap, sharp)?;
+    let is_proved = value > error;
+    is_proved.then(|| {
+        let (normal, point_a, point_b) = spheres.witnesses();
+        let distance = Distance { distance: value, point_a, point_b, normal, error_bound: error };
+        DistanceResult::Apart(distance)
+    })
+}
+
+/// How deep they overlap, if the bound is at most `sharp` times the depth (or [`LONG_SHARP`]). They are known to touch, or the depth is
+/// proved to be more than its bound.
+pub(super) fn depth(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    sharp: f64,
+) -> Option<Depth> {
+    let spheres = Spheres::of(a, b)?;
+    let gap = spheres.gap();
+    let Gap { value, error } = spheres.sharpened(gap, sharp)?;
+    let is_proved = value < -error;
+    is_proved.then(|| {
+        let (normal, point_a, point_b) = spheres.witnesses();
+        Depth { depth: -value, normal, point_a, point_b, error_bound: error }
+    })
+}
+
+impl Gap {
+    fn is_within(self, sharp: f64) -> bool {
+        self.error <= sharp * self.value.abs()
+    }
+}
+
+impl Spheres {
+    /// `None` where squares could under- or overflow, and for spheres with one centre.
+    fn of(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) -> Option<Self> {
+        let centres = [a.pose.translation(), b.pose.translation()];
+        let radii = [a.map.swept_radius(), b.map.swept_radius()];
+        let between = centres[0] - centres[1];
+        let length = between.length();
+        // False for NaN.
+        let is_in_range = SIZES.contains(&length) && radii[0] + radii[1] < SIZES.end;
+        is_in_range.then_some(Self { between, length, centres, radii })
+    }
+
+    fn gap(&self) -> Gap {
+        let radius = self.radii[0] + self.radii[1];
+        let value = self.length - radius;
+        // The sum of the radii and the difference lose one u each; one is room for this product.
+        let error = UNIT * ((LENGTH + 2.0) * self.length + 3.0 * radius);
+        Gap { value, error }
+    }
+
+    /// The same if its bound is good enough, else in double-double; `None` where that is not good enough either.
+    fn sharpened(&self, gap: Gap, sharp: f64) -> Option<Gap> {
+        if gap.is_within(sharp) {
+            return Some(gap);
+        }
+        Some(self.long_gap()).filter(|gap| gap.is_within(LONG_SHARP))
+    }
+
+    fn long_gap(&self) -> Gap {
+        let [a, b] = self.centres.map(|centre| centre.to_array());
+        let squared = |k: usize| {
+            let component = two_sum(a[k], -b[k]);
+            component.times(&component)
+        };
+        let length = squared(0).plus(&squared(1)).plus(&squared(2)).sqrt();
+        let radius = two_sum(self.radii[0], self.radii[1]);
+        let value = length.minus(&radius);
+        let lost = double_double::EPSILON
+            * ((LONG_LENGTH + 2.0) * self.length + 3.0 * DoubleDouble::to_f64(radius));
+        let value = value.to_f64();
+        Gap { value, error: lost + 2.0 * UNIT * value.abs() }
+    }
+
+    /// The normal from a to b, and the point of each on the line through the centres.
+    fn witnesses(&self) -> (DVec3, DVec3, DVec3) {
+        let normal = self.between / -self.length;
+        let [a, b] = self.centres;
+        (normal, a + normal * self.radii[0], b - normal * self.radii[1])
+    }
+}
