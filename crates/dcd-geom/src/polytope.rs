@@ -88,6 +88,16 @@ impl Polytope {
         Self::flat(Kind::Triangle, corners.to_vec())
     }
 
+    /// The same without a box: for a triangle of a mesh that is made for one pair.
+    ///
+    /// # Errors
+    /// A number that is not finite.
+    pub fn mesh_triangle(corners: [DVec3; 3]) -> Result<Self, ShapeError> {
+        check_vertices(&corners)?;
+        let centre = Sphere::at_mean(&corners);
+        Ok(Self::with_obb(Kind::Triangle, corners.to_vec(), centre, None))
+    }
+
     /// Points in one plane: there is no sphere inside, and the centre is their mean.
     fn flat(kind: Kind, vertices: Vec<DVec3>) -> Result<Self, ShapeError> {
         check_vertices(&vertices)?;

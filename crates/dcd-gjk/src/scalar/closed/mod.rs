@@ -6,8 +6,10 @@
 
 mod binary;
 mod cuboids;
+pub(crate) mod curved;
 pub mod half_space;
 mod segments;
+mod triangles;
 
 use crate::epa::Depth;
 use crate::{DistanceResult, PosedSupport, Verdict};
@@ -25,6 +27,15 @@ const LENGTH: f64 = 8.0;
 /// Sizes of a pair, metres, whose squares and products stay clear of under- and overflow.
 const SIZES: std::ops::Range<f64> = 1e-70..1e70;
 
+/// Whether there is a formula for two kinds: none for hulls, for triangles only against spheres and capsules.
+fn have_formula(one: Kind, other: Kind) -> bool {
+    match (one, other) {
+        (Kind::Triangle, Kind::Point | Kind::Segment)
+        | (Kind::Point | Kind::Segment, Kind::Triangle) => true,
+        _ => [one, other].iter().all(|kind| !matches!(kind, Kind::Hull | Kind::Triangle)),
+    }
+}
+
 /// What a formula proves of two polytopes, if there is one for their kinds.
 #[inline]
 pub(crate) fn overlap(
@@ -32,7 +43,7 @@ pub(crate) fn overlap(
     b: PosedSupport<'_, Polytope>,
 ) -> Option<Verdict<()>> {
     match (a.map.kind(), b.map.kind()) {
-        (Kind::Hull | Kind::Triangle, _) | (_, Kind::Hull | Kind::Triangle) => None,
+        (one, other) if !have_formula(one, other) => None,
         (Kind::Cuboid { .. }, Kind::Cuboid { .. }) => cuboids::overlap(a, b),
         _ => segments::overlap(a, b),
     }
@@ -54,7 +65,7 @@ pub(crate) fn depth(
     sharp: f64,
 ) -> Option<Depth> {
     match (a.map.kind(), b.map.kind()) {
-        (Kind::Hull | Kind::Triangle, _) | (_, Kind::Hull | Kind::Triangle) => None,
+        (one, other) if !have_formula(one, other) => None,
         (Kind::Cuboid { .. }, Kind::Cuboid { .. }) => None,
         _ => segments::depth(a, b, sharp),
     }
@@ -69,7 +80,7 @@ pub(crate) fn distance(
     sharp: f64,
 ) -> Option<DistanceResult> {
     match (a.map.kind(), b.map.kind()) {
-        (Kind::Hull | Kind::Triangle, _) | (_, Kind::Hull | Kind::Triangle) => None,
+        (one, other) if !have_formula(one, other) => None,
         (Kind::Cuboid { .. }, Kind::Cuboid { .. }) => match cuboids::overlap(a, b)? {
             Verdict::Touching(()) => Some(DistanceResult::Touching),
             _ => None,

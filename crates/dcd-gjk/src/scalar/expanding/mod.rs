@@ -16,7 +16,8 @@ mod surface;
 mod tests;
 
 use crate::certificate::Bounds;
-use crate::distance::{Approach, approach, rounded_up};
+use crate::closed::curved;
+use crate::distance::{Approach, approach, proposed, rounded_up};
 use crate::epa::Depth;
 use crate::gjk::unit;
 use crate::query::Accuracy;
@@ -81,13 +82,16 @@ pub(crate) fn depth_of_overlap(
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => of_supports::<Polytope>(
             [PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose)],
             tolerance,
+            None,
             surface,
         ),
-        _ => of_supports::<Shape>(
-            [PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose)],
-            tolerance,
-            surface,
-        ),
+        _ => {
+            let bodies =
+                [PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose)];
+            curved::depth_of_centre(a, b, [tolerance.relative, tolerance.of_size]).or_else(|| {
+                of_supports::<Shape>(bodies, tolerance, curved::nearest_points(a, b), surface)
+            })
+        }
     }?;
     Some(if swapped { found.mirrored() } else { found })
 }
@@ -95,17 +99,21 @@ pub(crate) fn depth_of_overlap(
 fn of_supports<S: SupportMap<f64>>(
     bodies: [PosedSupport<'_, S>; 2],
     tolerance: Tolerance,
+    points: Option<[DVec3; 2]>,
     surface: &mut Surface,
 ) -> Option<Depth> {
     let [a, b] = bodies;
     let difference = Difference::new(a, b)?;
     let search = Search { difference, bodies, tolerance };
     let bounds = Bounds::of(&search.difference);
-    if bounds.radius() > 0.0
-        && let Ok(near) = approach(&search.difference, &bounds, 0.0)
-        && near.lower > 0.0
-    {
-        return search.of_apart_cores(&bounds, &near);
+    if bounds.radius() > 0.0 {
+        let known = points.and_then(|points| proposed(&search.difference, &bounds, 0.0, points));
+        let near = known.map_or_else(|| approach(&search.difference, &bounds, 0.0), Ok);
+        if let Ok(near) = near
+            && near.lower > 0.0
+        {
+            return search.of_apart_cores(&bounds, &near);
+        }
     }
     search.of_overlapping_cores(&bounds, surface)
 }
