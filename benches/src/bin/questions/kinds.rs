@@ -6,9 +6,7 @@ use dcd_benches::{Cell, Column, Effort, Report, Table};
 use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::{Pair, Pose, Scene, Shape};
 use dcd_gjk::query::MeasureAt;
-use dcd_gjk::{
-    Accuracy, Depths, Distances, Manifolds, PosedShape, Verdict, certified,
-};
+use dcd_gjk::{Accuracy, Depths, Distances, Manifolds, PosedShape, Verdict, certified};
 use serde::{Deserialize, Serialize};
 
 use crate::contest::{Kind, MARGIN};
@@ -57,6 +55,9 @@ pub(crate) fn keys(filter: &str) -> Vec<[usize; 2]> {
 pub(crate) fn name([i, j]: [usize; 2]) -> String {
     format!("{}-{}", KINDS[i], KINDS[j])
 }
+
+const ACCURACIES: [(&str, Accuracy); 3] =
+    [("f32", Accuracy::F32), ("f64", Accuracy::F64), ("certified", Accuracy::Certified)];
 
 /// Drawn numbers (splitmix64).
 struct Draw(u64);
@@ -173,7 +174,7 @@ fn ask<S: MeasureAt>(
     (undecided, worst)
 }
 
-/// Three questions of two kinds, in f64 and certified.
+/// Three questions of two kinds, at every accuracy.
 pub(crate) fn run_kinds(kinds: [usize; 2], seed: u64, effort: Effort) -> Result<Vec<Cross>> {
     let (count, rounds) = if effort == Effort::Quick { (24, 3) } else { (256, 7) };
     let mut found = Vec::new();
@@ -182,7 +183,7 @@ pub(crate) fn run_kinds(kinds: [usize; 2], seed: u64, effort: Effort) -> Result<
         let pairs: Vec<Pair> = (0..count as u32).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
         let margin = if question == Kind::Distance { 10.0 } else { 0.0 };
         let parry = Parry::new(&scene, &pairs, margin)?;
-        for (name, accuracy) in [("f64", Accuracy::F64), ("certified", Accuracy::Certified)] {
+        for (name, accuracy) in ACCURACIES {
             let asked = || match question {
                 Kind::Distance => ask(
                     Distances::within(MARGIN).expect("a margin"),
@@ -242,8 +243,8 @@ pub(crate) fn report(report: &mut Report, found: &[Cross]) -> Result<()> {
     for cross in found {
         let us = |time: std::time::Duration| time.as_secs_f64() * 1e6 / cross.pairs as f64;
         let times = &cross.times;
-        let numbers =
-            [us(times.a.median), us(times.b.median), times.ratio, cross.worst * 1e6].map(Cell::from);
+        let numbers = [us(times.a.median), us(times.b.median), times.ratio, cross.worst * 1e6]
+            .map(Cell::from);
         let names = [
             Cell::from(cross.kinds.join("-").as_str()),
             Cell::from(cross.question.name()),

@@ -184,8 +184,12 @@ pub fn distance_at(
     b: PosedShape<'_>,
 ) -> (DistanceResult, Method) {
     let is_bounded = a.shape.is_bounded() && b.shape.is_bounded();
-    if accuracy == Accuracy::Certified || mesh::are_asked(a.shape, b.shape) || !is_bounded {
+    if accuracy == Accuracy::Certified || mesh::are_asked(a.shape, b.shape) {
         return distance(a, b);
+    }
+    if !is_bounded {
+        let found = half_space::distance_within(a, b, closed::AS_F64);
+        return found.unwrap_or_else(|| distance(a, b));
     }
     let gap = if accuracy == Accuracy::F32 { F32_GAP } else { 0.0 };
     match to_within(gap, a, b) {

@@ -6,7 +6,7 @@ use dcd_geom::{Facet, Facets, Polytope};
 
 /// The least cosine between a face's normal and the contact's for the face to lie in it: 15
 /// degrees. Larger: boxes that rock on two points. Smaller: points far from where shapes touch.
-const FACING: f64 = 0.966;
+pub(super) const FACING: f64 = 0.966;
 
 /// The most that an edge may rise along the contact's normal, relative to its length: 15 degrees.
 const LEVEL: f64 = 0.259;

@@ -183,7 +183,8 @@ fn nearest(curved: &Curved, point: DVec3) -> DVec3 {
             let from_rim = DVec2::new(across - low_radius, point.z - low);
             let is_outside = side.perp_dot(from_rim) < 0.0;
             if !is_outside {
-                (across, point.z.max(low))
+                // Below the base the side's line goes on beyond the rim.
+                (across.min(low_radius), point.z.max(low))
             } else {
                 let s = from_rim.dot(side) / side.length_squared();
                 if s > 0.0 {

@@ -4,8 +4,8 @@ use super::UNIT;
 use crate::certificate::{Bounds, combined_length};
 use crate::gjk::{MAX_SUPPORTS, Simplex, start, unit};
 use crate::{Difference, PosedSupport, Reason, Verdict, Vertex};
-use dcd_geom::{Support, SupportMap};
 use dcd_geom::glam::DVec3;
+use dcd_geom::{Support, SupportMap};
 
 /// The nearest point found. Lengths are those of the difference.
 pub(crate) struct Approach {
@@ -112,7 +112,7 @@ const PROPOSED: f64 = 9.0;
 
 /// How near the bounds of a proposal have to come. Unit: u of the pair's size, which is below 1: what a search
 /// leaves between supports with errors of 20u.
-const CLOSE: f64 = 192.0;
+const CLOSE: f64 = 256.0;
 
 impl Approach {
     /// The points of the two cores, world frame, metres.
