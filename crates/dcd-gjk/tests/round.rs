@@ -112,7 +112,7 @@ fn round_shapes_against_cylinders_and_cones_are_as_far_and_as_deep_as_another_se
             Verdict::Undecided(_) => {}
         }
     }
-    assert!(apart > 300 && touching > 300, "{apart} {touching}");
+    assert!(apart > 200 && touching > 200, "{apart} {touching}");
 }
 
 #[test]
