@@ -12,6 +12,12 @@ use glam::DVec3;
 /// left in triangles.
 pub const FLATNESS: f64 = 1e-9;
 
+/// The height of a triangle by its longest edge below which the search for hulls looks at it: it may be a segment.
+const NEEDLE: f64 = 1e-5;
+
+/// A squared length, square metres, below which squares of it could underflow.
+const SHORTEST: f64 = 1e-140;
+
 /// The faces of a polytope's core: convex polygons of its vertices. Faces that lie in one plane,
 /// to within [`FLATNESS`] of the largest extent, are one.
 ///
@@ -54,6 +60,34 @@ impl Facets {
             lattice::Hull::Point(only) => facets.push(DVec3::ZERO, &[only]),
         }
         facets.link(vertices.len());
+        facets
+    }
+
+    /// Of a triangle that is no needle, without a search.
+    pub(crate) fn of_triangle(corners: [DVec3; 3]) -> Self {
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a);
+        let longest = (b - a).length_squared().max((c - a).length_squared());
+        let longest = longest.max((c - b).length_squared());
+        // Twice the area by the longest edge is the height. False for NaN, and where squares overflow.
+        let is_wide = normal.length() > NEEDLE * longest && longest > SHORTEST;
+        if !(is_wide && longest < 1.0 / SHORTEST) {
+            return Self::of(&corners);
+        }
+        Self::of_polygon(3, normal.normalize())
+    }
+
+    /// Of a convex polygon of so many corners, in their order round the normal; of a segment or a point.
+    pub(crate) fn of_polygon(count: usize, normal: DVec3) -> Self {
+        let mut facets = Self::default();
+        let corners: Vec<u32> = (0..count as u32).collect();
+        if count < 3 {
+            facets.push(DVec3::ZERO, &corners);
+            return facets;
+        }
+        let backwards: Vec<u32> = corners.iter().rev().copied().collect();
+        facets.push(normal, &corners);
+        facets.push(-normal, &backwards);
         facets
     }
 

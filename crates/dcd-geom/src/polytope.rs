@@ -89,6 +89,30 @@ impl Polytope {
         Self::flat(Kind::Triangle, corners.to_vec())
     }
 
+    /// The same without a box: for a triangle of a mesh that is made for one pair.
+    ///
+    /// # Errors
+    /// A number that is not finite.
+    pub fn mesh_triangle(corners: [DVec3; 3]) -> Result<Self, ShapeError> {
+        check_vertices(&corners)?;
+        let centre = Sphere::at_mean(&corners);
+        Ok(Self::with_obb(Kind::Triangle, corners.to_vec(), centre, None))
+    }
+
+    /// A convex polygon: its corners counter-clockwise as `normal`, of unit length, looks back on them; or a
+    /// segment or a point, whose normal does not count. Without a box, and its faces are known: for what a shape
+    /// shows of itself to one pair.
+    ///
+    /// # Errors
+    /// No corner, or a number that is not finite.
+    pub fn polygon(corners: Vec<DVec3>, normal: DVec3) -> Result<Self, ShapeError> {
+        check_vertices(&corners)?;
+        let centre = Sphere::at_mean(&corners);
+        let facets = Facets::of_polygon(corners.len(), normal);
+        let polygon = Self::with_obb(Kind::Hull, corners, centre, None);
+        Ok(Self { facets: OnceLock::from(facets), ..polygon })
+    }
+
     /// Points in one plane: there is no sphere inside, and the centre is their mean.
     fn flat(kind: Kind, vertices: Vec<DVec3>) -> Result<Self, ShapeError> {
         check_vertices(&vertices)?;
@@ -189,7 +213,11 @@ impl Polytope {
 
     /// The faces of the core: computed at the first call, then shared by all objects, threads and frames.
     pub fn facets(&self) -> &Facets {
-        self.facets.get_or_init(|| Facets::of(&self.vertices))
+        let found = || match (self.kind, &*self.vertices) {
+            (Kind::Triangle, &[a, b, c]) => Facets::of_triangle([a, b, c]),
+            _ => Facets::of(&self.vertices),
+        };
+        self.facets.get_or_init(found)
     }
 
     /// The planes of the core's faces, and what is proved of them: derived on first use, then shared like the

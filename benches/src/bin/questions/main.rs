@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod contest;
+mod kinds;
 mod parry;
 mod show;
 
@@ -17,6 +18,7 @@ use dcd_benches::{Header, Options, Print, Units, draw, exit_code};
 use dcd_scenes::SceneSpec;
 
 use contest::{Outcome, run_scene};
+use kinds::{Cross, run_kinds};
 
 /// The scenes, each with its objects in full and with --quick: those whose shapes Parry has too.
 const SCENES: [(&str, usize, usize); 8] = [
@@ -43,6 +45,9 @@ struct Line {
     /// Objects
     #[arg(long, value_name = "N", requires = "scene")]
     n: Option<usize>,
+    /// No scenes, but pairs of kinds whose names hold this, like cylinder-cone; "-" for all
+    #[arg(long, conflicts_with = "scene")]
+    kinds: Option<String>,
     #[command(flatten)]
     print: Print,
 }
@@ -50,6 +55,9 @@ struct Line {
 impl Line {
     fn subjects(&self) -> Result<Vec<SceneSpec>> {
         let sized = |&(name, full, quick): &(&str, usize, usize)| (name.to_owned(), full, quick);
+        if self.kinds.is_some() {
+            return Ok(Vec::new());
+        }
         let chosen: Vec<_> = match &self.scene {
             None => SCENES.iter().map(sized).collect(),
             Some(name) => {
@@ -74,14 +82,25 @@ fn run(line: &Line) -> Result<()> {
     let header = Header::observe(options);
     let dir = options.dir("questions");
     let specs = line.subjects()?;
+    let crossed = match (&line.scene, &line.kinds) {
+        (Some(_), _) => Vec::new(),
+        (None, filter) => kinds::keys(filter.as_deref().unwrap_or("-")),
+    };
     let key = |spec: &SceneSpec| format!("{}/N={}", spec.name(), spec.objects);
-    let mut units =
-        Units::open(&dir, &header.fingerprint(), specs.iter().map(key), options.start())?;
+    let keys = specs.iter().map(key).chain(crossed.iter().map(|&kinds| kinds::name(kinds)));
+    let mut units = Units::open(&dir, &header.fingerprint(), keys, options.start())?;
     let mut outcomes: Vec<Outcome> = Vec::new();
     for spec in &specs {
         outcomes.push(units.run(&key(spec), || run_scene(spec, &draw(spec)?, options.effort()))?);
     }
-    show::report(header, &outcomes)?.hand_out(&dir, line.print)?;
+    let mut found: Vec<Cross> = Vec::new();
+    for &pair in &crossed {
+        let run = || run_kinds(pair, options.seed, options.effort());
+        found.extend(units.run(&kinds::name(pair), run)?);
+    }
+    let mut report = show::report(header, &outcomes)?;
+    kinds::report(&mut report, &found)?;
+    report.hand_out(&dir, line.print)?;
     units.finish()?;
     let beyond: usize = outcomes.iter().flat_map(|o| &o.asked).map(|asked| asked.beyond).sum();
     ensure!(beyond == 0, "{beyond} answers are beyond their bounds");

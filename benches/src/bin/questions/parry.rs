@@ -1,11 +1,12 @@
 //! Parry's queries of a scene's candidate pairs, its shapes and poses made outside of any timer.
 
-use anyhow::{Context, Result, ensure};
-use dcd_geom::{Pair, Scene, Shape};
+use anyhow::{Context, Result};
+use dcd_geom::{Pair, Scene};
 use dcd_parry::Library;
 use parry3d::query::{self, ContactManifold, PersistentQueryDispatcher};
 
 use crate::contest::Kind;
+use crate::kinds::in_parrys_frame;
 
 /// Shapes, poses, and the pairs that are asked.
 pub(crate) struct Parry {
@@ -18,17 +19,18 @@ pub(crate) struct Parry {
 impl Parry {
     /// In f32, its default.
     pub(crate) fn new(scene: &Scene, pairs: &[Pair], margin: f64) -> Result<Self> {
-        let curved = scene.shapes().iter().any(|shape| matches!(shape, Shape::Curved(_)));
-        ensure!(!curved, "Parry's cylinders and cones stand along another axis");
         let forms = scene
             .shapes()
             .iter()
             .map(|shape| <f32 as Library>::form(shape).context("Parry has no such shape"));
-        let shapes = scene.shape_of().iter().map(|&shape| shape as usize);
-        let poses = scene.poses().iter().map(<f32 as Library>::pose);
+        let placed = scene.shape_of().iter().zip(scene.poses()).map(|(&index, pose)| {
+            let index = index as usize;
+            let pose = in_parrys_frame(&scene.shapes()[index], pose)?;
+            Ok((index, <f32 as Library>::pose(&pose)))
+        });
         Ok(Self {
             forms: forms.collect::<Result<_>>()?,
-            objects: shapes.zip(poses).collect(),
+            objects: placed.collect::<Result<_>>()?,
             pairs: pairs.to_vec(),
             margin: margin as f32,
         })

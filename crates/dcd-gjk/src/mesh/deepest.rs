@@ -2,9 +2,10 @@
 
 use super::side::{Parts, Side};
 use super::{Scratch, in_order, pair, touching};
+use crate::distance::gap_along;
 use crate::epa::Depth;
-use crate::{PosedShape, Verdict};
-use dcd_geom::Shape;
+use crate::{PosedShape, Reason, Verdict};
+use dcd_geom::{Kind, Shape};
 use std::borrow::Cow;
 
 /// Which part of a shape.
@@ -21,6 +22,8 @@ pub(crate) struct PartPair<'s> {
     /// `None` for a convex shape, which is its own only part.
     pub(crate) parts: [Option<PartIndex>; 2],
     pub(crate) shapes: [Cow<'s, Shape>; 2],
+    /// At least how deep they overlap, metres; the same for (a, b) and (b, a).
+    at_most: f64,
 }
 
 /// Whether (a, b) is the other way round than the pair is solved in.
@@ -43,7 +46,12 @@ pub(crate) fn touching_parts<'s>(a: PosedShape<'s>, b: PosedShape<'s>) -> Vec<Pa
         let [side_a, side_b] = &sides;
         let shapes =
             [pair::to_shape(side_a.part(parts[0]))?, pair::to_shape(side_b.part(parts[1]))?];
-        Some(PartPair { parts: [index(side_a, parts[0]), index(side_b, parts[1])], shapes })
+        let parts = [index(side_a, parts[0]), index(side_b, parts[1])];
+        let mut pair = PartPair { parts, shapes, at_most: f64::INFINITY };
+        let [in_a, in_b] = pair.posed(a, b);
+        let at_most = if swapped { upper_bound(in_b, in_a) } else { upper_bound(in_a, in_b) };
+        pair.at_most = at_most;
+        Some(pair)
     };
     pairs.into_iter().filter_map(of).collect()
 }
@@ -56,38 +64,78 @@ fn index(side: &Side<'_>, part: u32) -> Option<PartIndex> {
     }
 }
 
-/// The greatest of the depths of all touching pairs of parts, each as `depth` says; the default
-/// where no pair is known to touch.
+impl PartPair<'_> {
+    /// The two parts where their wholes are.
+    pub(crate) fn posed<'p>(&'p self, a: PosedShape<'p>, b: PosedShape<'p>) -> [PosedShape<'p>; 2] {
+        let [in_a, in_b] = &self.shapes;
+        [PosedShape { shape: in_a, pose: a.pose }, PosedShape { shape: in_b, pose: b.pose }]
+    }
+}
+
+/// At least how deep two parts overlap: how far they reach past each other along the normals of those that are
+/// triangles; infinite where none is.
+fn upper_bound(a: PosedShape<'_>, b: PosedShape<'_>) -> f64 {
+    let mut least = f64::INFINITY;
+    for side in [a, b] {
+        let Some(polytope) = side.shape.as_polytope() else { continue };
+        let (Kind::Triangle, &[p, q, r]) = (polytope.kind(), polytope.vertices()) else { continue };
+        let normal = *side.pose.rotation() * (q - p).cross(r - p);
+        // Along it or against it: whichever is the shorter way.
+        for direction in [normal, -normal] {
+            let gap = gap_along(a, b, direction).unwrap_or(f64::NEG_INFINITY);
+            least = least.min(-gap);
+        }
+    }
+    least
+}
+
+/// How much deeper than the deepest a pair of parts may be that is not measured, relative to its depth. Larger:
+/// a wider bound. Smaller: triangles in one plane, equally deep but for rounding, are all measured.
+const AS_DEEP: f64 = 1e-11;
+
+/// The greatest of the depths of all touching pairs of parts, each as `depth` says, and the pair's index; the
+/// default where no pair is known to touch. Pairs that are surely no deeper are not asked.
 ///
 /// Moving the shapes apart by it along its normal separates those two parts, and maybe not the
 /// others: it bounds from below what separates the whole. Mirrored for (b, a), bit for bit.
+///
+/// # Errors
+/// Why a pair could not be measured.
 pub(crate) fn deepest(
-    a: PosedShape<'_>,
-    b: PosedShape<'_>,
-    mut depth: impl FnMut(PosedShape<'_>, PosedShape<'_>) -> Verdict<Depth>,
-) -> Verdict<Depth> {
-    let mut deepest = Deepest::default();
-    for PartPair { shapes: [in_a, in_b], .. } in touching_parts(a, b) {
-        let in_a = PosedShape { shape: &in_a, pose: a.pose };
-        match depth(in_a, PosedShape { shape: &in_b, pose: b.pose }) {
-            Verdict::Touching(found) => deepest.add(found),
-            Verdict::Apart => continue,
-            Verdict::Undecided(reason) => return Verdict::Undecided(reason),
-        };
+    pairs: &[PartPair<'_>],
+    mut depth: impl FnMut(&PartPair<'_>) -> Verdict<Depth>,
+) -> Result<(usize, Depth), Reason> {
+    let mut order: Vec<usize> = (0..pairs.len()).collect();
+    // The first of equals stays the first.
+    order.sort_by(|&j, &k| pairs[k].at_most.total_cmp(&pairs[j].at_most));
+    let (mut deepest, mut index) = (Deepest::default(), 0);
+    for k in order {
+        if deepest.is_as_deep_as(pairs[k].at_most) {
+            break;
+        }
+        match depth(&pairs[k]) {
+            Verdict::Touching(found) => {
+                if deepest.add(found) {
+                    index = k;
+                }
+            }
+            Verdict::Apart => {}
+            Verdict::Undecided(reason) => return Err(reason),
+        }
     }
-    Verdict::Touching(deepest.depth())
+    Ok((index, deepest.depth()))
 }
 
 /// The greatest of several depths, the first of equals.
 #[derive(Default)]
-pub(crate) struct Deepest {
+struct Deepest {
     most: Option<Depth>,
     upper: f64,
 }
 
 impl Deepest {
     /// Whether it is the greatest so far.
-    pub(crate) fn add(&mut self, found: Depth) -> bool {
+    fn add(&mut self, found: Depth) -> bool {
         self.upper = self.upper.max(found.depth + found.error_bound);
         let is_most = self.most.is_none_or(|most| found.depth > most.depth);
         if is_most {
@@ -96,7 +144,16 @@ impl Deepest {
         is_most
     }
 
-    pub(crate) fn depth(&self) -> Depth {
+    /// Whether a pair that is at most so deep needs not be measured; if so it counts.
+    fn is_as_deep_as(&mut self, at_most: f64) -> bool {
+        let is = self.most.is_some_and(|most| at_most <= most.depth * (1.0 + AS_DEEP));
+        if is {
+            self.upper = self.upper.max(at_most);
+        }
+        is
+    }
+
+    fn depth(&self) -> Depth {
         let most = self.most.unwrap_or_default();
         // Another may be deeper than the deepest by its own bound.
         let above = (self.upper - most.depth).next_up().min(f64::MAX);

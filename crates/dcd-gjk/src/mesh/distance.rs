@@ -6,7 +6,7 @@ use super::relative_pose::RelativePose;
 use super::side::Side;
 use super::{Scratch, in_order};
 use crate::Method;
-use crate::distance::{Distance, DistanceResult, distance as of_convex};
+use crate::distance::{Distance, DistanceResult, distance as of_convex, in_f64};
 use crate::{PosedShape, Reason};
 use dcd_geom::{Aabb, Aabb16};
 use dcd_simd::{Kernel, Lanes, Row, WIDTH, dispatch};
@@ -109,6 +109,9 @@ impl Best {
         };
         let (in_a, in_b) =
             (PosedShape { shape: &in_a, pose: a.pose }, PosedShape { shape: &in_b, pose: b.pose });
+        if self.is_farther(in_a, in_b) {
+            return Known::Some;
+        }
         let (result, method) = of_convex(in_a, in_b);
         self.method = self.method.max(Some(method));
         match result {
@@ -142,6 +145,15 @@ impl Best {
             }
         }
         Known::Some
+    }
+
+    /// Whether f64 proves two parts farther apart than the nearest so far.
+    fn is_farther(&self, a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
+        let Some(nearest) = self.nearest else { return false };
+        let is_bounded = a.shape.is_bounded() && b.shape.is_bounded();
+        let apart =
+            |found| matches!(found, DistanceResult::Apart(d) if d.lower() > nearest.distance);
+        is_bounded && apart(in_f64(a, b))
     }
 
     /// Whether nothing at least so far away can be nearer.

@@ -136,7 +136,7 @@ pub(super) fn to_shape(part: Part<'_>) -> Option<Cow<'_, Shape>> {
 }
 
 fn triangle(corners: [DVec3; 3], radius: f64) -> Option<Polytope> {
-    Polytope::hull(corners.to_vec()).and_then(|hull| hull.rounded(radius)).ok()
+    Polytope::mesh_triangle(corners).and_then(|triangle| triangle.rounded(radius)).ok()
 }
 
 /// What f64 can prove, if it can, and the simplex where it ended.

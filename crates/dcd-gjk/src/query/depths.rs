@@ -107,9 +107,18 @@ pub(super) fn of_touching(
     scratch: &mut epa::Scratch,
 ) -> Verdict<Depth> {
     if mesh::are_asked(a.shape, b.shape) {
-        return mesh::deepest(a, b, |a, b| of_touching(accuracy, a, b, scratch));
+        let pairs = mesh::touching_parts(a, b);
+        let found = mesh::deepest(&pairs, |pair| {
+            let [a, b] = pair.posed(a, b);
+            of_touching(accuracy, a, b, scratch)
+        });
+        return match found {
+            Ok((_, depth)) => Verdict::Touching(depth),
+            Err(reason) => Verdict::Undecided(reason),
+        };
     }
-    if let Some(verdict) = half_space::depth(a, b) {
+    let sharp = if accuracy == Accuracy::Certified { closed::SHARP } else { closed::AS_F64 };
+    if let Some(verdict) = half_space::depth_within(a, b, sharp) {
         return verdict;
     }
     if let Some(found) = by_formula(accuracy, a, b) {

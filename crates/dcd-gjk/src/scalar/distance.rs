@@ -18,7 +18,7 @@ use crate::query::Accuracy;
 use crate::{
     Difference, Method, PosedShape, PosedSupport, Reason, Verdict, certified, mesh, order, portal,
 };
-pub(crate) use approach::{Approach, approach};
+pub(crate) use approach::{Approach, approach, proposed};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape, SupportMap};
 
@@ -184,8 +184,12 @@ pub fn distance_at(
     b: PosedShape<'_>,
 ) -> (DistanceResult, Method) {
     let is_bounded = a.shape.is_bounded() && b.shape.is_bounded();
-    if accuracy == Accuracy::Certified || mesh::are_asked(a.shape, b.shape) || !is_bounded {
+    if accuracy == Accuracy::Certified || mesh::are_asked(a.shape, b.shape) {
         return distance(a, b);
+    }
+    if !is_bounded {
+        let found = half_space::distance_within(a, b, closed::AS_F64);
+        return found.unwrap_or_else(|| distance(a, b));
     }
     let gap = if accuracy == Accuracy::F32 { F32_GAP } else { 0.0 };
     match to_within(gap, a, b) {
@@ -211,12 +215,13 @@ fn in_f64_in_order(gap: f64, a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceRe
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
             let (a, b) =
                 (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
-            closed::distance(a, b, closed::AS_F64).unwrap_or_else(|| measured(gap, a, b))
+            closed::distance(a, b, closed::AS_F64).unwrap_or_else(|| measured(gap, a, b, None))
         }
         _ => {
+            let points = closed::curved::nearest_points(a, b);
             let (a, b) =
                 (PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose));
-            measured(gap, a, b)
+            measured(gap, a, b, points)
         }
     }
 }
@@ -225,12 +230,14 @@ fn measured<S: SupportMap<f64>>(
     gap: f64,
     a: PosedSupport<'_, S>,
     b: PosedSupport<'_, S>,
+    points: Option<[DVec3; 2]>,
 ) -> DistanceResult {
     let Some(difference) = Difference::new(a, b) else {
         return DistanceResult::Undecided(Reason::Range);
     };
     let bounds = Bounds::of(&difference);
-    let near = match approach(&difference, &bounds, gap) {
+    let known = points.and_then(|points| proposed(&difference, &bounds, gap, points));
+    let near = match known.map_or_else(|| approach(&difference, &bounds, gap), Ok) {
         Ok(near) => near,
         Err(Verdict::Undecided(reason)) => return DistanceResult::Undecided(reason),
         Err(_) => return DistanceResult::Touching,

@@ -3,7 +3,7 @@
 use super::clip::{Corner, Patch, drop_doubles};
 use super::cuboids;
 use super::feature::{Seen, View};
-use super::stand_in::stand_in;
+use super::stand_in::StandIn;
 use super::{FLAT, Feature, Manifold, ManifoldPoint, SAME, of_one_point, reduce};
 use crate::PosedShape;
 use crate::epa::Depth;
@@ -69,11 +69,13 @@ impl Corners {
         let delta = b.pose.translation() - a.pose.translation();
         let (place_a, rotation_a, rotation_b) = (DVec3::ZERO, a.pose.rotation(), b.pose.rotation());
         let plane = |point: DVec3| view.of(point - a.pose.translation()).1;
-        let in_a = stand_in(a.shape, rotation_a.transpose() * depth.normal);
-        let in_b = stand_in(b.shape, rotation_b.transpose() * -depth.normal);
-        match (in_a.as_deref(), in_b.as_deref(), a.shape, b.shape) {
+        let in_a = StandIn::of(a.shape, rotation_a.transpose() * depth.normal);
+        let in_b = StandIn::of(b.shape, rotation_b.transpose() * -depth.normal);
+        let [size_a, size_b] = [&in_a, &in_b].map(|shown| shown.as_ref().map_or(0.0, |s| s.size));
+        let polytopes = [&in_a, &in_b].map(|shown| shown.as_ref().map(|s| &*s.polytope));
+        match (polytopes[0], polytopes[1], a.shape, b.shape) {
             (Some(in_a), Some(in_b), ..) => {
-                self.size = self.size.max(2.0 * (in_a.outer_radius() + in_b.outer_radius()));
+                self.size = self.size.max(2.0 * (size_a + size_b));
                 let seen_a = view.seen(in_a, rotation_a, place_a, 1.0);
                 let seen_b = view.seen(in_b, rotation_b, delta, -1.0);
                 let radii = [in_a.swept_radius(), in_b.swept_radius()];
@@ -86,11 +88,13 @@ impl Corners {
                 [is_own(a.shape, seen_a.whole()), is_own(b.shape, seen_b.whole())]
             }
             (Some(in_a), None, _, Shape::HalfSpace(_)) => {
+                self.size = self.size.max(2.0 * size_a);
                 let seen = view.seen(in_a, rotation_a, place_a, 1.0);
                 self.on_plane(&seen, in_a, plane(depth.point_b), 0);
                 [seen.whole(), Feature::Surface]
             }
             (None, Some(in_b), Shape::HalfSpace(_), _) => {
+                self.size = self.size.max(2.0 * size_b);
                 let seen = view.seen(in_b, rotation_b, delta, -1.0);
                 self.on_plane(&seen, in_b, plane(depth.point_a), 1);
                 [Feature::Surface, seen.whole()]
@@ -102,8 +106,7 @@ impl Corners {
     /// The corners of a feature that are in a half-space, whose plane is level and at `height`; `number` is the
     /// shape's, 0 or 1.
     fn on_plane(&mut self, seen: &Seen<'_>, polytope: &Polytope, height: f64, number: usize) {
-        self.size = self.size.max(2.0 * polytope.outer_radius());
-        for &point in seen.points() {
+        for point in seen.points() {
             let mut heights = [height; 2];
             heights[number] = point.height;
             let mut radii = [0.0; 2];

@@ -4,7 +4,7 @@
 use super::feature::View;
 use super::{Manifold, Scratch};
 use crate::epa::Depth;
-use crate::mesh::{self, Deepest, PartPair};
+use crate::mesh::{self, PartPair};
 use crate::query::{Accuracy, depths};
 use crate::{PosedShape, Verdict};
 
@@ -33,36 +33,33 @@ fn in_order(
     scratch: &mut Scratch,
 ) -> Verdict<Manifold> {
     let pairs = mesh::touching_parts(a, b);
-    let (mut deepest, mut index) = (Deepest::default(), 0);
-    let mut found = Vec::with_capacity(pairs.len());
-    for pair in &pairs {
-        let [in_a, in_b] = posed(pair, a, b);
-        match depths::of_touching(accuracy, in_a, in_b, &mut scratch.depth) {
-            Verdict::Touching(depth) => {
-                if deepest.add(depth) {
-                    index = found.len();
-                }
-                found.push((pair, depth));
-            }
-            Verdict::Apart => {}
-            Verdict::Undecided(reason) => return Verdict::Undecided(reason),
-        }
-    }
-    let depth = deepest.depth();
+    let Scratch { depth: memory, corners } = scratch;
+    let mut measured = |pair: &PartPair<'_>| {
+        let [in_a, in_b] = pair.posed(a, b);
+        depths::of_touching(accuracy, in_a, in_b, memory)
+    };
+    let (index, depth) = match mesh::deepest(&pairs, &mut measured) {
+        Ok(found) => found,
+        Err(reason) => return Verdict::Undecided(reason),
+    };
     let view = View::along(depth.normal);
-    let corners = &mut scratch.corners;
     corners.clear();
     let mut features = Default::default();
-    for (k, (pair, of_pair)) in found.iter().enumerate() {
-        let sides = posed(pair, a, b);
+    for (k, pair) in pairs.iter().enumerate() {
+        let sides = pair.posed(a, b);
         let before = corners.len();
         // The planes of half-spaces are the pair's own; what is seen is seen along the deepest's normal.
-        let whole = corners.add(&view, &Depth { normal: depth.normal, ..*of_pair }, sides);
+        let is_bounded = sides.iter().all(|side| side.shape.is_bounded());
+        let of_plane = if is_bounded { depth } else { of(measured(pair)).unwrap_or(depth) };
+        let whole = corners.add(&view, &Depth { normal: depth.normal, ..of_plane }, sides);
         if k == index {
             features = whole;
         }
-        if corners.len() == before && of_pair.normal.dot(depth.normal) >= ALIKE {
-            corners.add_witness(&view, of_pair, a.pose.translation());
+        if corners.len() == before {
+            let of_pair = if k == index { Some(depth) } else { of(measured(pair)) };
+            if let Some(of_pair) = of_pair.filter(|d| d.normal.dot(depth.normal) >= ALIKE) {
+                corners.add_witness(&view, &of_pair, a.pose.translation());
+            }
         }
         // Parts that reach deeper along this normal meet along another.
         if corners.deepest_after(before) > depth.depth + corners.tolerance() {
@@ -70,12 +67,14 @@ fn in_order(
         }
     }
     let manifold = corners.manifold(&view, depth, [a, b], features);
-    let parts = found.get(index).map_or([None; 2], |(pair, _)| pair.parts);
+    let parts = pairs.get(index).map_or([None; 2], |pair| pair.parts);
     Verdict::Touching(Manifold { parts, ..manifold })
 }
 
-/// The two parts where their wholes are.
-fn posed<'p>(pair: &'p PartPair<'_>, a: PosedShape<'p>, b: PosedShape<'p>) -> [PosedShape<'p>; 2] {
-    let [in_a, in_b] = &pair.shapes;
-    [PosedShape { shape: in_a, pose: a.pose }, PosedShape { shape: in_b, pose: b.pose }]
+/// A depth that is known.
+fn of(verdict: Verdict<Depth>) -> Option<Depth> {
+    match verdict {
+        Verdict::Touching(depth) => Some(depth),
+        _ => None,
+    }
 }

@@ -270,12 +270,21 @@ fn exact_planes_touch(a: Plane<'_>, b: Plane<'_>) -> bool {
 /// For polytopes as good as between two of them: within some ulps of itself. For others within 32u
 /// of the pair's size and the support error.
 pub fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<(DistanceResult, Method)> {
+    distance_within(a, b, super::SHARP)
+}
+
+/// The same with a bound of at most `sharp` times the distance where the other is a polytope.
+pub(crate) fn distance_within(
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    sharp: f64,
+) -> Option<(DistanceResult, Method)> {
     let (plane, other, side) = one_plane(a, b)?;
     let gap = Gap::of(plane, other);
     let (touches, method) = touches(plane, other);
     Some(match touches {
         None => {
-            let Signed { value, error_bound, .. } = signed(&gap, plane, other);
+            let Signed { value, error_bound, .. } = signed(&gap, plane, other, sharp);
             let (normal, [point_a, point_b]) = witnesses(&gap, other, value, side);
             let bound = |value: f64| (error_bound + value).next_up().clamp(0.0, f64::MAX);
             let depth = bound(-value);
@@ -286,7 +295,7 @@ pub fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<(DistanceResult,
         }
         Some(true) => (DistanceResult::Touching, method),
         Some(false) => {
-            let Signed { value, error_bound, method } = signed(&gap, plane, other);
+            let Signed { value, error_bound, method } = signed(&gap, plane, other, sharp);
             let (normal, [point_a, point_b]) = witnesses(&gap, other, value, side);
             let distance = value.max(0.0);
             let found = Distance { distance, point_a, point_b, normal, error_bound };
@@ -298,13 +307,22 @@ pub fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<(DistanceResult,
 /// How deep two shapes overlap of which one is a half-space and the other none; `None` else. The
 /// shortest way out is along the plane's normal.
 pub fn depth(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Verdict<Depth>> {
+    depth_within(a, b, super::SHARP)
+}
+
+/// The same with a bound of at most `sharp` times the depth where the other is a polytope.
+pub(crate) fn depth_within(
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    sharp: f64,
+) -> Option<Verdict<Depth>> {
     let (plane, other, side) = one_plane(a, b)?;
     let gap = Gap::of(plane, other);
     Some(match touches(plane, other).0 {
         None => Verdict::Undecided(Reason::WithinRounding),
         Some(false) => Verdict::Apart,
         Some(true) => {
-            let Signed { value, error_bound, .. } = signed(&gap, plane, other);
+            let Signed { value, error_bound, .. } = signed(&gap, plane, other, sharp);
             let (normal, [point_a, point_b]) = witnesses(&gap, other, value, side);
             let depth = (-value).max(0.0);
             Verdict::Touching(Depth { depth, normal, point_a, point_b, error_bound })
@@ -337,15 +355,12 @@ struct Signed {
     method: Method,
 }
 
-/// How far a gap in f64 may be off, relative to itself, before a polytope's is taken exactly.
-const SHARP: f64 = 1e-13;
-
-/// The largest number, with as large a bound, where it leaves the range of f64.
-fn signed(gap: &Gap, plane: Plane<'_>, other: PosedShape<'_>) -> Signed {
+/// A polytope's gap is taken exactly where f64's may be off by more than `sharp` times itself. The largest number, with as large a bound, where it leaves the range of f64.
+fn signed(gap: &Gap, plane: Plane<'_>, other: PosedShape<'_>, sharp: f64) -> Signed {
     let mut value = gap.value / gap.length;
     let mut error = gap.error / gap.length * (1.0 + 16.0 * UNIT) + 8.0 * UNIT * value.abs();
     let mut method = Method::F64;
-    if !(error <= SHARP * value.abs())
+    if !(error <= sharp * value.abs())
         && let Shape::Polytope(_) = other.shape
         && let Some(gap) = ExactGap::of(plane, other)
     {

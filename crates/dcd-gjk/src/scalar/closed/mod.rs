@@ -8,9 +8,11 @@ mod binary;
 mod cuboid_depth;
 mod cuboid_nearest;
 mod cuboids;
+pub(crate) mod curved;
 pub mod half_space;
 mod segments;
 mod spheres;
+mod triangles;
 
 use crate::epa::Depth;
 use crate::{DistanceResult, PosedSupport, Verdict};
@@ -29,6 +31,15 @@ const LENGTH: f64 = 8.0;
 /// Sizes of a pair, metres, whose squares and products stay clear of under- and overflow.
 const SIZES: std::ops::Range<f64> = 1e-70..1e70;
 
+/// Whether there is a formula for two kinds: none for hulls, for triangles only against spheres and capsules.
+fn have_formula(one: Kind, other: Kind) -> bool {
+    match (one, other) {
+        (Kind::Triangle, Kind::Point | Kind::Segment)
+        | (Kind::Point | Kind::Segment, Kind::Triangle) => true,
+        _ => [one, other].iter().all(|kind| !matches!(kind, Kind::Hull | Kind::Triangle)),
+    }
+}
+
 /// What a formula proves of two polytopes, if there is one for their kinds.
 #[inline]
 pub(crate) fn overlap(
@@ -36,7 +47,7 @@ pub(crate) fn overlap(
     b: PosedSupport<'_, Polytope>,
 ) -> Option<Verdict<()>> {
     match (a.map.kind(), b.map.kind()) {
-        (Kind::Hull | Kind::Triangle, _) | (_, Kind::Hull | Kind::Triangle) => None,
+        (one, other) if !have_formula(one, other) => None,
         (Kind::Cuboid { .. }, Kind::Cuboid { .. }) => cuboids::overlap(a, b),
         (Kind::Point, Kind::Point) => spheres::overlap(a, b).or_else(|| segments::overlap(a, b)),
         _ => segments::overlap(a, b),
@@ -59,7 +70,7 @@ pub(crate) fn depth(
     sharp: f64,
 ) -> Option<Depth> {
     match (a.map.kind(), b.map.kind()) {
-        (Kind::Hull | Kind::Triangle, _) | (_, Kind::Hull | Kind::Triangle) => None,
+        (one, other) if !have_formula(one, other) => None,
         (Kind::Cuboid { .. }, Kind::Cuboid { .. }) => None,
         (Kind::Point, Kind::Point) => {
             spheres::depth(a, b, sharp).or_else(|| segments::depth(a, b, sharp))
@@ -77,7 +88,7 @@ pub(crate) fn distance(
     sharp: f64,
 ) -> Option<DistanceResult> {
     match (a.map.kind(), b.map.kind()) {
-        (Kind::Hull | Kind::Triangle, _) | (_, Kind::Hull | Kind::Triangle) => None,
+        (one, other) if !have_formula(one, other) => None,
         (Kind::Cuboid { .. }, Kind::Cuboid { .. }) => {
             // What is certified asks for more than f64 has, nearly always.
             if sharp == AS_F64

@@ -4,6 +4,7 @@
 //! difference proves, as any point and as any direction (docs/numerics/proofs.md, "closed forms").
 
 use super::cuboid_nearest;
+use super::triangles;
 use super::{LENGTH, SEPARATION, SIZES, UNIT};
 use crate::epa::Depth;
 use crate::{Distance, DistanceResult, PosedSupport, Verdict};
@@ -115,6 +116,8 @@ impl<'a> Proposal<'a> {
                 let [s, t] = parameters(turn_a * along_a, turn_b * along_b, between);
                 [from_a + along_a * s, from_b + along_b * t]
             }
+            (Kind::Triangle, Kind::Point | Kind::Segment)
+            | (Kind::Point | Kind::Segment, Kind::Triangle) => triangles::points(a, b, delta)?,
             _ => return None,
         };
         Some(Self::at(a, b, points, size))
@@ -233,7 +236,7 @@ fn lowest(body: PosedSupport<'_, Polytope>, d: DVec3) -> f64 {
 /// Where in [0, 1] along `u` and `v` the points `between + u·s` and `v·t` are nearest.
 ///
 /// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.9. Anything in [0, 1] is sound.
-fn parameters(u: DVec3, v: DVec3, between: DVec3) -> [f64; 2] {
+pub(super) fn parameters(u: DVec3, v: DVec3, between: DVec3) -> [f64; 2] {
     let (uu, vv, uv) = (u.dot(u), v.dot(v), u.dot(v));
     let (ub, vb) = (u.dot(between), v.dot(between));
     // A quotient of zeros, for a point or parallel segments, is any place at all.

@@ -4,8 +4,8 @@ use super::UNIT;
 use crate::certificate::{Bounds, combined_length};
 use crate::gjk::{MAX_SUPPORTS, Simplex, start, unit};
 use crate::{Difference, PosedSupport, Reason, Verdict, Vertex};
-use dcd_geom::SupportMap;
 use dcd_geom::glam::DVec3;
+use dcd_geom::{Support, SupportMap};
 
 /// The nearest point found. Lengths are those of the difference.
 pub(crate) struct Approach {
@@ -83,6 +83,36 @@ pub(crate) fn approach<S: SupportMap<f64>>(
     let found = !best.simplex.vertices().is_empty();
     if found { Ok(best) } else { Err(Verdict::Undecided(Reason::WithinRounding)) }
 }
+
+/// What two points, one of each core and in its frame, prove, if their bounds are as near as a search's end:
+/// within `gap`, or what f64 leaves.
+pub(crate) fn proposed<S: SupportMap<f64>>(
+    difference: &Difference<'_, f64, S, S>,
+    bounds: &Bounds<f64>,
+    gap: f64,
+    [point_a, point_b]: [DVec3; 2],
+) -> Option<Approach> {
+    let w = difference.world(point_a, point_b);
+    let direction = unit::<f64>(w.to_array())?;
+    let (_, separation) = difference.lowest(direction);
+    let lower = bounds.lower_bound(direction, separation);
+    let length = w.length();
+    let upper = bounds.upper_bound(length) + PROPOSED * UNIT;
+    let is_close = lower > 0.0 && upper - lower <= gap.max(CLOSE * UNIT);
+    let support = |point| Support { point, feature: 0 };
+    let mut simplex = Simplex::default();
+    simplex.push(Vertex { w, a: support(point_a), b: support(point_b) });
+    let weights = [1.0, 0.0, 0.0, 0.0];
+    is_close.then_some(Approach { simplex, weights, direction, length, upper, lower })
+}
+
+/// How far a proposed point of each core may be from it beyond a support's error. Unit: u of the pair's size. A
+/// point between two vertices loses 5u of the reach a component.
+const PROPOSED: f64 = 9.0;
+
+/// How near the bounds of a proposal have to come. Unit: u of the pair's size, which is below 1: what a search
+/// leaves between supports with errors of 20u.
+const CLOSE: f64 = 256.0;
 
 impl Approach {
     /// The points of the two cores, world frame, metres.

@@ -17,7 +17,8 @@ mod surface;
 mod tests;
 
 use crate::certificate::Bounds;
-use crate::distance::{Approach, approach, rounded_up};
+use crate::closed::curved;
+use crate::distance::{Approach, approach, proposed, rounded_up};
 use crate::epa::Depth;
 use crate::gjk::unit;
 use crate::query::Accuracy;
@@ -35,6 +36,10 @@ const GROWTHS: usize = 256;
 /// mean something. Smaller: more sliver faces. Larger: more thin pairs left to the exact search.
 const FAT: f64 = 1.0 / (1u64 << 20) as f64;
 
+/// What is promised of the depth of curved shapes, relative to it: a surface of points on both ends in triangles
+/// so small that rounding tilts them. Smaller: more pairs left to the search by samples.
+const CURVED: f64 = 1e-9;
+
 /// Unit roundoff.
 const U: f64 = f64::EPSILON / 2.0;
 
@@ -45,20 +50,34 @@ struct Tolerance {
     relative: f64,
     /// Relative to the pair's size.
     of_size: f64,
+    /// Relative to the depth, where the search ends by itself.
+    at_end: f64,
 }
 
 impl Tolerance {
     fn of(accuracy: Accuracy) -> Self {
         match accuracy {
             // A tenth of what the best f32 lanes are promised to reach.
-            Accuracy::F32 => Self { relative: 0.0, of_size: 1e-6 },
-            Accuracy::F64 | Accuracy::Certified => Self { relative: 1e-10, of_size: 256.0 * U },
+            Accuracy::F32 => Self { relative: 0.0, of_size: 1e-6, at_end: 0.0 },
+            Accuracy::F64 | Accuracy::Certified => {
+                Self { relative: 1e-10, of_size: 256.0 * U, at_end: 1e-10 }
+            }
         }
     }
 
     /// Lengths of a difference, which is no larger than 1.
     fn admits(self, error: f64, depth: f64) -> bool {
         error <= self.of_size.max(self.relative * depth)
+    }
+
+    /// Whether the bound of a search that has ended is good enough.
+    fn admits_at_end(self, error: f64, depth: f64) -> bool {
+        error <= self.of_size.max(self.at_end * depth)
+    }
+
+    /// For curved shapes: what the search that would come next gives, a hundred times as slow.
+    fn of_curved(self) -> Self {
+        Self { at_end: CURVED.max(self.at_end), ..self }
     }
 }
 
@@ -83,13 +102,17 @@ pub(crate) fn depth_of_overlap(
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => of_supports::<Polytope>(
             [PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose)],
             tolerance,
+            None,
             surface,
         ),
-        _ => of_supports::<Shape>(
-            [PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose)],
-            tolerance,
-            surface,
-        ),
+        _ => {
+            let bodies =
+                [PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose)];
+            let tolerance = tolerance.of_curved();
+            curved::depth_of_centre(a, b, [tolerance.relative, tolerance.of_size]).or_else(|| {
+                of_supports::<Shape>(bodies, tolerance, curved::nearest_points(a, b), surface)
+            })
+        }
     }?;
     Some(if swapped { found.mirrored() } else { found })
 }
@@ -97,17 +120,21 @@ pub(crate) fn depth_of_overlap(
 fn of_supports<S: SupportMap<f64>>(
     bodies: [PosedSupport<'_, S>; 2],
     tolerance: Tolerance,
+    points: Option<[DVec3; 2]>,
     surface: &mut Surface,
 ) -> Option<Depth> {
     let [a, b] = bodies;
     let difference = Difference::new(a, b)?;
     let search = Search { difference, bodies, tolerance };
     let bounds = Bounds::of(&search.difference);
-    if bounds.radius() > 0.0
-        && let Ok(near) = approach(&search.difference, &bounds, 0.0)
-        && near.lower > 0.0
-    {
-        return search.of_apart_cores(&bounds, &near);
+    if bounds.radius() > 0.0 {
+        let known = points.and_then(|points| proposed(&search.difference, &bounds, 0.0, points));
+        let near = known.map_or_else(|| approach(&search.difference, &bounds, 0.0), Ok);
+        if let Ok(near) = near
+            && near.lower > 0.0
+        {
+            return search.of_apart_cores(&bounds, &near);
+        }
     }
     search.of_overlapping_cores(&bounds, surface)
 }
@@ -156,7 +183,7 @@ impl<S: SupportMap<f64>> Search<'_, S> {
 
     /// In metres, if the bound is as good as what was asked for. `points` are of the cores.
     fn told(&self, depth: f64, error: f64, points: [DVec3; 2], direction: DVec3) -> Option<Depth> {
-        if !self.tolerance.admits(error, depth) {
+        if !self.tolerance.admits_at_end(error, depth) {
             return None;
         }
         let scale = self.difference.scale();

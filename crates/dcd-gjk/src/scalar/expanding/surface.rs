@@ -35,6 +35,8 @@ struct Edge {
 pub(crate) struct Surface {
     vertices: Vec<Vertex<f64>>,
     faces: Vec<Face>,
+    /// Of each face: how far its plane is along its normal; infinite for what is no part of the surface.
+    distances: Vec<f64>,
     stack: Vec<u32>,
     horizon: Vec<Edge>,
     /// Of a vertex on the horizon: the new face whose horizon edge starts there.
@@ -49,6 +51,7 @@ impl Surface {
     pub(super) fn start(&mut self, mut corners: [Vertex<f64>; 4]) -> Option<()> {
         self.vertices.clear();
         self.faces.clear();
+        self.distances.clear();
         self.starting.clear();
         let [v0, v1, v2, v3] = corners.map(|vertex| vertex.w);
         if (v1 - v0).cross(v2 - v0).dot(v3 - v0) < 0.0 {
@@ -71,13 +74,8 @@ impl Surface {
     /// The face whose plane is nearest along its normal: the smallest signed distance, the older one
     /// among equals.
     pub(super) fn nearest(&self) -> u32 {
-        let mut best = (f64::INFINITY, 0);
-        for (index, face) in self.faces.iter().enumerate() {
-            if face.alive && face.distance < best.0 {
-                best = (face.distance, index);
-            }
-        }
-        best.1 as u32
+        let least = least(&self.distances);
+        self.distances.iter().position(|&distance| distance == least).unwrap_or(0) as u32
     }
 
     /// A face's normal and distance.
@@ -129,6 +127,7 @@ impl Surface {
         self.horizon.clear();
         self.stack.clear();
         self.faces[seen as usize].alive = false;
+        self.distances[seen as usize] = f64::INFINITY;
         self.stack.push(seen);
         while let Some(index) = self.stack.pop() {
             let Face { vertices, neighbours, .. } = self.faces[index as usize];
@@ -140,6 +139,7 @@ impl Surface {
                 // Barely seen is not seen: a cone over such a face would have a sliver.
                 if neighbour.normal.dot(point) > neighbour.distance + 16.0 * U {
                     neighbour.alive = false;
+                    self.distances[other as usize] = f64::INFINITY;
                     self.stack.push(other);
                 } else {
                     let (from, to) = (vertices[k], vertices[(k + 1) % 3]);
@@ -169,6 +169,7 @@ impl Surface {
         let normal = normal / length;
         let distance = normal.dot(p);
         self.faces.push(Face { vertices, neighbours, normal, distance, alive: true });
+        self.distances.push(distance);
         Some(())
     }
 
@@ -223,6 +224,19 @@ impl Surface {
         let total: f64 = weights.iter().sum();
         (vertices, weights.map(|weight| weight / total))
     }
+}
+
+/// The smallest of some numbers: eight at a time, so that no comparison waits for the last one.
+fn least(numbers: &[f64]) -> f64 {
+    let smaller = |a: f64, b: f64| if b < a { b } else { a };
+    let mut lanes = [f64::INFINITY; 8];
+    let (eights, rest) = numbers.as_chunks::<8>();
+    for eight in eights {
+        for (lane, &number) in lanes.iter_mut().zip(eight) {
+            *lane = smaller(*lane, number);
+        }
+    }
+    lanes.into_iter().chain(rest.iter().copied()).fold(f64::INFINITY, smaller)
 }
 
 /// Whether the origin is surely on the inner side of a triangle: det(p, q, r) beyond 16u of its permanent,

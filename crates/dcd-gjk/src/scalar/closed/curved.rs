@@ -1,0 +1,222 @@
+//! Spheres and capsules against cylinders and cones.
+//!
+//! A cylinder or cone is a profile turned round its axis: three half-planes of a plane through that axis.
+//! Outside, the nearest point is one of the profile; along a segment the derivative of half the squared
+//! distance never falls, so that its root is where the two are nearest. What is proposed is proved by the
+//! pair's own bounds, as any two points are. Inside, the three half-planes are how deep a point is.
+
+use super::UNIT;
+use crate::epa::Depth;
+use crate::{PosedShape, PosedSupport};
+use dcd_geom::glam::{DVec2, DVec3};
+use dcd_geom::{Curved, CurvedKind, Kind, Polytope, Shape, Vector};
+
+/// How often the place along a segment is narrowed at most; ten are usual. Fewer: proposals that the bounds
+/// refuse, and a search in their place.
+const NARROWINGS: usize = 48;
+
+/// The part of its first value to which the derivative falls at the root: beyond, it is rounding.
+const FLAT: f64 = 4.0 * UNIT;
+
+/// How far a point may be off where it is compared with the profile. Unit: u·(reaches + |δt|₁). Two rotations
+/// of 3u a component, two sums, √3 of that; the profile's normal and the products 12u more.
+const INSIDE: f64 = 48.0;
+
+/// A curved shape and what is seen of the other in its frame.
+struct Seen<'a> {
+    curved: &'a Curved,
+    /// From one end of the other's core, and along it; a point has no length.
+    from: DVec3,
+    along: DVec3,
+}
+
+/// The curved shape, and the other as a point or segment.
+struct Couple<'a> {
+    round: PosedSupport<'a, Polytope>,
+    curved: &'a Curved,
+    at: PosedShape<'a>,
+    /// Whether the curved one is the second.
+    swapped: bool,
+}
+
+impl<'a> Couple<'a> {
+    fn of(a: PosedShape<'a>, b: PosedShape<'a>) -> Option<Self> {
+        let (curved, at, other, swapped) = match (a.shape, b.shape) {
+            (Shape::Curved(curved), Shape::Polytope(_)) => (curved, a, b, false),
+            (Shape::Polytope(_), Shape::Curved(curved)) => (curved, b, a, true),
+            _ => return None,
+        };
+        let polytope = other.shape.as_polytope()?;
+        let is_round = matches!(polytope.kind(), Kind::Point | Kind::Segment);
+        let round = PosedSupport::polytope(polytope, other.pose);
+        is_round.then_some(Self { round, curved, at, swapped })
+    }
+
+    fn seen(&self) -> Option<Seen<'a>> {
+        let [from, to] = match *self.round.map.vertices() {
+            [from] => [from; 2],
+            [from, to] => [from, to],
+            _ => return None,
+        };
+        let delta = self.round.pose.translation() - self.at.pose.translation();
+        let back = self.at.pose.rotation().transpose();
+        let turn = *self.round.pose.rotation();
+        let first = back * (turn * from + delta);
+        Some(Seen { curved: self.curved, from: first, along: back * (turn * (to - from)) })
+    }
+}
+
+/// A point of each core that are perhaps the nearest, each in its own frame; `None` where the pair is of other
+/// kinds, or the cores meet.
+pub(crate) fn nearest_points(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<[DVec3; 2]> {
+    let couple = Couple::of(a, b)?;
+    let seen = couple.seen()?;
+    let t = seen.nearest_place();
+    let place = seen.from + seen.along * t;
+    let on_curved = nearest(couple.curved, place);
+    if on_curved == place {
+        return None;
+    }
+    let on_round = match *couple.round.map.vertices() {
+        [from, to] => from + (to - from) * t,
+        [point] => point,
+        _ => return None,
+    };
+    Some(if couple.swapped { [on_round, on_curved] } else { [on_curved, on_round] })
+}
+
+/// How deep a sphere whose centre is in the core of a cylinder or cone overlaps it, within `relative` of
+/// itself or `of_size` of the pair's size.
+pub(crate) fn depth_of_centre(
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    [relative, of_size]: [f64; 2],
+) -> Option<Depth> {
+    let couple = Couple::of(a, b)?;
+    if couple.round.map.kind() != Kind::Point {
+        return None;
+    }
+    let Couple { round, curved, at, swapped } = couple;
+    let point = couple.seen()?.from;
+    let stretch = at.pose.deviation();
+    let delta = round.pose.translation() - at.pose.translation();
+    let size = (round.reach + at.shape.reach()) * (1.0 + stretch) + delta.norm1();
+    let (inside, outward) = way_out(curved, point);
+    let radius = curved.swept_radius() + round.map.swept_radius();
+    let depth = inside + radius;
+    // A pose that is no rotation stretches the profile by half its deviation, and what is seen of it by all.
+    let error = INSIDE * UNIT * size + 2.0 * stretch * at.shape.reach() + 8.0 * UNIT * depth;
+    if !(inside > error && error <= (of_size * size).max(relative * depth)) {
+        return None;
+    }
+    let normal = (*at.pose.rotation() * outward).normalize();
+    let centre = round.pose.apply(*round.map.vertices().first()?);
+    // Of the curved shape's surface, and of the sphere's far side.
+    let on_curved = centre + normal * (inside + curved.swept_radius());
+    let on_round = centre - normal * round.map.swept_radius();
+    let found = Depth { depth, normal, point_a: on_curved, point_b: on_round, error_bound: error };
+    let is_finite = found.depth.is_finite() && on_curved.is_finite() && on_round.is_finite();
+    is_finite.then(|| if swapped { found.mirrored() } else { found })
+}
+
+impl Seen<'_> {
+    /// Half the derivative of the squared distance, by the place along the segment.
+    fn slope(&self, t: f64) -> f64 {
+        let place = self.from + self.along * t;
+        (place - nearest(self.curved, place)).dot(self.along)
+    }
+
+    /// Where in [0, 1] the segment is nearest: the root of the slope, between two places at which it has
+    /// different signs (regula falsi; an end that stays counts half, after the Illinois method).
+    fn nearest_place(&self) -> f64 {
+        if self.along == DVec3::ZERO {
+            return 0.0;
+        }
+        let (mut low, mut high) = (0.0, 1.0);
+        let (mut at_low, mut at_high) = (self.slope(low), self.slope(high));
+        if !(at_low < 0.0) {
+            return low;
+        }
+        if !(at_high > 0.0) {
+            return high;
+        }
+        let flat = FLAT * (at_high - at_low);
+        let mut last_side = 0;
+        for _ in 0..NARROWINGS {
+            let t = (low * at_high - high * at_low) / (at_high - at_low);
+            let t = if low < t && t < high { t } else { 0.5 * (low + high) };
+            if !(low < t && t < high) {
+                break;
+            }
+            let here = self.slope(t);
+            if here.abs() <= flat {
+                return t;
+            }
+            if here < 0.0 {
+                (low, at_low) = (t, here);
+                if last_side == -1 {
+                    at_high *= 0.5;
+                }
+                last_side = -1;
+            } else {
+                (high, at_high) = (t, here);
+                if last_side == 1 {
+                    at_low *= 0.5;
+                }
+                last_side = 1;
+            }
+        }
+        if at_high < -at_low { high } else { low }
+    }
+}
+
+/// The nearest point of the core to a point of its frame: that point itself where it is inside.
+fn nearest(curved: &Curved, point: DVec3) -> DVec3 {
+    let flat = point.truncate();
+    let across = flat.length();
+    let [(low, low_radius), (high, high_radius)] = curved.discs();
+    let (across_there, z) = match curved.kind() {
+        CurvedKind::Cylinder => (across.min(low_radius), point.z.clamp(low, high)),
+        _ => {
+            // From the rim to the apex.
+            let side = DVec2::new(high_radius - low_radius, high - low);
+            let from_rim = DVec2::new(across - low_radius, point.z - low);
+            let is_outside = side.perp_dot(from_rim) < 0.0;
+            if !is_outside {
+                // Below the base the side's line goes on beyond the rim.
+                (across.min(low_radius), point.z.max(low))
+            } else {
+                let s = from_rim.dot(side) / side.length_squared();
+                if s > 0.0 {
+                    let s = s.min(1.0);
+                    (low_radius + side.x * s, low + side.y * s)
+                } else {
+                    (across.min(low_radius), low)
+                }
+            }
+        }
+    };
+    if across_there == across {
+        return DVec3::new(flat.x, flat.y, z);
+    }
+    (flat * (across_there / across)).extend(z)
+}
+
+/// How far a point of the core is from the nearest of its faces, negative outside, and that face's outward
+/// direction.
+fn way_out(curved: &Curved, point: DVec3) -> (f64, DVec3) {
+    let across = point.truncate().length();
+    let outward = if across > 0.0 { point.truncate() / across } else { DVec2::X };
+    let [(low, low_radius), (high, high_radius)] = curved.discs();
+    let slant = DVec2::new(high - low, low_radius - high_radius).normalize_or(DVec2::X);
+    let to_side = slant.x * (low_radius - across) - slant.y * (point.z - low);
+    let mut best = (to_side, (outward * slant.x).extend(slant.y));
+    for (distance, direction) in [(point.z - low, -DVec3::Z), (high - point.z, DVec3::Z)] {
+        // A cone's apex is no face.
+        let is_face = direction.z < 0.0 || high_radius > 0.0;
+        if is_face && distance < best.0 {
+            best = (distance, direction);
+        }
+    }
+    best
+}

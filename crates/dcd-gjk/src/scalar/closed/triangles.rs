@@ -1,0 +1,95 @@
+//! The nearest points of a triangle and a point or segment that does not pierce it.
+
+use super::segments::parameters;
+use crate::PosedSupport;
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Kind, Polytope};
+
+/// A point of each core, in its own frame, that are the nearest but for rounding where the cores do not meet.
+/// `delta` is from the second's origin to the first's.
+///
+/// Each is a combination of vertices whose weights are at least 0 and sum to 1 within 2u: it is within 5u of
+/// the reach from its core.
+pub(super) fn points(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    delta: DVec3,
+) -> Option<[DVec3; 2]> {
+    if a.map.kind() != Kind::Triangle {
+        return points(b, a, -delta).map(|[of_b, of_a]| [of_a, of_b]);
+    }
+    let (back, turn) = (a.pose.rotation().transpose(), *b.pose.rotation());
+    let corners: [DVec3; 3] = a.map.vertices().try_into().ok()?;
+    let seen = |v: DVec3| back * (turn * v - delta);
+    match *b.map.vertices() {
+        [point] => Some([combined(corners, weights(corners, seen(point))), point]),
+        [from, to] => {
+            let ends = [seen(from), seen(to)];
+            let (weights, t) = of_segment(corners, ends);
+            Some([combined(corners, weights), from + (to - from) * t])
+        }
+        _ => None,
+    }
+}
+
+fn combined([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
+    a * u + b * v + c * w
+}
+
+/// The weights of the corners in the triangle's point that is nearest.
+///
+/// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.5.
+fn weights([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 3] {
+    let (ab, ac) = (b - a, c - a);
+    let share = |along: f64, rest: f64| (along / (along + rest)).clamp(0.0, 1.0);
+    let [d1, d2] = [ab, ac].map(|edge| edge.dot(point - a));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return [1.0, 0.0, 0.0];
+    }
+    let [d3, d4] = [ab, ac].map(|edge| edge.dot(point - b));
+    if d3 >= 0.0 && d4 <= d3 {
+        return [0.0, 1.0, 0.0];
+    }
+    let of_c = d1 * d4 - d3 * d2;
+    if of_c <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        let t = share(d1, -d3);
+        return [1.0 - t, t, 0.0];
+    }
+    let [d5, d6] = [ab, ac].map(|edge| edge.dot(point - c));
+    if d6 >= 0.0 && d5 <= d6 {
+        return [0.0, 0.0, 1.0];
+    }
+    let of_b = d5 * d2 - d1 * d6;
+    if of_b <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        let t = share(d2, -d6);
+        return [1.0 - t, 0.0, t];
+    }
+    let of_a = d3 * d6 - d5 * d4;
+    if of_a <= 0.0 && d4 >= d3 && d5 >= d6 {
+        let t = share(d4 - d3, d5 - d6);
+        return [0.0, 1.0 - t, t];
+    }
+    let total = of_a + of_b + of_c;
+    let v = (of_b / total).clamp(0.0, 1.0);
+    let w = (of_c / total).clamp(0.0, 1.0 - v);
+    [1.0 - v - w, v, w]
+}
+
+/// The same for a segment, and where on it the nearest point is: an end against the triangle, or the segment
+/// against an edge.
+fn of_segment(corners: [DVec3; 3], [from, to]: [DVec3; 2]) -> ([f64; 3], f64) {
+    let along = to - from;
+    let of_ends = [(from, 0.0), (to, 1.0)].map(|(end, t)| (weights(corners, end), t));
+    let of_edges = [0, 1, 2].map(|k| {
+        let (p, q) = (corners[k], corners[(k + 1) % 3]);
+        let [s, t] = parameters(q - p, along, p - from);
+        let mut weights = [0.0; 3];
+        (weights[k], weights[(k + 1) % 3]) = (1.0 - s, s);
+        (weights, t)
+    });
+    let apart = |(weights, t): &([f64; 3], f64)| {
+        combined(corners, *weights).distance_squared(from + along * *t)
+    };
+    let all = of_ends.into_iter().chain(of_edges);
+    all.min_by(|p, q| apart(p).total_cmp(&apart(q))).unwrap_or(of_ends[0])
+}
