@@ -19,6 +19,7 @@ pub use path::JointPath;
 pub(super) use reach::Chain;
 
 use super::{Robot, RobotError, StateChecker, Workcell};
+use dcd_exec::Exec;
 use dcd_geom::Shape;
 use outline::Outline;
 use search::Search;
@@ -214,6 +215,22 @@ impl EdgeChecker {
     pub fn check_any(&self, path: &JointPath, budget: usize) -> Result<Edge, RobotError> {
         path.check(self.robot())?;
         Search::new(self, path, (budget, Before::Anything)).run()
+    }
+
+    /// [`EdgeChecker::check`] of each path, in their order: the same answers at any number of threads.
+    pub fn check_all<'e>(
+        &self,
+        paths: &[JointPath],
+        budget: usize,
+        exec: impl Into<Exec<'e>>,
+    ) -> Vec<Result<Edge, RobotError>> {
+        let mut found: Vec<Option<Result<Edge, RobotError>>> = paths.iter().map(|_| None).collect();
+        exec.into().divide(&mut found[..], 1, |start, found| {
+            for (path, found) in paths[start..].iter().zip(found) {
+                *found = Some(self.check(path, budget));
+            }
+        });
+        found.into_iter().flatten().collect()
     }
 
     /// The objects of a pair, as [`EdgePair::objects`] has them.

@@ -2,7 +2,7 @@
 //! far it reaches along a direction.
 
 use crate::state_checker::covers::{CoverSphere, cover};
-use dcd_geom::{Aabb, CurvedKind, Pose, Shape};
+use dcd_geom::{Aabb, CurvedKind, Kind, Pose, Shape};
 use glam::DVec3;
 
 /// At most so many spheres cover a shape. More: fewer pairs go to the solvers, each costs more.
@@ -18,6 +18,8 @@ pub(super) struct Outline {
     pub(super) whole: CoverSphere,
     pub(super) cover: Vec<CoverSphere>,
     pub(super) solid: Solid,
+    /// Whether that solid is the shape.
+    pub(super) is_solid: bool,
     pub(super) support: Option<Support>,
     /// How far its points are from its frame's origin.
     pub(super) reach: f64,
@@ -33,7 +35,15 @@ impl Outline {
         // What one sphere covers as well, it covers alone.
         let cover = if cover.len() > 1 { cover } else { Vec::new() };
         let reach = whole.centre.length() + whole.outer;
-        Self { whole, cover, solid: Solid::of(shape), support: Support::of(shape), reach }
+        let is_solid = match shape {
+            Shape::Polytope(polytope) => {
+                matches!(polytope.kind(), Kind::Cuboid { .. } | Kind::Point)
+            }
+            Shape::Curved(curved) => curved.kind() == CurvedKind::Cylinder,
+            _ => false,
+        };
+        let (solid, support) = (Solid::of(shape), Support::of(shape));
+        Self { whole, cover, solid, is_solid, support, reach }
     }
 }
 

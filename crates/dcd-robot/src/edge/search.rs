@@ -1,9 +1,13 @@
 //! The search through a path's intervals.
 
+mod bounds;
+#[cfg(test)]
+mod tests;
+
 use super::path::JointPath;
-use super::place::{Local, Near, Place, Twist};
+use super::place::{Local, Place, Twist};
 use super::reach::Lengths;
-use super::{Before, Edge, EdgeAnswer, EdgeChecker, EdgePair, EdgeReason, ROOM};
+use super::{Before, Edge, EdgeAnswer, EdgeChecker, EdgeReason, ROOM};
 use crate::RobotError;
 use dcd_exec::Par;
 use dcd_geom::Pose;
@@ -22,10 +26,6 @@ const BEFORE_A_HIT: f64 = 1.0 / (1u64 << 8) as f64;
 
 /// The states of a path that are looked at before any interval: in sixteenths, all at once.
 const SAMPLES: [u8; 16] = [0, 16, 8, 4, 12, 2, 6, 10, 14, 1, 3, 5, 7, 9, 11, 13];
-
-/// What coordinates and turned directions lose in f64, relative to the lengths that go into them, with much
-/// room.
-const ROUNDING: f64 = 1e-12;
 
 pub(super) struct Search<'a> {
     checker: &'a EdgeChecker,
@@ -59,8 +59,10 @@ struct Mover {
     lengths: Lengths,
     /// How fast the joints before each turn together at most, and how fast that changes.
     before: Vec<[f64; 2]>,
-    /// How far from the base any point of it is.
+    /// All lengths that go into its coordinates, and how fast its joints turn together, for [`Search::slack`].
     length: f64,
+    turns: f64,
+    deviation: f64,
     /// The node for which the rest is computed.
     node: usize,
     local: Local,
@@ -81,6 +83,8 @@ struct Node {
 struct BySpheres {
     /// The pair comes no nearer than that in the interval.
     margin: f64,
+    /// At the interval's middle it is no farther than that; infinite where that is not known.
+    upper: f64,
     /// From one to the other where they are nearest.
     direction: DVec3,
 }
@@ -103,9 +107,20 @@ impl<'a> Search<'a> {
                 turns += turn * ROOM;
                 before
             });
-            Mover { before: before.collect(), length: lengths.length, lengths, ..Mover::default() }
+            let before = before.collect();
+            // Of the chain, of the place, and of the points in the shape's own frame.
+            let length = 3.0 * lengths.length;
+            Mover { before, length, turns, lengths, ..Mover::default() }
         });
-        let movers: Vec<Mover> = movers.collect();
+        let mut movers: Vec<Mover> = movers.collect();
+        let scene = checker.cell.scene();
+        for (i, obstacle) in movers.iter_mut().enumerate() {
+            if checker.movers[i].is_none() {
+                let pose = &scene.poses()[i];
+                obstacle.length = checker.outlines[i].reach + pose.translation().length();
+                obstacle.deviation = pose.deviation();
+            }
+        }
         let off = checker.pairs.iter().map(|pair| {
             let of = |object: u32| 2.0 * movers[object as usize].lengths.deviation;
             of(pair.objects[0]) + of(pair.objects[1])
@@ -303,8 +318,17 @@ impl<'a> Search<'a> {
         if self.suffices(found.margin) {
             return self.note(found.margin);
         }
-        let common = self.common(&edge_pair);
-        let carried = common.map(|link| *self.link_pose(link));
+        if self.hit.is_none() {
+            self.nearest = self.nearest.min(found.upper);
+        }
+        // Along no direction the gap is larger than the distance, and it counts less what accelerations may do.
+        let change = 0.5 * self.half * self.half * self.change(&edge_pair);
+        let most = found.upper - change;
+        let can_be_proved = most > 0.0 && (self.suffices(most) || most >= 0.5 * found.upper);
+        if !can_be_proved && found.upper > self.off[pair as usize] + self.slack(&edge_pair) {
+            return false;
+        }
+        let carried = self.common(&edge_pair).map(|link| *self.at.rotation(link));
         let last = self.directions[pair as usize];
         let last = carried.map_or(last, |rotation| rotation * last);
         for direction in [last, found.direction] {
@@ -341,230 +365,12 @@ impl<'a> Search<'a> {
         self.keep(pair, carried, found.normal);
         let off = self.off[pair as usize];
         self.nearest = self.nearest.min(found.upper() + off);
-        let mut proved = found.lower() - (self.moved(&edge_pair) + off);
+        let mut proved = found.lower() - (self.moved(&edge_pair) + self.slack(&edge_pair) + off);
         if !self.suffices(proved) {
             proved = proved.max(self.along(pair, &edge_pair, found.normal));
         }
         // Proved, and by as much as a clearance asks for.
         let enough = proved > 0.0 && (self.suffices(proved) || proved >= 0.5 * found.lower());
         if enough { self.note(proved) } else { false }
-    }
-
-    /// The link that the last joint moves which carries both.
-    fn common(&self, pair: &EdgePair) -> Option<usize> {
-        let (_, chain) = self.checker.movers[pair.objects[0] as usize].as_ref()?;
-        let last = *chain.joints.get((pair.common as usize).checked_sub(1)?)?;
-        Some(self.checker.robot().joints()[last as usize].child)
-    }
-
-    fn link_pose(&self, link: usize) -> &glam::DMat3 {
-        self.at.rotation(link)
-    }
-
-    /// Computes how a moving object moves now, if this is not done.
-    fn update(&mut self, object: u32) {
-        let i = object as usize;
-        let Some((part, chain)) = &self.checker.movers[i] else { return };
-        let mover = &mut self.movers[i];
-        if mover.node == self.nodes {
-            return;
-        }
-        mover.node = self.nodes;
-        let whole = &self.checker.outlines[i].whole;
-        let pose = &self.at.poses[*part];
-        let stretch = 1.0 + 1e-9 + 4.0 * pose.deviation();
-        mover.middle = pose.apply(whole.centre);
-        mover.twist = *self.at.twist(self.checker.robot().parts()[*part].link);
-        let near = Near {
-            joints: &chain.joints,
-            lengths: &mover.lengths,
-            before: &mover.before,
-            middle: mover.middle,
-            radius: whole.outer * stretch + mover.lengths.deviation + ROUNDING * mover.length,
-            twist: mover.twist,
-            half: self.half,
-            is_even: self.is_even,
-        };
-        mover.local.set(self.checker, &self.at, &near);
-    }
-
-    /// The middles of an object's spheres.
-    fn update_cover(&mut self, object: u32) {
-        let i = object as usize;
-        if self.movers[i].cover_node == self.nodes {
-            return;
-        }
-        let mut cover = std::mem::take(&mut self.movers[i].cover);
-        cover.clear();
-        let pose = self.pose(object);
-        cover.extend(self.checker.outlines[i].cover.iter().map(|s| pose.apply(s.centre)));
-        let mover = &mut self.movers[i];
-        (mover.cover, mover.cover_node) = (cover, self.nodes);
-    }
-
-    /// How far two objects may move to each other: against the frame of the joints that carry both.
-    fn moved(&self, pair: &EdgePair) -> f64 {
-        let [a, b] = pair.objects.map(|object| object as usize);
-        if self.checker.movers[b].is_none() {
-            return self.movers[a].local.moved;
-        }
-        let common = pair.common as usize;
-        let speed = |i: usize| self.movers[i].local.speed[common];
-        let mut moved = self.half * (speed(a) + speed(b));
-        let base = self.checker.robot().base.translation;
-        let carrier = self.carrier(pair);
-        let [in_a, in_b] = [a, b].map(|i| {
-            let mover = &self.movers[i];
-            let twist = mover.twist.from(&carrier);
-            let radius = self.checker.outlines[i].whole.outer;
-            (twist.of(mover.middle - base), radius * twist.turn.length())
-        });
-        let now = (in_a.0 - in_b.0).length() + in_a.1 + in_b.1;
-        let change = 0.5 * self.half * self.half * self.change(pair);
-        moved = moved.min(self.half * now * ROOM + change);
-        moved * ROOM + self.slack(pair)
-    }
-
-    fn carrier(&self, pair: &EdgePair) -> Twist {
-        self.common(pair).map_or(Twist::default(), |link| *self.at.twist(link))
-    }
-
-    /// How large the accelerations of both are together at most.
-    fn change(&self, pair: &EdgePair) -> f64 {
-        let change = |object: u32| {
-            let local = &self.movers[object as usize].local;
-            local.acceleration.get(pair.common as usize).copied().unwrap_or(0.0)
-        };
-        change(pair.objects[0]) + change(pair.objects[1])
-    }
-
-    /// What coordinates and velocities of both lose in f64.
-    fn slack(&self, pair: &EdgePair) -> f64 {
-        let of = |object: u32| {
-            let mover = &self.movers[object as usize];
-            let pose = self.pose(object);
-            let own = self.checker.outlines[object as usize].reach + pose.translation().length();
-            let turns: f64 = mover.lengths.turn.iter().sum();
-            (mover.length + own, turns, pose.deviation())
-        };
-        let [a, b] = pair.objects.map(of);
-        let lengths = a.0 + b.0;
-        (ROUNDING + 4.0 * (a.2 + b.2)) * lengths * (1.0 + self.half * (8.0 + a.1 + b.1))
-    }
-
-    fn by_spheres(&mut self, pair: u32, edge_pair: &EdgePair) -> BySpheres {
-        let [a, b] = edge_pair.objects;
-        let (in_a, in_b) = (a as usize, b as usize);
-        let off = self.off[pair as usize] + self.slack(edge_pair);
-        let whole_a = self.checker.outlines[in_a].whole.outer;
-        let whole_b = self.checker.outlines[in_b].whole.outer;
-        let moved = self.moved(edge_pair);
-        let middle = self.movers[in_a].middle;
-        let other = self.checker.movers[in_b].is_some();
-        if other {
-            let between = self.movers[in_b].middle - middle;
-            let margin = between.length() - whole_a - whole_b - moved - off;
-            if self.suffices(margin) || !margin.is_finite() {
-                return BySpheres { margin, direction: between };
-            }
-            let (covered, direction) = self.between_covers(a, b);
-            return BySpheres { margin: margin.max(covered - moved - off), direction };
-        }
-        let solid = &self.checker.outlines[in_b].solid;
-        let rotation = *self.pose(b).rotation();
-        let local = self.local(b, middle);
-        let (far, near) = solid.nearest(local);
-        let direction = rotation * (near - local);
-        let margin = far - whole_a - moved - off;
-        let cover = &self.checker.outlines[in_a].cover;
-        if self.suffices(margin) || cover.is_empty() || !far.is_finite() {
-            let margin = if far.is_finite() { margin } else { f64::NEG_INFINITY };
-            return BySpheres { margin, direction };
-        }
-        self.update_cover(a);
-        let mover = &self.movers[in_a];
-        let base = self.checker.robot().base.translation;
-        let turn = mover.twist.turn.length();
-        let change = 0.5 * self.half * self.half * mover.local.acceleration[0];
-        let most = self.half * mover.local.speed[0];
-        let inverse = rotation.transpose();
-        let place = self.pose(b).translation();
-        let (mut least, mut direction) = (f64::INFINITY, direction);
-        for (sphere, &centre) in cover.iter().zip(&mover.cover) {
-            let local = inverse * (centre - place);
-            let (far, near) = solid.nearest(local);
-            let now = mover.twist.of(centre - base).length() + sphere.outer * turn;
-            let moved = (self.half * now * ROOM + change).min(most) * ROOM;
-            let margin = far - sphere.outer - moved;
-            if margin < least {
-                (least, direction) = (margin, near - local);
-            }
-        }
-        if least < f64::INFINITY && direction != DVec3::ZERO {
-            direction = rotation * direction;
-        }
-        BySpheres { margin: margin.max(least - off), direction }
-    }
-
-    /// How far the spheres of two moving objects are from each other, and the direction there.
-    fn between_covers(&mut self, a: u32, b: u32) -> (f64, DVec3) {
-        self.update_cover(a);
-        self.update_cover(b);
-        let spheres = |i: u32| {
-            let (outline, mover) = (&self.checker.outlines[i as usize], &self.movers[i as usize]);
-            let cover = outline.cover.iter().zip(&mover.cover).map(|(s, &c)| (c, s.outer));
-            let alone = outline.cover.is_empty().then_some((mover.middle, outline.whole.outer));
-            cover.chain(alone)
-        };
-        let whole = (self.movers[b as usize].middle, self.checker.outlines[b as usize].whole.outer);
-        let (mut least, mut direction) = (f64::INFINITY, whole.0 - self.movers[a as usize].middle);
-        for (centre, radius) in spheres(a) {
-            if centre.distance(whole.0) - radius - whole.1 >= least {
-                continue;
-            }
-            for (other, outer) in spheres(b) {
-                let between = other - centre;
-                let far = between.length() - radius - outer;
-                if far < least {
-                    (least, direction) = (far, between);
-                }
-            }
-        }
-        (least, direction)
-    }
-
-    /// How near the pair comes at least, by its gap along a direction: at either end as if all kept their velocities,
-    /// less what their accelerations may do. −∞ where one has no support map.
-    fn along(&self, pair: u32, edge_pair: &EdgePair, direction: DVec3) -> f64 {
-        let [a, b] = edge_pair.objects;
-        let supports = [a, b].map(|i| self.checker.outlines[i as usize].support.as_ref());
-        let ([Some(in_a), Some(in_b)], Some(n)) = (supports, direction.try_normalize()) else {
-            return f64::NEG_INFINITY;
-        };
-        let base = self.checker.robot().base.translation;
-        let carrier = self.carrier(edge_pair);
-        // Obstacles stand still; what carries both is still too, as seen from it.
-        let twist_of = |i: u32| match &self.checker.movers[i as usize] {
-            Some(_) => self.movers[i as usize].twist.from(&carrier),
-            None => Twist::default(),
-        };
-        let far = |i: u32, support: &super::outline::Support, twist: &Twist, side: f64, s: f64| {
-            let pose = self.pose(i);
-            // n·(ω × p) is p·(n × ω): the support in a direction that is turned a little.
-            let d = (n + s * n.cross(twist.turn)) * side;
-            let local = pose.rotation().transpose() * d;
-            let moved = s * side * n.dot(twist.at_base);
-            (pose.translation() - base).dot(d) + support.along(local) + moved
-        };
-        let (twist_a, twist_b) = (twist_of(a), twist_of(b));
-        let gap = |s: f64| -far(b, in_b, &twist_b, -1.0, s) - far(a, in_a, &twist_a, 1.0, s);
-        let first = gap(self.half);
-        if !(first > 0.0) {
-            return first;
-        }
-        let least = first.min(gap(-self.half));
-        let change = 0.5 * self.half * self.half * self.change(edge_pair) * ROOM;
-        let rounding = self.slack(edge_pair) * 0.1;
-        (least - change - rounding - self.off[pair as usize]) * (1.0 - 1e-9)
     }
 }
