@@ -27,6 +27,10 @@ const BEFORE_A_HIT: f64 = 1.0 / (1u64 << 8) as f64;
 /// The states of a path that are looked at before any interval: in sixteenths, all at once.
 const SAMPLES: [u8; 16] = [0, 16, 8, 4, 12, 2, 6, 10, 14, 1, 3, 5, 7, 9, 11, 13];
 
+/// By how much a distance may exceed the gap along a direction that was the nearest one's before. No unit. Larger:
+/// more distances that prove too little. Smaller: shorter intervals than need be.
+const BETTER: f64 = 1.5;
+
 pub(super) struct Search<'a> {
     checker: &'a EdgeChecker,
     path: &'a JointPath,
@@ -77,6 +81,14 @@ struct Node {
     from: f64,
     to: f64,
     pairs: Range<usize>,
+}
+
+/// What a direction proves of a pair.
+struct Gaps {
+    /// The pair comes no nearer than that in the interval; below 0 where nothing is proved.
+    proved: f64,
+    /// At most the gap in the interval's middle.
+    middle: f64,
 }
 
 /// What the spheres of a pair prove.
@@ -315,7 +327,9 @@ impl<'a> Search<'a> {
         self.update(a);
         self.update(b);
         let found = self.by_spheres(pair, &edge_pair);
-        if self.suffices(found.margin) {
+        let suffices = self.suffices(found.margin);
+        // What spheres prove is loose: a clearance is to come from directions.
+        if suffices && (self.hit.is_some() || found.margin >= self.nearest) {
             return self.note(found.margin);
         }
         if self.hit.is_none() {
@@ -325,17 +339,28 @@ impl<'a> Search<'a> {
         let change = 0.5 * self.half * self.half * self.change(&edge_pair);
         let most = found.upper - change;
         let can_be_proved = most > 0.0 && (self.suffices(most) || most >= 0.5 * found.upper);
-        if !can_be_proved && found.upper > self.off[pair as usize] + self.slack(&edge_pair) {
+        if !suffices
+            && !can_be_proved
+            && found.upper > self.off[pair as usize] + self.slack(&edge_pair)
+        {
             return false;
         }
         let carried = self.common(&edge_pair).map(|link| *self.at.rotation(link));
         let last = self.directions[pair as usize];
         let last = carried.map_or(last, |rotation| rotation * last);
         for direction in [last, found.direction] {
-            let proved = self.along(pair, &edge_pair, direction);
-            if self.suffices(proved) {
+            let Some(gaps) = self.along(pair, &edge_pair, direction) else { continue };
+            let proved = gaps.proved.max(found.margin);
+            if self.suffices(gaps.proved) {
                 self.keep(pair, carried, direction);
+            }
+            if self.suffices(proved) {
                 return self.note(proved);
+            }
+            // Apart at the middle, and by enough if the interval were shorter: no other direction is so much better.
+            let hoped = BETTER * gaps.middle - change;
+            if gaps.middle > 0.0 && self.suffices(gaps.middle) && !self.suffices(hoped) {
+                return false;
             }
         }
         self.is_proved_by_distance(pair, carried)
@@ -367,7 +392,8 @@ impl<'a> Search<'a> {
         self.nearest = self.nearest.min(found.upper() + off);
         let mut proved = found.lower() - (self.moved(&edge_pair) + self.slack(&edge_pair) + off);
         if !self.suffices(proved) {
-            proved = proved.max(self.along(pair, &edge_pair, found.normal));
+            let along = self.along(pair, &edge_pair, found.normal);
+            proved = along.map_or(proved, |gaps| proved.max(gaps.proved));
         }
         // Proved, and by as much as a clearance asks for.
         let enough = proved > 0.0 && (self.suffices(proved) || proved >= 0.5 * found.lower());

@@ -201,7 +201,8 @@ fn an_edge_of_length_zero_is_its_state() {
     let edge = checker.check(&stay(0.0), 100).unwrap();
     let EdgeAnswer::Free { clearance } = edge.answer else { panic!("{edge:?}") };
     let (_, least) = at(&checker, &stay(0.0), 0.0);
-    assert!(clearance > 0.999 * least && clearance <= least, "{clearance} {least}");
+    // Half is promised; where nothing moves only the direction between two spheres may lean a little.
+    assert!(clearance > 0.99 * least && clearance <= least, "{clearance} {least}");
     let edge = checker.check(&stay(std::f64::consts::FRAC_PI_2), 100).unwrap();
     assert!(matches!(edge.answer, EdgeAnswer::Hit { t: 0.0, .. }), "{edge:?}");
 }

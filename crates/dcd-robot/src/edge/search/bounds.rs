@@ -2,7 +2,7 @@
 
 use super::super::place::{Near, Twist};
 use super::super::{EdgePair, ROOM};
-use super::{BySpheres, Search};
+use super::{BySpheres, Gaps, Search};
 use glam::DVec3;
 
 /// What coordinates and turned directions lose in f64, relative to the lengths that go into them, with much
@@ -197,12 +197,12 @@ impl Search<'_> {
     }
 
     /// How near the pair comes at least, by its gap along a direction: at either end as if all kept their velocities,
-    /// less what their accelerations may do. −∞ where one has no support map.
-    pub(super) fn along(&self, pair: u32, edge_pair: &EdgePair, direction: DVec3) -> f64 {
+    /// less what their accelerations may do. `None` where one has no support map.
+    pub(super) fn along(&self, pair: u32, edge_pair: &EdgePair, direction: DVec3) -> Option<Gaps> {
         let [a, b] = edge_pair.objects;
         let supports = [a, b].map(|i| self.checker.outlines[i as usize].support.as_ref());
         let ([Some(in_a), Some(in_b)], Some(n)) = (supports, direction.try_normalize()) else {
-            return f64::NEG_INFINITY;
+            return None;
         };
         let base = self.checker.robot().base.translation;
         let carrier = self.carrier(edge_pair);
@@ -224,11 +224,13 @@ impl Search<'_> {
         let gap = |s: f64| -far(b, in_b, &twist_b, -1.0, s) - far(a, in_a, &twist_a, 1.0, s);
         let first = gap(self.half);
         if !(first > 0.0) {
-            return first;
+            return Some(Gaps { proved: first.min(0.0), middle: 0.0 });
         }
-        let least = first.min(gap(-self.half));
+        let last = gap(-self.half);
         let change = 0.5 * self.half * self.half * self.change(edge_pair) * ROOM;
-        let rounding = self.slack(edge_pair) * 0.1;
-        (least - change - rounding - self.off[pair as usize]) * (1.0 - 1e-9)
+        let lost = self.slack(edge_pair) + self.off[pair as usize];
+        let proved = (first.min(last) - change - lost) * (1.0 - 1e-9);
+        // The gap at the middle is no less than the mean of both: the least of what is linear is concave.
+        Some(Gaps { proved, middle: 0.5 * (first + last) - lost })
     }
 }

@@ -51,7 +51,9 @@ fn no_pair_comes_nearer_in_an_interval_than_is_proved_of_it() {
             let Some(found) = measured(&now, [a, b]) else { continue };
             let bounds = now.by_spheres(pair, &edge_pair);
             let normal = found.normal;
-            let along = now.along(pair, &edge_pair, normal);
+            let gaps = now.along(pair, &edge_pair, normal).unwrap();
+            let along = gaps.proved;
+            assert!(gaps.middle <= found.upper(), "{path:?} {a} {b}: {found:?}");
             assert!(bounds.upper >= found.lower(), "{path:?} {a} {b}: {found:?}");
             let margin = along.max(bounds.margin).max(found.lower() - now.moved(&edge_pair));
             let mut least = f64::INFINITY;
