@@ -21,7 +21,7 @@ pub(super) use reach::Chain;
 use super::{Robot, RobotError, StateChecker, Workcell};
 use dcd_exec::Exec;
 use dcd_geom::Shape;
-use outline::Outline;
+use outline::{MOST_SPHERES, Outline};
 use search::Search;
 use std::sync::Arc;
 
@@ -143,11 +143,9 @@ impl EdgeChecker {
             None => StateChecker::new(cell.clone()).ok(),
         };
         let scene = self.cell.scene();
-        let held: Vec<(Shape, Arc<Outline>)> = (0..)
-            .map_while(|i| Some((i, self.outlines.get(i)?)))
-            .filter(|(i, _)| self.movers[*i].is_some())
-            .map(|(i, outline)| (scene.shape(i).clone(), outline.clone()))
-            .collect();
+        let moving = (0..self.movers.len()).filter(|&i| self.movers[i].is_some());
+        let held = moving.map(|i| (scene.shape(i).clone(), self.outlines[i].clone()));
+        let held: Vec<(Shape, Arc<Outline>)> = held.collect();
         *self = Self::with(cell, states, &held);
     }
 
@@ -166,11 +164,13 @@ impl EdgeChecker {
         let movers: Vec<_> = (0..scene.len()).map(mover).collect();
         let outline = |i: usize| {
             let shape = scene.shape(i);
-            let known = held.iter().find(|(known, _)| movers[i].is_some() && is_one(known, shape));
-            known.map_or_else(
-                || Arc::new(Outline::of(shape, movers[i].is_some())),
-                |(_, outline)| outline.clone(),
-            )
+            if movers[i].is_none() {
+                // An obstacle is compared by the solid round it.
+                return Arc::new(Outline::of(shape, 1));
+            }
+            let known = held.iter().find(|(known, _)| is_one(known, shape));
+            let new = || Arc::new(Outline::of(shape, MOST_SPHERES));
+            known.map_or_else(new, |(_, outline)| outline.clone())
         };
         let outlines = (0..scene.len()).map(outline).collect();
         let mut pairs = Vec::new();

@@ -6,7 +6,7 @@ use dcd_geom::{Aabb, CurvedKind, Kind, Pose, Shape};
 use glam::DVec3;
 
 /// At most so many spheres cover a shape. More: fewer pairs go to the solvers, each costs more.
-const MOST_SPHERES: usize = 16;
+pub(super) const MOST_SPHERES: usize = 16;
 
 /// Of a hull or a mesh of more vertices there is no support map: the solvers have better ones.
 const MOST_VERTICES: usize = 4096;
@@ -26,12 +26,12 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// An obstacle is its solid: without spheres that cover it.
-    pub(super) fn of(shape: &Shape, moves: bool) -> Self {
+    /// Covered by at most so many spheres; by none beside the whole one if that is 1.
+    pub(super) fn of(shape: &Shape, most: usize) -> Self {
         let one = cover(shape, 1);
         let none = CoverSphere { centre: DVec3::ZERO, outer: f64::INFINITY, inner: 0.0 };
         let whole = one.first().copied().unwrap_or(none);
-        let cover = if moves { cover(shape, MOST_SPHERES) } else { Vec::new() };
+        let cover = if most > 1 { cover(shape, most) } else { Vec::new() };
         // What one sphere covers as well, it covers alone.
         let cover = if cover.len() > 1 { cover } else { Vec::new() };
         let reach = whole.centre.length() + whole.outer;
@@ -189,7 +189,7 @@ mod tests {
             hull.rounded(0.05).unwrap(),
         ];
         for shape in shapes {
-            let Outline { support, solid, whole, .. } = Outline::of(&shape, true);
+            let Outline { support, solid, whole, .. } = Outline::of(&shape, MOST_SPHERES);
             let support = support.unwrap();
             let at = dcd_gjk::PosedShape { shape: &shape, pose: &Pose::IDENTITY };
             for k in 0..300 {
@@ -219,10 +219,10 @@ mod tests {
 
     #[test]
     fn a_box_is_as_far_as_it_is_and_what_has_no_end_nowhere() {
-        let plate = Outline::of(&Shape::cuboid(DVec3::new(1.0, 2.0, 0.01)).unwrap(), true);
+        let plate = Outline::of(&Shape::cuboid(DVec3::new(1.0, 2.0, 0.01)).unwrap(), MOST_SPHERES);
         assert!((plate.solid.nearest(DVec3::new(0.0, 1.5, 1.0)).0 - 0.99).abs() < 1e-15);
         assert!(plate.solid.nearest(DVec3::new(0.5, -1.9, 0.0)).0 <= 0.0);
-        let ground = Outline::of(&Shape::half_space(DVec3::Z, 0.0).unwrap(), false);
+        let ground = Outline::of(&Shape::half_space(DVec3::Z, 0.0).unwrap(), 1);
         assert!(!(ground.solid.nearest(DVec3::Z * 9.0).0 > 0.0));
         assert!(ground.support.is_none() && ground.whole.outer == f64::INFINITY);
     }
