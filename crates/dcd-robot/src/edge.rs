@@ -6,8 +6,9 @@
 //! left out; and, along the direction in which the gap was found, the velocity at the middle with a bound
 //! on the acceleration, which lets a link slide along an obstacle (docs/numerics/proofs.md, "edges").
 
-mod own_box;
+mod outline;
 mod path;
+mod place;
 mod reach;
 mod search;
 #[cfg(test)]
@@ -17,10 +18,15 @@ pub(super) use path::Extents;
 pub use path::JointPath;
 pub(super) use reach::Chain;
 
-use super::{Robot, RobotError, Workcell};
-use dcd_geom::SphereBounds;
-use own_box::OwnBox;
+use super::{Robot, RobotError, StateChecker, Workcell};
+use dcd_exec::Exec;
+use dcd_geom::Shape;
+use outline::{MOST_SPHERES, Outline};
 use search::Search;
+use std::sync::Arc;
+
+/// What the numbers of a bound lose in f64, relative, with much room.
+const ROOM: f64 = 1.0 + 1e-9;
 
 /// Checks whether motions of a robot in its world are free.
 #[derive(Clone, Debug)]
@@ -28,11 +34,11 @@ pub struct EdgeChecker {
     cell: Workcell,
     /// For each object of the scene the part that moves it, and by which joints.
     movers: Vec<Option<(usize, Chain)>>,
-    /// For each object a sphere round its shape.
-    spheres: Vec<Option<SphereBounds>>,
-    /// For each object the box round its shape in its own frame.
-    boxes: Vec<OwnBox>,
+    /// For each object.
+    outlines: Vec<Arc<Outline>>,
     pairs: Vec<EdgePair>,
+    /// For hits; none of more objects than it counts.
+    states: Option<Arc<StateChecker>>,
 }
 
 /// Two objects that may not touch, a moving one first.
@@ -43,6 +49,15 @@ struct EdgePair {
     common: u32,
 }
 
+/// Where a search ends that has found a hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Before {
+    /// At once.
+    Anything,
+    /// Where the path before the hit is proved free as far as it is.
+    Hit,
+}
+
 /// What is known of an edge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edge {
@@ -50,7 +65,7 @@ pub struct Edge {
     pub answer: EdgeAnswer,
     /// Up to which t all of it is proved free; 1 for a free edge.
     pub free_until: f64,
-    /// How many intervals were looked at.
+    /// How many intervals were looked at; sixteen single states, which come first, are not counted.
     pub nodes: usize,
 }
 
@@ -100,10 +115,41 @@ impl EdgeReason {
     }
 }
 
+/// Whether two shapes are clones of one.
+fn is_one(a: &Shape, b: &Shape) -> bool {
+    match (a, b) {
+        (Shape::Polytope(a), Shape::Polytope(b)) => Arc::ptr_eq(a, b),
+        (Shape::Mesh(a), Shape::Mesh(b)) => Arc::ptr_eq(a, b),
+        (Shape::Compound(a), Shape::Compound(b)) => Arc::ptr_eq(a, b),
+        (Shape::Curved(a), Shape::Curved(b)) => a == b,
+        _ => false,
+    }
+}
+
 impl EdgeChecker {
     /// For the robot of a work cell, with what it carries, among its obstacles; pairs that may touch are
     /// left out.
     pub fn new(cell: Workcell) -> Self {
+        let states = StateChecker::new(cell.clone()).ok();
+        Self::with(cell, states, &[])
+    }
+
+    /// Checks in another cell from now on. Shapes that both cells hold are not prepared again: of the same robot,
+    /// the obstacles alone.
+    pub fn set_cell(&mut self, cell: Workcell) {
+        let states = self.states.take().and_then(Arc::into_inner);
+        let states = match states {
+            Some(mut states) => states.set_cell(cell.clone()).ok().map(|()| states),
+            None => StateChecker::new(cell.clone()).ok(),
+        };
+        let scene = self.cell.scene();
+        let moving = (0..self.movers.len()).filter(|&i| self.movers[i].is_some());
+        let held = moving.map(|i| (scene.shape(i).clone(), self.outlines[i].clone()));
+        let held: Vec<(Shape, Arc<Outline>)> = held.collect();
+        *self = Self::with(cell, states, &held);
+    }
+
+    fn with(cell: Workcell, states: Option<StateChecker>, held: &[(Shape, Arc<Outline>)]) -> Self {
         let robot = cell.robot();
         let mut parent_joint = vec![None; robot.links().len()];
         for (index, joint) in robot.joints().iter().enumerate() {
@@ -116,8 +162,17 @@ impl EdgeChecker {
             Some((part, Chain::of(robot, moved, &parent_joint)))
         };
         let movers: Vec<_> = (0..scene.len()).map(mover).collect();
-        let spheres = (0..scene.len()).map(|i| SphereBounds::of(scene.shape(i))).collect();
-        let boxes = (0..scene.len()).map(|i| OwnBox::of(scene.shape(i))).collect();
+        let outline = |i: usize| {
+            let shape = scene.shape(i);
+            if movers[i].is_none() {
+                // An obstacle is compared by the solid round it.
+                return Arc::new(Outline::of(shape, 1));
+            }
+            let known = held.iter().find(|(known, _)| is_one(known, shape));
+            let new = || Arc::new(Outline::of(shape, MOST_SPHERES));
+            known.map_or_else(new, |(_, outline)| outline.clone())
+        };
+        let outlines = (0..scene.len()).map(outline).collect();
         let mut pairs = Vec::new();
         for i in 0..scene.len() as u32 {
             let Some((_, chain)) = &movers[i as usize] else { continue };
@@ -134,7 +189,7 @@ impl EdgeChecker {
                 pairs.push(EdgePair { objects: [i, j], common });
             }
         }
-        Self { movers, spheres, boxes, pairs, cell }
+        Self { movers, outlines, pairs, states: states.map(Arc::new), cell }
     }
 
     /// The work cell.
@@ -143,13 +198,49 @@ impl EdgeChecker {
     }
 
     /// Whether the path is free, by at most `budget` intervals: the same answer at each call, whatever
-    /// else runs.
+    /// else runs. Before a hit the path is proved free as far as it is, to within 2⁻⁸ of t.
     ///
     /// # Errors
     /// A control point that is no state of the robot; a state on the way in which a part is out of range.
     pub fn check(&self, path: &JointPath, budget: usize) -> Result<Edge, RobotError> {
         path.check(self.robot())?;
-        Search::new(self, path, budget)?.run()
+        Search::new(self, path, (budget, Before::Hit)).run()
+    }
+
+    /// The same, for those who ask of a hit that there is one: nothing is proved of what is before it, so that its
+    /// [`Edge::free_until`] is 0.
+    ///
+    /// # Errors
+    /// Those of [`EdgeChecker::check`].
+    pub fn check_any(&self, path: &JointPath, budget: usize) -> Result<Edge, RobotError> {
+        path.check(self.robot())?;
+        Search::new(self, path, (budget, Before::Anything)).run()
+    }
+
+    /// [`EdgeChecker::check`] of each path, in their order: the same answers at any number of threads.
+    pub fn check_all<'e>(
+        &self,
+        paths: &[JointPath],
+        budget: usize,
+        exec: impl Into<Exec<'e>>,
+    ) -> Vec<Result<Edge, RobotError>> {
+        let mut found: Vec<Option<Result<Edge, RobotError>>> = paths.iter().map(|_| None).collect();
+        exec.into().divide(&mut found[..], 1, |start, found| {
+            for (path, found) in paths[start..].iter().zip(found) {
+                *found = Some(self.check(path, budget));
+            }
+        });
+        found.into_iter().flatten().collect()
+    }
+
+    /// The objects of a pair, as [`EdgePair::objects`] has them.
+    fn in_order(&self, [i, j]: [u32; 2]) -> [u32; 2] {
+        let is_mover = |i: u32| self.movers[i as usize].is_some();
+        if is_mover(i.min(j)) || !is_mover(i.max(j)) {
+            [i.min(j), i.max(j)]
+        } else {
+            [i.max(j), i.min(j)]
+        }
     }
 
     fn robot(&self) -> &Robot {

@@ -6,7 +6,7 @@
 //! robot of spheres among boxes, cylinders and spheres is decided by the lanes but for what is within
 //! [`MARGIN`].
 
-mod covers;
+pub(crate) mod covers;
 mod link_frames;
 mod links;
 mod obstacle_tree;

@@ -50,6 +50,8 @@ pub(crate) struct Lengths {
     pub(crate) change: Vec<f64>,
     /// How far an f64 pose at the rounded state may put a point from where it is.
     pub(crate) deviation: f64,
+    /// How far from the robot's base any point of it is, and the base from the origin, together.
+    pub(crate) length: f64,
 }
 
 impl Chain {
@@ -99,8 +101,8 @@ impl Chain {
     pub(crate) fn lengths(&self, path: &Extents) -> Lengths {
         const ROOM: f64 = 1.0 + 1e-9;
         let none = vec![0.0; self.joints.len()];
-        let mut lengths =
-            Lengths { speed: none.clone(), turn: none.clone(), change: none, deviation: 0.0 };
+        let (speed, turn) = (none.clone(), none.clone());
+        let mut lengths = Lengths { speed, turn, change: none, deviation: 0.0, length: 0.0 };
         let mut reach = self.extent;
         let mut off = 0.0;
         for step in &self.steps {
@@ -125,6 +127,7 @@ impl Chain {
         let length = (reach + self.base) * ROOM;
         let of_quaternions = if self.orients { SLERP } else { 0.0 };
         let of_poses = POSE * (self.depth + 2) as f64 + of_quaternions;
+        lengths.length = length;
         lengths.deviation = off * ROOM + of_poses * U * length;
         lengths
     }
@@ -134,16 +137,5 @@ impl Lengths {
     /// How fast any point moves against the frame that the joints before the `first` leave where it is.
     pub(crate) fn speed_from(&self, first: usize) -> f64 {
         self.speed[first..].iter().sum()
-    }
-
-    /// How large the acceleration of any point is there: each joint's own, and twice what the ones before it
-    /// turn its motion by.
-    pub(crate) fn acceleration_from(&self, first: usize) -> f64 {
-        let (mut turned, mut sum) = (0.0, 0.0);
-        for k in first..self.speed.len() {
-            sum += self.change[k] + self.speed[k] * (self.turn[k] + 2.0 * turned);
-            turned += self.turn[k];
-        }
-        sum
     }
 }

@@ -1,13 +1,20 @@
-//! The search over intervals of a path.
+//! The search through a path's intervals.
 
+mod bounds;
+#[cfg(test)]
+mod tests;
+
+use super::path::JointPath;
+use super::place::{Local, Place, Twist};
 use super::reach::Lengths;
-use super::{Edge, EdgeAnswer, EdgeChecker, EdgePair, EdgeReason, JointPath};
-use crate::kinematics::JointFrame;
-use crate::{Motion, RobotError};
-use dcd_geom::{BoundingSphere, Pose};
-use dcd_gjk::distance::{DistanceResult, distance, gap_along, in_f64};
-use dcd_gjk::{PosedShape, Verdict, certified};
+use super::{Before, Edge, EdgeAnswer, EdgeChecker, EdgeReason, ROOM};
+use crate::RobotError;
+use dcd_exec::Par;
+use dcd_geom::Pose;
+use dcd_gjk::PosedShape;
+use dcd_gjk::distance::{DistanceResult, distance, in_f64};
 use glam::DVec3;
+use std::ops::Range;
 
 /// An interval is not halved below this length. No unit. Smaller: more intervals where shapes graze each
 /// other. Larger: gaps below a micrometre stay undecided.
@@ -17,19 +24,24 @@ const SHORTEST: f64 = 1.0 / (1u64 << 40) as f64;
 /// each hit (at 2⁻¹² twice as many). Larger: `free_until` ends earlier.
 const BEFORE_A_HIT: f64 = 1.0 / (1u64 << 8) as f64;
 
-/// What the numbers of a bound lose in f64, relative, with much room.
-const ROOM: f64 = 1.0 + 1e-9;
+/// The states of a path that are looked at before any interval: in sixteenths, all at once.
+const SAMPLES: [u8; 16] = [0, 16, 8, 4, 12, 2, 6, 10, 14, 1, 3, 5, 7, 9, 11, 13];
+
+/// By how much a distance may exceed the gap along a direction that was the nearest one's before. No unit. Larger:
+/// more distances that prove too little. Smaller: shorter intervals than need be.
+const BETTER: f64 = 1.5;
 
 pub(super) struct Search<'a> {
     checker: &'a EdgeChecker,
     path: &'a JointPath,
     budget: usize,
-    /// One for each object, empty for obstacles.
-    lengths: Vec<Lengths>,
-    /// For each pair how fast it closes at most, and what the poses of both may be off by, twice: where the gap
-    /// is found, and where it is relied on.
-    rates: Vec<[f64; 2]>,
-    /// For each pair the direction in which its gap was last found, zero before.
+    before: Before,
+    /// For each object that moves what bounds its motion.
+    movers: Vec<Mover>,
+    /// For each pair what its poses may be off by, twice: where the gap is found, and where it is relied on.
+    off: Vec<f64>,
+    /// For each pair the direction in which its gap was last found, in the frame of the joints that carry both;
+    /// zero before.
     directions: Vec<DVec3>,
     /// A distance that some pair has somewhere on the path: what comes no nearer than half of it is proved.
     nearest: f64,
@@ -39,89 +51,128 @@ pub(super) struct Search<'a> {
     /// The first interval that is left, with a pair of it.
     left: Option<([f64; 2], [u32; 2], EdgeReason)>,
     at: Place,
+    half: f64,
+    /// The pairs of all nodes on the stack.
+    open: Vec<u32>,
+    is_even: bool,
 }
 
-/// The robot at one t.
+/// An object that moves; empty for obstacles.
 #[derive(Default)]
-struct Place {
-    t: f64,
-    state: Vec<f64>,
-    rates: Vec<f64>,
-    poses: Vec<Pose>,
-    frames: Vec<JointFrame>,
-    /// Of all objects.
-    spheres: Vec<BoundingSphere>,
-}
-
-/// How a part moves at one t against the frame of the joints that it shares with another.
-#[derive(Clone, Copy, Default)]
-struct Twist {
-    /// The velocity of the middle of its sphere.
-    velocity: DVec3,
-    /// How it turns, rad.
-    turn: DVec3,
-    /// The radius of the sphere.
-    radius: f64,
-    /// The largest speed and acceleration of its points on the path.
-    speed: f64,
-    acceleration: f64,
+struct Mover {
+    lengths: Lengths,
+    /// How fast the joints before each turn together at most, and how fast that changes.
+    before: Vec<[f64; 2]>,
+    /// All lengths that go into its coordinates, and how fast its joints turn together, for [`Search::slack`].
+    length: f64,
+    turns: f64,
+    deviation: f64,
+    /// The node for which the rest is computed.
+    node: usize,
+    local: Local,
+    middle: DVec3,
+    twist: Twist,
+    /// The spheres' middles, and the node that they are of.
+    cover: Vec<DVec3>,
+    cover_node: usize,
 }
 
 struct Node {
     from: f64,
     to: f64,
-    pairs: Vec<u32>,
+    pairs: Range<usize>,
+}
+
+/// What a direction proves of a pair.
+struct Gaps {
+    /// The pair comes no nearer than that in the interval; below 0 where nothing is proved.
+    proved: f64,
+    /// At most the gap in the interval's middle.
+    middle: f64,
+}
+
+/// What the spheres of a pair prove.
+struct BySpheres {
+    /// The pair comes no nearer than that in the interval.
+    margin: f64,
+    /// At the interval's middle it is no farther than that; infinite where that is not known.
+    upper: f64,
+    /// From one to the other where they are nearest.
+    direction: DVec3,
 }
 
 impl<'a> Search<'a> {
     pub(super) fn new(
         checker: &'a EdgeChecker,
         path: &'a JointPath,
-        budget: usize,
-    ) -> Result<Self, RobotError> {
+        (budget, before): (usize, Before),
+    ) -> Self {
         let extents = path.extents(checker.robot());
-        let lengths = checker.movers.iter().map(|mover| {
-            mover.as_ref().map_or_else(Lengths::default, |(_, chain)| chain.lengths(&extents))
+        let is_even = matches!(path, JointPath::Straight(_));
+        let movers = checker.movers.iter().map(|mover| {
+            let Some((_, chain)) = mover else { return Mover::default() };
+            let lengths = chain.lengths(&extents);
+            let (mut turns, mut changes) = (0.0, 0.0);
+            let before = lengths.turn.iter().map(|&turn| {
+                let before = [turns, changes];
+                changes += turn * turns * ROOM;
+                turns += turn * ROOM;
+                before
+            });
+            let before = before.collect();
+            // Of the chain, of the place, and of the points in the shape's own frame.
+            let length = 3.0 * lengths.length;
+            Mover { before, length, turns, lengths, ..Mover::default() }
         });
-        let lengths: Vec<Lengths> = lengths.collect();
-        let rates = checker.pairs.iter().map(|pair| {
-            let both = pair.objects.map(|object| &lengths[object as usize]);
-            both.iter().fold([0.0; 2], |[speed, off], one| {
-                [speed + one.speed_from(pair.common as usize) * ROOM, off + 2.0 * one.deviation]
-            })
+        let mut movers: Vec<Mover> = movers.collect();
+        let scene = checker.cell.scene();
+        for (i, obstacle) in movers.iter_mut().enumerate() {
+            if checker.movers[i].is_none() {
+                let pose = &scene.poses()[i];
+                obstacle.length = checker.outlines[i].reach + pose.translation().length();
+                obstacle.deviation = pose.deviation();
+            }
+        }
+        let off = checker.pairs.iter().map(|pair| {
+            let of = |object: u32| 2.0 * movers[object as usize].lengths.deviation;
+            of(pair.objects[0]) + of(pair.objects[1])
         });
-        let rates = rates.collect();
-        let directions = vec![DVec3::ZERO; checker.pairs.len()];
-        Ok(Self {
+        Self {
+            off: off.collect(),
+            movers,
             checker,
             path,
             budget,
-            lengths,
-            rates,
-            directions,
+            before,
+            directions: vec![DVec3::ZERO; checker.pairs.len()],
             nearest: f64::INFINITY,
             clearance: f64::INFINITY,
             nodes: 0,
             hit: None,
             left: None,
             at: Place::default(),
-        })
+            half: 0.0,
+            open: Vec::new(),
+            is_even,
+        }
     }
 
     pub(super) fn run(mut self) -> Result<Edge, RobotError> {
-        for end in [0.0, 1.0] {
-            self.nodes += 1;
-            self.go_to(end)?;
-            self.hit = self.touching().map(|pair| (end, pair));
-            if self.hit.is_some() {
-                break;
-            }
+        self.sample()?;
+        if self.hit.is_some() && self.before == Before::Anything {
+            return Ok(self.edge());
         }
-        let pairs = (0..self.checker.pairs.len() as u32).collect();
-        let mut stack = vec![Node { from: 0.0, to: 1.0, pairs }];
+        self.open.extend(0..self.checker.pairs.len() as u32);
+        let end = self.hit.map_or(1.0, |(t, _)| t);
+        let mut stack = Vec::new();
+        if end > 0.0 {
+            stack.push(Node { from: 0.0, to: end, pairs: 0..self.open.len() });
+        }
         while let Some(node) = stack.pop() {
-            // What is beyond a hit, or beyond what is left already, tells nothing more.
-            if self.hit.is_some_and(|(t, _)| node.from >= t) {
+            // What is beyond a hit tells nothing more, nor is anything left to find before it.
+            if let Some((t, _)) = self.hit
+                && (node.from >= t || self.left.is_some() || self.before == Before::Anything)
+            {
                 continue;
             }
             if let Some(reason) = self.ends(&node) {
@@ -130,7 +181,9 @@ impl<'a> Search<'a> {
             }
             self.nodes += 1;
             let middle = 0.5 * (node.from + node.to);
-            self.go_to(middle)?;
+            self.at.go_to(self.checker, self.path, middle)?;
+            self.half = 0.5 * (node.to - node.from) * ROOM;
+            self.open.truncate(node.pairs.end);
             let pairs = self.unproved(&node);
             if !pairs.is_empty() {
                 stack.push(Node { from: middle, to: node.to, pairs: pairs.clone() });
@@ -138,6 +191,26 @@ impl<'a> Search<'a> {
             }
         }
         Ok(self.edge())
+    }
+
+    /// Looks for a hit at a few states.
+    fn sample(&mut self) -> Result<(), RobotError> {
+        let Some(states) = &self.checker.states else { return Ok(()) };
+        let sample = |k: u8| {
+            let mut state = Vec::new();
+            self.path.state_at(self.checker.robot(), f64::from(k) / 16.0, &mut state);
+            state
+        };
+        let sampled = SAMPLES.map(sample);
+        let found = states.first(&sampled, Par::Serial)?;
+        let touching = SAMPLES.iter().zip(&found).filter_map(|(&k, found)| {
+            let hit = found.as_ref().filter(|hit| hit.touches())?;
+            Some((k, hit.pair))
+        });
+        if let Some((k, pair)) = touching.min_by_key(|&(k, _)| k) {
+            self.hit = Some((f64::from(k) / 16.0, self.checker.in_order([pair.i, pair.j])));
+        }
+        Ok(())
     }
 
     /// Why the node is not looked at any more.
@@ -154,7 +227,8 @@ impl<'a> Search<'a> {
     }
 
     fn leave(&mut self, node: &Node, reason: EdgeReason) {
-        let pair = node.pairs.first().map(|&pair| self.checker.pairs[pair as usize].objects);
+        let pair = self.open.get(node.pairs.start);
+        let pair = pair.map(|&pair| self.checker.pairs[pair as usize].objects);
         // The stack gives them in the order of t.
         if let (None, Some(pair)) = (&self.left, pair) {
             self.left = Some(([node.from, node.to], pair, reason));
@@ -165,6 +239,9 @@ impl<'a> Search<'a> {
         let nodes = self.nodes;
         let left_from = self.left.map_or(1.0, |([from, _], ..)| from);
         let (answer, free_until) = match (self.hit, self.left) {
+            (Some((t, pair)), _) if self.before == Before::Anything => {
+                (EdgeAnswer::Hit { t, pair }, 0.0)
+            }
             (Some((t, pair)), _) => (EdgeAnswer::Hit { t, pair }, left_from.min(t)),
             (None, Some((t, pair, reason))) => (EdgeAnswer::Undecided { t, pair, reason }, t[0]),
             (None, None) => (EdgeAnswer::Free { clearance: self.clearance }, 1.0),
@@ -172,84 +249,63 @@ impl<'a> Search<'a> {
         Edge { answer, free_until, nodes }
     }
 
-    fn go_to(&mut self, t: f64) -> Result<(), RobotError> {
-        let Self { checker, path, at, .. } = self;
-        let robot = checker.robot();
-        at.t = t;
-        path.state_at(robot, t, &mut at.state);
-        path.rates_at(t, &mut at.rates);
-        at.frames = robot.link_frames(&at.state)?;
-        robot.pose_parts(&at.frames, &mut at.poses)?;
-        at.spheres.clear();
-        let scene = checker.cell.scene();
-        for (i, sphere) in checker.spheres.iter().enumerate() {
-            let pose = match &checker.movers[i] {
-                Some((part, _)) => &at.poses[*part],
-                None => &scene.poses()[i],
-            };
-            let sphere = sphere.as_ref();
-            at.spheres.push(sphere.map_or(BoundingSphere::EVERYTHING, |s| s.sphere(pose)));
+    fn pose(&self, object: u32) -> &Pose {
+        let i = object as usize;
+        match &self.checker.movers[i] {
+            Some((part, _)) => &self.at.poses[*part],
+            None => &self.checker.cell.scene().poses()[i],
         }
-        Ok(())
     }
 
     fn posed(&self, object: u32) -> PosedShape<'_> {
-        let i = object as usize;
-        let scene = self.checker.cell.scene();
-        let pose = match &self.checker.movers[i] {
-            Some((part, _)) => &self.at.poses[*part],
-            None => &scene.poses()[i],
-        };
-        PosedShape { shape: scene.shape(i), pose }
+        let shape = self.checker.cell.scene().shape(object as usize);
+        PosedShape { shape, pose: self.pose(object) }
     }
 
-    /// At most the distance of two objects, by the sphere of each and the other's sphere or box.
-    fn far(&self, [a, b]: [u32; 2]) -> f64 {
-        let [in_a, in_b] = [a, b].map(|object| &self.at.spheres[object as usize]);
-        let [centre_a, centre_b] = [in_a, in_b].map(|sphere| sphere.centre.as_dvec3());
-        let [radius_a, radius_b] = [in_a, in_b].map(|sphere| f64::from(sphere.radius));
-        let to_box = |object: u32, point: DVec3| {
-            self.checker.boxes[object as usize].far(self.posed(object).pose, point)
-        };
-        let between = centre_a.distance(centre_b) * (1.0 - 1e-12) - radius_a - radius_b;
-        between.max(to_box(b, centre_a) - radius_a).max(to_box(a, centre_b) - radius_b)
-    }
-
-    /// A pair that is proved to touch where the robot is now.
-    fn touching(&self) -> Option<[u32; 2]> {
-        let pairs = self.checker.pairs.iter().map(|pair| pair.objects);
-        pairs.filter(|&pair| !(self.far(pair) > 0.0)).find(|&[a, b]| {
-            certified::overlap_of(self.posed(a), self.posed(b)).0 == Verdict::Touching(())
-        })
-    }
-
-    /// The node's pairs that are not proved apart on all of it, from where the robot is now: its middle.
-    fn unproved(&mut self, node: &Node) -> Vec<u32> {
-        let half = 0.5 * (node.to - node.from) * ROOM;
-        // The nearest by its spheres first: its distance tells of most others that they are far.
-        let spheres = node
-            .pairs
-            .iter()
-            .map(|&pair| (self.far(self.checker.pairs[pair as usize].objects), pair));
-        let mut pairs: Vec<(f64, u32)> = spheres.collect();
-        if let Some(first) = (0..pairs.len()).min_by(|&j, &k| pairs[j].0.total_cmp(&pairs[k].0)) {
-            pairs.swap(0, first);
+    /// The node's pairs that are not proved apart on all of it, from where the robot is now, its middle: where they
+    /// are among all open ones.
+    fn unproved(&mut self, node: &Node) -> Range<usize> {
+        let from = self.open.len();
+        // Some distance first: it tells of most others that they are far.
+        if self.nearest == f64::INFINITY && self.hit.is_none() {
+            let far = |&k: &usize| self.far(self.open[k]);
+            let nearest = node.pairs.clone().min_by(|j, k| far(j).total_cmp(&far(k)));
+            if let Some(k) = nearest {
+                self.open.swap(node.pairs.start, k);
+            }
         }
-        let mut left = Vec::new();
-        for (far, pair) in pairs {
-            let [speed, off] = self.rates[pair as usize];
-            let loosely = far - (half * speed + off);
-            if self.suffices(loosely) {
-                self.clearance = self.clearance.min(loosely);
-            } else if !self.is_proved_along(pair, half) && !self.is_proved(pair, half) {
-                left.push(pair);
+        for k in node.pairs.clone() {
+            let pair = self.open[k];
+            if !self.is_proved(pair) {
+                self.open.push(pair);
             }
             if self.hit.is_some_and(|(t, _)| t < node.to && t > node.from) {
                 // Only what is before it matters, and all of that is asked for again.
+                self.open.truncate(from);
                 return node.pairs.clone();
             }
         }
-        left
+        from..self.open.len()
+    }
+
+    /// About how far two objects are, for an order.
+    fn far(&self, pair: u32) -> f64 {
+        let [a, b] = self.checker.pairs[pair as usize].objects;
+        let [in_a, in_b] = [a, b].map(|object| {
+            let whole = &self.checker.outlines[object as usize].whole;
+            (self.pose(object).apply(whole.centre), whole.outer)
+        });
+        if self.checker.movers[b as usize].is_some() {
+            return in_a.0.distance(in_b.0) - in_a.1 - in_b.1;
+        }
+        let local = self.local(b, in_a.0);
+        self.checker.outlines[b as usize].solid.nearest(local).0 - in_a.1
+    }
+
+    /// A point in an object's own frame.
+    fn local(&self, object: u32, point: DVec3) -> DVec3 {
+        let pose = self.pose(object);
+        pose.rotation().transpose() * (point - pose.translation())
     }
 
     /// Whether a clearance is so large that a larger one would not count: half of the nearest distance; none
@@ -258,32 +314,66 @@ impl<'a> Search<'a> {
         clearance > 0.0 && (self.hit.is_some() || clearance >= 0.5 * self.nearest)
     }
 
-    /// Whether one direction proves enough: that of the pair's last gap, or from one middle to the other.
-    fn is_proved_along(&mut self, pair: u32, half: f64) -> bool {
-        let edge_pair = self.checker.pairs[pair as usize];
-        let [a, b] = edge_pair.objects;
-        let mut direction = self.directions[pair as usize];
-        if direction == DVec3::ZERO {
-            let [of_a, of_b] = [a, b].map(|object| &self.at.spheres[object as usize]);
-            direction = (of_b.centre - of_a.centre).as_dvec3();
-        }
-        let Some(gap) = gap_along(self.posed(a), self.posed(b), direction) else { return false };
-        let [speed, off] = self.rates[pair as usize];
-        let mut proved = gap - (half * speed + off);
-        if !self.suffices(proved) {
-            proved = proved.max(gap - (self.closing_along(&edge_pair, direction, half) + off));
-        }
-        let enough = self.suffices(proved);
-        if enough {
-            self.clearance = self.clearance.min(proved);
-        }
-        enough
+    fn note(&mut self, clearance: f64) -> bool {
+        self.clearance = self.clearance.min(clearance);
+        true
     }
 
-    /// Whether the pair is proved apart for `half` of t to either side of where the robot is now.
-    fn is_proved(&mut self, pair: u32, half: f64) -> bool {
-        let objects = self.checker.pairs[pair as usize].objects;
-        let [a, b] = objects.map(|object| self.posed(object));
+    /// Whether the pair is proved apart for half of the node to either side of where the robot is now, by as much as a
+    /// clearance asks for.
+    fn is_proved(&mut self, pair: u32) -> bool {
+        let edge_pair = self.checker.pairs[pair as usize];
+        let [a, b] = edge_pair.objects;
+        self.update(a);
+        self.update(b);
+        let found = self.by_spheres(pair, &edge_pair);
+        let suffices = self.suffices(found.margin);
+        // What spheres prove is loose: a clearance is to come from directions.
+        if suffices && (self.hit.is_some() || found.margin >= self.nearest) {
+            return self.note(found.margin);
+        }
+        if self.hit.is_none() {
+            self.nearest = self.nearest.min(found.upper);
+        }
+        // Along no direction the gap is larger than the distance, and it counts less what accelerations may do.
+        let change = 0.5 * self.half * self.half * self.change(&edge_pair);
+        let most = found.upper - change;
+        let can_be_proved = most > 0.0 && (self.suffices(most) || most >= 0.5 * found.upper);
+        if !suffices
+            && !can_be_proved
+            && found.upper > self.off[pair as usize] + self.slack(&edge_pair)
+        {
+            return false;
+        }
+        let carried = self.common(&edge_pair).map(|link| *self.at.rotation(link));
+        let last = self.directions[pair as usize];
+        let last = carried.map_or(last, |rotation| rotation * last);
+        for direction in [last, found.direction] {
+            let Some(gaps) = self.along(pair, &edge_pair, direction) else { continue };
+            let proved = gaps.proved.max(found.margin);
+            if self.suffices(gaps.proved) {
+                self.keep(pair, carried, direction);
+            }
+            if self.suffices(proved) {
+                return self.note(proved);
+            }
+            // Apart at the middle, and by enough if the interval were shorter: no other direction is so much better.
+            let hoped = BETTER * gaps.middle - change;
+            if gaps.middle > 0.0 && self.suffices(gaps.middle) && !self.suffices(hoped) {
+                return false;
+            }
+        }
+        self.is_proved_by_distance(pair, carried)
+    }
+
+    fn keep(&mut self, pair: u32, carried: Option<glam::DMat3>, direction: DVec3) {
+        let own = carried.map_or(direction, |rotation| rotation.transpose() * direction);
+        self.directions[pair as usize] = own;
+    }
+
+    fn is_proved_by_distance(&mut self, pair: u32, carried: Option<glam::DMat3>) -> bool {
+        let edge_pair = self.checker.pairs[pair as usize];
+        let [a, b] = edge_pair.objects.map(|object| self.posed(object));
         let mut found = in_f64(a, b);
         if !matches!(found, DistanceResult::Apart(_)) {
             found = distance(a, b).0;
@@ -292,77 +382,21 @@ impl<'a> Search<'a> {
             DistanceResult::Apart(found) => found,
             // Proved, at the poses that the robot's placing gives.
             DistanceResult::Touching => {
-                self.hit = Some((self.at.t, objects));
+                self.hit = Some((self.at.t, edge_pair.objects));
                 return false;
             }
             _ => return false,
         };
-        let along = gap_along(a, b, found.normal);
-        self.directions[pair as usize] = found.normal;
-        let [speed, off] = self.rates[pair as usize];
+        self.keep(pair, carried, found.normal);
+        let off = self.off[pair as usize];
         self.nearest = self.nearest.min(found.upper() + off);
-        let mut proved = found.lower() - (half * speed + off);
-        if !self.suffices(proved)
-            && let Some(gap) = along
-        {
-            let closing =
-                self.closing_along(&self.checker.pairs[pair as usize], found.normal, half);
-            proved = proved.max(gap - (closing + off));
+        let mut proved = found.lower() - (self.moved(&edge_pair) + self.slack(&edge_pair) + off);
+        if !self.suffices(proved) {
+            let along = self.along(pair, &edge_pair, found.normal);
+            proved = along.map_or(proved, |gaps| proved.max(gaps.proved));
         }
         // Proved, and by as much as a clearance asks for.
         let enough = proved > 0.0 && (self.suffices(proved) || proved >= 0.5 * found.lower());
-        if enough {
-            self.clearance = self.clearance.min(proved);
-        }
-        enough
-    }
-
-    /// How much of a gap along a direction the pair closes in `half` of t: by its velocity now, and what its
-    /// acceleration may add.
-    fn closing_along(&self, pair: &EdgePair, direction: DVec3, half: f64) -> f64 {
-        let normal = direction / direction.length();
-        let [a, b] = pair.objects.map(|object| self.twist(object, pair.common as usize));
-        let turning = |twist: &Twist| twist.radius * twist.turn.cross(normal).length();
-        let speed = normal.dot(a.velocity - b.velocity).abs() + turning(&a) + turning(&b);
-        let change = 0.5 * half * (a.acceleration + b.acceleration);
-        // What is cancelled is rounded by parts of the speeds themselves.
-        half * (speed + change + 1e-10 * (a.speed + b.speed)) * ROOM
-    }
-
-    /// How an object moves now against the frame of the joints that carry both of a pair.
-    fn twist(&self, object: u32, common: usize) -> Twist {
-        let Some((_, chain)) = &self.checker.movers[object as usize] else {
-            return Twist::default();
-        };
-        let (lengths, sphere) = (&self.lengths[object as usize], &self.at.spheres[object as usize]);
-        let middle = sphere.centre.as_dvec3();
-        let mut twist = Twist {
-            radius: f64::from(sphere.radius),
-            acceleration: lengths.acceleration_from(common),
-            speed: lengths.speed_from(common),
-            ..Twist::default()
-        };
-        for &joint in &chain.joints[common..] {
-            let joint = &self.checker.robot().joints()[joint as usize];
-            let JointFrame { rotation, translation } = self.at.frames[joint.child];
-            let rate = |by: crate::Drive| self.at.rates[by.value] * by.factor;
-            match joint.motion {
-                Motion::Fixed => {}
-                // Its own turn leaves its axis where it is.
-                Motion::Turns { axis, by } => {
-                    let turn = rotation * axis * rate(by);
-                    twist.turn += turn;
-                    twist.velocity += turn.cross(middle - translation);
-                }
-                Motion::Slides { axis, by } => twist.velocity += rotation * axis * rate(by),
-                Motion::Orients { first } => {
-                    let rest = self.at.frames[joint.parent].then(&joint.origin).rotation;
-                    let turn = rest * self.path.turn(first);
-                    twist.turn += turn;
-                    twist.velocity += turn.cross(middle - translation);
-                }
-            }
-        }
-        twist
+        if enough { self.note(proved) } else { false }
     }
 }

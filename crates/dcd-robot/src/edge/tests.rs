@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use std::path::Path;
 
 /// An arm of links of length 1 along x, turned about z, y, z, …; the last one slides out of the one before.
-fn arm(turns: usize) -> Robot {
+pub(super) fn arm(turns: usize) -> Robot {
     let link = |k: usize| {
         format!(
             "<link name=\"l{k}\"><collision><origin xyz=\"0.5 0 0\"/><geometry><box size=\"0.8 0.1 0.1\"/>\
@@ -35,11 +35,11 @@ fn arm(turns: usize) -> Robot {
     Robot::read(&text, Path::new("."), LinkShapes::Hulls).unwrap()
 }
 
-fn obstacle(name: &str, shape: Shape, at: DVec3) -> Obstacle {
+pub(super) fn obstacle(name: &str, shape: Shape, at: DVec3) -> Obstacle {
     Obstacle { name: name.to_owned(), shape, pose: Pose::from_translation(at).unwrap() }
 }
 
-fn checker(robot: Robot, obstacles: Vec<Obstacle>) -> EdgeChecker {
+pub(super) fn checker(robot: Robot, obstacles: Vec<Obstacle>) -> EdgeChecker {
     let allowed = AllowedPairs::adjacent(&robot);
     let world = World { obstacles, ..World::default() };
     EdgeChecker::new(Workcell::new(robot, &world, &allowed).unwrap())
@@ -50,7 +50,7 @@ fn straight(from: &[f64], to: &[f64]) -> JointPath {
 }
 
 /// The pairs that touch at t, and the least distance of all others, by each pair alone.
-fn at(checker: &EdgeChecker, path: &JointPath, t: f64) -> (Vec<[u32; 2]>, f64) {
+pub(super) fn at(checker: &EdgeChecker, path: &JointPath, t: f64) -> (Vec<[u32; 2]>, f64) {
     let (mut state, mut poses) = (Vec::new(), Vec::new());
     let cell = checker.cell();
     path.state_at(cell.robot(), t, &mut state);
@@ -108,10 +108,10 @@ fn assert_holds(checker: &EdgeChecker, path: &JointPath, edge: &Edge, samples: u
 }
 
 /// Numbers that differ from run to run; the seed is told where an assertion fails.
-struct Draw(u64);
+pub(super) struct Draw(u64);
 
 impl Draw {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap();
         let seed = now.as_nanos() as u64;
         println!("seed {seed}");
@@ -119,12 +119,12 @@ impl Draw {
     }
 
     /// From -1 to 1.
-    fn unit(&mut self) -> f64 {
+    pub(super) fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    fn vector(&mut self) -> DVec3 {
+    pub(super) fn vector(&mut self) -> DVec3 {
         DVec3::new(self.unit(), self.unit(), self.unit())
     }
 }
@@ -201,7 +201,8 @@ fn an_edge_of_length_zero_is_its_state() {
     let edge = checker.check(&stay(0.0), 100).unwrap();
     let EdgeAnswer::Free { clearance } = edge.answer else { panic!("{edge:?}") };
     let (_, least) = at(&checker, &stay(0.0), 0.0);
-    assert!(clearance > 0.999 * least && clearance <= least, "{clearance} {least}");
+    // Half is promised; where nothing moves only the direction between two spheres may lean a little.
+    assert!(clearance > 0.99 * least && clearance <= least, "{clearance} {least}");
     let edge = checker.check(&stay(std::f64::consts::FRAC_PI_2), 100).unwrap();
     assert!(matches!(edge.answer, EdgeAnswer::Hit { t: 0.0, .. }), "{edge:?}");
 }
@@ -354,4 +355,91 @@ fn quaternions_without_one_way_between_them_are_refused() {
     moved[0] = 1.0;
     let curve = JointPath::Bezier([a.clone(), moved.clone(), moved, a]);
     assert!(matches!(checker.check(&curve, 10).unwrap().answer, EdgeAnswer::Free { .. }));
+}
+
+/// A cart on a plane with an arm whose finger slides as the arm turns.
+fn cart() -> Robot {
+    let text = r#"<robot name="cart"><link name="world"/>
+      <link name="cart"><collision><geometry><box size="0.6 0.4 0.2"/></geometry></collision></link>
+      <link name="arm"><collision><origin xyz="0.5 0 0"/><geometry><box size="0.8 0.1 0.1"/></geometry></collision></link>
+      <link name="finger"><collision><geometry><cylinder radius="0.05" length="0.3"/></geometry></collision></link>
+      <joint name="drive" type="planar"><axis xyz="0 0 1"/><parent link="world"/><child link="cart"/></joint>
+      <joint name="turn" type="revolute"><origin xyz="0 0 0.2"/><axis xyz="0 0.6 0.8"/><parent link="cart"/><child link="arm"/>
+        <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+      <joint name="slide" type="prismatic"><origin xyz="1 0 0"/><axis xyz="1 0 0"/><parent link="arm"/><child link="finger"/>
+        <limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="turn" multiplier="-0.3" offset="0.1"/></joint>
+      </robot>"#;
+    Robot::read(text, Path::new("."), LinkShapes::Hulls).unwrap()
+}
+
+/// The surface of a box as triangles.
+fn box_of_triangles(half: DVec3) -> Shape {
+    let corner = |k: usize| {
+        let side = |bit: usize| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        DVec3::new(side(0), side(1), side(2)) * half
+    };
+    let faces: [[u32; 4]; 6] =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    Shape::mesh((0..8).map(corner).collect(), triangles.collect()).unwrap()
+}
+
+#[test]
+fn planar_mimicking_and_limited_joints_among_triangles_are_answered_as_samples_say() {
+    let mut draw = Draw::new();
+    let (mut paths, mut edges) = (Vec::new(), Vec::new());
+    let obstacles = (0..5).map(|n| {
+        let half = draw.vector().abs() * 0.4 + 0.005;
+        let shape = if n % 2 == 0 { box_of_triangles(half) } else { Shape::cuboid(half).unwrap() };
+        let turn = DQuat::from_scaled_axis(draw.vector() * 3.0);
+        let pose = Pose::new(turn, draw.vector() * 2.0).unwrap();
+        Obstacle { name: format!("o{n}"), shape, pose }
+    });
+    let checker = checker(cart(), obstacles.collect());
+    for k in 0..30 {
+        // The arm at its limits, within and beyond them.
+        let mut turn = || [1.0, -1.0, 0.5, 2.5 * draw.unit()][k % 4];
+        let turns = [turn(), turn()];
+        let mut state =
+            |turn: f64| vec![draw.unit() * 2.0, draw.unit() * 2.0, draw.unit() * 4.0, turn];
+        let path = JointPath::Straight(turns.map(&mut state));
+        let edge = checker.check(&path, 100_000).unwrap();
+        assert!(!matches!(edge.answer, EdgeAnswer::Undecided { .. }), "{path:?}: {edge:?}");
+        assert_holds(&checker, &path, &edge, 300);
+        paths.push(path);
+        edges.push(edge);
+    }
+    let is_free = |edge: &&Edge| matches!(edge.answer, EdgeAnswer::Free { .. });
+    let free = edges.iter().filter(is_free).count();
+    println!("{free} of {} are free", edges.len());
+    for exec in [dcd_exec::Par::Serial, dcd_exec::Par::Pool] {
+        for size in [1, 7, 30] {
+            let found = paths.chunks(size).flat_map(|part| checker.check_all(part, 100_000, exec));
+            let found: Vec<Edge> = found.map(Result::unwrap).collect();
+            assert_eq!(found, edges, "{exec:?}, {size} at once");
+        }
+    }
+}
+
+#[test]
+fn another_cell_is_checked_as_by_a_checker_of_its_own() {
+    let mut draw = Draw::new();
+    let robot = arm(3);
+    let allowed = AllowedPairs::adjacent(&robot);
+    let mut cell = || {
+        let balls = (0..4)
+            .map(|n| obstacle(&format!("o{n}"), Shape::sphere(0.3).unwrap(), draw.vector() * 2.0));
+        let world = World { obstacles: balls.collect(), ..World::default() };
+        Workcell::new(robot.clone(), &world, &allowed).unwrap()
+    };
+    let mut held = EdgeChecker::new(cell());
+    let mut one = Draw::new();
+    for _ in 0..10 {
+        let cell = cell();
+        held.set_cell(cell.clone());
+        let mut state = || -> Vec<f64> { (0..4).map(|_| one.unit()).collect() };
+        let path = JointPath::Straight([state(), state()]);
+        let alone = EdgeChecker::new(cell);
+        assert_eq!(held.check(&path, 10_000).unwrap(), alone.check(&path, 10_000).unwrap());
+    }
 }

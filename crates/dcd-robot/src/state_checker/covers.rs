@@ -5,12 +5,12 @@ use glam::DVec3;
 
 /// One of the spheres that cover a shape, in the shape's own frame, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct CoverSphere {
-    pub(super) centre: DVec3,
+pub(crate) struct CoverSphere {
+    pub(crate) centre: DVec3,
     /// Infinite where the shape has no end.
-    pub(super) outer: f64,
+    pub(crate) outer: f64,
     /// The radius of a sphere about the same centre that the shape contains; −∞ where none is known.
-    pub(super) inner: f64,
+    pub(crate) inner: f64,
 }
 
 /// What a covering sphere is larger by, and an inner one smaller, than it was found: of the shape's reach.
@@ -18,7 +18,7 @@ pub(super) struct CoverSphere {
 const ROOM: f64 = 4e-9;
 
 /// At most so many spheres, at least one, that cover the shape together.
-pub(super) fn cover(shape: &Shape, most: usize) -> Vec<CoverSphere> {
+pub(crate) fn cover(shape: &Shape, most: usize) -> Vec<CoverSphere> {
     let found = match shape {
         Shape::Polytope(polytope) => of_polytope(polytope, most),
         Shape::Curved(curved) if curved.kind() == CurvedKind::Cylinder => {

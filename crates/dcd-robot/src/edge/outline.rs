@@ -1,0 +1,229 @@
+//! What of a shape proves it far from others without the solvers: spheres that cover it, a solid round it, and how
+//! far it reaches along a direction.
+
+use crate::state_checker::covers::{CoverSphere, cover};
+use dcd_geom::{Aabb, CurvedKind, Kind, Pose, Shape};
+use glam::DVec3;
+
+/// At most so many spheres cover a shape. More: fewer pairs go to the solvers, each costs more.
+pub(super) const MOST_SPHERES: usize = 16;
+
+/// Of a hull or a mesh of more vertices there is no support map: the solvers have better ones.
+const MOST_VERTICES: usize = 4096;
+
+/// In the shape's own frame, metres.
+#[derive(Clone, Debug)]
+pub(super) struct Outline {
+    /// A sphere round all of it; infinite round what has no end.
+    pub(super) whole: CoverSphere,
+    pub(super) cover: Vec<CoverSphere>,
+    pub(super) solid: Solid,
+    /// Whether that solid is the shape.
+    pub(super) is_solid: bool,
+    pub(super) support: Option<Support>,
+    /// How far its points are from its frame's origin.
+    pub(super) reach: f64,
+}
+
+impl Outline {
+    /// Covered by at most so many spheres; by none beside the whole one if that is 1.
+    pub(super) fn of(shape: &Shape, most: usize) -> Self {
+        let one = cover(shape, 1);
+        let none = CoverSphere { centre: DVec3::ZERO, outer: f64::INFINITY, inner: 0.0 };
+        let whole = one.first().copied().unwrap_or(none);
+        let cover = if most > 1 { cover(shape, most) } else { Vec::new() };
+        // What one sphere covers as well, it covers alone.
+        let cover = if cover.len() > 1 { cover } else { Vec::new() };
+        let reach = whole.centre.length() + whole.outer;
+        let is_solid = match shape {
+            Shape::Polytope(polytope) => {
+                matches!(polytope.kind(), Kind::Cuboid { .. } | Kind::Point)
+            }
+            Shape::Curved(curved) => curved.kind() == CurvedKind::Cylinder,
+            _ => false,
+        };
+        let (solid, support) = (Solid::of(shape), Support::of(shape));
+        Self { whole, cover, solid, is_solid, support, reach }
+    }
+}
+
+/// A simple solid that contains a shape.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Solid {
+    /// A box, and what is swept round it.
+    Box { middle: DVec3, half: DVec3, swept: f64 },
+    /// A cylinder round z.
+    Cylinder { half: f64, radius: f64, swept: f64 },
+}
+
+impl Solid {
+    fn of(shape: &Shape) -> Self {
+        match shape {
+            Shape::Curved(curved) if curved.kind() == CurvedKind::Cylinder => Self::Cylinder {
+                half: curved.half_height(),
+                radius: curved.radius(),
+                swept: curved.swept_radius(),
+            },
+            Shape::Polytope(polytope) => {
+                let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+                let (min, max) = polytope
+                    .vertices()
+                    .iter()
+                    .fold(none, |(min, max), &v| (min.min(v), max.max(v)));
+                let (middle, half) = (0.5 * min + 0.5 * max, 0.5 * max - 0.5 * min);
+                Self::Box { middle, half, swept: polytope.swept_radius() }
+            }
+            _ => {
+                let Aabb { min, max } = shape.aabb(&Pose::IDENTITY);
+                let (min, max) = (min.as_dvec3(), max.as_dvec3());
+                let (middle, half) = (0.5 * min + 0.5 * max, 0.5 * max - 0.5 * min);
+                Self::Box { middle, half, swept: 0.0 }
+            }
+        }
+    }
+
+    /// How far a point is from the solid, 0 inside of what is swept, and the point of that nearest to it. Without a
+    /// bound on rounding.
+    #[inline]
+    pub(super) fn nearest(&self, p: DVec3) -> (f64, DVec3) {
+        match *self {
+            Self::Box { middle, half, swept } => {
+                let from = p - middle;
+                let near = from.max(-half).min(half);
+                ((from - near).length() - swept, near + middle)
+            }
+            Self::Cylinder { half, radius, swept } => {
+                let rho = (p.x * p.x + p.y * p.y).sqrt();
+                let part = if rho > radius { radius / rho } else { 1.0 };
+                let near = DVec3::new(p.x * part, p.y * part, p.z.clamp(-half, half));
+                ((p - near).length() - swept, near)
+            }
+        }
+    }
+}
+
+/// How far a convex shape, or the hull of another, reaches.
+#[derive(Clone, Debug)]
+pub(super) struct Support {
+    /// Coordinates of the vertices, [`LANES`] of x, then of y, then of z; the last ones repeat.
+    vertices: Vec<[[f64; LANES]; 3]>,
+    /// Discs normal to z at a height, with a radius.
+    discs: Option<[(f64, f64); 2]>,
+    swept: f64,
+    /// The largest coordinate.
+    size: f64,
+}
+
+const LANES: usize = 8;
+
+/// What a product of three coordinates loses, relative: 3u, with room.
+const DOT: f64 = 1e-15;
+
+impl Support {
+    fn of(shape: &Shape) -> Option<Self> {
+        let (points, swept) = match shape {
+            Shape::Polytope(polytope) => (polytope.vertices(), polytope.swept_radius()),
+            Shape::Mesh(mesh) => (mesh.vertices(), mesh.swept_radius()),
+            Shape::Curved(curved) => {
+                let discs = curved.discs();
+                let size = |(z, r): (f64, f64)| z.abs().max(r);
+                let size = size(discs[0]).max(size(discs[1]));
+                let (vertices, swept) = (Vec::new(), curved.swept_radius());
+                return Some(Self { vertices, discs: Some(discs), swept, size });
+            }
+            _ => return None,
+        };
+        let last = *points.last().filter(|_| points.len() <= MOST_VERTICES)?;
+        let group = |chunk: &[DVec3]| {
+            let at = |k: usize| chunk.get(k).copied().unwrap_or(last);
+            [0, 1, 2].map(|axis| std::array::from_fn(|k| at(k)[axis]))
+        };
+        let vertices = points.chunks(LANES).map(group).collect();
+        let size = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        Some(Self { vertices, discs: None, swept, size })
+    }
+
+    /// At least the largest p·d of the shape's points p, for a d in its own frame.
+    #[inline]
+    pub(super) fn along(&self, d: DVec3) -> f64 {
+        let mut far = match self.discs {
+            Some(discs) => {
+                let flat = (d.x * d.x + d.y * d.y).sqrt();
+                let [a, b] = discs.map(|(z, r)| z * d.z + r * flat);
+                a.max(b)
+            }
+            None => f64::NEG_INFINITY,
+        };
+        if !self.vertices.is_empty() {
+            let mut most = [f64::NEG_INFINITY; LANES];
+            for [x, y, z] in &self.vertices {
+                for k in 0..LANES {
+                    let dot = x[k] * d.x + y[k] * d.y + z[k] * d.z;
+                    most[k] = if dot > most[k] { dot } else { most[k] };
+                }
+            }
+            far = most.into_iter().fold(far, f64::max);
+        }
+        let norm = d.abs().element_sum();
+        far + self.swept * d.length() + DOT * 4.0 * (self.size + self.swept) * norm
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_point_of_a_shape_is_beyond_its_support_or_nearer_than_its_solid() {
+        let corner = |k: i32| {
+            DVec3::new(f64::from(k % 5) * 0.31, f64::from(k % 7) - 2.0, f64::from(k % 3) * 0.7)
+        };
+        let hull = Shape::hull((0..35).map(corner).collect()).unwrap();
+        let shapes = [
+            Shape::cuboid(DVec3::new(1.0, 2.0, 0.01)).unwrap(),
+            Shape::sphere(0.3).unwrap(),
+            Shape::cylinder(0.4, 0.2).unwrap(),
+            Shape::cylinder(0.4, 0.2).unwrap().rounded(0.1).unwrap(),
+            Shape::cone(0.4, 0.2).unwrap(),
+            hull.clone(),
+            hull.rounded(0.05).unwrap(),
+        ];
+        for shape in shapes {
+            let Outline { support, solid, whole, .. } = Outline::of(&shape, MOST_SPHERES);
+            let support = support.unwrap();
+            let at = dcd_gjk::PosedShape { shape: &shape, pose: &Pose::IDENTITY };
+            for k in 0..300 {
+                let angle = f64::from(k) * 2.399963;
+                let z = 1.0 - (f64::from(k) + 0.5) / 150.0;
+                let ring = (1.0 - z * z).sqrt();
+                let d = DVec3::new(ring * angle.cos(), ring * angle.sin(), z);
+                // A point far out along d: what the solvers measure to it.
+                let p = d * (whole.outer + whole.centre.length() + 0.5 + f64::from(k % 4));
+                let point = Shape::sphere(1e-9).unwrap();
+                let pose = Pose::from_translation(p).unwrap();
+                let there = dcd_gjk::PosedShape { shape: &point, pose: &pose };
+                let dcd_gjk::distance::DistanceResult::Apart(found) =
+                    dcd_gjk::distance::distance(at, there).0
+                else {
+                    panic!("{shape:?} {p}")
+                };
+                let (far, _) = solid.nearest(p);
+                assert!(far <= found.upper() + 2e-9, "{shape:?} {p}: {far} {found:?}");
+                assert!(p.dot(d) - support.along(d) <= found.upper() + 2e-9, "{shape:?} {d}");
+                // The support along the nearest direction is the distance itself.
+                let along = p.dot(found.normal) - support.along(found.normal);
+                assert!((along - found.distance).abs() < 1e-8, "{shape:?} {d}: {along} {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_box_is_as_far_as_it_is_and_what_has_no_end_nowhere() {
+        let plate = Outline::of(&Shape::cuboid(DVec3::new(1.0, 2.0, 0.01)).unwrap(), MOST_SPHERES);
+        assert!((plate.solid.nearest(DVec3::new(0.0, 1.5, 1.0)).0 - 0.99).abs() < 1e-15);
+        assert!(plate.solid.nearest(DVec3::new(0.5, -1.9, 0.0)).0 <= 0.0);
+        let ground = Outline::of(&Shape::half_space(DVec3::Z, 0.0).unwrap(), 1);
+        assert!(!(ground.solid.nearest(DVec3::Z * 9.0).0 > 0.0));
+        assert!(ground.support.is_none() && ground.whole.outer == f64::INFINITY);
+    }
+}

@@ -1,0 +1,119 @@
+use super::super::tests::{Draw, arm, at, checker, obstacle};
+use super::*;
+use dcd_geom::Shape;
+use dcd_gjk::distance::gap_along;
+use glam::DQuat;
+
+/// The robot in the middle of an interval.
+fn search<'a>(
+    checker: &'a EdgeChecker,
+    path: &'a JointPath,
+    (middle, half): (f64, f64),
+) -> Search<'a> {
+    let mut search = Search::new(checker, path, (1, Before::Hit));
+    search.nodes = 1;
+    search.at.go_to(checker, path, middle).unwrap();
+    search.half = half;
+    (0..checker.outlines.len() as u32).for_each(|i| search.update(i));
+    search
+}
+
+#[test]
+fn no_pair_comes_nearer_in_an_interval_than_is_proved_of_it() {
+    let mut draw = Draw::new();
+    let (mut proved, mut tight) = (0, 0);
+    for k in 0..60 {
+        let shapes = [
+            Shape::cuboid(draw.vector().abs() * 0.3 + 0.01).unwrap(),
+            Shape::cylinder(0.3, 0.1).unwrap(),
+            Shape::hull((0..12).map(|_| draw.vector() * 0.3).collect()).unwrap(),
+        ];
+        let mut obstacles = Vec::new();
+        for (n, shape) in shapes.into_iter().enumerate() {
+            let turn = DQuat::from_scaled_axis(draw.vector() * 3.0);
+            let pose = Pose::new(turn, draw.vector() * 2.5).unwrap();
+            obstacles
+                .push(crate::Obstacle { pose, ..obstacle(&format!("o{n}"), shape, DVec3::ZERO) });
+        }
+        let checker = checker(arm(3), obstacles);
+        let mut state = || -> Vec<f64> { (0..4).map(|_| draw.unit() * 2.0).collect() };
+        let path = if k % 2 == 0 {
+            JointPath::Straight([state(), state()])
+        } else {
+            JointPath::Bezier([state(), state(), state(), state()])
+        };
+        let half = [0.1, 0.02, 1e-3][k % 3];
+        let middle = 0.5 + 0.3 * draw.unit();
+        let mut now = search(&checker, &path, (middle, half));
+        for pair in 0..checker.pairs.len() as u32 {
+            let edge_pair = checker.pairs[pair as usize];
+            let [a, b] = edge_pair.objects;
+            let Some(found) = measured(&now, [a, b]) else { continue };
+            let bounds = now.by_spheres(pair, &edge_pair);
+            let normal = found.normal;
+            let gaps = now.along(pair, &edge_pair, normal).unwrap();
+            let along = gaps.proved;
+            assert!(gaps.middle <= found.upper(), "{path:?} {a} {b}: {found:?}");
+            assert!(bounds.upper >= found.lower(), "{path:?} {a} {b}: {found:?}");
+            let margin = along.max(bounds.margin).max(found.lower() - now.moved(&edge_pair));
+            let mut least = f64::INFINITY;
+            for s in -20..=20 {
+                let t = middle + half * f64::from(s) / 20.0;
+                let there = search(&checker, &path, (t, 0.0));
+                let Some(found) = measured(&there, [a, b]) else {
+                    // It touches there, or nearly.
+                    least = 0.0;
+                    break;
+                };
+                least = least.min(found.upper());
+                if edge_pair.common == 0 {
+                    // Along the same direction, which is the world's here.
+                    let gap = gap_along(there.posed(a), there.posed(b), normal).unwrap();
+                    assert!(along <= gap + 1e-12, "{path:?} {a} {b} at {t}: {along} {gap}");
+                }
+                if margin <= 0.0 {
+                    break;
+                }
+            }
+            if margin > 0.0 {
+                proved += 1;
+                tight += u32::from(margin > 0.9 * least);
+                assert!(margin <= least, "{path:?} {a} {b}: {margin} {least}");
+            }
+        }
+    }
+    assert!(proved > 300 && tight > 100, "{proved} {tight}");
+}
+
+fn measured(search: &Search<'_>, [a, b]: [u32; 2]) -> Option<dcd_gjk::distance::Distance> {
+    match distance(search.posed(a), search.posed(b)).0 {
+        DistanceResult::Apart(found) => Some(found),
+        _ => None,
+    }
+}
+
+#[test]
+fn a_hit_alone_is_a_hit_and_a_free_edge_free() {
+    let mut draw = Draw::new();
+    let ball = |at| obstacle("ball", Shape::sphere(0.4).unwrap(), at);
+    let (mut hits, mut free) = (0, 0);
+    for _ in 0..40 {
+        let checker = checker(arm(3), vec![ball(draw.vector() * 2.5)]);
+        let mut state = || -> Vec<f64> { (0..4).map(|_| draw.unit()).collect() };
+        let path = JointPath::Straight([state(), state()]);
+        let (all, any) =
+            (checker.check(&path, 10_000).unwrap(), checker.check_any(&path, 10_000).unwrap());
+        match any.answer {
+            EdgeAnswer::Hit { t, pair } => {
+                hits += 1;
+                assert!(at(&checker, &path, t).0.contains(&pair), "{path:?}");
+                assert!(matches!(all.answer, EdgeAnswer::Hit { .. }), "{path:?}");
+            }
+            _ => {
+                free += 1;
+                assert_eq!(all, any, "{path:?}");
+            }
+        }
+    }
+    assert!(hits > 0 && free > 0, "{hits} {free}");
+}
