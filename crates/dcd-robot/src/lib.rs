@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 mod allowed;
+mod angle;
 mod archive;
 pub mod bounds;
 mod clearance;
