@@ -110,6 +110,12 @@ pub fn rotation_from_scaled_axis(turn: DVec3) -> DMat3 {
 /// The rotation by an angle in rad about an axis of unit length: see [`rotation_from_scaled_axis`].
 pub fn rotation_from_axis_angle(axis: DVec3, angle: f64) -> DMat3 {
     let (sin, cos) = libm::sincos(angle);
+    rotation_from_sin_cos(axis, [sin, cos])
+}
+
+/// The rotation about an axis of unit length by the angle that has this sine and cosine: see
+/// [`rotation_from_scaled_axis`].
+pub fn rotation_from_sin_cos(axis: DVec3, [sin, cos]: [f64; 2]) -> DMat3 {
     // I + K·sin + K²·(1 − cos) with K the matrix of the cross product, written out.
     let (DVec3 { x, y, z }, versine) = (axis, 1.0 - cos);
     let (xx, yy, zz) = (x * x, y * y, z * z);

@@ -16,12 +16,13 @@ pub use link_set::LinkSet;
 pub use pair_decider::{Candidate, PairDecider};
 
 use dcd_broad::{IdentifiedAabbs, ObstacleBounds, StaticTree};
-use dcd_exec::Exec;
+use dcd_exec::{Exec, Par};
 use dcd_geom::{
     Aabb, BoundingSphere, Filter, InscribedSphere, Object, Scene, SceneError, SphereBounds,
 };
 use dcd_gjk::{NarrowPhase, Overlap, Prepared, Sides};
-use std::sync::Arc;
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 /// How many obstacles a task prepares.
 const OBSTACLES_PER_TASK: usize = 256;
@@ -38,11 +39,37 @@ struct Obstacles<N: NarrowPhase> {
     frame: N::Frame,
     /// For each obstacle its index in the scene that it came from.
     names: Vec<u32>,
+    /// For each obstacle its box, grown as the narrow phase says.
+    aabbs: Vec<Aabb>,
+    /// Made when it is first asked for.
+    search: OnceLock<Search>,
+    /// Whether some obstacle has a filter.
+    filtered: bool,
+}
+
+/// What finds the obstacles near something.
+struct Search {
     tree: StaticTree,
     /// For each obstacle its AABB and its sphere, grown as the narrow phase says, and a sphere in it.
     bounds: Vec<ObstacleBounds>,
-    /// Whether some obstacle has a filter.
-    filtered: bool,
+}
+
+impl Search {
+    fn of<N: NarrowPhase>(world: &Obstacles<N>, exec: Exec<'_>) -> Self {
+        let mut tree = StaticTree::default();
+        let own: Vec<u32> = (0..).take(world.len()).collect();
+        tree.build(IdentifiedAabbs { aabbs: &world.aabbs, names: &own }, exec);
+        let obstacle = |(i, &aabb): (usize, &Aabb)| {
+            let (bound, pose) = (SphereBounds::of(world.scene.shape(i)), &world.scene.poses()[i]);
+            let grown = bound.and_then(|bound| Some(bound.swept(world.narrow.aabb_margin()?)));
+            ObstacleBounds {
+                aabb,
+                sphere: grown.map_or(BoundingSphere::EVERYTHING, |grown| grown.sphere(pose)),
+                inner: bound.map_or(InscribedSphere::NOTHING, |bound| bound.inner_sphere(pose)),
+            }
+        };
+        Self { tree, bounds: world.aabbs.iter().enumerate().map(obstacle).collect() }
+    }
 }
 
 impl<N: NarrowPhase> Clone for StaticWorld<N> {
@@ -75,27 +102,25 @@ impl<N: NarrowPhase> StaticWorld<N> {
             ..Object::new(scene.shape_of()[i], scene.poses()[i])
         });
         let scene = Scene::new(scene.shapes().to_vec(), objects)?;
-        let mut aabbs = vec![Aabb::EMPTY; scene.len()];
-        let mut frame = N::Frame::default();
-        let part = narrow.layout(&scene, Sides::Two, &mut frame);
-        exec.divide((part, &mut aabbs[..]), OBSTACLES_PER_TASK, |first, (part, aabbs)| {
-            narrow.prepare(&scene, first, part, aabbs);
+        let world = Obstacles::new(scene, names, narrow, exec);
+        world.search.get_or_init(|| Search::of(&world, exec));
+        Ok(Self(Arc::new(world)))
+    }
+
+    /// From objects that follow each other in a scene, by their places among these, for a [`PairDecider`], which
+    /// searches nothing: the tree is made once a checker asks for it.
+    ///
+    /// # Errors
+    /// None that the scene has not passed already, where all of the objects are there.
+    pub fn for_pairs(scene: &Scene, objects: Range<usize>, narrow: N) -> Result<Self, SceneError> {
+        let shapes = objects.clone().map(|i| scene.shape(i).clone()).collect();
+        let names: Vec<u32> = (0..).take(objects.len()).collect();
+        let objects = names.iter().zip(objects).map(|(&shape, i)| Object {
+            filter: scene.filters()[i],
+            ..Object::new(shape, scene.poses()[i])
         });
-        let mut tree = StaticTree::default();
-        let own: Vec<u32> = (0..).take(aabbs.len()).collect();
-        tree.build(IdentifiedAabbs { aabbs: &aabbs, names: &own }, exec);
-        let obstacle = |(i, &aabb): (usize, &Aabb)| {
-            let (bound, pose) = (SphereBounds::of(scene.shape(i)), &scene.poses()[i]);
-            let grown = bound.and_then(|bound| Some(bound.swept(narrow.aabb_margin()?)));
-            ObstacleBounds {
-                aabb,
-                sphere: grown.map_or(BoundingSphere::EVERYTHING, |grown| grown.sphere(pose)),
-                inner: bound.map_or(InscribedSphere::NOTHING, |bound| bound.inner_sphere(pose)),
-            }
-        };
-        let bounds = aabbs.iter().enumerate().map(obstacle).collect();
-        let filtered = scene.filters().iter().any(|filter| *filter != Filter::ALL);
-        Ok(Self(Arc::new(Obstacles { narrow, scene, frame, names, tree, bounds, filtered })))
+        let scene = Scene::new(shapes, objects)?;
+        Ok(Self(Arc::new(Obstacles::new(scene, names, narrow, Exec::from(Par::Serial)))))
     }
 
     /// Ready to check configurations of these links, again and again.
@@ -109,6 +134,21 @@ impl<N: NarrowPhase> StaticWorld<N> {
 }
 
 impl<N: NarrowPhase> Obstacles<N> {
+    fn new(scene: Scene, names: Vec<u32>, narrow: N, exec: Exec<'_>) -> Self {
+        let mut aabbs = vec![Aabb::EMPTY; scene.len()];
+        let mut frame = N::Frame::default();
+        let part = narrow.layout(&scene, Sides::Two, &mut frame);
+        exec.divide((part, &mut aabbs[..]), OBSTACLES_PER_TASK, |first, (part, aabbs)| {
+            narrow.prepare(&scene, first, part, aabbs);
+        });
+        let filtered = scene.filters().iter().any(|filter| *filter != Filter::ALL);
+        Self { narrow, scene, frame, names, aabbs, search: OnceLock::new(), filtered }
+    }
+
+    fn search(&self) -> &Search {
+        self.search.get_or_init(|| Search::of(self, Exec::from(Par::Serial)))
+    }
+
     fn len(&self) -> usize {
         self.names.len()
     }
@@ -119,11 +159,9 @@ impl<N: NarrowPhase> Obstacles<N> {
 
     /// The largest finite coordinate of an obstacle, metres.
     fn farthest(&self) -> f64 {
-        let farthest = |obstacle: &ObstacleBounds| {
-            let Aabb { min, max } = obstacle.aabb;
-            f64::from(min.abs().max(max.abs()).max_element())
-        };
+        let farthest =
+            |&Aabb { min, max }: &Aabb| f64::from(min.abs().max(max.abs()).max_element());
         let ends = |&farthest: &f64| farthest < 0.1 * Aabb::LIMIT;
-        self.bounds.iter().map(farthest).filter(ends).fold(0.0, f64::max)
+        self.aabbs.iter().map(farthest).filter(ends).fold(0.0, f64::max)
     }
 }

@@ -1,8 +1,9 @@
 //! Where a robot's shapes are for the values of its joints.
 
 use super::{Joint, Link, Motion, Robot, RobotError};
+use crate::angle::sin_cos;
 use dcd_geom::{Pose, PoseError};
-use dcd_gjk::motion::rotation_from_axis_angle;
+use dcd_gjk::motion::{rotation_from_axis_angle, rotation_from_sin_cos};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::fmt;
 
@@ -60,7 +61,7 @@ impl JointFrame {
     }
 
     fn turned(&self, axis: DVec3, angle: f64) -> Self {
-        Self { rotation: self.rotation * rotation_from_axis_angle(axis, angle), ..*self }
+        Self { rotation: self.rotation * rotation_from_sin_cos(axis, sin_cos(angle)), ..*self }
     }
 
     fn slid(&self, along: DVec3) -> Self {

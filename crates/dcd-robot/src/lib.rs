@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 mod allowed;
+mod angle;
 mod archive;
 pub mod bounds;
 mod clearance;
@@ -32,6 +33,7 @@ mod request;
 mod scan;
 mod scene;
 mod scene_text;
+mod sensed;
 mod several;
 mod shapes;
 mod srdf;
@@ -56,8 +58,9 @@ pub use model::{Drive, Joint, Link, LinkShapes, Motion, MovedJoint, Part, Robot}
 pub use problem::{Problem, problems_in, read_problems};
 pub use request::Request;
 pub use scene::PlanningScene;
+pub use sensed::{SensedPoint, SensedWorld};
 pub use srdf::{EndEffector, Group, GroupMember, GroupState, JointGroup, Srdf, VirtualJoint};
-pub use state_checker::{StateChecker, StateHit};
+pub use state_checker::{SensedHit, StateChecker, StateHit};
 pub use states::{AttachedObject, EdgeRequest, State, StateReader};
 pub use workcell::Workcell;
 pub use world::{Attached, Obstacle, Padding, World};

@@ -11,12 +11,15 @@ mod link_frames;
 mod links;
 mod obstacle_tree;
 mod prepared;
+mod sensed;
 mod separate;
 mod sift;
 mod solids;
 #[cfg(test)]
 mod tests;
 mod worker;
+
+pub use sensed::SensedHit;
 
 use crate::{Clearance, RobotError, Workcell};
 use dcd_exec::{Exec, PerThread, Segments};

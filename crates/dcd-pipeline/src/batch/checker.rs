@@ -226,7 +226,7 @@ fn bounds_of<N: NarrowPhase>(world: &Obstacles<N>, link_set: &LinkSet) -> Packed
 
 /// A grid over the obstacles for spheres as large as the links'.
 fn grid_for<N: NarrowPhase>(world: &Obstacles<N>, bounds: &PackedSphereBounds) -> ObstacleGrid {
-    ObstacleGrid::new(&world.bounds, bounds.largest_sphere(world.farthest()))
+    ObstacleGrid::new(&world.search().bounds, bounds.largest_sphere(world.farthest()))
 }
 
 /// Whether some filter may exclude a link with an obstacle.

@@ -144,7 +144,7 @@ impl Culling {
                 }
             }
             for (word, row) in row.iter().enumerate() {
-                near.0[word] |= checker.world.tree.reached(row, unknown.0[word]);
+                near.0[word] |= checker.world.search().tree.reached(row, unknown.0[word]);
             }
             self.near.push(near);
         }

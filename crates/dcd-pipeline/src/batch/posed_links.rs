@@ -178,7 +178,7 @@ impl<N: NarrowPhase> PosedLinks<N> {
         let start = pairs.len();
         let (aabbs, names) = (&self.aabbs[objects.clone()], &self.names[objects]);
         let query = IdentifiedAabbs { aabbs, names };
-        checker.world.tree.append_pairs(query, |i, _| keep(i), pairs);
+        checker.world.search().tree.append_pairs(query, |i, _| keep(i), pairs);
         let new = &mut pairs[start..];
         let obstacles = checker.world.len() as u32;
         new.iter_mut().for_each(|pair| pair.j -= obstacles);
@@ -195,7 +195,7 @@ impl<N: NarrowPhase> PosedLinks<N> {
         (link, obstacle): (usize, usize),
     ) -> Option<Pair> {
         let j = self.posed[link].has(config).then(|| self.objects[link][config])?;
-        let aabb = &world.bounds.get(obstacle)?.aabb;
+        let aabb = world.aabbs.get(obstacle)?;
         aabb.overlaps(&self.aabbs[j as usize]).then_some(Pair { i: obstacle as u32, j })
     }
 

@@ -1,6 +1,7 @@
 //! Where the links of sixteen states are: the operations of [`Robot::place`] in lanes, each rounded as it is
 //! there, so that every frame is the same bit for bit.
 
+use crate::angle::{FAR, InLanes, near_sin_cos, sin_cos};
 use crate::kinematics::{JointFrame, moved};
 use crate::{Joint, Motion, Robot};
 use dcd_simd::{Kernel, Lanes, WIDTH};
@@ -19,8 +20,12 @@ pub(super) type FrameRow = [Numbers; 12];
 #[derive(Clone, Debug, Default)]
 pub(super) struct LinkFrames {
     pub(super) frames: Vec<FrameRow>,
-    /// For each joint what it is moved by: the sine and cosine of an angle, or a length.
-    drives: Vec<[Numbers; 2]>,
+    /// For each joint what it is moved by: an angle or a length.
+    drives: Vec<Numbers>,
+    /// Whether some angle is too far from 0 for lanes.
+    has_far_angles: bool,
+    /// Of all numbers of all frames of a state.
+    sums: Numbers,
 }
 
 impl LinkFrames {
@@ -28,17 +33,17 @@ impl LinkFrames {
     /// left as they are.
     pub(super) fn read(&mut self, robot: &Robot, states: &[impl AsRef<[f64]>]) {
         self.frames.resize(robot.links.len(), [[[0.0; HALF]; 2]; 12]);
-        self.drives.resize(robot.joints.len(), [[[0.0; HALF]; 2]; 2]);
+        self.drives.resize(robot.joints.len(), [[0.0; HALF]; 2]);
+        let mut farthest = 0.0;
         for (joint, drive) in robot.joints.iter().zip(&mut self.drives) {
             let Some(by) = joint.motion.drive() else { continue };
-            let turns = matches!(joint.motion, Motion::Turns { .. });
             for (lane, state) in states.iter().take(WIDTH).enumerate() {
                 let value = by.of(state.as_ref()).unwrap_or_default();
-                let (a, b) = if turns { libm::sincos(value) } else { (value, 0.0) };
-                drive[0][lane / HALF][lane % HALF] = a;
-                drive[1][lane / HALF][lane % HALF] = b;
+                drive[lane / HALF][lane % HALF] = value;
+                farthest = if value.abs() > farthest { value.abs() } else { farthest };
             }
         }
+        self.has_far_angles = farthest > FAR;
     }
 
     /// The frame of a link in one of the states.
@@ -52,13 +57,10 @@ impl LinkFrames {
         }
     }
 
-    /// Whether all frames of one of the states are numbers.
+    /// Whether all frames of one of the states are known to be numbers: their sums are, which infinite numbers and
+    /// NaN make infinite or NaN. Sums of what is finite may be infinite too.
     pub(super) fn is_finite(&self, lane: usize) -> bool {
-        // Zero times what is infinite or no number is no number.
-        let zero = |row: &FrameRow| {
-            row.iter().fold(0.0, |sum, numbers| sum + 0.0 * numbers[lane / HALF][lane % HALF])
-        };
-        self.frames.iter().fold(0.0, |sum, row| sum + zero(row)) == 0.0
+        self.sums[lane / HALF][lane % HALF].is_finite()
     }
 
     fn set_frame(&mut self, link: usize, lane: usize, frame: &JointFrame) {
@@ -85,33 +87,71 @@ impl<S: AsRef<[f64]>> Kernel for Place<'_, S> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
         let Self { robot, states, to } = self;
-        for lane in 0..WIDTH {
-            to.set_frame(robot.root, lane, &robot.base);
+        let base = robot.base.rotation.to_cols_array();
+        let DVec3 { x, y, z } = robot.base.translation;
+        for (k, number) in base.into_iter().chain([x, y, z]).enumerate() {
+            to.frames[robot.root][k] = [[number; HALF]; 2];
         }
+        let (halves, mut sums) = (states.len().div_ceil(HALF), [l.splat_d(0.0); 2]);
         for (number, joint) in robot.joints.iter().enumerate() {
             if let Motion::Orients { .. } = joint.motion {
                 for (lane, state) in states.iter().enumerate() {
                     let rest = to.frame(joint.parent, lane).then(&joint.origin);
                     to.set_frame(joint.child, lane, &moved(&rest, joint, state.as_ref()));
                 }
+                for half in 0..halves {
+                    let frame = loaded(l, &to.frames[joint.child], half);
+                    sums[half] = l.add_d(sums[half], sum(l, &frame));
+                }
                 continue;
             }
             let drive = &to.drives[number];
-            for half in 0..states.len().div_ceil(HALF) {
-                let parent = &to.frames[joint.parent];
-                let mut frame = [l.splat_d(0.0); 12];
-                for k in 0..12 {
-                    frame[k] = l.load_d(&parent[k][half]);
-                }
-                let drive = [l.load_d(&drive[0][half]), l.load_d(&drive[1][half])];
+            for half in 0..halves {
+                let frame = loaded(l, &to.frames[joint.parent], half);
+                let drive = match joint.motion {
+                    Motion::Turns { .. } if to.has_far_angles => {
+                        let mut both = [[0.0; HALF]; 2];
+                        for (lane, &angle) in drive[half].iter().enumerate() {
+                            [both[0][lane], both[1][lane]] = sin_cos(angle);
+                        }
+                        both.map(
+                            #[inline(always)]
+                            |row| l.load_d(&row),
+                        )
+                    }
+                    Motion::Turns { .. } => near_sin_cos(InLanes(l), l.load_d(&drive[half])),
+                    _ => [l.load_d(&drive[half]); 2],
+                };
                 let frame = driven(l, then(l, frame, &joint.origin), joint, drive);
                 let child = &mut to.frames[joint.child];
                 for k in 0..12 {
                     l.store_d(frame[k], &mut child[k][half]);
                 }
+                sums[half] = l.add_d(sums[half], sum(l, &frame));
             }
         }
+        for half in 0..halves {
+            l.store_d(sums[half], &mut to.sums[half]);
+        }
     }
+}
+
+#[inline(always)]
+fn loaded<L: Lanes>(l: L, row: &FrameRow, half: usize) -> [L::D; 12] {
+    let mut frame = [l.splat_d(0.0); 12];
+    for k in 0..12 {
+        frame[k] = l.load_d(&row[k][half]);
+    }
+    frame
+}
+
+#[inline(always)]
+fn sum<L: Lanes>(l: L, frame: &[L::D; 12]) -> L::D {
+    let mut sums = [frame[0], frame[1], frame[2]];
+    for k in 3..12 {
+        sums[k % 3] = l.add_d(sums[k % 3], frame[k]);
+    }
+    l.add_d(l.add_d(sums[0], sums[1]), sums[2])
 }
 
 /// [`JointFrame::then`].
@@ -122,13 +162,18 @@ fn then<L: Lanes>(l: L, outer: [L::D; 12], inner: &JointFrame) -> [L::D; 12] {
         let columns = inner.rotation.to_cols_array();
         for k in 0..3 {
             let column = vector(l, columns[3 * k], columns[3 * k + 1], columns[3 * k + 2]);
-            let column = turned(l, &outer, column);
-            frame[3 * k..3 * k + 3].copy_from_slice(&column);
+            set_column(&mut frame, k, turned(l, &outer, column));
         }
     }
     let DVec3 { x, y, z } = inner.translation;
     slid(l, &outer, vector(l, x, y, z), &mut frame);
     frame
+}
+
+/// Number by number: a slice would be copied by a call.
+#[inline(always)]
+fn set_column<D: Copy>(frame: &mut [D; 12], k: usize, [x, y, z]: [D; 3]) {
+    (frame[3 * k], frame[3 * k + 1], frame[3 * k + 2]) = (x, y, z);
 }
 
 #[inline(always)]
@@ -144,7 +189,7 @@ fn driven<L: Lanes>(l: L, rest: [L::D; 12], joint: &Joint, drive: [L::D; 2]) -> 
         Motion::Turns { axis, .. } => {
             let rotation = rotation(l, axis, drive);
             for k in 0..3 {
-                frame[3 * k..3 * k + 3].copy_from_slice(&turned(l, &rest, rotation[k]));
+                set_column(&mut frame, k, turned(l, &rest, rotation[k]));
             }
         }
         Motion::Slides { axis: DVec3 { x, y, z }, .. } => {

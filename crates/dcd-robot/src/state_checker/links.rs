@@ -5,7 +5,7 @@ use super::separate::MOST_BLOCKS;
 use super::solids::margin_of;
 use crate::Robot;
 use crate::kinematics::JointFrame;
-use dcd_geom::Shape;
+use dcd_geom::{ConvexHull, Shape};
 use dcd_simd::{Block, Row, WIDTH};
 use glam::{DVec3, Vec3};
 
@@ -19,7 +19,10 @@ pub(super) struct Body<'a> {
     pub(super) origin: JointFrame,
 }
 
-/// The vertices of a body that is a hull, in its link's frame.
+/// The most points of a mesh whose hull is found. More: some take the square of that to prepare.
+const MESH_POINTS: usize = 1 << 16;
+
+/// The vertices of a body that is a hull, or of a mesh's hull, in its link's frame: planes part either.
 #[derive(Clone, Debug)]
 pub(super) struct BodyHull {
     pub(super) link: usize,
@@ -29,14 +32,21 @@ pub(super) struct BodyHull {
 }
 
 impl BodyHull {
-    /// None of what is no hull, or a point alone, of which its sphere tells all.
+    /// None of what has no hull of vertices, or is a point alone, of which its sphere tells all.
     pub(super) fn of(body: &Body<'_>) -> Option<Self> {
-        let polytope = body.shape.as_polytope()?;
+        let (vertices, swept) = match body.shape {
+            Shape::Polytope(polytope) => (polytope.vertices().to_vec(), polytope.swept_radius()),
+            Shape::Mesh(mesh) if mesh.points().len() <= MESH_POINTS => {
+                let (points, hull) = (mesh.points(), ConvexHull::of(mesh.points()).ok()?);
+                let corners = hull.corners().iter().map(|&k| points[k as usize]);
+                (corners.collect(), mesh.swept_radius())
+            }
+            _ => return None,
+        };
         let JointFrame { rotation, translation } = body.origin;
-        let vertices = polytope.vertices().iter().map(|&v| rotation * v + translation);
-        let vertices: Vec<DVec3> = vertices.collect();
+        let vertices: Vec<DVec3> = vertices.iter().map(|&v| rotation * v + translation).collect();
         let count = vertices.len().div_ceil(WIDTH);
-        let swept = (polytope.swept_radius() as f32).next_up();
+        let swept = (swept as f32).next_up();
         (vertices.len() > 1 && count <= MOST_BLOCKS).then(|| Self {
             link: body.link,
             blocks: Block::relative(&vertices, DVec3::ZERO).collect(),

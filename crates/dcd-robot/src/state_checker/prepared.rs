@@ -6,7 +6,7 @@ use super::obstacle_tree::ObstacleTree;
 use super::solids::Solid;
 use crate::kinematics::JointFrame;
 use crate::{Joint, Motion, Robot, RobotError, Workcell};
-use dcd_geom::{Object, Pair, Pose, Scene, SceneError, Shape};
+use dcd_geom::{Pair, Pose, SceneError, Shape};
 use dcd_gjk::Overlap;
 use dcd_pipeline::{LinkSet, Other, StaticWorld};
 use std::ops::Range;
@@ -179,11 +179,7 @@ fn obstacles(cell: &Workcell) -> Range<usize> {
 
 /// The obstacles as a world of their own, by their numbers.
 pub(super) fn world(cell: &Workcell) -> Result<StaticWorld, SceneError> {
-    let (scene, obstacles) = (cell.scene(), obstacles(cell));
-    let shapes: Vec<Shape> = obstacles.clone().map(|i| scene.shape(i).clone()).collect();
-    let objects = (0..).zip(obstacles).map(|(s, i)| Object::new(s, scene.poses()[i]));
-    let world = Scene::new(shapes, objects)?;
-    StaticWorld::new(&world, Overlap::default(), dcd_pipeline::Par::Serial)
+    StaticWorld::for_pairs(cell.scene(), obstacles(cell), Overlap::default())
 }
 
 fn body<'a>(cell: &'a Workcell, bodies: &[(u32, usize)], number: usize) -> Body<'a> {

@@ -16,6 +16,38 @@ use glam::{Mat3, Vec3};
 /// How many directions are tried. More: pairs that touch cost more. Fewer: more are left to the narrow phase.
 const DIRECTIONS: usize = 5;
 
+/// The direction across which a plane last parted each pair: what parted it in one state often does so in the
+/// next. Of a chunk alone, so that no answer depends on what was asked before.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Planes {
+    /// By the body's number, then the other's: bodies first, then as many obstacles as there is room for. Zero where
+    /// none is known.
+    directions: Vec<Vec3>,
+    row: usize,
+}
+
+/// How many obstacles have planes that last for each body, and the most bodies that have any. More: more memory is cleared for a chunk.
+const LASTING: usize = 32;
+
+impl Planes {
+    /// Forgets them, and has room for those of so many bodies, or for none where they are too many.
+    pub(super) fn clear(&mut self, bodies: usize) {
+        let bodies = if bodies <= LASTING { bodies } else { 0 };
+        self.row = bodies + LASTING;
+        self.directions.clear();
+        self.directions.resize(bodies * self.row, Vec3::ZERO);
+    }
+
+    fn of(&mut self, candidate: &Candidate) -> Option<&mut Vec3> {
+        let column = match candidate.other {
+            Other::Link(other) => other as usize,
+            Other::Obstacle(number) => (self.row - LASTING).checked_add(number as usize)?,
+        };
+        let place = candidate.link as usize * self.row + column;
+        if column < self.row { self.directions.get_mut(place) } else { None }
+    }
+}
+
 /// Drops the candidates of a packet that a plane parts.
 pub(super) struct Separate<'a> {
     pub(super) prepared: &'a Prepared,
@@ -25,6 +57,7 @@ pub(super) struct Separate<'a> {
     pub(super) open: u32,
     pub(super) goal: Goal,
     pub(super) found: &'a mut Found,
+    pub(super) planes: &'a mut Planes,
     /// Where the packet's candidates begin.
     pub(super) from: usize,
 }
@@ -34,7 +67,7 @@ impl Kernel for Separate<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self { prepared, rounded, first, open, goal, found, from } = self;
+        let Self { prepared, rounded, first, open, goal, found, planes, from } = self;
         let mut kept = from;
         for k in from..found.candidates.len() {
             let (candidate, towards) = found.candidates[k];
@@ -43,7 +76,14 @@ impl Kernel for Separate<'_> {
             let hulls = if is_wanted { hulls(prepared, rounded, &candidate, lane) } else { None };
             let parted = hulls.is_some_and(
                 #[inline(always)]
-                |hulls| are_parted(l, &hulls, towards),
+                |hulls| {
+                    let mut unknown = Vec3::ZERO;
+                    let last = planes.of(&candidate).unwrap_or(&mut unknown);
+                    let begin = if *last == Vec3::ZERO { towards } else { *last };
+                    let found = across_gap(l, &hulls, begin);
+                    *last = found.unwrap_or_default();
+                    found.is_some()
+                },
             );
             if is_wanted && !parted {
                 found.candidates[kept] = (candidate, towards);
@@ -55,15 +95,15 @@ impl Kernel for Separate<'_> {
 }
 
 /// A hull where it is in one state: its blocks of vertices, R and t, what is swept round it and what may be off.
-struct PlacedHull<'a> {
-    blocks: &'a [Block],
-    rotation: Mat3,
-    translation: Vec3,
-    margin: f32,
+pub(super) struct PlacedHull<'a> {
+    pub(super) blocks: &'a [Block],
+    pub(super) rotation: Mat3,
+    pub(super) translation: Vec3,
+    pub(super) margin: f32,
 }
 
 impl<'a> PlacedHull<'a> {
-    fn on(hull: &'a BodyHull, link: &RoundedLink, lane: usize) -> Self {
+    pub(super) fn on(hull: &'a BodyHull, link: &RoundedLink, lane: usize) -> Self {
         let number = |k: usize| link.frame[k].0[lane];
         let column = |k: usize| Vec3::new(number(k), number(k + 1), number(k + 2));
         Self {
@@ -129,11 +169,15 @@ fn hulls<'a>(
     }
 }
 
-/// Whether a plane is found between the two, beginning across a direction from the first to the second. The
-/// value of the farthest product counts, whichever vertex it is of (docs/numerics/proofs.md, "states in
+/// The direction across a plane that is found between the two, beginning with one from the first to the second.
+/// The value of the farthest product counts, whichever vertex it is of (docs/numerics/proofs.md, "states in
 /// lanes").
 #[inline(always)]
-fn are_parted<L: Lanes>(l: L, [a, b]: &[PlacedHull<'_>; 2], towards: Vec3) -> bool {
+pub(super) fn across_gap<L: Lanes>(
+    l: L,
+    [a, b]: &[PlacedHull<'_>; 2],
+    towards: Vec3,
+) -> Option<Vec3> {
     let mut direction = unit(towards).unwrap_or(Vec3::X);
     let room = a.margin + b.margin;
     for _ in 0..DIRECTIONS {
@@ -142,13 +186,12 @@ fn are_parted<L: Lanes>(l: L, [a, b]: &[PlacedHull<'_>; 2], towards: Vec3) -> bo
         let gap = direction.dot(b.translation - a.translation) - of_b - of_a;
         // Written so that a NaN parts nothing, nor an infinite gap: a rotation of NaN reaches nowhere.
         if gap > room && gap < f32::INFINITY {
-            return true;
+            return Some(direction);
         }
         let mirrored = unit(q - p).map(|across| direction - across * (2.0 * across.dot(direction)));
-        let Some(next) = mirrored.and_then(unit) else { return false };
-        direction = next;
+        direction = mirrored.and_then(unit)?;
     }
-    false
+    None
 }
 
 /// Of unit length, however short or long it was: a length whose square underflows would be wrong.

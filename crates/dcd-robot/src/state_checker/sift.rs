@@ -23,7 +23,7 @@ pub(super) struct Found {
 /// The links of sixteen states in f32.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rounded {
-    world: Vec<RoundedLink>,
+    pub(super) world: Vec<RoundedLink>,
     own: Vec<RoundedLink>,
     near: Vec<(u32, u32)>,
 }
@@ -33,7 +33,7 @@ pub(super) struct RoundedLink {
     /// The rotation's columns, then the translation.
     pub(super) frame: [Row; 12],
     /// Of the sphere round all that the link carries, in the world, metres.
-    centre: Block,
+    pub(super) centre: Block,
     /// By how much a comparison of anything on the link may be off, metres.
     pub(super) margin: Row,
 }
@@ -72,17 +72,25 @@ impl Kernel for Sift<'_> {
         let Rounded { world, own, near } = std::mem::take(self.rounded);
         let (mut world, mut own, mut near) = (world, own, near);
         round(l, &self.prepared.world_links, self.frames, &mut world);
-        for (link, rounded) in self.prepared.world_links.iter().zip(&world) {
-            self.against_obstacles(l, (link, rounded), &mut near);
+        if self.prepared.tree.is_none() && self.is_few(world.len()) {
+            self.few_against_obstacles(l, &world, &mut near);
+        } else {
+            for (link, rounded) in self.prepared.world_links.iter().zip(&world) {
+                self.against_obstacles(l, (link, rounded), &mut near);
+            }
         }
         let own_links = self.prepared.own_links();
         if self.prepared.own_links.is_some() {
             round(l, own_links, self.frames, &mut own);
         }
         let rounded = if self.prepared.own_links.is_some() { &own } else { &world };
-        for &[a, b] in &self.prepared.link_pairs {
-            let of = |k: u32| (&own_links[k as usize], &rounded[k as usize]);
-            self.against_each_other(l, of(a), of(b));
+        if self.is_few(self.prepared.link_pairs.len()) {
+            self.few_against_each_other(l, rounded);
+        } else {
+            for &[a, b] in &self.prepared.link_pairs {
+                let of = |k: u32| (&own_links[k as usize], &rounded[k as usize]);
+                self.against_each_other(l, of(a), of(b));
+            }
         }
         *self.rounded = Rounded { world, own, near };
         self.open
@@ -91,18 +99,21 @@ impl Kernel for Sift<'_> {
 
 /// Rounds the links' frames, and finds where their spheres are.
 #[inline(always)]
-fn round<L: Lanes>(l: L, links: &[LinkSpheres], frames: &LinkFrames, to: &mut Vec<RoundedLink>) {
+pub(super) fn round<L: Lanes>(
+    l: L,
+    links: &[LinkSpheres],
+    frames: &LinkFrames,
+    to: &mut Vec<RoundedLink>,
+) {
     to.resize(links.len(), RoundedLink::default());
     for (link, rounded) in links.iter().zip(to) {
         let row = &frames.frames[link.link];
-        for (numbers, row) in row.iter().zip(&mut rounded.frame) {
-            l.store(l.round_from([&numbers[0], &numbers[1]]), row);
+        for k in 0..12 {
+            l.store(l.round_from([&row[k][0], &row[k][1]]), &mut rounded.frame[k]);
         }
         let frame = loaded(l, &rounded.frame);
         let centre = placed(l, &frame, splat(l, link.centre));
-        for (x, row) in centre.into_iter().zip(&mut rounded.centre.0) {
-            l.store(x, row);
-        }
+        rounded.centre = stored(l, centre);
         let far = l.max(l.max(l.abs(frame[9]), l.abs(frame[10])), l.abs(frame[11]));
         let margin = l.mul_add(far, l.splat(MARGIN as f32), l.splat(link.margin));
         l.store(margin, &mut rounded.margin);
@@ -135,10 +146,10 @@ fn placed<L: Lanes>(l: L, frame: &[L::F; 12], [x, y, z]: [L::F; 3]) -> [L::F; 3]
 }
 
 #[inline(always)]
-fn stored<L: Lanes>(l: L, centre: [L::F; 3]) -> Block {
+pub(super) fn stored<L: Lanes>(l: L, centre: [L::F; 3]) -> Block {
     let mut block = Block::default();
-    for (x, row) in centre.into_iter().zip(&mut block.0) {
-        l.store(x, row);
+    for axis in 0..3 {
+        l.store(centre[axis], &mut block.0[axis]);
     }
     block
 }
@@ -179,10 +190,10 @@ impl RoundedLink {
 
     /// Sixteen spheres on the link, in one of the states.
     #[inline(always)]
-    fn row<L: Lanes>(&self, l: L, row: &SphereRow, lane: usize) -> Sixteen<L> {
+    pub(super) fn row<L: Lanes>(&self, l: L, row: &SphereRow, lane: usize) -> Sixteen<L> {
         let mut frame = [l.splat(0.0); 12];
-        for (number, row) in frame.iter_mut().zip(&self.frame) {
-            *number = l.splat(row.0[lane]);
+        for k in 0..12 {
+            frame[k] = l.splat(self.frame[k].0[lane]);
         }
         Sixteen {
             centre: placed(l, &frame, of_block(l, &row.centre)),
@@ -193,8 +204,37 @@ impl RoundedLink {
     }
 }
 
+/// The spheres of up to sixteen links in one state.
+#[derive(Default)]
+struct Gathered {
+    centre: Block,
+    radius: Row,
+    margin: Row,
+}
+
+impl Gathered {
+    #[inline(always)]
+    fn set(&mut self, k: usize, (link, rounded): (&LinkSpheres, &RoundedLink), lane: usize) {
+        // Not zipped: in a function of another CPU feature that is a call.
+        for axis in 0..3 {
+            self.centre.0[axis].0[k] = rounded.centre.0[axis].0[lane];
+        }
+        (self.radius.0[k], self.margin.0[k]) = (link.radius, rounded.margin.0[lane]);
+    }
+
+    #[inline(always)]
+    fn spheres<L: Lanes>(&self, l: L) -> Sixteen<L> {
+        Sixteen {
+            centre: of_block(l, &self.centre),
+            outer: l.load(&self.radius),
+            inner: l.splat(f32::NEG_INFINITY),
+            margin: l.load(&self.margin),
+        }
+    }
+}
+
 /// The set bits of a number, the least first.
-fn bits(mut of: u32) -> impl Iterator<Item = usize> {
+pub(super) fn bits(mut of: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let bit = (of != 0).then(|| of.trailing_zeros() as usize)?;
         of &= of - 1;
@@ -217,18 +257,90 @@ impl Sift<'_> {
         }
         let any = near.iter().fold(0, |any, &(_, states)| any | states);
         for lane in bits(any) {
-            for row in &link.rows {
-                let spheres = rounded.row(l, row, lane);
-                for &(number, states) in &*near {
-                    if (states & self.open) >> lane & 1 == 0 {
-                        continue;
+            self.rows_against(l, (link, rounded), lane, (near, lane));
+        }
+    }
+
+    /// The spheres of a link in one state against obstacles, those of which a bit is set.
+    #[inline(always)]
+    fn rows_against<L: Lanes>(
+        &mut self,
+        l: L,
+        (link, rounded): (&LinkSpheres, &RoundedLink),
+        lane: usize,
+        (near, bit): (&[(u32, u32)], usize),
+    ) {
+        for row in &link.rows {
+            let spheres = rounded.row(l, row, lane);
+            for &(number, marked) in near {
+                if marked >> bit & 1 == 0 || self.open >> lane & 1 == 0 {
+                    continue;
+                }
+                let solid: &Solid = &self.prepared.solids[number as usize];
+                let reached = solid.reached(l, &spheres);
+                if reached.near & row.filled != 0 {
+                    let at = stored(l, spheres.centre);
+                    let towards = |k: usize| solid.towards(at.point(k));
+                    self.note(lane, row, Other::Obstacle(number), reached, towards);
+                }
+            }
+        }
+    }
+
+    /// Whether so many comparisons are fewer with sixteen of one state together than one of sixteen states.
+    fn is_few(&self, comparisons: usize) -> bool {
+        (self.open.count_ones() as usize) * comparisons.div_ceil(WIDTH) < comparisons
+    }
+
+    /// Sixteen links of one state at a time against each obstacle: what is found is the same, in the same order for
+    /// each state.
+    #[inline(always)]
+    fn few_against_obstacles<L: Lanes>(
+        &mut self,
+        l: L,
+        rounded: &[RoundedLink],
+        near: &mut Vec<(u32, u32)>,
+    ) {
+        let links = &self.prepared.world_links;
+        for lane in bits(self.open) {
+            for (links, rounded) in links.chunks(WIDTH).zip(rounded.chunks(WIDTH)) {
+                let mut gathered = Gathered::default();
+                for (k, link) in links.iter().zip(rounded).enumerate() {
+                    gathered.set(k, link, lane);
+                }
+                let (spheres, filled) = (gathered.spheres(l), (1 << links.len()) - 1);
+                near.clear();
+                for (number, solid) in (0..).zip(&self.prepared.solids) {
+                    let marked = solid.reached(l, &spheres).near & filled;
+                    if marked != 0 {
+                        near.push((number, marked));
                     }
-                    let solid: &Solid = &self.prepared.solids[number as usize];
-                    let reached = solid.reached(l, &spheres);
-                    if reached.near & row.filled != 0 {
-                        let at = stored(l, spheres.centre);
-                        let towards = |k: usize| solid.towards(at.point(k));
-                        self.note(lane, row, Other::Obstacle(number), reached, towards);
+                }
+                let any = near.iter().fold(0, |any, &(_, marked)| any | marked);
+                for k in bits(any) {
+                    self.rows_against(l, (&links[k], &rounded[k]), lane, (near, k));
+                }
+            }
+        }
+    }
+
+    /// Sixteen pairs of links of one state at a time.
+    #[inline(always)]
+    fn few_against_each_other<L: Lanes>(&mut self, l: L, rounded: &[RoundedLink]) {
+        let prepared = self.prepared;
+        let of = |k: u32| (&prepared.own_links()[k as usize], &rounded[k as usize]);
+        for lane in bits(self.open) {
+            for pairs in prepared.link_pairs.chunks(WIDTH) {
+                let [mut one, mut other] = [Gathered::default(), Gathered::default()];
+                for (k, &[a, b]) in pairs.iter().enumerate() {
+                    one.set(k, of(a), lane);
+                    other.set(k, of(b), lane);
+                }
+                let near = meeting(l, &one.spheres(l), &other.spheres(l)).near;
+                for k in bits(near & ((1 << pairs.len()) - 1)) {
+                    if self.open >> lane & 1 == 1 {
+                        let [a, b] = pairs[k];
+                        self.rows_against_each_other(l, of(a), of(b), lane);
                     }
                 }
             }
@@ -262,48 +374,60 @@ impl Sift<'_> {
         let (of_a, of_b) = (a.1.spheres(l, a.0), b.1.spheres(l, b.0));
         let states = meeting(l, &of_a, &of_b).near & self.open;
         for lane in bits(states) {
-            // The spheres of one link that reach the other link's own.
-            let own = Sixteen {
-                centre: splat(l, a.1.centre.point(lane)),
-                outer: l.splat(a.0.radius),
-                inner: l.splat(f32::NEG_INFINITY),
-                margin: l.splat(a.1.margin.0[lane]),
-            };
-            for row in &b.0.rows {
-                let of_b = b.1.row(l, row, lane);
-                let candidates = meeting(l, &own, &of_b).near & row.filled;
-                if candidates == 0 {
-                    continue;
-                }
-                let of_row = stored(l, of_b.centre);
-                for other in &a.0.rows {
-                    let of_a = a.1.row(l, other, lane);
-                    let at = stored(l, of_a.centre);
-                    // Of all spheres of one body together.
-                    let (mut body, mut of_body) = (u32::MAX, Vec3::ZERO);
-                    let mut all = Reached::default();
-                    for k in bits(candidates) {
-                        if row.bodies[k] != body {
-                            let towards = |k: usize| of_body - at.point(k);
-                            self.note(lane, other, Other::Link(body), all, towards);
-                            (body, all) = (row.bodies[k], Reached::default());
-                        }
-                        let one = Sixteen {
-                            centre: splat(l, of_row.point(k)),
-                            outer: l.splat(row.outer.0[k]),
-                            inner: l.splat(row.inner.0[k]),
-                            margin: of_b.margin,
-                        };
-                        let Reached { near, touched } = meeting(l, &of_a, &one);
-                        if all.near == 0 && near & other.filled != 0 {
-                            of_body = of_row.point(k);
-                        }
-                        all.near |= near;
-                        all.touched |= touched;
+            self.rows_against_each_other(l, a, b, lane);
+        }
+    }
+
+    /// The spheres of two links in one state.
+    #[inline(always)]
+    fn rows_against_each_other<L: Lanes>(
+        &mut self,
+        l: L,
+        a: (&LinkSpheres, &RoundedLink),
+        b: (&LinkSpheres, &RoundedLink),
+        lane: usize,
+    ) {
+        // The spheres of one link that reach the other link's own.
+        let own = Sixteen {
+            centre: splat(l, a.1.centre.point(lane)),
+            outer: l.splat(a.0.radius),
+            inner: l.splat(f32::NEG_INFINITY),
+            margin: l.splat(a.1.margin.0[lane]),
+        };
+        for row in &b.0.rows {
+            let of_b = b.1.row(l, row, lane);
+            let candidates = meeting(l, &own, &of_b).near & row.filled;
+            if candidates == 0 {
+                continue;
+            }
+            let of_row = stored(l, of_b.centre);
+            for other in &a.0.rows {
+                let of_a = a.1.row(l, other, lane);
+                let at = stored(l, of_a.centre);
+                // Of all spheres of one body together.
+                let (mut body, mut of_body) = (u32::MAX, Vec3::ZERO);
+                let mut all = Reached::default();
+                for k in bits(candidates) {
+                    if row.bodies[k] != body {
+                        let towards = |k: usize| of_body - at.point(k);
+                        self.note(lane, other, Other::Link(body), all, towards);
+                        (body, all) = (row.bodies[k], Reached::default());
                     }
-                    let towards = |k: usize| of_body - at.point(k);
-                    self.note(lane, other, Other::Link(body), all, towards);
+                    let one = Sixteen {
+                        centre: splat(l, of_row.point(k)),
+                        outer: l.splat(row.outer.0[k]),
+                        inner: l.splat(row.inner.0[k]),
+                        margin: of_b.margin,
+                    };
+                    let Reached { near, touched } = meeting(l, &of_a, &one);
+                    if all.near == 0 && near & other.filled != 0 {
+                        of_body = of_row.point(k);
+                    }
+                    all.near |= near;
+                    all.touched |= touched;
                 }
+                let towards = |k: usize| of_body - at.point(k);
+                self.note(lane, other, Other::Link(body), all, towards);
             }
         }
     }

@@ -12,15 +12,15 @@ use std::fmt::Write;
 use std::path::Path as FilePath;
 
 /// Numbers in −1 … 1 by a linear congruence.
-struct Draw(u64);
+pub(super) struct Draw(pub(super) u64);
 
 impl Draw {
-    fn next(&mut self) -> f64 {
+    pub(super) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    fn below(&mut self, end: u32) -> u32 {
+    pub(super) fn below(&mut self, end: u32) -> u32 {
         ((self.next() + 1.0) / 2.0 * f64::from(end)) as u32 % end
     }
 
@@ -28,7 +28,7 @@ impl Draw {
         least + (most - least) * (self.next() + 1.0) / 2.0
     }
 
-    fn vector(&mut self) -> DVec3 {
+    pub(super) fn vector(&mut self) -> DVec3 {
         DVec3::new(self.next(), self.next(), self.next())
     }
 
@@ -40,7 +40,7 @@ impl Draw {
 }
 
 /// A chain with branches, of joints of every kind; what it carries as the draw says.
-fn robot(draw: &mut Draw, spheres_alone: bool) -> Robot {
+pub(super) fn robot(draw: &mut Draw, spheres_alone: bool) -> Robot {
     let mut urdf = "<robot name=\"random\">".to_owned();
     let links = 3 + draw.below(5);
     for link in 0..links {
@@ -142,7 +142,7 @@ fn cell(draw: &mut Draw) -> Workcell {
     Workcell::new(robot, &world, &allowed).unwrap()
 }
 
-fn state(draw: &mut Draw, robot: &Robot) -> Vec<f64> {
+pub(super) fn state(draw: &mut Draw, robot: &Robot) -> Vec<f64> {
     let mut state = robot.rest_state();
     for joint in robot.joints() {
         if let crate::Motion::Orients { first } = joint.motion {

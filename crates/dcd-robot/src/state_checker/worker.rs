@@ -2,7 +2,7 @@
 
 use super::link_frames::{LinkFrames, Place};
 use super::prepared::Prepared;
-use super::separate::Separate;
+use super::separate::{Planes, Separate};
 use super::sift::{Found, Rounded, Sift};
 use super::{Goal, StateChecker, StateHit};
 use crate::RobotError;
@@ -26,9 +26,10 @@ const AT_ONCE: usize = 4;
 /// What a thread works with.
 #[derive(Debug, Default)]
 pub(super) struct Worker {
-    frames: [LinkFrames; PACKETS],
-    rounded: Rounded,
+    pub(super) frames: [LinkFrames; PACKETS],
+    pub(super) rounded: Rounded,
     found: Found,
+    planes: Planes,
     /// The pairs that are still to be decided, and those that are asked for now.
     left: Vec<Candidate>,
     asked: Vec<Candidate>,
@@ -80,15 +81,21 @@ impl Worker {
             if self.asked.is_empty() {
                 break;
             }
-            self.decide(checker, |candidate, verdict| {
+            // Of a state's pairs the least that touches, so that it does not matter which were decided together.
+            let mut least: Vec<(Candidate, Verdict<()>)> = Vec::new();
+            self.decide(checker, |candidate, verdict| least.push((candidate, verdict)))
+                .map_err(|e| at(start, e))?;
+            least.sort_unstable_by_key(|&(candidate, verdict)| {
+                (!matches!(verdict, Verdict::Touching(())), candidate)
+            });
+            for (candidate, verdict) in least {
                 let first = &mut first[candidate.configuration as usize];
                 let found = hit(&candidate, verdict);
                 if found.touches() && !touches(first) {
                     *first = Some(found);
                 }
                 first.get_or_insert(found);
-            })
-            .map_err(|e| at(start, e))?;
+            }
         }
         self.left = left;
         Ok(())
@@ -150,7 +157,9 @@ impl Worker {
         goal: Goal,
     ) -> Result<(), RefusedState> {
         self.place(prepared, states)?;
-        let Self { frames, rounded, found, .. } = self;
+        let Self { frames, rounded, found, planes, .. } = self;
+        // Of a state alone there is no next one.
+        planes.clear(if states.len() > 1 { prepared.hulls.len() } else { 0 });
         found.touching.clear();
         found.candidates.clear();
         for (packet, (states, frames)) in states.chunks(WIDTH).zip(frames).enumerate() {
@@ -160,8 +169,11 @@ impl Worker {
             let left = &mut *found;
             let sift = Sift { prepared, frames, rounded: round, first, open, goal, found: left };
             let open = dispatch_on(path, sift);
-            let (rounded, found) = (&*rounded, &mut *found);
-            dispatch_on(path, Separate { prepared, rounded, first, open, goal, found, from });
+            let (rounded, found, planes) = (&*rounded, &mut *found, &mut *planes);
+            dispatch_on(
+                path,
+                Separate { prepared, rounded, first, open, goal, found, planes, from },
+            );
         }
         Ok(())
     }
