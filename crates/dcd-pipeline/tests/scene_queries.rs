@@ -415,8 +415,7 @@ fn what_moves_in_a_scene_meets_as_every_pair_alone_and_nothing_tunnels() {
 #[test]
 fn a_swept_box_holds_the_shape_whenever() {
     let (scene, velocities) = moving_scene();
-    for i in 0..scene.len() {
-        let Velocity { linear, angular, centre } = velocities[i];
+    for (i, &Velocity { linear, angular, centre }) in velocities.iter().enumerate() {
         for scale in [1.0, 10.0] {
             let motion =
                 RigidMotion { start: scene.poses()[i], linear, angular: angular * scale, centre };

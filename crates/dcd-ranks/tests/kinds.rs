@@ -163,7 +163,8 @@ fn objects_that_leave_the_grid_are_found() {
         (0..20).any(|_| ranked.balance(first.load));
         (first.contacts, step(&mut ranked).contacts)
     });
-    let sorted = |of: fn(&(Vec<[u64; 2]>, Vec<[u64; 2]>)) -> &Vec<[u64; 2]>| {
+    type Pairs = Vec<[u64; 2]>;
+    let sorted = |of: fn(&(Pairs, Pairs)) -> &Pairs| {
         let mut all: Vec<[u64; 2]> = found.iter().flat_map(|part| of(part).clone()).collect();
         all.sort_unstable();
         all

@@ -206,7 +206,7 @@ impl SensedWorld {
                 let bad = numbers.into_iter().find(|(_, x)| !(x.abs() <= Aabb::LIMIT));
                 let (what, value) = match bad {
                     Some(bad) => bad,
-                    None if radius >= 0.0 && radius <= Aabb::LIMIT => ("reach", reach),
+                    None if (0.0..=Aabb::LIMIT).contains(&radius) => ("reach", reach),
                     None => ("radius", radius),
                 };
                 let user = format!("point {index}");

@@ -1,6 +1,9 @@
 //! Where the links of sixteen states are: the operations of [`Robot::place`] in lanes, each rounded as it is
 //! there, so that every frame is the same bit for bit.
 
+// In kernels: an iterator that is left out of line costs more than the loop.
+#![allow(clippy::needless_range_loop)]
+
 use crate::angle::{FAR, InLanes, near_sin_cos, sin_cos};
 use crate::kinematics::{JointFrame, moved};
 use crate::{Joint, Motion, Robot};

@@ -1,5 +1,8 @@
 //! Sixteen states against everything, by spheres: what is proved to touch, and what is left.
 
+// In kernels: an iterator that is left out of line costs more than the loop.
+#![allow(clippy::needless_range_loop)]
+
 use super::link_frames::LinkFrames;
 use super::links::{LinkSpheres, SphereRow};
 use super::obstacle_tree::ObstacleTree;

@@ -7,7 +7,7 @@ use dcd_geom::Shape;
 use dcd_pipeline::Par;
 
 fn cell(draw: &mut Draw, round: usize) -> Workcell {
-    let robot = robot(draw, round % 3 == 0);
+    let robot = robot(draw, round.is_multiple_of(3));
     Workcell::new(robot, &World::default(), &AllowedPairs::default()).unwrap()
 }
 
