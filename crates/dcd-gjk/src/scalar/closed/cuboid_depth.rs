@@ -8,6 +8,7 @@
 use super::{SIZES, UNIT};
 use crate::PosedSupport;
 use crate::epa::Depth;
+use crate::expanding::SHALLOW;
 use crate::query::Accuracy;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Polytope, Vector};
@@ -90,6 +91,9 @@ pub(crate) fn depth(
     let error_bound = error.max(value - lower) + 4.0 * UNIT * (depth + error);
     let [relative, of_size] = tolerance(accuracy);
     if !(lower > 0.0 && error_bound <= (relative * depth).max(of_size * size)) {
+        return None;
+    }
+    if accuracy == Accuracy::Certified && !(depth >= SHALLOW * size) {
         return None;
     }
     let normal = match axis {

@@ -19,7 +19,7 @@ use crate::{
     Prepared, Sides, Verdict, order,
 };
 use dcd_geom::glam::{DVec3, Vec3};
-use dcd_geom::{Aabb, Pair, Polytope, Scene};
+use dcd_geom::{Aabb, Kind, Pair, Polytope, Scene};
 use dcd_simd::{Block, Kernel, Lanes, Path, dispatch_on};
 use search::{LENGTH, OFF, Search};
 use surface::{Point, Surface};
@@ -184,10 +184,12 @@ fn depth<L: Lanes>(
     accuracy: Accuracy,
     scratch: &mut search::Scratch,
 ) -> Option<Depth> {
-    let is_searched = |side: Side<'_>| {
-        side.placed.shape.as_polytope().is_some_and(|polytope| polytope.swept_radius() == 0.0)
+    let sharp = |side: Side<'_>| {
+        let polytope = side.placed.shape.as_polytope().filter(|p| p.swept_radius() == 0.0)?;
+        Some(polytope.kind())
     };
-    if !is_searched(a) || !is_searched(b) {
+    // Two cuboids have a formula.
+    if let (Kind::Cuboid { .. }, Kind::Cuboid { .. }) = (sharp(a)?, sharp(b)?) {
         return None;
     }
     let swapped = order::is_swapped(a.placed, b.placed);
