@@ -154,6 +154,7 @@ fn quick_measurements() -> Result<Vec<String>> {
         "accuracy",
         "questions",
         "ranks",
+        "rays",
     ];
     for name in names {
         eprintln!("-- {name} --quick");

@@ -30,6 +30,9 @@ enum Task {
     /// Triangle meshes in many poses beside Parry's: answers judged, ratios of times
     #[command(disable_help_flag = true)]
     Meshes(PassedOn),
+    /// Rays, nearest objects and moving shapes beside Parry's: answers compared, ratios of times
+    #[command(disable_help_flag = true)]
+    Rays(PassedOn),
     /// Batches of a robot's configurations against obstacles that stand still, beside Parry's
     #[command(disable_help_flag = true)]
     Batch(PassedOn),
@@ -77,6 +80,7 @@ fn run(task: Task) -> Result<ExitCode> {
     match task {
         Task::Bench(passed) => measure::run("bench", &passed.arguments),
         Task::Compare(passed) => measure::run("compare", &passed.arguments),
+        Task::Rays(passed) => measure::run("rays", &passed.arguments),
         Task::Meshes(passed) => measure::run("meshes", &passed.arguments),
         Task::Batch(passed) => measure::run("batch", &passed.arguments),
         Task::Frames(passed) => measure::run("frames", &passed.arguments),
