@@ -67,7 +67,7 @@ fn a_budget_ends_an_edge_undecided_and_what_is_carried_is_part_of_it() {
     let edges = folder.file(
         "edges.jsonl",
         &format!(
-            "{{\"from\": [0, -0.2], \"to\": [0, 0.2]}}\n{{\"from\": [0, -0.2], \"to\": [0, 0.8], {carried}}}\n"
+            "{{\"from\": [0, -0.2], \"to\": [0, 1.45]}}\n{{\"from\": [0, -0.2], \"to\": [0, 0.8], {carried}}}\n"
         ),
     );
     let ran = dcd(&["robot", &urdf, "--world", &post, "--edges", &edges]);
