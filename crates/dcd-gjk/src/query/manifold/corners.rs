@@ -15,6 +15,7 @@ use dcd_geom::{Polytope, Shape};
 pub(super) struct Corners {
     corners: Vec<Corner>,
     patch: Patch,
+    of_cuboids: cuboids::Points,
     /// How large the shapes are.
     size: f64,
 }
@@ -60,7 +61,7 @@ impl Corners {
         depth: &Depth,
         sides: [PosedShape<'_>; 2],
     ) -> [Feature; 2] {
-        if let Some(patch) = cuboids::add(&mut self.corners, view, depth.normal, sides) {
+        if let Some(patch) = cuboids::add(&mut self.corners, &mut self.of_cuboids, view, sides) {
             self.size = self.size.max(patch.size);
             return patch.whole;
         }

@@ -50,7 +50,7 @@ enum Seen {
 }
 
 /// What the edge of a patch is a part of.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 enum Line {
     /// The edge of the clipped box between two of its vertices.
     Clipped(u8, u8),
@@ -60,17 +60,8 @@ enum Line {
     Surface,
 }
 
-/// What a corner of the patch is.
-#[derive(Clone, Copy)]
-enum Origin {
-    /// That vertex of the clipped box.
-    Vertex(u8),
-    /// Where an edge of the patch, which is a part of the first, is cut by the second.
-    Cut(Line, Line),
-}
-
 /// A corner of the patch, in the frame of the box that clips. Small: it is moved by every cut.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Point {
     /// On the face, along its two sides.
     at: [f64; 2],
@@ -78,17 +69,20 @@ struct Point {
     depth: f64,
     /// What the edge to the next corner is a part of.
     line: Line,
-    origin: Origin,
+    /// The edge of the patch on which it is, and what cuts that edge; the edge itself at a corner of the clipped box,
+    /// where it begins.
+    origin: [Line; 2],
 }
 
 /// Adds the corners of what two boxes have in common along the view's normal; `None`, and no corner, where the general
 /// way is needed: for other shapes, flat boxes, and edges that are nearly parallel.
 pub(super) fn add(
     corners: &mut Vec<Corner>,
+    points: &mut Points,
     view: &View,
-    normal: DVec3,
     [a, b]: [PosedShape<'_>; 2],
 ) -> Option<Patch> {
+    let normal = view.normal();
     let delta = b.pose.translation() - a.pose.translation();
     let side_a = Side::of(a, DVec3::ZERO, normal)?;
     let side_b = Side::of(b, delta, -normal)?;
@@ -114,9 +108,8 @@ pub(super) fn add(
     };
     let (clips, clipped) = if number == 0 { (&side_a, &side_b) } else { (&side_b, &side_a) };
     let clipping = Clipping::new(clips, k, clipped);
-    let mut points = Points::new();
-    clipping.points(other, &mut points);
-    clipping.clip(&mut points)?;
+    clipping.points(other, points);
+    clipping.clip(points)?;
     let radii = [side_a.polytope.swept_radius(), side_b.polytope.swept_radius()];
     let radius = radii[0] + radii[1];
     points.cut(|point| point.depth + radius, Line::Surface)?;
@@ -125,7 +118,7 @@ pub(super) fn add(
     for point in points.list() {
         let in_world = clips.place + *clips.rotation * clipping.on_face(point.at);
         let (at, height) = view.of(in_world);
-        let [of_clips, of_clipped] = point.origin.features(of_each);
+        let [of_clips, of_clipped] = features(point.origin, of_each);
         let (heights, features) = match number {
             0 => ([height, height - point.depth], [of_clips, of_clipped]),
             _ => ([height + point.depth, height], [of_clipped, of_clips]),
@@ -219,7 +212,15 @@ fn faces_of([x, y, z]: [f64; 3]) -> Option<&'static [u8; 6]> {
     let [apart, thin] = DISTINCT;
     let compare = |v: f64, w: f64| {
         let is_sure = v == w || (v - w).abs() > apart * most;
-        is_sure.then(|| if v < w { Less } else if v > w { Greater } else { Equal })
+        is_sure.then(|| {
+            if v < w {
+                Less
+            } else if v > w {
+                Greater
+            } else {
+                Equal
+            }
+        })
     };
     if !(SIZES.contains(&most) && x.min(y).min(z) > thin * most) {
         return None;
@@ -274,6 +275,7 @@ impl<'a> Clipping<'a> {
     /// What is clipped: the corners of a face, or the ends of an edge.
     fn points(&self, seen: Seen, points: &mut Points) {
         let farthest = self.clipped.farthest();
+        points.count = 0;
         match seen {
             Seen::Face(k) => {
                 let (p, q) = (1 << ((k + 1) % 3), 1 << ((k + 2) % 3));
@@ -299,9 +301,8 @@ impl<'a> Clipping<'a> {
         let point = (clips.rotation.transpose() * in_world).to_array();
         let above = (point[k] - self.plane) / clips.towards[k];
         let at = [point[p] - above * clips.towards[p], point[q] - above * clips.towards[q]];
-        let (number, next) = (number as u8, next as u8);
-        let origin = Origin::Vertex(number);
-        Point { at, depth: -above, line: Line::Clipped(number, next), origin }
+        let line = Line::Clipped(number as u8, next as u8);
+        Point { at, depth: -above, line, origin: [line; 2] }
     }
 
     /// Cuts off what is beside the face.
@@ -320,45 +321,43 @@ impl<'a> Clipping<'a> {
     }
 }
 
-impl Origin {
-    /// What a corner belongs to: of the box that clips, and of the other, of which `whole` is seen.
-    fn features(self, whole: [Feature; 2]) -> [Feature; 2] {
-        let [of_clips, of_clipped] = whole;
-        let edge = |j: u8, k: u8| edge(j.into(), k.into());
-        let (of_edge, by) = match self {
-            Self::Vertex(number) => return [of_clips, Feature::Vertex(number.into())],
-            Self::Cut(of_edge, by) => (of_edge, by),
-        };
-        match (of_edge, by) {
-            (Line::Clipped(j, k), Line::Clips(l, m)) => [edge(l, m), edge(j, k)],
-            (Line::Clipped(j, k), _) => [of_clips, edge(j, k)],
-            (Line::Clips(l, m), Line::Clips(n, o)) => {
-                let shared = [l, m].into_iter().find(|k| [n, o].contains(k));
-                [shared.map_or(edge(n, o), |k| Feature::Vertex(k.into())), of_clipped]
-            }
-            (Line::Clips(l, m), _) | (Line::Surface, Line::Clips(l, m)) => [edge(l, m), of_clipped],
-            (Line::Surface, _) => whole,
+/// What a corner of that origin belongs to: of the box that clips, and of the other, of which `whole` is seen.
+fn features([of_edge, by]: [Line; 2], whole: [Feature; 2]) -> [Feature; 2] {
+    let [of_clips, of_clipped] = whole;
+    let edge = |j: u8, k: u8| edge(j.into(), k.into());
+    match (of_edge, by) {
+        (_, Line::Clipped(number, _)) => [of_clips, Feature::Vertex(number.into())],
+        (Line::Clipped(j, k), Line::Clips(l, m)) => [edge(l, m), edge(j, k)],
+        (Line::Clipped(j, k), Line::Surface) => [of_clips, edge(j, k)],
+        (Line::Clips(l, m), Line::Clips(n, o)) => {
+            let shared = [l, m].into_iter().find(|k| [n, o].contains(k));
+            [shared.map_or(edge(n, o), |k| Feature::Vertex(k.into())), of_clipped]
         }
+        (Line::Clips(l, m), Line::Surface) | (Line::Surface, Line::Clips(l, m)) => {
+            [edge(l, m), of_clipped]
+        }
+        (Line::Surface, Line::Surface) => whole,
     }
 }
 
 /// The corners of a patch, in order round it, and room for them after the next cut.
-struct Points {
+#[derive(Debug)]
+pub(super) struct Points {
     rounds: [[Point; MOST]; 2],
     /// Which of the two holds them.
     now: usize,
     count: usize,
 }
 
-impl Points {
-    /// None.
-    #[inline(always)]
-    fn new() -> Self {
-        let (line, origin) = (Line::Clipped(0, 0), Origin::Vertex(0));
-        let unused = Point { at: [0.0; 2], depth: 0.0, line, origin };
+impl Default for Points {
+    fn default() -> Self {
+        let line = Line::Clipped(0, 0);
+        let unused = Point { at: [0.0; 2], depth: 0.0, line, origin: [line; 2] };
         Self { rounds: [[unused; MOST]; 2], now: 0, count: 0 }
     }
+}
 
+impl Points {
     fn list(&self) -> &[Point] {
         &self.rounds[self.now][..self.count]
     }
@@ -398,12 +397,69 @@ impl Points {
                     at: [between(from.at[0], to.at[0]), between(from.at[1], to.at[1])],
                     depth: between(from.depth, to.depth),
                     line: if here >= 0.0 { line } else { from.line },
-                    origin: Origin::Cut(from.line, line),
+                    origin: [from.line, line],
                 };
                 kept += 1;
             }
         }
         (self.now, self.count) = (1 - self.now, kept);
         Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Repeatable numbers from 0 to 1.
+    struct Draw(u64);
+
+    impl Draw {
+        fn unit(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_041);
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        }
+
+        fn below(&mut self, count: usize) -> usize {
+            (self.unit() * count as f64) as usize
+        }
+    }
+
+    /// Half edges that are equal, nearly equal or apart, thin or not, from tiny to huge.
+    fn half_edges(draw: &mut Draw) -> [f64; 3] {
+        let mut half = [(); 3].map(|()| 0.1 + draw.unit());
+        let near = [1.0, 1.0 + 1e-15, 1.0 - 1e-9, 1.0 + 1.1e-6, 1.0 + 1e-4][draw.below(5)];
+        let (j, k) = (draw.below(3), draw.below(3));
+        match draw.below(4) {
+            0 => half[j] = half[k] * near,
+            1 => half = [half[0]; 3],
+            _ => {}
+        }
+        half[draw.below(3)] *= [1.0, 1.0, 1e-2, 2e-3, 1e-5][draw.below(5)];
+        half[draw.below(3)] *= [1.0, 1.0, 1e-2][draw.below(3)];
+        let size = [1.0, 1e-5, 1e6, 1e-59, 1e58][draw.below(5)];
+        half.map(|x| x * size)
+    }
+
+    #[test]
+    fn faces_have_the_numbers_of_the_facets_of_the_hull() {
+        let (mut draw, mut known) = (Draw(81), [0; 2]);
+        for _ in 0..20_000 {
+            let half = half_edges(&mut draw);
+            let Some(order) = faces_of(half) else {
+                known[0] += 1;
+                continue;
+            };
+            known[1] += 1;
+            let cuboid = Polytope::cuboid(DVec3::from_array(half)).unwrap();
+            let facets = cuboid.facets().facets();
+            assert_eq!(facets.len(), 6, "{half:?}");
+            for (facet, &face) in facets.iter().zip(order) {
+                let axis = usize::from(face.to_ascii_lowercase() - b'x');
+                let sense = if face.is_ascii_uppercase() { 1.0 } else { -1.0 };
+                assert!(facet.normal[axis] * sense > 0.99, "{half:?} {facets:?} {order:?}");
+            }
+        }
+        assert!(known.into_iter().all(|count| count > 2000), "{known:?}");
     }
 }
