@@ -15,6 +15,7 @@ use dcd_geom::{Polytope, Shape};
 pub(super) struct Corners {
     corners: Vec<Corner>,
     patch: Patch,
+    of_cuboids: cuboids::Points,
     /// How large the shapes are.
     size: f64,
 }
@@ -60,9 +61,8 @@ impl Corners {
         depth: &Depth,
         sides: [PosedShape<'_>; 2],
     ) -> [Feature; 2] {
-        if let Some(patch) = cuboids::patch(view, depth.normal, sides) {
+        if let Some(patch) = cuboids::add(&mut self.corners, &mut self.of_cuboids, view, sides) {
             self.size = self.size.max(patch.size);
-            self.corners.extend(patch.corners());
             return patch.whole;
         }
         let [a, b] = sides;
@@ -128,9 +128,8 @@ impl Corners {
         [a, b]: [PosedShape<'_>; 2],
         features: [Feature; 2],
     ) -> Manifold {
-        let witness = of_one_point(depth, features);
         if self.size == 0.0 {
-            return witness;
+            return of_one_point(depth, features);
         }
         drop_doubles(&mut self.corners, self.size);
         let far = a.pose.translation().length() + b.pose.translation().length();
@@ -141,16 +140,20 @@ impl Corners {
         let Some((kept, count)) =
             reduce::to_four(&self.corners, self.tolerance()).filter(|_| stands_for_all)
         else {
-            return Manifold { error_bound, ..witness };
+            return Manifold { error_bound, ..of_one_point(depth, features) };
         };
         let mut points = [ManifoldPoint::default(); 4];
-        for (point, corner) in points.iter_mut().zip(&kept[..count]) {
-            let [point_a, point_b] =
-                corner.heights.map(|z| view.in_world(corner.at, z) + a.pose.translation());
+        let origin = a.pose.translation();
+        for (point, &k) in points.iter_mut().zip(&kept[..count]) {
+            let corner = &self.corners[k];
+            let [height_a, height_b] = corner.heights;
+            let point_a = view.in_world(corner.at, height_a) + origin;
+            let point_b = view.in_world(corner.at, height_b) + origin;
             let depth = corner.depth().clamp(0.0, depth.depth);
             *point = ManifoldPoint { point_a, point_b, depth, features: corner.features };
         }
         points[0].depth = depth.depth;
-        Manifold { points, count: count as u8, error_bound, ..witness }
+        let normal = depth.normal;
+        Manifold { normal, points, count: count as u8, error_bound, parts: [None; 2] }
     }
 }

@@ -6,7 +6,7 @@ use super::Feature;
 use super::clip::Corner;
 use super::feature::{FACING, LEVEL, View, edge};
 use crate::PosedShape;
-use dcd_geom::glam::{DMat3, DVec2, DVec3};
+use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Polytope, Shape};
 
 /// The largest deviation of a pose whose transpose may stand for its inverse: what that loses is far below the
@@ -22,31 +22,23 @@ const CROSSING: f64 = 1e-6;
 /// The most corners that a patch may have: four, and one more for each of five cuts; and room for what rounding adds.
 const MOST: usize = 12;
 
-/// What two boxes have in common.
+/// What two boxes show each other.
 pub(super) struct Patch {
-    corners: [Corner; MOST],
-    count: usize,
     /// What of a is seen, and what of b.
     pub(super) whole: [Feature; 2],
     /// How large the boxes are.
     pub(super) size: f64,
 }
 
-impl Patch {
-    pub(super) fn corners(&self) -> &[Corner] {
-        &self.corners[..self.count]
-    }
-}
-
 /// A box, and the direction in its own frame in which the other is.
 #[derive(Clone, Copy)]
 struct Side<'a> {
     polytope: &'a Polytope,
-    half: DVec3,
+    half: [f64; 3],
     rotation: &'a DMat3,
     /// From a's origin, world axes.
     place: DVec3,
-    towards: DVec3,
+    towards: [f64; 3],
 }
 
 /// What a box shows: the axis that its face is normal to, that its edge is along, or its farthest corner.
@@ -58,19 +50,18 @@ enum Seen {
 }
 
 /// What the edge of a patch is a part of.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug)]
 enum Line {
     /// The edge of the clipped box between two of its vertices.
-    Clipped(u32, u32),
+    Clipped(u8, u8),
     /// That of the box that clips.
-    Clips(u32, u32),
+    Clips(u8, u8),
     /// Where the depth is 0.
-    #[default]
     Surface,
 }
 
-/// A corner of the patch, in the frame of the box that clips.
-#[derive(Clone, Copy, Default)]
+/// A corner of the patch, in the frame of the box that clips. Small: it is moved by every cut.
+#[derive(Clone, Copy, Debug)]
 struct Point {
     /// On the face, along its two sides.
     at: [f64; 2],
@@ -78,51 +69,61 @@ struct Point {
     depth: f64,
     /// What the edge to the next corner is a part of.
     line: Line,
-    features: [Feature; 2],
+    /// The edge of the patch on which it is, and what cuts that edge; the edge itself at a corner of the clipped box,
+    /// where it begins.
+    origin: [Line; 2],
 }
 
-/// What two boxes have in common along the view's normal; `None` where the general way is needed: for other shapes,
-/// flat boxes, and edges that are nearly parallel.
-pub(super) fn patch(view: &View, normal: DVec3, [a, b]: [PosedShape<'_>; 2]) -> Option<Patch> {
+/// Adds the corners of what two boxes have in common along the view's normal; `None`, and no corner, where the general
+/// way is needed: for other shapes, flat boxes, and edges that are nearly parallel.
+pub(super) fn add(
+    corners: &mut Vec<Corner>,
+    points: &mut Points,
+    view: &View,
+    [a, b]: [PosedShape<'_>; 2],
+) -> Option<Patch> {
+    let normal = view.normal();
     let delta = b.pose.translation() - a.pose.translation();
     let side_a = Side::of(a, DVec3::ZERO, normal)?;
     let side_b = Side::of(b, delta, -normal)?;
     let (seen_a, seen_b) = (side_a.seen(), side_b.seen());
     let size = 2.0 * (side_a.polytope.outer_radius() + side_b.polytope.outer_radius());
     let whole = [side_a.feature(seen_a)?, side_b.feature(seen_b)?];
-    let mut patch =
-        Patch { corners: [Corner::new(DVec2::ZERO, [0.0; 2], whole); MOST], count: 0, whole, size };
+    let patch = Patch { whole, size };
     let facing = |side: &Side<'_>, seen| match seen {
         Seen::Face(k) => side.towards[k].abs(),
         _ => 0.0,
     };
     // The face that is more square to the normal clips: its plane is the better known.
     let a_clips = facing(&side_a, seen_a) >= facing(&side_b, seen_b);
-    let ((clips, k), (clipped, other), number) = match (seen_a, seen_b) {
+    let (k, other, number) = match (seen_a, seen_b) {
         (Seen::Vertex, _) | (_, Seen::Vertex) => return Some(patch),
         (Seen::Edge(j), Seen::Edge(k)) => {
             let (e, f) = (side_a.rotation.col(j), side_b.rotation.col(k));
             return (e.cross(f).length_squared() > CROSSING * CROSSING).then_some(patch);
         }
-        (Seen::Face(k), other) if a_clips => ((side_a, k), (side_b, other), 0),
-        (other, Seen::Face(k)) => ((side_b, k), (side_a, other), 1),
-        (Seen::Face(k), other) => ((side_a, k), (side_b, other), 0),
+        (Seen::Face(k), other) if a_clips => (k, other, 0),
+        (other, Seen::Face(k)) => (k, other, 1),
+        (Seen::Face(k), other) => (k, other, 0),
     };
-    let clipping = Clipping { clips, k, clipped, whole: [whole[number], whole[1 - number]] };
-    let mut points = clipping.points(other);
-    clipping.clip(&mut points)?;
-    let radius = side_a.polytope.swept_radius() + side_b.polytope.swept_radius();
-    points.cut(|point| point.depth + radius, Line::Surface, &clipping)?;
+    let (clips, clipped) = if number == 0 { (&side_a, &side_b) } else { (&side_b, &side_a) };
+    let clipping = Clipping::new(clips, k, clipped);
+    clipping.points(other, points);
+    clipping.clip(points)?;
     let radii = [side_a.polytope.swept_radius(), side_b.polytope.swept_radius()];
+    let radius = radii[0] + radii[1];
+    points.cut(|point| point.depth + radius, Line::Surface)?;
+    let of_each = [whole[number], whole[1 - number]];
+    corners.reserve(points.count);
     for point in points.list() {
         let in_world = clips.place + *clips.rotation * clipping.on_face(point.at);
         let (at, height) = view.of(in_world);
+        let [of_clips, of_clipped] = features(point.origin, of_each);
         let (heights, features) = match number {
-            0 => ([height, height - point.depth], point.features),
-            _ => ([height + point.depth, height], [point.features[1], point.features[0]]),
+            0 => ([height, height - point.depth], [of_clips, of_clipped]),
+            _ => ([height + point.depth, height], [of_clipped, of_clips]),
         };
-        patch.corners[patch.count] = Corner::new(at, heights, features).swept(radii);
-        patch.count += 1;
+        corners.push(Corner::new(at, heights, features).swept(radii));
     }
     Some(patch)
 }
@@ -136,15 +137,15 @@ impl<'a> Side<'a> {
         let towards = rotation.transpose() * towards;
         (is_solid && side.pose.deviation() <= DEVIATION).then_some(Self {
             polytope,
-            half,
+            half: half.to_array(),
             rotation,
             place,
-            towards,
+            towards: towards.to_array(),
         })
     }
 
     fn seen(&self) -> Seen {
-        let along = self.towards.abs().to_array();
+        let along = self.towards.map(f64::abs);
         let (mut most, mut least) = (0, 0);
         for k in 1..3 {
             most = if along[k] > along[most] { k } else { most };
@@ -171,14 +172,21 @@ impl<'a> Side<'a> {
         Some(match seen {
             Seen::Vertex => Feature::Vertex(corner),
             Seen::Edge(k) => edge(corner & !(1 << k), corner | 1 << k),
-            Seen::Face(k) => {
-                let facets = self.polytope.facets().facets();
-                let sense = self.towards[k].signum();
-                let found =
-                    (0u32..).zip(facets).find(|(_, facet)| facet.normal[k] * sense > FACING);
-                Feature::Face(found?.0)
-            }
+            Seen::Face(k) => Feature::Face(self.face(k)?),
         })
+    }
+
+    /// The number of the face that is normal to axis `k`: its index into [`dcd_geom::Facets`].
+    fn face(&self, k: usize) -> Option<u32> {
+        let is_forward = self.towards[k] > 0.0;
+        if let Some(order) = faces_of(self.half) {
+            let name = (if is_forward { b'X' } else { b'x' }) + k as u8;
+            return (0..).zip(order).find(|&(_, face)| *face == name).map(|(index, _)| index);
+        }
+        let facets = self.polytope.facets().facets();
+        let sense = self.towards[k].signum();
+        let found = (0u32..).zip(facets).find(|(_, facet)| facet.normal[k] * sense > FACING);
+        Some(found?.0)
     }
 
     /// The corner of that number, in its own frame.
@@ -188,107 +196,165 @@ impl<'a> Side<'a> {
     }
 }
 
-/// A face that clips what another box shows.
-struct Clipping<'a> {
-    clips: Side<'a>,
-    /// The axis that its face is normal to.
-    k: usize,
-    clipped: Side<'a>,
-    /// What is seen of the one that clips, and of the other.
-    whole: [Feature; 2],
+/// How far apart, relative to the largest, half edges must be for the order of the faces to be known, if they are not
+/// equal; and the least half edge, relative to the largest.
+const DISTINCT: [f64; 2] = [1e-6, 1e-3];
+
+/// The largest half edges of boxes whose faces' order is known: squared areas stay clear of under- and overflow.
+const SIZES: std::ops::Range<f64> = 1e-60..1e60;
+
+/// The order in which [`dcd_geom::Facets`] has the six faces: x is that against the first axis, X that along it. It hangs
+/// on nothing but the order of the half edges, which saves a search for the hull. `None` where rounding could play a
+/// part.
+fn faces_of([x, y, z]: [f64; 3]) -> Option<&'static [u8; 6]> {
+    use std::cmp::Ordering::{Equal, Greater, Less};
+    let most = x.max(y).max(z);
+    let [apart, thin] = DISTINCT;
+    let compare = |v: f64, w: f64| {
+        let is_sure = v == w || (v - w).abs() > apart * most;
+        is_sure.then(|| {
+            if v < w {
+                Less
+            } else if v > w {
+                Greater
+            } else {
+                Equal
+            }
+        })
+    };
+    if !(SIZES.contains(&most) && x.min(y).min(z) > thin * most) {
+        return None;
+    }
+    Some(match (compare(x, y)?, compare(x, z)?, compare(y, z)?) {
+        (Less, Less, Less) => b"XxYyzZ",
+        (Less, Less, Equal) => b"xXYzyZ",
+        (Less, Less, Greater) => b"xXzZYy",
+        (Less, Equal, Greater) => b"xzXZYy",
+        (Less, Greater, Greater) => b"zZxXYy",
+        (Equal, Less, Less) => b"YXyxzZ",
+        (Equal, Equal, Equal) => b"XyzYxZ",
+        (Equal, Greater, Greater) => b"zZXyYx",
+        (Greater, Less, Less) => b"YyXxzZ",
+        (Greater, Equal, Less) => b"yYXzxZ",
+        (Greater, Greater, Less) => b"yYzZXx",
+        (Greater, Greater, Equal) => b"yzYZXx",
+        (Greater, Greater, Greater) => b"zZyYXx",
+        _ => return None,
+    })
 }
 
-impl Clipping<'_> {
-    fn sides(&self) -> [usize; 2] {
-        [(self.k + 1) % 3, (self.k + 2) % 3]
+/// A face that clips what another box shows.
+struct Clipping<'a> {
+    clips: &'a Side<'a>,
+    /// The axis that its face is normal to, and those of its sides.
+    k: usize,
+    sides: [usize; 2],
+    clipped: &'a Side<'a>,
+    /// Where the face is along its axis.
+    plane: f64,
+    /// From the box that clips to the clipped one, world axes.
+    between: DVec3,
+}
+
+impl<'a> Clipping<'a> {
+    fn new(clips: &'a Side<'a>, k: usize, clipped: &'a Side<'a>) -> Self {
+        let plane = clips.half[k] * clips.towards[k].signum();
+        let sides = [(k + 1) % 3, (k + 2) % 3];
+        Self { clips, k, sides, clipped, plane, between: clipped.place - clips.place }
     }
 
     /// A point of the face, in its box's frame.
     fn on_face(&self, at: [f64; 2]) -> DVec3 {
-        let [p, q] = self.sides();
-        let mut point = DVec3::ZERO;
-        point[self.k] = self.clips.half[self.k] * self.clips.towards[self.k].signum();
+        let [p, q] = self.sides;
+        let mut point = [0.0; 3];
+        point[self.k] = self.plane;
         (point[p], point[q]) = (at[0], at[1]);
-        point
+        DVec3::from_array(point)
     }
 
     /// What is clipped: the corners of a face, or the ends of an edge.
-    fn points(&self, seen: Seen) -> Points {
+    fn points(&self, seen: Seen, points: &mut Points) {
         let farthest = self.clipped.farthest();
-        let mut points = Points::default();
-        let mut add = |number: u32, next: u32| {
-            let _ = points.push(self.seen_from_face(number, next));
-        };
+        points.count = 0;
         match seen {
             Seen::Face(k) => {
                 let (p, q) = (1 << ((k + 1) % 3), 1 << ((k + 2) % 3));
                 let base = farthest & !(p | q);
                 let round = [base, base | p, base | p | q, base | q];
                 for corner in 0..4 {
-                    add(round[corner], round[(corner + 1) % 4]);
+                    points.push(self.seen_from_face(round[corner], round[(corner + 1) % 4]));
                 }
             }
             Seen::Edge(k) => {
                 let (low, high) = (farthest & !(1 << k), farthest | 1 << k);
-                add(low, high);
-                add(high, low);
+                points.push(self.seen_from_face(low, high));
+                points.push(self.seen_from_face(high, low));
             }
             Seen::Vertex => {}
         }
-        points
     }
 
     /// A corner of the clipped box, moved along the normal into the face's plane.
     fn seen_from_face(&self, number: u32, next: u32) -> Point {
-        let Self { clips, clipped, k, .. } = self;
-        let in_world = *clipped.rotation * clipped.corner(number) + (clipped.place - clips.place);
-        let point = clips.rotation.transpose() * in_world;
-        let plane = clips.half[*k] * clips.towards[*k].signum();
-        let above = (point[*k] - plane) / clips.towards[*k];
-        let [p, q] = self.sides();
-        let at = [p, q].map(|side| point[side] - above * clips.towards[side]);
-        let features = [self.whole[0], Feature::Vertex(number)];
-        Point { at, depth: -above, line: Line::Clipped(number, next), features }
+        let Self { clips, clipped, k, sides: [p, q], .. } = *self;
+        let in_world = *clipped.rotation * clipped.corner(number) + self.between;
+        let point = (clips.rotation.transpose() * in_world).to_array();
+        let above = (point[k] - self.plane) / clips.towards[k];
+        let at = [point[p] - above * clips.towards[p], point[q] - above * clips.towards[q]];
+        let line = Line::Clipped(number as u8, next as u8);
+        Point { at, depth: -above, line, origin: [line; 2] }
     }
 
     /// Cuts off what is beside the face.
     fn clip(&self, points: &mut Points) -> Option<()> {
-        let [p, q] = self.sides();
-        let facing = u32::from(self.clips.towards[self.k] >= 0.0) << self.k;
-        let (bit_p, bit_q) = (1u32 << p, 1u32 << q);
+        let [p, q] = self.sides;
+        let facing = u8::from(self.clips.towards[self.k] >= 0.0) << self.k;
+        let (bit_p, bit_q) = (1u8 << p, 1u8 << q);
         let ends = [(bit_p, bit_q), (bit_q, bit_p)];
         for (side, (own, other)) in ends.into_iter().enumerate() {
-            let half = self.clips.half[[p, q][side]];
-            let line = |base: u32| Line::Clips(base, base | other);
-            points.cut(|point| half - point.at[side], line(facing | own), self)?;
-            points.cut(|point| half + point.at[side], line(facing), self)?;
+            let half = self.clips.half[self.sides[side]];
+            let line = |base: u8| Line::Clips(base, base | other);
+            points.cut(|point| half - point.at[side], line(facing | own))?;
+            points.cut(|point| half + point.at[side], line(facing))?;
         }
         Some(())
     }
+}
 
-    /// What a corner belongs to where an edge of the patch is cut by a line: of the one that clips, and of the other.
-    fn features(&self, of_edge: Line, by: Line) -> [Feature; 2] {
-        let [of_clips, of_clipped] = self.whole;
-        match (of_edge, by) {
-            (Line::Clipped(j, k), Line::Clips(l, m)) => [edge(l, m), edge(j, k)],
-            (Line::Clipped(j, k), _) => [of_clips, edge(j, k)],
-            (Line::Clips(l, m), Line::Clips(n, o)) => {
-                let shared = [l, m].into_iter().find(|k| [n, o].contains(k));
-                [shared.map_or(edge(n, o), Feature::Vertex), of_clipped]
-            }
-            (Line::Clips(l, m), _) | (Line::Surface, Line::Clips(l, m)) => [edge(l, m), of_clipped],
-            (Line::Surface, _) => self.whole,
+/// What a corner of that origin belongs to: of the box that clips, and of the other, of which `whole` is seen.
+fn features([of_edge, by]: [Line; 2], whole: [Feature; 2]) -> [Feature; 2] {
+    let [of_clips, of_clipped] = whole;
+    let edge = |j: u8, k: u8| edge(j.into(), k.into());
+    match (of_edge, by) {
+        (_, Line::Clipped(number, _)) => [of_clips, Feature::Vertex(number.into())],
+        (Line::Clipped(j, k), Line::Clips(l, m)) => [edge(l, m), edge(j, k)],
+        (Line::Clipped(j, k), Line::Surface) => [of_clips, edge(j, k)],
+        (Line::Clips(l, m), Line::Clips(n, o)) => {
+            let shared = [l, m].into_iter().find(|k| [n, o].contains(k));
+            [shared.map_or(edge(n, o), |k| Feature::Vertex(k.into())), of_clipped]
         }
+        (Line::Clips(l, m), Line::Surface) | (Line::Surface, Line::Clips(l, m)) => {
+            [edge(l, m), of_clipped]
+        }
+        (Line::Surface, Line::Surface) => whole,
     }
 }
 
 /// The corners of a patch, in order round it, and room for them after the next cut.
-#[derive(Default)]
-struct Points {
+#[derive(Debug)]
+pub(super) struct Points {
     rounds: [[Point; MOST]; 2],
     /// Which of the two holds them.
     now: usize,
     count: usize,
+}
+
+impl Default for Points {
+    fn default() -> Self {
+        let line = Line::Clipped(0, 0);
+        let unused = Point { at: [0.0; 2], depth: 0.0, line, origin: [line; 2] };
+        Self { rounds: [[unused; MOST]; 2], now: 0, count: 0 }
+    }
 }
 
 impl Points {
@@ -296,37 +362,30 @@ impl Points {
         &self.rounds[self.now][..self.count]
     }
 
-    /// `None` where there is no room: only what rounding has spoilt has so many corners.
-    fn push(&mut self, point: Point) -> Option<()> {
-        *self.rounds[self.now].get_mut(self.count)? = point;
-        self.count += 1;
-        Some(())
+    /// Of the first four.
+    fn push(&mut self, point: Point) {
+        if let Some(slot) = self.rounds[self.now].get_mut(self.count) {
+            *slot = point;
+            self.count += 1;
+        }
     }
 
-    /// Keeps where a function that is linear over the patch is at least 0 (Sutherland and Hodgman 1974).
+    /// Keeps where a function that is linear over the patch is at least 0 (Sutherland and Hodgman 1974). `None` where
+    /// there is no room: only what rounding has spoilt has so many corners.
     #[inline(always)]
-    fn cut(
-        &mut self,
-        value: impl Fn(&Point) -> f64,
-        line: Line,
-        clipping: &Clipping<'_>,
-    ) -> Option<()> {
-        let mut values = [0.0; MOST];
-        let mut are_inside = true;
-        for (value_of, point) in values.iter_mut().zip(self.list()) {
-            *value_of = value(point);
-            are_inside &= *value_of >= 0.0;
-        }
-        if are_inside {
+    fn cut(&mut self, value: impl Fn(&Point) -> f64, line: Line) -> Option<()> {
+        if self.list().iter().all(|point| value(point) >= 0.0) {
             return Some(());
         }
         let [first, second] = &mut self.rounds;
-        let (points, next) = if self.now == 0 { (first, second) } else { (second, first) };
+        let (points, next) = if self.now == 0 { (&*first, second) } else { (&*second, first) };
+        let points = &points[..self.count];
         let mut kept = 0;
-        for k in 0..self.count {
-            let after = if k + 1 == self.count { 0 } else { k + 1 };
-            let (from, to) = (&points[k], &points[after]);
-            let (here, there) = (values[k], values[after]);
+        let mut there = points.first().map_or(0.0, &value);
+        for (k, from) in points.iter().enumerate() {
+            let to = points.get(k + 1).unwrap_or(&points[0]);
+            let here = there;
+            there = value(to);
             if here >= 0.0 {
                 *next.get_mut(kept)? = *from;
                 kept += 1;
@@ -338,12 +397,69 @@ impl Points {
                     at: [between(from.at[0], to.at[0]), between(from.at[1], to.at[1])],
                     depth: between(from.depth, to.depth),
                     line: if here >= 0.0 { line } else { from.line },
-                    features: clipping.features(from.line, line),
+                    origin: [from.line, line],
                 };
                 kept += 1;
             }
         }
         (self.now, self.count) = (1 - self.now, kept);
         Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Repeatable numbers from 0 to 1.
+    struct Draw(u64);
+
+    impl Draw {
+        fn unit(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_041);
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        }
+
+        fn below(&mut self, count: usize) -> usize {
+            (self.unit() * count as f64) as usize
+        }
+    }
+
+    /// Half edges that are equal, nearly equal or apart, thin or not, from tiny to huge.
+    fn half_edges(draw: &mut Draw) -> [f64; 3] {
+        let mut half = [(); 3].map(|()| 0.1 + draw.unit());
+        let near = [1.0, 1.0 + 1e-15, 1.0 - 1e-9, 1.0 + 1.1e-6, 1.0 + 1e-4][draw.below(5)];
+        let (j, k) = (draw.below(3), draw.below(3));
+        match draw.below(4) {
+            0 => half[j] = half[k] * near,
+            1 => half = [half[0]; 3],
+            _ => {}
+        }
+        half[draw.below(3)] *= [1.0, 1.0, 1e-2, 2e-3, 1e-5][draw.below(5)];
+        half[draw.below(3)] *= [1.0, 1.0, 1e-2][draw.below(3)];
+        let size = [1.0, 1e-5, 1e6, 1e-59, 1e58][draw.below(5)];
+        half.map(|x| x * size)
+    }
+
+    #[test]
+    fn faces_have_the_numbers_of_the_facets_of_the_hull() {
+        let (mut draw, mut known) = (Draw(81), [0; 2]);
+        for _ in 0..20_000 {
+            let half = half_edges(&mut draw);
+            let Some(order) = faces_of(half) else {
+                known[0] += 1;
+                continue;
+            };
+            known[1] += 1;
+            let cuboid = Polytope::cuboid(DVec3::from_array(half)).unwrap();
+            let facets = cuboid.facets().facets();
+            assert_eq!(facets.len(), 6, "{half:?}");
+            for (facet, &face) in facets.iter().zip(order) {
+                let axis = usize::from(face.to_ascii_lowercase() - b'x');
+                let sense = if face.is_ascii_uppercase() { 1.0 } else { -1.0 };
+                assert!(facet.normal[axis] * sense > 0.99, "{half:?} {facets:?} {order:?}");
+            }
+        }
+        assert!(known.into_iter().all(|count| count > 2000), "{known:?}");
     }
 }

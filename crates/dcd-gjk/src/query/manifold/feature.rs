@@ -62,6 +62,11 @@ impl View {
         Self { x, y, normal }
     }
 
+    /// The direction that it looks along.
+    pub(super) fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
     /// The place of a vector in the plane, and its height.
     pub(super) fn of(&self, v: DVec3) -> (DVec2, f64) {
         (DVec2::new(self.x.dot(v), self.y.dot(v)), self.normal.dot(v))

@@ -74,7 +74,8 @@ impl Manifold {
 
     /// The same with a and b exchanged.
     fn mirrored(mut self) -> Self {
-        for point in &mut self.points {
+        // The others are as empty either way.
+        for point in &mut self.points[..usize::from(self.count)] {
             (point.point_a, point.point_b) = (point.point_b, point.point_a);
             point.features.reverse();
         }

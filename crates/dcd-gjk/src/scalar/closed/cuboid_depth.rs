@@ -123,6 +123,7 @@ pub(crate) fn depth(
 }
 
 /// Two boxes at their places; `None` out of range.
+#[inline(always)]
 pub(super) fn posed(
     [a, b]: [PosedSupport<'_, Polytope>; 2],
     [half_a, half_b]: [DVec3; 2],
@@ -144,7 +145,7 @@ pub(super) fn posed(
         half_b: half_b.to_array(),
         along_a: (turn_a.transpose() * delta).to_array(),
         along_b: (turn_b.transpose() * delta).to_array(),
-        cosines: columns(&(turn_a.transpose() * *turn_b)).map(|column| column.to_array()),
+        cosines: (turn_a.transpose() * *turn_b).to_cols_array_2d(),
         size,
         spread: deviations[0] + deviations[1],
     };
@@ -231,39 +232,66 @@ impl Search {
         ((reach_a + reach_b) - between, c[k][p] * c[k][p] + c[k][q] * c[k][q])
     }
 
-    fn of_products(&self, mut least: Least) -> Least {
-        let Self { half_a, half_b, .. } = self;
+    fn of_products(&self, least: Least) -> Least {
         let error = self.error(CROSS);
-        // Products too short to be the least: a lower bound, a length, and the shorter of the two half edges.
-        let mut short = [(0.0, 0.0, 0.0); 9];
-        let mut count = 0;
-        for (k, &edge_of_b) in half_b.iter().enumerate() {
-            for (j, &edge_of_a) in half_a.iter().enumerate() {
-                let (value, squared) = self.of_product(j, k);
-                let surely = value - error;
-                // Not less than another: a root and a quotient saved.
-                if surely > 0.0 && surely * surely >= least.value * least.value * squared {
-                    continue;
-                }
-                let length = squared.sqrt();
-                if squared < PARALLEL {
-                    short[count] = (surely / length, length, edge_of_a.min(edge_of_b));
-                    count += 1;
-                    continue;
-                }
-                let (value, error) = (value / length, error / length);
-                least.lower = least.lower.min(value - error);
-                // An axis of a box where rounding cannot tell.
-                if value + error < least.value {
-                    (least.axis, least.value, least.error) = (Axis::Product(j, k), value, error);
-                }
-            }
+        let mut products = Products { search: self, error, least, short: [[0.0; 3]; 9], count: 0 };
+        // One by one: with the axes known the compiler leaves no index to compute.
+        products.look_at(0, 0);
+        products.look_at(1, 0);
+        products.look_at(2, 0);
+        products.look_at(0, 1);
+        products.look_at(1, 1);
+        products.look_at(2, 1);
+        products.look_at(0, 2);
+        products.look_at(1, 2);
+        products.look_at(2, 2);
+        products.with_short()
+    }
+}
+
+/// The least overlap of the products looked at so far.
+struct Products<'a> {
+    search: &'a Search,
+    error: f64,
+    least: Least,
+    /// Products too short to be the least: a lower bound, a length, and the shorter of the two half edges.
+    short: [[f64; 3]; 9],
+    count: usize,
+}
+
+impl Products<'_> {
+    /// The product of axis `j` of a and axis `k` of b.
+    #[inline(always)]
+    fn look_at(&mut self, j: usize, k: usize) {
+        let Self { search, error, least, .. } = self;
+        let (value, squared) = search.of_product(j, k);
+        let surely = value - *error;
+        // Not less than another: a root and a quotient saved.
+        if surely > 0.0 && surely * surely >= least.value * least.value * squared {
+            return;
         }
-        // Of nearly parallel edges j, k: without the part of edge k that is square to edge j, the other axes in the
-        // plane square to it are the least there, and none of these is short.
+        let length = squared.sqrt();
+        if squared < PARALLEL {
+            let half = search.half_a[j].min(search.half_b[k]);
+            self.short[self.count] = [surely / length, length, half];
+            self.count += 1;
+            return;
+        }
+        let (value, error) = (value / length, *error / length);
+        least.lower = least.lower.min(value - error);
+        // An axis of a box where rounding cannot tell.
+        if value + error < least.value {
+            (least.axis, least.value, least.error) = (Axis::Product(j, k), value, error);
+        }
+    }
+
+    /// Of nearly parallel edges j, k: without the part of edge k that is square to edge j, the other axes in the
+    /// plane square to it are the least there, and none of these is short.
+    fn with_short(self) -> Least {
+        let Self { search, mut least, short, count, .. } = self;
         let others = least.lower;
-        let room = self.error(SINE) / self.size;
-        for &(surely, length, half) in &short[..count] {
+        let room = search.error(SINE) / search.size;
+        for &[surely, length, half] in &short[..count] {
             let as_others = others - (length + room) * half;
             // A quotient of zeros proves nothing.
             least.lower = least.lower.min(as_others.max(surely));
