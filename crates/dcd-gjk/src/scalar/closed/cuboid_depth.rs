@@ -34,11 +34,12 @@ const PARALLEL: f64 = 1.0 / (1u64 << 40) as f64;
 /// rounding hides. Fewer: more pairs left to the general search.
 const NEARER: usize = 16;
 
-/// The bounds that are good enough: relative to the depth, and to the pair's size.
+/// The bounds that are good enough: relative to the depth, and to the pair's size by half-extents, which is at most √3
+/// times that by reaches: 256u of the latter.
 fn tolerance(accuracy: Accuracy) -> [f64; 2] {
     match accuracy {
         Accuracy::F32 => [0.0, 1e-6],
-        Accuracy::F64 => [1e-10, 256.0 * UNIT],
+        Accuracy::F64 => [1e-10, 147.0 * UNIT],
         Accuracy::Certified => [1e-9, 0.0],
     }
 }
