@@ -83,11 +83,12 @@ impl Facets {
         let corners: Vec<u32> = (0..count as u32).collect();
         if count < 3 {
             facets.push(DVec3::ZERO, &corners);
-            return facets;
+        } else {
+            let backwards: Vec<u32> = corners.iter().rev().copied().collect();
+            facets.push(normal, &corners);
+            facets.push(-normal, &backwards);
         }
-        let backwards: Vec<u32> = corners.iter().rev().copied().collect();
-        facets.push(normal, &corners);
-        facets.push(-normal, &backwards);
+        facets.link(count);
         facets
     }
 

@@ -110,3 +110,23 @@ fn flat_straight_and_single_points_have_their_sides_ends_and_selves() {
     assert_eq!(facets.corners(&facets.facets()[0]).len(), 1);
     assert_eq!(Facets::of(&[DVec3::splat(f64::MAX), DVec3::splat(f64::MIN)]).facets().len(), 1);
 }
+
+#[test]
+fn triangles_and_polygons_list_their_faces_round_each_corner_as_a_search_does() {
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::new(0.25, 1.0, 0.0)];
+    let quad = vec![DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y];
+    let polygon = |corners: &[DVec3]| Polytope::polygon(corners.to_vec(), DVec3::Z).unwrap();
+    let known = [
+        Polytope::mesh_triangle(corners).unwrap(),
+        polygon(&quad),
+        polygon(&quad[..2]),
+        polygon(&quad[..1]),
+    ];
+    for polytope in known {
+        let (facets, searched) = (polytope.facets(), Facets::of(polytope.vertices()));
+        assert_eq!(facets.facets().len(), searched.facets().len());
+        for vertex in 0..polytope.vertices().len() as u32 {
+            assert_eq!(facets.around(vertex), searched.around(vertex), "vertex {vertex}");
+        }
+    }
+}
