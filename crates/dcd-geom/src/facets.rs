@@ -42,6 +42,16 @@ pub struct Facet {
     count: u32,
 }
 
+/// The unit normal of a triangle that is no needle.
+pub(crate) fn normal_of_triangle([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
+    let normal = (b - a).cross(c - a);
+    let longest = (b - a).length_squared().max((c - a).length_squared());
+    let longest = longest.max((c - b).length_squared());
+    // Twice the area by the longest edge is the height. False for NaN, and where squares overflow.
+    let is_wide = normal.length() > NEEDLE * longest && longest > SHORTEST;
+    (is_wide && longest < 1.0 / SHORTEST).then(|| normal.normalize())
+}
+
 impl Facets {
     /// The faces of the hull of the points. Costs a microsecond a point; the same for the same points
     /// everywhere.
@@ -63,18 +73,12 @@ impl Facets {
         facets
     }
 
-    /// Of a triangle that is no needle, without a search.
+    /// Of a triangle: without a search, if it is no needle.
     pub(crate) fn of_triangle(corners: [DVec3; 3]) -> Self {
-        let [a, b, c] = corners;
-        let normal = (b - a).cross(c - a);
-        let longest = (b - a).length_squared().max((c - a).length_squared());
-        let longest = longest.max((c - b).length_squared());
-        // Twice the area by the longest edge is the height. False for NaN, and where squares overflow.
-        let is_wide = normal.length() > NEEDLE * longest && longest > SHORTEST;
-        if !(is_wide && longest < 1.0 / SHORTEST) {
-            return Self::of(&corners);
+        match normal_of_triangle(corners) {
+            Some(normal) => Self::of_polygon(3, normal),
+            None => Self::of(&corners),
         }
-        Self::of_polygon(3, normal.normalize())
     }
 
     /// Of a convex polygon of so many corners, in their order round the normal; of a segment or a point.

@@ -220,6 +220,15 @@ impl Polytope {
         self.facets.get_or_init(found)
     }
 
+    /// The unit normal of a triangle that is no needle, round which its corners go counter-clockwise: that of the first
+    /// of its [`Polytope::facets`], without them. `None` for needles and other kinds.
+    pub fn normal_of_triangle(&self) -> Option<DVec3> {
+        match (self.kind, &*self.vertices) {
+            (Kind::Triangle, &[a, b, c]) => crate::facets::normal_of_triangle([a, b, c]),
+            _ => None,
+        }
+    }
+
     /// The planes of the core's faces, and what is proved of them: derived on first use, then shared like the
     /// faces.
     pub fn planes(&self) -> &FacetPlanes {

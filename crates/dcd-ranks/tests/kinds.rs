@@ -103,7 +103,8 @@ fn bodies_of_every_kind_touch_a_terrain_as_on_one_machine() {
 
 #[test]
 fn bodies_on_a_terrain_are_measured_as_on_one_machine() {
-    let scene = scene(250, &[(terrain(), Pose::IDENTITY)]);
+    let [floor, _] = floor_and_slope();
+    let scene = scene(250, &[(terrain(), Pose::IDENTITY), floor]);
     for question in measures(Accuracy::Certified) {
         for size in [2, 5] {
             check_measured(&scene, question, size);

@@ -122,6 +122,9 @@ fn triangles_and_polygons_list_their_faces_round_each_corner_as_a_search_does() 
         polygon(&quad[..2]),
         polygon(&quad[..1]),
     ];
+    let normal = known[0].normal_of_triangle();
+    assert_eq!(normal, Some(known[0].facets().facets()[0].normal));
+    assert_eq!(known[0].facets().corners(&known[0].facets().facets()[1]), [2, 1, 0]);
     for polytope in known {
         let (facets, searched) = (polytope.facets(), Facets::of(polytope.vertices()));
         assert_eq!(facets.facets().len(), searched.facets().len());

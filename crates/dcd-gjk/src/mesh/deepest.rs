@@ -1,12 +1,14 @@
 //! How deep two shapes overlap that are made of parts: as deep as their deepest two parts.
 
-use super::side::{Parts, Side};
+use super::reach::Couple;
+use super::side::{Part, Parts, Side};
 use super::{Scratch, in_order, pair, touching};
-use crate::distance::gap_along;
 use crate::epa::Depth;
 use crate::{PosedShape, Reason, Verdict};
-use dcd_geom::{Kind, Shape};
+use dcd_geom::Shape;
+use dcd_geom::glam::DVec3;
 use std::borrow::Cow;
+use std::cell::OnceCell;
 
 /// Which part of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -21,9 +23,13 @@ pub enum PartIndex {
 pub(crate) struct PartPair<'s> {
     /// `None` for a convex shape, which is its own only part.
     pub(crate) parts: [Option<PartIndex>; 2],
-    pub(crate) shapes: [Cow<'s, Shape>; 2],
+    sides: [Part<'s>; 2],
+    /// A triangle becomes a shape when it is first asked for: most pairs need none.
+    shapes: [OnceCell<Option<Cow<'s, Shape>>>; 2],
     /// At least how deep they overlap, metres; the same for (a, b) and (b, a).
     at_most: f64,
+    /// What was measured of them.
+    depth: OnceCell<Verdict<Depth>>,
 }
 
 /// Whether (a, b) is the other way round than the pair is solved in.
@@ -44,16 +50,21 @@ pub(crate) fn touching_parts<'s>(a: PosedShape<'s>, b: PosedShape<'s>) -> Vec<Pa
             parts.reverse();
         }
         let [side_a, side_b] = &sides;
-        let shapes =
-            [pair::to_shape(side_a.part(parts[0]))?, pair::to_shape(side_b.part(parts[1]))?];
-        let parts = [index(side_a, parts[0]), index(side_b, parts[1])];
-        let mut pair = PartPair { parts, shapes, at_most: f64::INFINITY };
-        let [in_a, in_b] = pair.posed(a, b);
-        let at_most = if swapped { upper_bound(in_b, in_a) } else { upper_bound(in_a, in_b) };
-        pair.at_most = at_most;
-        Some(pair)
+        let [part_a, part_b] = [side_a.part(parts[0]), side_b.part(parts[1])];
+        let couple = if swapped {
+            Couple::of([part_b, part_a], [b.pose, a.pose])
+        } else {
+            Couple::of([part_a, part_b], [a.pose, b.pose])
+        };
+        PartPair {
+            parts: [index(side_a, parts[0]), index(side_b, parts[1])],
+            sides: [part_a, part_b],
+            shapes: Default::default(),
+            at_most: couple.map_or(f64::INFINITY, |couple| couple.most()),
+            depth: OnceCell::new(),
+        }
     };
-    pairs.into_iter().filter_map(of).collect()
+    pairs.into_iter().map(of).collect()
 }
 
 fn index(side: &Side<'_>, part: u32) -> Option<PartIndex> {
@@ -65,28 +76,55 @@ fn index(side: &Side<'_>, part: u32) -> Option<PartIndex> {
 }
 
 impl PartPair<'_> {
-    /// The two parts where their wholes are.
-    pub(crate) fn posed<'p>(&'p self, a: PosedShape<'p>, b: PosedShape<'p>) -> [PosedShape<'p>; 2] {
-        let [in_a, in_b] = &self.shapes;
-        [PosedShape { shape: in_a, pose: a.pose }, PosedShape { shape: in_b, pose: b.pose }]
+    /// The two parts where their wholes are; `None` for a triangle that is no shape.
+    pub(crate) fn posed<'p>(
+        &'p self,
+        a: PosedShape<'p>,
+        b: PosedShape<'p>,
+    ) -> Option<[PosedShape<'p>; 2]> {
+        let shape = |k: usize| {
+            let made = self.shapes[k].get_or_init(|| pair::to_shape(self.sides[k]));
+            made.as_deref()
+        };
+        let (in_a, in_b) = (shape(0)?, shape(1)?);
+        Some([PosedShape { shape: in_a, pose: a.pose }, PosedShape { shape: in_b, pose: b.pose }])
     }
-}
 
-/// At least how deep two parts overlap: how far they reach past each other along the normals of those that are
-/// triangles; infinite where none is.
-fn upper_bound(a: PosedShape<'_>, b: PosedShape<'_>) -> f64 {
-    let mut least = f64::INFINITY;
-    for side in [a, b] {
-        let Some(polytope) = side.shape.as_polytope() else { continue };
-        let (Kind::Triangle, &[p, q, r]) = (polytope.kind(), polytope.vertices()) else { continue };
-        let normal = *side.pose.rotation() * (q - p).cross(r - p);
-        // Along it or against it: whichever is the shorter way.
-        for direction in [normal, -normal] {
-            let gap = gap_along(a, b, direction).unwrap_or(f64::NEG_INFINITY);
-            least = least.min(-gap);
-        }
+    /// Its depth, which is measured at the first call.
+    pub(crate) fn depth_by(
+        &self,
+        [a, b]: [PosedShape<'_>; 2],
+        measure: impl FnOnce([PosedShape<'_>; 2]) -> Verdict<Depth>,
+    ) -> Verdict<Depth> {
+        let measured = || {
+            // Checked corners are finite, and a hull of three is never refused.
+            self.posed(a, b).map_or(Verdict::Undecided(Reason::Range), measure)
+        };
+        *self.depth.get_or_init(measured)
     }
-    least
+
+    /// Whether one of the two is a sphere, which has no face and no edge, and the other is bounded.
+    pub(crate) fn has_no_corners(&self) -> bool {
+        let is_bounded = |part: &Part<'_>| match part {
+            Part::Triangle { .. } => true,
+            Part::Shape(shape) => shape.is_bounded(),
+        };
+        self.sides.iter().any(Part::is_sphere) && self.sides.iter().all(is_bounded)
+    }
+
+    /// Whether its depth may be along a direction that is within `angle`, radians, of a normal from a to b.
+    ///
+    /// Along two such directions the reach differs by at most the angle's share of the two diameters, since the
+    /// parts have a point in common.
+    pub(crate) fn may_meet_along(
+        &self,
+        normal: DVec3,
+        angle: f64,
+        [a, b]: [PosedShape<'_>; 2],
+    ) -> bool {
+        let Some(couple) = Couple::of(self.sides, [a.pose, b.pose]) else { return true };
+        couple.least_along(normal) <= self.at_most + angle * couple.diameters()
+    }
 }
 
 /// How much deeper than the deepest a pair of parts may be that is not measured, relative to its depth. Larger:

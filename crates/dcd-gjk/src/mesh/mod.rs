@@ -12,6 +12,7 @@ mod distance;
 mod pair;
 mod per_part;
 mod piercing;
+mod reach;
 mod relative_pose;
 mod separating_planes;
 mod side;

@@ -2,7 +2,7 @@
 
 use super::Feature;
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
-use dcd_geom::{Facet, Facets, Polytope};
+use dcd_geom::{Facets, Polytope};
 
 /// The least cosine between a face's normal and the contact's for the face to lie in it: 15
 /// degrees. Larger: boxes that rock on two points. Smaller: points far from where shapes touch.
@@ -35,7 +35,7 @@ pub(super) struct Seen<'a> {
 enum Part<'a> {
     Vertex(u32),
     Edge([u32; 2]),
-    Face { index: u32, facet: &'a Facet, corners: &'a [u32] },
+    Face { index: u32, normal: DVec3, corners: &'a [u32] },
 }
 
 /// How many corners need no allocation.
@@ -99,8 +99,8 @@ impl View {
         let points = match part {
             Part::Vertex(index) => Points::of(std::iter::once(point(index))),
             Part::Edge(ends) => Points::of(ends.iter().copied().map(point)),
-            Part::Face { facet, corners, .. } => {
-                let normal = to_view * facet.normal;
+            Part::Face { normal, corners, .. } => {
+                let normal = to_view * normal;
                 facing = normal.z.abs();
                 slope = -normal.truncate() / normal.z;
                 // One that looks against the normal goes round clockwise.
@@ -180,6 +180,23 @@ const LISTED: usize = 64;
 
 impl<'a> Choice<'a> {
     fn part(&self) -> Part<'a> {
+        self.side_of_triangle().unwrap_or_else(|| self.searched())
+    }
+
+    /// The side of a triangle that faces the direction, as its list of faces has it, without the list.
+    fn side_of_triangle(&self) -> Option<Part<'a>> {
+        let normal = self.polytope.normal_of_triangle()?;
+        let cosine = normal.dot(self.direction);
+        if cosine > FACING {
+            Some(Part::Face { index: 0, normal, corners: &[0, 1, 2] })
+        } else if -cosine > FACING {
+            Some(Part::Face { index: 1, normal: -normal, corners: &[2, 1, 0] })
+        } else {
+            None
+        }
+    }
+
+    fn searched(&self) -> Part<'a> {
         let vertices = self.polytope.vertices();
         let farthest = vertices.iter().map(|&v| self.direction.dot(v));
         let farthest = farthest.fold(f64::NEG_INFINITY, |most, x| if x > most { x } else { most });
@@ -229,7 +246,7 @@ impl<'a> Choice<'a> {
         let cosine = facet.normal.dot(self.direction);
         if cosine > best.facing && corners.len() > 2 {
             best.facing = cosine;
-            best.face = Some(Part::Face { index, facet, corners });
+            best.face = Some(Part::Face { index, normal: facet.normal, corners });
         }
         // A face comes before any edge.
         if best.face.is_some() {

@@ -11,6 +11,9 @@ use crate::{PosedShape, Verdict};
 /// The least cosine between two normals that count as one: 1e-3 rad.
 const ALIKE: f64 = 1.0 - 5e-7;
 
+/// At least the angle of that cosine, and room for normals that are known to 1e-4 rad.
+const ANGLE: f64 = 1.1e-3;
+
 pub(super) fn measure(
     accuracy: Accuracy,
     a: PosedShape<'_>,
@@ -35,8 +38,7 @@ fn in_order(
     let pairs = mesh::touching_parts(a, b);
     let Scratch { depth: memory, corners } = scratch;
     let mut measured = |pair: &PartPair<'_>| {
-        let [in_a, in_b] = pair.posed(a, b);
-        depths::of_touching(accuracy, in_a, in_b, memory)
+        pair.depth_by([a, b], |[a, b]| depths::of_touching(accuracy, a, b, memory))
     };
     let (index, depth) = match mesh::deepest(&pairs, &mut measured) {
         Ok(found) => found,
@@ -46,17 +48,26 @@ fn in_order(
     corners.clear();
     let mut features = Default::default();
     for (k, pair) in pairs.iter().enumerate() {
-        let sides = pair.posed(a, b);
         let before = corners.len();
-        // The planes of half-spaces are the pair's own; what is seen is seen along the deepest's normal.
-        let is_bounded = sides.iter().all(|side| side.shape.is_bounded());
-        let of_plane = if is_bounded { depth } else { of(measured(pair)).unwrap_or(depth) };
-        let whole = corners.add(&view, &Depth { normal: depth.normal, ..of_plane }, sides);
-        if k == index {
-            features = whole;
+        // A sphere has no corners; of the deepest pair the size and the features count.
+        if k == index || !pair.has_no_corners() {
+            let Some(sides) = pair.posed(a, b) else { continue };
+            // The planes of half-spaces are the pair's own; what is seen is seen along the deepest's normal.
+            let is_bounded = sides.iter().all(|side| side.shape.is_bounded());
+            let of_plane = if is_bounded { depth } else { of(measured(pair)).unwrap_or(depth) };
+            let whole = corners.add(&view, &Depth { normal: depth.normal, ..of_plane }, sides);
+            if k == index {
+                features = whole;
+            }
         }
         if corners.len() == before {
-            let of_pair = if k == index { Some(depth) } else { of(measured(pair)) };
+            let of_pair = if k == index {
+                Some(depth)
+            } else if pair.may_meet_along(depth.normal, ANGLE, [a, b]) {
+                of(measured(pair))
+            } else {
+                None
+            };
             if let Some(of_pair) = of_pair.filter(|d| d.normal.dot(depth.normal) >= ALIKE) {
                 corners.add_witness(&view, &of_pair, a.pose.translation());
             }

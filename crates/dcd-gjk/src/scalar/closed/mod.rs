@@ -18,6 +18,7 @@ use crate::epa::Depth;
 use crate::{DistanceResult, PosedSupport, Verdict};
 pub(crate) use cuboid_depth::depth as cuboid_depth;
 use dcd_geom::{Kind, Polytope};
+pub(crate) use triangles::nearest as nearest_of_triangle;
 
 /// Unit roundoff of f64.
 const UNIT: f64 = f64::EPSILON / 2.0;

@@ -32,6 +32,11 @@ pub(super) fn points(
     }
 }
 
+/// The point of a triangle that is nearest to a point, but for rounding.
+pub(crate) fn nearest(corners: [DVec3; 3], point: DVec3) -> DVec3 {
+    combined(corners, weights(corners, point))
+}
+
 fn combined([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
     a * u + b * v + c * w
 }

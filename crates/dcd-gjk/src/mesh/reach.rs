@@ -1,0 +1,246 @@
+//! How far two parts reach past each other along a direction: at least their depth.
+
+use super::bounds::U64;
+use super::side::Part;
+use crate::closed::nearest_of_triangle;
+use dcd_geom::glam::{DMat3, DVec3};
+use dcd_geom::{Kind, Pose, Shape, SupportMap};
+
+/// What a reach along a direction loses. Unit: u·m. Twelve and a half as [`gap_along`](crate::gap_along)'s and 8u of
+/// at most 2m for the length, and room. Larger: pairs that are measured for nothing. Smaller: bounds that do not hold.
+const REACH: f64 = 40.0;
+
+/// See `SUPPORT_ERROR` in certificate.rs.
+const SUPPORT_ERROR: f64 = 1.7321;
+
+/// Sizes of a pair, metres, whose squares and products stay clear of under- and overflow.
+const SIZES: std::ops::Range<f64> = 1e-70..1e70;
+
+/// How far from a triangle, relative to the pair's size, a sphere's centre must be for the direction from there to be
+/// known. Larger: more pairs that need the triangle's normal as well. Smaller: directions that are rounding.
+const CLEAR: f64 = 1e-6;
+
+/// Two parts where they are.
+pub(super) struct Couple<'a> {
+    parts: [Part<'a>; 2],
+    poses: [&'a Pose; 2],
+    /// From the first's origin to the second's.
+    delta: DVec3,
+    /// m: at least the lengths that are computed with.
+    size: f64,
+}
+
+impl<'a> Couple<'a> {
+    /// `None` for parts without supports, and for sizes near the ends of the range.
+    pub(super) fn of(parts: [Part<'a>; 2], poses: [&'a Pose; 2]) -> Option<Self> {
+        let delta = poses[1].translation() - poses[0].translation();
+        let mut size = delta.abs().element_sum();
+        for (part, pose) in parts.iter().zip(poses) {
+            size += part.reach_of_core()? * (1.0 + pose.deviation());
+        }
+        let radius: f64 = parts.iter().map(Part::radius).sum();
+        (SIZES.contains(&size) && radius < SIZES.end).then_some(Self { parts, poses, delta, size })
+    }
+
+    /// At least how deep they overlap: how far they reach past each other from a triangle's point that is nearest to a
+    /// sphere's centre, or along the normals of a triangle and of a box; infinite where none is a triangle.
+    pub(super) fn most(&self) -> f64 {
+        let mut least = f64::INFINITY;
+        for k in 0..2 {
+            let Part::Triangle { corners: [p, q, r], .. } = self.parts[k] else { continue };
+            if let Some(direction) = self.from_nearest(k) {
+                least = least.min(self.most_along(direction));
+                if direction.length() > CLEAR * self.size {
+                    continue;
+                }
+            }
+            let normal = *self.poses[k].rotation() * (q - p).cross(r - p);
+            // Along it or against it: whichever is the shorter way.
+            least = least.min(self.most_along(normal)).min(self.most_along(-normal));
+            // A small triangle that is deep inside a box leaves it by a face of the box.
+            if self.parts[1 - k].is_cuboid() {
+                let DMat3 { x_axis, y_axis, z_axis } = *self.poses[1 - k].rotation();
+                for axis in [x_axis, y_axis, z_axis] {
+                    least = least.min(self.most_along(axis)).min(self.most_along(-axis));
+                }
+            }
+        }
+        least
+    }
+
+    /// From the point of a triangle that is nearest to the other part's centre, if that is a sphere, from the first to
+    /// the second.
+    fn from_nearest(&self, triangle: usize) -> Option<DVec3> {
+        let other = 1 - triangle;
+        let Part::Triangle { corners, .. } = self.parts[triangle] else { return None };
+        let centre = self.parts[other].centre_of_sphere()?;
+        let sense = if triangle == 0 { 1.0 } else { -1.0 };
+        let rotation = self.poses[triangle].rotation();
+        let in_world = *self.poses[other].rotation() * centre + self.delta * sense;
+        let seen = rotation.transpose() * in_world;
+        Some(*rotation * (seen - nearest_of_triangle(corners, seen)) * sense)
+    }
+
+    /// How far they reach past each other along a direction from the first to the second; rounded.
+    fn along(&self, direction: DVec3) -> f64 {
+        let [turn_a, turn_b] = self.poses.map(Pose::rotation);
+        let of_a = self.parts[0].farthest(turn_a.transpose() * direction);
+        let of_b = self.parts[1].farthest(turn_b.transpose() * -direction);
+        let cores = (of_a + of_b) - direction.dot(self.delta);
+        cores / direction.length() + (self.parts[0].radius() + self.parts[1].radius())
+    }
+
+    /// What rounding, and supports that are not exact, may have cost.
+    fn slack(&self) -> f64 {
+        let [a, b] = &self.parts;
+        let support_error = a.support_error() + b.support_error();
+        REACH * U64 * (self.size + (a.radius() + b.radius())) + 2.0 * SUPPORT_ERROR * support_error
+    }
+
+    /// At least that; infinite for no direction.
+    fn most_along(&self, direction: DVec3) -> f64 {
+        let most = self.along(direction) + self.slack();
+        // A direction whose square underflows, or that is not finite, says nothing.
+        let is_known = SIZES.contains(&direction.length()) && most.is_finite();
+        if is_known { most } else { f64::INFINITY }
+    }
+
+    /// At most that, along a direction of unit length.
+    pub(super) fn least_along(&self, direction: DVec3) -> f64 {
+        self.along(direction) - self.slack()
+    }
+
+    /// At least the sum of the two diameters.
+    pub(super) fn diameters(&self) -> f64 {
+        self.parts.iter().map(Part::diameter).sum::<f64>() * (1.0 + REACH * U64) + self.slack()
+    }
+}
+
+impl Part<'_> {
+    /// Of a part that has supports: at least the distance of its core's points from its frame's origin.
+    fn reach_of_core(&self) -> Option<f64> {
+        match self {
+            Self::Triangle { reach, .. } => Some(*reach),
+            Self::Shape(shape) => (shape.is_convex() && shape.is_bounded()).then(|| shape.reach()),
+        }
+    }
+
+    fn radius(&self) -> f64 {
+        match self {
+            Self::Triangle { radius, .. } => *radius,
+            Self::Shape(shape) => shape.radius(),
+        }
+    }
+
+    fn support_error(&self) -> f64 {
+        match self {
+            Self::Triangle { .. } => 0.0,
+            Self::Shape(shape) => shape.support_error(),
+        }
+    }
+
+    /// The most of x·d over the core, in its own frame.
+    fn farthest(&self, direction: DVec3) -> f64 {
+        match self {
+            Self::Triangle { corners: [p, q, r], .. } => {
+                p.dot(direction).max(q.dot(direction)).max(r.dot(direction))
+            }
+            Self::Shape(shape) => match shape.as_polytope().map(|core| (core.kind(), core)) {
+                Some((Kind::Cuboid { half_extents }, _)) => direction.abs().dot(half_extents),
+                _ => shape.support(direction).point.dot(direction),
+            },
+        }
+    }
+
+    fn diameter(&self) -> f64 {
+        let core = match self {
+            Self::Triangle { corners: [p, q, r], .. } => {
+                p.distance(*q).max(q.distance(*r)).max(r.distance(*p))
+            }
+            Self::Shape(shape) => match shape.as_polytope() {
+                Some(core) => 2.0 * core.outer_radius(),
+                None => 2.0 * shape.reach(),
+            },
+        };
+        core + 2.0 * self.radius()
+    }
+
+    /// Whether it is a sphere.
+    pub(super) fn is_sphere(&self) -> bool {
+        self.centre_of_sphere().is_some()
+    }
+
+    fn is_cuboid(&self) -> bool {
+        let Self::Shape(Shape::Polytope(core)) = self else { return false };
+        matches!(core.kind(), Kind::Cuboid { .. })
+    }
+
+    fn centre_of_sphere(&self) -> Option<DVec3> {
+        let Self::Shape(Shape::Polytope(core)) = self else { return None };
+        (core.kind() == Kind::Point).then(|| core.vertices().first().copied())?
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Depths, PairSolver, PosedShape, Verdict};
+    use dcd_geom::Polytope;
+    use dcd_geom::glam::DQuat;
+
+    /// In [−1, 1).
+    fn draw(state: &mut u64) -> f64 {
+        *state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    fn vector(state: &mut u64) -> DVec3 {
+        DVec3::new(draw(state), draw(state), draw(state))
+    }
+
+    #[test]
+    fn no_pair_is_deeper_than_its_bound_and_a_spheres_bound_is_its_depth() {
+        let kinds = [
+            Shape::sphere(0.5).unwrap(),
+            Shape::capsule(0.4, 0.3).unwrap(),
+            Shape::cuboid(DVec3::new(0.3, 0.5, 0.4)).unwrap(),
+            Shape::cylinder(0.4, 0.3).unwrap(),
+        ];
+        let (mut state, mut touching, mut spheres) = (7, 0, 0);
+        for round in 0..4000 {
+            let shape = &kinds[round % kinds.len()];
+            let corners = [0; 3].map(|_| vector(&mut state) * 0.4);
+            let triangle = Shape::from(Polytope::mesh_triangle(corners).unwrap());
+            let far = if round % 3 == 0 { vector(&mut state) * 1e6 } else { DVec3::ZERO };
+            let mut pose = || {
+                let turn = DQuat::from_scaled_axis(vector(&mut state) * 3.0);
+                Pose::new(turn, far + vector(&mut state) * 0.4).unwrap()
+            };
+            let poses = [pose(), pose()];
+            let sides = [&triangle, shape];
+            let [a, b] = [0, 1].map(|k| PosedShape { shape: sides[k], pose: &poses[k] });
+            let Verdict::Touching(found) = Depths.solve(a, b, &mut Default::default()) else {
+                continue;
+            };
+            touching += 1;
+            let part = Part::Triangle { corners, reach: triangle.reach(), radius: 0.0 };
+            let parts = [part, Part::Shape(shape)];
+            for order in [[0, 1], [1, 0]] {
+                let couple = Couple::of(order.map(|k| parts[k]), order.map(|k| &poses[k])).unwrap();
+                let most = couple.most();
+                assert!(found.depth - found.error_bound <= most, "{round}: {found:?}, {most}");
+                let sense = if order[0] == 0 { 1.0 } else { -1.0 };
+                let along = [couple.least_along(found.normal * sense), couple.diameters()];
+                assert!(along[0] <= found.depth + found.error_bound + 1e-7, "{round}: {along:?}");
+                assert!(found.depth <= along[1], "{round}: {along:?}");
+                if round % kinds.len() == 0 && most < 0.499 {
+                    spheres += 1;
+                    let slack = 1e-12 + 1e-14 * far.length();
+                    assert!(most <= found.depth + found.error_bound + slack, "{round}: {most}");
+                }
+            }
+        }
+        assert!(touching > 1500 && spheres > 300, "{touching}, {spheres}");
+    }
+}
