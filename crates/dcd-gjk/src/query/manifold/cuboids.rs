@@ -210,18 +210,8 @@ fn faces_of([x, y, z]: [f64; 3]) -> Option<&'static [u8; 6]> {
     use std::cmp::Ordering::{Equal, Greater, Less};
     let most = x.max(y).max(z);
     let [apart, thin] = DISTINCT;
-    let compare = |v: f64, w: f64| {
-        let is_sure = v == w || (v - w).abs() > apart * most;
-        is_sure.then(|| {
-            if v < w {
-                Less
-            } else if v > w {
-                Greater
-            } else {
-                Equal
-            }
-        })
-    };
+    let is_sure = |v: f64, w: f64| v == w || (v - w).abs() > apart * most;
+    let compare = |v: f64, w: f64| v.partial_cmp(&w).filter(|_| is_sure(v, w));
     if !(SIZES.contains(&most) && x.min(y).min(z) > thin * most) {
         return None;
     }
