@@ -48,7 +48,7 @@ impl<'a> Couple<'a> {
         let mut least = f64::INFINITY;
         for k in 0..2 {
             let Part::Triangle { corners: [p, q, r], .. } = self.parts[k] else { continue };
-            if let Some(direction) = self.from_nearest(k) {
+            if let Some(direction) = self.off_nearest(k) {
                 least = least.min(self.most_along(direction));
                 if direction.length() > CLEAR * self.size {
                     continue;
@@ -70,7 +70,7 @@ impl<'a> Couple<'a> {
 
     /// From the point of a triangle that is nearest to the other part's centre, if that is a sphere, from the first to
     /// the second.
-    fn from_nearest(&self, triangle: usize) -> Option<DVec3> {
+    fn off_nearest(&self, triangle: usize) -> Option<DVec3> {
         let other = 1 - triangle;
         let Part::Triangle { corners, .. } = self.parts[triangle] else { return None };
         let centre = self.parts[other].centre_of_sphere()?;
