@@ -89,7 +89,9 @@ fn check(scene: &Scene, links: &[Shape], poses: &[Pose], checker: &mut BatchChec
         match found {
             Some(found) if found.touches() => assert!(touching.contains(&hit(found)), "{found:?}"),
             Some(found) => assert!(!of_own(&touching) && undecided.contains(&hit(found))),
-            None => assert!(!of_own(&touching) && !of_own(&undecided), "of {own} nothing is reported"),
+            None => {
+                assert!(!of_own(&touching) && !of_own(&undecided), "of {own} nothing is reported")
+            }
         }
     }
 }
