@@ -97,8 +97,8 @@ fn a_hit_alone_is_a_hit_and_a_free_edge_free() {
     let mut draw = Draw::new();
     let ball = |at| obstacle("ball", Shape::sphere(0.4).unwrap(), at);
     let (mut hits, mut free) = (0, 0);
-    for _ in 0..40 {
-        let checker = checker(arm(3), vec![ball(draw.vector() * 2.5)]);
+    for _ in 0..120 {
+        let checker = checker(arm(3), vec![ball(draw.vector() * 1.5)]);
         let mut state = || -> Vec<f64> { (0..4).map(|_| draw.unit()).collect() };
         let path = JointPath::Straight([state(), state()]);
         let (all, any) =
