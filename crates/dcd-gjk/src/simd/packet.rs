@@ -21,7 +21,7 @@ pub(super) struct PairPacket {
 /// The rows of a packet, in the order in which the stages come to need them: a queue carries the first so many.
 /// Never made: the places of its fields number the rows of [`PairPacket`].
 #[repr(C)]
-#[allow(dead_code)]
+#[allow(dead_code, reason = "only the places of the fields are read")]
 struct Layout {
     inner: Row,
     radius: Row,

@@ -56,7 +56,8 @@ impl Queries<'_> {
     }
 
     /// Some object that the ray certainly meets, if any: sooner known than the first. The same at any number of
-    /// threads. Where it is `None`, hits that are not certain may remain.
+    /// threads. `None` does not prove the way free: hits that are not certain may remain. [`Queries::first_hit`]
+    /// proves it.
     pub fn any_hit(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Option<ObjectHit> {
         let slabs = ray.slabs();
         let mut found: Option<ObjectHit> = None;
