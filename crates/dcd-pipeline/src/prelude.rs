@@ -11,6 +11,6 @@ pub use dcd_geom::glam::{DQuat, DVec3};
 pub use dcd_geom::{Filter, Handle, Motion, Object, ObjectRef, Pair, Pose, Scene, Shape};
 pub use dcd_gjk::{
     Accuracy, BoundsOnly, Certified, Coherent, Contact, Depths, Distances, Gjk, Manifold,
-    Manifolds, Overlap, OverlapUnchecked, Pairwise, Proximities, ThenMeasure, Verdict,
+    ManifoldSet, Manifolds, Overlap, OverlapUnchecked, Pairwise, Proximities, ThenMeasure, Verdict,
     WithAccuracy, Within,
 };

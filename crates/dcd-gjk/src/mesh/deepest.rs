@@ -103,6 +103,11 @@ impl PartPair<'_> {
         *self.depth.get_or_init(measured)
     }
 
+    /// Nothing is known of its depth any more.
+    pub(crate) fn forget_bound(&mut self) {
+        self.at_most = f64::INFINITY;
+    }
+
     /// Whether one of the two is a sphere, which has no face and no edge, and the other is bounded.
     pub(crate) fn has_no_corners(&self) -> bool {
         let is_bounded = |part: &Part<'_>| match part {
@@ -112,24 +117,62 @@ impl PartPair<'_> {
         self.sides.iter().any(Part::is_sphere) && self.sides.iter().all(is_bounded)
     }
 
-    /// Whether its depth may be along a direction that is within `angle`, radians, of a normal from a to b.
+    /// What is proved of the pair along a normal from a to b.
+    pub(crate) fn along(&self, normal: DVec3, [a, b]: [PosedShape<'_>; 2]) -> Along {
+        let couple = Couple::of(self.sides, [a.pose, b.pose]);
+        let reach = couple.map(|couple| Reach {
+            least: couple.least_along(normal),
+            diameters: couple.diameters(),
+        });
+        Along { reach, at_most: self.at_most }
+    }
+}
+
+/// How two parts that touch lie along a normal.
+pub(crate) struct Along {
+    /// `None` where it is not known.
+    reach: Option<Reach>,
+    /// At least their depth.
+    at_most: f64,
+}
+
+/// How far two parts reach past each other along a normal, metres.
+struct Reach {
+    /// Moved apart by less along the normal they touch.
+    least: f64,
+    /// At least the sum of the two diameters.
+    diameters: f64,
+}
+
+impl Along {
+    /// By how much more than a depth the two must be moved along the normal to come apart, up to rounding, if that is
+    /// at most a part `near` of the diameters.
+    pub(crate) fn rest(&self, depth: f64, near: f64) -> Option<f64> {
+        let Reach { least, diameters } = self.reach.as_ref()?;
+        let rest = least - depth;
+        (rest <= near * diameters).then(|| rest.max(0.0))
+    }
+
+    /// Whether their depth may be along a direction that is within `angle`, radians, of the normal.
     ///
     /// Along two such directions the reach differs by at most the angle's share of the two diameters, since the
     /// parts have a point in common.
-    pub(crate) fn may_meet_along(
-        &self,
-        normal: DVec3,
-        angle: f64,
-        [a, b]: [PosedShape<'_>; 2],
-    ) -> bool {
-        let Some(couple) = Couple::of(self.sides, [a.pose, b.pose]) else { return true };
-        couple.least_along(normal) <= self.at_most + angle * couple.diameters()
+    pub(crate) fn may_be_within(&self, angle: f64) -> bool {
+        let may_be = |reach: &Reach| reach.least <= self.at_most + angle * reach.diameters;
+        self.reach.as_ref().is_none_or(may_be)
     }
 }
 
 /// How much deeper than the deepest a pair of parts may be that is not measured, relative to its depth. Larger:
 /// a wider bound. Smaller: triangles in one plane, equally deep but for rounding, are all measured.
 const AS_DEEP: f64 = 1e-11;
+
+/// Pairs by how deep they may be, the deepest first; the first of equals stays the first.
+pub(crate) fn by_depth(pairs: &[PartPair<'_>]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..pairs.len()).collect();
+    order.sort_by(|&j, &k| pairs[k].at_most.total_cmp(&pairs[j].at_most));
+    order
+}
 
 /// The greatest of the depths of all touching pairs of parts, each as `depth` says, and the pair's index; the
 /// default where no pair is known to touch. Pairs that are surely no deeper are not asked.
@@ -141,11 +184,20 @@ const AS_DEEP: f64 = 1e-11;
 /// Why a pair could not be measured.
 pub(crate) fn deepest(
     pairs: &[PartPair<'_>],
-    mut depth: impl FnMut(&PartPair<'_>) -> Verdict<Depth>,
+    depth: impl FnMut(&PartPair<'_>) -> Verdict<Depth>,
 ) -> Result<(usize, Depth), Reason> {
-    let mut order: Vec<usize> = (0..pairs.len()).collect();
-    // The first of equals stays the first.
-    order.sort_by(|&j, &k| pairs[k].at_most.total_cmp(&pairs[j].at_most));
+    Ok(deepest_of(pairs, by_depth(pairs), depth)?.unwrap_or_default())
+}
+
+/// The same of some pairs, in the order of [`by_depth`]; `None` where none of them is known to touch.
+///
+/// # Errors
+/// Why a pair could not be measured.
+pub(crate) fn deepest_of(
+    pairs: &[PartPair<'_>],
+    order: impl IntoIterator<Item = usize>,
+    mut depth: impl FnMut(&PartPair<'_>) -> Verdict<Depth>,
+) -> Result<Option<(usize, Depth)>, Reason> {
     let (mut deepest, mut index) = (Deepest::default(), 0);
     for k in order {
         if deepest.is_as_deep_as(pairs[k].at_most) {
@@ -161,7 +213,7 @@ pub(crate) fn deepest(
             Verdict::Undecided(reason) => return Err(reason),
         }
     }
-    Ok((index, deepest.depth()))
+    Ok(deepest.depth().map(|depth| (index, depth)))
 }
 
 /// The greatest of several depths, the first of equals.
@@ -191,10 +243,10 @@ impl Deepest {
         is
     }
 
-    fn depth(&self) -> Depth {
-        let most = self.most.unwrap_or_default();
+    fn depth(&self) -> Option<Depth> {
+        let most = self.most?;
         // Another may be deeper than the deepest by its own bound.
         let above = (self.upper - most.depth).next_up().min(f64::MAX);
-        Depth { error_bound: most.error_bound.max(above), ..most }
+        Some(Depth { error_bound: most.error_bound.max(above), ..most })
     }
 }

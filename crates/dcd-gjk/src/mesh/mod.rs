@@ -34,7 +34,7 @@ use spheres::Balls;
 use std::collections::BinaryHeap;
 
 pub use deepest::PartIndex;
-pub(crate) use deepest::{PartPair, deepest, is_swapped, touching_parts};
+pub(crate) use deepest::{PartPair, by_depth, deepest, deepest_of, is_swapped, touching_parts};
 pub use distance::distance;
 
 /// What is reused from pair to pair.

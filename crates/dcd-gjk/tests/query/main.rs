@@ -4,6 +4,7 @@ mod depths;
 mod distances;
 mod lane_depths;
 mod manifolds;
+mod patches;
 mod proximity;
 mod scenes;
 mod within;
