@@ -12,12 +12,12 @@ const DT: f64 = 1.0 / 60.0;
 const GRAVITY: DVec3 = DVec3::new(0.0, 0.0, -9.81);
 const FRICTION: f64 = 0.6;
 /// Part of a velocity that is left after a second: of a body's, and of its spin, for nothing else stops what rolls.
-const DRAG: [f64; 2] = [0.4, 0.03];
+const DRAG: [f64; 2] = [0.3, 0.01];
 /// Overlap that is left as it is, metres, so that contacts do not come and go.
 const SLOP: f64 = 0.002;
 /// Part of the overlap that a frame takes back, and the most metres a second for that.
 const PUSH: [f64; 2] = [0.2, 1.0];
-const ROUNDS: usize = 10;
+const ROUNDS: usize = 12;
 /// Joules a kilogram below which the pile rests: some centimetres a second.
 const REST: f64 = 1e-3;
 
@@ -260,8 +260,10 @@ impl Pile {
 /// Drops so many bodies and returns the pile at rest.
 fn drop(count: usize, par: Par) -> Result<Pile, Box<dyn Error>> {
     let mut pile = Pile::new(count)?;
-    let solver = WithAccuracy::new(Manifolds, Accuracy::F64);
-    let mut pipeline = Pipeline::with(WideTree::default(), ThenMeasure::new(solver)?);
+    // Nothing is under the terrain, and what slides over it does not catch on its edges.
+    let options = ManifoldOptions { mesh_sides: MeshSides::Outward, mesh_edges: MeshEdges::Active };
+    let narrow = SimdDepths::new(ManifoldsWith(options), Accuracy::F64);
+    let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     for frame in 0..FRAMES {
         let step = pipeline.step(&pile.scene, par);
         let deepest = step.answers().flat_map(|contact| contact.answer.to_vec());

@@ -26,6 +26,8 @@ pub(crate) struct PartPair<'s> {
     sides: [Part<'s>; 2],
     /// A triangle becomes a shape when it is first asked for: most pairs need none.
     shapes: [OnceCell<Option<Cow<'s, Shape>>>; 2],
+    /// Whether b is the first in the order that is one for (a, b) and (b, a).
+    swapped: bool,
     /// At least how deep they overlap, metres; the same for (a, b) and (b, a).
     at_most: f64,
     /// What was measured of them.
@@ -51,18 +53,18 @@ pub(crate) fn touching_parts<'s>(a: PosedShape<'s>, b: PosedShape<'s>) -> Vec<Pa
         }
         let [side_a, side_b] = &sides;
         let [part_a, part_b] = [side_a.part(parts[0]), side_b.part(parts[1])];
-        let couple = if swapped {
-            Couple::of([part_b, part_a], [b.pose, a.pose])
-        } else {
-            Couple::of([part_a, part_b], [a.pose, b.pose])
-        };
-        PartPair {
+        let mut pair = PartPair {
             parts: [index(side_a, parts[0]), index(side_b, parts[1])],
             sides: [part_a, part_b],
             shapes: Default::default(),
-            at_most: couple.map_or(f64::INFINITY, |couple| couple.most()),
+            swapped,
+            at_most: f64::INFINITY,
             depth: OnceCell::new(),
+        };
+        if let Some(couple) = pair.couple([a, b]) {
+            pair.at_most = couple.most();
         }
+        pair
     };
     pairs.into_iter().map(of).collect()
 }
@@ -90,17 +92,25 @@ impl PartPair<'_> {
         Some([PosedShape { shape: in_a, pose: a.pose }, PosedShape { shape: in_b, pose: b.pose }])
     }
 
-    /// Its depth, which is measured at the first call.
+    /// Its depth, if it is known or `measure` finds it.
     pub(crate) fn depth_by(
+        &self,
+        measure: impl FnOnce() -> Option<Verdict<Depth>>,
+    ) -> Option<Verdict<Depth>> {
+        if let Some(known) = self.depth.get() {
+            return Some(*known);
+        }
+        measure().map(|found| *self.depth.get_or_init(|| found))
+    }
+
+    /// What a solver of two convex shapes says of it.
+    pub(crate) fn measured_by(
         &self,
         [a, b]: [PosedShape<'_>; 2],
         measure: impl FnOnce([PosedShape<'_>; 2]) -> Verdict<Depth>,
     ) -> Verdict<Depth> {
-        let measured = || {
-            // Checked corners are finite, and a hull of three is never refused.
-            self.posed(a, b).map_or(Verdict::Undecided(Reason::Range), measure)
-        };
-        *self.depth.get_or_init(measured)
+        // Checked corners are finite, and a hull of three is never refused.
+        self.posed(a, b).map_or(Verdict::Undecided(Reason::Range), measure)
     }
 
     /// Nothing is known of its depth any more.
@@ -117,14 +127,47 @@ impl PartPair<'_> {
         self.sides.iter().any(Part::is_sphere) && self.sides.iter().all(is_bounded)
     }
 
+    /// The two in their order; `None` where their reach is not known.
+    fn couple<'c>(&'c self, [a, b]: [PosedShape<'c>; 2]) -> Option<Couple<'c>> {
+        let [part_a, part_b] = self.sides;
+        match self.swapped {
+            true => Couple::of([part_b, part_a], [b.pose, a.pose]),
+            false => Couple::of([part_a, part_b], [a.pose, b.pose]),
+        }
+    }
+
+    /// A normal from a to b as one from the first to the second.
+    fn in_order(&self, normal: DVec3) -> DVec3 {
+        if self.swapped { -normal } else { normal }
+    }
+
+    /// Its depth where a part is pressed into the face of a triangle, with a bound of at most `relative` of it or
+    /// `of_size` of the pair's size.
+    pub(crate) fn pressed(
+        &self,
+        sides: [PosedShape<'_>; 2],
+        [relative, of_size]: [f64; 2],
+    ) -> Option<Depth> {
+        let couple = self.couple(sides)?;
+        let found = couple.pressed()?;
+        let most = (relative * found.depth).max(of_size * couple.size());
+        let found = if self.swapped { found.mirrored() } else { found };
+        (found.error_bound <= most).then_some(found)
+    }
+
     /// What is proved of the pair along a normal from a to b.
-    pub(crate) fn along(&self, normal: DVec3, [a, b]: [PosedShape<'_>; 2]) -> Along {
-        let couple = Couple::of(self.sides, [a.pose, b.pose]);
-        let reach = couple.map(|couple| Reach {
-            least: couple.least_along(normal),
+    pub(crate) fn along(&self, normal: DVec3, sides: [PosedShape<'_>; 2]) -> Along {
+        let reach = self.couple(sides).map(|couple| Reach {
+            least: couple.least_along(self.in_order(normal)),
             diameters: couple.diameters(),
         });
         Along { reach, at_most: self.at_most }
+    }
+
+    /// At least how deep they overlap, as known from a normal from a to b: metres.
+    fn most_along(&self, normal: DVec3, sides: [PosedShape<'_>; 2]) -> f64 {
+        let couple = self.couple(sides);
+        couple.map_or(f64::INFINITY, |couple| couple.most_along(self.in_order(normal)))
     }
 }
 
@@ -174,6 +217,15 @@ pub(crate) fn by_depth(pairs: &[PartPair<'_>]) -> Vec<usize> {
     order
 }
 
+/// How a depth is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Effort {
+    /// By a formula, if there is one.
+    Formula,
+    /// By whatever it takes.
+    Whole,
+}
+
 /// The greatest of the depths of all touching pairs of parts, each as `depth` says, and the pair's index; the
 /// default where no pair is known to touch. Pairs that are surely no deeper are not asked.
 ///
@@ -184,9 +236,10 @@ pub(crate) fn by_depth(pairs: &[PartPair<'_>]) -> Vec<usize> {
 /// Why a pair could not be measured.
 pub(crate) fn deepest(
     pairs: &[PartPair<'_>],
-    depth: impl FnMut(&PartPair<'_>) -> Verdict<Depth>,
+    sides: [PosedShape<'_>; 2],
+    depth: impl FnMut(&PartPair<'_>, Effort) -> Option<Verdict<Depth>>,
 ) -> Result<(usize, Depth), Reason> {
-    Ok(deepest_of(pairs, by_depth(pairs), depth)?.unwrap_or_default())
+    Ok(deepest_of(pairs, sides, by_depth(pairs), depth)?.unwrap_or_default())
 }
 
 /// The same of some pairs, in the order of [`by_depth`]; `None` where none of them is known to touch.
@@ -195,22 +248,36 @@ pub(crate) fn deepest(
 /// Why a pair could not be measured.
 pub(crate) fn deepest_of(
     pairs: &[PartPair<'_>],
-    order: impl IntoIterator<Item = usize>,
-    mut depth: impl FnMut(&PartPair<'_>) -> Verdict<Depth>,
+    sides: [PosedShape<'_>; 2],
+    order: impl IntoIterator<Item = usize, IntoIter: Clone>,
+    mut depth: impl FnMut(&PartPair<'_>, Effort) -> Option<Verdict<Depth>>,
 ) -> Result<Option<(usize, Depth)>, Reason> {
+    let order = order.into_iter();
     let (mut deepest, mut index) = (Deepest::default(), 0);
+    // What a formula finds is mostly the deepest, and its normal bounds the others.
+    for k in order.clone() {
+        if let Some(Verdict::Touching(found)) = depth(&pairs[k], Effort::Formula)
+            && deepest.add(found)
+        {
+            index = k;
+        }
+    }
     for k in order {
         if deepest.is_as_deep_as(pairs[k].at_most) {
             break;
         }
-        match depth(&pairs[k]) {
-            Verdict::Touching(found) => {
+        let normal = deepest.most.map(|most| most.normal);
+        if normal.is_some_and(|n| deepest.is_as_deep_as(pairs[k].most_along(n, sides))) {
+            continue;
+        }
+        match depth(&pairs[k], Effort::Whole) {
+            Some(Verdict::Touching(found)) => {
                 if deepest.add(found) {
                     index = k;
                 }
             }
-            Verdict::Apart => {}
-            Verdict::Undecided(reason) => return Err(reason),
+            Some(Verdict::Undecided(reason)) => return Err(reason),
+            _ => {}
         }
     }
     Ok(deepest.depth().map(|depth| (index, depth)))

@@ -6,7 +6,7 @@ use super::feature::View;
 use super::surface::{self, ManifoldOptions};
 use super::{Feature, Manifold, ManifoldSet, Scratch, of_one_point};
 use crate::epa::Depth;
-use crate::mesh::{self, PartPair};
+use crate::mesh::{self, Effort, PartPair};
 use crate::query::{Accuracy, depths};
 use crate::{PosedShape, Reason, Verdict, epa};
 
@@ -61,8 +61,8 @@ fn in_order(
     loop {
         let Patches { memory, open, .. } = &mut patches;
         let still_open = order.iter().copied().filter(|&k| open[k]);
-        let depth = |pair: &PartPair<'_>| how.measured(pair, sides, memory);
-        match mesh::deepest_of(&pairs, still_open, depth)? {
+        let depth = |pair: &PartPair<'_>, effort| how.measured_by(effort, pair, sides, memory);
+        match mesh::deepest_of(&pairs, sides, still_open, depth)? {
             Some((lead, depth)) => found.push(patches.patch(lead, depth)),
             None => break,
         }
@@ -81,11 +81,25 @@ impl Measure {
         sides: [PosedShape<'_>; 2],
         memory: &mut epa::Scratch,
     ) -> Verdict<Depth> {
-        pair.depth_by(sides, |[a, b]| match depths::of_touching(self.accuracy, a, b, memory) {
-            Verdict::Touching(depth) => surface::taken(self.options, pair, sides, depth)
-                .map_or(Verdict::Apart, Verdict::Touching),
-            other => other,
-        })
+        let found = self.measured_by(Effort::Whole, pair, sides, memory);
+        found.unwrap_or(Verdict::Undecided(Reason::Range))
+    }
+
+    /// The same with that effort: `None` where it does not find it.
+    fn measured_by(
+        self,
+        effort: Effort,
+        pair: &PartPair<'_>,
+        sides: [PosedShape<'_>; 2],
+        memory: &mut epa::Scratch,
+    ) -> Option<Verdict<Depth>> {
+        match depths::of_parts(self.accuracy, effort, pair, sides, memory)? {
+            Verdict::Touching(depth) => Some(
+                surface::taken(self.options, pair, sides, depth)
+                    .map_or(Verdict::Apart, Verdict::Touching),
+            ),
+            other => Some(other),
+        }
     }
 }
 
