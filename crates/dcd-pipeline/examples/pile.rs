@@ -1,18 +1,26 @@
 //! A pile of bodies that falls on a terrain mesh and comes to rest: manifolds as a physics engine uses them.
 //!
 //! The solver is the simplest that stands: sequential impulses on the points of the manifolds, with friction, a few
-//! rounds a frame and nothing kept from frame to frame. `cargo run --release --example pile -- 2000` drops more bodies.
+//! rounds a frame, each point beginning with what held it the frame before: its parts and features know it again. `cargo run --release --example pile -- 2000` drops more bodies.
 
 use dcd_pipeline::geom::glam::DMat3;
 use dcd_pipeline::prelude::*;
+use std::collections::HashMap;
 use std::error::Error;
 
 const FRAMES: usize = 300;
+/// How many bodies are above each other at first.
+const LAYERS: f64 = 3.0;
 const DT: f64 = 1.0 / 60.0;
 const GRAVITY: DVec3 = DVec3::new(0.0, 0.0, -9.81);
-const FRICTION: f64 = 0.6;
-/// Part of a velocity that is left after a second: of a body's, and of its spin, for nothing else stops what rolls.
-const DRAG: [f64; 2] = [0.3, 0.01];
+const FRICTION: f64 = 0.8;
+/// How far before its middle the ground presses against what rolls, metres: it stops on slopes up to two fifths.
+const ROLLING: f64 = 0.1;
+/// Part of a velocity that is left after a second: of a body's, and of its spin.
+const DRAG: [f64; 2] = [0.3, 0.05];
+/// A body with less energy, joules a kilogram, loses that part of its velocity a frame: what hardly moves stays, though
+/// it stands on a tip.
+const STILL: [f64; 2] = [0.05, 0.3];
 /// Overlap that is left as it is, metres, so that contacts do not come and go.
 const SLOP: f64 = 0.002;
 /// Part of the overlap that a frame takes back, and the most metres a second for that.
@@ -30,16 +38,30 @@ struct Body {
     spin: DVec3,
 }
 
+impl Body {
+    /// Joules a kilogram, with the largest moment of inertia.
+    fn energy(&self) -> f64 {
+        let inertia = self.inverse_mass / self.inverse_inertia.min_element();
+        0.5 * (self.velocity.length_squared() + inertia * self.spin.length_squared())
+    }
+}
+
+/// What knows a point again: two objects, their parts and their features.
+type Key = (Pair, [Option<PartIndex>; 2], [Feature; 2]);
+
 /// A point of a manifold as the solver takes it.
 struct Constraint {
+    key: Key,
     bodies: [usize; 2],
     /// From the centres of a and b to the point.
     arms: [DVec3; 2],
     /// The normal from a to b, and two directions of the plane.
     axes: [DVec3; 3],
-    /// Along each.
+    /// Along each; and round each, of what rolls.
     inverse_masses: [f64; 3],
     impulses: [f64; 3],
+    inverse_inertias: [f64; 3],
+    twists: [f64; 3],
     depth: f64,
 }
 
@@ -49,6 +71,8 @@ struct Pile {
     bodies: Vec<Body>,
     inertias: Vec<DMat3>,
     constraints: Vec<Constraint>,
+    /// What the points of the frame before took at last: an impulse and a twist.
+    held: HashMap<Key, [DVec3; 2]>,
 }
 
 /// Numbers from 0 to 1.
@@ -106,8 +130,7 @@ impl Pile {
     fn new(count: usize) -> Result<Self, Box<dyn Error>> {
         let draw = &mut Draw(1);
         let kinds = shapes(draw)?;
-        // Five layers of bodies.
-        let side = (count as f64 / 5.0).sqrt().ceil().max(2.0);
+        let side = (count as f64 / LAYERS).sqrt().ceil().max(2.0);
         let half = 0.7 * side;
         let all = std::iter::once(terrain(half)?).chain(kinds.iter().map(|kind| kind.0.clone()));
         let mut scene = Scene::new(all.collect(), [Object::new(0, Pose::IDENTITY).fixed()])?;
@@ -137,7 +160,8 @@ impl Pile {
                 spin: DVec3::ZERO,
             });
         }
-        Ok(Self { scene, bodies, inertias: Vec::new(), constraints: Vec::new() })
+        let (inertias, constraints, held) = (Vec::new(), Vec::new(), HashMap::new());
+        Ok(Self { scene, bodies, inertias, constraints, held })
     }
 
     /// One frame: what falls is stopped by what it touches.
@@ -147,6 +171,10 @@ impl Pile {
     ) -> Result<(), Box<dyn Error>> {
         let drag = DRAG.map(|left| left.powf(DT));
         for body in &mut self.bodies[1..] {
+            if body.energy() < STILL[0] {
+                body.velocity *= 1.0 - STILL[1];
+                body.spin *= 1.0 - STILL[1];
+            }
             body.velocity = (body.velocity + GRAVITY * DT) * drag[0];
             body.spin *= drag[1];
         }
@@ -156,11 +184,14 @@ impl Pile {
         };
         self.inertias.clear();
         self.inertias.extend(self.bodies.iter().zip(self.scene.poses()).map(world));
+        let held = |c: &Constraint| (c.key, [along(c.axes, c.impulses), along(c.axes, c.twists)]);
+        self.held.clear();
+        self.held.extend(self.constraints.iter().map(held));
         self.constraints.clear();
         for Contact { pair, answer } in answers {
             for manifold in &answer {
                 for point in manifold.points() {
-                    self.constrain(pair, manifold.normal, point.point_a, point.point_b);
+                    self.constrain(pair, manifold.normal, point);
                 }
             }
         }
@@ -175,7 +206,8 @@ impl Pile {
         Ok(())
     }
 
-    fn constrain(&mut self, pair: Pair, normal: DVec3, point_a: DVec3, point_b: DVec3) {
+    fn constrain(&mut self, pair: Pair, normal: DVec3, point: &ManifoldPoint) {
+        let ManifoldPoint { point_a, point_b, depth, features, parts } = *point;
         let bodies = [pair.i as usize, pair.j as usize];
         let middle = (point_a + point_b) * 0.5;
         let arms = bodies.map(|k| middle - self.scene.poses()[k].translation());
@@ -188,41 +220,60 @@ impl Pile {
             };
             of(0) + of(1)
         });
-        let depth = (point_a - point_b).dot(normal);
+        let inertias = bodies.map(|k| self.inertias[k]);
+        let inverse_inertias = axes.map(|axis| axis.dot((inertias[0] + inertias[1]) * axis));
+        let key = (pair, parts, features);
+        let [impulse, twist] = self.held.remove(&key).unwrap_or_default();
+        let mut impulses = axes.map(|axis| axis.dot(impulse));
+        impulses[0] = impulses[0].max(0.0);
+        let twists = axes.map(|axis| axis.dot(twist));
+        let (impulse, twist) = (along(axes, impulses), along(axes, twists));
+        for (k, sense) in [(0, -1.0), (1, 1.0)] {
+            let (body, inertia) = (&mut self.bodies[bodies[k]], inertias[k]);
+            body.velocity += impulse * (sense * body.inverse_mass);
+            body.spin += inertia * (arms[k].cross(impulse) + twist) * sense;
+        }
         self.constraints.push(Constraint {
+            key,
             bodies,
             arms,
             axes,
             inverse_masses,
-            impulses: [0.0; 3],
+            impulses,
+            inverse_inertias,
+            twists,
             depth,
         });
     }
 
     /// A round of impulses; `push` is the part of the overlap that a second takes back.
     fn solve(&mut self, push: f64) {
-        for constraint in &mut self.constraints {
-            let Constraint { bodies: [a, b], arms, axes, inverse_masses, impulses, depth } =
-                constraint;
-            let wanted = ((*depth - SLOP) * push).clamp(0.0, PUSH[1]);
+        let Self { constraints, bodies, inertias, .. } = self;
+        for constraint in constraints {
+            let Constraint { bodies: [a, b], arms, axes, impulses, twists, .. } = constraint;
+            let wanted = ((constraint.depth - SLOP) * push).clamp(0.0, PUSH[1]);
             for k in 0..3 {
-                let [of_a, of_b] = [(*a, arms[0]), (*b, arms[1])].map(|(body, arm)| {
-                    let body = &self.bodies[body];
-                    body.velocity + body.spin.cross(arm)
-                });
+                let [of_a, of_b] = [(*a, arms[0]), (*b, arms[1])]
+                    .map(|(body, arm)| bodies[body].velocity + bodies[body].spin.cross(arm));
                 let speed = (of_b - of_a).dot(axes[k]);
                 let target = if k == 0 { wanted } else { 0.0 };
                 let most = if k == 0 { f64::INFINITY } else { FRICTION * impulses[0] };
                 let least = if k == 0 { 0.0 } else { -most };
-                let before = impulses[k];
-                impulses[k] = (before + (target - speed) / inverse_masses[k]).clamp(least, most);
-                let impulse = axes[k] * (impulses[k] - before);
+                let change = (target - speed) / constraint.inverse_masses[k];
+                let impulse = axes[k] * add(&mut impulses[k], change, [least, most]);
                 for (body, arm, impulse) in [(*a, arms[0], -impulse), (*b, arms[1], impulse)] {
-                    let inertia = self.inertias[body];
-                    let body = &mut self.bodies[body];
-                    body.velocity += impulse * body.inverse_mass;
-                    body.spin += inertia * arm.cross(impulse);
+                    let change = impulse * bodies[body].inverse_mass;
+                    bodies[body].velocity += change;
+                    bodies[body].spin += inertias[body] * arm.cross(impulse);
                 }
+            }
+            let most = ROLLING * impulses[0];
+            for k in 0..3 {
+                let speed = (bodies[*b].spin - bodies[*a].spin).dot(axes[k]);
+                let change = -speed / constraint.inverse_inertias[k];
+                let twist = axes[k] * add(&mut twists[k], change, [-most, most]);
+                bodies[*a].spin -= inertias[*a] * twist;
+                bodies[*b].spin += inertias[*b] * twist;
             }
         }
     }
@@ -239,11 +290,7 @@ impl Pile {
 
     /// Joules a kilogram, on average.
     fn energy(&self) -> f64 {
-        let of = |body: &Body| {
-            let own = body.inverse_inertia.recip() * body.inverse_mass;
-            0.5 * (body.velocity.length_squared() + own.max_element() * body.spin.length_squared())
-        };
-        self.bodies[1..].iter().map(of).sum::<f64>() / (self.bodies.len() - 1) as f64
+        self.bodies[1..].iter().map(Body::energy).sum::<f64>() / (self.bodies.len() - 1) as f64
     }
 
     /// A number that two piles share if all their poses are the same.
@@ -257,12 +304,25 @@ impl Pile {
     }
 }
 
+/// So much along each of three axes.
+fn along(axes: [DVec3; 3], parts: [f64; 3]) -> DVec3 {
+    axes[0] * parts[0] + axes[1] * parts[1] + axes[2] * parts[2]
+}
+
+/// Adds to a sum that has limits, and returns what was added.
+fn add(sum: &mut f64, change: f64, [least, most]: [f64; 2]) -> f64 {
+    let before = *sum;
+    *sum = (before + change).clamp(least, most);
+    *sum - before
+}
+
 /// Drops so many bodies and returns the pile at rest.
 fn drop(count: usize, par: Par) -> Result<Pile, Box<dyn Error>> {
     let mut pile = Pile::new(count)?;
     // Nothing is under the terrain, and what slides over it does not catch on its edges.
     let options = ManifoldOptions { mesh_sides: MeshSides::Outward, mesh_edges: MeshEdges::Active };
-    let narrow = SimdDepths::new(ManifoldsWith(options), Accuracy::F64);
+    // Some micrometres are good enough.
+    let narrow = SimdDepths::new(ManifoldsWith(options), Accuracy::F32);
     let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     for frame in 0..FRAMES {
         let step = pipeline.step(&pile.scene, par);
@@ -284,7 +344,7 @@ fn drop(count: usize, par: Par) -> Result<Pile, Box<dyn Error>> {
 fn main() -> Result<(), Box<dyn Error>> {
     let count = std::env::args().nth(1).map_or(Ok(200), |count| count.parse())?;
     let pile = drop(count, Par::Pool)?;
-    let half = 0.7 * (count as f64 / 5.0).sqrt().ceil().max(2.0);
+    let half = 0.7 * (count as f64 / LAYERS).sqrt().ceil().max(2.0);
     for pose in &pile.scene.poses()[1..] {
         let place = pose.translation();
         assert!(place.x.abs().max(place.y.abs()) < half, "over the rim: {place}");
