@@ -7,7 +7,6 @@ use crate::epa::Depth;
 use crate::{PosedShape, Reason, Verdict};
 use dcd_geom::Shape;
 use dcd_geom::glam::DVec3;
-use std::borrow::Cow;
 use std::cell::OnceCell;
 
 /// Which part of a shape.
@@ -24,8 +23,8 @@ pub(crate) struct PartPair<'s> {
     /// `None` for a convex shape, which is its own only part.
     pub(crate) parts: [Option<PartIndex>; 2],
     sides: [Part<'s>; 2],
-    /// A triangle becomes a shape when it is first asked for: most pairs need none.
-    shapes: [OnceCell<Option<Cow<'s, Shape>>>; 2],
+    /// Of a triangle, which becomes a shape when it is first asked for: most pairs need none.
+    shapes: [OnceCell<Option<Box<Shape>>>; 2],
     /// Whether b is the first in the order that is one for (a, b) and (b, a).
     swapped: bool,
     /// At least how deep they overlap, metres; the same for (a, b) and (b, a).
@@ -40,12 +39,16 @@ pub(crate) fn is_swapped(a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
 }
 
 /// All pairs of parts that are known to touch, in one order for (a, b) and (b, a).
-pub(crate) fn touching_parts<'s>(a: PosedShape<'s>, b: PosedShape<'s>) -> Vec<PartPair<'s>> {
+pub(crate) fn touching_parts<'s>(
+    a: PosedShape<'s>,
+    b: PosedShape<'s>,
+    scratch: &mut Scratch,
+) -> Vec<PartPair<'s>> {
     let (_, swapped) = in_order(a, b);
     let (first, second) = if swapped { (b, a) } else { (a, b) };
     let mut pairs = Vec::new();
     // What is undecided is not in the list, and counts as apart.
-    let _ = touching(first, second, &mut Scratch::default(), &mut pairs);
+    let _ = touching(first, second, scratch, &mut pairs);
     let sides = [Side::of(a), Side::of(b)];
     let of = |mut parts: [u32; 2]| {
         if swapped {
@@ -84,9 +87,12 @@ impl PartPair<'_> {
         a: PosedShape<'p>,
         b: PosedShape<'p>,
     ) -> Option<[PosedShape<'p>; 2]> {
-        let shape = |k: usize| {
-            let made = self.shapes[k].get_or_init(|| pair::to_shape(self.sides[k]));
-            made.as_deref()
+        let shape = |k: usize| match self.sides[k] {
+            Part::Shape(shape) => Some(shape),
+            triangle => {
+                let make = || pair::to_shape(triangle).map(|made| Box::new(made.into_owned()));
+                self.shapes[k].get_or_init(make).as_deref()
+            }
         };
         let (in_a, in_b) = (shape(0)?, shape(1)?);
         Some([PosedShape { shape: in_a, pose: a.pose }, PosedShape { shape: in_b, pose: b.pose }])

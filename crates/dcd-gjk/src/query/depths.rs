@@ -108,7 +108,7 @@ pub(super) fn of_touching(
     scratch: &mut epa::Scratch,
 ) -> Verdict<Depth> {
     if mesh::are_asked(a.shape, b.shape) {
-        let pairs = mesh::touching_parts(a, b);
+        let pairs = mesh::touching_parts(a, b, &mut mesh::Scratch::default());
         let found = mesh::deepest(&pairs, [a, b], |pair, effort| {
             of_parts(accuracy, effort, pair, [a, b], scratch)
         });

@@ -7,6 +7,7 @@ mod manifolds;
 mod patches;
 mod proximity;
 mod scenes;
+mod surfaces;
 mod within;
 
 use dcd_geom::glam::{DQuat, DVec3};

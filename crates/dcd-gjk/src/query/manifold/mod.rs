@@ -128,6 +128,7 @@ pub struct ManifoldsWith(
 pub struct Scratch {
     depth: epa::Scratch,
     corners: Corners,
+    parts: mesh::Scratch,
 }
 
 impl PairSolver for ManifoldsWith {

@@ -48,13 +48,13 @@ fn in_order(
     sides: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
 ) -> Result<ManifoldSet, Reason> {
-    let mut pairs = mesh::touching_parts(sides[0], sides[1]);
+    let Scratch { depth: memory, corners, parts } = scratch;
+    let mut pairs = mesh::touching_parts(sides[0], sides[1], parts);
     if how.options != ManifoldOptions::default() {
         // What bounds a depth does not bound one along another normal.
         pairs.iter_mut().for_each(PartPair::forget_bound);
     }
     let order = mesh::by_depth(&pairs);
-    let Scratch { depth: memory, corners } = scratch;
     let open = vec![true; pairs.len()];
     let mut patches = Patches { how, sides, pairs: &pairs, open, memory, corners };
     let mut found = ManifoldSet::default();
