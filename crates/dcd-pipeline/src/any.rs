@@ -70,6 +70,7 @@ impl Default for Question {
 
 /// What a step reports of a touching pair.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a step's answers are all of one variant")]
 #[non_exhaustive]
 pub enum Answer {
     /// That it touches.

@@ -7,7 +7,7 @@ use crate::epa::Depth;
 use crate::{PosedShape, Reason, Verdict};
 use dcd_geom::Shape;
 use dcd_geom::glam::DVec3;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 
 /// Which part of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -25,12 +25,16 @@ pub(crate) struct PartPair<'s> {
     sides: [Part<'s>; 2],
     /// Of a triangle, which becomes a shape when it is first asked for: most pairs need none.
     shapes: [OnceCell<Option<Box<Shape>>>; 2],
-    /// Whether b is the first in the order that is one for (a, b) and (b, a).
+    /// The two in the order that is one for (a, b) and (b, a); `None` where their reach is not known.
+    couple: Option<Couple<'s>>,
+    /// Whether b is the first of these.
     swapped: bool,
     /// At least how deep they overlap, metres; the same for (a, b) and (b, a).
     at_most: f64,
     /// What was measured of them.
     depth: OnceCell<Verdict<Depth>>,
+    /// Whether no formula finds it.
+    has_no_formula: Cell<bool>,
 }
 
 /// Whether (a, b) is the other way round than the pair is solved in.
@@ -56,18 +60,20 @@ pub(crate) fn touching_parts<'s>(
         }
         let [side_a, side_b] = &sides;
         let [part_a, part_b] = [side_a.part(parts[0]), side_b.part(parts[1])];
-        let mut pair = PartPair {
+        let couple = match swapped {
+            true => Couple::of([part_b, part_a], [b.pose, a.pose]),
+            false => Couple::of([part_a, part_b], [a.pose, b.pose]),
+        };
+        PartPair {
             parts: [index(side_a, parts[0]), index(side_b, parts[1])],
             sides: [part_a, part_b],
             shapes: Default::default(),
             swapped,
-            at_most: f64::INFINITY,
+            at_most: couple.as_ref().map_or(f64::INFINITY, Couple::most),
+            couple,
             depth: OnceCell::new(),
-        };
-        if let Some(couple) = pair.couple([a, b]) {
-            pair.at_most = couple.most();
+            has_no_formula: Cell::new(false),
         }
-        pair
     };
     pairs.into_iter().map(of).collect()
 }
@@ -98,15 +104,21 @@ impl PartPair<'_> {
         Some([PosedShape { shape: in_a, pose: a.pose }, PosedShape { shape: in_b, pose: b.pose }])
     }
 
-    /// Its depth, if it is known or `measure` finds it.
+    /// Its depth, if it is known or `measure` finds it with that effort.
     pub(crate) fn depth_by(
         &self,
+        effort: Effort,
         measure: impl FnOnce() -> Option<Verdict<Depth>>,
     ) -> Option<Verdict<Depth>> {
         if let Some(known) = self.depth.get() {
             return Some(*known);
         }
-        measure().map(|found| *self.depth.get_or_init(|| found))
+        if effort == Effort::Formula && self.has_no_formula.get() {
+            return None;
+        }
+        let found = measure();
+        self.has_no_formula.set(found.is_none());
+        found.map(|found| *self.depth.get_or_init(|| found))
     }
 
     /// What a solver of two convex shapes says of it.
@@ -133,15 +145,6 @@ impl PartPair<'_> {
         self.sides.iter().any(Part::is_sphere) && self.sides.iter().all(is_bounded)
     }
 
-    /// The two in their order; `None` where their reach is not known.
-    fn couple<'c>(&'c self, [a, b]: [PosedShape<'c>; 2]) -> Option<Couple<'c>> {
-        let [part_a, part_b] = self.sides;
-        match self.swapped {
-            true => Couple::of([part_b, part_a], [b.pose, a.pose]),
-            false => Couple::of([part_a, part_b], [a.pose, b.pose]),
-        }
-    }
-
     /// A normal from a to b as one from the first to the second.
     fn in_order(&self, normal: DVec3) -> DVec3 {
         if self.swapped { -normal } else { normal }
@@ -149,12 +152,8 @@ impl PartPair<'_> {
 
     /// Its depth where a part is pressed into the face of a triangle, with a bound of at most `relative` of it or
     /// `of_size` of the pair's size.
-    pub(crate) fn pressed(
-        &self,
-        sides: [PosedShape<'_>; 2],
-        [relative, of_size]: [f64; 2],
-    ) -> Option<Depth> {
-        let couple = self.couple(sides)?;
+    pub(crate) fn pressed(&self, [relative, of_size]: [f64; 2]) -> Option<Depth> {
+        let couple = self.couple.as_ref()?;
         let found = couple.pressed()?;
         let most = (relative * found.depth).max(of_size * couple.size());
         let found = if self.swapped { found.mirrored() } else { found };
@@ -162,8 +161,8 @@ impl PartPair<'_> {
     }
 
     /// What is proved of the pair along a normal from a to b.
-    pub(crate) fn along(&self, normal: DVec3, sides: [PosedShape<'_>; 2]) -> Along {
-        let reach = self.couple(sides).map(|couple| Reach {
+    pub(crate) fn along(&self, normal: DVec3) -> Along {
+        let reach = self.couple.as_ref().map(|couple| Reach {
             least: couple.least_along(self.in_order(normal)),
             diameters: couple.diameters(),
         });
@@ -171,9 +170,10 @@ impl PartPair<'_> {
     }
 
     /// At least how deep they overlap, as known from a normal from a to b: metres.
-    fn most_along(&self, normal: DVec3, sides: [PosedShape<'_>; 2]) -> f64 {
-        let couple = self.couple(sides);
-        couple.map_or(f64::INFINITY, |couple| couple.most_along(self.in_order(normal)))
+    fn most_along(&self, normal: DVec3) -> f64 {
+        self.couple
+            .as_ref()
+            .map_or(f64::INFINITY, |couple| couple.most_along(self.in_order(normal)))
     }
 }
 
@@ -242,10 +242,9 @@ pub(crate) enum Effort {
 /// Why a pair could not be measured.
 pub(crate) fn deepest(
     pairs: &[PartPair<'_>],
-    sides: [PosedShape<'_>; 2],
     depth: impl FnMut(&PartPair<'_>, Effort) -> Option<Verdict<Depth>>,
 ) -> Result<(usize, Depth), Reason> {
-    Ok(deepest_of(pairs, sides, by_depth(pairs), depth)?.unwrap_or_default())
+    Ok(deepest_of(pairs, by_depth(pairs), depth)?.unwrap_or_default())
 }
 
 /// The same of some pairs, in the order of [`by_depth`]; `None` where none of them is known to touch.
@@ -254,7 +253,6 @@ pub(crate) fn deepest(
 /// Why a pair could not be measured.
 pub(crate) fn deepest_of(
     pairs: &[PartPair<'_>],
-    sides: [PosedShape<'_>; 2],
     order: impl IntoIterator<Item = usize, IntoIter: Clone>,
     mut depth: impl FnMut(&PartPair<'_>, Effort) -> Option<Verdict<Depth>>,
 ) -> Result<Option<(usize, Depth)>, Reason> {
@@ -273,15 +271,11 @@ pub(crate) fn deepest_of(
             break;
         }
         let normal = deepest.most.map(|most| most.normal);
-        if normal.is_some_and(|n| deepest.is_as_deep_as(pairs[k].most_along(n, sides))) {
+        if normal.is_some_and(|n| deepest.is_as_deep_as(pairs[k].most_along(n))) {
             continue;
         }
         match depth(&pairs[k], Effort::Whole) {
-            Some(Verdict::Touching(found)) => {
-                if deepest.add(found) {
-                    index = k;
-                }
-            }
+            Some(Verdict::Touching(found)) if deepest.add(found) => index = k,
             Some(Verdict::Undecided(reason)) => return Err(reason),
             _ => {}
         }

@@ -109,8 +109,8 @@ pub(super) fn of_touching(
 ) -> Verdict<Depth> {
     if mesh::are_asked(a.shape, b.shape) {
         let pairs = mesh::touching_parts(a, b, &mut mesh::Scratch::default());
-        let found = mesh::deepest(&pairs, [a, b], |pair, effort| {
-            of_parts(accuracy, effort, pair, [a, b], scratch)
+        let found = mesh::deepest(&pairs, |pair, effort| {
+            pair.depth_by(effort, || of_parts(accuracy, effort, pair, [a, b], scratch))
         });
         return match found {
             Ok((_, depth)) => Verdict::Touching(depth),
@@ -152,15 +152,13 @@ pub(super) fn of_parts(
     sides: [PosedShape<'_>; 2],
     scratch: &mut epa::Scratch,
 ) -> Option<Verdict<Depth>> {
-    pair.depth_by(|| {
-        let pressed = pair.pressed(sides, tolerance(accuracy)).map(Verdict::Touching);
-        match effort {
-            Effort::Formula => pressed,
-            Effort::Whole => pressed.or_else(|| {
-                Some(pair.measured_by(sides, |[a, b]| of_touching(accuracy, a, b, scratch)))
-            }),
-        }
-    })
+    let pressed = pair.pressed(tolerance(accuracy)).map(Verdict::Touching);
+    match effort {
+        Effort::Formula => pressed,
+        Effort::Whole => pressed.or_else(|| {
+            Some(pair.measured_by(sides, |[a, b]| of_touching(accuracy, a, b, scratch)))
+        }),
+    }
 }
 
 /// The bounds that are good enough: relative to the depth, and to the pair's size.

@@ -62,7 +62,7 @@ fn in_order(
         let Patches { memory, open, .. } = &mut patches;
         let still_open = order.iter().copied().filter(|&k| open[k]);
         let depth = |pair: &PartPair<'_>, effort| how.measured_by(effort, pair, sides, memory);
-        match mesh::deepest_of(&pairs, sides, still_open, depth)? {
+        match mesh::deepest_of(&pairs, still_open, depth)? {
             Some((lead, depth)) => found.push(patches.patch(lead, depth)),
             None => break,
         }
@@ -93,13 +93,15 @@ impl Measure {
         sides: [PosedShape<'_>; 2],
         memory: &mut epa::Scratch,
     ) -> Option<Verdict<Depth>> {
-        match depths::of_parts(self.accuracy, effort, pair, sides, memory)? {
-            Verdict::Touching(depth) => Some(
-                surface::taken(self.options, pair, sides, depth)
-                    .map_or(Verdict::Apart, Verdict::Touching),
-            ),
-            other => Some(other),
-        }
+        pair.depth_by(effort, || {
+            match depths::of_parts(self.accuracy, effort, pair, sides, memory)? {
+                Verdict::Touching(depth) => Some(
+                    surface::taken(self.options, pair, sides, depth)
+                        .map_or(Verdict::Apart, Verdict::Touching),
+                ),
+                other => Some(other),
+            }
+        })
     }
 }
 
@@ -171,7 +173,7 @@ impl Patches<'_, '_> {
 
     /// Whether an open pair belongs to the manifold of that depth.
     fn member(&mut self, k: usize, depth: &Depth) -> Option<Member> {
-        let along = self.pairs[k].along(depth.normal, self.sides);
+        let along = self.pairs[k].along(depth.normal);
         if let Some(rest) = along.rest(depth.depth, NEAR) {
             return Some(Member::Separated(rest));
         }
@@ -181,7 +183,7 @@ impl Patches<'_, '_> {
     /// A pair's own depth, if its normal agrees with that one's.
     fn alike(&mut self, k: usize, depth: &Depth) -> Option<Depth> {
         let pair = &self.pairs[k];
-        if !pair.along(depth.normal, self.sides).may_be_within(ANGLE) {
+        if !pair.along(depth.normal).may_be_within(ANGLE) {
             return None;
         }
         match self.how.measured(pair, self.sides, self.memory) {
