@@ -101,7 +101,7 @@ mod tests {
                         .flatten()
                 });
                 let mut opposite: Vec<_> =
-                    opposite.map(|v| v.to_array().map(f64::to_bits)).collect();
+                    opposite.map(|v| (v + DVec3::ZERO).to_array().map(f64::to_bits)).collect();
                 let found = adjacency.opposite([q, p]).filter(|&k| k != p && k != q);
                 let mut found: Vec<_> = found.map(|k| at(k).to_array().map(f64::to_bits)).collect();
                 opposite.sort_unstable();

@@ -131,7 +131,7 @@ fn a_front_alone_ignores_what_is_behind_and_outward_pushes_it_out() {
                 let found = with(options, &floor, &above);
                 let as_is = told(&Manifolds, &floor, &above);
                 assert_eq!((found.len(), found[0].points()), (1, as_is[0].points()), "{options:?}");
-                assert_eq!(found[0].normal, DVec3::Z);
+                assert!(found[0].normal.distance(DVec3::Z) < 1e-12, "{found:?}");
             }
             let both = told(&Manifolds, &floor, &below);
             assert!((both[0].normal + DVec3::Z).length() < 1e-12, "{both:?}");

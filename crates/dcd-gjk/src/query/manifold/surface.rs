@@ -46,6 +46,10 @@ pub enum MeshEdges {
 /// normals that count as one. Larger: catching edges. Smaller: normals of rounding.
 const LEAN: f64 = 1e-3;
 
+/// The cosine to a triangle's front below which a contact counts as sideways: it is from behind where the part's middle
+/// is. Larger: contacts lost on sharp ridges. Smaller: parts behind a face that are pushed along it.
+const SIDEWAYS: f64 = 0.5;
+
 /// How far beside a triangle, relative to its size, the foot of a point may be and still be on it.
 const BESIDE: f64 = 1e-9;
 
@@ -65,7 +69,8 @@ pub(super) fn taken(
     let along = triangle.pose.rotation().transpose() * (depth.normal * triangle.sense());
     let cosine = triangle.normal.dot(along);
     let feature = triangle.farthest(along);
-    if options.mesh_sides != MeshSides::Both && cosine < -LEAN {
+    let is_behind = cosine < -LEAN || cosine < SIDEWAYS && triangle.is_in_front_of(other);
+    if options.mesh_sides != MeshSides::Both && is_behind {
         let is_face = feature.len() == 3;
         return (options.mesh_sides == MeshSides::Outward && is_face)
             .then(|| triangle.pushed_out(other, triangle.normal, depth));
@@ -120,6 +125,14 @@ impl<'a> Triangle<'a> {
 
     fn at(&self, corner: u32) -> DVec3 {
         self.mesh.points()[corner as usize]
+    }
+
+    /// Whether the middle of the other part is behind its plane.
+    fn is_in_front_of(&self, other: PosedShape<'_>) -> bool {
+        let middle = *other.pose.rotation() * other.shape.inner().centre;
+        let from_mesh = middle + (other.pose.translation() - self.pose.translation());
+        let local = self.pose.rotation().transpose() * from_mesh;
+        self.normal.dot(local - self.at(self.corners[0])) < 0.0
     }
 
     /// 1 where the pair's normal points away from the mesh, else −1.
