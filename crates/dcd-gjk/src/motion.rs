@@ -5,7 +5,7 @@
 //! there, and no farther (Mirtich 1996; Zhang, Lee, Kim 2006). Nothing fast tunnels through anything thin.
 
 use crate::distance::{DistanceResult, distance_at, gap_along};
-use crate::{Accuracy, PosedShape};
+use crate::{Accuracy, PosedShape, order};
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Pose, PoseError, Shape};
 
@@ -155,9 +155,12 @@ pub fn time_of_impact(
     tolerance: f64,
 ) -> Result<Impact, PoseError> {
     let closing = Closing::of(a, b);
-    let radii = [a, b].map(|side| radius(&side));
-    let off = 2.0 * (a.motion.deviation(radii[0], until) + b.motion.deviation(radii[1], until));
-    let mut t = 0.0;
+    let off = 2.0
+        * (a.motion.deviation(closing.radii[0], until)
+            + b.motion.deviation(closing.radii[1], until));
+    let Some(mut t) = first_advance([a, b], &closing, [until, tolerance, off])? else {
+        return Ok(Impact::Free);
+    };
     for _ in 0..ADVANCES {
         let (pose_a, pose_b) = (a.motion.pose_at(t)?, b.motion.pose_at(t)?);
         let posed_a = PosedShape { shape: a.shape, pose: &pose_a };
@@ -201,6 +204,27 @@ pub fn time_of_impact(
     Ok(Impact::Undecided { free_until: t })
 }
 
+/// [`advance::advance`] of a pair in its canonical order; 0 for shapes that it is not for.
+fn first_advance(
+    [a, b]: [MovingShape<'_>; 2],
+    closing: &Closing,
+    limits: [f64; 3],
+) -> Result<Option<f64>, PoseError> {
+    let has_support = |shape: &Shape| shape.is_convex() && shape.is_bounded();
+    if !has_support(a.shape) || !has_support(b.shape) {
+        return Ok(Some(0.0));
+    }
+    let (posed_a, posed_b) = (
+        PosedShape { shape: a.shape, pose: &a.motion.start },
+        PosedShape { shape: b.shape, pose: &b.motion.start },
+    );
+    if order::is_swapped(posed_a, posed_b) {
+        advance::advance([b, a], &closing.mirrored(), limits)
+    } else {
+        advance::advance([a, b], closing, limits)
+    }
+}
+
 /// How fast two shapes close at most.
 struct Closing {
     /// Of a against b.
@@ -214,6 +238,12 @@ impl Closing {
         let linear = a.motion.linear - b.motion.linear;
         let angular = [a, b].map(|side| side.motion.angular);
         Self { linear, angular, radii: [a, b].map(|side| radius(&side)) }
+    }
+
+    /// Of b against a.
+    fn mirrored(&self) -> Self {
+        let ([a, b], [of_a, of_b]) = (self.angular, self.radii);
+        Self { linear: -self.linear, angular: [b, a], radii: [of_b, of_a] }
     }
 
     /// Along a fixed direction from a to b: a point at ρ from the centre moves along it by ω × ρ, which is at most
@@ -237,6 +267,9 @@ impl Closing {
     }
 }
 
+/// What an underflow of squared lengths hides, metres, and more.
+const UNDERFLOW: f64 = 1e-150;
+
 /// Within which distance of the centre all points of the shape are, metres; its pose may stretch it a little. 0
 /// of what does not turn and has no end: it is asked for along with a turn alone.
 fn radius(side: &MovingShape<'_>) -> f64 {
@@ -245,15 +278,17 @@ fn radius(side: &MovingShape<'_>) -> f64 {
         return 0.0;
     }
     let own = match side.shape.as_polytope() {
-        Some(polytope) => {
-            let far = polytope.vertices().iter().map(|v| v.distance(*centre)).fold(0.0, f64::max);
-            far + polytope.swept_radius()
+        // Where it counts, the farthest vertex itself.
+        Some(polytope) if *angular != DVec3::ZERO && *centre != DVec3::ZERO => {
+            let far = polytope.vertices().iter().map(|v| v.distance_squared(*centre));
+            far.fold(0.0, f64::max).sqrt() + polytope.swept_radius()
         }
-        None => side.shape.reach() + centre.length(),
+        _ => side.shape.reach() + centre.length(),
     };
-    own * (1.0 + start.deviation()) * (1.0 + 16.0 * U)
+    own * (1.0 + start.deviation()) * (1.0 + 16.0 * U) + UNDERFLOW
 }
 
+mod advance;
 mod swept;
 #[cfg(test)]
 mod tests;
