@@ -4,8 +4,9 @@
 //! are bounded for all times, so that nothing can close the gap before a time that follows: the search goes
 //! there, and no farther (Mirtich 1996; Zhang, Lee, Kim 2006). Nothing fast tunnels through anything thin.
 
-use crate::distance::{DistanceResult, distance_at, gap_along};
+use crate::distance::{Distance, DistanceResult, distance_at, gap_along};
 use crate::{Accuracy, PosedShape, order};
+use advance::Advance;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Pose, PoseError, Shape};
 
@@ -158,8 +159,10 @@ pub fn time_of_impact(
     let off = 2.0
         * (a.motion.deviation(closing.radii[0], until)
             + b.motion.deviation(closing.radii[1], until));
-    let Some(mut t) = first_advance([a, b], &closing, [until, tolerance, off])? else {
-        return Ok(Impact::Free);
+    let mut t = match first_advance([a, b], &closing, [until, tolerance, off])? {
+        Advance::Free => return Ok(Impact::Free),
+        Advance::Until(t) => t,
+        Advance::Near(t, found) => return Ok(near_miss(t, &found)),
     };
     for _ in 0..ADVANCES {
         let (pose_a, pose_b) = (a.motion.pose_at(t)?, b.motion.pose_at(t)?);
@@ -179,9 +182,7 @@ pub fn time_of_impact(
             DistanceResult::Undecided(_) => return Ok(Impact::Undecided { free_until: t }),
         };
         if found.upper() <= tolerance {
-            let (free_until, touches) = (t, false);
-            let (normal, point_a, point_b) = (found.normal, found.point_a, found.point_b);
-            return Ok(Impact::Hit { free_until, t, touches, normal, point_a, point_b });
+            return Ok(near_miss(t, &found));
         }
         let (gap, speed) = match gap_along(posed_a, posed_b, found.normal) {
             Some(gap) => (gap, closing.along(found.normal)),
@@ -204,22 +205,31 @@ pub fn time_of_impact(
     Ok(Impact::Undecided { free_until: t })
 }
 
-/// [`advance::advance`] of a pair in its canonical order; 0 for shapes that it is not for.
+/// Within the tolerance of each other, and no proof that they touch.
+fn near_miss(t: f64, found: &Distance) -> Impact {
+    let &Distance { normal, point_a, point_b, .. } = found;
+    Impact::Hit { free_until: t, t, touches: false, normal, point_a, point_b }
+}
+
+/// [`advance::advance`] of a pair in its canonical order; nothing of shapes that it is not for.
 fn first_advance(
     [a, b]: [MovingShape<'_>; 2],
     closing: &Closing,
     limits: [f64; 3],
-) -> Result<Option<f64>, PoseError> {
+) -> Result<Advance, PoseError> {
     let has_support = |shape: &Shape| shape.is_convex() && shape.is_bounded();
     if !has_support(a.shape) || !has_support(b.shape) {
-        return Ok(Some(0.0));
+        return Ok(Advance::Until(0.0));
     }
     let (posed_a, posed_b) = (
         PosedShape { shape: a.shape, pose: &a.motion.start },
         PosedShape { shape: b.shape, pose: &b.motion.start },
     );
     if order::is_swapped(posed_a, posed_b) {
-        advance::advance([b, a], &closing.mirrored(), limits)
+        Ok(match advance::advance([b, a], &closing.mirrored(), limits)? {
+            Advance::Near(t, found) => Advance::Near(t, found.mirrored()),
+            other => other,
+        })
     } else {
         advance::advance([a, b], closing, limits)
     }

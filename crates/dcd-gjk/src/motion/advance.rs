@@ -6,6 +6,7 @@
 
 use super::{Closing, MovingShape};
 use crate::certificate::{Bounds, combined_length};
+use crate::distance::{Approach, Distance};
 use crate::gjk::{Simplex, start, unit};
 use crate::{Difference, PosedSupport, Vertex};
 use dcd_geom::glam::DVec3;
@@ -18,15 +19,25 @@ const WORTH: f64 = 0.5;
 /// How many supports are taken. Hulls need some ten. Smaller: more is left to the slower loop behind.
 const SUPPORTS: usize = 64;
 
-/// Until when nothing meets, as far as single directions prove it: `None` for all of the time. `off` is what poses
-/// are off by, and the search ends where the shapes are within `tolerance`, metres.
+/// How far single directions lead.
+pub(super) enum Advance {
+    /// Proved: nothing meets at any time.
+    Free,
+    /// Proved: nothing meets before this time.
+    Until(f64),
+    /// The same, and that the shapes are apart and within the tolerance there.
+    Near(f64, Distance),
+}
+
+/// Until when nothing meets, as far as single directions prove it. `off` is what poses are off by, and the search
+/// ends where the shapes are within `tolerance`, metres.
 ///
 /// Proved: at each time the gap along a direction, less `off`, over the closing speed along it.
 pub(super) fn advance(
     [a, b]: [MovingShape<'_>; 2],
     closing: &Closing,
     [until, tolerance, off]: [f64; 3],
-) -> Result<Option<f64>, PoseError> {
+) -> Result<Advance, PoseError> {
     let mut t = 0.0;
     let mut simplex = Simplex::<f64>::default();
     let mut supports = 0;
@@ -39,17 +50,17 @@ pub(super) fn advance(
         let mut next = t;
         loop {
             supports += 1;
-            let Some((gap, axis)) = search.support() else { return Ok(Some(next)) };
+            let Some((gap, axis)) = search.support() else { return Ok(Advance::Until(next)) };
             let gap = gap - off;
             if gap > 0.0 {
                 let speed = closing.along(axis);
                 // A quotient and a sum, rounded down with room.
                 let then = t + gap / speed * (1.0 - 1e-12);
                 if speed <= 0.0 || then > until {
-                    return Ok(None);
+                    return Ok(Advance::Free);
                 }
                 next = next.max(then);
-                if gap >= WORTH * search.distance() {
+                if gap >= WORTH * search.distance() && gap > tolerance {
                     break;
                 }
             }
@@ -57,26 +68,28 @@ pub(super) fn advance(
                 break;
             }
         }
-        let is_near = search.distance() <= tolerance;
-        simplex = search.simplex;
+        if let Some(found) = search.apart([posed_a, posed_b])
+            && found.upper() <= tolerance
+        {
+            return Ok(Advance::Near(t, found));
+        }
+        simplex = search.near.simplex;
         // Written so that NaN ends it.
-        if is_near || !(next > t) {
-            return Ok(Some(next));
+        if !(next > t) {
+            break;
         }
         t = next;
     }
-    Ok(Some(t))
+    Ok(Advance::Until(t))
 }
 
 /// GJK at one time.
 struct Search<'a, 'b> {
     difference: &'a Difference<'b, f64, Shape, Shape>,
     bounds: Bounds<f64>,
-    simplex: Simplex<f64>,
-    direction: DVec3,
+    near: Approach,
     newest: Option<Vertex<f64>>,
     squared: f64,
-    length: f64,
 }
 
 impl<'a, 'b> Search<'a, 'b> {
@@ -85,17 +98,15 @@ impl<'a, 'b> Search<'a, 'b> {
         let mut search = Self {
             difference,
             bounds: Bounds::of(difference),
-            simplex: Simplex::default(),
-            direction: start::<f64>(difference.middle()),
+            near: Approach::towards(start::<f64>(difference.middle())),
             newest: None,
             squared: f64::MAX,
-            length: f64::MAX,
         };
         for vertex in known.vertices() {
             let w = difference.world(vertex.a.point, vertex.b.point);
-            search.simplex.push(Vertex { w, ..*vertex });
+            search.near.simplex.push(Vertex { w, ..*vertex });
         }
-        if !search.simplex.vertices().is_empty() {
+        if !search.near.simplex.vertices().is_empty() {
             search.narrow();
         }
         search
@@ -103,23 +114,31 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// The gap along the direction, metres, and the axis from a to b that it is along. `None` where that is no number.
     fn support(&mut self) -> Option<(f64, DVec3)> {
-        let (vertex, separation) = self.difference.lowest(self.direction);
+        let direction = self.near.direction;
+        let (vertex, separation) = self.difference.lowest(direction);
         self.newest = Some(vertex);
-        let lower = self.bounds.lower_bound(self.direction, separation);
+        let lower = self.bounds.lower_bound(direction, separation);
+        self.near.lower = self.near.lower.max(lower);
         let gap = (lower - self.bounds.swept_upper()).next_down() / self.difference.scale();
-        gap.is_finite().then_some((gap, -self.direction))
+        gap.is_finite().then_some((gap, -direction))
     }
 
     /// How far apart the shapes are at most, as computed, metres.
     fn distance(&self) -> f64 {
-        (self.length - self.bounds.radius()) / self.difference.scale()
+        (self.near.length - self.bounds.radius()) / self.difference.scale()
+    }
+
+    /// How far apart the shapes are, where they are proved to be.
+    fn apart(&self, bodies: [PosedSupport<'_, Shape>; 2]) -> Option<Distance> {
+        let is_apart = self.near.lower > self.bounds.swept_upper() && self.near.length < f64::MAX;
+        is_apart.then(|| self.near.distance(&self.bounds, self.difference.scale(), bodies))
     }
 
     /// Takes the newest vertex in; whether it leads on.
     fn step(&mut self) -> bool {
         match self.newest.take() {
-            Some(vertex) if !self.simplex.holds(&vertex) => {
-                self.simplex.push(vertex);
+            Some(vertex) if !self.near.simplex.holds(&vertex) => {
+                self.near.simplex.push(vertex);
                 self.narrow()
             }
             _ => false,
@@ -128,17 +147,20 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// Keeps the vertices that span the point nearest to the origin; whether that came nearer and leaves a direction.
     fn narrow(&mut self) -> bool {
-        let Some(near) = self.simplex.nearest() else { return false };
-        let squared = near.square[0] / near.square[1];
+        let Some(found) = self.near.simplex.nearest() else { return false };
+        let squared = found.square[0] / found.square[1];
         if !(squared < self.squared) {
+            self.near.simplex.pop();
             return false;
         }
         self.squared = squared;
-        self.simplex.keep(&near);
-        self.length = combined_length(self.simplex.vertices(), near.weights());
-        match unit::<f64>(near.direction) {
+        self.near.simplex.keep(&found);
+        self.near.weights = found.weights;
+        self.near.length = combined_length(self.near.simplex.vertices(), found.weights());
+        self.near.upper = self.near.upper.min(self.bounds.upper_bound(self.near.length));
+        match unit::<f64>(found.direction) {
             Some(next) if !self.bounds.passes_through(squared) => {
-                self.direction = next;
+                self.near.direction = next;
                 true
             }
             _ => false,
