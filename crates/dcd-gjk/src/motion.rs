@@ -83,6 +83,9 @@ impl RigidMotion {
     /// A pose that is not finite.
     pub fn pose_at(&self, t: f64) -> Result<Pose, PoseError> {
         let Self { start, linear, angular, centre } = *self;
+        if angular == DVec3::ZERO {
+            return start.with_translation(start.translation() + linear * t);
+        }
         let turned = rotation_from_scaled_axis(angular * t);
         let middle = start.apply(centre) + linear * t;
         let rotation = turned * *start.rotation();
