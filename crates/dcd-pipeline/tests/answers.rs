@@ -116,7 +116,7 @@ fn overlapping_and_separate_bricks_stay_off_the_exact_method() {
     {
         let scene = SceneSpec::parse(name).unwrap().with_objects(512).scene().unwrap();
         let mut pipeline = Pipeline::with(WideTree::default(), Overlap::default());
-        let exact = pipeline.step(&scene, Par::Serial).report().settled(Method::Exact);
+        let exact = pipeline.step(&scene, Par::Serial).report().resolved(Method::Exact);
         assert_eq!(exact > 0, method_may_be_exact, "{name}: {exact}");
     }
 }

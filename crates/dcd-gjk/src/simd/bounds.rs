@@ -70,7 +70,7 @@ pub(super) const OBB: f32 = 256.0;
 
 /// Directions whose cross product has no component above this are parallel, and it is no axis to
 /// test. Unit: u. Larger: [`OBB`] must grow with it. Smaller: fewer boxes with parallel edges
-/// are settled here.
+/// are resolved here.
 pub(super) const PARALLEL: f32 = 16.0;
 
 /// The largest deviation of a pose's matrix from a rotation for which the boxes are turned with it.
@@ -116,7 +116,7 @@ pub(super) const DETERMINANT: f32 = 16.0;
 /// products, a sum. Unit: 1. Smaller: false contacts of flat shapes.
 pub(super) const EVALUATED: f32 = 1.0 + 32.0 * U;
 
-/// An inner sphere below this settles so little that four points are tried as well. Unit: u·m. Decides
+/// An inner sphere below this resolves so little that four points are tried as well. Unit: u·m. Decides
 /// what is asked, never an answer.
 pub(super) const FLAT: f32 = 1024.0;
 

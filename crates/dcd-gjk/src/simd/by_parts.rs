@@ -1,4 +1,4 @@
-//! Pairs of compounds settled by their parts: first the likeliest pair of parts of each, then all of
+//! Pairs of compounds resolved by their parts: first the likeliest pair of parts of each, then all of
 //! those that this leaves open, then what the lanes do.
 
 use super::certificate::CertifiedBounds;
@@ -46,7 +46,7 @@ struct Doubt {
     axes: [Vec3; 2],
 }
 
-/// Settles these of a slice's pairs, all with parts, and writes which touch.
+/// Resolves these of a slice's pairs, all with parts, and writes which touch.
 pub(super) fn judge(
     slice: &Slice<'_>,
     mut left: &[Left],
@@ -146,7 +146,7 @@ impl Scratch {
         self.asked_for.extend(0..self.queue.questions.len() as u32);
     }
 
-    /// All others of the questions that are not settled by that.
+    /// All others of the questions that are not resolved by that.
     fn ask_the_rest(&mut self) {
         self.asked.clear();
         self.asked_for.clear();

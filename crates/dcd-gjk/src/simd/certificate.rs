@@ -1,5 +1,5 @@
 //! The three certificates of the lanes. What they conclude is proved; what they leave open is not
-//! wrong, only unsettled (docs/numerics/proofs.md, "lanes").
+//! wrong, only unresolved (docs/numerics/proofs.md, "lanes").
 
 use super::bounds::{HULL_OF_SPHERE, SHORTEST, U};
 use super::decide::{Scratch, Slice};

@@ -129,7 +129,7 @@ impl Compounds {
 }
 
 /// A record with room for its vertices from that block on, and the next one's first block. What
-/// the lanes cannot tell goes without: its pairs are settled in f64.
+/// the lanes cannot tell goes without: its pairs are resolved in f64.
 pub(super) fn laid_out(core: &Core, first: u32) -> (Record, u32) {
     let next = first.saturating_add(core.blocks);
     let fits =

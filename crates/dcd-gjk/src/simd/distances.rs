@@ -21,7 +21,7 @@ use dcd_simd::Path;
 /// of the pair's size: what the lanes prove from below. Shapes that the lanes do not know, sizes that f32
 /// has no room for, and what the margin cuts through, are measured one pair at a time.
 ///
-/// Whether a pair with a distance within its bound of the margin is told of is settled exactly. Distances
+/// Whether a pair with a distance within its bound of the margin is told of is resolved exactly. Distances
 /// and points may differ from CPU to CPU within their bounds, as f32's rounding does where it is fused; they
 /// do not with the number of threads, nor with what else is asked.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +56,7 @@ impl SimdDistances {
         Ok(Self { path, margin })
     }
 
-    /// Settles a pair by itself: no shape is grown by the margin but where its distance is within its bound of it.
+    /// Resolves a pair by itself: no shape is grown by the margin but where its distance is within its bound of it.
     fn alone(&self, a: PosedShape<'_>, b: PosedShape<'_>) -> (Verdict<Option<Distance>>, Method) {
         if spheres_are_apart(a, b, self.margin) {
             return (Verdict::Apart, Method::F64);

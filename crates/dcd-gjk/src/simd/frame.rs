@@ -62,9 +62,9 @@ pub(super) enum Form {
     /// Nothing: every polytope has its vertices.
     #[default]
     Any,
-    /// All are spheres: spheres settle their pairs.
+    /// All are spheres: spheres resolve their pairs.
     Spheres,
-    /// All are cuboids of radius 0: spheres and boxes settle their pairs.
+    /// All are cuboids of radius 0: spheres and boxes resolve their pairs.
     Cuboids,
 }
 
@@ -85,7 +85,7 @@ impl Form {
 
 /// A record's mark that its [`ObbRecord`] says something.
 pub(super) const HAS_OBB: u8 = 1;
-/// A record's mark that the lanes can settle pairs of it: it has vertices, or needs none.
+/// A record's mark that the lanes can resolve pairs of it: it has vertices, or needs none.
 pub(super) const LIVE: u8 = 2;
 
 /// A record's mark that its [`AxisAligned`] says something.

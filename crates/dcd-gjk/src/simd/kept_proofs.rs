@@ -13,7 +13,7 @@ pub(crate) struct KeptProofs {
     /// one by which the portal has told the two apart.
     pub(crate) axes: Vec<Axis>,
     /// The most clearance that a proof has: see [`super::certificate::Certificate`]. [`NO_PROOF`] where the
-    /// lanes settled nothing.
+    /// lanes resolved nothing.
     clearance: Vec<f32>,
     /// In u of the pair's size m.
     wanted: f32,

@@ -1,9 +1,9 @@
 //! The default narrow phase: sixteen pairs at a time in f32, every answer with its certificate.
 //!
-//! A pair passes stages, each a small kernel that settles what it can prove and hands on the rest:
+//! A pair passes stages, each a small kernel that resolves what it can prove and hands on the rest:
 //! spheres, inner and outer OBBs, the axis between the centres, the cone, a second point, the portal. Between
 //! stages it waits on a packet queue until sixteen have come together. What the lanes cannot prove is
-//! settled in f64, and what f64 cannot, exactly. A pair of compounds passes them as the pairs of its
+//! resolved in f64, and what f64 cannot, exactly. A pair of compounds passes them as the pairs of its
 //! parts.
 
 pub(crate) mod axis;

@@ -2,7 +2,7 @@
 
 use super::bounds::{OBB, PARALLEL, U};
 use super::certificate::{Certificate, ErrorBounds};
-use super::first_stages::Settled;
+use super::first_stages::Resolved;
 use super::frame::FramePair;
 use super::packet::{Number, PairPacket, Vector};
 use super::vector::V3;
@@ -69,7 +69,7 @@ pub(super) fn obbs<L: Lanes, T: ErrorBounds>(
     frames: FramePair<'_>,
     boxes: &mut ObbPairs,
     (packet, used): (&PairPacket, usize),
-) -> (Settled<L>, u32) {
+) -> (Resolved<L>, u32) {
     for k in 0..used.min(WIDTH) {
         boxes.a[k] = frames.a.boxes(packet.a.0[k]).numbers;
         boxes.b[k] = frames.b.boxes(packet.b.0[k]).numbers;
@@ -133,8 +133,8 @@ pub(super) fn obbs<L: Lanes, T: ErrorBounds>(
     }
     let apart = Certificate::new(l, tally.apart, tally.apart_by, l.splat(1.0));
     let touching = Certificate::new(l, tally.touching, tally.touching_by, l.splat(1.0));
-    let settled = Settled::by(l, apart, touching, u32::MAX);
-    (settled, l.bits(aligned))
+    let resolved = Resolved::by(l, apart, touching, u32::MAX);
+    (resolved, l.bits(aligned))
 }
 
 /// How far two edges of each box reach along a cross product, given the sines that they count with.

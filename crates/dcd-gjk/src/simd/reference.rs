@@ -9,7 +9,7 @@ mod simplex;
 
 use super::bounds::{ROTATED, U};
 use super::certificate::CertifiedBounds;
-use super::first_stages::{Entry, Place, Settled, cone, first_axis};
+use super::first_stages::{Entry, Place, Resolved, cone, first_axis};
 use super::frame::{FramePair, SimdFrame};
 use super::obb::{ObbPairs, obbs};
 use super::packet::{PairPacket, Vector};
@@ -259,13 +259,13 @@ impl Kernel for BoxStage<'_> {
         let (mut entry, mut boxes) = (Entry::default(), ObbPairs::default());
         entry.read::<CertifiedBounds>(FramePair::of_one(self.frame), self.pairs, 0);
         entry.spheres::<L, CertifiedBounds>(l);
-        let (settled, _) = obbs::<L, CertifiedBounds>(
+        let (resolved, _) = obbs::<L, CertifiedBounds>(
             l,
             FramePair::of_one(self.frame),
             &mut boxes,
             (&entry.packet, self.pairs.len()),
         );
-        (Said::of(settled), entry.boxed & entry.live)
+        (Said::of(resolved), entry.boxed & entry.live)
     }
 }
 
@@ -309,7 +309,7 @@ fn the_box_stage_says_what_boxes_in_f64_say() {
                 }
             }
         }
-        assert!(seen.iter().all(|&count| count > 0), "boxes settled nothing: {seen:?}");
+        assert!(seen.iter().all(|&count| count > 0), "boxes resolved nothing: {seen:?}");
     }
 }
 
@@ -327,8 +327,8 @@ struct Said {
 }
 
 impl Said {
-    fn of<L: Lanes>(settled: Settled<L>) -> Self {
-        Self { apart: settled.apart, touching: settled.touching }
+    fn of<L: Lanes>(resolved: Resolved<L>) -> Self {
+        Self { apart: resolved.apart, touching: resolved.touching }
     }
 }
 
@@ -355,7 +355,7 @@ impl Kernel for Stages<'_> {
         entry.read::<CertifiedBounds>(FramePair::of_one(self.frame), self.pairs, 0);
         let spheres = Said::of(entry.spheres::<L, CertifiedBounds>(l));
         let live = entry.live;
-        // Every stage is asked about every pair, settled or not: each has its reference.
+        // Every stage is asked about every pair, resolved or not: each has its reference.
         let used = self.pairs.len();
         let c = entry.packet.vector(l, Vector::C);
         let axis = first_axis::<L, CertifiedBounds>(l, &mut at, (&mut entry.packet, used), c);
@@ -370,11 +370,11 @@ impl Kernel for Stages<'_> {
         let mut rounds = Said::default();
         let mut open = live & !(spheres.apart | spheres.touching | axis | cone | second);
         while open != 0 {
-            let (settled, stuck) =
+            let (resolved, stuck) =
                 portal::round::<L, CertifiedBounds>(l, &mut at, &mut entry.packet, used);
-            rounds.apart |= settled.apart & open;
-            rounds.touching |= settled.touching & open;
-            open &= !(settled.apart | settled.touching | stuck);
+            rounds.apart |= resolved.apart & open;
+            rounds.touching |= resolved.touching & open;
+            open &= !(resolved.apart | resolved.touching | stuck);
         }
         AllSaid { live, spheres, axis, cone, second, p, rounds }
     }
@@ -426,7 +426,7 @@ fn every_stage_says_what_its_plain_reference_says() {
                 }
             }
         }
-        assert!(seen.iter().all(|&count| count > 0), "a stage settled nothing: {seen:?}");
+        assert!(seen.iter().all(|&count| count > 0), "a stage resolved nothing: {seen:?}");
     }
 }
 

@@ -91,7 +91,7 @@ pub(crate) fn distance(
     match (a.map.kind(), b.map.kind()) {
         (one, other) if !have_formula(one, other) => None,
         (Kind::Cuboid { .. }, Kind::Cuboid { .. }) => {
-            // What is certified asks for more than f64 has, nearly always.
+            // The certified accuracy is nearly always finer than f64 reaches.
             if sharp == AS_F64
                 && let Some(found) = segments::distance_of_cuboids(a, b)
             {

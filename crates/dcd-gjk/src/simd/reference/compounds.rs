@@ -47,16 +47,16 @@ fn scene(seed: u64) -> Scene {
     Scene::one_each(shapes, poses).unwrap()
 }
 
-/// The contacts, and how many pairs were settled or left.
+/// The contacts, and how many pairs were resolved or left.
 fn judged(scene: &Scene, path: Path, pairs: &[Pair]) -> (Vec<Pair>, u64) {
     let (frame, _) = prepared(scene, path);
     let side = Prepared { scene, frame: &frame };
     let (mut contacts, mut report) = (Vec::new(), Report::default());
     let sink = &mut ContactSink { contacts: &mut contacts, report: &mut report };
     Overlap::on(path).decide(side, side, pairs, &mut Scratch::default(), sink);
-    let settled: u64 = Method::ALL.iter().map(|&method| report.settled(method)).sum();
+    let resolved: u64 = Method::ALL.iter().map(|&method| report.resolved(method)).sum();
     let contacts = contacts.iter().map(|contact| contact.pair).collect();
-    (contacts, settled + report.undecided().len() as u64)
+    (contacts, resolved + report.undecided().len() as u64)
 }
 
 /// The parts in the frame of their shape.
