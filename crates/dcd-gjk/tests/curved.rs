@@ -348,7 +348,7 @@ fn pairs_known_exactly_are_never_contradicted_at_neighbouring_floats() {
                 match distance::distance(here, there).0 {
                     DistanceResult::Interval { within: found, depth, .. } => {
                         assert!(found.distance == 0.0 && found.error_bound.is_finite());
-                        // Along the axis that the place is told by, nothing is farther or deeper.
+                        // Along the axis that defines the place, nothing is farther or deeper.
                         let bound = if truth { depth } else { found.error_bound };
                         assert!(bound >= 0.5 * gap && depth.is_finite(), "{k} {found:?} {gap}");
                     }

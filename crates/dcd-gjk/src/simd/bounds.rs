@@ -117,10 +117,10 @@ pub(super) const DETERMINANT: f32 = 16.0;
 pub(super) const EVALUATED: f32 = 1.0 + 32.0 * U;
 
 /// An inner sphere below this resolves so little that four points are tried as well. Unit: u·m. Decides
-/// what is asked, never an answer.
+/// what is computed, never an answer.
 pub(super) const FLAT: f32 = 1024.0;
 
 /// Nearest points whose distance the support beyond them could make smaller by no more than this are
-/// nearest. Unit: u·m. Decides how many supports are asked for, never an answer. Larger: wider bounds of distances.
+/// nearest. Unit: u·m. Decides how many supports are evaluated, never an answer. Larger: wider bounds of distances.
 /// Smaller: more supports, which rounding answers.
 pub(super) const CLOSED: f32 = 12.0;

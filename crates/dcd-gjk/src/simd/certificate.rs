@@ -74,7 +74,7 @@ impl ErrorBounds for UncheckedBounds {
         l.splat(0.0)
     }
     const HANDS_ON: bool = false;
-    // Between the hull inside a curved shape and the shape itself only bounds can tell.
+    // Between the hull inside a curved shape and the shape itself only bounds can decide.
     const JUDGED: u8 = WHOLE;
     const KEEPS_CLEARANCE: bool = false;
 

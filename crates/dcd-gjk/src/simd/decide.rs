@@ -95,7 +95,7 @@ impl Stage {
 }
 
 impl Scratch {
-    /// The latest stage for which a packet waits, so that each finds its queue with room for what the one before
+    /// The latest stage for which a packet waits. So each stage finds space in the next one's queue for what it
     /// hands on.
     #[inline(always)]
     fn latest_stage(&self, whole: Whole) -> Option<Stage> {
@@ -110,7 +110,7 @@ impl Scratch {
     }
 }
 
-/// After how many supports, from the second point on, a pair that has a proof is content with what room
+/// After how many supports, from the second point on, a pair that has a proof keeps the clearance that
 /// it has. Larger: more pairs are known in the next steps. Smaller: a faster first step.
 const WIDENING: f32 = 4.0;
 
@@ -137,12 +137,12 @@ impl<'a> Slice<'a> {
         FramePair { a: self.a.frame, b: self.b.frame }
     }
 
-    /// Lanes first, then one pair at a time what they leave: without a proof only shapes that have
-    /// no vertices, and sizes that f32 has no room for.
+    /// Decides in lanes first, then one pair at a time what they leave open. `OverlapUnchecked` leaves open only
+    /// shapes without vertices, and sizes outside f32's range.
     pub(crate) fn judge<T: ErrorBounds>(&self, scratch: &mut Scratch, report: &mut Report) {
         let Self { path, pairs, .. } = *self;
-        let (trust, frames) = (PhantomData::<T>, self.frames());
-        dispatch_on(path, Decide { trust, frames, pairs, scratch, report: &mut *report });
+        let (bounds, frames) = (PhantomData::<T>, self.frames());
+        dispatch_on(path, Decide { bounds, frames, pairs, scratch, report: &mut *report });
         self.judge_by_parts(scratch, report);
         for left in &scratch.left {
             let number = left.number as usize;
@@ -197,10 +197,10 @@ struct Known<'a> {
     parts: &'a mut mesh::Scratch,
 }
 
-/// Resolves what the lanes can of a slice of pairs.
+/// Resolves in lanes what can be resolved of a slice of pairs.
 pub(super) struct Decide<'a, T> {
-    /// What the answers are worth.
-    pub(super) trust: PhantomData<T>,
+    /// Whether the answers carry error bounds.
+    pub(super) bounds: PhantomData<T>,
     pub(super) frames: FramePair<'a>,
     pub(super) pairs: &'a [Pair],
     pub(super) scratch: &'a mut Scratch,
@@ -374,7 +374,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         portal.push(l, packet, used(taken) & !(done | stuck | enough));
     }
 
-    /// Notes what a stage resolved of the lanes in use. Returns those that need no other stage.
+    /// Records what a stage resolved of the lanes in use. Returns the lanes that need no other stage.
     #[inline(always)]
     fn resolve<L: Lanes>(&mut self, l: L, method: Method, resolved: Resolved<L>, used: u32) -> u32 {
         let Scratch { touching, kept, packet, .. } = &mut *self.scratch;
@@ -388,7 +388,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         kept.note(l, packet, (resolved.clearance, proved))
     }
 
-    /// The lanes that have a proof but not the room that is wanted, and those of them that have taken
+    /// The lanes whose proof has less clearance than wanted, and those of them that have taken
     /// [`WIDENING`] supports.
     #[inline(always)]
     fn narrow<L: Lanes>(&self, l: L) -> (u32, u32) {

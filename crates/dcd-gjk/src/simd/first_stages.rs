@@ -136,7 +136,7 @@ impl Entry {
     }
 }
 
-/// Asks for the support against an axis, of itself the one between the centres: rejects if it
+/// Evaluates the support against an axis, by default the one between the centres: rejects if it
 /// separates.
 #[inline(always)]
 pub(super) fn first_axis<L: Lanes, T: ErrorBounds>(

@@ -14,7 +14,7 @@ use dcd_simd::Lanes;
 /// two; pairs that need more are within rounding of touching, or thin.
 pub(super) const ROUNDS: f32 = 24.0;
 
-/// Asks for a second point across the cone's axis: accepts if the hull of the inner sphere and both
+/// Evaluates a second point across the cone's axis: accepts if the hull of the inner sphere and both
 /// points holds the origin; else spans a plane through the centre and both, and looks beyond it on
 /// the origin's side.
 #[inline(always)]

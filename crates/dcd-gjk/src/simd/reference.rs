@@ -167,14 +167,14 @@ fn prepared_vertices_and_boxes_are_those_of_the_plain_pose() {
 }
 
 /// Supports of sixteen objects along sixteen directions.
-struct Ask<'a> {
+struct Supports<'a> {
     frame: &'a SimdFrame,
     packet: &'a PairPacket,
     directions: &'a [Row; 3],
     used: usize,
 }
 
-impl Kernel for Ask<'_> {
+impl Kernel for Supports<'_> {
     type Output = [Row; 3];
 
     #[inline(always)]
@@ -202,7 +202,7 @@ fn no_vertex_is_farther_than_the_support_by_more_than_its_bound() {
             }
             let used = WIDTH - first as usize % 3;
             let found =
-                dispatch_on(path, Ask { frame: &frame, packet: &packet, directions: &rows, used });
+                dispatch_on(path, Supports { frame: &frame, packet: &packet, directions: &rows, used });
             for k in 0..used {
                 let at = |rows: &[Row; 3]| {
                     DVec3::from_array([0, 1, 2].map(|axis| f64::from(rows[axis].0[k])))
@@ -355,7 +355,7 @@ impl Kernel for Stages<'_> {
         entry.read::<CertifiedBounds>(FramePair::of_one(self.frame), self.pairs, 0);
         let spheres = Said::of(entry.spheres::<L, CertifiedBounds>(l));
         let live = entry.live;
-        // Every stage is asked about every pair, resolved or not: each has its reference.
+        // Every stage runs on every pair, resolved or not: each has its reference.
         let used = self.pairs.len();
         let c = entry.packet.vector(l, Vector::C);
         let axis = first_axis::<L, CertifiedBounds>(l, &mut at, (&mut entry.packet, used), c);

@@ -72,7 +72,7 @@ impl<L: Lanes> Clone for Vertex<L> {
 impl<L: Lanes> Copy for Vertex<L> {}
 
 impl<L: Lanes> Vertex<L> {
-    /// Of numbers that nobody asks for.
+    /// A vertex whose numbers are never read.
     #[inline(always)]
     pub(super) fn unnumbered(l: L, at: V3<L>) -> Self {
         Self { at, corner: [l.splat(0.0); 2] }

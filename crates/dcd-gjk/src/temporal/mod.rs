@@ -20,8 +20,8 @@ use track::Track;
 /// of [`crate::Overlap`], most of them from an earlier step's proofs.
 ///
 /// A proof has clearance to spare: a distance that the points of both objects may travel together before
-/// it no longer holds. The frame sums up how far each object has travelled, and a pair stays resolved for as long as the
-/// sum for both since its proof is less than the clearance. So a fact
+/// it no longer holds. The frame sums up how far each object has travelled, and a pair stays resolved as
+/// long as the sum for both since its proof is less than the clearance. So a fact
 /// expires before it can be wrong (docs/numerics/proofs.md, "coherence").
 ///
 /// Where a pair must be decided again, the axis that separated it last is tried first. The

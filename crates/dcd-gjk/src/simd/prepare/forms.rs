@@ -73,7 +73,7 @@ impl Prepare<'_> {
     }
 }
 
-/// How many poses ahead are asked for: some hundred cycles of work. No effect on any result.
+/// How many poses ahead are prefetched: some hundred cycles of work. No effect on any result.
 const AHEAD: usize = 24;
 
 #[inline(always)]

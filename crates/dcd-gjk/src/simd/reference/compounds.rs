@@ -47,7 +47,7 @@ fn scene(seed: u64) -> Scene {
     Scene::one_each(shapes, poses).unwrap()
 }
 
-/// The contacts, and how many pairs were resolved or left.
+/// The contacts, and how many pairs were resolved or left undecided.
 fn judged(scene: &Scene, path: Path, pairs: &[Pair]) -> (Vec<Pair>, u64) {
     let (frame, _) = prepared(scene, path);
     let side = Prepared { scene, frame: &frame };
@@ -93,10 +93,10 @@ fn agrees_with_every_pair_of_parts(scene: &Scene) -> usize {
     let pairs = super::pairs(scene);
     let expected: Vec<Pair> = pairs.iter().copied().filter(|&p| touches(scene, p)).collect();
     for path in paths() {
-        let (contacts, told) = judged(scene, path, &pairs);
+        let (contacts, answered) = judged(scene, path, &pairs);
         assert_eq!(contacts, expected, "{path:?}");
-        assert_eq!(told, pairs.len() as u64, "{path:?}");
-        // What a verdict is does not depend on what else is asked.
+        assert_eq!(answered, pairs.len() as u64, "{path:?}");
+        // A verdict does not depend on the other pairs.
         for pair in pairs.iter().step_by(3) {
             assert_eq!(judged(scene, path, &[*pair]).0.is_empty(), !expected.contains(pair));
         }
