@@ -246,10 +246,10 @@ impl Drawn {
         let mut pairs: Segments<Pair> = Segments::default();
         // In parts, so that the pairs of a wall and a world take little memory.
         for (boxes, names) in boxes.chunks(PART).zip(names.chunks(PART)) {
-            let asked: Vec<u32> = (drawn..).take(boxes.len()).collect();
+            let queries: Vec<u32> = (drawn..).take(boxes.len()).collect();
             let is_another = |i: u32, j: u32| self.names[i as usize] != names[(j - drawn) as usize];
-            let asked = IdentifiedAabbs { aabbs: boxes, names: &asked };
-            tree.pairs(asked, is_another, exec, &mut pairs);
+            let queries = IdentifiedAabbs { aabbs: boxes, names: &queries };
+            tree.pairs(queries, is_another, exec, &mut pairs);
             found.extend(pairs.iter().flatten().map(|pair| {
                 let (i, j) = (pair.i as usize, (pair.j - drawn) as usize);
                 let corner = self.boxes[i].min.max(boxes[j].min);
@@ -260,7 +260,7 @@ impl Drawn {
     }
 }
 
-/// Boxes that are asked at a time.
+/// How many boxes query the tree at a time.
 const PART: usize = 1 << 14;
 
 /// A number of which every bit depends on all of the name's (the finalizer of SplitMix64, Steele, Lea and

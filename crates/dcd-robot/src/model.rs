@@ -48,7 +48,7 @@ pub struct Link {
     pub name: String,
 }
 
-/// A shape on a link: convex, unless meshes were asked for.
+/// A shape on a link: convex, unless the robot was read with meshes.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// The link's index.

@@ -40,7 +40,7 @@ pub struct VirtualJoint {
     pub child: String,
 }
 
-/// What a controller or a planner is told, and what other programs add.
+/// Settings for controllers and planners, and extensions of other programs.
 const NOT_USED: [&str; 5] = [
     "passive_joint",
     "joint_property",

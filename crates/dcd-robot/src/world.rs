@@ -73,7 +73,7 @@ impl Attached {
     }
 }
 
-/// How much larger a link is to the world, and to the robot itself where that is asked for.
+/// How much larger a link is against the world, and against the robot itself where `against_robot` is set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Padding {
     /// What its shapes are multiplied by; above 0.
