@@ -58,7 +58,7 @@ fn contacts(broad: impl BroadPhase, narrow: impl NarrowPhase, scene: &Scene) -> 
 }
 
 #[test]
-fn every_path_of_the_lanes_gives_the_answers_of_the_exact_ladder() {
+fn every_simd_path_gives_the_exact_answers() {
     for (name, scene) in scenes() {
         let truth = contacts(BruteForce, Pairwise(Certified), &scene);
         for path in Path::ALL.into_iter().filter(|path| path.is_available()) {

@@ -1,4 +1,4 @@
-//! Tables of what was asked.
+//! Tables of the queries.
 
 use anyhow::Result;
 use dcd_benches::{Cell, Column, Header, Report, Table};
@@ -20,7 +20,7 @@ pub(crate) fn report(header: Header, outcome: &Outcome) -> Result<Report> {
         "{} hulls of the paper's scene; a mesh of {} triangles.",
         outcome.objects, outcome.triangles
     ));
-    let columns = ["question", "asked", "met", "wrong", "f32 differs", "f64 differs"];
+    let columns = ["question", "queries", "met", "wrong", "f32 differs", "f64 differs"];
     let mut answers = Table::new("ray-answers", "Answers", columns.map(Column::new));
     for row in &outcome.rows {
         let counts = [row.count, row.met, row.wrong, row.differs[0], row.differs[1]];

@@ -15,7 +15,7 @@ pub(crate) struct CoverSphere {
 
 /// What a covering sphere is larger by, and an inner one smaller, than it was found: of the shape's reach.
 /// Faces are merged within 1e-9 of the extent ([`dcd_geom::FLATNESS`]), and pieces are cut in f64.
-const MARGIN: f64 = 4e-9;
+const COVER_MARGIN: f64 = 4e-9;
 
 /// At most so many spheres, at least one, that cover the shape together.
 pub(crate) fn cover(shape: &Shape, most: usize) -> Vec<CoverSphere> {
@@ -25,7 +25,7 @@ pub(crate) fn cover(shape: &Shape, most: usize) -> Vec<CoverSphere> {
             let (height, radius) = (curved.half_height(), curved.radius());
             let pieces = ((height / radius).ceil()).clamp(1.0, most.max(1) as f64);
             let piece = height / pieces;
-            let margin = MARGIN * shape.reach();
+            let margin = COVER_MARGIN * shape.reach();
             let swept = curved.swept_radius();
             let at = |k: usize| {
                 let z = (2.0 * k as f64 + 1.0) * piece - height;
@@ -42,7 +42,7 @@ pub(crate) fn cover(shape: &Shape, most: usize) -> Vec<CoverSphere> {
             let faces: Vec<Vec<DVec3>> = corners.map(Vec::from).collect();
             let mut pieces = Vec::new();
             split(faces, most, Inside::Hollow, &mut pieces);
-            let grown = mesh.swept_radius() + MARGIN * mesh.reach();
+            let grown = mesh.swept_radius() + COVER_MARGIN * mesh.reach();
             let piece = |(centre, radius)| CoverSphere {
                 centre,
                 outer: radius + grown,
@@ -78,7 +78,7 @@ fn alone(shape: &Shape) -> CoverSphere {
 
 fn of_polytope(polytope: &Polytope, most: usize) -> Vec<CoverSphere> {
     let (vertices, swept) = (polytope.vertices(), polytope.swept_radius());
-    let margin = MARGIN * polytope.reach();
+    let margin = COVER_MARGIN * polytope.reach();
     if let &[centre] = vertices {
         return vec![CoverSphere { centre, outer: swept, inner: swept }];
     }
