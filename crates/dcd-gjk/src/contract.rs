@@ -355,7 +355,9 @@ fn contacts_of_inner_spheres_have_it<A: PartialEq + Debug>(
         let spheres = inner(pair.i).zip(inner(pair.j));
         let touch = spheres.is_some_and(|(a, b)| a.short_of(&b) <= 0.0);
         if touch && !contacts.iter().any(|c| c.pair == *pair && c.answer == answer) {
-            return Err(Violation(format!("{pair:?} touch, and {answer:?} is not reported of them")));
+            return Err(Violation(format!(
+                "{pair:?} touch, and {answer:?} is not reported of them"
+            )));
         }
     }
     Ok(())

@@ -93,7 +93,8 @@ impl Case {
     /// Judges one depth by the general search's of the same vertices.
     fn judge_depth(&self, truth: &Depth, accuracy: Accuracy) -> Depth {
         let found = self.depth(&self.shapes, accuracy).expect("touching");
-        let context = format!("{accuracy:?} {found:?} {truth:?} {:?} {:?}", self.shapes, self.poses);
+        let context =
+            format!("{accuracy:?} {found:?} {truth:?} {:?} {:?}", self.shapes, self.poses);
         assert!(
             (found.depth - truth.depth).abs() <= found.error_bound + truth.error_bound,
             "{context}"

@@ -102,7 +102,8 @@ fn run(line: &Line) -> Result<()> {
     kinds::report(&mut report, &found)?;
     report.hand_out(&dir, line.print)?;
     units.finish()?;
-    let beyond: usize = outcomes.iter().flat_map(|o| &o.measurements).map(|measured| measured.beyond).sum();
+    let beyond: usize =
+        outcomes.iter().flat_map(|o| &o.measurements).map(|measured| measured.beyond).sum();
     ensure!(beyond == 0, "{beyond} answers are beyond their bounds");
     Ok(())
 }

@@ -32,7 +32,8 @@ pub(crate) fn report(header: Header, outcomes: &[Outcome]) -> Result<Report> {
         for measured in &outcome.measurements {
             let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3;
             let times = &measured.times;
-            let counts = [measured.candidates, measured.found, measured.parry_found].map(Cell::from);
+            let counts =
+                [measured.candidates, measured.found, measured.parry_found].map(Cell::from);
             let names = [
                 Cell::from(outcome.scene.as_str()),
                 Cell::from(outcome.objects),

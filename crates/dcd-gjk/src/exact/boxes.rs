@@ -114,7 +114,8 @@ fn least(x: f64, y: f64) -> f64 {
 /// The same where something is rounded away.
 #[cold]
 fn aligned_closely(centres: [DVec3; 2], half: Halves) -> (bool, Method) {
-    let overlaps = [0, 1, 2].map(|k| overlap_terms([half.a[k], half.b[k]], centres.map(|centre| centre[k])));
+    let overlaps =
+        [0, 1, 2].map(|k| overlap_terms([half.a[k], half.b[k]], centres.map(|centre| centre[k])));
     let signs = overlaps.map(filtered_sign);
     if signs.contains(&Some(Ordering::Less)) {
         return (false, Method::F64);

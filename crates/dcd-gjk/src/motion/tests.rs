@@ -19,7 +19,8 @@ fn spheres_meet_when_their_centres_are_a_diameter_apart() {
     let left = RigidMotion { linear: DVec3::X * 3.0, ..at(DVec3::X * -4.0) };
     // Beside the axis by 0.6: at 0.8 along it they touch.
     let right = RigidMotion { linear: DVec3::X * -1.0, ..at(DVec3::new(4.0, 0.6, 0.0)) };
-    let Impact::Hit { free_until, t, normal, .. } = impact((&sphere, &left), (&sphere, &right), 5.0)
+    let Impact::Hit { free_until, t, normal, .. } =
+        impact((&sphere, &left), (&sphere, &right), 5.0)
     else {
         panic!()
     };
@@ -29,7 +30,8 @@ fn spheres_meet_when_their_centres_are_a_diameter_apart() {
     assert_eq!(impact((&sphere, &left), (&sphere, &right), 1.7), Impact::Free);
     let beside = RigidMotion { start: at(DVec3::new(4.0, 1.001, 0.0)).start, ..right };
     assert_eq!(impact((&sphere, &left), (&sphere, &beside), 100.0), Impact::Free);
-    let Impact::Hit { free_until, t, touches, .. } = impact((&sphere, &left), (&sphere, &left), 1.0)
+    let Impact::Hit { free_until, t, touches, .. } =
+        impact((&sphere, &left), (&sphere, &left), 1.0)
     else {
         panic!()
     };

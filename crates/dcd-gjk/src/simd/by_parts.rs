@@ -102,8 +102,10 @@ impl Slice<'_> {
 
     /// Decides the pairs of parts in the lanes. Notes what they prove, and lists as doubts what they do not.
     fn decide_parts(&self, scratch: &mut Scratch, lanes: &mut decide::Scratch) {
-        let Scratch { part_pairs, question_of, touching, left, counts, known, doubts, .. } = scratch;
-        let (bounds, frames, pairs) = (PhantomData::<CertifiedBounds>, self.frames(), &part_pairs[..]);
+        let Scratch { part_pairs, question_of, touching, left, counts, known, doubts, .. } =
+            scratch;
+        let (bounds, frames, pairs) =
+            (PhantomData::<CertifiedBounds>, self.frames(), &part_pairs[..]);
         lanes.lend(touching, left);
         dispatch_on(self.path, Decide { bounds, frames, pairs, scratch: lanes, report: counts });
         lanes.lend(touching, left);

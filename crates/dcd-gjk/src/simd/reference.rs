@@ -201,8 +201,10 @@ fn no_vertex_is_farther_than_the_support_by_more_than_its_bound() {
                 packet.a.0[k] = first + k as u32;
             }
             let used = WIDTH - first as usize % 3;
-            let found =
-                dispatch_on(path, Supports { frame: &frame, packet: &packet, directions: &rows, used });
+            let found = dispatch_on(
+                path,
+                Supports { frame: &frame, packet: &packet, directions: &rows, used },
+            );
             for k in 0..used {
                 let at = |rows: &[Row; 3]| {
                     DVec3::from_array([0, 1, 2].map(|axis| f64::from(rows[axis].0[k])))
@@ -252,7 +254,7 @@ struct BoxStage<'a> {
 }
 
 impl Kernel for BoxStage<'_> {
-    type Output = (Said, u32);
+    type Output = (Verdicts, u32);
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Self::Output {
@@ -265,7 +267,7 @@ impl Kernel for BoxStage<'_> {
             &mut boxes,
             (&entry.packet, self.pairs.len()),
         );
-        (Said::of(resolved), entry.boxed & entry.live)
+        (Verdicts::of(resolved), entry.boxed & entry.live)
     }
 }
 
@@ -321,39 +323,39 @@ struct Stages<'a> {
 
 /// What a stage said of sixteen pairs.
 #[derive(Clone, Copy, Default)]
-struct Said {
+struct Verdicts {
     apart: u32,
     touching: u32,
 }
 
-impl Said {
+impl Verdicts {
     fn of<L: Lanes>(resolved: Resolved<L>) -> Self {
         Self { apart: resolved.apart, touching: resolved.touching }
     }
 }
 
 /// What the stages said of sixteen pairs.
-struct AllSaid {
+struct AllVerdicts {
     live: u32,
-    spheres: Said,
+    spheres: Verdicts,
     axis: u32,
     cone: u32,
     second: u32,
     /// The portal after the second point.
     p: [[Row; 3]; 2],
-    rounds: Said,
+    rounds: Verdicts,
 }
 
 impl Kernel for Stages<'_> {
-    type Output = AllSaid;
+    type Output = AllVerdicts;
 
     #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> AllSaid {
+    fn run<L: Lanes>(self, l: L) -> AllVerdicts {
         let (mut entry, mut support_scratch) = (Entry::default(), SupportScratch::default());
         let mut at =
             Place { frames: FramePair::of_one(self.frame), support_scratch: &mut support_scratch };
         entry.read::<CertifiedBounds>(FramePair::of_one(self.frame), self.pairs, 0);
-        let spheres = Said::of(entry.spheres::<L, CertifiedBounds>(l));
+        let spheres = Verdicts::of(entry.spheres::<L, CertifiedBounds>(l));
         let live = entry.live;
         // Every stage runs on every pair, resolved or not: each has its reference.
         let used = self.pairs.len();
@@ -367,7 +369,7 @@ impl Kernel for Stages<'_> {
         let mut p = [[Row::default(); 3]; 2];
         entry.packet.vector(l, Vector::P0).store(l, &mut p[0]);
         entry.packet.vector(l, Vector::P1).store(l, &mut p[1]);
-        let mut rounds = Said::default();
+        let mut rounds = Verdicts::default();
         let mut open = live & !(spheres.apart | spheres.touching | axis | cone | second);
         while open != 0 {
             let (resolved, stuck) =
@@ -376,7 +378,7 @@ impl Kernel for Stages<'_> {
             rounds.touching |= resolved.touching & open;
             open &= !(resolved.apart | resolved.touching | stuck);
         }
-        AllSaid { live, spheres, axis, cone, second, p, rounds }
+        AllVerdicts { live, spheres, axis, cone, second, p, rounds }
     }
 }
 

@@ -154,7 +154,10 @@ impl Facts {
     }
 
     /// Lays out the tiles for these candidates if they are new, or too many facts found none.
-    pub(super) fn lay_out_tiles<'p>(&mut self, candidates: impl Iterator<Item = &'p [Pair]> + Clone) {
+    pub(super) fn lay_out_tiles<'p>(
+        &mut self,
+        candidates: impl Iterator<Item = &'p [Pair]> + Clone,
+    ) {
         let refused = std::mem::take(self.refused.get_mut());
         self.new = false;
         if self.empty || refused > 0 {

@@ -12,7 +12,7 @@ use crate::simd::{append_contacts, frame, prepare};
 use crate::{ContactSink, Method, NarrowPhase, Prepared, Report, Sides};
 use dcd_geom::{Aabb, Pair, Revision, Scene, Splittable};
 use dcd_simd::{Path, dispatch_on};
-use facts::{Fact, Facts, Found, Slot, Entry};
+use facts::{Entry, Fact, Facts, Found, Slot};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 use track::Track;
 
@@ -137,9 +137,7 @@ impl TemporalFrame {
     fn start_ways_again(&mut self) {
         self.facts.forget();
         let (entries, limits) = self.facts.ways_mut();
-        for (track, (entry, limit)) in
-            self.tracks.iter_mut().zip(entries.iter_mut().zip(limits))
-        {
+        for (track, (entry, limit)) in self.tracks.iter_mut().zip(entries.iter_mut().zip(limits)) {
             track.start_again();
             track.way().write(entry, limit);
         }

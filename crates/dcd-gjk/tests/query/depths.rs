@@ -79,8 +79,8 @@ fn a_foreign_sphere_is_as_deep_as_our_own() {
     for _ in 0..50 {
         let (turn, place) = (draw.turn(), draw.vector() * 0.8);
         let a = PosedSupport::new(cube.clone(), DQuat::IDENTITY, DVec3::ZERO);
-        let answers =
-            [&ours, &foreign].map(|s| solve(&Depths, &a, &PosedSupport::new(s.clone(), turn, place)));
+        let answers = [&ours, &foreign]
+            .map(|s| solve(&Depths, &a, &PosedSupport::new(s.clone(), turn, place)));
         let [Verdict::Touching(ours), Verdict::Touching(foreign)] = answers else {
             assert_eq!(answers[0], answers[1]);
             continue;

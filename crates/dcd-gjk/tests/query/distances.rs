@@ -96,7 +96,8 @@ fn the_spheres_reject_nothing_that_is_within_the_margin() {
         });
         let solver = Distances::within(margin).unwrap();
         let measured = solver.measure(a.placed(), b.placed(), &mut ());
-        if let (Verdict::Touching(Some(found)), Verdict::Apart) = (measured, solve(&solver, &a, &b)) {
+        if let (Verdict::Touching(Some(found)), Verdict::Apart) = (measured, solve(&solver, &a, &b))
+        {
             assert!(found.upper() > margin, "{found:?} {margin}\n{a:?}\n{b:?}");
         }
     }

@@ -123,7 +123,8 @@ fn kinks_are_marked() {
 #[test]
 fn directions_within_a_billionth_of_the_whole_depth_are_never_called_smooth() {
     let mark = |a: &Shape, b: &Shape, at: DVec3| {
-        answer_of(&proximities(), &PosedSupport::at(a, DVec3::ZERO), &PosedSupport::at(b, at)).smoothness
+        answer_of(&proximities(), &PosedSupport::at(a, DVec3::ZERO), &PosedSupport::at(b, at))
+            .smoothness
     };
     // A sphere whose centre is beside a plate: the other way out is longer by 4e-11 of the depth.
     let plate = Shape::cuboid(DVec3::new(2.0, 0.0, 3.0)).unwrap();

@@ -99,7 +99,12 @@ impl Queries<'_> {
 }
 
 /// What is known of one object.
-fn near(object: u32, point_sphere: PosedShape<'_>, posed: PosedShape<'_>, point: DVec3) -> NearestObject {
+fn near(
+    object: u32,
+    point_sphere: PosedShape<'_>,
+    posed: PosedShape<'_>,
+    point: DVec3,
+) -> NearestObject {
     let within = |distance: f64, lower: f64, upper: f64, point: DVec3| NearestObject {
         object,
         distance,

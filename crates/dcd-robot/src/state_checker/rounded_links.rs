@@ -166,7 +166,12 @@ pub(super) struct Gathered {
 
 impl Gathered {
     #[inline(always)]
-    pub(super) fn set(&mut self, k: usize, (link, rounded): (&LinkSpheres, &RoundedLink), lane: usize) {
+    pub(super) fn set(
+        &mut self,
+        k: usize,
+        (link, rounded): (&LinkSpheres, &RoundedLink),
+        lane: usize,
+    ) {
         // Not zipped: in a function of another CPU feature that is a call.
         for axis in 0..3 {
             self.centre.0[axis].0[k] = rounded.centre.0[axis].0[lane];

@@ -3,8 +3,8 @@
 
 use super::links::BodyHull;
 use super::prepared::Prepared;
-use super::separate::{PlacedHull, across_gap};
 use super::rounded_links::{Rounded, RoundedLink, bits, round, stored};
+use super::separate::{PlacedHull, across_gap};
 use super::solids::{inside, margin_of, within};
 use super::worker::{CHUNK, Refused, RefusedState, Worker, at};
 use super::{Goal, StateChecker};

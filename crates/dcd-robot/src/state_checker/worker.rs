@@ -2,8 +2,8 @@
 
 use super::link_frames::{LinkFrames, Place};
 use super::prepared::Prepared;
-use super::separate::{Planes, Separate};
 use super::rounded_links::Rounded;
+use super::separate::{Planes, Separate};
 use super::sift::{Found, Sift};
 use super::{Goal, StateChecker, StateHit};
 use crate::RobotError;

@@ -109,7 +109,12 @@ fn holds(shape: &Shape, pose: &Pose, point: DVec3) -> Option<bool> {
 /// At least how far a point is from the shape.
 fn distance_of(shape: &Shape, pose: &Pose, point: DVec3) -> f64 {
     let (point_shape, at) = (Shape::sphere(0.0).unwrap(), Pose::from_translation(point).unwrap());
-    match distance::distance(PosedShape { shape: &point_shape, pose: &at }, PosedShape { shape, pose }).0 {
+    match distance::distance(
+        PosedShape { shape: &point_shape, pose: &at },
+        PosedShape { shape, pose },
+    )
+    .0
+    {
         crate::DistanceResult::Apart(found) => found.lower(),
         _ => 0.0,
     }

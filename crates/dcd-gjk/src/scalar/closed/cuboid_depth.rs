@@ -314,8 +314,9 @@ impl Placed {
     fn meets(&self, k: usize, other: &Self, outward: DVec3, slack: f64) -> Option<DVec3> {
         let sides = [(k + 1) % 3, (k + 2) % 3];
         let place = |point: DVec3| sides.map(|side| self.axes[side].dot(point - self.centre));
-        let is_inside =
-            |place: [f64; 2]| (0..2).all(|side| place[side].abs() <= self.half[sides[side]] + slack);
+        let is_inside = |place: [f64; 2]| {
+            (0..2).all(|side| place[side].abs() <= self.half[sides[side]] + slack)
+        };
         let corner = other.farthest(-outward);
         if is_inside(place(corner)) {
             return Some(corner);

@@ -190,7 +190,13 @@ impl<S: SupportMap<f64>> Search<'_, S> {
     }
 
     /// In metres, if the bound is as good as required. `points` are of the cores.
-    fn depth_of(&self, depth: f64, error: f64, points: [DVec3; 2], direction: DVec3) -> Option<Depth> {
+    fn depth_of(
+        &self,
+        depth: f64,
+        error: f64,
+        points: [DVec3; 2],
+        direction: DVec3,
+    ) -> Option<Depth> {
         if !(depth >= self.tolerance.least) || !self.tolerance.admits_at_end(error, depth) {
             return None;
         }

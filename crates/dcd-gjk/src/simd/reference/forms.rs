@@ -193,6 +193,8 @@ fn a_matrix_that_departs_too_far_leaves_a_cuboid_to_f64() {
             assert_eq!(frame.record(i as u32).marks, expected);
         }
         let (_, report) = contacts(&scene, path);
-        assert!(report.resolved(crate::Method::F64) > 0 && report.resolved(crate::Method::Obbs) > 0);
+        assert!(
+            report.resolved(crate::Method::F64) > 0 && report.resolved(crate::Method::Obbs) > 0
+        );
     }
 }
