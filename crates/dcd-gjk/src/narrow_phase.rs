@@ -233,7 +233,7 @@ pub enum Sides {
 ///
 /// Objects in no pair need not be prepared. An object that has been prepared in a frame need not be
 /// prepared again after `layout` if three things hold: the scene's [`Scene::layout`] and the sides are the same,
-/// the object's pose is the same, and `keeps` says that the frame has kept what it held.
+/// the object's pose is the same, and `keeps` returns that the frame has kept what it held.
 /// `contract` tests it.
 ///
 /// The frame stays from step to step: `prepare` finds there what it wrote of the object in that
@@ -241,7 +241,7 @@ pub enum Sides {
 /// ([`Scene::layout`]). Whatever is kept there may save work and never changes a verdict, an order
 /// or an AABB. In particular, nothing that changes for all objects at once (a form that they share, a
 /// copy that is made anew, sums that start again) may wait for `prepare`, which static objects do not
-/// see: `layout` brings it to every object, or `keeps` says `false`.
+/// see: `layout` brings it to every object, or `keeps` returns `false`.
 pub trait NarrowPhase: Send + Sync {
     /// The answer about a touching pair.
     type Answer: Copy + Default + Send + Sync + 'static;
@@ -304,7 +304,7 @@ pub trait NarrowPhase: Send + Sync {
         sink: &mut ContactSink<'_, Self::Answer>,
     );
 
-    /// Decides whether the pairs touch, as `decide` does; nobody reads the contacts' answers. An
+    /// Decides whether the pairs touch, as `decide` does; the contacts' answers are not read. An
     /// implementation that measures touching pairs need not do so here. Calls `decide` by default.
     fn sense(
         &self,

@@ -1,4 +1,4 @@
-//! Two ranks of one thread beside one process of two threads, in turn.
+//! Two ranks of one thread beside one process of two threads, interleaved.
 
 use std::time::Duration;
 

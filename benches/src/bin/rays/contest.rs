@@ -229,7 +229,7 @@ enum Turn {
 
 type Rivals = (single::Rival, double::Rival);
 
-/// Times of ours beside one rival's, in turn.
+/// Our times and one rival's, interleaved.
 fn beside(effort: Effort, ours: impl Fn() -> usize, theirs: impl Fn() -> usize) -> Pair {
     let [pair] = pairs_of(
         rounds(effort),

@@ -7,7 +7,7 @@ use crate::contest::Outcome;
 
 /// What a reader of the tables must know.
 const NOTES: [&str; 3] = [
-    "One thread, the two in turn in one process; the median of the rounds' ratios with the least and the most. \
+    "One thread, interleaved in one process; the median of the rounds' ratios with the least and the most. \
      Trees, shapes and poses are made outside of the timer.",
     "`differs` counts answers of Parry's outside of our bracket by more than 1e-4 of the time or distance. `wrong` \
      counts hits of Parry's in f64 sooner than ours that a point of the ray inside of the shape confirms.",

@@ -100,7 +100,7 @@ impl<'a> Couple<'a> {
     /// At least that; infinite for no direction.
     fn most_along(&self, direction: DVec3) -> f64 {
         let most = self.along(direction) + self.slack();
-        // A direction whose square underflows, or that is not finite, says nothing.
+        // A direction whose square underflows, or that is not finite, proves nothing.
         let is_known = SIZES.contains(&direction.length()) && most.is_finite();
         if is_known { most } else { f64::INFINITY }
     }

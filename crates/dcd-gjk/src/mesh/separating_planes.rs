@@ -18,7 +18,7 @@ use dcd_simd::Lanes;
 const MOST: usize = 12;
 
 /// How much of the box round a shape the box inside it must be, along each axis, for their faces to
-/// be separating planes from the start. No unit. Smaller: separating planes that say little. Never an answer.
+/// be separating planes from the start. No unit. Smaller: separating planes that separate little. Never an answer.
 const BOX: f64 = 0.99;
 
 /// The half-space {x: normal·x ≤ height} in the first shape's axes, with a convex second shape in

@@ -35,7 +35,7 @@ pub trait MeasureAt: PairSolver {
 
 /// A solver whose answer is made of a pair's depth: [`Depths`](super::Depths), [`Manifolds`](super::Manifolds).
 pub trait MeasureDepth: MeasureAt {
-    /// What it says of two convex shapes whose depth is known.
+    /// The answer for two convex shapes whose depth is known.
     fn measure_depth(
         &self,
         depth: Depth,

@@ -58,7 +58,7 @@ pub enum Smoothness {
     /// they touch is not known.
     #[default]
     Unknown,
-    /// It has, and the gradient is it. Never said where another direction is as good to within a
+    /// It has, and the gradient is it. Never returned where another direction is as good to within a
     /// billionth of the depth or distance, radii included, or a millionth of a millionth of the pair's
     /// size.
     Smooth,
@@ -236,7 +236,7 @@ impl Proximity {
     /// by the normal's part of that, for neither the normal's own change nor the points' along
     /// their features counts at first order (docs/numerics/proofs.md, "derivatives").
     ///
-    /// Without a word on the direction nothing is said of its smoothness.
+    /// Without a direction the smoothness is unknown.
     fn with_gradient(
         self,
         a: PosedShape<'_>,

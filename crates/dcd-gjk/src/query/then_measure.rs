@@ -118,7 +118,7 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
 }
 
 impl<S: PairSolver + 'static, N: NarrowPhase> ThenMeasure<S, N> {
-    /// Lists the pairs to which the narrow phase says yes, in the scratch memory.
+    /// Lists the pairs that the narrow phase finds touching, in the scratch memory.
     fn find_touching(
         &self,
         (a, b): (Side<'_, N>, Side<'_, N>),

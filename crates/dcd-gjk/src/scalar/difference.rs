@@ -141,7 +141,7 @@ where
     }
 
     /// The vertex lowest along `direction` (world axes), and the separation there: the computed
-    /// minimum of d·w over A − B, of which every bound speaks. Scaled.
+    /// minimum of d·w over A − B, to which every bound refers. Scaled.
     #[inline]
     pub fn lowest(&self, direction: R::Vec3) -> (Vertex<R>, R) {
         let d_a = self.rotation_a.transform_transposed(direction);

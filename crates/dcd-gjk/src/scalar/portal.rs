@@ -50,7 +50,7 @@ where
     }
 }
 
-/// What an axis found on the way says of the pair: nothing more is to be looked for.
+/// An axis found on the way that ends the search.
 enum Axis {
     Separates,
     /// The difference ends so near to the origin that no tetrahedron in it can be certified.

@@ -67,7 +67,7 @@ impl SimdDistances {
     }
 
     /// The pair whose nearest vertices are known.
-    fn from_points(
+    fn by_points(
         &self,
         points: &NearestPoints,
         a: PosedShape<'_>,
@@ -153,7 +153,7 @@ impl NarrowPhase for SimdDistances {
             // Counted already, as apart.
             let verdict = match found {
                 Found::Beyond => Verdict::Apart,
-                Found::Nearest(points) => self.from_points(&points, one, other),
+                Found::Nearest(points) => self.by_points(&points, one, other),
                 Found::Unknown => self.alone(one, other).0,
             };
             match verdict {
@@ -166,7 +166,7 @@ impl NarrowPhase for SimdDistances {
 }
 
 /// The distance of two polytopes that are apart, by vertices whose weighted means are nearest points of their cores
-/// or nearly so, and what the lanes prove from below. `None`: those say too little.
+/// or nearly so, and what the lanes prove from below. `None`: that bound is too wide.
 fn distance_of(points: &NearestPoints, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance> {
     let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
     let weights = weights(points.weights)?;

@@ -60,7 +60,7 @@ impl<L: Lanes> Resolved<L> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Entry {
     pub(super) packet: PairPacket,
-    /// What the two records of each pair say together: the difference of the centres, and 0; the sums
+    /// What the two records of each pair give together: the difference of the centres, and 0; the sums
     /// of the inner radii, the outer radii, the sizes, the swept radii, the slacks, and of what the
     /// choice of the vertices may lose.
     sums: [Row; WIDTH],

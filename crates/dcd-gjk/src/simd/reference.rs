@@ -134,7 +134,7 @@ impl Plain {
     }
 }
 
-/// That a stage says yes where the reference's length is clearly above 0, and no where it is below.
+/// Asserts that a stage decides yes where the reference's length is clearly above 0, and no where it is below.
 fn agree(what: &str, said: bool, reference: f64) {
     assert!(
         reference.abs() < CLEAR || said == (reference > 0.0),
@@ -321,7 +321,7 @@ struct Stages<'a> {
     pairs: &'a [Pair],
 }
 
-/// What a stage said of sixteen pairs.
+/// The verdicts of a stage on sixteen pairs.
 #[derive(Clone, Copy, Default)]
 struct Verdicts {
     apart: u32,
@@ -334,7 +334,7 @@ impl Verdicts {
     }
 }
 
-/// What the stages said of sixteen pairs.
+/// The verdicts of all stages on sixteen pairs.
 struct AllVerdicts {
     live: u32,
     spheres: Verdicts,

@@ -100,7 +100,7 @@ const PAYS: f64 = 0.75;
 /// Larger: more are lost. Smaller: more memory.
 const SLOTS_WITH_ONE_AXIS: usize = 8;
 
-/// The bit of a slot that says which of the two it is: the threshold's sign.
+/// The bit of a slot for which of the two facts it is: the threshold's sign.
 const TOUCHES: u32 = 1 << 31;
 
 /// A smaller clearance is not kept, metres: f32's roundings are relative above it.
@@ -275,7 +275,7 @@ impl Facts {
         (found.way < f32::from_bits(word & !TOUCHES)).then_some(fact)
     }
 
-    /// Where a slot's axis is, and what says that it is this slot's.
+    /// Where a slot's axis is, and the mark of an axis of this slot.
     #[inline(always)]
     fn axis_at(&self, Slot(slot): Slot) -> (Option<&AtomicU64>, u64) {
         let (at, which) =

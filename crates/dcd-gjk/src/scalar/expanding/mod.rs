@@ -210,7 +210,7 @@ impl<S: SupportMap<f64>> Search<'_, S> {
             point_b: points[1] - normal * b.map.radius(),
             error_bound: rounded_up((error + 8.0 * U * depth) / scale),
         };
-        // What leaves the range is the exact search's to say.
+        // What leaves the range is left to the exact search.
         let numbers = [found.depth, found.error_bound];
         let vectors = [found.normal, found.point_a, found.point_b];
         let is_finite =

@@ -1,6 +1,6 @@
 //! How deep pairs overlap: the polytope grows in f32, and f64 confirms the face that it ends at.
 //!
-//! The search in f32 says where to look, nothing more: its last surface is closed, and holds the origin by bounds
+//! The search in f32 finds where to look, nothing more: its last surface is closed, and holds the origin by bounds
 //! that count every rounding; the faces that may be the nearest are measured again in f64, where the depth and its
 //! bound come from (docs/numerics/proofs.md, "Depth by a surface in f32"). What is not confirmed as well as the
 //! accuracy requires is measured by the solver itself.
@@ -39,7 +39,7 @@ pub struct SimdDepths<S = Depths> {
 }
 
 impl<S: MeasureDepth> SimdDepths<S> {
-    /// What that solver says, at that accuracy.
+    /// The answers of that solver, at that accuracy.
     pub fn new(solver: S, accuracy: Accuracy) -> Self {
         Self::on(Path::best(), solver, accuracy)
     }

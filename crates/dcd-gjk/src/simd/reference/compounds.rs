@@ -1,4 +1,4 @@
-//! Compounds part by part: what the lanes say of them is what every pair of parts says by itself.
+//! Compounds part by part: the verdict of the lanes is that of resolving every pair of parts by itself.
 
 use super::{Numbers, paths, prepared};
 use crate::simd::cores::MAX_PARTS;

@@ -30,7 +30,7 @@ fn scene(seed: u64, scale: f64) -> Scene {
     Scene::one_each(shapes, poses).unwrap()
 }
 
-/// What f64 says of every pair, by support maps alone.
+/// The verdict of f64 on every pair, by support maps alone.
 fn in_f64(scene: &Scene) -> Vec<Pair> {
     let placed =
         |i: u32| PosedShape { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };

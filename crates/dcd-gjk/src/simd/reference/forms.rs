@@ -84,7 +84,7 @@ fn upright() -> Scene {
     Scene::one_each(shapes.collect(), poses).unwrap()
 }
 
-/// What the lanes say of every pair, and how many of them they leave to the later methods.
+/// The verdict of the lanes on every pair, and how many of them they leave to the later methods.
 pub(super) fn contacts(scene: &Scene, path: Path) -> (Vec<Pair>, Report) {
     let (frame, _) = prepared(scene, path);
     let side = Prepared { scene, frame: &frame };
