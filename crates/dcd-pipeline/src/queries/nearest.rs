@@ -42,17 +42,17 @@ impl Queries<'_> {
         if max_distance != f64::INFINITY {
             check_length("distance", max_distance)?;
         }
-        let (Ok(point_sphere), Ok(at)) = (Shape::sphere(0.0), Pose::from_translation(point)) else {
+        let (Ok(ball), Ok(at)) = (Shape::sphere(0.0), Pose::from_translation(point)) else {
             return Ok(None);
         };
-        let point_sphere = PosedShape { shape: &point_sphere, pose: &at };
+        let ball = PosedShape { shape: &ball, pose: &at };
         let test = PointDistance::new(point);
         let mut nearest: Option<NearestObject> = None;
         let mut end = max_distance;
         self.visit(&test, test.key_of(end), &mut |object, _| {
             if filter.sees(self.scene, object) {
                 let posed = PosedShape::of(self.scene, object);
-                let found = near(object, point_sphere, posed, point);
+                let found = near(object, ball, posed, point);
                 let is_first = nearest.is_none_or(|known| {
                     found
                         .distance
@@ -99,12 +99,7 @@ impl Queries<'_> {
 }
 
 /// What is known of one object.
-fn near(
-    object: u32,
-    point_sphere: PosedShape<'_>,
-    posed: PosedShape<'_>,
-    point: DVec3,
-) -> NearestObject {
+fn near(object: u32, ball: PosedShape<'_>, posed: PosedShape<'_>, point: DVec3) -> NearestObject {
     let within = |distance: f64, lower: f64, upper: f64, point: DVec3| NearestObject {
         object,
         distance,
@@ -112,7 +107,7 @@ fn near(
         upper,
         point,
     };
-    match distance_at(Accuracy::F64, point_sphere, posed).0 {
+    match distance_at(Accuracy::F64, ball, posed).0 {
         DistanceResult::Touching => within(0.0, 0.0, 0.0, point),
         DistanceResult::Apart(found) => {
             let upper = if found.is_saturated() { f64::INFINITY } else { found.upper() };

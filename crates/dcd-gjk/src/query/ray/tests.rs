@@ -27,7 +27,7 @@ fn hull(random: &mut Random, count: usize, scale: f64) -> Shape {
 }
 
 /// An octahedron's surface, each triangle cut into four, so that edges and vertices are many.
-fn sphere_mesh(scale: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+fn ball_mesh(scale: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut vertices = vec![DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z];
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     for (x, y, z) in
@@ -57,7 +57,7 @@ fn sphere_mesh(scale: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
 }
 
 fn shapes(random: &mut Random, s: f64) -> Vec<(&'static str, Shape)> {
-    let (vertices, triangles) = sphere_mesh(s);
+    let (vertices, triangles) = ball_mesh(s);
     let cuboid = || Shape::cuboid(DVec3::new(0.5, 0.8, 0.2) * s).unwrap();
     let parts = vec![
         (cuboid(), random.pose(DVec3::X * s)),
@@ -97,8 +97,8 @@ fn shapes(random: &mut Random, s: f64) -> Vec<(&'static str, Shape)> {
 
 /// Whether the point is proved to be of the shape, or proved not to be.
 fn holds(shape: &Shape, pose: &Pose, point: DVec3) -> Option<bool> {
-    let (point_shape, at) = (Shape::sphere(0.0).unwrap(), Pose::from_translation(point).unwrap());
-    let point = PosedShape { shape: &point_shape, pose: &at };
+    let (ball, at) = (Shape::sphere(0.0).unwrap(), Pose::from_translation(point).unwrap());
+    let point = PosedShape { shape: &ball, pose: &at };
     match certified::overlap_of(point, PosedShape { shape, pose }).0 {
         Verdict::Touching(()) => Some(true),
         Verdict::Apart => Some(false),
@@ -108,13 +108,8 @@ fn holds(shape: &Shape, pose: &Pose, point: DVec3) -> Option<bool> {
 
 /// At least how far a point is from the shape.
 fn distance_of(shape: &Shape, pose: &Pose, point: DVec3) -> f64 {
-    let (point_shape, at) = (Shape::sphere(0.0).unwrap(), Pose::from_translation(point).unwrap());
-    match distance::distance(
-        PosedShape { shape: &point_shape, pose: &at },
-        PosedShape { shape, pose },
-    )
-    .0
-    {
+    let (ball, at) = (Shape::sphere(0.0).unwrap(), Pose::from_translation(point).unwrap());
+    match distance::distance(PosedShape { shape: &ball, pose: &at }, PosedShape { shape, pose }).0 {
         crate::DistanceResult::Apart(found) => found.lower(),
         _ => 0.0,
     }
@@ -208,7 +203,7 @@ fn no_ray_passes_between_the_triangles_of_a_closed_mesh() {
     let mut random = Random(11);
     for round in 0..6 {
         let s = [1.0, 1e-6, 1e3][round % 3];
-        let (vertices, triangles) = sphere_mesh(s);
+        let (vertices, triangles) = ball_mesh(s);
         let shape = Shape::mesh(vertices.clone(), triangles.clone()).unwrap();
         let pose = if round < 2 { Pose::IDENTITY } else { random.pose(random_offset(round)) };
         let posed = PosedShape { shape: &shape, pose: &pose };
@@ -217,7 +212,7 @@ fn no_ray_passes_between_the_triangles_of_a_closed_mesh() {
             for target in [p, q, (p + q) * 0.5, p * 0.25 + q * 0.75] {
                 let target = pose.apply(target);
                 let out = (target - pose.translation()) * 3.0;
-                // From outside to the point and on through the sphere; and from its middle.
+                // From outside to the point and on through the ball; and from its middle.
                 for (from, direction) in [(target + out, -out), (pose.translation(), out)] {
                     let hit = first_hit(&Ray::endless(from, direction).unwrap(), posed);
                     let hit =
