@@ -312,10 +312,10 @@ impl Runner {
         rival.check(&placed, Wanted::First, &mut self.theirs);
         self.spent.parry_first += begun.elapsed();
         let begun = Instant::now();
-        let untold = rival.check(&placed, Wanted::All, &mut self.theirs);
+        let unanswered = rival.check(&placed, Wanted::All, &mut self.theirs);
         self.spent.parry_all += begun.elapsed();
         self.theirs.sort_unstable();
-        untold
+        unanswered
     }
 }
 
@@ -353,7 +353,7 @@ impl Checked {
         let _ = writeln!(
             text,
             "{problems} problems, {states} states: {contacts} contacts, {undecided} undecided; \
-             Parry f64: {} contacts, {} untold, {} differences",
+             Parry f64: {} contacts, {} unanswered, {} differences",
             self.parry_contacts,
             self.parry_undecided,
             self.differences.len()

@@ -243,7 +243,7 @@ fn measured<S: SupportMap<f64>>(
         Err(_) => return DistanceResult::Touching,
     };
     if near.lower > bounds.swept_upper() {
-        return DistanceResult::Apart(near.apart(&bounds, difference.scale(), [a, b]));
+        return DistanceResult::Apart(near.distance(&bounds, difference.scale(), [a, b]));
     }
     match undecided_or_proved(&difference, &bounds, &near) {
         Verdict::Touching(()) => DistanceResult::Touching,
@@ -265,7 +265,7 @@ fn measured<S: SupportMap<f64>>(
 
 impl Approach {
     /// Of swept shapes that the bounds prove apart.
-    fn apart<S: SupportMap<f64>>(
+    pub(crate) fn distance<S: SupportMap<f64>>(
         &self,
         bounds: &Bounds<f64>,
         scale: f64,
