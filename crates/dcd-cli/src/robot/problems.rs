@@ -312,10 +312,10 @@ impl Runner {
         rival.check(&placed, Wanted::First, &mut self.theirs);
         self.spent.parry_first += begun.elapsed();
         let begun = Instant::now();
-        let unanswered = rival.check(&placed, Wanted::All, &mut self.theirs);
+        let untold = rival.check(&placed, Wanted::All, &mut self.theirs);
         self.spent.parry_all += begun.elapsed();
         self.theirs.sort_unstable();
-        unanswered
+        untold
     }
 }
 
