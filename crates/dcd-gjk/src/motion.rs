@@ -36,9 +36,9 @@ pub struct MovingShape<'a> {
 /// Whether and when two moving shapes meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Impact {
-    /// Proved: they share no point at any time that was asked about.
+    /// Proved: they share no point at any time of the interval.
     Free,
-    /// They meet, or come as near as was asked for.
+    /// They meet, or come within the tolerance of each other.
     Hit {
         /// Proved: they share no point before; 0 for shapes that touch as they stand.
         free_until: f64,
@@ -195,7 +195,7 @@ pub fn time_of_impact(
         if !(gap > 0.0) {
             return Ok(Impact::Undecided { free_until: t });
         }
-        // A quotient and a sum, rounded down with room.
+        // A quotient and a sum, rounded down with a margin.
         let next = t + gap / speed * (1.0 - 1e-12);
         if speed <= 0.0 || next > until {
             return Ok(Impact::Free);
@@ -284,7 +284,7 @@ impl Closing {
 const UNDERFLOW: f64 = 1e-150;
 
 /// Within which distance of the centre all points of the shape are, metres; its pose may stretch it a little. 0
-/// of what does not turn and has no end: it is asked for along with a turn alone.
+/// of what does not turn and has no end: only the bounds of a turning shape use it.
 fn radius(side: &MovingShape<'_>) -> f64 {
     let RigidMotion { start, centre, angular, .. } = side.motion;
     if !side.shape.is_bounded() && *angular == DVec3::ZERO {

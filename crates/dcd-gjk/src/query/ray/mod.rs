@@ -263,7 +263,7 @@ fn of_polytope(
     // A radius is a length of the world: in the shape's frame it is one up to what the pose stretches.
     let slack = local.margin + radius * (4.0 * posed.pose.deviation());
     let sphere = |grown: f64| solids::sphere(&local, polytope.inner().centre, grown);
-    // A miss of the sphere round it is a miss; of all polytopes the dearest are asked last.
+    // A miss of the sphere round it is a miss. It is tested first because other tests cost more.
     let round = sphere(polytope.outer_radius() + radius + slack)?;
     if round.leave < 0.0 || is_later(round.enter, limit) {
         return None;
