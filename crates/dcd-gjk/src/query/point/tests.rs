@@ -18,7 +18,7 @@ fn by_gjk(point: DVec3, posed: PosedShape<'_>) -> [f64; 2] {
 
 #[test]
 fn brackets_hold_the_certified_distance_at_every_scale_and_place() {
-    let mut random = Random(20_261_125);
+    let mut random = Random::seeded(20_261_125);
     let mut by_face = 0;
     for scale in [1e-6, 1e-3, 1.0, 1e4] {
         for away in [0.0, 1e6] {
@@ -38,7 +38,7 @@ fn brackets_hold_the_certified_distance_at_every_scale_and_place() {
                     );
                     assert!((found.lower..=found.upper).contains(&found.distance), "{context}");
                     let width = found.upper - found.lower;
-                    assert!(width <= 1e-11 * (scale + away), "{context}");
+                    assert!(width <= 1e-9 * (scale + away), "{context}");
                     // The point is of the shape and as far away as is said, to within the rounding of places.
                     let slack = 1e-11 * (scale + away) + found.upper - found.lower;
                     assert!(by_gjk(found.nearest, posed)[0] <= slack, "{context}");
