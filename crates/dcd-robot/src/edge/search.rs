@@ -1,6 +1,7 @@
 //! The search through a path's intervals.
 
 mod bounds;
+mod planes;
 #[cfg(test)]
 mod tests;
 

@@ -267,7 +267,7 @@ fn a_budget_ends_the_search_and_tells_where() {
 }
 
 /// A bar of length 2, its end at the origin of what floats.
-fn floating() -> Robot {
+pub(super) fn floating() -> Robot {
     let text = r#"<robot name="floating"><link name="world"/>
       <link name="bar"><collision><origin xyz="1 0 0"/><geometry><box size="2 0.1 0.1"/></geometry></collision></link>
       <joint name="free" type="floating"><parent link="world"/><child link="bar"/></joint></robot>"#;
