@@ -7,7 +7,6 @@ mod judge;
 mod lines;
 mod picture;
 mod problems;
-mod rival;
 mod state;
 mod states;
 
