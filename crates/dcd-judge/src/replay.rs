@@ -19,9 +19,10 @@ use cell::Cell;
 use cover::Part;
 use functional::Motion;
 use interval::Interval;
-use lines::{CellLine, EdgeLine, MotionLine, PairLine};
+use lines::{CellLine, EdgeLine, Kind, MotionLine, PairLine};
 use path::Path;
 use plane::Plane;
+use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// How many intervals of t may be looked at for an edge, if the caller says nothing.
@@ -91,17 +92,17 @@ impl Replay {
     /// # Errors
     /// A line that is no line of a certificate, or that contradicts itself.
     pub fn line(&mut self, line: &str) -> Result<Replayed, String> {
-        let json: serde_json::Value = serde_json::from_str(line).map_err(|e| e.to_string())?;
-        if json.get("certificate").is_some() {
+        let kind: Kind = read(line)?;
+        if kind.certificate.is_some() {
             // The one before holds no longer, whatever this one is.
             self.cell = None;
-            let line: CellLine = serde_json::from_value(json).map_err(|e| e.to_string())?;
+            let line: CellLine = read(line)?;
             let robot = line.robot.clone();
             let cell = self.cell.insert(Cell::new(line)?);
             let (bodies, pairs) = (cell.bodies.len(), cell.required.len());
             return Ok(Replayed::Cell { robot, bodies, pairs });
         }
-        let line: EdgeLine = serde_json::from_value(json).map_err(|e| e.to_string())?;
+        let line: EdgeLine = read(line)?;
         let (edge, answer) = (line.edge, line.answer.clone());
         if answer != "free" {
             return Ok(Replayed::NotFree { edge, answer });
@@ -112,6 +113,11 @@ impl Replay {
             Err(why) => Replayed::Refused { edge, why },
         })
     }
+}
+
+/// A key that stands twice is refused.
+fn read<'a, T: Deserialize<'a>>(line: &'a str) -> Result<T, String> {
+    serde_json::from_str(line).map_err(|error| error.to_string())
 }
 
 /// The proof of an edge, or what is wrong with it.

@@ -18,7 +18,7 @@ use anyhow::{Result, ensure};
 use clap::Parser;
 use dcd_benches::{Header, Options, Print, Units, exit_code};
 
-use data::{Data, Geometry};
+use data::{Data, Geometry, Setting};
 
 /// The Panda on the problems of MotionBenchMaker: states as spheres, hulls and meshes beside Parry in f64, straight edges
 /// beside samples, grazing edges, clearances and certificates. Skips, and says so, where the data is absent.
@@ -27,7 +27,7 @@ use data::{Data, Geometry};
 struct Line {
     #[command(flatten)]
     options: Options,
-    /// Every so many problems [default: 1; 70 with --quick]
+    /// Every so many problems [default: 1; 10 with --quick]
     #[arg(long, value_name = "N")]
     every: Option<usize>,
     /// The links as these alone [default: spheres, hulls and meshes]
@@ -39,8 +39,9 @@ struct Line {
 
 /// How much is measured.
 struct Amount {
-    /// Passes over the problems.
+    /// Passes over the problems, and how many there are for one whose states are checked.
     rounds: usize,
+    per_states: usize,
     /// Checks of an edge.
     edge_rounds: usize,
     /// Edges at each gap.
@@ -49,8 +50,10 @@ struct Amount {
     clearance: [usize; 2],
 }
 
-const FULL: Amount = Amount { rounds: 5, edge_rounds: 5, grazing: 40, clearance: [100_000, 100] };
-const QUICK: Amount = Amount { rounds: 1, edge_rounds: 1, grazing: 2, clearance: [200, 2] };
+const FULL: Amount =
+    Amount { rounds: 5, per_states: 1, edge_rounds: 5, grazing: 40, clearance: [100_000, 100] };
+const QUICK: Amount =
+    Amount { rounds: 1, per_states: 7, edge_rounds: 1, grazing: 2, clearance: [200, 2] };
 
 fn main() -> ExitCode {
     exit_code(run(&Line::parse()))
@@ -58,7 +61,7 @@ fn main() -> ExitCode {
 
 fn run(line: &Line) -> Result<()> {
     let options = &line.options;
-    let every = line.every.unwrap_or(if options.quick { 70 } else { 1 });
+    let every = line.every.unwrap_or(if options.quick { 10 } else { 1 });
     let amount = if options.quick { QUICK } else { FULL };
     let data = match Data::load(every)? {
         Ok(data) => data,
@@ -86,8 +89,9 @@ fn run(line: &Line) -> Result<()> {
     let (mut states, mut edges) = (Vec::new(), Vec::new());
     for &geometry in &geometries {
         let settings = data.settings(geometry)?;
+        let some: Vec<&Setting> = settings.iter().step_by(amount.per_states).collect();
         for &threads in &threads {
-            let run = || states::run(geometry, &settings, (threads, amount.rounds));
+            let run = || states::run(geometry, &some, (threads, amount.rounds));
             states.push(units.run(&of_states(geometry, threads), run)?);
         }
         let run = || edges::run(geometry, &settings, amount.edge_rounds);

@@ -28,8 +28,9 @@ fn mean_and<const N: usize>(numbers: &[f64], parts: [usize; N]) -> (f64, [f64; N
     sorted.sort_by(f64::total_cmp);
     let mean = sorted.iter().sum::<f64>() / sorted.len() as f64;
     let at = |part: usize| {
-        let last = sorted.len().saturating_sub(1);
-        sorted.get(last * part / 100).copied().unwrap_or(f64::NAN)
+        // The least that so many of a hundred do not exceed.
+        let rank = (sorted.len() * part).div_ceil(100).max(1);
+        sorted.get(rank - 1).copied().unwrap_or(f64::NAN)
     };
     (mean, parts.map(at))
 }

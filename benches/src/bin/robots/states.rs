@@ -68,7 +68,7 @@ struct Counts {
 
 pub(crate) fn run(
     geometry: Geometry,
-    settings: &[Setting],
+    settings: &[&Setting],
     (threads, rounds): (usize, usize),
 ) -> Result<Outcome> {
     let par = if threads == 1 { Par::Serial } else { Par::WarmPool };
@@ -116,7 +116,7 @@ pub(crate) fn quantiles(numbers: impl Iterator<Item = f64>) -> [f64; 3] {
     [at(sorted.len() / 2), at(0), at(sorted.len().saturating_sub(1))]
 }
 
-fn round(settings: &[Setting], par: Par, held: &mut Option<StateChecker>) -> Result<Round> {
+fn round(settings: &[&Setting], par: Par, held: &mut Option<StateChecker>) -> Result<Round> {
     let mut round = Round::default();
     for setting in settings {
         let cell = setting.cell.clone();

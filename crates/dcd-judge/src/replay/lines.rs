@@ -1,9 +1,16 @@
 //! The lines of a certificate as they stand in the file. What is not known is refused.
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 /// The only version there is.
 pub(super) const FORMAT: &str = "dcd-edges-1";
+
+/// Which of the two a line is.
+#[derive(Debug, Deserialize)]
+pub(super) struct Kind {
+    pub(super) certificate: Option<IgnoredAny>,
+}
 
 /// A robot in its world.
 #[derive(Debug, Deserialize)]

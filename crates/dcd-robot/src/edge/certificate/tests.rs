@@ -289,6 +289,40 @@ fn what_is_forged_of_the_robot_the_world_or_the_path_is_refused() {
 }
 
 #[test]
+fn a_key_that_stands_twice_is_refused() {
+    let [cell, edge] = honest();
+    let twice = cell.to_string().replacen("\"allowed\":", "\"allowed\":[],\"allowed\":", 1);
+    assert!(replayed(&[twice, edge.to_string()]).unwrap_err().contains("duplicate"));
+    let twice = edge.to_string().replacen("\"answer\":", "\"answer\":\"hit\",\"answer\":", 1);
+    assert!(replayed(&[cell.to_string(), twice]).unwrap_err().contains("duplicate"));
+}
+
+#[test]
+fn planes_count_in_another_world_only_where_that_is_free_too() {
+    let mut draw = Draw::new();
+    let [mut accepted, mut hits] = [0; 2];
+    for _ in 0..12 {
+        let at = draw.vector() * 1.5;
+        let world = |radius: f64, at| {
+            checker(arm(3), vec![obstacle("ball", Shape::sphere(radius).unwrap(), at)])
+        };
+        let mut state = || -> Vec<f64> { (0..4).map(|_| draw.unit()).collect() };
+        let path = JointPath::Straight([state(), state()]);
+        let Some([_, edge]) = lines(&world(0.1, at), &path) else { continue };
+        for k in 0..30 {
+            let radius = 0.1 + 0.02 * f64::from(k);
+            let other = world(radius, at + draw.vector() * 0.05 * f64::from(k % 3));
+            let found = replayed(&[other.certificate_cell().unwrap(), edge.clone()]).unwrap();
+            let hit = matches!(other.check(&path, 100_000).unwrap().answer, EdgeAnswer::Hit { .. });
+            let is_accepted = matches!(found, Replayed::Accepted { .. });
+            assert!(!(is_accepted && hit), "{path:?} {at} {radius}");
+            (accepted, hits) = (accepted + u32::from(is_accepted), hits + u32::from(hit));
+        }
+    }
+    assert!(accepted > 20 && hits > 20, "{accepted} {hits}");
+}
+
+#[test]
 fn what_has_no_certificate_is_refused_with_its_name() {
     let ground = obstacle("ground", Shape::half_space(DVec3::Z, -3.0).unwrap(), DVec3::ZERO);
     let checker = checker(arm(2), vec![ground]);
