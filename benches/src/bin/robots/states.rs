@@ -116,6 +116,40 @@ pub(crate) fn quantiles(numbers: impl Iterator<Item = f64>) -> [f64; 3] {
     [at(sorted.len() / 2), at(0), at(sorted.len().saturating_sub(1))]
 }
 
+/// What is found of some states.
+#[derive(Clone, Debug, PartialEq)]
+struct Found {
+    /// By state and pair, undecided ones among them.
+    contacts: Vec<(u32, Pair)>,
+    undecided: usize,
+}
+
+/// First hits and all, so many states at once: their times, and what all are.
+fn checked(
+    (checker, states): (&StateChecker, &[Vec<f64>]),
+    batch: usize,
+    par: Par,
+) -> Result<([Duration; 2], Found)> {
+    let (first_time, first) = time(|| {
+        let found = states.chunks(batch).map(|states| checker.first(states, par));
+        found.collect::<Result<Vec<_>, _>>()
+    });
+    let (all_time, all) = time(|| {
+        let found = states.chunks(batch).map(|states| checker.all(states, par));
+        found.collect::<Result<Vec<_>, _>>()
+    });
+    let mut found = Found { contacts: Vec::new(), undecided: 0 };
+    for (start, hits) in (0..).step_by(batch).zip(&all?) {
+        found.undecided += hits.iter().filter(|hit| !hit.touches()).count();
+        found.contacts.extend(hits.iter().map(|hit| (start + hit.state, hit.pair)));
+    }
+    let mut touches = vec![false; states.len()];
+    found.contacts.iter().for_each(|(state, _)| touches[*state as usize] = true);
+    let hits = first?.into_iter().flatten().map(|hit| hit.is_some());
+    ensure!(hits.eq(touches), "first hits and all hits differ in batches of {batch}");
+    Ok(([first_time, all_time], found))
+}
+
 fn round(settings: &[&Setting], par: Par, held: &mut Option<StateChecker>) -> Result<Round> {
     let mut round = Round::default();
     for setting in settings {
@@ -131,46 +165,24 @@ fn round(settings: &[&Setting], par: Par, held: &mut Option<StateChecker>) -> Re
         let (kinematics, placed) = time(|| checker.place_links(&states));
         placed?;
         round.kinematics += kinematics;
-        let mut known: Option<(Vec<bool>, Vec<(u32, Pair)>, usize)> = None;
-        for (k, &batch) in BATCHES.iter().enumerate() {
+        let mut known: Option<Found> = None;
+        for (ours, &batch) in round.ours.iter_mut().zip(&BATCHES) {
             let states = if batch > STATES { &many } else { &states };
-            let (first_time, first) = time(|| {
-                let found = states.chunks(batch).map(|states| checker.first(states, par));
-                found.collect::<Result<Vec<_>, _>>()
-            });
-            let (all_time, all) = time(|| {
-                let found = states.chunks(batch).map(|states| checker.all(states, par));
-                found.collect::<Result<Vec<_>, _>>()
-            });
-            round.ours[k][0] += first_time;
-            round.ours[k][1] += all_time;
-            let hits: Vec<bool> = first?.iter().flatten().map(Option::is_some).collect();
-            let mut contacts = Vec::new();
-            let mut undecided = 0;
-            for (start, found) in (0..).step_by(batch).zip(&all?) {
-                for hit in found {
-                    undecided += usize::from(!hit.touches());
-                    contacts.push((start + hit.state, hit.pair));
-                }
-            }
-            let mut touches = vec![false; states.len()];
-            contacts.iter().for_each(|(state, _)| touches[*state as usize] = true);
-            ensure!(hits == touches, "first hits and all hits differ in batches of {batch}");
+            let (times, found) = checked((&checker, states), batch, par)?;
+            ours.iter_mut().zip(times).for_each(|(sum, time)| *sum += time);
             if batch <= STATES {
-                let found = (hits, contacts, undecided);
-                ensure!(*known.get_or_insert(found.clone()) == found, "batches of {batch} differ");
+                ensure!(known.get_or_insert(found.clone()) == &found, "batches of {batch} differ");
             }
         }
-        let (_, contacts, undecided) = known.context("no batch")?;
+        let Found { mut contacts, undecided } = known.context("no batch")?;
         round.counts.contacts += contacts.len() - undecided;
         round.counts.undecided += undecided;
         let theirs = parry(setting, &states, &mut round)?;
-        let mut ours = contacts;
-        ours.sort_unstable();
+        contacts.sort_unstable();
         let only = |a: &[(u32, Pair)], b: &[(u32, Pair)]| {
             a.iter().filter(|hit| b.binary_search(hit).is_err()).count()
         };
-        round.counts.differences += only(&ours, &theirs) + only(&theirs, &ours);
+        round.counts.differences += only(&contacts, &theirs) + only(&theirs, &contacts);
         *held = Some(checker);
     }
     Ok(round)

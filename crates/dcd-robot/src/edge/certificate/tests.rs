@@ -231,6 +231,9 @@ fn a_plane_that_is_turned_over_moved_or_stretched_in_time_is_refused() {
     }
 }
 
+/// Of both lines.
+type Change = &'static dyn Fn(&mut [Value; 2]);
+
 #[test]
 fn what_is_forged_of_the_robot_the_world_or_the_path_is_refused() {
     let honest = honest();
@@ -239,7 +242,7 @@ fn what_is_forged_of_the_robot_the_world_or_the_path_is_refused() {
         change(&mut forged);
         forged
     };
-    let cases: [(&str, &dyn Fn(&mut [Value; 2])); 16] = [
+    let cases: [(&str, Change); 16] = [
         ("a ball that the arm meets", &|lines| {
             for body in lines[0]["bodies"].as_array_mut().unwrap() {
                 if body["name"] == "ball" {
