@@ -51,13 +51,13 @@ impl ParryRobot {
         touching.clear();
         boxes.clear();
         boxes.extend(links.iter().zip(poses).map(|(form, pose)| form.compute_aabb(pose)));
-        let mut untold = 0;
+        let mut unanswered = 0;
         let mut query =
             |pair: Pair, a: (&SharedShape, &ParryPose), b: (&SharedShape, &ParryPose)| {
                 match <f64 as Library>::touching(Query::IntersectionTest, a, b) {
                     Some(true) => touching.push(pair),
                     Some(false) => {}
-                    None => untold += 1,
+                    None => unanswered += 1,
                 }
                 until == Until::First && !touching.is_empty()
             };
@@ -66,7 +66,7 @@ impl ParryRobot {
             if boxes[i].intersects(&boxes[j])
                 && query(pair, (&links[i], &poses[i]), (&links[j], &poses[j]))
             {
-                return untold;
+                return unanswered;
             }
         }
         for (i, aabb) in boxes.iter().enumerate() {
@@ -76,12 +76,12 @@ impl ParryRobot {
                     let pair = Pair { i: i as u32, j: links.len() as u32 + leaf };
                     let (form, pose) = &obstacles[k];
                     if query(pair, (&links[i], &poses[i]), (form, pose)) {
-                        return untold;
+                        return unanswered;
                     }
                 }
             }
         }
-        untold
+        unanswered
     }
 }
 

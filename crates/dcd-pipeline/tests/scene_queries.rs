@@ -146,7 +146,7 @@ fn batches_are_the_same_bytes_at_any_number_of_threads() {
     let rays = rays(&scene, 333);
     let points: Vec<DVec3> = rays.iter().map(|ray| ray.at(0.3)).collect();
     let filter = QueryFilter::ALL;
-    let ball = Shape::sphere(0.1).unwrap();
+    let sphere = Shape::sphere(0.1).unwrap();
     let motions: Vec<RigidMotion> = rays
         .iter()
         .take(40)
@@ -157,7 +157,7 @@ fn batches_are_the_same_bytes_at_any_number_of_threads() {
         })
         .collect();
     let moving: Vec<_> =
-        motions.iter().map(|motion| MovingShape { shape: &ball, motion }).collect();
+        motions.iter().map(|motion| MovingShape { shape: &sphere, motion }).collect();
     let run = |par: Par| {
         let (mut hits, mut nearest, mut impacts) = (Vec::new(), Vec::new(), Vec::new());
         let (mut all, mut found) = (Segments::default(), Segments::default());
@@ -251,11 +251,11 @@ fn the_nearest_object_is_that_of_every_object_alone() {
         for round in 0..100 {
             let point = random.vector() * size * [0.5, 2.0, 1e3][round % 3];
             let filter = &filters()[round % 4];
-            let ball = Shape::sphere(0.0).unwrap();
+            let sphere = Shape::sphere(0.0).unwrap();
             let at = Pose::from_translation(point).unwrap();
             let alone = (0..scene.len()).filter(|&i| sees(&scene, filter, i)).map(|i| {
                 let found = distance::distance(
-                    PosedShape { shape: &ball, pose: &at },
+                    PosedShape { shape: &sphere, pose: &at },
                     PosedShape::of(&scene, i as u32),
                 );
                 match found.0 {
@@ -340,7 +340,7 @@ fn shape_casts_stop_where_the_first_object_does() {
     assert!(hits > 5 && frees > 5, "{hits} {frees}");
 }
 
-/// Small fast balls and thin plates that turn.
+/// Small fast spheres and thin plates that turn.
 fn moving_scene() -> (Scene, Vec<Velocity>) {
     let mut random = Random(71);
     let shapes = vec![

@@ -354,7 +354,7 @@ impl Checked {
         let _ = writeln!(
             text,
             "{problems} problems, {states} states: {contacts} contacts, {undecided} undecided; \
-             Parry f64: {} contacts, {} untold, {} differences",
+             Parry f64: {} contacts, {} unanswered, {} differences",
             self.parry_contacts,
             self.parry_undecided,
             self.differences.len()

@@ -125,7 +125,7 @@ pub(super) struct Support {
 
 const LANES: usize = 8;
 
-/// What a product of three coordinates loses, relative: 3u, with room.
+/// What a product of three coordinates loses, relative: 3u, with a margin.
 const DOT: f64 = 1e-15;
 
 impl Support {

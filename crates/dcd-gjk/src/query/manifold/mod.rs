@@ -114,7 +114,7 @@ impl PairSolver for Manifolds {
         b: PosedShape<'_>,
         scratch: &mut Scratch,
     ) -> Verdict<Manifold> {
-        self.settle(a, b, scratch).0
+        self.resolve(a, b, scratch).0
     }
 
     fn measure(
@@ -126,15 +126,15 @@ impl PairSolver for Manifolds {
         self.measure_at(Accuracy::Certified, a, b, scratch)
     }
 
-    fn settle(
+    fn resolve(
         &self,
         a: PosedShape<'_>,
         b: PosedShape<'_>,
         scratch: &mut Scratch,
     ) -> (Verdict<Manifold>, Method) {
-        let (verdict, method) = Depths.settle(a, b, &mut scratch.depth);
+        let (verdict, method) = Depths.resolve(a, b, &mut scratch.depth);
         let verdict = match verdict {
-            Verdict::Touching(_) if mesh::are_asked(a.shape, b.shape) => {
+            Verdict::Touching(_) if mesh::have_parts(a.shape, b.shape) => {
                 self.measure(a, b, scratch)
             }
             verdict => told(verdict, a, b, &mut scratch.corners),
@@ -151,7 +151,7 @@ impl MeasureAt for Manifolds {
         b: PosedShape<'_>,
         scratch: &mut Scratch,
     ) -> Verdict<Manifold> {
-        if mesh::are_asked(a.shape, b.shape) {
+        if mesh::have_parts(a.shape, b.shape) {
             return parts::measure(accuracy, a, b, scratch);
         }
         let depth = depths::of_touching(accuracy, a, b, &mut scratch.depth);

@@ -6,17 +6,17 @@ use dcd_geom::glam::DQuat;
 use dcd_geom::{Pose, Shape};
 
 /// The generator of Numerical Recipes.
-struct Random(u32);
+pub(in crate::query) struct Random(pub(in crate::query) u32);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    pub(in crate::query) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         f64::from(self.0 >> 8) / f64::from(1 << 23) - 1.0
     }
-    fn vector(&mut self) -> DVec3 {
+    pub(in crate::query) fn vector(&mut self) -> DVec3 {
         DVec3::new(self.next(), self.next(), self.next())
     }
-    fn pose(&mut self, at: DVec3) -> Pose {
+    pub(in crate::query) fn pose(&mut self, at: DVec3) -> Pose {
         let q = DQuat::from_xyzw(self.next(), self.next(), self.next(), self.next() + 1.1);
         Pose::new(q.normalize(), at).unwrap()
     }
@@ -56,7 +56,7 @@ fn ball_mesh(scale: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (vertices.into_iter().map(|v| v * scale).collect(), triangles)
 }
 
-fn shapes(random: &mut Random, s: f64) -> Vec<(&'static str, Shape)> {
+pub(in crate::query) fn shapes(random: &mut Random, s: f64) -> Vec<(&'static str, Shape)> {
     let (vertices, triangles) = ball_mesh(s);
     let cuboid = || Shape::cuboid(DVec3::new(0.5, 0.8, 0.2) * s).unwrap();
     let parts = vec![
