@@ -3,7 +3,7 @@
 use dcd_geom::glam::DVec3;
 use dcd_gjk::epa::Depth;
 use dcd_gjk::query::{Feature, ManifoldPoint, PartIndex, Smoothness, Twist};
-use dcd_gjk::{Distance, Manifold, Proximity};
+use dcd_gjk::{Distance, Manifold, ManifoldSet, Proximity};
 use dcd_pipeline::Answer;
 use serde::Serialize;
 
@@ -94,7 +94,7 @@ impl Report for Answer {
         match self {
             Self::Distance(distance) => distance.report(),
             Self::Depth(depth) => depth.report(),
-            Self::Manifold(manifold) => manifold.report(),
+            Self::Manifold(manifolds) => manifolds.report(),
             Self::Gradient(proximity) => proximity.report(),
             _ => Reported::default(),
         }
@@ -104,7 +104,7 @@ impl Report for Answer {
         match self {
             Self::Distance(distance) => distance.error_bound(),
             Self::Depth(depth) => depth.error_bound(),
-            Self::Manifold(manifold) => manifold.error_bound(),
+            Self::Manifold(manifolds) => Report::error_bound(manifolds),
             Self::Gradient(proximity) => proximity.error_bound(),
             _ => None,
         }
@@ -139,31 +139,37 @@ impl Report for Depth {
     }
 }
 
-impl Report for Manifold {
-    fn report(&self) -> Reported {
-        let part = |k: usize| match self.parts[k] {
+impl From<&Manifold> for Patch {
+    fn from(manifold: &Manifold) -> Self {
+        let part = |k: usize| match manifold.parts[k] {
             Some(PartIndex::Part(part)) => Some(part),
             _ => None,
         };
-        let triangle = |k: usize| match self.parts[k] {
+        let triangle = |k: usize| match manifold.parts[k] {
             Some(PartIndex::Triangle(triangle)) => Some(triangle),
             _ => None,
         };
-        let patch = Patch {
-            normal: self.normal.to_array(),
-            depth: self.points().first().map_or(0.0, |deepest| deepest.depth),
-            points: points(self),
-            error_bound: self.error_bound,
+        Self {
+            normal: manifold.normal.to_array(),
+            depth: manifold.points().first().map_or(0.0, |deepest| deepest.depth),
+            points: points(manifold),
+            error_bound: manifold.error_bound,
             part_a: part(0),
             part_b: part(1),
             triangle_a: triangle(0),
             triangle_b: triangle(1),
-        };
-        Reported { manifolds: Some(vec![patch]), ..Reported::default() }
+        }
+    }
+}
+
+impl Report for ManifoldSet {
+    fn report(&self) -> Reported {
+        let manifolds = Some(self.iter().map(Patch::from).collect());
+        Reported { manifolds, ..Reported::default() }
     }
 
     fn error_bound(&self) -> Option<f64> {
-        Some(self.error_bound)
+        Some(ManifoldSet::error_bound(self))
     }
 }
 

@@ -39,8 +39,8 @@ pub use narrow_phase::{
 };
 pub use pairwise::{Empty, PairSolver, Pairwise, PosedShape};
 pub use query::{
-    Accuracy, Depths, Distances, Manifold, Manifolds, Proximities, Proximity, ThenMeasure,
-    WithAccuracy, Within,
+    Accuracy, Depths, Distances, Manifold, ManifoldSet, Manifolds, Proximities, Proximity,
+    ThenMeasure, WithAccuracy, Within,
 };
 pub use simd::{Coherent, Overlap, OverlapUnchecked, SimdDepths, SimdDistances};
 pub use solvers::{Certified, Gjk};

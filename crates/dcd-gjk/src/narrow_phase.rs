@@ -244,7 +244,7 @@ pub enum Sides {
 /// see: `layout` brings it to every object, or `keeps` returns `false`.
 pub trait NarrowPhase: Send + Sync {
     /// The answer about a touching pair.
-    type Answer: Copy + Default + Send + Sync + 'static;
+    type Answer: Clone + Default + Send + Sync + 'static;
     /// What is prepared once a step for all objects; kept by the pipeline and reused.
     type Frame: Default + Send + Sync;
     /// A frame's part for a range of the objects.

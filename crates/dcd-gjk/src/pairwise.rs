@@ -7,7 +7,7 @@ use dcd_geom::{Aabb, Pair, Pose, Scene, Shape, Splittable};
 /// Judges two placed shapes. The simplest way to bring one's own GJK: wrap it in [`Pairwise`].
 pub trait PairSolver: Send + Sync {
     /// The answer about a touching pair.
-    type Answer: Copy + Default + Send + Sync + 'static;
+    type Answer: Clone + Default + Send + Sync + 'static;
     /// Memory that a thread reuses from pair to pair; `()` for a solver that needs none.
     type Scratch: Default + Send;
 

@@ -66,7 +66,7 @@ impl Case {
         let [a, b] = self.posed(shapes);
         let [ab, ba] = [(a, b), (b, a)].map(|(a, b)| {
             match Manifolds.measure_at(Accuracy::F64, a, b, &mut Default::default()) {
-                Verdict::Touching(manifold) => manifold,
+                Verdict::Touching(manifolds) => manifolds[0],
                 other => panic!("{other:?}"),
             }
         });

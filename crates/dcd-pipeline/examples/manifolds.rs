@@ -22,12 +22,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let step = pipeline.step(&scene, Par::Pool);
     for contact in step.answers() {
         let Pair { i, j } = contact.pair;
-        let Manifold { normal, error_bound, .. } = contact.answer;
-        println!("{i} and {j} along {normal}, to within {error_bound:.0e} m:");
-        for point in contact.answer.points() {
-            println!("  {:.4} m deep at {:.3}", point.depth, point.point_a);
+        // One manifold: shapes of parts may have more.
+        for manifold in &contact.answer {
+            let Manifold { normal, error_bound, .. } = manifold;
+            println!("{i} and {j} along {normal}, to within {error_bound:.0e} m:");
+            for point in manifold.points() {
+                println!("  {:.4} m deep at {:.3}", point.depth, point.point_a);
+            }
+            assert_eq!(manifold.points().len(), 4);
         }
-        assert_eq!(contact.answer.points().len(), 4);
     }
     assert_eq!(step.contact_count(), 3);
     Ok(())

@@ -7,7 +7,7 @@ use dcd_exec::Exec;
 use dcd_geom::{Pair, Scene, ShapeError};
 use dcd_gjk::epa::Depth;
 use dcd_gjk::{
-    Accuracy, Contact, Depths, Distance, Distances, Gjk, Manifold, Manifolds, Overlap,
+    Accuracy, Contact, Depths, Distance, Distances, Gjk, ManifoldSet, Manifolds, Overlap,
     OverlapUnchecked, Pairwise, Proximities, Proximity, Report, SimdDepths, SimdDistances,
     ThenMeasure, WithAccuracy, Within,
 };
@@ -69,7 +69,8 @@ impl Default for Question {
 }
 
 /// What a step reports of a touching pair.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a step's answers are all of one variant")]
 #[non_exhaustive]
 pub enum Answer {
     /// That it touches.
@@ -79,7 +80,7 @@ pub enum Answer {
     /// How deep it overlaps.
     Depth(Depth),
     /// Where it touches.
-    Manifold(Manifold),
+    Manifold(ManifoldSet),
     /// Signed distance and derivatives.
     Gradient(Proximity),
 }
@@ -214,7 +215,7 @@ pub enum AnyStep<'p> {
     /// Depths.
     Depth(Step<'p, Depth>),
     /// Manifolds.
-    Manifold(Step<'p, Manifold>),
+    Manifold(Step<'p, ManifoldSet>),
     /// Signed distances and derivatives.
     Gradient(Step<'p, Proximity>),
 }
@@ -248,7 +249,7 @@ impl<'p> AnyStep<'p> {
 
     /// [`Step::answers`].
     pub fn answers(&self) -> List<'p, (Pair, Answer)> {
-        fn list<'p, A: Copy + Send>(
+        fn list<'p, A: Clone + Send>(
             step: &Step<'p, A>,
             answer: fn(A) -> Answer,
         ) -> List<'p, (Pair, Answer)> {

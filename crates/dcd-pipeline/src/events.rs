@@ -62,7 +62,7 @@ const OBJECTS_PER_TASK: usize = 256;
 impl Events {
     /// Takes in what a step found in that scene, and replaces the list. The first step's pairs all
     /// begin.
-    pub fn follow<'e, A: Copy + Send + Sync>(
+    pub fn follow<'e, A: Clone + Send + Sync>(
         &mut self,
         scene: &Scene,
         step: &Step<'_, A>,
@@ -73,7 +73,7 @@ impl Events {
 
     /// The same of the pairs with a sensor ([`Step::sensor_pairs`]): what entered it, stayed and left. To be
     /// followed beside contacts, in a list of its own.
-    pub fn follow_sensors<'e, A: Copy + Send + Sync>(
+    pub fn follow_sensors<'e, A: Clone + Send + Sync>(
         &mut self,
         scene: &Scene,
         step: &Step<'_, A>,

@@ -312,16 +312,16 @@ pub struct Step<'p, A: Send> {
     report: &'p Report,
 }
 
-impl<'p, A: Copy + Send> Step<'p, A> {
+impl<'p, A: Clone + Send> Step<'p, A> {
     /// The touching pairs (i, j), i < j, in an order that depends on the scene alone; pairs with a sensor are
     /// not among them.
     pub fn contacts(&self) -> impl Iterator<Item = (u32, u32)> + use<'p, A> {
-        self.answers().map(|contact| contact.pair.into())
+        self.contacts.iter().flatten().map(|contact| contact.pair.into())
     }
 
     /// The touching pairs with their answers, in the same order.
     pub fn answers(&self) -> impl Iterator<Item = Contact<A>> + use<'p, A> {
-        self.contacts.iter().flatten().copied()
+        self.contacts.iter().flatten().cloned()
     }
 
     /// The touching pairs (i, j), i < j, of which at least one is a sensor ([`dcd_geom::Object::sensor`]), in a

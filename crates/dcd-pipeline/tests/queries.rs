@@ -3,7 +3,8 @@
 
 use dcd_broad::WideTree;
 use dcd_exec::with_threads;
-use dcd_geom::Scene;
+use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::{Object, Pose, Scene, Shape};
 use dcd_gjk::{
     Contact, Depths, Distances, Manifolds, NarrowPhase, PairSolver, Proximities, ThenMeasure,
     Within,
@@ -27,13 +28,41 @@ fn are_the_same_at_any_number_of_threads<S>(solver: S)
 where
     S: PairSolver<Answer: PartialEq + std::fmt::Debug> + Copy + Send + 'static,
 {
-    let scene = scene();
-    let run = |par| answers(ThenMeasure::new(solver).unwrap(), &scene, par);
-    let serial = run(Par::Serial);
-    assert!(serial.len() > 100, "{}", serial.len());
-    for threads in [1, 2, 5] {
-        assert_eq!(with_threads(threads, || run(Par::Pool)).unwrap(), serial);
+    for scene in [scene(), on_waves()] {
+        let run = |par| answers(ThenMeasure::new(solver).unwrap(), &scene, par);
+        let serial = run(Par::Serial);
+        assert!(serial.len() > 100, "{}", serial.len());
+        for threads in [1, 2, 5] {
+            assert_eq!(with_threads(threads, || run(Par::Pool)).unwrap(), serial);
+        }
     }
+}
+
+/// Spheres, boxes and compounds that are pressed into a mesh of waves.
+fn on_waves() -> Scene {
+    let (line, side) = (41, 14);
+    let place = |k: u32| f64::from(k) * 0.35;
+    let vertex = |i: u32, j: u32| {
+        DVec3::new(place(i), place(j), 0.2 * (place(i) * 2.0).sin() * place(j).cos())
+    };
+    let vertices = (0..line).flat_map(|i| (0..line).map(move |j| vertex(i, j))).collect();
+    let square = |i: u32, j: u32| {
+        let [a, b] = [i * line + j, (i + 1) * line + j];
+        [[a, b, b + 1], [a, b + 1, a + 1]]
+    };
+    let square = |i| (0..line - 1).flat_map(move |j| square(i, j));
+    let mesh = Shape::mesh(vertices, (0..line - 1).flat_map(square).collect()).unwrap();
+    let cuboid = Shape::cuboid(DVec3::new(0.4, 0.3, 0.2)).unwrap();
+    let at = |x: f64| Pose::from_translation(DVec3::X * x).unwrap();
+    let pair = Shape::compound(vec![(cuboid.clone(), at(-0.2)), (cuboid.clone(), at(0.3))]);
+    let shapes = vec![mesh, cuboid, Shape::sphere(0.4).unwrap(), pair.unwrap()];
+    let body = |k: u32| {
+        let turn = DQuat::from_scaled_axis(DVec3::new(0.3, 0.1, 0.7) * f64::from(k % 5));
+        let [x, y] = [k % side, k / side].map(|c| f64::from(c) + 0.4);
+        Object::new(1 + k % 3, Pose::new(turn, DVec3::new(x, y, 0.15)).unwrap())
+    };
+    let ground = Object::new(0, Pose::IDENTITY);
+    Scene::new(shapes, std::iter::once(ground).chain((0..side * side).map(body))).unwrap()
 }
 
 #[test]

@@ -52,10 +52,12 @@ impl Solvers {
     ) {
         let found = Manifolds.measure_at(accuracy.into(), a, b, &mut self.manifold);
         let Verdict::Touching(found) = found else { return };
+        // Two convex sets have one.
+        let Some(found) = found.first() else { return };
         let Some(deepest) = found.points().first() else { return };
         answer.depth = Some(deepest.depth);
         answer.way = Some(Way::new(found.normal, deepest.point_a, deepest.point_b));
-        answer.points = Some(points(&found));
+        answer.points = Some(points(found));
         answer.error_bound = Some(found.error_bound);
     }
 

@@ -1,11 +1,13 @@
 //! Triangles over shared vertices.
 
+use super::adjacency::Adjacency;
 use super::tree::PartTree;
 use crate::error::check_length;
 use crate::sphere::reach;
 use crate::{Aabb, ShapeError};
 use dcd_simd::{Block, WIDTH};
 use glam::DVec3;
+use std::sync::OnceLock;
 
 /// The triangles of one leaf as the lanes want them: relative to a point of their own, in f32.
 #[derive(Clone, Debug)]
@@ -47,6 +49,7 @@ pub struct Mesh {
     leaves: Vec<Triangles>,
     reach: f64,
     radius: f64,
+    adjacency: OnceLock<Adjacency>,
 }
 
 impl Mesh {
@@ -78,7 +81,18 @@ impl Mesh {
             .collect();
         let points = distinct(triangles.iter().flat_map(corners).collect());
         let (all_corners, reach) = (Corners::of(&points), reach(points.iter().copied()));
-        Ok(Self { vertices, triangles, points, all_corners, tree, leaves, reach, radius: 0.0 })
+        let (radius, adjacency) = (0.0, OnceLock::new());
+        Ok(Self {
+            vertices,
+            triangles,
+            points,
+            all_corners,
+            tree,
+            leaves,
+            reach,
+            radius,
+            adjacency,
+        })
     }
 
     /// The same triangles with a sphere of this radius swept round each, metres; replaces any other
@@ -132,6 +146,11 @@ impl Mesh {
     /// The triangles of each leaf of the tree, lane by lane.
     pub fn leaves(&self) -> &[Triangles] {
         &self.leaves
+    }
+
+    /// Which triangles share edges and vertices: found at the first call, for all threads.
+    pub fn adjacency(&self) -> &Adjacency {
+        self.adjacency.get_or_init(|| Adjacency::of(self))
     }
 
     /// The largest distance of a corner from the origin of the mesh's frame, rounded up; the swept

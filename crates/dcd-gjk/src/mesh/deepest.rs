@@ -7,8 +7,7 @@ use crate::epa::Depth;
 use crate::{PosedShape, Reason, Verdict};
 use dcd_geom::Shape;
 use dcd_geom::glam::DVec3;
-use std::borrow::Cow;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 
 /// Which part of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -24,12 +23,18 @@ pub(crate) struct PartPair<'s> {
     /// `None` for a convex shape, which is its own only part.
     pub(crate) parts: [Option<PartIndex>; 2],
     sides: [Part<'s>; 2],
-    /// A triangle becomes a shape when it is first asked for: most pairs need none.
-    shapes: [OnceCell<Option<Cow<'s, Shape>>>; 2],
+    /// Of a triangle, which becomes a shape when it is first asked for: most pairs need none.
+    shapes: [OnceCell<Option<Box<Shape>>>; 2],
+    /// The two in the order that is one for (a, b) and (b, a); `None` where their reach is not known.
+    couple: Option<Couple<'s>>,
+    /// Whether b is the first of these.
+    swapped: bool,
     /// At least how deep they overlap, metres; the same for (a, b) and (b, a).
     at_most: f64,
     /// What was measured of them.
     depth: OnceCell<Verdict<Depth>>,
+    /// Whether no formula finds it.
+    has_no_formula: Cell<bool>,
 }
 
 /// Whether (a, b) is the other way round than the pair is solved in.
@@ -38,12 +43,16 @@ pub(crate) fn is_swapped(a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
 }
 
 /// All pairs of parts that are known to touch, in one order for (a, b) and (b, a).
-pub(crate) fn touching_parts<'s>(a: PosedShape<'s>, b: PosedShape<'s>) -> Vec<PartPair<'s>> {
+pub(crate) fn touching_parts<'s>(
+    a: PosedShape<'s>,
+    b: PosedShape<'s>,
+    scratch: &mut Scratch,
+) -> Vec<PartPair<'s>> {
     let (_, swapped) = in_order(a, b);
     let (first, second) = if swapped { (b, a) } else { (a, b) };
     let mut pairs = Vec::new();
     // What is undecided is not in the list, and counts as apart.
-    let _ = touching(first, second, &mut Scratch::default(), &mut pairs);
+    let _ = touching(first, second, scratch, &mut pairs);
     let sides = [Side::of(a), Side::of(b)];
     let of = |mut parts: [u32; 2]| {
         if swapped {
@@ -51,17 +60,19 @@ pub(crate) fn touching_parts<'s>(a: PosedShape<'s>, b: PosedShape<'s>) -> Vec<Pa
         }
         let [side_a, side_b] = &sides;
         let [part_a, part_b] = [side_a.part(parts[0]), side_b.part(parts[1])];
-        let couple = if swapped {
-            Couple::of([part_b, part_a], [b.pose, a.pose])
-        } else {
-            Couple::of([part_a, part_b], [a.pose, b.pose])
+        let couple = match swapped {
+            true => Couple::of([part_b, part_a], [b.pose, a.pose]),
+            false => Couple::of([part_a, part_b], [a.pose, b.pose]),
         };
         PartPair {
             parts: [index(side_a, parts[0]), index(side_b, parts[1])],
             sides: [part_a, part_b],
             shapes: Default::default(),
-            at_most: couple.map_or(f64::INFINITY, |couple| couple.most()),
+            swapped,
+            at_most: couple.as_ref().map_or(f64::INFINITY, Couple::most),
+            couple,
             depth: OnceCell::new(),
+            has_no_formula: Cell::new(false),
         }
     };
     pairs.into_iter().map(of).collect()
@@ -82,25 +93,47 @@ impl PartPair<'_> {
         a: PosedShape<'p>,
         b: PosedShape<'p>,
     ) -> Option<[PosedShape<'p>; 2]> {
-        let shape = |k: usize| {
-            let made = self.shapes[k].get_or_init(|| pair::to_shape(self.sides[k]));
-            made.as_deref()
+        let shape = |k: usize| match self.sides[k] {
+            Part::Shape(shape) => Some(shape),
+            triangle => {
+                let make = || pair::to_shape(triangle).map(|made| Box::new(made.into_owned()));
+                self.shapes[k].get_or_init(make).as_deref()
+            }
         };
         let (in_a, in_b) = (shape(0)?, shape(1)?);
         Some([PosedShape { shape: in_a, pose: a.pose }, PosedShape { shape: in_b, pose: b.pose }])
     }
 
-    /// Its depth, which is measured at the first call.
+    /// Its depth, if it is known or `measure` finds it with that effort.
     pub(crate) fn depth_by(
+        &self,
+        effort: Effort,
+        measure: impl FnOnce() -> Option<Verdict<Depth>>,
+    ) -> Option<Verdict<Depth>> {
+        if let Some(known) = self.depth.get() {
+            return Some(*known);
+        }
+        if effort == Effort::Formula && self.has_no_formula.get() {
+            return None;
+        }
+        let found = measure();
+        self.has_no_formula.set(found.is_none());
+        found.map(|found| *self.depth.get_or_init(|| found))
+    }
+
+    /// What a solver of two convex shapes says of it.
+    pub(crate) fn measured_by(
         &self,
         [a, b]: [PosedShape<'_>; 2],
         measure: impl FnOnce([PosedShape<'_>; 2]) -> Verdict<Depth>,
     ) -> Verdict<Depth> {
-        let measured = || {
-            // Checked corners are finite, and a hull of three is never refused.
-            self.posed(a, b).map_or(Verdict::Undecided(Reason::Range), measure)
-        };
-        *self.depth.get_or_init(measured)
+        // Checked corners are finite, and a hull of three is never refused.
+        self.posed(a, b).map_or(Verdict::Undecided(Reason::Range), measure)
+    }
+
+    /// Nothing is known of its depth any more.
+    pub(crate) fn forget_bound(&mut self) {
+        self.at_most = f64::INFINITY;
     }
 
     /// Whether one of the two is a sphere, which has no face and no edge, and the other is bounded.
@@ -112,24 +145,92 @@ impl PartPair<'_> {
         self.sides.iter().any(Part::is_sphere) && self.sides.iter().all(is_bounded)
     }
 
-    /// Whether its depth may be along a direction that is within `angle`, radians, of a normal from a to b.
+    /// A normal from a to b as one from the first to the second.
+    fn in_order(&self, normal: DVec3) -> DVec3 {
+        if self.swapped { -normal } else { normal }
+    }
+
+    /// Its depth where a part is pressed into the face of a triangle, with a bound of at most `relative` of it or
+    /// `of_size` of the pair's size.
+    pub(crate) fn pressed(&self, [relative, of_size]: [f64; 2]) -> Option<Depth> {
+        let couple = self.couple.as_ref()?;
+        let found = couple.pressed()?;
+        let most = (relative * found.depth).max(of_size * couple.size());
+        let found = if self.swapped { found.mirrored() } else { found };
+        (found.error_bound <= most).then_some(found)
+    }
+
+    /// What is proved of the pair along a normal from a to b.
+    pub(crate) fn along(&self, normal: DVec3) -> Along {
+        let reach = self.couple.as_ref().map(|couple| Reach {
+            least: couple.least_along(self.in_order(normal)),
+            diameters: couple.diameters(),
+        });
+        Along { reach, at_most: self.at_most }
+    }
+
+    /// At least how deep they overlap, as known from a normal from a to b: metres.
+    fn most_along(&self, normal: DVec3) -> f64 {
+        self.couple
+            .as_ref()
+            .map_or(f64::INFINITY, |couple| couple.most_along(self.in_order(normal)))
+    }
+}
+
+/// How two parts that touch lie along a normal.
+pub(crate) struct Along {
+    /// `None` where it is not known.
+    reach: Option<Reach>,
+    /// At least their depth.
+    at_most: f64,
+}
+
+/// How far two parts reach past each other along a normal, metres.
+struct Reach {
+    /// Moved apart by less along the normal they touch.
+    least: f64,
+    /// At least the sum of the two diameters.
+    diameters: f64,
+}
+
+impl Along {
+    /// By how much more than a depth the two must be moved along the normal to come apart, up to rounding, if that is
+    /// at most a part `near` of the diameters.
+    pub(crate) fn rest(&self, depth: f64, near: f64) -> Option<f64> {
+        let Reach { least, diameters } = self.reach.as_ref()?;
+        let rest = least - depth;
+        (rest <= near * diameters).then(|| rest.max(0.0))
+    }
+
+    /// Whether their depth may be along a direction that is within `angle`, radians, of the normal.
     ///
     /// Along two such directions the reach differs by at most the angle's share of the two diameters, since the
     /// parts have a point in common.
-    pub(crate) fn may_meet_along(
-        &self,
-        normal: DVec3,
-        angle: f64,
-        [a, b]: [PosedShape<'_>; 2],
-    ) -> bool {
-        let Some(couple) = Couple::of(self.sides, [a.pose, b.pose]) else { return true };
-        couple.least_along(normal) <= self.at_most + angle * couple.diameters()
+    pub(crate) fn may_be_within(&self, angle: f64) -> bool {
+        let may_be = |reach: &Reach| reach.least <= self.at_most + angle * reach.diameters;
+        self.reach.as_ref().is_none_or(may_be)
     }
 }
 
 /// How much deeper than the deepest a pair of parts may be that is not measured, relative to its depth. Larger:
 /// a wider bound. Smaller: triangles in one plane, equally deep but for rounding, are all measured.
 const AS_DEEP: f64 = 1e-11;
+
+/// Pairs by how deep they may be, the deepest first; the first of equals stays the first.
+pub(crate) fn by_depth(pairs: &[PartPair<'_>]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..pairs.len()).collect();
+    order.sort_by(|&j, &k| pairs[k].at_most.total_cmp(&pairs[j].at_most));
+    order
+}
+
+/// How a depth is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Effort {
+    /// By a formula, if there is one.
+    Formula,
+    /// By whatever it takes.
+    Whole,
+}
 
 /// The greatest of the depths of all touching pairs of parts, each as `depth` says, and the pair's index; the
 /// default where no pair is known to touch. Pairs that are surely no deeper are not asked.
@@ -141,27 +242,45 @@ const AS_DEEP: f64 = 1e-11;
 /// Why a pair could not be measured.
 pub(crate) fn deepest(
     pairs: &[PartPair<'_>],
-    mut depth: impl FnMut(&PartPair<'_>) -> Verdict<Depth>,
+    depth: impl FnMut(&PartPair<'_>, Effort) -> Option<Verdict<Depth>>,
 ) -> Result<(usize, Depth), Reason> {
-    let mut order: Vec<usize> = (0..pairs.len()).collect();
-    // The first of equals stays the first.
-    order.sort_by(|&j, &k| pairs[k].at_most.total_cmp(&pairs[j].at_most));
+    Ok(deepest_of(pairs, by_depth(pairs), depth)?.unwrap_or_default())
+}
+
+/// The same of some pairs, in the order of [`by_depth`]; `None` where none of them is known to touch.
+///
+/// # Errors
+/// Why a pair could not be measured.
+pub(crate) fn deepest_of(
+    pairs: &[PartPair<'_>],
+    order: impl IntoIterator<Item = usize, IntoIter: Clone>,
+    mut depth: impl FnMut(&PartPair<'_>, Effort) -> Option<Verdict<Depth>>,
+) -> Result<Option<(usize, Depth)>, Reason> {
+    let order = order.into_iter();
     let (mut deepest, mut index) = (Deepest::default(), 0);
+    // What a formula finds is mostly the deepest, and its normal bounds the others.
+    for k in order.clone() {
+        if let Some(Verdict::Touching(found)) = depth(&pairs[k], Effort::Formula)
+            && deepest.add(found)
+        {
+            index = k;
+        }
+    }
     for k in order {
         if deepest.is_as_deep_as(pairs[k].at_most) {
             break;
         }
-        match depth(&pairs[k]) {
-            Verdict::Touching(found) => {
-                if deepest.add(found) {
-                    index = k;
-                }
-            }
-            Verdict::Apart => {}
-            Verdict::Undecided(reason) => return Err(reason),
+        let normal = deepest.most.map(|most| most.normal);
+        if normal.is_some_and(|n| deepest.is_as_deep_as(pairs[k].most_along(n))) {
+            continue;
+        }
+        match depth(&pairs[k], Effort::Whole) {
+            Some(Verdict::Touching(found)) if deepest.add(found) => index = k,
+            Some(Verdict::Undecided(reason)) => return Err(reason),
+            _ => {}
         }
     }
-    Ok((index, deepest.depth()))
+    Ok(deepest.depth().map(|depth| (index, depth)))
 }
 
 /// The greatest of several depths, the first of equals.
@@ -191,10 +310,10 @@ impl Deepest {
         is
     }
 
-    fn depth(&self) -> Depth {
-        let most = self.most.unwrap_or_default();
+    fn depth(&self) -> Option<Depth> {
+        let most = self.most?;
         // Another may be deeper than the deepest by its own bound.
         let above = (self.upper - most.depth).next_up().min(f64::MAX);
-        Depth { error_bound: most.error_bound.max(above), ..most }
+        Some(Depth { error_bound: most.error_bound.max(above), ..most })
     }
 }

@@ -12,6 +12,7 @@ mod distance;
 mod pair;
 mod per_part;
 mod piercing;
+mod pressed;
 mod reach;
 mod relative_pose;
 mod separating_planes;
@@ -34,7 +35,9 @@ use spheres::InnerOuterSpheres;
 use std::collections::BinaryHeap;
 
 pub use deepest::PartIndex;
-pub(crate) use deepest::{PartPair, deepest, is_swapped, touching_parts};
+pub(crate) use deepest::{
+    Effort, PartPair, by_depth, deepest, deepest_of, is_swapped, touching_parts,
+};
 pub use distance::distance;
 
 /// What is reused from pair to pair.

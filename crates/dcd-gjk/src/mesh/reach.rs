@@ -42,6 +42,24 @@ impl<'a> Couple<'a> {
         (SIZES.contains(&size) && radius < SIZES.end).then_some(Self { parts, poses, delta, size })
     }
 
+    pub(super) fn parts(&self) -> &[Part<'a>; 2] {
+        &self.parts
+    }
+
+    pub(super) fn poses(&self) -> [&'a Pose; 2] {
+        self.poses
+    }
+
+    /// From the first's origin to the second's, metres.
+    pub(super) fn delta(&self) -> DVec3 {
+        self.delta
+    }
+
+    /// m: at least the lengths that are computed with, metres.
+    pub(super) fn size(&self) -> f64 {
+        self.size
+    }
+
     /// At least how deep they overlap: how far they reach past each other from a triangle's point that is nearest to a
     /// sphere's centre, or along the normals of a triangle and of a box; infinite where none is a triangle.
     pub(super) fn most(&self) -> f64 {
@@ -91,14 +109,14 @@ impl<'a> Couple<'a> {
     }
 
     /// What rounding, and supports that are not exact, may have cost.
-    fn slack(&self) -> f64 {
+    pub(super) fn slack(&self) -> f64 {
         let [a, b] = &self.parts;
         let support_error = a.support_error() + b.support_error();
         REACH * U64 * (self.size + (a.radius() + b.radius())) + 2.0 * SUPPORT_ERROR * support_error
     }
 
     /// At least that; infinite for no direction.
-    fn most_along(&self, direction: DVec3) -> f64 {
+    pub(super) fn most_along(&self, direction: DVec3) -> f64 {
         let most = self.along(direction) + self.slack();
         // A direction whose square underflows, or that is not finite, proves nothing.
         let is_known = SIZES.contains(&direction.length()) && most.is_finite();

@@ -3,6 +3,7 @@
 use super::{Accuracy, MeasureAt, MeasureDepth, sampled};
 use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
+use crate::mesh::{Effort, PartPair};
 use crate::{
     Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, expanding, mesh,
     order,
@@ -107,9 +108,9 @@ pub(super) fn of_touching(
     scratch: &mut epa::Scratch,
 ) -> Verdict<Depth> {
     if mesh::have_parts(a.shape, b.shape) {
-        let pairs = mesh::touching_parts(a, b);
-        let found = mesh::deepest(&pairs, |pair| {
-            pair.depth_by([a, b], |[a, b]| of_touching(accuracy, a, b, scratch))
+        let pairs = mesh::touching_parts(a, b, &mut mesh::Scratch::default());
+        let found = mesh::deepest(&pairs, |pair, effort| {
+            pair.depth_by(effort, || of_parts(accuracy, effort, pair, [a, b], scratch))
         });
         return match found {
             Ok((_, depth)) => Verdict::Touching(depth),
@@ -140,6 +141,32 @@ pub(super) fn of_touching(
             Verdict::Undecided(Reason::Range)
         }
         _ => Verdict::Touching(sampled::depth_of_overlap(a, b, scratch)),
+    }
+}
+
+/// The depth of two parts that are known to touch; `None` where that effort does not find it.
+pub(super) fn of_parts(
+    accuracy: Accuracy,
+    effort: Effort,
+    pair: &PartPair<'_>,
+    sides: [PosedShape<'_>; 2],
+    scratch: &mut epa::Scratch,
+) -> Option<Verdict<Depth>> {
+    let pressed = pair.pressed(tolerance(accuracy)).map(Verdict::Touching);
+    match effort {
+        Effort::Formula => pressed,
+        Effort::Whole => pressed.or_else(|| {
+            Some(pair.measured_by(sides, |[a, b]| of_touching(accuracy, a, b, scratch)))
+        }),
+    }
+}
+
+/// The bounds that are good enough: relative to the depth, and to the pair's size.
+fn tolerance(accuracy: Accuracy) -> [f64; 2] {
+    match accuracy {
+        Accuracy::F32 => [0.0, 1e-6],
+        Accuracy::F64 => [1e-10, 128.0 * f64::EPSILON],
+        Accuracy::Certified => [CERTIFIED, 0.0],
     }
 }
 

@@ -5,7 +5,7 @@
 //! | [`Within`] | which pairs are within a margin | nothing |
 //! | [`Distances`] | how far apart, within a margin | [`Distance`](crate::Distance) |
 //! | [`Depths`] | how deep | [`Depth`](crate::epa::Depth) |
-//! | [`Manifolds`] | where they touch, in up to four points | [`Manifold`] |
+//! | [`Manifolds`] | where they touch, in up to four points a patch | [`ManifoldSet`] |
 //! | [`Proximities`] | how far or how deep, and how that changes with the poses | [`Proximity`] |
 //!
 //! [`Within`] is a narrow phase. The others are solvers of single pairs: [`ThenMeasure`] runs them
@@ -42,7 +42,10 @@ pub use crate::mesh::PartIndex;
 pub use accuracy::{Accuracy, MeasureAt, MeasureDepth, WithAccuracy};
 pub use depths::Depths;
 pub use distances::Distances;
-pub use manifold::{Feature, Manifold, ManifoldPoint, Manifolds};
+pub use manifold::{
+    Feature, Manifold, ManifoldOptions, ManifoldPoint, ManifoldSet, Manifolds, ManifoldsWith,
+    MeshEdges, MeshSides,
+};
 pub use proximity::{Gradient, Proximities, Proximity, Smoothness, Twist};
 pub use then_measure::ThenMeasure;
 pub use within::Within;

@@ -200,7 +200,7 @@ fn manifolds_after_the_lanes_are_as_deep_as_the_pair() {
     let (manifolds, _) = found(&SimdDepths::new(Manifolds, Accuracy::F32), &scene, &pairs);
     assert!(manifolds.len() > 500 && manifolds.len() == depths.len());
     for (manifold, depth) in manifolds.iter().zip(&depths) {
-        let (manifold, depth) = (manifold.answer, depth.answer);
+        let (manifold, depth) = (manifold.answer[0], depth.answer);
         assert_eq!((manifold.normal, manifold.points()[0].depth), (depth.normal, depth.depth));
         assert!(manifold.points().iter().all(|point| point.depth <= depth.depth));
     }

@@ -4,8 +4,10 @@ mod depths;
 mod distances;
 mod lane_depths;
 mod manifolds;
+mod patches;
 mod proximity;
 mod scenes;
+mod surfaces;
 mod within;
 
 use dcd_geom::glam::{DQuat, DVec3};

@@ -3,7 +3,7 @@
 use super::scenes::{Draw, pile, shapes};
 use super::{PosedSupport, answer_of, solve};
 use dcd_geom::glam::{DQuat, DVec3};
-use dcd_geom::{Polytope, Pose, Shape};
+use dcd_geom::{Polytope, Pose, Shape, SupportMap};
 use dcd_gjk::query::Feature;
 use dcd_gjk::{
     Depths, DistanceResult, Manifold, Manifolds, Pairwise, PosedSupport as Core, ThenMeasure,
@@ -15,6 +15,13 @@ fn manifolds_keep_the_contract_one_by_one_and_after_the_lanes() {
     let (scene, pairs) = pile(shapes(), 40);
     contract::narrow_phase(&Pairwise(Manifolds), &scene, &pairs).unwrap();
     contract::narrow_phase(&ThenMeasure::new(Manifolds).unwrap(), &scene, &pairs).unwrap();
+}
+
+/// The only manifold of two that touch.
+fn one(a: &PosedSupport, b: &PosedSupport) -> Manifold {
+    let found = answer_of(&Manifolds, a, b);
+    let [manifold] = found[..] else { panic!("{found:?}\n{a:?}\n{b:?}") };
+    manifold
 }
 
 /// How far a point is from a body: by the distance of a sphere of radius 0, another method.
@@ -37,7 +44,9 @@ fn judge(found: &Manifold, a: &PosedSupport, b: &PosedSupport) {
     assert!((1..=4).contains(&points.len()), "{found:?}");
     assert_eq!(found.normal, depth.normal);
     assert_eq!(points[0].depth, depth.depth, "the deepest first: {found:?}");
-    assert!(bound <= depth.error_bound + 1e-7, "{bound}");
+    // What leans by up to 15 degrees is that part of the radius below the surface.
+    let leaning = 0.0341 * a.shape.radius().max(b.shape.radius());
+    assert!(bound <= depth.error_bound + 1e-7 + leaning, "{bound}");
     for point in points {
         assert!(outside(point.point_a, a) <= bound, "{point:?} {bound}\n{a:?}\n{b:?}");
         assert!(outside(point.point_b, b) <= bound, "{point:?} {bound}\n{a:?}\n{b:?}");
@@ -67,6 +76,7 @@ fn points_lie_in_their_shapes_and_the_deepest_is_as_deep_as_the_pair() {
         };
         let (a, b) = (body(k), body(k / 5));
         if let Verdict::Touching(found) = solve(&Manifolds, &a, &b) {
+            let [found] = found[..] else { panic!("{found:?}") };
             judge(&found, &a, &b);
             touching[found.points().len()] += 1;
         }
@@ -83,7 +93,7 @@ fn stacked_faces_touch_in_the_corners_of_what_they_share() {
     {
         let a = PosedSupport::at(&cube, place);
         let b = PosedSupport::at(&cube, place + moved + DVec3::Z * (1.0 - gap));
-        let found = answer_of(&Manifolds, &a, &b);
+        let found = one(&a, &b);
         judge(&found, &a, &b);
         assert_eq!((found.normal, found.points().len()), (DVec3::Z, 4));
         let at = |k: usize| found.points()[k].point_a - place;
@@ -100,7 +110,7 @@ fn a_box_rocked_a_little_touches_along_its_edge_and_where_it_leaves_the_face() {
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
     let a = PosedSupport::at(&Shape::cuboid(DVec3::new(2.0, 2.0, 0.5)).unwrap(), DVec3::ZERO);
     let b = PosedSupport::new(cube, DQuat::from_rotation_y(0.01), DVec3::Z * 1.0);
-    let found = answer_of(&Manifolds, &a, &b);
+    let found = one(&a, &b);
     judge(&found, &a, &b);
     let depths: Vec<f64> = found.points().iter().map(|point| point.depth).collect();
     assert_eq!(depths.len(), 4, "{found:?}");
@@ -116,7 +126,7 @@ fn crossing_edges_touch_in_one_point_and_parallel_capsules_in_two() {
     let height = DVec3::Z * (2f64.sqrt() - 0.01);
     let a = PosedSupport::new(beam.clone(), rolled, DVec3::ZERO);
     let b = PosedSupport::new(beam, across, height);
-    let found = answer_of(&Manifolds, &a, &b);
+    let found = one(&a, &b);
     judge(&found, &a, &b);
     assert_eq!(found.points().len(), 1);
     assert!(matches!(found.points()[0].features, [Feature::Edge(..), Feature::Edge(..)]));
@@ -124,7 +134,7 @@ fn crossing_edges_touch_in_one_point_and_parallel_capsules_in_two() {
     for turn in [DQuat::IDENTITY, rolled] {
         let a = PosedSupport::new(capsule.clone(), turn, DVec3::ZERO);
         let b = PosedSupport::new(capsule.clone(), turn, turn * DVec3::new(0.9, 0.0, 1.0));
-        let found = answer_of(&Manifolds, &a, &b);
+        let found = one(&a, &b);
         judge(&found, &a, &b);
         let points = found.points();
         assert_eq!(points.len(), 2, "{found:?}");
@@ -151,13 +161,13 @@ fn points_segments_and_identical_shapes_have_their_manifolds() {
         (PosedSupport::at(&cube, DVec3::ZERO), 4),
     ] {
         let a = PosedSupport::at(&cube, DVec3::ZERO);
-        let found = answer_of(&Manifolds, &a, &b);
+        let found = one(&a, &b);
         judge(&found, &a, &b);
         assert_eq!(found.points().len(), count, "{b:?} {found:?}");
     }
     for shape in [&point, &needle, &sphere] {
         let body = PosedSupport::at(shape, DVec3::ONE);
-        judge(&answer_of(&Manifolds, &body, &body), &body, &body);
+        judge(&one(&body, &body), &body, &body);
     }
 }
 
@@ -178,6 +188,7 @@ fn a_swapped_pair_has_the_mirrored_manifold_bit_for_bit() {
             continue;
         };
         touching += 1;
+        let ([ab], [ba]) = (&ab[..], &ba[..]) else { panic!("{ab:?} {ba:?}") };
         assert_eq!((ab.normal, ab.points().len()), (-ba.normal, ba.points().len()));
         for (p, q) in ab.points().iter().zip(ba.points()) {
             assert_eq!((p.point_a, p.point_b, p.depth), (q.point_b, q.point_a, q.depth));
@@ -192,9 +203,7 @@ fn features_stay_as_a_box_slides() {
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
     let a = PosedSupport::at(&Shape::cuboid(DVec3::new(3.0, 3.0, 0.5)).unwrap(), DVec3::ZERO);
     let turn = DQuat::from_rotation_z(0.2);
-    let at = |x: f64| {
-        answer_of(&Manifolds, &a, &PosedSupport::new(cube.clone(), turn, DVec3::new(x, 0.1, 0.99)))
-    };
+    let at = |x: f64| one(&a, &PosedSupport::new(cube.clone(), turn, DVec3::new(x, 0.1, 0.99)));
     let features = |found: Manifold| {
         let mut features: Vec<_> = found.points().iter().map(|point| point.features).collect();
         features.sort();
@@ -256,7 +265,7 @@ fn whatever_rests_on_a_face_or_a_line_has_four_points_or_two_on_every_ground() {
                 let what = format!("{name} on {ground_name}, {deep}");
                 let place = DVec3::new(0.1, 0.05, height - deep);
                 let body = PosedSupport::new(shape.clone(), *turn, place);
-                let found = answer_of(&Manifolds, &ground, &body);
+                let found = one(&ground, &body);
                 assert!(found.normal.distance(DVec3::Z) < 1e-9, "{what}: {found:?}");
                 let points = found.points();
                 assert_eq!(points.len(), *count, "{what}: {found:?}");
@@ -269,7 +278,7 @@ fn whatever_rests_on_a_face_or_a_line_has_four_points_or_two_on_every_ground() {
                 }
                 // What it rests on is round its middle: it stands.
                 assert!(middle.truncate().distance(place.truncate()) < 0.15, "{what}: {found:?}");
-                let back = answer_of(&Manifolds, &body, &ground);
+                let back = one(&body, &ground);
                 assert_eq!((back.normal, back.points().len()), (-found.normal, *count), "{what}");
                 let is_made_of_parts = matches!(ground_name, "mesh" | "compound");
                 assert_eq!(found.parts[0].is_some(), is_made_of_parts, "{what}");

@@ -44,10 +44,10 @@ impl<A> Hit<A> {
 #[derive(Debug)]
 pub struct Hits<'p, A: Send>(&'p Segments<Hit<A>>);
 
-impl<'p, A: Copy + Send> Hits<'p, A> {
+impl<'p, A: Clone + Send> Hits<'p, A> {
     /// In order.
     pub fn iter(&self) -> impl Iterator<Item = Hit<A>> + use<'p, A> {
-        self.0.iter().flatten().copied()
+        self.0.iter().flatten().cloned()
     }
 
     /// How many there are.

@@ -81,7 +81,7 @@ impl<N: NarrowPhase> Decisions<N> {
     pub(super) fn hits(&self) -> impl Iterator<Item = (Against, Pair, Verdict<N::Answer>)> {
         let halves = [(Against::Obstacles, &self.obstacles), (Against::Links, &self.links)];
         let contacts = halves.into_iter().flat_map(|(against, half)| {
-            let touching = |c: &Contact<N::Answer>| Verdict::Touching(c.answer);
+            let touching = |c: &Contact<N::Answer>| Verdict::Touching(c.answer.clone());
             half.contacts.iter().map(move |c| (against, c.pair, touching(c)))
         });
         let undecided = halves.into_iter().flat_map(|(against, half)| {

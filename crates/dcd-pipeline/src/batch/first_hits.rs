@@ -111,14 +111,16 @@ impl<N: NarrowPhase> WorkerScratch<N> {
             let distance = checker.obstacle_grid.short_of(noted, &inner);
             distances[config * links + link] = distance;
             let obstacle = noted.likeliest;
-            let Some(answer) = constant_answer.filter(|_| distance <= 0.0) else { return false };
+            let Some(answer) = constant_answer.as_ref().filter(|_| distance <= 0.0) else {
+                return false;
+            };
             let touches = checker.allows(link, obstacle);
             if touches {
                 found[config] = Some(Hit {
                     configuration: (taken.start + config) as u32,
                     link: link as u32,
                     other: Other::Obstacle(checker.world.names[obstacle as usize]),
-                    verdict: Verdict::Touching(answer),
+                    verdict: Verdict::Touching(answer.clone()),
                 });
             }
             touches

@@ -124,9 +124,9 @@ impl<N: NarrowPhase> WorkerScratch<N> {
         }
         let end = out.len();
         out.extend_from_slice(&sorting.hits);
-        for &hit in &sorting.hits {
+        for hit in &sorting.hits {
             let place = &mut sorting.starts[hit.configuration as usize - self.taken.start];
-            out[end + *place] = hit;
+            out[end + *place] = hit.clone();
             *place += 1;
         }
         self.sorting = sorting;

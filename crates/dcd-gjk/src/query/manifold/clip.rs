@@ -19,6 +19,12 @@ pub(super) struct Corner {
     /// The height of a's feature there, and of b's.
     pub(super) heights: [f64; 2],
     pub(super) features: [Feature; 2],
+    /// By how much, seen along the normal, the point of b may be beside that of a: metres.
+    pub(super) beside: f64,
+    /// How far inside a swept surface a point may be that is swept along the normal: metres.
+    inside: f64,
+    /// Of which pair of parts it is, by the caller's count.
+    pub(super) pair: u32,
     /// What the edge to the next corner is a part of.
     side: Side,
 }
@@ -37,13 +43,21 @@ enum Side {
 impl Corner {
     /// Where nothing is clipped.
     pub(super) fn new(at: DVec2, heights: [f64; 2], features: [Feature; 2]) -> Self {
-        Self { at, heights, features, side: Side::Surface }
+        Self { at, heights, features, beside: 0.0, inside: 0.0, pair: 0, side: Side::Surface }
     }
 
-    /// With the spheres that are swept round the cores.
-    pub(super) fn swept(self, [radius_a, radius_b]: [f64; 2]) -> Self {
+    /// With the spheres that are swept round the cores, moved along the normal: from a face or edge that leans, by the
+    /// angle of the cosine `level`, that is a little less than to the surface (docs/numerics/proofs.md, "manifolds").
+    pub(super) fn swept(self, radii: [f64; 2], level: [f64; 2]) -> Self {
         let [height_a, height_b] = self.heights;
-        Self { heights: [height_a + radius_a, height_b - radius_b], ..self }
+        let inside = |k: usize| radii[k] * (1.0 - level[k]).max(0.0);
+        let heights = [height_a + radii[0], height_b - radii[1]];
+        Self { heights, inside: inside(0).max(inside(1)), ..self }
+    }
+
+    /// How far its points may be off the surfaces of parts of that depth.
+    pub(super) fn off_surface(&self, depth: f64) -> f64 {
+        self.beside + self.inside.min((depth - self.depth()).max(0.0))
     }
 
     /// Negative where they are apart.
@@ -112,7 +126,8 @@ impl Patch {
             heights[number] = height;
             let mut features = [clips.whole(); 2];
             features[number] = Feature::Vertex(index);
-            self.corners.push(Corner { at, heights, features, side: Side::Clipped(index, next) });
+            let side = Side::Clipped(index, next);
+            self.corners.push(Corner { side, ..Corner::new(at, heights, features) });
         }
     }
 
@@ -167,7 +182,7 @@ impl Patch {
                 [a.whole(), Feature::Vertex(other.index)]
             };
             let heights = [p.height + (q.height - p.height) * t, height_b];
-            self.corners.push(Corner { at: p.at + e * t, heights, features, side: Side::Surface });
+            self.corners.push(Corner::new(p.at + e * t, heights, features));
         }
     }
 

@@ -44,11 +44,18 @@ impl Corners {
         SAME * self.size
     }
 
-    /// The witnesses of a depth.
+    /// The witnesses of a depth, whose normal may be another than the view's.
     pub(super) fn add_witness(&mut self, view: &View, depth: &Depth, origin: DVec3) {
-        let ((at, height_a), (_, height_b)) =
+        let ((at, height_a), (at_b, height_b)) =
             (view.of(depth.point_a - origin), view.of(depth.point_b - origin));
-        self.corners.push(Corner::new(at, [height_a, height_b], [Feature::Surface; 2]));
+        let mut corner = Corner::new(at, [height_a, height_b], [Feature::Surface; 2]);
+        corner.beside = at.distance(at_b);
+        self.corners.push(corner);
+    }
+
+    /// Says of which pair of parts the corners behind the first so many are.
+    pub(super) fn are_of(&mut self, pair: u32, count: usize) {
+        self.corners[count..].iter_mut().for_each(|corner| corner.pair = pair);
     }
 
     /// Adds the corners of two convex shapes: none where they have no features to be seen. Returns what they
@@ -80,7 +87,8 @@ impl Corners {
                 let seen_b = view.seen(in_b, rotation_b, delta, -1.0);
                 let radii = [in_a.swept_radius(), in_b.swept_radius()];
                 self.patch.of(&seen_a, &seen_b, -(radii[0] + radii[1]), self.size);
-                let swept = self.patch.corners().iter().map(|&corner| corner.swept(radii));
+                let level = [seen_a.level(in_a), seen_b.level(in_b)];
+                let swept = self.patch.corners().iter().map(|&corner| corner.swept(radii, level));
                 self.corners.extend(swept);
                 let is_own = |shape: &Shape, whole| {
                     if shape.as_polytope().is_some() { whole } else { Feature::Surface }
@@ -113,23 +121,26 @@ impl Corners {
             radii[number] = polytope.swept_radius();
             let mut features = [Feature::Surface; 2];
             features[number] = Feature::Vertex(point.index);
-            let corner = Corner::new(point.at, heights, features).swept(radii);
+            let corner =
+                Corner::new(point.at, heights, features).swept(radii, [seen.level(polytope); 2]);
             if corner.depth() >= 0.0 {
                 self.corners.push(corner);
             }
         }
     }
 
-    /// Up to four of the corners; the witnesses of the depth where none is as deep.
+    /// Up to four of the corners; the witnesses of the depth where none is as deep. With the pair of each point, which
+    /// is not known of such witnesses.
     pub(super) fn manifold(
         &mut self,
         view: &View,
         depth: Depth,
         [a, b]: [PosedShape<'_>; 2],
         features: [Feature; 2],
-    ) -> Manifold {
+    ) -> (Manifold, [Option<u32>; 4]) {
+        let mut pairs = [None; 4];
         if self.size == 0.0 {
-            return of_one_point(depth, features);
+            return (of_one_point(depth, features), pairs);
         }
         drop_doubles(&mut self.corners, self.size);
         let far = a.pose.translation().length() + b.pose.translation().length();
@@ -140,20 +151,26 @@ impl Corners {
         let Some((kept, count)) =
             reduce::to_four(&self.corners, self.tolerance()).filter(|_| stands_for_all)
         else {
-            return Manifold { error_bound, ..of_one_point(depth, features) };
+            return (Manifold { error_bound, ..of_one_point(depth, features) }, pairs);
         };
+        let mut off_surface = 0.0f64;
         let mut points = [ManifoldPoint::default(); 4];
         let origin = a.pose.translation();
-        for (point, &k) in points.iter_mut().zip(&kept[..count]) {
+        for ((point, pair), &k) in points.iter_mut().zip(&mut pairs).zip(&kept[..count]) {
             let corner = &self.corners[k];
+            *pair = Some(corner.pair);
+            off_surface = off_surface.max(corner.off_surface(depth.depth));
             let [height_a, height_b] = corner.heights;
             let point_a = view.in_world(corner.at, height_a) + origin;
             let point_b = view.in_world(corner.at, height_b) + origin;
             let depth = corner.depth().clamp(0.0, depth.depth);
-            *point = ManifoldPoint { point_a, point_b, depth, features: corner.features };
+            let features = corner.features;
+            *point = ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] };
         }
         points[0].depth = depth.depth;
         let normal = depth.normal;
-        Manifold { normal, points, count: count as u8, error_bound, parts: [None; 2] }
+        let error_bound = (error_bound + off_surface).min(f64::MAX);
+        let parts = [None; 2];
+        (Manifold { normal, points, count: count as u8, error_bound, parts }, pairs)
     }
 }

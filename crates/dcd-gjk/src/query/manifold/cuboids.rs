@@ -112,6 +112,7 @@ pub(super) fn add(
     clipping.clip(points)?;
     let radii = [side_a.polytope.swept_radius(), side_b.polytope.swept_radius()];
     let radius = radii[0] + radii[1];
+    let level = [side_a.level(seen_a), side_b.level(seen_b)];
     points.cut(|point| point.depth + radius, Line::Surface)?;
     let of_each = [whole[number], whole[1 - number]];
     corners.reserve(points.count);
@@ -123,7 +124,7 @@ pub(super) fn add(
             0 => ([height, height - point.depth], [of_clips, of_clipped]),
             _ => ([height + point.depth, height], [of_clipped, of_clips]),
         };
-        corners.push(Corner::new(at, heights, features).swept(radii));
+        corners.push(Corner::new(at, heights, features).swept(radii, level));
     }
     Some(patch)
 }
@@ -157,6 +158,15 @@ impl<'a> Side<'a> {
             Seen::Edge(least)
         } else {
             Seen::Vertex
+        }
+    }
+
+    /// The cosine of the angle by which what is seen leans; 0 for a vertex.
+    fn level(&self, seen: Seen) -> f64 {
+        match seen {
+            Seen::Face(k) => self.towards[k].abs(),
+            Seen::Edge(k) => (1.0 - self.towards[k] * self.towards[k]).max(0.0).sqrt(),
+            Seen::Vertex => 0.0,
         }
     }
 

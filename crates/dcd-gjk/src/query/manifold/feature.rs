@@ -149,6 +149,18 @@ impl Seen<'_> {
         self.facing
     }
 
+    /// The cosine of the angle by which a face leans, or the edge that is all of the polytope; 0 for others. The whole
+    /// shape is on one side of a plane through that edge, also where it is a line of a cylinder's or cone's side.
+    pub(super) fn level(&self, polytope: &Polytope) -> f64 {
+        match (polytope.vertices(), self.points()) {
+            ([_, _], [p, q]) => {
+                let across = p.at.distance(q.at);
+                across / across.hypot(p.height - q.height).max(f64::MIN_POSITIVE)
+            }
+            _ => self.facing,
+        }
+    }
+
     /// The height of its face's plane above a place, or of its first corner where it is no face.
     pub(super) fn height(&self, at: DVec2) -> f64 {
         let base = self.points()[0];

@@ -4,7 +4,8 @@
 //! that way, else an edge almost square to it, else a vertex. Seen along the normal, the two
 //! features are polygons of a plane; what they have in common is clipped, every corner of it being
 //! a point of both features, one above the other, and so with a depth of its own. Of the corners
-//! that are at least 0 deep, the deepest is kept, and three that span the most.
+//! that are at least 0 deep, the deepest is kept, and three that span the most. Objects of parts have such a patch for
+//! each normal along which some of their parts meet.
 
 mod clip;
 mod corners;
@@ -12,28 +13,35 @@ mod cuboids;
 mod feature;
 mod parts;
 mod reduce;
+mod set;
 mod stand_in;
+mod surface;
 
 use super::{Accuracy, MeasureAt, MeasureDepth, depths};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, PartIndex};
-use crate::{Depths, Method, PairSolver, PosedShape, Verdict, order};
+use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
 use corners::Corners;
 use dcd_geom::Kind;
 use dcd_geom::glam::DVec3;
 use feature::View;
+use parts::Measure;
+pub use set::ManifoldSet;
+pub use surface::{ManifoldOptions, MeshEdges, MeshSides};
 
-/// The points where two objects touch. World frame, metres.
+/// One patch of the surfaces along which two objects touch: a normal and up to four points. World frame, metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Manifold {
-    /// From a to b, of unit length: the direction of the [`Depth`].
+    /// From a to b, of unit length: the direction of the deepest parts' [`Depth`].
     pub normal: DVec3,
     points: [ManifoldPoint; 4],
     count: u8,
-    /// How far a point may be outside its object, and its depth off what the objects are there:
-    /// metres. The depth's own bound, and how flat a face is, about 1e-8 of the objects' size.
+    /// How far a point may be off its object's surface, and the first one's depth off that of the deepest parts:
+    /// metres. The depth's own bound, and how flat a face is, about 1e-8 of the objects' size. More where a rounded face
+    /// leans, at most by what its points are less deep than the first; and where parts meet along normals that agree
+    /// within 1e-3 rad and no better, that angle's part of the depth.
     pub error_bound: f64,
-    /// Which parts of a and of b are the deepest, where they are compounds or meshes.
+    /// Which parts of a and of b are the patch's deepest, where they are compounds or meshes.
     pub parts: [Option<PartIndex>; 2],
 }
 
@@ -44,12 +52,14 @@ pub struct ManifoldPoint {
     pub point_a: DVec3,
     /// Of b's surface: `point_a − point_b` is `normal·depth`.
     pub point_b: DVec3,
-    /// How deep the objects overlap here along the normal: at least 0, at most the pair's depth,
-    /// and that at the first point.
+    /// How deep the objects overlap here along the normal: at least 0, at most the depth of the patch's deepest
+    /// parts, and that at the first point.
     pub depth: f64,
     /// What of a it belongs to, and what of b: the same as long as the same features meet, so that
     /// a point is known again in the next frame.
     pub features: [Feature; 2],
+    /// Of which parts of a and of b they are features, where these are compounds or meshes.
+    pub parts: [Option<PartIndex>; 2],
 }
 
 /// A part of a polytope, by index into its vertices or [`dcd_geom::Facets`].
@@ -78,30 +88,51 @@ impl Manifold {
         for point in &mut self.points[..usize::from(self.count)] {
             (point.point_a, point.point_b) = (point.point_b, point.point_a);
             point.features.reverse();
+            point.parts.reverse();
         }
         self.parts.reverse();
         Self { normal: -self.normal, ..self }
     }
 }
 
-/// The contact manifold of touching pairs: see [`Manifold`].
+/// The contact manifolds of touching pairs: see [`ManifoldSet`].
 ///
 /// Up to four points between polytopes, rounded or not, half-spaces, and cylinders and cones that rest on a
-/// face or along a line; with a foreign shape the one point of the [`Depth`]. Of compounds and meshes those
-/// of all parts whose features meet along the normal of the deepest two. Costs [`Depths`], two passes over
+/// face or along a line; with a foreign shape the one point of the [`Depth`]. Costs [`Depths`], two passes over
 /// each polytope's faces, and for each polytope once a microsecond a vertex to find them.
+///
+/// Of compounds and meshes the touching pairs of parts are grouped, from the deepest on: a manifold is about the
+/// parts whose own normals agree with the deepest's within 1e-3 rad, and those that its normal and depth separate too.
+/// So every two parts that touch meet along the normal of a manifold, or come apart when the objects are moved by its
+/// depth and bound along its normal. The first manifold is that of the pair's [`Depths`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Manifolds;
+
+/// [`Manifolds`] with options for the surfaces of meshes.
+///
+/// ```
+/// use dcd_gjk::query::{ManifoldOptions, ManifoldsWith, MeshEdges, MeshSides};
+/// use dcd_gjk::ThenMeasure;
+/// let options = ManifoldOptions { mesh_sides: MeshSides::Outward, mesh_edges: MeshEdges::Active };
+/// let on_terrain = ThenMeasure::new(ManifoldsWith(options))?;
+/// # Ok::<(), dcd_geom::ShapeError>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ManifoldsWith(
+    /// The options.
+    pub ManifoldOptions,
+);
 
 /// What a thread reuses from pair to pair.
 #[derive(Debug, Default)]
 pub struct Scratch {
     depth: epa::Scratch,
     corners: Corners,
+    parts: mesh::Scratch,
 }
 
-impl PairSolver for Manifolds {
-    type Answer = Manifold;
+impl PairSolver for ManifoldsWith {
+    type Answer = ManifoldSet;
     type Scratch = Scratch;
 
     fn method(&self) -> Method {
@@ -113,7 +144,7 @@ impl PairSolver for Manifolds {
         a: PosedShape<'_>,
         b: PosedShape<'_>,
         scratch: &mut Scratch,
-    ) -> Verdict<Manifold> {
+    ) -> Verdict<ManifoldSet> {
         self.resolve(a, b, scratch).0
     }
 
@@ -122,7 +153,7 @@ impl PairSolver for Manifolds {
         a: PosedShape<'_>,
         b: PosedShape<'_>,
         scratch: &mut Scratch,
-    ) -> Verdict<Manifold> {
+    ) -> Verdict<ManifoldSet> {
         self.measure_at(Accuracy::Certified, a, b, scratch)
     }
 
@@ -131,15 +162,82 @@ impl PairSolver for Manifolds {
         a: PosedShape<'_>,
         b: PosedShape<'_>,
         scratch: &mut Scratch,
-    ) -> (Verdict<Manifold>, Method) {
+    ) -> (Verdict<ManifoldSet>, Method) {
+        if mesh::have_parts(a.shape, b.shape) {
+            let (verdict, method) = certified::overlap_of(a, b);
+            let verdict = match verdict {
+                Verdict::Touching(()) => self.measure(a, b, scratch),
+                Verdict::Apart => Verdict::Apart,
+                Verdict::Undecided(reason) => Verdict::Undecided(reason),
+            };
+            return (verdict, method);
+        }
         let (verdict, method) = Depths.resolve(a, b, &mut scratch.depth);
-        let verdict = match verdict {
-            Verdict::Touching(_) if mesh::have_parts(a.shape, b.shape) => {
-                self.measure(a, b, scratch)
-            }
-            verdict => told(verdict, a, b, &mut scratch.corners),
-        };
-        (verdict, method)
+        (manifold_of(verdict, a, b, &mut scratch.corners), method)
+    }
+}
+
+impl MeasureAt for ManifoldsWith {
+    fn measure_at(
+        &self,
+        accuracy: Accuracy,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut Scratch,
+    ) -> Verdict<ManifoldSet> {
+        if mesh::have_parts(a.shape, b.shape) {
+            return parts::measure(Measure { accuracy, options: self.0 }, a, b, scratch);
+        }
+        let depth = depths::of_touching(accuracy, a, b, &mut scratch.depth);
+        manifold_of(depth, a, b, &mut scratch.corners)
+    }
+}
+
+impl MeasureDepth for ManifoldsWith {
+    fn measure_depth(
+        &self,
+        depth: Depth,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut Scratch,
+    ) -> Verdict<ManifoldSet> {
+        manifold_of(Verdict::Touching(depth), a, b, &mut scratch.corners)
+    }
+}
+
+impl PairSolver for Manifolds {
+    type Answer = ManifoldSet;
+    type Scratch = Scratch;
+
+    fn method(&self) -> Method {
+        Depths.method()
+    }
+
+    fn solve(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut Scratch,
+    ) -> Verdict<ManifoldSet> {
+        ManifoldsWith::default().solve(a, b, scratch)
+    }
+
+    fn measure(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut Scratch,
+    ) -> Verdict<ManifoldSet> {
+        ManifoldsWith::default().measure(a, b, scratch)
+    }
+
+    fn resolve(
+        &self,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+        scratch: &mut Scratch,
+    ) -> (Verdict<ManifoldSet>, Method) {
+        ManifoldsWith::default().resolve(a, b, scratch)
     }
 }
 
@@ -150,12 +248,8 @@ impl MeasureAt for Manifolds {
         a: PosedShape<'_>,
         b: PosedShape<'_>,
         scratch: &mut Scratch,
-    ) -> Verdict<Manifold> {
-        if mesh::have_parts(a.shape, b.shape) {
-            return parts::measure(accuracy, a, b, scratch);
-        }
-        let depth = depths::of_touching(accuracy, a, b, &mut scratch.depth);
-        told(depth, a, b, &mut scratch.corners)
+    ) -> Verdict<ManifoldSet> {
+        ManifoldsWith::default().measure_at(accuracy, a, b, scratch)
     }
 }
 
@@ -166,28 +260,30 @@ impl MeasureDepth for Manifolds {
         a: PosedShape<'_>,
         b: PosedShape<'_>,
         scratch: &mut Scratch,
-    ) -> Verdict<Manifold> {
-        told(Verdict::Touching(depth), a, b, &mut scratch.corners)
+    ) -> Verdict<ManifoldSet> {
+        ManifoldsWith::default().measure_depth(depth, a, b, scratch)
     }
 }
 
-fn told(
+fn manifold_of(
     verdict: Verdict<Depth>,
     a: PosedShape<'_>,
     b: PosedShape<'_>,
     corners: &mut Corners,
-) -> Verdict<Manifold> {
-    match verdict {
-        Verdict::Apart => Verdict::Apart,
-        Verdict::Undecided(reason) => Verdict::Undecided(reason),
-        Verdict::Touching(depth) if are_spheres(a, b) => {
-            Verdict::Touching(of_one_point(depth, [Feature::Vertex(0); 2]))
-        }
-        Verdict::Touching(depth) if order::is_swapped(a, b) => {
-            Verdict::Touching(in_order(depth.mirrored(), b, a, corners).mirrored())
-        }
-        Verdict::Touching(depth) => Verdict::Touching(in_order(depth, a, b, corners)),
-    }
+) -> Verdict<ManifoldSet> {
+    let depth = match verdict {
+        Verdict::Apart => return Verdict::Apart,
+        Verdict::Undecided(reason) => return Verdict::Undecided(reason),
+        Verdict::Touching(depth) => depth,
+    };
+    let manifold = if are_spheres(a, b) {
+        of_one_point(depth, [Feature::Vertex(0); 2])
+    } else if order::is_swapped(a, b) {
+        in_order(depth.mirrored(), b, a, corners).mirrored()
+    } else {
+        in_order(depth, a, b, corners)
+    };
+    Verdict::Touching(manifold.into())
 }
 
 /// Whether both are spheres, which touch in the witnesses of their depth.
@@ -210,13 +306,13 @@ fn in_order(depth: Depth, a: PosedShape<'_>, b: PosedShape<'_>, corners: &mut Co
     let view = View::along(depth.normal);
     corners.clear();
     let features = corners.add(&view, &depth, [a, b]);
-    corners.manifold(&view, depth, [a, b], features)
+    corners.manifold(&view, depth, [a, b], features).0
 }
 
 /// The witnesses of the depth alone.
 fn of_one_point(depth: Depth, features: [Feature; 2]) -> Manifold {
     let Depth { depth, normal, point_a, point_b, error_bound } = depth;
     let mut points = [ManifoldPoint::default(); 4];
-    points[0] = ManifoldPoint { point_a, point_b, depth, features };
+    points[0] = ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] };
     Manifold { normal, points, count: 1, error_bound, parts: [None; 2] }
 }

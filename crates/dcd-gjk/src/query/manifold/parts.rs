@@ -1,12 +1,14 @@
-//! The manifold of shapes that are made of parts: the points of all parts that meet along the normal of the
-//! deepest two.
+//! The manifolds of shapes that are made of parts: from the deepest pair of parts on, each with the pairs that meet
+//! along its normal.
 
+use super::corners::Corners;
 use super::feature::View;
-use super::{Manifold, Scratch};
+use super::surface::{self, ManifoldOptions};
+use super::{Feature, Manifold, ManifoldSet, Scratch, of_one_point};
 use crate::epa::Depth;
-use crate::mesh::{self, PartPair};
+use crate::mesh::{self, Effort, PartPair};
 use crate::query::{Accuracy, depths};
-use crate::{PosedShape, Verdict};
+use crate::{PosedShape, Reason, Verdict, epa};
 
 /// The least cosine between two normals that count as one: 1e-3 rad.
 const ALIKE: f64 = 1.0 - 5e-7;
@@ -14,78 +16,202 @@ const ALIKE: f64 = 1.0 - 5e-7;
 /// At least the angle of that cosine, and room for normals that are known to 1e-4 rad.
 const ANGLE: f64 = 1.1e-3;
 
+/// How much farther than a manifold's depth two parts may have to be moved along its normal and still belong to it,
+/// relative to their diameters: what f32 vertices leave of a plane. The error bound counts it. Larger: wider bounds.
+/// Smaller: needless manifolds of the triangles of one floor.
+const NEAR: f64 = 1e-6;
+
+/// How the depth of a pair of parts is measured.
+#[derive(Clone, Copy)]
+pub(super) struct Measure {
+    pub(super) accuracy: Accuracy,
+    pub(super) options: ManifoldOptions,
+}
+
 pub(super) fn measure(
-    accuracy: Accuracy,
+    how: Measure,
     a: PosedShape<'_>,
     b: PosedShape<'_>,
     scratch: &mut Scratch,
-) -> Verdict<Manifold> {
-    if !mesh::is_swapped(a, b) {
-        return in_order(accuracy, a, b, scratch);
-    }
-    match in_order(accuracy, b, a, scratch) {
-        Verdict::Touching(manifold) => Verdict::Touching(manifold.mirrored()),
-        other => other,
+) -> Verdict<ManifoldSet> {
+    let is_swapped = mesh::is_swapped(a, b);
+    let sides = if is_swapped { [b, a] } else { [a, b] };
+    match in_order(how, sides, scratch) {
+        Ok(found) if is_swapped => Verdict::Touching(found.mirrored()),
+        Ok(found) => Verdict::Touching(found),
+        Err(reason) => Verdict::Undecided(reason),
     }
 }
 
 fn in_order(
-    accuracy: Accuracy,
-    a: PosedShape<'_>,
-    b: PosedShape<'_>,
+    how: Measure,
+    sides: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
-) -> Verdict<Manifold> {
-    let pairs = mesh::touching_parts(a, b);
-    let Scratch { depth: memory, corners } = scratch;
-    let mut measured = |pair: &PartPair<'_>| {
-        pair.depth_by([a, b], |[a, b]| depths::of_touching(accuracy, a, b, memory))
-    };
-    let (index, depth) = match mesh::deepest(&pairs, &mut measured) {
-        Ok(found) => found,
-        Err(reason) => return Verdict::Undecided(reason),
-    };
-    let view = View::along(depth.normal);
-    corners.clear();
-    let mut features = Default::default();
-    for (k, pair) in pairs.iter().enumerate() {
-        let before = corners.len();
-        // A sphere has no corners; of the deepest pair the size and the features count.
-        if k == index || !pair.has_no_corners() {
-            let Some(sides) = pair.posed(a, b) else { continue };
-            // The planes of half-spaces are the pair's own; what is seen is seen along the deepest's normal.
-            let is_bounded = sides.iter().all(|side| side.shape.is_bounded());
-            let of_plane = if is_bounded { depth } else { of(measured(pair)).unwrap_or(depth) };
-            let whole = corners.add(&view, &Depth { normal: depth.normal, ..of_plane }, sides);
-            if k == index {
-                features = whole;
-            }
-        }
-        if corners.len() == before {
-            let of_pair = if k == index {
-                Some(depth)
-            } else if pair.may_meet_along(depth.normal, ANGLE, [a, b]) {
-                of(measured(pair))
-            } else {
-                None
-            };
-            if let Some(of_pair) = of_pair.filter(|d| d.normal.dot(depth.normal) >= ALIKE) {
-                corners.add_witness(&view, &of_pair, a.pose.translation());
-            }
-        }
-        // Parts that reach deeper along this normal meet along another.
-        if corners.deepest_after(before) > depth.depth + corners.tolerance() {
-            corners.truncate(before);
+) -> Result<ManifoldSet, Reason> {
+    let Scratch { depth: memory, corners, parts } = scratch;
+    let mut pairs = mesh::touching_parts(sides[0], sides[1], parts);
+    if how.options != ManifoldOptions::default() {
+        // What bounds a depth does not bound one along another normal.
+        pairs.iter_mut().for_each(PartPair::forget_bound);
+    }
+    let order = mesh::by_depth(&pairs);
+    let open = vec![true; pairs.len()];
+    let mut patches = Patches { how, sides, pairs: &pairs, open, memory, corners };
+    let mut found = ManifoldSet::default();
+    loop {
+        let Patches { memory, open, .. } = &mut patches;
+        let still_open = order.iter().copied().filter(|&k| open[k]);
+        let depth = |pair: &PartPair<'_>, effort| how.measured_by(effort, pair, sides, memory);
+        match mesh::deepest_of(&pairs, still_open, depth)? {
+            Some((lead, depth)) => found.push(patches.patch(lead, depth)),
+            None => break,
         }
     }
-    let manifold = corners.manifold(&view, depth, [a, b], features);
-    let parts = pairs.get(index).map_or([None; 2], |pair| pair.parts);
-    Verdict::Touching(Manifold { parts, ..manifold })
+    if pairs.is_empty() {
+        found.push(of_one_point(Depth::default(), Default::default()));
+    }
+    Ok(found)
 }
 
-/// A depth that is known.
-fn of(verdict: Verdict<Depth>) -> Option<Depth> {
-    match verdict {
-        Verdict::Touching(depth) => Some(depth),
-        _ => None,
+impl Measure {
+    /// The depth of a pair of parts that touch; apart where a mesh's surface does not touch there.
+    fn measured(
+        self,
+        pair: &PartPair<'_>,
+        sides: [PosedShape<'_>; 2],
+        memory: &mut epa::Scratch,
+    ) -> Verdict<Depth> {
+        let found = self.measured_by(Effort::Whole, pair, sides, memory);
+        found.unwrap_or(Verdict::Undecided(Reason::Range))
+    }
+
+    /// The same with that effort: `None` where it does not find it.
+    fn measured_by(
+        self,
+        effort: Effort,
+        pair: &PartPair<'_>,
+        sides: [PosedShape<'_>; 2],
+        memory: &mut epa::Scratch,
+    ) -> Option<Verdict<Depth>> {
+        pair.depth_by(effort, || {
+            match depths::of_parts(self.accuracy, effort, pair, sides, memory)? {
+                Verdict::Touching(depth) => Some(
+                    surface::taken(self.options, pair, sides, depth)
+                        .map_or(Verdict::Apart, Verdict::Touching),
+                ),
+                other => Some(other),
+            }
+        })
+    }
+}
+
+/// The pairs of parts that touch, and those that belong to no manifold yet.
+struct Patches<'a, 's> {
+    how: Measure,
+    sides: [PosedShape<'s>; 2],
+    pairs: &'a [PartPair<'s>],
+    open: Vec<bool>,
+    memory: &'a mut epa::Scratch,
+    corners: &'a mut Corners,
+}
+
+/// How a pair of parts belongs to a manifold.
+enum Member {
+    /// Its own normal agrees.
+    Alike(Depth),
+    /// The manifold's normal and depth, and so much more, metres, separate it.
+    Separated(f64),
+}
+
+impl Patches<'_, '_> {
+    /// The manifold of an open pair that is as deep as any, with all open pairs that belong to it: none of these is
+    /// open then.
+    fn patch(&mut self, lead: usize, depth: Depth) -> Manifold {
+        let view = View::along(depth.normal);
+        self.corners.clear();
+        let (mut features, mut rest) = (Default::default(), 0.0f64);
+        for k in 0..self.pairs.len() {
+            let member = match self.open[k] {
+                true if k == lead => Some(Member::Alike(depth)),
+                true => self.member(k, &depth),
+                false => None,
+            };
+            let Some(member) = member else { continue };
+            self.open[k] = false;
+            let before = self.corners.len();
+            let pair = &self.pairs[k];
+            // A sphere has no corners; of the deepest pair the size and the features count.
+            let is_seen = || surface::is_seen(self.how.options, pair, self.sides, depth.normal);
+            if k == lead || !pair.has_no_corners() && is_seen() {
+                let whole = self.add_corners(&view, &depth, k);
+                features = if k == lead { whole } else { features };
+            }
+            let own = match member {
+                Member::Alike(own) => Some(own),
+                Member::Separated(more) => {
+                    rest = rest.max(more);
+                    None
+                }
+            };
+            if self.corners.len() == before
+                && let Some(own) = own.or_else(|| self.alike(k, &depth))
+            {
+                self.corners.add_witness(&view, &own, self.sides[0].pose.translation());
+            }
+            self.corners.are_of(k as u32, before);
+        }
+        let (mut manifold, of_points) = self.corners.manifold(&view, depth, self.sides, features);
+        manifold.error_bound = (manifold.error_bound + rest).min(f64::MAX);
+        manifold.parts = self.pairs[lead].parts;
+        for (point, pair) in
+            manifold.points[..usize::from(manifold.count)].iter_mut().zip(of_points)
+        {
+            point.parts = self.pairs[pair.map_or(lead, |pair| pair as usize)].parts;
+        }
+        manifold
+    }
+
+    /// Whether an open pair belongs to the manifold of that depth.
+    fn member(&mut self, k: usize, depth: &Depth) -> Option<Member> {
+        let along = self.pairs[k].along(depth.normal);
+        if let Some(rest) = along.rest(depth.depth, NEAR) {
+            return Some(Member::Separated(rest));
+        }
+        along.may_be_within(ANGLE).then(|| self.alike(k, depth)).flatten().map(Member::Alike)
+    }
+
+    /// A pair's own depth, if its normal agrees with that one's.
+    fn alike(&mut self, k: usize, depth: &Depth) -> Option<Depth> {
+        let pair = &self.pairs[k];
+        if !pair.along(depth.normal).may_be_within(ANGLE) {
+            return None;
+        }
+        match self.how.measured(pair, self.sides, self.memory) {
+            Verdict::Touching(own) => Some(own).filter(|own| own.normal.dot(depth.normal) >= ALIKE),
+            _ => None,
+        }
+    }
+
+    /// Adds what a pair's features have in common along the normal, unless they are deeper there than the deepest:
+    /// such parts meet along another. Returns what the two show as wholes.
+    fn add_corners(&mut self, view: &View, depth: &Depth, k: usize) -> [Feature; 2] {
+        let pair = &self.pairs[k];
+        let [a, b] = self.sides;
+        let Some(sides) = pair.posed(a, b) else { return Default::default() };
+        let before = self.corners.len();
+        // The planes of half-spaces are the pair's own; what is seen is seen along the deepest's normal.
+        let is_bounded = sides.iter().all(|side| side.shape.is_bounded());
+        let of_plane = match is_bounded {
+            true => *depth,
+            false => match self.how.measured(pair, self.sides, self.memory) {
+                Verdict::Touching(own) => own,
+                _ => *depth,
+            },
+        };
+        let whole = self.corners.add(view, &Depth { normal: depth.normal, ..of_plane }, sides);
+        if self.corners.deepest_after(before) > depth.depth + self.corners.tolerance() {
+            self.corners.truncate(before);
+        }
+        whole
     }
 }

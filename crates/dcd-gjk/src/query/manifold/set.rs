@@ -1,0 +1,77 @@
+//! The manifolds of one pair.
+
+use super::Manifold;
+use std::ops::Deref;
+
+/// Where two objects touch: a [`Manifold`] for each patch of their surfaces, the deepest first.
+///
+/// Two convex objects have one. Objects of parts have one for each direction that separates some of their parts: a box
+/// in the corner of a mesh one against the floor and one against the wall. A slice of manifolds, in an order that
+/// depends on the pair alone; not empty for a pair that touches.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ManifoldSet(Held);
+
+/// One without an allocation: nearly all pairs have no more.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "the larger one is the common one")]
+enum Held {
+    One(Manifold),
+    /// Not of length 1.
+    Many(Vec<Manifold>),
+}
+
+impl Default for Held {
+    fn default() -> Self {
+        Self::Many(Vec::new())
+    }
+}
+
+impl ManifoldSet {
+    /// The bound of all of them: see [`Manifold::error_bound`]. Metres.
+    pub fn error_bound(&self) -> f64 {
+        self.iter().map(|manifold| manifold.error_bound).fold(0.0, f64::max)
+    }
+
+    pub(super) fn push(&mut self, manifold: Manifold) {
+        match &mut self.0 {
+            Held::Many(all) if all.is_empty() => self.0 = Held::One(manifold),
+            Held::Many(all) => all.push(manifold),
+            Held::One(first) => self.0 = Held::Many(vec![*first, manifold]),
+        }
+    }
+
+    /// The same with a and b exchanged.
+    pub(super) fn mirrored(mut self) -> Self {
+        match &mut self.0 {
+            Held::One(manifold) => *manifold = manifold.mirrored(),
+            Held::Many(all) => all.iter_mut().for_each(|each| *each = each.mirrored()),
+        }
+        self
+    }
+}
+
+impl From<Manifold> for ManifoldSet {
+    fn from(manifold: Manifold) -> Self {
+        Self(Held::One(manifold))
+    }
+}
+
+impl Deref for ManifoldSet {
+    type Target = [Manifold];
+
+    fn deref(&self) -> &[Manifold] {
+        match &self.0 {
+            Held::One(manifold) => std::slice::from_ref(manifold),
+            Held::Many(all) => all,
+        }
+    }
+}
+
+impl<'a> IntoIterator for &'a ManifoldSet {
+    type Item = &'a Manifold;
+    type IntoIter = std::slice::Iter<'a, Manifold>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}

@@ -1,0 +1,311 @@
+//! Where shapes that are made of parts touch: a manifold for each patch, beside the answers for every two parts.
+
+use super::scenes::Draw;
+use super::{PosedSupport, answer_of, solve};
+use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::{Polytope, Pose, Shape, SupportMap};
+use dcd_gjk::query::PartIndex;
+use dcd_gjk::{
+    Accuracy, Depths, Distances, Manifold, ManifoldSet, Manifolds, PosedShape, Verdict,
+    WithAccuracy, certified,
+};
+
+/// A grid of squares, two triangles each, whose vertex (i, j) is `at(i, j)`.
+pub(super) fn grid(side: u32, at: impl Fn(f64, f64) -> DVec3) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let line = side + 1;
+    let vertices = (0..line)
+        .flat_map(|i| (0..line).map(move |j| (f64::from(i), f64::from(j))))
+        .collect::<Vec<_>>();
+    let vertices = vertices.into_iter().map(|(i, j)| at(i, j)).collect();
+    let square = |i: u32, j: u32| {
+        let [a, b, c, d] =
+            [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(|[i, j]| i * line + j);
+        [[a, b, c], [a, c, d]]
+    };
+    let triangles = (0..side).flat_map(|i| (0..side).flat_map(move |j| square(i, j))).collect();
+    (vertices, triangles)
+}
+
+/// Two grids as one mesh.
+fn joined(one: (Vec<DVec3>, Vec<[u32; 3]>), other: (Vec<DVec3>, Vec<[u32; 3]>)) -> Shape {
+    let (mut vertices, mut triangles) = one;
+    let first = vertices.len() as u32;
+    vertices.extend(other.0);
+    triangles.extend(other.1.iter().map(|triangle| triangle.map(|k| k + first)));
+    Shape::mesh(vertices, triangles).unwrap()
+}
+
+/// The parts of a shape as shapes of its own frame.
+fn parts(shape: &Shape) -> Vec<Shape> {
+    match shape {
+        Shape::Mesh(mesh) => (0..mesh.triangles().len())
+            .map(|k| {
+                let triangle = Shape::triangle(mesh.corners(k).unwrap()).unwrap();
+                if mesh.swept_radius() > 0.0 {
+                    triangle.swept(mesh.swept_radius()).unwrap()
+                } else {
+                    triangle
+                }
+            })
+            .collect(),
+        Shape::Compound(compound) => compound.parts().iter().map(|p| p.placed().clone()).collect(),
+        convex => vec![convex.clone()],
+    }
+}
+
+fn part_of(parts: &[Shape], index: Option<PartIndex>) -> &Shape {
+    match index {
+        None => &parts[0],
+        Some(PartIndex::Part(k) | PartIndex::Triangle(k)) => &parts[k as usize],
+    }
+}
+
+/// How far a point is from a convex body's surface, outside or inside of it: by the distance and the depth of a sphere
+/// of radius 0.
+fn off_surface(point: DVec3, shape: &Shape, pose: &Pose) -> f64 {
+    let sphere = Polytope::sphere(0.0).unwrap().into();
+    let point = Pose::from_translation(point).unwrap();
+    let body = PosedSupport { shape: shape.clone(), pose: *pose };
+    let point = PosedSupport { shape: sphere, pose: point };
+    match solve(&Depths, &point, &body) {
+        Verdict::Touching(depth) => depth.depth,
+        _ => match answer_of(&Distances::within(1e6).unwrap(), &point, &body) {
+            Some(found) => found.distance,
+            None => 0.0,
+        },
+    }
+}
+
+fn moved(pose: &Pose, by: DVec3) -> Pose {
+    Pose::from_matrix(*pose.rotation(), pose.translation() + by).unwrap()
+}
+
+/// How far two shapes reach past each other along a direction from the first to the second: by their supports.
+fn reach_along(normal: DVec3, [a, b]: [(&Shape, &Pose); 2]) -> f64 {
+    let farthest = |(shape, pose): (&Shape, &Pose), direction: DVec3| {
+        let local = pose.rotation().transpose() * direction;
+        local.dot(shape.support(local).point) + shape.radius()
+    };
+    farthest(a, normal) + farthest(b, -normal) - normal.dot(b.1.translation() - a.1.translation())
+}
+
+/// Judges each manifold by the parts that it names, and all of them by every two parts that touch. Returns how many
+/// pairs of parts touch.
+fn judge(what: &str, found: &ManifoldSet, a: &PosedSupport, b: &PosedSupport) -> usize {
+    let [parts_a, parts_b] = [a, b].map(|side| parts(&side.shape));
+    let far = a.pose.translation().length() + b.pose.translation().length();
+    let size = a.shape.reach().min(b.shape.reach());
+    let slack = 1e-9 * size + 1e-14 * far;
+    assert!(!found.is_empty(), "{what}");
+    let whole = answer_of(&Depths, a, b);
+    assert_eq!(
+        (found[0].normal, found[0].points()[0].depth),
+        (whole.normal, whole.depth),
+        "{what}"
+    );
+    let deepest = |manifold: &Manifold| manifold.points()[0].depth;
+    assert!(found.is_sorted_by(|p, q| deepest(p) >= deepest(q)), "{what}: {found:?}");
+    for manifold in found {
+        let Manifold { normal, error_bound: bound, .. } = *manifold;
+        assert!((normal.length() - 1.0).abs() < 1e-12 && bound.is_finite(), "{what}: {manifold:?}");
+        let lead = [part_of(&parts_a, manifold.parts[0]), part_of(&parts_b, manifold.parts[1])];
+        let reach = reach_along(normal, [(lead[0], &a.pose), (lead[1], &b.pose)]);
+        assert!((reach - deepest(manifold)).abs() <= bound + slack, "{what}: {reach} {manifold:?}");
+        for point in manifold.points() {
+            assert!((0.0..=deepest(manifold)).contains(&point.depth), "{what}: {manifold:?}");
+            let between = point.point_a - point.point_b - normal * point.depth;
+            assert!(between.length() <= bound + slack, "{what}: {manifold:?}");
+            let off_a = off_surface(point.point_a, part_of(&parts_a, point.parts[0]), &a.pose);
+            let off_b = off_surface(point.point_b, part_of(&parts_b, point.parts[1]), &b.pose);
+            assert!(off_a <= bound + slack, "{what}: {off_a} {point:?} {manifold:?}");
+            assert!(off_b <= bound + slack, "{what}: {off_b} {point:?} {manifold:?}");
+        }
+    }
+    let mut touching = 0;
+    for part_a in &parts_a {
+        let in_a = PosedShape { shape: part_a, pose: &a.pose };
+        for part_b in &parts_b {
+            let in_b = PosedShape { shape: part_b, pose: &b.pose };
+            if certified::overlap_of(in_a, in_b).0 != Verdict::Touching(()) {
+                continue;
+            }
+            touching += 1;
+            let separates = |manifold: &Manifold| {
+                let by = deepest(manifold) + manifold.error_bound + slack;
+                let pose = moved(&b.pose, manifold.normal * by);
+                let in_b = PosedShape { shape: part_b, pose: &pose };
+                certified::overlap_of(in_a, in_b).0 == Verdict::Apart
+            };
+            if found.iter().any(separates) {
+                continue;
+            }
+            let one = PosedSupport { shape: part_a.clone(), pose: a.pose };
+            let other = PosedSupport { shape: part_b.clone(), pose: b.pose };
+            let own = answer_of(&Depths, &one, &other);
+            let agrees = |manifold: &Manifold| {
+                manifold.normal.dot(own.normal) >= 1.0 - 5.1e-7
+                    && own.depth <= deepest(manifold) + manifold.error_bound + own.error_bound
+            };
+            assert!(found.iter().any(agrees), "{what}: {own:?} is in none of {found:?}");
+        }
+    }
+    touching
+}
+
+fn is_mirrored(found: &ManifoldSet, back: &ManifoldSet) -> bool {
+    let pairs = || found.iter().zip(back.iter());
+    found.len() == back.len()
+        && pairs().all(|(p, q)| {
+            let points = || p.points().iter().zip(q.points());
+            (p.normal, p.error_bound, p.points().len())
+                == (-q.normal, q.error_bound, q.points().len())
+                && p.parts == [q.parts[1], q.parts[0]]
+                && points().all(|(x, y)| {
+                    (x.point_a, x.point_b, x.depth) == (y.point_b, y.point_a, y.depth)
+                        && x.features == [y.features[1], y.features[0]]
+                        && x.parts == [y.parts[1], y.parts[0]]
+                })
+        })
+}
+
+/// Floor and wall: a mesh of both, and a compound of two slabs.
+fn corners(scale: f64) -> [(&'static str, Shape); 2] {
+    let floor = grid(8, |i, j| DVec3::new(i * 0.5, j * 0.5 - 2.0, 0.0) * scale);
+    let wall = grid(8, |i, j| DVec3::new(0.0, i * 0.5 - 2.0, j * 0.5) * scale);
+    let slab = |half: DVec3, at: DVec3| {
+        (Shape::cuboid(half * scale).unwrap(), Pose::from_translation(at * scale).unwrap())
+    };
+    let slabs = vec![
+        slab(DVec3::new(2.5, 2.0, 0.5), DVec3::new(1.5, 0.0, -0.5)),
+        slab(DVec3::new(0.5, 2.0, 2.0), DVec3::new(-0.5, 0.0, 2.0)),
+    ];
+    [("mesh", joined(floor, wall)), ("compound", Shape::compound(slabs).unwrap())]
+}
+
+#[test]
+fn a_box_in_a_corner_touches_the_floor_and_the_wall() {
+    for scale in [1e-3, 1.0, 1e3] {
+        for far in [DVec3::ZERO, DVec3::new(1e3, -1e6, 1e5) * scale] {
+            for (name, corner) in corners(scale) {
+                let cube = Shape::cuboid(DVec3::splat(0.4 * scale)).unwrap();
+                let a = PosedSupport::at(&corner, far);
+                let b = PosedSupport::at(&cube, far + DVec3::new(0.38, 0.1, 0.39) * scale);
+                let what = format!("{name}, {scale}, {far}");
+                let found = answer_of(&Manifolds, &a, &b);
+                judge(&what, &found, &a, &b);
+                let [wall, floor] = &found[..] else { panic!("{what}: {found:?}") };
+                for (patch, normal, deep) in [(wall, DVec3::X, 0.02), (floor, DVec3::Z, 0.01)] {
+                    assert!(patch.normal.distance(normal) < 1e-9, "{what}: {patch:?}");
+                    assert_eq!(patch.points().len(), 4, "{what}: {patch:?}");
+                    for point in patch.points() {
+                        assert!((point.depth - deep * scale).abs() < 1e-8 * scale, "{patch:?}");
+                        let part = part_of(&parts(&corner), point.parts[0]).clone();
+                        let along = part.support(normal).point.dot(normal);
+                        assert!(along.abs() < 1e-9 * scale, "{what}: not of that plane, {point:?}");
+                        assert_eq!(point.parts[1], None);
+                    }
+                }
+                assert!(is_mirrored(&found, &answer_of(&Manifolds, &b, &a)), "{what}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_rests_on_one_plane_has_one_manifold_and_what_lies_in_a_fold_has_two() {
+    let sphere = Shape::sphere(0.5).unwrap();
+    let roof = |slope: f64| {
+        let (vertices, triangles) =
+            grid(8, |i, j| DVec3::new(i - 4.0, j - 4.0 + 0.1 * i, slope * (i - 4.0).abs()));
+        Shape::mesh(vertices, triangles).unwrap()
+    };
+    // A ridge, planes that hardly bend, and a fold.
+    for (slope, count) in [(-0.3, 1), (0.0, 1), (2e-4, 1), (0.01, 2), (0.3, 2)] {
+        let a = PosedSupport::at(&roof(slope), DVec3::ZERO);
+        let height = 0.49 * (1.0 + slope.max(0.0).powi(2)).sqrt();
+        let b = PosedSupport::at(&sphere, DVec3::new(0.0, 0.13, height));
+        let what = format!("slope {slope}");
+        let found = answer_of(&Manifolds, &a, &b);
+        assert!(judge(&what, &found, &a, &b) >= 2, "{what}");
+        assert_eq!(found.len(), count, "{what}: {found:?}");
+        assert!(is_mirrored(&found, &answer_of(&Manifolds, &b, &a)), "{what}");
+    }
+}
+
+/// Waves, about flat, folded, or as drawn.
+fn terrain(draw: &mut Draw, kind: usize) -> Shape {
+    let side = 6;
+    let rough = [0.0, 0.02, 0.3, 1e-5][kind % 4];
+    let mut heights: Vec<f64> = (0..49).map(|_| draw.unit() * rough).collect();
+    heights.push(0.0);
+    let (vertices, triangles) = grid(side, |i, j| {
+        DVec3::new(i * 0.4 - 1.2, j * 0.4 - 1.2, heights[(i * 7.0 + j) as usize])
+    });
+    let mesh = Shape::mesh(vertices, triangles).unwrap();
+    if kind % 5 == 4 { mesh.swept(0.05).unwrap() } else { mesh }
+}
+
+fn bodies() -> Vec<Shape> {
+    let mut draw = Draw(5);
+    let cuboid = Shape::cuboid(DVec3::new(0.3, 0.2, 0.25)).unwrap();
+    let cloud = (0..16).map(|_| draw.vector() * 0.4).collect();
+    let arm = |x: f64, turn: DQuat| (cuboid.clone(), Pose::new(turn, DVec3::X * x).unwrap());
+    vec![
+        cuboid.clone(),
+        Shape::sphere(0.3).unwrap(),
+        Shape::capsule(0.25, 0.15).unwrap(),
+        Shape::hull(cloud).unwrap(),
+        cuboid.clone().swept(0.08).unwrap(),
+        Shape::cylinder(0.25, 0.2).unwrap(),
+        Shape::compound(vec![arm(-0.3, DQuat::IDENTITY), arm(0.3, DQuat::from_rotation_z(0.4))])
+            .unwrap(),
+    ]
+}
+
+#[test]
+fn every_two_parts_that_touch_belong_to_a_manifold() {
+    let bodies = bodies();
+    let mut draw = Draw(41);
+    let (mut touching, mut several) = (0, 0);
+    for round in 0..420usize {
+        let ground = terrain(&mut draw, round / 7);
+        let turn = match round % 3 {
+            0 => DQuat::IDENTITY,
+            1 => DQuat::from_scaled_axis(draw.vector() * 0.1),
+            _ => draw.turn(),
+        };
+        let far = if round % 4 == 3 { draw.vector() * 1e4 } else { DVec3::ZERO };
+        let all = draw.turn();
+        let place = DVec3::new(draw.unit() * 0.7, draw.unit() * 0.7, 0.27 + 0.1 * draw.unit());
+        let a = PosedSupport::new(ground, all, far);
+        let b = PosedSupport::new(bodies[round % 7].clone(), all * turn, far + all * place);
+        let what = format!("round {round}");
+        let Verdict::Touching(found) = solve(&Manifolds, &a, &b) else { continue };
+        judge(&what, &found, &a, &b);
+        touching += 1;
+        several += usize::from(found.len() > 1);
+        let Verdict::Touching(back) = solve(&Manifolds, &b, &a) else { panic!("{what}") };
+        assert!(is_mirrored(&found, &back), "{what}");
+        let fast = answer_of(&WithAccuracy::new(Manifolds, Accuracy::F64), &a, &b);
+        assert!(!fast.is_empty(), "{what}");
+    }
+    assert!(touching > 200 && several > 50, "{touching}, {several}");
+}
+
+#[test]
+fn meshes_and_compounds_touch_each_other_in_patches() {
+    let mut draw = Draw(42);
+    let dish = |draw: &mut Draw| terrain(draw, 2);
+    let compound = bodies().pop().unwrap();
+    let mut several = 0;
+    for round in 0..40usize {
+        let a = PosedSupport::new(dish(&mut draw), draw.turn(), DVec3::ZERO);
+        let other = if round % 2 == 0 { dish(&mut draw) } else { compound.clone() };
+        let b = PosedSupport::new(other, draw.turn(), draw.vector() * 0.3);
+        let Verdict::Touching(found) = solve(&Manifolds, &a, &b) else { continue };
+        judge(&format!("round {round}"), &found, &a, &b);
+        several += usize::from(found.len() > 1);
+        assert!(is_mirrored(&found, &answer_of(&Manifolds, &b, &a)), "round {round}");
+    }
+    assert!(several > 10, "{several}");
+}

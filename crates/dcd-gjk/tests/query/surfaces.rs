@@ -1,0 +1,148 @@
+//! Meshes as surfaces: the front of their triangles, and no edges inside of them.
+
+use super::patches::grid;
+use super::scenes::Draw;
+use super::{PosedSupport, answer_of};
+use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::{Shape, SupportMap};
+use dcd_gjk::query::{ManifoldOptions, ManifoldsWith, MeshEdges, MeshSides};
+use dcd_gjk::{ManifoldSet, Manifolds};
+
+const ACTIVE: ManifoldOptions =
+    ManifoldOptions { mesh_sides: MeshSides::Both, mesh_edges: MeshEdges::Active };
+
+fn with(options: ManifoldOptions, a: &PosedSupport, b: &PosedSupport) -> ManifoldSet {
+    answer_of(&ManifoldsWith(options), a, b)
+}
+
+/// Squares of that width round the origin, at heights by place.
+fn ground(width: f64, height: impl Fn(f64, f64) -> f64) -> Shape {
+    let (vertices, triangles) = grid(12, |i, j| {
+        let [x, y] = [i - 6.0, j - 6.0].map(|k| k * width);
+        DVec3::new(x, y, height(x, y))
+    });
+    Shape::mesh(vertices, triangles).unwrap()
+}
+
+/// What slides and rolls, with its position.
+fn bodies() -> Vec<(Shape, DQuat)> {
+    let cube = Shape::cuboid(DVec3::new(0.4, 0.3, 0.2)).unwrap();
+    let tip = DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::Z);
+    vec![
+        (Shape::sphere(0.3).unwrap(), DQuat::IDENTITY),
+        (cube.clone(), DQuat::IDENTITY),
+        (cube.clone(), DQuat::from_rotation_y(0.3)),
+        (cube, tip),
+        (Shape::capsule(0.3, 0.2).unwrap(), DQuat::from_rotation_y(1.2)),
+        (Shape::cylinder(0.3, 0.2).unwrap(), DQuat::from_rotation_x(0.4)),
+    ]
+}
+
+/// How far below its middle the lowest point of a body is.
+fn lowest(shape: &Shape, turn: DQuat) -> f64 {
+    let down = turn.inverse() * DVec3::NEG_Z;
+    shape.support(down).point.dot(down) + shape.radius()
+}
+
+#[test]
+fn what_slides_and_rolls_over_a_flat_floor_of_triangles_has_its_normal_everywhere() {
+    let mut draw = Draw(51);
+    let mut caught = 0;
+    for width in [0.07, 0.3, 2.0] {
+        let floor = PosedSupport::at(&ground(width, |_, _| 0.0), DVec3::ZERO);
+        for (shape, tilt) in bodies() {
+            for step in 0..40 {
+                // Along the edges, and across them.
+                let x = 0.25 * width * f64::from(step % 20) / 5.0;
+                let y = if step < 20 { 0.0 } else { draw.unit() * width };
+                let turn = DQuat::from_rotation_z(0.1 * f64::from(step)) * tilt;
+                let deep = 1e-3 + 0.009 * draw.unit().abs();
+                let place = DVec3::new(x, y, lowest(&shape, turn) - deep);
+                let body = PosedSupport::new(shape.clone(), turn, place);
+                let what = format!("width {width}, {body:?}");
+                let found = with(ACTIVE, &floor, &body);
+                let [manifold] = &found[..] else { panic!("{what}: {found:?}") };
+                assert!(manifold.normal.distance(DVec3::Z) < 1e-3, "{what}: {found:?}");
+                let depth = manifold.points()[0].depth;
+                assert!(depth <= deep + manifold.error_bound + 1e-9, "{what}: {found:?}");
+                assert!(depth >= deep - manifold.error_bound - 1e-9, "{what}: {found:?}");
+                let back = with(ACTIVE, &body, &floor);
+                assert_eq!((back.len(), back[0].normal), (1, -manifold.normal), "{what}");
+                let as_is = answer_of(&Manifolds, &floor, &body);
+                caught += usize::from(as_is.iter().any(|m| m.normal.distance(DVec3::Z) > 1e-3));
+            }
+        }
+    }
+    assert!(caught > 10, "{caught}: the edges catch nothing even without the option");
+}
+
+#[test]
+fn over_a_ridge_the_ridge_has_its_own_normal() {
+    let sphere = Shape::sphere(0.5).unwrap();
+    for slope in [0.05, 0.5, 2.0] {
+        let ridge = PosedSupport::at(&ground(0.5, |x, _| -slope * x.abs()), DVec3::ZERO);
+        let steepest = slope.atan();
+        for step in -9..=9 {
+            // Round the ridge, from the normal of one side to that of the other.
+            let angle = steepest * 0.98 * f64::from(step) / 9.0;
+            let normal = DVec3::new(angle.sin(), 0.0, angle.cos());
+            let place = normal * 0.49 + DVec3::Y * 0.13;
+            let body = PosedSupport::at(&sphere, place);
+            let found = with(ACTIVE, &ridge, &body);
+            let what = format!("slope {slope}, angle {angle}: {found:?}");
+            assert_eq!(found.len(), 1, "{what}");
+            assert!(found[0].normal.distance(normal) < 1e-9, "{what}");
+            assert!((found[0].points()[0].depth - 0.01).abs() < 1e-9, "{what}");
+        }
+        // A box that balances on it, which touches both sides along the edge.
+        let cube = Shape::cuboid(DVec3::splat(0.4)).unwrap();
+        let body = PosedSupport::at(&cube, DVec3::new(0.1, 0.13, 0.39));
+        let found = with(ACTIVE, &ridge, &body);
+        assert!(found[0].normal.distance(DVec3::Z) < 1e-9, "{found:?}");
+        assert!((found[0].points()[0].depth - 0.01).abs() < 1e-9, "{found:?}");
+    }
+}
+
+#[test]
+fn a_fold_has_the_normals_of_its_faces() {
+    let sphere = Shape::sphere(0.3).unwrap();
+    let fold = PosedSupport::at(&ground(0.4, |x, _| 0.5 * x.abs()), DVec3::ZERO);
+    let height = 0.29 * 1.25f64.sqrt();
+    let body = PosedSupport::at(&sphere, DVec3::new(0.0, 0.07, height));
+    let found = with(ACTIVE, &fold, &body);
+    assert_eq!(found.len(), 2, "{found:?}");
+    for manifold in &found {
+        let face = DVec3::new(0.5 * manifold.normal.x.signum(), 0.0, 1.0).normalize();
+        assert!(manifold.normal.distance(face) < 1e-9, "{found:?}");
+    }
+}
+
+#[test]
+fn a_front_alone_ignores_what_is_behind_and_outward_pushes_it_out() {
+    let sides = |mesh_sides| ManifoldOptions { mesh_sides, ..ManifoldOptions::default() };
+    let floor = PosedSupport::at(&ground(0.4, |_, _| 0.0), DVec3::ZERO);
+    let cube = Shape::cuboid(DVec3::splat(0.2)).unwrap();
+    let sphere = Shape::sphere(0.2).unwrap();
+    for shape in [cube, sphere] {
+        for place in [DVec3::new(0.1, 0.17, 0.0), DVec3::new(0.0, 0.0, 0.0)] {
+            let above = PosedSupport::at(&shape, place + DVec3::Z * 0.19);
+            let below = PosedSupport::at(&shape, place - DVec3::Z * 0.19);
+            for options in [MeshSides::Front, MeshSides::Outward].map(sides) {
+                let found = with(options, &floor, &above);
+                let as_is = answer_of(&Manifolds, &floor, &above);
+                assert_eq!((found.len(), found[0].points()), (1, as_is[0].points()), "{options:?}");
+                assert_eq!(found[0].normal, DVec3::Z);
+            }
+            let both = answer_of(&Manifolds, &floor, &below);
+            assert!((both[0].normal + DVec3::Z).length() < 1e-12, "{both:?}");
+            assert!(with(sides(MeshSides::Front), &floor, &below).is_empty());
+            let pushed = with(sides(MeshSides::Outward), &floor, &below);
+            assert!((pushed[0].normal - DVec3::Z).length() < 1e-12, "{pushed:?}");
+            let deepest = pushed[0].points()[0];
+            let bound = pushed[0].error_bound + 1e-9;
+            assert!((deepest.depth - 0.39).abs() <= bound, "{pushed:?}");
+            let back = with(sides(MeshSides::Outward), &below, &floor);
+            assert_eq!((back.len(), back[0].normal), (pushed.len(), -pushed[0].normal));
+        }
+    }
+}
