@@ -22,13 +22,13 @@ use std::time::{Duration, Instant};
 pub(crate) struct Detect {
     #[command(flatten)]
     source: Source,
-    /// Who judges the candidate pairs
+    /// Which arithmetic decides the candidate pairs
     #[arg(long, value_enum, default_value_t)]
     precision: Precision,
-    /// What is asked about each touching pair
+    /// What is computed for each touching pair
     #[arg(long, value_enum, default_value_t)]
     query: Query,
-    /// How good the bound of what is measured has to be; no matter with --query overlap
+    /// How good the bound of what is measured has to be; no effect with --query overlap
     #[arg(long, value_enum, default_value_t)]
     accuracy: Accuracy,
     /// Pairs within M metres of each other count as touching; with --query overlap, distance and gradient
@@ -49,11 +49,11 @@ pub(crate) struct Detect {
     out: Option<PathBuf>,
 }
 
-/// Whose answer is asked for.
+/// Which arithmetic decides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Precision {
-    /// f32 taken at its word
+    /// f32 without error bounds
     Fast,
     /// What f64 can prove, else undecided
     F64,
@@ -62,7 +62,7 @@ pub(crate) enum Precision {
     Certified,
 }
 
-/// What is asked about each touching pair.
+/// What is computed for each touching pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum Query {
     /// Nothing more
@@ -176,11 +176,11 @@ impl Detect {
             digest,
         };
         let text = summary::gathered(mpi, &report, &found, self.json);
-        let told = match text {
+        let printed = match text {
             Some(text) => stdout().write_all(text.as_bytes()).map_err(Failure::output),
             None => Ok(()),
         };
-        agree(mpi, told)
+        agree(mpi, printed)
     }
 
     fn question(&self) -> Result<Question, Failure> {

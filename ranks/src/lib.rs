@@ -36,9 +36,9 @@ impl Mpi {
     pub fn start() -> Option<Self> {
         // Worker threads never speak to MPI.
         let (universe, _) = mpi::initialize_with_threading(Threading::Funneled)?;
-        let tell = panic::take_hook();
+        let report = panic::take_hook();
         panic::set_hook(Box::new(move |what| {
-            tell(what);
+            report(what);
             SimpleCommunicator::world().abort(101);
         }));
         Some(Self {

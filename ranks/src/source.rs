@@ -108,7 +108,7 @@ fn made(raw: RawShare, place: &str, objects: u64, mpi: &Mpi) -> Result<Loaded, F
     Ok(Loaded { share, objects })
 }
 
-/// That this machine has room for what its ranks take of all.
+/// Refuses what needs more memory than this machine has for its ranks.
 fn demand(mpi: &Mpi, what: &str, all_bytes: f64) -> Result<(), Failure> {
     let neighbours = mpi.neighbours() as f64;
     let bytes = all_bytes * neighbours / mpi.size() as f64;

@@ -1,4 +1,4 @@
-//! What is told of a run, as text and as JSON: by rank 0, of all.
+//! The report on a run, as text and as JSON: by rank 0, on all ranks.
 
 use crate::detect::{Precision, Times};
 use dcd_mpi::Mpi;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::time::Duration;
 
-/// What a rank tells rank 0.
+/// The report of a rank to rank 0.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct RankReport {
     pub(crate) rank: usize,

@@ -112,7 +112,7 @@ fn a_file_is_read_in_shares_and_by_threads_too() {
 }
 
 #[test]
-fn what_cannot_be_read_is_told_once_and_ends_all_ranks() {
+fn what_cannot_be_read_is_reported_once_and_ends_all_ranks() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut raw = SceneSpec::sparse().with_objects(100).raw().expect("made");
     raw.objects[77].translation.x = f64::NAN;
@@ -121,11 +121,11 @@ fn what_cannot_be_read_is_told_once_and_ends_all_ranks() {
     let name = path.to_str().expect("a plain name");
     let out = folder.path().join("out");
     let refused = mpirun(3, &["detect", name, "--out", out.to_str().expect("a plain name")]);
-    let told = text(&refused.stderr);
-    assert_eq!(refused.status.code(), Some(2), "{told}");
-    let lines: Vec<&str> = told.lines().filter(|line| line.starts_with("dcd-mpi: ")).collect();
-    assert_eq!(lines.len(), 1, "{told}");
-    assert!(lines[0].contains(name) && lines[0].contains("object 77: "), "{told}");
+    let printed = text(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{printed}");
+    let lines: Vec<&str> = printed.lines().filter(|line| line.starts_with("dcd-mpi: ")).collect();
+    assert_eq!(lines.len(), 1, "{printed}");
+    assert!(lines[0].contains(name) && lines[0].contains("object 77: "), "{printed}");
     assert!(!out.exists());
     for (arguments, what) in [
         (&["detect", "/no/such/file"][..], "/no/such/file"),
@@ -135,14 +135,14 @@ fn what_cannot_be_read_is_told_once_and_ends_all_ranks() {
         (&["detect", "--scene", "sparse", "--out", "/no/such/folder/out"], "/no/such/folder/out"),
     ] {
         let refused = mpirun(2, arguments);
-        let told = text(&refused.stderr);
-        assert_eq!(refused.status.code(), Some(2), "{arguments:?}: {told}");
-        assert!(told.contains(what), "{arguments:?}: {told}");
+        let printed = text(&refused.stderr);
+        assert_eq!(refused.status.code(), Some(2), "{arguments:?}: {printed}");
+        assert!(printed.contains(what), "{arguments:?}: {printed}");
     }
     let bytes = std::fs::read(&path).expect("read");
     std::fs::write(&path, &bytes[..bytes.len() / 2]).expect("written");
-    let told = text(&mpirun(2, &["detect", name]).stderr);
-    assert!(told.contains(name) && told.contains("of record"), "{told}");
+    let printed = text(&mpirun(2, &["detect", name]).stderr);
+    assert!(printed.contains(name) && printed.contains("of record"), "{printed}");
 }
 
 /// Cargo builds examples beside the tests.
@@ -162,9 +162,9 @@ fn messages_in_pieces_arrive_whole() {
 #[test]
 fn a_rank_that_panics_ends_all_with_its_message() {
     let lost = mpirun_of(&example("lost"), 3, &[]);
-    let told = text(&lost.stderr);
+    let printed = text(&lost.stderr);
     assert!(!lost.status.success());
-    assert!(told.contains("rank 1 is lost"), "{told}");
+    assert!(printed.contains("rank 1 is lost"), "{printed}");
     assert!(!text(&lost.stdout).contains("goes on"));
 }
 

@@ -155,6 +155,7 @@ fn quick_measurements() -> Result<Vec<String>> {
         "questions",
         "ranks",
         "rays",
+        "robots",
     ];
     for name in names {
         eprintln!("-- {name} --quick");

@@ -48,6 +48,9 @@ enum Task {
     /// One scene over many ranks: objects, ghosts, bytes and balance of each, two ranks beside two threads
     #[command(disable_help_flag = true)]
     Ranks(PassedOn),
+    /// The Panda on 700 problems: states and edges, beside Parry and beside sampling [skips where the data is absent]
+    #[command(disable_help_flag = true)]
+    Robots(PassedOn),
     /// How the step scales with threads and with the number of objects
     #[command(disable_help_flag = true)]
     Scale(PassedOn),
@@ -87,6 +90,7 @@ fn run(task: Task) -> Result<ExitCode> {
         Task::Accuracy(passed) => measure::run("accuracy", &passed.arguments),
         Task::Questions(passed) => measure::run("questions", &passed.arguments),
         Task::Ranks(passed) => measure::run("ranks", &passed.arguments),
+        Task::Robots(passed) => measure::run("robots", &passed.arguments),
         Task::Scale(passed) => measure::run("scale", &passed.arguments),
         Task::Results => results::take_in().map(|()| ExitCode::SUCCESS),
         Task::Ci => ci::run().map(|()| ExitCode::SUCCESS),

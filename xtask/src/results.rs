@@ -9,7 +9,7 @@ use serde::Deserialize;
 use crate::cargo;
 
 /// Measuring binaries, and their folders in `docs/results`.
-const FOLDERS: [(&str, &str); 9] = [
+const FOLDERS: [(&str, &str); 10] = [
     ("bench", "paper"),
     ("compare", "compare"),
     ("batch", "batch"),
@@ -19,6 +19,7 @@ const FOLDERS: [(&str, &str); 9] = [
     ("accuracy", "accuracy"),
     ("questions", "questions"),
     ("ranks", "ranks"),
+    ("robots", "robots"),
 ];
 
 /// Documents that show tables of the results.

@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn behind_the_door_it_keeps_the_contract() {
+    fn behind_the_trait_it_keeps_the_contract() {
         for count in [0, 1, 16, 17, 300, 5000] {
             crate::contract::tree(&WideBuilder, &boxes(count)).unwrap();
         }

@@ -7,7 +7,6 @@ mod judge;
 mod lines;
 mod picture;
 mod problems;
-mod rival;
 mod state;
 mod states;
 
@@ -130,6 +129,9 @@ pub(crate) struct Robot {
     /// The most intervals of an edge that are checked
     #[arg(long, value_name = "N", requires = "edges", default_value_t = 100_000)]
     budget: usize,
+    /// Write for each free edge of --edges the planes that prove it (format: see --help)
+    #[arg(long, value_name = "FILE", requires = "edges")]
+    certificate: Option<PathBuf>,
     /// Grow all links by this much on all sides, metres, against the world alone
     #[arg(long, value_name = "METRES", conflicts_with = "all_problems")]
     padding: Option<f64>,
@@ -195,7 +197,7 @@ struct Answer {
 
 impl Robot {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        let glb = self.picture()?;
+        let lines::Outputs { glb, certificate } = self.outputs()?;
         let model = Model::load_with(&self.urdf, &self.meshes()?).map_err(refused)?;
         note(&self.urdf, model.notes());
         // One object of JSON says it by itself; lines of it do not.
@@ -208,7 +210,8 @@ impl Robot {
             None => AllowedPairs::adjacent(&model),
         };
         if let Some(path) = self.states.as_ref().or(self.edges.as_ref()) {
-            return self.answer_lines(&model, srdf.as_ref(), allowed, path, glb);
+            let outputs = lines::Outputs { glb, certificate };
+            return self.answer_lines((&model, srdf.as_ref()), allowed, path, outputs);
         }
         if let Some(out) = &self.acm {
             let search = PairSearch { samples: self.samples, ..PairSearch::default() };
@@ -322,11 +325,10 @@ impl Robot {
     /// Checks the states or edges of a file.
     fn answer_lines(
         &self,
-        model: &Model,
-        srdf: Option<&Srdf>,
+        (model, srdf): (&Model, Option<&Srdf>),
         mut allowed: AllowedPairs,
         path: &Path,
-        glb: Option<Output>,
+        outputs: lines::Outputs,
     ) -> Result<(), Failure> {
         let world = self.load_world(model, srdf)?;
         allowed.extend(&world.allowed);
@@ -335,20 +337,26 @@ impl Robot {
         let meshes = MeshSource { paths: MeshPaths::new(folder), ..self.meshes()? };
         let given = lines::Given { robot: model, world: &world, allowed: &allowed, meshes };
         if self.states.is_some() {
-            lines::answer(&states::States { clearance: self.clearance }, &given, path, glb)
+            lines::answer(&states::States { clearance: self.clearance }, &given, path, outputs)
         } else {
-            lines::answer(&edges::Edges { budget: self.budget }, &given, path, glb)
+            let certificates = match self.certificate {
+                Some(_) => edges::Certificates::Written,
+                None => edges::Certificates::None,
+            };
+            let edges = edges::Edges { budget: self.budget, certificates };
+            lines::answer(&edges, &given, path, outputs)
         }
     }
 
-    /// The file of the picture, which is none that is read.
-    fn picture(&self) -> Result<Option<Output>, Failure> {
+    /// The files of the picture and of the certificate, which are none that is read.
+    fn outputs(&self) -> Result<lines::Outputs, Failure> {
         let read = [&self.world, &self.states, &self.edges, &self.request];
         let read = self.srdf.iter().chain(read.into_iter().flatten()).chain([&self.urdf]);
         let read: Vec<&Path> = read.map(PathBuf::as_path).collect();
-        let glb: Vec<&Path> = self.glb.iter().map(PathBuf::as_path).collect();
-        check_distinct(&read, &glb)?;
-        self.glb.as_deref().map(Output::create).transpose()
+        let written = self.glb.iter().chain(&self.certificate);
+        check_distinct(&read, &written.map(PathBuf::as_path).collect::<Vec<_>>())?;
+        let made = |path: &Option<PathBuf>| path.as_deref().map(Output::create).transpose();
+        Ok(lines::Outputs { glb: made(&self.glb)?, certificate: made(&self.certificate)? })
     }
 
     fn state_of(

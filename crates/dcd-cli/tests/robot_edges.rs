@@ -5,6 +5,7 @@ mod common;
 
 use common::{Folder, dcd};
 use dcd_io::data;
+use dcd_judge::{Replay, Replayed};
 use serde_json::{Value, json};
 
 /// A slider along x that carries a turning bar of length 2, its end on the axis.
@@ -57,6 +58,57 @@ fn each_edge_is_free_with_a_clearance_or_hit_at_a_parameter() {
     let clearance = found[2]["clearance"].as_f64().unwrap();
     assert!(clearance <= 1.3 && clearance > 0.4, "{clearance}");
     assert_eq!(found[2]["free_until"], json!(1.0));
+}
+
+/// What the judge says of each line of a certificate.
+fn replayed(certificate: &str) -> Vec<Replayed> {
+    let mut replay = Replay::default();
+    let text = std::fs::read_to_string(certificate).unwrap();
+    text.lines().map(|line| replay.line(line).unwrap()).collect()
+}
+
+#[test]
+fn a_certificate_has_a_proof_of_each_free_edge_and_nothing_of_others() {
+    let folder = Folder::new("certificate");
+    let (urdf, post) = (folder.file("arm.urdf", ARM), folder.file("post.yaml", POST));
+    let carried = r#""attached": [{"name": "rod", "link": "bar", "shape": {"cylinder": [0.05, 0.4]}, "pose": {"xyz": [1, 0.1, 0]}}]"#;
+    let edges = format!(
+        "{}\n{}\n{}\n{}\n{}\n{}\n",
+        r#"{"from": [0, 0], "to": [0, -3.141592653589793]}"#,
+        r#"{"from": [0, 0], "to": [0, 3.141592653589793]}"#,
+        r#"{"from": [0, 0]}"#,
+        r#"{"control": [[0, 0], [0, -1], [0, -1], [0, 0]]}"#,
+        format_args!(r#"{{"from": [0, 0], "to": [0, -1], {carried}}}"#),
+        r#"{"from": {"slide": -4}, "to": {"slide": 4}}"#,
+    );
+    let edges = folder.file("edges.jsonl", &edges);
+    let out = folder.path("proofs.jsonl");
+    let run = ["robot", &urdf, "--world", &post, "--edges", &edges, "--padding", "0.01"];
+    let plain = dcd(&run);
+    let ran = dcd(&[&run[..], &["--certificate", &out]].concat());
+    // The third line is no edge.
+    assert_eq!((ran.code, &ran.stdout), (Some(2), &plain.stdout), "{ran:?}");
+    let found = replayed(&out);
+    let cells = found.iter().filter(|line| matches!(line, Replayed::Cell { .. })).count();
+    // What it carries makes it another robot, and again.
+    assert_eq!(cells, 3, "{found:?}");
+    let edges: Vec<_> =
+        found.iter().filter(|line| !matches!(line, Replayed::Cell { .. })).collect();
+    for (k, edge) in edges.iter().enumerate() {
+        match (k, edge) {
+            (1, Replayed::NotFree { edge: 1, answer }) => assert_eq!(answer, "hit"),
+            (2, Replayed::NotFree { edge: 2, answer }) => assert_eq!(answer, "error"),
+            (_, &&Replayed::Accepted { edge, clearance, planes, .. }) => {
+                assert!(edge == k && clearance > 0.01 && planes > 0, "{edge} {clearance}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    assert_eq!(edges.len(), 6);
+    let same = dcd(&[&run[..], &["--certificate", run[5]]].concat());
+    assert_eq!(same.code, Some(2), "it would be written over the edges: {same:?}");
+    let none = dcd(&["robot", &urdf, "--certificate", &out]);
+    assert_eq!(none.code, Some(2), "a certificate without edges: {none:?}");
 }
 
 #[test]
@@ -121,10 +173,30 @@ fn a_free_edge_of_the_panda_has_free_samples() {
     let to = [0.6, -0.4, 0.3, -1.9, 0.2, 1.8, 0.4];
     let line = json!({"from": from, "to": to});
     let edges = folder.file("edges.jsonl", &format!("{line}\n"));
-    let ran = dcd(&["robot", urdf, "--srdf", srdf, "--edges", &edges]);
-    assert_eq!(ran.code, Some(0), "{ran:?}");
-    let edge = &lines(&ran.stdout)[0];
-    assert_eq!(edge["answer"], "free", "{edge}");
+    for shapes in ["hulls", "meshes"] {
+        let out = folder.path("proofs.jsonl");
+        let run = [
+            "robot",
+            urdf,
+            "--srdf",
+            srdf,
+            "--links",
+            shapes,
+            "--edges",
+            &edges,
+            "--certificate",
+            &out,
+        ];
+        let ran = dcd(&run);
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+        let edge = &lines(&ran.stdout)[0];
+        assert_eq!(edge["answer"], "free", "{edge}");
+        let found = replayed(&out);
+        assert!(
+            matches!(found[..], [Replayed::Cell { .. }, Replayed::Accepted { .. }]),
+            "{found:?}"
+        );
+    }
     let states: String = (0..=20)
         .map(|k| {
             let t = f64::from(k) / 20.0;

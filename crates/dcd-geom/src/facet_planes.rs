@@ -23,7 +23,7 @@ pub struct FacetPlanes {
     has_inside: bool,
 }
 
-/// What a product of a unit normal and a vertex loses: three products and two sums, and room. Unit: 2⁻⁵³ of the
+/// What a product of a unit normal and a vertex loses: three products and two sums, and a margin. Unit: 2⁻⁵³ of the
 /// largest length of a vertex.
 const PRODUCT: f64 = 8.0;
 

@@ -218,7 +218,7 @@ impl Scene {
         self.static_revision
     }
 
-    /// Marks the poses of all objects: drawn when it is asked for after a pose was set.
+    /// Marks the poses of all objects: drawn at the first call after a pose was set.
     pub fn pose_revision(&self) -> Revision {
         self.pose_revision.get()
     }

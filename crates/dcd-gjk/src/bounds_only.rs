@@ -13,7 +13,7 @@ pub struct BoundsOnly;
 
 /// How far the computed gap between two spheres may be off. Unit: 2⁻⁵³ of the centres' coordinates and
 /// the reaches. Three products and three sums a coordinate, the difference, the norm and the sum of
-/// the radii: 14, and room. Smaller: a false "apart".
+/// the radii: 14, and a margin. Smaller: a false "apart".
 const ROUNDING: f64 = 32.0;
 
 impl PairSolver for BoundsOnly {

@@ -77,7 +77,7 @@ where
     two_sides_agree(narrow, scene, pairs, whole)
 }
 
-/// Compares the answers of one frame with those of two that hold the same objects. What settled a pair may
+/// Compares the answers of one frame with those of two that hold the same objects. What resolved a pair may
 /// differ.
 fn two_sides_agree<N>(
     narrow: &N,
@@ -97,10 +97,10 @@ where
     let mut scratch = N::Scratch::default();
     let mut two = decided_between(narrow, (a, b), pairs, &mut scratch);
     two.has_each_once(pairs)?;
-    two.settled = whole.settled;
+    two.resolved = whole.resolved;
     two.must_equal(&whole, "of two frames")?;
     let mut one = decided_between(narrow, (a, a), pairs, &mut scratch);
-    one.settled = whole.settled;
+    one.resolved = whole.resolved;
     one.must_equal(&whole, "of one frame laid out for two sides")
 }
 
@@ -167,9 +167,9 @@ fn decided_between<N: NarrowPhase>(
     let mut report = Report::default();
     let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
     narrow.decide(a, b, pairs, scratch, &mut sink);
-    let settled = Method::ALL.iter().map(|&method| report.settled(method)).sum();
+    let resolved = Method::ALL.iter().map(|&method| report.resolved(method)).sum();
     let undecided = report.undecided().to_vec();
-    Decided { contacts, undecided, settled, pair_count: report.pair_count() }
+    Decided { contacts, undecided, resolved, pair_count: report.pair_count() }
 }
 
 /// Compares the pairs that are sensed with those that are decided to touch.
@@ -202,13 +202,13 @@ fn senses_the_contacts<N: NarrowPhase>(
 struct Decided<A> {
     contacts: Vec<Contact<A>>,
     undecided: Vec<Undecided>,
-    settled: u64,
+    resolved: u64,
     pair_count: u64,
 }
 
 impl<A> Default for Decided<A> {
     fn default() -> Self {
-        Self { contacts: Vec::new(), undecided: Vec::new(), settled: 0, pair_count: 0 }
+        Self { contacts: Vec::new(), undecided: Vec::new(), resolved: 0, pair_count: 0 }
     }
 }
 
@@ -216,7 +216,7 @@ impl<A: PartialEq + Debug> Decided<A> {
     fn append(&mut self, mut other: Self) {
         self.contacts.append(&mut other.contacts);
         self.undecided.append(&mut other.undecided);
-        self.settled += other.settled;
+        self.resolved += other.resolved;
         self.pair_count += other.pair_count;
     }
 
@@ -255,7 +255,7 @@ impl<A: PartialEq + Debug> Decided<A> {
         let sorted = |decided: &Self| {
             let mut undecided = decided.undecided.clone();
             undecided.sort_unstable_by_key(|undecided| undecided.pair);
-            (undecided, decided.contacts.len(), decided.settled)
+            (undecided, decided.contacts.len(), decided.resolved)
         };
         let (ours, theirs) = (sorted(self), sorted(whole));
         if ours != theirs {
@@ -276,8 +276,8 @@ fn boxes_contain_their_objects(scene: &Scene, aabbs: &[Aabb]) -> Result<(), Viol
             let world = pose.apply(point);
             // Three products and three sums of the comparison's own.
             let size = point.length() + pose.translation().abs().max_element();
-            let room = DVec3::splat(radius - (size + radius) * 1e-15);
-            if !holds(aabb, world - room, world + room) {
+            let margin = DVec3::splat(radius - (size + radius) * 1e-15);
+            if !holds(aabb, world - margin, world + margin) {
                 return Err(Violation(format!("{aabb:?} of object {i} does not hold {world}")));
             }
         }
@@ -318,7 +318,7 @@ fn below(half_space: &HalfSpace) -> Vec<DVec3> {
     let up = normal.normalize();
     let along = up.any_orthonormal_vector();
     let across = up.cross(along);
-    // The foot is off the plane by its rounding: what is asked is a little lower.
+    // The foot is off the plane by its rounding, so a point a little lower is tested.
     let foot = foot - up * (foot.length() * 1e-15);
     let sides = [along, -along, across, -across];
     let around = |far: f64| sides.map(|side| foot + side * far - up * (far * 1e-15));
@@ -355,7 +355,9 @@ fn contacts_of_inner_spheres_have_it<A: PartialEq + Debug>(
         let spheres = inner(pair.i).zip(inner(pair.j));
         let touch = spheres.is_some_and(|(a, b)| a.short_of(&b) <= 0.0);
         if touch && !contacts.iter().any(|c| c.pair == *pair && c.answer == answer) {
-            return Err(Violation(format!("{pair:?} touch, and {answer:?} is not told of them")));
+            return Err(Violation(format!(
+                "{pair:?} touch, and {answer:?} is not reported of them"
+            )));
         }
     }
     Ok(())

@@ -5,7 +5,8 @@
 //! of earlier steps. For single pairs, a [`PairSolver`] answers one question: yes or no ([`Certified`],
 //! [`Gjk`]), distance ([`Distances`]), depth ([`Depths`]), manifold ([`Manifolds`]). [`SimdDistances`]
 //! measures distances in packets too, [`SimdDepths`] depths and manifolds with lanes inside each pair.
-//! [`Pairwise`] makes a narrow phase of a solver, [`ThenMeasure`] asks it of touching pairs only. A narrow phase of your own implements [`NarrowPhase`]; [`contract`] tests it.
+//! [`Pairwise`] makes a narrow phase of a solver, [`ThenMeasure`] runs it on touching pairs only. A narrow
+//! phase of your own implements [`NarrowPhase`]; [`contract`] tests it.
 //!
 //! Folders: `simd` (packets), `temporal` (proofs kept between steps), `scalar` (one pair in f64),
 //! `exact` (exact arithmetic), `mesh` (compounds and triangle meshes), `query` (what is measured).

@@ -4,8 +4,9 @@
 //! are bounded for all times, so that nothing can close the gap before a time that follows: the search goes
 //! there, and no farther (Mirtich 1996; Zhang, Lee, Kim 2006). Nothing fast tunnels through anything thin.
 
-use crate::distance::{DistanceResult, distance_at, gap_along};
-use crate::{Accuracy, PosedShape};
+use crate::distance::{Distance, DistanceResult, distance_at, gap_along};
+use crate::{Accuracy, PosedShape, order};
+use advance::Advance;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Pose, PoseError, Shape};
 
@@ -35,9 +36,9 @@ pub struct MovingShape<'a> {
 /// Whether and when two moving shapes meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Impact {
-    /// Proved: they share no point at any time that was asked about.
+    /// Proved: they share no point at any time of the interval.
     Free,
-    /// They meet, or come as near as was asked for.
+    /// They meet, or come within the tolerance of each other.
     Hit {
         /// Proved: they share no point before; 0 for shapes that touch as they stand.
         free_until: f64,
@@ -82,6 +83,9 @@ impl RigidMotion {
     /// A pose that is not finite.
     pub fn pose_at(&self, t: f64) -> Result<Pose, PoseError> {
         let Self { start, linear, angular, centre } = *self;
+        if angular == DVec3::ZERO {
+            return start.with_translation(start.translation() + linear * t);
+        }
         let turned = rotation_from_scaled_axis(angular * t);
         let middle = start.apply(centre) + linear * t;
         let rotation = turned * *start.rotation();
@@ -155,9 +159,14 @@ pub fn time_of_impact(
     tolerance: f64,
 ) -> Result<Impact, PoseError> {
     let closing = Closing::of(a, b);
-    let radii = [a, b].map(|side| radius(&side));
-    let off = 2.0 * (a.motion.deviation(radii[0], until) + b.motion.deviation(radii[1], until));
-    let mut t = 0.0;
+    let off = 2.0
+        * (a.motion.deviation(closing.radii[0], until)
+            + b.motion.deviation(closing.radii[1], until));
+    let mut t = match first_advance([a, b], &closing, [until, tolerance, off])? {
+        Advance::Free => return Ok(Impact::Free),
+        Advance::Until(t) => t,
+        Advance::Near(t, found) => return Ok(near_miss(t, &found)),
+    };
     for _ in 0..ADVANCES {
         let (pose_a, pose_b) = (a.motion.pose_at(t)?, b.motion.pose_at(t)?);
         let posed_a = PosedShape { shape: a.shape, pose: &pose_a };
@@ -176,9 +185,7 @@ pub fn time_of_impact(
             DistanceResult::Undecided(_) => return Ok(Impact::Undecided { free_until: t }),
         };
         if found.upper() <= tolerance {
-            let (free_until, touches) = (t, false);
-            let (normal, point_a, point_b) = (found.normal, found.point_a, found.point_b);
-            return Ok(Impact::Hit { free_until, t, touches, normal, point_a, point_b });
+            return Ok(near_miss(t, &found));
         }
         let (gap, speed) = match gap_along(posed_a, posed_b, found.normal) {
             Some(gap) => (gap, closing.along(found.normal)),
@@ -188,7 +195,7 @@ pub fn time_of_impact(
         if !(gap > 0.0) {
             return Ok(Impact::Undecided { free_until: t });
         }
-        // A quotient and a sum, rounded down with room.
+        // A quotient and a sum, rounded down with a margin.
         let next = t + gap / speed * (1.0 - 1e-12);
         if speed <= 0.0 || next > until {
             return Ok(Impact::Free);
@@ -199,6 +206,36 @@ pub fn time_of_impact(
         t = next;
     }
     Ok(Impact::Undecided { free_until: t })
+}
+
+/// Within the tolerance of each other, and no proof that they touch.
+fn near_miss(t: f64, found: &Distance) -> Impact {
+    let &Distance { normal, point_a, point_b, .. } = found;
+    Impact::Hit { free_until: t, t, touches: false, normal, point_a, point_b }
+}
+
+/// [`advance::advance`] of a pair in its canonical order; nothing of shapes that it is not for.
+fn first_advance(
+    [a, b]: [MovingShape<'_>; 2],
+    closing: &Closing,
+    limits: [f64; 3],
+) -> Result<Advance, PoseError> {
+    let has_support = |shape: &Shape| shape.is_convex() && shape.is_bounded();
+    if !has_support(a.shape) || !has_support(b.shape) {
+        return Ok(Advance::Until(0.0));
+    }
+    let (posed_a, posed_b) = (
+        PosedShape { shape: a.shape, pose: &a.motion.start },
+        PosedShape { shape: b.shape, pose: &b.motion.start },
+    );
+    if order::is_swapped(posed_a, posed_b) {
+        Ok(match advance::advance([b, a], &closing.mirrored(), limits)? {
+            Advance::Near(t, found) => Advance::Near(t, found.mirrored()),
+            other => other,
+        })
+    } else {
+        advance::advance([a, b], closing, limits)
+    }
 }
 
 /// How fast two shapes close at most.
@@ -214,6 +251,12 @@ impl Closing {
         let linear = a.motion.linear - b.motion.linear;
         let angular = [a, b].map(|side| side.motion.angular);
         Self { linear, angular, radii: [a, b].map(|side| radius(&side)) }
+    }
+
+    /// Of b against a.
+    fn mirrored(&self) -> Self {
+        let ([a, b], [of_a, of_b]) = (self.angular, self.radii);
+        Self { linear: -self.linear, angular: [b, a], radii: [of_b, of_a] }
     }
 
     /// Along a fixed direction from a to b: a point at ρ from the centre moves along it by ω × ρ, which is at most
@@ -237,23 +280,28 @@ impl Closing {
     }
 }
 
+/// What an underflow of squared lengths hides, metres, and more.
+const UNDERFLOW: f64 = 1e-150;
+
 /// Within which distance of the centre all points of the shape are, metres; its pose may stretch it a little. 0
-/// of what does not turn and has no end: it is asked for along with a turn alone.
+/// of what does not turn and has no end: only the bounds of a turning shape use it.
 fn radius(side: &MovingShape<'_>) -> f64 {
     let RigidMotion { start, centre, angular, .. } = side.motion;
     if !side.shape.is_bounded() && *angular == DVec3::ZERO {
         return 0.0;
     }
     let own = match side.shape.as_polytope() {
-        Some(polytope) => {
-            let far = polytope.vertices().iter().map(|v| v.distance(*centre)).fold(0.0, f64::max);
-            far + polytope.swept_radius()
+        // Where it counts, the farthest vertex itself.
+        Some(polytope) if *angular != DVec3::ZERO && *centre != DVec3::ZERO => {
+            let far = polytope.vertices().iter().map(|v| v.distance_squared(*centre));
+            far.fold(0.0, f64::max).sqrt() + polytope.swept_radius()
         }
-        None => side.shape.reach() + centre.length(),
+        _ => side.shape.reach() + centre.length(),
     };
-    own * (1.0 + start.deviation()) * (1.0 + 16.0 * U)
+    own * (1.0 + start.deviation()) * (1.0 + 16.0 * U) + UNDERFLOW
 }
 
+mod advance;
 mod swept;
 #[cfg(test)]
 mod tests;

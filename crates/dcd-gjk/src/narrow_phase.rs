@@ -7,7 +7,7 @@ use dcd_geom::{Aabb, Pair, Scene, Splittable};
 pub enum Verdict<A> {
     /// No common point.
     Apart,
-    /// At least one common point, and what was asked for about it.
+    /// At least one common point, and the answer about it.
     Touching(A),
     /// Not known, and why.
     Undecided(Reason),
@@ -25,13 +25,13 @@ pub enum Reason {
     WithinTolerance,
     /// The numbers leave the range in which this method's bounds hold.
     Range,
-    /// A compound or a mesh, asked of a solver that knows convex shapes alone.
+    /// A compound or a mesh, given to a solver that knows convex shapes alone.
     NotConvex,
-    /// The foreign library behind the trait could not tell.
+    /// The foreign library behind the trait gave no answer.
     Foreign,
 }
 
-/// A touching pair and what was asked for about it.
+/// A touching pair and the answer about it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact<A> {
     /// The objects.
@@ -49,7 +49,7 @@ pub struct Undecided {
     pub reason: Reason,
 }
 
-/// What settled a pair, from the cheapest.
+/// The method that resolved a pair, from the cheapest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Method {
@@ -92,31 +92,31 @@ impl Method {
     ];
 }
 
-/// How many pairs each method settled, and those that none did.
+/// How many pairs each method resolved, and the pairs that none did.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Report {
-    settled: [u64; Method::ALL.len()],
+    resolved: [u64; Method::ALL.len()],
     undecided: Vec<Undecided>,
-    /// How many of the undecided pairs are counted as settled too.
+    /// How many of the undecided pairs are counted as resolved too.
     unmeasured: u64,
 }
 
 impl Report {
     /// How many pairs that method proved apart or touching.
-    pub fn settled(&self, method: Method) -> u64 {
-        self.settled[method as usize]
+    pub fn resolved(&self, method: Method) -> u64 {
+        self.resolved[method as usize]
     }
 
-    /// The pairs without an answer: no method settled them, or what was to be measured of a touching pair is not
-    /// known.
+    /// The pairs without an answer: no method resolved them, or the measurement of a touching pair
+    /// failed.
     pub fn undecided(&self) -> &[Undecided] {
         &self.undecided
     }
 
-    /// Counts `pairs` as settled by that method.
+    /// Counts `pairs` as resolved by that method.
     #[inline]
     pub fn count(&mut self, method: Method, pairs: u64) {
-        self.settled[method as usize] += pairs;
+        self.resolved[method as usize] += pairs;
     }
 
     /// Adds a pair that stayed undecided.
@@ -124,26 +124,26 @@ impl Report {
         self.undecided.push(Undecided { pair, reason });
     }
 
-    /// Adds a pair that is counted as settled, since a method proved that it touches, and of which what was
-    /// to be measured is not known.
+    /// Adds a pair that is counted as resolved, since a method proved that it touches, and whose measurement
+    /// failed.
     pub(crate) fn leave_unmeasured(&mut self, pair: Pair, reason: Reason) {
         self.unmeasured += 1;
         self.leave(pair, reason);
     }
 
-    /// Hands out the pairs without an answer: the report is not of them any more.
+    /// Hands out the pairs without an answer and removes them from the report.
     pub(crate) fn take_undecided(&mut self) -> Vec<Undecided> {
         std::mem::take(&mut self.undecided)
     }
 
-    /// How many pairs it is of: those settled, and those that no method settled.
+    /// How many pairs it covers: those resolved, and those that no method resolved.
     pub fn pair_count(&self) -> u64 {
-        self.settled.iter().sum::<u64>() + self.undecided.len() as u64 - self.unmeasured
+        self.resolved.iter().sum::<u64>() + self.undecided.len() as u64 - self.unmeasured
     }
 
     /// Moves the other's counts and pairs here.
     pub fn absorb(&mut self, other: &mut Self) {
-        for (sum, count) in self.settled.iter_mut().zip(&mut other.settled) {
+        for (sum, count) in self.resolved.iter_mut().zip(&mut other.resolved) {
             *sum += std::mem::take(count);
         }
         self.undecided.append(&mut other.undecided);
@@ -157,7 +157,7 @@ impl Report {
 
     /// Forgets all, and keeps the memory.
     pub fn clear(&mut self) {
-        self.settled = Default::default();
+        self.resolved = Default::default();
         self.undecided.clear();
         self.unmeasured = 0;
     }
@@ -168,7 +168,7 @@ impl Report {
 pub struct ContactSink<'a, A> {
     /// Touching pairs are appended here, in the order of the pairs given.
     pub contacts: &'a mut Vec<Contact<A>>,
-    /// Everything else that a step tells.
+    /// Everything else that a step reports.
     pub report: &'a mut Report,
 }
 
@@ -233,7 +233,7 @@ pub enum Sides {
 ///
 /// Objects in no pair need not be prepared. An object that has been prepared in a frame need not be
 /// prepared again after `layout` if three things hold: the scene's [`Scene::layout`] and the sides are the same,
-/// the object's pose is the same, and `keeps` says that the frame has kept what it held.
+/// the object's pose is the same, and `keeps` returns that the frame has kept what it held.
 /// `contract` tests it.
 ///
 /// The frame stays from step to step: `prepare` finds there what it wrote of the object in that
@@ -241,9 +241,9 @@ pub enum Sides {
 /// ([`Scene::layout`]). Whatever is kept there may save work and never changes a verdict, an order
 /// or an AABB. In particular, nothing that changes for all objects at once (a form that they share, a
 /// copy that is made anew, sums that start again) may wait for `prepare`, which static objects do not
-/// see: `layout` brings it to every object, or `keeps` says `false`.
+/// see: `layout` brings it to every object, or `keeps` returns `false`.
 pub trait NarrowPhase: Send + Sync {
-    /// What is told of a touching pair.
+    /// The answer about a touching pair.
     type Answer: Clone + Default + Send + Sync + 'static;
     /// What is prepared once a step for all objects; kept by the pipeline and reused.
     type Frame: Default + Send + Sync;
@@ -255,37 +255,37 @@ pub trait NarrowPhase: Send + Sync {
     type Scratch: Default + Send;
 
     /// By how much, metres, the box of an object may reach beyond its [`dcd_geom::SphereBounds`]: half of a
-    /// margin, say. Objects whose bounds, so grown, are apart are not told of. Whoever asks for few
-    /// of many objects prepares those alone whose bounds, so grown, reach something. `None`: not
+    /// margin, for example. Objects whose bounds, so grown, are apart are never reported. A caller that needs
+    /// few of many objects prepares only those whose bounds, so grown, reach something. `None`: not
     /// known, and every object must be prepared.
     fn aabb_margin(&self) -> Option<f64> {
         None
     }
 
-    /// What is told of any two objects that share a point, where that is the same for all: whoever
-    /// knows by other means that they do need not ask. `None`: each pair has to be asked for.
+    /// The answer for every touching pair, if it is the same for all. Lets a caller that has proved
+    /// contact skip `decide`. `None`: each pair has its own answer.
     fn constant_answer(&self) -> Option<Self::Answer> {
         None
     }
 
-    /// Makes room for every object of the scene: offsets only. Two frames may be paired in `decide` if both
+    /// Assigns each object of the scene its range of the frame's buffers: offsets only. Two frames may be paired in `decide` if both
     /// were laid out for [`Sides::Two`].
     fn layout<'f>(&self, scene: &Scene, sides: Sides, frame: &'f mut Self::Frame)
     -> Self::Part<'f>;
 
     /// Whether the frame still holds, AABBs included, all that was prepared in it before it was laid
-    /// out as this part: asked of the whole part, before it is cut. `false` is always safe, and what
-    /// an implementation says unless it knows better: then every object is prepared again.
+    /// out as this part. The caller queries the whole part, before it is cut. `false` is always safe and the
+    /// default: then every object is prepared again.
     fn keeps(&self, _part: &Self::Part<'_>) -> bool {
         false
     }
 
-    /// Prepares the objects from `first` on that the part has room for, and writes the box of each
+    /// Prepares the objects of the part, the first of which is object `first`, and writes the box of each
     /// to `aabbs`, which has the part's length.
     fn prepare(&self, scene: &Scene, first: usize, part: Self::Part<'_>, aabbs: &mut [Aabb]);
 
-    /// Is told of all candidates between `prepare` and `decide`, slice by slice: for whoever keeps
-    /// something for each of them. Does nothing of itself. A caller may leave it out; the verdicts
+    /// Receives all candidates between `prepare` and `decide`, slice by slice, for an implementation that
+    /// keeps data for each of them. Does nothing by default. A caller may leave it out; the verdicts
     /// are the same.
     fn begin_pairs<'p>(
         &self,
@@ -294,7 +294,7 @@ pub trait NarrowPhase: Send + Sync {
     ) {
     }
 
-    /// Settles the pairs: `i` is an object of `a`, `j` one of `b`. Where both are one side, i < j.
+    /// Resolves the pairs: `i` is an object of `a`, `j` one of `b`. Where both are one side, i < j.
     fn decide(
         &self,
         a: Prepared<'_, Self::Frame>,
@@ -304,8 +304,8 @@ pub trait NarrowPhase: Send + Sync {
         sink: &mut ContactSink<'_, Self::Answer>,
     );
 
-    /// Says of the pairs whether they touch, as `decide` does; nobody reads the contacts' answers. For
-    /// whoever measures touching pairs: here it need not. Calls `decide` of itself.
+    /// Decides whether the pairs touch, as `decide` does; the contacts' answers are not read. An
+    /// implementation that measures touching pairs need not do so here. Calls `decide` by default.
     fn sense(
         &self,
         a: Prepared<'_, Self::Frame>,

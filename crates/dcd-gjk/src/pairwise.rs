@@ -6,7 +6,7 @@ use dcd_geom::{Aabb, Pair, Pose, Scene, Shape, Splittable};
 
 /// Judges two placed shapes. The simplest way to bring one's own GJK: wrap it in [`Pairwise`].
 pub trait PairSolver: Send + Sync {
-    /// What is told of a touching pair.
+    /// The answer about a touching pair.
     type Answer: Clone + Default + Send + Sync + 'static;
     /// Memory that a thread reuses from pair to pair; `()` for a solver that needs none.
     type Scratch: Default + Send;
@@ -24,7 +24,7 @@ pub trait PairSolver: Send + Sync {
     ) -> Verdict<Self::Answer>;
 
     /// The verdict on a pair that is known to touch, or, with a [margin](Self::margin), to be
-    /// within it: what is to be told is asked for, and whether is not asked again.
+    /// within it: computes the answer without deciding contact again.
     fn measure(
         &self,
         a: PosedShape<'_>,
@@ -41,7 +41,7 @@ pub trait PairSolver: Send + Sync {
     }
 
     /// The same verdict and the method that reached it. A solver of one method leaves this as it is.
-    fn settle(
+    fn resolve(
         &self,
         a: PosedShape<'_>,
         b: PosedShape<'_>,
@@ -69,7 +69,7 @@ impl<'a> PosedShape<'a> {
     }
 }
 
-/// A solver of single pairs as a narrow phase: prepares nothing, asks for each pair in turn.
+/// A solver of single pairs as a narrow phase: prepares nothing, solves pair by pair.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pairwise<G>(
     /// The solver.
@@ -135,7 +135,7 @@ impl<G: PairSolver> NarrowPhase for Pairwise<G> {
     ) {
         for &pair in pairs {
             let (one, other) = (PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j));
-            let (verdict, method) = self.0.settle(one, other, scratch);
+            let (verdict, method) = self.0.resolve(one, other, scratch);
             sink.file(pair, method, verdict);
         }
     }

@@ -230,7 +230,7 @@ fn the_exact_method_says_of_them_what_the_judge_says() {
     }
 }
 
-/// A polytope that nothing but its support map tells of.
+/// A polytope that is known by its support map alone.
 struct Foreign(Polytope);
 
 impl SupportMap<f64> for Foreign {

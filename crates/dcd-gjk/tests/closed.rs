@@ -86,11 +86,11 @@ fn closed_distances_are_those_of_the_same_vertices_as_a_hull() {
             Shape::from(hull.rounded(polytope.swept_radius()).unwrap())
         });
         let pair = pair.map(Shape::from);
-        let ask = |shapes: &[Shape; 2]| {
+        let solve = |shapes: &[Shape; 2]| {
             let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
             distance::distance(a, b).0
         };
-        match (ask(&pair), ask(&hulls)) {
+        match (solve(&pair), solve(&hulls)) {
             (DistanceResult::Apart(ours), DistanceResult::Apart(theirs)) => {
                 let bound = ours.error_bound + theirs.error_bound;
                 assert!((ours.distance - theirs.distance).abs() <= bound, "{pair:?} {poses:?}");

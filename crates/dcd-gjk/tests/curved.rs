@@ -70,7 +70,7 @@ fn other(draw: &mut Draw, size: f64) -> Shape {
 #[test]
 fn answers_and_distances_are_between_those_of_prisms_inside_and_outside() {
     let mut draw = Draw(21);
-    let mut settled = [0; 2];
+    let mut resolved = [0; 2];
     for size in [1e-3, 1.0, 1e3] {
         for _ in 0..400 {
             let bracket = Bracket::any(&mut draw, size);
@@ -84,11 +84,11 @@ fn answers_and_distances_are_between_those_of_prisms_inside_and_outside() {
             let ours = verdict(of(&bracket.shape), b);
             if verdict(of(&bracket.inner), b) == Verdict::Touching(()) {
                 assert_eq!(ours, Verdict::Touching(()), "{:?} {shape:?}", bracket.shape);
-                settled[0] += 1;
+                resolved[0] += 1;
             }
             if verdict(of(&bracket.outer), b) == Verdict::Apart {
                 assert_eq!(ours, Verdict::Apart, "{:?} {shape:?}", bracket.shape);
-                settled[1] += 1;
+                resolved[1] += 1;
                 let far = |shape| match distance::distance(of(shape), b).0 {
                     DistanceResult::Apart(found) => {
                         [found.distance - found.error_bound, found.distance + found.error_bound]
@@ -101,7 +101,7 @@ fn answers_and_distances_are_between_those_of_prisms_inside_and_outside() {
             }
         }
     }
-    assert!(settled[0] > 300 && settled[1] > 300, "{settled:?}");
+    assert!(resolved[0] > 300 && resolved[1] > 300, "{resolved:?}");
 }
 
 #[test]
@@ -348,7 +348,7 @@ fn pairs_known_exactly_are_never_contradicted_at_neighbouring_floats() {
                 match distance::distance(here, there).0 {
                     DistanceResult::Interval { within: found, depth, .. } => {
                         assert!(found.distance == 0.0 && found.error_bound.is_finite());
-                        // Along the axis that the place is told by, nothing is farther or deeper.
+                        // Along the axis that defines the place, nothing is farther or deeper.
                         let bound = if truth { depth } else { found.error_bound };
                         assert!(bound >= 0.5 * gap && depth.is_finite(), "{k} {found:?} {gap}");
                     }

@@ -13,7 +13,7 @@ fn at(x: f64, y: f64, z: f64) -> Pose {
 }
 
 /// The method's answer, after the judge has agreed.
-fn settled([a, b]: &[PosedShape; 2]) -> bool {
+fn resolved([a, b]: &[PosedShape; 2]) -> bool {
     let answer = overlap_exactly(a.body(), b.body());
     assert_eq!(answer, touches(a, b), "{a:?}\n{b:?}");
     assert_eq!(answer, overlap_exactly(b.body(), a.body()));
@@ -50,14 +50,14 @@ fn the_judge_knows_what_can_be_solved_by_hand() {
 #[test]
 fn lattice_hulls_are_judged_alike() {
     let mut draw = Draw(1);
-    let hits = (0..2000).filter(|_| settled(&lattice(&mut draw, 7))).count();
+    let hits = (0..2000).filter(|_| resolved(&lattice(&mut draw, 7))).count();
     assert!((250..1750).contains(&hits), "{hits}");
 }
 
 #[test]
 fn hulls_of_any_points_are_judged_alike() {
     let mut draw = Draw(2);
-    let hits = (0..1000).filter(|_| settled(&random(&mut draw, 8))).count();
+    let hits = (0..1000).filter(|_| resolved(&random(&mut draw, 8))).count();
     assert!((100..900).contains(&hits), "{hits}");
 }
 
@@ -73,7 +73,7 @@ fn hulls_between_neighbouring_floats_are_judged_alike() {
         };
         let quick = |a: &PosedShape, b: &PosedShape| overlap_exactly(a.body(), b.body());
         if let Some([touching, apart]) = bisected(&pair, draw.vector(), quick) {
-            assert!(settled(&touching) && !settled(&apart));
+            assert!(resolved(&touching) && !resolved(&apart));
             flips += 1;
         }
     }
@@ -86,11 +86,11 @@ fn extreme_scales_are_judged_alike() {
     for k in 0..60 {
         let scale = [2f64.powi(-1060), 1e-300, 1e-9, 1e9, 1e300, 2f64.powi(1018)][k % 6];
         let pair = if k % 2 == 0 { lattice(&mut draw, 6) } else { random(&mut draw, 6) };
-        settled(&pair.map(|placed| placed.scaled(scale)));
+        resolved(&pair.map(|placed| placed.scaled(scale)));
     }
     for _ in 0..40 {
         let [a, b] = random(&mut draw, 6);
-        settled(&[a.scaled(1e-200), b.scaled(1e200)]);
+        resolved(&[a.scaled(1e-200), b.scaled(1e200)]);
     }
 }
 
@@ -105,12 +105,12 @@ fn rounded_hulls_are_judged_alike() {
         let rounded =
             |p: PosedShape, r| PosedShape { shape: p.shape.rounded(r).unwrap(), pose: p.pose };
         let pair = [rounded(a, radii[0]), rounded(b, radii[1])];
-        hits += usize::from(settled(&pair));
+        hits += usize::from(resolved(&pair));
         let quick = |a: &PosedShape, b: &PosedShape| overlap_exactly(a.body(), b.body());
         if k % 5 == 0
             && let Some([touching, apart]) = bisected(&pair, draw.vector(), quick)
         {
-            assert!(settled(&touching) && !settled(&apart));
+            assert!(resolved(&touching) && !resolved(&apart));
         }
     }
     assert!((10..58).contains(&hits), "{hits}");

@@ -217,8 +217,8 @@ fn distance_and_depth_are_along_the_normal_and_hold_their_bounds() {
             (PosedShape { shape: &a, pose: &pose_a }, PosedShape { shape: &shape, pose: &pose_b });
         let Some(Verdict::Touching(deep)) = half_space::depth(a, b) else { panic!() };
         assert_eq!(distance::distance(a, b).0, DistanceResult::Touching);
-        let asked = Depths.solve(a, b, &mut Default::default());
-        assert_eq!(asked, Verdict::Touching(deep));
+        let solved = Depths.solve(a, b, &mut Default::default());
+        assert_eq!(solved, Verdict::Touching(deep));
         let between = deep.point_a - deep.point_b;
         assert!((between - deep.normal * deep.depth).length() < 1e-13);
         assert!(normal.dot(deep.normal) > 1.0 - 1e-14);

@@ -161,7 +161,7 @@ fn a_box_that_is_cut_is_caught_whatever_kind_of_shape_it_is_of() {
     assert!(contract_of(&Cut { object: 2, side: 5, by: 1e-3 }).is_err());
 }
 
-/// Says of one pair in some hundred the contrary when it is asked again.
+/// Returns the contrary verdict for one pair in some hundred when it is solved again.
 #[derive(Default)]
 struct Forgetful(AtomicU32);
 
@@ -174,10 +174,10 @@ impl PairSolver for Forgetful {
     }
 
     fn solve(&self, a: PosedShape<'_>, b: PosedShape<'_>, (): &mut ()) -> Verdict<()> {
-        let asked = self.0.fetch_add(1, Ordering::Relaxed);
+        let calls = self.0.fetch_add(1, Ordering::Relaxed);
         match Certified.solve(a, b, &mut Default::default()) {
-            Verdict::Touching(()) if asked % 127 == 126 => Verdict::Apart,
-            Verdict::Apart if asked % 127 == 126 => Verdict::Touching(()),
+            Verdict::Touching(()) if calls % 127 == 126 => Verdict::Apart,
+            Verdict::Apart if calls % 127 == 126 => Verdict::Touching(()),
             verdict => verdict,
         }
     }

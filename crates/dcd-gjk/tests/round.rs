@@ -81,10 +81,10 @@ fn judge_depth(a: PosedShape<'_>, b: PosedShape<'_>, draw: &mut Draw, seed: usiz
             certified::overlap_of(a, PosedShape { pose: &pose, ..b }).0
         };
         let far = a.pose.translation().length() + b.pose.translation().length();
-        let room = 1e-13 * (far + found.depth);
-        let upper = found.depth + found.error_bound + room;
+        let rounding = 1e-13 * (far + found.depth);
+        let upper = found.depth + found.error_bound + rounding;
         assert_ne!(moved(found.normal, upper), Verdict::Touching(()), "{seed}: {found:?}");
-        let lower = found.depth - found.error_bound - room;
+        let lower = found.depth - found.error_bound - rounding;
         for k in 0..16 {
             let direction = if k == 0 { found.normal } else { draw.vector().normalize() };
             assert_ne!(moved(direction, lower.max(0.0)), Verdict::Apart, "{seed}: {found:?}");

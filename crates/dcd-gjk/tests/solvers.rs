@@ -31,9 +31,9 @@ impl Open {
             let open = matches!(found, Verdict::Undecided(_));
             assert!(open || found == truth, "{found:?}, in truth {truth:?}\n{a:?}\n{b:?}");
         }
-        let (settled, method) = overlap(a.body(), b.body());
-        assert_eq!(settled, truth);
-        assert_eq!((settled, method), overlap(b.body(), a.body()));
+        let (resolved, method) = overlap(a.body(), b.body());
+        assert_eq!(resolved, truth);
+        assert_eq!((resolved, method), overlap(b.body(), a.body()));
         self.pairs += 1;
         self.f32 += usize::from(matches!(in_f32, Verdict::Undecided(_)));
         self.f64 += usize::from(method == Method::Exact);

@@ -93,10 +93,11 @@ impl Case {
     /// Judges one depth by the general search's of the same vertices.
     fn judge_depth(&self, truth: &Depth, accuracy: Accuracy) -> Depth {
         let found = self.depth(&self.shapes, accuracy).expect("touching");
-        let told = format!("{accuracy:?} {found:?} {truth:?} {:?} {:?}", self.shapes, self.poses);
+        let context =
+            format!("{accuracy:?} {found:?} {truth:?} {:?} {:?}", self.shapes, self.poses);
         assert!(
             (found.depth - truth.depth).abs() <= found.error_bound + truth.error_bound,
-            "{told}"
+            "{context}"
         );
         let promised = match accuracy {
             Accuracy::F32 => 2.5e-6 * (self.size + self.delta()),
@@ -105,21 +106,21 @@ impl Case {
             Accuracy::Certified if found.depth < 1e-15 * self.size => f64::INFINITY,
             Accuracy::Certified => 1e-9 * found.depth + 1e-22 * self.size,
         };
-        assert!(found.error_bound <= promised, "{told}");
-        assert!((found.normal.length() - 1.0).abs() < 1e-12, "{told}");
+        assert!(found.error_bound <= promised, "{context}");
+        assert!((found.normal.length() - 1.0).abs() < 1e-12, "{context}");
         // The depth along the stated normal.
         let [a, b] = self.posed(&self.hulls);
         let far = self.poses.iter().map(|p| p.translation().length()).sum::<f64>();
         let rounding = 1e-14 * (self.size + self.delta());
         if let Some(gap) = gap_along(a, b, found.normal) {
-            assert!(-gap <= found.depth + found.error_bound + rounding, "{gap} {told}");
+            assert!(-gap <= found.depth + found.error_bound + rounding, "{gap} {context}");
         }
         let between = found.point_a - found.point_b - found.normal * found.depth;
         let rounding = found.error_bound + rounding + 1e-15 * far;
-        assert!(between.length() <= 4.0 * rounding, "{between} {told}");
+        assert!(between.length() <= 4.0 * rounding, "{between} {context}");
         for (side, point) in [found.point_a, found.point_b].into_iter().enumerate() {
             let outside = self.outside(side, point);
-            assert!(outside <= 1e-12 * self.size + 4.0 * rounding, "{outside} {told}");
+            assert!(outside <= 1e-12 * self.size + 4.0 * rounding, "{outside} {context}");
         }
         found
     }
@@ -143,20 +144,20 @@ impl Case {
         let size = self.size + self.delta();
         for accuracy in ACCURACIES {
             let found = self.distance(&self.shapes, accuracy);
-            let told =
+            let context =
                 format!("{accuracy:?} {found:?} {truth:?} {:?} {:?}", self.shapes, self.poses);
             let bound = found.error_bound + truth.error_bound;
-            assert!((found.distance - truth.distance).abs() <= bound, "{told}");
+            assert!((found.distance - truth.distance).abs() <= bound, "{context}");
             let promised = match accuracy {
                 Accuracy::F32 => 2.5e-6 * size,
                 // Poses far from rotations are the search's.
                 Accuracy::F64 => 1e-8 * size,
                 Accuracy::Certified => 1e-12 * found.distance,
             };
-            assert!(found.error_bound <= promised, "{told}");
+            assert!(found.error_bound <= promised, "{context}");
             let far = self.poses.iter().map(|p| p.translation().length()).sum::<f64>();
             let between = found.point_b - found.point_a - found.normal * found.distance;
-            assert!(between.length() <= 1e-9 * size + 1e-15 * far, "{told}");
+            assert!(between.length() <= 1e-9 * size + 1e-15 * far, "{context}");
         }
     }
 
@@ -297,16 +298,16 @@ fn cuboids_touch_where_the_hulls_of_their_vertices_do() {
             continue;
         }
         let (found, general) = (case.manifold(&case.shapes), case.manifold(&case.hulls));
-        let told = format!("{found:#?} {general:#?} {:?} {:?}", case.shapes, case.poses);
+        let context = format!("{found:#?} {general:#?} {:?} {:?}", case.shapes, case.poses);
         let bound = found.error_bound;
         let points = found.points();
-        assert!(bound <= 1e-7 * case.size + general.error_bound, "{told}");
+        assert!(bound <= 1e-7 * case.size + general.error_bound, "{context}");
         for point in points {
-            assert!(case.outside(0, point.point_a) <= bound, "{told}");
-            assert!(case.outside(1, point.point_b) <= bound, "{told}");
+            assert!(case.outside(0, point.point_a) <= bound, "{context}");
+            assert!(case.outside(1, point.point_b) <= bound, "{context}");
             let between = point.point_a - point.point_b - found.normal * point.depth;
-            assert!(between.length() <= bound, "{told}");
-            assert!((0.0..=points[0].depth).contains(&point.depth), "{told}");
+            assert!(between.length() <= bound, "{context}");
+            assert!((0.0..=points[0].depth).contains(&point.depth), "{context}");
         }
         counts[points.len()] += 1;
         touching += 1;

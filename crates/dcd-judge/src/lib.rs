@@ -11,6 +11,9 @@
 //! [`shapes_touch`] applies the first to compounds and meshes part by part, and knows cylinders and cones
 //! where comparing squares decides.
 //!
+//! [`Replay`] replays the certificates of robot edges by kinematics of its own in interval arithmetic; the binary
+//! `dcd-replay` does so with a file.
+//!
 //! A crate of its own, and never published, so that both the tests of other crates and the
 //! measuring binaries can be judged by it. No library depends on it. It costs milliseconds a pair
 //! and grows with the sixth power of the vertices: for hulls of up to some thirty points.
@@ -19,12 +22,14 @@
 mod directions;
 mod features;
 mod program;
+mod replay;
 mod rounding;
 mod shapes;
 mod truth;
 mod world;
 
 pub use features::{distance_is_in, touches};
+pub use replay::{BUDGET, Replay, Replayed};
 pub use shapes::{Placed, curved_touch, shapes_touch};
 pub use truth::Truth;
 

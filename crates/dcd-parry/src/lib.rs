@@ -4,6 +4,7 @@
 //! - [`ParryShapes`]: its own shapes through its public queries, as a narrow phase.
 //! - [`ParryBvh`]: its bounding volume hierarchy, as a broad phase.
 //! - [`ParryWorld`]: its tree queried with posed shapes against static obstacles.
+//! - [`ParryRobot`]: a robot's states, links against each other and against its obstacles.
 //! - [`ParryPipeline`]: its best pipeline from AABBs to contacts, each stage its own: the rival.
 //!
 //! ```
@@ -35,6 +36,7 @@ mod forms;
 mod gjk;
 mod library;
 mod pipeline;
+mod robot;
 mod shapes;
 mod world;
 
@@ -42,5 +44,6 @@ pub use bvh::ParryBvh;
 pub use gjk::ParryGjk;
 pub use library::{Library, Query};
 pub use pipeline::{ParryPipeline, ParryStep, Ready, Upkeep};
+pub use robot::ParryRobot;
 pub use shapes::{ParryShapes, ShapesFrame};
 pub use world::{Hit, ParryWorld, Posed, Until};

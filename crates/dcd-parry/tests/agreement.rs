@@ -101,7 +101,7 @@ fn another_scene_gets_its_own_shapes() {
 }
 
 #[test]
-fn parrys_narrow_phases_keep_the_law() {
+fn parrys_narrow_phases_keep_the_contract() {
     fn keeps<R: Library>(scene: &Scene, pairs: &[Pair]) {
         contract::narrow_phase(&Pairwise(ParryGjk::<R>::default()), scene, pairs).unwrap();
         for query in QUERIES {

@@ -29,7 +29,7 @@ fn the_pipeline_gives_the_same_at_any_thread_count() {
 }
 
 #[test]
-fn the_tree_keeps_the_law_of_broad_phases_at_any_thread_count() {
+fn the_tree_keeps_the_contract_of_broad_phases_at_any_thread_count() {
     let scene = scene();
     let aabbs: Vec<_> = (0..scene.len()).map(|i| scene.aabb(i)).collect();
     for threads in [1, 2, 3, 7] {

@@ -41,7 +41,7 @@ struct Obstacles<N: NarrowPhase> {
     names: Vec<u32>,
     /// For each obstacle its box, grown as the narrow phase says.
     aabbs: Vec<Aabb>,
-    /// Made when it is first asked for.
+    /// Made at the first use.
     search: OnceLock<Search>,
     /// Whether some obstacle has a filter.
     filtered: bool,
@@ -108,7 +108,7 @@ impl<N: NarrowPhase> StaticWorld<N> {
     }
 
     /// From objects that follow each other in a scene, by their places among these, for a [`PairDecider`], which
-    /// searches nothing: the tree is made once a checker asks for it.
+    /// searches nothing: the tree is made once a checker needs it.
     ///
     /// # Errors
     /// None that the scene has not passed already, where all of the objects are there.

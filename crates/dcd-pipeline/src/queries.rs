@@ -98,7 +98,7 @@ pub struct QueryFilter<'f> {
     pub sensors: SensorChoice,
     /// Static or moving objects alone, if said.
     pub motion: Option<Motion>,
-    /// Asked last, of an object's index; perhaps on many threads. Must answer alike for one object in one query.
+    /// Called last, with an object's index; perhaps on many threads. Must return the same for one object in one query.
     pub may: Option<&'f (dyn Fn(u32) -> bool + Sync)>,
 }
 

@@ -58,7 +58,7 @@ fn contacts(broad: impl BroadPhase, narrow: impl NarrowPhase, scene: &Scene) -> 
 }
 
 #[test]
-fn every_path_of_the_lanes_gives_the_answers_of_the_exact_ladder() {
+fn every_simd_path_gives_the_exact_answers() {
     for (name, scene) in scenes() {
         let truth = contacts(BruteForce, Pairwise(Certified), &scene);
         for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
@@ -116,7 +116,7 @@ fn overlapping_and_separate_bricks_stay_off_the_exact_method() {
     {
         let scene = SceneSpec::parse(name).unwrap().with_objects(512).scene().unwrap();
         let mut pipeline = Pipeline::with(WideTree::default(), Overlap::default());
-        let exact = pipeline.step(&scene, Par::Serial).report().settled(Method::Exact);
+        let exact = pipeline.step(&scene, Par::Serial).report().resolved(Method::Exact);
         assert_eq!(exact > 0, method_may_be_exact, "{name}: {exact}");
     }
 }

@@ -140,7 +140,7 @@ where
     for frame in 0..1000 {
         let step = pipeline.step_where(&walk.scene, par, may);
         assert!(step.report().undecided().is_empty());
-        remembered += step.report().settled(Method::Remembered);
+        remembered += step.report().resolved(Method::Remembered);
         let reported = Reported {
             aabbs: step.aabbs().to_vec(),
             candidates: step.candidates().collect(),
@@ -258,7 +258,7 @@ fn what_was_known_at_rest_serves_the_first_fast_frames_and_fast_ones_keep_nothin
         }
         let step = coherent.step(&scene, Par::Pool);
         let candidates = step.candidate_count() as f64;
-        known.push(step.report().settled(Method::Remembered) as f64 / candidates);
+        known.push(step.report().resolved(Method::Remembered) as f64 / candidates);
         assert!(step.contacts().eq(fresh.step(&scene, Par::Pool).contacts()), "{known:?}");
     }
     let [first, at_rest, fast, .., still_fast, slow, slow_again] = known[..] else { panic!() };

@@ -38,7 +38,7 @@ fn a_coherent_step_of_objects_that_barely_move_allocates_nothing_either() {
         let mut remembered = 0;
         let seen = allocation_counter::measure(|| {
             let step = pipeline.step(&scene, Par::Serial);
-            remembered = step.report().settled(Method::Remembered);
+            remembered = step.report().resolved(Method::Remembered);
         });
         assert!(frame < 2 || seen.count_total == 0, "frame {frame}: {seen:?}");
         assert!(frame < 1 || remembered > 10_000, "frame {frame}: {remembered}");

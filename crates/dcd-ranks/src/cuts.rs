@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn no_region_is_reached_that_has_no_cell_of_the_box() {
-        // A grid of so few cells that all can be asked.
+        // A grid of so few cells that all can be tested.
         let mut numbers = Numbers(5);
         let grid = Grid::over(DVec3::ZERO, DVec3::splat(f64::from(1 << BITS)));
         let mut reached = Vec::new();

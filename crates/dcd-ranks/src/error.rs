@@ -66,7 +66,7 @@ pub enum RankError {
         /// What it says.
         message: String,
     },
-    /// A name above what a u32 counts, where a file has no room for it.
+    /// A name above what a u32 counts, which a file cannot hold.
     Name {
         /// The name.
         name: u64,

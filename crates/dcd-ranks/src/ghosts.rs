@@ -22,7 +22,7 @@ struct Outbox {
     bodies: Writer,
     body_count: u64,
     /// The shapes of its bodies, which the other rank keeps for as long as it has them.
-    told: HashSet<u64>,
+    sent: HashSet<u64>,
     /// Those of the step before.
     known: HashSet<u64>,
 }
@@ -30,7 +30,7 @@ struct Outbox {
 impl Outbox {
     fn body(&mut self, local: &Local, slot: usize, flag: u8) -> Result<(), RankError> {
         let (name, shape) = local.shape(slot);
-        if self.told.insert(name) && !self.known.contains(&name) {
+        if self.sent.insert(name) && !self.known.contains(&name) {
             self.shapes.number(name);
             self.shapes.shape(name, shape)?;
             self.shape_count += 1;
@@ -45,7 +45,7 @@ impl Outbox {
 
     /// The message, empty where there is no body.
     fn take(&mut self) -> Vec<u8> {
-        self.known = std::mem::take(&mut self.told);
+        self.known = std::mem::take(&mut self.sent);
         let (shapes, bodies) = (std::mem::take(&mut self.shapes), std::mem::take(&mut self.bodies));
         if self.body_count == 0 {
             return Vec::new();
@@ -59,7 +59,7 @@ impl Outbox {
     }
 }
 
-/// The messages of a rank to all others, and what these know by them.
+/// The messages of a rank to all others, and the shapes that these hold by them.
 #[derive(Debug, Default)]
 pub(crate) struct Exchange {
     to: Vec<Outbox>,
@@ -68,8 +68,8 @@ pub(crate) struct Exchange {
 }
 
 impl Exchange {
-    /// Gives away the bodies that have left the region, and tells every rank of those that reach into its; takes
-    /// in what the others give and tell. The boxes must be those of the poses.
+    /// Gives away the bodies that have left the region, and sends every rank those that reach into its region;
+    /// receives the same of the others. The boxes must be those of the poses.
     pub(crate) fn run(
         &mut self,
         transport: &impl Transport,

@@ -8,7 +8,7 @@ use dcd_geom::{Aabb, Filter, HalfSpace, Motion, Pose, Scene, Shape};
 /// An object of the whole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// Its name: no other body of any rank has it. Contacts are told by it, the smaller first.
+    /// Its name: no other body of any rank has it. Contacts name it, the smaller first.
     pub name: u64,
     /// Its shape's index in the share.
     pub shape: u32,

@@ -25,7 +25,7 @@ pub struct RankScene<'t, T> {
     local: Local,
     exchange: Exchange,
     pipeline: AnyPipeline,
-    /// Asks pairs once more whose order in the scene is not that of their names.
+    /// Measures again the pairs whose order in the scene is not that of their names.
     ordered: AnyPipeline,
     is_measured: bool,
     /// By which boxes are grown, metres: half of the question's margin.
@@ -42,7 +42,7 @@ pub struct RankStep {
     pub contacts: Vec<[u64; 2]>,
     /// What was measured of each, in the same order; nothing where the question is yes or no.
     pub answers: Vec<Answer>,
-    /// How many pairs were not settled.
+    /// How many pairs are undecided.
     pub undecided: usize,
     /// What there was to do.
     pub load: Load,
@@ -77,7 +77,7 @@ impl<'t, T: Transport> RankScene<'t, T> {
         let names: Vec<u64> = share.bodies.iter().map(|body| body.name).collect();
         check_names(transport, &names)?;
         let cuts = cut(transport, &boxes, &names, Exec::from(Par::Serial));
-        let local = agree(transport, settle(transport, &cuts, share, &boxes))?;
+        let local = agree(transport, send_to_owners(transport, &cuts, share, &boxes))?;
         Ok(Self {
             transport,
             cuts,
@@ -215,8 +215,8 @@ fn list_measured(step: &AnyStep<'_>, names: &[u64], found: &mut RankStep) -> Vec
     turned
 }
 
-/// Asks pairs in the order of their names, in a scene of theirs: an answer is told from the first to the
-/// second, and may differ in its last bits with who is first.
+/// Measures pairs in the order of their names, in a scene of their own: an answer is directed from the first to
+/// the second, and may differ in its last bits with the order.
 fn measure_ordered(
     pairs: &[[u32; 2]],
     local: &Local,
@@ -230,11 +230,11 @@ fn measure_ordered(
     slots.sort_unstable_by_key(|&slot| local.names()[slot as usize]);
     slots.dedup();
     let places: HashMap<u32, u32> = (0..).zip(&slots).map(|(place, &slot)| (slot, place)).collect();
-    let asked: HashSet<[u32; 2]> =
+    let wanted: HashSet<[u32; 2]> =
         pairs.iter().map(|pair| pair.map(|slot| places[&slot])).collect();
     let whole = local.scene();
     let mut scene = Scene::default();
-    // What a scene holds, a smaller one does; if not, nobody knows of these pairs.
+    // A smaller scene holds what a larger one does. If not, these pairs are undecided.
     let shapes = slots.iter().map(|&slot| whole.shape(slot as usize).clone());
     let objects = (0..).zip(&slots);
     let mut objects =
@@ -245,7 +245,7 @@ fn measure_ordered(
         found.undecided += pairs.len();
         return;
     }
-    let step = pipeline.step_where(&scene, Par::Serial, |i, j| asked.contains(&[i, j]));
+    let step = pipeline.step_where(&scene, Par::Serial, |i, j| wanted.contains(&[i, j]));
     for (Pair { i, j }, answer) in step.answers() {
         let [a, b] = [i, j].map(|place| local.names()[slots[place as usize] as usize]);
         found.contacts.push([a, b]);
@@ -253,8 +253,8 @@ fn measure_ordered(
     }
 }
 
-/// Moves every body to its owner, in rounds; a shape is let go with its last body.
-fn settle(
+/// Sends every body to its owner, in rounds; a shape is dropped with its last body.
+fn send_to_owners(
     transport: &impl Transport,
     cuts: &Cuts,
     mut share: Share,
@@ -277,13 +277,13 @@ fn settle(
         for k in first..end {
             let body = &share.bodies[k];
             let (name, shape) = &shapes[body.shape as usize];
-            let (message, told) = &mut messages[cuts.owner(&boxes[k])];
+            let (message, sent) = &mut messages[cuts.owner(&boxes[k])];
             message.number(body.name);
             message.number(*name);
             message.pose(&body.pose);
-            let is_told = !told.insert(body.shape);
-            message.byte(is_told.into());
-            if let Some(shape) = shape.as_ref().filter(|_| !is_told) {
+            let is_known = !sent.insert(body.shape);
+            message.byte(is_known.into());
+            if let Some(shape) = shape.as_ref().filter(|_| !is_known) {
                 result = result.and(message.shape(*name, shape));
             }
         }

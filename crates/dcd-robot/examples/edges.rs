@@ -78,7 +78,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("undecided", undecided),
     ];
     for (name, group) in groups {
-        group.tell(name);
+        group.print(name);
     }
     Ok(())
 }
@@ -95,7 +95,7 @@ fn quickest(check: impl Fn() -> Result<Edge, RobotError>) -> Result<(Edge, Durat
 }
 
 impl Group {
-    fn tell(mut self, name: &str) {
+    fn print(mut self, name: &str) {
         let count = self.times.len();
         if count == 0 {
             println!("{name}: none");

@@ -1,5 +1,5 @@
 //! A hundred states on the straight line from the start to the goal of every problem of an archive
-//! (MotionBenchMaker's): what their check costs on one thread, in each way to ask for it.
+//! (MotionBenchMaker's): what their check costs on one thread, by each query.
 //!
 //! `cargo run --release -p dcd-robot --example problem_states -- ROBOT.urdf ROBOT.srdf PROBLEMS.tar.bz2 [meshes]`
 

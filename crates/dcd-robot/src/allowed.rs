@@ -6,7 +6,7 @@ use super::{Robot, RobotError, Srdf};
 pub(super) use layer::{Layer, Matrix};
 use std::path::Path;
 
-/// Which pairs of names, of links or obstacles, may touch: no contact of theirs is told.
+/// Which pairs of names, of links or obstacles, may touch: their contacts are not reported.
 ///
 /// Links that are tied rigidly are kept as bodies, so that what this takes grows with the number of
 /// links and not with that of their pairs.

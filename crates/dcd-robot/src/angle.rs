@@ -4,7 +4,7 @@
 use dcd_simd::Lanes;
 
 /// How far from 0 the angles are of which [`near_sin_cos`] knows the sine, rad; a million turns and a half less would
-/// be 2²³. Beyond, libm is asked. Larger: [`QUARTER`] times the number of quarters is no longer exact.
+/// be 2²³. Beyond, libm is called. Larger: [`QUARTER`] times the number of quarters is no longer exact.
 pub(crate) const FAR: f64 = (1 << 20) as f64;
 
 /// π/2 to 33 bits, so that it times a number of 20 bits is exact; the rest of π/2, to within 2⁻⁵³ of it.

@@ -40,7 +40,7 @@ pub(super) fn each_file<E: From<io::Error>>(
         if !entry.header().entry_type().is_file() || !wanted(&path) {
             continue;
         }
-        // What the header promises says nothing: holes are not in the archive.
+        // The size in the header is no evidence: holes are not in the archive.
         let mut bytes = Vec::new();
         entry.take(bounds.entry + 1).read_to_end(&mut bytes)?;
         if bytes.len() as u64 > bounds.entry {

@@ -6,6 +6,7 @@
 //! left out; and, along the direction in which the gap was found, the velocity at the middle with a bound
 //! on the acceleration, which lets a link slide along an obstacle (docs/numerics/proofs.md, "edges").
 
+mod certificate;
 mod outline;
 mod path;
 mod place;
@@ -14,16 +15,18 @@ mod search;
 #[cfg(test)]
 mod tests;
 
+pub use certificate::{CertifiedPair, EdgeCertificate, SeparatingPlane};
 pub(super) use path::Extents;
 pub use path::JointPath;
 pub(super) use reach::Chain;
 
 use super::{Robot, RobotError, StateChecker, Workcell};
+use certificate::Pieces;
 use dcd_exec::Exec;
 use dcd_geom::Shape;
 use outline::{MOST_SPHERES, Outline};
 use search::Search;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// What the numbers of a bound lose in f64, relative, with much room.
 const ROOM: f64 = 1.0 + 1e-9;
@@ -39,6 +42,8 @@ pub struct EdgeChecker {
     pairs: Vec<EdgePair>,
     /// For hits; none of more objects than it counts.
     states: Option<Arc<StateChecker>>,
+    /// Of each object, once a certificate is asked for; or an object that has none.
+    pieces: OnceLock<Result<Arc<[Pieces]>, usize>>,
 }
 
 /// Two objects that may not touch, a moving one first.
@@ -189,7 +194,8 @@ impl EdgeChecker {
                 pairs.push(EdgePair { objects: [i, j], common });
             }
         }
-        Self { movers, outlines, pairs, states: states.map(Arc::new), cell }
+        let (states, pieces) = (states.map(Arc::new), OnceLock::new());
+        Self { movers, outlines, pairs, states, pieces, cell }
     }
 
     /// The work cell.

@@ -1,8 +1,8 @@
 //! Which pairs of links may touch, found from the robot itself, as MoveIt's setup assistant does; but what never
 //! touches is proved where that can be.
 //!
-//! Samples tell which pairs touch always and which sometimes. Of the others a branch and bound over the
-//! joints between the two links, within their limits, asks for a state in which they touch, or proves that
+//! Samples find which pairs touch always and which sometimes. For the others a branch and bound over the
+//! joints between the two links, within their limits, finds a state in which they touch, or proves that
 //! there is none: at the middle of a box of joint values the distance is known with its bound, and no
 //! point of a link comes nearer than the motion bounds of [`edge`](crate::EdgeChecker) allow. What that leaves
 //! open is searched downhill from many states.
@@ -102,7 +102,7 @@ impl PairSearch {
             }
         }
         let sampled = samples::of(robot, &ranges, &parts, open, (self.samples, self.seed))?;
-        found.extend(sampled.settled);
+        found.extend(sampled.reasons);
         let joints = Joints::of(robot, &ranges);
         for pair in sampled.apart {
             match joints.search(pair, &parts, (self.nodes, self.seed))? {

@@ -1,4 +1,4 @@
-//! JSON as a tree that keeps all that it was told: a key that stands twice is refused, not lost.
+//! JSON as a tree that loses nothing: a key that stands twice is refused.
 
 use super::RobotError;
 use serde::Deserialize;
@@ -79,7 +79,7 @@ impl<'de> Visitor<'de> for TreeVisitor {
 /// The value of a line of JSON that is a `what`.
 pub(super) fn parse(what: &'static str, line: &[u8]) -> Result<Json, RobotError> {
     serde_json::from_slice(line).map_err(|error| {
-        // The reader sees one line at a time: the column alone tells something.
+        // The reader sees one line at a time: the column alone is useful.
         let error = error.to_string().replace(" at line 1 column", " at column");
         RobotError::NotOfKind { what, error }
     })

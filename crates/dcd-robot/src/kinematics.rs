@@ -73,7 +73,7 @@ impl Robot {
     /// Where the parts are for these values of [`Robot::variables`], the root link at the
     /// base pose: one pose for each of [`Robot::parts`], in place of what was there.
     ///
-    /// Limits are not asked for: a state beyond them has its place too.
+    /// Limits are not checked: a state beyond them has its place too.
     ///
     /// # Errors
     /// Another number of values than of moved joints; a value that is not finite or so large that

@@ -49,7 +49,10 @@ mod yaml;
 pub use allowed::AllowedPairs;
 pub use archive::{LARGEST_ARCHIVE, LARGEST_ENTRY};
 pub use clearance::Clearance;
-pub use edge::{Edge, EdgeAnswer, EdgeChecker, EdgeReason, JointPath};
+pub use edge::{
+    CertifiedPair, Edge, EdgeAnswer, EdgeCertificate, EdgeChecker, EdgeReason, JointPath,
+    SeparatingPlane,
+};
 pub use error::RobotError;
 pub use generate::{LinkPair, PairReason, PairSearch, write_srdf};
 pub use kinematics::BeyondLimits;

@@ -27,7 +27,7 @@ pub struct Robot {
     pub(super) root: usize,
     /// Its frame in the world.
     pub(super) base: JointFrame,
-    /// What the file says and this robot does not use.
+    /// What the file contains and this robot does not use.
     pub(super) notes: Vec<String>,
 }
 
@@ -48,7 +48,7 @@ pub struct Link {
     pub name: String,
 }
 
-/// A shape on a link: convex, unless meshes were asked for.
+/// A shape on a link: convex, unless the robot was read with meshes.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// The link's index.
@@ -101,7 +101,7 @@ pub enum Motion {
         /// By what.
         by: Drive,
     },
-    /// Turns as a unit quaternion says.
+    /// Turns by a unit quaternion.
     Orients {
         /// Where its x, y, z and w begin in a state.
         first: usize,

@@ -1,4 +1,4 @@
-//! Links made larger, as a scene's `link_padding` and `link_scale` ask.
+//! Links made larger by a scene's `link_padding` and `link_scale`.
 
 use super::world::Padding;
 use dcd_geom::{CurvedKind, Kind, Shape, ShapeError};

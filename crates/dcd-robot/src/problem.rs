@@ -124,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scenes_and_requests_are_told_by_their_names() {
+    fn scenes_and_requests_are_distinguished_by_their_names() {
         let kind = |path: &str| kind_of(Path::new(path));
         assert!(matches!(
             kind("problems/cage/scene0012.yaml"),

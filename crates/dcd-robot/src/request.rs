@@ -18,7 +18,7 @@ pub struct Request {
     /// The goal's; joints that it leaves out stay where they start.
     pub goal: Vec<(String, f64)>,
     state: StateMessage,
-    /// What the first goal asks for that joint values do not say.
+    /// Whether the first goal requires more than joint values.
     beyond_joints: bool,
     notes: Vec<String>,
 }
@@ -145,7 +145,7 @@ impl Request {
     /// The goal as a state of the robot.
     ///
     /// # Errors
-    /// See [`Robot::state`]; a goal that asks for more than joint values.
+    /// See [`Robot::state`]; a goal that requires more than joint values.
     pub fn goal_of(&self, robot: &Robot) -> Result<Vec<f64>, RobotError> {
         self.goal_in(&World::default(), robot)
     }
@@ -164,7 +164,7 @@ impl Request {
     /// See [`Request::goal_of`].
     pub fn goal_in(&self, world: &World, robot: &Robot) -> Result<Vec<f64>, RobotError> {
         if self.beyond_joints {
-            let (user, why) = ("goal", "it asks for poses, and joint values alone are understood");
+            let (user, why) = ("goal", "it contains poses, and joint values alone are understood");
             return Err(RobotError::Refused { user: user.to_owned(), why: why.to_owned() });
         }
         robot.state(&[self.values_in(world), self.goal.clone()].concat())

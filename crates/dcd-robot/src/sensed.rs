@@ -34,7 +34,7 @@ pub struct SensedWorld {
     points: Vec<SensedPoint>,
     /// Half the edges of the box at each point, metres.
     half_extents: DVec3,
-    /// In the order of the cells: x, y, z and radius, each rounded, with room for the lanes past the last.
+    /// In the order of the cells: x, y, z and radius, each rounded, padded for the lanes past the last.
     rows: [Vec<f32>; 4],
     /// Of each in that order its index.
     indices: Vec<u32>,

@@ -1,4 +1,4 @@
-//! What an SRDF file says: pairs that may touch, the robot's root, groups of joints.
+//! The contents of an SRDF file: pairs that may touch, the robot's root, groups of joints.
 
 mod groups;
 
@@ -18,7 +18,7 @@ pub struct Srdf {
     pub robot: String,
     /// The pairs that it disables, whatever their reason, and links that it disables by default.
     pub allowed: AllowedPairs,
-    /// What joins the robot's root to the world, if it says so.
+    /// What joins the robot's root to the world, if the file gives it.
     pub virtual_joint: Option<VirtualJoint>,
     /// Its groups of joints, in its order.
     pub groups: Vec<Group>,
@@ -40,7 +40,7 @@ pub struct VirtualJoint {
     pub child: String,
 }
 
-/// What a controller or a planner is told, and what other programs add.
+/// Settings for controllers and planners, and extensions of other programs.
 const NOT_USED: [&str; 5] = [
     "passive_joint",
     "joint_property",
@@ -117,7 +117,7 @@ impl Srdf {
         Ok(srdf)
     }
 
-    /// Adds what another file of the same robot says, which counts more where both speak of a pair.
+    /// Adds the contents of another file of the same robot, which win where both list a pair.
     ///
     /// # Errors
     /// Another virtual joint than there is; a group or a group's state of a name that there is. Nothing is

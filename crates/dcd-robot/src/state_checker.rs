@@ -11,6 +11,7 @@ mod link_frames;
 mod links;
 mod obstacle_tree;
 mod prepared;
+mod rounded_links;
 mod sensed;
 mod separate;
 mod sift;
@@ -61,7 +62,7 @@ impl<L: Lanes> Clone for Sixteen<L> {
 
 impl<L: Lanes> Copy for Sixteen<L> {}
 
-/// What is asked for of each state.
+/// Which hits of each state are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Goal {
     /// A hit.
@@ -77,7 +78,7 @@ pub struct StateHit {
     pub state: u32,
     /// The two objects of [`Workcell::scene`], i < j; [`Workcell::names_of`] has their names.
     pub pair: Pair,
-    /// That they touch, or that it could not be settled.
+    /// That they touch, or that the pair is undecided.
     pub verdict: Verdict<()>,
 }
 
@@ -91,8 +92,8 @@ impl StateHit {
 /// Checks states of a robot in its world: the robot against the obstacles and against itself, with what it
 /// carries, padded where it is padded; pairs that may touch are left out.
 ///
-/// A planner's threads share one (`&self`); memory is kept for each thread. The answers do not depend on the
-/// threads, nor on what else is asked.
+/// A planner's threads share one (`&self`); memory is kept for each thread. The answers depend neither on the
+/// threads nor on the other states.
 ///
 /// ```
 /// use dcd_robot::{AllowedPairs, LinkShapes, Robot, StateChecker, Workcell, World};
@@ -118,7 +119,7 @@ pub struct StateChecker {
     moved_cells: PerThread<Option<Workcell>>,
 }
 
-/// What a cell holds, made if it is the first to be asked for.
+/// The value of a cell, made at the first use.
 fn made<T>(
     cell: &OnceLock<T>,
     make: impl FnOnce() -> Result<T, SceneError>,
@@ -162,7 +163,7 @@ impl StateChecker {
         Ok(())
     }
 
-    /// That what the narrow phase counts is within a u32.
+    /// Refuses more objects than a u32 counts.
     fn check_count(cell: &Workcell) -> Result<(), RobotError> {
         let count = cell.scene().len().saturating_mul(MOST_AT_ONCE);
         let too_many = |_| RobotError::Scene(SceneError::TooMany { what: "objects", count });
@@ -181,7 +182,7 @@ impl StateChecker {
         &self.prepared.cell
     }
 
-    /// Computes where the links are and nothing else: what every question begins with, for measurements.
+    /// Computes where the links are and nothing else: what every query begins with, for measurements.
     ///
     /// # Errors
     /// Those of [`StateChecker::collides`] but for links out of range.
@@ -197,7 +198,7 @@ impl StateChecker {
         })
     }
 
-    /// For each state whether it is not proved free: whether something touches or could not be settled.
+    /// For each state whether it is not proved free: whether any pair touches or is undecided.
     ///
     /// # Errors
     /// A state with another number of values than the robot has, or that
@@ -211,7 +212,7 @@ impl StateChecker {
     }
 
     /// For each state one contact, if it has any: the one that was found first, always the same. Where nothing is
-    /// known to touch, a pair that could not be settled, if there is one.
+    /// known to touch, an undecided pair, if there is one.
     ///
     /// # Errors
     /// Those of [`StateChecker::collides`].
@@ -233,7 +234,7 @@ impl StateChecker {
         Ok(first)
     }
 
-    /// Every pair that touches or could not be settled, state by state, in the order of the objects.
+    /// Every pair that touches or is undecided, state by state, in the order of the objects.
     ///
     /// # Errors
     /// Those of [`StateChecker::collides`].

@@ -48,7 +48,7 @@ pub struct StateReader<'a> {
     /// What holds for joints that a line does not name.
     defaults: Vec<f64>,
     meshes: MeshSource,
-    /// The last line's carried objects as they were told, and what they are.
+    /// The last line's carried objects as JSON, and what they are.
     last: (Option<Json>, Arc<[AttachedObject]>),
 }
 

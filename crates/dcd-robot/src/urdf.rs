@@ -1,4 +1,4 @@
-//! What a URDF file says: every element and attribute is used, refused, or named as not used.
+//! The contents of a URDF file: every element and attribute is used, refused, or named as not used.
 
 mod geometry;
 
@@ -126,7 +126,7 @@ fn link(walk: &mut Walk, node: Node<'_, '_>) -> Result<DescribedLink, RobotError
 
 /// The elements of a joint that count.
 #[derive(Default)]
-struct Said<'a, 'i> {
+struct JointElements<'a, 'i> {
     origin: Option<Node<'a, 'i>>,
     parent: Option<Node<'a, 'i>>,
     child: Option<Node<'a, 'i>>,
@@ -135,20 +135,20 @@ struct Said<'a, 'i> {
     mimic: Option<Node<'a, 'i>>,
 }
 
-fn said<'a, 'i>(
+fn joint_elements<'a, 'i>(
     walk: &mut Walk,
     node: Node<'a, 'i>,
     user: &str,
-) -> Result<Said<'a, 'i>, RobotError> {
-    let mut said = Said::default();
+) -> Result<JointElements<'a, 'i>, RobotError> {
+    let mut elements = JointElements::default();
     for child in walk.children(node)? {
         let slot = match child.tag_name().name() {
-            "origin" => &mut said.origin,
-            "parent" => &mut said.parent,
-            "child" => &mut said.child,
-            "axis" => &mut said.axis,
-            "limit" => &mut said.limit,
-            "mimic" => &mut said.mimic,
+            "origin" => &mut elements.origin,
+            "parent" => &mut elements.parent,
+            "child" => &mut elements.child,
+            "axis" => &mut elements.axis,
+            "limit" => &mut elements.limit,
+            "mimic" => &mut elements.mimic,
             other if OF_A_JOINT.contains(&other) => {
                 walk.pass_over(child);
                 continue;
@@ -157,7 +157,7 @@ fn said<'a, 'i>(
         };
         once(walk, slot, child, user)?;
     }
-    Ok(said)
+    Ok(elements)
 }
 
 /// Puts an element in its place, which must be empty.
@@ -190,7 +190,8 @@ fn joint(walk: &mut Walk, node: Node<'_, '_>) -> Result<DescribedJoint, RobotErr
             return Err(walk.at(node, RobotError::Unsupported { what, kind, user }));
         }
     };
-    let Said { origin, parent, child, axis, limit, mimic } = said(walk, node, &user)?;
+    let JointElements { origin, parent, child, axis, limit, mimic } =
+        joint_elements(walk, node, &user)?;
     let link = |walk: &Walk, end: Option<Node<'_, '_>>, what: &str| match end {
         None => Err(walk.refused(node, &user, format!("it has no {what}"))),
         Some(end) => {
@@ -207,7 +208,7 @@ fn joint(walk: &mut Walk, node: Node<'_, '_>) -> Result<DescribedJoint, RobotErr
     if let (Kind::Planar, Some(node)) = (kind, axis)
         && axis_of(walk, Some(node), &user)? != DVec3::Z
     {
-        let why = "the axis of a planar joint is not z: which way its x and y are is not said";
+        let why = "the axis of a planar joint is not z: which way its x and y point is not given";
         return Err(walk.refused(node, &user, why));
     }
     if let (true, Some(limit)) = (has_several, limit) {
@@ -228,7 +229,7 @@ fn joint(walk: &mut Walk, node: Node<'_, '_>) -> Result<DescribedJoint, RobotErr
     }
     let limits = if has_several || of_type == "continuous" { None } else { limits };
     let mimic = match mimic {
-        // What does not move follows nobody.
+        // A fixed joint mimics no other.
         Some(mimic) if kind == Kind::Fixed => {
             walk.unused.add("mimic of a fixed joint", walk.line(mimic));
             None
@@ -240,7 +241,7 @@ fn joint(walk: &mut Walk, node: Node<'_, '_>) -> Result<DescribedJoint, RobotErr
     Ok(DescribedJoint { name, line, kind, parent, child, origin, axis, mimic, limits })
 }
 
-/// Of unit length; the x axis where nothing is said.
+/// Of unit length; the x axis where none is given.
 fn axis_of(walk: &Walk, node: Option<Node<'_, '_>>, user: &str) -> Result<DVec3, RobotError> {
     let Some(node) = node else { return Ok(DVec3::X) };
     walk.only(node, &["xyz"], user)?;
@@ -251,7 +252,7 @@ fn axis_of(walk: &Walk, node: Option<Node<'_, '_>>, user: &str) -> Result<DVec3,
     })
 }
 
-/// The least and the largest value; none where neither is said.
+/// The least and the largest value; `None` where neither is given.
 fn limits(
     walk: &Walk,
     node: Option<Node<'_, '_>>,
@@ -263,7 +264,7 @@ fn limits(
     let [lower, upper] = ["lower", "upper"].map(|name| walk.number(node, name, user));
     match (lower?, upper?) {
         (None, None) => Ok(None),
-        // As URDF has it, what is not said is 0.
+        // By URDF, what is not given is 0.
         (lower, upper) => Ok(Some([lower.unwrap_or(0.0), upper.unwrap_or(0.0)])),
     }
 }

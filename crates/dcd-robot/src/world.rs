@@ -1,4 +1,4 @@
-//! What stands round a robot, and what a scene says of the robot in it.
+//! What stands round a robot, and what a scene sets for the robot in it.
 
 use super::kinematics::JointFrame;
 use super::{AllowedPairs, PlanningScene, Robot, RobotError, Srdf, scene_text, xml};
@@ -11,18 +11,18 @@ use std::path::Path;
 pub struct World {
     /// The obstacles, in the file's order.
     pub obstacles: Vec<Obstacle>,
-    /// What the scene's allowed collision matrix and its attached objects say. Where it speaks of a
+    /// What the scene's allowed collision matrix and its attached objects allow. Where it lists a
     /// pair it counts more than an SRDF.
     pub allowed: AllowedPairs,
     /// The scene's joint values, by name.
     pub joints: Vec<(String, f64)>,
-    /// Where the robot's root stands, if the scene says so.
+    /// Where the robot's root stands, if the scene gives it.
     pub base: Option<Pose>,
     /// What the robot carries.
     pub attached: Vec<Attached>,
     /// Links that are larger to the world, by name.
     pub padding: BTreeMap<String, Padding>,
-    /// What the scene says that is not used, or that a planner would warn of. A sentence each.
+    /// What the scene contains that is not used, or that a planner would warn of. A sentence each.
     pub notes: Vec<String>,
 }
 
@@ -73,7 +73,7 @@ impl Attached {
     }
 }
 
-/// How much larger a link is to the world, and to the robot itself where that is asked for.
+/// How much larger a link is against the world, and against the robot itself where `against_robot` is set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Padding {
     /// What its shapes are multiplied by; above 0.

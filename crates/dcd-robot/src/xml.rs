@@ -60,7 +60,7 @@ pub(super) struct Walk {
     pub(super) unused: Unused,
 }
 
-/// Elements of other namespaces that would say what is where, were they of this one.
+/// Elements of other namespaces that would place shapes, were they of this one.
 const CARRY_GEOMETRY: [&str; 10] = [
     "link",
     "joint",
@@ -123,7 +123,7 @@ impl Walk {
         Ok(own)
     }
 
-    /// Refuses what nobody expanded: an element of xacro, or a value that is still to be computed.
+    /// Refuses what is not expanded: an element of xacro, or a value that is still to be computed.
     pub(super) fn refuse_xacro(&self, document: &Document<'_>) -> Result<(), RobotError> {
         const HOW: &str = "xacro must be expanded first: xacro FILE > robot.urdf";
         for node in document.descendants().filter(Node::is_element) {

@@ -187,7 +187,7 @@ fn outer_hulls_have_few_vertices_and_hold_every_vertex_of_the_mesh_hulls() {
             continue;
         }
         assert!(outer.vertices().len() <= VERTICES.max(8));
-        // Along no direction does the mesh stand out of it, nor it out of the mesh by more than is told.
+        // Along no direction does the mesh stand out of it, nor it out of the mesh by more than the tolerance.
         let end = |points: &[DVec3], along: DVec3| {
             points.iter().map(|p| p.dot(along)).fold(f64::NEG_INFINITY, f64::max)
         };
@@ -199,8 +199,8 @@ fn outer_hulls_have_few_vertices_and_hold_every_vertex_of_the_mesh_hulls() {
         larger += usize::from(few.tolerance > 0.0);
     }
     assert!(larger > 10, "{larger}");
-    let told = robot.notes().iter().find(|note| note.contains("24 vertices")).unwrap();
-    assert!(told.contains("m larger"), "{told}");
+    let note = robot.notes().iter().find(|note| note.contains("24 vertices")).unwrap();
+    assert!(note.contains("m larger"), "{note}");
 }
 
 /// Some hundred unit vectors all round.

@@ -1,4 +1,4 @@
-//! What a query asks of sixteen boxes at once: how soon, or how near, something in each can be.
+//! The test of a query against sixteen boxes at once: how soon, or how near, something in each can be.
 
 use crate::aabb::{round_down, round_up};
 use crate::{Aabb, Aabb16, Lanes, Row, WIDTH};
@@ -32,7 +32,7 @@ pub fn nearest_first(keys: &Row, mut bits: u32, lanes: &mut [u8; WIDTH]) -> usiz
     count
 }
 
-/// What three roundings of f32 lose of a quotient from below and of one from above, doubled, with room. No unit.
+/// What three roundings of f32 lose of a quotient from below and of one from above, doubled, with a margin. No unit.
 /// (1 + γ₃)/(1 − γ₃) is 1 + 6.1·2⁻²⁴ (Ize 2013). Smaller: boxes missed through rounding.
 const ROUNDING: f64 = 1.0 / (1 << 20) as f64;
 
@@ -202,7 +202,7 @@ impl BoxTest for PlaneSet<'_> {
                 least = l.add(least, product);
                 size = l.add(size, l.abs(product));
             }
-            // Seven roundings, and room.
+            // Seven roundings, and a margin.
             let slack = l.add(l.mul(size, l.splat(ROUNDING as f32)), l.splat(UNDERFLOW));
             open = l.and_not(open, l.lt(slack, least));
         }

@@ -145,7 +145,7 @@ pub(crate) fn compare(subject: &Subject, course: &Course) -> Result<Comparison> 
         let step = pipeline.step(&scene, Par::WarmPool);
         said.ours = Answers::ours(&step);
         let digest = Digest::of(step.contacts().map(|(i, j)| dcd_geom::Pair { i, j }));
-        (digest, Method::ALL.map(|method| step.report().settled(method)).to_vec())
+        (digest, Method::ALL.map(|method| step.report().resolved(method)).to_vec())
     };
     // Gone before the f32 shapes are made: at a million hulls both would not fit.
     said.parry_f64 = {

@@ -102,7 +102,7 @@ impl Course {
             let (of_coherent, remembering) = time(|| coherent.step(&scene, Par::Serial));
             ensure!(remembering.contacts().eq(step.contacts()), "frame {frame} differs");
             ensure!(step.report().undecided().is_empty(), "frame {frame} has undecided pairs");
-            let known = remembering.report().settled(Method::Remembered) as f64;
+            let known = remembering.report().resolved(Method::Remembered) as f64;
             let known = known / remembering.candidate_count().max(1) as f64;
             match frame {
                 0 => seen.first.push(of_coherent),

@@ -1,4 +1,4 @@
-//! Asks us and Parry of the same pairs, in turn, and checks what we say.
+//! Our step and Parry's queries on the same pairs, interleaved, and a check of our answers.
 
 use std::collections::HashMap;
 
@@ -15,10 +15,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::parry::Parry;
 
-/// Pairs within that many metres are told of, where distances are asked for.
+/// Distances are reported of pairs within that many metres.
 pub(crate) const MARGIN: f64 = 0.1;
 
-/// What is asked.
+/// The kind of query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Kind {
     Distance,
@@ -54,16 +54,16 @@ impl Kind {
 const ACCURACIES: [(&str, Accuracy); 3] =
     [("certified", Accuracy::Certified), ("f64", Accuracy::F64), ("f32", Accuracy::F32)];
 
-/// One question at one accuracy.
+/// One query at one accuracy.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Asked {
+pub(crate) struct Measurement {
     pub(crate) kind: Kind,
     pub(crate) accuracy: String,
     pub(crate) candidates: usize,
     /// Pairs that touch, or are within the margin.
-    pub(crate) told: usize,
-    /// The same by Parry.
-    pub(crate) parry_told: usize,
+    pub(crate) found: usize,
+    /// The pairs that Parry finds.
+    pub(crate) parry_found: usize,
     /// The bounds of what is measured, metres: 99 of 100 are below it, and all below the worst.
     pub(crate) p99: f64,
     pub(crate) worst: f64,
@@ -78,14 +78,14 @@ pub(crate) struct Asked {
 pub(crate) struct Outcome {
     pub(crate) scene: String,
     pub(crate) objects: usize,
-    pub(crate) asked: Vec<Asked>,
+    pub(crate) measurements: Vec<Measurement>,
 }
 
 /// What was measured of a pair: a value and its bound; none where there is nothing to measure.
 type Measured = Option<[f64; 2]>;
 
 pub(crate) fn run_scene(spec: &SceneSpec, scene: &Scene, effort: Effort) -> Result<Outcome> {
-    let mut asked = Vec::new();
+    let mut measurements = Vec::new();
     for kind in Kind::ALL {
         let pairs = candidates(scene, kind.margin())?;
         let parry = Parry::new(scene, &pairs, kind.margin())?;
@@ -106,14 +106,14 @@ pub(crate) fn run_scene(spec: &SceneSpec, scene: &Scene, effort: Effort) -> Resu
             let at = |part: usize| bounds.get(bounds.len() * part / 100).copied();
             let rounds = if effort == Effort::Quick { 1 } else { 7 };
             let mut ours = || [time(|| pipeline.step(scene, Par::Serial).contacts().count()).0];
-            let mut theirs = || [time(|| parry.ask(kind)).0];
+            let mut theirs = || [time(|| parry.count(kind)).0];
             let [times] = pairs_of(rounds, &mut ours, &mut theirs);
-            asked.push(Asked {
+            measurements.push(Measurement {
                 kind,
                 accuracy: name.to_owned(),
                 candidates: pairs.len(),
-                told: found.len(),
-                parry_told: parry.ask(kind),
+                found: found.len(),
+                parry_found: parry.count(kind),
                 p99: at(99).unwrap_or(0.0),
                 worst: bounds.last().copied().unwrap_or(0.0),
                 beyond: beyond + missing,
@@ -121,7 +121,7 @@ pub(crate) fn run_scene(spec: &SceneSpec, scene: &Scene, effort: Effort) -> Resu
             });
         }
     }
-    Ok(Outcome { scene: spec.name().to_owned(), objects: scene.len(), asked })
+    Ok(Outcome { scene: spec.name().to_owned(), objects: scene.len(), measurements })
 }
 
 /// The pairs whose boxes, each grown by half the margin, meet.
@@ -133,7 +133,7 @@ fn candidates(scene: &Scene, margin: f64) -> Result<Vec<Pair>> {
 
 fn measured(pipeline: &mut AnyPipeline, scene: &Scene) -> Vec<(Pair, Measured)> {
     let step = pipeline.step(scene, Par::Serial);
-    let told = step.answers().map(|(pair, answer)| {
+    let answers = step.answers().map(|(pair, answer)| {
         let measured = match answer {
             Answer::Distance(distance) => distance.map(|d| [d.distance, d.error_bound]),
             Answer::Depth(depth) => Some([depth.depth, depth.error_bound]),
@@ -142,7 +142,7 @@ fn measured(pipeline: &mut AnyPipeline, scene: &Scene) -> Vec<(Pair, Measured)> 
         };
         (pair, measured)
     });
-    told.collect()
+    answers.collect()
 }
 
 /// Whether two measures with their bounds may be of one truth.

@@ -45,11 +45,11 @@ pub(crate) struct Cross {
 /// All pairs of kinds whose names hold `filter`, as "one-other".
 pub(crate) fn keys(filter: &str) -> Vec<[usize; 2]> {
     let all = (0..KINDS.len()).flat_map(|i| (i..KINDS.len()).map(move |j| [i, j]));
-    let is_asked = |&[i, j]: &[usize; 2]| {
+    let is_compared = |&[i, j]: &[usize; 2]| {
         // Two half-spaces, or a half-space and a mesh, have no depth at Parry.
         [KINDS[i], KINDS[j]] != ["half-space"; 2] && name([i, j]).contains(filter)
     };
-    all.filter(is_asked).collect()
+    all.filter(is_compared).collect()
 }
 
 pub(crate) fn name([i, j]: [usize; 2]) -> String {
@@ -152,8 +152,8 @@ fn scene(kinds: [usize; 2], touching: bool, count: usize, seed: u64) -> Result<S
     Ok(Scene::one_each(shapes, poses)?)
 }
 
-/// What a solver says of all pairs: how many could not be measured, and the worst bound.
-fn ask<S: MeasureAt>(
+/// Measures all pairs: how many could not be measured, and the worst bound.
+fn measure<S: MeasureAt>(
     solver: S,
     accuracy: Accuracy,
     scene: &Scene,
@@ -174,7 +174,7 @@ fn ask<S: MeasureAt>(
     (undecided, worst)
 }
 
-/// Three questions of two kinds, at every accuracy.
+/// Three queries of two kinds of shape, at every accuracy.
 pub(crate) fn run_kinds(kinds: [usize; 2], seed: u64, effort: Effort) -> Result<Vec<Cross>> {
     let (count, rounds) = if effort == Effort::Quick { (24, 3) } else { (256, 7) };
     let mut found = Vec::new();
@@ -184,20 +184,20 @@ pub(crate) fn run_kinds(kinds: [usize; 2], seed: u64, effort: Effort) -> Result<
         let margin = if question == Kind::Distance { 10.0 } else { 0.0 };
         let parry = Parry::new(&scene, &pairs, margin)?;
         for (name, accuracy) in ACCURACIES {
-            let asked = || match question {
-                Kind::Distance => ask(
+            let run = || match question {
+                Kind::Distance => measure(
                     Distances::within(MARGIN).expect("a margin"),
                     accuracy,
                     &scene,
                     &pairs,
                     |distance| distance.map_or(0.0, |d| d.error_bound),
                 ),
-                Kind::Depth => ask(Depths, accuracy, &scene, &pairs, |depth| depth.error_bound),
-                Kind::Manifold => ask(Manifolds, accuracy, &scene, &pairs, |m| m.error_bound()),
+                Kind::Depth => measure(Depths, accuracy, &scene, &pairs, |depth| depth.error_bound),
+                Kind::Manifold => measure(Manifolds, accuracy, &scene, &pairs, |m| m.error_bound()),
             };
-            let (undecided, worst) = asked();
-            let mut ours = || [time(asked).0];
-            let mut theirs = || [time(|| parry.ask(question)).0];
+            let (undecided, worst) = run();
+            let mut ours = || [time(run).0];
+            let mut theirs = || [time(|| parry.count(question)).0];
             let [times] = pairs_of(rounds, &mut ours, &mut theirs);
             found.push(Cross {
                 kinds: kinds.map(|kind| KINDS[kind].to_owned()),

@@ -1,7 +1,7 @@
 //! Distance, depth and manifold of whole scenes at every accuracy, beside Parry's queries of the same pairs.
 //!
-//! No time is shown before the bounds are checked: what a smaller accuracy tells has to be consistent with what
-//! is certified.
+//! No time is shown before the bounds are checked: the answers of a smaller accuracy have to be consistent with the
+//! certified ones.
 
 #![forbid(unsafe_code)]
 
@@ -102,7 +102,8 @@ fn run(line: &Line) -> Result<()> {
     kinds::report(&mut report, &found)?;
     report.hand_out(&dir, line.print)?;
     units.finish()?;
-    let beyond: usize = outcomes.iter().flat_map(|o| &o.asked).map(|asked| asked.beyond).sum();
+    let beyond: usize =
+        outcomes.iter().flat_map(|o| &o.measurements).map(|measured| measured.beyond).sum();
     ensure!(beyond == 0, "{beyond} answers are beyond their bounds");
     Ok(())
 }

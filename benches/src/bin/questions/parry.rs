@@ -8,7 +8,7 @@ use parry3d::query::{self, ContactManifold, PersistentQueryDispatcher};
 use crate::contest::Kind;
 use crate::kinds::in_parrys_frame;
 
-/// Shapes, poses, and the pairs that are asked.
+/// Shapes, poses, and the pairs to query.
 pub(crate) struct Parry {
     forms: Vec<<f32 as Library>::Form>,
     objects: Vec<(usize, <f32 as Library>::Pose)>,
@@ -36,8 +36,8 @@ impl Parry {
         })
     }
 
-    /// Asks every pair and returns how many were found.
-    pub(crate) fn ask(&self, kind: Kind) -> usize {
+    /// Queries every pair and returns how many it finds.
+    pub(crate) fn count(&self, kind: Kind) -> usize {
         let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
         let mut found = |pair: &&Pair| {
             let [(a, at_a), (b, at_b)] = [pair.i, pair.j].map(|k| self.objects[k as usize]);
@@ -54,7 +54,7 @@ impl Parry {
                     // Without a warm start: none is kept from pair to pair.
                     manifolds.clear();
                     let relative = at_a.inv_mul(&at_b);
-                    let asked = query::DefaultQueryDispatcher.contact_manifolds(
+                    let result = query::DefaultQueryDispatcher.contact_manifolds(
                         &relative,
                         a,
                         b,
@@ -62,7 +62,7 @@ impl Parry {
                         &mut manifolds,
                         &mut None,
                     );
-                    asked.is_ok() && manifolds.iter().any(|manifold| !manifold.points.is_empty())
+                    result.is_ok() && manifolds.iter().any(|manifold| !manifold.points.is_empty())
                 }
             }
         };

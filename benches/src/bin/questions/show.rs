@@ -1,4 +1,4 @@
-//! A table of what was asked.
+//! A table of the queries.
 
 use anyhow::Result;
 use dcd_benches::{Cell, Column, Header, Report, Table};
@@ -9,7 +9,7 @@ pub(crate) fn report(header: Header, outcomes: &[Outcome]) -> Result<Report> {
     let title = "Distance, depth and manifold beside Parry's";
     let mut report = Report::new("questions", title, header);
     report.note(
-        "One thread, the two in turn in one process; the median of the rounds with the least and the most. Ours is the \
+        "One thread, interleaved in one process; the median of the rounds with the least and the most. Ours is the \
          whole step: boxes, tree, pairs, yes or no, and what is measured. Parry's, in f32, is its query alone of the same \
          candidate pairs, one after the other: `closest_points` with the margin, `contact`, `contact_manifolds` without a warm start.",
     );
@@ -17,7 +17,7 @@ pub(crate) fn report(header: Header, outcomes: &[Outcome]) -> Result<Report> {
         "Distances are of pairs within {MARGIN} m. The bound is proved for each answer; every answer is checked against the \
          certified one of its pair.",
     ));
-    let columns = ["scene", "objects", "question", "accuracy", "pairs", "told", "Parry tells"];
+    let columns = ["scene", "objects", "question", "accuracy", "pairs", "found", "Parry finds"];
     let columns = columns.map(Column::new).into_iter().chain([
         Column::new("ours").unit("ms"),
         Column::new("Parry f32").unit("ms"),
@@ -29,15 +29,16 @@ pub(crate) fn report(header: Header, outcomes: &[Outcome]) -> Result<Report> {
     ]);
     let mut table = Table::new("times", "Times, and Parry's by ours", columns);
     for outcome in outcomes {
-        for asked in &outcome.asked {
+        for measured in &outcome.measurements {
             let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3;
-            let times = &asked.times;
-            let counts = [asked.candidates, asked.told, asked.parry_told].map(Cell::from);
+            let times = &measured.times;
+            let counts =
+                [measured.candidates, measured.found, measured.parry_found].map(Cell::from);
             let names = [
                 Cell::from(outcome.scene.as_str()),
                 Cell::from(outcome.objects),
-                Cell::from(asked.kind.name()),
-                Cell::from(asked.accuracy.as_str()),
+                Cell::from(measured.kind.name()),
+                Cell::from(measured.accuracy.as_str()),
             ];
             let numbers = [
                 ms(times.a.median),
@@ -45,8 +46,8 @@ pub(crate) fn report(header: Header, outcomes: &[Outcome]) -> Result<Report> {
                 times.ratio,
                 times.least,
                 times.most,
-                asked.p99 * 1e6,
-                asked.worst * 1e6,
+                measured.p99 * 1e6,
+                measured.worst * 1e6,
             ];
             table.push(names.into_iter().chain(counts).chain(numbers.map(Cell::from)))?;
         }

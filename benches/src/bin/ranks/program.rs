@@ -33,7 +33,7 @@ impl Program {
         Ok(Some(Self { path: folder.join("target/release/dcd-mpi") }))
     }
 
-    /// What it tells of a scene, as JSON.
+    /// Its report on a scene, as JSON.
     pub(crate) fn detect(&self, ranks: usize, arguments: &[String]) -> Result<Value> {
         let output = Command::new("mpirun")
             .args(["-n", &ranks.to_string()])
@@ -46,8 +46,8 @@ impl Program {
             .env("OMPI_MCA_rmaps_base_oversubscribe", "1")
             .output()
             .context("mpirun does not start")?;
-        let told = String::from_utf8_lossy(&output.stderr);
-        ensure!(output.status.success(), "dcd-mpi {arguments:?} at {ranks} ranks: {told}");
+        let printed = String::from_utf8_lossy(&output.stderr);
+        ensure!(output.status.success(), "dcd-mpi {arguments:?} at {ranks} ranks: {printed}");
         serde_json::from_slice(&output.stdout).context("dcd-mpi printed no JSON")
     }
 }

@@ -1,4 +1,4 @@
-//! Two ranks of one thread beside one process of two threads, in turn.
+//! Two ranks of one thread beside one process of two threads, interleaved.
 
 use std::time::Duration;
 
@@ -65,8 +65,8 @@ fn on_ranks(program: &Program, spec: &SceneSpec, threads_ms: f64) -> Result<Roun
     let [count, seed, steps] = numbers.each_ref().map(String::as_str);
     let arguments = ["--scene", spec.name(), "--n", count, "--seed", seed, "--repeat", steps]
         .map(str::to_owned);
-    let told = program.detect(2, &arguments)?;
-    let ms = |stage: &str| told["ms"][stage]["median"].as_f64().context("no time");
+    let report = program.detect(2, &arguments)?;
+    let ms = |stage: &str| report["ms"][stage]["median"].as_f64().context("no time");
     Ok(Round { threads_ms, ranks_ms: ms("total")?, exchange_ms: ms("exchange")? })
 }
 

@@ -68,8 +68,8 @@ pub(crate) fn measure(program: &Program, options: &Options, units: &mut Units) -
     Ok(())
 }
 
-fn row(told: &Value) -> Result<Row> {
-    let ranks = told["ranks"].as_array().context("no list of ranks")?;
+fn row(report: &Value) -> Result<Row> {
+    let ranks = report["ranks"].as_array().context("no list of ranks")?;
     let of = |key: &str| -> Result<Vec<u64>> {
         ranks.iter().map(|rank| rank[key].as_u64().with_context(|| key.to_owned())).collect()
     };
@@ -80,14 +80,14 @@ fn row(told: &Value) -> Result<Row> {
     let mean = costs.iter().sum::<u64>() as f64 / ranks.len() as f64;
     let peaks = of("peak_rss_bytes")?;
     Ok(Row {
-        digest: told["digest"].as_str().context("no digest")?.to_owned(),
-        contacts: told["contacts"].as_u64().context("no contacts")?,
+        digest: report["digest"].as_str().context("no digest")?.to_owned(),
+        contacts: report["contacts"].as_u64().context("no contacts")?,
         most_objects: most(&objects),
         imbalance: most(&costs) as f64 / mean,
         ghosts: of("ghosts")?.iter().sum(),
         most_sent_bytes: most(&of("bytes_sent")?),
-        exchange_ms: told["ms"]["exchange"]["median"].as_f64().context("no time")?,
-        total_ms: told["ms"]["total"]["median"].as_f64().context("no time")?,
+        exchange_ms: report["ms"]["exchange"]["median"].as_f64().context("no time")?,
+        total_ms: report["ms"]["total"]["median"].as_f64().context("no time")?,
         peak_bytes: peaks.iter().sum(),
         most_peak_bytes: most(&peaks),
     })

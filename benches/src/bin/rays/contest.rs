@@ -1,4 +1,4 @@
-//! What is asked, of whom, and whose answers agree.
+//! The queries, the libraries that answer them, and which answers agree.
 
 use std::hint::black_box;
 
@@ -48,7 +48,7 @@ pub(crate) struct Outcome {
     pub(crate) rows: Vec<Row>,
 }
 
-/// Scenes and what is asked of them.
+/// Scenes and the queries on them.
 pub(crate) struct Work {
     hulls: Scene,
     mesh: Scene,
@@ -192,8 +192,8 @@ impl Work {
                 }
             })
             .collect();
-        type Asked = ([usize; 2], [RigidMotion; 2]);
-        let ours = |&(ids, ref motions): &Asked| {
+        type CastQuery = ([usize; 2], [RigidMotion; 2]);
+        let ours = |&(ids, ref motions): &CastQuery| {
             let [a, b] = [0, 1]
                 .map(|k| MovingShape { shape: self.hulls.shape(ids[k]), motion: &motions[k] });
             let size = a.shape.reach() + b.shape.reach();
@@ -202,11 +202,11 @@ impl Work {
                 _ => None,
             }
         };
-        let f32s = |(ids, [u, v]): &Asked| match turn {
+        let f32s = |(ids, [u, v]): &CastQuery| match turn {
             Turn::With => rivals.0.impact(*ids, [u, v]),
             Turn::Without => rivals.0.cast(*ids, [u, v]),
         };
-        let f64s = |(ids, [u, v]): &Asked| match turn {
+        let f64s = |(ids, [u, v]): &CastQuery| match turn {
             Turn::With => rivals.1.impact(*ids, [u, v]),
             Turn::Without => rivals.1.cast(*ids, [u, v]),
         };
@@ -229,7 +229,7 @@ enum Turn {
 
 type Rivals = (single::Rival, double::Rival);
 
-/// Times of ours beside one rival's, in turn.
+/// Our times and one rival's, interleaved.
 fn beside(effort: Effort, ours: impl Fn() -> usize, theirs: impl Fn() -> usize) -> Pair {
     let [pair] = pairs_of(
         rounds(effort),
@@ -253,8 +253,8 @@ impl Tally {
         self.met += usize::from(ours.is_some());
         let agrees = |theirs: Option<f64>| match (ours, theirs) {
             (Some([lower, _, upper]), Some(t)) => {
-                let room = AGREES * (1.0 + t.abs());
-                lower - room <= t && t <= upper + room
+                let tolerance = AGREES * (1.0 + t.abs());
+                lower - tolerance <= t && t <= upper + tolerance
             }
             (None, None) => true,
             _ => false,

@@ -1,4 +1,4 @@
-//! Tables of what was asked.
+//! Tables of the queries.
 
 use anyhow::Result;
 use dcd_benches::{Cell, Column, Header, Report, Table};
@@ -7,7 +7,7 @@ use crate::contest::Outcome;
 
 /// What a reader of the tables must know.
 const NOTES: [&str; 3] = [
-    "One thread, the two in turn in one process; the median of the rounds' ratios with the least and the most. \
+    "One thread, interleaved in one process; the median of the rounds' ratios with the least and the most. \
      Trees, shapes and poses are made outside of the timer.",
     "`differs` counts answers of Parry's outside of our bracket by more than 1e-4 of the time or distance. `wrong` \
      counts hits of Parry's in f64 sooner than ours that a point of the ray inside of the shape confirms.",
@@ -20,7 +20,7 @@ pub(crate) fn report(header: Header, outcome: &Outcome) -> Result<Report> {
         "{} hulls of the paper's scene; a mesh of {} triangles.",
         outcome.objects, outcome.triangles
     ));
-    let columns = ["question", "asked", "met", "wrong", "f32 differs", "f64 differs"];
+    let columns = ["question", "queries", "met", "wrong", "f32 differs", "f64 differs"];
     let mut answers = Table::new("ray-answers", "Answers", columns.map(Column::new));
     for row in &outcome.rows {
         let counts = [row.count, row.met, row.wrong, row.differs[0], row.differs[1]];

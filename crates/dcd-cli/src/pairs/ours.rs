@@ -30,9 +30,9 @@ impl Solvers {
             return distance(precision, accuracy, a, b);
         }
         let (verdict, method) = match precision {
-            Precision::Fast => Gjk::<f32>::default().settle(a, b, &mut ()),
-            Precision::F64 => Gjk::<f64>::default().settle(a, b, &mut ()),
-            Precision::Certified => Certified.settle(a, b, &mut Default::default()),
+            Precision::Fast => Gjk::<f32>::default().resolve(a, b, &mut ()),
+            Precision::F64 => Gjk::<f64>::default().resolve(a, b, &mut ()),
+            Precision::Certified => Certified.resolve(a, b, &mut Default::default()),
         };
         let mut answer = Answer::new(&verdict, name(method));
         match (query, verdict) {

@@ -1,6 +1,6 @@
 //! Edges from a file, a line each, and a line of JSON for what is proved of them.
 
-use super::lines::{CellCache, Given, Question, Which};
+use super::lines::{CellCache, Given, Proof, Question, Which};
 use super::picture::Picture;
 use dcd_robot::{
     AttachedObject, EdgeAnswer, EdgeChecker, EdgeRequest, Robot, RobotError, StateReader,
@@ -15,12 +15,48 @@ with "attached" as above. Continuous joints turn as the numbers say, never the s
   {"edge": k, "answer": "free", "clearance": metres, …}: no configuration on it comes nearer to anything than that, proved; null where there is nothing to meet
   {"edge": k, "answer": "hit", "t": t, "pair": ["a", "b"], …}: the configuration at t touches, proved
   {"edge": k, "answer": "undecided", "t": [lo, hi], "pair": ["a", "b"], "reason": "…", …}: the first interval that is neither
---budget is a number of intervals of one edge, so that an answer does not depend on the machine."#;
+--budget is a number of intervals of one edge, so that an answer does not depend on the machine. --certificate FILE writes
+for each free edge the separating planes of every pair on intervals of t, JSON Lines: what the robot, its world and the pairs that
+may touch are, then the edges (docs/guide/certificates.md); the planes take up to 16 times the budget's intervals."#;
 
 /// `--edges`: whether each is free.
 pub(super) struct Edges {
     /// The most intervals of one edge.
     pub(super) budget: usize,
+    /// Whether free edges are proved in a certificate.
+    pub(super) certificates: Certificates,
+}
+
+/// What is asked of a free edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Certificates {
+    None,
+    Written,
+}
+
+/// How many times the budget's intervals planes may take: each pair is proved by itself, and by half of its gap.
+const OF_PLANES: usize = 16;
+
+/// A checker, and what a certificate says of its robot and world, once one is written.
+pub(super) struct Kept {
+    checker: EdgeChecker,
+    cell: Option<Result<Arc<str>, String>>,
+}
+
+impl Kept {
+    /// The proof of a free edge.
+    fn proof(&mut self, edge: &EdgeRequest, clearance: f64, budget: usize) -> Proof {
+        let checker = &self.checker;
+        let made = || checker.certificate_cell().map(Arc::from).map_err(|e| e.to_string());
+        let lines = self.cell.get_or_insert_with(made).clone().and_then(|cell| {
+            let made = checker.certificate(&edge.path, clearance, budget.saturating_mul(OF_PLANES));
+            Ok((cell, made.map_err(|e| e.to_string())?))
+        });
+        match lines {
+            Ok((cell, certificate)) => Proof::Found { cell, certificate: Arc::new(certificate) },
+            Err(error) => Proof::Missing { error },
+        }
+    }
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -28,6 +64,8 @@ pub(super) struct Answer {
     #[serde(flatten)]
     outcome: Outcome,
     free_until: f64,
+    #[serde(skip)]
+    proof: Proof,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -41,7 +79,7 @@ enum Outcome {
 
 impl Question for Edges {
     type Item = EdgeRequest;
-    type Checker = CellCache<EdgeChecker>;
+    type Checker = CellCache<Kept>;
     type Answer = Answer;
     const PLURAL: &'static str = "edges";
     const PER_TASK: usize = 1;
@@ -61,11 +99,15 @@ impl Question for Edges {
     fn check(
         &self,
         given: &Given<'_>,
-        checker: &mut CellCache<EdgeChecker>,
+        checker: &mut CellCache<Kept>,
         edge: &EdgeRequest,
     ) -> Result<Answer, RobotError> {
-        let made = |attached: &_| given.cell(attached).map(EdgeChecker::new);
-        let checker = checker.of(&edge.attached, made)?;
+        let made = |attached: &_| {
+            let checker = given.cell(attached).map(EdgeChecker::new)?;
+            Ok(Kept { checker, cell: None })
+        };
+        let kept = checker.of(&edge.attached, made)?;
+        let checker = &kept.checker;
         let found = checker.check(&edge.path, self.budget)?;
         let named = |pair: [u32; 2]| {
             let mut names = checker.cell().names_of(pair.into()).map(str::to_owned);
@@ -79,7 +121,19 @@ impl Question for Edges {
                 Outcome::Undecided { t, pair: named(pair), reason: reason.as_str() }
             }
         };
-        Ok(Answer { outcome, free_until: found.free_until })
+        let proof = match (&outcome, self.certificates) {
+            (_, Certificates::None) => Proof::None,
+            (Outcome::Free { clearance }, Certificates::Written) => {
+                kept.proof(edge, *clearance, self.budget)
+            }
+            (Outcome::Hit { .. }, _) => Proof::NotFree("hit"),
+            (Outcome::Undecided { .. }, _) => Proof::NotFree("undecided"),
+        };
+        Ok(Answer { outcome, free_until: found.free_until, proof })
+    }
+
+    fn proof(answer: &Answer) -> &Proof {
+        &answer.proof
     }
 
     fn attached(edge: &EdgeRequest) -> &Arc<[AttachedObject]> {

@@ -9,9 +9,11 @@ use dcd_exec::{Exec, PerThread, Segments};
 use dcd_io::{read_lines, shown};
 use dcd_pipeline::Par;
 use dcd_robot::{
-    AllowedPairs, AttachedObject, MeshSource, Robot, RobotError, StateReader, Workcell, World,
+    AllowedPairs, AttachedObject, EdgeCertificate, MeshSource, Robot, RobotError, StateReader,
+    Workcell, World,
 };
 use serde::Serialize;
+use serde_json::json;
 use std::fs::File;
 use std::io::{BufReader, IsTerminal, Write, stdout};
 use std::path::Path;
@@ -19,6 +21,9 @@ use std::sync::Arc;
 
 /// How many lines are read before they are checked.
 const BLOCK: usize = 4096;
+
+/// The same where each has a proof, which may be a megabyte.
+const BLOCK_OF_PROOFS: usize = 64;
 
 /// What all lines have in common.
 pub(super) struct Given<'a> {
@@ -58,8 +63,36 @@ pub(super) trait Question: Sync {
     /// What the robot carries in it.
     fn attached(item: &Self::Item) -> &Arc<[AttachedObject]>;
 
+    /// What a certificate says of it.
+    fn proof(_: &Self::Answer) -> &Proof {
+        &Proof::None
+    }
+
     /// Adds what was checked to a picture.
     fn draw(robot: &Robot, item: &Self::Item, answer: &Self::Answer, picture: &mut Picture);
+}
+
+/// What a certificate says of an answer.
+#[derive(Clone, Debug)]
+pub(super) enum Proof {
+    None,
+    /// There is nothing to prove; what the answer is called.
+    NotFree(&'static str),
+    Found {
+        /// The line that states the robot and its world.
+        cell: Arc<str>,
+        certificate: Arc<EdgeCertificate>,
+    },
+    Missing {
+        error: String,
+    },
+}
+
+/// The files that are written beside the answers.
+#[derive(Debug, Default)]
+pub(super) struct Outputs {
+    pub(super) glb: Option<Output>,
+    pub(super) certificate: Option<Output>,
 }
 
 /// The first key of the output for a line.
@@ -115,7 +148,7 @@ pub(super) fn answer<Q: Question>(
     question: &Q,
     given: &Given<'_>,
     path: &Path,
-    glb: Option<Output>,
+    Outputs { glb, certificate }: Outputs,
 ) -> Result<(), Failure> {
     let place = shown(path);
     let file = File::open(path).map_err(|error| Failure::at(&place, error))?;
@@ -126,11 +159,13 @@ pub(super) fn answer<Q: Question>(
     let progress = (!out.is_terminal()).then(|| Progress::over(0, Q::PLURAL));
     let mut lines = read_lines(BufReader::new(file));
     let mut drawing = glb.map(Drawing::new);
+    let block_size = if certificate.is_some() { BLOCK_OF_PROOFS } else { BLOCK };
+    let mut proofs = certificate.map(Proofs::new);
     let (mut tally, checkers, mut answers) =
         (Tally::new(Q::PLURAL), PerThread::default(), Segments::default());
     loop {
         let mut block = Vec::new();
-        for line in lines.by_ref().take(BLOCK) {
+        for line in lines.by_ref().take(block_size) {
             let line = line.map_err(|error| Failure::at(&place, error))?;
             block.push(Q::read(&mut reader, &line).map_err(|error| error.to_string()));
         }
@@ -164,6 +199,9 @@ pub(super) fn answer<Q: Question>(
             {
                 drawing.draw::<Q>(given.robot, (line.which, item, answer));
             }
+            if let Some(proofs) = &mut proofs {
+                proofs.add::<Q>(line, &place)?;
+            }
             if let Outcome::Refused { error } = &line.outcome {
                 print_message(format_args!("{place}: {error}"));
                 tally.refused += 1;
@@ -175,7 +213,58 @@ pub(super) fn answer<Q: Question>(
     }
     drop(progress);
     drawing.map(|drawing| drawing.write(given)).transpose()?;
-    tally.end(&place)
+    let missing = proofs.map_or(Ok(0), Proofs::commit)?;
+    tally.end(&place)?;
+    if missing > 0 {
+        return Err(Failure::at(place, format_args!("{missing} free edges have no certificate")));
+    }
+    Ok(())
+}
+
+/// A certificate that is written line by line.
+struct Proofs {
+    file: Output,
+    /// What the last edge was of.
+    cell: Option<Arc<str>>,
+    missing: usize,
+}
+
+impl Proofs {
+    fn new(file: Output) -> Self {
+        Self { file, cell: None, missing: 0 }
+    }
+
+    fn add<Q: Question>(&mut self, line: &Line<Q::Answer>, place: &str) -> Result<(), Failure> {
+        let (Which::State(k) | Which::Edge(k)) = line.which;
+        let proof = match &line.outcome {
+            Outcome::Checked(answer) => Q::proof(answer),
+            Outcome::Refused { .. } => &Proof::NotFree("error"),
+        };
+        let text = match proof {
+            Proof::None => return Ok(()),
+            Proof::NotFree(answer) => json!({ "edge": k, "answer": answer }).to_string(),
+            Proof::Missing { error } => {
+                print_message(format_args!("{place}: line {}: no certificate: {error}", k + 1));
+                self.missing += 1;
+                json!({ "edge": k, "answer": "free", "error": error }).to_string()
+            }
+            Proof::Found { cell, certificate } => {
+                // Threads make it each for itself.
+                if self.cell.as_ref() != Some(cell) {
+                    self.file.write(|out| writeln!(out, "{cell}"))?;
+                    self.cell = Some(Arc::clone(cell));
+                }
+                certificate.line(k)
+            }
+        };
+        self.file.write(|out| writeln!(out, "{text}"))
+    }
+
+    /// Writes the file, and says how many free edges are not proved in it.
+    fn commit(self) -> Result<usize, Failure> {
+        self.file.commit()?;
+        Ok(self.missing)
+    }
 }
 
 /// A picture of lines that are answered one after the other.

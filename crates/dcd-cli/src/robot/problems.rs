@@ -3,11 +3,11 @@
 use super::geometry::Geometry;
 use super::judge::{Judged, judge_pair};
 use super::refused;
-use super::rival::{Rival, Wanted, parry_pose};
 use crate::failure::{Failure, print_message};
 use crate::progress::Progress;
 use dcd_geom::{Pair, Pose};
 use dcd_io::shown;
+use dcd_parry::{ParryRobot, Until};
 use dcd_pipeline::Par;
 use dcd_robot::{AllowedPairs, Problem, Robot, Srdf, StateChecker, Workcell, read_problems};
 use serde::Serialize;
@@ -201,7 +201,7 @@ impl Checked {
         if cell.is_padded() {
             return Err(Failure::Input("padded links are not checked beside Parry".into()));
         }
-        let mut rival = Rival::new(&cell)
+        let mut rival = ParryRobot::new(cell.scene(), cell.robot().parts().len())
             .ok_or_else(|| Failure::Input("Parry has no shape for one of them".into()))?;
         if self.sets.last().is_none_or(|set| set.name != problem.set) {
             self.sets.push(Set { name: problem.set.clone(), ..Set::default() });
@@ -305,14 +305,15 @@ impl Runner {
     }
 
     /// Parry's, with the poses turned into its own before the clock starts.
-    fn query_parry(&mut self, cell: &Workcell, rival: &mut Rival, poses: &[Pose]) -> usize {
+    fn query_parry(&mut self, cell: &Workcell, rival: &mut ParryRobot, poses: &[Pose]) -> usize {
         let parts = cell.robot().parts().iter().zip(poses);
-        let placed: Vec<_> = parts.map(|(part, pose)| parry_pose(&part.shape, pose)).collect();
+        let placed: Vec<_> =
+            parts.map(|(part, pose)| ParryRobot::pose(&part.shape, pose)).collect();
         let begun = Instant::now();
-        rival.check(&placed, Wanted::First, &mut self.theirs);
+        rival.check(&placed, Until::First, &mut self.theirs);
         self.spent.parry_first += begun.elapsed();
         let begun = Instant::now();
-        let untold = rival.check(&placed, Wanted::All, &mut self.theirs);
+        let untold = rival.check(&placed, Until::Last, &mut self.theirs);
         self.spent.parry_all += begun.elapsed();
         self.theirs.sort_unstable();
         untold
@@ -353,7 +354,7 @@ impl Checked {
         let _ = writeln!(
             text,
             "{problems} problems, {states} states: {contacts} contacts, {undecided} undecided; \
-             Parry f64: {} contacts, {} untold, {} differences",
+             Parry f64: {} contacts, {} unanswered, {} differences",
             self.parry_contacts,
             self.parry_undecided,
             self.differences.len()

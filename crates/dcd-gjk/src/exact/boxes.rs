@@ -16,7 +16,7 @@ use std::cmp::Ordering;
 const SIZES: std::ops::Range<f64> = 1e-280..1e280;
 
 /// How far |n·δ| − H·det may be off. Unit: u·(|δ|₁ + H), in the arithmetic at hand. 7.2 of |δ|₁ and
-/// 11.8 of H, and room. Smaller: false answers. Larger: more pairs in longer numbers.
+/// 11.8 of H, and a margin. Smaller: false answers. Larger: more pairs in longer numbers.
 /// (docs/numerics/proofs.md, "parallel boxes")
 const EXCESS: f64 = 16.0;
 
@@ -99,7 +99,7 @@ pub(crate) fn aligned(centres: [DVec3; 2], half: Halves) -> (bool, Method) {
     // Without a branch: on which axis bricks touch cannot be predicted.
     if x.1 + y.1 + z.1 == 0.0 {
         let least = least(x.0, least(y.0, z.0));
-        // Just touching is what f64's filter alone could not have told.
+        // A least of 0 is what f64's filter alone could not have decided.
         return (least >= 0.0, if least == 0.0 { Method::Exact } else { Method::F64 });
     }
     aligned_closely(centres, half)
@@ -114,20 +114,21 @@ fn least(x: f64, y: f64) -> f64 {
 /// The same where something is rounded away.
 #[cold]
 fn aligned_closely(centres: [DVec3; 2], half: Halves) -> (bool, Method) {
-    let rooms = [0, 1, 2].map(|k| room([half.a[k], half.b[k]], centres.map(|centre| centre[k])));
-    let signs = rooms.map(filtered_sign);
+    let overlaps =
+        [0, 1, 2].map(|k| overlap_terms([half.a[k], half.b[k]], centres.map(|centre| centre[k])));
+    let signs = overlaps.map(filtered_sign);
     if signs.contains(&Some(Ordering::Less)) {
         return (false, Method::F64);
     }
     if !signs.contains(&None) {
         return (true, Method::F64);
     }
-    let touch = rooms.into_iter().all(|terms| exact_sign(terms) != Ordering::Less);
+    let touch = overlaps.into_iter().all(|terms| exact_sign(terms) != Ordering::Less);
     (touch, Method::Exact)
 }
 
-/// h_A + h_B − |t_A − t_B| along an axis, given half an edge of each and their centres there.
-fn room(half: [f64; 2], [t_a, t_b]: [f64; 2]) -> [f64; 4] {
+/// The terms of h_A + h_B − |t_A − t_B| along an axis, given half an edge of each and their centres there.
+fn overlap_terms(half: [f64; 2], [t_a, t_b]: [f64; 2]) -> [f64; 4] {
     [half[0], half[1], t_a.min(t_b), -t_a.max(t_b)]
 }
 
@@ -173,7 +174,7 @@ fn signs<T: Scalar + From<f64> + Into<f64>>(
     let mut inside = true;
     for (i, normal) in normals.iter().enumerate() {
         if let Some(k) = upright(rotation, i) {
-            match (arithmetic.sign)(room([half.a[i], half.b[i]], centres.map(|t| t[k]))) {
+            match (arithmetic.sign)(overlap_terms([half.a[i], half.b[i]], centres.map(|t| t[k]))) {
                 Some(Ordering::Less) => return Some(false),
                 known => inside &= known.is_some(),
             }

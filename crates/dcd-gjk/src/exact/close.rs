@@ -1,7 +1,7 @@
 //! Close calls in double-double: the end of f64's search, with twice the digits.
 //!
 //! What f64 leaves open is rarely exact touching: mostly a gap or an overlap of some 1e-17 of the
-//! pair's size, which 106 bits tell at a tenth of the cost of integers. The search goes on where
+//! pair's size, which 106 bits resolve at a tenth of the cost of integers. The search goes on where
 //! f64's ended, and ends in a separating axis or four vertices round the origin, each with its
 //! rounding bound (docs/numerics/proofs.md, "close calls").
 
@@ -24,12 +24,12 @@ const APART: f64 = 32.0;
 /// error cube. Unit: ε·(permanent + |e₁|₁·|e₂|₁), at m < 1: 6 of the first and 5.1 of the second.
 const FACE: f64 = 8.0;
 
-/// How near to the origin the simplex is no longer told from touching. Unit: ε, at m < 1. Decides
-/// who settles a pair, never an answer.
+/// A simplex nearer to the origin than this counts as through it. Unit: ε, at m < 1. Decides which method
+/// resolves a pair, never an answer.
 const THROUGH: f64 = 64.0;
 
 /// Whether two polytopes without radii touch, from a simplex of vertices by index; `None` where
-/// 106 bits do not tell. `unit` is the exponent of a power of two above their size m.
+/// 106 bits do not decide. `unit` is the exponent of a power of two above their size m.
 pub(super) fn touch(
     a: PosedSupport<'_, Polytope>,
     b: PosedSupport<'_, Polytope>,
@@ -127,8 +127,8 @@ mod tests {
     use dcd_geom::glam::{DQuat, DVec3};
     use proptest::prelude::*;
 
-    /// Two hulls at the end of f64's search, and what integers say of them.
-    fn settled(a: &(Polytope, Pose), b: &(Polytope, Pose)) -> Option<bool> {
+    /// The verdict in double-double from the end of f64's search, where it has one that of the exact integers.
+    fn resolved(a: &(Polytope, Pose), b: &(Polytope, Pose)) -> Option<bool> {
         let (a, b) = (PosedSupport::polytope(&a.0, &a.1), PosedSupport::polytope(&b.0, &b.1));
         let difference = crate::Difference::<f64, _, _>::new(a, b).unwrap();
         let (_, simplex) = crate::gjk::overlap_with_simplex(&difference);
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn gaps_far_below_an_ulp_are_told_and_exact_touching_is_left() {
+    fn gaps_far_below_an_ulp_are_resolved_and_exact_touching_is_left_open() {
         let square = Polytope::hull(vec![
             DVec3::new(-1.0, -1.0, 0.0),
             DVec3::new(1.0, -1.0, 0.0),
@@ -162,13 +162,13 @@ mod tests {
         ]);
         let at = |z: f64| Pose::from_translation(DVec3::new(0.125, 0.0625, z)).unwrap();
         let floor = (square, at(0.0));
-        assert_eq!(settled(&floor, &(roof.clone(), at(1e-26))), Some(false));
-        assert_eq!(settled(&floor, &(roof.clone(), at(0.0))), None);
+        assert_eq!(resolved(&floor, &(roof.clone(), at(1e-26))), Some(false));
+        assert_eq!(resolved(&floor, &(roof.clone(), at(0.0))), None);
     }
 
     proptest! {
         #[test]
-        fn what_is_told_is_what_integers_say(
+        fn every_verdict_is_that_of_the_integers(
             a in prop::array::uniform5(prop::array::uniform3(-1.0..1.0f64)),
             b in prop::array::uniform5(prop::array::uniform3(-1.0..1.0f64)),
             turn in prop::array::uniform3(-3.0..3.0f64), way in prop::array::uniform3(-1.0..1.0f64),
@@ -191,8 +191,8 @@ mod tests {
                 let middle = 0.5 * (low + high);
                 *(if touches(middle) { &mut low } else { &mut high }) = middle;
             }
-            settled(&here, &(other.clone(), at(way + way * low)));
-            settled(&here, &(other, at(way + way * high)));
+            resolved(&here, &(other.clone(), at(way + way * low)));
+            resolved(&here, &(other, at(way + way * high)));
         }
     }
 }

@@ -5,7 +5,7 @@
 use crate::double_double::two_sum;
 use std::cmp::Ordering;
 
-/// The sign of the sum as far as plain f64 tells it: `None` where it is within rounding, or where
+/// The sign of the sum where plain f64 decides it: `None` where it is within rounding, or where
 /// the sum leaves the range of f64.
 #[inline]
 pub(crate) fn filtered_sign<const N: usize>(terms: [f64; N]) -> Option<Ordering> {

@@ -8,7 +8,7 @@ use dcd_geom::Polytope;
 use dcd_geom::glam::{DMat3, DVec3};
 
 /// Which of a hull's vertices may be lowest, decided in f64. Unit: u·|d|₁, for a hull scaled to
-/// reach 1: twice 13.1 (the direction's rounding 6.03, Rᵀd 3, the scale 1, ·v 3) and room.
+/// reach 1: twice 13.1 (the direction's rounding 6.03, Rᵀd 3, the scale 1, ·v 3) and a margin.
 const FILTER: f64 = 27.0 * (f64::EPSILON / 2.0);
 
 /// The largest coordinate, in bits, for which machine words hold every number of the search: the
@@ -174,7 +174,7 @@ impl<'a, T: Number> Side<'a, T> {
         [0, 1, 2].map(|r| dot(&self.rows[r], &local).times(&shift))
     }
 
-    /// The vertex lowest along a world direction: the few that f64 cannot tell apart, exactly.
+    /// The vertex lowest along a world direction. The few that f64 cannot order are compared exactly.
     fn lowest(&self, direction: &Triple<T>) -> usize {
         let rounded = T::rounded(direction);
         let local = self.rotation.transpose() * rounded * self.scale;

@@ -89,7 +89,7 @@ impl<T: Integer> Number for T {
     }
 }
 
-/// 127 bits and a sign. Whoever uses it has shown that nothing is larger.
+/// 127 bits and a sign. Its users have shown that nothing is larger.
 #[derive(Clone, Debug)]
 pub(super) struct Small(i128);
 

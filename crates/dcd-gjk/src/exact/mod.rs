@@ -45,8 +45,8 @@ pub(crate) fn touches(
     }
 }
 
-/// What double-double tells, of cores within the range of its bounds and with a simplex to begin
-/// with.
+/// The verdict in double-double. `None` where it has none, for cores outside the range of its bounds, and
+/// without a simplex to begin with.
 fn close_call(
     a: PosedSupport<'_, Polytope>,
     b: PosedSupport<'_, Polytope>,

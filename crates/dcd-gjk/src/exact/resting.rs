@@ -2,8 +2,8 @@
 //!
 //! A crate on a floor, a cup on a table: turned any way about the vertical, their faces share a
 //! plane exactly, and no search in rounded numbers can prove a contact in it. Along such an axis
-//! the heights are plain numbers, so that a sum of four tells exactly whether the planes coincide;
-//! within the plane the faces overlap with room, which f64 proves (docs/numerics/proofs.md, "resting").
+//! the heights are plain numbers, so that a sum of four decides exactly whether the planes coincide;
+//! within the plane the faces overlap clearly, which f64 proves (docs/numerics/proofs.md, "resting").
 
 use super::expansion::{exact_sign, filtered_sign};
 use crate::{Difference, PosedSupport};
@@ -25,7 +25,7 @@ const VERTEX: f64 = 5.01;
 /// that sum's own.
 const PRODUCT: f64 = 3.0;
 
-/// Whether two polytopes without radii touch, where a plane across a world axis tells; else `None`.
+/// Whether two polytopes without radii touch, where a plane across a world axis decides it; else `None`.
 pub(crate) fn touch(
     a: PosedSupport<'_, Polytope>,
     b: PosedSupport<'_, Polytope>,
@@ -133,8 +133,8 @@ struct Faces<'a> {
 }
 
 impl Faces<'_> {
-    /// Whether they surely overlap: a triangle of points of their difference holds the origin, with
-    /// room for its rounding.
+    /// Whether they surely overlap: a triangle of points of their difference holds the origin by more than
+    /// its rounding.
     fn overlap(&self) -> Option<bool> {
         let ((mean_a, count_a), (mean_b, count_b)) = (self.in_a.mean(), self.in_b.mean());
         let error = (VERTEX + count_a + count_b + 4.0) * UNIT * self.difference.size();
@@ -187,8 +187,8 @@ fn holds_origin(points: [DVec2; 3], error: f64) -> bool {
     [(p, q), (q, r), (r, p)].into_iter().all(|(x, y)| {
         let magnitude = (x.x * y.y).abs() + (x.y * y.x).abs();
         let edge = (y - x).abs().element_sum() + 4.0 * UNIT;
-        let room = PRODUCT * UNIT * magnitude + 1.01 * error * edge + f64::MIN_POSITIVE;
-        turned * x.perp_dot(y) > room
+        let bound = PRODUCT * UNIT * magnitude + 1.01 * error * edge + f64::MIN_POSITIVE;
+        turned * x.perp_dot(y) > bound
     })
 }
 

@@ -61,7 +61,7 @@ pub(super) const SWEPT: f64 = 12.0 * U;
 pub(super) const SHORTEST: f64 = 1e-15;
 
 /// Sizes of a pair between which no formula on f32 over- or underflows. Unit: metres. Outside, all
-/// pairs of parts are asked in turn.
+/// pairs of parts are resolved one by one.
 pub(super) const SIZE: [f64; 2] = [1e-7, 1e9];
 
 /// How much a determinant of three differences of corners may be off. Unit: 2⁻⁵³·m·e², e the

@@ -1,21 +1,21 @@
 //! Both trees at once, sixteen boxes against one at a time.
 
 use super::distance::gap;
-use super::pair::Settled;
+use super::pair::Resolved;
 use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
-use super::spheres::Balls;
+use super::spheres::InnerOuterSpheres;
 use super::triangles::{Leaves, not_apart};
 use super::{Next, Scratch, Tally, pair};
 use crate::{Method, Verdict};
 use dcd_geom::{Aabb, Aabb16, Mesh};
 use dcd_simd::{Block, Kernel, Lanes, Row};
 
-/// What is asked for.
+/// What the search finds.
 pub(super) enum Goal<'a> {
     /// Whether any parts touch.
     Any,
-    /// Which.
+    /// Which parts touch.
     All(&'a mut Vec<[u32; 2]>),
 }
 
@@ -25,7 +25,7 @@ pub(super) struct Descent<'a, 'g> {
     pub(super) b: &'a Side<'a>,
     pub(super) relative: &'a RelativePose,
     /// In and round the second shape, if it is convex.
-    pub(super) spheres: Option<Balls>,
+    pub(super) spheres: Option<InnerOuterSpheres>,
     pub(super) scratch: &'a mut Scratch,
     pub(super) tally: &'a mut Tally<'g>,
 }
@@ -40,7 +40,7 @@ impl Kernel for Descent<'_, '_> {
 }
 
 impl Scratch {
-    /// Makes room for a search against this shape.
+    /// Sizes the buffers for a search against this shape.
     pub(super) fn begin(&mut self, b: &Side<'_>) {
         let blocks = b.tree().map_or(1, |tree| tree.blocks().len());
         let leaves = b.mesh().map_or(0, |mesh| mesh.leaves().len());
@@ -169,8 +169,8 @@ impl Descent<'_, '_> {
             let corners = [&leaf_a.corners, &self.scratch.corners[block_b as usize]];
             for lane in Bits(not_apart(l, leaves, corners, (lane, hits))) {
                 let pair = [below.0[lane], part_b];
-                let settled = pair::settle_triangles(self.relative, [self.a, self.b], pair);
-                if self.tally.file(pair, (settled.verdict, settled.method)) == Next::Stop {
+                let resolved = pair::resolve_triangles(self.relative, [self.a, self.b], pair);
+                if self.tally.file(pair, (resolved.verdict, resolved.method)) == Next::Stop {
                     return Next::Stop;
                 }
             }
@@ -179,21 +179,21 @@ impl Descent<'_, '_> {
         let mut open = self.beside_planes(l, block_a, hits);
         let mut squares = Row::default();
         if let (1.., Parts::Mesh(mesh), Some(spheres)) = (open, self.a.parts, &self.spheres) {
-            let told = spheres.told(l, &mesh.leaves()[block_a as usize]);
-            for lane in Bits(told.touching & open) {
+            let decided = spheres.decide(l, &mesh.leaves()[block_a as usize]);
+            for lane in Bits(decided.touching & open) {
                 let known = (Verdict::Touching(()), Method::Portal);
                 if self.tally.file([below.0[lane], part_b], known) == Next::Stop {
                     return Next::Stop;
                 }
             }
-            open &= !(told.touching | told.apart);
-            squares = told.squares;
+            open &= !(decided.touching | decided.apart);
+            squares = decided.squares;
         }
         // The nearest to the middle first: if any touches, it is likely the one.
         while let Some(lane) = Bits(open).min_by(|&j, &k| squares.0[j].total_cmp(&squares.0[k])) {
             open &= !(1 << lane);
             let pair = [below.0[lane], part_b];
-            let Settled { verdict, method, axis } = pair::settle([self.a, self.b], pair);
+            let Resolved { verdict, method, axis } = pair::resolve([self.a, self.b], pair);
             if self.tally.file(pair, (verdict, method)) == Next::Stop {
                 return Next::Stop;
             }

@@ -1,9 +1,9 @@
-//! Compounds and triangle meshes against anything: both trees are walked at once, and pairs of
-//! parts are settled until one touches, or all of them if asked.
+//! Compounds and triangle meshes against anything: both trees are descended at once, and pairs of
+//! parts are resolved until one touches, or all of them where every touching pair is wanted.
 //!
 //! Boxes and triangles are compared in f32 in the frame of the shape with more parts, with bounds
-//! for all rounding (docs/numerics/proofs.md, "parts"); what that leaves open is settled in f64 and, where
-//! both parts are polytopes, in exact integers. So answers are those of asking every pair of parts.
+//! for all rounding (docs/numerics/proofs.md, "parts"); what that leaves open is resolved in f64 and, where
+//! both parts are polytopes, in exact integers. So the answers are those of resolving every pair of parts.
 
 mod bounds;
 mod deepest;
@@ -31,7 +31,7 @@ use per_part::PerPart;
 use relative_pose::RelativePose;
 use separating_planes::SeparatingPlanes;
 use side::Side;
-use spheres::Balls;
+use spheres::InnerOuterSpheres;
 use std::collections::BinaryHeap;
 
 pub use deepest::PartIndex;
@@ -43,7 +43,7 @@ pub use distance::distance;
 /// What is reused from pair to pair.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
-    /// The second tree's blocks in the first shape's frame, as far as they were asked for.
+    /// The second tree's blocks in the first shape's frame, as far as they have been needed.
     blocks: Vec<Aabb16>,
     /// Which of them are.
     placed: Vec<bool>,
@@ -97,7 +97,7 @@ pub fn touching(
 }
 
 /// Whether either is made of parts.
-pub(crate) fn are_asked(a: &Shape, b: &Shape) -> bool {
+pub(crate) fn have_parts(a: &Shape, b: &Shape) -> bool {
     !(a.is_convex() && b.is_convex())
 }
 
@@ -117,7 +117,7 @@ fn search(
             dispatch_on(path, PerPart { sides, compound, relative, scratch, tally });
         }
         (Some(relative), None) => {
-            let (spheres, tally) = (Balls::of(&relative, [a, b]), &mut tally);
+            let (spheres, tally) = (InnerOuterSpheres::of(&relative, [a, b]), &mut tally);
             dispatch_on(path, Descent { a, b, relative: &relative, spheres, scratch, tally });
         }
         (None, _) => each(a, b, &mut tally),
@@ -139,7 +139,7 @@ fn in_order<'a>(a: PosedShape<'a>, b: PosedShape<'a>) -> ([Side<'a>; 2], bool) {
 fn each(a: &Side<'_>, b: &Side<'_>, tally: &mut Tally<'_>) {
     for part_a in 0..a.count() {
         for part_b in 0..b.count() {
-            let pair::Settled { verdict, method, .. } = pair::settle([a, b], [part_a, part_b]);
+            let pair::Resolved { verdict, method, .. } = pair::resolve([a, b], [part_a, part_b]);
             if tally.file([part_a, part_b], (verdict, method)) == Next::Stop {
                 return;
             }
@@ -157,7 +157,7 @@ struct Tally<'a> {
     method: Method,
 }
 
-/// Whether anything more is to be asked.
+/// Whether the search goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Next {
     Go,

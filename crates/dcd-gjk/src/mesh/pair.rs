@@ -10,7 +10,7 @@ use dcd_geom::{Polytope, Pose, Shape, Support, SupportMap};
 use std::borrow::Cow;
 
 /// What is known of a pair of parts.
-pub(super) struct Settled {
+pub(super) struct Resolved {
     pub(super) verdict: Verdict<()>,
     pub(super) method: Method,
     /// Where the two are apart, an axis that perhaps separates them: world, from the second to the
@@ -18,14 +18,14 @@ pub(super) struct Settled {
     pub(super) axis: Option<DVec3>,
 }
 
-impl Settled {
+impl Resolved {
     fn by((verdict, method): (Verdict<()>, Method)) -> Self {
         Self { verdict, method, axis: None }
     }
 }
 
-/// Settles a pair of parts, by their indices, as the certified solver does any pair.
-pub(super) fn settle([a, b]: [&Side<'_>; 2], [part_a, part_b]: [u32; 2]) -> Settled {
+/// Resolves a pair of parts, by their indices, as the certified solver does any pair.
+pub(super) fn resolve([a, b]: [&Side<'_>; 2], [part_a, part_b]: [u32; 2]) -> Resolved {
     let (part_a, part_b) = (a.part(part_a), b.part(part_b));
     let core_a = Core::of(&part_a);
     if let (Some(core_a), Some(core_b)) = (&core_a, &Core::of(&part_b)) {
@@ -34,26 +34,26 @@ pub(super) fn settle([a, b]: [&Side<'_>; 2], [part_a, part_b]: [u32; 2]) -> Sett
     // A cylinder, a cone or a foreign part: no exact method.
     if let (Some(core), Part::Shape(shape)) = (&core_a, part_b)
         && shape.is_bounded()
-        && let Some(settled) = in_f64(core.body(a.pose), PosedSupport::shape(shape, b.pose)).0
+        && let Some(resolved) = in_f64(core.body(a.pose), PosedSupport::shape(shape, b.pose)).0
     {
-        return settled;
+        return resolved;
     }
     match (to_shape(part_a), to_shape(part_b)) {
-        (Some(shape_a), Some(shape_b)) => Settled::by(certified::overlap_of(
+        (Some(shape_a), Some(shape_b)) => Resolved::by(certified::overlap_of(
             PosedShape { shape: &shape_a, pose: a.pose },
             PosedShape { shape: &shape_b, pose: b.pose },
         )),
         // Checked corners are finite, and a hull of three is never refused.
-        _ => Settled::by((Verdict::Undecided(crate::Reason::Range), Method::F64)),
+        _ => Resolved::by((Verdict::Undecided(crate::Reason::Range), Method::F64)),
     }
 }
 
 /// The same for two triangles that no axis of theirs is known to separate: most of them pierce.
-pub(super) fn settle_triangles(
+pub(super) fn resolve_triangles(
     relative: &RelativePose,
     [a, b]: [&Side<'_>; 2],
     [part_a, part_b]: [u32; 2],
-) -> Settled {
+) -> Resolved {
     if let (Part::Triangle { corners: in_a, .. }, Part::Triangle { corners: in_b, .. }) =
         (a.part(part_a), b.part(part_b))
     {
@@ -61,10 +61,10 @@ pub(super) fn settle_triangles(
         let in_a = in_a.map(|corner| *a.pose.rotation() * corner);
         let in_b = in_b.map(|corner| *b.pose.rotation() * corner + delta);
         if piercing::touch(&in_a, &in_b, relative.size()) {
-            return Settled::by((Verdict::Touching(()), Method::F64));
+            return Resolved::by((Verdict::Touching(()), Method::F64));
         }
     }
-    settle([a, b], [part_a, part_b])
+    resolve([a, b], [part_a, part_b])
 }
 
 /// The core of a part that is the hull of points.
@@ -140,7 +140,7 @@ fn triangle(corners: [DVec3; 3], radius: f64) -> Option<Polytope> {
 }
 
 /// What f64 can prove, if it can, and the simplex where it ended.
-fn in_f64<A, B>(a: PosedSupport<'_, A>, b: PosedSupport<'_, B>) -> (Option<Settled>, Simplex<f64>)
+fn in_f64<A, B>(a: PosedSupport<'_, A>, b: PosedSupport<'_, B>) -> (Option<Resolved>, Simplex<f64>)
 where
     A: SupportMap<f64> + ?Sized,
     B: SupportMap<f64> + ?Sized,
@@ -158,23 +158,23 @@ where
             None => start::<f64>(difference.middle()),
         }),
     };
-    (Some(Settled { verdict, method: Method::F64, axis }), simplex)
+    (Some(Resolved { verdict, method: Method::F64, axis }), simplex)
 }
 
 /// The certified solver for two hulls of points.
-fn overlap([a, b]: [&Core<'_>; 2], [pose_a, pose_b]: [&Pose; 2]) -> Settled {
-    let (settled, simplex) = in_f64(a.body(pose_a), b.body(pose_b));
-    if let Some(settled) = settled {
-        return settled;
+fn overlap([a, b]: [&Core<'_>; 2], [pose_a, pose_b]: [&Pose; 2]) -> Resolved {
+    let (resolved, simplex) = in_f64(a.body(pose_a), b.body(pose_b));
+    if let Some(resolved) = resolved {
+        return resolved;
     }
     let mut hint = [[0; 2]; 4];
     for (slot, vertex) in hint.iter_mut().zip(simplex.vertices()) {
         *slot = [vertex.a.feature, vertex.b.feature];
     }
     let (Some(a), Some(b)) = (a.polytope(), b.polytope()) else {
-        return Settled::by((Verdict::Undecided(crate::Reason::Range), Method::F64));
+        return Resolved::by((Verdict::Undecided(crate::Reason::Range), Method::F64));
     };
     let (a, b) = (PosedSupport::polytope(&a, pose_a), PosedSupport::polytope(&b, pose_b));
     let touches = exact::touches(a, b, &hint[..simplex.vertices().len()]);
-    Settled::by((certified::verdict_of(touches), Method::Exact))
+    Resolved::by((certified::verdict_of(touches), Method::Exact))
 }

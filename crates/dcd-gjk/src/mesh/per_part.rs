@@ -1,17 +1,17 @@
-//! A compound against a mesh: each part by itself, so that the separating planes and spheres of a convex shape tell
-//! many triangles at once.
+//! A compound against a mesh: each part by itself, so that the separating planes and spheres of a convex shape
+//! resolve many triangles at once.
 
 use super::descent::{Bits, Descent, Goal};
 use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
-use super::spheres::Balls;
+use super::spheres::InnerOuterSpheres;
 use super::{Next, Scratch, Tally};
 use crate::simd::cores::MAX_PARTS;
 use dcd_geom::{Aabb16, Compound};
 use dcd_simd::{Kernel, Lanes};
 
-/// The second shape's parts, if they are to be asked singly: a compound's against a mesh, where it
-/// need not be known which parts touch.
+/// The second shape's parts, if they are tested one by one: a compound's against a mesh, where only
+/// whether any parts touch is wanted.
 pub(super) fn parts_of<'a>([a, b]: [&Side<'a>; 2], goal: &Goal<'_>) -> Option<&'a Compound> {
     match (a.parts, b.parts, goal) {
         (Parts::Mesh(_), Parts::Compound(parts), Goal::Any) if parts.parts().len() <= MAX_PARTS => {
@@ -45,7 +45,7 @@ impl Kernel for PerPart<'_, '_> {
             for lane in Bits(placed.overlaps(l, &around)) {
                 let shape = compound.parts()[below.0[lane] as usize].placed();
                 let part = Side { parts: Parts::One(shape), pose: b.pose, reach: b.reach };
-                let spheres = Balls::of(relative, [a, &part]);
+                let spheres = InnerOuterSpheres::of(relative, [a, &part]);
                 let mut descent = Descent { a, b: &part, relative, spheres, scratch, tally };
                 if descent.descend(l) == Next::Stop {
                     return Next::Stop;

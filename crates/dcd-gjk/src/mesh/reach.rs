@@ -7,7 +7,7 @@ use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Pose, Shape, SupportMap};
 
 /// What a reach along a direction loses. Unit: u·m. Twelve and a half as [`gap_along`](crate::gap_along)'s and 8u of
-/// at most 2m for the length, and room. Larger: pairs that are measured for nothing. Smaller: bounds that do not hold.
+/// at most 2m for the length, and a margin. Larger: pairs that are measured for nothing. Smaller: bounds that do not hold.
 const REACH: f64 = 40.0;
 
 /// See `SUPPORT_ERROR` in certificate.rs.
@@ -118,7 +118,7 @@ impl<'a> Couple<'a> {
     /// At least that; infinite for no direction.
     pub(super) fn most_along(&self, direction: DVec3) -> f64 {
         let most = self.along(direction) + self.slack();
-        // A direction whose square underflows, or that is not finite, says nothing.
+        // A direction whose square underflows, or that is not finite, proves nothing.
         let is_known = SIZES.contains(&direction.length()) && most.is_finite();
         if is_known { most } else { f64::INFINITY }
     }

@@ -13,12 +13,12 @@ use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::{Aabb16, ObbBounds, Shape, SupportMap, Triangles};
 use dcd_simd::Lanes;
 
-/// How many separating planes are kept; the oldest goes first. No unit. Smaller: parts settled one by one that
-/// an earlier separating plane tells apart. Larger: more to hold each leaf against. Never an answer.
+/// How many separating planes are kept; the oldest goes first. No unit. Smaller: parts resolved one by one that
+/// an earlier plane separates. Larger: more planes to test each leaf against. Never an answer.
 const MOST: usize = 12;
 
 /// How much of the box round a shape the box inside it must be, along each axis, for their faces to
-/// be separating planes from the start. No unit. Smaller: separating planes that say little. Never an answer.
+/// be separating planes from the start. No unit. Smaller: separating planes that separate little. Never an answer.
 const BOX: f64 = 0.99;
 
 /// The half-space {x: normal·x ≤ height} in the first shape's axes, with a convex second shape in

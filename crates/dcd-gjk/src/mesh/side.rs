@@ -39,7 +39,7 @@ impl<'a> Side<'a> {
     pub(super) fn of(placed: PosedShape<'a>) -> Self {
         let corner = |tree: &PartTree| {
             let Aabb { min, max } = tree.aabb();
-            // Squares and sums lose 3u, 8u have room.
+            // Squares and sums lose 3u; 8u cover them.
             min.abs().max(max.abs()).as_dvec3().length() * (1.0 + 8.0 * super::bounds::U64)
         };
         let (parts, reach) = match placed.shape {
@@ -124,7 +124,7 @@ pub(super) fn extent(shape: &Shape, rows: [DVec3; 3], stretch: f64) -> (DVec3, D
     (-DVec3::from_array(rows.map(|d| along(-d))), DVec3::from_array(rows.map(along)))
 }
 
-/// An f32 box of these corners, larger on every side by `margin`, which has room for rounding them.
+/// An f32 box of these corners, larger on every side by `margin`, which covers their rounding.
 pub(super) fn grown(min: DVec3, max: DVec3, margin: f32) -> Aabb {
     Aabb { min: min.as_vec3() - Vec3::splat(margin), max: max.as_vec3() + Vec3::splat(margin) }
 }

@@ -1,6 +1,6 @@
-//! Sixteen triangles beside the sphere inside a convex shape, the box inside it and the sphere round it: the
-//! point of each nearest to their centre tells much before any solver is asked, and of spheres all
-//! (docs/numerics/proofs.md, "parts").
+//! Sixteen triangles against the sphere inside a convex shape, the box inside it and the sphere round it. The
+//! point of each triangle nearest to their centre resolves many triangles before any solver runs, and all of
+//! them where the shape is a sphere (docs/numerics/proofs.md, "parts").
 
 use super::bounds::{INNER_BOX, NEAREST, SHORTEST_AXIS, SMALLEST_SPHERE, SWEPT, TURNED, U, U64};
 use super::relative_pose::RelativePose;
@@ -13,7 +13,7 @@ use dcd_simd::{Lanes, Row};
 /// Two spheres round one centre in the first shape's axes: the second shape holds the inner one, the
 /// outer one holds the second shape. The swept radii of both shapes are in them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Balls {
+pub(super) struct InnerOuterSpheres {
     pub(super) centre: DVec3,
     inner: f64,
     outer: f64,
@@ -57,15 +57,15 @@ impl InnerBox {
     }
 }
 
-/// What the spheres tell of a leaf's triangles.
+/// What the spheres prove of a leaf's triangles.
 pub(super) struct Decided {
     pub(super) touching: u32,
     pub(super) apart: u32,
-    /// The squared distance of each from the centre, about: in no answer.
+    /// The squared distance of each from the centre, rounded: orders the search, part of no answer.
     pub(super) squares: Row,
 }
 
-impl Balls {
+impl InnerOuterSpheres {
     /// `None` where the second shape is not convex.
     pub(super) fn of(relative: &RelativePose, [a, b]: [&Side<'_>; 2]) -> Option<Self> {
         let Parts::One(shape) = b.parts else { return None };
@@ -89,9 +89,9 @@ impl Balls {
         })
     }
 
-    /// Holds a leaf's triangles against both.
+    /// Tests a leaf's triangles against both spheres.
     #[inline(always)]
-    pub(super) fn told<L: Lanes>(&self, l: L, leaf: &Triangles) -> Decided {
+    pub(super) fn decide<L: Lanes>(&self, l: L, leaf: &Triangles) -> Decided {
         let offset = self.centre - leaf.centre;
         let size = leaf.radius + offset.length();
         let rounding = 1.01 * (NEAREST * U * size + 2.0 * self.slack);

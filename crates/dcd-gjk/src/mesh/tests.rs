@@ -1,4 +1,4 @@
-//! The search against asking every pair of parts exactly.
+//! The search against exact brute force over all pairs of parts.
 
 mod measures;
 
@@ -74,7 +74,7 @@ fn polytopes(shape: &Shape) -> Vec<Polytope> {
     }
 }
 
-/// Every pair of parts, asked of the exact method alone.
+/// Every touching pair of parts, by the exact method alone.
 fn brute_force(a: PosedShape<'_>, b: PosedShape<'_>) -> Vec<[u32; 2]> {
     let (parts_a, parts_b) = (polytopes(a.shape), polytopes(b.shape));
     let mut pairs = Vec::new();
@@ -90,7 +90,7 @@ fn brute_force(a: PosedShape<'_>, b: PosedShape<'_>) -> Vec<[u32; 2]> {
     pairs
 }
 
-/// Compares all that the search can be asked with brute force; how many pairs of parts touch.
+/// Compares every kind of search with brute force. Returns how many pairs of parts touch.
 fn check(a: PosedShape<'_>, b: PosedShape<'_>, scratch: &mut Scratch, what: &str) -> usize {
     let expected = brute_force(a, b);
     let touches = !expected.is_empty();
@@ -173,7 +173,7 @@ fn one_triangle_meets_one_convex_shape_whichever_pose_comes_first() {
 }
 
 #[test]
-fn triangles_as_near_to_a_boxs_face_as_rounding_are_told_as_exactly() {
+fn triangles_as_near_to_a_boxs_face_as_rounding_are_decided_exactly() {
     let (mut scratch, mut touching) = (Scratch::default(), 0);
     for seed in 0..600 {
         let mut draw = Draw(seed);
@@ -384,21 +384,21 @@ impl SupportMap<f64> for Foreign {
 }
 
 #[test]
-fn a_foreign_part_is_undecided_where_f64_cannot_tell_and_no_other_part_touches() {
+fn a_foreign_part_is_undecided_within_rounding_where_no_other_part_touches() {
     let foreign = Shape::custom(Arc::new(Foreign)).unwrap();
     let at = |x: f64| Pose::from_translation(DVec3::X * x).unwrap();
     let (near, far) = (Shape::sphere(0.5).unwrap(), Shape::sphere(0.25).unwrap());
     let alone = Shape::compound(vec![(foreign.clone(), at(0.0)), (far.clone(), at(9.0))]).unwrap();
     let mut scratch = Scratch::default();
-    let mut ask = |shape: &Shape, x: f64| {
+    let mut decide = |shape: &Shape, x: f64| {
         let a = PosedShape { shape, pose: &Pose::IDENTITY };
         overlap(a, PosedShape { shape: &near, pose: &at(x) }, &mut scratch)
     };
-    assert_eq!(ask(&alone, 1.0).0, Verdict::Undecided(Reason::WithinRounding));
-    assert_eq!(ask(&alone, 0.9).0, Verdict::Touching(()));
-    assert_eq!(ask(&alone, 1.1).0, Verdict::Apart);
+    assert_eq!(decide(&alone, 1.0).0, Verdict::Undecided(Reason::WithinRounding));
+    assert_eq!(decide(&alone, 0.9).0, Verdict::Touching(()));
+    assert_eq!(decide(&alone, 1.1).0, Verdict::Apart);
     let beside = Shape::compound(vec![(foreign, at(0.0)), (far, at(0.5))]).unwrap();
-    assert_eq!(ask(&beside, 1.0), (Verdict::Touching(()), Method::F64));
+    assert_eq!(decide(&beside, 1.0), (Verdict::Touching(()), Method::F64));
 }
 
 #[test]

@@ -25,7 +25,7 @@ impl Leaves {
         let offset = relative.rotation * b.centre + relative.offset - a.centre;
         let size = a.radius + b.radius + offset.length();
         // Coordinates relative to the centres are far smaller than the shapes, and so is what they
-        // lose; 1 % is room for the stretch of the matrices and for the sums here.
+        // lose; 1 % covers the stretch of the matrices and the sums here.
         let bound = 1.01 * (SEPARATION * U * size + relative.slack());
         let least = if radius > 0.0 { 2.0 * SHORTEST * size } else { 0.0 };
         Self {

@@ -4,8 +4,8 @@ use super::distances::are_within;
 use crate::epa::Depth;
 use crate::{Method, PairSolver, PosedShape, Verdict, certified};
 
-/// How good the bound of a distance or depth has to be. Whichever is asked for, the bound is proved: a smaller
-/// accuracy makes it wider, never false. Who touches whom is not a matter of it.
+/// How good the bound of a distance or depth has to be. The bound is proved at every accuracy: a smaller
+/// accuracy makes it wider, never false. Which pairs touch does not depend on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Accuracy {
     /// Some millionths of the pair's size, as f32 resolves it: at most 1e-5 of it for all but one in a
@@ -23,7 +23,7 @@ pub enum Accuracy {
 /// A solver that trades accuracy for speed: [`Distances`](super::Distances), [`Depths`](super::Depths),
 /// [`Manifolds`](super::Manifolds), [`Proximities`](super::Proximities).
 pub trait MeasureAt: PairSolver {
-    /// [`PairSolver::measure`] with a bound as good as the accuracy asks for, or better.
+    /// [`PairSolver::measure`] with a bound as good as the accuracy requires, or better.
     fn measure_at(
         &self,
         accuracy: Accuracy,
@@ -35,7 +35,7 @@ pub trait MeasureAt: PairSolver {
 
 /// A solver whose answer is made of a pair's depth: [`Depths`](super::Depths), [`Manifolds`](super::Manifolds).
 pub trait MeasureDepth: MeasureAt {
-    /// What it says of two convex shapes whose depth is known.
+    /// The answer for two convex shapes whose depth is known.
     fn measure_depth(
         &self,
         depth: Depth,
@@ -83,7 +83,7 @@ impl<S: MeasureAt> PairSolver for WithAccuracy<S> {
         b: PosedShape<'_>,
         scratch: &mut S::Scratch,
     ) -> Verdict<S::Answer> {
-        self.settle(a, b, scratch).0
+        self.resolve(a, b, scratch).0
     }
 
     fn measure(
@@ -96,7 +96,7 @@ impl<S: MeasureAt> PairSolver for WithAccuracy<S> {
     }
 
     /// Yes or no is proved first, whatever the accuracy.
-    fn settle(
+    fn resolve(
         &self,
         a: PosedShape<'_>,
         b: PosedShape<'_>,

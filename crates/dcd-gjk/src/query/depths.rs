@@ -41,7 +41,7 @@ impl PairSolver for Depths {
         b: PosedShape<'_>,
         scratch: &mut epa::Scratch,
     ) -> Verdict<Depth> {
-        self.settle(a, b, scratch).0
+        self.resolve(a, b, scratch).0
     }
 
     fn measure(
@@ -53,7 +53,7 @@ impl PairSolver for Depths {
         of_touching(Accuracy::Certified, a, b, scratch)
     }
 
-    fn settle(
+    fn resolve(
         &self,
         a: PosedShape<'_>,
         b: PosedShape<'_>,
@@ -107,7 +107,7 @@ pub(super) fn of_touching(
     b: PosedShape<'_>,
     scratch: &mut epa::Scratch,
 ) -> Verdict<Depth> {
-    if mesh::are_asked(a.shape, b.shape) {
+    if mesh::have_parts(a.shape, b.shape) {
         let pairs = mesh::touching_parts(a, b, &mut mesh::Scratch::default());
         let found = mesh::deepest(&pairs, |pair, effort| {
             pair.depth_by(effort, || of_parts(accuracy, effort, pair, [a, b], scratch))
@@ -170,7 +170,8 @@ fn tolerance(accuracy: Accuracy) -> [f64; 2] {
     }
 }
 
-/// The depth of boxes, and of spheres, capsules and boxes whose cores do not overlap, where its bound is as good as is asked for.
+/// The depth of boxes, and of spheres, capsules and boxes whose cores do not overlap, where its bound is as
+/// good as required.
 /// (a, b) and (b, a) give the same bits, mirrored.
 fn by_formula(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
     let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);

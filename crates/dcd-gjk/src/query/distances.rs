@@ -8,9 +8,9 @@ use dcd_geom::{Aabb, ShapeError, Sphere};
 /// How far apart pairs are, and between which points, for those within a margin: "touching" is
 /// "within the margin".
 ///
-/// Told of each is its [`Distance`]; `None` for a pair that shares a point, whose distance is 0. A
-/// distance of 0 with a bound is that of a pair of which f64 cannot tell whether it touches, and that
-/// is surely within the margin.
+/// The answer of each pair is its [`Distance`], or `None` where the pair shares a point: its distance is 0.
+/// A distance of 0 with a bound means that f64 cannot decide whether the pair touches, and that it is surely
+/// within the margin.
 /// Between polytopes, rounded or not, nothing is undecided, and the distance is right in twelve
 /// digits; with another shape see [`crate::distance::in_f64`]. Costs a few microseconds a pair
 /// within the margin, and for most others a comparison of two spheres.
@@ -48,14 +48,14 @@ impl PairSolver for Distances {
         b: PosedShape<'_>,
         scratch: &mut (),
     ) -> Verdict<Self::Answer> {
-        self.settle(a, b, scratch).0
+        self.resolve(a, b, scratch).0
     }
 
     fn measure(&self, a: PosedShape<'_>, b: PosedShape<'_>, (): &mut ()) -> Verdict<Self::Answer> {
         self.measure_at(Accuracy::Certified, a, b, &mut ())
     }
 
-    fn settle(
+    fn resolve(
         &self,
         a: PosedShape<'_>,
         b: PosedShape<'_>,
@@ -65,7 +65,7 @@ impl PairSolver for Distances {
             return (Verdict::Apart, Method::F64);
         }
         let (found, method) = distance(a, b);
-        (told_within(found, self.margin, a, b), method)
+        (within_margin(found, self.margin, a, b), method)
     }
 }
 
@@ -88,9 +88,9 @@ impl MeasureAt for Distances {
     }
 }
 
-/// What is told of two shapes of that distance, if it is within a margin: settled exactly where the bounds leave
-/// it open.
-pub(crate) fn told_within(
+/// The verdict on two shapes of that distance for a margin. Where the bounds leave it open, the exact methods
+/// decide.
+pub(crate) fn within_margin(
     found: DistanceResult,
     margin: f64,
     a: PosedShape<'_>,
@@ -114,8 +114,8 @@ pub(crate) fn told_within(
     }
 }
 
-/// Whether two shapes are within a margin where their distance's bounds leave it open: the word of
-/// the same shapes, each grown by half.
+/// Whether two shapes are within a margin where the bounds of their distance leave it open: whether
+/// the same shapes touch, each grown by half the margin.
 pub(super) fn are_within(a: PosedShape<'_>, b: PosedShape<'_>, margin: f64) -> Verdict<()> {
     match (a.shape.swept(margin / 2.0), b.shape.swept(margin / 2.0)) {
         (Ok(in_a), Ok(in_b)) => {
@@ -130,7 +130,7 @@ pub(super) fn are_within(a: PosedShape<'_>, b: PosedShape<'_>, margin: f64) -> V
 /// Whether spheres round two shapes prove that they are farther apart than `margin`.
 ///
 /// The centres and their difference lose at most 8u of everything that is added up, the radii's
-/// sum 4u; 16u and 8u leave room. NaN and overflow prove nothing.
+/// sum 4u; 16u and 8u cover them. NaN and overflow prove nothing.
 pub(crate) fn spheres_are_apart(a: PosedShape<'_>, b: PosedShape<'_>, margin: f64) -> bool {
     const U: f64 = f64::EPSILON / 2.0;
     let (sphere_a, sphere_b) = (sphere(a), sphere(b));

@@ -1,6 +1,6 @@
-//! What a scene can ask beyond yes or no, each a type that the user picks and pays for.
+//! Queries beyond yes or no. Each is a type that the user chooses and pays for.
 //!
-//! | type | asks | told of each pair |
+//! | type | finds | answer for each pair |
 //! | --- | --- | --- |
 //! | [`Within`] | which pairs are within a margin | nothing |
 //! | [`Distances`] | how far apart, within a margin | [`Distance`](crate::Distance) |
@@ -8,9 +8,9 @@
 //! | [`Manifolds`] | where they touch, in up to four points a patch | [`ManifoldSet`] |
 //! | [`Proximities`] | how far or how deep, and how that changes with the poses | [`Proximity`] |
 //!
-//! [`Within`] is a narrow phase. The others are solvers of single pairs: [`ThenMeasure`] asks them
-//! after the lanes, and only of the pairs that the lanes find, so that a scene of which one pair
-//! in fifty touches pays for one in fifty. [`Pairwise`](crate::Pairwise) asks them of every pair.
+//! [`Within`] is a narrow phase. The others are solvers of single pairs: [`ThenMeasure`] runs them
+//! after the SIMD test, and only on the pairs that it finds, so that a scene of which one pair
+//! in fifty touches pays for one in fifty. [`Pairwise`](crate::Pairwise) runs them on every pair.
 //!
 //! ```
 //! use dcd_gjk::{Depths, Distances, ThenMeasure};
@@ -22,14 +22,16 @@
 //! [`WithAccuracy`] gives a solver a wider bound for less time; the bound is proved all the same.
 //!
 //! Every number is in metres, every vector in the world frame. A normal points from a, the object
-//! with the smaller index, to b. Asked of (b, a), a solver answers the same bits, mirrored. A bound
-//! is proved: the truth lies within it.
+//! with the smaller index, to b. For (b, a) a solver returns the same bits, mirrored. A bound
+//! is proved: the true value lies within it.
 
 mod accuracy;
 mod contact_set;
 mod depths;
 mod distances;
+mod local;
 mod manifold;
+pub mod point;
 mod proximity;
 pub mod ray;
 mod sampled;
@@ -49,12 +51,12 @@ pub use then_measure::ThenMeasure;
 pub use within::Within;
 
 pub(crate) use depths::CERTIFIED;
-pub(crate) use distances::{spheres_are_apart, told_within};
+pub(crate) use distances::{spheres_are_apart, within_margin};
 pub(crate) use within::grown;
 
 use dcd_geom::{Aabb, ShapeError};
 
-/// That a margin is a length that boxes have room for.
+/// Refuses a margin that is no length, or larger than AABBs can hold.
 pub(crate) fn check_margin(margin: f64) -> Result<(), ShapeError> {
     // Written so that NaN is refused.
     if (0.0..=Aabb::LIMIT).contains(&margin) {

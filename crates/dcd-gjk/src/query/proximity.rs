@@ -38,7 +38,7 @@ pub struct Gradient {
     pub b: Twist,
 }
 
-/// The derivative for a motion of one object, the other standing still. World axes.
+/// The derivative for a motion of one object, the other at rest. World axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Twist {
     /// For a translation, per axis: metres a metre.
@@ -49,7 +49,7 @@ pub struct Twist {
 
 /// Whether the signed distance has a derivative at these poses.
 ///
-/// Where it has none, the gradient told is that of one of the directions or points that are equally
+/// Where it has none, the gradient is that of one of the directions or points that are equally
 /// near: a step against it still brings the objects together, or apart, at first order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -58,7 +58,7 @@ pub enum Smoothness {
     /// they touch is not known.
     #[default]
     Unknown,
-    /// It has, and the gradient is it. Never said where another direction is as good to within a
+    /// It has, and the gradient is it. Never returned where another direction is as good to within a
     /// billionth of the depth or distance, radii included, or a millionth of a millionth of the pair's
     /// size.
     Smooth,
@@ -109,7 +109,7 @@ impl PairSolver for Proximities {
         b: PosedShape<'_>,
         scratch: &mut epa::Scratch,
     ) -> Verdict<Proximity> {
-        told(Accuracy::Certified, self.distances.solve(a, b, &mut ()), (a, b), scratch)
+        answer(Accuracy::Certified, self.distances.solve(a, b, &mut ()), (a, b), scratch)
     }
 
     fn measure(
@@ -132,11 +132,12 @@ impl MeasureAt for Proximities {
         scratch: &mut epa::Scratch,
     ) -> Verdict<Proximity> {
         let distance = self.distances.measure_at(accuracy, a, b, &mut ());
-        told(accuracy, distance, (a, b), scratch)
+        answer(accuracy, distance, (a, b), scratch)
     }
 }
 
-fn told(
+/// The answer, from the verdict on the distance; measures the depth of what touches.
+fn answer(
     accuracy: Accuracy,
     verdict: Verdict<Option<Distance>>,
     (a, b): (PosedShape<'_>, PosedShape<'_>),
@@ -235,7 +236,7 @@ impl Proximity {
     /// by the normal's part of that, for neither the normal's own change nor the points' along
     /// their features counts at first order (docs/numerics/proofs.md, "derivatives").
     ///
-    /// Without a word on the direction nothing is said of its smoothness.
+    /// Without a direction the smoothness is unknown.
     fn with_gradient(
         self,
         a: PosedShape<'_>,

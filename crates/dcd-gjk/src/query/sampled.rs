@@ -2,7 +2,7 @@
 //!
 //! A hull of support points is inside its shape, so the depth of two such hulls is at most the
 //! shapes' depth; how far the shapes reach along any direction is at least that depth. Each round
-//! asks the hulls for their direction of least depth, goes downhill from there on the shapes' own
+//! finds the hulls' direction of least depth, goes downhill from there on the shapes' own
 //! reach, and adds to the hulls the support points of where it arrives and of a ring round it,
 //! until both bounds meet.
 
@@ -107,7 +107,7 @@ impl Couple<'_> {
     /// At least how far A − B reaches along a unit direction.
     ///
     /// The direction's length, two rotations, products and sums lose at most 16u of the pair's
-    /// size; 32u leave room for the radii. A support falls short by its error in each component.
+    /// size; 32u also cover the radii. A support falls short by its error in each component.
     fn reach(&self, normal: DVec3) -> f64 {
         let (a, b) = (self.a, self.b);
         let delta = a.pose.translation() - b.pose.translation();

@@ -1,4 +1,4 @@
-//! A solver asked of the pairs that a narrow phase has found.
+//! A solver for the pairs that a narrow phase has found.
 
 use super::Within;
 use crate::{
@@ -6,13 +6,13 @@ use crate::{
 };
 use dcd_geom::{Aabb, Pair, Scene, ShapeError};
 
-/// Asks a solver of touching pairs alone: first the narrow phase says yes or no to all, by default
-/// the lanes, proved; then the solver tells more of those that touch.
+/// Runs a solver on touching pairs alone. First the narrow phase decides yes or no for all pairs (by default
+/// [`Overlap`], proved); then the solver measures those that touch.
 ///
 /// For a solver with a [margin](PairSolver::margin), "touching" is "within the margin" (see
 /// [`Within`]). A pair that the solver cannot measure is undecided, with the solver's reason.
-/// The methods of a [`Report`](crate::Report) are those by which the narrow phase said yes or no, to pairs
-/// that could not be measured too.
+/// The methods of a [`Report`](crate::Report) are those by which the narrow phase decided yes or no, also for
+/// pairs that could not be measured.
 #[derive(Clone, Copy, Debug)]
 pub struct ThenMeasure<S, N = Overlap> {
     narrow: Within<N>,
@@ -118,7 +118,7 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
 }
 
 impl<S: PairSolver + 'static, N: NarrowPhase> ThenMeasure<S, N> {
-    /// Lists the pairs to which the narrow phase says yes, in the scratch memory.
+    /// Lists the pairs that the narrow phase finds touching, in the scratch memory.
     fn find_touching(
         &self,
         (a, b): (Side<'_, N>, Side<'_, N>),

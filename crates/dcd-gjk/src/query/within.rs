@@ -1,4 +1,4 @@
-//! All pairs within a margin, by any narrow phase that says yes or no.
+//! All pairs within a margin, by any narrow phase that decides yes or no.
 
 use super::check_margin;
 use crate::{ContactSink, NarrowPhase, Overlap, Prepared, Reason, Sides};

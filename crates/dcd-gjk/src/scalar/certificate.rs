@@ -20,7 +20,7 @@ struct Constants {
     /// f32 rounds R and a first, 2 more. (docs/numerics/proofs.md, "vertices")
     vertex: f64,
     /// How much longer Σλw/Σλ may truly be than computed. Unit: u·m. √3 of `vertex` and 4 for the
-    /// sum, rounded up with room. (docs/numerics/proofs.md, "distance")
+    /// sum, rounded up with a margin. (docs/numerics/proofs.md, "distance")
     upper: f64,
     /// How much shorter than s/|d| the distance may truly be. Unit: u·m. √3 of `apart`, since
     /// |d|₁ ≤ √3·|d|. (docs/numerics/proofs.md, "distance")
@@ -32,7 +32,7 @@ const F64: Constants = Constants { apart: 7.01, vertex: 5.01, upper: 16.0, lower
 const F32: Constants = Constants { apart: 9.01, vertex: 7.01, upper: 20.0, lower: 16.0 };
 
 /// How much a convex combination of vertices with dyadic weights loses beside its vertices' own
-/// errors. Unit: u·m. Four products and three sums a component: at most 4, and room.
+/// errors. Unit: u·m. Four products and three sums a component: at most 4, and a margin.
 const COMBINED: f64 = 4.5;
 
 /// |Rᵀd|₁ ≤ √3·|Rᵀd| ≤ √3·σ·|d| with σ ≤ 1 + 1e-6 the largest singular value of R: turns a
@@ -40,7 +40,7 @@ const COMBINED: f64 = 4.5;
 const SUPPORT_ERROR: f64 = 1.7321;
 
 /// What a length |d| loses in its three squares, two sums and root, and the swept radii in their
-/// sum and product with it: 6u, and room. Unit: u, relative.
+/// sum and product with it: 6u, and a margin. Unit: u, relative.
 const LENGTH: f64 = 8.0;
 
 /// What a determinant x·(y × z) of three points loses: 5u of its permanent, and 1 for the
@@ -53,7 +53,7 @@ const NORMAL: f64 = 8.0;
 
 /// How near to the origin, relative to m, a point of A − B must be for the simplex to count as
 /// through the origin, where GJK's directions are rounding alone. Unit: u·m. Decides which of two
-/// ways a pair is settled, never an answer. Smaller: idle iterations. Larger: shallow gaps go the
+/// ways a pair is resolved, never an answer. Smaller: idle iterations. Larger: shallow gaps go the
 /// longer way.
 const THROUGH: f64 = 64.0;
 
@@ -99,14 +99,14 @@ impl<R: Real> Bounds<R> {
     /// False for NaN.
     #[inline]
     pub(crate) fn proves_apart(&self, d: R::Vec3, s: R) -> bool {
-        // The length is a root: asked for only where the cores alone are apart.
+        // The length is a root: computed only where the cores alone are apart.
         let cores = self.apart * d.norm1();
         s > cores && s > cores + self.apart_per_length * d.length()
     }
 
     /// Whether the cores' difference ends so near to the origin, or before it, that no simplex in
     /// it can be certified to hold it.
-    pub(crate) fn leaves_no_room(&self, d: R::Vec3, s: R) -> bool {
+    pub(crate) fn is_shallow(&self, d: R::Vec3, s: R) -> bool {
         s > -(self.vertex * d.norm1())
     }
 
@@ -162,7 +162,7 @@ impl<R: Real> Bounds<R> {
     }
 }
 
-/// A number between the two unit roundoffs, to tell the arithmetics apart.
+/// A number between the two unit roundoffs, to distinguish the arithmetics.
 const F64_AND_F32: f64 = 1e-10;
 
 /// Whether the hull of four points p_k holds the origin for every p_k within `error` of the given

@@ -63,7 +63,7 @@ pub(crate) fn verdict_of(touch: bool) -> Verdict<()> {
     if touch { Verdict::Touching(()) } else { Verdict::Apart }
 }
 
-/// [`overlap_with`], after such axes; shapes that have parts, or no support, are not asked along them.
+/// [`overlap_with`], after testing such axes; shapes with parts, or without a support, skip them.
 pub(crate) fn overlap_with_after(
     axes: &[DVec3],
     a: PosedShape<'_>,
@@ -110,9 +110,9 @@ pub fn overlap_exactly(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polyto
 /// Whether any two shapes touch, and which method proved it. Exact between polytopes, and between a
 /// half-space and all but foreign shapes. Cylinders, cones and foreign shapes know no exact method
 /// else: a pair with one stays undecided where f64, widened by the stated support error, cannot
-/// tell.
+/// decide.
 ///
-/// Of compounds and meshes every part is asked, in memory of this call's own: see [`overlap_with`].
+/// Compounds and meshes are resolved part by part, in memory of this call's own: see [`overlap_with`].
 pub fn overlap_of(a: PosedShape<'_>, b: PosedShape<'_>) -> (Verdict<()>, Method) {
     overlap_with(a, b, &mut mesh::Scratch::default())
 }
@@ -123,7 +123,7 @@ pub fn overlap_with(
     b: PosedShape<'_>,
     scratch: &mut mesh::Scratch,
 ) -> (Verdict<()>, Method) {
-    if mesh::are_asked(a.shape, b.shape) {
+    if mesh::have_parts(a.shape, b.shape) {
         return mesh::overlap(a, b, scratch);
     }
     if let Some(known) = half_space::overlap(a, b) {
@@ -139,7 +139,7 @@ pub fn overlap_with(
 
 /// What f64 alone can prove of any two shapes.
 pub(crate) fn overlap_in_f64(a: PosedShape<'_>, b: PosedShape<'_>) -> Verdict<()> {
-    if mesh::are_asked(a.shape, b.shape) {
+    if mesh::have_parts(a.shape, b.shape) {
         return Verdict::Undecided(Reason::NotConvex);
     }
     if let Some(verdict) = half_space::overlap_in_f64(a, b) {

@@ -29,7 +29,7 @@ impl<S: ?Sized> Clone for PosedSupport<'_, S> {
 impl<S: ?Sized> Copy for PosedSupport<'_, S> {}
 
 impl<'a, S: ?Sized> PosedSupport<'a, S> {
-    /// Any support map; six supports tell how far it reaches.
+    /// Any support map; six supports bound how far it reaches.
     pub fn new<R: Real>(map: &'a S, pose: &'a Pose) -> Self
     where
         S: SupportMap<R>,
@@ -42,7 +42,7 @@ impl<'a, S: ?Sized> PosedSupport<'a, S> {
         let low = DVec3::new(along(0, -1.0), along(1, -1.0), along(2, -1.0));
         let high = DVec3::new(along(0, 1.0), along(1, 1.0), along(2, 1.0));
         let corner = low.abs().max(high.abs()) + map.support_error().to_f64();
-        // The box's half diagonal, and room for the rounding of its length. An overflow makes it
+        // The box's half diagonal, and a margin for the rounding of its length. An overflow makes it
         // infinite, and the pair then has no difference.
         let reach = corner.x.hypot(corner.y).hypot(corner.z) * (1.0 + 1e-6);
         Self { map, pose, reach, centre: low * 0.5 + high * 0.5, inner: None }
@@ -134,14 +134,14 @@ where
             middle: R::Vec3::from_dvec3(middle * scale),
             inner: R::from_f64(inner * scale),
             scale: R::from_f64(scale),
-            // Rounded up with room: the sum above has three roundings of its own.
+            // Rounded up with a margin: the sum above has three roundings of its own.
             size: R::from_f64(size * scale * (1.0 + 8.0 * f64::EPSILON))
                 * (R::ONE + R::UNIT_ROUNDOFF * R::from_f64(2.0)),
         })
     }
 
     /// The vertex lowest along `direction` (world axes), and the separation there: the computed
-    /// minimum of d·w over A − B, of which every bound speaks. Scaled.
+    /// minimum of d·w over A − B, to which every bound refers. Scaled.
     #[inline]
     pub fn lowest(&self, direction: R::Vec3) -> (Vertex<R>, R) {
         let d_a = self.rotation_a.transform_transposed(direction);

@@ -3,7 +3,7 @@
 //! GJK in f64 finds the nearest features; its duality gap bounds the distance from both sides.
 //! Between polytopes the search then ends in double-double, so that the distance is right in
 //! nearly all its digits even where it is far below the rounding of f64 coordinates; what even that
-//! cannot tell is settled in exact integers. Scalar and without fused multiply-add: the same bits
+//! leaves open is resolved in exact integers. Scalar and without fused multiply-add: the same bits
 //! everywhere.
 
 mod approach;
@@ -72,7 +72,7 @@ impl Distance {
     }
 
     /// The same seen from b.
-    fn mirrored(self) -> Self {
+    pub(crate) fn mirrored(self) -> Self {
         let Self { point_a, point_b, normal, .. } = self;
         Self { point_a: point_b, point_b: point_a, normal: -normal, ..self }
     }
@@ -118,7 +118,7 @@ impl DistanceResult {
 /// [`in_f64`]'s. Of compounds and meshes it is that of the nearest parts: see [`mesh::distance`].
 /// (a, b) and (b, a) give the same bits, mirrored.
 pub fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> (DistanceResult, Method) {
-    if mesh::are_asked(a.shape, b.shape) {
+    if mesh::have_parts(a.shape, b.shape) {
         return mesh::distance(a, b, &mut mesh::Scratch::default());
     }
     if let Some(found) = half_space::distance(a, b) {
@@ -170,13 +170,13 @@ pub fn of_polytopes(
 /// The distance by f64 alone: where a gap or overlap is within its rounding an interval round 0, and
 /// with a bound of about 28 · 2⁻⁵³ of the pair's size at the least, 40 by a closed form.
 pub fn in_f64(a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceResult {
-    if mesh::are_asked(a.shape, b.shape) {
+    if mesh::have_parts(a.shape, b.shape) {
         return DistanceResult::Undecided(Reason::NotConvex);
     }
     to_within(0.0, a, b)
 }
 
-/// The distance with a bound as good as an accuracy asks for: from f64 where that suffices. Never undecided
+/// The distance with a bound as good as an accuracy requires: from f64 where that suffices. Never undecided
 /// between polytopes; (a, b) and (b, a) give the same bits, mirrored.
 pub fn distance_at(
     accuracy: Accuracy,
@@ -184,7 +184,7 @@ pub fn distance_at(
     b: PosedShape<'_>,
 ) -> (DistanceResult, Method) {
     let is_bounded = a.shape.is_bounded() && b.shape.is_bounded();
-    if accuracy == Accuracy::Certified || mesh::are_asked(a.shape, b.shape) {
+    if accuracy == Accuracy::Certified || mesh::have_parts(a.shape, b.shape) {
         return distance(a, b);
     }
     if !is_bounded {
@@ -243,7 +243,7 @@ fn measured<S: SupportMap<f64>>(
         Err(_) => return DistanceResult::Touching,
     };
     if near.lower > bounds.swept_upper() {
-        return DistanceResult::Apart(near.told(&bounds, difference.scale(), [a, b]));
+        return DistanceResult::Apart(near.distance(&bounds, difference.scale(), [a, b]));
     }
     match undecided_or_proved(&difference, &bounds, &near) {
         Verdict::Touching(()) => DistanceResult::Touching,
@@ -265,7 +265,7 @@ fn measured<S: SupportMap<f64>>(
 
 impl Approach {
     /// Of swept shapes that the bounds prove apart.
-    fn told<S: SupportMap<f64>>(
+    pub(crate) fn distance<S: SupportMap<f64>>(
         &self,
         bounds: &Bounds<f64>,
         scale: f64,

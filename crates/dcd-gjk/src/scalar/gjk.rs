@@ -53,7 +53,7 @@ where
 
 /// How GJK ended.
 enum End {
-    /// With all that this arithmetic can tell.
+    /// Proved by this arithmetic.
     Known(Verdict<()>),
     /// Near a lower face of its simplex, where its directions are rounding.
     Open,
@@ -77,7 +77,7 @@ where
         if bounds.proves_apart(direction, separation) {
             return End::Known(Verdict::Apart);
         }
-        shallow |= bounds.leaves_no_room(direction, separation);
+        shallow |= bounds.is_shallow(direction, separation);
         if simplex.holds(&vertex) {
             return End::Open;
         }
@@ -124,7 +124,7 @@ pub(crate) fn start<R: Real>(middle: R::Vec3) -> R::Vec3 {
 pub(crate) fn unit<R: Real>(direction: Triple<R>) -> Option<R::Vec3> {
     let [x, y, z] = direction;
     let largest = x.abs().max(y.abs()).max(z.abs());
-    // |·|₁ tells of a NaN beside larger numbers.
+    // |·|₁ keeps a NaN beside larger numbers.
     if !(largest >= R::MIN_POSITIVE && norm1(&direction) <= R::MAX) {
         return None;
     }

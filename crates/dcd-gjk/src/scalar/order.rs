@@ -6,7 +6,7 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Mesh, Polytope, Pose, Shape, SupportMap};
 use std::cmp::Ordering;
 
-/// The pair in its order: as given where nothing tells the two apart, and then it cannot matter.
+/// The pair in its order. Where both are equal the order is as given, and cannot matter.
 pub(crate) fn canonical<'a>(
     a: PosedShape<'a>,
     b: PosedShape<'a>,
@@ -53,7 +53,7 @@ fn shapes(a: &Shape, b: &Shape) -> Ordering {
         (Some(a), Some(b)) => polytopes(a, b),
         (Some(_), None) => Ordering::Less,
         (None, Some(_)) => Ordering::Greater,
-        // All that can be asked of a foreign map: lengths, and where it ends.
+        // All that a foreign map provides: lengths, and how far it reaches.
         (None, None) => numbers([a.radius(), a.support_error()], [b.radius(), b.support_error()])
             .then_with(|| vectors(ends(a), ends(b))),
     }

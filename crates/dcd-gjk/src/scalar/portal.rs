@@ -1,10 +1,10 @@
-//! From an inner point off every symmetry through the origin to the surface: settles what GJK
+//! From an inner point off every symmetry through the origin to the surface: resolves what GJK
 //! cannot, where the origin is on a face, an edge or a corner of its simplex.
 //!
 //! Aligned boxes, stacked faces, identical and concentric shapes put the origin exactly on lower
 //! faces of GJK's simplex, and then its direction is rounding. A ray from a point in general
 //! position meets the surface inside a face, so that point and face hold the origin strictly
-//! inside, with room for the certificate. The directions are normals of faces, which are accurate
+//! inside, by enough for the certificate. The directions are normals of faces, which are accurate
 //! however near the faces are.
 //!
 //! Source: Minkowski portal refinement, Snethen 2008; the skewed start and the certificate are ours.
@@ -46,15 +46,15 @@ where
     match surface.rays() {
         Ok(true) => Verdict::Touching(()),
         Err(Axis::Separates) => Verdict::Apart,
-        Ok(false) | Err(Axis::LeavesNoRoom) => Verdict::Undecided(Reason::WithinRounding),
+        Ok(false) | Err(Axis::Shallow) => Verdict::Undecided(Reason::WithinRounding),
     }
 }
 
-/// What an axis found on the way says of the pair: nothing more is to be looked for.
+/// An axis found on the way that ends the search.
 enum Axis {
     Separates,
     /// The difference ends so near to the origin that no tetrahedron in it can be certified.
-    LeavesNoRoom,
+    Shallow,
 }
 
 struct Surface<'a, R: Real, A: ?Sized, B: ?Sized> {
@@ -99,8 +99,8 @@ where
         if self.bounds.proves_apart(d, separation) {
             return Err(Axis::Separates);
         }
-        if self.bounds.leaves_no_room(d, separation) {
-            return Err(Axis::LeavesNoRoom);
+        if self.bounds.is_shallow(d, separation) {
+            return Err(Axis::Shallow);
         }
         Ok(Some(vertex.w.components()))
     }

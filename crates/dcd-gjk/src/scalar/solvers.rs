@@ -40,7 +40,7 @@ impl PairSolver for Gjk<f32> {
     }
 
     fn solve(&self, a: PosedShape<'_>, b: PosedShape<'_>, (): &mut ()) -> Verdict<()> {
-        if mesh::are_asked(a.shape, b.shape) {
+        if mesh::have_parts(a.shape, b.shape) {
             return Verdict::Undecided(Reason::NotConvex);
         }
         let (a, b) = order::canonical(a, b);
@@ -112,10 +112,10 @@ impl PairSolver for Certified {
         b: PosedShape<'_>,
         scratch: &mut mesh::Scratch,
     ) -> Verdict<()> {
-        self.settle(a, b, scratch).0
+        self.resolve(a, b, scratch).0
     }
 
-    fn settle(
+    fn resolve(
         &self,
         a: PosedShape<'_>,
         b: PosedShape<'_>,

@@ -1,5 +1,5 @@
 //! Cuboids that stand along the world's axes: bricks, crates, shelves, voxels. What the lanes leave
-//! open of them just touches, and no general search is needed to say so.
+//! open of them just touches, without a general search.
 
 use super::frame::{AXIS_ALIGNED, FramePair};
 use crate::Method;

@@ -70,7 +70,7 @@ pub(super) const OBB: f32 = 256.0;
 
 /// Directions whose cross product has no component above this are parallel, and it is no axis to
 /// test. Unit: u. Larger: [`OBB`] must grow with it. Smaller: fewer boxes with parallel edges
-/// are settled here.
+/// are resolved here.
 pub(super) const PARALLEL: f32 = 16.0;
 
 /// The largest deviation of a pose's matrix from a rotation for which the boxes are turned with it.
@@ -116,11 +116,11 @@ pub(super) const DETERMINANT: f32 = 16.0;
 /// products, a sum. Unit: 1. Smaller: false contacts of flat shapes.
 pub(super) const EVALUATED: f32 = 1.0 + 32.0 * U;
 
-/// An inner sphere below this settles so little that four points are tried as well. Unit: u·m. Decides
-/// what is asked, never an answer.
+/// An inner sphere below this resolves so little that four points are tried as well. Unit: u·m. Decides
+/// what is computed, never an answer.
 pub(super) const FLAT: f32 = 1024.0;
 
 /// Nearest points whose distance the support beyond them could make smaller by no more than this are
-/// nearest. Unit: u·m. Decides how many supports are asked for, never an answer. Larger: wider bounds of distances.
+/// nearest. Unit: u·m. Decides how many supports are evaluated, never an answer. Larger: wider bounds of distances.
 /// Smaller: more supports, which rounding answers.
 pub(super) const CLOSED: f32 = 12.0;

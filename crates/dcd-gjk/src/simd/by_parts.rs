@@ -1,5 +1,5 @@
-//! Pairs of compounds settled by their parts: first the likeliest pair of parts of each, then all of
-//! those that this leaves open, then what the lanes do.
+//! Pairs of compounds resolved by their parts: first the likeliest pair of parts of each pair, then all pairs
+//! of parts where that proved nothing, then in f64 what the lanes leave open.
 
 use super::certificate::CertifiedBounds;
 use super::decide::{self, Decide, Left, Slice};
@@ -17,10 +17,10 @@ pub(super) struct Scratch {
     queue: Queue,
     /// What is known of each of its questions.
     known: Vec<Known>,
-    /// The pairs of parts that are asked of the lanes, and for which question.
-    asked: Vec<Pair>,
-    asked_for: Vec<u32>,
-    /// What the lanes say of them.
+    /// The pairs of parts that the lanes decide next, and the question of each.
+    part_pairs: Vec<Pair>,
+    question_of: Vec<u32>,
+    /// What the lanes prove of them.
     touching: Vec<bool>,
     left: Vec<Left>,
     /// What they count, which are not pairs of objects.
@@ -46,7 +46,7 @@ struct Doubt {
     axes: [Vec3; 2],
 }
 
-/// Settles these of a slice's pairs, all with parts, and writes which touch.
+/// Resolves these of a slice's pairs, all with parts, and writes which touch.
 pub(super) fn judge(
     slice: &Slice<'_>,
     mut left: &[Left],
@@ -75,12 +75,12 @@ pub(super) fn judge(
 }
 
 impl Slice<'_> {
-    /// Finds out what there is to be known of every question in the queue.
+    /// Resolves every question in the queue.
     fn answer(&self, scratch: &mut Scratch, lanes: &mut decide::Scratch) {
-        scratch.ask_the_likeliest();
-        self.ask(scratch, lanes);
-        scratch.ask_the_rest();
-        self.ask(scratch, lanes);
+        scratch.take_likeliest();
+        self.decide_parts(scratch, lanes);
+        scratch.take_rest();
+        self.decide_parts(scratch, lanes);
         for doubt in &scratch.doubts {
             let known = &mut scratch.known[doubt.question as usize];
             if known.touching {
@@ -100,20 +100,22 @@ impl Slice<'_> {
         }
     }
 
-    /// Asks the lanes, notes what they prove, and keeps what they do not.
-    fn ask(&self, scratch: &mut Scratch, lanes: &mut decide::Scratch) {
-        let Scratch { asked, asked_for, touching, left, counts, known, doubts, .. } = scratch;
-        let (trust, frames, pairs) = (PhantomData::<CertifiedBounds>, self.frames(), &asked[..]);
+    /// Decides the pairs of parts in the lanes. Notes what they prove, and lists as doubts what they do not.
+    fn decide_parts(&self, scratch: &mut Scratch, lanes: &mut decide::Scratch) {
+        let Scratch { part_pairs, question_of, touching, left, counts, known, doubts, .. } =
+            scratch;
+        let (bounds, frames, pairs) =
+            (PhantomData::<CertifiedBounds>, self.frames(), &part_pairs[..]);
         lanes.lend(touching, left);
-        dispatch_on(self.path, Decide { trust, frames, pairs, scratch: lanes, report: counts });
+        dispatch_on(self.path, Decide { bounds, frames, pairs, scratch: lanes, report: counts });
         lanes.lend(touching, left);
         counts.clear();
-        for (&question, &touches) in asked_for.iter().zip(&*touching) {
+        for (&question, &touches) in question_of.iter().zip(&*touching) {
             known[question as usize].touching |= touches;
         }
         doubts.extend(left.iter().map(|left| Doubt {
-            question: asked_for[left.number as usize],
-            parts: asked[left.number as usize],
+            question: question_of[left.number as usize],
+            parts: part_pairs[left.number as usize],
             axes: left.axes,
         }));
     }
@@ -135,27 +137,27 @@ fn placed(side: Prepared<'_, SimdFrame>, object: u32, record: u32) -> PosedShape
 }
 
 impl Scratch {
-    /// One pair of parts for each question, of which nothing is known.
-    fn ask_the_likeliest(&mut self) {
+    /// Takes one pair of parts for each question; nothing is known of any yet.
+    fn take_likeliest(&mut self) {
         let none = Known { touching: false, undecided: None, method: Method::Portal };
         self.known.clear();
         self.known.resize(self.queue.questions.len(), none);
         self.doubts.clear();
-        self.asked.clone_from(&self.queue.first);
-        self.asked_for.clear();
-        self.asked_for.extend(0..self.queue.questions.len() as u32);
+        self.part_pairs.clone_from(&self.queue.first);
+        self.question_of.clear();
+        self.question_of.extend(0..self.queue.questions.len() as u32);
     }
 
-    /// All others of the questions that are not settled by that.
-    fn ask_the_rest(&mut self) {
-        self.asked.clear();
-        self.asked_for.clear();
+    /// Takes all other pairs of the questions that those did not resolve.
+    fn take_rest(&mut self) {
+        self.part_pairs.clear();
+        self.question_of.clear();
         let mut begin = 0;
         for ((number, question), known) in (0..).zip(&self.queue.questions).zip(&self.known) {
             let end = question.end as usize;
             if !known.touching {
-                self.asked.extend_from_slice(&self.queue.rest[begin..end]);
-                self.asked_for.resize(self.asked.len(), number);
+                self.part_pairs.extend_from_slice(&self.queue.rest[begin..end]);
+                self.question_of.resize(self.part_pairs.len(), number);
             }
             begin = end;
         }

@@ -1,5 +1,5 @@
 //! The three certificates of the lanes. What they conclude is proved; what they leave open is not
-//! wrong, only unsettled (docs/numerics/proofs.md, "lanes").
+//! wrong, only unresolved (docs/numerics/proofs.md, "lanes").
 
 use super::bounds::{HULL_OF_SPHERE, SHORTEST, U};
 use super::decide::{Scratch, Slice};
@@ -17,7 +17,7 @@ pub trait ErrorBounds: Copy + Send + Sync {
     /// Whether a pair on which nothing is left to gain is handed on rather than called touching.
     const HANDS_ON: bool;
 
-    /// The mark of records whose pairs are judged.
+    /// The mark of records whose pairs are decided.
     const JUDGED: u8;
 
     /// Whether the clearance that a conclusion has is kept beside it.
@@ -64,7 +64,7 @@ impl ErrorBounds for ClearanceBounds {
     }
 }
 
-/// f32 is taken at its word, as most libraries do.
+/// No error bounds: f32 results are used as they are, as in most libraries.
 #[derive(Clone, Copy, Debug)]
 pub struct UncheckedBounds;
 
@@ -74,7 +74,7 @@ impl ErrorBounds for UncheckedBounds {
         l.splat(0.0)
     }
     const HANDS_ON: bool = false;
-    // Between the hull inside a curved shape and the shape itself only bounds can tell.
+    // Between the hull inside a curved shape and the shape itself only bounds can decide.
     const JUDGED: u8 = WHOLE;
     const KEEPS_CLEARANCE: bool = false;
 
@@ -83,12 +83,12 @@ impl ErrorBounds for UncheckedBounds {
     }
 }
 
-/// What a certificate says of sixteen pairs.
+/// What a certificate proves of sixteen pairs.
 ///
 /// The clearance of a lane where it holds is a distance s, metres, rounded down: along every unit
 /// direction A − B reaches s beyond the origin (touching), or along one it stays s short of it
 /// (apart). So the conclusion outlasts any motion of the two objects by which no point of A and
-/// no point of B travel more than s together. Whoever does not read it does not pay for it.
+/// no point of B travel more than s together. A caller that does not read it does not pay for it.
 #[derive(Clone, Copy)]
 pub(super) struct Certificate<L: Lanes> {
     pub(super) holds: L::M,

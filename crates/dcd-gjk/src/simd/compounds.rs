@@ -20,7 +20,7 @@ pub(super) struct Start {
     pub(super) group: u32,
 }
 
-/// The parts of a scene's compounds, as far as they have no room in the frame's own lists.
+/// The data of a scene's compounds' parts that the frame's own lists do not hold.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Compounds {
     /// One for each object and one behind the last; none at all in a scene without compounds.
@@ -31,7 +31,7 @@ pub(super) struct Compounds {
     unions: Vec<Aabb>,
 }
 
-/// The room for the parts of a range of objects.
+/// The buffers for the parts of a range of objects.
 #[derive(Debug, Default)]
 pub(super) struct CompoundPart<'f> {
     /// One more than there are objects, or none.
@@ -52,7 +52,7 @@ pub(super) struct Members<'f> {
 }
 
 impl Compounds {
-    /// Makes room behind the objects' records and blocks, and writes where each part's blocks are.
+    /// Extends the records and blocks behind the objects' own, and writes where each part's blocks are.
     pub(super) fn set_offsets(
         &mut self,
         scene: &Scene,
@@ -97,7 +97,7 @@ impl Compounds {
         self.starts.last().map(|end| end.block)
     }
 
-    /// The room for all parts, of which these are the records, blocks and boxes.
+    /// The buffers for all parts, of which these are the records, blocks and boxes.
     pub(super) fn compound_part<'f>(
         &'f mut self,
         records: &'f mut [Record],
@@ -128,8 +128,8 @@ impl Compounds {
     }
 }
 
-/// A record with room for its vertices from that block on, and the next one's first block. What
-/// the lanes cannot tell goes without: its pairs are settled in f64.
+/// A record whose vertices begin at that block, and the next one's first block. A shape with too many vertices
+/// for the lanes gets no blocks: its pairs are resolved in f64.
 pub(super) fn laid_out(core: &Core, first: u32) -> (Record, u32) {
     let next = first.saturating_add(core.blocks);
     let fits =

@@ -46,7 +46,7 @@ pub(crate) struct Core {
 pub(crate) const MAX_PARTS: usize = 256;
 
 /// How far a point and a centre, each R·v + t rounded, may have moved apart. Unit: of their distance
-/// from the origin. Each loses 4u a component, √3 of that: 14u, and room.
+/// from the origin. Each loses 4u a component, √3 of that: 14u, and a margin.
 const MOVED: f64 = 16.0 * f64::EPSILON;
 
 /// A [`ObbBounds`] in f32.

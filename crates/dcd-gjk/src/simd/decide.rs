@@ -5,7 +5,7 @@ use super::axis_aligned;
 use super::by_parts;
 use super::certificate::ErrorBounds;
 use super::expand;
-use super::first_stages::{self, Entry, Place, Settled};
+use super::first_stages::{self, Entry, Place, Resolved};
 use super::frame::{BOX, FramePair, SimdFrame};
 use super::kept_proofs::KeptProofs;
 use super::obb::{self, ObbPairs};
@@ -95,7 +95,7 @@ impl Stage {
 }
 
 impl Scratch {
-    /// The latest stage for which a packet waits, so that each finds its queue with room for what the one before
+    /// The latest stage for which a packet waits. So each stage finds space in the next one's queue for what it
     /// hands on.
     #[inline(always)]
     fn latest_stage(&self, whole: Whole) -> Option<Stage> {
@@ -110,7 +110,7 @@ impl Scratch {
     }
 }
 
-/// After how many supports, from the second point on, a pair that has a proof is content with what room
+/// After how many supports, from the second point on, a pair that has a proof keeps the clearance that
 /// it has. Larger: more pairs are known in the next steps. Smaller: a faster first step.
 const WIDENING: f32 = 4.0;
 
@@ -137,12 +137,12 @@ impl<'a> Slice<'a> {
         FramePair { a: self.a.frame, b: self.b.frame }
     }
 
-    /// Lanes first, then one pair at a time what they leave: without a proof only shapes that have
-    /// no vertices, and sizes that f32 has no room for.
+    /// Decides in lanes first, then one pair at a time what they leave open. `OverlapUnchecked` leaves open only
+    /// shapes without vertices, and sizes outside f32's range.
     pub(crate) fn judge<T: ErrorBounds>(&self, scratch: &mut Scratch, report: &mut Report) {
         let Self { path, pairs, .. } = *self;
-        let (trust, frames) = (PhantomData::<T>, self.frames());
-        dispatch_on(path, Decide { trust, frames, pairs, scratch, report: &mut *report });
+        let (bounds, frames) = (PhantomData::<T>, self.frames());
+        dispatch_on(path, Decide { bounds, frames, pairs, scratch, report: &mut *report });
         self.judge_by_parts(scratch, report);
         for left in &scratch.left {
             let number = left.number as usize;
@@ -154,13 +154,13 @@ impl<'a> Slice<'a> {
                 }
                 None => {
                     let known = Known { axes: left.axes, parts: &mut scratch.parts };
-                    self.settle(pair, known, report)
+                    self.resolve(pair, known, report)
                 }
             };
         }
     }
 
-    /// Takes out of the pairs left open those whose parts the lanes know, and settles them.
+    /// Takes out of the pairs left open those whose parts the lanes know, and resolves them.
     fn judge_by_parts(&self, scratch: &mut Scratch, report: &mut Report) {
         let frames = self.frames();
         if !frames.have_compounds() {
@@ -178,7 +178,7 @@ impl<'a> Slice<'a> {
 
     /// The later methods for one pair that the lanes left open: the lanes' own axes in f64, then f64
     /// from the start, then exact integers. Whether it is known to touch.
-    fn settle(&self, pair: Pair, Known { axes, parts }: Known<'_>, report: &mut Report) -> bool {
+    fn resolve(&self, pair: Pair, Known { axes, parts }: Known<'_>, report: &mut Report) -> bool {
         let a = PosedShape::of(self.a.scene, pair.i);
         let b = PosedShape::of(self.b.scene, pair.j);
         let axes = axes.map(|axis| axis.as_dvec3());
@@ -197,10 +197,10 @@ struct Known<'a> {
     parts: &'a mut mesh::Scratch,
 }
 
-/// Settles what the lanes can of a slice of pairs.
+/// Resolves in lanes what can be resolved of a slice of pairs.
 pub(super) struct Decide<'a, T> {
-    /// What the answers are worth.
-    pub(super) trust: PhantomData<T>,
+    /// Whether the answers carry error bounds.
+    pub(super) bounds: PhantomData<T>,
     pub(super) frames: FramePair<'a>,
     pub(super) pairs: &'a [Pair],
     pub(super) scratch: &'a mut Scratch,
@@ -278,8 +278,8 @@ impl<T: ErrorBounds> Decide<'_, T> {
     fn obbs<L: Lanes>(&mut self, l: L) {
         let Scratch { left, boxes, packet, boxed, .. } = &mut *self.scratch;
         let taken = boxed.take(l, packet);
-        let (settled, aligned) = obb::obbs::<L, T>(l, self.frames, boxes, (packet, taken));
-        let open = used(taken) & !settled.all();
+        let (resolved, aligned) = obb::obbs::<L, T>(l, self.frames, boxes, (packet, taken));
+        let open = used(taken) & !resolved.all();
         let handed_on = match (self.frames.have_vertices(), T::HANDS_ON) {
             (false, _) => open,
             // A round or a hull between its boxes is not them.
@@ -290,7 +290,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
             // The closed form of boxes needs no axis.
             left.push(Left { number: packet.number.0[lane], axes: [Vec3::ZERO; 2] });
         }
-        self.settle(l, Method::Obbs, settled, used(taken));
+        self.resolve(l, Method::Obbs, resolved, used(taken));
         self.scratch.axis.push(l, &self.scratch.packet, open & !handed_on);
     }
 
@@ -305,10 +305,10 @@ impl<T: ErrorBounds> Decide<'_, T> {
             first = hinted(l, &kept.axes, (packet, taken), first);
         }
         let apart = first_stages::first_axis::<L, T>(l, &mut at, (packet, taken), first);
-        let apart = Settled::apart(l, apart);
-        let cone = Settled::touching(l, first_stages::cone::<L, T>(l, packet)).but(apart);
-        let done = self.settle(l, Method::CentreAxis, apart, used(taken))
-            | self.settle(l, Method::Cone, cone, used(taken));
+        let apart = Resolved::apart(l, apart);
+        let cone = Resolved::touching(l, first_stages::cone::<L, T>(l, packet)).but(apart);
+        let done = self.resolve(l, Method::CentreAxis, apart, used(taken))
+            | self.resolve(l, Method::Cone, cone, used(taken));
         let Scratch { packet, near, second, .. } = &mut *self.scratch;
         let open = used(taken) & !done;
         let rounded = l.bits(l.lt(l.splat(0.0), packet.number(l, Number::Radius)));
@@ -327,8 +327,8 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let Scratch { support_scratch, packet, near, .. } = &mut *self.scratch;
         let taken = near.take(l, packet);
         let mut at = Place { frames: self.frames, support_scratch };
-        let (settled, stuck) = simplex::round::<L, T>(l, &mut at, packet, taken);
-        let done = self.settle(l, Method::Portal, settled, used(taken));
+        let (resolved, stuck) = simplex::round::<L, T>(l, &mut at, packet, taken);
+        let done = self.resolve(l, Method::Portal, resolved, used(taken));
         let (proved, enough) = self.narrow(l);
         let Scratch { packet, near, second, .. } = &mut *self.scratch;
         second.push(l, packet, stuck & used(taken) & !proved);
@@ -342,8 +342,8 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let taken = second.take(l, packet);
         let mut at = Place { frames: self.frames, support_scratch };
         let cone = portal::second_point::<L, T>(l, &mut at, packet, taken);
-        let cone = Settled::touching(l, cone);
-        let done = self.settle(l, Method::Cone, cone, used(taken));
+        let cone = Resolved::touching(l, cone);
+        let done = self.resolve(l, Method::Cone, cone, used(taken));
         self.scratch.portal.push(l, &self.scratch.packet, used(taken) & !done);
     }
 
@@ -357,38 +357,38 @@ impl<T: ErrorBounds> Decide<'_, T> {
         if T::KEEPS_CLEARANCE {
             packet.vector(l, Vector::D).store(l, &mut against.0);
         }
-        let (mut settled, mut stuck) = portal::round::<L, T>(l, &mut at, packet, taken);
+        let (mut resolved, mut stuck) = portal::round::<L, T>(l, &mut at, packet, taken);
         if !T::HANDS_ON {
-            settled.touching |= stuck;
+            resolved.touching |= stuck;
             stuck = 0;
         }
-        let done = self.settle(l, Method::Portal, settled, used(taken));
+        let done = self.resolve(l, Method::Portal, resolved, used(taken));
         let (proved, enough) = self.narrow(l);
         let Scratch { left, packet, portal, kept, .. } = &mut *self.scratch;
         for lane in LanesOf(stuck & used(taken) & !proved) {
             left.push(Left { number: packet.number.0[lane], axes: packet.axes(lane) });
         }
         if T::KEEPS_CLEARANCE {
-            kept.note_axes(packet, &against, settled.apart & used(taken));
+            kept.note_axes(packet, &against, resolved.apart & used(taken));
         }
         portal.push(l, packet, used(taken) & !(done | stuck | enough));
     }
 
-    /// Notes what a stage settled of the lanes in use. Returns those that need no other stage.
+    /// Records what a stage resolved of the lanes in use. Returns the lanes that need no other stage.
     #[inline(always)]
-    fn settle<L: Lanes>(&mut self, l: L, method: Method, settled: Settled<L>, used: u32) -> u32 {
+    fn resolve<L: Lanes>(&mut self, l: L, method: Method, resolved: Resolved<L>, used: u32) -> u32 {
         let Scratch { touching, kept, packet, .. } = &mut *self.scratch;
-        let proved = settled.all() & used;
-        scatter(touching, packet, settled.touching & used);
+        let proved = resolved.all() & used;
+        scatter(touching, packet, resolved.touching & used);
         if !T::KEEPS_CLEARANCE {
             self.report.count(method, count(proved));
             return proved;
         }
         self.report.count(method, count(proved & !kept.proved(packet)));
-        kept.note(l, packet, (settled.clearance, proved))
+        kept.note(l, packet, (resolved.clearance, proved))
     }
 
-    /// The lanes that have a proof but not the room that is wanted, and those of them that have taken
+    /// The lanes whose proof has less clearance than wanted, and those of them that have taken
     /// [`WIDENING`] supports.
     #[inline(always)]
     fn narrow<L: Lanes>(&self, l: L) -> (u32, u32) {

@@ -4,7 +4,7 @@ use super::frame::{FramePair, SimdFrame};
 use super::nearest::{self, Found, NearestPoints};
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::distance::{DistanceResult, distance_at};
-use crate::query::{check_margin, grown, spheres_are_apart, told_within};
+use crate::query::{check_margin, grown, spheres_are_apart, within_margin};
 use crate::{
     Accuracy, Contact, ContactSink, Distance, Method, NarrowPhase, PosedShape, Prepared, Report,
     Sides, Verdict,
@@ -16,14 +16,14 @@ use dcd_simd::Path;
 /// How far apart the pairs within a margin are: [`Distances`](crate::Distances) at [`Accuracy::F32`], in
 /// packets of sixteen.
 ///
-/// Who touches whom is proved as [`Overlap`](crate::Overlap) proves it; of the others the lanes find the
-/// nearest vertices, of which f64 makes the points and the distance. Its bound, proved, is some millionths
-/// of the pair's size: what the lanes prove from below. Shapes that the lanes do not know, sizes that f32
-/// has no room for, and what the margin cuts through, are measured one pair at a time.
+/// Contact is proved as in [`Overlap`](crate::Overlap). For the other pairs the lanes find the nearest
+/// vertices, from which f64 computes the points and the distance. Its bound, proved, is some millionths
+/// of the pair's size: what the lanes prove from below. Shapes without a lane kernel, sizes outside
+/// f32's range, and pairs whose bound contains the margin are measured one pair at a time.
 ///
-/// Whether a pair with a distance within its bound of the margin is told of is settled exactly. Distances
-/// and points may differ from CPU to CPU within their bounds, as f32's rounding does where it is fused; they
-/// do not with the number of threads, nor with what else is asked.
+/// Whether a pair with a distance within its bound of the margin is reported is decided exactly. Distances
+/// and points may differ from CPU to CPU within their bounds, as f32's rounding does where it is fused. They
+/// depend neither on the number of threads nor on the other pairs.
 #[derive(Clone, Copy, Debug)]
 pub struct SimdDistances {
     path: Path,
@@ -35,7 +35,7 @@ pub struct SimdDistances {
 const WORST: f64 = 8e-6;
 
 /// What the f64 arithmetic of a distance may be off by: unit 2⁻⁵³ of the pair's size. Weights 8, the
-/// rotations 12 for each shape, differences and the length 8; and room.
+/// rotations 12 for each shape, differences and the length 8; and a margin.
 const ROUNDED: f64 = 64.0 * f64::EPSILON / 2.0;
 
 impl SimdDistances {
@@ -56,24 +56,25 @@ impl SimdDistances {
         Ok(Self { path, margin })
     }
 
-    /// Settles a pair by itself: no shape is grown by the margin but where its distance is within its bound of it.
+    /// Resolves a pair by itself. Shapes are grown by the margin only where the distance is within its bound of
+    /// the margin.
     fn alone(&self, a: PosedShape<'_>, b: PosedShape<'_>) -> (Verdict<Option<Distance>>, Method) {
         if spheres_are_apart(a, b, self.margin) {
             return (Verdict::Apart, Method::F64);
         }
         let (found, method) = distance_at(Accuracy::F32, a, b);
-        (told_within(found, self.margin, a, b), method)
+        (within_margin(found, self.margin, a, b), method)
     }
 
     /// The pair whose nearest vertices are known.
-    fn told(
+    fn by_points(
         &self,
         points: &NearestPoints,
         a: PosedShape<'_>,
         b: PosedShape<'_>,
     ) -> Verdict<Option<Distance>> {
         match distance_of(points, a, b) {
-            Some(found) => told_within(DistanceResult::Apart(found), self.margin, a, b),
+            Some(found) => within_margin(DistanceResult::Apart(found), self.margin, a, b),
             None => self.alone(a, b).0,
         }
     }
@@ -127,7 +128,7 @@ impl NarrowPhase for SimdDistances {
         let Scratch { yes, report, open, nearest } = scratch;
         report.clear();
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, report);
-        // What is undecided there is asked again, by itself.
+        // What is undecided there is resolved again, by itself.
         report.sort();
         let undecided = report.take_undecided();
         sink.report.absorb(report);
@@ -152,7 +153,7 @@ impl NarrowPhase for SimdDistances {
             // Counted already, as apart.
             let verdict = match found {
                 Found::Beyond => Verdict::Apart,
-                Found::Nearest(points) => self.told(&points, one, other),
+                Found::Nearest(points) => self.by_points(&points, one, other),
                 Found::Unknown => self.alone(one, other).0,
             };
             match verdict {
@@ -165,7 +166,7 @@ impl NarrowPhase for SimdDistances {
 }
 
 /// The distance of two polytopes that are apart, by vertices whose weighted means are nearest points of their cores
-/// or nearly so, and what the lanes prove from below. `None`: those say too little.
+/// or nearly so, and what the lanes prove from below. `None`: that bound is too wide.
 fn distance_of(points: &NearestPoints, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance> {
     let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
     let weights = weights(points.weights)?;

@@ -38,7 +38,7 @@ impl Queue {
     }
 }
 
-/// When so many pairs of parts have come together they are settled before there are more. No unit.
+/// When so many pairs of parts have come together they are resolved before there are more. No unit.
 /// Larger: lists that no near cache holds. Smaller: packets that are not full.
 const ENOUGH: usize = 4096;
 

@@ -12,16 +12,16 @@ use super::vector::V3;
 use dcd_geom::Pair;
 use dcd_simd::{Lanes, Row, WIDTH};
 
-/// Which of sixteen pairs a stage settled.
+/// Which of sixteen pairs a stage resolved.
 #[derive(Clone, Copy)]
-pub(super) struct Settled<L: Lanes> {
+pub(super) struct Resolved<L: Lanes> {
     pub(super) apart: u32,
     pub(super) touching: u32,
-    /// The clearance of each settled lane: see [`Certificate`].
+    /// The clearance of each resolved lane: see [`Certificate`].
     pub(super) clearance: L::F,
 }
 
-impl<L: Lanes> Settled<L> {
+impl<L: Lanes> Resolved<L> {
     /// By two certificates of which a lane has one at most, in the lanes of `live`.
     #[inline(always)]
     pub(super) fn by(l: L, apart: Certificate<L>, touching: Certificate<L>, live: u32) -> Self {
@@ -42,14 +42,14 @@ impl<L: Lanes> Settled<L> {
         Self { apart: 0, touching: l.bits(touching.holds), clearance: touching.clearance }
     }
 
-    /// Without the lanes that another has settled.
+    /// Without the lanes that another has resolved.
     #[inline(always)]
     pub(super) fn but(self, other: Self) -> Self {
         let open = !other.all();
         Self { apart: self.apart & open, touching: self.touching & open, ..self }
     }
 
-    /// Which lanes it settled, either way.
+    /// Which lanes it resolved, either way.
     #[inline(always)]
     pub(super) fn all(&self) -> u32 {
         self.apart | self.touching
@@ -60,7 +60,7 @@ impl<L: Lanes> Settled<L> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Entry {
     pub(super) packet: PairPacket,
-    /// What the two records of each pair say together: the difference of the centres, and 0; the sums
+    /// What the two records of each pair give together: the difference of the centres, and 0; the sums
     /// of the inner radii, the outer radii, the sizes, the swept radii, the slacks, and of what the
     /// choice of the vertices may lose.
     sums: [Row; WIDTH],
@@ -107,7 +107,7 @@ impl Entry {
     /// Accepts by inner spheres and rejects by outer ones. Lanes whose size is out of range are left
     /// out of `live` from here on.
     #[inline(always)]
-    pub(super) fn spheres<L: Lanes, T: ErrorBounds>(&mut self, l: L) -> Settled<L> {
+    pub(super) fn spheres<L: Lanes, T: ErrorBounds>(&mut self, l: L) -> Resolved<L> {
         let packet = &mut self.packet;
         let [x, y, z, _, inner, outer, size, radius, slack, choice, ..] = l.transpose(&self.sums);
         let c = V3(x, y, z);
@@ -132,11 +132,11 @@ impl Entry {
         let error = l.mul_add(unit, l.splat(OUTER_SPHERES), l.add(slack, slack));
         let outer = l.add(outer, T::rounding(l, error));
         let apart = sphere_misses_origin(l, squared, outer);
-        Settled::by(l, apart, touching, self.live)
+        Resolved::by(l, apart, touching, self.live)
     }
 }
 
-/// Asks for the support against an axis, of itself the one between the centres: rejects if it
+/// Evaluates the support against an axis, by default the one between the centres: rejects if it
 /// separates.
 #[inline(always)]
 pub(super) fn first_axis<L: Lanes, T: ErrorBounds>(

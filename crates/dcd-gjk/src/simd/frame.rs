@@ -62,9 +62,9 @@ pub(super) enum Form {
     /// Nothing: every polytope has its vertices.
     #[default]
     Any,
-    /// All are spheres: spheres settle their pairs.
+    /// All are spheres: the sphere test resolves their pairs.
     Spheres,
-    /// All are cuboids of radius 0: spheres and boxes settle their pairs.
+    /// All are cuboids of radius 0: the sphere and OBB tests resolve their pairs.
     Cuboids,
 }
 
@@ -83,12 +83,12 @@ impl Form {
     }
 }
 
-/// A record's mark that its [`ObbRecord`] says something.
+/// A record's mark that its [`ObbRecord`] is valid.
 pub(super) const HAS_OBB: u8 = 1;
-/// A record's mark that the lanes can settle pairs of it: it has vertices, or needs none.
+/// A record's mark that the lanes can resolve pairs of it: it has vertices, or needs none.
 pub(super) const LIVE: u8 = 2;
 
-/// A record's mark that its [`AxisAligned`] says something.
+/// A record's mark that its [`AxisAligned`] is valid.
 pub(super) const AXIS_ALIGNED: u8 = 4;
 
 /// A record's mark that its vertices are all of it, and not those of a hull inside it; or that it
@@ -124,7 +124,7 @@ pub(super) struct Record {
     pub(super) radius: f32,
     /// See [`super::bounds::CENTRE`], metres, rounded up.
     pub(super) slack: f32,
-    /// By how much the vertex that is told as the farthest may be nearer than another, or than
+    /// By how much the vertex that is returned as the farthest may be nearer than another, or than
     /// what the object has beyond its vertices, rounded up. Unit: metres a metre of the direction's
     /// 1-norm.
     pub(super) choice: f32,
@@ -139,7 +139,7 @@ pub(super) struct ObbRecord {
     pub(super) numbers: Row,
 }
 
-/// Frames with at most this many bytes of vertices are not asked for ahead. Larger: large scenes
+/// Frames with at most this many bytes of vertices are not prefetched. Larger: large scenes
 /// wait for memory, on CPUs with a second cache of 512 KB from some 6 MB on, a fifth of their time.
 /// Smaller: small ones spend a twentieth of their time on hints.
 const NEAR: usize = 4 << 20;
@@ -165,13 +165,13 @@ impl<'a> FramePair<'a> {
         std::ptr::eq(self.a, self.b)
     }
 
-    /// Whether polytopes have their vertices: if not, no stage asks for supports.
+    /// Whether polytopes have their vertices: if not, no stage evaluates supports.
     #[inline(always)]
     pub(super) fn have_vertices(self) -> bool {
         self.a.has_vertices() && self.b.has_vertices()
     }
 
-    /// Whether a cache near enough holds all that pairs read: then asking ahead costs more than it
+    /// Whether a near cache holds all that pairs read: then prefetching costs more than it
     /// hides.
     #[inline(always)]
     pub(super) fn are_near(self) -> bool {
@@ -184,7 +184,7 @@ impl<'a> FramePair<'a> {
     }
 }
 
-/// The frame's room for a range of the objects.
+/// The frame's buffers for a range of the objects.
 #[derive(Debug)]
 pub struct Part<'f> {
     /// Whether the frame's lists are those of the layout before, so that they hold what they held.
@@ -196,12 +196,12 @@ pub struct Part<'f> {
     pub(super) boxes: &'f mut [ObbRecord],
     pub(super) uprights: &'f mut [AxisAligned],
     pub(super) compound_part: CompoundPart<'f>,
-    /// Room that need not be cleared; a part without makes its own.
+    /// Scratch memory that need not be cleared; a part without makes its own.
     pub(super) extremes: Option<&'f mut Extremes>,
 }
 
 impl SimdFrame {
-    /// Makes room: offsets only, and nothing to do where the scene's layout and the sides are those of the
+    /// Assigns offsets only; does nothing where the scene's layout and the sides are those of the
     /// last step.
     pub(crate) fn layout(&mut self, scene: &Scene, sides: Sides) -> Part<'_> {
         let layout = Some((scene.layout(), sides));
@@ -314,9 +314,9 @@ impl SimdFrame {
         }
     }
 
-    /// Asks for all that pairs of an object without vertices read.
+    /// Prefetches all that pairs of an object without vertices read.
     #[inline(always)]
-    pub(super) fn ask_for(&self, object: u32) {
+    pub(super) fn prefetch(&self, object: u32) {
         prefetch(std::slice::from_ref(self.record(object)));
         if let Some(boxes) = self.boxes.get(object as usize) {
             prefetch(std::slice::from_ref(boxes));

@@ -81,7 +81,7 @@ fn outer_radius(curved: &Curved, z: f64) -> f64 {
     farthest[0].max(farthest[1]) * (1.0 + 8.0 * f64::EPSILON)
 }
 
-/// A box round it and, for a cylinder, one inside, where spheres tell little.
+/// A box round it and, for a cylinder, one inside, where spheres are loose.
 fn obb(curved: &Curved, (inner, outer): (Sphere, f64)) -> Option<ObbBounds> {
     let radius = curved.radius();
     let reach = curved.half_height() + inner.centre.z.abs();

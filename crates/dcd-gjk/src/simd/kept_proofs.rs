@@ -9,11 +9,11 @@ use dcd_simd::{Block, Lanes, Row, WIDTH};
 /// For each pair of a slice an axis and the clearance of its proof.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct KeptProofs {
-    /// To be written before the slice is judged: an axis to be tried first, or none. Afterwards also
-    /// one by which the portal has told the two apart.
+    /// Written before the slice is decided: an axis to be tried first, or none. Afterwards also
+    /// one by which the portal proved the two apart.
     pub(crate) axes: Vec<Axis>,
     /// The most clearance that a proof has: see [`super::certificate::Certificate`]. [`NO_PROOF`] where the
-    /// lanes settled nothing.
+    /// lanes resolved nothing.
     clearance: Vec<f32>,
     /// In u of the pair's size m.
     wanted: f32,

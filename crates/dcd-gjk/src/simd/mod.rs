@@ -1,9 +1,9 @@
 //! The default narrow phase: sixteen pairs at a time in f32, every answer with its certificate.
 //!
-//! A pair passes stages, each a small kernel that settles what it can prove and hands on the rest:
+//! A pair passes stages, each a small kernel that resolves what it can prove and hands on the rest:
 //! spheres, inner and outer OBBs, the axis between the centres, the cone, a second point, the portal. Between
 //! stages it waits on a packet queue until sixteen have come together. What the lanes cannot prove is
-//! settled in f64, and what f64 cannot, exactly. A pair of compounds passes them as the pairs of its
+//! resolved in f64, and what f64 cannot prove in exact arithmetic. A pair of compounds passes the stages as the pairs of its
 //! parts.
 
 pub(crate) mod axis;
@@ -58,11 +58,11 @@ pub type Overlap = SimdOverlap<CertifiedBounds>;
 /// which f32 can gain no more is called touching. Answers may differ from CPU to CPU.
 pub type OverlapUnchecked = SimdOverlap<UncheckedBounds>;
 
-/// The lanes, by what their answers are worth: [`Overlap`] or [`OverlapUnchecked`].
+/// The SIMD narrow phase, with or without error bounds: [`Overlap`] or [`OverlapUnchecked`].
 #[derive(Clone, Copy, Debug)]
 pub struct SimdOverlap<T> {
     path: Path,
-    trust: PhantomData<T>,
+    bounds: PhantomData<T>,
 }
 
 impl<T> Default for SimdOverlap<T> {
@@ -75,7 +75,7 @@ impl<T> SimdOverlap<T> {
     /// On that path, or the portable one where this CPU does not have it. The proved answers are
     /// the same on every path; for tests and measurements.
     pub fn on(path: Path) -> Self {
-        Self { path, trust: PhantomData }
+        Self { path, bounds: PhantomData }
     }
 }
 

@@ -56,7 +56,7 @@ pub(super) fn find(
     (pairs, margin): (&[Pair], f64),
     scratch: &mut Scratch,
 ) {
-    // Rounded up, so that nobody within the margin is left out.
+    // Rounded up, so that no pair within the margin is left out.
     let margin = (margin as f32).next_up();
     scratch.found.clear();
     scratch.found.resize(pairs.len(), Found::Unknown);
@@ -181,7 +181,7 @@ fn float<L: Lanes>(l: L, number: L::U) -> L::F {
     l.load(&row)
 }
 
-/// What the support against an axis says: raises what the distance is at least, and returns the lanes that
+/// Evaluates the support against an axis: raises the lower bound of the distance, and returns the lanes that
 /// are proved to be beyond the radii and the margin.
 #[inline(always)]
 fn look_along<L: Lanes>(l: L, packet: &mut PairPacket, axis: V3<L>, w: V3<L>) -> u32 {

@@ -2,7 +2,7 @@
 
 use super::bounds::{OBB, PARALLEL, U};
 use super::certificate::{Certificate, ErrorBounds};
-use super::first_stages::Settled;
+use super::first_stages::Resolved;
 use super::frame::FramePair;
 use super::packet::{Number, PairPacket, Vector};
 use super::vector::V3;
@@ -37,7 +37,7 @@ struct Tally<L: Lanes> {
     bound: L::F,
     apart: L::M,
     touching: L::M,
-    /// The room that a separation, and an overlap, have: see [`super::certificate::Certificate`].
+    /// The clearance of a separation, and of an overlap: see [`super::certificate::Certificate`].
     apart_by: L::F,
     touching_by: L::F,
 }
@@ -48,7 +48,7 @@ impl<L: Lanes> Tally<L> {
     #[inline(always)]
     fn try_axis(&mut self, l: L, distance: L::F, (outer, inner): (L::F, L::F), skip: L::M) {
         let distance = l.abs(distance);
-        // A shorter axis has more room than this.
+        // A shorter axis has more clearance than this.
         let gap = l.sub(l.sub(distance, outer), self.bound);
         self.apart_by = l.select(skip, self.apart_by, l.max(self.apart_by, gap));
         let depth = l.sub(l.sub(inner, distance), self.bound);
@@ -61,15 +61,15 @@ impl<L: Lanes> Tally<L> {
 }
 
 /// Rejects if one of the fifteen axes of two boxes separates the outer ones, accepts if none
-/// separates the inner ones (Gottschalk, Lin and Manocha 1996). Also tells which pairs have parallel
-/// edges: those that stay open just touch, and no other stage knows better.
+/// separates the inner ones (Gottschalk, Lin and Manocha 1996). Also returns which pairs have parallel
+/// edges: those that stay open just touch, and no other lane stage can decide them.
 #[inline(always)]
 pub(super) fn obbs<L: Lanes, T: ErrorBounds>(
     l: L,
     frames: FramePair<'_>,
     boxes: &mut ObbPairs,
     (packet, used): (&PairPacket, usize),
-) -> (Settled<L>, u32) {
+) -> (Resolved<L>, u32) {
     for k in 0..used.min(WIDTH) {
         boxes.a[k] = frames.a.boxes(packet.a.0[k]).numbers;
         boxes.b[k] = frames.b.boxes(packet.b.0[k]).numbers;
@@ -133,8 +133,8 @@ pub(super) fn obbs<L: Lanes, T: ErrorBounds>(
     }
     let apart = Certificate::new(l, tally.apart, tally.apart_by, l.splat(1.0));
     let touching = Certificate::new(l, tally.touching, tally.touching_by, l.splat(1.0));
-    let settled = Settled::by(l, apart, touching, u32::MAX);
-    (settled, l.bits(aligned))
+    let resolved = Resolved::by(l, apart, touching, u32::MAX);
+    (resolved, l.bits(aligned))
 }
 
 /// How far two edges of each box reach along a cross product, given the sines that they count with.

@@ -197,7 +197,7 @@ impl<const R: usize> PacketQueue<R> {
         }
     }
 
-    /// Appends the pairs of the packet set in `keep`. There must be room: [`PacketQueue::has`] no whole packet.
+    /// Appends the pairs of the packet set in `keep`. The queue must have space: [`PacketQueue::has`] no whole packet.
     #[inline(always)]
     pub(super) fn push<L: Lanes>(&mut self, l: L, packet: &PairPacket, keep: u32) {
         let at = self.len.min(WIDTH);

@@ -4,7 +4,7 @@
 
 use super::bounds::{GAIN, PLANE, U};
 use super::certificate::{Certificate, ErrorBounds, hull_holds_origin, separates};
-use super::first_stages::{Place, Settled, nearest_multiple};
+use super::first_stages::{Place, Resolved, nearest_multiple};
 use super::packet::{Number, PairPacket, Vector};
 use super::tetrahedron;
 use super::vector::V3;
@@ -14,7 +14,7 @@ use dcd_simd::Lanes;
 /// two; pairs that need more are within rounding of touching, or thin.
 pub(super) const ROUNDS: f32 = 24.0;
 
-/// Asks for a second point across the cone's axis: accepts if the hull of the inner sphere and both
+/// Evaluates a second point across the cone's axis: accepts if the hull of the inner sphere and both
 /// points holds the origin; else spans a plane through the centre and both, and looks beyond it on
 /// the origin's side.
 #[inline(always)]
@@ -65,7 +65,7 @@ pub(super) fn round<L: Lanes, T: ErrorBounds>(
     at: &mut Place<'_>,
     packet: &mut PairPacket,
     used: usize,
-) -> (Settled<L>, u32) {
+) -> (Resolved<L>, u32) {
     let (c, d) = (packet.vector(l, Vector::C), packet.vector(l, Vector::D));
     let p =
         [packet.vector(l, Vector::P0), packet.vector(l, Vector::P1), packet.vector(l, Vector::P2)];
@@ -117,8 +117,8 @@ pub(super) fn round<L: Lanes, T: ErrorBounds>(
     }
     touching.holds = l.and(found, touching.holds);
     let stuck = l.or(stuck, l.le(l.splat(ROUNDS), round));
-    let settled = Settled::by(l, apart, touching, u32::MAX);
-    (settled, l.bits(stuck) & !settled.all())
+    let resolved = Resolved::by(l, apart, touching, u32::MAX);
+    (resolved, l.bits(stuck) & !resolved.all())
 }
 
 /// Whether c + Σ τ_k·p_k = 0 has a solution with every τ_k ≥ 0, by the sphere's certificate.

@@ -151,8 +151,8 @@ fn round_corners(mesh: &Mesh, pose: &Pose) -> Record {
     place(&Record::default(), &core, pose)
 }
 
-/// How many objects ahead their vertices are asked for: about as many as are prepared while memory
-/// answers. No effect on any result.
+/// How many objects ahead vertices are prefetched: about as many as are prepared within one memory
+/// latency. No effect on any result.
 const AHEAD: usize = 4;
 
 #[inline(always)]

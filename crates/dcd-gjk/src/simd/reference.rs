@@ -9,7 +9,7 @@ mod simplex;
 
 use super::bounds::{ROTATED, U};
 use super::certificate::CertifiedBounds;
-use super::first_stages::{Entry, Place, Settled, cone, first_axis};
+use super::first_stages::{Entry, Place, Resolved, cone, first_axis};
 use super::frame::{FramePair, SimdFrame};
 use super::obb::{ObbPairs, obbs};
 use super::packet::{PairPacket, Vector};
@@ -134,7 +134,7 @@ impl Plain {
     }
 }
 
-/// That a stage says yes where the reference's length is clearly above 0, and no where it is below.
+/// Asserts that a stage decides yes where the reference's length is clearly above 0, and no where it is below.
 fn agree(what: &str, said: bool, reference: f64) {
     assert!(
         reference.abs() < CLEAR || said == (reference > 0.0),
@@ -167,14 +167,14 @@ fn prepared_vertices_and_boxes_are_those_of_the_plain_pose() {
 }
 
 /// Supports of sixteen objects along sixteen directions.
-struct Ask<'a> {
+struct Supports<'a> {
     frame: &'a SimdFrame,
     packet: &'a PairPacket,
     directions: &'a [Row; 3],
     used: usize,
 }
 
-impl Kernel for Ask<'_> {
+impl Kernel for Supports<'_> {
     type Output = [Row; 3];
 
     #[inline(always)]
@@ -201,8 +201,10 @@ fn no_vertex_is_farther_than_the_support_by_more_than_its_bound() {
                 packet.a.0[k] = first + k as u32;
             }
             let used = WIDTH - first as usize % 3;
-            let found =
-                dispatch_on(path, Ask { frame: &frame, packet: &packet, directions: &rows, used });
+            let found = dispatch_on(
+                path,
+                Supports { frame: &frame, packet: &packet, directions: &rows, used },
+            );
             for k in 0..used {
                 let at = |rows: &[Row; 3]| {
                     DVec3::from_array([0, 1, 2].map(|axis| f64::from(rows[axis].0[k])))
@@ -252,20 +254,20 @@ struct BoxStage<'a> {
 }
 
 impl Kernel for BoxStage<'_> {
-    type Output = (Said, u32);
+    type Output = (Verdicts, u32);
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Self::Output {
         let (mut entry, mut boxes) = (Entry::default(), ObbPairs::default());
         entry.read::<CertifiedBounds>(FramePair::of_one(self.frame), self.pairs, 0);
         entry.spheres::<L, CertifiedBounds>(l);
-        let (settled, _) = obbs::<L, CertifiedBounds>(
+        let (resolved, _) = obbs::<L, CertifiedBounds>(
             l,
             FramePair::of_one(self.frame),
             &mut boxes,
             (&entry.packet, self.pairs.len()),
         );
-        (Said::of(settled), entry.boxed & entry.live)
+        (Verdicts::of(resolved), entry.boxed & entry.live)
     }
 }
 
@@ -309,7 +311,7 @@ fn the_box_stage_says_what_boxes_in_f64_say() {
                 }
             }
         }
-        assert!(seen.iter().all(|&count| count > 0), "boxes settled nothing: {seen:?}");
+        assert!(seen.iter().all(|&count| count > 0), "boxes resolved nothing: {seen:?}");
     }
 }
 
@@ -319,43 +321,43 @@ struct Stages<'a> {
     pairs: &'a [Pair],
 }
 
-/// What a stage said of sixteen pairs.
+/// The verdicts of a stage on sixteen pairs.
 #[derive(Clone, Copy, Default)]
-struct Said {
+struct Verdicts {
     apart: u32,
     touching: u32,
 }
 
-impl Said {
-    fn of<L: Lanes>(settled: Settled<L>) -> Self {
-        Self { apart: settled.apart, touching: settled.touching }
+impl Verdicts {
+    fn of<L: Lanes>(resolved: Resolved<L>) -> Self {
+        Self { apart: resolved.apart, touching: resolved.touching }
     }
 }
 
-/// What the stages said of sixteen pairs.
-struct AllSaid {
+/// The verdicts of all stages on sixteen pairs.
+struct AllVerdicts {
     live: u32,
-    spheres: Said,
+    spheres: Verdicts,
     axis: u32,
     cone: u32,
     second: u32,
     /// The portal after the second point.
     p: [[Row; 3]; 2],
-    rounds: Said,
+    rounds: Verdicts,
 }
 
 impl Kernel for Stages<'_> {
-    type Output = AllSaid;
+    type Output = AllVerdicts;
 
     #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> AllSaid {
+    fn run<L: Lanes>(self, l: L) -> AllVerdicts {
         let (mut entry, mut support_scratch) = (Entry::default(), SupportScratch::default());
         let mut at =
             Place { frames: FramePair::of_one(self.frame), support_scratch: &mut support_scratch };
         entry.read::<CertifiedBounds>(FramePair::of_one(self.frame), self.pairs, 0);
-        let spheres = Said::of(entry.spheres::<L, CertifiedBounds>(l));
+        let spheres = Verdicts::of(entry.spheres::<L, CertifiedBounds>(l));
         let live = entry.live;
-        // Every stage is asked about every pair, settled or not: each has its reference.
+        // Every stage runs on every pair, resolved or not: each has its reference.
         let used = self.pairs.len();
         let c = entry.packet.vector(l, Vector::C);
         let axis = first_axis::<L, CertifiedBounds>(l, &mut at, (&mut entry.packet, used), c);
@@ -367,16 +369,16 @@ impl Kernel for Stages<'_> {
         let mut p = [[Row::default(); 3]; 2];
         entry.packet.vector(l, Vector::P0).store(l, &mut p[0]);
         entry.packet.vector(l, Vector::P1).store(l, &mut p[1]);
-        let mut rounds = Said::default();
+        let mut rounds = Verdicts::default();
         let mut open = live & !(spheres.apart | spheres.touching | axis | cone | second);
         while open != 0 {
-            let (settled, stuck) =
+            let (resolved, stuck) =
                 portal::round::<L, CertifiedBounds>(l, &mut at, &mut entry.packet, used);
-            rounds.apart |= settled.apart & open;
-            rounds.touching |= settled.touching & open;
-            open &= !(settled.apart | settled.touching | stuck);
+            rounds.apart |= resolved.apart & open;
+            rounds.touching |= resolved.touching & open;
+            open &= !(resolved.apart | resolved.touching | stuck);
         }
-        AllSaid { live, spheres, axis, cone, second, p, rounds }
+        AllVerdicts { live, spheres, axis, cone, second, p, rounds }
     }
 }
 
@@ -426,7 +428,7 @@ fn every_stage_says_what_its_plain_reference_says() {
                 }
             }
         }
-        assert!(seen.iter().all(|&count| count > 0), "a stage settled nothing: {seen:?}");
+        assert!(seen.iter().all(|&count| count > 0), "a stage resolved nothing: {seen:?}");
     }
 }
 

@@ -4,7 +4,7 @@
 
 use super::bounds::{NEAREST, RADIUS, U};
 use super::certificate::{ErrorBounds, separates, sphere_holds_origin};
-use super::first_stages::{Place, Settled};
+use super::first_stages::{Place, Resolved};
 use super::packet::{Number, PairPacket, Vector};
 use super::portal::ROUNDS;
 use super::vector::V3;
@@ -28,7 +28,7 @@ pub(super) fn round<L: Lanes, T: ErrorBounds>(
     at: &mut Place<'_>,
     packet: &mut PairPacket,
     used: usize,
-) -> (Settled<L>, u32) {
+) -> (Resolved<L>, u32) {
     let d = packet.vector(l, Vector::D);
     let p =
         [packet.vector(l, Vector::P0), packet.vector(l, Vector::P1), packet.vector(l, Vector::P2)];
@@ -52,8 +52,8 @@ pub(super) fn round<L: Lanes, T: ErrorBounds>(
     packet.set_vector(l, Vector::P1, nearest.p.at);
     packet.set_vector(l, Vector::P2, nearest.q.at);
     packet.set_vector(l, Vector::D, nearest.point.neg(l));
-    let settled = Settled::by(l, apart, touching, u32::MAX);
-    (settled, l.bits(stuck) & !settled.all())
+    let resolved = Resolved::by(l, apart, touching, u32::MAX);
+    (resolved, l.bits(stuck) & !resolved.all())
 }
 
 /// A point of A − B, and the numbers of the vertices of a and b that it is the difference of, as floats.
@@ -72,7 +72,7 @@ impl<L: Lanes> Clone for Vertex<L> {
 impl<L: Lanes> Copy for Vertex<L> {}
 
 impl<L: Lanes> Vertex<L> {
-    /// Of numbers that nobody asks for.
+    /// A vertex whose numbers are never read.
     #[inline(always)]
     pub(super) fn unnumbered(l: L, at: V3<L>) -> Self {
         Self { at, corner: [l.splat(0.0); 2] }

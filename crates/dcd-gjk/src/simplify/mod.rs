@@ -1,9 +1,9 @@
 //! Hulls of few vertices inside and round a polytope, for scenes that trade accuracy for time.
 //!
 //! A scene of outer hulls misses no contact, one of inner hulls reports none that is not there, and
-//! [`InnerOuter`] asks both and says where they differ.
+//! [`InnerOuter`] queries both and reports where they differ.
 //!
-//! It stands beside the solvers because it asks them: how far a point is from a hull, with a bound,
+//! It stands beside the solvers because it uses them: how far a point is from a hull, with a bound,
 //! and at the end, exactly, whether the outer hull holds every vertex. A hull library would give
 //! neither.
 
@@ -28,7 +28,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// The fewest vertices that may be asked for: those of a box.
+    /// The fewest vertices that a budget may allow: those of a box.
     pub const FEWEST: usize = 8;
 }
 

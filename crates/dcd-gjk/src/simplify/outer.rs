@@ -4,8 +4,8 @@ use super::{Budget, Near, beyond, holds_all};
 use dcd_geom::Polytope;
 use dcd_geom::glam::DVec3;
 
-/// How far outside of the shape the planes stay, as a part of the tolerance: room for the rounding
-/// of their corners, taken from what the outer hull may be off by.
+/// How far outside of the shape the planes stay, as a part of the tolerance: covers the rounding
+/// of their corners and is taken from what the outer hull may be off by.
 const MARGIN: f64 = 1.0 / 64.0;
 
 /// The least margin, relative to the shape's size: corners between nearly parallel planes lose

@@ -22,7 +22,7 @@ pub(super) enum Fact {
 /// its own.
 #[derive(Debug, Default)]
 pub(super) struct Facts {
-    standings: Vec<Standing>,
+    entries: Vec<Entry>,
     /// For each object the clearance that no fact about it is above, metres.
     limits: Vec<f32>,
     /// Objects whose ranks are alike but for this many bits share their tiles.
@@ -54,7 +54,7 @@ pub(super) struct Facts {
 
 /// Where an object's facts are, and how far it has travelled.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Standing {
+pub(super) struct Entry {
     rank: u32,
     /// How far its points have travelled, metres, rounded up.
     way: f32,
@@ -100,7 +100,7 @@ const PAYS: f64 = 0.75;
 /// Larger: more are lost. Smaller: more memory.
 const SLOTS_WITH_ONE_AXIS: usize = 8;
 
-/// The bit of a slot that says which of the two it is: the threshold's sign.
+/// The bit of a slot for which of the two facts it is: the threshold's sign.
 const TOUCHES: u32 = 1 << 31;
 
 /// A smaller clearance is not kept, metres: f32's roundings are relative above it.
@@ -118,13 +118,13 @@ pub(super) struct Way {
 
 impl Way {
     /// Both to the safe side; a way that does not change keeps its number.
-    pub(super) fn write(self, standing: &mut Standing, limit: &mut f32) {
-        standing.way = (self.travelled as f32).next_up();
+    pub(super) fn write(self, entry: &mut Entry, limit: &mut f32) {
+        entry.way = (self.travelled as f32).next_up();
         *limit = (self.limit as f32).next_down().max(0.0);
     }
 }
 
-impl Default for Standing {
+impl Default for Entry {
     /// Of an object that came after the layout: no tile is about it.
     fn default() -> Self {
         Self { rank: u32::MAX, way: 0.0 }
@@ -142,25 +142,28 @@ impl Facts {
     }
 
     /// One for each object of the scene.
-    pub(super) fn make_standings(&mut self, objects: usize) {
-        self.empty |= self.standings.is_empty();
-        self.standings.resize(objects, Standing::default());
+    pub(super) fn resize(&mut self, objects: usize) {
+        self.empty |= self.entries.is_empty();
+        self.entries.resize(objects, Entry::default());
         self.limits.resize(objects, 0.0);
     }
 
     /// For each object where its way is written, and its limit.
-    pub(super) fn ways_mut(&mut self) -> (&mut [Standing], &mut [f32]) {
-        (&mut self.standings, &mut self.limits)
+    pub(super) fn ways_mut(&mut self) -> (&mut [Entry], &mut [f32]) {
+        (&mut self.entries, &mut self.limits)
     }
 
     /// Lays out the tiles for these candidates if they are new, or too many facts found none.
-    pub(super) fn make_room<'p>(&mut self, candidates: impl Iterator<Item = &'p [Pair]> + Clone) {
+    pub(super) fn lay_out_tiles<'p>(
+        &mut self,
+        candidates: impl Iterator<Item = &'p [Pair]> + Clone,
+    ) {
         let refused = std::mem::take(self.refused.get_mut());
         self.new = false;
         if self.empty || refused > 0 {
             let pairs: usize = candidates.clone().map(<[Pair]>::len).sum();
             if self.empty || refused > pairs / REFUSED {
-                self.shift = if pairs / DENSE >= self.standings.len() { 4 } else { 2 };
+                self.shift = if pairs / DENSE >= self.entries.len() { 4 } else { 2 };
                 self.set_ranks(candidates.clone());
                 self.set_tiles(candidates);
                 (self.empty, self.new) = (false, true);
@@ -170,22 +173,22 @@ impl Facts {
 
     /// Ranks the objects by when the candidates name them for the last time.
     fn set_ranks<'p>(&mut self, candidates: impl Iterator<Item = &'p [Pair]>) {
-        self.standings.iter_mut().for_each(|standing| standing.rank = u32::MAX);
+        self.entries.iter_mut().for_each(|entry| entry.rank = u32::MAX);
         for (number, pair) in (0..).zip(candidates.flatten()) {
-            self.standings[pair.i as usize].rank = number;
-            self.standings[pair.j as usize].rank = number;
+            self.entries[pair.i as usize].rank = number;
+            self.entries[pair.j as usize].rank = number;
         }
         self.order.clear();
-        self.order.extend((0..).take(self.standings.len()));
-        self.order.sort_unstable_by_key(|&object| (self.standings[object as usize].rank, object));
+        self.order.extend((0..).take(self.entries.len()));
+        self.order.sort_unstable_by_key(|&object| (self.entries[object as usize].rank, object));
         for (rank, &object) in (0..).zip(&self.order) {
-            self.standings[object as usize].rank = rank;
+            self.entries[object as usize].rank = rank;
         }
     }
 
     /// Makes an empty tile for every two groups of which there is a candidate.
     fn set_tiles<'p>(&mut self, candidates: impl Iterator<Item = &'p [Pair]>) {
-        let groups = self.standings.len().div_ceil(1 << self.shift);
+        let groups = self.entries.len().div_ceil(1 << self.shift);
         let mut tiles = std::mem::take(&mut self.listed);
         tiles.clear();
         for &pair in candidates.flatten() {
@@ -196,7 +199,7 @@ impl Facts {
         }
         tiles.sort_unstable();
         tiles.dedup();
-        // Slots are told by 32 bits.
+        // Slots are numbered in 32 bits.
         tiles.truncate((1 << (32 - 2 * self.shift)) - 1);
         self.others.clear();
         self.others.push(u32::MAX);
@@ -214,7 +217,7 @@ impl Facts {
     /// Where a pair's fact is, and how far its objects have travelled together.
     #[inline(always)]
     fn spot(&self, Pair { i, j }: Pair) -> Spot {
-        let (a, b) = (self.standings[i as usize], self.standings[j as usize]);
+        let (a, b) = (self.entries[i as usize], self.entries[j as usize]);
         let (low, high) = (a.rank.min(b.rank), a.rank.max(b.rank));
         let alone = (1 << self.shift) - 1;
         Spot {
@@ -272,7 +275,7 @@ impl Facts {
         (found.way < f32::from_bits(word & !TOUCHES)).then_some(fact)
     }
 
-    /// Where a slot's axis is, and what says that it is this slot's.
+    /// Where a slot's axis is, and the mark of an axis of this slot.
     #[inline(always)]
     fn axis_at(&self, Slot(slot): Slot) -> (Option<&AtomicU64>, u64) {
         let (at, which) =
@@ -280,7 +283,7 @@ impl Facts {
         (self.axes.get(at), which as u64 + 1)
     }
 
-    /// The axis that separated a pair when it was last told apart by one that was hard to find.
+    /// The axis that separated a pair last, if it was hard to find.
     #[inline(always)]
     pub(super) fn axis(&self, slot: Slot) -> Axis {
         let (word, which) = self.axis_at(slot);
@@ -305,7 +308,7 @@ impl Facts {
     #[inline(always)]
     pub(super) fn remember(&self, (pair, slot): (Pair, Slot), fact: Fact, clearance: f32) {
         let Pair { i, j } = pair;
-        let way = self.standings[i as usize].way + self.standings[j as usize].way;
+        let way = self.entries[i as usize].way + self.entries[j as usize].way;
         let limit = self.limits[i as usize].min(self.limits[j as usize]);
         let until = (way * ROUNDED + clearance.min(limit)) * ROUNDED;
         // Written so that NaN is not kept.
@@ -331,7 +334,7 @@ pub(super) struct Reader<'f> {
 }
 
 impl Reader<'_> {
-    /// Where a pair's fact is. Asks memory for it.
+    /// Where a pair's fact is. Prefetches it.
     #[inline(always)]
     pub(super) fn find(&mut self, pair: Pair) -> Found {
         let Spot { groups, place, way } = self.facts.spot(pair);

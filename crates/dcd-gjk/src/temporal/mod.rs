@@ -12,7 +12,7 @@ use crate::simd::{append_contacts, frame, prepare};
 use crate::{ContactSink, Method, NarrowPhase, Prepared, Report, Sides};
 use dcd_geom::{Aabb, Pair, Revision, Scene, Splittable};
 use dcd_simd::{Path, dispatch_on};
-use facts::{Fact, Facts, Found, Slot, Standing};
+use facts::{Entry, Fact, Facts, Found, Slot};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 use track::Track;
 
@@ -20,12 +20,12 @@ use track::Track;
 /// of [`crate::Overlap`], most of them from an earlier step's proofs.
 ///
 /// A proof has clearance to spare: a distance that the points of both objects may travel together before
-/// it no longer holds. Every object's way is summed up, and a pair is settled for as long as the
-/// two ways since its proof are shorter than the clearance of it. So nothing is trusted: a fact
+/// it no longer holds. The frame sums up how far each object has travelled, and a pair stays resolved as
+/// long as the sum for both since its proof is less than the clearance. So a fact
 /// expires before it can be wrong (docs/numerics/proofs.md, "coherence").
 ///
-/// Of pairs that must be asked again, the axis that separated them last is tried first, and the
-/// certificate decides as ever.
+/// Where a pair must be decided again, the axis that separated it last is tried first. The
+/// certificate decides as in every other step.
 ///
 /// Costs some 200 bytes an object, 17 (dense scenes) to 40 (sparse ones) a candidate pair, and a
 /// first step that takes two to three times as long: it looks for proofs with more clearance than the
@@ -67,11 +67,11 @@ pub struct TemporalFrame {
     restless: AtomicUsize,
     /// Whether looking up pairs pays even if too many do.
     still_pays: bool,
-    /// Whether some way has become so long that f32 no longer tells small rooms in it.
+    /// Whether some way has become so long that f32 no longer resolves small clearances in it.
     worn: AtomicBool,
 }
 
-/// The frame's clearance for a range of the objects.
+/// The frame's buffers for a range of the objects.
 #[derive(Debug)]
 pub struct Part<'f> {
     lanes: frame::Part<'f>,
@@ -79,15 +79,15 @@ pub struct Part<'f> {
     /// anew.
     kept: bool,
     tracks: &'f mut [Track],
-    ways: (&'f mut [Standing], &'f mut [f32]),
-    told: Told<'f>,
+    ways: (&'f mut [Entry], &'f mut [f32]),
+    shared: Shared<'f>,
     /// How far an object must have moved to be restless, in its radius.
     restless: f64,
 }
 
-/// What all parts tell the frame.
+/// What all parts report to the frame.
 #[derive(Clone, Copy, Debug)]
-struct Told<'f> {
+struct Shared<'f> {
     restless: &'f AtomicUsize,
     worn: &'f AtomicBool,
 }
@@ -101,11 +101,11 @@ impl Splittable for Part<'_> {
         let (lanes, later_lanes) = self.lanes.split_at(middle);
         let (tracks, later_tracks) = self.tracks.split_at_mut(middle);
         let (ways, later_ways) = self.ways.split_at(middle);
-        let (kept, told, restless) = (self.kept, self.told, self.restless);
+        let (kept, shared, restless) = (self.kept, self.shared, self.restless);
         let later = (later_lanes, later_tracks, later_ways);
         (
-            Self { lanes, kept, tracks, ways, told, restless },
-            Self { lanes: later.0, kept, tracks: later.1, ways: later.2, told, restless },
+            Self { lanes, kept, tracks, ways, shared, restless },
+            Self { lanes: later.0, kept, tracks: later.1, ways: later.2, shared, restless },
         )
     }
 }
@@ -136,12 +136,10 @@ impl TemporalFrame {
     /// prepared in this step must count from where the others do.
     fn start_ways_again(&mut self) {
         self.facts.forget();
-        let (standings, limits) = self.facts.ways_mut();
-        for (track, (standing, limit)) in
-            self.tracks.iter_mut().zip(standings.iter_mut().zip(limits))
-        {
+        let (entries, limits) = self.facts.ways_mut();
+        for (track, (entry, limit)) in self.tracks.iter_mut().zip(entries.iter_mut().zip(limits)) {
             track.start_again();
-            track.way().write(standing, limit);
+            track.way().write(entry, limit);
         }
     }
 }
@@ -183,7 +181,7 @@ impl NarrowPhase for Coherent {
         if frame.layout != Some(scene.layout()) {
             frame.layout = Some(scene.layout());
             frame.tracks.resize(scene.len(), Track::default());
-            frame.facts.make_standings(scene.len());
+            frame.facts.resize(scene.len());
         }
         if std::mem::take(frame.worn.get_mut()) {
             frame.start_ways_again();
@@ -197,7 +195,7 @@ impl NarrowPhase for Coherent {
             kept: same_shapes,
             tracks: &mut frame.tracks,
             ways: frame.facts.ways_mut(),
-            told: Told { restless: &frame.restless, worn: &frame.worn },
+            shared: Shared { restless: &frame.restless, worn: &frame.worn },
         }
     }
 
@@ -208,15 +206,15 @@ impl NarrowPhase for Coherent {
     fn prepare(&self, scene: &Scene, first: usize, part: Part<'_>, aabbs: &mut [Aabb]) {
         let (mut worn, mut restless) = (false, 0);
         let ways = part.ways.0.iter_mut().zip(part.ways.1);
-        for (i, (track, (standing, limit))) in (first..).zip(part.tracks.iter_mut().zip(ways)) {
+        for (i, (track, (entry, limit))) in (first..).zip(part.tracks.iter_mut().zip(ways)) {
             worn |= track.follow(scene, part.lanes.cores.cores(), i);
-            track.way().write(standing, limit);
+            track.way().write(entry, limit);
             restless += usize::from(track.exceeds(part.restless));
         }
         if worn {
-            part.told.worn.store(true, Relaxed);
+            part.shared.worn.store(true, Relaxed);
         }
-        part.told.restless.fetch_add(restless, Relaxed);
+        part.shared.restless.fetch_add(restless, Relaxed);
         dispatch_on(self.path, prepare::Prepare { scene, first, part: part.lanes, aabbs });
     }
 
@@ -225,7 +223,7 @@ impl NarrowPhase for Coherent {
         frame: &mut TemporalFrame,
         candidates: impl Iterator<Item = &'p [Pair]> + Clone,
     ) {
-        frame.facts.make_room(candidates);
+        frame.facts.lay_out_tiles(candidates);
     }
 
     fn decide(
@@ -289,7 +287,7 @@ impl Scratch {
         facts.count(pairs.len(), pairs.len() - end);
     }
 
-    /// Tells the lanes what is to be tried first of the others, and how much clearance is wanted.
+    /// Passes the lanes the axes to be tried first for the others, and how much clearance is wanted.
     fn hint(&mut self, facts: &Facts) {
         let kept = self.lanes.kept_mut();
         kept.want(if facts.are_new() { CLEARANCE_AT_FIRST } else { 0.0 });
@@ -297,7 +295,7 @@ impl Scratch {
         kept.axes.extend(self.places.iter().map(|&(_, slot)| facts.axis(slot)));
     }
 
-    /// Asks the lanes about the others of a slice.
+    /// Decides the others of a slice in the lanes.
     fn judge_open<T: ErrorBounds>(&mut self, slice: Slice<'_>, report: &mut Report) {
         Slice { pairs: &self.open, ..slice }.judge::<T>(&mut self.lanes, report);
     }
@@ -306,8 +304,8 @@ impl Scratch {
     fn remember(&self, facts: &Facts) {
         let kept = self.lanes.kept();
         let found = self.lanes.touching().iter().zip(kept.clearance());
-        let asked = self.open.iter().zip(&self.places).zip(&kept.axes);
-        for (((&pair, &(_, slot)), &axis), (&touching, &clearance)) in asked.zip(found) {
+        let undecided = self.open.iter().zip(&self.places).zip(&kept.axes);
+        for (((&pair, &(_, slot)), &axis), (&touching, &clearance)) in undecided.zip(found) {
             let fact = if touching { Fact::Touching } else { Fact::Apart };
             facts.remember((pair, slot), fact, clearance);
             if axis != Axis::default() {

@@ -47,7 +47,7 @@ fn cores_of(scene: &Scene) -> Cores {
 
 /// The pairs of a scene, each with what the lanes proved of it and the clearance of that, after axes to
 /// be tried first and looking for that much clearance.
-fn rooms(scene: &Scene, path: Path, axes: &[Axis], wanted: f32) -> Vec<(Pair, bool, f32)> {
+fn clearances(scene: &Scene, path: Path, axes: &[Axis], wanted: f32) -> Vec<(Pair, bool, f32)> {
     let narrow = Overlap::on(path);
     let mut lanes = frame::SimdFrame::default();
     let mut aabbs = vec![Aabb::default(); scene.len()];
@@ -65,8 +65,8 @@ fn rooms(scene: &Scene, path: Path, axes: &[Axis], wanted: f32) -> Vec<(Pair, bo
     let mut report = Report::default();
     slice.judge::<ClearanceBounds>(&mut scratch, &mut report);
     // However many proofs a pair has, it is counted once.
-    let settled: u64 = Method::ALL.iter().map(|&method| report.settled(method)).sum();
-    assert_eq!(settled as usize + report.undecided().len(), pairs.len());
+    let resolved: u64 = Method::ALL.iter().map(|&method| report.resolved(method)).sum();
+    assert_eq!(resolved as usize + report.undecided().len(), pairs.len());
     let found = scratch.touching().iter().zip(scratch.kept().clearance());
     pairs
         .iter()
@@ -93,7 +93,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn no_proof_has_more_room_than_the_true_distance_or_depth(
+    fn no_proof_has_more_clearance_than_the_true_distance_or_depth(
         objects in prop::collection::vec((shape(), pose(1.2)), 2..12),
         axes in prop::collection::vec((vector(1.0), any::<bool>()), 0..7),
     ) {
@@ -102,13 +102,13 @@ proptest! {
         let axis = |(d, is): (DVec3, bool)| if is { Axis::along(d.as_vec3()) } else { Axis::default() };
         let axes: Vec<Axis> = axes.into_iter().map(axis).collect();
         for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-            let fresh = rooms(&scene, path, &[], 0.0);
-            let hinted = rooms(&scene, path, &axes, 0.0);
-            let [widened, widest] = [1.0 / 32.0, 1e3].map(|wanted| rooms(&scene, path, &[], wanted));
+            let fresh = clearances(&scene, path, &[], 0.0);
+            let hinted = clearances(&scene, path, &axes, 0.0);
+            let [widened, widest] = [1.0 / 32.0, 1e3].map(|wanted| clearances(&scene, path, &[], wanted));
             for (k, &(pair, touching, clearance)) in fresh.iter().enumerate() {
                 // Whatever is tried first and however much clearance is looked for, the answer is the same.
-                for told in [hinted[k], widened[k], widest[k]] {
-                    prop_assert_eq!(touching, told.1, "{:?}, {:?}", pair, path);
+                for other in [hinted[k], widened[k], widest[k]] {
+                    prop_assert_eq!(touching, other.1, "{:?}, {:?}", pair, path);
                 }
                 // A proof that had enough is not given up for one that has less.
                 prop_assert!(clearance <= widened[k].2 && clearance <= widest[k].2, "{pair:?}, {path:?}");
@@ -150,15 +150,15 @@ proptest! {
 }
 
 #[test]
-fn most_proofs_have_more_room_where_it_is_wanted() {
+fn most_proofs_have_more_clearance_where_it_is_wanted() {
     let wave =
         |k: i32| DVec3::new(f64::from(k).sin(), f64::from(3 * k).cos(), f64::from(7 * k).sin());
     let hull = |k: i32| Shape::hull((0..20).map(|n| wave(20 * k + n) * 0.5).collect()).unwrap();
     let place = |k: i32| Pose::new(DQuat::from_scaled_axis(wave(k)), wave(1000 + k) * 2.0).unwrap();
     let scene = Scene::one_each((0..60).map(hull).collect(), (0..60).map(place).collect()).unwrap();
     for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-        let fresh = rooms(&scene, path, &[], 0.0);
-        let widened = rooms(&scene, path, &[], 1.0 / 32.0);
+        let fresh = clearances(&scene, path, &[], 0.0);
+        let widened = clearances(&scene, path, &[], 1.0 / 32.0);
         let is_narrow = |&k: &usize| (0.0..0.02).contains(&fresh[k].2);
         let near: Vec<usize> = (0..fresh.len()).filter(is_narrow).collect();
         let wider = near.iter().filter(|&&k| widened[k].2 > 1.5 * fresh[k].2).count();
@@ -211,16 +211,16 @@ fn facts(objects: u32) -> (Facts, Vec<Pair>) {
     let pairs = (0..objects).flat_map(|j| (0..j).map(move |i| Pair::new(i, j)));
     let pairs: Vec<Pair> = pairs.collect();
     let mut facts = Facts::default();
-    facts.make_standings(objects as usize);
+    facts.resize(objects as usize);
     (0..objects as usize).for_each(|i| go(&mut facts, i, 0.0));
-    facts.make_room(std::iter::once(&pairs[..]));
+    facts.lay_out_tiles(std::iter::once(&pairs[..]));
     (facts, pairs)
 }
 
 fn go(facts: &mut Facts, object: usize, travelled: f64) {
-    let (standings, limits) = facts.ways_mut();
+    let (entries, limits) = facts.ways_mut();
     let way = facts::Way { travelled, limit: 8.0 };
-    way.write(&mut standings[object], &mut limits[object]);
+    way.write(&mut entries[object], &mut limits[object]);
 }
 
 fn recall(facts: &Facts, pair: Pair) -> Option<Fact> {
@@ -232,7 +232,7 @@ fn remember(facts: &Facts, pair: Pair, fact: Fact, clearance: f32) {
 }
 
 #[test]
-fn a_fact_holds_until_both_objects_together_have_gone_its_room() {
+fn a_fact_holds_until_both_objects_together_have_gone_its_clearance() {
     let (mut facts, pairs) = facts(2);
     assert_eq!(recall(&facts, pairs[0]), None);
     remember(&facts, pairs[0], Fact::Touching, 0.5);
@@ -268,7 +268,7 @@ fn what_is_recalled_is_what_was_remembered_in_any_order() {
 }
 
 #[test]
-fn an_axis_is_kept_until_the_two_touch_or_a_neighbour_takes_its_room() {
+fn an_axis_is_kept_until_the_two_touch_or_a_neighbour_takes_its_word() {
     let (facts, pairs) = facts(300);
     let slot = |pair: Pair| facts.reader().find(pair).slot;
     let (none, up) = (Axis::default(), Axis::along(Vec3::new(0.0, 1e-20, -5e-21)));
@@ -293,30 +293,30 @@ fn tiles_are_laid_out_for_the_candidates_and_anew_when_these_have_become_others(
     let chain = |step: u32| (0..objects - step).map(|i| Pair::new(i, i + step)).collect::<Vec<_>>();
     let (near, far) = (chain(1), chain(32));
     let mut facts = Facts::default();
-    facts.make_standings(objects as usize);
+    facts.resize(objects as usize);
     (0..objects as usize).for_each(|i| go(&mut facts, i, 0.0));
-    facts.make_room([&near[..5], &near[5..]].into_iter());
+    facts.lay_out_tiles([&near[..5], &near[5..]].into_iter());
     near.iter().for_each(|&pair| remember(&facts, pair, Fact::Apart, 1.0));
     far.iter().for_each(|&pair| remember(&facts, pair, Fact::Touching, 1.0));
     assert!(near.iter().all(|&pair| recall(&facts, pair) == Some(Fact::Apart)));
     assert!(far.iter().all(|&pair| recall(&facts, pair).is_none()));
     // Too many found no tile: all is forgotten, and kept of these from now on.
-    facts.make_room(std::iter::once(&far[..]));
+    facts.lay_out_tiles(std::iter::once(&far[..]));
     assert!(near.iter().all(|&pair| recall(&facts, pair).is_none()));
     far.iter().for_each(|&pair| remember(&facts, pair, Fact::Touching, 1.0));
-    facts.make_room(std::iter::once(&far[..]));
+    facts.lay_out_tiles(std::iter::once(&far[..]));
     assert!(far.iter().all(|&pair| recall(&facts, pair) == Some(Fact::Touching)));
 }
 
 #[test]
-fn nothing_is_kept_without_room_or_without_a_tile() {
+fn nothing_is_kept_without_clearance_or_without_a_tile() {
     let (mut facts, pairs) = facts(3);
     for clearance in [0.0, -1.0, f32::NAN, 1e-38] {
         remember(&facts, pairs[0], Fact::Apart, clearance);
         assert_eq!(recall(&facts, pairs[0]), None, "{clearance}");
     }
     // No tile is about objects that came after the layout.
-    facts.make_standings(5);
+    facts.resize(5);
     [3, 4].into_iter().for_each(|object| go(&mut facts, object, 0.0));
     remember(&facts, pairs[0], Fact::Apart, 1.0);
     for i in 0..4 {

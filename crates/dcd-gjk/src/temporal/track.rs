@@ -21,12 +21,12 @@ pub(super) struct Track {
 
 /// A step longer than this counts as this, and no fact is kept with more clearance. Unit: the object's
 /// outer radius. So a jump, or another object in the slot, ends every fact, and does not make the
-/// way so long that f32 tells no small clearance in it. Larger: ways wear out sooner. Smaller: objects
-/// far from all others are asked about more often.
+/// way so long that f32 resolves no small clearance in it. Larger: ways wear out sooner. Smaller: objects
+/// far from all others are decided again more often.
 const FAR: f64 = 8.0;
 
 /// After this many of the longest steps everything is forgotten and ways start from 0: by then f32
-/// tells rooms from about 1/2000 of the object's radius on. Larger: finer rooms are lost. Smaller:
+/// resolves clearances from about 1/2000 of the object's radius on. Larger: finer ones are lost. Smaller:
 /// more steps in which everything is found anew.
 const WORN: f64 = 1024.0;
 
@@ -48,8 +48,8 @@ impl Default for Track {
 }
 
 impl Track {
-    /// Adds what the object of that slot has moved since it was seen last. Whether its way has
-    /// become too long to be told in f32.
+    /// Adds what the object of that slot has moved since its last step. Returns whether its way has
+    /// become too long for f32.
     pub(super) fn follow(&mut self, scene: &Scene, cores: &[Core], slot: usize) -> bool {
         let shape = scene.shape_of()[slot];
         let object = Some((scene.generations()[slot], shape));

@@ -19,9 +19,9 @@ fn unit_cubes_have_the_depth_that_one_reads_off() {
 }
 
 #[test]
-fn a_gap_and_an_overlap_of_one_ulp_are_told_from_touching() {
+fn a_gap_and_an_overlap_of_one_ulp_are_distinguished_from_touching() {
     let here = (cube(), Pose::IDENTITY);
-    assert_eq!(ask(&here, &(cube(), at(1f64.next_up(), 0.3, 0.0))), Verdict::Apart);
+    assert_eq!(solve(&here, &(cube(), at(1f64.next_up(), 0.3, 0.0))), Verdict::Apart);
     let least = touching(&here, &(cube(), at(1f64.next_down(), 0.3, 0.0)));
     assert_eq!(least.depth, f64::EPSILON / 2.0);
     assert!(least.error_bound <= 1e-12 * least.depth, "{least:?}");
@@ -55,7 +55,7 @@ fn flat_shapes_have_depth_zero() {
         assert!(found.point_a.distance(found.point_b) < 1e-15, "{pose:?}");
     }
     for pose in [at(1f64.next_up(), 0., 0.), at(0., 0., 1e-300), at(0.5, 1.5, 0.)] {
-        assert_eq!(ask(&here, &(triangle.clone(), pose)), Verdict::Apart, "{pose:?}");
+        assert_eq!(solve(&here, &(triangle.clone(), pose)), Verdict::Apart, "{pose:?}");
     }
 }
 
@@ -68,7 +68,7 @@ fn flat_shapes_turned_alike_are_flat_within_rounding() {
     assert!(found.depth <= found.error_bound && found.error_bound < 1e-20, "{found:?}");
     assert!((found.normal.dot(a.rotation().z_axis).abs() - 1.0).abs() < 1e-12);
     let far = Pose::new(turn, a.rotation().x_axis * 3.0).unwrap();
-    assert_eq!(ask(&(square.clone(), a), &(square, far)), Verdict::Apart);
+    assert_eq!(solve(&(square.clone(), a), &(square, far)), Verdict::Apart);
 }
 
 #[test]
@@ -94,7 +94,7 @@ fn segments_and_points_touch_or_do_not() {
         segment([0., 1., 0.], [0., 2., 0.]),
         segment([2., 0., 0.], [2., 0., 0.]),
     ] {
-        assert_eq!(ask(&along_x, &other), Verdict::Apart, "{other:?}");
+        assert_eq!(solve(&along_x, &other), Verdict::Apart, "{other:?}");
     }
 }
 
@@ -118,7 +118,7 @@ fn spheres_overlap_by_their_radii_less_their_distance() {
     let concentric = touching(&(sphere(2.0), Pose::IDENTITY), &(sphere(3.5), Pose::IDENTITY));
     assert_eq!((concentric.depth, concentric.normal.length()), (5.5, 1.0));
     assert_eq!(
-        ask(&(sphere(2.0), Pose::IDENTITY), &(sphere(2.9), at(3.0, 0.0, 4.0))),
+        solve(&(sphere(2.0), Pose::IDENTITY), &(sphere(2.9), at(3.0, 0.0, 4.0))),
         Verdict::Apart
     );
 }
@@ -141,9 +141,9 @@ fn radii_add_to_the_depth_of_cores_that_overlap_and_pay_for_the_gap_of_others() 
         let between = found.point_a - found.point_b;
         assert!(between.distance(found.normal * found.depth) < 1e-15, "{found:?}");
     }
-    assert_eq!(ask(&here, &(rounded(), at(1.53125, 0., 0.))), Verdict::Apart);
+    assert_eq!(solve(&here, &(rounded(), at(1.53125, 0., 0.))), Verdict::Apart);
     assert_eq!(touching(&here, &(rounded(), at(1.5, 0.25, 0.))).depth, 0.0);
-    assert_eq!(ask(&here, &(rounded(), at(1.5f64.next_up(), 0.25, 0.))), Verdict::Apart);
+    assert_eq!(solve(&here, &(rounded(), at(1.5f64.next_up(), 0.25, 0.))), Verdict::Apart);
     let least = touching(&here, &(rounded(), at(1.5f64.next_down(), 0.25, 0.)));
     assert!((least.depth - f64::EPSILON).abs() < 1e-9 * least.depth, "{least:?}");
 }
@@ -159,7 +159,7 @@ fn rounded_plates_in_one_plane_have_the_depth_of_their_gap() {
         assert_eq!(found.depth, 0.25 * gap);
         assert!(found.error_bound < 1e-13 && found.normal.z == 0.0, "{found:?}");
         let short = (rounded(gap * 0.5), place);
-        assert_eq!(ask(&(a, Pose::IDENTITY), &short), Verdict::Apart);
+        assert_eq!(solve(&(a, Pose::IDENTITY), &short), Verdict::Apart);
     }
     // On top of each other: the depth is all radius.
     let found = touching(&(rounded(0.25), Pose::IDENTITY), &(rounded(0.5), at(0.5, 0., 0.)));

@@ -59,7 +59,7 @@ proptest! {
         let (a, b) = ((a, Pose::IDENTITY), (b, turned));
         let found = overlap(&a, &b);
         prop_assert!(is_sound(&found), "{found:?}");
-        if let Verdict::Touching(depth) = ask(&a, &b) {
+        if let Verdict::Touching(depth) = solve(&a, &b) {
             prop_assert!(is_sound(&depth), "{depth:?}");
         }
     }
@@ -117,6 +117,6 @@ fn memory_that_was_used_before_changes_no_bit() {
     for (a, b) in &pairs {
         let (a_body, b_body) =
             (PosedSupport::polytope(&a.0, &a.1), PosedSupport::polytope(&b.0, &b.1));
-        assert_eq!(epa::depth(a_body, b_body, &mut scratch), ask(a, b));
+        assert_eq!(epa::depth(a_body, b_body, &mut scratch), solve(a, b));
     }
 }

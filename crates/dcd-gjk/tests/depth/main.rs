@@ -24,7 +24,7 @@ fn cube() -> Polytope {
     Polytope::cuboid(DVec3::splat(0.5)).unwrap()
 }
 
-fn ask(a: &PosedShape, b: &PosedShape) -> Verdict<Depth> {
+fn solve(a: &PosedShape, b: &PosedShape) -> Verdict<Depth> {
     let body = |(map, pose)| PosedSupport::polytope(map, pose);
     let (a, b) = ((&a.0, &a.1), (&b.0, &b.1));
     epa::depth(body(a), body(b), &mut Scratch::default())
@@ -38,7 +38,7 @@ fn overlap(a: &PosedShape, b: &PosedShape) -> Depth {
 }
 
 fn touching(a: &PosedShape, b: &PosedShape) -> Depth {
-    match ask(a, b) {
+    match solve(a, b) {
         Verdict::Touching(depth) => depth,
         other => panic!("{other:?} for {a:?} and {b:?}"),
     }

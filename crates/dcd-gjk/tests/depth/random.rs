@@ -12,7 +12,7 @@ const PROMISED: f64 = 1e-9;
 
 fn judge(a: &PosedShape, b: &PosedShape) -> Result<(), TestCaseError> {
     let truth = Truth::of((&a.0, &a.1), (&b.0, &b.1));
-    let found = match ask(a, b) {
+    let found = match solve(a, b) {
         Verdict::Apart => {
             prop_assert!(!truth.touches(), "{} deep", truth.value());
             return Ok(());
@@ -205,7 +205,7 @@ proptest! {
         let place = |s: f64| Pose::new(turns[1], DVec3::from(way).normalize_or(DVec3::X) * s);
         while (touch + apart) * 0.5 != touch && (touch + apart) * 0.5 != apart {
             let middle = (touch + apart) * 0.5;
-            match ask(&a, &(b.clone(), place(middle).unwrap())) {
+            match solve(&a, &(b.clone(), place(middle).unwrap())) {
                 Verdict::Apart => apart = middle,
                 _ => touch = middle,
             }
@@ -244,7 +244,7 @@ fn judge_rounded(a: &PosedShape, b: &PosedShape, share: f64) -> Result<(), TestC
     let part = radius * 0.75;
     let (a, b) = (round(a, part), round(b, radius - part));
     let value = truth.rounded_by(radius).value();
-    match ask(&a, &b) {
+    match solve(&a, &b) {
         Verdict::Touching(found) => {
             let Depth { depth, error_bound, .. } = found;
             prop_assert!(value >= 0.0);
@@ -264,7 +264,7 @@ fn judge_rounded(a: &PosedShape, b: &PosedShape, share: f64) -> Result<(), TestC
 fn judge_sized(a: &PosedShape, b: &PosedShape, size: f64) -> Result<(), TestCaseError> {
     let truth = Truth::of((&a.0, &a.1), (&b.0, &b.1));
     let value = truth.value();
-    let verdict = ask(a, b);
+    let verdict = solve(a, b);
     let Verdict::Touching(Depth { depth, error_bound, .. }) = verdict else {
         prop_assert!(!truth.touches() && verdict == Verdict::Apart, "{verdict:?}, {value}");
         return Ok(());

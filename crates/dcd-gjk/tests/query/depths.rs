@@ -2,7 +2,7 @@
 
 use super::scenes::{Draw, pile, shapes};
 use super::within::found;
-use super::{PosedSupport, ask, told};
+use super::{PosedSupport, answer_of, solve};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Polytope, Shape, Support, SupportMap};
 use dcd_gjk::{
@@ -63,7 +63,7 @@ fn curved_shapes_have_a_depth_within_its_bound() {
     for overlap in [1e-6, 1e-3, 0.1, 0.25] {
         let a = PosedSupport::at(&shape, DVec3::new(10.0, 0.0, 0.0));
         let b = PosedSupport::at(&shape, DVec3::new(11.0 - overlap, 0.0, 0.0));
-        let found = told(&Depths, &a, &b);
+        let found = answer_of(&Depths, &a, &b);
         assert!(found.lower() <= overlap && overlap <= found.upper(), "{overlap} {found:?}");
         assert!(found.error_bound <= 1e-8 * overlap + 1e-14, "{overlap} {found:?}");
         assert!((found.normal.dot(DVec3::X) - 1.0).abs() < 1e-4, "{found:?}");
@@ -79,8 +79,8 @@ fn a_foreign_sphere_is_as_deep_as_our_own() {
     for _ in 0..50 {
         let (turn, place) = (draw.turn(), draw.vector() * 0.8);
         let a = PosedSupport::new(cube.clone(), DQuat::IDENTITY, DVec3::ZERO);
-        let answers =
-            [&ours, &foreign].map(|s| ask(&Depths, &a, &PosedSupport::new(s.clone(), turn, place)));
+        let answers = [&ours, &foreign]
+            .map(|s| solve(&Depths, &a, &PosedSupport::new(s.clone(), turn, place)));
         let [Verdict::Touching(ours), Verdict::Touching(foreign)] = answers else {
             assert_eq!(answers[0], answers[1]);
             continue;
@@ -102,7 +102,7 @@ fn the_depth_of_a_swapped_pair_is_mirrored_bit_for_bit() {
         };
         let (a, b) = (body(k, &mut draw), body(k / 6, &mut draw));
         let (Verdict::Touching(ab), Verdict::Touching(ba)) =
-            (ask(&Depths, &a, &b), ask(&Depths, &b, &a))
+            (solve(&Depths, &a, &b), solve(&Depths, &b, &a))
         else {
             continue;
         };
@@ -130,7 +130,7 @@ fn a_cylinder_and_a_cone_have_their_depth_against_boxes_and_each_other() {
             PosedSupport::new(a.clone(), turn, DVec3::ZERO),
             PosedSupport::new(b.clone(), flat, place),
         );
-        let found = told(&Depths, &a, &b);
+        let found = answer_of(&Depths, &a, &b);
         assert!((found.depth - depth).abs() <= found.error_bound, "{found:?}");
         assert!(found.error_bound < 1e-8 * depth, "{found:?}");
     }
@@ -141,10 +141,10 @@ fn a_floor_has_the_depth_of_what_is_below_it() {
     let floor = Shape::half_space(DVec3::Z, 0.0).unwrap();
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
     let (a, b) = (PosedSupport::at(&floor, DVec3::ZERO), PosedSupport::at(&cube, DVec3::Z * 0.25));
-    let found = told(&Depths, &a, &b);
+    let found = answer_of(&Depths, &a, &b);
     assert!((found.depth - 0.25).abs() <= found.error_bound && found.normal == DVec3::Z);
-    assert_eq!(ask(&Depths, &a, &PosedSupport::at(&cube, DVec3::Z)), Verdict::Apart);
-    assert!(matches!(ask(&Depths, &a, &a), Verdict::Undecided(_)));
+    assert_eq!(solve(&Depths, &a, &PosedSupport::at(&cube, DVec3::Z)), Verdict::Apart);
+    assert!(matches!(solve(&Depths, &a, &a), Verdict::Undecided(_)));
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn formulas_for_rounded_shapes_hold_beside_the_expanding_polytope() {
             _ => Shape::cuboid(DVec3::splat(2.0 * size)).unwrap(),
         }
     };
-    let (mut asked, mut sharp) = (0, 0);
+    let (mut measured, mut sharp) = (0, 0);
     for k in 0..6000u32 {
         let [one, other] = [k, k / 3].map(|kind| round(&mut draw, kind));
         let place = draw.vector() * 10f64.powi(-((k % 8) as i32) / 2);
@@ -174,8 +174,8 @@ fn formulas_for_rounded_shapes_hold_beside_the_expanding_polytope() {
         let size = in_a.reach() + in_b.reach() + place.length();
         for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
             let solver = WithAccuracy::new(Depths, accuracy);
-            let found = ask(&solver, &a, &b);
-            let seen = ask(&solver, &b, &a);
+            let found = solve(&solver, &a, &b);
+            let seen = solve(&solver, &b, &a);
             let (Verdict::Touching(found), Verdict::Touching(seen), Verdict::Touching(truth)) =
                 (found, seen, expected)
             else {
@@ -200,15 +200,15 @@ fn formulas_for_rounded_shapes_hold_beside_the_expanding_polytope() {
                     sharp += usize::from(found.error_bound <= 1e-13 * found.depth);
                 }
             }
-            asked += 1;
+            measured += 1;
         }
-        // Asked at once or after a yes, a depth is the same.
+        // Measured at once or after a yes, a depth is the same.
         let mut scratch = epa::Scratch::default();
         if let Verdict::Touching(_) = expected {
             let after = Depths.measure(a.placed(), b.placed(), &mut scratch);
             assert_eq!(Depths.solve(a.placed(), b.placed(), &mut scratch), after);
         }
     }
-    println!("{asked} depths, {sharp} of the certified to thirteen digits");
-    assert!(asked > 6000 && sharp > 1000, "{asked} {sharp}");
+    println!("{measured} depths, {sharp} of the certified to thirteen digits");
+    assert!(measured > 6000 && sharp > 1000, "{measured} {sharp}");
 }

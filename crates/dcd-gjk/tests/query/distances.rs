@@ -2,7 +2,7 @@
 
 use super::scenes::{Draw, pile, shapes};
 use super::within::found;
-use super::{PosedSupport, ask, told};
+use super::{PosedSupport, answer_of, solve};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Pose, Shape};
 use dcd_gjk::query::Smoothness;
@@ -24,7 +24,7 @@ fn distances_keep_the_contract_one_by_one_and_after_the_lanes() {
 }
 
 #[test]
-fn both_ways_of_asking_tell_the_same() {
+fn both_ways_of_measuring_agree() {
     let mut polytopes = shapes();
     polytopes.pop();
     let (scene, pairs) = pile(polytopes, 40);
@@ -42,16 +42,16 @@ fn a_pair_beyond_the_margin_is_apart_and_one_that_touches_has_no_distance() {
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
     let solver = Distances::within(1.0).unwrap();
     let a = PosedSupport::at(&cube, DVec3::ZERO);
-    assert_eq!(ask(&solver, &a, &PosedSupport::at(&cube, DVec3::X * 2.5)), Verdict::Apart);
-    assert_eq!(ask(&solver, &a, &PosedSupport::at(&cube, DVec3::X * 1e30)), Verdict::Apart);
-    assert_eq!(told(&solver, &a, &PosedSupport::at(&cube, DVec3::X)), None);
-    let found = told(&solver, &a, &PosedSupport::at(&cube, DVec3::X * 1.75)).unwrap();
+    assert_eq!(solve(&solver, &a, &PosedSupport::at(&cube, DVec3::X * 2.5)), Verdict::Apart);
+    assert_eq!(solve(&solver, &a, &PosedSupport::at(&cube, DVec3::X * 1e30)), Verdict::Apart);
+    assert_eq!(answer_of(&solver, &a, &PosedSupport::at(&cube, DVec3::X)), None);
+    let found = answer_of(&solver, &a, &PosedSupport::at(&cube, DVec3::X * 1.75)).unwrap();
     assert!(found.lower() <= 0.75 && 0.75 <= found.upper() && found.upper() < 0.75 + 1e-15);
     assert_eq!((found.normal, found.point_a.x, found.point_b.x), (DVec3::X, 0.5, 1.25));
 }
 
 #[test]
-fn a_pair_that_f64_cannot_tell_is_within_a_margin_at_zero_with_its_bound() {
+fn a_pair_that_f64_cannot_decide_is_within_a_margin_at_zero_with_its_bound() {
     // Rims that just touch: cylinders have no exact method.
     let cylinder = Shape::cylinder(0.5, 0.25).unwrap();
     let (a, b) =
@@ -60,15 +60,15 @@ fn a_pair_that_f64_cannot_tell_is_within_a_margin_at_zero_with_its_bound() {
     let compound = Shape::compound(parts).unwrap();
     for a in [a, PosedSupport::at(&compound, DVec3::ZERO)] {
         let solver = Distances::within(0.1).unwrap();
-        let found = told(&solver, &a, &b).unwrap();
+        let found = answer_of(&solver, &a, &b).unwrap();
         assert!(found.distance == 0.0 && found.normal.x > 0.99, "{found:?}");
         assert!((1e-18..1e-13).contains(&found.error_bound), "{found:?}");
-        let near = told(&Proximities::within(0.1).unwrap(), &a, &b);
+        let near = answer_of(&Proximities::within(0.1).unwrap(), &a, &b);
         assert_eq!((near.signed_distance, near.error_bound), (0.0, found.error_bound));
         assert_eq!(near.smoothness, Smoothness::Unknown);
         // Of no margin, and of one below the bound, it is not known whether they are within it.
         for margin in [0.0, 1e-17] {
-            let answer = ask(&Distances::within(margin).unwrap(), &a, &b);
+            let answer = solve(&Distances::within(margin).unwrap(), &a, &b);
             assert_eq!(answer, Verdict::Undecided(Reason::WithinRounding), "{margin}");
         }
     }
@@ -96,7 +96,8 @@ fn the_spheres_reject_nothing_that_is_within_the_margin() {
         });
         let solver = Distances::within(margin).unwrap();
         let measured = solver.measure(a.placed(), b.placed(), &mut ());
-        if let (Verdict::Touching(Some(found)), Verdict::Apart) = (measured, ask(&solver, &a, &b)) {
+        if let (Verdict::Touching(Some(found)), Verdict::Apart) = (measured, solve(&solver, &a, &b))
+        {
             assert!(found.upper() > margin, "{found:?} {margin}\n{a:?}\n{b:?}");
         }
     }
@@ -121,9 +122,9 @@ fn hulls(draw: &mut Draw, scale: f64) -> Vec<Shape> {
 }
 
 #[test]
-fn the_lanes_tell_of_the_same_pairs_and_the_certified_distance_is_within_their_bound() {
+fn the_lanes_report_the_same_pairs_and_the_certified_distance_is_within_their_bound() {
     let mut draw = Draw(17);
-    let (mut told, mut bounds) = (0, Vec::new());
+    let (mut count, mut bounds) = (0, Vec::new());
     for (round, scale) in [1.0, 1e-3, 1e3, 1.0].into_iter().enumerate() {
         let shapes = hulls(&mut draw, scale);
         let kinds = shapes.len() as u32;
@@ -137,12 +138,12 @@ fn the_lanes_tell_of_the_same_pairs_and_the_certified_distance_is_within_their_b
             (0..90).flat_map(|i| (i + 1..90).map(move |j| dcd_geom::Pair::new(i, j))).collect();
         let margin = 0.8 * scale;
         let solver = Distances::within(margin).unwrap();
-        let (certified, asked) = found(&ThenMeasure::new(solver).unwrap(), &scene, &pairs);
+        let (certified, reference) = found(&ThenMeasure::new(solver).unwrap(), &scene, &pairs);
         for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
             let lanes = SimdDistances::on(path, margin).unwrap();
             let (quick, report) = found(&lanes, &scene, &pairs);
             assert!(report.undecided().is_empty() && quick.len() == certified.len());
-            assert_eq!(report.pair_count(), asked.pair_count());
+            assert_eq!(report.pair_count(), reference.pair_count());
             for (quick, certified) in quick.iter().zip(&certified) {
                 assert_eq!(quick.pair, certified.pair, "{path:?}");
                 assert_eq!(quick.answer.is_some(), certified.answer.is_some(), "{path:?}");
@@ -162,18 +163,18 @@ fn the_lanes_tell_of_the_same_pairs_and_the_certified_distance_is_within_their_b
                     scene.shape(i).reach() + scene.shape(j).reach() + apart.abs().element_sum();
                 assert!((quick.normal.length() - 1.0).abs() < 1e-14);
                 bounds.push(quick.error_bound / size);
-                told += 1;
+                count += 1;
             }
         }
     }
     bounds.sort_unstable_by(f64::total_cmp);
     let worst = bounds[bounds.len() - 1];
-    println!("{told} distances, bounds of {:e} and {worst:e}", bounds[bounds.len() / 2]);
-    assert!(told > 3000 && worst < 1e-5, "{told} {worst}");
+    println!("{count} distances, bounds of {:e} and {worst:e}", bounds[bounds.len() / 2]);
+    assert!(count > 3000 && worst < 1e-5, "{count} {worst}");
 }
 
 #[test]
-fn the_lanes_tell_the_same_of_both_orders_and_whatever_else_is_asked() {
+fn the_lanes_agree_on_both_orders_and_whatever_the_other_pairs() {
     let mut draw = Draw(23);
     let shapes = hulls(&mut draw, 1.0);
     let kinds = shapes.len() as u32;
@@ -224,14 +225,14 @@ fn shapes_that_the_lanes_do_not_know_have_the_distances_that_they_have_alone() {
     let (scene, pairs) = pile(all, 90);
     for margin in [0.0, 0.02, 0.6] {
         let solver = Distances::within(margin).unwrap();
-        let (certified, asked) = found(&ThenMeasure::new(solver).unwrap(), &scene, &pairs);
+        let (certified, reference) = found(&ThenMeasure::new(solver).unwrap(), &scene, &pairs);
         let (quick, report) = found(&SimdDistances::within(margin).unwrap(), &scene, &pairs);
         let open = |report: &dcd_gjk::Report| -> Vec<_> {
             report.undecided().iter().map(|undecided| undecided.pair).collect()
         };
-        // Two half-spaces touch, but how far apart they are is not known one by one; and nobody can tell of curved
+        // Two half-spaces touch, but how far apart they are is not known one by one; and nothing decides curved
         // shapes that only just touch, or just do not.
-        let (left, of_certified) = (open(&report), open(&asked));
+        let (left, of_certified) = (open(&report), open(&reference));
         assert!(left.iter().all(|pair| of_certified.contains(pair)), "{left:?}");
         let quick: Vec<_> = quick.iter().filter(|c| !of_certified.contains(&c.pair)).collect();
         assert!(left.len() < 5 && quick.len() > 200, "{} {left:?}", quick.len());

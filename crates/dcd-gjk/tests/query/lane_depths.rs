@@ -137,7 +137,7 @@ fn the_exact_depth_is_within_the_bound_on_every_path_and_all_paths_agree() {
 }
 
 #[test]
-fn both_orders_are_mirrored_and_what_else_is_asked_changes_nothing() {
+fn both_orders_are_mirrored_and_other_pairs_change_nothing() {
     let mut draw = Draw(23);
     let (scene, pairs) = pairs_of(&mut draw, 1.0, 2.0, 1000);
     let reversed: Vec<_> = (0..2000u32)
@@ -156,7 +156,7 @@ fn both_orders_are_mirrored_and_what_else_is_asked_changes_nothing() {
             let [i, j] = [one.pair.i, one.pair.j].map(|k| k as usize);
             let same = scene.shape_of()[i] == scene.shape_of()[j];
             if same && scene.poses()[i] == scene.poses()[j] {
-                // Nothing tells the two apart: both orders are one.
+                // Both are equal, so both orders are one.
                 continue;
             }
             let (one, other) = (one.answer, other.answer);

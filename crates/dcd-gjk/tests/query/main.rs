@@ -1,4 +1,4 @@
-//! What a scene can ask beyond yes or no.
+//! Queries beyond yes or no.
 
 mod depths;
 mod distances;
@@ -35,12 +35,12 @@ impl PosedSupport {
     }
 }
 
-fn ask<S: PairSolver>(solver: &S, a: &PosedSupport, b: &PosedSupport) -> Verdict<S::Answer> {
+fn solve<S: PairSolver>(solver: &S, a: &PosedSupport, b: &PosedSupport) -> Verdict<S::Answer> {
     solver.solve(a.placed(), b.placed(), &mut S::Scratch::default())
 }
 
-/// What is told of a pair that touches, or is within the margin.
-fn told<S: PairSolver>(solver: &S, a: &PosedSupport, b: &PosedSupport) -> S::Answer {
-    let Verdict::Touching(answer) = ask(solver, a, b) else { panic!("{a:?}\n{b:?}") };
+/// The answer for a pair that touches, or is within the margin.
+fn answer_of<S: PairSolver>(solver: &S, a: &PosedSupport, b: &PosedSupport) -> S::Answer {
+    let Verdict::Touching(answer) = solve(solver, a, b) else { panic!("{a:?}\n{b:?}") };
     answer
 }

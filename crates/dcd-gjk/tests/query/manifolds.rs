@@ -1,7 +1,7 @@
 //! Where touching pairs touch.
 
 use super::scenes::{Draw, pile, shapes};
-use super::{PosedSupport, ask, told};
+use super::{PosedSupport, answer_of, solve};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Polytope, Pose, Shape, SupportMap};
 use dcd_gjk::query::Feature;
@@ -19,7 +19,7 @@ fn manifolds_keep_the_contract_one_by_one_and_after_the_lanes() {
 
 /// The only manifold of two that touch.
 fn one(a: &PosedSupport, b: &PosedSupport) -> Manifold {
-    let found = told(&Manifolds, a, b);
+    let found = answer_of(&Manifolds, a, b);
     let [manifold] = found[..] else { panic!("{found:?}\n{a:?}\n{b:?}") };
     manifold
 }
@@ -38,7 +38,7 @@ fn outside(point: DVec3, body: &PosedSupport) -> f64 {
 
 /// Judges a manifold by the distance of its points from the bodies and by the depth.
 fn judge(found: &Manifold, a: &PosedSupport, b: &PosedSupport) {
-    let depth = told(&Depths, a, b);
+    let depth = answer_of(&Depths, a, b);
     let bound = found.error_bound;
     let points = found.points();
     assert!((1..=4).contains(&points.len()), "{found:?}");
@@ -75,7 +75,7 @@ fn points_lie_in_their_shapes_and_the_deepest_is_as_deep_as_the_pair() {
             PosedSupport::new(shapes[k % shapes.len()].clone(), turn, place)
         };
         let (a, b) = (body(k), body(k / 5));
-        if let Verdict::Touching(found) = ask(&Manifolds, &a, &b) {
+        if let Verdict::Touching(found) = solve(&Manifolds, &a, &b) {
             let [found] = found[..] else { panic!("{found:?}") };
             judge(&found, &a, &b);
             touching[found.points().len()] += 1;
@@ -183,7 +183,7 @@ fn a_swapped_pair_has_the_mirrored_manifold_bit_for_bit() {
         };
         let (a, b) = (body(k), body(k / 6));
         let (Verdict::Touching(ab), Verdict::Touching(ba)) =
-            (ask(&Manifolds, &a, &b), ask(&Manifolds, &b, &a))
+            (solve(&Manifolds, &a, &b), solve(&Manifolds, &b, &a))
         else {
             continue;
         };

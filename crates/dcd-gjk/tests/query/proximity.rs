@@ -1,7 +1,7 @@
 //! The signed distance and its derivatives.
 
 use super::scenes::{Draw, pile, shapes};
-use super::{PosedSupport, ask, told};
+use super::{PosedSupport, answer_of, solve};
 use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::{Pose, Shape};
 use dcd_gjk::query::{Smoothness, Twist};
@@ -40,7 +40,7 @@ fn differences(a: &PosedSupport, b: &PosedSupport, moves_a: bool) -> Twist {
             let (t, r) = (translation * sign * step, rotation * sign * step);
             let (a, b) =
                 if moves_a { (moved(a, t, r), b.clone()) } else { (a.clone(), moved(b, t, r)) };
-            told(&proximities(), &a, &b).signed_distance
+            answer_of(&proximities(), &a, &b).signed_distance
         };
         (at(1.0) - at(-1.0)) / (2.0 * step)
     };
@@ -63,15 +63,15 @@ fn derivatives_agree_with_central_differences_apart_and_overlapping() {
         };
         let reach = if k % 2 == 0 { 1.5 } else { 0.4 };
         let (a, b) = (body(k, reach), body(k / 5, reach));
-        let found = told(&proximities(), &a, &b);
+        let found = answer_of(&proximities(), &a, &b);
         if found.smoothness != Smoothness::Smooth {
             // Spheres at one place, plates that overlap: the like is rare among turned shapes.
             continue;
         }
-        for (told, moves_a) in [(found.gradient.a, true), (found.gradient.b, false)] {
+        for (gradient, moves_a) in [(found.gradient.a, true), (found.gradient.b, false)] {
             let measured = differences(&a, &b, moves_a);
-            let off = (told.translation - measured.translation).length()
-                + (told.rotation - measured.rotation).length();
+            let off = (gradient.translation - measured.translation).length()
+                + (gradient.rotation - measured.rotation).length();
             assert!(off < 1e-4, "{k} {off}\n{found:?}\n{measured:?}\n{a:?}\n{b:?}");
         }
         if found.signed_distance > 0.0 { apart += 1 } else { overlapping += 1 }
@@ -85,11 +85,11 @@ fn the_signed_distance_is_the_distance_or_less_the_depth() {
     let a = PosedSupport::at(&cube, DVec3::ZERO);
     for (x, expected) in [(1.5, 0.5), (1.0, 0.0), (0.75, -0.25)] {
         let b = PosedSupport::new(cube.clone(), DQuat::from_rotation_x(0.3), DVec3::X * x);
-        let found = told(&proximities(), &a, &b);
+        let found = answer_of(&proximities(), &a, &b);
         let off = (found.signed_distance - expected).abs();
         assert!(off <= found.error_bound && found.error_bound < 1e-9, "{found:?}");
         assert!((found.normal - DVec3::X).length() < 1e-12);
-        if let Verdict::Touching(depth) = ask(&Depths, &a, &b) {
+        if let Verdict::Touching(depth) = solve(&Depths, &a, &b) {
             assert_eq!(found.signed_distance, -depth.depth);
         }
     }
@@ -100,7 +100,7 @@ fn kinks_are_marked() {
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
     let a = PosedSupport::at(&cube, DVec3::ZERO);
     let smoothness = |turn: DQuat, place: DVec3| {
-        told(&proximities(), &a, &PosedSupport::new(cube.clone(), turn, place)).smoothness
+        answer_of(&proximities(), &a, &PosedSupport::new(cube.clone(), turn, place)).smoothness
     };
     let (flat, skew) = (DQuat::IDENTITY, DQuat::from_euler(Default::default(), 0.3, 0.2, 0.1));
     // Face above face, apart and overlapping.
@@ -123,7 +123,8 @@ fn kinks_are_marked() {
 #[test]
 fn directions_within_a_billionth_of_the_whole_depth_are_never_called_smooth() {
     let mark = |a: &Shape, b: &Shape, at: DVec3| {
-        told(&proximities(), &PosedSupport::at(a, DVec3::ZERO), &PosedSupport::at(b, at)).smoothness
+        answer_of(&proximities(), &PosedSupport::at(a, DVec3::ZERO), &PosedSupport::at(b, at))
+            .smoothness
     };
     // A sphere whose centre is beside a plate: the other way out is longer by 4e-11 of the depth.
     let plate = Shape::cuboid(DVec3::new(2.0, 0.0, 3.0)).unwrap();
@@ -158,7 +159,7 @@ fn directions_within_a_billionth_of_the_whole_depth_are_never_called_smooth() {
 fn concentric_spheres_are_a_kink_and_others_are_smooth() {
     let sphere = Shape::sphere(0.5).unwrap();
     let a = PosedSupport::at(&sphere, DVec3::ZERO);
-    let at = |place: DVec3| told(&proximities(), &a, &PosedSupport::at(&sphere, place));
+    let at = |place: DVec3| answer_of(&proximities(), &a, &PosedSupport::at(&sphere, place));
     assert_eq!(at(DVec3::ZERO).smoothness, Smoothness::ManyDirections);
     for x in [0.2, 1.0, 3.0] {
         let found = at(DVec3::new(x, 0.0, 0.0));
@@ -173,7 +174,7 @@ fn a_foreign_shape_has_a_gradient_and_no_promise() {
     let foreign = shapes().pop().unwrap();
     let (a, b) =
         (PosedSupport::at(&foreign, DVec3::ZERO), PosedSupport::at(&foreign, DVec3::X * 2.0));
-    let found = told(&proximities(), &a, &b);
+    let found = answer_of(&proximities(), &a, &b);
     assert_eq!((found.smoothness, found.normal), (Smoothness::Unknown, DVec3::X));
 }
 
@@ -188,7 +189,7 @@ fn a_vertex_above_a_floor_or_in_it_is_smooth_and_a_face_is_not() {
         (2.0, DQuat::IDENTITY, Smoothness::ManyPoints),
     ] {
         let b = PosedSupport::new(cube.clone(), turn, DVec3::Z * z);
-        let found = told(&proximities(), &floor, &b);
+        let found = answer_of(&proximities(), &floor, &b);
         assert_eq!((found.smoothness, found.normal), (smoothness, DVec3::Z));
         if smoothness == Smoothness::Smooth {
             let measured = differences(&floor, &b, false);

@@ -8,7 +8,7 @@ use dcd_gjk::{
     Report, Sides, ThenMeasure, Within, contract,
 };
 
-/// The contacts among the pairs whose boxes overlap, and what is told beside.
+/// The contacts among the pairs whose boxes overlap, and the report.
 pub(crate) fn found<N: NarrowPhase>(
     narrow: &N,
     scene: &Scene,

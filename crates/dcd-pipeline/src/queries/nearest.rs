@@ -3,10 +3,9 @@
 use super::{Queries, QueryError, QueryFilter, check_finite, check_length};
 use dcd_exec::Exec;
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Pose, Shape};
-use dcd_gjk::distance::distance_at;
-use dcd_gjk::{Accuracy, DistanceResult, PosedShape};
-use dcd_simd::PointDistance;
+use dcd_gjk::PosedShape;
+use dcd_gjk::query::point::{PointDistance, nearest_point};
+use dcd_simd::PointDistance as BoxDistance;
 
 /// How many points a task takes: some tens of microseconds.
 const POINTS_PER_TASK: usize = 16;
@@ -42,28 +41,25 @@ impl Queries<'_> {
         if max_distance != f64::INFINITY {
             check_length("distance", max_distance)?;
         }
-        let (Ok(ball), Ok(at)) = (Shape::sphere(0.0), Pose::from_translation(point)) else {
-            return Ok(None);
-        };
-        let ball = PosedShape { shape: &ball, pose: &at };
-        let test = PointDistance::new(point);
+        let test = BoxDistance::new(point);
         let mut nearest: Option<NearestObject> = None;
         let mut end = max_distance;
         self.visit(&test, test.key_of(end), &mut |object, _| {
-            if filter.sees(self.scene, object) {
+            // Nothing is nearer than what holds the point, and of those the least object counts.
+            let is_beaten = |known: NearestObject| known.distance == 0.0 && known.object < object;
+            if !nearest.is_some_and(is_beaten) && filter.sees(self.scene, object) {
                 let posed = PosedShape::of(self.scene, object);
-                let found = near(object, ball, posed, point);
-                let is_first = nearest.is_none_or(|known| {
-                    found
-                        .distance
-                        .total_cmp(&known.distance)
-                        .then(object.cmp(&known.object))
-                        .is_lt()
-                });
-                if found.lower <= end && is_first {
-                    nearest = Some(found);
+                if let Some(found) = nearest_point(point, posed, end) {
+                    let PointDistance { distance, lower, upper, nearest: at } = found;
+                    let is_first = nearest.is_none_or(|known| {
+                        let order = distance.total_cmp(&known.distance);
+                        order.then(object.cmp(&known.object)).is_lt()
+                    });
+                    if is_first {
+                        nearest = Some(NearestObject { object, distance, lower, upper, point: at });
+                    }
+                    end = end.min(upper);
                 }
-                end = end.min(found.upper);
             }
             test.key_of(end)
         });
@@ -95,27 +91,5 @@ impl Queries<'_> {
             }
         });
         Ok(())
-    }
-}
-
-/// What is known of one object.
-fn near(object: u32, ball: PosedShape<'_>, posed: PosedShape<'_>, point: DVec3) -> NearestObject {
-    let within = |distance: f64, lower: f64, upper: f64, point: DVec3| NearestObject {
-        object,
-        distance,
-        lower,
-        upper,
-        point,
-    };
-    match distance_at(Accuracy::F64, ball, posed).0 {
-        DistanceResult::Touching => within(0.0, 0.0, 0.0, point),
-        DistanceResult::Apart(found) => {
-            let upper = if found.is_saturated() { f64::INFINITY } else { found.upper() };
-            within(found.distance, found.lower(), upper, found.point_b)
-        }
-        DistanceResult::Interval { within: found, .. } => {
-            within(0.0, 0.0, found.upper(), found.point_b)
-        }
-        DistanceResult::Undecided(_) => within(0.0, 0.0, f64::INFINITY, point),
     }
 }

@@ -3,7 +3,7 @@
 use super::{Queries, QueryFilter};
 use dcd_exec::{Exec, Segments};
 use dcd_gjk::PosedShape;
-use dcd_gjk::query::ray::{Ray, RayHit, first_hit, for_each_hit};
+use dcd_gjk::query::ray::{Ray, RayHit, for_each_hit};
 
 /// How many rays a task casts: some tens of microseconds.
 const RAYS_PER_TASK: usize = 32;
@@ -39,16 +39,18 @@ impl Queries<'_> {
         // Later than this nothing can be first.
         let mut end = ray.max_t();
         self.visit(&slabs, slabs.key_of(end), &mut |object, _| {
-            if filter.sees(self.scene, object) {
-                let posed = PosedShape::of(self.scene, object);
-                if let Some(hit) = first_hit(ray, posed).map(|hit| ObjectHit { object, hit }) {
+            let is_beaten = |known: ObjectHit| known.hit.t == 0.0 && known.object < object;
+            if !first.is_some_and(is_beaten) && filter.sees(self.scene, object) {
+                for_each_hit(ray, PosedShape::of(self.scene, object), end, &mut |hit| {
+                    let hit = ObjectHit { object, hit };
                     if first.is_none_or(|known| hit.order(&known).is_lt()) {
                         first = Some(hit);
                     }
                     if hit.hit.is_certain {
                         end = end.min(hit.hit.t_upper);
                     }
-                }
+                    end
+                });
             }
             slabs.key_of(end)
         });

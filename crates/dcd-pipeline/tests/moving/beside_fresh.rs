@@ -153,6 +153,6 @@ where
         steps: 1,
         contacts: contacts.len(),
         between: candidates.iter().filter(|pair| fixed(pair.i) || fixed(pair.j)).count(),
-        remembered: reported.report().settled(Method::Remembered),
+        remembered: reported.report().resolved(Method::Remembered),
     }
 }

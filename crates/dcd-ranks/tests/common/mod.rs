@@ -68,7 +68,7 @@ pub(crate) fn check(name: &str, scene: &Scene, size: usize, deal: Deal) -> Vec<u
     let found = threads::run(size, |rank| {
         let mut ranked = RankScene::new(rank, share(scene, rank, deal), CERTIFIED).unwrap();
         let first = step(&mut ranked);
-        // A second step tells the ranks less, and finds the same.
+        // A second step sends the ranks less, and finds the same.
         let found = step(&mut ranked);
         assert_eq!(found.contacts.len(), first.contacts.len());
         let sorted = sort_contacts(rank, found.contacts);

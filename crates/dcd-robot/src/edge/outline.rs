@@ -21,6 +21,8 @@ pub(super) struct Outline {
     /// Whether that solid is the shape.
     pub(super) is_solid: bool,
     pub(super) support: Option<Support>,
+    /// Of a mesh the hull of all its vertices, whose distances cost less.
+    pub(super) hull: Option<Shape>,
     /// How far its points are from its frame's origin.
     pub(super) reach: f64,
 }
@@ -42,9 +44,16 @@ impl Outline {
             Shape::Curved(curved) => curved.kind() == CurvedKind::Cylinder,
             _ => false,
         };
-        let (solid, support) = (Solid::of(shape), Support::of(shape));
-        Self { whole, cover, solid, is_solid, support, reach }
+        let (solid, support, hull) = (Solid::of(shape), Support::of(shape), hull(shape));
+        Self { whole, cover, solid, is_solid, support, hull, reach }
     }
+}
+
+/// Of a mesh.
+fn hull(shape: &Shape) -> Option<Shape> {
+    let Shape::Mesh(mesh) = shape else { return None };
+    let vertices = (mesh.vertices().len() <= MOST_VERTICES).then(|| mesh.vertices().to_vec())?;
+    Shape::hull(vertices).and_then(|hull| hull.rounded(mesh.swept_radius())).ok()
 }
 
 /// A simple solid that contains a shape.
@@ -116,7 +125,7 @@ pub(super) struct Support {
 
 const LANES: usize = 8;
 
-/// What a product of three coordinates loses, relative: 3u, with room.
+/// What a product of three coordinates loses, relative: 3u, with a margin.
 const DOT: f64 = 1e-15;
 
 impl Support {

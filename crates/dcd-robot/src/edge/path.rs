@@ -186,11 +186,11 @@ impl JointPath {
             let column: Vec<f64> = points.iter().map(|point| point[k]).collect();
             column.windows(width).map(of).fold(0.0, f64::max)
         };
-        let room = 1.0 + 16.0 * U;
+        let rounded_up = 1.0 + 16.0 * U;
         Extents {
             size: (0..values).map(|k| most(k, &|w| w[0].abs(), 1)).collect(),
             rate: (0..values)
-                .map(|k| degree * room * most(k, &|w| (w[1] - w[0]).abs(), 2))
+                .map(|k| degree * rounded_up * most(k, &|w| (w[1] - w[0]).abs(), 2))
                 .collect(),
             change: (0..values)
                 .map(|k| {
@@ -199,7 +199,7 @@ impl JointPath {
                         let rounding = 8.0 * U * (w[0].abs() + 2.0 * w[1].abs() + w[2].abs());
                         ((w[2] - w[1]) - (w[1] - w[0])).abs() + rounding
                     };
-                    let factor = degree * (degree - 1.0) * room;
+                    let factor = degree * (degree - 1.0) * rounded_up;
                     if factor > 0.0 { factor * most(k, &second, 3) } else { 0.0 }
                 })
                 .collect(),

@@ -98,6 +98,11 @@ impl Place {
         &self.frames[link].rotation
     }
 
+    /// Where a link's frame is.
+    pub(super) fn place(&self, link: usize) -> DVec3 {
+        self.frames[link].translation
+    }
+
     /// How far a point is from the axis of a joint, or from its place where it turns any way.
     fn arm(&self, joint: usize, child: usize, point: DVec3) -> f64 {
         let from = point - self.frames[child].translation;

@@ -99,7 +99,7 @@ impl Chain {
     }
 
     pub(crate) fn lengths(&self, path: &Extents) -> Lengths {
-        const ROOM: f64 = 1.0 + 1e-9;
+        const ROUNDED_UP: f64 = 1.0 + 1e-9;
         let none = vec![0.0; self.joints.len()];
         let (speed, turn) = (none.clone(), none.clone());
         let mut lengths = Lengths { speed, turn, change: none, deviation: 0.0, length: 0.0 };
@@ -109,8 +109,8 @@ impl Chain {
             if let Some((number, by, slides)) = step.moving {
                 let factor = by.factor.abs();
                 let size = factor * path.size[by.value] + by.offset.abs();
-                let rate = factor * path.rate[by.value] * ROOM;
-                let change = factor * path.change[by.value] * ROOM;
+                let rate = factor * path.rate[by.value] * ROUNDED_UP;
+                let change = factor * path.change[by.value] * ROUNDED_UP;
                 // A slide moves every point alike, a turn by its distance from the axis.
                 let arm = if slides { 1.0 } else { reach };
                 lengths.speed[number] = rate * arm;
@@ -124,11 +124,11 @@ impl Chain {
             }
             reach += step.offset;
         }
-        let length = (reach + self.base) * ROOM;
+        let length = (reach + self.base) * ROUNDED_UP;
         let of_quaternions = if self.orients { SLERP } else { 0.0 };
         let of_poses = POSE * (self.depth + 2) as f64 + of_quaternions;
         lengths.length = length;
-        lengths.deviation = off * ROOM + of_poses * U * length;
+        lengths.deviation = off * ROUNDED_UP + of_poses * U * length;
         lengths
     }
 }

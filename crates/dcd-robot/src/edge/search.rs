@@ -1,6 +1,7 @@
 //! The search through a path's intervals.
 
 mod bounds;
+mod planes;
 #[cfg(test)]
 mod tests;
 
@@ -371,8 +372,37 @@ impl<'a> Search<'a> {
         self.directions[pair as usize] = own;
     }
 
+    /// [`is_proved_by_distance`](Self::is_proved_by_distance) where a mesh's hull proves the pair apart, or will do so on a
+    /// shorter interval; `None` where the mesh itself has to be asked.
+    fn is_proved_by_hulls(&mut self, pair: u32, carried: Option<glam::DMat3>) -> Option<bool> {
+        let edge_pair = self.checker.pairs[pair as usize];
+        let hulls =
+            edge_pair.objects.map(|object| self.checker.outlines[object as usize].hull.as_ref());
+        if hulls.iter().all(Option::is_none) {
+            return None;
+        }
+        let [a, b] = [0, 1].map(|k| {
+            let posed = self.posed(edge_pair.objects[k]);
+            PosedShape { shape: hulls[k].unwrap_or(posed.shape), ..posed }
+        });
+        let DistanceResult::Apart(found) = in_f64(a, b) else { return None };
+        self.keep(pair, carried, found.normal);
+        let lost = self.slack(&edge_pair) + self.off[pair as usize];
+        let along = self.along(pair, &edge_pair, found.normal);
+        let proved = found.lower() - self.moved(&edge_pair) - lost;
+        let proved = along.map_or(proved, |gaps| proved.max(gaps.proved));
+        if self.suffices(proved) {
+            return Some(self.note(proved));
+        }
+        // The mesh is no nearer: a gap that suffices at the middle does so on a shorter interval.
+        self.suffices(found.lower() - lost).then_some(false)
+    }
+
     fn is_proved_by_distance(&mut self, pair: u32, carried: Option<glam::DMat3>) -> bool {
         let edge_pair = self.checker.pairs[pair as usize];
+        if let Some(is_proved) = self.is_proved_by_hulls(pair, carried) {
+            return is_proved;
+        }
         let [a, b] = edge_pair.objects.map(|object| self.posed(object));
         let mut found = in_f64(a, b);
         if !matches!(found, DistanceResult::Apart(_)) {

@@ -137,8 +137,12 @@ fn random_edges_are_answered_as_their_samples_say() {
     for k in 0..40 {
         let robot = arm(3);
         let obstacles = (0..6).map(|n| {
-            let shape = match n % 4 {
+            let shape = match n % 5 {
                 0 => Shape::sphere(0.2 + 0.1 * draw.unit()),
+                3 => Shape::mesh(
+                    (0..7).map(|_| draw.vector() * 0.4).collect(),
+                    vec![[0, 1, 2], [1, 2, 3], [3, 4, 5], [4, 5, 6]],
+                ),
                 1 => Shape::cuboid(draw.vector().abs() * 0.3 + 0.01),
                 2 => Shape::cylinder(0.3, 0.1),
                 _ => Shape::capsule(0.3, 0.1),
@@ -267,7 +271,7 @@ fn a_budget_ends_the_search_and_tells_where() {
 }
 
 /// A bar of length 2, its end at the origin of what floats.
-fn floating() -> Robot {
+pub(super) fn floating() -> Robot {
     let text = r#"<robot name="floating"><link name="world"/>
       <link name="bar"><collision><origin xyz="1 0 0"/><geometry><box size="2 0.1 0.1"/></geometry></collision></link>
       <joint name="free" type="floating"><parent link="world"/><child link="bar"/></joint></robot>"#;

@@ -84,7 +84,7 @@ impl Ranges {
         let mut state: Vec<f64> =
             self.values.iter().map(|range| between_ends(range, unit(random))).collect();
         for &first in &self.quaternions {
-            // In the unit ball, where that is not too near to its middle.
+            // In the unit ball of quaternions, not too near to its middle.
             let mut drawn = DQuat::IDENTITY * 0.0;
             while !(1e-3..=1.0).contains(&drawn.length_squared()) {
                 drawn = DQuat::from_array([(); 4].map(|()| 2.0 * unit(random) - 1.0));
@@ -105,15 +105,15 @@ pub(super) fn between_ends(&[lower, upper]: &[f64; 2], part: f64) -> f64 {
     (lower + (upper - lower) * part).min(upper)
 }
 
-/// What samples tell of pairs of links.
+/// What samples find of pairs of links.
 pub(super) struct Sampled {
-    /// Those that touch always, or at rest.
-    pub(super) settled: Vec<([usize; 2], PairReason)>,
+    /// The pairs that may touch, and why: they touch always, or at rest.
+    pub(super) reasons: Vec<([usize; 2], PairReason)>,
     /// Those that touch in no sample.
     pub(super) apart: Vec<[usize; 2]>,
 }
 
-/// A pair that is still asked about.
+/// A pair that is still sampled.
 struct Open {
     links: [usize; 2],
     touches_at_rest: bool,
@@ -138,7 +138,7 @@ pub(super) fn of(
             Open { links, touches_at_rest, touched: usize::from(touches_at_rest) }
         })
         .collect();
-    let mut settled = Vec::new();
+    let mut reasons = Vec::new();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     for sample in 1..=samples {
         place.go_to(&ranges.draw(&mut random))?;
@@ -147,7 +147,7 @@ pub(super) fn of(
             // It touches in some and not in others: a pair to be checked.
             let changes = pair.touched != 0 && pair.touched != sample + 1;
             if changes && pair.touches_at_rest {
-                settled.push((pair.links, PairReason::Default));
+                reasons.push((pair.links, PairReason::Default));
             }
             !changes
         });
@@ -155,8 +155,8 @@ pub(super) fn of(
     let (always, apart): (Vec<Open>, Vec<Open>) = open.into_iter().partition(|p| p.touched > 0);
     // Rest alone is no "always".
     let reason = if samples > 0 { PairReason::Always } else { PairReason::Default };
-    settled.extend(always.into_iter().map(|pair| (pair.links, reason)));
-    Ok(Sampled { settled, apart: apart.into_iter().map(|pair| pair.links).collect() })
+    reasons.extend(always.into_iter().map(|pair| (pair.links, reason)));
+    Ok(Sampled { reasons, apart: apart.into_iter().map(|pair| pair.links).collect() })
 }
 
 /// The robot in a state.

@@ -56,7 +56,7 @@ fn a_touching_state_that_no_sample_meets_is_found_by_the_search() {
 }
 
 #[test]
-fn what_touches_always_and_what_touches_at_rest_are_told_apart() {
+fn what_touches_always_and_what_touches_at_rest_are_distinguished() {
     // d is fixed to b and reaches into c, whatever turns about c's middle; e turns out of it.
     let links = [
         link("b", 0.0, 0.2),

@@ -290,7 +290,7 @@ fn padding_and_scale_make_links_larger_to_the_world_and_not_to_the_robot() {
     assert!(at("link_padding: [{link_name: arm, padding: 0.09}]").is_empty());
     assert!(at("link_padding: [{link_name: base, padding: 0.11}]").is_empty());
     assert_eq!(at("link_scale: [{link_name: arm, scale: 1.21}]"), [["arm", "ball"]]);
-    // Padded by 2 the arm would be in the base, were they asked; they are adjacent, so ask the held.
+    // Padded by 2 the arm would be in the base, but they are adjacent; so test the held object.
     let both = format!("{HELD}link_padding: [{{link_name: base, padding: 3}}]\n");
     let far = sphere("", &both).replace("[0, 0, 0.5]", "[-3, 0, 0]");
     assert_eq!(touching(&world_of(&far).unwrap()), [["base", "ball"]]);

@@ -1,4 +1,4 @@
-//! Spheres that cover a shape together, and how much room each leaves inside of it.
+//! Spheres that cover a shape together, and for each a concentric sphere inside the shape.
 
 use dcd_geom::{CurvedKind, Kind, Polytope, Pose, Shape, SphereBounds};
 use glam::DVec3;
@@ -15,7 +15,7 @@ pub(crate) struct CoverSphere {
 
 /// What a covering sphere is larger by, and an inner one smaller, than it was found: of the shape's reach.
 /// Faces are merged within 1e-9 of the extent ([`dcd_geom::FLATNESS`]), and pieces are cut in f64.
-const ROOM: f64 = 4e-9;
+const COVER_MARGIN: f64 = 4e-9;
 
 /// At most so many spheres, at least one, that cover the shape together.
 pub(crate) fn cover(shape: &Shape, most: usize) -> Vec<CoverSphere> {
@@ -25,14 +25,14 @@ pub(crate) fn cover(shape: &Shape, most: usize) -> Vec<CoverSphere> {
             let (height, radius) = (curved.half_height(), curved.radius());
             let pieces = ((height / radius).ceil()).clamp(1.0, most.max(1) as f64);
             let piece = height / pieces;
-            let room = ROOM * shape.reach();
+            let margin = COVER_MARGIN * shape.reach();
             let swept = curved.swept_radius();
             let at = |k: usize| {
                 let z = (2.0 * k as f64 + 1.0) * piece - height;
                 CoverSphere {
                     centre: DVec3::Z * z,
-                    outer: radius.hypot(piece) + swept + room,
-                    inner: radius.min(height - z.abs()) + swept - room,
+                    outer: radius.hypot(piece) + swept + margin,
+                    inner: radius.min(height - z.abs()) + swept - margin,
                 }
             };
             (0..pieces as usize).map(at).collect()
@@ -42,7 +42,7 @@ pub(crate) fn cover(shape: &Shape, most: usize) -> Vec<CoverSphere> {
             let faces: Vec<Vec<DVec3>> = corners.map(Vec::from).collect();
             let mut pieces = Vec::new();
             split(faces, most, Inside::Hollow, &mut pieces);
-            let grown = mesh.swept_radius() + ROOM * mesh.reach();
+            let grown = mesh.swept_radius() + COVER_MARGIN * mesh.reach();
             let piece = |(centre, radius)| CoverSphere {
                 centre,
                 outer: radius + grown,
@@ -78,7 +78,7 @@ fn alone(shape: &Shape) -> CoverSphere {
 
 fn of_polytope(polytope: &Polytope, most: usize) -> Vec<CoverSphere> {
     let (vertices, swept) = (polytope.vertices(), polytope.swept_radius());
-    let room = ROOM * polytope.reach();
+    let margin = COVER_MARGIN * polytope.reach();
     if let &[centre] = vertices {
         return vec![CoverSphere { centre, outer: swept, inner: swept }];
     }
@@ -92,10 +92,10 @@ fn of_polytope(polytope: &Polytope, most: usize) -> Vec<CoverSphere> {
         .collect();
     let inner_at = |centre: DVec3| {
         let depth = planes.iter().map(|&(normal, offset)| offset - normal.dot(centre));
-        let depth = depth.fold(f64::INFINITY, f64::min) - room;
+        let depth = depth.fold(f64::INFINITY, f64::min) - margin;
         match polytope.kind() {
             // A piece's centre is on the segment, to within what is taken off.
-            Kind::Segment => swept - room,
+            Kind::Segment => swept - margin,
             _ if depth > 0.0 => depth + swept,
             _ => f64::NEG_INFINITY,
         }
@@ -104,7 +104,7 @@ fn of_polytope(polytope: &Polytope, most: usize) -> Vec<CoverSphere> {
     split(faces, most, Inside::Solid, &mut pieces);
     let piece = |(centre, radius)| CoverSphere {
         centre,
-        outer: radius + swept + room,
+        outer: radius + swept + margin,
         inner: inner_at(centre),
     };
     pieces.into_iter().map(piece).collect()
@@ -181,7 +181,7 @@ mod tests {
     use super::*;
 
     fn shapes() -> Vec<Shape> {
-        let ball = |k: i32| {
+        let vertex = |k: i32| {
             let angle = f64::from(k) * 2.399963;
             let z = 1.0 - (f64::from(k) + 0.5) / 60.0;
             let ring = (1.0 - z * z).sqrt();
@@ -192,7 +192,7 @@ mod tests {
         vec![
             Shape::cuboid(DVec3::new(1.0, 0.2, 0.1)).unwrap(),
             Shape::cuboid(DVec3::ONE).unwrap(),
-            Shape::hull((0..120).map(ball).collect()).unwrap().rounded(0.01).unwrap(),
+            Shape::hull((0..120).map(vertex).collect()).unwrap().rounded(0.01).unwrap(),
             Shape::hull((0..7).map(corner).collect()).unwrap(),
             Shape::hull(vec![DVec3::ZERO, DVec3::X, DVec3::new(0.2, 0.7, 0.0), DVec3::Y]).unwrap(),
             Shape::sphere(0.3).unwrap(),

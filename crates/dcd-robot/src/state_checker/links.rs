@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 
 /// A shape that moves with a link.
 pub(super) struct Body<'a> {
-    /// Its number, by which hits are told.
+    /// Its number, by which hits name it.
     pub(super) number: u32,
     pub(super) link: usize,
     pub(super) shape: &'a Shape,
@@ -32,7 +32,7 @@ pub(super) struct BodyHull {
 }
 
 impl BodyHull {
-    /// None of what has no hull of vertices, or is a point alone, of which its sphere tells all.
+    /// `None` for a body without a hull of vertices, and for a point, which its sphere covers exactly.
     pub(super) fn of(body: &Body<'_>) -> Option<Self> {
         let (vertices, swept) = match body.shape {
             Shape::Polytope(polytope) => (polytope.vertices().to_vec(), polytope.swept_radius()),

@@ -6,7 +6,7 @@ use dcd_geom::{Aabb, Pair, Scene};
 use dcd_simd::WIDTH;
 use std::ops::Range;
 
-/// How many obstacles are compared one after the other. Larger: worlds of many cost more. Smaller: a tree is asked
+/// How many obstacles are compared one after the other. Larger: worlds of many cost more. Smaller: a tree is queried
 /// where few comparisons would do. No effect on any answer.
 const FEW: usize = 64;
 
@@ -14,7 +14,7 @@ const FEW: usize = 64;
 #[derive(Debug)]
 pub(super) struct ObstacleTree {
     tree: StaticTree,
-    /// What the sixteen that ask are called: numbers after those of the obstacles.
+    /// The names of the sixteen query boxes: numbers after those of the obstacles.
     names: [u32; WIDTH],
 }
 
@@ -32,12 +32,12 @@ impl ObstacleTree {
         Some(Self { tree, names: std::array::from_fn(|lane| first + lane as u32) })
     }
 
-    /// Tells the numbers of the obstacles whose boxes each of sixteen overlaps, and of that.
-    pub(super) fn reached(&self, aabbs: &[Aabb; WIDTH], mut tell: impl FnMut(u32, usize)) {
+    /// Reports each obstacle whose box overlaps one of sixteen boxes, and the number of that box.
+    pub(super) fn reached(&self, aabbs: &[Aabb; WIDTH], mut report: impl FnMut(u32, usize)) {
         let mut pairs: Vec<Pair> = Vec::new();
-        let asked = IdentifiedAabbs { aabbs, names: &self.names };
-        self.tree.append_pairs(asked, |_, _| true, &mut pairs);
+        let queries = IdentifiedAabbs { aabbs, names: &self.names };
+        self.tree.append_pairs(queries, |_, _| true, &mut pairs);
         pairs.sort_unstable();
-        pairs.iter().for_each(|pair| tell(pair.i, (pair.j - self.names[0]) as usize));
+        pairs.iter().for_each(|pair| report(pair.i, (pair.j - self.names[0]) as usize));
     }
 }

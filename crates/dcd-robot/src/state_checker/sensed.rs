@@ -3,8 +3,8 @@
 
 use super::links::BodyHull;
 use super::prepared::Prepared;
+use super::rounded_links::{Rounded, RoundedLink, bits, round, stored};
 use super::separate::{PlacedHull, across_gap};
-use super::sift::{Rounded, RoundedLink, bits, round, stored};
 use super::solids::{inside, margin_of, within};
 use super::worker::{CHUNK, Refused, RefusedState, Worker, at};
 use super::{Goal, StateChecker};
@@ -25,7 +25,7 @@ pub struct SensedHit {
     pub object: u32,
     /// Which of [`SensedWorld::points`].
     pub point: u32,
-    /// That they touch, or that it could not be settled.
+    /// That they touch, or that the pair is undecided.
     pub verdict: Verdict<()>,
 }
 
@@ -38,7 +38,7 @@ impl SensedHit {
 
 /// What is checked against what is seen.
 #[derive(Clone, Copy)]
-struct Asked<'a> {
+struct SensedQuery<'a> {
     sensed: &'a SensedWorld,
     /// By how much what is seen is larger, metres.
     grown: f64,
@@ -46,7 +46,7 @@ struct Asked<'a> {
 }
 
 impl StateChecker {
-    /// Every pair of a body that meets obstacles and of a sensed point or box that touches or could not be settled:
+    /// Every pair of a body that meets obstacles and of a sensed point or box that touches or is undecided:
     /// by states, then objects, then points. The checker's own obstacles and the robot itself are left to
     /// [`StateChecker::all`].
     ///
@@ -60,7 +60,7 @@ impl StateChecker {
         sensed: &SensedWorld,
         exec: impl Into<Exec<'e>>,
     ) -> Result<Vec<SensedHit>, RobotError> {
-        self.sensed(states, Asked { sensed, grown: 0.0, goal: Goal::All }, exec.into())
+        self.sensed(states, SensedQuery { sensed, grown: 0.0, goal: Goal::All }, exec.into())
     }
 
     /// For each state whether it is not proved free of what is seen: see [`StateChecker::sensed_hits`].
@@ -73,9 +73,9 @@ impl StateChecker {
         sensed: &SensedWorld,
         exec: impl Into<Exec<'e>>,
     ) -> Result<Vec<bool>, RobotError> {
-        let asked = Asked { sensed, grown: 0.0, goal: Goal::One };
+        let query = SensedQuery { sensed, grown: 0.0, goal: Goal::One };
         let mut collides = vec![false; states.len()];
-        for hit in self.sensed(states, asked, exec.into())? {
+        for hit in self.sensed(states, query, exec.into())? {
             collides[hit.state as usize] = true;
         }
         Ok(collides)
@@ -96,8 +96,8 @@ impl StateChecker {
             let (what, user) = ("distance", "own points".to_owned());
             return Err(RobotError::BadNumber { what, user, value: distance });
         }
-        let asked = Asked { sensed, grown: distance, goal: Goal::All };
-        let hits = self.sensed(&[state], asked, dcd_exec::Par::Serial.into())?;
+        let query = SensedQuery { sensed, grown: distance, goal: Goal::All };
+        let hits = self.sensed(&[state], query, dcd_exec::Par::Serial.into())?;
         let mut own: Vec<u32> = hits.iter().map(|hit| hit.point).collect();
         own.sort_unstable();
         own.dedup();
@@ -107,7 +107,7 @@ impl StateChecker {
     fn sensed<S: AsRef<[f64]> + Sync>(
         &self,
         states: &[S],
-        asked: Asked<'_>,
+        query: SensedQuery<'_>,
         exec: Exec<'_>,
     ) -> Result<Vec<SensedHit>, RobotError> {
         let (count, refused) = (self.count(states)?, Refused::default());
@@ -116,7 +116,7 @@ impl StateChecker {
             self.workers.with(|worker| {
                 let start = task * CHUNK;
                 let states = &states[start..count.min(start + CHUNK)];
-                let found = worker.sensed(&self.prepared, (start, states), asked, out);
+                let found = worker.sensed(&self.prepared, (start, states), query, out);
                 found.unwrap_or_else(|(state, error)| refused.note(state, error));
             });
         });
@@ -142,15 +142,15 @@ impl Worker {
         &mut self,
         prepared: &Prepared,
         (start, states): (usize, &[S]),
-        asked: Asked<'_>,
+        query: SensedQuery<'_>,
         hits: &mut Vec<SensedHit>,
     ) -> Result<(), RefusedState> {
         self.place(prepared, states).map_err(|error| at(start, error))?;
         for (packet, states) in states.chunks(WIDTH).enumerate() {
             let open = (1 << states.len()) - 1;
             let (frames, rounded) = (&self.frames[packet], &mut self.rounded);
-            let near = dispatch_on(Path::best(), Sift { prepared, frames, rounded, asked, open });
-            self.decide_sensed(prepared, (packet, &near), (start, asked), hits)
+            let near = dispatch_on(Path::best(), Sift { prepared, frames, rounded, query, open });
+            self.decide_sensed(prepared, (packet, &near), (start, query), hits)
                 .map_err(|error| at(start, error))?;
         }
         Ok(())
@@ -161,7 +161,7 @@ impl Worker {
         &self,
         prepared: &Prepared,
         (packet, near): (usize, &[Near]),
-        (start, asked): (usize, Asked<'_>),
+        (start, query): (usize, SensedQuery<'_>),
         hits: &mut Vec<SensedHit>,
     ) -> Result<(), RefusedState> {
         let first = hits.len();
@@ -169,12 +169,12 @@ impl Worker {
         let mut posed: Option<((u32, u32), Pose)> = None;
         let mut done = None;
         for near in near {
-            if asked.goal == Goal::One && done == Some(near.lane) {
+            if query.goal == Goal::One && done == Some(near.lane) {
                 continue;
             }
             let state = packet * WIDTH + near.lane as usize;
             let object = prepared.bodies[near.body as usize].0;
-            let point = asked.sensed.index(near.place as usize);
+            let point = query.sensed.index(near.place as usize);
             let verdict = if near.is_touching {
                 Verdict::Touching(())
             } else {
@@ -188,7 +188,7 @@ impl Worker {
                 };
                 posed = Some((key, pose));
                 let user = || format!("point {point}");
-                let seen = asked.sensed.shape(point as usize, asked.grown);
+                let seen = query.sensed.shape(point as usize, query.grown);
                 let (shape, place) = seen.map_err(|error| match error {
                     SensedError::Shape(error) => (state, RobotError::Shape { user: user(), error }),
                     SensedError::Pose(error) => (state, RobotError::Pose { user: user(), error }),
@@ -217,7 +217,7 @@ struct Sift<'a> {
     prepared: &'a Prepared,
     frames: &'a super::link_frames::LinkFrames,
     rounded: &'a mut Rounded,
-    asked: Asked<'a>,
+    query: SensedQuery<'a>,
     open: u32,
 }
 
@@ -226,8 +226,8 @@ impl Kernel for Sift<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Vec<Near> {
-        let Self { prepared, frames, rounded, asked, open } = self;
-        let Asked { sensed, grown, goal } = asked;
+        let Self { prepared, frames, rounded, query, open } = self;
+        let SensedQuery { sensed, grown, goal } = query;
         let mut found = Vec::new();
         if sensed.is_empty() {
             return found;

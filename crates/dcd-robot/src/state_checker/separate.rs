@@ -8,7 +8,8 @@
 use super::Goal;
 use super::links::{BodyHull, LinkSpheres};
 use super::prepared::Prepared;
-use super::sift::{Found, Rounded, RoundedLink};
+use super::rounded_links::{Rounded, RoundedLink};
+use super::sift::Found;
 use dcd_pipeline::{Candidate, Other};
 use dcd_simd::{Block, Kernel, Lanes, Row, WIDTH};
 use glam::{Mat3, Vec3};
@@ -16,11 +17,11 @@ use glam::{Mat3, Vec3};
 /// How many directions are tried. More: pairs that touch cost more. Fewer: more are left to the narrow phase.
 const DIRECTIONS: usize = 5;
 
-/// The direction across which a plane last parted each pair: what parted it in one state often does so in the
-/// next. Of a chunk alone, so that no answer depends on what was asked before.
+/// The direction of the last separating plane of each pair: a direction that separates in one state often does
+/// so in the next. Kept for one chunk alone, so that no answer depends on earlier queries.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Planes {
-    /// By the body's number, then the other's: bodies first, then as many obstacles as there is room for. Zero where
+    /// By the body's number, then the other's: bodies first, then the first [`LASTING`] obstacles. Zero where
     /// none is known.
     directions: Vec<Vec3>,
     row: usize,
@@ -30,7 +31,7 @@ pub(super) struct Planes {
 const LASTING: usize = 32;
 
 impl Planes {
-    /// Forgets them, and has room for those of so many bodies, or for none where they are too many.
+    /// Forgets all directions and sizes the table for so many bodies, or for none where they are too many.
     pub(super) fn clear(&mut self, bodies: usize) {
         let bodies = if bodies <= LASTING { bodies } else { 0 };
         self.row = bodies + LASTING;
@@ -179,13 +180,13 @@ pub(super) fn across_gap<L: Lanes>(
     towards: Vec3,
 ) -> Option<Vec3> {
     let mut direction = unit(towards).unwrap_or(Vec3::X);
-    let room = a.margin + b.margin;
+    let margin = a.margin + b.margin;
     for _ in 0..DIRECTIONS {
         let (of_a, p) = a.reach(l, direction);
         let (of_b, q) = b.reach(l, -direction);
         let gap = direction.dot(b.translation - a.translation) - of_b - of_a;
         // Written so that a NaN parts nothing, nor an infinite gap: a rotation of NaN reaches nowhere.
-        if gap > room && gap < f32::INFINITY {
+        if gap > margin && gap < f32::INFINITY {
             return Some(direction);
         }
         let mirrored = unit(q - p).map(|across| direction - across * (2.0 * across.dot(direction)));

@@ -105,21 +105,21 @@ impl Solid {
             ],
         };
         let swept = l.splat(self.swept);
-        let (reach, room) =
+        let (reach, inner_reach) =
             (l.add(l.add(outer, swept), margin), l.sub(l.add(inner, swept), margin));
         let square = squared(l, away);
         let near = within(l, square, reach);
-        // A maximum may swallow a NaN: what is nowhere touches nothing.
+        // A maximum may swallow a NaN: a centre that is NaN touches nothing.
         let sum = l.add(l.add(centre[0], centre[1]), centre[2]);
         let somewhere = l.bits(l.le(sum, sum));
         let Form::Bounded { outer: (middle, radius), inner: known } = self.form else {
-            let touched = inside(l, square, room) & somewhere;
+            let touched = inside(l, square, inner_reach) & somewhere;
             return Reached { near: near | touched, touched };
         };
         let to_outer = squared(l, from_point(l, centre, middle));
         let near = near & within(l, to_outer, l.add(reach, l.splat(radius)));
         let to_inner = squared(l, from_point(l, centre, known.0));
-        let touched = inside(l, to_inner, l.add(room, l.splat(known.1))) & somewhere;
+        let touched = inside(l, to_inner, l.add(inner_reach, l.splat(known.1))) & somewhere;
         Reached { near: near | touched, touched }
     }
 }
@@ -175,10 +175,10 @@ pub(super) fn within<L: Lanes>(l: L, square: L::F, reach: L::F) -> u32 {
 
 /// Where it is proved to be at most that; what underflows is below the least normal number. A NaN is not.
 #[inline(always)]
-pub(super) fn inside<L: Lanes>(l: L, square: L::F, room: L::F) -> u32 {
+pub(super) fn inside<L: Lanes>(l: L, square: L::F, reach: L::F) -> u32 {
     let square = l.add(square, l.splat(f32::MIN_POSITIVE));
-    let is_some = l.lt(l.splat(0.0), room);
-    l.bits(l.and(is_some, l.le(square, l.mul(room, room))))
+    let is_some = l.lt(l.splat(0.0), reach);
+    l.bits(l.and(is_some, l.le(square, l.mul(reach, reach))))
 }
 
 const ALL: u32 = 0xffff;

@@ -214,12 +214,12 @@ fn answers_are_those_of_every_pair_decided_alone() {
             let ours: Vec<_> = of_state.map(|hit| (hit.pair, hit.touches())).collect();
             assert_eq!(ours, truth, "state {k} of {:?}", cell.names());
             assert_eq!(collides[k], !truth.is_empty());
-            let told = first[k].map(|hit| (hit.pair, hit.touches()));
-            assert_eq!(told.is_some(), !truth.is_empty());
-            assert!(told.is_none_or(|hit| truth.contains(&hit)));
+            let found = first[k].map(|hit| (hit.pair, hit.touches()));
+            assert_eq!(found.is_some(), !truth.is_empty());
+            assert!(found.is_none_or(|hit| truth.contains(&hit)));
             assert!(first[k].is_none_or(|hit| hit.state as usize == k));
             let touches = truth.iter().any(|&(_, touches)| touches);
-            assert!(!touches || told.is_some_and(|(_, touches)| touches));
+            assert!(!touches || found.is_some_and(|(_, touches)| touches));
             free += usize::from(truth.is_empty());
             hits += truth.len();
         }
@@ -250,15 +250,15 @@ fn answers_depend_on_the_state_alone() {
         // Alone and with others.
         for k in [0, 17, 63, 64, 299] {
             let one = checker.first(&states[k..=k], Par::Serial).unwrap();
-            let told = first[k].map(|hit| StateHit { state: 0, ..hit });
-            assert_eq!(one, [told]);
+            let expected = first[k].map(|hit| StateHit { state: 0, ..hit });
+            assert_eq!(one, [expected]);
         }
     }
 }
 
 /// A sphere that slides towards an obstacle is bisected down to the last state that is free.
 #[test]
-fn spheres_that_just_touch_are_told_as_exactly_as_pairs_alone() {
+fn spheres_that_just_touch_are_decided_as_exactly_as_pairs_alone() {
     let urdf = r#"<robot name="probe"><link name="world"/>
       <link name="ball"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
       <joint name="slide" type="prismatic"><parent link="world"/><child link="ball"/>

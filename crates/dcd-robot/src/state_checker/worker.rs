@@ -2,8 +2,9 @@
 
 use super::link_frames::{LinkFrames, Place};
 use super::prepared::Prepared;
+use super::rounded_links::Rounded;
 use super::separate::{Planes, Separate};
-use super::sift::{Found, Rounded, Sift};
+use super::sift::{Found, Sift};
 use super::{Goal, StateChecker, StateHit};
 use crate::RobotError;
 use dcd_geom::{Pose, SceneError};
@@ -30,9 +31,9 @@ pub(super) struct Worker {
     pub(super) rounded: Rounded,
     found: Found,
     planes: Planes,
-    /// The pairs that are still to be decided, and those that are asked for now.
+    /// The pairs that are still to be decided, and those that are decided next.
     left: Vec<Candidate>,
-    asked: Vec<Candidate>,
+    next: Vec<Candidate>,
     pub(super) hits: Vec<StateHit>,
 }
 
@@ -64,7 +65,7 @@ impl Worker {
         let touches = |hit: &Option<StateHit>| hit.as_ref().is_some_and(StateHit::touches);
         loop {
             // The next pairs of each state that has no contact yet.
-            self.asked.clear();
+            self.next.clear();
             let mut taken = (u32::MAX, 0);
             left.retain(|candidate| {
                 let state = candidate.configuration;
@@ -74,11 +75,11 @@ impl Worker {
                 taken = if taken.0 == state { (state, taken.1 + 1) } else { (state, 0) };
                 let is_next = taken.1 < AT_ONCE;
                 if is_next {
-                    self.asked.push(*candidate);
+                    self.next.push(*candidate);
                 }
                 !is_next
             });
-            if self.asked.is_empty() {
+            if self.next.is_empty() {
                 break;
             }
             // Of a state's pairs the least that touches, so that it does not matter which were decided together.
@@ -116,10 +117,10 @@ impl Worker {
         for &candidate in &self.found.touching {
             note(candidate, Verdict::Touching(()));
         }
-        self.asked.clear();
-        self.asked.extend(self.found.candidates.iter().map(|&(candidate, _)| candidate));
-        self.asked.sort_unstable();
-        self.asked.dedup();
+        self.next.clear();
+        self.next.extend(self.found.candidates.iter().map(|&(candidate, _)| candidate));
+        self.next.sort_unstable();
+        self.next.dedup();
         let decided = self.decide(checker, note);
         hits.sort_unstable_by_key(|hit| (hit.state, hit.pair, !hit.touches()));
         hits.dedup_by_key(|hit| (hit.state, hit.pair));
@@ -140,7 +141,7 @@ impl Worker {
         for (packet, (states, frames)) in states.chunks(WIDTH).zip(&mut self.frames).enumerate() {
             frames.read(robot, states);
             dispatch_on(Path::best(), Place { robot, states, to: frames });
-            // Refused even where no pair asks for the link.
+            // Refused even where no pair contains the link.
             for (lane, state) in states.iter().enumerate().filter(|&(k, _)| !frames.is_finite(k)) {
                 let placed = robot.place(state.as_ref(), &mut Vec::new());
                 placed.map_err(|error| (packet * WIDTH + lane, error))?;
@@ -149,7 +150,7 @@ impl Worker {
         Ok(())
     }
 
-    /// What the spheres of the states' links tell.
+    /// Sorts the pairs by the spheres of the states' links: those that touch, and those left open.
     fn sift<S: AsRef<[f64]>>(
         &mut self,
         prepared: &Prepared,
@@ -178,13 +179,13 @@ impl Worker {
         Ok(())
     }
 
-    /// Decides the pairs that are asked for.
+    /// Decides the pairs of `next`.
     fn decide(
         &self,
         checker: &StateChecker,
         mut note: impl FnMut(Candidate, Verdict<()>),
     ) -> Result<(), RefusedState> {
-        if self.asked.is_empty() {
+        if self.next.is_empty() {
             return Ok(());
         }
         let prepared = &checker.prepared;
@@ -199,7 +200,7 @@ impl Worker {
                 Pose::IDENTITY
             })
         };
-        let decided = decider.decide(world, &self.asked, pose, |hit| {
+        let decided = decider.decide(world, &self.next, pose, |hit| {
             let (configuration, link, other) = (hit.configuration, hit.link, hit.other);
             note(Candidate { configuration, link, other }, hit.verdict);
         });

@@ -124,7 +124,7 @@ fn a_joint_that_mimics_one_that_mimics_moves_by_both_rules_and_a_ring_of_them_is
 }
 
 #[test]
-fn a_state_beyond_limits_is_told_with_the_joint_and_its_value() {
+fn a_state_beyond_limits_is_reported_with_the_joint_and_its_value() {
     let limit = "<limit lower=\"-1\" upper=\"0.5\"/>";
     let robot = robot(&[link("a"), link("b"), joint("revolute", ["a", "b"], limit)].concat());
     let robot = robot.unwrap();

@@ -92,7 +92,7 @@ fn answered<N: NarrowPhase<Answer = ()>>(case: &Case, narrow: N) -> Answered {
     let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     let step = pipeline.step(&case.scene, Par::WarmPool);
     let agreement = case.agreement_of(step.contacts(), step.report());
-    Answered { agreement, exact: step.report().settled(Method::Exact) }
+    Answered { agreement, exact: step.report().resolved(Method::Exact) }
 }
 
 impl Trial {

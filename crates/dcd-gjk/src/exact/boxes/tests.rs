@@ -3,8 +3,8 @@ use dcd_geom::Pose;
 use dcd_geom::glam::DQuat;
 use proptest::prelude::*;
 
-/// The closed form's answer, after the integers have agreed, seen from both.
-fn settled(a: (&Polytope, &Pose), b: (&Polytope, &Pose)) -> Option<(bool, Method)> {
+/// The closed form's answer, the same in both orders and that of the exact integers.
+fn resolved(a: (&Polytope, &Pose), b: (&Polytope, &Pose)) -> Option<(bool, Method)> {
     let (a, b) = (PosedSupport::polytope(a.0, a.1), PosedSupport::polytope(b.0, b.1));
     let answer = touch(a, b);
     assert_eq!(answer, touch(b, a));
@@ -29,7 +29,7 @@ fn bricks_touch_exactly_and_a_float_more_is_a_gap() {
             let pitch = f64::from_bits(0.7f64.to_bits().wrapping_add_signed(ulps));
             let t = origin.translation() + step * pitch;
             let there = Pose::from_translation(t).unwrap();
-            let (touches, _) = settled((&brick, &origin), (&brick, &there)).unwrap();
+            let (touches, _) = resolved((&brick, &origin), (&brick, &there)).unwrap();
             flips += usize::from(before.is_some_and(|before| before != touches));
             before = Some(touches);
         }
@@ -42,12 +42,12 @@ fn boxes_turned_by_quarters_have_their_edges_swapped() {
     let plank = cuboid(2.0, 0.25, 0.5);
     let upright = DMat3::from_cols(DVec3::Y, -DVec3::X, DVec3::Z);
     let turned = |x: f64| Pose::from_matrix(upright, DVec3::new(x, 0.0, 0.0)).unwrap();
-    let touching = settled((&plank, &Pose::IDENTITY), (&plank, &turned(2.25)));
+    let touching = resolved((&plank, &Pose::IDENTITY), (&plank, &turned(2.25)));
     assert_eq!(touching, Some((true, Method::Exact)));
-    let apart = settled((&plank, &Pose::IDENTITY), (&plank, &turned(2.25f64.next_up())));
+    let apart = resolved((&plank, &Pose::IDENTITY), (&plank, &turned(2.25f64.next_up())));
     assert!(!apart.unwrap().0);
     assert_eq!(
-        settled((&plank, &Pose::IDENTITY), (&plank, &turned(3.0))),
+        resolved((&plank, &Pose::IDENTITY), (&plank, &turned(3.0))),
         Some((false, Method::F64))
     );
 }
@@ -58,16 +58,16 @@ fn other_shapes_and_turns_are_left_to_others() {
     let rounded = plank.clone().rounded(0.125).unwrap();
     let turned = Pose::new(DQuat::from_rotation_x(0.3), DVec3::ONE).unwrap();
     let here = Pose::IDENTITY;
-    assert_eq!(settled((&plank, &here), (&rounded, &here)), None);
-    assert_eq!(settled((&plank, &here), (&plank, &turned)), None);
+    assert_eq!(resolved((&plank, &here), (&rounded, &here)), None);
+    assert_eq!(resolved((&plank, &here), (&plank, &turned)), None);
     let huge = cuboid(1e300, 1.0, 1.0);
-    assert_eq!(settled((&huge, &here), (&plank, &here)), None);
+    assert_eq!(resolved((&huge, &here), (&plank, &here)), None);
     let hull = Polytope::hull(plank.vertices().to_vec()).unwrap();
-    assert_eq!(settled((&plank, &here), (&hull, &here)), None);
+    assert_eq!(resolved((&plank, &here), (&hull, &here)), None);
 }
 
 #[test]
-fn boxes_that_stand_upright_are_told_exactly_whatever_their_heading() {
+fn boxes_that_stand_upright_are_decided_exactly_whatever_their_heading() {
     let crate_ = cuboid(0.5, 0.25, 0.35);
     let turn = DQuat::from_rotation_z(0.3);
     let here = Pose::new(turn, DVec3::new(3.1, 4.1, 0.35)).unwrap();
@@ -80,9 +80,9 @@ fn boxes_that_stand_upright_are_told_exactly_whatever_their_heading() {
         let there = above(z);
         let bodies =
             [PosedSupport::polytope(&crate_, &here), PosedSupport::polytope(&crate_, &there)];
-        // By double-double alone: integers are not asked.
+        // By double-double alone, without integers.
         assert_eq!(signs::<DoubleDouble>(bodies, half, &long), Some(touches), "{z}");
-        assert_eq!(settled((&crate_, &here), (&crate_, &there)).unwrap().0, touches);
+        assert_eq!(resolved((&crate_, &here), (&crate_, &there)).unwrap().0, touches);
     }
 }
 
@@ -103,6 +103,6 @@ proptest! {
         let brick = cuboid(half.x, half.y, half.z);
         let here = Pose::new(turn, DVec3::from_array(at)).unwrap();
         let there = Pose::new(turn, here.apply(way)).unwrap();
-        prop_assert!(settled((&brick, &here), (&brick, &there)).is_some());
+        prop_assert!(resolved((&brick, &here), (&brick, &there)).is_some());
     }
 }

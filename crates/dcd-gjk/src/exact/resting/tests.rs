@@ -3,8 +3,8 @@ use dcd_geom::Pose;
 use dcd_geom::glam::DQuat;
 use proptest::prelude::*;
 
-/// What the plane tells, after the integers have agreed.
-fn settled(a: &(Polytope, Pose), b: &(Polytope, Pose)) -> Option<bool> {
+/// The verdict of the plane, where it has one that of the exact integers.
+fn resolved(a: &(Polytope, Pose), b: &(Polytope, Pose)) -> Option<bool> {
     let (a, b) = (PosedSupport::polytope(&a.0, &a.1), PosedSupport::polytope(&b.0, &b.1));
     let answer = touch(a, b, &Difference::new(a, b).unwrap());
     let truth = crate::exact::touches(a, b, &[]);
@@ -33,8 +33,8 @@ fn a_crate_on_a_table_touches_and_a_float_above_it_does_not() {
             Ordering::Equal => Some(true),
             Ordering::Less => None,
         };
-        assert_eq!(settled(&table, &above(z)), expected, "{z}");
-        assert_eq!(settled(&above(z), &table), expected, "{z}");
+        assert_eq!(resolved(&table, &above(z)), expected, "{z}");
+        assert_eq!(resolved(&above(z), &table), expected, "{z}");
     }
 }
 
@@ -47,23 +47,23 @@ fn concentric_stacks_and_stacks_along_any_axis_touch() {
             let turn = DQuat::from_axis_angle(axis, angle);
             let at = |height: f64| Pose::new(turn, axis * height).unwrap();
             let lower = (dice.clone(), Pose::IDENTITY);
-            let here = settled(&lower, &(dice.clone(), at(1.0)));
+            let here = resolved(&lower, &(dice.clone(), at(1.0)));
             // Sines and cosines may leave a row of the matrix a little off its axis.
             assert!(here == Some(true) || picked(at(1.0).rotation(), k).is_none(), "{k} {angle}");
-            assert!(settled(&lower, &(dice.clone(), at(-1.0))).is_none_or(|touches| touches));
+            assert!(resolved(&lower, &(dice.clone(), at(-1.0))).is_none_or(|touches| touches));
         }
     }
     let upright = heading(0.3, [0.0, 0.0, 1.0]);
-    assert_eq!(settled(&(dice.clone(), Pose::IDENTITY), &(dice, upright)), Some(true));
+    assert_eq!(resolved(&(dice.clone(), Pose::IDENTITY), &(dice, upright)), Some(true));
 }
 
 #[test]
 fn faces_that_only_share_an_edge_are_left_to_integers() {
     let dice = cuboid(0.5, 0.5, 0.5);
     let lower = (dice.clone(), Pose::IDENTITY);
-    assert_eq!(settled(&lower, &(dice.clone(), heading(0.0, [1.0, 0.0, 1.0]))), None);
-    assert_eq!(settled(&lower, &(dice.clone(), heading(0.0, [3.0, 0.0, 1.0]))), Some(false));
-    assert_eq!(settled(&lower, &(dice, heading(0.7, [1.3, 0.0, 1.0]))), None);
+    assert_eq!(resolved(&lower, &(dice.clone(), heading(0.0, [1.0, 0.0, 1.0]))), None);
+    assert_eq!(resolved(&lower, &(dice.clone(), heading(0.0, [3.0, 0.0, 1.0]))), Some(false));
+    assert_eq!(resolved(&lower, &(dice, heading(0.7, [1.3, 0.0, 1.0]))), None);
 }
 
 proptest! {
@@ -75,8 +75,8 @@ proptest! {
         let prism = |z: f64| base.iter().map(move |&(x, y)| DVec3::new(x, y, z));
         let prism = Polytope::hull(prism(-height).chain(prism(height)).collect()).unwrap();
         let lower = (prism.clone(), heading(angles[0], [0.0; 3]));
-        settled(&lower, &(prism.clone(), heading(angles[1], [at[0], at[1], 2.0 * height])));
-        settled(&lower, &(prism, heading(angles[1], [at[0], at[1], -2.0 * height])));
+        resolved(&lower, &(prism.clone(), heading(angles[1], [at[0], at[1], 2.0 * height])));
+        resolved(&lower, &(prism, heading(angles[1], [at[0], at[1], -2.0 * height])));
     }
 }
 
@@ -87,7 +87,7 @@ fn a_radius_too_small_for_the_scaled_difference_still_counts() {
     let aside = Pose::from_translation(DVec3::X * radius).unwrap();
     let capsule = (Polytope::capsule(10.0, radius).unwrap(), aside);
     let point = (cuboid(0.0, 0.0, 0.0), Pose::from_translation(DVec3::Z * 5.0).unwrap());
-    assert_eq!(settled(&capsule, &point), None);
+    assert_eq!(resolved(&capsule, &point), None);
     let [a, b] = [&capsule, &point].map(|(shape, pose)| PosedSupport::polytope(shape, pose));
     assert_eq!(crate::certified::overlap(a, b).0, crate::Verdict::Touching(()));
 }

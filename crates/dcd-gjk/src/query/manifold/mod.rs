@@ -145,7 +145,7 @@ impl PairSolver for ManifoldsWith {
         b: PosedShape<'_>,
         scratch: &mut Scratch,
     ) -> Verdict<ManifoldSet> {
-        self.settle(a, b, scratch).0
+        self.resolve(a, b, scratch).0
     }
 
     fn measure(
@@ -157,13 +157,13 @@ impl PairSolver for ManifoldsWith {
         self.measure_at(Accuracy::Certified, a, b, scratch)
     }
 
-    fn settle(
+    fn resolve(
         &self,
         a: PosedShape<'_>,
         b: PosedShape<'_>,
         scratch: &mut Scratch,
     ) -> (Verdict<ManifoldSet>, Method) {
-        if mesh::are_asked(a.shape, b.shape) {
+        if mesh::have_parts(a.shape, b.shape) {
             let (verdict, method) = certified::overlap_of(a, b);
             let verdict = match verdict {
                 Verdict::Touching(()) => self.measure(a, b, scratch),
@@ -172,8 +172,8 @@ impl PairSolver for ManifoldsWith {
             };
             return (verdict, method);
         }
-        let (verdict, method) = Depths.settle(a, b, &mut scratch.depth);
-        (told(verdict, a, b, &mut scratch.corners), method)
+        let (verdict, method) = Depths.resolve(a, b, &mut scratch.depth);
+        (manifold_of(verdict, a, b, &mut scratch.corners), method)
     }
 }
 
@@ -185,11 +185,11 @@ impl MeasureAt for ManifoldsWith {
         b: PosedShape<'_>,
         scratch: &mut Scratch,
     ) -> Verdict<ManifoldSet> {
-        if mesh::are_asked(a.shape, b.shape) {
+        if mesh::have_parts(a.shape, b.shape) {
             return parts::measure(Measure { accuracy, options: self.0 }, a, b, scratch);
         }
         let depth = depths::of_touching(accuracy, a, b, &mut scratch.depth);
-        told(depth, a, b, &mut scratch.corners)
+        manifold_of(depth, a, b, &mut scratch.corners)
     }
 }
 
@@ -201,7 +201,7 @@ impl MeasureDepth for ManifoldsWith {
         b: PosedShape<'_>,
         scratch: &mut Scratch,
     ) -> Verdict<ManifoldSet> {
-        told(Verdict::Touching(depth), a, b, &mut scratch.corners)
+        manifold_of(Verdict::Touching(depth), a, b, &mut scratch.corners)
     }
 }
 
@@ -231,13 +231,13 @@ impl PairSolver for Manifolds {
         ManifoldsWith::default().measure(a, b, scratch)
     }
 
-    fn settle(
+    fn resolve(
         &self,
         a: PosedShape<'_>,
         b: PosedShape<'_>,
         scratch: &mut Scratch,
     ) -> (Verdict<ManifoldSet>, Method) {
-        ManifoldsWith::default().settle(a, b, scratch)
+        ManifoldsWith::default().resolve(a, b, scratch)
     }
 }
 
@@ -265,7 +265,7 @@ impl MeasureDepth for Manifolds {
     }
 }
 
-fn told(
+fn manifold_of(
     verdict: Verdict<Depth>,
     a: PosedShape<'_>,
     b: PosedShape<'_>,

@@ -31,13 +31,13 @@ pub(super) fn hit(ray: &Ray, posed: PosedShape<'_>) -> Option<RayHit> {
     let reach = posed.shape.reach();
     let speed = ray.direction().length();
     // About the shape's own origin, where its size counts and not how far it is from the world's. What the
-    // difference loses is the radius of the ball that moves in place of a point.
+    // difference loses is the radius of the sphere that moves in place of a point.
     let from = ray.origin() - posed.pose.translation();
     let away = from.length();
     let lost = POINT * away;
     // Nothing of the shape is farther along.
     let end = ray.max_t().min((away + 2.0 * reach) / speed * (1.0 + 1e-9));
-    let (Ok(ball), Ok(point), Ok(start), Ok(pose)) = (
+    let (Ok(sphere), Ok(point), Ok(start), Ok(pose)) = (
         Shape::sphere(lost),
         Shape::sphere(0.0),
         Pose::from_translation(from),
@@ -48,7 +48,7 @@ pub(super) fn hit(ray: &Ray, posed: PosedShape<'_>) -> Option<RayHit> {
     let posed = PosedShape { shape: posed.shape, pose: &pose };
     let motion = RigidMotion { linear: ray.direction(), ..RigidMotion::at_rest(start) };
     let still = RigidMotion::at_rest(pose);
-    let moving = MovingShape { shape: &ball, motion: &motion };
+    let moving = MovingShape { shape: &sphere, motion: &motion };
     let tolerance = NEAR * reach.max(f64::MIN_POSITIVE / NEAR) + lost;
     let target = MovingShape { shape: posed.shape, motion: &still };
     let (free_until, t, normal) = match time_of_impact(moving, target, end, tolerance) {

@@ -2,19 +2,17 @@
 
 use super::{Ray, RayHit};
 use crate::PosedShape;
+use crate::query::local::LocalPoint;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_simd::RaySlabs;
 
-/// What bringing a ray into a frame and a closed form on it lose, as a length: two differences and products of a
-/// matrix (16), an inverse where there is one (32), the closed forms (at most 24 of the sizes that go into them),
-/// doubled. Unit: 2⁻⁵³ of the distance and the shape's size. Larger: wider brackets. Smaller: false answers.
-const ROUNDING: f64 = 144.0 * (f64::EPSILON / 2.0);
-
-/// Up to which deviation a rotation's inverse is its transpose; the deviation is then part of the margin.
-const ORTHONORMAL: f64 = 1e-12;
-
 /// What a time is nudged by for its own last roundings, relative.
 const NUDGE: f64 = 8.0 * f64::EPSILON;
+
+/// Whether what begins at `enter` is proved to begin after `limit`. False for NaN.
+pub(super) fn is_later(enter: f64, limit: f64) -> bool {
+    enter * (1.0 - NUDGE) > limit
+}
 
 /// A ray in a shape's own frame, every point of it that may be of the shape within `margin` of the true one.
 #[derive(Clone, Copy, Debug)]
@@ -51,18 +49,9 @@ impl Chord {
 impl LocalRay {
     /// In the frame of a shape that reaches so far from its origin, metres.
     pub(super) fn of(ray: &Ray, posed: &PosedShape<'_>, reach: f64) -> Self {
-        let rotation = *posed.pose.rotation();
-        let deviation = posed.pose.deviation();
-        let (inverse, off) = if deviation <= ORTHONORMAL {
-            (rotation.transpose(), 2.0 * deviation)
-        } else {
-            (rotation.inverse(), 0.0)
-        };
-        let from = ray.origin - posed.pose.translation();
-        let (origin, direction) = (inverse * from, inverse * ray.direction);
-        // Lengths of which a shape stretched by its pose is at most 1e-6 longer.
-        let sizes = 2.0 * (from.length() + reach);
-        Self { origin, direction, margin: (ROUNDING + off) * sizes + f64::MIN_POSITIVE, rotation }
+        let LocalPoint { inverse, point, margin } = LocalPoint::of(ray.origin, posed.pose, reach);
+        let (direction, rotation) = (inverse * ray.direction, *posed.pose.rotation());
+        Self { origin: point, direction, margin, rotation }
     }
 
     /// What boxes in this frame are tested with, each grown by so much.

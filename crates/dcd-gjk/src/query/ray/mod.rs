@@ -10,7 +10,7 @@ mod local;
 mod planes;
 mod solids;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 mod triangle;
 
 use super::PartIndex;
@@ -18,7 +18,7 @@ use crate::PosedShape;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Kind, Polytope, Shape};
 use dcd_simd::RaySlabs;
-use local::{Chord, LocalRay};
+use local::{Chord, LocalRay, is_later};
 use std::fmt;
 
 /// The points `origin` + t·`direction` for t from 0 to `max_t`, checked when it is made.
@@ -213,7 +213,8 @@ pub fn for_each_hit(
             let mut limit = limit;
             compound.tree().visit(&slabs, slabs.key_of(limit), &mut |part, _| {
                 let shape = compound.parts()[part as usize].placed();
-                if let Some(hit) = convex(ray, PosedShape { shape, pose: posed.pose }) {
+                let part_posed = PosedShape { shape, pose: posed.pose };
+                if let Some(hit) = convex(ray, part_posed, limit) {
                     limit = visit(RayHit { part: Some(PartIndex::Part(part)), ..hit });
                 }
                 slabs.key_of(limit)
@@ -221,18 +222,18 @@ pub fn for_each_hit(
         }
         Shape::Mesh(mesh) => triangle::of_mesh(ray, posed, mesh, limit, visit),
         _ => {
-            if let Some(hit) = convex(ray, posed) {
+            if let Some(hit) = convex(ray, posed, limit) {
                 visit(hit);
             }
         }
     }
 }
 
-/// The hit of a convex shape.
-fn convex(ray: &Ray, posed: PosedShape<'_>) -> Option<RayHit> {
+/// The hit of a convex shape; none is looked for that is proved to be later than `limit`.
+fn convex(ray: &Ray, posed: PosedShape<'_>, limit: f64) -> Option<RayHit> {
     match posed.shape {
         Shape::HalfSpace(half_space) => half_space::hit(ray, half_space, posed.pose),
-        Shape::Polytope(polytope) => of_polytope(ray, posed, polytope),
+        Shape::Polytope(polytope) => of_polytope(ray, posed, polytope, limit),
         Shape::Curved(curved) if curved.swept_radius() == 0.0 => {
             let local = LocalRay::of(ray, &posed, curved.reach());
             match solids::curved(&local, curved, local.margin) {
@@ -251,15 +252,20 @@ fn convex(ray: &Ray, posed: PosedShape<'_>) -> Option<RayHit> {
     }
 }
 
-fn of_polytope(ray: &Ray, posed: PosedShape<'_>, polytope: &Polytope) -> Option<RayHit> {
+fn of_polytope(
+    ray: &Ray,
+    posed: PosedShape<'_>,
+    polytope: &Polytope,
+    limit: f64,
+) -> Option<RayHit> {
     let radius = polytope.swept_radius();
     let local = LocalRay::of(ray, &posed, polytope.reach() + radius);
     // A radius is a length of the world: in the shape's frame it is one up to what the pose stretches.
     let slack = local.margin + radius * (4.0 * posed.pose.deviation());
     let sphere = |grown: f64| solids::sphere(&local, polytope.inner().centre, grown);
-    // A miss of the sphere round it is a miss; of all polytopes the dearest are asked last.
+    // A miss of the sphere round it is a miss. It is tested first because other tests cost more.
     let round = sphere(polytope.outer_radius() + radius + slack)?;
-    if round.leave < 0.0 || round.enter > ray.max_t {
+    if round.leave < 0.0 || is_later(round.enter, limit) {
         return None;
     }
     let both = |chord: &dyn Fn(f64) -> Option<Chord>| {
@@ -283,7 +289,7 @@ fn of_polytope(ray: &Ray, posed: PosedShape<'_>, polytope: &Polytope) -> Option<
             if planes.is_empty() {
                 return general::hit(ray, posed);
             }
-            let (outer, inner) = planes::chords(&local, planes, radius + slack, -slack)?;
+            let (outer, inner) = planes::chords(&local, planes, [radius + slack, -slack], limit)?;
             if radius > 0.0 || !planes.has_inside() {
                 return general::hit(ray, posed);
             }

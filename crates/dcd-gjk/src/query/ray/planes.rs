@@ -1,18 +1,18 @@
 //! A line clipped against the planes of a polytope's faces (M. Cyrus and J. Beck, 1978).
 
-use super::local::{Chord, LocalRay};
+use super::local::{Chord, LocalRay, is_later};
 use dcd_geom::FacetPlanes;
 
 /// How many planes are compared at once: enough to keep the arithmetic busy between two decisions.
 const CHUNK: usize = 8;
 
 /// The chord in the outer planes, each moved outward by `out`, and that in the inner ones, moved by `inward`, which
-/// is below 0. `None` where the line misses the outer ones.
+/// is below 0. `None` where the line misses the outer ones, or enters them after `limit`.
 pub(super) fn chords(
     ray: &LocalRay,
     planes: &FacetPlanes,
-    out: f64,
-    inward: f64,
+    [out, inward]: [f64; 2],
+    limit: f64,
 ) -> Option<(Chord, Option<Chord>)> {
     let (mut outer, mut inner) = (Chord::LINE, Chord::LINE);
     let mut entered = 0;
@@ -48,7 +48,7 @@ pub(super) fn chords(
                 }
             }
         }
-        if outer.enter > outer.leave {
+        if outer.enter > outer.leave || is_later(outer.enter, limit) {
             return None;
         }
     }

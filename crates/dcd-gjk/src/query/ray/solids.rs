@@ -5,7 +5,7 @@ use super::local::{Chord, LocalRay};
 use dcd_geom::glam::{DVec2, DVec3};
 use dcd_geom::{Curved, CurvedKind};
 
-/// What a form knows of a shape that it may not be able to tell of.
+/// The result of a closed form for a shape that may have none.
 pub(super) enum Outcome {
     /// Proved: no common point.
     Missed,

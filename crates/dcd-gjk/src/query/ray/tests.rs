@@ -6,17 +6,21 @@ use dcd_geom::glam::DQuat;
 use dcd_geom::{Pose, Shape};
 
 /// The generator of Numerical Recipes.
-struct Random(u32);
+pub(in crate::query) struct Random(u32);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    /// From the seed that `DCD_SEED` names, else from this one.
+    pub(in crate::query) fn seeded(fixed: u32) -> Self {
+        Self(std::env::var("DCD_SEED").map_or(fixed, |seed| seed.parse().expect("a seed")))
+    }
+    pub(in crate::query) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         f64::from(self.0 >> 8) / f64::from(1 << 23) - 1.0
     }
-    fn vector(&mut self) -> DVec3 {
+    pub(in crate::query) fn vector(&mut self) -> DVec3 {
         DVec3::new(self.next(), self.next(), self.next())
     }
-    fn pose(&mut self, at: DVec3) -> Pose {
+    pub(in crate::query) fn pose(&mut self, at: DVec3) -> Pose {
         let q = DQuat::from_xyzw(self.next(), self.next(), self.next(), self.next() + 1.1);
         Pose::new(q.normalize(), at).unwrap()
     }
@@ -56,7 +60,7 @@ fn ball_mesh(scale: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (vertices.into_iter().map(|v| v * scale).collect(), triangles)
 }
 
-fn shapes(random: &mut Random, s: f64) -> Vec<(&'static str, Shape)> {
+pub(in crate::query) fn shapes(random: &mut Random, s: f64) -> Vec<(&'static str, Shape)> {
     let (vertices, triangles) = ball_mesh(s);
     let cuboid = || Shape::cuboid(DVec3::new(0.5, 0.8, 0.2) * s).unwrap();
     let parts = vec![
@@ -165,7 +169,7 @@ fn judge(what: &str, (shape, pose): (&Shape, &Pose), ray: &Ray, s: f64) -> Optio
 
 #[test]
 fn hits_and_misses_are_those_of_points_of_the_ray() {
-    let mut random = Random(5);
+    let mut random = Random::seeded(5);
     let mut counts = std::collections::BTreeMap::<&str, [u32; 3]>::new();
     for round in 0..40 {
         let s = [1.0, 1e-3, 1e-6, 1e3][round % 4];
@@ -193,14 +197,14 @@ fn hits_and_misses_are_those_of_points_of_the_ray() {
         }
     }
     for (what, [missed, met, grazed]) in counts {
-        let few = if what.contains("triangle") || what.contains("flat") { 3 } else { 20 };
+        let few = if what.contains("triangle") || what.contains("flat") { 1 } else { 5 };
         assert!(missed >= few && met >= few && grazed <= 4, "{what}: {missed} {met} {grazed}");
     }
 }
 
 #[test]
 fn no_ray_passes_between_the_triangles_of_a_closed_mesh() {
-    let mut random = Random(11);
+    let mut random = Random::seeded(11);
     for round in 0..6 {
         let s = [1.0, 1e-6, 1e3][round % 3];
         let (vertices, triangles) = ball_mesh(s);

@@ -116,7 +116,7 @@ pub(super) fn of_mesh(
 ) {
     let radius = mesh.swept_radius();
     let local = LocalRay::of(ray, &posed, mesh.reach() + radius);
-    // The radius in the mesh's own frame, with room for what a pose stretches.
+    // The radius in the mesh's own frame, grown by what a pose may stretch.
     let slabs = local.slabs(radius * (1.0 + 4.0 * posed.pose.deviation()));
     let sheared = Sheared::of(&local);
     mesh.tree().visit(&slabs, slabs.key_of(limit), &mut |number, _| {

@@ -147,7 +147,7 @@ fn climbed<R: Real>(which: usize) -> f64 {
     };
     let mut largest = 0.0f64;
     for _ in 0..12 {
-        // The bound speaks of the worst shape: one large vertex along the direction, alone.
+        // The bound is for the worst shape: one large vertex along the direction, alone.
         let mut best = [(); 23].map(|()| draw());
         let turn = DQuat::from_xyzw(best[9], best[10], best[11], best[12]).normalize();
         let d = if which == 0 { DVec3::new(best[6], best[7], best[8]) } else { DVec3::X };

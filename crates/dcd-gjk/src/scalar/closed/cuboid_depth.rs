@@ -71,7 +71,7 @@ struct Least {
     lower: f64,
 }
 
-/// The depth of two that touch, with a bound as good as asked for: `None` where it is not, for other shapes, and
+/// The depth of two that touch, with a bound as good as required: `None` where it is not, for other shapes, and
 /// where the cores do not surely overlap.
 pub(crate) fn depth(
     a: PosedSupport<'_, Polytope>,
@@ -103,18 +103,18 @@ pub(crate) fn depth(
         Axis::Product(j, k) => placed_a.axes[j].cross(placed_b.axes[k]),
     };
     let normal = normal.normalize() * if normal.dot(delta) < 0.0 { -1.0 } else { 1.0 };
-    let room = 8.0 * search.error(FACE);
+    let slack = 8.0 * search.error(FACE);
     let [in_a, in_b] = match axis {
         Axis::OfA(k) => {
-            let point = placed_a.meets(k, &placed_b, normal, room)?;
+            let point = placed_a.meets(k, &placed_b, normal, slack)?;
             [point + normal * value, point]
         }
         Axis::OfB(k) => {
-            let point = placed_b.meets(k, &placed_a, -normal, room)?;
+            let point = placed_b.meets(k, &placed_a, -normal, slack)?;
             [point, point - normal * value]
         }
         Axis::Product(j, k) => {
-            crossing([&placed_a, &placed_b], [j, k], normal, room.max(8.0 * error))?
+            crossing([&placed_a, &placed_b], [j, k], normal, slack.max(8.0 * error))?
         }
     };
     let origin = a.pose.translation();
@@ -280,7 +280,7 @@ impl Products<'_> {
         }
         let (value, error) = (value / length, *error / length);
         least.lower = least.lower.min(value - error);
-        // An axis of a box where rounding cannot tell.
+        // An axis of a box where rounding leaves both possible.
         if value + error < least.value {
             (least.axis, least.value, least.error) = (Axis::Product(j, k), value, error);
         }
@@ -291,9 +291,9 @@ impl Products<'_> {
     fn with_short(self) -> Least {
         let Self { search, mut least, short, count, .. } = self;
         let others = least.lower;
-        let room = search.error(SINE) / search.size;
+        let slack = search.error(SINE) / search.size;
         for &[surely, length, half] in &short[..count] {
-            let as_others = others - (length + room) * half;
+            let as_others = others - (length + slack) * half;
             // A quotient of zeros proves nothing.
             least.lower = least.lower.min(as_others.max(surely));
         }
@@ -311,18 +311,19 @@ impl Placed {
 
     /// The deepest point of another box under the face of axis `k` that looks along `outward`; `None` where rounding
     /// puts it beside the face.
-    fn meets(&self, k: usize, other: &Self, outward: DVec3, room: f64) -> Option<DVec3> {
+    fn meets(&self, k: usize, other: &Self, outward: DVec3, slack: f64) -> Option<DVec3> {
         let sides = [(k + 1) % 3, (k + 2) % 3];
         let place = |point: DVec3| sides.map(|side| self.axes[side].dot(point - self.centre));
-        let is_inside =
-            |place: [f64; 2]| (0..2).all(|side| place[side].abs() <= self.half[sides[side]] + room);
+        let is_inside = |place: [f64; 2]| {
+            (0..2).all(|side| place[side].abs() <= self.half[sides[side]] + slack)
+        };
         let corner = other.farthest(-outward);
         if is_inside(place(corner)) {
             return Some(corner);
         }
         // Along edges that are level any point is as deep: the middle of them, then from face to face the nearest.
         let is_level =
-            [0, 1, 2].map(|j| (other.axes[j].dot(outward) * other.half[j]).abs() <= room);
+            [0, 1, 2].map(|j| (other.axes[j].dot(outward) * other.half[j]).abs() <= slack);
         let level =
             |j: usize, place: f64| if is_level[j] { other.axes[j] * place } else { DVec3::ZERO };
         let from_centre = |j: usize, point: DVec3| other.axes[j].dot(point - other.centre);
@@ -350,7 +351,7 @@ pub(super) fn crossing(
     [a, b]: [&Placed; 2],
     [j, k]: [usize; 2],
     normal: DVec3,
-    room: f64,
+    slack: f64,
 ) -> Option<[DVec3; 2]> {
     let without = |side: &Placed, axis: usize, direction: DVec3| {
         let corner = side.farthest(direction);
@@ -364,7 +365,7 @@ pub(super) fn crossing(
     let squared = e.cross(f).length_squared();
     let s = (along_e - cosine * along_f) / squared;
     let r = (cosine * along_e - along_f) / squared;
-    let is_on = |x: f64, half: f64| x.abs() <= half + room;
+    let is_on = |x: f64, half: f64| x.abs() <= half + slack;
     let are_on = is_on(s, a.half[j]) && is_on(r, b.half[k]);
     are_on.then(|| [middle_a + e * s, middle_b + f * r])
 }

@@ -2,7 +2,7 @@
 //!
 //! A half-space n·x ≤ o at a pose is the set of all R·x + t, so with N = cof(R)·n it is
 //! N·(y − t) ≤ o·det R: exact in terms of R, whatever R departs from a rotation by. A shape is
-//! touched where its lowest point along N is. f64 tells with a bound; polytopes, cylinders and
+//! touched where its lowest point along N is. f64 decides with a bound; polytopes, cylinders and
 //! cones that are within it are judged exactly (docs/numerics/proofs.md, "half-spaces").
 
 use super::binary::Binary;
@@ -95,7 +95,7 @@ impl Gap {
         Self { value, error, length, normal, lowest }
     }
 
-    /// `None` where f64 cannot tell.
+    /// `None` where f64 cannot decide.
     fn touches(&self) -> Option<bool> {
         if self.value > self.error {
             Some(false)
@@ -193,7 +193,7 @@ impl ExactGap {
 /// Whether two shapes touch of which at least one is a half-space; `None` where none is.
 ///
 /// Exact for polytopes, cylinders, cones and half-spaces, rounded or not; a foreign shape stays
-/// undecided where f64 and its support error cannot tell.
+/// undecided within the rounding of f64 and its support error.
 pub fn overlap(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<(Verdict<()>, Method)> {
     let (touches, method) = match (Plane::of(a), Plane::of(b)) {
         (None, None) => return None,

@@ -1,6 +1,6 @@
 //! Closed forms: pairs whose answer needs no search.
 //!
-//! Each says what it proves and leaves the rest to the general path, which is its oracle. A form
+//! Each returns what it proves and leaves the rest to the general path, which is its oracle. A form
 //! stays here only where it measures faster than that path, or where there is no other
 //! (half-spaces, which have no support map).
 
@@ -91,7 +91,7 @@ pub(crate) fn distance(
     match (a.map.kind(), b.map.kind()) {
         (one, other) if !have_formula(one, other) => None,
         (Kind::Cuboid { .. }, Kind::Cuboid { .. }) => {
-            // What is certified asks for more than f64 has, nearly always.
+            // The certified accuracy is nearly always finer than f64 reaches.
             if sharp == AS_F64
                 && let Some(found) = segments::distance_of_cuboids(a, b)
             {

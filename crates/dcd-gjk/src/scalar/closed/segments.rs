@@ -187,7 +187,7 @@ impl<'a> Proposal<'a> {
         Some(Depth { depth, normal, point_a, point_b, error_bound })
     }
 
-    /// At most and at least the cores' distance less the radii; `None` where the points are too near to tell.
+    /// At most and at least the cores' distance less the radii; `None` where the points are too near for a bound.
     fn signed_distance(&self) -> Option<[f64; 2]> {
         let Self { unit, radius, length, .. } = *self;
         if !(length * length >= SHORTEST) {

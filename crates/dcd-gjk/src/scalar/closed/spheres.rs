@@ -111,7 +111,7 @@ impl Spheres {
     fn gap(&self) -> Gap {
         let radius = self.radii[0] + self.radii[1];
         let value = self.length - radius;
-        // The sum of the radii and the difference lose one u each; one is room for this product.
+        // The sum of the radii and the difference lose one u each; one covers this product.
         let error = UNIT * ((LENGTH + 2.0) * self.length + 3.0 * radius);
         Gap { value, error }
     }

@@ -10,9 +10,9 @@ use dcd_geom::{Support, SupportMap};
 /// The nearest point found. Lengths are those of the difference.
 pub(crate) struct Approach {
     /// The vertices that span it.
-    pub(super) simplex: Simplex<f64>,
+    pub(crate) simplex: Simplex<f64>,
     /// Their weights, up to a common factor.
-    pub(super) weights: [f64; 4],
+    pub(crate) weights: [f64; 4],
     /// From the origin to it, its largest component 1.
     pub(crate) direction: DVec3,
     /// Its distance from the origin, as computed.
@@ -30,14 +30,7 @@ pub(crate) fn approach<S: SupportMap<f64>>(
     bounds: &Bounds<f64>,
     gap: f64,
 ) -> Result<Approach, Verdict<()>> {
-    let mut best = Approach {
-        simplex: Simplex::default(),
-        weights: [0.0; 4],
-        direction: start::<f64>(difference.middle()),
-        length: f64::MAX,
-        upper: f64::MAX,
-        lower: -f64::MAX,
-    };
+    let mut best = Approach::towards(start::<f64>(difference.middle()));
     let mut nearest_so_far = f64::MAX;
     for _ in 0..MAX_SUPPORTS {
         let (vertex, separation) = difference.lowest(best.direction);
@@ -115,6 +108,18 @@ const PROPOSED: f64 = 9.0;
 const CLOSE: f64 = 256.0;
 
 impl Approach {
+    /// Of nothing yet, along a direction whose largest component is 1.
+    pub(crate) fn towards(direction: DVec3) -> Self {
+        Self {
+            simplex: Simplex::default(),
+            weights: [0.0; 4],
+            direction,
+            length: f64::MAX,
+            upper: f64::MAX,
+            lower: -f64::MAX,
+        }
+    }
+
     /// The points of the two cores, world frame, metres.
     pub(crate) fn points<S: SupportMap<f64>>(
         &self,

@@ -13,7 +13,7 @@ const U: f64 = f64::EPSILON / 2.0;
 
 /// What a quotient of two rounded integers, n·w / |n|, may be off by, relative to itself: 1.01u for
 /// the product, as much for each component of n, 3.01u for the length, 1u for the division; and
-/// room.
+/// a margin.
 const QUOTIENT: f64 = 16.0 * U;
 
 /// What is known of whether the pair touches.

@@ -21,7 +21,7 @@ const WORLD_BITS: i32 = 120;
 
 /// How far a lattice vertex of the difference may be from the true one, in units: half a unit for
 /// each of three products and a translation, of two bodies, in each of three coordinates (4·√3),
-/// and room for what compares it.
+/// and a margin for the comparison.
 pub(super) const SLACK: f64 = 8.0;
 
 /// Marks a vertex that belongs to no body.
@@ -81,12 +81,12 @@ impl<'a> LatticeDifference<'a> {
     }
 
     /// How far the support function may be from the true one, units: 0 as long as every vertex
-    /// asked for lies on the lattice.
+    /// that it returned lies on the lattice.
     pub(super) fn slack(&self) -> f64 {
         if self.inexact { SLACK } else { 0.0 }
     }
 
-    /// Makes a point part of the difference; there is room for three.
+    /// Adds a point to the difference, at most three times.
     pub(super) fn add_apex(&mut self, w: Point) -> Vertex {
         let apex = Vertex { w, a: APEX, b: APEX };
         if let Some(free) = self.apexes.iter_mut().find(|slot| slot.is_none()) {
@@ -172,8 +172,8 @@ impl<'a> LatticeBody<'a> {
     }
 
     /// The vertex farthest along `normal`: sought in f64 along `direction`, which is the same but
-    /// for its length and rounding, and settled on the lattice among those that f64 cannot tell
-    /// apart.
+    /// for its length and rounding, then on the lattice among those that f64 cannot
+    /// order.
     fn farthest(&self, normal: &Normal, direction: DVec3, dots: &mut Vec<f64>) -> Farthest {
         let local = self.body.pose.rotation().transform_transposed(direction);
         dots.clear();
@@ -181,7 +181,7 @@ impl<'a> LatticeBody<'a> {
         let largest = dots.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         // The direction's rounding, Rᵀd and ·v are 9 roundings, the lattice's is 2 units a
         // coordinate; underflow adds at most half of the least number six times. Doubled, for two
-        // vertices are compared, and again for room.
+        // vertices are compared, and again for a margin.
         let reach = self.body.map.reach();
         let error = Vector::norm1(direction) * (18.0 * U * reach + 4.0 * two_to(self.unit))
             + f64::from_bits(16);

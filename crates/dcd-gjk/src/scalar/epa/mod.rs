@@ -2,8 +2,8 @@
 //!
 //! The depth of two overlapping shapes is the shortest way by which moving one of them parts
 //! them: the least reach h(n) of C = A − B over all unit directions n. The expanding polytope
-//! algorithm (van den Bergen 2001) holds an inner polytope P ⊂ C of vertices found so far, asks C
-//! for its reach along the normal of P's nearest face, and adds the vertex found. Two bounds close
+//! algorithm (van den Bergen 2001) holds an inner polytope P ⊂ C of vertices found so far, evaluates
+//! C's reach along the normal of P's nearest face, and adds the vertex found. Two bounds close
 //! in: every h(n) is at least the depth, and the plane of P nearest the origin is at most the depth
 //! away.
 //!
@@ -17,7 +17,7 @@
 //! - distances are signed: an origin outside P is only a face with a negative distance, which is
 //!   expanded first, until it is inside or a face's plane separates it from all of C. The first
 //!   tetrahedron needs no overlap, and needs no other solver;
-//! - a flat C has depth 0 and is told apart from a thin one by exact rank;
+//! - a flat C has depth 0 and is distinguished from a thin one by exact rank;
 //! - the bounds have no term relative to the pair's size but the lattice's, about 1e-23 of it, so
 //!   depths far below the rounding of f64 are right in nearly all their digits.
 //!
@@ -62,7 +62,7 @@ pub struct Depth {
 }
 
 impl Depth {
-    /// Whether the shapes overlap more deeply than any f64, or than a bound of one can tell.
+    /// Whether the shapes overlap more deeply than f64, or a bound in f64, can express.
     pub fn is_saturated(&self) -> bool {
         self.error_bound == f64::MAX
     }
@@ -131,7 +131,7 @@ pub(crate) enum Direction {
     /// Any other is deeper, by more than a billionth of the depth of the rounded shapes; or its
     /// likes are a cone round it.
     Alone,
-    /// Another is as good but for that; or it could not be told.
+    /// Another is as good to within that, or which is better is unknown.
     Rivalled,
 }
 

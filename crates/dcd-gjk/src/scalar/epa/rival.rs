@@ -9,8 +9,8 @@ use dcd_geom::Vector;
 use dcd_geom::glam::DVec3;
 
 /// How much deeper a direction must be not to be a rival, relative to the depth of the shapes with
-/// their radii: what a caller is told and steps along, however little of it is the cores'. A billionth,
-/// as is promised of the depth itself. Larger: smooth points taken for kinks. Smaller: "smooth" where
+/// their radii: the depth that a caller gets, however little of it is the cores'. A billionth,
+/// as promised for the depth itself. Larger: smooth points taken for kinks. Smaller: "smooth" where
 /// the direction is an accident of rounding.
 const NEAR: f64 = 1e-9;
 
@@ -35,9 +35,9 @@ impl Viewer<'_> {
 
     /// Of cores that are apart, with that sum of radii, metres.
     ///
-    /// With a gap g the reach along the told direction is −g, and a rival's at most −g + ε. Where g
+    /// With a gap g the reach along the returned direction is −g, and a rival's at most −g + ε. Where g
     /// exceeds ε those are the directions of a negative reach below some bound: a convex cone round the
-    /// told one, for the reach is sublinear, in which the nearest point moves on without a kink. Where
+    /// returned one, for the reach is sublinear, in which the nearest point moves on without a kink. Where
     /// it does not, another facet of the difference, or its other side, may be as near. Then the
     /// facets are found as if the cores overlapped.
     pub(super) fn direction_across(
@@ -50,7 +50,7 @@ impl Viewer<'_> {
         if gap.lower > margin {
             return Direction::Alone;
         }
-        // Which side the origin is on cannot be told.
+        // Which side the origin is on is unknown.
         if gap.lower <= self.difference.slack() {
             return Direction::Rivalled;
         }

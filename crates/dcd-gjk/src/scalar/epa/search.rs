@@ -11,7 +11,7 @@ use super::wide::Wide;
 pub(super) const GROWTHS: usize = 1 << 14;
 
 /// The relative gap between the bounds at which the search stops. Well below what is promised of
-/// a depth, 1e-9. Smaller: more growth on finely cut shapes, for digits that nobody asked for.
+/// a depth, 1e-9. Smaller: more growth on finely cut shapes, for digits beyond the promised ones.
 const GAP: f64 = 1.0 / (1u64 << 42) as f64;
 
 /// The difference and what its supports prove.

@@ -3,8 +3,8 @@
 //! A difference that is a point, a segment or flat has none. It is given one, two or three apexes
 //! off its point, line or plane, and C′ = conv(C ∪ apexes) takes its place: C is a face of C′, so
 //! where the origin is in C's line or plane it is in C exactly if it is in C′, and no depth but 0
-//! is possible. That it *is* there need not be asked: the supports by which a difference is found
-//! flat are to both sides of it, and one of them separates the origin if it is off.
+//! is possible. That it *is* there needs no test: the supports that show the difference to be flat
+//! are on both sides of it, and one of them separates the origin if it is off.
 
 use super::lattice::{
     Normal, POINT_BITS, Point, Vertex, as_normal, cross, dot, length, minus, rounded, shortened,

@@ -19,7 +19,7 @@ pub(crate) struct Ending<'a> {
     pub(crate) others: Option<f64>,
 }
 
-/// The depth of polytopes that are known to touch, if it is confirmed as well as the accuracy asks for.
+/// The depth of polytopes that are known to touch, if it is confirmed as well as the accuracy requires.
 pub(crate) fn confirmed_depth(
     difference: Difference<'_, f64, Polytope, Polytope>,
     bodies: [PosedSupport<'_, Polytope>; 2],
@@ -46,7 +46,8 @@ pub(crate) fn confirmed_depth(
     let upper = -bounds.lower_bound(-direction, separation);
     let lower = if ending.others.is_some() { bounds.least_reach(inner) } else { 0.0 };
     let error = (upper - along).max(along - lower);
-    let found = search.told(along, error, search.leaving(ending.faces, direction), direction)?;
+    let found =
+        search.depth_of(along, error, search.leaving(ending.faces, direction), direction)?;
     let is_good = accuracy != Accuracy::Certified || found.error_bound <= CERTIFIED * found.depth;
     is_good.then_some(found)
 }

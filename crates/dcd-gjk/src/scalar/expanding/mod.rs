@@ -6,8 +6,8 @@
 //! is: it is closed, since it only ever loses a patch and gains the cone over the patch's boundary. If
 //! every triangle surely has the origin on its inner side, the surface winds round it, and the sphere
 //! that reaches the nearest triangle is inside A − B: a lower bound (docs/numerics/proofs.md, "Depth in f64").
-//! The reach along any direction is an upper one. A search that ends without a good bound says nothing,
-//! and the caller asks the exact one.
+//! The reach along any direction is an upper one. A search that ends without a good bound returns nothing,
+//! and the caller runs the exact one.
 //!
 //! Works on support maps, so that cylinders, cones and foreign shapes need no sampling.
 
@@ -90,7 +90,7 @@ impl Tolerance {
 }
 
 /// How deep two convex shapes overlap that are known to touch; `None` where f64 finds no bound as good
-/// as the accuracy asks for, and for shapes without a support map.
+/// as the accuracy requires, and for shapes without a support map.
 ///
 /// (a, b) and (b, a) give the same bits, mirrored.
 pub(crate) fn depth_of_overlap(
@@ -160,7 +160,7 @@ impl<S: SupportMap<f64>> Search<'_, S> {
         let error = (near.upper - near.length).max(near.length - near.lower)
             + (bounds.swept_upper() - bounds.radius());
         let [a, b] = self.bodies;
-        self.told(depth, error, near.points(a, b), -near.direction)
+        self.depth_of(depth, error, near.points(a, b), -near.direction)
     }
 
     fn of_overlapping_cores(&self, bounds: &Bounds<f64>, surface: &mut Surface) -> Option<Depth> {
@@ -186,11 +186,17 @@ impl<S: SupportMap<f64>> Search<'_, S> {
         let depth = reach.max(0.0) + bounds.radius();
         let error =
             (upper - reach.max(0.0)).max(reach - lower) + (bounds.swept_upper() - bounds.radius());
-        self.told(depth, error, surface.witnesses(normal, self.bodies), normal)
+        self.depth_of(depth, error, surface.witnesses(normal, self.bodies), normal)
     }
 
-    /// In metres, if the bound is as good as what was asked for. `points` are of the cores.
-    fn told(&self, depth: f64, error: f64, points: [DVec3; 2], direction: DVec3) -> Option<Depth> {
+    /// In metres, if the bound is as good as required. `points` are of the cores.
+    fn depth_of(
+        &self,
+        depth: f64,
+        error: f64,
+        points: [DVec3; 2],
+        direction: DVec3,
+    ) -> Option<Depth> {
         if !(depth >= self.tolerance.least) || !self.tolerance.admits_at_end(error, depth) {
             return None;
         }
@@ -204,7 +210,7 @@ impl<S: SupportMap<f64>> Search<'_, S> {
             point_b: points[1] - normal * b.map.radius(),
             error_bound: rounded_up((error + 8.0 * U * depth) / scale),
         };
-        // What leaves the range is the exact search's to say.
+        // What leaves the range is left to the exact search.
         let numbers = [found.depth, found.error_bound];
         let vectors = [found.normal, found.point_a, found.point_b];
         let is_finite =

@@ -22,7 +22,7 @@ fn cube() -> Polytope {
 }
 
 #[test]
-fn aligned_boxes_are_settled_on_either_side_of_touching() {
+fn aligned_boxes_are_resolved_on_either_side_of_touching() {
     let origin = at(0.0, 0.0, 0.0);
     for axis in [DVec3::X, -DVec3::Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0), DVec3::ONE] {
         for (pitch, expected) in [
@@ -62,7 +62,7 @@ fn a_cube_round_a_point_touches_it_wherever_it_is() {
 }
 
 #[test]
-fn f32_settles_what_is_wider_than_its_rounding() {
+fn f32_resolves_what_is_wider_than_its_rounding() {
     let origin = at(0.0, 0.0, 0.0);
     let turned = DQuat::from_rotation_z(0.3) * DQuat::from_rotation_x(0.7);
     for (x, expected) in [(0.84, Verdict::Touching(())), (1.4, Verdict::Apart)] {

@@ -1,9 +1,9 @@
 //! How deep pairs overlap: the polytope grows in f32, and f64 confirms the face that it ends at.
 //!
-//! The search in f32 says where to look, nothing more: its last surface is closed, and holds the origin by bounds
+//! The search in f32 finds where to look, nothing more: its last surface is closed, and holds the origin by bounds
 //! that count every rounding; the faces that may be the nearest are measured again in f64, where the depth and its
 //! bound come from (docs/numerics/proofs.md, "Depth by a surface in f32"). What is not confirmed as well as the
-//! accuracy asks for is measured by the solver itself.
+//! accuracy requires is measured by the solver itself.
 
 mod search;
 mod surface;
@@ -27,9 +27,9 @@ use surface::{Point, Surface};
 /// How deep the touching pairs overlap, and what a solver makes of it: [`Depths`] or
 /// [`Manifolds`](crate::Manifolds), at any accuracy.
 ///
-/// Who touches whom is proved as [`Overlap`](crate::Overlap) proves it. Of polytopes without a swept radius the
+/// Contact is proved as in [`Overlap`](crate::Overlap). For polytopes without a swept radius the
 /// depth is searched in f32, sixteen vertices or faces an operation, and confirmed in f64 with a proved bound that is
-/// as good as the accuracy asks for; all other pairs, and what is not confirmed, are the solver's. The same bits
+/// as good as the accuracy requires; the solver measures all other pairs, and what is not confirmed. The same bits
 /// on every path and at any number of threads; (a, b) and (b, a) are mirrored.
 #[derive(Clone, Copy, Debug)]
 pub struct SimdDepths<S = Depths> {
@@ -39,7 +39,7 @@ pub struct SimdDepths<S = Depths> {
 }
 
 impl<S: MeasureDepth> SimdDepths<S> {
-    /// What that solver says, at that accuracy.
+    /// The answers of that solver, at that accuracy.
     pub fn new(solver: S, accuracy: Accuracy) -> Self {
         Self::on(Path::best(), solver, accuracy)
     }

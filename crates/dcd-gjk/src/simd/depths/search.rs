@@ -16,11 +16,11 @@ const BLOCKS: usize = 16;
 const FAT: f32 = 1.0 / 4096.0;
 
 /// A support that is farther than the nearest face by no more than this is nothing new, and what a point is beyond
-/// by no more it does not see. Unit: u·m. Decides how many supports are asked for, never an answer.
+/// by no more it does not see. Unit: u·m. Decides how many supports are evaluated, never an answer.
 const GAIN: f32 = 8.0;
 
 /// How much nearer than computed the surface of the true vertices may be. Unit: u·m. 8 for each coordinate of a point
-/// of A − B (`CORNER`), √3 of that; 3.1 for the products with the normal; and room. The normal's own length loses
+/// of A − B (`CORNER`), √3 of that; 3.1 for the products with the normal; and a margin. The normal's own length loses
 /// [`LENGTH`]. Smaller: a bound that is none.
 pub(crate) const OFF: f64 = 24.0;
 
@@ -52,14 +52,14 @@ pub(crate) struct Scratch {
 }
 
 impl<'a> Search<'a> {
-    /// `None` where f32 has no room for the pair.
+    /// `None` where a hull has too many vertices, or the pair is outside f32's range.
     pub(super) fn of(
         difference: &Difference<'_, f64, Polytope, Polytope>,
         [a, b]: [(&Core, &'a [Block], &Pose); 2],
         scratch: &'a mut Scratch,
     ) -> Option<Self> {
-        let has_room = |blocks: &[Block]| (1..=BLOCKS).contains(&blocks.len());
-        if !has_room(a.1) || !has_room(b.1) {
+        let fits = |blocks: &[Block]| (1..=BLOCKS).contains(&blocks.len());
+        if !fits(a.1) || !fits(b.1) {
             return None;
         }
         let scale = difference.scale();

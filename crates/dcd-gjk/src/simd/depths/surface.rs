@@ -8,14 +8,14 @@ use dcd_simd::{Block, Lanes, Row, WIDTH};
 /// How many points the surface may have; hulls of tens of vertices need fifteen. More: pairs for the search in f64.
 pub(super) const POINTS: usize = 32;
 
-/// A closed surface of triangles has two faces a point, less four: the points' 60 and room.
+/// A closed surface of triangles has two faces a point, less four: the points' 60 and some to spare.
 const BLOCKS: usize = 4;
 
-/// Faces and room.
+/// Space for the faces.
 const FACES: usize = BLOCKS * WIDTH;
 
 /// What a determinant (q − p) × (r − p) · p may be off by. Unit: u·|q − p|₁·|r − p|₁·|p|₁. Two differences 2,
-/// the cross product 2.02, the dot product 3.01; and room for the bound's own. Smaller: an origin that is outside.
+/// the cross product 2.02, the dot product 3.01; and a margin for the bound's own rounding. Smaller: an origin that is outside.
 const DETERMINANT: f32 = 16.0;
 
 /// A determinant that is not above this by more than rounding proves nothing: products of such edges underflow.
@@ -149,7 +149,7 @@ impl Surface {
     }
 
     /// Takes away the faces that a point sees, which are one patch, `seen` among them, and adds the cone over the
-    /// patch's boundary. `None` where there is no room, where rounding makes that boundary more than one simple
+    /// patch's boundary. `None` where the faces exceed the space, where rounding makes that boundary more than one simple
     /// cycle, or where a new face has no area.
     #[inline(always)]
     pub(super) fn insert<L: Lanes>(

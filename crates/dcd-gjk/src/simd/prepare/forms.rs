@@ -37,7 +37,7 @@ impl Prepare<'_> {
         for (k, ((record, pose), aabb)) in objects {
             look_ahead(poses, k);
             let centre = pose.translation();
-            settle_centre(record, centre);
+            write_centre(record, centre);
             *aabb = around(record, centre, DVec3::splat(record.outer.into()));
         }
     }
@@ -53,7 +53,7 @@ impl Prepare<'_> {
         for (k, ((((record, boxes), upright), pose), aabb)) in objects {
             look_ahead(poses, k);
             let (centre, rotation) = (pose.translation(), pose.rotation());
-            settle_centre(record, centre);
+            write_centre(record, centre);
             let marks = HAS_OBB | BOX | LIVE | WHOLE;
             record.marks = if pose.deviation() < TURNED { marks } else { 0 };
             if let Some(found) = AxisAligned::of(&self.scene.shapes()[shape_of[k] as usize], pose) {
@@ -73,7 +73,7 @@ impl Prepare<'_> {
     }
 }
 
-/// How many poses ahead are asked for: some hundred cycles of work. No effect on any result.
+/// How many poses ahead are prefetched: some hundred cycles of work. No effect on any result.
 const AHEAD: usize = 24;
 
 #[inline(always)]
@@ -85,7 +85,7 @@ fn look_ahead(poses: &[Pose], k: usize) {
 
 /// The record of a shape whose centre is the origin of its frame.
 #[inline(always)]
-fn settle_centre(record: &mut Record, centre: DVec3) {
+fn write_centre(record: &mut Record, centre: DVec3) {
     let size = centre.abs().max_element() + f64::from(record.size);
     record.centre = centre.extend(0.0).to_array();
     record.slack = above(CENTRE * (f64::EPSILON / 2.0) * size);

@@ -1,4 +1,4 @@
-//! Compounds part by part: what the lanes say of them is what every pair of parts says by itself.
+//! Compounds part by part: the verdict of the lanes is that of resolving every pair of parts by itself.
 
 use super::{Numbers, paths, prepared};
 use crate::simd::cores::MAX_PARTS;
@@ -47,16 +47,16 @@ fn scene(seed: u64) -> Scene {
     Scene::one_each(shapes, poses).unwrap()
 }
 
-/// The contacts, and how many pairs were settled or left.
+/// The contacts, and how many pairs were resolved or left undecided.
 fn judged(scene: &Scene, path: Path, pairs: &[Pair]) -> (Vec<Pair>, u64) {
     let (frame, _) = prepared(scene, path);
     let side = Prepared { scene, frame: &frame };
     let (mut contacts, mut report) = (Vec::new(), Report::default());
     let sink = &mut ContactSink { contacts: &mut contacts, report: &mut report };
     Overlap::on(path).decide(side, side, pairs, &mut Scratch::default(), sink);
-    let settled: u64 = Method::ALL.iter().map(|&method| report.settled(method)).sum();
+    let resolved: u64 = Method::ALL.iter().map(|&method| report.resolved(method)).sum();
     let contacts = contacts.iter().map(|contact| contact.pair).collect();
-    (contacts, settled + report.undecided().len() as u64)
+    (contacts, resolved + report.undecided().len() as u64)
 }
 
 /// The parts in the frame of their shape.
@@ -93,10 +93,10 @@ fn agrees_with_every_pair_of_parts(scene: &Scene) -> usize {
     let pairs = super::pairs(scene);
     let expected: Vec<Pair> = pairs.iter().copied().filter(|&p| touches(scene, p)).collect();
     for path in paths() {
-        let (contacts, told) = judged(scene, path, &pairs);
+        let (contacts, answered) = judged(scene, path, &pairs);
         assert_eq!(contacts, expected, "{path:?}");
-        assert_eq!(told, pairs.len() as u64, "{path:?}");
-        // What a verdict is does not depend on what else is asked.
+        assert_eq!(answered, pairs.len() as u64, "{path:?}");
+        // A verdict does not depend on the other pairs.
         for pair in pairs.iter().step_by(3) {
             assert_eq!(judged(scene, path, &[*pair]).0.is_empty(), !expected.contains(pair));
         }

@@ -30,7 +30,7 @@ fn scene(seed: u64, scale: f64) -> Scene {
     Scene::one_each(shapes, poses).unwrap()
 }
 
-/// What f64 says of every pair, by support maps alone.
+/// The verdict of f64 on every pair, by support maps alone.
 fn in_f64(scene: &Scene) -> Vec<Pair> {
     let placed =
         |i: u32| PosedShape { shape: scene.shape(i as usize), pose: &scene.poses()[i as usize] };
@@ -50,7 +50,7 @@ fn curved_shapes_are_answered_as_f64_answers_them_and_most_pairs_in_the_lanes() 
         for path in paths() {
             let (found, report) = contacts(&scene, path);
             assert_eq!(found, expected, "{path:?} {scale}");
-            let (later, all) = (report.settled(Method::F64), pairs(&scene).len() as u64);
+            let (later, all) = (report.resolved(Method::F64), pairs(&scene).len() as u64);
             assert!(later > 0 && later < all / 20, "{later} of {all}");
         }
     }
@@ -68,7 +68,7 @@ fn without_a_certificate_curved_shapes_are_left_to_f64() {
         unproved.decide(side, side, &pairs(&scene), &mut Scratch::default(), sink);
         let is_curved = |i: u32| matches!(scene.shape(i as usize), Shape::Curved(_));
         let curved = pairs(&scene).into_iter().filter(|p| is_curved(p.i) || is_curved(p.j));
-        assert!(report.settled(Method::F64) >= curved.count() as u64);
+        assert!(report.resolved(Method::F64) >= curved.count() as u64);
         let found: Vec<Pair> = contacts.into_iter().map(|contact| contact.pair).collect();
         assert_eq!(found, in_f64(&scene), "{path:?}");
     }

@@ -84,7 +84,7 @@ fn upright() -> Scene {
     Scene::one_each(shapes.collect(), poses).unwrap()
 }
 
-/// What the lanes say of every pair, and how many of them they leave to the later methods.
+/// The verdict of the lanes on every pair, and how many of them they leave to the later methods.
 pub(super) fn contacts(scene: &Scene, path: Path) -> (Vec<Pair>, Report) {
     let (frame, _) = prepared(scene, path);
     let side = Prepared { scene, frame: &frame };
@@ -133,7 +133,7 @@ fn upright_cuboids_at_rest_are_answered_exactly_alone_and_among_hulls() {
         for path in paths() {
             let (found, report) = contacts(&scene, path);
             assert_eq!(found, exact, "{path:?}");
-            assert!(report.settled(Method::Exact) > 5, "{report:?}");
+            assert!(report.resolved(Method::Exact) > 5, "{report:?}");
         }
     }
 }
@@ -193,6 +193,8 @@ fn a_matrix_that_departs_too_far_leaves_a_cuboid_to_f64() {
             assert_eq!(frame.record(i as u32).marks, expected);
         }
         let (_, report) = contacts(&scene, path);
-        assert!(report.settled(crate::Method::F64) > 0 && report.settled(crate::Method::Obbs) > 0);
+        assert!(
+            report.resolved(crate::Method::F64) > 0 && report.resolved(crate::Method::Obbs) > 0
+        );
     }
 }

@@ -120,8 +120,8 @@ fn rounded_shapes_are_answered_in_the_lanes_as_exact_integers_answer_them() {
         for path in paths() {
             let (found, report) = contacts(&scene, path);
             assert_eq!(found, exact, "{path:?}");
-            let left = report.settled(Method::F64) + report.settled(Method::Exact);
-            assert!(left < 5 && report.settled(Method::Portal) > 100, "{path:?}: {report:?}");
+            let left = report.resolved(Method::F64) + report.resolved(Method::Exact);
+            assert!(left < 5 && report.resolved(Method::Portal) > 100, "{path:?}: {report:?}");
         }
     }
 }

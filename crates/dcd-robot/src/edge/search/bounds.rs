@@ -82,7 +82,7 @@ impl Search<'_> {
         moved * ROOM + self.slack(pair)
     }
 
-    fn carrier(&self, pair: &EdgePair) -> Twist {
+    pub(super) fn carrier(&self, pair: &EdgePair) -> Twist {
         self.common(pair).map_or(Twist::default(), |link| *self.at.twist(link))
     }
 

@@ -108,7 +108,7 @@ fn end_effectors_are_kept_as_the_file_has_them() {
 }
 
 #[test]
-fn what_groups_name_and_there_is_not_is_told_and_refused_when_asked() {
+fn what_groups_name_and_there_is_not_is_noted_and_refused_when_used() {
     let robot = robot();
     let srdf = with(
         r#"<group name="a"><joint name="no_joint"/></group>

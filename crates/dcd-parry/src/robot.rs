@@ -1,16 +1,16 @@
-//! The same checks by Parry in f64: what a user of Parry would write.
+//! A robot's states by Parry in f64: what a user of Parry would write.
 
+use crate::world::Until;
+use crate::{Library, Query};
 use dcd_geom::glam::DMat3;
 use dcd_geom::{Pair, Pose, Scene, Shape};
-use dcd_parry::{Library, Query};
-use dcd_robot::Workcell;
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 use parry3d_f64::math::Pose as ParryPose;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d_f64::shape::SharedShape;
 
-/// Parry's shapes for a workcell, a tree over its world, and which pairs are checked.
-pub(super) struct Rival {
+/// Parry's shapes for a robot in its world, a tree over the world, and which pairs are checked.
+pub struct ParryRobot {
     links: Vec<SharedShape>,
     obstacles: Vec<(SharedShape, ParryPose)>,
     tree: Bvh,
@@ -21,19 +21,10 @@ pub(super) struct Rival {
     boxes: Vec<Aabb>,
 }
 
-/// How many touching pairs are wanted of a state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wanted {
-    All,
-    /// One, if there is one.
-    First,
-}
-
-impl Rival {
-    /// None, if Parry has no shape for one of them.
-    pub(super) fn new(cell: &Workcell) -> Option<Self> {
-        let scene = cell.scene();
-        let links = cell.robot().parts().len();
+impl ParryRobot {
+    /// For a scene whose first `links` objects are the robot's, the others obstacles that stand still; pairs that the scene
+    /// does not allow are not checked. None, if Parry has no shape for one of them.
+    pub fn new(scene: &Scene, links: usize) -> Option<Self> {
         let forms =
             scene.shapes().iter().map(<f64 as Library>::form).collect::<Option<Vec<_>>>()?;
         let (own, world) = forms.split_at(links);
@@ -53,33 +44,29 @@ impl Rival {
         })
     }
 
-    /// The touching pairs with the links at these poses, all or the first alone, and how many it left undecided.
-    pub(super) fn check(
-        &mut self,
-        poses: &[ParryPose],
-        wanted: Wanted,
-        touching: &mut Vec<Pair>,
-    ) -> usize {
+    /// The touching pairs with the links at these poses ([`ParryRobot::pose`]), all or the first alone, and how many it left
+    /// undecided.
+    pub fn check(&mut self, poses: &[ParryPose], until: Until, touching: &mut Vec<Pair>) -> usize {
         let Self { links, obstacles, tree, self_pairs, is_checked, boxes } = self;
         touching.clear();
         boxes.clear();
         boxes.extend(links.iter().zip(poses).map(|(form, pose)| form.compute_aabb(pose)));
-        let mut untold = 0;
+        let mut unanswered = 0;
         let mut query =
             |pair: Pair, a: (&SharedShape, &ParryPose), b: (&SharedShape, &ParryPose)| {
                 match <f64 as Library>::touching(Query::IntersectionTest, a, b) {
                     Some(true) => touching.push(pair),
                     Some(false) => {}
-                    None => untold += 1,
+                    None => unanswered += 1,
                 }
-                wanted == Wanted::First && !touching.is_empty()
+                until == Until::First && !touching.is_empty()
             };
         for &pair in &*self_pairs {
             let [i, j] = [pair.i as usize, pair.j as usize];
             if boxes[i].intersects(&boxes[j])
                 && query(pair, (&links[i], &poses[i]), (&links[j], &poses[j]))
             {
-                return untold;
+                return unanswered;
             }
         }
         for (i, aabb) in boxes.iter().enumerate() {
@@ -89,12 +76,12 @@ impl Rival {
                     let pair = Pair { i: i as u32, j: links.len() as u32 + leaf };
                     let (form, pose) = &obstacles[k];
                     if query(pair, (&links[i], &poses[i]), (form, pose)) {
-                        return untold;
+                        return unanswered;
                     }
                 }
             }
         }
-        untold
+        unanswered
     }
 }
 
@@ -103,8 +90,15 @@ fn pose_of(scene: &Scene, i: usize) -> ParryPose {
     parry_pose(scene.shape(i), &scene.poses()[i])
 }
 
+impl ParryRobot {
+    /// A pose of a link of that shape, as Parry holds it.
+    pub fn pose(shape: &Shape, pose: &Pose) -> ParryPose {
+        parry_pose(shape, pose)
+    }
+}
+
 /// A pose of that shape in Parry's terms.
-pub(super) fn parry_pose(shape: &Shape, pose: &Pose) -> ParryPose {
+fn parry_pose(shape: &Shape, pose: &Pose) -> ParryPose {
     if let Shape::Curved(_) = shape {
         let r = pose.rotation();
         let turned = DMat3::from_cols(r.x_axis, r.z_axis, -r.y_axis);

@@ -1,0 +1,165 @@
+//! How far a point is from a shape, and which point of it is nearest.
+//!
+//! A hull's face planes prove most of it: the largest height above them is a lower bound, a point below all of them
+//! is inside, and where the foot on the highest face is a point of the face, it is the nearest. What is nearest to an
+//! edge or a corner goes the way of every distance ([`distance_at`]).
+
+use super::local::{LocalPoint, ORTHONORMAL};
+use crate::distance::distance_at;
+use crate::{Accuracy, DistanceResult, PosedShape};
+use dcd_geom::glam::DVec3;
+use dcd_geom::{FacetPlanes, Polytope, Pose, Shape};
+
+/// How far a point is from a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointDistance {
+    /// Metres; 0 inside.
+    pub distance: f64,
+    /// Proved: no nearer.
+    pub lower: f64,
+    /// Proved: no farther; infinite where nothing is known.
+    pub upper: f64,
+    /// The point of the shape, world frame. The point itself where it is inside.
+    pub nearest: DVec3,
+}
+
+impl PointDistance {
+    /// Of a point of the shape.
+    fn inside(point: DVec3) -> Self {
+        Self { distance: 0.0, lower: 0.0, upper: 0.0, nearest: point }
+    }
+}
+
+/// How far a point of the world is from a shape. `None` only where that is proved to be more than `limit`, metres,
+/// which may be infinite.
+///
+/// ```
+/// use dcd_geom::{Pose, Shape, glam::DVec3};
+/// use dcd_gjk::PosedShape;
+/// use dcd_gjk::query::point::nearest_point;
+/// let (shape, pose) = (Shape::cuboid(DVec3::ONE)?, Pose::IDENTITY);
+/// let posed = PosedShape { shape: &shape, pose: &pose };
+/// let found = nearest_point(DVec3::X * 3.0, posed, f64::INFINITY).unwrap();
+/// assert!(found.lower <= 2.0 && 2.0 <= found.upper && found.upper - found.lower < 1e-12);
+/// assert_eq!(nearest_point(DVec3::X * 3.0, posed, 1.5), None);
+/// # Ok::<(), dcd_geom::ShapeError>(())
+/// ```
+pub fn nearest_point(point: DVec3, posed: PosedShape<'_>, limit: f64) -> Option<PointDistance> {
+    if let Shape::Polytope(polytope) = posed.shape
+        && posed.pose.deviation() <= ORTHONORMAL
+    {
+        match by_planes(point, posed.pose, polytope, limit) {
+            Outcome::Beyond => return None,
+            Outcome::Known(found) => return Some(found),
+            Outcome::Open => {}
+        }
+    }
+    let (Ok(sphere), Ok(at)) = (Shape::sphere(0.0), Pose::from_translation(point)) else {
+        // Of a point that is not finite nothing is known.
+        return Some(PointDistance { upper: f64::INFINITY, ..PointDistance::inside(point) });
+    };
+    let sphere = PosedShape { shape: &sphere, pose: &at };
+    let within = |distance: f64, lower: f64, upper: f64, nearest: DVec3| {
+        (lower <= limit).then_some(PointDistance { distance, lower, upper, nearest })
+    };
+    match distance_at(Accuracy::F64, sphere, posed).0 {
+        DistanceResult::Touching => within(0.0, 0.0, 0.0, point),
+        DistanceResult::Apart(found) => {
+            let upper = if found.is_saturated() { f64::INFINITY } else { found.upper() };
+            within(found.distance, found.lower(), upper, found.point_b)
+        }
+        DistanceResult::Interval { within: found, .. } => {
+            within(0.0, 0.0, found.upper(), found.point_b)
+        }
+        DistanceResult::Undecided(_) => within(0.0, 0.0, f64::INFINITY, point),
+    }
+}
+
+/// What planes know of a point.
+enum Outcome {
+    /// Proved: farther than the limit.
+    Beyond,
+    /// All of it.
+    Known(PointDistance),
+    /// Not enough.
+    Open,
+}
+
+/// By the sphere round a polytope, then by the planes of its faces. Of a pose that keeps lengths to within what the
+/// margin holds.
+fn by_planes(point: DVec3, pose: &Pose, polytope: &Polytope, limit: f64) -> Outcome {
+    let radius = polytope.swept_radius();
+    let LocalPoint { point: local, margin, .. } =
+        LocalPoint::of(point, pose, polytope.reach() + radius);
+    let beyond = |least: f64| least - radius - margin > limit;
+    if beyond((local - polytope.inner().centre).length() - polytope.outer_radius()) {
+        return Outcome::Beyond;
+    }
+    let planes = polytope.planes();
+    if planes.is_empty() {
+        return Outcome::Open;
+    }
+    let Heights { highest, face, is_below_inner } = Heights::of(local, planes, margin);
+    if beyond(highest) {
+        return Outcome::Beyond;
+    }
+    if !planes.has_inside() {
+        return Outcome::Open;
+    }
+    if is_below_inner {
+        return Outcome::Known(PointDistance::inside(point));
+    }
+    // The foot, moved in by what proves that it is a point of the core.
+    let normal = planes.normal(face);
+    let height = normal.dot(local) - planes.inner[face] + 4.0 * margin;
+    let foot = local - normal * height;
+    let (lower, upper) = (highest - radius - margin, height - radius + margin);
+    if !(lower > 0.0) || !Heights::of(foot, planes, margin).is_below_inner {
+        return Outcome::Open;
+    }
+    Outcome::Known(PointDistance {
+        distance: 0.5 * (lower + upper),
+        lower,
+        upper,
+        nearest: pose.apply(foot + normal * radius),
+    })
+}
+
+/// A point above the planes of faces.
+struct Heights {
+    /// Above the outer planes the largest, rounded.
+    highest: f64,
+    /// Of which face.
+    face: usize,
+    /// Whether the point is below every inner plane by more than the margin.
+    is_below_inner: bool,
+}
+
+/// How many planes are compared at once: enough to keep the arithmetic busy between two decisions.
+const CHUNK: usize = 8;
+
+impl Heights {
+    fn of(point: DVec3, planes: &FacetPlanes, margin: f64) -> Self {
+        let mut found = Self { highest: f64::NEG_INFINITY, face: 0, is_below_inner: true };
+        let [nx, ny, nz] = &planes.normals;
+        for first in (0..planes.len()).step_by(CHUNK) {
+            let part = first..(first + CHUNK).min(planes.len());
+            let mut along = [0.0; CHUNK];
+            let normals = nx[part.clone()].iter().zip(&ny[part.clone()]).zip(&nz[part.clone()]);
+            for (((x, y), z), along) in normals.zip(&mut along) {
+                *along = x * point.x + y * point.y + z * point.z;
+            }
+            let offsets = planes.outer[part.clone()].iter().zip(&planes.inner[part]);
+            for (k, (&along, (outer, inner))) in along.iter().zip(offsets).enumerate() {
+                if along - outer > found.highest {
+                    (found.highest, found.face) = (along - outer, first + k);
+                }
+                found.is_below_inner &= along < inner - margin;
+            }
+        }
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,200 @@
+//! The links of sixteen states, and their spheres, in f32.
+
+// In kernels: an iterator that is left out of line costs more than the loop.
+#![allow(clippy::needless_range_loop)]
+
+use super::link_frames::LinkFrames;
+use super::links::{LinkSpheres, SphereRow};
+use super::obstacle_tree::ObstacleTree;
+use super::prepared::Prepared;
+use super::{MARGIN, Sixteen};
+use dcd_geom::Aabb;
+use dcd_simd::{Block, Lanes, Row, WIDTH};
+use glam::Vec3;
+
+/// The links of sixteen states in f32.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rounded {
+    pub(super) world: Vec<RoundedLink>,
+    pub(super) own: Vec<RoundedLink>,
+    /// The obstacles near a link, each with the states in which it is, a bit each.
+    pub(super) near: Vec<(u32, u32)>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RoundedLink {
+    /// The rotation's columns, then the translation.
+    pub(super) frame: [Row; 12],
+    /// Of the sphere round all that the link carries, in the world, metres.
+    pub(super) centre: Block,
+    /// By how much a comparison of anything on the link may be off, metres.
+    pub(super) margin: Row,
+}
+
+impl Rounded {
+    /// The links that meet obstacles.
+    pub(super) fn world(&self) -> &[RoundedLink] {
+        &self.world
+    }
+
+    /// The links that meet each other.
+    pub(super) fn own(&self, prepared: &Prepared) -> &[RoundedLink] {
+        if prepared.own_links.is_some() { &self.own } else { &self.world }
+    }
+}
+
+/// Rounds the links' frames, and finds where their spheres are.
+#[inline(always)]
+pub(super) fn round<L: Lanes>(
+    l: L,
+    links: &[LinkSpheres],
+    frames: &LinkFrames,
+    to: &mut Vec<RoundedLink>,
+) {
+    to.resize(links.len(), RoundedLink::default());
+    for (link, rounded) in links.iter().zip(to) {
+        let row = &frames.frames[link.link];
+        for k in 0..12 {
+            l.store(l.round_from([&row[k][0], &row[k][1]]), &mut rounded.frame[k]);
+        }
+        let frame = loaded(l, &rounded.frame);
+        let centre = placed(l, &frame, splat(l, link.centre));
+        rounded.centre = stored(l, centre);
+        let far = l.max(l.max(l.abs(frame[9]), l.abs(frame[10])), l.abs(frame[11]));
+        let margin = l.mul_add(far, l.splat(MARGIN as f32), l.splat(link.margin));
+        l.store(margin, &mut rounded.margin);
+    }
+}
+
+#[inline(always)]
+fn loaded<L: Lanes>(l: L, rows: &[Row; 12]) -> [L::F; 12] {
+    let mut frame = [l.splat(0.0); 12];
+    for k in 0..12 {
+        frame[k] = l.load(&rows[k]);
+    }
+    frame
+}
+
+#[inline(always)]
+pub(super) fn splat<L: Lanes>(l: L, point: Vec3) -> [L::F; 3] {
+    [l.splat(point.x), l.splat(point.y), l.splat(point.z)]
+}
+
+/// R·c + t.
+#[inline(always)]
+fn placed<L: Lanes>(l: L, frame: &[L::F; 12], [x, y, z]: [L::F; 3]) -> [L::F; 3] {
+    let mut centre = [x; 3];
+    for k in 0..3 {
+        let sum = l.mul_add(frame[k], x, frame[9 + k]);
+        centre[k] = l.mul_add(frame[6 + k], z, l.mul_add(frame[3 + k], y, sum));
+    }
+    centre
+}
+
+#[inline(always)]
+pub(super) fn stored<L: Lanes>(l: L, centre: [L::F; 3]) -> Block {
+    let mut block = Block::default();
+    for axis in 0..3 {
+        l.store(centre[axis], &mut block.0[axis]);
+    }
+    block
+}
+
+#[inline(always)]
+fn of_block<L: Lanes>(l: L, Block([x, y, z]): &Block) -> [L::F; 3] {
+    [l.load(x), l.load(y), l.load(z)]
+}
+
+impl RoundedLink {
+    /// Lists the obstacles whose boxes are near a sphere of that radius, state by state.
+    pub(super) fn near_in_tree(
+        &self,
+        radius: f32,
+        open: u32,
+        tree: &ObstacleTree,
+        near: &mut Vec<(u32, u32)>,
+    ) {
+        let mut aabbs = [Aabb::EMPTY; WIDTH];
+        for lane in bits(open) {
+            let (centre, radius) = (self.centre.point(lane), radius + self.margin.0[lane]);
+            let aabb = Aabb { min: centre - radius, max: centre + radius };
+            // Written so that a NaN is near everything.
+            let is_known = aabb.min.is_finite() && aabb.max.is_finite();
+            aabbs[lane] = if is_known { aabb } else { Aabb::EVERYTHING };
+        }
+        tree.reached(&aabbs, |obstacle, lane| {
+            if open >> lane & 1 == 1 {
+                near.push((obstacle, 1 << lane));
+            }
+        });
+    }
+
+    /// The link's own sphere in all sixteen states.
+    #[inline(always)]
+    pub(super) fn spheres<L: Lanes>(&self, l: L, link: &LinkSpheres) -> Sixteen<L> {
+        Sixteen {
+            centre: of_block(l, &self.centre),
+            outer: l.splat(link.radius),
+            inner: l.splat(f32::NEG_INFINITY),
+            margin: l.load(&self.margin),
+        }
+    }
+
+    /// Sixteen spheres on the link, in one of the states.
+    #[inline(always)]
+    pub(super) fn row<L: Lanes>(&self, l: L, row: &SphereRow, lane: usize) -> Sixteen<L> {
+        let mut frame = [l.splat(0.0); 12];
+        for k in 0..12 {
+            frame[k] = l.splat(self.frame[k].0[lane]);
+        }
+        Sixteen {
+            centre: placed(l, &frame, of_block(l, &row.centre)),
+            outer: l.load(&row.outer),
+            inner: l.load(&row.inner),
+            margin: l.splat(self.margin.0[lane]),
+        }
+    }
+}
+
+/// The spheres of up to sixteen links in one state.
+#[derive(Default)]
+pub(super) struct Gathered {
+    centre: Block,
+    radius: Row,
+    margin: Row,
+}
+
+impl Gathered {
+    #[inline(always)]
+    pub(super) fn set(
+        &mut self,
+        k: usize,
+        (link, rounded): (&LinkSpheres, &RoundedLink),
+        lane: usize,
+    ) {
+        // Not zipped: in a function of another CPU feature that is a call.
+        for axis in 0..3 {
+            self.centre.0[axis].0[k] = rounded.centre.0[axis].0[lane];
+        }
+        (self.radius.0[k], self.margin.0[k]) = (link.radius, rounded.margin.0[lane]);
+    }
+
+    #[inline(always)]
+    pub(super) fn spheres<L: Lanes>(&self, l: L) -> Sixteen<L> {
+        Sixteen {
+            centre: of_block(l, &self.centre),
+            outer: l.load(&self.radius),
+            inner: l.splat(f32::NEG_INFINITY),
+            margin: l.load(&self.margin),
+        }
+    }
+}
+
+/// The set bits of a number, the least first.
+pub(super) fn bits(mut of: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = (of != 0).then(|| of.trailing_zeros() as usize)?;
+        of &= of - 1;
+        Some(bit)
+    })
+}
