@@ -28,8 +28,8 @@ use outline::{MOST_SPHERES, Outline};
 use search::Search;
 use std::sync::{Arc, OnceLock};
 
-/// What the numbers of a bound lose in f64, relative, with much room.
-const ROOM: f64 = 1.0 + 1e-9;
+/// Rounds a bound up: far more than its sums and products lose in f64, relative. No unit. Smaller: bounds below the truth.
+const ROUNDED_UP: f64 = 1.0 + 1e-9;
 
 /// Checks whether motions of a robot in its world are free.
 #[derive(Clone, Debug)]
@@ -42,7 +42,7 @@ pub struct EdgeChecker {
     pairs: Vec<EdgePair>,
     /// For hits; none of more objects than it counts.
     states: Option<Arc<StateChecker>>,
-    /// Of each object, once a certificate is asked for; or an object that has none.
+    /// Of each object, once a certificate is wanted; or an object that has none.
     pieces: OnceLock<Result<Arc<[Pieces]>, usize>>,
 }
 
@@ -106,7 +106,7 @@ pub enum EdgeAnswer {
 pub enum EdgeReason {
     /// The budget of intervals was spent.
     Budget,
-    /// It is shorter than 2⁻⁴⁰: the gap is there within what rounding tells.
+    /// It is shorter than 2⁻⁴⁰: the gap there is within the rounding.
     Short,
 }
 
@@ -213,7 +213,7 @@ impl EdgeChecker {
         Search::new(self, path, (budget, Before::Hit)).run()
     }
 
-    /// The same, for those who ask of a hit that there is one: nothing is proved of what is before it, so that its
+    /// The same where only the existence of a hit counts: nothing is proved of what is before it, so that its
     /// [`Edge::free_until`] is 0.
     ///
     /// # Errors

@@ -105,7 +105,7 @@ impl Work {
         let place = |random: &mut Random| middle + random.vector() * half;
         let mut rays = Vec::new();
         while rays.len() < count {
-            // From outside or within, across the room.
+            // From outside or within, across the scene.
             let (from, to) = (middle + random.vector() * half * 1.5, place(&mut random));
             rays.extend(Ray::endless(from, (to - from).normalize()));
         }

@@ -23,7 +23,7 @@ pub(crate) struct PartPair<'s> {
     /// `None` for a convex shape, which is its own only part.
     pub(crate) parts: [Option<PartIndex>; 2],
     sides: [Part<'s>; 2],
-    /// Of a triangle, which becomes a shape when it is first asked for: most pairs need none.
+    /// Of a triangle, which becomes a shape when it is first needed: most pairs need none.
     shapes: [OnceCell<Option<Box<Shape>>>; 2],
     /// The two in the order that is one for (a, b) and (b, a); `None` where their reach is not known.
     couple: Option<Couple<'s>>,
@@ -233,7 +233,7 @@ pub(crate) enum Effort {
 }
 
 /// The greatest of the depths of all touching pairs of parts, each as `depth` says, and the pair's index; the
-/// default where no pair is known to touch. Pairs that are surely no deeper are not asked.
+/// default where no pair is known to touch. Pairs that are surely no deeper are not measured.
 ///
 /// Moving the shapes apart by it along its normal separates those two parts, and maybe not the
 /// others: it bounds from below what separates the whole. Mirrored for (b, a), bit for bit.

@@ -7,7 +7,7 @@ use crate::epa::Depth;
 use dcd_geom::SupportMap;
 use dcd_geom::glam::DVec3;
 
-/// By how much a certificate's inequalities must hold, relative to the pair's size: room for all rounding.
+/// By how much a certificate's inequalities must hold, relative to the pair's size: more than all rounding.
 const CLEAR: f64 = 1e-9;
 
 impl Couple<'_> {

@@ -54,7 +54,7 @@ pub(super) fn advance(
             let gap = gap - off;
             if gap > 0.0 {
                 let speed = closing.along(axis);
-                // A quotient and a sum, rounded down with room.
+                // A quotient and a sum, rounded down by more than they lose.
                 let then = t + gap / speed * (1.0 - 1e-12);
                 if speed <= 0.0 || then > until {
                     return Ok(Advance::Free);

@@ -95,7 +95,7 @@ impl EdgeChecker {
         lines::cell(self, &self.pieces()?)
     }
 
-    /// The convex pieces of each object, made when they are first asked for.
+    /// The convex pieces of each object, made when they are first needed.
     fn pieces(&self) -> Result<Arc<[Pieces]>, RobotError> {
         let scene = self.cell.scene();
         let made = self.pieces.get_or_init(|| {

@@ -2,7 +2,7 @@
 
 use super::path::JointPath;
 use super::reach::Lengths;
-use super::{EdgeChecker, ROOM};
+use super::{EdgeChecker, ROUNDED_UP};
 use crate::kinematics::JointFrame;
 use crate::{Drive, Motion, RobotError};
 use dcd_geom::Pose;
@@ -155,7 +155,7 @@ impl Local {
             if turn > 0.0 && near.radius.is_finite() {
                 // Joints behind this one move the point to or from its axis, its own turn does not.
                 let arm = place.arm(index, joint.child, near.middle) + near.radius + half * behind;
-                speed = speed.min(turn * arm * ROOM);
+                speed = speed.min(turn * arm * ROUNDED_UP);
             }
             self.speed[k] = behind + speed;
             self.acceleration[k] =
@@ -163,7 +163,7 @@ impl Local {
             // The same with how fast the joints before turn together in place of the sum of their turns.
             let [turns, changes] = near.before[k];
             let together = if near.is_even {
-                turns.min(place.twist(joint.parent).turn.length() * ROOM + half * changes)
+                turns.min(place.twist(joint.parent).turn.length() * ROUNDED_UP + half * changes)
             } else {
                 turns
             };
@@ -173,7 +173,7 @@ impl Local {
         let base = robot.base.translation;
         let turning = near.radius * near.twist.turn.length();
         let now = near.twist.of(near.middle - base).length() + turning;
-        let by_now = half * now * ROOM + 0.5 * half * half * self.acceleration[0];
-        self.moved = by_now.min(half * self.speed[0]) * ROOM;
+        let by_now = half * now * ROUNDED_UP + 0.5 * half * half * self.acceleration[0];
+        self.moved = by_now.min(half * self.speed[0]) * ROUNDED_UP;
     }
 }

@@ -8,7 +8,7 @@ mod tests;
 use super::path::JointPath;
 use super::place::{Local, Place, Twist};
 use super::reach::Lengths;
-use super::{Before, Edge, EdgeAnswer, EdgeChecker, EdgeReason, ROOM};
+use super::{Before, Edge, EdgeAnswer, EdgeChecker, EdgeReason, ROUNDED_UP};
 use crate::RobotError;
 use dcd_exec::Par;
 use dcd_geom::Pose;
@@ -116,8 +116,8 @@ impl<'a> Search<'a> {
             let (mut turns, mut changes) = (0.0, 0.0);
             let before = lengths.turn.iter().map(|&turn| {
                 let before = [turns, changes];
-                changes += turn * turns * ROOM;
-                turns += turn * ROOM;
+                changes += turn * turns * ROUNDED_UP;
+                turns += turn * ROUNDED_UP;
                 before
             });
             let before = before.collect();
@@ -170,7 +170,7 @@ impl<'a> Search<'a> {
             stack.push(Node { from: 0.0, to: end, pairs: 0..self.open.len() });
         }
         while let Some(node) = stack.pop() {
-            // What is beyond a hit tells nothing more, nor is anything left to find before it.
+            // What is beyond a hit does not matter, nor is anything left to find before it.
             if let Some((t, _)) = self.hit
                 && (node.from >= t || self.left.is_some() || self.before == Before::Anything)
             {
@@ -183,7 +183,7 @@ impl<'a> Search<'a> {
             self.nodes += 1;
             let middle = 0.5 * (node.from + node.to);
             self.at.go_to(self.checker, self.path, middle)?;
-            self.half = 0.5 * (node.to - node.from) * ROOM;
+            self.half = 0.5 * (node.to - node.from) * ROUNDED_UP;
             self.open.truncate(node.pairs.end);
             let pairs = self.unproved(&node);
             if !pairs.is_empty() {
@@ -267,7 +267,7 @@ impl<'a> Search<'a> {
     /// are among all open ones.
     fn unproved(&mut self, node: &Node) -> Range<usize> {
         let from = self.open.len();
-        // Some distance first: it tells of most others that they are far.
+        // Some distance first: it proves that most others are far.
         if self.nearest == f64::INFINITY && self.hit.is_none() {
             let far = |&k: &usize| self.far(self.open[k]);
             let nearest = node.pairs.clone().min_by(|j, k| far(j).total_cmp(&far(k)));
@@ -281,7 +281,7 @@ impl<'a> Search<'a> {
                 self.open.push(pair);
             }
             if self.hit.is_some_and(|(t, _)| t < node.to && t > node.from) {
-                // Only what is before it matters, and all of that is asked for again.
+                // Only what is before it matters, and all of that is searched again.
                 self.open.truncate(from);
                 return node.pairs.clone();
             }
@@ -321,7 +321,7 @@ impl<'a> Search<'a> {
     }
 
     /// Whether the pair is proved apart for half of the node to either side of where the robot is now, by as much as a
-    /// clearance asks for.
+    /// clearance needs.
     fn is_proved(&mut self, pair: u32) -> bool {
         let edge_pair = self.checker.pairs[pair as usize];
         let [a, b] = edge_pair.objects;
@@ -373,7 +373,7 @@ impl<'a> Search<'a> {
     }
 
     /// [`is_proved_by_distance`](Self::is_proved_by_distance) where a mesh's hull proves the pair apart, or will do so on a
-    /// shorter interval; `None` where the mesh itself has to be asked.
+    /// shorter interval; `None` where the mesh itself is needed.
     fn is_proved_by_hulls(&mut self, pair: u32, carried: Option<glam::DMat3>) -> Option<bool> {
         let edge_pair = self.checker.pairs[pair as usize];
         let hulls =
@@ -425,7 +425,7 @@ impl<'a> Search<'a> {
             let along = self.along(pair, &edge_pair, found.normal);
             proved = along.map_or(proved, |gaps| proved.max(gaps.proved));
         }
-        // Proved, and by as much as a clearance asks for.
+        // Proved, and by as much as a clearance needs.
         let enough = proved > 0.0 && (self.suffices(proved) || proved >= 0.5 * found.lower());
         if enough { self.note(proved) } else { false }
     }

@@ -107,7 +107,7 @@ fn assert_holds(checker: &EdgeChecker, path: &JointPath, edge: &Edge, samples: u
     }
 }
 
-/// Numbers that differ from run to run; the seed is told where an assertion fails.
+/// Numbers that differ from run to run; the seed is printed where an assertion fails.
 pub(super) struct Draw(u64);
 
 impl Draw {

@@ -19,7 +19,7 @@ const SOLID: f64 = 1e-6;
 /// The sine above which two edges surely cross.
 const CROSSING: f64 = 1e-6;
 
-/// The most corners that a patch may have: four, and one more for each of five cuts; and room for what rounding adds.
+/// The most corners that a patch may have: four, and one more for each of five cuts; and spare ones for what rounding adds.
 const MOST: usize = 12;
 
 /// What two boxes show each other.
@@ -340,7 +340,7 @@ fn features([of_edge, by]: [Line; 2], whole: [Feature; 2]) -> [Feature; 2] {
     }
 }
 
-/// The corners of a patch, in order round it, and room for them after the next cut.
+/// The corners of a patch, in order round it, and memory for them after the next cut.
 #[derive(Debug)]
 pub(super) struct Points {
     rounds: [[Point; MOST]; 2],
@@ -371,7 +371,7 @@ impl Points {
     }
 
     /// Keeps where a function that is linear over the patch is at least 0 (Sutherland and Hodgman 1974). `None` where
-    /// there is no room: only what rounding has spoilt has so many corners.
+    /// there is no memory left: only what rounding has spoilt has so many corners.
     #[inline(always)]
     fn cut(&mut self, value: impl Fn(&Point) -> f64, line: Line) -> Option<()> {
         if self.list().iter().all(|point| value(point) >= 0.0) {

@@ -13,7 +13,7 @@ use crate::{PosedShape, Reason, Verdict, epa};
 /// The least cosine between two normals that count as one: 1e-3 rad.
 const ALIKE: f64 = 1.0 - 5e-7;
 
-/// At least the angle of that cosine, and room for normals that are known to 1e-4 rad.
+/// At least the angle of that cosine, and a margin for normals that are known to 1e-4 rad.
 const ANGLE: f64 = 1.1e-3;
 
 /// How much farther than a manifold's depth two parts may have to be moved along its normal and still belong to it,

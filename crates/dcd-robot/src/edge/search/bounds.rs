@@ -1,7 +1,7 @@
 //! What is proved of a pair in the interval round where the robot is, without a solver.
 
 use super::super::place::{Near, Twist};
-use super::super::{EdgePair, ROOM};
+use super::super::{EdgePair, ROUNDED_UP};
 use super::{BySpheres, Gaps, Search};
 use glam::DVec3;
 
@@ -78,8 +78,8 @@ impl Search<'_> {
         });
         let now = (in_a.0 - in_b.0).length() + in_a.1 + in_b.1;
         let change = 0.5 * self.half * self.half * self.change(pair);
-        moved = moved.min(self.half * now * ROOM + change);
-        moved * ROOM + self.slack(pair)
+        moved = moved.min(self.half * now * ROUNDED_UP + change);
+        moved * ROUNDED_UP + self.slack(pair)
     }
 
     pub(super) fn carrier(&self, pair: &EdgePair) -> Twist {
@@ -149,7 +149,7 @@ impl Search<'_> {
                 upper = upper.min(far - sphere.inner);
             }
             let now = mover.twist.of(centre - base).length() + sphere.outer * turn;
-            let moved = (self.half * now * ROOM + change).min(most) * ROOM;
+            let moved = (self.half * now * ROUNDED_UP + change).min(most) * ROUNDED_UP;
             let margin = far - sphere.outer - moved;
             if margin < least {
                 (least, direction) = (margin, near - local);
@@ -227,7 +227,7 @@ impl Search<'_> {
             return Some(Gaps { proved: first.min(0.0), middle: 0.0 });
         }
         let last = gap(-self.half);
-        let change = 0.5 * self.half * self.half * self.change(edge_pair) * ROOM;
+        let change = 0.5 * self.half * self.half * self.change(edge_pair) * ROUNDED_UP;
         let lost = self.slack(edge_pair) + self.off[pair as usize];
         let proved = (first.min(last) - change - lost) * (1.0 - 1e-9);
         // The gap at the middle is no less than the mean of both: the least of what is linear is concave.

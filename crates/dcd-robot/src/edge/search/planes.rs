@@ -2,7 +2,7 @@
 
 use super::super::certificate::{CertifiedPair, Pieces, SeparatingPlane};
 use super::super::place::Twist;
-use super::super::{EdgePair, ROOM};
+use super::super::{EdgePair, ROUNDED_UP};
 use super::{SHORTEST, Search};
 use crate::RobotError;
 use dcd_geom::Shape;
@@ -212,7 +212,7 @@ impl Planes<'_, '_> {
         let changes = edge_pair.objects.map(|object| {
             let local = &self.search.movers[object as usize].local;
             let most = local.acceleration.get(edge_pair.common as usize).copied();
-            0.5 * half * half * most.unwrap_or(0.0) * ROOM
+            0.5 * half * half * most.unwrap_or(0.0) * ROUNDED_UP
         });
         let lost = self.lost(edge_pair);
         // In the middle of what is left between both, at either end.
