@@ -88,20 +88,10 @@ impl Couple<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::reach::tests::vector;
     use crate::{Depths, PairSolver, PosedShape, Verdict};
     use dcd_geom::glam::DQuat;
     use dcd_geom::{Polytope, Pose, Shape};
-
-    /// In [−1, 1).
-    fn draw(state: &mut u64) -> f64 {
-        *state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn vector(state: &mut u64) -> DVec3 {
-        DVec3::new(draw(state), draw(state), draw(state))
-    }
 
     #[test]
     fn what_is_pressed_is_as_deep_as_the_search_finds() {

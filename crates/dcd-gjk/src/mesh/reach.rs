@@ -200,7 +200,7 @@ impl Part<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::{Depths, PairSolver, PosedShape, Verdict};
     use dcd_geom::Polytope;
@@ -213,7 +213,8 @@ mod tests {
         (*state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    fn vector(state: &mut u64) -> DVec3 {
+    /// Each component so.
+    pub(in crate::mesh) fn vector(state: &mut u64) -> DVec3 {
         DVec3::new(draw(state), draw(state), draw(state))
     }
 
