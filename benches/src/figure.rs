@@ -1,6 +1,9 @@
-//! Line charts as SVG: linear or logarithmic axes, named series, published ones dashed.
+//! Charts as SVG: lines over linear or logarithmic axes, published ones dashed; and what methods cost against how
+//! wrong they are ([`TradeChart`]).
 
+mod labels;
 mod span;
+mod trade;
 
 use anyhow::{Result, anyhow, ensure};
 use plotters::prelude::*;
@@ -9,6 +12,22 @@ use serde_json::{Value, json};
 
 use crate::table::Origin;
 use span::Span;
+pub use trade::TradeChart;
+
+/// What a report shows as a picture.
+pub trait Chart: std::fmt::Debug {
+    /// The name of its files.
+    fn id(&self) -> &str;
+    /// What stands above it.
+    fn title(&self) -> &str;
+    /// All that it shows.
+    fn to_json(&self) -> Value;
+    /// The chart as an SVG document.
+    ///
+    /// # Errors
+    /// What the drawing library refuses.
+    fn to_svg(&self) -> Result<String>;
+}
 
 /// Points of the SVG's own coordinate system; it scales to any size.
 const WIDTH: u32 = 960;
@@ -128,40 +147,6 @@ impl Figure {
         Ok(())
     }
 
-    /// The name of its files.
-    #[must_use]
-    pub fn id(&self) -> &str {
-        &self.id
-    }
-
-    /// What stands above it.
-    #[must_use]
-    pub fn title(&self) -> &str {
-        &self.title
-    }
-
-    /// The points of all series.
-    #[must_use]
-    pub fn to_json(&self) -> Value {
-        let [x, y] = &self.axes;
-        let series: Vec<Value> = self
-            .series
-            .iter()
-            .map(|series| json!({ "name": series.legend(), "points": series.points }))
-            .collect();
-        json!({ "title": self.title, "x": x.label, "y": y.label, "series": series })
-    }
-
-    /// The chart as an SVG document.
-    ///
-    /// # Errors
-    /// What the drawing library refuses.
-    pub fn to_svg(&self) -> Result<String> {
-        let mut svg = String::new();
-        self.draw(&mut svg).map_err(|error| anyhow!("figure `{}`: {error}", self.id))?;
-        Ok(svg)
-    }
-
     fn draw(&self, svg: &mut String) -> Result<(), Box<dyn std::error::Error + '_>> {
         let root = SVGBackend::with_string(svg, (WIDTH, HEIGHT)).into_drawing_area();
         root.fill(&WHITE)?;
@@ -225,6 +210,32 @@ impl Figure {
         let values = self.series.iter().flat_map(|series| &series.points);
         let values = values.map(|&(x, y)| [x, y][axis]);
         Span::over(self.axes[axis].scale, values)
+    }
+}
+
+impl Chart for Figure {
+    fn id(&self) -> &str {
+        &self.id
+    }
+
+    fn title(&self) -> &str {
+        &self.title
+    }
+
+    fn to_json(&self) -> Value {
+        let [x, y] = &self.axes;
+        let series: Vec<Value> = self
+            .series
+            .iter()
+            .map(|series| json!({ "name": series.legend(), "points": series.points }))
+            .collect();
+        json!({ "title": self.title, "x": x.label, "y": y.label, "series": series })
+    }
+
+    fn to_svg(&self) -> Result<String> {
+        let mut svg = String::new();
+        self.draw(&mut svg).map_err(|error| anyhow!("figure `{}`: {error}", self.id))?;
+        Ok(svg)
     }
 }
 

@@ -58,7 +58,7 @@ pub mod timing;
 pub use agreement::Agreement;
 pub use digest::Digest;
 pub use draw::draw;
-pub use figure::{Axis, Figure, Scale, Series};
+pub use figure::{Axis, Chart, Figure, Scale, Series, TradeChart};
 pub use machine::Header;
 pub use options::{Options, Print, exit_code};
 pub use progress::Progress;

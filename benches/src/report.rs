@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use serde_json::{Map, Value, json};
 
-use crate::figure::Figure;
+use crate::figure::Chart;
 use crate::machine::Header;
 use crate::options::Print;
 use crate::resume::Units;
@@ -18,7 +18,7 @@ use crate::table::Table;
 pub(crate) use html::escape;
 
 /// The results of one measuring binary, in the order of reading.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Report {
     name: String,
     title: String,
@@ -30,12 +30,12 @@ pub struct Report {
     attached: Map<String, Value>,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 enum Section {
     Heading(String),
     Note(String),
     Table(Table),
-    Figure(Figure),
+    Figure(Box<dyn Chart>),
 }
 
 impl Report {
@@ -68,8 +68,8 @@ impl Report {
     }
 
     /// Adds a figure.
-    pub fn figure(&mut self, figure: Figure) {
-        self.sections.push(Section::Figure(figure));
+    pub fn figure(&mut self, figure: impl Chart + 'static) {
+        self.sections.push(Section::Figure(Box::new(figure)));
     }
 
     /// Adds a value that only the JSON of the whole holds, under a key of its own.
@@ -201,7 +201,7 @@ fn write(path: &Path, text: &str) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::{Axis, Series};
+    use crate::figure::{Axis, Figure, Series};
     use crate::options::Options;
     use crate::resume::Start;
     use crate::table::Column;

@@ -33,7 +33,8 @@ impl Account {
     ) -> Self {
         let pairs: Vec<u32> = (0..subject.pairs.len() as u32).filter(|&k| keep(k)).collect();
         let mut said = Vec::new();
-        Ready::new(precision, subject).run((precision, Query::YesNo), subject, &pairs, &mut said);
+        let of = (precision, Query::YesNo);
+        Ready::new(of, subject).run(of, subject, &pairs, &mut said);
         let mut account = Self::default();
         for (&k, &said) in pairs.iter().zip(&said) {
             match (said, subject.touches(k)) {

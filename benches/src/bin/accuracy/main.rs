@@ -11,7 +11,9 @@
 mod adversary;
 mod kinds;
 mod measure;
+mod packets;
 mod parry;
+mod pictures;
 mod precision;
 mod show;
 mod subject;

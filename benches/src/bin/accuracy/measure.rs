@@ -17,6 +17,8 @@ pub(crate) struct Measured {
     pub(crate) query: Query,
     /// How many pairs were queried.
     pub(crate) pairs: usize,
+    /// Those beyond the range of f32 AABBs, which no scene takes.
+    pub(crate) beyond: usize,
     /// Pairs on which some precision differs from the truth as known: the exact judge decided those.
     pub(crate) doubted: usize,
     /// Of them, those on which the judge sides against the truth as known.
@@ -39,13 +41,19 @@ pub(crate) struct OfPrecision {
     pub(crate) groups: Vec<Group>,
 }
 
+impl OfPrecision {
+    pub(crate) fn wrong(&self) -> usize {
+        self.wrong_yes + self.wrong_no
+    }
+}
+
 impl Measured {
     /// What a precision promised and did not keep, a sentence each.
     pub(crate) fn broken_promises(&self) -> Vec<String> {
         let mut broken = Vec::new();
         for of in &self.precisions {
             let wrong = match of.precision {
-                precision if precision.is_certified() => of.wrong_yes + of.wrong_no,
+                precision if precision.is_certified() => of.wrong(),
                 precision if precision.is_conservative() => of.wrong_no,
                 _ => 0,
             };
@@ -80,8 +88,8 @@ pub(crate) fn measure(subject: &Subject, query: Query, options: &Options) -> Mea
     let quick = usize::from(options.quick);
     let pairs = selected(subject, query, NUMBERS[quick]);
     let precisions = Precision::answering(query);
-    let mut turns: Vec<Turn<'_>> =
-        precisions.iter().map(|&precision| Turn::new(precision, subject)).collect();
+    let turn = |&precision: &Precision| Turn::new((precision, query), subject);
+    let mut turns: Vec<Turn<'_>> = precisions.iter().map(turn).collect();
     take_turns(&mut turns, query, &pairs, options);
 
     let mut scratch = Scratch::default();
@@ -101,6 +109,7 @@ pub(crate) fn measure(subject: &Subject, query: Query, options: &Options) -> Mea
         subject: subject.name.clone(),
         query,
         pairs: pairs.len(),
+        beyond: pairs.iter().filter(|&&k| subject.in_scene[k as usize].is_none()).count(),
         doubted,
         overruled,
         precisions: turns.iter().map(of_precision).collect(),
@@ -114,7 +123,7 @@ fn selected(subject: &Subject, query: Query, most: usize) -> Vec<u32> {
     let fit: Vec<u32> = match query {
         Query::YesNo => return all.collect(),
         Query::Distance => all.filter(|&k| !subject.touches(k)).collect(),
-        Query::Depth => all.filter(|&k| subject.touches(k)).collect(),
+        Query::Depth | Query::Manifold => all.filter(|&k| subject.touches(k)).collect(),
     };
     let step = fit.len().div_ceil(most).max(1);
     fit.into_iter().step_by(step).collect()
@@ -131,17 +140,18 @@ pub(crate) struct Turn<'s> {
 }
 
 impl<'s> Turn<'s> {
-    pub(crate) fn new(precision: Precision, subject: &'s Subject) -> Self {
-        let (least, said) = (Duration::ZERO, Vec::new());
-        Self { precision, subject, ready: Ready::new(precision, subject), least, said }
+    pub(crate) fn new((precision, query): (Precision, Query), subject: &'s Subject) -> Self {
+        let ready = Ready::new((precision, query), subject);
+        Self { precision, subject, ready, least: Duration::ZERO, said: Vec::new() }
     }
 
     /// What a pair took.
     pub(crate) fn nanoseconds(&self, pairs: &[u32]) -> f64 {
         let in_scene = |&&k: &&u32| self.subject.in_scene[k as usize].is_some();
-        let count = match self.precision {
-            Precision::Lanes | Precision::Fast => pairs.iter().filter(in_scene).count(),
-            _ => pairs.len(),
+        let count = if self.precision.is_in_packets() {
+            pairs.iter().filter(in_scene).count()
+        } else {
+            pairs.len()
         };
         self.least.as_secs_f64() * 1e9 / count.max(1) as f64
     }

@@ -17,6 +17,8 @@ pub(crate) trait Numbers: Library {
     /// The `dist` of `query::contact` without a margin: not above 0 where they touch. The outer
     /// `None`: it does not know the pair.
     fn contact(a: Placed<'_, Self>, b: Placed<'_, Self>) -> Option<Option<f64>>;
+    /// The least `dist` of the points of `contact_manifolds`, without a warm start.
+    fn manifold(a: Placed<'_, Self>, b: Placed<'_, Self>) -> Option<Option<f64>>;
 }
 
 macro_rules! numbers {
@@ -30,6 +32,19 @@ macro_rules! numbers {
             fn contact(a: Placed<'_, Self>, b: Placed<'_, Self>) -> Option<Option<f64>> {
                 let found = $parry::query::contact(a.1, &**a.0, b.1, &**b.0, 0.0).ok()?;
                 Some(found.map(|contact| contact.dist.into()))
+            }
+
+            fn manifold(a: Placed<'_, Self>, b: Placed<'_, Self>) -> Option<Option<f64>> {
+                use $parry::query::{
+                    ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher,
+                };
+                let mut found: Vec<ContactManifold<(), ()>> = Vec::new();
+                let (dispatcher, b_in_a) = (DefaultQueryDispatcher, a.1.inv_mul(b.1));
+                dispatcher
+                    .contact_manifolds(&b_in_a, &**a.0, &**b.0, 0.0, &mut found, &mut None)
+                    .ok()?;
+                let points = found.iter().flat_map(|manifold| &manifold.points);
+                Some(points.map(|point| f64::from(point.dist)).min_by(f64::total_cmp))
             }
         }
     };
@@ -83,13 +98,19 @@ impl<'s, R: Numbers> Theirs<'s, R> {
                 let distance = R::distance(a, b).filter(|distance| distance.is_finite())?;
                 Some(if distance == 0.0 { Said::Touching } else { Said::Measured(distance) })
             }
-            Query::Depth => match R::contact(a, b)? {
-                None => Some(Said::Apart),
-                Some(dist) if !dist.is_finite() => None,
-                Some(dist) if dist > 0.0 => Some(Said::Apart),
-                Some(dist) => Some(Said::Measured(-dist)),
-            },
+            Query::Depth => deep(R::contact(a, b)?),
+            Query::Manifold => deep(R::manifold(a, b)?),
         }
+    }
+}
+
+/// A depth is how far `dist` is below 0. `None`: it is no number.
+fn deep(dist: Option<f64>) -> Option<Said> {
+    match dist {
+        None => Some(Said::Apart),
+        Some(dist) if !dist.is_finite() => None,
+        Some(dist) if dist > 0.0 => Some(Said::Apart),
+        Some(dist) => Some(Said::Measured(-dist)),
     }
 }
 

@@ -1,16 +1,17 @@
 //! The precisions and their queries.
 
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Aabb, Pair, Polytope, Shape};
+use dcd_geom::{Aabb, Polytope, Shape};
 use dcd_gjk::distance::{self, DistanceResult};
 use dcd_gjk::epa::{self, Scratch};
 use dcd_gjk::query::MeasureAt;
 use dcd_gjk::{
-    Accuracy, Certified, ContactSink, Depths, Gjk, NarrowPhase, Overlap, OverlapUnchecked,
-    PairSolver, PosedShape, PosedSupport, Prepared, Report, Sides, Verdict,
+    Accuracy, Certified, Depths, Gjk, ManifoldSet, Manifolds, PairSolver, PosedShape, PosedSupport,
+    Verdict,
 };
 use serde::{Deserialize, Serialize};
 
+use crate::packets::{self, Packets};
 use crate::parry::Theirs;
 use crate::subject::Subject;
 
@@ -20,6 +21,8 @@ pub(crate) enum Query {
     YesNo,
     Distance,
     Depth,
+    /// The depth at the deepest point of a manifold.
+    Manifold,
 }
 
 /// Who answers, from the cheapest.
@@ -29,10 +32,15 @@ pub(crate) enum Precision {
     Boxes,
     /// Outer spheres: conservative.
     Spheres,
-    /// The default: lanes in f32 with certificates, then f64, then exact.
+    /// The default: packets in f32 with certificates, then f64, then exact; distances, depths and manifolds of whole
+    /// scenes at the accuracy that is certified.
     Lanes,
-    /// The same lanes in f32 without their certificates.
+    /// The same packets in f32 without their certificates.
     Fast,
+    /// Distances, depths and manifolds of whole scenes at [`Accuracy::F64`].
+    LanesF64,
+    /// The same at [`Accuracy::F32`].
+    LanesF32,
     /// GJK in f32, one pair at a time; distances and depths with the bound that f32 would resolve.
     F32,
     /// GJK in f64, one pair at a time; distances and depths with the bound that f64 gives.
@@ -55,22 +63,25 @@ pub(crate) enum Said {
 }
 
 impl Query {
-    pub(crate) const ALL: [Self; 3] = [Self::YesNo, Self::Distance, Self::Depth];
+    pub(crate) const ALL: [Self; 4] = [Self::YesNo, Self::Distance, Self::Depth, Self::Manifold];
 
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::YesNo => "yes-no",
             Self::Distance => "distance",
             Self::Depth => "depth",
+            Self::Manifold => "manifold",
         }
     }
 }
 
 impl Precision {
-    pub(crate) const ALL: [Self; 9] = [
+    pub(crate) const ALL: [Self; 11] = [
         Self::Boxes,
         Self::Spheres,
         Self::Fast,
+        Self::LanesF32,
+        Self::LanesF64,
         Self::Lanes,
         Self::F32,
         Self::F64,
@@ -83,8 +94,10 @@ impl Precision {
         match self {
             Self::Boxes => "boxes",
             Self::Spheres => "spheres",
-            Self::Fast => "fast, lanes",
-            Self::Lanes => "certified, lanes",
+            Self::Fast => "fast, packets",
+            Self::LanesF32 => "f32, packets",
+            Self::LanesF64 => "f64, packets",
+            Self::Lanes => "certified, packets",
             Self::F32 => "f32",
             Self::F64 => "f64",
             Self::Certified => "certified",
@@ -103,11 +116,16 @@ impl Precision {
         matches!(self, Self::Boxes | Self::Spheres)
     }
 
+    /// Whether it resolves a scene's pairs in packets: not those beyond the range of f32 AABBs.
+    pub(crate) fn is_in_packets(self) -> bool {
+        matches!(self, Self::Lanes | Self::Fast | Self::LanesF32 | Self::LanesF64)
+    }
+
     /// With what bound it measures.
     fn accuracy(self) -> Accuracy {
         match self {
-            Self::F32 => Accuracy::F32,
-            Self::F64 => Accuracy::F64,
+            Self::F32 | Self::LanesF32 => Accuracy::F32,
+            Self::F64 | Self::LanesF64 => Accuracy::F64,
             _ => Accuracy::Certified,
         }
     }
@@ -115,8 +133,9 @@ impl Precision {
     /// Who has an answer to that query.
     pub(crate) fn answering(query: Query) -> Vec<Self> {
         let answers = |precision: &Self| match query {
-            Query::YesNo => true,
-            Query::Distance | Query::Depth => !matches!(precision, Self::Fast | Self::Lanes),
+            Query::YesNo => !matches!(precision, Self::LanesF32 | Self::LanesF64),
+            Query::Distance | Query::Depth => *precision != Self::Fast,
+            Query::Manifold => !matches!(precision, Self::Boxes | Self::Spheres | Self::Fast),
         };
         Self::ALL.into_iter().filter(answers).collect()
     }
@@ -126,26 +145,30 @@ impl Precision {
 /// single objects alone is made.
 pub(crate) enum Ready<'s> {
     Boxes(Vec<Aabb>),
-    Fast(Box<SimdOverlap<OverlapUnchecked>>),
-    Lanes(Box<SimdOverlap<Overlap>>),
+    Packets(Box<dyn Packets>),
     ParryF32(Theirs<'s, f32>),
     ParryF64(Theirs<'s, f64>),
     /// Nothing to prepare but memory.
-    Plain(Box<Scratch>),
+    Plain(Box<Memory>),
+}
+
+/// What the solvers of single pairs reuse.
+#[derive(Default)]
+pub(crate) struct Memory {
+    depth: Scratch,
+    manifold: <Manifolds as PairSolver>::Scratch,
 }
 
 impl<'s> Ready<'s> {
-    pub(crate) fn new(precision: Precision, subject: &'s Subject) -> Self {
+    pub(crate) fn new((precision, query): (Precision, Query), subject: &'s Subject) -> Self {
         match precision {
             Precision::Boxes => {
                 let bodies = 0..subject.shapes.len();
                 Self::Boxes(bodies.map(|i| subject.shapes[i].aabb(&subject.poses[i])).collect())
             }
-            Precision::Fast => {
-                Self::Fast(Box::new(SimdOverlap::new(OverlapUnchecked::default(), subject)))
-            }
-            Precision::Lanes => {
-                Self::Lanes(Box::new(SimdOverlap::new(Overlap::default(), subject)))
+            Precision::Fast => Self::Packets(packets::overlap(subject, false)),
+            Precision::Lanes | Precision::LanesF32 | Precision::LanesF64 => {
+                Self::Packets(packets::numbers(query, precision.accuracy(), subject))
             }
             Precision::ParryF32 => Self::ParryF32(Theirs::new(subject)),
             Precision::ParryF64 => Self::ParryF64(Theirs::new(subject)),
@@ -169,51 +192,14 @@ impl<'s> Ready<'s> {
                 let [a, b] = subject.pairs[k as usize].map(|i| &boxes[i as usize]);
                 of_boxes(query, a, b)
             })),
-            Self::Fast(lanes) => lanes.run(subject, pairs, said),
-            Self::Lanes(lanes) => lanes.run(subject, pairs, said),
+            Self::Packets(packets) => packets.run(subject, pairs, said),
             Self::ParryF32(theirs) => theirs.run(query, subject, pairs, said),
             Self::ParryF64(theirs) => theirs.run(query, subject, pairs, said),
-            Self::Plain(scratch) => said.extend(pairs.iter().map(|&k| {
+            Self::Plain(memory) => said.extend(pairs.iter().map(|&k| {
                 let [a, b] = subject.placed(k);
-                one(precision, query, [a, b], scratch)
+                one(precision, query, [a, b], memory)
             })),
         }
-    }
-}
-
-/// A narrow phase that has its objects prepared.
-pub(crate) struct SimdOverlap<N: NarrowPhase> {
-    narrow: N,
-    frame: N::Frame,
-    scratch: N::Scratch,
-}
-
-impl<N: NarrowPhase<Answer = ()>> SimdOverlap<N> {
-    fn new(narrow: N, subject: &Subject) -> Self {
-        let mut frame = N::Frame::default();
-        let scene = &subject.scene;
-        let part = narrow.layout(scene, Sides::One, &mut frame);
-        narrow.prepare(scene, 0, part, &mut vec![Aabb::default(); scene.len()]);
-        Self { narrow, frame, scratch: N::Scratch::default() }
-    }
-
-    /// Pairs that no scene takes, since no f32 AABB holds them, are open.
-    fn run(&mut self, subject: &Subject, pairs: &[u32], said: &mut Vec<Said>) {
-        let in_scene: Vec<Pair> =
-            pairs.iter().filter_map(|&k| subject.in_scene[k as usize]).collect();
-        let (mut contacts, mut report) = (Vec::new(), Report::default());
-        let sink = &mut ContactSink { contacts: &mut contacts, report: &mut report };
-        let side = Prepared { scene: &subject.scene, frame: &self.frame };
-        self.narrow.decide(side, side, &in_scene, &mut self.scratch, sink);
-        let mut contacts = contacts.iter().map(|contact| contact.pair).peekable();
-        let open: Vec<Pair> = report.undecided().iter().map(|open| open.pair).collect();
-        said.extend(pairs.iter().map(|&k| match subject.in_scene[k as usize] {
-            None => Said::Open,
-            // Contacts come in the order of the pairs.
-            Some(pair) if contacts.next_if_eq(&pair).is_some() => Said::Touching,
-            Some(pair) if open.contains(&pair) => Said::Open,
-            Some(_) => Said::Apart,
-        }));
     }
 }
 
@@ -221,8 +207,9 @@ fn one(
     precision: Precision,
     query: Query,
     [a, b]: [PosedShape<'_>; 2],
-    scratch: &mut Scratch,
+    memory: &mut Memory,
 ) -> Said {
+    let scratch = &mut memory.depth;
     match (query, precision) {
         (_, Precision::Spheres) => of_spheres(query, a, b),
         (Query::YesNo, Precision::F32) => verdict(Gjk::<f32>::default().solve(a, b, &mut ())),
@@ -246,7 +233,20 @@ fn one(
             },
             _ => Said::Open,
         },
+        (Query::Manifold, precision) => {
+            match Manifolds.measure_at(precision.accuracy(), a, b, &mut memory.manifold) {
+                Verdict::Touching(found) => deepest(&found),
+                Verdict::Apart => Said::Apart,
+                Verdict::Undecided(_) => Said::Open,
+            }
+        }
     }
+}
+
+/// The depth at the first point of the first manifold, the deepest.
+pub(crate) fn deepest(found: &ManifoldSet) -> Said {
+    let point = found.first().and_then(|manifold| manifold.points().first());
+    point.map_or(Said::Open, |point| Said::Measured(point.depth))
 }
 
 pub(crate) fn body(side: PosedShape<'_>) -> Option<PosedSupport<'_, Polytope>> {
@@ -288,7 +288,7 @@ fn of_boxes(query: Query, a: &Aabb, b: &Aabb) -> Said {
             Said::Measured(gaps.map(|gap| gap.max(0.0).powi(2)).iter().sum::<f64>().sqrt())
         }
         Query::Distance => Said::Touching,
-        Query::Depth => Said::Measured(-largest.min(0.0)),
+        Query::Depth | Query::Manifold => Said::Measured(-largest.min(0.0)),
     }
 }
 
@@ -307,7 +307,7 @@ fn of_spheres(query: Query, a: PosedShape<'_>, b: PosedShape<'_>) -> Said {
         }
         Query::Distance if gap > 0.0 => Said::Measured(gap),
         Query::Distance => Said::Touching,
-        Query::Depth => Said::Measured(-gap.min(0.0)),
+        Query::Depth | Query::Manifold => Said::Measured(-gap.min(0.0)),
     }
 }
 

@@ -1,28 +1,18 @@
 //! Tables and pictures of what was measured.
 
-use std::collections::HashMap;
-
 use anyhow::Result;
-use dcd_benches::{Axis, Cell, Column, Figure, Header, Report, Series, Table};
+use dcd_benches::{Cell, Column, Header, Report, Table};
 
 use crate::measure::{Measured, OfPrecision};
+use crate::pictures;
 use crate::precision::{Precision, Query};
 use crate::tally::{Group, Kind};
-
-/// The subject whose times stand in the first picture, and the one whose errors do.
-const ORDINARY: &str = "paper";
-const HARD: &str = "suite";
-
-/// Where a share of nothing stands on a logarithmic axis, in percent: less than one pair of the
-/// suite. The same for an error, in sizes: less than any rounding.
-const NO_SHARE: f64 = 0.01;
-const NO_ERROR: f64 = 1e-20;
 
 /// What a reader of the tables must know.
 const NOTES: [&str; 5] = [
     "The precisions are interleaved on slices of 512 pairs, in one process on one thread; the least time of \
      the rounds counts, slice by slice. What depends on an object alone is made outside of the \
-     timer: world AABBs, the lanes' rotated vertices, Parry's shapes and poses.",
+     timer: world AABBs, the rotated vertices of packets, Parry's shapes and poses.",
     "`boxes` and `spheres` are conservative: their \"apart\" is never wrong, their \"touching\" only \
      means near; as a distance they give what is at most the true one, as a depth what is at least \
      it. `f32` and `f64` prove what they answer and leave open what they cannot prove. `certified` \
@@ -43,26 +33,20 @@ const NOTES: [&str; 5] = [
 /// The report of all that was measured.
 pub(crate) fn report(header: Header, found: &[Measured]) -> Result<Report> {
     let mut report = Report::new("accuracy", "What speed costs in accuracy", header);
-    report.figure(trade(found)?);
-    report.note(
-        "Which precision to choose: left is fast, below is right. Nanoseconds are those of the paper's scene, \
-         where pairs are ordinary; the share of wrong and open answers is that of the suite, where \
-         they are not. A precision with neither stands at the bottom, at 0.01 %.",
-    );
+    report.figure(pictures::yes_or_no(found)?);
+    report.note(pictures::NOTE);
+    for query in [Query::Distance, Query::Depth, Query::Manifold] {
+        report.figure(pictures::numbers(found, query)?);
+    }
     report.table(answers(found)?);
     for (query, id, title) in [
         (Query::Distance, "distances", "Distances of pairs apart"),
         (Query::Depth, "depths", "Depths of pairs that touch"),
+        (Query::Manifold, "manifolds", "Depths at the deepest points of manifolds"),
     ] {
         report.table(numbers(found, query, (id, title))?);
     }
     NOTES.into_iter().for_each(|note| report.note(note));
-    report.figure(errors(found, Query::Distance, "distance")?);
-    report.figure(errors(found, Query::Depth, "depth")?);
-    report.note(
-        "The same for numbers on the suite, where the certified distance and depth have an exact \
-         truth: the 99th percentile of the error. An error of none stands at 1e-20.",
-    );
     report.heading("Where each precision breaks");
     for (kind, title) in [(Kind::Category, "category"), (Kind::Decade, "size in metres")] {
         for query in Query::ALL {
@@ -70,15 +54,15 @@ pub(crate) fn report(header: Header, found: &[Measured]) -> Result<Report> {
         }
     }
     report.note(
-        "Wrong + open answers; then, for distance and depth, the worst error of the rest in sizes of \
+        "Wrong + open answers; then, for numbers, the worst error of the rest in sizes of \
          the pair.",
     );
     report.attach("results", serde_json::to_value(found)?);
     Ok(report)
 }
 
-fn of<'m>(found: &'m [Measured], subject: &str, query: Query) -> Option<&'m Measured> {
-    found.iter().find(|measured| measured.subject == subject && measured.query == query)
+fn suite(found: &[Measured], query: Query) -> Option<&Measured> {
+    found.iter().find(|measured| measured.subject == "suite" && measured.query == query)
 }
 
 /// One row for each subject and precision: yes or no.
@@ -86,7 +70,7 @@ fn answers(found: &[Measured]) -> Result<Table> {
     let counts = ["wrong yes", "wrong no", "undecided", "doubted", "overruled"];
     let columns = ["subject", "pairs", "precision"].map(Column::new).into_iter().chain([
         Column::new("a pair").unit("ns").decimals(1),
-        Column::new("by certified, lanes").unit("×").decimals(2),
+        Column::new("by certified, packets").unit("×").decimals(2),
     ]);
     let columns = columns.chain(counts.map(Column::new));
     let mut table = Table::new("answers", "Yes or no", columns);
@@ -118,7 +102,7 @@ fn numbers(found: &[Measured], query: Query, (id, title): (&str, &str)) -> Resul
         for of in &measured.precisions {
             let mut row = name_cells(measured, of);
             row.push(of.ns.into());
-            row.extend([of.wrong_yes + of.wrong_no, of.undecided].map(Cell::from));
+            row.extend([of.wrong(), of.undecided].map(Cell::from));
             row.extend(match of.errors {
                 None => [const { Cell::Missing }; 5],
                 Some(errors) => [
@@ -154,7 +138,7 @@ fn breaks(found: &[Measured], query: Query, (kind, title): (Kind, &str)) -> Resu
     let query_name = query.name();
     let title = format!("The suite by {title}: {query_name}");
     let mut table = Table::new(format!("{by}-{query_name}"), title, columns);
-    let Some(measured) = of(found, HARD, query) else { return Ok(table) };
+    let Some(measured) = suite(found, query) else { return Ok(table) };
     let groups = |of: &'_ OfPrecision| -> Vec<Group> {
         of.groups.iter().filter(|group| group.kind == kind).cloned().collect()
     };
@@ -178,47 +162,4 @@ fn broken(group: &Group) -> Cell {
         text = format!("{text}; {worst:.0e}");
     }
     Cell::Text(text)
-}
-
-/// Nanoseconds on ordinary pairs against the share of hard ones that is wrong or open.
-fn trade(found: &[Measured]) -> Result<Figure> {
-    let x = Axis::logarithmic("nanoseconds a pair, paper's scene");
-    let y = Axis::logarithmic("wrong or open on the suite [%]");
-    let mut figure = Figure::new("trade", "Yes or no: time against error", x, y);
-    let (Some(ordinary), Some(hard)) =
-        (of(found, ORDINARY, Query::YesNo), of(found, HARD, Query::YesNo))
-    else {
-        return Ok(figure);
-    };
-    let times: HashMap<&str, f64> =
-        ordinary.precisions.iter().map(|of| (of.precision.name(), of.ns)).collect();
-    for of in &hard.precisions {
-        let beyond = if matches!(of.precision, Precision::Lanes | Precision::Fast) {
-            0
-        } else {
-            of.undecided
-        };
-        let broken = (of.wrong_yes + of.wrong_no + beyond) as f64;
-        let share = (100.0 * broken / hard.pairs.max(1) as f64).max(NO_SHARE);
-        if let Some(&ns) = times.get(of.precision.name()).filter(|&&ns| ns > 0.0) {
-            figure.push(Series::measured(of.precision.name(), [(ns, share)]))?;
-        }
-    }
-    Ok(figure)
-}
-
-/// Nanoseconds against the error of a number, both on the suite.
-fn errors(found: &[Measured], query: Query, name: &str) -> Result<Figure> {
-    let x = Axis::logarithmic("nanoseconds a pair, suite");
-    let y = Axis::logarithmic("error, 99th percentile [sizes]");
-    let title = format!("{}{}: time against error", name[..1].to_uppercase(), &name[1..]);
-    let mut figure = Figure::new(format!("error-{name}"), title, x, y);
-    let Some(measured) = of(found, HARD, query) else { return Ok(figure) };
-    for of in &measured.precisions {
-        if let Some(errors) = of.errors.filter(|_| of.ns > 0.0) {
-            let error = errors.percentile_99.max(NO_ERROR);
-            figure.push(Series::measured(of.precision.name(), [(of.ns, error)]))?;
-        }
-    }
-    Ok(figure)
 }

@@ -74,9 +74,9 @@ pub(crate) fn measure(options: &Options) -> Result<Vec<Coarse>> {
     }
     let mut turns: Vec<Turn<'_>> = Vec::new();
     for (_, outer, inner) in &levels {
-        turns.push(Turn::new(Precision::Lanes, outer));
-        turns.push(Turn::new(Precision::Certified, outer));
-        turns.push(Turn::new(Precision::Lanes, inner));
+        turns.push(Turn::new((Precision::Lanes, Query::YesNo), outer));
+        turns.push(Turn::new((Precision::Certified, Query::YesNo), outer));
+        turns.push(Turn::new((Precision::Lanes, Query::YesNo), inner));
     }
     take_turns(&mut turns, Query::YesNo, &pairs, options);
     let levels = levels.iter().zip(turns.chunks(3));
