@@ -1,15 +1,15 @@
-//! Our step and Parry's queries on the same pairs, interleaved, and a check of our answers.
+//! Our step and Parry's queries of the same pairs and its step, interleaved, and a check of our answers.
 
 use std::collections::HashMap;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use dcd_benches::Effort;
 use dcd_benches::timing::{Pair as Times, pairs_of, time};
 use dcd_broad::WideTree;
 use dcd_geom::{Pair, Scene};
 use dcd_gjk::Accuracy;
 use dcd_gjk::Within;
-use dcd_pipeline::{Answer, AnyPipeline, Par, Pipeline, Question};
+use dcd_pipeline::{Answer, AnyPipeline, Exec, Par, Pipeline, Question, StageClock};
 use dcd_scenes::SceneSpec;
 use serde::{Deserialize, Serialize};
 
@@ -69,8 +69,8 @@ pub(crate) struct Measurement {
     pub(crate) worst: f64,
     /// Answers that contradict the certified ones.
     pub(crate) beyond: usize,
-    /// Our whole step, and Parry's queries alone.
-    pub(crate) times: Times,
+    /// Our narrow phase and Parry's queries alone; both whole steps; our whole step and Parry's queries.
+    pub(crate) times: [Times; 3],
 }
 
 /// A scene's.
@@ -88,7 +88,8 @@ pub(crate) fn run_scene(spec: &SceneSpec, scene: &Scene, effort: Effort) -> Resu
     let mut measurements = Vec::new();
     for kind in Kind::ALL {
         let pairs = candidates(scene, kind.margin())?;
-        let parry = Parry::new(scene, &pairs, kind.margin())?;
+        let mut parry = Parry::new(scene, &pairs, kind.margin())?;
+        let parry_found = [parry.count(kind), parry.step(kind)];
         let mut certified = HashMap::new();
         for (name, accuracy) in ACCURACIES {
             let mut pipeline = AnyPipeline::new(kind.question(accuracy))?;
@@ -105,15 +106,14 @@ pub(crate) fn run_scene(spec: &SceneSpec, scene: &Scene, effort: Effort) -> Resu
             bounds.sort_unstable_by(f64::total_cmp);
             let at = |part: usize| bounds.get(bounds.len() * part / 100).copied();
             let rounds = if effort == Effort::Quick { 1 } else { 7 };
-            let mut ours = || [time(|| pipeline.step(scene, Par::Serial).contacts().count()).0];
-            let mut theirs = || [time(|| parry.count(kind)).0];
-            let [times] = pairs_of(rounds, &mut ours, &mut theirs);
+            let times =
+                race((&mut pipeline, scene, found.len()), (&mut parry, kind, parry_found), rounds)?;
             measurements.push(Measurement {
                 kind,
                 accuracy: name.to_owned(),
                 candidates: pairs.len(),
                 found: found.len(),
-                parry_found: parry.count(kind),
+                parry_found: parry_found[0],
                 p99: at(99).unwrap_or(0.0),
                 worst: bounds.last().copied().unwrap_or(0.0),
                 beyond: beyond + missing,
@@ -122,6 +122,33 @@ pub(crate) fn run_scene(spec: &SceneSpec, scene: &Scene, effort: Effort) -> Resu
         }
     }
     Ok(Outcome { scene: spec.name().to_owned(), objects: scene.len(), measurements })
+}
+
+/// The times of [`Measurement::times`]. Whoever finds another number of pairs than before has no time.
+fn race(
+    (pipeline, scene, found): (&mut AnyPipeline, &Scene, usize),
+    (parry, kind, parry_found): (&mut Parry, Kind, [usize; 2]),
+    rounds: u32,
+) -> Result<[Times; 3]> {
+    let clock = StageClock::default();
+    let (mut strayed, mut parry_strayed) = (false, false);
+    let mut ours = || {
+        let observed = Exec::observed(Par::Serial, &clock);
+        let (whole, count) = time(|| pipeline.step(scene, observed).contact_count());
+        strayed |= count != found;
+        let [.., narrow] = clock.take();
+        [narrow, whole, whole]
+    };
+    let mut theirs = || {
+        let (queries, alone) = time(|| parry.count(kind));
+        let (whole, stepped) = time(|| parry.step(kind));
+        parry_strayed |= [alone, stepped] != parry_found;
+        [queries, whole, queries]
+    };
+    let times = pairs_of(rounds, &mut ours, &mut theirs);
+    ensure!(!strayed, "our answers changed from step to step");
+    ensure!(!parry_strayed, "Parry's answers changed from step to step");
+    Ok(times)
 }
 
 /// The pairs whose boxes, each grown by half the margin, meet.

@@ -32,8 +32,8 @@ const SCENES: [(&str, usize, usize); 8] = [
     ("clustered", 5000, 500),
 ];
 
-/// How far, how deep and where of whole scenes, at every accuracy: our step's times beside those of Parry's
-/// queries of the same candidate pairs, interleaved in one process, on one thread.
+/// How far, how deep and where of whole scenes, at every accuracy: our narrow phase beside Parry's queries of the same
+/// candidate pairs, and our step beside Parry's, interleaved in one process, on one thread.
 #[derive(Parser)]
 #[command(name = "questions", version)]
 struct Line {

@@ -1,8 +1,10 @@
-//! Parry's queries of a scene's candidate pairs, its shapes and poses made outside of any timer.
+//! Parry's queries of a scene's candidate pairs and its whole step, its shapes and poses made outside of any timer.
 
 use anyhow::{Context, Result};
 use dcd_geom::{Pair, Scene};
 use dcd_parry::Library;
+use dcd_pipeline::Par;
+use parry3d::bounding_volume::BoundingVolume;
 use parry3d::query::{self, ContactManifold, PersistentQueryDispatcher};
 
 use crate::contest::Kind;
@@ -14,6 +16,8 @@ pub(crate) struct Parry {
     objects: Vec<(usize, <f32 as Library>::Pose)>,
     pairs: Vec<Pair>,
     margin: f32,
+    tree: <f32 as Library>::Tree,
+    own_pairs: Vec<(u32, u32)>,
 }
 
 impl Parry {
@@ -33,39 +37,54 @@ impl Parry {
             objects: placed.collect::<Result<_>>()?,
             pairs: pairs.to_vec(),
             margin: margin as f32,
+            tree: Default::default(),
+            own_pairs: Vec::new(),
         })
     }
 
-    /// Queries every pair and returns how many it finds.
+    /// Queries every pair that is given and returns how many it finds.
     pub(crate) fn count(&self, kind: Kind) -> usize {
-        let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
-        let mut found = |pair: &&Pair| {
-            let [(a, at_a), (b, at_b)] = [pair.i, pair.j].map(|k| self.objects[k as usize]);
-            let (a, b) = (&*self.forms[a], &*self.forms[b]);
-            match kind {
-                Kind::Distance => {
-                    let found = query::closest_points(&at_a, a, &at_b, b, self.margin);
-                    !matches!(found, Ok(query::ClosestPoints::Disjoint) | Err(_))
-                }
-                Kind::Depth => {
-                    matches!(query::contact(&at_a, a, &at_b, b, 0.0), Ok(Some(_)))
-                }
-                Kind::Manifold => {
-                    // Without a warm start: none is kept from pair to pair.
-                    manifolds.clear();
-                    let relative = at_a.inv_mul(&at_b);
-                    let result = query::DefaultQueryDispatcher.contact_manifolds(
-                        &relative,
-                        a,
-                        b,
-                        0.0,
-                        &mut manifolds,
-                        &mut None,
-                    );
-                    result.is_ok() && manifolds.iter().any(|manifold| !manifold.points.is_empty())
-                }
+        let mut manifolds = Vec::new();
+        self.pairs.iter().filter(|pair| self.finds(kind, [pair.i, pair.j], &mut manifolds)).count()
+    }
+
+    /// Parry's own step: boxes, grown by half the margin, the binned tree, the tree against itself, and the query
+    /// of each pair. Returns how many it finds.
+    pub(crate) fn step(&mut self, kind: Kind) -> usize {
+        let boxes = self.objects.iter().map(|(form, pose)| {
+            <f32 as Library>::boxed(&self.forms[*form], pose).loosened(self.margin / 2.0)
+        });
+        <f32 as Library>::rebuild(boxes, &mut self.tree);
+        let mut pairs = std::mem::take(&mut self.own_pairs);
+        <f32 as Library>::collect_leaf_pairs(&mut self.tree, Par::Serial.into(), &mut pairs);
+        let mut manifolds = Vec::new();
+        let found =
+            pairs.iter().filter(|&&(i, j)| self.finds(kind, [i, j], &mut manifolds)).count();
+        self.own_pairs = pairs;
+        found
+    }
+
+    /// Whether a pair touches, or is within the margin, as the query has it.
+    #[inline]
+    fn finds(&self, kind: Kind, pair: [u32; 2], manifolds: &mut Manifolds) -> bool {
+        let [(a, at_a), (b, at_b)] = pair.map(|k| self.objects[k as usize]);
+        let (a, b) = (&*self.forms[a], &*self.forms[b]);
+        match kind {
+            Kind::Distance => {
+                let found = query::closest_points(&at_a, a, &at_b, b, self.margin);
+                !matches!(found, Ok(query::ClosestPoints::Disjoint) | Err(_))
             }
-        };
-        self.pairs.iter().filter(|pair| found(pair)).count()
+            Kind::Depth => matches!(query::contact(&at_a, a, &at_b, b, 0.0), Ok(Some(_))),
+            Kind::Manifold => {
+                // Without a warm start: none is kept from pair to pair.
+                manifolds.clear();
+                let relative = at_a.inv_mul(&at_b);
+                let result = query::DefaultQueryDispatcher
+                    .contact_manifolds(&relative, a, b, 0.0, manifolds, &mut None);
+                result.is_ok() && manifolds.iter().any(|manifold| !manifold.points.is_empty())
+            }
+        }
     }
 }
+
+type Manifolds = Vec<ContactManifold<(), ()>>;
