@@ -76,7 +76,9 @@ fn every_phase_of_our_own_keeps_the_contract_among_compounds_meshes_and_half_spa
         contract_of(&OverlapUnchecked::on(path)).unwrap();
         contract_of(&Coherent::on(path)).unwrap();
         contract_of(&Within::by(Overlap::on(path), 0.25).unwrap()).unwrap();
-        contract_of(&SimdDistances::on(path, 0.25).unwrap()).unwrap();
+        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+            contract_of(&SimdDistances::on(path, 0.25, accuracy).unwrap()).unwrap();
+        }
         contract_of(&SimdDepths::on(path, Depths, Accuracy::F32)).unwrap();
         contract_of(&SimdDepths::on(path, Manifolds, Accuracy::Certified)).unwrap();
     }

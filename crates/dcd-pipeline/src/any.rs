@@ -7,9 +7,9 @@ use dcd_exec::Exec;
 use dcd_geom::{Pair, Scene, ShapeError};
 use dcd_gjk::epa::Depth;
 use dcd_gjk::{
-    Accuracy, Contact, Depths, Distance, Distances, Gjk, ManifoldSet, Manifolds, Overlap,
-    OverlapUnchecked, Pairwise, Proximities, Proximity, Report, SimdDepths, SimdDistances,
-    ThenMeasure, WithAccuracy, Within,
+    Accuracy, Contact, Depths, Distance, Gjk, ManifoldSet, Manifolds, Overlap, OverlapUnchecked,
+    Pairwise, Proximities, Proximity, Report, SimdDepths, SimdDistances, ThenMeasure, WithAccuracy,
+    Within,
 };
 
 /// What a yes or no guarantees.
@@ -36,7 +36,7 @@ pub enum Question {
         /// Pairs within this distance touch, metres.
         margin: f64,
     },
-    /// How far apart they are: [`Distances`].
+    /// How far apart they are: [`SimdDistances`].
     Distance {
         /// How good the bound has to be.
         accuracy: Accuracy,
@@ -85,9 +85,6 @@ pub enum Answer {
     Gradient(Proximity),
 }
 
-/// A narrow phase's measure at an accuracy.
-type Measured<S> = ThenMeasure<WithAccuracy<S>>;
-
 /// A [`Pipeline`] for a [`Question`] that is known at run time only.
 ///
 /// One enum over the types that a program would otherwise name, so that a step is as fast as theirs.
@@ -99,11 +96,10 @@ enum Inner<B: BroadPhase> {
     Fast(Pipeline<B, Within<OverlapUnchecked>>),
     F64(Pipeline<B, Within<Pairwise<Gjk<f64>>>>),
     Certified(Pipeline<B, Within<Overlap>>),
-    Distance(Pipeline<B, Measured<Distances>>),
-    DistanceF32(Pipeline<B, SimdDistances>),
+    Distance(Pipeline<B, SimdDistances>),
     Depth(Pipeline<B, SimdDepths>),
     Manifold(Pipeline<B, SimdDepths<Manifolds>>),
-    Gradient(Pipeline<B, Measured<Proximities>>),
+    Gradient(Pipeline<B, ThenMeasure<WithAccuracy<Proximities>>>),
 }
 
 /// Calls the same method on the pipeline of any variant.
@@ -114,7 +110,6 @@ macro_rules! whichever {
             Inner::F64($pipeline) => $then,
             Inner::Certified($pipeline) => $then,
             Inner::Distance($pipeline) => $then,
-            Inner::DistanceF32($pipeline) => $then,
             Inner::Depth($pipeline) => $then,
             Inner::Manifold($pipeline) => $then,
             Inner::Gradient($pipeline) => $then,
@@ -150,12 +145,8 @@ impl<B: BroadPhase> AnyPipeline<B> {
             Question::Overlap { precision: Precision::Certified, margin } => {
                 Inner::Certified(Pipeline::with(broad, Within::margin(margin)?))
             }
-            Question::Distance { accuracy: Accuracy::F32, margin } => {
-                Inner::DistanceF32(Pipeline::with(broad, SimdDistances::within(margin)?))
-            }
             Question::Distance { accuracy, margin } => {
-                let solver = WithAccuracy::new(Distances::within(margin)?, accuracy);
-                Inner::Distance(Pipeline::with(broad, ThenMeasure::new(solver)?))
+                Inner::Distance(Pipeline::with(broad, SimdDistances::within(margin, accuracy)?))
             }
             Question::Depth { accuracy } => {
                 Inner::Depth(Pipeline::with(broad, SimdDepths::new(Depths, accuracy)))
@@ -194,9 +185,6 @@ impl<B: BroadPhase> AnyPipeline<B> {
             Inner::F64(pipeline) => AnyStep::Overlap(pipeline.step_where(scene, exec, may)),
             Inner::Certified(pipeline) => AnyStep::Overlap(pipeline.step_where(scene, exec, may)),
             Inner::Distance(pipeline) => AnyStep::Distance(pipeline.step_where(scene, exec, may)),
-            Inner::DistanceF32(pipeline) => {
-                AnyStep::Distance(pipeline.step_where(scene, exec, may))
-            }
             Inner::Depth(pipeline) => AnyStep::Depth(pipeline.step_where(scene, exec, may)),
             Inner::Manifold(pipeline) => AnyStep::Manifold(pipeline.step_where(scene, exec, may)),
             Inner::Gradient(pipeline) => AnyStep::Gradient(pipeline.step_where(scene, exec, may)),

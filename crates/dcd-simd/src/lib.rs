@@ -23,6 +23,7 @@ mod pair;
 mod path;
 mod portable;
 mod sphere16;
+mod unfused;
 
 pub use aabb::Aabb;
 pub use aabb16::Aabb16;
@@ -31,6 +32,7 @@ pub use box_test::{BoxTest, PlaneSet, PointDistance, RaySlabs, nearest_first};
 pub use pair::Pair;
 pub use path::{Path, UnavailablePath};
 pub use sphere16::{BoundingSphere, Sphere16};
+pub use unfused::Unfused;
 
 /// glam, so that a user has the same version of it.
 pub use glam;

@@ -2,8 +2,8 @@
 
 use dcd_geom::{Aabb, Pair};
 use dcd_gjk::{
-    Accuracy, ContactSink, Depths, Distances, Manifolds, NarrowPhase, Overlap, OverlapUnchecked,
-    Prepared, Report, Sides, SimdDepths, SimdDistances, ThenMeasure, WithAccuracy,
+    Accuracy, ContactSink, Depths, Manifolds, NarrowPhase, Overlap, OverlapUnchecked, Prepared,
+    Report, Sides, SimdDepths, SimdDistances,
 };
 
 use crate::precision::{Query, Said, deepest};
@@ -34,13 +34,7 @@ pub(crate) fn numbers(query: Query, accuracy: Accuracy, subject: &Subject) -> Bo
             let said = |found: &Option<dcd_gjk::Distance>| {
                 found.map_or(Said::Touching, |found| Said::Measured(found.distance))
             };
-            if accuracy == Accuracy::F32 {
-                prepared(SimdDistances::within(margin).expect(IN_RANGE), subject, said)
-            } else {
-                let solver =
-                    WithAccuracy::new(Distances::within(margin).expect(IN_RANGE), accuracy);
-                prepared(ThenMeasure::new(solver).expect(IN_RANGE), subject, said)
-            }
+            prepared(SimdDistances::within(margin, accuracy).expect(IN_RANGE), subject, said)
         }
         Query::Depth => {
             let said = |found: &dcd_gjk::epa::Depth| Said::Measured(found.depth);

@@ -9,8 +9,7 @@ use crate::{Method, PairSolver, PosedShape, Verdict, certified};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Accuracy {
     /// Some millionths of the pair's size, as f32 resolves it: at most 1e-5 of it for all but one in a
-    /// hundred of the named scenes' pairs. Distances of whole scenes are [in lanes](crate::SimdDistances)
-    /// then.
+    /// hundred of the named scenes' pairs. Distances of whole scenes are [in lanes](crate::SimdDistances).
     F32,
     /// What f64 gives: 1e-10 of a depth or 3e-14 of the pair's size, some 3e-15 of it for a distance.
     F64,

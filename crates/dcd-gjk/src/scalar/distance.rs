@@ -14,13 +14,16 @@ mod tests;
 use crate::certificate::Bounds;
 use crate::closed::{self, half_space};
 use crate::exact::{self, Exact};
+use crate::gjk::Simplex;
 use crate::query::Accuracy;
 use crate::{
-    Difference, Method, PosedShape, PosedSupport, Reason, Verdict, certified, mesh, order, portal,
+    Difference, Method, PosedShape, PosedSupport, Reason, Verdict, Vertex, certified, mesh, order,
+    portal,
 };
+use approach::approach_from;
 pub(crate) use approach::{Approach, approach, proposed};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Polytope, Shape, SupportMap};
+use dcd_geom::{Polytope, Shape, Support, SupportMap};
 
 /// How far apart two shapes are, and where. World frame, metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -202,6 +205,83 @@ pub fn distance_at(
 /// is above what that accuracy promises. Smaller: more supports.
 const F32_GAP: f64 = 1e-6;
 
+/// [`distance_at`] of two polytopes that are known to be apart. The search starts from vertices of a and of b between
+/// which the nearest points are thought to be: any are sound, good ones quick.
+///
+/// The same bits for the same vertices; (b, a) with theirs exchanged is mirrored.
+pub(crate) fn of_apart(
+    accuracy: Accuracy,
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    nearest: [[u32; 2]; 3],
+) -> DistanceResult {
+    let in_order = |a, b, nearest| match accuracy {
+        Accuracy::Certified => of_apart_in_order(a, b, nearest),
+        _ => in_f64_from(a, b, nearest),
+    };
+    if order::are_swapped(a, b) {
+        in_order(b, a, nearest.map(|[a, b]| [b, a])).mirrored()
+    } else {
+        in_order(a, b, nearest)
+    }
+}
+
+fn of_apart_in_order(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    nearest: [[u32; 2]; 3],
+) -> DistanceResult {
+    if let Some(found) = closed::distance(a, b, closed::SHARP) {
+        return found;
+    }
+    let (nearest, count) = different(nearest);
+    let scale = Difference::<f64, _, _>::new(a, b).map(|difference| difference.scale());
+    of_hint(a, b, scale, &nearest[..count]).0
+}
+
+/// In f64 where that knows more than that they are apart.
+fn in_f64_from(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    nearest: [[u32; 2]; 3],
+) -> DistanceResult {
+    if let Some(found) = closed::distance(a, b, closed::AS_F64) {
+        return found;
+    }
+    let (pairs, count) = different(nearest);
+    if let Some(difference) = Difference::new(a, b) {
+        let mut simplex = Simplex::default();
+        for &[k, l] in &pairs[..count] {
+            let support = |polytope: &Polytope, feature: u32| Support {
+                point: polytope.vertices()[feature as usize],
+                feature,
+            };
+            let (in_a, in_b) = (support(a.map, k), support(b.map, l));
+            let w = difference.world(in_a.point, in_b.point);
+            simplex.push(Vertex { w, a: in_a, b: in_b });
+        }
+        let bounds = Bounds::of(&difference);
+        if let Ok(near) = approach_from(&difference, &bounds, 0.0, simplex)
+            && near.lower > bounds.swept_upper()
+        {
+            return DistanceResult::Apart(near.distance(&bounds, difference.scale(), [a, b]));
+        }
+    }
+    of_apart_in_order(a, b, nearest)
+}
+
+/// Those that differ from the ones before them, and how many they are.
+fn different(pairs: [[u32; 2]; 3]) -> ([[u32; 2]; 3], usize) {
+    let (mut kept, mut count) = (pairs, 0);
+    for pair in pairs {
+        if !kept[..count].contains(&pair) {
+            kept[count] = pair;
+            count += 1;
+        }
+    }
+    (kept, count)
+}
+
 fn to_within(gap: f64, a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceResult {
     if order::is_swapped(a, b) {
         in_f64_in_order(gap, b, a).mirrored()
@@ -349,8 +429,18 @@ fn in_order(
             return (DistanceResult::Touching, method);
         }
     }
-    let hint = &hint[..known];
-    if let Some(found) = difference.and_then(|d| refine::refined(a, b, d.scale(), hint)) {
+    of_hint(a, b, difference.map(|difference| difference.scale()), &hint[..known])
+}
+
+/// From vertices between which the nearest points may be: in double-double, else exactly. `scale` is the pair's, where it
+/// has one.
+fn of_hint(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    scale: Option<f64>,
+    hint: &[[u32; 2]],
+) -> (DistanceResult, Method) {
+    if let Some(found) = scale.and_then(|scale| refine::refined(a, b, scale, hint)) {
         return (DistanceResult::Apart(found.saturated()), Method::F64);
     }
     match exact::closest(a, b, hint) {

@@ -1,32 +1,33 @@
-//! How far apart pairs are, sixteen at a time in f32, with the bound that holds for it.
+//! How far apart pairs are: the nearest vertices sixteen pairs at a time in f32, and what the accuracy makes of them.
 
 use super::frame::{FramePair, SimdFrame};
 use super::nearest::{self, Found, NearestPoints};
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
-use crate::distance::{DistanceResult, distance_at};
+use crate::distance::{DistanceResult, distance_at, of_apart};
 use crate::query::{check_margin, grown, spheres_are_apart, within_margin};
 use crate::{
-    Accuracy, Contact, ContactSink, Distance, Method, NarrowPhase, PosedShape, Prepared, Report,
-    Sides, Verdict,
+    Accuracy, Contact, ContactSink, Distance, Method, NarrowPhase, PosedShape, PosedSupport,
+    Prepared, Report, Sides, Verdict,
 };
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, ShapeError};
 use dcd_simd::Path;
 
-/// How far apart the pairs within a margin are: [`Distances`](crate::Distances) at [`Accuracy::F32`], in
-/// packets of sixteen.
+/// How far apart the pairs within a margin are: [`Distances`](crate::Distances) at any accuracy, in packets of sixteen.
 ///
 /// Contact is proved as in [`Overlap`](crate::Overlap). For the other pairs the lanes find the nearest
-/// vertices, from which f64 computes the points and the distance. Its bound, proved, is some millionths
-/// of the pair's size: what the lanes prove from below. Shapes without a lane kernel, sizes outside
-/// f32's range, and pairs whose bound contains the margin are measured one pair at a time.
+/// vertices. At [`Accuracy::F32`] f64 computes the points and the distance from these, and the bound is what the lanes
+/// prove from below: some millionths of the pair's size. At the others the search goes on from them in f64 or longer
+/// numbers, with the bounds of these. Shapes without a lane kernel, sizes outside
+/// f32's range, and pairs whose bound is too wide are measured one pair at a time.
 ///
-/// Whether a pair with a distance within its bound of the margin is reported is decided exactly. Distances
-/// and points may differ from CPU to CPU within their bounds, as f32's rounding does where it is fused. They
-/// depend neither on the number of threads nor on the other pairs.
+/// Whether a pair with a distance within its bound of the margin is reported is decided exactly. The same bits on every
+/// path and at any number of threads, whatever the other pairs; (a, b) and (b, a) are mirrored. The last bits need not be
+/// those of [`Distances`](crate::Distances), whose search starts elsewhere.
 #[derive(Clone, Copy, Debug)]
 pub struct SimdDistances {
     path: Path,
+    accuracy: Accuracy,
     margin: f64,
 }
 
@@ -39,21 +40,21 @@ const WORST: f64 = 8e-6;
 const ROUNDED: f64 = 64.0 * f64::EPSILON / 2.0;
 
 impl SimdDistances {
-    /// Of the pairs within that many metres.
+    /// Of the pairs within that many metres, at that accuracy.
     ///
     /// # Errors
     /// A margin that is negative, not a number, or above [`Aabb::LIMIT`].
-    pub fn within(margin: f64) -> Result<Self, ShapeError> {
-        Self::on(Path::best(), margin)
+    pub fn within(margin: f64, accuracy: Accuracy) -> Result<Self, ShapeError> {
+        Self::on(Path::best(), margin, accuracy)
     }
 
     /// The same on a path: see [`SimdOverlap::on`](super::SimdOverlap::on).
     ///
     /// # Errors
     /// Those of [`SimdDistances::within`].
-    pub fn on(path: Path, margin: f64) -> Result<Self, ShapeError> {
+    pub fn on(path: Path, margin: f64, accuracy: Accuracy) -> Result<Self, ShapeError> {
         check_margin(margin)?;
-        Ok(Self { path, margin })
+        Ok(Self { path, accuracy, margin })
     }
 
     /// Resolves a pair by itself. Shapes are grown by the margin only where the distance is within its bound of
@@ -62,22 +63,41 @@ impl SimdDistances {
         if spheres_are_apart(a, b, self.margin) {
             return (Verdict::Apart, Method::F64);
         }
-        let (found, method) = distance_at(Accuracy::F32, a, b);
+        let (found, method) = distance_at(self.accuracy, a, b);
         (within_margin(found, self.margin, a, b), method)
     }
 
-    /// The pair whose nearest vertices are known.
+    /// The pair, which is apart, whose nearest vertices are known.
     fn by_points(
         &self,
         points: &NearestPoints,
         a: PosedShape<'_>,
         b: PosedShape<'_>,
     ) -> Verdict<Option<Distance>> {
-        match distance_of(points, a, b) {
-            Some(found) => within_margin(DistanceResult::Apart(found), self.margin, a, b),
+        let found = match self.accuracy {
+            Accuracy::F32 => distance_of(points, a, b).map(DistanceResult::Apart),
+            accuracy => going_on(accuracy, points, a, b),
+        };
+        match found {
+            Some(found) => within_margin(found, self.margin, a, b),
             None => self.alone(a, b).0,
         }
     }
+}
+
+/// The distance of two polytopes that are apart, searched on from their nearest vertices.
+fn going_on(
+    accuracy: Accuracy,
+    points: &NearestPoints,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+) -> Option<DistanceResult> {
+    let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
+    // The last block is filled up with the last vertex.
+    let last = [in_a, in_b].map(|polytope| polytope.vertices().len() as u32 - 1);
+    let corners = points.corners.map(|[of_a, of_b]| [of_a.min(last[0]), of_b.min(last[1])]);
+    let (a, b) = (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
+    Some(of_apart(accuracy, a, b, corners))
 }
 
 /// What a thread reuses from slice to slice.
@@ -111,7 +131,7 @@ impl NarrowPhase for SimdDistances {
 
     fn prepare(&self, scene: &Scene, first: usize, part: Part<'_>, aabbs: &mut [Aabb]) {
         let objects = prepare::Prepare { scene, first, part, aabbs: &mut *aabbs };
-        prepare::prepare(self.path, objects);
+        prepare::prepare_unfused(self.path, objects);
         for aabb in aabbs {
             *aabb = grown(aabb, self.margin / 2.0);
         }

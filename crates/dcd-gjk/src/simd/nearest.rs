@@ -13,7 +13,7 @@ use super::simplex::{Nearest, Vertex};
 use super::support::SupportScratch;
 use super::vector::V3;
 use dcd_geom::Pair;
-use dcd_simd::{IndexRow, Kernel, Lanes, Path, Row, WIDTH, dispatch_on};
+use dcd_simd::{IndexRow, Kernel, Lanes, Path, Row, Unfused, WIDTH, dispatch_on};
 
 /// What the lanes found of a pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,7 +49,8 @@ pub(super) struct Scratch {
     pub(super) found: Vec<Found>,
 }
 
-/// Looks for the nearest points of each pair, all of which are known to be apart.
+/// Looks for the nearest points of each pair, all of which are known to be apart. The same bits on every path, for frames
+/// prepared without fused operations.
 pub(super) fn find(
     path: Path,
     frames: FramePair<'_>,
@@ -60,7 +61,7 @@ pub(super) fn find(
     let margin = (margin as f32).next_up();
     scratch.found.clear();
     scratch.found.resize(pairs.len(), Found::Unknown);
-    dispatch_on(path, Search { frames, pairs, margin, scratch });
+    dispatch_on(path, Unfused(Search { frames, pairs, margin, scratch }));
 }
 
 struct Search<'a> {

@@ -16,11 +16,16 @@ use super::frame::{
 use super::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::{Aabb, Corners, Mesh, Pose, Scene, Shape};
-use dcd_simd::{Block, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, prefetch};
+use dcd_simd::{Block, Kernel, Lanes, Path, Row, Unfused, WIDTH, dispatch_on, prefetch};
 
 /// Runs the kernel on that path: compiled here, once.
 pub(super) fn prepare(path: Path, objects: Prepare<'_>) {
     dispatch_on(path, objects);
+}
+
+/// The same bits on every path.
+pub(super) fn prepare_unfused(path: Path, objects: Prepare<'_>) {
+    dispatch_on(path, Unfused(objects));
 }
 
 /// Prepares the objects from `first` on.

@@ -7,8 +7,8 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Pose, Shape};
 use dcd_gjk::query::Smoothness;
 use dcd_gjk::{
-    Distances, PairSolver, Pairwise, Proximities, Reason, SimdDistances, ThenMeasure, Verdict,
-    contract,
+    Accuracy, Distances, PairSolver, Pairwise, Proximities, Reason, SimdDistances, ThenMeasure,
+    Verdict, contract,
 };
 use dcd_simd::Path;
 use std::sync::Arc;
@@ -122,9 +122,9 @@ fn hulls(draw: &mut Draw, scale: f64) -> Vec<Shape> {
 }
 
 #[test]
-fn the_lanes_report_the_same_pairs_and_the_certified_distance_is_within_their_bound() {
+fn the_lanes_report_the_same_pairs_and_the_distance_alone_is_within_their_bound_on_every_path() {
     let mut draw = Draw(17);
-    let (mut count, mut bounds) = (0, Vec::new());
+    let mut bounds: [Vec<f64>; 3] = Default::default();
     for (round, scale) in [1.0, 1e-3, 1e3, 1.0].into_iter().enumerate() {
         let shapes = hulls(&mut draw, scale);
         let kinds = shapes.len() as u32;
@@ -139,39 +139,52 @@ fn the_lanes_report_the_same_pairs_and_the_certified_distance_is_within_their_bo
         let margin = 0.8 * scale;
         let solver = Distances::within(margin).unwrap();
         let (certified, reference) = found(&ThenMeasure::new(solver).unwrap(), &scene, &pairs);
-        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-            let lanes = SimdDistances::on(path, margin).unwrap();
-            let (quick, report) = found(&lanes, &scene, &pairs);
-            assert!(report.undecided().is_empty() && quick.len() == certified.len());
-            assert_eq!(report.pair_count(), reference.pair_count());
-            for (quick, certified) in quick.iter().zip(&certified) {
-                assert_eq!(quick.pair, certified.pair, "{path:?}");
-                assert_eq!(quick.answer.is_some(), certified.answer.is_some(), "{path:?}");
-                let [i, j] = [quick.pair.i, quick.pair.j].map(|k| k as usize);
-                let (Some(quick), Some(certified)) = (quick.answer, certified.answer) else {
+        for (accuracy, bounds) in ACCURACIES.into_iter().zip(&mut bounds) {
+            let mut first = None;
+            for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+                let lanes = SimdDistances::on(path, margin, accuracy).unwrap();
+                let (lanes, report) = found(&lanes, &scene, &pairs);
+                assert!(report.undecided().is_empty());
+                assert_eq!(report.pair_count(), reference.pair_count());
+                let first = first.get_or_insert_with(|| lanes.clone());
+                assert!(*first == lanes, "{path:?} {accuracy:?}");
+            }
+            let lanes = first.unwrap();
+            assert_eq!(lanes.len(), certified.len());
+            for (lanes, certified) in lanes.iter().zip(&certified) {
+                assert_eq!(lanes.pair, certified.pair);
+                assert_eq!(lanes.answer.is_some(), certified.answer.is_some());
+                let [i, j] = [lanes.pair.i, lanes.pair.j].map(|k| k as usize);
+                let (Some(lanes), Some(certified)) = (lanes.answer, certified.answer) else {
                     continue;
                 };
                 assert!(
-                    quick.lower() <= certified.upper() && certified.lower() <= quick.upper(),
-                    "{path:?} {quick:?} {certified:?}"
+                    lanes.lower() <= certified.upper() && certified.lower() <= lanes.upper(),
+                    "{accuracy:?} {lanes:?} {certified:?}"
                 );
-                // The bound is for the lanes' word; what f64 makes of it is far better.
-                let along = quick.point_b - quick.point_a - quick.normal * quick.distance;
+                let along = lanes.point_b - lanes.point_a - lanes.normal * lanes.distance;
                 assert!(along.length() < 1e-11 * 300.0 * scale, "{along}");
+                assert!((lanes.normal.length() - 1.0).abs() < 1e-14);
+                if accuracy == Accuracy::Certified {
+                    let most = (4.0 * certified.error_bound).max(2e-15 * certified.distance);
+                    assert!(lanes.error_bound <= most, "{lanes:?} {certified:?}");
+                }
                 let apart = scene.poses()[i].translation() - scene.poses()[j].translation();
                 let size =
                     scene.shape(i).reach() + scene.shape(j).reach() + apart.abs().element_sum();
-                assert!((quick.normal.length() - 1.0).abs() < 1e-14);
-                bounds.push(quick.error_bound / size);
-                count += 1;
+                bounds.push(lanes.error_bound / size);
             }
         }
     }
-    bounds.sort_unstable_by(f64::total_cmp);
-    let worst = bounds[bounds.len() - 1];
-    println!("{count} distances, bounds of {:e} and {worst:e}", bounds[bounds.len() / 2]);
-    assert!(count > 3000 && worst < 1e-5, "{count} {worst}");
+    for (bounds, most) in bounds.iter_mut().zip([1e-5, 1e-14, 1e-14]) {
+        bounds.sort_unstable_by(f64::total_cmp);
+        let (median, worst) = (bounds[bounds.len() / 2], bounds[bounds.len() - 1]);
+        println!("{} distances, bounds of {median:e} and {worst:e} of the size", bounds.len());
+        assert!(bounds.len() > 1000 && worst < most, "{} {worst}", bounds.len());
+    }
 }
+
+const ACCURACIES: [Accuracy; 3] = [Accuracy::F32, Accuracy::F64, Accuracy::Certified];
 
 #[test]
 fn the_lanes_agree_on_both_orders_and_whatever_the_other_pairs() {
@@ -188,25 +201,115 @@ fn the_lanes_agree_on_both_orders_and_whatever_the_other_pairs() {
     let mirrored = dcd_geom::Scene::new(shapes, reversed).unwrap();
     let pairs: Vec<_> =
         (0..60).flat_map(|i| (i + 1..60).map(move |j| dcd_geom::Pair::new(i, j))).collect();
-    let lanes = SimdDistances::within(0.7).unwrap();
-    let (all, _) = found(&lanes, &scene, &pairs);
-    let (seen, _) = found(&lanes, &mirrored, &pairs);
+    for accuracy in ACCURACIES {
+        let lanes = SimdDistances::within(0.7, accuracy).unwrap();
+        let (all, _) = found(&lanes, &scene, &pairs);
+        let (seen, _) = found(&lanes, &mirrored, &pairs);
+        let mut measured = 0;
+        for contact in &all {
+            let pair = dcd_geom::Pair::new(59 - contact.pair.j, 59 - contact.pair.i);
+            let other = seen.iter().find(|other| other.pair == pair).unwrap();
+            let (Some(one), Some(other)) = (contact.answer, other.answer) else { continue };
+            assert_eq!((one.distance, one.error_bound), (other.distance, other.error_bound));
+            assert_eq!((one.point_a, one.point_b), (other.point_b, other.point_a));
+            assert_eq!(one.normal, -other.normal);
+            measured += 1;
+        }
+        assert!(measured > 100, "{measured}");
+        for chunk in pairs.chunks(7) {
+            let (some, _) = found(&lanes, &scene, chunk);
+            let same = all.iter().filter(|contact| chunk.contains(&contact.pair));
+            assert!(some.iter().eq(same));
+        }
+    }
+}
+
+/// Pairs 2k, 2k + 1 whose faces, edges or corners meet with a gap: none, below rounding, small.
+fn nearly_touching(
+    draw: &mut Draw,
+    scale: f64,
+    far: f64,
+) -> (dcd_geom::Scene, Vec<dcd_geom::Pair>) {
+    let mut shapes = hulls(draw, scale);
+    let corner = |k: u32| DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2));
+    let boxed = |half: DVec3| {
+        let corners = (0..8).map(|k| (corner(k) * 2.0 - 1.0) * half * scale).collect();
+        Shape::hull(corners).unwrap()
+    };
+    shapes.push(boxed(DVec3::new(0.5, 0.25, 0.125)));
+    shapes.push(boxed(DVec3::new(1.0, 1.0, 0.001)));
+    shapes.push(boxed(DVec3::new(0.5, 0.5, 0.0)));
+    let lattice = |k: u32| DVec3::new(f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9));
+    shapes.push(Shape::hull((0..27).map(|k| lattice(k) * 0.25 * scale).collect()).unwrap());
+    let kinds = shapes.len() as u32;
+    let mut objects = Vec::new();
+    for k in 0..600 {
+        let kind = |draw: &mut Draw| match k % 3 {
+            0 => kinds - 1 - (draw.unit().abs() * 4.0) as u32 % 4,
+            _ => (draw.unit().abs() * f64::from(kinds)) as u32 % kinds,
+        };
+        let (one, other) = (kind(draw), kind(draw));
+        let turn = |draw: &mut Draw| match k % 3 {
+            0 => dcd_geom::glam::DQuat::IDENTITY,
+            _ => draw.turn(),
+        };
+        let turns = [turn(draw), turn(draw)];
+        let along = if k % 2 == 0 { DVec3::X } else { draw.vector().normalize() };
+        let reach = |kind: u32, turn: dcd_geom::glam::DQuat, along: DVec3| {
+            let polytope = shapes[kind as usize].as_polytope().unwrap();
+            let farthest = polytope.vertices().iter().map(|&vertex| (turn * vertex).dot(along));
+            farthest.fold(f64::NEG_INFINITY, f64::max) + polytope.swept_radius()
+        };
+        let gap = [0.0, 1e-16, 1e-13, 1e-8, 1e-3, 0.05][k % 6] * scale;
+        let apart = reach(one, turns[0], along) + reach(other, turns[1], -along) + gap;
+        let place = draw.vector() * far;
+        objects.push(dcd_geom::Object::new(one, Pose::new(turns[0], place).unwrap()));
+        let there = place + along * apart;
+        objects.push(dcd_geom::Object::new(other, Pose::new(turns[1], there).unwrap()));
+    }
+    let pairs = (0..600).map(|k| dcd_geom::Pair::new(2 * k, 2 * k + 1)).collect();
+    (dcd_geom::Scene::new(shapes, objects).unwrap(), pairs)
+}
+
+#[test]
+fn gaps_below_rounding_have_the_distance_that_they_have_alone_on_every_path() {
+    let mut draw = Draw(41);
     let mut measured = 0;
-    for contact in &all {
-        let pair = dcd_geom::Pair::new(59 - contact.pair.j, 59 - contact.pair.i);
-        let other = seen.iter().find(|other| other.pair == pair).unwrap();
-        let (Some(one), Some(other)) = (contact.answer, other.answer) else { continue };
-        assert_eq!((one.distance, one.error_bound), (other.distance, other.error_bound));
-        assert_eq!((one.point_a, one.point_b), (other.point_b, other.point_a));
-        assert_eq!(one.normal, -other.normal);
-        measured += 1;
+    for (scale, far) in [(1.0, 0.0), (1.0, 8.0), (1e-3, 1.0), (1e4, 1e3), (1e-9, 1e-9)] {
+        let (scene, pairs) = nearly_touching(&mut draw, scale, far);
+        let margin = 0.2 * scale;
+        let alone = Pairwise(Distances::within(margin).unwrap());
+        let (alone, _) = found(&alone, &scene, &pairs);
+        for accuracy in ACCURACIES {
+            let mut first = None;
+            for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+                let lanes = SimdDistances::on(path, margin, accuracy).unwrap();
+                let (lanes, report) = found(&lanes, &scene, &pairs);
+                assert!(report.undecided().is_empty());
+                let first = first.get_or_insert_with(|| lanes.clone());
+                assert!(*first == lanes, "{path:?} {accuracy:?}");
+            }
+            let lanes = first.unwrap();
+            assert_eq!(lanes.len(), alone.len());
+            for (lanes, alone) in lanes.iter().zip(&alone) {
+                assert_eq!(lanes.pair, alone.pair);
+                let (Some(lanes), Some(alone)) = (lanes.answer, alone.answer) else {
+                    assert_eq!(lanes.answer, alone.answer);
+                    continue;
+                };
+                assert!(
+                    lanes.lower() <= alone.upper() && alone.lower() <= lanes.upper(),
+                    "{accuracy:?} {lanes:?} {alone:?}"
+                );
+                if accuracy == Accuracy::Certified {
+                    let most = (4.0 * alone.error_bound).max(2e-15 * alone.distance);
+                    assert!(lanes.error_bound <= most, "{lanes:?} {alone:?}");
+                    measured += 1;
+                }
+            }
+        }
     }
-    assert!(measured > 100, "{measured}");
-    for chunk in pairs.chunks(7) {
-        let (some, _) = found(&lanes, &scene, chunk);
-        let same = all.iter().filter(|contact| chunk.contains(&contact.pair));
-        assert!(some.iter().eq(same));
-    }
+    assert!(measured > 1000, "{measured}");
 }
 
 #[test]
@@ -223,10 +326,12 @@ fn shapes_that_the_lanes_do_not_know_have_the_distances_that_they_have_alone() {
     all.push(Shape::cone(0.5, 0.3).unwrap().rounded(0.05).unwrap());
     all.push(Shape::half_space(DVec3::new(0.1, 0.2, 1.0), -3.0).unwrap());
     let (scene, pairs) = pile(all, 90);
-    for margin in [0.0, 0.02, 0.6] {
+    let cases = ACCURACIES.into_iter().flat_map(|a| [0.0, 0.02, 0.6].map(|margin| (a, margin)));
+    for (accuracy, margin) in cases {
         let solver = Distances::within(margin).unwrap();
         let (certified, reference) = found(&ThenMeasure::new(solver).unwrap(), &scene, &pairs);
-        let (quick, report) = found(&SimdDistances::within(margin).unwrap(), &scene, &pairs);
+        let lanes = SimdDistances::within(margin, accuracy).unwrap();
+        let (quick, report) = found(&lanes, &scene, &pairs);
         let open = |report: &dcd_gjk::Report| -> Vec<_> {
             report.undecided().iter().map(|undecided| undecided.pair).collect()
         };

@@ -30,31 +30,49 @@ pub(crate) fn approach<S: SupportMap<f64>>(
     bounds: &Bounds<f64>,
     gap: f64,
 ) -> Result<Approach, Verdict<()>> {
+    approach_from(difference, bounds, gap, Simplex::default())
+}
+
+/// The same from the nearest point of a simplex, if it has a vertex.
+pub(crate) fn approach_from<S: SupportMap<f64>>(
+    difference: &Difference<'_, f64, S, S>,
+    bounds: &Bounds<f64>,
+    gap: f64,
+    first: Simplex<f64>,
+) -> Result<Approach, Verdict<()>> {
     let mut best = Approach::towards(start::<f64>(difference.middle()));
+    let mut first = (!first.vertices().is_empty()).then_some(first);
     let mut nearest_so_far = f64::MAX;
     for _ in 0..MAX_SUPPORTS {
-        let (vertex, separation) = difference.lowest(best.direction);
-        best.lower = best.lower.max(bounds.lower_bound(best.direction, separation));
-        let along = separation / best.direction.length();
-        // The gap is closed to the last bit, or the vertex is nothing new.
-        let is_closed = best.length - along <= UNIT * best.length || best.upper - best.lower <= gap;
-        if is_closed || best.simplex.holds(&vertex) {
-            break;
-        }
-        let mut simplex = best.simplex;
-        simplex.push(vertex);
+        let simplex = match first.take() {
+            Some(first) => first,
+            None => {
+                let (vertex, separation) = difference.lowest(best.direction);
+                best.lower = best.lower.max(bounds.lower_bound(best.direction, separation));
+                let along = separation / best.direction.length();
+                // The gap is closed to the last bit, or the vertex is nothing new.
+                let is_closed =
+                    best.length - along <= UNIT * best.length || best.upper - best.lower <= gap;
+                if is_closed || best.simplex.holds(&vertex) {
+                    break;
+                }
+                let mut simplex = best.simplex;
+                simplex.push(vertex);
+                simplex
+            }
+        };
         let Some(near) = simplex.nearest() else { break };
         let squared = near.square[0] / near.square[1];
         if !(squared < nearest_so_far) {
             break;
         }
         nearest_so_far = squared;
-        simplex.keep(&near);
         best.simplex = simplex;
+        best.simplex.keep(&near);
         best.weights = near.weights;
-        best.length = combined_length(simplex.vertices(), near.weights());
+        best.length = combined_length(best.simplex.vertices(), near.weights());
         best.upper = best.upper.min(bounds.upper_bound(best.length));
-        if bounds.simplex_touches(&simplex) {
+        if bounds.simplex_touches(&best.simplex) {
             return Err(Verdict::Touching(()));
         }
         match unit::<f64>(near.direction) {
