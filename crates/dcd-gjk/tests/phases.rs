@@ -80,7 +80,7 @@ fn every_phase_of_our_own_keeps_the_contract_among_compounds_meshes_and_half_spa
             contract_of(&SimdDistances::on(path, 0.25, accuracy).unwrap()).unwrap();
         }
         contract_of(&SimdDepths::on(path, Depths, Accuracy::F32)).unwrap();
-        contract_of(&SimdDepths::on(path, Manifolds, Accuracy::Certified)).unwrap();
+        contract_of(&SimdDepths::on(path, Manifolds::default(), Accuracy::Certified)).unwrap();
     }
     contract_of(&Pairwise(Gjk::<f32>::default())).unwrap();
     contract_of(&Pairwise(Gjk::<f64>::default())).unwrap();
@@ -89,10 +89,10 @@ fn every_phase_of_our_own_keeps_the_contract_among_compounds_meshes_and_half_spa
     contract_of(&Pairwise(Distances::within(0.25).unwrap())).unwrap();
     contract_of(&Pairwise(Proximities::within(0.25).unwrap())).unwrap();
     contract_of(&Pairwise(Depths)).unwrap();
-    contract_of(&Pairwise(Manifolds)).unwrap();
+    contract_of(&Pairwise(Manifolds::default())).unwrap();
     contract_of(&ThenMeasure::new(Distances::within(0.25).unwrap()).unwrap()).unwrap();
     contract_of(&ThenMeasure::new(Depths).unwrap()).unwrap();
-    contract_of(&ThenMeasure::new(Manifolds).unwrap()).unwrap();
+    contract_of(&ThenMeasure::new(Manifolds::default()).unwrap()).unwrap();
     contract_of(&ThenMeasure::new(Proximities::within(0.25).unwrap()).unwrap()).unwrap();
     contract_of(&Within::by(Pairwise(Certified), 0.25).unwrap()).unwrap();
     let inner = shapes().into_iter().map(|shape| match shape {

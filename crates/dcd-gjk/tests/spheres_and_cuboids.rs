@@ -65,7 +65,7 @@ impl Case {
     fn manifold(&self, shapes: &[Shape; 2]) -> Manifold {
         let [a, b] = self.posed(shapes);
         let [ab, ba] = [(a, b), (b, a)].map(|(a, b)| {
-            match Manifolds.measure_at(Accuracy::F64, a, b, &mut Default::default()) {
+            match Manifolds::default().measure_at(Accuracy::F64, a, b, &mut Default::default()) {
                 Verdict::Touching(manifolds) => manifolds[0],
                 other => panic!("{other:?}"),
             }

@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Object::new(1, at(0.2, 1.498)?),
     ];
     let scene = Scene::new(shapes, objects)?;
-    let fast = WithAccuracy::new(Manifolds, Accuracy::F64);
+    let fast = WithAccuracy::new(Manifolds::default(), Accuracy::F64);
     let mut pipeline = Pipeline::with(WideTree::default(), ThenMeasure::new(fast)?);
     let step = pipeline.step(&scene, Par::Pool);
     for contact in step.answers() {

@@ -322,7 +322,7 @@ fn drop(count: usize, par: Par) -> Result<Pile, Box<dyn Error>> {
     // Nothing is under the terrain, and what slides over it does not catch on its edges.
     let options = ManifoldOptions { mesh_sides: MeshSides::Outward, mesh_edges: MeshEdges::Active };
     // Some micrometres are good enough.
-    let narrow = SimdDepths::new(ManifoldsWith(options), Accuracy::F32);
+    let narrow = SimdDepths::new(Manifolds { options }, Accuracy::F32);
     let mut pipeline = Pipeline::with(WideTree::default(), narrow);
     for frame in 0..FRAMES {
         let step = pipeline.step(&pile.scene, par);

@@ -151,9 +151,10 @@ impl<B: BroadPhase> AnyPipeline<B> {
             Question::Depth { accuracy } => {
                 Inner::Depth(Pipeline::with(broad, SimdDepths::new(Depths, accuracy)))
             }
-            Question::Manifold { accuracy } => {
-                Inner::Manifold(Pipeline::with(broad, SimdDepths::new(Manifolds, accuracy)))
-            }
+            Question::Manifold { accuracy } => Inner::Manifold(Pipeline::with(
+                broad,
+                SimdDepths::new(Manifolds::default(), accuracy),
+            )),
             Question::Gradient { accuracy, margin } => {
                 let solver = WithAccuracy::new(Proximities::within(margin)?, accuracy);
                 Inner::Gradient(Pipeline::with(broad, ThenMeasure::new(solver)?))

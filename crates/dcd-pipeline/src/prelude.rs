@@ -10,7 +10,7 @@ pub use crate::{
 pub use dcd_geom::glam::{DQuat, DVec3};
 pub use dcd_geom::{Filter, Handle, Motion, Object, ObjectRef, Pair, Pose, Scene, Shape};
 pub use dcd_gjk::query::{
-    Feature, ManifoldOptions, ManifoldPoint, ManifoldsWith, MeshEdges, MeshSides, PartIndex,
+    Feature, ManifoldOptions, ManifoldPoint, MeshEdges, MeshSides, PartIndex,
 };
 pub use dcd_gjk::{
     Accuracy, BoundsOnly, Certified, Coherent, Contact, Depths, Distances, Gjk, Manifold,

@@ -68,7 +68,7 @@ fn on_waves() -> Scene {
 #[test]
 fn every_query_reports_the_same_at_any_number_of_threads() {
     are_the_same_at_any_number_of_threads(Depths);
-    are_the_same_at_any_number_of_threads(Manifolds);
+    are_the_same_at_any_number_of_threads(Manifolds::default());
     are_the_same_at_any_number_of_threads(Distances::within(0.05).unwrap());
     are_the_same_at_any_number_of_threads(Proximities::within(0.05).unwrap());
 }

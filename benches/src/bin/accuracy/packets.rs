@@ -40,7 +40,9 @@ pub(crate) fn numbers(query: Query, accuracy: Accuracy, subject: &Subject) -> Bo
             let said = |found: &dcd_gjk::epa::Depth| Said::Measured(found.depth);
             prepared(SimdDepths::new(Depths, accuracy), subject, said)
         }
-        Query::Manifold => prepared(SimdDepths::new(Manifolds, accuracy), subject, deepest),
+        Query::Manifold => {
+            prepared(SimdDepths::new(Manifolds::default(), accuracy), subject, deepest)
+        }
     }
 }
 

@@ -234,7 +234,8 @@ fn one(
             _ => Said::Open,
         },
         (Query::Manifold, precision) => {
-            match Manifolds.measure_at(precision.accuracy(), a, b, &mut memory.manifold) {
+            match Manifolds::default().measure_at(precision.accuracy(), a, b, &mut memory.manifold)
+            {
                 Verdict::Touching(found) => deepest(&found),
                 Verdict::Apart => Said::Apart,
                 Verdict::Undecided(_) => Said::Open,

@@ -193,7 +193,9 @@ pub(crate) fn run_kinds(kinds: [usize; 2], seed: u64, effort: Effort) -> Result<
                     |distance| distance.map_or(0.0, |d| d.error_bound),
                 ),
                 Kind::Depth => measure(Depths, accuracy, &scene, &pairs, |depth| depth.error_bound),
-                Kind::Manifold => measure(Manifolds, accuracy, &scene, &pairs, |m| m.error_bound()),
+                Kind::Manifold => {
+                    measure(Manifolds::default(), accuracy, &scene, &pairs, |m| m.error_bound())
+                }
             };
             let (undecided, worst) = run();
             let mut ours = || [time(run).0];

@@ -50,7 +50,7 @@ impl Solvers {
         a: PosedShape<'_>,
         b: PosedShape<'_>,
     ) {
-        let found = Manifolds.measure_at(accuracy.into(), a, b, &mut self.manifold);
+        let found = Manifolds::default().measure_at(accuracy.into(), a, b, &mut self.manifold);
         let Verdict::Touching(found) = found else { return };
         // Two convex sets have one.
         let Some(found) = found.first() else { return };

@@ -43,8 +43,7 @@ pub use accuracy::{Accuracy, MeasureAt, MeasureDepth, WithAccuracy};
 pub use depths::Depths;
 pub use distances::Distances;
 pub use manifold::{
-    Feature, Manifold, ManifoldOptions, ManifoldPoint, ManifoldSet, Manifolds, ManifoldsWith,
-    MeshEdges, MeshSides,
+    Feature, Manifold, ManifoldOptions, ManifoldPoint, ManifoldSet, Manifolds, MeshEdges, MeshSides,
 };
 pub use proximity::{Gradient, Proximities, Proximity, Smoothness, Twist};
 pub use then_measure::ThenMeasure;

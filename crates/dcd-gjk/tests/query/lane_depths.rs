@@ -197,7 +197,8 @@ fn manifolds_after_the_lanes_are_as_deep_as_the_pair() {
     let mut draw = Draw(29);
     let (scene, pairs) = pairs_of(&mut draw, 1.0, 1.0, 1000);
     let (depths, _) = found(&SimdDepths::new(Depths, Accuracy::F32), &scene, &pairs);
-    let (manifolds, _) = found(&SimdDepths::new(Manifolds, Accuracy::F32), &scene, &pairs);
+    let (manifolds, _) =
+        found(&SimdDepths::new(Manifolds::default(), Accuracy::F32), &scene, &pairs);
     assert!(manifolds.len() > 500 && manifolds.len() == depths.len());
     for (manifold, depth) in manifolds.iter().zip(&depths) {
         let (manifold, depth) = (manifold.answer[0], depth.answer);

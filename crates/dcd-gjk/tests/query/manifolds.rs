@@ -13,13 +13,14 @@ use dcd_gjk::{
 #[test]
 fn manifolds_keep_the_contract_one_by_one_and_after_the_lanes() {
     let (scene, pairs) = pile(shapes(), 40);
-    contract::narrow_phase(&Pairwise(Manifolds), &scene, &pairs).unwrap();
-    contract::narrow_phase(&ThenMeasure::new(Manifolds).unwrap(), &scene, &pairs).unwrap();
+    contract::narrow_phase(&Pairwise(Manifolds::default()), &scene, &pairs).unwrap();
+    contract::narrow_phase(&ThenMeasure::new(Manifolds::default()).unwrap(), &scene, &pairs)
+        .unwrap();
 }
 
 /// The only manifold of two that touch.
 fn one(a: &PosedSupport, b: &PosedSupport) -> Manifold {
-    let found = answer_of(&Manifolds, a, b);
+    let found = answer_of(&Manifolds::default(), a, b);
     let [manifold] = found[..] else { panic!("{found:?}\n{a:?}\n{b:?}") };
     manifold
 }
@@ -75,7 +76,7 @@ fn points_lie_in_their_shapes_and_the_deepest_is_as_deep_as_the_pair() {
             PosedSupport::new(shapes[k % shapes.len()].clone(), turn, place)
         };
         let (a, b) = (body(k), body(k / 5));
-        if let Verdict::Touching(found) = solve(&Manifolds, &a, &b) {
+        if let Verdict::Touching(found) = solve(&Manifolds::default(), &a, &b) {
             let [found] = found[..] else { panic!("{found:?}") };
             judge(&found, &a, &b);
             touching[found.points().len()] += 1;
@@ -183,7 +184,7 @@ fn a_swapped_pair_has_the_mirrored_manifold_bit_for_bit() {
         };
         let (a, b) = (body(k), body(k / 6));
         let (Verdict::Touching(ab), Verdict::Touching(ba)) =
-            (solve(&Manifolds, &a, &b), solve(&Manifolds, &b, &a))
+            (solve(&Manifolds::default(), &a, &b), solve(&Manifolds::default(), &b, &a))
         else {
             continue;
         };

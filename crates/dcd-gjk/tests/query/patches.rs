@@ -191,7 +191,7 @@ fn a_box_in_a_corner_touches_the_floor_and_the_wall() {
                 let a = PosedSupport::at(&corner, far);
                 let b = PosedSupport::at(&cube, far + DVec3::new(0.38, 0.1, 0.39) * scale);
                 let what = format!("{name}, {scale}, {far}");
-                let found = answer_of(&Manifolds, &a, &b);
+                let found = answer_of(&Manifolds::default(), &a, &b);
                 judge(&what, &found, &a, &b);
                 let [wall, floor] = &found[..] else { panic!("{what}: {found:?}") };
                 for (patch, normal, deep) in [(wall, DVec3::X, 0.02), (floor, DVec3::Z, 0.01)] {
@@ -205,7 +205,7 @@ fn a_box_in_a_corner_touches_the_floor_and_the_wall() {
                         assert_eq!(point.parts[1], None);
                     }
                 }
-                assert!(is_mirrored(&found, &answer_of(&Manifolds, &b, &a)), "{what}");
+                assert!(is_mirrored(&found, &answer_of(&Manifolds::default(), &b, &a)), "{what}");
             }
         }
     }
@@ -225,10 +225,10 @@ fn what_rests_on_one_plane_has_one_manifold_and_what_lies_in_a_fold_has_two() {
         let height = 0.49 * (1.0 + slope.max(0.0).powi(2)).sqrt();
         let b = PosedSupport::at(&sphere, DVec3::new(0.0, 0.13, height));
         let what = format!("slope {slope}");
-        let found = answer_of(&Manifolds, &a, &b);
+        let found = answer_of(&Manifolds::default(), &a, &b);
         assert!(judge(&what, &found, &a, &b) >= 2, "{what}");
         assert_eq!(found.len(), count, "{what}: {found:?}");
-        assert!(is_mirrored(&found, &answer_of(&Manifolds, &b, &a)), "{what}");
+        assert!(is_mirrored(&found, &answer_of(&Manifolds::default(), &b, &a)), "{what}");
     }
 }
 
@@ -280,13 +280,15 @@ fn every_two_parts_that_touch_belong_to_a_manifold() {
         let a = PosedSupport::new(ground, all, far);
         let b = PosedSupport::new(bodies[round % 7].clone(), all * turn, far + all * place);
         let what = format!("round {round}");
-        let Verdict::Touching(found) = solve(&Manifolds, &a, &b) else { continue };
+        let Verdict::Touching(found) = solve(&Manifolds::default(), &a, &b) else { continue };
         judge(&what, &found, &a, &b);
         touching += 1;
         several += usize::from(found.len() > 1);
-        let Verdict::Touching(back) = solve(&Manifolds, &b, &a) else { panic!("{what}") };
+        let Verdict::Touching(back) = solve(&Manifolds::default(), &b, &a) else {
+            panic!("{what}")
+        };
         assert!(is_mirrored(&found, &back), "{what}");
-        let fast = answer_of(&WithAccuracy::new(Manifolds, Accuracy::F64), &a, &b);
+        let fast = answer_of(&WithAccuracy::new(Manifolds::default(), Accuracy::F64), &a, &b);
         assert!(!fast.is_empty(), "{what}");
     }
     assert!(touching > 200 && several > 50, "{touching}, {several}");
@@ -302,10 +304,10 @@ fn meshes_and_compounds_touch_each_other_in_patches() {
         let a = PosedSupport::new(dish(&mut draw), draw.turn(), DVec3::ZERO);
         let other = if round % 2 == 0 { dish(&mut draw) } else { compound.clone() };
         let b = PosedSupport::new(other, draw.turn(), draw.vector() * 0.3);
-        let Verdict::Touching(found) = solve(&Manifolds, &a, &b) else { continue };
+        let Verdict::Touching(found) = solve(&Manifolds::default(), &a, &b) else { continue };
         judge(&format!("round {round}"), &found, &a, &b);
         several += usize::from(found.len() > 1);
-        assert!(is_mirrored(&found, &answer_of(&Manifolds, &b, &a)), "round {round}");
+        assert!(is_mirrored(&found, &answer_of(&Manifolds::default(), &b, &a)), "round {round}");
     }
     assert!(several > 10, "{several}");
 }

@@ -5,14 +5,14 @@ use super::scenes::Draw;
 use super::{PosedSupport, answer_of};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Shape, SupportMap};
-use dcd_gjk::query::{ManifoldOptions, ManifoldsWith, MeshEdges, MeshSides};
+use dcd_gjk::query::{ManifoldOptions, MeshEdges, MeshSides};
 use dcd_gjk::{ManifoldSet, Manifolds};
 
 const ACTIVE: ManifoldOptions =
     ManifoldOptions { mesh_sides: MeshSides::Both, mesh_edges: MeshEdges::Active };
 
 fn with(options: ManifoldOptions, a: &PosedSupport, b: &PosedSupport) -> ManifoldSet {
-    answer_of(&ManifoldsWith(options), a, b)
+    answer_of(&Manifolds { options }, a, b)
 }
 
 /// Squares of that width round the origin, at heights by place.
@@ -68,7 +68,7 @@ fn what_slides_and_rolls_over_a_flat_floor_of_triangles_has_its_normal_everywher
                 assert!(depth >= deep - manifold.error_bound - 1e-9, "{what}: {found:?}");
                 let back = with(ACTIVE, &body, &floor);
                 assert_eq!((back.len(), back[0].normal), (1, -manifold.normal), "{what}");
-                let as_is = answer_of(&Manifolds, &floor, &body);
+                let as_is = answer_of(&Manifolds::default(), &floor, &body);
                 caught += usize::from(as_is.iter().any(|m| m.normal.distance(DVec3::Z) > 1e-3));
             }
         }
@@ -129,11 +129,11 @@ fn a_front_alone_ignores_what_is_behind_and_outward_pushes_it_out() {
             let below = PosedSupport::at(&shape, place - DVec3::Z * 0.19);
             for options in [MeshSides::Front, MeshSides::Outward].map(sides) {
                 let found = with(options, &floor, &above);
-                let as_is = answer_of(&Manifolds, &floor, &above);
+                let as_is = answer_of(&Manifolds::default(), &floor, &above);
                 assert_eq!((found.len(), found[0].points()), (1, as_is[0].points()), "{options:?}");
                 assert!(found[0].normal.distance(DVec3::Z) < 1e-12, "{found:?}");
             }
-            let both = answer_of(&Manifolds, &floor, &below);
+            let both = answer_of(&Manifolds::default(), &floor, &below);
             assert!((both[0].normal + DVec3::Z).length() < 1e-12, "{both:?}");
             assert!(with(sides(MeshSides::Front), &floor, &below).is_empty());
             let pushed = with(sides(MeshSides::Outward), &floor, &below);

@@ -105,23 +105,19 @@ impl Manifold {
 /// parts whose own normals agree with the deepest's within 1e-3 rad, and those that its normal and depth separate too.
 /// So every two parts that touch meet along the normal of a manifold, or come apart when the objects are moved by its
 /// depth and bound along its normal. The first manifold is that of the pair's [`Depths`].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Manifolds;
-
-/// [`Manifolds`] with options for the surfaces of meshes.
 ///
 /// ```
-/// use dcd_gjk::query::{ManifoldOptions, ManifoldsWith, MeshEdges, MeshSides};
-/// use dcd_gjk::ThenMeasure;
+/// use dcd_gjk::query::{ManifoldOptions, MeshEdges, MeshSides};
+/// use dcd_gjk::{Manifolds, ThenMeasure};
 /// let options = ManifoldOptions { mesh_sides: MeshSides::Outward, mesh_edges: MeshEdges::Active };
-/// let on_terrain = ThenMeasure::new(ManifoldsWith(options))?;
+/// let on_terrain = ThenMeasure::new(Manifolds { options })?;
 /// # Ok::<(), dcd_geom::ShapeError>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ManifoldsWith(
-    /// The options.
-    pub ManifoldOptions,
-);
+pub struct Manifolds {
+    /// How the surfaces of meshes count: by default both sides and every edge.
+    pub options: ManifoldOptions,
+}
 
 /// What a thread reuses from pair to pair.
 #[derive(Debug, Default)]
@@ -131,7 +127,7 @@ pub struct Scratch {
     parts: mesh::Scratch,
 }
 
-impl PairSolver for ManifoldsWith {
+impl PairSolver for Manifolds {
     type Answer = ManifoldSet;
     type Scratch = Scratch;
 
@@ -177,70 +173,6 @@ impl PairSolver for ManifoldsWith {
     }
 }
 
-impl MeasureAt for ManifoldsWith {
-    fn measure_at(
-        &self,
-        accuracy: Accuracy,
-        a: PosedShape<'_>,
-        b: PosedShape<'_>,
-        scratch: &mut Scratch,
-    ) -> Verdict<ManifoldSet> {
-        if mesh::have_parts(a.shape, b.shape) {
-            return parts::measure(Measure { accuracy, options: self.0 }, a, b, scratch);
-        }
-        let depth = depths::of_touching(accuracy, a, b, &mut scratch.depth);
-        manifold_of(depth, a, b, &mut scratch.corners)
-    }
-}
-
-impl MeasureDepth for ManifoldsWith {
-    fn measure_depth(
-        &self,
-        depth: Depth,
-        a: PosedShape<'_>,
-        b: PosedShape<'_>,
-        scratch: &mut Scratch,
-    ) -> Verdict<ManifoldSet> {
-        manifold_of(Verdict::Touching(depth), a, b, &mut scratch.corners)
-    }
-}
-
-impl PairSolver for Manifolds {
-    type Answer = ManifoldSet;
-    type Scratch = Scratch;
-
-    fn method(&self) -> Method {
-        Depths.method()
-    }
-
-    fn solve(
-        &self,
-        a: PosedShape<'_>,
-        b: PosedShape<'_>,
-        scratch: &mut Scratch,
-    ) -> Verdict<ManifoldSet> {
-        ManifoldsWith::default().solve(a, b, scratch)
-    }
-
-    fn measure(
-        &self,
-        a: PosedShape<'_>,
-        b: PosedShape<'_>,
-        scratch: &mut Scratch,
-    ) -> Verdict<ManifoldSet> {
-        ManifoldsWith::default().measure(a, b, scratch)
-    }
-
-    fn resolve(
-        &self,
-        a: PosedShape<'_>,
-        b: PosedShape<'_>,
-        scratch: &mut Scratch,
-    ) -> (Verdict<ManifoldSet>, Method) {
-        ManifoldsWith::default().resolve(a, b, scratch)
-    }
-}
-
 impl MeasureAt for Manifolds {
     fn measure_at(
         &self,
@@ -249,7 +181,11 @@ impl MeasureAt for Manifolds {
         b: PosedShape<'_>,
         scratch: &mut Scratch,
     ) -> Verdict<ManifoldSet> {
-        ManifoldsWith::default().measure_at(accuracy, a, b, scratch)
+        if mesh::have_parts(a.shape, b.shape) {
+            return parts::measure(Measure { accuracy, options: self.options }, a, b, scratch);
+        }
+        let depth = depths::of_touching(accuracy, a, b, &mut scratch.depth);
+        manifold_of(depth, a, b, &mut scratch.corners)
     }
 }
 
@@ -261,7 +197,7 @@ impl MeasureDepth for Manifolds {
         b: PosedShape<'_>,
         scratch: &mut Scratch,
     ) -> Verdict<ManifoldSet> {
-        ManifoldsWith::default().measure_depth(depth, a, b, scratch)
+        manifold_of(Verdict::Touching(depth), a, b, &mut scratch.corners)
     }
 }
 
