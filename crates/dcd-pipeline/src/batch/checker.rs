@@ -61,13 +61,13 @@ impl<'p, A: Clone + Send> Hits<'p, A> {
     }
 }
 
-/// The fewest configurations that a task takes. Larger: more memory, which a checker of few configurations
-/// fills in vain (half a millisecond at 128). Smaller: lanes that run empty.
+/// The fewest configurations that a task of a small batch takes. Larger: more memory, which a checker of few
+/// configurations fills in vain (half a millisecond at 128). Smaller: lanes that run empty.
 const FEW: usize = 32;
 
-/// How many configurations a task takes at most if every hit is reported: lanes are full in any case, and
-/// fewer objects stay in cache. At most a row.
-const MOST_OF_ALL: usize = 128;
+/// The fewest that a task takes of a batch that has as many, and the most if every hit is reported: lanes are full,
+/// and the objects stay in cache. At most a row.
+const MANY: usize = 128;
 
 /// The number of rows of a batch, if it has enough configurations. Larger: shorter rows, whose
 /// lanes run empty sooner. Smaller: threads wait for the last. No effect on any answer.
@@ -174,7 +174,7 @@ impl<N: NarrowPhase> BatchChecker<N> {
         exec: impl Into<Exec<'e>>,
     ) -> Result<Hits<'_, N::Answer>, SceneError> {
         let count = self.count(poses)?;
-        let grain = self.grain(count, MOST_OF_ALL)?;
+        let grain = self.grain(count, MANY)?;
         let mut all = std::mem::take(&mut self.all);
         let (refused, checker) = (Refused::default(), &*self);
         all.fill(exec.into(), count.div_ceil(grain), |task, out| {
@@ -192,9 +192,10 @@ impl<N: NarrowPhase> BatchChecker<N> {
 
     /// How many configurations a task takes; reserves memory for them.
     fn grain(&mut self, count: usize, most: usize) -> Result<usize, SceneError> {
-        let grain = count.div_ceil(ROWS).clamp(FEW, most);
+        let least = if count < MANY { FEW } else { MANY };
+        let grain = count.div_ceil(ROWS).clamp(least, most);
         if grain > self.rows.row {
-            self.rows.lengthen(most)?;
+            self.rows.lengthen(if grain > MANY { most } else { MANY })?;
         }
         Ok(grain)
     }
