@@ -42,6 +42,9 @@ pub trait MeasureDepth: MeasureAt {
         b: PosedShape<'_>,
         scratch: &mut Self::Scratch,
     ) -> Verdict<Self::Answer>;
+
+    /// The same for two spheres, of which nothing else need be known.
+    fn measure_spheres(&self, depth: Depth) -> Self::Answer;
 }
 
 /// A solver at an accuracy of the caller's choice.

@@ -95,6 +95,10 @@ impl MeasureDepth for Depths {
     ) -> Verdict<Depth> {
         Verdict::Touching(depth)
     }
+
+    fn measure_spheres(&self, depth: Depth) -> Depth {
+        depth
+    }
 }
 
 /// The bound that is promised of a depth, relative to it.
@@ -117,8 +121,7 @@ pub(super) fn of_touching(
             Err(reason) => Verdict::Undecided(reason),
         };
     }
-    let sharp = if accuracy == Accuracy::Certified { closed::SHARP } else { closed::AS_F64 };
-    if let Some(verdict) = half_space::depth_within(a, b, sharp) {
+    if let Some(verdict) = half_space::depth_within(a, b, closed::sharp_of(accuracy)) {
         return verdict;
     }
     if let Some(found) = by_formula(accuracy, a, b) {
@@ -190,7 +193,6 @@ fn by_formula(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Optio
 fn sharp_of(accuracy: Accuracy, kinds: [Kind; 2]) -> f64 {
     match accuracy {
         Accuracy::Certified if kinds.contains(&Kind::Triangle) => CERTIFIED,
-        Accuracy::Certified => closed::SHARP,
-        _ => closed::AS_F64,
+        accuracy => closed::sharp_of(accuracy),
     }
 }

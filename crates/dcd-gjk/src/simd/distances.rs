@@ -3,6 +3,7 @@
 use super::frame::{FramePair, SimdFrame};
 use super::nearest::{self, Found, NearestPoints};
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
+use crate::closed;
 use crate::distance::{DistanceResult, distance_at, of_apart};
 use crate::query::{check_margin, grown, spheres_are_apart, within_margin};
 use crate::{
@@ -67,6 +68,20 @@ impl SimdDistances {
         (within_margin(found, self.margin, a, b), method)
     }
 
+    /// A pair that is apart, by what the lanes found of it.
+    fn by_search(
+        &self,
+        found: Found,
+        a: PosedShape<'_>,
+        b: PosedShape<'_>,
+    ) -> Verdict<Option<Distance>> {
+        match found {
+            Found::Beyond => Verdict::Apart,
+            Found::Nearest(points) => self.by_points(&points, a, b),
+            Found::Unknown => self.alone(a, b).0,
+        }
+    }
+
     /// The pair, which is apart, whose nearest vertices are known.
     fn by_points(
         &self,
@@ -120,9 +135,8 @@ impl NarrowPhase for SimdDistances {
         Some(self.margin / 2.0)
     }
 
-    fn layout<'f>(&self, scene: &Scene, _: Sides, frame: &'f mut SimdFrame) -> Part<'f> {
-        // With two sides every shape has its vertices.
-        frame.layout(scene, Sides::Two)
+    fn layout<'f>(&self, scene: &Scene, sides: Sides, frame: &'f mut SimdFrame) -> Part<'f> {
+        frame.layout_with_vertices(scene, sides)
     }
 
     fn keeps(&self, part: &Part<'_>) -> bool {
@@ -156,7 +170,11 @@ impl NarrowPhase for SimdDistances {
         open.clear();
         open.extend(pairs.iter().zip(touching).filter(|(_, touches)| !**touches).map(|(p, _)| *p));
         let frames = FramePair { a: a.frame, b: b.frame };
-        nearest::find(self.path, frames, (open, self.margin), nearest);
+        match frames.a.has_vertices() {
+            true => nearest::find(self.path, frames, (open, self.margin), nearest),
+            // Spheres have a formula.
+            false => nearest.found.clear(),
+        }
         let mut found = nearest.found.iter();
         for (&pair, &touches) in pairs.iter().zip(touching) {
             if touches {
@@ -171,10 +189,11 @@ impl NarrowPhase for SimdDistances {
                 continue;
             }
             // Counted already, as apart.
-            let verdict = match found {
-                Found::Beyond => Verdict::Apart,
-                Found::Nearest(points) => self.by_points(&points, one, other),
-                Found::Unknown => self.alone(one, other).0,
+            let sharp = closed::sharp_of(self.accuracy);
+            let spheres = frames.spheres(pair);
+            let verdict = match spheres.and_then(|both| closed::distance_of_spheres(both, sharp)) {
+                Some(found) => within_margin(found, self.margin, one, other),
+                None => self.by_search(found, one, other),
             };
             match verdict {
                 Verdict::Apart => {}

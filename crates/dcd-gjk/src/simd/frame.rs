@@ -5,7 +5,9 @@ use super::compounds::{CompoundPart, Compounds, Members, laid_out};
 use super::cores::Cores;
 use super::prepare::constants;
 use crate::Sides;
-use dcd_geom::{Kind, Revision, Scene, Shape, Splittable};
+use crate::closed::PlacedSphere;
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Kind, Pair, Revision, Scene, Shape, Splittable};
 use dcd_simd::{Block, Lanes, Row, WIDTH, prefetch};
 
 /// All objects, ready for the lanes.
@@ -14,6 +16,8 @@ pub struct SimdFrame {
     /// Of the scene's shapes.
     cores: Cores,
     form: Form,
+    /// Whether cuboids have their vertices in a scene of cuboids alone, too.
+    has_cuboid_vertices: bool,
     /// How many objects there are. Behind them in the lists are the parts of compounds.
     objects: usize,
     records: Vec<Record>,
@@ -102,8 +106,8 @@ pub(super) const BOX: u8 = 16;
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub(super) struct Record {
-    /// Where the shape's centre is in the world, metres, up to `slack` a component. The fourth number
-    /// is 0: two centres are subtracted as one vector.
+    /// Where the shape's centre is in the world, metres, up to `slack` a component. The fourth number lets two centres be
+    /// subtracted as one vector; in a scene of spheres alone it is the sphere's radius, and the centre is exact.
     pub(super) centre: [f64; 4],
     /// The object's first block in the frame.
     pub(super) first: u32,
@@ -159,6 +163,22 @@ impl<'a> FramePair<'a> {
     #[cfg(test)]
     pub(crate) fn of_one(frame: &'a SimdFrame) -> Self {
         Self { a: frame, b: frame }
+    }
+
+    /// Two spheres of scenes of spheres alone, exactly as they are placed; `None` in other scenes.
+    #[inline(always)]
+    pub(super) fn spheres(self, pair: Pair) -> Option<[PlacedSphere; 2]> {
+        let sphere = |frame: &SimdFrame, object: u32| {
+            let [x, y, z, radius] = frame.record(object).centre;
+            PlacedSphere { centre: DVec3::new(x, y, z), radius }
+        };
+        self.are_spheres().then(|| [sphere(self.a, pair.i), sphere(self.b, pair.j)])
+    }
+
+    /// Whether both scenes are of spheres alone.
+    #[inline(always)]
+    pub(super) fn are_spheres(self) -> bool {
+        self.a.form == Form::Spheres && self.b.form == Form::Spheres
     }
 
     pub(super) fn is_one(self) -> bool {
@@ -234,6 +254,14 @@ impl SimdFrame {
         }
     }
 
+    /// The same for a phase that reads the vertices of all shapes but spheres.
+    pub(crate) fn layout_with_vertices(&mut self, scene: &Scene, sides: Sides) -> Part<'_> {
+        if !std::mem::replace(&mut self.has_cuboid_vertices, true) {
+            self.layout = None;
+        }
+        self.layout(scene, sides)
+    }
+
     fn set_offsets(&mut self, scene: &Scene, sides: Sides) {
         self.cores.follow(scene);
         let (cores, parts) = (self.cores.cores(), self.cores.parts());
@@ -241,6 +269,9 @@ impl SimdFrame {
             Sides::One => Form::of(scene.shapes()),
             Sides::Two => Form::Any,
         };
+        if self.form == Form::Cuboids && self.has_cuboid_vertices {
+            self.form = Form::Any;
+        }
         self.objects = scene.len();
         self.records.resize(scene.len(), Record::default());
         let may_stand = cores.iter().chain(parts).any(|core| core.is_box);

@@ -199,6 +199,11 @@ impl MeasureDepth for Manifolds {
     ) -> Verdict<ManifoldSet> {
         manifold_of(Verdict::Touching(depth), a, b, &mut scratch.corners)
     }
+
+    #[inline]
+    fn measure_spheres(&self, depth: Depth) -> ManifoldSet {
+        of_spheres(depth).into()
+    }
 }
 
 fn manifold_of(
@@ -213,13 +218,18 @@ fn manifold_of(
         Verdict::Touching(depth) => depth,
     };
     let manifold = if are_spheres(a, b) {
-        of_one_point(depth, [Feature::Vertex(0); 2])
+        of_spheres(depth)
     } else if order::is_swapped(a, b) {
         in_order(depth.mirrored(), b, a, corners).mirrored()
     } else {
         in_order(depth, a, b, corners)
     };
     Verdict::Touching(manifold.into())
+}
+
+/// Of two spheres.
+fn of_spheres(depth: Depth) -> Manifold {
+    of_one_point(depth, [Feature::Vertex(0); 2])
 }
 
 /// Whether both are spheres, which touch in the witnesses of their depth.

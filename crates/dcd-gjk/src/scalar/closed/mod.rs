@@ -15,9 +15,11 @@ mod spheres;
 mod triangles;
 
 use crate::epa::Depth;
+use crate::query::Accuracy;
 use crate::{DistanceResult, PosedSupport, Verdict};
 pub(crate) use cuboid_depth::depth as cuboid_depth;
 use dcd_geom::{Kind, Polytope};
+pub(crate) use spheres::{PlacedSphere, depth_of_spheres, distance_of_spheres};
 pub(crate) use triangles::nearest as nearest_of_triangle;
 
 /// Unit roundoff of f64.
@@ -61,6 +63,14 @@ pub(crate) const SHARP: f64 = 1e-13;
 
 /// Whatever a formula leaves open, some 40 · 2⁻⁵³ of the pair's size, is as sharp as f64 promises.
 pub(crate) const AS_F64: f64 = f64::INFINITY;
+
+/// The bound, relative to itself, that a formula may leave at an accuracy.
+pub(crate) fn sharp_of(accuracy: Accuracy) -> f64 {
+    match accuracy {
+        Accuracy::Certified => SHARP,
+        Accuracy::F64 | Accuracy::F32 => AS_F64,
+    }
+}
 
 /// How deep two polytopes that touch overlap, if a formula proves it with a bound of at most `sharp` times
 /// the depth.

@@ -23,6 +23,19 @@ const LONG_LENGTH: f64 = 8.0;
 /// certified distance. Smaller: pairs that all but touch are left to longer numbers.
 const LONG_SHARP: f64 = 1e-12;
 
+/// A sphere in the world, metres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlacedSphere {
+    pub(crate) centre: DVec3,
+    pub(crate) radius: f64,
+}
+
+impl PlacedSphere {
+    fn of(side: PosedSupport<'_, Polytope>) -> Self {
+        Self { centre: side.pose.translation(), radius: side.map.swept_radius() }
+    }
+}
+
 /// Two spheres.
 struct Spheres {
     /// From b's centre to a's, rounded, and its length.
@@ -44,7 +57,7 @@ pub(super) fn overlap(
     a: PosedSupport<'_, Polytope>,
     b: PosedSupport<'_, Polytope>,
 ) -> Option<Verdict<()>> {
-    let Gap { value, error } = Spheres::of(a, b)?.gap();
+    let Gap { value, error } = Spheres::of([a, b].map(PlacedSphere::of))?.gap();
     if value < -error {
         Some(Verdict::Touching(()))
     } else {
@@ -59,7 +72,16 @@ pub(super) fn distance(
     b: PosedSupport<'_, Polytope>,
     sharp: f64,
 ) -> Option<DistanceResult> {
-    let spheres = Spheres::of(a, b)?;
+    distance_of_spheres([a, b].map(PlacedSphere::of), sharp)
+}
+
+/// The same of spheres.
+#[inline]
+pub(crate) fn distance_of_spheres(
+    spheres: [PlacedSphere; 2],
+    sharp: f64,
+) -> Option<DistanceResult> {
+    let spheres = Spheres::of(spheres)?;
     let gap = spheres.gap();
     if gap.value < -gap.error {
         return Some(DistanceResult::Touching);
@@ -80,7 +102,13 @@ pub(super) fn depth(
     b: PosedSupport<'_, Polytope>,
     sharp: f64,
 ) -> Option<Depth> {
-    let spheres = Spheres::of(a, b)?;
+    depth_of_spheres([a, b].map(PlacedSphere::of), sharp)
+}
+
+/// The same of spheres.
+#[inline]
+pub(crate) fn depth_of_spheres(spheres: [PlacedSphere; 2], sharp: f64) -> Option<Depth> {
+    let spheres = Spheres::of(spheres)?;
     let gap = spheres.gap();
     let Gap { value, error } = spheres.sharpened(gap, sharp)?;
     let is_proved = value < -error;
@@ -98,9 +126,9 @@ impl Gap {
 
 impl Spheres {
     /// `None` where squares could under- or overflow, and for spheres with one centre.
-    fn of(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) -> Option<Self> {
-        let centres = [a.pose.translation(), b.pose.translation()];
-        let radii = [a.map.swept_radius(), b.map.swept_radius()];
+    #[inline]
+    fn of(spheres: [PlacedSphere; 2]) -> Option<Self> {
+        let (centres, radii) = (spheres.map(|s| s.centre), spheres.map(|s| s.radius));
         let between = centres[0] - centres[1];
         let length = between.length();
         // False for NaN.
@@ -108,6 +136,7 @@ impl Spheres {
         is_in_range.then_some(Self { between, length, centres, radii })
     }
 
+    #[inline]
     fn gap(&self) -> Gap {
         let radius = self.radii[0] + self.radii[1];
         let value = self.length - radius;

@@ -11,6 +11,7 @@ mod surface;
 use super::cores::{Core, Cores};
 use super::frame::{FramePair, SimdFrame};
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
+use crate::closed;
 use crate::epa::Depth;
 use crate::expanding::{Ending, confirmed_depth, is_inside};
 use crate::query::MeasureDepth;
@@ -100,9 +101,14 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let posed = |pair: Pair| [PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j)];
         let shapes =
             |pair: Pair| [a.scene.shape_of()[pair.i as usize], b.scene.shape_of()[pair.j as usize]];
-        let each = touching().map(|pair| (posed(pair), shapes(pair)));
+        let each = touching().map(|pair| (pair, posed(pair), shapes(pair)));
         dispatch_on(self.path, Each { frames, accuracy, each, search, found: &mut *found });
         for (pair, found) in touching().zip(&*found) {
+            if let Some(depth) = found.filter(|_| frames.are_spheres()) {
+                let answer = self.solver.measure_spheres(depth);
+                sink.contacts.push(Contact { pair, answer });
+                continue;
+            }
             let [one, other] = posed(pair);
             let verdict = match found {
                 Some(depth) => self.solver.measure_depth(*depth, one, other, solver),
@@ -142,13 +148,17 @@ struct Each<'a, I> {
     found: &'a mut Vec<Option<Depth>>,
 }
 
-impl<'a, I: Iterator<Item = ([PosedShape<'a>; 2], [u32; 2])>> Kernel for Each<'a, I> {
+impl<'a, I: Iterator<Item = (Pair, [PosedShape<'a>; 2], [u32; 2])>> Kernel for Each<'a, I> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
         let Self { frames, accuracy, each, search, found } = self;
-        for ([a, b], [shape_a, shape_b]) in each {
+        for (pair, [a, b], [shape_a, shape_b]) in each {
+            if let Some(spheres) = frames.spheres(pair) {
+                found.push(closed::depth_of_spheres(spheres, closed::sharp_of(accuracy)));
+                continue;
+            }
             let (cores_a, cores_b) = (frames.a.cores(), frames.b.cores());
             let side = |cores: &'a Cores, shape: u32, placed| {
                 let core = &cores.cores()[shape as usize];

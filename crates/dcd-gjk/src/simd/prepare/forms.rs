@@ -20,8 +20,10 @@ pub(in super::super) fn constants(
 ) {
     let (cores, obbs) = (cores.cores(), cores.obbs());
     for (record, &shape) in records.iter_mut().zip(scene.shape_of()) {
-        *record = place(&Record::default(), &cores[shape as usize], &Pose::IDENTITY);
+        let core = &cores[shape as usize];
+        *record = place(&Record::default(), core, &Pose::IDENTITY);
         record.marks |= LIVE | WHOLE;
+        record.centre[3] = core.radius;
     }
     for ((boxes, record), &shape) in boxes.iter_mut().zip(records).zip(scene.shape_of()) {
         *boxes = turn(&obbs[shape as usize], record, &Pose::IDENTITY);
@@ -87,7 +89,7 @@ fn look_ahead(poses: &[Pose], k: usize) {
 #[inline(always)]
 fn write_centre(record: &mut Record, centre: DVec3) {
     let size = centre.abs().max_element() + f64::from(record.size);
-    record.centre = centre.extend(0.0).to_array();
+    record.centre[..3].copy_from_slice(&centre.to_array());
     record.slack = above(CENTRE * (f64::EPSILON / 2.0) * size);
 }
 
