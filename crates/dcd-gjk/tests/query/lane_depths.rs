@@ -5,8 +5,8 @@ use super::within::found;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Object, Pair, Polytope, Pose, Scene, Shape};
 use dcd_gjk::{
-    Accuracy, Contact, Depths, Manifolds, Overlap, PosedSupport, SimdDepths, ThenMeasure,
-    WithAccuracy, epa,
+    Accuracy, Contact, Depths, Distances, Manifolds, Overlap, PosedSupport, SimdDepths,
+    SimdDistances, ThenMeasure, WithAccuracy, epa,
 };
 use dcd_simd::Path;
 
@@ -189,6 +189,50 @@ fn other_shapes_have_what_the_solver_says_alone() {
         assert_eq!(lanes.pair, alone.pair);
         let (lanes, alone) = (lanes.answer, alone.answer);
         assert!(lanes.lower() <= alone.upper() && alone.lower() <= lanes.upper());
+    }
+}
+
+/// Spheres of four sizes, some with one centre, some that just touch, some far from the origin.
+fn spheres() -> (Scene, Vec<Pair>) {
+    let mut draw = Draw(31);
+    let radii = [0.5, 0.25, 0.1, 1e-6];
+    let shapes = radii.map(|radius| Shape::sphere(radius).unwrap()).to_vec();
+    let objects = (0..200).map(|k: u32| {
+        let place = match k % 10 {
+            0 => DVec3::X,
+            1 => DVec3::new(1.75, 0.0, 0.0),
+            2 => DVec3::new(1e6, f64::from(k % 20) * 0.03, 0.0),
+            _ => draw.vector() * 1.5,
+        };
+        Object::new(k % 4, Pose::new(draw.turn(), place).unwrap())
+    });
+    let scene = Scene::new(shapes, objects).unwrap();
+    let pairs = (0..200).flat_map(|i| (i + 1..200).map(move |j| Pair::new(i, j))).collect();
+    (scene, pairs)
+}
+
+#[test]
+fn spheres_have_to_the_bit_what_they_have_alone_on_every_path() {
+    let (scene, pairs) = spheres();
+    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+            let alone = ThenMeasure::new(WithAccuracy::new(Depths, accuracy)).unwrap();
+            let (alone, _) = found(&alone, &scene, &pairs);
+            let (lanes, _) = found(&SimdDepths::on(path, Depths, accuracy), &scene, &pairs);
+            assert!(alone.len() > 1000 && alone == lanes, "{path:?} {accuracy:?}");
+
+            let solver = WithAccuracy::new(Manifolds::default(), accuracy);
+            let (alone, _) = found(&ThenMeasure::new(solver).unwrap(), &scene, &pairs);
+            let lanes = SimdDepths::on(path, Manifolds::default(), accuracy);
+            let (lanes, _) = found(&lanes, &scene, &pairs);
+            assert!(alone.len() > 1000 && alone == lanes, "{path:?} {accuracy:?}");
+
+            let solver = WithAccuracy::new(Distances::within(0.3).unwrap(), accuracy);
+            let (alone, _) = found(&ThenMeasure::new(solver).unwrap(), &scene, &pairs);
+            let lanes = SimdDistances::on(path, 0.3, accuracy).unwrap();
+            let (lanes, _) = found(&lanes, &scene, &pairs);
+            assert!(alone.len() > 1500 && alone == lanes, "{path:?} {accuracy:?}");
+        }
     }
 }
 
