@@ -13,6 +13,34 @@ use dcd_geom::{Aabb, Pair};
 /// and on `keep` alone, not on `exec`. `contract` tests it.
 ///
 /// AABBs are valid ([`Aabb::is_valid`]): what a [`dcd_geom::Scene`] yields always is.
+///
+/// ```
+/// use dcd_broad::BroadPhase;
+/// use dcd_exec::{Exec, Segments};
+/// use dcd_geom::{Aabb, Pair};
+/// /// Every pair, whatever its boxes: a looser phase is allowed.
+/// #[derive(Default)]
+/// struct AllPairs;
+/// impl BroadPhase for AllPairs {
+///     fn build(&mut self, _: &[Aabb], _: Exec) {}
+///     fn pairs(
+///         &mut self,
+///         aabbs: &[Aabb],
+///         keep: impl Fn(u32, u32) -> bool + Sync,
+///         exec: Exec,
+///         out: &mut Segments<Pair>,
+///     ) {
+///         // A task for each j: the order depends on the boxes alone.
+///         out.fill(exec, aabbs.len(), |j, list| {
+///             let j = j as u32;
+///             list.extend((0..j).filter(|&i| keep(i, j)).map(|i| Pair { i, j }));
+///         });
+///     }
+/// }
+/// // How many listed pairs do not overlap: none, of boxes that all do.
+/// assert_eq!(dcd_broad::contract::broad_phase(&mut AllPairs, &[Aabb::EVERYTHING; 3])?, 0);
+/// # Ok::<(), dcd_geom::contract::Violation>(())
+/// ```
 pub trait BroadPhase: Send {
     /// Takes in the AABBs: makes or mends whatever structure the search needs.
     fn build(&mut self, aabbs: &[Aabb], exec: Exec);

@@ -11,6 +11,20 @@ use dcd_simd::{IndexRow, Kernel, Lanes, Path, WIDTH, dispatch_on};
 /// A wide tree over static AABBs, queried with other AABBs.
 ///
 /// Each AABB has a name, the index of its object; pairs are reported by name.
+///
+/// ```
+/// use dcd_broad::{IdentifiedAabbs, StaticTree};
+/// use dcd_exec::{Exec, Par};
+/// use dcd_geom::{Aabb, Pair, glam::Vec3};
+/// let unit = |x: f32| Aabb { min: Vec3::new(x, 0.0, 0.0), max: Vec3::new(x + 1.0, 1.0, 1.0) };
+/// let walls = [unit(0.0), unit(5.0)];
+/// let mut tree = StaticTree::default();
+/// tree.build(IdentifiedAabbs { aabbs: &walls, names: &[3, 4] }, Exec::from(Par::Serial));
+/// let (moving, mut pairs) = ([unit(4.5)], Vec::new());
+/// let query = IdentifiedAabbs { aabbs: &moving, names: &[9] };
+/// tree.append_pairs(query, |_, _| true, &mut pairs);
+/// assert_eq!(pairs, [Pair { i: 4, j: 9 }]);
+/// ```
 #[derive(Clone, Debug)]
 pub struct StaticTree {
     tree: WideBvh,

@@ -11,6 +11,18 @@ use dcd_simd::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 ///
 /// Lists exactly the overlapping pairs. Their order is that of the tree: tiles of sixteen objects
 /// against sixteen, so that a narrow phase finds what it reads in the nearest cache.
+///
+/// ```
+/// use dcd_broad::{BroadPhase, WideTree};
+/// use dcd_exec::{Exec, Par, Segments};
+/// use dcd_geom::{Aabb, Pair, glam::Vec3};
+/// let unit = |x: f32| Aabb { min: Vec3::new(x, 0.0, 0.0), max: Vec3::new(x + 1.0, 1.0, 1.0) };
+/// let boxes = [unit(0.0), unit(1.0), unit(2.5)]; // closed: the first two touch
+/// let (mut phase, mut pairs) = (WideTree::default(), Segments::default());
+/// phase.build(&boxes, Exec::from(Par::Serial));
+/// phase.pairs(&boxes, |_, _| true, Exec::from(Par::Serial), &mut pairs);
+/// assert_eq!(pairs.iter().flatten().copied().collect::<Vec<_>>(), [Pair { i: 0, j: 1 }]);
+/// ```
 #[derive(Clone, Debug)]
 pub struct WideTree {
     tree: WideBvh,

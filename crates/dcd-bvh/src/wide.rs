@@ -11,6 +11,19 @@ use dcd_simd::{IndexRow, WIDTH};
 /// Leaf k holds sixteen AABBs; node n of level 0 the AABBs of leaves 16n to 16n + 15; node n of
 /// the next level those of the nodes 16n to 16n + 15 below; and so up to a level of one node.
 /// Lanes past the end hold the empty AABB, which overlaps nothing.
+///
+/// ```
+/// use dcd_bvh::{BoundingTree, WideBvh};
+/// use dcd_exec::{Exec, Par};
+/// use dcd_geom::{Aabb, glam::Vec3};
+/// let unit = |x: f32| Aabb { min: Vec3::new(x, 0.0, 0.0), max: Vec3::new(x + 1.0, 1.0, 1.0) };
+/// let boxes: Vec<Aabb> = (0..40).map(|k| unit(k as f32 * 2.0)).collect();
+/// let mut tree = WideBvh::default();
+/// tree.build(&boxes, Exec::from(Par::Serial));
+/// assert_eq!(tree.leaves().len(), 3); // sixteen boxes a leaf
+/// let root = tree.root().map(|root| tree.node(root).aabb);
+/// assert_eq!(root.map(|aabb| aabb.max.x), Some(79.0));
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct WideBvh {
     leaves: Vec<Aabb16>,

@@ -23,6 +23,17 @@ use keep_alive::{Engaged, KeepAlive};
 use rayon::slice::ParallelSliceMut;
 
 /// Where tasks run.
+///
+/// ```
+/// use dcd_exec::{Exec, Par, Segments};
+/// // Task k writes list k; the lists are read in the order of the tasks, whoever ran them.
+/// let squares = |par: Par| {
+///     let mut lists = Segments::default();
+///     lists.fill(Exec::from(par), 100, |k, list| list.push(k * k));
+///     lists.iter().flatten().copied().collect::<Vec<_>>()
+/// };
+/// assert_eq!(squares(Par::Serial), squares(Par::Pool));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Par {
     /// On the calling thread, in order; rayon is never touched.

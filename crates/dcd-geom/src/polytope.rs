@@ -30,6 +30,16 @@ pub enum Kind {
 ///
 /// The points are taken as they are: they may be inside the hull, repeated, coplanar, collinear,
 /// or one alone. Made and checked once; whatever depends on the shape alone is computed here.
+///
+/// ```
+/// use dcd_geom::glam::DVec3;
+/// use dcd_geom::Polytope;
+/// let cube = Polytope::cuboid(DVec3::splat(0.5))?;
+/// assert_eq!((cube.vertices().len(), cube.swept_radius()), (8, 0.0));
+/// let rounded = cube.rounded(0.1)?; // grows by 0.1 on all sides
+/// assert_eq!(rounded.swept_radius(), 0.1);
+/// # Ok::<(), dcd_geom::ShapeError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Polytope {
     kind: Kind,

@@ -7,6 +7,16 @@ use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 ///
 /// The rotation is held as a matrix, made once. That matrix is the truth that every answer is
 /// given for, whatever it was made from.
+///
+/// ```
+/// use dcd_geom::glam::{DQuat, DVec3};
+/// use dcd_geom::Pose;
+/// let quarter = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2);
+/// let pose = Pose::new(quarter, DVec3::new(1.0, 0.0, 0.0))?;
+/// assert!(pose.apply(DVec3::X).distance(DVec3::new(1.0, 1.0, 0.0)) < 1e-15);
+/// assert!(Pose::from_translation(DVec3::new(0.0, f64::NAN, 0.0)).is_err());
+/// # Ok::<(), dcd_geom::PoseError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     rotation: DMat3,

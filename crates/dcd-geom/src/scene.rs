@@ -19,6 +19,20 @@ use std::sync::Arc;
 /// An object has a slot until it is removed: its index in everything that a step reports.
 /// Objects come and go by [`Scene::insert`] and [`Scene::remove`]; a free slot has an empty AABB,
 /// is in no pair, and is taken by the next object.
+///
+/// ```
+/// use dcd_geom::glam::DVec3;
+/// use dcd_geom::{Object, Pose, Scene, Shape};
+/// let shapes = vec![Shape::cuboid(DVec3::splat(0.5))?, Shape::sphere(0.2)?];
+/// // Objects name shapes; several may share one.
+/// let mut scene = Scene::new(shapes, [Object::new(0, Pose::IDENTITY).fixed()])?;
+/// let ball = scene.insert(Object::new(1, Pose::from_translation(DVec3::Z)?).with_user_data(7))?;
+/// scene.set_pose(ball, Pose::from_translation(DVec3::Z * 2.0)?)?;
+/// assert_eq!((scene.object_count(), scene.static_count()), (2, 1));
+/// scene.remove(ball)?;
+/// assert!(scene.set_pose(ball, Pose::IDENTITY).is_err()); // a handle of what is gone
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     shapes: Arc<Vec<Shape>>,

@@ -10,6 +10,19 @@ use std::fmt;
 use std::sync::Arc;
 
 /// A shape in its own frame, checked when it is made: convex, or made of convex parts.
+///
+/// ```
+/// use dcd_geom::glam::DVec3;
+/// use dcd_geom::{Pose, Shape};
+/// let can = Shape::cylinder(0.06, 0.033)?; // half its height, its radius; it stands along z
+/// let lid = Shape::hull(vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z])?.rounded(0.01)?;
+/// let above = Pose::from_translation(DVec3::Z * 0.06)?;
+/// let both = Shape::compound(vec![(can, Pose::IDENTITY), (lid, above)])?;
+/// assert!(!both.is_convex());
+/// let error = Shape::sphere(-1.0).unwrap_err();
+/// assert!(error.to_string().contains("-1"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone)]
 #[non_exhaustive]
 pub enum Shape {

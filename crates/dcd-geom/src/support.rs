@@ -24,6 +24,27 @@ pub struct Support<R: Real> {
 /// of the core is farther along `direction` by more than [`SupportMap::support_error`] times the
 /// sum of the direction's absolute components. A zero direction gives any point of the core.
 /// [`crate::contract::support_map`] tests it.
+///
+/// ```
+/// use dcd_geom::glam::DVec3;
+/// use dcd_geom::{Shape, Support, SupportMap};
+/// use std::sync::Arc;
+/// /// A flat hexagon.
+/// struct Hexagon([DVec3; 6]);
+/// impl SupportMap<f64> for Hexagon {
+///     fn support(&self, direction: DVec3) -> Support<f64> {
+///         let Self(corners) = self;
+///         let along = |k: &usize| direction.dot(corners[*k]);
+///         let k = (0..6).max_by(|a, b| along(a).total_cmp(&along(b))).unwrap_or(0);
+///         Support { point: corners[k], feature: k as u32 }
+///     }
+/// }
+/// let corners = [0.0f64, 1.0, 2.0, 3.0, 4.0, 5.0].map(|k| (k * std::f64::consts::FRAC_PI_3).sin_cos());
+/// let hexagon = Hexagon(corners.map(|(y, x)| DVec3::new(x, y, 0.0)));
+/// let tile = Shape::custom(Arc::new(hexagon))?;
+/// assert!(tile.is_convex());
+/// # Ok::<(), dcd_geom::ShapeError>(())
+/// ```
 pub trait SupportMap<R: Real>: Send + Sync {
     /// A farthest point of the core along `direction`, which need not be of unit length; both in
     /// the shape's own frame.

@@ -5,6 +5,35 @@ use crate::{ContactSink, Method, NarrowPhase, Prepared, Sides, Verdict};
 use dcd_geom::{Aabb, Pair, Pose, Scene, Shape, Splittable};
 
 /// Judges two placed shapes. The simplest way to bring one's own GJK: wrap it in [`Pairwise`].
+///
+/// ```
+/// use dcd_geom::glam::DVec3;
+/// use dcd_geom::{Pose, Shape};
+/// use dcd_gjk::{Method, Pairwise, PairSolver, PosedShape, Reason, Verdict};
+/// /// Spheres alone, in f64.
+/// struct Spheres;
+/// impl PairSolver for Spheres {
+///     type Answer = ();
+///     type Scratch = ();
+///     fn method(&self) -> Method {
+///         Method::F64
+///     }
+///     fn solve(&self, a: PosedShape<'_>, b: PosedShape<'_>, (): &mut ()) -> Verdict<()> {
+///         let radius = |shape: &Shape| shape.as_polytope().map(|p| p.swept_radius());
+///         let (Some(r), Some(s)) = (radius(a.shape), radius(b.shape)) else {
+///             return Verdict::Undecided(Reason::NotConvex);
+///         };
+///         let gap = a.pose.translation().distance(b.pose.translation()) - (r + s);
+///         if gap > 0.0 { Verdict::Apart } else { Verdict::Touching(()) }
+///     }
+/// }
+/// let (shape, far) = (Shape::sphere(1.0)?, Pose::from_translation(DVec3::X * 3.0)?);
+/// let posed = |pose| PosedShape { shape: &shape, pose };
+/// assert_eq!(Spheres.solve(posed(&Pose::IDENTITY), posed(&far), &mut ()), Verdict::Apart);
+/// let narrow = Pairwise(Spheres); // for a pipeline
+/// # let _ = narrow;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait PairSolver: Send + Sync {
     /// The answer about a touching pair.
     type Answer: Clone + Default + Send + Sync + 'static;

@@ -42,6 +42,16 @@ enum Look {
 ///
 /// Several frames become an animation. Each object that moves has a node that is animated; one
 /// whose look changes has a node for each look, of which one at a time has a size.
+///
+/// ```
+/// use dcd_geom::{Pose, Scene, Shape};
+/// use dcd_io::GlbScene;
+/// let scene = Scene::one_each(vec![Shape::sphere(1.0)?], vec![Pose::IDENTITY])?;
+/// let mut file = Vec::new(); // or a file
+/// GlbScene::new(&scene).write(&mut file)?;
+/// assert!(file.starts_with(b"glTF"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct GlbScene<'s> {
     scene: &'s Scene,

@@ -85,6 +85,16 @@ pub struct RawObject {
 }
 
 /// Shapes and objects, not yet checked: what a seeded scene or a file gives.
+///
+/// ```
+/// use dcd_io::{RawObject, RawScene, RawShape};
+/// use glam::{DQuat, DVec3};
+/// let object = RawObject { shape: 0, rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
+/// let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+/// let raw = RawScene { shapes: vec![RawShape::of_cloud(corners)], objects: vec![object] };
+/// assert_eq!(raw.into_scene()?.len(), 1); // checked here
+/// # Ok::<(), dcd_io::BuildError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RawScene {
     /// The shapes.

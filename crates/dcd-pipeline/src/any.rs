@@ -88,6 +88,21 @@ pub enum Answer {
 /// A [`Pipeline`] for a [`Question`] that is known at run time only.
 ///
 /// One enum over the types that a program would otherwise name, so that a step is as fast as theirs.
+///
+/// ```
+/// use dcd_pipeline::prelude::*;
+/// let poses = [0.0, 0.9, 2.1].map(|x| Pose::from_translation(DVec3::X * x));
+/// let poses = poses.into_iter().collect::<Result<Vec<_>, _>>()?;
+/// let scene = Scene::one_each(vec![Shape::sphere(0.5)?; 3], poses)?;
+/// let question = Question::Depth { accuracy: Accuracy::F64 };
+/// let mut pipeline = AnyPipeline::new(question)?;
+/// for (pair, answer) in pipeline.step(&scene, Par::Pool).answers() {
+///     let Answer::Depth(found) = answer else { unreachable!("a depth was asked for") };
+///     assert_eq!(pair, Pair { i: 0, j: 1 });
+///     assert!((found.depth - 0.1).abs() <= found.error_bound);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct AnyPipeline<B: BroadPhase = WideTree>(Inner<B>);
 

@@ -29,6 +29,20 @@ const OBSTACLES_PER_TASK: usize = 256;
 
 /// Obstacles prepared once: shared by all batch checkers that check against them, on all their threads.
 /// A clone is the same world.
+///
+/// ```
+/// use dcd_pipeline::prelude::*;
+/// use dcd_pipeline::{LinkSet, StaticWorld};
+/// let shelf = Scene::one_each(vec![Shape::cuboid(DVec3::new(1.0, 1.0, 0.1))?], vec![Pose::IDENTITY])?;
+/// let world = StaticWorld::new(&shelf, Overlap::default(), Par::Pool)?;
+/// // Prepared once; each checker holds the same obstacles.
+/// let mut left = world.checker(LinkSet::new(vec![Shape::sphere(0.1)?]))?;
+/// let mut right = world.checker(LinkSet::new(vec![Shape::sphere(0.3)?]))?;
+/// let pose = [Pose::from_translation(DVec3::Z * 0.35)?];
+/// assert!(left.first(&pose, Par::Serial)?[0].is_none());
+/// assert!(right.first(&pose, Par::Serial)?[0].is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct StaticWorld<N: NarrowPhase = Overlap>(Arc<Obstacles<N>>);
 
 /// The prepared obstacles of a world.

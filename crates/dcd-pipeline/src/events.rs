@@ -41,6 +41,21 @@ impl Event {
 /// The list depends on the two sets of pairs alone, and ascends by the objects' indices; where a
 /// slot has changed hands, the old pair's end comes before the new pair's begin. O(objects + pairs)
 /// but for sorting each object's own partners; allocates nothing after the first steps.
+///
+/// ```
+/// use dcd_pipeline::prelude::*;
+/// let poses = [0.0, 0.9, 2.1].map(|x| Pose::from_translation(DVec3::X * x));
+/// let poses = poses.into_iter().collect::<Result<Vec<_>, _>>()?;
+/// let scene = Scene::one_each(vec![Shape::sphere(0.5)?; 3], poses)?;
+/// # let mut scene = scene;
+/// let (mut pipeline, mut events) = (Pipeline::new(), Events::default());
+/// events.follow(&scene, &pipeline.step(&scene, Par::Serial), Par::Serial);
+/// assert_eq!(events.of(Change::Begin).count(), 1);
+/// scene.set_pose(1, Pose::from_translation(DVec3::Z * 5.0)?)?;
+/// events.follow(&scene, &pipeline.step(&scene, Par::Serial), Par::Serial);
+/// assert_eq!(events.of(Change::End).map(|event| event.pair()).collect::<Vec<_>>(), [Pair { i: 0, j: 1 }]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Default)]
 pub struct Events {
     before: Touching,

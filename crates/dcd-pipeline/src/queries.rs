@@ -152,6 +152,24 @@ pub(crate) struct Trees<'a> {
 /// Answers are proved as far as they say so: an object that is not in an answer has been proved not to belong there,
 /// but for what a filter left out. They depend on the scene and the query, not on threads. Coordinates are metres
 /// of the world; space ends at ±[`Aabb::LIMIT`].
+///
+/// ```
+/// use dcd_pipeline::prelude::*;
+/// let poses = [0.0, 0.9, 2.1].map(|x| Pose::from_translation(DVec3::X * x));
+/// let poses = poses.into_iter().collect::<Result<Vec<_>, _>>()?;
+/// let scene = Scene::one_each(vec![Shape::sphere(0.5)?; 3], poses)?;
+/// use dcd_pipeline::{QueryFilter, Ray};
+/// let mut pipeline = Pipeline::new();
+/// pipeline.step(&scene, Par::Serial);
+/// let queries = pipeline.queries(&scene)?;
+/// let ray = Ray::new(DVec3::new(5.0, 0.0, 0.0), -DVec3::X, 10.0)?;
+/// let hit = queries.first_hit(&ray, &QueryFilter::ALL).ok_or("a hit")?;
+/// assert_eq!(hit.object, 2);
+/// assert!(hit.hit.t_lower <= 2.4 && 2.4 <= hit.hit.t_upper);
+/// let nearest = queries.nearest(DVec3::new(-1.0, 0.0, 0.0), f64::INFINITY, &QueryFilter::ALL)?;
+/// assert_eq!(nearest.map(|near| near.object), Some(0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Queries<'a> {
     scene: &'a Scene,

@@ -106,6 +106,18 @@ struct WorkerScratch<S> {
 }
 
 /// Broad phase, narrow phase, and every buffer between them, kept from step to step.
+///
+/// ```
+/// use dcd_pipeline::prelude::*;
+/// let poses = [0.0, 0.9, 2.1].map(|x| Pose::from_translation(DVec3::X * x));
+/// let poses = poses.into_iter().collect::<Result<Vec<_>, _>>()?;
+/// let scene = Scene::one_each(vec![Shape::sphere(0.5)?; 3], poses)?;
+/// let mut pipeline = Pipeline::new();
+/// let step = pipeline.step(&scene, Par::Pool);
+/// assert_eq!(step.contacts().collect::<Vec<_>>(), [(0, 1)]);
+/// assert!(step.report().undecided().is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Default)]
 pub struct Pipeline<B = WideTree, N: NarrowPhase = Overlap> {
     broad: B,

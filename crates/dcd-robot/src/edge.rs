@@ -32,6 +32,20 @@ use std::sync::{Arc, OnceLock};
 const ROUNDED_UP: f64 = 1.0 + 1e-9;
 
 /// Checks whether motions of a robot in its world are free.
+///
+/// ```
+/// use dcd_robot::{AllowedPairs, EdgeAnswer, EdgeChecker, JointPath, Robot, Workcell, World};
+/// use std::path::Path;
+/// let guide = Path::new("../../docs/guide/arm"); // the guide's arm and its shelf
+/// let robot = Robot::load(&guide.join("arm_description/urdf/arm.urdf"))?;
+/// let world = World::load(&guide.join("shelf.yaml"), &robot, None)?;
+/// let allowed = AllowedPairs::adjacent(&robot);
+/// let checker = EdgeChecker::new(Workcell::new(robot, &world, &allowed)?);
+/// let (beside, before) = (vec![0.6, 0.681, 1.897, -1.007, 0.04], vec![0.0, 0.681, 1.897, -1.007, 0.04]);
+/// let edge = checker.check(&JointPath::Straight([beside, before]), 10_000)?;
+/// assert!(matches!(edge.answer, EdgeAnswer::Free { clearance } if clearance > 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct EdgeChecker {
     cell: Workcell,

@@ -20,6 +20,19 @@ use samples::Ranges;
 use std::fmt::Write;
 
 /// How the pairs of a robot are searched.
+///
+/// ```
+/// use dcd_robot::{PairReason, PairSearch, Robot, write_srdf};
+/// use std::path::Path;
+/// let guide = Path::new("../../docs/guide/arm"); // the guide's arm and its shelf
+/// let robot = Robot::load(&guide.join("arm_description/urdf/arm.urdf"))?;
+/// let pairs = PairSearch::default().run(&robot)?;
+/// let neighbours = pairs.iter().filter(|pair| pair.reason == PairReason::Adjacent);
+/// assert_eq!(neighbours.count(), 6); // one each joint
+/// let srdf = write_srdf("arm", &pairs);
+/// assert!(srdf.contains("disable_collisions"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PairSearch {
     /// How many states are drawn. More: fewer pairs that touch in few states are taken for pairs that

@@ -11,6 +11,18 @@ use std::ops::Range;
 use std::path::Path;
 
 /// Links, joints, and the shapes that the links carry.
+///
+/// ```
+/// use dcd_robot::{Robot};
+/// use std::path::Path;
+/// let guide = Path::new("../../docs/guide/arm"); // the guide's arm and its shelf
+/// let robot = Robot::load(&guide.join("arm_description/urdf/arm.urdf"))?;
+/// assert_eq!(robot.variables(), ["waist", "shoulder", "elbow", "wrist", "grip"]);
+/// let mut poses = Vec::new();
+/// robot.place(&[0.0, 0.5, 0.5, 0.0, 0.02], &mut poses)?; // radians and metres
+/// assert_eq!(poses.len(), robot.parts().len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Robot {
     /// Its name.

@@ -14,6 +14,23 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// A scene of MoveIt, read and not yet laid out for a robot.
+///
+/// ```
+/// use dcd_robot::{PlanningScene, Robot};
+/// use std::path::Path;
+/// let guide = Path::new("../../docs/guide/arm"); // the guide's arm and its shelf
+/// let robot = Robot::load(&guide.join("arm_description/urdf/arm.urdf"))?;
+/// let yaml = r#"
+/// world:
+///   collision_objects:
+///     - id: wall
+///       primitives: [{type: box, dimensions: [0.2, 2, 2]}]
+///       primitive_poses: [{position: [0.6, 0, 0.5], orientation: [0, 0, 0, 1]}]
+/// "#;
+/// let world = PlanningScene::read(yaml)?.world(&robot, None)?;
+/// assert_eq!(world.obstacles[0].name, "wall");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct PlanningScene(SceneMessage);
 

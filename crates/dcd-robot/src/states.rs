@@ -42,6 +42,20 @@ pub struct AttachedObject {
 }
 
 /// Reads states of one robot.
+///
+/// ```
+/// use dcd_robot::{LinkShapes, MeshSource, Robot, StateReader};
+/// use std::path::Path;
+/// let guide = Path::new("../../docs/guide/arm"); // the guide's arm and its shelf
+/// let robot = Robot::load(&guide.join("arm_description/urdf/arm.urdf"))?;
+/// use dcd_io::{MeshPaths, UpAxis};
+/// let (paths, of_links) = (MeshPaths::new(guide), Default::default());
+/// let meshes = MeshSource { paths, up_axis: UpAxis::Ros, shapes: LinkShapes::Hulls, of_links };
+/// let mut reader = StateReader::new(&robot, vec![0.0; 5], meshes);
+/// assert_eq!(reader.read(br#"{"q": {"elbow": -1.0}}"#)?.values, [0.0, 0.0, -1.0, 0.0, 0.0]);
+/// assert!(reader.read(br#"{"q": {"elbow": -1.0}, "speed": 2}"#).is_err()); // not understood
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct StateReader<'a> {
     robot: &'a Robot,

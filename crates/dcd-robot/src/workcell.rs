@@ -14,6 +14,23 @@ use std::collections::HashMap;
 /// the robot alone.
 ///
 /// Pairs that may touch are no candidates, nor are two parts of one link.
+///
+/// ```
+/// use dcd_robot::{AllowedPairs, Robot, Workcell, World};
+/// use std::path::Path;
+/// let guide = Path::new("../../docs/guide/arm"); // the guide's arm and its shelf
+/// let robot = Robot::load(&guide.join("arm_description/urdf/arm.urdf"))?;
+/// use dcd_pipeline::prelude::*;
+/// let world = World::load(&guide.join("shelf.yaml"), &robot, None)?;
+/// let allowed = AllowedPairs::adjacent(&robot);
+/// let mut cell = Workcell::new(robot, &world, &allowed)?;
+/// cell.set_state(&[0.0, 0.935, 1.289, -0.654, 0.0])?; // closes the fingers on the can
+/// let mut pipeline = Pipeline::new();
+/// let contacts: Vec<_> = pipeline.step(cell.scene(), Par::Serial).contacts().collect();
+/// let names: Vec<_> = contacts.iter().map(|&pair| cell.names_of(pair)).collect();
+/// assert!(names.contains(&["left_finger", "can"]), "{names:?}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Workcell {
     robot: Robot,

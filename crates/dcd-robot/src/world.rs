@@ -7,6 +7,21 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Obstacles, the pairs that the scene itself allows to touch, and the robot's place in it.
+///
+/// ```
+/// use dcd_robot::{Attached, Robot, World};
+/// use std::path::Path;
+/// let guide = Path::new("../../docs/guide/arm"); // the guide's arm and its shelf
+/// let robot = Robot::load(&guide.join("arm_description/urdf/arm.urdf"))?;
+/// use dcd_geom::{Pose, Shape, glam::DVec3};
+/// let mut world = World::load(&guide.join("shelf.yaml"), &robot, None)?;
+/// // The palm carries a tin between its fingers.
+/// let between = Pose::from_translation(DVec3::new(0.0, 0.0, 0.13))?;
+/// let tin = Attached::new("tin", "palm", [(Shape::sphere(0.02)?, between)]);
+/// world.attach(tin, ["left_finger", "right_finger"]);
+/// world.pad(&robot, 0.005)?; // links 5 mm larger to obstacles
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct World {
     /// The obstacles, in the file's order.

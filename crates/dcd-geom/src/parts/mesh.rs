@@ -37,6 +37,18 @@ pub struct Corners {
 ///
 /// Each triangle is the hull of its three corners. It may be degenerate: a segment, or a point.
 /// The mesh touches what one of its triangles touches.
+///
+/// ```
+/// use dcd_geom::glam::DVec3;
+/// use dcd_geom::{Mesh, Shape};
+/// let square = vec![DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y];
+/// let mesh = Mesh::new(square.clone(), vec![[0, 1, 2], [0, 2, 3]])?;
+/// assert_eq!(mesh.corners(1), Some([DVec3::ZERO, DVec3::X + DVec3::Y, DVec3::Y]));
+/// let ground = Shape::from(mesh);
+/// assert!(Mesh::new(square, vec![[0, 1, 7]]).is_err());
+/// # assert!(ground.is_bounded());
+/// # Ok::<(), dcd_geom::ShapeError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Mesh {
     vertices: Vec<DVec3>,

@@ -41,6 +41,16 @@ pub enum Motion {
 }
 
 /// A shape somewhere.
+///
+/// ```
+/// use dcd_geom::{Filter, Object, Pose};
+/// const ROBOT: u32 = 1;
+/// const WORLD: u32 = 2;
+/// // In group ROBOT, and it meets what is in group WORLD.
+/// let link = Object::new(0, Pose::IDENTITY).with_filter(Filter { groups: ROBOT, mask: WORLD });
+/// let wall = Object::new(1, Pose::IDENTITY).fixed().with_filter(Filter { groups: WORLD, mask: ROBOT });
+/// assert!(link.filter.allows(wall.filter) && !link.filter.allows(link.filter));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Object {
     /// The shape's index in the scene.

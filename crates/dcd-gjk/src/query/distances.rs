@@ -14,6 +14,20 @@ use dcd_geom::{Aabb, ShapeError, Sphere};
 /// Between polytopes, rounded or not, nothing is undecided, and the distance is right in twelve
 /// digits; with another shape see [`crate::distance::in_f64`]. Costs a few microseconds a pair
 /// within the margin, and for most others a comparison of two spheres.
+///
+/// ```
+/// use dcd_geom::glam::DVec3;
+/// use dcd_geom::{Pose, Shape};
+/// use dcd_gjk::{Distances, PairSolver, PosedShape, Verdict};
+/// let (cube, ball) = (Shape::cuboid(DVec3::ONE)?, Shape::sphere(0.5)?);
+/// let pose = Pose::from_translation(DVec3::X * 1.6)?;
+/// let (a, b) = (PosedShape { shape: &cube, pose: &Pose::IDENTITY }, PosedShape { shape: &ball, pose: &pose });
+/// let Verdict::Touching(Some(found)) = Distances::within(0.2)?.solve(a, b, &mut Default::default()) else {
+///     panic!("0.1 m apart");
+/// };
+/// assert!((found.distance - 0.1).abs() <= found.error_bound);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Distances {
     margin: f64,

@@ -76,6 +76,21 @@ pub enum Smoothness {
 ///
 /// Costs what [`Distances`] costs where objects are apart, and a little more than
 /// [`Depths`](super::Depths) where they touch.
+///
+/// ```
+/// use dcd_geom::glam::DVec3;
+/// use dcd_geom::{Pose, Shape};
+/// use dcd_gjk::{Proximities, PairSolver, PosedShape, Verdict};
+/// let (cube, ball) = (Shape::cuboid(DVec3::ONE)?, Shape::sphere(0.5)?);
+/// let pose = Pose::from_translation(DVec3::X * 1.6)?;
+/// let (a, b) = (PosedShape { shape: &cube, pose: &Pose::IDENTITY }, PosedShape { shape: &ball, pose: &pose });
+/// let Verdict::Touching(found) = Proximities::within(0.2)?.solve(a, b, &mut Default::default()) else {
+///     panic!("0.1 m apart");
+/// };
+/// // Signed: below 0 would be a depth.
+/// assert!((found.signed_distance - 0.1).abs() <= found.error_bound);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Proximities {
     distances: Distances,

@@ -13,6 +13,18 @@ use dcd_geom::{Aabb, Pair, Scene, ShapeError};
 /// [`Within`]). A pair that the solver cannot measure is undecided, with the solver's reason.
 /// The methods of a [`Report`](crate::Report) are those by which the narrow phase decided yes or no, also for
 /// pairs that could not be measured.
+///
+/// ```
+/// use dcd_pipeline::prelude::*;
+/// let poses = [0.0, 0.9, 2.1].map(|x| Pose::from_translation(DVec3::X * x));
+/// let poses = poses.into_iter().collect::<Result<Vec<_>, _>>()?;
+/// let scene = Scene::one_each(vec![Shape::sphere(0.5)?; 3], poses)?;
+/// let narrow = ThenMeasure::new(Proximities::within(0.25)?)?;
+/// let mut pipeline = Pipeline::with(WideTree::default(), narrow);
+/// let near: Vec<_> = pipeline.step(&scene, Par::Serial).answers().collect();
+/// assert!((near[0].answer.signed_distance + 0.1).abs() <= near[0].answer.error_bound);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct ThenMeasure<S, N = Overlap> {
     narrow: Within<N>,

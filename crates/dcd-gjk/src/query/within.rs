@@ -13,6 +13,17 @@ use dcd_geom::{Aabb, Pair, Revision, Scene, ShapeError, Splittable};
 ///
 /// Costs a second copy of the shapes and, a step, of the poses. Where an object that has grown
 /// would reach beyond [`Aabb::LIMIT`], no pair of the scene is decided ([`Reason::Range`]).
+///
+/// ```
+/// use dcd_pipeline::prelude::*;
+/// let poses = [0.0, 0.9, 2.1].map(|x| Pose::from_translation(DVec3::X * x));
+/// let poses = poses.into_iter().collect::<Result<Vec<_>, _>>()?;
+/// let scene = Scene::one_each(vec![Shape::sphere(0.5)?; 3], poses)?;
+/// let mut pipeline = Pipeline::with(WideTree::default(), Within::margin(0.25)?);
+/// let near: Vec<_> = pipeline.step(&scene, Par::Serial).contacts().collect();
+/// assert_eq!(near, [(0, 1), (1, 2)]); // the second pair is 0.2 m apart
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Within<N = Overlap> {
     narrow: N,

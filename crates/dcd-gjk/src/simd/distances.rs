@@ -25,6 +25,20 @@ use dcd_simd::Path;
 /// Whether a pair with a distance within its bound of the margin is reported is decided exactly. The same bits on every
 /// path and at any number of threads, whatever the other pairs; (a, b) and (b, a) are mirrored. The last bits need not be
 /// those of [`Distances`](crate::Distances), whose search starts elsewhere.
+///
+/// ```
+/// use dcd_pipeline::prelude::*;
+/// let poses = [0.0, 0.9, 2.1].map(|x| Pose::from_translation(DVec3::X * x));
+/// let poses = poses.into_iter().collect::<Result<Vec<_>, _>>()?;
+/// let scene = Scene::one_each(vec![Shape::sphere(0.5)?; 3], poses)?;
+/// let narrow = dcd_gjk::SimdDistances::within(0.25, Accuracy::F32)?;
+/// let mut pipeline = Pipeline::with(WideTree::default(), narrow);
+/// let near: Vec<_> = pipeline.step(&scene, Par::Serial).answers().collect();
+/// assert!(near[0].answer.is_none()); // the first pair overlaps
+/// let far = near[1].answer.ok_or("a distance")?;
+/// assert!((far.distance - 0.2).abs() <= far.error_bound);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct SimdDistances {
     path: Path,

@@ -11,6 +11,19 @@ use dcd_geom::{Aabb, Pair, Scene, Shape};
 ///
 /// Apart where the scene's shapes are, touching where the inner ones do, and undecided with
 /// [`Reason::WithinTolerance`] between: so the true shapes' answer, and none of them wrong.
+///
+/// ```
+/// use dcd_geom::glam::DVec3;
+/// use dcd_geom::{Pose, Scene, Shape};
+/// use dcd_gjk::simplify::InnerOuter;
+/// use dcd_gjk::{Reason, Verdict};
+/// let poses = vec![Pose::IDENTITY, Pose::from_translation(DVec3::X * 1.9)?];
+/// let outer = Scene::one_each(vec![Shape::sphere(1.0)?; 2], poses)?;
+/// let between = InnerOuter::new(vec![Shape::sphere(0.9)?; 2]);
+/// let (verdict, _) = between.verdict((&outer, 0), (&outer, 1));
+/// assert_eq!(verdict, Verdict::Undecided(Reason::WithinTolerance));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct InnerOuter {
     inner: Vec<Shape>,

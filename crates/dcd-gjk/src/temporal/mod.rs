@@ -35,6 +35,21 @@ use track::Track;
 /// What the [`Report`] counts as [`Method::Remembered`] may differ by some pairs from run to run on
 /// several threads; answers never do. Of curved shapes so near to touching that [`crate::Overlap`]
 /// leaves them undecided it may still know.
+///
+/// ```
+/// use dcd_pipeline::prelude::*;
+/// let poses = [0.0, 0.9, 2.1].map(|x| Pose::from_translation(DVec3::X * x));
+/// let poses = poses.into_iter().collect::<Result<Vec<_>, _>>()?;
+/// let scene = Scene::one_each(vec![Shape::sphere(0.5)?; 3], poses)?;
+/// # let mut scene = scene;
+/// let mut pipeline = Pipeline::with(WideTree::default(), Coherent::default());
+/// for frame in 1..=60 {
+///     scene.set_pose(2, Pose::from_translation(DVec3::X * (2.105 - 0.01 * f64::from(frame)))?)?;
+///     let step = pipeline.step(&scene, Par::Serial);
+///     assert_eq!(step.contact_count(), if frame <= 20 { 1 } else { 2 });
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Coherent {
     path: Path,

@@ -12,6 +12,16 @@ use std::path::{Path, PathBuf};
 ///
 /// Each triangle of the file is there, also one that is degenerate or occurs twice. Each vertex is
 /// the corner of a triangle, but for OBJ and PLY, whose vertices are kept as they are.
+///
+/// ```
+/// use dcd_io::{MeshFormat, MeshOptions, TriangleMesh};
+/// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+/// let mesh = TriangleMesh::read(obj, MeshFormat::Obj, &MeshOptions::default())?;
+/// assert_eq!(mesh.triangles, [[0, 1, 2]]);
+/// let cut = TriangleMesh::read(&obj[..30], MeshFormat::Obj, &MeshOptions::default());
+/// assert!(cut.is_err()); // no triangle is left
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriangleMesh {
     /// Where the vertices are, metres; all finite.

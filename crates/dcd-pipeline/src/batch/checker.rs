@@ -83,6 +83,23 @@ const ROWS: usize = 16;
 /// A batch is the poses of its configurations one after the other, one pose a link. The answers do
 /// not depend on `exec` or on earlier batches. After the first batch a serial one of a like size
 /// allocates nothing.
+///
+/// ```
+/// use dcd_pipeline::prelude::*;
+/// use dcd_pipeline::{LinkSet, StaticWorld};
+/// let shelf = Scene::one_each(vec![Shape::cuboid(DVec3::new(1.0, 1.0, 0.1))?], vec![Pose::IDENTITY])?;
+/// let world = StaticWorld::new(&shelf, Overlap::default(), Par::Pool)?;
+/// let mut checker = world.checker(LinkSet::new(vec![Shape::sphere(0.2)?, Shape::sphere(0.2)?]))?;
+/// // Two configurations of two links each.
+/// let heights = [0.25, 1.0, 0.5, 1.0];
+/// let poses = heights.map(|z| Pose::from_translation(DVec3::Z * z));
+/// let poses = poses.into_iter().collect::<Result<Vec<_>, _>>()?;
+/// let first = checker.first(&poses, Par::Pool)?;
+/// assert!(first[0].as_ref().is_some_and(|hit| hit.touches()) && first[1].is_none());
+/// let all = checker.all(&poses, Par::Pool)?;
+/// assert_eq!(all.iter().map(|hit| (hit.configuration, hit.link)).collect::<Vec<_>>(), [(0, 0)]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct BatchChecker<N: NarrowPhase = dcd_gjk::Overlap> {
     pub(super) world: Arc<Obstacles<N>>,
     pub(super) rows: LinkRows,

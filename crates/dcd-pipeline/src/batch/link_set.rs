@@ -4,6 +4,20 @@ use dcd_geom::{Filter, SceneError, Shape};
 
 /// Shapes that are posed together, each by a pose of its own: a robot's links, a compound's parts,
 /// or one shape alone.
+///
+/// ```
+/// use dcd_pipeline::prelude::*;
+/// use dcd_pipeline::{LinkSet, StaticWorld};
+/// let shelf = Scene::one_each(vec![Shape::cuboid(DVec3::new(1.0, 1.0, 0.1))?], vec![Pose::IDENTITY])?;
+/// let world = StaticWorld::new(&shelf, Overlap::default(), Par::Pool)?;
+/// // Three links of a chain; neighbours always touch.
+/// let chain = LinkSet::new(vec![Shape::sphere(0.2)?; 3]).against_itself(&[(0, 1), (1, 2)])?;
+/// let mut checker = world.checker(chain)?;
+/// let folded = [1.0, 1.3, 1.1].map(|z| Pose::from_translation(DVec3::Z * z));
+/// let folded = folded.into_iter().collect::<Result<Vec<_>, _>>()?;
+/// assert!(checker.first(&folded, Par::Serial)?[0].is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct LinkSet {
     pub(super) shapes: Vec<Shape>,

@@ -32,6 +32,19 @@ use surface::{Point, Surface};
 /// depth is searched in f32, sixteen vertices or faces an operation, and confirmed in f64 with a proved bound that is
 /// as good as the accuracy requires; the solver measures all other pairs, and what is not confirmed. The same bits
 /// on every path and at any number of threads; (a, b) and (b, a) are mirrored.
+///
+/// ```
+/// use dcd_pipeline::prelude::*;
+/// let poses = [0.0, 0.9, 2.1].map(|x| Pose::from_translation(DVec3::X * x));
+/// let poses = poses.into_iter().collect::<Result<Vec<_>, _>>()?;
+/// let scene = Scene::one_each(vec![Shape::sphere(0.5)?; 3], poses)?;
+/// let narrow = SimdDepths::new(Depths, Accuracy::F32);
+/// let mut pipeline = Pipeline::with(WideTree::default(), narrow);
+/// let deep: Vec<_> = pipeline.step(&scene, Par::Serial).answers().collect();
+/// assert_eq!((deep.len(), deep[0].pair), (1, Pair { i: 0, j: 1 }));
+/// assert!((deep[0].answer.depth - 0.1).abs() <= deep[0].answer.error_bound);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct SimdDepths<S = Depths> {
     path: Path,
