@@ -5,36 +5,49 @@ use std::time::Duration;
 use anyhow::{Context, Result, ensure};
 use dcd_benches::Effort;
 use dcd_benches::timing::time;
-use dcd_gjk::{Coherent, Method};
+use dcd_geom::Scene;
+use dcd_gjk::{Accuracy, Coherent, Depths, Method, SimdDepths};
 use dcd_parry::{ParryPipeline, Query, Upkeep};
 use dcd_pipeline::{Par, Pipeline, WideTree};
-use dcd_scenes::{RandomWalk, SceneSpec};
+use dcd_scenes::{Pile, PileContact, RandomWalk, SceneSpec};
 use serde::{Deserialize, Serialize};
 
-/// Frames of a walk. Parry runs in the first [`OF_PARRY`] alone.
-const FRAMES: usize = 8;
+/// Frames of a course: a second of a game. Parry runs in the first [`OF_PARRY`] alone.
+pub(crate) const FRAMES: usize = 60;
 const OF_PARRY: usize = 3;
 
-/// A scene, and how far its objects step from frame to frame.
+/// How long a pile falls before its course begins, frames.
+const FALLING: usize = 180;
+
+/// How the objects of a scene move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Motion {
+    /// By random steps: their standard deviation along and about each axis, metres and rad. 0: not at all.
+    Walk(f64),
+    /// As hulls in a pile that comes to rest.
+    Settle,
+}
+
+/// A scene, and how its objects move from frame to frame.
 pub(crate) struct Course {
     pub(crate) scene: &'static str,
     pub(crate) objects: usize,
-    /// The standard deviation of a step along and about each axis, metres and rad.
-    pub(crate) sigma: f64,
+    pub(crate) motion: Motion,
     pub(crate) seed: u64,
 }
 
-/// Medians over the walks; of `plain` over all frames but the first, of `later` over those from the
-/// third on.
+/// Medians over the rounds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Outcome {
     pub(crate) scene: String,
     pub(crate) objects: usize,
-    pub(crate) sigma: f64,
-    pub(crate) walks: usize,
+    /// None of a pile.
+    pub(crate) sigma: Option<f64>,
+    /// All frames of the pipeline that remembers nothing, and of the one that does.
     pub(crate) plain: Duration,
+    pub(crate) coherent: Duration,
+    /// Of the one that remembers: its first frame, and the median of those from the third on.
     pub(crate) first: Duration,
-    pub(crate) second: Duration,
     pub(crate) later: Duration,
     pub(crate) parry_second: Duration,
     /// The part of the candidates that was remembered, in the second frame and in the last.
@@ -44,12 +57,12 @@ pub(crate) struct Outcome {
     pub(crate) parry_differs: usize,
 }
 
-/// What the walks showed, frame upon frame.
+/// What the rounds showed.
 #[derive(Default)]
 struct Seen {
     plain: Vec<Duration>,
+    coherent: Vec<Duration>,
     first: Vec<Duration>,
-    second: Vec<Duration>,
     later: Vec<Duration>,
     parry_second: Vec<Duration>,
     remembered: [f64; 2],
@@ -57,25 +70,62 @@ struct Seen {
     parry_differs: usize,
 }
 
+/// A scene that moves.
+enum Moving {
+    Still(Scene),
+    Walking(Scene, RandomWalk),
+    Falling(Box<Pile>, Pipeline<WideTree, SimdDepths>),
+}
+
+impl Moving {
+    fn scene(&self) -> &Scene {
+        match self {
+            Self::Still(scene) | Self::Walking(scene, _) => scene,
+            Self::Falling(pile, _) => pile.scene(),
+        }
+    }
+
+    fn advance(&mut self) -> Result<()> {
+        match self {
+            Self::Still(_) => {}
+            Self::Walking(scene, walk) => walk.step(scene)?,
+            Self::Falling(pile, pipeline) => {
+                let step = pipeline.step(pile.scene(), Par::Pool);
+                let contacts = step.answers().map(|contact| PileContact {
+                    pair: contact.pair,
+                    normal: contact.answer.normal,
+                    depth: contact.answer.depth,
+                    point: (contact.answer.point_a + contact.answer.point_b) / 2.0,
+                });
+                let contacts: Vec<_> = contacts.collect();
+                pile.advance(&contacts)?;
+            }
+        }
+        Ok(())
+    }
+}
+
 impl Course {
     pub(crate) fn key(&self) -> String {
-        format!("{} {} at sigma {}", self.scene, self.objects, self.sigma)
+        format!("{} {} {:?}", self.scene, self.objects, self.motion)
     }
 
     pub(crate) fn run(&self, effort: Effort) -> Result<Outcome> {
-        let walks = if effort == Effort::Quick { 1 } else { 3 };
+        let rounds = if effort == Effort::Quick { 1 } else { 3 };
         let mut seen = Seen::default();
-        for _ in 0..walks {
-            self.walk(&mut seen)?;
+        for _ in 0..rounds {
+            self.go(&mut seen)?;
         }
         Ok(Outcome {
             scene: self.scene.to_owned(),
             objects: self.objects,
-            sigma: self.sigma,
-            walks,
+            sigma: match self.motion {
+                Motion::Walk(sigma) => Some(sigma),
+                Motion::Settle => None,
+            },
             plain: median(seen.plain)?,
+            coherent: median(seen.coherent)?,
             first: median(seen.first)?,
-            second: median(seen.second)?,
             later: median(seen.later)?,
             parry_second: median(seen.parry_second)?,
             remembered: seen.remembered,
@@ -84,42 +134,55 @@ impl Course {
         })
     }
 
-    /// All pipelines are new, and so their first frame is.
-    fn walk(&self, seen: &mut Seen) -> Result<()> {
-        let spec = SceneSpec::parse(self.scene)?.with_objects(self.objects).with_seed(self.seed);
-        let mut scene = dcd_benches::draw(&spec)?;
-        let mut walk = match self.sigma {
-            0.0 => None,
-            sigma => Some(RandomWalk::new(sigma, self.seed)?),
+    /// Where it begins.
+    fn start(&self) -> Result<Moving> {
+        let draw = || {
+            let spec = SceneSpec::parse(self.scene)?.with_objects(self.objects);
+            dcd_benches::draw(&spec.with_seed(self.seed))
         };
+        Ok(match self.motion {
+            Motion::Walk(0.0) => Moving::Still(draw()?),
+            Motion::Walk(sigma) => Moving::Walking(draw()?, RandomWalk::new(sigma, self.seed)?),
+            Motion::Settle => {
+                let pile = Box::new(Pile::new(self.objects, self.seed)?);
+                let depths = SimdDepths::new(Depths, Accuracy::F32);
+                let pipeline = Pipeline::with(WideTree::default(), depths);
+                let mut falling = Moving::Falling(pile, pipeline);
+                (0..FALLING).try_for_each(|_| falling.advance())?;
+                falling
+            }
+        })
+    }
+
+    /// All pipelines are new, and so their first frame is.
+    fn go(&self, seen: &mut Seen) -> Result<()> {
+        let mut moving = self.start()?;
         let mut plain = Pipeline::new();
         let mut coherent = Pipeline::with(WideTree::default(), Coherent::default());
-        let parry = ParryPipeline::<f32>::new(&scene, Query::DirectIntersectionTest);
+        let parry = ParryPipeline::<f32>::new(moving.scene(), Query::DirectIntersectionTest);
         let mut parry = parry.with_upkeep(Upkeep::Refit);
         (seen.contacts, seen.parry_differs) = (0, 0);
+        let mut sums = [Duration::ZERO; 2];
         for frame in 0..FRAMES {
-            let (of_plain, step) = time(|| plain.step(&scene, Par::Serial));
-            let (of_coherent, remembering) = time(|| coherent.step(&scene, Par::Serial));
+            let scene = moving.scene();
+            let (of_plain, step) = time(|| plain.step(scene, Par::Serial));
+            let (of_coherent, remembering) = time(|| coherent.step(scene, Par::Serial));
             ensure!(remembering.contacts().eq(step.contacts()), "frame {frame} differs");
             ensure!(step.report().undecided().is_empty(), "frame {frame} has undecided pairs");
             let known = remembering.report().resolved(Method::Remembered) as f64;
             let known = known / remembering.candidate_count().max(1) as f64;
             match frame {
                 0 => seen.first.push(of_coherent),
-                1 => {
-                    seen.second.push(of_coherent);
-                    seen.remembered[0] = known;
-                }
+                1 => seen.remembered[0] = known,
                 _ => {
                     seen.later.push(of_coherent);
                     seen.remembered[1] = known;
                 }
             }
-            if frame > 0 {
-                seen.plain.push(of_plain);
-            }
+            sums[0] += of_plain;
+            sums[1] += of_coherent;
             if frame < OF_PARRY {
-                let mut ready = parry.place(&scene);
+                let mut ready = parry.place(scene);
                 let (of_parry, answer) = time(|| ready.step(Par::Serial));
                 if frame == 1 {
                     seen.parry_second.push(of_parry);
@@ -129,10 +192,10 @@ impl Course {
                 seen.contacts += ours.len();
                 seen.parry_differs += differing(&ours, &answer.sorted_contacts());
             }
-            if let Some(walk) = &mut walk {
-                walk.step(&mut scene)?;
-            }
+            moving.advance()?;
         }
+        seen.plain.push(sums[0]);
+        seen.coherent.push(sums[1]);
         Ok(())
     }
 }

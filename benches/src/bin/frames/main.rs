@@ -14,9 +14,9 @@ use anyhow::Result;
 use clap::Parser;
 use dcd_benches::{Effort, Header, Options, Print, Units, exit_code};
 
-use course::{Course, Outcome};
+use course::{Course, Motion, Outcome};
 
-/// A scene whose objects walk at random, frame by frame on one thread: the default pipeline, the
+/// Scenes whose objects walk at random or fall, frame by frame on one thread: the default pipeline, the
 /// one that remembers proofs, and Parry's in f32 with its tree refitted, interleaved in one process.
 #[derive(Parser)]
 #[command(name = "frames", version)]
@@ -27,11 +27,14 @@ struct Line {
     print: Print,
 }
 
-/// Scenes, their objects, and those of a quick run.
+/// The scenes that walk, their objects, and those of a quick run.
 const SCENES: [(&str, usize, usize); 2] = [("paper", 10_000, 1_000), ("sparse", 100_000, 5_000)];
 
 /// Standard deviations of a step along and about each axis, metres and rad: from rest on.
 const SIGMAS: [f64; 5] = [0.0, 1e-4, 1e-3, 3e-3, 1e-2];
+
+/// Hulls in the pile, and in that of a quick run.
+const PILE: (usize, usize) = (2_000, 200);
 
 fn main() -> ExitCode {
     exit_code(run(&Line::parse()))
@@ -42,12 +45,13 @@ fn run(line: &Line) -> Result<()> {
     let quick = options.effort() == Effort::Quick;
     let header = Header::observe(options);
     let dir = options.dir("frames");
-    let courses: Vec<Course> = SCENES
-        .into_iter()
-        .flat_map(|(scene, full, few)| {
-            SIGMAS.map(|sigma| (scene, if quick { few } else { full }, sigma))
-        })
-        .map(|(scene, objects, sigma)| Course { scene, objects, sigma, seed: options.seed })
+    let objects = |(full, few)| if quick { few } else { full };
+    let walks = SCENES.into_iter().flat_map(|(scene, full, few)| {
+        SIGMAS.map(|sigma| (scene, objects((full, few)), Motion::Walk(sigma)))
+    });
+    let courses: Vec<Course> = walks
+        .chain([("pile", objects(PILE), Motion::Settle)])
+        .map(|(scene, objects, motion)| Course { scene, objects, motion, seed: options.seed })
         .collect();
     let plan = courses.iter().map(Course::key);
     let mut units = Units::open(&dir, &header.fingerprint(), plan, options.start())?;

@@ -106,7 +106,9 @@ impl Query {
             }
             Question::Distance => dcd_pipeline::Question::Distance { accuracy, margin },
             Question::Depth => dcd_pipeline::Question::Depth { accuracy },
-            Question::Manifold => dcd_pipeline::Question::Manifold { accuracy },
+            Question::Manifold => {
+                dcd_pipeline::Question::Manifold { accuracy, options: Default::default() }
+            }
             Question::Gradient => dcd_pipeline::Question::Gradient { accuracy, margin },
         }
     }
