@@ -59,18 +59,19 @@ fn farthest<L: Lanes>(l: L, blocks: &[Block], direction: Vec3) -> (u32, Vec3) {
     let d = splat(l, direction);
     let Some((first, rest)) = blocks.split_first() else { return (0, Vec3::NAN) };
     let mut best = dot(l, load(l, first), d);
-    let (mut of_block, mut number) = (l.splat(0.0), 0.0);
+    // The blocks' numbers as bits: no arithmetic is done on them.
+    let (mut of_block, mut number) = (l.splat(f32::from_bits(0)), 0);
     for block in rest {
-        number += 1.0;
+        number += 1;
         let along = dot(l, load(l, block), d);
-        of_block = l.select(l.lt(best, along), l.splat(number), of_block);
+        of_block = l.select(l.lt(best, along), l.splat(f32::from_bits(number)), of_block);
         best = l.max(best, along);
     }
     let top = l.splat(l.largest(best));
     let lane = l.bits(l.le(top, best)).trailing_zeros() as usize % WIDTH;
     let mut numbers = Row([0.0; WIDTH]);
     l.store(of_block, &mut numbers);
-    let number = (numbers.0[lane] as usize).min(rest.len());
+    let number = (numbers.0[lane].to_bits() as usize).min(rest.len());
     ((number * WIDTH + lane) as u32, blocks[number].point(lane))
 }
 

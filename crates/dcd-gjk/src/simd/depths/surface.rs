@@ -15,6 +15,9 @@ const FACES: usize = 64;
 /// A cone is written sixteen faces at a time, from wherever it begins.
 const WRITTEN: usize = FACES + WIDTH;
 
+/// How many edges a horizon has that is no large one. No effect on any result.
+const FEW_EDGES: usize = 8;
+
 /// What a determinant (p − r) × (q − r) · r may be off by. Unit: u·|p − r|₁·|q − r|₁·|r|₁. Two differences 2,
 /// the cross product 2.02, the dot product 3.01; and a margin for the bound's own rounding. Smaller: an origin that is outside.
 const DETERMINANT: f32 = 16.0;
@@ -101,13 +104,20 @@ impl Surface {
         Vec3::new(x[face], y[face], z[face])
     }
 
+    /// How many times sixteen faces there are; at least 1.
+    #[inline(always)]
+    fn rows(&self) -> usize {
+        self.faces.div_ceil(WIDTH).clamp(1, FACES / WIDTH)
+    }
+
     /// The faces that are no farther than that, as bits.
     #[inline(always)]
     pub(super) fn within<L: Lanes>(&self, l: L, limit: f32) -> u64 {
         let limit = l.splat(limit);
         let mut within = 0;
-        for first in (0..self.faces.min(FACES)).step_by(WIDTH) {
-            within |= u64::from(l.bits(l.le(row(l, &self.distances, first), limit))) << first;
+        let distances = rows(&self.distances);
+        for k in 0..self.rows() {
+            within |= u64::from(l.bits(l.le(l.load_from(&distances[k]), limit))) << (k * WIDTH);
         }
         within
     }
@@ -144,9 +154,10 @@ impl Surface {
     /// The face whose plane is nearest along its normal: the lowest number among equals.
     #[inline(always)]
     pub(super) fn nearest<L: Lanes>(&self, l: L) -> usize {
-        let mut least = row(l, &self.distances, 0);
-        for first in (WIDTH..self.faces.min(FACES)).step_by(WIDTH) {
-            least = l.min(least, row(l, &self.distances, first));
+        let distances = rows(&self.distances);
+        let mut least = l.load_from(&distances[0]);
+        for row in &distances[1..self.rows()] {
+            least = l.min(least, l.load_from(row));
         }
         let least = -l.largest(l.neg(least));
         self.within(l, least).trailing_zeros() as usize % FACES
@@ -181,12 +192,13 @@ impl Surface {
     #[inline(always)]
     fn visible<L: Lanes>(&self, l: L, at: Vec3, clear: f32) -> u64 {
         let (at, clear) = (splat(l, at), l.splat(clear));
-        let [x, y, z] = &self.normals;
+        let [x, y, z] = [rows(&self.normals[0]), rows(&self.normals[1]), rows(&self.normals[2])];
+        let distances = rows(&self.distances);
         let mut visible = 0;
-        for first in (0..self.faces.min(FACES)).step_by(WIDTH) {
-            let normal = [row(l, x, first), row(l, y, first), row(l, z, first)];
-            let plane = l.add(row(l, &self.distances, first), clear);
-            visible |= u64::from(l.bits(l.lt(plane, dot(l, normal, at)))) << first;
+        for k in 0..self.rows() {
+            let normal = [l.load_from(&x[k]), l.load_from(&y[k]), l.load_from(&z[k])];
+            let plane = l.add(l.load_from(&distances[k]), clear);
+            visible |= u64::from(l.bits(l.lt(plane, dot(l, normal, at)))) << (k * WIDTH);
         }
         visible
     }
@@ -227,19 +239,21 @@ impl Surface {
                 return None;
             }
         }
+        self.horizon.edges = edges;
         let first = starting.trailing_zeros() as usize % POINTS;
+        // Of more steps than edges what is written means nothing, and their number can be predicted.
+        let steps = if edges <= FEW_EDGES { FEW_EDGES } else { WIDTH };
         let (mut at, mut walked) = (first, 0u32);
-        for k in 0..edges {
+        for k in 0..steps {
             walked |= 1 << at;
             let to = usize::from(after[at]) % POINTS;
             self.corners[self.faces + k] = [at as u8, to as u8, apex];
             self.put_on_horizon(k, at);
             at = to;
         }
-        self.put_on_horizon(edges, at);
-        self.horizon.edges = edges;
+        self.put_on_horizon(steps, at);
         // Two edges that start at one point, or two cycles, leave points out.
-        let is_cycle = at == first && walked == starting && walked.count_ones() as usize == edges;
+        let is_cycle = walked == starting && walked.count_ones() as usize == edges;
         is_cycle.then_some(())
     }
 
@@ -323,9 +337,10 @@ fn from<const N: usize>(numbers: &[f32; N], first: usize) -> &[f32; WIDTH] {
     numbers[first..].first_chunk().unwrap_or(&[f32::NAN; WIDTH])
 }
 
+/// Of each sixteen faces sixteen numbers.
 #[inline(always)]
-fn row<L: Lanes>(l: L, numbers: &[f32; WRITTEN], first: usize) -> L::F {
-    l.load_from(from(numbers, first))
+fn rows(numbers: &[f32; WRITTEN]) -> &[[f32; WIDTH]] {
+    numbers.as_chunks().0
 }
 
 /// Sixteen points.
