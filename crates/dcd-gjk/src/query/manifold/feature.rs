@@ -205,38 +205,44 @@ impl<'a> Choice<'a> {
 
     fn searched(&self) -> Part<'a> {
         let vertices = self.polytope.vertices();
-        let (few, others) = vertices.split_at(vertices.len().min(KEPT));
         let mut kept = [0.0; KEPT];
         let mut farthest = f64::NEG_INFINITY;
-        for (along, &vertex) in kept.iter_mut().zip(few) {
-            *along = self.direction.dot(vertex);
-            farthest = if *along > farthest { *along } else { farthest };
-        }
-        for &vertex in others {
+        for (k, &vertex) in vertices.iter().enumerate() {
             let along = self.direction.dot(vertex);
+            if let Some(kept) = kept.get_mut(k) {
+                *kept = along;
+            }
             farthest = if along > farthest { along } else { farthest };
         }
+        let kept = &kept[..vertices.len().min(KEPT)];
         let least = farthest - FARTHEST * self.polytope.outer_radius();
+        let is_farthest = |k: u32| match kept.get(k as usize) {
+            Some(&along) => along >= least,
+            None => self.along(k) >= least,
+        };
         let facets: &'a Facets = self.polytope.facets();
         let mut listed = [0; LISTED];
         let mut count = 0;
         let mut first = None;
-        for k in 0..vertices.len() {
-            let along = match kept.get(k) {
-                Some(&along) => along,
-                None => self.along(k as u32),
-            };
-            if along >= least {
-                first = first.or(Some(k as u32));
-                for &index in facets.around(k as u32) {
-                    if let Some(slot) = listed.get_mut(count) {
-                        *slot = index;
-                    }
-                    count += 1;
+        let mut list = |k: u32| {
+            first = first.or(Some(k));
+            for &index in facets.around(k) {
+                if let Some(slot) = listed.get_mut(count) {
+                    *slot = index;
                 }
+                count += 1;
+            }
+        };
+        for (k, &along) in (0u32..).zip(kept) {
+            if along >= least {
+                list(k);
             }
         }
-        let is_farthest = |k: u32| self.along(k) >= least;
+        for k in kept.len() as u32..vertices.len() as u32 {
+            if is_farthest(k) {
+                list(k);
+            }
+        }
         let found = if let Some(listed) = listed.get_mut(..count) {
             self.face_of(listed.iter().copied()).or_else(|| {
                 // In the order of the faces, whoever lists them.

@@ -78,7 +78,7 @@ impl<'a> SearchedPair<'a> {
         let (a, b) = if is_swapped { (b, a) } else { (a, b) };
         let polytopes = [a.sharp()?, b.sharp()?];
         let poses = [a.placed.pose, b.placed.pose];
-        let stretch = poses.map(|pose| 1.0 + pose.deviation());
+        let stretch = [1.0 + poses[0].deviation(), 1.0 + poses[1].deviation()];
         let apart = poses[0].translation() - poses[1].translation();
         let reach = polytopes[0].reach() * stretch[0] + polytopes[1].reach() * stretch[1];
         let size = reach + apart.abs().element_sum();
@@ -192,10 +192,13 @@ impl<'a> SearchedPair<'a> {
             // The last block is filled up with the last vertex.
             vertices[(number as usize).min(vertices.len() - 1)]
         };
-        let turned = corners.map(|Point { vertices: [a, b], .. }| {
-            [*turn_a * vertex(in_a, a), *turn_b * vertex(in_b, b)]
-        });
-        let [p, q, r] = turned.map(|[a, b]| ((a - b) + apart) * self.scale);
+        let turned = |Point { vertices: [a, b], .. }: Point| {
+            (*turn_a * vertex(in_a, a), *turn_b * vertex(in_b, b))
+        };
+        let [corner_p, corner_q, corner_r] = corners;
+        let (of_p, of_q, of_r) = (turned(corner_p), turned(corner_q), turned(corner_r));
+        let world = |(a, b): (DVec3, DVec3)| ((a - b) + apart) * self.scale;
+        let (p, q, r) = (world(of_p), world(of_q), world(of_r));
         let volumes = DVec3::new(
             q.cross(r).dot(direction),
             r.cross(p).dot(direction),
@@ -207,10 +210,8 @@ impl<'a> SearchedPair<'a> {
             return None;
         }
         let weights = weights / sum;
-        let mean = |side: usize| {
-            turned[0][side] * weights.x + turned[1][side] * weights.y + turned[2][side] * weights.z
-        };
-        Some([mean(0), mean(1)])
+        let mean = |p: DVec3, q: DVec3, r: DVec3| p * weights.x + q * weights.y + r * weights.z;
+        Some([mean(of_p.0, of_q.0, of_r.0), mean(of_p.1, of_q.1, of_r.1)])
     }
 }
 

@@ -4,7 +4,7 @@
 
 use super::super::bounds::U;
 use dcd_geom::glam::Vec3;
-use dcd_simd::{Block, Lanes, WIDTH};
+use dcd_simd::{Block, Lanes, Row, WIDTH};
 
 /// How many points the surface may have; hulls of tens of vertices need fifteen. More: pairs for the search in f64.
 pub(super) const POINTS: usize = 32;
@@ -16,7 +16,7 @@ const FACES: usize = 64;
 const WRITTEN: usize = FACES + WIDTH;
 
 /// How many edges a horizon has that is no large one. No effect on any result.
-const FEW_EDGES: usize = 8;
+const FEW_EDGES: usize = 6;
 
 /// What a determinant (p − r) × (q − r) · r may be off by. Unit: u·|p − r|₁·|q − r|₁·|r|₁. Two differences 2,
 /// the cross product 2.02, the dot product 3.01; and a margin for the bound's own rounding. Smaller: an origin that is outside.
@@ -49,9 +49,12 @@ pub(super) struct Surface {
     distances: [f32; WRITTEN],
     /// The faces' normals: their x, their y, their z.
     normals: [[f32; WRITTEN]; 3],
-    points: [Point; POINTS],
-    /// Of each face the corners, counter-clockwise seen from outside.
-    corners: [[u8; 3]; WRITTEN],
+    /// Four numbers each, so that a place is a shift away.
+    points: [[f32; 4]; POINTS],
+    /// Which vertices of a and of b make each point.
+    vertices: [[u32; 2]; POINTS],
+    /// Of each face the corners, counter-clockwise seen from outside: a byte each, from the lowest.
+    corners: [u32; WRITTEN],
     count: usize,
     /// How many faces there are, dead ones included.
     faces: usize,
@@ -65,8 +68,9 @@ impl Default for Surface {
         Self {
             distances: [f32::INFINITY; WRITTEN],
             normals: [[0.0; WRITTEN]; 3],
-            points: [Point::default(); POINTS],
-            corners: [[0; 3]; WRITTEN],
+            points: [[0.0; 4]; POINTS],
+            vertices: [[0; 2]; POINTS],
+            corners: [0; WRITTEN],
             count: 0,
             faces: 0,
             inward: 0,
@@ -83,14 +87,27 @@ impl Surface {
     #[inline(always)]
     pub(super) fn corners(&self, face: usize) -> [Point; 3] {
         let [p, q, r] = self.numbers(face);
-        [self.points[p], self.points[q], self.points[r]]
+        [self.point(p), self.point(q), self.point(r)]
     }
 
     /// Their numbers.
     #[inline(always)]
     fn numbers(&self, face: usize) -> [usize; 3] {
-        let [p, q, r] = self.corners[face];
-        [usize::from(p) % POINTS, usize::from(q) % POINTS, usize::from(r) % POINTS]
+        let corners = self.corners[face] as usize;
+        [corners % POINTS, corners >> 8 & (POINTS - 1), corners >> 16 & (POINTS - 1)]
+    }
+
+    #[inline(always)]
+    fn point(&self, number: usize) -> Point {
+        let [x, y, z, _] = self.points[number];
+        Point { at: Vec3::new(x, y, z), vertices: self.vertices[number] }
+    }
+
+    /// At a number below [`POINTS`].
+    #[inline(always)]
+    fn set_point(&mut self, number: usize, Point { at: Vec3 { x, y, z }, vertices }: Point) {
+        self.points[number] = [x, y, z, 0.0];
+        self.vertices[number] = vertices;
     }
 
     #[inline(always)]
@@ -116,8 +133,8 @@ impl Surface {
         let limit = l.splat(limit);
         let mut within = 0;
         let distances = rows(&self.distances);
-        for k in 0..self.rows() {
-            within |= u64::from(l.bits(l.le(l.load_from(&distances[k]), limit))) << (k * WIDTH);
+        for (k, row) in distances[..self.rows()].iter().enumerate() {
+            within |= u64::from(l.bits(l.le(l.load_from(row), limit))) << (k * WIDTH);
         }
         within
     }
@@ -132,19 +149,21 @@ impl Surface {
     /// counter-clockwise. `None` where a face has no area to rounding.
     #[inline(always)]
     pub(super) fn start<L: Lanes>(&mut self, l: L, corners: [Point; 4]) -> Option<()> {
-        self.points[..4].copy_from_slice(&corners);
+        for (k, &point) in corners.iter().enumerate() {
+            self.set_point(k, point);
+        }
         self.count = 4;
         (self.faces, self.inward) = (0, 0);
         self.distances = [f32::INFINITY; WRITTEN];
         let faces = [[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]];
-        self.corners[..4].copy_from_slice(&faces);
-        let mut blocks = [Block::default(); 3];
+        let none = Row([0.0; WIDTH]);
+        let mut blocks = [Block([none; 3]), Block([none; 3]), Block([none; 3])];
         for (k, face) in faces.iter().enumerate() {
-            for (block, &corner) in blocks.iter_mut().zip(face) {
-                let at = corners[usize::from(corner)].at.to_array();
-                for (row, x) in block.0.iter_mut().zip(at) {
-                    row.0[k] = x;
-                }
+            self.corners[k] = packed(*face);
+            for (side, &corner) in face.iter().enumerate() {
+                let Vec3 { x, y, z } = corners[corner].at;
+                let Block(rows) = &mut blocks[side];
+                (rows[0].0[k], rows[1].0[k], rows[2].0[k]) = (x, y, z);
             }
         }
         let [p, q, r] = &blocks;
@@ -177,8 +196,8 @@ impl Surface {
             return None;
         }
         let visible = self.visible(l, point.at, clear) | 1 << seen;
-        self.find_horizon(visible, self.count as u8)?;
-        self.points[self.count] = point;
+        self.find_horizon(visible, self.count)?;
+        self.set_point(self.count, point);
         self.count += 1;
         let Horizon { edges, ring: [x, y, z] } = &self.horizon;
         let (p, q) = (
@@ -195,9 +214,9 @@ impl Surface {
         let [x, y, z] = [rows(&self.normals[0]), rows(&self.normals[1]), rows(&self.normals[2])];
         let distances = rows(&self.distances);
         let mut visible = 0;
-        for k in 0..self.rows() {
+        for (k, row) in distances[..self.rows()].iter().enumerate() {
             let normal = [l.load_from(&x[k]), l.load_from(&y[k]), l.load_from(&z[k])];
-            let plane = l.add(l.load_from(&distances[k]), clear);
+            let plane = l.add(l.load_from(row), clear);
             visible |= u64::from(l.bits(l.lt(plane, dot(l, normal, at)))) << (k * WIDTH);
         }
         visible
@@ -206,7 +225,7 @@ impl Surface {
     /// Marks the visible faces as dead, walks along the edges round them, and writes down the corners of the cone over
     /// those.
     #[inline(always)]
-    fn find_horizon(&mut self, visible: u64, apex: u8) -> Option<()> {
+    fn find_horizon(&mut self, visible: u64, apex: usize) -> Option<()> {
         // For each point those to which an edge of a visible face runs from it, as bits.
         let mut runs_to = [0u32; POINTS];
         for face in Bits(visible) {
@@ -247,7 +266,7 @@ impl Surface {
         for k in 0..steps {
             walked |= 1 << at;
             let to = usize::from(after[at]) % POINTS;
-            self.corners[self.faces + k] = [at as u8, to as u8, apex];
+            self.corners[self.faces + k] = packed([at, to, apex]);
             self.put_on_horizon(k, at);
             at = to;
         }
@@ -259,7 +278,7 @@ impl Surface {
 
     #[inline(always)]
     fn put_on_horizon(&mut self, k: usize, point: usize) {
-        let Vec3 { x, y, z } = self.points[point].at;
+        let [x, y, z, _] = self.points[point];
         let ring = &mut self.horizon.ring;
         (ring[0][k], ring[1][k], ring[2][k]) = (x, y, z);
     }
@@ -304,14 +323,21 @@ impl Surface {
         let lowest = l.select(l.mask(used), lowest, l.splat(f32::INFINITY));
         let first = self.faces;
         l.store_to(lowest, self.distances[first..].first_chunk_mut()?);
-        for (axis, n) in self.normals.iter_mut().zip(n) {
-            l.store_to(n, axis[first..].first_chunk_mut()?);
-        }
+        let [x, y, z] = &mut self.normals;
+        l.store_to(n[0], x[first..].first_chunk_mut()?);
+        l.store_to(n[1], y[first..].first_chunk_mut()?);
+        l.store_to(n[2], z[first..].first_chunk_mut()?);
         let below = (1u64 << first) - 1;
         self.inward = self.inward & below | u64::from(inward) << first;
         self.faces += faces;
         Some(())
     }
+}
+
+/// Three corners in one number.
+#[inline(always)]
+fn packed([p, q, r]: [usize; 3]) -> u32 {
+    (p | q << 8 | r << 16) as u32
 }
 
 /// The numbers of the set bits, from the lowest.
