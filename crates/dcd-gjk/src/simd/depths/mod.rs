@@ -1,7 +1,6 @@
-//! How deep pairs overlap: the polytope grows in f32, and f64 confirms the face that it ends at.
+//! How deep pairs overlap: the polytope grows in f32, and f64 evaluates the face that it ends at.
 //!
-//! The search in f32 finds where to look, nothing more: its last surface is closed, and holds the origin by bounds
-//! that count every rounding. At [`Accuracy::F32`] those bounds are the depth's; at the others the faces that may be the
+//! The last surface of the search is closed, and holds the origin by bounds that count every rounding. At [`Accuracy::F32`] those bounds are the depth's; at the others the faces that may be the
 //! nearest are measured again in f64, where the depth and its bound come from (docs/numerics/proofs.md, "Depth by a
 //! surface in f32"). What is not known as well as the accuracy requires is measured by the solver itself.
 
@@ -27,9 +26,10 @@ use surface::{Point, Surface};
 /// [`Manifolds`](crate::Manifolds), at any accuracy.
 ///
 /// Contact is proved as in [`Overlap`](crate::Overlap). For polytopes without a swept radius the
-/// depth is searched in f32, sixteen vertices or faces an operation, and confirmed in f64 with a proved bound that is
-/// as good as the accuracy requires; the solver measures all other pairs, and what is not confirmed. The same bits
-/// on every path and at any number of threads; (a, b) and (b, a) are mirrored.
+/// depth is searched in f32, sixteen vertices or faces an operation, with a proved bound that is as good as the
+/// accuracy requires: that of the search at [`Accuracy::F32`], at others that of f64, which confirms it. The solver
+/// measures all other pairs, and what is not known as well. The same bits on every path and at any number of threads;
+/// (a, b) and (b, a) are mirrored.
 #[derive(Clone, Copy, Debug)]
 pub struct SimdDepths<S = Depths> {
     path: Path,
