@@ -78,9 +78,11 @@ impl Corners {
         let plane = |point: DVec3| view.of(point - a.pose.translation()).1;
         let in_a = StandIn::of(a.shape, rotation_a.transpose() * depth.normal);
         let in_b = StandIn::of(b.shape, rotation_b.transpose() * -depth.normal);
-        let [size_a, size_b] = [&in_a, &in_b].map(|shown| shown.as_ref().map_or(0.0, |s| s.size));
-        let polytopes = [&in_a, &in_b].map(|shown| shown.as_ref().map(|s| &*s.polytope));
-        match (polytopes[0], polytopes[1], a.shape, b.shape) {
+        let size = |shown: &Option<StandIn<'_>>| shown.as_ref().map_or(0.0, |s| s.size);
+        let (size_a, size_b) = (size(&in_a), size(&in_b));
+        let (of_a, of_b) =
+            (in_a.as_ref().map(|s| &*s.polytope), in_b.as_ref().map(|s| &*s.polytope));
+        match (of_a, of_b, a.shape, b.shape) {
             (Some(in_a), Some(in_b), ..) => {
                 self.size = self.size.max(2.0 * (size_a + size_b));
                 let seen_a = view.seen(in_a, rotation_a, place_a, 1.0);

@@ -173,14 +173,6 @@ pub(super) fn edge(j: u32, k: u32) -> Feature {
     Feature::Edge(j.min(k), j.max(k))
 }
 
-/// The face that looks most along the direction, and the edge that rises least, of those looked at.
-struct Best<'a> {
-    facing: f64,
-    face: Option<Part<'a>>,
-    level: f64,
-    edge: Option<Part<'a>>,
-}
-
 /// Which part of a polytope faces a direction of its own frame, of unit length.
 struct Choice<'a> {
     polytope: &'a Polytope,
@@ -189,6 +181,9 @@ struct Choice<'a> {
 
 /// How many faces round the farthest vertices are listed; of more, all of the polytope's are looked at.
 const LISTED: usize = 64;
+
+/// Of how many vertices the heights are kept; those of others are computed again.
+const KEPT: usize = 64;
 
 impl<'a> Choice<'a> {
     fn part(&self) -> Part<'a> {
@@ -210,71 +205,106 @@ impl<'a> Choice<'a> {
 
     fn searched(&self) -> Part<'a> {
         let vertices = self.polytope.vertices();
-        let farthest = vertices.iter().map(|&v| self.direction.dot(v));
-        let farthest = farthest.fold(f64::NEG_INFINITY, |most, x| if x > most { x } else { most });
+        let mut kept = [0.0; KEPT];
+        let mut farthest = f64::NEG_INFINITY;
+        for (k, &vertex) in vertices.iter().enumerate() {
+            let along = self.direction.dot(vertex);
+            if let Some(kept) = kept.get_mut(k) {
+                *kept = along;
+            }
+            farthest = if along > farthest { along } else { farthest };
+        }
+        let kept = &kept[..vertices.len().min(KEPT)];
         let least = farthest - FARTHEST * self.polytope.outer_radius();
-        let is_farthest = |k: u32| self.along(k) >= least;
+        let is_farthest = |k: u32| match kept.get(k as usize) {
+            Some(&along) => along >= least,
+            None => self.along(k) >= least,
+        };
         let facets: &'a Facets = self.polytope.facets();
-        let mut best = Best { facing: FACING, face: None, level: LEVEL, edge: None };
         let mut listed = [0; LISTED];
         let mut count = 0;
         let mut first = None;
-        for (k, &vertex) in (0u32..).zip(vertices) {
-            if self.direction.dot(vertex) >= least {
-                first = first.or(Some(k));
-                for &index in facets.around(k) {
-                    if let Some(slot) = listed.get_mut(count) {
-                        *slot = index;
-                    }
-                    count += 1;
+        let mut list = |k: u32| {
+            first = first.or(Some(k));
+            for &index in facets.around(k) {
+                if let Some(slot) = listed.get_mut(count) {
+                    *slot = index;
                 }
+                count += 1;
+            }
+        };
+        for (k, &along) in (0u32..).zip(kept) {
+            if along >= least {
+                list(k);
             }
         }
-        if let Some(listed) = listed.get_mut(..count) {
-            // In the order of the faces, whoever lists them.
-            listed.sort_unstable();
-            let mut last = None;
-            for &index in &*listed {
-                if last.replace(index) != Some(index) {
-                    self.look_at(index, is_farthest, &mut best);
-                }
+        for k in kept.len() as u32..vertices.len() as u32 {
+            if is_farthest(k) {
+                list(k);
             }
+        }
+        let found = if let Some(listed) = listed.get_mut(..count) {
+            self.face_of(listed.iter().copied()).or_else(|| {
+                // In the order of the faces, whoever lists them.
+                listed.sort_unstable();
+                let is_new = |&k: &usize| k == 0 || listed[k - 1] != listed[k];
+                self.edge_of((0..count).filter(is_new).map(|k| listed[k]), is_farthest)
+            })
         } else {
-            (0..facets.facets().len() as u32)
-                .filter(|&index| {
-                    let corners = facets.corners(&facets.facets()[index as usize]);
-                    corners.iter().any(|&corner| is_farthest(corner))
-                })
-                .for_each(|index| self.look_at(index, is_farthest, &mut best));
-        }
-        best.face.or(best.edge).unwrap_or(Part::Vertex(first.unwrap_or(0)))
+            let has_farthest = |&index: &u32| {
+                let corners = facets.corners(&facets.facets()[index as usize]);
+                corners.iter().any(|&corner| is_farthest(corner))
+            };
+            let all = || (0..facets.facets().len() as u32).filter(has_farthest);
+            self.face_of(all()).or_else(|| self.edge_of(all(), is_farthest))
+        };
+        found.unwrap_or(Part::Vertex(first.unwrap_or(0)))
     }
 
-    /// Compares a face that has a farthest corner, and its edges that do, with the best so far.
-    fn look_at(&self, index: u32, is_farthest: impl Fn(u32) -> bool, best: &mut Best<'a>) {
+    /// The face that looks most along the direction, of those that look almost that way: the first in their order among
+    /// equals, and it comes before any edge.
+    fn face_of(&self, faces: impl Iterator<Item = u32>) -> Option<Part<'a>> {
         let facets: &'a Facets = self.polytope.facets();
-        let facet = &facets.facets()[index as usize];
-        let corners = facets.corners(facet);
-        let cosine = facet.normal.dot(self.direction);
-        if cosine > best.facing && corners.len() > 2 {
-            best.facing = cosine;
-            best.face = Some(Part::Face { index, normal: facet.normal, corners });
-        }
-        // A face comes before any edge.
-        if best.face.is_some() {
-            return;
-        }
-        let mut last = corners[corners.len() - 1];
-        for &corner in corners {
-            if is_farthest(last) || is_farthest(corner) {
-                let rise = self.rise(last, corner);
-                if rise < best.level {
-                    best.level = rise;
-                    best.edge = Some(Part::Edge([last.min(corner), last.max(corner)]));
-                }
+        let mut best = FACING;
+        let mut face: Option<u32> = None;
+        for index in faces {
+            let facet = &facets.facets()[index as usize];
+            let cosine = facet.normal.dot(self.direction);
+            let is_first = || cosine == best && face.is_some_and(|other| index < other);
+            if (cosine > best || is_first()) && facets.corners(facet).len() > 2 {
+                best = cosine;
+                face = Some(index);
             }
-            last = corner;
         }
+        let index = face?;
+        let facet = &facets.facets()[index as usize];
+        Some(Part::Face { index, normal: facet.normal, corners: facets.corners(facet) })
+    }
+
+    /// The edge that rises least, of those of these faces that have a farthest end: the first among equals.
+    fn edge_of(
+        &self,
+        faces: impl Iterator<Item = u32>,
+        is_farthest: impl Fn(u32) -> bool,
+    ) -> Option<Part<'a>> {
+        let facets: &'a Facets = self.polytope.facets();
+        let mut best = LEVEL;
+        let mut edge = None;
+        for index in faces {
+            let corners = facets.corners(&facets.facets()[index as usize]);
+            let mut last = corners[corners.len() - 1];
+            for &corner in corners {
+                if is_farthest(last) || is_farthest(corner) {
+                    let rise = self.rise(last, corner);
+                    if rise < best {
+                        best = rise;
+                        edge = Some(Part::Edge([last.min(corner), last.max(corner)]));
+                    }
+                }
+                last = corner;
+            }
+        }
+        edge
     }
 
     fn along(&self, k: u32) -> f64 {
@@ -283,7 +313,8 @@ impl<'a> Choice<'a> {
 
     /// How much an edge rises, relative to its length. Above any limit for one without length.
     fn rise(&self, j: u32, k: u32) -> f64 {
-        let [v, w] = [j, k].map(|k| self.polytope.vertices()[k as usize]);
+        let vertices = self.polytope.vertices();
+        let (v, w) = (vertices[j as usize], vertices[k as usize]);
         let length = v.distance(w);
         if length > 0.0 { (self.along(j) - self.along(k)).abs() / length } else { f64::INFINITY }
     }

@@ -84,6 +84,12 @@ impl Manifold {
 
     /// The same with a and b exchanged.
     fn mirrored(mut self) -> Self {
+        self.mirror();
+        self
+    }
+
+    /// Exchanges a and b.
+    fn mirror(&mut self) {
         // The others are as empty either way.
         for point in &mut self.points[..usize::from(self.count)] {
             (point.point_a, point.point_b) = (point.point_b, point.point_a);
@@ -91,7 +97,7 @@ impl Manifold {
             point.parts.reverse();
         }
         self.parts.reverse();
-        Self { normal: -self.normal, ..self }
+        self.normal = -self.normal;
     }
 }
 
@@ -217,13 +223,15 @@ fn manifold_of(
         Verdict::Undecided(reason) => return Verdict::Undecided(reason),
         Verdict::Touching(depth) => depth,
     };
-    let manifold = if are_spheres(a, b) {
-        of_spheres(depth)
-    } else if order::is_swapped(a, b) {
-        in_order(depth.mirrored(), b, a, corners).mirrored()
-    } else {
-        in_order(depth, a, b, corners)
-    };
+    if are_spheres(a, b) {
+        return Verdict::Touching(of_spheres(depth).into());
+    }
+    let is_swapped = order::is_swapped(a, b);
+    let (depth, a, b) = if is_swapped { (depth.mirrored(), b, a) } else { (depth, a, b) };
+    let mut manifold = in_order(depth, a, b, corners);
+    if is_swapped {
+        manifold.mirror();
+    }
     Verdict::Touching(manifold.into())
 }
 

@@ -1,37 +1,35 @@
-//! How deep pairs overlap: the polytope grows in f32, and f64 confirms the face that it ends at.
+//! How deep pairs overlap: the polytope grows in f32, and f64 evaluates the face that it ends at.
 //!
-//! The search in f32 finds where to look, nothing more: its last surface is closed, and holds the origin by bounds
-//! that count every rounding; the faces that may be the nearest are measured again in f64, where the depth and its
-//! bound come from (docs/numerics/proofs.md, "Depth by a surface in f32"). What is not confirmed as well as the
-//! accuracy requires is measured by the solver itself.
+//! The last surface of the search is closed, and holds the origin by bounds that count every rounding. At [`Accuracy::F32`] those bounds are the depth's; at the others the faces that may be the
+//! nearest are measured again in f64, where the depth and its bound come from (docs/numerics/proofs.md, "Depth by a
+//! surface in f32"). What is not known as well as the accuracy requires is measured by the solver itself.
 
+mod confirm;
 mod search;
 mod surface;
 
-use super::cores::{Core, Cores};
 use super::frame::{FramePair, SimdFrame};
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed;
 use crate::epa::Depth;
-use crate::expanding::{Ending, confirmed_depth, is_inside};
 use crate::query::MeasureDepth;
 use crate::{
-    Accuracy, Contact, ContactSink, Depths, Difference, NarrowPhase, PosedShape, PosedSupport,
-    Prepared, Sides, Verdict, order,
+    Accuracy, Contact, ContactSink, Depths, NarrowPhase, PosedShape, Prepared, Sides, Verdict,
 };
-use dcd_geom::glam::{DVec3, Vec3};
-use dcd_geom::{Aabb, Kind, Pair, Polytope, Scene};
-use dcd_simd::{Block, Kernel, Lanes, Path, dispatch_on};
-use search::{LENGTH, OFF, Search};
+use confirm::{Ended, SearchedPair, Side};
+use dcd_geom::{Aabb, Pair, Scene};
+use dcd_simd::{Kernel, Lanes, Path, dispatch_on};
+use search::{Next, Search};
 use surface::{Point, Surface};
 
 /// How deep the touching pairs overlap, and what a solver makes of it: [`Depths`] or
 /// [`Manifolds`](crate::Manifolds), at any accuracy.
 ///
 /// Contact is proved as in [`Overlap`](crate::Overlap). For polytopes without a swept radius the
-/// depth is searched in f32, sixteen vertices or faces an operation, and confirmed in f64 with a proved bound that is
-/// as good as the accuracy requires; the solver measures all other pairs, and what is not confirmed. The same bits
-/// on every path and at any number of threads; (a, b) and (b, a) are mirrored.
+/// depth is searched in f32, sixteen vertices or faces an operation, with a proved bound that is as good as the
+/// accuracy requires: that of the search at [`Accuracy::F32`], at others that of f64, which confirms it. The solver
+/// measures all other pairs, and what is not known as well. The same bits on every path and at any number of threads;
+/// (a, b) and (b, a) are mirrored.
 ///
 /// ```
 /// use dcd_pipeline::prelude::*;
@@ -68,7 +66,7 @@ impl<S: MeasureDepth> SimdDepths<S> {
 #[derive(Debug, Default)]
 pub struct Scratch<S> {
     yes: Yes,
-    search: search::Scratch,
+    surfaces: Box<[Surface; SEATS]>,
     /// For each touching pair its depth, if it is confirmed.
     found: Vec<Option<Depth>>,
     solver: S,
@@ -93,7 +91,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
     }
 
     fn prepare(&self, scene: &Scene, first: usize, part: Part<'_>, aabbs: &mut [Aabb]) {
-        prepare::prepare(self.path, prepare::Prepare { scene, first, part, aabbs });
+        prepare::prepare_unfused(self.path, prepare::Prepare { scene, first, part, aabbs });
     }
 
     fn decide(
@@ -104,7 +102,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
-        let Scratch { yes, search, found, solver } = scratch;
+        let Scratch { yes, surfaces, found, solver } = scratch;
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touching =
             || pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes).map(|(p, _)| *p);
@@ -115,7 +113,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let shapes =
             |pair: Pair| [a.scene.shape_of()[pair.i as usize], b.scene.shape_of()[pair.j as usize]];
         let each = touching().map(|pair| (pair, posed(pair), shapes(pair)));
-        dispatch_on(self.path, Each { frames, accuracy, each, search, found: &mut *found });
+        dispatch_on(self.path, Each { frames, accuracy, each, surfaces, found: &mut *found });
         for (pair, found) in touching().zip(&*found) {
             if let Some(depth) = found.filter(|_| frames.are_spheres()) {
                 let answer = self.solver.measure_spheres(depth);
@@ -151,121 +149,89 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
     }
 }
 
-/// Searches pair after pair.
+/// How many pairs are searched side by side: the supports of one do not wait for the faces of another. No effect on any
+/// result. Larger: surfaces that leave the nearest cache. Smaller: arithmetic that waits.
+const SEATS: usize = 8;
+
+/// Searches the pairs.
 struct Each<'a, I> {
     frames: FramePair<'a>,
     accuracy: Accuracy,
     /// Touching pairs, with the numbers of their shapes.
     each: I,
-    search: &'a mut search::Scratch,
+    surfaces: &'a mut [Surface; SEATS],
     found: &'a mut Vec<Option<Depth>>,
+}
+
+/// A pair that is being searched.
+struct Seat<'a> {
+    /// Its number among the touching ones.
+    number: usize,
+    pair: SearchedPair<'a>,
+    search: Search,
+    /// The support that was evaluated last.
+    point: Point,
 }
 
 impl<'a, I: Iterator<Item = (Pair, [PosedShape<'a>; 2], [u32; 2])>> Kernel for Each<'a, I> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self, l: L) {
-        let Self { frames, accuracy, each, search, found } = self;
-        for (pair, [a, b], [shape_a, shape_b]) in each {
-            if let Some(spheres) = frames.spheres(pair) {
-                found.push(closed::depth_of_spheres(spheres, closed::sharp_of(accuracy)));
+    fn run<L: Lanes>(mut self, l: L) {
+        let mut seats: [Option<Seat<'a>>; SEATS] = [const { None }; SEATS];
+        loop {
+            let mut is_idle = true;
+            for seat in &mut seats {
+                if seat.is_none() {
+                    *seat = self.next();
+                }
+                is_idle &= seat.is_none();
+            }
+            if is_idle {
+                break;
+            }
+            for seat in seats.iter_mut().flatten() {
+                seat.point = seat.search.support(l, &seat.pair.cloud);
+            }
+            for (place, surface) in seats.iter_mut().zip(&mut *self.surfaces) {
+                let Some(seat) = place else { continue };
+                match seat.search.take(l, seat.point, surface) {
+                    Next::Support => continue,
+                    Next::Ended { nearest, reach } => {
+                        let ended = Ended { surface, nearest, reach };
+                        self.found[seat.number] = seat.pair.depth(l, self.accuracy, &ended);
+                    }
+                    Next::Failed => {}
+                }
+                *place = None;
+            }
+        }
+    }
+}
+
+impl<'a, I: Iterator<Item = (Pair, [PosedShape<'a>; 2], [u32; 2])>> Each<'a, I> {
+    /// The next pair that is to be searched; those before it are answered.
+    #[inline(always)]
+    fn next(&mut self) -> Option<Seat<'a>> {
+        loop {
+            let (pair, [a, b], [shape_a, shape_b]) = self.each.next()?;
+            let number = self.found.len();
+            if let Some(spheres) = self.frames.spheres(pair) {
+                let sharp = closed::sharp_of(self.accuracy);
+                self.found.push(closed::depth_of_spheres(spheres, sharp));
                 continue;
             }
-            let (cores_a, cores_b) = (frames.a.cores(), frames.b.cores());
-            let side = |cores: &'a Cores, shape: u32, placed| {
-                let core = &cores.cores()[shape as usize];
-                Side { core, blocks: cores.blocks(core), placed }
+            self.found.push(None);
+            let side = |frame: &'a SimdFrame, object: u32, shape: u32, placed| {
+                let core = &frame.cores().cores()[shape as usize];
+                Side { core, blocks: frame.blocks_of(frame.record(object)), placed }
             };
-            let (a, b) = (side(cores_a, shape_a, a), side(cores_b, shape_b, b));
-            found.push(depth(l, [a, b], accuracy, search));
+            let a = side(self.frames.a, pair.i, shape_a, a);
+            let b = side(self.frames.b, pair.j, shape_b, b);
+            if let Some(pair) = SearchedPair::of(a, b) {
+                let search = Search::new(&pair.cloud, self.accuracy);
+                return Some(Seat { number, pair, search, point: Point::default() });
+            }
         }
     }
-}
-
-/// An object as the search reads it.
-#[derive(Clone, Copy)]
-struct Side<'a> {
-    core: &'a Core,
-    blocks: &'a [Block],
-    placed: PosedShape<'a>,
-}
-
-impl<'a> Side<'a> {
-    /// Of a polytope.
-    fn support(&self) -> Option<PosedSupport<'a, Polytope>> {
-        let polytope = self.placed.shape.as_polytope()?;
-        Some(PosedSupport::polytope(polytope, self.placed.pose))
-    }
-}
-
-/// The depth of two objects that touch, confirmed; `None` where it is not, and of shapes that are not searched.
-#[inline(always)]
-fn depth<L: Lanes>(
-    l: L,
-    [a, b]: [Side<'_>; 2],
-    accuracy: Accuracy,
-    scratch: &mut search::Scratch,
-) -> Option<Depth> {
-    let sharp = |side: Side<'_>| {
-        let polytope = side.placed.shape.as_polytope().filter(|p| p.swept_radius() == 0.0)?;
-        Some(polytope.kind())
-    };
-    // Two cuboids have a formula.
-    if let (Kind::Cuboid { .. }, Kind::Cuboid { .. }) = (sharp(a)?, sharp(b)?) {
-        return None;
-    }
-    let swapped = order::is_swapped(a.placed, b.placed);
-    let (a, b) = if swapped { (b, a) } else { (a, b) };
-    let bodies = [a.support()?, b.support()?];
-    let difference = Difference::new(bodies[0], bodies[1])?;
-    let sides = [(a.core, a.blocks, a.placed.pose), (b.core, b.blocks, b.placed.pose)];
-    let search = Search::of(&difference, sides, scratch)?;
-    let unit = f64::from(search.unit);
-    search.run(l)?;
-    let found = confirmed(&scratch.surface, unit, |ending| {
-        confirmed_depth(difference, bodies, accuracy, &ending)
-    })?;
-    Some(if swapped { found.mirrored() } else { found })
-}
-
-/// Hands on the faces of the last surface that may be the nearest, and what is proved of the others.
-fn confirmed(
-    surface: &Surface,
-    unit: f64,
-    confirm: impl FnOnce(Ending<'_>) -> Option<Depth>,
-) -> Option<Depth> {
-    let off = OFF * unit;
-    let distance = |face: usize| f64::from(surface.distance(face));
-    let least = (0..surface.faces()).map(distance).fold(f64::INFINITY, f64::min);
-    let limit = least + 2.0 * off;
-    let mut faces = [[[0; 2]; 3]; MOST];
-    let mut count = 0;
-    for face in (0..surface.faces()).filter(|&face| distance(face) <= limit) {
-        let [p, q, r] = surface.corners(face);
-        *faces.get_mut(count)? = [p.vertices, q.vertices, r.vertices];
-        count += 1;
-    }
-    let holds_origin = least * LENGTH > off && all_inward(surface);
-    let others = holds_origin.then_some(limit * LENGTH - off);
-    confirm(Ending { faces: &faces[..count], others })
-}
-
-/// How many faces may be the nearest to f32's knowledge: what is more goes to the search in f64. Two are the rule where
-/// edges cross.
-const MOST: usize = 8;
-
-/// Whether every face surely has the origin on its inner side: f64 looks at those that f32 is not sure of.
-fn all_inward(surface: &Surface) -> bool {
-    let mut doubtful = surface.doubtful();
-    while doubtful != 0 {
-        let face = doubtful.trailing_zeros() as usize;
-        doubtful &= doubtful - 1;
-        let at = |point: Point| Vec3::from_array(point.at).as_dvec3();
-        let corners: [DVec3; 3] = surface.corners(face).map(at);
-        if !is_inside(corners) {
-            return false;
-        }
-    }
-    true
 }

@@ -3,18 +3,22 @@
 //! Nothing is fused, so that every path gives the same bits.
 
 use super::super::bounds::U;
+use dcd_geom::glam::Vec3;
 use dcd_simd::{Block, Lanes, Row, WIDTH};
 
 /// How many points the surface may have; hulls of tens of vertices need fifteen. More: pairs for the search in f64.
 pub(super) const POINTS: usize = 32;
 
-/// A closed surface of triangles has two faces a point, less four: the points' 60 and some to spare.
-const BLOCKS: usize = 4;
+/// Space for faces, dead ones included, which are dropped when it is full: a bit each in a `u64`.
+const FACES: usize = 64;
 
-/// Space for the faces.
-const FACES: usize = BLOCKS * WIDTH;
+/// A cone is written sixteen faces at a time, from wherever it begins.
+const WRITTEN: usize = FACES + WIDTH;
 
-/// What a determinant (q − p) × (r − p) · p may be off by. Unit: u·|q − p|₁·|r − p|₁·|p|₁. Two differences 2,
+/// How many edges a horizon has that is no large one. No effect on any result.
+const FEW_EDGES: usize = 6;
+
+/// What a determinant (p − r) × (q − r) · r may be off by. Unit: u·|p − r|₁·|q − r|₁·|r|₁. Two differences 2,
 /// the cross product 2.02, the dot product 3.01; and a margin for the bound's own rounding. Smaller: an origin that is outside.
 const DETERMINANT: f32 = 16.0;
 
@@ -24,128 +28,158 @@ const LEAST: f32 = 1e-30;
 
 /// A point of A − B, and which vertices of a and b make it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Point {
-    pub(crate) at: [f32; 3],
-    pub(crate) vertices: [u32; 2],
+pub(super) struct Point {
+    pub(super) at: Vec3,
+    pub(super) vertices: [u32; 2],
 }
 
-/// An edge between what a new point sees and what it does not, as the seen face runs along it.
-#[derive(Clone, Copy, Debug, Default)]
-struct Edge {
-    from: u8,
-    to: u8,
-    /// The edge of the hidden face that runs along it the other way.
-    hidden: u8,
-}
-
-/// The surface. An edge is a number: four times its face's, and which of the face's three it is.
+/// The edges round what a new point sees, in the order of a walk along them.
 #[derive(Clone, Debug)]
-pub(crate) struct Surface {
-    points: [Point; POINTS],
+struct Horizon {
+    edges: usize,
+    /// The points on it, and the first again.
+    ring: [[f32; WIDTH + 1]; 3],
+}
+
+/// The surface: its faces in the order in which they were made, the dead among them.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Surface {
+    /// How far along its normal a face's lowest corner is; infinite of a dead one.
+    distances: [f32; WRITTEN],
+    /// The faces' normals: their x, their y, their z.
+    normals: [[f32; WRITTEN]; 3],
+    /// Four numbers each, so that a place is a shift away.
+    points: [[f32; 4]; POINTS],
+    /// Which vertices of a and of b make each point.
+    vertices: [[u32; 2]; POINTS],
+    /// Of each face the corners, counter-clockwise seen from outside: a byte each, from the lowest.
+    corners: [u32; WRITTEN],
     count: usize,
-    /// Of each face the corners: its edge k runs from corner k to corner k + 1.
-    corners: [[u8; 3]; FACES],
-    /// For each edge the one that runs along it the other way.
-    across: [u8; 4 * FACES],
-    /// How many places for faces are or were in use.
+    /// How many faces there are, dead ones included.
     faces: usize,
-    /// The faces' normals: x, y and z of sixteen.
-    normals: [Block; BLOCKS],
-    /// How far along its normal a face's lowest corner is; infinite in an empty place.
-    distances: [Row; BLOCKS],
     /// A bit for each face: whether it surely has the origin on its inner side.
     inward: u64,
-    horizon: [Edge; WIDTH],
+    horizon: Horizon,
 }
 
 impl Default for Surface {
     fn default() -> Self {
         Self {
-            points: [Point::default(); POINTS],
+            distances: [f32::INFINITY; WRITTEN],
+            normals: [[0.0; WRITTEN]; 3],
+            points: [[0.0; 4]; POINTS],
+            vertices: [[0; 2]; POINTS],
+            corners: [0; WRITTEN],
             count: 0,
-            corners: [[0; 3]; FACES],
-            across: [0; 4 * FACES],
             faces: 0,
-            normals: [Block::default(); BLOCKS],
-            distances: [Row([f32::INFINITY; WIDTH]); BLOCKS],
             inward: 0,
-            horizon: [Edge::default(); WIDTH],
+            horizon: Horizon { edges: 0, ring: [[0.0; WIDTH + 1]; 3] },
         }
     }
 }
 
+/// Sixteen triangles, by their corners.
+type Triangles<L> = [[<L as Lanes>::F; 3]; 3];
+
 impl Surface {
-    pub(super) fn faces(&self) -> usize {
-        self.faces
-    }
-
     /// The points that a face has for corners.
+    #[inline(always)]
     pub(super) fn corners(&self, face: usize) -> [Point; 3] {
-        let [p, q, r] = self.corners[face];
-        [self.points[usize::from(p)], self.points[usize::from(q)], self.points[usize::from(r)]]
+        let [p, q, r] = self.numbers(face);
+        [self.point(p), self.point(q), self.point(r)]
     }
 
+    /// Their numbers.
+    #[inline(always)]
+    fn numbers(&self, face: usize) -> [usize; 3] {
+        let corners = self.corners[face] as usize;
+        [corners % POINTS, corners >> 8 & (POINTS - 1), corners >> 16 & (POINTS - 1)]
+    }
+
+    #[inline(always)]
+    fn point(&self, number: usize) -> Point {
+        let [x, y, z, _] = self.points[number];
+        Point { at: Vec3::new(x, y, z), vertices: self.vertices[number] }
+    }
+
+    /// At a number below [`POINTS`].
+    #[inline(always)]
+    fn set_point(&mut self, number: usize, Point { at: Vec3 { x, y, z }, vertices }: Point) {
+        self.points[number] = [x, y, z, 0.0];
+        self.vertices[number] = vertices;
+    }
+
+    #[inline(always)]
     pub(super) fn distance(&self, face: usize) -> f32 {
-        self.distances[face / WIDTH].0[face % WIDTH]
+        self.distances[face]
     }
 
-    pub(super) fn normal(&self, face: usize) -> [f32; 3] {
-        let Block([x, y, z]) = &self.normals[face / WIDTH];
-        let lane = face % WIDTH;
-        [x.0[lane], y.0[lane], z.0[lane]]
+    #[inline(always)]
+    pub(super) fn normal(&self, face: usize) -> Vec3 {
+        let [x, y, z] = &self.normals;
+        Vec3::new(x[face], y[face], z[face])
     }
 
-    /// The faces of which it is not known that they have the origin on their inner side.
-    pub(super) fn doubtful(&self) -> u64 {
-        !self.inward & (u64::MAX >> (64 - self.faces.clamp(1, FACES)))
+    /// How many times sixteen faces there are; at least 1.
+    #[inline(always)]
+    fn rows(&self) -> usize {
+        self.faces.div_ceil(WIDTH).clamp(1, FACES / WIDTH)
+    }
+
+    /// The faces that are no farther than that, as bits.
+    #[inline(always)]
+    pub(super) fn within<L: Lanes>(&self, l: L, limit: f32) -> u64 {
+        let limit = l.splat(limit);
+        let mut within = 0;
+        let distances = rows(&self.distances);
+        for (k, row) in distances[..self.rows()].iter().enumerate() {
+            within |= u64::from(l.bits(l.le(l.load_from(row), limit))) << (k * WIDTH);
+        }
+        within
+    }
+
+    /// The faces of which it is not known that they have the origin on their inner side, as bits.
+    #[inline(always)]
+    pub(super) fn doubtful<L: Lanes>(&self, l: L) -> u64 {
+        self.within(l, f32::MAX) & !self.inward
     }
 
     /// Starts over with a tetrahedron, whose last corner is above the plane of the others as they go round
     /// counter-clockwise. `None` where a face has no area to rounding.
     #[inline(always)]
     pub(super) fn start<L: Lanes>(&mut self, l: L, corners: [Point; 4]) -> Option<()> {
-        self.points[..4].copy_from_slice(&corners);
+        for (k, &point) in corners.iter().enumerate() {
+            self.set_point(k, point);
+        }
         self.count = 4;
-        self.distances = [Row([f32::INFINITY; WIDTH]); BLOCKS];
-        self.faces = 4;
-        self.inward = 0;
-        // The base, and on each of its edges, the other way round, a side.
-        self.corners[..4].copy_from_slice(&[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
-        self.across[..3].copy_from_slice(&[4 * 3, 4 * 2, 4]);
-        for side in 0..3u8 {
-            let (edge, next, last) = (4 * (side + 1), (side + 1) % 3, (side + 2) % 3);
-            let at = usize::from(edge);
-            // 1 → 0 is the base's third edge, 2 → 1 its second, 0 → 2 its first.
-            self.across[at] = 2 - side;
-            self.across[at + 1] = 4 * (next + 1) + 2;
-            self.across[at + 2] = 4 * (last + 1) + 1;
+        (self.faces, self.inward) = (0, 0);
+        self.distances = [f32::INFINITY; WRITTEN];
+        let faces = [[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]];
+        let none = Row([0.0; WIDTH]);
+        let mut blocks = [Block([none; 3]), Block([none; 3]), Block([none; 3])];
+        for (k, face) in faces.iter().enumerate() {
+            self.corners[k] = packed(*face);
+            for (side, &corner) in face.iter().enumerate() {
+                let Vec3 { x, y, z } = corners[corner].at;
+                let Block(rows) = &mut blocks[side];
+                (rows[0].0[k], rows[1].0[k], rows[2].0[k]) = (x, y, z);
+            }
         }
-        let mut rims = [Edge::default(); WIDTH];
-        for (rim, [from, to, _]) in rims.iter_mut().zip(&self.corners[1..4]) {
-            (rim.from, rim.to) = (*from, *to);
-        }
-        self.horizon = rims;
-        self.measure(l, 3, 3, 0b1110)?;
-        self.horizon[0] = Edge { from: 0, to: 2, hidden: 0 };
-        self.measure(l, 1, 1, 0b0001)
+        let [p, q, r] = &blocks;
+        self.measure(l, [load(l, p), load(l, q), load(l, r)], 4)
     }
 
     /// The face whose plane is nearest along its normal: the lowest number among equals.
     #[inline(always)]
     pub(super) fn nearest<L: Lanes>(&self, l: L) -> usize {
-        let used = self.faces.div_ceil(WIDTH).clamp(1, BLOCKS);
-        let mut least = l.load(&self.distances[0]);
-        for row in &self.distances[1..used] {
-            least = l.min(least, l.load(row));
+        let distances = rows(&self.distances);
+        let mut least = l.load_from(&distances[0]);
+        for row in &distances[1..self.rows()] {
+            least = l.min(least, l.load_from(row));
         }
-        let least = l.splat(-l.largest(l.neg(least)));
-        for (block, row) in self.distances[..used].iter().enumerate() {
-            let hit = l.bits(l.le(l.load(row), least));
-            if hit != 0 {
-                return block * WIDTH + hit.trailing_zeros() as usize;
-            }
-        }
-        0
+        let least = -l.largest(l.neg(least));
+        self.within(l, least).trailing_zeros() as usize % FACES
     }
 
     /// Takes away the faces that a point sees, which are one patch, `seen` among them, and adds the cone over the
@@ -162,175 +196,189 @@ impl Surface {
             return None;
         }
         let visible = self.visible(l, point.at, clear) | 1 << seen;
-        let edges = self.find_horizon(visible)?;
-        let new = self.count;
-        self.points[new] = point;
+        self.find_horizon(visible, self.count)?;
+        self.set_point(self.count, point);
         self.count += 1;
-        // A cone has two faces more than the patch that it covers, less two for each point that it swallows.
-        let gone = visible.count_ones() as usize;
-        let more = edges.saturating_sub(gone);
-        if more > 2 || self.faces + 2 > FACES {
-            return None;
-        }
-        let taken = visible | ((1 << more) - 1) << self.faces;
-        self.faces += more;
-        self.connect(edges, taken, new as u8);
-        self.drop_after(edges, taken);
-        self.measure(l, edges, new, taken)
+        let Horizon { edges, ring: [x, y, z] } = &self.horizon;
+        let (p, q) = (
+            [l.load_from(from(x, 0)), l.load_from(from(y, 0)), l.load_from(from(z, 0))],
+            [l.load_from(from(x, 1)), l.load_from(from(y, 1)), l.load_from(from(z, 1))],
+        );
+        self.measure(l, [p, q, splat(l, point.at)], *edges)
     }
 
-    /// Marks the places after the first so many of `taken` as empty.
+    /// The faces that a point is beyond by more than `clear`, as bits.
     #[inline(always)]
-    fn drop_after(&mut self, edges: usize, taken: u64) {
-        let mut rest = taken;
-        for _ in 0..edges {
-            rest &= rest.wrapping_sub(1);
-        }
-        while rest != 0 {
-            let face = rest.trailing_zeros() as usize % FACES;
-            rest &= rest - 1;
-            self.distances[face / WIDTH].0[face % WIDTH] = f32::INFINITY;
-            self.inward |= 1 << face;
-        }
-    }
-
-    /// A bit for each face that a point is beyond by more than `clear`.
-    #[inline(always)]
-    fn visible<L: Lanes>(&self, l: L, at: [f32; 3], clear: f32) -> u64 {
-        let at = splat(l, at);
-        let clear = l.splat(clear);
-        let used = self.faces.div_ceil(WIDTH).clamp(1, BLOCKS);
+    fn visible<L: Lanes>(&self, l: L, at: Vec3, clear: f32) -> u64 {
+        let (at, clear) = (splat(l, at), l.splat(clear));
+        let [x, y, z] = [rows(&self.normals[0]), rows(&self.normals[1]), rows(&self.normals[2])];
+        let distances = rows(&self.distances);
         let mut visible = 0;
-        for block in 0..used {
-            let height = dot(l, load(l, &self.normals[block]), at);
-            let plane = l.add(l.load(&self.distances[block]), clear);
-            visible |= u64::from(l.bits(l.lt(plane, height))) << (block * WIDTH);
+        for (k, row) in distances[..self.rows()].iter().enumerate() {
+            let normal = [l.load_from(&x[k]), l.load_from(&y[k]), l.load_from(&z[k])];
+            let plane = l.add(l.load_from(row), clear);
+            visible |= u64::from(l.bits(l.lt(plane, dot(l, normal, at)))) << (k * WIDTH);
         }
         visible
     }
 
-    /// Lists the edges round the visible faces in the order of a walk along them; returns how many there are.
+    /// Marks the visible faces as dead, walks along the edges round them, and writes down the corners of the cone over
+    /// those.
     #[inline(always)]
-    fn find_horizon(&mut self, visible: u64) -> Option<usize> {
-        let mut edges = [Edge { from: 0, to: 0, hidden: 0 }; 3 * FACES];
-        let mut starting = [u8::MAX; POINTS];
-        let mut count = 0;
-        let mut rest = visible;
-        while rest != 0 {
-            let face = rest.trailing_zeros() as usize % FACES;
-            rest &= rest - 1;
-            let [p, q, r] = self.corners[face];
-            let (ends, first) = ([p, q, r, p], 4 * face);
-            for k in 0..3 {
-                let hidden = self.across[first + k];
-                edges[count] = Edge { from: ends[k], to: ends[k + 1], hidden };
-                // What is not kept is written over: no branch.
-                count += usize::from(visible >> (hidden / 4) & 1 == 0);
+    fn find_horizon(&mut self, visible: u64, apex: usize) -> Option<()> {
+        // For each point those to which an edge of a visible face runs from it, as bits.
+        let mut runs_to = [0u32; POINTS];
+        for face in Bits(visible) {
+            let [p, q, r] = self.numbers(face);
+            runs_to[p] |= 1 << q;
+            runs_to[q] |= 1 << r;
+            runs_to[r] |= 1 << p;
+            self.distances[face] = f32::INFINITY;
+        }
+        // An edge is on the boundary if none runs the other way.
+        let mut after = [0u8; POINTS + 1];
+        let (mut starting, mut edges) = (0u32, 0);
+        for face in Bits(visible) {
+            let [p, q, r] = self.numbers(face);
+            for [from, to] in [[p, q], [q, r], [r, p]] {
+                let outer = runs_to[to] >> from & 1 ^ 1;
+                // What is inside is written where nothing is read: no branch.
+                let place = if outer == 1 { from } else { POINTS };
+                after[place] = to as u8;
+                starting |= outer << from;
+                edges += outer as usize;
             }
         }
-        if !(3..=WIDTH).contains(&count) {
+        if !(3..=WIDTH).contains(&edges) {
             return None;
         }
-        for (number, edge) in edges[..count].iter().enumerate() {
-            starting[usize::from(edge.from) % POINTS] = number as u8;
-        }
-        // Two edges that start at one point, or two cycles, make the walk too short.
-        let mut number = 0;
-        for walked in 0..count {
-            if walked > 0 && number == 0 {
+        if self.faces + edges > FACES {
+            self.drop_dead();
+            if self.faces + edges > FACES {
                 return None;
             }
-            if number >= count {
-                return None;
-            }
-            let edge = edges[number];
-            self.horizon[walked] = edge;
-            number = usize::from(starting[usize::from(edge.to) % POINTS]);
         }
-        (number == 0).then_some(count)
+        self.horizon.edges = edges;
+        let first = starting.trailing_zeros() as usize % POINTS;
+        // Of more steps than edges what is written means nothing, and their number can be predicted.
+        let steps = if edges <= FEW_EDGES { FEW_EDGES } else { WIDTH };
+        let (mut at, mut walked) = (first, 0u32);
+        for k in 0..steps {
+            walked |= 1 << at;
+            let to = usize::from(after[at]) % POINTS;
+            self.corners[self.faces + k] = packed([at, to, apex]);
+            self.put_on_horizon(k, at);
+            at = to;
+        }
+        self.put_on_horizon(steps, at);
+        // Two edges that start at one point, or two cycles, leave points out.
+        let is_cycle = walked == starting && walked.count_ones() as usize == edges;
+        is_cycle.then_some(())
     }
 
-    /// Makes the faces of the cone over the horizon, in the places whose bits `taken` has.
     #[inline(always)]
-    fn connect(&mut self, edges: usize, taken: u64, apex: u8) {
-        let mut places = [0u8; WIDTH];
-        let mut rest = taken;
-        for place in &mut places[..edges] {
-            *place = rest.trailing_zeros() as u8 % FACES as u8;
-            rest &= rest.wrapping_sub(1);
-        }
-        for k in 0..edges {
-            let Edge { from, to, hidden } = self.horizon[k];
-            let face = usize::from(places[k]);
-            let next = places[if k + 1 == edges { 0 } else { k + 1 }];
-            let last = places[if k == 0 { edges - 1 } else { k - 1 }];
-            self.corners[face] = [from, to, apex];
-            self.across[4 * face] = hidden;
-            self.across[4 * face + 1] = 4 * next + 2;
-            self.across[4 * face + 2] = 4 * last + 1;
-            self.across[usize::from(hidden)] = 4 * places[k];
-        }
+    fn put_on_horizon(&mut self, k: usize, point: usize) {
+        let [x, y, z, _] = self.points[point];
+        let ring = &mut self.horizon.ring;
+        (ring[0][k], ring[1][k], ring[2][k]) = (x, y, z);
     }
 
-    /// Planes of the triangles over the first edges of the horizon and an apex, written to the places whose bits
-    /// `taken` has. `None` where one has no area.
-    #[inline(always)]
-    fn measure<L: Lanes>(&mut self, l: L, edges: usize, apex: usize, taken: u64) -> Option<()> {
-        let (mut from, mut to) = (Block::default(), Block::default());
-        for (k, edge) in self.horizon[..edges].iter().enumerate() {
-            let start = &self.points[usize::from(edge.from) % POINTS].at;
-            let end = &self.points[usize::from(edge.to) % POINTS].at;
-            for (axis, (&start, &end)) in start.iter().zip(end).enumerate() {
-                from.0[axis].0[k] = start;
-                to.0[axis].0[k] = end;
+    /// Closes the gaps that dead faces left.
+    #[cold]
+    fn drop_dead(&mut self) {
+        let (mut kept, mut inward) = (0, 0);
+        for face in 0..self.faces {
+            if self.distances[face] == f32::INFINITY {
+                continue;
             }
+            self.distances[kept] = self.distances[face];
+            self.corners[kept] = self.corners[face];
+            for axis in &mut self.normals {
+                axis[kept] = axis[face];
+            }
+            inward |= (self.inward >> face & 1) << kept;
+            kept += 1;
         }
-        let (p, q) = (load(l, &from), load(l, &to));
-        let r = splat(l, self.points[apex].at);
-        let (e, f) = (sub(l, q, p), sub(l, r, p));
+        self.distances[kept..].fill(f32::INFINITY);
+        (self.faces, self.inward) = (kept, inward);
+    }
+
+    /// Appends so many of sixteen triangles, whose corners are written down already. `None` where one has no area.
+    #[inline(always)]
+    fn measure<L: Lanes>(&mut self, l: L, [p, q, r]: Triangles<L>, faces: usize) -> Option<()> {
+        let (e, f) = (sub(l, p, r), sub(l, q, r));
         let n = cross(l, e, f);
         let squared = dot(l, n, n);
-        let used = (1u32 << edges) - 1;
+        let used = (1u32 << faces) - 1;
         if l.bits(l.lt(l.splat(LEAST), squared)) & used != used {
             return None;
         }
-        let volume = dot(l, n, p);
-        let error = l.mul(l.mul(norm1(l, e), norm1(l, f)), norm1(l, p));
+        let volume = dot(l, n, r);
+        let error = l.mul(l.mul(norm1(l, e), norm1(l, f)), norm1(l, r));
         let error = l.add(l.mul(error, l.splat(DETERMINANT * U)), l.splat(LEAST));
-        let inward = l.bits(l.lt(error, volume));
+        let inward = l.bits(l.lt(error, volume)) & used;
         let shrink = l.div(l.splat(1.0), l.sqrt(squared));
         let n = [l.mul(n[0], shrink), l.mul(n[1], shrink), l.mul(n[2], shrink)];
         let lowest = l.min(l.min(dot(l, n, p), dot(l, n, q)), dot(l, n, r));
-        let (mut normals, mut distances) = (Block::default(), Row::default());
-        l.store(n[0], &mut normals.0[0]);
-        l.store(n[1], &mut normals.0[1]);
-        l.store(n[2], &mut normals.0[2]);
-        l.store(lowest, &mut distances);
-        let mut rest = taken;
-        for k in 0..edges {
-            let face = rest.trailing_zeros() as usize % FACES;
-            rest &= rest.wrapping_sub(1);
-            let (block, lane) = (face / WIDTH, face % WIDTH);
-            for axis in 0..3 {
-                self.normals[block].0[axis].0[lane] = normals.0[axis].0[k];
-            }
-            self.distances[block].0[lane] = distances.0[k];
-            self.inward = self.inward & !(1 << face) | u64::from(inward >> k & 1) << face;
-        }
+        let lowest = l.select(l.mask(used), lowest, l.splat(f32::INFINITY));
+        let first = self.faces;
+        l.store_to(lowest, self.distances[first..].first_chunk_mut()?);
+        let [x, y, z] = &mut self.normals;
+        l.store_to(n[0], x[first..].first_chunk_mut()?);
+        l.store_to(n[1], y[first..].first_chunk_mut()?);
+        l.store_to(n[2], z[first..].first_chunk_mut()?);
+        let below = (1u64 << first) - 1;
+        self.inward = self.inward & below | u64::from(inward) << first;
+        self.faces += faces;
         Some(())
     }
 }
 
+/// Three corners in one number.
+#[inline(always)]
+fn packed([p, q, r]: [usize; 3]) -> u32 {
+    (p | q << 8 | r << 16) as u32
+}
+
+/// The numbers of the set bits, from the lowest.
+pub(super) struct Bits(pub(super) u64);
+
+impl Iterator for Bits {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let bit = self.0.trailing_zeros() as usize % FACES;
+        self.0 &= self.0 - 1;
+        Some(bit)
+    }
+}
+
+/// Sixteen numbers from the `first` on.
+#[inline(always)]
+fn from<const N: usize>(numbers: &[f32; N], first: usize) -> &[f32; WIDTH] {
+    numbers[first..].first_chunk().unwrap_or(&[f32::NAN; WIDTH])
+}
+
+/// Of each sixteen faces sixteen numbers.
+#[inline(always)]
+fn rows(numbers: &[f32; WRITTEN]) -> &[[f32; WIDTH]] {
+    numbers.as_chunks().0
+}
+
 /// Sixteen points.
 #[inline(always)]
-pub(super) fn load<L: Lanes>(l: L, block: &Block) -> [L::F; 3] {
-    [l.load(&block.0[0]), l.load(&block.0[1]), l.load(&block.0[2])]
+pub(super) fn load<L: Lanes>(l: L, Block([x, y, z]): &Block) -> [L::F; 3] {
+    [l.load(x), l.load(y), l.load(z)]
 }
 
 /// The same point sixteen times.
 #[inline(always)]
-pub(super) fn splat<L: Lanes>(l: L, point: [f32; 3]) -> [L::F; 3] {
-    [l.splat(point[0]), l.splat(point[1]), l.splat(point[2])]
+pub(super) fn splat<L: Lanes>(l: L, Vec3 { x, y, z }: Vec3) -> [L::F; 3] {
+    [l.splat(x), l.splat(y), l.splat(z)]
 }
 
 /// Not fused.
