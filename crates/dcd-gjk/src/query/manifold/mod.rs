@@ -9,6 +9,7 @@
 
 mod clip;
 mod corners;
+mod cuboid_pair;
 mod cuboids;
 mod feature;
 mod parts;
@@ -84,6 +85,11 @@ impl Manifold {
 
     /// The same with a and b exchanged.
     fn mirrored(mut self) -> Self {
+        self.mirror();
+        self
+    }
+
+    fn mirror(&mut self) {
         // The others are as empty either way.
         for point in &mut self.points[..usize::from(self.count)] {
             (point.point_a, point.point_b) = (point.point_b, point.point_a);
@@ -91,7 +97,7 @@ impl Manifold {
             point.parts.reverse();
         }
         self.parts.reverse();
-        Self { normal: -self.normal, ..self }
+        self.normal = -self.normal;
     }
 }
 
@@ -204,6 +210,17 @@ impl MeasureDepth for Manifolds {
     fn measure_spheres(&self, depth: Depth) -> ManifoldSet {
         of_spheres(depth).into()
     }
+
+    #[inline]
+    fn measure_cuboids(
+        &self,
+        depth: &Depth,
+        [a, b]: [PosedShape<'_>; 2],
+        scratch: &mut Scratch,
+        answer: &mut ManifoldSet,
+    ) -> bool {
+        answer.write_one(|found| write_of_cuboids(depth, a, b, &mut scratch.corners, found))
+    }
 }
 
 fn manifold_of(
@@ -217,8 +234,11 @@ fn manifold_of(
         Verdict::Undecided(reason) => return Verdict::Undecided(reason),
         Verdict::Touching(depth) => depth,
     };
+    let mut of_cuboids = Manifold::default();
     let manifold = if are_spheres(a, b) {
         of_spheres(depth)
+    } else if write_of_cuboids(&depth, a, b, corners, &mut of_cuboids) {
+        of_cuboids
     } else if order::is_swapped(a, b) {
         in_order(depth.mirrored(), b, a, corners).mirrored()
     } else {
@@ -248,6 +268,24 @@ const SAME: f64 = 1e-9;
 /// relative to the shapes' size.
 const FLAT: f64 = 1e-8;
 
+/// Writes the manifold of two boxes over an empty one; false where the general way is needed.
+fn write_of_cuboids(
+    depth: &Depth,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    corners: &mut Corners,
+    found: &mut Manifold,
+) -> bool {
+    let points = &mut corners.of_cuboids;
+    if !order::is_swapped(a, b) {
+        return cuboid_pair::write(depth, [a, b], points, found);
+    }
+    let written = cuboid_pair::write(&depth.mirrored(), [b, a], points, found);
+    found.mirror();
+    written
+}
+
+/// By the corners of what the shapes show.
 fn in_order(depth: Depth, a: PosedShape<'_>, b: PosedShape<'_>, corners: &mut Corners) -> Manifold {
     let view = View::along(depth.normal);
     corners.clear();

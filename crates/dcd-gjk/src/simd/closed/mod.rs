@@ -1,5 +1,6 @@
 //! Pairs of cuboids in packets of sixteen, from what is prepared of them: the axis or the features first, in f32.
 
+pub(super) mod depths;
 pub(super) mod nearest;
 #[cfg(test)]
 mod tests;
@@ -16,7 +17,16 @@ pub(super) fn are_cuboids(frames: FramePair<'_>, pair: Pair) -> bool {
     frames.a.record(pair.i).marks & frames.b.record(pair.j).marks & BOX != 0
 }
 
-/// Sixteen pairs of cuboids as they are read, in an order that depends on their centres alone.
+/// Which cuboid of a pair is the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Order {
+    /// That of the pair.
+    AsGiven,
+    /// That of the centres, which differ wherever two cuboids are apart.
+    ByCentres,
+}
+
+/// Sixteen pairs of cuboids as they are read.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CuboidPairs {
     first: [Row; WIDTH],
@@ -30,11 +40,11 @@ pub(super) struct CuboidPairs {
 impl CuboidPairs {
     /// Reads at most sixteen pairs.
     #[inline(always)]
-    pub(super) fn read(&mut self, frames: FramePair<'_>, pairs: &[Pair]) {
+    fn read(&mut self, frames: FramePair<'_>, pairs: &[Pair], order: Order) {
         self.swapped = 0;
         for (lane, pair) in pairs.iter().enumerate().take(WIDTH) {
             let (a, b) = (frames.a.record(pair.i), frames.b.record(pair.j));
-            let swapped = is_behind(a, b);
+            let swapped = order == Order::ByCentres && is_behind(a, b);
             let boxes = [&frames.a.boxes(pair.i).numbers, &frames.b.boxes(pair.j).numbers];
             self.first[lane] = *boxes[usize::from(swapped)];
             self.second[lane] = *boxes[usize::from(!swapped)];
@@ -58,7 +68,7 @@ impl CuboidPairs {
     }
 }
 
-/// Whether b comes first: by the centres, which differ wherever two cuboids are apart.
+/// Whether b comes first by the centres.
 #[inline(always)]
 fn is_behind(a: &Record, b: &Record) -> bool {
     let ([x, y, z, _], [u, v, w, _]) = (a.centre, b.centre);

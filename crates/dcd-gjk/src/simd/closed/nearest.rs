@@ -7,7 +7,7 @@ use super::super::bounds::{SHORTEST, U};
 use super::super::frame::{FramePair, Record};
 use super::super::packet::LanesOf;
 use super::super::vector::V3;
-use super::{CuboidPairs, Cuboids, in_range, pick, pick_vector};
+use super::{CuboidPairs, Cuboids, Order, in_range, pick, pick_vector};
 use crate::closed::{NearFeatures, distance_in_double_double, distance_in_f64};
 use crate::{Accuracy, Distance, PosedShape, PosedSupport};
 use dcd_geom::Pair;
@@ -16,7 +16,7 @@ use dcd_simd::{Kernel, Lanes, Path, Row, Unfused, WIDTH, dispatch_on};
 
 /// What a gap along an axis may be off by, times the axis's length. Unit: u·m. 36 for a direction, 42 for a product.
 /// Smaller: false bounds.
-const GAP: f32 = 48.0;
+pub(super) const GAP: f32 = 48.0;
 
 /// How far both points together may be from their cuboids. Unit: u·m. Derived: 20. Smaller: false bounds.
 const POINTS: f32 = 24.0;
@@ -144,7 +144,7 @@ impl Kernel for Search<'_> {
     fn run<L: Lanes>(self, l: L) {
         let Scratch { pairs: packet, rows, found } = self.scratch;
         for (pairs, found) in self.pairs.chunks(WIDTH).zip(found.chunks_mut(WIDTH)) {
-            packet.read(self.frames, pairs);
+            packet.read(self.frames, pairs, Order::ByCentres);
             let used = ((1u64 << pairs.len()) - 1) as u32;
             let (first, second, between, size) = packet.load(l);
             let live = used & in_range(l, size);
@@ -246,7 +246,7 @@ impl<L: Lanes> Widest<L> {
 }
 
 #[inline(always)]
-fn absolute<L: Lanes>(l: L, [x, y, z]: [L::F; 3]) -> [L::F; 3] {
+pub(super) fn absolute<L: Lanes>(l: L, [x, y, z]: [L::F; 3]) -> [L::F; 3] {
     [l.abs(x), l.abs(y), l.abs(z)]
 }
 
@@ -267,7 +267,7 @@ fn square_to_edges<L: Lanes>(
 }
 
 #[inline(always)]
-fn dot<L: Lanes>(l: L, a: [L::F; 3], b: [L::F; 3]) -> L::F {
+pub(super) fn dot<L: Lanes>(l: L, a: [L::F; 3], b: [L::F; 3]) -> L::F {
     l.mul_add(a[0], b[0], l.mul_add(a[1], b[1], l.mul(a[2], b[2])))
 }
 

@@ -2,9 +2,11 @@
 
 use super::super::frame::{FramePair, SimdFrame};
 use super::super::prepare;
+use super::depths;
 use super::nearest::{self, Found};
+use crate::closed::{Axes, cuboid_depth, cuboid_depth_along};
 use crate::distance::distance;
-use crate::{Accuracy, DistanceResult, PosedShape, Sides};
+use crate::{Accuracy, DistanceResult, PosedShape, PosedSupport, Sides};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Aabb, Pair, Pose, Scene, Shape};
 use dcd_simd::Path;
@@ -115,4 +117,35 @@ fn the_distance_at_the_features_that_the_lanes_find_is_that_of_the_search() {
     let [in_f32, in_f64, certified] = missed;
     assert!(count > 3000 && in_f32 < count / 100, "{count} {missed:?}");
     assert!(in_f64 < count / 20 && certified < count / 5, "{count} {missed:?}");
+}
+
+#[test]
+fn the_axes_that_the_lanes_leave_out_change_no_depth() {
+    let (mut looked_at, mut count) = (0, 0);
+    for (seed, scale) in [(4, 1.0), (5, 1e-4), (6, 1e4), (7, 1.0)] {
+        let scene = pairs_of_cuboids(seed, 4000, scale);
+        let frame = prepared(&scene);
+        let mut scratch = depths::Scratch::default();
+        scratch.pairs.extend((0..scene.len() as u32 / 2).map(|k| Pair::new(2 * k, 2 * k + 1)));
+        depths::find(Path::best(), FramePair::of_one(&frame), &mut scratch);
+        for (pair, &axes) in scratch.pairs.iter().zip(&scratch.axes) {
+            let [a, b] = [pair.i, pair.j].map(|k| {
+                let side = PosedShape::of(&scene, k);
+                PosedSupport::polytope(side.shape.as_polytope().unwrap(), side.pose)
+            });
+            for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+                let all = cuboid_depth(a, b, accuracy);
+                if all.is_some() {
+                    assert_eq!(cuboid_depth_along(axes, a, b, accuracy), all, "{pair:?} {axes:?}");
+                    let mirrored = cuboid_depth_along(axes.mirrored(), b, a, accuracy);
+                    assert_eq!(mirrored, cuboid_depth(b, a, accuracy), "{pair:?} {axes:?}");
+                    count += 1;
+                    looked_at += axes.0.count_ones();
+                }
+            }
+            assert_eq!(axes.mirrored().mirrored(), axes);
+        }
+    }
+    assert!(count > 3000 && looked_at < 5 * count, "{count} {looked_at}");
+    assert_eq!(Axes::ALL.mirrored(), Axes::ALL);
 }

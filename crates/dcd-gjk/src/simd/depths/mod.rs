@@ -8,10 +8,11 @@
 mod search;
 mod surface;
 
+use super::closed::{are_cuboids, depths as of_cuboids};
 use super::cores::{Core, Cores};
 use super::frame::{FramePair, SimdFrame};
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
-use crate::closed;
+use crate::closed::{self, Axes};
 use crate::epa::Depth;
 use crate::expanding::{Ending, confirmed_depth, is_inside};
 use crate::query::MeasureDepth;
@@ -56,6 +57,7 @@ impl<S: MeasureDepth> SimdDepths<S> {
 pub struct Scratch<S> {
     yes: Yes,
     search: search::Scratch,
+    of_cuboids: of_cuboids::Scratch,
     /// For each touching pair its depth, if it is confirmed.
     found: Vec<Option<Depth>>,
     solver: S,
@@ -91,7 +93,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
-        let Scratch { yes, search, found, solver } = scratch;
+        let Scratch { yes, search, of_cuboids, found, solver } = scratch;
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touching =
             || pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes).map(|(p, _)| *p);
@@ -101,8 +103,12 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let posed = |pair: Pair| [PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j)];
         let shapes =
             |pair: Pair| [a.scene.shape_of()[pair.i as usize], b.scene.shape_of()[pair.j as usize]];
+        of_cuboids.pairs.clear();
+        of_cuboids.pairs.extend(touching().filter(|&pair| are_cuboids(frames, pair)));
+        of_cuboids::find(self.path, frames, of_cuboids);
         let each = touching().map(|pair| (pair, posed(pair), shapes(pair)));
-        dispatch_on(self.path, Each { frames, accuracy, each, search, found: &mut *found });
+        let axes = &of_cuboids.axes;
+        dispatch_on(self.path, Each { frames, accuracy, each, axes, search, found: &mut *found });
         for (pair, found) in touching().zip(&*found) {
             if let Some(depth) = found.filter(|_| frames.are_spheres()) {
                 let answer = self.solver.measure_spheres(depth);
@@ -110,6 +116,18 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
                 continue;
             }
             let [one, other] = posed(pair);
+            if let Some(depth) = found
+                && are_cuboids(frames, pair)
+            {
+                sink.contacts.push(Contact { pair, answer: S::Answer::default() });
+                let answer = sink.contacts.last_mut().map(|contact| &mut contact.answer);
+                if answer.is_some_and(|answer| {
+                    self.solver.measure_cuboids(depth, [one, other], solver, answer)
+                }) {
+                    continue;
+                }
+                sink.contacts.pop();
+            }
             let verdict = match found {
                 Some(depth) => self.solver.measure_depth(*depth, one, other, solver),
                 None => self.solver.measure_at(self.accuracy, one, other, solver),
@@ -144,6 +162,8 @@ struct Each<'a, I> {
     accuracy: Accuracy,
     /// Touching pairs, with the numbers of their shapes.
     each: I,
+    /// For each pair of cuboids among them the axes that count.
+    axes: &'a [Axes],
     search: &'a mut search::Scratch,
     found: &'a mut Vec<Option<Depth>>,
 }
@@ -153,10 +173,15 @@ impl<'a, I: Iterator<Item = (Pair, [PosedShape<'a>; 2], [u32; 2])>> Kernel for E
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self { frames, accuracy, each, search, found } = self;
+        let Self { frames, accuracy, each, axes, search, found } = self;
+        let mut axes = axes.iter();
         for (pair, [a, b], [shape_a, shape_b]) in each {
             if let Some(spheres) = frames.spheres(pair) {
                 found.push(closed::depth_of_spheres(spheres, closed::sharp_of(accuracy)));
+                continue;
+            }
+            if are_cuboids(frames, pair) {
+                found.push(axes.next().and_then(|&axes| depth_of_cuboids(axes, [a, b], accuracy)));
                 continue;
             }
             let (cores_a, cores_b) = (frames.a.cores(), frames.b.cores());
@@ -167,6 +192,17 @@ impl<'a, I: Iterator<Item = (Pair, [PosedShape<'a>; 2], [u32; 2])>> Kernel for E
             let (a, b) = (side(cores_a, shape_a, a), side(cores_b, shape_b, b));
             found.push(depth(l, [a, b], accuracy, search));
         }
+    }
+}
+
+/// The depth of two cuboids, along the axes that may be the least.
+fn depth_of_cuboids(axes: Axes, [a, b]: [PosedShape<'_>; 2], accuracy: Accuracy) -> Option<Depth> {
+    let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
+    let swapped = order::is_swapped(a, b);
+    let (a, b) = (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
+    match swapped {
+        true => closed::cuboid_depth_along(axes.mirrored(), b, a, accuracy).map(Depth::mirrored),
+        false => closed::cuboid_depth_along(axes, a, b, accuracy),
     }
 }
 
