@@ -51,6 +51,41 @@ fn two_product(a: f64, b: f64) -> DoubleDouble {
     DoubleDouble { high, low: ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2 }
 }
 
+/// A sum of numbers and products: what each addition loses is added up beside it (Ogita, Rump and Oishi 2005).
+///
+/// Of n terms it is off by at most n²·2⁻¹⁰⁵ times the sum of their magnitudes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sum {
+    high: f64,
+    low: f64,
+}
+
+impl Sum {
+    #[inline]
+    pub(crate) fn add(&mut self, x: f64) {
+        let sum = two_sum(self.high, x);
+        (self.high, self.low) = (sum.high, self.low + sum.low);
+    }
+
+    #[inline]
+    pub(crate) fn add_product(&mut self, a: f64, b: f64) {
+        let product = two_product(a, b);
+        self.add(product.high);
+        self.low += product.low;
+    }
+
+    #[inline]
+    pub(crate) fn total(self) -> DoubleDouble {
+        quick_two_sum(self.high, self.low)
+    }
+}
+
+impl From<DoubleDouble> for Sum {
+    fn from(DoubleDouble { high, low }: DoubleDouble) -> Self {
+        Self { high, low }
+    }
+}
+
 impl DoubleDouble {
     #[inline]
     pub(crate) fn to_f64(self) -> f64 {

@@ -45,6 +45,18 @@ pub trait MeasureDepth: MeasureAt {
 
     /// The same for two spheres, of which nothing else need be known.
     fn measure_spheres(&self, depth: Depth) -> Self::Answer;
+
+    /// The same for two cuboids, over a default answer; false where [`MeasureDepth::measure_depth`] is needed. By default
+    /// always.
+    fn measure_cuboids(
+        &self,
+        _depth: &Depth,
+        _sides: [PosedShape<'_>; 2],
+        _scratch: &mut Self::Scratch,
+        _answer: &mut Self::Answer,
+    ) -> bool {
+        false
+    }
 }
 
 /// A solver at an accuracy of the caller's choice.

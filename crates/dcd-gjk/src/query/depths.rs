@@ -114,6 +114,17 @@ impl MeasureDepth for Depths {
     fn measure_spheres(&self, depth: Depth) -> Depth {
         depth
     }
+
+    fn measure_cuboids(
+        &self,
+        depth: &Depth,
+        _: [PosedShape<'_>; 2],
+        _: &mut epa::Scratch,
+        answer: &mut Depth,
+    ) -> bool {
+        *answer = *depth;
+        true
+    }
 }
 
 /// The bound that is promised of a depth, relative to it.

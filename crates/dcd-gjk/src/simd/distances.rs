@@ -1,5 +1,6 @@
 //! How far apart pairs are: the nearest vertices sixteen pairs at a time in f32, and what the accuracy makes of them.
 
+use super::closed::{are_cuboids, nearest as of_cuboids};
 use super::frame::{FramePair, SimdFrame};
 use super::nearest::{self, Found, NearestPoints};
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
@@ -17,7 +18,8 @@ use dcd_simd::Path;
 /// How far apart the pairs within a margin are: [`Distances`](crate::Distances) at any accuracy, in packets of sixteen.
 ///
 /// Contact is proved as in [`Overlap`](crate::Overlap). For the other pairs the lanes find the nearest
-/// vertices. At [`Accuracy::F32`] f64 computes the points and the distance from these, and the bound is what the lanes
+/// vertices, of cuboids the nearest faces, edges or corners. At [`Accuracy::F32`] f64 computes the distance
+/// from the points there, which are those of f32 on cuboids, and the bound is what the lanes
 /// prove from below: some millionths of the pair's size. At the others the search goes on from them in f64 or longer
 /// numbers, with the bounds of these. Shapes without a lane kernel, sizes outside
 /// f32's range, and pairs whose bound is too wide are measured one pair at a time.
@@ -96,6 +98,32 @@ impl SimdDistances {
         }
     }
 
+    /// Two cuboids that are apart, by what the lanes found of them.
+    fn by_features(
+        &self,
+        found: of_cuboids::Found,
+        frames: FramePair<'_>,
+        pair: Pair,
+        [a, b]: [PosedShape<'_>; 2],
+    ) -> Verdict<Option<Distance>> {
+        let near = match found {
+            of_cuboids::Found::Beyond => return Verdict::Apart,
+            of_cuboids::Found::Unknown => return self.alone(a, b).0,
+            of_cuboids::Found::Near(near) => near,
+        };
+        let found = match self.accuracy {
+            Accuracy::F32 => near.distance_in_f32(frames, pair),
+            _ => None,
+        };
+        let found = found.or_else(|| near.distance(self.accuracy, [a, b]));
+        match found {
+            Some(found) if found.upper() <= self.margin => Verdict::Touching(Some(found)),
+            Some(found) if found.lower() > self.margin => Verdict::Apart,
+            Some(found) => within_margin(DistanceResult::Apart(found), self.margin, a, b),
+            None => self.alone(a, b).0,
+        }
+    }
+
     /// The pair, which is apart, whose nearest vertices are known.
     fn by_points(
         &self,
@@ -137,6 +165,9 @@ pub struct Scratch {
     /// The pairs that do not touch, as far as the lanes and what follows them know.
     open: Vec<Pair>,
     nearest: nearest::Scratch,
+    /// Those of them that are of two cuboids.
+    cuboids: Vec<Pair>,
+    of_cuboids: of_cuboids::Scratch,
 }
 
 impl NarrowPhase for SimdDistances {
@@ -150,7 +181,7 @@ impl NarrowPhase for SimdDistances {
     }
 
     fn layout<'f>(&self, scene: &Scene, sides: Sides, frame: &'f mut SimdFrame) -> Part<'f> {
-        frame.layout_with_vertices(scene, sides)
+        frame.layout(scene, sides)
     }
 
     fn keeps(&self, part: &Part<'_>) -> bool {
@@ -173,7 +204,7 @@ impl NarrowPhase for SimdDistances {
         scratch: &mut Scratch,
         sink: &mut ContactSink<'_, Option<Distance>>,
     ) {
-        let Scratch { yes, report, open, nearest } = scratch;
+        let Scratch { yes, report, open, nearest, cuboids, of_cuboids } = scratch;
         report.clear();
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, report);
         // What is undecided there is resolved again, by itself.
@@ -181,22 +212,31 @@ impl NarrowPhase for SimdDistances {
         let undecided = report.take_undecided();
         sink.report.absorb(report);
         let touching = yes.touching();
-        open.clear();
-        open.extend(pairs.iter().zip(touching).filter(|(_, touches)| !**touches).map(|(p, _)| *p));
         let frames = FramePair { a: a.frame, b: b.frame };
-        match frames.a.has_vertices() {
+        open.clear();
+        cuboids.clear();
+        for (&pair, _) in pairs.iter().zip(touching).filter(|(_, touches)| !**touches) {
+            if are_cuboids(frames, pair) { cuboids.push(pair) } else { open.push(pair) }
+        }
+        of_cuboids::find(self.path, frames, (cuboids, self.margin), of_cuboids);
+        match frames.have_vertices() {
             true => nearest::find(self.path, frames, (open, self.margin), nearest),
-            // Spheres have a formula.
+            // Spheres and cuboids have a formula.
             false => nearest.found.clear(),
         }
         let mut found = nearest.found.iter();
+        let mut of_cuboids = of_cuboids.found.iter();
         for (&pair, &touches) in pairs.iter().zip(touching) {
             if touches {
                 sink.contacts.push(Contact { pair, answer: None });
                 continue;
             }
             let (one, other) = (PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j));
-            let found = found.next().copied().unwrap_or_default();
+            let are_cuboids = are_cuboids(frames, pair);
+            let (found, of_cuboids) = match are_cuboids {
+                true => (Found::Unknown, of_cuboids.next().copied().unwrap_or_default()),
+                false => (found.next().copied().unwrap_or_default(), Default::default()),
+            };
             if undecided.binary_search_by_key(&pair, |undecided| undecided.pair).is_ok() {
                 let (verdict, method) = self.alone(one, other);
                 sink.file(pair, method, verdict);
@@ -207,6 +247,7 @@ impl NarrowPhase for SimdDistances {
             let spheres = frames.spheres(pair);
             let verdict = match spheres.and_then(|both| closed::distance_of_spheres(both, sharp)) {
                 Some(found) => within_margin(found, self.margin, one, other),
+                None if are_cuboids => self.by_features(of_cuboids, frames, pair, [one, other]),
                 None => self.by_search(found, one, other),
             };
             match verdict {

@@ -16,8 +16,6 @@ pub struct SimdFrame {
     /// Of the scene's shapes.
     cores: Cores,
     form: Form,
-    /// Whether cuboids have their vertices in a scene of cuboids alone, too.
-    has_cuboid_vertices: bool,
     /// How many objects there are. Behind them in the lists are the parts of compounds.
     objects: usize,
     records: Vec<Record>,
@@ -254,14 +252,6 @@ impl SimdFrame {
         }
     }
 
-    /// The same for a phase that reads the vertices of all shapes but spheres.
-    pub(crate) fn layout_with_vertices(&mut self, scene: &Scene, sides: Sides) -> Part<'_> {
-        if !std::mem::replace(&mut self.has_cuboid_vertices, true) {
-            self.layout = None;
-        }
-        self.layout(scene, sides)
-    }
-
     fn set_offsets(&mut self, scene: &Scene, sides: Sides) {
         self.cores.follow(scene);
         let (cores, parts) = (self.cores.cores(), self.cores.parts());
@@ -269,9 +259,6 @@ impl SimdFrame {
             Sides::One => Form::of(scene.shapes()),
             Sides::Two => Form::Any,
         };
-        if self.form == Form::Cuboids && self.has_cuboid_vertices {
-            self.form = Form::Any;
-        }
         self.objects = scene.len();
         self.records.resize(scene.len(), Record::default());
         let may_stand = cores.iter().chain(parts).any(|core| core.is_box);

@@ -11,6 +11,7 @@ mod axis_aligned;
 pub(crate) mod bounds;
 mod by_parts;
 pub(crate) mod certificate;
+mod closed;
 mod compounds;
 pub(crate) mod cores;
 pub(crate) mod decide;

@@ -2,6 +2,7 @@
 
 use super::Feature;
 use super::feature::{Point, Seen, edge};
+use super::reduce::Spot;
 use dcd_geom::glam::DVec2;
 
 /// The sine below which two edges are parallel: they then meet along a length, not in a point.
@@ -58,11 +59,6 @@ impl Corner {
     /// How far its points may be off the surfaces of parts of that depth.
     pub(super) fn off_surface(&self, depth: f64) -> f64 {
         self.beside + self.inside.min((depth - self.depth()).max(0.0))
-    }
-
-    /// Negative where they are apart.
-    pub(super) fn depth(&self) -> f64 {
-        self.heights[0] - self.heights[1]
     }
 }
 
@@ -193,18 +189,34 @@ impl Patch {
 
 /// Keeps one corner of those at one place, the first.
 pub(super) fn drop_doubles(corners: &mut Vec<Corner>, size: f64) {
+    let kept = different(corners, size);
+    corners.truncate(kept);
+}
+
+/// The same of a list, whose first entries are then those that are kept: how many.
+pub(super) fn different<S: Spot + Copy>(corners: &mut [S], size: f64) -> usize {
     let near = APART * size;
     // Most are apart along one axis: a root saved.
     let are_apart = |offset: DVec2| offset.abs().max_element() > near || offset.length() > near;
     let mut kept = 0;
     for k in 0..corners.len() {
         let corner = corners[k];
-        if corners[..kept].iter().all(|other| are_apart(other.at - corner.at)) {
+        if corners[..kept].iter().all(|other| are_apart(other.at() - corner.at())) {
             corners[kept] = corner;
             kept += 1;
         }
     }
-    corners.truncate(kept);
+    kept
+}
+
+impl Spot for Corner {
+    fn at(&self) -> DVec2 {
+        self.at
+    }
+
+    fn depth(&self) -> f64 {
+        self.heights[0] - self.heights[1]
+    }
 }
 
 impl Clipping<'_> {

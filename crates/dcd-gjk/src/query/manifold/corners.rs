@@ -3,6 +3,7 @@
 use super::clip::{Corner, Patch, drop_doubles};
 use super::cuboids;
 use super::feature::{Seen, View};
+use super::reduce::Spot;
 use super::stand_in::StandIn;
 use super::{FLAT, Feature, Manifold, ManifoldPoint, SAME, of_one_point, reduce};
 use crate::PosedShape;
@@ -15,7 +16,7 @@ use dcd_geom::{Polytope, Shape};
 pub(super) struct Corners {
     corners: Vec<Corner>,
     patch: Patch,
-    of_cuboids: cuboids::Points,
+    pub(super) of_cuboids: cuboids::Points,
     /// How large the shapes are.
     size: f64,
 }

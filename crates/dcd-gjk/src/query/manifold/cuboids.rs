@@ -20,7 +20,7 @@ const SOLID: f64 = 1e-6;
 const CROSSING: f64 = 1e-6;
 
 /// The most corners that a patch may have: four, and one more for each of five cuts; and spare ones for what rounding adds.
-const MOST: usize = 12;
+pub(super) const MOST: usize = 12;
 
 /// What two boxes show each other.
 pub(super) struct Patch {
@@ -51,7 +51,7 @@ enum Seen {
 
 /// What the edge of a patch is a part of.
 #[derive(Clone, Copy, Debug)]
-enum Line {
+pub(super) enum Line {
     /// The edge of the clipped box between two of its vertices.
     Clipped(u8, u8),
     /// That of the box that clips.
@@ -62,34 +62,46 @@ enum Line {
 
 /// A corner of the patch, in the frame of the box that clips. Small: it is moved by every cut.
 #[derive(Clone, Copy, Debug)]
-struct Point {
+pub(super) struct Point {
     /// On the face, along its two sides.
-    at: [f64; 2],
+    pub(super) at: [f64; 2],
     /// How far the clipped box reaches under the face, along the normal.
-    depth: f64,
+    pub(super) depth: f64,
     /// What the edge to the next corner is a part of.
     line: Line,
     /// The edge of the patch on which it is, and what cuts that edge; the edge itself at a corner of the clipped box,
     /// where it begins.
-    origin: [Line; 2],
+    pub(super) origin: [Line; 2],
 }
 
-/// Adds the corners of what two boxes have in common along the view's normal; `None`, and no corner, where the general
-/// way is needed: for other shapes, flat boxes, and edges that are nearly parallel.
-pub(super) fn add(
-    corners: &mut Vec<Corner>,
+/// What two boxes show each other, and the face that clips if one of them shows a face.
+pub(super) struct Clipped<'a> {
+    pub(super) patch: Patch,
+    /// With the number of the box whose face it is, 0 or 1.
+    pub(super) face: Option<(Clipping<'a>, usize)>,
+    /// The swept radii.
+    pub(super) radii: [f64; 2],
+    /// See [`Corner::swept`].
+    pub(super) level: [f64; 2],
+}
+
+/// Clips what two boxes have in common along a normal; `None` where the general way is needed: for other shapes, flat
+/// boxes, and edges that are nearly parallel.
+#[inline(always)]
+pub(super) fn clipped<'a>(
     points: &mut Points,
-    view: &View,
-    [a, b]: [PosedShape<'_>; 2],
-) -> Option<Patch> {
-    let normal = view.normal();
+    normal: DVec3,
+    [a, b]: [PosedShape<'a>; 2],
+) -> Option<Clipped<'a>> {
     let delta = b.pose.translation() - a.pose.translation();
     let side_a = Side::of(a, DVec3::ZERO, normal)?;
     let side_b = Side::of(b, delta, -normal)?;
     let (seen_a, seen_b) = (side_a.seen(), side_b.seen());
     let size = 2.0 * (side_a.polytope.outer_radius() + side_b.polytope.outer_radius());
     let whole = [side_a.feature(seen_a)?, side_b.feature(seen_b)?];
-    let patch = Patch { whole, size };
+    let radii = [side_a.polytope.swept_radius(), side_b.polytope.swept_radius()];
+    let level = [side_a.level(seen_a), side_b.level(seen_b)];
+    let in_one_point = Clipped { patch: Patch { whole, size }, face: None, radii, level };
     let facing = |side: &Side<'_>, seen| match seen {
         Seen::Face(k) => side.towards[k].abs(),
         _ => 0.0,
@@ -97,28 +109,36 @@ pub(super) fn add(
     // The face that is more square to the normal clips: its plane is the better known.
     let a_clips = facing(&side_a, seen_a) >= facing(&side_b, seen_b);
     let (k, other, number) = match (seen_a, seen_b) {
-        (Seen::Vertex, _) | (_, Seen::Vertex) => return Some(patch),
+        (Seen::Vertex, _) | (_, Seen::Vertex) => return Some(in_one_point),
         (Seen::Edge(j), Seen::Edge(k)) => {
             let (e, f) = (side_a.rotation.col(j), side_b.rotation.col(k));
-            return (e.cross(f).length_squared() > CROSSING * CROSSING).then_some(patch);
+            return (e.cross(f).length_squared() > CROSSING * CROSSING).then_some(in_one_point);
         }
         (Seen::Face(k), other) if a_clips => (k, other, 0),
         (other, Seen::Face(k)) => (k, other, 1),
         (Seen::Face(k), other) => (k, other, 0),
     };
-    let (clips, clipped) = if number == 0 { (&side_a, &side_b) } else { (&side_b, &side_a) };
+    let (clips, clipped) = if number == 0 { (side_a, side_b) } else { (side_b, side_a) };
     let clipping = Clipping::new(clips, k, clipped);
     clipping.points(other, points);
-    clipping.clip(points)?;
-    let radii = [side_a.polytope.swept_radius(), side_b.polytope.swept_radius()];
-    let radius = radii[0] + radii[1];
-    let level = [side_a.level(seen_a), side_b.level(seen_b)];
-    points.cut(|point| point.depth + radius, Line::Surface)?;
-    let of_each = [whole[number], whole[1 - number]];
+    clipping.clip(points, radii[0] + radii[1])?;
+    Some(Clipped { face: Some((clipping, number)), ..in_one_point })
+}
+
+/// Adds the corners of what two boxes have in common along the view's normal; `None`, and no corner, where the general
+/// way is needed.
+pub(super) fn add(
+    corners: &mut Vec<Corner>,
+    points: &mut Points,
+    view: &View,
+    sides: [PosedShape<'_>; 2],
+) -> Option<Patch> {
+    let Clipped { patch, face, radii, level } = clipped(points, view.normal(), sides)?;
+    let Some((clipping, number)) = face else { return Some(patch) };
+    let of_each = [patch.whole[number], patch.whole[1 - number]];
     corners.reserve(points.count);
     for point in points.list() {
-        let in_world = clips.place + *clips.rotation * clipping.on_face(point.at);
-        let (at, height) = view.of(in_world);
+        let (at, height) = view.of(clipping.in_world(point.at));
         let [of_clips, of_clipped] = features(point.origin, of_each);
         let (heights, features) = match number {
             0 => ([height, height - point.depth], [of_clips, of_clipped]),
@@ -129,24 +149,32 @@ pub(super) fn add(
     Some(patch)
 }
 
+fn columns(m: &DMat3) -> [DVec3; 3] {
+    [m.x_axis, m.y_axis, m.z_axis]
+}
+
+/// A vector's parts along the columns.
+fn along(m: &DMat3, v: DVec3) -> [f64; 3] {
+    [m.x_axis.dot(v), m.y_axis.dot(v), m.z_axis.dot(v)]
+}
+
 impl<'a> Side<'a> {
+    #[inline]
     fn of(side: PosedShape<'a>, place: DVec3, towards: DVec3) -> Option<Self> {
         let Shape::Polytope(polytope) = side.shape else { return None };
         let Kind::Cuboid { half_extents: half } = polytope.kind() else { return None };
         let rotation = side.pose.rotation();
         let is_solid = half.min_element() > SOLID * half.max_element();
-        let towards = rotation.transpose() * towards;
-        (is_solid && side.pose.deviation() <= DEVIATION).then_some(Self {
-            polytope,
-            half: half.to_array(),
-            rotation,
-            place,
-            towards: towards.to_array(),
-        })
+        if !(is_solid && side.pose.deviation() <= DEVIATION) {
+            return None;
+        }
+        let towards = along(rotation, towards);
+        Some(Self { polytope, half: half.to_array(), rotation, place, towards })
     }
 
     fn seen(&self) -> Seen {
-        let along = self.towards.map(f64::abs);
+        let [x, y, z] = self.towards;
+        let along = [x.abs(), y.abs(), z.abs()];
         let (mut most, mut least) = (0, 0);
         for k in 1..3 {
             most = if along[k] > along[most] { k } else { most };
@@ -200,9 +228,10 @@ impl<'a> Side<'a> {
     }
 
     /// The corner of that number, in its own frame.
-    fn corner(&self, number: u32) -> DVec3 {
+    #[inline]
+    fn corner(&self, number: u32) -> [f64; 3] {
         let signed = |k: usize| if number >> k & 1 == 1 { self.half[k] } else { -self.half[k] };
-        DVec3::new(signed(0), signed(1), signed(2))
+        [signed(0), signed(1), signed(2)]
     }
 }
 
@@ -244,69 +273,102 @@ fn faces_of([x, y, z]: [f64; 3]) -> Option<&'static [u8; 6]> {
 }
 
 /// A face that clips what another box shows.
-struct Clipping<'a> {
-    clips: &'a Side<'a>,
+pub(super) struct Clipping<'a> {
+    clips: Side<'a>,
     /// The axis that its face is normal to, and those of its sides.
     k: usize,
     sides: [usize; 2],
-    clipped: &'a Side<'a>,
+    clipped: Side<'a>,
     /// Where the face is along its axis.
     plane: f64,
-    /// From the box that clips to the clipped one, world axes.
-    between: DVec3,
+    /// One over the normal's part square to the face.
+    steepness: f64,
 }
 
 impl<'a> Clipping<'a> {
-    fn new(clips: &'a Side<'a>, k: usize, clipped: &'a Side<'a>) -> Self {
+    fn new(clips: Side<'a>, k: usize, clipped: Side<'a>) -> Self {
         let plane = clips.half[k] * clips.towards[k].signum();
-        let sides = [(k + 1) % 3, (k + 2) % 3];
-        Self { clips, k, sides, clipped, plane, between: clipped.place - clips.place }
+        let steepness = 1.0 / clips.towards[k];
+        Self { clips, k, sides: [(k + 1) % 3, (k + 2) % 3], clipped, plane, steepness }
     }
 
-    /// A point of the face, in its box's frame.
-    fn on_face(&self, at: [f64; 2]) -> DVec3 {
-        let [p, q] = self.sides;
-        let mut point = [0.0; 3];
-        point[self.k] = self.plane;
-        (point[p], point[q]) = (at[0], at[1]);
-        DVec3::from_array(point)
+    /// A point of the face from the first box's origin, world axes.
+    #[inline]
+    pub(super) fn in_world(&self, at: [f64; 2]) -> DVec3 {
+        let columns = columns(self.clips.rotation);
+        let middle = self.clips.place + columns[self.k] * self.plane;
+        middle + (columns[self.sides[0]] * at[0] + columns[self.sides[1]] * at[1])
+    }
+
+    /// The normal's parts along the sides and square to the face.
+    pub(super) fn normal(&self) -> [f64; 3] {
+        let ([p, q], towards) = (self.sides, self.clips.towards);
+        [towards[p], towards[q], towards[self.k]]
     }
 
     /// What is clipped: the corners of a face, or the ends of an edge.
     fn points(&self, seen: Seen, points: &mut Points) {
         let farthest = self.clipped.farthest();
         points.count = 0;
+        let base = self.seen_from_face(self.middle_of(seen, farthest), self.plane);
+        let edge = |k: usize| {
+            let axis = columns(self.clipped.rotation)[k] * self.clipped.half[k];
+            self.seen_from_face(along(self.clips.rotation, axis), 0.0)
+        };
+        let mut push = |[x, y, depth]: [f64; 3], number: u32, next: u32| {
+            let line = Line::Clipped(number as u8, next as u8);
+            points.push(Point { at: [x, y], depth, line, origin: [line; 2] });
+        };
+        let sum = |x: [f64; 3], y: [f64; 3]| [x[0] + y[0], x[1] + y[1], x[2] + y[2]];
+        let difference = |x: [f64; 3], y: [f64; 3]| [x[0] - y[0], x[1] - y[1], x[2] - y[2]];
         match seen {
             Seen::Face(k) => {
-                let (p, q) = (1 << ((k + 1) % 3), 1 << ((k + 2) % 3));
-                let base = farthest & !(p | q);
-                let round = [base, base | p, base | p | q, base | q];
-                for corner in 0..4 {
-                    points.push(self.seen_from_face(round[corner], round[(corner + 1) % 4]));
-                }
+                let (along_p, along_q) = ((k + 1) % 3, (k + 2) % 3);
+                let (p, q) = (1 << along_p, 1 << along_q);
+                let number = farthest & !(p | q);
+                let (u, v) = (edge(along_p), edge(along_q));
+                let (low, high) = (difference(base, u), sum(base, u));
+                push(difference(low, v), number, number | p);
+                push(difference(high, v), number | p, number | p | q);
+                push(sum(high, v), number | p | q, number | q);
+                push(sum(low, v), number | q, number);
             }
             Seen::Edge(k) => {
                 let (low, high) = (farthest & !(1 << k), farthest | 1 << k);
-                points.push(self.seen_from_face(low, high));
-                points.push(self.seen_from_face(high, low));
+                let u = edge(k);
+                push(difference(base, u), low, high);
+                push(sum(base, u), high, low);
             }
             Seen::Vertex => {}
         }
     }
 
-    /// A corner of the clipped box, moved along the normal into the face's plane.
-    fn seen_from_face(&self, number: u32, next: u32) -> Point {
-        let Self { clips, clipped, k, sides: [p, q], .. } = *self;
-        let in_world = *clipped.rotation * clipped.corner(number) + self.between;
-        let point = (clips.rotation.transpose() * in_world).to_array();
-        let above = (point[k] - self.plane) / clips.towards[k];
-        let at = [point[p] - above * clips.towards[p], point[q] - above * clips.towards[q]];
-        let line = Line::Clipped(number as u8, next as u8);
-        Point { at, depth: -above, line, origin: [line; 2] }
+    /// The middle of what is clipped, in the frame of the box that clips.
+    #[inline]
+    fn middle_of(&self, seen: Seen, farthest: u32) -> [f64; 3] {
+        let mut middle = self.clipped.corner(farthest);
+        match seen {
+            Seen::Face(k) => (middle[(k + 1) % 3], middle[(k + 2) % 3]) = (0.0, 0.0),
+            Seen::Edge(k) => middle[k] = 0.0,
+            Seen::Vertex => {}
+        }
+        let [x, y, z] = columns(self.clipped.rotation);
+        let between = self.clipped.place - self.clips.place;
+        let in_world = x * middle[0] + y * middle[1] + z * middle[2] + between;
+        along(self.clips.rotation, in_world)
     }
 
-    /// Cuts off what is beside the face.
-    fn clip(&self, points: &mut Points) -> Option<()> {
+    /// A point moved along the normal into a plane, along the sides, and how far it was under it; for a plane at 0 the same of a
+    /// direction.
+    #[inline]
+    fn seen_from_face(&self, point: [f64; 3], plane: f64) -> [f64; 3] {
+        let (k, [p, q], towards) = (self.k, self.sides, &self.clips.towards);
+        let above = (point[k] - plane) * self.steepness;
+        [point[p] - above * towards[p], point[q] - above * towards[q], -above]
+    }
+
+    /// Cuts off what is beside the face, and what is less deep than the radii allow.
+    fn clip(&self, points: &mut Points, radius: f64) -> Option<()> {
         let [p, q] = self.sides;
         let facing = u8::from(self.clips.towards[self.k] >= 0.0) << self.k;
         let (bit_p, bit_q) = (1u8 << p, 1u8 << q);
@@ -317,12 +379,12 @@ impl<'a> Clipping<'a> {
             points.cut(|point| half - point.at[side], line(facing | own))?;
             points.cut(|point| half + point.at[side], line(facing))?;
         }
-        Some(())
+        points.cut(|point| point.depth + radius, Line::Surface)
     }
 }
 
 /// What a corner of that origin belongs to: of the box that clips, and of the other, of which `whole` is seen.
-fn features([of_edge, by]: [Line; 2], whole: [Feature; 2]) -> [Feature; 2] {
+pub(super) fn features([of_edge, by]: [Line; 2], whole: [Feature; 2]) -> [Feature; 2] {
     let [of_clips, of_clipped] = whole;
     let edge = |j: u8, k: u8| edge(j.into(), k.into());
     match (of_edge, by) {
@@ -358,7 +420,7 @@ impl Default for Points {
 }
 
 impl Points {
-    fn list(&self) -> &[Point] {
+    pub(super) fn list(&self) -> &[Point] {
         &self.rounds[self.now][..self.count]
     }
 

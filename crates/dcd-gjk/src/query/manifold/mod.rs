@@ -9,6 +9,7 @@
 
 mod clip;
 mod corners;
+mod cuboid_pair;
 mod cuboids;
 mod feature;
 mod parts;
@@ -210,6 +211,17 @@ impl MeasureDepth for Manifolds {
     fn measure_spheres(&self, depth: Depth) -> ManifoldSet {
         of_spheres(depth).into()
     }
+
+    #[inline]
+    fn measure_cuboids(
+        &self,
+        depth: &Depth,
+        [a, b]: [PosedShape<'_>; 2],
+        scratch: &mut Scratch,
+        answer: &mut ManifoldSet,
+    ) -> bool {
+        answer.write_one(|found| write_of_cuboids(depth, a, b, &mut scratch.corners, found))
+    }
 }
 
 fn manifold_of(
@@ -225,6 +237,10 @@ fn manifold_of(
     };
     if are_spheres(a, b) {
         return Verdict::Touching(of_spheres(depth).into());
+    }
+    let mut manifold = Manifold::default();
+    if write_of_cuboids(&depth, a, b, corners, &mut manifold) {
+        return Verdict::Touching(manifold.into());
     }
     let is_swapped = order::is_swapped(a, b);
     let (depth, a, b) = if is_swapped { (depth.mirrored(), b, a) } else { (depth, a, b) };
@@ -256,6 +272,24 @@ const SAME: f64 = 1e-9;
 /// relative to the shapes' size.
 const FLAT: f64 = 1e-8;
 
+/// Writes the manifold of two boxes over an empty one; false where the general way is needed.
+fn write_of_cuboids(
+    depth: &Depth,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    corners: &mut Corners,
+    found: &mut Manifold,
+) -> bool {
+    let points = &mut corners.of_cuboids;
+    if !order::is_swapped(a, b) {
+        return cuboid_pair::write(depth, [a, b], points, found);
+    }
+    let written = cuboid_pair::write(&depth.mirrored(), [b, a], points, found);
+    found.mirror();
+    written
+}
+
+/// By the corners of what the shapes show.
 fn in_order(depth: Depth, a: PosedShape<'_>, b: PosedShape<'_>, corners: &mut Corners) -> Manifold {
     let view = View::along(depth.normal);
     corners.clear();

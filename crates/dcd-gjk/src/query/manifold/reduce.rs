@@ -1,26 +1,34 @@
 //! Four corners that stand for all.
 
-use super::clip::Corner;
+use dcd_geom::glam::DVec2;
+
+/// What can be a point of a manifold.
+pub(super) trait Spot {
+    /// Where, in the plane square to the normal.
+    fn at(&self) -> DVec2;
+    /// Negative where the objects are apart.
+    fn depth(&self) -> f64;
+}
 
 /// By index: the deepest; the farthest from it; the one that spans the largest triangle with both; and the
 /// one that adds the most on the other side of the triangle. Fewer where there are fewer; of corners that
 /// are in line, but for `near`, the deepest and the ends. The first among equals.
 ///
 /// `None` of no corners.
-pub(super) fn to_four(corners: &[Corner], near: f64) -> Option<([usize; 4], usize)> {
-    let first = most(corners, Corner::depth)?;
-    let deepest = corners[first].at;
+pub(super) fn to_four<S: Spot>(corners: &[S], near: f64) -> Option<([usize; 4], usize)> {
+    let first = most(corners, S::depth)?;
+    let deepest = corners[first].at();
     let mut kept = [first; 4];
-    let from = |corner: &Corner| corner.at - deepest;
+    let from = |corner: &S| corner.at() - deepest;
     let second = most(corners, |corner| from(corner).length_squared())?;
     let base = from(&corners[second]);
-    let off_line = |corner: &Corner| base.perp_dot(from(corner));
+    let off_line = |corner: &S| base.perp_dot(from(corner));
     let level = near * base.length();
     if corners.iter().all(|corner| off_line(corner).abs() <= level) {
         let mut count = 1;
-        let end = most(corners, |corner| (corner.at - corners[second].at).length_squared())?;
+        let end = most(corners, |corner| (corner.at() - corners[second].at()).length_squared())?;
         for corner in [second, end] {
-            if corners[corner].at.distance(deepest) > near {
+            if corners[corner].at().distance(deepest) > near {
                 kept[count] = corner;
                 count += 1;
             }
@@ -28,7 +36,7 @@ pub(super) fn to_four(corners: &[Corner], near: f64) -> Option<([usize; 4], usiz
         return Some((kept, count));
     }
     if corners.len() <= 4 {
-        let others = (0..corners.len()).filter(|&corner| corners[corner].at != deepest);
+        let others = (0..corners.len()).filter(|&corner| corners[corner].at() != deepest);
         let mut count = 1;
         for (slot, corner) in kept[1..].iter_mut().zip(others) {
             *slot = corner;
@@ -50,7 +58,7 @@ pub(super) fn to_four(corners: &[Corner], near: f64) -> Option<([usize; 4], usiz
 }
 
 /// The first among equals.
-fn most(corners: &[Corner], value: impl Fn(&Corner) -> f64) -> Option<usize> {
+fn most<S>(corners: &[S], value: impl Fn(&S) -> f64) -> Option<usize> {
     let mut best = (value(corners.first()?), 0);
     for (k, corner) in corners.iter().enumerate().skip(1) {
         let value = value(corner);

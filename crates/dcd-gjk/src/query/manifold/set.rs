@@ -40,6 +40,16 @@ impl ManifoldSet {
         }
     }
 
+    /// Holds one manifold in place of what there was: empty, and then written in its place, which saves copies.
+    #[inline]
+    pub(super) fn write_one(&mut self, write: impl FnOnce(&mut Manifold) -> bool) -> bool {
+        self.0 = Held::One(Manifold::default());
+        match &mut self.0 {
+            Held::One(manifold) => write(manifold),
+            Held::Many(_) => false,
+        }
+    }
+
     /// The same with a and b exchanged.
     pub(super) fn mirrored(mut self) -> Self {
         match &mut self.0 {

@@ -61,6 +61,29 @@ pub(super) enum Axis {
     Product(usize, usize),
 }
 
+/// Which axes are looked at, a bit each: three of a, three of b, and the products of axis j of a and axis k of b at
+/// 6 + 3j + k.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Axes(pub(crate) u16);
+
+impl Axes {
+    /// All fifteen.
+    pub(crate) const ALL: Self = Self(0x7fff);
+
+    #[inline(always)]
+    fn has(self, number: usize) -> bool {
+        self.0 >> number & 1 == 1
+    }
+
+    /// The same with a and b exchanged.
+    pub(crate) fn mirrored(self) -> Self {
+        let bit = |number: usize| self.0 >> number & 1;
+        let product = |j: usize, k: usize| bit(6 + 3 * k + j) << (6 + 3 * j + k);
+        let products = (0..9).map(|n| product(n / 3, n % 3)).sum::<u16>();
+        Self(self.0 >> 3 & 7 | (self.0 & 7) << 3 | products)
+    }
+}
+
 /// The axis of the least overlap so far.
 #[derive(Clone, Copy)]
 struct Least {
@@ -78,6 +101,16 @@ pub(crate) fn depth(
     b: PosedSupport<'_, Polytope>,
     accuracy: Accuracy,
 ) -> Option<Depth> {
+    depth_along(Axes::ALL, a, b, accuracy)
+}
+
+/// The same where all other axes surely overlap more than one of those.
+pub(crate) fn depth_along(
+    axes: Axes,
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    accuracy: Accuracy,
+) -> Option<Depth> {
     let (Kind::Cuboid { half_extents: half_a }, Kind::Cuboid { half_extents: half_b }) =
         (a.map.kind(), b.map.kind())
     else {
@@ -87,7 +120,7 @@ pub(crate) fn depth(
     let radius = radii[0] + radii[1];
     let (search, [placed_a, placed_b]) = posed([a, b], [half_a, half_b])?;
     let (delta, size) = (placed_b.centre, search.size);
-    let Least { axis, value, error, lower } = search.least()?;
+    let Least { axis, value, error, lower } = search.least(axes)?;
     let depth = value + radius;
     let error_bound = error.max(value - lower) + 4.0 * UNIT * (depth + error);
     let [relative, of_size] = tolerance(accuracy);
@@ -177,30 +210,31 @@ impl Search {
     }
 
     /// `None` where an axis of a box does not surely overlap.
-    fn least(&self) -> Option<Least> {
-        let least = self.of_faces();
+    fn least(&self, axes: Axes) -> Option<Least> {
+        let least = self.of_faces(axes);
         // False for NaN.
-        if least.lower > 0.0 { Some(self.of_products(least)) } else { None }
+        if least.lower > 0.0 { Some(self.of_products(least, axes)) } else { None }
     }
 
-    fn of_faces(&self) -> Least {
+    #[inline(always)]
+    fn of_faces(&self, axes: Axes) -> Least {
         let Self { half_a, half_b, along_a, along_b, cosines: c, .. } = self;
         let mut least =
             Least { axis: Axis::OfA(0), value: f64::INFINITY, error: self.error(FACE), lower: 0.0 };
-        let mut offer = |value: f64, axis| {
-            if value < least.value {
+        let mut offer = |value: f64, axis, number| {
+            if axes.has(number) && value < least.value {
                 (least.value, least.axis) = (value, axis);
             }
         };
         for k in 0..3 {
             let reach =
                 half_b[0] * c[0][k].abs() + half_b[1] * c[1][k].abs() + half_b[2] * c[2][k].abs();
-            offer((half_a[k] + reach) - along_a[k].abs(), Axis::OfA(k));
+            offer((half_a[k] + reach) - along_a[k].abs(), Axis::OfA(k), k);
         }
         for k in 0..3 {
             let reach =
                 half_a[0] * c[k][0].abs() + half_a[1] * c[k][1].abs() + half_a[2] * c[k][2].abs();
-            offer((half_b[k] + reach) - along_b[k].abs(), Axis::OfB(k));
+            offer((half_b[k] + reach) - along_b[k].abs(), Axis::OfB(k), 3 + k);
         }
         Least { lower: least.value - least.error, ..least }
     }
@@ -208,7 +242,7 @@ impl Search {
     /// The axis of the least overlap, or of the widest gap, and that overlap; products of nearly parallel edges left
     /// out. Proves nothing.
     pub(super) fn widest(&self) -> (Axis, f64) {
-        let Least { mut axis, mut value, .. } = self.of_faces();
+        let Least { mut axis, mut value, .. } = self.of_faces(Axes::ALL);
         for k in 0..3 {
             for j in 0..3 {
                 let (along, squared) = self.of_product(j, k);
@@ -233,9 +267,13 @@ impl Search {
         ((reach_a + reach_b) - between, c[k][p] * c[k][p] + c[k][q] * c[k][q])
     }
 
-    fn of_products(&self, least: Least) -> Least {
+    fn of_products(&self, least: Least, axes: Axes) -> Least {
+        if axes.0 >> 6 == 0 {
+            return least;
+        }
         let error = self.error(CROSS);
-        let mut products = Products { search: self, error, least, short: [[0.0; 3]; 9], count: 0 };
+        let mut products =
+            Products { search: self, axes, error, least, short: [[0.0; 3]; 9], count: 0 };
         // One by one: with the axes known the compiler leaves no index to compute.
         products.look_at(0, 0);
         products.look_at(1, 0);
@@ -253,6 +291,7 @@ impl Search {
 /// The least overlap of the products looked at so far.
 struct Products<'a> {
     search: &'a Search,
+    axes: Axes,
     error: f64,
     least: Least,
     /// Products too short to be the least: a lower bound, a length, and the shorter of the two half edges.
@@ -264,7 +303,10 @@ impl Products<'_> {
     /// The product of axis `j` of a and axis `k` of b.
     #[inline(always)]
     fn look_at(&mut self, j: usize, k: usize) {
-        let Self { search, error, least, .. } = self;
+        let Self { search, axes, error, least, .. } = self;
+        if !axes.has(6 + 3 * j + k) {
+            return;
+        }
         let (value, squared) = search.of_product(j, k);
         let surely = value - *error;
         // Not less than another: a root and a quotient saved.

@@ -10,6 +10,7 @@ mod cuboid_nearest;
 mod cuboids;
 pub(crate) mod curved;
 pub mod half_space;
+mod near_features;
 mod segments;
 mod spheres;
 mod triangles;
@@ -17,8 +18,9 @@ mod triangles;
 use crate::epa::Depth;
 use crate::query::Accuracy;
 use crate::{DistanceResult, PosedSupport, Verdict};
-pub(crate) use cuboid_depth::depth as cuboid_depth;
+pub(crate) use cuboid_depth::{Axes, depth as cuboid_depth, depth_along as cuboid_depth_along};
 use dcd_geom::{Kind, Polytope};
+pub(crate) use near_features::{NearFeatures, distance_in_double_double, distance_in_f64};
 pub(crate) use spheres::{PlacedSphere, depth_of_spheres, distance_of_spheres};
 pub(crate) use triangles::nearest as nearest_of_triangle;
 

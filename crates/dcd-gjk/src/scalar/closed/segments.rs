@@ -26,7 +26,7 @@ const NEAREST: f64 = 64.0;
 const SHORTEST: f64 = 1e-280;
 
 /// What is known of a pair from one point of each core.
-struct Proposal<'a> {
+pub(super) struct Proposal<'a> {
     a: PosedSupport<'a, Polytope>,
     b: PosedSupport<'a, Polytope>,
     /// The points, each in its own frame.
@@ -129,6 +129,17 @@ impl<'a> Proposal<'a> {
         Some(Self::at(a, b, points, size_of(a, b)))
     }
 
+    /// Any points, each in its own frame; `None` out of range.
+    pub(super) fn of_points(
+        a: PosedSupport<'a, Polytope>,
+        b: PosedSupport<'a, Polytope>,
+        points: [DVec3; 2],
+    ) -> Option<Self> {
+        let size = size_of(a, b);
+        // False for NaN.
+        SIZES.contains(&size).then(|| Self::at(a, b, points, size))
+    }
+
     fn at(
         a: PosedSupport<'a, Polytope>,
         b: PosedSupport<'a, Polytope>,
@@ -141,11 +152,28 @@ impl<'a> Proposal<'a> {
         Self { a, b, points, w, length: w.length(), delta, unit: UNIT * size, radius }
     }
 
+    /// The points' difference, world axes.
+    pub(super) fn difference(&self) -> DVec3 {
+        self.w
+    }
+
     /// min over A − B of w·x. Rounded as a separation of vertices is.
     fn separation(&self) -> f64 {
-        let low = lowest(self.a, self.w);
-        let high = lowest(self.b, -self.w);
-        self.w.dot(self.delta) + (low + high)
+        self.separation_along(self.w)
+    }
+
+    fn separation_along(&self, direction: DVec3) -> f64 {
+        let low = lowest(self.a, direction);
+        let high = lowest(self.b, -direction);
+        direction.dot(self.delta) + (low + high)
+    }
+
+    /// The distance, bounded from below along a direction, if the bound is at most so many units.
+    pub(super) fn distance_along(&self, direction: DVec3, most: f64) -> Option<Distance> {
+        let length = direction.length();
+        let bounds = self.bounds(self.separation_along(direction) / length)?;
+        // False for NaN.
+        self.within(bounds, most * self.unit)
     }
 
     fn touches(&self) -> bool {
@@ -164,10 +192,15 @@ impl<'a> Proposal<'a> {
     }
 
     fn distance(&self, sharp: f64) -> Option<Distance> {
-        let [lower, upper] = self.signed_distance()?;
+        self.within(self.signed_distance()?, sharp * (self.length - self.radius))
+    }
+
+    /// The distance by its bounds, if what they leave open is at most `most` metres.
+    fn within(&self, [lower, upper]: [f64; 2], most: f64) -> Option<Distance> {
         let distance = self.length - self.radius;
         let error_bound = self.error_of(distance, [lower, upper]);
-        if !(lower > 0.0 && error_bound <= sharp * distance) {
+        // False for NaN.
+        if !(lower > 0.0 && error_bound <= most) {
             return None;
         }
         let (normal, point_a, point_b) = self.witnesses();
@@ -189,11 +222,15 @@ impl<'a> Proposal<'a> {
 
     /// At most and at least the cores' distance less the radii; `None` where the points are too near for a bound.
     fn signed_distance(&self) -> Option<[f64; 2]> {
+        self.bounds(self.separation() / self.length)
+    }
+
+    /// The same by the gap that a direction shows.
+    fn bounds(&self, along: f64) -> Option<[f64; 2]> {
         let Self { unit, radius, length, .. } = *self;
         if !(length * length >= SHORTEST) {
             return None;
         }
-        let along = self.separation() / length;
         let relative = LENGTH * UNIT;
         let upper = length * (1.0 + relative) + POINT * unit - radius * (1.0 - relative);
         let lower = along - along.abs() * relative - LOWER * unit - radius * (1.0 + relative);

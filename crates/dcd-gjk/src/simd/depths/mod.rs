@@ -8,18 +8,21 @@ mod confirm;
 mod search;
 mod surface;
 
+use super::closed::{are_cuboids, depths as of_cuboids};
 use super::frame::{FramePair, SimdFrame};
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
-use crate::closed;
+use crate::closed::{self, Axes};
 use crate::epa::Depth;
 use crate::query::MeasureDepth;
 use crate::{
-    Accuracy, Contact, ContactSink, Depths, NarrowPhase, PosedShape, Prepared, Sides, Verdict,
+    Accuracy, Contact, ContactSink, Depths, NarrowPhase, PosedShape, PosedSupport, Prepared, Sides,
+    Verdict, order,
 };
 use confirm::{Ended, SearchedPair, Side};
 use dcd_geom::{Aabb, Pair, Scene};
 use dcd_simd::{Kernel, Lanes, Path, dispatch_on};
 use search::{Next, Search};
+use std::slice::Iter;
 use surface::{Point, Surface};
 
 /// How deep the touching pairs overlap, and what a solver makes of it: [`Depths`] or
@@ -67,6 +70,7 @@ impl<S: MeasureDepth> SimdDepths<S> {
 pub struct Scratch<S> {
     yes: Yes,
     surfaces: Box<[Surface; SEATS]>,
+    of_cuboids: of_cuboids::Scratch,
     /// For each touching pair its depth, if it is confirmed.
     found: Vec<Option<Depth>>,
     solver: S,
@@ -102,7 +106,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
-        let Scratch { yes, surfaces, found, solver } = scratch;
+        let Scratch { yes, surfaces, of_cuboids, found, solver } = scratch;
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touching =
             || pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes).map(|(p, _)| *p);
@@ -112,8 +116,13 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let posed = |pair: Pair| [PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j)];
         let shapes =
             |pair: Pair| [a.scene.shape_of()[pair.i as usize], b.scene.shape_of()[pair.j as usize]];
+        of_cuboids.pairs.clear();
+        of_cuboids.pairs.extend(touching().filter(|&pair| are_cuboids(frames, pair)));
+        of_cuboids::find(self.path, frames, of_cuboids);
         let each = touching().map(|pair| (pair, posed(pair), shapes(pair)));
-        dispatch_on(self.path, Each { frames, accuracy, each, surfaces, found: &mut *found });
+        let axes = of_cuboids.axes.iter();
+        let found_here = &mut *found;
+        dispatch_on(self.path, Each { frames, accuracy, each, axes, surfaces, found: found_here });
         for (pair, found) in touching().zip(&*found) {
             if let Some(depth) = found.filter(|_| frames.are_spheres()) {
                 let answer = self.solver.measure_spheres(depth);
@@ -121,6 +130,18 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
                 continue;
             }
             let [one, other] = posed(pair);
+            if let Some(depth) = found
+                && are_cuboids(frames, pair)
+            {
+                sink.contacts.push(Contact { pair, answer: S::Answer::default() });
+                let answer = sink.contacts.last_mut().map(|contact| &mut contact.answer);
+                if answer.is_some_and(|answer| {
+                    self.solver.measure_cuboids(depth, [one, other], solver, answer)
+                }) {
+                    continue;
+                }
+                sink.contacts.pop();
+            }
             let verdict = match found {
                 Some(depth) => self.solver.measure_depth(*depth, one, other, solver),
                 None => self.solver.measure_at(self.accuracy, one, other, solver),
@@ -159,6 +180,8 @@ struct Each<'a, I> {
     accuracy: Accuracy,
     /// Touching pairs, with the numbers of their shapes.
     each: I,
+    /// For each pair of cuboids among them the axes that count.
+    axes: Iter<'a, Axes>,
     surfaces: &'a mut [Surface; SEATS],
     found: &'a mut Vec<Option<Depth>>,
 }
@@ -221,6 +244,12 @@ impl<'a, I: Iterator<Item = (Pair, [PosedShape<'a>; 2], [u32; 2])>> Each<'a, I> 
                 self.found.push(closed::depth_of_spheres(spheres, sharp));
                 continue;
             }
+            if are_cuboids(self.frames, pair) {
+                let axes = self.axes.next();
+                self.found
+                    .push(axes.and_then(|&axes| depth_of_cuboids(axes, [a, b], self.accuracy)));
+                continue;
+            }
             self.found.push(None);
             let side = |frame: &'a SimdFrame, object: u32, shape: u32, placed| {
                 let core = &frame.cores().cores()[shape as usize];
@@ -233,5 +262,16 @@ impl<'a, I: Iterator<Item = (Pair, [PosedShape<'a>; 2], [u32; 2])>> Each<'a, I> 
                 return Some(Seat { number, pair, search, point: Point::default() });
             }
         }
+    }
+}
+
+/// The depth of two cuboids, along the axes that may be the least.
+fn depth_of_cuboids(axes: Axes, [a, b]: [PosedShape<'_>; 2], accuracy: Accuracy) -> Option<Depth> {
+    let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
+    let swapped = order::is_swapped(a, b);
+    let (a, b) = (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
+    match swapped {
+        true => closed::cuboid_depth_along(axes.mirrored(), b, a, accuracy).map(Depth::mirrored),
+        false => closed::cuboid_depth_along(axes, a, b, accuracy),
     }
 }

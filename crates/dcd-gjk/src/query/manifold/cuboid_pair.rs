@@ -1,0 +1,221 @@
+//! The manifold of two boxes: what [`super::cuboids`] clips, in the plane of the face that clips, and nothing besides.
+
+use super::clip::different;
+use super::cuboids::{self, Clipped, Clipping, Points, features};
+use super::reduce::{self, Spot};
+use super::{FLAT, Manifold, SAME};
+use crate::PosedShape;
+use crate::epa::Depth;
+use dcd_geom::glam::{DVec2, DVec3};
+
+/// A corner of the patch: where, square to the normal, how deep, and its number in the list of corners.
+#[derive(Clone, Copy, Debug, Default)]
+struct Place {
+    at: DVec2,
+    depth: f64,
+    number: usize,
+}
+
+impl Spot for Place {
+    #[inline]
+    fn at(&self) -> DVec2 {
+        self.at
+    }
+
+    #[inline]
+    fn depth(&self) -> f64 {
+        self.depth
+    }
+}
+
+/// Writes the manifold of two boxes of that depth over an empty one; false where the general way is needed: see
+/// [`cuboids::clipped`].
+pub(super) fn write(
+    depth: &Depth,
+    [a, b]: [PosedShape<'_>; 2],
+    points: &mut Points,
+    found: &mut Manifold,
+) -> bool {
+    let Some(clipped) = cuboids::clipped(points, depth.normal, [a, b]) else { return false };
+    let far = a.pose.translation().length() + b.pose.translation().length();
+    let size = clipped.patch.size;
+    found.normal = depth.normal;
+    found.error_bound = (depth.error_bound + FLAT * size + 8.0 * f64::EPSILON * far).min(f64::MAX);
+    let is_patch = clipped.face.as_ref().is_some_and(|(clipping, number)| {
+        let seen = Seen { clipped: &clipped, clipping, number: *number };
+        seen.write(depth, points, a.pose.translation(), found)
+    });
+    if !is_patch {
+        found.count = 1;
+        let point = &mut found.points[0];
+        (point.point_a, point.point_b) = (depth.point_a, depth.point_b);
+        (point.depth, point.features) = (depth.depth, clipped.patch.whole);
+    }
+    true
+}
+
+/// What a face clips, and whose it is: 0 or 1.
+struct Seen<'a> {
+    clipped: &'a Clipped<'a>,
+    clipping: &'a Clipping<'a>,
+    number: usize,
+}
+
+impl Seen<'_> {
+    /// False, and nothing written, where no corner is as deep as the pair.
+    #[inline(always)]
+    fn write(&self, depth: &Depth, points: &Points, origin: DVec3, found: &mut Manifold) -> bool {
+        let Clipped { patch, radii, level, .. } = self.clipped;
+        let mut places = [Place::default(); cuboids::MOST];
+        let count = self.places(points, radii[0] + radii[1], &mut places);
+        let count = different(&mut places[..count], patch.size);
+        let places = &places[..count];
+        let tolerance = SAME * patch.size;
+        let Some((kept, count)) = reduce::to_four(places, tolerance) else { return false };
+        // False for NaN, which numbers near the end of their range make.
+        if !(places[kept[0]].depth >= depth.depth - tolerance) {
+            return false;
+        }
+        let inside = (radii[0] * (1.0 - level[0])).max(radii[1] * (1.0 - level[1])).max(0.0);
+        let mut off_surface = 0.0f64;
+        let whole = [patch.whole[self.number], patch.whole[1 - self.number]];
+        let normal = depth.normal;
+        for (point, &k) in found.points.iter_mut().zip(&kept[..count]) {
+            let place = &places[k];
+            let corner = &points.list()[place.number];
+            let on_face = self.clipping.in_world(corner.at) + origin;
+            let [of_clips, of_clipped] = features(corner.origin, whole);
+            point.depth = place.depth.clamp(0.0, depth.depth);
+            off_surface = off_surface.max(inside.min((depth.depth - place.depth).max(0.0)));
+            if self.number == 0 {
+                point.point_a = on_face + normal * radii[0];
+                point.point_b = on_face - normal * (corner.depth + radii[1]);
+                point.features = [of_clips, of_clipped];
+            } else {
+                point.point_a = on_face + normal * (corner.depth + radii[0]);
+                point.point_b = on_face - normal * radii[1];
+                point.features = [of_clipped, of_clips];
+            }
+        }
+        found.count = count as u8;
+        found.points[0].depth = depth.depth;
+        found.error_bound = (found.error_bound + off_surface).min(f64::MAX);
+        true
+    }
+
+    /// The corners as they are seen along the normal, with the radii in their depths: how many.
+    #[inline(always)]
+    fn places(&self, points: &Points, radius: f64, places: &mut [Place; cuboids::MOST]) -> usize {
+        // Axes square to the normal: the first side's part, and what is square to both, counter-clockwise along a's normal.
+        let [along_p, along_q, square] = self.clipping.normal();
+        let length = (1.0 - along_p * along_p).sqrt();
+        let sense = if self.number == 0 { 1.0 } else { -1.0 };
+        let (across, upright) = (along_p * along_q / length, sense * square / length);
+        let list = points.list();
+        for (number, (place, point)) in places.iter_mut().zip(list).enumerate() {
+            let [x, y] = point.at;
+            let at = DVec2::new(x * length - y * across, y * upright);
+            *place = Place { at, depth: point.depth + radius, number };
+        }
+        list.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::corners::Corners;
+    use super::super::in_order;
+    use super::*;
+    use crate::{Accuracy, Depths, Verdict, query::MeasureAt};
+    use dcd_geom::glam::DQuat;
+    use dcd_geom::{Pose, Shape};
+
+    /// Repeatable numbers from 0 to 1.
+    struct Draw(u64);
+
+    impl Draw {
+        fn unit(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_041);
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        }
+
+        fn vector(&mut self) -> DVec3 {
+            DVec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
+        }
+
+        fn turn(&mut self) -> DQuat {
+            DQuat::from_vec4(self.vector().extend(self.unit() - 0.5)).normalize()
+        }
+    }
+
+    /// How far the second point is from the first, and the others from the line of both, square to the normal.
+    fn spans(found: &Manifold) -> Vec<f64> {
+        let from_first =
+            |k: usize| (found.points[k].point_a - found.points[0].point_a).cross(found.normal);
+        let count = found.points().len();
+        let off_line = |k: usize| from_first(k).cross(from_first(1)).length();
+        (1..count).map(|k| if k == 1 { from_first(1).length() } else { off_line(k) }).collect()
+    }
+
+    #[test]
+    fn two_boxes_have_the_manifold_that_the_corners_of_any_shapes_give() {
+        let mut draw = Draw(7);
+        let (mut points, mut corners) = (Points::default(), Corners::default());
+        let mut counts = [0; 5];
+        let (mut same, mut others) = (0, 0);
+        for k in 0..20_000 {
+            let shape = |draw: &mut Draw| {
+                let half = draw.vector().abs() * 0.5 + 0.1;
+                let radius = if k % 4 == 0 { 0.05 } else { 0.0 };
+                Shape::cuboid(half).unwrap().rounded(radius).unwrap()
+            };
+            let shapes = [shape(&mut draw), shape(&mut draw)];
+            let turn = draw.turn();
+            let tilt = DQuat::from_scaled_axis(draw.vector() * [0.0, 1e-9, 1e-3, 0.2][k / 3 % 4]);
+            let other = if k % 3 == 0 { draw.turn() } else { turn * tilt };
+            let far = draw.vector() * 10.0;
+            let poses = [
+                Pose::new(turn, far).unwrap(),
+                Pose::new(other, far + draw.vector() * 0.6).unwrap(),
+            ];
+            let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
+            let mut scratch = Default::default();
+            if crate::certified::overlap_of(a, b).0 != Verdict::Touching(()) {
+                continue;
+            }
+            let Verdict::Touching(depth) = Depths.measure_at(Accuracy::F64, a, b, &mut scratch)
+            else {
+                panic!("{k}");
+            };
+            let mut found = Manifold::default();
+            if !write(&depth, [a, b], &mut points, &mut found) {
+                continue;
+            }
+            let reference = in_order(depth, a, b, &mut corners);
+            counts[found.points().len()] += 1;
+            let size = 1e-8;
+            // Corners that are as far, deep or wide as others may be chosen in their place.
+            assert_eq!(found.normal, reference.normal);
+            assert!((found.error_bound - reference.error_bound).abs() <= size, "{k}");
+            if k % 3 > 0 && k / 3 % 4 < 3 {
+                continue;
+            }
+            assert_eq!(found.points().len(), reference.points().len(), "{k}");
+            for (x, y) in spans(&found).into_iter().zip(spans(&reference)) {
+                assert!((x - y).abs() < size, "{k} {found:?} {reference:?}");
+            }
+            for (p, q) in found.points().iter().zip(reference.points()) {
+                if p.features == q.features {
+                    same += 1;
+                    assert!(p.point_a.distance(q.point_a) < size, "{k}");
+                    assert!(p.point_b.distance(q.point_b) < size, "{k}");
+                    assert!((p.depth - q.depth).abs() < size, "{k}");
+                } else {
+                    others += 1;
+                }
+            }
+        }
+        assert!(others < same / 20, "{same} {others}");
+        assert!(counts[1..].iter().all(|&count| count > 100), "{counts:?}");
+    }
+}

@@ -1,0 +1,103 @@
+//! Along which of the fifteen axes two cuboids that touch may overlap the least: sixteen pairs at a time, in f32.
+//!
+//! An axis is left out where it surely overlaps more than another; f64 measures along the others
+//! (docs/numerics/proofs.md, "cuboids in lanes").
+
+use super::super::bounds::U;
+use super::super::frame::FramePair;
+use super::nearest::{GAP, absolute, dot};
+use super::{CuboidPairs, Order, in_range};
+use crate::closed::Axes;
+use dcd_geom::Pair;
+use dcd_simd::{Kernel, Lanes, Path, Row, WIDTH, dispatch_on};
+
+/// What a thread reuses from slice to slice.
+#[derive(Clone, Debug, Default)]
+pub(in super::super) struct Scratch {
+    packet: CuboidPairs,
+    /// The pairs to look at.
+    pub(in super::super) pairs: Vec<Pair>,
+    /// For each pair the axes that may be the least.
+    pub(in super::super) axes: Vec<Axes>,
+}
+
+/// Looks at all pairs of the scratch, which are of cuboids.
+pub(in super::super) fn find(path: Path, frames: FramePair<'_>, scratch: &mut Scratch) {
+    let Scratch { packet, pairs, axes } = scratch;
+    axes.clear();
+    axes.resize(pairs.len(), Axes::ALL);
+    dispatch_on(path, Search { frames, packet, pairs, axes });
+}
+
+struct Search<'a> {
+    frames: FramePair<'a>,
+    packet: &'a mut CuboidPairs,
+    pairs: &'a [Pair],
+    axes: &'a mut [Axes],
+}
+
+impl Kernel for Search<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Self { frames, packet, pairs, axes } = self;
+        for (pairs, axes) in pairs.chunks(WIDTH).zip(axes.chunks_mut(WIDTH)) {
+            packet.read(frames, pairs, Order::AsGiven);
+            let mut row = Row::default();
+            let live = least_axes(l, packet, &mut row);
+            for (lane, axes) in axes.iter_mut().enumerate() {
+                if live >> lane & 1 == 1 {
+                    *axes = Axes(row.0[lane] as u16);
+                }
+            }
+        }
+    }
+}
+
+/// Writes the axes as a number: one bit each, in the order of [`Axes`]. Returns the lanes for which that is known.
+#[inline(always)]
+fn least_axes<L: Lanes>(l: L, packet: &CuboidPairs, row: &mut Row) -> u32 {
+    let (a, b, between, size) = packet.load(l);
+    let error = l.mul(size, l.splat(GAP * U));
+    let (along_a, along_b) = (a.along(l, between), b.along(l, between));
+    // The cosine of edge j of a and edge k of b.
+    let cos = [b.along(l, a.axes[0]), b.along(l, a.axes[1]), b.along(l, a.axes[2])];
+    let abs = [absolute(l, cos[0]), absolute(l, cos[1]), absolute(l, cos[2])];
+    let mut lower = [l.splat(0.0); 15];
+    let mut least = l.splat(f32::INFINITY);
+    for k in 0..3 {
+        let reach = l.add(a.half[k], dot(l, b.half, abs[k]));
+        let overlap = l.sub(reach, l.abs(along_a[k]));
+        lower[k] = l.sub(overlap, error);
+        least = l.min(least, l.add(overlap, error));
+        let reach = l.add(b.half[k], dot(l, a.half, [abs[0][k], abs[1][k], abs[2][k]]));
+        let overlap = l.sub(reach, l.abs(along_b[k]));
+        lower[3 + k] = l.sub(overlap, error);
+        least = l.min(least, l.add(overlap, error));
+    }
+    for j in 0..3 {
+        let (p, q) = ((j + 1) % 3, (j + 2) % 3);
+        for k in 0..3 {
+            let (r, s) = ((k + 1) % 3, (k + 2) % 3);
+            let apart = l.sub(l.mul(along_a[q], cos[p][k]), l.mul(along_a[p], cos[q][k]));
+            let of_a = l.mul_add(a.half[p], abs[q][k], l.mul(a.half[q], abs[p][k]));
+            let of_b = l.mul_add(b.half[r], abs[j][s], l.mul(b.half[s], abs[j][r]));
+            let overlap = l.sub(l.add(of_a, of_b), l.abs(apart));
+            let squared = l.mul_add(cos[p][k], cos[p][k], l.mul(cos[q][k], cos[q][k]));
+            let scale = l.div(l.splat(1.0), l.sqrt(squared));
+            // Of parallel edges neither is a number, and no comparison holds.
+            lower[6 + 3 * j + k] = l.mul(l.sub(overlap, error), scale);
+            let upper = l.mul(l.add(overlap, error), scale);
+            least = l.select(l.lt(upper, least), upper, least);
+        }
+    }
+    let mut axes = l.splat(0.0);
+    for (number, lower) in lower.iter().enumerate() {
+        let is_more = l.lt(least, *lower);
+        let bit = l.select(is_more, l.splat(0.0), l.splat((1u32 << number) as f32));
+        axes = l.add(axes, bit);
+    }
+    l.store(axes, row);
+    in_range(l, size)
+}

@@ -1,0 +1,151 @@
+//! What the lanes find of cuboids beside the general search in f64 and longer numbers.
+
+use super::super::frame::{FramePair, SimdFrame};
+use super::super::prepare;
+use super::depths;
+use super::nearest::{self, Found};
+use crate::closed::{Axes, cuboid_depth, cuboid_depth_along};
+use crate::distance::distance;
+use crate::{Accuracy, DistanceResult, PosedShape, PosedSupport, Sides};
+use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::{Aabb, Pair, Pose, Scene, Shape};
+use dcd_simd::Path;
+
+/// Repeatable numbers (splitmix64).
+struct Draw(u64);
+
+impl Draw {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ z >> 31) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn vector(&mut self) -> DVec3 {
+        DVec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
+    }
+
+    fn turn(&mut self) -> DQuat {
+        DQuat::from_vec4(self.vector().extend(self.unit() * 2.0 - 1.0)).normalize()
+    }
+}
+
+/// Pairs 2k, 2k + 1: turned any way, alike, by quarters, or nearly so; some flat, some thin, near the origin and far.
+fn pairs_of_cuboids(seed: u64, count: usize, scale: f64) -> Scene {
+    let mut draw = Draw(seed);
+    let (mut shapes, mut poses) = (Vec::new(), Vec::new());
+    for k in 0..count {
+        let far = if k % 11 == 0 { draw.vector() * 1e3 } else { draw.vector() };
+        let turn = if k % 5 == 0 { DQuat::IDENTITY } else { draw.turn() };
+        let tilt = [0.0, 1e-9, 1e-6, 1e-3][k / 8 % 4];
+        let own = [
+            turn,
+            turn * DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2),
+            turn * DQuat::from_scaled_axis(draw.vector() * tilt),
+        ];
+        let other = if k % 8 < 3 { own[k % 8] } else { draw.turn() };
+        let offset = draw.vector().normalize() * (0.4 + 1.4 * draw.unit());
+        for (turn, place) in [(turn, far), (other, far + offset)] {
+            let mut half = draw.vector().abs() * 0.5 + 0.1;
+            half[k % 3] *= [1.0, 1.0, 1.0, 1e-3, 0.0][k / 3 % 5];
+            shapes.push(Shape::cuboid(half * scale).unwrap());
+            poses.push(Pose::new(turn, place * scale).unwrap());
+        }
+    }
+    Scene::one_each(shapes, poses).unwrap()
+}
+
+fn prepared(scene: &Scene) -> SimdFrame {
+    let mut frame = SimdFrame::default();
+    let mut aabbs = vec![Aabb::default(); scene.len()];
+    let part = frame.layout(scene, Sides::One);
+    let objects = prepare::Prepare { scene, first: 0, part, aabbs: &mut aabbs };
+    prepare::prepare_unfused(Path::best(), objects);
+    frame
+}
+
+#[test]
+fn the_distance_at_the_features_that_the_lanes_find_is_that_of_the_search() {
+    let mut missed = [0; 3];
+    let mut count = 0;
+    for (seed, scale) in [(1, 1.0), (2, 1e-4), (3, 1e4)] {
+        let scene = pairs_of_cuboids(seed, 4000, scale);
+        let frame = prepared(&scene);
+        let frames = FramePair::of_one(&frame);
+        let posed = |pair: Pair| [pair.i, pair.j].map(|k| PosedShape::of(&scene, k));
+        let truth = |pair: Pair| match distance(posed(pair)[0], posed(pair)[1]).0 {
+            DistanceResult::Apart(found) => Some(found),
+            _ => None,
+        };
+        let all = (0..scene.len() as u32 / 2).map(|k| Pair::new(2 * k, 2 * k + 1));
+        let apart: Vec<Pair> = all.filter(|&pair| truth(pair).is_some()).collect();
+        let mut scratch = nearest::Scratch::default();
+        let margin = 0.4 * scale;
+        nearest::find(Path::best(), frames, (&apart, margin), &mut scratch);
+        for (&pair, found) in apart.iter().zip(&scratch.found) {
+            let truth = truth(pair).unwrap();
+            let near = match found {
+                Found::Unknown => panic!("{pair:?} is in range"),
+                Found::Beyond => {
+                    assert!(truth.upper() > margin, "{truth:?}");
+                    continue;
+                }
+                Found::Near(near) => near,
+            };
+            assert!(f64::from(near.lower) <= truth.upper(), "{near:?} {truth:?}");
+            count += 1;
+            let accurate = [Accuracy::F64, Accuracy::Certified]
+                .map(|accuracy| near.distance(accuracy, posed(pair)));
+            let [in_f64, certified] = accurate;
+            let in_f32 = near.distance_in_f32(frames, pair);
+            for (k, found) in [in_f32, in_f64, certified].into_iter().enumerate() {
+                let Some(found) = found else {
+                    missed[k] += 1;
+                    continue;
+                };
+                assert!(
+                    found.lower() <= truth.upper() && truth.lower() <= found.upper(),
+                    "{k} {found:?} {truth:?} {near:?}"
+                );
+                let apart = found.point_b - found.point_a - found.normal * found.distance;
+                assert!(apart.length() < 1e-11 * scale, "{k} {found:?} {truth:?}");
+            }
+        }
+    }
+    // Edges and faces that are level but for a tilt that f32 does not see.
+    let [in_f32, in_f64, certified] = missed;
+    assert!(count > 3000 && in_f32 < count / 100, "{count} {missed:?}");
+    assert!(in_f64 < count / 20 && certified < count / 5, "{count} {missed:?}");
+}
+
+#[test]
+fn the_axes_that_the_lanes_leave_out_change_no_depth() {
+    let (mut looked_at, mut count) = (0, 0);
+    for (seed, scale) in [(4, 1.0), (5, 1e-4), (6, 1e4), (7, 1.0)] {
+        let scene = pairs_of_cuboids(seed, 4000, scale);
+        let frame = prepared(&scene);
+        let mut scratch = depths::Scratch::default();
+        scratch.pairs.extend((0..scene.len() as u32 / 2).map(|k| Pair::new(2 * k, 2 * k + 1)));
+        depths::find(Path::best(), FramePair::of_one(&frame), &mut scratch);
+        for (pair, &axes) in scratch.pairs.iter().zip(&scratch.axes) {
+            let [a, b] = [pair.i, pair.j].map(|k| {
+                let side = PosedShape::of(&scene, k);
+                PosedSupport::polytope(side.shape.as_polytope().unwrap(), side.pose)
+            });
+            for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+                let all = cuboid_depth(a, b, accuracy);
+                if all.is_some() {
+                    assert_eq!(cuboid_depth_along(axes, a, b, accuracy), all, "{pair:?} {axes:?}");
+                    let mirrored = cuboid_depth_along(axes.mirrored(), b, a, accuracy);
+                    assert_eq!(mirrored, cuboid_depth(b, a, accuracy), "{pair:?} {axes:?}");
+                    count += 1;
+                    looked_at += axes.0.count_ones();
+                }
+            }
+            assert_eq!(axes.mirrored().mirrored(), axes);
+        }
+    }
+    assert!(count > 3000 && looked_at < 5 * count, "{count} {looked_at}");
+    assert_eq!(Axes::ALL.mirrored(), Axes::ALL);
+}
