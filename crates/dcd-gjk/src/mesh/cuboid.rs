@@ -19,6 +19,10 @@ const AXIS: f64 = 16.0;
 /// counts the way that makes them so. Larger: wider bounds. Smaller: axes that are rounding.
 const PARALLEL: f64 = 1e-9;
 
+/// Lengths of edges, metres, whose products with each other have squares clear of underflow. Smaller: lengths of axes
+/// that are rounding.
+const SHORTEST: f64 = 1e-60;
+
 /// How often the witnesses are brought nearer to each other. No unit. Smaller: wider bounds.
 const ROUNDS: usize = 8;
 
@@ -119,16 +123,17 @@ impl<'a> Couple<'a> {
 
 impl Placed {
     /// The axis along which they reach least past each other; an axis that separates them by more than `radius` is an
-    /// error. `None` where the triangle has no normal.
+    /// error. `None` where the triangle has no normal, or one that may be rounding.
     fn least(&self, radius: f64) -> Result<Option<Least>, DVec3> {
         let [p, q, r] = self.corners;
         let edges = [q - p, r - q, p - r];
         let normal = edges[0].cross(edges[1]);
         let area = normal.length();
-        if !(area > 0.0) {
+        let lengths = edges.map(DVec3::length);
+        // The square of what is compared does not underflow.
+        if !(area > SHORTEST * SHORTEST && lengths.iter().all(|&length| length > SHORTEST)) {
             return Ok(None);
         }
-        let lengths = edges.map(DVec3::length);
         // The products of edges with the cuboid's directions are as long as the edges are off these.
         let product = |i: usize, j: usize| edges[i].cross(DMat3::IDENTITY.col(j));
         let (mut moved, mut parallel) = (0.0f64, 0);
@@ -253,7 +258,7 @@ impl Placed {
 mod tests {
     use super::*;
     use crate::mesh::reach::tests::vector;
-    use crate::{Depths, PairSolver, PosedShape, Verdict};
+    use crate::{Depths, PairSolver, PosedShape, Verdict, certified};
     use dcd_geom::Polytope;
     use dcd_geom::glam::DQuat;
 
@@ -326,5 +331,93 @@ mod tests {
             }
         }
         assert!(touching > 2500 && apart > 1500 && parallel > 300, "{touching} {apart} {parallel}");
+    }
+
+    /// A triangle and the pose of a cuboid of that size, hard to tell from one that just touches.
+    fn hard(round: usize, half: DVec3, state: &mut u64) -> ([DVec3; 3], [Pose; 2]) {
+        let grid = |v: DVec3| (v * 8.0).round() * 0.125;
+        let mut corners = [0; 3].map(|_| vector(state));
+        let [p, q, _] = corners;
+        let far = if round % 4 == 3 { vector(state) * 1e5 } else { DVec3::ZERO };
+        let turn = DQuat::from_scaled_axis(vector(state) * 3.0);
+        let mut pose = Pose::new(turn, far).unwrap();
+        let mut body = Pose::new(turn, far).unwrap();
+        match round % 6 {
+            // Corners, edges and sides that coincide with those of the cuboid.
+            0 => {
+                (pose, body) =
+                    (Pose::IDENTITY, Pose::from_translation(grid(vector(state))).unwrap());
+                corners = corners.map(grid);
+            }
+            // In the plane of a side, and a rounding beside it.
+            1 => {
+                let lean = [0.0, 1e-16, -1e-16, 1e-14][round / 6 % 4];
+                corners = corners.map(|c| DVec3::new(c.x, c.y, half.z + lean * c.x));
+            }
+            // Needles.
+            2 => {
+                corners[2] =
+                    p.lerp(q, 0.3) + vector(state) * [1e-5, 1e-9, 1e-13, 1e-17][round / 6 % 4]
+            }
+            // Along a direction of the cuboid, almost.
+            3 => {
+                let lean = [0.0, 1e-8, 1e-9, 1e-10][round / 6 % 4];
+                corners[1] = p + DVec3::new(lean * p.x, lean * p.y, 1.0) * q.z;
+            }
+            // Without area: a segment or a point.
+            4 => corners = [p, q, [p, q, p.midpoint(q), p][round / 6 % 4]],
+            // Tiny, with a corner at a corner of the cuboid.
+            _ => {
+                let size = [1e-6, 1e-30, 1e-59, 1e-81][round / 6 % 4];
+                corners = corners.map(|c| half + c * size);
+            }
+        }
+        (corners, [pose, body])
+    }
+
+    #[test]
+    fn what_is_degenerate_or_just_touches_is_never_wrong() {
+        let half = DVec3::new(0.375, 0.25, 0.5);
+        let sharp = Shape::cuboid(half).unwrap();
+        let bodies = [sharp.clone(), sharp.swept(0.125).unwrap()];
+        let (mut state, mut touching, mut apart, mut open) = (23, [0; 6], 0, 0);
+        for round in 0..6000 {
+            let body = &bodies[round / 24 % 2];
+            let (corners, poses) = hard(round, half, &mut state);
+            let triangle = Shape::from(Polytope::mesh_triangle(corners).unwrap());
+            let part = Part::Triangle { corners, reach: triangle.reach(), radius: 0.0 };
+            let couple = Couple::of([part, Part::Shape(body)], poses.each_ref()).unwrap();
+            let a = PosedShape { shape: &triangle, pose: &poses[0] };
+            let b = PosedShape { shape: body, pose: &poses[1] };
+            // In exact integers where f64 does not know.
+            let due = certified::overlap_of(a, b).0;
+            match couple.by_axes() {
+                Some(ByAxes::Touching(found)) => {
+                    assert_eq!(due, Verdict::Touching(()), "{round}: {found:?}");
+                    let Verdict::Touching(due) = Depths.solve(a, b, &mut Default::default()) else {
+                        panic!("{round}: {found:?}");
+                    };
+                    let bound = due.error_bound + found.error_bound;
+                    let off = (due.depth - found.depth).abs();
+                    assert!(off <= bound, "{round}: {off} {found:?} {due:?}");
+                    // No direction parts them sooner.
+                    for _ in 0..50 {
+                        let most = couple.most_along(vector(&mut state));
+                        assert!(
+                            found.depth - found.error_bound <= most,
+                            "{round}: {found:?} {most}"
+                        );
+                    }
+                    touching[round % 6] += 1;
+                }
+                Some(ByAxes::Apart(_)) => {
+                    assert_eq!(due, Verdict::Apart, "{round}");
+                    apart += 1;
+                }
+                None => open += 1,
+            }
+        }
+        let is_tried = touching.iter().filter(|&&count| count > 100).count() >= 4;
+        assert!(is_tried && apart > 300 && open > 500, "{touching:?} {apart} {open}");
     }
 }

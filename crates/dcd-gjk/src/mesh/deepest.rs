@@ -151,8 +151,8 @@ impl PartPair<'_> {
         if self.swapped { -normal } else { normal }
     }
 
-    /// Its depth where a part is pressed into the face of a triangle, or is a cuboid, with a bound of at most `relative`
-    /// of it or `of_size` of the pair's size.
+    /// Its depth where a part is a sphere, a capsule or a cuboid, or pressed into the face of a triangle, with a bound
+    /// of at most `relative` of it or `of_size` of the pair's size.
     pub(crate) fn by_formula(&self, [relative, of_size]: [f64; 2]) -> Option<Depth> {
         let couple = self.couple.as_ref()?;
         let is_good = |found: &Depth| {
@@ -162,7 +162,8 @@ impl PartPair<'_> {
             Some(ByAxes::Touching(found)) => Some(found).filter(is_good),
             _ => None,
         };
-        let found = couple.pressed().filter(is_good).or_else(by_axes)?;
+        let nearest = couple.by_nearest().filter(is_good);
+        let found = nearest.or_else(|| couple.pressed().filter(is_good)).or_else(by_axes)?;
         Some(if self.swapped { found.mirrored() } else { found })
     }
 

@@ -59,6 +59,10 @@ fn by_formula(parts: [Part<'_>; 2], poses: [&Pose; 2]) -> Option<Resolved> {
     let (Part::Triangle { .. }, Part::Shape(_)) = (&parts[0], &parts[1]) else { return None };
     let couple = Couple::of(parts, poses)?;
     let touching = || Resolved::by((Verdict::Touching(()), Method::F64));
+    if let Some((verdict, axis)) = couple.verdict_by_nearest() {
+        let axis = (verdict == Verdict::Apart).then_some(axis);
+        return Some(Resolved { verdict, method: Method::F64, axis });
+    }
     let is_deep = |found: &Depth| found.depth > found.error_bound;
     match couple.by_axes() {
         Some(ByAxes::Apart(axis)) => {

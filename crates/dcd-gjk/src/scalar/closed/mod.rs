@@ -19,6 +19,7 @@ use crate::query::Accuracy;
 use crate::{DistanceResult, PosedSupport, Verdict};
 pub(crate) use cuboid_depth::depth as cuboid_depth;
 use dcd_geom::{Kind, Polytope};
+pub(crate) use segments::{PosedCore, depth_of_cores, overlap_of_cores};
 pub(crate) use spheres::{PlacedSphere, depth_of_spheres, distance_of_spheres};
 pub(crate) use triangles::nearest as nearest_of_triangle;
 
