@@ -22,6 +22,7 @@ mod poses;
 mod random;
 mod recipe;
 mod spec;
+mod terrain;
 mod walk;
 
 pub use dcd_io::run::Run;
@@ -31,4 +32,5 @@ pub use game_hulls::{GameHulls, GameSize};
 pub use pile::{Pile, PileContact};
 pub use poses::poses_in;
 pub use spec::{SceneSpec, SpecError};
+pub use terrain::terrain;
 pub use walk::RandomWalk;

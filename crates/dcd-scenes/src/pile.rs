@@ -168,11 +168,11 @@ fn resistance(a: &Body, b: &Body, point: DVec3, direction: DVec3) -> f64 {
     if sum > 0.0 { sum } else { f64::INFINITY }
 }
 
-fn refused_shape(error: dcd_geom::ShapeError) -> SpecError {
+pub(crate) fn refused_shape(error: dcd_geom::ShapeError) -> SpecError {
     SpecError::Build(crate::BuildError::Shape { shape: 0, error })
 }
 
-fn refused_scene(error: SceneError) -> SpecError {
+pub(crate) fn refused_scene(error: SceneError) -> SpecError {
     SpecError::Build(crate::BuildError::Scene(error))
 }
 

@@ -9,8 +9,7 @@ use dcd_broad::WideTree;
 use dcd_geom::{Pair, Scene};
 use dcd_gjk::Accuracy;
 use dcd_gjk::Within;
-use dcd_pipeline::{Answer, AnyPipeline, Exec, Par, Pipeline, Question, StageClock};
-use dcd_scenes::SceneSpec;
+use dcd_pipeline::{Answer, AnyPipeline, Exec, Par, Pipeline, Precision, Question, StageClock};
 use serde::{Deserialize, Serialize};
 
 use crate::parry::Parry;
@@ -24,16 +23,20 @@ pub(crate) enum Kind {
     Distance,
     Depth,
     Manifold,
+    /// Yes or no, proved.
+    Overlap,
 }
 
 impl Kind {
-    const ALL: [Self; 3] = [Self::Distance, Self::Depth, Self::Manifold];
+    pub(crate) const MEASURED: [Self; 3] = [Self::Distance, Self::Depth, Self::Manifold];
+    pub(crate) const TERRAIN: [Self; 3] = [Self::Overlap, Self::Depth, Self::Manifold];
 
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Distance => "distance",
             Self::Depth => "depth",
             Self::Manifold => "manifold",
+            Self::Overlap => "overlap",
         }
     }
 
@@ -42,6 +45,7 @@ impl Kind {
             Self::Distance => Question::Distance { accuracy, margin: MARGIN },
             Self::Depth => Question::Depth { accuracy },
             Self::Manifold => Question::Manifold { accuracy, options: Default::default() },
+            Self::Overlap => Question::Overlap { precision: Precision::Certified, margin: 0.0 },
         }
     }
 
@@ -84,14 +88,20 @@ pub(crate) struct Outcome {
 /// What was measured of a pair: a value and its bound; none where there is nothing to measure.
 type Measured = Option<[f64; 2]>;
 
-pub(crate) fn run_scene(spec: &SceneSpec, scene: &Scene, effort: Effort) -> Result<Outcome> {
+/// Those kinds of query of a scene of that name; yes or no has no accuracy.
+pub(crate) fn run_scene(
+    (name, scene): (&str, &Scene),
+    kinds: [Kind; 3],
+    effort: Effort,
+) -> Result<Outcome> {
     let mut measurements = Vec::new();
-    for kind in Kind::ALL {
+    for kind in kinds {
         let pairs = candidates(scene, kind.margin())?;
         let mut parry = Parry::new(scene, &pairs, kind.margin())?;
         let parry_found = [parry.count(kind), parry.step(kind)];
         let mut certified = HashMap::new();
-        for (name, accuracy) in ACCURACIES {
+        let count = if kind == Kind::Overlap { 1 } else { ACCURACIES.len() };
+        for &(name, accuracy) in &ACCURACIES[..count] {
             let mut pipeline = AnyPipeline::new(kind.question(accuracy))?;
             let found = measured(&mut pipeline, scene);
             if accuracy == Accuracy::Certified {
@@ -121,7 +131,7 @@ pub(crate) fn run_scene(spec: &SceneSpec, scene: &Scene, effort: Effort) -> Resu
             });
         }
     }
-    Ok(Outcome { scene: spec.name().to_owned(), objects: scene.len(), measurements })
+    Ok(Outcome { scene: name.to_owned(), objects: scene.len(), measurements })
 }
 
 /// The times of [`Measurement::times`]. Whoever finds another number of pairs than before has no time.

@@ -178,7 +178,7 @@ fn measure<S: MeasureAt>(
 pub(crate) fn run_kinds(kinds: [usize; 2], seed: u64, effort: Effort) -> Result<Vec<Cross>> {
     let (count, rounds) = if effort == Effort::Quick { (24, 3) } else { (256, 7) };
     let mut found = Vec::new();
-    for question in [Kind::Distance, Kind::Depth, Kind::Manifold] {
+    for question in Kind::MEASURED {
         let scene = scene(kinds, question != Kind::Distance, count, seed)?;
         let pairs: Vec<Pair> = (0..count as u32).map(|k| Pair::new(2 * k, 2 * k + 1)).collect();
         let margin = if question == Kind::Distance { 10.0 } else { 0.0 };
@@ -193,7 +193,7 @@ pub(crate) fn run_kinds(kinds: [usize; 2], seed: u64, effort: Effort) -> Result<
                     |distance| distance.map_or(0.0, |d| d.error_bound),
                 ),
                 Kind::Depth => measure(Depths, accuracy, &scene, &pairs, |depth| depth.error_bound),
-                Kind::Manifold => {
+                Kind::Manifold | Kind::Overlap => {
                     measure(Manifolds::default(), accuracy, &scene, &pairs, |m| m.error_bound())
                 }
             };

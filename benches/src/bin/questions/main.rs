@@ -17,7 +17,7 @@ use clap::Parser;
 use dcd_benches::{Header, Options, Print, Units, draw, exit_code};
 use dcd_scenes::SceneSpec;
 
-use contest::{Outcome, run_scene};
+use contest::{Kind, Outcome, run_scene};
 use kinds::{Cross, run_kinds};
 
 /// The scenes, each with its objects in full and with --quick: those whose shapes Parry has too.
@@ -32,6 +32,9 @@ const SCENES: [(&str, usize, usize); 8] = [
     ("clustered", 5000, 500),
 ];
 
+/// A mesh under so many bodies: in full and with --quick.
+const TERRAIN: (&str, usize, usize) = ("terrain", 2000, 500);
+
 /// How far, how deep and where of whole scenes, at every accuracy: our narrow phase beside Parry's queries of the same
 /// candidate pairs, and our step beside Parry's, interleaved in one process, on one thread.
 #[derive(Parser)]
@@ -39,7 +42,7 @@ const SCENES: [(&str, usize, usize); 8] = [
 struct Line {
     #[command(flatten)]
     options: Options,
-    /// One scene [default: eight]
+    /// One scene [default: eight and terrain, a mesh under many bodies]
     #[arg(long)]
     scene: Option<String>,
     /// Objects
@@ -53,9 +56,21 @@ struct Line {
 }
 
 impl Line {
+    fn is_terrain(&self) -> bool {
+        self.scene.as_deref() == Some(TERRAIN.0)
+    }
+
+    /// How many bodies lie on the terrain, if it is measured.
+    fn bodies(&self) -> Option<usize> {
+        let (_, full, quick) = TERRAIN;
+        let is_default = self.scene.is_none() && self.kinds.is_none();
+        let usual = if self.options.quick { quick } else { full };
+        (is_default || self.is_terrain()).then(|| self.n.unwrap_or(usual))
+    }
+
     fn subjects(&self) -> Result<Vec<SceneSpec>> {
         let sized = |&(name, full, quick): &(&str, usize, usize)| (name.to_owned(), full, quick);
-        if self.kinds.is_some() {
+        if self.kinds.is_some() || self.is_terrain() {
             return Ok(Vec::new());
         }
         let chosen: Vec<_> = match &self.scene {
@@ -88,10 +103,18 @@ fn run(line: &Line) -> Result<()> {
     };
     let key = |spec: &SceneSpec| format!("{}/N={}", spec.name(), spec.objects);
     let keys = specs.iter().map(key).chain(crossed.iter().map(|&kinds| kinds::name(kinds)));
+    let of_terrain = line.bodies().map(|bodies| (bodies, format!("{}/N={bodies}", TERRAIN.0)));
+    let keys = keys.chain(of_terrain.iter().map(|(_, key)| key.clone()));
     let mut units = Units::open(&dir, &header.fingerprint(), keys, options.start())?;
     let mut outcomes: Vec<Outcome> = Vec::new();
     for spec in &specs {
-        outcomes.push(units.run(&key(spec), || run_scene(spec, &draw(spec)?, options.effort()))?);
+        let run = || run_scene((spec.name(), &draw(spec)?), Kind::MEASURED, options.effort());
+        outcomes.push(units.run(&key(spec), run)?);
+    }
+    if let Some((bodies, key)) = &of_terrain {
+        let scene = || dcd_scenes::terrain(*bodies, options.seed);
+        let run = || run_scene((TERRAIN.0, &scene()?), Kind::TERRAIN, options.effort());
+        outcomes.push(units.run(key, run)?);
     }
     let mut found: Vec<Cross> = Vec::new();
     for &pair in &crossed {

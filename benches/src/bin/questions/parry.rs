@@ -75,6 +75,9 @@ impl Parry {
                 !matches!(found, Ok(query::ClosestPoints::Disjoint) | Err(_))
             }
             Kind::Depth => matches!(query::contact(&at_a, a, &at_b, b, 0.0), Ok(Some(_))),
+            Kind::Overlap => {
+                query::intersection_test(&at_a, a, &at_b, b).is_ok_and(|found| found.intersecting)
+            }
             Kind::Manifold => {
                 // Without a warm start: none is kept from pair to pair.
                 manifolds.clear();

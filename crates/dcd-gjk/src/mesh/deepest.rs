@@ -1,5 +1,6 @@
 //! How deep two shapes overlap that are made of parts: as deep as their deepest two parts.
 
+use super::cuboid::ByAxes;
 use super::reach::Couple;
 use super::side::{Part, Parts, Side};
 use super::{Scratch, in_order, pair, touching};
@@ -150,14 +151,20 @@ impl PartPair<'_> {
         if self.swapped { -normal } else { normal }
     }
 
-    /// Its depth where a part is pressed into the face of a triangle, with a bound of at most `relative` of it or
-    /// `of_size` of the pair's size.
-    pub(crate) fn pressed(&self, [relative, of_size]: [f64; 2]) -> Option<Depth> {
+    /// Its depth where a part is a sphere, a capsule or a cuboid, or pressed into the face of a triangle, with a bound
+    /// of at most `relative` of it or `of_size` of the pair's size.
+    pub(crate) fn by_formula(&self, [relative, of_size]: [f64; 2]) -> Option<Depth> {
         let couple = self.couple.as_ref()?;
-        let found = couple.pressed()?;
-        let most = (relative * found.depth).max(of_size * couple.size());
-        let found = if self.swapped { found.mirrored() } else { found };
-        (found.error_bound <= most).then_some(found)
+        let is_good = |found: &Depth| {
+            found.error_bound <= (relative * found.depth).max(of_size * couple.size())
+        };
+        let by_axes = || match couple.by_axes() {
+            Some(ByAxes::Touching(found)) => Some(found).filter(is_good),
+            _ => None,
+        };
+        let nearest = couple.by_nearest().filter(is_good);
+        let found = nearest.or_else(|| couple.pressed().filter(is_good)).or_else(by_axes)?;
+        Some(if self.swapped { found.mirrored() } else { found })
     }
 
     /// What is proved of the pair along a normal from a to b.

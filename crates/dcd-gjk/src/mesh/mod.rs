@@ -6,6 +6,7 @@
 //! both parts are polytopes, in exact integers. So the answers are those of resolving every pair of parts.
 
 mod bounds;
+mod cuboid;
 mod deepest;
 mod descent;
 mod distance;

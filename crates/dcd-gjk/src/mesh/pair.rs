@@ -1,8 +1,11 @@
 //! One pair of parts: f64 with its bounds, then exact integers.
 
+use super::cuboid::ByAxes;
 use super::piercing;
+use super::reach::Couple;
 use super::relative_pose::RelativePose;
 use super::side::{Part, Side};
+use crate::epa::Depth;
 use crate::gjk::{Simplex, overlap_with_simplex, start};
 use crate::{Difference, Method, PosedShape, PosedSupport, Verdict, certified, exact};
 use dcd_geom::glam::DVec3;
@@ -27,6 +30,9 @@ impl Resolved {
 /// Resolves a pair of parts, by their indices, as the certified solver does any pair.
 pub(super) fn resolve([a, b]: [&Side<'_>; 2], [part_a, part_b]: [u32; 2]) -> Resolved {
     let (part_a, part_b) = (a.part(part_a), b.part(part_b));
+    if let Some(resolved) = by_formula([part_a, part_b], [a.pose, b.pose]) {
+        return resolved;
+    }
     let core_a = Core::of(&part_a);
     if let (Some(core_a), Some(core_b)) = (&core_a, &Core::of(&part_b)) {
         return overlap([core_a, core_b], [a.pose, b.pose]);
@@ -46,6 +52,30 @@ pub(super) fn resolve([a, b]: [&Side<'_>; 2], [part_a, part_b]: [u32; 2]) -> Res
         // Checked corners are finite, and a hull of three is never refused.
         _ => Resolved::by((Verdict::Undecided(crate::Reason::Range), Method::F64)),
     }
+}
+
+/// A triangle and a convex part where a formula proves that they touch, or do not.
+fn by_formula(parts: [Part<'_>; 2], poses: [&Pose; 2]) -> Option<Resolved> {
+    let (Part::Triangle { .. }, Part::Shape(_)) = (&parts[0], &parts[1]) else { return None };
+    let couple = Couple::of(parts, poses)?;
+    let touching = || Resolved::by((Verdict::Touching(()), Method::F64));
+    if let Some((verdict, axis)) = couple.verdict_by_nearest() {
+        let axis = (verdict == Verdict::Apart).then_some(axis);
+        return Some(Resolved { verdict, method: Method::F64, axis });
+    }
+    let is_deep = |found: &Depth| found.depth > found.error_bound;
+    match couple.by_axes() {
+        Some(ByAxes::Apart(axis)) => {
+            return Some(Resolved {
+                verdict: Verdict::Apart,
+                method: Method::F64,
+                axis: Some(axis),
+            });
+        }
+        Some(ByAxes::Touching(_)) => return Some(touching()),
+        None => {}
+    }
+    couple.pressed().filter(is_deep).map(|_| touching())
 }
 
 /// The same for two triangles that no axis of theirs is known to separate: most of them pierce.

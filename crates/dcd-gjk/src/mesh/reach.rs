@@ -2,7 +2,9 @@
 
 use super::bounds::U64;
 use super::side::Part;
-use crate::closed::nearest_of_triangle;
+use crate::Verdict;
+use crate::closed::{self, PosedCore, nearest_of_triangle};
+use crate::epa::Depth;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Pose, Shape, SupportMap};
 
@@ -58,6 +60,34 @@ impl<'a> Couple<'a> {
     /// m: at least the lengths that are computed with, metres.
     pub(super) fn size(&self) -> f64 {
         self.size
+    }
+
+    /// The depth of a triangle and a sphere or capsule whose cores do not meet, from the first to the second; `None` of
+    /// others.
+    pub(super) fn by_nearest(&self) -> Option<Depth> {
+        closed::depth_of_cores(self.round()?, closed::AS_F64)
+    }
+
+    /// Whether a triangle and a sphere or capsule touch, where their nearest points prove it; and from the second's to
+    /// the first's, world.
+    pub(super) fn verdict_by_nearest(&self) -> Option<(Verdict<()>, DVec3)> {
+        closed::overlap_of_cores(self.round()?)
+    }
+
+    /// The cores of a triangle and of a sphere or capsule.
+    fn round(&self) -> Option<[PosedCore<'_>; 2]> {
+        let core = |k: usize| match &self.parts[k] {
+            Part::Triangle { corners, radius, .. } => {
+                Some(PosedCore::triangle(corners, *radius, self.poses[k]))
+            }
+            Part::Shape(shape) => {
+                let core = shape.as_polytope()?;
+                let is_round = matches!(core.kind(), Kind::Point | Kind::Segment);
+                is_round.then(|| PosedCore::polytope(core, self.poses[k]))
+            }
+        };
+        let is_triangle = self.parts.each_ref().map(|part| matches!(part, Part::Triangle { .. }));
+        (is_triangle[0] != is_triangle[1]).then(|| Some([core(0)?, core(1)?]))?
     }
 
     /// At least how deep they overlap: how far they reach past each other from a triangle's point that is nearest to a

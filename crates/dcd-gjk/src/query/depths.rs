@@ -181,10 +181,10 @@ pub(super) fn of_parts(
     sides: [PosedShape<'_>; 2],
     scratch: &mut epa::Scratch,
 ) -> Option<Verdict<Depth>> {
-    let pressed = pair.pressed(tolerance(accuracy)).map(Verdict::Touching);
+    let found = pair.by_formula(tolerance(accuracy)).map(Verdict::Touching);
     match effort {
-        Effort::Formula => pressed,
-        Effort::Whole => pressed.or_else(|| {
+        Effort::Formula => found,
+        Effort::Whole => found.or_else(|| {
             Some(pair.measured_by(sides, |[a, b]| of_touching(accuracy, a, b, scratch)))
         }),
     }

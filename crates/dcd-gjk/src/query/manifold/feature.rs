@@ -187,20 +187,36 @@ const KEPT: usize = 64;
 
 impl<'a> Choice<'a> {
     fn part(&self) -> Part<'a> {
-        self.side_of_triangle().unwrap_or_else(|| self.searched())
+        self.of_triangle().unwrap_or_else(|| self.searched())
     }
 
-    /// The side of a triangle that faces the direction, as its list of faces has it, without the list.
-    fn side_of_triangle(&self) -> Option<Part<'a>> {
+    /// What of a triangle that is no needle faces the direction, as its list of faces has it, without the list.
+    fn of_triangle(&self) -> Option<Part<'a>> {
         let normal = self.polytope.normal_of_triangle()?;
         let cosine = normal.dot(self.direction);
         if cosine > FACING {
-            Some(Part::Face { index: 0, normal, corners: &[0, 1, 2] })
+            return Some(Part::Face { index: 0, normal, corners: &[0, 1, 2] });
         } else if -cosine > FACING {
-            Some(Part::Face { index: 1, normal: -normal, corners: &[2, 1, 0] })
-        } else {
-            None
+            return Some(Part::Face { index: 1, normal: -normal, corners: &[2, 1, 0] });
         }
+        let least = self.least();
+        let is_farthest = |k: u32| self.along(k) >= least;
+        let mut best = (LEVEL, None);
+        for [j, k] in [[0, 2], [0, 1], [1, 2]] {
+            let rise = self.rise(j, k);
+            if (is_farthest(j) || is_farthest(k)) && rise < best.0 {
+                best = (rise, Some(Part::Edge([j, k])));
+            }
+        }
+        let vertex = || Part::Vertex((0..3).find(|&k| is_farthest(k)).unwrap_or(0));
+        Some(best.1.unwrap_or_else(vertex))
+    }
+
+    /// The least height of a vertex that counts as farthest.
+    fn least(&self) -> f64 {
+        let farthest = self.polytope.vertices().iter().map(|&v| self.direction.dot(v));
+        let farthest = farthest.fold(f64::NEG_INFINITY, |most, x| if x > most { x } else { most });
+        farthest - FARTHEST * self.polytope.outer_radius()
     }
 
     fn searched(&self) -> Part<'a> {
@@ -317,5 +333,50 @@ impl<'a> Choice<'a> {
         let (v, w) = (vertices[j as usize], vertices[k as usize]);
         let length = v.distance(w);
         if length > 0.0 { (self.along(j) - self.along(k)).abs() / length } else { f64::INFINITY }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_triangle_shows_what_its_list_of_faces_has() {
+        let mut state = 3u64;
+        let mut draw = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        let mut vector = || DVec3::new(draw(), draw(), draw());
+        let (mut edges, mut vertices) = (0, 0);
+        for round in 0..2000 {
+            let corners = [vector(), vector(), vector()];
+            let polytope = Polytope::mesh_triangle(corners).unwrap();
+            let along = (corners[1] - corners[0]).normalize();
+            let direction = match round % 3 {
+                0 => vector(),
+                1 => along.cross(vector()) + along * 0.2 * vector(),
+                _ => along.cross(vector()),
+            };
+            let choice = Choice { polytope: &polytope, direction: direction.normalize() };
+            let (found, due) = (choice.part(), choice.searched());
+            match (found, due) {
+                (Part::Vertex(found), Part::Vertex(due)) => {
+                    assert_eq!(found, due, "{round}");
+                    vertices += 1;
+                }
+                (Part::Edge(found), Part::Edge(due)) => {
+                    assert_eq!(found, due, "{round}");
+                    edges += 1;
+                }
+                (Part::Face { index: found, .. }, Part::Face { index: due, .. }) => {
+                    assert_eq!(found, due, "{round}");
+                }
+                _ => panic!("{round}: {corners:?} {direction}"),
+            }
+        }
+        assert!(edges > 300 && vertices > 300, "{edges} {vertices}");
     }
 }

@@ -46,7 +46,7 @@ pub(crate) fn distance_in_f64(
     features: &NearFeatures,
 ) -> Option<Distance> {
     let near = Near::of(sides, features)?;
-    let proposal = Proposal::of_points(sides[0], sides[1], near.points)?;
+    let proposal = Proposal::of_points(sides[0].into(), sides[1].into(), near.points)?;
     proposal.distance_along(near.square_to_edges(proposal.difference()), NEAREST)
 }
 

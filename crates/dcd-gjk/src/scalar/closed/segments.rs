@@ -9,7 +9,7 @@ use super::{LENGTH, SEPARATION, SIZES, UNIT};
 use crate::epa::Depth;
 use crate::{Distance, DistanceResult, PosedSupport, Verdict};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Kind, Polytope, Vector};
+use dcd_geom::{Kind, Polytope, Pose, Vector};
 
 /// How far the proposed points' difference may be off. Unit: u·m. A component loses 5.01u as a
 /// vertex's does and at most 5u for a point between two: √3 of that.
@@ -25,10 +25,42 @@ const NEAREST: f64 = 64.0;
 /// A squared length of the difference, square metres, below which products with it could underflow.
 const SHORTEST: f64 = 1e-280;
 
+/// A core where it is, and the radius swept round it.
+#[derive(Clone, Copy)]
+pub(crate) struct PosedCore<'a> {
+    pub(super) kind: Kind,
+    pub(super) vertices: &'a [DVec3],
+    pub(super) pose: &'a Pose,
+    radius: f64,
+    /// At least the distance of every vertex from the origin of its own frame, metres.
+    reach: f64,
+}
+
+impl<'a> PosedCore<'a> {
+    /// Of a triangle.
+    pub(crate) fn triangle(corners: &'a [DVec3; 3], radius: f64, pose: &'a Pose) -> Self {
+        let [p, q, r] = corners.map(DVec3::length_squared);
+        let reach = p.max(q).max(r).sqrt() * (1.0 + LENGTH * UNIT);
+        Self { kind: Kind::Triangle, vertices: corners, pose, radius, reach }
+    }
+
+    /// Of a shape.
+    pub(crate) fn polytope(map: &'a Polytope, pose: &'a Pose) -> Self {
+        let (radius, reach) = (map.swept_radius(), map.reach());
+        Self { kind: map.kind(), vertices: map.vertices(), pose, radius, reach }
+    }
+}
+
+impl<'a> From<PosedSupport<'a, Polytope>> for PosedCore<'a> {
+    fn from(side: PosedSupport<'a, Polytope>) -> Self {
+        Self { reach: side.reach, ..Self::polytope(side.map, side.pose) }
+    }
+}
+
 /// What is known of a pair from one point of each core.
 pub(super) struct Proposal<'a> {
-    a: PosedSupport<'a, Polytope>,
-    b: PosedSupport<'a, Polytope>,
+    a: PosedCore<'a>,
+    b: PosedCore<'a>,
     /// The points, each in its own frame.
     points: [DVec3; 2],
     /// Their difference in world axes.
@@ -47,7 +79,13 @@ pub(super) fn overlap(
     a: PosedSupport<'_, Polytope>,
     b: PosedSupport<'_, Polytope>,
 ) -> Option<Verdict<()>> {
-    Proposal::of(a, b)?.verdict()
+    Proposal::of(a.into(), b.into())?.verdict()
+}
+
+/// The same of cores, and from the second's nearest point to the first's: world.
+pub(crate) fn overlap_of_cores([a, b]: [PosedCore<'_>; 2]) -> Option<(Verdict<()>, DVec3)> {
+    let proposal = Proposal::of(a, b)?;
+    proposal.verdict().map(|verdict| (verdict, proposal.w))
 }
 
 /// Their distance, if it is proved and its bound at most `sharp` times itself.
@@ -56,7 +94,7 @@ pub(super) fn distance(
     b: PosedSupport<'_, Polytope>,
     sharp: f64,
 ) -> Option<DistanceResult> {
-    let proposal = Proposal::of(a, b)?;
+    let proposal = Proposal::of(a.into(), b.into())?;
     if proposal.touches() {
         return Some(DistanceResult::Touching);
     }
@@ -70,6 +108,11 @@ pub(super) fn depth(
     b: PosedSupport<'_, Polytope>,
     sharp: f64,
 ) -> Option<Depth> {
+    depth_of_cores([a.into(), b.into()], sharp)
+}
+
+/// The same as [`depth`], of cores.
+pub(crate) fn depth_of_cores([a, b]: [PosedCore<'_>; 2], sharp: f64) -> Option<Depth> {
     Proposal::of(a, b)?.depth(sharp)
 }
 
@@ -83,34 +126,34 @@ pub(super) fn distance_of_cuboids(
 }
 
 /// The pair's size m.
-fn size_of(a: PosedSupport<'_, Polytope>, b: PosedSupport<'_, Polytope>) -> f64 {
-    let reach = |body: PosedSupport<'_, Polytope>| body.reach * (1.0 + body.pose.deviation());
+fn size_of(a: PosedCore<'_>, b: PosedCore<'_>) -> f64 {
+    let reach = |body: PosedCore<'_>| body.reach * (1.0 + body.pose.deviation());
     reach(a) + reach(b) + (a.pose.translation() - b.pose.translation()).norm1()
 }
 
 impl<'a> Proposal<'a> {
-    fn of(a: PosedSupport<'a, Polytope>, b: PosedSupport<'a, Polytope>) -> Option<Self> {
+    fn of(a: PosedCore<'a>, b: PosedCore<'a>) -> Option<Self> {
         let delta = a.pose.translation() - b.pose.translation();
-        let radius = a.map.swept_radius() + b.map.swept_radius();
+        let radius = a.radius + b.radius;
         let size = size_of(a, b);
         // False for NaN.
         if !(SIZES.contains(&size) && radius < SIZES.end) {
             return None;
         }
-        let points = match (a.map.kind(), b.map.kind()) {
+        let points = match (a.kind, b.kind) {
             (Kind::Cuboid { half_extents }, Kind::Point) => {
-                let point = *b.map.vertices().first()?;
+                let point = *b.vertices.first()?;
                 let in_a = a.pose.rotation().transpose() * (*b.pose.rotation() * point - delta);
                 [in_a.clamp(-half_extents, half_extents), point]
             }
             (Kind::Point, Kind::Cuboid { half_extents }) => {
-                let point = *a.map.vertices().first()?;
+                let point = *a.vertices.first()?;
                 let in_b = b.pose.rotation().transpose() * (*a.pose.rotation() * point + delta);
                 [point, in_b.clamp(-half_extents, half_extents)]
             }
             (Kind::Point | Kind::Segment, Kind::Point | Kind::Segment) => {
-                let (from_a, along_a) = segment(a.map)?;
-                let (from_b, along_b) = segment(b.map)?;
+                let (from_a, along_a) = segment(a.vertices)?;
+                let (from_b, along_b) = segment(b.vertices)?;
                 let (turn_a, turn_b) = (*a.pose.rotation(), *b.pose.rotation());
                 let between = (turn_a * from_a - turn_b * from_b) + delta;
                 let [s, t] = parameters(turn_a * along_a, turn_b * along_b, between);
@@ -126,13 +169,14 @@ impl<'a> Proposal<'a> {
     /// Two boxes that are apart, by points that are perhaps the nearest.
     fn of_cuboids(a: PosedSupport<'a, Polytope>, b: PosedSupport<'a, Polytope>) -> Option<Self> {
         let points = cuboid_nearest::points(a, b)?;
+        let (a, b) = (a.into(), b.into());
         Some(Self::at(a, b, points, size_of(a, b)))
     }
 
     /// Any points, each in its own frame; `None` out of range.
     pub(super) fn of_points(
-        a: PosedSupport<'a, Polytope>,
-        b: PosedSupport<'a, Polytope>,
+        a: PosedCore<'a>,
+        b: PosedCore<'a>,
         points: [DVec3; 2],
     ) -> Option<Self> {
         let size = size_of(a, b);
@@ -140,14 +184,9 @@ impl<'a> Proposal<'a> {
         SIZES.contains(&size).then(|| Self::at(a, b, points, size))
     }
 
-    fn at(
-        a: PosedSupport<'a, Polytope>,
-        b: PosedSupport<'a, Polytope>,
-        points: [DVec3; 2],
-        size: f64,
-    ) -> Self {
+    fn at(a: PosedCore<'a>, b: PosedCore<'a>, points: [DVec3; 2], size: f64) -> Self {
         let delta = a.pose.translation() - b.pose.translation();
-        let radius = a.map.swept_radius() + b.map.swept_radius();
+        let radius = a.radius + b.radius;
         let w = (*a.pose.rotation() * points[0] - *b.pose.rotation() * points[1]) + delta;
         Self { a, b, points, w, length: w.length(), delta, unit: UNIT * size, radius }
     }
@@ -247,14 +286,14 @@ impl<'a> Proposal<'a> {
     fn witnesses(&self) -> (DVec3, DVec3, DVec3) {
         let Self { a, b, points, .. } = *self;
         let normal = self.w / -self.length;
-        let point_a = a.pose.apply(points[0]) + normal * a.map.swept_radius();
-        (normal, point_a, b.pose.apply(points[1]) - normal * b.map.swept_radius())
+        let point_a = a.pose.apply(points[0]) + normal * a.radius;
+        (normal, point_a, b.pose.apply(points[1]) - normal * b.radius)
     }
 }
 
 /// A vertex, and from it to the other one.
-fn segment(polytope: &Polytope) -> Option<(DVec3, DVec3)> {
-    match *polytope.vertices() {
+fn segment(vertices: &[DVec3]) -> Option<(DVec3, DVec3)> {
+    match *vertices {
         [from] => Some((from, DVec3::ZERO)),
         [from, to] => Some((from, to - from)),
         _ => None,
@@ -262,12 +301,12 @@ fn segment(polytope: &Polytope) -> Option<(DVec3, DVec3)> {
 }
 
 /// min over the core of d·R·x.
-fn lowest(body: PosedSupport<'_, Polytope>, d: DVec3) -> f64 {
+fn lowest(body: PosedCore<'_>, d: DVec3) -> f64 {
     let d = body.pose.rotation().transpose() * d;
-    if let Kind::Cuboid { half_extents } = body.map.kind() {
+    if let Kind::Cuboid { half_extents } = body.kind {
         return -d.abs().dot(half_extents);
     }
-    body.map.vertices().iter().fold(f64::INFINITY, |least, &v| least.min(d.dot(v)))
+    body.vertices.iter().fold(f64::INFINITY, |least, &v| least.min(d.dot(v)))
 }
 
 /// Where in [0, 1] along `u` and `v` the points `between + u·s` and `v·t` are nearest.

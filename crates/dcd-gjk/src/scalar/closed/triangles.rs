@@ -1,27 +1,22 @@
 //! The nearest points of a triangle and a point or segment that does not pierce it.
 
-use super::segments::parameters;
-use crate::PosedSupport;
+use super::segments::{PosedCore, parameters};
+use dcd_geom::Kind;
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Kind, Polytope};
 
 /// A point of each core, in its own frame, that are the nearest but for rounding where the cores do not meet.
 /// `delta` is from the second's origin to the first's.
 ///
 /// Each is a combination of vertices whose weights are at least 0 and sum to 1 within 2u: it is within 5u of
 /// the reach from its core.
-pub(super) fn points(
-    a: PosedSupport<'_, Polytope>,
-    b: PosedSupport<'_, Polytope>,
-    delta: DVec3,
-) -> Option<[DVec3; 2]> {
-    if a.map.kind() != Kind::Triangle {
+pub(super) fn points(a: PosedCore<'_>, b: PosedCore<'_>, delta: DVec3) -> Option<[DVec3; 2]> {
+    if a.kind != Kind::Triangle {
         return points(b, a, -delta).map(|[of_b, of_a]| [of_a, of_b]);
     }
     let (back, turn) = (a.pose.rotation().transpose(), *b.pose.rotation());
-    let corners: [DVec3; 3] = a.map.vertices().try_into().ok()?;
+    let corners: [DVec3; 3] = a.vertices.try_into().ok()?;
     let seen = |v: DVec3| back * (turn * v - delta);
-    match *b.map.vertices() {
+    match *b.vertices {
         [point] => Some([combined(corners, weights(corners, seen(point))), point]),
         [from, to] => {
             let ends = [seen(from), seen(to)];

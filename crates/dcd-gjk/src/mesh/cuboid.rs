@@ -1,0 +1,423 @@
+//! A triangle against a cuboid by their thirteen separating axes, in f64 with a bound: whether they touch, and how deep
+//! (docs/numerics/proofs.md, "a triangle and a cuboid").
+
+use super::bounds::U64;
+use super::reach::Couple;
+use super::side::Part;
+use crate::closed::nearest_of_triangle;
+use crate::epa::Depth;
+use dcd_geom::glam::{DMat3, DVec3};
+use dcd_geom::{Kind, Pose, Shape};
+
+/// What the corners of a triangle lose on their way into the cuboid's frame. Unit: u·m.
+const PLACED: f64 = 40.0;
+
+/// What one axis' reach loses, and what the direction of a product of edges loses. Unit: u of the sizes.
+const AXIS: f64 = 16.0;
+
+/// The sine between an edge of each below which they count as parallel: their product is no axis then, and the bound
+/// counts the way that makes them so. Larger: wider bounds. Smaller: axes that are rounding.
+const PARALLEL: f64 = 1e-9;
+
+/// Lengths of edges, metres, whose products with each other have squares clear of underflow. Smaller: lengths of axes
+/// that are rounding.
+const SHORTEST: f64 = 1e-60;
+
+/// How often the witnesses are brought nearer to each other. No unit. Smaller: wider bounds.
+const ROUNDS: usize = 8;
+
+/// What the axes say.
+pub(super) enum ByAxes {
+    /// An axis that separates the two: world, from the second to the first.
+    Apart(DVec3),
+    /// They touch, and so deep.
+    Touching(Depth),
+}
+
+/// A triangle in the frame of a cuboid.
+struct Placed {
+    corners: [DVec3; 3],
+    half: DVec3,
+    /// At least the length of every vector from the one to the other.
+    size: f64,
+    /// How far the corners may be off, metres.
+    off: f64,
+}
+
+/// The axis of the least reach so far, and what is known of all.
+struct Least {
+    reach: f64,
+    /// From the triangle to the cuboid, of unit length.
+    normal: DVec3,
+    feature: Axis,
+    /// No axis reaches less.
+    at_least: f64,
+}
+
+/// Of which features the axis is the normal.
+#[derive(Clone, Copy)]
+enum Axis {
+    Triangle,
+    Cuboid,
+    /// An edge of the triangle, by its first corner, and a direction of the cuboid.
+    Edges(usize, usize),
+}
+
+impl<'a> Couple<'a> {
+    /// `None` of other parts, and where the bound leaves open whether they touch.
+    pub(super) fn by_axes(&self) -> Option<ByAxes> {
+        let triangle = match self.parts() {
+            [Part::Triangle { .. }, Part::Shape(_)] => 0,
+            [Part::Shape(_), Part::Triangle { .. }] => 1,
+            _ => return None,
+        };
+        let (Part::Triangle { corners, radius: swept, .. }, Part::Shape(Shape::Polytope(core))) =
+            (&self.parts()[triangle], &self.parts()[1 - triangle])
+        else {
+            return None;
+        };
+        let Kind::Cuboid { half_extents: half } = core.kind() else { return None };
+        let poses = [self.poses()[triangle], self.poses()[1 - triangle]];
+        // 1 where the normal from the triangle to the cuboid is that from the first to the second.
+        let sense = if triangle == 0 { 1.0 } else { -1.0 };
+        let placed = self.placed(corners, half, (poses, sense));
+        let radius = swept + core.swept_radius();
+        let turn = poses[1].rotation();
+        let least = match placed.least(radius) {
+            Ok(least) => least?,
+            Err(axis) => return Some(ByAxes::Apart(*turn * axis * -sense)),
+        };
+        // Of cores that do not meet, the axes do not bound what the radii overlap.
+        if !(least.at_least > placed.off) {
+            return None;
+        }
+        let (at_cuboid, beside) = placed.witness(&least)?;
+        let depth = least.reach + radius;
+        let open = (least.reach - least.at_least).max(0.0) + placed.off;
+        let error_bound = open + beside + AXIS * U64 * (placed.size + radius);
+        let normal = *turn * least.normal;
+        let deepest = *turn * at_cuboid - normal * core.swept_radius();
+        let at_cuboid = poses[1].translation() + deepest;
+        let at_triangle = poses[1].translation() + (deepest + normal * depth);
+        let (point_a, point_b) =
+            if triangle == 0 { (at_triangle, at_cuboid) } else { (at_cuboid, at_triangle) };
+        let found = Depth { depth, normal: normal * sense, point_a, point_b, error_bound };
+        (depth.is_finite() && error_bound.is_finite()).then_some(ByAxes::Touching(found))
+    }
+
+    fn placed(
+        &self,
+        corners: &[DVec3; 3],
+        half: DVec3,
+        (poses, sense): ([&Pose; 2], f64),
+    ) -> Placed {
+        let back = poses[1].rotation().transpose();
+        let to_cuboid = self.delta() * sense;
+        let corners = corners.map(|corner| back * (*poses[0].rotation() * corner - to_cuboid));
+        let farthest = corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
+        let deviation = poses[0].deviation() + poses[1].deviation();
+        let off = (PLACED * U64 + 4.0 * deviation) * self.size();
+        Placed { corners, half, size: farthest + half.length() + off, off }
+    }
+}
+
+impl Placed {
+    /// The axis along which they reach least past each other; an axis that separates them by more than `radius` is an
+    /// error. `None` where the triangle has no normal, or one that may be rounding.
+    fn least(&self, radius: f64) -> Result<Option<Least>, DVec3> {
+        let [p, q, r] = self.corners;
+        let edges = [q - p, r - q, p - r];
+        let normal = edges[0].cross(edges[1]);
+        let area = normal.length();
+        let lengths = edges.map(DVec3::length);
+        // The square of what is compared does not underflow.
+        if !(area > SHORTEST * SHORTEST && lengths.iter().all(|&length| length > SHORTEST)) {
+            return Ok(None);
+        }
+        // The products of edges with the cuboid's directions are as long as the edges are off these.
+        let product = |i: usize, j: usize| edges[i].cross(DMat3::IDENTITY.col(j));
+        let (mut moved, mut parallel) = (0.0f64, 0);
+        for i in 0..3 {
+            for j in 0..3 {
+                let sine = product(i, j).length();
+                if sine <= PARALLEL * lengths[i] {
+                    moved += sine;
+                    parallel += 1;
+                }
+            }
+        }
+        // Two have a corner in common, from where both can be made parallel; three are a needle.
+        if parallel > 2 {
+            return Ok(None);
+        }
+        let rounding = AXIS * U64;
+        let mut least = Least {
+            reach: f64::INFINITY,
+            normal: DVec3::ZERO,
+            feature: Axis::Triangle,
+            at_least: f64::INFINITY,
+        };
+        let longest = lengths[0].max(lengths[1]).max(lengths[2]);
+        let off = (rounding * longest + 8.0 * moved) * (longest + moved) / area;
+        self.along(&mut least, normal / area, (Axis::Triangle, off), radius)?;
+        for j in 0..3 {
+            self.along(&mut least, DMat3::IDENTITY.col(j), (Axis::Cuboid, 0.0), radius)?;
+        }
+        for i in 0..3 {
+            for j in 0..3 {
+                let axis = product(i, j);
+                let length = axis.length();
+                if length > PARALLEL * lengths[i] {
+                    let off = (rounding * lengths[i] + 4.0 * moved) / length;
+                    self.along(&mut least, axis / length, (Axis::Edges(i, j), off), radius)?;
+                }
+            }
+        }
+        least.at_least -= 2.0 * moved;
+        Ok(Some(least))
+    }
+
+    /// Compares an axis of unit length, which may be off the true one by an angle, with the least so far.
+    fn along(
+        &self,
+        least: &mut Least,
+        axis: DVec3,
+        (feature, off): (Axis, f64),
+        radius: f64,
+    ) -> Result<(), DVec3> {
+        let [p, q, r] = self.corners.map(|corner| axis.dot(corner));
+        let of_cuboid = axis.abs().dot(self.half);
+        let (low, high) = (p.min(q).min(r), p.max(q).max(r));
+        // The cuboid goes along the axis, or against it.
+        let [forth, back] = [high + of_cuboid, of_cuboid - low];
+        let (reach, normal) = if forth <= back { (forth, axis) } else { (back, -axis) };
+        let rounding = AXIS * U64 * (self.size + radius);
+        // Also along the rounded axis this is true.
+        if reach + radius + rounding + self.off < 0.0 {
+            return Err(normal);
+        }
+        least.at_least = least.at_least.min(reach - off * self.size - rounding);
+        if reach < least.reach {
+            (least.reach, least.normal, least.feature) = (reach, normal, feature);
+        }
+        Ok(())
+    }
+
+    /// The point of the cuboid that is deepest along the least axis, over a point of the triangle; and how far the two
+    /// are beside each other.
+    fn witness(&self, least: &Least) -> Option<(DVec3, f64)> {
+        let (normal, reach) = (least.normal, least.reach);
+        let up = normal * reach;
+        // The farthest feature of the cuboid against the normal: a corner, an edge or a side.
+        let near = 1e-12;
+        let low = DVec3::select(normal.cmplt(DVec3::splat(near)), self.half, -self.half);
+        let high = DVec3::select(normal.cmpgt(DVec3::splat(-near)), -self.half, self.half);
+        let (low, high) = (low.min(high), low.max(high));
+        let (low, high) = match least.feature {
+            Axis::Edges(_, j) => {
+                let along = DMat3::IDENTITY.col(j) * self.half;
+                let middle = DVec3::select(normal.cmpgt(DVec3::ZERO), -self.half, self.half);
+                let middle = middle - middle * DMat3::IDENTITY.col(j);
+                (middle - along, middle + along)
+            }
+            _ => (low, high),
+        };
+        let mut at = match least.feature {
+            Axis::Triangle => (low + high) * 0.5,
+            Axis::Cuboid => {
+                let corners = self.corners.map(|corner| (normal.dot(corner), corner));
+                let second = usize::from(corners[1].0 > corners[0].0);
+                let most = if corners[2].0 > corners[second].0 { 2 } else { second };
+                (corners[most].1 - up).clamp(low, high)
+            }
+            Axis::Edges(i, j) => {
+                // Where the edge is over that of the cuboid, seen along a direction square to it.
+                let (from, to) = (self.corners[i], self.corners[(i + 1) % 3]);
+                let edge = to - from;
+                let mut across = edge;
+                across[j] = 0.0;
+                let square = across.length_squared();
+                let share = across.dot(low + up - from) / square;
+                (from + edge * share.clamp(0.0, 1.0) - up).clamp(low, high)
+            }
+        };
+        let mut beside = f64::INFINITY;
+        for _ in 0..ROUNDS {
+            let over = nearest_of_triangle(self.corners, at + up);
+            beside = over.distance(at + up);
+            if beside <= 1e-15 * self.size {
+                break;
+            }
+            at = (over - up).clamp(low, high);
+        }
+        beside.is_finite().then_some((at, beside))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::reach::tests::vector;
+    use crate::{Depths, PairSolver, PosedShape, Verdict, certified};
+    use dcd_geom::Polytope;
+    use dcd_geom::glam::DQuat;
+
+    #[test]
+    fn the_axes_say_what_the_exact_search_finds() {
+        let sharp = Shape::cuboid(DVec3::new(0.3, 0.2, 0.4)).unwrap();
+        let bodies = [sharp.clone(), sharp.swept(0.1).unwrap()];
+        let (mut state, mut touching, mut apart, mut parallel) = (5, 0, 0, 0);
+        for round in 0..6000 {
+            let body = &bodies[round % 2];
+            let size = [1.0, 0.3, 3.0, 1e-2][round / 2 % 4];
+            let far = if round % 5 == 0 { vector(&mut state) * 1e4 } else { DVec3::ZERO };
+            // A third lie flat, with edges along those of the cuboid, or almost.
+            let is_flat = round % 3 == 0;
+            let mut corners = [0; 3].map(|_| vector(&mut state) * size);
+            let mut turn = || DQuat::from_scaled_axis(vector(&mut state) * 3.0);
+            let (mut turns, mut offset) = ([turn(), turn()], vector(&mut state) * 0.5);
+            if is_flat {
+                corners = [DVec3::ZERO, DVec3::X * size, DVec3::Y * size];
+                let lean = [0.0, 1e-15, 1e-11, 1e-7][round / 24 % 4];
+                turns[1] = turns[0] * DQuat::from_scaled_axis(vector(&mut state) * lean);
+                offset = turns[0] * DVec3::new(offset.x, offset.y, 0.4 + 0.1 * offset.z);
+            }
+            let pose = Pose::new(turns[0], far).unwrap();
+            let body_pose = Pose::new(turns[1], far + offset).unwrap();
+            let swept = if round % 7 == 0 { 0.05 } else { 0.0 };
+            let triangle =
+                Shape::from(Polytope::mesh_triangle(corners).unwrap().rounded(swept).unwrap());
+            let part = Part::Triangle { corners, reach: 4.0 * size, radius: swept };
+            let parts = [part, Part::Shape(body)];
+            let poses = [&pose, &body_pose];
+            let (a, b) = (
+                PosedShape { shape: &triangle, pose: &pose },
+                PosedShape { shape: body, pose: &body_pose },
+            );
+            let due = Depths.solve(a, b, &mut Default::default());
+            let slack = 1e-12 * (1.0 + far.length());
+            for order in [[0, 1], [1, 0]] {
+                let sense = if order[0] == 0 { 1.0 } else { -1.0 };
+                let couple = Couple::of(order.map(|k| parts[k]), order.map(|k| poses[k])).unwrap();
+                match couple.by_axes() {
+                    Some(ByAxes::Touching(found)) => {
+                        let Verdict::Touching(due) = due else { panic!("{round}: {found:?}") };
+                        let off = (due.depth - found.depth).abs();
+                        let bound = due.error_bound + found.error_bound;
+                        assert!(off <= bound, "{round}: {off} {found:?} {due:?}");
+                        let between = found.point_a - found.point_b - found.normal * found.depth;
+                        assert!(between.length() <= slack, "{round}: {found:?}");
+                        let points = if order[0] == 0 {
+                            [found.point_a, found.point_b]
+                        } else {
+                            [found.point_b, found.point_a]
+                        };
+                        // What moves the triangle out leaves its point on the cuboid, and the other way round.
+                        let on = pose.rotation().transpose()
+                            * (points[0] - far - found.normal * sense * swept);
+                        let beside = on.distance(nearest_of_triangle(corners, on));
+                        assert!(beside <= found.error_bound + slack, "{round}: {beside} {found:?}");
+                        touching += 1;
+                        parallel += usize::from(is_flat && found.error_bound <= 1e-9);
+                    }
+                    Some(ByAxes::Apart(axis)) => {
+                        assert!(matches!(due, Verdict::Apart), "{round}: {due:?}");
+                        let reach = couple.most_along(-axis);
+                        assert!(reach < slack, "{round}: {reach}");
+                        apart += 1;
+                    }
+                    None => {}
+                }
+            }
+        }
+        assert!(touching > 2500 && apart > 1500 && parallel > 300, "{touching} {apart} {parallel}");
+    }
+
+    /// A triangle and the pose of a cuboid of that size, hard to tell from one that just touches.
+    fn hard(round: usize, half: DVec3, state: &mut u64) -> ([DVec3; 3], [Pose; 2]) {
+        let grid = |v: DVec3| (v * 8.0).round() * 0.125;
+        let mut corners = [0; 3].map(|_| vector(state));
+        let [p, q, _] = corners;
+        let far = if round % 4 == 3 { vector(state) * 1e5 } else { DVec3::ZERO };
+        let turn = DQuat::from_scaled_axis(vector(state) * 3.0);
+        let mut pose = Pose::new(turn, far).unwrap();
+        let mut body = Pose::new(turn, far).unwrap();
+        match round % 6 {
+            // Corners, edges and sides that coincide with those of the cuboid.
+            0 => {
+                (pose, body) =
+                    (Pose::IDENTITY, Pose::from_translation(grid(vector(state))).unwrap());
+                corners = corners.map(grid);
+            }
+            // In the plane of a side, and a rounding beside it.
+            1 => {
+                let lean = [0.0, 1e-16, -1e-16, 1e-14][round / 6 % 4];
+                corners = corners.map(|c| DVec3::new(c.x, c.y, half.z + lean * c.x));
+            }
+            // Needles.
+            2 => {
+                corners[2] =
+                    p.lerp(q, 0.3) + vector(state) * [1e-5, 1e-9, 1e-13, 1e-17][round / 6 % 4]
+            }
+            // Along a direction of the cuboid, almost.
+            3 => {
+                let lean = [0.0, 1e-8, 1e-9, 1e-10][round / 6 % 4];
+                corners[1] = p + DVec3::new(lean * p.x, lean * p.y, 1.0) * q.z;
+            }
+            // Without area: a segment or a point.
+            4 => corners = [p, q, [p, q, p.midpoint(q), p][round / 6 % 4]],
+            // Tiny, with a corner at a corner of the cuboid.
+            _ => {
+                let size = [1e-6, 1e-30, 1e-59, 1e-81][round / 6 % 4];
+                corners = corners.map(|c| half + c * size);
+            }
+        }
+        (corners, [pose, body])
+    }
+
+    #[test]
+    fn what_is_degenerate_or_just_touches_is_never_wrong() {
+        let half = DVec3::new(0.375, 0.25, 0.5);
+        let sharp = Shape::cuboid(half).unwrap();
+        let bodies = [sharp.clone(), sharp.swept(0.125).unwrap()];
+        let (mut state, mut touching, mut apart, mut open) = (23, [0; 6], 0, 0);
+        for round in 0..6000 {
+            let body = &bodies[round / 24 % 2];
+            let (corners, poses) = hard(round, half, &mut state);
+            let triangle = Shape::from(Polytope::mesh_triangle(corners).unwrap());
+            let part = Part::Triangle { corners, reach: triangle.reach(), radius: 0.0 };
+            let couple = Couple::of([part, Part::Shape(body)], poses.each_ref()).unwrap();
+            let a = PosedShape { shape: &triangle, pose: &poses[0] };
+            let b = PosedShape { shape: body, pose: &poses[1] };
+            // In exact integers where f64 does not know.
+            let due = certified::overlap_of(a, b).0;
+            match couple.by_axes() {
+                Some(ByAxes::Touching(found)) => {
+                    assert_eq!(due, Verdict::Touching(()), "{round}: {found:?}");
+                    let Verdict::Touching(due) = Depths.solve(a, b, &mut Default::default()) else {
+                        panic!("{round}: {found:?}");
+                    };
+                    let bound = due.error_bound + found.error_bound;
+                    let off = (due.depth - found.depth).abs();
+                    assert!(off <= bound, "{round}: {off} {found:?} {due:?}");
+                    // No direction parts them sooner.
+                    for _ in 0..50 {
+                        let most = couple.most_along(vector(&mut state));
+                        assert!(
+                            found.depth - found.error_bound <= most,
+                            "{round}: {found:?} {most}"
+                        );
+                    }
+                    touching[round % 6] += 1;
+                }
+                Some(ByAxes::Apart(_)) => {
+                    assert_eq!(due, Verdict::Apart, "{round}");
+                    apart += 1;
+                }
+                None => open += 1,
+            }
+        }
+        let is_tried = touching.iter().filter(|&&count| count > 100).count() >= 4;
+        assert!(is_tried && apart > 300 && open > 500, "{touching:?} {apart} {open}");
+    }
+}
