@@ -110,7 +110,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let axes = &of_cuboids.axes;
         dispatch_on(self.path, Each { frames, accuracy, each, axes, search, found: &mut *found });
         for (pair, found) in touching().zip(&*found) {
-            if let Some(depth) = found.filter(|_| frames.are_spheres()) {
+            if let Some(depth) = found.filter(|_| frames.spheres(pair).is_some()) {
                 let answer = self.solver.measure_spheres(depth);
                 sink.contacts.push(Contact { pair, answer });
                 continue;
