@@ -2,7 +2,7 @@
 
 use super::inscribed::Inscribed;
 use dcd_geom::glam::{DVec3, Vec3};
-use dcd_geom::{Compound, Curved, ObbBounds, Polytope, Pose, Revision, Scene, Shape};
+use dcd_geom::{Compound, Curved, Kind, ObbBounds, Polytope, Pose, Revision, Scene, Shape};
 use dcd_simd::{Block, WIDTH};
 
 /// What depends on a shape alone, as the lanes want it: of a polytope, or of a curved shape with the
@@ -30,6 +30,8 @@ pub(crate) struct Core {
     pub(crate) has_obb: bool,
     /// Whether the core is its inner and outer OBBs, both of them.
     pub(crate) is_box: bool,
+    /// Whether it is a sphere round the origin of its frame.
+    pub(crate) is_sphere: bool,
     /// The first of its parts' cores in [`Cores::parts`].
     pub(crate) first_part: u32,
     /// How many of those it has: 0 but for compounds of at most [`MAX_PARTS`] parts.
@@ -170,6 +172,7 @@ impl Cores {
             reach: polytope.reach(),
             radius: polytope.swept_radius(),
             centre: polytope.inner().centre,
+            is_sphere: polytope.kind() == Kind::Point && polytope.reach() == 0.0,
             ..Core::default()
         };
         self.with_blocks(core, polytope.vertices(), polytope.obb())

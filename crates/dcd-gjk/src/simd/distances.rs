@@ -216,7 +216,11 @@ impl NarrowPhase for SimdDistances {
         open.clear();
         cuboids.clear();
         for (&pair, _) in pairs.iter().zip(touching).filter(|(_, touches)| !**touches) {
-            if are_cuboids(frames, pair) { cuboids.push(pair) } else { open.push(pair) }
+            if are_cuboids(frames, pair) {
+                cuboids.push(pair);
+            } else if frames.spheres(pair).is_none() {
+                open.push(pair);
+            }
         }
         of_cuboids::find(self.path, frames, (cuboids, self.margin), of_cuboids);
         match frames.have_vertices() {
@@ -232,9 +236,10 @@ impl NarrowPhase for SimdDistances {
                 continue;
             }
             let (one, other) = (PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j));
-            let are_cuboids = are_cuboids(frames, pair);
+            let (spheres, are_cuboids) = (frames.spheres(pair), are_cuboids(frames, pair));
             let (found, of_cuboids) = match are_cuboids {
                 true => (Found::Unknown, of_cuboids.next().copied().unwrap_or_default()),
+                false if spheres.is_some() => Default::default(),
                 false => (found.next().copied().unwrap_or_default(), Default::default()),
             };
             if undecided.binary_search_by_key(&pair, |undecided| undecided.pair).is_ok() {
@@ -244,7 +249,6 @@ impl NarrowPhase for SimdDistances {
             }
             // Counted already, as apart.
             let sharp = closed::sharp_of(self.accuracy);
-            let spheres = frames.spheres(pair);
             let verdict = match spheres.and_then(|both| closed::distance_of_spheres(both, sharp)) {
                 Some(found) => within_margin(found, self.margin, one, other),
                 None if are_cuboids => self.by_features(of_cuboids, frames, pair, [one, other]),

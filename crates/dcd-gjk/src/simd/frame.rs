@@ -98,6 +98,8 @@ pub(super) const AXIS_ALIGNED: u8 = 4;
 pub(super) const WHOLE: u8 = 8;
 /// A record's mark that its boxes are the object itself.
 pub(super) const BOX: u8 = 16;
+/// A record's mark that it is a sphere: its centre is exact, and the fourth number of it the radius.
+pub(super) const SPHERE: u8 = 32;
 
 /// One object on one cache line. The radii include what the pose's matrix departs from a rotation
 /// by, and are rounded to the safe side.
@@ -105,7 +107,7 @@ pub(super) const BOX: u8 = 16;
 #[repr(C, align(64))]
 pub(super) struct Record {
     /// Where the shape's centre is in the world, metres, up to `slack` a component. The fourth number lets two centres be
-    /// subtracted as one vector; in a scene of spheres alone it is the sphere's radius, and the centre is exact.
+    /// subtracted as one vector; of a [`SPHERE`] it is the radius, and the centre is exact.
     pub(super) centre: [f64; 4],
     /// The object's first block in the frame.
     pub(super) first: u32,
@@ -114,7 +116,7 @@ pub(super) struct Record {
     /// How many blocks it has; 0 where the lanes do not know the shape, or the scene is of a form
     /// without vertices.
     pub(super) blocks: u8,
-    /// [`HAS_OBB`], [`LIVE`], [`AXIS_ALIGNED`], [`WHOLE`] and [`BOX`], each or not.
+    /// [`HAS_OBB`], [`LIVE`], [`AXIS_ALIGNED`], [`WHOLE`], [`BOX`] and [`SPHERE`], each or not.
     pub(super) marks: u8,
     /// A sphere round the centre inside the object, its swept radius included: rounded down.
     pub(super) inner: f32,
@@ -163,20 +165,15 @@ impl<'a> FramePair<'a> {
         Self { a: frame, b: frame }
     }
 
-    /// Two spheres of scenes of spheres alone, exactly as they are placed; `None` in other scenes.
+    /// Two spheres, exactly as they are placed; `None` of other objects.
     #[inline(always)]
     pub(super) fn spheres(self, pair: Pair) -> Option<[PlacedSphere; 2]> {
         let sphere = |frame: &SimdFrame, object: u32| {
             let [x, y, z, radius] = frame.record(object).centre;
             PlacedSphere { centre: DVec3::new(x, y, z), radius }
         };
-        self.are_spheres().then(|| [sphere(self.a, pair.i), sphere(self.b, pair.j)])
-    }
-
-    /// Whether both scenes are of spheres alone.
-    #[inline(always)]
-    pub(super) fn are_spheres(self) -> bool {
-        self.a.form == Form::Spheres && self.b.form == Form::Spheres
+        let marks = self.a.record(pair.i).marks & self.b.record(pair.j).marks;
+        (marks & SPHERE != 0).then(|| [sphere(self.a, pair.i), sphere(self.b, pair.j)])
     }
 
     pub(super) fn is_one(self) -> bool {

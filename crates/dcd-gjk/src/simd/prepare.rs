@@ -11,7 +11,7 @@ use super::bounds::{CENTRE, CHOICE, ROTATED, TURNED, U};
 use super::compounds::{CompoundPart, Whole};
 use super::cores::{Core, Cores, ObbBoundsF32};
 use super::frame::{
-    AXIS_ALIGNED, BOX, Extremes, Form, HAS_OBB, LIVE, ObbRecord, Part, Record, WHOLE,
+    AXIS_ALIGNED, BOX, Extremes, Form, HAS_OBB, LIVE, ObbRecord, Part, Record, SPHERE, WHOLE,
 };
 use super::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
@@ -179,7 +179,7 @@ pub(super) fn place(record: &Record, core: &Core, pose: &Pose) -> Record {
     let tag = u16::from(record.blocks).next_power_of_two() * WIDTH as u16 - 1;
     let inner = core.inner * (1.0 - deviation) + core.radius;
     Record {
-        centre: centre.extend(0.0).to_array(),
+        centre: centre.extend(if core.is_sphere { core.radius } else { 0.0 }).to_array(),
         first: record.first,
         blocks: record.blocks,
         tag,
@@ -200,6 +200,7 @@ fn marks(record: &Record, core: &Core, pose: &Pose) -> u8 {
     let boxed = core.has_obb && pose.deviation() < TURNED;
     marked(boxed, HAS_OBB)
         | marked(boxed && core.is_box && core.radius == 0.0, BOX)
+        | marked(core.is_sphere, SPHERE)
         | marked(record.blocks > 0, LIVE)
         | marked(record.blocks > 0 && core.excess == 0.0, WHOLE)
 }

@@ -224,6 +224,60 @@ fn the_lanes_agree_on_both_orders_and_whatever_the_other_pairs() {
     }
 }
 
+/// Cuboids turned any way, some alike and some by quarters; with or without a shape beside them that has no object.
+fn cuboids(others: &[Shape]) -> (dcd_geom::Scene, dcd_geom::Scene, Vec<dcd_geom::Pair>) {
+    let mut draw = Draw(53);
+    let half =
+        [(0.5, 0.4, 0.3), (0.2, 0.2, 0.2), (0.6, 0.05, 0.3), (0.01, 0.02, 0.7), (0.3, 0.3, 0.0)];
+    let own = half.map(|(x, y, z)| Shape::cuboid(DVec3::new(x, y, z)).unwrap());
+    let shapes = [&own, others].concat();
+    let turn = draw.turn();
+    let object = |k: u32, draw: &mut Draw| {
+        let turn = match k % 4 {
+            0 => turn,
+            1 => turn * dcd_geom::glam::DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2),
+            _ => draw.turn(),
+        };
+        dcd_geom::Object::new(k % 5, Pose::new(turn, draw.vector() * 1.6).unwrap())
+    };
+    let objects: Vec<_> = (0..90).map(|k| object(k, &mut draw)).collect();
+    let reversed: Vec<_> = objects.iter().rev().copied().collect();
+    let pairs = (0..90).flat_map(|i| (i + 1..90).map(move |j| dcd_geom::Pair::new(i, j)));
+    let scene = dcd_geom::Scene::new(shapes.clone(), objects).unwrap();
+    (scene, dcd_geom::Scene::new(shapes, reversed).unwrap(), pairs.collect())
+}
+
+#[test]
+fn cuboids_have_the_same_distance_on_every_path_in_both_orders_and_beside_any_shapes() {
+    let (scene, mirrored, pairs) = cuboids(&[]);
+    let (beside, ..) = cuboids(&hulls(&mut Draw(3), 1.0));
+    for accuracy in ACCURACIES {
+        let lanes = SimdDistances::within(0.6, accuracy).unwrap();
+        let (all, _) = found(&lanes, &scene, &pairs);
+        assert!(found(&lanes, &beside, &pairs).0 == all, "{accuracy:?}");
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            let lanes = SimdDistances::on(path, 0.6, accuracy).unwrap();
+            assert!(found(&lanes, &scene, &pairs).0 == all, "{path:?} {accuracy:?}");
+        }
+        let (seen, _) = found(&lanes, &mirrored, &pairs);
+        assert_eq!(seen.len(), all.len());
+        let mut measured = 0;
+        for contact in &all {
+            let pair = dcd_geom::Pair::new(89 - contact.pair.j, 89 - contact.pair.i);
+            let other = seen.iter().find(|other| other.pair == pair).unwrap();
+            let (Some(one), Some(other)) = (contact.answer, other.answer) else {
+                assert_eq!(contact.answer, other.answer);
+                continue;
+            };
+            assert_eq!((one.distance, one.error_bound), (other.distance, other.error_bound));
+            assert_eq!((one.point_a, one.point_b), (other.point_b, other.point_a));
+            assert_eq!(one.normal, -other.normal);
+            measured += 1;
+        }
+        assert!(measured > 500, "{measured}");
+    }
+}
+
 /// Pairs 2k, 2k + 1 whose faces, edges or corners meet with a gap: none, below rounding, small.
 fn nearly_touching(
     draw: &mut Draw,

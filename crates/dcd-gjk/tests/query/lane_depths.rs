@@ -192,11 +192,13 @@ fn other_shapes_have_what_the_solver_says_alone() {
     }
 }
 
-/// Spheres of four sizes, some with one centre, some that just touch, some far from the origin.
-fn spheres() -> (Scene, Vec<Pair>) {
+/// Spheres of four sizes, some with one centre, some that just touch, some far from the origin; and shapes of which there
+/// are no objects.
+fn spheres(others: &[Shape]) -> (Scene, Vec<Pair>) {
     let mut draw = Draw(31);
     let radii = [0.5, 0.25, 0.1, 1e-6];
-    let shapes = radii.map(|radius| Shape::sphere(radius).unwrap()).to_vec();
+    let shapes = radii.map(|radius| Shape::sphere(radius).unwrap());
+    let shapes = [&shapes, others].concat();
     let objects = (0..200).map(|k: u32| {
         let place = match k % 10 {
             0 => DVec3::X,
@@ -213,7 +215,16 @@ fn spheres() -> (Scene, Vec<Pair>) {
 
 #[test]
 fn spheres_have_to_the_bit_what_they_have_alone_on_every_path() {
-    let (scene, pairs) = spheres();
+    spheres_have_what_they_have_alone(&[]);
+}
+
+#[test]
+fn spheres_beside_other_shapes_have_to_the_bit_what_they_have_alone() {
+    spheres_have_what_they_have_alone(&[Shape::cuboid(DVec3::ONE).unwrap()]);
+}
+
+fn spheres_have_what_they_have_alone(others: &[Shape]) {
+    let (scene, pairs) = spheres(others);
     for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
         for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
             let alone = ThenMeasure::new(WithAccuracy::new(Depths, accuracy)).unwrap();

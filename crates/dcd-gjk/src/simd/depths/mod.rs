@@ -124,7 +124,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let found_here = &mut *found;
         dispatch_on(self.path, Each { frames, accuracy, each, axes, surfaces, found: found_here });
         for (pair, found) in touching().zip(&*found) {
-            if let Some(depth) = found.filter(|_| frames.are_spheres()) {
+            if let Some(depth) = found.filter(|_| frames.spheres(pair).is_some()) {
                 let answer = self.solver.measure_spheres(depth);
                 sink.contacts.push(Contact { pair, answer });
                 continue;

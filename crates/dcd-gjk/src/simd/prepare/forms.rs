@@ -23,7 +23,6 @@ pub(in super::super) fn constants(
         let core = &cores[shape as usize];
         *record = place(&Record::default(), core, &Pose::IDENTITY);
         record.marks |= LIVE | WHOLE;
-        record.centre[3] = core.radius;
     }
     for ((boxes, record), &shape) in boxes.iter_mut().zip(records).zip(scene.shape_of()) {
         *boxes = turn(&obbs[shape as usize], record, &Pose::IDENTITY);
