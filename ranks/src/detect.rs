@@ -209,7 +209,7 @@ impl Detect {
             Query::Overlap => Question::Overlap { precision, margin },
             Query::Distance => Question::Distance { accuracy, margin },
             Query::Depth => Question::Depth { accuracy },
-            Query::Manifold => Question::Manifold { accuracy },
+            Query::Manifold => Question::Manifold { accuracy, options: Default::default() },
             Query::Gradient => Question::Gradient { accuracy, margin },
         })
     }

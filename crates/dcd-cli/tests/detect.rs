@@ -365,6 +365,8 @@ fn a_query_that_its_method_or_margin_rules_out_is_refused_with_both() {
         (["--precision", "f64", "--query", "distance"], "--accuracy"),
         (["--precision", "parry-f64", "--margin", "0.1"], "parry-f64"),
         (["--query", "manifold", "--margin", "0.1"], "1e-1"),
+        (["--query", "depth", "--mesh-sides", "front"], "--mesh-sides"),
+        (["--query", "overlap", "--mesh-edges", "active"], "--mesh-edges"),
         (["--query", "overlap", "--margin", "-1"], "-1"),
         (["--query", "overlap", "--margin", "NaN"], "NaN"),
         (["--query", "overlap", "--margin", "1e38"], "1e38 is not within"),

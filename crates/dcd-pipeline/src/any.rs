@@ -6,6 +6,7 @@ use dcd_broad::{BroadPhase, WideTree};
 use dcd_exec::Exec;
 use dcd_geom::{Pair, Scene, ShapeError};
 use dcd_gjk::epa::Depth;
+use dcd_gjk::query::ManifoldOptions;
 use dcd_gjk::{
     Accuracy, Contact, Depths, Distance, Gjk, ManifoldSet, Manifolds, Overlap, OverlapUnchecked,
     Pairwise, Proximities, Proximity, Report, SimdDepths, SimdDistances, ThenMeasure, WithAccuracy,
@@ -52,6 +53,8 @@ pub enum Question {
     Manifold {
         /// How good the bound has to be.
         accuracy: Accuracy,
+        /// How the surfaces of meshes count.
+        options: ManifoldOptions,
     },
     /// The signed distance and its derivatives: [`Proximities`].
     Gradient {
@@ -166,9 +169,9 @@ impl<B: BroadPhase> AnyPipeline<B> {
             Question::Depth { accuracy } => {
                 Inner::Depth(Pipeline::with(broad, SimdDepths::new(Depths, accuracy)))
             }
-            Question::Manifold { accuracy } => Inner::Manifold(Pipeline::with(
+            Question::Manifold { accuracy, options } => Inner::Manifold(Pipeline::with(
                 broad,
-                SimdDepths::new(Manifolds::default(), accuracy),
+                SimdDepths::new(Manifolds { options }, accuracy),
             )),
             Question::Gradient { accuracy, margin } => {
                 let solver = WithAccuracy::new(Proximities::within(margin)?, accuracy);

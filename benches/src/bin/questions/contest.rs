@@ -44,7 +44,7 @@ impl Kind {
         match self {
             Self::Distance => Question::Distance { accuracy, margin: MARGIN },
             Self::Depth => Question::Depth { accuracy },
-            Self::Manifold => Question::Manifold { accuracy },
+            Self::Manifold => Question::Manifold { accuracy, options: Default::default() },
             Self::Overlap => Question::Overlap { precision: Precision::Certified, margin: 0.0 },
         }
     }

@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use crate::precision::{Accuracy, Library, Precision};
 use clap::{Args, ValueEnum};
 use dcd_geom::Aabb;
+use dcd_gjk::query::{ManifoldOptions, MeshEdges, MeshSides};
 use std::path::PathBuf;
 
 /// The question, within which distance, and where the answers go.
@@ -27,6 +28,12 @@ pub(super) struct QueryOptions {
         value_parser = margin
     )]
     margin: f64,
+    /// Which side of a mesh's triangles touches, with --query manifold: meshes against other shapes
+    #[arg(long, value_enum, default_value_t, conflicts_with = "capture")]
+    mesh_sides: Sides,
+    /// Which edges and vertices of a mesh touch, with --query manifold: meshes against other shapes
+    #[arg(long, value_enum, default_value_t, conflicts_with = "capture")]
+    mesh_edges: Edges,
     /// Write the answer for each contact as JSON Lines, sorted by i and j (format: see
     /// --help)
     #[arg(long, value_name = "FILE", conflicts_with = "capture")]
@@ -49,6 +56,28 @@ pub(super) enum Question {
     Gradient,
 }
 
+/// The same as [`MeshSides`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Sides {
+    /// Both
+    #[default]
+    Both,
+    /// The front, where the corners are seen counter-clockwise; what touches from behind is left out
+    Front,
+    /// The front, and what lies behind a face is pushed out along its normal
+    Outward,
+}
+
+/// The same as [`MeshEdges`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Edges {
+    /// All, as if each triangle were alone
+    #[default]
+    All,
+    /// Those that stand out of the surface
+    Active,
+}
+
 /// A query that its precision supports.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Query {
@@ -56,6 +85,8 @@ pub(super) struct Query {
     pub(super) accuracy: Accuracy,
     /// Metres.
     pub(super) margin: f64,
+    /// Of a manifold.
+    options: ManifoldOptions,
     pub(super) answers: Answers,
 }
 
@@ -72,7 +103,11 @@ impl QueryOptions {
     pub(super) fn query(&self, precision: Precision) -> Result<Query, Failure> {
         let Self { query: question, accuracy, margin, .. } = *self;
         let answers = if self.answers.is_some() { Answers::Kept } else { Answers::Dropped };
-        let query = Query { question, accuracy, margin, answers };
+        let options = self.options();
+        let query = Query { question, accuracy, margin, options, answers };
+        if question != Question::Manifold && options != ManifoldOptions::default() {
+            return Err(Failure::at("--mesh-sides, --mesh-edges", "for --query manifold alone"));
+        }
         if !matches!(precision.library(), Library::Ours(_)) && !query.is_plain() {
             let only = "answers --query overlap without a margin alone";
             return Err(Failure::at(format_args!("--precision {}", precision.name()), only));
@@ -88,6 +123,20 @@ impl QueryOptions {
             return Err(Failure::at(format_args!("--margin {margin:e}"), what));
         }
         Ok(query)
+    }
+
+    fn options(&self) -> ManifoldOptions {
+        ManifoldOptions {
+            mesh_sides: match self.mesh_sides {
+                Sides::Both => MeshSides::Both,
+                Sides::Front => MeshSides::Front,
+                Sides::Outward => MeshSides::Outward,
+            },
+            mesh_edges: match self.mesh_edges {
+                Edges::All => MeshEdges::All,
+                Edges::Active => MeshEdges::Active,
+            },
+        }
     }
 }
 
@@ -106,7 +155,9 @@ impl Query {
             }
             Question::Distance => dcd_pipeline::Question::Distance { accuracy, margin },
             Question::Depth => dcd_pipeline::Question::Depth { accuracy },
-            Question::Manifold => dcd_pipeline::Question::Manifold { accuracy },
+            Question::Manifold => {
+                dcd_pipeline::Question::Manifold { accuracy, options: self.options }
+            }
             Question::Gradient => dcd_pipeline::Question::Gradient { accuracy, margin },
         }
     }

@@ -116,7 +116,7 @@ pub(crate) fn measures(accuracy: Accuracy) -> [Question; 4] {
     [
         Question::Distance { accuracy, margin: 0.2 },
         Question::Depth { accuracy },
-        Question::Manifold { accuracy },
+        Question::Manifold { accuracy, options: Default::default() },
         Question::Gradient { accuracy, margin: 0.05 },
     ]
 }
