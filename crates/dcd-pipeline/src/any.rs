@@ -53,7 +53,7 @@ pub enum Question {
     Manifold {
         /// How good the bound has to be.
         accuracy: Accuracy,
-        /// How the triangles of meshes are taken.
+        /// How the surfaces of meshes count.
         options: ManifoldOptions,
     },
     /// The signed distance and its derivatives: [`Proximities`].

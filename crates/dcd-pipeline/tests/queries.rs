@@ -5,11 +5,12 @@ use dcd_broad::WideTree;
 use dcd_exec::with_threads;
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Object, Pose, Scene, Shape};
+use dcd_gjk::query::{ManifoldOptions, MeshEdges, MeshSides};
 use dcd_gjk::{
-    Contact, Depths, Distances, Manifolds, NarrowPhase, PairSolver, Proximities, ThenMeasure,
-    Within,
+    Accuracy, Contact, Depths, Distances, Manifolds, NarrowPhase, PairSolver, Proximities,
+    ThenMeasure, Within,
 };
-use dcd_pipeline::{Par, Pipeline};
+use dcd_pipeline::{Answer, AnyPipeline, Par, Pipeline, Question};
 use dcd_scenes::SceneSpec;
 
 fn scene() -> Scene {
@@ -85,4 +86,27 @@ fn a_margin_finds_more_pairs_and_all_of_the_touching_ones() {
     let (touching, near) = (pairs(0.0), pairs(0.05));
     assert!(near.len() > touching.len());
     assert!(touching.iter().all(|pair| near.binary_search(pair).is_ok()));
+}
+
+#[test]
+fn a_question_of_manifolds_takes_meshes_as_its_options_say() {
+    let corners = vec![DVec3::new(-3.0, -3.0, 0.0), DVec3::X * 6.0, DVec3::Y * 6.0];
+    let floor = Shape::mesh(corners, vec![[0, 1, 2]]).unwrap();
+    let below = Pose::from_translation(DVec3::new(0.5, 0.5, -0.1)).unwrap();
+    let shapes = vec![floor, Shape::sphere(0.2).unwrap()];
+    let scene = Scene::one_each(shapes, vec![Pose::IDENTITY, below]).unwrap();
+    let normals = |mesh_sides| {
+        let options = ManifoldOptions { mesh_sides, mesh_edges: MeshEdges::All };
+        let question = Question::Manifold { accuracy: Accuracy::F64, options };
+        let mut pipeline = AnyPipeline::new(question).unwrap();
+        let step = pipeline.step(&scene, Par::Serial);
+        let found = step.answers().flat_map(|(_, answer)| {
+            let Answer::Manifold(found) = answer else { panic!("{answer:?}") };
+            found.iter().map(|manifold| manifold.normal.z.round()).collect::<Vec<_>>()
+        });
+        found.collect::<Vec<_>>()
+    };
+    assert_eq!(normals(MeshSides::Both), [-1.0]);
+    assert_eq!(normals(MeshSides::Outward), [1.0]);
+    assert_eq!(normals(MeshSides::Front), [0.0; 0]);
 }

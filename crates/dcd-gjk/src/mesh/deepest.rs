@@ -32,6 +32,12 @@ pub(crate) struct PartPair<'s> {
     swapped: bool,
     /// At least how deep they overlap, metres; the same for (a, b) and (b, a).
     at_most: f64,
+    /// The depth of a triangle and a sphere or capsule whose cores do not meet, in that order.
+    nearest: Option<Depth>,
+    /// How far they reach past each other along the direction that was asked for last, in that order.
+    last_along: Cell<Option<(DVec3, f64)>>,
+    /// At least the sum of the two diameters.
+    diameters: OnceCell<f64>,
     /// What was measured of them.
     depth: OnceCell<Verdict<Depth>>,
     /// Whether no formula finds it.
@@ -65,13 +71,22 @@ pub(crate) fn touching_parts<'s>(
             true => Couple::of([part_b, part_a], [b.pose, a.pose]),
             false => Couple::of([part_a, part_b], [a.pose, b.pose]),
         };
+        let nearest = couple.as_ref().and_then(Couple::by_nearest);
+        let at_most = match (&nearest, &couple) {
+            (Some(found), _) => (found.depth + found.error_bound).next_up(),
+            (None, Some(couple)) => couple.most(),
+            (None, None) => f64::INFINITY,
+        };
         PartPair {
             parts: [index(side_a, parts[0]), index(side_b, parts[1])],
             sides: [part_a, part_b],
             shapes: Default::default(),
             swapped,
-            at_most: couple.as_ref().map_or(f64::INFINITY, Couple::most),
+            at_most,
+            nearest,
             couple,
+            last_along: Cell::new(None),
+            diameters: OnceCell::new(),
             depth: OnceCell::new(),
             has_no_formula: Cell::new(false),
         }
@@ -162,29 +177,44 @@ impl PartPair<'_> {
             Some(ByAxes::Touching(found)) => Some(found).filter(is_good),
             _ => None,
         };
-        let nearest = couple.by_nearest().filter(is_good);
+        let nearest = self.nearest.filter(is_good);
         let found = nearest.or_else(|| couple.pressed().filter(is_good)).or_else(by_axes)?;
         Some(if self.swapped { found.mirrored() } else { found })
     }
 
     /// What is proved of the pair along a normal from a to b.
     pub(crate) fn along(&self, normal: DVec3) -> Along {
-        let reach = self.couple.as_ref().map(|couple| Reach {
-            least: couple.least_along(self.in_order(normal)),
-            diameters: couple.diameters(),
+        let reach = self.couple.as_ref().map(|couple| {
+            let least = self.reach_along(couple, self.in_order(normal)) - couple.slack();
+            let diameters = self.diameters.get_or_init(|| couple.diameters());
+            Reach { least, diameters: *diameters }
         });
         Along { reach, at_most: self.at_most }
     }
 
     /// At least how deep they overlap, as known from a normal from a to b: metres.
     fn most_along(&self, normal: DVec3) -> f64 {
-        self.couple
-            .as_ref()
-            .map_or(f64::INFINITY, |couple| couple.most_along(self.in_order(normal)))
+        self.couple.as_ref().map_or(f64::INFINITY, |couple| {
+            let direction = self.in_order(normal);
+            couple.at_most_by(direction, self.reach_along(couple, direction))
+        })
+    }
+
+    /// [`Couple::along`], which is the same as long as the direction is.
+    fn reach_along(&self, couple: &Couple<'_>, direction: DVec3) -> f64 {
+        match self.last_along.get() {
+            Some((last, reach)) if last == direction => reach,
+            _ => {
+                let reach = couple.along(direction);
+                self.last_along.set(Some((direction, reach)));
+                reach
+            }
+        }
     }
 }
 
 /// How two parts that touch lie along a normal.
+#[derive(Clone, Copy)]
 pub(crate) struct Along {
     /// `None` where it is not known.
     reach: Option<Reach>,
@@ -193,6 +223,7 @@ pub(crate) struct Along {
 }
 
 /// How far two parts reach past each other along a normal, metres.
+#[derive(Clone, Copy)]
 struct Reach {
     /// Moved apart by less along the normal they touch.
     least: f64,

@@ -130,7 +130,7 @@ impl<'a> Couple<'a> {
     }
 
     /// How far they reach past each other along a direction from the first to the second; rounded.
-    fn along(&self, direction: DVec3) -> f64 {
+    pub(super) fn along(&self, direction: DVec3) -> f64 {
         let [turn_a, turn_b] = self.poses.map(Pose::rotation);
         let of_a = self.parts[0].farthest(turn_a.transpose() * direction);
         let of_b = self.parts[1].farthest(turn_b.transpose() * -direction);
@@ -147,15 +147,15 @@ impl<'a> Couple<'a> {
 
     /// At least that; infinite for no direction.
     pub(super) fn most_along(&self, direction: DVec3) -> f64 {
-        let most = self.along(direction) + self.slack();
+        self.at_most_by(direction, self.along(direction))
+    }
+
+    /// The same, from their reach [`along`](Self::along) it.
+    pub(super) fn at_most_by(&self, direction: DVec3, reach: f64) -> f64 {
+        let most = reach + self.slack();
         // A direction whose square underflows, or that is not finite, proves nothing.
         let is_known = SIZES.contains(&direction.length()) && most.is_finite();
         if is_known { most } else { f64::INFINITY }
-    }
-
-    /// At most that, along a direction of unit length.
-    pub(super) fn least_along(&self, direction: DVec3) -> f64 {
-        self.along(direction) - self.slack()
     }
 
     /// At least the sum of the two diameters.
@@ -195,6 +195,10 @@ impl Part<'_> {
             }
             Self::Shape(shape) => match shape.as_polytope().map(|core| (core.kind(), core)) {
                 Some((Kind::Cuboid { half_extents }, _)) => direction.abs().dot(half_extents),
+                Some((Kind::Point | Kind::Segment, core)) => core
+                    .vertices()
+                    .iter()
+                    .fold(f64::NEG_INFINITY, |most, v| most.max(v.dot(direction))),
                 _ => shape.support(direction).point.dot(direction),
             },
         }
@@ -280,7 +284,8 @@ pub(super) mod tests {
                 let most = couple.most();
                 assert!(found.depth - found.error_bound <= most, "{round}: {found:?}, {most}");
                 let sense = if order[0] == 0 { 1.0 } else { -1.0 };
-                let along = [couple.least_along(found.normal * sense), couple.diameters()];
+                let least = couple.along(found.normal * sense) - couple.slack();
+                let along = [least, couple.diameters()];
                 assert!(along[0] <= found.depth + found.error_bound + 1e-7, "{round}: {along:?}");
                 assert!(found.depth <= along[1], "{round}: {along:?}");
                 if round % kinds.len() == 0 && most < 0.499 {
@@ -291,5 +296,68 @@ pub(super) mod tests {
             }
         }
         assert!(touching > 1500 && spheres > 300, "{touching}, {spheres}");
+    }
+
+    #[test]
+    fn what_is_round_is_as_deep_as_its_nearest_points_say() {
+        let kinds = [Shape::sphere(0.5).unwrap(), Shape::capsule(0.4, 0.3).unwrap()];
+        let (mut state, mut touching, mut apart) = (17, 0, 0);
+        for round in 0..3000 {
+            let shape = &kinds[round % 2];
+            let mut corners = [0; 3].map(|_| vector(&mut state));
+            match round / 2 % 4 {
+                // A needle, a segment, and a point.
+                0 => corners[2] = corners[0].lerp(corners[1], 0.5) + vector(&mut state) * 1e-12,
+                1 => corners[2] = corners[1],
+                2 if round % 3 == 0 => corners = [corners[0]; 3],
+                _ => {}
+            }
+            let far = if round % 5 == 0 { vector(&mut state) * 1e5 } else { DVec3::ZERO };
+            let mut pose = || {
+                let turn = DQuat::from_scaled_axis(vector(&mut state) * 3.0);
+                Pose::new(turn, far + vector(&mut state)).unwrap()
+            };
+            let poses = [pose(), pose()];
+            // A hull has no formula: the search judges.
+            let triangle = Shape::hull(corners.to_vec()).unwrap();
+            let [a, b] = [(&triangle, &poses[0]), (shape, &poses[1])]
+                .map(|(shape, pose)| PosedShape { shape, pose });
+            let due = Depths.solve(a, b, &mut Default::default());
+            let parts = [
+                Part::Triangle { corners, reach: triangle.reach(), radius: 0.0 },
+                Part::Shape(shape),
+            ];
+            for order in [[0, 1], [1, 0]] {
+                let sense = if order[0] == 0 { 1.0 } else { -1.0 };
+                let couple = Couple::of(order.map(|k| parts[k]), order.map(|k| &poses[k])).unwrap();
+                match couple.verdict_by_nearest() {
+                    Some((Verdict::Touching(()), _)) => {
+                        assert!(matches!(due, Verdict::Touching(_)), "{round}");
+                    }
+                    Some(_) => {
+                        assert!(matches!(due, Verdict::Apart), "{round}");
+                        apart += 1;
+                    }
+                    None => {}
+                }
+                let (Some(found), Verdict::Touching(due)) = (couple.by_nearest(), &due) else {
+                    continue;
+                };
+                let bound = found.error_bound + due.error_bound;
+                assert!((found.depth - due.depth).abs() <= bound, "{round}: {found:?} {due:?}");
+                let most = couple.along(found.normal) + couple.slack();
+                assert!(found.depth - found.error_bound <= most, "{round}: {found:?} {most}");
+                assert!(
+                    most <= found.depth + found.error_bound + 1e-9,
+                    "{round}: {found:?} {most}"
+                );
+                let slack = 1e-13 * (1.0 + far.length());
+                let between = found.point_a - found.point_b - found.normal * found.depth;
+                assert!(between.length() <= slack + 1e-12, "{round}: {found:?}");
+                assert!(found.normal.dot(due.normal) * sense > 0.0 || due.depth < 1e-6, "{round}");
+                touching += 1;
+            }
+        }
+        assert!(touching > 400 && apart > 4000, "{touching} {apart}");
     }
 }

@@ -177,7 +177,7 @@ impl Patches<'_, '_> {
         if let Some(rest) = along.rest(depth.depth, NEAR) {
             return Some(Member::Separated(rest));
         }
-        along.may_be_within(ANGLE).then(|| self.alike(k, depth)).flatten().map(Member::Alike)
+        self.alike(k, depth).map(Member::Alike)
     }
 
     /// A pair's own depth, if its normal agrees with that one's.
