@@ -136,9 +136,9 @@ impl SupportMap<f64> for Curved {
         // is the same in every such direction.
         let (x, y) = if length > 0.0 { (x / length, y / length) } else { (0.0, 0.0) };
         let across = if length > 0.0 { length * largest } else { 0.0 };
-        let along = self.discs().map(|(z, radius)| direction.z * z + across * radius);
-        let disc = usize::from(along[1] > along[0]);
-        let (z, radius) = self.discs()[disc];
+        let [low, high] = self.discs();
+        let along = |(z, radius): (f64, f64)| direction.z * z + across * radius;
+        let (z, radius) = if along(high) > along(low) { high } else { low };
         let point = DVec3::new(radius * x, radius * y, z);
         Support { point, feature: feature(point) }
     }
@@ -162,7 +162,7 @@ fn feature(point: DVec3) -> u32 {
         z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ z >> 31
     };
-    (point.to_array().into_iter().fold(0, mix) >> 32) as u32
+    (mix(mix(mix(0, point.x), point.y), point.z) >> 32) as u32
 }
 
 #[cfg(test)]

@@ -2,14 +2,13 @@
 
 use super::clip::{Corner, Patch, drop_doubles};
 use super::cuboids;
-use super::feature::{Seen, View};
+use super::feature::{Placed, Seen, View};
 use super::reduce::Spot;
-use super::stand_in::StandIn;
 use super::{FLAT, Feature, Manifold, ManifoldPoint, SAME, of_one_point, reduce};
 use crate::PosedShape;
 use crate::epa::Depth;
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Polytope, Shape};
+use dcd_geom::{Kind, Shape, SupportMap};
 
 /// Corners with heights that count the swept radii; memory that clipping takes.
 #[derive(Debug, Default)]
@@ -75,22 +74,21 @@ impl Corners {
         }
         let [a, b] = sides;
         let delta = b.pose.translation() - a.pose.translation();
-        let (place_a, rotation_a, rotation_b) = (DVec3::ZERO, a.pose.rotation(), b.pose.rotation());
+        let placed = [
+            Placed { rotation: a.pose.rotation(), place: DVec3::ZERO, sense: 1.0 },
+            Placed { rotation: b.pose.rotation(), place: delta, sense: -1.0 },
+        ];
+        if let Some(whole) = self.of_sphere(view, sides, &placed) {
+            return whole;
+        }
         let plane = |point: DVec3| view.of(point - a.pose.translation()).1;
-        let in_a = StandIn::of(a.shape, rotation_a.transpose() * depth.normal);
-        let in_b = StandIn::of(b.shape, rotation_b.transpose() * -depth.normal);
-        let size = |shown: &Option<StandIn<'_>>| shown.as_ref().map_or(0.0, |s| s.size);
-        let (size_a, size_b) = (size(&in_a), size(&in_b));
-        let (of_a, of_b) =
-            (in_a.as_ref().map(|s| &*s.polytope), in_b.as_ref().map(|s| &*s.polytope));
-        match (of_a, of_b, a.shape, b.shape) {
-            (Some(in_a), Some(in_b), ..) => {
-                self.size = self.size.max(2.0 * (size_a + size_b));
-                let seen_a = view.seen(in_a, rotation_a, place_a, 1.0);
-                let seen_b = view.seen(in_b, rotation_b, delta, -1.0);
-                let radii = [in_a.swept_radius(), in_b.swept_radius()];
+        let [in_a, in_b] = &placed;
+        match (seen(view, a.shape, in_a), seen(view, b.shape, in_b), a.shape, b.shape) {
+            (Some(seen_a), Some(seen_b), ..) => {
+                self.size = self.size.max(2.0 * (size(a.shape) + size(b.shape)));
+                let radii = [a.shape.radius(), b.shape.radius()];
                 self.patch.of(&seen_a, &seen_b, -(radii[0] + radii[1]), self.size);
-                let level = [seen_a.level(in_a), seen_b.level(in_b)];
+                let level = [seen_a.level(), seen_b.level()];
                 let swept = self.patch.corners().iter().map(|&corner| corner.swept(radii, level));
                 self.corners.extend(swept);
                 let is_own = |shape: &Shape, whole| {
@@ -98,34 +96,52 @@ impl Corners {
                 };
                 [is_own(a.shape, seen_a.whole()), is_own(b.shape, seen_b.whole())]
             }
-            (Some(in_a), None, _, Shape::HalfSpace(_)) => {
-                self.size = self.size.max(2.0 * size_a);
-                let seen = view.seen(in_a, rotation_a, place_a, 1.0);
-                self.on_plane(&seen, in_a, plane(depth.point_b), 0);
+            (Some(seen), None, shape, Shape::HalfSpace(_)) => {
+                self.size = self.size.max(2.0 * size(shape));
+                self.on_plane(&seen, shape.radius(), plane(depth.point_b), 0);
                 [seen.whole(), Feature::Surface]
             }
-            (None, Some(in_b), Shape::HalfSpace(_), _) => {
-                self.size = self.size.max(2.0 * size_b);
-                let seen = view.seen(in_b, rotation_b, delta, -1.0);
-                self.on_plane(&seen, in_b, plane(depth.point_a), 1);
+            (None, Some(seen), Shape::HalfSpace(_), shape) => {
+                self.size = self.size.max(2.0 * size(shape));
+                self.on_plane(&seen, shape.radius(), plane(depth.point_a), 1);
                 [Feature::Surface, seen.whole()]
             }
             _ => [Feature::Surface; 2],
         }
     }
 
+    /// What a sphere and another shape show as wholes: a point shares no corners with anything but a half-space.
+    fn of_sphere(
+        &mut self,
+        view: &View,
+        [a, b]: [PosedShape<'_>; 2],
+        [in_a, in_b]: &[Placed<'_>; 2],
+    ) -> Option<[Feature; 2]> {
+        let is_sphere = |side: PosedShape<'_>| matches!(side.shape, Shape::Polytope(polytope) if polytope.kind() == Kind::Point);
+        if !is_sphere(a) && !is_sphere(b) {
+            return None;
+        }
+        let whole = |side: PosedShape<'_>, placed: &Placed<'_>| match side.shape {
+            Shape::Polytope(polytope) => Some(view.name(polytope, placed)),
+            Shape::Curved(_) => Some(Feature::Surface),
+            _ => None,
+        };
+        let whole = [whole(a, in_a)?, whole(b, in_b)?];
+        self.size = self.size.max(2.0 * (size(a.shape) + size(b.shape)));
+        Some(whole)
+    }
+
     /// The corners of a feature that are in a half-space, whose plane is level and at `height`; `number` is the
     /// shape's, 0 or 1.
-    fn on_plane(&mut self, seen: &Seen<'_>, polytope: &Polytope, height: f64, number: usize) {
+    fn on_plane(&mut self, seen: &Seen<'_>, radius: f64, height: f64, number: usize) {
         for point in seen.points() {
             let mut heights = [height; 2];
             heights[number] = point.height;
             let mut radii = [0.0; 2];
-            radii[number] = polytope.swept_radius();
+            radii[number] = radius;
             let mut features = [Feature::Surface; 2];
             features[number] = Feature::Vertex(point.index);
-            let corner =
-                Corner::new(point.at, heights, features).swept(radii, [seen.level(polytope); 2]);
+            let corner = Corner::new(point.at, heights, features).swept(radii, [seen.level(); 2]);
             if corner.depth() >= 0.0 {
                 self.corners.push(corner);
             }
@@ -175,5 +191,23 @@ impl Corners {
         let error_bound = (error_bound + off_surface).min(f64::MAX);
         let parts = [None; 2];
         (Manifold { normal, points, count: count as u8, error_bound, parts }, pairs)
+    }
+}
+
+/// What a shape shows; `None` for one that has no features.
+fn seen<'a>(view: &View, shape: &'a Shape, placed: &Placed<'_>) -> Option<Seen<'a>> {
+    match shape {
+        Shape::Polytope(polytope) => Some(view.seen(polytope, placed)),
+        Shape::Curved(curved) => Some(view.seen_curved(curved, placed)),
+        _ => None,
+    }
+}
+
+/// How large the core of a shape with features is.
+fn size(shape: &Shape) -> f64 {
+    match shape {
+        Shape::Polytope(polytope) => polytope.outer_radius(),
+        Shape::Curved(curved) => curved.reach(),
+        _ => 0.0,
     }
 }

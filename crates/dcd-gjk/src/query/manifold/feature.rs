@@ -21,18 +21,28 @@ pub(super) struct View {
     normal: DVec3,
 }
 
+/// Where a shape is seen: rotated, and then moved to its place from the view's origin; it looks along the normal times
+/// `sense`, which is 1 or −1.
+pub(super) struct Placed<'a> {
+    pub(super) rotation: &'a DMat3,
+    pub(super) place: DVec3,
+    pub(super) sense: f64,
+}
+
 /// A feature as it is seen.
 pub(super) struct Seen<'a> {
     part: Part<'a>,
     points: Points,
+    /// Whether it is of a shape that has no more than a line to show.
+    of_line: bool,
     /// How square to the normal its face is, 0 where it is no face.
     facing: f64,
     /// By how much its plane rises along x and y; 0 where it is no face.
     slope: DVec2,
 }
 
-/// What of the polytope it is.
-enum Part<'a> {
+/// What of the shape it is.
+pub(super) enum Part<'a> {
     Vertex(u32),
     Edge([u32; 2]),
     Face { index: u32, normal: DVec3, corners: &'a [u32] },
@@ -77,22 +87,37 @@ impl View {
         self.x * at.x + self.y * at.y + self.normal * height
     }
 
-    /// What a polytope, rotated and then moved, shows along the normal times `sense`, which is 1
-    /// or −1.
-    pub(super) fn seen<'a>(
+    /// The direction, in the shape's own frame, in which it shows its feature.
+    pub(super) fn towards(&self, placed: &Placed<'_>) -> DVec3 {
+        placed.rotation.transpose() * (self.normal * placed.sense)
+    }
+
+    /// What a polytope shows.
+    pub(super) fn seen<'a>(&self, polytope: &'a Polytope, placed: &Placed<'_>) -> Seen<'a> {
+        let part = Choice { polytope, direction: self.towards(placed) }.part();
+        let vertices = polytope.vertices();
+        let seen = self.shown(part, placed, |index| vertices[index as usize]);
+        Seen { of_line: vertices.len() == 2, ..seen }
+    }
+
+    /// What a polytope shows, by name alone.
+    pub(super) fn name(&self, polytope: &Polytope, placed: &Placed<'_>) -> Feature {
+        Choice { polytope, direction: self.towards(placed) }.part().name()
+    }
+
+    /// A part of a shape whose vertices are in its own frame.
+    pub(super) fn shown<'a>(
         &self,
-        polytope: &'a Polytope,
-        rotation: &DMat3,
-        place: DVec3,
-        sense: f64,
+        part: Part<'a>,
+        placed: &Placed<'_>,
+        vertex: impl Fn(u32) -> DVec3,
     ) -> Seen<'a> {
-        let direction = rotation.transpose() * (self.normal * sense);
-        let part = Choice { polytope, direction }.part();
-        // All in the polytope's own frame: a vertex then costs one matrix.
+        let Placed { rotation, place, sense } = *placed;
+        // All in the shape's own frame: a vertex then costs one matrix.
         let to_view = DMat3::from_cols(self.x, self.y, self.normal).transpose() * *rotation;
         let origin = self.of(place);
         let point = |index: u32| {
-            let v = to_view * polytope.vertices()[index as usize];
+            let v = to_view * vertex(index);
             Point { index, at: origin.0 + v.truncate(), height: origin.1 + v.z }
         };
         let (mut facing, mut slope) = (0.0, DVec2::ZERO);
@@ -111,7 +136,17 @@ impl View {
                 }
             }
         };
-        Seen { part, points, facing, slope }
+        Seen { part, points, of_line: false, facing, slope }
+    }
+}
+
+impl Part<'_> {
+    fn name(&self) -> Feature {
+        match *self {
+            Part::Vertex(index) => Feature::Vertex(index),
+            Part::Edge([j, k]) => edge(j, k),
+            Part::Face { index, .. } => Feature::Face(index),
+        }
     }
 }
 
@@ -131,11 +166,12 @@ impl Points {
 impl Seen<'_> {
     /// What it is as a whole.
     pub(super) fn whole(&self) -> Feature {
-        match self.part {
-            Part::Vertex(index) => Feature::Vertex(index),
-            Part::Edge([j, k]) => edge(j, k),
-            Part::Face { index, .. } => Feature::Face(index),
-        }
+        self.part.name()
+    }
+
+    /// The same, of a shape that has no more than this line.
+    pub(super) fn of_line(self) -> Self {
+        Self { of_line: true, ..self }
     }
 
     /// Its corners, counter-clockwise as the normal looks back on them.
@@ -149,11 +185,11 @@ impl Seen<'_> {
         self.facing
     }
 
-    /// The cosine of the angle by which a face leans, or the edge that is all of the polytope; 0 for others. The whole
+    /// The cosine of the angle by which a face leans, or the edge that is all of the shape; 0 for others. The whole
     /// shape is on one side of a plane through that edge, also where it is a line of a cylinder's or cone's side.
-    pub(super) fn level(&self, polytope: &Polytope) -> f64 {
-        match (polytope.vertices(), self.points()) {
-            ([_, _], [p, q]) => {
+    pub(super) fn level(&self) -> f64 {
+        match self.points() {
+            [p, q] if self.of_line => {
                 let across = p.at.distance(q.at);
                 across / across.hypot(p.height - q.height).max(f64::MIN_POSITIVE)
             }

@@ -1,9 +1,8 @@
-//! What cylinders and cones show of themselves where they rest on a face or along a line, as polytopes.
+//! What cylinders and cones show of themselves where they rest on a face or along a line.
 
-use super::feature::FACING;
+use super::feature::{FACING, LEVEL, Part, Placed, Seen, View};
+use dcd_geom::Curved;
 use dcd_geom::glam::{DVec2, DVec3};
-use dcd_geom::{Curved, Polytope, Shape};
-use std::borrow::Cow;
 use std::f64::consts::FRAC_1_SQRT_2 as H;
 
 /// The corners that stand for a rim, from the lowest on. Fewer: a resting face loses more of its area.
@@ -18,43 +17,36 @@ const RIM: [DVec2; 8] = [
     DVec2::new(H, -H),
 ];
 
-/// A polytope that shows along a direction what the shape shows, and how large the shape is.
-pub(super) struct StandIn<'a> {
-    pub(super) polytope: Cow<'a, Polytope>,
-    pub(super) size: f64,
-}
+/// The rim's corners in their order.
+const ROUND: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
 
-impl<'a> StandIn<'a> {
-    /// The polytope itself; for a cylinder or cone corners of the face that looks along a direction of its own
-    /// frame, of unit length, or else the line of its side that is the lowest; `None` for other shapes.
-    pub(super) fn of(shape: &'a Shape, direction: DVec3) -> Option<Self> {
-        match shape {
-            Shape::Polytope(polytope) => {
-                let size = polytope.outer_radius();
-                Some(Self { polytope: Cow::Borrowed(polytope), size })
-            }
-            Shape::Curved(curved) => {
-                let polytope = Cow::Owned(shown(curved, direction)?);
-                Some(Self { polytope, size: curved.reach() })
-            }
-            _ => None,
+impl View {
+    /// Corners of the face of a cylinder or cone that looks the way it is seen, or else the line of its side that is
+    /// the lowest, or the end of that line.
+    pub(super) fn seen_curved(&self, curved: &Curved, placed: &Placed<'_>) -> Seen<'static> {
+        let direction = self.towards(placed);
+        let lowest = direction.truncate().try_normalize().unwrap_or(DVec2::X);
+        let discs = curved.discs();
+        let is_up = direction.z > 0.0;
+        let (height, radius) = discs[usize::from(is_up)];
+        if direction.z.abs() >= FACING && radius > 0.0 {
+            let normal = DVec3::Z * direction.z.signum();
+            let face = Part::Face { index: 0, normal, corners: &ROUND };
+            return self.shown(face, placed, |k| {
+                // Counter-clockwise seen from outside.
+                let k = if is_up { k as usize } else { RIM.len() - 1 - k as usize };
+                (RIM[k].rotate(lowest) * radius).extend(height)
+            });
         }
+        let end = |k: u32| {
+            let (z, radius) = discs[k as usize];
+            (lowest * radius).extend(z)
+        };
+        let (below, above) = (end(0), end(1));
+        let (length, rise) = (below.distance(above), direction.dot(above - below));
+        if length > 0.0 && rise.abs() < LEVEL * length {
+            return self.shown(Part::Edge([0, 1]), placed, end).of_line();
+        }
+        self.shown(Part::Vertex(u32::from(rise > 0.0)), placed, end)
     }
-}
-
-fn shown(curved: &Curved, direction: DVec3) -> Option<Polytope> {
-    let lowest = direction.truncate().try_normalize().unwrap_or(DVec2::X);
-    let discs = curved.discs();
-    let (height, radius) = discs[usize::from(direction.z > 0.0)];
-    let polytope = if direction.z.abs() >= FACING && radius > 0.0 {
-        let corner = |k: usize| (RIM[k].rotate(lowest) * radius).extend(height);
-        // Counter-clockwise seen from outside.
-        let corners = (0..RIM.len()).map(|k| if direction.z > 0.0 { k } else { RIM.len() - 1 - k });
-        Polytope::polygon(corners.map(corner).collect(), DVec3::Z * direction.z.signum())
-    } else {
-        let mut ends = discs.map(|(z, radius)| (lowest * radius).extend(z)).to_vec();
-        ends.dedup();
-        Polytope::polygon(ends, DVec3::ZERO)
-    };
-    polytope.and_then(|shown| shown.rounded(curved.swept_radius())).ok()
 }

@@ -1,6 +1,8 @@
-//! How deep two cuboids overlap, rounded or not: the fifteen axes are all that can be the least.
+//! How deep two cuboids overlap, or a cuboid and a sphere or capsule, rounded or not: the fifteen axes are all that
+//! can be the least.
 //!
-//! The difference of two boxes is the sum of six segments, whose faces are normal to an edge of each pair: three
+//! A sphere's core is a box without extent, a capsule's one that extends along one axis alone. The difference of two
+//! boxes is the sum of six segments, whose faces are normal to an edge of each pair: three
 //! axes of a, three of b, nine products of one and one. The axes are computed as those of two rotations, in a's
 //! frame; what the poses depart from rotations by, and all rounding, is in the bounds
 //! (docs/numerics/proofs.md, "The depth of cuboids").
@@ -10,7 +12,7 @@ use crate::PosedSupport;
 use crate::epa::Depth;
 use crate::expanding::SHALLOW;
 use crate::query::Accuracy;
-use dcd_geom::glam::{DMat3, DVec3};
+use dcd_geom::glam::{DMat3, DVec2, DVec3};
 use dcd_geom::{Kind, Polytope, Vector};
 
 /// The largest deviation of a pose for which the bounds below hold, and are of use.
@@ -111,11 +113,11 @@ pub(crate) fn depth_along(
     b: PosedSupport<'_, Polytope>,
     accuracy: Accuracy,
 ) -> Option<Depth> {
-    let (Kind::Cuboid { half_extents: half_a }, Kind::Cuboid { half_extents: half_b }) =
-        (a.map.kind(), b.map.kind())
-    else {
+    let is_cuboid = |side: &Polytope| matches!(side.kind(), Kind::Cuboid { .. });
+    if !is_cuboid(a.map) && !is_cuboid(b.map) {
         return None;
-    };
+    }
+    let (half_a, half_b) = (half_extents(a.map)?, half_extents(b.map)?);
     let radii = [a.map.swept_radius(), b.map.swept_radius()];
     let radius = radii[0] + radii[1];
     let (search, [placed_a, placed_b]) = posed([a, b], [half_a, half_b])?;
@@ -154,6 +156,18 @@ pub(crate) fn depth_along(
     let (point_a, point_b) =
         (origin + (in_a + normal * radii[0]), origin + (in_b - normal * radii[1]));
     Some(Depth { depth, normal, point_a, point_b, error_bound })
+}
+
+/// The half-extents of a core that is a box round its origin, be it only a segment along z or a point.
+fn half_extents(polytope: &Polytope) -> Option<DVec3> {
+    match (polytope.kind(), polytope.vertices()) {
+        (Kind::Cuboid { half_extents }, _) => Some(half_extents),
+        (Kind::Point, &[only]) if only == DVec3::ZERO => Some(DVec3::ZERO),
+        (Kind::Segment, &[p, q]) if p == -q && p.truncate() == DVec2::ZERO => {
+            Some(DVec3::Z * p.z.abs())
+        }
+        _ => None,
+    }
 }
 
 /// Two boxes at their places; `None` out of range.
@@ -411,3 +425,6 @@ pub(super) fn crossing(
     let are_on = is_on(s, a.half[j]) && is_on(r, b.half[k]);
     are_on.then(|| [middle_a + e * s, middle_b + f * r])
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,9 +1,10 @@
 //! A closed surface of triangles that grows point by point, with rounded planes.
 
-use crate::simplex::{Triple, determinant};
 use crate::{PosedSupport, Vertex};
 use dcd_geom::SupportMap;
 use dcd_geom::glam::DVec3;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 /// Unit roundoff.
 const U: f64 = f64::EPSILON / 2.0;
@@ -30,13 +31,24 @@ struct Edge {
     hidden: u32,
 }
 
+/// A face by how far its plane is along its normal: the nearest is the greatest, the older one among equals.
+type Candidate = Reverse<(i64, u32)>;
+
+/// A number's place in the order of all numbers: of integers, which are compared at once.
+fn rank(distance: f64) -> i64 {
+    let bits = distance.to_bits() as i64;
+    // All bits of a negative number but its sign run the other way.
+    bits ^ ((bits >> 63) as u64 >> 1) as i64
+}
+
 /// The surface, and memory that one search leaves to the next.
 #[derive(Debug, Default)]
 pub(crate) struct Surface {
     vertices: Vec<Vertex<f64>>,
     faces: Vec<Face>,
-    /// Of each face: how far its plane is along its normal; infinite for what is no part of the surface.
-    distances: Vec<f64>,
+    /// The faces by how far their planes are along their normals; those that are no part of the surface are taken
+    /// away when they come first.
+    queue: BinaryHeap<Candidate>,
     stack: Vec<u32>,
     horizon: Vec<Edge>,
     /// Of a vertex on the horizon: the new face whose horizon edge starts there.
@@ -51,7 +63,7 @@ impl Surface {
     pub(super) fn start(&mut self, mut corners: [Vertex<f64>; 4]) -> Option<()> {
         self.vertices.clear();
         self.faces.clear();
-        self.distances.clear();
+        self.queue.clear();
         self.starting.clear();
         let [v0, v1, v2, v3] = corners.map(|vertex| vertex.w);
         if (v1 - v0).cross(v2 - v0).dot(v3 - v0) < 0.0 {
@@ -73,9 +85,14 @@ impl Surface {
 
     /// The face whose plane is nearest along its normal: the smallest signed distance, the older one
     /// among equals.
-    pub(super) fn nearest(&self) -> u32 {
-        let least = least(&self.distances);
-        self.distances.iter().position(|&distance| distance == least).unwrap_or(0) as u32
+    pub(super) fn nearest(&mut self) -> u32 {
+        while let Some(&Reverse((_, face))) = self.queue.peek() {
+            if self.faces[face as usize].alive {
+                return face;
+            }
+            self.queue.pop();
+        }
+        0
     }
 
     /// A face's normal and distance.
@@ -127,7 +144,6 @@ impl Surface {
         self.horizon.clear();
         self.stack.clear();
         self.faces[seen as usize].alive = false;
-        self.distances[seen as usize] = f64::INFINITY;
         self.stack.push(seen);
         while let Some(index) = self.stack.pop() {
             let Face { vertices, neighbours, .. } = self.faces[index as usize];
@@ -139,7 +155,6 @@ impl Surface {
                 // Barely seen is not seen: a cone over such a face would have a sliver.
                 if neighbour.normal.dot(point) > neighbour.distance + 16.0 * U {
                     neighbour.alive = false;
-                    self.distances[other as usize] = f64::INFINITY;
                     self.stack.push(other);
                 } else {
                     let (from, to) = (vertices[k], vertices[(k + 1) % 3]);
@@ -160,7 +175,7 @@ impl Surface {
     }
 
     fn push(&mut self, vertices: [u32; 3], neighbours: [u32; 3]) -> Option<()> {
-        let [p, q, r] = vertices.map(|k| self.vertices[k as usize].w);
+        let [p, q, r] = self.corners(&vertices);
         let normal = (q - p).cross(r - p);
         let length = normal.length();
         if !(length > 0.0) {
@@ -168,9 +183,13 @@ impl Surface {
         }
         let normal = normal / length;
         let distance = normal.dot(p);
+        self.queue.push(Reverse((rank(distance), self.faces.len() as u32)));
         self.faces.push(Face { vertices, neighbours, normal, distance, alive: true });
-        self.distances.push(distance);
         Some(())
+    }
+
+    fn corners(&self, &[p, q, r]: &[u32; 3]) -> [DVec3; 3] {
+        [self.vertices[p as usize].w, self.vertices[q as usize].w, self.vertices[r as usize].w]
     }
 
     /// The radius of a sphere round the origin that is surely inside of what the surface bounds, for the
@@ -178,7 +197,7 @@ impl Surface {
     pub(super) fn inner_radius(&self) -> f64 {
         let mut least = f64::INFINITY;
         for Face { vertices, normal, .. } in self.faces.iter().filter(|face| face.alive) {
-            let corners = vertices.map(|k| self.vertices[k as usize].w);
+            let corners = self.corners(vertices);
             if !is_inside(corners) {
                 return 0.0;
             }
@@ -205,55 +224,44 @@ impl Surface {
     /// The triangle that a ray from the origin leaves by, and the weights of its corners there: the one
     /// that it passes by the least, where rounding lets it slip between all.
     fn leaving(&self, direction: DVec3) -> ([u32; 3], [f64; 3]) {
-        let mut best = (f64::NEG_INFINITY, [0; 3], [1.0, 0.0, 0.0]);
+        let mut best = (f64::NEG_INFINITY, [0; 3], DVec3::X);
         for Face { vertices, normal, .. } in self.faces.iter().filter(|face| face.alive) {
             if normal.dot(direction) <= 0.0 {
                 continue;
             }
-            let [p, q, r] = vertices.map(|k| self.vertices[k as usize].w);
-            let volumes = [q.cross(r), r.cross(p), p.cross(q)].map(|n| n.dot(direction));
-            let total: f64 = volumes.iter().sum();
-            let weights = volumes.map(|volume| volume / total);
-            let least = weights[0].min(weights[1]).min(weights[2]);
+            let [p, q, r] = self.corners(vertices);
+            let volume = |n: DVec3| n.dot(direction);
+            let volumes = DVec3::new(volume(q.cross(r)), volume(r.cross(p)), volume(p.cross(q)));
+            let total = volumes.x + volumes.y + volumes.z;
+            let weights = volumes / total;
+            let least = weights.x.min(weights.y).min(weights.z);
             if total > 0.0 && least > best.0 {
                 best = (least, *vertices, weights);
             }
         }
         let (_, vertices, weights) = best;
-        let weights = weights.map(|weight| weight.max(0.0));
-        let total: f64 = weights.iter().sum();
-        (vertices, weights.map(|weight| weight / total))
+        let weights = weights.max(DVec3::ZERO);
+        let total = weights.x + weights.y + weights.z;
+        (vertices, (weights / total).to_array())
     }
-}
-
-/// The smallest of some numbers: eight at a time, so that no comparison waits for the last one.
-fn least(numbers: &[f64]) -> f64 {
-    let smaller = |a: f64, b: f64| if b < a { b } else { a };
-    let mut lanes = [f64::INFINITY; 8];
-    let (eights, rest) = numbers.as_chunks::<8>();
-    for eight in eights {
-        for (lane, &number) in lanes.iter_mut().zip(eight) {
-            *lane = smaller(*lane, number);
-        }
-    }
-    lanes.into_iter().chain(rest.iter().copied()).fold(f64::INFINITY, smaller)
 }
 
 /// Whether the origin is surely on the inner side of a triangle: det(p, q, r) beyond 16u of its permanent,
 /// of which the determinant loses 5u and the permanent 5u of itself. Underflow proves nothing.
 pub(crate) fn is_inside(corners: [DVec3; 3]) -> bool {
-    let [p, q, r]: [Triple<f64>; 3] = corners.map(|v| v.to_array());
-    let [p_abs, q_abs, r_abs] = corners.map(DVec3::abs);
+    let [p, q, r] = corners;
+    let [p_abs, q_abs, r_abs] = [p.abs(), q.abs(), r.abs()];
     let permanent = p_abs.x * (q_abs.y * r_abs.z + q_abs.z * r_abs.y)
         + p_abs.y * (q_abs.z * r_abs.x + q_abs.x * r_abs.z)
         + p_abs.z * (q_abs.x * r_abs.y + q_abs.y * r_abs.x);
-    determinant(&p, &q, &r) > 16.0 * U * permanent + f64::MIN_POSITIVE
+    p.dot(q.cross(r)) > 16.0 * U * permanent + f64::MIN_POSITIVE
 }
 
 /// At most the distance of a triangle from the origin: its lowest corner along any direction. The
 /// direction's length is off by at most 8u, a product of it with a corner, all within 1 of the origin but for
 /// rounding, by 5u.
 pub(super) fn clearance(normal: DVec3, corners: [DVec3; 3]) -> f64 {
-    let [p, q, r] = corners.map(|v| normal.dot(v));
+    let [p, q, r] = corners;
+    let [p, q, r] = [normal.dot(p), normal.dot(q), normal.dot(r)];
     p.min(q).min(r) * (1.0 - 16.0 * U) - 8.0 * U
 }
