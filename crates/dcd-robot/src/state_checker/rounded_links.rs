@@ -93,7 +93,8 @@ fn placed<L: Lanes>(l: L, frame: &[L::F; 12], [x, y, z]: [L::F; 3]) -> [L::F; 3]
 
 #[inline(always)]
 pub(super) fn stored<L: Lanes>(l: L, centre: [L::F; 3]) -> Block {
-    let mut block = Block::default();
+    // Written out: the derived default is a call in a kernel.
+    let mut block = Block([Row([0.0; WIDTH]); 3]);
     for axis in 0..3 {
         l.store(centre[axis], &mut block.0[axis]);
     }
@@ -157,7 +158,6 @@ impl RoundedLink {
 }
 
 /// The spheres of up to sixteen links in one state.
-#[derive(Default)]
 pub(super) struct Gathered {
     centre: Block,
     radius: Row,
@@ -165,6 +165,14 @@ pub(super) struct Gathered {
 }
 
 impl Gathered {
+    /// Without any link.
+    // Written out: a derived default is a call in a kernel.
+    pub(super) const NONE: Self = Self {
+        centre: Block([Row([0.0; WIDTH]); 3]),
+        radius: Row([0.0; WIDTH]),
+        margin: Row([0.0; WIDTH]),
+    };
+
     #[inline(always)]
     pub(super) fn set(
         &mut self,

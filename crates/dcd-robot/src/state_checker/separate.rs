@@ -128,7 +128,7 @@ impl<'a> PlacedHull<'a> {
             best = l.select(is_farther, along, best);
             block = l.select(is_farther, l.splat(number as f32), block);
         }
-        let (mut values, mut blocks) = (Row::default(), Row::default());
+        let (mut values, mut blocks) = (Row([0.0; WIDTH]), Row([0.0; WIDTH]));
         l.store(best, &mut values);
         l.store(block, &mut blocks);
         let mut farthest = 0;

@@ -128,13 +128,14 @@ impl Sift<'_> {
         let links = &self.prepared.world_links;
         for lane in bits(self.open) {
             for (links, rounded) in links.chunks(WIDTH).zip(rounded.chunks(WIDTH)) {
-                let mut gathered = Gathered::default();
-                for (k, link) in links.iter().zip(rounded).enumerate() {
-                    gathered.set(k, link, lane);
+                let mut gathered = Gathered::NONE;
+                for k in 0..links.len() {
+                    gathered.set(k, (&links[k], &rounded[k]), lane);
                 }
                 let (spheres, filled) = (gathered.spheres(l), (1 << links.len()) - 1);
                 near.clear();
-                for (number, solid) in (0..).zip(&self.prepared.solids) {
+                for number in 0..self.prepared.solids.len() as u32 {
+                    let solid = &self.prepared.solids[number as usize];
                     let marked = solid.reached(l, &spheres).near & filled;
                     if marked != 0 {
                         near.push((number, marked));
@@ -155,7 +156,7 @@ impl Sift<'_> {
         let of = |k: u32| (&prepared.own_links()[k as usize], &rounded[k as usize]);
         for lane in bits(self.open) {
             for pairs in prepared.link_pairs.chunks(WIDTH) {
-                let [mut one, mut other] = [Gathered::default(), Gathered::default()];
+                let [mut one, mut other] = [Gathered::NONE, Gathered::NONE];
                 for (k, &[a, b]) in pairs.iter().enumerate() {
                     one.set(k, of(a), lane);
                     other.set(k, of(b), lane);
@@ -180,7 +181,8 @@ impl Sift<'_> {
         near: &mut Vec<(u32, u32)>,
     ) {
         let spheres = rounded.spheres(l, link);
-        for (number, solid) in (0..).zip(&self.prepared.solids) {
+        for number in 0..self.prepared.solids.len() as u32 {
+            let solid = &self.prepared.solids[number as usize];
             let states = solid.reached(l, &spheres).near & self.open;
             if states != 0 {
                 near.push((number, states));

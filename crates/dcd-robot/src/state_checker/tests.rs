@@ -193,6 +193,14 @@ fn frames_are_those_of_one_state_at_a_time_bit_for_bit() {
                 }
             }
         }
+        let mut frames = LinkFrames::default();
+        for state in &states {
+            frames.place_alone(&robot, state);
+            for (link, frame) in robot.link_frames(state).unwrap().iter().enumerate() {
+                assert_eq!(frames.frame(link, 0), *frame, "alone, link {link}");
+            }
+            assert!(frames.is_finite(0));
+        }
     }
 }
 

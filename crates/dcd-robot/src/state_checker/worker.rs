@@ -139,8 +139,12 @@ impl Worker {
             robot.check_state(state.as_ref()).map_err(|error| (k, error))?;
         }
         for (packet, (states, frames)) in states.chunks(WIDTH).zip(&mut self.frames).enumerate() {
-            frames.read(robot, states);
-            dispatch_on(Path::best(), Place { robot, states, to: frames });
+            if let [state] = states {
+                frames.place_alone(robot, state.as_ref());
+            } else {
+                frames.read(robot, states);
+                dispatch_on(Path::best(), Place { robot, states, to: frames });
+            }
             // Refused even where no pair contains the link.
             for (lane, state) in states.iter().enumerate().filter(|&(k, _)| !frames.is_finite(k)) {
                 let placed = robot.place(state.as_ref(), &mut Vec::new());
