@@ -137,10 +137,10 @@ impl Placed {
         // The products of edges with the cuboid's directions are as long as the edges are off these.
         let product = |i: usize, j: usize| edges[i].cross(DMat3::IDENTITY.col(j));
         let (mut moved, mut parallel) = (0.0f64, 0);
-        for i in 0..3 {
+        for (i, edge) in lengths.iter().enumerate() {
             for j in 0..3 {
                 let sine = product(i, j).length();
-                if sine <= PARALLEL * lengths[i] {
+                if sine <= PARALLEL * edge {
                     moved += sine;
                     parallel += 1;
                 }
@@ -163,12 +163,12 @@ impl Placed {
         for j in 0..3 {
             self.along(&mut least, DMat3::IDENTITY.col(j), (Axis::Cuboid, 0.0), radius)?;
         }
-        for i in 0..3 {
+        for (i, edge) in lengths.iter().enumerate() {
             for j in 0..3 {
                 let axis = product(i, j);
                 let length = axis.length();
-                if length > PARALLEL * lengths[i] {
-                    let off = (rounding * lengths[i] + 4.0 * moved) / length;
+                if length > PARALLEL * edge {
+                    let off = (rounding * edge + 4.0 * moved) / length;
                     self.along(&mut least, axis / length, (Axis::Edges(i, j), off), radius)?;
                 }
             }
