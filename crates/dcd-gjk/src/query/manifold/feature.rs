@@ -209,6 +209,11 @@ pub(super) fn edge(j: u32, k: u32) -> Feature {
     Feature::Edge(j.min(k), j.max(k))
 }
 
+/// The larger; the first where the second is NaN.
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
 /// Which part of a polytope faces a direction of its own frame, of unit length.
 struct Choice<'a> {
     polytope: &'a Polytope,
@@ -256,17 +261,8 @@ impl<'a> Choice<'a> {
     }
 
     fn searched(&self) -> Part<'a> {
-        let vertices = self.polytope.vertices();
         let mut kept = [0.0; KEPT];
-        let mut farthest = f64::NEG_INFINITY;
-        for (k, &vertex) in vertices.iter().enumerate() {
-            let along = self.direction.dot(vertex);
-            if let Some(kept) = kept.get_mut(k) {
-                *kept = along;
-            }
-            farthest = if along > farthest { along } else { farthest };
-        }
-        let kept = &kept[..vertices.len().min(KEPT)];
+        let (kept, farthest) = self.heights(&mut kept);
         let least = farthest - FARTHEST * self.polytope.outer_radius();
         let is_farthest = |k: u32| match kept.get(k as usize) {
             Some(&along) => along >= least,
@@ -285,16 +281,21 @@ impl<'a> Choice<'a> {
                 count += 1;
             }
         };
-        for (k, &along) in (0u32..).zip(kept) {
-            if along >= least {
-                list(k);
+        let (fours, rest) = kept.as_chunks::<4>();
+        for (j, four) in fours.iter().enumerate() {
+            let [p, q, r, s] = *four;
+            // Nearly always: one comparison in place of four.
+            if larger(larger(p, q), larger(r, s)) < least {
+                continue;
+            }
+            for (k, &along) in four.iter().enumerate() {
+                if along >= least {
+                    list((4 * j + k) as u32);
+                }
             }
         }
-        for k in kept.len() as u32..vertices.len() as u32 {
-            if is_farthest(k) {
-                list(k);
-            }
-        }
+        let after = (kept.len() - rest.len()) as u32;
+        (after..self.polytope.vertices().len() as u32).filter(|&k| is_farthest(k)).for_each(list);
         let found = if let Some(listed) = listed.get_mut(..count) {
             self.face_of(listed.iter().copied()).or_else(|| {
                 // In the order of the faces, whoever lists them.
@@ -311,6 +312,33 @@ impl<'a> Choice<'a> {
             self.face_of(all()).or_else(|| self.edge_of(all(), is_farthest))
         };
         found.unwrap_or(Part::Vertex(first.unwrap_or(0)))
+    }
+
+    /// How far vertices are along the direction, as many as are kept; and how far the farthest of all is.
+    fn heights<'k>(&self, kept: &'k mut [f64; KEPT]) -> (&'k [f64], f64) {
+        let vertices = self.polytope.vertices();
+        let few = vertices.len().min(KEPT);
+        let (fours, rest) = vertices[..few].as_chunks::<4>();
+        let mut most = [f64::NEG_INFINITY; 4];
+        for (to, [p, q, r, s]) in kept.as_chunks_mut::<4>().0.iter_mut().zip(fours) {
+            let d = self.direction;
+            *to = [d.dot(*p), d.dot(*q), d.dot(*r), d.dot(*s)];
+            most = [
+                larger(most[0], to[0]),
+                larger(most[1], to[1]),
+                larger(most[2], to[2]),
+                larger(most[3], to[3]),
+            ];
+        }
+        let mut farthest = larger(larger(most[0], most[1]), larger(most[2], most[3]));
+        for (to, &vertex) in kept[few - rest.len()..].iter_mut().zip(rest) {
+            *to = self.direction.dot(vertex);
+            farthest = larger(farthest, *to);
+        }
+        for &vertex in &vertices[few..] {
+            farthest = larger(farthest, self.direction.dot(vertex));
+        }
+        (&kept[..few], farthest)
     }
 
     /// The face that looks most along the direction, of those that look almost that way: the first in their order among
