@@ -50,8 +50,8 @@ impl CuboidPairs {
             self.second[lane] = *boxes[usize::from(!swapped)];
             let sense = if swapped { -1.0 } else { 1.0 };
             let between = &mut self.between[lane].0;
-            for k in 0..3 {
-                between[k] = ((b.centre[k] - a.centre[k]) * sense) as f32;
+            for (k, between) in between.iter_mut().enumerate().take(3) {
+                *between = ((b.centre[k] - a.centre[k]) * sense) as f32;
             }
             between[3] = a.size + b.size;
             self.swapped |= u32::from(swapped) << lane;
@@ -116,8 +116,8 @@ impl<L: Lanes> Cuboids<L> {
     #[inline(always)]
     fn nearest(&self, l: L, point: V3<L>) -> [L::F; 3] {
         let mut place = self.along(l, point);
-        for k in 0..3 {
-            place[k] = l.max(l.min(place[k], self.half[k]), l.neg(self.half[k]));
+        for (place, half) in place.iter_mut().zip(self.half) {
+            *place = l.max(l.min(*place, half), l.neg(half));
         }
         place
     }
@@ -126,9 +126,9 @@ impl<L: Lanes> Cuboids<L> {
     #[inline(always)]
     fn corner(&self, l: L, along: [L::F; 3]) -> [L::F; 3] {
         let mut place = self.half;
-        for k in 0..3 {
-            let is_low = l.lt(along[k], l.splat(0.0));
-            place[k] = l.select(is_low, l.neg(place[k]), place[k]);
+        for (place, along) in place.iter_mut().zip(along) {
+            let is_low = l.lt(along, l.splat(0.0));
+            *place = l.select(is_low, l.neg(*place), *place);
         }
         place
     }

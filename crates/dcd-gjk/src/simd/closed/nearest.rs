@@ -233,9 +233,8 @@ impl<L: Lanes> Widest<L> {
     fn offer(&mut self, l: L, gap: L::F, edges: [L::F; 2]) {
         let is_wider = l.lt(self.lower, gap);
         self.lower = l.select(is_wider, gap, self.lower);
-        for side in 0..2 {
-            self.edges[side] = l.select(is_wider, edges[side], self.edges[side]);
-        }
+        let [of_a, of_b] = self.edges;
+        self.edges = [l.select(is_wider, edges[0], of_a), l.select(is_wider, edges[1], of_b)];
     }
 
     #[inline(always)]
@@ -257,11 +256,11 @@ fn square_to_edges<L: Lanes>(
     mut axis: V3<L>,
     (side, place): (&Cuboids<L>, [L::F; 3]),
 ) -> V3<L> {
-    for k in 0..3 {
-        let along = side.axes[k].dot(l, axis);
-        let is_free = l.lt(l.abs(place[k]), side.half[k]);
+    for ((edge, half), place) in side.axes.into_iter().zip(side.half).zip(place) {
+        let along = edge.dot(l, axis);
+        let is_free = l.lt(l.abs(place), half);
         let along = l.select(is_free, along, l.splat(0.0));
-        axis = axis.plus(l, l.neg(along), side.axes[k]);
+        axis = axis.plus(l, l.neg(along), edge);
     }
     axis
 }
@@ -343,13 +342,11 @@ fn proposed<L: Lanes>(l: L, [a, b]: [&Cuboids<L>; 2], between: V3<L>, axis: &Wid
     let normal = V3::select(l, is_back, normal.neg(l), normal);
     let mut corners = [a.corner(l, a.along(l, normal)), b.corner(l, b.along(l, normal.neg(l)))];
     // The middles of the edges of a product.
-    for side in 0..2 {
-        for k in 0..3 {
-            let number = axis.edges[side];
+    for (number, corner) in axis.edges.into_iter().zip(&mut corners) {
+        for (k, place) in corner.iter_mut().enumerate() {
             let is_above = l.lt(l.splat(k as f32 - 0.5), number);
             let here = l.and(is_above, l.lt(number, l.splat(k as f32 + 0.5)));
-            let is_own = l.and(here, is_product);
-            corners[side][k] = l.select(is_own, zero, corners[side][k]);
+            *place = l.select(l.and(here, is_product), zero, *place);
         }
     }
     let (in_a, in_b) = (a.in_world(l, corners[0]), b.in_world(l, corners[1]).add(l, between));
