@@ -74,7 +74,7 @@ struct Seen {
 enum Moving {
     Still(Scene),
     Walking(Scene, RandomWalk),
-    Falling(Box<Pile>, Pipeline<WideTree, SimdDepths>),
+    Falling(Box<Pile>, Box<Pipeline<WideTree, SimdDepths>>),
 }
 
 impl Moving {
@@ -146,7 +146,7 @@ impl Course {
             Motion::Settle => {
                 let pile = Box::new(Pile::new(self.objects, self.seed)?);
                 let depths = SimdDepths::new(Depths, Accuracy::F32);
-                let pipeline = Pipeline::with(WideTree::default(), depths);
+                let pipeline = Box::new(Pipeline::with(WideTree::default(), depths));
                 let mut falling = Moving::Falling(pile, pipeline);
                 (0..FALLING).try_for_each(|_| falling.advance())?;
                 falling

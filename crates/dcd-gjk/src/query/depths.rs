@@ -76,7 +76,8 @@ impl PairSolver for Depths {
         scratch: &mut epa::Scratch,
     ) -> (Verdict<Depth>, Method) {
         // A depth that is certified is more than its bound: the two touch.
-        if let Some(found) = by_formula(Accuracy::Certified, a, b) {
+        let upright = upright(a, b).filter(|found| found.depth > found.error_bound);
+        if let Some(found) = upright.or_else(|| by_formula(Accuracy::Certified, a, b)) {
             return (Verdict::Touching(found), Method::F64);
         }
         let (verdict, method) = certified::overlap_of(a, b);
@@ -151,7 +152,7 @@ pub(super) fn of_touching(
     if let Some(verdict) = half_space::depth_within(a, b, closed::sharp_of(accuracy)) {
         return verdict;
     }
-    if let Some(found) = by_formula(accuracy, a, b) {
+    if let Some(found) = upright(a, b).or_else(|| by_formula(accuracy, a, b)) {
         return Verdict::Touching(found);
     }
     if let Some(found) = expanding::depth_of_overlap(a, b, accuracy, &mut scratch.surface)
@@ -214,6 +215,17 @@ fn by_formula(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Optio
             .or_else(|| closed::cuboid_depth(a, b, accuracy)),
     };
     if order::are_swapped(a, b) { in_order(b, a).map(Depth::mirrored) } else { in_order(a, b) }
+}
+
+/// The depth of two cuboids along the world's axes that are known to touch.
+/// (a, b) and (b, a) give the same bits, mirrored.
+fn upright(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
+    let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
+    let (a, b) = (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
+    match order::are_swapped(a, b) {
+        true => closed::upright_depth(b, a).map(Depth::mirrored),
+        false => closed::upright_depth(a, b),
+    }
 }
 
 /// The bound, relative to the depth, that a formula may leave. A triangle is mostly one of a mesh, whose reach is many

@@ -14,6 +14,7 @@ mod near_features;
 mod segments;
 mod spheres;
 mod triangles;
+mod upright_depth;
 
 use crate::epa::Depth;
 use crate::query::Accuracy;
@@ -24,6 +25,7 @@ pub(crate) use near_features::{NearFeatures, distance_in_double_double, distance
 pub(crate) use segments::{PosedCore, depth_of_cores, overlap_of_cores};
 pub(crate) use spheres::{PlacedSphere, depth_of_spheres, distance_of_spheres};
 pub(crate) use triangles::nearest as nearest_of_triangle;
+pub(crate) use upright_depth::depth as upright_depth;
 
 /// Unit roundoff of f64.
 const UNIT: f64 = f64::EPSILON / 2.0;

@@ -270,8 +270,8 @@ fn depth_of_cuboids(axes: Axes, [a, b]: [PosedShape<'_>; 2], accuracy: Accuracy)
     let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
     let swapped = order::is_swapped(a, b);
     let (a, b) = (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
-    match swapped {
-        true => closed::cuboid_depth_along(axes.mirrored(), b, a, accuracy).map(Depth::mirrored),
-        false => closed::cuboid_depth_along(axes, a, b, accuracy),
-    }
+    let (a, b, axes) = if swapped { (b, a, axes.mirrored()) } else { (a, b, axes) };
+    let found =
+        closed::upright_depth(a, b).or_else(|| closed::cuboid_depth_along(axes, a, b, accuracy))?;
+    Some(if swapped { found.mirrored() } else { found })
 }
