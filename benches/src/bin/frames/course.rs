@@ -70,25 +70,33 @@ struct Seen {
     parry_differs: usize,
 }
 
+/// A scene that walks, or stands still.
+struct Walking {
+    scene: Scene,
+    walk: Option<RandomWalk>,
+}
+
 /// A scene that moves.
 enum Moving {
-    Still(Scene),
-    Walking(Scene, RandomWalk),
+    Walking(Box<Walking>),
     Falling(Box<Pile>, Box<Pipeline<WideTree, SimdDepths>>),
 }
 
 impl Moving {
     fn scene(&self) -> &Scene {
         match self {
-            Self::Still(scene) | Self::Walking(scene, _) => scene,
+            Self::Walking(walking) => &walking.scene,
             Self::Falling(pile, _) => pile.scene(),
         }
     }
 
     fn advance(&mut self) -> Result<()> {
         match self {
-            Self::Still(_) => {}
-            Self::Walking(scene, walk) => walk.step(scene)?,
+            Self::Walking(walking) => {
+                if let Some(walk) = &mut walking.walk {
+                    walk.step(&mut walking.scene)?;
+                }
+            }
             Self::Falling(pile, pipeline) => {
                 let step = pipeline.step(pile.scene(), Par::Pool);
                 let contacts = step.answers().map(|contact| PileContact {
@@ -141,8 +149,11 @@ impl Course {
             dcd_benches::draw(&spec.with_seed(self.seed))
         };
         Ok(match self.motion {
-            Motion::Walk(0.0) => Moving::Still(draw()?),
-            Motion::Walk(sigma) => Moving::Walking(draw()?, RandomWalk::new(sigma, self.seed)?),
+            Motion::Walk(sigma) => {
+                let walk = || RandomWalk::new(sigma, self.seed);
+                let walk = (sigma > 0.0).then(walk).transpose()?;
+                Moving::Walking(Box::new(Walking { scene: draw()?, walk }))
+            }
             Motion::Settle => {
                 let pile = Box::new(Pile::new(self.objects, self.seed)?);
                 let depths = SimdDepths::new(Depths, Accuracy::F32);
