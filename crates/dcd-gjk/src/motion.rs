@@ -304,4 +304,4 @@ fn radius(side: &MovingShape<'_>) -> f64 {
 mod advance;
 mod swept;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -1,10 +1,10 @@
 //! The corners of what two shapes, or many parts of them, have in common along one normal.
 
 use super::clip::{Corner, Patch, drop_doubles};
-use super::cuboids;
 use super::feature::{Placed, Seen, View};
 use super::reduce::Spot;
 use super::{FLAT, Feature, Manifold, ManifoldPoint, SAME, of_one_point, reduce};
+use super::{cuboid_polygon, cuboids};
 use crate::PosedShape;
 use crate::epa::Depth;
 use dcd_geom::glam::DVec3;
@@ -15,7 +15,7 @@ use dcd_geom::{Kind, Shape, SupportMap};
 pub(super) struct Corners {
     corners: Vec<Corner>,
     patch: Patch,
-    pub(super) of_cuboids: cuboids::Points,
+    pub(super) of_cuboids: cuboid_polygon::Points,
     /// How large the shapes are.
     size: f64,
 }

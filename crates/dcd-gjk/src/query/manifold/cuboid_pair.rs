@@ -1,7 +1,8 @@
 //! The manifold of two boxes: what [`super::cuboids`] clips, in the plane of the face that clips, and nothing besides.
 
 use super::clip::different;
-use super::cuboids::{self, Clipped, Clipping, Points, features};
+use super::cuboid_polygon::{MOST, Points, features};
+use super::cuboids::{self, Clipped, Clipping};
 use super::reduce::{self, Spot};
 use super::{FLAT, Manifold, SAME};
 use crate::PosedShape;
@@ -66,7 +67,7 @@ impl Seen<'_> {
     #[inline(always)]
     fn write(&self, depth: &Depth, points: &Points, origin: DVec3, found: &mut Manifold) -> bool {
         let Clipped { patch, radii, level, .. } = self.clipped;
-        let mut places = [Place::default(); cuboids::MOST];
+        let mut places = [Place::default(); MOST];
         let count = self.places(points, radii[0] + radii[1], &mut places);
         let count = different(&mut places[..count], patch.size);
         let places = &places[..count];
@@ -105,7 +106,7 @@ impl Seen<'_> {
 
     /// The corners as they are seen along the normal, with the radii in their depths: how many.
     #[inline(always)]
-    fn places(&self, points: &Points, radius: f64, places: &mut [Place; cuboids::MOST]) -> usize {
+    fn places(&self, points: &Points, radius: f64, places: &mut [Place; MOST]) -> usize {
         // Axes square to the normal: the first side's part, and what is square to both, counter-clockwise along a's normal.
         let [along_p, along_q, square] = self.clipping.normal();
         let length = (1.0 - along_p * along_p).sqrt();
@@ -124,21 +125,14 @@ impl Seen<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::corners::Corners;
+    use super::super::cuboids::tests::Draw;
     use super::super::in_order;
     use super::*;
     use crate::{Accuracy, Depths, Verdict, query::MeasureAt};
     use dcd_geom::glam::DQuat;
     use dcd_geom::{Pose, Shape};
 
-    /// Repeatable numbers from 0 to 1.
-    struct Draw(u64);
-
     impl Draw {
-        fn unit(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_041);
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64
-        }
-
         fn vector(&mut self) -> DVec3 {
             DVec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
         }

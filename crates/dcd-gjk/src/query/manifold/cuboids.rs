@@ -4,6 +4,7 @@
 
 use super::Feature;
 use super::clip::Corner;
+use super::cuboid_polygon::{Line, Point, Points, features};
 use super::feature::{FACING, LEVEL, View, edge};
 use crate::PosedShape;
 use dcd_geom::glam::{DMat3, DVec3};
@@ -18,9 +19,6 @@ const SOLID: f64 = 1e-6;
 
 /// The sine above which two edges surely cross.
 const CROSSING: f64 = 1e-6;
-
-/// The most corners that a patch may have: four, and one more for each of five cuts; and spare ones for what rounding adds.
-pub(super) const MOST: usize = 12;
 
 /// What two boxes show each other.
 pub(super) struct Patch {
@@ -47,31 +45,6 @@ enum Seen {
     Face(usize),
     Edge(usize),
     Vertex,
-}
-
-/// What the edge of a patch is a part of.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Line {
-    /// The edge of the clipped box between two of its vertices.
-    Clipped(u8, u8),
-    /// That of the box that clips.
-    Clips(u8, u8),
-    /// Where the depth is 0.
-    Surface,
-}
-
-/// A corner of the patch, in the frame of the box that clips. Small: it is moved by every cut.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
-    /// On the face, along its two sides.
-    pub(super) at: [f64; 2],
-    /// How far the clipped box reaches under the face, along the normal.
-    pub(super) depth: f64,
-    /// What the edge to the next corner is a part of.
-    line: Line,
-    /// The edge of the patch on which it is, and what cuts that edge; the edge itself at a corner of the clipped box,
-    /// where it begins.
-    pub(super) origin: [Line; 2],
 }
 
 /// What two boxes show each other, and the face that clips if one of them shows a face.
@@ -136,7 +109,7 @@ pub(super) fn add(
     let Clipped { patch, face, radii, level } = clipped(points, view.normal(), sides)?;
     let Some((clipping, number)) = face else { return Some(patch) };
     let of_each = [patch.whole[number], patch.whole[1 - number]];
-    corners.reserve(points.count);
+    corners.reserve(points.list().len());
     for point in points.list() {
         let (at, height) = view.of(clipping.in_world(point.at));
         let [of_clips, of_clipped] = features(point.origin, of_each);
@@ -309,7 +282,7 @@ impl<'a> Clipping<'a> {
     /// What is clipped: the corners of a face, or the ends of an edge.
     fn points(&self, seen: Seen, points: &mut Points) {
         let farthest = self.clipped.farthest();
-        points.count = 0;
+        points.clear();
         let base = self.seen_from_face(self.middle_of(seen, farthest), self.plane);
         let edge = |k: usize| {
             let axis = columns(self.clipped.rotation)[k] * self.clipped.half[k];
@@ -383,101 +356,15 @@ impl<'a> Clipping<'a> {
     }
 }
 
-/// What a corner of that origin belongs to: of the box that clips, and of the other, of which `whole` is seen.
-pub(super) fn features([of_edge, by]: [Line; 2], whole: [Feature; 2]) -> [Feature; 2] {
-    let [of_clips, of_clipped] = whole;
-    let edge = |j: u8, k: u8| edge(j.into(), k.into());
-    match (of_edge, by) {
-        (_, Line::Clipped(number, _)) => [of_clips, Feature::Vertex(number.into())],
-        (Line::Clipped(j, k), Line::Clips(l, m)) => [edge(l, m), edge(j, k)],
-        (Line::Clipped(j, k), Line::Surface) => [of_clips, edge(j, k)],
-        (Line::Clips(l, m), Line::Clips(n, o)) => {
-            let shared = [l, m].into_iter().find(|k| [n, o].contains(k));
-            [shared.map_or(edge(n, o), |k| Feature::Vertex(k.into())), of_clipped]
-        }
-        (Line::Clips(l, m), Line::Surface) | (Line::Surface, Line::Clips(l, m)) => {
-            [edge(l, m), of_clipped]
-        }
-        (Line::Surface, Line::Surface) => whole,
-    }
-}
-
-/// The corners of a patch, in order round it, and memory for them after the next cut.
-#[derive(Debug)]
-pub(super) struct Points {
-    rounds: [[Point; MOST]; 2],
-    /// Which of the two holds them.
-    now: usize,
-    count: usize,
-}
-
-impl Default for Points {
-    fn default() -> Self {
-        let line = Line::Clipped(0, 0);
-        let unused = Point { at: [0.0; 2], depth: 0.0, line, origin: [line; 2] };
-        Self { rounds: [[unused; MOST]; 2], now: 0, count: 0 }
-    }
-}
-
-impl Points {
-    pub(super) fn list(&self) -> &[Point] {
-        &self.rounds[self.now][..self.count]
-    }
-
-    /// Of the first four.
-    fn push(&mut self, point: Point) {
-        if let Some(slot) = self.rounds[self.now].get_mut(self.count) {
-            *slot = point;
-            self.count += 1;
-        }
-    }
-
-    /// Keeps where a function that is linear over the patch is at least 0 (Sutherland and Hodgman 1974). `None` where
-    /// there is no memory left: only what rounding has spoilt has so many corners.
-    #[inline(always)]
-    fn cut(&mut self, value: impl Fn(&Point) -> f64, line: Line) -> Option<()> {
-        if self.list().iter().all(|point| value(point) >= 0.0) {
-            return Some(());
-        }
-        let [first, second] = &mut self.rounds;
-        let (points, next) = if self.now == 0 { (&*first, second) } else { (&*second, first) };
-        let points = &points[..self.count];
-        let mut kept = 0;
-        let mut there = points.first().map_or(0.0, &value);
-        for (k, from) in points.iter().enumerate() {
-            let to = points.get(k + 1).unwrap_or(&points[0]);
-            let here = there;
-            there = value(to);
-            if here >= 0.0 {
-                *next.get_mut(kept)? = *from;
-                kept += 1;
-            }
-            if (here >= 0.0) != (there >= 0.0) {
-                let share = here / (here - there);
-                let between = |x: f64, y: f64| x + (y - x) * share;
-                *next.get_mut(kept)? = Point {
-                    at: [between(from.at[0], to.at[0]), between(from.at[1], to.at[1])],
-                    depth: between(from.depth, to.depth),
-                    line: if here >= 0.0 { line } else { from.line },
-                    origin: [from.line, line],
-                };
-                kept += 1;
-            }
-        }
-        (self.now, self.count) = (1 - self.now, kept);
-        Some(())
-    }
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// Repeatable numbers from 0 to 1.
-    struct Draw(u64);
+    pub(in super::super) struct Draw(pub(in super::super) u64);
 
     impl Draw {
-        fn unit(&mut self) -> f64 {
+        pub(in super::super) fn unit(&mut self) -> f64 {
             self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_041);
             (self.0 >> 11) as f64 / (1u64 << 53) as f64
         }

@@ -10,6 +10,7 @@
 mod clip;
 mod corners;
 mod cuboid_pair;
+mod cuboid_polygon;
 mod cuboids;
 mod feature;
 mod parts;

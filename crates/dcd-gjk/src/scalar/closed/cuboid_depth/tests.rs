@@ -1,30 +1,16 @@
 //! Spheres and capsules inside boxes: the formula beside the exact search.
 
 use super::depth;
+use crate::motion::tests::Draw;
 use crate::query::Accuracy;
 use crate::{PosedSupport, Verdict, epa};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Polytope, Pose};
 
-/// Numbers in −1 … 1, the same in every run.
-struct Draw(u64);
-
-impl Draw {
-    fn number(&mut self) -> f64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn vector(&mut self) -> DVec3 {
-        DVec3::new(self.number(), self.number(), self.number())
-    }
-
-    /// In any direction, or along an axis, where edges are parallel.
-    fn pose(&mut self, is_turned: bool) -> Pose {
-        let turn = if is_turned { self.vector() * 3.0 } else { DVec3::ZERO };
-        Pose::new(DQuat::from_scaled_axis(turn).normalize(), self.vector() * 0.5).unwrap()
-    }
+/// In any direction, or along an axis, where edges are parallel.
+fn pose(draw: &mut Draw, is_turned: bool) -> Pose {
+    let turn = if is_turned { draw.vector() * 3.0 } else { DVec3::ZERO };
+    Pose::new(DQuat::from_scaled_axis(turn).normalize(), draw.vector() * 0.5).unwrap()
 }
 
 #[test]
@@ -39,7 +25,7 @@ fn spheres_and_capsules_in_boxes_are_as_deep_as_the_exact_search_finds() {
             0 => Polytope::sphere(radius).unwrap(),
             _ => Polytope::capsule(draw.number().abs() * 0.8, radius).unwrap(),
         };
-        let poses = [draw.pose(k % 5 > 0), draw.pose(k % 7 > 0)];
+        let poses = [pose(&mut draw, k % 5 > 0), pose(&mut draw, k % 7 > 0)];
         let a = PosedSupport::polytope(&cuboid, &poses[0]);
         let b = PosedSupport::polytope(&round, &poses[1]);
         let Verdict::Touching(truth) = epa::depth(a, b, &mut scratch) else {

@@ -1,0 +1,122 @@
+//! The polygon in which two boxes touch, while one of them cuts it: its corners, and what each is a corner of.
+
+use super::Feature;
+use super::feature::edge;
+
+/// The most corners that a patch may have: four, and one more for each of five cuts; and spare ones for what rounding adds.
+pub(super) const MOST: usize = 12;
+
+/// What the edge of a patch is a part of.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Line {
+    /// The edge of the clipped box between two of its vertices.
+    Clipped(u8, u8),
+    /// That of the box that clips.
+    Clips(u8, u8),
+    /// Where the depth is 0.
+    Surface,
+}
+
+/// A corner of the patch, in the frame of the box that clips. Small: it is moved by every cut.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
+    /// On the face, along its two sides.
+    pub(super) at: [f64; 2],
+    /// How far the clipped box reaches under the face, along the normal.
+    pub(super) depth: f64,
+    /// What the edge to the next corner is a part of.
+    pub(super) line: Line,
+    /// The edge of the patch on which it is, and what cuts that edge; the edge itself at a corner of the clipped box,
+    /// where it begins.
+    pub(super) origin: [Line; 2],
+}
+
+/// What a corner of that origin belongs to: of the box that clips, and of the other, of which `whole` is seen.
+pub(super) fn features([of_edge, by]: [Line; 2], whole: [Feature; 2]) -> [Feature; 2] {
+    let [of_clips, of_clipped] = whole;
+    let edge = |j: u8, k: u8| edge(j.into(), k.into());
+    match (of_edge, by) {
+        (_, Line::Clipped(number, _)) => [of_clips, Feature::Vertex(number.into())],
+        (Line::Clipped(j, k), Line::Clips(l, m)) => [edge(l, m), edge(j, k)],
+        (Line::Clipped(j, k), Line::Surface) => [of_clips, edge(j, k)],
+        (Line::Clips(l, m), Line::Clips(n, o)) => {
+            let shared = [l, m].into_iter().find(|k| [n, o].contains(k));
+            [shared.map_or(edge(n, o), |k| Feature::Vertex(k.into())), of_clipped]
+        }
+        (Line::Clips(l, m), Line::Surface) | (Line::Surface, Line::Clips(l, m)) => {
+            [edge(l, m), of_clipped]
+        }
+        (Line::Surface, Line::Surface) => whole,
+    }
+}
+
+/// The corners of a patch, in order round it, and memory for them after the next cut.
+#[derive(Debug)]
+pub(super) struct Points {
+    rounds: [[Point; MOST]; 2],
+    /// Which of the two holds them.
+    now: usize,
+    count: usize,
+}
+
+impl Default for Points {
+    fn default() -> Self {
+        let line = Line::Clipped(0, 0);
+        let unused = Point { at: [0.0; 2], depth: 0.0, line, origin: [line; 2] };
+        Self { rounds: [[unused; MOST]; 2], now: 0, count: 0 }
+    }
+}
+
+impl Points {
+    pub(super) fn list(&self) -> &[Point] {
+        &self.rounds[self.now][..self.count]
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Of the first four.
+    pub(super) fn push(&mut self, point: Point) {
+        if let Some(slot) = self.rounds[self.now].get_mut(self.count) {
+            *slot = point;
+            self.count += 1;
+        }
+    }
+
+    /// Keeps where a function that is linear over the patch is at least 0 (Sutherland and Hodgman 1974). `None` where
+    /// there is no memory left: only what rounding has spoilt has so many corners.
+    #[inline(always)]
+    pub(super) fn cut(&mut self, value: impl Fn(&Point) -> f64, line: Line) -> Option<()> {
+        if self.list().iter().all(|point| value(point) >= 0.0) {
+            return Some(());
+        }
+        let [first, second] = &mut self.rounds;
+        let (points, next) = if self.now == 0 { (&*first, second) } else { (&*second, first) };
+        let points = &points[..self.count];
+        let mut kept = 0;
+        let mut there = points.first().map_or(0.0, &value);
+        for (k, from) in points.iter().enumerate() {
+            let to = points.get(k + 1).unwrap_or(&points[0]);
+            let here = there;
+            there = value(to);
+            if here >= 0.0 {
+                *next.get_mut(kept)? = *from;
+                kept += 1;
+            }
+            if (here >= 0.0) != (there >= 0.0) {
+                let share = here / (here - there);
+                let between = |x: f64, y: f64| x + (y - x) * share;
+                *next.get_mut(kept)? = Point {
+                    at: [between(from.at[0], to.at[0]), between(from.at[1], to.at[1])],
+                    depth: between(from.depth, to.depth),
+                    line: if here >= 0.0 { line } else { from.line },
+                    origin: [from.line, line],
+                };
+                kept += 1;
+            }
+        }
+        (self.now, self.count) = (1 - self.now, kept);
+        Some(())
+    }
+}
