@@ -1,7 +1,7 @@
 //! SIMD lanes for collision kernels, and packed AABBs and spheres built of them.
 //!
 //! A [`Kernel`] is written once, generic over [`Lanes`]; [`dispatch`] runs it on the widest path that
-//! the CPU has: AVX-512, AVX2 or portable code, always sixteen f32 wide. [`Aabb16`], [`Aabb128`] and
+//! the CPU has: AVX-512, AVX2, or what every CPU of the target has, always sixteen f32 wide. [`Aabb16`], [`Aabb128`] and
 //! [`Sphere16`] store AABBs and spheres coordinate by coordinate, so that one comparison tests sixteen.
 //!
 //! Every function between [`Kernel::run`] and a lane operation must be `#[inline(always)]`: the
@@ -21,8 +21,14 @@ mod avx512;
 mod box_test;
 mod pair;
 mod path;
+#[cfg_attr(
+    target_arch = "x86_64",
+    allow(dead_code, reason = "the reference in tests, and the path of other CPUs")
+)]
 mod portable;
 mod sphere16;
+#[cfg(target_arch = "x86_64")]
+mod sse2;
 mod unfused;
 
 pub use aabb::Aabb;
@@ -233,15 +239,7 @@ pub trait Lanes: Copy {
         let (mut firsts, mut numbers) = (IndexRow::default(), IndexRow::default());
         self.store_u(first, &mut firsts);
         self.store_u(number, &mut numbers);
-        let mut points = Block::default();
-        for k in 0..WIDTH {
-            let number = numbers.0[k] as usize;
-            let block = (firsts.0[k] as usize + number / WIDTH).min(blocks.len().saturating_sub(1));
-            let Some(Block([x, y, z])) = blocks.get(block) else { break };
-            points.0[0].0[k] = x.0[number % WIDTH];
-            points.0[1].0[k] = y.0[number % WIDTH];
-            points.0[2].0[k] = z.0[number % WIDTH];
-        }
+        let points = picked(blocks, &firsts, &numbers);
         [self.load(&points.0[0]), self.load(&points.0[1]), self.load(&points.0[2])]
     }
 
@@ -273,6 +271,20 @@ pub trait Lanes: Copy {
     }
 }
 
+/// What [`Lanes::pick`] loads where there is no instruction for it. Out of line: the call is the smallest part.
+fn picked(blocks: &[Block], first: &IndexRow, number: &IndexRow) -> Block {
+    let mut points = Block::default();
+    for k in 0..WIDTH {
+        let number = number.0[k] as usize;
+        let block = (first.0[k] as usize + number / WIDTH).min(blocks.len().saturating_sub(1));
+        let Some(Block([x, y, z])) = blocks.get(block) else { break };
+        points.0[0].0[k] = x.0[number % WIDTH];
+        points.0[1].0[k] = y.0[number % WIDTH];
+        points.0[2].0[k] = z.0[number % WIDTH];
+    }
+    points
+}
+
 /// A computation written once for every path.
 pub trait Kernel {
     /// What it returns.
@@ -301,6 +313,9 @@ pub fn dispatch_on<K: Kernel>(path: Path, kernel: K) -> K::Output {
             // SAFETY: the features were detected on this CPU.
             unsafe { avx2::run(kernel) }
         }
+        #[cfg(target_arch = "x86_64")]
+        _ => sse2::run(kernel),
+        #[cfg(not(target_arch = "x86_64"))]
         _ => portable::run(kernel),
     }
 }
@@ -430,9 +445,8 @@ mod tests {
             let blocks: [Block; 5] = std::array::from_fn(|block| {
                 Block(std::array::from_fn(|axis| rows[block + axis * 5]))
             });
-            let everything =
-                |path| dispatch_on(path, Everything { a: &a, b: &b, rows: &rows, blocks: &blocks });
-            let (floats, masks, indices) = everything(Path::Portable);
+            let everything = || Everything { a: &a, b: &b, rows: &rows, blocks: &blocks };
+            let (floats, masks, indices) = portable::run(everything());
             for (aabb128, &largest) in rows.iter().zip(&floats[11].0) {
                 assert_eq!(largest, aabb128.0.iter().copied().fold(f32::MIN, f32::max));
             }
@@ -444,7 +458,7 @@ mod tests {
                 assert_eq!(lane_13, aabb128.0[13]);
             }
             for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
-                let there = everything(path);
+                let there = dispatch_on(path, everything());
                 let bits =
                     |rows: &[Row]| rows.iter().map(|r| r.0.map(f32::to_bits)).collect::<Vec<_>>();
                 assert_eq!(bits(&there.0), bits(&floats), "{path:?}");

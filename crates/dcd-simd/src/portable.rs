@@ -1,4 +1,4 @@
-//! Sixteen lanes as arrays: the scalar reference of the other paths, for any CPU.
+//! Sixteen lanes as arrays: the scalar reference of the other paths, for any CPU; x86-64 has `sse2` in its place.
 
 use super::{Kernel, Lanes, Row, WIDTH};
 use std::array::from_fn;
@@ -21,11 +21,11 @@ macro_rules! each {
     };
 }
 
-/// Writes the items whose bits `keep` has, moved down to the front, from `at` on.
-#[inline(always)]
-fn front<T: Copy>(keep: u32, a: [T; WIDTH], to: &mut [T; 2 * WIDTH], at: usize) {
+/// Writes the items whose bits `keep` has, moved down to the front, from `at` on. Out of line: it is called too
+/// rarely to be worth its length.
+pub(super) fn front<T: Copy>(keep: u32, a: &[T; WIDTH], to: &mut [T; 2 * WIDTH], at: usize) {
     let mut end = at.min(WIDTH);
-    for (k, item) in a.into_iter().enumerate() {
+    for (k, &item) in a.iter().enumerate() {
         // At most the last place, as the mask shows to the compiler.
         to[end & (2 * WIDTH - 1)] = item;
         end += (keep >> k & 1) as usize;
@@ -173,11 +173,11 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn compress_to(self, keep: u32, a: Self::F, to: &mut [f32; 2 * WIDTH], at: usize) {
-        front(keep, a, to, at);
+        front(keep, &a, to, at);
     }
     #[inline(always)]
     fn compress_to_u(self, keep: u32, a: Self::U, to: &mut [u32; 2 * WIDTH], at: usize) {
-        front(keep, a, to, at);
+        front(keep, &a, to, at);
     }
     #[inline(always)]
     fn tag(self, a: Self::F, mask: Self::U, tag: Self::U) -> Self::F {
