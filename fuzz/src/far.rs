@@ -72,7 +72,7 @@ fn moved(input: &mut Input<'_>) -> Option<(Shape, DVec3)> {
             });
             Shape::compound(parts.collect::<Option<_>>()?).ok()?
         }
-        Shape::Curved(_) => Shape::compound(vec![(shape, there)]).ok()?,
+        Shape::Curved(_) | Shape::Ellipsoid(_) => Shape::compound(vec![(shape, there)]).ok()?,
         _ => return Some((shape, DVec3::ZERO)),
     };
     Some((moved, by))

@@ -113,6 +113,7 @@ impl Input<'_> {
         let core = match kind % 4 {
             0 => Shape::half_space(self.vector()?, self.number()?),
             1 => Shape::cone(self.number()?, self.number()?),
+            2 => Shape::ellipsoid(self.vector()?),
             _ => Shape::cylinder(self.number()?, self.number()?),
         };
         self.perhaps_rounded(kind, core.ok()?)

@@ -152,9 +152,9 @@ impl SupportMap<f64> for Curved {
     }
 }
 
-/// A number that distinguishes the rim's points: a mix of all their bits (the finaliser of
+/// A number that distinguishes the points of a curved surface: a mix of all their bits (the finaliser of
 /// splitmix64), so that two of the few points of a simplex share one once in 2³².
-fn feature(point: DVec3) -> u32 {
+pub(crate) fn feature(point: DVec3) -> u32 {
     let mix = |hash: u64, x: f64| {
         // −0.0 is the point that 0.0 is.
         let mut z = (hash ^ (x + 0.0).to_bits()).wrapping_add(0x9e37_79b9_7f4a_7c15);

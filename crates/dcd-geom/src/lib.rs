@@ -9,6 +9,7 @@
 
 pub mod contract;
 mod curved;
+mod ellipsoid;
 mod error;
 mod facet_planes;
 mod facets;
@@ -28,6 +29,7 @@ mod support;
 
 pub use curved::{Curved, CurvedKind};
 pub use dcd_simd::{Aabb, Aabb16, BoundingSphere, Pair, Sphere16};
+pub use ellipsoid::Ellipsoid;
 pub use error::{PoseError, SceneError, ShapeError};
 pub use facet_planes::FacetPlanes;
 pub use facets::{FLATNESS, Facet, Facets};

@@ -2,8 +2,8 @@
 
 use crate::error::check_length;
 use crate::{
-    Aabb, Compound, Curved, HalfSpace, Mesh, Polytope, Pose, ShapeError, Sphere, Support,
-    SupportMap,
+    Aabb, Compound, Curved, Ellipsoid, HalfSpace, Mesh, Polytope, Pose, ShapeError, Sphere,
+    Support, SupportMap,
 };
 use glam::{DVec3, Vec3};
 use std::fmt;
@@ -31,6 +31,8 @@ pub enum Shape {
     /// A cylinder or a cone, rounded or not: in the lanes by a hull inside it, where that leaves the
     /// answer open one support at a time in f64.
     Curved(Curved),
+    /// An ellipsoid, rounded or not: in the lanes as cylinders and cones are.
+    Ellipsoid(Ellipsoid),
     /// A half-space, rounded or not: closed forms alone.
     HalfSpace(HalfSpace),
     /// A foreign shape, one support at a time in f64.
@@ -109,6 +111,14 @@ impl Shape {
         Curved::cone(half_height, radius).map(Self::Curved)
     }
 
+    /// An ellipsoid round the origin by half its axes, which are those of its frame, metres: [`Ellipsoid::new`].
+    ///
+    /// # Errors
+    /// Those of [`Ellipsoid::new`].
+    pub fn ellipsoid(half_axes: DVec3) -> Result<Self, ShapeError> {
+        Ellipsoid::new(half_axes).map(Self::Ellipsoid)
+    }
+
     /// All points x with `normal`·x ≤ `offset` (metres times the normal's length; it need not be of
     /// length 1): [`HalfSpace::new`]. The ground below z = 0 has the normal z and the offset 0.
     ///
@@ -129,6 +139,7 @@ impl Shape {
                 Arc::unwrap_or_clone(polytope).rounded(radius).map(Self::from)
             }
             Self::Curved(curved) => curved.rounded(radius).map(Self::Curved),
+            Self::Ellipsoid(ellipsoid) => ellipsoid.rounded(radius).map(Self::Ellipsoid),
             Self::HalfSpace(half_space) => half_space.rounded(radius).map(Self::HalfSpace),
             Self::Custom(map) => {
                 check_length("radius", radius)?;
@@ -212,7 +223,7 @@ impl Shape {
     /// Whether the centre of [`Shape::inner`] is a point of the core, to within 2.02·2⁻⁵³ of
     /// [`Shape::reach`]: of all but compounds, meshes, half-spaces and foreign maps.
     pub fn centre_is_inside(&self) -> bool {
-        matches!(self, Self::Polytope(_) | Self::Curved(_))
+        matches!(self, Self::Polytope(_) | Self::Curved(_) | Self::Ellipsoid(_))
     }
 
     /// A sphere inside the core; of radius 0 where none is known. Its centre is then inside if
@@ -221,6 +232,7 @@ impl Shape {
         match self {
             Self::Polytope(polytope) => polytope.inner(),
             Self::Curved(curved) => curved.inner(),
+            Self::Ellipsoid(ellipsoid) => ellipsoid.inner(),
             _ => Sphere { centre: DVec3::ZERO, radius: 0.0 },
         }
     }
@@ -231,6 +243,7 @@ impl Shape {
         match self {
             Self::Polytope(polytope) => polytope.reach() + polytope.swept_radius(),
             Self::Curved(curved) => curved.reach() + curved.swept_radius(),
+            Self::Ellipsoid(ellipsoid) => ellipsoid.reach() + ellipsoid.swept_radius(),
             Self::HalfSpace(_) => f64::INFINITY,
             Self::Compound(compound) => compound.reach(),
             Self::Mesh(mesh) => mesh.reach() + mesh.swept_radius(),
@@ -319,6 +332,7 @@ impl SupportMap<f64> for Shape {
         match self {
             Self::Polytope(polytope) => polytope.support(direction),
             Self::Curved(curved) => curved.support(direction),
+            Self::Ellipsoid(ellipsoid) => ellipsoid.support(direction),
             Self::HalfSpace(_) => Support { point: DVec3::NAN, feature: 0 },
             Self::Custom(map) => map.support(direction),
             Self::Compound(_) | Self::Mesh(_) => Support { point: DVec3::NAN, feature: 0 },
@@ -329,6 +343,7 @@ impl SupportMap<f64> for Shape {
         match self {
             Self::Polytope(polytope) => polytope.swept_radius(),
             Self::Curved(curved) => curved.swept_radius(),
+            Self::Ellipsoid(ellipsoid) => ellipsoid.swept_radius(),
             Self::HalfSpace(half_space) => half_space.swept_radius(),
             Self::Custom(map) => map.radius(),
             Self::Compound(_) => 0.0,
@@ -340,6 +355,7 @@ impl SupportMap<f64> for Shape {
         match self {
             Self::Polytope(_) | Self::HalfSpace(_) | Self::Compound(_) | Self::Mesh(_) => 0.0,
             Self::Curved(curved) => curved.support_error(),
+            Self::Ellipsoid(ellipsoid) => ellipsoid.support_error(),
             Self::Custom(map) => map.support_error(),
         }
     }
@@ -387,6 +403,12 @@ impl From<Curved> for Shape {
     }
 }
 
+impl From<Ellipsoid> for Shape {
+    fn from(ellipsoid: Ellipsoid) -> Self {
+        Self::Ellipsoid(ellipsoid)
+    }
+}
+
 impl From<HalfSpace> for Shape {
     fn from(half_space: HalfSpace) -> Self {
         Self::HalfSpace(half_space)
@@ -398,6 +420,7 @@ impl fmt::Debug for Shape {
         match self {
             Self::Polytope(polytope) => polytope.fmt(f),
             Self::Curved(curved) => curved.fmt(f),
+            Self::Ellipsoid(ellipsoid) => ellipsoid.fmt(f),
             Self::HalfSpace(half_space) => half_space.fmt(f),
             Self::Custom(_) => f.write_str("Custom(..)"),
             Self::Compound(compound) => compound.fmt(f),

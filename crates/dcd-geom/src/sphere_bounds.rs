@@ -74,6 +74,10 @@ impl SphereBounds {
                 let sphere = Sphere { centre: DVec3::ZERO, radius: shape.reach() };
                 (sphere, larger(inner, curved.swept_radius()))
             }
+            Shape::Ellipsoid(ellipsoid) => {
+                let sphere = Sphere { centre: DVec3::ZERO, radius: shape.reach() };
+                (sphere, larger(inner, ellipsoid.swept_radius()))
+            }
             Shape::Mesh(mesh) => (around(mesh.points(), mesh.swept_radius()), UNKNOWN),
             Shape::Custom(_) => (Sphere { centre: DVec3::ZERO, radius: shape.reach() }, UNKNOWN),
             Shape::Compound(compound) => {

@@ -128,7 +128,7 @@ impl Bounds {
                 Some(Self::Box(LocalBox::round(mesh.points(), mesh.swept_radius())))
             }
             Shape::HalfSpace(half_space) => Some(Self::HalfSpace(*half_space)),
-            Shape::Curved(_) | Shape::Compound(_) => {
+            Shape::Curved(_) | Shape::Ellipsoid(_) | Shape::Compound(_) => {
                 let Aabb { min, max } = shape.aabb(&Pose::IDENTITY);
                 Some(Self::Box(LocalBox::round(&[min.as_dvec3(), max.as_dvec3()], 0.0)))
             }
@@ -211,6 +211,7 @@ mod tests {
             Shape::capsule(0.5, 0.25).unwrap(),
             Shape::cuboid(DVec3::new(0.01, 2.0, 30.0)).unwrap(),
             Shape::cone(0.5, 0.3).unwrap().rounded(0.1).unwrap(),
+            Shape::ellipsoid(DVec3::new(0.5, 0.1, 2.0)).unwrap().rounded(0.1).unwrap(),
             Shape::mesh(points, vec![[0, 1, 2], [1, 2, 3]]).unwrap(),
             Shape::compound(vec![
                 (Shape::sphere(0.7).unwrap(), Pose::from_translation(DVec3::X).unwrap()),

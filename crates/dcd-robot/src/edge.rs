@@ -141,6 +141,7 @@ fn is_one(a: &Shape, b: &Shape) -> bool {
         (Shape::Mesh(a), Shape::Mesh(b)) => Arc::ptr_eq(a, b),
         (Shape::Compound(a), Shape::Compound(b)) => Arc::ptr_eq(a, b),
         (Shape::Curved(a), Shape::Curved(b)) => a == b,
+        (Shape::Ellipsoid(a), Shape::Ellipsoid(b)) => a == b,
         _ => false,
     }
 }

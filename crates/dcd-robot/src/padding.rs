@@ -33,6 +33,10 @@ impl Padding {
                 let vertices = scaled(mesh.vertices(), scale);
                 Shape::mesh(vertices, mesh.triangles().to_vec())?.rounded(padding)
             }
+            Shape::Ellipsoid(ellipsoid) => {
+                let radius = ellipsoid.swept_radius() * scale + padding;
+                Shape::ellipsoid(ellipsoid.half_axes() * scale)?.rounded(radius)
+            }
             other => other.swept(padding),
         }
     }

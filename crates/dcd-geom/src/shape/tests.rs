@@ -39,6 +39,7 @@ fn every_kind_is_rounded_by_the_radius_given() {
         Shape::cuboid(DVec3::ONE),
         Shape::cylinder(1.0, 0.5),
         Shape::cone(1.0, 0.5),
+        Shape::ellipsoid(DVec3::new(1.0, 0.5, 0.25)),
         Shape::half_space(DVec3::Z, 0.0),
         Shape::custom(sphere),
     ];
@@ -80,6 +81,21 @@ fn the_boxes_of_curved_shapes_are_those_that_their_supports_give() {
             assert!(off.max_element() < 1e-5, "{curved:?} {plain:?} {closed:?}");
         }
     }
+}
+
+#[test]
+fn the_box_of_an_ellipsoid_touches_its_surface_on_all_six_sides() {
+    let half = DVec3::new(1.0, 2.0, 0.25);
+    let ellipsoid = Shape::ellipsoid(half).unwrap();
+    let turn = DQuat::from_rotation_x(0.3) * DQuat::from_rotation_y(-1.2);
+    let pose = Pose::new(turn, DVec3::ONE).unwrap();
+    let aabb = ellipsoid.aabb(&pose);
+    // The norms of the rows of R·diag(a, b, c).
+    let rows = (*pose.rotation() * glam::DMat3::from_diagonal(half)).transpose();
+    let reach = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
+    let off = (aabb.max.as_dvec3() - 1.0 - reach).abs();
+    assert!(off.max_element() < 1e-6 && aabb.max.as_dvec3().cmpge(reach + 1.0).all());
+    assert!(aabb.min.as_dvec3().cmple(1.0 - reach).all());
 }
 
 #[test]

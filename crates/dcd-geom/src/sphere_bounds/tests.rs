@@ -18,6 +18,7 @@ fn shapes() -> Vec<Shape> {
         Shape::cuboid(DVec3::new(3.0, 0.1, 1e-9)).unwrap(),
         Shape::cylinder(1.0, 0.2).unwrap(),
         Shape::cone(0.4, 2.0).unwrap(),
+        Shape::ellipsoid(DVec3::new(1.0, 0.2, 3.0)).unwrap(),
         Shape::mesh(corners.to_vec(), vec![[0, 1, 2], [1, 2, 3]]).unwrap(),
         Shape::custom(Arc::new(polytope())).unwrap(),
         Shape::compound(vec![(hull, place), (Shape::cone(1.0, 1.0).unwrap(), place)]).unwrap(),

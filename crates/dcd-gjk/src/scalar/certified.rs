@@ -77,7 +77,9 @@ pub(crate) fn overlap_with_after(
             PosedSupport::polytope(in_b, b.pose),
         );
     }
-    let has_support = |shape: &Shape| matches!(shape, Shape::Polytope(_) | Shape::Curved(_));
+    let has_support = |shape: &Shape| {
+        matches!(shape, Shape::Polytope(_) | Shape::Curved(_) | Shape::Ellipsoid(_))
+    };
     if has_support(a.shape) && has_support(b.shape) {
         let (a, b) = (PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose));
         if axes.iter().any(|&axis| are_apart_along(axis, a, b)) {

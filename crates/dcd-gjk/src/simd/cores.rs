@@ -2,7 +2,9 @@
 
 use super::inscribed::Inscribed;
 use dcd_geom::glam::{DVec3, Vec3};
-use dcd_geom::{Compound, Curved, Kind, ObbBounds, Polytope, Pose, Revision, Scene, Shape};
+use dcd_geom::{
+    Compound, Curved, Kind, ObbBounds, Polytope, Pose, Revision, Scene, Shape, SupportMap,
+};
 use dcd_simd::{Block, WIDTH};
 
 /// What depends on a shape alone, as the lanes want it: of a polytope, or of a curved shape with the
@@ -139,7 +141,10 @@ impl Cores {
     fn core(&mut self, shape: &Shape) -> (Core, Option<ObbBoundsF32>) {
         match shape {
             Shape::Polytope(polytope) => self.of_polytope(polytope),
-            Shape::Curved(curved) => self.of_curved(curved),
+            Shape::Curved(curved) => self.of_inscribed(&Inscribed::of(curved), shape),
+            Shape::Ellipsoid(ellipsoid) => {
+                self.of_inscribed(&Inscribed::of_ellipsoid(ellipsoid), shape)
+            }
             _ => (Core::default(), None),
         }
     }
@@ -178,13 +183,12 @@ impl Cores {
         self.with_blocks(core, polytope.vertices(), polytope.obb())
     }
 
-    fn of_curved(&mut self, curved: &Curved) -> (Core, Option<ObbBoundsF32>) {
-        let hull = Inscribed::of(curved);
+    fn of_inscribed(&mut self, hull: &Inscribed, shape: &Shape) -> (Core, Option<ObbBoundsF32>) {
         let core = Core {
             inner: hull.inner.radius,
             outer: hull.outer,
-            reach: curved.reach(),
-            radius: curved.swept_radius(),
+            reach: hull.reach,
+            radius: shape.radius(),
             centre: hull.inner.centre,
             excess: hull.excess,
             ..Core::default()

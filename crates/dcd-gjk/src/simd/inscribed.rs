@@ -1,7 +1,7 @@
-//! Hulls inside curved shapes: what the lanes take in their place, with how much they leave out.
+//! Hulls inside cylinders, cones and ellipsoids: what the lanes take in their place, with how much they leave out.
 
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Curved, CurvedKind, ObbBounds, Sphere};
+use dcd_geom::{Curved, CurvedKind, Ellipsoid, Facets, ObbBounds, Sphere};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::sync::LazyLock;
 
@@ -16,6 +16,8 @@ pub(super) struct Inscribed {
     pub(super) inner: Sphere,
     /// The radius of a sphere round that one's centre that holds the core, rounded up.
     pub(super) outer: f64,
+    /// A bound on how far any point of the core is from its frame's origin.
+    pub(super) reach: f64,
     /// Of the core itself.
     pub(super) obb: Option<ObbBounds>,
 }
@@ -54,9 +56,63 @@ impl Inscribed {
         let share = 1.0 - (PI / f64::from(corners)).cos();
         let excess = curved.radius() * (share + 4.0 * INWARDS);
         let obb = obb(curved, (inner, outer));
-        Self { vertices: rims.concat(), excess, inner, outer, obb }
+        Self { vertices: rims.concat(), excess, inner, outer, reach: curved.reach(), obb }
+    }
+
+    /// Of an ellipsoid: the points of a ball, stretched as it is.
+    pub(super) fn of_ellipsoid(ellipsoid: &Ellipsoid) -> Self {
+        let half_axes = ellipsoid.half_axes();
+        let longest = half_axes.max_element();
+        // In a direction d the ellipsoid reaches |A·d| and the hull at least the ball's share of that. The last term
+        // is for what stretching rounds.
+        let excess = longest * (1.0 - BALL.share + 4.0 * INWARDS);
+        let inner = ellipsoid.inner();
+        // The corners of the box inside: three equal terms of 1/3 in the ellipsoid's equation.
+        let inside = half_axes * (FRAC_1_SQRT_3 * (1.0 - 4.0 * f64::EPSILON));
+        let obb = ObbBounds::axis_aligned(half_axes, inside, (inner.radius, longest));
+        let vertices = BALL.points.iter().map(|&point| half_axes * point).collect();
+        Self { vertices, excess, inner, outer: longest, reach: ellipsoid.reach(), obb }
     }
 }
+
+/// Points of the unit ball, near its surface, and the radius of a ball round the origin that their hull holds.
+struct Ball {
+    points: Vec<DVec3>,
+    share: f64,
+}
+
+/// 1/√3.
+const FRAC_1_SQRT_3: f64 = 0.577_350_269_189_625_8;
+
+/// What the ball's share is smaller than the least distance of its hull's planes that f64 finds: they are within
+/// [`dcd_geom::FLATNESS`] of their corners. No unit.
+const PLANES: f64 = 1e-8;
+
+/// The corners of an icosahedron and the middles of its edges, 42 points, three blocks of sixteen: a ball of 0.93 is
+/// inside. The next finer ones, 92 and 162, would cost twice and four times as much a support.
+static BALL: LazyLock<Ball> = LazyLock::new(|| {
+    let golden = 0.5 + 0.5 * 5f64.sqrt();
+    let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+    let corners: Vec<DVec3> = signs
+        .into_iter()
+        .flat_map(|(s, t)| {
+            let [x, y, z] = [0.0, s, t * golden];
+            [DVec3::new(x, y, z), DVec3::new(z, x, y), DVec3::new(y, z, x)]
+        })
+        .collect();
+    // Edges are 2 long; the next shortest way between corners is longer than 3.
+    let edges = corners.iter().enumerate().flat_map(|(k, &a)| {
+        let rest = corners[k + 1..].iter();
+        rest.filter(move |b| a.distance_squared(**b) < 6.0).map(move |&b| a + b)
+    });
+    let all = corners.iter().copied().chain(edges);
+    let points: Vec<DVec3> = all.map(|point| point.normalize() * (1.0 - INWARDS)).collect();
+    let facets = Facets::of(&points);
+    let distance =
+        |facet| facets.corners(facet).iter().map(|&k| facet.normal.dot(points[k as usize]));
+    let nearest = facets.facets().iter().flat_map(distance).fold(1.0, f64::min);
+    Ball { points, share: nearest - PLANES }
+});
 
 /// The sines and cosines of the corners of a cylinder's rims: they cost more than all else of it.
 static CYLINDER_TURNS: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| turns(CYLINDER_CORNERS));
@@ -141,6 +197,51 @@ mod tests {
             }
             assert!(largest >= 0.9 * hull.excess - error, "{shape:?}: {largest} {}", hull.excess);
         }
+    }
+
+    fn ellipsoids() -> impl Iterator<Item = Ellipsoid> {
+        let sizes = [
+            [1.0, 1.0, 1.0],
+            [1e-3, 2.0, 0.5],
+            [3.0, 3.0, 1e-4],
+            [0.0, 1.0, 2.0],
+            [0.0, 0.0, 7.0],
+            [0.0; 3],
+        ];
+        sizes.into_iter().map(|half| Ellipsoid::new(DVec3::from_array(half)).unwrap())
+    }
+
+    #[test]
+    fn the_hull_of_an_ellipsoid_is_inside_and_its_excess_is_what_the_ellipsoid_has_more() {
+        for shape in ellipsoids() {
+            let half = shape.half_axes();
+            let hull = Inscribed::of_ellipsoid(&shape);
+            for v in &hull.vertices {
+                let part =
+                    |axis: usize| if half[axis] > 0.0 { v[axis] / half[axis] } else { v[axis] };
+                let [x, y, z] = [0, 1, 2].map(part);
+                assert!(x * x + y * y + z * z <= 1.0, "{shape:?} {v}");
+            }
+            let error = shape.support_error();
+            let mut largest = 0.0f64;
+            for d in directions() {
+                let farthest = hull.vertices.iter().map(|v| v.dot(d)).fold(f64::MIN, f64::max);
+                let point = shape.support(d).point;
+                assert!(point.dot(d) - farthest <= hull.excess + error, "{shape:?} {d}");
+                assert!(point.length() <= hull.outer + error);
+                assert!(hull.inner.radius <= point.dot(d) + error);
+                if let Some(obb) = hull.obb {
+                    assert!(obb.inner.dot(d.abs()) <= point.dot(d) + error);
+                    assert!(point.abs().cmple(obb.outer + error).all());
+                }
+                largest = largest.max(point.dot(d) - farthest);
+            }
+            if half == DVec3::ONE {
+                assert!(largest >= 0.95 * hull.excess && hull.excess < 0.07, "{largest}");
+            }
+        }
+        let flat = Inscribed::of_ellipsoid(&Ellipsoid::new(DVec3::new(3.0, 2.0, 0.1)).unwrap());
+        assert!(flat.obb.unwrap().inner.max_element() > 1.7);
     }
 
     #[test]

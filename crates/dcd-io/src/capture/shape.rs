@@ -21,6 +21,7 @@ mod kind {
     pub(super) const HALF_SPACE: u32 = 7;
     pub(super) const MESH: u32 = 8;
     pub(super) const COMPOUND: u32 = 9;
+    pub(super) const ELLIPSOID: u32 = 10;
 }
 
 /// Bytes of a part of a compound, at least: a pose, a kind, a radius.
@@ -64,6 +65,7 @@ pub(super) fn kind_of(shape: &Shape) -> Option<u32> {
             CurvedKind::Cone => kind::CONE,
             _ => return None,
         },
+        Shape::Ellipsoid(_) => kind::ELLIPSOID,
         Shape::HalfSpace(_) => kind::HALF_SPACE,
         Shape::Mesh(_) => kind::MESH,
         Shape::Compound(compound) => {
@@ -82,6 +84,10 @@ pub(super) fn write(out: &mut impl Write, shape: &Shape) -> io::Result<()> {
         Shape::Polytope(polytope) => write_polytope(out, polytope),
         Shape::Curved(curved) => {
             numbers(out, &[curved.swept_radius(), curved.half_height(), curved.radius()])
+        }
+        Shape::Ellipsoid(ellipsoid) => {
+            numbers(out, &[ellipsoid.swept_radius()])?;
+            numbers(out, &ellipsoid.half_axes().to_array())
         }
         Shape::HalfSpace(half_space) => {
             numbers(out, &[half_space.swept_radius()])?;
@@ -142,6 +148,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>, index: usize) -> Result<Shape, ReadE
             let make = if kind == kind::CONE { Curved::cone } else { Curved::cylinder };
             make(half_height, disc).map(Shape::from)
         }
+        kind::ELLIPSOID => Shape::ellipsoid(point()?),
         kind::HALF_SPACE => {
             let normal = point()?;
             let [offset] = cursor.f64s(field)?;

@@ -131,6 +131,7 @@ fn every_kind_of_shape_reads_back_as_it_was() {
         Shape::triangle([DVec3::X, DVec3::Y, DVec3::Z]),
         Shape::cylinder(1.5, 0.25),
         Shape::cone(1.5, 0.75).and_then(|cone| cone.rounded(0.125)),
+        Shape::ellipsoid(DVec3::new(1.0, 0.0, 2.5)).and_then(|shape| shape.rounded(0.25)),
         Shape::half_space(DVec3::new(0.1, 0.2, 3.0), -0.5),
         Shape::cuboid(DVec3::ONE).and_then(|cuboid| cuboid.rounded(0.1)),
         Shape::sphere(2.0),

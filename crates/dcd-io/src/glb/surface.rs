@@ -31,6 +31,10 @@ impl Surface {
                     discs.flat_map(|((z, r), is_disc)| disc(z, r, is_disc)).collect();
                 Self::around(&core, curved.swept_radius())
             }
+            Shape::Ellipsoid(ellipsoid) => {
+                let core: Vec<DVec3> = directions().map(|d| ellipsoid.half_axes() * d).collect();
+                Self::around(&core, ellipsoid.swept_radius())
+            }
             Shape::HalfSpace(half_space) => Self::of_plane(half_space, extent),
             Shape::Custom(map) => {
                 let core: Vec<DVec3> = directions().map(|d| map.support(d).point).collect();
@@ -158,6 +162,7 @@ mod tests {
             (Shape::capsule(1.0, 1.0).unwrap(), 4.0 / 3.0 * pi + 2.0 * pi),
             (Shape::cylinder(1.0, 1.0).unwrap(), 2.0 * pi),
             (Shape::cone(1.0, 1.0).unwrap(), 2.0 / 3.0 * pi),
+            (Shape::ellipsoid(DVec3::new(1.0, 2.0, 0.5)).unwrap(), 4.0 / 3.0 * pi),
         ];
         for (shape, exact) in round {
             let drawn = volume(&shape);

@@ -196,6 +196,7 @@ fn is_same_body(a: &Body<'_>, b: &Body<'_>) -> bool {
         (Shape::Mesh(a), Shape::Mesh(b)) => Arc::ptr_eq(a, b),
         (Shape::Compound(a), Shape::Compound(b)) => Arc::ptr_eq(a, b),
         (Shape::Curved(a), Shape::Curved(b)) => a == b,
+        (Shape::Ellipsoid(a), Shape::Ellipsoid(b)) => a == b,
         _ => false,
     };
     shapes_are_one && a.link == b.link && a.origin == b.origin

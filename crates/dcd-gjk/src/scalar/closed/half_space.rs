@@ -2,8 +2,8 @@
 //!
 //! A half-space n·x ≤ o at a pose is the set of all R·x + t, so with N = cof(R)·n it is
 //! N·(y − t) ≤ o·det R: exact in terms of R, whatever R departs from a rotation by. A shape is
-//! touched where its lowest point along N is. f64 decides with a bound; polytopes, cylinders and
-//! cones that are within it are judged exactly (docs/numerics/proofs.md, "half-spaces").
+//! touched where its lowest point along N is. f64 decides with a bound; polytopes, cylinders,
+//! cones and ellipsoids that are within it are judged exactly (docs/numerics/proofs.md, "half-spaces").
 
 use super::binary::Binary;
 use crate::epa::Depth;
@@ -107,11 +107,11 @@ impl Gap {
     }
 }
 
-/// The exact gap of a shape whose core is the hull of points and discs: A − ρ·√p − r·√q is its sign.
+/// The exact gap of a shape whose core is the hull of points and discs, or an ellipsoid: A − ρ·√p − r·√q is its sign.
 struct ExactGap {
     /// N·(lowest − t) − o·det R.
     above: Binary,
-    /// ρ²p: what a disc reaches below its middle, times |N|, squared.
+    /// ρ²p: what a disc or an ellipsoid reaches below its middle, times |N|, squared.
     disc: Binary,
     /// r²q, r the sum of the swept radii, q = |N|².
     swept: Binary,
@@ -150,6 +150,13 @@ impl ExactGap {
                 });
                 // Either may be the lowest: touching if one does.
                 Some(if low.touches() { low } else { high })
+            }
+            Shape::Ellipsoid(ellipsoid) => {
+                // The lowest point is √(Σ (aᵢdᵢ)²) below the middle: a disc's radius in its place.
+                let halves = binary(ellipsoid.half_axes());
+                let squares = [0, 1, 2].map(|k| halves[k].times(&d[k]).squared());
+                let below = squares[0].plus(&squares[1]).plus(&squares[2]);
+                Some(gap(Binary::zero(), below))
             }
             _ => None,
         }
@@ -192,7 +199,7 @@ impl ExactGap {
 
 /// Whether two shapes touch of which at least one is a half-space; `None` where none is.
 ///
-/// Exact for polytopes, cylinders, cones and half-spaces, rounded or not; a foreign shape stays
+/// Exact for polytopes, cylinders, cones, ellipsoids and half-spaces, rounded or not; a foreign shape stays
 /// undecided within the rounding of f64 and its support error.
 pub fn overlap(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<(Verdict<()>, Method)> {
     let (touches, method) = match (Plane::of(a), Plane::of(b)) {

@@ -12,14 +12,16 @@ fn scene(seed: u64, scale: f64) -> Scene {
     let mut numbers = Numbers(seed);
     let mut shapes = Vec::new();
     let mut poses = Vec::new();
-    for k in 0..72 {
+    for k in 0..96 {
         let half = (numbers.vector().abs() * 0.5 + 0.03) * scale;
-        let shape = match k % 6 {
+        let shape = match k % 8 {
             0 => Shape::cylinder(half.x, half.y),
             1 => Shape::cone(half.x, half.y),
             2 => Shape::cylinder(half.x, half.y).and_then(|shape| shape.rounded(0.1 * scale)),
             3 => Shape::cone(half.x, half.y).and_then(|shape| shape.rounded(0.05 * scale)),
-            4 => Shape::cuboid(half),
+            4 => Shape::ellipsoid(half),
+            5 => Shape::ellipsoid(half).and_then(|shape| shape.rounded(0.07 * scale)),
+            6 => Shape::cuboid(half),
             _ => Shape::hull((0..20).map(|_| numbers.vector() * half).collect()),
         };
         let turn = DQuat::from_xyzw(numbers.next(), numbers.next(), numbers.next(), numbers.next());
@@ -28,6 +30,10 @@ fn scene(seed: u64, scale: f64) -> Scene {
         poses.push(Pose::new(turn, numbers.vector() * 0.9 * scale).unwrap());
     }
     Scene::one_each(shapes, poses).unwrap()
+}
+
+fn is_curved_shape(shape: &Shape) -> bool {
+    matches!(shape, Shape::Curved(_) | Shape::Ellipsoid(_))
 }
 
 /// The verdict of f64 on every pair, by support maps alone.
@@ -66,7 +72,7 @@ fn without_a_certificate_curved_shapes_are_left_to_f64() {
         let sink = &mut ContactSink { contacts: &mut contacts, report: &mut report };
         let unproved = OverlapUnchecked::on(path);
         unproved.decide(side, side, &pairs(&scene), &mut Scratch::default(), sink);
-        let is_curved = |i: u32| matches!(scene.shape(i as usize), Shape::Curved(_));
+        let is_curved = |i: u32| is_curved_shape(scene.shape(i as usize));
         let curved = pairs(&scene).into_iter().filter(|p| is_curved(p.i) || is_curved(p.j));
         assert!(report.resolved(Method::F64) >= curved.count() as u64);
         let found: Vec<Pair> = contacts.into_iter().map(|contact| contact.pair).collect();
@@ -80,7 +86,7 @@ fn boxes_of_curved_shapes_are_those_of_the_shapes() {
     for path in paths() {
         let (_, aabbs) = prepared(&scene, path);
         for (i, aabb) in aabbs.iter().enumerate() {
-            if matches!(scene.shape(i), Shape::Curved(_)) {
+            if is_curved_shape(scene.shape(i)) {
                 assert_eq!(*aabb, scene.aabb(i), "{path:?} {i}");
             }
             let d = DVec3::new(0.3, -0.2, 0.7);
