@@ -46,9 +46,9 @@ pub trait MeasureDepth: MeasureAt {
     /// The same for two spheres, of which nothing else need be known.
     fn measure_spheres(&self, depth: Depth) -> Self::Answer;
 
-    /// The same for two cuboids, over a default answer; false where [`MeasureDepth::measure_depth`] is needed. By default
+    /// The same for two polytopes, over a default answer; false where [`MeasureDepth::measure_depth`] is needed. By default
     /// always.
-    fn measure_cuboids(
+    fn measure_polytopes(
         &self,
         _depth: &Depth,
         _sides: [PosedShape<'_>; 2],

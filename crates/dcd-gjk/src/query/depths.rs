@@ -117,7 +117,7 @@ impl MeasureDepth for Depths {
         depth
     }
 
-    fn measure_cuboids(
+    fn measure_polytopes(
         &self,
         depth: &Depth,
         _: [PosedShape<'_>; 2],

@@ -4,7 +4,7 @@ use super::clip::{Corner, Patch, drop_doubles};
 use super::feature::{Placed, Seen, View};
 use super::reduce::Spot;
 use super::{FLAT, Feature, Manifold, ManifoldPoint, SAME, of_one_point, reduce};
-use super::{cuboid_polygon, cuboids};
+use super::{cuboid_polygon, cuboids, hull_pair};
 use crate::PosedShape;
 use crate::epa::Depth;
 use dcd_geom::glam::DVec3;
@@ -16,6 +16,7 @@ pub(super) struct Corners {
     corners: Vec<Corner>,
     patch: Patch,
     pub(super) of_cuboids: cuboid_polygon::Points,
+    pub(super) of_hulls: hull_pair::Points,
     /// How large the shapes are.
     size: f64,
 }

@@ -11,10 +11,10 @@ use dcd_geom::glam::{DVec2, DVec3};
 
 /// A corner of the patch: where, square to the normal, how deep, and its number in the list of corners.
 #[derive(Clone, Copy, Debug, Default)]
-struct Place {
-    at: DVec2,
-    depth: f64,
-    number: usize,
+pub(super) struct Place {
+    pub(super) at: DVec2,
+    pub(super) depth: f64,
+    pub(super) number: usize,
 }
 
 impl Spot for Place {

@@ -1,4 +1,4 @@
-//! The polygon in which two boxes touch, while one of them cuts it: its corners, and what each is a corner of.
+//! The polygon in which two boxes or hulls touch, while one of them cuts it: its corners, and what each is a corner of.
 
 use super::Feature;
 use super::feature::edge;
@@ -6,35 +6,45 @@ use super::feature::edge;
 /// The most corners that a patch may have: four, and one more for each of five cuts; and spare ones for what rounding adds.
 pub(super) const MOST: usize = 12;
 
-/// What the edge of a patch is a part of.
+/// What the edge of a patch is a part of; vertices are numbered by an `I`.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Line {
-    /// The edge of the clipped box between two of its vertices.
-    Clipped(u8, u8),
-    /// That of the box that clips.
-    Clips(u8, u8),
+pub(super) enum LineOf<I> {
+    /// The edge of the clipped shape between two of its vertices.
+    Clipped(I, I),
+    /// That of the shape that clips.
+    Clips(I, I),
     /// Where the depth is 0.
     Surface,
 }
 
-/// A corner of the patch, in the frame of the box that clips. Small: it is moved by every cut.
+/// That of a box.
+pub(super) type Line = LineOf<u8>;
+
+/// A corner of the patch. Small: it is moved by every cut.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
-    /// On the face, along its two sides.
+pub(super) struct PointOf<I> {
+    /// Of boxes, on the face that clips, along its two sides; of hulls, in the plane square to the normal.
     pub(super) at: [f64; 2],
-    /// How far the clipped box reaches under the face, along the normal.
+    /// How far the clipped shape reaches under the face, along the normal.
     pub(super) depth: f64,
     /// What the edge to the next corner is a part of.
-    pub(super) line: Line,
-    /// The edge of the patch on which it is, and what cuts that edge; the edge itself at a corner of the clipped box,
+    pub(super) line: LineOf<I>,
+    /// The edge of the patch on which it is, and what cuts that edge; the edge itself at a corner of the clipped shape,
     /// where it begins.
-    pub(super) origin: [Line; 2],
+    pub(super) origin: [LineOf<I>; 2],
 }
 
-/// What a corner of that origin belongs to: of the box that clips, and of the other, of which `whole` is seen.
-pub(super) fn features([of_edge, by]: [Line; 2], whole: [Feature; 2]) -> [Feature; 2] {
+/// That of two boxes.
+pub(super) type Point = PointOf<u8>;
+
+/// What a corner of that origin belongs to: of the shape that clips, and of the other, of which `whole` is seen.
+pub(super) fn features<I: Copy + PartialEq + Into<u32>>(
+    [of_edge, by]: [LineOf<I>; 2],
+    whole: [Feature; 2],
+) -> [Feature; 2] {
+    use LineOf as Line;
     let [of_clips, of_clipped] = whole;
-    let edge = |j: u8, k: u8| edge(j.into(), k.into());
+    let edge = |j: I, k: I| edge(j.into(), k.into());
     match (of_edge, by) {
         (_, Line::Clipped(number, _)) => [of_clips, Feature::Vertex(number.into())],
         (Line::Clipped(j, k), Line::Clips(l, m)) => [edge(l, m), edge(j, k)],
@@ -52,23 +62,26 @@ pub(super) fn features([of_edge, by]: [Line; 2], whole: [Feature; 2]) -> [Featur
 
 /// The corners of a patch, in order round it, and memory for them after the next cut.
 #[derive(Debug)]
-pub(super) struct Points {
-    rounds: [[Point; MOST]; 2],
+pub(super) struct Polygon<I, const MOST: usize> {
+    rounds: [[PointOf<I>; MOST]; 2],
     /// Which of the two holds them.
     now: usize,
     count: usize,
 }
 
-impl Default for Points {
+/// Those of two boxes.
+pub(super) type Points = Polygon<u8, MOST>;
+
+impl<I: Copy + Default, const MOST: usize> Default for Polygon<I, MOST> {
     fn default() -> Self {
-        let line = Line::Clipped(0, 0);
-        let unused = Point { at: [0.0; 2], depth: 0.0, line, origin: [line; 2] };
+        let line = LineOf::Clipped(I::default(), I::default());
+        let unused = PointOf { at: [0.0; 2], depth: 0.0, line, origin: [line; 2] };
         Self { rounds: [[unused; MOST]; 2], now: 0, count: 0 }
     }
 }
 
-impl Points {
-    pub(super) fn list(&self) -> &[Point] {
+impl<I: Copy, const MOST: usize> Polygon<I, MOST> {
+    pub(super) fn list(&self) -> &[PointOf<I>] {
         &self.rounds[self.now][..self.count]
     }
 
@@ -76,8 +89,8 @@ impl Points {
         self.count = 0;
     }
 
-    /// Of the first four.
-    pub(super) fn push(&mut self, point: Point) {
+    /// Of the first ones, for which there is memory.
+    pub(super) fn push(&mut self, point: PointOf<I>) {
         if let Some(slot) = self.rounds[self.now].get_mut(self.count) {
             *slot = point;
             self.count += 1;
@@ -87,7 +100,11 @@ impl Points {
     /// Keeps where a function that is linear over the patch is at least 0 (Sutherland and Hodgman 1974). `None` where
     /// there is no memory left: only what rounding has spoilt has so many corners.
     #[inline(always)]
-    pub(super) fn cut(&mut self, value: impl Fn(&Point) -> f64, line: Line) -> Option<()> {
+    pub(super) fn cut(
+        &mut self,
+        value: impl Fn(&PointOf<I>) -> f64,
+        line: LineOf<I>,
+    ) -> Option<()> {
         if self.list().iter().all(|point| value(point) >= 0.0) {
             return Some(());
         }
@@ -107,7 +124,7 @@ impl Points {
             if (here >= 0.0) != (there >= 0.0) {
                 let share = here / (here - there);
                 let between = |x: f64, y: f64| x + (y - x) * share;
-                *next.get_mut(kept)? = Point {
+                *next.get_mut(kept)? = PointOf {
                     at: [between(from.at[0], to.at[0]), between(from.at[1], to.at[1])],
                     depth: between(from.depth, to.depth),
                     line: if here >= 0.0 { line } else { from.line },

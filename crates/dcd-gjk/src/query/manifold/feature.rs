@@ -94,15 +94,25 @@ impl View {
 
     /// What a polytope shows.
     pub(super) fn seen<'a>(&self, polytope: &'a Polytope, placed: &Placed<'_>) -> Seen<'a> {
-        let part = Choice { polytope, direction: self.towards(placed) }.part();
+        let part = self.part(polytope, placed);
         let vertices = polytope.vertices();
         let seen = self.shown(part, placed, |index| vertices[index as usize]);
         Seen { of_line: vertices.len() == 2, ..seen }
     }
 
+    /// What a polytope shows, in its own frame.
+    pub(super) fn part<'a>(&self, polytope: &'a Polytope, placed: &Placed<'_>) -> Part<'a> {
+        Choice { polytope, direction: self.towards(placed) }.part()
+    }
+
     /// What a polytope shows, by name alone.
     pub(super) fn name(&self, polytope: &Polytope, placed: &Placed<'_>) -> Feature {
-        Choice { polytope, direction: self.towards(placed) }.part().name()
+        self.part(polytope, placed).name()
+    }
+
+    /// Turns from a shape's own frame to the view's, a vector then costs one matrix.
+    pub(super) fn turn(&self, rotation: &DMat3) -> DMat3 {
+        DMat3::from_cols(self.x, self.y, self.normal).transpose() * *rotation
     }
 
     /// A part of a shape whose vertices are in its own frame.
@@ -113,8 +123,7 @@ impl View {
         vertex: impl Fn(u32) -> DVec3,
     ) -> Seen<'a> {
         let Placed { rotation, place, sense } = *placed;
-        // All in the shape's own frame: a vertex then costs one matrix.
-        let to_view = DMat3::from_cols(self.x, self.y, self.normal).transpose() * *rotation;
+        let to_view = self.turn(rotation);
         let origin = self.of(place);
         let point = |index: u32| {
             let v = to_view * vertex(index);
@@ -141,7 +150,7 @@ impl View {
 }
 
 impl Part<'_> {
-    fn name(&self) -> Feature {
+    pub(super) fn name(&self) -> Feature {
         match *self {
             Part::Vertex(index) => Feature::Vertex(index),
             Part::Edge([j, k]) => edge(j, k),
@@ -264,6 +273,63 @@ impl<'a> Choice<'a> {
         let mut kept = [0.0; KEPT];
         let (kept, farthest) = self.heights(&mut kept);
         let least = farthest - FARTHEST * self.polytope.outer_radius();
+        match self.farthest_of(kept, least) {
+            Some(only) => self.round_vertex(only),
+            None => self.round_vertices(kept, least),
+        }
+    }
+
+    /// The only vertex that counts as farthest, of those whose heights are all kept; `None` where there are more.
+    fn farthest_of(&self, kept: &[f64], least: f64) -> Option<u32> {
+        if self.polytope.vertices().len() > KEPT {
+            return None;
+        }
+        let (mut count, mut found) = (0, 0);
+        let (fours, rest) = kept.as_chunks::<4>();
+        let mut note = |k: usize, along: f64| {
+            if along >= least {
+                count += 1;
+                found = k as u32;
+            }
+        };
+        for (j, four) in fours.iter().enumerate() {
+            let [p, q, r, s] = *four;
+            // Nearly always: one comparison in place of four.
+            if larger(larger(p, q), larger(r, s)) >= least {
+                four.iter().enumerate().for_each(|(k, &along)| note(4 * j + k, along));
+            }
+        }
+        let after = kept.len() - rest.len();
+        rest.iter().enumerate().for_each(|(k, &along)| note(after + k, along));
+        (count == 1).then_some(found)
+    }
+
+    /// What is there round the only farthest vertex.
+    fn round_vertex(&self, only: u32) -> Part<'a> {
+        let facets: &'a Facets = self.polytope.facets();
+        let faces = facets.around(only);
+        if let Some(face) = self.face_of(faces.iter().copied()) {
+            return face;
+        }
+        let mut best = LEVEL;
+        let mut part = Part::Vertex(only);
+        for &index in faces {
+            let corners = facets.corners(&facets.facets()[index as usize]);
+            // Each edge leaves the vertex along one face, and comes back along the other.
+            let Some(place) = corners.iter().position(|&corner| corner == only) else { continue };
+            let next = corners[if place + 1 < corners.len() { place + 1 } else { 0 }];
+            let rise = self.rise(only, next);
+            if rise < best {
+                best = rise;
+                part = Part::Edge([only.min(next), only.max(next)]);
+            }
+        }
+        part
+    }
+
+    /// What is there round several farthest vertices, or one of very many.
+    #[inline(never)]
+    fn round_vertices(&self, kept: &[f64], least: f64) -> Part<'a> {
         let is_farthest = |k: u32| match kept.get(k as usize) {
             Some(&along) => along >= least,
             None => self.along(k) >= least,

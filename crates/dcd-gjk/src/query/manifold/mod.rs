@@ -13,6 +13,7 @@ mod cuboid_pair;
 mod cuboid_polygon;
 mod cuboids;
 mod feature;
+mod hull_pair;
 mod parts;
 mod reduce;
 mod set;
@@ -214,14 +215,14 @@ impl MeasureDepth for Manifolds {
     }
 
     #[inline]
-    fn measure_cuboids(
+    fn measure_polytopes(
         &self,
         depth: &Depth,
         [a, b]: [PosedShape<'_>; 2],
         scratch: &mut Scratch,
         answer: &mut ManifoldSet,
     ) -> bool {
-        answer.write_one(|found| write_of_cuboids(depth, a, b, &mut scratch.corners, found))
+        answer.write_one(|found| write_of_polytopes(depth, a, b, &mut scratch.corners, found))
     }
 }
 
@@ -240,7 +241,7 @@ fn manifold_of(
         return Verdict::Touching(of_spheres(depth).into());
     }
     let mut manifold = Manifold::default();
-    if write_of_cuboids(&depth, a, b, corners, &mut manifold) {
+    if write_of_polytopes(&depth, a, b, corners, &mut manifold) {
         return Verdict::Touching(manifold.into());
     }
     let is_swapped = order::is_swapped(a, b);
@@ -273,19 +274,23 @@ const SAME: f64 = 1e-9;
 /// relative to the shapes' size.
 const FLAT: f64 = 1e-8;
 
-/// Writes the manifold of two boxes over an empty one; false where the general way is needed.
-fn write_of_cuboids(
+/// Writes the manifold of two polytopes over an empty one; false where the general way is needed, and nothing written
+/// that it does not overwrite.
+fn write_of_polytopes(
     depth: &Depth,
     a: PosedShape<'_>,
     b: PosedShape<'_>,
     corners: &mut Corners,
     found: &mut Manifold,
 ) -> bool {
-    let points = &mut corners.of_cuboids;
+    let mut write = |depth: &Depth, sides: [PosedShape<'_>; 2]| {
+        cuboid_pair::write(depth, sides, &mut corners.of_cuboids, found)
+            || hull_pair::write(depth, sides, &mut corners.of_hulls, found)
+    };
     if !order::is_swapped(a, b) {
-        return cuboid_pair::write(depth, [a, b], points, found);
+        return write(depth, [a, b]);
     }
-    let written = cuboid_pair::write(&depth.mirrored(), [b, a], points, found);
+    let written = write(&depth.mirrored(), [b, a]);
     found.mirror();
     written
 }

@@ -130,13 +130,11 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
                 continue;
             }
             let [one, other] = posed(pair);
-            if let Some(depth) = found
-                && are_cuboids(frames, pair)
-            {
+            if let Some(depth) = found {
                 sink.contacts.push(Contact { pair, answer: S::Answer::default() });
                 let answer = sink.contacts.last_mut().map(|contact| &mut contact.answer);
                 if answer.is_some_and(|answer| {
-                    self.solver.measure_cuboids(depth, [one, other], solver, answer)
+                    self.solver.measure_polytopes(depth, [one, other], solver, answer)
                 }) {
                     continue;
                 }

@@ -1,0 +1,340 @@
+//! The manifold of two hulls: the feature of one clipped by the face of the other, seen along the normal.
+//!
+//! The same features and corners as the general way's, in less memory, and written where the answer is to be.
+
+use super::clip::different;
+use super::cuboid_pair::Place;
+use super::cuboid_polygon::{LineOf, PointOf, Polygon, features};
+use super::feature::{Part, Placed, View};
+use super::reduce::{self, Spot};
+use super::{FLAT, Feature, Manifold, SAME};
+use crate::PosedShape;
+use crate::epa::Depth;
+use dcd_geom::Polytope;
+use dcd_geom::glam::{DMat3, DVec2, DVec3};
+
+/// The most corners that a patch may have. Larger: memory. Smaller: faces of many corners that go the general way.
+const MOST: usize = 24;
+
+/// The most corners of a face: two such have a patch of fewer than [`MOST`].
+const CORNERS: usize = 10;
+
+/// The sine above which two edges surely cross.
+const CROSSING: f64 = 1e-6;
+
+type Line = LineOf<u32>;
+
+/// The corners of a patch of two hulls.
+pub(super) type Points = Polygon<u32, MOST>;
+
+/// A hull, what it shows, and how that is seen along the normal.
+struct Side<'a> {
+    polytope: &'a Polytope,
+    part: Part<'a>,
+    /// From its own frame to the view's.
+    turn: DMat3,
+    /// Its origin as it is seen.
+    origin: DVec3,
+    /// How square to the normal its face is, 0 where it is no face.
+    facing: f64,
+    /// By how much its plane rises along x and y; 0 where it is no face.
+    slope: DVec2,
+    /// Whether it looks against the normal: its face's corners then go round clockwise.
+    is_turned: bool,
+}
+
+impl<'a> Side<'a> {
+    #[inline(always)]
+    fn of(view: &View, polytope: &'a Polytope, placed: &Placed<'a>) -> Self {
+        let part = view.part(polytope, placed);
+        let turn = view.turn(placed.rotation);
+        let (at, height) = view.of(placed.place);
+        let (mut facing, mut slope) = (0.0, DVec2::ZERO);
+        if let Part::Face { normal, .. } = part {
+            let normal = turn * normal;
+            facing = normal.z.abs();
+            slope = -normal.truncate() / normal.z;
+        }
+        let is_turned = placed.sense < 0.0;
+        Self { polytope, part, turn, origin: at.extend(height), facing, slope, is_turned }
+    }
+
+    /// A vertex as it is seen: its place, and its height.
+    #[inline(always)]
+    fn point(&self, index: u32) -> DVec3 {
+        self.origin + self.turn * self.polytope.vertices()[index as usize]
+    }
+
+    /// The corners of its face or edge, counter-clockwise as the normal looks back on them: how many. `None` of a
+    /// vertex, and of too many.
+    #[inline(always)]
+    fn corners(&self, corners: &mut [(u32, DVec3); CORNERS]) -> Option<usize> {
+        match &self.part {
+            Part::Vertex(_) => None,
+            Part::Edge(ends) => {
+                for (slot, &index) in corners.iter_mut().zip(ends) {
+                    *slot = (index, self.point(index));
+                }
+                Some(2)
+            }
+            Part::Face { corners: numbers, .. } => {
+                let count = numbers.len();
+                let used = corners.get_mut(..count)?;
+                for (k, &index) in numbers.iter().enumerate() {
+                    let place = if self.is_turned { count - 1 - k } else { k };
+                    used[place] = (index, self.point(index));
+                }
+                Some(count)
+            }
+        }
+    }
+}
+
+/// Writes the manifold of two hulls of that depth over an empty one; false where the general way is needed: for
+/// shapes of fewer than three vertices, edges that are nearly parallel, and faces of many corners.
+pub(super) fn write(
+    depth: &Depth,
+    [a, b]: [PosedShape<'_>; 2],
+    points: &mut Points,
+    found: &mut Manifold,
+) -> bool {
+    let (Some(in_a), Some(in_b)) = (a.shape.as_polytope(), b.shape.as_polytope()) else {
+        return false;
+    };
+    if in_a.vertices().len().min(in_b.vertices().len()) < 3 {
+        return false;
+    }
+    let view = View::along(depth.normal);
+    let delta = b.pose.translation() - a.pose.translation();
+    let placed_a = Placed { rotation: a.pose.rotation(), place: DVec3::ZERO, sense: 1.0 };
+    let placed_b = Placed { rotation: b.pose.rotation(), place: delta, sense: -1.0 };
+    let sides = [Side::of(&view, in_a, &placed_a), Side::of(&view, in_b, &placed_b)];
+    // The face that is more square to the normal clips: its plane is the better known.
+    let number = usize::from(sides[0].facing < sides[1].facing);
+    let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
+    let clipping =
+        Clipping { view: &view, clips: &sides[number], clipped: &sides[1 - number], number, size };
+    let Some(base) = clipping.clip(points) else { return false };
+    let far = a.pose.translation().length() + b.pose.translation().length();
+    found.normal = depth.normal;
+    found.error_bound = (depth.error_bound + FLAT * size + 8.0 * f64::EPSILON * far).min(f64::MAX);
+    if !clipping.write(depth, (points, base), a.pose.translation(), found) {
+        found.count = 1;
+        let point = &mut found.points[0];
+        (point.point_a, point.point_b) = (depth.point_a, depth.point_b);
+        (point.depth, point.features) = (depth.depth, [sides[0].part.name(), sides[1].part.name()]);
+    }
+    true
+}
+
+/// What clips, and what is clipped.
+struct Clipping<'a> {
+    view: &'a View,
+    clips: &'a Side<'a>,
+    clipped: &'a Side<'a>,
+    /// 0 if a clips, 1 if b.
+    number: usize,
+    /// How large the shapes are.
+    size: f64,
+}
+
+impl Clipping<'_> {
+    /// The swept radii of a and of b.
+    fn radii(&self) -> [f64; 2] {
+        let radii = [self.clips.polytope.swept_radius(), self.clipped.polytope.swept_radius()];
+        if self.number == 0 { radii } else { [radii[1], radii[0]] }
+    }
+
+    /// Clips the one by the other: no corners of what crosses or meets in a point. A corner of the face that clips;
+    /// `None` where the general way is needed.
+    #[inline(always)]
+    fn clip(&self, points: &mut Points) -> Option<DVec3> {
+        points.clear();
+        let unused = (0, DVec3::ZERO);
+        let (mut clips, mut clipped) = ([unused; CORNERS], [unused; CORNERS]);
+        if matches!(self.clips.part, Part::Vertex(_))
+            || matches!(self.clipped.part, Part::Vertex(_))
+        {
+            return Some(DVec3::ZERO);
+        }
+        let count = self.clips.corners(&mut clips)?;
+        let clips = &clips[..count];
+        let count = self.clipped.corners(&mut clipped)?;
+        let clipped = &clipped[..count];
+        let base = clips.first()?.1;
+        if let ([p, q], [r, s]) = (clips, clipped) {
+            let (e, f) = ((q.1 - p.1).truncate(), (s.1 - r.1).truncate());
+            let crossing = e.perp_dot(f).abs() > CROSSING * (e.length() * f.length());
+            return crossing.then_some(base);
+        }
+        let sense = if self.number == 0 { 1.0 } else { -1.0 };
+        for (k, &(index, at)) in clipped.iter().enumerate() {
+            let next = clipped[if k + 1 < clipped.len() { k + 1 } else { 0 }].0;
+            let line = Line::Clipped(index, next);
+            let depth = sense * (self.height(base, at.truncate()) - at.z);
+            points.push(PointOf { at: [at.x, at.y], depth, line, origin: [line; 2] });
+        }
+        let mut from = clips.last()?;
+        for to in clips {
+            let (start, along) = (from.1, to.1 - from.1);
+            let inside = |point: &PointOf<u32>| {
+                along.x * (point.at[1] - start.y) - along.y * (point.at[0] - start.x)
+            };
+            points.cut(inside, Line::Clips(from.0, to.0))?;
+            from = to;
+        }
+        let [radius_a, radius_b] = self.radii();
+        points.cut(|point| point.depth + (radius_a + radius_b), Line::Surface)?;
+        Some(base)
+    }
+
+    /// The height of the plane that clips above a place.
+    #[inline(always)]
+    fn height(&self, base: DVec3, at: DVec2) -> f64 {
+        base.z + self.clips.slope.dot(at - base.truncate())
+    }
+
+    /// False, and nothing written, where no corner is as deep as the pair.
+    #[inline(always)]
+    fn write(
+        &self,
+        depth: &Depth,
+        (points, base): (&Points, DVec3),
+        origin: DVec3,
+        found: &mut Manifold,
+    ) -> bool {
+        let radii = self.radii();
+        let mut places = [Place::default(); MOST];
+        let list = points.list();
+        for (number, (place, point)) in places.iter_mut().zip(list).enumerate() {
+            *place = Place {
+                at: DVec2::from_array(point.at),
+                depth: point.depth + (radii[0] + radii[1]),
+                number,
+            };
+        }
+        let count = different(&mut places[..list.len()], self.size);
+        let places = &places[..count];
+        let tolerance = SAME * self.size;
+        let Some((kept, count)) = reduce::to_four(places, tolerance) else { return false };
+        // False for NaN, which numbers near the end of their range make.
+        if !(places[kept[0]].depth >= depth.depth - tolerance) {
+            return false;
+        }
+        let whole: [Feature; 2] = [self.clips.part.name(), self.clipped.part.name()];
+        let leans = |side: &Side<'_>| side.polytope.swept_radius() * (1.0 - side.facing).max(0.0);
+        let inside = leans(self.clips).max(leans(self.clipped));
+        let mut off_surface = 0.0f64;
+        for (point, &k) in found.points.iter_mut().zip(&kept[..count]) {
+            let place = &places[k];
+            let corner = &list[place.number];
+            let height = self.height(base, place.at);
+            let [of_clips, of_clipped] = features(corner.origin, whole);
+            let heights = if self.number == 0 {
+                point.features = [of_clips, of_clipped];
+                [height, height - corner.depth]
+            } else {
+                point.features = [of_clipped, of_clips];
+                [height + corner.depth, height]
+            };
+            point.point_a = self.view.in_world(place.at, heights[0] + radii[0]) + origin;
+            point.point_b = self.view.in_world(place.at, heights[1] - radii[1]) + origin;
+            point.depth = place.depth.clamp(0.0, depth.depth);
+            off_surface = off_surface.max(inside.min((depth.depth - Spot::depth(place)).max(0.0)));
+        }
+        found.count = count as u8;
+        found.points[0].depth = depth.depth;
+        found.error_bound = (found.error_bound + off_surface).min(f64::MAX);
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::corners::Corners;
+    use super::super::cuboids::tests::Draw;
+    use super::super::{ManifoldPoint, in_order};
+    use super::*;
+    use crate::{Accuracy, Depths, Verdict, query::MeasureAt};
+    use dcd_geom::glam::DQuat;
+    use dcd_geom::{Pose, Shape};
+
+    fn vector(draw: &mut Draw) -> DVec3 {
+        DVec3::new(draw.unit(), draw.unit(), draw.unit()) * 2.0 - 1.0
+    }
+
+    fn turn(draw: &mut Draw) -> DQuat {
+        DQuat::from_vec4(vector(draw).extend(draw.unit() - 0.5)).normalize()
+    }
+
+    /// Clouds, prisms over regular polygons, plates, and triangles; some with a swept radius.
+    fn shape(draw: &mut Draw, k: usize) -> Shape {
+        let prism = |sides: usize, height: f64| {
+            let corner = |j: usize| {
+                let angle = (j / 2) as f64 * std::f64::consts::TAU / sides as f64;
+                DVec3::new(angle.cos(), angle.sin(), if j % 2 == 0 { -height } else { height })
+                    * 0.5
+            };
+            Shape::hull((0..2 * sides).map(corner).collect())
+        };
+        let shape = match k % 5 {
+            0 | 1 => Shape::hull((0..20).map(|_| vector(draw) * 0.6).collect()),
+            2 => prism(3 + k / 5 % 6, 0.7),
+            3 => prism(12, 0.1),
+            _ => Shape::triangle([vector(draw), vector(draw), vector(draw)]),
+        };
+        let radius = if k % 7 == 0 { 0.05 } else { 0.0 };
+        shape.unwrap().rounded(radius).unwrap()
+    }
+
+    #[test]
+    fn two_hulls_have_the_manifold_that_the_corners_of_any_shapes_give() {
+        let mut draw = Draw(11);
+        let (mut points, mut corners) = (Points::default(), Corners::default());
+        let (mut counts, mut known, mut general) = ([0; 5], 0, 0);
+        for k in 0..20_000 {
+            let shapes = [shape(&mut draw, k), shape(&mut draw, k / 5)];
+            let turned = turn(&mut draw);
+            let tilt =
+                DQuat::from_scaled_axis(vector(&mut draw) * [0.0, 1e-9, 1e-3, 0.2][k / 25 % 4]);
+            let other = if k % 2 == 0 { turn(&mut draw) } else { turned * tilt };
+            let far = vector(&mut draw) * 10.0;
+            let place = far + turned * (vector(&mut draw) * 0.6);
+            let poses = [Pose::new(turned, far).unwrap(), Pose::new(other, place).unwrap()];
+            let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
+            if crate::certified::overlap_of(a, b).0 != Verdict::Touching(()) {
+                continue;
+            }
+            let found = Depths.measure_at(Accuracy::F64, a, b, &mut Default::default());
+            let Verdict::Touching(depth) = found else { panic!("{k}") };
+            let mut found = Manifold::default();
+            if !write(&depth, [a, b], &mut points, &mut found) {
+                general += 1;
+                continue;
+            }
+            known += 1;
+            let reference = in_order(depth, a, b, &mut corners);
+            let size = 1e-9;
+            counts[found.points().len()] += 1;
+            assert_eq!(found.normal, reference.normal);
+            assert!((found.error_bound - reference.error_bound).abs() <= size, "{k}");
+            assert_eq!(found.points()[0].depth, reference.points()[0].depth, "{k}");
+            // Corners that are as far, deep or wide as others may be chosen in their place.
+            if k % 2 == 1 && k / 25 % 4 < 3 {
+                continue;
+            }
+            assert_eq!(found.points().len(), reference.points().len(), "{k}");
+            let is_same = |p: &ManifoldPoint, q: &ManifoldPoint| {
+                p.features == q.features
+                    && p.point_a.distance(q.point_a) < size
+                    && p.point_b.distance(q.point_b) < size
+                    && (p.depth - q.depth).abs() < size
+            };
+            for (p, q) in found.points().iter().zip(reference.points()) {
+                assert!(is_same(p, q), "{k} {found:?} {reference:?}");
+            }
+        }
+        assert!(known > 3 * general, "{known} {general}");
+        assert!(counts[1..].iter().all(|&count| count > 50), "{counts:?}");
+    }
+}
