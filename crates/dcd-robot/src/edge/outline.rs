@@ -1,7 +1,7 @@
 //! What of a shape proves it far from others without the solvers: spheres that cover it, a solid round it, and how
 //! far it reaches along a direction.
 
-use super::rows::{CoverRow, Farthest, ROW};
+use super::rows::{CoverRow, Farthest, LANES, ROW};
 use crate::state_checker::covers::{CoverSphere, cover};
 use dcd_geom::{Aabb, CurvedKind, Kind, Pose, Shape};
 use dcd_simd::dispatch;
@@ -124,8 +124,6 @@ pub(super) struct Support {
     /// The largest coordinate.
     size: f64,
 }
-
-const LANES: usize = 8;
 
 /// What a product of three coordinates loses, relative: 3u, with a margin.
 const DOT: f64 = 1e-15;

@@ -106,7 +106,7 @@ impl CoverRow {
 
 impl PlacedRow {
     fn point(&self, k: usize) -> DVec3 {
-        DVec3::from_array(self.centre.each_ref().map(|row| row[k]))
+        DVec3::new(self.centre[0][k], self.centre[1][k], self.centre[2][k])
     }
 }
 
@@ -210,7 +210,7 @@ impl Kernel for AgainstRow<'_> {
         let [ox, oy, oz] = &other_at.centre;
         let (mut least, mut upper, mut nearest) = (f64::INFINITY, f64::INFINITY, [0; 2]);
         for k in 0..row.count {
-            let [x, y, z] = at.centre.each_ref().map(|row| row[k]);
+            let (x, y, z) = (at.centre[0][k], at.centre[1][k], at.centre[2][k]);
             let (outer, inner) = (row.outer[k], row.inner[k]);
             let (mut gap, mut within) = ([0.0; ROW], [0.0; ROW]);
             for l in 0..ROW {
@@ -229,29 +229,38 @@ impl Kernel for AgainstRow<'_> {
     }
 }
 
-/// The largest x·p of points p, for two directions x.
-pub(super) struct Farthest<'a, const N: usize> {
-    /// Coordinates, eight of x, then of y, then of z.
-    pub(super) points: &'a [[[f64; N]; 3]],
+/// How many points [`Farthest`] takes at once.
+pub(super) const LANES: usize = 16;
+
+/// The largest d·p of points p, for two directions d.
+pub(super) struct Farthest<'a> {
+    /// Coordinates, [`LANES`] of x, then of y, then of z.
+    pub(super) points: &'a [[[f64; LANES]; 3]],
     pub(super) directions: [DVec3; 2],
 }
 
-impl<const N: usize> Kernel for Farthest<'_, N> {
+impl Kernel for Farthest<'_> {
     type Output = [f64; 2];
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> [f64; 2] {
         let [d, e] = self.directions;
-        let mut most = [[f64::NEG_INFINITY; N]; 2];
+        let (mut most_d, mut most_e) = ([f64::NEG_INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
         for [x, y, z] in self.points {
-            for k in 0..N {
-                let dot = x[k] * d.x + y[k] * d.y + z[k] * d.z;
-                most[0][k] = greater(dot, most[0][k]);
-                let dot = x[k] * e.x + y[k] * e.y + z[k] * e.z;
-                most[1][k] = greater(dot, most[1][k]);
+            // One loop for both: shorter ones are unrolled before they can be vectorised.
+            for k in 0..LANES {
+                let (x, y, z) = (x[k], y[k], z[k]);
+                let (at_d, at_e) = (x * d.x + y * d.y + z * d.z, x * e.x + y * e.y + z * e.z);
+                most_d[k] = greater(at_d, most_d[k]);
+                most_e[k] = greater(at_e, most_e[k]);
             }
         }
-        [0, 1].map(|i| most[i].iter().fold(f64::NEG_INFINITY, |a, &b| greater(a, b)))
+        let (mut far_d, mut far_e) = (most_d[0], most_e[0]);
+        for k in 1..LANES {
+            far_d = greater(most_d[k], far_d);
+            far_e = greater(most_e[k], far_e);
+        }
+        [far_d, far_e]
     }
 }
 
