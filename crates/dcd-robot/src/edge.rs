@@ -11,6 +11,7 @@ mod outline;
 mod path;
 mod place;
 mod reach;
+mod rows;
 mod search;
 #[cfg(test)]
 mod tests;

@@ -1,12 +1,14 @@
 //! What of a shape proves it far from others without the solvers: spheres that cover it, a solid round it, and how
 //! far it reaches along a direction.
 
+use super::rows::{CoverRow, Farthest, LANES, ROW};
 use crate::state_checker::covers::{CoverSphere, cover};
 use dcd_geom::{Aabb, CurvedKind, Kind, Pose, Shape};
+use dcd_simd::dispatch;
 use glam::DVec3;
 
 /// At most so many spheres cover a shape. More: fewer pairs go to the solvers, each costs more.
-pub(super) const MOST_SPHERES: usize = 16;
+pub(super) const MOST_SPHERES: usize = ROW;
 
 /// Of a hull or a mesh of more vertices there is no support map: the solvers have better ones.
 const MOST_VERTICES: usize = 4096;
@@ -16,7 +18,7 @@ const MOST_VERTICES: usize = 4096;
 pub(super) struct Outline {
     /// A sphere round all of it; infinite round what has no end.
     pub(super) whole: CoverSphere,
-    pub(super) cover: Vec<CoverSphere>,
+    pub(super) cover: CoverRow,
     pub(super) solid: Solid,
     /// Whether that solid is the shape.
     pub(super) is_solid: bool,
@@ -28,14 +30,14 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// Covered by at most so many spheres; by none beside the whole one if that is 1.
+    /// Covered by at most so many spheres.
     pub(super) fn of(shape: &Shape, most: usize) -> Self {
         let one = cover(shape, 1);
         let none = CoverSphere { centre: DVec3::ZERO, outer: f64::INFINITY, inner: 0.0 };
         let whole = one.first().copied().unwrap_or(none);
         let cover = if most > 1 { cover(shape, most) } else { Vec::new() };
         // What one sphere covers as well, it covers alone.
-        let cover = if cover.len() > 1 { cover } else { Vec::new() };
+        let cover = if cover.len() > 1 { CoverRow::of(&cover) } else { CoverRow::of(&[whole]) };
         let reach = whole.centre.length() + whole.outer;
         let is_solid = match shape {
             Shape::Polytope(polytope) => {
@@ -123,8 +125,6 @@ pub(super) struct Support {
     size: f64,
 }
 
-const LANES: usize = 8;
-
 /// What a product of three coordinates loses, relative: 3u, with a margin.
 const DOT: f64 = 1e-15;
 
@@ -152,29 +152,22 @@ impl Support {
         Some(Self { vertices, discs: None, swept, size })
     }
 
-    /// At least the largest p·d of the shape's points p, for a d in its own frame.
+    /// At least the largest p·d of the shape's points p, for two d in its own frame.
     #[inline]
-    pub(super) fn along(&self, d: DVec3) -> f64 {
-        let mut far = match self.discs {
-            Some(discs) => {
+    pub(super) fn along(&self, directions: [DVec3; 2]) -> [f64; 2] {
+        let far = match self.discs {
+            Some(discs) => directions.map(|d| {
                 let flat = (d.x * d.x + d.y * d.y).sqrt();
                 let [a, b] = discs.map(|(z, r)| z * d.z + r * flat);
                 a.max(b)
-            }
-            None => f64::NEG_INFINITY,
+            }),
+            None => dispatch(Farthest { points: &self.vertices, directions }),
         };
-        if !self.vertices.is_empty() {
-            let mut most = [f64::NEG_INFINITY; LANES];
-            for [x, y, z] in &self.vertices {
-                for k in 0..LANES {
-                    let dot = x[k] * d.x + y[k] * d.y + z[k] * d.z;
-                    most[k] = if dot > most[k] { dot } else { most[k] };
-                }
-            }
-            far = most.into_iter().fold(far, f64::max);
-        }
-        let norm = d.abs().element_sum();
-        far + self.swept * d.length() + DOT * 4.0 * (self.size + self.swept) * norm
+        [0, 1].map(|k| {
+            let d = directions[k];
+            let norm = d.abs().element_sum();
+            far[k] + self.swept * d.length() + DOT * 4.0 * (self.size + self.swept) * norm
+        })
     }
 }
 
@@ -218,9 +211,12 @@ mod tests {
                 };
                 let (far, _) = solid.nearest(p);
                 assert!(far <= found.upper() + 2e-9, "{shape:?} {p}: {far} {found:?}");
-                assert!(p.dot(d) - support.along(d) <= found.upper() + 2e-9, "{shape:?} {d}");
+                assert!(
+                    p.dot(d) - support.along([d, -d])[0] <= found.upper() + 2e-9,
+                    "{shape:?} {d}"
+                );
                 // The support along the nearest direction is the distance itself.
-                let along = p.dot(found.normal) - support.along(found.normal);
+                let along = p.dot(found.normal) - support.along([DVec3::X, found.normal])[1];
                 assert!((along - found.distance).abs() < 1e-8, "{shape:?} {d}: {along} {found:?}");
             }
         }

@@ -8,6 +8,7 @@ mod tests;
 use super::path::JointPath;
 use super::place::{Local, Place, Twist};
 use super::reach::Lengths;
+use super::rows::PlacedRow;
 use super::{Before, Edge, EdgeAnswer, EdgeChecker, EdgeReason, ROUNDED_UP};
 use crate::RobotError;
 use dcd_exec::Par;
@@ -73,8 +74,8 @@ struct Mover {
     local: Local,
     middle: DVec3,
     twist: Twist,
-    /// The spheres' middles, and the node that they are of.
-    cover: Vec<DVec3>,
+    /// The spheres, and the node that they are of.
+    cover: PlacedRow,
     cover_node: usize,
 }
 
@@ -358,8 +359,9 @@ impl<'a> Search<'a> {
             if self.suffices(proved) {
                 return self.note(proved);
             }
-            // Apart at the middle, and by enough if the interval were shorter: no other direction is so much better.
-            let hoped = BETTER * gaps.middle - change;
+            // Apart at the middle, and by enough if the interval were shorter: another direction may have a larger gap there,
+            // but hardly one that closes less.
+            let hoped = gaps.proved + (BETTER - 1.0) * gaps.middle;
             if gaps.middle > 0.0 && self.suffices(gaps.middle) && !self.suffices(hoped) {
                 return false;
             }

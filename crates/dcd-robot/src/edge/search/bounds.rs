@@ -1,6 +1,8 @@
 //! What is proved of a pair in the interval round where the robot is, without a solver.
 
+use super::super::outline::Support;
 use super::super::place::{Near, Twist};
+use super::super::rows::RowMotion;
 use super::super::{EdgePair, ROUNDED_UP};
 use super::{BySpheres, Gaps, Search};
 use glam::DVec3;
@@ -45,18 +47,25 @@ impl Search<'_> {
         mover.local.set(self.checker, &self.at, &near);
     }
 
-    /// The middles of an object's spheres.
+    /// Where a moving object's spheres are.
     fn update_cover(&mut self, object: u32) {
         let i = object as usize;
         if self.movers[i].cover_node == self.nodes {
             return;
         }
-        let mut cover = std::mem::take(&mut self.movers[i].cover);
-        cover.clear();
-        let pose = self.pose(object);
-        cover.extend(self.checker.outlines[i].cover.iter().map(|s| pose.apply(s.centre)));
+        let mover = &self.movers[i];
+        let outline = &self.checker.outlines[i];
+        let motion = RowMotion {
+            base: self.checker.robot().base.translation,
+            turn: mover.twist.turn,
+            at_base: mover.twist.at_base,
+            half: self.half,
+            change: 0.5 * self.half * self.half * mover.local.acceleration[0],
+            most: self.half * mover.local.speed[0],
+        };
+        let placed = outline.cover.place(self.pose(object), &motion);
         let mover = &mut self.movers[i];
-        (mover.cover, mover.cover_node) = (cover, self.nodes);
+        (mover.cover, mover.cover_node) = (placed, self.nodes);
     }
 
     /// How far two objects may move to each other: against the frame of the joints that carry both.
@@ -118,9 +127,13 @@ impl Search<'_> {
             if self.suffices(margin) || !margin.is_finite() {
                 return BySpheres { margin, upper: f64::INFINITY, direction: between };
             }
-            let (covered, upper, direction) = self.between_covers(a, b);
-            let margin = margin.max(covered - moved - off);
-            return BySpheres { margin, upper: upper + off, direction };
+            self.update_cover(a);
+            self.update_cover(b);
+            let [row, other] = [in_a, in_b].map(|i| &self.checker.outlines[i].cover);
+            let (placed, other_placed) = (&self.movers[in_a].cover, &self.movers[in_b].cover);
+            let found = row.against_row(placed, (other, other_placed));
+            let margin = margin.max(found.least - moved - off);
+            return BySpheres { margin, upper: found.upper + off, direction: found.direction };
         }
         let solid = &self.checker.outlines[in_b].solid;
         let rotation = *self.pose(b).rotation();
@@ -129,71 +142,16 @@ impl Search<'_> {
         let direction = rotation * (near - local);
         let margin = far - whole_a - moved - off;
         let cover = &self.checker.outlines[in_a].cover;
-        if self.suffices(margin) || cover.is_empty() || !far.is_finite() {
+        if self.suffices(margin) || !far.is_finite() {
             let margin = if far.is_finite() { margin } else { f64::NEG_INFINITY };
             return BySpheres { margin, upper: f64::INFINITY, direction };
         }
         self.update_cover(a);
-        let mover = &self.movers[in_a];
-        let base = self.checker.robot().base.translation;
-        let turn = mover.twist.turn.length();
-        let change = 0.5 * self.half * self.half * mover.local.acceleration[0];
-        let most = self.half * mover.local.speed[0];
-        let inverse = rotation.transpose();
-        let place = self.pose(b).translation();
-        let (mut least, mut upper, mut direction) = (f64::INFINITY, f64::INFINITY, direction);
-        for (sphere, &centre) in cover.iter().zip(&mover.cover) {
-            let local = inverse * (centre - place);
-            let (far, near) = solid.nearest(local);
-            if sphere.inner > 0.0 {
-                upper = upper.min(far - sphere.inner);
-            }
-            let now = mover.twist.of(centre - base).length() + sphere.outer * turn;
-            let moved = (self.half * now * ROUNDED_UP + change).min(most) * ROUNDED_UP;
-            let margin = far - sphere.outer - moved;
-            if margin < least {
-                (least, direction) = (margin, near - local);
-            }
-        }
-        if least < f64::INFINITY && direction != DVec3::ZERO {
-            direction = rotation * direction;
-        }
+        let pose = self.pose(b);
+        let found = cover.against_solid(&self.movers[in_a].cover, (solid, pose));
         let is_exact = self.checker.outlines[in_b].is_solid;
-        let upper = if is_exact { upper.max(0.0) + off } else { f64::INFINITY };
-        BySpheres { margin: margin.max(least - off), upper, direction }
-    }
-
-    /// How far the spheres of two moving objects are from each other, and those inside of them, and the direction
-    /// there.
-    fn between_covers(&mut self, a: u32, b: u32) -> (f64, f64, DVec3) {
-        self.update_cover(a);
-        self.update_cover(b);
-        let spheres = |i: u32| {
-            let (outline, mover) = (&self.checker.outlines[i as usize], &self.movers[i as usize]);
-            let cover = outline.cover.iter().zip(&mover.cover).map(|(s, &c)| (c, s));
-            let alone = outline.cover.is_empty().then_some((mover.middle, &outline.whole));
-            cover.chain(alone)
-        };
-        let whole = (self.movers[b as usize].middle, self.checker.outlines[b as usize].whole.outer);
-        let (mut least, mut upper) = (f64::INFINITY, f64::INFINITY);
-        let mut direction = whole.0 - self.movers[a as usize].middle;
-        for (centre, one) in spheres(a) {
-            if centre.distance(whole.0) - one.outer - whole.1 >= least {
-                continue;
-            }
-            for (other_centre, other) in spheres(b) {
-                let between = other_centre - centre;
-                let length = between.length();
-                let far = length - one.outer - other.outer;
-                if far < least {
-                    (least, direction) = (far, between);
-                }
-                if one.inner > 0.0 && other.inner > 0.0 {
-                    upper = upper.min((length - one.inner - other.inner).max(0.0));
-                }
-            }
-        }
-        (least, upper, direction)
+        let upper = if is_exact { found.upper.max(0.0) + off } else { f64::INFINITY };
+        BySpheres { margin: margin.max(found.least - off), upper, direction: found.direction }
     }
 
     /// How near the pair comes at least, by its gap along a direction: at either end as if all kept their velocities,
@@ -206,27 +164,25 @@ impl Search<'_> {
         };
         let base = self.checker.robot().base.translation;
         let carrier = self.carrier(edge_pair);
-        // Obstacles stand still; what carries both is still too, as seen from it.
-        let twist_of = |i: u32| match &self.checker.movers[i as usize] {
-            Some(_) => self.movers[i as usize].twist.from(&carrier),
-            None => Twist::default(),
-        };
-        let far =
-            |i: u32, support: &super::super::outline::Support, twist: &Twist, side: f64, s: f64| {
-                let pose = self.pose(i);
-                // n·(ω × p) is p·(n × ω): the support in a direction that is turned a little.
-                let d = (n + s * n.cross(twist.turn)) * side;
-                let local = pose.rotation().transpose() * d;
-                let moved = s * side * n.dot(twist.at_base);
-                (pose.translation() - base).dot(d) + support.along(local) + moved
+        // At either end, how far an object reaches towards the other.
+        let far = |i: u32, support: &Support, side: f64| {
+            let twist = match &self.checker.movers[i as usize] {
+                Some(_) => self.movers[i as usize].twist.from(&carrier),
+                // Obstacles stand still; what carries both is still too, as seen from it.
+                None => Twist::default(),
             };
-        let (twist_a, twist_b) = (twist_of(a), twist_of(b));
-        let gap = |s: f64| -far(b, in_b, &twist_b, -1.0, s) - far(a, in_a, &twist_a, 1.0, s);
-        let first = gap(self.half);
-        if !(first > 0.0) {
-            return Some(Gaps { proved: first.min(0.0), middle: 0.0 });
-        }
-        let last = gap(-self.half);
+            let pose = self.pose(i);
+            let inverse = pose.rotation().transpose();
+            let turned = n.cross(twist.turn);
+            // n·(ω × p) is p·(n × ω): the support in a direction that is turned a little.
+            let d = [self.half, -self.half].map(|s| (n + s * turned) * side);
+            let moved = self.half * side * n.dot(twist.at_base);
+            let from_base = pose.translation() - base;
+            let [first, last] = support.along(d.map(|d| inverse * d));
+            [from_base.dot(d[0]) + first + moved, from_base.dot(d[1]) + last - moved]
+        };
+        let (far_a, far_b) = (far(a, in_a, 1.0), far(b, in_b, -1.0));
+        let (first, last) = (-far_b[0] - far_a[0], -far_b[1] - far_a[1]);
         let change = 0.5 * self.half * self.half * self.change(edge_pair) * ROUNDED_UP;
         let lost = self.slack(edge_pair) + self.off[pair as usize];
         let proved = (first.min(last) - change - lost) * (1.0 - 1e-9);

@@ -1,0 +1,297 @@
+//! The covering spheres of a link sixteen at a time, against an obstacle's solid or another link's, and supports of hulls.
+//!
+//! Plain f64 without fused multiply-add: the same bits on every SIMD path.
+
+use super::ROUNDED_UP;
+use super::outline::Solid;
+use crate::state_checker::covers::CoverSphere;
+use dcd_geom::Pose;
+use dcd_simd::{Kernel, Lanes, dispatch};
+use glam::{DMat3, DVec3};
+
+/// How many spheres there are at most.
+pub(super) const ROW: usize = 16;
+
+type Row = [f64; ROW];
+
+/// Coordinates of sixteen points.
+type Points = [Row; 3];
+
+/// Spheres that cover a shape, in its own frame, metres.
+#[derive(Clone, Debug)]
+pub(super) struct CoverRow {
+    centre: Points,
+    /// −∞ where there is none.
+    outer: Row,
+    /// Of the spheres inside of the shape; −∞ where none is known.
+    inner: Row,
+    count: usize,
+}
+
+/// Where the spheres of a moving link are, and how far each moves in half an interval.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PlacedRow {
+    centre: Points,
+    moved: Row,
+}
+
+/// What spheres say of two bodies.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RowGap {
+    /// The least of their gaps, less what each moves; infinite where there is none.
+    pub(super) least: f64,
+    /// How far apart spheres inside of both are at the least; infinite where there are none.
+    pub(super) upper: f64,
+    /// From one to the other where the gap is least.
+    pub(super) direction: DVec3,
+}
+
+/// How the points of a link move: p by `at_base` + `turn` × (p − base).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RowMotion {
+    pub(super) base: DVec3,
+    pub(super) turn: DVec3,
+    pub(super) at_base: DVec3,
+    pub(super) half: f64,
+    /// What accelerations add, and what no point exceeds.
+    pub(super) change: f64,
+    pub(super) most: f64,
+}
+
+impl CoverRow {
+    /// Of at most [`ROW`] spheres.
+    pub(super) fn of(spheres: &[CoverSphere]) -> Self {
+        let none = [f64::NEG_INFINITY; ROW];
+        let count = spheres.len().min(ROW);
+        let mut row = Self { centre: [[0.0; ROW]; 3], outer: none, inner: none, count };
+        for (k, sphere) in spheres[..count].iter().enumerate() {
+            for axis in 0..3 {
+                row.centre[axis][k] = sphere.centre[axis];
+            }
+            row.outer[k] = sphere.outer;
+            if sphere.inner > 0.0 {
+                row.inner[k] = sphere.inner;
+            }
+        }
+        row
+    }
+
+    /// The spheres where the shape is.
+    pub(super) fn place(&self, pose: &Pose, motion: &RowMotion) -> PlacedRow {
+        let mut placed = PlacedRow::default();
+        dispatch(Place { row: self, pose, motion, placed: &mut placed });
+        placed
+    }
+
+    /// Against a solid of finite size at a pose; the direction is in the world.
+    pub(super) fn against_solid(
+        &self,
+        placed: &PlacedRow,
+        (solid, pose): (&Solid, &Pose),
+    ) -> RowGap {
+        let inverse = pose.rotation().transpose();
+        let from = pose.translation();
+        let (least, upper, k) = dispatch(AgainstSolid { row: self, placed, inverse, from, solid });
+        let local = inverse * (placed.point(k) - from);
+        let direction = *pose.rotation() * (solid.nearest(local).1 - local);
+        RowGap { least, upper, direction }
+    }
+
+    /// Against the spheres of another link, without what either moves.
+    pub(super) fn against_row(&self, placed: &PlacedRow, other: (&Self, &PlacedRow)) -> RowGap {
+        let (least, upper, [k, l]) = dispatch(AgainstRow { row: (self, placed), other });
+        RowGap { least, upper, direction: other.1.point(l) - placed.point(k) }
+    }
+}
+
+impl PlacedRow {
+    fn point(&self, k: usize) -> DVec3 {
+        DVec3::new(self.centre[0][k], self.centre[1][k], self.centre[2][k])
+    }
+}
+
+struct Place<'a> {
+    row: &'a CoverRow,
+    pose: &'a Pose,
+    motion: &'a RowMotion,
+    placed: &'a mut PlacedRow,
+}
+
+impl Kernel for Place<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        let Self { row, pose, motion, placed } = self;
+        let [x, y, z] = pose.rotation().to_cols_array_2d();
+        let (t, RowMotion { base, turn, at_base, half, .. }) = (pose.translation(), *motion);
+        let turning = turn.length();
+        let [cx, cy, cz] = &row.centre;
+        for k in 0..ROW {
+            let at = |i: usize| x[i] * cx[k] + y[i] * cy[k] + z[i] * cz[k] + t[i];
+            let (px, py, pz) = (at(0), at(1), at(2));
+            (placed.centre[0][k], placed.centre[1][k], placed.centre[2][k]) = (px, py, pz);
+            let (dx, dy, dz) = (px - base.x, py - base.y, pz - base.z);
+            let vx = at_base.x + (turn.y * dz - turn.z * dy);
+            let vy = at_base.y + (turn.z * dx - turn.x * dz);
+            let vz = at_base.z + (turn.x * dy - turn.y * dx);
+            let now = (vx * vx + vy * vy + vz * vz).sqrt() + row.outer[k] * turning;
+            let moved = half * now * ROUNDED_UP + motion.change;
+            placed.moved[k] = lesser(moved, motion.most) * ROUNDED_UP;
+        }
+    }
+}
+
+struct AgainstSolid<'a> {
+    row: &'a CoverRow,
+    placed: &'a PlacedRow,
+    inverse: DMat3,
+    from: DVec3,
+    solid: &'a Solid,
+}
+
+impl Kernel for AgainstSolid<'_> {
+    /// The least gap, the least distance of an inner sphere, and which sphere has the least gap.
+    type Output = (f64, f64, usize);
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> (f64, f64, usize) {
+        let Self { row, placed, inverse, from, solid } = self;
+        let [mx, my, mz] = inverse.to_cols_array_2d();
+        let [cx, cy, cz] = &placed.centre;
+        let mut far = [0.0; ROW];
+        let local = |k: usize| {
+            let (x, y, z) = (cx[k] - from.x, cy[k] - from.y, cz[k] - from.z);
+            let at = |i: usize| mx[i] * x + my[i] * y + mz[i] * z;
+            [at(0), at(1), at(2)]
+        };
+        match *solid {
+            Solid::Box { middle, half, swept } => {
+                for k in 0..ROW {
+                    let [x, y, z] = local(k);
+                    let x = greater((x - middle.x).abs() - half.x, 0.0);
+                    let y = greater((y - middle.y).abs() - half.y, 0.0);
+                    let z = greater((z - middle.z).abs() - half.z, 0.0);
+                    far[k] = (x * x + y * y + z * z).sqrt() - swept;
+                }
+            }
+            Solid::Cylinder { half, radius, swept } => {
+                for k in 0..ROW {
+                    let [x, y, z] = local(k);
+                    let side = greater((x * x + y * y).sqrt() - radius, 0.0);
+                    let end = greater(z.abs() - half, 0.0);
+                    far[k] = (side * side + end * end).sqrt() - swept;
+                }
+            }
+        }
+        let (mut gap, mut upper) = ([0.0; ROW], [0.0; ROW]);
+        for k in 0..ROW {
+            // Outer and inner radii of −∞ make infinite gaps.
+            gap[k] = far[k] - row.outer[k] - placed.moved[k];
+            upper[k] = far[k] - row.inner[k];
+        }
+        let (least, k) = first_least(&gap);
+        (least, least_of(&upper), k)
+    }
+}
+
+struct AgainstRow<'a> {
+    row: (&'a CoverRow, &'a PlacedRow),
+    other: (&'a CoverRow, &'a PlacedRow),
+}
+
+impl Kernel for AgainstRow<'_> {
+    /// The least gap, the least distance of inner spheres, and which spheres have the least gap.
+    type Output = (f64, f64, [usize; 2]);
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> (f64, f64, [usize; 2]) {
+        let ((row, at), (other, other_at)) = (self.row, self.other);
+        let [ox, oy, oz] = &other_at.centre;
+        let (mut least, mut upper, mut nearest) = (f64::INFINITY, f64::INFINITY, [0; 2]);
+        for k in 0..row.count {
+            let (x, y, z) = (at.centre[0][k], at.centre[1][k], at.centre[2][k]);
+            let (outer, inner) = (row.outer[k], row.inner[k]);
+            let (mut gap, mut within) = ([0.0; ROW], [0.0; ROW]);
+            for l in 0..ROW {
+                let (dx, dy, dz) = (ox[l] - x, oy[l] - y, oz[l] - z);
+                let length = (dx * dx + dy * dy + dz * dz).sqrt();
+                gap[l] = length - outer - other.outer[l];
+                within[l] = length - inner - other.inner[l];
+            }
+            upper = lesser(least_of(&within), upper);
+            let least_here = least_of(&gap);
+            if least_here < least {
+                (least, nearest) = (least_here, [k, first_least(&gap).1]);
+            }
+        }
+        (least, greater(upper, 0.0), nearest)
+    }
+}
+
+/// How many points [`Farthest`] takes at once.
+pub(super) const LANES: usize = 16;
+
+/// The largest d·p of points p, for two directions d.
+pub(super) struct Farthest<'a> {
+    /// Coordinates, [`LANES`] of x, then of y, then of z.
+    pub(super) points: &'a [[[f64; LANES]; 3]],
+    pub(super) directions: [DVec3; 2],
+}
+
+impl Kernel for Farthest<'_> {
+    type Output = [f64; 2];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> [f64; 2] {
+        let [d, e] = self.directions;
+        let (mut most_d, mut most_e) = ([f64::NEG_INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+        for [x, y, z] in self.points {
+            // One loop for both: shorter ones are unrolled before they can be vectorised.
+            for k in 0..LANES {
+                let (x, y, z) = (x[k], y[k], z[k]);
+                let (at_d, at_e) = (x * d.x + y * d.y + z * d.z, x * e.x + y * e.y + z * e.z);
+                most_d[k] = greater(at_d, most_d[k]);
+                most_e[k] = greater(at_e, most_e[k]);
+            }
+        }
+        let (mut far_d, mut far_e) = (most_d[0], most_e[0]);
+        for k in 1..LANES {
+            far_d = greater(most_d[k], far_d);
+            far_e = greater(most_e[k], far_e);
+        }
+        [far_d, far_e]
+    }
+}
+
+/// b where either is no number.
+#[inline(always)]
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// b where either is no number.
+#[inline(always)]
+fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn least_of(row: &Row) -> f64 {
+    let mut eight = [0.0; 8];
+    for k in 0..8 {
+        eight[k] = lesser(row[k], row[k + 8]);
+    }
+    let mut four = [0.0; 4];
+    for k in 0..4 {
+        four[k] = lesser(eight[k], eight[k + 4]);
+    }
+    lesser(lesser(four[0], four[2]), lesser(four[1], four[3]))
+}
+
+/// The least and the first that is as small.
+#[inline(always)]
+fn first_least(row: &Row) -> (f64, usize) {
+    let least = least_of(row);
+    (least, row.iter().position(|&x| x == least).unwrap_or(0))
+}
