@@ -1,9 +1,9 @@
 //! The corners of what two shapes, or many parts of them, have in common along one normal.
 
 use super::clip::{Corner, Patch, drop_doubles};
-use super::feature::{Placed, Seen, View};
+use super::feature::{Placed, Seen, View, name};
 use super::reduce::Spot;
-use super::{FLAT, Feature, Manifold, ManifoldPoint, SAME, of_one_point, reduce};
+use super::{Feature, Manifold, ManifoldPoint, SAME, bound_of, of_one_point, reduce};
 use super::{cuboid_polygon, cuboids, hull_pair};
 use crate::PosedShape;
 use crate::epa::Depth;
@@ -74,14 +74,15 @@ impl Corners {
             return patch.whole;
         }
         let [a, b] = sides;
+        if let Some(of_sphere) = of_sphere(view.normal(), sides) {
+            self.size = self.size.max(of_sphere.size);
+            return of_sphere.features;
+        }
         let delta = b.pose.translation() - a.pose.translation();
         let placed = [
             Placed { rotation: a.pose.rotation(), place: DVec3::ZERO, sense: 1.0 },
             Placed { rotation: b.pose.rotation(), place: delta, sense: -1.0 },
         ];
-        if let Some(whole) = self.of_sphere(view, sides, &placed) {
-            return whole;
-        }
         let plane = |point: DVec3| view.of(point - a.pose.translation()).1;
         let [in_a, in_b] = &placed;
         match (seen(view, a.shape, in_a), seen(view, b.shape, in_b), a.shape, b.shape) {
@@ -109,27 +110,6 @@ impl Corners {
             }
             _ => [Feature::Surface; 2],
         }
-    }
-
-    /// What a sphere and another shape show as wholes: a point shares no corners with anything but a half-space.
-    fn of_sphere(
-        &mut self,
-        view: &View,
-        [a, b]: [PosedShape<'_>; 2],
-        [in_a, in_b]: &[Placed<'_>; 2],
-    ) -> Option<[Feature; 2]> {
-        let is_sphere = |side: PosedShape<'_>| matches!(side.shape, Shape::Polytope(polytope) if polytope.kind() == Kind::Point);
-        if !is_sphere(a) && !is_sphere(b) {
-            return None;
-        }
-        let whole = |side: PosedShape<'_>, placed: &Placed<'_>| match side.shape {
-            Shape::Polytope(polytope) => Some(view.name(polytope, placed)),
-            Shape::Curved(_) => Some(Feature::Surface),
-            _ => None,
-        };
-        let whole = [whole(a, in_a)?, whole(b, in_b)?];
-        self.size = self.size.max(2.0 * (size(a.shape) + size(b.shape)));
-        Some(whole)
     }
 
     /// The corners of a feature that are in a half-space, whose plane is level and at `height`; `number` is the
@@ -163,9 +143,7 @@ impl Corners {
             return (of_one_point(depth, features), pairs);
         }
         drop_doubles(&mut self.corners, self.size);
-        let far = a.pose.translation().length() + b.pose.translation().length();
-        let error_bound =
-            (depth.error_bound + FLAT * self.size + 8.0 * f64::EPSILON * far).min(f64::MAX);
+        let error_bound = bound_of(&depth, self.size, [a, b]);
         // False for NaN, which numbers near the end of their range make.
         let stands_for_all = self.deepest_after(0) >= depth.depth - self.tolerance();
         let Some((kept, count)) =
@@ -193,6 +171,33 @@ impl Corners {
         let parts = [None; 2];
         (Manifold { normal, points, count: count as u8, error_bound, parts }, pairs)
     }
+}
+
+/// What a sphere and another shape show as wholes: a point shares no corners with anything but a half-space.
+pub(super) struct OfSphere {
+    pub(super) features: [Feature; 2],
+    /// How large the shapes are.
+    pub(super) size: f64,
+}
+
+/// `None` where neither is a sphere, and against half-spaces and foreign shapes.
+pub(super) fn of_sphere(normal: DVec3, [a, b]: [PosedShape<'_>; 2]) -> Option<OfSphere> {
+    if !is_sphere(a) && !is_sphere(b) {
+        return None;
+    }
+    let feature = |side: PosedShape<'_>, towards: DVec3| match side.shape {
+        Shape::Polytope(polytope) => {
+            Some(name(polytope, side.pose.rotation().transpose() * towards))
+        }
+        Shape::Curved(_) => Some(Feature::Surface),
+        _ => None,
+    };
+    let features = [feature(a, normal)?, feature(b, -normal)?];
+    Some(OfSphere { features, size: 2.0 * (size(a.shape) + size(b.shape)) })
+}
+
+pub(super) fn is_sphere(side: PosedShape<'_>) -> bool {
+    matches!(side.shape, Shape::Polytope(polytope) if polytope.kind() == Kind::Point)
 }
 
 /// What a shape shows; `None` for one that has no features.

@@ -4,7 +4,7 @@ use super::clip::different;
 use super::cuboid_polygon::{MOST, Points, features};
 use super::cuboids::{self, Clipped, Clipping};
 use super::reduce::{self, Spot};
-use super::{FLAT, Manifold, SAME};
+use super::{Manifold, SAME, bound_of};
 use crate::PosedShape;
 use crate::epa::Depth;
 use dcd_geom::glam::{DVec2, DVec3};
@@ -38,10 +38,8 @@ pub(super) fn write(
     found: &mut Manifold,
 ) -> bool {
     let Some(clipped) = cuboids::clipped(points, depth.normal, [a, b]) else { return false };
-    let far = a.pose.translation().length() + b.pose.translation().length();
-    let size = clipped.patch.size;
     found.normal = depth.normal;
-    found.error_bound = (depth.error_bound + FLAT * size + 8.0 * f64::EPSILON * far).min(f64::MAX);
+    found.error_bound = bound_of(depth, clipped.patch.size, [a, b]);
     let is_patch = clipped.face.as_ref().is_some_and(|(clipping, number)| {
         let seen = Seen { clipped: &clipped, clipping, number: *number };
         seen.write(depth, points, a.pose.translation(), found)

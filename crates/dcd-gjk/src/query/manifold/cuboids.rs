@@ -122,6 +122,21 @@ pub(super) fn add(
     Some(patch)
 }
 
+/// What a box shows along a unit direction of its own frame; `None` for other shapes and flat boxes.
+pub(super) fn feature(polytope: &Polytope, direction: DVec3) -> Option<Feature> {
+    let Kind::Cuboid { half_extents: half } = polytope.kind() else { return None };
+    if !is_solid(half) {
+        return None;
+    }
+    let (half, towards) = (half.to_array(), direction.to_array());
+    let side = Side { polytope, half, rotation: &DMat3::IDENTITY, place: DVec3::ZERO, towards };
+    side.feature(side.seen())
+}
+
+fn is_solid(half: DVec3) -> bool {
+    half.min_element() > SOLID * half.max_element()
+}
+
 fn columns(m: &DMat3) -> [DVec3; 3] {
     [m.x_axis, m.y_axis, m.z_axis]
 }
@@ -137,8 +152,7 @@ impl<'a> Side<'a> {
         let Shape::Polytope(polytope) = side.shape else { return None };
         let Kind::Cuboid { half_extents: half } = polytope.kind() else { return None };
         let rotation = side.pose.rotation();
-        let is_solid = half.min_element() > SOLID * half.max_element();
-        if !(is_solid && side.pose.deviation() <= DEVIATION) {
+        if !(is_solid(half) && side.pose.deviation() <= DEVIATION) {
             return None;
         }
         let towards = along(rotation, towards);

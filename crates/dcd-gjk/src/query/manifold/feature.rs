@@ -1,8 +1,8 @@
 //! What a polytope shows along a normal: a face, an edge or a vertex, seen from there.
 
-use super::Feature;
+use super::{Feature, cuboids};
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
-use dcd_geom::{Facets, Polytope};
+use dcd_geom::{Facets, Kind, Polytope};
 
 /// The least cosine between a face's normal and the contact's for the face to lie in it: 15
 /// degrees. Larger: boxes that rock on two points. Smaller: points far from where shapes touch.
@@ -105,11 +105,6 @@ impl View {
         Choice { polytope, direction: self.towards(placed) }.part()
     }
 
-    /// What a polytope shows, by name alone.
-    pub(super) fn name(&self, polytope: &Polytope, placed: &Placed<'_>) -> Feature {
-        self.part(polytope, placed).name()
-    }
-
     /// Turns from a shape's own frame to the view's, a vector then costs one matrix.
     pub(super) fn turn(&self, rotation: &DMat3) -> DMat3 {
         DMat3::from_cols(self.x, self.y, self.normal).transpose() * *rotation
@@ -147,6 +142,15 @@ impl View {
         };
         Seen { part, points, of_line: false, facing, slope }
     }
+}
+
+/// What a polytope shows along a unit direction of its own frame, by name alone.
+pub(super) fn name(polytope: &Polytope, direction: DVec3) -> Feature {
+    if polytope.kind() == Kind::Point {
+        return Feature::Vertex(0);
+    }
+    let of_cuboid = cuboids::feature(polytope, direction);
+    of_cuboid.unwrap_or_else(|| Choice { polytope, direction }.part().name())
 }
 
 impl Part<'_> {
@@ -237,7 +241,38 @@ const KEPT: usize = 64;
 
 impl<'a> Choice<'a> {
     fn part(&self) -> Part<'a> {
-        self.of_triangle().unwrap_or_else(|| self.searched())
+        match self.polytope.kind() {
+            Kind::Point => Some(Part::Vertex(0)),
+            Kind::Segment => self.of_segment(),
+            Kind::Triangle => self.of_triangle(),
+            Kind::Cuboid { .. } => self.of_cuboid(),
+            _ => None,
+        }
+        .unwrap_or_else(|| self.searched())
+    }
+
+    /// What a segment shows, without its list of faces: itself, or the end that is farther.
+    fn of_segment(&self) -> Option<Part<'a>> {
+        let rise = self.rise(0, 1);
+        // False for one without length, and for NaN.
+        rise.is_finite().then(|| match rise < LEVEL {
+            true => Part::Edge([0, 1]),
+            false => Part::Vertex(u32::from(self.along(1) > self.along(0))),
+        })
+    }
+
+    /// What a box that is not flat shows, by the signs of the direction.
+    fn of_cuboid(&self) -> Option<Part<'a>> {
+        Some(match cuboids::feature(self.polytope, self.direction)? {
+            Feature::Face(index) => {
+                let facets: &'a Facets = self.polytope.facets();
+                let facet = facets.facets().get(index as usize)?;
+                Part::Face { index, normal: facet.normal, corners: facets.corners(facet) }
+            }
+            Feature::Edge(j, k) => Part::Edge([j, k]),
+            Feature::Vertex(k) => Part::Vertex(k),
+            Feature::Surface => return None,
+        })
     }
 
     /// What of a triangle that is no needle faces the direction, as its list of faces has it, without the list.
@@ -508,5 +543,32 @@ mod tests {
             }
         }
         assert!(edges > 300 && vertices > 300, "{edges} {vertices}");
+    }
+
+    #[test]
+    fn segments_and_boxes_show_what_their_lists_of_faces_have() {
+        let mut draw = cuboids::tests::Draw(5);
+        let mut vector = || DVec3::from_array([(); 3].map(|()| 2.0 * draw.unit() - 1.0));
+        let mut counts = [0; 3];
+        for round in 0..3000 {
+            let (p, q) = (vector(), vector());
+            let polytope = match round % 2 {
+                0 => Polytope::segment(p, q).unwrap(),
+                _ => Polytope::cuboid(p.abs() + 0.01).unwrap(),
+            };
+            let level = (q - p).cross(vector()).normalize() + 0.3 * vector();
+            let steep = vector();
+            let direction = if round % 4 < 2 { level } else { steep }.normalize();
+            let choice = Choice { polytope: &polytope, direction };
+            let (found, due) = (choice.part().name(), choice.searched().name());
+            assert_eq!(found, due, "{round}: {p} {q} {direction}");
+            assert_eq!(name(&polytope, direction), due, "{round}");
+            counts[match due {
+                Feature::Vertex(_) => 0,
+                Feature::Edge(..) => 1,
+                _ => 2,
+            }] += 1;
+        }
+        assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
     }
 }

@@ -24,8 +24,8 @@ use super::{Accuracy, MeasureAt, MeasureDepth, depths};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, PartIndex};
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
-use corners::Corners;
-use dcd_geom::Kind;
+use corners::{Corners, OfSphere};
+use dcd_geom::Shape;
 use dcd_geom::glam::DVec3;
 use feature::View;
 use parts::Measure;
@@ -237,8 +237,8 @@ fn manifold_of(
         Verdict::Undecided(reason) => return Verdict::Undecided(reason),
         Verdict::Touching(depth) => depth,
     };
-    if are_spheres(a, b) {
-        return Verdict::Touching(of_spheres(depth).into());
+    if let Some(manifold) = of_sphere_and_other(depth, a, b) {
+        return Verdict::Touching(manifold.into());
     }
     let mut manifold = Manifold::default();
     if write_of_polytopes(&depth, a, b, corners, &mut manifold) {
@@ -258,12 +258,29 @@ fn of_spheres(depth: Depth) -> Manifold {
     of_one_point(depth, [Feature::Vertex(0); 2])
 }
 
-/// Whether both are spheres, which touch in the witnesses of their depth.
-fn are_spheres(a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
-    let is_sphere = |side: PosedShape<'_>| {
-        side.shape.as_polytope().is_some_and(|polytope| polytope.kind() == Kind::Point)
-    };
-    is_sphere(a) && is_sphere(b)
+/// Of a sphere and another convex shape, which touch in the witnesses of their depth; `None` of others.
+fn of_sphere_and_other(depth: Depth, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Manifold> {
+    let is_half_space = |side: PosedShape<'_>| matches!(side.shape, Shape::HalfSpace(_));
+    match [corners::is_sphere(a), corners::is_sphere(b)] {
+        [false, false] => return None,
+        [true, true] => return Some(of_spheres(depth)),
+        [true, false] if is_half_space(b) => {
+            return Some(of_one_point(depth, [Feature::Vertex(0), Feature::Surface]));
+        }
+        [false, true] if is_half_space(a) => {
+            return Some(of_one_point(depth, [Feature::Surface, Feature::Vertex(0)]));
+        }
+        _ => {}
+    }
+    let OfSphere { features, size } = corners::of_sphere(depth.normal, [a, b])?;
+    let error_bound = bound_of(&depth, size, [a, b]);
+    Some(Manifold { error_bound, ..of_one_point(depth, features) })
+}
+
+/// The bound of a manifold of shapes so large.
+fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) -> f64 {
+    let far = a.pose.translation().length() + b.pose.translation().length();
+    (depth.error_bound + FLAT * size + 8.0 * f64::EPSILON * far).min(f64::MAX)
 }
 
 /// How far from the witnesses' depth the deepest corner may be to stand for it, relative to the
