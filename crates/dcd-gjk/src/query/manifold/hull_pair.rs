@@ -272,8 +272,11 @@ mod tests {
         let prism = |sides: usize, height: f64| {
             let corner = |j: usize| {
                 let angle = (j / 2) as f64 * std::f64::consts::TAU / sides as f64;
-                DVec3::new(angle.cos(), angle.sin(), if j % 2 == 0 { -height } else { height })
-                    * 0.5
+                DVec3::new(
+                    angle.cos(),
+                    angle.sin(),
+                    if j.is_multiple_of(2) { -height } else { height },
+                ) * 0.5
             };
             Shape::hull((0..2 * sides).map(corner).collect())
         };
@@ -283,7 +286,7 @@ mod tests {
             3 => prism(12, 0.1),
             _ => Shape::triangle([vector(draw), vector(draw), vector(draw)]),
         };
-        let radius = if k % 7 == 0 { 0.05 } else { 0.0 };
+        let radius = if k.is_multiple_of(7) { 0.05 } else { 0.0 };
         shape.unwrap().rounded(radius).unwrap()
     }
 
