@@ -360,8 +360,9 @@ impl<'a> Search<'a> {
                 return self.note(proved);
             }
             // Apart at the middle, and by enough if the interval were shorter: another direction may have a larger gap there,
-            // but hardly one that closes less.
-            let hoped = gaps.proved + (BETTER - 1.0) * gaps.middle;
+            // of the distance at most, but hardly one that closes less.
+            let closed = gaps.middle - gaps.proved;
+            let hoped = (BETTER * gaps.middle).min(found.upper) - closed;
             if gaps.middle > 0.0 && self.suffices(gaps.middle) && !self.suffices(hoped) {
                 return false;
             }
