@@ -29,7 +29,7 @@ const BEFORE_A_HIT: f64 = 1.0 / (1u64 << 8) as f64;
 /// The states of a path that are looked at before any interval: in sixteenths, all at once.
 const SAMPLES: [u8; 16] = [0, 16, 8, 4, 12, 2, 6, 10, 14, 1, 3, 5, 7, 9, 11, 13];
 
-/// By how much a distance may exceed the gap along a direction that was the nearest one's before. No unit. Larger:
+/// By how much a distance may exceed the gap along a direction that is not the nearest one's. No unit. Larger:
 /// more distances that prove too little. Smaller: shorter intervals than need be.
 const BETTER: f64 = 1.5;
 
