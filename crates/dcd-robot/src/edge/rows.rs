@@ -295,3 +295,96 @@ fn first_least(row: &Row) -> (f64, usize) {
     let least = least_of(row);
     (least, row.iter().position(|&x| x == least).unwrap_or(0))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::Draw;
+    use super::*;
+    use glam::DQuat;
+
+    fn spheres(draw: &mut Draw, count: usize) -> Vec<CoverSphere> {
+        let sphere = |k: usize| CoverSphere {
+            centre: draw.vector(),
+            outer: 0.1 + 0.01 * k as f64,
+            inner: if k % 3 == 0 { f64::NEG_INFINITY } else { 0.05 },
+        };
+        (0..count).map(sphere).collect()
+    }
+
+    fn pose(draw: &mut Draw) -> Pose {
+        let turn = DQuat::from_scaled_axis(draw.vector() * 3.0);
+        Pose::new(turn, draw.vector() * 2.0).unwrap()
+    }
+
+    /// The least of all, with the direction there.
+    fn least(gaps: impl Iterator<Item = (f64, DVec3)>) -> (f64, DVec3) {
+        gaps.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+    }
+
+    fn assert_near(found: &RowGap, (gap, direction): (f64, DVec3), upper: f64) {
+        assert!((found.least - gap).abs() < 1e-12, "{found:?}: {gap}");
+        assert!(found.direction.distance(direction) < 1e-12, "{found:?}: {direction}");
+        assert!(found.upper == upper || (found.upper - upper).abs() < 1e-12, "{found:?}: {upper}");
+    }
+
+    #[test]
+    fn sixteen_spheres_are_as_far_as_each_alone() {
+        let mut draw = Draw::new();
+        for k in 0..200 {
+            let (own, other) = (spheres(&mut draw, 1 + k % ROW), spheres(&mut draw, 1 + k % 7));
+            let [own_pose, other_pose, solid_pose] = [0; 3].map(|_| pose(&mut draw));
+            let motion = RowMotion {
+                base: draw.vector(),
+                turn: draw.vector(),
+                at_base: draw.vector(),
+                half: 0.1,
+                change: 0.01,
+                most: 0.2,
+            };
+            let still = RowMotion { most: 0.0, ..motion };
+            let (row, other_row) = (CoverRow::of(&own), CoverRow::of(&other));
+            let placed = row.place(&own_pose, &motion);
+            let other_placed = other_row.place(&other_pose, &still);
+            let half = draw.vector().abs() * 0.5;
+            let solid = if k % 2 == 0 {
+                Solid::Box { middle: draw.vector(), half, swept: 0.01 }
+            } else {
+                Solid::Cylinder { half: half.x, radius: half.y, swept: 0.02 }
+            };
+            let at = |sphere: &CoverSphere| own_pose.apply(sphere.centre);
+            let local =
+                |p: DVec3| solid_pose.rotation().transpose() * (p - solid_pose.translation());
+            let one = |sphere: &CoverSphere| {
+                let (far, near) = solid.nearest(local(at(sphere)));
+                let from_base = at(sphere) - motion.base;
+                let speed = (motion.at_base + motion.turn.cross(from_base)).length();
+                let now = speed + sphere.outer * motion.turn.length();
+                let moved = (0.1 * now * ROUNDED_UP + 0.01).min(0.2);
+                let direction = *solid_pose.rotation() * (near - local(at(sphere)));
+                (far - sphere.outer - moved, direction)
+            };
+            let inside = own.iter().filter(|sphere| sphere.inner > 0.0);
+            let upper = inside.map(|s| solid.nearest(local(at(s))).0 - s.inner);
+            let upper = upper.fold(f64::INFINITY, f64::min);
+            let found = row.against_solid(&placed, (&solid, &solid_pose));
+            // What is swept is within what `ROUNDED_UP` adds.
+            let wanted = least(own.iter().map(one));
+            assert!((found.least - wanted.0).abs() < 1e-9, "{found:?}: {wanted:?}");
+            assert_near(&RowGap { least: wanted.0, ..found }, wanted, upper);
+
+            let pairs = || own.iter().flat_map(|a| other.iter().map(move |b| (a, b)));
+            let between = |(a, b): (&CoverSphere, &CoverSphere)| {
+                let between = other_pose.apply(b.centre) - at(a);
+                (between.length() - a.outer - b.outer, between)
+            };
+            let inside = pairs().filter(|(a, b)| a.inner > 0.0 && b.inner > 0.0);
+            let upper = inside.map(|(a, b)| {
+                let apart = other_pose.apply(b.centre).distance(at(a));
+                (apart - a.inner - b.inner).max(0.0)
+            });
+            let upper = upper.fold(f64::INFINITY, f64::min);
+            let found = row.against_row(&placed, (&other_row, &other_placed));
+            assert_near(&found, least(pairs().map(between)), upper);
+        }
+    }
+}

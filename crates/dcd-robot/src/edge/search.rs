@@ -29,7 +29,7 @@ const BEFORE_A_HIT: f64 = 1.0 / (1u64 << 8) as f64;
 /// The states of a path that are looked at before any interval: in sixteenths, all at once.
 const SAMPLES: [u8; 16] = [0, 16, 8, 4, 12, 2, 6, 10, 14, 1, 3, 5, 7, 9, 11, 13];
 
-/// By how much a distance may exceed the gap along a direction that was the nearest one's before. No unit. Larger:
+/// By how much a distance may exceed the gap along a direction that is not the nearest one's. No unit. Larger:
 /// more distances that prove too little. Smaller: shorter intervals than need be.
 const BETTER: f64 = 1.5;
 
@@ -360,8 +360,9 @@ impl<'a> Search<'a> {
                 return self.note(proved);
             }
             // Apart at the middle, and by enough if the interval were shorter: another direction may have a larger gap there,
-            // but hardly one that closes less.
-            let hoped = gaps.proved + (BETTER - 1.0) * gaps.middle;
+            // of the distance at most, but hardly one that closes less.
+            let closed = gaps.middle - gaps.proved;
+            let hoped = (BETTER * gaps.middle).min(found.upper) - closed;
             if gaps.middle > 0.0 && self.suffices(gaps.middle) && !self.suffices(hoped) {
                 return false;
             }
