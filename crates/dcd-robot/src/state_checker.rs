@@ -6,6 +6,7 @@
 //! robot of spheres among boxes, cylinders and spheres is decided by the lanes but for what is within
 //! [`MARGIN`].
 
+mod boxes;
 pub(crate) mod covers;
 mod link_frames;
 mod links;

@@ -1,5 +1,6 @@
 //! What of a robot and its world does not depend on a state.
 
+use super::boxes::BoxRow;
 use super::link_frames::LinkFrames;
 use super::links::{Body, BodyHull, LinkSpheres, links};
 use super::obstacle_tree::ObstacleTree;
@@ -21,6 +22,7 @@ pub(super) struct Prepared {
     /// For each body its vertices, if it is a hull.
     pub(super) hulls: Vec<Option<BodyHull>>,
     pub(super) solids: Vec<Solid>,
+    pub(super) boxes: Vec<BoxRow>,
     /// Where there are many of them.
     pub(super) tree: Option<ObstacleTree>,
     /// The spheres of what meets obstacles, link by link.
@@ -52,6 +54,7 @@ impl Prepared {
             bodies,
             hulls,
             solids: Vec::new(),
+            boxes: Vec::new(),
             tree: None,
             world_links,
             own_links,
@@ -91,6 +94,7 @@ impl Prepared {
     fn take_obstacles(&mut self) {
         let scene = self.cell.scene();
         self.solids = self.obstacles().map(|i| Solid::of(scene, i)).collect();
+        self.boxes = BoxRow::of(scene, self.obstacles(), &self.solids);
         self.tree = ObstacleTree::of(scene, self.obstacles());
         self.filtered = scene.filters_movers();
     }

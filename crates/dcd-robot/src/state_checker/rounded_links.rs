@@ -19,6 +19,8 @@ pub(super) struct Rounded {
     pub(super) own: Vec<RoundedLink>,
     /// The obstacles near a link, each with the states in which it is, a bit each.
     pub(super) near: Vec<(u32, u32)>,
+    /// A box round each link in all states of a packet.
+    pub(super) aabbs: Vec<Aabb>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -153,47 +155,6 @@ impl RoundedLink {
             outer: l.load(&row.outer),
             inner: l.load(&row.inner),
             margin: l.splat(self.margin.0[lane]),
-        }
-    }
-}
-
-/// The spheres of up to sixteen links in one state.
-pub(super) struct Gathered {
-    centre: Block,
-    radius: Row,
-    margin: Row,
-}
-
-impl Gathered {
-    /// Without any link.
-    // Written out: a derived default is a call in a kernel.
-    pub(super) const NONE: Self = Self {
-        centre: Block([Row([0.0; WIDTH]); 3]),
-        radius: Row([0.0; WIDTH]),
-        margin: Row([0.0; WIDTH]),
-    };
-
-    #[inline(always)]
-    pub(super) fn set(
-        &mut self,
-        k: usize,
-        (link, rounded): (&LinkSpheres, &RoundedLink),
-        lane: usize,
-    ) {
-        // Not zipped: in a function of another CPU feature that is a call.
-        for axis in 0..3 {
-            self.centre.0[axis].0[k] = rounded.centre.0[axis].0[lane];
-        }
-        (self.radius.0[k], self.margin.0[k]) = (link.radius, rounded.margin.0[lane]);
-    }
-
-    #[inline(always)]
-    pub(super) fn spheres<L: Lanes>(&self, l: L) -> Sixteen<L> {
-        Sixteen {
-            centre: of_block(l, &self.centre),
-            outer: l.load(&self.radius),
-            inner: l.splat(f32::NEG_INFINITY),
-            margin: l.load(&self.margin),
         }
     }
 }

@@ -1,11 +1,13 @@
 //! Sixteen states against everything, by spheres: what is proved to touch, and what is left.
 
+use super::boxes::{around, overlap};
 use super::link_frames::LinkFrames;
 use super::links::{LinkSpheres, SphereRow};
 use super::prepared::Prepared;
-use super::rounded_links::{Gathered, Rounded, RoundedLink, bits, round, splat, stored};
+use super::rounded_links::{Rounded, RoundedLink, bits, round, splat, stored};
 use super::solids::{Reached, Solid, inside, within};
 use super::{Goal, Sixteen};
+use dcd_geom::Aabb;
 use dcd_pipeline::{Candidate, Other};
 use dcd_simd::{Kernel, Lanes, WIDTH};
 use glam::Vec3;
@@ -38,31 +40,41 @@ impl Kernel for Sift<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) -> u32 {
-        let Rounded { world, own, near } = std::mem::take(self.rounded);
-        let (mut world, mut own, mut near) = (world, own, near);
-        round(l, &self.prepared.world_links, self.frames, &mut world);
-        if self.prepared.tree.is_none() && self.is_few(world.len()) {
-            self.few_against_obstacles(l, &world, &mut near);
-        } else {
-            for (link, rounded) in self.prepared.world_links.iter().zip(&world) {
-                self.against_obstacles(l, (link, rounded), &mut near);
-            }
+        let Rounded { mut world, mut own, mut near, mut aabbs } = std::mem::take(self.rounded);
+        let (world_links, own_links) = (&self.prepared.world_links, self.prepared.own_links());
+        round(l, world_links, self.frames, &mut world);
+        boxed(l, world_links, &world, self.open, &mut aabbs);
+        for ((link, rounded), aabb) in world_links.iter().zip(&world).zip(&aabbs) {
+            self.against_obstacles(l, (link, rounded), aabb, &mut near);
         }
-        let own_links = self.prepared.own_links();
         if self.prepared.own_links.is_some() {
             round(l, own_links, self.frames, &mut own);
+            boxed(l, own_links, &own, self.open, &mut aabbs);
         }
         let rounded = if self.prepared.own_links.is_some() { &own } else { &world };
-        if self.is_few(self.prepared.link_pairs.len()) {
-            self.few_against_each_other(l, rounded);
-        } else {
-            for &[a, b] in &self.prepared.link_pairs {
+        for &[a, b] in &self.prepared.link_pairs {
+            if overlap(&aabbs[a as usize], &aabbs[b as usize]) {
                 let of = |k: u32| (&own_links[k as usize], &rounded[k as usize]);
                 self.against_each_other(l, of(a), of(b));
             }
         }
-        *self.rounded = Rounded { world, own, near };
+        *self.rounded = Rounded { world, own, near, aabbs };
         self.open
+    }
+}
+
+/// A box round each link in all of some states.
+#[inline(always)]
+fn boxed<L: Lanes>(
+    l: L,
+    links: &[LinkSpheres],
+    rounded: &[RoundedLink],
+    open: u32,
+    aabbs: &mut Vec<Aabb>,
+) {
+    aabbs.clear();
+    for (k, link) in links.iter().enumerate() {
+        aabbs.push(around(l, link, &rounded[k], open));
     }
 }
 
@@ -72,11 +84,12 @@ impl Sift<'_> {
         &mut self,
         l: L,
         (link, rounded): (&LinkSpheres, &RoundedLink),
+        aabb: &Aabb,
         near: &mut Vec<(u32, u32)>,
     ) {
         near.clear();
         match &self.prepared.tree {
-            None => self.compare_all(l, (link, rounded), near),
+            None => self.compare_all(l, (link, rounded), aabb, near),
             Some(tree) => rounded.near_in_tree(link.radius, self.open, tree, near),
         }
         let any = near.iter().fold(0, |any, &(_, states)| any | states);
@@ -111,81 +124,23 @@ impl Sift<'_> {
         }
     }
 
-    /// Whether so many comparisons are fewer with sixteen of one state together than one of sixteen states.
-    fn is_few(&self, comparisons: usize) -> bool {
-        (self.open.count_ones() as usize) * comparisons.div_ceil(WIDTH) < comparisons
-    }
-
-    /// Sixteen links of one state at a time against each obstacle: what is found is the same, in the same order for
-    /// each state.
-    #[inline(always)]
-    fn few_against_obstacles<L: Lanes>(
-        &mut self,
-        l: L,
-        rounded: &[RoundedLink],
-        near: &mut Vec<(u32, u32)>,
-    ) {
-        let links = &self.prepared.world_links;
-        for lane in bits(self.open) {
-            for (links, rounded) in links.chunks(WIDTH).zip(rounded.chunks(WIDTH)) {
-                let mut gathered = Gathered::NONE;
-                for k in 0..links.len() {
-                    gathered.set(k, (&links[k], &rounded[k]), lane);
-                }
-                let (spheres, filled) = (gathered.spheres(l), (1 << links.len()) - 1);
-                near.clear();
-                for number in 0..self.prepared.solids.len() as u32 {
-                    let solid = &self.prepared.solids[number as usize];
-                    let marked = solid.reached(l, &spheres).near & filled;
-                    if marked != 0 {
-                        near.push((number, marked));
-                    }
-                }
-                let any = near.iter().fold(0, |any, &(_, marked)| any | marked);
-                for k in bits(any) {
-                    self.rows_against(l, (&links[k], &rounded[k]), lane, (near, k));
-                }
-            }
-        }
-    }
-
-    /// Sixteen pairs of links of one state at a time.
-    #[inline(always)]
-    fn few_against_each_other<L: Lanes>(&mut self, l: L, rounded: &[RoundedLink]) {
-        let prepared = self.prepared;
-        let of = |k: u32| (&prepared.own_links()[k as usize], &rounded[k as usize]);
-        for lane in bits(self.open) {
-            for pairs in prepared.link_pairs.chunks(WIDTH) {
-                let [mut one, mut other] = [Gathered::NONE, Gathered::NONE];
-                for (k, &[a, b]) in pairs.iter().enumerate() {
-                    one.set(k, of(a), lane);
-                    other.set(k, of(b), lane);
-                }
-                let near = meeting(l, &one.spheres(l), &other.spheres(l)).near;
-                for k in bits(near & ((1 << pairs.len()) - 1)) {
-                    if self.open >> lane & 1 == 1 {
-                        let [a, b] = pairs[k];
-                        self.rows_against_each_other(l, of(a), of(b), lane);
-                    }
-                }
-            }
-        }
-    }
-
     /// Lists the obstacles near a link and in which states.
     #[inline(always)]
     fn compare_all<L: Lanes>(
         &self,
         l: L,
         (link, rounded): (&LinkSpheres, &RoundedLink),
+        aabb: &Aabb,
         near: &mut Vec<(u32, u32)>,
     ) {
         let spheres = rounded.spheres(l, link);
-        for number in 0..self.prepared.solids.len() as u32 {
-            let solid = &self.prepared.solids[number as usize];
-            let states = solid.reached(l, &spheres).near & self.open;
-            if states != 0 {
-                near.push((number, states));
+        for (first, row) in self.prepared.boxes.iter().enumerate() {
+            for k in bits(row.overlapped(l, aabb)) {
+                let number = first * WIDTH + k;
+                let states = self.prepared.solids[number].reached(l, &spheres).near & self.open;
+                if states != 0 {
+                    near.push((number as u32, states));
+                }
             }
         }
     }

@@ -74,6 +74,11 @@ impl Solid {
         (!self.corners.is_empty()).then_some(&self.corners)
     }
 
+    /// By how much a comparison with it may be off, metres.
+    pub(super) fn margin(&self) -> f32 {
+        self.margin
+    }
+
     /// What is swept round those, and by how much a comparison may be off, metres.
     pub(super) fn reach(&self) -> f32 {
         self.round + self.margin

@@ -1,0 +1,99 @@
+//! Boxes round what sixteen states have in common: what is far from all of them costs one comparison.
+
+use super::links::LinkSpheres;
+use super::rounded_links::RoundedLink;
+use super::solids::Solid;
+use dcd_geom::{Aabb, Scene};
+use dcd_simd::{Block, Lanes, Row, WIDTH};
+use glam::Vec3;
+use std::ops::Range;
+
+/// The boxes of sixteen obstacles, each larger by twice the obstacle's margin.
+#[derive(Clone, Debug)]
+pub(super) struct BoxRow {
+    min: Block,
+    max: Block,
+    /// Those that there are.
+    filled: u32,
+}
+
+impl BoxRow {
+    /// The boxes of some objects of a scene, and what they are compared as.
+    pub(super) fn of(scene: &Scene, obstacles: Range<usize>, solids: &[Solid]) -> Vec<Self> {
+        let aabbs = obstacles.zip(solids).map(|(object, solid)| {
+            let (aabb, margin) = (scene.aabb(object), 2.0 * solid.margin());
+            Aabb { min: aabb.min - margin, max: aabb.max + margin }
+        });
+        let aabbs: Vec<Aabb> = aabbs.collect();
+        aabbs.chunks(WIDTH).map(Self::of_few).collect()
+    }
+
+    fn of_few(aabbs: &[Aabb]) -> Self {
+        let none = Block([Row([0.0; WIDTH]); 3]);
+        let mut row = Self { min: none, max: none, filled: (1 << aabbs.len()) - 1 };
+        for (k, aabb) in aabbs.iter().enumerate() {
+            for axis in 0..3 {
+                row.min.0[axis].0[k] = aabb.min[axis];
+                row.max.0[axis].0[k] = aabb.max[axis];
+            }
+        }
+        row
+    }
+
+    /// Which of the boxes another one overlaps, or is not known to be apart from: a NaN is near.
+    #[inline(always)]
+    pub(super) fn overlapped<L: Lanes>(&self, l: L, by: &Aabb) -> u32 {
+        let mut apart = 0;
+        for axis in 0..3 {
+            let below = l.lt(l.splat(by.max[axis]), l.load(&self.min.0[axis]));
+            let above = l.lt(l.load(&self.max.0[axis]), l.splat(by.min[axis]));
+            apart |= l.bits(l.or(below, above));
+        }
+        self.filled & !apart
+    }
+}
+
+/// How far a box that is compared may reach, metres. What is farther is near everything, so that squares that
+/// overflow are where it is compared as a sphere.
+const FAR: f32 = 1e15;
+
+/// A box round the sphere of a link in all of some states, larger by twice the margin: so what is beyond it is
+/// beyond what [`Solid::reached`] and spheres of links take for near, whatever those round, and an answer does not
+/// depend on which states there are.
+#[inline(always)]
+pub(super) fn around<L: Lanes>(l: L, link: &LinkSpheres, rounded: &RoundedLink, open: u32) -> Aabb {
+    if open.is_power_of_two() {
+        return around_one(link, rounded, open.trailing_zeros() as usize);
+    }
+    let margin = l.load(&rounded.margin);
+    let reach = l.add(l.splat(link.radius), l.add(margin, margin));
+    let (states, none) = (l.mask(open), l.splat(f32::NEG_INFINITY));
+    let (mut min, mut max) = (Vec3::ZERO, Vec3::ZERO);
+    let (mut known, most) = (open, l.splat(FAR));
+    for axis in 0..3 {
+        let centre = l.load(&rounded.centre.0[axis]);
+        let (low, high) = (l.sub(reach, centre), l.add(reach, centre));
+        known &= l.bits(l.and(l.le(low, most), l.le(high, most)));
+        min[axis] = -l.largest(l.select(states, low, none));
+        max[axis] = l.largest(l.select(states, high, none));
+    }
+    // A maximum may swallow a NaN.
+    if known == open { Aabb { min, max } } else { Aabb::EVERYTHING }
+}
+
+/// The same of one state.
+#[inline(always)]
+fn around_one(link: &LinkSpheres, rounded: &RoundedLink, lane: usize) -> Aabb {
+    let (centre, margin) = (rounded.centre.point(lane), rounded.margin.0[lane]);
+    let reach = Vec3::splat(link.radius + 2.0 * margin);
+    let (min, max) = (centre - reach, centre + reach);
+    let is_known = min.cmpge(Vec3::splat(-FAR)) & max.cmple(Vec3::splat(FAR));
+    if is_known.all() { Aabb { min, max } } else { Aabb::EVERYTHING }
+}
+
+/// Whether two boxes overlap, or are not known to be apart.
+#[inline(always)]
+pub(super) fn overlap(a: &Aabb, b: &Aabb) -> bool {
+    let apart = |axis: usize| a.max[axis] < b.min[axis] || b.max[axis] < a.min[axis];
+    !(apart(0) || apart(1) || apart(2))
+}
