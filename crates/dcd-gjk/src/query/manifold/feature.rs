@@ -11,6 +11,9 @@ pub(super) const FACING: f64 = 0.966;
 /// The most that an edge may rise along the contact's normal, relative to its length: 15 degrees.
 pub(super) const LEVEL: f64 = 0.259;
 
+/// The sine above which two edges surely cross.
+const CROSSING: f64 = 1e-6;
+
 /// How far below the farthest a vertex may be to count as farthest, relative to the size.
 const FARTHEST: f64 = 1e-9;
 
@@ -94,10 +97,31 @@ impl View {
 
     /// What a polytope shows.
     pub(super) fn seen<'a>(&self, polytope: &'a Polytope, placed: &Placed<'_>) -> Seen<'a> {
-        let part = Choice { polytope, direction: self.towards(placed) }.part();
+        self.seen_part(self.part(polytope, placed), polytope, placed)
+    }
+
+    /// Which part of a polytope it shows.
+    pub(super) fn part<'a>(&self, polytope: &'a Polytope, placed: &Placed<'_>) -> Part<'a> {
+        Choice { polytope, direction: self.towards(placed) }.part()
+    }
+
+    /// That part as it is seen.
+    pub(super) fn seen_part<'a>(
+        &self,
+        part: Part<'a>,
+        polytope: &'a Polytope,
+        placed: &Placed<'_>,
+    ) -> Seen<'a> {
         let vertices = polytope.vertices();
         let seen = self.shown(part, placed, |index| vertices[index as usize]);
         Seen { of_line: vertices.len() == 2, ..seen }
+    }
+
+    /// Whether two edges, world axes, surely cross as they are seen.
+    pub(super) fn surely_cross(&self, e: DVec3, f: DVec3) -> bool {
+        // Seen from the normal they are no longer than they are. False for NaN.
+        let square = self.normal.dot(e.cross(f));
+        square * square > CROSSING * CROSSING * e.length_squared() * f.length_squared()
     }
 
     /// A part of a shape whose vertices are in its own frame.
@@ -145,7 +169,7 @@ pub(super) fn name(polytope: &Polytope, direction: DVec3) -> Feature {
 }
 
 impl Part<'_> {
-    fn name(&self) -> Feature {
+    pub(super) fn name(&self) -> Feature {
         match *self {
             Part::Vertex(index) => Feature::Vertex(index),
             Part::Edge([j, k]) => edge(j, k),
