@@ -1,14 +1,14 @@
 //! The corners of what two shapes, or many parts of them, have in common along one normal.
 
 use super::clip::{Corner, Patch, drop_doubles};
-use super::feature::{Placed, Seen, View, name};
+use super::feature::{Part, Placed, Seen, View, name};
 use super::reduce::Spot;
-use super::{Feature, Manifold, ManifoldPoint, SAME, bound_of, of_one_point, reduce};
+use super::{Feature, Manifold, SAME, bound_of, reduce, write_one_point};
 use super::{cuboid_polygon, cuboids, hull_pair};
 use crate::PosedShape;
 use crate::epa::Depth;
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Kind, Shape, SupportMap};
+use dcd_geom::{Kind, Polytope, Shape, SupportMap};
 
 /// Corners with heights that count the swept radii; memory that clipping takes.
 #[derive(Debug, Default)]
@@ -83,33 +83,67 @@ impl Corners {
             Placed { rotation: a.pose.rotation(), place: DVec3::ZERO, sense: 1.0 },
             Placed { rotation: b.pose.rotation(), place: delta, sense: -1.0 },
         ];
+        if let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) {
+            return self.add_polytopes(view, [in_a, in_b], &placed);
+        }
         let plane = |point: DVec3| view.of(point - a.pose.translation()).1;
         let [in_a, in_b] = &placed;
-        match (seen(view, a.shape, in_a), seen(view, b.shape, in_b), a.shape, b.shape) {
-            (Some(seen_a), Some(seen_b), ..) => {
+        match (a.shape, b.shape) {
+            (shape, Shape::HalfSpace(_)) => {
+                let Some(seen) = seen(view, shape, in_a) else { return [Feature::Surface; 2] };
+                self.size = self.size.max(2.0 * size(shape));
+                self.on_plane(&seen, shape.radius(), plane(depth.point_b), 0);
+                [seen.whole(), Feature::Surface]
+            }
+            (Shape::HalfSpace(_), shape) => {
+                let Some(seen) = seen(view, shape, in_b) else { return [Feature::Surface; 2] };
+                self.size = self.size.max(2.0 * size(shape));
+                self.on_plane(&seen, shape.radius(), plane(depth.point_a), 1);
+                [Feature::Surface, seen.whole()]
+            }
+            (in_a_shape, in_b_shape) => {
+                let Some(seen_a) = seen(view, in_a_shape, in_a) else {
+                    return [Feature::Surface; 2];
+                };
+                let Some(seen_b) = seen(view, in_b_shape, in_b) else {
+                    return [Feature::Surface; 2];
+                };
                 self.size = self.size.max(2.0 * (size(a.shape) + size(b.shape)));
-                let radii = [a.shape.radius(), b.shape.radius()];
-                self.patch.of(&seen_a, &seen_b, -(radii[0] + radii[1]), self.size);
-                let level = [seen_a.level(), seen_b.level()];
-                let swept = self.patch.corners().iter().map(|&corner| corner.swept(radii, level));
-                self.corners.extend(swept);
+                self.add_shared(&seen_a, &seen_b, [a.shape.radius(), b.shape.radius()]);
                 let is_own = |shape: &Shape, whole| {
                     if shape.as_polytope().is_some() { whole } else { Feature::Surface }
                 };
                 [is_own(a.shape, seen_a.whole()), is_own(b.shape, seen_b.whole())]
             }
-            (Some(seen), None, shape, Shape::HalfSpace(_)) => {
-                self.size = self.size.max(2.0 * size(shape));
-                self.on_plane(&seen, shape.radius(), plane(depth.point_b), 0);
-                [seen.whole(), Feature::Surface]
-            }
-            (None, Some(seen), Shape::HalfSpace(_), shape) => {
-                self.size = self.size.max(2.0 * size(shape));
-                self.on_plane(&seen, shape.radius(), plane(depth.point_a), 1);
-                [Feature::Surface, seen.whole()]
-            }
-            _ => [Feature::Surface; 2],
         }
+    }
+
+    /// The same of two polytopes: most share a vertex or the crossing of two edges, which need not be seen.
+    fn add_polytopes(
+        &mut self,
+        view: &View,
+        polytopes: [&Polytope; 2],
+        placed: &[Placed<'_>; 2],
+    ) -> [Feature; 2] {
+        let [a, b] = polytopes;
+        self.size = self.size.max(2.0 * (a.outer_radius() + b.outer_radius()));
+        let parts = [view.part(a, &placed[0]), view.part(b, &placed[1])];
+        let whole = parts.each_ref().map(Part::name);
+        if !share_no_corners(view, &parts, polytopes, placed) {
+            let [of_a, of_b] = parts;
+            let (seen_a, seen_b) =
+                (view.seen_part(of_a, a, &placed[0]), view.seen_part(of_b, b, &placed[1]));
+            self.add_shared(&seen_a, &seen_b, [a.swept_radius(), b.swept_radius()]);
+        }
+        whole
+    }
+
+    /// What two features have in common, of shapes with those swept radii.
+    fn add_shared(&mut self, a: &Seen<'_>, b: &Seen<'_>, radii: [f64; 2]) {
+        self.patch.of(a, b, -(radii[0] + radii[1]), self.size);
+        let level = [a.level(), b.level()];
+        let swept = self.patch.corners().iter().map(|&corner| corner.swept(radii, level));
+        self.corners.extend(swept);
     }
 
     /// The corners of a feature that are in a half-space, whose plane is level and at `height`; `number` is the
@@ -129,47 +163,48 @@ impl Corners {
         }
     }
 
-    /// Up to four of the corners; the witnesses of the depth where none is as deep. With the pair of each point, which
-    /// is not known of such witnesses.
-    pub(super) fn manifold(
+    /// Writes up to four of the corners over an empty manifold; the witnesses of the depth where none is as deep. Returns
+    /// the pair of each point, which is not known of such witnesses.
+    pub(super) fn write(
         &mut self,
         view: &View,
-        depth: Depth,
+        depth: &Depth,
         [a, b]: [PosedShape<'_>; 2],
         features: [Feature; 2],
-    ) -> (Manifold, [Option<u32>; 4]) {
+        found: &mut Manifold,
+    ) -> [Option<u32>; 4] {
         let mut pairs = [None; 4];
         if self.size == 0.0 {
-            return (of_one_point(depth, features), pairs);
+            write_one_point(depth, features, found);
+            return pairs;
         }
         drop_doubles(&mut self.corners, self.size);
-        let error_bound = bound_of(&depth, self.size, [a, b]);
+        let error_bound = bound_of(depth, self.size, [a, b]);
         // False for NaN, which numbers near the end of their range make.
         let stands_for_all = self.deepest_after(0) >= depth.depth - self.tolerance();
-        let Some((kept, count)) =
-            reduce::to_four(&self.corners, self.tolerance()).filter(|_| stands_for_all)
-        else {
-            return (Manifold { error_bound, ..of_one_point(depth, features) }, pairs);
+        let kept = reduce::to_four(&self.corners, self.tolerance()).filter(|_| stands_for_all);
+        let Some((kept, count)) = kept else {
+            write_one_point(depth, features, found);
+            found.error_bound = error_bound;
+            return pairs;
         };
         let mut off_surface = 0.0f64;
-        let mut points = [ManifoldPoint::default(); 4];
         let origin = a.pose.translation();
-        for ((point, pair), &k) in points.iter_mut().zip(&mut pairs).zip(&kept[..count]) {
+        for ((point, pair), &k) in found.points.iter_mut().zip(&mut pairs).zip(&kept[..count]) {
             let corner = &self.corners[k];
             *pair = Some(corner.pair);
             off_surface = off_surface.max(corner.off_surface(depth.depth));
             let [height_a, height_b] = corner.heights;
-            let point_a = view.in_world(corner.at, height_a) + origin;
-            let point_b = view.in_world(corner.at, height_b) + origin;
-            let depth = corner.depth().clamp(0.0, depth.depth);
-            let features = corner.features;
-            *point = ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] };
+            point.point_a = view.in_world(corner.at, height_a) + origin;
+            point.point_b = view.in_world(corner.at, height_b) + origin;
+            point.depth = corner.depth().clamp(0.0, depth.depth);
+            point.features = corner.features;
         }
-        points[0].depth = depth.depth;
-        let normal = depth.normal;
-        let error_bound = (error_bound + off_surface).min(f64::MAX);
-        let parts = [None; 2];
-        (Manifold { normal, points, count: count as u8, error_bound, parts }, pairs)
+        found.points[0].depth = depth.depth;
+        found.normal = depth.normal;
+        found.count = count as u8;
+        found.error_bound = (error_bound + off_surface).min(f64::MAX);
+        pairs
     }
 }
 
@@ -198,6 +233,26 @@ pub(super) fn of_sphere(normal: DVec3, [a, b]: [PosedShape<'_>; 2]) -> Option<Of
 
 pub(super) fn is_sphere(side: PosedShape<'_>) -> bool {
     matches!(side.shape, Shape::Polytope(polytope) if polytope.kind() == Kind::Point)
+}
+
+/// Whether two parts surely have no corners in common: a vertex shares none, nor do edges that cross.
+fn share_no_corners(
+    view: &View,
+    parts: &[Part<'_>; 2],
+    polytopes: [&Polytope; 2],
+    placed: &[Placed<'_>; 2],
+) -> bool {
+    match parts {
+        [Part::Vertex(_), _] | [_, Part::Vertex(_)] => true,
+        [Part::Edge(of_a), Part::Edge(of_b)] => {
+            let edge = |number: usize, [j, k]: [u32; 2]| {
+                let vertices = polytopes[number].vertices();
+                *placed[number].rotation * (vertices[k as usize] - vertices[j as usize])
+            };
+            view.surely_cross(edge(0, *of_a), edge(1, *of_b))
+        }
+        _ => false,
+    }
 }
 
 /// What a shape shows; `None` for one that has no features.

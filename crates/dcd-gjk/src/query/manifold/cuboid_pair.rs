@@ -124,7 +124,7 @@ impl Seen<'_> {
 mod tests {
     use super::super::corners::Corners;
     use super::super::cuboids::tests::Draw;
-    use super::super::in_order;
+    use super::super::write_in_order;
     use super::*;
     use crate::{Accuracy, Depths, Verdict, query::MeasureAt};
     use dcd_geom::glam::DQuat;
@@ -183,7 +183,8 @@ mod tests {
             if !write(&depth, [a, b], &mut points, &mut found) {
                 continue;
             }
-            let reference = in_order(depth, a, b, &mut corners);
+            let mut reference = Manifold::default();
+            write_in_order(&depth, [a, b], &mut corners, &mut reference);
             counts[found.points().len()] += 1;
             let size = 1e-8;
             // Corners that are as far, deep or wide as others may be chosen in their place.

@@ -11,6 +11,9 @@ pub(super) const FACING: f64 = 0.966;
 /// The most that an edge may rise along the contact's normal, relative to its length: 15 degrees.
 pub(super) const LEVEL: f64 = 0.259;
 
+/// The sine above which two edges surely cross.
+const CROSSING: f64 = 1e-6;
+
 /// How far below the farthest a vertex may be to count as farthest, relative to the size.
 const FARTHEST: f64 = 1e-9;
 
@@ -94,20 +97,36 @@ impl View {
 
     /// What a polytope shows.
     pub(super) fn seen<'a>(&self, polytope: &'a Polytope, placed: &Placed<'_>) -> Seen<'a> {
-        let part = self.part(polytope, placed);
+        self.seen_part(self.part(polytope, placed), polytope, placed)
+    }
+
+    /// Which part of a polytope it shows.
+    pub(super) fn part<'a>(&self, polytope: &'a Polytope, placed: &Placed<'_>) -> Part<'a> {
+        Choice { polytope, direction: self.towards(placed) }.part()
+    }
+
+    /// That part as it is seen.
+    pub(super) fn seen_part<'a>(
+        &self,
+        part: Part<'a>,
+        polytope: &'a Polytope,
+        placed: &Placed<'_>,
+    ) -> Seen<'a> {
         let vertices = polytope.vertices();
         let seen = self.shown(part, placed, |index| vertices[index as usize]);
         Seen { of_line: vertices.len() == 2, ..seen }
     }
 
-    /// What a polytope shows, in its own frame.
-    pub(super) fn part<'a>(&self, polytope: &'a Polytope, placed: &Placed<'_>) -> Part<'a> {
-        Choice { polytope, direction: self.towards(placed) }.part()
-    }
-
     /// Turns from a shape's own frame to the view's, a vector then costs one matrix.
     pub(super) fn turn(&self, rotation: &DMat3) -> DMat3 {
         DMat3::from_cols(self.x, self.y, self.normal).transpose() * *rotation
+    }
+
+    /// Whether two edges, world axes, surely cross as they are seen.
+    pub(super) fn surely_cross(&self, e: DVec3, f: DVec3) -> bool {
+        // Seen from the normal they are no longer than they are. False for NaN.
+        let square = self.normal.dot(e.cross(f));
+        square * square > CROSSING * CROSSING * e.length_squared() * f.length_squared()
     }
 
     /// A part of a shape whose vertices are in its own frame.

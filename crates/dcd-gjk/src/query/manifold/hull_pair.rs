@@ -7,7 +7,7 @@ use super::cuboid_pair::Place;
 use super::cuboid_polygon::{LineOf, PointOf, Polygon, features};
 use super::feature::{Part, Placed, View};
 use super::reduce::{self, Spot};
-use super::{FLAT, Feature, Manifold, SAME};
+use super::{Feature, Manifold, SAME, bound_of};
 use crate::PosedShape;
 use crate::epa::Depth;
 use dcd_geom::Polytope;
@@ -115,9 +115,8 @@ pub(super) fn write(
     let clipping =
         Clipping { view: &view, clips: &sides[number], clipped: &sides[1 - number], number, size };
     let Some(base) = clipping.clip(points) else { return false };
-    let far = a.pose.translation().length() + b.pose.translation().length();
     found.normal = depth.normal;
-    found.error_bound = (depth.error_bound + FLAT * size + 8.0 * f64::EPSILON * far).min(f64::MAX);
+    found.error_bound = bound_of(depth, size, [a, b]);
     if !clipping.write(depth, (points, base), a.pose.translation(), found) {
         found.count = 1;
         let point = &mut found.points[0];
@@ -253,7 +252,7 @@ impl Clipping<'_> {
 mod tests {
     use super::super::corners::Corners;
     use super::super::cuboids::tests::Draw;
-    use super::super::{ManifoldPoint, in_order};
+    use super::super::{ManifoldPoint, write_in_order};
     use super::*;
     use crate::{Accuracy, Depths, Verdict, query::MeasureAt};
     use dcd_geom::glam::DQuat;
@@ -316,7 +315,8 @@ mod tests {
                 continue;
             }
             known += 1;
-            let reference = in_order(depth, a, b, &mut corners);
+            let mut reference = Manifold::default();
+            write_in_order(&depth, [a, b], &mut corners, &mut reference);
             let size = 1e-9;
             counts[found.points().len()] += 1;
             assert_eq!(found.normal, reference.normal);

@@ -237,20 +237,31 @@ fn manifold_of(
         Verdict::Undecided(reason) => return Verdict::Undecided(reason),
         Verdict::Touching(depth) => depth,
     };
-    if let Some(manifold) = of_sphere_and_other(depth, a, b) {
-        return Verdict::Touching(manifold.into());
+    if corners::is_sphere(a) && corners::is_sphere(b) {
+        return Verdict::Touching(of_spheres(depth).into());
     }
-    let mut manifold = Manifold::default();
-    if write_of_polytopes(&depth, a, b, corners, &mut manifold) {
-        return Verdict::Touching(manifold.into());
+    let mut found = Manifold::default();
+    write(&depth, a, b, corners, &mut found);
+    Verdict::Touching(found.into())
+}
+
+/// Writes the manifold of two convex shapes over an empty one.
+fn write(
+    depth: &Depth,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    corners: &mut Corners,
+    found: &mut Manifold,
+) {
+    if write_of_sphere(depth, a, b, found) || write_of_polytopes(depth, a, b, corners, found) {
+        return;
     }
-    let is_swapped = order::is_swapped(a, b);
-    let (depth, a, b) = if is_swapped { (depth.mirrored(), b, a) } else { (depth, a, b) };
-    let mut manifold = in_order(depth, a, b, corners);
-    if is_swapped {
-        manifold.mirror();
+    if order::is_swapped(a, b) {
+        write_in_order(&depth.mirrored(), [b, a], corners, found);
+        found.mirror();
+    } else {
+        write_in_order(depth, [a, b], corners, found);
     }
-    Verdict::Touching(manifold.into())
 }
 
 /// Of two spheres.
@@ -258,23 +269,28 @@ fn of_spheres(depth: Depth) -> Manifold {
     of_one_point(depth, [Feature::Vertex(0); 2])
 }
 
-/// Of a sphere and another convex shape, which touch in the witnesses of their depth; `None` of others.
-fn of_sphere_and_other(depth: Depth, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Manifold> {
+/// Of a sphere and another convex shape, which touch in the witnesses of their depth; false of others.
+fn write_of_sphere(
+    depth: &Depth,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    found: &mut Manifold,
+) -> bool {
     let is_half_space = |side: PosedShape<'_>| matches!(side.shape, Shape::HalfSpace(_));
-    match [corners::is_sphere(a), corners::is_sphere(b)] {
-        [false, false] => return None,
-        [true, true] => return Some(of_spheres(depth)),
-        [true, false] if is_half_space(b) => {
-            return Some(of_one_point(depth, [Feature::Vertex(0), Feature::Surface]));
+    let features = match [corners::is_sphere(a), corners::is_sphere(b)] {
+        [false, false] => return false,
+        [true, false] if is_half_space(b) => [Feature::Vertex(0), Feature::Surface],
+        [false, true] if is_half_space(a) => [Feature::Surface, Feature::Vertex(0)],
+        _ => {
+            let of_sphere = corners::of_sphere(depth.normal, [a, b]);
+            let Some(OfSphere { features, size }) = of_sphere else { return false };
+            write_one_point(depth, features, found);
+            found.error_bound = bound_of(depth, size, [a, b]);
+            return true;
         }
-        [false, true] if is_half_space(a) => {
-            return Some(of_one_point(depth, [Feature::Surface, Feature::Vertex(0)]));
-        }
-        _ => {}
-    }
-    let OfSphere { features, size } = corners::of_sphere(depth.normal, [a, b])?;
-    let error_bound = bound_of(&depth, size, [a, b]);
-    Some(Manifold { error_bound, ..of_one_point(depth, features) })
+    };
+    write_one_point(depth, features, found);
+    true
 }
 
 /// The bound of a manifold of shapes so large.
@@ -313,11 +329,16 @@ fn write_of_polytopes(
 }
 
 /// By the corners of what the shapes show.
-fn in_order(depth: Depth, a: PosedShape<'_>, b: PosedShape<'_>, corners: &mut Corners) -> Manifold {
+fn write_in_order(
+    depth: &Depth,
+    sides: [PosedShape<'_>; 2],
+    corners: &mut Corners,
+    found: &mut Manifold,
+) {
     let view = View::along(depth.normal);
     corners.clear();
-    let features = corners.add(&view, &depth, [a, b]);
-    corners.manifold(&view, depth, [a, b], features).0
+    let features = corners.add(&view, depth, sides);
+    corners.write(&view, depth, sides, features, found);
 }
 
 /// The witnesses of the depth alone.
@@ -326,4 +347,14 @@ fn of_one_point(depth: Depth, features: [Feature; 2]) -> Manifold {
     let mut points = [ManifoldPoint::default(); 4];
     points[0] = ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] };
     Manifold { normal, points, count: 1, error_bound, parts: [None; 2] }
+}
+
+/// The same over an empty manifold.
+fn write_one_point(depth: &Depth, features: [Feature; 2], found: &mut Manifold) {
+    let point = &mut found.points[0];
+    (point.point_a, point.point_b) = (depth.point_a, depth.point_b);
+    (point.depth, point.features) = (depth.depth, features);
+    found.normal = depth.normal;
+    found.count = 1;
+    found.error_bound = depth.error_bound;
 }

@@ -160,7 +160,8 @@ impl Patches<'_, '_> {
             }
             self.corners.are_of(k as u32, before);
         }
-        let (mut manifold, of_points) = self.corners.manifold(&view, depth, self.sides, features);
+        let mut manifold = Manifold::default();
+        let of_points = self.corners.write(&view, &depth, self.sides, features, &mut manifold);
         manifold.error_bound = (manifold.error_bound + rest).min(f64::MAX);
         manifold.parts = self.pairs[lead].parts;
         for (point, pair) in
