@@ -1,9 +1,10 @@
 //! How deep two shapes overlap that are made of parts: as deep as their deepest two parts.
 
 use super::cuboid::ByAxes;
+use super::pair::Formulas;
 use super::reach::Couple;
 use super::side::{Part, Parts, Side};
-use super::{Scratch, in_order, pair, touching};
+use super::{Scratch, in_order, pair, touching_with_formulas};
 use crate::epa::Depth;
 use crate::{PosedShape, Reason, Verdict};
 use dcd_geom::Shape;
@@ -34,6 +35,8 @@ pub(crate) struct PartPair<'s> {
     at_most: f64,
     /// The depth of a triangle and a sphere or capsule whose cores do not meet, in that order.
     nearest: Option<Depth>,
+    /// What the formulas have said already, in that order.
+    formulas: Formulas,
     /// How far they reach past each other along the direction that was asked for last, in that order.
     last_along: Cell<Option<(DVec3, f64)>>,
     /// At least the sum of the two diameters.
@@ -57,11 +60,9 @@ pub(crate) fn touching_parts<'s>(
 ) -> Vec<PartPair<'s>> {
     let (_, swapped) = in_order(a, b);
     let (first, second) = if swapped { (b, a) } else { (a, b) };
-    let mut pairs = Vec::new();
-    // What is undecided is not in the list, and counts as apart.
-    let _ = touching(first, second, scratch, &mut pairs);
+    let pairs = touching_with_formulas(first, second, scratch);
     let sides = [Side::of(a), Side::of(b)];
-    let of = |mut parts: [u32; 2]| {
+    let of = |(mut parts, formulas): ([u32; 2], Formulas)| {
         if swapped {
             parts.reverse();
         }
@@ -71,7 +72,10 @@ pub(crate) fn touching_parts<'s>(
             true => Couple::of([part_b, part_a], [b.pose, a.pose]),
             false => Couple::of([part_a, part_b], [a.pose, b.pose]),
         };
-        let nearest = couple.as_ref().and_then(Couple::by_nearest);
+        let nearest = match formulas {
+            Formulas::Nearest(known) => known,
+            _ => couple.as_ref().and_then(Couple::by_nearest),
+        };
         let at_most = match (&nearest, &couple) {
             (Some(found), _) => (found.depth + found.error_bound).next_up(),
             (None, Some(couple)) => couple.most(),
@@ -84,6 +88,7 @@ pub(crate) fn touching_parts<'s>(
             swapped,
             at_most,
             nearest,
+            formulas,
             couple,
             last_along: Cell::new(None),
             diameters: OnceCell::new(),
@@ -173,12 +178,21 @@ impl PartPair<'_> {
         let is_good = |found: &Depth| {
             found.error_bound <= (relative * found.depth).max(of_size * couple.size())
         };
-        let by_axes = || match couple.by_axes() {
-            Some(ByAxes::Touching(found)) => Some(found).filter(is_good),
-            _ => None,
+        let by_axes = || match self.formulas {
+            Formulas::Axes(known) => Some(known),
+            Formulas::Pressed(_) => None,
+            _ => match couple.by_axes() {
+                Some(ByAxes::Touching(found)) => Some(found),
+                _ => None,
+            },
+        };
+        let pressed = || match self.formulas {
+            Formulas::Pressed(known) => known,
+            _ => couple.pressed(),
         };
         let nearest = self.nearest.filter(is_good);
-        let found = nearest.or_else(|| couple.pressed().filter(is_good)).or_else(by_axes)?;
+        let found =
+            nearest.or_else(|| pressed().filter(is_good)).or_else(|| by_axes().filter(is_good))?;
         Some(if self.swapped { found.mirrored() } else { found })
     }
 
