@@ -369,3 +369,65 @@ impl Deepest {
         Some(Depth { error_bound: most.error_bound.max(above), ..most })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::reach::tests::vector;
+    use dcd_geom::glam::DQuat;
+    use dcd_geom::{Pose, Shape};
+
+    #[test]
+    fn what_the_search_says_of_a_pair_is_what_its_formulas_say() {
+        let mut state = 5;
+        let bodies = [
+            Shape::sphere(0.3).unwrap(),
+            Shape::capsule(0.3, 0.1).unwrap(),
+            Shape::cuboid(DVec3::new(0.3, 0.2, 0.4)).unwrap(),
+            Shape::cuboid(DVec3::new(0.3, 0.2, 0.2)).unwrap().swept(0.1).unwrap(),
+            Shape::hull((0..12).map(|_| vector(&mut state) * 0.4).collect()).unwrap(),
+            Shape::cone(0.3, 0.2).unwrap(),
+        ];
+        let (mut nearest, mut axes, mut pressed, mut not_pressed) = (0, 0, 0, 0);
+        for round in 0..600 {
+            // Some of them segments or points.
+            let mut points: Vec<DVec3> = (0..60).map(|_| vector(&mut state)).collect();
+            points[1] = points[0];
+            (points[4], points[5]) = (points[3], points[3]);
+            let corners = (0..20).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+            let mesh = Shape::mesh(points, corners).unwrap();
+            let far = if round % 5 == 0 { vector(&mut state) * 1e5 } else { DVec3::ZERO };
+            let mut pose = || {
+                let turn = DQuat::from_scaled_axis(vector(&mut state) * 3.0);
+                Pose::new(turn, far + vector(&mut state) * 0.5).unwrap()
+            };
+            let poses = [pose(), pose()];
+            let a = PosedShape { shape: &mesh, pose: &poses[0] };
+            let b = PosedShape { shape: &bodies[round % 6], pose: &poses[1] };
+            for (a, b) in [(a, b), (b, a)] {
+                for pair in touching_parts(a, b, &mut Scratch::default()) {
+                    let couple = pair.couple.as_ref().unwrap();
+                    assert_eq!(pair.nearest, couple.by_nearest(), "{round}");
+                    match pair.formulas {
+                        Formulas::NotAsked => {}
+                        Formulas::Nearest(_) => nearest += 1,
+                        Formulas::Axes(found) => {
+                            let Some(ByAxes::Touching(due)) = couple.by_axes() else {
+                                panic!("{round}: {found:?}");
+                            };
+                            assert_eq!(found, due, "{round}");
+                            axes += 1;
+                        }
+                        Formulas::Pressed(found) => {
+                            assert!(couple.by_axes().is_none(), "{round}");
+                            assert_eq!(found, couple.pressed(), "{round}");
+                            *if found.is_some() { &mut pressed } else { &mut not_pressed } += 1;
+                        }
+                    }
+                }
+            }
+        }
+        let counts = [nearest, axes, pressed, not_pressed];
+        assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
+    }
+}
