@@ -155,6 +155,7 @@ impl Kernel for AgainstSolid<'_> {
     type Output = (f64, f64, usize);
 
     #[inline(always)]
+    #[allow(clippy::needless_range_loop)] // plain loops over rows are those that are vectorised
     fn run<L: Lanes>(self, _: L) -> (f64, f64, usize) {
         let Self { row, placed, inverse, from, solid } = self;
         let [mx, my, mz] = inverse.to_cols_array_2d();
@@ -306,7 +307,7 @@ mod tests {
         let sphere = |k: usize| CoverSphere {
             centre: draw.vector(),
             outer: 0.1 + 0.01 * k as f64,
-            inner: if k % 3 == 0 { f64::NEG_INFINITY } else { 0.05 },
+            inner: if k.is_multiple_of(3) { f64::NEG_INFINITY } else { 0.05 },
         };
         (0..count).map(sphere).collect()
     }
@@ -346,7 +347,7 @@ mod tests {
             let placed = row.place(&own_pose, &motion);
             let other_placed = other_row.place(&other_pose, &still);
             let half = draw.vector().abs() * 0.5;
-            let solid = if k % 2 == 0 {
+            let solid = if usize::is_multiple_of(k, 2) {
                 Solid::Box { middle: draw.vector(), half, swept: 0.01 }
             } else {
                 Solid::Cylinder { half: half.x, radius: half.y, swept: 0.02 }
