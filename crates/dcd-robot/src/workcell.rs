@@ -7,6 +7,7 @@ use super::model::Part;
 use super::{AllowedPairs, Padding, Robot, RobotError, World};
 use dcd_geom::{Filter, Object, Pose, Scene, Shape};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// A robot in a world: a checked scene whose first objects are the robot's parts, in their order,
 /// what it carries behind its links; then the world's obstacles, which stand still; then, for each
@@ -33,7 +34,7 @@ use std::collections::HashMap;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Workcell {
-    robot: Robot,
+    robot: Arc<Robot>,
     scene: Scene,
     /// For each object the name of its link or obstacle.
     names: Vec<String>,
@@ -50,14 +51,22 @@ const PADDED: u32 = 4;
 
 impl Workcell {
     /// With all joint values 0. What the world says of the robot's base, of what it carries and of
-    /// padding holds; its allowed pairs count where `allowed` was extended by them.
+    /// padding holds; its allowed pairs count where `allowed` was extended by them. The robot is shared between cells
+    /// that are made of clones of one [`Arc`] where the world leaves it as it is.
     ///
     /// # Errors
     /// A scene that is out of range; a link, an obstacle or a carried object of one name; a carried
     /// object whose link the robot does not have; more allowed pairs than
     /// [`ALLOWED_PAIRS`](super::bounds::ALLOWED_PAIRS).
-    pub fn new(robot: Robot, world: &World, allowed: &AllowedPairs) -> Result<Self, RobotError> {
-        let robot = robot.equipped(world)?;
+    pub fn new(
+        robot: impl Into<Arc<Robot>>,
+        world: &World,
+        allowed: &AllowedPairs,
+    ) -> Result<Self, RobotError> {
+        let mut robot = robot.into();
+        if !world.leaves(&robot) {
+            robot = Arc::new(Arc::unwrap_or_clone(robot).equipped(world)?);
+        }
         let mut poses = Vec::new();
         robot.place(&robot.rest_state(), &mut poses)?;
         let obstacles = &world.obstacles;
@@ -149,6 +158,15 @@ impl Workcell {
     /// Whether some link is padded: then the last objects are no obstacles.
     pub fn is_padded(&self) -> bool {
         !self.padded.is_empty()
+    }
+}
+
+impl World {
+    /// Whether a robot is the same in it: at its own base, carrying nothing, not padded.
+    fn leaves(&self, robot: &Robot) -> bool {
+        let has_base =
+            self.base.as_ref().is_none_or(|base| JointFrame::of_pose(base) == robot.base);
+        has_base && self.attached.is_empty() && self.padding.is_empty()
     }
 }
 

@@ -1,6 +1,7 @@
 //! The Panda and its problems, where the data is.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use clap::ValueEnum;
@@ -84,7 +85,7 @@ impl Data {
     }
 
     pub(crate) fn settings(&self, geometry: Geometry) -> Result<Vec<Setting>> {
-        let robot = self.robot(geometry)?;
+        let robot = Arc::new(self.robot(geometry)?);
         let settings = self.problems.iter().map(|problem| {
             let place = || format!("{}/{}", problem.set, problem.number);
             self.setting(&robot, problem).with_context(place)
@@ -92,7 +93,7 @@ impl Data {
         settings.collect()
     }
 
-    fn setting(&self, robot: &Robot, problem: &Problem) -> Result<Setting> {
+    fn setting(&self, robot: &Arc<Robot>, problem: &Problem) -> Result<Setting> {
         let srdf = Some(&self.srdf);
         let mut world = problem.scene.world(robot, srdf)?;
         problem.request.place_base(&mut world, robot, srdf)?;
@@ -101,7 +102,7 @@ impl Data {
         let mut allowed = self.srdf.allowed.clone();
         allowed.extend(&world.allowed);
         world.allowed = AllowedPairs::default();
-        let cell = Workcell::new(robot.clone(), &world, &allowed)?;
+        let cell = Workcell::new(Arc::clone(robot), &world, &allowed)?;
         Ok(Setting { cell, ends })
     }
 }

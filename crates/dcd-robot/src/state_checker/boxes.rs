@@ -3,10 +3,9 @@
 use super::links::LinkSpheres;
 use super::rounded_links::RoundedLink;
 use super::solids::Solid;
-use dcd_geom::{Aabb, Scene};
+use dcd_geom::Aabb;
 use dcd_simd::{Block, Lanes, Row, WIDTH};
 use glam::Vec3;
-use std::ops::Range;
 
 /// The boxes of sixteen obstacles, each larger by twice the obstacle's margin.
 #[derive(Clone, Debug)]
@@ -18,23 +17,21 @@ pub(super) struct BoxRow {
 }
 
 impl BoxRow {
-    /// The boxes of some objects of a scene, and what they are compared as.
-    pub(super) fn of(scene: &Scene, obstacles: Range<usize>, solids: &[Solid]) -> Vec<Self> {
-        let aabbs = obstacles.zip(solids).map(|(object, solid)| {
-            let (aabb, margin) = (scene.aabb(object), 2.0 * solid.margin());
-            Aabb { min: aabb.min - margin, max: aabb.max + margin }
-        });
-        let aabbs: Vec<Aabb> = aabbs.collect();
-        aabbs.chunks(WIDTH).map(Self::of_few).collect()
+    /// Fills rows with the boxes of obstacles and what these are compared as, in place of what was there.
+    pub(super) fn fill(rows: &mut Vec<Self>, aabbs: &[Aabb], solids: &[Solid]) {
+        rows.clear();
+        let groups = aabbs.chunks(WIDTH).zip(solids.chunks(WIDTH));
+        rows.extend(groups.map(|(aabbs, solids)| Self::of_few(aabbs, solids)));
     }
 
-    fn of_few(aabbs: &[Aabb]) -> Self {
+    fn of_few(aabbs: &[Aabb], solids: &[Solid]) -> Self {
         let none = Block([Row([0.0; WIDTH]); 3]);
         let mut row = Self { min: none, max: none, filled: (1 << aabbs.len()) - 1 };
-        for (k, aabb) in aabbs.iter().enumerate() {
+        for (k, (aabb, solid)) in aabbs.iter().zip(solids).enumerate() {
+            let margin = 2.0 * solid.margin();
             for axis in 0..3 {
-                row.min.0[axis].0[k] = aabb.min[axis];
-                row.max.0[axis].0[k] = aabb.max[axis];
+                row.min.0[axis].0[k] = aabb.min[axis] - margin;
+                row.max.0[axis].0[k] = aabb.max[axis] + margin;
             }
         }
         row

@@ -2,9 +2,8 @@
 
 use dcd_broad::{IdentifiedAabbs, StaticTree};
 use dcd_exec::{Exec, Par};
-use dcd_geom::{Aabb, Pair, Scene};
+use dcd_geom::{Aabb, Pair};
 use dcd_simd::WIDTH;
-use std::ops::Range;
 
 /// How many obstacles are compared one after the other. Larger: worlds of many cost more. Smaller: a tree is queried
 /// where few comparisons would do. No effect on any answer.
@@ -19,15 +18,14 @@ pub(super) struct ObstacleTree {
 }
 
 impl ObstacleTree {
-    /// Over these objects of a scene, where they are many.
-    pub(super) fn of(scene: &Scene, obstacles: Range<usize>) -> Option<Self> {
-        if obstacles.len() <= FEW {
+    /// Over these boxes, where they are many.
+    pub(super) fn of(aabbs: &[Aabb]) -> Option<Self> {
+        if aabbs.len() <= FEW {
             return None;
         }
-        let aabbs: Vec<Aabb> = obstacles.map(|object| scene.aabb(object)).collect();
         let names: Vec<u32> = (0..).take(aabbs.len()).collect();
         let mut tree = StaticTree::default();
-        tree.build(IdentifiedAabbs { aabbs: &aabbs, names: &names }, Exec::from(Par::Serial));
+        tree.build(IdentifiedAabbs { aabbs, names: &names }, Exec::from(Par::Serial));
         let first = aabbs.len() as u32;
         Some(Self { tree, names: std::array::from_fn(|lane| first + lane as u32) })
     }

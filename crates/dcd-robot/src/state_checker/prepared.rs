@@ -7,9 +7,10 @@ use super::obstacle_tree::ObstacleTree;
 use super::solids::Solid;
 use crate::kinematics::JointFrame;
 use crate::{Joint, Motion, Robot, RobotError, Workcell};
-use dcd_geom::{Pair, Pose, SceneError, Shape};
+use dcd_geom::{Aabb, Pair, Pose, SceneError, Shape};
 use dcd_gjk::Overlap;
 use dcd_pipeline::{LinkSet, Other, StaticWorld};
+use dcd_simd::Block;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -22,6 +23,8 @@ pub(super) struct Prepared {
     /// For each body its vertices, if it is a hull.
     pub(super) hulls: Vec<Option<BodyHull>>,
     pub(super) solids: Vec<Solid>,
+    /// The vertices of the hulls among them.
+    pub(super) corners: Vec<Block>,
     pub(super) boxes: Vec<BoxRow>,
     /// Where there are many of them.
     pub(super) tree: Option<ObstacleTree>,
@@ -54,6 +57,7 @@ impl Prepared {
             bodies,
             hulls,
             solids: Vec::new(),
+            corners: Vec::new(),
             boxes: Vec::new(),
             tree: None,
             world_links,
@@ -70,9 +74,12 @@ impl Prepared {
     /// Whether a cell has the same robot, carrying the same.
     pub(super) fn has_robot_of(&self, cell: &Workcell) -> bool {
         let (old, new) = (self.cell.robot(), cell.robot());
+        let has_robot = || {
+            old.links.len() == new.links.len()
+                && old.joints.iter().map(kinematics).eq(new.joints.iter().map(kinematics))
+        };
         bodies(cell) == self.bodies
-            && old.links.len() == new.links.len()
-            && old.joints.iter().map(kinematics).eq(new.joints.iter().map(kinematics))
+            && (std::ptr::eq(old, new) || has_robot())
             && (0..self.bodies.len()).all(|number| {
                 let of = |cell| body(cell, &self.bodies, number);
                 is_same_body(&of(&self.cell), &of(cell))
@@ -92,10 +99,16 @@ impl Prepared {
 
     /// Takes the obstacles from the cell.
     fn take_obstacles(&mut self) {
-        let scene = self.cell.scene();
-        self.solids = self.obstacles().map(|i| Solid::of(scene, i)).collect();
-        self.boxes = BoxRow::of(scene, self.obstacles(), &self.solids);
-        self.tree = ObstacleTree::of(scene, self.obstacles());
+        let obstacles = self.obstacles();
+        let Self { cell, solids, corners, boxes, .. } = self;
+        let scene = cell.scene();
+        let aabbs: Vec<Aabb> = obstacles.clone().map(|object| scene.aabb(object)).collect();
+        solids.clear();
+        corners.clear();
+        let objects = obstacles.zip(&aabbs);
+        solids.extend(objects.map(|(object, aabb)| Solid::of(scene, object, aabb, corners)));
+        BoxRow::fill(boxes, &aabbs, solids);
+        self.tree = ObstacleTree::of(&aabbs);
         self.filtered = scene.filters_movers();
     }
 

@@ -156,7 +156,7 @@ fn hulls<'a>(
         Other::Obstacle(number) => {
             let solid = &prepared.solids[number as usize];
             let still = PlacedHull {
-                blocks: solid.corners()?,
+                blocks: solid.corners(&prepared.corners)?,
                 rotation: Mat3::IDENTITY,
                 translation: Vec3::ZERO,
                 margin: solid.reach(),

@@ -2,8 +2,9 @@
 
 use super::{MARGIN, Sixteen};
 use dcd_geom::{Aabb, CurvedKind, Kind, Pose, Scene, Shape, SphereBounds};
-use dcd_simd::{Block, Lanes};
+use dcd_simd::{Block, Lanes, WIDTH};
 use glam::{DVec3, Vec3};
+use std::ops::Range;
 
 /// An obstacle: a closed form where its shape has one, else what is known round it and in it.
 #[derive(Clone, Debug)]
@@ -19,8 +20,8 @@ pub(super) struct Solid {
     swept: f32,
     /// By how much a comparison with it may be off, metres.
     margin: f32,
-    /// Its vertices in the world, if it is a hull; what is swept round them, metres, rounded up.
-    corners: Vec<Block>,
+    /// Which blocks are its vertices in the world, if it is a hull of few; what is swept round them, metres, rounded up.
+    corners: Range<u32>,
     round: f32,
 }
 
@@ -55,23 +56,28 @@ pub(super) struct Reached {
 }
 
 impl Solid {
-    /// Of an object of a scene.
-    pub(super) fn of(scene: &Scene, object: usize) -> Self {
+    /// Of an object of a scene with that box; adds its vertices to `blocks`.
+    pub(super) fn of(scene: &Scene, object: usize, aabb: &Aabb, blocks: &mut Vec<Block>) -> Self {
         let (shape, pose) = (scene.shape(object), &scene.poses()[object]);
-        let solid = closed(shape, pose);
-        let mut solid = solid.unwrap_or_else(|| bounded(shape, pose, &scene.aabb(object)));
+        let mut solid = closed(shape, pose).unwrap_or_else(|| bounded(shape, pose, aabb));
         if let Some(polytope) = shape.as_polytope().filter(|p| p.vertices().len() <= CORNERS) {
-            let corners = polytope.vertices().iter().map(|&v| pose.apply(v));
-            let corners: Vec<DVec3> = corners.collect();
-            solid.corners = Block::relative(&corners, DVec3::ZERO).collect();
+            let first = blocks.len();
+            let mut placed = [DVec3::ZERO; WIDTH];
+            for few in polytope.vertices().chunks(WIDTH) {
+                placed.iter_mut().zip(few).for_each(|(to, &v)| *to = pose.apply(v));
+                blocks.extend(Block::relative(&placed[..few.len()], DVec3::ZERO));
+            }
+            // An object has four at most, and there are less than 2³² / 512 objects.
+            solid.corners = first as u32..blocks.len() as u32;
             solid.round = (polytope.swept_radius() as f32).next_up();
         }
         solid
     }
 
-    /// Its vertices in the world, if it is a hull of few.
-    pub(super) fn corners(&self) -> Option<&[Block]> {
-        (!self.corners.is_empty()).then_some(&self.corners)
+    /// Its vertices in the world, of all obstacles' ones, if it is a hull of few.
+    pub(super) fn corners<'a>(&self, blocks: &'a [Block]) -> Option<&'a [Block]> {
+        let corners = self.corners.start as usize..self.corners.end as usize;
+        (!corners.is_empty()).then(|| &blocks[corners])
     }
 
     /// By how much a comparison with it may be off, metres.
@@ -228,7 +234,7 @@ fn closed(shape: &Shape, pose: &Pose) -> Option<Solid> {
         half: half.as_vec3(),
         swept: swept as f32,
         margin: margin_of(size),
-        corners: Vec::new(),
+        corners: 0..0,
         round: 0.0,
     })
 }
@@ -250,7 +256,7 @@ fn bounded(shape: &Shape, pose: &Pose, aabb: &Aabb) -> Solid {
         half: half.as_vec3(),
         swept: 0.0,
         margin: margin_of(size),
-        corners: Vec::new(),
+        corners: 0..0,
         round: 0.0,
     }
 }
