@@ -1,10 +1,9 @@
 //! How deep two shapes overlap that are made of parts: as deep as their deepest two parts.
 
 use super::cuboid::ByAxes;
-use super::pair::Formulas;
 use super::reach::Couple;
 use super::side::{Part, Parts, Side};
-use super::{Scratch, in_order, pair, touching_with_formulas};
+use super::{Scratch, in_order, pair, touching};
 use crate::epa::Depth;
 use crate::{PosedShape, Reason, Verdict};
 use dcd_geom::Shape;
@@ -35,8 +34,6 @@ pub(crate) struct PartPair<'s> {
     at_most: f64,
     /// The depth of a triangle and a sphere or capsule whose cores do not meet, in that order.
     nearest: Option<Depth>,
-    /// What the formulas have said already, in that order.
-    formulas: Formulas,
     /// How far they reach past each other along the direction that was asked for last, in that order.
     last_along: Cell<Option<(DVec3, f64)>>,
     /// At least the sum of the two diameters.
@@ -60,9 +57,11 @@ pub(crate) fn touching_parts<'s>(
 ) -> Vec<PartPair<'s>> {
     let (_, swapped) = in_order(a, b);
     let (first, second) = if swapped { (b, a) } else { (a, b) };
-    let pairs = touching_with_formulas(first, second, scratch);
+    let mut pairs = Vec::new();
+    // What is undecided is not in the list, and counts as apart.
+    let _ = touching(first, second, scratch, &mut pairs);
     let sides = [Side::of(a), Side::of(b)];
-    let of = |(mut parts, formulas): ([u32; 2], Formulas)| {
+    let of = |mut parts: [u32; 2]| {
         if swapped {
             parts.reverse();
         }
@@ -72,10 +71,7 @@ pub(crate) fn touching_parts<'s>(
             true => Couple::of([part_b, part_a], [b.pose, a.pose]),
             false => Couple::of([part_a, part_b], [a.pose, b.pose]),
         };
-        let nearest = match formulas {
-            Formulas::Nearest(known) => known,
-            _ => couple.as_ref().and_then(Couple::by_nearest),
-        };
+        let nearest = couple.as_ref().and_then(Couple::by_nearest);
         let at_most = match (&nearest, &couple) {
             (Some(found), _) => (found.depth + found.error_bound).next_up(),
             (None, Some(couple)) => couple.most(),
@@ -88,7 +84,6 @@ pub(crate) fn touching_parts<'s>(
             swapped,
             at_most,
             nearest,
-            formulas,
             couple,
             last_along: Cell::new(None),
             diameters: OnceCell::new(),
@@ -178,21 +173,12 @@ impl PartPair<'_> {
         let is_good = |found: &Depth| {
             found.error_bound <= (relative * found.depth).max(of_size * couple.size())
         };
-        let by_axes = || match self.formulas {
-            Formulas::Axes(known) => Some(known),
-            Formulas::Pressed(_) => None,
-            _ => match couple.by_axes() {
-                Some(ByAxes::Touching(found)) => Some(found),
-                _ => None,
-            },
-        };
-        let pressed = || match self.formulas {
-            Formulas::Pressed(known) => known,
-            _ => couple.pressed(),
+        let by_axes = || match couple.by_axes() {
+            Some(ByAxes::Touching(found)) => Some(found).filter(is_good),
+            _ => None,
         };
         let nearest = self.nearest.filter(is_good);
-        let found =
-            nearest.or_else(|| pressed().filter(is_good)).or_else(|| by_axes().filter(is_good))?;
+        let found = nearest.or_else(|| couple.pressed().filter(is_good)).or_else(by_axes)?;
         Some(if self.swapped { found.mirrored() } else { found })
     }
 
@@ -367,67 +353,5 @@ impl Deepest {
         // Another may be deeper than the deepest by its own bound.
         let above = (self.upper - most.depth).next_up().min(f64::MAX);
         Some(Depth { error_bound: most.error_bound.max(above), ..most })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mesh::reach::tests::vector;
-    use dcd_geom::glam::DQuat;
-    use dcd_geom::{Pose, Shape};
-
-    #[test]
-    fn what_the_search_says_of_a_pair_is_what_its_formulas_say() {
-        let mut state = 5;
-        let bodies = [
-            Shape::sphere(0.3).unwrap(),
-            Shape::capsule(0.3, 0.1).unwrap(),
-            Shape::cuboid(DVec3::new(0.3, 0.2, 0.4)).unwrap(),
-            Shape::cuboid(DVec3::new(0.3, 0.2, 0.2)).unwrap().swept(0.1).unwrap(),
-            Shape::hull((0..12).map(|_| vector(&mut state) * 0.4).collect()).unwrap(),
-            Shape::cone(0.3, 0.2).unwrap(),
-        ];
-        let (mut nearest, mut axes, mut pressed, mut not_pressed) = (0, 0, 0, 0);
-        for round in 0..600 {
-            // Some of them segments or points.
-            let mut points: Vec<DVec3> = (0..60).map(|_| vector(&mut state)).collect();
-            points[1] = points[0];
-            (points[4], points[5]) = (points[3], points[3]);
-            let corners = (0..20).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
-            let mesh = Shape::mesh(points, corners).unwrap();
-            let far = if round % 5 == 0 { vector(&mut state) * 1e5 } else { DVec3::ZERO };
-            let mut pose = || {
-                let turn = DQuat::from_scaled_axis(vector(&mut state) * 3.0);
-                Pose::new(turn, far + vector(&mut state) * 0.5).unwrap()
-            };
-            let poses = [pose(), pose()];
-            let a = PosedShape { shape: &mesh, pose: &poses[0] };
-            let b = PosedShape { shape: &bodies[round % 6], pose: &poses[1] };
-            for (a, b) in [(a, b), (b, a)] {
-                for pair in touching_parts(a, b, &mut Scratch::default()) {
-                    let couple = pair.couple.as_ref().unwrap();
-                    assert_eq!(pair.nearest, couple.by_nearest(), "{round}");
-                    match pair.formulas {
-                        Formulas::NotAsked => {}
-                        Formulas::Nearest(_) => nearest += 1,
-                        Formulas::Axes(found) => {
-                            let Some(ByAxes::Touching(due)) = couple.by_axes() else {
-                                panic!("{round}: {found:?}");
-                            };
-                            assert_eq!(found, due, "{round}");
-                            axes += 1;
-                        }
-                        Formulas::Pressed(found) => {
-                            assert!(couple.by_axes().is_none(), "{round}");
-                            assert_eq!(found, couple.pressed(), "{round}");
-                            *if found.is_some() { &mut pressed } else { &mut not_pressed } += 1;
-                        }
-                    }
-                }
-            }
-        }
-        let counts = [nearest, axes, pressed, not_pressed];
-        assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
     }
 }

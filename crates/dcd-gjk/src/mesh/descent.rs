@@ -1,7 +1,7 @@
 //! Both trees at once, sixteen boxes against one at a time.
 
 use super::distance::gap;
-use super::pair::Formulas;
+use super::pair::Resolved;
 use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
 use super::spheres::InnerOuterSpheres;
@@ -17,8 +17,6 @@ pub(super) enum Goal<'a> {
     Any,
     /// Which parts touch.
     All(&'a mut Vec<[u32; 2]>),
-    /// The same, with what the formulas for their depth say.
-    Formulas(&'a mut Vec<([u32; 2], Formulas)>),
 }
 
 /// The search of two placed shapes, the first with a tree.
@@ -195,11 +193,11 @@ impl Descent<'_, '_> {
         while let Some(lane) = Bits(open).min_by(|&j, &k| squares.0[j].total_cmp(&squares.0[k])) {
             open &= !(1 << lane);
             let pair = [below.0[lane], part_b];
-            let resolved = pair::resolve(self.tally.wanted(), [self.a, self.b], pair);
-            if self.tally.file_with_formulas(pair, &resolved) == Next::Stop {
+            let Resolved { verdict, method, axis } = pair::resolve([self.a, self.b], pair);
+            if self.tally.file(pair, (verdict, method)) == Next::Stop {
                 return Next::Stop;
             }
-            if let Some(axis) = resolved.axis {
+            if let Some(axis) = axis {
                 let along = self.a.pose.rotation().transpose() * axis;
                 self.scratch.planes.add(self.relative, [self.a, self.b], along);
                 open = self.beside_planes(l, block_a, open);

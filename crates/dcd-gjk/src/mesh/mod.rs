@@ -28,7 +28,6 @@ use dcd_geom::{Aabb16, Shape};
 use dcd_simd::{Block, IndexRow, Path, dispatch_on};
 use descent::{Descent, Goal};
 use distance::Open;
-use pair::{Formulas, Resolved, Wanted};
 use per_part::PerPart;
 use relative_pose::RelativePose;
 use separating_planes::SeparatingPlanes;
@@ -98,19 +97,6 @@ pub fn touching(
     found
 }
 
-/// The same pairs, in that order, with what the formulas for their depth say.
-fn touching_with_formulas(
-    a: PosedShape<'_>,
-    b: PosedShape<'_>,
-    scratch: &mut Scratch,
-) -> Vec<([u32; 2], Formulas)> {
-    let mut pairs = Vec::new();
-    // What is undecided is not in the list, and counts as apart.
-    let _ = search(Path::best(), [a, b], scratch, Goal::Formulas(&mut pairs));
-    pairs.sort_unstable_by_key(|(parts, _)| *parts);
-    pairs
-}
-
 /// Whether either is made of parts.
 pub(crate) fn have_parts(a: &Shape, b: &Shape) -> bool {
     !(a.is_convex() && b.is_convex())
@@ -154,8 +140,8 @@ fn in_order<'a>(a: PosedShape<'a>, b: PosedShape<'a>) -> ([Side<'a>; 2], bool) {
 fn each(a: &Side<'_>, b: &Side<'_>, tally: &mut Tally<'_>) {
     for part_a in 0..a.count() {
         for part_b in 0..b.count() {
-            let resolved = pair::resolve(tally.wanted(), [a, b], [part_a, part_b]);
-            if tally.file_with_formulas([part_a, part_b], &resolved) == Next::Stop {
+            let pair::Resolved { verdict, method, .. } = pair::resolve([a, b], [part_a, part_b]);
+            if tally.file([part_a, part_b], (verdict, method)) == Next::Stop {
                 return;
             }
         }
@@ -197,39 +183,15 @@ impl Tally<'_> {
                         pairs.push(if self.swapped { [b, a] } else { [a, b] });
                         Next::Go
                     }
-                    Goal::Formulas(pairs) => {
-                        let parts = if self.swapped { [b, a] } else { [a, b] };
-                        pairs.push((parts, Formulas::NotAsked));
-                        Next::Go
-                    }
                 }
             }
-        }
-    }
-
-    /// The same, with what the formulas say of the pair where that is wanted.
-    fn file_with_formulas(&mut self, parts: [u32; 2], resolved: &Resolved) -> Next {
-        let next = self.file(parts, (resolved.verdict, resolved.method));
-        if resolved.verdict == Verdict::Touching(())
-            && let Goal::Formulas(pairs) = &mut self.goal
-            && let Some((_, formulas)) = pairs.last_mut()
-        {
-            *formulas = resolved.formulas;
-        }
-        next
-    }
-
-    fn wanted(&self) -> Wanted {
-        match self.goal {
-            Goal::Any | Goal::All(_) => Wanted::Verdict,
-            Goal::Formulas(_) => Wanted::Formulas,
         }
     }
 
     fn answer(self) -> (Verdict<()>, Method) {
         let known = match self.goal {
             Goal::Any => self.touching,
-            Goal::All(_) | Goal::Formulas(_) => false,
+            Goal::All(_) => false,
         };
         let verdict = match self.undecided {
             Some(reason) if !known => Verdict::Undecided(reason),

@@ -19,56 +19,20 @@ pub(super) struct Resolved {
     /// Where the two are apart, an axis that perhaps separates them: world, from the second to the
     /// first, of any length.
     pub(super) axis: Option<DVec3>,
-    pub(super) formulas: Formulas,
 }
 
 impl Resolved {
     fn by((verdict, method): (Verdict<()>, Method)) -> Self {
-        Self { verdict, method, axis: None, formulas: Formulas::NotAsked }
+        Self { verdict, method, axis: None }
     }
-
-    fn apart_along(axis: DVec3) -> Self {
-        Self { axis: Some(axis), ..Self::by((Verdict::Apart, Method::F64)) }
-    }
-}
-
-/// What the formulas for the depth of two parts that touch said on the way to the verdict, from the first to the
-/// second.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Formulas {
-    NotAsked,
-    /// What [`Couple::by_nearest`] says.
-    Nearest(Option<Depth>),
-    /// What [`Couple::by_axes`] says.
-    Axes(Depth),
-    /// What [`Couple::pressed`] says; [`Couple::by_axes`] says nothing.
-    Pressed(Option<Depth>),
-}
-
-/// What is asked of a pair of parts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wanted {
-    /// Whether they touch.
-    Verdict,
-    /// The same, and what the formulas say on the way.
-    Formulas,
 }
 
 /// Resolves a pair of parts, by their indices, as the certified solver does any pair.
-pub(super) fn resolve(
-    wanted: Wanted,
-    [a, b]: [&Side<'_>; 2],
-    [part_a, part_b]: [u32; 2],
-) -> Resolved {
-    let parts = [a.part(part_a), b.part(part_b)];
-    match by_formula(wanted, parts, [a.pose, b.pose]) {
-        (Some(resolved), formulas) => Resolved { formulas, ..resolved },
-        (None, formulas) => Resolved { formulas, ..by_search([a, b], parts) },
+pub(super) fn resolve([a, b]: [&Side<'_>; 2], [part_a, part_b]: [u32; 2]) -> Resolved {
+    let (part_a, part_b) = (a.part(part_a), b.part(part_b));
+    if let Some(resolved) = by_formula([part_a, part_b], [a.pose, b.pose]) {
+        return resolved;
     }
-}
-
-/// The same without the formulas.
-fn by_search([a, b]: [&Side<'_>; 2], [part_a, part_b]: [Part<'_>; 2]) -> Resolved {
     let core_a = Core::of(&part_a);
     if let (Some(core_a), Some(core_b)) = (&core_a, &Core::of(&part_b)) {
         return overlap([core_a, core_b], [a.pose, b.pose]);
@@ -91,40 +55,27 @@ fn by_search([a, b]: [&Side<'_>; 2], [part_a, part_b]: [Part<'_>; 2]) -> Resolve
 }
 
 /// A triangle and a convex part where a formula proves that they touch, or do not.
-fn by_formula(
-    wanted: Wanted,
-    parts: [Part<'_>; 2],
-    poses: [&Pose; 2],
-) -> (Option<Resolved>, Formulas) {
-    let couple = match &parts {
-        [Part::Triangle { .. }, Part::Shape(_)] => Couple::of(parts, poses),
-        _ => None,
-    };
-    let Some(couple) = couple else { return (None, Formulas::NotAsked) };
+fn by_formula(parts: [Part<'_>; 2], poses: [&Pose; 2]) -> Option<Resolved> {
+    let (Part::Triangle { .. }, Part::Shape(_)) = (&parts[0], &parts[1]) else { return None };
+    let couple = Couple::of(parts, poses)?;
     let touching = || Resolved::by((Verdict::Touching(()), Method::F64));
-    let apart = |axis| (Some(Resolved::apart_along(axis)), Formulas::NotAsked);
-    match wanted {
-        Wanted::Verdict => match couple.verdict_by_nearest() {
-            Some((Verdict::Touching(()), _)) => return (Some(touching()), Formulas::NotAsked),
-            Some((_, axis)) => return apart(axis),
-            None => {}
-        },
-        Wanted::Formulas => match couple.verdict_and_depth_by_nearest() {
-            Some((Verdict::Touching(depth), _)) => {
-                return (Some(touching()), Formulas::Nearest(depth));
-            }
-            Some((_, axis)) => return apart(axis),
-            None => {}
-        },
+    if let Some((verdict, axis)) = couple.verdict_by_nearest() {
+        let axis = (verdict == Verdict::Apart).then_some(axis);
+        return Some(Resolved { verdict, method: Method::F64, axis });
     }
+    let is_deep = |found: &Depth| found.depth > found.error_bound;
     match couple.by_axes() {
-        Some(ByAxes::Apart(axis)) => return apart(axis),
-        Some(ByAxes::Touching(found)) => return (Some(touching()), Formulas::Axes(found)),
+        Some(ByAxes::Apart(axis)) => {
+            return Some(Resolved {
+                verdict: Verdict::Apart,
+                method: Method::F64,
+                axis: Some(axis),
+            });
+        }
+        Some(ByAxes::Touching(_)) => return Some(touching()),
         None => {}
     }
-    let pressed = couple.pressed();
-    let is_deep = pressed.is_some_and(|found| found.depth > found.error_bound);
-    (is_deep.then(touching), Formulas::Pressed(pressed))
+    couple.pressed().filter(is_deep).map(|_| touching())
 }
 
 /// The same for two triangles that no axis of theirs is known to separate: most of them pierce.
@@ -143,7 +94,7 @@ pub(super) fn resolve_triangles(
             return Resolved::by((Verdict::Touching(()), Method::F64));
         }
     }
-    resolve(Wanted::Verdict, [a, b], [part_a, part_b])
+    resolve([a, b], [part_a, part_b])
 }
 
 /// The core of a part that is the hull of points.
@@ -237,7 +188,7 @@ where
             None => start::<f64>(difference.middle()),
         }),
     };
-    (Some(Resolved { axis, ..Resolved::by((verdict, Method::F64)) }), simplex)
+    (Some(Resolved { verdict, method: Method::F64, axis }), simplex)
 }
 
 /// The certified solver for two hulls of points.

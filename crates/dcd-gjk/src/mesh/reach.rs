@@ -74,11 +74,6 @@ impl<'a> Couple<'a> {
         closed::overlap_of_cores(self.round()?)
     }
 
-    /// The same, with what [`by_nearest`](Self::by_nearest) says of those that touch.
-    pub(super) fn verdict_and_depth_by_nearest(&self) -> Option<(Verdict<Option<Depth>>, DVec3)> {
-        closed::overlap_and_depth_of_cores(self.round()?, closed::AS_F64)
-    }
-
     /// The cores of a triangle and of a sphere or capsule.
     fn round(&self) -> Option<[PosedCore<'_>; 2]> {
         let core = |k: usize| match &self.parts[k] {

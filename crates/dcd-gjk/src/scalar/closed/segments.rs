@@ -88,20 +88,6 @@ pub(crate) fn overlap_of_cores([a, b]: [PosedCore<'_>; 2]) -> Option<(Verdict<()
     proposal.verdict().map(|verdict| (verdict, proposal.w))
 }
 
-/// The same, with what [`depth_of_cores`] says of those that touch.
-pub(crate) fn overlap_and_depth_of_cores(
-    [a, b]: [PosedCore<'_>; 2],
-    sharp: f64,
-) -> Option<(Verdict<Option<Depth>>, DVec3)> {
-    let proposal = Proposal::of(a, b)?;
-    let verdict = match proposal.verdict()? {
-        Verdict::Touching(()) => Verdict::Touching(proposal.depth(sharp)),
-        Verdict::Apart => Verdict::Apart,
-        Verdict::Undecided(reason) => Verdict::Undecided(reason),
-    };
-    Some((verdict, proposal.w))
-}
-
 /// Their distance, if it is proved and its bound at most `sharp` times itself.
 pub(super) fn distance(
     a: PosedSupport<'_, Polytope>,
