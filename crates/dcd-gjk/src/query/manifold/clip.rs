@@ -1,7 +1,8 @@
 //! What two features have in common, seen along the normal.
 
 use super::Feature;
-use super::feature::{Point, Seen, edge};
+use super::facing::edge;
+use super::feature::{Point, Seen};
 use super::reduce::Spot;
 use dcd_geom::glam::DVec2;
 

@@ -1,7 +1,8 @@
 //! The corners of what two shapes, or many parts of them, have in common along one normal.
 
 use super::clip::{Corner, Patch, drop_doubles};
-use super::feature::{Part, Placed, Seen, View, name};
+use super::facing::{Part, name};
+use super::feature::{Placed, Seen, View};
 use super::reduce::Spot;
 use super::{Feature, Manifold, SAME, bound_of, reduce, write_one_point};
 use super::{cuboid_polygon, cuboids, hull_pair};

@@ -1,7 +1,7 @@
 //! The polygon in which two boxes or hulls touch, while one of them cuts it: its corners, and what each is a corner of.
 
 use super::Feature;
-use super::feature::edge;
+use super::facing::edge;
 
 /// The most corners that a patch may have: four, and one more for each of five cuts; and spare ones for what rounding adds.
 pub(super) const MOST: usize = 12;

@@ -2,10 +2,12 @@
 //!
 //! The same features and the same corners as those of any polytopes, from signs in place of lists of faces.
 
+use super::CROSSING;
 use super::Feature;
 use super::clip::Corner;
 use super::cuboid_polygon::{Line, Point, Points, features};
-use super::feature::{FACING, LEVEL, View, edge};
+use super::facing::{FACING, LEVEL, edge};
+use super::feature::View;
 use crate::PosedShape;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Polytope, Shape};
@@ -16,9 +18,6 @@ const DEVIATION: f64 = 1e-12;
 
 /// The least half edge for a box to have six faces, relative to the largest.
 const SOLID: f64 = 1e-6;
-
-/// The sine above which two edges surely cross.
-const CROSSING: f64 = 1e-6;
 
 /// What two boxes show each other.
 pub(super) struct Patch {

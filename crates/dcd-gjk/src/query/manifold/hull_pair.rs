@@ -5,9 +5,10 @@
 use super::clip::different;
 use super::cuboid_pair::Place;
 use super::cuboid_polygon::{LineOf, PointOf, Polygon, features};
-use super::feature::{Part, Placed, View};
+use super::facing::Part;
+use super::feature::{Placed, View};
 use super::reduce::{self, Spot};
-use super::{Feature, Manifold, SAME, bound_of};
+use super::{CROSSING, Feature, Manifold, SAME, bound_of};
 use crate::PosedShape;
 use crate::epa::Depth;
 use dcd_geom::Polytope;
@@ -18,9 +19,6 @@ const MOST: usize = 24;
 
 /// The most corners of a face: two such have a patch of fewer than [`MOST`].
 const CORNERS: usize = 10;
-
-/// The sine above which two edges surely cross.
-const CROSSING: f64 = 1e-6;
 
 type Line = LineOf<u32>;
 

@@ -12,6 +12,7 @@ mod corners;
 mod cuboid_pair;
 mod cuboid_polygon;
 mod cuboids;
+mod facing;
 mod feature;
 mod hull_pair;
 mod parts;
@@ -256,12 +257,25 @@ fn write(
     if write_of_sphere(depth, a, b, found) || write_of_polytopes(depth, a, b, corners, found) {
         return;
     }
-    if order::is_swapped(a, b) {
-        write_in_order(&depth.mirrored(), [b, a], corners, found);
-        found.mirror();
-    } else {
-        write_in_order(depth, [a, b], corners, found);
+    in_order(depth, [a, b], found, |depth, sides, found| {
+        write_in_order(depth, sides, corners, found);
+        true
+    });
+}
+
+/// Writes what a function finds of two shapes in their canonical order, mirrored if they are the other way round.
+fn in_order(
+    depth: &Depth,
+    [a, b]: [PosedShape<'_>; 2],
+    found: &mut Manifold,
+    write: impl FnOnce(&Depth, [PosedShape<'_>; 2], &mut Manifold) -> bool,
+) -> bool {
+    if !order::is_swapped(a, b) {
+        return write(depth, [a, b], found);
     }
+    let written = write(&depth.mirrored(), [b, a], found);
+    found.mirror();
+    written
 }
 
 /// Of two spheres.
@@ -307,6 +321,9 @@ const SAME: f64 = 1e-9;
 /// relative to the shapes' size.
 const FLAT: f64 = 1e-8;
 
+/// The sine above which two edges surely cross.
+const CROSSING: f64 = 1e-6;
+
 /// Writes the manifold of two polytopes over an empty one; false where the general way is needed, and nothing written
 /// that it does not overwrite.
 fn write_of_polytopes(
@@ -316,16 +333,10 @@ fn write_of_polytopes(
     corners: &mut Corners,
     found: &mut Manifold,
 ) -> bool {
-    let mut write = |depth: &Depth, sides: [PosedShape<'_>; 2]| {
+    in_order(depth, [a, b], found, |depth, sides, found| {
         cuboid_pair::write(depth, sides, &mut corners.of_cuboids, found)
             || hull_pair::write(depth, sides, &mut corners.of_hulls, found)
-    };
-    if !order::is_swapped(a, b) {
-        return write(depth, [a, b]);
-    }
-    let written = write(&depth.mirrored(), [b, a]);
-    found.mirror();
-    written
+    })
 }
 
 /// By the corners of what the shapes show.

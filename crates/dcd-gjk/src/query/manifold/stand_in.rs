@@ -1,6 +1,7 @@
 //! What cylinders and cones show of themselves where they rest on a face or along a line.
 
-use super::feature::{FACING, LEVEL, Part, Placed, Seen, View};
+use super::facing::{FACING, LEVEL, Part};
+use super::feature::{Placed, Seen, View};
 use dcd_geom::Curved;
 use dcd_geom::glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_1_SQRT_2 as H;

@@ -1,0 +1,403 @@
+//! Which face, edge or vertex of a polytope faces a direction.
+
+use super::{Feature, cuboids};
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Facets, Kind, Polytope};
+
+/// The least cosine between a face's normal and the contact's for the face to lie in it: 15
+/// degrees. Larger: boxes that rock on two points. Smaller: points far from where shapes touch.
+pub(super) const FACING: f64 = 0.966;
+
+/// The most that an edge may rise along the contact's normal, relative to its length: 15 degrees.
+pub(super) const LEVEL: f64 = 0.259;
+
+/// How far below the farthest a vertex may be to count as farthest, relative to the size.
+const FARTHEST: f64 = 1e-9;
+
+/// A face, an edge or a vertex of a shape.
+pub(super) enum Part<'a> {
+    Vertex(u32),
+    Edge([u32; 2]),
+    Face { index: u32, normal: DVec3, corners: &'a [u32] },
+}
+
+/// What a polytope shows along a unit direction of its own frame, by name alone.
+pub(super) fn name(polytope: &Polytope, direction: DVec3) -> Feature {
+    if polytope.kind() == Kind::Point {
+        return Feature::Vertex(0);
+    }
+    let of_cuboid = cuboids::feature(polytope, direction);
+    of_cuboid.unwrap_or_else(|| Part::facing(polytope, direction).name())
+}
+
+impl<'a> Part<'a> {
+    /// Which of a polytope faces a direction of its own frame, of unit length.
+    pub(super) fn facing(polytope: &'a Polytope, direction: DVec3) -> Self {
+        Choice { polytope, direction }.part()
+    }
+
+    /// Its name.
+    pub(super) fn name(&self) -> Feature {
+        match *self {
+            Part::Vertex(index) => Feature::Vertex(index),
+            Part::Edge([j, k]) => edge(j, k),
+            Part::Face { index, .. } => Feature::Face(index),
+        }
+    }
+}
+
+/// An edge of two vertices, whichever way it is walked.
+pub(super) fn edge(j: u32, k: u32) -> Feature {
+    Feature::Edge(j.min(k), j.max(k))
+}
+
+/// The larger; the first where the second is NaN.
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
+/// Which part of a polytope faces a direction of its own frame, of unit length.
+struct Choice<'a> {
+    polytope: &'a Polytope,
+    direction: DVec3,
+}
+
+/// How many faces round the farthest vertices are listed; of more, all of the polytope's are looked at.
+const LISTED: usize = 64;
+
+/// Of how many vertices the heights are kept; those of others are computed again.
+const KEPT: usize = 64;
+
+impl<'a> Choice<'a> {
+    fn part(&self) -> Part<'a> {
+        match self.polytope.kind() {
+            Kind::Point => Some(Part::Vertex(0)),
+            Kind::Segment => self.of_segment(),
+            Kind::Triangle => self.of_triangle(),
+            Kind::Cuboid { .. } => self.of_cuboid(),
+            _ => None,
+        }
+        .unwrap_or_else(|| self.searched())
+    }
+
+    /// What a segment shows, without its list of faces: itself, or the end that is farther.
+    fn of_segment(&self) -> Option<Part<'a>> {
+        let rise = self.rise(0, 1);
+        // False for one without length, and for NaN.
+        rise.is_finite().then(|| match rise < LEVEL {
+            true => Part::Edge([0, 1]),
+            false => Part::Vertex(u32::from(self.along(1) > self.along(0))),
+        })
+    }
+
+    /// What a box that is not flat shows, by the signs of the direction.
+    fn of_cuboid(&self) -> Option<Part<'a>> {
+        Some(match cuboids::feature(self.polytope, self.direction)? {
+            Feature::Face(index) => {
+                let facets: &'a Facets = self.polytope.facets();
+                let facet = facets.facets().get(index as usize)?;
+                Part::Face { index, normal: facet.normal, corners: facets.corners(facet) }
+            }
+            Feature::Edge(j, k) => Part::Edge([j, k]),
+            Feature::Vertex(k) => Part::Vertex(k),
+            Feature::Surface => return None,
+        })
+    }
+
+    /// What of a triangle that is no needle faces the direction, as its list of faces has it, without the list.
+    fn of_triangle(&self) -> Option<Part<'a>> {
+        let normal = self.polytope.normal_of_triangle()?;
+        let cosine = normal.dot(self.direction);
+        if cosine > FACING {
+            return Some(Part::Face { index: 0, normal, corners: &[0, 1, 2] });
+        } else if -cosine > FACING {
+            return Some(Part::Face { index: 1, normal: -normal, corners: &[2, 1, 0] });
+        }
+        let least = self.least();
+        let is_farthest = |k: u32| self.along(k) >= least;
+        let mut best = (LEVEL, None);
+        for [j, k] in [[0, 2], [0, 1], [1, 2]] {
+            let rise = self.rise(j, k);
+            if (is_farthest(j) || is_farthest(k)) && rise < best.0 {
+                best = (rise, Some(Part::Edge([j, k])));
+            }
+        }
+        let vertex = || Part::Vertex((0..3).find(|&k| is_farthest(k)).unwrap_or(0));
+        Some(best.1.unwrap_or_else(vertex))
+    }
+
+    /// The least height of a vertex that counts as farthest.
+    fn least(&self) -> f64 {
+        let farthest = self.polytope.vertices().iter().map(|&v| self.direction.dot(v));
+        let farthest = farthest.fold(f64::NEG_INFINITY, |most, x| if x > most { x } else { most });
+        farthest - FARTHEST * self.polytope.outer_radius()
+    }
+
+    fn searched(&self) -> Part<'a> {
+        let mut kept = [0.0; KEPT];
+        let (kept, farthest) = self.heights(&mut kept);
+        let least = farthest - FARTHEST * self.polytope.outer_radius();
+        match self.farthest_of(kept, least) {
+            Some(only) => self.round_vertex(only),
+            None => self.round_vertices(kept, least),
+        }
+    }
+
+    /// The only vertex that counts as farthest, of those whose heights are all kept; `None` where there are more.
+    fn farthest_of(&self, kept: &[f64], least: f64) -> Option<u32> {
+        if self.polytope.vertices().len() > KEPT {
+            return None;
+        }
+        let (mut count, mut found) = (0, 0);
+        let (fours, rest) = kept.as_chunks::<4>();
+        let mut note = |k: usize, along: f64| {
+            if along >= least {
+                count += 1;
+                found = k as u32;
+            }
+        };
+        for (j, four) in fours.iter().enumerate() {
+            let [p, q, r, s] = *four;
+            // Nearly always: one comparison in place of four.
+            if larger(larger(p, q), larger(r, s)) >= least {
+                four.iter().enumerate().for_each(|(k, &along)| note(4 * j + k, along));
+            }
+        }
+        let after = kept.len() - rest.len();
+        rest.iter().enumerate().for_each(|(k, &along)| note(after + k, along));
+        (count == 1).then_some(found)
+    }
+
+    /// What is there round the only farthest vertex.
+    fn round_vertex(&self, only: u32) -> Part<'a> {
+        let facets: &'a Facets = self.polytope.facets();
+        let faces = facets.around(only);
+        if let Some(face) = self.face_of(faces.iter().copied()) {
+            return face;
+        }
+        let mut best = LEVEL;
+        let mut part = Part::Vertex(only);
+        for &index in faces {
+            let corners = facets.corners(&facets.facets()[index as usize]);
+            // Each edge leaves the vertex along one face, and comes back along the other.
+            let Some(place) = corners.iter().position(|&corner| corner == only) else { continue };
+            let next = corners[if place + 1 < corners.len() { place + 1 } else { 0 }];
+            let rise = self.rise(only, next);
+            if rise < best {
+                best = rise;
+                part = Part::Edge([only.min(next), only.max(next)]);
+            }
+        }
+        part
+    }
+
+    /// What is there round several farthest vertices, or one of very many.
+    #[inline(never)]
+    fn round_vertices(&self, kept: &[f64], least: f64) -> Part<'a> {
+        let is_farthest = |k: u32| match kept.get(k as usize) {
+            Some(&along) => along >= least,
+            None => self.along(k) >= least,
+        };
+        let facets: &'a Facets = self.polytope.facets();
+        let mut listed = [0; LISTED];
+        let mut count = 0;
+        let mut first = None;
+        let mut list = |k: u32| {
+            first = first.or(Some(k));
+            for &index in facets.around(k) {
+                if let Some(slot) = listed.get_mut(count) {
+                    *slot = index;
+                }
+                count += 1;
+            }
+        };
+        let (fours, rest) = kept.as_chunks::<4>();
+        for (j, four) in fours.iter().enumerate() {
+            let [p, q, r, s] = *four;
+            // Nearly always: one comparison in place of four.
+            if larger(larger(p, q), larger(r, s)) < least {
+                continue;
+            }
+            for (k, &along) in four.iter().enumerate() {
+                if along >= least {
+                    list((4 * j + k) as u32);
+                }
+            }
+        }
+        let after = (kept.len() - rest.len()) as u32;
+        (after..self.polytope.vertices().len() as u32).filter(|&k| is_farthest(k)).for_each(list);
+        let found = if let Some(listed) = listed.get_mut(..count) {
+            self.face_of(listed.iter().copied()).or_else(|| {
+                // In the order of the faces, whoever lists them.
+                listed.sort_unstable();
+                let is_new = |&k: &usize| k == 0 || listed[k - 1] != listed[k];
+                self.edge_of((0..count).filter(is_new).map(|k| listed[k]), is_farthest)
+            })
+        } else {
+            let has_farthest = |&index: &u32| {
+                let corners = facets.corners(&facets.facets()[index as usize]);
+                corners.iter().any(|&corner| is_farthest(corner))
+            };
+            let all = || (0..facets.facets().len() as u32).filter(has_farthest);
+            self.face_of(all()).or_else(|| self.edge_of(all(), is_farthest))
+        };
+        found.unwrap_or(Part::Vertex(first.unwrap_or(0)))
+    }
+
+    /// How far vertices are along the direction, as many as are kept; and how far the farthest of all is.
+    fn heights<'k>(&self, kept: &'k mut [f64; KEPT]) -> (&'k [f64], f64) {
+        let vertices = self.polytope.vertices();
+        let few = vertices.len().min(KEPT);
+        let (fours, rest) = vertices[..few].as_chunks::<4>();
+        let mut most = [f64::NEG_INFINITY; 4];
+        for (to, [p, q, r, s]) in kept.as_chunks_mut::<4>().0.iter_mut().zip(fours) {
+            let d = self.direction;
+            *to = [d.dot(*p), d.dot(*q), d.dot(*r), d.dot(*s)];
+            most = [
+                larger(most[0], to[0]),
+                larger(most[1], to[1]),
+                larger(most[2], to[2]),
+                larger(most[3], to[3]),
+            ];
+        }
+        let mut farthest = larger(larger(most[0], most[1]), larger(most[2], most[3]));
+        for (to, &vertex) in kept[few - rest.len()..].iter_mut().zip(rest) {
+            *to = self.direction.dot(vertex);
+            farthest = larger(farthest, *to);
+        }
+        for &vertex in &vertices[few..] {
+            farthest = larger(farthest, self.direction.dot(vertex));
+        }
+        (&kept[..few], farthest)
+    }
+
+    /// The face that looks most along the direction, of those that look almost that way: the first in their order among
+    /// equals, and it comes before any edge.
+    fn face_of(&self, faces: impl Iterator<Item = u32>) -> Option<Part<'a>> {
+        let facets: &'a Facets = self.polytope.facets();
+        let mut best = FACING;
+        let mut face: Option<u32> = None;
+        for index in faces {
+            let facet = &facets.facets()[index as usize];
+            let cosine = facet.normal.dot(self.direction);
+            let is_first = || cosine == best && face.is_some_and(|other| index < other);
+            if (cosine > best || is_first()) && facets.corners(facet).len() > 2 {
+                best = cosine;
+                face = Some(index);
+            }
+        }
+        let index = face?;
+        let facet = &facets.facets()[index as usize];
+        Some(Part::Face { index, normal: facet.normal, corners: facets.corners(facet) })
+    }
+
+    /// The edge that rises least, of those of these faces that have a farthest end: the first among equals.
+    fn edge_of(
+        &self,
+        faces: impl Iterator<Item = u32>,
+        is_farthest: impl Fn(u32) -> bool,
+    ) -> Option<Part<'a>> {
+        let facets: &'a Facets = self.polytope.facets();
+        let mut best = LEVEL;
+        let mut edge = None;
+        for index in faces {
+            let corners = facets.corners(&facets.facets()[index as usize]);
+            let mut last = corners[corners.len() - 1];
+            for &corner in corners {
+                if is_farthest(last) || is_farthest(corner) {
+                    let rise = self.rise(last, corner);
+                    if rise < best {
+                        best = rise;
+                        edge = Some(Part::Edge([last.min(corner), last.max(corner)]));
+                    }
+                }
+                last = corner;
+            }
+        }
+        edge
+    }
+
+    fn along(&self, k: u32) -> f64 {
+        self.direction.dot(self.polytope.vertices()[k as usize])
+    }
+
+    /// How much an edge rises, relative to its length. Above any limit for one without length.
+    fn rise(&self, j: u32, k: u32) -> f64 {
+        let vertices = self.polytope.vertices();
+        let (v, w) = (vertices[j as usize], vertices[k as usize]);
+        let length = v.distance(w);
+        if length > 0.0 { (self.along(j) - self.along(k)).abs() / length } else { f64::INFINITY }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_triangle_shows_what_its_list_of_faces_has() {
+        let mut state = 3u64;
+        let mut draw = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        let mut vector = || DVec3::new(draw(), draw(), draw());
+        let (mut edges, mut vertices) = (0, 0);
+        for round in 0..2000 {
+            let corners = [vector(), vector(), vector()];
+            let polytope = Polytope::mesh_triangle(corners).unwrap();
+            let along = (corners[1] - corners[0]).normalize();
+            let direction = match round % 3 {
+                0 => vector(),
+                1 => along.cross(vector()) + along * 0.2 * vector(),
+                _ => along.cross(vector()),
+            };
+            let choice = Choice { polytope: &polytope, direction: direction.normalize() };
+            let (found, due) = (choice.part(), choice.searched());
+            match (found, due) {
+                (Part::Vertex(found), Part::Vertex(due)) => {
+                    assert_eq!(found, due, "{round}");
+                    vertices += 1;
+                }
+                (Part::Edge(found), Part::Edge(due)) => {
+                    assert_eq!(found, due, "{round}");
+                    edges += 1;
+                }
+                (Part::Face { index: found, .. }, Part::Face { index: due, .. }) => {
+                    assert_eq!(found, due, "{round}");
+                }
+                _ => panic!("{round}: {corners:?} {direction}"),
+            }
+        }
+        assert!(edges > 300 && vertices > 300, "{edges} {vertices}");
+    }
+
+    #[test]
+    fn segments_and_boxes_show_what_their_lists_of_faces_have() {
+        let mut draw = cuboids::tests::Draw(5);
+        let mut vector = || DVec3::from_array([(); 3].map(|()| 2.0 * draw.unit() - 1.0));
+        let mut counts = [0; 3];
+        for round in 0..3000 {
+            let (p, q) = (vector(), vector());
+            let polytope = match round % 2 {
+                0 => Polytope::segment(p, q).unwrap(),
+                _ => Polytope::cuboid(p.abs() + 0.01).unwrap(),
+            };
+            let level = (q - p).cross(vector()).normalize() + 0.3 * vector();
+            let steep = vector();
+            let direction = if round % 4 < 2 { level } else { steep }.normalize();
+            let choice = Choice { polytope: &polytope, direction };
+            let (found, due) = (choice.part().name(), choice.searched().name());
+            assert_eq!(found, due, "{round}: {p} {q} {direction}");
+            assert_eq!(name(&polytope, direction), due, "{round}");
+            counts[match due {
+                Feature::Vertex(_) => 0,
+                Feature::Edge(..) => 1,
+                _ => 2,
+            }] += 1;
+        }
+        assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
+    }
+}
