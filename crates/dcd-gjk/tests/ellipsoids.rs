@@ -14,6 +14,11 @@ use judge::cases::Draw;
 /// Beyond this much of the pair's size f64 must decide.
 const DECIDED: f64 = 1e-9;
 
+/// From the seed that `DCD_SEED` names, else from this one.
+fn draw_from(fixed: u64) -> Draw {
+    Draw(std::env::var("DCD_SEED").map_or(fixed, |seed| seed.parse().expect("a seed")))
+}
+
 fn verdict(a: PosedShape<'_>, b: PosedShape<'_>) -> Verdict<()> {
     let answer = certified::overlap_of(a, b).0;
     assert_eq!(answer, certified::overlap_of(b, a).0);
@@ -48,7 +53,7 @@ fn signed_distance(half: DVec3, p: DVec3) -> f64 {
 
 #[test]
 fn spheres_are_as_far_or_as_deep_as_the_nearest_point_says() {
-    let mut draw = Draw(31);
+    let mut draw = draw_from(31);
     let mut seen = [0; 2];
     for k in 0..3000 {
         let size = [1e-3, 1.0, 1e3][k % 3];
@@ -117,7 +122,7 @@ fn a_plane_that_just_touches_is_told_from_one_that_just_does_not() {
 
 #[test]
 fn balls_are_answered_as_spheres() {
-    let mut draw = Draw(32);
+    let mut draw = draw_from(32);
     let mut touching = 0;
     for k in 0..1200 {
         let size = [1e-3, 1.0, 1e3][k % 3];
@@ -175,7 +180,7 @@ fn other(draw: &mut Draw, size: f64) -> Shape {
 
 #[test]
 fn every_kind_is_between_a_polytope_inside_and_one_outside() {
-    let mut draw = Draw(33);
+    let mut draw = draw_from(33);
     let directions: Vec<DVec3> = (0..400)
         .map(|k| {
             let z = 1.0 - (f64::from(k) + 0.5) / 200.0;
@@ -223,7 +228,7 @@ fn every_kind_is_between_a_polytope_inside_and_one_outside() {
 
 #[test]
 fn rays_meet_them_where_the_quadratic_says() {
-    let mut draw = Draw(34);
+    let mut draw = draw_from(34);
     let mut hits = 0;
     for k in 0..1000 {
         let size = [1e-3, 1.0, 1e3][k % 3];
