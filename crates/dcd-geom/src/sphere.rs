@@ -290,8 +290,10 @@ impl Planes {
         let mut least = [f64::INFINITY; 4];
         for (PlaneBlock { inward, base }, heights) in self.blocks.iter().zip(&mut self.heights) {
             for lane in 0..4 {
-                let [x, y, z] =
-                    [0, 1, 2].map(|axis| inward[axis][lane] * (p[axis] - base[axis][lane]));
+                // Written out: a closure here stays out of line in a build of many codegen units.
+                let x = inward[0][lane] * (p.x - base[0][lane]);
+                let y = inward[1][lane] * (p.y - base[1][lane]);
+                let z = inward[2][lane] * (p.z - base[2][lane]);
                 heights[lane] = x + y + z;
                 least[lane] = if heights[lane] < least[lane] { heights[lane] } else { least[lane] };
             }
