@@ -74,9 +74,21 @@ impl Solid {
         solid
     }
 
+    /// Which blocks of all obstacles' ones are its vertices; none of what is no hull of few.
+    pub(super) fn corner_range(&self) -> Range<usize> {
+        self.corners.start as usize..self.corners.end as usize
+    }
+
+    /// The same with its vertices in other blocks.
+    pub(super) fn with_corners(self, first: usize) -> Self {
+        // As many blocks as it had: see `of`.
+        let first = first as u32;
+        Self { corners: first..first + (self.corners.end - self.corners.start), ..self }
+    }
+
     /// Its vertices in the world, of all obstacles' ones, if it is a hull of few.
     pub(super) fn corners<'a>(&self, blocks: &'a [Block]) -> Option<&'a [Block]> {
-        let corners = self.corners.start as usize..self.corners.end as usize;
+        let corners = self.corner_range();
         (!corners.is_empty()).then(|| &blocks[corners])
     }
 
