@@ -53,7 +53,7 @@ pub struct Workcell {
 struct KnownNames {
     allowed: AllowedPairs,
     /// For each name whether the robot has it.
-    names: OnceLock<HashMap<String, bool>>,
+    names: OnceLock<Names>,
     /// Whether a default speaks of every obstacle.
     all: bool,
 }
@@ -198,11 +198,43 @@ impl KnownNames {
         let names = self.names.get_or_init(|| {
             let said =
                 self.allowed.layers().iter().flat_map(|layer| layer.names().chain(layer.tied()));
-            let said = said.map(|name| (name.to_owned(), false));
-            let own = pairs::own_names(robot).into_iter().map(|name| (name.to_owned(), true));
-            said.chain(own).collect()
+            let said = said.map(|name| (name, false));
+            let own = pairs::own_names(robot).into_iter().map(|name| (name, true));
+            Names::of(said.chain(own))
         });
-        names.get(name).copied()
+        names.get(name)
+    }
+}
+
+/// Names, each with whether the robot has it.
+#[derive(Debug)]
+struct Names {
+    /// Of which mark there is some name: most that are looked up are not there.
+    marks: u128,
+    of: HashMap<String, bool>,
+}
+
+impl Names {
+    /// Of a name that comes twice the last counts.
+    fn of<'a>(names: impl Iterator<Item = (&'a str, bool)>) -> Self {
+        let of: HashMap<String, bool> = names.map(|(name, own)| (name.to_owned(), own)).collect();
+        let marks = of.keys().fold(0, |marks, name| marks | Self::mark(name));
+        Self { marks, of }
+    }
+
+    fn get(&self, name: &str) -> Option<bool> {
+        if self.marks & Self::mark(name) == 0 {
+            return None;
+        }
+        self.of.get(name).copied()
+    }
+
+    /// One of 128 bits, by the length and both ends of a name.
+    fn mark(name: &str) -> u128 {
+        let bytes = name.as_bytes();
+        let end = |byte: Option<&u8>| byte.map_or(0, |&byte| usize::from(byte));
+        let sum = bytes.len() * 37 + end(bytes.first()) * 5 + end(bytes.last());
+        1 << (sum % 128)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{Slot, check_count, check_reach};
 use crate::{Object, ObjectRef, Revision, Scene, SceneError, Shape};
+use dcd_simd::prefetch;
 use std::sync::Arc;
 
 impl Scene {
@@ -20,10 +21,16 @@ impl Scene {
             return Err(SceneError::NoSuchObject { object: first, objects: self.len() });
         }
         let objects = objects.into_iter();
+        // The shapes that come and those that go are anywhere in memory, and counted by atomics that wait.
+        objects.clone().for_each(|(shape, _)| prefetch_shape(shape));
         let kept = self.shape_of[..first].iter().max().map_or(0, |&shape| shape as usize + 1);
+        self.shapes.get(kept..).unwrap_or_default().iter().for_each(prefetch_shape);
         let mut count = 0;
         for (shape, object) in objects.clone() {
             check_reach(first + count, shape, &object.pose)?;
+            if let Shape::Polytope(polytope) = shape {
+                prefetch(polytope.vertices());
+            }
             count += 1;
         }
         check_count("objects", first + count)?;
@@ -126,6 +133,13 @@ impl Scene {
         self.shape_history.restart(self.shapes.len());
         (self.layout, self.static_revision) = (Revision::draw(), Revision::draw());
         self.pose_revision.mark();
+    }
+}
+
+/// Fetches what a shape shares with its clones.
+fn prefetch_shape(shape: &Shape) {
+    if let Shape::Polytope(polytope) = shape {
+        prefetch(std::slice::from_ref(&**polytope));
     }
 }
 

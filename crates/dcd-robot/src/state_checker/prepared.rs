@@ -104,17 +104,29 @@ impl Prepared {
     /// Takes the obstacles from the cell.
     fn take_obstacles(&mut self) {
         let obstacles = self.obstacles();
-        let Self { cell, aabbs, solids, corners, boxes, .. } = self;
+        let Self { cell, hulls, aabbs, solids, corners, boxes, .. } = self;
         let scene = cell.scene();
         aabbs.clear();
         aabbs.extend(obstacles.clone().map(|object| scene.aabb(object)));
         solids.clear();
         corners.clear();
         let objects = obstacles.zip(&*aabbs);
-        solids.extend(objects.map(|(object, aabb)| Solid::of(scene, object, aabb, corners)));
+        let parts = hulls.iter().any(Option::is_some);
+        solids.extend(
+            objects.map(|(object, aabb)| {
+                Solid::of(scene, object, aabb, parts.then_some(&mut *corners))
+            }),
+        );
         BoxRow::fill(boxes, aabbs, solids);
         self.tree = ObstacleTree::of(aabbs);
         self.filtered = scene.filters_movers();
+    }
+
+    /// An obstacle as it is compared, its vertices behind those that there are, if a plane may part any body from it.
+    fn solid(&mut self, object: usize, aabb: &Aabb) -> Solid {
+        let parts = self.hulls.iter().any(Option::is_some);
+        let corners = parts.then_some(&mut self.corners);
+        Solid::of(self.cell.scene(), object, aabb, corners)
     }
 
     pub(super) fn robot(&self) -> &Robot {

@@ -56,10 +56,16 @@ pub(super) struct Reached {
 }
 
 impl Solid {
-    /// Of an object of a scene with that box; adds its vertices to `blocks`.
-    pub(super) fn of(scene: &Scene, object: usize, aabb: &Aabb, blocks: &mut Vec<Block>) -> Self {
+    /// Of an object of a scene with that box; adds its vertices to `blocks`, where there are any.
+    pub(super) fn of(
+        scene: &Scene,
+        object: usize,
+        aabb: &Aabb,
+        blocks: Option<&mut Vec<Block>>,
+    ) -> Self {
         let (shape, pose) = (scene.shape(object), &scene.poses()[object]);
         let mut solid = closed(shape, pose).unwrap_or_else(|| bounded(shape, pose, aabb));
+        let Some(blocks) = blocks else { return solid };
         if let Some(polytope) = shape.as_polytope().filter(|p| p.vertices().len() <= CORNERS) {
             let first = blocks.len();
             let mut placed = [DVec3::ZERO; WIDTH];

@@ -28,7 +28,7 @@ impl Prepared {
         }
         let object = self.obstacles().start + place;
         let aabb = self.cell.scene().aabb(object);
-        let solid = Solid::of(self.cell.scene(), object, &aabb, &mut self.corners);
+        let solid = self.solid(object, &aabb);
         BoxRow::put(&mut self.boxes, place, &aabb, &solid);
         self.aabbs.push(aabb);
         self.solids.push(solid);
@@ -48,7 +48,7 @@ impl Prepared {
         let aabb = self.cell.scene().aabb(object);
         // Of the same shape there are as many blocks.
         let (held, first) = (self.solids[place].corner_range(), self.corners.len());
-        let solid = Solid::of(self.cell.scene(), object, &aabb, &mut self.corners);
+        let solid = self.solid(object, &aabb);
         self.corners.copy_within(first.., held.start);
         self.corners.truncate(first);
         self.put(place, aabb, solid.with_corners(held.start));
