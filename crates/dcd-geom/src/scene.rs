@@ -1,6 +1,7 @@
 //! Shapes and the objects that place them.
 
 mod change;
+mod exchange;
 mod ignored;
 mod object;
 mod swept;
@@ -44,6 +45,8 @@ pub struct Scene {
     user_data: Vec<u64>,
     slots: Vec<Slot>,
     generations: Vec<u32>,
+    /// The generation of a new slot: above those of all slots that were taken away.
+    retired: u32,
     /// The slots to be taken again, the last one first.
     free: Vec<u32>,
     ignored: IgnoredPairs,
@@ -75,6 +78,12 @@ impl ShapeHistory {
         self.0.push((Revision::draw(), count));
         let surplus = self.0.len().saturating_sub(REVISIONS);
         self.0.drain(..surplus);
+    }
+
+    /// For a list that is not the old one with more behind it.
+    fn restart(&mut self, count: usize) {
+        self.0.clear();
+        self.add(count);
     }
 
     fn last(&self) -> Revision {

@@ -18,7 +18,8 @@ pub use pair_decider::{Candidate, PairDecider};
 use dcd_broad::{IdentifiedAabbs, ObstacleBounds, StaticTree};
 use dcd_exec::{Exec, Par};
 use dcd_geom::{
-    Aabb, BoundingSphere, Filter, InscribedSphere, Object, Scene, SceneError, SphereBounds,
+    Aabb, BoundingSphere, Filter, InscribedSphere, Object, Pose, Scene, SceneError, SphereBounds,
+    Splittable,
 };
 use dcd_gjk::{NarrowPhase, Overlap, Prepared, Sides};
 use std::ops::Range;
@@ -137,6 +138,40 @@ impl<N: NarrowPhase> StaticWorld<N> {
         Ok(Self(Arc::new(Obstacles::new(scene, names, narrow, Exec::from(Par::Serial)))))
     }
 
+    /// Takes other objects, as [`StaticWorld::for_pairs`] does: in the memory of those before, where no clone and
+    /// no checker holds them too.
+    ///
+    /// # Errors
+    /// Those of [`StaticWorld::for_pairs`]; nothing is changed then.
+    pub fn exchange_for_pairs(
+        &mut self,
+        scene: &Scene,
+        objects: Range<usize>,
+    ) -> Result<(), SceneError>
+    where
+        N: Clone,
+    {
+        match Arc::get_mut(&mut self.0) {
+            Some(obstacles) => obstacles.exchange(scene, objects),
+            None => {
+                *self = Self::for_pairs(scene, objects, self.0.narrow.clone())?;
+                Ok(())
+            }
+        }
+    }
+
+    /// Moves an object, by its place among those that the world was made of, where no clone and no checker holds
+    /// the world too: false, and nothing is changed, where one does.
+    ///
+    /// # Errors
+    /// There is no such object, or it would be out of range; nothing is changed then.
+    pub fn set_pose(&mut self, object: usize, pose: Pose) -> Result<bool, SceneError> {
+        match Arc::get_mut(&mut self.0) {
+            Some(obstacles) => obstacles.set_pose(object, pose).map(|()| true),
+            None => Ok(false),
+        }
+    }
+
     /// Ready to check configurations of these links, again and again.
     ///
     /// # Errors
@@ -149,14 +184,50 @@ impl<N: NarrowPhase> StaticWorld<N> {
 
 impl<N: NarrowPhase> Obstacles<N> {
     fn new(scene: Scene, names: Vec<u32>, narrow: N, exec: Exec<'_>) -> Self {
-        let mut aabbs = vec![Aabb::EMPTY; scene.len()];
-        let mut frame = N::Frame::default();
-        let part = narrow.layout(&scene, Sides::Two, &mut frame);
+        let (frame, search) = (N::Frame::default(), OnceLock::new());
+        let aabbs = Vec::new();
+        let mut new = Self { narrow, scene, frame, names, aabbs, search, filtered: false };
+        new.prepare(exec);
+        new
+    }
+
+    /// Prepares all objects of the scene.
+    fn prepare(&mut self, exec: Exec<'_>) {
+        let Self { narrow, scene, frame, aabbs, .. } = self;
+        aabbs.resize(scene.len(), Aabb::EMPTY);
+        let part = narrow.layout(scene, Sides::Two, frame);
         exec.divide((part, &mut aabbs[..]), OBSTACLES_PER_TASK, |first, (part, aabbs)| {
-            narrow.prepare(&scene, first, part, aabbs);
+            narrow.prepare(scene, first, part, aabbs);
         });
-        let filtered = scene.filters().iter().any(|filter| *filter != Filter::ALL);
-        Self { narrow, scene, frame, names, aabbs, search: OnceLock::new(), filtered }
+        self.filtered = scene.filters().iter().any(|filter| *filter != Filter::ALL);
+    }
+
+    /// Takes other objects in place of these.
+    fn exchange(&mut self, scene: &Scene, objects: Range<usize>) -> Result<(), SceneError> {
+        let placed = objects.clone().map(|i| {
+            let object = Object::new(0, scene.poses()[i]);
+            (scene.shape(i), Object { filter: scene.filters()[i], ..object })
+        });
+        self.scene.exchange_from(0, placed)?;
+        self.names.clear();
+        self.names.extend((0..).take(objects.len()));
+        self.search = OnceLock::new();
+        self.prepare(Exec::from(Par::Serial));
+        Ok(())
+    }
+
+    fn set_pose(&mut self, object: usize, pose: Pose) -> Result<(), SceneError> {
+        self.scene.set_pose(object, pose)?;
+        self.search = OnceLock::new();
+        let Self { narrow, scene, frame, aabbs, .. } = self;
+        let part = narrow.layout(scene, Sides::Two, frame);
+        if narrow.keeps(&part) {
+            let (part, _) = part.split_at(object).1.split_at(1);
+            narrow.prepare(scene, object, part, &mut aabbs[object..=object]);
+        } else {
+            narrow.prepare(scene, 0, part, aabbs);
+        }
+        Ok(())
     }
 
     fn search(&self) -> &Search {

@@ -21,7 +21,8 @@ pub(super) use path::Extents;
 pub use path::JointPath;
 pub(super) use reach::Chain;
 
-use super::{Robot, RobotError, StateChecker, Workcell};
+use super::state_checker::covers::{Covers, is_one};
+use super::{Obstacle, Robot, RobotError, StateChecker, Workcell};
 use certificate::Pieces;
 use dcd_exec::Exec;
 use dcd_geom::Shape;
@@ -135,24 +136,13 @@ impl EdgeReason {
     }
 }
 
-/// Whether two shapes are clones of one.
-fn is_one(a: &Shape, b: &Shape) -> bool {
-    match (a, b) {
-        (Shape::Polytope(a), Shape::Polytope(b)) => Arc::ptr_eq(a, b),
-        (Shape::Mesh(a), Shape::Mesh(b)) => Arc::ptr_eq(a, b),
-        (Shape::Compound(a), Shape::Compound(b)) => Arc::ptr_eq(a, b),
-        (Shape::Curved(a), Shape::Curved(b)) => a == b,
-        (Shape::Ellipsoid(a), Shape::Ellipsoid(b)) => a == b,
-        _ => false,
-    }
-}
-
 impl EdgeChecker {
     /// For the robot of a work cell, with what it carries, among its obstacles; pairs that may touch are
     /// left out.
     pub fn new(cell: Workcell) -> Self {
-        let states = StateChecker::new(cell.clone()).ok();
-        Self::with(cell, states, &[])
+        let mut covers = Covers::default();
+        let states = StateChecker::with_covers(cell.clone(), &mut covers).ok();
+        Self::with(cell, states, &[], &mut covers)
     }
 
     /// Checks in another cell from now on. Shapes that both cells hold are not prepared again: of the same robot,
@@ -163,14 +153,40 @@ impl EdgeChecker {
             Some(mut states) => states.set_cell(cell.clone()).ok().map(|()| states),
             None => StateChecker::new(cell.clone()).ok(),
         };
+        self.renew(cell, states);
+    }
+
+    /// Checks among other obstacles from now on: [`Workcell::set_obstacles`]. Nothing of the robot is prepared again.
+    ///
+    /// # Errors
+    /// Those of [`Workcell::set_obstacles`]; nothing is changed then.
+    pub fn set_obstacles(&mut self, obstacles: &[Obstacle]) -> Result<(), RobotError> {
+        let mut cell = self.cell.clone();
+        cell.set_obstacles(obstacles)?;
+        let states = self.states.take().and_then(Arc::into_inner);
+        let states = match states {
+            Some(mut states) => states.set_obstacles(obstacles).ok().map(|()| states),
+            None => StateChecker::new(cell.clone()).ok(),
+        };
+        self.renew(cell, states);
+        Ok(())
+    }
+
+    /// Takes another cell and what checks its states.
+    fn renew(&mut self, cell: Workcell, states: Option<StateChecker>) {
         let scene = self.cell.scene();
         let moving = (0..self.movers.len()).filter(|&i| self.movers[i].is_some());
         let held = moving.map(|i| (scene.shape(i).clone(), self.outlines[i].clone()));
         let held: Vec<(Shape, Arc<Outline>)> = held.collect();
-        *self = Self::with(cell, states, &held);
+        *self = Self::with(cell, states, &held, &mut Covers::default());
     }
 
-    fn with(cell: Workcell, states: Option<StateChecker>, held: &[(Shape, Arc<Outline>)]) -> Self {
+    fn with(
+        cell: Workcell,
+        states: Option<StateChecker>,
+        held: &[(Shape, Arc<Outline>)],
+        covers: &mut Covers,
+    ) -> Self {
         let robot = cell.robot();
         let mut parent_joint = vec![None; robot.links().len()];
         for (index, joint) in robot.joints().iter().enumerate() {
@@ -187,10 +203,10 @@ impl EdgeChecker {
             let shape = scene.shape(i);
             if movers[i].is_none() {
                 // An obstacle is compared by the solid round it.
-                return Arc::new(Outline::of(shape, 1));
+                return Arc::new(Outline::of(shape, 1, covers));
             }
             let known = held.iter().find(|(known, _)| is_one(known, shape));
-            let new = || Arc::new(Outline::of(shape, MOST_SPHERES));
+            let new = || Arc::new(Outline::of(shape, MOST_SPHERES, covers));
             known.map_or_else(new, |(_, outline)| outline.clone())
         };
         let outlines = (0..scene.len()).map(outline).collect();

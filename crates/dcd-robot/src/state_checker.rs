@@ -7,6 +7,7 @@
 //! [`MARGIN`].
 
 mod boxes;
+mod changes;
 pub(crate) mod covers;
 mod link_frames;
 mod links;
@@ -24,13 +25,14 @@ mod worker;
 pub use sensed::SensedHit;
 
 use crate::{Clearance, RobotError, Workcell};
+use covers::Covers;
 use dcd_exec::{Exec, PerThread, Segments};
 use dcd_geom::{Pair, SceneError};
 use dcd_gjk::Verdict;
 use dcd_pipeline::{PairDecider, StaticWorld};
 use dcd_simd::Lanes;
-use prepared::{Prepared, world};
-use std::sync::OnceLock;
+use prepared::Prepared;
+use std::sync::{Mutex, OnceLock};
 use worker::{CHUNK, Refused, Worker, at};
 
 /// By how much spheres are compared larger, where they are to be apart, or smaller, where they are to touch. Unit:
@@ -115,6 +117,8 @@ pub struct StateChecker {
     /// Made when the spheres first leave a pair to it, the obstacles' side for each cell.
     decider: OnceLock<PairDecider>,
     world: OnceLock<StaticWorld>,
+    /// Of other obstacles: its memory is used again.
+    old_world: Mutex<Option<StaticWorld>>,
     workers: PerThread<Worker>,
     /// For clearances, whose robots move.
     moved_cells: PerThread<Option<Workcell>>,
@@ -137,11 +141,17 @@ impl StateChecker {
     /// # Errors
     /// More than 2³² objects, each body counted 512 times.
     pub fn new(cell: Workcell) -> Result<Self, RobotError> {
+        Self::with_covers(cell, &mut Covers::default())
+    }
+
+    /// The same with covers that are known, and will be.
+    pub(crate) fn with_covers(cell: Workcell, covers: &mut Covers) -> Result<Self, RobotError> {
         Self::check_count(&cell)?;
         Ok(Self {
-            prepared: Prepared::of(cell),
+            prepared: Prepared::of(cell, covers),
             decider: OnceLock::new(),
             world: OnceLock::new(),
+            old_world: Mutex::default(),
             workers: PerThread::default(),
             moved_cells: PerThread::default(),
         })
@@ -156,8 +166,7 @@ impl StateChecker {
         Self::check_count(&cell)?;
         if self.prepared.has_robot_of(&cell) {
             self.prepared.exchange(cell);
-            self.world = OnceLock::new();
-            self.moved_cells = PerThread::default();
+            self.forget_obstacles();
         } else {
             *self = Self::new(cell)?;
         }
@@ -166,7 +175,11 @@ impl StateChecker {
 
     /// Refuses more objects than a u32 counts.
     fn check_count(cell: &Workcell) -> Result<(), RobotError> {
-        let count = cell.scene().len().saturating_mul(MOST_AT_ONCE);
+        Self::check_objects(cell.scene().len())
+    }
+
+    fn check_objects(objects: usize) -> Result<(), RobotError> {
+        let count = objects.saturating_mul(MOST_AT_ONCE);
         let too_many = |_| RobotError::Scene(SceneError::TooMany { what: "objects", count });
         u32::try_from(count).map(drop).map_err(too_many)
     }
@@ -174,7 +187,7 @@ impl StateChecker {
     /// What decides pairs, and the obstacles prepared for it.
     fn decider(&self) -> Result<(&PairDecider, &StaticWorld), SceneError> {
         let decider = || PairDecider::new(self.prepared.link_set(), CHUNK);
-        let world = || world(&self.prepared.cell);
+        let world = || self.new_world();
         Ok((made(&self.decider, decider)?, made(&self.world, world)?))
     }
 
@@ -273,7 +286,8 @@ impl StateChecker {
         let refused = Refused::default();
         exec.into().divide(&mut least[..], CLEARANCES, |start, least| {
             self.moved_cells.with(|cell| {
-                let cell = cell.get_or_insert_with(|| self.cell().clone());
+                let held = cell.take().filter(|cell| cell.has_obstacles_of(self.cell()));
+                let cell = cell.insert(held.unwrap_or_else(|| self.cell().clone()));
                 for (state, least) in (start..).zip(least) {
                     match cell.clearance(states[state].as_ref()) {
                         Ok(found) => *least = found,

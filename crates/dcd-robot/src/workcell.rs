@@ -1,13 +1,14 @@
 //! A robot and its world as one scene.
 
+mod obstacles;
 mod pairs;
 
 use super::kinematics::JointFrame;
 use super::model::Part;
-use super::{AllowedPairs, Padding, Robot, RobotError, World};
+use super::{AllowedPairs, Obstacle, Padding, Robot, RobotError, World};
 use dcd_geom::{Filter, Object, Pose, Scene, Shape};
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A robot in a world: a checked scene whose first objects are the robot's parts, in their order,
 /// what it carries behind its links; then the world's obstacles, which stand still; then, for each
@@ -42,6 +43,19 @@ pub struct Workcell {
     /// For each padded object its part.
     padded: Vec<usize>,
     first_padded: usize,
+    known: Arc<KnownNames>,
+    /// Whether an allowed pair, or a default, speaks of an obstacle that there is.
+    obstacles_named: bool,
+}
+
+/// The names that an obstacle may not have, or of which allowed pairs speak.
+#[derive(Debug)]
+struct KnownNames {
+    allowed: AllowedPairs,
+    /// For each name whether the robot has it.
+    names: OnceLock<Names>,
+    /// Whether a default speaks of every obstacle.
+    all: bool,
 }
 
 /// Who meets whom where links are padded.
@@ -69,26 +83,38 @@ impl Workcell {
         }
         let mut poses = Vec::new();
         robot.place(&robot.rest_state(), &mut poses)?;
-        let obstacles = &world.obstacles;
+        let larger = padded(&robot, world)?;
+        let known = Arc::new(KnownNames::of(allowed.clone()));
+        Self::assemble((robot, poses), &world.obstacles, larger, known)
+    }
+
+    /// Of the robot's parts at these poses, and of those that are padded with their shapes.
+    fn assemble(
+        (robot, poses): (Arc<Robot>, Vec<Pose>),
+        obstacles: &[Obstacle],
+        (padded, larger): (Vec<usize>, Vec<Shape>),
+        known: Arc<KnownNames>,
+    ) -> Result<Self, RobotError> {
         let mut names: Vec<String> =
             robot.parts().iter().map(|part| robot.name_of(part).to_owned()).collect();
-        let own = pairs::own_names(&robot);
-        if let Some(same) = obstacles.iter().find(|obstacle| own.contains(&*obstacle.name)) {
-            let (user, name) = (format!("obstacle {:?}", same.name), robot.name.clone());
-            let why = format!("a link of robot {name:?}, or what it carries, has that name too");
-            return Err(RobotError::Refused { user, why });
+        if let Some(same) =
+            obstacles.iter().find(|obstacle| known.get(&robot, &obstacle.name) == Some(true))
+        {
+            return Err(robot.has_name(&same.name));
         }
+        let obstacles_named = known.all
+            || obstacles.iter().any(|obstacle| known.get(&robot, &obstacle.name).is_some());
         names.extend(obstacles.iter().map(|obstacle| obstacle.name.clone()));
-        let (padded, larger) = padded(&robot, world)?;
         let first_padded = names.len();
         let of_padded: Vec<String> = padded.iter().map(|&part| names[part].clone()).collect();
         names.extend(of_padded);
-        let objects = objects(&poses, world, &padded);
+        let objects = objects(&poses, obstacles, &padded);
         let shapes = robot.parts().iter().map(|part| part.shape.clone());
         let shapes = shapes.chain(obstacles.iter().map(|o| o.shape.clone())).chain(larger);
         let mut scene = Scene::new(shapes.collect(), objects).map_err(RobotError::Scene)?;
-        pairs::ignore(&mut scene, &names, robot.parts().len()..first_padded, allowed)?;
-        Ok(Self { robot, scene, names, poses, padded, first_padded })
+        let places = robot.parts().len()..first_padded;
+        pairs::ignore(&mut scene, &names, places, &known.allowed)?;
+        Ok(Self { robot, scene, names, poses, padded, first_padded, known, obstacles_named })
     }
 
     /// Moves the robot to a state: see [`Robot::place`].
@@ -161,6 +187,57 @@ impl Workcell {
     }
 }
 
+impl KnownNames {
+    fn of(allowed: AllowedPairs) -> Self {
+        let all = allowed.layers().iter().any(|layer| layer.open().next().is_some());
+        Self { allowed, names: OnceLock::new(), all }
+    }
+
+    /// Whether the robot has a name; `None` for one that nothing is known of.
+    fn get(&self, robot: &Robot, name: &str) -> Option<bool> {
+        let names = self.names.get_or_init(|| {
+            let said =
+                self.allowed.layers().iter().flat_map(|layer| layer.names().chain(layer.tied()));
+            let said = said.map(|name| (name, false));
+            let own = pairs::own_names(robot).into_iter().map(|name| (name, true));
+            Names::of(said.chain(own))
+        });
+        names.get(name)
+    }
+}
+
+/// Names, each with whether the robot has it.
+#[derive(Debug)]
+struct Names {
+    /// Of which mark there is some name: most that are looked up are not there.
+    marks: u128,
+    of: HashMap<String, bool>,
+}
+
+impl Names {
+    /// Of a name that comes twice the last counts.
+    fn of<'a>(names: impl Iterator<Item = (&'a str, bool)>) -> Self {
+        let of: HashMap<String, bool> = names.map(|(name, own)| (name.to_owned(), own)).collect();
+        let marks = of.keys().fold(0, |marks, name| marks | Self::mark(name));
+        Self { marks, of }
+    }
+
+    fn get(&self, name: &str) -> Option<bool> {
+        if self.marks & Self::mark(name) == 0 {
+            return None;
+        }
+        self.of.get(name).copied()
+    }
+
+    /// One of 128 bits, by the length and both ends of a name.
+    fn mark(name: &str) -> u128 {
+        let bytes = name.as_bytes();
+        let end = |byte: Option<&u8>| byte.map_or(0, |&byte| usize::from(byte));
+        let sum = bytes.len() * 37 + end(bytes.first()) * 5 + end(bytes.last());
+        1 << (sum % 128)
+    }
+}
+
 impl World {
     /// Whether a robot is the same in it: at its own base, carrying nothing, not padded.
     fn leaves(&self, robot: &Robot) -> bool {
@@ -205,6 +282,13 @@ impl Robot {
 }
 
 impl Robot {
+    /// That an obstacle has a name of the robot's.
+    fn has_name(&self, obstacle: &str) -> RobotError {
+        let (user, name) = (format!("obstacle {obstacle:?}"), &self.name);
+        let why = format!("a link of robot {name:?}, or what it carries, has that name too");
+        RobotError::Refused { user, why }
+    }
+
     /// Makes those parts larger that are so to the robot too.
     fn pad_against_itself(&mut self, world: &World) -> Result<(), RobotError> {
         for part in &mut self.parts {
@@ -235,8 +319,13 @@ fn padded(robot: &Robot, world: &World) -> Result<(Vec<usize>, Vec<Shape>), Robo
     Ok((parts, shapes))
 }
 
+/// An obstacle where nothing is padded.
+fn obstacle_object(shape: u32, pose: Pose) -> Object {
+    Object::new(shape, pose).fixed()
+}
+
 /// The scene's objects, with filters only where something is padded.
-fn objects(poses: &[Pose], world: &World, padded: &[usize]) -> Vec<Object> {
+fn objects(poses: &[Pose], obstacles: &[Obstacle], padded: &[usize]) -> Vec<Object> {
     let none = padded.is_empty();
     let filter = |groups, mask| if none { Filter::ALL } else { Filter { groups, mask } };
     let mut objects: Vec<Object> =
@@ -248,9 +337,9 @@ fn objects(poses: &[Pose], world: &World, padded: &[usize]) -> Vec<Object> {
         objects[part].filter = filter(LINK, LINK);
     }
     let first = poses.len() as u32;
-    objects.extend((first..).zip(&world.obstacles).map(|(shape, obstacle)| Object {
+    objects.extend((first..).zip(obstacles).map(|(shape, obstacle)| Object {
         filter: filter(OBSTACLE, LINK | PADDED),
-        ..Object::new(shape, obstacle.pose).fixed()
+        ..obstacle_object(shape, obstacle.pose)
     }));
     let first = objects.len() as u32;
     objects.extend((first..).zip(padded).map(|(shape, &part)| Object {

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use dcd_io::data;
-use dcd_robot::{AllowedPairs, LinkShapes, Problem, Robot, Srdf, Workcell, read_problems};
+use dcd_robot::{
+    AllowedPairs, LinkShapes, Obstacle, Problem, Robot, Srdf, Workcell, read_problems,
+};
 
 /// What the robot's links are taken as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -39,6 +41,8 @@ const FILES: [&str; 4] = [
 /// A problem's robot among its obstacles, and the two ends of its edge.
 pub(crate) struct Setting {
     pub(crate) cell: Workcell,
+    /// What of the world a planner is given.
+    pub(crate) obstacles: Vec<Obstacle>,
     pub(crate) ends: [Vec<f64>; 2],
 }
 
@@ -84,6 +88,13 @@ impl Data {
         &self.srdf.allowed
     }
 
+    /// The ends of the first problem's edge.
+    pub(crate) fn ends(&self) -> Result<[Vec<f64>; 2]> {
+        let robot = Arc::new(self.robot(Geometry::Hulls)?);
+        let problem = self.problems.first().context("no problem")?;
+        Ok(self.setting(&robot, problem)?.ends)
+    }
+
     pub(crate) fn settings(&self, geometry: Geometry) -> Result<Vec<Setting>> {
         let robot = Arc::new(self.robot(geometry)?);
         let settings = self.problems.iter().map(|problem| {
@@ -103,7 +114,7 @@ impl Data {
         allowed.extend(&world.allowed);
         world.allowed = AllowedPairs::default();
         let cell = Workcell::new(Arc::clone(robot), &world, &allowed)?;
-        Ok(Setting { cell, ends })
+        Ok(Setting { cell, obstacles: world.obstacles, ends })
     }
 }
 

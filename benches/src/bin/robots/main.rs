@@ -11,6 +11,7 @@ mod edges;
 mod grazing;
 mod show;
 mod states;
+mod worlds;
 
 use std::process::ExitCode;
 
@@ -21,7 +22,7 @@ use dcd_benches::{Header, Options, Print, Units, exit_code};
 use data::{Data, Geometry, Setting};
 
 /// The Panda on the problems of MotionBenchMaker: states as spheres, hulls and meshes beside Parry in f64, straight edges
-/// beside samples, grazing edges, clearances and certificates. Skips, and says so, where the data is absent.
+/// beside samples, grazing edges, clearances, certificates and worlds that change. Skips, and says so, where the data is absent.
 #[derive(Parser)]
 #[command(name = "robots", version)]
 struct Line {
@@ -47,6 +48,7 @@ enum Part {
     Edges,
     Grazing,
     Clearance,
+    Worlds,
 }
 
 /// How much is measured.
@@ -70,6 +72,7 @@ const QUICK: Amount =
 /// The keys of what is measured once.
 const GRAZING: &str = "grazing, hulls";
 const CLEARANCE: &str = "clearance, hulls";
+const WORLDS: &str = "worlds that change, hulls";
 
 fn of_states(geometry: Geometry, threads: usize) -> String {
     format!("states, {}, {threads} threads", geometry.name())
@@ -89,6 +92,7 @@ fn plan(geometries: &[Geometry], threads: &[usize]) -> Vec<(Part, String)> {
     }
     plan.push((Part::Grazing, GRAZING.to_owned()));
     plan.push((Part::Clearance, CLEARANCE.to_owned()));
+    plan.push((Part::Worlds, WORLDS.to_owned()));
     plan
 }
 
@@ -150,6 +154,13 @@ fn run(line: &Line) -> Result<()> {
             clearance::run(&data.settings(Geometry::Hulls)?, samples, edges)
         })?;
         show::clearance(&mut report, &found)?;
+    }
+    if has(Part::Worlds) {
+        let found = units.run(WORLDS, || {
+            let ends = data.ends()?;
+            worlds::run((data.robot(Geometry::Hulls)?, data.allowed()), &ends, amount.rounds)
+        })?;
+        show::worlds(&mut report, &found)?;
     }
     report.hand_out(&dir, line.print)?;
     units.finish()?;

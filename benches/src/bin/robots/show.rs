@@ -4,14 +4,15 @@ use anyhow::Result;
 use dcd_benches::{Cell, Column, Header, Report, Table};
 
 use crate::clearance::{self, LEAST};
-use crate::{edges, grazing, states};
+use crate::{edges, grazing, states, worlds};
 
 /// What a reader of the tables must know.
 const NOTES: [&str; 6] = [
     "The Panda among the obstacles of MotionBenchMaker's problems (C. Chamzas et al., 2022), 100 states on the straight line \
      between start and goal of each. UR10 and PR2 have no problems in the data.",
     "States: one pass over the problems a round, ours and Parry's problem by problem; medians of the rounds, with the least and \
-     the most ratio. A check contains the kinematics; preparation (the obstacles of a problem, the robot once) is apart. \
+     the most ratio. A check contains the kinematics; preparation is apart: the next problem's obstacles taken by \
+     `StateChecker::set_obstacles`, the robot once. \
      Batches of 10,000 are finer lines between the same ends. Parry: `parry3d` in f64 on one thread, its check alone: \
      AABBs, tree, `query::intersection_test`, poses made outside of the timer.",
     "Edges: from start to goal, one thread; each edge's time is the median of its rounds. Samples are at most 1e-3 rad from \
@@ -180,6 +181,41 @@ pub(crate) fn clearance(report: &mut Report, outcome: &clearance::Outcome) -> Re
         "The clearance ratio is of free edges that come no nearer than {LEAST} m; {} come nearer.",
         outcome.nearer
     ));
+    report.table(table);
+    Ok(())
+}
+
+pub(crate) fn worlds(report: &mut Report, outcome: &worlds::Outcome) -> Result<()> {
+    let us = |name: &str| Column::new(name).unit("µs").decimals(2);
+    let columns = [
+        Column::new("obstacles"),
+        us("one moved"),
+        us("one added"),
+        us("one removed"),
+        us("all exchanged"),
+        us("cell and checker made"),
+        us("16 states"),
+        us("16 states after a move"),
+    ];
+    let title = "A world that changes, and all pairs of 16 states of a robot of hulls";
+    let mut table = Table::new("robot-worlds", title, columns);
+    for world in &outcome.worlds {
+        let changes = [world.moved, world.added, world.removed, world.exchanged, world.made];
+        let numbers = changes.into_iter().chain([world.checked, world.checked_after]);
+        table.push([Cell::from(world.obstacles)].into_iter().chain(numbers.map(Cell::from)))?;
+    }
+    report.table(table);
+    let columns = [
+        Column::new("points"),
+        Column::new("replaced").unit("ms").decimals(2),
+        Column::new("a state").unit("µs").decimals(2),
+        Column::new("states free").unit("of 1000"),
+    ];
+    let mut table = Table::new("robot-sensed", "Sensed points, and a robot of hulls", columns);
+    let sensed = &outcome.sensed;
+    let numbers = [sensed.replaced * 1e-3, sensed.state].map(Cell::from);
+    let count = [Cell::from(worlds::POINTS)].into_iter().chain(numbers);
+    table.push(count.chain([Cell::from(sensed.free)]))?;
     report.table(table);
     Ok(())
 }

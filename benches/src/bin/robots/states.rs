@@ -7,7 +7,7 @@ use dcd_benches::timing::time;
 use dcd_exec::{Par, with_threads};
 use dcd_geom::Pair;
 use dcd_parry::{ParryRobot, Until};
-use dcd_robot::StateChecker;
+use dcd_robot::{StateChecker, Workcell};
 use serde::{Deserialize, Serialize};
 
 use crate::data::{Geometry, Setting, on_the_way};
@@ -150,15 +150,37 @@ fn checked(
     Ok(([first_time, all_time], found))
 }
 
+/// Whether a cell has the robot of another, with the same pairs that may touch.
+fn robot_stays(held: &Workcell, cell: &Workcell) -> bool {
+    let parts = 0..cell.robot().parts().len();
+    std::ptr::eq(held.robot(), cell.robot()) && held.scene().has_same_filters(cell.scene(), parts)
+}
+
+/// Whether a cell is another but for the robot's state.
+fn is_cell(a: &Workcell, b: &Workcell) -> bool {
+    let (of_a, of_b) = (a.scene(), b.scene());
+    let obstacles = a.obstacles();
+    a.names() == b.names()
+        && of_a.len() == of_b.len()
+        && of_a.poses()[obstacles.clone()] == of_b.poses()[obstacles]
+        && of_a.has_same_filters(of_b, 0..of_a.len())
+}
+
 fn round(settings: &[&Setting], par: Par, held: &mut Option<StateChecker>) -> Result<Round> {
     let mut round = Round::default();
     for setting in settings {
         let cell = setting.cell.clone();
+        // As a planner does that is given the obstacles of its next problem.
+        let stays = held.as_ref().is_some_and(|held| robot_stays(held.cell(), &cell));
         let (preparation, checker) = time(|| match held.take() {
+            Some(mut checker) if stays => {
+                checker.set_obstacles(&setting.obstacles).map(|()| checker)
+            }
             Some(mut checker) => checker.set_cell(cell).map(|()| checker),
             None => StateChecker::new(cell),
         });
         let checker = checker?;
+        ensure!(is_cell(checker.cell(), &setting.cell), "an exchanged cell is not the problem's");
         round.preparation += preparation;
         let states = on_the_way(&setting.ends, STATES);
         let many = on_the_way(&setting.ends, BATCHES[BATCHES.len() - 1]);

@@ -248,7 +248,7 @@ impl Scene {
             self.sensors.push(false);
             self.user_data.push(user_data);
             self.slots.push(Slot::Holds(motion));
-            self.generations.push(0);
+            self.generations.push(self.retired);
         }
         self.pose_revision.mark();
         self.note_sensor(slot, sensor);
@@ -257,7 +257,7 @@ impl Scene {
         Ok(slot as u32)
     }
 
-    fn note_sensor(&mut self, slot: usize, sensor: bool) {
+    pub(super) fn note_sensor(&mut self, slot: usize, sensor: bool) {
         let before = std::mem::replace(&mut self.sensors[slot], sensor);
         self.sensor_count = self.sensor_count + usize::from(sensor) - usize::from(before);
     }
@@ -276,7 +276,7 @@ impl Scene {
         Ok((i as u32, j as u32))
     }
 
-    fn count_of(&mut self, motion: Motion) -> &mut usize {
+    pub(super) fn count_of(&mut self, motion: Motion) -> &mut usize {
         match motion {
             Motion::Moving => &mut self.moving,
             Motion::Static => &mut self.statics,

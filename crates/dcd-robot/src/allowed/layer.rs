@@ -111,6 +111,11 @@ impl Layer {
         all.chain(self.defaults.keys().map(String::as_str))
     }
 
+    /// The names of links that are tied to others.
+    pub(crate) fn tied(&self) -> impl Iterator<Item = &str> {
+        self.bodies.keys().map(String::as_str)
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         let tied = self.bodies.len();
         self.open().next().is_none() && tied == 0 && self.named().all(|(_, may)| !may)

@@ -2,7 +2,7 @@
 //! far it reaches along a direction.
 
 use super::rows::{CoverRow, Farthest, LANES, ROW};
-use crate::state_checker::covers::{CoverSphere, cover};
+use crate::state_checker::covers::{CoverSphere, Covers};
 use dcd_geom::{Aabb, CurvedKind, Kind, Pose, Shape};
 use dcd_simd::dispatch;
 use glam::DVec3;
@@ -31,11 +31,11 @@ pub(super) struct Outline {
 
 impl Outline {
     /// Covered by at most so many spheres.
-    pub(super) fn of(shape: &Shape, most: usize) -> Self {
-        let one = cover(shape, 1);
+    pub(super) fn of(shape: &Shape, most: usize, covers: &mut Covers) -> Self {
+        let one = covers.of(shape, 1);
         let none = CoverSphere { centre: DVec3::ZERO, outer: f64::INFINITY, inner: 0.0 };
         let whole = one.first().copied().unwrap_or(none);
-        let cover = if most > 1 { cover(shape, most) } else { Vec::new() };
+        let cover = if most > 1 { covers.of(shape, most) } else { Vec::new() };
         // What one sphere covers as well, it covers alone.
         let cover = if cover.len() > 1 { CoverRow::of(&cover) } else { CoverRow::of(&[whole]) };
         let reach = whole.centre.length() + whole.outer;
@@ -191,7 +191,8 @@ mod tests {
             hull.rounded(0.05).unwrap(),
         ];
         for shape in shapes {
-            let Outline { support, solid, whole, .. } = Outline::of(&shape, MOST_SPHERES);
+            let Outline { support, solid, whole, .. } =
+                Outline::of(&shape, MOST_SPHERES, &mut Covers::default());
             let support = support.unwrap();
             let at = dcd_gjk::PosedShape { shape: &shape, pose: &Pose::IDENTITY };
             for k in 0..300 {
@@ -224,10 +225,12 @@ mod tests {
 
     #[test]
     fn a_box_is_as_far_as_it_is_and_what_has_no_end_nowhere() {
-        let plate = Outline::of(&Shape::cuboid(DVec3::new(1.0, 2.0, 0.01)).unwrap(), MOST_SPHERES);
+        let covers = &mut Covers::default();
+        let plate = Shape::cuboid(DVec3::new(1.0, 2.0, 0.01)).unwrap();
+        let plate = Outline::of(&plate, MOST_SPHERES, covers);
         assert!((plate.solid.nearest(DVec3::new(0.0, 1.5, 1.0)).0 - 0.99).abs() < 1e-15);
         assert!(plate.solid.nearest(DVec3::new(0.5, -1.9, 0.0)).0 <= 0.0);
-        let ground = Outline::of(&Shape::half_space(DVec3::Z, 0.0).unwrap(), 1);
+        let ground = Outline::of(&Shape::half_space(DVec3::Z, 0.0).unwrap(), 1, covers);
         assert!(!(ground.solid.nearest(DVec3::Z * 9.0).0 > 0.0));
         assert!(ground.support.is_none() && ground.whole.outer == f64::INFINITY);
     }

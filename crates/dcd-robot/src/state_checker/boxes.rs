@@ -26,15 +26,36 @@ impl BoxRow {
 
     fn of_few(aabbs: &[Aabb], solids: &[Solid]) -> Self {
         let none = Block([Row([0.0; WIDTH]); 3]);
-        let mut row = Self { min: none, max: none, filled: (1 << aabbs.len()) - 1 };
+        let mut row = Self { min: none, max: none, filled: 0 };
         for (k, (aabb, solid)) in aabbs.iter().zip(solids).enumerate() {
-            let margin = 2.0 * solid.margin();
-            for axis in 0..3 {
-                row.min.0[axis].0[k] = aabb.min[axis] - margin;
-                row.max.0[axis].0[k] = aabb.max[axis] + margin;
-            }
+            row.set(k, aabb, solid);
         }
         row
+    }
+
+    fn set(&mut self, k: usize, aabb: &Aabb, solid: &Solid) {
+        let margin = 2.0 * solid.margin();
+        for axis in 0..3 {
+            self.min.0[axis].0[k] = aabb.min[axis] - margin;
+            self.max.0[axis].0[k] = aabb.max[axis] + margin;
+        }
+        self.filled |= 1 << k;
+    }
+
+    /// Sets the box of an obstacle that there was, or of a new last one.
+    pub(super) fn put(rows: &mut Vec<Self>, obstacle: usize, aabb: &Aabb, solid: &Solid) {
+        match rows.get_mut(obstacle / WIDTH) {
+            Some(row) => row.set(obstacle % WIDTH, aabb, solid),
+            None => rows.push(Self::of_few(&[*aabb], std::slice::from_ref(solid))),
+        }
+    }
+
+    /// Takes the last of so many boxes away.
+    pub(super) fn drop_last(rows: &mut Vec<Self>, count: usize) {
+        rows.truncate((count - 1).div_ceil(WIDTH));
+        if let Some(row) = rows.get_mut((count - 1) / WIDTH) {
+            row.filled &= !(1 << ((count - 1) % WIDTH));
+        }
     }
 
     /// Which of the boxes another one overlaps, or is not known to be apart from: a NaN is near.

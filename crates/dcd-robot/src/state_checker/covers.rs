@@ -2,6 +2,7 @@
 
 use dcd_geom::{CurvedKind, Kind, Polytope, Pose, Shape, SphereBounds};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// One of the spheres that cover a shape, in the shape's own frame, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +17,35 @@ pub(crate) struct CoverSphere {
 /// What a covering sphere is larger by, and an inner one smaller, than it was found: of the shape's reach.
 /// Faces are merged within 1e-9 of the extent ([`dcd_geom::FLATNESS`]), and pieces are cut in f64.
 const COVER_MARGIN: f64 = 4e-9;
+
+/// Covers that were found, so that those who need the same one find it once.
+#[derive(Debug, Default)]
+pub(crate) struct Covers(Vec<(Shape, usize, Vec<CoverSphere>)>);
+
+impl Covers {
+    /// [`cover`].
+    pub(crate) fn of(&mut self, shape: &Shape, most: usize) -> Vec<CoverSphere> {
+        let known = self.0.iter().find(|(of, count, _)| *count == most && is_one(of, shape));
+        if let Some((.., found)) = known {
+            return found.clone();
+        }
+        let found = cover(shape, most);
+        self.0.push((shape.clone(), most, found.clone()));
+        found
+    }
+}
+
+/// Whether two shapes are clones of one.
+pub(crate) fn is_one(a: &Shape, b: &Shape) -> bool {
+    match (a, b) {
+        (Shape::Polytope(a), Shape::Polytope(b)) => Arc::ptr_eq(a, b),
+        (Shape::Mesh(a), Shape::Mesh(b)) => Arc::ptr_eq(a, b),
+        (Shape::Compound(a), Shape::Compound(b)) => Arc::ptr_eq(a, b),
+        (Shape::Curved(a), Shape::Curved(b)) => a == b,
+        (Shape::Ellipsoid(a), Shape::Ellipsoid(b)) => a == b,
+        _ => false,
+    }
+}
 
 /// At most so many spheres, at least one, that cover the shape together.
 pub(crate) fn cover(shape: &Shape, most: usize) -> Vec<CoverSphere> {
@@ -170,8 +200,9 @@ fn halved(
         let mean = cut.iter().sum::<DVec3>() / cut.len() as f64;
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let angle = |p: &DVec3| libm::atan2(p[v] - mean[v], p[u] - mean[u]);
-        cut.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
-        kept.push(cut);
+        let mut round: Vec<(f64, DVec3)> = cut.into_iter().map(|p| (angle(&p), p)).collect();
+        round.sort_by(|a, b| a.0.total_cmp(&b.0));
+        kept.push(round.into_iter().map(|(_, p)| p).collect());
     }
     kept
 }

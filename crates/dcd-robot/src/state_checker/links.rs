@@ -1,6 +1,6 @@
 //! The spheres that cover what each link carries.
 
-use super::covers::{CoverSphere, cover};
+use super::covers::{CoverSphere, Covers};
 use super::separate::MOST_BLOCKS;
 use super::solids::margin_of;
 use crate::Robot;
@@ -84,11 +84,11 @@ pub(super) struct LinkSpheres {
 }
 
 /// The spheres of all links that carry any of the bodies, in the order of the links.
-pub(super) fn links(robot: &Robot, bodies: &[Body<'_>]) -> Vec<LinkSpheres> {
+pub(super) fn links(robot: &Robot, bodies: &[Body<'_>], covers: &mut Covers) -> Vec<LinkSpheres> {
     let mut of_link: Vec<Vec<&Body<'_>>> = vec![Vec::new(); robot.links.len()];
     bodies.iter().for_each(|body| of_link[body.link].push(body));
     let carrying = of_link.iter().enumerate().filter(|(_, bodies)| !bodies.is_empty());
-    carrying.map(|(link, bodies)| LinkSpheres::of(link, bodies)).collect()
+    carrying.map(|(link, bodies)| LinkSpheres::of(link, bodies, covers)).collect()
 }
 
 impl LinkSpheres {
@@ -101,13 +101,13 @@ impl LinkSpheres {
         bodies
     }
 
-    fn of(link: usize, bodies: &[&Body<'_>]) -> Self {
+    fn of(link: usize, bodies: &[&Body<'_>], known: &mut Covers) -> Self {
         // A row holds the spheres of all bodies where there are few of them.
         let each = (WIDTH / bodies.len()).max(1);
         let covers: Vec<(u32, Vec<CoverSphere>)> = bodies
             .iter()
             .map(|body| {
-                let spheres = cover(body.shape, each).into_iter();
+                let spheres = known.of(body.shape, each).into_iter();
                 (body.number, spheres.map(|sphere| placed(sphere, &body.origin)).collect())
             })
             .collect();

@@ -9,12 +9,20 @@ use dcd_simd::WIDTH;
 /// where few comparisons would do. No effect on any answer.
 const FEW: usize = 64;
 
-/// A tree over the boxes of obstacles.
+/// How many obstacles may have changed since the tree was built. Larger: each query compares more boxes. Smaller: trees
+/// are built more often. No effect on any answer.
+const MOST_CHANGED: usize = 32;
+
+/// A tree over the boxes of obstacles, with a list of those that have changed since it was built.
 #[derive(Debug)]
 pub(super) struct ObstacleTree {
     tree: StaticTree,
-    /// The names of the sixteen query boxes: numbers after those of the obstacles.
+    /// The names of the sixteen query boxes: numbers after those of the obstacles in the tree.
     names: [u32; WIDTH],
+    /// Those whose boxes in the tree are not theirs any more, or are not in it.
+    changed: Vec<u32>,
+    /// Of each in the tree whether it is among them, or gone.
+    is_stale: Vec<bool>,
 }
 
 impl ObstacleTree {
@@ -27,15 +35,47 @@ impl ObstacleTree {
         let mut tree = StaticTree::default();
         tree.build(IdentifiedAabbs { aabbs, names: &names }, Exec::from(Par::Serial));
         let first = aabbs.len() as u32;
-        Some(Self { tree, names: std::array::from_fn(|lane| first + lane as u32) })
+        let names = std::array::from_fn(|lane| first + lane as u32);
+        Some(Self { tree, names, changed: Vec::new(), is_stale: vec![false; aabbs.len()] })
     }
 
-    /// Reports each obstacle whose box overlaps one of sixteen boxes, and the number of that box.
-    pub(super) fn reached(&self, aabbs: &[Aabb; WIDTH], mut report: impl FnMut(u32, usize)) {
+    /// Takes note that an obstacle is new, is elsewhere or, with its number, another one.
+    pub(super) fn change(&mut self, obstacle: u32) {
+        if !self.changed.contains(&obstacle) {
+            self.changed.push(obstacle);
+        }
+        if let Some(stale) = self.is_stale.get_mut(obstacle as usize) {
+            *stale = true;
+        }
+    }
+
+    /// Takes note that there is no obstacle of that number any more.
+    pub(super) fn forget(&mut self, obstacle: u32) {
+        self.change(obstacle);
+        self.changed.retain(|&changed| changed != obstacle);
+    }
+
+    /// Whether so many have changed that a new tree is better.
+    pub(super) fn is_worn(&self) -> bool {
+        self.changed.len() > MOST_CHANGED
+    }
+
+    /// Lists each obstacle whose box overlaps one of sixteen boxes, and the number of that box: in the order of both.
+    pub(super) fn reached(&self, aabbs: &[Aabb; WIDTH], of: &[Aabb]) -> Vec<(u32, usize)> {
         let mut pairs: Vec<Pair> = Vec::new();
         let queries = IdentifiedAabbs { aabbs, names: &self.names };
-        self.tree.append_pairs(queries, |_, _| true, &mut pairs);
-        pairs.sort_unstable();
-        pairs.iter().for_each(|pair| report(pair.i, (pair.j - self.names[0]) as usize));
+        self.tree.append_pairs(queries, |i, _| !self.is_stale[i as usize], &mut pairs);
+        let lane = |pair: &Pair| (pair.j - self.names[0]) as usize;
+        let mut reached: Vec<(u32, usize)> = pairs.iter().map(|p| (p.i, lane(p))).collect();
+        let around = aabbs.iter().fold(Aabb::EMPTY, |all, aabb| all.union(aabb));
+        for &obstacle in &self.changed {
+            let own = &of[obstacle as usize];
+            if around.overlaps(own) {
+                let lanes = (0..WIDTH).filter(|&lane| aabbs[lane].overlaps(own));
+                reached.extend(lanes.map(|lane| (obstacle, lane)));
+            }
+        }
+        reached.sort_unstable();
+        reached
     }
 }

@@ -1,18 +1,19 @@
 //! What of a robot and its world does not depend on a state.
 
+mod changes;
+
 use super::boxes::BoxRow;
+use super::covers::{Covers, is_one};
 use super::link_frames::LinkFrames;
 use super::links::{Body, BodyHull, LinkSpheres, links};
 use super::obstacle_tree::ObstacleTree;
 use super::solids::Solid;
 use crate::kinematics::JointFrame;
 use crate::{Joint, Motion, Robot, RobotError, Workcell};
-use dcd_geom::{Aabb, Pair, Pose, SceneError, Shape};
-use dcd_gjk::Overlap;
-use dcd_pipeline::{LinkSet, Other, StaticWorld};
+use dcd_geom::{Aabb, Pair, Pose};
+use dcd_pipeline::{LinkSet, Other};
 use dcd_simd::Block;
 use std::ops::Range;
-use std::sync::Arc;
 
 /// What does not depend on a state.
 #[derive(Debug)]
@@ -22,6 +23,8 @@ pub(super) struct Prepared {
     pub(super) bodies: Vec<(u32, usize)>,
     /// For each body its vertices, if it is a hull.
     pub(super) hulls: Vec<Option<BodyHull>>,
+    /// For each obstacle its box in the world.
+    pub(super) aabbs: Vec<Aabb>,
     pub(super) solids: Vec<Solid>,
     /// The vertices of the hulls among them.
     pub(super) corners: Vec<Block>,
@@ -39,16 +42,16 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    pub(super) fn of(cell: Workcell) -> Self {
+    pub(super) fn of(cell: Workcell, covers: &mut Covers) -> Self {
         let parts = cell.robot().parts.len();
         let bodies = bodies(&cell);
         let is_padded = |part: usize| bodies[parts..].iter().any(|&(_, padded)| padded == part);
         let meets_world = |&number: &usize| number >= parts || !is_padded(number);
         let all = 0..bodies.len();
-        let spheres = |numbers: &mut dyn Iterator<Item = usize>| {
+        let mut spheres = |numbers: &mut dyn Iterator<Item = usize>| {
             let shapes: Vec<Body<'_>> =
                 numbers.map(|number| body(&cell, &bodies, number)).collect();
-            links(cell.robot(), &shapes)
+            links(cell.robot(), &shapes, covers)
         };
         let world_links = spheres(&mut all.clone().filter(meets_world));
         let own_links = cell.is_padded().then(|| spheres(&mut (0..parts)));
@@ -56,6 +59,7 @@ impl Prepared {
         let mut prepared = Self {
             bodies,
             hulls,
+            aabbs: Vec::new(),
             solids: Vec::new(),
             corners: Vec::new(),
             boxes: Vec::new(),
@@ -100,16 +104,29 @@ impl Prepared {
     /// Takes the obstacles from the cell.
     fn take_obstacles(&mut self) {
         let obstacles = self.obstacles();
-        let Self { cell, solids, corners, boxes, .. } = self;
+        let Self { cell, hulls, aabbs, solids, corners, boxes, .. } = self;
         let scene = cell.scene();
-        let aabbs: Vec<Aabb> = obstacles.clone().map(|object| scene.aabb(object)).collect();
+        aabbs.clear();
+        aabbs.extend(obstacles.clone().map(|object| scene.aabb(object)));
         solids.clear();
         corners.clear();
-        let objects = obstacles.zip(&aabbs);
-        solids.extend(objects.map(|(object, aabb)| Solid::of(scene, object, aabb, corners)));
-        BoxRow::fill(boxes, &aabbs, solids);
-        self.tree = ObstacleTree::of(&aabbs);
+        let objects = obstacles.zip(&*aabbs);
+        let parts = hulls.iter().any(Option::is_some);
+        solids.extend(
+            objects.map(|(object, aabb)| {
+                Solid::of(scene, object, aabb, parts.then_some(&mut *corners))
+            }),
+        );
+        BoxRow::fill(boxes, aabbs, solids);
+        self.tree = ObstacleTree::of(aabbs);
         self.filtered = scene.filters_movers();
+    }
+
+    /// An obstacle as it is compared, its vertices behind those that there are, if a plane may part any body from it.
+    fn solid(&mut self, object: usize, aabb: &Aabb) -> Solid {
+        let parts = self.hulls.iter().any(Option::is_some);
+        let corners = parts.then_some(&mut self.corners);
+        Solid::of(self.cell.scene(), object, aabb, corners)
     }
 
     pub(super) fn robot(&self) -> &Robot {
@@ -117,7 +134,7 @@ impl Prepared {
     }
 
     fn obstacles(&self) -> Range<usize> {
-        obstacles(&self.cell)
+        self.cell.obstacles()
     }
 
     pub(super) fn own_links(&self) -> &[LinkSpheres] {
@@ -185,18 +202,8 @@ impl Prepared {
 /// For each body of a cell its object in the scene and the part that moves it: the parts, then the padded ones.
 fn bodies(cell: &Workcell) -> Vec<(u32, usize)> {
     let moved = |i: usize| Some((i as u32, cell.part_of(i)?));
-    (0..cell.scene().len()).filter_map(moved).collect()
-}
-
-/// The objects of the scene that stand still.
-fn obstacles(cell: &Workcell) -> Range<usize> {
-    let (first, end) = (cell.robot().parts.len(), cell.scene().len());
-    first..(first..end).find(|&i| cell.part_of(i).is_some()).unwrap_or(end)
-}
-
-/// The obstacles as a world of their own, by their numbers.
-pub(super) fn world(cell: &Workcell) -> Result<StaticWorld, SceneError> {
-    StaticWorld::for_pairs(cell.scene(), obstacles(cell), Overlap::default())
+    let (still, all) = (cell.obstacles(), cell.scene().len());
+    (0..still.start).chain(still.end..all).filter_map(moved).collect()
 }
 
 fn body<'a>(cell: &'a Workcell, bodies: &[(u32, usize)], number: usize) -> Body<'a> {
@@ -208,15 +215,7 @@ fn body<'a>(cell: &'a Workcell, bodies: &[(u32, usize)], number: usize) -> Body<
 
 /// Whether two bodies are placed alike and share their shape.
 fn is_same_body(a: &Body<'_>, b: &Body<'_>) -> bool {
-    let shapes_are_one = match (a.shape, b.shape) {
-        (Shape::Polytope(a), Shape::Polytope(b)) => Arc::ptr_eq(a, b),
-        (Shape::Mesh(a), Shape::Mesh(b)) => Arc::ptr_eq(a, b),
-        (Shape::Compound(a), Shape::Compound(b)) => Arc::ptr_eq(a, b),
-        (Shape::Curved(a), Shape::Curved(b)) => a == b,
-        (Shape::Ellipsoid(a), Shape::Ellipsoid(b)) => a == b,
-        _ => false,
-    };
-    shapes_are_one && a.link == b.link && a.origin == b.origin
+    is_one(a.shape, b.shape) && a.link == b.link && a.origin == b.origin
 }
 
 /// What of a joint says where its child is.

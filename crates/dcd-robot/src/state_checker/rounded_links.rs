@@ -114,7 +114,7 @@ impl RoundedLink {
         &self,
         radius: f32,
         open: u32,
-        tree: &ObstacleTree,
+        (tree, obstacles): (&ObstacleTree, &[Aabb]),
         near: &mut Vec<(u32, u32)>,
     ) {
         let mut aabbs = [Aabb::EMPTY; WIDTH];
@@ -125,11 +125,8 @@ impl RoundedLink {
             let is_known = aabb.min.is_finite() && aabb.max.is_finite();
             aabbs[lane] = if is_known { aabb } else { Aabb::EVERYTHING };
         }
-        tree.reached(&aabbs, |obstacle, lane| {
-            if open >> lane & 1 == 1 {
-                near.push((obstacle, 1 << lane));
-            }
-        });
+        let reached = tree.reached(&aabbs, obstacles).into_iter();
+        near.extend(reached.map(|(obstacle, lane)| (obstacle, 1 << lane)));
     }
 
     /// The link's own sphere in all sixteen states.

@@ -90,7 +90,10 @@ impl Sift<'_> {
         near.clear();
         match &self.prepared.tree {
             None => self.compare_all(l, (link, rounded), aabb, near),
-            Some(tree) => rounded.near_in_tree(link.radius, self.open, tree, near),
+            Some(tree) => {
+                let tree = (tree, &*self.prepared.aabbs);
+                rounded.near_in_tree(link.radius, self.open, tree, near);
+            }
         }
         let any = near.iter().fold(0, |any, &(_, states)| any | states);
         for lane in bits(any) {

@@ -56,10 +56,16 @@ pub(super) struct Reached {
 }
 
 impl Solid {
-    /// Of an object of a scene with that box; adds its vertices to `blocks`.
-    pub(super) fn of(scene: &Scene, object: usize, aabb: &Aabb, blocks: &mut Vec<Block>) -> Self {
+    /// Of an object of a scene with that box; adds its vertices to `blocks`, where there are any.
+    pub(super) fn of(
+        scene: &Scene,
+        object: usize,
+        aabb: &Aabb,
+        blocks: Option<&mut Vec<Block>>,
+    ) -> Self {
         let (shape, pose) = (scene.shape(object), &scene.poses()[object]);
         let mut solid = closed(shape, pose).unwrap_or_else(|| bounded(shape, pose, aabb));
+        let Some(blocks) = blocks else { return solid };
         if let Some(polytope) = shape.as_polytope().filter(|p| p.vertices().len() <= CORNERS) {
             let first = blocks.len();
             let mut placed = [DVec3::ZERO; WIDTH];
@@ -74,9 +80,21 @@ impl Solid {
         solid
     }
 
+    /// Which blocks of all obstacles' ones are its vertices; none of what is no hull of few.
+    pub(super) fn corner_range(&self) -> Range<usize> {
+        self.corners.start as usize..self.corners.end as usize
+    }
+
+    /// The same with its vertices in other blocks.
+    pub(super) fn with_corners(self, first: usize) -> Self {
+        // As many blocks as it had: see `of`.
+        let first = first as u32;
+        Self { corners: first..first + (self.corners.end - self.corners.start), ..self }
+    }
+
     /// Its vertices in the world, of all obstacles' ones, if it is a hull of few.
     pub(super) fn corners<'a>(&self, blocks: &'a [Block]) -> Option<&'a [Block]> {
-        let corners = self.corners.start as usize..self.corners.end as usize;
+        let corners = self.corner_range();
         (!corners.is_empty()).then(|| &blocks[corners])
     }
 

@@ -32,7 +32,7 @@ impl Draw {
         DVec3::new(self.next(), self.next(), self.next())
     }
 
-    fn pose(&mut self, far: f64) -> Pose {
+    pub(super) fn pose(&mut self, far: f64) -> Pose {
         let q = DQuat::from_xyzw(self.next(), self.next(), self.next(), self.next()).normalize();
         let turned = if self.below(3) == 0 { DQuat::IDENTITY } else { q };
         Pose::new(turned, self.vector() * far).unwrap()
@@ -92,7 +92,7 @@ pub(super) fn robot(draw: &mut Draw, spheres_alone: bool) -> Robot {
 }
 
 /// An obstacle of any kind of shape.
-fn shape(draw: &mut Draw) -> Shape {
+pub(super) fn shape(draw: &mut Draw) -> Shape {
     let size = draw.size(0.05, 0.4);
     let points = |draw: &mut Draw, count: u32| (0..count).map(|_| draw.vector() * size).collect();
     let shape = match draw.below(11) {
