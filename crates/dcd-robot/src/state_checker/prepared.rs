@@ -1,6 +1,7 @@
 //! What of a robot and its world does not depend on a state.
 
 use super::boxes::BoxRow;
+use super::chain::Chain;
 use super::link_frames::LinkFrames;
 use super::links::{Body, BodyHull, LinkSpheres, links};
 use super::obstacle_tree::ObstacleTree;
@@ -32,6 +33,8 @@ pub(super) struct Prepared {
     pub(super) world_links: Vec<LinkSpheres>,
     /// The spheres of what meets the robot, where they are not the same.
     pub(super) own_links: Option<Vec<LinkSpheres>>,
+    /// Where the links are in f32.
+    pub(super) chain: Chain,
     /// The links that may meet each other, by their places among those with spheres.
     pub(super) link_pairs: Vec<[u32; 2]>,
     /// Whether some pair may touch, or does not meet.
@@ -53,7 +56,9 @@ impl Prepared {
         let world_links = spheres(&mut all.clone().filter(meets_world));
         let own_links = cell.is_padded().then(|| spheres(&mut (0..parts)));
         let hulls = all.clone().map(|number| BodyHull::of(&body(&cell, &bodies, number))).collect();
+        let chain = Chain::of(cell.robot(), &world_links);
         let mut prepared = Self {
+            chain,
             bodies,
             hulls,
             solids: Vec::new(),
@@ -91,6 +96,9 @@ impl Prepared {
         let parts = 0..cell.robot().parts.len();
         let is_filtered_alike = self.cell.scene().has_same_filters(cell.scene(), parts);
         self.cell = cell;
+        if self.chain.base != self.robot().base {
+            self.chain = Chain::of(self.cell.robot(), &self.world_links);
+        }
         self.take_obstacles();
         if !is_filtered_alike {
             self.link_pairs = self.link_pairs();
