@@ -45,6 +45,11 @@ impl Places {
         Ok(())
     }
 
+    /// Whether the bounds of f32 hold for a state: then no link of it is out of range.
+    pub(super) fn covers(&self, lane: usize) -> bool {
+        self.uncovered >> lane & 1 == 0
+    }
+
     /// What says where the links are in f32.
     pub(super) fn placed<'a>(&'a self, prepared: &'a Prepared) -> Placed<'a> {
         let Self { drives, uncovered, frames, .. } = self;

@@ -160,13 +160,31 @@ impl Prepared {
 
     /// The objects of a pair.
     pub(super) fn pair(&self, body: u32, other: Other) -> Pair {
-        let object = |body: u32| self.bodies[body as usize].0;
+        Pair::new(self.bodies[body as usize].0, self.object_of(other))
+    }
+
+    /// An obstacle's or another body's object in the scene.
+    pub(super) fn object_of(&self, other: Other) -> u32 {
         match other {
-            Other::Obstacle(number) => {
-                Pair::new(object(body), self.obstacles().start as u32 + number)
-            }
-            Other::Link(other) => Pair::new(object(body), object(other)),
+            // Obstacles follow the parts.
+            Other::Obstacle(number) => self.robot().parts.len() as u32 + number,
+            Other::Link(other) => self.bodies[other as usize].0,
         }
+    }
+
+    /// Whether a body is a sphere, and the other one is a sphere or an obstacle of one piece.
+    pub(super) fn is_sphere_pair(&self, body: u32, other: Other) -> bool {
+        let shape = |object: u32| self.cell.scene().shape(object as usize);
+        let is_sphere =
+            |object: u32| shape(object).as_polytope().is_some_and(|p| p.vertices().len() == 1);
+        let against = self.object_of(other);
+        is_sphere(self.bodies[body as usize].0)
+            && match other {
+                Other::Link(_) => is_sphere(against),
+                Other::Obstacle(_) => {
+                    !matches!(shape(against), Shape::Mesh(_) | Shape::Compound(_))
+                }
+            }
     }
 
     pub(super) fn link_set(&self) -> LinkSet {

@@ -8,8 +8,8 @@ use super::sift::{Found, Sift};
 use super::{Goal, StateChecker, StateHit};
 use crate::RobotError;
 use dcd_geom::{Pose, SceneError};
-use dcd_gjk::Verdict;
-use dcd_pipeline::Candidate;
+use dcd_gjk::{Certified, PairSolver, PosedShape, Verdict};
+use dcd_pipeline::{Candidate, Other};
 use dcd_simd::{Path, WIDTH, dispatch_on};
 use std::sync::Mutex;
 
@@ -196,6 +196,48 @@ impl Worker {
         }
     }
 
+    /// Decides the pairs of `next` that have a sphere on the robot's side, one by one, and takes them out: the lanes
+    /// leave few of them, for which the obstacles need not be prepared.
+    fn decide_spheres(
+        &mut self,
+        prepared: &Prepared,
+        note: &mut impl FnMut(Candidate, Verdict<()>),
+    ) {
+        let scene = prepared.cell.scene();
+        let mut memory = Default::default();
+        let places = &self.places;
+        self.next.retain(|candidate| {
+            let &Candidate { configuration, link, other } = candidate;
+            let (places, lane) =
+                (&places[configuration as usize / WIDTH], configuration as usize % WIDTH);
+            // What may be out of range is refused where the pairs are prepared, as is what has no pose.
+            if !prepared.is_sphere_pair(link, other) || !places.covers(lane) {
+                return true;
+            }
+            let posed = |body: u32| {
+                let object = prepared.bodies[body as usize].0;
+                let pose = prepared.pose(&places.frames, lane, body as usize);
+                pose.map(|pose| (object, pose))
+            };
+            let other = match other {
+                Other::Obstacle(_) => {
+                    let object = prepared.object_of(other);
+                    Ok((object, scene.poses()[object as usize]))
+                }
+                Other::Link(other) => posed(other),
+            };
+            let (Ok(link), Ok(other)) = (posed(link), other) else { return true };
+            let [a, b] = [&link, &other]
+                .map(|(object, pose)| PosedShape { shape: scene.shape(*object as usize), pose });
+            match Certified.solve(a, b, &mut memory) {
+                Verdict::Apart => {}
+                Verdict::Touching(_) => note(*candidate, Verdict::Touching(())),
+                Verdict::Undecided(why) => note(*candidate, Verdict::Undecided(why)),
+            }
+            false
+        });
+    }
+
     /// Decides the pairs of `next`.
     fn decide<S: AsRef<[f64]>>(
         &mut self,
@@ -207,6 +249,10 @@ impl Worker {
         }
         let prepared = &checker.prepared;
         self.place_exactly(prepared, states);
+        self.decide_spheres(prepared, &mut note);
+        if self.next.is_empty() {
+            return Ok(());
+        }
         let (decider, world) = checker.decider().map_err(|error| (0, RobotError::Scene(error)))?;
         let mut refused: Option<RefusedState> = None;
         let pose = |state: usize, body: usize| {
