@@ -1,17 +1,19 @@
 //! Whether states are free, sixteen at a time.
 //!
-//! Sixteen states go through the lanes together: where the links are (the frames of [`Robot::place`] bit for
-//! bit), the spheres round and in what they carry against the obstacles and each other. Spheres prove most pairs
-//! apart and many to touch; only the pairs that are left are posed, prepared and decided by the narrow phase. A
-//! robot of spheres among boxes, cylinders and spheres is decided by the lanes but for what is within
-//! [`MARGIN`].
+//! Sixteen states go through the lanes together: where the links are, in f32 and with a bound of how far from the
+//! frames of [`Robot::place`](crate::Robot::place), the spheres round and in what they carry against the obstacles and
+//! each other. Spheres prove most pairs apart and many to touch; only the pairs that are left are posed, where
+//! [`Robot::place`](crate::Robot::place) has them, prepared and decided by the narrow phase. A robot of spheres among
+//! boxes, cylinders and spheres is decided by the lanes but for what is within [`MARGIN`] and that bound.
 
 mod boxes;
+mod chain;
 mod changes;
 pub(crate) mod covers;
 mod link_frames;
 mod links;
 mod obstacle_tree;
+mod places;
 mod prepared;
 mod rounded_links;
 mod sensed;

@@ -11,7 +11,7 @@ use dcd_simd::{Kernel, Lanes, WIDTH};
 use glam::{DMat3, DVec3};
 
 /// How many f64 lanes there are.
-const HALF: usize = WIDTH / 2;
+pub(super) const HALF: usize = WIDTH / 2;
 
 /// A number of each of sixteen states.
 pub(super) type Numbers = [[f64; HALF]; 2];
@@ -66,20 +66,20 @@ impl LinkFrames {
         self.sums[lane / HALF][lane % HALF].is_finite()
     }
 
-    /// Moves the links of one state alone, in the first lane: the numbers of [`Place`], without the cost of idle lanes.
+    /// Moves the links of one state alone, in its lane: the numbers of [`Place`], without the cost of other lanes.
     /// The state has been checked.
-    pub(super) fn place_alone(&mut self, robot: &Robot, state: &[f64]) {
+    pub(super) fn place_alone(&mut self, robot: &Robot, state: &[f64], lane: usize) {
         self.frames.resize(robot.links.len(), [[[0.0; HALF]; 2]; 12]);
-        self.set_frame(robot.root, 0, &robot.base);
+        self.set_frame(robot.root, lane, &robot.base);
         let mut sum = 0.0;
         for joint in &robot.joints {
-            let rest = self.frame(joint.parent, 0).then(&joint.origin);
+            let rest = self.frame(joint.parent, lane).then(&joint.origin);
             let frame = moved(&rest, joint, state);
-            self.set_frame(joint.child, 0, &frame);
+            self.set_frame(joint.child, lane, &frame);
             let columns = frame.rotation.x_axis + frame.rotation.y_axis + frame.rotation.z_axis;
             sum += (columns + frame.translation).element_sum();
         }
-        self.sums[0][0] = sum;
+        self.sums[lane / HALF][lane % HALF] = sum;
     }
 
     fn set_frame(&mut self, link: usize, lane: usize, frame: &JointFrame) {

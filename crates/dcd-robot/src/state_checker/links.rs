@@ -80,6 +80,8 @@ pub(super) struct LinkSpheres {
     pub(super) radius: f32,
     /// By how much a comparison may be off, beside what the link's place adds, metres.
     pub(super) margin: f32,
+    /// How far from the link's origin any of it is at most, metres.
+    pub(super) size: f32,
     pub(super) rows: Vec<SphereRow>,
 }
 
@@ -135,8 +137,9 @@ impl LinkSpheres {
             }
             used += spheres.len();
         }
-        let margin = margin_of(size + middle.abs().element_sum() + radius);
-        Self { link, centre: middle.as_vec3(), radius: radius as f32, margin, rows }
+        let size = size + middle.abs().element_sum() + radius;
+        let (margin, size) = (margin_of(size), (size as f32).next_up());
+        Self { link, centre: middle.as_vec3(), radius: radius as f32, margin, size, rows }
     }
 }
 

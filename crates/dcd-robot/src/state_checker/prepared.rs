@@ -3,6 +3,7 @@
 mod changes;
 
 use super::boxes::BoxRow;
+use super::chain::Chain;
 use super::covers::{Covers, is_one};
 use super::link_frames::LinkFrames;
 use super::links::{Body, BodyHull, LinkSpheres, links};
@@ -35,6 +36,8 @@ pub(super) struct Prepared {
     pub(super) world_links: Vec<LinkSpheres>,
     /// The spheres of what meets the robot, where they are not the same.
     pub(super) own_links: Option<Vec<LinkSpheres>>,
+    /// Where the links are in f32.
+    pub(super) chain: Chain,
     /// The links that may meet each other, by their places among those with spheres.
     pub(super) link_pairs: Vec<[u32; 2]>,
     /// Whether some pair may touch, or does not meet.
@@ -56,7 +59,9 @@ impl Prepared {
         let world_links = spheres(&mut all.clone().filter(meets_world));
         let own_links = cell.is_padded().then(|| spheres(&mut (0..parts)));
         let hulls = all.clone().map(|number| BodyHull::of(&body(&cell, &bodies, number))).collect();
+        let chain = Chain::of(cell.robot(), &world_links);
         let mut prepared = Self {
+            chain,
             bodies,
             hulls,
             aabbs: Vec::new(),
@@ -95,6 +100,9 @@ impl Prepared {
         let parts = 0..cell.robot().parts.len();
         let is_filtered_alike = self.cell.scene().has_same_filters(cell.scene(), parts);
         self.cell = cell;
+        if self.chain.base != self.robot().base {
+            self.chain = Chain::of(self.cell.robot(), &self.world_links);
+        }
         self.take_obstacles();
         if !is_filtered_alike {
             self.link_pairs = self.link_pairs();
@@ -169,13 +177,31 @@ impl Prepared {
 
     /// The objects of a pair.
     pub(super) fn pair(&self, body: u32, other: Other) -> Pair {
-        let object = |body: u32| self.bodies[body as usize].0;
+        Pair::new(self.bodies[body as usize].0, self.object_of(other))
+    }
+
+    /// An obstacle's or another body's object in the scene.
+    pub(super) fn object_of(&self, other: Other) -> u32 {
         match other {
-            Other::Obstacle(number) => {
-                Pair::new(object(body), self.obstacles().start as u32 + number)
-            }
-            Other::Link(other) => Pair::new(object(body), object(other)),
+            // Obstacles follow the parts.
+            Other::Obstacle(number) => self.robot().parts.len() as u32 + number,
+            Other::Link(other) => self.bodies[other as usize].0,
         }
+    }
+
+    /// Whether a body is a sphere, and the other one is a sphere or an obstacle of one piece.
+    pub(super) fn is_sphere_pair(&self, body: u32, other: Other) -> bool {
+        let shape = |object: u32| self.cell.scene().shape(object as usize);
+        let is_sphere =
+            |object: u32| shape(object).as_polytope().is_some_and(|p| p.vertices().len() == 1);
+        let against = self.object_of(other);
+        is_sphere(self.bodies[body as usize].0)
+            && match other {
+                Other::Link(_) => is_sphere(against),
+                Other::Obstacle(_) => {
+                    !matches!(shape(against), Shape::Mesh(_) | Shape::Compound(_))
+                }
+            }
     }
 
     pub(super) fn link_set(&self) -> LinkSet {

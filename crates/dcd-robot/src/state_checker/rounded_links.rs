@@ -3,7 +3,8 @@
 // In kernels: an iterator that is left out of line costs more than the loop.
 #![allow(clippy::needless_range_loop)]
 
-use super::link_frames::LinkFrames;
+use super::chain::{Chain, Drives, loaded};
+use super::link_frames::{HALF, LinkFrames};
 use super::links::{LinkSpheres, SphereRow};
 use super::obstacle_tree::ObstacleTree;
 use super::prepared::Prepared;
@@ -45,36 +46,67 @@ impl Rounded {
     }
 }
 
-/// Rounds the links' frames, and finds where their spheres are.
-#[inline(always)]
-pub(super) fn round<L: Lanes>(
-    l: L,
-    links: &[LinkSpheres],
-    frames: &LinkFrames,
-    to: &mut Vec<RoundedLink>,
-) {
-    to.resize(links.len(), RoundedLink::default());
-    for (link, rounded) in links.iter().zip(to) {
-        let row = &frames.frames[link.link];
-        for k in 0..12 {
-            l.store(l.round_from([&row[k][0], &row[k][1]]), &mut rounded.frame[k]);
-        }
-        let frame = loaded(l, &rounded.frame);
-        let centre = placed(l, &frame, splat(l, link.centre));
-        rounded.centre = stored(l, centre);
-        let far = l.max(l.max(l.abs(frame[9]), l.abs(frame[10])), l.abs(frame[11]));
-        let margin = l.mul_add(far, l.splat(MARGIN as f32), l.splat(link.margin));
-        l.store(margin, &mut rounded.margin);
-    }
+/// What says where the links of sixteen states are.
+#[derive(Clone, Copy)]
+pub(super) struct Placed<'a> {
+    pub(super) chain: &'a Chain,
+    pub(super) drives: &'a Drives,
+    /// Those that [`Chain::read`] leaves, and where their links are.
+    pub(super) exact: u32,
+    pub(super) frames: &'a LinkFrames,
 }
 
-#[inline(always)]
-fn loaded<L: Lanes>(l: L, rows: &[Row; 12]) -> [L::F; 12] {
-    let mut frame = [l.splat(0.0); 12];
-    for k in 0..12 {
-        frame[k] = l.load(&rows[k]);
+impl Placed<'_> {
+    /// Finds where the links and their spheres are, the links with spheres first. Returns what all joints slide
+    /// together, metres.
+    #[inline(always)]
+    pub(super) fn place<L: Lanes>(
+        &self,
+        l: L,
+        links: &[LinkSpheres],
+        to: &mut Vec<RoundedLink>,
+    ) -> L::F {
+        let slid = self.chain.place(l, self.drives, to);
+        for lane in bits(self.exact) {
+            for (link, rounded) in links.iter().zip(to.iter_mut()) {
+                let row = &self.frames.frames[link.link];
+                for k in 0..12 {
+                    rounded.frame[k].0[lane] = row[k][lane / HALF][lane % HALF] as f32;
+                }
+            }
+        }
+        self.finish(l, links, slid, to);
+        slid
     }
-    frame
+
+    /// Finds where the spheres are of other bodies on the same links, which have been placed.
+    #[inline(always)]
+    pub(super) fn place_again<L: Lanes>(
+        &self,
+        l: L,
+        links: &[LinkSpheres],
+        (placed, slid): (&[RoundedLink], L::F),
+        to: &mut Vec<RoundedLink>,
+    ) {
+        to.clear();
+        to.extend_from_slice(placed);
+        self.finish(l, links, slid, to);
+    }
+
+    #[inline(always)]
+    fn finish<L: Lanes>(&self, l: L, links: &[LinkSpheres], slid: L::F, to: &mut [RoundedLink]) {
+        for (number, link) in links.iter().enumerate() {
+            let rounded = &mut to[number];
+            let frame = loaded(l, &rounded.frame);
+            let centre = placed(l, &frame, splat(l, link.centre));
+            rounded.centre = stored(l, centre);
+            let far = l.max(l.max(l.abs(frame[9]), l.abs(frame[10])), l.abs(frame[11]));
+            let [still, per_slid] = self.chain.errors[number].of_size(link.size);
+            let margin = l.mul_add(far, l.splat(MARGIN as f32), l.splat(link.margin + still));
+            let margin = l.mul_add(slid, l.splat(per_slid), margin);
+            l.store(margin, &mut rounded.margin);
+        }
+    }
 }
 
 #[inline(always)]

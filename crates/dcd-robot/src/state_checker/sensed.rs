@@ -3,7 +3,7 @@
 
 use super::links::BodyHull;
 use super::prepared::Prepared;
-use super::rounded_links::{Rounded, RoundedLink, bits, round, stored};
+use super::rounded_links::{Placed, Rounded, RoundedLink, bits, stored};
 use super::separate::{PlacedHull, across_gap};
 use super::solids::{inside, margin_of, within};
 use super::worker::{CHUNK, Refused, RefusedState, Worker, at};
@@ -145,11 +145,15 @@ impl Worker {
         query: SensedQuery<'_>,
         hits: &mut Vec<SensedHit>,
     ) -> Result<(), RefusedState> {
-        self.place(prepared, states).map_err(|error| at(start, error))?;
+        self.read(prepared, states).map_err(|error| at(start, error))?;
         for (packet, states) in states.chunks(WIDTH).enumerate() {
             let open = (1 << states.len()) - 1;
-            let (frames, rounded) = (&self.frames[packet], &mut self.rounded);
-            let near = dispatch_on(Path::best(), Sift { prepared, frames, rounded, query, open });
+            let placed = self.places[packet].placed(prepared);
+            let rounded = &mut self.rounded;
+            let near = dispatch_on(Path::best(), Sift { prepared, placed, rounded, query, open });
+            let open = near.iter().filter(|near| !near.is_touching);
+            let lanes = open.fold(0, |lanes, near| lanes | 1 << near.lane);
+            self.places[packet].place_exactly(prepared, states, lanes);
             self.decide_sensed(prepared, (packet, &near), (start, query), hits)
                 .map_err(|error| at(start, error))?;
         }
@@ -182,7 +186,7 @@ impl Worker {
                 let pose = match posed {
                     Some((same, pose)) if same == key => pose,
                     _ => {
-                        let (frames, body) = (&self.frames[packet], near.body as usize);
+                        let (frames, body) = (&self.places[packet].frames, near.body as usize);
                         prepared.pose(frames, near.lane as usize, body).map_err(|e| (state, e))?
                     }
                 };
@@ -215,7 +219,7 @@ impl Worker {
 /// Lists what spheres and planes leave of sixteen states, by lanes, bodies and places.
 struct Sift<'a> {
     prepared: &'a Prepared,
-    frames: &'a super::link_frames::LinkFrames,
+    placed: Placed<'a>,
     rounded: &'a mut Rounded,
     query: SensedQuery<'a>,
     open: u32,
@@ -226,7 +230,7 @@ impl Kernel for Sift<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Vec<Near> {
-        let Self { prepared, frames, rounded, query, open } = self;
+        let Self { prepared, placed, rounded, query, open } = self;
         let SensedQuery { sensed, grown, goal } = query;
         let mut found = Vec::new();
         if sensed.is_empty() {
@@ -237,7 +241,7 @@ impl Kernel for Sift<'_> {
         // Within the margin of a radius, as all that is rounded here.
         let (largest, grown) = ((largest + grown) as f32, grown as f32);
         let seen = Seen { sensed, half: sensed.half_extents().as_vec3(), largest, margin, grown };
-        round(l, &prepared.world_links, frames, &mut rounded.world);
+        placed.place(l, &prepared.world_links, &mut rounded.world);
         for lane in bits(open) {
             let first = found.len();
             for (link, placed) in prepared.world_links.iter().zip(&rounded.world) {

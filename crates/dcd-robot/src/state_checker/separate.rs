@@ -128,15 +128,13 @@ impl<'a> PlacedHull<'a> {
             best = l.select(is_farther, along, best);
             block = l.select(is_farther, l.splat(number as f32), block);
         }
-        let (mut values, mut blocks) = (Row([0.0; WIDTH]), Row([0.0; WIDTH]));
-        l.store(best, &mut values);
+        let most = l.largest(best);
+        let mut blocks = Row([0.0; WIDTH]);
         l.store(block, &mut blocks);
-        let mut farthest = 0;
-        for lane in 1..WIDTH {
-            farthest = if values.0[lane] > values.0[farthest] { lane } else { farthest };
-        }
+        // Of lanes that are as far the first; of NaN, which part nothing, any.
+        let farthest = l.bits(l.le(l.splat(most), best)).trailing_zeros() as usize % WIDTH;
         let vertex = self.blocks[blocks.0[farthest] as usize].point(farthest);
-        (values.0[farthest], self.rotation * vertex + self.translation)
+        (most, self.rotation * vertex + self.translation)
     }
 }
 

@@ -1,10 +1,9 @@
 //! Sixteen states against everything, by spheres: what is proved to touch, and what is left.
 
 use super::boxes::{around, overlap};
-use super::link_frames::LinkFrames;
 use super::links::{LinkSpheres, SphereRow};
 use super::prepared::Prepared;
-use super::rounded_links::{Rounded, RoundedLink, bits, round, splat, stored};
+use super::rounded_links::{Placed, Rounded, RoundedLink, bits, splat, stored};
 use super::solids::{Reached, Solid, inside, within};
 use super::{Goal, Sixteen};
 use dcd_geom::Aabb;
@@ -24,7 +23,7 @@ pub(super) struct Found {
 /// Compares the spheres of sixteen states.
 pub(super) struct Sift<'a> {
     pub(super) prepared: &'a Prepared,
-    pub(super) frames: &'a LinkFrames,
+    pub(super) placed: Placed<'a>,
     pub(super) rounded: &'a mut Rounded,
     /// The number of the first state.
     pub(super) first: u32,
@@ -42,13 +41,13 @@ impl Kernel for Sift<'_> {
     fn run<L: Lanes>(mut self, l: L) -> u32 {
         let Rounded { mut world, mut own, mut near, mut aabbs } = std::mem::take(self.rounded);
         let (world_links, own_links) = (&self.prepared.world_links, self.prepared.own_links());
-        round(l, world_links, self.frames, &mut world);
+        let slid = self.placed.place(l, world_links, &mut world);
         boxed(l, world_links, &world, self.open, &mut aabbs);
         for ((link, rounded), aabb) in world_links.iter().zip(&world).zip(&aabbs) {
             self.against_obstacles(l, (link, rounded), aabb, &mut near);
         }
         if self.prepared.own_links.is_some() {
-            round(l, own_links, self.frames, &mut own);
+            self.placed.place_again(l, own_links, (&world, slid), &mut own);
             boxed(l, own_links, &own, self.open, &mut aabbs);
         }
         let rounded = if self.prepared.own_links.is_some() { &own } else { &world };

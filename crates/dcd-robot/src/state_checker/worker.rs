@@ -1,6 +1,6 @@
 //! A thread's work on some packets of states.
 
-use super::link_frames::{LinkFrames, Place};
+use super::places::{PlaceLinks, Places};
 use super::prepared::Prepared;
 use super::rounded_links::Rounded;
 use super::separate::{Planes, Separate};
@@ -8,8 +8,8 @@ use super::sift::{Found, Sift};
 use super::{Goal, StateChecker, StateHit};
 use crate::RobotError;
 use dcd_geom::{Pose, SceneError};
-use dcd_gjk::Verdict;
-use dcd_pipeline::Candidate;
+use dcd_gjk::{Certified, PairSolver, PosedShape, Verdict};
+use dcd_pipeline::{Candidate, Other};
 use dcd_simd::{Path, WIDTH, dispatch_on};
 use std::sync::Mutex;
 
@@ -27,7 +27,7 @@ const AT_ONCE: usize = 4;
 /// What a thread works with.
 #[derive(Debug, Default)]
 pub(super) struct Worker {
-    pub(super) frames: [LinkFrames; PACKETS],
+    pub(super) places: [Places; PACKETS],
     pub(super) rounded: Rounded,
     found: Found,
     planes: Planes,
@@ -84,7 +84,7 @@ impl Worker {
             }
             // Of a state's pairs the least that touches, so that it does not matter which were decided together.
             let mut least: Vec<(Candidate, Verdict<()>)> = Vec::new();
-            self.decide(checker, |candidate, verdict| least.push((candidate, verdict)))
+            self.decide((checker, states), |candidate, verdict| least.push((candidate, verdict)))
                 .map_err(|e| at(start, e))?;
             least.sort_unstable_by_key(|&(candidate, verdict)| {
                 (!matches!(verdict, Verdict::Touching(())), candidate)
@@ -121,35 +121,36 @@ impl Worker {
         self.next.extend(self.found.candidates.iter().map(|&(candidate, _)| candidate));
         self.next.sort_unstable();
         self.next.dedup();
-        let decided = self.decide(checker, note);
+        let decided = self.decide((checker, states), note);
         hits.sort_unstable_by_key(|hit| (hit.state, hit.pair, !hit.touches()));
         hits.dedup_by_key(|hit| (hit.state, hit.pair));
         self.hits = hits;
         decided.map_err(|e| at(start, e))
     }
 
-    /// Where the states' links are.
+    /// Takes the states up.
+    pub(super) fn read<S: AsRef<[f64]>>(
+        &mut self,
+        prepared: &Prepared,
+        states: &[S],
+    ) -> Result<(), RefusedState> {
+        for (packet, (states, places)) in states.chunks(WIDTH).zip(&mut self.places).enumerate() {
+            let refused = places.read(prepared, states);
+            refused.map_err(|(lane, error)| (packet * WIDTH + lane, error))?;
+        }
+        Ok(())
+    }
+
+    /// Finds where the states' links are.
     pub(super) fn place<S: AsRef<[f64]>>(
         &mut self,
         prepared: &Prepared,
         states: &[S],
     ) -> Result<(), RefusedState> {
-        let robot = prepared.robot();
-        for (k, state) in states.iter().enumerate() {
-            robot.check_state(state.as_ref()).map_err(|error| (k, error))?;
-        }
-        for (packet, (states, frames)) in states.chunks(WIDTH).zip(&mut self.frames).enumerate() {
-            if let [state] = states {
-                frames.place_alone(robot, state.as_ref());
-            } else {
-                frames.read(robot, states);
-                dispatch_on(Path::best(), Place { robot, states, to: frames });
-            }
-            // Refused even where no pair contains the link.
-            for (lane, state) in states.iter().enumerate().filter(|&(k, _)| !frames.is_finite(k)) {
-                let placed = robot.place(state.as_ref(), &mut Vec::new());
-                placed.map_err(|error| (packet * WIDTH + lane, error))?;
-            }
+        self.read(prepared, states)?;
+        for places in &self.places[..states.len().div_ceil(WIDTH)] {
+            let (links, to) = (&prepared.world_links, &mut self.rounded.world);
+            dispatch_on(Path::best(), PlaceLinks { placed: places.placed(prepared), links, to });
         }
         Ok(())
     }
@@ -161,18 +162,18 @@ impl Worker {
         states: &[S],
         goal: Goal,
     ) -> Result<(), RefusedState> {
-        self.place(prepared, states)?;
-        let Self { frames, rounded, found, planes, .. } = self;
+        self.read(prepared, states)?;
+        let Self { places, rounded, found, planes, .. } = self;
         // Of a state alone there is no next one.
         planes.clear(if states.len() > 1 { prepared.hulls.len() } else { 0 });
         found.touching.clear();
         found.candidates.clear();
-        for (packet, (states, frames)) in states.chunks(WIDTH).zip(frames).enumerate() {
+        for (packet, (states, places)) in states.chunks(WIDTH).zip(places).enumerate() {
             let (first, open) = ((packet * WIDTH) as u32, (1 << states.len()) - 1);
             let from = found.candidates.len();
             let (path, round) = (Path::best(), &mut *rounded);
-            let left = &mut *found;
-            let sift = Sift { prepared, frames, rounded: round, first, open, goal, found: left };
+            let (left, placed) = (&mut *found, places.placed(prepared));
+            let sift = Sift { prepared, placed, rounded: round, first, open, goal, found: left };
             let open = dispatch_on(path, sift);
             let (rounded, found, planes) = (&*rounded, &mut *found, &mut *planes);
             dispatch_on(
@@ -183,20 +184,79 @@ impl Worker {
         Ok(())
     }
 
+    /// Finds where the links are of the states of the next pairs.
+    fn place_exactly<S: AsRef<[f64]>>(&mut self, prepared: &Prepared, states: &[S]) {
+        let mut lanes = [0; PACKETS];
+        for candidate in &self.next {
+            let state = candidate.configuration as usize;
+            lanes[state / WIDTH] |= 1 << (state % WIDTH);
+        }
+        for (packet, states) in states.chunks(WIDTH).enumerate() {
+            self.places[packet].place_exactly(prepared, states, lanes[packet]);
+        }
+    }
+
+    /// Decides the pairs of `next` that have a sphere on the robot's side, one by one, and takes them out: the lanes
+    /// leave few of them, for which the obstacles need not be prepared.
+    fn decide_spheres(
+        &mut self,
+        prepared: &Prepared,
+        note: &mut impl FnMut(Candidate, Verdict<()>),
+    ) {
+        let scene = prepared.cell.scene();
+        let mut memory = Default::default();
+        let places = &self.places;
+        self.next.retain(|candidate| {
+            let &Candidate { configuration, link, other } = candidate;
+            let (places, lane) =
+                (&places[configuration as usize / WIDTH], configuration as usize % WIDTH);
+            // What may be out of range is refused where the pairs are prepared, as is what has no pose.
+            if !prepared.is_sphere_pair(link, other) || !places.covers(lane) {
+                return true;
+            }
+            let posed = |body: u32| {
+                let object = prepared.bodies[body as usize].0;
+                let pose = prepared.pose(&places.frames, lane, body as usize);
+                pose.map(|pose| (object, pose))
+            };
+            let other = match other {
+                Other::Obstacle(_) => {
+                    let object = prepared.object_of(other);
+                    Ok((object, scene.poses()[object as usize]))
+                }
+                Other::Link(other) => posed(other),
+            };
+            let (Ok(link), Ok(other)) = (posed(link), other) else { return true };
+            let [a, b] = [&link, &other]
+                .map(|(object, pose)| PosedShape { shape: scene.shape(*object as usize), pose });
+            match Certified.solve(a, b, &mut memory) {
+                Verdict::Apart => {}
+                Verdict::Touching(_) => note(*candidate, Verdict::Touching(())),
+                Verdict::Undecided(why) => note(*candidate, Verdict::Undecided(why)),
+            }
+            false
+        });
+    }
+
     /// Decides the pairs of `next`.
-    fn decide(
-        &self,
-        checker: &StateChecker,
+    fn decide<S: AsRef<[f64]>>(
+        &mut self,
+        (checker, states): (&StateChecker, &[S]),
         mut note: impl FnMut(Candidate, Verdict<()>),
     ) -> Result<(), RefusedState> {
         if self.next.is_empty() {
             return Ok(());
         }
         let prepared = &checker.prepared;
+        self.place_exactly(prepared, states);
+        self.decide_spheres(prepared, &mut note);
+        if self.next.is_empty() {
+            return Ok(());
+        }
         let (decider, world) = checker.decider().map_err(|error| (0, RobotError::Scene(error)))?;
         let mut refused: Option<RefusedState> = None;
         let pose = |state: usize, body: usize| {
-            let pose = prepared.pose(&self.frames[state / WIDTH], state % WIDTH, body);
+            let pose = prepared.pose(&self.places[state / WIDTH].frames, state % WIDTH, body);
             pose.unwrap_or_else(|error| {
                 if refused.as_ref().is_none_or(|&(first, _)| state < first) {
                     refused = Some((state, error));
