@@ -15,6 +15,7 @@ mod facet_planes;
 mod facets;
 mod half_space;
 mod hull;
+mod lane_supports;
 mod obb;
 mod parts;
 mod polytope;

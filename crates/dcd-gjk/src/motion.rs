@@ -270,6 +270,24 @@ impl Closing {
         n.dot(self.linear) + turning + 64.0 * U * sizes
     }
 
+    /// Along a direction at the instant, of the points at those arms from the two centres; as computed.
+    fn rate(&self, axis: DVec3, arms: [DVec3; 2]) -> f64 {
+        let [of_a, of_b] = [0, 1].map(|k| self.angular[k].cross(arms[k]));
+        axis.dot(self.linear + of_a - of_b) / axis.length()
+    }
+
+    /// At most the second derivative along a fixed direction of the distance of two points, one of each: a point at ρ
+    /// from the centre has n·(ω × (ω × ρ)) = −(n × ω)·(ω × ρ).
+    fn bending(&self, axis: DVec3) -> f64 {
+        let n = axis.normalize();
+        let of_side = |(w, r): (&DVec3, &f64)| {
+            let speed = w.length();
+            // What cancels in the product is rounded by parts of its factors.
+            (n.cross(*w).length() + 64.0 * U * speed) * speed * r
+        };
+        self.angular.iter().zip(&self.radii).map(of_side).sum::<f64>() * (1.0 + 64.0 * U)
+    }
+
     /// In any direction.
     fn at_most(&self) -> f64 {
         (self.linear.length() + self.turning()) * (1.0 + 64.0 * U)
@@ -302,6 +320,7 @@ fn radius(side: &MovingShape<'_>) -> f64 {
 }
 
 mod advance;
+mod cast;
 mod swept;
 #[cfg(test)]
 pub(crate) mod tests;

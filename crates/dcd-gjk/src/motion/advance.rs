@@ -3,14 +3,18 @@
 //! A support along a direction proves a gap there; nothing closes it before a time that follows. The search goes on
 //! from that time with the same vertices at their new places, so that it takes about as many supports as one
 //! distance (for translations: van den Bergen, "Ray casting against general convex objects", 2004).
+//!
+//! A bound on the speed is slow where shapes turn: it is that of the point that closes fastest, and not of the one that
+//! meets first. So a gap is also proved at a later time along the same direction; in between it is at least that of
+//! the chord less what the paths bend.
 
-use super::{Closing, MovingShape};
+use super::{Closing, MovingShape, cast};
 use crate::certificate::{Bounds, combined_length};
 use crate::distance::{Approach, Distance};
 use crate::gjk::{Simplex, start, unit};
 use crate::{Difference, PosedSupport, Vertex};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{PoseError, Shape};
+use dcd_geom::{Pose, PoseError, Shape};
 
 /// From which share of the known distance on a gap moves the time at once. No unit. Larger: more supports a time.
 /// Smaller: more times. Decides the way, never the answer.
@@ -38,22 +42,42 @@ pub(super) fn advance(
     closing: &Closing,
     [until, tolerance, off]: [f64; 3],
 ) -> Result<Advance, PoseError> {
-    let mut t = 0.0;
+    let mut t = match cast::cast([a, b], closing, [until, tolerance, off])? {
+        None => 0.0,
+        Some(Advance::Until(t)) => t,
+        Some(found) => return Ok(found),
+    };
     let mut simplex = Simplex::<f64>::default();
     let mut supports = 0;
+    let mut leap: Option<Leap> = None;
     while supports < SUPPORTS {
-        let (pose_a, pose_b) = (a.motion.pose_at(t)?, b.motion.pose_at(t)?);
+        let at = leap.map_or(t, |leap| leap.to);
+        let (pose_a, pose_b) = (a.motion.pose_at(at)?, b.motion.pose_at(at)?);
         let (posed_a, posed_b) =
             (PosedSupport::shape(a.shape, &pose_a), PosedSupport::shape(b.shape, &pose_b));
         let Some(difference) = Difference::new(posed_a, posed_b) else { break };
+        if let Some(leap) = leap.take() {
+            supports += 1;
+            let found = Support::along(&difference, &Bounds::of(&difference), leap.direction);
+            if !found.is_some_and(|found| found.gap - off > leap.bend) {
+                t = leap.otherwise;
+                continue;
+            }
+            if leap.to >= until {
+                return Ok(Advance::Free);
+            }
+            t = leap.to;
+        }
         let mut search = Search::of(&difference, simplex);
         let mut next = t;
         loop {
             supports += 1;
-            let Some((gap, axis)) = search.support() else { return Ok(Advance::Until(next)) };
-            let gap = gap - off;
+            let Some(Support { gap, vertex, .. }) = search.support() else {
+                return Ok(Advance::Until(next));
+            };
+            let (gap, direction) = (gap - off, search.near.direction);
             if gap > 0.0 {
-                let speed = closing.along(axis);
+                let speed = closing.along(-direction);
                 // A quotient and a sum, rounded down by more than they lose.
                 let then = t + gap / speed * (1.0 - 1e-12);
                 if speed <= 0.0 || then > until {
@@ -61,6 +85,10 @@ pub(super) fn advance(
                 }
                 next = next.max(then);
                 if gap >= WORTH * search.distance() && gap > tolerance {
+                    let arms = [arm(a, &pose_a, vertex.a.point), arm(b, &pose_b, vertex.b.point)];
+                    let rate = closing.rate(-direction, arms);
+                    let ahead = Ahead { gap, rate, from: t, until, least: 0.5 * tolerance };
+                    leap = ahead.leap(closing, direction, next);
                     break;
                 }
             }
@@ -68,19 +96,99 @@ pub(super) fn advance(
                 break;
             }
         }
-        if let Some(found) = search.apart([posed_a, posed_b])
+        if leap.is_none()
+            && let Some(found) = search.apart([posed_a, posed_b])
             && found.upper() <= tolerance
         {
             return Ok(Advance::Near(t, found));
         }
         simplex = search.near.simplex;
         // Written so that NaN ends it.
-        if !(next > t) {
+        if leap.is_none() && !(next > t) {
             break;
         }
-        t = next;
+        if leap.is_none() {
+            t = next;
+        }
     }
-    Ok(Advance::Until(t))
+    Ok(Advance::Until(leap.map_or(t, |leap| leap.otherwise)))
+}
+
+/// From the centre of a motion to a point of the shape at a pose.
+fn arm(side: MovingShape<'_>, pose: &Pose, point: DVec3) -> DVec3 {
+    *pose.rotation() * (point - side.motion.centre)
+}
+
+/// A gap along a direction that is to be proved at a later time as well.
+#[derive(Clone, Copy)]
+struct Leap {
+    direction: DVec3,
+    to: f64,
+    /// What the gaps at both ends have to exceed, metres: how far the paths bend off their chords between them.
+    bend: f64,
+    /// Until when the speed alone proves that nothing meets.
+    otherwise: f64,
+}
+
+/// What is known of the gap along a direction: metres, and metres a unit of time.
+struct Ahead {
+    gap: f64,
+    /// At which it closes as far as the points go that are nearest now.
+    rate: f64,
+    from: f64,
+    until: f64,
+    /// The gap to be left at the least.
+    least: f64,
+}
+
+/// Which part of a gap a leap leaves. Smaller: more leaps fail. Larger: more leaps. Decides the way, never the answer.
+const LEFT: f64 = 1.0 / 32.0;
+
+/// By what factor a leap leads farther than the speed, to be tried.
+const FARTHER: f64 = 1.1;
+
+impl Ahead {
+    fn leap(&self, closing: &Closing, direction: DVec3, otherwise: f64) -> Option<Leap> {
+        let bending = closing.bending(direction);
+        if bending == 0.0 {
+            return None;
+        }
+        let &Self { gap, rate, from, until, least } = self;
+        let whole = (until - from).min(if rate > 0.0 { gap / rate } else { f64::INFINITY });
+        // A point's path bends by half of that at the most, most often by less.
+        let left = (LEFT * gap).max(least) + 0.25 * bending * whole * whole;
+        let to_left = if rate > 0.0 { (gap - left) / rate } else { f64::INFINITY };
+        // A quarter of the gap for the bend.
+        let step = to_left.min((2.0 * gap / bending).sqrt());
+        let to = (from + step).min(until);
+        let is_farther = to - from > FARTHER * (otherwise - from) && to > from;
+        let duration = to - from;
+        let bend = 0.125 * bending * duration * duration * (1.0 + 1e-12);
+        (is_farther && gap > bend).then_some(Leap { direction, to, bend, otherwise })
+    }
+}
+
+/// A support along a direction, and what it proves.
+struct Support {
+    vertex: Vertex<f64>,
+    /// At most the distance of the cores, scaled.
+    lower: f64,
+    /// At most the gap of the shapes along the direction, metres.
+    gap: f64,
+}
+
+impl Support {
+    /// `None` where the gap is no number.
+    fn along(
+        difference: &Difference<'_, f64, Shape, Shape>,
+        bounds: &Bounds<f64>,
+        direction: DVec3,
+    ) -> Option<Self> {
+        let (vertex, separation) = difference.lowest(direction);
+        let lower = bounds.lower_bound(direction, separation);
+        let gap = (lower - bounds.swept_upper()).next_down() / difference.scale();
+        gap.is_finite().then_some(Self { vertex, lower, gap })
+    }
 }
 
 /// GJK at one time.
@@ -112,15 +220,12 @@ impl<'a, 'b> Search<'a, 'b> {
         search
     }
 
-    /// The gap along the direction, metres, and the axis from a to b that it is along. `None` where that is no number.
-    fn support(&mut self) -> Option<(f64, DVec3)> {
-        let direction = self.near.direction;
-        let (vertex, separation) = self.difference.lowest(direction);
-        self.newest = Some(vertex);
-        let lower = self.bounds.lower_bound(direction, separation);
-        self.near.lower = self.near.lower.max(lower);
-        let gap = (lower - self.bounds.swept_upper()).next_down() / self.difference.scale();
-        gap.is_finite().then_some((gap, -direction))
+    /// Along the direction to the nearest point known.
+    fn support(&mut self) -> Option<Support> {
+        let found = Support::along(self.difference, &self.bounds, self.near.direction)?;
+        self.newest = Some(found.vertex);
+        self.near.lower = self.near.lower.max(found.lower);
+        Some(found)
     }
 
     /// How far apart the shapes are at most, as computed, metres.

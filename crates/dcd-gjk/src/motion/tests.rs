@@ -182,6 +182,97 @@ fn random_motions_are_answered_as_their_samples_say() {
     assert!(free > 50 && hits > 50, "{free} {hits}");
 }
 
+/// Whether a is proved to touch b at a time, and how far apart they are at least.
+fn touch_and_gap(a: (&Shape, &RigidMotion), b: (&Shape, &RigidMotion), t: f64) -> (bool, f64) {
+    let (pose_a, pose_b) = (a.1.pose_at(t).unwrap(), b.1.pose_at(t).unwrap());
+    let a = PosedShape { shape: a.0, pose: &pose_a };
+    let b = PosedShape { shape: b.0, pose: &pose_b };
+    let touches = certified::overlap_of(a, b).0 == Verdict::Touching(());
+    let gap = match distance_at(Accuracy::Certified, a, b).0 {
+        DistanceResult::Apart(gap) => gap.lower(),
+        _ => 0.0,
+    };
+    (touches, gap)
+}
+
+#[test]
+fn translations_are_answered_as_their_samples_say() {
+    let seed = std::env::var("DCD_SEED").map_or(7, |seed| seed.parse().expect("a seed"));
+    let mut draw = Draw(seed);
+    let [mut free, mut hits] = [0; 2];
+    for k in 0..600 {
+        let (shape_a, shape_b) = (draw.shape(), draw.shape());
+        let far = [0.0, 1e4][k % 2] * draw.vector();
+        let [mut motion_a, mut motion_b] = [0, 1].map(|_| draw.motion(far));
+        motion_b.start = Pose::new(
+            DQuat::from_scaled_axis(draw.vector()).normalize(),
+            motion_b.start.translation() + draw.vector() * 2.0,
+        )
+        .unwrap();
+        // Towards the other, more or less.
+        let way = motion_b.start.translation() - motion_a.start.translation();
+        motion_a.linear = way + motion_a.linear * 0.25;
+        motion_b.linear *= 0.1;
+        // A third of them face to face: along an axis, and of the same attitude.
+        if k % 3 == 0 {
+            motion_a.start = Pose::from_translation(far).unwrap();
+            motion_b.start = Pose::from_translation(far + DVec3::X * 3.0).unwrap();
+            (motion_a.linear, motion_b.linear) = (DVec3::X * 4.0 * draw.number(), DVec3::ZERO);
+        }
+        (motion_a.angular, motion_b.angular) = (DVec3::ZERO, DVec3::ZERO);
+        let (a, b) = ((&shape_a, &motion_a), (&shape_b, &motion_b));
+        let found = impact(a, b, 1.0);
+        let free_until = match found {
+            Impact::Free => {
+                free += 1;
+                1.0
+            }
+            Impact::Hit { free_until, t, normal, touches, .. } => {
+                hits += 1;
+                assert!(touch_and_gap(a, b, t).1 <= 1e-6, "{k}: {found:?}");
+                assert!(touches || (normal.length() - 1.0).abs() < 1e-12, "{k}: {found:?}");
+                free_until
+            }
+            Impact::Undecided { .. } => panic!("{k}: {found:?}"),
+        };
+        for sample in 0..100 {
+            let t = free_until * f64::from(sample) / 100.0;
+            assert!(free_until == 0.0 || !touch_and_gap(a, b, t).0, "{k}: at {t}, {found:?}");
+        }
+        let mirrored = match impact(b, a, 1.0) {
+            Impact::Hit { free_until, t, touches, normal, point_a, point_b } => {
+                let (normal, point_a, point_b) = (-normal, point_b, point_a);
+                Impact::Hit { free_until, t, touches, normal, point_a, point_b }
+            }
+            other => other,
+        };
+        assert_eq!(mirrored, found, "{k}");
+    }
+    assert!(free > 100 && hits > 100, "{free} {hits}");
+}
+
+#[test]
+fn a_cast_of_hulls_is_answered_by_their_difference_alone() {
+    let mut draw = Draw(11);
+    let (mut asked, mut answered) = (0, 0);
+    for _ in 0..300 {
+        let mut hull = || Shape::hull((0..20).map(|_| draw.vector() * 0.6).collect()).unwrap();
+        let (shape_a, shape_b) = (hull(), hull());
+        let way = draw.vector() * 3.0 + DVec3::X * 2.0;
+        let moving = RigidMotion { linear: way + draw.vector() * 0.5, ..at(way * -1.5) };
+        let still = at(DVec3::ZERO);
+        let [a, b] = [(&shape_a, &moving), (&shape_b, &still)]
+            .map(|(shape, motion)| MovingShape { shape, motion });
+        if touch_and_gap((&shape_a, &moving), (&shape_b, &still), 0.0).0 {
+            continue;
+        }
+        asked += 1;
+        let known = cast::cast([a, b], &Closing::of(a, b), [2.0, 1e-6, 1e-12]).unwrap();
+        answered += usize::from(matches!(known, Some(Advance::Free | Advance::Near(..))));
+    }
+    assert!(asked > 200 && answered * 100 >= asked * 95, "{answered} of {asked}");
+}
+
 #[test]
 fn a_rotation_is_its_series_in_the_matrix_of_the_cross_product() {
     let axes =

@@ -1,0 +1,221 @@
+//! Polytopes that move and do not turn: a ray against their difference.
+//!
+//! At a time t the difference has moved by t·v, so that the two meet when the point −t·v enters it as it stands.
+//! Along v the difference is a polygon: a search in the plane finds three vertices round the ray's line, or a
+//! direction that proves a miss. Supports along the triangle's normal then move it outward until it is a face
+//! (the portals of Snethen, "Xenocollide", Game Programming Gems 7, 2008, round a line in place of a segment).
+
+use super::advance::Advance;
+use super::{Closing, MovingShape};
+use crate::certificate::{Bounds, combined_length};
+use crate::distance::{Approach, Distance};
+use crate::gjk::unit;
+use crate::{Difference, PosedSupport, Vertex};
+use dcd_geom::glam::{DVec2, DVec3};
+use dcd_geom::{Polytope, PoseError, Shape};
+
+/// How many supports either half of the search takes. Hulls of some thirty vertices need four and seven. Smaller: more
+/// casts are left to the general search.
+const SUPPORTS: usize = 32;
+
+/// What the search ends within, as a share of the tolerance. Larger: rounding may leave the end outside of it. Smaller:
+/// more supports where many faces are nearly level.
+const WITHIN: f64 = 0.5;
+
+type Polytopes<'b> = Difference<'b, f64, Polytope, Polytope>;
+
+/// What [`super::advance`] tells, for polytopes without a radius that do not turn; `None` of others, and of those that
+/// overlap as they stand or that rounding leaves open.
+///
+/// Proved by one support: the gap along its direction, less `off`, over the closing speed along it.
+pub(super) fn cast(
+    [a, b]: [MovingShape<'_>; 2],
+    closing: &Closing,
+    [until, tolerance, off]: [f64; 3],
+) -> Result<Option<Advance>, PoseError> {
+    let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) else {
+        return Ok(None);
+    };
+    let turns = closing.angular.iter().any(|&w| w != DVec3::ZERO);
+    if turns || in_a.swept_radius() > 0.0 || in_b.swept_radius() > 0.0 {
+        return Ok(None);
+    }
+    let (start_a, start_b) = (&a.motion.start, &b.motion.start);
+    let (posed_a, posed_b) =
+        (PosedSupport::polytope(in_a, start_a), PosedSupport::polytope(in_b, start_b));
+    let Some(difference) = Difference::new(posed_a, posed_b) else { return Ok(None) };
+    let Some(line) = Line::of(&difference, closing.linear, [until, tolerance]) else {
+        return Ok(None);
+    };
+    let Some(End { direction, separation, face }) = line.search() else { return Ok(None) };
+    let lower = Bounds::of(&difference).lower_bound(direction, separation);
+    let gap = lower.next_down() / difference.scale() - off;
+    if !(gap > 0.0) {
+        return Ok(None);
+    }
+    let speed = closing.along(-direction);
+    // A quotient, rounded down by more than it loses.
+    let t = gap / speed * (1.0 - 1e-12);
+    if speed <= 0.0 || t > until {
+        return Ok(Some(Advance::Free));
+    }
+    let Some(face) = face else { return Ok(Some(Advance::Until(t))) };
+    let (pose_a, pose_b) = (a.motion.pose_at(t)?, b.motion.pose_at(t)?);
+    let posed = [PosedSupport::polytope(in_a, &pose_a), PosedSupport::polytope(in_b, &pose_b)];
+    let near = met(posed, &face, direction, tolerance);
+    Ok(Some(near.map_or(Advance::Until(t), |found| Advance::Near(t, found))))
+}
+
+/// The points where the line passes the face, if they are proved to be within the tolerance of each other.
+fn met(
+    [a, b]: [PosedSupport<'_, Polytope>; 2],
+    face: &[Corner; 3],
+    direction: DVec3,
+    tolerance: f64,
+) -> Option<Distance> {
+    let difference = Difference::new(a, b)?;
+    let bounds = Bounds::of(&difference);
+    let mut near = Approach::towards(direction);
+    for Corner { vertex, .. } in face {
+        let w = difference.world(vertex.a.point, vertex.b.point);
+        near.simplex.push(Vertex { w, ..*vertex });
+    }
+    let weight = |i: usize, j: usize| face[i].at.perp_dot(face[j].at).max(0.0);
+    near.weights = [weight(1, 2), weight(2, 0), weight(0, 1), 0.0];
+    let length = combined_length(near.simplex.vertices(), &near.weights[..3]);
+    // Written so that NaN is no proof.
+    let is_near = bounds.upper_bound(length) / difference.scale() <= tolerance;
+    let [point_a, point_b] = near.points(a, b);
+    let normal = -direction / direction.length();
+    is_near.then_some(Distance { normal, point_a, point_b, ..Distance::default() })
+}
+
+/// A vertex of the difference, and where it is as seen along the line, scaled.
+#[derive(Clone, Copy)]
+struct Corner {
+    vertex: Vertex<f64>,
+    at: DVec2,
+}
+
+/// How the search ended.
+struct End {
+    /// Along which a support was taken last.
+    direction: DVec3,
+    /// The separation there, scaled.
+    separation: f64,
+    /// The corners of the face that the line passes through; none where it misses the difference, or meets it after the
+    /// end.
+    face: Option<[Corner; 3]>,
+}
+
+/// The line of the ray: from the origin against the velocity.
+struct Line<'a, 'b> {
+    difference: &'a Polytopes<'b>,
+    /// Where the difference moves to, of unit length.
+    along: DVec3,
+    /// Two axes that are normal to it, and to which it is their cross product.
+    axes: [DVec3; 2],
+    /// How far the difference moves, scaled.
+    way: f64,
+    /// How near along the line the search ends, scaled.
+    near: f64,
+}
+
+impl<'a, 'b> Line<'a, 'b> {
+    fn of(
+        difference: &'a Polytopes<'b>,
+        velocity: DVec3,
+        [until, tolerance]: [f64; 2],
+    ) -> Option<Self> {
+        let along = unit::<f64>(velocity.to_array())?.normalize();
+        let axes = along.any_orthonormal_pair();
+        let scale = difference.scale();
+        let way = velocity.length() * until * scale;
+        Some(Self { difference, along, axes: axes.into(), way, near: WITHIN * tolerance * scale })
+    }
+
+    fn search(&self) -> Option<End> {
+        match self.portal()? {
+            Ok(corners) => self.face(corners),
+            Err(end) => Some(end),
+        }
+    }
+
+    /// The corner lowest along a direction, or the end if none is met there before the end of the way.
+    fn lowest(&self, direction: DVec3) -> Result<(Corner, f64), End> {
+        let (vertex, separation) = self.difference.lowest(direction);
+        if separation > 0.0 && separation > -direction.dot(self.along) * self.way {
+            return Err(End { direction, separation, face: None });
+        }
+        let at = DVec2::new(self.axes[0].dot(vertex.w), self.axes[1].dot(vertex.w));
+        Ok((Corner { vertex, at }, separation))
+    }
+
+    /// The same along a direction across the line.
+    fn lowest_across(&self, direction: DVec2) -> Option<Result<Corner, End>> {
+        let [x, y] = self.axes;
+        let direction = unit::<f64>((x * direction.x + y * direction.y).to_array())?;
+        Some(self.lowest(direction).map(|(corner, _)| corner))
+    }
+
+    /// Three corners round the line, counter-clockwise as seen against the velocity.
+    ///
+    /// The corner in front stays; the two others turn about it until the line is between them and then move outward.
+    fn portal(&self) -> Option<Result<[Corner; 3], End>> {
+        let front = match self.lowest(-self.along) {
+            Ok((front, _)) => front,
+            Err(end) => return Some(Err(end)),
+        };
+        let mut sides: [Option<Corner>; 2] = [None; 2];
+        let mut outward = -front.at;
+        for _ in 0..SUPPORTS {
+            let corner = match self.lowest_across(-outward)? {
+                Ok(corner) => corner,
+                Err(end) => return Some(Err(end)),
+            };
+            let known = [Some(front), sides[0], sides[1]];
+            if known.iter().flatten().any(|known| known.vertex.is_same(&corner.vertex)) {
+                return None;
+            }
+            // Right of the line as seen from the front, or left of it.
+            let is_right = front.at.perp_dot(corner.at) >= 0.0;
+            sides[usize::from(!is_right)] = Some(corner);
+            outward = match sides {
+                [Some(right), Some(left)] if right.at.perp_dot(left.at) >= 0.0 => {
+                    return Some(Ok([front, right, left]));
+                }
+                [Some(right), Some(left)] => -(left.at - right.at).perp(),
+                [Some(right), None] => (right.at - front.at).perp(),
+                [None, Some(left)] => -(left.at - front.at).perp(),
+                [None, None] => return None,
+            };
+        }
+        None
+    }
+
+    /// From three corners round the line to the face that it enters through.
+    fn face(&self, mut corners: [Corner; 3]) -> Option<End> {
+        for _ in 0..SUPPORTS {
+            let [p, q, r] = corners.map(|corner| corner.vertex.w);
+            let direction = unit::<f64>((r - p).cross(q - p).to_array())?;
+            let (corner, separation) = match self.lowest(direction) {
+                Ok(found) => found,
+                Err(end) => return Some(end),
+            };
+            let slope = -direction.dot(self.along);
+            // Written so that NaN ends it.
+            if !(slope > 0.0) {
+                return None;
+            }
+            let height = direction.dot(p) - separation;
+            let is_known = corners.iter().any(|known| known.vertex.is_same(&corner.vertex));
+            if is_known || height <= self.near * slope {
+                return Some(End { direction, separation, face: Some(corners) });
+            }
+            let side = corners.map(|known| corner.at.perp_dot(known.at));
+            let k = (0..3).find(|&k| side[k] >= 0.0 && side[(k + 1) % 3] <= 0.0)?;
+            corners = [corner, corners[k], corners[(k + 1) % 3]];
+        }
+        None
+    }
+}
