@@ -33,7 +33,17 @@ pub(super) fn name(polytope: &Polytope, direction: DVec3) -> Feature {
 impl<'a> Part<'a> {
     /// Which of a polytope faces a direction of its own frame, of unit length.
     pub(super) fn facing(polytope: &'a Polytope, direction: DVec3) -> Self {
-        Choice { polytope, direction }.part()
+        Self::round(polytope, direction, None)
+    }
+
+    /// The same, where a vertex is known that is farthest along the direction, up to rounding in f32.
+    #[inline]
+    pub(super) fn round(polytope: &'a Polytope, direction: DVec3, farthest: Option<u32>) -> Self {
+        let choice = Choice { polytope, direction };
+        match farthest {
+            Some(vertex) if choice.is_corner(vertex) => choice.round_vertex(vertex),
+            _ => choice.part(),
+        }
     }
 
     /// Its name.
@@ -78,6 +88,13 @@ impl<'a> Choice<'a> {
             _ => None,
         }
         .unwrap_or_else(|| self.searched())
+    }
+
+    /// Whether the list of faces is what shows what is round a vertex.
+    fn is_corner(&self, vertex: u32) -> bool {
+        let is_hull = self.polytope.kind() == Kind::Hull;
+        // A point that is inside of a face or repeated has no faces.
+        is_hull && !self.polytope.facets().around(vertex).is_empty()
     }
 
     /// What a segment shows, without its list of faces: itself, or the end that is farther.

@@ -8,6 +8,7 @@ use crate::difference::power_of_two_below_one;
 use crate::distance::rounded_up;
 use crate::epa::Depth;
 use crate::expanding::{Ending, confirmed_depth, is_inside};
+use crate::query::FoundDepth;
 use crate::{Accuracy, Difference, PosedShape, PosedSupport, order};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Polytope, Pose};
@@ -63,6 +64,8 @@ pub(super) struct Ended<'a> {
     pub(super) nearest: usize,
     /// How far A − B reaches along the nearest face's normal, as f32 has it.
     pub(super) reach: f32,
+    /// The point where it does.
+    pub(super) farthest: Point,
 }
 
 impl<'a> SearchedPair<'a> {
@@ -106,7 +109,7 @@ impl<'a> SearchedPair<'a> {
         l: L,
         accuracy: Accuracy,
         ended: &Ended<'_>,
-    ) -> Option<Depth> {
+    ) -> Option<FoundDepth> {
         let unit = f64::from(self.cloud.unit);
         let off = OFF * unit;
         let least = f64::from(ended.surface.distance(ended.nearest));
@@ -115,18 +118,28 @@ impl<'a> SearchedPair<'a> {
         let near = Bits(ended.surface.within(l, (limit as f32).next_up()));
         let holds_origin =
             least * LENGTH > off && all_inward(ended.surface, ended.surface.doubtful(l));
-        let found = match accuracy {
+        let (depth, farthest) = match accuracy {
             Accuracy::F32 => {
                 let lower = if holds_origin { least * LENGTH - off } else { 0.0 };
                 let upper = f64::from(ended.reach) * (2.0 - LENGTH) + REACH * unit;
-                self.bounded(ended, near, [lower, upper])
+                (self.bounded(ended, near, [lower, upper])?, Some(self.farthest(ended)))
             }
             _ => {
                 let others = holds_origin.then_some(limit * LENGTH - off);
-                self.confirmed(accuracy, ended.surface, near, others)
+                (self.confirmed(accuracy, ended.surface, near, others)?, None)
             }
-        }?;
+        };
+        let found = FoundDepth { depth, farthest };
         Some(if self.is_swapped { found.mirrored() } else { found })
+    }
+
+    /// The vertices of a and of b that are farthest along the nearest face's normal, as f32 has them.
+    fn farthest(&self, ended: &Ended<'_>) -> [u32; 2] {
+        let [of_a, of_b] = ended.farthest.vertices;
+        // The last block is filled up with the last vertex.
+        let last = |polytope: &Polytope| polytope.vertices().len() as u32 - 1;
+        let [a, b] = self.polytopes;
+        [of_a.min(last(a)), of_b.min(last(b))]
     }
 
     /// Measures the faces that may be the nearest in f64.
