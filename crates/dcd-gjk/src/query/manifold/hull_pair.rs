@@ -110,15 +110,16 @@ pub(super) fn write(
         Placed { rotation: a.pose.rotation(), place: DVec3::ZERO, sense: 1.0 },
         Placed { rotation: b.pose.rotation(), place: delta, sense: -1.0 },
     ];
-    let part = |side: usize, polytope| {
-        let farthest = known.farthest.map(|vertices| vertices[side]);
-        view.part_round(polytope, &placed[side], farthest)
+    let [of_a, of_b] = match known.farthest {
+        Some([a, b]) => [Some(a), Some(b)],
+        None => [None; 2],
     };
-    let parts = [part(0, in_a), part(1, in_b)];
+    let parts =
+        [view.part_round(in_a, &placed[0], of_a), view.part_round(in_b, &placed[1], of_b)];
     let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
     found.normal = depth.normal;
     found.error_bound = bound_of(depth, size, [a, b]);
-    let whole = parts.each_ref().map(Part::name);
+    let whole = [parts[0].name(), parts[1].name()];
     if share_no_corners(&view, &parts, [in_a, in_b], &placed) {
         write_one(depth, whole, found);
         return true;

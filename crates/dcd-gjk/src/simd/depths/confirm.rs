@@ -40,6 +40,7 @@ pub(super) struct Side<'a> {
 
 impl<'a> Side<'a> {
     /// Of a polytope without a swept radius.
+    #[inline(always)]
     fn sharp(&self) -> Option<&'a Polytope> {
         let polytope = self.placed.shape.as_polytope().filter(|p| p.swept_radius() == 0.0)?;
         (1..=BLOCKS).contains(&self.blocks.len()).then_some(polytope)
@@ -134,6 +135,7 @@ impl<'a> SearchedPair<'a> {
     }
 
     /// The vertices of a and of b that are farthest along the nearest face's normal, as f32 has them.
+    #[inline(always)]
     fn farthest(&self, ended: &Ended<'_>) -> [u32; 2] {
         let [of_a, of_b] = ended.farthest.vertices;
         // The last block is filled up with the last vertex.
@@ -197,21 +199,17 @@ impl<'a> SearchedPair<'a> {
     /// The points of a and of b, turned but not moved, where a direction leaves a triangle of A − B.
     #[inline(always)]
     fn leaving(&self, corners: [Point; 3], direction: DVec3) -> Option<[DVec3; 2]> {
-        let [in_a, in_b] = self.polytopes;
         let [turn_a, turn_b] = [self.poses[0].rotation(), self.poses[1].rotation()];
         let apart = self.poses[0].translation() - self.poses[1].translation();
-        let vertex = |polytope: &Polytope, number: u32| {
-            let vertices = polytope.vertices();
-            // The last block is filled up with the last vertex.
-            vertices[(number as usize).min(vertices.len() - 1)]
-        };
-        let turned = |Point { vertices: [a, b], .. }: Point| {
-            (*turn_a * vertex(in_a, a), *turn_b * vertex(in_b, b))
-        };
-        let [corner_p, corner_q, corner_r] = corners;
-        let (of_p, of_q, of_r) = (turned(corner_p), turned(corner_q), turned(corner_r));
-        let world = |(a, b): (DVec3, DVec3)| ((a - b) + apart) * self.scale;
-        let (p, q, r) = (world(of_p), world(of_q), world(of_r));
+        let (mut of_a, mut of_b, mut world) =
+            ([DVec3::ZERO; 3], [DVec3::ZERO; 3], [DVec3::ZERO; 3]);
+        for k in 0..3 {
+            let [a, b] = corners[k].vertices;
+            of_a[k] = *turn_a * vertex(self.polytopes[0], a);
+            of_b[k] = *turn_b * vertex(self.polytopes[1], b);
+            world[k] = ((of_a[k] - of_b[k]) + apart) * self.scale;
+        }
+        let [p, q, r] = world;
         let volumes = DVec3::new(
             q.cross(r).dot(direction),
             r.cross(p).dot(direction),
@@ -223,9 +221,18 @@ impl<'a> SearchedPair<'a> {
             return None;
         }
         let weights = weights / sum;
-        let mean = |p: DVec3, q: DVec3, r: DVec3| p * weights.x + q * weights.y + r * weights.z;
-        Some([mean(of_p.0, of_q.0, of_r.0), mean(of_p.1, of_q.1, of_r.1)])
+        let DVec3 { x, y, z } = weights;
+        let mean_a = of_a[0] * x + of_a[1] * y + of_a[2] * z;
+        let mean_b = of_b[0] * x + of_b[1] * y + of_b[2] * z;
+        Some([mean_a, mean_b])
     }
+}
+
+/// That vertex: the last block is filled up with the last one.
+#[inline(always)]
+fn vertex(polytope: &Polytope, number: u32) -> DVec3 {
+    let vertices = polytope.vertices();
+    vertices[(number as usize).min(vertices.len() - 1)]
 }
 
 /// Whether every face surely has the origin on its inner side: f64 looks at those that f32 is not sure of.

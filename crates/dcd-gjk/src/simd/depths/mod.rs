@@ -197,29 +197,47 @@ impl<'a> Objects<'a> {
     #[inline(always)]
     fn look_ahead(&self, number: usize, faces: Faces) {
         let [near, far, farther] = AHEAD;
-        let sides = |ahead: usize| {
-            let pair = self.pairs.get(number + ahead);
-            pair.map(|pair| [(self.frames.a, self.scenes[0], pair.i), (self.frames.b, self.scenes[1], pair.j)])
-        };
-        for (frame, scene, object) in sides(farther).into_iter().flatten() {
-            let shape = scene.shape_index(object as usize) as usize;
-            prefetch(slice::from_ref(&scene.shapes()[shape]));
-            prefetch(slice::from_ref(&frame.cores().cores()[shape]));
-            prefetch(slice::from_ref(&scene.poses()[object as usize]));
+        let Self { frames: FramePair { a, b }, scenes: [of_a, of_b], pairs } = *self;
+        if let Some(pair) = pairs.get(number + farther) {
+            prefetch_places(a, of_a, pair.i);
+            prefetch_places(b, of_b, pair.j);
         }
-        for (_, scene, object) in sides(far).into_iter().flatten() {
-            if let Shape::Polytope(polytope) = scene.shape(object as usize) {
-                prefetch(slice::from_ref(&**polytope));
-            }
+        if let Some(pair) = pairs.get(number + far) {
+            prefetch_polytope(of_a, pair.i);
+            prefetch_polytope(of_b, pair.j);
         }
-        for (frame, scene, object) in sides(near).into_iter().flatten() {
-            prefetch(frame.blocks_of(frame.record(object)));
-            if let Shape::Polytope(polytope) = scene.shape(object as usize) {
-                prefetch(polytope.vertices());
-                if faces == Faces::Read {
-                    polytope.prefetch_facets();
-                }
-            }
+        if let Some(pair) = pairs.get(number + near) {
+            prefetch_vertices(a, of_a, pair.i, faces);
+            prefetch_vertices(b, of_b, pair.j, faces);
+        }
+    }
+}
+
+/// Prefetches an object's pose, its core, and where its polytope is.
+#[inline(always)]
+fn prefetch_places(frame: &SimdFrame, scene: &Scene, object: u32) {
+    let shape = scene.shape_index(object as usize) as usize;
+    prefetch(slice::from_ref(&scene.shapes()[shape]));
+    prefetch(slice::from_ref(&frame.cores().cores()[shape]));
+    prefetch(slice::from_ref(&scene.poses()[object as usize]));
+}
+
+/// Prefetches an object's polytope: where its vertices and faces are.
+#[inline(always)]
+fn prefetch_polytope(scene: &Scene, object: u32) {
+    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
+        prefetch(slice::from_ref(&**polytope));
+    }
+}
+
+/// Prefetches an object's vertices and faces.
+#[inline(always)]
+fn prefetch_vertices(frame: &SimdFrame, scene: &Scene, object: u32, faces: Faces) {
+    prefetch(frame.blocks_of(frame.record(object)));
+    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
+        prefetch(polytope.vertices());
+        if faces == Faces::Read {
+            polytope.prefetch_facets();
         }
     }
 }
