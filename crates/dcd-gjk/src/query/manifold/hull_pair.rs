@@ -114,8 +114,7 @@ pub(super) fn write(
         Some([a, b]) => [Some(a), Some(b)],
         None => [None; 2],
     };
-    let parts =
-        [view.part_round(in_a, &placed[0], of_a), view.part_round(in_b, &placed[1], of_b)];
+    let parts = [view.part_round(in_a, &placed[0], of_a), view.part_round(in_b, &placed[1], of_b)];
     let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
     found.normal = depth.normal;
     found.error_bound = bound_of(depth, size, [a, b]);
@@ -125,8 +124,7 @@ pub(super) fn write(
         return true;
     }
     let [of_a, of_b] = parts;
-    let sides =
-        [Side::of(&view, in_a, of_a, &placed[0]), Side::of(&view, in_b, of_b, &placed[1])];
+    let sides = [Side::of(&view, in_a, of_a, &placed[0]), Side::of(&view, in_b, of_b, &placed[1])];
     // The face that is more square to the normal clips: its plane is the better known.
     let number = usize::from(sides[0].facing < sides[1].facing);
     let clipping =

@@ -183,8 +183,8 @@ struct Objects<'a> {
     pairs: &'a [Pair],
 }
 
-/// Before how many other pairs the memory of a pair is prefetched: first where its parts are, then what is there, step by
-/// step. No effect on any result. Larger: what leaves the nearest caches before it is read. Smaller: arithmetic that waits.
+/// Before how many other pairs the memory of a pair is prefetched: where its parts are, then what is there, step by step.
+/// No effect on any result. Larger: what leaves the nearest caches before it is read. Smaller: arithmetic that waits.
 const AHEAD: [usize; 3] = [3, 6, 9];
 
 impl<'a> Objects<'a> {
@@ -357,9 +357,6 @@ impl<'a, S: MeasureDepth> Each<'a, S> {
                 self.answers.write_spheres(number, closed::depth_of_spheres(spheres, sharp));
                 continue;
             }
-            if !frames.are_near() {
-                self.objects.look_ahead(number, S::FACES);
-            }
             let [a, b] = self.objects.posed(pair);
             if are_cuboids(frames, pair) {
                 let axes = self.axes.next();
@@ -368,6 +365,7 @@ impl<'a, S: MeasureDepth> Each<'a, S> {
                 self.answers.write(number, found.as_ref(), [a, b]);
                 continue;
             }
+            self.objects.look_ahead(number, S::FACES);
             let side = |k: usize, frame: &'a SimdFrame, object: u32, placed| {
                 let core = &frame.cores().cores()[scenes[k].shape_index(object as usize) as usize];
                 Side { core, blocks: frame.blocks_of(frame.record(object)), placed }
