@@ -4,6 +4,7 @@ mod lattice;
 mod ring;
 
 use crate::hull::Triangle;
+use dcd_simd::prefetch;
 use glam::DVec3;
 
 /// How far a vertex may be from a face's plane to be a corner of it, relative to the largest
@@ -111,6 +112,14 @@ impl Facets {
         let vertex = vertex as usize;
         let first = if vertex == 0 { 0 } else { self.ends[vertex - 1] };
         &self.around[first as usize..self.ends[vertex] as usize]
+    }
+
+    /// Prefetches all of them: a hint.
+    pub(crate) fn prefetch(&self) {
+        prefetch(&self.ends);
+        prefetch(&self.around);
+        prefetch(&self.facets);
+        prefetch(&self.corners);
     }
 
     /// Lists the faces of each of so many vertices.

@@ -236,6 +236,13 @@ impl Polytope {
         self.facets.get_or_init(found)
     }
 
+    /// Prefetches the faces if they are known already: a hint, without effect on any result.
+    pub fn prefetch_facets(&self) {
+        if let Some(facets) = self.facets.get() {
+            facets.prefetch();
+        }
+    }
+
     /// The unit normal of a triangle that is no needle, round which its corners go counter-clockwise: that of the first
     /// of its [`Polytope::facets`], without them. `None` for needles and other kinds.
     pub fn normal_of_triangle(&self) -> Option<DVec3> {

@@ -50,13 +50,44 @@ pub trait MeasureDepth: MeasureAt {
     /// always.
     fn measure_polytopes(
         &self,
-        _depth: &Depth,
+        _found: &FoundDepth,
         _sides: [PosedShape<'_>; 2],
         _scratch: &mut Self::Scratch,
         _answer: &mut Self::Answer,
     ) -> bool {
         false
     }
+
+    /// Whether [`MeasureDepth::measure_polytopes`] reads the faces of the polytopes: these are prefetched then. No effect
+    /// on any result.
+    const FACES: Faces = Faces::Unread;
+}
+
+/// The depth of two polytopes, and what else is known of them.
+#[derive(Clone, Copy, Debug)]
+pub struct FoundDepth {
+    /// How deep they overlap.
+    pub depth: Depth,
+    /// By index a vertex of a that is farthest along the normal, and one of b that is farthest against it, up to rounding
+    /// in f32, where these are known.
+    pub farthest: Option<[u32; 2]>,
+}
+
+impl FoundDepth {
+    /// The same with a and b exchanged.
+    pub fn mirrored(self) -> Self {
+        let farthest = self.farthest.map(|[a, b]| [b, a]);
+        Self { depth: self.depth.mirrored(), farthest }
+    }
+}
+
+/// Whether the faces of polytopes are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Faces {
+    /// They are.
+    Read,
+    /// They are not.
+    Unread,
 }
 
 /// A solver at an accuracy of the caller's choice.

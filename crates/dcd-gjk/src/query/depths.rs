@@ -1,6 +1,6 @@
 //! How deep touching pairs overlap.
 
-use super::{Accuracy, MeasureAt, MeasureDepth, sampled};
+use super::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, sampled};
 use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
 use crate::mesh::{Effort, PartPair};
@@ -119,12 +119,12 @@ impl MeasureDepth for Depths {
 
     fn measure_polytopes(
         &self,
-        depth: &Depth,
+        found: &FoundDepth,
         _: [PosedShape<'_>; 2],
         _: &mut epa::Scratch,
         answer: &mut Depth,
     ) -> bool {
-        *answer = *depth;
+        *answer = found.depth;
         true
     }
 }

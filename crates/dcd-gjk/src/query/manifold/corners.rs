@@ -237,7 +237,7 @@ pub(super) fn is_sphere(side: PosedShape<'_>) -> bool {
 }
 
 /// Whether two parts surely have no corners in common: a vertex shares none, nor do edges that cross.
-fn share_no_corners(
+pub(super) fn share_no_corners(
     view: &View,
     parts: &[Part<'_>; 2],
     polytopes: [&Polytope; 2],

@@ -33,7 +33,17 @@ pub(super) fn name(polytope: &Polytope, direction: DVec3) -> Feature {
 impl<'a> Part<'a> {
     /// Which of a polytope faces a direction of its own frame, of unit length.
     pub(super) fn facing(polytope: &'a Polytope, direction: DVec3) -> Self {
-        Choice { polytope, direction }.part()
+        Self::round(polytope, direction, None)
+    }
+
+    /// The same, where a vertex is known that is farthest along the direction, up to rounding in f32.
+    #[inline]
+    pub(super) fn round(polytope: &'a Polytope, direction: DVec3, farthest: Option<u32>) -> Self {
+        let choice = Choice { polytope, direction };
+        match farthest {
+            Some(vertex) if choice.is_corner(vertex) => choice.round_vertex(vertex),
+            _ => choice.part(),
+        }
     }
 
     /// Its name.
@@ -54,6 +64,19 @@ pub(super) fn edge(j: u32, k: u32) -> Feature {
 /// The larger; the first where the second is NaN.
 fn larger(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
+}
+
+/// The corner of a face behind a vertex.
+#[inline(always)]
+fn after(corners: &[u32], vertex: u32) -> Option<u32> {
+    let mut last = *corners.last()?;
+    for &corner in corners {
+        if last == vertex {
+            return Some(corner);
+        }
+        last = corner;
+    }
+    None
 }
 
 /// Which part of a polytope faces a direction of its own frame, of unit length.
@@ -78,6 +101,13 @@ impl<'a> Choice<'a> {
             _ => None,
         }
         .unwrap_or_else(|| self.searched())
+    }
+
+    /// Whether the list of faces is what shows what is round a vertex.
+    fn is_corner(&self, vertex: u32) -> bool {
+        let is_hull = self.polytope.kind() == Kind::Hull;
+        // A point that is inside of a face or repeated has no faces.
+        is_hull && !self.polytope.facets().around(vertex).is_empty()
     }
 
     /// What a segment shows, without its list of faces: itself, or the end that is farther.
@@ -172,23 +202,38 @@ impl<'a> Choice<'a> {
     fn round_vertex(&self, only: u32) -> Part<'a> {
         let facets: &'a Facets = self.polytope.facets();
         let faces = facets.around(only);
-        if let Some(face) = self.face_of(faces.iter().copied()) {
-            return face;
+        let mut best = (FACING, None);
+        // In their order: the first among equals.
+        for &index in faces {
+            let facet = &facets.facets()[index as usize];
+            let cosine = facet.normal.dot(self.direction);
+            if cosine > best.0 && facets.corners(facet).len() > 2 {
+                best = (cosine, Some(index));
+            }
         }
-        let mut best = LEVEL;
-        let mut part = Part::Vertex(only);
+        if let Some(index) = best.1 {
+            let facet = &facets.facets()[index as usize];
+            return Part::Face { index, normal: facet.normal, corners: facets.corners(facet) };
+        }
+        let vertices = self.polytope.vertices();
+        let at = vertices[only as usize];
+        // The square of how much an edge rises relative to its length, and where it ends.
+        let mut best = (LEVEL * LEVEL, only);
         for &index in faces {
             let corners = facets.corners(&facets.facets()[index as usize]);
             // Each edge leaves the vertex along one face, and comes back along the other.
-            let Some(place) = corners.iter().position(|&corner| corner == only) else { continue };
-            let next = corners[if place + 1 < corners.len() { place + 1 } else { 0 }];
-            let rise = self.rise(only, next);
-            if rise < best {
-                best = rise;
-                part = Part::Edge([only.min(next), only.max(next)]);
+            let Some(next) = after(corners, only) else { continue };
+            let edge = vertices[next as usize] - at;
+            let (rise, length) = (self.direction.dot(edge), edge.length_squared());
+            // False for an edge without length, and for NaN.
+            if rise * rise < best.0 * length {
+                best = (rise * rise / length, next);
             }
         }
-        part
+        match best.1 {
+            next if next == only => Part::Vertex(only),
+            next => Part::Edge([only.min(next), only.max(next)]),
+        }
     }
 
     /// What is there round several farthest vertices, or one of very many.

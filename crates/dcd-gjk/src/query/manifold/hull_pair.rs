@@ -3,6 +3,7 @@
 //! The same features and corners as the general way's, in less memory, and written where the answer is to be.
 
 use super::clip::different;
+use super::corners::share_no_corners;
 use super::cuboid_pair::Place;
 use super::cuboid_polygon::{LineOf, PointOf, Polygon, features};
 use super::facing::Part;
@@ -11,6 +12,7 @@ use super::reduce::{self, Spot};
 use super::{CROSSING, Feature, Manifold, SAME, bound_of};
 use crate::PosedShape;
 use crate::epa::Depth;
+use crate::query::FoundDepth;
 use dcd_geom::Polytope;
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
 
@@ -43,8 +45,7 @@ struct Side<'a> {
 
 impl<'a> Side<'a> {
     #[inline(always)]
-    fn of(view: &View, polytope: &'a Polytope, placed: &Placed<'a>) -> Self {
-        let part = view.part(polytope, placed);
+    fn of(view: &View, polytope: &'a Polytope, part: Part<'a>, placed: &Placed<'a>) -> Self {
         let turn = view.turn(placed.rotation);
         let (at, height) = view.of(placed.place);
         let (mut facing, mut slope) = (0.0, DVec2::ZERO);
@@ -91,7 +92,7 @@ impl<'a> Side<'a> {
 /// Writes the manifold of two hulls of that depth over an empty one; false where the general way is needed: for
 /// shapes of fewer than three vertices, edges that are nearly parallel, and faces of many corners.
 pub(super) fn write(
-    depth: &Depth,
+    known: &FoundDepth,
     [a, b]: [PosedShape<'_>; 2],
     points: &mut Points,
     found: &mut Manifold,
@@ -102,26 +103,45 @@ pub(super) fn write(
     if in_a.vertices().len().min(in_b.vertices().len()) < 3 {
         return false;
     }
+    let depth = &known.depth;
     let view = View::along(depth.normal);
     let delta = b.pose.translation() - a.pose.translation();
-    let placed_a = Placed { rotation: a.pose.rotation(), place: DVec3::ZERO, sense: 1.0 };
-    let placed_b = Placed { rotation: b.pose.rotation(), place: delta, sense: -1.0 };
-    let sides = [Side::of(&view, in_a, &placed_a), Side::of(&view, in_b, &placed_b)];
+    let placed = [
+        Placed { rotation: a.pose.rotation(), place: DVec3::ZERO, sense: 1.0 },
+        Placed { rotation: b.pose.rotation(), place: delta, sense: -1.0 },
+    ];
+    let [of_a, of_b] = match known.farthest {
+        Some([a, b]) => [Some(a), Some(b)],
+        None => [None; 2],
+    };
+    let parts = [view.part_round(in_a, &placed[0], of_a), view.part_round(in_b, &placed[1], of_b)];
+    let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
+    found.normal = depth.normal;
+    found.error_bound = bound_of(depth, size, [a, b]);
+    let whole = [parts[0].name(), parts[1].name()];
+    if share_no_corners(&view, &parts, [in_a, in_b], &placed) {
+        write_one(depth, whole, found);
+        return true;
+    }
+    let [of_a, of_b] = parts;
+    let sides = [Side::of(&view, in_a, of_a, &placed[0]), Side::of(&view, in_b, of_b, &placed[1])];
     // The face that is more square to the normal clips: its plane is the better known.
     let number = usize::from(sides[0].facing < sides[1].facing);
-    let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
     let clipping =
         Clipping { view: &view, clips: &sides[number], clipped: &sides[1 - number], number, size };
     let Some(base) = clipping.clip(points) else { return false };
-    found.normal = depth.normal;
-    found.error_bound = bound_of(depth, size, [a, b]);
     if !clipping.write(depth, (points, base), a.pose.translation(), found) {
-        found.count = 1;
-        let point = &mut found.points[0];
-        (point.point_a, point.point_b) = (depth.point_a, depth.point_b);
-        (point.depth, point.features) = (depth.depth, [sides[0].part.name(), sides[1].part.name()]);
+        write_one(depth, whole, found);
     }
     true
+}
+
+/// The witnesses of the depth, which are of those parts, as the only point.
+fn write_one(depth: &Depth, features: [Feature; 2], found: &mut Manifold) {
+    found.count = 1;
+    let point = &mut found.points[0];
+    (point.point_a, point.point_b) = (depth.point_a, depth.point_b);
+    (point.depth, point.features) = (depth.depth, features);
 }
 
 /// What clips, and what is clipped.
@@ -142,18 +162,13 @@ impl Clipping<'_> {
         if self.number == 0 { radii } else { [radii[1], radii[0]] }
     }
 
-    /// Clips the one by the other: no corners of what crosses or meets in a point. A corner of the face that clips;
-    /// `None` where the general way is needed.
+    /// Clips the one by the other: no corners of edges that cross. A corner of the face that clips; `None` where the
+    /// general way is needed.
     #[inline(always)]
     fn clip(&self, points: &mut Points) -> Option<DVec3> {
         points.clear();
         let unused = (0, DVec3::ZERO);
         let (mut clips, mut clipped) = ([unused; CORNERS], [unused; CORNERS]);
-        if matches!(self.clips.part, Part::Vertex(_))
-            || matches!(self.clipped.part, Part::Vertex(_))
-        {
-            return Some(DVec3::ZERO);
-        }
         let count = self.clips.corners(&mut clips)?;
         let clips = &clips[..count];
         let count = self.clipped.corners(&mut clipped)?;
@@ -308,7 +323,8 @@ mod tests {
             let found = Depths.measure_at(Accuracy::F64, a, b, &mut Default::default());
             let Verdict::Touching(depth) = found else { panic!("{k}") };
             let mut found = Manifold::default();
-            if !write(&depth, [a, b], &mut points, &mut found) {
+            let known = FoundDepth { depth, farthest: None };
+            if !write(&known, [a, b], &mut points, &mut found) {
                 general += 1;
                 continue;
             }

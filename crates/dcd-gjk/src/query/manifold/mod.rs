@@ -21,7 +21,7 @@ mod set;
 mod stand_in;
 mod surface;
 
-use super::{Accuracy, MeasureAt, MeasureDepth, depths};
+use super::{Accuracy, Faces, FoundDepth, MeasureAt, MeasureDepth, depths};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, PartIndex};
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
@@ -218,13 +218,15 @@ impl MeasureDepth for Manifolds {
     #[inline]
     fn measure_polytopes(
         &self,
-        depth: &Depth,
+        known: &FoundDepth,
         [a, b]: [PosedShape<'_>; 2],
         scratch: &mut Scratch,
         answer: &mut ManifoldSet,
     ) -> bool {
-        answer.write_one(|found| write_of_polytopes(depth, a, b, &mut scratch.corners, found))
+        answer.write_one(|found| write_of_polytopes(known, a, b, &mut scratch.corners, found))
     }
+
+    const FACES: Faces = Faces::Read;
 }
 
 fn manifold_of(
@@ -254,26 +256,27 @@ fn write(
     corners: &mut Corners,
     found: &mut Manifold,
 ) {
-    if write_of_sphere(depth, a, b, found) || write_of_polytopes(depth, a, b, corners, found) {
+    let known = FoundDepth { depth: *depth, farthest: None };
+    if write_of_sphere(depth, a, b, found) || write_of_polytopes(&known, a, b, corners, found) {
         return;
     }
-    in_order(depth, [a, b], found, |depth, sides, found| {
-        write_in_order(depth, sides, corners, found);
+    in_order(&known, [a, b], found, |known, sides, found| {
+        write_in_order(&known.depth, sides, corners, found);
         true
     });
 }
 
 /// Writes what a function finds of two shapes in their canonical order, mirrored if they are the other way round.
 fn in_order(
-    depth: &Depth,
+    known: &FoundDepth,
     [a, b]: [PosedShape<'_>; 2],
     found: &mut Manifold,
-    write: impl FnOnce(&Depth, [PosedShape<'_>; 2], &mut Manifold) -> bool,
+    write: impl FnOnce(&FoundDepth, [PosedShape<'_>; 2], &mut Manifold) -> bool,
 ) -> bool {
     if !order::is_swapped(a, b) {
-        return write(depth, [a, b], found);
+        return write(known, [a, b], found);
     }
-    let written = write(&depth.mirrored(), [b, a], found);
+    let written = write(&known.mirrored(), [b, a], found);
     found.mirror();
     written
 }
@@ -327,15 +330,15 @@ const CROSSING: f64 = 1e-6;
 /// Writes the manifold of two polytopes over an empty one; false where the general way is needed, and nothing written
 /// that it does not overwrite.
 fn write_of_polytopes(
-    depth: &Depth,
+    known: &FoundDepth,
     a: PosedShape<'_>,
     b: PosedShape<'_>,
     corners: &mut Corners,
     found: &mut Manifold,
 ) -> bool {
-    in_order(depth, [a, b], found, |depth, sides, found| {
-        cuboid_pair::write(depth, sides, &mut corners.of_cuboids, found)
-            || hull_pair::write(depth, sides, &mut corners.of_hulls, found)
+    in_order(known, [a, b], found, |known, sides, found| {
+        cuboid_pair::write(&known.depth, sides, &mut corners.of_cuboids, found)
+            || hull_pair::write(known, sides, &mut corners.of_hulls, found)
     })
 }
 

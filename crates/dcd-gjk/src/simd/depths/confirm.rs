@@ -8,6 +8,7 @@ use crate::difference::power_of_two_below_one;
 use crate::distance::rounded_up;
 use crate::epa::Depth;
 use crate::expanding::{Ending, confirmed_depth, is_inside};
+use crate::query::FoundDepth;
 use crate::{Accuracy, Difference, PosedShape, PosedSupport, order};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Polytope, Pose};
@@ -39,6 +40,7 @@ pub(super) struct Side<'a> {
 
 impl<'a> Side<'a> {
     /// Of a polytope without a swept radius.
+    #[inline(always)]
     fn sharp(&self) -> Option<&'a Polytope> {
         let polytope = self.placed.shape.as_polytope().filter(|p| p.swept_radius() == 0.0)?;
         (1..=BLOCKS).contains(&self.blocks.len()).then_some(polytope)
@@ -63,6 +65,8 @@ pub(super) struct Ended<'a> {
     pub(super) nearest: usize,
     /// How far A − B reaches along the nearest face's normal, as f32 has it.
     pub(super) reach: f32,
+    /// The point where it does.
+    pub(super) farthest: Point,
 }
 
 impl<'a> SearchedPair<'a> {
@@ -106,7 +110,7 @@ impl<'a> SearchedPair<'a> {
         l: L,
         accuracy: Accuracy,
         ended: &Ended<'_>,
-    ) -> Option<Depth> {
+    ) -> Option<FoundDepth> {
         let unit = f64::from(self.cloud.unit);
         let off = OFF * unit;
         let least = f64::from(ended.surface.distance(ended.nearest));
@@ -115,18 +119,29 @@ impl<'a> SearchedPair<'a> {
         let near = Bits(ended.surface.within(l, (limit as f32).next_up()));
         let holds_origin =
             least * LENGTH > off && all_inward(ended.surface, ended.surface.doubtful(l));
-        let found = match accuracy {
+        let (depth, farthest) = match accuracy {
             Accuracy::F32 => {
                 let lower = if holds_origin { least * LENGTH - off } else { 0.0 };
                 let upper = f64::from(ended.reach) * (2.0 - LENGTH) + REACH * unit;
-                self.bounded(ended, near, [lower, upper])
+                (self.bounded(ended, near, [lower, upper])?, Some(self.farthest(ended)))
             }
             _ => {
                 let others = holds_origin.then_some(limit * LENGTH - off);
-                self.confirmed(accuracy, ended.surface, near, others)
+                (self.confirmed(accuracy, ended.surface, near, others)?, None)
             }
-        }?;
+        };
+        let found = FoundDepth { depth, farthest };
         Some(if self.is_swapped { found.mirrored() } else { found })
+    }
+
+    /// The vertices of a and of b that are farthest along the nearest face's normal, as f32 has them.
+    #[inline(always)]
+    fn farthest(&self, ended: &Ended<'_>) -> [u32; 2] {
+        let [of_a, of_b] = ended.farthest.vertices;
+        // The last block is filled up with the last vertex.
+        let last = |polytope: &Polytope| polytope.vertices().len() as u32 - 1;
+        let [a, b] = self.polytopes;
+        [of_a.min(last(a)), of_b.min(last(b))]
     }
 
     /// Measures the faces that may be the nearest in f64.
@@ -184,21 +199,17 @@ impl<'a> SearchedPair<'a> {
     /// The points of a and of b, turned but not moved, where a direction leaves a triangle of A − B.
     #[inline(always)]
     fn leaving(&self, corners: [Point; 3], direction: DVec3) -> Option<[DVec3; 2]> {
-        let [in_a, in_b] = self.polytopes;
         let [turn_a, turn_b] = [self.poses[0].rotation(), self.poses[1].rotation()];
         let apart = self.poses[0].translation() - self.poses[1].translation();
-        let vertex = |polytope: &Polytope, number: u32| {
-            let vertices = polytope.vertices();
-            // The last block is filled up with the last vertex.
-            vertices[(number as usize).min(vertices.len() - 1)]
-        };
-        let turned = |Point { vertices: [a, b], .. }: Point| {
-            (*turn_a * vertex(in_a, a), *turn_b * vertex(in_b, b))
-        };
-        let [corner_p, corner_q, corner_r] = corners;
-        let (of_p, of_q, of_r) = (turned(corner_p), turned(corner_q), turned(corner_r));
-        let world = |(a, b): (DVec3, DVec3)| ((a - b) + apart) * self.scale;
-        let (p, q, r) = (world(of_p), world(of_q), world(of_r));
+        let (mut of_a, mut of_b, mut world) =
+            ([DVec3::ZERO; 3], [DVec3::ZERO; 3], [DVec3::ZERO; 3]);
+        for k in 0..3 {
+            let [a, b] = corners[k].vertices;
+            of_a[k] = *turn_a * vertex(self.polytopes[0], a);
+            of_b[k] = *turn_b * vertex(self.polytopes[1], b);
+            world[k] = ((of_a[k] - of_b[k]) + apart) * self.scale;
+        }
+        let [p, q, r] = world;
         let volumes = DVec3::new(
             q.cross(r).dot(direction),
             r.cross(p).dot(direction),
@@ -210,9 +221,18 @@ impl<'a> SearchedPair<'a> {
             return None;
         }
         let weights = weights / sum;
-        let mean = |p: DVec3, q: DVec3, r: DVec3| p * weights.x + q * weights.y + r * weights.z;
-        Some([mean(of_p.0, of_q.0, of_r.0), mean(of_p.1, of_q.1, of_r.1)])
+        let DVec3 { x, y, z } = weights;
+        let mean_a = of_a[0] * x + of_a[1] * y + of_a[2] * z;
+        let mean_b = of_b[0] * x + of_b[1] * y + of_b[2] * z;
+        Some([mean_a, mean_b])
     }
+}
+
+/// That vertex: the last block is filled up with the last one.
+#[inline(always)]
+fn vertex(polytope: &Polytope, number: u32) -> DVec3 {
+    let vertices = polytope.vertices();
+    vertices[(number as usize).min(vertices.len() - 1)]
 }
 
 /// Whether every face surely has the origin on its inner side: f64 looks at those that f32 is not sure of.

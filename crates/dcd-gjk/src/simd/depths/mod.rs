@@ -13,16 +13,16 @@ use super::frame::{FramePair, SimdFrame};
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, Axes};
 use crate::epa::Depth;
-use crate::query::MeasureDepth;
+use crate::query::{Faces, FoundDepth as Found, MeasureDepth};
 use crate::{
     Accuracy, Contact, ContactSink, Depths, NarrowPhase, PosedShape, PosedSupport, Prepared, Sides,
     Verdict, order,
 };
 use confirm::{Ended, SearchedPair, Side};
-use dcd_geom::{Aabb, Pair, Scene};
-use dcd_simd::{Kernel, Lanes, Path, dispatch_on};
+use dcd_geom::{Aabb, Pair, Scene, Shape};
+use dcd_simd::{Kernel, Lanes, Path, dispatch_on, prefetch};
 use search::{Next, Search};
-use std::slice::Iter;
+use std::slice::{self, Iter};
 use surface::{Point, Surface};
 
 /// How deep the touching pairs overlap, and what a solver makes of it: [`Depths`] or
@@ -71,8 +71,9 @@ pub struct Scratch<S> {
     yes: Yes,
     surfaces: Box<[Surface; SEATS]>,
     of_cuboids: of_cuboids::Scratch,
-    /// For each touching pair its depth, if it is confirmed.
-    found: Vec<Option<Depth>>,
+    touching: Vec<Pair>,
+    /// The numbers of the touching pairs that the solver measures by itself.
+    left: Vec<u32>,
     solver: S,
 }
 
@@ -106,49 +107,42 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
-        let Scratch { yes, surfaces, of_cuboids, found, solver } = scratch;
+        let Scratch { yes, surfaces, of_cuboids, touching, left, solver } = scratch;
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
-        let touching =
-            || pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes).map(|(p, _)| *p);
-        found.clear();
-        let accuracy = self.accuracy;
+        let touch = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
+        touching.clear();
+        touching.extend(touch.map(|(&pair, _)| pair));
         let frames = FramePair { a: a.frame, b: b.frame };
-        let posed = |pair: Pair| [PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j)];
-        let shapes =
-            |pair: Pair| [a.scene.shape_of()[pair.i as usize], b.scene.shape_of()[pair.j as usize]];
         of_cuboids.pairs.clear();
-        of_cuboids.pairs.extend(touching().filter(|&pair| are_cuboids(frames, pair)));
+        of_cuboids.pairs.extend(touching.iter().filter(|&&pair| are_cuboids(frames, pair)));
         of_cuboids::find(self.path, frames, of_cuboids);
-        let each = touching().map(|pair| (pair, posed(pair), shapes(pair)));
+        // Each answer is written where it is kept.
+        let first = sink.contacts.len();
+        let empty = |&pair| Contact { pair, answer: S::Answer::default() };
+        sink.contacts.extend(touching.iter().map(empty));
+        left.clear();
+        let objects = Objects { frames, scenes: [a.scene, b.scene], pairs: touching };
+        let answers = &mut sink.contacts[first..];
+        let answers = Answers { solver: &self.solver, scratch: solver, answers, left };
         let axes = of_cuboids.axes.iter();
-        let found_here = &mut *found;
-        dispatch_on(self.path, Each { frames, accuracy, each, axes, surfaces, found: found_here });
-        for (pair, found) in touching().zip(&*found) {
-            if let Some(depth) = found.filter(|_| frames.spheres(pair).is_some()) {
-                let answer = self.solver.measure_spheres(depth);
-                sink.contacts.push(Contact { pair, answer });
-                continue;
-            }
-            let [one, other] = posed(pair);
-            if let Some(depth) = found {
-                sink.contacts.push(Contact { pair, answer: S::Answer::default() });
-                let answer = sink.contacts.last_mut().map(|contact| &mut contact.answer);
-                if answer.is_some_and(|answer| {
-                    self.solver.measure_polytopes(depth, [one, other], solver, answer)
-                }) {
-                    continue;
+        let each = Each { objects, accuracy: self.accuracy, next: 0, axes, surfaces, answers };
+        dispatch_on(self.path, each);
+        left.sort_unstable();
+        left.retain(|&number| {
+            let [one, other] = objects.posed(touching[number as usize]);
+            let contact = &mut sink.contacts[first + number as usize];
+            match self.solver.measure_at(self.accuracy, one, other, solver) {
+                Verdict::Touching(answer) => {
+                    contact.answer = answer;
+                    return false;
                 }
-                sink.contacts.pop();
-            }
-            let verdict = match found {
-                Some(depth) => self.solver.measure_depth(*depth, one, other, solver),
-                None => self.solver.measure_at(self.accuracy, one, other, solver),
-            };
-            match verdict {
-                Verdict::Touching(answer) => sink.contacts.push(Contact { pair, answer }),
                 Verdict::Apart => {}
-                Verdict::Undecided(reason) => sink.report.leave_unmeasured(pair, reason),
+                Verdict::Undecided(reason) => sink.report.leave_unmeasured(contact.pair, reason),
             }
+            true
+        });
+        if !left.is_empty() {
+            drop_contacts(sink.contacts, first, left);
         }
     }
 
@@ -168,20 +162,137 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
     }
 }
 
+/// Takes contacts away by their numbers in rising order, counted from the `first`.
+#[cold]
+fn drop_contacts<A>(contacts: &mut Vec<Contact<A>>, first: usize, numbers: &[u32]) {
+    let last = contacts.split_off(first);
+    let mut dropped = numbers.iter().peekable();
+    let kept = (0..).zip(last).filter(|(number, _)| dropped.next_if_eq(&number).is_none());
+    contacts.extend(kept.map(|(_, contact)| contact));
+}
+
 /// How many pairs are searched side by side: the supports of one do not wait for the faces of another. No effect on any
 /// result. Larger: surfaces that leave the nearest cache. Smaller: arithmetic that waits.
 const SEATS: usize = 8;
 
-/// Searches the pairs.
-struct Each<'a, I> {
+/// The touching pairs and their objects.
+#[derive(Clone, Copy)]
+struct Objects<'a> {
     frames: FramePair<'a>,
+    scenes: [&'a Scene; 2],
+    pairs: &'a [Pair],
+}
+
+/// Before how many other pairs the memory of a pair is prefetched: where its parts are, then what is there, step by step.
+/// No effect on any result. Larger: what leaves the nearest caches before it is read. Smaller: arithmetic that waits.
+const AHEAD: [usize; 3] = [3, 6, 9];
+
+impl<'a> Objects<'a> {
+    fn posed(&self, pair: Pair) -> [PosedShape<'a>; 2] {
+        let [a, b] = self.scenes;
+        [PosedShape::of(a, pair.i), PosedShape::of(b, pair.j)]
+    }
+
+    /// Prefetches what the pairs behind one of that number read.
+    #[inline(always)]
+    fn look_ahead(&self, number: usize, faces: Faces) {
+        let [near, far, farther] = AHEAD;
+        let Self { frames: FramePair { a, b }, scenes: [of_a, of_b], pairs } = *self;
+        if let Some(pair) = pairs.get(number + farther) {
+            prefetch_places(a, of_a, pair.i);
+            prefetch_places(b, of_b, pair.j);
+        }
+        if let Some(pair) = pairs.get(number + far) {
+            prefetch_polytope(of_a, pair.i);
+            prefetch_polytope(of_b, pair.j);
+        }
+        if let Some(pair) = pairs.get(number + near) {
+            prefetch_vertices(a, of_a, pair.i, faces);
+            prefetch_vertices(b, of_b, pair.j, faces);
+        }
+    }
+}
+
+/// Prefetches an object's pose, its core, and where its polytope is.
+#[inline(always)]
+fn prefetch_places(frame: &SimdFrame, scene: &Scene, object: u32) {
+    let shape = scene.shape_index(object as usize) as usize;
+    prefetch(slice::from_ref(&scene.shapes()[shape]));
+    prefetch(slice::from_ref(&frame.cores().cores()[shape]));
+    prefetch(slice::from_ref(&scene.poses()[object as usize]));
+}
+
+/// Prefetches an object's polytope: where its vertices and faces are.
+#[inline(always)]
+fn prefetch_polytope(scene: &Scene, object: u32) {
+    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
+        prefetch(slice::from_ref(&**polytope));
+    }
+}
+
+/// Prefetches an object's vertices and faces.
+#[inline(always)]
+fn prefetch_vertices(frame: &SimdFrame, scene: &Scene, object: u32, faces: Faces) {
+    prefetch(frame.blocks_of(frame.record(object)));
+    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
+        prefetch(polytope.vertices());
+        if faces == Faces::Read {
+            polytope.prefetch_facets();
+        }
+    }
+}
+
+/// Where the answers of touching pairs are written.
+struct Answers<'a, S: MeasureDepth> {
+    solver: &'a S,
+    scratch: &'a mut S::Scratch,
+    /// One for each pair, empty.
+    answers: &'a mut [Contact<S::Answer>],
+    /// The numbers of those that stay empty.
+    left: &'a mut Vec<u32>,
+}
+
+impl<S: MeasureDepth> Answers<'_, S> {
+    /// Writes the answer of two polytopes of that depth; without a depth it is left to the solver.
+    fn write(&mut self, number: usize, found: Option<&Found>, sides: [PosedShape<'_>; 2]) {
+        let Self { solver, scratch, answers, left } = self;
+        let answer = &mut answers[number].answer;
+        let written = found.is_some_and(|found| {
+            let written = solver.measure_polytopes(found, sides, scratch, answer);
+            written || {
+                let [a, b] = sides;
+                match solver.measure_depth(found.depth, a, b, scratch) {
+                    Verdict::Touching(measured) => {
+                        *answer = measured;
+                        true
+                    }
+                    _ => false,
+                }
+            }
+        });
+        if !written {
+            left.push(number as u32);
+        }
+    }
+
+    fn write_spheres(&mut self, number: usize, found: Option<Depth>) {
+        match found {
+            Some(depth) => self.answers[number].answer = self.solver.measure_spheres(depth),
+            None => self.left.push(number as u32),
+        }
+    }
+}
+
+/// Searches the pairs.
+struct Each<'a, S: MeasureDepth> {
+    objects: Objects<'a>,
     accuracy: Accuracy,
-    /// Touching pairs, with the numbers of their shapes.
-    each: I,
-    /// For each pair of cuboids among them the axes that count.
+    /// The number of the pair that is searched next.
+    next: usize,
+    /// For each pair of cuboids the axes that count.
     axes: Iter<'a, Axes>,
     surfaces: &'a mut [Surface; SEATS],
-    found: &'a mut Vec<Option<Depth>>,
+    answers: Answers<'a, S>,
 }
 
 /// A pair that is being searched.
@@ -194,12 +305,12 @@ struct Seat<'a> {
     point: Point,
 }
 
-impl<'a, I: Iterator<Item = (Pair, [PosedShape<'a>; 2], [u32; 2])>> Kernel for Each<'a, I> {
+impl<S: MeasureDepth> Kernel for Each<'_, S> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
-        let mut seats: [Option<Seat<'a>>; SEATS] = [const { None }; SEATS];
+        let mut seats = [const { None }; SEATS];
         loop {
             let mut is_idle = true;
             for seat in &mut seats {
@@ -216,49 +327,56 @@ impl<'a, I: Iterator<Item = (Pair, [PosedShape<'a>; 2], [u32; 2])>> Kernel for E
             }
             for (place, surface) in seats.iter_mut().zip(&mut *self.surfaces) {
                 let Some(seat) = place else { continue };
-                match seat.search.take(l, seat.point, surface) {
+                let found = match seat.search.take(l, seat.point, surface) {
                     Next::Support => continue,
                     Next::Ended { nearest, reach } => {
-                        let ended = Ended { surface, nearest, reach };
-                        self.found[seat.number] = seat.pair.depth(l, self.accuracy, &ended);
+                        let ended = Ended { surface, nearest, reach, farthest: seat.point };
+                        seat.pair.depth(l, self.accuracy, &ended)
                     }
-                    Next::Failed => {}
-                }
+                    Next::Failed => None,
+                };
+                let sides = self.objects.posed(self.objects.pairs[seat.number]);
+                self.answers.write(seat.number, found.as_ref(), sides);
                 *place = None;
             }
         }
     }
 }
 
-impl<'a, I: Iterator<Item = (Pair, [PosedShape<'a>; 2], [u32; 2])>> Each<'a, I> {
+impl<'a, S: MeasureDepth> Each<'a, S> {
     /// The next pair that is to be searched; those before it are answered.
     #[inline(always)]
     fn next(&mut self) -> Option<Seat<'a>> {
+        let Objects { frames, scenes, pairs } = self.objects;
         loop {
-            let (pair, [a, b], [shape_a, shape_b]) = self.each.next()?;
-            let number = self.found.len();
-            if let Some(spheres) = self.frames.spheres(pair) {
+            let number = self.next;
+            let &pair = pairs.get(number)?;
+            self.next += 1;
+            if let Some(spheres) = frames.spheres(pair) {
                 let sharp = closed::sharp_of(self.accuracy);
-                self.found.push(closed::depth_of_spheres(spheres, sharp));
+                self.answers.write_spheres(number, closed::depth_of_spheres(spheres, sharp));
                 continue;
             }
-            if are_cuboids(self.frames, pair) {
+            let [a, b] = self.objects.posed(pair);
+            if are_cuboids(frames, pair) {
                 let axes = self.axes.next();
-                self.found
-                    .push(axes.and_then(|&axes| depth_of_cuboids(axes, [a, b], self.accuracy)));
+                let found = axes.and_then(|&axes| depth_of_cuboids(axes, [a, b], self.accuracy));
+                let found = found.map(|depth| Found { depth, farthest: None });
+                self.answers.write(number, found.as_ref(), [a, b]);
                 continue;
             }
-            self.found.push(None);
-            let side = |frame: &'a SimdFrame, object: u32, shape: u32, placed| {
-                let core = &frame.cores().cores()[shape as usize];
+            self.objects.look_ahead(number, S::FACES);
+            let side = |k: usize, frame: &'a SimdFrame, object: u32, placed| {
+                let core = &frame.cores().cores()[scenes[k].shape_index(object as usize) as usize];
                 Side { core, blocks: frame.blocks_of(frame.record(object)), placed }
             };
-            let a = side(self.frames.a, pair.i, shape_a, a);
-            let b = side(self.frames.b, pair.j, shape_b, b);
+            let a = side(0, frames.a, pair.i, a);
+            let b = side(1, frames.b, pair.j, b);
             if let Some(pair) = SearchedPair::of(a, b) {
                 let search = Search::new(&pair.cloud, self.accuracy);
                 return Some(Seat { number, pair, search, point: Point::default() });
             }
+            self.answers.left.push(number as u32);
         }
     }
 }
