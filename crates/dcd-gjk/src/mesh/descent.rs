@@ -1,14 +1,15 @@
 //! Both trees at once, sixteen boxes against one at a time.
 
+use super::body::{Body, Proved};
 use super::distance::gap;
 use super::pair::Resolved;
 use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
-use super::spheres::InnerOuterSpheres;
+use super::spheres::{Decided, InnerOuterSpheres};
 use super::triangles::{Leaves, not_apart};
 use super::{Next, Scratch, Tally, pair};
 use crate::{Method, Verdict};
-use dcd_geom::{Aabb, Aabb16, Mesh};
+use dcd_geom::{Aabb, Aabb16, Mesh, Triangles};
 use dcd_simd::{Block, Kernel, Lanes, Row};
 
 /// What the search finds.
@@ -26,6 +27,8 @@ pub(super) struct Descent<'a, 'g> {
     pub(super) relative: &'a RelativePose,
     /// In and round the second shape, if it is convex.
     pub(super) spheres: Option<InnerOuterSpheres>,
+    /// The second shape, if it is convex and has vertices, and the first is a mesh.
+    pub(super) body: Option<Body>,
     pub(super) scratch: &'a mut Scratch,
     pub(super) tally: &'a mut Tally<'g>,
 }
@@ -84,6 +87,9 @@ impl Descent<'_, '_> {
     #[inline(always)]
     pub(super) fn descend<L: Lanes>(&mut self, l: L) -> Next {
         self.scratch.begin(self.b);
+        if self.a.mesh().is_some() {
+            self.body = Body::of(self.relative, [self.a, self.b], &mut self.scratch.vertices);
+        }
         self.scratch.planes.begin(self.relative, [self.a, self.b]);
         self.scratch.stack.push([self.a.root(), self.b.root()]);
         while let Some(blocks) = self.scratch.stack.pop() {
@@ -178,16 +184,17 @@ impl Descent<'_, '_> {
         }
         let mut open = self.beside_planes(l, block_a, hits);
         let mut squares = Row::default();
-        if let (1.., Parts::Mesh(mesh), Some(spheres)) = (open, self.a.parts, &self.spheres) {
-            let decided = spheres.decide(l, &mesh.leaves()[block_a as usize]);
-            for lane in Bits(decided.touching & open) {
+        if let (1.., Parts::Mesh(mesh)) = (open, self.a.parts) {
+            let Decided { touching, apart, squares: found } =
+                self.in_lanes(l, &mesh.leaves()[block_a as usize], open);
+            for lane in Bits(touching & open) {
                 let known = (Verdict::Touching(()), Method::Portal);
                 if self.tally.file([below.0[lane], part_b], known) == Next::Stop {
                     return Next::Stop;
                 }
             }
-            open &= !(decided.touching | decided.apart);
-            squares = decided.squares;
+            open &= !(touching | apart);
+            squares = found;
         }
         // The nearest to the middle first: if any touches, it is likely the one.
         while let Some(lane) = Bits(open).min_by(|&j, &k| squares.0[j].total_cmp(&squares.0[k])) {
@@ -204,6 +211,42 @@ impl Descent<'_, '_> {
             }
         }
         Next::Go
+    }
+
+    /// What lanes prove of the open triangles of a leaf: by a body's own faces and vertices, and by spheres in it and
+    /// round it.
+    #[inline(always)]
+    fn in_lanes<L: Lanes>(&self, l: L, leaf: &Triangles, open: u32) -> Decided {
+        let vertices = &self.scratch.vertices;
+        let mut decided = Decided::default();
+        if let Some(body) = &self.body {
+            let Proved { touching, apart } = body.decide(l, leaf, vertices, open);
+            decided = Decided { touching, apart, ..decided };
+            if body.is_cuboid() || self.is_enough(open, &decided) {
+                return decided;
+            }
+        }
+        let Some(spheres) = &self.spheres else { return decided };
+        let (by_spheres, near) = spheres.decide(l, leaf);
+        decided = Decided {
+            touching: decided.touching | by_spheres.touching,
+            apart: decided.apart | by_spheres.apart,
+            squares: by_spheres.squares,
+        };
+        match &self.body {
+            Some(body) if !self.is_enough(open, &decided) => {
+                decided.apart |= body.beside(l, leaf, (vertices, near));
+            }
+            _ => {}
+        }
+        decided
+    }
+
+    /// Whether no more of a leaf needs to be known.
+    #[inline(always)]
+    fn is_enough(&self, open: u32, decided: &Decided) -> bool {
+        let is_found = matches!(self.tally.goal, Goal::Any) && open & decided.touching != 0;
+        is_found || open & !(decided.touching | decided.apart) == 0
     }
 
     /// Which of the open parts of a leaf of the first shape no separating plane shuts out.

@@ -5,6 +5,7 @@
 //! for all rounding (docs/numerics/proofs.md, "parts"); what that leaves open is resolved in f64 and, where
 //! both parts are polytopes, in exact integers. So the answers are those of resolving every pair of parts.
 
+mod body;
 mod bounds;
 mod cuboid;
 mod deepest;
@@ -24,6 +25,7 @@ mod tests;
 mod triangles;
 
 use crate::{Method, PosedShape, Reason, Verdict, order};
+use dcd_geom::glam::Vec3;
 use dcd_geom::{Aabb16, Shape};
 use dcd_simd::{Block, IndexRow, Path, dispatch_on};
 use descent::{Descent, Goal};
@@ -53,6 +55,8 @@ pub struct Scratch {
     turned: Vec<bool>,
     /// Beyond which nothing of a convex second shape is.
     planes: SeparatingPlanes,
+    /// The vertices of a convex second shape, turned into the first shape's axes, relative to its middle.
+    vertices: Vec<Vec3>,
     /// Pairs of blocks still to be compared.
     stack: Vec<[u32; 2]>,
     /// What is still to be looked at for a distance.
@@ -119,7 +123,10 @@ fn search(
         }
         (Some(relative), None) => {
             let (spheres, tally) = (InnerOuterSpheres::of(&relative, [a, b]), &mut tally);
-            dispatch_on(path, Descent { a, b, relative: &relative, spheres, scratch, tally });
+            dispatch_on(
+                path,
+                Descent { a, b, relative: &relative, spheres, body: None, scratch, tally },
+            );
         }
         (None, _) => each(a, b, &mut tally),
     }

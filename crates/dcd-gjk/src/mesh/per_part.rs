@@ -46,7 +46,8 @@ impl Kernel for PerPart<'_, '_> {
                 let shape = compound.parts()[below.0[lane] as usize].placed();
                 let part = Side { parts: Parts::One(shape), pose: b.pose, reach: b.reach };
                 let spheres = InnerOuterSpheres::of(relative, [a, &part]);
-                let mut descent = Descent { a, b: &part, relative, spheres, scratch, tally };
+                let mut descent =
+                    Descent { a, b: &part, relative, spheres, body: None, scratch, tally };
                 if descent.descend(l) == Next::Stop {
                     return Next::Stop;
                 }
