@@ -21,7 +21,10 @@ const MOST: usize = 64;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Body {
     form: Form,
-    middle: DVec3,
+    /// From the first shape's origin.
+    pub(super) middle: DVec3,
+    /// At least how far it reaches along each axis, and at most, from its middle. Rounded.
+    extent: [Vec3; 2],
     /// At least the length of every vertex, metres.
     reach: f64,
     /// The swept radii of both shapes: at least, and at most.
@@ -79,18 +82,29 @@ impl Body {
         }
         let turn = relative.rotation;
         let centre = polytope.inner().centre;
+        let mut extent = [Vec3::INFINITY, Vec3::NEG_INFINITY];
         let form = match (polytope.kind(), polytope.vertices()) {
             (Kind::Point, _) => return None,
-            (Kind::Cuboid { half_extents: half }, _) => Form::Cuboid {
-                axes: [turn.x_axis, turn.y_axis, turn.z_axis].map(|axis| axis.as_vec3()),
-                half: half.as_vec3(),
-            },
+            (Kind::Cuboid { half_extents: half }, _) => {
+                let axes = [turn.x_axis.as_vec3(), turn.y_axis.as_vec3(), turn.z_axis.as_vec3()];
+                let half = half.as_vec3();
+                let [x, y, z] = axes;
+                let reach = x.abs() * half.x + y.abs() * half.y + z.abs() * half.z;
+                extent = [-reach, reach];
+                Form::Cuboid { axes, half }
+            }
             (Kind::Segment, &[from, to]) => {
-                Form::Segment { half: (turn * ((to - from) * 0.5)).as_vec3() }
+                let half = (turn * ((to - from) * 0.5)).as_vec3();
+                extent = [-half.abs(), half.abs()];
+                Form::Segment { half }
             }
             (_, all) if all.len() <= MOST => {
                 vertices.clear();
-                vertices.extend(all.iter().map(|&v| (turn * (v - centre)).as_vec3()));
+                for &vertex in all {
+                    let vertex = (turn * (vertex - centre)).as_vec3();
+                    extent = [extent[0].min(vertex), extent[1].max(vertex)];
+                    vertices.push(vertex);
+                }
                 Form::Hull
             }
             _ => return None,
@@ -100,6 +114,7 @@ impl Body {
         Some(Self {
             form,
             middle: turn * centre + relative.offset,
+            extent,
             reach: polytope.outer_radius() * stretch,
             swept: [
                 swept * (1.0 - turn_a) * (1.0 - 16.0 * U64),
@@ -108,6 +123,12 @@ impl Body {
             slack: relative.slack(),
             departure,
         })
+    }
+
+    /// The smallest and the largest coordinate along each of the first shape's axes, but for rounding.
+    pub(super) fn extent(&self) -> (DVec3, DVec3) {
+        let [min, max] = self.extent.map(|end| self.middle + end.as_dvec3());
+        (min - self.swept[1], max + self.swept[1])
     }
 
     /// Whether no other test in lanes knows more of the triangles.

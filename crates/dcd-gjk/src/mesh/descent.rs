@@ -12,6 +12,11 @@ use crate::{Method, Verdict};
 use dcd_geom::{Aabb, Aabb16, Mesh, Triangles};
 use dcd_simd::{Block, Kernel, Lanes, Row};
 
+/// How many blocks of a mesh are compared with the box round a convex shape alone, before planes of the shape are looked
+/// for that separate. No unit. Never an answer. Larger: more leaves of dense meshes are compared with large boxes. Smaller:
+/// planes that separate little.
+const FEW: u32 = 12;
+
 /// What the search finds.
 pub(super) enum Goal<'a> {
     /// Whether any parts touch.
@@ -25,7 +30,7 @@ pub(super) struct Descent<'a, 'g> {
     pub(super) a: &'a Side<'a>,
     pub(super) b: &'a Side<'a>,
     pub(super) relative: &'a RelativePose,
-    /// In and round the second shape, if it is convex.
+    /// In and round the second shape, if it is convex, unless its own faces tell all.
     pub(super) spheres: Option<InnerOuterSpheres>,
     /// The second shape, if it is convex and has vertices, and the first is a mesh.
     pub(super) body: Option<Body>,
@@ -82,18 +87,63 @@ impl Scratch {
     }
 }
 
+impl<'a, 'g> Descent<'a, 'g> {
+    pub(super) fn of(
+        [a, b]: [&'a Side<'a>; 2],
+        relative: &'a RelativePose,
+        scratch: &'a mut Scratch,
+        tally: &'a mut Tally<'g>,
+    ) -> Self {
+        let sides = [a, b];
+        let body = a.mesh().and_then(|_| Body::of(relative, sides, &mut scratch.vertices));
+        let spheres = match &body {
+            Some(body) if body.is_cuboid() => None,
+            _ => InnerOuterSpheres::of(relative, sides),
+        };
+        Self { a, b, relative, spheres, body, scratch, tally }
+    }
+}
+
 impl Descent<'_, '_> {
     /// From the roots down, until enough is known.
     #[inline(always)]
     pub(super) fn descend<L: Lanes>(&mut self, l: L) -> Next {
-        self.scratch.begin(self.b);
-        if self.a.mesh().is_some() {
-            self.body = Body::of(self.relative, [self.a, self.b], &mut self.scratch.vertices);
+        if self.a.mesh().is_some() && self.b.tree().is_none() {
+            return self.descend_one(l);
         }
+        self.scratch.begin(self.b);
         self.scratch.planes.begin(self.relative, [self.a, self.b]);
         self.scratch.stack.push([self.a.root(), self.b.root()]);
         while let Some(blocks) = self.scratch.stack.pop() {
             if self.compare(l, blocks) == Next::Stop {
+                return Next::Stop;
+            }
+        }
+        Next::Go
+    }
+
+    /// The same of a mesh and one convex shape, whose box needs no tree.
+    #[inline(always)]
+    fn descend_one<L: Lanes>(&mut self, l: L) -> Next {
+        let Some(tree) = self.a.tree() else { return Next::Go };
+        let around = self.relative.around(self.b, self.body.as_ref());
+        self.scratch.planes.clear();
+        self.scratch.stack.clear();
+        self.scratch.stack.push([self.a.root(), 0]);
+        let mut count = 0;
+        while let Some([block, _]) = self.scratch.stack.pop() {
+            count += 1;
+            if count == FEW {
+                self.scratch.planes.begin(self.relative, [self.a, self.b]);
+            }
+            let boxes = &tree.blocks()[block as usize];
+            let hits = self.scratch.planes.boxes(l, boxes, boxes.overlaps(l, &around));
+            if !self.a.is_leaf(block) {
+                self.push(l, [block, 0], hits);
+                continue;
+            }
+            let at = Meeting { blocks: [block, 0], lane: 0, hits };
+            if self.parts(l, at, &mut None) == Next::Stop {
                 return Next::Stop;
             }
         }
@@ -143,13 +193,21 @@ impl Descent<'_, '_> {
     /// to the middle of a convex second shape is looked at first, for it is likeliest to touch.
     #[inline(always)]
     fn push<L: Lanes>(&mut self, l: L, [block_a, block_b]: [u32; 2], mut met: u32) {
+        let below = self.a.below(block_a);
+        if met & met.wrapping_sub(1) == 0 {
+            self.scratch.stack.extend(Bits(met).map(|child| [below.0[child], block_b]));
+            return;
+        }
         let mut gaps = Row::default();
-        if let (Some(tree), Some(spheres)) = (self.a.tree(), &self.spheres) {
-            let centre = spheres.centre.as_vec3();
+        let middle = match (&self.body, &self.spheres) {
+            (Some(body), _) => Some(body.middle),
+            (None, spheres) => spheres.as_ref().map(|spheres| spheres.centre),
+        };
+        if let (Some(tree), Some(middle)) = (self.a.tree(), middle) {
+            let centre = middle.as_vec3();
             let centre = Aabb { min: centre, max: centre };
             l.store(gap(l, &tree.blocks()[block_a as usize], &centre), &mut gaps);
         }
-        let below = self.a.below(block_a);
         while let Some(child) = Bits(met).max_by(|&j, &k| gaps.0[j].total_cmp(&gaps.0[k])) {
             met &= !(1 << child);
             self.scratch.stack.push([below.0[child], block_b]);

@@ -34,7 +34,6 @@ use per_part::PerPart;
 use relative_pose::RelativePose;
 use separating_planes::SeparatingPlanes;
 use side::Side;
-use spheres::InnerOuterSpheres;
 use std::collections::BinaryHeap;
 
 pub use deepest::PartIndex;
@@ -122,11 +121,7 @@ fn search(
             dispatch_on(path, PerPart { sides, compound, relative, scratch, tally });
         }
         (Some(relative), None) => {
-            let (spheres, tally) = (InnerOuterSpheres::of(&relative, [a, b]), &mut tally);
-            dispatch_on(
-                path,
-                Descent { a, b, relative: &relative, spheres, body: None, scratch, tally },
-            );
+            dispatch_on(path, Descent::of([a, b], &relative, scratch, &mut tally));
         }
         (None, _) => each(a, b, &mut tally),
     }
