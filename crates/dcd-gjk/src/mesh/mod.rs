@@ -11,6 +11,7 @@ mod cuboid;
 mod deepest;
 mod descent;
 mod distance;
+mod on_body;
 mod pair;
 mod per_part;
 mod piercing;
@@ -38,9 +39,10 @@ use std::collections::BinaryHeap;
 
 pub use deepest::PartIndex;
 pub(crate) use deepest::{
-    Effort, PartPair, by_depth, deepest, deepest_of, is_swapped, touching_parts,
+    AS_DEEP, Effort, PartPair, by_depth, deepest, deepest_of, is_swapped, touching_parts,
 };
 pub use distance::distance;
+pub(crate) use on_body::{TouchingTriangle, touching_triangles};
 
 /// What is reused from pair to pair.
 #[derive(Clone, Debug, Default)]
