@@ -36,6 +36,32 @@ pub(super) const NEAREST: f64 = 26.0;
 /// which comes on top. The edge's rounding 1 and the dot product 3. Smaller: false "touching".
 pub(super) const INNER_BOX: f64 = 4.1;
 
+/// How much a computed separation of a triangle and a body of vertices may be above the true one. Unit: u·l·|d|₁, l the
+/// size of a leaf round the body's middle and the body's own. A corner less the middle 2, a dot product 3; a vertex 1
+/// and 3; their difference 1; and 2 for the evaluation of the bound. Smaller: false "apart".
+pub(super) const BODY_SEPARATION: f64 = 12.1;
+
+/// The same in a cuboid's frame. A corner there 7.5 ([`CUBOID_CORNERS`]), a dot product 3, the reach 5, their difference
+/// 1, and 2 for the other end of an edge.
+pub(super) const CUBOID_SEPARATION: f64 = 18.6;
+
+/// What a coordinate of a corner in a cuboid's frame may be off. Unit: u·l. The corner less the middle √3 times 2, the
+/// axis' rounding 1, the dot product 3. Smaller: false "touching".
+pub(super) const CUBOID_CORNERS: f64 = 8.1;
+
+/// How far the height of a vertex over a triangle's plane may be off. Unit: u·l³, since the plane's normal has a length
+/// of its own. Edges that lose √3 times 6 each, of a length of at most 2, make a normal that is off by 55.5; with what
+/// the corner and the vertex lose, and the dot product, 90. Smaller: false "touching".
+pub(super) const BODY_HEIGHT: f64 = 102.0;
+
+/// What a determinant of two corners and a vertex may be off. Unit: u·l³. The three points √3 times 2, 2 and 1; the
+/// arithmetic 5.1 times √3. Smaller: false "touching".
+pub(super) const BODY_DETERMINANT: f64 = 26.0;
+
+/// How far the point of a triangle that is nearest to an end of a capsule's core may be from where it is computed.
+/// Unit: u·l, as [`NEAREST`] with corners that lose 4 in place of 2. Smaller: false "touching".
+pub(super) const BODY_NEAREST: f64 = 40.0;
+
 /// How far the two poses together may be from rotations for a shape's inner box to be turned with
 /// them. No unit. Larger: the bound would have to count squares of it.
 pub(super) const TURNED: f64 = 1e-9;

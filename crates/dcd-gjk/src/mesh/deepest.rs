@@ -252,7 +252,7 @@ impl Along {
 
 /// How much deeper than the deepest a pair of parts may be that is not measured, relative to its depth. Larger:
 /// a wider bound. Smaller: triangles in one plane, equally deep but for rounding, are all measured.
-const AS_DEEP: f64 = 1e-11;
+pub(crate) const AS_DEEP: f64 = 1e-11;
 
 /// Pairs by how deep they may be, the deepest first; the first of equals stays the first.
 pub(crate) fn by_depth(pairs: &[PartPair<'_>]) -> Vec<usize> {

@@ -1,15 +1,21 @@
 //! Both trees at once, sixteen boxes against one at a time.
 
+use super::body::{Body, Proved};
 use super::distance::gap;
 use super::pair::Resolved;
 use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
-use super::spheres::InnerOuterSpheres;
+use super::spheres::{Decided, InnerOuterSpheres};
 use super::triangles::{Leaves, not_apart};
 use super::{Next, Scratch, Tally, pair};
 use crate::{Method, Verdict};
-use dcd_geom::{Aabb, Aabb16, Mesh};
+use dcd_geom::{Aabb, Aabb16, Mesh, Triangles};
 use dcd_simd::{Block, Kernel, Lanes, Row};
+
+/// How many blocks of a mesh are compared with the box round a convex shape alone, before planes of the shape are looked
+/// for that separate. No unit. Never an answer. Larger: more leaves of dense meshes are compared with large boxes. Smaller:
+/// planes that separate little.
+const FEW: u32 = 12;
 
 /// What the search finds.
 pub(super) enum Goal<'a> {
@@ -24,8 +30,10 @@ pub(super) struct Descent<'a, 'g> {
     pub(super) a: &'a Side<'a>,
     pub(super) b: &'a Side<'a>,
     pub(super) relative: &'a RelativePose,
-    /// In and round the second shape, if it is convex.
+    /// In and round the second shape, if it is convex, unless its own faces tell all.
     pub(super) spheres: Option<InnerOuterSpheres>,
+    /// The second shape, if it is convex and has vertices, and the first is a mesh.
+    pub(super) body: Option<Body>,
     pub(super) scratch: &'a mut Scratch,
     pub(super) tally: &'a mut Tally<'g>,
 }
@@ -79,15 +87,63 @@ impl Scratch {
     }
 }
 
+impl<'a, 'g> Descent<'a, 'g> {
+    pub(super) fn of(
+        [a, b]: [&'a Side<'a>; 2],
+        relative: &'a RelativePose,
+        scratch: &'a mut Scratch,
+        tally: &'a mut Tally<'g>,
+    ) -> Self {
+        let sides = [a, b];
+        let body = a.mesh().and_then(|_| Body::of(relative, sides, &mut scratch.vertices));
+        let spheres = match &body {
+            Some(body) if body.is_cuboid() => None,
+            _ => InnerOuterSpheres::of(relative, sides),
+        };
+        Self { a, b, relative, spheres, body, scratch, tally }
+    }
+}
+
 impl Descent<'_, '_> {
     /// From the roots down, until enough is known.
     #[inline(always)]
     pub(super) fn descend<L: Lanes>(&mut self, l: L) -> Next {
+        if self.a.mesh().is_some() && self.b.tree().is_none() {
+            return self.descend_one(l);
+        }
         self.scratch.begin(self.b);
         self.scratch.planes.begin(self.relative, [self.a, self.b]);
         self.scratch.stack.push([self.a.root(), self.b.root()]);
         while let Some(blocks) = self.scratch.stack.pop() {
             if self.compare(l, blocks) == Next::Stop {
+                return Next::Stop;
+            }
+        }
+        Next::Go
+    }
+
+    /// The same of a mesh and one convex shape, whose box needs no tree.
+    #[inline(always)]
+    fn descend_one<L: Lanes>(&mut self, l: L) -> Next {
+        let Some(tree) = self.a.tree() else { return Next::Go };
+        let around = self.relative.around(self.b, self.body.as_ref());
+        self.scratch.planes.clear();
+        self.scratch.stack.clear();
+        self.scratch.stack.push([self.a.root(), 0]);
+        let mut count = 0;
+        while let Some([block, _]) = self.scratch.stack.pop() {
+            count += 1;
+            if count == FEW {
+                self.scratch.planes.begin(self.relative, [self.a, self.b]);
+            }
+            let boxes = &tree.blocks()[block as usize];
+            let hits = self.scratch.planes.boxes(l, boxes, boxes.overlaps(l, &around));
+            if !self.a.is_leaf(block) {
+                self.push(l, [block, 0], hits);
+                continue;
+            }
+            let at = Meeting { blocks: [block, 0], lane: 0, hits };
+            if self.parts(l, at, &mut None) == Next::Stop {
                 return Next::Stop;
             }
         }
@@ -137,13 +193,21 @@ impl Descent<'_, '_> {
     /// to the middle of a convex second shape is looked at first, for it is likeliest to touch.
     #[inline(always)]
     fn push<L: Lanes>(&mut self, l: L, [block_a, block_b]: [u32; 2], mut met: u32) {
+        let below = self.a.below(block_a);
+        if met & met.wrapping_sub(1) == 0 {
+            self.scratch.stack.extend(Bits(met).map(|child| [below.0[child], block_b]));
+            return;
+        }
         let mut gaps = Row::default();
-        if let (Some(tree), Some(spheres)) = (self.a.tree(), &self.spheres) {
-            let centre = spheres.centre.as_vec3();
+        let middle = match (&self.body, &self.spheres) {
+            (Some(body), _) => Some(body.middle),
+            (None, spheres) => spheres.as_ref().map(|spheres| spheres.centre),
+        };
+        if let (Some(tree), Some(middle)) = (self.a.tree(), middle) {
+            let centre = middle.as_vec3();
             let centre = Aabb { min: centre, max: centre };
             l.store(gap(l, &tree.blocks()[block_a as usize], &centre), &mut gaps);
         }
-        let below = self.a.below(block_a);
         while let Some(child) = Bits(met).max_by(|&j, &k| gaps.0[j].total_cmp(&gaps.0[k])) {
             met &= !(1 << child);
             self.scratch.stack.push([below.0[child], block_b]);
@@ -178,16 +242,17 @@ impl Descent<'_, '_> {
         }
         let mut open = self.beside_planes(l, block_a, hits);
         let mut squares = Row::default();
-        if let (1.., Parts::Mesh(mesh), Some(spheres)) = (open, self.a.parts, &self.spheres) {
-            let decided = spheres.decide(l, &mesh.leaves()[block_a as usize]);
-            for lane in Bits(decided.touching & open) {
+        if let (1.., Parts::Mesh(mesh)) = (open, self.a.parts) {
+            let Decided { touching, apart, squares: found } =
+                self.in_lanes(l, &mesh.leaves()[block_a as usize], open);
+            for lane in Bits(touching & open) {
                 let known = (Verdict::Touching(()), Method::Portal);
                 if self.tally.file([below.0[lane], part_b], known) == Next::Stop {
                     return Next::Stop;
                 }
             }
-            open &= !(decided.touching | decided.apart);
-            squares = decided.squares;
+            open &= !(touching | apart);
+            squares = found;
         }
         // The nearest to the middle first: if any touches, it is likely the one.
         while let Some(lane) = Bits(open).min_by(|&j, &k| squares.0[j].total_cmp(&squares.0[k])) {
@@ -204,6 +269,42 @@ impl Descent<'_, '_> {
             }
         }
         Next::Go
+    }
+
+    /// What lanes prove of the open triangles of a leaf: by a body's own faces and vertices, and by spheres in it and
+    /// round it.
+    #[inline(always)]
+    fn in_lanes<L: Lanes>(&self, l: L, leaf: &Triangles, open: u32) -> Decided {
+        let vertices = &self.scratch.vertices;
+        let mut decided = Decided::default();
+        if let Some(body) = &self.body {
+            let Proved { touching, apart } = body.decide(l, leaf, vertices, open);
+            decided = Decided { touching, apart, ..decided };
+            if body.is_cuboid() || self.is_enough(open, &decided) {
+                return decided;
+            }
+        }
+        let Some(spheres) = &self.spheres else { return decided };
+        let (by_spheres, near) = spheres.decide(l, leaf);
+        decided = Decided {
+            touching: decided.touching | by_spheres.touching,
+            apart: decided.apart | by_spheres.apart,
+            squares: by_spheres.squares,
+        };
+        match &self.body {
+            Some(body) if !self.is_enough(open, &decided) => {
+                decided.apart |= body.beside(l, leaf, (vertices, near));
+            }
+            _ => {}
+        }
+        decided
+    }
+
+    /// Whether no more of a leaf needs to be known.
+    #[inline(always)]
+    fn is_enough(&self, open: u32, decided: &Decided) -> bool {
+        let is_found = matches!(self.tally.goal, Goal::Any) && open & decided.touching != 0;
+        is_found || open & !(decided.touching | decided.apart) == 0
     }
 
     /// Which of the open parts of a leaf of the first shape no separating plane shuts out.

@@ -5,11 +5,13 @@
 //! for all rounding (docs/numerics/proofs.md, "parts"); what that leaves open is resolved in f64 and, where
 //! both parts are polytopes, in exact integers. So the answers are those of resolving every pair of parts.
 
+mod body;
 mod bounds;
 mod cuboid;
 mod deepest;
 mod descent;
 mod distance;
+mod on_body;
 mod pair;
 mod per_part;
 mod piercing;
@@ -24,6 +26,7 @@ mod tests;
 mod triangles;
 
 use crate::{Method, PosedShape, Reason, Verdict, order};
+use dcd_geom::glam::Vec3;
 use dcd_geom::{Aabb16, Shape};
 use dcd_simd::{Block, IndexRow, Path, dispatch_on};
 use descent::{Descent, Goal};
@@ -32,14 +35,14 @@ use per_part::PerPart;
 use relative_pose::RelativePose;
 use separating_planes::SeparatingPlanes;
 use side::Side;
-use spheres::InnerOuterSpheres;
 use std::collections::BinaryHeap;
 
 pub use deepest::PartIndex;
 pub(crate) use deepest::{
-    Effort, PartPair, by_depth, deepest, deepest_of, is_swapped, touching_parts,
+    AS_DEEP, Effort, PartPair, by_depth, deepest, deepest_of, is_swapped, touching_parts,
 };
 pub use distance::distance;
+pub(crate) use on_body::{TouchingTriangle, touching_triangles};
 
 /// What is reused from pair to pair.
 #[derive(Clone, Debug, Default)]
@@ -53,6 +56,8 @@ pub struct Scratch {
     turned: Vec<bool>,
     /// Beyond which nothing of a convex second shape is.
     planes: SeparatingPlanes,
+    /// The vertices of a convex second shape, turned into the first shape's axes, relative to its middle.
+    vertices: Vec<Vec3>,
     /// Pairs of blocks still to be compared.
     stack: Vec<[u32; 2]>,
     /// What is still to be looked at for a distance.
@@ -118,8 +123,7 @@ fn search(
             dispatch_on(path, PerPart { sides, compound, relative, scratch, tally });
         }
         (Some(relative), None) => {
-            let (spheres, tally) = (InnerOuterSpheres::of(&relative, [a, b]), &mut tally);
-            dispatch_on(path, Descent { a, b, relative: &relative, spheres, scratch, tally });
+            dispatch_on(path, Descent::of([a, b], &relative, scratch, &mut tally));
         }
         (None, _) => each(a, b, &mut tally),
     }

@@ -4,7 +4,6 @@
 use super::descent::{Bits, Descent, Goal};
 use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
-use super::spheres::InnerOuterSpheres;
 use super::{Next, Scratch, Tally};
 use crate::simd::cores::MAX_PARTS;
 use dcd_geom::{Aabb16, Compound};
@@ -45,8 +44,7 @@ impl Kernel for PerPart<'_, '_> {
             for lane in Bits(placed.overlaps(l, &around)) {
                 let shape = compound.parts()[below.0[lane] as usize].placed();
                 let part = Side { parts: Parts::One(shape), pose: b.pose, reach: b.reach };
-                let spheres = InnerOuterSpheres::of(relative, [a, &part]);
-                let mut descent = Descent { a, b: &part, relative, spheres, scratch, tally };
+                let mut descent = Descent::of([a, &part], relative, scratch, tally);
                 if descent.descend(l) == Next::Stop {
                     return Next::Stop;
                 }

@@ -1,9 +1,10 @@
 //! Where the second shape is, seen from the first.
 
+use super::body::Body;
 use super::bounds::{BOX, OFFSET, SIZE, U, U64};
 use super::side::{Parts, Side, extent, grown};
-use dcd_geom::Aabb16;
 use dcd_geom::glam::{DMat3, DVec3};
+use dcd_geom::{Aabb, Aabb16};
 use dcd_simd::{Block, Lanes};
 
 /// The second shape's place in the first one's axes: world points are mapped by R_Aᵀ, which keeps
@@ -97,12 +98,22 @@ impl RelativePose {
     /// The one box of a convex second shape in the first frame, from its supports.
     pub(super) fn place_one(&self, b: &Side<'_>) -> Aabb16 {
         let mut block = Aabb16::EMPTY;
-        if let Parts::One(shape) = b.parts {
-            let rows = [0, 1, 2].map(|axis| self.rotation.row(axis));
-            let (min, max) = extent(shape, rows, self.stretch);
-            block.set(0, &grown(min + self.offset, max + self.offset, self.margin));
-        }
+        block.set(0, &self.around(b, None));
         block
+    }
+
+    /// The box round a convex second shape in the first frame.
+    pub(super) fn around(&self, b: &Side<'_>, body: Option<&Body>) -> Aabb {
+        let (min, max) = match (body, b.parts) {
+            (Some(body), _) => body.extent(),
+            (None, Parts::One(shape)) => {
+                let rows = [0, 1, 2].map(|axis| self.rotation.row(axis));
+                let (min, max) = extent(shape, rows, self.stretch);
+                (min + self.offset, max + self.offset)
+            }
+            (None, _) => return Aabb::EMPTY,
+        };
+        grown(min, max, self.margin)
     }
 
     /// Turns corners into the first axes: R_Aᵀ·R_B·x.

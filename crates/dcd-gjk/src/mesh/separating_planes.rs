@@ -42,11 +42,16 @@ pub(super) struct SeparatingPlanes {
 }
 
 impl SeparatingPlanes {
+    /// Forgets the last pair.
+    pub(super) fn clear(&mut self) {
+        self.planes.clear();
+        self.oldest = 0;
+    }
+
     /// Forgets the last pair. Of a box those three faces are known at once that look towards the
     /// first shape.
     pub(super) fn begin(&mut self, relative: &RelativePose, [a, b]: [&Side<'_>; 2]) {
-        self.planes.clear();
-        self.oldest = 0;
+        self.clear();
         let Parts::One(shape @ Shape::Polytope(polytope)) = b.parts else { return };
         let is_box = |obb: &&ObbBounds| obb.inner.cmpgt(obb.outer * BOX).all();
         let (Some(obb), Some(tree)) = (polytope.obb().filter(is_box), a.tree()) else {

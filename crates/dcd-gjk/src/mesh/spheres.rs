@@ -57,7 +57,8 @@ impl InnerBox {
     }
 }
 
-/// What the spheres prove of a leaf's triangles.
+/// What is proved of a leaf's triangles.
+#[derive(Clone, Copy, Default)]
 pub(super) struct Decided {
     pub(super) touching: u32,
     pub(super) apart: u32,
@@ -89,9 +90,9 @@ impl InnerOuterSpheres {
         })
     }
 
-    /// Tests a leaf's triangles against both spheres.
+    /// Tests a leaf's triangles against both spheres. Also the nearest points, from their centre.
     #[inline(always)]
-    pub(super) fn decide<L: Lanes>(&self, l: L, leaf: &Triangles) -> Decided {
+    pub(super) fn decide<L: Lanes>(&self, l: L, leaf: &Triangles) -> (Decided, V3<L>) {
         let offset = self.centre - leaf.centre;
         let size = leaf.radius + offset.length();
         let rounding = 1.01 * (NEAREST * U * size + 2.0 * self.slack);
@@ -123,14 +124,14 @@ impl InnerOuterSpheres {
 
         let mut squares = Row::default();
         l.store(square, &mut squares);
-        Decided { touching, apart, squares }
+        (Decided { touching, apart, squares }, v)
     }
 }
 
 /// The point of each triangle that is nearest to the origin, as f32 has it; for any triangle it is
 /// a point of it to within rounding, or NaN.
 #[inline(always)]
-fn nearest<L: Lanes>(l: L, [a, b, c]: [V3<L>; 3]) -> V3<L> {
+pub(super) fn nearest<L: Lanes>(l: L, [a, b, c]: [V3<L>; 3]) -> V3<L> {
     let (zero, one) = (l.splat(0.0), l.splat(1.0));
     let (ab, ac) = (b.sub(l, a), c.sub(l, a));
     let (g11, g12, g22) = (ab.dot(l, ab), ab.dot(l, ac), ac.dot(l, ac));

@@ -5,7 +5,7 @@ mod measures;
 use super::{Scratch, overlap, overlap_on, touching};
 use crate::distance::DistanceResult;
 use crate::{Method, PosedShape, PosedSupport, Reason, Verdict, certified};
-use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::{Mesh, Polytope, Pose, Shape, Support, SupportMap};
 use dcd_simd::Path;
 use std::sync::Arc;
@@ -428,4 +428,61 @@ fn a_solver_of_convex_shapes_says_so() {
     assert_eq!(Gjk::<f64>::default().solve(placed, placed, &mut ()), expected);
     assert_eq!(Gjk::<f32>::default().solve(placed, placed, &mut ()), expected);
     assert_eq!(certified::overlap_of(placed, placed).0, Verdict::Touching(()));
+}
+
+/// A body whose lowest point is that far over the plane of a triangle of the mesh, over a point of it or beside it.
+fn over_a_triangle(draw: &mut Draw, mesh: &Mesh, body: &Shape, gap: f64) -> Pose {
+    let k = (draw.number() * mesh.triangles().len() as f64) as usize;
+    let [p, q, r] = mesh.corners(k).unwrap();
+    let normal = (q - p).cross(r - p).normalize_or(DVec3::Z);
+    let normal = if draw.number() < 0.5 { -normal } else { normal };
+    let turn = match (draw.number() * 3.0) as usize {
+        // An edge along one of the triangle's, a side in its plane.
+        0 => {
+            let x = (q - p).normalize_or(DVec3::X);
+            DQuat::from_mat3(&DMat3::from_cols(x, normal.cross(x), normal)).normalize()
+        }
+        1 => DQuat::IDENTITY,
+        _ => DQuat::from_scaled_axis(draw.point(3.0)),
+    };
+    let low = turn * body.support(turn.inverse() * -normal).point;
+    let on = p + (q - p) * (1.4 * draw.number() - 0.2) + (r - p) * (0.7 * draw.number() - 0.1);
+    let swept = body.radius() + mesh.swept_radius();
+    Pose::new(turn, on + normal * (swept + gap) - low).unwrap()
+}
+
+#[test]
+fn bodies_that_just_touch_a_triangle_are_decided_as_by_brute_force() {
+    let seed = std::env::var("DCD_SEED").map_or(1907, |seed| seed.parse().expect("a seed"));
+    let (mut draw, mut scratch, mut found) = (Draw(seed), Scratch::default(), [0usize; 7]);
+    for round in 0..1400usize {
+        let scale = [1.0, 1e-3, 1e3][round / 7 % 3];
+        let strewn = draw.mesh(5 + round % 30, scale);
+        let swept = round % 5 == 4;
+        let ground = if swept { strewn.swept(0.03 * scale).unwrap() } else { strewn };
+        let half = (draw.point(0.4).abs() + 0.02) * scale;
+        let body = match round % 7 {
+            0 => Shape::sphere(half.x).unwrap(),
+            1 => Shape::capsule(half.x, half.y).unwrap(),
+            2 => Shape::cuboid(half).unwrap(),
+            3 => Shape::cuboid(half).unwrap().swept(0.1 * scale).unwrap(),
+            4 => draw.hull(scale),
+            5 => draw.hull(scale).swept(0.05 * scale).unwrap(),
+            // Flat.
+            _ => Shape::cuboid(DVec3::new(half.x, half.y, 0.0)).unwrap(),
+        };
+        let gap = [0.0, 1e-16, -1e-16, 1e-9, -1e-9, 1e-7, -1e-7, 2e-6, -2e-6, 1e-4, -1e-4, -0.05];
+        let gap = gap[(draw.number() * gap.len() as f64) as usize] * scale;
+        let Shape::Mesh(mesh) = &ground else { panic!("no mesh") };
+        let pose = over_a_triangle(&mut draw, mesh, &body, gap);
+        let whole = if round % 2 == 0 { Pose::IDENTITY } else { draw.pose(10.0 * scale) };
+        let turn = DQuat::from_mat3(&(*whole.rotation() * *pose.rotation())).normalize();
+        let place = *whole.rotation() * pose.translation() + whole.translation();
+        let pose = Pose::new(turn, place).unwrap();
+        let a = PosedShape { shape: &ground, pose: &whole };
+        let b = PosedShape { shape: &body, pose: &pose };
+        let what = format!("seed {seed}, round {round}, gap {gap}");
+        found[round % 7] += usize::from(check(a, b, &mut scratch, &what) > 0);
+    }
+    assert!(found.iter().all(|&count| count > 30), "{found:?}");
 }

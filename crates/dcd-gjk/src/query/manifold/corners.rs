@@ -8,7 +8,7 @@ use super::{Feature, Manifold, SAME, bound_of, reduce, write_one_point};
 use super::{cuboid_polygon, cuboids, hull_pair};
 use crate::PosedShape;
 use crate::epa::Depth;
-use dcd_geom::glam::DVec3;
+use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Polytope, Shape, SupportMap};
 
 /// Corners with heights that count the swept radii; memory that clipping takes.
@@ -139,6 +139,51 @@ impl Corners {
         whole
     }
 
+    /// What a polytope shows along the view, for [`Corners::add_triangle`].
+    pub(super) fn facing<'a>(
+        &mut self,
+        view: &View,
+        polytope: &'a Polytope,
+        placed: &Placed<'_>,
+    ) -> Facing<'a> {
+        let outer_radius = polytope.outer_radius();
+        if polytope.kind() == Kind::Point {
+            return Facing { whole: Feature::Vertex(0), seen: None, is_round: true, outer_radius };
+        }
+        let part = view.part(polytope, placed);
+        let whole = part.name();
+        let has_corners = !matches!(part, Part::Vertex(_));
+        let seen = has_corners.then(|| view.seen_part(part, polytope, placed));
+        Facing { whole, seen, is_round: false, outer_radius }
+    }
+
+    /// Adds the corners that a triangle shares with that, unless they are deeper than the depth: such parts meet along
+    /// another normal. Returns what the two show as wholes; `None` of a needle.
+    pub(super) fn add_triangle(
+        &mut self,
+        view: &View,
+        (depth, radii): (&Depth, [f64; 2]),
+        corners: [DVec3; 3],
+        facing: &Facing<'_>,
+    ) -> Option<[Feature; 2]> {
+        let part = Part::of_triangle(corners, view.normal())?;
+        let [p, q, r] = corners;
+        let middle = (p + q + r) / 3.0;
+        let outer_radius = p.distance(middle).max(q.distance(middle)).max(r.distance(middle));
+        self.size = self.size.max(2.0 * (outer_radius + facing.outer_radius));
+        let whole = [part.name(), facing.whole];
+        if let Some(seen) = &facing.seen {
+            let before = self.len();
+            let placed = Placed { rotation: &DMat3::IDENTITY, place: DVec3::ZERO, sense: 1.0 };
+            let triangle = view.shown(part, &placed, |k| corners[k as usize]);
+            self.add_shared(&triangle, seen, radii);
+            if self.deepest_after(before) > depth.depth + self.tolerance() {
+                self.truncate(before);
+            }
+        }
+        Some(whole)
+    }
+
     /// What two features have in common, of shapes with those swept radii.
     fn add_shared(&mut self, a: &Seen<'_>, b: &Seen<'_>, radii: [f64; 2]) {
         self.patch.of(a, b, -(radii[0] + radii[1]), self.size);
@@ -206,6 +251,22 @@ impl Corners {
         found.count = count as u8;
         found.error_bound = (error_bound + off_surface).min(f64::MAX);
         pairs
+    }
+}
+
+/// What a polytope shows along a normal.
+pub(super) struct Facing<'a> {
+    whole: Feature,
+    /// `None` of a vertex, which shares no corners.
+    seen: Option<Seen<'a>>,
+    is_round: bool,
+    outer_radius: f64,
+}
+
+impl Facing<'_> {
+    /// Whether it is a sphere, which has no face and no edge.
+    pub(super) fn is_round(&self) -> bool {
+        self.is_round
     }
 }
 

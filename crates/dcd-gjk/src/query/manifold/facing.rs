@@ -14,6 +14,9 @@ pub(super) const LEVEL: f64 = 0.259;
 /// How far below the farthest a vertex may be to count as farthest, relative to the size.
 const FARTHEST: f64 = 1e-9;
 
+/// The area of a triangle beside the square of its longest edge below which its normal is left to the list of faces.
+const NEEDLE: f64 = 1e-6;
+
 /// A face, an edge or a vertex of a shape.
 pub(super) enum Part<'a> {
     Vertex(u32),
@@ -44,6 +47,35 @@ impl<'a> Part<'a> {
             Some(vertex) if choice.is_corner(vertex) => choice.round_vertex(vertex),
             _ => choice.part(),
         }
+    }
+
+    /// Which of three corners face a direction of their own axes, of unit length; `None` of a needle.
+    pub(super) fn of_triangle([p, q, r]: [DVec3; 3], direction: DVec3) -> Option<Part<'static>> {
+        let edges = [r - p, q - p, r - q];
+        let normal = edges[1].cross(edges[0]);
+        let longest = edges[0].length_squared().max(edges[1].length_squared());
+        let area = normal.length();
+        // Written so that NaN is a needle.
+        if !(area > NEEDLE * longest.max(edges[2].length_squared())) {
+            return None;
+        }
+        let cosine = normal.dot(direction) / area;
+        if cosine > FACING {
+            return Some(Part::Face { index: 0, normal: normal / area, corners: &[0, 1, 2] });
+        } else if -cosine > FACING {
+            return Some(Part::Face { index: 1, normal: -normal / area, corners: &[2, 1, 0] });
+        }
+        let along = [p.dot(direction), q.dot(direction), r.dot(direction)];
+        let least = along[0].max(along[1]).max(along[2]) - FARTHEST * longest.sqrt();
+        let mut best = (LEVEL, None);
+        for ([j, k], edge) in [[0usize, 2], [0, 1], [1, 2]].into_iter().zip(edges) {
+            let rise = (along[j] - along[k]).abs() / edge.length();
+            if (along[j] >= least || along[k] >= least) && rise < best.0 {
+                best = (rise, Some(Part::Edge([j as u32, k as u32])));
+            }
+        }
+        let vertex = || Part::Vertex((0..3).find(|&k| along[k] >= least).unwrap_or(0) as u32);
+        Some(best.1.unwrap_or_else(vertex))
     }
 
     /// Its name.

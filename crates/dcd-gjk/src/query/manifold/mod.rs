@@ -15,6 +15,7 @@ mod cuboids;
 mod facing;
 mod feature;
 mod hull_pair;
+mod on_mesh;
 mod parts;
 mod reduce;
 mod set;
@@ -135,6 +136,7 @@ pub struct Scratch {
     depth: epa::Scratch,
     corners: Corners,
     parts: mesh::Scratch,
+    on_mesh: on_mesh::Scratch,
 }
 
 impl PairSolver for Manifolds {

@@ -3,6 +3,7 @@
 
 use super::corners::Corners;
 use super::feature::View;
+use super::on_mesh;
 use super::surface::{self, ManifoldOptions};
 use super::{Feature, Manifold, ManifoldSet, Scratch, of_one_point};
 use crate::epa::Depth;
@@ -11,7 +12,7 @@ use crate::query::{Accuracy, depths};
 use crate::{PosedShape, Reason, Verdict, epa};
 
 /// The least cosine between two normals that count as one: 1e-3 rad.
-const ALIKE: f64 = 1.0 - 5e-7;
+pub(super) const ALIKE: f64 = 1.0 - 5e-7;
 
 /// At least the angle of that cosine, and a margin for normals that are known to 1e-4 rad.
 const ANGLE: f64 = 1.1e-3;
@@ -19,7 +20,7 @@ const ANGLE: f64 = 1.1e-3;
 /// How much farther than a manifold's depth two parts may have to be moved along its normal and still belong to it,
 /// relative to their diameters: what f32 vertices leave of a plane. The error bound counts it. Larger: wider bounds.
 /// Smaller: needless manifolds of the triangles of one floor.
-const NEAR: f64 = 1e-6;
+pub(super) const NEAR: f64 = 1e-6;
 
 /// How the depth of a pair of parts is measured.
 #[derive(Clone, Copy)]
@@ -48,7 +49,13 @@ fn in_order(
     sides: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
 ) -> Result<ManifoldSet, Reason> {
-    let Scratch { depth: memory, corners, parts } = scratch;
+    let Scratch { depth: memory, corners, parts, on_mesh } = scratch;
+    if how.accuracy == Accuracy::F32
+        && how.options == ManifoldOptions::default()
+        && let Some(found) = on_mesh::measure(sides, (on_mesh, parts, corners), memory)
+    {
+        return Ok(found);
+    }
     let mut pairs = mesh::touching_parts(sides[0], sides[1], parts);
     if how.options != ManifoldOptions::default() {
         // What bounds a depth does not bound one along another normal.

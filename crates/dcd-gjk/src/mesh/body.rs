@@ -1,0 +1,506 @@
+//! Sixteen triangles against a convex body with vertices: directions that separate the two, and points that both have,
+//! in f32 with bounds for all rounding (docs/numerics/proofs.md, "Parts").
+
+use super::bounds::{
+    BODY_DETERMINANT, BODY_HEIGHT, BODY_NEAREST, BODY_SEPARATION, CUBOID_CORNERS,
+    CUBOID_SEPARATION, SHORTEST, SMALLEST_SPHERE, SWEPT, TURNED, U, U64,
+};
+use super::relative_pose::RelativePose;
+use super::side::{Parts, Side};
+use super::spheres::nearest;
+use crate::simd::vector::V3;
+use dcd_geom::glam::{DVec3, Vec3};
+use dcd_geom::{Kind, Shape, Triangles};
+use dcd_simd::Lanes;
+
+/// Of how many vertices a hull is tested in lanes. No unit. Larger: a leaf costs more than the few triangles of it that
+/// are near. Smaller: triangles resolved one by one.
+const MOST: usize = 64;
+
+/// A convex second shape with vertices, in the first shape's axes and relative to its middle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Body {
+    form: Form,
+    /// From the first shape's origin.
+    pub(super) middle: DVec3,
+    /// At least how far it reaches along each axis, and at most, from its middle. Rounded.
+    extent: [Vec3; 2],
+    /// At least the length of every vertex, metres.
+    reach: f64,
+    /// The swept radii of both shapes: at least, and at most.
+    swept: [f64; 2],
+    slack: f64,
+    /// What the two matrices depart from rotations by, relative.
+    departure: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Form {
+    /// The directions of its edges, and half of them.
+    Cuboid { axes: [Vec3; 3], half: Vec3 },
+    /// From the middle to an end.
+    Segment { half: Vec3 },
+    /// Its vertices are kept elsewhere.
+    Hull,
+}
+
+/// Lanes that are proved to touch, and to be apart.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Proved {
+    pub(super) touching: u32,
+    pub(super) apart: u32,
+}
+
+/// The bounds of one leaf.
+struct Bounds {
+    /// At least the length of every corner, relative to the body's middle, and of every vertex. Metres.
+    size: f64,
+    /// At least that of every corner.
+    far: f64,
+    /// What a separation must exceed per |d|₁.
+    per_norm1: f32,
+    /// Per |d|.
+    radius: f32,
+    /// And in any case.
+    least: f32,
+}
+
+impl Body {
+    /// `None` of shapes without vertices or with very many, of spheres, and where a pose is no rotation. Writes the
+    /// vertices of a hull.
+    pub(super) fn of(
+        relative: &RelativePose,
+        [a, b]: [&Side<'_>; 2],
+        vertices: &mut Vec<Vec3>,
+    ) -> Option<Self> {
+        let Parts::One(Shape::Polytope(polytope)) = b.parts else { return None };
+        let (turn_a, turn_b) = (a.pose.deviation(), b.pose.deviation());
+        let departure = turn_a + turn_b;
+        // Written so that NaN is no rotation.
+        if !(departure < TURNED) {
+            return None;
+        }
+        let turn = relative.rotation;
+        let centre = polytope.inner().centre;
+        let mut extent = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        let form = match (polytope.kind(), polytope.vertices()) {
+            (Kind::Point, _) => return None,
+            (Kind::Cuboid { half_extents: half }, _) => {
+                let axes = [turn.x_axis.as_vec3(), turn.y_axis.as_vec3(), turn.z_axis.as_vec3()];
+                let half = half.as_vec3();
+                let [x, y, z] = axes;
+                let reach = x.abs() * half.x + y.abs() * half.y + z.abs() * half.z;
+                extent = [-reach, reach];
+                Form::Cuboid { axes, half }
+            }
+            (Kind::Segment, &[from, to]) => {
+                let half = (turn * ((to - from) * 0.5)).as_vec3();
+                extent = [-half.abs(), half.abs()];
+                Form::Segment { half }
+            }
+            (_, all) if all.len() <= MOST => {
+                vertices.clear();
+                for &vertex in all {
+                    let vertex = (turn * (vertex - centre)).as_vec3();
+                    extent = [extent[0].min(vertex), extent[1].max(vertex)];
+                    vertices.push(vertex);
+                }
+                Form::Hull
+            }
+            _ => return None,
+        };
+        let stretch = (1.0 + turn_a) * (1.0 + turn_b) * (1.0 + 16.0 * U64);
+        let swept = a.radius() + polytope.swept_radius();
+        Some(Self {
+            form,
+            middle: turn * centre + relative.offset,
+            extent,
+            reach: polytope.outer_radius() * stretch,
+            swept: [
+                swept * (1.0 - turn_a) * (1.0 - 16.0 * U64),
+                swept * relative.stretch() * (1.0 + 16.0 * U64),
+            ],
+            slack: relative.slack(),
+            departure,
+        })
+    }
+
+    /// The smallest and the largest coordinate along each of the first shape's axes, but for rounding.
+    pub(super) fn extent(&self) -> (DVec3, DVec3) {
+        let [min, max] = self.extent.map(|end| self.middle + end.as_dvec3());
+        (min - self.swept[1], max + self.swept[1])
+    }
+
+    /// Whether no other test in lanes knows more of the triangles.
+    pub(super) fn is_cuboid(&self) -> bool {
+        matches!(self.form, Form::Cuboid { .. })
+    }
+
+    /// What is proved of a leaf's triangles in the open lanes.
+    #[inline(always)]
+    pub(super) fn decide<L: Lanes>(
+        &self,
+        l: L,
+        leaf: &Triangles,
+        vertices: &[Vec3],
+        open: u32,
+    ) -> Proved {
+        let offset = self.middle - leaf.centre;
+        let bounds = self.bounds(leaf.radius + offset.length());
+        let corners = relative(l, leaf, offset);
+        match self.form {
+            Form::Cuboid { axes, half } => self.by_axes(l, &bounds, corners, (axes, half)),
+            Form::Segment { half } => self.by_ends(l, &bounds, corners, half, open),
+            Form::Hull => self.by_vertices(l, &bounds, corners, vertices, open),
+        }
+    }
+
+    /// Of a leaf whose corners are that far, metres.
+    fn bounds(&self, far: f64) -> Bounds {
+        let size = far + self.reach;
+        let separation = match self.form {
+            Form::Cuboid { .. } => CUBOID_SEPARATION * U + self.departure,
+            _ => BODY_SEPARATION * U,
+        };
+        let per_norm1 = 1.01 * (separation * size + 4.0 * self.slack);
+        let [_, swept] = self.swept;
+        let (radius, least) = if swept > 0.0 {
+            (swept * (1.0 + 2.0 * SWEPT), 2.0 * SHORTEST * size)
+        } else {
+            (0.0, 0.0)
+        };
+        Bounds {
+            size,
+            far,
+            per_norm1: up(per_norm1),
+            radius: if radius > 0.0 { up(radius) } else { 0.0 },
+            least: least as f32 + f32::MIN_POSITIVE,
+        }
+    }
+
+    /// A cuboid, by its three axes, the triangle's normal and the nine products of edges.
+    #[inline(always)]
+    fn by_axes<L: Lanes>(
+        &self,
+        l: L,
+        bounds: &Bounds,
+        corners: [V3<L>; 3],
+        (axes, half): ([Vec3; 3], Vec3),
+    ) -> Proved {
+        let Bounds { size, far, .. } = *bounds;
+        let [x, y, z] = axes;
+        let axes = [splat(l, x), splat(l, y), splat(l, z)];
+        let [p, q, r] = corners;
+        let (p, q, r) = (turned(l, &axes, p), turned(l, &axes, q), turned(l, &axes, r));
+        let half = splat(l, half);
+        // What a corner is off, and an edge.
+        let off = (CUBOID_CORNERS * U + self.departure) * far + 4.0 * self.slack;
+        let off_edge = 2.02 * (off + U * far);
+        let mut found = Axes { bounds, apart: l.mask(0), touching: l.mask(u32::MAX) };
+        found.add_side(l, [p.0, q.0, r.0], half.0);
+        found.add_side(l, [p.1, q.1, r.1], half.1);
+        found.add_side(l, [p.2, q.2, r.2], half.2);
+        let edges = [q.sub(l, p), r.sub(l, q), p.sub(l, r)];
+        let off_normal = 1.01 * size * (2.0 * off_edge + 8.0 * U * far);
+        let second_order = (8.0 * size * off_edge * off_edge) as f32 + f32::MIN_POSITIVE;
+        let both = l.add(edges[0].norm1(l), edges[1].norm1(l));
+        let off_normal = l.mul_add(l.splat(up(off_normal)), both, l.splat(second_order));
+        found.add_normal(l, edges[0].cross(l, edges[1]), ([p, q, r], half), off_normal);
+        // Of an edge both ends are at one height: one of them and the corner opposite.
+        let off = l.splat(up(2.02 * size * off_edge));
+        for (edge, from, opposite) in [(edges[0], p, r), (edges[1], q, p), (edges[2], r, q)] {
+            found.add_product(
+                l,
+                (edge.1, edge.2),
+                [(from.1, from.2), (opposite.1, opposite.2)],
+                (half.1, half.2),
+                off,
+            );
+            found.add_product(
+                l,
+                (edge.2, edge.0),
+                [(from.2, from.0), (opposite.2, opposite.0)],
+                (half.2, half.0),
+                off,
+            );
+            found.add_product(
+                l,
+                (edge.0, edge.1),
+                [(from.0, from.1), (opposite.0, opposite.1)],
+                (half.0, half.1),
+                off,
+            );
+        }
+        Proved { touching: l.bits(found.touching), apart: l.bits(found.apart) }
+    }
+
+    /// A hull: by the triangle's normal, and whether the line from its middle to its farthest vertex goes through the
+    /// triangle.
+    #[inline(always)]
+    fn by_vertices<L: Lanes>(
+        &self,
+        l: L,
+        bounds: &Bounds,
+        corners: [V3<L>; 3],
+        vertices: &[Vec3],
+        open: u32,
+    ) -> Proved {
+        let plane = Plane::of(l, corners);
+        let (most, at) = farthest(l, plane.normal, vertices);
+        let apart = open & bounds.beyond(l, l.sub(plane.low, most), plane.normal);
+        if apart == open {
+            return Proved { touching: 0, apart };
+        }
+        Proved { touching: self.pierced(l, bounds, corners, &plane, (most, at)), apart }
+    }
+
+    /// A capsule: by the triangle's normal, and by the triangle's point nearest to the end that is nearer to its plane.
+    #[inline(always)]
+    fn by_ends<L: Lanes>(
+        &self,
+        l: L,
+        bounds: &Bounds,
+        corners: [V3<L>; 3],
+        half: Vec3,
+        open: u32,
+    ) -> Proved {
+        let half = splat(l, half);
+        let plane = Plane::of(l, corners);
+        let along = plane.normal.dot(l, half);
+        let most = l.abs(along);
+        let mut apart = open & bounds.beyond(l, l.sub(plane.low, most), plane.normal);
+        if apart == open {
+            return Proved { touching: 0, apart };
+        }
+        let end = V3::select(l, l.lt(along, l.splat(0.0)), half.neg(l), half);
+        let [p, q, r] = corners;
+        let near = nearest(l, [p.sub(l, end), q.sub(l, end), r.sub(l, end)]);
+        let touching = self.is_within(l, bounds, near);
+        let low = min3(l, near.dot(l, p), near.dot(l, q), near.dot(l, r));
+        apart |= open & bounds.beyond(l, l.sub(low, l.abs(near.dot(l, half))), near);
+        Proved { touching, apart }
+    }
+
+    /// The lanes in which a vector between a point of the triangle and one of the core is surely within the radii.
+    #[inline(always)]
+    fn is_within<L: Lanes>(&self, l: L, bounds: &Bounds, near: V3<L>) -> u32 {
+        let within = self.swept[0] - 1.01 * (BODY_NEAREST * U * bounds.size + 4.0 * self.slack);
+        // Written so that NaN proves nothing.
+        if !(within > SMALLEST_SPHERE) {
+            return 0;
+        }
+        let most = (within * within * (1.0 - 4.0 * U)) as f32;
+        l.bits(l.lt(near.dot(l, near), l.splat(most.next_down())))
+    }
+
+    /// The lanes in which the segment from the middle to a point of the core goes through the triangle.
+    #[inline(always)]
+    fn pierced<L: Lanes>(
+        &self,
+        l: L,
+        bounds: &Bounds,
+        [p, q, r]: [V3<L>; 3],
+        plane: &Plane<L>,
+        (height, at): (L::F, V3<L>),
+    ) -> u32 {
+        let Bounds { size, far, .. } = *bounds;
+        let off = (U * far + 2.0 * self.slack) * far * size;
+        let clear = l.splat(up(BODY_HEIGHT * off) + f32::MIN_POSITIVE);
+        let crosses = l.and(l.lt(clear, plane.low), l.lt(clear, l.sub(height, plane.high)));
+        let side = l.splat(up(BODY_DETERMINANT * off) + f32::MIN_POSITIVE);
+        let sides = [at.dot(l, p.cross(l, q)), at.dot(l, q.cross(l, r)), at.dot(l, r.cross(l, p))];
+        let low = min3(l, sides[0], sides[1], sides[2]);
+        let high = max3(l, sides[0], sides[1], sides[2]);
+        let inside = l.or(l.lt(side, low), l.lt(high, l.neg(side)));
+        l.bits(l.and(crosses, inside))
+    }
+
+    /// The lanes that the direction from the body's middle to the nearest points separates, of those that are open.
+    #[inline(always)]
+    pub(super) fn beside<L: Lanes>(
+        &self,
+        l: L,
+        leaf: &Triangles,
+        (vertices, direction): (&[Vec3], V3<L>),
+    ) -> u32 {
+        let offset = self.middle - leaf.centre;
+        let far = leaf.radius + offset.length();
+        let bounds = self.bounds(far);
+        let [p, q, r] = relative(l, leaf, offset);
+        let low = min3(l, direction.dot(l, p), direction.dot(l, q), direction.dot(l, r));
+        let most = match self.form {
+            Form::Segment { half } => l.abs(direction.dot(l, splat(l, half))),
+            _ => farthest_along(l, direction, vertices),
+        };
+        bounds.beyond(l, l.sub(low, most), direction)
+    }
+}
+
+/// What the axes of a cuboid and a triangle say so far.
+struct Axes<'a, L: Lanes> {
+    bounds: &'a Bounds,
+    apart: L::M,
+    touching: L::M,
+}
+
+impl<L: Lanes> Axes<'_, L> {
+    /// The normal of one of the cuboid's sides: the corners' coordinates along it, and its half edge.
+    #[inline(always)]
+    fn add_side(&mut self, l: L, [p, q, r]: [L::F; 3], half: L::F) {
+        let one = l.splat(1.0);
+        self.add(l, (min3(l, p, q, r), max3(l, p, q, r)), half, (one, one), l.splat(0.0));
+    }
+
+    /// The triangle's normal.
+    #[inline(always)]
+    fn add_normal(
+        &mut self,
+        l: L,
+        normal: V3<L>,
+        ([p, q, r], half): ([V3<L>; 3], V3<L>),
+        off: L::F,
+    ) {
+        let (p, q, r) = (normal.dot(l, p), normal.dot(l, q), normal.dot(l, r));
+        let reach = half.dot(l, V3(l.abs(normal.0), l.abs(normal.1), l.abs(normal.2)));
+        let lengths = (normal.norm1(l), normal.dot(l, normal));
+        self.add(l, (min3(l, p, q, r), max3(l, p, q, r)), reach, lengths, off);
+    }
+
+    /// The product (0, f, −e) of an edge (_, e, f) and the cuboid's first direction, or its like of another direction:
+    /// from two corners' coordinates and the half edges along the other two.
+    #[inline(always)]
+    fn add_product(
+        &mut self,
+        l: L,
+        (e, f): (L::F, L::F),
+        [s, t]: [(L::F, L::F); 2],
+        (g, h): (L::F, L::F),
+        off: L::F,
+    ) {
+        let s = l.sub(l.mul(f, s.0), l.mul(e, s.1));
+        let t = l.sub(l.mul(f, t.0), l.mul(e, t.1));
+        let (abs_e, abs_f) = (l.abs(e), l.abs(f));
+        let reach = l.mul_add(g, abs_f, l.mul(h, abs_e));
+        let lengths = (l.add(abs_e, abs_f), l.mul_add(e, e, l.mul(f, f)));
+        self.add(l, (l.min(s, t), l.max(s, t)), reach, lengths, off);
+    }
+
+    /// Takes in an axis d: the triangle's ends along it, the cuboid's reach, |d|₁ and d·d, and what the axis itself may
+    /// be off in a reach.
+    #[inline(always)]
+    fn add(
+        &mut self,
+        l: L,
+        (low, high): (L::F, L::F),
+        reach: L::F,
+        (norm1, square): (L::F, L::F),
+        off: L::F,
+    ) {
+        let gap = l.sub(l.max(low, l.neg(high)), reach);
+        let bound = l.mul(l.splat(self.bounds.per_norm1), norm1);
+        let beyond = self.bounds.with_radius(l, bound, square);
+        self.apart = l.or(self.apart, l.lt(beyond, gap));
+        self.touching = l.and(self.touching, l.lt(l.add(bound, off), l.neg(gap)));
+    }
+}
+
+impl Bounds {
+    /// What a gap along d must exceed, from its rounding bound and d·d.
+    #[inline(always)]
+    fn with_radius<L: Lanes>(&self, l: L, bound: L::F, square: L::F) -> L::F {
+        let bound = l.add(bound, l.splat(self.least));
+        if self.radius > 0.0 {
+            l.mul_add(l.splat(self.radius), l.sqrt(square), bound)
+        } else {
+            bound
+        }
+    }
+
+    /// The lanes in which the gap along d proves the two apart.
+    #[inline(always)]
+    fn beyond<L: Lanes>(&self, l: L, gap: L::F, d: V3<L>) -> u32 {
+        let bound = l.mul(l.splat(self.per_norm1), d.norm1(l));
+        l.bits(l.lt(self.with_radius(l, bound, d.dot(l, d)), gap))
+    }
+}
+
+/// A leaf's corners, relative to a point of that offset from its centre.
+#[inline(always)]
+fn relative<L: Lanes>(l: L, leaf: &Triangles, offset: DVec3) -> [V3<L>; 3] {
+    let middle = splat(l, offset.as_vec3());
+    let [p, q, r] = &leaf.corners;
+    let (p, q, r) = (V3::load(l, &p.0), V3::load(l, &q.0), V3::load(l, &r.0));
+    [p.sub(l, middle), q.sub(l, middle), r.sub(l, middle)]
+}
+
+/// In the frame of those axes.
+#[inline(always)]
+fn turned<L: Lanes>(l: L, [x, y, z]: &[V3<L>; 3], v: V3<L>) -> V3<L> {
+    V3(x.dot(l, v), y.dot(l, v), z.dot(l, v))
+}
+
+/// The planes of sixteen triangles.
+struct Plane<L: Lanes> {
+    /// Away from the origin, of any length.
+    normal: V3<L>,
+    /// The least and the greatest height of a corner along it.
+    low: L::F,
+    high: L::F,
+}
+
+impl<L: Lanes> Plane<L> {
+    #[inline(always)]
+    fn of(l: L, [p, q, r]: [V3<L>; 3]) -> Self {
+        let normal = q.sub(l, p).cross(l, r.sub(l, p));
+        let is_below = l.lt(normal.dot(l, p), l.splat(0.0));
+        let normal = V3::select(l, is_below, normal.neg(l), normal);
+        let heights = [normal.dot(l, p), normal.dot(l, q), normal.dot(l, r)];
+        let [a, b, c] = heights;
+        Self { normal, low: min3(l, a, b, c), high: max3(l, a, b, c) }
+    }
+}
+
+/// The greatest height of the vertices along sixteen directions, and where it is.
+#[inline(always)]
+fn farthest<L: Lanes>(l: L, direction: V3<L>, vertices: &[Vec3]) -> (L::F, V3<L>) {
+    let mut most = l.splat(f32::NEG_INFINITY);
+    let mut at = splat(l, Vec3::ZERO);
+    for &vertex in vertices {
+        let vertex = splat(l, vertex);
+        let height = direction.dot(l, vertex);
+        let is_higher = l.lt(most, height);
+        most = l.select(is_higher, height, most);
+        at = V3::select(l, is_higher, vertex, at);
+    }
+    (most, at)
+}
+
+/// The greatest height alone.
+#[inline(always)]
+fn farthest_along<L: Lanes>(l: L, direction: V3<L>, vertices: &[Vec3]) -> L::F {
+    let mut most = l.splat(f32::NEG_INFINITY);
+    for &vertex in vertices {
+        most = l.max(most, direction.dot(l, splat(l, vertex)));
+    }
+    most
+}
+
+#[inline(always)]
+fn splat<L: Lanes>(l: L, v: Vec3) -> V3<L> {
+    V3(l.splat(v.x), l.splat(v.y), l.splat(v.z))
+}
+
+#[inline(always)]
+fn min3<L: Lanes>(l: L, a: L::F, b: L::F, c: L::F) -> L::F {
+    l.min(l.min(a, b), c)
+}
+
+#[inline(always)]
+fn max3<L: Lanes>(l: L, a: L::F, b: L::F, c: L::F) -> L::F {
+    l.max(l.max(a, b), c)
+}
+
+/// Rounded up.
+fn up(x: f64) -> f32 {
+    (x as f32).next_up()
+}
