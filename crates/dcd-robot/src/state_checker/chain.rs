@@ -346,6 +346,9 @@ impl FrameError {
         }
         if is_turned {
             self.turn = NORM * (self.turn + lost + 12.0 * ROUNDING);
+        } else {
+            // Entries so small that they were left out.
+            self.turn += NORM * lost;
         }
         self
     }
