@@ -11,7 +11,7 @@ use super::obstacle_tree::ObstacleTree;
 use super::solids::Solid;
 use crate::kinematics::JointFrame;
 use crate::{Joint, Motion, Robot, RobotError, Workcell};
-use dcd_geom::{Aabb, Pair, Pose};
+use dcd_geom::{Aabb, Pair, Pose, Shape};
 use dcd_pipeline::{LinkSet, Other};
 use dcd_simd::Block;
 use std::ops::Range;
