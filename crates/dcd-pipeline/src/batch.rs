@@ -250,3 +250,64 @@ impl<N: NarrowPhase> Obstacles<N> {
         self.aabbs.iter().map(farthest).filter(ends).fold(0.0, f64::max)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dcd_geom::{Shape, glam::DVec3};
+
+    fn at(x: f64) -> Pose {
+        Pose::from_translation(DVec3::X * x).unwrap()
+    }
+
+    /// Unit cubes at these places.
+    fn scene(places: &[f64]) -> Scene {
+        let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
+        let poses: Vec<Pose> = places.iter().map(|&x| at(x)).collect();
+        Scene::one_each(vec![cube; poses.len()], poses).unwrap()
+    }
+
+    /// The obstacles that a small sphere at each place touches.
+    fn touched(world: &StaticWorld, places: &[f64]) -> Vec<Vec<u32>> {
+        let links = LinkSet::new(vec![Shape::sphere(0.1).unwrap()]);
+        let decider = PairDecider::new(links, 1).unwrap();
+        let other = (0..world.0.len() as u32).map(Other::Obstacle);
+        let candidates: Vec<Candidate> =
+            other.map(|other| Candidate { configuration: 0, link: 0, other }).collect();
+        let touched = places.iter().map(|&x| {
+            let mut found = Vec::new();
+            let hit = |hit: Hit<()>| match hit.other {
+                Other::Obstacle(name) => found.push(name),
+                Other::Link(_) => panic!("one link meets itself"),
+            };
+            decider.decide(world, &candidates, |_, _| at(x), hit).unwrap();
+            found.sort_unstable();
+            found
+        });
+        touched.collect()
+    }
+
+    #[test]
+    fn an_exchanged_or_moved_world_answers_as_one_made_anew() {
+        let probes: Vec<f64> = (0..12).map(f64::from).collect();
+        let anew = |places: &[f64]| {
+            StaticWorld::for_pairs(&scene(places), 0..places.len(), Overlap::default()).unwrap()
+        };
+        let mut world = anew(&[0.0, 2.0]);
+        for places in [&[1.0, 5.0, 9.0][..], &[4.0], &[], &[3.0, 3.2, 8.0, 6.0]] {
+            world.exchange_for_pairs(&scene(places), 0..places.len()).unwrap();
+            assert_eq!(touched(&world, &probes), touched(&anew(places), &probes));
+        }
+        assert!(world.set_pose(1, at(10.0)).unwrap());
+        let moved = [3.0, 10.0, 8.0, 6.0];
+        assert_eq!(touched(&world, &probes), touched(&anew(&moved), &probes));
+        assert_eq!(touched(&world, &[10.0]), [[1]]);
+        assert!(world.set_pose(4, at(0.0)).is_err() && world.set_pose(0, at(1e300)).is_err());
+        // A world that is held twice stays for the other.
+        let mut other = world.clone();
+        assert!(!other.set_pose(0, at(1.0)).unwrap());
+        other.exchange_for_pairs(&scene(&[1.0]), 0..1).unwrap();
+        assert_eq!(touched(&world, &probes), touched(&anew(&moved), &probes));
+        assert_eq!(touched(&other, &[1.0, 3.0]), [vec![0], vec![]]);
+    }
+}

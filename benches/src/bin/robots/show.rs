@@ -195,7 +195,7 @@ pub(crate) fn worlds(report: &mut Report, outcome: &worlds::Outcome) -> Result<(
         us("all exchanged"),
         us("cell and checker made"),
         us("16 states"),
-        us("16 states after a move"),
+        us("16 states after changes"),
     ];
     let title = "A world that changes, and all pairs of 16 states of a robot of hulls";
     let mut table = Table::new("robot-worlds", title, columns);

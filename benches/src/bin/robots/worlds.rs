@@ -42,7 +42,7 @@ pub(crate) struct Changes {
     pub(crate) exchanged: f64,
     /// A cell and a checker made of world and robot.
     pub(crate) made: f64,
-    /// All pairs of [`AT_ONCE`] states: again, and right after an obstacle moved.
+    /// All pairs of [`AT_ONCE`] states: again, and right after an obstacle moved since one went.
     pub(crate) checked: f64,
     pub(crate) checked_after: f64,
 }
