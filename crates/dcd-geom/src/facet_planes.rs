@@ -1,6 +1,7 @@
 //! The planes of a polytope's faces, with what is proved of them: what a line is clipped against.
 
 use crate::{FLATNESS, Polytope};
+use dcd_simd::{Row, WIDTH};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -21,6 +22,18 @@ pub struct FacetPlanes {
     /// The offsets of planes that no face crosses, metres.
     pub inner: Vec<f64>,
     has_inside: bool,
+    rows: Vec<PlaneRow>,
+    largest: f64,
+    thickest: f64,
+}
+
+/// Sixteen planes in f32: normals and outer offsets, each rounded. The last row is filled up with the last plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlaneRow {
+    /// x, y and z of the normals.
+    pub normals: [Row; 3],
+    /// The outer offsets, metres.
+    pub outer: Row,
 }
 
 /// What a product of a unit normal and a vertex loses: three products and two sums, and a margin. Unit: 2⁻⁵³ of the
@@ -64,7 +77,35 @@ impl FacetPlanes {
             }
         }
         planes.has_inside &= !planes.outer.is_empty() && edges.values().all(|&sum| sum == 0);
+        let largest = |most: f64, x: f64| most.max(x);
+        planes.largest = planes.outer.iter().map(|x| x.abs()).fold(0.0, largest);
+        let thickness = planes.outer.iter().zip(&planes.inner).map(|(outer, inner)| outer - inner);
+        planes.thickest = thickness.fold(0.0, largest);
+        planes.rows = (0..planes.len()).step_by(WIDTH).map(|first| planes.row(first)).collect();
         planes
+    }
+
+    /// The planes from that one on.
+    fn row(&self, first: usize) -> PlaneRow {
+        let mut row = PlaneRow::default();
+        for lane in 0..WIDTH {
+            let k = (first + lane).min(self.len() - 1);
+            for (row, normals) in row.normals.iter_mut().zip(&self.normals) {
+                row.0[lane] = normals[k] as f32;
+            }
+            row.outer.0[lane] = self.outer[k] as f32;
+        }
+        row
+    }
+
+    /// The planes for lanes, sixteen a row.
+    pub fn rows(&self) -> &[PlaneRow] {
+        &self.rows
+    }
+
+    /// The largest outer offset in size, and the largest difference of a plane's two offsets, metres.
+    pub fn offsets(&self) -> [f64; 2] {
+        [self.largest, self.thickest]
     }
 
     /// How many planes there are.

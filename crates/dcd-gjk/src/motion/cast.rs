@@ -47,7 +47,7 @@ pub(super) fn cast(
     let Some(line) = Line::of(&difference, closing.linear, [until, tolerance]) else {
         return Ok(None);
     };
-    let Some(End { direction, separation, face }) = line.search() else { return Ok(None) };
+    let Some((End { direction, separation }, face)) = line.search() else { return Ok(None) };
     let lower = Bounds::of(&difference).lower_bound(direction, separation);
     let gap = lower.next_down() / difference.scale() - off;
     if !(gap > 0.0) {
@@ -103,9 +103,6 @@ struct End {
     direction: DVec3,
     /// The separation there, scaled.
     separation: f64,
-    /// The corners of the face that the line passes through; none where it misses the difference, or meets it after the
-    /// end.
-    face: Option<[Corner; 3]>,
 }
 
 /// The line of the ray: from the origin against the velocity.
@@ -134,10 +131,12 @@ impl<'a, 'b> Line<'a, 'b> {
         Some(Self { difference, along, axes: axes.into(), way, near: WITHIN * tolerance * scale })
     }
 
-    fn search(&self) -> Option<End> {
+    /// The end, and the corners of the face that the line passes through; none where it misses the difference, or meets it
+    /// after the end of the way.
+    fn search(&self) -> Option<(End, Option<[Corner; 3]>)> {
         match self.portal()? {
             Ok(corners) => self.face(corners),
-            Err(end) => Some(end),
+            Err(end) => Some((end, None)),
         }
     }
 
@@ -145,7 +144,7 @@ impl<'a, 'b> Line<'a, 'b> {
     fn lowest(&self, direction: DVec3) -> Result<(Corner, f64), End> {
         let (vertex, separation) = self.difference.lowest(direction);
         if separation > 0.0 && separation > -direction.dot(self.along) * self.way {
-            return Err(End { direction, separation, face: None });
+            return Err(End { direction, separation });
         }
         let at = DVec2::new(self.axes[0].dot(vertex.w), self.axes[1].dot(vertex.w));
         Ok((Corner { vertex, at }, separation))
@@ -194,13 +193,13 @@ impl<'a, 'b> Line<'a, 'b> {
     }
 
     /// From three corners round the line to the face that it enters through.
-    fn face(&self, mut corners: [Corner; 3]) -> Option<End> {
+    fn face(&self, mut corners: [Corner; 3]) -> Option<(End, Option<[Corner; 3]>)> {
         for _ in 0..SUPPORTS {
             let [p, q, r] = corners.map(|corner| corner.vertex.w);
             let direction = unit::<f64>((r - p).cross(q - p).to_array())?;
             let (corner, separation) = match self.lowest(direction) {
                 Ok(found) => found,
-                Err(end) => return Some(end),
+                Err(end) => return Some((end, None)),
             };
             let slope = -direction.dot(self.along);
             // Written so that NaN ends it.
@@ -210,7 +209,7 @@ impl<'a, 'b> Line<'a, 'b> {
             let height = direction.dot(p) - separation;
             let is_known = corners.iter().any(|known| known.vertex.is_same(&corner.vertex));
             if is_known || height <= self.near * slope {
-                return Some(End { direction, separation, face: Some(corners) });
+                return Some((End { direction, separation }, Some(corners)));
             }
             let side = corners.map(|known| corner.at.perp_dot(known.at));
             let k = (0..3).find(|&k| side[k] >= 0.0 && side[(k + 1) % 3] <= 0.0)?;
