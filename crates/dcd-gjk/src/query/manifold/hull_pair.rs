@@ -323,8 +323,8 @@ mod tests {
             let found = Depths.measure_at(Accuracy::F64, a, b, &mut Default::default());
             let Verdict::Touching(depth) = found else { panic!("{k}") };
             let mut found = Manifold::default();
-            let known = FoundDepth { depth, farthest: None };
-            if !write(&known, [a, b], &mut points, &mut found) {
+            let unknown = FoundDepth { depth, farthest: None };
+            if !write(&unknown, [a, b], &mut points, &mut found) {
                 general += 1;
                 continue;
             }
