@@ -323,8 +323,8 @@ mod tests {
             let found = Depths.measure_at(Accuracy::F64, a, b, &mut Default::default());
             let Verdict::Touching(depth) = found else { panic!("{k}") };
             let mut found = Manifold::default();
-            let known = FoundDepth { depth, farthest: None };
-            if !write(&known, [a, b], &mut points, &mut found) {
+            let unknown = FoundDepth { depth, farthest: None };
+            if !write(&unknown, [a, b], &mut points, &mut found) {
                 general += 1;
                 continue;
             }
@@ -353,5 +353,41 @@ mod tests {
         }
         assert!(known > 3 * general, "{known} {general}");
         assert!(counts[1..].iter().all(|&count| count > 50), "{counts:?}");
+    }
+
+    #[test]
+    fn a_farthest_vertex_that_is_known_leads_to_the_same_manifold() {
+        let mut draw = Draw(12);
+        let mut points = Points::default();
+        let (mut same, mut others) = (0, 0);
+        for k in 0..8000 {
+            let shapes = [shape(&mut draw, k), shape(&mut draw, k / 5)];
+            let place = vector(&mut draw) * 0.6;
+            let poses = [
+                Pose::new(turn(&mut draw), DVec3::ZERO).unwrap(),
+                Pose::new(turn(&mut draw), place).unwrap(),
+            ];
+            let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
+            if crate::certified::overlap_of(a, b).0 != Verdict::Touching(()) {
+                continue;
+            }
+            let found = Depths.measure_at(Accuracy::F64, a, b, &mut Default::default());
+            let Verdict::Touching(depth) = found else { panic!("{k}") };
+            let farthest = |side: PosedShape<'_>, normal: DVec3| {
+                let vertices = side.shape.as_polytope().unwrap().vertices();
+                let along = |k: &usize| normal.dot(side.pose.apply(vertices[*k]));
+                let farthest = (0..vertices.len()).max_by(|j, k| along(j).total_cmp(&along(k)));
+                farthest.unwrap() as u32
+            };
+            let vertices = [farthest(a, depth.normal), farthest(b, -depth.normal)];
+            let write = |farthest, points: &mut Points| {
+                let mut found = Manifold::default();
+                write(&FoundDepth { depth, farthest }, [a, b], points, &mut found).then_some(found)
+            };
+            let (known, unknown) = (write(Some(vertices), &mut points), write(None, &mut points));
+            // Of two edges that lean as little either may be seen.
+            if known == unknown { same += 1 } else { others += 1 }
+        }
+        assert!(same > 1000 && others < same / 100, "{same} {others}");
     }
 }
