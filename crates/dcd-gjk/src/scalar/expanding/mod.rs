@@ -57,9 +57,9 @@ struct Tolerance {
 }
 
 /// A certified depth of polytopes below this part of the pair's size is the exact search's: what f64's roundings of
-/// some tens of u of the size leave of it is more than a tenth of the promised 1e-9 of the depth. Larger: more pairs that
-/// take tens of microseconds. Smaller: shallow depths with fewer digits.
-pub(crate) const SHALLOW: f64 = 1.0 / 8192.0;
+/// some u of the size leave of it is more than that search's 2⁻⁴² of the depth. Larger: more pairs that take ten
+/// microseconds. Smaller: shallow depths with fewer digits.
+pub(crate) const SHALLOW: f64 = 1.0 / 512.0;
 
 impl Tolerance {
     fn of(accuracy: Accuracy) -> Self {
