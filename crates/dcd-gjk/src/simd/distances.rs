@@ -3,10 +3,11 @@
 use super::closed::{are_cuboids, nearest as of_cuboids};
 use super::frame::{FramePair, SimdFrame};
 use super::nearest::{self, Found, NearestPoints};
+use super::scene_pairs::ScenePairs;
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed;
 use crate::distance::{DistanceResult, distance_at, of_apart};
-use crate::query::{check_margin, grown, spheres_are_apart, within_margin};
+use crate::query::{Faces, check_margin, grown, spheres_are_apart, within_margin};
 use crate::{
     Accuracy, Contact, ContactSink, Distance, Method, NarrowPhase, PosedShape, PosedSupport,
     Prepared, Report, Sides, Verdict,
@@ -164,6 +165,8 @@ pub struct Scratch {
     report: Report,
     /// The pairs that do not touch, as far as the lanes and what follows them know.
     open: Vec<Pair>,
+    /// Those of them that are not proved to be beyond the margin, without spheres and cuboids.
+    measured: Vec<Pair>,
     nearest: nearest::Scratch,
     /// Those of them that are of two cuboids.
     cuboids: Vec<Pair>,
@@ -204,7 +207,7 @@ impl NarrowPhase for SimdDistances {
         scratch: &mut Scratch,
         sink: &mut ContactSink<'_, Option<Distance>>,
     ) {
-        let Scratch { yes, report, open, nearest, cuboids, of_cuboids } = scratch;
+        let Scratch { yes, report, open, measured, nearest, cuboids, of_cuboids } = scratch;
         report.clear();
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, report);
         // What is undecided there is resolved again, by itself.
@@ -230,18 +233,28 @@ impl NarrowPhase for SimdDistances {
         }
         let mut found = nearest.found.iter();
         let mut of_cuboids = of_cuboids.found.iter();
+        // Of what is beyond the margin nothing more is read.
+        let is_read = |(_, found): &(&Pair, &Found)| **found != Found::Beyond;
+        measured.clear();
+        measured.extend(open.iter().zip(&nearest.found).filter(is_read).map(|(&pair, _)| pair));
+        let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: measured };
+        let mut number = 0;
         for (&pair, &touches) in pairs.iter().zip(touching) {
             if touches {
                 sink.contacts.push(Contact { pair, answer: None });
                 continue;
             }
-            let (one, other) = (PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j));
+            let [one, other] = objects.posed(pair);
             let (spheres, are_cuboids) = (frames.spheres(pair), are_cuboids(frames, pair));
             let (found, of_cuboids) = match are_cuboids {
                 true => (Found::Unknown, of_cuboids.next().copied().unwrap_or_default()),
                 false if spheres.is_some() => Default::default(),
                 false => (found.next().copied().unwrap_or_default(), Default::default()),
             };
+            if objects.pairs.get(number) == Some(&pair) {
+                objects.look_ahead(number, Faces::Unread);
+                number += 1;
+            }
             if undecided.binary_search_by_key(&pair, |undecided| undecided.pair).is_ok() {
                 let (verdict, method) = self.alone(one, other);
                 sink.file(pair, method, verdict);

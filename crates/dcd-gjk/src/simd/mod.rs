@@ -30,6 +30,7 @@ mod prefetch;
 pub(crate) mod prepare;
 #[cfg(test)]
 mod reference;
+mod scene_pairs;
 mod simplex;
 mod support;
 mod tetrahedron;

@@ -231,7 +231,7 @@ impl Sift<'_> {
             let same = row.same[k];
             near &= !same;
             let is_touching = touched & same != 0;
-            self.note_body(lane, (row.bodies[k], other), is_touching, towards(k));
+            self.note_body(lane, (row.bodies[k], other), is_touching, || towards(k));
         }
     }
 
@@ -240,21 +240,21 @@ impl Sift<'_> {
         lane: usize,
         (body, other): (u32, Other),
         is_touching: bool,
-        towards: Vec3,
+        towards: impl FnOnce() -> Vec3,
     ) {
         if !self.prepared.allows(body, other) {
             return;
         }
-        let (link, other, towards) = match other {
+        let (link, other, sense) = match other {
             // Reported as from the body to the other one.
-            Other::Link(other) if other > body => (other, Other::Link(body), towards),
-            Other::Link(other) => (body, Other::Link(other), -towards),
-            obstacle => (body, obstacle, towards),
+            Other::Link(other) if other > body => (other, Other::Link(body), 1.0),
+            Other::Link(other) => (body, Other::Link(other), -1.0),
+            obstacle => (body, obstacle, 1.0),
         };
         let configuration = self.first + lane as u32;
         let candidate = Candidate { configuration, link, other };
         if !is_touching {
-            self.found.candidates.push((candidate, towards));
+            self.found.candidates.push((candidate, towards() * sense));
             return;
         }
         self.found.touching.push(candidate);

@@ -10,19 +10,20 @@ mod surface;
 
 use super::closed::{are_cuboids, depths as of_cuboids};
 use super::frame::{FramePair, SimdFrame};
+use super::scene_pairs::ScenePairs;
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, Axes};
 use crate::epa::Depth;
-use crate::query::{Faces, FoundDepth as Found, MeasureDepth};
+use crate::query::{FoundDepth as Found, MeasureDepth};
 use crate::{
     Accuracy, Contact, ContactSink, Depths, NarrowPhase, PosedShape, PosedSupport, Prepared, Sides,
     Verdict, order,
 };
 use confirm::{Ended, SearchedPair, Side};
-use dcd_geom::{Aabb, Pair, Scene, Shape};
-use dcd_simd::{Kernel, Lanes, Path, dispatch_on, prefetch};
+use dcd_geom::{Aabb, Pair, Scene};
+use dcd_simd::{Kernel, Lanes, Path, dispatch_on};
 use search::{Next, Search};
-use std::slice::{self, Iter};
+use std::slice::Iter;
 use surface::{Point, Surface};
 
 /// How deep the touching pairs overlap, and what a solver makes of it: [`Depths`] or
@@ -121,7 +122,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let empty = |&pair| Contact { pair, answer: S::Answer::default() };
         sink.contacts.extend(touching.iter().map(empty));
         left.clear();
-        let objects = Objects { frames, scenes: [a.scene, b.scene], pairs: touching };
+        let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: touching };
         let answers = &mut sink.contacts[first..];
         let answers = Answers { solver: &self.solver, scratch: solver, answers, left };
         let axes = of_cuboids.axes.iter();
@@ -175,73 +176,6 @@ fn drop_contacts<A>(contacts: &mut Vec<Contact<A>>, first: usize, numbers: &[u32
 /// result. Larger: surfaces that leave the nearest cache. Smaller: arithmetic that waits.
 const SEATS: usize = 8;
 
-/// The touching pairs and their objects.
-#[derive(Clone, Copy)]
-struct Objects<'a> {
-    frames: FramePair<'a>,
-    scenes: [&'a Scene; 2],
-    pairs: &'a [Pair],
-}
-
-/// Before how many other pairs the memory of a pair is prefetched: where its parts are, then what is there, step by step.
-/// No effect on any result. Larger: what leaves the nearest caches before it is read. Smaller: arithmetic that waits.
-const AHEAD: [usize; 3] = [3, 6, 9];
-
-impl<'a> Objects<'a> {
-    fn posed(&self, pair: Pair) -> [PosedShape<'a>; 2] {
-        let [a, b] = self.scenes;
-        [PosedShape::of(a, pair.i), PosedShape::of(b, pair.j)]
-    }
-
-    /// Prefetches what the pairs behind one of that number read.
-    #[inline(always)]
-    fn look_ahead(&self, number: usize, faces: Faces) {
-        let [near, far, farther] = AHEAD;
-        let Self { frames: FramePair { a, b }, scenes: [of_a, of_b], pairs } = *self;
-        if let Some(pair) = pairs.get(number + farther) {
-            prefetch_places(a, of_a, pair.i);
-            prefetch_places(b, of_b, pair.j);
-        }
-        if let Some(pair) = pairs.get(number + far) {
-            prefetch_polytope(of_a, pair.i);
-            prefetch_polytope(of_b, pair.j);
-        }
-        if let Some(pair) = pairs.get(number + near) {
-            prefetch_vertices(a, of_a, pair.i, faces);
-            prefetch_vertices(b, of_b, pair.j, faces);
-        }
-    }
-}
-
-/// Prefetches an object's pose, its core, and where its polytope is.
-#[inline(always)]
-fn prefetch_places(frame: &SimdFrame, scene: &Scene, object: u32) {
-    let shape = scene.shape_index(object as usize) as usize;
-    prefetch(slice::from_ref(&scene.shapes()[shape]));
-    prefetch(slice::from_ref(&frame.cores().cores()[shape]));
-    prefetch(slice::from_ref(&scene.poses()[object as usize]));
-}
-
-/// Prefetches an object's polytope: where its vertices and faces are.
-#[inline(always)]
-fn prefetch_polytope(scene: &Scene, object: u32) {
-    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
-        prefetch(slice::from_ref(&**polytope));
-    }
-}
-
-/// Prefetches an object's vertices and faces.
-#[inline(always)]
-fn prefetch_vertices(frame: &SimdFrame, scene: &Scene, object: u32, faces: Faces) {
-    prefetch(frame.blocks_of(frame.record(object)));
-    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
-        prefetch(polytope.vertices());
-        if faces == Faces::Read {
-            polytope.prefetch_facets();
-        }
-    }
-}
-
 /// Where the answers of touching pairs are written.
 struct Answers<'a, S: MeasureDepth> {
     solver: &'a S,
@@ -285,7 +219,7 @@ impl<S: MeasureDepth> Answers<'_, S> {
 
 /// Searches the pairs.
 struct Each<'a, S: MeasureDepth> {
-    objects: Objects<'a>,
+    objects: ScenePairs<'a>,
     accuracy: Accuracy,
     /// The number of the pair that is searched next.
     next: usize,
@@ -347,7 +281,7 @@ impl<'a, S: MeasureDepth> Each<'a, S> {
     /// The next pair that is to be searched; those before it are answered.
     #[inline(always)]
     fn next(&mut self) -> Option<Seat<'a>> {
-        let Objects { frames, scenes, pairs } = self.objects;
+        let ScenePairs { frames, scenes, pairs } = self.objects;
         loop {
             let number = self.next;
             let &pair = pairs.get(number)?;

@@ -1,0 +1,75 @@
+//! Pairs of which more is read than the lanes keep: the shapes and poses of the scene itself.
+
+use super::frame::{FramePair, SimdFrame};
+use crate::PosedShape;
+use crate::query::Faces;
+use dcd_geom::{Pair, Scene, Shape};
+use dcd_simd::prefetch;
+use std::slice;
+
+/// Pairs, and where their objects are.
+#[derive(Clone, Copy)]
+pub(super) struct ScenePairs<'a> {
+    pub(super) frames: FramePair<'a>,
+    pub(super) scenes: [&'a Scene; 2],
+    pub(super) pairs: &'a [Pair],
+}
+
+/// Before how many other pairs the memory of a pair is prefetched: where its parts are, then what is there, step by step.
+/// No effect on any result. Larger: what leaves the nearest caches before it is read. Smaller: arithmetic that waits.
+const AHEAD: [usize; 3] = [3, 6, 9];
+
+impl<'a> ScenePairs<'a> {
+    pub(super) fn posed(&self, pair: Pair) -> [PosedShape<'a>; 2] {
+        let [a, b] = self.scenes;
+        [PosedShape::of(a, pair.i), PosedShape::of(b, pair.j)]
+    }
+
+    /// Prefetches what the pairs behind one of that number read.
+    #[inline(always)]
+    pub(super) fn look_ahead(&self, number: usize, faces: Faces) {
+        let [near, far, farther] = AHEAD;
+        let Self { frames: FramePair { a, b }, scenes: [of_a, of_b], pairs } = *self;
+        if let Some(pair) = pairs.get(number + farther) {
+            prefetch_places(a, of_a, pair.i);
+            prefetch_places(b, of_b, pair.j);
+        }
+        if let Some(pair) = pairs.get(number + far) {
+            prefetch_polytope(of_a, pair.i);
+            prefetch_polytope(of_b, pair.j);
+        }
+        if let Some(pair) = pairs.get(number + near) {
+            prefetch_vertices(a, of_a, pair.i, faces);
+            prefetch_vertices(b, of_b, pair.j, faces);
+        }
+    }
+}
+
+/// Prefetches an object's pose, its core, and where its polytope is.
+#[inline(always)]
+fn prefetch_places(frame: &SimdFrame, scene: &Scene, object: u32) {
+    let shape = scene.shape_index(object as usize) as usize;
+    prefetch(slice::from_ref(&scene.shapes()[shape]));
+    prefetch(slice::from_ref(&frame.cores().cores()[shape]));
+    prefetch(slice::from_ref(&scene.poses()[object as usize]));
+}
+
+/// Prefetches an object's polytope: where its vertices and faces are.
+#[inline(always)]
+fn prefetch_polytope(scene: &Scene, object: u32) {
+    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
+        prefetch(slice::from_ref(&**polytope));
+    }
+}
+
+/// Prefetches an object's vertices and faces.
+#[inline(always)]
+fn prefetch_vertices(frame: &SimdFrame, scene: &Scene, object: u32, faces: Faces) {
+    prefetch(frame.blocks_of(frame.record(object)));
+    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
+        prefetch(polytope.vertices());
+        if faces == Faces::Read {
+            polytope.prefetch_facets();
+        }
+    }
+}
