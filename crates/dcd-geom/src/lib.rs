@@ -15,7 +15,6 @@ mod facet_planes;
 mod facets;
 mod half_space;
 mod hull;
-mod lane_supports;
 mod obb;
 mod parts;
 mod polytope;

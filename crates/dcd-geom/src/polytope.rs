@@ -1,7 +1,6 @@
 //! Hulls of points, with or without a radius: the shape of the lanes.
 
 use crate::error::check_length;
-use crate::lane_supports::LaneSupports;
 use crate::sphere::{Sphere, reach};
 use crate::support::farthest;
 use crate::{FacetPlanes, Facets, ObbBounds, Pose, Real, ShapeError, Support, SupportMap};
@@ -52,11 +51,7 @@ pub struct Polytope {
     reach: f64,
     facets: OnceLock<Facets>,
     planes: OnceLock<FacetPlanes>,
-    lanes: OnceLock<Option<Box<LaneSupports>>>,
 }
-
-/// From how many vertices on supports are found by lanes. No unit. Decides the way, never the answer.
-const LANES_FROM: usize = 5;
 
 impl Polytope {
     /// The hull of the points, in the shape's own frame, metres. Costs microseconds.
@@ -196,9 +191,8 @@ impl Polytope {
         let outer_radius = Sphere::around(inner.centre, &vertices).radius;
         let obb = obb.map(Box::new);
         let reach = reach(vertices.iter().copied());
-        let (facets, planes, lanes) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        let radius = 0.0;
-        Self { kind, vertices, radius, inner, outer_radius, obb, reach, facets, planes, lanes }
+        let (facets, planes) = (OnceLock::new(), OnceLock::new());
+        Self { kind, vertices, radius: 0.0, inner, outer_radius, obb, reach, facets, planes }
     }
 
     /// Its kind and parameters.
@@ -258,17 +252,6 @@ impl Polytope {
         self.planes.get_or_init(|| FacetPlanes::of(self))
     }
 
-    /// For supports; derived on first use. `None` where the plain loop is as good.
-    #[inline]
-    fn lanes(&self) -> Option<&LaneSupports> {
-        if self.vertices.len() < LANES_FROM {
-            return None;
-        }
-        let found =
-            || LaneSupports::of(&self.vertices, self.inner.centre, self.reach).map(Box::new);
-        self.lanes.get_or_init(found).as_deref()
-    }
-
     /// An OBB round the core and one inside it, where they are tighter than the spheres: for cuboids and
     /// shapes that are long or flat.
     pub fn obb(&self) -> Option<&ObbBounds> {
@@ -283,8 +266,7 @@ impl Polytope {
 
 impl<R: Real> SupportMap<R> for Polytope {
     fn support(&self, direction: R::Vec3) -> Support<R> {
-        let by_lanes = self.lanes().and_then(|lanes| lanes.farthest(&self.vertices, direction));
-        by_lanes.unwrap_or_else(|| farthest(&self.vertices, direction))
+        farthest(&self.vertices, direction)
     }
 
     fn radius(&self) -> R {
