@@ -103,9 +103,14 @@ impl FacetPlanes {
         &self.rows
     }
 
-    /// The largest outer offset in size, and the largest difference of a plane's two offsets, metres.
-    pub fn offsets(&self) -> [f64; 2] {
-        [self.largest, self.thickest]
+    /// The largest outer offset in size, metres.
+    pub fn largest_offset(&self) -> f64 {
+        self.largest
+    }
+
+    /// The largest difference of a plane's outer and inner offset, metres.
+    pub fn thickness(&self) -> f64 {
+        self.thickest
     }
 
     /// How many planes there are.

@@ -1,9 +1,9 @@
 //! Shapes and the objects that place them.
 
 mod change;
-mod exchange;
 mod ignored;
 mod object;
+mod replace;
 mod swept;
 #[cfg(test)]
 mod tests;

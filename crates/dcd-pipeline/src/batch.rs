@@ -143,7 +143,7 @@ impl<N: NarrowPhase> StaticWorld<N> {
     ///
     /// # Errors
     /// Those of [`StaticWorld::for_pairs`]; nothing is changed then.
-    pub fn exchange_for_pairs(
+    pub fn replace_for_pairs(
         &mut self,
         scene: &Scene,
         objects: Range<usize>,
@@ -152,7 +152,7 @@ impl<N: NarrowPhase> StaticWorld<N> {
         N: Clone,
     {
         match Arc::get_mut(&mut self.0) {
-            Some(obstacles) => obstacles.exchange(scene, objects),
+            Some(obstacles) => obstacles.replace(scene, objects),
             None => {
                 *self = Self::for_pairs(scene, objects, self.0.narrow.clone())?;
                 Ok(())
@@ -203,12 +203,12 @@ impl<N: NarrowPhase> Obstacles<N> {
     }
 
     /// Takes other objects in place of these.
-    fn exchange(&mut self, scene: &Scene, objects: Range<usize>) -> Result<(), SceneError> {
+    fn replace(&mut self, scene: &Scene, objects: Range<usize>) -> Result<(), SceneError> {
         let placed = objects.clone().map(|i| {
             let object = Object::new(0, scene.poses()[i]);
             (scene.shape(i), Object { filter: scene.filters()[i], ..object })
         });
-        self.scene.exchange_from(0, placed)?;
+        self.scene.replace_from(0, placed)?;
         self.names.clear();
         self.names.extend((0..).take(objects.len()));
         self.search = OnceLock::new();
@@ -295,7 +295,7 @@ mod tests {
         };
         let mut world = anew(&[0.0, 2.0]);
         for places in [&[1.0, 5.0, 9.0][..], &[4.0], &[], &[3.0, 3.2, 8.0, 6.0]] {
-            world.exchange_for_pairs(&scene(places), 0..places.len()).unwrap();
+            world.replace_for_pairs(&scene(places), 0..places.len()).unwrap();
             assert_eq!(touched(&world, &probes), touched(&anew(places), &probes));
         }
         assert!(world.set_pose(1, at(10.0)).unwrap());
@@ -306,7 +306,7 @@ mod tests {
         // A world that is held twice stays for the other.
         let mut other = world.clone();
         assert!(!other.set_pose(0, at(1.0)).unwrap());
-        other.exchange_for_pairs(&scene(&[1.0]), 0..1).unwrap();
+        other.replace_for_pairs(&scene(&[1.0]), 0..1).unwrap();
         assert_eq!(touched(&world, &probes), touched(&anew(&moved), &probes));
         assert_eq!(touched(&other, &[1.0, 3.0]), [vec![0], vec![]]);
     }

@@ -60,7 +60,7 @@ pub trait MeasureDepth: MeasureAt {
 
     /// Whether [`MeasureDepth::measure_polytopes`] reads the faces of the polytopes: these are prefetched then. No effect
     /// on any result.
-    const FACES: Faces = Faces::Unread;
+    const READS_FACETS: bool = false;
 }
 
 /// The depth of two polytopes, and what else is known of them.
@@ -79,15 +79,6 @@ impl FoundDepth {
         let farthest = self.farthest.map(|[a, b]| [b, a]);
         Self { depth: self.depth.mirrored(), farthest }
     }
-}
-
-/// Whether the faces of polytopes are read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Faces {
-    /// They are.
-    Read,
-    /// They are not.
-    Unread,
 }
 
 /// A solver at an accuracy of the caller's choice.

@@ -39,7 +39,7 @@ mod then_measure;
 mod within;
 
 pub use crate::mesh::PartIndex;
-pub use accuracy::{Accuracy, Faces, FoundDepth, MeasureAt, MeasureDepth, WithAccuracy};
+pub use accuracy::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, WithAccuracy};
 pub use depths::Depths;
 pub use distances::Distances;
 pub use manifold::{

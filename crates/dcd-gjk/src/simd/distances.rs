@@ -7,7 +7,7 @@ use super::scene_pairs::ScenePairs;
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed;
 use crate::distance::{DistanceResult, distance_at, of_apart};
-use crate::query::{Faces, check_margin, grown, spheres_are_apart, within_margin};
+use crate::query::{check_margin, grown, spheres_are_apart, within_margin};
 use crate::{
     Accuracy, Contact, ContactSink, Distance, Method, NarrowPhase, PosedShape, PosedSupport,
     Prepared, Report, Sides, Verdict,
@@ -252,7 +252,7 @@ impl NarrowPhase for SimdDistances {
                 false => (found.next().copied().unwrap_or_default(), Default::default()),
             };
             if objects.pairs.get(number) == Some(&pair) {
-                objects.look_ahead(number, Faces::Unread);
+                objects.look_ahead(number, false);
                 number += 1;
             }
             if undecided.binary_search_by_key(&pair, |undecided| undecided.pair).is_ok() {

@@ -2,7 +2,6 @@
 
 use super::frame::{FramePair, SimdFrame};
 use crate::PosedShape;
-use crate::query::Faces;
 use dcd_geom::{Pair, Scene, Shape};
 use dcd_simd::prefetch;
 use std::slice;
@@ -25,9 +24,9 @@ impl<'a> ScenePairs<'a> {
         [PosedShape::of(a, pair.i), PosedShape::of(b, pair.j)]
     }
 
-    /// Prefetches what the pairs behind one of that number read.
+    /// Prefetches what the pairs behind one of that number read: the faces of polytopes too, where `facets` says so.
     #[inline(always)]
-    pub(super) fn look_ahead(&self, number: usize, faces: Faces) {
+    pub(super) fn look_ahead(&self, number: usize, facets: bool) {
         let [near, far, farther] = AHEAD;
         let Self { frames: FramePair { a, b }, scenes: [of_a, of_b], pairs } = *self;
         if let Some(pair) = pairs.get(number + farther) {
@@ -39,8 +38,12 @@ impl<'a> ScenePairs<'a> {
             prefetch_polytope(of_b, pair.j);
         }
         if let Some(pair) = pairs.get(number + near) {
-            prefetch_vertices(a, of_a, pair.i, faces);
-            prefetch_vertices(b, of_b, pair.j, faces);
+            prefetch_vertices(a, of_a, pair.i);
+            prefetch_vertices(b, of_b, pair.j);
+            if facets {
+                prefetch_facets(of_a, pair.i);
+                prefetch_facets(of_b, pair.j);
+            }
         }
     }
 }
@@ -62,14 +65,19 @@ fn prefetch_polytope(scene: &Scene, object: u32) {
     }
 }
 
-/// Prefetches an object's vertices and faces.
+/// Prefetches an object's vertices.
 #[inline(always)]
-fn prefetch_vertices(frame: &SimdFrame, scene: &Scene, object: u32, faces: Faces) {
+fn prefetch_vertices(frame: &SimdFrame, scene: &Scene, object: u32) {
     prefetch(frame.blocks_of(frame.record(object)));
     if let Shape::Polytope(polytope) = scene.shape(object as usize) {
         prefetch(polytope.vertices());
-        if faces == Faces::Read {
-            polytope.prefetch_facets();
-        }
+    }
+}
+
+/// Prefetches the faces of an object.
+#[inline(always)]
+fn prefetch_facets(scene: &Scene, object: u32) {
+    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
+        polytope.prefetch_facets();
     }
 }

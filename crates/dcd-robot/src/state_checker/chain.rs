@@ -4,16 +4,21 @@
 // In kernels: an iterator that is left out of line costs more than the loop.
 #![allow(clippy::needless_range_loop)]
 
+mod frame_error;
+mod turns;
+
 use super::links::LinkSpheres;
 use super::rounded_links::RoundedLink;
 use crate::kinematics::{JointFrame, quaternion};
 use crate::model::Drive;
 use crate::{Joint, Motion, Robot};
 use dcd_simd::{Lanes, Row, WIDTH};
+use frame_error::{NOTHING, lost};
 use glam::{DMat3, DVec3};
+use turns::{rotation, set_column, shift, sin_cos, turn, turn_about, turned};
 
-/// What rounding to f32 loses of a number.
-const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
+pub(super) use frame_error::FrameError;
+pub(super) use turns::loaded;
 
 /// How far from 0 an angle may be, rad. Larger: rounding it to f32 loses more. Smaller: more states are placed one by
 /// one.
@@ -22,29 +27,6 @@ const MOST_TURNED: f64 = 8.0;
 /// How far a joint may slide, and a link be at rest, metres: so that no number is infinite. Smaller: more states are
 /// placed one by one.
 const FARTHEST: f64 = 1e6;
-
-/// What the sine and the cosine of an angle up to [`MOST_TURNED`] may be off, the angle's rounding included.
-const SINE_ERROR: f64 = 8.0 * ROUNDING;
-
-/// What a computed rotation may be off for the rest of the bounds to hold.
-const MOST_OFF: f64 = 1e-3;
-
-/// The largest norm of anything that stands for a rotation, true or computed.
-const NORM: f64 = 1.01;
-
-/// Entries of a matrix below that are left out.
-const NOTHING: f64 = 1.0 / (1u64 << 36) as f64;
-
-/// How far a computed frame may be from the one of [`Robot::place`]: a point p of the link is off by
-/// `turn`·|p| + `shift` + `per_slid`·(what the joints slide in all), metres.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct FrameError {
-    pub(super) turn: f64,
-    pub(super) shift: f64,
-    pub(super) per_slid: f64,
-    /// How far the link's origin may be from the world's, with what the joints slide left out, metres.
-    reach: f64,
-}
 
 /// A column of a joint's rotation at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -316,82 +298,6 @@ impl Frames {
     }
 }
 
-impl FrameError {
-    fn of_base(base: &JointFrame) -> Self {
-        let at = base.translation;
-        Self {
-            turn: lost(&base.rotation),
-            shift: at.distance(at.as_vec3().as_dvec3()),
-            per_slid: 0.0,
-            reach: at.length(),
-        }
-    }
-
-    fn is_bounded(&self) -> bool {
-        self.turn <= MOST_OFF && self.shift <= FARTHEST && self.reach <= FARTHEST
-    }
-
-    /// Of a joint's frame at rest: where it is turned, three products of an entry lose 3u of 1 each, all nine 9u;
-    /// where it is shifted, a coordinate loses at most six times u of what is summed, which is below the two
-    /// lengths.
-    fn at_rest(mut self, origin: &JointFrame, (is_turned, lost): (bool, f64)) -> Self {
-        let by = origin.translation;
-        if by != DVec3::ZERO {
-            let far = by.length();
-            let rounded = by.distance(by.as_vec3().as_dvec3());
-            self.shift += NORM * (self.turn * far + rounded);
-            self.shift += SUMS * (far + self.reach);
-            self.per_slid += SUMS;
-            self.reach += NORM * far;
-        }
-        if is_turned {
-            self.turn = NORM * (self.turn + lost + 12.0 * ROUNDING);
-        } else {
-            // Entries so small that they were left out.
-            self.turn += NORM * lost;
-        }
-        self
-    }
-
-    /// After what moves the joint.
-    fn moved(mut self, moves: &Moves) -> Self {
-        match moves {
-            Moves::Never => {}
-            // Four entries are off; six are sums of two products.
-            Moves::About(..) => {
-                self.turn = NORM * (self.turn + 2.0 * SINE_ERROR + 6.0 * ROUNDING);
-            }
-            // Nine entries are off by two sines and eight roundings each; nine are sums of three products.
-            Moves::Turns(..) => {
-                self.turn = NORM * (self.turn + 6.0 * SINE_ERROR + 36.0 * ROUNDING);
-            }
-            Moves::Orients(_) => self.turn = NORM * (self.turn + 14.0 * ROUNDING),
-            Moves::Slides(..) => {
-                self.shift += SUMS * self.reach;
-                self.per_slid += NORM * (self.turn + 4.0 * ROUNDING) + 2.0 * SUMS;
-            }
-        }
-        self
-    }
-
-    /// What a comparison of anything within `size` of the link's origin may be off, metres, without what slides; and
-    /// that for each metre that joints slide.
-    pub(super) fn of_size(&self, size: f32) -> [f32; 2] {
-        let sum = NORM * (self.shift + self.turn * f64::from(size));
-        [sum as f32 + f32::MIN_POSITIVE, (NORM * self.per_slid) as f32]
-    }
-}
-
-/// What a rotated and shifted vector loses: six roundings of each coordinate, √3 times that for the three.
-const SUMS: f64 = 11.0 * ROUNDING;
-
-/// What rounding to f32 takes off a rotation: the root of the sum of the squares, and what is left out as nothing.
-fn lost(rotation: &DMat3) -> f64 {
-    let off = |x: f64| if x.abs() < NOTHING { x } else { x - f64::from(x as f32) };
-    let squares = rotation.to_cols_array().map(|x| off(x) * off(x));
-    squares.iter().sum::<f64>().sqrt()
-}
-
 /// The columns of a rotation that turns, and what they are off.
 fn columns(rotation: &DMat3) -> (Option<[Column; 3]>, f64) {
     let numbers = |k: usize| {
@@ -423,165 +329,4 @@ impl Sign {
     fn of(x: f32) -> Self {
         if x < 0.0 { Self::Minus } else { Self::Plus }
     }
-}
-
-#[inline(always)]
-pub(super) fn loaded<L: Lanes>(l: L, rows: &[Row; 12]) -> [L::F; 12] {
-    let mut frame = [l.splat(0.0); 12];
-    for k in 0..12 {
-        frame[k] = l.load(&rows[k]);
-    }
-    frame
-}
-
-/// Number by number: a slice would be copied by a call.
-#[inline(always)]
-fn set_column<F: Copy>(frame: &mut [F; 12], k: usize, [x, y, z]: [F; 3]) {
-    (frame[3 * k], frame[3 * k + 1], frame[3 * k + 2]) = (x, y, z);
-}
-
-/// The frame's rotation times a column.
-#[inline(always)]
-fn turned<L: Lanes>(l: L, frame: &[L::F; 12], column: &Column) -> [L::F; 3] {
-    let mut result = [l.splat(0.0); 3];
-    match *column {
-        Column::Of(k, sign) => {
-            for axis in 0..3 {
-                let number = frame[3 * k + axis];
-                result[axis] = if sign == Sign::Plus { number } else { l.neg(number) };
-            }
-        }
-        Column::Mixed(numbers) => {
-            for k in 0..3 {
-                if numbers[k] != 0.0 {
-                    let number = l.splat(numbers[k]);
-                    for axis in 0..3 {
-                        result[axis] = l.mul_add(frame[3 * k + axis], number, result[axis]);
-                    }
-                }
-            }
-        }
-    }
-    result
-}
-
-/// Adds the parent's rotation times a vector to a frame's translation.
-#[inline(always)]
-fn shift<L: Lanes>(l: L, parent: &[L::F; 12], by: [f32; 3], frame: &mut [L::F; 12]) {
-    for k in 0..3 {
-        if by[k] != 0.0 {
-            let far = l.splat(by[k]);
-            for axis in 0..3 {
-                frame[9 + axis] = l.mul_add(parent[3 * k + axis], far, frame[9 + axis]);
-            }
-        }
-    }
-}
-
-/// Turns a frame about an axis of its own: the other two columns are mixed.
-#[inline(always)]
-fn turn_about<L: Lanes>(
-    l: L,
-    (axis, sign): (usize, Sign),
-    [sin, cos]: [L::F; 2],
-    frame: &mut [L::F; 12],
-) {
-    let sin = if sign == Sign::Plus { sin } else { l.neg(sin) };
-    // Written out, so that no number of the frame has an index that is known at run time alone.
-    match axis {
-        0 => mix::<L, 3, 6>(l, [sin, cos], frame),
-        1 => mix::<L, 6, 0>(l, [sin, cos], frame),
-        _ => mix::<L, 0, 3>(l, [sin, cos], frame),
-    }
-}
-
-#[inline(always)]
-fn mix<L: Lanes, const U: usize, const V: usize>(
-    l: L,
-    [sin, cos]: [L::F; 2],
-    frame: &mut [L::F; 12],
-) {
-    for k in 0..3 {
-        let (u, v) = (frame[U + k], frame[V + k]);
-        frame[U + k] = l.mul_add(u, cos, l.mul(v, sin));
-        frame[V + k] = l.sub(l.mul(v, cos), l.mul(u, sin));
-    }
-}
-
-/// Turns a frame by a rotation, column by column.
-#[inline(always)]
-fn turn<L: Lanes>(l: L, rotation: &[L::F; 9], frame: &mut [L::F; 12]) {
-    let rest = *frame;
-    for column in 0..3 {
-        for axis in 0..3 {
-            let sum = l.mul(rest[axis], rotation[3 * column]);
-            let sum = l.mul_add(rest[3 + axis], rotation[3 * column + 1], sum);
-            frame[3 * column + axis] = l.mul_add(rest[6 + axis], rotation[3 * column + 2], sum);
-        }
-    }
-}
-
-/// The rotation about an axis of unit length, by columns.
-#[inline(always)]
-fn rotation<L: Lanes>(l: L, [x, y, z]: [f32; 3], [sin, cos]: [L::F; 2]) -> [L::F; 9] {
-    let versine = l.sub(l.splat(1.0), cos);
-    let axis = [x, y, z];
-    let mut result = [cos; 9];
-    for i in 0..3 {
-        let along = l.mul(l.splat(axis[i]), versine);
-        for j in 0..3 {
-            let start = if i == j { cos } else { l.splat(0.0) };
-            result[3 * i + j] = l.mul_add(l.splat(axis[j]), along, start);
-        }
-    }
-    let (x, y, z) = (l.mul(l.splat(x), sin), l.mul(l.splat(y), sin), l.mul(l.splat(z), sin));
-    result[1] = l.add(result[1], z);
-    result[2] = l.sub(result[2], y);
-    result[3] = l.sub(result[3], z);
-    result[5] = l.add(result[5], x);
-    result[6] = l.add(result[6], y);
-    result[7] = l.sub(result[7], x);
-    result
-}
-
-/// π/2 to 17 bits, so that it times a small whole number is exact, and the rest.
-const QUARTER: [f32; 2] = [1.570_785_5, 1.080_433_4e-5];
-
-/// What added and subtracted rounds to a whole number: 1.5 · 2²³.
-const WHOLE: f32 = 12_582_912.0;
-
-/// The sine and the cosine of an angle up to [`MOST_TURNED`] from 0, within three roundings of those of the angle in
-/// f32: by Taylor's series of what it is beyond a multiple of a right angle.
-#[inline(always)]
-fn sin_cos<L: Lanes>(l: L, angle: L::F) -> [L::F; 2] {
-    let quarters = whole(l, l.mul(angle, l.splat(std::f32::consts::FRAC_2_PI)));
-    let x = l.mul_add(quarters, l.splat(-QUARTER[0]), angle);
-    let x = l.mul_add(quarters, l.splat(-QUARTER[1]), x);
-    let square = l.mul(x, x);
-    let mut sine = l.splat(1.0 / 362_880.0);
-    for term in [-1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0] {
-        sine = l.mul_add(sine, square, l.splat(term));
-    }
-    let sine = l.mul_add(l.mul(x, square), sine, x);
-    let mut cosine = l.splat(1.0 / 40_320.0);
-    for term in [-1.0 / 720.0, 1.0 / 24.0, -0.5] {
-        cosine = l.mul_add(cosine, square, l.splat(term));
-    }
-    let cosine = l.mul_add(square, cosine, l.splat(1.0));
-    // quarters = 2·halves + odd, halves = 2·turns + flipped.
-    let halves = whole(l, l.mul_add(quarters, l.splat(0.5), l.splat(-0.25)));
-    let turns = whole(l, l.mul_add(halves, l.splat(0.5), l.splat(-0.25)));
-    let is_odd = l.lt(l.add(halves, halves), quarters);
-    let is_flipped = l.lt(l.add(turns, turns), halves);
-    let sign = l.select(is_flipped, l.splat(-1.0), l.splat(1.0));
-    [
-        l.mul(sign, l.select(is_odd, cosine, sine)),
-        l.mul(sign, l.select(is_odd, l.neg(sine), cosine)),
-    ]
-}
-
-/// To the nearest whole number, of what is small.
-#[inline(always)]
-fn whole<L: Lanes>(l: L, x: L::F) -> L::F {
-    l.sub(l.add(x, l.splat(WHOLE)), l.splat(WHOLE))
 }

@@ -70,7 +70,7 @@ impl StateChecker {
         let (scene, obstacles) = (self.cell().scene(), self.cell().obstacles());
         let old = self.old_world.lock().unwrap_or_else(PoisonError::into_inner).take();
         match old {
-            Some(mut world) => world.exchange_for_pairs(scene, obstacles).map(|()| world),
+            Some(mut world) => world.replace_for_pairs(scene, obstacles).map(|()| world),
             None => StaticWorld::for_pairs(scene, obstacles, Overlap::default()),
         }
     }

@@ -22,7 +22,7 @@ impl Workcell {
         }
         let first = self.obstacles().start;
         let objects = obstacles.iter().map(|o| (&o.shape, obstacle_object(0, o.pose)));
-        self.scene.exchange_from(first, objects).map_err(RobotError::Scene)?;
+        self.scene.replace_from(first, objects).map_err(RobotError::Scene)?;
         self.names.truncate(first + obstacles.len());
         let held = self.names.len() - first;
         for (name, obstacle) in self.names[first..].iter_mut().zip(obstacles) {
@@ -47,7 +47,7 @@ impl Workcell {
             return self.rebuild(&all).map(|()| place);
         }
         let object = (&obstacle.shape, obstacle_object(0, obstacle.pose));
-        self.scene.exchange_from(self.scene.len(), [object]).map_err(RobotError::Scene)?;
+        self.scene.replace_from(self.scene.len(), [object]).map_err(RobotError::Scene)?;
         self.names.push(obstacle.name.clone());
         self.first_padded = self.names.len();
         Ok(place)

@@ -22,7 +22,7 @@ mod set;
 mod stand_in;
 mod surface;
 
-use super::{Accuracy, Faces, FoundDepth, MeasureAt, MeasureDepth, depths};
+use super::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, depths};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, PartIndex};
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
@@ -229,7 +229,7 @@ impl MeasureDepth for Manifolds {
         answer.write_one(|found| write_of_polytopes(known, a, b, &mut scratch.corners, found))
     }
 
-    const FACES: Faces = Faces::Read;
+    const READS_FACETS: bool = true;
 }
 
 fn manifold_of(

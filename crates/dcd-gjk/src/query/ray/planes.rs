@@ -97,10 +97,9 @@ struct InF32 {
 impl InF32 {
     /// `None` where f32 does not have its range.
     fn of(ray: &LocalRay, planes: &FacetPlanes, [out, inward]: [f64; 2]) -> Option<Self> {
-        let [largest, thickest] = planes.offsets();
-        let far = ray.origin.abs().element_sum() + largest;
+        let far = ray.origin.abs().element_sum() + planes.largest_offset();
         let size = ray.direction.abs().element_sum();
-        let moved = thickest + out.abs() + inward.abs();
+        let moved = planes.thickness() + out.abs() + inward.abs();
         // Written so that NaN is none.
         let is_within = far + moved < WIDEST && size > WIDEST.recip() && size < WIDEST;
         let lost =

@@ -299,7 +299,7 @@ impl<'a, S: MeasureDepth> Each<'a, S> {
                 self.answers.write(number, found.as_ref(), [a, b]);
                 continue;
             }
-            self.objects.look_ahead(number, S::FACES);
+            self.objects.look_ahead(number, S::READS_FACETS);
             let side = |k: usize, frame: &'a SimdFrame, object: u32, placed| {
                 let core = &frame.cores().cores()[scenes[k].shape_index(object as usize) as usize];
                 Side { core, blocks: frame.blocks_of(frame.record(object)), placed }

@@ -13,7 +13,7 @@ impl Scene {
     /// # Errors
     /// `first` beyond [`Scene::len`]; an object that would reach beyond [`crate::Aabb::LIMIT`], by its slot; more
     /// than a u32 counts. Nothing is changed then.
-    pub fn exchange_from<'a, I>(&mut self, first: usize, objects: I) -> Result<(), SceneError>
+    pub fn replace_from<'a, I>(&mut self, first: usize, objects: I) -> Result<(), SceneError>
     where
         I: IntoIterator<Item = (&'a Shape, Object), IntoIter: Clone>,
     {
@@ -41,7 +41,7 @@ impl Scene {
         for (shape, (_, object)) in (kept as u32..).zip(objects) {
             self.place(Object { shape, ..object })?;
         }
-        self.mark_exchange();
+        self.mark_replaced();
         Ok(())
     }
 
@@ -75,7 +75,7 @@ impl Scene {
         if !self.shape_of.contains(&shape) {
             self.drop_shape(shape);
         }
-        self.mark_exchange();
+        self.mark_replaced();
         Ok(())
     }
 
@@ -129,7 +129,7 @@ impl Scene {
     }
 
     /// What was derived from shapes and objects is stale.
-    fn mark_exchange(&mut self) {
+    fn mark_replaced(&mut self) {
         self.shape_history.restart(self.shapes.len());
         (self.layout, self.static_revision) = (Revision::draw(), Revision::draw());
         self.pose_revision.mark();
@@ -184,7 +184,7 @@ mod tests {
         for news in [vec![], vec![(4.0, 1.0), (5.0, 2.0), (6.0, 3.0)], vec![(7.0, 8.0)]] {
             let shapes: Vec<Shape> = news.iter().map(|&(r, _)| sphere(r)).collect();
             let objects = shapes.iter().zip(&news).map(|(s, &(_, x))| (s, Object::new(9, at(x))));
-            exchanged.exchange_from(2, objects).unwrap();
+            exchanged.replace_from(2, objects).unwrap();
             let all: Vec<_> = [(1.0, 0.0), (2.0, 5.0)].into_iter().chain(news).collect();
             let mut anew = scene(&all);
             anew.ignore_pair(0usize, 1usize).unwrap();
@@ -202,9 +202,9 @@ mod tests {
         let mut held = scene(&[(1.0, 0.0), (2.0, 5.0)]);
         let (far, near) = (at(1e300), sphere(1.0));
         let objects = [(&near, Object::new(0, at(0.0))), (&near, Object::new(0, far))];
-        let error = held.exchange_from(1, objects).unwrap_err().to_string();
+        let error = held.replace_from(1, objects).unwrap_err().to_string();
         assert!(error.contains('2'), "{error}");
-        assert!(held.exchange_from(3, []).is_err() && held.swap_remove(2usize).is_err());
+        assert!(held.replace_from(3, []).is_err() && held.swap_remove(2usize).is_err());
         assert_same(&held, &scene(&[(1.0, 0.0), (2.0, 5.0)]));
     }
 
