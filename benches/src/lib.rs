@@ -46,6 +46,7 @@
 pub mod agreement;
 pub mod digest;
 pub mod draw;
+pub mod falling;
 pub mod figure;
 pub mod machine;
 pub mod options;
@@ -58,6 +59,7 @@ pub mod timing;
 pub use agreement::Agreement;
 pub use digest::Digest;
 pub use draw::draw;
+pub use falling::FallingPile;
 pub use figure::{Axis, Chart, Figure, Scale, Series, TradeChart};
 pub use machine::Header;
 pub use options::{Options, Print, exit_code};

@@ -3,13 +3,13 @@
 use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
-use dcd_benches::Effort;
 use dcd_benches::timing::time;
+use dcd_benches::{Effort, FallingPile};
 use dcd_geom::Scene;
-use dcd_gjk::{Accuracy, Coherent, Depths, Method, SimdDepths};
+use dcd_gjk::{Coherent, Method};
 use dcd_parry::{ParryPipeline, Query, Upkeep};
 use dcd_pipeline::{Par, Pipeline, WideTree};
-use dcd_scenes::{Pile, PileContact, RandomWalk, SceneSpec};
+use dcd_scenes::{RandomWalk, SceneSpec};
 use serde::{Deserialize, Serialize};
 
 /// Frames of a course: a second of a game. Parry runs in the first [`OF_PARRY`] alone.
@@ -79,14 +79,14 @@ struct Walking {
 /// A scene that moves.
 enum Moving {
     Walking(Box<Walking>),
-    Falling(Box<Pile>, Box<Pipeline<WideTree, SimdDepths>>),
+    Falling(Box<FallingPile>),
 }
 
 impl Moving {
     fn scene(&self) -> &Scene {
         match self {
             Self::Walking(walking) => &walking.scene,
-            Self::Falling(pile, _) => pile.scene(),
+            Self::Falling(pile) => pile.scene(),
         }
     }
 
@@ -97,17 +97,7 @@ impl Moving {
                     walk.step(&mut walking.scene)?;
                 }
             }
-            Self::Falling(pile, pipeline) => {
-                let step = pipeline.step(pile.scene(), Par::Pool);
-                let contacts = step.answers().map(|contact| PileContact {
-                    pair: contact.pair,
-                    normal: contact.answer.normal,
-                    depth: contact.answer.depth,
-                    point: (contact.answer.point_a + contact.answer.point_b) / 2.0,
-                });
-                let contacts: Vec<_> = contacts.collect();
-                pile.advance(&contacts)?;
-            }
+            Self::Falling(pile) => pile.advance()?,
         }
         Ok(())
     }
@@ -155,12 +145,8 @@ impl Course {
                 Moving::Walking(Box::new(Walking { scene: draw()?, walk }))
             }
             Motion::Settle => {
-                let pile = Box::new(Pile::new(self.objects, self.seed)?);
-                let depths = SimdDepths::new(Depths, Accuracy::F32);
-                let pipeline = Box::new(Pipeline::with(WideTree::default(), depths));
-                let mut falling = Moving::Falling(pile, pipeline);
-                (0..FALLING).try_for_each(|_| falling.advance())?;
-                falling
+                let pile = FallingPile::after(FALLING, self.objects, self.seed)?;
+                Moving::Falling(Box::new(pile))
             }
         })
     }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, anyhow, ensure};
 use dcd_benches::Effort;
 use dcd_benches::timing::{Pair as Times, pairs_of, time};
 use dcd_broad::WideTree;
@@ -13,6 +13,7 @@ use dcd_pipeline::{Answer, AnyPipeline, Exec, Par, Pipeline, Precision, Question
 use serde::{Deserialize, Serialize};
 
 use crate::parry::Parry;
+use crate::subject::Subject;
 
 /// Distances are reported of pairs within that many metres.
 pub(crate) const MARGIN: f64 = 0.1;
@@ -28,8 +29,9 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    pub(crate) const MEASURED: [Self; 3] = [Self::Distance, Self::Depth, Self::Manifold];
-    pub(crate) const TERRAIN: [Self; 3] = [Self::Overlap, Self::Depth, Self::Manifold];
+    pub(crate) const ALL: [Self; 4] = [Self::Overlap, Self::Distance, Self::Depth, Self::Manifold];
+    /// Of bodies that nearly all touch.
+    pub(crate) const TOUCHING: [Self; 3] = [Self::Overlap, Self::Depth, Self::Manifold];
 
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -55,7 +57,7 @@ impl Kind {
 }
 
 /// Names of accuracies, certified first: the others are checked against it.
-const ACCURACIES: [(&str, Accuracy); 3] =
+pub(crate) const ACCURACIES: [(&str, Accuracy); 3] =
     [("certified", Accuracy::Certified), ("f64", Accuracy::F64), ("f32", Accuracy::F32)];
 
 /// One query at one accuracy.
@@ -73,8 +75,19 @@ pub(crate) struct Measurement {
     pub(crate) worst: f64,
     /// Answers that contradict the certified ones.
     pub(crate) beyond: usize,
-    /// Our narrow phase and Parry's queries alone; both whole steps; our whole step and Parry's queries.
-    pub(crate) times: [Times; 3],
+    pub(crate) races: Vec<Race>,
+}
+
+/// The times at a number of threads.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Race {
+    pub(crate) threads: usize,
+    /// Our narrow phase and Parry's queries alone.
+    pub(crate) narrow: Times,
+    /// Both whole steps.
+    pub(crate) whole: Times,
+    /// Our whole step and Parry's queries.
+    pub(crate) mixed: Times,
 }
 
 /// A scene's.
@@ -88,17 +101,14 @@ pub(crate) struct Outcome {
 /// What was measured of a pair: a value and its bound; none where there is nothing to measure.
 type Measured = Option<[f64; 2]>;
 
-/// Those kinds of query of a scene of that name; yes or no has no accuracy.
-pub(crate) fn run_scene(
-    (name, scene): (&str, &Scene),
-    kinds: [Kind; 3],
-    effort: Effort,
-) -> Result<Outcome> {
+/// What is asked of a scene, at those numbers of threads; yes or no has no accuracy.
+pub(crate) fn run_scene(subject: &Subject, threads: &[usize], effort: Effort) -> Result<Outcome> {
+    let scene = &subject.scene()?;
     let mut measurements = Vec::new();
-    for kind in kinds {
+    for &kind in subject.kinds() {
         let pairs = candidates(scene, kind.margin())?;
         let mut parry = Parry::new(scene, &pairs, kind.margin())?;
-        let parry_found = [parry.count(kind), parry.step(kind)];
+        let parry_found = [parry.count(kind, Par::Serial), parry.step(kind, Par::Serial)];
         let mut certified = HashMap::new();
         let count = if kind == Kind::Overlap { 1 } else { ACCURACIES.len() };
         for &(name, accuracy) in &ACCURACIES[..count] {
@@ -115,9 +125,11 @@ pub(crate) fn run_scene(
             let mut bounds: Vec<f64> = found.iter().filter_map(|f| f.1).map(|[_, b]| b).collect();
             bounds.sort_unstable_by(f64::total_cmp);
             let at = |part: usize| bounds.get(bounds.len() * part / 100).copied();
-            let rounds = if effort == Effort::Quick { 1 } else { 7 };
-            let times =
-                race((&mut pipeline, scene, found.len()), (&mut parry, kind, parry_found), rounds)?;
+            let mut race = |&threads: &usize| {
+                let ours = (&mut pipeline, scene, found.len());
+                race(ours, (&mut parry, kind, parry_found), threads, effort)
+            };
+            let races = threads.iter().map(&mut race).collect::<Result<_>>()?;
             measurements.push(Measurement {
                 kind,
                 accuracy: name.to_owned(),
@@ -127,31 +139,50 @@ pub(crate) fn run_scene(
                 p99: at(99).unwrap_or(0.0),
                 worst: bounds.last().copied().unwrap_or(0.0),
                 beyond: beyond + missing,
-                times,
+                races,
             });
         }
     }
-    Ok(Outcome { scene: name.to_owned(), objects: scene.len(), measurements })
+    Ok(Outcome { scene: subject.name().to_owned(), objects: scene.len(), measurements })
 }
 
-/// The times of [`Measurement::times`]. Whoever finds another number of pairs than before has no time.
+/// The times on so many threads. Whoever finds another number of pairs than before has no time.
 fn race(
+    ours: (&mut AnyPipeline, &Scene, usize),
+    parry: (&mut Parry, Kind, [usize; 2]),
+    threads: usize,
+    effort: Effort,
+) -> Result<Race> {
+    let rounds = if effort == Effort::Quick { 1 } else { 7 };
+    let [narrow, whole, mixed] = match threads {
+        1 => race_here(ours, parry, Par::Serial, rounds)?,
+        // Fewer rounds: what they are beside is the same question on one thread.
+        _ => {
+            let race = || race_here(ours, parry, Par::WarmPool, rounds.min(3));
+            dcd_exec::with_threads(threads, race).map_err(|error| anyhow!(error))??
+        }
+    };
+    Ok(Race { threads, narrow, whole, mixed })
+}
+
+fn race_here(
     (pipeline, scene, found): (&mut AnyPipeline, &Scene, usize),
     (parry, kind, parry_found): (&mut Parry, Kind, [usize; 2]),
+    par: Par,
     rounds: u32,
 ) -> Result<[Times; 3]> {
     let clock = StageClock::default();
     let (mut strayed, mut parry_strayed) = (false, false);
     let mut ours = || {
-        let observed = Exec::observed(Par::Serial, &clock);
+        let observed = Exec::observed(par, &clock);
         let (whole, count) = time(|| pipeline.step(scene, observed).contact_count());
         strayed |= count != found;
         let [.., narrow] = clock.take();
         [narrow, whole, whole]
     };
     let mut theirs = || {
-        let (queries, alone) = time(|| parry.count(kind));
-        let (whole, stepped) = time(|| parry.step(kind));
+        let (queries, alone) = time(|| parry.count(kind, par));
+        let (whole, stepped) = time(|| parry.step(kind, par));
         parry_strayed |= [alone, stepped] != parry_found;
         [queries, whole, queries]
     };

@@ -9,40 +9,26 @@ mod contest;
 mod kinds;
 mod parry;
 mod show;
+mod subject;
 
 use std::process::ExitCode;
 
 use anyhow::{Result, ensure};
 use clap::Parser;
-use dcd_benches::{Header, Options, Print, Units, draw, exit_code};
-use dcd_scenes::SceneSpec;
+use dcd_benches::{Header, Options, Print, Units, exit_code};
 
-use contest::{Kind, Outcome, run_scene};
+use contest::{Outcome, run_scene};
 use kinds::{Cross, run_kinds};
-
-/// The scenes, each with its objects in full and with --quick: those whose shapes Parry has too.
-const SCENES: [(&str, usize, usize); 8] = [
-    ("paper", 3000, 300),
-    ("sparse", 10_000, 1000),
-    ("boxes", 10_000, 1000),
-    ("cuboids", 10_000, 1000),
-    ("spheres", 10_000, 1000),
-    ("plates", 5000, 500),
-    ("needles", 5000, 500),
-    ("clustered", 5000, 500),
-];
-
-/// A mesh under so many bodies: in full and with --quick.
-const TERRAIN: (&str, usize, usize) = ("terrain", 2000, 500);
+use subject::Subject;
 
 /// How far, how deep and where of whole scenes, at every accuracy: our narrow phase beside Parry's queries of the same
-/// candidate pairs, and our step beside Parry's, interleaved in one process, on one thread.
+/// candidate pairs, and our step beside Parry's, interleaved in one process, on one thread and on all that are asked for.
 #[derive(Parser)]
 #[command(name = "questions", version)]
 struct Line {
     #[command(flatten)]
     options: Options,
-    /// One scene [default: eight and terrain, a mesh under many bodies]
+    /// One scene [default: eleven; pile, hulls at rest on each other; and terrain, a mesh under many bodies]
     #[arg(long)]
     scene: Option<String>,
     /// Objects
@@ -56,35 +42,21 @@ struct Line {
 }
 
 impl Line {
-    fn is_terrain(&self) -> bool {
-        self.scene.as_deref() == Some(TERRAIN.0)
+    /// What is measured, and a sentence for each scene that cannot be had.
+    fn subjects(&self) -> Result<(Vec<Subject>, Vec<String>)> {
+        Ok(match (&self.scene, &self.kinds) {
+            (Some(name), _) => (vec![Subject::named(name, self.n, &self.options)?], Vec::new()),
+            (None, Some(_)) => (Vec::new(), Vec::new()),
+            (None, None) => Subject::all(&self.options),
+        })
     }
 
-    /// How many bodies lie on the terrain, if it is measured.
-    fn bodies(&self) -> Option<usize> {
-        let (_, full, quick) = TERRAIN;
-        let is_default = self.scene.is_none() && self.kinds.is_none();
-        let usual = if self.options.quick { quick } else { full };
-        (is_default || self.is_terrain()).then(|| self.n.unwrap_or(usual))
-    }
-
-    fn subjects(&self) -> Result<Vec<SceneSpec>> {
-        let sized = |&(name, full, quick): &(&str, usize, usize)| (name.to_owned(), full, quick);
-        if self.kinds.is_some() || self.is_terrain() {
-            return Ok(Vec::new());
+    /// One, and how many there are.
+    fn threads(&self) -> Vec<usize> {
+        match self.options.threads() {
+            1 => vec![1],
+            more => vec![1, more],
         }
-        let chosen: Vec<_> = match &self.scene {
-            None => SCENES.iter().map(sized).collect(),
-            Some(name) => {
-                let objects = self.n.unwrap_or(SceneSpec::parse(name)?.objects);
-                vec![(name.clone(), objects, objects)]
-            }
-        };
-        let specs = chosen.into_iter().map(|(name, full, quick)| {
-            let objects = if self.options.quick { quick } else { full };
-            Ok(SceneSpec::parse(&name)?.with_objects(objects).with_seed(self.options.seed))
-        });
-        specs.collect()
     }
 }
 
@@ -96,25 +68,19 @@ fn run(line: &Line) -> Result<()> {
     let options = &line.options;
     let header = Header::observe(options);
     let dir = options.dir("questions");
-    let specs = line.subjects()?;
+    let (subjects, absent) = line.subjects()?;
+    absent.iter().for_each(|note| eprintln!("{note}"));
     let crossed = match (&line.scene, &line.kinds) {
         (Some(_), _) => Vec::new(),
         (None, filter) => kinds::keys(filter.as_deref().unwrap_or("-")),
     };
-    let key = |spec: &SceneSpec| format!("{}/N={}", spec.name(), spec.objects);
-    let keys = specs.iter().map(key).chain(crossed.iter().map(|&kinds| kinds::name(kinds)));
-    let of_terrain = line.bodies().map(|bodies| (bodies, format!("{}/N={bodies}", TERRAIN.0)));
-    let keys = keys.chain(of_terrain.iter().map(|(_, key)| key.clone()));
+    let of_kinds = crossed.iter().map(|&kinds| kinds::name(kinds));
+    let keys = subjects.iter().map(Subject::key).chain(of_kinds);
     let mut units = Units::open(&dir, &header.fingerprint(), keys, options.start())?;
     let mut outcomes: Vec<Outcome> = Vec::new();
-    for spec in &specs {
-        let run = || run_scene((spec.name(), &draw(spec)?), Kind::MEASURED, options.effort());
-        outcomes.push(units.run(&key(spec), run)?);
-    }
-    if let Some((bodies, key)) = &of_terrain {
-        let scene = || dcd_scenes::terrain(*bodies, options.seed);
-        let run = || run_scene((TERRAIN.0, &scene()?), Kind::TERRAIN, options.effort());
-        outcomes.push(units.run(key, run)?);
+    for subject in &subjects {
+        let run = || run_scene(subject, &line.threads(), options.effort());
+        outcomes.push(units.run(&subject.key(), run)?);
     }
     let mut found: Vec<Cross> = Vec::new();
     for &pair in &crossed {
@@ -122,6 +88,7 @@ fn run(line: &Line) -> Result<()> {
         found.extend(units.run(&kinds::name(pair), run)?);
     }
     let mut report = show::report(header, &outcomes)?;
+    absent.into_iter().for_each(|note| report.note(note));
     kinds::report(&mut report, &found)?;
     report.hand_out(&dir, line.print)?;
     units.finish()?;

@@ -1,14 +1,19 @@
 //! Parry's queries of a scene's candidate pairs and its whole step, its shapes and poses made outside of any timer.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use anyhow::{Context, Result};
 use dcd_geom::{Pair, Scene};
 use dcd_parry::Library;
-use dcd_pipeline::Par;
+use dcd_pipeline::{Exec, Par};
 use parry3d::bounding_volume::BoundingVolume;
 use parry3d::query::{self, ContactManifold, PersistentQueryDispatcher};
 
 use crate::contest::Kind;
 use crate::kinds::in_parrys_frame;
+
+/// Pairs a task: on one thread a task costs nothing that shows.
+const TASK: usize = 1024;
 
 /// Shapes, poses, and the pairs to query.
 pub(crate) struct Parry {
@@ -43,25 +48,40 @@ impl Parry {
     }
 
     /// Queries every pair that is given and returns how many it finds.
-    pub(crate) fn count(&self, kind: Kind) -> usize {
-        let mut manifolds = Vec::new();
-        self.pairs.iter().filter(|pair| self.finds(kind, [pair.i, pair.j], &mut manifolds)).count()
+    pub(crate) fn count(&self, kind: Kind, par: Par) -> usize {
+        self.found_of(kind, par, self.pairs.len(), |k| [self.pairs[k].i, self.pairs[k].j])
     }
 
     /// Parry's own step: boxes, grown by half the margin, the binned tree, the tree against itself, and the query
     /// of each pair. Returns how many it finds.
-    pub(crate) fn step(&mut self, kind: Kind) -> usize {
+    pub(crate) fn step(&mut self, kind: Kind, par: Par) -> usize {
         let boxes = self.objects.iter().map(|(form, pose)| {
             <f32 as Library>::boxed(&self.forms[*form], pose).loosened(self.margin / 2.0)
         });
         <f32 as Library>::rebuild(boxes, &mut self.tree);
         let mut pairs = std::mem::take(&mut self.own_pairs);
-        <f32 as Library>::collect_leaf_pairs(&mut self.tree, Par::Serial.into(), &mut pairs);
-        let mut manifolds = Vec::new();
-        let found =
-            pairs.iter().filter(|&&(i, j)| self.finds(kind, [i, j], &mut manifolds)).count();
+        <f32 as Library>::collect_leaf_pairs(&mut self.tree, par.into(), &mut pairs);
+        let found = self.found_of(kind, par, pairs.len(), |k| [pairs[k].0, pairs[k].1]);
         self.own_pairs = pairs;
         found
+    }
+
+    /// How many of so many pairs it finds.
+    fn found_of(
+        &self,
+        kind: Kind,
+        par: Par,
+        count: usize,
+        pair: impl Fn(usize) -> [u32; 2] + Sync,
+    ) -> usize {
+        let found = AtomicUsize::new(0);
+        Exec::from(par).tasks(count.div_ceil(TASK), |task| {
+            let mut manifolds = Vec::new();
+            let own = task * TASK..count.min((task + 1) * TASK);
+            let of_task = own.filter(|&k| self.finds(kind, pair(k), &mut manifolds)).count();
+            found.fetch_add(of_task, Ordering::Relaxed);
+        });
+        found.into_inner()
     }
 
     /// Whether a pair touches, or is within the margin, as the query has it.

@@ -1,5 +1,6 @@
 //! States in lanes beside every pair decided alone, on random robots in random worlds.
 
+mod boundary;
 mod random;
 
 use super::link_frames::{LinkFrames, Place};

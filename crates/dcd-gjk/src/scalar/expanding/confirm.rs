@@ -10,10 +10,13 @@ use crate::{Difference, PosedSupport, Vertex};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Support};
 
+/// Of each corner of a face the vertices of a and of b that make it.
+pub(super) type Corners = [[u32; 2]; 3];
+
 /// What a search in f32 ended with: a closed surface of triangles between points of A − B.
 pub(crate) struct Ending<'a> {
     /// Of the faces that may be the nearest the vertices of a and of b that make their corners.
-    pub(crate) faces: &'a [[[u32; 2]; 3]],
+    pub(crate) faces: &'a [Corners],
     /// If the surface of the true points surely winds round the origin: at most the distance of the other
     /// faces, as a length of the difference.
     pub(crate) others: Option<f64>,
@@ -46,14 +49,20 @@ pub(crate) fn confirmed_depth(
     let upper = -bounds.lower_bound(-direction, separation);
     let lower = if ending.others.is_some() { bounds.least_reach(inner) } else { 0.0 };
     let error = (upper - along).max(along - lower);
-    let found =
-        search.depth_of(along, error, search.leaving(ending.faces, direction), direction)?;
-    let is_good = accuracy != Accuracy::Certified || found.error_bound <= CERTIFIED * found.depth;
-    is_good.then_some(found)
+    let points = search.leaving(ending.faces, direction);
+    let found = search.depth_of(along, error, points, direction);
+    if accuracy != Accuracy::Certified {
+        return found;
+    }
+    let is_good = |found: &Depth| found.error_bound <= CERTIFIED * found.depth;
+    let others = ending.others;
+    found
+        .filter(is_good)
+        .or_else(|| others.and_then(|others| search.depth_by_faces(&bounds, ending.faces, others)))
 }
 
 impl Search<'_, Polytope> {
-    fn corners(&self, [p, q, r]: [[u32; 2]; 3]) -> [Vertex<f64>; 3] {
+    pub(super) fn corners(&self, [p, q, r]: Corners) -> [Vertex<f64>; 3] {
         [self.vertex(p), self.vertex(q), self.vertex(r)]
     }
 
@@ -70,7 +79,7 @@ impl Search<'_, Polytope> {
 
     /// The points of the two cores where a direction from the origin leaves the faces: by the one that it passes by
     /// the least.
-    fn leaving(&self, faces: &[[[u32; 2]; 3]], direction: DVec3) -> [DVec3; 2] {
+    pub(super) fn leaving(&self, faces: &[Corners], direction: DVec3) -> [DVec3; 2] {
         let mut best = f64::NEG_INFINITY;
         let mut points = [DVec3::NAN; 2];
         for &face in faces {

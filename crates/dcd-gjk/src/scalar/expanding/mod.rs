@@ -12,6 +12,7 @@
 //! Works on support maps, so that cylinders, cones and foreign shapes need no sampling.
 
 mod confirm;
+mod shallow;
 mod surface;
 #[cfg(test)]
 mod tests;
@@ -21,7 +22,7 @@ use crate::closed::curved;
 use crate::distance::{Approach, approach, proposed, rounded_up};
 use crate::epa::Depth;
 use crate::gjk::unit;
-use crate::query::Accuracy;
+use crate::query::{Accuracy, CERTIFIED};
 use crate::{Difference, PosedShape, PosedSupport, Vertex, order};
 pub(crate) use confirm::{Ending, confirmed_depth};
 use dcd_geom::glam::DVec3;
@@ -107,10 +108,9 @@ pub(crate) fn depth_of_overlap(
     let swapped = order::is_swapped(a, b);
     let (a, b) = if swapped { (b, a) } else { (a, b) };
     let found = match (a.shape, b.shape) {
-        (Shape::Polytope(in_a), Shape::Polytope(in_b)) => of_supports::<Polytope>(
+        (Shape::Polytope(in_a), Shape::Polytope(in_b)) => of_polytopes(
             [PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose)],
-            tolerance,
-            None,
+            accuracy,
             surface,
         ),
         _ => {
@@ -147,6 +147,24 @@ fn of_supports<S: SupportMap<f64>>(
     search.of_overlapping_cores(&bounds, surface)
 }
 
+/// [`of_supports`] of polytopes, and where that leaves too much open, in double-double.
+fn of_polytopes(
+    bodies: [PosedSupport<'_, Polytope>; 2],
+    accuracy: Accuracy,
+    surface: &mut Surface,
+) -> Option<Depth> {
+    let found = of_supports::<Polytope>(bodies, Tolerance::of(accuracy), None, surface);
+    let is_sharp = bodies.iter().all(|body| body.map.swept_radius() == 0.0);
+    if accuracy != Accuracy::Certified || !is_sharp {
+        return found;
+    }
+    found.filter(|found| found.error_bound <= CERTIFIED * found.depth).or_else(|| {
+        let difference = Difference::new(bodies[0], bodies[1])?;
+        let search = Search { difference, bodies, tolerance: Tolerance::of(accuracy) };
+        search.depth_by_surface(&Bounds::of(&search.difference), surface)
+    })
+}
+
 struct Search<'a, S> {
     difference: Difference<'a, f64, S, S>,
     bodies: [PosedSupport<'a, S>; 2],
@@ -164,7 +182,8 @@ impl<S: SupportMap<f64>> Search<'_, S> {
     }
 
     fn of_overlapping_cores(&self, bounds: &Bounds<f64>, surface: &mut Surface) -> Option<Depth> {
-        surface.start(self.tetrahedron()?)?;
+        surface.clear();
+        surface.start(self.tetrahedron()?).or_else(|| surface.forget())?;
         let (mut reach, mut upper, mut normal) = (f64::MAX, f64::MAX, DVec3::ZERO);
         for _ in 0..GROWTHS {
             let nearest = surface.nearest();
@@ -180,7 +199,7 @@ impl<S: SupportMap<f64>> Search<'_, S> {
             if self.tolerance.admits(reach - distance, reach) || surface.holds(&vertex) {
                 break;
             }
-            surface.insert(vertex, nearest)?;
+            surface.insert(vertex, nearest).or_else(|| surface.forget())?;
         }
         let lower = bounds.least_reach(surface.inner_radius());
         let depth = reach.max(0.0) + bounds.radius();
@@ -197,7 +216,19 @@ impl<S: SupportMap<f64>> Search<'_, S> {
         points: [DVec3; 2],
         direction: DVec3,
     ) -> Option<Depth> {
-        if !(depth >= self.tolerance.least) || !self.tolerance.admits_at_end(error, depth) {
+        self.depth_within(self.tolerance, depth, error, points, direction)
+    }
+
+    /// The same within another tolerance.
+    fn depth_within(
+        &self,
+        tolerance: Tolerance,
+        depth: f64,
+        error: f64,
+        points: [DVec3; 2],
+        direction: DVec3,
+    ) -> Option<Depth> {
+        if !(depth >= tolerance.least) || !tolerance.admits_at_end(error, depth) {
             return None;
         }
         let scale = self.difference.scale();

@@ -1,5 +1,6 @@
 //! A closed surface of triangles that grows point by point, with rounded planes.
 
+use super::confirm::Corners;
 use crate::{PosedSupport, Vertex};
 use dcd_geom::SupportMap;
 use dcd_geom::glam::DVec3;
@@ -59,12 +60,22 @@ pub(crate) struct Surface {
 const NONE: u32 = u32::MAX;
 
 impl Surface {
-    /// Starts over with a tetrahedron of four points that are not in one plane.
-    pub(super) fn start(&mut self, mut corners: [Vertex<f64>; 4]) -> Option<()> {
+    /// Leaves no surface.
+    pub(super) fn clear(&mut self) {
         self.vertices.clear();
         self.faces.clear();
         self.queue.clear();
         self.starting.clear();
+    }
+
+    /// Leaves no surface, and none to go on with: what is not closed bounds nothing.
+    pub(super) fn forget(&mut self) -> Option<()> {
+        self.clear();
+        None
+    }
+
+    /// Starts with a tetrahedron of four points that are not in one plane, where there was no surface.
+    pub(super) fn start(&mut self, mut corners: [Vertex<f64>; 4]) -> Option<()> {
         let [v0, v1, v2, v3] = corners.map(|vertex| vertex.w);
         if (v1 - v0).cross(v2 - v0).dot(v3 - v0) < 0.0 {
             corners.swap(1, 2);
@@ -204,6 +215,18 @@ impl Surface {
             least = least.min(clearance(*normal, corners));
         }
         if least < f64::INFINITY { least.max(0.0) } else { 0.0 }
+    }
+
+    /// Of each face at most its distance from the origin, and its corners by the features of a and of b.
+    pub(super) fn faces(&self) -> impl Iterator<Item = (f64, Corners)> + Clone {
+        let alive = self.faces.iter().filter(|face| face.alive);
+        alive.map(|face| {
+            let corners = face.vertices.map(|k| {
+                let Vertex { a, b, .. } = &self.vertices[k as usize];
+                [a.feature, b.feature]
+            });
+            (clearance(face.normal, self.corners(&face.vertices)), corners)
+        })
     }
 
     /// The points of the two cores where a direction from the origin leaves the surface; world, metres.

@@ -4,7 +4,7 @@ use super::{Surface, depth_of_overlap};
 use crate::query::Accuracy;
 use crate::{PosedShape, PosedSupport, Verdict, certified, epa};
 use dcd_geom::glam::{DQuat, DVec3};
-use dcd_geom::{Pose, Shape};
+use dcd_geom::{Pose, Shape, SupportMap};
 
 /// Numbers in 0 … 1, the same in every run.
 struct Draw(u64);
@@ -114,4 +114,42 @@ fn curved_shapes_are_answered_within_bounds_that_agree_with_their_hulls() {
         }
     }
     assert!(touching > 100 && answered * 10 > touching * 9, "{answered} of {touching}");
+}
+
+/// Moved along their normals until they overlap by a part of their size, beside the exact search.
+#[test]
+fn shallow_depths_are_those_of_the_exact_search() {
+    let (mut draw, mut surface, mut scratch) =
+        (Draw(5), Surface::default(), epa::Scratch::default());
+    let [mut asked, mut answered] = [0; 2];
+    for k in 0..2000 {
+        let mut hull = || loop {
+            let shape = draw.polytope();
+            if shape.radius() == 0.0 {
+                break shape;
+            }
+        };
+        let (shape_a, shape_b) = (hull(), hull());
+        let (pose_a, pose_b) = (draw.pose(0.6), draw.pose(0.6));
+        let a = PosedShape { shape: &shape_a, pose: &pose_a };
+        let at = |pose| PosedShape { shape: &shape_b, pose };
+        let Some(deep) = truth(a, at(&pose_b), &mut scratch) else { continue };
+        let shallow = 10f64.powi(-2 - k % 7);
+        let way = deep.normal * (deep.depth - shallow);
+        let pose_b = pose_b.with_translation(pose_b.translation() + way).unwrap();
+        let Some(exact) = truth(a, at(&pose_b), &mut scratch) else { continue };
+        asked += 1;
+        let found = depth_of_overlap(a, at(&pose_b), Accuracy::Certified, &mut surface);
+        let back = depth_of_overlap(at(&pose_b), a, Accuracy::Certified, &mut surface);
+        assert_eq!(back.map(epa::Depth::mirrored), found, "{k}");
+        let Some(found) = found else { continue };
+        answered += 1;
+        let off = (found.depth - exact.depth).abs();
+        assert!(off <= found.error_bound + exact.error_bound, "{k}: {found:?}, {exact:?}");
+        assert!(found.error_bound <= 1e-10 * found.depth, "{k}: {found:?}");
+        assert!((found.normal.length() - 1.0).abs() < 1e-15);
+        let apart = found.point_a - found.point_b;
+        assert!(apart.distance(found.normal * found.depth) < 1e-14, "{k}: {found:?}");
+    }
+    assert!(asked > 600 && answered * 10 > asked * 9, "{answered} of {asked}");
 }

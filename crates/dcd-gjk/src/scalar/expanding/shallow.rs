@@ -1,0 +1,158 @@
+//! The depth at the end of a search, measured in double-double: what f64's roundings leave of a shallow one is too much.
+
+use super::confirm::Corners;
+use super::surface::{Surface, clearance};
+use super::{Search, Tolerance};
+use crate::certificate::Bounds;
+use crate::double_double::{DoubleDouble, EPSILON};
+use crate::epa::Depth;
+use crate::exact::Number;
+use crate::exact::grid::{Extent, Grid};
+use crate::gjk::unit;
+use crate::simplex::{Scalar, Triple, cross, dot, minus, negated};
+use dcd_geom::Polytope;
+use dcd_geom::glam::DVec3;
+
+/// How much farther than the nearest face another surely is the farther one, as f64 has both: 2⁻⁴⁰, some thousand
+/// times what f64 loses. Lengths of a difference, below 1. Smaller: a bound by f64's knowledge of the other. Larger: more
+/// faces in double-double.
+const APART: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// How many faces are measured. Two are the rule where edges cross, and as many triangles as a polygon has where a face
+/// is the nearest. Fewer: more pairs for the exact search.
+const MOST: usize = 8;
+
+/// How far a height over a computed plane, or the reach along its normal, may be off. Unit: ε, lengths below 1. A vertex
+/// loses 5.01 a coordinate, the product with the normal n 3 and that the vertex is the farthest 12, all times
+/// |n|₁ ≤ √3·|n|; the root and the quotient 12 (docs/numerics/proofs.md, "Depth in double-double"). Smaller: a bound that is none.
+const OFF: f64 = 64.0;
+
+/// The squared length below which a normal is a sliver's: 2⁻⁶⁰. The digits of its products stay in f64's range.
+const SLIVER: f64 = 1.0 / (1u64 << 60) as f64;
+
+/// The gap between the bounds that is good enough, relative to the depth: where the exact search stops.
+const GAP: f64 = 1.0 / (1u64 << 42) as f64;
+
+/// The faces that may be the nearest, of a surface of vertices that surely winds round the origin.
+struct Near {
+    faces: [Corners; MOST],
+    count: usize,
+    /// At most the distance of the others, for the true vertices.
+    others: f64,
+}
+
+impl Near {
+    /// By what f64 knows of each face: at most its distance, for vertices as f64 has them, and its corners.
+    fn of(
+        known: impl Iterator<Item = (f64, Corners)> + Clone,
+        bounds: &Bounds<f64>,
+    ) -> Option<Self> {
+        let nearest = known.clone().map(|(clearance, _)| clearance).fold(f64::INFINITY, f64::min);
+        let mut near = Self { faces: [[[0; 2]; 3]; MOST], count: 0, others: f64::INFINITY };
+        for (clearance, corners) in known {
+            if clearance <= nearest + APART {
+                *near.faces.get_mut(near.count)? = corners;
+                near.count += 1;
+            } else {
+                near.others = near.others.min(bounds.least_reach(clearance));
+            }
+        }
+        Some(near)
+    }
+}
+
+/// How far the difference reaches along a face's normal, and the least height over the plane through the origin of
+/// the corners of all faces: lengths of the difference.
+struct Measured {
+    reach: DoubleDouble,
+    lower: DoubleDouble,
+    normal: DVec3,
+}
+
+impl Search<'_, Polytope> {
+    /// The depth by faces of a surface that surely winds round the origin, those that may be the nearest. `others` is at
+    /// most the distance of the rest. `None` where it is not known as well as by the exact search.
+    pub(super) fn depth_by_faces(
+        &self,
+        bounds: &Bounds<f64>,
+        faces: &[Corners],
+        others: f64,
+    ) -> Option<Depth> {
+        let known = faces.iter().map(|&face| {
+            let [p, q, r] = self.corners(face).map(|corner| corner.w);
+            let normal = (q - p).cross(r - p).normalize_or_zero();
+            (clearance(normal, [p, q, r]), face)
+        });
+        let mut near = Near::of(known, bounds)?;
+        near.others = near.others.min(others);
+        self.measured(&near)
+    }
+
+    /// The depth by the surface that a search in f64 has ended with.
+    pub(super) fn depth_by_surface(
+        &self,
+        bounds: &Bounds<f64>,
+        surface: &Surface,
+    ) -> Option<Depth> {
+        // Moved to the true vertices it winds round the origin as well.
+        if !(bounds.least_reach(surface.inner_radius()) > 0.0) {
+            return None;
+        }
+        self.measured(&Near::of(surface.faces(), bounds)?)
+    }
+
+    fn measured(&self, near: &Near) -> Option<Depth> {
+        let [a, b] = self.bodies;
+        // The scale is a power of two.
+        let exponent = 1023 - (self.difference.scale().to_bits() >> 52) as i32;
+        let grid = Grid::<DoubleDouble>::new(a, b, &Extent::coarse(exponent));
+        let faces = &near.faces[..near.count];
+        let Measured { reach, lower, normal } = measure(&grid, faces)?;
+        let off = DoubleDouble::from(2.0 * OFF * EPSILON);
+        let lower = lower.minus(&off);
+        let lower = if lower.to_f64() < near.others { lower } else { near.others.into() };
+        // The bound from above is the reach; it is never nearer than the bound from below but for rounding.
+        let error = reach.minus(&lower).plus(&off).to_f64();
+        let direction = unit::<f64>(normal.to_array())?;
+        self.depth_within(
+            GAP_ALONE,
+            reach.to_f64(),
+            error,
+            self.leaving(faces, direction),
+            direction,
+        )
+    }
+}
+
+/// What the exact search gives.
+const GAP_ALONE: Tolerance = Tolerance { relative: GAP, of_size: 0.0, at_end: GAP, least: 0.0 };
+
+fn measure(grid: &Grid<'_, DoubleDouble>, faces: &[Corners]) -> Option<Measured> {
+    let mut nearest: Option<(DoubleDouble, Triple<DoubleDouble>)> = None;
+    for corners in faces {
+        let points = corners.map(|pair| grid.point(pair.map(|k| k as usize)));
+        let [p, q, r] = &points;
+        let normal = cross(&minus(q, p), &minus(r, p));
+        let squared = dot(&normal, &normal);
+        // Written so that NaN leaves the pair to the exact search.
+        if !(squared.to_f64() > SLIVER) {
+            return None;
+        }
+        let length = squared.sqrt();
+        // No point of a triangle is nearer than its lowest corner along any direction.
+        let heights = [p, q, r].map(|point| dot(&normal, point).divided_by(length));
+        let height = heights.into_iter().reduce(lesser)?;
+        if nearest.as_ref().is_none_or(|(least, _)| height.minus(least).is_negative()) {
+            nearest = Some((height, normal));
+        }
+    }
+    let (lower, normal) = nearest?;
+    let farthest = grid.lowest(&negated(&normal));
+    let length = dot(&normal, &normal).sqrt();
+    let reach = dot(&normal, &grid.point(farthest)).divided_by(length);
+    Some(Measured { reach, lower, normal: DoubleDouble::rounded(&normal) })
+}
+
+fn lesser(one: DoubleDouble, other: DoubleDouble) -> DoubleDouble {
+    if other.minus(&one).is_negative() { other } else { one }
+}
