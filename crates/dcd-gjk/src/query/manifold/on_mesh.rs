@@ -27,6 +27,7 @@ pub(super) struct Scratch {
 /// shapes, and where a triangle cannot be measured.
 pub(super) fn measure(
     sides: [PosedShape<'_>; 2],
+    touching: Option<&[[u32; 2]]>,
     (scratch, parts, corners): (&mut Scratch, &mut mesh::Scratch, &mut Corners),
     memory: &mut epa::Scratch,
 ) -> Option<ManifoldSet> {
@@ -35,7 +36,14 @@ pub(super) fn measure(
     };
     let Scratch { pairs, triangles, open } = scratch;
     triangles.clear();
-    mesh::touching_triangles(sides, TOLERANCE, (parts, pairs), triangles)?;
+    let touching = touching.unwrap_or_else(|| {
+        pairs.clear();
+        // What is undecided is not in the list, and counts as apart.
+        let _ = mesh::touching(sides[0], sides[1], parts, pairs);
+        pairs
+    });
+    let touching = touching.iter().map(|&[triangle, _]| triangle);
+    mesh::touching_triangles(sides, TOLERANCE, touching, triangles)?;
     open.clear();
     open.resize(triangles.len(), true);
     let mut patches = Patches { sides, body, triangles, open, corners, memory };
