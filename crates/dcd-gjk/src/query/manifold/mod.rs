@@ -21,6 +21,7 @@ mod reduce;
 mod set;
 mod stand_in;
 mod surface;
+mod triangle_clip;
 
 use super::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, depths};
 use crate::epa::{self, Depth};

@@ -147,7 +147,7 @@ impl Patches<'_> {
         let delta = body.pose.translation() - mesh.pose.translation();
         let placed = Placed { rotation: body.pose.rotation(), place: delta, sense: -1.0 };
         self.corners.clear();
-        let facing = self.corners.facing(&view, self.body, &placed);
+        let facing = Corners::facing(&view, self.body, placed);
         let radii = [mesh.shape.radius(), body.shape.radius()];
         let (mut features, mut rest) = ([Feature::Surface; 2], 0.0f64);
         for (k, triangle) in self.triangles.iter().enumerate() {
@@ -167,7 +167,7 @@ impl Patches<'_> {
             let before = self.corners.len();
             if k == lead || !facing.is_round() {
                 let whole =
-                    self.corners.add_triangle(&view, (depth, radii), triangle.corners, &facing)?;
+                    self.corners.add_triangle(&view, (depth, radii), &triangle.corners, &facing)?;
                 features = if k == lead { whole } else { features };
             }
             let own = if k == lead { Some(*depth) } else { own };
