@@ -44,7 +44,7 @@ struct Placed {
     off: f64,
 }
 
-/// The axis of the least reach so far, and what is known of all.
+/// The axis of the least reach, and what is known of all.
 struct Least {
     reach: f64,
     /// From the triangle to the cuboid, of unit length.
@@ -58,12 +58,25 @@ struct Least {
 #[derive(Clone, Copy)]
 enum Axis {
     Triangle,
-    Cuboid,
+    /// A direction of the cuboid.
+    Cuboid(usize),
     /// An edge of the triangle, by its first corner, and a direction of the cuboid.
     Edges(usize, usize),
 }
 
 impl<'a> Couple<'a> {
+    /// The depth by a formula that is good enough: by the axes of a cuboid, else by the nearest points, else where a part
+    /// is pressed into the triangle.
+    pub(super) fn by_formula(&self, is_good: impl Fn(&Depth) -> bool) -> Option<Depth> {
+        let by_axes = match self.by_axes() {
+            Some(ByAxes::Touching(found)) => Some(found).filter(&is_good),
+            _ => None,
+        };
+        by_axes
+            .or_else(|| self.by_nearest().filter(&is_good))
+            .or_else(|| self.pressed().filter(&is_good))
+    }
+
     /// `None` of other parts, and where the bound leaves open whether they touch.
     pub(super) fn by_axes(&self) -> Option<ByAxes> {
         let triangle = match self.parts() {
@@ -113,8 +126,10 @@ impl<'a> Couple<'a> {
     ) -> Placed {
         let back = poses[1].rotation().transpose();
         let to_cuboid = self.delta() * sense;
-        let corners = corners.map(|corner| back * (*poses[0].rotation() * corner - to_cuboid));
-        let farthest = corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
+        let placed = |corner: DVec3| back * (*poses[0].rotation() * corner - to_cuboid);
+        let corners = [placed(corners[0]), placed(corners[1]), placed(corners[2])];
+        let squares = corners.map(DVec3::length_squared);
+        let farthest = larger(larger(squares[0], squares[1]), squares[2]).sqrt();
         let deviation = poses[0].deviation() + poses[1].deviation();
         let off = (PLACED * U64 + 4.0 * deviation) * self.size();
         Placed { corners, half, size: farthest + half.length() + off, off }
@@ -129,17 +144,17 @@ impl Placed {
         let edges = [q - p, r - q, p - r];
         let normal = edges[0].cross(edges[1]);
         let area = normal.length();
-        let lengths = edges.map(DVec3::length);
-        // The square of what is compared does not underflow.
-        if !(area > SHORTEST * SHORTEST && lengths.iter().all(|&length| length > SHORTEST)) {
+        let lengths = [edges[0].length(), edges[1].length(), edges[2].length()];
+        let shortest = smaller(smaller(lengths[0], lengths[1]), lengths[2]);
+        // The square of what is compared does not underflow. Written so that NaN is no triangle.
+        if !(area > SHORTEST * SHORTEST && shortest > SHORTEST) {
             return Ok(None);
         }
         // The products of edges with the cuboid's directions are as long as the edges are off these.
-        let product = |i: usize, j: usize| edges[i].cross(DMat3::IDENTITY.col(j));
+        let across = [across(edges[0]), across(edges[1]), across(edges[2])];
         let (mut moved, mut parallel) = (0.0f64, 0);
-        for (i, edge) in lengths.iter().enumerate() {
-            for j in 0..3 {
-                let sine = product(i, j).length();
+        for (across, edge) in across.iter().zip(lengths) {
+            for &sine in across {
                 if sine <= PARALLEL * edge {
                     moved += sine;
                     parallel += 1;
@@ -151,56 +166,42 @@ impl Placed {
             return Ok(None);
         }
         let rounding = AXIS * U64;
-        let mut least = Least {
-            reach: f64::INFINITY,
-            normal: DVec3::ZERO,
-            feature: Axis::Triangle,
-            at_least: f64::INFINITY,
-        };
-        let longest = lengths[0].max(lengths[1]).max(lengths[2]);
+        let mut axes = Axes { size: self.size, ..Axes::default() };
+        let longest = larger(larger(lengths[0], lengths[1]), lengths[2]);
         let off = (rounding * longest + 8.0 * moved) * (longest + moved) / area;
-        self.along(&mut least, normal / area, (Axis::Triangle, off), radius)?;
-        for j in 0..3 {
-            self.along(&mut least, DMat3::IDENTITY.col(j), (Axis::Cuboid, 0.0), radius)?;
-        }
-        for (i, edge) in lengths.iter().enumerate() {
-            for j in 0..3 {
-                let axis = product(i, j);
-                let length = axis.length();
-                if length > PARALLEL * edge {
-                    let off = (rounding * edge + 4.0 * moved) / length;
-                    self.along(&mut least, axis / length, (Axis::Edges(i, j), off), radius)?;
+        let unit = normal / area;
+        axes.add(0, [unit.dot(p), unit.dot(q), unit.dot(r)], unit.abs().dot(self.half), off);
+        axes.add(1, [p.x, q.x, r.x], self.half.x, 0.0);
+        axes.add(2, [p.y, q.y, r.y], self.half.y, 0.0);
+        axes.add(3, [p.z, q.z, r.z], self.half.z, 0.0);
+        for (i, (from, opposite)) in [(p, r), (q, p), (r, q)].into_iter().enumerate() {
+            let ends = [edges[i], from, opposite, self.half].map(|v| v.to_array());
+            for (j, [k, l]) in [[1, 2], [2, 0], [0, 1]].into_iter().enumerate() {
+                let length = across[i][j];
+                if length > PARALLEL * lengths[i] {
+                    let off = (rounding * lengths[i] + 4.0 * moved) / length;
+                    axes.add_product(4 + 3 * i + j, (&ends, [k, l]), length, off);
                 }
             }
         }
-        least.at_least -= 2.0 * moved;
-        Ok(Some(least))
-    }
-
-    /// Compares an axis of unit length, which may be off the true one by an angle, with the least so far.
-    fn along(
-        &self,
-        least: &mut Least,
-        axis: DVec3,
-        (feature, off): (Axis, f64),
-        radius: f64,
-    ) -> Result<(), DVec3> {
-        let [p, q, r] = self.corners.map(|corner| axis.dot(corner));
-        let of_cuboid = axis.abs().dot(self.half);
-        let (low, high) = (p.min(q).min(r), p.max(q).max(r));
-        // The cuboid goes along the axis, or against it.
-        let [forth, back] = [high + of_cuboid, of_cuboid - low];
-        let (reach, normal) = if forth <= back { (forth, axis) } else { (back, -axis) };
-        let rounding = AXIS * U64 * (self.size + radius);
+        let feature = match axes.number {
+            0 => Axis::Triangle,
+            j @ 1..=3 => Axis::Cuboid(j - 1),
+            number => Axis::Edges((number - 4) / 3, (number - 4) % 3),
+        };
+        let axis = match feature {
+            Axis::Triangle => unit,
+            Axis::Cuboid(j) => DMat3::IDENTITY.col(j),
+            Axis::Edges(i, j) => edges[i].cross(DMat3::IDENTITY.col(j)) / across[i][j],
+        };
+        let rounding = rounding * (self.size + radius);
+        let normal = if axes.is_back { -axis } else { axis };
         // Also along the rounded axis this is true.
-        if reach + radius + rounding + self.off < 0.0 {
+        if axes.reach + radius + rounding + self.off < 0.0 {
             return Err(normal);
         }
-        least.at_least = least.at_least.min(reach - off * self.size - rounding);
-        if reach < least.reach {
-            (least.reach, least.normal, least.feature) = (reach, normal, feature);
-        }
-        Ok(())
+        let at_least = axes.at_least - rounding - 2.0 * moved;
+        Ok(Some(Least { reach: axes.reach, normal, feature, at_least }))
     }
 
     /// The point of the cuboid that is deepest along the least axis, over a point of the triangle; and how far the two
@@ -224,7 +225,7 @@ impl Placed {
         };
         let mut at = match least.feature {
             Axis::Triangle => (low + high) * 0.5,
-            Axis::Cuboid => {
+            Axis::Cuboid(_) => {
                 let corners = self.corners.map(|corner| (normal.dot(corner), corner));
                 let second = usize::from(corners[1].0 > corners[0].0);
                 let most = if corners[2].0 > corners[second].0 { 2 } else { second };
@@ -252,6 +253,75 @@ impl Placed {
         }
         beside.is_finite().then_some((at, beside))
     }
+}
+
+/// The least reach of the axes so far.
+struct Axes {
+    /// At least the length of every vector from the triangle to the cuboid.
+    size: f64,
+    reach: f64,
+    /// Which axis has it, by its place in their order.
+    number: usize,
+    /// Whether it is that against the axis.
+    is_back: bool,
+    /// No axis reaches less, but for rounding.
+    at_least: f64,
+}
+
+impl Default for Axes {
+    fn default() -> Self {
+        Self { size: 0.0, reach: f64::INFINITY, number: 0, is_back: false, at_least: f64::INFINITY }
+    }
+}
+
+impl Axes {
+    /// Compares an axis of unit length, which may be off the true one by an angle: the heights of points of the triangle
+    /// between which it is, and how far the cuboid reaches.
+    #[inline(always)]
+    fn add(&mut self, number: usize, heights: [f64; 3], of_cuboid: f64, off: f64) {
+        let [p, q, r] = heights;
+        let (low, high) = (smaller(smaller(p, q), r), larger(larger(p, q), r));
+        // The cuboid goes along the axis, or against it.
+        let [forth, back] = [high + of_cuboid, of_cuboid - low];
+        let is_back = forth > back;
+        let reach = if is_back { back } else { forth };
+        self.at_least = smaller(self.at_least, reach - off * self.size);
+        if reach < self.reach {
+            (self.reach, self.number, self.is_back) = (reach, number, is_back);
+        }
+    }
+
+    /// The product of an edge and a direction of the cuboid, of that length: from the edge, its first corner, the corner
+    /// opposite and the half edges, and the cuboid's other two directions. Both ends of the edge are at one height.
+    #[inline(always)]
+    fn add_product(
+        &mut self,
+        number: usize,
+        ([edge, from, opposite, half], [k, l]): (&[[f64; 3]; 4], [usize; 2]),
+        length: f64,
+        off: f64,
+    ) {
+        let height = |corner: &[f64; 3]| (edge[l] * corner[k] - edge[k] * corner[l]) / length;
+        let (from, opposite) = (height(from), height(opposite));
+        let of_cuboid = (edge[l].abs() * half[k] + edge[k].abs() * half[l]) / length;
+        self.add(number, [from, opposite, opposite], of_cuboid, off);
+    }
+}
+
+/// How long the products of an edge with the three axes are.
+fn across(edge: DVec3) -> [f64; 3] {
+    let DVec3 { x, y, z } = edge * edge;
+    [(y + z).sqrt(), (z + x).sqrt(), (x + y).sqrt()]
+}
+
+/// The smaller; the first where the second is NaN.
+fn smaller(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
+/// The larger, likewise.
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
 }
 
 #[cfg(test)]

@@ -1,6 +1,5 @@
 //! How deep two shapes overlap that are made of parts: as deep as their deepest two parts.
 
-use super::cuboid::ByAxes;
 use super::reach::Couple;
 use super::side::{Part, Parts, Side};
 use super::{Scratch, in_order, pair, touching};
@@ -60,11 +59,17 @@ pub(crate) fn touching_parts<'s>(
     let mut pairs = Vec::new();
     // What is undecided is not in the list, and counts as apart.
     let _ = touching(first, second, scratch, &mut pairs);
+    if swapped {
+        pairs.iter_mut().for_each(|parts| parts.reverse());
+    }
+    pairs_of([a, b], &pairs)
+}
+
+/// These pairs of a part of a and one of b, in their order.
+pub(crate) fn pairs_of<'s>([a, b]: [PosedShape<'s>; 2], pairs: &[[u32; 2]]) -> Vec<PartPair<'s>> {
+    let (_, swapped) = in_order(a, b);
     let sides = [Side::of(a), Side::of(b)];
-    let of = |mut parts: [u32; 2]| {
-        if swapped {
-            parts.reverse();
-        }
+    let of = |parts: &[u32; 2]| {
         let [side_a, side_b] = &sides;
         let [part_a, part_b] = [side_a.part(parts[0]), side_b.part(parts[1])];
         let couple = match swapped {
@@ -91,7 +96,7 @@ pub(crate) fn touching_parts<'s>(
             has_no_formula: Cell::new(false),
         }
     };
-    pairs.into_iter().map(of).collect()
+    pairs.iter().map(of).collect()
 }
 
 fn index(side: &Side<'_>, part: u32) -> Option<PartIndex> {
@@ -173,12 +178,8 @@ impl PartPair<'_> {
         let is_good = |found: &Depth| {
             found.error_bound <= (relative * found.depth).max(of_size * couple.size())
         };
-        let by_axes = || match couple.by_axes() {
-            Some(ByAxes::Touching(found)) => Some(found).filter(is_good),
-            _ => None,
-        };
         let nearest = self.nearest.filter(is_good);
-        let found = nearest.or_else(|| couple.pressed().filter(is_good)).or_else(by_axes)?;
+        let found = nearest.or_else(|| couple.by_formula(is_good))?;
         Some(if self.swapped { found.mirrored() } else { found })
     }
 

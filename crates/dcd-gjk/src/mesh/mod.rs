@@ -39,7 +39,7 @@ use std::collections::BinaryHeap;
 
 pub use deepest::PartIndex;
 pub(crate) use deepest::{
-    AS_DEEP, Effort, PartPair, by_depth, deepest, deepest_of, is_swapped, touching_parts,
+    AS_DEEP, Effort, PartPair, by_depth, deepest, deepest_of, is_swapped, pairs_of, touching_parts,
 };
 pub use distance::distance;
 pub(crate) use on_body::{TouchingTriangle, touching_triangles};
@@ -100,6 +100,12 @@ pub fn touching(
     let found = search(Path::best(), [a, b], scratch, Goal::All(pairs));
     pairs[first..].sort_unstable();
     found
+}
+
+/// Whether one is a mesh and the other a polytope: their touching triangles are worth keeping for a measure, and their
+/// order is one for (a, b) and (b, a).
+pub(crate) fn are_mesh_and_polytope(a: &Shape, b: &Shape) -> bool {
+    matches!((a, b), (Shape::Mesh(_), Shape::Polytope(_)) | (Shape::Polytope(_), Shape::Mesh(_)))
 }
 
 /// Whether either is made of parts.

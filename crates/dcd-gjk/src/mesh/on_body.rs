@@ -1,9 +1,7 @@
 //! The triangles of a mesh that touch a convex polytope, each with its depth by a formula.
 
-use super::cuboid::ByAxes;
 use super::reach::Couple;
 use super::side::{Part, Side};
-use super::{Scratch, touching};
 use crate::PosedShape;
 use crate::epa::Depth;
 use dcd_geom::Shape;
@@ -25,30 +23,22 @@ pub(crate) struct TouchingTriangle {
     pub(crate) slack: f64,
 }
 
-/// Appends all triangles that are known to touch, in the order of their numbers, with depths whose bounds are at most a
-/// part `tolerance` of the pair's size. `None`, and some of them, where a length is out of range.
+/// Appends those triangles that are known to touch, with depths whose bounds are at
+/// most a part `tolerance` of the pair's size. `None`, and some of them, where a length is out of range.
 pub(crate) fn touching_triangles(
     [mesh, body]: [PosedShape<'_>; 2],
     tolerance: f64,
-    (scratch, pairs): (&mut Scratch, &mut Vec<[u32; 2]>),
+    triangles: impl Iterator<Item = u32>,
     found: &mut Vec<TouchingTriangle>,
 ) -> Option<()> {
     let Shape::Mesh(_) = mesh.shape else { return None };
-    pairs.clear();
-    // What is undecided is not in the list, and counts as apart.
-    let _ = touching(mesh, body, scratch, pairs);
     let side = Side::of(mesh);
-    for &[triangle, _] in &*pairs {
+    for triangle in triangles {
         let part = side.part(triangle);
         let Part::Triangle { corners: [p, q, r], .. } = part else { return None };
         let couple = Couple::of([part, Part::Shape(body.shape)], [mesh.pose, body.pose])?;
         let is_good = |found: &Depth| found.error_bound <= tolerance * couple.size();
-        let depth = couple.by_nearest().filter(is_good);
-        let depth = depth.or_else(|| couple.pressed().filter(is_good));
-        let depth = depth.or_else(|| match couple.by_axes() {
-            Some(ByAxes::Touching(found)) => Some(found).filter(is_good),
-            _ => None,
-        });
+        let depth = couple.by_formula(is_good);
         let at_most = match &depth {
             Some(found) => (found.depth + found.error_bound).next_up(),
             None => couple.most(),

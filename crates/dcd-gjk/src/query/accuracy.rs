@@ -58,6 +58,19 @@ pub trait MeasureDepth: MeasureAt {
         false
     }
 
+    /// The answer for a mesh and a polytope of which it is known which parts touch: all of these as
+    /// [`mesh::touching`](crate::mesh::touching) lists them. By default that of [`MeasureAt::measure_at`], which finds
+    /// them again.
+    fn measure_parts(
+        &self,
+        accuracy: Accuracy,
+        _parts: &[[u32; 2]],
+        [a, b]: [PosedShape<'_>; 2],
+        scratch: &mut Self::Scratch,
+    ) -> Verdict<Self::Answer> {
+        self.measure_at(accuracy, a, b, scratch)
+    }
+
     /// Whether [`MeasureDepth::measure_polytopes`] reads the faces of the polytopes: these are prefetched then. No effect
     /// on any result.
     const READS_FACETS: bool = false;

@@ -127,6 +127,16 @@ impl MeasureDepth for Depths {
         *answer = found.depth;
         true
     }
+
+    fn measure_parts(
+        &self,
+        accuracy: Accuracy,
+        parts: &[[u32; 2]],
+        [a, b]: [PosedShape<'_>; 2],
+        scratch: &mut epa::Scratch,
+    ) -> Verdict<Depth> {
+        of_deepest(accuracy, &mesh::pairs_of([a, b], parts), [a, b], scratch)
+    }
 }
 
 /// The bound that is promised of a depth, relative to it.
@@ -141,13 +151,7 @@ pub(super) fn of_touching(
 ) -> Verdict<Depth> {
     if mesh::have_parts(a.shape, b.shape) {
         let pairs = mesh::touching_parts(a, b, &mut mesh::Scratch::default());
-        let found = mesh::deepest(&pairs, |pair, effort| {
-            pair.depth_by(effort, || of_parts(accuracy, effort, pair, [a, b], scratch))
-        });
-        return match found {
-            Ok((_, depth)) => Verdict::Touching(depth),
-            Err(reason) => Verdict::Undecided(reason),
-        };
+        return of_deepest(accuracy, &pairs, [a, b], scratch);
     }
     if let Some(verdict) = half_space::depth_within(a, b, closed::sharp_of(accuracy)) {
         return verdict;
@@ -172,6 +176,22 @@ pub(super) fn of_touching(
             Verdict::Undecided(Reason::Range)
         }
         _ => Verdict::Touching(sampled::depth_of_overlap(a, b, scratch)),
+    }
+}
+
+/// The depth of the deepest of these parts of two shapes.
+fn of_deepest(
+    accuracy: Accuracy,
+    pairs: &[PartPair<'_>],
+    sides: [PosedShape<'_>; 2],
+    scratch: &mut epa::Scratch,
+) -> Verdict<Depth> {
+    let found = mesh::deepest(pairs, |pair, effort| {
+        pair.depth_by(effort, || of_parts(accuracy, effort, pair, sides, scratch))
+    });
+    match found {
+        Ok((_, depth)) => Verdict::Touching(depth),
+        Err(reason) => Verdict::Undecided(reason),
     }
 }
 

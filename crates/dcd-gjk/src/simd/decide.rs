@@ -49,6 +49,8 @@ pub struct Scratch {
     portal: PacketQueue<AFTER_SECOND_POINT>,
     /// For what is made of parts.
     pub(super) parts: mesh::Scratch,
+    /// Which parts touch, where a measure of them follows.
+    pub(super) touching_parts: TouchingParts,
     /// For those of them whose parts the lanes know.
     pub(super) by_parts: by_parts::Scratch,
     /// The pairs of these.
@@ -153,8 +155,9 @@ impl<'a> Slice<'a> {
                     touch
                 }
                 None => {
-                    let known = Known { axes: left.axes, parts: &mut scratch.parts };
-                    self.resolve(pair, known, report)
+                    let kept = &mut scratch.touching_parts;
+                    let known = Known { axes: left.axes, parts: &mut scratch.parts, kept };
+                    self.resolve(left.number, known, report)
                 }
             };
         }
@@ -178,11 +181,17 @@ impl<'a> Slice<'a> {
 
     /// The later methods for one pair that the lanes left open: the lanes' own axes in f64, then f64
     /// from the start, then exact integers. Whether it is known to touch.
-    fn resolve(&self, pair: Pair, Known { axes, parts }: Known<'_>, report: &mut Report) -> bool {
+    fn resolve(&self, number: u32, known: Known<'_>, report: &mut Report) -> bool {
+        let Known { axes, parts, kept } = known;
+        let pair = self.pairs[number as usize];
         let a = PosedShape::of(self.a.scene, pair.i);
         let b = PosedShape::of(self.b.scene, pair.j);
-        let axes = axes.map(|axis| axis.as_dvec3());
-        let (verdict, method) = certified::overlap_with_after(&axes, a, b, parts);
+        let (verdict, method) = if kept.is_wanted && mesh::are_mesh_and_polytope(a.shape, b.shape) {
+            kept.search(number, [a, b], parts)
+        } else {
+            let axes = axes.map(|axis| axis.as_dvec3());
+            certified::overlap_with_after(&axes, a, b, parts)
+        };
         match verdict {
             Verdict::Undecided(reason) => report.leave(pair, reason),
             Verdict::Apart | Verdict::Touching(()) => report.count(method, 1),
@@ -195,6 +204,51 @@ impl<'a> Slice<'a> {
 struct Known<'a> {
     axes: [Vec3; 2],
     parts: &'a mut mesh::Scratch,
+    kept: &'a mut TouchingParts,
+}
+
+/// Which parts of the touching meshes and polytopes of a slice touch: found once, for yes or no and for the measure.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TouchingParts {
+    is_wanted: bool,
+    /// For each pair its number in the slice, and where its list ends.
+    ends: Vec<(u32, usize)>,
+    parts: Vec<[u32; 2]>,
+}
+
+impl TouchingParts {
+    /// Forgets the last slice.
+    pub(super) fn begin(&mut self, is_wanted: bool) {
+        self.is_wanted = is_wanted;
+        self.ends.clear();
+        self.parts.clear();
+    }
+
+    /// Looks for all of a pair.
+    fn search(
+        &mut self,
+        number: u32,
+        [a, b]: [PosedShape<'_>; 2],
+        scratch: &mut mesh::Scratch,
+    ) -> (Verdict<()>, Method) {
+        let first = self.parts.len();
+        let found = mesh::touching(a, b, scratch, &mut self.parts);
+        if found.0 == Verdict::Touching(()) {
+            self.ends.push((number, self.parts.len()));
+        } else {
+            self.parts.truncate(first);
+        }
+        found
+    }
+
+    /// The lists of the touching pairs, each with its number in the slice, in rising order.
+    pub(super) fn lists(&self) -> impl Iterator<Item = (u32, &[[u32; 2]])> {
+        let mut first = 0;
+        self.ends.iter().map(move |&(number, end)| {
+            let begin = std::mem::replace(&mut first, end);
+            (number, &self.parts[begin..end])
+        })
+    }
 }
 
 /// Resolves in lanes what can be resolved of a slice of pairs.

@@ -4,6 +4,7 @@ use super::clip::{Corner, Patch, drop_doubles};
 use super::facing::{Part, name};
 use super::feature::{Placed, Seen, View};
 use super::reduce::Spot;
+use super::triangle_clip::{self, Outline};
 use super::{Feature, Manifold, SAME, bound_of, reduce, write_one_point};
 use super::{cuboid_polygon, cuboids, hull_pair};
 use crate::PosedShape;
@@ -141,20 +142,15 @@ impl Corners {
 
     /// What a polytope shows along the view, for [`Corners::add_triangle`].
     pub(super) fn facing<'a>(
-        &mut self,
         view: &View,
         polytope: &'a Polytope,
-        placed: &Placed<'_>,
+        placed: Placed<'a>,
     ) -> Facing<'a> {
-        let outer_radius = polytope.outer_radius();
-        if polytope.kind() == Kind::Point {
-            return Facing { whole: Feature::Vertex(0), seen: None, is_round: true, outer_radius };
-        }
-        let part = view.part(polytope, placed);
-        let whole = part.name();
+        let is_round = polytope.kind() == Kind::Point;
+        let part = if is_round { Part::Vertex(0) } else { view.part(polytope, &placed) };
         let has_corners = !matches!(part, Part::Vertex(_));
-        let seen = has_corners.then(|| view.seen_part(part, polytope, placed));
-        Facing { whole, seen, is_round: false, outer_radius }
+        let outline = Outline::of_body(view, &part, polytope, &placed);
+        Facing { whole: part.name(), has_corners, outline, is_round, polytope, placed }
     }
 
     /// Adds the corners that a triangle shares with that, unless they are deeper than the depth: such parts meet along
@@ -163,21 +159,31 @@ impl Corners {
         &mut self,
         view: &View,
         (depth, radii): (&Depth, [f64; 2]),
-        corners: [DVec3; 3],
+        corners: &[DVec3; 3],
         facing: &Facing<'_>,
     ) -> Option<[Feature; 2]> {
-        let part = Part::of_triangle(corners, view.normal())?;
-        let [p, q, r] = corners;
+        let part = Part::of_triangle(*corners, view.normal())?;
+        let [p, q, r] = *corners;
         let middle = (p + q + r) / 3.0;
         let outer_radius = p.distance(middle).max(q.distance(middle)).max(r.distance(middle));
-        self.size = self.size.max(2.0 * (outer_radius + facing.outer_radius));
+        self.size = self.size.max(2.0 * (outer_radius + facing.polytope.outer_radius()));
         let whole = [part.name(), facing.whole];
-        if let Some(seen) = &facing.seen {
+        if !facing.has_corners {
+            return Some(whole);
+        }
+        let most = depth.depth + self.tolerance();
+        let added = facing.outline.as_ref().and_then(|body| {
+            let (points, corners_found) = (&mut self.of_hulls, &mut self.corners);
+            let how = (view, radii, most);
+            triangle_clip::add(how, (&part, corners), body, points, corners_found)
+        });
+        if added.is_none() {
             let before = self.len();
             let placed = Placed { rotation: &DMat3::IDENTITY, place: DVec3::ZERO, sense: 1.0 };
             let triangle = view.shown(part, &placed, |k| corners[k as usize]);
-            self.add_shared(&triangle, seen, radii);
-            if self.deepest_after(before) > depth.depth + self.tolerance() {
+            let seen = view.seen(facing.polytope, &facing.placed);
+            self.add_shared(&triangle, &seen, radii);
+            if self.deepest_after(before) > most {
                 self.truncate(before);
             }
         }
@@ -257,10 +263,13 @@ impl Corners {
 /// What a polytope shows along a normal.
 pub(super) struct Facing<'a> {
     whole: Feature,
-    /// `None` of a vertex, which shares no corners.
-    seen: Option<Seen<'a>>,
+    /// False of a vertex, which shares none.
+    has_corners: bool,
+    /// `None` also where the general way is needed.
+    outline: Option<Outline>,
     is_round: bool,
-    outer_radius: f64,
+    polytope: &'a Polytope,
+    placed: Placed<'a>,
 }
 
 impl Facing<'_> {

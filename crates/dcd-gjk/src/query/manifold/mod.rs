@@ -21,6 +21,7 @@ mod reduce;
 mod set;
 mod stand_in;
 mod surface;
+mod triangle_clip;
 
 use super::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, depths};
 use crate::epa::{self, Depth};
@@ -138,6 +139,8 @@ pub struct Scratch {
     corners: Corners,
     parts: mesh::Scratch,
     on_mesh: on_mesh::Scratch,
+    /// Which parts touch, where that is known.
+    known: Vec<[u32; 2]>,
 }
 
 impl PairSolver for Manifolds {
@@ -195,7 +198,8 @@ impl MeasureAt for Manifolds {
         scratch: &mut Scratch,
     ) -> Verdict<ManifoldSet> {
         if mesh::have_parts(a.shape, b.shape) {
-            return parts::measure(Measure { accuracy, options: self.options }, a, b, scratch);
+            let how = Measure { accuracy, options: self.options };
+            return parts::measure(how, None, [a, b], scratch);
         }
         let depth = depths::of_touching(accuracy, a, b, &mut scratch.depth);
         manifold_of(depth, a, b, &mut scratch.corners)
@@ -227,6 +231,17 @@ impl MeasureDepth for Manifolds {
         answer: &mut ManifoldSet,
     ) -> bool {
         answer.write_one(|found| write_of_polytopes(known, a, b, &mut scratch.corners, found))
+    }
+
+    fn measure_parts(
+        &self,
+        accuracy: Accuracy,
+        parts: &[[u32; 2]],
+        sides: [PosedShape<'_>; 2],
+        scratch: &mut Scratch,
+    ) -> Verdict<ManifoldSet> {
+        let how = Measure { accuracy, options: self.options };
+        parts::measure(how, Some(parts), sides, scratch)
     }
 
     const READS_FACETS: bool = true;

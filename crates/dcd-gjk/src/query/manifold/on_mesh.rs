@@ -27,6 +27,7 @@ pub(super) struct Scratch {
 /// shapes, and where a triangle cannot be measured.
 pub(super) fn measure(
     sides: [PosedShape<'_>; 2],
+    touching: Option<&[[u32; 2]]>,
     (scratch, parts, corners): (&mut Scratch, &mut mesh::Scratch, &mut Corners),
     memory: &mut epa::Scratch,
 ) -> Option<ManifoldSet> {
@@ -35,7 +36,14 @@ pub(super) fn measure(
     };
     let Scratch { pairs, triangles, open } = scratch;
     triangles.clear();
-    mesh::touching_triangles(sides, TOLERANCE, (parts, pairs), triangles)?;
+    let touching = touching.unwrap_or_else(|| {
+        pairs.clear();
+        // What is undecided is not in the list, and counts as apart.
+        let _ = mesh::touching(sides[0], sides[1], parts, pairs);
+        pairs
+    });
+    let touching = touching.iter().map(|&[triangle, _]| triangle);
+    mesh::touching_triangles(sides, TOLERANCE, touching, triangles)?;
     open.clear();
     open.resize(triangles.len(), true);
     let mut patches = Patches { sides, body, triangles, open, corners, memory };
@@ -139,7 +147,7 @@ impl Patches<'_> {
         let delta = body.pose.translation() - mesh.pose.translation();
         let placed = Placed { rotation: body.pose.rotation(), place: delta, sense: -1.0 };
         self.corners.clear();
-        let facing = self.corners.facing(&view, self.body, &placed);
+        let facing = Corners::facing(&view, self.body, placed);
         let radii = [mesh.shape.radius(), body.shape.radius()];
         let (mut features, mut rest) = ([Feature::Surface; 2], 0.0f64);
         for (k, triangle) in self.triangles.iter().enumerate() {
@@ -159,7 +167,7 @@ impl Patches<'_> {
             let before = self.corners.len();
             if k == lead || !facing.is_round() {
                 let whole =
-                    self.corners.add_triangle(&view, (depth, radii), triangle.corners, &facing)?;
+                    self.corners.add_triangle(&view, (depth, radii), &triangle.corners, &facing)?;
                 features = if k == lead { whole } else { features };
             }
             let own = if k == lead { Some(*depth) } else { own };

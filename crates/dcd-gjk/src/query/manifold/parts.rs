@@ -29,15 +29,25 @@ pub(super) struct Measure {
     pub(super) options: ManifoldOptions,
 }
 
+/// The manifolds of two shapes of parts that touch. Which parts of a mesh and a polytope do may be known.
 pub(super) fn measure(
     how: Measure,
-    a: PosedShape<'_>,
-    b: PosedShape<'_>,
+    touching: Option<&[[u32; 2]]>,
+    [a, b]: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
 ) -> Verdict<ManifoldSet> {
     let is_swapped = mesh::is_swapped(a, b);
     let sides = if is_swapped { [b, a] } else { [a, b] };
-    match in_order(how, sides, scratch) {
+    let mut known = std::mem::take(&mut scratch.known);
+    known.clear();
+    let touching = touching.map(|touching| {
+        let in_order = |&[a, b]: &[u32; 2]| if is_swapped { [b, a] } else { [a, b] };
+        known.extend(touching.iter().map(in_order));
+        &known[..]
+    });
+    let found = in_order(how, touching, sides, scratch);
+    scratch.known = known;
+    match found {
         Ok(found) if is_swapped => Verdict::Touching(found.mirrored()),
         Ok(found) => Verdict::Touching(found),
         Err(reason) => Verdict::Undecided(reason),
@@ -46,17 +56,21 @@ pub(super) fn measure(
 
 fn in_order(
     how: Measure,
+    touching: Option<&[[u32; 2]]>,
     sides: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
 ) -> Result<ManifoldSet, Reason> {
-    let Scratch { depth: memory, corners, parts, on_mesh } = scratch;
+    let Scratch { depth: memory, corners, parts, on_mesh, .. } = scratch;
     if how.accuracy == Accuracy::F32
         && how.options == ManifoldOptions::default()
-        && let Some(found) = on_mesh::measure(sides, (on_mesh, parts, corners), memory)
+        && let Some(found) = on_mesh::measure(sides, touching, (on_mesh, parts, corners), memory)
     {
         return Ok(found);
     }
-    let mut pairs = mesh::touching_parts(sides[0], sides[1], parts);
+    let mut pairs = match touching {
+        Some(touching) => mesh::pairs_of(sides, touching),
+        None => mesh::touching_parts(sides[0], sides[1], parts),
+    };
     if how.options != ManifoldOptions::default() {
         // What bounds a depth does not bound one along another normal.
         pairs.iter_mut().for_each(PartPair::forget_bound);

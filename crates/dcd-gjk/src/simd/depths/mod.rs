@@ -109,6 +109,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
         let Scratch { yes, surfaces, of_cuboids, touching, left, solver } = scratch;
+        yes.touching_parts.begin(true);
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touch = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
         touching.clear();
@@ -129,10 +130,16 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let each = Each { objects, accuracy: self.accuracy, next: 0, axes, surfaces, answers };
         dispatch_on(self.path, each);
         left.sort_unstable();
+        let mut lists = yes.touching_parts.lists().peekable();
         left.retain(|&number| {
-            let [one, other] = objects.posed(touching[number as usize]);
+            let pair = touching[number as usize];
+            let sides = objects.posed(pair);
             let contact = &mut sink.contacts[first + number as usize];
-            match self.solver.measure_at(self.accuracy, one, other, solver) {
+            let measured = match lists.next_if(|&(listed, _)| pairs[listed as usize] == pair) {
+                Some((_, parts)) => self.solver.measure_parts(self.accuracy, parts, sides, solver),
+                None => self.solver.measure_at(self.accuracy, sides[0], sides[1], solver),
+            };
+            match measured {
                 Verdict::Touching(answer) => {
                     contact.answer = answer;
                     return false;
@@ -156,6 +163,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
         let yes = &mut scratch.yes;
+        yes.touching_parts.begin(false);
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touching = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
         let unmeasured = |(&pair, _)| Contact { pair, answer: S::Answer::default() };

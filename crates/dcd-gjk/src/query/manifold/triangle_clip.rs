@@ -1,0 +1,190 @@
+//! The corners that a triangle has in common with a body, seen along a normal: the one clipped by the other.
+//!
+//! The same features and corners as the general way's, in less memory.
+
+use super::CROSSING;
+use super::Feature;
+use super::clip::Corner;
+use super::cuboid_polygon::{LineOf, PointOf, features};
+use super::facing::Part;
+use super::feature::{Placed, View};
+use super::hull_pair::Points;
+use dcd_geom::Polytope;
+use dcd_geom::glam::{DVec2, DVec3};
+
+/// The most corners of what a body shows. Larger: memory. Smaller: faces of many corners that go the general way.
+const CORNERS: usize = 10;
+
+type Line = LineOf<u32>;
+
+/// A face or an edge as it is seen.
+pub(super) struct Outline {
+    /// By index, with their places and heights; counter-clockwise as the normal looks back on them.
+    points: [(u32, DVec3); CORNERS],
+    count: usize,
+    whole: Feature,
+    /// How square to the normal its face is, 0 where it is no face.
+    facing: f64,
+    /// By how much its plane rises along x and y; 0 where it is no face.
+    slope: DVec2,
+    /// See [`Corner::swept`].
+    level: f64,
+}
+
+impl Outline {
+    fn empty(whole: Feature) -> Self {
+        Self {
+            points: [(0, DVec3::ZERO); CORNERS],
+            count: 0,
+            whole,
+            facing: 0.0,
+            slope: DVec2::ZERO,
+            level: 0.0,
+        }
+    }
+
+    /// What a body shows against the view's normal. `None` of a vertex, and of a face of many corners.
+    pub(super) fn of_body(
+        view: &View,
+        part: &Part<'_>,
+        body: &Polytope,
+        placed: &Placed<'_>,
+    ) -> Option<Self> {
+        let turn = view.turn(placed.rotation);
+        let (at, height) = view.of(placed.place);
+        let origin = at.extend(height);
+        let point = |index: u32| (index, origin + turn * body.vertices()[index as usize]);
+        let mut outline = Self::empty(part.name());
+        match part {
+            Part::Vertex(_) => return None,
+            &Part::Edge([j, k]) => {
+                let (from, to) = (point(j), point(k));
+                (outline.points[0], outline.points[1]) = (from, to);
+                outline.count = 2;
+                if body.vertices().len() == 2 {
+                    let along = to.1 - from.1;
+                    let across = along.truncate().length();
+                    outline.level = across / along.length().max(f64::MIN_POSITIVE);
+                }
+            }
+            Part::Face { normal, corners, .. } => {
+                outline.count = corners.len();
+                // It looks against the normal, and its corners go round clockwise.
+                let used = outline.points.get_mut(..corners.len())?;
+                for (slot, &index) in used.iter_mut().rev().zip(*corners) {
+                    *slot = point(index);
+                }
+                outline.lean(turn * *normal);
+            }
+        }
+        Some(outline)
+    }
+
+    /// What a triangle shows, of corners in world axes. `None` of a vertex.
+    fn of_triangle(view: &View, part: &Part<'_>, triangle: &[DVec3; 3]) -> Option<Self> {
+        let point = |index: u32| {
+            let (at, height) = view.of(triangle[index as usize]);
+            (index, at.extend(height))
+        };
+        let mut outline = Self::empty(part.name());
+        match part {
+            Part::Vertex(_) => return None,
+            &Part::Edge([j, k]) => {
+                (outline.points[0], outline.points[1]) = (point(j), point(k));
+                outline.count = 2;
+            }
+            Part::Face { normal, corners, .. } => {
+                outline.count = 3;
+                for (slot, &index) in outline.points.iter_mut().zip(*corners) {
+                    *slot = point(index);
+                }
+                let (rise, cosine) = view.of(*normal);
+                outline.lean(rise.extend(cosine));
+            }
+        }
+        Some(outline)
+    }
+
+    /// By a face's normal as it is seen.
+    fn lean(&mut self, normal: DVec3) {
+        self.facing = normal.z.abs();
+        self.level = self.facing;
+        self.slope = -normal.truncate() / normal.z;
+    }
+
+    fn points(&self) -> &[(u32, DVec3)] {
+        &self.points[..self.count]
+    }
+
+    /// The height of its plane over a place.
+    #[inline(always)]
+    fn height(&self, at: DVec2) -> f64 {
+        let base = self.points[0].1;
+        base.z + self.slope.dot(at - base.truncate())
+    }
+}
+
+/// Adds what a triangle that shows that and a body have in common, the radii of both counted, unless it is deeper than
+/// `most` anywhere. `None` where the general way is needed: for edges that are nearly parallel.
+pub(super) fn add(
+    (view, radii, most): (&View, [f64; 2], f64),
+    (part, triangle): (&Part<'_>, &[DVec3; 3]),
+    body: &Outline,
+    points: &mut Points,
+    corners: &mut Vec<Corner>,
+) -> Option<()> {
+    let Some(triangle) = Outline::of_triangle(view, part, triangle) else { return Some(()) };
+    // The face that is more square to the normal clips: its plane is the better known.
+    let number = usize::from(triangle.facing < body.facing);
+    let (clips, clipped) = if number == 0 { (&triangle, body) } else { (body, &triangle) };
+    if let ([p, q], [r, s]) = (clips.points(), clipped.points()) {
+        let (e, f) = ((q.1 - p.1).truncate(), (s.1 - r.1).truncate());
+        return (e.perp_dot(f).abs() > CROSSING * (e.length() * f.length())).then_some(());
+    }
+    let radius = radii[0] + radii[1];
+    clip(number, [clips, clipped], radius, points)?;
+    // Written so that NaN is no corner.
+    if !points.list().iter().all(|point| point.depth + radius <= most) {
+        return Some(());
+    }
+    let level = [triangle.level, body.level];
+    for point in points.list() {
+        let at = DVec2::from_array(point.at);
+        let height = clips.height(at);
+        let [of_clips, of_clipped] = features(point.origin, [clips.whole, clipped.whole]);
+        let (heights, features) = match number {
+            0 => ([height, height - point.depth], [of_clips, of_clipped]),
+            _ => ([height + point.depth, height], [of_clipped, of_clips]),
+        };
+        corners.push(Corner::new(at, heights, features).swept(radii, level));
+    }
+    Some(())
+}
+
+/// Clips the second by the first, a face; `number` is 0 if this is the triangle's.
+fn clip(
+    number: usize,
+    [clips, clipped]: [&Outline; 2],
+    radius: f64,
+    points: &mut Points,
+) -> Option<()> {
+    points.clear();
+    let sense = if number == 0 { 1.0 } else { -1.0 };
+    let list = clipped.points();
+    for (k, &(index, at)) in list.iter().enumerate() {
+        let next = list[if k + 1 < list.len() { k + 1 } else { 0 }].0;
+        let line = Line::Clipped(index, next);
+        let depth = sense * (clips.height(at.truncate()) - at.z);
+        points.push(PointOf { at: [at.x, at.y], depth, line, origin: [line; 2] });
+    }
+    let mut from = clips.points().last()?;
+    for to in clips.points() {
+        let (start, along) = (from.1, to.1 - from.1);
+        let inside = |point: &PointOf<u32>| {
+            along.x * (point.at[1] - start.y) - along.y * (point.at[0] - start.x)
+        };
+        points.cut(inside, Line::Clips(from.0, to.0))?;
+        from = to;
+    }
+    points.cut(|point| point.depth + radius, Line::Surface)
+}
