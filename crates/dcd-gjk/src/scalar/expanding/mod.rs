@@ -6,8 +6,9 @@
 //! is: it is closed, since it only ever loses a patch and gains the cone over the patch's boundary. If
 //! every triangle surely has the origin on its inner side, the surface winds round it, and the sphere
 //! that reaches the nearest triangle is inside A − B: a lower bound (docs/numerics/proofs.md, "Depth in f64").
-//! The reach along any direction is an upper one. A search that ends without a good bound returns nothing,
-//! and the caller runs the exact one.
+//! The reach along any direction is an upper one. Where f64 leaves too much of a certified depth open, the nearest faces
+//! are measured again in double-double. A search that ends without a good bound returns nothing, and the caller runs the
+//! exact one.
 //!
 //! Works on support maps, so that cylinders, cones and foreign shapes need no sampling.
 
@@ -57,9 +58,9 @@ struct Tolerance {
     least: f64,
 }
 
-/// A certified depth of polytopes below this part of the pair's size is the exact search's: what f64's roundings of
-/// some u of the size leave of it is more than that search's 2⁻⁴² of the depth. Larger: more pairs that take ten
-/// microseconds. Smaller: shallow depths with fewer digits.
+/// A certified depth of polytopes below this part of the pair's size is measured in double-double, or searched exactly:
+/// what f64's roundings of some u of the size leave of it is more than the exact search's 2⁻⁴² of the depth. Larger: more
+/// pairs that take microseconds more. Smaller: shallow depths with fewer digits.
 pub(crate) const SHALLOW: f64 = 1.0 / 512.0;
 
 impl Tolerance {
