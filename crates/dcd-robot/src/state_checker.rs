@@ -35,7 +35,7 @@ use dcd_pipeline::{PairDecider, StaticWorld};
 use dcd_simd::Lanes;
 use prepared::Prepared;
 use std::sync::{Mutex, OnceLock};
-use worker::{CHUNK, Refused, Worker, at};
+use worker::{CHUNK, FEW, Refused, Worker, at};
 
 /// By how much spheres are compared larger, where they are to be apart, or smaller, where they are to touch. Unit:
 /// metres a metre of the two sizes and places: 256 units of 2⁻²⁴, some four times what the roundings of frames,
@@ -239,7 +239,8 @@ impl StateChecker {
     ) -> Result<Vec<Option<StateHit>>, RobotError> {
         let mut first = vec![None; self.count(states)?];
         let refused = Refused::default();
-        exec.into().divide(&mut first[..], CHUNK, |start, first| {
+        let exec = exec.into().serial_below(states.len(), FEW);
+        exec.divide(&mut first[..], CHUNK, |start, first| {
             self.workers.with(|worker| {
                 let states = &states[start..start + first.len()];
                 let found = worker.first(self, (start, states), first);
@@ -261,7 +262,8 @@ impl StateChecker {
     ) -> Result<Vec<StateHit>, RobotError> {
         let (count, refused) = (self.count(states)?, Refused::default());
         let mut all = Segments::default();
-        all.fill(exec.into(), count.div_ceil(CHUNK), |task, out| {
+        let exec = exec.into().serial_below(count, FEW);
+        all.fill(exec, count.div_ceil(CHUNK), |task, out| {
             self.workers.with(|worker| {
                 let start = task * CHUNK;
                 let states = &states[start..count.min(start + CHUNK)];

@@ -22,6 +22,10 @@ pub(crate) struct Ending<'a> {
     pub(crate) others: Option<f64>,
 }
 
+/// The least cosine between the normal of a depth and that of a face by which it may leave the surface; that of the nearest
+/// face is 1. Larger: no face for a normal that rounding has turned. Smaller: witnesses by a face that is seen edge on.
+pub(crate) const FACING: f64 = 0.5;
+
 /// The depth of polytopes that are known to touch, if it is confirmed as well as the accuracy requires.
 pub(crate) fn confirmed_depth(
     difference: Difference<'_, f64, Polytope, Polytope>,
@@ -84,6 +88,11 @@ impl Search<'_, Polytope> {
         let mut points = [DVec3::NAN; 2];
         for &face in faces {
             let [p, q, r] = self.corners(face);
+            let area = (q.w - p.w).cross(r.w - p.w);
+            // Seen edge on, the weights are rounding.
+            if !(area.dot(direction) > FACING * area.length() * direction.length()) {
+                continue;
+            }
             let weights = DVec3::new(
                 q.w.cross(r.w).dot(direction),
                 r.w.cross(p.w).dot(direction),

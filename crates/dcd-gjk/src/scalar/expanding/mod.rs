@@ -25,7 +25,7 @@ use crate::epa::Depth;
 use crate::gjk::unit;
 use crate::query::{Accuracy, CERTIFIED};
 use crate::{Difference, PosedShape, PosedSupport, Vertex, order};
-pub(crate) use confirm::{Ending, confirmed_depth};
+pub(crate) use confirm::{Ending, FACING, confirmed_depth};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape, SupportMap};
 pub(crate) use surface::{Surface, is_inside};

@@ -10,6 +10,10 @@ use std::collections::BinaryHeap;
 /// Unit roundoff.
 const U: f64 = f64::EPSILON / 2.0;
 
+/// The cosine below which a face is seen edge on: 2⁻²⁰. A direction of depth leaves by a face whose cosine is near 1.
+/// Smaller: witnesses whose weights are rounding. Larger: searches that ended early find none.
+const EDGE_ON: f64 = 1.0 / (1u64 << 20) as f64;
+
 /// A triangle, counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug)]
 struct Face {
@@ -249,7 +253,7 @@ impl Surface {
     fn leaving(&self, direction: DVec3) -> ([u32; 3], [f64; 3]) {
         let mut best = (f64::NEG_INFINITY, [0; 3], DVec3::X);
         for Face { vertices, normal, .. } in self.faces.iter().filter(|face| face.alive) {
-            if normal.dot(direction) <= 0.0 {
+            if normal.dot(direction) <= EDGE_ON * direction.length() {
                 continue;
             }
             let [p, q, r] = self.corners(vertices);

@@ -4,7 +4,7 @@ use super::{Surface, depth_of_overlap};
 use crate::query::Accuracy;
 use crate::{PosedShape, PosedSupport, Verdict, certified, epa};
 use dcd_geom::glam::{DQuat, DVec3};
-use dcd_geom::{Pose, Shape, SupportMap};
+use dcd_geom::{Polytope, Pose, Shape, SupportMap};
 
 /// Numbers in 0 … 1, the same in every run.
 struct Draw(u64);
@@ -119,8 +119,10 @@ fn curved_shapes_are_answered_within_bounds_that_agree_with_their_hulls() {
 /// Moved along their normals until they overlap by a part of their size, beside the exact search.
 #[test]
 fn shallow_depths_are_those_of_the_exact_search() {
+    // Another seed by `DCD_SEED`.
+    let seed = std::env::var("DCD_SEED").map_or(5, |seed| seed.parse().expect("a seed"));
     let (mut draw, mut surface, mut scratch) =
-        (Draw(5), Surface::default(), epa::Scratch::default());
+        (Draw(seed), Surface::default(), epa::Scratch::default());
     let [mut asked, mut answered] = [0; 2];
     for k in 0..2000 {
         let mut hull = || loop {
@@ -152,4 +154,31 @@ fn shallow_depths_are_those_of_the_exact_search() {
         assert!(apart.distance(found.normal * found.depth) < 1e-14, "{k}: {found:?}");
     }
     assert!(asked > 600 && answered * 10 > asked * 9, "{answered} of {asked}");
+}
+
+/// Along two normals equally deep: each face is edge on to the other's normal, and rounding must not make it the one that
+/// the normal leaves by.
+#[test]
+fn two_faces_equally_deep_have_witnesses_along_one_of_them() {
+    let cube = Shape::hull(Polytope::cuboid(DVec3::splat(0.5)).unwrap().vertices().to_vec());
+    let cube = cube.unwrap();
+    let (mut draw, mut surface) = (Draw(8), Surface::default());
+    for k in 0..200 {
+        let turn = draw.pose(0.0);
+        let depth = 10f64.powi(-1 - k % 4);
+        let place = *turn.rotation() * DVec3::new(1.0 - depth, 0.3, 1.0 - depth);
+        let other = turn.with_translation(place).unwrap();
+        let a = PosedShape { shape: &cube, pose: &turn };
+        let b = PosedShape { shape: &cube, pose: &other };
+        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+            let found = depth_of_overlap(a, b, accuracy, &mut surface);
+            let Some(found) = found else { continue };
+            assert!((found.depth - depth).abs() < 1e-6, "{k} {accuracy:?}: {found:?}");
+            let apart = found.point_a - found.point_b;
+            assert!(
+                apart.distance(found.normal * found.depth) < 1e-6,
+                "{k} {accuracy:?}: {found:?}"
+            );
+        }
+    }
 }

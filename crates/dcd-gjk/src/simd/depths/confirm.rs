@@ -7,7 +7,7 @@ use super::surface::{Bits, Point, Surface};
 use crate::difference::power_of_two_below_one;
 use crate::distance::rounded_up;
 use crate::epa::Depth;
-use crate::expanding::{Ending, confirmed_depth, is_inside};
+use crate::expanding::{Ending, FACING, confirmed_depth, is_inside};
 use crate::query::FoundDepth;
 use crate::{Accuracy, Difference, PosedShape, PosedSupport, order};
 use dcd_geom::glam::DVec3;
@@ -174,6 +174,11 @@ impl<'a> SearchedPair<'a> {
         let mut best = (f32::NEG_INFINITY, ended.nearest);
         for face in near {
             let [p, q, r] = ended.surface.corners(face).map(|corner| corner.at);
+            // Seen edge on, the volumes are rounding.
+            let area = (q - p).cross(r - p);
+            if !(area.dot(along) > FACING as f32 * area.length() * along.length()) {
+                continue;
+            }
             let volumes = [q.cross(r).dot(along), r.cross(p).dot(along), p.cross(q).dot(along)];
             let [x, y, z] = volumes;
             let least = x.min(y).min(z) / (x + y + z);
