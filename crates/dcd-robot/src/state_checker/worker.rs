@@ -20,8 +20,9 @@ const PACKETS: usize = 4;
 /// How many states those are.
 pub(super) const CHUNK: usize = PACKETS * WIDTH;
 
-/// Up to so many states are checked on the calling thread: a hundred of the Panda take fifteen to fifty microseconds, which is what
-/// another thread takes to wake. Larger: short batches of slow states on one thread. No effect on any answer.
+/// Up to so many states are checked on the calling thread: a hundred of the Panda take fifteen to fifty microseconds as
+/// spheres and hulls, and on two threads took longer. Larger: short batches of slow states on one thread. No effect on any
+/// answer.
 pub(super) const FEW: usize = 2 * CHUNK;
 
 /// How many pairs of a state are decided at once where one hit is enough. Larger: more is decided in vain. Smaller:

@@ -33,6 +33,9 @@ const SLIVER: f64 = 1.0 / (1u64 << 60) as f64;
 /// The gap between the bounds that is good enough, relative to the depth: where the exact search stops.
 const GAP: f64 = 1.0 / (1u64 << 42) as f64;
 
+/// As good as the exact search's answer, or none.
+const AS_EXACT: Tolerance = Tolerance { relative: GAP, of_size: 0.0, at_end: GAP, least: 0.0 };
+
 /// The faces that may be the nearest, of a surface of vertices that surely winds round the origin.
 struct Near {
     faces: [Corners; MOST],
@@ -61,11 +64,13 @@ impl Near {
     }
 }
 
-/// How far the difference reaches along a face's normal, and the least height over the plane through the origin of
-/// the corners of all faces: lengths of the difference.
+/// What double-double finds of some faces: lengths of the difference, to within [`OFF`].
 struct Measured {
+    /// How far the difference reaches along the nearest face's normal.
     reach: DoubleDouble,
+    /// At most the distance of each face from the origin.
     lower: DoubleDouble,
+    /// Of the nearest face, outward, of any length.
     normal: DVec3,
 }
 
@@ -111,21 +116,13 @@ impl Search<'_, Polytope> {
         let off = DoubleDouble::from(2.0 * OFF * EPSILON);
         let lower = lower.minus(&off);
         let lower = if lower.to_f64() < near.others { lower } else { near.others.into() };
-        // The bound from above is the reach; it is never nearer than the bound from below but for rounding.
+        // The depth that is reported is the reach, so that the bound from below is the farther one.
         let error = reach.minus(&lower).plus(&off).to_f64();
         let direction = unit::<f64>(normal.to_array())?;
-        self.depth_within(
-            GAP_ALONE,
-            reach.to_f64(),
-            error,
-            self.leaving(faces, direction),
-            direction,
-        )
+        let points = self.leaving(faces, direction);
+        self.depth_within(AS_EXACT, reach.to_f64(), error, points, direction)
     }
 }
-
-/// What the exact search gives.
-const GAP_ALONE: Tolerance = Tolerance { relative: GAP, of_size: 0.0, at_end: GAP, least: 0.0 };
 
 fn measure(grid: &Grid<'_, DoubleDouble>, faces: &[Corners]) -> Option<Measured> {
     let mut nearest: Option<(DoubleDouble, Triple<DoubleDouble>)> = None;
