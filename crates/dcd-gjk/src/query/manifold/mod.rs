@@ -300,6 +300,7 @@ fn in_order(
 }
 
 /// Of two spheres.
+#[inline]
 fn of_spheres(depth: Depth) -> Manifold {
     of_one_point(depth, [Feature::Vertex(0); 2])
 }
