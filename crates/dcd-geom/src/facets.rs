@@ -117,6 +117,7 @@ impl Facets {
     }
 
     /// Prefetches all of them: a hint.
+    #[inline]
     pub(crate) fn prefetch(&self) {
         prefetch(&self.ends);
         prefetch(&self.around);

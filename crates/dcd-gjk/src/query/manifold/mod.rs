@@ -375,6 +375,7 @@ fn write_in_order(
 }
 
 /// The witnesses of the depth alone.
+#[inline]
 fn of_one_point(depth: Depth, features: [Feature; 2]) -> Manifold {
     let Depth { depth, normal, point_a, point_b, error_bound } = depth;
     let mut points = [ManifoldPoint::default(); 4];
