@@ -264,6 +264,12 @@ pub trait Lanes: Copy {
         self.store_to_u(a, &mut aabb128.0);
     }
 
+    /// Runs a kernel on lanes whose [`Lanes::mul_add`] rounds twice.
+    #[inline(always)]
+    fn run_unfused<K: Kernel>(self, kernel: K) -> K::Output {
+        kernel.run(unfused::Apart(self))
+    }
+
     /// −a.
     #[inline(always)]
     fn neg(self, a: Self::F) -> Self::F {
