@@ -13,7 +13,17 @@ pub(super) unsafe fn run<K: Kernel>(kernel: K) -> K::Output {
     kernel.run(Avx2(()))
 }
 
-/// Made only in [`run`], whose caller vouches for the CPU: that is the reason behind every SAFETY
+/// [`run`], out of line.
+///
+/// # Safety
+/// That of [`run`].
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+unsafe fn call<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run(Avx2(()))
+}
+
+/// Made only in [`run`] and [`call`], whose caller vouches for the CPU: that is the reason behind every SAFETY
 /// line of this file.
 #[derive(Clone, Copy)]
 pub(super) struct Avx2(());
@@ -62,6 +72,11 @@ impl Lanes for Avx2 {
     type M = Halves<__m256>;
     type D = Halves<__m256d>;
 
+    #[inline(always)]
+    fn call<K: Kernel>(self, kernel: K) -> K::Output {
+        // SAFETY: an `Avx2` exists only where the CPU has the features.
+        unsafe { call(kernel) }
+    }
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F {
         let half = op!(_mm256_set1_ps(x));

@@ -13,7 +13,17 @@ pub(super) unsafe fn run<K: Kernel>(kernel: K) -> K::Output {
     kernel.run(Avx512(()))
 }
 
-/// Made only in [`run`], whose caller vouches for the CPU: that is the reason behind every SAFETY
+/// [`run`], out of line.
+///
+/// # Safety
+/// That of [`run`].
+#[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+unsafe fn call<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run(Avx512(()))
+}
+
+/// Made only in [`run`] and [`call`], whose caller vouches for the CPU: that is the reason behind every SAFETY
 /// line of this file.
 #[derive(Clone, Copy)]
 pub(super) struct Avx512(());
@@ -32,6 +42,11 @@ impl Lanes for Avx512 {
     type M = __mmask16;
     type D = __m512d;
 
+    #[inline(always)]
+    fn call<K: Kernel>(self, kernel: K) -> K::Output {
+        // SAFETY: an `Avx512` exists only where the CPU has the features.
+        unsafe { call(kernel) }
+    }
     #[inline(always)]
     fn splat(self, x: f32) -> __m512 {
         op!(_mm512_set1_ps(x))

@@ -45,6 +45,11 @@ impl<L: Lanes> Lanes for Apart<L> {
         self.0.add(self.0.mul(a, b), c)
     }
 
+    #[inline(always)]
+    fn call<K: Kernel>(self, kernel: K) -> K::Output {
+        self.0.call(Unfused(kernel))
+    }
+
     hand_on! {
         splat(x: f32) -> L::F;
         load_from(numbers: &[f32; WIDTH]) -> L::F;
