@@ -45,7 +45,7 @@ impl Aabb16 {
     }
 
     /// The AABB round all sixteen.
-    #[inline]
+    #[inline(always)]
     pub fn union(&self) -> Aabb {
         let [min, max] = [&self.min, &self.max];
         Aabb {
