@@ -13,7 +13,7 @@ pub const STEP_CRATES: [&str; 7] =
 /// The only crate with `unsafe`.
 const WITH_UNSAFE: &str = "dcd-simd";
 /// What gives them input and judges them: no Parry either, so that neither depends on a rival.
-const INPUT_AND_JUDGE: [&str; 4] = ["dcd-io", "dcd-robot", "dcd-scenes", "dcd-judge"];
+const INPUT_AND_JUDGE: [&str; 5] = ["dcd-io", "dcd-moveit", "dcd-robot", "dcd-scenes", "dcd-judge"];
 /// The only crate with threads.
 const WITH_THREADS: &str = "dcd-exec";
 /// What makes threads.

@@ -103,11 +103,13 @@ impl Facets {
     }
 
     /// The corners of a face by index into the vertices, counter-clockwise seen from outside.
+    #[inline]
     pub fn corners(&self, facet: &Facet) -> &[u32] {
         &self.corners[facet.first as usize..][..facet.count as usize]
     }
 
     /// The faces of which a vertex is a corner, in their order: none of a vertex that is no corner.
+    #[inline]
     pub fn around(&self, vertex: u32) -> &[u32] {
         let vertex = vertex as usize;
         let first = if vertex == 0 { 0 } else { self.ends[vertex - 1] };
@@ -115,6 +117,7 @@ impl Facets {
     }
 
     /// Prefetches all of them: a hint.
+    #[inline]
     pub(crate) fn prefetch(&self) {
         prefetch(&self.ends);
         prefetch(&self.around);

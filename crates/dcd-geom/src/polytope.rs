@@ -231,6 +231,7 @@ impl Polytope {
     }
 
     /// Prefetches the faces if they are known already: a hint, without effect on any result.
+    #[inline]
     pub fn prefetch_facets(&self) {
         if let Some(facets) = self.facets.get() {
             facets.prefetch();

@@ -1,10 +1,9 @@
 //! The frames that a scene may name.
 
 use super::kinematics::JointFrame;
-use super::message::{FixedTransform, Transform};
-use super::yaml::{Lined, line_of};
 use super::{Robot, RobotError, Srdf};
 use dcd_geom::Pose;
+use dcd_moveit::{FixedTransform, Lined, Transform};
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
 
@@ -64,11 +63,11 @@ impl<'a> Frames<'a> {
             let outer = self.find(&header.frame_id, &user)?;
             Ok(outer.then(&frame_of(transform, &user)?))
         };
-        let frame = place().map_err(|error: RobotError| error.at_line(line_of(said)))?;
+        let frame = place().map_err(|error: RobotError| error.at_line(said.line))?;
         match self.known(child_frame_id) {
             Some(known) if !same(&known, &frame) => {
                 let why = "it is a frame that is known, and elsewhere".to_owned();
-                Err(RobotError::Refused { user, why }.at_line(line_of(said)))
+                Err(RobotError::Refused { user, why }.at_line(said.line))
             }
             Some(_) => Ok(()),
             None => {

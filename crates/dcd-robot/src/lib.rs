@@ -22,7 +22,6 @@ mod generate;
 mod json;
 mod kinematics;
 mod mesh;
-mod message;
 mod model;
 mod names;
 mod notes;

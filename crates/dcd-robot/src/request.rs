@@ -1,12 +1,10 @@
 //! Where a motion starts and where it shall end, from MoveIt's requests.
 
 use super::kinematics::JointFrame;
-use super::message::{StateMessage, count};
 use super::notes::Unused;
 use super::scene::{MultiDof, joint_values};
-use super::yaml::{Held, Lined, line_of, parse};
-use super::{Robot, RobotError, Srdf, World, xml};
-use serde::Deserialize;
+use super::{Robot, RobotError, Srdf, World, xml, yaml};
+use dcd_moveit::{RequestMessage, StateMessage};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -23,79 +21,6 @@ pub struct Request {
     notes: Vec<String>,
 }
 
-/// moveit_msgs/MotionPlanRequest.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    start_state: StateMessage,
-    #[serde(default)]
-    goal_constraints: Vec<Goal>,
-    workspace_parameters: Option<Lined<Held>>,
-    path_constraints: Option<Lined<Held>>,
-    trajectory_constraints: Option<Lined<Held>>,
-    reference_trajectories: Option<Lined<Held>>,
-    // How to plan, which says nothing about what touches.
-    group_name: Option<Lined<Held>>,
-    planner_id: Option<Lined<Held>>,
-    pipeline_id: Option<Lined<Held>>,
-    num_planning_attempts: Option<Lined<Held>>,
-    allowed_planning_time: Option<Lined<Held>>,
-    max_velocity_scaling_factor: Option<Lined<Held>>,
-    max_acceleration_scaling_factor: Option<Lined<Held>>,
-    cartesian_speed_end_effector_link: Option<Lined<Held>>,
-    cartesian_speed_limited_link: Option<Lined<Held>>,
-    max_cartesian_speed: Option<Lined<Held>>,
-}
-
-impl File {
-    fn count_unused(&self, unused: &mut Unused) {
-        let fields = [
-            ("workspace_parameters", &self.workspace_parameters),
-            ("path_constraints", &self.path_constraints),
-            ("trajectory_constraints", &self.trajectory_constraints),
-            ("reference_trajectories", &self.reference_trajectories),
-            ("group_name", &self.group_name),
-            ("planner_id", &self.planner_id),
-            ("pipeline_id", &self.pipeline_id),
-            ("num_planning_attempts", &self.num_planning_attempts),
-            ("allowed_planning_time", &self.allowed_planning_time),
-            ("max_velocity_scaling_factor", &self.max_velocity_scaling_factor),
-            ("max_acceleration_scaling_factor", &self.max_acceleration_scaling_factor),
-            ("cartesian_speed_end_effector_link", &self.cartesian_speed_end_effector_link),
-            ("cartesian_speed_limited_link", &self.cartesian_speed_limited_link),
-            ("max_cartesian_speed", &self.max_cartesian_speed),
-        ];
-        fields.iter().for_each(|(kind, field)| count(unused, kind, field));
-        self.start_state.count_unused(unused);
-    }
-}
-
-/// moveit_msgs/Constraints.
-#[derive(Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct Goal {
-    #[serde(rename = "name")]
-    _name: Option<Held>,
-    joint_constraints: Vec<Constraint>,
-    position_constraints: Held,
-    orientation_constraints: Held,
-    visibility_constraints: Held,
-}
-
-/// moveit_msgs/JointConstraint.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Constraint {
-    joint_name: String,
-    position: f64,
-    #[serde(default, rename = "tolerance_above")]
-    _tolerance_above: Held,
-    #[serde(default, rename = "tolerance_below")]
-    _tolerance_below: Held,
-    #[serde(default, rename = "weight")]
-    _weight: Held,
-}
-
 impl Request {
     /// Reads a request of MoveIt as YAML: `start_state.joint_state`, and the joint constraints of
     /// the first of its `goal_constraints`.
@@ -103,15 +28,15 @@ impl Request {
     /// # Errors
     /// What is no such YAML; another number of names than of positions.
     pub fn read(yaml: &str) -> Result<Self, RobotError> {
-        let file: File = parse("request", yaml)?;
+        let file: RequestMessage = yaml::read("request", yaml, dcd_moveit::read_request)?;
         if let Some(attached) = file.start_state.attached_collision_objects.first() {
             let user = format!("attached object {:?}", attached.value.object.id);
             let why = "a request does not attach objects here: the scene may".to_owned();
-            return Err(RobotError::Refused { user, why }.at_line(line_of(attached)));
+            return Err(RobotError::Refused { user, why }.at_line(attached.line));
         }
         let start = joint_values(&file.start_state)?;
         let mut unused = Unused::default();
-        file.count_unused(&mut unused);
+        file.count_unused(&mut |kind, line| unused.add(kind, line));
         let mut notes: Vec<String> = unused.kinds().into_iter().collect();
         if file.goal_constraints.len() > 1 {
             let goals = file.goal_constraints.len();

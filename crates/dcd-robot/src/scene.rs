@@ -3,13 +3,13 @@
 use super::allowed::{Layer, Matrix};
 use super::frames::{Frames, frame_of};
 use super::kinematics::JointFrame;
-use super::message::{
-    AttachedMessage, MatrixMessage, ObjectMessage, SceneMessage, StateMessage, Transform,
-};
 use super::notes::Unused;
 use super::world::{Attached, Padding, World};
-use super::yaml::{Lined, Numbers, line_of, parse};
-use super::{MovedJoint, Robot, RobotError, Srdf, xml};
+use super::{MovedJoint, Robot, RobotError, Srdf, objects, xml, yaml};
+use dcd_moveit::{
+    AttachedMessage, Lined, MatrixMessage, Numbers, ObjectMessage, SceneMessage, StateMessage,
+    Transform,
+};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -41,7 +41,7 @@ impl PlanningScene {
     /// # Errors
     /// What is no such YAML, or has no `world`; more than the [`bounds`](super::bounds).
     pub fn read(yaml: &str) -> Result<Self, RobotError> {
-        let message: SceneMessage = parse("scene", yaml)?;
+        let message = yaml::read("scene", yaml, dcd_moveit::read_scene)?;
         if message.world.is_none() {
             let error = "there is no world in it".to_owned();
             return Err(RobotError::NotOfKind { what: "scene", error });
@@ -87,7 +87,7 @@ impl PlanningScene {
         let mut layer = Layer::default();
         if let Some(matrix) = &message.allowed_collision_matrix {
             let added = add_matrix(&matrix.value, &mut layer);
-            added.map_err(|error| error.at_line(line_of(matrix)))?;
+            added.map_err(|error| error.at_line(matrix.line))?;
         }
         world.allowed.push(layer);
         self.attach(&mut world, &frames)?;
@@ -110,7 +110,7 @@ impl PlanningScene {
         let mut known: HashMap<&str, usize> = HashMap::new();
         for said in message.iter().flat_map(|world| &world.collision_objects) {
             let object = &said.value;
-            let at = |error: RobotError| error.at_line(line_of(said));
+            let at = |error: RobotError| error.at_line(said.line);
             match object.operation.0.to_lowercase().as_str() {
                 "" | "0" | "add" => {
                     if known.insert(&object.id, objects.len()).is_some() {
@@ -125,7 +125,7 @@ impl PlanningScene {
                             why: "it has no shape".to_owned(),
                         }));
                     }
-                    objects.push(object.obstacles(frames).map_err(at)?);
+                    objects.push(objects::obstacles(object, frames).map_err(at)?);
                 }
                 "1" | "remove" if object.id.is_empty() => {
                     known.clear();
@@ -152,7 +152,7 @@ impl PlanningScene {
         for said in &self.0.robot_state.attached_collision_objects {
             let AttachedMessage { link_name, object, touch_links, .. } = &said.value;
             let attached = attached(said, world, frames);
-            let attached = attached.map_err(|error| error.at_line(line_of(said)))?;
+            let attached = attached.map_err(|error| error.at_line(said.line))?;
             for link in touch_links.iter().chain([link_name]) {
                 if frames.link(link).is_none() {
                     world.notes.push(format!(
@@ -174,11 +174,11 @@ impl PlanningScene {
     fn pad(&self, world: &mut World, robot: &Robot) -> Result<(), RobotError> {
         let paddings = self.0.link_padding.iter().map(|said| {
             let value = said.value.padding;
-            (&said.value.link_name, "padding", value, line_of(said), value >= 0.0)
+            (&said.value.link_name, "padding", value, said.line, value >= 0.0)
         });
         let scales = self.0.link_scale.iter().map(|said| {
             let value = said.value.scale;
-            (&said.value.link_name, "scale", value, line_of(said), value > 0.0)
+            (&said.value.link_name, "scale", value, said.line, value > 0.0)
         });
         let links: HashSet<&str> = robot.links().iter().map(|link| link.name.as_str()).collect();
         for (link, what, value, line, in_range) in paddings.chain(scales) {
@@ -214,7 +214,7 @@ impl PlanningScene {
         world.note_obstacles();
         world.notes.extend(robot.idle_values(&world.joints));
         let mut unused = Unused::default();
-        message.count_unused(&mut unused);
+        message.count_unused(&mut |kind, line| unused.add(kind, line));
         world.notes.extend(unused.kinds());
     }
 }
@@ -337,7 +337,7 @@ fn shapes_of(
     frames: &Frames<'_>,
 ) -> Result<Vec<super::Obstacle>, RobotError> {
     if !object.is_bare() {
-        return object.obstacles(frames);
+        return objects::obstacles(object, frames);
     }
     let (own, rest) =
         std::mem::take(&mut world.obstacles).into_iter().partition(|o| o.name == object.id);

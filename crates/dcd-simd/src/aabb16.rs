@@ -45,7 +45,7 @@ impl Aabb16 {
     }
 
     /// The AABB round all sixteen.
-    #[inline]
+    #[inline(always)]
     pub fn union(&self) -> Aabb {
         let [min, max] = [&self.min, &self.max];
         Aabb {
@@ -84,7 +84,7 @@ impl Aabb16 {
 }
 
 /// The least of a row, by halves: each comparison waits for three others instead of fifteen.
-#[inline]
+#[inline(always)]
 fn least(row: &Row) -> f32 {
     let mut least = row.0;
     for half in [8, 4, 2, 1] {

@@ -4,11 +4,13 @@ use super::{Block, FLOATS, Kernel, Lanes, MAX_BLOCKS, Row, WIDTH};
 use crate::Pair;
 use std::arch::x86_64::*;
 
-/// Runs the kernel in a function that carries the feature, into which all of it is inlined.
+/// Runs the kernel in a function that carries the feature, into which all of it is inlined. Out of line itself, so that it
+/// is compiled once for all who call it.
 ///
 /// # Safety
 /// The CPU has AVX2 and FMA.
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
 pub(super) unsafe fn run<K: Kernel>(kernel: K) -> K::Output {
     kernel.run(Avx2(()))
 }
@@ -62,6 +64,11 @@ impl Lanes for Avx2 {
     type M = Halves<__m256>;
     type D = Halves<__m256d>;
 
+    #[inline(always)]
+    fn call<K: Kernel>(self, kernel: K) -> K::Output {
+        // SAFETY: an `Avx2` exists only where the CPU has the features.
+        unsafe { run(kernel) }
+    }
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F {
         let half = op!(_mm256_set1_ps(x));

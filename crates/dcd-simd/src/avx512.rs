@@ -4,11 +4,13 @@ use super::{Block, FLOATS, Kernel, Lanes, MAX_BLOCKS, Row, WIDTH};
 use crate::Pair;
 use std::arch::x86_64::*;
 
-/// Runs the kernel in a function that carries the feature, into which all of it is inlined.
+/// Runs the kernel in a function that carries the feature, into which all of it is inlined. Out of line itself, so that it
+/// is compiled once for all who call it.
 ///
 /// # Safety
 /// The CPU has AVX-512 F, DQ, BW and VL.
 #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
 pub(super) unsafe fn run<K: Kernel>(kernel: K) -> K::Output {
     kernel.run(Avx512(()))
 }
@@ -32,6 +34,11 @@ impl Lanes for Avx512 {
     type M = __mmask16;
     type D = __m512d;
 
+    #[inline(always)]
+    fn call<K: Kernel>(self, kernel: K) -> K::Output {
+        // SAFETY: an `Avx512` exists only where the CPU has the features.
+        unsafe { run(kernel) }
+    }
     #[inline(always)]
     fn splat(self, x: f32) -> __m512 {
         op!(_mm512_set1_ps(x))

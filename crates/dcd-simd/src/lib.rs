@@ -264,6 +264,19 @@ pub trait Lanes: Copy {
         self.store_to_u(a, &mut aabb128.0);
     }
 
+    /// Runs a part of a kernel out of line on the same lanes: it is compiled once, however many kernels call it. A call
+    /// takes lanes from memory and leaves them there.
+    #[inline(always)]
+    fn call<K: Kernel>(self, kernel: K) -> K::Output {
+        kernel.run(self)
+    }
+
+    /// Runs a kernel on lanes whose [`Lanes::mul_add`] rounds twice.
+    #[inline(always)]
+    fn run_unfused<K: Kernel>(self, kernel: K) -> K::Output {
+        kernel.run(unfused::Apart(self))
+    }
+
     /// −a.
     #[inline(always)]
     fn neg(self, a: Self::F) -> Self::F {

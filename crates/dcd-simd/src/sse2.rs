@@ -8,7 +8,8 @@ use crate::portable::front;
 use std::arch::x86_64::*;
 use std::array::from_fn;
 
-/// Runs the kernel on SSE2.
+/// Runs the kernel on SSE2. Out of line, so that it is compiled once for all who call it.
+#[inline(never)]
 pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
     kernel.run(Sse2)
 }
@@ -89,6 +90,15 @@ impl Lanes for Sse2 {
     #[inline(always)]
     fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
         self.add(self.mul(a, b), c)
+    }
+    #[inline(always)]
+    fn call<K: Kernel>(self, kernel: K) -> K::Output {
+        run(kernel)
+    }
+    // Nothing fuses here.
+    #[inline(always)]
+    fn run_unfused<K: Kernel>(self, kernel: K) -> K::Output {
+        run(kernel)
     }
     #[inline(always)]
     fn min(self, a: Self::F, b: Self::F) -> Self::F {

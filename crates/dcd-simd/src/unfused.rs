@@ -16,13 +16,13 @@ impl<K: Kernel> Kernel for Unfused<K> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> K::Output {
-        self.0.run(Apart(lanes))
+        lanes.run_unfused(self.0)
     }
 }
 
 /// The other lanes but for [`Lanes::mul_add`].
 #[derive(Clone, Copy)]
-struct Apart<L>(L);
+pub(crate) struct Apart<L>(pub(crate) L);
 
 /// Hands methods on to the lanes within.
 macro_rules! hand_on {
@@ -43,6 +43,11 @@ impl<L: Lanes> Lanes for Apart<L> {
     #[inline(always)]
     fn mul_add(self, a: L::F, b: L::F, c: L::F) -> L::F {
         self.0.add(self.0.mul(a, b), c)
+    }
+
+    #[inline(always)]
+    fn call<K: Kernel>(self, kernel: K) -> K::Output {
+        self.0.call(Unfused(kernel))
     }
 
     hand_on! {

@@ -252,7 +252,7 @@ impl Search<'_> {
 
     /// Gives the point to the first of the faces that it is beyond, if any: else it is inside for
     /// good.
-    #[inline]
+    #[inline(always)]
     fn hand_out(&mut self, point: u32, faces: &[u32]) {
         for &index in faces {
             let face = &mut self.faces[index as usize];
@@ -284,6 +284,7 @@ impl Search<'_> {
         }
     }
 
+    #[inline]
     fn make(&mut self, triangle: Triangle) -> u32 {
         let plane = self.points.plane(triangle.corners);
         let face = Face { triangle, plane, first: NONE, farthest: NONE, height: 0.0, alive: true };

@@ -44,6 +44,7 @@ pub(crate) struct PartPair<'s> {
 }
 
 /// Whether (a, b) is the other way round than the pair is solved in.
+#[inline]
 pub(crate) fn is_swapped(a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
     in_order(a, b).1
 }

@@ -107,7 +107,7 @@ impl<'a, 'g> Descent<'a, 'g> {
 impl Descent<'_, '_> {
     /// From the roots down, until enough is known.
     #[inline(always)]
-    pub(super) fn descend<L: Lanes>(&mut self, l: L) -> Next {
+    fn descend<L: Lanes>(&mut self, l: L) -> Next {
         if self.a.mesh().is_some() && self.b.tree().is_none() {
             return self.descend_one(l);
         }
@@ -273,8 +273,15 @@ impl Descent<'_, '_> {
 
     /// What lanes prove of the open triangles of a leaf: by a body's own faces and vertices, and by spheres in it and
     /// round it.
+    ///
+    /// Out of line: it is needed at two places.
     #[inline(always)]
     fn in_lanes<L: Lanes>(&self, l: L, leaf: &Triangles, open: u32) -> Decided {
+        l.call(InLanes { search: self, leaf, open })
+    }
+
+    #[inline(always)]
+    fn decide_leaf<L: Lanes>(&self, l: L, leaf: &Triangles, open: u32) -> Decided {
         let vertices = &self.scratch.vertices;
         let mut decided = Decided::default();
         if let Some(body) = &self.body {
@@ -332,6 +339,22 @@ impl Descent<'_, '_> {
             let from = &mesh.leaves()[leaf].corners[corner];
             self.relative.turn(l, from, &mut self.scratch.corners[leaf][corner]);
         }
+    }
+}
+
+/// [`Descent::in_lanes`].
+struct InLanes<'a, 'd, 'g> {
+    search: &'a Descent<'d, 'g>,
+    leaf: &'a Triangles,
+    open: u32,
+}
+
+impl Kernel for InLanes<'_, '_, '_> {
+    type Output = Decided;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Decided {
+        self.search.decide_leaf(l, self.leaf, self.open)
     }
 }
 

@@ -44,8 +44,7 @@ impl Kernel for PerPart<'_, '_> {
             for lane in Bits(placed.overlaps(l, &around)) {
                 let shape = compound.parts()[below.0[lane] as usize].placed();
                 let part = Side { parts: Parts::One(shape), pose: b.pose, reach: b.reach };
-                let mut descent = Descent::of([a, &part], relative, scratch, tally);
-                if descent.descend(l) == Next::Stop {
+                if l.call(Descent::of([a, &part], relative, scratch, tally)) == Next::Stop {
                     return Next::Stop;
                 }
             }

@@ -226,6 +226,7 @@ const WIDEST_F64: f64 = f64::from_bits((1023 + 900) << 52);
 const WIDEST_F32: f64 = f64::from_bits((1023 + 96) << 52);
 
 /// The power of two that brings x into [½, 1); 1 for 0. `None` where it or x is not a normal number.
+#[inline]
 pub(crate) fn power_of_two_below_one(x: f64) -> Option<f64> {
     if x == 0.0 {
         return Some(1.0);

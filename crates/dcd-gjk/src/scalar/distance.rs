@@ -486,6 +486,7 @@ fn unit(direction: DVec3) -> DVec3 {
 }
 
 /// A little more, in the denormal range too; finite.
+#[inline]
 pub(crate) fn rounded_up(x: f64) -> f64 {
     (x.next_up() + f64::from_bits(1)).clamp(0.0, f64::MAX)
 }

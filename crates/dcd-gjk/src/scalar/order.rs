@@ -15,6 +15,7 @@ pub(crate) fn canonical<'a>(
 }
 
 /// Whether the second comes first.
+#[inline]
 pub(crate) fn is_swapped(a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
     placed(a, b).is_gt()
 }

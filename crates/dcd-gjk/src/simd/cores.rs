@@ -98,6 +98,7 @@ struct Column {
 }
 
 impl Column {
+    #[inline]
     fn push(&mut self, core: Core, obb: Option<ObbBoundsF32>) {
         self.cores.push(core);
         if let Some(obb) = obb {

@@ -124,6 +124,7 @@ impl<T: ErrorBounds> NarrowPhase for SimdOverlap<T> {
 }
 
 /// Appends the touching pairs in order, without a branch that half of the pairs would mispredict.
+#[inline]
 pub(crate) fn append_contacts(touching: &[bool], pairs: &[Pair], contacts: &mut Vec<Contact<()>>) {
     let mut end = contacts.len();
     contacts.resize(end + pairs.len(), Contact::default());

@@ -2,7 +2,7 @@
 
 use super::vector::V3;
 use dcd_geom::glam::Vec3;
-use dcd_simd::{IndexRow, Lanes, Row, WIDTH};
+use dcd_simd::{IndexRow, Kernel, Lanes, Row, WIDTH};
 use std::mem::offset_of;
 
 /// Sixteen pairs and what is known of them, row by row. Lengths are metres, in world axes; every
@@ -200,14 +200,9 @@ impl<const R: usize> PacketQueue<R> {
     /// Appends the pairs of the packet set in `keep`. The queue must have space: [`PacketQueue::has`] no whole packet.
     #[inline(always)]
     pub(super) fn push<L: Lanes>(&mut self, l: L, packet: &PairPacket, keep: u32) {
-        let at = self.len.min(WIDTH);
-        l.compress_to_u(keep, l.load_u(&packet.number), &mut self.number, at);
-        l.compress_to_u(keep, l.load_u(&packet.a), &mut self.a, at);
-        l.compress_to_u(keep, l.load_u(&packet.b), &mut self.b, at);
-        for row in 0..R {
-            l.compress_to(keep, l.load(&packet.rows[row]), &mut self.rows[row], at);
+        if keep != 0 {
+            l.call(Push { queue: self, packet, keep });
         }
-        self.len += keep.count_ones() as usize;
     }
 
     /// Moves the last pairs into the packet, sixteen or all there are, and returns how many. The
@@ -224,6 +219,30 @@ impl<const R: usize> PacketQueue<R> {
         let taken = self.len - at;
         self.len = at;
         taken
+    }
+}
+
+/// [`PacketQueue::push`], compiled once a path.
+struct Push<'a, const R: usize> {
+    queue: &'a mut PacketQueue<R>,
+    packet: &'a PairPacket,
+    keep: u32,
+}
+
+impl<const R: usize> Kernel for Push<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Self { queue, packet, keep } = self;
+        let at = queue.len.min(WIDTH);
+        l.compress_to_u(keep, l.load_u(&packet.number), &mut queue.number, at);
+        l.compress_to_u(keep, l.load_u(&packet.a), &mut queue.a, at);
+        l.compress_to_u(keep, l.load_u(&packet.b), &mut queue.b, at);
+        for row in 0..R {
+            l.compress_to(keep, l.load(&packet.rows[row]), &mut queue.rows[row], at);
+        }
+        queue.len += keep.count_ones() as usize;
     }
 }
 

@@ -19,6 +19,7 @@ pub(super) struct ScenePairs<'a> {
 const AHEAD: [usize; 3] = [3, 6, 9];
 
 impl<'a> ScenePairs<'a> {
+    #[inline(always)]
     pub(super) fn posed(&self, pair: Pair) -> [PosedShape<'a>; 2] {
         let [a, b] = self.scenes;
         [PosedShape::of(a, pair.i), PosedShape::of(b, pair.j)]

@@ -2,7 +2,7 @@
 
 use super::frame::SimdFrame;
 use super::vector::V3;
-use dcd_simd::{IndexRow, Lanes, Row, WIDTH};
+use dcd_simd::{IndexRow, Kernel, Lanes, Row, WIDTH};
 
 /// What [`supports`] writes on its way; kept, so that it need not be cleared.
 #[derive(Clone, Debug, Default)]
@@ -13,6 +13,9 @@ pub(super) struct SupportScratch {
     first: IndexRow,
     /// The mask of the bits that carry a vertex's number.
     tag: IndexRow,
+    /// What was found.
+    points: [Row; 3],
+    numbers: IndexRow,
 }
 
 /// For each of the first `used` lanes, a farthest rotated vertex of that lane's object along its
@@ -30,31 +33,58 @@ pub(super) fn supports<L: Lanes>(
 ) -> (V3<L>, L::U) {
     let mut d = [Row::default(); 3];
     directions.store(l, &mut d);
-    let numbers = l.lane_numbers();
-    let later = l.add_u(numbers, l.splat_u(WIDTH as u32));
-    let (records, blocks) = (frame.records(), frame.blocks());
-    for k in 0..used.min(WIDTH) {
-        let record = &records[objects.0[k] as usize];
-        support_scratch.first.0[k] = record.first;
-        support_scratch.tag.0[k] = record.tag.into();
-        let d = V3::<L>(l.splat(d[0].0[k]), l.splat(d[1].0[k]), l.splat(d[2].0[k]));
-        let tag = l.splat_u(record.tag.into());
-        let own = &blocks[record.first as usize..][..usize::from(record.blocks)];
-        let Some((block, rest)) = own.split_first() else { continue };
-        let mut best = l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers);
-        // Most hulls have two blocks.
-        if let Some((block, rest)) = rest.split_first() {
-            best = l.max(best, l.tag(V3::load(l, &block.0).dot(l, d), tag, later));
-            let mut numbers = later;
-            for block in rest {
-                numbers = l.add_u(numbers, l.splat_u(WIDTH as u32));
-                best = l.max(best, l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers));
+    l.call(Supports {
+        frame,
+        support_scratch: &mut *support_scratch,
+        objects,
+        directions: &d,
+        used,
+    });
+    (V3::load(l, &support_scratch.points), l.load_u(&support_scratch.numbers))
+}
+
+/// [`supports`], compiled once a path: every stage needs it, and it is most of what a stage would take to compile.
+struct Supports<'a> {
+    frame: &'a SimdFrame,
+    support_scratch: &'a mut SupportScratch,
+    objects: &'a IndexRow,
+    directions: &'a [Row; 3],
+    used: usize,
+}
+
+impl Kernel for Supports<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Self { frame, support_scratch, objects, directions: d, used } = self;
+        let numbers = l.lane_numbers();
+        let later = l.add_u(numbers, l.splat_u(WIDTH as u32));
+        let (records, blocks) = (frame.records(), frame.blocks());
+        for k in 0..used.min(WIDTH) {
+            let record = &records[objects.0[k] as usize];
+            support_scratch.first.0[k] = record.first;
+            support_scratch.tag.0[k] = record.tag.into();
+            let d = V3::<L>(l.splat(d[0].0[k]), l.splat(d[1].0[k]), l.splat(d[2].0[k]));
+            let tag = l.splat_u(record.tag.into());
+            let own = &blocks[record.first as usize..][..usize::from(record.blocks)];
+            let Some((block, rest)) = own.split_first() else { continue };
+            let mut best = l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers);
+            // Most hulls have two blocks.
+            if let Some((block, rest)) = rest.split_first() {
+                best = l.max(best, l.tag(V3::load(l, &block.0).dot(l, d), tag, later));
+                let mut numbers = later;
+                for block in rest {
+                    numbers = l.add_u(numbers, l.splat_u(WIDTH as u32));
+                    best = l.max(best, l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers));
+                }
             }
+            l.store(best, &mut support_scratch.along[k]);
         }
-        l.store(best, &mut support_scratch.along[k]);
+        let number =
+            l.tag_of(l.largest_of_each(&support_scratch.along), l.load_u(&support_scratch.tag));
+        let [x, y, z] = l.pick(frame.blocks(), l.load_u(&support_scratch.first), number);
+        V3::<L>(x, y, z).store(l, &mut support_scratch.points);
+        l.store_u(number, &mut support_scratch.numbers);
     }
-    let number =
-        l.tag_of(l.largest_of_each(&support_scratch.along), l.load_u(&support_scratch.tag));
-    let [x, y, z] = l.pick(frame.blocks(), l.load_u(&support_scratch.first), number);
-    (V3(x, y, z), number)
 }

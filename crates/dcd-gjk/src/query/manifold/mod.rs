@@ -300,6 +300,7 @@ fn in_order(
 }
 
 /// Of two spheres.
+#[inline]
 fn of_spheres(depth: Depth) -> Manifold {
     of_one_point(depth, [Feature::Vertex(0); 2])
 }
@@ -374,6 +375,7 @@ fn write_in_order(
 }
 
 /// The witnesses of the depth alone.
+#[inline]
 fn of_one_point(depth: Depth, features: [Feature; 2]) -> Manifold {
     let Depth { depth, normal, point_a, point_b, error_bound } = depth;
     let mut points = [ManifoldPoint::default(); 4];

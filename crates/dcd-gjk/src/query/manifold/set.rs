@@ -61,6 +61,7 @@ impl ManifoldSet {
 }
 
 impl From<Manifold> for ManifoldSet {
+    #[inline]
     fn from(manifold: Manifold) -> Self {
         Self(Held::One(manifold))
     }
