@@ -321,6 +321,7 @@ fn radius(side: &MovingShape<'_>) -> f64 {
 
 mod advance;
 mod cast;
+mod supports;
 mod swept;
 #[cfg(test)]
 pub(crate) mod tests;

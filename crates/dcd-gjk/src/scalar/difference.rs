@@ -181,6 +181,11 @@ where
         direction.dot(self.delta) + (a - b)
     }
 
+    /// The rotations of A and B.
+    pub(crate) fn rotations(&self) -> [R::Mat3; 2] {
+        [self.rotation_a, self.rotation_b]
+    }
+
     /// The pair's size m, scaled: κ_A·r_A + κ_B·r_B + |δt|₁, in [½, 1) but for rounding up.
     pub fn size(&self) -> R {
         self.size
@@ -215,6 +220,13 @@ where
     /// The sum of the support errors, scaled.
     pub fn support_error(&self) -> R {
         (self.a.support_error() + self.b.support_error()) * self.scale
+    }
+}
+
+impl<'a, R: Real, S: ?Sized> Difference<'a, R, S, S> {
+    /// The support maps of A and B.
+    pub(crate) fn maps(&self) -> [&'a S; 2] {
+        [self.a, self.b]
     }
 }
 

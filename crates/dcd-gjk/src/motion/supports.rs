@@ -1,0 +1,141 @@
+//! Supports of two polytopes, sixteen vertices at a time in f32.
+//!
+//! [`Approximate`] reads the f32 vertices alone: for searches, which prove nothing. [`Exact`] compares in f64 those
+//! vertices that f32 leaves, most often one: the same bits as all vertices in f64 (docs/numerics/queries.md, "supports
+//! by lanes").
+
+use crate::{Difference, Vertex};
+use dcd_geom::glam::{DMat3, DVec3};
+use dcd_geom::{Polytope, Support, SupportMap};
+use dcd_simd::{Block, Lanes, WIDTH};
+
+/// What a product of a direction and a vertex, both rounded to f32, loses, and half of what the threshold below it
+/// does: five roundings and one half. Unit: 2⁻²⁴ of the direction's length by the outer radius. Smaller: another vertex
+/// than the farthest. Larger: more vertices are compared in f64.
+const LOST: f64 = 6.0 * (f32::EPSILON as f64 / 2.0);
+
+/// What the same product loses in f64. Unit: 2⁻⁵³ of the direction's length by the reach.
+const LOST_IN_F64: f64 = 8.0 * (f64::EPSILON / 2.0);
+
+pub(super) type Polytopes<'b> = Difference<'b, f64, Polytope, Polytope>;
+
+/// How the vertex of a difference that is lowest along a direction is found.
+pub(super) trait Lowest {
+    /// The vertex, and the separation there, scaled. The direction's largest component is 1.
+    fn lowest(&self, direction: DVec3) -> (Vertex<f64>, f64);
+}
+
+/// As [`Difference::lowest`], bit for bit.
+pub(super) struct Exact<'a, 'b, L> {
+    pub(super) lanes: L,
+    pub(super) difference: &'a Polytopes<'b>,
+}
+
+impl<L: Lanes> Lowest for Exact<'_, '_, L> {
+    #[inline(always)]
+    fn lowest(&self, direction: DVec3) -> (Vertex<f64>, f64) {
+        let [a, b] = self.difference.maps();
+        let [in_a, in_b] = self.difference.to_local(direction);
+        let (a, b) = (farthest(self.lanes, a, -in_a), farthest(self.lanes, b, in_b));
+        let vertex = Vertex { w: self.difference.world(a.point, b.point), a, b };
+        (vertex, self.difference.separation(direction, &vertex))
+    }
+}
+
+/// A vertex near the lowest, by f32 alone. Decides the way of a search, never an answer.
+pub(super) struct Approximate<'a, 'b, L> {
+    lanes: L,
+    difference: &'a Polytopes<'b>,
+    middle: DVec3,
+    scaled: [DMat3; 2],
+}
+
+impl<'a, 'b, L: Lanes> Approximate<'a, 'b, L> {
+    /// `None` where neither has its vertices in blocks.
+    #[inline(always)]
+    pub(super) fn of(lanes: L, difference: &'a Polytopes<'b>) -> Option<Self> {
+        if difference.maps().iter().all(|polytope| polytope.blocks().is_empty()) {
+            return None;
+        }
+        let scaled = difference.rotations().map(|rotation| rotation * difference.scale());
+        Some(Self { lanes, difference, middle: difference.middle(), scaled })
+    }
+}
+
+impl<L: Lanes> Lowest for Approximate<'_, '_, L> {
+    #[inline(always)]
+    fn lowest(&self, direction: DVec3) -> (Vertex<f64>, f64) {
+        let [a, b] = self.difference.maps();
+        let [in_a, in_b] = self.difference.to_local(direction);
+        let (a, b) = (nearly_farthest(self.lanes, a, -in_a), nearly_farthest(self.lanes, b, in_b));
+        let w = (self.scaled[0] * a.point - self.scaled[1] * b.point) + self.middle;
+        (Vertex { w, a, b }, direction.dot(w))
+    }
+}
+
+/// Sixteen products of vertices and a direction, each rounded twice: the same bits on every path.
+#[inline(always)]
+fn along<L: Lanes>(l: L, block: &Block, d: &[L::F; 3]) -> L::F {
+    let [x, y, z] = [0, 1, 2].map(|axis| l.mul(l.load(&block.0[axis]), d[axis]));
+    l.add(l.add(x, y), z)
+}
+
+/// A vertex near the farthest, its point relative to the centre of the inscribed sphere.
+#[inline(always)]
+fn nearly_farthest<L: Lanes>(l: L, polytope: &Polytope, direction: DVec3) -> Support<f64> {
+    let blocks = polytope.blocks();
+    if blocks.is_empty() {
+        let found: Support<f64> = polytope.support(direction);
+        return Support { point: found.point - polytope.inner().centre, ..found };
+    }
+    let [x, y, z] = direction.as_vec3().to_array();
+    let d = [l.splat(x), l.splat(y), l.splat(z)];
+    let (mut best, mut of) = (l.splat(f32::MIN), l.splat(0.0));
+    for (number, block) in blocks.iter().enumerate() {
+        let along = along(l, block, &d);
+        let is_farther = l.lt(best, along);
+        best = l.select(is_farther, along, best);
+        of = l.select(is_farther, l.splat(number as f32), of);
+    }
+    let is_farthest = l.le(l.splat(l.largest(best)), best);
+    // Some lane always is, but for NaN.
+    let lane = (l.bits(is_farthest).trailing_zeros() as usize).min(WIDTH - 1);
+    let mut numbers = [0.0; WIDTH];
+    l.store_to(of, &mut numbers);
+    let number = (numbers[lane] as usize).min(blocks.len() - 1);
+    let point = blocks[number].point(lane).as_dvec3();
+    Support { point, feature: (number * WIDTH + lane) as u32 }
+}
+
+/// The farthest vertex in f64, the first among equals.
+#[inline(always)]
+fn farthest<L: Lanes>(l: L, polytope: &Polytope, direction: DVec3) -> Support<f64> {
+    let (blocks, vertices) = (polytope.blocks(), polytope.vertices());
+    if blocks.is_empty() {
+        return polytope.support(direction);
+    }
+    let [x, y, z] = direction.as_vec3().to_array();
+    let d = [l.splat(x), l.splat(y), l.splat(z)];
+    let mut most = along(l, &blocks[0], &d);
+    for block in &blocks[1..] {
+        most = l.max(most, along(l, block, &d));
+    }
+    let size = direction.abs().element_sum();
+    let lost = size * (LOST * polytope.outer_radius() + LOST_IN_F64 * polytope.reach());
+    let least = f64::from(l.largest(most)) - 2.0 * lost;
+    let least = l.splat(least as f32 - f32::MIN_POSITIVE);
+    let (mut best, mut farthest) = (0, f64::MIN);
+    for (number, block) in blocks.iter().enumerate() {
+        let mut bits = l.bits(l.le(least, along(l, block, &d))) & 0xffff;
+        while bits != 0 {
+            // The last block is filled up with the last vertex.
+            let k = (number * WIDTH + bits.trailing_zeros() as usize).min(vertices.len() - 1);
+            bits &= bits - 1;
+            let along = vertices[k].dot(direction);
+            if along > farthest {
+                (best, farthest) = (k, along);
+            }
+        }
+    }
+    Support { point: vertices[best], feature: best as u32 }
+}
