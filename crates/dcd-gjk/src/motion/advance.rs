@@ -8,6 +8,7 @@
 //! meets first. So a gap is also proved at a later time along the same direction; in between it is at least that of
 //! the chord less what the paths bend.
 
+use super::supports::lowest;
 use super::{Closing, MovingShape, cast};
 use crate::certificate::{Bounds, combined_length};
 use crate::distance::{Approach, Distance};
@@ -184,7 +185,7 @@ impl Support {
         bounds: &Bounds<f64>,
         direction: DVec3,
     ) -> Option<Self> {
-        let (vertex, separation) = difference.lowest(direction);
+        let (vertex, separation) = lowest(difference, direction);
         let lower = bounds.lower_bound(direction, separation);
         let gap = (lower - bounds.swept_upper()).next_down() / difference.scale();
         gap.is_finite().then_some(Self { vertex, lower, gap })

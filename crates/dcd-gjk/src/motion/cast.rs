@@ -133,7 +133,9 @@ impl Kernel for &Line<'_, '_> {
             .and_then(|supports| self.search(&supports, self.near.max(WITHIN_IN_F32)));
         let found = match known {
             Some((_, Some(corners))) => {
-                self.face(&exact, corners.map(|known| self.corner(&known.vertex)), self.near)
+                let [p, q, r] = &corners;
+                let corners = [self.corner(p), self.corner(q), self.corner(r)];
+                self.face(&exact, corners, self.near)
             }
             Some((End { direction, .. }, None)) => {
                 self.lowest(&exact, direction).err().map(|end| (end, None))
@@ -186,7 +188,7 @@ impl<'a, 'b> Line<'a, 'b> {
     }
 
     /// The corner in f64 of a vertex that is known by its features.
-    fn corner(&self, known: &Vertex<f64>) -> Corner {
+    fn corner(&self, Corner { vertex: known, .. }: &Corner) -> Corner {
         let [a, b] = self.difference.maps();
         let at = |polytope: &Polytope, known: Support<f64>| {
             // A number of that polytope.
@@ -254,7 +256,7 @@ impl<'a, 'b> Line<'a, 'b> {
         near: f64,
     ) -> Option<(End, Option<[Corner; 3]>)> {
         for _ in 0..SUPPORTS {
-            let [p, q, r] = corners.map(|corner| corner.vertex.w);
+            let [p, q, r] = [corners[0].vertex.w, corners[1].vertex.w, corners[2].vertex.w];
             let direction = unit::<f64>((r - p).cross(q - p).to_array())?;
             let (corner, separation) = match self.lowest(supports, direction) {
                 Ok(found) => found,
@@ -270,7 +272,10 @@ impl<'a, 'b> Line<'a, 'b> {
             if is_known || height <= near * slope {
                 return Some((End { direction, separation }, Some(corners)));
             }
-            let side = corners.map(|known| corner.at.perp_dot(known.at));
+            let mut side = [0.0; 3];
+            for (side, known) in side.iter_mut().zip(&corners) {
+                *side = corner.at.perp_dot(known.at);
+            }
             let k = (0..3).find(|&k| side[k] >= 0.0 && side[(k + 1) % 3] <= 0.0)?;
             corners = [corner, corners[k], corners[(k + 1) % 3]];
         }

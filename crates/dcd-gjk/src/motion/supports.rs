@@ -6,8 +6,8 @@
 
 use crate::{Difference, Vertex};
 use dcd_geom::glam::{DMat3, DVec3};
-use dcd_geom::{Polytope, Support, SupportMap};
-use dcd_simd::{Block, Lanes, WIDTH};
+use dcd_geom::{Polytope, Shape, Support, SupportMap};
+use dcd_simd::{Block, Kernel, Lanes, WIDTH, dispatch};
 
 /// What a product of a direction and a vertex, both rounded to f32, loses, and half of what the threshold below it
 /// does: five roundings and one half. Unit: 2⁻²⁴ of the direction's length by the outer radius. Smaller: another vertex
@@ -19,6 +19,60 @@ const LOST_IN_F64: f64 = 8.0 * (f64::EPSILON / 2.0);
 
 pub(super) type Polytopes<'b> = Difference<'b, f64, Polytope, Polytope>;
 
+/// A support map that may have its vertices in blocks.
+pub(super) trait InBlocks: SupportMap<f64> {
+    /// The polytope that it is.
+    fn polytope(&self) -> Option<&Polytope>;
+}
+
+impl InBlocks for Polytope {
+    #[inline(always)]
+    fn polytope(&self) -> Option<&Polytope> {
+        Some(self)
+    }
+}
+
+impl InBlocks for Shape {
+    #[inline(always)]
+    fn polytope(&self) -> Option<&Polytope> {
+        match self {
+            Self::Polytope(polytope) => Some(polytope),
+            _ => None,
+        }
+    }
+}
+
+/// [`Difference::lowest`], by lanes where that is quicker.
+pub(super) fn lowest<S: InBlocks>(
+    difference: &Difference<'_, f64, S, S>,
+    direction: DVec3,
+) -> (Vertex<f64>, f64) {
+    let [a, b] = difference.maps();
+    if has_blocks(a) || has_blocks(b) {
+        dispatch(LowestVertex { difference, direction })
+    } else {
+        difference.lowest(direction)
+    }
+}
+
+fn has_blocks(map: &impl InBlocks) -> bool {
+    map.polytope().is_some_and(|polytope| !polytope.blocks().is_empty())
+}
+
+struct LowestVertex<'a, 'b, S> {
+    difference: &'a Difference<'b, f64, S, S>,
+    direction: DVec3,
+}
+
+impl<S: InBlocks> Kernel for LowestVertex<'_, '_, S> {
+    type Output = (Vertex<f64>, f64);
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> Self::Output {
+        Exact { lanes, difference: self.difference }.lowest(self.direction)
+    }
+}
+
 /// How the vertex of a difference that is lowest along a direction is found.
 pub(super) trait Lowest {
     /// The vertex, and the separation there, scaled. The direction's largest component is 1.
@@ -26,12 +80,12 @@ pub(super) trait Lowest {
 }
 
 /// As [`Difference::lowest`], bit for bit.
-pub(super) struct Exact<'a, 'b, L> {
+pub(super) struct Exact<'a, 'b, L, S> {
     pub(super) lanes: L,
-    pub(super) difference: &'a Polytopes<'b>,
+    pub(super) difference: &'a Difference<'b, f64, S, S>,
 }
 
-impl<L: Lanes> Lowest for Exact<'_, '_, L> {
+impl<L: Lanes, S: InBlocks> Lowest for Exact<'_, '_, L, S> {
     #[inline(always)]
     fn lowest(&self, direction: DVec3) -> (Vertex<f64>, f64) {
         let [a, b] = self.difference.maps();
@@ -54,11 +108,13 @@ impl<'a, 'b, L: Lanes> Approximate<'a, 'b, L> {
     /// `None` where neither has its vertices in blocks.
     #[inline(always)]
     pub(super) fn of(lanes: L, difference: &'a Polytopes<'b>) -> Option<Self> {
-        if difference.maps().iter().all(|polytope| polytope.blocks().is_empty()) {
+        let [a, b] = difference.maps();
+        if a.blocks().is_empty() && b.blocks().is_empty() {
             return None;
         }
-        let scaled = difference.rotations().map(|rotation| rotation * difference.scale());
-        Some(Self { lanes, difference, middle: difference.middle(), scaled })
+        let ([of_a, of_b], scale) = (difference.rotations(), difference.scale());
+        let (middle, scaled) = (difference.middle(), [of_a * scale, of_b * scale]);
+        Some(Self { lanes, difference, middle, scaled })
     }
 }
 
@@ -76,7 +132,8 @@ impl<L: Lanes> Lowest for Approximate<'_, '_, L> {
 /// Sixteen products of vertices and a direction, each rounded twice: the same bits on every path.
 #[inline(always)]
 fn along<L: Lanes>(l: L, block: &Block, d: &[L::F; 3]) -> L::F {
-    let [x, y, z] = [0, 1, 2].map(|axis| l.mul(l.load(&block.0[axis]), d[axis]));
+    let Block([x, y, z]) = block;
+    let (x, y, z) = (l.mul(l.load(x), d[0]), l.mul(l.load(y), d[1]), l.mul(l.load(z), d[2]));
     l.add(l.add(x, y), z)
 }
 
@@ -109,15 +166,14 @@ fn nearly_farthest<L: Lanes>(l: L, polytope: &Polytope, direction: DVec3) -> Sup
 
 /// The farthest vertex in f64, the first among equals.
 #[inline(always)]
-fn farthest<L: Lanes>(l: L, polytope: &Polytope, direction: DVec3) -> Support<f64> {
+fn farthest<L: Lanes>(l: L, map: &impl InBlocks, direction: DVec3) -> Support<f64> {
+    let Some(polytope) = map.polytope() else { return map.support(direction) };
     let (blocks, vertices) = (polytope.blocks(), polytope.vertices());
-    if blocks.is_empty() {
-        return polytope.support(direction);
-    }
+    let Some((first, rest)) = blocks.split_first() else { return polytope.support(direction) };
     let [x, y, z] = direction.as_vec3().to_array();
     let d = [l.splat(x), l.splat(y), l.splat(z)];
-    let mut most = along(l, &blocks[0], &d);
-    for block in &blocks[1..] {
+    let mut most = along(l, first, &d);
+    for block in rest {
         most = l.max(most, along(l, block, &d));
     }
     let size = direction.abs().element_sum();

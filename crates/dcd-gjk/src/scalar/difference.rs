@@ -168,7 +168,8 @@ where
 
     /// A world direction in the frames of A and B: Rᵀd of each.
     pub(crate) fn to_local(&self, direction: R::Vec3) -> [R::Vec3; 2] {
-        [self.rotation_a, self.rotation_b].map(|r| r.transform_transposed(direction))
+        let of_a = self.rotation_a.transform_transposed(direction);
+        [of_a, self.rotation_b.transform_transposed(direction)]
     }
 
     /// The separation s = min over A − B of d·w, evaluated as d·δt + min (Rᵀd)·a − max (Rᵀd)·b on
