@@ -128,7 +128,7 @@ fn arm(side: MovingShape<'_>, pose: &Pose, point: DVec3) -> DVec3 {
 ///
 /// With gaps g₀ and g₁ at the ends and paths whose second derivative along it is at most c, the gap at a share s of the
 /// duration T between is at least (1 − s)·g₀ + s·g₁ − ½·c·T²·s·(1 − s): above 0 where ½·c·T² ≤ g₀ and g₁ > 0.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Leap {
     direction: DVec3,
     from: f64,
@@ -317,5 +317,46 @@ impl<'a, 'b> Search<'a, 'b> {
             }
             _ => false,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The least of a gap that bends as much as it may between two others, sampled.
+    fn least(leap: &Leap, gap: f64) -> f64 {
+        let duration = leap.to - leap.from;
+        let bend = 0.5 * leap.bending * duration * duration;
+        let at = |s: f64| (1.0 - s) * leap.gap + s * gap - bend * s * (1.0 - s);
+        (0..=1000).map(|k| at(f64::from(k) / 1000.0)).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn a_leap_is_proved_only_where_the_gap_cannot_close_on_its_way() {
+        let direction = DVec3::X;
+        let [mut proved, mut open] = [0; 2];
+        for bending in [0.1, 1.0, 2.0, 8.0, 32.0] {
+            for duration in [0.1, 0.5, 1.0, 2.0] {
+                let leap = Leap {
+                    direction,
+                    from: 3.0,
+                    to: 3.0 + duration,
+                    gap: 1.0,
+                    left: 0.01,
+                    bending,
+                    otherwise: 3.0,
+                    tries: TRIES,
+                };
+                for gap in [-0.5, 0.0, 1e-9, 0.1, 1.0, f64::NAN] {
+                    let is_proved = leap.is_proved_by(gap);
+                    assert!(!is_proved || least(&leap, gap) > 0.0, "{bending} {duration} {gap}");
+                    *(if is_proved { &mut proved } else { &mut open }) += 1;
+                    let shorter = leap.shorter(gap).expect("the first try");
+                    assert!(shorter.to > leap.from && shorter.to < leap.to, "{shorter:?}");
+                }
+            }
+        }
+        assert!(proved > 10 && open > 10, "{proved} {open}");
     }
 }

@@ -195,3 +195,74 @@ fn farthest<L: Lanes>(l: L, map: &impl InBlocks, direction: DVec3) -> Support<f6
     }
     Support { point: vertices[best], feature: best as u32 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::PosedSupport;
+    use crate::gjk::unit;
+    use crate::motion::tests::Draw;
+    use dcd_geom::Pose;
+    use dcd_geom::glam::DQuat;
+    use dcd_simd::{Path, dispatch_on};
+
+    struct ByF32<'a, 'b>(&'a Polytopes<'b>, DVec3);
+
+    impl Kernel for ByF32<'_, '_> {
+        type Output = Option<(Vertex<f64>, f64)>;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, lanes: L) -> Self::Output {
+            Some(Approximate::of(lanes, self.0)?.lowest(self.1))
+        }
+    }
+
+    fn polytope(draw: &mut Draw, k: usize) -> Polytope {
+        // Every other one with ties, a third far from its own origin, some without blocks.
+        let from = [DVec3::ZERO, DVec3::ZERO, DVec3::splat(1e7)][k % 3];
+        let scale = [1.0, 1e-4, 1e4][k / 2 % 3];
+        let points = (0..4 + k % 90).map(|_| {
+            let point = draw.vector();
+            scale * (from + if k % 2 == 0 { (point * 3.0).round() } else { point })
+        });
+        Polytope::hull(points.collect()).unwrap()
+    }
+
+    #[test]
+    fn lanes_find_the_vertex_that_all_in_f64_would_and_the_same_one_on_every_path() {
+        let seed = std::env::var("DCD_SEED").map_or(5, |seed| seed.parse().expect("a seed"));
+        let mut draw = Draw(seed);
+        let mut in_f32 = 0;
+        for k in 0..1500 {
+            let (a, b) = (polytope(&mut draw, k), polytope(&mut draw, k / 7));
+            let turn = DQuat::from_scaled_axis(draw.vector() * f64::from(k as u32 % 4));
+            let (pose_a, pose_b) = (
+                Pose::new(turn.normalize(), draw.vector()).unwrap(),
+                Pose::from_translation(draw.vector()).unwrap(),
+            );
+            let posed = (PosedSupport::polytope(&a, &pose_a), PosedSupport::polytope(&b, &pose_b));
+            let difference = Difference::new(posed.0, posed.1).unwrap();
+            for j in 0..6 {
+                let along = if j == 0 { DVec3::Y } else { draw.vector() };
+                let along = if j % 2 == 0 { turn * along.round() } else { along };
+                let Some(direction) = unit::<f64>(along.to_array()) else { continue };
+                let expected = difference.lowest(direction);
+                let first = dispatch(ByF32(&difference, direction));
+                for path in Path::ALL {
+                    let kernel = LowestVertex { difference: &difference, direction };
+                    assert_eq!(dispatch_on(path, kernel), expected, "{seed} {k} {path:?}");
+                    assert_eq!(
+                        dispatch_on(path, ByF32(&difference, direction)),
+                        first,
+                        "{seed} {k}"
+                    );
+                }
+                if let Some((_, separation)) = first {
+                    in_f32 += 1;
+                    assert!((separation - expected.1).abs() < 1e-6, "{seed} {k}");
+                }
+            }
+        }
+        assert!(in_f32 > 1000, "{in_f32}");
+    }
+}
