@@ -272,10 +272,8 @@ impl<'a, 'b> Line<'a, 'b> {
             if is_known || height <= near * slope {
                 return Some((End { direction, separation }, Some(corners)));
             }
-            let mut side = [0.0; 3];
-            for (side, known) in side.iter_mut().zip(&corners) {
-                *side = corner.at.perp_dot(known.at);
-            }
+            let side = |k: usize| corner.at.perp_dot(corners[k].at);
+            let side = [side(0), side(1), side(2)];
             let k = (0..3).find(|&k| side[k] >= 0.0 && side[(k + 1) % 3] <= 0.0)?;
             corners = [corner, corners[k], corners[(k + 1) % 3]];
         }

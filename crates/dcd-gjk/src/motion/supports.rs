@@ -5,7 +5,7 @@
 //! by lanes").
 
 use crate::{Difference, Vertex};
-use dcd_geom::glam::{DMat3, DVec3};
+use dcd_geom::glam::{DMat3, DVec3, Mat3, Vec3};
 use dcd_geom::{Polytope, Shape, Support, SupportMap};
 use dcd_simd::{Block, Kernel, Lanes, WIDTH, dispatch};
 
@@ -97,33 +97,37 @@ impl<L: Lanes, S: InBlocks> Lowest for Exact<'_, '_, L, S> {
 }
 
 /// A vertex near the lowest, by f32 alone. Decides the way of a search, never an answer.
-pub(super) struct Approximate<'a, 'b, L> {
+pub(super) struct Approximate<'b, L> {
     lanes: L,
-    difference: &'a Polytopes<'b>,
+    maps: [&'b Polytope; 2],
     middle: DVec3,
     scaled: [DMat3; 2],
+    rotations: [Mat3; 2],
 }
 
-impl<'a, 'b, L: Lanes> Approximate<'a, 'b, L> {
+impl<'b, L: Lanes> Approximate<'b, L> {
     /// `None` where neither has its vertices in blocks.
     #[inline(always)]
-    pub(super) fn of(lanes: L, difference: &'a Polytopes<'b>) -> Option<Self> {
-        let [a, b] = difference.maps();
+    pub(super) fn of(lanes: L, difference: &Polytopes<'b>) -> Option<Self> {
+        let maps @ [a, b] = difference.maps();
         if a.blocks().is_empty() && b.blocks().is_empty() {
             return None;
         }
         let ([of_a, of_b], scale) = (difference.rotations(), difference.scale());
         let (middle, scaled) = (difference.middle(), [of_a * scale, of_b * scale]);
-        Some(Self { lanes, difference, middle, scaled })
+        let rotations = [of_a.as_mat3(), of_b.as_mat3()];
+        Some(Self { lanes, maps, middle, scaled, rotations })
     }
 }
 
-impl<L: Lanes> Lowest for Approximate<'_, '_, L> {
+impl<L: Lanes> Lowest for Approximate<'_, L> {
     #[inline(always)]
     fn lowest(&self, direction: DVec3) -> (Vertex<f64>, f64) {
-        let [a, b] = self.difference.maps();
-        let [in_a, in_b] = self.difference.to_local(direction);
-        let (a, b) = (nearly_farthest(self.lanes, a, -in_a), nearly_farthest(self.lanes, b, in_b));
+        let ([a, b], [of_a, of_b]) = (self.maps, &self.rotations);
+        let d = direction.as_vec3();
+        let in_a = -Vec3::new(of_a.x_axis.dot(d), of_a.y_axis.dot(d), of_a.z_axis.dot(d));
+        let in_b = Vec3::new(of_b.x_axis.dot(d), of_b.y_axis.dot(d), of_b.z_axis.dot(d));
+        let (a, b) = (nearly_farthest(self.lanes, a, in_a), nearly_farthest(self.lanes, b, in_b));
         let w = (self.scaled[0] * a.point - self.scaled[1] * b.point) + self.middle;
         (Vertex { w, a, b }, direction.dot(w))
     }
@@ -139,13 +143,13 @@ fn along<L: Lanes>(l: L, block: &Block, d: &[L::F; 3]) -> L::F {
 
 /// A vertex near the farthest, its point relative to the centre of the inscribed sphere.
 #[inline(always)]
-fn nearly_farthest<L: Lanes>(l: L, polytope: &Polytope, direction: DVec3) -> Support<f64> {
+fn nearly_farthest<L: Lanes>(l: L, polytope: &Polytope, direction: Vec3) -> Support<f64> {
     let blocks = polytope.blocks();
     if blocks.is_empty() {
-        let found: Support<f64> = polytope.support(direction);
+        let found: Support<f64> = polytope.support(direction.as_dvec3());
         return Support { point: found.point - polytope.inner().centre, ..found };
     }
-    let [x, y, z] = direction.as_vec3().to_array();
+    let [x, y, z] = direction.to_array();
     let d = [l.splat(x), l.splat(y), l.splat(z)];
     let (mut best, mut of) = (l.splat(f32::MIN), l.splat(0.0));
     for (number, block) in blocks.iter().enumerate() {

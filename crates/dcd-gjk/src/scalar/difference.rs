@@ -160,6 +160,7 @@ where
     }
 
     /// The difference's point for a point of A and one of B, scaled.
+    #[inline]
     pub fn world(&self, a: R::Vec3, b: R::Vec3) -> R::Vec3 {
         let a = self.rotation_a.transform(a * self.scale);
         let b = self.rotation_b.transform(b * self.scale);
@@ -167,6 +168,7 @@ where
     }
 
     /// A world direction in the frames of A and B: Rᵀd of each.
+    #[inline]
     pub(crate) fn to_local(&self, direction: R::Vec3) -> [R::Vec3; 2] {
         let of_a = self.rotation_a.transform_transposed(direction);
         [of_a, self.rotation_b.transform_transposed(direction)]
