@@ -4,6 +4,7 @@ use crate::error::check_length;
 use crate::sphere::{Sphere, reach};
 use crate::support::farthest;
 use crate::{FacetPlanes, Facets, ObbBounds, Pose, Real, ShapeError, Support, SupportMap};
+use dcd_simd::{Block, WIDTH};
 use glam::DVec3;
 use std::sync::OnceLock;
 
@@ -49,6 +50,7 @@ pub struct Polytope {
     outer_radius: f64,
     obb: Option<Box<ObbBounds>>,
     reach: f64,
+    blocks: Box<[Block]>,
     facets: OnceLock<Facets>,
     planes: OnceLock<FacetPlanes>,
 }
@@ -184,15 +186,35 @@ impl Polytope {
                 ObbBounds::of_hull(&vertices, inner, outer_radius)
             }
         };
-        Self::with_obb(kind, vertices, inner, obb)
+        Self::with_obb(kind, vertices, inner, obb).with_blocks()
+    }
+
+    /// With [`Polytope::blocks`], where they are worth their memory and f32 has the range.
+    fn with_blocks(mut self) -> Self {
+        let range = WIDEST_IN_F32.recip()..WIDEST_IN_F32;
+        if self.vertices.len() >= MIN_VERTICES_IN_BLOCKS && range.contains(&self.outer_radius) {
+            self.blocks = Block::relative(&self.vertices, self.inner.centre).collect();
+        }
+        self
     }
 
     fn with_obb(kind: Kind, vertices: Vec<DVec3>, inner: Sphere, obb: Option<ObbBounds>) -> Self {
         let outer_radius = Sphere::around(inner.centre, &vertices).radius;
         let obb = obb.map(Box::new);
         let reach = reach(vertices.iter().copied());
-        let (facets, planes) = (OnceLock::new(), OnceLock::new());
-        Self { kind, vertices, radius: 0.0, inner, outer_radius, obb, reach, facets, planes }
+        let (blocks, facets, planes) = (Box::default(), OnceLock::new(), OnceLock::new());
+        Self {
+            kind,
+            vertices,
+            radius: 0.0,
+            inner,
+            outer_radius,
+            obb,
+            reach,
+            blocks,
+            facets,
+            planes,
+        }
     }
 
     /// Its kind and parameters.
@@ -263,7 +285,22 @@ impl Polytope {
     pub fn reach(&self) -> f64 {
         self.reach
     }
+
+    /// The vertices in their order, relative to [`Polytope::inner`]'s centre in f32, metres: sixteen a block, the last
+    /// one filled up with the last vertex. Empty for few vertices, for shapes that are made for one pair, and for sizes
+    /// beyond 2^±40 m.
+    pub fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
 }
+
+/// From how many vertices on a polytope keeps them in f32 as well. Smaller: memory for shapes whose supports are as
+/// quick without.
+const MIN_VERTICES_IN_BLOCKS: usize = WIDTH / 2 + 1;
+
+/// The largest outer radius of a polytope that keeps its vertices in f32, and the reciprocal of the smallest: no product
+/// of a coordinate and a direction comes near the ends of f32. Metres.
+const WIDEST_IN_F32: f64 = (1u64 << 40) as f64;
 
 impl<R: Real> SupportMap<R> for Polytope {
     fn support(&self, direction: R::Vec3) -> Support<R> {
@@ -329,6 +366,22 @@ mod tests {
         assert!(matches!(refused, ShapeError::NotFinite { vertex: 1, .. }));
         let refused = Polytope::capsule(-1.0, 0.5).unwrap_err();
         assert_eq!(refused, ShapeError::BadLength { what: "half height", value: -1.0 });
+    }
+
+    #[test]
+    fn hulls_keep_their_vertices_in_blocks_and_small_shapes_do_not() {
+        let points: Vec<_> = (0..20u32)
+            .map(|k| DVec3::new(f64::from(k), f64::from(k * k % 7), f64::from(k % 3)))
+            .collect();
+        let hull = Polytope::hull(points.clone()).unwrap();
+        assert_eq!(hull.blocks().len(), 2);
+        for (k, point) in points.iter().enumerate() {
+            let relative = hull.blocks()[k / WIDTH].point(k % WIDTH);
+            assert_eq!(relative, (*point - hull.inner().centre).as_vec3());
+        }
+        let cube = Polytope::cuboid(DVec3::ONE).unwrap();
+        let tiny = Polytope::hull(points.iter().map(|p| *p * 1e-30).collect()).unwrap();
+        assert!(cube.blocks().is_empty() && tiny.blocks().is_empty());
     }
 
     #[test]

@@ -9,6 +9,7 @@ use crate::{Accuracy, PosedShape, order};
 use advance::Advance;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Pose, PoseError, Shape};
+use dcd_simd::{WIDTH, prefetch};
 
 /// A rigid motion with constant velocities: at a time t the centre has moved by `linear`·t, and the shape has
 /// turned about it by |`angular`|·t round `angular`.
@@ -31,6 +32,20 @@ pub struct MovingShape<'a> {
     pub shape: &'a Shape,
     /// Its motion.
     pub motion: &'a RigidMotion,
+}
+
+/// How many vertices of a shape are prefetched: those of usual hulls, and not so many that they displace each other.
+const PREFETCHED: usize = 64;
+
+impl MovingShape<'_> {
+    /// Prefetches what a search reads of the shape.
+    fn prefetch(&self) {
+        if let Shape::Polytope(polytope) = self.shape {
+            let (blocks, vertices) = (polytope.blocks(), polytope.vertices());
+            prefetch(&blocks[..blocks.len().min(PREFETCHED / WIDTH)]);
+            prefetch(&vertices[..vertices.len().min(PREFETCHED)]);
+        }
+    }
 }
 
 /// Whether and when two moving shapes meet.
@@ -158,6 +173,7 @@ pub fn time_of_impact(
     until: f64,
     tolerance: f64,
 ) -> Result<Impact, PoseError> {
+    [a, b].iter().for_each(MovingShape::prefetch);
     let closing = Closing::of(a, b);
     let off = 2.0
         * (a.motion.deviation(closing.radii[0], until)
@@ -270,10 +286,14 @@ impl Closing {
         n.dot(self.linear) + turning + 64.0 * U * sizes
     }
 
-    /// Along a direction at the instant, of the points at those arms from the two centres; as computed.
-    fn rate(&self, axis: DVec3, arms: [DVec3; 2]) -> f64 {
-        let [of_a, of_b] = [0, 1].map(|k| self.angular[k].cross(arms[k]));
-        axis.dot(self.linear + of_a - of_b) / axis.length()
+    /// Along a direction at the instant, of the points at those arms from the two centres, and the derivative of that; as
+    /// computed.
+    fn rates(&self, axis: DVec3, arms: [DVec3; 2]) -> [f64; 2] {
+        let ([of_a, of_b], [arm_a, arm_b]) = (self.angular, arms);
+        let (a, b) = (of_a.cross(arm_a), of_b.cross(arm_b));
+        let rate = axis.dot(self.linear + a - b);
+        let faster = axis.dot(of_a.cross(a) - of_b.cross(b));
+        [rate / axis.length(), faster / axis.length()]
     }
 
     /// At most the second derivative along a fixed direction of the distance of two points, one of each: a point at ρ
@@ -321,6 +341,7 @@ fn radius(side: &MovingShape<'_>) -> f64 {
 
 mod advance;
 mod cast;
+mod supports;
 mod swept;
 #[cfg(test)]
 pub(crate) mod tests;

@@ -8,6 +8,7 @@
 //! meets first. So a gap is also proved at a later time along the same direction; in between it is at least that of
 //! the chord less what the paths bend.
 
+use super::supports::lowest;
 use super::{Closing, MovingShape, cast};
 use crate::certificate::{Bounds, combined_length};
 use crate::distance::{Approach, Distance};
@@ -18,7 +19,7 @@ use dcd_geom::{Pose, PoseError, Shape};
 
 /// From which share of the known distance on a gap moves the time at once. No unit. Larger: more supports a time.
 /// Smaller: more times. Decides the way, never the answer.
-const WORTH: f64 = 0.5;
+const WORTH: f64 = 0.8;
 
 /// How many supports are taken. Hulls need some ten. Smaller: more is left to the slower loop behind.
 const SUPPORTS: usize = 64;
@@ -56,19 +57,22 @@ pub(super) fn advance(
         let (posed_a, posed_b) =
             (PosedSupport::shape(a.shape, &pose_a), PosedSupport::shape(b.shape, &pose_b));
         let Some(difference) = Difference::new(posed_a, posed_b) else { break };
-        if let Some(leap) = leap.take() {
+        let mut search = Search::of(&difference);
+        if let Some(tried) = leap.take() {
             supports += 1;
-            let found = Support::along(&difference, &Bounds::of(&difference), leap.direction);
-            if !found.is_some_and(|found| found.gap - off > leap.bend) {
-                t = leap.otherwise;
+            let found = Support::along(&difference, &search.bounds, tried.direction);
+            let gap = found.map_or(f64::NAN, |found| found.gap - off);
+            if !tried.is_proved_by(gap) {
+                leap = tried.shorter(gap);
+                t = if leap.is_some() { t } else { tried.otherwise };
                 continue;
             }
-            if leap.to >= until {
+            if tried.to >= until {
                 return Ok(Advance::Free);
             }
-            t = leap.to;
+            t = tried.to;
         }
-        let mut search = Search::of(&difference, simplex);
+        search.begin_from(simplex);
         let mut next = t;
         loop {
             supports += 1;
@@ -86,8 +90,8 @@ pub(super) fn advance(
                 next = next.max(then);
                 if gap >= WORTH * search.distance() && gap > tolerance {
                     let arms = [arm(a, &pose_a, vertex.a.point), arm(b, &pose_b, vertex.b.point)];
-                    let rate = closing.rate(-direction, arms);
-                    let ahead = Ahead { gap, rate, from: t, until, least: 0.5 * tolerance };
+                    let rates = closing.rates(-direction, arms);
+                    let ahead = Ahead { gap, rates, from: t, until, least: 0.5 * tolerance };
                     leap = ahead.leap(closing, direction, next);
                     break;
                 }
@@ -97,6 +101,7 @@ pub(super) fn advance(
             }
         }
         if leap.is_none()
+            && search.distance() <= tolerance
             && let Some(found) = search.apart([posed_a, posed_b])
             && found.upper() <= tolerance
         {
@@ -120,32 +125,73 @@ fn arm(side: MovingShape<'_>, pose: &Pose, point: DVec3) -> DVec3 {
 }
 
 /// A gap along a direction that is to be proved at a later time as well.
-#[derive(Clone, Copy)]
+///
+/// With gaps g₀ and g₁ at the ends and paths whose second derivative along it is at most c, the gap at a share s of the
+/// duration T between is at least (1 − s)·g₀ + s·g₁ − ½·c·T²·s·(1 − s): above 0 where ½·c·T² ≤ g₀ and g₁ > 0.
+#[derive(Clone, Copy, Debug)]
 struct Leap {
     direction: DVec3,
+    from: f64,
     to: f64,
-    /// What the gaps at both ends have to exceed, metres: how far the paths bend off their chords between them.
-    bend: f64,
+    /// The gap at its beginning, metres.
+    gap: f64,
+    /// The gap that is to be left, metres.
+    left: f64,
+    /// c: at most the second derivative of a distance along the direction.
+    bending: f64,
     /// Until when the speed alone proves that nothing meets.
     otherwise: f64,
+    /// How often it may become shorter.
+    tries: u32,
 }
+
+/// Which part of a gap a leap leaves. Smaller: more leaps fail. Larger: more leaps. Decides the way, never the answer.
+const LEFT: f64 = 1.0 / 512.0;
+
+/// By what factor a leap leads farther than the speed, to be tried.
+const FARTHER: f64 = 1.01;
+
+/// How often a leap that fails is tried again with a shorter time.
+const TRIES: u32 = 3;
+
+impl Leap {
+    /// Whether a gap at its end proves that there is one at all times between.
+    fn is_proved_by(&self, gap: f64) -> bool {
+        let duration = self.to - self.from;
+        let bend = 0.5 * self.bending * duration * duration * (1.0 + 1e-12);
+        // Written so that NaN is no proof.
+        bend <= self.gap && gap > 0.0
+    }
+
+    /// One to where the chord of the gaps leads, after this one was not proved by that gap.
+    fn shorter(&self, gap: f64) -> Option<Self> {
+        let duration = self.to - self.from;
+        let share = (self.gap - self.left) / (self.gap - gap);
+        // Written so that NaN takes the other.
+        let share = if gap < self.left { share } else { SHORTER };
+        Self { to: self.from + share * duration, tries: self.tries.checked_sub(1)?, ..*self }
+            .if_farther()
+    }
+
+    fn if_farther(self) -> Option<Self> {
+        let Self { from, to, otherwise, .. } = self;
+        (to - from > FARTHER * (otherwise - from) && to > from).then_some(self)
+    }
+}
+
+/// By what factor a leap becomes shorter that leaves a gap but bends too much.
+const SHORTER: f64 = 0.7;
 
 /// What is known of the gap along a direction: metres, and metres a unit of time.
 struct Ahead {
     gap: f64,
-    /// At which it closes as far as the points go that are nearest now.
-    rate: f64,
+    /// At which it closes as far as the points go that are nearest now, and the derivative of that.
+    rates: [f64; 2],
     from: f64,
     until: f64,
     /// The gap to be left at the least.
     least: f64,
 }
-
-/// Which part of a gap a leap leaves. Smaller: more leaps fail. Larger: more leaps. Decides the way, never the answer.
-const LEFT: f64 = 1.0 / 32.0;
-
-/// By what factor a leap leads farther than the speed, to be tried.
-const FARTHER: f64 = 1.1;
 
 impl Ahead {
     fn leap(&self, closing: &Closing, direction: DVec3, otherwise: f64) -> Option<Leap> {
@@ -153,18 +199,17 @@ impl Ahead {
         if bending == 0.0 {
             return None;
         }
-        let &Self { gap, rate, from, until, least } = self;
-        let whole = (until - from).min(if rate > 0.0 { gap / rate } else { f64::INFINITY });
-        // A point's path bends by half of that at the most, most often by less.
-        let left = (LEFT * gap).max(least) + 0.25 * bending * whole * whole;
-        let to_left = if rate > 0.0 { (gap - left) / rate } else { f64::INFINITY };
-        // A quarter of the gap for the bend.
-        let step = to_left.min((2.0 * gap / bending).sqrt());
+        let &Self { gap, rates: [rate, faster], from, until, least } = self;
+        let left = (LEFT * gap).max(least).min(0.5 * gap);
+        let way = gap - left;
+        // The points of now close that way after this time, if they do: a quadratic.
+        let root = (rate * rate + 2.0 * faster * way).sqrt();
+        let sum = rate + root;
+        let step = if sum > 0.0 { 2.0 * way / sum } else { f64::INFINITY };
+        // No more bend than the gap's own change.
+        let step = step.min((2.0 * way / bending).sqrt());
         let to = (from + step).min(until);
-        let is_farther = to - from > FARTHER * (otherwise - from) && to > from;
-        let duration = to - from;
-        let bend = 0.125 * bending * duration * duration * (1.0 + 1e-12);
-        (is_farther && gap > bend).then_some(Leap { direction, to, bend, otherwise })
+        Leap { direction, from, to, gap, left, bending, otherwise, tries: TRIES }.if_farther()
     }
 }
 
@@ -184,7 +229,7 @@ impl Support {
         bounds: &Bounds<f64>,
         direction: DVec3,
     ) -> Option<Self> {
-        let (vertex, separation) = difference.lowest(direction);
+        let (vertex, separation) = lowest(difference, direction);
         let lower = bounds.lower_bound(direction, separation);
         let gap = (lower - bounds.swept_upper()).next_down() / difference.scale();
         gap.is_finite().then_some(Self { vertex, lower, gap })
@@ -201,23 +246,25 @@ struct Search<'a, 'b> {
 }
 
 impl<'a, 'b> Search<'a, 'b> {
-    /// From vertices of an earlier time, which are vertices still.
-    fn of(difference: &'a Difference<'b, f64, Shape, Shape>, known: Simplex<f64>) -> Self {
-        let mut search = Self {
+    fn of(difference: &'a Difference<'b, f64, Shape, Shape>) -> Self {
+        Self {
             difference,
             bounds: Bounds::of(difference),
             near: Approach::towards(start::<f64>(difference.middle())),
             newest: None,
             squared: f64::MAX,
-        };
+        }
+    }
+
+    /// Begins at vertices of an earlier time, which are vertices still.
+    fn begin_from(&mut self, known: Simplex<f64>) {
         for vertex in known.vertices() {
-            let w = difference.world(vertex.a.point, vertex.b.point);
-            search.near.simplex.push(Vertex { w, ..*vertex });
+            let w = self.difference.world(vertex.a.point, vertex.b.point);
+            self.near.simplex.push(Vertex { w, ..*vertex });
         }
-        if !search.near.simplex.vertices().is_empty() {
-            search.narrow();
+        if !self.near.simplex.vertices().is_empty() {
+            self.narrow();
         }
-        search
     }
 
     /// Along the direction to the nearest point known.
@@ -270,5 +317,46 @@ impl<'a, 'b> Search<'a, 'b> {
             }
             _ => false,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The least of a gap that bends as much as it may between two others, sampled.
+    fn least(leap: &Leap, gap: f64) -> f64 {
+        let duration = leap.to - leap.from;
+        let bend = 0.5 * leap.bending * duration * duration;
+        let at = |s: f64| (1.0 - s) * leap.gap + s * gap - bend * s * (1.0 - s);
+        (0..=1000).map(|k| at(f64::from(k) / 1000.0)).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn a_leap_is_proved_only_where_the_gap_cannot_close_on_its_way() {
+        let direction = DVec3::X;
+        let [mut proved, mut open] = [0; 2];
+        for bending in [0.1, 1.0, 2.0, 8.0, 32.0] {
+            for duration in [0.1, 0.5, 1.0, 2.0] {
+                let leap = Leap {
+                    direction,
+                    from: 3.0,
+                    to: 3.0 + duration,
+                    gap: 1.0,
+                    left: 0.01,
+                    bending,
+                    otherwise: 3.0,
+                    tries: TRIES,
+                };
+                for gap in [-0.5, 0.0, 1e-9, 0.1, 1.0, f64::NAN] {
+                    let is_proved = leap.is_proved_by(gap);
+                    assert!(!is_proved || least(&leap, gap) > 0.0, "{bending} {duration} {gap}");
+                    *(if is_proved { &mut proved } else { &mut open }) += 1;
+                    let shorter = leap.shorter(gap).expect("the first try");
+                    assert!(shorter.to > leap.from && shorter.to < leap.to, "{shorter:?}");
+                }
+            }
+        }
+        assert!(proved > 10 && open > 10, "{proved} {open}");
     }
 }

@@ -4,15 +4,19 @@
 //! Along v the difference is a polygon: a search in the plane finds three vertices round the ray's line, or a
 //! direction that proves a miss. Supports along the triangle's normal then move it outward until it is a face
 //! (the portals of Snethen, "Xenocollide", Game Programming Gems 7, 2008, round a line in place of a segment).
+//!
+//! Supports in f32 lead to the face or to the direction of a miss; from there on they are f64's.
 
 use super::advance::Advance;
+use super::supports::{Approximate, Exact, Lowest, Polytopes};
 use super::{Closing, MovingShape};
 use crate::certificate::{Bounds, combined_length};
 use crate::distance::{Approach, Distance};
 use crate::gjk::unit;
 use crate::{Difference, PosedSupport, Vertex};
 use dcd_geom::glam::{DVec2, DVec3};
-use dcd_geom::{Polytope, PoseError, Shape};
+use dcd_geom::{Polytope, PoseError, Shape, Support};
+use dcd_simd::{Kernel, Lanes, dispatch};
 
 /// How many supports either half of the search takes. Hulls of some thirty vertices need four and seven. Smaller: more
 /// casts are left to the general search.
@@ -22,7 +26,8 @@ const SUPPORTS: usize = 32;
 /// more supports where many faces are nearly level.
 const WITHIN: f64 = 0.5;
 
-type Polytopes<'b> = Difference<'b, f64, Polytope, Polytope>;
+/// The same where supports are f32's: what these leave. Unit: the pair's size.
+const WITHIN_IN_F32: f64 = 16.0 * (f32::EPSILON as f64 / 2.0);
 
 /// What [`super::advance`] tells, for polytopes without a radius that do not turn; `None` of others, and of those that
 /// overlap as they stand or that rounding leaves open.
@@ -47,7 +52,7 @@ pub(super) fn cast(
     let Some(line) = Line::of(&difference, closing.linear, [until, tolerance]) else {
         return Ok(None);
     };
-    let Some((End { direction, separation }, face)) = line.search() else { return Ok(None) };
+    let Some((End { direction, separation }, face)) = dispatch(&line) else { return Ok(None) };
     let lower = Bounds::of(&difference).lower_bound(direction, separation);
     let gap = lower.next_down() / difference.scale() - off;
     if !(gap > 0.0) {
@@ -118,6 +123,32 @@ struct Line<'a, 'b> {
     near: f64,
 }
 
+impl Kernel for &Line<'_, '_> {
+    type Output = Option<(End, Option<[Corner; 3]>)>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> Self::Output {
+        let exact = Exact { lanes, difference: self.difference };
+        let known = Approximate::of(lanes, self.difference)
+            .and_then(|supports| self.search(&supports, self.near.max(WITHIN_IN_F32)));
+        let found = match known {
+            Some((_, Some(corners))) => {
+                let [p, q, r] = &corners;
+                let corners = [self.corner(p), self.corner(q), self.corner(r)];
+                self.face(&exact, corners, self.near)
+            }
+            Some((End { direction, .. }, None)) => {
+                self.lowest(&exact, direction).err().map(|end| (end, None))
+            }
+            None => None,
+        };
+        match found {
+            None => self.search(&exact, self.near),
+            found => found,
+        }
+    }
+}
+
 impl<'a, 'b> Line<'a, 'b> {
     fn of(
         difference: &'a Polytopes<'b>,
@@ -133,42 +164,66 @@ impl<'a, 'b> Line<'a, 'b> {
 
     /// The end, and the corners of the face that the line passes through; none where it misses the difference, or meets it
     /// after the end of the way.
-    fn search(&self) -> Option<(End, Option<[Corner; 3]>)> {
-        match self.portal()? {
-            Ok(corners) => self.face(corners),
+    #[inline(always)]
+    fn search(&self, supports: &impl Lowest, near: f64) -> Option<(End, Option<[Corner; 3]>)> {
+        match self.portal(supports)? {
+            Ok(corners) => self.face(supports, corners, near),
             Err(end) => Some((end, None)),
         }
     }
 
     /// The corner lowest along a direction, or the end if none is met there before the end of the way.
-    fn lowest(&self, direction: DVec3) -> Result<(Corner, f64), End> {
-        let (vertex, separation) = self.difference.lowest(direction);
+    #[inline(always)]
+    fn lowest(&self, supports: &impl Lowest, direction: DVec3) -> Result<(Corner, f64), End> {
+        let (vertex, separation) = supports.lowest(direction);
         if separation > 0.0 && separation > -direction.dot(self.along) * self.way {
             return Err(End { direction, separation });
         }
+        Ok((self.seen(vertex), separation))
+    }
+
+    fn seen(&self, vertex: Vertex<f64>) -> Corner {
         let at = DVec2::new(self.axes[0].dot(vertex.w), self.axes[1].dot(vertex.w));
-        Ok((Corner { vertex, at }, separation))
+        Corner { vertex, at }
+    }
+
+    /// The corner in f64 of a vertex that is known by its features.
+    fn corner(&self, Corner { vertex: known, .. }: &Corner) -> Corner {
+        let [a, b] = self.difference.maps();
+        let at = |polytope: &Polytope, known: Support<f64>| {
+            // A number of that polytope.
+            let point = polytope.vertices()[known.feature as usize];
+            Support { point, ..known }
+        };
+        let (a, b) = (at(a, known.a), at(b, known.b));
+        self.seen(Vertex { w: self.difference.world(a.point, b.point), a, b })
     }
 
     /// The same along a direction across the line.
-    fn lowest_across(&self, direction: DVec2) -> Option<Result<Corner, End>> {
+    #[inline(always)]
+    fn lowest_across(
+        &self,
+        supports: &impl Lowest,
+        direction: DVec2,
+    ) -> Option<Result<Corner, End>> {
         let [x, y] = self.axes;
         let direction = unit::<f64>((x * direction.x + y * direction.y).to_array())?;
-        Some(self.lowest(direction).map(|(corner, _)| corner))
+        Some(self.lowest(supports, direction).map(|(corner, _)| corner))
     }
 
     /// Three corners round the line, counter-clockwise as seen against the velocity.
     ///
     /// The corner in front stays; the two others turn about it until the line is between them and then move outward.
-    fn portal(&self) -> Option<Result<[Corner; 3], End>> {
-        let front = match self.lowest(-self.along) {
+    #[inline(always)]
+    fn portal(&self, supports: &impl Lowest) -> Option<Result<[Corner; 3], End>> {
+        let front = match self.lowest(supports, -self.along) {
             Ok((front, _)) => front,
             Err(end) => return Some(Err(end)),
         };
         let mut sides: [Option<Corner>; 2] = [None; 2];
         let mut outward = -front.at;
         for _ in 0..SUPPORTS {
-            let corner = match self.lowest_across(-outward)? {
+            let corner = match self.lowest_across(supports, -outward)? {
                 Ok(corner) => corner,
                 Err(end) => return Some(Err(end)),
             };
@@ -193,11 +248,17 @@ impl<'a, 'b> Line<'a, 'b> {
     }
 
     /// From three corners round the line to the face that it enters through.
-    fn face(&self, mut corners: [Corner; 3]) -> Option<(End, Option<[Corner; 3]>)> {
+    #[inline(always)]
+    fn face(
+        &self,
+        supports: &impl Lowest,
+        mut corners: [Corner; 3],
+        near: f64,
+    ) -> Option<(End, Option<[Corner; 3]>)> {
         for _ in 0..SUPPORTS {
-            let [p, q, r] = corners.map(|corner| corner.vertex.w);
+            let [p, q, r] = [corners[0].vertex.w, corners[1].vertex.w, corners[2].vertex.w];
             let direction = unit::<f64>((r - p).cross(q - p).to_array())?;
-            let (corner, separation) = match self.lowest(direction) {
+            let (corner, separation) = match self.lowest(supports, direction) {
                 Ok(found) => found,
                 Err(end) => return Some((end, None)),
             };
@@ -208,10 +269,11 @@ impl<'a, 'b> Line<'a, 'b> {
             }
             let height = direction.dot(p) - separation;
             let is_known = corners.iter().any(|known| known.vertex.is_same(&corner.vertex));
-            if is_known || height <= self.near * slope {
+            if is_known || height <= near * slope {
                 return Some((End { direction, separation }, Some(corners)));
             }
-            let side = corners.map(|known| corner.at.perp_dot(known.at));
+            let side = |k: usize| corner.at.perp_dot(corners[k].at);
+            let side = [side(0), side(1), side(2)];
             let k = (0..3).find(|&k| side[k] >= 0.0 && side[(k + 1) % 3] <= 0.0)?;
             corners = [corner, corners[k], corners[(k + 1) % 3]];
         }

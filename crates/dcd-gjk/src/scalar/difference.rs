@@ -160,6 +160,7 @@ where
     }
 
     /// The difference's point for a point of A and one of B, scaled.
+    #[inline]
     pub fn world(&self, a: R::Vec3, b: R::Vec3) -> R::Vec3 {
         let a = self.rotation_a.transform(a * self.scale);
         let b = self.rotation_b.transform(b * self.scale);
@@ -167,8 +168,10 @@ where
     }
 
     /// A world direction in the frames of A and B: Rᵀd of each.
+    #[inline]
     pub(crate) fn to_local(&self, direction: R::Vec3) -> [R::Vec3; 2] {
-        [self.rotation_a, self.rotation_b].map(|r| r.transform_transposed(direction))
+        let of_a = self.rotation_a.transform_transposed(direction);
+        [of_a, self.rotation_b.transform_transposed(direction)]
     }
 
     /// The separation s = min over A − B of d·w, evaluated as d·δt + min (Rᵀd)·a − max (Rᵀd)·b on
@@ -179,6 +182,11 @@ where
         let a = d_a.dot(vertex.a.point * self.scale);
         let b = d_b.dot(vertex.b.point * self.scale);
         direction.dot(self.delta) + (a - b)
+    }
+
+    /// The rotations of A and B.
+    pub(crate) fn rotations(&self) -> [R::Mat3; 2] {
+        [self.rotation_a, self.rotation_b]
     }
 
     /// The pair's size m, scaled: κ_A·r_A + κ_B·r_B + |δt|₁, in [½, 1) but for rounding up.
@@ -215,6 +223,13 @@ where
     /// The sum of the support errors, scaled.
     pub fn support_error(&self) -> R {
         (self.a.support_error() + self.b.support_error()) * self.scale
+    }
+}
+
+impl<'a, R: Real, S: ?Sized> Difference<'a, R, S, S> {
+    /// The support maps of A and B.
+    pub(crate) fn maps(&self) -> [&'a S; 2] {
+        [self.a, self.b]
     }
 }
 

@@ -121,6 +121,7 @@ pub(crate) fn start<R: Real>(middle: R::Vec3) -> R::Vec3 {
 
 /// The same direction with a largest component of 1. `None` where it has none to rounding's
 /// knowledge: zero, denormal, infinite, NaN.
+#[inline]
 pub(crate) fn unit<R: Real>(direction: Triple<R>) -> Option<R::Vec3> {
     let [x, y, z] = direction;
     let largest = x.abs().max(y.abs()).max(z.abs());

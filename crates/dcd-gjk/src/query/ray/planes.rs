@@ -5,12 +5,20 @@
 
 use super::local::{Chord, LocalRay, is_later};
 use dcd_geom::{FacetPlanes, PlaneRow};
-use dcd_simd::{Kernel, Lanes, WIDTH, dispatch};
+use dcd_simd::{Kernel, Lanes, Row, WIDTH, dispatch};
 
 /// What the height of a point above a plane and the slope of a line lose in f32. Unit: 2⁻²⁴ of the lengths that go into
-/// it. A height: 5.1 for its product, 2 for the offset and the difference. A slope: 5.1, and 1 of the time for the quotient.
-/// Smaller: another plane than the one that counts. Larger: more planes are compared again.
-const LOST: f64 = 8.0 * (f32::EPSILON as f64 / 2.0);
+/// it. A height: 5.1 for its product, 2 for the offset and the difference. A slope: 5.1, and 3 of the time for the
+/// reciprocal, its product and the end of the interval. Smaller: another plane than the one that counts. Larger: more
+/// planes are compared again.
+const LOST: f64 = 10.0 * (f32::EPSILON as f64 / 2.0);
+
+/// A slope this many times what it may be off has a reciprocal that is off by one part in as many. Smaller: wider bounds
+/// on all times. Larger: more planes count as level, and are compared in f64.
+const SURE: f32 = 101.0;
+
+/// How many rows of planes are not computed again: of hulls of some sixty vertices. Larger: more memory is cleared.
+const KEPT: usize = 8;
 
 /// Lengths for which no product or quotient in f32 comes near its range's ends; from the reciprocal on.
 const WIDEST: f64 = (1u64 << 40) as f64;
@@ -134,16 +142,17 @@ impl InF32 {
             rise = l.mul_add(normal, l.splat(self.direction[axis]), rise);
         }
         let [of_height, of_rise] = self.lost.map(|lost| l.splat(lost));
-        let time = l.div(l.sub(l.load(&row.outer), along), rise);
-        let slope = l.sub(l.abs(rise), of_rise);
-        let lost = l.div(l.mul_add(l.abs(time), of_rise, of_height), slope);
-        let lost = l.mul(lost, l.splat(1.01));
-        let twice = l.add(of_rise, of_rise);
+        let inverse = l.div(l.splat(1.0), rise);
+        let time = l.mul(l.sub(l.load(&row.outer), along), inverse);
+        // Where the slope is sure the true one is at least 0.99 of it; the rest is for what this loses itself.
+        let lost = l.mul(l.mul_add(l.abs(time), of_rise, of_height), l.abs(inverse));
+        let lost = l.mul(lost, l.splat(1.02));
+        let level = l.mul(of_rise, l.splat(SURE));
         Times {
             earliest: l.sub(time, lost),
             latest: l.add(time, lost),
-            enters: l.lt(rise, l.neg(twice)),
-            leaves: l.lt(twice, rise),
+            enters: l.lt(rise, l.neg(level)),
+            leaves: l.lt(level, rise),
         }
     }
 }
@@ -157,10 +166,17 @@ impl Kernel for Candidates<'_, '_> {
         let planes = clip.planes;
         let (first, last) = (l.splat(f32::MIN), l.splat(f32::MAX));
         let (mut entered, mut left) = (first, last);
-        for row in planes.rows() {
+        let mut kept = [Row::default(); 2 * KEPT];
+        let mut sides = [[0; 2]; KEPT];
+        for (number, row) in planes.rows().iter().enumerate() {
             let times = line.times(l, row);
             entered = l.max(entered, l.select(times.enters, times.earliest, first));
             left = l.min(left, l.select(times.leaves, times.latest, last));
+            if number < KEPT {
+                l.store(times.earliest, &mut kept[2 * number]);
+                l.store(times.latest, &mut kept[2 * number + 1]);
+                sides[number] = [l.bits(times.enters), l.bits(times.leaves)];
+            }
         }
         let (entered, left) = (l.largest(entered), -l.largest(l.neg(left)));
         if entered > left {
@@ -169,11 +185,17 @@ impl Kernel for Candidates<'_, '_> {
         }
         let (entered, left) = (l.splat(entered), l.splat(left));
         for (number, row) in planes.rows().iter().enumerate() {
-            let Times { earliest, latest, enters, leaves } = line.times(l, row);
+            let (earliest, latest, [enters, leaves]) = if number < KEPT {
+                let [earliest, latest] = [&kept[2 * number], &kept[2 * number + 1]];
+                (l.load(earliest), l.load(latest), sides[number])
+            } else {
+                let Times { earliest, latest, enters, leaves } = line.times(l, row);
+                (earliest, latest, [l.bits(enters), l.bits(leaves)])
+            };
             let counts =
-                l.or(l.and(enters, l.le(entered, latest)), l.and(leaves, l.le(earliest, left)));
-            let is_sure = l.or(enters, leaves);
-            let mut bits = l.bits(counts) | (!l.bits(is_sure) & 0xffff);
+                (enters & l.bits(l.le(entered, latest))) | (leaves & l.bits(l.le(earliest, left)));
+            let is_sure = enters | leaves;
+            let mut bits = (counts | !is_sure) & 0xffff;
             while bits != 0 {
                 let k = number * WIDTH + bits.trailing_zeros() as usize;
                 bits &= bits - 1;
