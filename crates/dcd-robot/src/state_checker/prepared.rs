@@ -114,27 +114,25 @@ impl Prepared {
         let obstacles = self.obstacles();
         let Self { cell, hulls, aabbs, solids, corners, boxes, .. } = self;
         let scene = cell.scene();
+        let parts = hulls.iter().any(Option::is_some);
         aabbs.clear();
-        aabbs.extend(obstacles.clone().map(|object| scene.aabb(object)));
         solids.clear();
         corners.clear();
-        let objects = obstacles.zip(&*aabbs);
-        let parts = hulls.iter().any(Option::is_some);
-        solids.extend(
-            objects.map(|(object, aabb)| {
-                Solid::of(scene, object, aabb, parts.then_some(&mut *corners))
-            }),
-        );
+        for object in obstacles {
+            let (solid, aabb) = Solid::of(scene, object, parts.then_some(&mut *corners));
+            solids.push(solid);
+            aabbs.push(aabb);
+        }
         BoxRow::fill(boxes, aabbs, solids);
         self.tree = ObstacleTree::of(aabbs);
         self.filtered = scene.filters_movers();
     }
 
-    /// An obstacle as it is compared, its vertices behind those that there are, if a plane may part any body from it.
-    fn solid(&mut self, object: usize, aabb: &Aabb) -> Solid {
+    /// An obstacle as it is compared, with a box round it, its vertices behind those that there are, if a plane may part any body from it.
+    fn solid(&mut self, object: usize) -> (Solid, Aabb) {
         let parts = self.hulls.iter().any(Option::is_some);
         let corners = parts.then_some(&mut self.corners);
-        Solid::of(self.cell.scene(), object, aabb, corners)
+        Solid::of(self.cell.scene(), object, corners)
     }
 
     pub(super) fn robot(&self) -> &Robot {
