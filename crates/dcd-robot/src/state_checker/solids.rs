@@ -360,3 +360,6 @@ fn bounded(shape: &Shape, pose: &Pose, aabb: &Aabb) -> Solid {
 pub(super) fn margin_of(size: f64) -> f32 {
     (MARGIN * size) as f32 + f32::MIN_POSITIVE
 }
+
+#[cfg(test)]
+mod tests;

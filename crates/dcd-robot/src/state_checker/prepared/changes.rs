@@ -31,7 +31,7 @@ impl Prepared {
         BoxRow::put(&mut self.boxes, place, &aabb, &solid);
         self.aabbs.push(aabb);
         self.solids.push(solid);
-        self.filtered = self.cell.scene().filters_movers();
+        self.note_filters();
         self.note_in_tree(place);
         Ok(place)
     }
@@ -64,7 +64,7 @@ impl Prepared {
         }
         let last = (self.aabbs.pop(), self.solids.pop());
         BoxRow::drop_last(&mut self.boxes, count);
-        self.filtered = self.cell.scene().filters_movers();
+        self.note_filters();
         if let Some(tree) = &mut self.tree {
             tree.forget(count as u32 - 1);
         }
