@@ -13,6 +13,7 @@ mod changes;
 pub(crate) mod covers;
 mod link_frames;
 mod links;
+mod numbers;
 mod obstacle_tree;
 mod places;
 mod prepared;

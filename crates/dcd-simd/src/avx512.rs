@@ -31,6 +31,7 @@ impl Lanes for Avx512 {
     type U = __m512i;
     type M = __mmask16;
     type D = __m512d;
+    const FUSED: bool = true;
 
     #[inline(always)]
     fn splat(self, x: f32) -> __m512 {

@@ -241,7 +241,7 @@ impl Kernel for Sift<'_> {
         // Within the margin of a radius, as all that is rounded here.
         let (largest, grown) = ((largest + grown) as f32, grown as f32);
         let seen = Seen { sensed, half: sensed.half_extents().as_vec3(), largest, margin, grown };
-        placed.place(l, &prepared.world_links, &mut rounded.world);
+        placed.place(l, open, &prepared.world_links, &mut rounded.world);
         for lane in bits(open) {
             let first = found.len();
             for (link, placed) in prepared.world_links.iter().zip(&rounded.world) {

@@ -157,9 +157,10 @@ impl Worker {
         states: &[S],
     ) -> Result<(), RefusedState> {
         self.read(prepared, states)?;
-        for places in &self.places[..states.len().div_ceil(WIDTH)] {
+        for (states, places) in states.chunks(WIDTH).zip(&self.places) {
+            let (placed, open) = (places.placed(prepared), (1 << states.len()) - 1);
             let (links, to) = (&prepared.world_links, &mut self.rounded.world);
-            dispatch_on(Path::best(), PlaceLinks { placed: places.placed(prepared), links, to });
+            dispatch_on(Path::best(), PlaceLinks { placed, open, links, to });
         }
         Ok(())
     }
