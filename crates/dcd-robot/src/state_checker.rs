@@ -6,12 +6,14 @@
 //! [`Robot::place`](crate::Robot::place) has them, prepared and decided by the narrow phase. A robot of spheres among
 //! boxes, cylinders and spheres is decided by the lanes but for what is within [`MARGIN`] and that bound.
 
+mod body_pairs;
 mod boxes;
 mod chain;
 mod changes;
 pub(crate) mod covers;
 mod link_frames;
 mod links;
+mod numbers;
 mod obstacle_tree;
 mod places;
 mod prepared;

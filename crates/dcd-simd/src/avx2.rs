@@ -63,6 +63,7 @@ impl Lanes for Avx2 {
     type U = Halves<__m256i>;
     type M = Halves<__m256>;
     type D = Halves<__m256d>;
+    const FUSED: bool = true;
 
     #[inline(always)]
     fn call<K: Kernel>(self, kernel: K) -> K::Output {

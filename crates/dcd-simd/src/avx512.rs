@@ -33,6 +33,7 @@ impl Lanes for Avx512 {
     type U = __m512i;
     type M = __mmask16;
     type D = __m512d;
+    const FUSED: bool = true;
 
     #[inline(always)]
     fn call<K: Kernel>(self, kernel: K) -> K::Output {

@@ -110,6 +110,8 @@ pub trait Lanes: Copy {
     type M: Copy;
     /// Eight f64.
     type D: Copy;
+    /// Whether [`Lanes::mul_add`] rounds once.
+    const FUSED: bool = false;
 
     /// x in every lane.
     fn splat(self, x: f32) -> Self::F;

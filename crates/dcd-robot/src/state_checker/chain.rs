@@ -8,11 +8,12 @@ mod frame_error;
 mod turns;
 
 use super::links::LinkSpheres;
+use super::numbers::Numbers;
 use super::rounded_links::RoundedLink;
 use crate::kinematics::{JointFrame, quaternion};
 use crate::model::Drive;
 use crate::{Joint, Motion, Robot};
-use dcd_simd::{Lanes, Row, WIDTH};
+use dcd_simd::{Row, WIDTH};
 use frame_error::{NOTHING, lost};
 use glam::{DMat3, DVec3};
 use turns::{rotation, set_column, shift, sin_cos, turn, turn_about, turned};
@@ -200,7 +201,12 @@ impl Chain {
 
     /// Places the links: `to` has a frame for each. Returns what all joints slide together, metres.
     #[inline(always)]
-    pub(super) fn place<L: Lanes>(&self, l: L, drives: &Drives, to: &mut Vec<RoundedLink>) -> L::F {
+    pub(super) fn place<L: Numbers>(
+        &self,
+        l: L,
+        drives: &Drives,
+        to: &mut Vec<RoundedLink>,
+    ) -> L::F {
         if to.len() != self.frames {
             to.resize(self.frames, RoundedLink::default());
         }

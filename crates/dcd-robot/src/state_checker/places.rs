@@ -80,6 +80,8 @@ impl Places {
 /// Finds where links and their spheres are, and nothing else.
 pub(super) struct PlaceLinks<'a> {
     pub(super) placed: Placed<'a>,
+    /// The states that there are, a bit each.
+    pub(super) open: u32,
     pub(super) links: &'a [LinkSpheres],
     pub(super) to: &'a mut Vec<RoundedLink>,
 }
@@ -89,6 +91,6 @@ impl Kernel for PlaceLinks<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        self.placed.place(l, self.links, self.to);
+        self.placed.place(l, self.open, self.links, self.to);
     }
 }

@@ -2,6 +2,7 @@
 
 mod changes;
 
+use super::body_pairs::BodyPairs;
 use super::boxes::BoxRow;
 use super::chain::Chain;
 use super::covers::{Covers, is_one};
@@ -40,8 +41,11 @@ pub(super) struct Prepared {
     pub(super) chain: Chain,
     /// The links that may meet each other, by their places among those with spheres.
     pub(super) link_pairs: Vec<[u32; 2]>,
-    /// Whether some pair may touch, or does not meet.
+    /// The bodies that are checked against each other, of those that meet the robot.
+    body_pairs: BodyPairs,
+    /// Whether some pair may touch, or does not meet; whether an obstacle is in such a pair.
     filtered: bool,
+    obstacles_filtered: bool,
 }
 
 impl Prepared {
@@ -72,11 +76,13 @@ impl Prepared {
             world_links,
             own_links,
             link_pairs: Vec::new(),
+            body_pairs: BodyPairs::default(),
             filtered: false,
+            obstacles_filtered: false,
             cell,
         };
         prepared.take_obstacles();
-        prepared.link_pairs = prepared.link_pairs();
+        prepared.take_pairs();
         prepared
     }
 
@@ -105,7 +111,7 @@ impl Prepared {
         }
         self.take_obstacles();
         if !is_filtered_alike {
-            self.link_pairs = self.link_pairs();
+            self.take_pairs();
         }
     }
 
@@ -114,27 +120,40 @@ impl Prepared {
         let obstacles = self.obstacles();
         let Self { cell, hulls, aabbs, solids, corners, boxes, .. } = self;
         let scene = cell.scene();
+        let parts = hulls.iter().any(Option::is_some);
         aabbs.clear();
-        aabbs.extend(obstacles.clone().map(|object| scene.aabb(object)));
         solids.clear();
         corners.clear();
-        let objects = obstacles.zip(&*aabbs);
-        let parts = hulls.iter().any(Option::is_some);
-        solids.extend(
-            objects.map(|(object, aabb)| {
-                Solid::of(scene, object, aabb, parts.then_some(&mut *corners))
-            }),
-        );
+        for object in obstacles {
+            let (solid, aabb) = Solid::of(scene, object, parts.then_some(&mut *corners));
+            solids.push(solid);
+            aabbs.push(aabb);
+        }
         BoxRow::fill(boxes, aabbs, solids);
         self.tree = ObstacleTree::of(aabbs);
-        self.filtered = scene.filters_movers();
+        self.note_filters();
     }
 
-    /// An obstacle as it is compared, its vertices behind those that there are, if a plane may part any body from it.
-    fn solid(&mut self, object: usize, aabb: &Aabb) -> Solid {
+    /// Takes note of which obstacles are filtered, if any.
+    fn note_filters(&mut self) {
+        self.filtered = self.cell.scene().filters_movers();
+        self.obstacles_filtered = self.cell.filters_obstacles();
+    }
+
+    /// Takes the pairs of the robot's own bodies, and so of its links, that are checked.
+    fn take_pairs(&mut self) {
+        let (parts, scene) = (self.robot().parts.len(), self.cell.scene());
+        let object = |body: u32| self.bodies[body as usize].0;
+        self.body_pairs = BodyPairs::of(parts, |a, b| scene.allows(object(a), object(b)));
+        self.link_pairs = self.link_pairs();
+    }
+
+    /// An obstacle as it is compared, with a box round it, its vertices behind those that there are, if a plane may part
+    /// any body from it.
+    fn solid(&mut self, object: usize) -> (Solid, Aabb) {
         let parts = self.hulls.iter().any(Option::is_some);
         let corners = parts.then_some(&mut self.corners);
-        Solid::of(self.cell.scene(), object, aabb, corners)
+        Solid::of(self.cell.scene(), object, corners)
     }
 
     pub(super) fn robot(&self) -> &Robot {
@@ -168,8 +187,13 @@ impl Prepared {
     /// Whether a body is checked against an obstacle, by its number, or another body.
     #[inline]
     pub(super) fn allows(&self, body: u32, other: Other) -> bool {
-        if !self.filtered {
-            return true;
+        let known = match other {
+            _ if !self.filtered => Some(true),
+            Other::Link(other) => self.body_pairs.get(body, other),
+            Other::Obstacle(_) => (!self.obstacles_filtered).then_some(true),
+        };
+        if let Some(known) = known {
+            return known;
         }
         let Pair { i, j } = self.pair(body, other);
         self.cell.scene().allows(i, j)

@@ -6,6 +6,7 @@
 use super::chain::{Chain, Drives, loaded};
 use super::link_frames::{HALF, LinkFrames};
 use super::links::{LinkSpheres, SphereRow};
+use super::numbers::{All, First, Numbers};
 use super::obstacle_tree::ObstacleTree;
 use super::prepared::Prepared;
 use super::{MARGIN, Sixteen};
@@ -57,15 +58,26 @@ pub(super) struct Placed<'a> {
 }
 
 impl Placed<'_> {
-    /// Finds where the links and their spheres are, the links with spheres first. Returns what all joints slide
-    /// together, metres.
+    /// Finds where the links and their spheres are in the states of which a bit is set, the links with spheres first.
+    /// Returns what all joints slide together, metres.
     #[inline(always)]
     pub(super) fn place<L: Lanes>(
         &self,
         l: L,
+        open: u32,
         links: &[LinkSpheres],
         to: &mut Vec<RoundedLink>,
     ) -> L::F {
+        // Of a state alone fifteen lanes in sixteen would be computed in vain.
+        if open == 1 {
+            l.splat(self.placed(First(l), links, to))
+        } else {
+            self.placed(All(l), links, to)
+        }
+    }
+
+    #[inline(always)]
+    fn placed<N: Numbers>(&self, l: N, links: &[LinkSpheres], to: &mut Vec<RoundedLink>) -> N::F {
         let slid = self.chain.place(l, self.drives, to);
         for lane in bits(self.exact) {
             for (link, rounded) in links.iter().zip(to.iter_mut()) {
@@ -90,16 +102,20 @@ impl Placed<'_> {
     ) {
         to.clear();
         to.extend_from_slice(placed);
-        self.finish(l, links, slid, to);
+        self.finish(All(l), links, slid, to);
     }
 
     #[inline(always)]
-    fn finish<L: Lanes>(&self, l: L, links: &[LinkSpheres], slid: L::F, to: &mut [RoundedLink]) {
+    fn finish<N: Numbers>(&self, l: N, links: &[LinkSpheres], slid: N::F, to: &mut [RoundedLink]) {
         for (number, link) in links.iter().enumerate() {
             let rounded = &mut to[number];
             let frame = loaded(l, &rounded.frame);
-            let centre = placed(l, &frame, splat(l, link.centre));
-            rounded.centre = stored(l, centre);
+            let centre = link.centre.to_array();
+            let centre =
+                placed(l, &frame, [l.splat(centre[0]), l.splat(centre[1]), l.splat(centre[2])]);
+            for axis in 0..3 {
+                l.store(centre[axis], &mut rounded.centre.0[axis]);
+            }
             let far = l.max(l.max(l.abs(frame[9]), l.abs(frame[10])), l.abs(frame[11]));
             let [still, per_slid] = self.chain.errors[number].of_size(link.size);
             let margin = l.mul_add(far, l.splat(MARGIN as f32), l.splat(link.margin + still));
@@ -116,7 +132,7 @@ pub(super) fn splat<L: Lanes>(l: L, point: Vec3) -> [L::F; 3] {
 
 /// R·c + t.
 #[inline(always)]
-fn placed<L: Lanes>(l: L, frame: &[L::F; 12], [x, y, z]: [L::F; 3]) -> [L::F; 3] {
+fn placed<N: Numbers>(l: N, frame: &[N::F; 12], [x, y, z]: [N::F; 3]) -> [N::F; 3] {
     let mut centre = [x; 3];
     for k in 0..3 {
         let sum = l.mul_add(frame[k], x, frame[9 + k]);
@@ -180,7 +196,7 @@ impl RoundedLink {
             frame[k] = l.splat(self.frame[k].0[lane]);
         }
         Sixteen {
-            centre: placed(l, &frame, of_block(l, &row.centre)),
+            centre: placed(All(l), &frame, of_block(l, &row.centre)),
             outer: l.load(&row.outer),
             inner: l.load(&row.inner),
             margin: l.splat(self.margin.0[lane]),

@@ -4,7 +4,7 @@
 use super::links::BodyHull;
 use super::prepared::Prepared;
 use super::rounded_links::{Placed, Rounded, RoundedLink, bits, stored};
-use super::separate::{PlacedHull, across_gap};
+use super::separate::{PlacedHull, Support, across_gap};
 use super::solids::{inside, margin_of, within};
 use super::worker::{CHUNK, Refused, RefusedState, Worker, at};
 use super::{Goal, StateChecker};
@@ -13,8 +13,8 @@ use crate::{RobotError, SensedWorld};
 use dcd_exec::{Exec, Segments};
 use dcd_geom::Pose;
 use dcd_gjk::{Certified, PairSolver, PosedShape, Verdict};
-use dcd_simd::{Block, Kernel, Lanes, Path, WIDTH, dispatch_on};
-use glam::{DVec3, Mat3, Vec3};
+use dcd_simd::{Kernel, Lanes, Path, WIDTH, dispatch_on};
+use glam::Vec3;
 
 /// A body of a state and a sensed point that are not known to be apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -241,7 +241,7 @@ impl Kernel for Sift<'_> {
         // Within the margin of a radius, as all that is rounded here.
         let (largest, grown) = ((largest + grown) as f32, grown as f32);
         let seen = Seen { sensed, half: sensed.half_extents().as_vec3(), largest, margin, grown };
-        placed.place(l, &prepared.world_links, &mut rounded.world);
+        placed.place(l, open, &prepared.world_links, &mut rounded.world);
         for lane in bits(open) {
             let first = found.len();
             for (link, placed) in prepared.world_links.iter().zip(&rounded.world) {
@@ -358,13 +358,6 @@ impl Seen<'_> {
         lane: usize,
         (first, found): (usize, &mut Vec<Near>),
     ) {
-        let corners: Vec<DVec3> = (0..8u32)
-            .map(|k| {
-                let sign = |bit: u32| if k >> bit & 1 == 0 { -1.0 } else { 1.0 };
-                self.half.as_dvec3() * DVec3::new(sign(0), sign(1), sign(2))
-            })
-            .collect();
-        let corners: Vec<Block> = Block::relative(&corners, DVec3::ZERO).collect();
         let [xs, ys, zs, radii] = self.sensed.rows();
         let mut kept = first;
         for k in first..found.len() {
@@ -374,14 +367,13 @@ impl Seen<'_> {
             let parted = match hull.and_then(|hull| Some((hull, slot(prepared, hull)?))) {
                 Some((hull, slot)) => {
                     let place = near.place as usize;
-                    let still = PlacedHull {
-                        blocks: &corners,
-                        rotation: Mat3::IDENTITY,
-                        translation: Vec3::new(xs[place], ys[place], zs[place]),
+                    let still = SeenBox {
+                        half: self.half,
+                        centre: Vec3::new(xs[place], ys[place], zs[place]),
                         margin: radii[place] + self.grown + self.margin,
                     };
-                    let hulls = [still, PlacedHull::on(hull, &placed[slot], lane)];
-                    across_gap(l, &hulls, near.towards).is_some()
+                    let hull = PlacedHull::on(hull, &placed[slot], lane);
+                    across_gap(l, &still, &hull, near.towards).is_some()
                 }
                 None => false,
             };
@@ -391,6 +383,28 @@ impl Seen<'_> {
             }
         }
         found.truncate(kept);
+    }
+}
+
+/// A box along the world's axes, or a point; its margin contains its radius.
+struct SeenBox {
+    half: Vec3,
+    centre: Vec3,
+    margin: f32,
+}
+
+impl Support for SeenBox {
+    #[inline(always)]
+    fn reach<L: Lanes>(&self, _: L, direction: Vec3) -> (f32, Vec3) {
+        (self.half.dot(direction.abs()), self.centre + self.half.copysign(direction))
+    }
+
+    fn origin(&self) -> Vec3 {
+        self.centre
+    }
+
+    fn margin(&self) -> f32 {
+        self.margin
     }
 }
 

@@ -6,7 +6,7 @@
 //! 1996).
 
 use super::Goal;
-use super::links::{BodyHull, LinkSpheres};
+use super::links::BodyHull;
 use super::prepared::Prepared;
 use super::rounded_links::{Rounded, RoundedLink};
 use super::sift::Found;
@@ -74,25 +74,33 @@ impl Kernel for Separate<'_> {
             let (candidate, towards) = found.candidates[k];
             let lane = (candidate.configuration - first) as usize;
             let is_wanted = goal == Goal::All || open >> lane & 1 == 1;
-            let hulls = if is_wanted { hulls(prepared, rounded, &candidate, lane) } else { None };
-            let parted = hulls.is_some_and(
-                #[inline(always)]
-                |hulls| {
-                    let mut unknown = Vec3::ZERO;
-                    let last = planes.of(&candidate).unwrap_or(&mut unknown);
-                    let begin = if *last == Vec3::ZERO { towards } else { *last };
-                    let found = across_gap(l, &hulls, begin);
-                    *last = found.unwrap_or_default();
-                    found.is_some()
-                },
-            );
-            if is_wanted && !parted {
+            if !is_wanted {
+                continue;
+            }
+            let mut unknown = Vec3::ZERO;
+            let last = planes.of(&candidate).unwrap_or(&mut unknown);
+            let begin = if *last == Vec3::ZERO { towards } else { *last };
+            let placed = (prepared, rounded, lane);
+            *last = direction_between(l, placed, &candidate, begin).unwrap_or_default();
+            if *last == Vec3::ZERO {
                 found.candidates[kept] = (candidate, towards);
                 kept += 1;
             }
         }
         found.candidates.truncate(kept);
     }
+}
+
+/// A convex body in one state, by how far it reaches.
+pub(super) trait Support {
+    /// How far its core reaches in a direction of unit length, from its origin on, and its point there in the world.
+    fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> (f32, Vec3);
+
+    /// In the world, metres.
+    fn origin(&self) -> Vec3;
+
+    /// What is swept round it and by how much a comparison may be off, metres.
+    fn margin(&self) -> f32;
 }
 
 /// A hull where it is in one state: its blocks of vertices, R and t, what is swept round it and what may be off.
@@ -114,8 +122,9 @@ impl<'a> PlacedHull<'a> {
             margin: hull.swept + link.margin.0[lane],
         }
     }
+}
 
-    /// How far it reaches in a direction, from its translation on, and its point there.
+impl Support for PlacedHull<'_> {
     #[inline(always)]
     fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> (f32, Vec3) {
         let Vec3 { x, y, z } = self.rotation.transpose() * direction;
@@ -136,35 +145,49 @@ impl<'a> PlacedHull<'a> {
         let vertex = self.blocks[blocks.0[farthest] as usize].point(farthest);
         (most, self.rotation * vertex + self.translation)
     }
+
+    fn origin(&self) -> Vec3 {
+        self.translation
+    }
+
+    fn margin(&self) -> f32 {
+        self.margin
+    }
 }
 
-/// The two hulls of a candidate, if both are hulls.
-fn hulls<'a>(
-    prepared: &'a Prepared,
-    rounded: &Rounded,
+/// The direction across a plane that is found between the two bodies of a candidate; of what has no support here none.
+#[inline(always)]
+fn direction_between<L: Lanes>(
+    l: L,
+    (prepared, rounded, lane): (&Prepared, &Rounded, usize),
     candidate: &Candidate,
-    lane: usize,
-) -> Option<[PlacedHull<'a>; 2]> {
-    let moved = |links: &[LinkSpheres], rounded: &[RoundedLink], body: u32| {
+    begin: Vec3,
+) -> Option<Vec3> {
+    let (links, placed) = match candidate.other {
+        Other::Obstacle(_) => (&*prepared.world_links, rounded.world()),
+        Other::Link(_) => (prepared.own_links(), rounded.own(prepared)),
+    };
+    let moved = |body: u32| {
         let hull = prepared.hulls[body as usize].as_ref()?;
         let slot = links.binary_search_by_key(&hull.link, |link| link.link).ok()?;
-        Some(PlacedHull::on(hull, &rounded[slot], lane))
+        Some(PlacedHull::on(hull, &placed[slot], lane))
     };
+    let hull = moved(candidate.link)?;
     match candidate.other {
         Other::Obstacle(number) => {
             let solid = &prepared.solids[number as usize];
+            if solid.is_closed() {
+                return across_gap(l, &solid, &hull, begin);
+            }
             let still = PlacedHull {
                 blocks: solid.corners(&prepared.corners)?,
                 rotation: Mat3::IDENTITY,
                 translation: Vec3::ZERO,
                 margin: solid.reach(),
             };
-            Some([still, moved(&prepared.world_links, rounded.world(), candidate.link)?])
+            across_gap(l, &still, &hull, begin)
         }
-        Other::Link(other) => {
-            let (links, rounded) = (prepared.own_links(), rounded.own(prepared));
-            Some([moved(links, rounded, other)?, moved(links, rounded, candidate.link)?])
-        }
+        Other::Link(other) => across_gap(l, &moved(other)?, &hull, begin),
     }
 }
 
@@ -174,15 +197,16 @@ fn hulls<'a>(
 #[inline(always)]
 pub(super) fn across_gap<L: Lanes>(
     l: L,
-    [a, b]: &[PlacedHull<'_>; 2],
+    a: &impl Support,
+    b: &impl Support,
     towards: Vec3,
 ) -> Option<Vec3> {
     let mut direction = unit(towards).unwrap_or(Vec3::X);
-    let margin = a.margin + b.margin;
+    let margin = a.margin() + b.margin();
     for _ in 0..DIRECTIONS {
         let (of_a, p) = a.reach(l, direction);
         let (of_b, q) = b.reach(l, -direction);
-        let gap = direction.dot(b.translation - a.translation) - of_b - of_a;
+        let gap = direction.dot(b.origin() - a.origin()) - of_b - of_a;
         // Written so that a NaN parts nothing, nor an infinite gap: a rotation of NaN reaches nowhere.
         if gap > margin && gap < f32::INFINITY {
             return Some(direction);

@@ -41,7 +41,7 @@ impl Kernel for Sift<'_> {
     fn run<L: Lanes>(mut self, l: L) -> u32 {
         let Rounded { mut world, mut own, mut near, mut aabbs } = std::mem::take(self.rounded);
         let (world_links, own_links) = (&self.prepared.world_links, self.prepared.own_links());
-        let slid = self.placed.place(l, world_links, &mut world);
+        let slid = self.placed.place(l, self.open, world_links, &mut world);
         boxed(l, world_links, &world, self.open, &mut aabbs);
         for ((link, rounded), aabb) in world_links.iter().zip(&world).zip(&aabbs) {
             self.against_obstacles(l, (link, rounded), aabb, &mut near);

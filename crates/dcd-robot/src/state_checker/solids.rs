@@ -1,7 +1,8 @@
 //! Obstacles as sixteen spheres are compared with them.
 
+use super::separate::Support;
 use super::{MARGIN, Sixteen};
-use dcd_geom::{Aabb, CurvedKind, Kind, Pose, Scene, Shape, SphereBounds};
+use dcd_geom::{Aabb, CurvedKind, Kind, Polytope, Pose, Scene, Shape, SphereBounds};
 use dcd_simd::{Block, Lanes, WIDTH};
 use glam::{DVec3, Vec3};
 use std::ops::Range;
@@ -20,7 +21,8 @@ pub(super) struct Solid {
     swept: f32,
     /// By how much a comparison with it may be off, metres.
     margin: f32,
-    /// Which blocks are its vertices in the world, if it is a hull of few; what is swept round them, metres, rounded up.
+    /// Which blocks are its vertices in the world, if it is a hull of few without a closed form; what is swept round
+    /// them, metres, rounded up.
     corners: Range<u32>,
     round: f32,
 }
@@ -56,16 +58,21 @@ pub(super) struct Reached {
 }
 
 impl Solid {
-    /// Of an object of a scene with that box; adds its vertices to `blocks`, where there are any.
+    /// Of an object of a scene, with a box round it; adds its vertices to `blocks`, where there are any.
     pub(super) fn of(
         scene: &Scene,
         object: usize,
-        aabb: &Aabb,
         blocks: Option<&mut Vec<Block>>,
-    ) -> Self {
+    ) -> (Self, Aabb) {
         let (shape, pose) = (scene.shape(object), &scene.poses()[object]);
-        let mut solid = closed(shape, pose).unwrap_or_else(|| bounded(shape, pose, aabb));
-        let Some(blocks) = blocks else { return solid };
+        let form = ClosedForm::of(shape);
+        if let Some(solid) = form.as_ref().and_then(|form| form.at(pose)) {
+            let aabb = solid.aabb();
+            return (solid, aabb);
+        }
+        let aabb = scene.aabb(object);
+        let mut solid = bounded(shape, pose, &aabb);
+        let (Some(blocks), None) = (blocks, form) else { return (solid, aabb) };
         if let Some(polytope) = shape.as_polytope().filter(|p| p.vertices().len() <= CORNERS) {
             let first = blocks.len();
             let mut placed = [DVec3::ZERO; WIDTH];
@@ -77,10 +84,18 @@ impl Solid {
             solid.corners = first as u32..blocks.len() as u32;
             solid.round = (polytope.swept_radius() as f32).next_up();
         }
-        solid
+        (solid, aabb)
     }
 
-    /// Which blocks of all obstacles' ones are its vertices; none of what is no hull of few.
+    /// A box round it, if it has a closed form: its supports along the axes, and its margin.
+    fn aabb(&self) -> Aabb {
+        let along = |axis: Vec3| self.farthest(axis).0;
+        let core = Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z));
+        let reach = core + self.swept + self.margin;
+        Aabb { min: self.centre - reach, max: self.centre + reach }
+    }
+
+    /// Which blocks of all obstacles' ones are its vertices; none of what has a closed form or is no hull of few.
     pub(super) fn corner_range(&self) -> Range<usize> {
         self.corners.start as usize..self.corners.end as usize
     }
@@ -92,7 +107,7 @@ impl Solid {
         Self { corners: first..first + (self.corners.end - self.corners.start), ..self }
     }
 
-    /// Its vertices in the world, of all obstacles' ones, if it is a hull of few.
+    /// Its vertices in the world, of all obstacles' ones, if it is a hull of few without a closed form.
     pub(super) fn corners<'a>(&self, blocks: &'a [Block]) -> Option<&'a [Block]> {
         let corners = self.corner_range();
         (!corners.is_empty()).then(|| &blocks[corners])
@@ -150,6 +165,52 @@ impl Solid {
         let to_inner = squared(l, from_point(l, centre, known.0));
         let touched = inside(l, to_inner, l.add(inner_reach, l.splat(known.1))) & somewhere;
         Reached { near: near | touched, touched }
+    }
+}
+
+impl Solid {
+    /// Whether it is what its form says: not known by bounds alone.
+    pub(super) fn is_closed(&self) -> bool {
+        !matches!(self.form, Form::Bounded { .. })
+    }
+
+    /// How far its core reaches in a direction of unit length, and its point there, both from its centre on.
+    fn farthest(&self, direction: Vec3) -> (f32, Vec3) {
+        let along = self.axes.map_or(direction, |[x, y, z]| {
+            Vec3::new(x.dot(direction), y.dot(direction), z.dot(direction))
+        });
+        let end = |half_height: f32| half_height.copysign(along.z);
+        let (reach, point) = match self.form {
+            Form::Point | Form::Bounded { .. } => (0.0, Vec3::ZERO),
+            Form::Segment { half_height } => {
+                (half_height * along.z.abs(), Vec3::new(0.0, 0.0, end(half_height)))
+            }
+            Form::Cylinder { half_height, radius } => {
+                let across = (along.x * along.x + along.y * along.y).sqrt();
+                let rim = if across > 0.0 { radius / across } else { 0.0 };
+                let point = Vec3::new(along.x * rim, along.y * rim, end(half_height));
+                (half_height * along.z.abs() + radius * across, point)
+            }
+            Form::Box => (self.half.dot(along.abs()), self.half.copysign(along)),
+        };
+        let turned = |[x, y, z]: [Vec3; 3]| x * point.x + y * point.y + z * point.z;
+        (reach, self.axes.map_or(point, turned))
+    }
+}
+
+impl Support for &Solid {
+    #[inline(always)]
+    fn reach<L: Lanes>(&self, _: L, direction: Vec3) -> (f32, Vec3) {
+        let (reach, point) = self.farthest(direction);
+        (reach, point + self.centre)
+    }
+
+    fn origin(&self) -> Vec3 {
+        self.centre
+    }
+
+    fn margin(&self) -> f32 {
+        self.swept + self.margin
     }
 }
 
@@ -212,49 +273,65 @@ pub(super) fn inside<L: Lanes>(l: L, square: L::F, reach: L::F) -> u32 {
 
 const ALL: u32 = 0xffff;
 
-/// The closed form of a shape that has one.
-fn closed(shape: &Shape, pose: &Pose) -> Option<Solid> {
-    let (form, half, swept) = match shape {
-        Shape::Polytope(polytope) => {
-            let on_axis = polytope.vertices().iter().all(|v| v.x == 0.0 && v.y == 0.0);
-            let vertices = polytope.vertices();
-            let form = match polytope.kind() {
-                Kind::Point if on_axis && vertices.iter().all(|v| v.z == 0.0) => Form::Point,
-                Kind::Segment if on_axis && vertices[0].z == -vertices[1].z => {
-                    Form::Segment { half_height: vertices[1].z.abs() as f32 }
-                }
-                Kind::Cuboid { .. } => Form::Box,
-                _ => return None,
-            };
-            let half = match polytope.kind() {
-                Kind::Cuboid { half_extents } => half_extents,
-                _ => DVec3::ZERO,
-            };
-            (form, half, polytope.swept_radius())
+/// The closed form of a shape that has one, wherever it is.
+struct ClosedForm {
+    form: Form,
+    half: DVec3,
+    swept: f64,
+    reach: f64,
+}
+
+impl ClosedForm {
+    fn of(shape: &Shape) -> Option<Self> {
+        let (form, half, swept) = match shape {
+            Shape::Polytope(polytope) => {
+                let (form, half) = core_of(polytope)?;
+                (form, half, polytope.swept_radius())
+            }
+            Shape::Curved(curved) if curved.kind() == CurvedKind::Cylinder => {
+                let (half_height, radius) = (curved.half_height() as f32, curved.radius() as f32);
+                (Form::Cylinder { half_height, radius }, DVec3::ZERO, curved.swept_radius())
+            }
+            _ => return None,
+        };
+        Some(Self { form, half, swept, reach: shape.reach() })
+    }
+
+    /// None where the pose turns by what is too far from a rotation.
+    fn at(&self, pose: &Pose) -> Option<Solid> {
+        if !(pose.deviation() <= RIGID) {
+            return None;
         }
-        Shape::Curved(curved) if curved.kind() == CurvedKind::Cylinder => {
-            let (half_height, radius) = (curved.half_height() as f32, curved.radius() as f32);
-            let form = Form::Cylinder { half_height, radius };
-            (form, DVec3::ZERO, curved.swept_radius())
+        let axes = pose.rotation();
+        let turned = *axes != glam::DMat3::IDENTITY;
+        let size = self.reach + pose.translation().abs().max_element();
+        Some(Solid {
+            form: self.form,
+            axes: turned.then(|| [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.as_vec3())),
+            centre: pose.translation().as_vec3(),
+            half: self.half.as_vec3(),
+            swept: self.swept as f32,
+            margin: margin_of(size),
+            corners: 0..0,
+            round: 0.0,
+        })
+    }
+}
+
+/// The form of a polytope that has one, and its half extents if it is a cuboid. Looks at vertices where it has to: a
+/// cuboid's are not in any cache in a world that is new.
+fn core_of(polytope: &Polytope) -> Option<(Form, DVec3)> {
+    let vertices = || polytope.vertices();
+    let on_axis = || vertices().iter().all(|v| v.x == 0.0 && v.y == 0.0);
+    let form = match polytope.kind() {
+        Kind::Cuboid { half_extents } => return Some((Form::Box, half_extents)),
+        Kind::Point if on_axis() && vertices()[0].z == 0.0 => Form::Point,
+        Kind::Segment if on_axis() && vertices()[0].z == -vertices()[1].z => {
+            Form::Segment { half_height: vertices()[1].z.abs() as f32 }
         }
         _ => return None,
     };
-    if !(pose.deviation() <= RIGID) {
-        return None;
-    }
-    let axes = pose.rotation();
-    let turned = *axes != glam::DMat3::IDENTITY;
-    let size = shape.reach() + pose.translation().abs().max_element();
-    Some(Solid {
-        form,
-        axes: turned.then(|| [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.as_vec3())),
-        centre: pose.translation().as_vec3(),
-        half: half.as_vec3(),
-        swept: swept as f32,
-        margin: margin_of(size),
-        corners: 0..0,
-        round: 0.0,
-    })
+    Some((form, DVec3::ZERO))
 }
 
 /// Any shape by its box and its spheres.
@@ -283,3 +360,6 @@ fn bounded(shape: &Shape, pose: &Pose, aabb: &Aabb) -> Solid {
 pub(super) fn margin_of(size: f64) -> f32 {
     (MARGIN * size) as f32 + f32::MIN_POSITIVE
 }
+
+#[cfg(test)]
+mod tests;

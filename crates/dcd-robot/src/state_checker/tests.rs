@@ -10,7 +10,7 @@ use crate::{AllowedPairs, LinkShapes, Obstacle, Robot, World};
 use dcd_geom::{Pose, Shape};
 use dcd_gjk::{Certified, PairSolver, PosedShape};
 use dcd_pipeline::Par;
-use dcd_simd::{Path, dispatch_on};
+use dcd_simd::{Path, Row, WIDTH, dispatch_on};
 use glam::{DMat3, DVec3};
 use std::path::Path as FilePath;
 
@@ -92,7 +92,23 @@ fn frames_in_f32_are_within_their_bounds_of_those_of_one_state_at_a_time() {
             places.read(prepared, &states).unwrap();
             let (placed, links) = (places.placed(prepared), &prepared.world_links);
             let mut rounded = Vec::new();
-            dispatch_on(path, PlaceLinks { placed, links, to: &mut rounded });
+            let open = (1 << WIDTH) - 1;
+            dispatch_on(path, PlaceLinks { placed, open, links, to: &mut rounded });
+            let mut alone = Vec::new();
+            for (lane, state) in states.iter().enumerate() {
+                places.read(prepared, std::slice::from_ref(state)).unwrap();
+                let placed = places.placed(prepared);
+                dispatch_on(path, PlaceLinks { placed, open: 1, links, to: &mut alone });
+                for (link, (alone, among)) in
+                    alone.iter().zip(&rounded).enumerate().take(links.len())
+                {
+                    let same = |(a, b): (&Row, &Row)| a.0[0].to_bits() == b.0[lane].to_bits();
+                    let frames = alone.frame.iter().zip(&among.frame);
+                    let centres = alone.centre.0.iter().zip(&among.centre.0);
+                    assert!(frames.chain(centres).all(same), "{path:?}, link {link}, lane {lane}");
+                    assert!(same((&alone.margin, &among.margin)), "{path:?}, link {link}");
+                }
+            }
             for (lane, state) in states.iter().enumerate() {
                 let frames = robot.link_frames(state).unwrap();
                 let slides = robot.joints().iter().filter_map(|joint| match joint.motion {

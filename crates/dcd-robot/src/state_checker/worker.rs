@@ -39,7 +39,10 @@ pub(super) struct Worker {
     /// The pairs that are still to be decided, and those that are decided next.
     left: Vec<Candidate>,
     next: Vec<Candidate>,
+    /// What of those is not apart.
+    decided: Vec<(Candidate, Verdict<()>)>,
     pub(super) hits: Vec<StateHit>,
+    unsorted: Vec<StateHit>,
 }
 
 /// A state, counted from the first of those taken up, and why it was refused.
@@ -62,7 +65,8 @@ impl Worker {
             let first = &mut first[candidate.configuration as usize];
             first.get_or_insert(hit(candidate, Verdict::Touching(())));
         }
-        let mut left = std::mem::take(&mut self.left);
+        let (mut left, mut least) =
+            (std::mem::take(&mut self.left), std::mem::take(&mut self.decided));
         left.clear();
         left.extend(self.found.candidates.iter().map(|&(candidate, _)| candidate));
         left.sort_unstable();
@@ -88,13 +92,13 @@ impl Worker {
                 break;
             }
             // Of a state's pairs the least that touches, so that it does not matter which were decided together.
-            let mut least: Vec<(Candidate, Verdict<()>)> = Vec::new();
+            least.clear();
             self.decide((checker, states), |candidate, verdict| least.push((candidate, verdict)))
                 .map_err(|e| at(start, e))?;
             least.sort_unstable_by_key(|&(candidate, verdict)| {
                 (!matches!(verdict, Verdict::Touching(())), candidate)
             });
-            for (candidate, verdict) in least {
+            for &(candidate, verdict) in &least {
                 let first = &mut first[candidate.configuration as usize];
                 let found = hit(&candidate, verdict);
                 if found.touches() && !touches(first) {
@@ -103,7 +107,7 @@ impl Worker {
                 first.get_or_insert(found);
             }
         }
-        self.left = left;
+        (self.left, self.decided) = (left, least);
         Ok(())
     }
 
@@ -127,7 +131,7 @@ impl Worker {
         self.next.sort_unstable();
         self.next.dedup();
         let decided = self.decide((checker, states), note);
-        hits.sort_unstable_by_key(|hit| (hit.state, hit.pair, !hit.touches()));
+        sort(&mut hits, start as u32, &mut self.unsorted);
         hits.dedup_by_key(|hit| (hit.state, hit.pair));
         self.hits = hits;
         decided.map_err(|e| at(start, e))
@@ -153,9 +157,10 @@ impl Worker {
         states: &[S],
     ) -> Result<(), RefusedState> {
         self.read(prepared, states)?;
-        for places in &self.places[..states.len().div_ceil(WIDTH)] {
+        for (states, places) in states.chunks(WIDTH).zip(&self.places) {
+            let (placed, open) = (places.placed(prepared), (1 << states.len()) - 1);
             let (links, to) = (&prepared.world_links, &mut self.rounded.world);
-            dispatch_on(Path::best(), PlaceLinks { placed: places.placed(prepared), links, to });
+            dispatch_on(Path::best(), PlaceLinks { placed, open, links, to });
         }
         Ok(())
     }
@@ -285,6 +290,31 @@ impl Worker {
             }
             other => (0, RobotError::Scene(other)),
         })
+    }
+}
+
+/// Sorts the hits of a chunk that begins with that state by states, pairs and whether they touch: by states first, which
+/// leaves few to compare.
+fn sort(hits: &mut [StateHit], start: u32, unsorted: &mut Vec<StateHit>) {
+    unsorted.clear();
+    unsorted.extend_from_slice(hits);
+    let mut ends = [0; CHUNK + 1];
+    for hit in &*hits {
+        ends[(hit.state - start) as usize + 1] += 1;
+    }
+    for state in 0..CHUNK {
+        ends[state + 1] += ends[state];
+    }
+    // Filled from each state's first place on, which so becomes its end.
+    for hit in &*unsorted {
+        let next = &mut ends[(hit.state - start) as usize];
+        hits[*next] = *hit;
+        *next += 1;
+    }
+    let mut from = 0;
+    for &end in &ends[..CHUNK] {
+        hits[from..end].sort_unstable_by_key(|hit| (hit.pair, !hit.touches()));
+        from = end;
     }
 }
 

@@ -106,6 +106,11 @@ impl Workcell {
         self.obstacles().map(obstacle).collect()
     }
 
+    /// Whether a filter or an ignored pair may speak of an obstacle; where not, every body of the robot meets them all.
+    pub(crate) fn filters_obstacles(&self) -> bool {
+        self.is_padded() || self.obstacles_named
+    }
+
     /// Refuses the name of a link or of what the robot carries.
     fn check_name(&self, name: &str) -> Result<(), RobotError> {
         if self.known.get(&self.robot, name) == Some(true) {

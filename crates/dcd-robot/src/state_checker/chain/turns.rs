@@ -1,13 +1,14 @@
-//! Sixteen frames moved by what moves a joint, in f32.
+//! Frames of sixteen states, or of one, moved by what moves a joint, in f32.
 
 // In kernels: an iterator that is left out of line costs more than the loop.
 #![allow(clippy::needless_range_loop)]
 
 use super::{Column, Sign};
-use dcd_simd::{Lanes, Row};
+use crate::state_checker::numbers::Numbers;
+use dcd_simd::Row;
 
 #[inline(always)]
-pub(in super::super) fn loaded<L: Lanes>(l: L, rows: &[Row; 12]) -> [L::F; 12] {
+pub(in super::super) fn loaded<L: Numbers>(l: L, rows: &[Row; 12]) -> [L::F; 12] {
     let mut frame = [l.splat(0.0); 12];
     for k in 0..12 {
         frame[k] = l.load(&rows[k]);
@@ -23,7 +24,7 @@ pub(super) fn set_column<F: Copy>(frame: &mut [F; 12], k: usize, [x, y, z]: [F; 
 
 /// The frame's rotation times a column.
 #[inline(always)]
-pub(super) fn turned<L: Lanes>(l: L, frame: &[L::F; 12], column: &Column) -> [L::F; 3] {
+pub(super) fn turned<L: Numbers>(l: L, frame: &[L::F; 12], column: &Column) -> [L::F; 3] {
     let mut result = [l.splat(0.0); 3];
     match *column {
         Column::Of(k, sign) => {
@@ -48,7 +49,7 @@ pub(super) fn turned<L: Lanes>(l: L, frame: &[L::F; 12], column: &Column) -> [L:
 
 /// Adds the parent's rotation times a vector to a frame's translation.
 #[inline(always)]
-pub(super) fn shift<L: Lanes>(l: L, parent: &[L::F; 12], by: [f32; 3], frame: &mut [L::F; 12]) {
+pub(super) fn shift<L: Numbers>(l: L, parent: &[L::F; 12], by: [f32; 3], frame: &mut [L::F; 12]) {
     for k in 0..3 {
         if by[k] != 0.0 {
             let far = l.splat(by[k]);
@@ -61,7 +62,7 @@ pub(super) fn shift<L: Lanes>(l: L, parent: &[L::F; 12], by: [f32; 3], frame: &m
 
 /// Turns a frame about an axis of its own: the other two columns are mixed.
 #[inline(always)]
-pub(super) fn turn_about<L: Lanes>(
+pub(super) fn turn_about<L: Numbers>(
     l: L,
     (axis, sign): (usize, Sign),
     [sin, cos]: [L::F; 2],
@@ -77,7 +78,7 @@ pub(super) fn turn_about<L: Lanes>(
 }
 
 #[inline(always)]
-fn mix<L: Lanes, const U: usize, const V: usize>(
+fn mix<L: Numbers, const U: usize, const V: usize>(
     l: L,
     [sin, cos]: [L::F; 2],
     frame: &mut [L::F; 12],
@@ -91,7 +92,7 @@ fn mix<L: Lanes, const U: usize, const V: usize>(
 
 /// Turns a frame by a rotation, column by column.
 #[inline(always)]
-pub(super) fn turn<L: Lanes>(l: L, rotation: &[L::F; 9], frame: &mut [L::F; 12]) {
+pub(super) fn turn<L: Numbers>(l: L, rotation: &[L::F; 9], frame: &mut [L::F; 12]) {
     let rest = *frame;
     for column in 0..3 {
         for axis in 0..3 {
@@ -104,7 +105,7 @@ pub(super) fn turn<L: Lanes>(l: L, rotation: &[L::F; 9], frame: &mut [L::F; 12])
 
 /// The rotation about an axis of unit length, by columns.
 #[inline(always)]
-pub(super) fn rotation<L: Lanes>(l: L, [x, y, z]: [f32; 3], [sin, cos]: [L::F; 2]) -> [L::F; 9] {
+pub(super) fn rotation<L: Numbers>(l: L, [x, y, z]: [f32; 3], [sin, cos]: [L::F; 2]) -> [L::F; 9] {
     let versine = l.sub(l.splat(1.0), cos);
     let axis = [x, y, z];
     let mut result = [cos; 9];
@@ -134,7 +135,7 @@ const WHOLE: f32 = 12_582_912.0;
 /// The sine and the cosine of an angle up to [`super::MOST_TURNED`] from 0, within three roundings of those of the angle in
 /// f32: by Taylor's series of what it is beyond a multiple of a right angle.
 #[inline(always)]
-pub(super) fn sin_cos<L: Lanes>(l: L, angle: L::F) -> [L::F; 2] {
+pub(super) fn sin_cos<L: Numbers>(l: L, angle: L::F) -> [L::F; 2] {
     let quarters = whole(l, l.mul(angle, l.splat(std::f32::consts::FRAC_2_PI)));
     let x = l.mul_add(quarters, l.splat(-QUARTER[0]), angle);
     let x = l.mul_add(quarters, l.splat(-QUARTER[1]), x);
@@ -163,6 +164,6 @@ pub(super) fn sin_cos<L: Lanes>(l: L, angle: L::F) -> [L::F; 2] {
 
 /// To the nearest whole number, of what is small.
 #[inline(always)]
-fn whole<L: Lanes>(l: L, x: L::F) -> L::F {
+fn whole<L: Numbers>(l: L, x: L::F) -> L::F {
     l.sub(l.add(x, l.splat(WHOLE)), l.splat(WHOLE))
 }

@@ -27,12 +27,11 @@ impl Prepared {
             return Ok(place);
         }
         let object = self.obstacles().start + place;
-        let aabb = self.cell.scene().aabb(object);
-        let solid = self.solid(object, &aabb);
+        let (solid, aabb) = self.solid(object);
         BoxRow::put(&mut self.boxes, place, &aabb, &solid);
         self.aabbs.push(aabb);
         self.solids.push(solid);
-        self.filtered = self.cell.scene().filters_movers();
+        self.note_filters();
         self.note_in_tree(place);
         Ok(place)
     }
@@ -45,10 +44,9 @@ impl Prepared {
     ) -> Result<(), RobotError> {
         self.cell.move_obstacle(place, pose)?;
         let object = self.obstacles().start + place;
-        let aabb = self.cell.scene().aabb(object);
         // Of the same shape there are as many blocks.
         let (held, first) = (self.solids[place].corner_range(), self.corners.len());
-        let solid = self.solid(object, &aabb);
+        let (solid, aabb) = self.solid(object);
         self.corners.copy_within(first.., held.start);
         self.corners.truncate(first);
         self.put(place, aabb, solid.with_corners(held.start));
@@ -66,7 +64,7 @@ impl Prepared {
         }
         let last = (self.aabbs.pop(), self.solids.pop());
         BoxRow::drop_last(&mut self.boxes, count);
-        self.filtered = self.cell.scene().filters_movers();
+        self.note_filters();
         if let Some(tree) = &mut self.tree {
             tree.forget(count as u32 - 1);
         }

@@ -5,6 +5,7 @@ use super::*;
 use crate::{AllowedPairs, SensedPoint, Workcell, World};
 use dcd_geom::Shape;
 use dcd_pipeline::Par;
+use glam::DVec3;
 
 fn cell(draw: &mut Draw, round: usize) -> Workcell {
     let robot = robot(draw, round.is_multiple_of(3));
