@@ -12,6 +12,9 @@ pub(super) const POINTS: usize = 32;
 /// Space for faces, dead ones included, which are dropped when it is full: a bit each in a `u64`.
 const FACES: usize = 64;
 
+/// So many faces are measured at once: horizons with more edges are rare.
+const HALF: usize = WIDTH / 2;
+
 /// A cone is written sixteen faces at a time, from wherever it begins.
 const WRITTEN: usize = FACES + WIDTH;
 
@@ -79,7 +82,7 @@ impl Default for Surface {
     }
 }
 
-/// Sixteen triangles, by their corners.
+/// Eight triangles in the first lanes, by their corners.
 type Triangles<L> = (Corners<L>, Corners<L>, Corners<L>);
 
 /// A corner of each.
@@ -198,14 +201,13 @@ impl Surface {
         let triangles = (x, select(l, odd, z, y), select(l, odd, y, z));
         self.measure(l, triangles, OCTAHEDRON.len())?;
         let [nx, ny, nz] = &self.normals;
-        let normal = [l.load_from(from(nx, 0)), l.load_from(from(ny, 0)), l.load_from(from(nz, 0))];
-        let plane = l.add(l.load_from(from(&self.distances, 0)), l.splat(clear));
+        let normal = [l.load_half(from(nx, 0)), l.load_half(from(ny, 0)), l.load_half(from(nz, 0))];
+        let plane = l.add(l.load_half(from(&self.distances, 0)), l.splat(clear));
         let mut highest = dot(l, normal, at(0));
         for k in 1..6 {
             highest = l.max(highest, dot(l, normal, at(k)));
         }
-        let is_below = l.bits(l.le(highest, plane)) & OF_OCTAHEDRON;
-        (is_below == OF_OCTAHEDRON).then_some(())
+        (l.half_bits(l.le(highest, plane)) == OF_OCTAHEDRON).then_some(())
     }
 
     /// The face whose plane is nearest along its normal: the lowest number among equals.
@@ -237,12 +239,16 @@ impl Surface {
         self.find_horizon(visible, self.count)?;
         self.set_point(self.count, point);
         self.count += 1;
-        let Horizon { edges, ring: [x, y, z] } = &self.horizon;
-        let (p, q) = (
-            [l.load_from(from(x, 0)), l.load_from(from(y, 0)), l.load_from(from(z, 0))],
-            [l.load_from(from(x, 1)), l.load_from(from(y, 1)), l.load_from(from(z, 1))],
-        );
-        self.measure(l, (p, q, splat(l, point.at)), *edges)
+        let edges = self.horizon.edges;
+        for first in (0..edges).step_by(HALF) {
+            let [x, y, z] = &self.horizon.ring;
+            let at = |k: usize| {
+                [l.load_half(from(x, k)), l.load_half(from(y, k)), l.load_half(from(z, k))]
+            };
+            let triangles = (at(first), at(first + 1), splat(l, point.at));
+            self.measure(l, triangles, (edges - first).min(HALF))?;
+        }
+        Some(())
     }
 
     /// The faces that a point is beyond by more than `clear`, as bits.
@@ -336,7 +342,7 @@ impl Surface {
         (self.faces, self.inward) = (kept, inward);
     }
 
-    /// Appends so many of sixteen triangles, whose corners are written down already. `None` where one has no area.
+    /// Appends so many of eight triangles, whose corners are written down already. `None` where one has no area.
     #[inline(always)]
     fn measure<L: Lanes>(&mut self, l: L, triangles: Triangles<L>, faces: usize) -> Option<()> {
         let (p, q, r) = triangles;
@@ -344,23 +350,23 @@ impl Surface {
         let n = cross(l, e, f);
         let squared = dot(l, n, n);
         let used = (1u32 << faces) - 1;
-        if l.bits(l.lt(l.splat(LEAST), squared)) & used != used {
+        if l.half_bits(l.lt(l.splat(LEAST), squared)) & used != used {
             return None;
         }
         let volume = dot(l, n, r);
         let error = l.mul(l.mul(norm1(l, e), norm1(l, f)), norm1(l, r));
         let error = l.add(l.mul(error, l.splat(DETERMINANT * U)), l.splat(LEAST));
-        let inward = l.bits(l.lt(error, volume)) & used;
+        let inward = l.half_bits(l.lt(error, volume)) & used;
         let shrink = l.div(l.splat(1.0), l.sqrt(squared));
         let n = [l.mul(n[0], shrink), l.mul(n[1], shrink), l.mul(n[2], shrink)];
         let lowest = l.min(l.min(dot(l, n, p), dot(l, n, q)), dot(l, n, r));
         let lowest = l.select(l.mask(used), lowest, l.splat(f32::INFINITY));
         let first = self.faces;
-        l.store_to(lowest, self.distances[first..].first_chunk_mut()?);
+        l.store_half(lowest, self.distances[first..].first_chunk_mut()?);
         let [x, y, z] = &mut self.normals;
-        l.store_to(n[0], x[first..].first_chunk_mut()?);
-        l.store_to(n[1], y[first..].first_chunk_mut()?);
-        l.store_to(n[2], z[first..].first_chunk_mut()?);
+        l.store_half(n[0], x[first..].first_chunk_mut()?);
+        l.store_half(n[1], y[first..].first_chunk_mut()?);
+        l.store_half(n[2], z[first..].first_chunk_mut()?);
         let below = (1u64 << first) - 1;
         self.inward = self.inward & below | u64::from(inward) << first;
         self.faces += faces;
@@ -409,10 +415,10 @@ impl Iterator for Bits {
     }
 }
 
-/// Sixteen numbers from the `first` on.
+/// Eight numbers from the `first` on.
 #[inline(always)]
-fn from<const N: usize>(numbers: &[f32; N], first: usize) -> &[f32; WIDTH] {
-    numbers[first..].first_chunk().unwrap_or(&[f32::NAN; WIDTH])
+fn from<const N: usize>(numbers: &[f32; N], first: usize) -> &[f32; HALF] {
+    numbers[first..].first_chunk().unwrap_or(&[f32::NAN; HALF])
 }
 
 /// Of each sixteen faces sixteen numbers.
