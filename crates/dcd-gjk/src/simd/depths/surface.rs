@@ -239,16 +239,21 @@ impl Surface {
         self.find_horizon(visible, self.count)?;
         self.set_point(self.count, point);
         self.count += 1;
-        let edges = self.horizon.edges;
-        for first in (0..edges).step_by(HALF) {
-            let [x, y, z] = &self.horizon.ring;
-            let at = |k: usize| {
-                [l.load_half(from(x, k)), l.load_half(from(y, k)), l.load_half(from(z, k))]
-            };
-            let triangles = (at(first), at(first + 1), splat(l, point.at));
-            self.measure(l, triangles, (edges - first).min(HALF))?;
+        let (edges, apex) = (self.horizon.edges, splat(l, point.at));
+        self.measure(l, self.cone(l, 0, apex), edges.min(HALF))?;
+        if edges > HALF {
+            self.measure(l, self.cone(l, HALF, apex), edges - HALF)?;
         }
         Some(())
+    }
+
+    /// The triangles over eight edges of the horizon, from that one on.
+    #[inline(always)]
+    fn cone<L: Lanes>(&self, l: L, first: usize, apex: Corners<L>) -> Triangles<L> {
+        let [x, y, z] = &self.horizon.ring;
+        let at =
+            |k: usize| [l.load_half(from(x, k)), l.load_half(from(y, k)), l.load_half(from(z, k))];
+        (at(first), at(first + 1), apex)
     }
 
     /// The faces that a point is beyond by more than `clear`, as bits.
