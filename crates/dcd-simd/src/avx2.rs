@@ -103,6 +103,21 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
+    fn load_half(self, numbers: &[f32; WIDTH / 2]) -> Self::F {
+        // SAFETY: as above; eight f32 are read from wherever they are.
+        let half = unsafe { _mm256_loadu_ps(numbers.as_ptr()) };
+        (half, half)
+    }
+    #[inline(always)]
+    fn store_half(self, a: Self::F, numbers: &mut [f32; WIDTH / 2]) {
+        // SAFETY: as above; eight f32 are written to wherever they are.
+        unsafe { _mm256_storeu_ps(numbers.as_mut_ptr(), a.0) }
+    }
+    #[inline(always)]
+    fn half_bits(self, mask: Self::M) -> u32 {
+        op!(_mm256_movemask_ps(mask.0)).cast_unsigned()
+    }
+    #[inline(always)]
     fn add(self, a: Self::F, b: Self::F) -> Self::F {
         both!(_mm256_add_ps, a, b)
     }

@@ -64,6 +64,19 @@ impl Lanes for Avx512 {
         unsafe { _mm512_storeu_ps(numbers.as_mut_ptr(), a) }
     }
     #[inline(always)]
+    fn load_half(self, numbers: &[f32; WIDTH / 2]) -> __m512 {
+        // SAFETY: as above; eight f32 are read from wherever they are.
+        unsafe {
+            let half = _mm256_loadu_ps(numbers.as_ptr());
+            _mm512_insertf32x8::<1>(_mm512_castps256_ps512(half), half)
+        }
+    }
+    #[inline(always)]
+    fn store_half(self, a: __m512, numbers: &mut [f32; WIDTH / 2]) {
+        // SAFETY: as above; eight f32 are written to wherever they are.
+        unsafe { _mm256_storeu_ps(numbers.as_mut_ptr(), _mm512_castps512_ps256(a)) }
+    }
+    #[inline(always)]
     fn add(self, a: __m512, b: __m512) -> __m512 {
         op!(_mm512_add_ps(a, b))
     }

@@ -279,6 +279,28 @@ pub trait Lanes: Copy {
         kernel.run(unfused::Apart(self))
     }
 
+    /// Loads eight from memory, unaligned, into the first lanes; the others hold some of them. Where no more than
+    /// [`Lanes::store_half`] and [`Lanes::half_bits`] keep is made of it, half the registers are left out.
+    #[inline(always)]
+    fn load_half(self, numbers: &[f32; WIDTH / 2]) -> Self::F {
+        let mut row = Row::default();
+        row.0[..WIDTH / 2].copy_from_slice(numbers);
+        row.0[WIDTH / 2..].copy_from_slice(numbers);
+        self.load(&row)
+    }
+    /// The first eight lanes to memory, wherever it begins.
+    #[inline(always)]
+    fn store_half(self, a: Self::F, numbers: &mut [f32; WIDTH / 2]) {
+        let mut row = Row::default();
+        self.store(a, &mut row);
+        numbers.copy_from_slice(&row.0[..WIDTH / 2]);
+    }
+    /// [`Lanes::bits`] of the first eight lanes.
+    #[inline(always)]
+    fn half_bits(self, mask: Self::M) -> u32 {
+        self.bits(mask) & 0xFF
+    }
+
     /// −a.
     #[inline(always)]
     fn neg(self, a: Self::F) -> Self::F {
@@ -384,6 +406,16 @@ mod tests {
         l.round_from([&halves[0], &halves[1]])
     }
 
+    /// The first eight lanes, beside zeros.
+    #[inline(always)]
+    fn half_stored<L: Lanes>(l: L, a: L::F) -> L::F {
+        let mut row = Row::default();
+        if let Some(half) = row.0.first_chunk_mut() {
+            l.store_half(a, half);
+        }
+        l.load(&row)
+    }
+
     impl Kernel for Everything<'_> {
         type Output = (Vec<Row>, Vec<u32>, Vec<u32>);
 
@@ -417,9 +449,17 @@ mod tests {
                 l.round_from([&thirds[0], &thirds[1]]),
                 in_f64(l, &thirds),
                 l.splat(l.largest(a)),
+                l.load_half(halves[0]),
+                half_stored(l, l.add(a, b)),
             ];
             let (lt, le) = (l.lt(a, b), l.le(a, b));
-            let masks = [l.and(lt, le), l.or(lt, le), l.and_not(le, lt), l.mask(0xA5C3)];
+            let masks = [
+                l.and(lt, le),
+                l.or(lt, le),
+                l.and_not(le, lt),
+                l.mask(0xA5C3),
+                l.mask(l.half_bits(le)),
+            ];
             let index = l.load_u(&IndexRow(std::array::from_fn(|k| 100 + k as u32)));
             let kept = l.bits(lt).count_ones() as usize;
             let mut chosen = IndexRow::default();
@@ -468,6 +508,9 @@ mod tests {
             for (x, &rounded) in a.0.iter().zip(&floats[19].0) {
                 assert_eq!(rounded, (f64::from(*x) / 3.0) as f32);
             }
+            assert_eq!(floats[22].0[..8], a.0[..8]);
+            let sums = (0..WIDTH).map(|k| if k < 8 { a.0[k] + b.0[k] } else { 0.0 });
+            assert!(sums.eq(floats[23].0));
             assert_eq!(floats[21].0[0], a.0.iter().copied().fold(f32::MIN, f32::max));
             for (aabb128, &lane_13) in rows.iter().zip(&floats[18].0) {
                 assert_eq!(lane_13, aabb128.0[13]);

@@ -72,6 +72,24 @@ impl Lanes for Sse2 {
         }
     }
     #[inline(always)]
+    fn load_half(self, numbers: &[f32; WIDTH / 2]) -> Self::F {
+        // SAFETY: of eight f32 four are read, from the fifth on at most.
+        from_fn(|k| unsafe { _mm_loadu_ps(numbers.as_ptr().add(4 * (k % 2))) })
+    }
+    #[inline(always)]
+    fn store_half(self, a: Self::F, numbers: &mut [f32; WIDTH / 2]) {
+        // SAFETY: eight f32 are written to wherever they are, four at a time.
+        unsafe {
+            _mm_storeu_ps(numbers.as_mut_ptr(), a[0]);
+            _mm_storeu_ps(numbers.as_mut_ptr().add(4), a[1]);
+        }
+    }
+    #[inline(always)]
+    fn half_bits(self, mask: Self::M) -> u32 {
+        let [low, high] = [op!(_mm_movemask_ps(mask[0])), op!(_mm_movemask_ps(mask[1]))];
+        (low | high << 4).cast_unsigned()
+    }
+    #[inline(always)]
     fn add(self, a: Self::F, b: Self::F) -> Self::F {
         each!(_mm_add_ps, a, b)
     }

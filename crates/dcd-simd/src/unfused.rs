@@ -55,6 +55,9 @@ impl<L: Lanes> Lanes for Apart<L> {
         load_from(numbers: &[f32; WIDTH]) -> L::F;
         round_from(numbers: [&[f64; WIDTH / 2]; 2]) -> L::F;
         store_to(a: L::F, numbers: &mut [f32; WIDTH]);
+        load_half(numbers: &[f32; WIDTH / 2]) -> L::F;
+        store_half(a: L::F, numbers: &mut [f32; WIDTH / 2]);
+        half_bits(mask: L::M) -> u32;
         add(a: L::F, b: L::F) -> L::F;
         sub(a: L::F, b: L::F) -> L::F;
         mul(a: L::F, b: L::F) -> L::F;

@@ -39,11 +39,13 @@ impl<'a> ScenePairs<'a> {
             prefetch_polytope(of_b, pair.j);
         }
         if let Some(pair) = pairs.get(number + near) {
-            prefetch_vertices(a, of_a, pair.i);
-            prefetch_vertices(b, of_b, pair.j);
-            if facets {
-                prefetch_facets(of_a, pair.i);
-                prefetch_facets(of_b, pair.j);
+            // An object that the pair before has too is there already.
+            let before = &pairs[number + near - 1];
+            if pair.i != before.i {
+                prefetch_shown(a, of_a, pair.i, facets);
+            }
+            if pair.j != before.j {
+                prefetch_shown(b, of_b, pair.j, facets);
             }
         }
     }
@@ -63,6 +65,15 @@ fn prefetch_places(frame: &SimdFrame, scene: &Scene, object: u32) {
 fn prefetch_polytope(scene: &Scene, object: u32) {
     if let Shape::Polytope(polytope) = scene.shape(object as usize) {
         prefetch(slice::from_ref(&**polytope));
+    }
+}
+
+/// Prefetches an object's vertices, and its faces where `facets` says so.
+#[inline(always)]
+fn prefetch_shown(frame: &SimdFrame, scene: &Scene, object: u32, facets: bool) {
+    prefetch_vertices(frame, scene, object);
+    if facets {
+        prefetch_facets(scene, object);
     }
 }
 

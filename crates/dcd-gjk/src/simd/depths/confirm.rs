@@ -72,7 +72,7 @@ pub(super) struct Ended<'a> {
 impl<'a> SearchedPair<'a> {
     /// `None` of shapes that are not searched, and of pairs outside f32's range.
     #[inline(always)]
-    pub(super) fn of(a: Side<'a>, b: Side<'a>) -> Option<Self> {
+    pub(super) fn of([a, b]: [Side<'a>; 2]) -> Option<Self> {
         // Two cuboids have a formula.
         let kinds = (a.sharp()?.kind(), b.sharp()?.kind());
         if let (Kind::Cuboid { .. }, Kind::Cuboid { .. }) = kinds {
@@ -101,6 +101,12 @@ impl<'a> SearchedPair<'a> {
             unit: U * (m as f32 * (1.0 + 4.0 * U)),
         };
         Some(Self { cloud, polytopes, poses, is_swapped, size, scale })
+    }
+
+    /// What is of a and of b, in the order of the search.
+    #[inline(always)]
+    pub(super) fn in_order<T>(&self, [a, b]: [T; 2]) -> [T; 2] {
+        if self.is_swapped { [b, a] } else { [a, b] }
     }
 
     /// The depth, known as well as the accuracy requires.

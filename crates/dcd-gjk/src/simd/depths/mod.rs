@@ -6,6 +6,7 @@
 
 mod confirm;
 mod search;
+mod start;
 mod surface;
 
 use super::closed::{are_cuboids, depths as of_cuboids};
@@ -23,6 +24,7 @@ use confirm::{Ended, SearchedPair, Side};
 use dcd_geom::{Aabb, Pair, Scene};
 use dcd_simd::{Kernel, Lanes, Path, dispatch_on};
 use search::{Next, Search};
+use start::Starts;
 use std::slice::Iter;
 use surface::{Point, Surface};
 
@@ -71,6 +73,7 @@ impl<S: MeasureDepth> SimdDepths<S> {
 pub struct Scratch<S> {
     yes: Yes,
     surfaces: Box<[Surface; SEATS]>,
+    starts: Starts,
     of_cuboids: of_cuboids::Scratch,
     touching: Vec<Pair>,
     /// The numbers of the touching pairs that the solver measures by itself.
@@ -108,7 +111,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
-        let Scratch { yes, surfaces, of_cuboids, touching, left, solver } = scratch;
+        let Scratch { yes, surfaces, starts, of_cuboids, touching, left, solver } = scratch;
         yes.touching_parts.begin(true);
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touch = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
@@ -127,7 +130,9 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let answers = &mut sink.contacts[first..];
         let answers = Answers { solver: &self.solver, scratch: solver, answers, left };
         let axes = of_cuboids.axes.iter();
-        let each = Each { objects, accuracy: self.accuracy, next: 0, axes, surfaces, answers };
+        starts.begin();
+        let each =
+            Each { objects, accuracy: self.accuracy, next: 0, axes, starts, surfaces, answers };
         dispatch_on(self.path, each);
         left.sort_unstable();
         let mut lists = yes.touching_parts.lists().peekable();
@@ -234,6 +239,7 @@ struct Each<'a, S: MeasureDepth> {
     /// For each pair of cuboids the axes that count.
     axes: Iter<'a, Axes>,
     surfaces: &'a mut [Surface; SEATS],
+    starts: &'a mut Starts,
     answers: Answers<'a, S>,
 }
 
@@ -255,9 +261,9 @@ impl<S: MeasureDepth> Kernel for Each<'_, S> {
         let mut seats = [const { None }; SEATS];
         loop {
             let mut is_idle = true;
-            for seat in &mut seats {
+            for (number, seat) in seats.iter_mut().enumerate() {
                 if seat.is_none() {
-                    *seat = self.next();
+                    *seat = self.next(l, number);
                 }
                 is_idle &= seat.is_none();
             }
@@ -286,9 +292,9 @@ impl<S: MeasureDepth> Kernel for Each<'_, S> {
 }
 
 impl<'a, S: MeasureDepth> Each<'a, S> {
-    /// The next pair that is to be searched; those before it are answered.
+    /// The next pair that is to be searched, in the place of that number; those before it are answered.
     #[inline(always)]
-    fn next(&mut self) -> Option<Seat<'a>> {
+    fn next<L: Lanes>(&mut self, l: L, place: usize) -> Option<Seat<'a>> {
         let ScenePairs { frames, scenes, pairs } = self.objects;
         loop {
             let number = self.next;
@@ -312,11 +318,15 @@ impl<'a, S: MeasureDepth> Each<'a, S> {
                 let core = &frame.cores().cores()[scenes[k].shape_index(object as usize) as usize];
                 Side { core, blocks: frame.blocks_of(frame.record(object)), placed }
             };
-            let a = side(0, frames.a, pair.i, a);
-            let b = side(1, frames.b, pair.j, b);
-            if let Some(pair) = SearchedPair::of(a, b) {
-                let search = Search::new(&pair.cloud, self.accuracy);
-                return Some(Seat { number, pair, search, point: Point::default() });
+            let sides = [side(0, frames.a, pair.i, a), side(1, frames.b, pair.j, b)];
+            if let Some(searched) = SearchedPair::of(sides) {
+                let mut search = Search::new(&searched.cloud, self.accuracy);
+                let is_second = !frames.is_one();
+                let of_a = self.starts.of(l, (pair.i, false), &sides[0]);
+                let of_b = self.starts.of(l, (pair.j, is_second), &sides[1]);
+                let extremes = searched.in_order([of_a, of_b]);
+                search.start(l, &searched.cloud, extremes, &mut self.surfaces[place]);
+                return Some(Seat { number, pair: searched, search, point: Point::default() });
             }
             self.answers.left.push(number as u32);
         }

@@ -1,6 +1,7 @@
 //! The expanding polytope of one pair in f32, support by support: many pairs are searched side by side.
 
 use super::super::bounds::U;
+use super::start::Extremes;
 use super::surface::{Point, Surface, dot, load, splat};
 use crate::Accuracy;
 use dcd_geom::glam::Vec3;
@@ -49,8 +50,27 @@ impl Cloud<'_> {
     fn farthest<L: Lanes>(&self, l: L, direction: Vec3) -> Point {
         let (a, of_a) = farthest(l, self.blocks[0], direction);
         let (b, of_b) = farthest(l, self.blocks[1], -direction);
-        Point { at: (of_a - of_b) * self.scale + self.middle, vertices: [a, b] }
+        self.difference([a, b], [of_a, of_b])
     }
+
+    /// The point of two vertices.
+    #[inline(always)]
+    fn point(&self, [a, b]: [u8; 2]) -> Point {
+        let [of_a, of_b] = [vertex(self.blocks[0], a), vertex(self.blocks[1], b)];
+        self.difference([a.into(), b.into()], [of_a, of_b])
+    }
+
+    #[inline(always)]
+    fn difference(&self, vertices: [u32; 2], [of_a, of_b]: [Vec3; 2]) -> Point {
+        Point { at: (of_a - of_b) * self.scale + self.middle, vertices }
+    }
+}
+
+/// The vertex of that number.
+#[inline(always)]
+fn vertex(blocks: &[Block], number: u8) -> Vec3 {
+    let number = usize::from(number);
+    blocks.get(number / WIDTH).map_or(Vec3::NAN, |block| block.point(number % WIDTH))
 }
 
 /// The first of the vertices that are farthest along a direction in the first lane that has one, and its number.
@@ -118,6 +138,33 @@ impl Search {
         Self { stage: Stage::First, direction, start, clear: gain * cloud.unit }
     }
 
+    /// Starts with the vertices farthest along the world's axes where they make a convex surface: four supports and more
+    /// are left out.
+    #[inline(always)]
+    pub(super) fn start<L: Lanes>(
+        &mut self,
+        l: L,
+        cloud: &Cloud<'_>,
+        extremes: [Extremes; 2],
+        surface: &mut Surface,
+    ) {
+        let mut corners = [Point::default(); 6];
+        for (k, corner) in corners.iter_mut().enumerate() {
+            *corner = cloud.point([extremes[0][k], extremes[1][(k + 3) % 6]]);
+        }
+        if surface.start_round(l, &corners, self.clear).is_some() {
+            self.look_beyond(l, surface);
+        }
+    }
+
+    /// The next support is the one beyond the nearest face.
+    #[inline(always)]
+    fn look_beyond<L: Lanes>(&mut self, l: L, surface: &Surface) {
+        let nearest = surface.nearest(l);
+        self.stage = Stage::Beyond(nearest);
+        self.direction = surface.normal(nearest);
+    }
+
     /// The support that it waits for.
     #[inline(always)]
     pub(super) fn support<L: Lanes>(&self, l: L, cloud: &Cloud<'_>) -> Point {
@@ -149,9 +196,7 @@ impl Search {
                 return Next::Failed;
             }
         }
-        let nearest = surface.nearest(l);
-        self.stage = Stage::Beyond(nearest);
-        self.direction = surface.normal(nearest);
+        self.look_beyond(l, surface);
         Next::Support
     }
 

@@ -12,6 +12,9 @@ pub(super) const POINTS: usize = 32;
 /// Space for faces, dead ones included, which are dropped when it is full: a bit each in a `u64`.
 const FACES: usize = 64;
 
+/// So many faces are measured at once: horizons with more edges are rare.
+const HALF: usize = WIDTH / 2;
+
 /// A cone is written sixteen faces at a time, from wherever it begins.
 const WRITTEN: usize = FACES + WIDTH;
 
@@ -79,8 +82,11 @@ impl Default for Surface {
     }
 }
 
-/// Sixteen triangles, by their corners.
-type Triangles<L> = [[<L as Lanes>::F; 3]; 3];
+/// Eight triangles in the first lanes, by their corners.
+type Triangles<L> = (Corners<L>, Corners<L>, Corners<L>);
+
+/// A corner of each.
+type Corners<L> = [<L as Lanes>::F; 3];
 
 impl Surface {
     /// The points that a face has for corners.
@@ -167,7 +173,41 @@ impl Surface {
             }
         }
         let [p, q, r] = &blocks;
-        self.measure(l, [load(l, p), load(l, q), load(l, r)], 4)
+        self.measure(l, (load(l, p), load(l, q), load(l, r)), 4)
+    }
+
+    /// Starts over with an octahedron, whose corners are farthest along x, y, z, −x, −y and −z. `None` where a corner is
+    /// above the plane of a face by more than `clear`, or a face has no area to rounding.
+    #[inline(always)]
+    pub(super) fn start_round<L: Lanes>(
+        &mut self,
+        l: L,
+        corners: &[Point; 6],
+        clear: f32,
+    ) -> Option<()> {
+        for (k, &point) in corners.iter().enumerate() {
+            self.set_point(k, point);
+        }
+        self.count = 6;
+        (self.faces, self.inward) = (0, 0);
+        self.distances = [f32::INFINITY; WRITTEN];
+        self.corners[..OCTAHEDRON.len()].copy_from_slice(&OCTAHEDRON);
+        let [back_x, back_y, back_z, odd] = OCTANTS;
+        let (back_x, back_y) = (l.mask(back_x), l.mask(back_y));
+        let (back_z, odd) = (l.mask(back_z), l.mask(odd));
+        let at = |k: usize| splat(l, corners[k].at);
+        let x = select(l, back_x, at(3), at(0));
+        let (y, z) = (select(l, back_y, at(4), at(1)), select(l, back_z, at(5), at(2)));
+        let triangles = (x, select(l, odd, z, y), select(l, odd, y, z));
+        self.measure(l, triangles, OCTAHEDRON.len())?;
+        let [nx, ny, nz] = &self.normals;
+        let normal = [l.load_half(from(nx, 0)), l.load_half(from(ny, 0)), l.load_half(from(nz, 0))];
+        let plane = l.add(l.load_half(from(&self.distances, 0)), l.splat(clear));
+        let mut highest = dot(l, normal, at(0));
+        for k in 1..6 {
+            highest = l.max(highest, dot(l, normal, at(k)));
+        }
+        (l.half_bits(l.le(highest, plane)) == OF_OCTAHEDRON).then_some(())
     }
 
     /// The face whose plane is nearest along its normal: the lowest number among equals.
@@ -199,12 +239,21 @@ impl Surface {
         self.find_horizon(visible, self.count)?;
         self.set_point(self.count, point);
         self.count += 1;
-        let Horizon { edges, ring: [x, y, z] } = &self.horizon;
-        let (p, q) = (
-            [l.load_from(from(x, 0)), l.load_from(from(y, 0)), l.load_from(from(z, 0))],
-            [l.load_from(from(x, 1)), l.load_from(from(y, 1)), l.load_from(from(z, 1))],
-        );
-        self.measure(l, [p, q, splat(l, point.at)], *edges)
+        let (edges, apex) = (self.horizon.edges, splat(l, point.at));
+        self.measure(l, self.cone(l, 0, apex), edges.min(HALF))?;
+        if edges > HALF {
+            self.measure(l, self.cone(l, HALF, apex), edges - HALF)?;
+        }
+        Some(())
+    }
+
+    /// The triangles over eight edges of the horizon, from that one on.
+    #[inline(always)]
+    fn cone<L: Lanes>(&self, l: L, first: usize, apex: Corners<L>) -> Triangles<L> {
+        let [x, y, z] = &self.horizon.ring;
+        let at =
+            |k: usize| [l.load_half(from(x, k)), l.load_half(from(y, k)), l.load_half(from(z, k))];
+        (at(first), at(first + 1), apex)
     }
 
     /// The faces that a point is beyond by more than `clear`, as bits.
@@ -263,24 +312,19 @@ impl Surface {
         // Of more steps than edges what is written means nothing, and their number can be predicted.
         let steps = if edges <= FEW_EDGES { FEW_EDGES } else { WIDTH };
         let (mut at, mut walked) = (first, 0u32);
+        let cone: &mut [u32; WIDTH] = self.corners[self.faces..].first_chunk_mut()?;
+        let [x, y, z] = &mut self.horizon.ring;
         for k in 0..steps {
             walked |= 1 << at;
             let to = usize::from(after[at]) % POINTS;
-            self.corners[self.faces + k] = packed([at, to, apex]);
-            self.put_on_horizon(k, at);
+            cone[k] = packed([at, to, apex]);
+            [x[k], y[k], z[k], _] = self.points[at];
             at = to;
         }
-        self.put_on_horizon(steps, at);
+        [x[steps], y[steps], z[steps], _] = self.points[at];
         // Two edges that start at one point, or two cycles, leave points out.
         let is_cycle = walked == starting && walked.count_ones() as usize == edges;
         is_cycle.then_some(())
-    }
-
-    #[inline(always)]
-    fn put_on_horizon(&mut self, k: usize, point: usize) {
-        let [x, y, z, _] = self.points[point];
-        let ring = &mut self.horizon.ring;
-        (ring[0][k], ring[1][k], ring[2][k]) = (x, y, z);
     }
 
     /// Closes the gaps that dead faces left.
@@ -303,30 +347,31 @@ impl Surface {
         (self.faces, self.inward) = (kept, inward);
     }
 
-    /// Appends so many of sixteen triangles, whose corners are written down already. `None` where one has no area.
+    /// Appends so many of eight triangles, whose corners are written down already. `None` where one has no area.
     #[inline(always)]
-    fn measure<L: Lanes>(&mut self, l: L, [p, q, r]: Triangles<L>, faces: usize) -> Option<()> {
+    fn measure<L: Lanes>(&mut self, l: L, triangles: Triangles<L>, faces: usize) -> Option<()> {
+        let (p, q, r) = triangles;
         let (e, f) = (sub(l, p, r), sub(l, q, r));
         let n = cross(l, e, f);
         let squared = dot(l, n, n);
         let used = (1u32 << faces) - 1;
-        if l.bits(l.lt(l.splat(LEAST), squared)) & used != used {
+        if l.half_bits(l.lt(l.splat(LEAST), squared)) & used != used {
             return None;
         }
         let volume = dot(l, n, r);
         let error = l.mul(l.mul(norm1(l, e), norm1(l, f)), norm1(l, r));
         let error = l.add(l.mul(error, l.splat(DETERMINANT * U)), l.splat(LEAST));
-        let inward = l.bits(l.lt(error, volume)) & used;
+        let inward = l.half_bits(l.lt(error, volume)) & used;
         let shrink = l.div(l.splat(1.0), l.sqrt(squared));
         let n = [l.mul(n[0], shrink), l.mul(n[1], shrink), l.mul(n[2], shrink)];
         let lowest = l.min(l.min(dot(l, n, p), dot(l, n, q)), dot(l, n, r));
         let lowest = l.select(l.mask(used), lowest, l.splat(f32::INFINITY));
         let first = self.faces;
-        l.store_to(lowest, self.distances[first..].first_chunk_mut()?);
+        l.store_half(lowest, self.distances[first..].first_chunk_mut()?);
         let [x, y, z] = &mut self.normals;
-        l.store_to(n[0], x[first..].first_chunk_mut()?);
-        l.store_to(n[1], y[first..].first_chunk_mut()?);
-        l.store_to(n[2], z[first..].first_chunk_mut()?);
+        l.store_half(n[0], x[first..].first_chunk_mut()?);
+        l.store_half(n[1], y[first..].first_chunk_mut()?);
+        l.store_half(n[2], z[first..].first_chunk_mut()?);
         let below = (1u64 << first) - 1;
         self.inward = self.inward & below | u64::from(inward) << first;
         self.faces += faces;
@@ -334,9 +379,27 @@ impl Surface {
     }
 }
 
+/// The octants whose x, whose y and whose z are negative, and those with an odd number of these, as bits.
+const OCTANTS: [u32; 4] = [0b1010_1010, 0b1100_1100, 0b1111_0000, 0b1001_0110];
+
+/// A bit for each face of an octahedron.
+const OF_OCTAHEDRON: u32 = 0xFF;
+
+/// The corners of an octahedron's faces, octant by octant, of points farthest along x, y, z, −x, −y, −z.
+const OCTAHEDRON: [u32; 8] = [
+    packed([0, 1, 2]),
+    packed([3, 2, 1]),
+    packed([0, 2, 4]),
+    packed([3, 4, 2]),
+    packed([0, 5, 1]),
+    packed([3, 1, 5]),
+    packed([0, 4, 5]),
+    packed([3, 5, 4]),
+];
+
 /// Three corners in one number.
 #[inline(always)]
-fn packed([p, q, r]: [usize; 3]) -> u32 {
+const fn packed([p, q, r]: [usize; 3]) -> u32 {
     (p | q << 8 | r << 16) as u32
 }
 
@@ -357,10 +420,10 @@ impl Iterator for Bits {
     }
 }
 
-/// Sixteen numbers from the `first` on.
+/// Eight numbers from the `first` on.
 #[inline(always)]
-fn from<const N: usize>(numbers: &[f32; N], first: usize) -> &[f32; WIDTH] {
-    numbers[first..].first_chunk().unwrap_or(&[f32::NAN; WIDTH])
+fn from<const N: usize>(numbers: &[f32; N], first: usize) -> &[f32; HALF] {
+    numbers[first..].first_chunk().unwrap_or(&[f32::NAN; HALF])
 }
 
 /// Of each sixteen faces sixteen numbers.
@@ -385,6 +448,12 @@ pub(super) fn splat<L: Lanes>(l: L, Vec3 { x, y, z }: Vec3) -> [L::F; 3] {
 #[inline(always)]
 pub(super) fn dot<L: Lanes>(l: L, a: [L::F; 3], b: [L::F; 3]) -> L::F {
     l.add(l.add(l.mul(a[0], b[0]), l.mul(a[1], b[1])), l.mul(a[2], b[2]))
+}
+
+/// `yes` where the mask is set, else `no`.
+#[inline(always)]
+fn select<L: Lanes>(l: L, mask: L::M, yes: [L::F; 3], no: [L::F; 3]) -> [L::F; 3] {
+    [l.select(mask, yes[0], no[0]), l.select(mask, yes[1], no[1]), l.select(mask, yes[2], no[2])]
 }
 
 #[inline(always)]
