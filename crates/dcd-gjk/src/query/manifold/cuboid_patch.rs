@@ -1,6 +1,5 @@
 //! The manifold of two cuboids from the patch that the lanes found: f64 numbers and features from its codes.
 
-use super::cuboid_polygon::{LineOf, features};
 use super::facing::edge;
 use super::{Feature, Manifold, cuboids};
 use crate::PosedShape;
@@ -24,29 +23,33 @@ pub(super) fn write(
     let normal = normal(patch, [sides[0].pose.rotation(), sides[1].pose.rotation()]);
     let origin = sides[0].pose.translation();
     let clips = usize::from(patch.clips);
-    let (shown, clipped) = (patch.shown[clips], patch.shown[1 - clips]);
-    let is_crossing = shown.kind != ShownKind::Face;
+    let whole = [of_first, of_second];
+    let corners = Numbered::of(patch.shown[clips], patch.shown[1 - clips]);
+    let is_crossing = patch.shown[clips].kind != ShownKind::Face;
+    // Which of the two ends is a's, and whose face the points are on.
+    let (of_a, on_face) = (usize::from(patch.is_swapped), [whole[clips], whole[1 - clips]]);
     for (point, of_lanes) in found.points.iter_mut().zip(&patch.points[..usize::from(patch.count)])
     {
         let depth = f64::from(of_lanes.depth);
         let [x, y, z] = of_lanes.offset;
-        let on_face = origin + DVec3::new(x.into(), y.into(), z.into());
-        let ends = match clips {
-            0 => [on_face, on_face - normal * depth],
-            _ => [on_face + normal * depth, on_face],
+        let offset = DVec3::new(x.into(), y.into(), z.into());
+        let here = origin + offset;
+        let (on_first, on_second) =
+            if clips == 0 { (here, here - normal * depth) } else { (here + normal * depth, here) };
+        let features = match is_crossing {
+            true => whole,
+            false => {
+                let [j, k] = of_lanes.bounds;
+                let [of_clips, of_clipped] = corners.features([j, k], on_face);
+                if clips == 0 { [of_clips, of_clipped] } else { [of_clipped, of_clips] }
+            }
         };
-        let features = if is_crossing {
-            [of_first, of_second]
+        if of_a == 0 {
+            (point.point_a, point.point_b, point.features) = (on_first, on_second, features);
         } else {
-            let [j, k] = of_lanes.bounds;
-            let lines = [line(shown, clipped, j), line(shown, clipped, k)];
-            let whole = [of_first, of_second];
-            let [of_clips, of_clipped] = features(lines, [whole[clips], whole[1 - clips]]);
-            if clips == 0 { [of_clips, of_clipped] } else { [of_clipped, of_clips] }
-        };
-        let swapped = usize::from(patch.is_swapped);
-        (point.point_a, point.point_b) = (ends[swapped], ends[1 - swapped]);
-        point.features = [features[swapped], features[1 - swapped]];
+            let [first, second] = features;
+            (point.point_a, point.point_b, point.features) = (on_second, on_first, [second, first]);
+        }
         point.depth = depth;
     }
     found.count = patch.count;
@@ -93,35 +96,63 @@ fn face(polytope: &Polytope, half: DVec3, axis: u8, is_forward: bool) -> Option<
     cuboids::face_number(polytope, half.to_array(), usize::from(axis), is_forward)
 }
 
-/// What of the cuboids a bound is.
-#[inline(always)]
-fn line(clips: Shown, clipped: Shown, bound: u8) -> LineOf<u8> {
-    let after = |axis: u8| if axis == 2 { 0 } else { axis + 1 };
-    let bit = |axis: u8| 1u8 << axis;
-    if bound < 4 {
+/// The corners of a face that clips and of what it clips, by their numbers, each in a round.
+struct Numbered {
+    /// Low along both edges, high along the first, along both, along the second.
+    clipped: [u8; 4],
+    /// High along both sides, low along the first, along both, along the second.
+    clips: [u8; 4],
+}
+
+impl Numbered {
+    #[inline(always)]
+    fn of(clips: Shown, clipped: Shown) -> Self {
+        const NEXT: [u8; 4] = [1, 2, 0, 0];
+        let bits = |axis: u8| {
+            let after = NEXT[usize::from(axis % 4)];
+            (1u8 << after, 1u8 << NEXT[usize::from(after)])
+        };
         let (u, v) = match clipped.kind {
-            ShownKind::Face => (bit(after(clipped.axis)), bit(after(after(clipped.axis)))),
-            ShownKind::Edge => (bit(clipped.axis), 0),
+            ShownKind::Face => bits(clipped.axis),
+            ShownKind::Edge => (1 << clipped.axis, 0),
             ShownKind::Vertex => (0, 0),
         };
-        // Round it: low along both edges, high along the first, along both, along the second.
-        let (from, to) = match bound {
-            0 => (0, u),
-            1 => (u, u | v),
-            2 => (u | v, v),
-            _ => (v, 0),
-        };
-        let corner = clipped.corner & !(u | v);
-        return LineOf::Clipped(corner | from, corner | to);
+        let low = clipped.corner & !(u | v);
+        let (p, q) = bits(clips.axis);
+        let base = clips.corner & !(p | q);
+        Self {
+            clipped: [low, low | u, low | u | v, low | v],
+            clips: [base | p | q, base | q, base, base | p],
+        }
     }
-    let (p, q) = (bit(after(clips.axis)), bit(after(after(clips.axis))));
-    let (own, other) = match bound {
-        4 => (p, q),
-        5 => (0, q),
-        6 => (q, p),
-        7 => (0, p),
-        _ => return LineOf::Surface,
-    };
-    let corner = clips.corner & bit(clips.axis) | own;
-    LineOf::Clips(corner, corner | other)
+
+    /// What of the shape that clips and of the other a corner belongs to: by the bounds that meet there.
+    #[inline(always)]
+    fn features(&self, [j, k]: [u8; 2], [of_clips, of_clipped]: [Feature; 2]) -> [Feature; 2] {
+        match (j, k) {
+            (0..4, 0..4) => [of_clips, Feature::Vertex(self.clipped[usize::from(j)].into())],
+            (0..4, 8..) => [of_clips, self.edge(j)],
+            (0..4, _) => [self.side(k), self.edge(j)],
+            (_, 8..) => [self.side(j), of_clipped],
+            // The corner where a side of the first axis meets one of the second.
+            _ => {
+                let corner = [[0, 3], [1, 2]][usize::from(j & 1)][usize::from(k & 1)];
+                [Feature::Vertex(self.clips[corner].into()), of_clipped]
+            }
+        }
+    }
+
+    /// The edge of what is clipped from the corner of that number to the next.
+    #[inline(always)]
+    fn edge(&self, from: u8) -> Feature {
+        let [from, to] = [from, from + 1].map(|k| self.clipped[usize::from(k % 4)]);
+        edge(from.into(), to.into())
+    }
+
+    /// The side of the face of that number.
+    #[inline(always)]
+    fn side(&self, bound: u8) -> Feature {
+        let (from, to) = [(3, 0), (1, 2), (0, 1), (2, 3)][usize::from(bound % 4)];
+        edge(self.clips[from].into(), self.clips[to].into())
+    }
 }
