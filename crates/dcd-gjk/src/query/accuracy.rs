@@ -2,6 +2,7 @@
 
 use super::distances::are_within;
 use crate::epa::Depth;
+use crate::simd::CuboidPatch;
 use crate::{Method, PairSolver, PosedShape, Verdict, certified};
 
 /// How good the bound of a distance or depth has to be. The bound is proved at every accuracy: a smaller
@@ -58,6 +59,17 @@ pub trait MeasureDepth: MeasureAt {
         false
     }
 
+    /// The same for two cuboids of which the lanes found in f32 where they touch; false where the depth is needed. By default
+    /// always.
+    fn measure_cuboids(
+        &self,
+        _patch: &CuboidPatch,
+        _sides: [PosedShape<'_>; 2],
+        _answer: &mut Self::Answer,
+    ) -> bool {
+        false
+    }
+
     /// The answer for a mesh and a polytope of which it is known which parts touch: all of these as
     /// [`mesh::touching`](crate::mesh::touching) lists them. By default that of [`MeasureAt::measure_at`], which finds
     /// them again.
@@ -74,6 +86,9 @@ pub trait MeasureDepth: MeasureAt {
     /// Whether [`MeasureDepth::measure_polytopes`] reads the faces of the polytopes: these are prefetched then. No effect
     /// on any result.
     const READS_FACETS: bool = false;
+
+    /// Whether [`MeasureDepth::measure_cuboids`] is of use: the lanes look for patches then, at [`Accuracy::F32`].
+    const READS_PATCHES: bool = false;
 }
 
 /// The depth of two polytopes, and what else is known of them.

@@ -49,8 +49,11 @@ pub use proximity::{Gradient, Proximities, Proximity, Smoothness, Twist};
 pub use then_measure::ThenMeasure;
 pub use within::Within;
 
+pub use crate::simd::CuboidPatch;
+
 pub(crate) use depths::CERTIFIED;
 pub(crate) use distances::{spheres_are_apart, within_margin};
+pub(crate) use manifold::{FACING, LEVEL};
 pub(crate) use within::grown;
 
 use dcd_geom::{Aabb, ShapeError};

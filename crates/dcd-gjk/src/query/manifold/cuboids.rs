@@ -202,15 +202,7 @@ impl<'a> Side<'a> {
 
     /// The number of the face that is normal to axis `k`: its index into [`dcd_geom::Facets`].
     fn face(&self, k: usize) -> Option<u32> {
-        let is_forward = self.towards[k] > 0.0;
-        if let Some(order) = faces_of(self.half) {
-            let name = (if is_forward { b'X' } else { b'x' }) + k as u8;
-            return (0..).zip(order).find(|&(_, face)| *face == name).map(|(index, _)| index);
-        }
-        let facets = self.polytope.facets().facets();
-        let sense = self.towards[k].signum();
-        let found = (0u32..).zip(facets).find(|(_, facet)| facet.normal[k] * sense > FACING);
-        Some(found?.0)
+        face_number(self.polytope, self.half, k, self.towards[k] > 0.0)
     }
 
     /// The corner of that number, in its own frame.
@@ -219,6 +211,24 @@ impl<'a> Side<'a> {
         let signed = |k: usize| if number >> k & 1 == 1 { self.half[k] } else { -self.half[k] };
         [signed(0), signed(1), signed(2)]
     }
+}
+
+/// The number of a box's face along axis `k` or against it: its index into [`dcd_geom::Facets`]. `None` where it is not
+/// one of six.
+pub(super) fn face_number(
+    polytope: &Polytope,
+    half: [f64; 3],
+    k: usize,
+    is_forward: bool,
+) -> Option<u32> {
+    if let Some(order) = faces_of(half) {
+        let name = (if is_forward { b'X' } else { b'x' }) + k as u8;
+        return (0..).zip(order).find(|&(_, face)| *face == name).map(|(index, _)| index);
+    }
+    let facets = polytope.facets().facets();
+    let sense = if is_forward { 1.0 } else { -1.0 };
+    let found = (0u32..).zip(facets).find(|(_, facet)| facet.normal[k] * sense > FACING);
+    Some(found?.0)
 }
 
 /// How far apart, relative to the largest, half edges must be for the order of the faces to be known, if they are not

@@ -6,10 +6,10 @@ use dcd_geom::{Facets, Kind, Polytope};
 
 /// The least cosine between a face's normal and the contact's for the face to lie in it: 15
 /// degrees. Larger: boxes that rock on two points. Smaller: points far from where shapes touch.
-pub(super) const FACING: f64 = 0.966;
+pub(crate) const FACING: f64 = 0.966;
 
 /// The most that an edge may rise along the contact's normal, relative to its length: 15 degrees.
-pub(super) const LEVEL: f64 = 0.259;
+pub(crate) const LEVEL: f64 = 0.259;
 
 /// How far below the farthest a vertex may be to count as farthest, relative to the size.
 const FARTHEST: f64 = 1e-9;

@@ -10,6 +10,7 @@
 mod clip;
 mod corners;
 mod cuboid_pair;
+mod cuboid_patch;
 mod cuboid_polygon;
 mod cuboids;
 mod facing;
@@ -26,10 +27,12 @@ mod triangle_clip;
 use super::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, depths};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, PartIndex};
+use crate::simd::CuboidPatch;
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
 use corners::{Corners, OfSphere};
 use dcd_geom::Shape;
 use dcd_geom::glam::DVec3;
+pub(crate) use facing::{FACING, LEVEL};
 use feature::View;
 use parts::Measure;
 pub use set::ManifoldSet;
@@ -233,6 +236,16 @@ impl MeasureDepth for Manifolds {
         answer.write_one(|found| write_of_polytopes(known, a, b, &mut scratch.corners, found))
     }
 
+    #[inline]
+    fn measure_cuboids(
+        &self,
+        patch: &CuboidPatch,
+        sides: [PosedShape<'_>; 2],
+        answer: &mut ManifoldSet,
+    ) -> bool {
+        answer.write_one(|found| cuboid_patch::write(patch, sides, found))
+    }
+
     fn measure_parts(
         &self,
         accuracy: Accuracy,
@@ -245,6 +258,7 @@ impl MeasureDepth for Manifolds {
     }
 
     const READS_FACETS: bool = true;
+    const READS_PATCHES: bool = true;
 }
 
 fn manifold_of(

@@ -2,6 +2,8 @@
 
 pub(super) mod depths;
 pub(super) mod nearest;
+mod overlap;
+pub(super) mod patches;
 #[cfg(test)]
 mod tests;
 

@@ -4,11 +4,13 @@ use super::super::frame::{FramePair, SimdFrame};
 use super::super::prepare;
 use super::depths;
 use super::nearest::{self, Found};
+use super::patches;
 use crate::closed::{Axes, cuboid_depth, cuboid_depth_along};
 use crate::distance::distance;
-use crate::{Accuracy, DistanceResult, PosedShape, PosedSupport, Sides};
+use crate::query::{Manifold, ManifoldSet, Manifolds, MeasureAt, MeasureDepth};
+use crate::{Accuracy, Depths, DistanceResult, PosedShape, PosedSupport, Sides, Verdict};
 use dcd_geom::glam::{DQuat, DVec3};
-use dcd_geom::{Aabb, Pair, Pose, Scene, Shape};
+use dcd_geom::{Aabb, Kind, Pair, Pose, Scene, Shape};
 use dcd_simd::Path;
 
 /// Repeatable numbers (splitmix64).
@@ -148,4 +150,112 @@ fn the_axes_that_the_lanes_leave_out_change_no_depth() {
     }
     assert!(count > 3000 && looked_at < 5 * count, "{count} {looked_at}");
     assert_eq!(Axes::ALL.mirrored(), Axes::ALL);
+}
+
+/// How far a point is from the surface of a cuboid.
+fn off_surface(point: DVec3, cuboid: PosedShape<'_>, half: DVec3) -> f64 {
+    let local = cuboid.pose.rotation().transpose() * (point - cuboid.pose.translation());
+    let beyond = local.abs() - half;
+    let outside = beyond.max(DVec3::ZERO).length();
+    if outside > 0.0 { outside } else { -beyond.max_element() }
+}
+
+/// The area that the points span, seen along the normal.
+fn area(found: &Manifold) -> f64 {
+    let points: Vec<DVec3> = found.points().iter().map(|point| point.point_a).collect();
+    let mut largest: f64 = 0.0;
+    for order in [[0, 1, 2, 3], [0, 2, 1, 3], [0, 1, 3, 2]] {
+        let at = |k: usize| points[order[k].min(points.len() - 1)];
+        let diagonals = (at(2) - at(0)).cross(at(3) - at(1));
+        largest = largest.max(diagonals.dot(found.normal).abs() / 2.0);
+    }
+    largest
+}
+
+#[test]
+fn the_patches_that_the_lanes_find_lie_on_both_cuboids_and_are_as_deep_as_they() {
+    let mut counts = [0; 5];
+    let (mut known, mut touching, mut narrower) = (0, 0, 0);
+    for (seed, scale) in [(11, 1.0), (12, 1e-4), (13, 1e4), (14, 1.0)] {
+        let scene = pairs_of_cuboids(seed, 4000, scale);
+        let frame = prepared(&scene);
+        let frames = FramePair::of_one(&frame);
+        let posed = |pair: Pair| [pair.i, pair.j].map(|k| PosedShape::of(&scene, k));
+        let touch = |pair: &Pair| {
+            let [a, b] = posed(*pair);
+            crate::certified::overlap_of(a, b).0 == Verdict::Touching(())
+        };
+        let pairs: Vec<Pair> = (0..scene.len() as u32 / 2)
+            .map(|k| Pair { i: 2 * k, j: 2 * k + 1 })
+            .filter(touch)
+            .collect();
+        let swapped: Vec<Pair> = pairs.iter().map(|pair| Pair { i: pair.j, j: pair.i }).collect();
+        let found = |pairs: &[Pair]| {
+            let mut scratch = patches::Scratch::default();
+            patches::find(Path::best(), frames, pairs, &mut scratch);
+            let answers = pairs.iter().zip(&scratch.found).map(|(&pair, patch)| {
+                let mut answer = ManifoldSet::default();
+                let sides = posed(pair);
+                let is_written = patch.is_known()
+                    && Manifolds::default().measure_cuboids(patch, sides, &mut answer);
+                is_written.then(|| answer[0])
+            });
+            answers.collect::<Vec<_>>()
+        };
+        for ((&pair, lanes), mirrored) in pairs.iter().zip(found(&pairs)).zip(found(&swapped)) {
+            touching += 1;
+            let Some(lanes) = lanes else {
+                assert!(mirrored.is_none(), "{pair:?}");
+                continue;
+            };
+            let mirrored = mirrored.unwrap();
+            known += 1;
+            let [a, b] = posed(pair);
+            let half = [a, b].map(|side| match side.shape.as_polytope().unwrap().kind() {
+                Kind::Cuboid { half_extents } => half_extents,
+                _ => unreachable!(),
+            });
+            let size = half[0].length() + half[1].length();
+            let size = size + (b.pose.translation() - a.pose.translation()).length();
+            let Verdict::Touching(depth) =
+                Depths.measure_at(Accuracy::Certified, a, b, &mut Default::default())
+            else {
+                panic!("{pair:?}");
+            };
+            let bound = lanes.error_bound;
+            assert!(bound <= 3e-5 * size, "{pair:?} {bound:e} {size}");
+            assert!((lanes.normal.length() - 1.0).abs() < 1e-12);
+            let points = lanes.points();
+            counts[points.len()] += 1;
+            assert!((points[0].depth - depth.depth).abs() <= bound, "{pair:?} {lanes:?} {depth:?}");
+            assert_eq!((mirrored.normal, mirrored.error_bound), (-lanes.normal, bound));
+            for (point, other) in points.iter().zip(mirrored.points()) {
+                assert!(point.depth >= 0.0 && point.depth <= points[0].depth, "{pair:?}");
+                let apart = point.point_a - point.point_b - lanes.normal * point.depth;
+                assert!(apart.length() <= 1e-12 * (size + a.pose.translation().length()));
+                for (side, (place, half)) in
+                    [(point.point_a, half[0]), (point.point_b, half[1])].into_iter().enumerate()
+                {
+                    let off = off_surface(place, [a, b][side], half);
+                    assert!(off <= bound, "{pair:?} {side} {off:e} {lanes:?}");
+                }
+                assert_eq!((point.point_a, point.point_b), (other.point_b, other.point_a));
+                assert_eq!(point.features, [other.features[1], other.features[0]]);
+            }
+            // Beside the general way's, of the same normal.
+            let Verdict::Touching(reference) =
+                Manifolds::default().measure_at(Accuracy::F64, a, b, &mut Default::default())
+            else {
+                panic!("{pair:?}");
+            };
+            if reference[0].normal.dot(lanes.normal) > 1.0 - 1e-9 {
+                let (wide, least) = (area(&reference[0]), 1e-4 * size * size);
+                narrower += usize::from(area(&lanes) < 0.9 * wide - least);
+                assert!(area(&lanes) >= 0.5 * wide - least, "{pair:?} {lanes:?} {reference:?}");
+            }
+        }
+    }
+    assert!(known * 10 > touching * 6, "{known} of {touching}");
+    assert!(narrower * 50 < known, "{narrower} of {known}");
+    assert!(counts[1..].iter().all(|&count| count > 5), "{counts:?}");
 }

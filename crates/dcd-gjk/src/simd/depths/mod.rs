@@ -9,6 +9,7 @@ mod search;
 mod start;
 mod surface;
 
+use super::closed::patches::{self, CuboidPatch};
 use super::closed::{are_cuboids, depths as of_cuboids};
 use super::frame::{FramePair, SimdFrame};
 use super::scene_pairs::ScenePairs;
@@ -75,6 +76,7 @@ pub struct Scratch<S> {
     surfaces: Box<[Surface; SEATS]>,
     starts: Starts,
     of_cuboids: of_cuboids::Scratch,
+    patches: patches::Scratch,
     touching: Vec<Pair>,
     /// The numbers of the touching pairs that the solver measures by itself.
     left: Vec<u32>,
@@ -111,7 +113,8 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
-        let Scratch { yes, surfaces, starts, of_cuboids, touching, left, solver } = scratch;
+        let Scratch { yes, surfaces, starts, of_cuboids, patches, touching, left, solver } =
+            scratch;
         yes.touching_parts.begin(true);
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touch = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
@@ -120,7 +123,12 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let frames = FramePair { a: a.frame, b: b.frame };
         of_cuboids.pairs.clear();
         of_cuboids.pairs.extend(touching.iter().filter(|&&pair| are_cuboids(frames, pair)));
-        of_cuboids::find(self.path, frames, of_cuboids);
+        patches.found.clear();
+        of_cuboids.axes.clear();
+        match S::READS_PATCHES && self.accuracy == Accuracy::F32 {
+            true => patches::find(self.path, frames, &of_cuboids.pairs, patches),
+            false => of_cuboids::find(self.path, frames, of_cuboids),
+        }
         // Each answer is written where it is kept.
         let first = sink.contacts.len();
         let empty = |&pair| Contact { pair, answer: S::Answer::default() };
@@ -129,10 +137,17 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: touching };
         let answers = &mut sink.contacts[first..];
         let answers = Answers { solver: &self.solver, scratch: solver, answers, left };
-        let axes = of_cuboids.axes.iter();
         starts.begin();
-        let each =
-            Each { objects, accuracy: self.accuracy, next: 0, axes, starts, surfaces, answers };
+        let each = Each {
+            objects,
+            accuracy: self.accuracy,
+            next: 0,
+            axes: of_cuboids.axes.iter(),
+            patches: patches.found.iter(),
+            starts,
+            surfaces,
+            answers,
+        };
         dispatch_on(self.path, each);
         left.sort_unstable();
         let mut lists = yes.touching_parts.lists().peekable();
@@ -222,6 +237,19 @@ impl<S: MeasureDepth> Answers<'_, S> {
         }
     }
 
+    /// Writes the answer of two cuboids whose patch the lanes found; false where they did not.
+    #[inline(always)]
+    fn write_cuboids(
+        &mut self,
+        number: usize,
+        patch: &CuboidPatch,
+        sides: [PosedShape<'_>; 2],
+    ) -> bool {
+        patch.is_known() && {
+            self.solver.measure_cuboids(patch, sides, &mut self.answers[number].answer)
+        }
+    }
+
     fn write_spheres(&mut self, number: usize, found: Option<Depth>) {
         match found {
             Some(depth) => self.answers[number].answer = self.solver.measure_spheres(depth),
@@ -236,8 +264,9 @@ struct Each<'a, S: MeasureDepth> {
     accuracy: Accuracy,
     /// The number of the pair that is searched next.
     next: usize,
-    /// For each pair of cuboids the axes that count.
+    /// For each pair of cuboids the axes that count, or where they touch; nothing where all axes do.
     axes: Iter<'a, Axes>,
+    patches: Iter<'a, CuboidPatch>,
     surfaces: &'a mut [Surface; SEATS],
     starts: &'a mut Starts,
     answers: Answers<'a, S>,
@@ -307,8 +336,12 @@ impl<'a, S: MeasureDepth> Each<'a, S> {
             }
             let [a, b] = self.objects.posed(pair);
             if are_cuboids(frames, pair) {
-                let axes = self.axes.next();
-                let found = axes.and_then(|&axes| depth_of_cuboids(axes, [a, b], self.accuracy));
+                let patch = self.patches.next();
+                if patch.is_some_and(|patch| self.answers.write_cuboids(number, patch, [a, b])) {
+                    continue;
+                }
+                let axes = self.axes.next().copied().unwrap_or(Axes::ALL);
+                let found = depth_of_cuboids(axes, [a, b], self.accuracy);
                 let found = found.map(|depth| Found { depth, farthest: None });
                 self.answers.write(number, found.as_ref(), [a, b]);
                 continue;

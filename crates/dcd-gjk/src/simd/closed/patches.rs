@@ -1,0 +1,287 @@
+//! Where two cuboids that touch touch: the axis of the least overlap, and up to four corners of what they have in common
+//! along it: sixteen pairs at a time, in f32.
+//!
+//! Seen along the normal, what one cuboid shows is a parallelogram, an edge or a corner, and the face of the other that
+//! clips it a rectangle. Each corner of what they have in common is found by itself: those of the parallelogram, the
+//! crossings of its edges with the sides and with the surface, those of the rectangle, and where its sides meet the surface.
+//! What the bounds do not settle is left to f64 (docs/numerics/proofs.md, "cuboids in lanes").
+
+mod clip;
+mod corners;
+mod side;
+mod within;
+
+use super::super::bounds::U;
+use super::super::frame::FramePair;
+use super::super::vector::V3;
+use super::overlap::Overlap;
+use super::{CuboidPairs, Order, in_range};
+use clip::Clip;
+use corners::{Corners, Kept};
+use dcd_geom::Pair;
+use dcd_simd::{Kernel, Lanes, Path, Row, Unfused, WIDTH, dispatch_on};
+use side::{Crossing, Side};
+/// How far a point may be from the surfaces of its cuboids. Unit: u·m; of crossing edges over the sine between them.
+/// Derived: 77. Smaller: false bounds.
+const POINTS: f32 = 80.0;
+
+/// How far beside a side, or above the surface, a corner may be that counts as on it. Unit: u·m. Smaller: corners that
+/// rounding loses. Larger: points beside their faces; [`POINTS`] counts it.
+const SLACK: f32 = 16.0;
+
+/// Corners that are no farther apart are one. Unit: u·m. Larger than twice [`SLACK`].
+const APART: f32 = 64.0;
+
+/// How far the deepest corner's depth may be from the least overlap. Unit: u·m. The bound counts it. Decides who answers.
+const SAME: f32 = 32.0;
+
+/// What the lanes found of a pair of cuboids that touch.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CuboidPatch {
+    /// See [`Manifold::error_bound`](crate::query::Manifold::error_bound).
+    pub(crate) error_bound: f32,
+    /// Whether the first cuboid is b.
+    pub(crate) is_swapped: bool,
+    /// The numbers of the first's edge and of the second's that make the normal; −1: none.
+    pub(crate) edges: [i8; 2],
+    /// Whether the normal, from the first to the second, is against that edge or product.
+    pub(crate) is_back: bool,
+    /// Whose face clips: 0 or 1.
+    pub(crate) clips: u8,
+    /// What the first shows, and the second.
+    pub(crate) shown: [Shown; 2],
+    /// One to four; 0 where nothing is known.
+    pub(crate) count: u8,
+    /// The deepest first.
+    pub(crate) points: [PatchPoint; 4],
+}
+
+/// What a cuboid shows along the normal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Shown {
+    pub(crate) kind: ShownKind,
+    /// The axis that the face is normal to, or that the edge is along.
+    pub(crate) axis: u8,
+    /// The number of the farthest corner: a bit for each axis.
+    pub(crate) corner: u8,
+}
+
+/// A face, an edge or a corner.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum ShownKind {
+    #[default]
+    Face,
+    Edge,
+    Vertex,
+}
+
+/// A point of the first cuboid where its face clips, else of the second, and how deep the two overlap there.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PatchPoint {
+    /// From the first's centre, world axes, metres.
+    pub(crate) offset: [f32; 3],
+    pub(crate) depth: f32,
+    /// The two that meet there: edges of what is clipped, from the corner of their number to the next, below 4; sides of the face
+    /// below 8, at the high end of its first axis, the low end, of the second alike; 8: the surface.
+    pub(crate) bounds: [u8; 2],
+}
+
+impl CuboidPatch {
+    /// Whether anything was found.
+    #[inline(always)]
+    pub(crate) fn is_known(&self) -> bool {
+        self.count > 0
+    }
+}
+
+impl Shown {
+    fn decode(code: f32) -> Self {
+        let code = code as u8;
+        let kind = match code % 4 {
+            0 => ShownKind::Face,
+            1 => ShownKind::Edge,
+            _ => ShownKind::Vertex,
+        };
+        Self { kind, axis: code / 4 % 4, corner: code / 16 }
+    }
+}
+
+/// What a thread reuses from slice to slice.
+#[derive(Clone, Debug, Default)]
+pub(in super::super) struct Scratch {
+    packet: CuboidPairs,
+    rows: Rows,
+    /// For each pair what was found.
+    pub(in super::super) found: Vec<CuboidPatch>,
+}
+
+/// What is found of sixteen pairs.
+#[derive(Clone, Debug, Default)]
+struct Rows {
+    /// The bound, the two edges, whose face clips, what each shows, and how many points.
+    header: [Row; 7],
+    /// Of each point three coordinates, the depth and the bounds.
+    points: [[Row; 5]; 4],
+}
+
+/// Looks at pairs of cuboids, all of which are known to touch. The same bits on every path.
+pub(in super::super) fn find(
+    path: Path,
+    frames: FramePair<'_>,
+    pairs: &[Pair],
+    scratch: &mut Scratch,
+) {
+    scratch.found.clear();
+    dispatch_on(path, Unfused(Search { frames, pairs, scratch }));
+}
+
+struct Search<'a> {
+    frames: FramePair<'a>,
+    pairs: &'a [Pair],
+    scratch: &'a mut Scratch,
+}
+
+impl Kernel for Search<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Scratch { packet, rows, found } = self.scratch;
+        for pairs in self.pairs.chunks(WIDTH) {
+            packet.read(self.frames, pairs, Order::ByCentres);
+            let (known, backward) = search(l, packet, rows);
+            for lane in 0..pairs.len() {
+                found.push(match known >> lane & 1 == 1 {
+                    true => rows.patch(lane, packet.swapped, backward),
+                    false => CuboidPatch::default(),
+                });
+            }
+        }
+    }
+}
+
+impl Rows {
+    #[inline(always)]
+    fn patch(&self, lane: usize, swapped: u32, backward: u32) -> CuboidPatch {
+        let [error_bound, of_first, of_second, clips, first, second, count] = &self.header;
+        let at = |row: &Row| row.0[lane];
+        let mut points = [PatchPoint::default(); 4];
+        for (point, [x, y, z, depth, bounds]) in points.iter_mut().zip(&self.points) {
+            let bounds = at(bounds) as u8;
+            *point = PatchPoint {
+                offset: [at(x), at(y), at(z)],
+                depth: at(depth),
+                bounds: [bounds / 16, bounds % 16],
+            };
+        }
+        CuboidPatch {
+            error_bound: at(error_bound),
+            is_swapped: swapped >> lane & 1 == 1,
+            edges: [at(of_first) as i8, at(of_second) as i8],
+            is_back: backward >> lane & 1 == 1,
+            clips: at(clips) as u8,
+            shown: [Shown::decode(at(first)), Shown::decode(at(second))],
+            count: at(count) as u8,
+            points,
+        }
+    }
+}
+
+/// What is found of sixteen pairs.
+struct Found<L: Lanes> {
+    overlap: Overlap<L>,
+    sides: [Side<L>; 2],
+    /// Whether one shows a face, and whether it is the second's that clips.
+    has_face: L::M,
+    second_clips: L::M,
+    clip: Clip<L>,
+    kept: Kept<L>,
+    /// Where edges cross, if neither shows a face.
+    crossing: Crossing<L>,
+    /// How far the deepest corner's depth is from the least overlap.
+    off: L::F,
+    /// U times the pair's size.
+    unit: L::F,
+}
+
+/// Writes what is found of sixteen pairs. Returns the lanes of which something is, and those whose normal is against its
+/// edge.
+#[inline(always)]
+fn search<L: Lanes>(l: L, packet: &CuboidPairs, rows: &mut Rows) -> (u32, u32) {
+    let (first, second, between, size) = packet.load(l);
+    let overlap = Overlap::of(l, [&first, &second], between, size);
+    let (normal, backward) = overlap.normal(l, [&first, &second], between);
+    let sides = [Side::of(l, &first, normal), Side::of(l, &second, normal.neg(l))];
+    let found = Found::of(l, overlap, sides, between, l.mul(size, l.splat(U)));
+    found.store_points(l, rows);
+    found.store_header(l, rows);
+    // Cuboids whose centres are one have no order.
+    let are_apart = l.lt(l.splat(0.0), between.norm1(l));
+    let are_solid = l.and(first.is_solid(l), second.is_solid(l));
+    let is_known = l.and(l.and(are_apart, are_solid), found.is_known(l, size));
+    (l.bits(is_known) & in_range(l, size), l.bits(backward))
+}
+
+impl<L: Lanes> Found<L> {
+    #[inline(always)]
+    fn of(l: L, overlap: Overlap<L>, sides: [Side<L>; 2], between: V3<L>, unit: L::F) -> Self {
+        let second_clips = l.lt(sides[0].facing(l), sides[1].facing(l));
+        let has_face = l.or(sides[0].is_face, sides[1].is_face);
+        let slack = l.mul(unit, l.splat(SLACK));
+        let clip = Clip::of(l, [&sides[1], &sides[0]], second_clips, between);
+        let mut corners = Corners::empty(l);
+        clip.fill(l, slack, &mut corners);
+        let kept = corners.to_four(l, l.mul(unit, l.splat(APART)));
+        let crossing = Crossing::of(l, &sides, between, slack);
+        let off = l.abs(l.sub(kept.corners[0].depth, overlap.value));
+        let off = l.select(has_face, off, l.splat(0.0));
+        Self { overlap, sides, has_face, second_clips, clip, kept, crossing, off, unit }
+    }
+
+    #[inline(always)]
+    fn store_points(&self, l: L, rows: &mut Rows) {
+        let Self { overlap, kept, crossing, .. } = self;
+        for (k, (corner, rows)) in kept.corners.iter().zip(&mut rows.points).enumerate() {
+            let mut offset = self.clip.in_world(l, [corner.x, corner.y]);
+            let mut depth = l.min(corner.depth, overlap.value);
+            if k == 0 {
+                offset = V3::select(l, self.has_face, offset, crossing.offset);
+                depth = overlap.value;
+            }
+            let [x, y, z, of_depth, bounds] = rows;
+            l.store(offset.0, x);
+            l.store(offset.1, y);
+            l.store(offset.2, z);
+            // What touches is at least 0 deep.
+            l.store(l.max(depth, l.splat(0.0)), of_depth);
+            l.store(corner.bounds, bounds);
+        }
+    }
+
+    #[inline(always)]
+    fn store_header(&self, l: L, rows: &mut Rows) {
+        let Self { overlap, sides, has_face, .. } = self;
+        let (zero, one) = (l.splat(0.0), l.splat(1.0));
+        let points = l.mul(self.unit, l.splat(POINTS));
+        let points = l.select(*has_face, points, l.div(points, self.crossing.sine));
+        let [error, edge_a, edge_b, clips, shown_a, shown_b, count] = &mut rows.header;
+        l.store(l.add(overlap.bound, l.add(points, self.off)), error);
+        l.store(overlap.edges[0], edge_a);
+        l.store(overlap.edges[1], edge_b);
+        l.store(l.select(self.second_clips, one, zero), clips);
+        l.store(sides[0].code(l), shown_a);
+        l.store(sides[1].code(l), shown_b);
+        l.store(l.select(*has_face, self.kept.count, one), count);
+    }
+
+    /// Whether the depth is, and either a corner is as deep or two edges surely cross.
+    #[inline(always)]
+    fn is_known(&self, l: L, size: L::F) -> L::M {
+        let is_deepest = l.le(self.off, l.mul(self.unit, l.splat(SAME)));
+        let are_edges = l.and(self.sides[0].is_edge, self.sides[1].is_edge);
+        let is_crossing = l.and(are_edges, self.crossing.is_known);
+        let is_either =
+            l.or(l.and(self.has_face, is_deepest), l.and_not(is_crossing, self.has_face));
+        l.and(is_either, self.overlap.is_known(l, size))
+    }
+}
