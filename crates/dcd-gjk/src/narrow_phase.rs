@@ -262,6 +262,12 @@ pub trait NarrowPhase: Send + Sync {
         None
     }
 
+    /// The fewest pairs that are worth a task of their own: some tens of microseconds of work. No effect on any
+    /// answer. Larger: threads that wait for the last one. Smaller: packets of lanes that are not full.
+    fn fewest_pairs(&self) -> usize {
+        2048
+    }
+
     /// The answer for every touching pair, if it is the same for all. Lets a caller that has proved
     /// contact skip `decide`. `None`: each pair has its own answer.
     fn constant_answer(&self) -> Option<Self::Answer> {

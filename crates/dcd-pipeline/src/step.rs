@@ -13,10 +13,12 @@ use std::ops::Range;
 /// (about a microsecond). A scene of at most this many objects is prepared without the pool.
 const OBJECTS_PER_TASK: usize = 256;
 
-/// How many candidate pairs a task judges, at most: some tens of microseconds. Smaller: the lanes' last
-/// packets, which are not full, are more of the work. A scene of at most this many candidates is judged
-/// without the pool.
+/// How many candidate pairs a task judges, at most. Smaller: the lanes' last packets, which are not full, are more of the
+/// work. A scene of at most [`NarrowPhase::fewest_pairs`] candidates is judged without the pool.
 const PAIRS_PER_TASK: usize = 2048;
+
+/// Among how many tasks few pairs are shared, where each is worth one. Smaller: threads that wait for the last one.
+const TASKS: usize = 16;
 
 /// Candidate pairs, and which of them each task judges.
 #[derive(Debug, Default)]
@@ -28,19 +30,25 @@ struct Candidates {
     slices: [Vec<Cut>; 2],
     /// The slices of each task, numbered through both lists.
     tasks: Vec<Range<usize>>,
+    /// How many pairs a task has at most.
+    per_task: usize,
 }
 
 impl Candidates {
-    /// Cuts both lists anew, and shares the slices out.
-    fn cut(&mut self) {
-        self.among.cut(PAIRS_PER_TASK, &mut self.slices[0]);
-        self.between.cut(PAIRS_PER_TASK, &mut self.slices[1]);
+    /// Cuts both lists anew, and shares the slices out, so many pairs a task or more where there are more than
+    /// [`TASKS`] times as many.
+    fn cut(&mut self, fewest: usize) {
+        let all = self.among.len() + self.between.len();
+        let per_task = (all / TASKS).clamp(fewest.clamp(1, PAIRS_PER_TASK), PAIRS_PER_TASK);
+        self.per_task = per_task;
+        self.among.cut(per_task, &mut self.slices[0]);
+        self.between.cut(per_task, &mut self.slices[1]);
         self.tasks.clear();
         let mut pairs = 0;
         for k in 0..self.slices[0].len() + self.slices[1].len() {
             let more = self.slice(k).len();
             match self.tasks.last_mut() {
-                Some(last) if pairs + more <= PAIRS_PER_TASK => {
+                Some(last) if pairs + more <= per_task => {
                     last.end = k + 1;
                     pairs += more;
                 }
@@ -71,7 +79,7 @@ impl Candidates {
             return self.slice(slices.start);
         }
         joined.clear();
-        joined.reserve(PAIRS_PER_TASK);
+        joined.reserve(self.per_task);
         slices.for_each(|k| joined.extend_from_slice(self.slice(k)));
         joined
     }
@@ -84,7 +92,7 @@ impl Candidates {
         joined: &'a mut Vec<Pair>,
     ) -> &'a [Pair] {
         joined.clear();
-        joined.reserve(PAIRS_PER_TASK);
+        joined.reserve(self.per_task);
         for k in self.tasks[task].clone() {
             joined.extend(self.slice(k).iter().copied().filter(|&pair| is_wanted(pair)));
         }
@@ -282,7 +290,7 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
 
     fn judge(&mut self, scene: &Scene, exec: Exec) {
         let Self { narrow, frame, candidates, contacts, sensor_pairs, workers, report, .. } = self;
-        candidates.cut();
+        candidates.cut(narrow.fewest_pairs());
         let candidates = &*candidates;
         narrow.begin_pairs(frame, candidates.slices());
         let side = Prepared { scene, frame: &*frame };

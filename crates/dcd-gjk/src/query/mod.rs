@@ -58,6 +58,9 @@ pub(crate) use within::grown;
 
 use dcd_geom::{Aabb, ShapeError};
 
+/// The fewest pairs that are worth a task where they are measured: each takes half a microsecond and more.
+pub(crate) const FEWEST_MEASURED: usize = 128;
+
 /// Refuses a margin that is no length, or larger than AABBs can hold.
 pub(crate) fn check_margin(margin: f64) -> Result<(), ShapeError> {
     // Written so that NaN is refused.

@@ -1,6 +1,6 @@
 //! A solver for the pairs that a narrow phase has found.
 
-use super::Within;
+use super::{FEWEST_MEASURED, Within};
 use crate::{
     Contact, ContactSink, NarrowPhase, Overlap, PairSolver, PosedShape, Prepared, Sides, Verdict,
 };
@@ -73,6 +73,10 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
 
     fn aabb_margin(&self) -> Option<f64> {
         self.narrow.aabb_margin()
+    }
+
+    fn fewest_pairs(&self) -> usize {
+        FEWEST_MEASURED
     }
 
     fn layout<'f>(

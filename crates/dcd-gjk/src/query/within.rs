@@ -109,6 +109,10 @@ impl<N: NarrowPhase> NarrowPhase for Within<N> {
         self.narrow.aabb_margin().map(|own| own + self.half())
     }
 
+    fn fewest_pairs(&self) -> usize {
+        self.narrow.fewest_pairs()
+    }
+
     fn constant_answer(&self) -> Option<N::Answer> {
         self.narrow.constant_answer()
     }

@@ -7,7 +7,7 @@ use super::scene_pairs::ScenePairs;
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed;
 use crate::distance::{DistanceResult, distance_at, of_apart};
-use crate::query::{check_margin, grown, spheres_are_apart, within_margin};
+use crate::query::{FEWEST_MEASURED, check_margin, grown, spheres_are_apart, within_margin};
 use crate::{
     Accuracy, Contact, ContactSink, Distance, Method, NarrowPhase, PosedShape, PosedSupport,
     Prepared, Report, Sides, Verdict,
@@ -181,6 +181,10 @@ impl NarrowPhase for SimdDistances {
 
     fn aabb_margin(&self) -> Option<f64> {
         Some(self.margin / 2.0)
+    }
+
+    fn fewest_pairs(&self) -> usize {
+        FEWEST_MEASURED
     }
 
     fn layout<'f>(&self, scene: &Scene, sides: Sides, frame: &'f mut SimdFrame) -> Part<'f> {

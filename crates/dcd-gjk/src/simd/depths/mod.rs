@@ -16,7 +16,7 @@ use super::scene_pairs::ScenePairs;
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, Axes};
 use crate::epa::Depth;
-use crate::query::{FoundDepth as Found, MeasureDepth};
+use crate::query::{FEWEST_MEASURED, FoundDepth as Found, MeasureDepth};
 use crate::{
     Accuracy, Contact, ContactSink, Depths, NarrowPhase, PosedShape, PosedSupport, Prepared, Sides,
     Verdict, order,
@@ -91,6 +91,10 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
 
     fn aabb_margin(&self) -> Option<f64> {
         Some(0.0)
+    }
+
+    fn fewest_pairs(&self) -> usize {
+        FEWEST_MEASURED
     }
 
     fn layout<'f>(&self, scene: &Scene, sides: Sides, frame: &'f mut SimdFrame) -> Part<'f> {
