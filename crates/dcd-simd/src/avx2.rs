@@ -1,7 +1,10 @@
 //! Sixteen lanes in two AVX2 registers of eight.
 
+mod front;
+
 use super::{Block, FLOATS, Kernel, Lanes, MAX_BLOCKS, Row, WIDTH};
 use crate::Pair;
+use front::FRONT;
 use std::arch::x86_64::*;
 
 /// Runs the kernel in a function that carries the feature, into which all of it is inlined. Out of line itself, so that it
@@ -38,25 +41,6 @@ macro_rules! both {
         unsafe { ($intrinsic($($arg.0),+), $intrinsic($($arg.1),+)) }
     };
 }
-
-/// For each of 256 masks, the positions of its set bits, in order: a permutation that moves the
-/// kept lanes to the front. In bytes: wider, the table would take a quarter of the nearest cache.
-static FRONT: [[u8; 8]; 256] = {
-    let mut table = [[0; 8]; 256];
-    let mut mask = 0;
-    while mask < 256 {
-        let (mut lane, mut kept) = (0, 0);
-        while lane < 8 {
-            if mask >> lane & 1 == 1 {
-                table[mask][kept] = lane as u8;
-                kept += 1;
-            }
-            lane += 1;
-        }
-        mask += 1;
-    }
-    table
-};
 
 impl Lanes for Avx2 {
     type F = Halves<__m256>;

@@ -1,8 +1,7 @@
 //! Where a search starts: the vertices of both objects that are farthest along the world's axes.
 
 use super::confirm::Side;
-use super::surface::{Point, load};
-use dcd_geom::glam::Vec3;
+use super::surface::load;
 use dcd_simd::{Block, Lanes, Row, WIDTH};
 
 /// The numbers of the vertices farthest along x, y, z, −x, −y, −z: the first among equals.
