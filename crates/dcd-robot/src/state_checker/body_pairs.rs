@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn a_pair_is_what_it_was_said_to_be_and_others_are_unknown() {
-        let allows = |a: u32, b: u32| (a * 7 + b * 7) % 5 != 0;
+        let allows = |a: u32, b: u32| (a + b) % 5 > 1;
         for count in [0u32, 1, 63, 64, 65, 130] {
             let pairs = BodyPairs::of(count as usize, allows);
             for a in 0..count {
