@@ -1,6 +1,5 @@
 //! Where a search starts: the vertices of both objects that are farthest along the world's axes.
 
-use super::confirm::Side;
 use super::surface::load;
 use dcd_simd::{Block, Lanes, Row, WIDTH};
 
@@ -11,9 +10,10 @@ pub(super) type Extremes = [u8; 6];
 /// Smaller: objects whose vertices are looked through again.
 const REMEMBERED: usize = 512;
 
-/// What is remembered of an object: the number of the slice, which of both frames, and the object's number.
+/// What is remembered of an object.
 #[derive(Clone, Copy, Debug, Default)]
 struct Entry {
+    /// The slice, odd for an object of the second frame, and the object's number.
     key: (u32, u32),
     extremes: Extremes,
 }
@@ -47,12 +47,12 @@ impl Starts {
         &mut self,
         l: L,
         (object, is_second): (u32, bool),
-        side: &Side<'_>,
+        blocks: &[Block],
     ) -> Extremes {
         let key = (self.slice | u32::from(is_second), object);
         let entry = &mut self.entries[object as usize % REMEMBERED];
         if entry.key != key {
-            *entry = Entry { key, extremes: extremes(l, side.blocks) };
+            *entry = Entry { key, extremes: extremes(l, blocks) };
         }
         entry.extremes
     }
