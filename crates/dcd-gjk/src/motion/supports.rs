@@ -227,7 +227,7 @@ mod tests {
         let scale = [1.0, 1e-4, 1e4][k / 2 % 3];
         let points = (0..4 + k % 90).map(|_| {
             let point = draw.vector();
-            scale * (from + if k % 2 == 0 { (point * 3.0).round() } else { point })
+            scale * (from + if k.is_multiple_of(2) { (point * 3.0).round() } else { point })
         });
         Polytope::hull(points.collect()).unwrap()
     }
