@@ -73,34 +73,50 @@ pub(crate) fn report(header: Header, outcomes: &[Outcome]) -> Result<Report> {
     Ok(report)
 }
 
-/// How many times Parry's queries take the time of our narrow phase: a line for each question of a scene on so many threads.
+/// How many times Parry's queries take the time of our narrow phase: a line for each question of a scene, on one thread
+/// and on all.
 fn summary(outcomes: &[Outcome]) -> Result<Table> {
-    let columns = ["scene", "objects", "question", "threads", "pairs", "found"];
-    let ratio = |name| Column::new(name).unit("×").decimals(1);
-    let columns =
-        columns.map(Column::new).into_iter().chain(ACCURACIES.map(|(name, _)| ratio(name)));
+    let threads = threads_of(outcomes);
+    let mut columns: Vec<Column> =
+        ["scene", "objects", "question", "pairs", "found"].map(Column::new).into();
+    for count in &threads {
+        for (name, _) in ACCURACIES {
+            let title =
+                if *count == 1 { name.to_owned() } else { format!("{name}, {count} threads") };
+            columns.push(Column::new(title).unit("×").decimals(1));
+        }
+    }
     let mut table = Table::new("summary", "Parry's queries by our narrow phase", columns);
     for outcome in outcomes {
         for of_kind in outcome.measurements.chunk_by(|a, b| a.kind == b.kind) {
             let first = &of_kind[0];
-            for race in &first.races {
-                let names = [
-                    Cell::from(outcome.scene.as_str()),
-                    Cell::from(outcome.objects),
-                    Cell::from(first.kind.name()),
-                ];
-                let counts = [race.threads, first.candidates, first.found].map(Cell::from);
-                let ratios = ACCURACIES.map(|(name, _)| {
+            let names = [
+                Cell::from(outcome.scene.as_str()),
+                Cell::from(outcome.objects),
+                Cell::from(first.kind.name()),
+            ];
+            let counts = [first.candidates, first.found].map(Cell::from);
+            let ratios = threads.iter().flat_map(|&threads| {
+                ACCURACIES.map(|(name, _)| {
                     let same = of_kind.iter().filter(|measured| measured.accuracy == name);
                     let mut races = same.flat_map(|measured| &measured.races);
-                    let found = races.find(|other| other.threads == race.threads);
+                    let found = races.find(|race| race.threads == threads);
                     found.map_or(Cell::from(""), |found| Cell::from(found.narrow.ratio))
-                });
-                table.push(names.into_iter().chain(counts).chain(ratios))?;
-            }
+                })
+            });
+            table.push(names.into_iter().chain(counts).chain(ratios))?;
         }
     }
     Ok(table)
+}
+
+/// On how many threads something was measured, ascending.
+fn threads_of(outcomes: &[Outcome]) -> Vec<usize> {
+    let races = outcomes.iter().flat_map(|outcome| &outcome.measurements).flat_map(with_races);
+    let mut threads: Vec<usize> = races.map(|(_, race)| race.threads).collect();
+    threads.sort_unstable();
+    threads.dedup();
+    threads
 }
 
 /// Each of a question's races beside it.

@@ -89,3 +89,109 @@ fn first_largest<L: Lanes>(l: L, values: L::F, of_block: L::F) -> u8 {
     l.store(of_block, &mut numbers);
     (numbers.0[lane].to_bits() as usize * WIDTH + lane) as u8
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::surface::{Point, Surface};
+    use super::*;
+    use dcd_geom::glam::Vec3;
+    use dcd_simd::{Kernel, Path, dispatch_on};
+
+    struct Find<'a> {
+        starts: &'a mut Starts,
+        object: (u32, bool),
+        blocks: &'a [Block],
+    }
+
+    impl Kernel for Find<'_> {
+        type Output = Extremes;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, l: L) -> Extremes {
+            self.starts.of(l, self.object, self.blocks)
+        }
+    }
+
+    fn paths() -> impl Iterator<Item = Path> {
+        Path::ALL.into_iter().filter(|path| path.is_available())
+    }
+
+    /// Numbers of a coarse grid, so that many vertices are equally far.
+    fn blocks(seed: usize, count: usize) -> Vec<Block> {
+        let number = |k: usize| ((k * 2_654_435_761 + seed * 97) >> 7) % 23;
+        let row = |first: usize| Row(std::array::from_fn(|k| number(first + k) as f32 - 11.0));
+        let block = |k: usize| Block([0, 1, 2].map(|axis| row(48 * k + 16 * axis)));
+        (0..count).map(block).collect()
+    }
+
+    #[test]
+    fn the_farthest_vertices_are_those_of_a_plain_loop_on_every_path() {
+        for path in paths() {
+            let mut starts = Starts::default();
+            for seed in 0..40 {
+                let blocks = blocks(seed, 1 + seed % 16);
+                starts.begin();
+                let find = Find { starts: &mut starts, object: (7, false), blocks: &blocks };
+                let found = dispatch_on(path, find);
+                let point = |number: u8| {
+                    blocks[usize::from(number) / WIDTH].point(usize::from(number) % WIDTH)
+                };
+                for (k, &number) in found.iter().enumerate() {
+                    let along = |p: Vec3| if k < 3 { p[k] } else { -p[k - 3] };
+                    let all = blocks.iter().flat_map(|b| (0..WIDTH).map(|lane| b.point(lane)));
+                    let most = all.map(along).fold(f32::NEG_INFINITY, f32::max);
+                    assert_eq!(along(point(number)), most, "{path:?} {seed} {k}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_remembered_is_of_the_slice_the_frame_and_the_object() {
+        let (one, other) = (blocks(1, 3), blocks(2, 3));
+        let mut starts = Starts::default();
+        let mut of = |is_new: bool, object, blocks: &[Block]| {
+            if is_new {
+                starts.begin();
+            }
+            dispatch_on(Path::best(), Find { starts: &mut starts, object, blocks })
+        };
+        let (of_one, of_other) = (of(true, (7, false), &one), of(true, (7, false), &other));
+        assert_ne!(of_one, of_other);
+        assert_eq!(of(false, (7, true), &one), of_one);
+        assert_eq!(of(false, (7 + REMEMBERED as u32, true), &other), of_other);
+        assert_eq!(of(false, (7, true), &one), of_one);
+        // Kept within a slice, without a look at the vertices.
+        assert_eq!(of(false, (7, true), &other), of_one);
+    }
+
+    /// The distance of the nearest face of an octahedron; `None` where it is refused.
+    struct Nearest([Vec3; 6]);
+
+    impl Kernel for Nearest {
+        type Output = Option<f32>;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, l: L) -> Option<f32> {
+            let mut surface = Surface::default();
+            let corners = self.0.map(|at| Point { at, vertices: [0; 2] });
+            surface.start_round(l, &corners, 1e-6)?;
+            assert_eq!(surface.doubtful(l), 0);
+            Some(surface.distance(surface.nearest(l)))
+        }
+    }
+
+    #[test]
+    fn a_convex_octahedron_is_a_start_and_no_other() {
+        let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+        for path in paths() {
+            let found = dispatch_on(path, Nearest([x, y, z, -x, -y, -z])).unwrap();
+            assert!((found - 1.0 / 3f32.sqrt()).abs() < 1e-6, "{path:?} {found}");
+            // The corner at x is behind the plane of its neighbours.
+            let dented = [0.1 * x, y + x, z + x, -x, x - y, x - z];
+            assert_eq!(dispatch_on(path, Nearest(dented)), None);
+            // Two corners are one vertex.
+            assert_eq!(dispatch_on(path, Nearest([x, x, z, -x, -y, -z])), None);
+        }
+    }
+}
