@@ -128,11 +128,13 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         of_cuboids.pairs.clear();
         of_cuboids.pairs.extend(touching.iter().filter(|&&pair| are_cuboids(frames, pair)));
         patches.found.clear();
-        of_cuboids.axes.clear();
-        match S::READS_PATCHES && self.accuracy == Accuracy::F32 {
-            true => patches::find(self.path, frames, &of_cuboids.pairs, patches),
-            false => of_cuboids::find(self.path, frames, of_cuboids),
+        if S::READS_PATCHES && self.accuracy == Accuracy::F32 {
+            patches::find(self.path, frames, &of_cuboids.pairs, patches);
+            // The axes count of those alone whose patch is not known.
+            let mut found = patches.found.iter();
+            of_cuboids.pairs.retain(|_| found.next().is_some_and(|patch| !patch.is_known()));
         }
+        of_cuboids::find(self.path, frames, of_cuboids);
         // Each answer is written where it is kept.
         let first = sink.contacts.len();
         let empty = |&pair| Contact { pair, answer: S::Answer::default() };
@@ -241,7 +243,7 @@ impl<S: MeasureDepth> Answers<'_, S> {
         }
     }
 
-    /// Writes the answer of two cuboids whose patch the lanes found; false where they did not.
+    /// Writes the answer of two cuboids whose patch the lanes found; false where it is not the solver's.
     #[inline(always)]
     fn write_cuboids(
         &mut self,
@@ -249,9 +251,7 @@ impl<S: MeasureDepth> Answers<'_, S> {
         patch: &CuboidPatch,
         sides: [PosedShape<'_>; 2],
     ) -> bool {
-        patch.is_known() && {
-            self.solver.measure_cuboids(patch, sides, &mut self.answers[number].answer)
-        }
+        self.solver.measure_cuboids(patch, sides, &mut self.answers[number].answer)
     }
 
     fn write_spheres(&mut self, number: usize, found: Option<Depth>) {
@@ -268,9 +268,10 @@ struct Each<'a, S: MeasureDepth> {
     accuracy: Accuracy,
     /// The number of the pair that is searched next.
     next: usize,
-    /// For each pair of cuboids the axes that count, or where they touch; nothing where all axes do.
-    axes: Iter<'a, Axes>,
+    /// For each pair of cuboids where they touch, if the lanes looked for that.
     patches: Iter<'a, CuboidPatch>,
+    /// For each of the others the axes that count.
+    axes: Iter<'a, Axes>,
     surfaces: &'a mut [Surface; SEATS],
     starts: &'a mut Starts,
     answers: Answers<'a, S>,
@@ -340,11 +341,12 @@ impl<'a, S: MeasureDepth> Each<'a, S> {
             }
             let [a, b] = self.objects.posed(pair);
             if are_cuboids(frames, pair) {
-                let patch = self.patches.next();
+                let patch = self.patches.next().filter(|patch| patch.is_known());
                 if patch.is_some_and(|patch| self.answers.write_cuboids(number, patch, [a, b])) {
                     continue;
                 }
-                let axes = self.axes.next().copied().unwrap_or(Axes::ALL);
+                let axes = if patch.is_some() { None } else { self.axes.next() };
+                let axes = axes.copied().unwrap_or(Axes::ALL);
                 let found = depth_of_cuboids(axes, [a, b], self.accuracy);
                 let found = found.map(|depth| Found { depth, farthest: None });
                 self.answers.write(number, found.as_ref(), [a, b]);
