@@ -189,7 +189,7 @@ impl Polytope {
         Self::with_obb(kind, vertices, inner, obb).with_blocks()
     }
 
-    /// With [`Polytope::blocks`], where they are worth their memory and f32 has the range.
+    /// With [`Polytope::vertex_blocks`], where they are worth their memory and f32 has the range.
     fn with_blocks(mut self) -> Self {
         let range = WIDEST_IN_F32.recip()..WIDEST_IN_F32;
         if self.vertices.len() >= MIN_VERTICES_IN_BLOCKS && range.contains(&self.outer_radius) {
@@ -289,7 +289,7 @@ impl Polytope {
     /// The vertices in their order, relative to [`Polytope::inner`]'s centre in f32, metres: sixteen a block, the last
     /// one filled up with the last vertex. Empty for few vertices, for shapes that are made for one pair, and for sizes
     /// beyond 2^±40 m.
-    pub fn blocks(&self) -> &[Block] {
+    pub fn vertex_blocks(&self) -> &[Block] {
         &self.blocks
     }
 }
@@ -374,14 +374,14 @@ mod tests {
             .map(|k| DVec3::new(f64::from(k), f64::from(k * k % 7), f64::from(k % 3)))
             .collect();
         let hull = Polytope::hull(points.clone()).unwrap();
-        assert_eq!(hull.blocks().len(), 2);
+        assert_eq!(hull.vertex_blocks().len(), 2);
         for (k, point) in points.iter().enumerate() {
-            let relative = hull.blocks()[k / WIDTH].point(k % WIDTH);
+            let relative = hull.vertex_blocks()[k / WIDTH].point(k % WIDTH);
             assert_eq!(relative, (*point - hull.inner().centre).as_vec3());
         }
         let cube = Polytope::cuboid(DVec3::ONE).unwrap();
         let tiny = Polytope::hull(points.iter().map(|p| *p * 1e-30).collect()).unwrap();
-        assert!(cube.blocks().is_empty() && tiny.blocks().is_empty());
+        assert!(cube.vertex_blocks().is_empty() && tiny.vertex_blocks().is_empty());
     }
 
     #[test]

@@ -41,7 +41,7 @@ impl MovingShape<'_> {
     /// Prefetches what a search reads of the shape.
     fn prefetch(&self) {
         if let Shape::Polytope(polytope) = self.shape {
-            let (blocks, vertices) = (polytope.blocks(), polytope.vertices());
+            let (blocks, vertices) = (polytope.vertex_blocks(), polytope.vertices());
             prefetch(&blocks[..blocks.len().min(PREFETCHED / WIDTH)]);
             prefetch(&vertices[..vertices.len().min(PREFETCHED)]);
         }

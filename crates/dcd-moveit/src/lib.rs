@@ -11,13 +11,14 @@ mod request;
 mod scene;
 mod yaml;
 
-pub use request::{ConstraintsMessage, JointConstraintMessage, RequestMessage};
+pub use request::{Constraints, JointConstraint, MotionPlanRequest};
 pub use scene::{
-    AttachedMessage, CountUnused, Enabled, FixedTransform, Header, JointState, MatrixMessage,
-    MeshMessage, MultiDofState, ObjectMessage, OctomapMessage, Octree, PaddingMessage, Place,
-    Primitive, ScaleMessage, SceneMessage, StateMessage, Transform, VertexIndices, WorldMessage,
+    AllowedCollisionEntry, AllowedCollisionMatrix, AttachedCollisionObject, CollisionObject,
+    Header, JointState, LinkPadding, LinkScale, Mesh, MeshTriangle, MultiDofJointState, Octomap,
+    OctomapWithPose, OnUnused, PlanningScene, PlanningSceneWorld, Pose, RobotState, SolidPrimitive,
+    Transform, TransformStamped,
 };
-pub use yaml::{Held, Key, Lined, Listed, Numbers, Word};
+pub use yaml::{Coordinates, IsSet, ListOrMap, MapKey, NameOrNumber, WithLine};
 
 /// How large a YAML text may be; what goes beyond is refused before memory is taken for it.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +44,7 @@ pub struct Limits {
 ///
 /// # Errors
 /// What is no such YAML, or beyond the limits: a sentence with the line and the column.
-pub fn read_scene(yaml: &str, limits: Limits) -> Result<SceneMessage, String> {
+pub fn read_scene(yaml: &str, limits: Limits) -> Result<PlanningScene, String> {
     yaml::parse(yaml, limits)
 }
 
@@ -51,6 +52,6 @@ pub fn read_scene(yaml: &str, limits: Limits) -> Result<SceneMessage, String> {
 ///
 /// # Errors
 /// As [`read_scene`].
-pub fn read_request(yaml: &str, limits: Limits) -> Result<RequestMessage, String> {
+pub fn read_request(yaml: &str, limits: Limits) -> Result<MotionPlanRequest, String> {
     yaml::parse(yaml, limits)
 }

@@ -1,37 +1,37 @@
 //! moveit_msgs/MotionPlanRequest and the messages in it.
 #![expect(missing_docs, reason = "fields are those of the ROS messages, and documented there")]
 
-use super::scene::{CountUnused, StateMessage, count};
-use super::yaml::{Held, Lined};
+use super::scene::{OnUnused, RobotState, count};
+use super::yaml::{IsSet, WithLine};
 use serde::Deserialize;
 
 /// moveit_msgs/MotionPlanRequest.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct RequestMessage {
-    pub start_state: StateMessage,
+pub struct MotionPlanRequest {
+    pub start_state: RobotState,
     #[serde(default)]
-    pub goal_constraints: Vec<ConstraintsMessage>,
-    workspace_parameters: Option<Lined<Held>>,
-    path_constraints: Option<Lined<Held>>,
-    trajectory_constraints: Option<Lined<Held>>,
-    reference_trajectories: Option<Lined<Held>>,
+    pub goal_constraints: Vec<Constraints>,
+    workspace_parameters: Option<WithLine<IsSet>>,
+    path_constraints: Option<WithLine<IsSet>>,
+    trajectory_constraints: Option<WithLine<IsSet>>,
+    reference_trajectories: Option<WithLine<IsSet>>,
     // How to plan, which says nothing about what touches.
-    group_name: Option<Lined<Held>>,
-    planner_id: Option<Lined<Held>>,
-    pipeline_id: Option<Lined<Held>>,
-    num_planning_attempts: Option<Lined<Held>>,
-    allowed_planning_time: Option<Lined<Held>>,
-    max_velocity_scaling_factor: Option<Lined<Held>>,
-    max_acceleration_scaling_factor: Option<Lined<Held>>,
-    cartesian_speed_end_effector_link: Option<Lined<Held>>,
-    cartesian_speed_limited_link: Option<Lined<Held>>,
-    max_cartesian_speed: Option<Lined<Held>>,
+    group_name: Option<WithLine<IsSet>>,
+    planner_id: Option<WithLine<IsSet>>,
+    pipeline_id: Option<WithLine<IsSet>>,
+    num_planning_attempts: Option<WithLine<IsSet>>,
+    allowed_planning_time: Option<WithLine<IsSet>>,
+    max_velocity_scaling_factor: Option<WithLine<IsSet>>,
+    max_acceleration_scaling_factor: Option<WithLine<IsSet>>,
+    cartesian_speed_end_effector_link: Option<WithLine<IsSet>>,
+    cartesian_speed_limited_link: Option<WithLine<IsSet>>,
+    max_cartesian_speed: Option<WithLine<IsSet>>,
 }
 
-impl RequestMessage {
+impl MotionPlanRequest {
     /// Calls `unused` for each field that holds something and makes no difference.
-    pub fn count_unused(&self, unused: &mut CountUnused<'_>) {
+    pub fn for_each_unused(&self, unused: &mut OnUnused<'_>) {
         let fields = [
             ("workspace_parameters", &self.workspace_parameters),
             ("path_constraints", &self.path_constraints),
@@ -49,32 +49,32 @@ impl RequestMessage {
             ("max_cartesian_speed", &self.max_cartesian_speed),
         ];
         fields.iter().for_each(|(kind, field)| count(unused, kind, field));
-        self.start_state.count_unused(unused);
+        self.start_state.for_each_unused(unused);
     }
 }
 
 /// moveit_msgs/Constraints.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct ConstraintsMessage {
+pub struct Constraints {
     #[serde(rename = "name")]
-    _name: Option<Held>,
-    pub joint_constraints: Vec<JointConstraintMessage>,
-    pub position_constraints: Held,
-    pub orientation_constraints: Held,
-    pub visibility_constraints: Held,
+    _name: Option<IsSet>,
+    pub joint_constraints: Vec<JointConstraint>,
+    pub position_constraints: IsSet,
+    pub orientation_constraints: IsSet,
+    pub visibility_constraints: IsSet,
 }
 
 /// moveit_msgs/JointConstraint.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct JointConstraintMessage {
+pub struct JointConstraint {
     pub joint_name: String,
     pub position: f64,
     #[serde(default, rename = "tolerance_above")]
-    _tolerance_above: Held,
+    _tolerance_above: IsSet,
     #[serde(default, rename = "tolerance_below")]
-    _tolerance_below: Held,
+    _tolerance_below: IsSet,
     #[serde(default, rename = "weight")]
-    _weight: Held,
+    _weight: IsSet,
 }

@@ -1,48 +1,48 @@
 //! moveit_msgs/PlanningScene and the messages in it.
 #![expect(missing_docs, reason = "fields are those of the ROS messages, and documented there")]
 
-use super::yaml::{Held, Key, Lined, Listed, Numbers, Word};
+use super::yaml::{Coordinates, IsSet, ListOrMap, MapKey, NameOrNumber, WithLine};
 use serde::Deserialize;
 
 /// moveit_msgs/PlanningScene.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct SceneMessage {
+pub struct PlanningScene {
     #[serde(rename = "name")]
-    _name: Option<Held>,
+    _name: Option<IsSet>,
     pub robot_model_name: String,
-    pub robot_state: StateMessage,
-    pub fixed_frame_transforms: Vec<Lined<FixedTransform>>,
-    pub allowed_collision_matrix: Option<Lined<MatrixMessage>>,
-    pub link_padding: Vec<Lined<PaddingMessage>>,
-    pub link_scale: Vec<Lined<ScaleMessage>>,
-    pub object_colors: Option<Lined<Held>>,
-    pub world: Option<WorldMessage>,
+    pub robot_state: RobotState,
+    pub fixed_frame_transforms: Vec<WithLine<TransformStamped>>,
+    pub allowed_collision_matrix: Option<WithLine<AllowedCollisionMatrix>>,
+    pub link_padding: Vec<WithLine<LinkPadding>>,
+    pub link_scale: Vec<WithLine<LinkScale>>,
+    pub object_colors: Option<WithLine<IsSet>>,
+    pub world: Option<PlanningSceneWorld>,
     pub is_diff: bool,
 }
 
 /// moveit_msgs/PlanningSceneWorld.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct WorldMessage {
-    pub collision_objects: Vec<Lined<ObjectMessage>>,
-    pub octomap: Option<Lined<OctomapMessage>>,
+pub struct PlanningSceneWorld {
+    pub collision_objects: Vec<WithLine<CollisionObject>>,
+    pub octomap: Option<WithLine<OctomapWithPose>>,
 }
 
 /// octomap_msgs/OctomapWithPose.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct OctomapMessage {
+pub struct OctomapWithPose {
     pub header: Header,
     #[serde(rename = "origin")]
-    _origin: Held,
-    pub octomap: Octree,
+    _origin: IsSet,
+    pub octomap: Octomap,
 }
 
 /// octomap_msgs/Octomap.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Octree {
+pub struct Octomap {
     #[serde(rename = "header")]
     _header: Header,
     #[serde(rename = "binary")]
@@ -51,7 +51,7 @@ pub struct Octree {
     _id: String,
     #[serde(rename = "resolution")]
     _resolution: f64,
-    pub data: Held,
+    pub data: IsSet,
 }
 
 /// std_msgs/Header.
@@ -61,17 +61,17 @@ pub struct Header {
     #[serde(rename = "seq")]
     _seq: u64,
     #[serde(rename = "stamp")]
-    _revision: Held,
+    _revision: IsSet,
     pub frame_id: String,
 }
 
 /// moveit_msgs/RobotState.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct StateMessage {
+pub struct RobotState {
     pub joint_state: JointState,
-    pub multi_dof_joint_state: MultiDofState,
-    pub attached_collision_objects: Vec<Lined<AttachedMessage>>,
+    pub multi_dof_joint_state: MultiDofJointState,
+    pub attached_collision_objects: Vec<WithLine<AttachedCollisionObject>>,
     pub is_diff: bool,
 }
 
@@ -83,33 +83,33 @@ pub struct JointState {
     _header: Header,
     pub name: Vec<String>,
     pub position: Vec<f64>,
-    pub velocity: Option<Lined<Held>>,
-    pub effort: Option<Lined<Held>>,
+    pub velocity: Option<WithLine<IsSet>>,
+    pub effort: Option<WithLine<IsSet>>,
 }
 
 /// sensor_msgs/MultiDOFJointState.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct MultiDofState {
+pub struct MultiDofJointState {
     pub header: Header,
     pub joint_names: Vec<String>,
     pub transforms: Vec<Transform>,
-    pub twist: Option<Lined<Held>>,
-    pub wrench: Option<Lined<Held>>,
+    pub twist: Option<WithLine<IsSet>>,
+    pub wrench: Option<WithLine<IsSet>>,
 }
 
 /// geometry_msgs/Transform.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Transform {
-    pub translation: Numbers<3>,
-    pub rotation: Numbers<4>,
+    pub translation: Coordinates<3>,
+    pub rotation: Coordinates<4>,
 }
 
 /// geometry_msgs/TransformStamped.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct FixedTransform {
+pub struct TransformStamped {
     #[serde(default)]
     pub header: Header,
     pub child_frame_id: String,
@@ -119,33 +119,33 @@ pub struct FixedTransform {
 /// geometry_msgs/Pose.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Place {
-    pub position: Numbers<3>,
-    pub orientation: Numbers<4>,
+pub struct Pose {
+    pub position: Coordinates<3>,
+    pub orientation: Coordinates<4>,
 }
 
 /// moveit_msgs/AllowedCollisionMatrix.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct MatrixMessage {
+pub struct AllowedCollisionMatrix {
     pub entry_names: Vec<String>,
-    pub entry_values: Vec<Listed<bool, Enabled>>,
+    pub entry_values: Vec<ListOrMap<bool, AllowedCollisionEntry>>,
     pub default_entry_names: Vec<String>,
     pub default_entry_values: Vec<bool>,
 }
 
 /// moveit_msgs/AllowedCollisionEntry.
 #[derive(Clone, Debug)]
-pub struct Enabled;
+pub struct AllowedCollisionEntry;
 
-impl Key for Enabled {
+impl MapKey for AllowedCollisionEntry {
     const KEY: &'static str = "enabled";
 }
 
 /// moveit_msgs/LinkPadding.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct PaddingMessage {
+pub struct LinkPadding {
     pub link_name: String,
     pub padding: f64,
 }
@@ -153,7 +153,7 @@ pub struct PaddingMessage {
 /// moveit_msgs/LinkScale.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ScaleMessage {
+pub struct LinkScale {
     pub link_name: String,
     pub scale: f64,
 }
@@ -161,86 +161,86 @@ pub struct ScaleMessage {
 /// moveit_msgs/AttachedCollisionObject.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct AttachedMessage {
+pub struct AttachedCollisionObject {
     pub link_name: String,
-    pub object: ObjectMessage,
+    pub object: CollisionObject,
     #[serde(default)]
     pub touch_links: Vec<String>,
-    pub detach_posture: Option<Lined<Held>>,
-    pub weight: Option<Lined<Held>>,
+    pub detach_posture: Option<WithLine<IsSet>>,
+    pub weight: Option<WithLine<IsSet>>,
 }
 
 /// moveit_msgs/CollisionObject.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct ObjectMessage {
+pub struct CollisionObject {
     pub header: Header,
-    pub pose: Option<Place>,
+    pub pose: Option<Pose>,
     pub id: String,
     #[serde(rename = "type")]
-    pub of_type: Option<Lined<Held>>,
-    pub primitives: Vec<Primitive>,
-    pub primitive_poses: Vec<Place>,
-    pub meshes: Vec<MeshMessage>,
-    pub mesh_poses: Vec<Place>,
-    pub planes: Vec<Held>,
+    pub of_type: Option<WithLine<IsSet>>,
+    pub primitives: Vec<SolidPrimitive>,
+    pub primitive_poses: Vec<Pose>,
+    pub meshes: Vec<Mesh>,
+    pub mesh_poses: Vec<Pose>,
+    pub planes: Vec<IsSet>,
     #[serde(rename = "plane_poses")]
-    _plane_poses: Vec<Held>,
-    pub subframe_names: Option<Lined<Held>>,
+    _plane_poses: Vec<IsSet>,
+    pub subframe_names: Option<WithLine<IsSet>>,
     #[serde(rename = "subframe_poses")]
-    _subframe_poses: Vec<Held>,
-    pub operation: Word,
+    _subframe_poses: Vec<IsSet>,
+    pub operation: NameOrNumber,
 }
 
 /// shape_msgs/SolidPrimitive.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Primitive {
+pub struct SolidPrimitive {
     #[serde(rename = "type")]
-    pub kind: Word,
+    pub kind: NameOrNumber,
     pub dimensions: Vec<f64>,
     /// Of a prism alone.
     #[serde(default, rename = "polygon")]
-    _polygon: Held,
+    _polygon: IsSet,
 }
 
 /// shape_msgs/Mesh.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct MeshMessage {
-    pub triangles: Vec<Listed<u32, VertexIndices>>,
-    pub vertices: Vec<Numbers<3>>,
+pub struct Mesh {
+    pub triangles: Vec<ListOrMap<u32, MeshTriangle>>,
+    pub vertices: Vec<Coordinates<3>>,
 }
 
 /// shape_msgs/MeshTriangle.
 #[derive(Clone, Debug)]
-pub struct VertexIndices;
+pub struct MeshTriangle;
 
-impl Key for VertexIndices {
+impl MapKey for MeshTriangle {
     const KEY: &'static str = "vertex_indices";
 }
 
 /// Called with the kind and the line of a field that holds something and makes no difference to what touches.
-pub type CountUnused<'a> = dyn FnMut(&str, usize) + 'a;
+pub type OnUnused<'a> = dyn FnMut(&str, usize) + 'a;
 
-pub(crate) fn count(unused: &mut CountUnused<'_>, kind: &str, field: &Option<Lined<Held>>) {
+pub(crate) fn count(unused: &mut OnUnused<'_>, kind: &str, field: &Option<WithLine<IsSet>>) {
     if let Some(field) = field.as_ref().filter(|field| field.value.0) {
         unused(kind, field.line);
     }
 }
 
-impl SceneMessage {
+impl PlanningScene {
     /// Calls `unused` for each field that holds something and makes no difference.
-    pub fn count_unused(&self, unused: &mut CountUnused<'_>) {
+    pub fn for_each_unused(&self, unused: &mut OnUnused<'_>) {
         count(unused, "object_colors", &self.object_colors);
-        self.robot_state.count_unused(unused);
+        self.robot_state.for_each_unused(unused);
         let objects = self.world.iter().flat_map(|world| &world.collision_objects);
-        objects.for_each(|object| object.value.count_unused(unused));
+        objects.for_each(|object| object.value.for_each_unused(unused));
     }
 }
 
-impl StateMessage {
-    pub(crate) fn count_unused(&self, unused: &mut CountUnused<'_>) {
+impl RobotState {
+    pub(crate) fn for_each_unused(&self, unused: &mut OnUnused<'_>) {
         count(unused, "joint velocities", &self.joint_state.velocity);
         count(unused, "joint efforts", &self.joint_state.effort);
         count(unused, "twists", &self.multi_dof_joint_state.twist);
@@ -248,18 +248,18 @@ impl StateMessage {
         for attached in &self.attached_collision_objects {
             count(unused, "detach_posture", &attached.value.detach_posture);
             count(unused, "weight", &attached.value.weight);
-            attached.value.object.count_unused(unused);
+            attached.value.object.for_each_unused(unused);
         }
     }
 }
 
-impl ObjectMessage {
+impl CollisionObject {
     /// Whether it has no shape at all.
-    pub fn is_bare(&self) -> bool {
+    pub fn has_no_shape(&self) -> bool {
         self.primitives.is_empty() && self.meshes.is_empty() && self.planes.is_empty()
     }
 
-    fn count_unused(&self, unused: &mut CountUnused<'_>) {
+    fn for_each_unused(&self, unused: &mut OnUnused<'_>) {
         count(unused, "object type", &self.of_type);
         count(unused, "subframes", &self.subframe_names);
     }

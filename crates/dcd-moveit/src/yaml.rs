@@ -27,14 +27,14 @@ pub(super) fn parse<T: DeserializeOwned>(yaml: &str, limits: Limits) -> Result<T
 
 /// A value and the line on which it begins, from 1.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Lined<T> {
+pub struct WithLine<T> {
     /// The value.
     pub value: T,
     /// Its line.
     pub line: usize,
 }
 
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Lined<T> {
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for WithLine<T> {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let spanned = serde_saphyr::Spanned::<T>::deserialize(from)?;
         let line = usize::try_from(spanned.referenced.line()).unwrap_or(usize::MAX);
@@ -42,17 +42,17 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Lined<T> {
     }
 }
 
-/// Numbers as a list, or by the names x, y, z and w.
+/// Coordinates as a list, or by the names x, y, z and w.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Numbers<const N: usize>(pub [f64; N]);
+pub struct Coordinates<const N: usize>(pub [f64; N]);
 
 const AXES: [&str; 4] = ["x", "y", "z", "w"];
 
-impl<'de, const N: usize> Deserialize<'de> for Numbers<N> {
+impl<'de, const N: usize> Deserialize<'de> for Coordinates<N> {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         struct Reader<const N: usize>;
         impl<'de, const N: usize> Visitor<'de> for Reader<N> {
-            type Value = Numbers<N>;
+            type Value = Coordinates<N>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 write!(f, "{N} numbers, as a list or by {}", AXES[..N].join(", "))
@@ -65,7 +65,7 @@ impl<'de, const N: usize> Deserialize<'de> for Numbers<N> {
                     *number = next.ok_or_else(|| Error::invalid_length(index, &self))?;
                 }
                 match list.next_element::<IgnoredAny>()? {
-                    None => Ok(Numbers(numbers)),
+                    None => Ok(Coordinates(numbers)),
                     Some(_) => Err(Error::invalid_length(N + 1, &self)),
                 }
             }
@@ -78,7 +78,7 @@ impl<'de, const N: usize> Deserialize<'de> for Numbers<N> {
                     numbers[axis] = Some(map.next_value()?);
                 }
                 match numbers.iter().position(Option::is_none) {
-                    None => Ok(Numbers(numbers.map(Option::unwrap_or_default))),
+                    None => Ok(Coordinates(numbers.map(Option::unwrap_or_default))),
                     Some(axis) => Err(Error::missing_field(AXES[axis])),
                 }
             }
@@ -89,23 +89,23 @@ impl<'de, const N: usize> Deserialize<'de> for Numbers<N> {
 
 /// A list, or a map of one key that holds it, as messages of messages are written.
 #[derive(Clone, Debug)]
-pub struct Listed<T, K>(
+pub struct ListOrMap<T, K>(
     /// The list.
     pub Vec<T>,
     PhantomData<K>,
 );
 
-/// The key of a [`Listed`].
-pub trait Key {
+/// The key of a [`ListOrMap`].
+pub trait MapKey {
     /// Its name.
     const KEY: &'static str;
 }
 
-impl<'de, T: Deserialize<'de>, K: Key> Deserialize<'de> for Listed<T, K> {
+impl<'de, T: Deserialize<'de>, K: MapKey> Deserialize<'de> for ListOrMap<T, K> {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         struct Reader<T, K>(PhantomData<(T, K)>);
-        impl<'de, T: Deserialize<'de>, K: Key> Visitor<'de> for Reader<T, K> {
-            type Value = Listed<T, K>;
+        impl<'de, T: Deserialize<'de>, K: MapKey> Visitor<'de> for Reader<T, K> {
+            type Value = ListOrMap<T, K>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 write!(f, "a list, or one under {:?}", K::KEY)
@@ -116,7 +116,7 @@ impl<'de, T: Deserialize<'de>, K: Key> Deserialize<'de> for Listed<T, K> {
                 while let Some(value) = list.next_element()? {
                     values.push(value);
                 }
-                Ok(Listed(values, PhantomData))
+                Ok(ListOrMap(values, PhantomData))
             }
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
@@ -128,7 +128,7 @@ impl<'de, T: Deserialize<'de>, K: Key> Deserialize<'de> for Listed<T, K> {
                     values = Some(map.next_value()?);
                 }
                 let values = values.ok_or_else(|| Error::missing_field(K::KEY))?;
-                Ok(Listed(values, PhantomData))
+                Ok(ListOrMap(values, PhantomData))
             }
         }
         from.deserialize_any(Reader(PhantomData))
@@ -137,28 +137,28 @@ impl<'de, T: Deserialize<'de>, K: Key> Deserialize<'de> for Listed<T, K> {
 
 /// A word, or the number that a message has for it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Word(pub String);
+pub struct NameOrNumber(pub String);
 
-impl<'de> Deserialize<'de> for Word {
+impl<'de> Deserialize<'de> for NameOrNumber {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         struct Reader;
         impl Visitor<'_> for Reader {
-            type Value = Word;
+            type Value = NameOrNumber;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("a word or a whole number")
             }
 
-            fn visit_str<E: Error>(self, text: &str) -> Result<Word, E> {
-                Ok(Word(text.to_owned()))
+            fn visit_str<E: Error>(self, text: &str) -> Result<NameOrNumber, E> {
+                Ok(NameOrNumber(text.to_owned()))
             }
 
-            fn visit_u64<E: Error>(self, number: u64) -> Result<Word, E> {
-                Ok(Word(number.to_string()))
+            fn visit_u64<E: Error>(self, number: u64) -> Result<NameOrNumber, E> {
+                Ok(NameOrNumber(number.to_string()))
             }
 
-            fn visit_i64<E: Error>(self, number: i64) -> Result<Word, E> {
-                Ok(Word(number.to_string()))
+            fn visit_i64<E: Error>(self, number: i64) -> Result<NameOrNumber, E> {
+                Ok(NameOrNumber(number.to_string()))
             }
         }
         from.deserialize_any(Reader)
@@ -167,60 +167,60 @@ impl<'de> Deserialize<'de> for Word {
 
 /// What makes no difference here: whether there is anything but zeros, empty words and empty lists.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Held(pub bool);
+pub struct IsSet(pub bool);
 
-impl<'de> Deserialize<'de> for Held {
+impl<'de> Deserialize<'de> for IsSet {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         struct Reader;
         impl<'de> Visitor<'de> for Reader {
-            type Value = Held;
+            type Value = IsSet;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("anything")
             }
 
-            fn visit_bool<E>(self, value: bool) -> Result<Held, E> {
-                Ok(Held(value))
+            fn visit_bool<E>(self, value: bool) -> Result<IsSet, E> {
+                Ok(IsSet(value))
             }
 
-            fn visit_u64<E>(self, value: u64) -> Result<Held, E> {
-                Ok(Held(value != 0))
+            fn visit_u64<E>(self, value: u64) -> Result<IsSet, E> {
+                Ok(IsSet(value != 0))
             }
 
-            fn visit_i64<E>(self, value: i64) -> Result<Held, E> {
-                Ok(Held(value != 0))
+            fn visit_i64<E>(self, value: i64) -> Result<IsSet, E> {
+                Ok(IsSet(value != 0))
             }
 
-            fn visit_f64<E>(self, value: f64) -> Result<Held, E> {
-                Ok(Held(value != 0.0))
+            fn visit_f64<E>(self, value: f64) -> Result<IsSet, E> {
+                Ok(IsSet(value != 0.0))
             }
 
-            fn visit_str<E>(self, text: &str) -> Result<Held, E> {
-                Ok(Held(!text.is_empty()))
+            fn visit_str<E>(self, text: &str) -> Result<IsSet, E> {
+                Ok(IsSet(!text.is_empty()))
             }
 
-            fn visit_unit<E>(self) -> Result<Held, E> {
-                Ok(Held(false))
+            fn visit_unit<E>(self) -> Result<IsSet, E> {
+                Ok(IsSet(false))
             }
 
-            fn visit_none<E>(self) -> Result<Held, E> {
-                Ok(Held(false))
+            fn visit_none<E>(self) -> Result<IsSet, E> {
+                Ok(IsSet(false))
             }
 
-            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Held, A::Error> {
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<IsSet, A::Error> {
                 let mut any = false;
                 while list.next_element::<IgnoredAny>()?.is_some() {
                     any = true;
                 }
-                Ok(Held(any))
+                Ok(IsSet(any))
             }
 
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Held, A::Error> {
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<IsSet, A::Error> {
                 let mut any = false;
-                while let Some((_, value)) = map.next_entry::<IgnoredAny, Held>()? {
+                while let Some((_, value)) = map.next_entry::<IgnoredAny, IsSet>()? {
                     any |= value.0;
                 }
-                Ok(Held(any))
+                Ok(IsSet(any))
             }
         }
         from.deserialize_any(Reader)

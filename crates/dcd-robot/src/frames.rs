@@ -3,7 +3,7 @@
 use super::kinematics::JointFrame;
 use super::{Robot, RobotError, Srdf};
 use dcd_geom::Pose;
-use dcd_moveit::{FixedTransform, Lined, Transform};
+use dcd_moveit::{Transform, TransformStamped, WithLine};
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
 
@@ -56,8 +56,8 @@ impl<'a> Frames<'a> {
 
     /// Takes in a transform that a scene fixes. One that says of a known frame that it is elsewhere
     /// is refused.
-    pub(super) fn fix(&mut self, said: &Lined<FixedTransform>) -> Result<(), RobotError> {
-        let FixedTransform { header, child_frame_id, transform } = &said.value;
+    pub(super) fn fix(&mut self, said: &WithLine<TransformStamped>) -> Result<(), RobotError> {
+        let TransformStamped { header, child_frame_id, transform } = &said.value;
         let user = format!("fixed frame {child_frame_id:?}");
         let place = || {
             let outer = self.find(&header.frame_id, &user)?;

@@ -4,12 +4,12 @@ use super::frames::Frames;
 use super::kinematics::JointFrame;
 use super::{Obstacle, RobotError, world};
 use dcd_geom::{Pose, PoseError, Shape};
-use dcd_moveit::{MeshMessage, ObjectMessage, Place, Primitive};
+use dcd_moveit::{CollisionObject, Mesh, Pose as PoseMessage, SolidPrimitive};
 use glam::{DQuat, DVec3};
 
 /// The object's shapes with their poses in the world.
 pub(super) fn obstacles(
-    object: &ObjectMessage,
+    object: &CollisionObject,
     frames: &Frames<'_>,
 ) -> Result<Vec<Obstacle>, RobotError> {
     let user = format!("object {:?}", object.id);
@@ -49,7 +49,7 @@ pub(super) fn obstacles(
     placed.collect()
 }
 
-fn checked(place: &Place) -> Result<Pose, PoseError> {
+fn checked(place: &PoseMessage) -> Result<Pose, PoseError> {
     Pose::new(DQuat::from_array(place.orientation.0), DVec3::from_array(place.position.0))
 }
 
@@ -58,7 +58,7 @@ pub(super) fn composed(outer: &Pose, inner: &Pose) -> Result<Pose, PoseError> {
     Pose::from_matrix(rotation, outer.apply(inner.translation()))
 }
 
-fn of_primitive(primitive: &Primitive, user: &str) -> Result<Shape, RobotError> {
+fn of_primitive(primitive: &SolidPrimitive, user: &str) -> Result<Shape, RobotError> {
     // By name, or by the number that shape_msgs/SolidPrimitive has for it.
     let (kind, expected) = match primitive.kind.0.to_lowercase().as_str() {
         "box" | "1" => ("box", 3),
@@ -84,7 +84,7 @@ fn of_primitive(primitive: &Primitive, user: &str) -> Result<Shape, RobotError> 
     shape.map_err(|error| RobotError::Shape { user: user.to_owned(), error })
 }
 
-fn of_mesh(mesh: &MeshMessage, user: &str) -> Result<Shape, RobotError> {
+fn of_mesh(mesh: &Mesh, user: &str) -> Result<Shape, RobotError> {
     let vertices = mesh.vertices.iter().map(|point| DVec3::from_array(point.0)).collect();
     let triangle = |corners: &Vec<u32>| {
         <[u32; 3]>::try_from(&corners[..]).map_err(|_| RobotError::Count {

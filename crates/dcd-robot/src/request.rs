@@ -4,7 +4,7 @@ use super::kinematics::JointFrame;
 use super::notes::Unused;
 use super::scene::{MultiDof, joint_values};
 use super::{Robot, RobotError, Srdf, World, xml, yaml};
-use dcd_moveit::{RequestMessage, StateMessage};
+use dcd_moveit::{MotionPlanRequest, RobotState};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -15,7 +15,7 @@ pub struct Request {
     pub start: Vec<(String, f64)>,
     /// The goal's; joints that it leaves out stay where they start.
     pub goal: Vec<(String, f64)>,
-    state: StateMessage,
+    state: RobotState,
     /// Whether the first goal requires more than joint values.
     beyond_joints: bool,
     notes: Vec<String>,
@@ -28,7 +28,7 @@ impl Request {
     /// # Errors
     /// What is no such YAML; another number of names than of positions.
     pub fn read(yaml: &str) -> Result<Self, RobotError> {
-        let file: RequestMessage = yaml::read("request", yaml, dcd_moveit::read_request)?;
+        let file: MotionPlanRequest = yaml::read("request", yaml, dcd_moveit::read_request)?;
         if let Some(attached) = file.start_state.attached_collision_objects.first() {
             let user = format!("attached object {:?}", attached.value.object.id);
             let why = "a request does not attach objects here: the scene may".to_owned();
@@ -36,7 +36,7 @@ impl Request {
         }
         let start = joint_values(&file.start_state)?;
         let mut unused = Unused::default();
-        file.count_unused(&mut |kind, line| unused.add(kind, line));
+        file.for_each_unused(&mut |kind, line| unused.add(kind, line));
         let mut notes: Vec<String> = unused.kinds().into_iter().collect();
         if file.goal_constraints.len() > 1 {
             let goals = file.goal_constraints.len();

@@ -7,8 +7,8 @@ use super::notes::Unused;
 use super::world::{Attached, Padding, World};
 use super::{MovedJoint, Robot, RobotError, Srdf, objects, xml, yaml};
 use dcd_moveit::{
-    AttachedMessage, Lined, MatrixMessage, Numbers, ObjectMessage, SceneMessage, StateMessage,
-    Transform,
+    AllowedCollisionMatrix, AttachedCollisionObject, CollisionObject, Coordinates,
+    PlanningScene as SceneMessage, RobotState, Transform, WithLine,
 };
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -118,7 +118,7 @@ impl PlanningScene {
                         return Err(at(RobotError::Twice { what: "object", name }));
                     }
                     // Its geometry may be in a database that is not here.
-                    if object.is_bare() {
+                    if object.has_no_shape() {
                         let user = format!("object {:?}", object.id);
                         return Err(at(RobotError::Refused {
                             user,
@@ -150,7 +150,7 @@ impl PlanningScene {
         let mut layer = Layer::default();
         let mut bodies: HashMap<&str, usize> = HashMap::new();
         for said in &self.0.robot_state.attached_collision_objects {
-            let AttachedMessage { link_name, object, touch_links, .. } = &said.value;
+            let AttachedCollisionObject { link_name, object, touch_links, .. } = &said.value;
             let attached = attached(said, world, frames);
             let attached = attached.map_err(|error| error.at_line(said.line))?;
             for link in touch_links.iter().chain([link_name]) {
@@ -214,7 +214,7 @@ impl PlanningScene {
         world.note_obstacles();
         world.notes.extend(robot.idle_values(&world.joints));
         let mut unused = Unused::default();
-        message.count_unused(&mut |kind, line| unused.add(kind, line));
+        message.for_each_unused(&mut |kind, line| unused.add(kind, line));
         world.notes.extend(unused.kinds());
     }
 }
@@ -224,7 +224,7 @@ fn in_state(error: dcd_geom::PoseError) -> RobotError {
 }
 
 /// The joint values of a state, by name.
-pub(super) fn joint_values(state: &StateMessage) -> Result<Vec<(String, f64)>, RobotError> {
+pub(super) fn joint_values(state: &RobotState) -> Result<Vec<(String, f64)>, RobotError> {
     let (expected, found) = (state.joint_state.name.len(), state.joint_state.position.len());
     if expected != found {
         let user = "joint_state".to_owned();
@@ -246,7 +246,7 @@ pub(super) struct MultiDof {
 impl MultiDof {
     /// From `multi_dof_joint_state`, whose transforms are a virtual joint's, a floating or a planar joint's.
     pub(super) fn of(
-        state: &StateMessage,
+        state: &RobotState,
         robot: &Robot,
         srdf: Option<&Srdf>,
     ) -> Result<Self, RobotError> {
@@ -290,7 +290,8 @@ impl MultiDof {
 
 /// A transform as the values of a floating or a planar joint.
 fn values_of(joint: &MovedJoint, transform: &Transform) -> Result<Vec<f64>, RobotError> {
-    let Transform { translation: Numbers([x, y, z]), rotation: Numbers([a, b, c, w]) } = *transform;
+    let Transform { translation: Coordinates([x, y, z]), rotation: Coordinates([a, b, c, w]) } =
+        *transform;
     if joint.values.len() == 7 {
         return Ok(vec![x, y, z, a, b, c, w]);
     }
@@ -303,11 +304,11 @@ fn values_of(joint: &MovedJoint, transform: &Transform) -> Result<Vec<f64>, Robo
 }
 
 fn attached(
-    said: &Lined<AttachedMessage>,
+    said: &WithLine<AttachedCollisionObject>,
     world: &mut World,
     frames: &Frames<'_>,
 ) -> Result<Attached, RobotError> {
-    let AttachedMessage { link_name, object, .. } = &said.value;
+    let AttachedCollisionObject { link_name, object, .. } = &said.value;
     let user = format!("attached object {:?}", object.id);
     if !matches!(object.operation.0.to_lowercase().as_str(), "" | "0" | "add") {
         let (what, kind) = ("operation", object.operation.0.clone());
@@ -332,11 +333,11 @@ fn attached(
 
 /// An object's own shapes, or those of the world's object of its name, which leaves the world.
 fn shapes_of(
-    object: &ObjectMessage,
+    object: &CollisionObject,
     world: &mut World,
     frames: &Frames<'_>,
 ) -> Result<Vec<super::Obstacle>, RobotError> {
-    if !object.is_bare() {
+    if !object.has_no_shape() {
         return objects::obstacles(object, frames);
     }
     let (own, rest) =
@@ -345,10 +346,14 @@ fn shapes_of(
     Ok(own)
 }
 
-fn add_matrix(matrix: &MatrixMessage, layer: &mut Layer) -> Result<(), RobotError> {
+fn add_matrix(matrix: &AllowedCollisionMatrix, layer: &mut Layer) -> Result<(), RobotError> {
     let user = || "allowed_collision_matrix".to_owned();
-    let MatrixMessage { entry_names, entry_values, default_entry_names, default_entry_values } =
-        matrix;
+    let AllowedCollisionMatrix {
+        entry_names,
+        entry_values,
+        default_entry_names,
+        default_entry_values,
+    } = matrix;
     let counts = [
         (entry_names.len(), entry_values.len()),
         (default_entry_names.len(), default_entry_values.len()),

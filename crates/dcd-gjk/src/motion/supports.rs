@@ -56,7 +56,7 @@ pub(super) fn lowest<S: InBlocks>(
 }
 
 fn has_blocks(map: &impl InBlocks) -> bool {
-    map.polytope().is_some_and(|polytope| !polytope.blocks().is_empty())
+    map.polytope().is_some_and(|polytope| !polytope.vertex_blocks().is_empty())
 }
 
 struct LowestVertex<'a, 'b, S> {
@@ -110,7 +110,7 @@ impl<'b, L: Lanes> Approximate<'b, L> {
     #[inline(always)]
     pub(super) fn of(lanes: L, difference: &Polytopes<'b>) -> Option<Self> {
         let maps @ [a, b] = difference.maps();
-        if a.blocks().is_empty() && b.blocks().is_empty() {
+        if a.vertex_blocks().is_empty() && b.vertex_blocks().is_empty() {
             return None;
         }
         let ([of_a, of_b], scale) = (difference.rotations(), difference.scale());
@@ -144,7 +144,7 @@ fn along<L: Lanes>(l: L, block: &Block, d: &[L::F; 3]) -> L::F {
 /// A vertex near the farthest, its point relative to the centre of the inscribed sphere.
 #[inline(always)]
 fn nearly_farthest<L: Lanes>(l: L, polytope: &Polytope, direction: Vec3) -> Support<f64> {
-    let blocks = polytope.blocks();
+    let blocks = polytope.vertex_blocks();
     if blocks.is_empty() {
         let found: Support<f64> = polytope.support(direction.as_dvec3());
         return Support { point: found.point - polytope.inner().centre, ..found };
@@ -172,7 +172,7 @@ fn nearly_farthest<L: Lanes>(l: L, polytope: &Polytope, direction: Vec3) -> Supp
 #[inline(always)]
 fn farthest<L: Lanes>(l: L, map: &impl InBlocks, direction: DVec3) -> Support<f64> {
     let Some(polytope) = map.polytope() else { return map.support(direction) };
-    let (blocks, vertices) = (polytope.blocks(), polytope.vertices());
+    let (blocks, vertices) = (polytope.vertex_blocks(), polytope.vertices());
     let Some((first, rest)) = blocks.split_first() else { return polytope.support(direction) };
     let [x, y, z] = direction.as_vec3().to_array();
     let d = [l.splat(x), l.splat(y), l.splat(z)];

@@ -5,7 +5,8 @@
 
 use super::super::bounds::U;
 use super::super::frame::FramePair;
-use super::nearest::{GAP, absolute, dot};
+use super::nearest::GAP;
+use super::projections::Projections;
 use super::{CuboidPairs, Order, in_range};
 use crate::closed::Axes;
 use dcd_geom::Pair;
@@ -60,31 +61,21 @@ impl Kernel for Search<'_> {
 fn least_axes<L: Lanes>(l: L, packet: &CuboidPairs, row: &mut Row) -> u32 {
     let (a, b, between, size) = packet.load(l);
     let error = l.mul(size, l.splat(GAP * U));
-    let (along_a, along_b) = (a.along(l, between), b.along(l, between));
-    // The cosine of edge j of a and edge k of b.
-    let cos = [b.along(l, a.axes[0]), b.along(l, a.axes[1]), b.along(l, a.axes[2])];
-    let abs = [absolute(l, cos[0]), absolute(l, cos[1]), absolute(l, cos[2])];
+    let projections = Projections::of(l, [&a, &b], between);
     let mut lower = [l.splat(0.0); 15];
     let mut least = l.splat(f32::INFINITY);
     for k in 0..3 {
-        let reach = l.add(a.half[k], dot(l, b.half, abs[k]));
-        let overlap = l.sub(reach, l.abs(along_a[k]));
+        let overlap = projections.of_a(l, k).overlap(l);
         lower[k] = l.sub(overlap, error);
         least = l.min(least, l.add(overlap, error));
-        let reach = l.add(b.half[k], dot(l, a.half, [abs[0][k], abs[1][k], abs[2][k]]));
-        let overlap = l.sub(reach, l.abs(along_b[k]));
+        let overlap = projections.of_b(l, k).overlap(l);
         lower[3 + k] = l.sub(overlap, error);
         least = l.min(least, l.add(overlap, error));
     }
     for j in 0..3 {
-        let (p, q) = ((j + 1) % 3, (j + 2) % 3);
         for k in 0..3 {
-            let (r, s) = ((k + 1) % 3, (k + 2) % 3);
-            let apart = l.sub(l.mul(along_a[q], cos[p][k]), l.mul(along_a[p], cos[q][k]));
-            let of_a = l.mul_add(a.half[p], abs[q][k], l.mul(a.half[q], abs[p][k]));
-            let of_b = l.mul_add(b.half[r], abs[j][s], l.mul(b.half[s], abs[j][r]));
-            let overlap = l.sub(l.add(of_a, of_b), l.abs(apart));
-            let squared = l.mul_add(cos[p][k], cos[p][k], l.mul(cos[q][k], cos[q][k]));
+            let (product, squared) = projections.of_product(l, j, k);
+            let overlap = product.overlap(l);
             let scale = l.div(l.splat(1.0), l.sqrt(squared));
             // Of parallel edges neither is a number, and no comparison holds.
             lower[6 + 3 * j + k] = l.mul(l.sub(overlap, error), scale);

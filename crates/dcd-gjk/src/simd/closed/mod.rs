@@ -4,6 +4,7 @@ pub(super) mod depths;
 pub(super) mod nearest;
 mod overlap;
 pub(super) mod patches;
+mod projections;
 #[cfg(test)]
 mod tests;
 

@@ -7,6 +7,7 @@ use super::super::bounds::{SHORTEST, U};
 use super::super::frame::{FramePair, Record};
 use super::super::packet::LanesOf;
 use super::super::vector::V3;
+use super::projections::Projections;
 use super::{CuboidPairs, Cuboids, Order, in_range, pick, pick_vector};
 use crate::closed::{NearFeatures, distance_in_double_double, distance_in_f64};
 use crate::{Accuracy, Distance, PosedShape, PosedSupport};
@@ -197,30 +198,19 @@ impl<L: Lanes> Widest<L> {
     #[inline(always)]
     fn of(l: L, [a, b]: [&Cuboids<L>; 2], between: V3<L>, size: L::F) -> Self {
         let error = l.mul(size, l.splat(GAP * U));
-        let (along_a, along_b) = (a.along(l, between), b.along(l, between));
-        // The cosine of edge j of a and edge k of b.
-        let cos = [b.along(l, a.axes[0]), b.along(l, a.axes[1]), b.along(l, a.axes[2])];
-        let abs = [absolute(l, cos[0]), absolute(l, cos[1]), absolute(l, cos[2])];
+        let axes = Projections::of(l, [a, b], between);
         let none = l.splat(-1.0);
         let mut widest = Self { lower: l.splat(f32::NEG_INFINITY), edges: [none; 2] };
         for k in 0..3 {
-            let reach = l.add(a.half[k], dot(l, b.half, abs[k]));
-            let gap = l.sub(l.sub(l.abs(along_a[k]), reach), error);
+            let gap = l.sub(axes.of_a(l, k).gap(l), error);
             widest.offer(l, gap, [l.splat(k as f32), none]);
-            let reach = l.add(b.half[k], dot(l, a.half, [abs[0][k], abs[1][k], abs[2][k]]));
-            let gap = l.sub(l.sub(l.abs(along_b[k]), reach), error);
+            let gap = l.sub(axes.of_b(l, k).gap(l), error);
             widest.offer(l, gap, [none, l.splat(k as f32)]);
         }
         for j in 0..3 {
-            let (p, q) = ((j + 1) % 3, (j + 2) % 3);
             for k in 0..3 {
-                let (r, s) = ((k + 1) % 3, (k + 2) % 3);
-                let apart = l.sub(l.mul(along_a[q], cos[p][k]), l.mul(along_a[p], cos[q][k]));
-                let of_a = l.mul_add(a.half[p], abs[q][k], l.mul(a.half[q], abs[p][k]));
-                let of_b = l.mul_add(b.half[r], abs[j][s], l.mul(b.half[s], abs[j][r]));
-                let squared = l.mul_add(cos[p][k], cos[p][k], l.mul(cos[q][k], cos[q][k]));
-                let gap = l.sub(l.sub(l.abs(apart), l.add(of_a, of_b)), error);
-                let gap = l.div(gap, l.sqrt(squared));
+                let (product, squared) = axes.of_product(l, j, k);
+                let gap = l.div(l.sub(product.gap(l), error), l.sqrt(squared));
                 let is_axis = l.lt(l.splat(PARALLEL), squared);
                 let gap = l.select(is_axis, gap, l.splat(f32::NEG_INFINITY));
                 widest.offer(l, gap, [l.splat(j as f32), l.splat(k as f32)]);

@@ -2,7 +2,8 @@
 
 use super::super::bounds::U;
 use super::super::vector::V3;
-use super::nearest::{GAP, absolute, dot};
+use super::nearest::GAP;
+use super::projections::Projections;
 use super::{Cuboids, pick_vector};
 use dcd_simd::Lanes;
 
@@ -55,34 +56,24 @@ impl<L: Lanes> Overlap<L> {
     #[inline(always)]
     pub(super) fn of(l: L, [a, b]: [&Cuboids<L>; 2], between: V3<L>, size: L::F) -> Self {
         let error = l.mul(size, l.splat(GAP * U));
-        let (along_a, along_b) = (a.along(l, between), b.along(l, between));
-        // The cosine of edge j of a and edge k of b.
-        let cos = [b.along(l, a.axes[0]), b.along(l, a.axes[1]), b.along(l, a.axes[2])];
-        let abs = [absolute(l, cos[0]), absolute(l, cos[1]), absolute(l, cos[2])];
+        let axes = Projections::of(l, [a, b], between);
         let (none, zero) = (l.splat(-1.0), l.splat(0.0));
         let infinite = l.splat(f32::INFINITY);
         let mut least = Least { value: infinite, error, lower: infinite, edges: [none; 2] };
         for k in 0..3 {
-            let reach = l.add(a.half[k], dot(l, b.half, abs[k]));
-            let overlap = l.sub(reach, l.abs(along_a[k]));
+            let overlap = axes.of_a(l, k).overlap(l);
             least.offer(l, [overlap, error, zero], [l.splat(k as f32), none]);
         }
         for k in 0..3 {
-            let reach = l.add(b.half[k], dot(l, a.half, [abs[0][k], abs[1][k], abs[2][k]]));
-            let overlap = l.sub(reach, l.abs(along_b[k]));
+            let overlap = axes.of_b(l, k).overlap(l);
             least.offer(l, [overlap, error, zero], [none, l.splat(k as f32)]);
         }
         least.lower = l.sub(least.value, error);
         let mut products = [[zero; 2]; 9];
         for j in 0..3 {
-            let (p, q) = ((j + 1) % 3, (j + 2) % 3);
             for k in 0..3 {
-                let (r, s) = ((k + 1) % 3, (k + 2) % 3);
-                let apart = l.sub(l.mul(along_a[q], cos[p][k]), l.mul(along_a[p], cos[q][k]));
-                let of_a = l.mul_add(a.half[p], abs[q][k], l.mul(a.half[q], abs[p][k]));
-                let of_b = l.mul_add(b.half[r], abs[j][s], l.mul(b.half[s], abs[j][r]));
-                let overlap = l.sub(l.add(of_a, of_b), l.abs(apart));
-                let squared = l.mul_add(cos[p][k], cos[p][k], l.mul(cos[q][k], cos[q][k]));
+                let (product, squared) = axes.of_product(l, j, k);
+                let overlap = product.overlap(l);
                 let sine = l.sqrt(squared);
                 let scale = l.div(l.splat(1.0), sine);
                 let (value, own) = (l.mul(overlap, scale), l.mul(error, scale));
