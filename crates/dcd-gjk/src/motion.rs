@@ -92,12 +92,16 @@ impl RigidMotion {
         Self { start, linear: DVec3::ZERO, angular: DVec3::ZERO, centre: DVec3::ZERO }
     }
 
-    /// Where the shape is at a time.
+    /// Where the shape is at a time; at 0 the start itself, to the bit.
     ///
     /// # Errors
     /// A pose that is not finite.
     pub fn pose_at(&self, t: f64) -> Result<Pose, PoseError> {
         let Self { start, linear, angular, centre } = *self;
+        if t == 0.0 {
+            // What the centre adds and takes away again would round.
+            return Ok(start);
+        }
         if angular == DVec3::ZERO {
             return start.with_translation(start.translation() + linear * t);
         }

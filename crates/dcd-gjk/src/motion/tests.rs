@@ -84,6 +84,26 @@ fn a_turning_bar_meets_a_post_when_its_side_gets_there() {
 }
 
 #[test]
+fn a_turning_shape_starts_where_it_is_said_to() {
+    let shape = Shape::cuboid(DVec3::splat(0.1)).unwrap();
+    let plate = Shape::cuboid(DVec3::new(0.001, 0.1, 0.1)).unwrap();
+    // To turn about a far centre adds it and takes it away again, which rounds by more than the gap.
+    let leaving = RigidMotion {
+        linear: DVec3::X,
+        angular: DVec3::X,
+        centre: DVec3::X * 1e6,
+        ..at(DVec3::X * 0.1)
+    };
+    assert_eq!(leaving.pose_at(0.0).unwrap(), leaving.start);
+    let still = at(DVec3::X * -(0.001 + 1e-11));
+    let found = impact((&shape, &leaving), (&plate, &still), 1.0);
+    assert!(!matches!(found, Impact::Hit { touches: true, .. }), "{found:?}");
+    let reached = at(DVec3::X * -0.001);
+    let found = impact((&shape, &leaving), (&plate, &reached), 1.0);
+    assert!(matches!(found, Impact::Hit { touches: true, t: 0.0, .. }), "{found:?}");
+}
+
+#[test]
 fn a_gap_within_the_rounding_of_poses_is_no_proof_though_shapes_part() {
     let cube = Shape::cuboid(DVec3::splat(0.5)).unwrap();
     let here = at(DVec3::X * 1e6);

@@ -2,7 +2,7 @@
 
 use super::covers::{CoverSphere, Covers};
 use super::separate::MOST_BLOCKS;
-use super::solids::margin_of;
+use super::solids::{inner_radius, margin_of};
 use crate::Robot;
 use crate::kinematics::JointFrame;
 use dcd_geom::{ConvexHull, Shape};
@@ -158,7 +158,7 @@ impl SphereRow {
                 row.0[k] = x;
             }
             self.outer.0[k] = sphere.outer as f32;
-            self.inner.0[k] = sphere.inner as f32;
+            self.inner.0[k] = inner_radius(sphere.inner);
             (self.bodies[k], self.same[k]) = (body, same);
         }
         self.filled |= same;

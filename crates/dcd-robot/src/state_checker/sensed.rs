@@ -1,6 +1,7 @@
 //! States against what a sensor has seen: spheres of the links against points in their cells, planes between hulls
 //! and points that those leave, and what is left decided pair by pair.
 
+use super::boxes::FAR;
 use super::links::BodyHull;
 use super::prepared::Prepared;
 use super::rounded_links::{Placed, Rounded, RoundedLink, bits, stored};
@@ -319,8 +320,10 @@ impl Seen<'_> {
         found: &mut Vec<Near>,
     ) {
         let margin = sphere.margin + self.margin;
-        // A maximum may swallow a NaN: what is nowhere touches nothing.
-        let inner = if sphere.centre.is_finite() { sphere.inner } else { f32::NEG_INFINITY };
+        // A maximum may swallow a NaN: what is nowhere touches nothing. Nor is a contact proved of points so large that
+        // squares overflow.
+        let is_known = sphere.centre.is_finite() && self.largest <= FAR;
+        let inner = if is_known { sphere.inner } else { f32::NEG_INFINITY };
         let [xs, ys, zs, radii] = self.sensed.rows();
         for range in self.sensed.around(sphere.centre, sphere.outer + margin + self.largest) {
             for begin in range.clone().step_by(WIDTH) {

@@ -1,5 +1,6 @@
 //! Obstacles as sixteen spheres are compared with them.
 
+use super::boxes::FAR;
 use super::separate::Support;
 use super::{MARGIN, Sixteen};
 use dcd_geom::{Aabb, CurvedKind, Kind, Polytope, Pose, Scene, Shape, SphereBounds};
@@ -297,14 +298,14 @@ impl ClosedForm {
         Some(Self { form, half, swept, reach: shape.reach() })
     }
 
-    /// None where the pose turns by what is too far from a rotation.
+    /// None where the pose turns by what is too far from a rotation, and none beyond [`FAR`].
     fn at(&self, pose: &Pose) -> Option<Solid> {
-        if !(pose.deviation() <= RIGID) {
+        let size = self.reach + pose.translation().abs().max_element();
+        if !(pose.deviation() <= RIGID && size <= f64::from(FAR)) {
             return None;
         }
         let axes = pose.rotation();
         let turned = *axes != glam::DMat3::IDENTITY;
-        let size = self.reach + pose.translation().abs().max_element();
         Some(Solid {
             form: self.form,
             axes: turned.then(|| [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.as_vec3())),
@@ -341,7 +342,8 @@ fn bounded(shape: &Shape, pose: &Pose, aabb: &Aabb) -> Solid {
     let (mut outer, mut inner) = ((Vec3::ZERO, f32::INFINITY), (Vec3::ZERO, f32::NEG_INFINITY));
     if let Some(bounds) = SphereBounds::of(shape) {
         let (round, in_it) = (bounds.sphere(pose), bounds.inner_sphere(pose));
-        (outer, inner) = ((round.centre, round.radius), (in_it.centre, in_it.radius));
+        let radius = inner_radius(f64::from(in_it.radius));
+        (outer, inner) = ((round.centre, round.radius), (in_it.centre, radius));
     }
     let size = middle.abs().max_element() + half.max_element();
     Solid {
@@ -354,6 +356,11 @@ fn bounded(shape: &Shape, pose: &Pose, aabb: &Aabb) -> Solid {
         corners: 0..0,
         round: 0.0,
     }
+}
+
+/// An inner radius as it is compared: none beyond [`FAR`], so that no square that overflows is at most another.
+pub(super) fn inner_radius(radius: f64) -> f32 {
+    if radius <= f64::from(FAR) { radius as f32 } else { f32::NEG_INFINITY }
 }
 
 /// The margin of what has that size, rounded up.

@@ -1,6 +1,7 @@
 //! States in lanes beside every pair decided alone, on random robots in random worlds.
 
 mod boundary;
+mod huge;
 mod random;
 
 use super::link_frames::{LinkFrames, Place};

@@ -1,0 +1,86 @@
+//! Shapes and places so large that squares overflow in f32.
+
+use super::{alone, seeded};
+use crate::{AllowedPairs, LinkShapes, Obstacle, Robot, SensedPoint, SensedWorld};
+use crate::{StateChecker, Workcell, World};
+use dcd_geom::{Pose, Shape};
+use dcd_pipeline::Par;
+use glam::DVec3;
+use std::path::Path;
+
+/// Two spheres, the second of which slides along x.
+fn sliding(radii: [f64; 2]) -> Robot {
+    let [base, hand] = radii;
+    let urdf = format!(
+        r#"<robot name="pair">
+        <link name="base"><collision><geometry><sphere radius="{base}"/></geometry></collision></link>
+        <link name="hand"><collision><geometry><sphere radius="{hand}"/></geometry></collision></link>
+        <joint name="slide" type="prismatic"><parent link="base"/><child link="hand"/><axis xyz="1 0 0"/>
+        <limit lower="0" upper="1e30" effort="1" velocity="1"/></joint></robot>"#
+    );
+    Robot::read(&urdf, Path::new("."), LinkShapes::Hulls).unwrap()
+}
+
+fn check(robot: &Robot, obstacle: Option<(Shape, DVec3)>, value: f64) -> bool {
+    let obstacles = obstacle.map(|(shape, place)| Obstacle {
+        name: "huge".to_owned(),
+        shape,
+        pose: Pose::from_translation(place).unwrap(),
+    });
+    let world = World { obstacles: obstacles.into_iter().collect(), ..World::default() };
+    let mut cell = Workcell::new(robot.clone(), &world, &AllowedPairs::default()).unwrap();
+    let checker = StateChecker::new(cell.clone()).unwrap();
+    let state = vec![value];
+    let truth = alone(&mut cell, &state);
+    for states in [vec![state.clone()], vec![state; 17]] {
+        let hits = checker.all(&states, Par::Serial).unwrap();
+        let of_last = hits.iter().filter(|hit| hit.state as usize == states.len() - 1);
+        let ours: Vec<_> = of_last.map(|hit| (hit.pair, hit.touches())).collect();
+        assert_eq!(ours, truth, "{:?} at {value:e}", world.obstacles);
+    }
+    !truth.is_empty()
+}
+
+#[test]
+fn where_squares_overflow_states_are_decided_as_pairs_alone() {
+    let mut draw = seeded(57);
+    let robot = sliding([0.1, 0.1]);
+    let middle = DVec3::splat(1.9e19);
+    // Each in a place where it holds the origin, and in one where its box does and it does not.
+    let cylinder = Shape::cylinder(1.0, 3e19).unwrap();
+    assert!(check(&robot, Some((cylinder, DVec3::X * 2e19)), 3.0));
+    assert!(!check(&robot, Some((Shape::sphere(2e19).unwrap(), middle)), 3.0));
+    let mut touching = 0;
+    for _ in 0..60 {
+        let size = 10f64.powf(13.5 + 7.0 * draw.size(0.0, 1.0));
+        let shape = match draw.below(4) {
+            0 => Shape::cylinder(size * draw.size(0.0, 1.0), size),
+            1 => Shape::sphere(size),
+            2 => Shape::capsule(size * draw.size(0.0, 1.0), size),
+            _ => Shape::cuboid(DVec3::new(size, size * (draw.size(0.1, 1.1)), size)),
+        };
+        let place = draw.vector() * 1.4 * size;
+        touching += usize::from(check(&robot, Some((shape.unwrap(), place)), 3.0));
+    }
+    assert!((10..50).contains(&touching), "{touching}");
+}
+
+#[test]
+fn links_whose_squares_overflow_are_decided_as_pairs_alone() {
+    let robot = sliding([1e19, 1e19]);
+    assert!(check(&robot, None, 1e19));
+    assert!(!check(&robot, None, 1e20));
+}
+
+#[test]
+fn a_sensed_point_whose_squares_overflow_proves_no_contact() {
+    let robot = sliding([0.1, 0.1]);
+    let cell = Workcell::new(robot, &World::default(), &AllowedPairs::default()).unwrap();
+    let checker = StateChecker::new(cell).unwrap();
+    for (centre, touches) in [(DVec3::splat(1.9e19), false), (DVec3::X * 1.9e19, true)] {
+        let seen = SensedWorld::of_points(&[SensedPoint { centre, radius: 2e19 }]).unwrap();
+        let hits = checker.sensed_hits(&[[3.0]], &seen, Par::Serial).unwrap();
+        assert_eq!(hits.iter().any(|hit| hit.touches()), touches, "{centre}: {hits:?}");
+        assert_eq!(!hits.is_empty(), touches, "{centre}: {hits:?}");
+    }
+}
