@@ -19,7 +19,8 @@ use dcd_simd::{Kernel, Lanes, Path, Row, Unfused, WIDTH, dispatch_on};
 /// Smaller: false bounds.
 pub(super) const GAP: f32 = 48.0;
 
-/// How far both points together may be from their cuboids. Unit: u·m. Derived: 20. Smaller: false bounds.
+/// How far both points together may be from their cuboids. Unit: u·m. Derived: 18, and 2 of margin.
+/// Smaller: false bounds.
 const POINTS: f32 = 24.0;
 
 /// The squared sine below which edges are parallel, and their product no axis. No unit. Decides what is tried, never

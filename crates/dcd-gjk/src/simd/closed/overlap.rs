@@ -11,7 +11,7 @@ use dcd_simd::Lanes;
 const PARALLEL: f32 = 1e-8;
 
 /// The squared sine from which on a product is long: e × g is, for each neighbour g of an edge f, where e × f is not. No
-/// unit; below 3/4.
+/// unit; below ½, since |e × g|² is at least 1 − |e × f|².
 const LONG: f32 = 0.25;
 
 /// What the sine of two edges may be off by. Unit: u.

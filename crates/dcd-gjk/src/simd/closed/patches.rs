@@ -21,8 +21,8 @@ use corners::{Corners, Kept};
 use dcd_geom::Pair;
 use dcd_simd::{Kernel, Lanes, Path, Row, Unfused, WIDTH, dispatch_on};
 use side::{Crossing, Side};
-/// How far a point may be from the surfaces of its cuboids. Unit: u·m; of crossing edges over the sine between them.
-/// Derived: 77. Smaller: false bounds.
+/// How far a point may be from the surfaces of its cuboids, beyond the bound of the depth, which is 48 at the least and is
+/// added. Unit: u·m; of crossing edges over the sine between them. Derived: 102 with those. Smaller: false bounds.
 const POINTS: f32 = 80.0;
 
 /// How far beside a side, or above the surface, a corner may be that counts as on it. Unit: u·m. Smaller: corners that
