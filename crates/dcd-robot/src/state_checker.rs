@@ -37,7 +37,7 @@ use dcd_pipeline::{PairDecider, StaticWorld};
 use dcd_simd::Lanes;
 use prepared::Prepared;
 use std::sync::{Mutex, OnceLock};
-use worker::{CHUNK, FEW, Refused, Worker, at};
+use worker::{CHUNK, FEW, Refused, Worker, at, chunk_of};
 
 /// By how much spheres are compared larger, where they are to be apart, or smaller, where they are to touch. Unit:
 /// metres a metre of the two sizes and places: 256 units of 2⁻²⁴, some four times what the roundings of frames,
@@ -210,7 +210,8 @@ impl StateChecker {
         self.workers.with(|worker| {
             let mut chunks = states.chunks(CHUNK).enumerate();
             chunks.try_for_each(|(chunk, states)| {
-                let placed = worker.place(&self.prepared, states);
+                let values = chunk_of(states);
+                let placed = worker.place(&self.prepared, &values[..states.len()]);
                 placed.map_err(|error| refused(at(chunk * CHUNK, error)))
             })
         })
@@ -244,8 +245,8 @@ impl StateChecker {
         let exec = exec.into().serial_below(states.len(), FEW);
         exec.divide(&mut first[..], CHUNK, |start, first| {
             self.workers.with(|worker| {
-                let states = &states[start..start + first.len()];
-                let found = worker.first(self, (start, states), first);
+                let chunk = chunk_of(&states[start..start + first.len()]);
+                let found = worker.first(self, (start, &chunk[..first.len()]), first);
                 found.unwrap_or_else(|(state, error)| refused.note(state, error));
             });
         });
@@ -269,7 +270,8 @@ impl StateChecker {
             self.workers.with(|worker| {
                 let start = task * CHUNK;
                 let states = &states[start..count.min(start + CHUNK)];
-                let found = worker.all(self, (start, states));
+                let chunk = chunk_of(states);
+                let found = worker.all(self, (start, &chunk[..states.len()]));
                 found.unwrap_or_else(|(state, error)| refused.note(state, error));
                 out.append(&mut worker.hits);
             });

@@ -164,12 +164,11 @@ impl Chain {
 
     /// Takes what moves the joints in at most sixteen states. Returns those that the bounds do not cover, or that are
     /// no states of the robot, a bit each.
-    pub(super) fn read(&self, robot: &Robot, states: &[impl AsRef<[f64]>], to: &mut Drives) -> u32 {
+    pub(super) fn read(&self, robot: &Robot, states: &[&[f64]], to: &mut Drives) -> u32 {
         to.rows.resize(self.drives.len(), Row::default());
         to.turns.resize(self.quaternions.len(), [Row::default(); 9]);
         let mut open = 0;
-        for (lane, state) in states.iter().take(WIDTH).enumerate() {
-            let state = state.as_ref();
+        for (lane, &state) in states.iter().take(WIDTH).enumerate() {
             if state.len() != robot.moved.len() {
                 open |= 1 << lane;
                 continue;

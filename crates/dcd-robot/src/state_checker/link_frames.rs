@@ -34,14 +34,14 @@ pub(super) struct LinkFrames {
 impl LinkFrames {
     /// Takes the values of the joints from at most sixteen states, which have been checked. Lanes past the last are
     /// left as they are.
-    pub(super) fn read(&mut self, robot: &Robot, states: &[impl AsRef<[f64]>]) {
+    pub(super) fn read(&mut self, robot: &Robot, states: &[&[f64]]) {
         self.frames.resize(robot.links.len(), [[[0.0; HALF]; 2]; 12]);
         self.drives.resize(robot.joints.len(), [[0.0; HALF]; 2]);
         let mut farthest = 0.0;
         for (joint, drive) in robot.joints.iter().zip(&mut self.drives) {
             let Some(by) = joint.motion.drive() else { continue };
             for (lane, state) in states.iter().take(WIDTH).enumerate() {
-                let value = by.of(state.as_ref()).unwrap_or_default();
+                let value = by.of(state).unwrap_or_default();
                 drive[lane / HALF][lane % HALF] = value;
                 farthest = if value.abs() > farthest { value.abs() } else { farthest };
             }
@@ -93,14 +93,14 @@ impl LinkFrames {
 
 /// Moves the links: joint by joint, so that a parent's frame is there before its child's. Lanes past the last state
 /// mean nothing.
-pub(super) struct Place<'a, S> {
+pub(super) struct Place<'a> {
     pub(super) robot: &'a Robot,
     /// At most sixteen, those that were read.
-    pub(super) states: &'a [S],
+    pub(super) states: &'a [&'a [f64]],
     pub(super) to: &'a mut LinkFrames,
 }
 
-impl<S: AsRef<[f64]>> Kernel for Place<'_, S> {
+impl Kernel for Place<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -116,7 +116,7 @@ impl<S: AsRef<[f64]>> Kernel for Place<'_, S> {
             if let Motion::Orients { .. } = joint.motion {
                 for (lane, state) in states.iter().enumerate() {
                     let rest = to.frame(joint.parent, lane).then(&joint.origin);
-                    to.set_frame(joint.child, lane, &moved(&rest, joint, state.as_ref()));
+                    to.set_frame(joint.child, lane, &moved(&rest, joint, state));
                 }
                 for half in 0..halves {
                     let frame = loaded(l, &to.frames[joint.child], half);

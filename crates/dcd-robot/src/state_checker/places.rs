@@ -25,16 +25,16 @@ pub(super) struct Places {
 
 impl Places {
     /// Takes states up; refuses one by its lane.
-    pub(super) fn read<S: AsRef<[f64]>>(
+    pub(super) fn read(
         &mut self,
         prepared: &Prepared,
-        states: &[S],
+        states: &[&[f64]],
     ) -> Result<(), RefusedState> {
         let robot = prepared.robot();
         self.uncovered = prepared.chain.read(robot, states, &mut self.drives);
         self.known = self.uncovered;
         for lane in bits(self.uncovered) {
-            let state = states[lane].as_ref();
+            let state = states[lane];
             robot.check_state(state).map_err(|error| (lane, error))?;
             self.frames.place_alone(robot, state, lane);
             // Refused even where no pair contains the link.
@@ -57,12 +57,7 @@ impl Places {
     }
 
     /// Finds the frames of some of the states that were taken up.
-    pub(super) fn place_exactly<S: AsRef<[f64]>>(
-        &mut self,
-        prepared: &Prepared,
-        states: &[S],
-        lanes: u32,
-    ) {
+    pub(super) fn place_exactly(&mut self, prepared: &Prepared, states: &[&[f64]], lanes: u32) {
         let (robot, wanted) = (prepared.robot(), lanes & !self.known);
         if wanted.count_ones() > FEW {
             self.frames.read(robot, states);
@@ -71,7 +66,7 @@ impl Places {
             return;
         }
         for lane in bits(wanted) {
-            self.frames.place_alone(robot, states[lane].as_ref(), lane);
+            self.frames.place_alone(robot, states[lane], lane);
         }
         self.known |= wanted;
     }

@@ -7,7 +7,7 @@ use super::prepared::Prepared;
 use super::rounded_links::{Placed, Rounded, RoundedLink, bits, stored};
 use super::separate::{PlacedHull, Support, across_gap};
 use super::solids::{inside, margin_of, within};
-use super::worker::{CHUNK, Refused, RefusedState, Worker, at};
+use super::worker::{CHUNK, Refused, RefusedState, Worker, at, chunk_of};
 use super::{Goal, StateChecker};
 use crate::sensed::SensedError;
 use crate::{RobotError, SensedWorld};
@@ -117,7 +117,8 @@ impl StateChecker {
             self.workers.with(|worker| {
                 let start = task * CHUNK;
                 let states = &states[start..count.min(start + CHUNK)];
-                let found = worker.sensed(&self.prepared, (start, states), query, out);
+                let (chunk, len) = (chunk_of(states), states.len());
+                let found = worker.sensed(&self.prepared, (start, &chunk[..len]), query, out);
                 found.unwrap_or_else(|(state, error)| refused.note(state, error));
             });
         });
@@ -139,10 +140,10 @@ struct Near {
 }
 
 impl Worker {
-    fn sensed<S: AsRef<[f64]>>(
+    fn sensed(
         &mut self,
         prepared: &Prepared,
-        (start, states): (usize, &[S]),
+        (start, states): (usize, &[&[f64]]),
         query: SensedQuery<'_>,
         hits: &mut Vec<SensedHit>,
     ) -> Result<(), RefusedState> {

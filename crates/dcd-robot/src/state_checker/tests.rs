@@ -47,6 +47,7 @@ fn frames_are_those_of_one_state_at_a_time_bit_for_bit() {
         let states: Vec<Vec<f64>> = (0..count).map(|_| state(&mut draw, &robot)).collect();
         for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
             let mut frames = LinkFrames::default();
+            let states: Vec<&[f64]> = states.iter().map(Vec::as_slice).collect();
             frames.read(&robot, &states);
             dispatch_on(path, Place { robot: &robot, states: &states, to: &mut frames });
             for (lane, state) in states.iter().enumerate() {
@@ -90,14 +91,15 @@ fn frames_in_f32_are_within_their_bounds_of_those_of_one_state_at_a_time() {
         }
         for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
             let mut places = Places::default();
-            places.read(prepared, &states).unwrap();
+            let all: Vec<&[f64]> = states.iter().map(Vec::as_slice).collect();
+            places.read(prepared, &all).unwrap();
             let (placed, links) = (places.placed(prepared), &prepared.world_links);
             let mut rounded = Vec::new();
             let open = (1 << WIDTH) - 1;
             dispatch_on(path, PlaceLinks { placed, open, links, to: &mut rounded });
             let mut alone = Vec::new();
             for (lane, state) in states.iter().enumerate() {
-                places.read(prepared, std::slice::from_ref(state)).unwrap();
+                places.read(prepared, &[state]).unwrap();
                 let placed = places.placed(prepared);
                 dispatch_on(path, PlaceLinks { placed, open: 1, links, to: &mut alone });
                 for (link, (alone, among)) in

@@ -45,14 +45,21 @@ pub(super) struct Worker {
     unsorted: Vec<StateHit>,
 }
 
+/// The states of a chunk. What works on them takes these, and so is compiled once, whatever type they have.
+pub(super) fn chunk_of<S: AsRef<[f64]>>(states: &[S]) -> [&[f64]; CHUNK] {
+    let mut chunk = [&[][..]; CHUNK];
+    chunk.iter_mut().zip(states).for_each(|(to, state)| *to = state.as_ref());
+    chunk
+}
+
 /// A state, counted from the first of those taken up, and why it was refused.
 pub(super) type RefusedState = (usize, RobotError);
 
 impl Worker {
-    pub(super) fn first<S: AsRef<[f64]>>(
+    pub(super) fn first(
         &mut self,
         checker: &StateChecker,
-        (start, states): (usize, &[S]),
+        (start, states): (usize, &[&[f64]]),
         first: &mut [Option<StateHit>],
     ) -> Result<(), RefusedState> {
         self.sift(&checker.prepared, states, Goal::One).map_err(|e| at(start, e))?;
@@ -111,10 +118,10 @@ impl Worker {
         Ok(())
     }
 
-    pub(super) fn all<S: AsRef<[f64]>>(
+    pub(super) fn all(
         &mut self,
         checker: &StateChecker,
-        (start, states): (usize, &[S]),
+        (start, states): (usize, &[&[f64]]),
     ) -> Result<(), RefusedState> {
         self.hits.clear();
         self.sift(&checker.prepared, states, Goal::All).map_err(|e| at(start, e))?;
@@ -138,10 +145,10 @@ impl Worker {
     }
 
     /// Takes the states up.
-    pub(super) fn read<S: AsRef<[f64]>>(
+    pub(super) fn read(
         &mut self,
         prepared: &Prepared,
-        states: &[S],
+        states: &[&[f64]],
     ) -> Result<(), RefusedState> {
         for (packet, (states, places)) in states.chunks(WIDTH).zip(&mut self.places).enumerate() {
             let refused = places.read(prepared, states);
@@ -151,10 +158,10 @@ impl Worker {
     }
 
     /// Finds where the states' links are.
-    pub(super) fn place<S: AsRef<[f64]>>(
+    pub(super) fn place(
         &mut self,
         prepared: &Prepared,
-        states: &[S],
+        states: &[&[f64]],
     ) -> Result<(), RefusedState> {
         self.read(prepared, states)?;
         for (states, places) in states.chunks(WIDTH).zip(&self.places) {
@@ -166,10 +173,10 @@ impl Worker {
     }
 
     /// Sorts the pairs by the spheres of the states' links: those that touch, and those left open.
-    fn sift<S: AsRef<[f64]>>(
+    fn sift(
         &mut self,
         prepared: &Prepared,
-        states: &[S],
+        states: &[&[f64]],
         goal: Goal,
     ) -> Result<(), RefusedState> {
         self.read(prepared, states)?;
@@ -195,7 +202,7 @@ impl Worker {
     }
 
     /// Finds where the links are of the states of the next pairs.
-    fn place_exactly<S: AsRef<[f64]>>(&mut self, prepared: &Prepared, states: &[S]) {
+    fn place_exactly(&mut self, prepared: &Prepared, states: &[&[f64]]) {
         let mut lanes = [0; PACKETS];
         for candidate in &self.next {
             let state = candidate.configuration as usize;
@@ -249,9 +256,9 @@ impl Worker {
     }
 
     /// Decides the pairs of `next`.
-    fn decide<S: AsRef<[f64]>>(
+    fn decide(
         &mut self,
-        (checker, states): (&StateChecker, &[S]),
+        (checker, states): (&StateChecker, &[&[f64]]),
         mut note: impl FnMut(Candidate, Verdict<()>),
     ) -> Result<(), RefusedState> {
         if self.next.is_empty() {
