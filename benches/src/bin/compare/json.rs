@@ -51,6 +51,7 @@ pub(crate) fn objects(comparison: &Comparison) -> Vec<Value> {
             "settled": decided(comparison),
             "brute_force": race.and_then(|race| race.brute_force),
             "every_pair": race.and_then(|race| race.every_pair),
+            "narrower": race.map(|race| &race.narrower),
         })
     };
     comparison.threads.iter().map(object).collect()

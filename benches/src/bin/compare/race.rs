@@ -9,6 +9,7 @@ use dcd_broad::{BroadPhase, BruteForce, WideTree};
 use dcd_gjk::{Method, Overlap};
 use dcd_parry::{ParryPipeline, Query, Ready};
 use dcd_pipeline::{Par, Pipeline};
+use dcd_simd::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::judge::{self, Answers, Judged, Said};
@@ -97,6 +98,14 @@ impl From<Pair> for Beside {
     }
 }
 
+/// The whole step beside the same on narrower registers.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Narrower {
+    /// The name of their path.
+    pub(crate) path: String,
+    pub(crate) whole: Beside,
+}
+
 /// The times at a number of threads.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Race {
@@ -109,6 +118,8 @@ pub(crate) struct Race {
     pub(crate) brute_force: Option<Beside>,
     /// The whole step beside our AABBs and our narrow phase on every pair there is. For small scenes.
     pub(crate) every_pair: Option<Beside>,
+    /// The whole step on one thread beside each narrower path that this CPU has.
+    pub(crate) narrower: Vec<Narrower>,
 }
 
 /// A scene, judged and timed.
@@ -224,8 +235,30 @@ impl Track<'_, '_> {
             ensure!(!every.has_strayed(), "without AABBs other contacts are found");
             every_pair = Some(whole.into());
         }
+        let narrower = if threads == 1 { self.race_paths(&mut ours, rounds)? } else { Vec::new() };
         ensure!(!ours.has_strayed(), "our contacts or their order changed from step to step");
-        Ok(Race { threads, rounds, parts: parts.map(Beside::from), brute_force, every_pair })
+        let parts = parts.map(Beside::from);
+        Ok(Race { threads, rounds, parts, brute_force, every_pair, narrower })
+    }
+
+    /// Our step beside the same on each narrower path.
+    fn race_paths(
+        &self,
+        ours: &mut Turn<Ours<'_, WideTree>>,
+        rounds: u32,
+    ) -> Result<Vec<Narrower>> {
+        let widest = Path::best();
+        let paths = Path::ALL.into_iter().skip_while(|&path| path != widest).skip(1);
+        let mut narrower = Vec::new();
+        for path in paths.filter(|path| path.is_available()) {
+            let pipeline = Pipeline::with(WideTree::on(path), Overlap::on(path));
+            let rival = Ours { pipeline, scene: self.scene, digest: |digest| digest.list };
+            let mut rival = Turn::new(rival, Par::Serial, self.scene.len(), self.digest.list);
+            let [whole] = timing::pairs_of(rounds, || ours.whole(), || rival.whole());
+            ensure!(!rival.has_strayed(), "{}: other contacts or another order", path.name());
+            narrower.push(Narrower { path: path.name().to_owned(), whole: whole.into() });
+        }
+        Ok(narrower)
     }
 
     /// Our step without a tree.
@@ -265,6 +298,8 @@ mod tests {
         assert_eq!(comparison.races.iter().map(|race| race.threads).collect::<Vec<_>>(), [1, 2]);
         for race in &comparison.races {
             assert!(race.brute_force.is_some() && race.every_pair.is_some());
+            let available = Path::ALL.into_iter().filter(|path| path.is_available()).count();
+            assert_eq!(race.narrower.len(), if race.threads == 1 { available - 1 } else { 0 });
             assert!(race.parts.iter().all(|part| part.ours.runs == QUICK && part.ratio.is_some()));
         }
     }

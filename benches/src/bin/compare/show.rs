@@ -6,11 +6,11 @@ use dcd_gjk::Method;
 
 use crate::json::objects;
 use crate::judge::{Account, Wrong};
-use crate::race::{Comparison, Race};
+use crate::race::{Beside, Comparison, Race};
 use crate::rivals::{PARTS, WHOLE};
 
 /// What a reader of the tables must know.
-const NOTES: [&str; 5] = [
+const NOTES: [&str; 6] = [
     "A ratio is Parry's time by ours, taken round by round, the two interleaved in one process; the \
      median of the rounds, with the least and the most. Above 1 we are faster. `broad` is build and \
      pairs together. Every step is a first step: buffers are kept, nothing learnt about the poses \
@@ -28,6 +28,8 @@ const NOTES: [&str; 5] = [
      time is shown.",
     "`brute force` and `every pair` are our own step without a tree, by our step: with the AABBs of \
      all pairs compared, and with all pairs given to the narrow phase as they are.",
+    "Narrower paths are our own step on one thread with the instructions of CPUs that have no more, \
+     in the same process, the two interleaved. Contacts and their order are the same.",
 ];
 
 /// The report of all comparisons.
@@ -43,6 +45,7 @@ pub(crate) fn report(header: Header, comparisons: &[Comparison]) -> Result<Repor
     report.heading("Stages");
     report.table(ratios(comparisons)?);
     report.table(stages(comparisons)?);
+    report.table(narrower(comparisons)?);
     report.attach("results", comparisons.iter().flat_map(objects).collect());
     Ok(report)
 }
@@ -51,7 +54,7 @@ pub(crate) fn report(header: Header, comparisons: &[Comparison]) -> Result<Repor
 pub(crate) fn terminal(comparisons: &[Comparison]) -> Result<String> {
     let times = if comparisons.len() == 1 { stages(comparisons)? } else { ratios(comparisons)? };
     let mut text = String::new();
-    for table in [times, methods(comparisons)?, answers(comparisons)?] {
+    for table in [times, narrower(comparisons)?, methods(comparisons)?, answers(comparisons)?] {
         text += &format!("{}\n\n{}\n", table.title(), table.to_markdown());
     }
     let mut notes = differences(comparisons);
@@ -173,6 +176,31 @@ fn stages(comparisons: &[Comparison]) -> Result<Table> {
             }
             row.extend([beside.ratio, beside.least, beside.most].map(Cell::from));
             row.push(race.rounds.into());
+            table.push(row)?;
+        }
+        Ok(())
+    })?;
+    Ok(table)
+}
+
+/// One row for each scene and path that has narrower registers than the one measured.
+fn narrower(comparisons: &[Comparison]) -> Result<Table> {
+    let columns = ["scene", "N", "threads", "path"].map(Column::new).into_iter().chain([
+        Column::new("widest").unit("ms").decimals(4),
+        Column::new("this path").unit("ms").decimals(4),
+        Column::new("times its time").unit("×").decimals(2),
+        Column::new("least").unit("×").decimals(2),
+        Column::new("most").unit("×").decimals(2),
+    ]);
+    let title = "The whole step on narrower registers, and how many times as long it takes";
+    let mut table = Table::new("paths", title, columns);
+    for_each_race(comparisons, |comparison, threads, race| {
+        for narrower in race.map(|race| race.narrower.as_slice()).unwrap_or_default() {
+            let Beside { ours, rival, ratio, least, most } = narrower.whole;
+            let mut row = name_cells(comparison, threads);
+            row.push(narrower.path.as_str().into());
+            row.extend([ours.median, rival.median].map(Cell::from));
+            row.extend([ratio, least, most].map(Cell::from));
             table.push(row)?;
         }
         Ok(())
