@@ -44,8 +44,8 @@ pub trait MeasureDepth: MeasureAt {
         scratch: &mut Self::Scratch,
     ) -> Verdict<Self::Answer>;
 
-    /// The same for two spheres, of which nothing else need be known.
-    fn measure_spheres(&self, depth: Depth) -> Self::Answer;
+    /// The same for two spheres, of which nothing else need be known, over a default answer.
+    fn measure_spheres(&self, depth: &Depth, answer: &mut Self::Answer);
 
     /// The same for two polytopes, over a default answer; false where [`MeasureDepth::measure_depth`] is needed. By default
     /// always.

@@ -113,8 +113,9 @@ impl MeasureDepth for Depths {
         Verdict::Touching(depth)
     }
 
-    fn measure_spheres(&self, depth: Depth) -> Depth {
-        depth
+    #[inline]
+    fn measure_spheres(&self, depth: &Depth, answer: &mut Depth) {
+        *answer = *depth;
     }
 
     fn measure_polytopes(

@@ -192,15 +192,16 @@ fn other_shapes_have_what_the_solver_says_alone() {
     }
 }
 
-/// Spheres of four sizes, some with one centre, some that just touch, some far from the origin; and shapes of which there
-/// are no objects.
+/// Spheres of four sizes, some with one centre, some that just touch, some far from the origin, some 0.3 apart but for
+/// rounding; and shapes of which there are no objects.
 fn spheres(others: &[Shape]) -> (Scene, Vec<Pair>) {
     let mut draw = Draw(31);
     let radii = [0.5, 0.25, 0.1, 1e-6];
     let shapes = radii.map(|radius| Shape::sphere(radius).unwrap());
     let shapes = [&shapes, others].concat();
-    let objects = (0..200).map(|k: u32| {
+    let objects = (0..232).map(|k: u32| {
         let place = match k % 10 {
+            _ if k >= 200 => DVec3::X * (10.0 + 0.4 * f64::from(k / 4 % 8)),
             0 => DVec3::X,
             1 => DVec3::new(1.75, 0.0, 0.0),
             2 => DVec3::new(1e6, f64::from(k % 20) * 0.03, 0.0),
@@ -209,7 +210,7 @@ fn spheres(others: &[Shape]) -> (Scene, Vec<Pair>) {
         Object::new(k % 4, Pose::new(draw.turn(), place).unwrap())
     });
     let scene = Scene::new(shapes, objects).unwrap();
-    let pairs = (0..200).flat_map(|i| (i + 1..200).map(move |j| Pair::new(i, j))).collect();
+    let pairs = (0..232).flat_map(|i| (i + 1..232).map(move |j| Pair::new(i, j))).collect();
     (scene, pairs)
 }
 

@@ -95,6 +95,15 @@ pub(crate) fn distance_of_spheres(
     })
 }
 
+/// Whether they are proved to be farther apart than a margin, metres.
+#[inline]
+pub(crate) fn spheres_are_beyond(spheres: [PlacedSphere; 2], margin: f64) -> bool {
+    Spheres::of(spheres).is_some_and(|spheres| {
+        let Gap { value, error } = spheres.gap();
+        (value - error).next_down() > margin
+    })
+}
+
 /// How deep they overlap, if the bound is at most `sharp` times the depth (or [`LONG_SHARP`]). They are known to touch, or the depth is
 /// proved to be more than its bound.
 pub(super) fn depth(

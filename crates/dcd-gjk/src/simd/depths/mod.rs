@@ -254,9 +254,10 @@ impl<S: MeasureDepth> Answers<'_, S> {
         self.solver.measure_cuboids(patch, sides, &mut self.answers[number].answer)
     }
 
+    #[inline(always)]
     fn write_spheres(&mut self, number: usize, found: Option<Depth>) {
         match found {
-            Some(depth) => self.answers[number].answer = self.solver.measure_spheres(depth),
+            Some(depth) => self.solver.measure_spheres(&depth, &mut self.answers[number].answer),
             None => self.left.push(number as u32),
         }
     }
