@@ -45,6 +45,11 @@ use worker::{CHUNK, FEW, Refused, Worker, at, chunk_of};
 /// Smaller: false answers. Larger: more is left to the narrow phase.
 const MARGIN: f64 = 1.0 / (1 << 16) as f64;
 
+/// How far what is compared in f32 may reach, metres. Beyond it a square may overflow: a box is near everything there,
+/// a shape has no closed form, an inner radius proves no contact. Larger: false answers (docs/numerics/proofs.md,
+/// "states in lanes"). Smaller: more is left to the narrow phase.
+const FAR: f32 = 1e14;
+
 /// How many configurations a [`PairDecider`] counts for each link.
 const MOST_AT_ONCE: usize = 512;
 

@@ -1,5 +1,6 @@
 //! Boxes round what sixteen states have in common: what is far from all of them costs one comparison.
 
+use super::FAR;
 use super::links::LinkSpheres;
 use super::rounded_links::RoundedLink;
 use super::solids::Solid;
@@ -70,11 +71,6 @@ impl BoxRow {
         self.filled & !apart
     }
 }
-
-/// How far a box that is compared may reach, metres. What is farther is near everything, so that squares that
-/// overflow are where it is compared as a sphere. Closed forms and inner radii end there too: beyond it a square may
-/// overflow that proves a contact, or a length be subtracted after its root.
-pub(super) const FAR: f32 = 1e14;
 
 /// A box round the sphere of a link in all of some states, larger by twice the margin: so what is beyond it is
 /// beyond what [`Solid::reached`] and spheres of links take for near, whatever those round, and an answer does not

@@ -1,14 +1,13 @@
 //! States against what a sensor has seen: spheres of the links against points in their cells, planes between hulls
 //! and points that those leave, and what is left decided pair by pair.
 
-use super::boxes::FAR;
 use super::links::BodyHull;
 use super::prepared::Prepared;
 use super::rounded_links::{Placed, Rounded, RoundedLink, bits, stored};
 use super::separate::{PlacedHull, Support, across_gap};
 use super::solids::{inside, margin_of, within};
 use super::worker::{CHUNK, Refused, RefusedState, Worker, at, chunk_of};
-use super::{Goal, StateChecker};
+use super::{FAR, Goal, StateChecker};
 use crate::sensed::SensedError;
 use crate::{RobotError, SensedWorld};
 use dcd_exec::{Exec, Segments};

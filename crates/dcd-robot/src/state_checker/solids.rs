@@ -1,8 +1,7 @@
 //! Obstacles as sixteen spheres are compared with them.
 
-use super::boxes::FAR;
 use super::separate::Support;
-use super::{MARGIN, Sixteen};
+use super::{FAR, MARGIN, Sixteen};
 use dcd_geom::{Aabb, CurvedKind, Kind, Polytope, Pose, Scene, Shape, SphereBounds};
 use dcd_simd::{Block, Lanes, WIDTH};
 use glam::{DVec3, Vec3};

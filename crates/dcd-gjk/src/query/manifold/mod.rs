@@ -223,7 +223,7 @@ impl MeasureDepth for Manifolds {
     #[inline]
     fn measure_spheres(&self, depth: &Depth, answer: &mut ManifoldSet) {
         answer.write_one(|found| {
-            write_one_point(depth, [Feature::Vertex(0); 2], found);
+            write_of_spheres(depth, found);
             true
         });
     }
@@ -275,11 +275,12 @@ fn manifold_of(
         Verdict::Undecided(reason) => return Verdict::Undecided(reason),
         Verdict::Touching(depth) => depth,
     };
-    if corners::is_sphere(a) && corners::is_sphere(b) {
-        return Verdict::Touching(of_spheres(depth).into());
-    }
     let mut found = Manifold::default();
-    write(&depth, a, b, corners, &mut found);
+    if corners::is_sphere(a) && corners::is_sphere(b) {
+        write_of_spheres(&depth, &mut found);
+    } else {
+        write(&depth, a, b, corners, &mut found);
+    }
     Verdict::Touching(found.into())
 }
 
@@ -316,10 +317,10 @@ fn in_order(
     written
 }
 
-/// Of two spheres.
+/// Of two spheres, over an empty manifold.
 #[inline]
-fn of_spheres(depth: Depth) -> Manifold {
-    of_one_point(depth, [Feature::Vertex(0); 2])
+fn write_of_spheres(depth: &Depth, found: &mut Manifold) {
+    write_one_point(depth, [Feature::Vertex(0); 2], found);
 }
 
 /// Of a sphere and another convex shape, which touch in the witnesses of their depth; false of others.
