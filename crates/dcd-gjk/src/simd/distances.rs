@@ -5,7 +5,7 @@ use super::frame::{FramePair, SimdFrame};
 use super::nearest::{self, Found, NearestPoints};
 use super::scene_pairs::ScenePairs;
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
-use crate::closed::{self, distance_of_spheres, spheres_within};
+use crate::closed::{self, PlacedSphere, distance_of_spheres, spheres_are_beyond};
 use crate::distance::{DistanceResult, distance_at, of_apart};
 use crate::query::{FEWEST_MEASURED, check_margin, grown, spheres_are_apart, within_margin};
 use crate::{
@@ -96,6 +96,27 @@ impl SimdDistances {
             Found::Beyond => Verdict::Apart,
             Found::Nearest(points) => self.by_points(&points, a, b),
             Found::Unknown => self.alone(a, b).0,
+        }
+    }
+
+    /// Two spheres that are apart, of which their centres and radii are read and nothing else. False where the bound leaves
+    /// it open whether they are within the margin.
+    #[inline]
+    fn by_centres(
+        &self,
+        spheres: [PlacedSphere; 2],
+        pair: Pair,
+        contacts: &mut Vec<Contact<Option<Distance>>>,
+    ) -> bool {
+        if spheres_are_beyond(spheres, self.margin) {
+            return true;
+        }
+        match distance_of_spheres(spheres, closed::sharp_of(self.accuracy)) {
+            Some(DistanceResult::Apart(found)) if found.upper() <= self.margin => {
+                contacts.push(Contact { pair, answer: Some(found) });
+                true
+            }
+            _ => false,
         }
     }
 
@@ -242,7 +263,6 @@ impl NarrowPhase for SimdDistances {
         measured.clear();
         measured.extend(open.iter().zip(&nearest.found).filter(is_read).map(|(&pair, _)| pair));
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: measured };
-        let sharp = closed::sharp_of(self.accuracy);
         let mut number = 0;
         for (&pair, &touches) in pairs.iter().zip(touching) {
             if touches {
@@ -250,15 +270,9 @@ impl NarrowPhase for SimdDistances {
                 continue;
             }
             let spheres = frames.spheres(pair);
-            // Of spheres nothing is read but their centres and radii, unless these leave the margin open.
-            let judged = spheres.filter(|_| undecided.is_empty());
-            match judged.and_then(|both| spheres_within(both, self.margin, sharp)) {
-                Some(Verdict::Apart) => continue,
-                Some(Verdict::Touching(found)) => {
-                    sink.contacts.push(Contact { pair, answer: Some(found) });
-                    continue;
-                }
-                _ => {}
+            let none_open = undecided.is_empty();
+            if none_open && spheres.is_some_and(|both| self.by_centres(both, pair, sink.contacts)) {
+                continue;
             }
             let [one, other] = objects.posed(pair);
             let are_cuboids = are_cuboids(frames, pair);
@@ -277,6 +291,7 @@ impl NarrowPhase for SimdDistances {
                 continue;
             }
             // Counted already, as apart.
+            let sharp = closed::sharp_of(self.accuracy);
             let verdict = match spheres.and_then(|both| distance_of_spheres(both, sharp)) {
                 Some(found) => within_margin(found, self.margin, one, other),
                 None if are_cuboids => self.by_features(of_cuboids, frames, pair, [one, other]),

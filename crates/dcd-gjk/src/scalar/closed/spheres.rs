@@ -86,24 +86,22 @@ pub(crate) fn distance_of_spheres(
     if gap.value < -gap.error {
         return Some(DistanceResult::Touching);
     }
-    spheres.distance(gap, sharp).map(DistanceResult::Apart)
+    let Gap { value, error } = spheres.sharpened(gap, sharp)?;
+    let is_proved = value > error;
+    is_proved.then(|| {
+        let (normal, point_a, point_b) = spheres.witnesses();
+        let distance = Distance { distance: value, point_a, point_b, normal, error_bound: error };
+        DistanceResult::Apart(distance)
+    })
 }
 
-/// The verdict on spheres that do not touch for a margin, metres: [`Verdict::Apart`] if they are beyond it, without their
-/// witnesses. `None` where the bound leaves it open.
+/// Whether they are proved to be farther apart than a margin, metres.
 #[inline]
-pub(crate) fn spheres_within(
-    spheres: [PlacedSphere; 2],
-    margin: f64,
-    sharp: f64,
-) -> Option<Verdict<Distance>> {
-    let spheres = Spheres::of(spheres)?;
-    let gap = spheres.gap();
-    if (gap.value - gap.error).next_down() > margin {
-        return Some(Verdict::Apart);
-    }
-    let found = spheres.distance(gap, sharp)?;
-    (found.upper() <= margin).then_some(Verdict::Touching(found))
+pub(crate) fn spheres_are_beyond(spheres: [PlacedSphere; 2], margin: f64) -> bool {
+    Spheres::of(spheres).is_some_and(|spheres| {
+        let Gap { value, error } = spheres.gap();
+        (value - error).next_down() > margin
+    })
 }
 
 /// How deep they overlap, if the bound is at most `sharp` times the depth (or [`LONG_SHARP`]). They are known to touch, or the depth is
@@ -162,17 +160,6 @@ impl Spheres {
             return Some(gap);
         }
         Some(self.long_gap()).filter(|gap| gap.is_within(LONG_SHARP))
-    }
-
-    /// How far apart they are, if the gap or a longer one proves that they are.
-    #[inline]
-    fn distance(&self, gap: Gap, sharp: f64) -> Option<Distance> {
-        let Gap { value, error } = self.sharpened(gap, sharp)?;
-        let is_proved = value > error;
-        is_proved.then(|| {
-            let (normal, point_a, point_b) = self.witnesses();
-            Distance { distance: value, point_a, point_b, normal, error_bound: error }
-        })
     }
 
     fn long_gap(&self) -> Gap {
