@@ -89,8 +89,7 @@ impl SimdDistances {
     fn by_search(
         &self,
         found: Found,
-        a: PosedShape<'_>,
-        b: PosedShape<'_>,
+        [a, b]: [PosedShape<'_>; 2],
     ) -> Verdict<Option<Distance>> {
         match found {
             Found::Beyond => Verdict::Apart,
@@ -117,6 +116,19 @@ impl SimdDistances {
                 true
             }
             _ => false,
+        }
+    }
+
+    /// Two spheres that [`SimdDistances::by_centres`] leaves open.
+    fn by_bounds_of_centres(
+        &self,
+        spheres: Option<[PlacedSphere; 2]>,
+        [a, b]: [PosedShape<'_>; 2],
+    ) -> Verdict<Option<Distance>> {
+        let sharp = closed::sharp_of(self.accuracy);
+        match spheres.and_then(|both| distance_of_spheres(both, sharp)) {
+            Some(found) => within_margin(found, self.margin, a, b),
+            None => self.alone(a, b).0,
         }
     }
 
@@ -184,14 +196,72 @@ fn going_on(
 pub struct Scratch {
     yes: Yes,
     report: Report,
-    /// The pairs that do not touch, as far as the lanes and what follows them know.
+    /// How each pair of the slice is measured.
+    kinds: Vec<Kind>,
+    /// The pairs of [`Kind::Searched`].
     open: Vec<Pair>,
-    /// Those of them that are not proved to be beyond the margin, without spheres and cuboids.
+    /// Those of them that are not proved to be beyond the margin.
     measured: Vec<Pair>,
     nearest: nearest::Scratch,
-    /// Those of them that are of two cuboids.
+    /// The pairs of [`Kind::Cuboids`].
     cuboids: Vec<Pair>,
     of_cuboids: of_cuboids::Scratch,
+}
+
+/// How a pair is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Not at all: it is known to touch.
+    Touching,
+    /// By the two centres of spheres.
+    Spheres,
+    /// By the nearest faces, edges or corners of cuboids.
+    Cuboids,
+    /// By the search for nearest vertices.
+    Searched,
+}
+
+impl Kind {
+    #[inline(always)]
+    fn of(frames: FramePair<'_>, pair: Pair, touches: bool) -> Self {
+        if touches {
+            Self::Touching
+        } else if are_cuboids(frames, pair) {
+            Self::Cuboids
+        } else if frames.spheres(pair).is_some() {
+            Self::Spheres
+        } else {
+            Self::Searched
+        }
+    }
+}
+
+impl Scratch {
+    /// Sorts the judged pairs by how they are measured, and lets the lanes search.
+    fn search(&mut self, path: Path, frames: FramePair<'_>, (pairs, margin): (&[Pair], f64)) {
+        let Self { yes, kinds, open, measured, nearest, cuboids, of_cuboids, .. } = self;
+        kinds.clear();
+        open.clear();
+        cuboids.clear();
+        for (&pair, &touches) in pairs.iter().zip(yes.touching()) {
+            let kind = Kind::of(frames, pair, touches);
+            kinds.push(kind);
+            match kind {
+                Kind::Cuboids => cuboids.push(pair),
+                Kind::Searched => open.push(pair),
+                Kind::Touching | Kind::Spheres => {}
+            }
+        }
+        of_cuboids::find(path, frames, (cuboids, margin), of_cuboids);
+        match frames.have_vertices() {
+            true => nearest::find(path, frames, (open, margin), nearest),
+            // Spheres and cuboids have a formula.
+            false => nearest.found.clear(),
+        }
+        let is_read = |(_, found): &(&Pair, &Found)| **found != Found::Beyond;
+        measured.clear();
+        measured.extend(open.iter().zip(&nearest.found).filter(is_read).map(|(&pair, _)| pair));
+    }
 }
 
 impl NarrowPhase for SimdDistances {
@@ -232,70 +302,55 @@ impl NarrowPhase for SimdDistances {
         scratch: &mut Scratch,
         sink: &mut ContactSink<'_, Option<Distance>>,
     ) {
-        let Scratch { yes, report, open, measured, nearest, cuboids, of_cuboids } = scratch;
+        let Scratch { yes, report, .. } = &mut *scratch;
         report.clear();
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, report);
         // What is undecided there is resolved again, by itself.
         report.sort();
         let undecided = report.take_undecided();
         sink.report.absorb(report);
-        let touching = yes.touching();
         let frames = FramePair { a: a.frame, b: b.frame };
-        open.clear();
-        cuboids.clear();
-        for (&pair, _) in pairs.iter().zip(touching).filter(|(_, touches)| !**touches) {
-            if are_cuboids(frames, pair) {
-                cuboids.push(pair);
-            } else if frames.spheres(pair).is_none() {
-                open.push(pair);
-            }
-        }
-        of_cuboids::find(self.path, frames, (cuboids, self.margin), of_cuboids);
-        match frames.have_vertices() {
-            true => nearest::find(self.path, frames, (open, self.margin), nearest),
-            // Spheres and cuboids have a formula.
-            false => nearest.found.clear(),
-        }
-        let mut found = nearest.found.iter();
-        let mut of_cuboids = of_cuboids.found.iter();
-        // Of what is beyond the margin nothing more is read.
-        let is_read = |(_, found): &(&Pair, &Found)| **found != Found::Beyond;
-        measured.clear();
-        measured.extend(open.iter().zip(&nearest.found).filter(is_read).map(|(&pair, _)| pair));
+        scratch.search(self.path, frames, (pairs, self.margin));
+        let Scratch { kinds, measured, nearest, of_cuboids, .. } = scratch;
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: measured };
+        let mut searched = nearest.found.iter();
+        let mut of_cuboids = of_cuboids.found.iter();
         let mut number = 0;
-        for (&pair, &touches) in pairs.iter().zip(touching) {
-            if touches {
-                sink.contacts.push(Contact { pair, answer: None });
-                continue;
+        for (&pair, &kind) in pairs.iter().zip(&*kinds) {
+            let (mut found, mut features) = Default::default();
+            match kind {
+                Kind::Touching => {
+                    sink.contacts.push(Contact { pair, answer: None });
+                    continue;
+                }
+                Kind::Spheres => {}
+                Kind::Cuboids => features = of_cuboids.next().copied().unwrap_or_default(),
+                Kind::Searched => found = searched.next().copied().unwrap_or_default(),
             }
-            let spheres = frames.spheres(pair);
-            let none_open = undecided.is_empty();
-            if none_open && spheres.is_some_and(|both| self.by_centres(both, pair, sink.contacts)) {
-                continue;
-            }
-            let [one, other] = objects.posed(pair);
-            let are_cuboids = are_cuboids(frames, pair);
-            let (found, of_cuboids) = match are_cuboids {
-                true => (Found::Unknown, of_cuboids.next().copied().unwrap_or_default()),
-                false if spheres.is_some() => Default::default(),
-                false => (found.next().copied().unwrap_or_default(), Default::default()),
-            };
-            if objects.pairs.get(number) == Some(&pair) {
+            if kind == Kind::Searched && found != Found::Beyond {
                 objects.look_ahead(number, false);
                 number += 1;
             }
-            if undecided.binary_search_by_key(&pair, |undecided| undecided.pair).is_ok() {
+            let is_decided = undecided.is_empty()
+                || undecided.binary_search_by_key(&pair, |undecided| undecided.pair).is_err();
+            if !is_decided {
+                let [one, other] = objects.posed(pair);
                 let (verdict, method) = self.alone(one, other);
                 sink.file(pair, method, verdict);
                 continue;
             }
-            // Counted already, as apart.
-            let sharp = closed::sharp_of(self.accuracy);
-            let verdict = match spheres.and_then(|both| distance_of_spheres(both, sharp)) {
-                Some(found) => within_margin(found, self.margin, one, other),
-                None if are_cuboids => self.by_features(of_cuboids, frames, pair, [one, other]),
-                None => self.by_search(found, one, other),
+            // Counted already, as apart. Of what is beyond the margin nothing more is read.
+            let verdict = match kind {
+                Kind::Searched if found == Found::Beyond => continue,
+                Kind::Searched => self.by_search(found, objects.posed(pair)),
+                Kind::Cuboids => self.by_features(features, frames, pair, objects.posed(pair)),
+                Kind::Touching | Kind::Spheres => {
+                    let spheres = frames.spheres(pair);
+                    if spheres.is_some_and(|both| self.by_centres(both, pair, sink.contacts)) {
+                        continue;
+                    }
+                    self.by_bounds_of_centres(spheres, objects.posed(pair))
+                }
             };
             match verdict {
                 Verdict::Apart => {}

@@ -3,10 +3,11 @@
 
 use super::bounds::{CLOSED, SHORTEST, U};
 use super::certificate::{CertifiedBounds, UncheckedBounds, separates};
-use super::first_stages::{Entry, Place};
+use super::first_stages::{Entry, Place, Resolved};
 use super::frame::FramePair;
+use super::obb::{self, ObbPairs};
 use super::packet::{
-    AFTER_NEAREST, Corner, LanesOf, Number, PacketQueue, PairPacket, Vector, Whole,
+    AFTER_NEAREST, AFTER_SPHERES, Corner, LanesOf, Number, PacketQueue, PairPacket, Vector, Whole,
 };
 use super::portal::ROUNDS;
 use super::simplex::{Nearest, Vertex};
@@ -43,8 +44,12 @@ pub(super) struct NearestPoints {
 pub(super) struct Scratch {
     entry: Entry,
     support_scratch: SupportScratch,
+    boxes: ObbPairs,
     packet: PairPacket,
-    queue: PacketQueue<AFTER_NEAREST>,
+    /// What waits for its first support.
+    first: PacketQueue<AFTER_SPHERES>,
+    /// What waits for the next one.
+    next: PacketQueue<AFTER_NEAREST>,
     /// For each pair of the slice what was found.
     pub(super) found: Vec<Found>,
 }
@@ -83,8 +88,15 @@ impl Kernel for Search<'_> {
                 self.begin(l, first);
                 first += WIDTH;
             }
-            while self.scratch.queue.has(whole) {
-                self.round(l);
+            // The later stage first: so the earlier one finds space for what it hands on.
+            loop {
+                if self.scratch.next.has(whole) {
+                    self.round(l);
+                } else if self.scratch.first.has(whole) {
+                    self.first_support(l);
+                } else {
+                    break;
+                }
             }
             if whole == Whole::OrLast {
                 break;
@@ -94,37 +106,53 @@ impl Kernel for Search<'_> {
 }
 
 impl Search<'_> {
-    /// Reads sixteen pairs; the first point of each is the support along the axis between the centres.
+    /// Reads sixteen pairs and lets go of those whose spheres or boxes are farther apart than the margin.
     #[inline(always)]
     fn begin<L: Lanes>(&mut self, l: L, first: usize) {
         let pairs = &self.pairs[first..self.pairs.len().min(first + WIDTH)];
-        let Scratch { entry, support_scratch, queue, found, .. } = &mut *self.scratch;
+        let Scratch { entry, boxes, first: queue, found, .. } = &mut *self.scratch;
         // Of shapes beyond their vertices the lanes know no distance.
         entry.read::<UncheckedBounds>(self.frames, pairs, first as u32);
-        entry.spheres::<L, CertifiedBounds>(l);
+        let spheres = entry.spheres::<L, CertifiedBounds>(l);
         let live = entry.live;
+        let mut beyond = beyond_by(l, spheres, self.margin) & live;
         let packet = &mut entry.packet;
+        if entry.boxed & live & !beyond != 0 {
+            let of_boxes = (&*packet, pairs.len());
+            let (tried, _) = obb::obbs::<L, CertifiedBounds>(l, self.frames, boxes, of_boxes);
+            beyond |= beyond_by(l, tried, self.margin) & entry.boxed & live;
+        }
+        put_apart(found, packet, beyond);
         let radius = l.add(packet.number(l, Number::Radius), l.splat(self.margin));
         packet.set_number(l, Number::Radius, l.mul(radius, l.splat(1.0 + 4.0 * U)));
+        queue.push(l, packet, live & !beyond);
+    }
+
+    /// The first point of each is the support along the axis between the centres.
+    #[inline(always)]
+    fn first_support<L: Lanes>(&mut self, l: L) {
+        let Scratch { support_scratch, packet, first, next, found, .. } = &mut *self.scratch;
+        let taken = first.take(l, packet);
+        let used = (1u32 << taken) - 1;
         packet.set_number(l, Number::Lower, l.splat(0.0));
         let mut at = Place { frames: self.frames, support_scratch };
         let axis = packet.vector(l, Vector::C);
-        let new = support(l, &mut at, packet, (axis.neg(l), pairs.len()));
-        let beyond = look_along(l, packet, axis, new.at) & live;
+        let new = support(l, &mut at, packet, (axis.neg(l), taken));
+        let beyond = look_along(l, packet, axis, new.at) & used;
         put_apart(found, packet, beyond);
         let (zero, one) = (l.splat(0.0), [new; 3]);
         packet.set_number(l, Number::Round, zero);
         keep(l, packet, one, [zero; 2]);
         packet.set_vector(l, Vector::D, new.at.neg(l));
-        queue.push(l, packet, live & !beyond);
+        next.push(l, packet, used & !beyond);
     }
 
     /// One support towards the origin: the pair is beyond the margin, or its nearest point is as near as it
     /// gets, or there is a nearer one.
     #[inline(always)]
     fn round<L: Lanes>(&mut self, l: L) {
-        let Scratch { support_scratch, packet, queue, found, .. } = &mut *self.scratch;
-        let taken = queue.take(l, packet);
+        let Scratch { support_scratch, packet, next, found, .. } = &mut *self.scratch;
+        let taken = next.take(l, packet);
         let used = (1u32 << taken) - 1;
         let mut at = Place { frames: self.frames, support_scratch };
         let d = packet.vector(l, Vector::D);
@@ -155,8 +183,14 @@ impl Search<'_> {
         let open = used & !(beyond | done);
         let spent = l.bits(l.le(l.splat(ROUNDS), round)) & open;
         put_nearest(found, packet, spent);
-        queue.push(l, packet, open & !spent);
+        next.push(l, packet, open & !spent);
     }
+}
+
+/// Which lanes a stage found apart by more than the margin.
+#[inline(always)]
+fn beyond_by<L: Lanes>(l: L, stage: Resolved<L>, margin: f32) -> u32 {
+    stage.apart & l.bits(l.lt(l.splat(margin), stage.clearance))
 }
 
 /// The support along a direction.
