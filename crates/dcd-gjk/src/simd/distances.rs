@@ -86,11 +86,7 @@ impl SimdDistances {
     }
 
     /// A pair that is apart, by what the lanes found of it.
-    fn by_search(
-        &self,
-        found: Found,
-        [a, b]: [PosedShape<'_>; 2],
-    ) -> Verdict<Option<Distance>> {
+    fn by_search(&self, found: Found, [a, b]: [PosedShape<'_>; 2]) -> Verdict<Option<Distance>> {
         match found {
             Found::Beyond => Verdict::Apart,
             Found::Nearest(points) => self.by_points(&points, a, b),

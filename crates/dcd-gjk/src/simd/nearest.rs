@@ -7,14 +7,15 @@ use super::first_stages::{Entry, Place, Resolved};
 use super::frame::FramePair;
 use super::obb::{self, ObbPairs};
 use super::packet::{
-    AFTER_NEAREST, AFTER_SPHERES, Corner, LanesOf, Number, PacketQueue, PairPacket, Vector, Whole,
+    AFTER_NEAREST, AFTER_SPHERES, CORNER_BITS, Corner, LanesOf, Number, PacketQueue, PairPacket,
+    Vector, Whole,
 };
 use super::portal::ROUNDS;
 use super::simplex::{Nearest, Vertex};
 use super::support::SupportScratch;
 use super::vector::V3;
 use dcd_geom::Pair;
-use dcd_simd::{IndexRow, Kernel, Lanes, Path, Row, Unfused, WIDTH, dispatch_on};
+use dcd_simd::{Kernel, Lanes, Path, Unfused, WIDTH, dispatch_on};
 
 /// What the lanes found of a pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -202,18 +203,16 @@ fn support<L: Lanes>(
     (direction, used): (V3<L>, usize),
 ) -> Vertex<L> {
     let (point, [a, b]) = at.farthest_numbered(l, packet, direction, used);
-    Vertex { at: point, corner: [float(l, a), float(l, b)] }
+    let scale = l.splat((1u32 << CORNER_BITS) as f32);
+    Vertex { at: point, corner: l.add(float(l, a), l.mul(float(l, b), scale)) }
 }
 
+/// A vertex's number as a float: the lowest bits of 2²³ + n are n.
 #[inline(always)]
 fn float<L: Lanes>(l: L, number: L::U) -> L::F {
-    let (mut whole, mut row) = (IndexRow::default(), Row::default());
-    l.store_u(number, &mut whole);
-    for k in 0..WIDTH {
-        // Twelve bits at most.
-        row.0[k] = whole.0[k] as f32;
-    }
-    l.load(&row)
+    let base = l.splat((1u32 << (f32::MANTISSA_DIGITS - 1)) as f32);
+    let low = l.splat_u((1 << CORNER_BITS) - 1);
+    l.sub(l.tag(base, low, number), base)
 }
 
 /// Evaluates the support against an axis: raises the lower bound of the distance, and returns the lanes that

@@ -38,9 +38,9 @@ struct Layout {
     lower: Row,
     second: Row,
     third: Row,
-    c0: [Row; 2],
-    c1: [Row; 2],
-    c2: [Row; 2],
+    c0: Row,
+    c1: Row,
+    c2: Row,
 }
 
 /// The number of the row that begins that many bytes into a [`Layout`].
@@ -85,7 +85,8 @@ pub(super) enum Number {
     Third = row(offset_of!(Layout, third)),
 }
 
-/// Two rows of a packet: which vertices of a and of b make a point, as floats.
+/// A row of a packet: which vertices of a and of b make a point, as the float a + 4096·b. Both are numbers of
+/// [`CORNER_BITS`] bits.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Corner {
     /// Of [`Vector::P0`].
@@ -110,6 +111,9 @@ pub(super) enum Vector {
     /// The third.
     P2 = row(offset_of!(Layout, p2)),
 }
+
+/// How many bits a vertex's number has at most; two of them fit into the 24 of an f32.
+pub(super) const CORNER_BITS: u32 = 12;
 
 impl PairPacket {
     #[inline(always)]
@@ -136,16 +140,13 @@ impl PairPacket {
     }
 
     #[inline(always)]
-    pub(super) fn corner<L: Lanes>(&self, l: L, which: Corner) -> [L::F; 2] {
-        let at = which as usize;
-        [l.load(&self.rows[at]), l.load(&self.rows[at + 1])]
+    pub(super) fn corner<L: Lanes>(&self, l: L, which: Corner) -> L::F {
+        l.load(&self.rows[which as usize])
     }
 
     #[inline(always)]
-    pub(super) fn set_corner<L: Lanes>(&mut self, l: L, which: Corner, [a, b]: [L::F; 2]) {
-        let at = which as usize;
-        l.store(a, &mut self.rows[at]);
-        l.store(b, &mut self.rows[at + 1]);
+    pub(super) fn set_corner<L: Lanes>(&mut self, l: L, which: Corner, corner: L::F) {
+        l.store(corner, &mut self.rows[which as usize]);
     }
 
     /// One lane's number.
@@ -155,7 +156,8 @@ impl PairPacket {
 
     /// One lane's corner: the vertices' numbers in a and in b.
     pub(super) fn corner_of(&self, lane: usize, which: Corner) -> [u32; 2] {
-        [0, 1].map(|side| self.rows[which as usize + side].0[lane] as u32)
+        let both = self.rows[which as usize].0[lane] as u32;
+        [both % (1 << CORNER_BITS), both >> CORNER_BITS]
     }
 
     #[inline(always)]

@@ -56,10 +56,10 @@ pub(super) fn round<L: Lanes, T: ErrorBounds>(
     (resolved, l.bits(stuck) & !resolved.all())
 }
 
-/// A point of A − B, and the numbers of the vertices of a and b that it is the difference of, as floats.
+/// A point of A − B, and which vertices of a and b it is the difference of: see [`super::packet::Corner`].
 pub(super) struct Vertex<L: Lanes> {
     pub(super) at: V3<L>,
-    pub(super) corner: [L::F; 2],
+    pub(super) corner: L::F,
 }
 
 impl<L: Lanes> Clone for Vertex<L> {
@@ -75,14 +75,12 @@ impl<L: Lanes> Vertex<L> {
     /// A vertex whose numbers are never read.
     #[inline(always)]
     pub(super) fn unnumbered(l: L, at: V3<L>) -> Self {
-        Self { at, corner: [l.splat(0.0); 2] }
+        Self { at, corner: l.splat(0.0) }
     }
 
     #[inline(always)]
     fn select(l: L, mask: L::M, yes: Self, no: Self) -> Self {
-        let [a, b] = yes.corner;
-        let [of_a, of_b] = no.corner;
-        let corner = [l.select(mask, a, of_a), l.select(mask, b, of_b)];
+        let corner = l.select(mask, yes.corner, no.corner);
         Self { at: V3::select(l, mask, yes.at, no.at), corner }
     }
 }
@@ -104,16 +102,17 @@ impl<L: Lanes> Nearest<L> {
     pub(super) fn of(l: L, new: Vertex<L>, p: [Vertex<L>; 3]) -> Self {
         let (zero, one) = (l.splat(0.0), l.splat(1.0));
         let w = new.at;
-        let weights = [zero; 2];
-        let mut nearest = Self { point: w, squared: w.dot(l, w), p: new, q: new, weights };
+        let mut best = Candidate { point: w, squared: w.dot(l, w), weights: [zero; 3] };
         let edges = [p[0].at.sub(l, w), p[1].at.sub(l, w), p[2].at.sub(l, w)];
         let (mut along, mut square) = ([zero; 3], [zero; 3]);
         for i in 0..3 {
             along[i] = edges[i].dot(l, w);
             square[i] = edges[i].dot(l, edges[i]);
             let s = l.min(l.max(l.div(l.neg(along[i]), square[i]), zero), one);
-            let offered = Self::between(w.plus(l, s, edges[i]), [p[i]; 2], [s, zero], l);
-            nearest.take_nearer(l, offered, l.mask(u32::MAX));
+            let mut weights = [zero; 3];
+            weights[i] = s;
+            let offered = Candidate::at(l, w.plus(l, s, edges[i]), weights);
+            best.take_nearer(l, offered, l.mask(u32::MAX));
         }
         for i in 0..3 {
             let j = (i + 1) % 3;
@@ -125,26 +124,53 @@ impl<L: Lanes> Nearest<L> {
             // False for a NaN, which a triangle without area makes.
             let inside = l.and(l.and(l.lt(zero, s), l.lt(zero, t)), l.lt(l.add(s, t), one));
             let point = w.plus(l, s, edges[i]).plus(l, t, edges[j]);
-            nearest.take_nearer(l, Self::between(point, [p[i], p[j]], [s, t], l), inside);
+            let mut weights = [zero; 3];
+            (weights[i], weights[j]) = (s, t);
+            best.take_nearer(l, Candidate::at(l, point, weights), inside);
         }
-        nearest
+        best.between(l, new, p)
     }
+}
 
+/// A point of the hull of w and three others, by the weights of those.
+struct Candidate<L: Lanes> {
+    point: V3<L>,
+    squared: L::F,
+    weights: [L::F; 3],
+}
+
+impl<L: Lanes> Candidate<L> {
     #[inline(always)]
-    fn between(point: V3<L>, [p, q]: [Vertex<L>; 2], weights: [L::F; 2], l: L) -> Self {
-        Self { point, squared: point.dot(l, point), p, q, weights }
+    fn at(l: L, point: V3<L>, weights: [L::F; 3]) -> Self {
+        Self { point, squared: point.dot(l, point), weights }
     }
 
-    /// Takes a point of the hull that is nearer. A NaN is not.
+    /// Takes a point that is nearer. A NaN is not.
     #[inline(always)]
     fn take_nearer(&mut self, l: L, other: Self, allowed: L::M) {
         let nearer = l.and(l.lt(other.squared, self.squared), allowed);
         self.point = V3::select(l, nearer, other.point, self.point);
         self.squared = l.select(nearer, other.squared, self.squared);
-        self.p = Vertex::select(l, nearer, other.p, self.p);
-        self.q = Vertex::select(l, nearer, other.q, self.q);
-        for (own, other) in self.weights.iter_mut().zip(other.weights) {
-            *own = l.select(nearer, other, *own);
+        for k in 0..3 {
+            self.weights[k] = l.select(nearer, other.weights[k], self.weights[k]);
         }
+    }
+
+    /// With the points that have a weight, two at most: the first of them and the last.
+    #[inline(always)]
+    fn between(self, l: L, new: Vertex<L>, p: [Vertex<L>; 3]) -> Nearest<L> {
+        let Self { point, squared, weights } = self;
+        let (zero, [w0, w1, w2]) = (l.splat(0.0), weights);
+        let [has0, has1, has2] = [l.lt(zero, w0), l.lt(zero, w1), l.lt(zero, w2)];
+        let first = Vertex::select(l, has2, p[2], new);
+        let first = Vertex::select(l, has1, p[1], first);
+        let first = Vertex::select(l, has0, p[0], first);
+        let last = Vertex::select(l, has0, p[0], new);
+        let last = Vertex::select(l, has1, p[1], last);
+        let last = Vertex::select(l, has2, p[2], last);
+        let second = l.select(has0, w0, l.select(has1, w1, w2));
+        let middle = l.select(l.and(has0, has1), w1, zero);
+        let third = l.select(l.and(l.or(has0, has1), has2), w2, middle);
+        Nearest { point, squared, p: first, q: last, weights: [second, third] }
     }
 }
