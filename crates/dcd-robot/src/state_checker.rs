@@ -6,6 +6,7 @@
 //! [`Robot::place`](crate::Robot::place) has them, prepared and decided by the narrow phase. A robot of spheres among
 //! boxes, cylinders and spheres is decided by the lanes but for what is within [`MARGIN`] and that bound.
 
+mod alone;
 mod body_pairs;
 mod boxes;
 mod chain;
