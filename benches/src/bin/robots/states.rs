@@ -178,14 +178,17 @@ fn round(settings: &[&Setting], par: Par, held: &mut Option<StateChecker>) -> Re
         let cell = (!stays).then(|| setting.cell.clone());
         // What was freed before may be sorted at the next large request: now, and not in one that is timed.
         drop(black_box(Vec::<u8>::with_capacity(SORTED_AT)));
-        let (preparation, checker) = time(|| match (held.take(), cell) {
-            (Some(mut checker), None) => {
-                checker.set_obstacles(&setting.obstacles).map(|()| checker)
+        let (preparation, prepared) = match (held.as_mut(), cell) {
+            (Some(checker), None) => time(|| checker.set_obstacles(&setting.obstacles)),
+            (Some(checker), Some(cell)) => time(|| checker.set_cell(cell)),
+            (None, cell) => {
+                let cell = cell.unwrap_or_else(|| setting.cell.clone());
+                let (spent, new) = time(|| StateChecker::new(cell));
+                (spent, new.map(|new| *held = Some(new)))
             }
-            (Some(mut checker), Some(cell)) => checker.set_cell(cell).map(|()| checker),
-            (None, cell) => StateChecker::new(cell.unwrap_or_else(|| setting.cell.clone())),
-        });
-        let checker = checker?;
+        };
+        prepared?;
+        let checker = held.as_ref().context("no checker")?;
         ensure!(is_cell(checker.cell(), &setting.cell), "an exchanged cell is not the problem's");
         round.preparation += preparation;
         let states = on_the_way(&setting.ends, STATES);
@@ -196,7 +199,7 @@ fn round(settings: &[&Setting], par: Par, held: &mut Option<StateChecker>) -> Re
         let mut known: Option<Found> = None;
         for (ours, &batch) in round.ours.iter_mut().zip(&BATCHES) {
             let states = if batch > STATES { &many } else { &states };
-            let (times, found) = checked((&checker, states), batch, par)?;
+            let (times, found) = checked((checker, states), batch, par)?;
             ours.iter_mut().zip(times).for_each(|(sum, time)| *sum += time);
             if batch <= STATES {
                 ensure!(known.get_or_insert(found.clone()) == &found, "batches of {batch} differ");
@@ -211,7 +214,6 @@ fn round(settings: &[&Setting], par: Par, held: &mut Option<StateChecker>) -> Re
             a.iter().filter(|hit| b.binary_search(hit).is_err()).count()
         };
         round.counts.differences += only(&contacts, &theirs) + only(&theirs, &contacts);
-        *held = Some(checker);
     }
     Ok(round)
 }
