@@ -6,6 +6,7 @@
 //! [`Robot::place`](crate::Robot::place) has them, prepared and decided by the narrow phase. A robot of spheres among
 //! boxes, cylinders and spheres is decided by the lanes but for what is within [`MARGIN`] and that bound.
 
+mod alone;
 mod body_pairs;
 mod boxes;
 mod chain;
@@ -37,7 +38,7 @@ use dcd_pipeline::{PairDecider, StaticWorld};
 use dcd_simd::Lanes;
 use prepared::Prepared;
 use std::sync::{Mutex, OnceLock};
-use worker::{CHUNK, FEW, Refused, Worker, at, chunk_of};
+use worker::{CHUNK, FEW, Refused, Worker, at, with_chunk};
 
 /// By how much spheres are compared larger, where they are to be apart, or smaller, where they are to touch. Unit:
 /// metres a metre of the two sizes and places: 256 units of 2⁻²⁴, some four times what the roundings of frames,
@@ -215,8 +216,7 @@ impl StateChecker {
         self.workers.with(|worker| {
             let mut chunks = states.chunks(CHUNK).enumerate();
             chunks.try_for_each(|(chunk, states)| {
-                let values = chunk_of(states);
-                let placed = worker.place(&self.prepared, &values[..states.len()]);
+                let placed = with_chunk(states, |states| worker.place(&self.prepared, states));
                 placed.map_err(|error| refused(at(chunk * CHUNK, error)))
             })
         })
@@ -250,8 +250,8 @@ impl StateChecker {
         let exec = exec.into().serial_below(states.len(), FEW);
         exec.divide(&mut first[..], CHUNK, |start, first| {
             self.workers.with(|worker| {
-                let chunk = chunk_of(&states[start..start + first.len()]);
-                let found = worker.first(self, (start, &chunk[..first.len()]), first);
+                let states = &states[start..start + first.len()];
+                let found = with_chunk(states, |states| worker.first(self, (start, states), first));
                 found.unwrap_or_else(|(state, error)| refused.note(state, error));
             });
         });
@@ -275,8 +275,7 @@ impl StateChecker {
             self.workers.with(|worker| {
                 let start = task * CHUNK;
                 let states = &states[start..count.min(start + CHUNK)];
-                let chunk = chunk_of(states);
-                let found = worker.all(self, (start, &chunk[..states.len()]));
+                let found = with_chunk(states, |states| worker.all(self, (start, states)));
                 found.unwrap_or_else(|(state, error)| refused.note(state, error));
                 out.append(&mut worker.hits);
             });

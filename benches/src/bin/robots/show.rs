@@ -12,7 +12,7 @@ const NOTES: [&str; 6] = [
      between start and goal of each. UR10 and PR2 have no problems in the data.",
     "States: one pass over the problems a round, ours and Parry's problem by problem; medians of the rounds, with the least and \
      the most ratio. A check contains the kinematics; preparation is apart: the next problem's obstacles taken by \
-     `StateChecker::set_obstacles`, the robot once. \
+     `StateChecker::set_obstacles`, the robot once: the mean of the problems' medians of the rounds. \
      Batches of 10,000 are finer lines between the same ends. Parry: `parry3d` in f64 on one thread, its check alone: \
      AABBs, tree, `query::intersection_test`, poses made outside of the timer.",
     "Edges: from start to goal, one thread; each edge's time is the median of its rounds. Samples are at most 1e-3 rad from \

@@ -1,5 +1,6 @@
 //! States of every problem: kinematics, preparation and check, first hits and all, beside Parry in f64.
 
+use std::hint::black_box;
 use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
@@ -18,6 +19,9 @@ const STATES: usize = 100;
 /// How many states are checked at once; the last on a finer line.
 pub(crate) const BATCHES: [usize; 4] = [1, 16, STATES, 10_000];
 
+/// Bytes that make the allocator sort what small pieces were freed, as those of Parry and of many states are.
+const SORTED_AT: usize = 1 << 16;
+
 /// What was found and how long it took, of one geometry on so many threads.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Outcome {
@@ -31,7 +35,8 @@ pub(crate) struct Outcome {
     pub(crate) differences: usize,
     /// Nanoseconds a state, the median of the rounds.
     pub(crate) kinematics: f64,
-    /// Nanoseconds a problem.
+    /// Nanoseconds a problem: the mean of the problems' medians of the rounds, since one that waits for a processor takes
+    /// as long as a hundred others.
     pub(crate) preparation: f64,
     pub(crate) rows: Vec<Row>,
 }
@@ -52,7 +57,8 @@ pub(crate) struct Row {
 #[derive(Clone, Default)]
 struct Round {
     kinematics: Duration,
-    preparation: Duration,
+    /// Of each problem.
+    preparations: Vec<Duration>,
     /// For each batch the first hits and all.
     ours: [[Duration; 2]; BATCHES.len()],
     parry: [Duration; 2],
@@ -103,9 +109,17 @@ pub(crate) fn run(
         undecided: counts.undecided,
         differences: counts.differences,
         kinematics: median(&|round| each(round.kinematics, settings.len() * STATES)),
-        preparation: median(&|round| each(round.preparation, settings.len())),
+        preparation: preparation(&rounds, settings.len()),
         rows,
     })
+}
+
+/// The mean of so many problems' medians of the rounds, nanoseconds.
+fn preparation(rounds: &[Round], problems: usize) -> f64 {
+    let nanoseconds =
+        |round: &Round, problem: usize| round.preparations[problem].as_secs_f64() * 1e9;
+    let of = |problem| quantiles(rounds.iter().map(|round| nanoseconds(round, problem)))[0];
+    (0..problems).map(of).sum::<f64>() / problems as f64
 }
 
 /// The median, the least and the most.
@@ -169,19 +183,24 @@ fn is_cell(a: &Workcell, b: &Workcell) -> bool {
 fn round(settings: &[&Setting], par: Par, held: &mut Option<StateChecker>) -> Result<Round> {
     let mut round = Round::default();
     for setting in settings {
-        let cell = setting.cell.clone();
-        // As a planner does that is given the obstacles of its next problem.
-        let stays = held.as_ref().is_some_and(|held| robot_stays(held.cell(), &cell));
-        let (preparation, checker) = time(|| match held.take() {
-            Some(mut checker) if stays => {
-                checker.set_obstacles(&setting.obstacles).map(|()| checker)
+        // As a planner does that is given the obstacles of its next problem. No cell is dropped while it is timed.
+        let stays = held.as_ref().is_some_and(|held| robot_stays(held.cell(), &setting.cell));
+        let cell = (!stays).then(|| setting.cell.clone());
+        // What was freed before may be sorted at the next large request: now, and not in one that is timed.
+        drop(black_box(Vec::<u8>::with_capacity(SORTED_AT)));
+        let (preparation, prepared) = match (held.as_mut(), cell) {
+            (Some(checker), None) => time(|| checker.set_obstacles(&setting.obstacles)),
+            (Some(checker), Some(cell)) => time(|| checker.set_cell(cell)),
+            (None, cell) => {
+                let cell = cell.unwrap_or_else(|| setting.cell.clone());
+                let (spent, new) = time(|| StateChecker::new(cell));
+                (spent, new.map(|new| *held = Some(new)))
             }
-            Some(mut checker) => checker.set_cell(cell).map(|()| checker),
-            None => StateChecker::new(cell),
-        });
-        let checker = checker?;
+        };
+        prepared?;
+        let checker = held.as_ref().context("no checker")?;
         ensure!(is_cell(checker.cell(), &setting.cell), "an exchanged cell is not the problem's");
-        round.preparation += preparation;
+        round.preparations.push(preparation);
         let states = on_the_way(&setting.ends, STATES);
         let many = on_the_way(&setting.ends, BATCHES[BATCHES.len() - 1]);
         let (kinematics, placed) = time(|| checker.place_links(&states));
@@ -190,7 +209,7 @@ fn round(settings: &[&Setting], par: Par, held: &mut Option<StateChecker>) -> Re
         let mut known: Option<Found> = None;
         for (ours, &batch) in round.ours.iter_mut().zip(&BATCHES) {
             let states = if batch > STATES { &many } else { &states };
-            let (times, found) = checked((&checker, states), batch, par)?;
+            let (times, found) = checked((checker, states), batch, par)?;
             ours.iter_mut().zip(times).for_each(|(sum, time)| *sum += time);
             if batch <= STATES {
                 ensure!(known.get_or_insert(found.clone()) == &found, "batches of {batch} differ");
@@ -205,7 +224,6 @@ fn round(settings: &[&Setting], par: Par, held: &mut Option<StateChecker>) -> Re
             a.iter().filter(|hit| b.binary_search(hit).is_err()).count()
         };
         round.counts.differences += only(&contacts, &theirs) + only(&theirs, &contacts);
-        *held = Some(checker);
     }
     Ok(round)
 }

@@ -1,9 +1,7 @@
 //! Boxes round what sixteen states have in common: what is far from all of them costs one comparison.
 
-use super::FAR;
-use super::links::LinkSpheres;
-use super::rounded_links::RoundedLink;
 use super::solids::Solid;
+use super::{FAR, Sixteen};
 use dcd_geom::Aabb;
 use dcd_simd::{Block, Lanes, Row, WIDTH};
 use glam::Vec3;
@@ -72,38 +70,24 @@ impl BoxRow {
     }
 }
 
-/// A box round the sphere of a link in all of some states, larger by twice the margin: so what is beyond it is
+/// A box round some of sixteen spheres, larger by twice the margin of each: so what is beyond it is
 /// beyond what [`Solid::reached`] and spheres of links take for near, whatever those round, and an answer does not
-/// depend on which states there are.
+/// depend on which spheres there are.
 #[inline(always)]
-pub(super) fn around<L: Lanes>(l: L, link: &LinkSpheres, rounded: &RoundedLink, open: u32) -> Aabb {
-    if open.is_power_of_two() {
-        return around_one(link, rounded, open.trailing_zeros() as usize);
-    }
-    let margin = l.load(&rounded.margin);
-    let reach = l.add(l.splat(link.radius), l.add(margin, margin));
-    let (states, none) = (l.mask(open), l.splat(f32::NEG_INFINITY));
+pub(super) fn around<L: Lanes>(l: L, spheres: &Sixteen<L>, some: u32) -> Aabb {
+    let Sixteen { centre, outer, margin, .. } = *spheres;
+    let reach = l.add(outer, l.add(margin, margin));
+    let (wanted, none) = (l.mask(some), l.splat(f32::NEG_INFINITY));
     let (mut min, mut max) = (Vec3::ZERO, Vec3::ZERO);
-    let (mut known, most) = (open, l.splat(FAR));
+    let (mut known, most) = (some, l.splat(FAR));
     for axis in 0..3 {
-        let centre = l.load(&rounded.centre.0[axis]);
-        let (low, high) = (l.sub(reach, centre), l.add(reach, centre));
+        let (low, high) = (l.sub(reach, centre[axis]), l.add(reach, centre[axis]));
         known &= l.bits(l.and(l.le(low, most), l.le(high, most)));
-        min[axis] = -l.largest(l.select(states, low, none));
-        max[axis] = l.largest(l.select(states, high, none));
+        min[axis] = -l.largest(l.select(wanted, low, none));
+        max[axis] = l.largest(l.select(wanted, high, none));
     }
     // A maximum may swallow a NaN.
-    if known == open { Aabb { min, max } } else { Aabb::EVERYTHING }
-}
-
-/// The same of one state.
-#[inline(always)]
-fn around_one(link: &LinkSpheres, rounded: &RoundedLink, lane: usize) -> Aabb {
-    let (centre, margin) = (rounded.centre.point(lane), rounded.margin.0[lane]);
-    let reach = Vec3::splat(link.radius + 2.0 * margin);
-    let (min, max) = (centre - reach, centre + reach);
-    let is_known = min.cmpge(Vec3::splat(-FAR)) & max.cmple(Vec3::splat(FAR));
-    if is_known.all() { Aabb { min, max } } else { Aabb::EVERYTHING }
+    if known == some { Aabb { min, max } } else { Aabb::EVERYTHING }
 }
 
 /// Whether two boxes overlap, or are not known to be apart.

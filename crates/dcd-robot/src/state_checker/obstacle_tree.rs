@@ -1,9 +1,10 @@
 //! Many obstacles, where comparing with one after the other would cost more than a tree.
 
+use super::rounded_links::bits;
 use dcd_broad::{IdentifiedAabbs, StaticTree};
 use dcd_exec::{Exec, Par};
 use dcd_geom::{Aabb, Pair};
-use dcd_simd::WIDTH;
+use dcd_simd::{Block, Row, WIDTH};
 
 /// How many obstacles are compared one after the other. Larger: worlds of many cost more. Smaller: a tree is queried
 /// where few comparisons would do. No effect on any answer.
@@ -60,8 +61,28 @@ impl ObstacleTree {
         self.changed.len() > MOST_CHANGED
     }
 
+    /// Lists the obstacles whose boxes are near some of sixteen spheres, in the order of both, each with a bit.
+    pub(super) fn list_near(
+        &self,
+        (centres, reach): (&Block, &Row),
+        some: u32,
+        of: &[Aabb],
+        near: &mut Vec<(u32, u32)>,
+    ) {
+        let mut aabbs = [Aabb::EMPTY; WIDTH];
+        for lane in bits(some) {
+            let (centre, reach) = (centres.point(lane), reach.0[lane]);
+            let aabb = Aabb { min: centre - reach, max: centre + reach };
+            // Written so that a NaN is near everything.
+            let is_known = aabb.min.is_finite() && aabb.max.is_finite();
+            aabbs[lane] = if is_known { aabb } else { Aabb::EVERYTHING };
+        }
+        let reached = self.reached(&aabbs, of).into_iter();
+        near.extend(reached.map(|(obstacle, lane)| (obstacle, 1 << lane)));
+    }
+
     /// Lists each obstacle whose box overlaps one of sixteen boxes, and the number of that box: in the order of both.
-    pub(super) fn reached(&self, aabbs: &[Aabb; WIDTH], of: &[Aabb]) -> Vec<(u32, usize)> {
+    fn reached(&self, aabbs: &[Aabb; WIDTH], of: &[Aabb]) -> Vec<(u32, usize)> {
         let mut pairs: Vec<Pair> = Vec::new();
         let queries = IdentifiedAabbs { aabbs, names: &self.names };
         self.tree.append_pairs(queries, |i, _| !self.is_stale[i as usize], &mut pairs);

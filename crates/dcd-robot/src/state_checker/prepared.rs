@@ -2,6 +2,7 @@
 
 mod changes;
 
+use super::alone::LinkPairRow;
 use super::body_pairs::BodyPairs;
 use super::boxes::BoxRow;
 use super::chain::Chain;
@@ -41,6 +42,8 @@ pub(super) struct Prepared {
     pub(super) chain: Chain,
     /// The links that may meet each other, by their places among those with spheres.
     pub(super) link_pairs: Vec<[u32; 2]>,
+    /// The same for a state alone.
+    pub(super) link_pair_rows: Vec<LinkPairRow>,
     /// The bodies that are checked against each other, of those that meet the robot.
     body_pairs: BodyPairs,
     /// Whether some pair may touch, or does not meet; whether an obstacle is in such a pair.
@@ -76,6 +79,7 @@ impl Prepared {
             world_links,
             own_links,
             link_pairs: Vec::new(),
+            link_pair_rows: Vec::new(),
             body_pairs: BodyPairs::default(),
             filtered: false,
             obstacles_filtered: false,
@@ -146,6 +150,7 @@ impl Prepared {
         let object = |body: u32| self.bodies[body as usize].0;
         self.body_pairs = BodyPairs::of(parts, |a, b| scene.allows(object(a), object(b)));
         self.link_pairs = self.link_pairs();
+        self.link_pair_rows = LinkPairRow::of(&self.link_pairs);
     }
 
     /// An obstacle as it is compared, with a box round it, its vertices behind those that there are, if a plane may part

@@ -3,11 +3,11 @@
 // In kernels: an iterator that is left out of line costs more than the loop.
 #![allow(clippy::needless_range_loop)]
 
+use super::alone::LinkRow;
 use super::chain::{Chain, Drives, loaded};
 use super::link_frames::{HALF, LinkFrames};
 use super::links::{LinkSpheres, SphereRow};
 use super::numbers::{All, First, Numbers};
-use super::obstacle_tree::ObstacleTree;
 use super::prepared::Prepared;
 use super::{MARGIN, Sixteen};
 use dcd_geom::Aabb;
@@ -23,6 +23,8 @@ pub(super) struct Rounded {
     pub(super) near: Vec<(u32, u32)>,
     /// A box round each link in all states of a packet.
     pub(super) aabbs: Vec<Aabb>,
+    /// The links of a state alone.
+    pub(super) gathered: Vec<LinkRow>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -157,26 +159,6 @@ fn of_block<L: Lanes>(l: L, Block([x, y, z]): &Block) -> [L::F; 3] {
 }
 
 impl RoundedLink {
-    /// Lists the obstacles whose boxes are near a sphere of that radius, state by state.
-    pub(super) fn near_in_tree(
-        &self,
-        radius: f32,
-        open: u32,
-        (tree, obstacles): (&ObstacleTree, &[Aabb]),
-        near: &mut Vec<(u32, u32)>,
-    ) {
-        let mut aabbs = [Aabb::EMPTY; WIDTH];
-        for lane in bits(open) {
-            let (centre, radius) = (self.centre.point(lane), radius + self.margin.0[lane]);
-            let aabb = Aabb { min: centre - radius, max: centre + radius };
-            // Written so that a NaN is near everything.
-            let is_known = aabb.min.is_finite() && aabb.max.is_finite();
-            aabbs[lane] = if is_known { aabb } else { Aabb::EVERYTHING };
-        }
-        let reached = tree.reached(&aabbs, obstacles).into_iter();
-        near.extend(reached.map(|(obstacle, lane)| (obstacle, 1 << lane)));
-    }
-
     /// The link's own sphere in all sixteen states.
     #[inline(always)]
     pub(super) fn spheres<L: Lanes>(&self, l: L, link: &LinkSpheres) -> Sixteen<L> {

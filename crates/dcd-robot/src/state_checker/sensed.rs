@@ -6,7 +6,7 @@ use super::prepared::Prepared;
 use super::rounded_links::{Placed, Rounded, RoundedLink, bits, stored};
 use super::separate::{PlacedHull, Support, across_gap};
 use super::solids::{inside, margin_of, within};
-use super::worker::{CHUNK, Refused, RefusedState, Worker, at, chunk_of};
+use super::worker::{CHUNK, Refused, RefusedState, Worker, at, with_chunk};
 use super::{FAR, Goal, StateChecker};
 use crate::sensed::SensedError;
 use crate::{RobotError, SensedWorld};
@@ -116,8 +116,9 @@ impl StateChecker {
             self.workers.with(|worker| {
                 let start = task * CHUNK;
                 let states = &states[start..count.min(start + CHUNK)];
-                let (chunk, len) = (chunk_of(states), states.len());
-                let found = worker.sensed(&self.prepared, (start, &chunk[..len]), query, out);
+                let found = with_chunk(states, |states| {
+                    worker.sensed(&self.prepared, (start, states), query, out)
+                });
                 found.unwrap_or_else(|(state, error)| refused.note(state, error));
             });
         });

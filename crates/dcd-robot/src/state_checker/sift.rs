@@ -8,7 +8,7 @@ use super::solids::{Reached, Solid, inside, within};
 use super::{Goal, Sixteen};
 use dcd_geom::Aabb;
 use dcd_pipeline::{Candidate, Other};
-use dcd_simd::{Kernel, Lanes, WIDTH};
+use dcd_simd::{Kernel, Lanes, Row, WIDTH};
 use glam::Vec3;
 
 /// What the spheres of some states prove, and what they leave open.
@@ -39,25 +39,20 @@ impl Kernel for Sift<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) -> u32 {
-        let Rounded { mut world, mut own, mut near, mut aabbs } = std::mem::take(self.rounded);
+        let mut rounded = std::mem::take(self.rounded);
         let (world_links, own_links) = (&self.prepared.world_links, self.prepared.own_links());
-        let slid = self.placed.place(l, self.open, world_links, &mut world);
-        boxed(l, world_links, &world, self.open, &mut aabbs);
-        for ((link, rounded), aabb) in world_links.iter().zip(&world).zip(&aabbs) {
-            self.against_obstacles(l, (link, rounded), aabb, &mut near);
-        }
-        if self.prepared.own_links.is_some() {
-            self.placed.place_again(l, own_links, (&world, slid), &mut own);
-            boxed(l, own_links, &own, self.open, &mut aabbs);
-        }
-        let rounded = if self.prepared.own_links.is_some() { &own } else { &world };
-        for &[a, b] in &self.prepared.link_pairs {
-            if overlap(&aabbs[a as usize], &aabbs[b as usize]) {
-                let of = |k: u32| (&own_links[k as usize], &rounded[k as usize]);
-                self.against_each_other(l, of(a), of(b));
+        let slid = self.placed.place(l, self.open, world_links, &mut rounded.world);
+        // The states of a packet are its first ones: this is a state alone.
+        if self.open == 1 {
+            if self.prepared.own_links.is_some() {
+                let Rounded { world, own, .. } = &mut rounded;
+                self.placed.place_again(l, own_links, (world, slid), own);
             }
+            self.alone(l, &mut rounded);
+        } else {
+            self.together(l, slid, &mut rounded);
         }
-        *self.rounded = Rounded { world, own, near, aabbs };
+        *self.rounded = rounded;
         self.open
     }
 }
@@ -73,11 +68,36 @@ fn boxed<L: Lanes>(
 ) {
     aabbs.clear();
     for (k, link) in links.iter().enumerate() {
-        aabbs.push(around(l, link, &rounded[k], open));
+        aabbs.push(around(l, &rounded[k].spheres(l, link), open));
     }
 }
 
 impl Sift<'_> {
+    /// Several states: each link in all of them against one obstacle or another link.
+    #[inline(always)]
+    fn together<L: Lanes>(&mut self, l: L, slid: L::F, rounded: &mut Rounded) {
+        let Rounded { world, own, near, aabbs, .. } = rounded;
+        let (world_links, own_links) = (&self.prepared.world_links, self.prepared.own_links());
+        boxed(l, world_links, world, self.open, aabbs);
+        for ((link, placed), aabb) in world_links.iter().zip(&*world).zip(&*aabbs) {
+            if self.open == 0 {
+                return;
+            }
+            self.against_obstacles(l, (link, placed), aabb, near);
+        }
+        if self.prepared.own_links.is_some() {
+            self.placed.place_again(l, own_links, (world, slid), own);
+            boxed(l, own_links, own, self.open, aabbs);
+        }
+        let placed = if self.prepared.own_links.is_some() { &*own } else { &*world };
+        for &[a, b] in &self.prepared.link_pairs {
+            if self.open != 0 && overlap(&aabbs[a as usize], &aabbs[b as usize]) {
+                let of = |k: u32| (&own_links[k as usize], &placed[k as usize]);
+                self.against_each_other(l, of(a), of(b));
+            }
+        }
+    }
+
     #[inline(always)]
     fn against_obstacles<L: Lanes>(
         &mut self,
@@ -86,14 +106,7 @@ impl Sift<'_> {
         aabb: &Aabb,
         near: &mut Vec<(u32, u32)>,
     ) {
-        near.clear();
-        match &self.prepared.tree {
-            None => self.compare_all(l, (link, rounded), aabb, near),
-            Some(tree) => {
-                let tree = (tree, &*self.prepared.aabbs);
-                rounded.near_in_tree(link.radius, self.open, tree, near);
-            }
-        }
+        self.list_near(l, (&rounded.spheres(l, link), self.open), aabb, near);
         let any = near.iter().fold(0, |any, &(_, states)| any | states);
         for lane in bits(any) {
             self.rows_against(l, (link, rounded), lane, (near, lane));
@@ -102,7 +115,7 @@ impl Sift<'_> {
 
     /// The spheres of a link in one state against obstacles, those of which a bit is set.
     #[inline(always)]
-    fn rows_against<L: Lanes>(
+    pub(super) fn rows_against<L: Lanes>(
         &mut self,
         l: L,
         (link, rounded): (&LinkSpheres, &RoundedLink),
@@ -126,22 +139,29 @@ impl Sift<'_> {
         }
     }
 
-    /// Lists the obstacles near a link and in which states.
+    /// Lists the obstacles that are near some of sixteen spheres, within a box round those, and near which, a bit each.
     #[inline(always)]
-    fn compare_all<L: Lanes>(
+    pub(super) fn list_near<L: Lanes>(
         &self,
         l: L,
-        (link, rounded): (&LinkSpheres, &RoundedLink),
+        (spheres, some): (&Sixteen<L>, u32),
         aabb: &Aabb,
         near: &mut Vec<(u32, u32)>,
     ) {
-        let spheres = rounded.spheres(l, link);
+        near.clear();
+        if let Some(tree) = &self.prepared.tree {
+            let mut reach = Row([0.0; WIDTH]);
+            l.store(l.add(spheres.outer, spheres.margin), &mut reach);
+            let spheres = (&stored(l, spheres.centre), &reach);
+            tree.list_near(spheres, some, &self.prepared.aabbs, near);
+            return;
+        }
         for (first, row) in self.prepared.boxes.iter().enumerate() {
             for k in bits(row.overlapped(l, aabb)) {
                 let number = first * WIDTH + k;
-                let states = self.prepared.solids[number].reached(l, &spheres).near & self.open;
-                if states != 0 {
-                    near.push((number as u32, states));
+                let which = self.prepared.solids[number].reached(l, spheres).near & some;
+                if which != 0 {
+                    near.push((number as u32, which));
                 }
             }
         }
@@ -163,7 +183,7 @@ impl Sift<'_> {
 
     /// The spheres of two links in one state.
     #[inline(always)]
-    fn rows_against_each_other<L: Lanes>(
+    pub(super) fn rows_against_each_other<L: Lanes>(
         &mut self,
         l: L,
         a: (&LinkSpheres, &RoundedLink),
@@ -266,7 +286,7 @@ impl Sift<'_> {
 
 /// Which spheres of the same number meet.
 #[inline(always)]
-fn meeting<L: Lanes>(l: L, a: &Sixteen<L>, b: &Sixteen<L>) -> Reached {
+pub(super) fn meeting<L: Lanes>(l: L, a: &Sixteen<L>, b: &Sixteen<L>) -> Reached {
     let x = l.sub(a.centre[0], b.centre[0]);
     let y = l.sub(a.centre[1], b.centre[1]);
     let z = l.sub(a.centre[2], b.centre[2]);

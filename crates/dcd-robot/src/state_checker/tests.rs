@@ -16,7 +16,7 @@ use glam::{DMat3, DVec3};
 use std::path::Path as FilePath;
 
 pub(super) use random::{Draw, robot, shape, state};
-use random::{cell, seeded, world};
+use random::{cell, robot_of, seeded, world};
 
 /// Every pair of a state that is not apart, each decided by itself in f64 and exactly.
 fn alone(cell: &mut Workcell, state: &[f64]) -> Vec<(Pair, bool)> {
@@ -203,6 +203,34 @@ fn answers_depend_on_the_state_alone() {
             assert_eq!(one, [expected]);
         }
     }
+}
+
+/// Of robots whose links fill several rows, among few obstacles and many.
+#[test]
+fn a_state_alone_has_the_answers_that_it_has_among_others() {
+    let mut draw = seeded(11);
+    let (mut free, mut hits) = (0, 0);
+    for round in 0..40 {
+        let robot = robot_of(&mut draw, [3, 15, 16, 17, 40][round % 5], round % 2 == 0);
+        let world = world(&mut draw, &robot);
+        let allowed = AllowedPairs::adjacent(&robot);
+        let cell = Workcell::new(robot, &world, &allowed).unwrap();
+        let checker = StateChecker::new(cell.clone()).unwrap();
+        let states: Vec<Vec<f64>> = (0..20).map(|_| state(&mut draw, cell.robot())).collect();
+        let first = checker.first(&states, Par::Serial).unwrap();
+        let all = checker.all(&states, Par::Serial).unwrap();
+        for (k, state) in states.iter().enumerate() {
+            let again = |hit: &StateHit| StateHit { state: 0, ..*hit };
+            let alone = checker.first(std::slice::from_ref(state), Par::Serial).unwrap();
+            assert_eq!(alone, [first[k].as_ref().map(again)], "first of {k}, round {round}");
+            let alone = checker.all(std::slice::from_ref(state), Par::Serial).unwrap();
+            let of_state = all.iter().filter(|hit| hit.state as usize == k).map(again);
+            assert!(of_state.eq(alone), "all of {k}, round {round}");
+        }
+        free += first.iter().filter(|hit| hit.is_none()).count();
+        hits += all.len();
+    }
+    assert!(free > 20 && hits > 2000, "{free} free, {hits} hits");
 }
 
 /// A sphere that slides towards an obstacle is bisected down to the last state that is free.

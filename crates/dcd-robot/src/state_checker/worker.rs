@@ -45,11 +45,17 @@ pub(super) struct Worker {
     unsorted: Vec<StateHit>,
 }
 
-/// The states of a chunk. What works on them takes these, and so is compiled once, whatever type they have.
-pub(super) fn chunk_of<S: AsRef<[f64]>>(states: &[S]) -> [&[f64]; CHUNK] {
+/// Does what is done with the states of a chunk: what works on them takes slices, and so is compiled once, whatever type
+/// they have.
+#[inline]
+pub(super) fn with_chunk<S: AsRef<[f64]>, R>(states: &[S], work: impl FnOnce(&[&[f64]]) -> R) -> R {
+    // A state alone would wait for a list of many.
+    if let [state] = states {
+        return work(&[state.as_ref()]);
+    }
     let mut chunk = [&[][..]; CHUNK];
     chunk.iter_mut().zip(states).for_each(|(to, state)| *to = state.as_ref());
-    chunk
+    work(&chunk[..states.len()])
 }
 
 /// A state, counted from the first of those taken up, and why it was refused.

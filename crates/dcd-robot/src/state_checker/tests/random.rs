@@ -44,8 +44,13 @@ impl Draw {
 
 /// A chain with branches, of joints of every kind; what it carries as the draw says.
 pub(in super::super) fn robot(draw: &mut Draw, spheres_alone: bool) -> Robot {
-    let mut urdf = "<robot name=\"random\">".to_owned();
     let links = 3 + draw.below(5);
+    robot_of(draw, links, spheres_alone)
+}
+
+/// The same of so many links.
+pub(in super::super) fn robot_of(draw: &mut Draw, links: u32, spheres_alone: bool) -> Robot {
+    let mut urdf = "<robot name=\"random\">".to_owned();
     for link in 0..links {
         let _ = write!(urdf, "<link name=\"l{link}\">");
         for _ in 0..draw.below(if spheres_alone { 20 } else { 4 }) + u32::from(link == 0) {
