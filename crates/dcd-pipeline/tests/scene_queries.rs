@@ -142,6 +142,29 @@ fn rays_meet_what_they_meet_of_every_object_alone() {
 }
 
 #[test]
+fn many_rays_at_once_hit_what_each_hits_alone() {
+    let scene = scene(300);
+    let mut pipeline = Pipeline::new();
+    pipeline.step(&scene, Par::Serial);
+    let queries = pipeline.queries(&scene).unwrap();
+    let (mut hits, mut met) = (Vec::new(), 0);
+    for filter in &filters() {
+        // Few are cast as they come, many in an order of their own.
+        for count in [40, 1500] {
+            let rays = rays(&scene, count);
+            let due: Vec<_> = rays.iter().map(|ray| queries.first_hit(ray, filter)).collect();
+            for threads in [1, 3] {
+                let run = || queries.first_hits(&rays, filter, Par::Pool, &mut hits);
+                with_threads(threads, run).unwrap();
+                assert!(hits == due, "{count} rays on {threads} threads");
+            }
+            met += due.iter().flatten().count();
+        }
+    }
+    assert!(met > 500, "{met}");
+}
+
+#[test]
 fn batches_are_the_same_bytes_at_any_number_of_threads() {
     let scene = scene(300);
     let mut pipeline = Pipeline::new();

@@ -1,5 +1,6 @@
 //! Rays through a scene.
 
+use super::ray_order;
 use super::{Queries, QueryFilter};
 use dcd_exec::{Exec, Segments};
 use dcd_gjk::PosedShape;
@@ -7,6 +8,10 @@ use dcd_gjk::query::ray::{Ray, RayHit, for_each_hit};
 
 /// How many rays a task casts: some tens of microseconds.
 const RAYS_PER_TASK: usize = 32;
+
+/// From how many rays on they are put in an order before. Larger: batches that meet objects that are no longer in the
+/// cache. Smaller: batches for which the box round the scene costs more than it saves.
+const ORDERED: usize = 512;
 
 /// A hit, and of which object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,7 +101,8 @@ impl Queries<'_> {
         hits.sort_unstable_by(ObjectHit::order);
     }
 
-    /// Replaces `hits` by the first hit of each ray, in the order of the rays.
+    /// Replaces `hits` by the first hit of each ray, in the order of the rays; where there are many, they are cast in
+    /// an order that takes those together that meet the same objects.
     pub fn first_hits<'e>(
         &self,
         rays: &[Ray],
@@ -106,11 +112,24 @@ impl Queries<'_> {
     ) {
         hits.clear();
         hits.resize(rays.len(), None);
-        exec.into().divide(&mut hits[..], RAYS_PER_TASK, |first, hits| {
-            for (hit, ray) in hits.iter_mut().zip(&rays[first..]) {
-                *hit = self.first_hit(ray, filter);
+        if rays.len() < ORDERED {
+            exec.into().divide(&mut hits[..], RAYS_PER_TASK, |first, hits| {
+                for (hit, ray) in hits.iter_mut().zip(&rays[first..]) {
+                    *hit = self.first_hit(ray, filter);
+                }
+            });
+            return;
+        }
+        let order = ray_order::in_order(rays, self.aabbs);
+        let mut found = vec![None; rays.len()];
+        exec.into().divide(&mut found[..], RAYS_PER_TASK, |first, found| {
+            for (hit, &ray) in found.iter_mut().zip(&order[first..]) {
+                *hit = self.first_hit(&rays[ray as usize], filter);
             }
         });
+        for (hit, &ray) in found.into_iter().zip(&order) {
+            hits[ray as usize] = hit;
+        }
     }
 
     /// Replaces `hits` by all hits of each ray, those of ray k in segment k.
