@@ -3,7 +3,7 @@
 mod casts;
 mod impacts;
 mod nearest;
-mod ray_order;
+mod order;
 mod rays;
 mod regions;
 

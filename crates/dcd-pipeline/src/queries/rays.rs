@@ -1,17 +1,12 @@
 //! Rays through a scene.
 
-use super::ray_order;
-use super::{Queries, QueryFilter};
+use super::{Queries, QueryFilter, order};
 use dcd_exec::{Exec, Segments};
 use dcd_gjk::PosedShape;
 use dcd_gjk::query::ray::{Ray, RayHit, for_each_hit};
 
 /// How many rays a task casts: some tens of microseconds.
 const RAYS_PER_TASK: usize = 32;
-
-/// From how many rays on they are put in an order before. Larger: batches that meet objects that are no longer in the
-/// cache. Smaller: batches for which the box round the scene costs more than it saves.
-const ORDERED: usize = 512;
 
 /// A hit, and of which object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,26 +105,10 @@ impl Queries<'_> {
         exec: impl Into<Exec<'e>>,
         hits: &mut Vec<Option<ObjectHit>>,
     ) {
-        hits.clear();
-        hits.resize(rays.len(), None);
-        if rays.len() < ORDERED {
-            exec.into().divide(&mut hits[..], RAYS_PER_TASK, |first, hits| {
-                for (hit, ray) in hits.iter_mut().zip(&rays[first..]) {
-                    *hit = self.first_hit(ray, filter);
-                }
-            });
-            return;
-        }
-        let order = ray_order::in_order(rays, self.aabbs);
-        let mut found = vec![None; rays.len()];
-        exec.into().divide(&mut found[..], RAYS_PER_TASK, |first, found| {
-            for (hit, &ray) in found.iter_mut().zip(&order[first..]) {
-                *hit = self.first_hit(&rays[ray as usize], filter);
-            }
+        let order = (rays.len(), order::of_rays(rays, self.aabbs));
+        order::answer_each((exec.into(), RAYS_PER_TASK), order, hits, |k| {
+            self.first_hit(&rays[k], filter)
         });
-        for (hit, &ray) in found.into_iter().zip(&order) {
-            hits[ray as usize] = hit;
-        }
     }
 
     /// Replaces `hits` by all hits of each ray, those of ray k in segment k.
