@@ -3,6 +3,7 @@
 mod casts;
 mod impacts;
 mod nearest;
+mod order;
 mod rays;
 mod regions;
 

@@ -3,28 +3,55 @@
 use super::PartTree;
 use dcd_simd::{BoxTest, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, nearest_first};
 
+/// What is known of the parts of a leaf beside their boxes.
+pub trait LeafTest {
+    /// Which of these lanes of a leaf's block, by its number, are to be visited. To be marked `#[inline(always)]`.
+    fn keep<L: Lanes>(&self, l: L, leaf: usize, lanes: u32) -> u32;
+}
+
+/// All whose boxes are near.
+struct Every;
+
+impl LeafTest for Every {
+    #[inline(always)]
+    fn keep<L: Lanes>(&self, _: L, _: usize, lanes: u32) -> u32 {
+        lanes
+    }
+}
+
 impl PartTree {
     /// Calls `visit(part, key)` for each part whose box has a key of at most the limit, nearer blocks first, and
     /// takes what it returns for the limit from then on; a negative one ends the search. The order depends on the
     /// tree and on the limits alone.
     pub fn visit(&self, test: &impl BoxTest, limit: f32, visit: &mut dyn FnMut(u32, f32) -> f32) {
-        dispatch_on(Path::best(), Visit { tree: self, test, limit, visit });
+        self.visit_where((test, &Every), limit, visit);
+    }
+
+    /// The same of the parts alone that a test of the leaves keeps.
+    pub fn visit_where(
+        &self,
+        (test, leaves): (&impl BoxTest, &impl LeafTest),
+        limit: f32,
+        visit: &mut dyn FnMut(u32, f32) -> f32,
+    ) {
+        dispatch_on(Path::best(), Visit { tree: self, test, leaves, limit, visit });
     }
 }
 
-struct Visit<'a, T> {
+struct Visit<'a, T, F> {
     tree: &'a PartTree,
     test: &'a T,
+    leaves: &'a F,
     limit: f32,
     visit: &'a mut dyn FnMut(u32, f32) -> f32,
 }
 
-impl<T: BoxTest> Kernel for Visit<'_, T> {
+impl<T: BoxTest, F: LeafTest> Kernel for Visit<'_, T, F> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self { tree, test, mut limit, visit } = self;
+        let Self { tree, test, leaves, mut limit, visit } = self;
         // The key of a block's box, and its number.
         let mut stack: Vec<(f32, u32)> = Vec::with_capacity(4 * WIDTH);
         if !tree.blocks().is_empty() {
@@ -37,9 +64,12 @@ impl<T: BoxTest> Kernel for Visit<'_, T> {
             }
             let row = test.keys(l, &tree.blocks()[number as usize]);
             l.store(row, &mut keys);
-            let near = nearest_first(&keys, l.bits(l.le(row, l.splat(limit))), &mut lanes);
+            let met = l.bits(l.le(row, l.splat(limit)));
+            let is_leaf = (number as usize) < tree.leaf_count();
+            let met = if is_leaf && met != 0 { leaves.keep(l, number as usize, met) } else { met };
+            let near = nearest_first(&keys, met, &mut lanes);
             let below = &tree.below()[number as usize].0;
-            if number as usize >= tree.leaf_count() {
+            if !is_leaf {
                 // The nearest on top.
                 for &lane in lanes[..near].iter().rev() {
                     stack.push((keys.0[lane as usize], below[lane as usize]));

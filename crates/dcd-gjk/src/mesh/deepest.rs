@@ -29,8 +29,8 @@ pub(crate) struct PartPair<'s> {
     couple: Option<Couple<'s>>,
     /// Whether b is the first of these.
     swapped: bool,
-    /// At least how deep they overlap, metres; the same for (a, b) and (b, a).
-    at_most: f64,
+    /// See [`PartPair::at_most`]: few pairs need it.
+    at_most: OnceCell<f64>,
     /// The depth of a triangle and a sphere or capsule whose cores do not meet, in that order.
     nearest: Option<Depth>,
     /// How far they reach past each other along the direction that was asked for last, in that order.
@@ -78,17 +78,12 @@ pub(crate) fn pairs_of<'s>([a, b]: [PosedShape<'s>; 2], pairs: &[[u32; 2]]) -> V
             false => Couple::of([part_a, part_b], [a.pose, b.pose]),
         };
         let nearest = couple.as_ref().and_then(Couple::by_nearest);
-        let at_most = match (&nearest, &couple) {
-            (Some(found), _) => (found.depth + found.error_bound).next_up(),
-            (None, Some(couple)) => couple.most(),
-            (None, None) => f64::INFINITY,
-        };
         PartPair {
             parts: [index(side_a, parts[0]), index(side_b, parts[1])],
             sides: [part_a, part_b],
             shapes: Default::default(),
             swapped,
-            at_most,
+            at_most: OnceCell::new(),
             nearest,
             couple,
             last_along: Cell::new(None),
@@ -155,7 +150,18 @@ impl PartPair<'_> {
 
     /// Nothing is known of its depth any more.
     pub(crate) fn forget_bound(&mut self) {
-        self.at_most = f64::INFINITY;
+        self.at_most = OnceCell::from(f64::INFINITY);
+    }
+
+    /// At least how deep they overlap, metres; the same for (a, b) and (b, a).
+    fn at_most(&self) -> f64 {
+        *self.at_most.get_or_init(|| match (self.depth.get(), &self.nearest, &self.couple) {
+            (Some(Verdict::Touching(found)), ..) | (_, Some(found), _) => {
+                (found.depth + found.error_bound).next_up()
+            }
+            (_, None, Some(couple)) => couple.most(),
+            (_, None, None) => f64::INFINITY,
+        })
     }
 
     /// Whether one of the two is a sphere, which has no face and no edge, and the other is bounded.
@@ -191,7 +197,7 @@ impl PartPair<'_> {
             let diameters = self.diameters.get_or_init(|| couple.diameters());
             Reach { least, diameters: *diameters }
         });
-        Along { reach, at_most: self.at_most }
+        Along { reach, at_most: self.at_most() }
     }
 
     /// At least how deep they overlap, as known from a normal from a to b: metres.
@@ -256,13 +262,6 @@ impl Along {
 /// a wider bound. Smaller: triangles in one plane, equally deep but for rounding, are all measured.
 pub(crate) const AS_DEEP: f64 = 1e-11;
 
-/// Pairs by how deep they may be, the deepest first; the first of equals stays the first.
-pub(crate) fn by_depth(pairs: &[PartPair<'_>]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..pairs.len()).collect();
-    order.sort_by(|&j, &k| pairs[k].at_most.total_cmp(&pairs[j].at_most));
-    order
-}
-
 /// How a depth is looked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Effort {
@@ -284,30 +283,32 @@ pub(crate) fn deepest(
     pairs: &[PartPair<'_>],
     depth: impl FnMut(&PartPair<'_>, Effort) -> Option<Verdict<Depth>>,
 ) -> Result<(usize, Depth), Reason> {
-    Ok(deepest_of(pairs, by_depth(pairs), depth)?.unwrap_or_default())
+    Ok(deepest_of(pairs, 0..pairs.len(), depth)?.unwrap_or_default())
 }
 
-/// The same of some pairs, in the order of [`by_depth`]; `None` where none of them is known to touch.
+/// The same of some pairs, by index; `None` where none of them is known to touch.
 ///
 /// # Errors
 /// Why a pair could not be measured.
 pub(crate) fn deepest_of(
     pairs: &[PartPair<'_>],
-    order: impl IntoIterator<Item = usize, IntoIter: Clone>,
+    numbers: impl IntoIterator<Item = usize>,
     mut depth: impl FnMut(&PartPair<'_>, Effort) -> Option<Verdict<Depth>>,
 ) -> Result<Option<(usize, Depth)>, Reason> {
-    let order = order.into_iter();
     let (mut deepest, mut index) = (Deepest::default(), 0);
     // What a formula finds is mostly the deepest, and its normal bounds the others.
-    for k in order.clone() {
-        if let Some(Verdict::Touching(found)) = depth(&pairs[k], Effort::Formula)
-            && deepest.add(found)
-        {
-            index = k;
+    let mut others = Vec::new();
+    for k in numbers {
+        match depth(&pairs[k], Effort::Formula) {
+            Some(Verdict::Touching(found)) if deepest.add(found) => index = k,
+            Some(Verdict::Touching(_) | Verdict::Apart) => {}
+            _ => others.push((pairs[k].at_most(), k)),
         }
     }
-    for k in order {
-        if deepest.is_as_deep_as(pairs[k].at_most) {
+    // What may be the deepest first; the first of equals stays the first.
+    others.sort_by(|(p, _), (q, _)| q.total_cmp(p));
+    for (at_most, k) in others {
+        if deepest.is_as_deep_as(at_most) {
             break;
         }
         let normal = deepest.most.map(|most| most.normal);

@@ -1,6 +1,6 @@
 //! A moving shape against a scene at rest.
 
-use super::{Queries, QueryError, QueryFilter, check_finite, check_length};
+use super::{Queries, QueryError, QueryFilter, check_finite, check_length, order};
 use dcd_exec::Exec;
 use dcd_gjk::PosedShape;
 use dcd_gjk::motion::{Impact, MovingShape, RigidMotion, time_of_impact};
@@ -120,13 +120,10 @@ impl Queries<'_> {
         for (k, moving) in moving.iter().enumerate() {
             check_motion(k, moving.motion)?;
         }
-        impacts.clear();
-        impacts.resize(moving.len(), None);
-        exec.into().divide(&mut impacts[..], 1, |first, impacts| {
-            for (impact, &moving) in impacts.iter_mut().zip(&moving[first..]) {
-                // Checked above.
-                *impact = self.cast(moving, until, tolerance, filter).unwrap_or_default();
-            }
+        let order = (moving.len(), order::of_motions(moving, self.aabbs));
+        order::answer_each((exec.into(), 1), order, impacts, |k| {
+            // Checked above.
+            self.cast(moving[k], until, tolerance, filter).unwrap_or_default()
         });
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! The object nearest to a point.
 
-use super::{Queries, QueryError, QueryFilter, check_finite, check_length};
+use super::{Queries, QueryError, QueryFilter, check_finite, check_length, order};
 use dcd_exec::Exec;
 use dcd_geom::glam::DVec3;
 use dcd_gjk::PosedShape;
@@ -82,13 +82,10 @@ impl Queries<'_> {
         if max_distance != f64::INFINITY {
             check_length("distance", max_distance)?;
         }
-        nearest.clear();
-        nearest.resize(points.len(), None);
-        exec.into().divide(&mut nearest[..], POINTS_PER_TASK, |first, nearest| {
-            for (nearest, &point) in nearest.iter_mut().zip(&points[first..]) {
-                // Checked above.
-                *nearest = self.nearest(point, max_distance, filter).unwrap_or_default();
-            }
+        let order = (points.len(), order::of_points(points, self.aabbs));
+        order::answer_each((exec.into(), POINTS_PER_TASK), order, nearest, |k| {
+            // Checked above.
+            self.nearest(points[k], max_distance, filter).unwrap_or_default()
         });
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Rays through a scene.
 
-use super::{Queries, QueryFilter};
+use super::{Queries, QueryFilter, order};
 use dcd_exec::{Exec, Segments};
 use dcd_gjk::PosedShape;
 use dcd_gjk::query::ray::{Ray, RayHit, for_each_hit};
@@ -96,7 +96,8 @@ impl Queries<'_> {
         hits.sort_unstable_by(ObjectHit::order);
     }
 
-    /// Replaces `hits` by the first hit of each ray, in the order of the rays.
+    /// Replaces `hits` by the first hit of each ray, in the order of the rays; where there are many, they are cast in
+    /// an order that takes those together that meet the same objects.
     pub fn first_hits<'e>(
         &self,
         rays: &[Ray],
@@ -104,12 +105,9 @@ impl Queries<'_> {
         exec: impl Into<Exec<'e>>,
         hits: &mut Vec<Option<ObjectHit>>,
     ) {
-        hits.clear();
-        hits.resize(rays.len(), None);
-        exec.into().divide(&mut hits[..], RAYS_PER_TASK, |first, hits| {
-            for (hit, ray) in hits.iter_mut().zip(&rays[first..]) {
-                *hit = self.first_hit(ray, filter);
-            }
+        let order = (rays.len(), order::of_rays(rays, self.aabbs));
+        order::answer_each((exec.into(), RAYS_PER_TASK), order, hits, |k| {
+            self.first_hit(&rays[k], filter)
         });
     }
 

@@ -75,13 +75,12 @@ fn in_order(
         // What bounds a depth does not bound one along another normal.
         pairs.iter_mut().for_each(PartPair::forget_bound);
     }
-    let order = mesh::by_depth(&pairs);
     let open = vec![true; pairs.len()];
     let mut patches = Patches { how, sides, pairs: &pairs, open, memory, corners };
     let mut found = ManifoldSet::default();
     loop {
         let Patches { memory, open, .. } = &mut patches;
-        let still_open = order.iter().copied().filter(|&k| open[k]);
+        let still_open = (0..pairs.len()).filter(|&k| open[k]);
         let depth = |pair: &PartPair<'_>, effort| how.measured_by(effort, pair, sides, memory);
         match mesh::deepest_of(&pairs, still_open, depth)? {
             Some((lead, depth)) => found.push(patches.patch(lead, depth)),

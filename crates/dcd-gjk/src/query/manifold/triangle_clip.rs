@@ -188,3 +188,6 @@ fn clip(
     }
     points.cut(|point| point.depth + radius, Line::Surface)
 }
+
+#[cfg(test)]
+mod tests;

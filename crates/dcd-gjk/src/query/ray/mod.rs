@@ -6,6 +6,7 @@
 
 mod general;
 mod half_space;
+mod leaf;
 mod local;
 mod planes;
 mod solids;

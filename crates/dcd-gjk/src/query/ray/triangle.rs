@@ -4,6 +4,7 @@
 //! edge that they share, but for its sign. So no ray passes between them. An edge function whose sign the margin
 //! does not prove counts as either.
 
+use super::leaf::NotMissed;
 use super::local::LocalRay;
 use super::{Ray, RayHit, general};
 use crate::PosedShape;
@@ -14,12 +15,13 @@ use dcd_geom::{Mesh, Shape};
 /// The shear that takes a ray to the z axis.
 pub(super) struct Sheared {
     /// Which coordinates are x, y and z; the direction's largest component is z.
-    axes: [usize; 3],
-    shear: [f64; 2],
+    pub(super) axes: [usize; 3],
+    /// At most 1 in size.
+    pub(super) shear: [f64; 2],
     /// One over the direction's largest component.
     per_z: f64,
-    origin: DVec3,
-    margin: f64,
+    pub(super) origin: DVec3,
+    pub(super) margin: f64,
 }
 
 impl Sheared {
@@ -38,13 +40,17 @@ impl Sheared {
         Self { axes, shear, per_z: 1.0 / d[z], origin: ray.origin, margin: 2.0 * ray.margin }
     }
 
+    /// A corner as the ray sees it.
+    #[inline(always)]
+    fn seen(&self, corner: DVec3) -> [f64; 3] {
+        let [x, y, z] = self.axes;
+        let v = (corner - self.origin).to_array();
+        [v[x] - self.shear[0] * v[z], v[y] - self.shear[1] * v[z], v[z] * self.per_z]
+    }
+
     /// The hit of a triangle, without a part.
     pub(super) fn hit(&self, ray: &Ray, local: &LocalRay, corners: [DVec3; 3]) -> Option<RayHit> {
-        let [x, y, z] = self.axes;
-        let [a, b, c] = corners.map(|corner| {
-            let v = corner - self.origin;
-            [v[x] - self.shear[0] * v[z], v[y] - self.shear[1] * v[z], v[z] * self.per_z]
-        });
+        let [a, b, c] = [self.seen(corners[0]), self.seen(corners[1]), self.seen(corners[2])];
         let m = self.margin;
         // Outside of the box round it: a miss of what is seen edge on as well.
         for k in 0..2 {
@@ -119,7 +125,8 @@ pub(super) fn of_mesh(
     // The radius in the mesh's own frame, grown by what a pose may stretch.
     let slabs = local.slabs(radius * (1.0 + 4.0 * posed.pose.deviation()));
     let sheared = Sheared::of(&local);
-    mesh.tree().visit(&slabs, slabs.key_of(limit), &mut |number, _| {
+    let first = slabs.key_of(limit);
+    let mut of_triangle = |number: u32, _| {
         let Some(corners) = mesh.corners(number as usize) else { return slabs.key_of(limit) };
         let hit = if radius == 0.0 {
             sheared.hit(ray, &local, corners)
@@ -134,5 +141,11 @@ pub(super) fn of_mesh(
             limit = visit(RayHit { part: Some(PartIndex::Triangle(number)), ..hit });
         }
         slabs.key_of(limit)
-    });
+    };
+    if radius == 0.0 {
+        let near = NotMissed { sheared: &sheared, leaves: mesh.leaves() };
+        mesh.tree().visit_where((&slabs, &near), first, &mut of_triangle);
+    } else {
+        mesh.tree().visit(&slabs, first, &mut of_triangle);
+    }
 }
