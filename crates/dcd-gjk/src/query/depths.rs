@@ -150,6 +150,10 @@ pub(super) fn of_touching(
     b: PosedShape<'_>,
     scratch: &mut epa::Scratch,
 ) -> Verdict<Depth> {
+    let in_a_frame = closed::centred::depth(accuracy, a, b);
+    if let Some(found) = in_a_frame.or_else(|| closed::level::depth(accuracy, a, b)) {
+        return Verdict::Touching(found);
+    }
     if mesh::have_parts(a.shape, b.shape) {
         let pairs = mesh::touching_parts(a, b, &mut mesh::Scratch::default());
         return of_deepest(accuracy, &pairs, [a, b], scratch);

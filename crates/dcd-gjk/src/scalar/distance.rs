@@ -191,8 +191,19 @@ pub fn distance_at(
         return distance(a, b);
     }
     if !is_bounded {
+        // What a pose is off a rotation by is more than distances in f64 lose otherwise.
+        if accuracy == Accuracy::F32
+            && let Some(found) = closed::level::distance(accuracy, a, b)
+        {
+            return (found, Method::F64);
+        }
         let found = half_space::distance_within(a, b, closed::AS_F64);
         return found.unwrap_or_else(|| distance(a, b));
+    }
+    if accuracy == Accuracy::F32
+        && let Some(found) = closed::centred::distance(a, b)
+    {
+        return (found, Method::F64);
     }
     let gap = if accuracy == Accuracy::F32 { F32_GAP } else { 0.0 };
     match to_within(gap, a, b) {

@@ -17,6 +17,7 @@ mod facing;
 mod feature;
 mod hull_pair;
 mod on_mesh;
+mod on_plane;
 mod parts;
 mod reduce;
 mod set;
@@ -275,13 +276,18 @@ fn manifold_of(
         Verdict::Undecided(reason) => return Verdict::Undecided(reason),
         Verdict::Touching(depth) => depth,
     };
-    let mut found = Manifold::default();
-    if corners::is_sphere(a) && corners::is_sphere(b) {
-        write_of_spheres(&depth, &mut found);
-    } else {
-        write(&depth, a, b, corners, &mut found);
+    // Written where it is returned: a copy takes as long as a manifold of spheres.
+    let mut answer = Verdict::Touching(ManifoldSet::from(Manifold::default()));
+    if let Verdict::Touching(set) = &mut answer
+        && let Some(found) = set.only_mut()
+    {
+        if corners::is_sphere(a) && corners::is_sphere(b) {
+            write_of_spheres(&depth, found);
+        } else {
+            write(&depth, a, b, corners, found);
+        }
     }
-    Verdict::Touching(found.into())
+    answer
 }
 
 /// Writes the manifold of two convex shapes over an empty one.
@@ -293,7 +299,10 @@ fn write(
     found: &mut Manifold,
 ) {
     let known = FoundDepth { depth: *depth, farthest: None };
-    if write_of_sphere(depth, a, b, found) || write_of_polytopes(&known, a, b, corners, found) {
+    if write_of_sphere(depth, a, b, found) || on_plane::write(depth, [a, b], found) {
+        return;
+    }
+    if write_of_polytopes(&known, a, b, corners, found) {
         return;
     }
     in_order(&known, [a, b], found, |known, sides, found| {

@@ -44,9 +44,15 @@ impl ManifoldSet {
     #[inline]
     pub(super) fn write_one(&mut self, write: impl FnOnce(&mut Manifold) -> bool) -> bool {
         self.0 = Held::One(Manifold::default());
+        self.only_mut().is_some_and(write)
+    }
+
+    /// The only manifold, if there is one alone.
+    #[inline]
+    pub(super) fn only_mut(&mut self) -> Option<&mut Manifold> {
         match &mut self.0 {
-            Held::One(manifold) => write(manifold),
-            Held::Many(_) => false,
+            Held::One(manifold) => Some(manifold),
+            Held::Many(_) => None,
         }
     }
 

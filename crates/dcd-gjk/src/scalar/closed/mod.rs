@@ -5,11 +5,13 @@
 //! (half-spaces, which have no support map).
 
 mod binary;
+pub(crate) mod centred;
 mod cuboid_depth;
 mod cuboid_nearest;
 mod cuboids;
 pub(crate) mod curved;
 pub mod half_space;
+pub(crate) mod level;
 mod near_features;
 mod segments;
 mod spheres;
