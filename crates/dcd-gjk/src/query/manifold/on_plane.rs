@@ -7,9 +7,9 @@ use super::clip::different;
 use super::facing::Part;
 use super::reduce::{self, Spot};
 use super::stand_in::StandIn;
-use super::{Feature, Manifold, ManifoldPoint, SAME, bound_of, write_one_point};
-use crate::PosedShape;
+use super::{Feature, Manifold, ManifoldPoint, ManifoldSet, SAME, bound_of, of_one_point};
 use crate::epa::Depth;
+use crate::{PosedShape, Verdict};
 use dcd_geom::glam::{DVec2, DVec3};
 use dcd_geom::{Shape, SupportMap};
 
@@ -29,128 +29,151 @@ struct Corner {
 }
 
 impl Spot for Corner {
+    #[inline]
     fn at(&self) -> DVec2 {
         self.at
     }
 
+    #[inline]
     fn depth(&self) -> f64 {
         self.depth
     }
 }
 
-/// Writes the manifold of a half-space and a polytope, cylinder or cone over an empty one; false of others.
-pub(super) fn write(depth: &Depth, [a, b]: [PosedShape<'_>; 2], found: &mut Manifold) -> bool {
-    let (side, number) = match (a.shape, b.shape) {
-        (_, Shape::HalfSpace(_)) => (a, 0),
-        (Shape::HalfSpace(_), _) => (b, 1),
-        _ => return false,
-    };
-    // From the shape into the half-space.
-    let towards = if number == 0 { depth.normal } else { -depth.normal };
-    let local = side.pose.rotation().transpose() * towards;
-    let resting = Resting { side, towards, local, number };
-    match side.shape {
-        Shape::Polytope(polytope) => {
-            let vertices = polytope.vertices();
-            let part = Part::facing(polytope, local);
-            let has_line = vertices.len() == 2;
-            let size = 2.0 * polytope.outer_radius();
-            let corner = |k: u32| vertices[k as usize];
-            resting.write([a, b], depth, (part, has_line, size), corner, found)
+/// What a shape shows of itself.
+enum Shown<'a> {
+    Of(Part<'a>, &'a [DVec3]),
+    StandIn(StandIn),
+}
+
+impl Shown<'_> {
+    fn part(&self) -> Part<'_> {
+        match self {
+            Self::Of(part, _) => *part,
+            Self::StandIn(stand_in) => stand_in.part,
         }
-        Shape::Curved(curved) => {
-            let stand_in = StandIn::of(curved, local);
-            let size = 2.0 * curved.reach();
-            let corner = |k: u32| stand_in.corner(k);
-            resting.write([a, b], depth, (stand_in.part, true, size), corner, found)
+    }
+
+    /// Whether an edge is all that the shape shows there.
+    fn has_line(&self) -> bool {
+        match self {
+            Self::Of(_, vertices) => vertices.len() == 2,
+            Self::StandIn(_) => true,
         }
-        _ => false,
+    }
+
+    /// A corner in the shape's own frame.
+    #[inline]
+    fn corner(&self, k: u32) -> DVec3 {
+        match self {
+            Self::Of(_, vertices) => vertices[k as usize],
+            Self::StandIn(stand_in) => stand_in.corner(k),
+        }
     }
 }
 
-/// A shape that looks into a half-space.
-struct Resting<'a> {
-    side: PosedShape<'a>,
+/// A polytope, cylinder or cone that looks into a half-space.
+pub(super) struct Resting<'a> {
+    sides: [PosedShape<'a>; 2],
+    /// Which of the pair it is.
+    number: usize,
     /// Where it looks, of unit length; in its own frame too.
     towards: DVec3,
     local: DVec3,
-    /// Which of the pair it is.
-    number: usize,
+    shown: Shown<'a>,
+    /// How large it is.
+    size: f64,
 }
 
-impl Resting<'_> {
-    /// By the part that is shown, of a shape so large; `has_line` where an edge is all that the shape shows there.
-    fn write(
-        &self,
-        sides: [PosedShape<'_>; 2],
-        depth: &Depth,
-        (part, has_line, size): (Part<'_>, bool, f64),
-        corner: impl Fn(u32) -> DVec3,
-        found: &mut Manifold,
-    ) -> bool {
-        let radius = self.side.shape.radius();
-        let ends;
-        let (listed, level): (&[u32], f64) = match part {
-            Part::Vertex(_) => (&[], 0.0),
-            Part::Edge(of_edge) => {
-                ends = of_edge;
-                let level = if has_line && radius > 0.0 {
-                    let edge = corner(ends[1]) - corner(ends[0]);
-                    edge.reject_from_normalized(self.local).length() / edge.length()
-                } else {
-                    0.0
-                };
-                (&ends, level)
-            }
-            Part::Face { normal, corners, .. } => (corners, normal.dot(self.local).abs()),
+impl<'a> Resting<'a> {
+    /// `None` of other shapes, and of faces with many corners.
+    pub(super) fn of(depth: &Depth, sides: [PosedShape<'a>; 2]) -> Option<Self> {
+        let number = match sides.map(|side| side.shape) {
+            [_, Shape::HalfSpace(_)] => 0,
+            [Shape::HalfSpace(_), _] => 1,
+            _ => return None,
         };
-        if listed.len() > MOST {
-            return false;
+        let side = sides[number];
+        let towards = if number == 0 { depth.normal } else { -depth.normal };
+        let local = side.pose.rotation().transpose() * towards;
+        let (shown, size) = match side.shape {
+            Shape::Polytope(polytope) => {
+                let part = Part::facing(polytope, local);
+                (Shown::Of(part, polytope.vertices()), 2.0 * polytope.outer_radius())
+            }
+            Shape::Curved(curved) => {
+                (Shown::StandIn(StandIn::of(curved, local)), 2.0 * curved.reach())
+            }
+            _ => return None,
+        };
+        if matches!(shown.part(), Part::Face { corners, .. } if corners.len() > MOST) {
+            return None;
         }
+        Some(Self { sides, number, towards, local, shown, size })
+    }
+
+    /// The manifold of that depth.
+    pub(super) fn manifold(&self, depth: &Depth) -> Verdict<ManifoldSet> {
         let mut corners = [Corner::default(); MOST];
-        let count = self.below(depth, listed, corner, &mut corners);
-        let count = different(&mut corners[..count], size);
+        let count = match self.shown.part() {
+            Part::Vertex(_) => 0,
+            Part::Edge(ends) => self.below(depth, &ends, &mut corners),
+            Part::Face { corners: of_face, .. } => self.below(depth, of_face, &mut corners),
+        };
+        let count = different(&mut corners[..count], self.size);
         let corners = &corners[..count];
-        let tolerance = SAME * size;
+        let tolerance = SAME * self.size;
         let deepest = corners.iter().map(|corner| corner.depth).fold(f64::NEG_INFINITY, f64::max);
         let stands_for_all = deepest >= depth.depth - tolerance;
-        let error_bound = bound_of(depth, size, sides);
+        let error_bound = bound_of(depth, self.size, self.sides);
         let kept = reduce::to_four(corners, tolerance).filter(|_| stands_for_all);
         let Some((kept, count)) = kept else {
-            write_one_point(depth, self.features(part.name()), found);
-            found.error_bound = error_bound;
-            return true;
+            let features = self.features(self.shown.part().name());
+            return Verdict::Touching(of_one_point(depth, features, error_bound).into());
         };
-        let mut off_surface = 0.0f64;
-        let inside = radius * (1.0 - level).max(0.0);
-        for (to, &k) in found.points.iter_mut().zip(&kept[..count]) {
-            let corner = &corners[k];
-            off_surface = off_surface.max(inside.min((depth.depth - corner.depth).max(0.0)));
-            self.place(corner, radius, depth.depth, to);
+        let kept = &kept[..count];
+        let error_bound = (error_bound + self.off_surface(depth, corners, kept)).min(f64::MAX);
+        let point = |slot: usize| match kept.get(slot) {
+            Some(&k) => self.point(&corners[k], depth.depth),
+            None => ManifoldPoint::EMPTY,
+        };
+        // The first is the deepest.
+        let first = ManifoldPoint { depth: depth.depth, ..point(0) };
+        let points = [first, point(1), point(2), point(3)];
+        let (normal, count) = (depth.normal, count as u8);
+        let found = Manifold { normal, points, count, error_bound, parts: [None; 2] };
+        Verdict::Touching(found.into())
+    }
+
+    /// How far inside a swept surface a point may be that is swept along the normal: metres.
+    fn off_surface(&self, depth: &Depth, corners: &[Corner], kept: &[usize]) -> f64 {
+        let radius = self.sides[self.number].shape.radius();
+        if radius == 0.0 {
+            return 0.0;
         }
-        found.points[0].depth = depth.depth;
-        found.normal = depth.normal;
-        found.count = count as u8;
-        found.error_bound = (error_bound + off_surface).min(f64::MAX);
-        true
+        let level = match self.shown.part() {
+            Part::Face { normal, .. } => normal.dot(self.local).abs(),
+            Part::Edge([j, k]) if self.shown.has_line() => {
+                let edge = self.shown.corner(k) - self.shown.corner(j);
+                edge.reject_from_normalized(self.local).length() / edge.length()
+            }
+            _ => 0.0,
+        };
+        let inside = radius * (1.0 - level).max(0.0);
+        let less = |&k: &usize| (depth.depth - corners[k].depth).max(0.0);
+        kept.iter().map(less).fold(0.0, f64::max).min(inside)
     }
 
     /// The listed corners that are not above the plane: how many.
     #[inline]
-    fn below(
-        &self,
-        depth: &Depth,
-        listed: &[u32],
-        corner: impl Fn(u32) -> DVec3,
-        corners: &mut [Corner; MOST],
-    ) -> usize {
+    fn below(&self, depth: &Depth, listed: &[u32], corners: &mut [Corner; MOST]) -> usize {
+        let side = self.sides[self.number];
         let on_plane = if self.number == 0 { depth.point_b } else { depth.point_a };
-        let from_plane = self.side.pose.translation() - on_plane;
-        let base = self.towards.dot(from_plane) + self.side.shape.radius();
+        let base = self.towards.dot(side.pose.translation() - on_plane) + side.shape.radius();
         let (x, y) = self.local.any_orthonormal_pair();
         let mut count = 0;
         for &index in listed {
-            let point = corner(index);
+            let point = self.shown.corner(index);
             let below = self.local.dot(point) + base;
             if below >= 0.0 {
                 let at = DVec2::new(x.dot(point), y.dot(point));
@@ -161,19 +184,21 @@ impl Resting<'_> {
         count
     }
 
-    /// Writes a corner's points: of the shape, and of the plane over it.
-    fn place(&self, corner: &Corner, radius: f64, most: f64, to: &mut ManifoldPoint) {
-        let on_shape = self.side.pose.apply(corner.point) + self.towards * radius;
+    /// A corner's points: of the shape, and of the plane over it.
+    #[inline]
+    fn point(&self, corner: &Corner, most: f64) -> ManifoldPoint {
+        let side = self.sides[self.number];
+        let swept = side.pose.translation() + self.towards * side.shape.radius();
+        let on_shape = *side.pose.rotation() * corner.point + swept;
         let on_plane = on_shape - self.towards * corner.depth;
-        (to.point_a, to.point_b) =
+        let (point_a, point_b) =
             if self.number == 0 { (on_shape, on_plane) } else { (on_plane, on_shape) };
-        to.depth = corner.depth.clamp(0.0, most);
-        to.features = self.features(Feature::Vertex(corner.index));
+        let features = self.features(Feature::Vertex(corner.index));
+        let depth = corner.depth.clamp(0.0, most);
+        ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] }
     }
 
     fn features(&self, own: Feature) -> [Feature; 2] {
-        let mut features = [Feature::Surface; 2];
-        features[self.number] = own;
-        features
+        if self.number == 0 { [own, Feature::Surface] } else { [Feature::Surface, own] }
     }
 }
