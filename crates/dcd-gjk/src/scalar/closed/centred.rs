@@ -1,9 +1,11 @@
-//! Spheres against cuboids, capsules, cylinders and cones, rounded or not: how far the sphere's centre is from the core of
+//! Spheres against cuboids, capsules, cylinders, cones, triangles and hulls, rounded or not: how far the sphere's centre is from the core of
 //! the other, seen in its frame, negative inside.
 //!
 //! That distance changes by no more than the centre does, and so by no more than the centre lost on its way into the
 //! frame: one evaluation is the answer with its bound, and no support is needed (docs/numerics/proofs.md, "A sphere's
 //! centre").
+
+mod faces;
 
 use super::{SIZES, UNIT};
 use crate::epa::Depth;
@@ -15,7 +17,7 @@ use dcd_geom::{Curved, CurvedKind, Kind, Polytope, Pose, Shape, Vector};
 /// How far the centre's distance from a box or an upright segment may be off. Unit: u·m. Derived: 19.
 const STRAIGHT: f64 = 32.0;
 
-/// The same of cylinders and cones. Derived: 35.
+/// The same of cylinders, cones, triangles and hulls. Derived: 35.
 const ROUND: f64 = 48.0;
 
 /// The same, for what the pose is off a rotation by. Unit: its deviation, times m. Derived: 2.1.
@@ -39,6 +41,8 @@ struct Beside {
     distance: f64,
     /// Of unit length, away from the core's nearest point.
     outward: DVec3,
+    /// By how much more than rounding the distance may be off.
+    unsure: f64,
 }
 
 /// The signed distance of a sphere and another shape, and what it may be off by. World frame, metres.
@@ -59,7 +63,7 @@ struct Gap {
 /// (a, b) and (b, a) give the same bits, mirrored.
 #[inline]
 pub(crate) fn depth(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
-    let gap = Gap::of(a, b, largest_deviation(accuracy)?)?;
+    let gap = Gap::of(accuracy, a, b)?;
     let is_proved = gap.value < -gap.error;
     is_proved.then(|| {
         let (normal, point_a, point_b) = gap.witnesses();
@@ -73,7 +77,7 @@ pub(crate) fn depth(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) ->
 /// (a, b) and (b, a) give the same bits, mirrored.
 #[inline]
 pub(crate) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
-    let gap = Gap::of(a, b, TURNED)?;
+    let gap = Gap::of(Accuracy::F32, a, b)?;
     if gap.value > gap.error {
         let (normal, point_a, point_b) = gap.witnesses();
         let (distance, error_bound) = (gap.value, gap.error);
@@ -98,7 +102,7 @@ pub(super) fn largest_deviation(accuracy: Accuracy) -> Option<f64> {
     }
 }
 
-/// The core of a shape that is no hull, triangle or point.
+/// The core of a shape.
 #[derive(Clone, Copy)]
 enum Core<'a> {
     Cuboid(DVec3),
@@ -108,13 +112,19 @@ enum Core<'a> {
         high: f64,
     },
     Curved(&'a Curved),
+    /// At the accuracy of f32 alone.
+    Triangle(&'a Polytope),
+    Hull(&'a Polytope),
 }
 
 impl<'a> Core<'a> {
     #[inline(always)]
-    fn of(shape: &'a Shape) -> Option<Self> {
+    fn of(accuracy: Accuracy, shape: &'a Shape) -> Option<Self> {
+        let is_f32 = accuracy == Accuracy::F32;
         match shape {
             Shape::Polytope(polytope) => match (polytope.kind(), polytope.vertices()) {
+                (Kind::Triangle, _) if is_f32 => Some(Self::Triangle(polytope)),
+                (Kind::Hull, _) if is_f32 => Some(Self::Hull(polytope)),
                 (Kind::Cuboid { half_extents }, _) => Some(Self::Cuboid(half_extents)),
                 (Kind::Segment, &[p, q]) if p.x == q.x && p.y == q.y => {
                     let (low, high) = if p.z <= q.z { (p, q.z) } else { (q, p.z) };
@@ -136,6 +146,10 @@ impl<'a> Core<'a> {
                 outside(point - foot)
             }
             Self::Curved(curved) => beside_curved(curved, point),
+            Self::Triangle(triangle) => {
+                faces::beside_triangle(triangle.vertices(), point, triangle.reach())
+            }
+            Self::Hull(hull) => faces::beside_hull(hull, point),
         }
     }
 }
@@ -144,7 +158,7 @@ impl<'a> Core<'a> {
 #[inline(always)]
 fn outside(away: DVec3) -> Option<Beside> {
     let distance = away.length();
-    (distance > SHORTEST).then(|| Beside { distance, outward: away / distance })
+    (distance > SHORTEST).then(|| Beside { distance, outward: away / distance, unsure: 0.0 })
 }
 
 #[inline(always)]
@@ -160,7 +174,7 @@ fn beside_cuboid(half: DVec3, point: DVec3) -> Option<Beside> {
     }
     let mut outward = DVec3::ZERO;
     outward[axis] = if point[axis] < 0.0 { -1.0 } else { 1.0 };
-    Some(Beside { distance: beyond[axis], outward })
+    Some(Beside { distance: beyond[axis], outward, unsure: 0.0 })
 }
 
 /// By the half-plane of the point and the axis: across the axis, and along it.
@@ -175,7 +189,8 @@ fn beside_curved(curved: &Curved, point: DVec3) -> Option<Beside> {
     }?;
     // Round the axis any azimuth is as good.
     let (x, y) = if across > SHORTEST { (point.x / across, point.y / across) } else { (1.0, 0.0) };
-    Some(Beside { distance, outward: DVec3::new(x * outward.x, y * outward.x, outward.y) })
+    let outward = DVec3::new(x * outward.x, y * outward.x, outward.y);
+    Some(Beside { distance, outward, unsure: 0.0 })
 }
 
 /// A cylinder's half-plane: across ≤ radius, |along| ≤ half height.
@@ -225,11 +240,12 @@ fn beside_wedge(half_height: f64, radius: f64, seen: DVec2) -> Option<(f64, DVec
 
 impl Gap {
     #[inline]
-    fn of(a: PosedShape<'_>, b: PosedShape<'_>, most: f64) -> Option<Self> {
+    fn of(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Self> {
+        let most = largest_deviation(accuracy)?;
         let is_sphere = |side: PosedShape<'_>| matches!(side.shape, Shape::Polytope(p) if p.kind() == Kind::Point);
         let swapped = !is_sphere(a);
         let (sphere, other) = if swapped { (b, a) } else { (a, b) };
-        let core = Core::of(other.shape)?;
+        let core = Core::of(accuracy, other.shape)?;
         let Shape::Polytope(round) = sphere.shape else { return None };
         if round.kind() != Kind::Point || other.pose.deviation() > most {
             return None;
@@ -248,7 +264,11 @@ impl Gap {
         let turned = if middle == DVec3::ZERO { middle } else { *at.rotation() * middle };
         let from = (at.translation() - other.pose.translation()) + turned;
         let (reach, swept, lost) = match other.shape {
-            Shape::Polytope(polytope) => (polytope.reach(), polytope.swept_radius(), STRAIGHT),
+            Shape::Polytope(polytope) => {
+                let is_straight = matches!(polytope.kind(), Kind::Cuboid { .. } | Kind::Segment);
+                let lost = if is_straight { STRAIGHT } else { ROUND };
+                (polytope.reach(), polytope.swept_radius(), lost)
+            }
             Shape::Curved(curved) => {
                 (curved.half_height() + curved.radius(), curved.swept_radius(), ROUND)
             }
@@ -267,10 +287,11 @@ impl Gap {
             rotation.y_axis.dot(from),
             rotation.z_axis.dot(from),
         );
-        let Beside { distance, outward } = core.beside(seen)?;
+        let Beside { distance, outward, unsure } = core.beside(seen)?;
         let value = distance - (radius + swept);
         let error = (lost * UNIT + DEVIATION * deviation) * size
-            + 4.0 * UNIT * (distance.abs() + radius + swept);
+            + 4.0 * UNIT * (distance.abs() + radius + swept)
+            + unsure * (1.0 + 4.0 * deviation);
         let normal = -(*rotation * outward);
         let on_sphere = (at.translation() + turned) + normal * radius;
         Some(Self { value, error, normal, on_sphere, swapped })
