@@ -95,6 +95,15 @@ pub(crate) fn pairs_of<'s>([a, b]: [PosedShape<'s>; 2], pairs: &[[u32; 2]]) -> V
     pairs.iter().map(of).collect()
 }
 
+/// Which part of a shape is its part of that number.
+pub(crate) fn part_index(shape: &Shape, part: u32) -> Option<PartIndex> {
+    match shape {
+        Shape::Compound(_) => Some(PartIndex::Part(part)),
+        Shape::Mesh(_) => Some(PartIndex::Triangle(part)),
+        _ => None,
+    }
+}
+
 fn index(side: &Side<'_>, part: u32) -> Option<PartIndex> {
     match side.parts {
         Parts::One(_) => None,
@@ -146,6 +155,11 @@ impl PartPair<'_> {
     ) -> Verdict<Depth> {
         // Checked corners are finite, and a hull of three is never refused.
         self.posed(a, b).map_or(Verdict::Undecided(Reason::Range), measure)
+    }
+
+    /// Its depth, from a to b, is known.
+    pub(crate) fn is_as_deep_as(&mut self, depth: Depth) {
+        self.depth = Verdict::Touching(depth).into();
     }
 
     /// Nothing is known of its depth any more.

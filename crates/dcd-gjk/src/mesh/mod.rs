@@ -39,7 +39,8 @@ use std::collections::BinaryHeap;
 
 pub use deepest::PartIndex;
 pub(crate) use deepest::{
-    AS_DEEP, Effort, PartPair, deepest, deepest_of, is_swapped, pairs_of, touching_parts,
+    AS_DEEP, Effort, PartPair, deepest, deepest_of, is_swapped, pairs_of, part_index,
+    touching_parts,
 };
 pub use distance::distance;
 pub(crate) use on_body::{TouchingTriangle, touching_triangles};

@@ -1,6 +1,6 @@
 //! How deep touching pairs overlap.
 
-use super::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, sampled};
+use super::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, few_parts, sampled};
 use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
 use crate::mesh::{Effort, PartPair};
@@ -150,7 +150,15 @@ pub(super) fn of_touching(
     b: PosedShape<'_>,
     scratch: &mut epa::Scratch,
 ) -> Verdict<Depth> {
+    if let Some(found) = by_frame(accuracy, a, b) {
+        return Verdict::Touching(found);
+    }
     if mesh::have_parts(a.shape, b.shape) {
+        if accuracy == Accuracy::F32
+            && let Some(found) = few_parts::depth(a, b, scratch)
+        {
+            return Verdict::Touching(found);
+        }
         let pairs = mesh::touching_parts(a, b, &mut mesh::Scratch::default());
         return of_deepest(accuracy, &pairs, [a, b], scratch);
     }
@@ -178,6 +186,17 @@ pub(super) fn of_touching(
         }
         _ => Verdict::Touching(sampled::depth_of_overlap(a, b, scratch)),
     }
+}
+
+/// The depth of two spheres; and where a certified one is not asked for, of a sphere or half-space and another, seen in the
+/// frame of one of them.
+#[inline]
+pub(super) fn by_frame(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
+    if let (Shape::HalfSpace(_), _) | (_, Shape::HalfSpace(_)) = (a.shape, b.shape) {
+        return closed::level::depth(accuracy, a, b);
+    }
+    let of_spheres = closed::depth_of_two_spheres(a, b, closed::sharp_of(accuracy));
+    of_spheres.or_else(|| closed::centred::depth(accuracy, a, b))
 }
 
 /// The depth of the deepest of these parts of two shapes.
@@ -225,7 +244,11 @@ fn tolerance(accuracy: Accuracy) -> [f64; 2] {
 /// The depth of spheres, capsules and boxes, and of spheres and capsules against others whose cores they do not
 /// overlap, where its bound is as good as required.
 /// (a, b) and (b, a) give the same bits, mirrored.
-fn by_formula(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
+pub(super) fn by_formula(
+    accuracy: Accuracy,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+) -> Option<Depth> {
     let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
     let (a, b) = (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
     let in_order = |a, b| match in_a.kind() {

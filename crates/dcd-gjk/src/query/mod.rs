@@ -29,6 +29,7 @@ mod accuracy;
 mod contact_set;
 mod depths;
 mod distances;
+mod few_parts;
 mod local;
 mod manifold;
 pub mod point;
@@ -53,6 +54,7 @@ pub use crate::simd::CuboidPatch;
 
 pub(crate) use depths::CERTIFIED;
 pub(crate) use distances::{spheres_are_apart, within_margin};
+pub(crate) use few_parts::distance as distance_of_few_parts;
 pub(crate) use manifold::{FACING, LEVEL};
 pub(crate) use within::grown;
 

@@ -126,20 +126,20 @@ fn by_planes(point: DVec3, pose: &Pose, polytope: &Polytope, limit: f64) -> Outc
 }
 
 /// A point above the planes of faces.
-struct Heights {
+pub(crate) struct Heights {
     /// Above the outer planes the largest, rounded.
-    highest: f64,
-    /// Of which face.
-    face: usize,
+    pub(crate) highest: f64,
+    /// Of which plane.
+    pub(crate) face: usize,
     /// Whether the point is below every inner plane by more than the margin.
-    is_below_inner: bool,
+    pub(crate) is_below_inner: bool,
 }
 
 /// How many planes are compared at once: enough to keep the arithmetic busy between two decisions.
 const CHUNK: usize = 8;
 
 impl Heights {
-    fn of(point: DVec3, planes: &FacetPlanes, margin: f64) -> Self {
+    pub(crate) fn of(point: DVec3, planes: &FacetPlanes, margin: f64) -> Self {
         let mut found = Self { highest: f64::NEG_INFINITY, face: 0, is_below_inner: true };
         let [nx, ny, nz] = &planes.normals;
         for first in (0..planes.len()).step_by(CHUNK) {

@@ -18,6 +18,7 @@ const FARTHEST: f64 = 1e-9;
 const NEEDLE: f64 = 1e-6;
 
 /// A face, an edge or a vertex of a shape.
+#[derive(Clone, Copy)]
 pub(super) enum Part<'a> {
     Vertex(u32),
     Edge([u32; 2]),

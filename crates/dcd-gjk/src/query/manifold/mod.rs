@@ -17,6 +17,7 @@ mod facing;
 mod feature;
 mod hull_pair;
 mod on_mesh;
+mod on_plane;
 mod parts;
 mod reduce;
 mod set;
@@ -34,12 +35,13 @@ use dcd_geom::Shape;
 use dcd_geom::glam::DVec3;
 pub(crate) use facing::{FACING, LEVEL};
 use feature::View;
+use on_plane::Resting;
 use parts::Measure;
 pub use set::ManifoldSet;
 pub use surface::{ManifoldOptions, MeshEdges, MeshSides};
 
 /// One patch of the surfaces along which two objects touch: a normal and up to four points. World frame, metres.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manifold {
     /// From a to b, of unit length: the direction of the deepest parts' [`Depth`].
     pub normal: DVec3,
@@ -85,7 +87,35 @@ pub enum Feature {
     Face(u32),
 }
 
+impl Default for Manifold {
+    /// Without a point.
+    #[inline]
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
+impl ManifoldPoint {
+    /// None.
+    const EMPTY: Self = Self {
+        point_a: DVec3::ZERO,
+        point_b: DVec3::ZERO,
+        depth: 0.0,
+        features: [Feature::Surface; 2],
+        parts: [None; 2],
+    };
+}
+
 impl Manifold {
+    /// A constant, which is copied once; what is made of parts is copied part by part.
+    const EMPTY: Self = Self {
+        normal: DVec3::ZERO,
+        points: [ManifoldPoint::EMPTY; 4],
+        count: 0,
+        error_bound: 0.0,
+        parts: [None; 2],
+    };
+
     /// One to four, the deepest first.
     pub fn points(&self) -> &[ManifoldPoint] {
         &self.points[..usize::from(self.count)]
@@ -264,23 +294,40 @@ impl MeasureDepth for Manifolds {
     const READS_PATCHES: bool = true;
 }
 
+#[inline]
 fn manifold_of(
     verdict: Verdict<Depth>,
     a: PosedShape<'_>,
     b: PosedShape<'_>,
     corners: &mut Corners,
 ) -> Verdict<ManifoldSet> {
-    let depth = match verdict {
-        Verdict::Apart => return Verdict::Apart,
-        Verdict::Undecided(reason) => return Verdict::Undecided(reason),
-        Verdict::Touching(depth) => depth,
-    };
-    let mut found = Manifold::default();
-    if corners::is_sphere(a) && corners::is_sphere(b) {
-        write_of_spheres(&depth, &mut found);
-    } else {
-        write(&depth, a, b, corners, &mut found);
+    match verdict {
+        Verdict::Apart => Verdict::Apart,
+        Verdict::Undecided(reason) => Verdict::Undecided(reason),
+        Verdict::Touching(depth) => of_touching(&depth, a, b, corners),
     }
+}
+
+fn of_touching(
+    depth: &Depth,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    corners: &mut Corners,
+) -> Verdict<ManifoldSet> {
+    let one = |features, error_bound| {
+        Verdict::Touching(ManifoldSet::from(of_one_point(depth, features, error_bound)))
+    };
+    if corners::is_sphere(a) && corners::is_sphere(b) {
+        return one([Feature::Vertex(0); 2], depth.error_bound);
+    }
+    if let Some((features, error_bound)) = of_sphere(depth, a, b) {
+        return one(features, error_bound);
+    }
+    if let Some(resting) = Resting::of(depth, [a, b]) {
+        return resting.manifold(depth);
+    }
+    let mut found = Manifold::default();
+    write(depth, a, b, corners, &mut found);
     Verdict::Touching(found.into())
 }
 
@@ -293,7 +340,7 @@ fn write(
     found: &mut Manifold,
 ) {
     let known = FoundDepth { depth: *depth, farthest: None };
-    if write_of_sphere(depth, a, b, found) || write_of_polytopes(&known, a, b, corners, found) {
+    if write_of_polytopes(&known, a, b, corners, found) {
         return;
     }
     in_order(&known, [a, b], found, |known, sides, found| {
@@ -323,28 +370,24 @@ fn write_of_spheres(depth: &Depth, found: &mut Manifold) {
     write_one_point(depth, [Feature::Vertex(0); 2], found);
 }
 
-/// Of a sphere and another convex shape, which touch in the witnesses of their depth; false of others.
-fn write_of_sphere(
-    depth: &Depth,
-    a: PosedShape<'_>,
-    b: PosedShape<'_>,
-    found: &mut Manifold,
-) -> bool {
+/// The features and the bound of a sphere and another convex shape, which touch in the witnesses of their depth; `None` of
+/// others.
+#[inline]
+fn of_sphere(depth: &Depth, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<([Feature; 2], f64)> {
     let is_half_space = |side: PosedShape<'_>| matches!(side.shape, Shape::HalfSpace(_));
-    let features = match [corners::is_sphere(a), corners::is_sphere(b)] {
-        [false, false] => return false,
-        [true, false] if is_half_space(b) => [Feature::Vertex(0), Feature::Surface],
-        [false, true] if is_half_space(a) => [Feature::Surface, Feature::Vertex(0)],
-        _ => {
-            let of_sphere = corners::of_sphere(depth.normal, [a, b]);
-            let Some(OfSphere { features, size }) = of_sphere else { return false };
-            write_one_point(depth, features, found);
-            found.error_bound = bound_of(depth, size, [a, b]);
-            return true;
+    match [corners::is_sphere(a), corners::is_sphere(b)] {
+        [false, false] => None,
+        [true, false] if is_half_space(b) => {
+            Some(([Feature::Vertex(0), Feature::Surface], depth.error_bound))
         }
-    };
-    write_one_point(depth, features, found);
-    true
+        [false, true] if is_half_space(a) => {
+            Some(([Feature::Surface, Feature::Vertex(0)], depth.error_bound))
+        }
+        _ => {
+            let OfSphere { features, size } = corners::of_sphere(depth.normal, [a, b])?;
+            Some((features, bound_of(depth, size, [a, b])))
+        }
+    }
 }
 
 /// The bound of a manifold of shapes so large.
@@ -392,16 +435,18 @@ fn write_in_order(
     corners.write(&view, depth, sides, features, found);
 }
 
-/// The witnesses of the depth alone.
-#[inline]
-fn of_one_point(depth: Depth, features: [Feature; 2]) -> Manifold {
-    let Depth { depth, normal, point_a, point_b, error_bound } = depth;
-    let mut points = [ManifoldPoint::default(); 4];
-    points[0] = ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] };
+/// The witnesses of the depth alone. An expression, which is written where it is returned: a copy of a manifold takes as
+/// long as the depth of spheres.
+#[inline(always)]
+fn of_one_point(depth: &Depth, features: [Feature; 2], error_bound: f64) -> Manifold {
+    let &Depth { depth, normal, point_a, point_b, .. } = depth;
+    let point = ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] };
+    const NONE: ManifoldPoint = ManifoldPoint::EMPTY;
+    let points = [point, NONE, NONE, NONE];
     Manifold { normal, points, count: 1, error_bound, parts: [None; 2] }
 }
 
-/// The same over an empty manifold.
+/// The witnesses of the depth alone, over an empty manifold.
 fn write_one_point(depth: &Depth, features: [Feature; 2], found: &mut Manifold) {
     let point = &mut found.points[0];
     (point.point_a, point.point_b) = (depth.point_a, depth.point_b);

@@ -1,6 +1,7 @@
 //! The manifolds of one pair.
 
-use super::Manifold;
+use super::{Feature, Manifold};
+use crate::mesh::PartIndex;
 use std::ops::Deref;
 
 /// Where two objects touch: a [`Manifold`] for each patch of their surfaces, the deepest first.
@@ -27,6 +28,9 @@ impl Default for Held {
 }
 
 impl ManifoldSet {
+    /// One manifold, to be written.
+    pub(super) const EMPTY_ONE: Self = Self(Held::One(Manifold::EMPTY));
+
     /// The bound of all of them: see [`Manifold::error_bound`]. Metres.
     pub fn error_bound(&self) -> f64 {
         self.iter().map(|manifold| manifold.error_bound).fold(0.0, f64::max)
@@ -43,10 +47,33 @@ impl ManifoldSet {
     /// Holds one manifold in place of what there was: empty, and then written in its place, which saves copies.
     #[inline]
     pub(super) fn write_one(&mut self, write: impl FnOnce(&mut Manifold) -> bool) -> bool {
-        self.0 = Held::One(Manifold::default());
+        *self = Self::EMPTY_ONE;
+        self.only_mut().is_some_and(write)
+    }
+
+    /// Says of which parts the only manifold is, and names their features as `name` says, given which of the two has them:
+    /// `None` where one has no name.
+    pub(super) fn is_of(
+        &mut self,
+        parts: [Option<PartIndex>; 2],
+        name: impl Fn(usize, Feature) -> Option<Feature>,
+    ) -> Option<()> {
+        let manifold = self.only_mut()?;
+        manifold.parts = parts;
+        for point in &mut manifold.points[..usize::from(manifold.count)] {
+            let [of_a, of_b] = point.features;
+            point.features = [name(0, of_a)?, name(1, of_b)?];
+            point.parts = parts;
+        }
+        Some(())
+    }
+
+    /// The only manifold, if there is one alone.
+    #[inline]
+    pub(super) fn only_mut(&mut self) -> Option<&mut Manifold> {
         match &mut self.0 {
-            Held::One(manifold) => write(manifold),
-            Held::Many(_) => false,
+            Held::One(manifold) => Some(manifold),
+            Held::Many(_) => None,
         }
     }
 

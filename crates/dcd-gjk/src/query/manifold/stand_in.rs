@@ -21,33 +21,55 @@ const RIM: [DVec2; 8] = [
 /// The rim's corners in their order.
 const ROUND: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
 
-impl View {
-    /// Corners of the face of a cylinder or cone that looks the way it is seen, or else the line of its side that is
-    /// the lowest, or the end of that line.
-    pub(super) fn seen_curved(&self, curved: &Curved, placed: &Placed<'_>) -> Seen<'static> {
-        let direction = self.towards(placed);
+/// What a cylinder or cone shows along a direction of its own frame.
+pub(super) struct StandIn {
+    pub(super) part: Part<'static>,
+    discs: [(f64, f64); 2],
+    /// Across the axis towards the direction.
+    lowest: DVec2,
+    is_up: bool,
+}
+
+impl StandIn {
+    /// Corners of the face of a cylinder or cone that looks along a unit direction of its own frame, or else the line of its side
+    /// that is the lowest, or the end of that line.
+    pub(super) fn of(curved: &Curved, direction: DVec3) -> Self {
         let lowest = direction.truncate().try_normalize().unwrap_or(DVec2::X);
         let discs = curved.discs();
         let is_up = direction.z > 0.0;
-        let (height, radius) = discs[usize::from(is_up)];
+        let made = |part| Self { part, discs, lowest, is_up };
+        let (_, radius) = discs[usize::from(is_up)];
         if direction.z.abs() >= FACING && radius > 0.0 {
             let normal = DVec3::Z * direction.z.signum();
-            let face = Part::Face { index: 0, normal, corners: &ROUND };
-            return self.shown(face, placed, |k| {
-                // Counter-clockwise seen from outside.
-                let k = if is_up { k as usize } else { RIM.len() - 1 - k as usize };
-                (RIM[k].rotate(lowest) * radius).extend(height)
-            });
+            return made(Part::Face { index: 0, normal, corners: &ROUND });
         }
-        let end = |k: u32| {
-            let (z, radius) = discs[k as usize];
-            (lowest * radius).extend(z)
-        };
-        let (below, above) = (end(0), end(1));
+        let [below, above] = discs.map(|(z, radius)| (lowest * radius).extend(z));
         let (length, rise) = (below.distance(above), direction.dot(above - below));
         if length > 0.0 && rise.abs() < LEVEL * length {
-            return self.shown(Part::Edge([0, 1]), placed, end).of_line();
+            return made(Part::Edge([0, 1]));
         }
-        self.shown(Part::Vertex(u32::from(rise > 0.0)), placed, end)
+        made(Part::Vertex(u32::from(rise > 0.0)))
+    }
+
+    /// One of its corners, in the shape's own frame.
+    pub(super) fn corner(&self, k: u32) -> DVec3 {
+        if let Part::Face { .. } = self.part {
+            let (z, radius) = self.discs[usize::from(self.is_up)];
+            // Counter-clockwise seen from outside.
+            let k = if self.is_up { k as usize } else { RIM.len() - 1 - k as usize };
+            return (RIM[k].rotate(self.lowest) * radius).extend(z);
+        }
+        let (z, radius) = self.discs[k as usize];
+        (self.lowest * radius).extend(z)
+    }
+}
+
+impl View {
+    /// What a cylinder or cone shows: see [`StandIn`].
+    pub(super) fn seen_curved(&self, curved: &Curved, placed: &Placed<'_>) -> Seen<'static> {
+        let stand_in = StandIn::of(curved, self.towards(placed));
+        let is_edge = matches!(stand_in.part, Part::Edge(_));
+        let seen = self.shown(stand_in.part, placed, |k| stand_in.corner(k));
+        if is_edge { seen.of_line() } else { seen }
     }
 }

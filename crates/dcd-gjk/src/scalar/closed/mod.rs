@@ -5,11 +5,13 @@
 //! (half-spaces, which have no support map).
 
 mod binary;
+pub(crate) mod centred;
 mod cuboid_depth;
 mod cuboid_nearest;
 mod cuboids;
 pub(crate) mod curved;
 pub mod half_space;
+pub(crate) mod level;
 mod near_features;
 mod segments;
 mod spheres;
@@ -23,7 +25,9 @@ pub(crate) use cuboid_depth::{Axes, depth as cuboid_depth, depth_along as cuboid
 use dcd_geom::{Kind, Polytope};
 pub(crate) use near_features::{NearFeatures, distance_in_double_double, distance_in_f64};
 pub(crate) use segments::{PosedCore, depth_of_cores, overlap_of_cores};
-pub(crate) use spheres::{PlacedSphere, depth_of_spheres, distance_of_spheres, spheres_are_beyond};
+pub(crate) use spheres::{
+    PlacedSphere, depth_of_spheres, depth_of_two_spheres, distance_of_spheres, spheres_are_beyond,
+};
 pub(crate) use triangles::nearest as nearest_of_triangle;
 pub(crate) use upright_depth::depth as upright_depth;
 

@@ -8,9 +8,9 @@ use super::{SIZES, UNIT};
 use crate::double_double::{self, DoubleDouble, two_sum};
 use crate::epa::Depth;
 use crate::simplex::Scalar;
-use crate::{Distance, DistanceResult, PosedSupport, Verdict};
-use dcd_geom::Polytope;
+use crate::{Distance, DistanceResult, PosedShape, PosedSupport, Verdict};
 use dcd_geom::glam::DVec3;
+use dcd_geom::{Polytope, Shape};
 
 /// What the computed distance of two centres may be off by. Unit: u, relative. A square loses 2u and what its
 /// component lost, twice; two sums, one u each; the root halves that and adds one: 4u.
@@ -125,6 +125,23 @@ pub(crate) fn depth_of_spheres(spheres: [PlacedSphere; 2], sharp: f64) -> Option
         let (normal, point_a, point_b) = spheres.witnesses();
         Depth { depth: -value, normal, point_a, point_b, error_bound: error }
     })
+}
+
+/// [`depth_of_spheres`] of shapes; `None` of others.
+#[inline]
+pub(crate) fn depth_of_two_spheres(
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    sharp: f64,
+) -> Option<Depth> {
+    let placed = |side: PosedShape<'_>| match side.shape {
+        // Of a part that was moved the centre is elsewhere.
+        Shape::Polytope(sphere) if *sphere.vertices() == [DVec3::ZERO] => {
+            Some(PlacedSphere { centre: side.pose.translation(), radius: sphere.swept_radius() })
+        }
+        _ => None,
+    };
+    depth_of_spheres([placed(a)?, placed(b)?], sharp)
 }
 
 impl Gap {

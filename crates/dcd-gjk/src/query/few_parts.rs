@@ -1,0 +1,312 @@
+//! Compounds of few parts at the accuracy of f32: each part as it was given, at a pose of its own.
+//!
+//! A compound's answers are for its parts as it placed them, cuboids as hulls of eight points and cylinders by their
+//! support maps. As they were given they have closed forms; what the products of two poses lose is a length, by which the
+//! parts are moved at most, and by which a distance or a depth changes at most (docs/numerics/proofs.md, "Parts as they
+//! were given"). What that leaves open is left to the parts as they are placed.
+
+use super::{Accuracy, Feature, depths};
+use crate::distance::{Distance, DistanceResult, distance_at};
+use crate::epa::{self, Depth};
+use crate::{PosedShape, Verdict, certified, mesh};
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Kind, Part, Pose, Shape, SupportMap};
+use std::cell::OnceCell;
+
+/// The most parts of one shape, those of two make 64 pairs. More: the tree over them is quicker.
+const MOST: usize = 8;
+
+/// What moving a part to its place twice, or by a product of poses, loses. Unit: u of the part's reach and its place.
+/// Derived: 32.
+const PLACED: f64 = 48.0;
+
+/// The most that may be, relative to the part's reach: far from the origin rounding is more than the accuracy allows.
+const NEAR: f64 = 1e-10;
+
+/// Unit roundoff.
+const UNIT: f64 = f64::EPSILON / 2.0;
+
+/// A part, or a convex shape as its own only one.
+struct Placed<'a> {
+    whole: PosedShape<'a>,
+    part: Option<&'a Part>,
+    /// A sphere round it; of infinite radius for a half-space. World.
+    centre: DVec3,
+    radius: f64,
+    /// Where a compound's part is, and how far its points may be from those of the part that answers are given for,
+    /// metres: made when it is first needed. `None` where that is too far.
+    at: OnceCell<Option<(Pose, f64)>>,
+}
+
+/// Those of one shape.
+#[derive(Default)]
+struct Parts<'a>([Option<Placed<'a>>; MOST]);
+
+impl<'a> Placed<'a> {
+    /// `None` for shapes that are known by their support maps alone.
+    fn of(whole: PosedShape<'a>, part: Option<&'a Part>) -> Option<Self> {
+        let pose = part.map(|part| &part.pose);
+        let (middle, radius) = match part.map_or(whole.shape, Part::placed) {
+            Shape::Polytope(polytope) => {
+                (polytope.inner().centre, polytope.outer_radius() + polytope.swept_radius())
+            }
+            Shape::Curved(curved) => (DVec3::ZERO, curved.reach() + curved.swept_radius()),
+            Shape::HalfSpace(_) => (DVec3::ZERO, f64::INFINITY),
+            // A cylinder or cone that was moved.
+            Shape::Custom(_) => {
+                let curved = part?.moved_curved()?;
+                (pose?.translation(), curved.reach() + curved.swept_radius())
+            }
+            _ => return None,
+        };
+        let centre = whole.pose.apply(middle);
+        Some(Self { whole, part, centre, radius, at: OnceCell::new() })
+    }
+
+    /// As it was given, where it is; and by how much it is moved.
+    fn posed(&self) -> Option<(PosedShape<'_>, f64)> {
+        let Some(part) = self.part else { return Some((self.whole, 0.0)) };
+        let (pose, moved) = self.at.get_or_init(|| place(self.whole.pose, part)).as_ref()?;
+        Some((PosedShape { shape: &part.shape, pose }, *moved))
+    }
+
+    /// At most how far apart two are, as the spheres round them show.
+    fn gap(&self, other: &Self) -> f64 {
+        let far = self.centre.abs().element_sum() + other.centre.abs().element_sum();
+        let radii = (self.radius + other.radius) * (1.0 + 1e-5);
+        self.centre.distance(other.centre) - radii - 64.0 * UNIT * far
+    }
+}
+
+/// Where a part of a compound is, and how far that may be from where the compound has it.
+fn place(whole: &Pose, part: &Part) -> Option<(Pose, f64)> {
+    let turned = *whole.rotation() * *part.pose.rotation();
+    let pose = Pose::from_matrix(turned, whole.apply(part.pose.translation())).ok()?;
+    let reach = part.shape.reach();
+    let size = reach + part.pose.translation().length() + pose.translation().length();
+    // Of a curved part that was moved the support map is what answers are given for.
+    let moved = PLACED * UNIT * size + 2.0 * part.placed().support_error();
+    (moved <= NEAR * reach).then_some((pose, moved))
+}
+
+impl<'a> Parts<'a> {
+    /// `None` of shapes that are neither convex nor compounds, and of too many.
+    fn fill(&mut self, side: PosedShape<'a>) -> Option<()> {
+        let Self(slots) = self;
+        let Shape::Compound(compound) = side.shape else {
+            slots[0] = Some(Placed::of(side, None).filter(|_| side.shape.is_convex())?);
+            return Some(());
+        };
+        let parts = compound.parts();
+        if parts.len() > MOST {
+            return None;
+        }
+        for (slot, part) in slots.iter_mut().zip(parts) {
+            *slot = Some(Placed::of(side, Some(part))?);
+        }
+        Some(())
+    }
+
+    /// Whether pairs with others of which it is true have a formula, nearly all.
+    fn have_formulas(&self) -> bool {
+        let has = |placed: &Placed<'_>| match placed.part.map_or(placed.whole.shape, |p| &p.shape) {
+            Shape::Polytope(polytope) => {
+                matches!(polytope.kind(), Kind::Point | Kind::Segment | Kind::Cuboid { .. })
+            }
+            Shape::HalfSpace(_) => true,
+            _ => false,
+        };
+        self.0.iter().flatten().all(has)
+    }
+
+    /// With their numbers.
+    fn all(&self) -> impl Iterator<Item = (u32, &Placed<'a>)> {
+        (0..).zip(self.0.iter().map_while(Option::as_ref))
+    }
+}
+
+/// Two shapes of which one is a compound, in the order that is one for (a, b) and (b, a); and whether that is the other.
+fn in_order<'a>(a: PosedShape<'a>, b: PosedShape<'a>) -> Option<([PosedShape<'a>; 2], bool)> {
+    let is_compound = |side: PosedShape<'_>| matches!(side.shape, Shape::Compound(_));
+    if !is_compound(a) && !is_compound(b) {
+        return None;
+    }
+    let swapped = mesh::is_swapped(a, b);
+    Some((if swapped { [b, a] } else { [a, b] }, swapped))
+}
+
+/// What is known of two parts.
+enum Known {
+    Apart,
+    Deep(Depth),
+}
+
+/// Whether two parts touch, and how deep; `None` where what they are moved by leaves it open.
+fn touch(a: &Placed<'_>, b: &Placed<'_>, scratch: &mut epa::Scratch) -> Option<Known> {
+    let ((in_a, moved_a), (in_b, moved_b)) = (a.posed()?, b.posed()?);
+    let moved = moved_a + moved_b;
+    let deep = |found: Depth| {
+        let error_bound = (found.error_bound + moved).next_up();
+        (found.depth > error_bound).then_some(Known::Deep(Depth { error_bound, ..found }))
+    };
+    let at = Accuracy::F32;
+    let formula = depths::by_frame(at, in_a, in_b);
+    let formula = formula.or_else(|| depths::by_formula(at, in_a, in_b));
+    if let Some(known) = formula.and_then(deep) {
+        return Some(known);
+    }
+    match certified::overlap_of(in_a, in_b).0 {
+        Verdict::Touching(()) => match depths::of_touching(at, in_a, in_b, scratch) {
+            Verdict::Touching(found) => deep(found),
+            _ => None,
+        },
+        Verdict::Apart => match distance_at(at, in_a, in_b).0 {
+            DistanceResult::Apart(found) if found.lower() > moved => Some(Known::Apart),
+            _ => None,
+        },
+        Verdict::Undecided(_) => None,
+    }
+}
+
+/// Which parts are of interest.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Wanted {
+    All,
+    /// Those that may be deeper than what was found before.
+    Deepest,
+}
+
+/// Pairs of parts that touch, by index, each with its depth; in an order and with normals from the first to the second
+/// as [`mesh::is_swapped`] has them: whether that is the other. `None` where that is not known at once.
+pub(super) fn touching(
+    wanted: Wanted,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    scratch: &mut epa::Scratch,
+    mut found: impl FnMut([u32; 2], Depth),
+) -> Option<bool> {
+    let ([a, b], swapped) = in_order(a, b)?;
+    let (mut of_a, mut of_b) = (Parts::default(), Parts::default());
+    of_a.fill(a)?;
+    of_b.fill(b)?;
+    // Of others the bounds that are known of placed parts spare more searches than these are quicker.
+    if !(of_a.have_formulas() && of_b.have_formulas()) {
+        return None;
+    }
+    let mut deepest = 0.0;
+    for (j, part_a) in of_a.all() {
+        for (k, part_b) in of_b.all() {
+            let gap = part_a.gap(part_b);
+            if gap > 0.0 || wanted == Wanted::Deepest && -gap < deepest {
+                continue;
+            }
+            if let Known::Deep(depth) = touch(part_a, part_b, scratch)? {
+                deepest = depth.depth.max(deepest);
+                found([j, k], depth);
+            }
+        }
+    }
+    Some(swapped)
+}
+
+/// Two parts by index, where they are and as they were given.
+pub(super) fn with_posed<'s, T>(
+    sides: [PosedShape<'s>; 2],
+    pair: [u32; 2],
+    of: impl FnOnce([PosedShape<'_>; 2]) -> T,
+) -> Option<T> {
+    let placed = |side: PosedShape<'s>, k: u32| match side.shape {
+        Shape::Compound(compound) => Placed::of(side, compound.parts().get(k as usize)),
+        _ => Placed::of(side, None),
+    };
+    let [a, b] = sides;
+    let (part_a, part_b) = (placed(a, pair[0])?, placed(b, pair[1])?);
+    Some(of([part_a.posed()?.0, part_b.posed()?.0]))
+}
+
+/// The name of a feature of a part as it was given, where its compound has placed it: faces are listed in another order
+/// there. `None` of a face that it has not.
+pub(super) fn name(whole: PosedShape<'_>, part: u32, feature: Feature) -> Option<Feature> {
+    let (Shape::Compound(compound), Feature::Face(face)) = (whole.shape, feature) else {
+        return Some(feature);
+    };
+    let part = compound.parts().get(part as usize)?;
+    let (own, placed) = (part.shape.as_polytope()?, part.placed().as_polytope()?);
+    if own.kind() == placed.kind() {
+        return Some(feature);
+    }
+    let (own, placed) = (own.facets(), placed.facets());
+    let due = own.corners(own.facets().get(face as usize)?);
+    let is_same = |corners: &[u32]| {
+        corners.len() == due.len() && corners.iter().all(|corner| due.contains(corner))
+    };
+    let there = placed.facets().iter().position(|facet| is_same(placed.corners(facet)))?;
+    Some(Feature::Face(there as u32))
+}
+
+/// The depth of the deepest two parts; `None` where it is not known at once.
+///
+/// (a, b) and (b, a) give the same bits, mirrored.
+pub(super) fn depth(
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    scratch: &mut epa::Scratch,
+) -> Option<Depth> {
+    let (mut deepest, mut upper): (Option<Depth>, f64) = (None, 0.0);
+    let swapped = touching(Wanted::Deepest, a, b, scratch, |_, depth| {
+        upper = upper.max(depth.depth + depth.error_bound);
+        if deepest.is_none_or(|most| depth.depth > most.depth) {
+            deepest = Some(depth);
+        }
+    })?;
+    let most = deepest?;
+    // Another may be deeper than the deepest by its own bound.
+    let above = (upper - most.depth).next_up().min(f64::MAX);
+    let found = Depth { error_bound: most.error_bound.max(above), ..most };
+    Some(if swapped { found.mirrored() } else { found })
+}
+
+/// The distance of the nearest two parts; `None` where it is not known at once, or they touch.
+///
+/// (a, b) and (b, a) give the same bits, mirrored.
+pub(crate) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance> {
+    let ([a, b], swapped) = in_order(a, b)?;
+    let (mut of_a, mut of_b) = (Parts::default(), Parts::default());
+    of_a.fill(a)?;
+    of_b.fill(b)?;
+    let mut gaps = Vec::new();
+    for (_, part_a) in of_a.all() {
+        gaps.extend(of_b.all().map(|(_, part_b)| (part_a.gap(part_b), [part_a, part_b])));
+    }
+    let mut nearest: Option<Distance> = None;
+    let mut lower = f64::INFINITY;
+    for first in 0..gaps.len() {
+        // The nearest spheres first: few need the others.
+        let least = (first..gaps.len()).min_by(|&j, &k| gaps[j].0.total_cmp(&gaps[k].0))?;
+        gaps.swap(first, least);
+        let (gap, [part_a, part_b]) = gaps[first];
+        if nearest.is_some_and(|nearest| gap > nearest.distance) {
+            break;
+        }
+        let ((in_a, moved_a), (in_b, moved_b)) = (part_a.posed()?, part_b.posed()?);
+        let DistanceResult::Apart(found) = distance_at(Accuracy::F32, in_a, in_b).0 else {
+            return None;
+        };
+        let error_bound = (found.error_bound + (moved_a + moved_b)).next_up();
+        if !(found.distance > error_bound) {
+            return None;
+        }
+        lower = lower.min(found.distance - error_bound);
+        if nearest.is_none_or(|nearest| found.distance < nearest.distance) {
+            nearest = Some(Distance { error_bound, ..found });
+        }
+    }
+    let nearest = nearest?;
+    // Another may be nearer than the nearest by its own bound.
+    let below = (nearest.distance - lower).next_up();
+    let found = Distance { error_bound: nearest.error_bound.max(below), ..nearest };
+    Some(if swapped { found.mirrored() } else { found })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,188 @@
+//! Parts as they were given beside parts as they are placed.
+
+use super::{depth, distance, name};
+use crate::distance::{DistanceResult, distance as certified_distance, gap_along};
+use crate::motion::tests::Draw;
+use crate::query::{Accuracy, Feature, MeasureAt};
+use crate::{Depths, Manifolds, PosedShape, Verdict, mesh};
+use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::{Pose, Shape};
+
+fn pose(draw: &mut Draw, reach: f64, is_turned: bool) -> Pose {
+    let turn = if is_turned { draw.vector() * 3.0 } else { DVec3::ZERO };
+    Pose::new(DQuat::from_scaled_axis(turn).normalize(), draw.vector() * reach).unwrap()
+}
+
+fn convex(draw: &mut Draw, k: usize) -> Shape {
+    let half = draw.vector().abs() * 0.3 + 0.05;
+    let made = match k % 9 {
+        0 | 5 => Shape::sphere(half.x),
+        1 | 6 | 7 => Shape::cuboid(half),
+        2 => Shape::capsule(half.x, half.y),
+        3 => Shape::cylinder(half.x, half.y),
+        _ => Shape::cuboid(half).and_then(|cuboid| cuboid.rounded(0.05)),
+    };
+    made.unwrap()
+}
+
+/// Of one to five parts; some in a row whose faces meet.
+fn compound(draw: &mut Draw, k: usize) -> Shape {
+    if k % 4 == 0 {
+        let at = |x: f64| Pose::from_translation(DVec3::X * x).unwrap();
+        let cube = || Shape::cuboid(DVec3::splat(0.25)).unwrap();
+        return Shape::compound([-0.5, 0.0, 0.5].map(|x| (cube(), at(x))).to_vec()).unwrap();
+    }
+    let parts = (0..1 + k % 5).map(|j| {
+        let shape = convex(draw, j + k / 4);
+        (shape, pose(draw, 0.3, j % 3 > 0))
+    });
+    Shape::compound(parts.collect()).unwrap()
+}
+
+/// A compound and another shape, some far from the world's origin.
+fn pair(draw: &mut Draw, k: usize) -> ([Shape; 2], [Pose; 2]) {
+    let one = compound(draw, k);
+    let other = match k % 3 {
+        0 => compound(draw, k / 3 + 1),
+        _ if k % 13 == 0 => Shape::half_space(draw.vector(), 0.0).unwrap(),
+        _ => convex(draw, k / 2),
+    };
+    let far = if k % 17 == 0 { DVec3::new(3e3, -1e3, 2e3) } else { DVec3::ZERO };
+    let poses = [pose(draw, 0.4, k % 5 > 0), pose(draw, 0.4, k % 7 > 0)];
+    let moved = |pose: Pose| pose.with_translation(pose.translation() + far).unwrap();
+    let (shapes, poses) = ([one, other], poses.map(moved));
+    match k % 2 {
+        0 => (shapes, poses),
+        _ => {
+            let ([a, b], [p, q]) = (shapes, poses);
+            ([b, a], [q, p])
+        }
+    }
+}
+
+/// By the seed that `DCD_SEED` names, else by this one.
+fn draw(seed: u64) -> Draw {
+    Draw(std::env::var("DCD_SEED").map_or(seed, |seed| seed.parse().expect("a seed")))
+}
+
+#[test]
+fn depths_and_distances_of_few_parts_are_those_of_the_placed_parts() {
+    let mut draw = draw(12);
+    let [mut deep, mut apart, mut asked] = [0; 3];
+    for k in 0..3000 {
+        let (shapes, poses) = pair(&mut draw, k);
+        let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
+        let mut scratch = Default::default();
+        let found = depth(a, b, &mut scratch);
+        assert_eq!(found, depth(b, a, &mut scratch).map(|found| found.mirrored()), "{k}");
+        let gap = distance(a, b);
+        assert_eq!(gap, distance(b, a).map(|found| found.mirrored()), "{k}");
+        asked += 1;
+        let truth = Depths.measure_at(Accuracy::Certified, a, b, &mut scratch);
+        if let Some(found) = found {
+            let Verdict::Touching(best) = truth else { panic!("{k}: {truth:?}") };
+            let off = (found.depth - best.depth).abs();
+            assert!(off <= found.error_bound + best.error_bound, "{k}: {found:?} {best:?}");
+            assert!(found.error_bound < 1e-6, "{k}: {found:?}");
+            deep += 1;
+        }
+        if let Some(gap) = gap {
+            let DistanceResult::Apart(best) = certified_distance(a, b).0 else {
+                panic!("{k}: {gap:?}")
+            };
+            let off = (gap.distance - best.distance).abs();
+            assert!(off <= gap.error_bound + best.error_bound, "{k}: {gap:?} {best:?}");
+            assert!(gap.error_bound < 2e-5, "{k}: {gap:?}");
+            assert!(found.is_none(), "{k}");
+            apart += 1;
+        }
+    }
+    assert!(deep > 1000 && apart > 500 && asked > deep, "{deep} {apart}");
+}
+
+#[test]
+fn a_face_of_a_part_has_the_name_that_it_has_where_it_is_placed() {
+    let mut draw = draw(14);
+    for k in 0..300 {
+        let cuboid = Shape::cuboid(draw.vector().abs() + 0.05).unwrap();
+        let at = pose(&mut draw, 1.0, k % 10 > 0);
+        let compound = Shape::compound(vec![(cuboid.clone(), at)]).unwrap();
+        let whole = PosedShape { shape: &compound, pose: &Pose::IDENTITY };
+        let Shape::Compound(placed) = &compound else { panic!("{k}") };
+        let corners = |shape: &Shape, index: u32| {
+            let facets = shape.as_polytope().unwrap().facets();
+            let mut corners = facets.corners(&facets.facets()[index as usize]).to_vec();
+            corners.sort_unstable();
+            corners
+        };
+        for face in 0..6 {
+            let Some(Feature::Face(there)) = name(whole, 0, Feature::Face(face)) else {
+                panic!("{k}: face {face} has no name");
+            };
+            let due = corners(&cuboid, face);
+            assert_eq!(due, corners(placed.parts()[0].placed(), there), "{k}: face {face}");
+        }
+        let edge = Feature::Edge(1, 3);
+        assert_eq!(name(whole, 0, edge), Some(edge));
+    }
+}
+
+#[test]
+fn every_two_parts_that_touch_belong_to_a_manifold() {
+    let mut draw = draw(13);
+    let (mut pairs_seen, mut several) = (0, 0);
+    for k in 0..2000 {
+        let (shapes, poses) = pair(&mut draw, k);
+        let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
+        if depth(a, b, &mut Default::default()).is_none() {
+            continue;
+        }
+        let at = Accuracy::F32;
+        let Verdict::Touching(set) =
+            Manifolds::default().measure_at(at, a, b, &mut Default::default())
+        else {
+            panic!("{k}: not measured");
+        };
+        several += usize::from(set.len() > 1);
+        for manifold in &set {
+            assert!(!manifold.points().is_empty(), "{k}");
+            for point in manifold.points() {
+                let between = point.point_a - point.point_b - manifold.normal * point.depth;
+                assert!(between.length() < 1e-6 + manifold.error_bound, "{k}: {manifold:?}");
+                assert_eq!(
+                    point.parts.map(|part| part.is_some()),
+                    manifold.parts.map(|p| p.is_some())
+                );
+            }
+        }
+        let mut touching = Vec::new();
+        mesh::touching(a, b, &mut Default::default(), &mut touching);
+        for [i, j] in touching {
+            let part = |side: PosedShape<'_>, k: u32| match side.shape {
+                Shape::Compound(compound) => compound.parts()[k as usize].placed().clone(),
+                other => other.clone(),
+            };
+            let (in_a, in_b) = (part(a, i), part(b, j));
+            if !(in_a.is_bounded() && in_b.is_bounded()) {
+                continue;
+            }
+            pairs_seen += 1;
+            let (in_a, in_b) = (PosedShape { shape: &in_a, ..a }, PosedShape { shape: &in_b, ..b });
+            let Verdict::Touching(own) =
+                Depths.measure_at(Accuracy::Certified, in_a, in_b, &mut Default::default())
+            else {
+                continue;
+            };
+            let is_alike = |normal: DVec3| own.normal.dot(normal) >= 1.0 - 1e-6;
+            let is_separated = |normal: DVec3, least: f64| {
+                gap_along(in_a, in_b, normal).is_some_and(|gap| gap >= -least - 1e-9)
+            };
+            let belongs = set.iter().any(|m| {
+                let depth = m.points()[0].depth + m.error_bound;
+                is_alike(m.normal) || is_separated(m.normal, depth)
+            });
+            assert!(belongs, "{k}: parts {i} {j}, {own:?}, {set:?}");
+        }
+    }
+    assert!(pairs_seen > 1000 && several > 100, "{pairs_seen} {several}");
+}

@@ -1,0 +1,204 @@
+//! A shape on a half-space: what it shows along the normal, as far as it is below the plane.
+//!
+//! Heights are products in the shape's own frame, the corners seen along the normal likewise: nothing is clipped, and
+//! none of it is listed.
+
+use super::clip::different;
+use super::facing::Part;
+use super::reduce::{self, Spot};
+use super::stand_in::StandIn;
+use super::{Feature, Manifold, ManifoldPoint, ManifoldSet, SAME, bound_of, of_one_point};
+use crate::epa::Depth;
+use crate::{PosedShape, Verdict};
+use dcd_geom::glam::{DVec2, DVec3};
+use dcd_geom::{Shape, SupportMap};
+
+/// How many corners are held; of a face with more, the general way.
+const MOST: usize = 8;
+
+/// A corner of what a shape shows.
+#[derive(Clone, Copy, Default)]
+struct Corner {
+    index: u32,
+    /// In the shape's own frame.
+    point: DVec3,
+    /// Seen along the normal.
+    at: DVec2,
+    /// Below the plane, with what is swept round the core.
+    depth: f64,
+}
+
+impl Spot for Corner {
+    #[inline]
+    fn at(&self) -> DVec2 {
+        self.at
+    }
+
+    #[inline]
+    fn depth(&self) -> f64 {
+        self.depth
+    }
+}
+
+/// What a shape shows of itself.
+enum Shown<'a> {
+    Of(Part<'a>, &'a [DVec3]),
+    StandIn(StandIn),
+}
+
+impl Shown<'_> {
+    fn part(&self) -> Part<'_> {
+        match self {
+            Self::Of(part, _) => *part,
+            Self::StandIn(stand_in) => stand_in.part,
+        }
+    }
+
+    /// Whether an edge is all that the shape shows there.
+    fn has_line(&self) -> bool {
+        match self {
+            Self::Of(_, vertices) => vertices.len() == 2,
+            Self::StandIn(_) => true,
+        }
+    }
+
+    /// A corner in the shape's own frame.
+    #[inline]
+    fn corner(&self, k: u32) -> DVec3 {
+        match self {
+            Self::Of(_, vertices) => vertices[k as usize],
+            Self::StandIn(stand_in) => stand_in.corner(k),
+        }
+    }
+}
+
+/// A polytope, cylinder or cone that looks into a half-space.
+pub(super) struct Resting<'a> {
+    sides: [PosedShape<'a>; 2],
+    /// Which of the pair it is.
+    number: usize,
+    /// Where it looks, of unit length; in its own frame too.
+    towards: DVec3,
+    local: DVec3,
+    shown: Shown<'a>,
+    /// How large it is.
+    size: f64,
+}
+
+impl<'a> Resting<'a> {
+    /// `None` of other shapes, and of faces with many corners.
+    pub(super) fn of(depth: &Depth, sides: [PosedShape<'a>; 2]) -> Option<Self> {
+        let number = match sides.map(|side| side.shape) {
+            [_, Shape::HalfSpace(_)] => 0,
+            [Shape::HalfSpace(_), _] => 1,
+            _ => return None,
+        };
+        let side = sides[number];
+        let towards = if number == 0 { depth.normal } else { -depth.normal };
+        let local = side.pose.rotation().transpose() * towards;
+        let (shown, size) = match side.shape {
+            Shape::Polytope(polytope) => {
+                let part = Part::facing(polytope, local);
+                (Shown::Of(part, polytope.vertices()), 2.0 * polytope.outer_radius())
+            }
+            Shape::Curved(curved) => {
+                (Shown::StandIn(StandIn::of(curved, local)), 2.0 * curved.reach())
+            }
+            _ => return None,
+        };
+        if matches!(shown.part(), Part::Face { corners, .. } if corners.len() > MOST) {
+            return None;
+        }
+        Some(Self { sides, number, towards, local, shown, size })
+    }
+
+    /// The manifold of that depth.
+    pub(super) fn manifold(&self, depth: &Depth) -> Verdict<ManifoldSet> {
+        let mut corners = [Corner::default(); MOST];
+        let count = match self.shown.part() {
+            Part::Vertex(_) => 0,
+            Part::Edge(ends) => self.below(depth, &ends, &mut corners),
+            Part::Face { corners: of_face, .. } => self.below(depth, of_face, &mut corners),
+        };
+        let count = different(&mut corners[..count], self.size);
+        let corners = &corners[..count];
+        let tolerance = SAME * self.size;
+        let deepest = corners.iter().map(|corner| corner.depth).fold(f64::NEG_INFINITY, f64::max);
+        let stands_for_all = deepest >= depth.depth - tolerance;
+        let error_bound = bound_of(depth, self.size, self.sides);
+        let kept = reduce::to_four(corners, tolerance).filter(|_| stands_for_all);
+        let Some((kept, count)) = kept else {
+            let features = self.features(self.shown.part().name());
+            return Verdict::Touching(of_one_point(depth, features, error_bound).into());
+        };
+        let kept = &kept[..count];
+        let error_bound = (error_bound + self.off_surface(depth, corners, kept)).min(f64::MAX);
+        let point = |slot: usize| match kept.get(slot) {
+            Some(&k) => self.point(&corners[k], depth.depth),
+            None => ManifoldPoint::EMPTY,
+        };
+        // The first is the deepest.
+        let first = ManifoldPoint { depth: depth.depth, ..point(0) };
+        let points = [first, point(1), point(2), point(3)];
+        let (normal, count) = (depth.normal, count as u8);
+        let found = Manifold { normal, points, count, error_bound, parts: [None; 2] };
+        Verdict::Touching(found.into())
+    }
+
+    /// How far inside a swept surface a point may be that is swept along the normal: metres.
+    fn off_surface(&self, depth: &Depth, corners: &[Corner], kept: &[usize]) -> f64 {
+        let radius = self.sides[self.number].shape.radius();
+        if radius == 0.0 {
+            return 0.0;
+        }
+        let level = match self.shown.part() {
+            Part::Face { normal, .. } => normal.dot(self.local).abs(),
+            Part::Edge([j, k]) if self.shown.has_line() => {
+                let edge = self.shown.corner(k) - self.shown.corner(j);
+                edge.reject_from_normalized(self.local).length() / edge.length()
+            }
+            _ => 0.0,
+        };
+        let inside = radius * (1.0 - level).max(0.0);
+        let less = |&k: &usize| (depth.depth - corners[k].depth).max(0.0);
+        kept.iter().map(less).fold(0.0, f64::max).min(inside)
+    }
+
+    /// The listed corners that are not above the plane: how many.
+    #[inline]
+    fn below(&self, depth: &Depth, listed: &[u32], corners: &mut [Corner; MOST]) -> usize {
+        let side = self.sides[self.number];
+        let on_plane = if self.number == 0 { depth.point_b } else { depth.point_a };
+        let base = self.towards.dot(side.pose.translation() - on_plane) + side.shape.radius();
+        let (x, y) = self.local.any_orthonormal_pair();
+        let mut count = 0;
+        for &index in listed {
+            let point = self.shown.corner(index);
+            let below = self.local.dot(point) + base;
+            if below >= 0.0 {
+                let at = DVec2::new(x.dot(point), y.dot(point));
+                corners[count] = Corner { index, point, at, depth: below };
+                count += 1;
+            }
+        }
+        count
+    }
+
+    /// A corner's points: of the shape, and of the plane over it.
+    #[inline]
+    fn point(&self, corner: &Corner, most: f64) -> ManifoldPoint {
+        let side = self.sides[self.number];
+        let swept = side.pose.translation() + self.towards * side.shape.radius();
+        let on_shape = *side.pose.rotation() * corner.point + swept;
+        let on_plane = on_shape - self.towards * corner.depth;
+        let (point_a, point_b) =
+            if self.number == 0 { (on_shape, on_plane) } else { (on_plane, on_shape) };
+        let features = self.features(Feature::Vertex(corner.index));
+        let depth = corner.depth.clamp(0.0, most);
+        ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] }
+    }
+
+    fn features(&self, own: Feature) -> [Feature; 2] {
+        if self.number == 0 { [own, Feature::Surface] } else { [Feature::Surface, own] }
+    }
+}

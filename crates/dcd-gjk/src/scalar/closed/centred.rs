@@ -1,0 +1,313 @@
+//! Spheres against cuboids, capsules, cylinders, cones, triangles and hulls, rounded or not: how far the sphere's centre is from the core of
+//! the other, seen in its frame, negative inside.
+//!
+//! That distance changes by no more than the centre does, and so by no more than the centre lost on its way into the
+//! frame: one evaluation is the answer with its bound, and no support is needed (docs/numerics/proofs.md, "A sphere's
+//! centre").
+
+mod faces;
+
+use super::{SIZES, UNIT};
+use crate::epa::Depth;
+use crate::query::Accuracy;
+use crate::{Distance, DistanceResult, PosedShape};
+use dcd_geom::glam::{DMat3, DVec2, DVec3};
+use dcd_geom::{Curved, CurvedKind, Kind, Polytope, Pose, Shape, Vector};
+
+/// How far the centre's distance from a box or an upright segment may be off. Unit: u·m. Derived: 19.
+const STRAIGHT: f64 = 32.0;
+
+/// The same of cylinders, cones, triangles and hulls. Derived: 35.
+const ROUND: f64 = 48.0;
+
+/// The same, for what the pose is off a rotation by. Unit: its deviation, times m. Derived: 2.1.
+const DEVIATION: f64 = 3.0;
+
+/// The largest deviation of a pose at the accuracy of f32: a direction turned by it is of unit length but for rounding.
+/// Larger: normals that are not.
+const TURNED: f64 = 1e-12;
+
+/// The same at that of f64: a bound of at most 3e-14 of the pair's size. A rotation's is some 50u.
+const ORTHONORMAL: f64 = 64.0 * UNIT;
+
+/// The least distance of the centre from the core's surface of which a direction is taken, metres: its square does not
+/// underflow.
+const SHORTEST: f64 = 1e-140;
+
+/// Where a point is beside a core, in the core's frame.
+#[derive(Clone, Copy)]
+struct Beside {
+    /// How far outside, negative inside. Metres.
+    distance: f64,
+    /// Of unit length, away from the core's nearest point.
+    outward: DVec3,
+    /// By how much more than rounding the distance may be off.
+    unsure: f64,
+}
+
+/// The signed distance of a sphere and another shape, and what it may be off by. World frame, metres.
+struct Gap {
+    value: f64,
+    error: f64,
+    /// From the sphere to the other, of unit length.
+    normal: DVec3,
+    /// Of the sphere, nearest to the other or deepest in it.
+    on_sphere: DVec3,
+    /// Whether the sphere is the second.
+    swapped: bool,
+}
+
+/// How deep a sphere and another shape overlap; `None` for other kinds, where f64 does not prove that they do, and at the
+/// certified accuracy.
+///
+/// (a, b) and (b, a) give the same bits, mirrored.
+#[inline]
+pub(crate) fn depth(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
+    let gap = Gap::of(accuracy, a, b)?;
+    let is_proved = gap.value < -gap.error;
+    is_proved.then(|| {
+        let (normal, point_a, point_b) = gap.witnesses();
+        Depth { depth: -gap.value, normal, point_a, point_b, error_bound: gap.error }
+    })
+}
+
+/// How far apart they are, or that they touch, at the accuracy of f32; `None` for other kinds, and where f64 proves
+/// neither. What a pose is off a rotation by is more than distances in f64 lose otherwise.
+///
+/// (a, b) and (b, a) give the same bits, mirrored.
+#[inline]
+pub(crate) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
+    let gap = Gap::of(Accuracy::F32, a, b)?;
+    if gap.value > gap.error {
+        let (normal, point_a, point_b) = gap.witnesses();
+        let (distance, error_bound) = (gap.value, gap.error);
+        return Some(DistanceResult::Apart(Distance {
+            distance,
+            point_a,
+            point_b,
+            normal,
+            error_bound,
+        }));
+    }
+    (gap.value < -gap.error).then_some(DistanceResult::Touching)
+}
+
+/// The largest deviation of a pose that is taken for a rotation at an accuracy: none at the certified one.
+#[inline]
+pub(super) fn largest_deviation(accuracy: Accuracy) -> Option<f64> {
+    match accuracy {
+        Accuracy::F32 => Some(TURNED),
+        Accuracy::F64 => Some(ORTHONORMAL),
+        Accuracy::Certified => None,
+    }
+}
+
+/// The core of a shape.
+#[derive(Clone, Copy)]
+enum Core<'a> {
+    Cuboid(DVec3),
+    /// Along z.
+    Segment {
+        low: DVec3,
+        high: f64,
+    },
+    Curved(&'a Curved),
+    /// At the accuracy of f32 alone.
+    Triangle(&'a Polytope),
+    Hull(&'a Polytope),
+}
+
+impl<'a> Core<'a> {
+    #[inline(always)]
+    fn of(accuracy: Accuracy, shape: &'a Shape) -> Option<Self> {
+        let is_f32 = accuracy == Accuracy::F32;
+        match shape {
+            Shape::Polytope(polytope) => match (polytope.kind(), polytope.vertices()) {
+                (Kind::Triangle, _) if is_f32 => Some(Self::Triangle(polytope)),
+                (Kind::Hull, _) if is_f32 => Some(Self::Hull(polytope)),
+                (Kind::Cuboid { half_extents }, _) => Some(Self::Cuboid(half_extents)),
+                (Kind::Segment, &[p, q]) if p.x == q.x && p.y == q.y => {
+                    let (low, high) = if p.z <= q.z { (p, q.z) } else { (q, p.z) };
+                    Some(Self::Segment { low, high })
+                }
+                _ => None,
+            },
+            Shape::Curved(curved) => Some(Self::Curved(curved)),
+            _ => None,
+        }
+    }
+
+    #[inline(always)]
+    fn beside(self, point: DVec3) -> Option<Beside> {
+        match self {
+            Self::Cuboid(half) => beside_cuboid(half, point),
+            Self::Segment { low, high } => {
+                let foot = DVec3::new(low.x, low.y, point.z.clamp(low.z, high));
+                outside(point - foot)
+            }
+            Self::Curved(curved) => beside_curved(curved, point),
+            Self::Triangle(triangle) => {
+                faces::beside_triangle(triangle.vertices(), point, triangle.reach())
+            }
+            Self::Hull(hull) => faces::beside_hull(hull, point),
+        }
+    }
+}
+
+/// A point that is away from its nearest of a core; `None` where it is too near for a direction.
+#[inline(always)]
+fn outside(away: DVec3) -> Option<Beside> {
+    let distance = away.length();
+    (distance > SHORTEST).then(|| Beside { distance, outward: away / distance, unsure: 0.0 })
+}
+
+#[inline(always)]
+fn beside_cuboid(half: DVec3, point: DVec3) -> Option<Beside> {
+    let away = point - point.clamp(-half, half);
+    if away != DVec3::ZERO {
+        return outside(away);
+    }
+    let beyond = (point.abs() - half).to_array();
+    let mut axis = if beyond[1] > beyond[0] { 1 } else { 0 };
+    if beyond[2] > beyond[axis] {
+        axis = 2;
+    }
+    let mut outward = DVec3::ZERO;
+    outward[axis] = if point[axis] < 0.0 { -1.0 } else { 1.0 };
+    Some(Beside { distance: beyond[axis], outward, unsure: 0.0 })
+}
+
+/// By the half-plane of the point and the axis: across the axis, and along it.
+#[inline(always)]
+fn beside_curved(curved: &Curved, point: DVec3) -> Option<Beside> {
+    let across = (point.x * point.x + point.y * point.y).sqrt();
+    let seen = DVec2::new(across, point.z);
+    let (half_height, radius) = (curved.half_height(), curved.radius());
+    let (distance, outward) = match curved.kind() {
+        CurvedKind::Cylinder => beside_rectangle(half_height, radius, seen),
+        _ => beside_wedge(half_height, radius, seen),
+    }?;
+    // Round the axis any azimuth is as good.
+    let (x, y) = if across > SHORTEST { (point.x / across, point.y / across) } else { (1.0, 0.0) };
+    let outward = DVec3::new(x * outward.x, y * outward.x, outward.y);
+    Some(Beside { distance, outward, unsure: 0.0 })
+}
+
+/// A cylinder's half-plane: across ≤ radius, |along| ≤ half height.
+#[inline(always)]
+fn beside_rectangle(half_height: f64, radius: f64, seen: DVec2) -> Option<(f64, DVec2)> {
+    let up = if seen.y < 0.0 { -1.0 } else { 1.0 };
+    let (across, along) = (seen.x - radius, seen.y.abs() - half_height);
+    if across > 0.0 && along > 0.0 {
+        let away = DVec2::new(across, along);
+        let distance = away.length();
+        let found = || (distance, DVec2::new(away.x / distance, up * away.y / distance));
+        return (distance > SHORTEST).then(found);
+    }
+    Some(if across > along { (across, DVec2::X) } else { (along, DVec2::new(0.0, up)) })
+}
+
+/// A cone's half-plane: a triangle of the axis, the base below and the side.
+///
+/// What lies in a corner's cone of normals is decided by products of the very difference whose direction is returned, so
+/// that no point of the core reaches farther along it by more than these products lose.
+#[inline(always)]
+fn beside_wedge(half_height: f64, radius: f64, seen: DVec2) -> Option<(f64, DVec2)> {
+    let side = DVec2::new(-radius, 2.0 * half_height);
+    let length = side.length();
+    if !(length > SHORTEST) {
+        return None;
+    }
+    let from_rim = DVec2::new(seen.x - radius, seen.y + half_height);
+    let from_apex = DVec2::new(seen.x, seen.y - half_height);
+    let of_corner = |away: DVec2| {
+        let distance = away.length();
+        (distance > SHORTEST).then(|| (distance, away / distance))
+    };
+    if from_rim.dot(side) <= 0.0 {
+        if seen.x > radius {
+            return of_corner(from_rim);
+        }
+        return Some((-from_rim.y, DVec2::NEG_Y));
+    }
+    if from_apex.dot(side) >= 0.0 {
+        return of_corner(from_apex);
+    }
+    let outward = DVec2::new(side.y, -side.x) / length;
+    let to_side = outward.dot(from_rim);
+    Some(if to_side >= -from_rim.y { (to_side, outward) } else { (-from_rim.y, DVec2::NEG_Y) })
+}
+
+impl Gap {
+    #[inline]
+    fn of(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Self> {
+        let most = largest_deviation(accuracy)?;
+        let is_sphere = |side: PosedShape<'_>| matches!(side.shape, Shape::Polytope(p) if p.kind() == Kind::Point);
+        let swapped = !is_sphere(a);
+        let (sphere, other) = if swapped { (b, a) } else { (a, b) };
+        let core = Core::of(accuracy, other.shape)?;
+        let Shape::Polytope(round) = sphere.shape else { return None };
+        if round.kind() != Kind::Point || other.pose.deviation() > most {
+            return None;
+        }
+        Self::between((round, sphere.pose), (core, other), swapped)
+    }
+
+    #[inline(always)]
+    fn between(
+        (sphere, at): (&Polytope, &Pose),
+        (core, other): (Core<'_>, PosedShape<'_>),
+        swapped: bool,
+    ) -> Option<Self> {
+        let deviation = other.pose.deviation();
+        let middle = *sphere.vertices().first()?;
+        let turned = if middle == DVec3::ZERO { middle } else { *at.rotation() * middle };
+        let from = (at.translation() - other.pose.translation()) + turned;
+        let (reach, swept, lost) = match other.shape {
+            Shape::Polytope(polytope) => {
+                let is_straight = matches!(polytope.kind(), Kind::Cuboid { .. } | Kind::Segment);
+                let lost = if is_straight { STRAIGHT } else { ROUND };
+                (polytope.reach(), polytope.swept_radius(), lost)
+            }
+            Shape::Curved(curved) => {
+                (curved.half_height() + curved.radius(), curved.swept_radius(), ROUND)
+            }
+            _ => return None,
+        };
+        let radius = sphere.swept_radius();
+        let size =
+            reach + 2.0 * sphere.reach() + (at.translation() - other.pose.translation()).norm1();
+        // False for NaN.
+        if !(SIZES.contains(&size) && radius + swept < SIZES.end) {
+            return None;
+        }
+        let rotation: &DMat3 = other.pose.rotation();
+        let seen = DVec3::new(
+            rotation.x_axis.dot(from),
+            rotation.y_axis.dot(from),
+            rotation.z_axis.dot(from),
+        );
+        let Beside { distance, outward, unsure } = core.beside(seen)?;
+        let value = distance - (radius + swept);
+        let error = (lost * UNIT + DEVIATION * deviation) * size
+            + 4.0 * UNIT * (distance.abs() + radius + swept)
+            + unsure * (1.0 + 4.0 * deviation);
+        let normal = -(*rotation * outward);
+        let on_sphere = (at.translation() + turned) + normal * radius;
+        Some(Self { value, error, normal, on_sphere, swapped })
+    }
+
+    /// The normal from a to b, and the point of each.
+    #[inline]
+    fn witnesses(&self) -> (DVec3, DVec3, DVec3) {
+        let on_other = self.on_sphere + self.normal * self.value;
+        if self.swapped {
+            (-self.normal, on_other, self.on_sphere)
+        } else {
+            (self.normal, self.on_sphere, on_other)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
