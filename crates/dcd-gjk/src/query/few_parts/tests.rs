@@ -103,7 +103,7 @@ fn depths_and_distances_of_few_parts_are_those_of_the_placed_parts() {
 #[test]
 fn a_face_of_a_part_has_the_name_that_it_has_where_it_is_placed() {
     let mut draw = draw(14);
-    for k in 0..300 {
+    for k in 0..300usize {
         let cuboid = Shape::cuboid(draw.vector().abs() + 0.05).unwrap();
         let at = pose(&mut draw, 1.0, !k.is_multiple_of(10));
         let compound = Shape::compound(vec![(cuboid.clone(), at)]).unwrap();

@@ -33,7 +33,7 @@ fn half_spaces_are_as_far_from_and_as_deep_in_others_as_exact_planes_are() {
     let seed = std::env::var("DCD_SEED").map_or(8, |seed| seed.parse().expect("a seed"));
     let mut draw = Draw(seed);
     let [mut touching, mut apart] = [0; 2];
-    for k in 0..5000 {
+    for k in 0..5000usize {
         let far = if k.is_multiple_of(11) { 1e4 } else { 0.0 };
         let normal =
             if k.is_multiple_of(5) { DVec3::Z } else { draw.vector() * [1.0, 1e-3, 1e3][k % 3] };
