@@ -113,6 +113,7 @@ impl Pose {
     }
 
     /// R·v + t, rounded.
+    #[inline]
     pub fn apply(&self, v: DVec3) -> DVec3 {
         self.rotation * v + self.translation
     }

@@ -339,6 +339,7 @@ impl SupportMap<f64> for Shape {
         }
     }
 
+    #[inline]
     fn radius(&self) -> f64 {
         match self {
             Self::Polytope(polytope) => polytope.swept_radius(),

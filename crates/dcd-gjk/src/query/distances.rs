@@ -1,9 +1,10 @@
 //! How far apart the pairs within a margin are.
 
-use super::{Accuracy, MeasureAt, check_margin};
+use super::{Accuracy, MeasureAt, check_margin, few_parts};
+use crate::closed;
 use crate::distance::{Distance, DistanceResult, distance, distance_at};
 use crate::{Method, PairSolver, PosedShape, Verdict, certified};
-use dcd_geom::{Aabb, ShapeError, Sphere};
+use dcd_geom::{Aabb, Shape, ShapeError, Sphere};
 
 /// How far apart pairs are, and between which points, for those within a margin: "touching" is
 /// "within the margin".
@@ -99,6 +100,22 @@ impl MeasureAt for Distances {
             DistanceResult::Interval { within, .. } => Verdict::Touching(Some(within)),
             DistanceResult::Undecided(reason) => Verdict::Undecided(reason),
         }
+    }
+}
+
+/// The distance of a sphere, a half-space or a compound of few parts and another, at the accuracy of f32; `None` of others,
+/// and where that leaves open whether they touch. What a pose is off a rotation by is more than distances in f64 lose
+/// otherwise.
+#[inline]
+pub(crate) fn distance_at_once(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
+    match (a.shape, b.shape) {
+        (Shape::Compound(_), _) | (_, Shape::Compound(_)) => {
+            few_parts::distance(a, b).map(DistanceResult::Apart)
+        }
+        (Shape::HalfSpace(_), _) | (_, Shape::HalfSpace(_)) => {
+            closed::level::distance(Accuracy::F32, a, b)
+        }
+        _ => closed::centred::distance(a, b),
     }
 }
 

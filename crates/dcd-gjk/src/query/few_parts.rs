@@ -269,7 +269,7 @@ pub(super) fn depth(
 /// The distance of the nearest two parts; `None` where it is not known at once, or they touch.
 ///
 /// (a, b) and (b, a) give the same bits, mirrored.
-pub(crate) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance> {
+pub(super) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance> {
     let ([a, b], swapped) = in_order(a, b)?;
     let (mut of_a, mut of_b) = (Parts::default(), Parts::default());
     of_a.fill(a)?;

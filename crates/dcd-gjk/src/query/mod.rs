@@ -53,8 +53,7 @@ pub use within::Within;
 pub use crate::simd::CuboidPatch;
 
 pub(crate) use depths::CERTIFIED;
-pub(crate) use distances::{spheres_are_apart, within_margin};
-pub(crate) use few_parts::distance as distance_of_few_parts;
+pub(crate) use distances::{distance_at_once, spheres_are_apart, within_margin};
 pub(crate) use manifold::{FACING, LEVEL};
 pub(crate) use within::grown;
 

@@ -15,7 +15,7 @@ use crate::certificate::Bounds;
 use crate::closed::{self, half_space};
 use crate::exact::{self, Exact};
 use crate::gjk::Simplex;
-use crate::query::{Accuracy, distance_of_few_parts};
+use crate::query::{Accuracy, distance_at_once};
 use crate::{
     Difference, Method, PosedShape, PosedSupport, Reason, Verdict, Vertex, certified, mesh, order,
     portal,
@@ -186,29 +186,18 @@ pub fn distance_at(
     a: PosedShape<'_>,
     b: PosedShape<'_>,
 ) -> (DistanceResult, Method) {
-    let is_bounded = a.shape.is_bounded() && b.shape.is_bounded();
-    if accuracy == Accuracy::Certified {
-        return distance(a, b);
-    }
-    if mesh::have_parts(a.shape, b.shape) {
-        let of_few = (accuracy == Accuracy::F32).then(|| distance_of_few_parts(a, b)).flatten();
-        let apart = of_few.map(|found| (DistanceResult::Apart(found), Method::F64));
-        return apart.unwrap_or_else(|| distance(a, b));
-    }
-    if !is_bounded {
-        // What a pose is off a rotation by is more than distances in f64 lose otherwise.
-        if accuracy == Accuracy::F32
-            && let Some(found) = closed::level::distance(accuracy, a, b)
-        {
-            return (found, Method::F64);
-        }
-        let found = half_space::distance_within(a, b, closed::AS_F64);
-        return found.unwrap_or_else(|| distance(a, b));
-    }
     if accuracy == Accuracy::F32
-        && let Some(found) = closed::centred::distance(a, b)
+        && let Some(found) = distance_at_once(a, b)
     {
         return (found, Method::F64);
+    }
+    let is_bounded = a.shape.is_bounded() && b.shape.is_bounded();
+    if accuracy == Accuracy::Certified || mesh::have_parts(a.shape, b.shape) {
+        return distance(a, b);
+    }
+    if !is_bounded {
+        let found = half_space::distance_within(a, b, closed::AS_F64);
+        return found.unwrap_or_else(|| distance(a, b));
     }
     let gap = if accuracy == Accuracy::F32 { F32_GAP } else { 0.0 };
     match to_within(gap, a, b) {

@@ -27,14 +27,14 @@ fn convex(draw: &mut Draw, k: usize) -> Shape {
 
 /// Of one to five parts; some in a row whose faces meet.
 fn compound(draw: &mut Draw, k: usize) -> Shape {
-    if k % 4 == 0 {
+    if k.is_multiple_of(4) {
         let at = |x: f64| Pose::from_translation(DVec3::X * x).unwrap();
         let cube = || Shape::cuboid(DVec3::splat(0.25)).unwrap();
         return Shape::compound([-0.5, 0.0, 0.5].map(|x| (cube(), at(x))).to_vec()).unwrap();
     }
     let parts = (0..1 + k % 5).map(|j| {
         let shape = convex(draw, j + k / 4);
-        (shape, pose(draw, 0.3, j % 3 > 0))
+        (shape, pose(draw, 0.3, !j.is_multiple_of(3)))
     });
     Shape::compound(parts.collect()).unwrap()
 }
@@ -44,11 +44,11 @@ fn pair(draw: &mut Draw, k: usize) -> ([Shape; 2], [Pose; 2]) {
     let one = compound(draw, k);
     let other = match k % 3 {
         0 => compound(draw, k / 3 + 1),
-        _ if k % 13 == 0 => Shape::half_space(draw.vector(), 0.0).unwrap(),
+        _ if k.is_multiple_of(13) => Shape::half_space(draw.vector(), 0.0).unwrap(),
         _ => convex(draw, k / 2),
     };
-    let far = if k % 17 == 0 { DVec3::new(3e3, -1e3, 2e3) } else { DVec3::ZERO };
-    let poses = [pose(draw, 0.4, k % 5 > 0), pose(draw, 0.4, k % 7 > 0)];
+    let far = if k.is_multiple_of(17) { DVec3::new(3e3, -1e3, 2e3) } else { DVec3::ZERO };
+    let poses = [pose(draw, 0.4, !k.is_multiple_of(5)), pose(draw, 0.4, !k.is_multiple_of(7))];
     let moved = |pose: Pose| pose.with_translation(pose.translation() + far).unwrap();
     let (shapes, poses) = ([one, other], poses.map(moved));
     match k % 2 {
@@ -103,9 +103,9 @@ fn depths_and_distances_of_few_parts_are_those_of_the_placed_parts() {
 #[test]
 fn a_face_of_a_part_has_the_name_that_it_has_where_it_is_placed() {
     let mut draw = draw(14);
-    for k in 0..300 {
+    for k in 0..300usize {
         let cuboid = Shape::cuboid(draw.vector().abs() + 0.05).unwrap();
-        let at = pose(&mut draw, 1.0, k % 10 > 0);
+        let at = pose(&mut draw, 1.0, !k.is_multiple_of(10));
         let compound = Shape::compound(vec![(cuboid.clone(), at)]).unwrap();
         let whole = PosedShape { shape: &compound, pose: &Pose::IDENTITY };
         let Shape::Compound(placed) = &compound else { panic!("{k}") };

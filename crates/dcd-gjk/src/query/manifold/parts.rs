@@ -101,6 +101,7 @@ fn in_order(
 }
 
 /// What is known at once of compounds of few parts.
+#[expect(clippy::large_enum_variant, reason = "the larger one is the common one")]
 enum Few<'s> {
     /// One pair touches: its manifold.
     One(ManifoldSet),

@@ -1,5 +1,5 @@
-//! Spheres against cuboids, capsules, cylinders, cones, triangles and hulls, rounded or not: how far the sphere's centre is from the core of
-//! the other, seen in its frame, negative inside.
+//! Spheres against cuboids, capsules, cylinders, cones, triangles and hulls, rounded or not: how far the sphere's centre
+//! is from the core of the other, seen in its frame, negative inside.
 //!
 //! That distance changes by no more than the centre does, and so by no more than the centre lost on its way into the
 //! frame: one evaluation is the answer with its bound, and no support is needed (docs/numerics/proofs.md, "A sphere's

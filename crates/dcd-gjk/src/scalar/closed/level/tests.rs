@@ -33,14 +33,18 @@ fn half_spaces_are_as_far_from_and_as_deep_in_others_as_exact_planes_are() {
     let seed = std::env::var("DCD_SEED").map_or(8, |seed| seed.parse().expect("a seed"));
     let mut draw = Draw(seed);
     let [mut touching, mut apart] = [0; 2];
-    for k in 0..5000 {
-        let far = if k % 11 == 0 { 1e4 } else { 0.0 };
-        let normal = if k % 5 == 0 { DVec3::Z } else { draw.vector() * [1.0, 1e-3, 1e3][k % 3] };
+    for k in 0..5000usize {
+        let far = if k.is_multiple_of(11) { 1e4 } else { 0.0 };
+        let normal =
+            if k.is_multiple_of(5) { DVec3::Z } else { draw.vector() * [1.0, 1e-3, 1e3][k % 3] };
         let offset = draw.number() * 0.2 * normal.length();
         let half_space = Shape::half_space(normal, offset).unwrap();
-        let half_space = half_space.rounded(if k % 6 == 0 { 0.05 } else { 0.0 }).unwrap();
+        let half_space = half_space.rounded(if k.is_multiple_of(6) { 0.05 } else { 0.0 }).unwrap();
         let other = shape(&mut draw, k);
-        let poses = [pose(&mut draw, k % 3 > 0, far), pose(&mut draw, k % 4 > 0, far)];
+        let poses = [
+            pose(&mut draw, !k.is_multiple_of(3), far),
+            pose(&mut draw, !k.is_multiple_of(4), far),
+        ];
         let a = PosedShape { shape: &half_space, pose: &poses[0] };
         let b = PosedShape { shape: &other, pose: &poses[1] };
         let deep = depth(Accuracy::F32, a, b);
