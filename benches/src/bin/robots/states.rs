@@ -1,6 +1,5 @@
 //! States of every problem: kinematics, preparation and check, first hits and all, beside Parry in f64.
 
-use std::hint::black_box;
 use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
@@ -18,9 +17,6 @@ const STATES: usize = 100;
 
 /// How many states are checked at once; the last on a finer line.
 pub(crate) const BATCHES: [usize; 4] = [1, 16, STATES, 10_000];
-
-/// Bytes that make the allocator sort what small pieces were freed, as those of Parry and of many states are.
-const SORTED_AT: usize = 1 << 16;
 
 /// What was found and how long it took, of one geometry on so many threads.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -183,11 +179,12 @@ fn is_cell(a: &Workcell, b: &Workcell) -> bool {
 fn round(settings: &[&Setting], par: Par, held: &mut Option<StateChecker>) -> Result<Round> {
     let mut round = Round::default();
     for setting in settings {
+        // Made before anything is timed: what allocator and kernel put off when Parry's memory went is done meanwhile.
+        let states = on_the_way(&setting.ends, STATES);
+        let many = on_the_way(&setting.ends, BATCHES[BATCHES.len() - 1]);
         // As a planner does that is given the obstacles of its next problem. No cell is dropped while it is timed.
         let stays = held.as_ref().is_some_and(|held| robot_stays(held.cell(), &setting.cell));
         let cell = (!stays).then(|| setting.cell.clone());
-        // What was freed before may be sorted at the next large request: now, and not in one that is timed.
-        drop(black_box(Vec::<u8>::with_capacity(SORTED_AT)));
         let (preparation, prepared) = match (held.as_mut(), cell) {
             (Some(checker), None) => time(|| checker.set_obstacles(&setting.obstacles)),
             (Some(checker), Some(cell)) => time(|| checker.set_cell(cell)),
@@ -201,8 +198,6 @@ fn round(settings: &[&Setting], par: Par, held: &mut Option<StateChecker>) -> Re
         let checker = held.as_ref().context("no checker")?;
         ensure!(is_cell(checker.cell(), &setting.cell), "an exchanged cell is not the problem's");
         round.preparations.push(preparation);
-        let states = on_the_way(&setting.ends, STATES);
-        let many = on_the_way(&setting.ends, BATCHES[BATCHES.len() - 1]);
         let (kinematics, placed) = time(|| checker.place_links(&states));
         placed?;
         round.kinematics += kinematics;

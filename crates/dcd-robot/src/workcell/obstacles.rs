@@ -3,6 +3,7 @@
 use super::{Workcell, obstacle_object};
 use crate::{Obstacle, RobotError};
 use dcd_geom::{Pose, SceneError};
+use dcd_simd::prefetch;
 use std::ops::Range;
 
 impl Workcell {
@@ -14,13 +15,16 @@ impl Workcell {
     /// # Errors
     /// An obstacle out of range, or with the name of a link or of what the robot carries; nothing is changed then.
     pub fn set_obstacles(&mut self, obstacles: &[Obstacle]) -> Result<(), RobotError> {
+        // The names that come and those that go are anywhere in memory: they are fetched beside each other.
+        let first = self.obstacles().start;
+        self.names[first..].iter().for_each(|name| prefetch(name.as_bytes()));
+        obstacles.iter().for_each(|obstacle| prefetch(obstacle.name.as_bytes()));
         for obstacle in obstacles {
             self.check_name(&obstacle.name)?;
         }
         if !self.stays_unfiltered(obstacles) {
             return self.rebuild(obstacles);
         }
-        let first = self.obstacles().start;
         let objects = obstacles.iter().map(|o| (&o.shape, obstacle_object(0, o.pose)));
         self.scene.replace_from(first, objects).map_err(RobotError::Scene)?;
         self.names.truncate(first + obstacles.len());
