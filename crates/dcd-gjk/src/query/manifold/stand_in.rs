@@ -31,8 +31,8 @@ pub(super) struct StandIn {
 }
 
 impl StandIn {
-    /// Corners of the face of a cylinder or cone that looks along a unit direction of its own frame, or else the line of its side
-    /// that is the lowest, or the end of that line.
+    /// Corners of the face of a cylinder or cone that looks along a unit direction of its own frame, or else the line of
+    /// its side that is the lowest, or the end of that line.
     pub(super) fn of(curved: &Curved, direction: DVec3) -> Self {
         let lowest = direction.truncate().try_normalize().unwrap_or(DVec2::X);
         let discs = curved.discs();
