@@ -31,9 +31,9 @@ pub(crate) struct Outcome {
     pub(crate) differences: usize,
     /// Nanoseconds a state, the median of the rounds.
     pub(crate) kinematics: f64,
-    /// Nanoseconds a problem: the mean of the problems' medians of the rounds, since one that waits for a processor takes
-    /// as long as a hundred others.
-    pub(crate) preparation: f64,
+    /// Nanoseconds a problem: the median of the rounds' means, and the mean of the problems' medians of the rounds, which
+    /// leaves out what a problem waits for in few rounds.
+    pub(crate) preparation: [f64; 2],
     pub(crate) rows: Vec<Row>,
 }
 
@@ -110,12 +110,14 @@ pub(crate) fn run(
     })
 }
 
-/// The mean of so many problems' medians of the rounds, nanoseconds.
-fn preparation(rounds: &[Round], problems: usize) -> f64 {
+/// The median of the rounds' means of so many problems, and the mean of the problems' medians; nanoseconds.
+fn preparation(rounds: &[Round], problems: usize) -> [f64; 2] {
     let nanoseconds =
         |round: &Round, problem: usize| round.preparations[problem].as_secs_f64() * 1e9;
-    let of = |problem| quantiles(rounds.iter().map(|round| nanoseconds(round, problem)))[0];
-    (0..problems).map(of).sum::<f64>() / problems as f64
+    let mean = |of: &dyn Fn(usize) -> f64| (0..problems).map(of).sum::<f64>() / problems as f64;
+    let of_round = |round| mean(&|problem| nanoseconds(round, problem));
+    let of_problem = |problem| quantiles(rounds.iter().map(|round| nanoseconds(round, problem)))[0];
+    [quantiles(rounds.iter().map(of_round))[0], mean(&of_problem)]
 }
 
 /// The median, the least and the most.
