@@ -36,7 +36,7 @@ pub use facets::{FLATNESS, Facet, Facets};
 pub use half_space::HalfSpace;
 pub use hull::{ConvexHull, Dimension, HullError};
 pub use obb::ObbBounds;
-pub use parts::{Adjacency, Compound, Corners, LeafTest, Mesh, Part, PartTree, Triangles};
+pub use parts::{Adjacency, Compound, Corners, LeafFilter, Mesh, Part, PartTree, Triangles};
 pub use polytope::{Kind, Polytope};
 pub use pose::Pose;
 pub use real::{Matrix, Real, Vector};

@@ -12,4 +12,4 @@ pub use adjacency::Adjacency;
 pub use compound::{Compound, Part};
 pub use mesh::{Corners, Mesh, Triangles};
 pub use tree::PartTree;
-pub use visit::LeafTest;
+pub use visit::LeafFilter;

@@ -3,8 +3,8 @@
 use super::PartTree;
 use dcd_simd::{BoxTest, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, nearest_first};
 
-/// What is known of the parts of a leaf beside their boxes.
-pub trait LeafTest {
+/// Which parts of a leaf whose boxes are near are worth a visit.
+pub trait LeafFilter {
     /// Which of these lanes of a leaf's block, by its number, are to be visited. To be marked `#[inline(always)]`.
     fn keep<L: Lanes>(&self, l: L, leaf: usize, lanes: u32) -> u32;
 }
@@ -12,7 +12,7 @@ pub trait LeafTest {
 /// All whose boxes are near.
 struct Every;
 
-impl LeafTest for Every {
+impl LeafFilter for Every {
     #[inline(always)]
     fn keep<L: Lanes>(&self, _: L, _: usize, lanes: u32) -> u32 {
         lanes
@@ -24,13 +24,13 @@ impl PartTree {
     /// takes what it returns for the limit from then on; a negative one ends the search. The order depends on the
     /// tree and on the limits alone.
     pub fn visit(&self, test: &impl BoxTest, limit: f32, visit: &mut dyn FnMut(u32, f32) -> f32) {
-        self.visit_where((test, &Every), limit, visit);
+        self.visit_filtered((test, &Every), limit, visit);
     }
 
-    /// The same of the parts alone that a test of the leaves keeps.
-    pub fn visit_where(
+    /// The same of the parts alone that a filter of the leaves keeps.
+    pub fn visit_filtered(
         &self,
-        (test, leaves): (&impl BoxTest, &impl LeafTest),
+        (test, leaves): (&impl BoxTest, &impl LeafFilter),
         limit: f32,
         visit: &mut dyn FnMut(u32, f32) -> f32,
     ) {
@@ -46,7 +46,7 @@ struct Visit<'a, T, F> {
     visit: &'a mut dyn FnMut(u32, f32) -> f32,
 }
 
-impl<T: BoxTest, F: LeafTest> Kernel for Visit<'_, T, F> {
+impl<T: BoxTest, F: LeafFilter> Kernel for Visit<'_, T, F> {
     type Output = ();
 
     #[inline(always)]

@@ -5,7 +5,7 @@
 
 use super::triangle::Sheared;
 use dcd_geom::glam::DVec3;
-use dcd_geom::{LeafTest, Triangles};
+use dcd_geom::{LeafFilter, Triangles};
 use dcd_simd::{Block, Lanes};
 
 /// How much an edge function may be off, per square of the coordinates' size. Unit: 2⁻²⁴. Larger: triangles that are
@@ -28,7 +28,7 @@ pub(super) struct NotMissed<'a> {
 /// Where sixteen corners are seen.
 type Seen<L> = [<L as Lanes>::F; 2];
 
-impl LeafTest for NotMissed<'_> {
+impl LeafFilter for NotMissed<'_> {
     #[inline(always)]
     fn keep<L: Lanes>(&self, l: L, leaf: usize, lanes: u32) -> u32 {
         let Some(leaf) = self.leaves.get(leaf) else { return lanes };

@@ -144,7 +144,7 @@ pub(super) fn of_mesh(
     };
     if radius == 0.0 {
         let near = NotMissed { sheared: &sheared, leaves: mesh.leaves() };
-        mesh.tree().visit_where((&slabs, &near), first, &mut of_triangle);
+        mesh.tree().visit_filtered((&slabs, &near), first, &mut of_triangle);
     } else {
         mesh.tree().visit(&slabs, first, &mut of_triangle);
     }

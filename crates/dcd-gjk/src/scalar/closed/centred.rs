@@ -7,10 +7,11 @@
 
 mod faces;
 
+use super::gap::Gap;
 use super::{SIZES, UNIT};
 use crate::epa::Depth;
 use crate::query::Accuracy;
-use crate::{Distance, DistanceResult, PosedShape};
+use crate::{DistanceResult, PosedShape};
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
 use dcd_geom::{Curved, CurvedKind, Kind, Polytope, Pose, Shape, Vector};
 
@@ -45,30 +46,13 @@ struct Beside {
     unsure: f64,
 }
 
-/// The signed distance of a sphere and another shape, and what it may be off by. World frame, metres.
-struct Gap {
-    value: f64,
-    error: f64,
-    /// From the sphere to the other, of unit length.
-    normal: DVec3,
-    /// Of the sphere, nearest to the other or deepest in it.
-    on_sphere: DVec3,
-    /// Whether the sphere is the second.
-    swapped: bool,
-}
-
 /// How deep a sphere and another shape overlap; `None` for other kinds, where f64 does not prove that they do, and at the
 /// certified accuracy.
 ///
 /// (a, b) and (b, a) give the same bits, mirrored.
 #[inline]
 pub(crate) fn depth(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
-    let gap = Gap::of(accuracy, a, b)?;
-    let is_proved = gap.value < -gap.error;
-    is_proved.then(|| {
-        let (normal, point_a, point_b) = gap.witnesses();
-        Depth { depth: -gap.value, normal, point_a, point_b, error_bound: gap.error }
-    })
+    gap_of(accuracy, a, b)?.depth()
 }
 
 /// How far apart they are, or that they touch, at the accuracy of f32; `None` for other kinds, and where f64 proves
@@ -77,19 +61,7 @@ pub(crate) fn depth(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) ->
 /// (a, b) and (b, a) give the same bits, mirrored.
 #[inline]
 pub(crate) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
-    let gap = Gap::of(Accuracy::F32, a, b)?;
-    if gap.value > gap.error {
-        let (normal, point_a, point_b) = gap.witnesses();
-        let (distance, error_bound) = (gap.value, gap.error);
-        return Some(DistanceResult::Apart(Distance {
-            distance,
-            point_a,
-            point_b,
-            normal,
-            error_bound,
-        }));
-    }
-    (gap.value < -gap.error).then_some(DistanceResult::Touching)
+    gap_of(Accuracy::F32, a, b)?.distance()
 }
 
 /// The largest deviation of a pose that is taken for a rotation at an accuracy: none at the certified one.
@@ -238,75 +210,61 @@ fn beside_wedge(half_height: f64, radius: f64, seen: DVec2) -> Option<(f64, DVec
     Some(if to_side >= -from_rim.y { (to_side, outward) } else { (-from_rim.y, DVec2::NEG_Y) })
 }
 
-impl Gap {
-    #[inline]
-    fn of(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Self> {
-        let most = largest_deviation(accuracy)?;
-        let is_sphere = |side: PosedShape<'_>| matches!(side.shape, Shape::Polytope(p) if p.kind() == Kind::Point);
-        let swapped = !is_sphere(a);
-        let (sphere, other) = if swapped { (b, a) } else { (a, b) };
-        let core = Core::of(accuracy, other.shape)?;
-        let Shape::Polytope(round) = sphere.shape else { return None };
-        if round.kind() != Kind::Point || other.pose.deviation() > most {
-            return None;
-        }
-        Self::between((round, sphere.pose), (core, other), swapped)
+/// Of a sphere and another shape, from the sphere.
+#[inline]
+fn gap_of(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Gap> {
+    let most = largest_deviation(accuracy)?;
+    let is_sphere =
+        |side: PosedShape<'_>| matches!(side.shape, Shape::Polytope(p) if p.kind() == Kind::Point);
+    let swapped = !is_sphere(a);
+    let (sphere, other) = if swapped { (b, a) } else { (a, b) };
+    let core = Core::of(accuracy, other.shape)?;
+    let Shape::Polytope(round) = sphere.shape else { return None };
+    if round.kind() != Kind::Point || other.pose.deviation() > most {
+        return None;
     }
+    gap_between((round, sphere.pose), (core, other), swapped)
+}
 
-    #[inline(always)]
-    fn between(
-        (sphere, at): (&Polytope, &Pose),
-        (core, other): (Core<'_>, PosedShape<'_>),
-        swapped: bool,
-    ) -> Option<Self> {
-        let deviation = other.pose.deviation();
-        let middle = *sphere.vertices().first()?;
-        let turned = if middle == DVec3::ZERO { middle } else { *at.rotation() * middle };
-        let from = (at.translation() - other.pose.translation()) + turned;
-        let (reach, swept, lost) = match other.shape {
-            Shape::Polytope(polytope) => {
-                let is_straight = matches!(polytope.kind(), Kind::Cuboid { .. } | Kind::Segment);
-                let lost = if is_straight { STRAIGHT } else { ROUND };
-                (polytope.reach(), polytope.swept_radius(), lost)
-            }
-            Shape::Curved(curved) => {
-                (curved.half_height() + curved.radius(), curved.swept_radius(), ROUND)
-            }
-            _ => return None,
-        };
-        let radius = sphere.swept_radius();
-        let size =
-            reach + 2.0 * sphere.reach() + (at.translation() - other.pose.translation()).norm1();
-        // False for NaN.
-        if !(SIZES.contains(&size) && radius + swept < SIZES.end) {
-            return None;
+#[inline(always)]
+fn gap_between(
+    (sphere, at): (&Polytope, &Pose),
+    (core, other): (Core<'_>, PosedShape<'_>),
+    swapped: bool,
+) -> Option<Gap> {
+    let deviation = other.pose.deviation();
+    let middle = *sphere.vertices().first()?;
+    let turned = if middle == DVec3::ZERO { middle } else { *at.rotation() * middle };
+    let from = (at.translation() - other.pose.translation()) + turned;
+    let (reach, swept, lost) = match other.shape {
+        Shape::Polytope(polytope) => {
+            let is_straight = matches!(polytope.kind(), Kind::Cuboid { .. } | Kind::Segment);
+            let lost = if is_straight { STRAIGHT } else { ROUND };
+            (polytope.reach(), polytope.swept_radius(), lost)
         }
-        let rotation: &DMat3 = other.pose.rotation();
-        let seen = DVec3::new(
-            rotation.x_axis.dot(from),
-            rotation.y_axis.dot(from),
-            rotation.z_axis.dot(from),
-        );
-        let Beside { distance, outward, unsure } = core.beside(seen)?;
-        let value = distance - (radius + swept);
-        let error = (lost * UNIT + DEVIATION * deviation) * size
-            + 4.0 * UNIT * (distance.abs() + radius + swept)
-            + unsure * (1.0 + 4.0 * deviation);
-        let normal = -(*rotation * outward);
-        let on_sphere = (at.translation() + turned) + normal * radius;
-        Some(Self { value, error, normal, on_sphere, swapped })
-    }
-
-    /// The normal from a to b, and the point of each.
-    #[inline]
-    fn witnesses(&self) -> (DVec3, DVec3, DVec3) {
-        let on_other = self.on_sphere + self.normal * self.value;
-        if self.swapped {
-            (-self.normal, on_other, self.on_sphere)
-        } else {
-            (self.normal, self.on_sphere, on_other)
+        Shape::Curved(curved) => {
+            (curved.half_height() + curved.radius(), curved.swept_radius(), ROUND)
         }
+        _ => return None,
+    };
+    let radius = sphere.swept_radius();
+    let size = reach + 2.0 * sphere.reach() + (at.translation() - other.pose.translation()).norm1();
+    // False for NaN.
+    if !(SIZES.contains(&size) && radius + swept < SIZES.end) {
+        return None;
     }
+    let rotation: &DMat3 = other.pose.rotation();
+    let seen =
+        DVec3::new(rotation.x_axis.dot(from), rotation.y_axis.dot(from), rotation.z_axis.dot(from));
+    let Beside { distance, outward, unsure } = core.beside(seen)?;
+    let value = distance - (radius + swept);
+    let error = (lost * UNIT + DEVIATION * deviation) * size
+        + 4.0 * UNIT * (distance.abs() + radius + swept)
+        + unsure * (1.0 + 4.0 * deviation);
+    let normal = -(*rotation * outward);
+    let on_sphere = (at.translation() + turned) + normal * radius;
+    let on_other = on_sphere + normal * value;
+    Some(Gap::new((value, error), normal, [on_sphere, on_other], swapped))
 }
 
 #[cfg(test)]

@@ -4,10 +4,11 @@
 //! [`half_space`](super::half_space) takes the plane as the pose has it, exactly; here the pose's matrix is a rotation,
 //! and what it is off one by is in the bound (docs/numerics/proofs.md, "Half-spaces in f64").
 
+use super::gap::Gap;
 use super::{SIZES, UNIT};
 use crate::epa::Depth;
 use crate::query::Accuracy;
-use crate::{Distance, DistanceResult, PosedShape};
+use crate::{DistanceResult, PosedShape};
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Curved, HalfSpace, Kind, Polytope, Shape, Vector};
 
@@ -21,30 +22,13 @@ const DEVIATION: f64 = 3.0;
 /// underflow. No unit. Smaller: points beside the rim.
 const ACROSS: f64 = 1e-140;
 
-/// How far the lowest point of a shape is above a plane, negative below, and what that may be off by. World frame, metres.
-struct Gap {
-    value: f64,
-    error: f64,
-    /// Out of the half-space, of unit length.
-    outward: DVec3,
-    /// The lowest point.
-    lowest: DVec3,
-    /// Whether the half-space is the second.
-    swapped: bool,
-}
-
 /// How deep a half-space and another shape overlap; `None` of other kinds, where f64 does not prove that they do, and at
 /// the certified accuracy.
 ///
 /// (a, b) and (b, a) give the same bits, mirrored.
 #[inline]
 pub(crate) fn depth(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
-    let gap = Gap::of(accuracy, a, b)?;
-    let is_proved = gap.value < -gap.error;
-    is_proved.then(|| {
-        let (normal, point_a, point_b) = gap.witnesses();
-        Depth { depth: -gap.value, normal, point_a, point_b, error_bound: gap.error }
-    })
+    gap_of(accuracy, a, b)?.depth()
 }
 
 /// How far apart they are, or that they touch; `None` of other kinds, where f64 proves neither, and at the certified
@@ -57,79 +41,61 @@ pub(crate) fn distance(
     a: PosedShape<'_>,
     b: PosedShape<'_>,
 ) -> Option<DistanceResult> {
-    let gap = Gap::of(accuracy, a, b)?;
-    if gap.value > gap.error {
-        let (normal, point_a, point_b) = gap.witnesses();
-        let (distance, error_bound) = (gap.value, gap.error);
-        let found = Distance { distance, point_a, point_b, normal, error_bound };
-        return Some(DistanceResult::Apart(found));
-    }
-    (gap.value < -gap.error).then_some(DistanceResult::Touching)
+    gap_of(accuracy, a, b)?.distance()
 }
 
-impl Gap {
-    #[inline]
-    fn of(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Self> {
-        let most = super::centred::largest_deviation(accuracy)?;
-        let (half_space, plane, other, swapped) = match (a.shape, b.shape) {
-            (Shape::HalfSpace(half_space), _) => (half_space, a, b, false),
-            (_, Shape::HalfSpace(half_space)) => (half_space, b, a, true),
-            _ => return None,
-        };
-        if !(plane.pose.deviation() <= most) {
-            return None;
-        }
-        Self::above(half_space, plane, other, swapped)
+/// Of a half-space and another shape, from the plane: how far the lowest point is above it.
+#[inline]
+fn gap_of(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Gap> {
+    let most = super::centred::largest_deviation(accuracy)?;
+    let (half_space, plane, other, swapped) = match (a.shape, b.shape) {
+        (Shape::HalfSpace(half_space), _) => (half_space, a, b, false),
+        (_, Shape::HalfSpace(half_space)) => (half_space, b, a, true),
+        _ => return None,
+    };
+    if !(plane.pose.deviation() <= most) {
+        return None;
     }
+    gap_above(half_space, plane, other, swapped)
+}
 
-    #[inline(always)]
-    fn above(
-        half_space: &HalfSpace,
-        plane: PosedShape<'_>,
-        other: PosedShape<'_>,
-        swapped: bool,
-    ) -> Option<Self> {
-        let normal = half_space.normal();
-        let length = normal.length();
-        let outward = *plane.pose.rotation() * (normal / length);
-        let offset = half_space.offset() / length;
-        let delta = other.pose.translation() - plane.pose.translation();
-        let DMat3 { x_axis, y_axis, z_axis } = other.pose.rotation();
-        let along = DVec3::new(x_axis.dot(outward), y_axis.dot(outward), z_axis.dot(outward));
-        let (lowest, height, reach, swept) = match other.shape {
-            Shape::Polytope(polytope) => {
-                let (lowest, height) = lowest_of(polytope, along);
-                (lowest, height, polytope.reach(), polytope.swept_radius())
-            }
-            Shape::Curved(curved) => {
-                let (lowest, height) = lowest_of_curved(curved, along);
-                let reach = curved.half_height() + curved.radius();
-                (lowest, height, reach, curved.swept_radius())
-            }
-            _ => return None,
-        };
-        let radius = half_space.swept_radius() + swept;
-        let value = (height + outward.dot(delta)) - offset - radius;
-        let size = reach * (1.0 + other.pose.deviation()) + delta.norm1() + offset.abs() + radius;
-        // False for NaN. A normal's squares are in range with its components.
-        if !SIZES.contains(&size) {
-            return None;
+#[inline(always)]
+fn gap_above(
+    half_space: &HalfSpace,
+    plane: PosedShape<'_>,
+    other: PosedShape<'_>,
+    swapped: bool,
+) -> Option<Gap> {
+    let normal = half_space.normal();
+    let length = normal.length();
+    let outward = *plane.pose.rotation() * (normal / length);
+    let offset = half_space.offset() / length;
+    let delta = other.pose.translation() - plane.pose.translation();
+    let DMat3 { x_axis, y_axis, z_axis } = other.pose.rotation();
+    let along = DVec3::new(x_axis.dot(outward), y_axis.dot(outward), z_axis.dot(outward));
+    let (lowest, height, reach, swept) = match other.shape {
+        Shape::Polytope(polytope) => {
+            let (lowest, height) = lowest_of(polytope, along);
+            (lowest, height, polytope.reach(), polytope.swept_radius())
         }
-        let error = (LOST * UNIT + DEVIATION * plane.pose.deviation()) * size;
-        let lowest = other.pose.apply(lowest) - outward * swept;
-        Some(Self { value, error, outward, lowest, swapped })
-    }
-
-    /// The normal from a to b, and the point of each.
-    #[inline]
-    fn witnesses(&self) -> (DVec3, DVec3, DVec3) {
-        let on_plane = self.lowest - self.outward * self.value;
-        if self.swapped {
-            (-self.outward, self.lowest, on_plane)
-        } else {
-            (self.outward, on_plane, self.lowest)
+        Shape::Curved(curved) => {
+            let (lowest, height) = lowest_of_curved(curved, along);
+            let reach = curved.half_height() + curved.radius();
+            (lowest, height, reach, curved.swept_radius())
         }
+        _ => return None,
+    };
+    let radius = half_space.swept_radius() + swept;
+    let value = (height + outward.dot(delta)) - offset - radius;
+    let size = reach * (1.0 + other.pose.deviation()) + delta.norm1() + offset.abs() + radius;
+    // False for NaN. A normal's squares are in range with its components.
+    if !SIZES.contains(&size) {
+        return None;
     }
+    let error = (LOST * UNIT + DEVIATION * plane.pose.deviation()) * size;
+    let lowest = other.pose.apply(lowest) - outward * swept;
+    let on_plane = lowest - outward * value;
+    Some(Gap::new((value, error), outward, [on_plane, lowest], swapped))
 }
 
 /// The point of a core that is lowest along a direction, and how high it is along it: the first among equals.

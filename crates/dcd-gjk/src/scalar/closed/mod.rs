@@ -10,6 +10,7 @@ mod cuboid_depth;
 mod cuboid_nearest;
 mod cuboids;
 pub(crate) mod curved;
+mod gap;
 pub mod half_space;
 pub(crate) mod level;
 mod near_features;
