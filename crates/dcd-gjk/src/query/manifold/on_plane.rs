@@ -202,3 +202,6 @@ impl<'a> Resting<'a> {
         if self.number == 0 { [own, Feature::Surface] } else { [Feature::Surface, own] }
     }
 }
+
+#[cfg(test)]
+mod tests;
