@@ -2,7 +2,7 @@
 
 use crate::error::check_length;
 use crate::{ShapeError, Sphere, Support, SupportMap};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// The kind of a curved shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,13 +129,7 @@ impl Curved {
 
 impl SupportMap<f64> for Curved {
     fn support(&self, direction: DVec3) -> Support<f64> {
-        let largest = direction.x.abs().max(direction.y.abs());
-        let (x, y) = (direction.x / largest, direction.y / largest);
-        let length = (x * x + y * y).sqrt();
-        // A direction along the axis has no x and y: any point of the rim will do, and the middle
-        // is the same in every such direction.
-        let (x, y) = if length > 0.0 { (x / length, y / length) } else { (0.0, 0.0) };
-        let across = if length > 0.0 { length * largest } else { 0.0 };
+        let (across, DVec2 { x, y }) = length_and_direction(direction.truncate());
         let [low, high] = self.discs();
         let along = |(z, radius): (f64, f64)| direction.z * z + across * radius;
         let (z, radius) = if along(high) > along(low) { high } else { low };
@@ -150,6 +144,22 @@ impl SupportMap<f64> for Curved {
     fn support_error(&self) -> f64 {
         SUPPORT_ERROR * (f64::EPSILON / 2.0) * (self.half_height + self.radii[0])
     }
+}
+
+/// The length of a vector, and the vector at unit length: both 0 of none, for a direction along the axis has no x and y.
+/// Any point of the rim will do there, and the middle is the same in every such direction.
+#[inline]
+fn length_and_direction(v: DVec2) -> (f64, DVec2) {
+    let squared = v.x * v.x + v.y * v.y;
+    if (1e-200..1e200).contains(&squared) {
+        let length = squared.sqrt();
+        return (length, v / length);
+    }
+    // The squares under- or overflow, or nearly.
+    let largest = v.x.abs().max(v.y.abs());
+    let scaled = v / largest;
+    let length = scaled.length();
+    if length > 0.0 { (length * largest, scaled / length) } else { (0.0, DVec2::ZERO) }
 }
 
 /// A number that distinguishes the points of a curved surface: a mix of all their bits (the finaliser of

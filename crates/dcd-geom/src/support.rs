@@ -87,45 +87,42 @@ impl<R: Real, S: SupportMap<R> + ?Sized> SupportMap<R> for Arc<S> {
     }
 }
 
-/// How many points are compared at once in [`farthest`]: enough to keep the arithmetic busy between
-/// two decisions.
-const CHUNK: usize = 16;
+/// How many maxima [`farthest`] keeps: a comparison then waits for the fourth before it, not for the last one.
+const CHAINS: usize = 4;
 
 /// The farthest of `points`, the first among equals.
 ///
 /// Returns the index and the point; `points` must not be empty, else the origin comes back.
 #[inline]
 pub(crate) fn farthest<R: Real>(points: &[DVec3], direction: R::Vec3) -> Support<R> {
-    let mut best = 0;
-    let mut farthest = -R::MAX;
-    for (k, chunk) in points.chunks(CHUNK).enumerate() {
-        let mut along = [-R::MAX; CHUNK];
-        for (slot, &point) in along.iter_mut().zip(chunk) {
-            *slot = R::Vec3::from_dvec3(point).dot(direction);
+    let mut most = [-R::MAX; CHAINS];
+    let mut at = [0u64; CHAINS];
+    let fours = points.chunks_exact(CHAINS);
+    let rest = fours.remainder();
+    let mut first = 0;
+    for four in fours {
+        for c in 0..CHAINS {
+            let along = R::Vec3::from_dvec3(four[c]).dot(direction);
+            // Two selections and no branch: which one is farthest cannot be predicted.
+            let is_farther = along > most[c];
+            most[c] = if is_farther { along } else { most[c] };
+            at[c] = if is_farther { first + c as u64 } else { at[c] };
         }
-        let most = maximum(along);
-        if most > farthest {
-            farthest = most;
-            // A bit for each, for where a search would stop cannot be predicted.
-            let equal = (0..CHUNK).fold(0u32, |bits, k| bits | u32::from(along[k] == most) << k);
-            best = k * CHUNK + equal.trailing_zeros() as usize;
-        }
+        first += CHAINS as u64;
     }
+    for (c, &point) in rest.iter().enumerate() {
+        let along = R::Vec3::from_dvec3(point).dot(direction);
+        let is_farther = along > most[c];
+        most[c] = if is_farther { along } else { most[c] };
+        at[c] = if is_farther { first + c as u64 } else { at[c] };
+    }
+    let (mut farthest, mut best) = (most[0], at[0]);
+    for c in 1..CHAINS {
+        let is_farther = most[c] > farthest || (most[c] == farthest && at[c] < best);
+        farthest = if is_farther { most[c] } else { farthest };
+        best = if is_farther { at[c] } else { best };
+    }
+    let best = best as usize;
     let point = points.get(best).map_or(R::Vec3::ZERO, |&point| R::Vec3::from_dvec3(point));
     Support { point, feature: best as u32 }
-}
-
-/// By halves rather than in a row: each comparison waits for four others instead of fifteen.
-#[inline]
-fn maximum<R: Real>(mut values: [R; CHUNK]) -> R {
-    let mut half = CHUNK / 2;
-    while half > 0 {
-        for k in 0..half {
-            if values[k + half] > values[k] {
-                values[k] = values[k + half];
-            }
-        }
-        half /= 2;
-    }
-    values[0]
 }

@@ -28,7 +28,9 @@ pub mod simplify;
 mod temporal;
 
 pub(crate) use exact::double_double;
-pub(crate) use scalar::{certificate, difference, expanding, order, portal, simplex, solvers};
+pub(crate) use scalar::{
+    certificate, difference, expanding, order, portal, simplex, solvers, supports,
+};
 pub use scalar::{certified, closed, distance, epa, gjk};
 
 pub use bounds_only::BoundsOnly;

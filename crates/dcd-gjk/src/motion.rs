@@ -345,7 +345,6 @@ fn radius(side: &MovingShape<'_>) -> f64 {
 
 mod advance;
 mod cast;
-mod supports;
 mod swept;
 #[cfg(test)]
 pub(crate) mod tests;

@@ -8,11 +8,11 @@
 //! meets first. So a gap is also proved at a later time along the same direction; in between it is at least that of
 //! the chord less what the paths bend.
 
-use super::supports::lowest;
 use super::{Closing, MovingShape, cast};
 use crate::certificate::{Bounds, combined_length};
 use crate::distance::{Approach, Distance};
 use crate::gjk::{Simplex, start, unit};
+use crate::supports::lowest;
 use crate::{Difference, PosedSupport, Vertex};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Pose, PoseError, Shape};
@@ -43,7 +43,7 @@ pub(super) fn advance(
     closing: &Closing,
     [until, tolerance, off]: [f64; 3],
 ) -> Result<Advance, PoseError> {
-    let mut t = match cast::cast([a, b], closing, [until, tolerance, off])? {
+    let mut t = match cast::cast([a, b], closing, [until, tolerance, off]) {
         None => 0.0,
         Some(Advance::Until(t)) => t,
         Some(found) => return Ok(found),

@@ -8,14 +8,14 @@
 //! Supports in f32 lead to the face or to the direction of a miss; from there on they are f64's.
 
 use super::advance::Advance;
-use super::supports::{Approximate, Exact, Lowest, Polytopes};
-use super::{Closing, MovingShape};
-use crate::certificate::{Bounds, combined_length};
-use crate::distance::{Approach, Distance};
+use super::{Closing, MovingShape, U};
+use crate::certificate::Bounds;
+use crate::distance::Distance;
 use crate::gjk::unit;
+use crate::supports::{Approximate, Exact, Lowest, Polytopes};
 use crate::{Difference, PosedSupport, Vertex};
 use dcd_geom::glam::{DVec2, DVec3};
-use dcd_geom::{Polytope, PoseError, Shape, Support};
+use dcd_geom::{Polytope, Shape, Support};
 use dcd_simd::{Kernel, Lanes, dispatch};
 
 /// How many supports either half of the search takes. Hulls of some thirty vertices need four and seven. Smaller: more
@@ -37,62 +37,86 @@ pub(super) fn cast(
     [a, b]: [MovingShape<'_>; 2],
     closing: &Closing,
     [until, tolerance, off]: [f64; 3],
-) -> Result<Option<Advance>, PoseError> {
+) -> Option<Advance> {
     let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) else {
-        return Ok(None);
+        return None;
     };
     let turns = closing.angular.iter().any(|&w| w != DVec3::ZERO);
     if turns || in_a.swept_radius() > 0.0 || in_b.swept_radius() > 0.0 {
-        return Ok(None);
+        return None;
     }
     let (start_a, start_b) = (&a.motion.start, &b.motion.start);
     let (posed_a, posed_b) =
         (PosedSupport::polytope(in_a, start_a), PosedSupport::polytope(in_b, start_b));
-    let Some(difference) = Difference::new(posed_a, posed_b) else { return Ok(None) };
-    let Some(line) = Line::of(&difference, closing.linear, [until, tolerance]) else {
-        return Ok(None);
-    };
-    let Some((End { direction, separation }, face)) = dispatch(&line) else { return Ok(None) };
+    let difference = Difference::new(posed_a, posed_b)?;
+    let line = Line::of(&difference, closing.linear, [until, tolerance])?;
+    let (End { direction, separation }, face) = dispatch(&line)?;
     let lower = Bounds::of(&difference).lower_bound(direction, separation);
     let gap = lower.next_down() / difference.scale() - off;
     if !(gap > 0.0) {
-        return Ok(None);
+        return None;
     }
     let speed = closing.along(-direction);
     // A quotient, rounded down by more than it loses.
     let t = gap / speed * (1.0 - 1e-12);
     if speed <= 0.0 || t > until {
-        return Ok(Some(Advance::Free));
+        return Some(Advance::Free);
     }
-    let Some(face) = face else { return Ok(Some(Advance::Until(t))) };
-    let (pose_a, pose_b) = (a.motion.pose_at(t)?, b.motion.pose_at(t)?);
-    let posed = [PosedSupport::polytope(in_a, &pose_a), PosedSupport::polytope(in_b, &pose_b)];
-    let near = met(posed, &face, direction, tolerance);
-    Ok(Some(near.map_or(Advance::Until(t), |found| Advance::Near(t, found))))
+    let Some(face) = face else { return Some(Advance::Until(t)) };
+    let met = Met { difference: &difference, closing, t, tolerance: tolerance - off };
+    let near = met.within_tolerance([a, b], &face, direction);
+    Some(near.map_or(Advance::Until(t), |found| Advance::Near(t, found)))
 }
 
-/// The points where the line passes the face, if they are proved to be within the tolerance of each other.
-fn met(
-    [a, b]: [PosedSupport<'_, Polytope>; 2],
-    face: &[Corner; 3],
-    direction: DVec3,
+/// Two polytopes that meet at a time.
+struct Met<'a, 'b> {
+    /// Theirs as they stand.
+    difference: &'a Polytopes<'b>,
+    closing: &'a Closing,
+    t: f64,
+    /// Within which they are to be, less what poses are off by; metres.
     tolerance: f64,
-) -> Option<Distance> {
-    let difference = Difference::new(a, b)?;
-    let bounds = Bounds::of(&difference);
-    let mut near = Approach::towards(direction);
-    for Corner { vertex, .. } in face {
-        let w = difference.world(vertex.a.point, vertex.b.point);
-        near.simplex.push(Vertex { w, ..*vertex });
+}
+
+/// What moving a point of the difference loses: a difference of velocities, two products and a sum, and weights that
+/// are quotients. Unit: 2⁻⁵³ of the pair's size and the way together.
+const MOVED: f64 = 16.0;
+
+impl Met<'_, '_> {
+    /// The points where the line passes the face, if they are proved to be within the tolerance of each other.
+    ///
+    /// No pose is made: with weights that sum to 1 the point of the difference moves as the whole does.
+    fn within_tolerance(
+        &self,
+        [a, b]: [MovingShape<'_>; 2],
+        face: &[Corner; 3],
+        direction: DVec3,
+    ) -> Option<Distance> {
+        let weight = |i: usize, j: usize| face[i].at.perp_dot(face[j].at).max(0.0);
+        let weights = [weight(1, 2), weight(2, 0), weight(0, 1)];
+        let total = weights[0] + weights[1] + weights[2];
+        let (mut w, mut in_a, mut in_b) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+        for (Corner { vertex, .. }, weight) in face.iter().zip(weights) {
+            let weight = weight / total;
+            w += vertex.w * weight;
+            in_a += vertex.a.point * weight;
+            in_b += vertex.b.point * weight;
+        }
+        let scale = self.difference.scale();
+        let moved = self.closing.linear * (self.t * scale);
+        let length = (w + moved).length();
+        let lost = MOVED * U * (self.difference.size() + moved.length());
+        let farthest = Bounds::of(self.difference).upper_bound(length) + lost;
+        // Written so that NaN is no proof.
+        let is_near = farthest / scale <= self.tolerance;
+        let at = |side: MovingShape<'_>, point| {
+            side.motion.start.apply(point) + side.motion.linear * self.t
+        };
+        let (point_a, point_b) = (at(a, in_a), at(b, in_b));
+        let normal = -direction / direction.length();
+        let is_near = is_near && point_a.is_finite() && point_b.is_finite();
+        is_near.then_some(Distance { normal, point_a, point_b, ..Distance::default() })
     }
-    let weight = |i: usize, j: usize| face[i].at.perp_dot(face[j].at).max(0.0);
-    near.weights = [weight(1, 2), weight(2, 0), weight(0, 1), 0.0];
-    let length = combined_length(near.simplex.vertices(), &near.weights[..3]);
-    // Written so that NaN is no proof.
-    let is_near = bounds.upper_bound(length) / difference.scale() <= tolerance;
-    let [point_a, point_b] = near.points(a, b);
-    let normal = -direction / direction.length();
-    is_near.then_some(Distance { normal, point_a, point_b, ..Distance::default() })
 }
 
 /// A vertex of the difference, and where it is as seen along the line, scaled.

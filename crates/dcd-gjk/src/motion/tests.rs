@@ -287,8 +287,23 @@ fn a_cast_of_hulls_is_answered_by_their_difference_alone() {
             continue;
         }
         asked += 1;
-        let known = cast::cast([a, b], &Closing::of(a, b), [2.0, 1e-6, 1e-12]).unwrap();
+        let known = cast::cast([a, b], &Closing::of(a, b), [2.0, 1e-6, 1e-12]);
         answered += usize::from(matches!(known, Some(Advance::Free | Advance::Near(..))));
+        if let Some(Advance::Near(t, found)) = known {
+            let (touch, gap) = touch_and_gap((&shape_a, &moving), (&shape_b, &still), t);
+            assert!(!touch && gap <= 1e-6, "{gap}");
+            assert!(found.point_a.distance(found.point_b) <= 1e-6);
+            // Each is of its own shape there.
+            for (side, point) in [(a, found.point_a), (b, found.point_b)] {
+                let (pose, dot) = (side.motion.pose_at(t).unwrap(), Shape::sphere(1e-9).unwrap());
+                let at = Pose::from_translation(point).unwrap();
+                let (side, dot) = (
+                    PosedShape { shape: side.shape, pose: &pose },
+                    PosedShape { shape: &dot, pose: &at },
+                );
+                assert_eq!(certified::overlap_of(side, dot).0, Verdict::Touching(()));
+            }
+        }
     }
     assert!(asked > 200 && answered * 100 >= asked * 95, "{answered} of {asked}");
 }

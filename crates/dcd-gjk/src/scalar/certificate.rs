@@ -131,7 +131,12 @@ impl<R: Real> Bounds<R> {
 
     /// At most the cores' distance, from a computed separation s along d; may be negative.
     pub(crate) fn lower_bound(&self, d: R::Vec3, s: R) -> R {
-        let along = s / d.length();
+        self.lower_bound_along(s / d.length())
+    }
+
+    /// The same from s / |d| as computed.
+    #[inline]
+    pub(crate) fn lower_bound_along(&self, along: R) -> R {
         along - along.abs() * (R::from_f64(LENGTH) * R::UNIT_ROUNDOFF) - self.lower
     }
 

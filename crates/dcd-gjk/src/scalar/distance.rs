@@ -16,6 +16,7 @@ use crate::closed::{self, half_space};
 use crate::exact::{self, Exact};
 use crate::gjk::Simplex;
 use crate::query::{Accuracy, distance_at_once};
+use crate::supports::InBlocks;
 use crate::{
     Difference, Method, PosedShape, PosedSupport, Reason, Verdict, Vertex, certified, mesh, order,
     portal,
@@ -208,7 +209,7 @@ pub fn distance_at(
 
 /// How near the bounds have to come for the accuracy of f32, relative to the pair's size. Larger: the bound
 /// is above what that accuracy promises. Smaller: more supports.
-const F32_GAP: f64 = 1e-6;
+const F32_GAP: f64 = 2e-6;
 
 /// [`distance_at`] of two polytopes that are known to be apart. The search starts from vertices of a and of b between
 /// which the nearest points are thought to be: any are sound, good ones quick.
@@ -311,7 +312,7 @@ fn in_f64_in_order(gap: f64, a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceRe
     }
 }
 
-fn measured<S: SupportMap<f64>>(
+fn measured<S: InBlocks>(
     gap: f64,
     a: PosedSupport<'_, S>,
     b: PosedSupport<'_, S>,

@@ -176,12 +176,27 @@ impl<R: Real> Simplex<R> {
         nearest(&self.points()[..self.count])
     }
 
+    /// Takes away all but the first ones.
+    pub(crate) fn truncate(&mut self, count: usize) {
+        self.count = self.count.min(count);
+    }
+
     /// Keeps the vertices that span the nearest point, in the order of its weights.
     pub(crate) fn keep(&mut self, near: &Nearest<R>) {
-        let known = self.vertices;
         self.count = near.count;
-        for (slot, &k) in self.vertices.iter_mut().zip(&near.kept[..near.count]) {
-            *slot = known[k];
+        let mut kept = near.kept;
+        for slot in 0..near.count {
+            let k = kept[slot];
+            if k == slot {
+                continue;
+            }
+            self.vertices.swap(slot, k);
+            // What stood here is now there.
+            for later in &mut kept[slot + 1..] {
+                if *later == slot {
+                    *later = k;
+                }
+            }
         }
     }
 }

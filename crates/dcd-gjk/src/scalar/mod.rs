@@ -13,3 +13,4 @@ pub(crate) mod order;
 pub(crate) mod portal;
 pub(crate) mod simplex;
 pub(crate) mod solvers;
+pub(crate) mod supports;

@@ -3,9 +3,10 @@
 use super::UNIT;
 use crate::certificate::{Bounds, combined_length};
 use crate::gjk::{MAX_SUPPORTS, Simplex, start, unit};
+use crate::supports::{InBlocks, lowest};
 use crate::{Difference, PosedSupport, Reason, Verdict, Vertex};
+use dcd_geom::Support;
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Support, SupportMap};
 
 /// The nearest point found. Lengths are those of the difference.
 pub(crate) struct Approach {
@@ -25,7 +26,7 @@ pub(crate) struct Approach {
 
 /// `gap` is how near its bounds have to come, as a length of the difference; 0 for all that f64 has.
 /// Where the cores surely overlap, or nothing could be found, the verdict comes back.
-pub(crate) fn approach<S: SupportMap<f64>>(
+pub(crate) fn approach<S: InBlocks>(
     difference: &Difference<'_, f64, S, S>,
     bounds: &Bounds<f64>,
     gap: f64,
@@ -34,7 +35,7 @@ pub(crate) fn approach<S: SupportMap<f64>>(
 }
 
 /// The same from the nearest point of a simplex, if it has a vertex.
-pub(crate) fn approach_from<S: SupportMap<f64>>(
+pub(crate) fn approach_from<S: InBlocks>(
     difference: &Difference<'_, f64, S, S>,
     bounds: &Bounds<f64>,
     gap: f64,
@@ -44,30 +45,29 @@ pub(crate) fn approach_from<S: SupportMap<f64>>(
     let mut first = (!first.vertices().is_empty()).then_some(first);
     let mut nearest_so_far = f64::MAX;
     for _ in 0..MAX_SUPPORTS {
-        let simplex = match first.take() {
-            Some(first) => first,
+        let known = best.simplex.vertices().len();
+        match first.take() {
+            Some(first) => best.simplex = first,
             None => {
-                let (vertex, separation) = difference.lowest(best.direction);
-                best.lower = best.lower.max(bounds.lower_bound(best.direction, separation));
+                let (vertex, separation) = lowest(difference, best.direction);
                 let along = separation / best.direction.length();
+                best.lower = best.lower.max(bounds.lower_bound_along(along));
                 // The gap is closed to the last bit, or the vertex is nothing new.
                 let is_closed =
                     best.length - along <= UNIT * best.length || best.upper - best.lower <= gap;
                 if is_closed || best.simplex.holds(&vertex) {
                     break;
                 }
-                let mut simplex = best.simplex;
-                simplex.push(vertex);
-                simplex
+                best.simplex.push(vertex);
             }
-        };
-        let Some(near) = simplex.nearest() else { break };
+        }
+        let Some(near) = best.simplex.nearest() else { break };
         let squared = near.square[0] / near.square[1];
         if !(squared < nearest_so_far) {
+            best.simplex.truncate(known);
             break;
         }
         nearest_so_far = squared;
-        best.simplex = simplex;
         best.simplex.keep(&near);
         best.weights = near.weights;
         best.length = combined_length(best.simplex.vertices(), near.weights());
@@ -80,7 +80,7 @@ pub(crate) fn approach_from<S: SupportMap<f64>>(
             // Rounding is all that parts the simplex from the origin: its normal bounds how deep the
             // two overlap at most, if it does so better than what was tried before.
             Some(last) => {
-                let (_, separation) = difference.lowest(last);
+                let (_, separation) = lowest(difference, last);
                 let lower = bounds.lower_bound(last, separation);
                 if lower > best.lower {
                     (best.lower, best.direction) = (lower, last);
@@ -97,7 +97,7 @@ pub(crate) fn approach_from<S: SupportMap<f64>>(
 
 /// What two points, one of each core and in its frame, prove, if their bounds are as near as a search's end:
 /// within `gap`, or what f64 leaves.
-pub(crate) fn proposed<S: SupportMap<f64>>(
+pub(crate) fn proposed<S: InBlocks>(
     difference: &Difference<'_, f64, S, S>,
     bounds: &Bounds<f64>,
     gap: f64,
@@ -105,7 +105,7 @@ pub(crate) fn proposed<S: SupportMap<f64>>(
 ) -> Option<Approach> {
     let w = difference.world(point_a, point_b);
     let direction = unit::<f64>(w.to_array())?;
-    let (_, separation) = difference.lowest(direction);
+    let (_, separation) = lowest(difference, direction);
     let lower = bounds.lower_bound(direction, separation);
     let length = w.length();
     let upper = bounds.upper_bound(length) + PROPOSED * UNIT;
@@ -139,11 +139,7 @@ impl Approach {
     }
 
     /// The points of the two cores, world frame, metres.
-    pub(crate) fn points<S: SupportMap<f64>>(
-        &self,
-        a: PosedSupport<'_, S>,
-        b: PosedSupport<'_, S>,
-    ) -> [DVec3; 2] {
+    pub(crate) fn points<S>(&self, a: PosedSupport<'_, S>, b: PosedSupport<'_, S>) -> [DVec3; 2] {
         let total: f64 = self.weights[..self.simplex.vertices().len()].iter().sum();
         let sum = |point: fn(&Vertex<f64>) -> DVec3| {
             let vertices = self.simplex.vertices().iter().zip(self.weights);

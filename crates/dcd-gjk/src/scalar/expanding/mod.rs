@@ -24,10 +24,11 @@ use crate::distance::{Approach, approach, proposed, rounded_up};
 use crate::epa::Depth;
 use crate::gjk::unit;
 use crate::query::{Accuracy, CERTIFIED};
+use crate::supports::{InBlocks, lowest};
 use crate::{Difference, PosedShape, PosedSupport, Vertex, order};
 pub(crate) use confirm::{Ending, FACING, confirmed_depth};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Polytope, Shape, SupportMap};
+use dcd_geom::{Polytope, Shape};
 pub(crate) use surface::{Surface, is_inside};
 
 /// How often the polytope may grow: hulls of tens of vertices need ten, a cylinder against a cone a
@@ -126,7 +127,7 @@ pub(crate) fn depth_of_overlap(
     Some(if swapped { found.mirrored() } else { found })
 }
 
-fn of_supports<S: SupportMap<f64>>(
+fn of_supports<S: InBlocks>(
     bodies: [PosedSupport<'_, S>; 2],
     tolerance: Tolerance,
     points: Option<[DVec3; 2]>,
@@ -172,7 +173,7 @@ struct Search<'a, S> {
     tolerance: Tolerance,
 }
 
-impl<S: SupportMap<f64>> Search<'_, S> {
+impl<S: InBlocks> Search<'_, S> {
     /// Only what is swept round them overlaps: the radii, less the cores' distance.
     fn of_apart_cores(&self, bounds: &Bounds<f64>, near: &Approach) -> Option<Depth> {
         let depth = (bounds.radius() - near.length).max(0.0);
@@ -190,7 +191,7 @@ impl<S: SupportMap<f64>> Search<'_, S> {
             let nearest = surface.nearest();
             let (direction, distance) = surface.plane(nearest);
             let direction = unit::<f64>(direction.to_array())?;
-            let (vertex, separation) = self.difference.lowest(-direction);
+            let (vertex, separation) = lowest(&self.difference, -direction);
             let along = -separation / direction.length();
             let most = -bounds.lower_bound(-direction, separation);
             if most < upper {
@@ -254,7 +255,7 @@ impl<S: SupportMap<f64>> Search<'_, S> {
     fn tetrahedron(&self) -> Option<[Vertex<f64>; 4]> {
         let farthest = |direction: DVec3| {
             let direction = unit::<f64>(direction.to_array())?;
-            Some(self.difference.lowest(-direction).0)
+            Some(lowest(&self.difference, -direction).0)
         };
         let v0 = farthest(-self.difference.middle()).or_else(|| farthest(DVec3::X))?;
         let v1 = farthest(-v0.w).or_else(|| farthest(-DVec3::X))?;

@@ -17,10 +17,10 @@ const LOST: f64 = 6.0 * (f32::EPSILON as f64 / 2.0);
 /// What the same product loses in f64. Unit: 2⁻⁵³ of the direction's length by the reach.
 const LOST_IN_F64: f64 = 8.0 * (f64::EPSILON / 2.0);
 
-pub(super) type Polytopes<'b> = Difference<'b, f64, Polytope, Polytope>;
+pub(crate) type Polytopes<'b> = Difference<'b, f64, Polytope, Polytope>;
 
 /// A support map that may have its vertices in blocks.
-pub(super) trait InBlocks: SupportMap<f64> {
+pub(crate) trait InBlocks: SupportMap<f64> {
     /// The polytope that it is.
     fn polytope(&self) -> Option<&Polytope>;
 }
@@ -43,7 +43,7 @@ impl InBlocks for Shape {
 }
 
 /// [`Difference::lowest`], by lanes where that is quicker.
-pub(super) fn lowest<S: InBlocks>(
+pub(crate) fn lowest<S: InBlocks>(
     difference: &Difference<'_, f64, S, S>,
     direction: DVec3,
 ) -> (Vertex<f64>, f64) {
@@ -74,15 +74,15 @@ impl<S: InBlocks> Kernel for LowestVertex<'_, '_, S> {
 }
 
 /// How the vertex of a difference that is lowest along a direction is found.
-pub(super) trait Lowest {
+pub(crate) trait Lowest {
     /// The vertex, and the separation there, scaled. The direction's largest component is 1.
     fn lowest(&self, direction: DVec3) -> (Vertex<f64>, f64);
 }
 
 /// As [`Difference::lowest`], bit for bit.
-pub(super) struct Exact<'a, 'b, L, S> {
-    pub(super) lanes: L,
-    pub(super) difference: &'a Difference<'b, f64, S, S>,
+pub(crate) struct Exact<'a, 'b, L, S> {
+    pub(crate) lanes: L,
+    pub(crate) difference: &'a Difference<'b, f64, S, S>,
 }
 
 impl<L: Lanes, S: InBlocks> Lowest for Exact<'_, '_, L, S> {
@@ -97,7 +97,7 @@ impl<L: Lanes, S: InBlocks> Lowest for Exact<'_, '_, L, S> {
 }
 
 /// A vertex near the lowest, by f32 alone. Decides the way of a search, never an answer.
-pub(super) struct Approximate<'b, L> {
+pub(crate) struct Approximate<'b, L> {
     lanes: L,
     maps: [&'b Polytope; 2],
     middle: DVec3,
@@ -108,7 +108,7 @@ pub(super) struct Approximate<'b, L> {
 impl<'b, L: Lanes> Approximate<'b, L> {
     /// `None` where neither has its vertices in blocks.
     #[inline(always)]
-    pub(super) fn of(lanes: L, difference: &Polytopes<'b>) -> Option<Self> {
+    pub(crate) fn of(lanes: L, difference: &Polytopes<'b>) -> Option<Self> {
         let maps @ [a, b] = difference.maps();
         if a.vertex_blocks().is_empty() && b.vertex_blocks().is_empty() {
             return None;
