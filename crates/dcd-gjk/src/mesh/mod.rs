@@ -11,6 +11,7 @@ mod cuboid;
 mod deepest;
 mod descent;
 mod distance;
+mod nearest;
 mod on_body;
 mod pair;
 mod per_part;
@@ -43,7 +44,8 @@ pub(crate) use deepest::{
     touching_parts,
 };
 pub use distance::distance;
-pub(crate) use on_body::{TouchingTriangle, touching_triangles};
+pub(crate) use nearest::distance_in_f32;
+pub(crate) use on_body::{TouchingTriangle, touching_triangles, triangles_in_sphere};
 
 /// What is reused from pair to pair.
 #[derive(Clone, Debug, Default)]

@@ -98,13 +98,13 @@ pub(super) fn resolve_triangles(
 }
 
 /// The core of a part that is the hull of points.
-enum Core<'a> {
+pub(super) enum Core<'a> {
     Polytope(&'a Polytope),
     Triangle { corners: [DVec3; 3], reach: f64, radius: f64 },
 }
 
 impl<'a> Core<'a> {
-    fn of(part: &Part<'a>) -> Option<Self> {
+    pub(super) fn of(part: &Part<'a>) -> Option<Self> {
         match *part {
             Part::Shape(shape) => shape.as_polytope().map(Self::Polytope),
             Part::Triangle { corners, reach, radius } => {
@@ -113,7 +113,7 @@ impl<'a> Core<'a> {
         }
     }
 
-    fn body<'b>(&'b self, pose: &'b Pose) -> PosedSupport<'b, Self> {
+    pub(super) fn body<'b>(&'b self, pose: &'b Pose) -> PosedSupport<'b, Self> {
         let (reach, centre, inner) = match self {
             Self::Polytope(polytope) => {
                 let inner = polytope.inner();
