@@ -43,6 +43,9 @@ const UNDERFLOW: f32 = 1e-30;
 /// products with it would leave the range of f32.
 const PARALLEL: f64 = 1.0 / (1u128 << 80) as f64;
 
+/// Metres times a direction's length: sums and products of twice that are in f32's range.
+const LARGEST_HEIGHT: f64 = 1e36;
+
 /// A ray against boxes by slabs, rounded so that no box is missed (T. Ize, "Robust BVH ray traversal", 2013).
 /// The key is where the ray enters the box, in units of [`RaySlabs::key_of`].
 #[derive(Clone, Copy, Debug)]
@@ -126,7 +129,7 @@ impl BoxTest for RaySlabs {
     }
 }
 
-/// The distance of boxes from a point. The key is at most the squared distance, square metres.
+/// The distance of boxes from a point or another box. The key is at most the squared distance, square metres.
 #[derive(Clone, Copy, Debug)]
 pub struct PointDistance {
     low: [f32; 3],
@@ -142,6 +145,12 @@ impl PointDistance {
             low: coordinates.map(|x| bound(round_down(x))),
             high: coordinates.map(|x| bound(round_up(x))),
         }
+    }
+
+    /// From the nearest point of a box that is not empty.
+    pub fn from_box(aabb: &Aabb) -> Self {
+        let bound = |x: f32| x.clamp(f32::MIN, f32::MAX);
+        Self { low: aabb.min.to_array().map(bound), high: aabb.max.to_array().map(bound) }
     }
 
     /// The key of a distance in metres: what has a larger one is farther, with rounding.
@@ -165,6 +174,56 @@ impl BoxTest for PointDistance {
             sum = l.add(sum, l.mul(gap, gap));
         }
         l.select(open, l.min(sum, l.splat(f32::MAX)), l.splat(f32::INFINITY))
+    }
+}
+
+/// How high boxes are along a direction. The key is at most the height of anything in a box over the lowest of all, in
+/// metres times the direction's length, but for less than a slack that [`HeightsAlong::key_of`] counts.
+#[derive(Clone, Copy, Debug)]
+pub struct HeightsAlong {
+    direction: [f32; 3],
+    /// At most the height of every box, but for the slack.
+    base: f64,
+    slack: f64,
+}
+
+impl HeightsAlong {
+    /// Along a finite direction, of boxes that are in this one; `None` where products leave the range of f32.
+    pub fn new(direction: DVec3, around: &Aabb) -> Option<Self> {
+        let (min, max) = (around.min.as_dvec3(), around.max.as_dvec3());
+        let size = direction.abs().dot(min.abs().max(max.abs()));
+        let rounded = direction.as_vec3();
+        // Written so that NaN is out of range.
+        if !(size <= LARGEST_HEIGHT && rounded.is_finite()) {
+            return None;
+        }
+        let base = (direction * min).min(direction * max).element_sum();
+        // The direction and the base are rounded, 1 each; the products lose 1 together, three sums of at most twice the
+        // size 2 each: 9 times 2⁻²⁴ of it, below ROUNDING.
+        let slack = size * ROUNDING + f64::from(UNDERFLOW);
+        Some(Self { direction: rounded.to_array(), base, slack })
+    }
+
+    /// The key of a height: what has a larger one is higher, with rounding.
+    pub fn key_of(&self, height: f64) -> f32 {
+        // Of a height below the base, and of NaN, that of the base.
+        round_up((height - self.base).max(0.0) + 2.0 * self.slack)
+    }
+}
+
+impl BoxTest for HeightsAlong {
+    #[inline(always)]
+    fn keys<L: Lanes>(&self, l: L, boxes: &Aabb16) -> L::F {
+        let mut key = l.splat(-(self.base as f32));
+        let mut open = l.mask(0xffff);
+        for axis in 0..3 {
+            let (min, max) = (l.load(&boxes.min[axis]), l.load(&boxes.max[axis]));
+            open = l.and(open, l.le(min, max));
+            let along = self.direction[axis];
+            let lowest = if along < 0.0 { max } else { min };
+            key = l.add(key, l.mul(l.splat(along), lowest));
+        }
+        l.select(open, key, l.splat(f32::INFINITY))
     }
 }
 

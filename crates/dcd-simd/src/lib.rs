@@ -35,7 +35,7 @@ mod unfused;
 pub use aabb::Aabb;
 pub use aabb16::Aabb16;
 pub use aabb128::{Aabb128, Mask128};
-pub use box_test::{BoxTest, PlaneSet, PointDistance, RaySlabs, nearest_first};
+pub use box_test::{BoxTest, HeightsAlong, PlaneSet, PointDistance, RaySlabs, nearest_first};
 pub use lanes::Lanes;
 pub use pair::Pair;
 pub use path::{Path, UnavailablePath};

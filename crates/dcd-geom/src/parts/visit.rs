@@ -38,6 +38,54 @@ impl PartTree {
     }
 }
 
+impl PartTree {
+    /// Calls `visit(part)` for each part whose box has a key of at most the limit, while it returns true; in an order that
+    /// depends on the tree and on the limit alone.
+    pub fn visit_within(
+        &self,
+        test: &impl BoxTest,
+        limit: f32,
+        visit: &mut dyn FnMut(u32) -> bool,
+    ) {
+        dispatch_on(Path::best(), VisitWithin { tree: self, test, limit, visit });
+    }
+}
+
+struct VisitWithin<'a, T> {
+    tree: &'a PartTree,
+    test: &'a T,
+    limit: f32,
+    visit: &'a mut dyn FnMut(u32) -> bool,
+}
+
+impl<T: BoxTest> Kernel for VisitWithin<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Self { tree, test, limit, visit } = self;
+        let mut stack: Vec<u32> = Vec::with_capacity(4 * WIDTH);
+        if !tree.blocks().is_empty() {
+            stack.push(tree.root() as u32);
+        }
+        while let Some(number) = stack.pop() {
+            let row = test.keys(l, &tree.blocks()[number as usize]);
+            let mut met = l.bits(l.le(row, l.splat(limit)));
+            let is_leaf = (number as usize) < tree.leaf_count();
+            let below = &tree.below()[number as usize].0;
+            while met != 0 {
+                let lane = met.trailing_zeros() as usize;
+                met &= met - 1;
+                if !is_leaf {
+                    stack.push(below[lane]);
+                } else if !visit(below[lane]) {
+                    return;
+                }
+            }
+        }
+    }
+}
+
 struct Visit<'a, T, F> {
     tree: &'a PartTree,
     test: &'a T,
@@ -81,6 +129,59 @@ impl<T: BoxTest, F: LeafFilter> Kernel for Visit<'_, T, F> {
                 if key <= limit {
                     limit = visit(below[lane as usize], key);
                 }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Aabb;
+    use dcd_simd::PointDistance;
+    use glam::{DVec3, Vec3};
+
+    #[test]
+    fn the_parts_within_a_limit_are_those_whose_boxes_are_and_the_visit_ends_where_it_is_told() {
+        let at = |k: usize| {
+            let t = k as f32;
+            let centre = Vec3::new((t * 0.37).sin(), (t * 0.73).cos(), (t * 0.11).sin()) * 3.0;
+            Aabb { min: centre - 0.1, max: centre + 0.2 }
+        };
+        for count in [1, 16, 17, 300, 2000] {
+            let boxes: Vec<Aabb> = (0..count).map(at).collect();
+            let tree = PartTree::over(&boxes);
+            for (k, distance) in [0.0, 0.4, 1.5, 20.0].into_iter().enumerate() {
+                let point = DVec3::new(k as f64 - 1.0, 0.5, 0.2);
+                let test = PointDistance::new(point);
+                let limit = test.key_of(distance);
+                let mut met = Vec::new();
+                tree.visit_within(&test, limit, &mut |part| {
+                    met.push(part);
+                    true
+                });
+                met.sort_unstable();
+                let mut due = Vec::new();
+                tree.visit(&test, limit, &mut |part, _| {
+                    due.push(part);
+                    limit
+                });
+                due.sort_unstable();
+                assert_eq!(met, due, "{count} {distance}");
+                let near = |aabb: &Aabb| {
+                    point.clamp(aabb.min.as_dvec3(), aabb.max.as_dvec3()).distance(point)
+                };
+                let is_met = |part: u32| met.binary_search(&part).is_ok();
+                for (part, aabb) in (0..).zip(&boxes) {
+                    assert!(is_met(part) || near(aabb) > distance, "{count} {distance} {part}");
+                    assert!(!is_met(part) || near(aabb) < distance + 1e-3, "{part}");
+                }
+                let mut calls = 0;
+                tree.visit_within(&test, limit, &mut |_| {
+                    calls += 1;
+                    calls < 2
+                });
+                assert_eq!(calls, met.len().min(2));
             }
         }
     }

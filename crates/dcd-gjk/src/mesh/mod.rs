@@ -11,6 +11,7 @@ mod cuboid;
 mod deepest;
 mod descent;
 mod distance;
+mod nearest;
 mod on_body;
 mod pair;
 mod per_part;
@@ -43,7 +44,8 @@ pub(crate) use deepest::{
     touching_parts,
 };
 pub use distance::distance;
-pub(crate) use on_body::{TouchingTriangle, touching_triangles};
+pub(crate) use nearest::distance_in_f32;
+pub(crate) use on_body::{TouchingTriangle, touching_triangles, triangles_in_sphere};
 
 /// What is reused from pair to pair.
 #[derive(Clone, Debug, Default)]
@@ -124,7 +126,7 @@ fn search(
     let (a, b) = (&first, &second);
     let mut tally =
         Tally { goal, swapped, touching: false, undecided: None, method: Method::Portal };
-    match (RelativePose::of(a, b), per_part::parts_of([a, b], &tally.goal)) {
+    match (RelativePose::of(a, b), per_part::parts_of([a, b])) {
         (Some(relative), Some(compound)) => {
             let (sides, relative, tally) = ([a, b], &relative, &mut tally);
             dispatch_on(path, PerPart { sides, compound, relative, scratch, tally });
@@ -196,6 +198,22 @@ impl Tally<'_> {
                     }
                 }
             }
+        }
+    }
+
+    /// How many pairs are listed.
+    fn listed(&self) -> usize {
+        match &self.goal {
+            Goal::Any => 0,
+            Goal::All(pairs) => pairs.len(),
+        }
+    }
+
+    /// Says of which part of the second shape the pairs behind the first so many are, which were found as of its only one.
+    fn are_of(&mut self, part: u32, listed: usize) {
+        if let Goal::All(pairs) = &mut self.goal {
+            let second = usize::from(!self.swapped);
+            pairs[listed..].iter_mut().for_each(|pair| pair[second] = part);
         }
     }
 

@@ -2,10 +2,10 @@
 
 use super::reach::Couple;
 use super::side::{Part, Side};
-use crate::PosedShape;
 use crate::epa::Depth;
-use dcd_geom::Shape;
+use crate::{PosedShape, closed};
 use dcd_geom::glam::DVec3;
+use dcd_geom::{Shape, SupportMap};
 
 /// A triangle of a mesh that touches a polytope.
 #[derive(Clone, Debug)]
@@ -21,6 +21,31 @@ pub(crate) struct TouchingTriangle {
     pub(crate) diameters: f64,
     /// What their reach along a normal may be off, metres.
     pub(crate) slack: f64,
+}
+
+/// Appends those triangles that touch a sphere, with their depths. `None`, and some of them, where it is not known of
+/// one whether it touches, and of another shape.
+pub(crate) fn triangles_in_sphere(
+    sides: [PosedShape<'_>; 2],
+    found: &mut Vec<TouchingTriangle>,
+) -> Option<()> {
+    let [mesh, sphere] = sides;
+    let side = Side::of(mesh);
+    let slack =
+        Couple::of([side.part(0), Part::Shape(sphere.shape)], [mesh.pose, sphere.pose])?.slack();
+    let turn = *mesh.pose.rotation();
+    let radii = mesh.shape.radius() + sphere.shape.radius();
+    closed::centred::triangles_in_sphere(sides, |triangle, &[p, q, r], depth| {
+        let longest = p.distance_squared(q).max(q.distance_squared(r)).max(r.distance_squared(p));
+        found.push(TouchingTriangle {
+            triangle,
+            corners: [turn * p, turn * q, turn * r],
+            depth: Some(depth),
+            at_most: (depth.depth + depth.error_bound).next_up(),
+            diameters: longest.sqrt() + 2.0 * radii,
+            slack,
+        });
+    })
 }
 
 /// Appends those triangles that are known to touch, with depths whose bounds are at

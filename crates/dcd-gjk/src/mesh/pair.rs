@@ -7,6 +7,7 @@ use super::relative_pose::RelativePose;
 use super::side::{Part, Side};
 use crate::epa::Depth;
 use crate::gjk::{Simplex, overlap_with_simplex, start};
+use crate::supports::InBlocks;
 use crate::{Difference, Method, PosedShape, PosedSupport, Verdict, certified, exact};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Pose, Shape, Support, SupportMap};
@@ -98,13 +99,13 @@ pub(super) fn resolve_triangles(
 }
 
 /// The core of a part that is the hull of points.
-enum Core<'a> {
+pub(super) enum Core<'a> {
     Polytope(&'a Polytope),
     Triangle { corners: [DVec3; 3], reach: f64, radius: f64 },
 }
 
 impl<'a> Core<'a> {
-    fn of(part: &Part<'a>) -> Option<Self> {
+    pub(super) fn of(part: &Part<'a>) -> Option<Self> {
         match *part {
             Part::Shape(shape) => shape.as_polytope().map(Self::Polytope),
             Part::Triangle { corners, reach, radius } => {
@@ -113,7 +114,7 @@ impl<'a> Core<'a> {
         }
     }
 
-    fn body<'b>(&'b self, pose: &'b Pose) -> PosedSupport<'b, Self> {
+    pub(super) fn body<'b>(&'b self, pose: &'b Pose) -> PosedSupport<'b, Self> {
         let (reach, centre, inner) = match self {
             Self::Polytope(polytope) => {
                 let inner = polytope.inner();
@@ -130,6 +131,16 @@ impl<'a> Core<'a> {
         match self {
             Self::Polytope(polytope) => Some(Cow::Borrowed(polytope)),
             Self::Triangle { corners, radius, .. } => triangle(*corners, *radius).map(Cow::Owned),
+        }
+    }
+}
+
+impl InBlocks for Core<'_> {
+    #[inline(always)]
+    fn polytope(&self) -> Option<&Polytope> {
+        match self {
+            Self::Polytope(polytope) => Some(polytope),
+            Self::Triangle { .. } => None,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A compound against a mesh: each part by itself, so that the separating planes and spheres of a convex shape
 //! resolve many triangles at once.
 
-use super::descent::{Bits, Descent, Goal};
+use super::descent::{Bits, Descent};
 use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
 use super::{Next, Scratch, Tally};
@@ -9,13 +9,10 @@ use crate::simd::cores::MAX_PARTS;
 use dcd_geom::{Aabb16, Compound};
 use dcd_simd::{Kernel, Lanes};
 
-/// The second shape's parts, if they are tested one by one: a compound's against a mesh, where only
-/// whether any parts touch is wanted.
-pub(super) fn parts_of<'a>([a, b]: [&Side<'a>; 2], goal: &Goal<'_>) -> Option<&'a Compound> {
-    match (a.parts, b.parts, goal) {
-        (Parts::Mesh(_), Parts::Compound(parts), Goal::Any) if parts.parts().len() <= MAX_PARTS => {
-            Some(parts)
-        }
+/// The second shape's parts, if they are tested one by one: a compound's against a mesh.
+pub(super) fn parts_of<'a>([a, b]: [&Side<'a>; 2]) -> Option<&'a Compound> {
+    match (a.parts, b.parts) {
+        (Parts::Mesh(_), Parts::Compound(parts)) if parts.parts().len() <= MAX_PARTS => Some(parts),
         _ => None,
     }
 }
@@ -42,9 +39,13 @@ impl Kernel for PerPart<'_, '_> {
             let mut placed = Aabb16::EMPTY;
             relative.place(l, boxes, &mut placed);
             for lane in Bits(placed.overlaps(l, &around)) {
-                let shape = compound.parts()[below.0[lane] as usize].placed();
+                let number = below.0[lane];
+                let shape = compound.parts()[number as usize].placed();
                 let part = Side { parts: Parts::One(shape), pose: b.pose, reach: b.reach };
-                if l.call(Descent::of([a, &part], relative, scratch, tally)) == Next::Stop {
+                let known = tally.listed();
+                let next = l.call(Descent::of([a, &part], relative, scratch, tally));
+                tally.are_of(number, known);
+                if next == Next::Stop {
                     return Next::Stop;
                 }
             }

@@ -32,6 +32,40 @@ pub(super) struct Couple<'a> {
     size: f64,
 }
 
+/// How far a part reaches towards others of one shape along a direction.
+#[derive(Clone, Copy)]
+pub(super) struct SecondAlong {
+    /// In the first's frame, of any length.
+    direction: DVec3,
+    /// Against the direction, from the first's origin; metres times the length.
+    reach: f64,
+    length: f64,
+    /// Of both.
+    radii: f64,
+}
+
+impl SecondAlong {
+    /// How far it and a triangle reach past each other, for [`Couple::slack`] of any of that shape's.
+    #[inline]
+    pub(super) fn of_triangle(&self, corners: &[DVec3; 3]) -> f64 {
+        self.of(farthest(corners, self.direction))
+    }
+
+    /// The same of a first part that reaches so far along the direction.
+    #[inline]
+    fn of(&self, of_first: f64) -> f64 {
+        (of_first + self.reach) / self.length + self.radii
+    }
+}
+
+/// The most of x·d over a triangle.
+#[inline]
+fn farthest([p, q, r]: &[DVec3; 3], direction: DVec3) -> f64 {
+    let (p, q, r) = (p.dot(direction), q.dot(direction), r.dot(direction));
+    let most = if q > p { q } else { p };
+    if r > most { r } else { most }
+}
+
 impl<'a> Couple<'a> {
     /// `None` for parts without supports, and for sizes near the ends of the range.
     pub(super) fn of(parts: [Part<'a>; 2], poses: [&'a Pose; 2]) -> Option<Self> {
@@ -131,11 +165,20 @@ impl<'a> Couple<'a> {
 
     /// How far they reach past each other along a direction from the first to the second; rounded.
     pub(super) fn along(&self, direction: DVec3) -> f64 {
+        let second = self.second_along(direction);
+        second.of(self.parts[0].farthest(second.direction))
+    }
+
+    /// What the second reaches towards the first along a direction from there.
+    pub(super) fn second_along(&self, direction: DVec3) -> SecondAlong {
         let [turn_a, turn_b] = self.poses.map(Pose::rotation);
-        let of_a = self.parts[0].farthest(turn_a.transpose() * direction);
         let of_b = self.parts[1].farthest(turn_b.transpose() * -direction);
-        let cores = (of_a + of_b) - direction.dot(self.delta);
-        cores / direction.length() + (self.parts[0].radius() + self.parts[1].radius())
+        SecondAlong {
+            direction: turn_a.transpose() * direction,
+            reach: of_b - direction.dot(self.delta),
+            length: direction.length(),
+            radii: self.parts[0].radius() + self.parts[1].radius(),
+        }
     }
 
     /// What rounding, and supports that are not exact, may have cost.
@@ -190,9 +233,7 @@ impl Part<'_> {
     /// The most of x·d over the core, in its own frame.
     fn farthest(&self, direction: DVec3) -> f64 {
         match self {
-            Self::Triangle { corners: [p, q, r], .. } => {
-                p.dot(direction).max(q.dot(direction)).max(r.dot(direction))
-            }
+            Self::Triangle { corners, .. } => farthest(corners, direction),
             Self::Shape(shape) => match shape.as_polytope().map(|core| (core.kind(), core)) {
                 Some((Kind::Cuboid { half_extents }, _)) => direction.abs().dot(half_extents),
                 Some((Kind::Point | Kind::Segment, core)) => core

@@ -97,7 +97,19 @@ impl SeparatingPlanes {
 
     /// Which of the open lanes' triangles no separating plane shuts out.
     #[inline(always)]
-    pub(super) fn triangles<L: Lanes>(&self, l: L, leaf: &Triangles, mut open: u32) -> u32 {
+    pub(super) fn triangles<L: Lanes>(&self, l: L, leaf: &Triangles, open: u32) -> u32 {
+        self.triangles_within(l, leaf, open, 0.0)
+    }
+
+    /// Which of the open lanes' triangles no plane shuts out that is so far from a separating one, metres of the first axes.
+    #[inline(always)]
+    pub(super) fn triangles_within<L: Lanes>(
+        &self,
+        l: L,
+        leaf: &Triangles,
+        mut open: u32,
+        distance: f64,
+    ) -> u32 {
         for plane in self.planes.iter().rev() {
             if open == 0 {
                 break;
@@ -109,7 +121,7 @@ impl SeparatingPlanes {
             let b = normal.dot(l, V3::load(l, &b.0));
             let c = normal.dot(l, V3::load(l, &c.0));
             let lowest = l.min(l.min(a, b), c);
-            open &= !l.bits(l.lt(l.splat(plane.height_over(leaf)), lowest));
+            open &= !l.bits(l.lt(l.splat(plane.height_over(leaf, distance)), lowest));
         }
         open
     }
@@ -136,10 +148,12 @@ impl SeparatingPlane {
         Some(Self { normal, height, height_of_boxes: (of_boxes as f32).next_up() })
     }
 
-    /// What the corners of a leaf must exceed, counted from its centre.
-    fn height_over(&self, leaf: &Triangles) -> f32 {
+    /// What the corners of a leaf must exceed to be so far from the plane, metres; counted from the leaf's centre.
+    #[inline(always)]
+    fn height_over(&self, leaf: &Triangles, distance: f64) -> f32 {
         let d = self.normal.as_dvec3();
         let rounding = CORNERS * U * leaf.radius * d.abs().element_sum();
-        ((self.height - d.dot(leaf.centre) + rounding) as f32).next_up()
+        let beyond = if distance == 0.0 { 0.0 } else { distance * d.length() };
+        ((self.height - d.dot(leaf.centre) + rounding + beyond) as f32).next_up()
     }
 }

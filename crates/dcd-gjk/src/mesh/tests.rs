@@ -1,5 +1,6 @@
 //! The search against exact brute force over all pairs of parts.
 
+mod at_f32;
 mod measures;
 
 use super::{Scratch, overlap, overlap_on, touching};

@@ -281,9 +281,9 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// How far apart the shapes are, where they are proved to be.
-    fn apart(&self, bodies: [PosedSupport<'_, Shape>; 2]) -> Option<Distance> {
+    fn apart(&self, [a, b]: [PosedSupport<'_, Shape>; 2]) -> Option<Distance> {
         let is_apart = self.near.lower > self.bounds.swept_upper() && self.near.length < f64::MAX;
-        is_apart.then(|| self.near.distance(&self.bounds, self.difference.scale(), bodies))
+        is_apart.then(|| self.near.distance(&self.bounds, self.difference.scale(), (a, b)))
     }
 
     /// Takes the newest vertex in; whether it leads on.

@@ -213,7 +213,7 @@ impl<'a, 'b> Line<'a, 'b> {
 
     /// The corner in f64 of a vertex that is known by its features.
     fn corner(&self, Corner { vertex: known, .. }: &Corner) -> Corner {
-        let [a, b] = self.difference.maps();
+        let (a, b) = self.difference.maps();
         let at = |polytope: &Polytope, known: Support<f64>| {
             // A number of that polytope.
             let point = polytope.vertices()[known.feature as usize];

@@ -3,7 +3,7 @@
 use super::{Accuracy, MeasureAt, check_margin, few_parts};
 use crate::closed;
 use crate::distance::{Distance, DistanceResult, distance, distance_at};
-use crate::{Method, PairSolver, PosedShape, Verdict, certified};
+use crate::{Method, PairSolver, PosedShape, Verdict, certified, mesh};
 use dcd_geom::{Aabb, Shape, ShapeError, Sphere};
 
 /// How far apart pairs are, and between which points, for those within a margin: "touching" is
@@ -103,7 +103,7 @@ impl MeasureAt for Distances {
     }
 }
 
-/// The distance of a sphere, a half-space or a compound of few parts and another, at the accuracy of f32; `None` of others,
+/// The distance of a sphere, a half-space, a mesh or a compound of few parts and another, at the accuracy of f32; `None` of others,
 /// and where that leaves open whether they touch. What a pose is off a rotation by is more than distances in f64 lose
 /// otherwise.
 #[inline]
@@ -117,6 +117,7 @@ pub(crate) fn distance_at_once(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<D
         }
         _ => closed::centred::distance(a, b),
     }
+    .or_else(|| mesh::distance_in_f32(a, b))
 }
 
 /// The verdict on two shapes of that distance for a margin. Where the bounds leave it open, the exact methods

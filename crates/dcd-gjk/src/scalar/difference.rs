@@ -226,10 +226,10 @@ where
     }
 }
 
-impl<'a, R: Real, S: ?Sized> Difference<'a, R, S, S> {
+impl<'a, R: Real, A: ?Sized, B: ?Sized> Difference<'a, R, A, B> {
     /// The support maps of A and B.
-    pub(crate) fn maps(&self) -> [&'a S; 2] {
-        [self.a, self.b]
+    pub(crate) fn maps(&self) -> (&'a A, &'a B) {
+        (self.a, self.b)
     }
 }
 

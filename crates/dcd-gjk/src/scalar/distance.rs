@@ -7,6 +7,7 @@
 //! everywhere.
 
 mod approach;
+mod nearer;
 mod refine;
 #[cfg(test)]
 mod tests;
@@ -25,6 +26,7 @@ use approach::approach_from;
 pub(crate) use approach::{Approach, approach, proposed};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape, Support, SupportMap};
+pub(crate) use nearer::{Nearer, nearer};
 
 /// How far apart two shapes are, and where. World frame, metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -267,10 +269,10 @@ fn in_f64_from(
             simplex.push(Vertex { w, a: in_a, b: in_b });
         }
         let bounds = Bounds::of(&difference);
-        if let Ok(near) = approach_from(&difference, &bounds, 0.0, simplex)
+        if let Ok(near) = approach_from(&difference, &bounds, [0.0, f64::MAX], simplex)
             && near.lower > bounds.swept_upper()
         {
-            return DistanceResult::Apart(near.distance(&bounds, difference.scale(), [a, b]));
+            return DistanceResult::Apart(near.distance(&bounds, difference.scale(), (a, b)));
         }
     }
     of_apart_in_order(a, b, nearest)
@@ -329,63 +331,23 @@ fn measured<S: InBlocks>(
         Err(_) => return DistanceResult::Touching,
     };
     if near.lower > bounds.swept_upper() {
-        return DistanceResult::Apart(near.distance(&bounds, difference.scale(), [a, b]));
+        return DistanceResult::Apart(near.distance(&bounds, difference.scale(), (a, b)));
     }
     match undecided_or_proved(&difference, &bounds, &near) {
         Verdict::Touching(()) => DistanceResult::Touching,
         // Proved by an axis whose length is no bound: between 0 and what the search found.
         Verdict::Apart => {
-            let within = near.within(&bounds, difference.scale(), [a, b]);
+            let within = near.within(&bounds, difference.scale(), (a, b));
             let half = 0.5 * within.error_bound;
             let error_bound = rounded_up(half);
             DistanceResult::Apart(Distance { distance: half, error_bound, ..within })
         }
         Verdict::Undecided(reason) => DistanceResult::Interval {
             reason,
-            within: near.within(&bounds, difference.scale(), [a, b]),
+            within: near.within(&bounds, difference.scale(), (a, b)),
             // Any separation is at most the signed distance.
             depth: rounded_up((bounds.swept_upper() - near.lower) / difference.scale()),
         },
-    }
-}
-
-impl Approach {
-    /// Of swept shapes that the bounds prove apart.
-    pub(crate) fn distance<S: SupportMap<f64>>(
-        &self,
-        bounds: &Bounds<f64>,
-        scale: f64,
-        bodies: [PosedSupport<'_, S>; 2],
-    ) -> Distance {
-        let radius = bounds.radius();
-        let distance = self.length - radius;
-        // The radii's own rounding is in swept_upper; 4 ulps for this function's arithmetic.
-        let above = self.upper - radius * (1.0 - 8.0 * UNIT) - distance;
-        let below = distance - (self.lower - bounds.swept_upper());
-        let error = above.max(below) + 4.0 * f64::EPSILON * self.length;
-        let error_bound = rounded_up(error / scale);
-        Distance { distance: distance / scale, error_bound, ..self.witnesses(bodies) }.saturated()
-    }
-
-    /// Of shapes that the bounds do not prove apart: 0, and how far apart they are at most.
-    fn within<S: SupportMap<f64>>(
-        &self,
-        bounds: &Bounds<f64>,
-        scale: f64,
-        bodies: [PosedSupport<'_, S>; 2],
-    ) -> Distance {
-        let above = self.upper - bounds.radius() * (1.0 - 8.0 * UNIT);
-        let error = above * (1.0 + 4.0 * f64::EPSILON);
-        let error_bound = rounded_up(error / scale);
-        Distance { distance: 0.0, error_bound, ..self.witnesses(bodies) }.saturated()
-    }
-
-    fn witnesses<S: SupportMap<f64>>(&self, [a, b]: [PosedSupport<'_, S>; 2]) -> Distance {
-        let normal = unit(-self.direction);
-        let [core_a, core_b] = self.points(a, b);
-        let point_a = core_a + normal * a.map.radius();
-        let point_b = core_b - normal * b.map.radius();
-        Distance { normal, point_a, point_b, ..Distance::default() }
     }
 }
 

@@ -43,11 +43,11 @@ impl InBlocks for Shape {
 }
 
 /// [`Difference::lowest`], by lanes where that is quicker.
-pub(crate) fn lowest<S: InBlocks>(
-    difference: &Difference<'_, f64, S, S>,
+pub(crate) fn lowest<A: InBlocks, B: InBlocks>(
+    difference: &Difference<'_, f64, A, B>,
     direction: DVec3,
 ) -> (Vertex<f64>, f64) {
-    let [a, b] = difference.maps();
+    let (a, b) = difference.maps();
     if has_blocks(a) || has_blocks(b) {
         dispatch(LowestVertex { difference, direction })
     } else {
@@ -59,12 +59,12 @@ fn has_blocks(map: &impl InBlocks) -> bool {
     map.polytope().is_some_and(|polytope| !polytope.vertex_blocks().is_empty())
 }
 
-struct LowestVertex<'a, 'b, S> {
-    difference: &'a Difference<'b, f64, S, S>,
+struct LowestVertex<'a, 'b, A, B> {
+    difference: &'a Difference<'b, f64, A, B>,
     direction: DVec3,
 }
 
-impl<S: InBlocks> Kernel for LowestVertex<'_, '_, S> {
+impl<A: InBlocks, B: InBlocks> Kernel for LowestVertex<'_, '_, A, B> {
     type Output = (Vertex<f64>, f64);
 
     #[inline(always)]
@@ -80,15 +80,15 @@ pub(crate) trait Lowest {
 }
 
 /// As [`Difference::lowest`], bit for bit.
-pub(crate) struct Exact<'a, 'b, L, S> {
+pub(crate) struct Exact<'a, 'b, L, A, B> {
     pub(crate) lanes: L,
-    pub(crate) difference: &'a Difference<'b, f64, S, S>,
+    pub(crate) difference: &'a Difference<'b, f64, A, B>,
 }
 
-impl<L: Lanes, S: InBlocks> Lowest for Exact<'_, '_, L, S> {
+impl<L: Lanes, A: InBlocks, B: InBlocks> Lowest for Exact<'_, '_, L, A, B> {
     #[inline(always)]
     fn lowest(&self, direction: DVec3) -> (Vertex<f64>, f64) {
-        let [a, b] = self.difference.maps();
+        let (a, b) = self.difference.maps();
         let [in_a, in_b] = self.difference.to_local(direction);
         let (a, b) = (farthest(self.lanes, a, -in_a), farthest(self.lanes, b, in_b));
         let vertex = Vertex { w: self.difference.world(a.point, b.point), a, b };
@@ -99,7 +99,7 @@ impl<L: Lanes, S: InBlocks> Lowest for Exact<'_, '_, L, S> {
 /// A vertex near the lowest, by f32 alone. Decides the way of a search, never an answer.
 pub(crate) struct Approximate<'b, L> {
     lanes: L,
-    maps: [&'b Polytope; 2],
+    maps: (&'b Polytope, &'b Polytope),
     middle: DVec3,
     scaled: [DMat3; 2],
     rotations: [Mat3; 2],
@@ -109,7 +109,7 @@ impl<'b, L: Lanes> Approximate<'b, L> {
     /// `None` where neither has its vertices in blocks.
     #[inline(always)]
     pub(crate) fn of(lanes: L, difference: &Polytopes<'b>) -> Option<Self> {
-        let maps @ [a, b] = difference.maps();
+        let maps @ (a, b) = difference.maps();
         if a.vertex_blocks().is_empty() && b.vertex_blocks().is_empty() {
             return None;
         }
@@ -123,7 +123,7 @@ impl<'b, L: Lanes> Approximate<'b, L> {
 impl<L: Lanes> Lowest for Approximate<'_, L> {
     #[inline(always)]
     fn lowest(&self, direction: DVec3) -> (Vertex<f64>, f64) {
-        let ([a, b], [of_a, of_b]) = (self.maps, &self.rotations);
+        let ((a, b), [of_a, of_b]) = (self.maps, &self.rotations);
         let d = direction.as_vec3();
         let in_a = -Vec3::new(of_a.x_axis.dot(d), of_a.y_axis.dot(d), of_a.z_axis.dot(d));
         let in_b = Vec3::new(of_b.x_axis.dot(d), of_b.y_axis.dot(d), of_b.z_axis.dot(d));

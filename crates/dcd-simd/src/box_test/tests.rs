@@ -154,3 +154,43 @@ fn a_box_is_outside_of_planes_only_where_all_its_corners_are() {
     }
     assert!(out > 500 && inside > 500, "{out} {inside}");
 }
+
+#[test]
+fn no_box_is_higher_than_anything_in_it() {
+    let (mut state, mut lower) = (5, 0);
+    for round in 0..500 {
+        let scale = [1.0, 1e-20, 1e20, 1e-40][round % 4];
+        let vector = |state: &mut u32| DVec3::from_array([0; 3].map(|_| random(state)));
+        let far = if round % 3 == 0 { vector(&mut state) * 1e4 } else { DVec3::ZERO };
+        let mut boxes = Aabb16::EMPTY;
+        for k in 0..15 {
+            let corner = |state: &mut u32| ((vector(state) + far) * scale).as_vec3();
+            let (a, b) = (corner(&mut state), corner(&mut state));
+            boxes.set(k, &Aabb { min: a.min(b), max: a.max(b) });
+        }
+        let direction = if round % 5 == 0 { DVec3::Y } else { vector(&mut state) };
+        let test = HeightsAlong::new(direction, &boxes.union()).unwrap();
+        let found = keys(&test, &boxes);
+        assert_eq!(found[15], f32::INFINITY);
+        let mut heights = Vec::new();
+        for (k, &key) in found[..15].iter().enumerate() {
+            let aabb = boxes.get(k);
+            let (min, max) = (aabb.min.as_dvec3(), aabb.max.as_dvec3());
+            let height = (direction * min).min(direction * max).element_sum();
+            assert!(key <= test.key_of(height), "{round}: {key} {height}");
+            heights.push((height, key));
+        }
+        let first = heights.iter().fold(f64::INFINITY, |least, &(height, _)| least.min(height));
+        let limit = test.key_of(first);
+        let slack = (far.length() + 2.0) * scale * 1e-5 + 1e-29;
+        for (height, key) in heights {
+            let is_higher = key > limit;
+            lower += usize::from(is_higher);
+            assert!(is_higher || height <= first + slack, "{round}: {height} {first}");
+        }
+    }
+    assert!(lower > 2000, "{lower}");
+    let around = Aabb { min: Vec3::splat(-1e38), max: Vec3::splat(1e38) };
+    assert!(HeightsAlong::new(DVec3::X, &around).is_none());
+    assert!(HeightsAlong::new(DVec3::NAN, &Aabb { min: Vec3::ZERO, max: Vec3::ONE }).is_none());
+}

@@ -16,6 +16,7 @@ mod cuboids;
 mod facing;
 mod feature;
 mod hull_pair;
+mod mesh_on_plane;
 mod on_mesh;
 mod on_plane;
 mod parts;
@@ -172,6 +173,7 @@ pub struct Scratch {
     corners: Corners,
     parts: mesh::Scratch,
     on_mesh: on_mesh::Scratch,
+    on_plane: mesh_on_plane::Scratch,
     /// Which parts touch, where that is known.
     known: Vec<[u32; 2]>,
 }

@@ -10,7 +10,7 @@ use crate::mesh::{self, AS_DEEP, PartIndex, TouchingTriangle};
 use crate::query::{Accuracy, depths};
 use crate::{PosedShape, Verdict};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Polytope, Shape, SupportMap};
+use dcd_geom::{Kind, Polytope, Shape, SupportMap};
 
 /// The bound of a triangle's depth that is good enough, relative to the pair's size.
 const TOLERANCE: f64 = 1e-6;
@@ -36,14 +36,18 @@ pub(super) fn measure(
     };
     let Scratch { pairs, triangles, open } = scratch;
     triangles.clear();
-    let touching = touching.unwrap_or_else(|| {
-        pairs.clear();
-        // What is undecided is not in the list, and counts as apart.
-        let _ = mesh::touching(sides[0], sides[1], parts, pairs);
-        pairs
-    });
-    let touching = touching.iter().map(|&[triangle, _]| triangle);
-    mesh::touching_triangles(sides, TOLERANCE, touching, triangles)?;
+    // Of spheres the depths tell which triangles touch.
+    if body.kind() != Kind::Point || mesh::triangles_in_sphere(sides, triangles).is_none() {
+        triangles.clear();
+        let touching = touching.unwrap_or_else(|| {
+            pairs.clear();
+            // What is undecided is not in the list, and counts as apart.
+            let _ = mesh::touching(sides[0], sides[1], parts, pairs);
+            pairs
+        });
+        let touching = touching.iter().map(|&[triangle, _]| triangle);
+        mesh::touching_triangles(sides, TOLERANCE, touching, triangles)?;
+    }
     open.clear();
     open.resize(triangles.len(), true);
     let mut patches = Patches { sides, body, triangles, open, corners, memory };

@@ -3,9 +3,9 @@
 
 use super::corners::Corners;
 use super::feature::View;
-use super::on_mesh;
 use super::surface::{self, ManifoldOptions};
 use super::{Feature, Manifold, ManifoldSet, Scratch, of_one_point, of_touching};
+use super::{mesh_on_plane, on_mesh};
 use crate::epa::Depth;
 use crate::mesh::{self, Effort, PartPair};
 use crate::query::few_parts::{self, Wanted};
@@ -61,7 +61,13 @@ fn in_order(
     sides: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
 ) -> Result<ManifoldSet, Reason> {
-    let Scratch { depth: memory, corners, parts, on_mesh, .. } = scratch;
+    let Scratch { depth: memory, corners, parts, on_mesh, on_plane, .. } = scratch;
+    if how.accuracy == Accuracy::F32
+        && how.options == ManifoldOptions::default()
+        && let Some(found) = mesh_on_plane::measure(sides, on_plane)
+    {
+        return Ok(found);
+    }
     if how.accuracy == Accuracy::F32
         && how.options == ManifoldOptions::default()
         && let Some(found) = on_mesh::measure(sides, touching, (on_mesh, parts, corners), memory)

@@ -1,4 +1,4 @@
-//! Spheres against cuboids, capsules, cylinders, cones, triangles and hulls, rounded or not: how far the sphere's centre
+//! Spheres against cuboids, capsules, cylinders, cones, triangles, hulls and meshes, rounded or not: how far the sphere's centre
 //! is from the core of the other, seen in its frame, negative inside.
 //!
 //! That distance changes by no more than the centre does, and so by no more than the centre lost on its way into the
@@ -11,9 +11,9 @@ use super::gap::Gap;
 use super::{SIZES, UNIT};
 use crate::epa::Depth;
 use crate::query::Accuracy;
-use crate::{DistanceResult, PosedShape};
+use crate::{DistanceResult, PosedShape, Verdict};
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
-use dcd_geom::{Curved, CurvedKind, Kind, Polytope, Pose, Shape, Vector};
+use dcd_geom::{Curved, CurvedKind, Kind, Mesh, Polytope, Pose, Shape, Vector};
 
 /// How far the centre's distance from a box or an upright segment may be off. Unit: u·m. Derived: 19.
 const STRAIGHT: f64 = 32.0;
@@ -87,6 +87,8 @@ enum Core<'a> {
     /// At the accuracy of f32 alone.
     Triangle(&'a Polytope),
     Hull(&'a Polytope),
+    /// Its nearest triangle, likewise.
+    Mesh(&'a Mesh),
 }
 
 impl<'a> Core<'a> {
@@ -105,6 +107,7 @@ impl<'a> Core<'a> {
                 _ => None,
             },
             Shape::Curved(curved) => Some(Self::Curved(curved)),
+            Shape::Mesh(mesh) if is_f32 => Some(Self::Mesh(mesh)),
             _ => None,
         }
     }
@@ -122,6 +125,7 @@ impl<'a> Core<'a> {
                 faces::beside_triangle(triangle.vertices(), point, triangle.reach())
             }
             Self::Hull(hull) => faces::beside_hull(hull, point),
+            Self::Mesh(mesh) => faces::beside_mesh(mesh, point),
         }
     }
 }
@@ -232,39 +236,96 @@ fn gap_between(
     (core, other): (Core<'_>, PosedShape<'_>),
     swapped: bool,
 ) -> Option<Gap> {
-    let deviation = other.pose.deviation();
-    let middle = *sphere.vertices().first()?;
-    let turned = if middle == DVec3::ZERO { middle } else { *at.rotation() * middle };
-    let from = (at.translation() - other.pose.translation()) + turned;
-    let (reach, swept, lost) = match other.shape {
-        Shape::Polytope(polytope) => {
-            let is_straight = matches!(polytope.kind(), Kind::Cuboid { .. } | Kind::Segment);
-            let lost = if is_straight { STRAIGHT } else { ROUND };
-            (polytope.reach(), polytope.swept_radius(), lost)
+    let seen = Seen::of((sphere, at), other)?;
+    Some(seen.gap(core.beside(seen.place)?, swapped))
+}
+
+/// A sphere in the frame of another shape.
+struct Seen<'a> {
+    /// Of its centre.
+    place: DVec3,
+    /// The same in the world.
+    centre: DVec3,
+    radius: f64,
+    /// Round the core of the other.
+    swept: f64,
+    other: &'a Pose,
+    /// What the centre's distance from the core may be off by: metres.
+    error: f64,
+}
+
+impl<'a> Seen<'a> {
+    /// `None` where a length is out of range.
+    #[inline(always)]
+    fn of((sphere, at): (&Polytope, &Pose), other: PosedShape<'a>) -> Option<Self> {
+        let middle = *sphere.vertices().first()?;
+        let turned = if middle == DVec3::ZERO { middle } else { *at.rotation() * middle };
+        let from = (at.translation() - other.pose.translation()) + turned;
+        let (reach, swept, lost) = match other.shape {
+            Shape::Polytope(polytope) => {
+                let is_straight = matches!(polytope.kind(), Kind::Cuboid { .. } | Kind::Segment);
+                let lost = if is_straight { STRAIGHT } else { ROUND };
+                (polytope.reach(), polytope.swept_radius(), lost)
+            }
+            Shape::Curved(curved) => {
+                (curved.half_height() + curved.radius(), curved.swept_radius(), ROUND)
+            }
+            Shape::Mesh(mesh) => (mesh.reach(), mesh.swept_radius(), ROUND),
+            _ => return None,
+        };
+        let radius = sphere.swept_radius();
+        let size =
+            reach + 2.0 * sphere.reach() + (at.translation() - other.pose.translation()).norm1();
+        // False for NaN.
+        if !(SIZES.contains(&size) && radius + swept < SIZES.end) {
+            return None;
         }
-        Shape::Curved(curved) => {
-            (curved.half_height() + curved.radius(), curved.swept_radius(), ROUND)
-        }
-        _ => return None,
+        let DMat3 { x_axis, y_axis, z_axis } = other.pose.rotation();
+        let place = DVec3::new(x_axis.dot(from), y_axis.dot(from), z_axis.dot(from));
+        let error = (lost * UNIT + DEVIATION * other.pose.deviation()) * size;
+        let centre = at.translation() + turned;
+        Some(Self { place, centre, radius, swept, other: other.pose, error })
+    }
+
+    /// From the sphere, given where its centre is beside the core.
+    #[inline(always)]
+    fn gap(&self, beside: Beside, swapped: bool) -> Gap {
+        let Beside { distance, outward, unsure } = beside;
+        let value = distance - (self.radius + self.swept);
+        let error = self.error
+            + 4.0 * UNIT * (distance.abs() + self.radius + self.swept)
+            + unsure * (1.0 + 4.0 * self.other.deviation());
+        let normal = -(*self.other.rotation() * outward);
+        let on_sphere = self.centre + normal * self.radius;
+        let on_other = on_sphere + normal * value;
+        Gap::new((value, error), normal, [on_sphere, on_other], swapped)
+    }
+}
+
+/// Calls `found` for each triangle of a mesh that touches a sphere, with the depth from the mesh to the sphere, at the
+/// accuracy of f32; in an order that depends on the two alone. `None`, and some of them, where f64 leaves one open, and of
+/// other shapes.
+pub(crate) fn triangles_in_sphere(
+    [mesh, sphere]: [PosedShape<'_>; 2],
+    mut found: impl FnMut(u32, &[DVec3; 3], Depth),
+) -> Option<()> {
+    let (Shape::Mesh(of_mesh), Shape::Polytope(round)) = (mesh.shape, sphere.shape) else {
+        return None;
     };
-    let radius = sphere.swept_radius();
-    let size = reach + 2.0 * sphere.reach() + (at.translation() - other.pose.translation()).norm1();
-    // False for NaN.
-    if !(SIZES.contains(&size) && radius + swept < SIZES.end) {
+    if round.kind() != Kind::Point || mesh.pose.deviation() > TURNED {
         return None;
     }
-    let rotation: &DMat3 = other.pose.rotation();
-    let seen =
-        DVec3::new(rotation.x_axis.dot(from), rotation.y_axis.dot(from), rotation.z_axis.dot(from));
-    let Beside { distance, outward, unsure } = core.beside(seen)?;
-    let value = distance - (radius + swept);
-    let error = (lost * UNIT + DEVIATION * deviation) * size
-        + 4.0 * UNIT * (distance.abs() + radius + swept)
-        + unsure * (1.0 + 4.0 * deviation);
-    let normal = -(*rotation * outward);
-    let on_sphere = (at.translation() + turned) + normal * radius;
-    let on_other = on_sphere + normal * value;
-    Some(Gap::new((value, error), normal, [on_sphere, on_other], swapped))
+    let seen = Seen::of((round, sphere.pose), mesh)?;
+    // More than the centre may be off, and than the sum loses.
+    let within = (seen.radius + seen.swept + 4.0 * seen.error) * (1.0 + 8.0 * UNIT);
+    faces::triangles_within(of_mesh, (seen.place, within), |triangle, corners, beside| {
+        match seen.gap(beside?, true).verdict() {
+            Verdict::Touching(depth) => found(triangle, corners, depth),
+            Verdict::Apart => {}
+            Verdict::Undecided(_) => return None,
+        }
+        Some(())
+    })
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! How far apart two shapes are as one evaluation in f64 has it, and what that proves.
 
 use crate::epa::Depth;
-use crate::{Distance, DistanceResult};
+use crate::{Distance, DistanceResult, Reason, Verdict};
 use dcd_geom::glam::DVec3;
 
 /// The signed distance of two shapes, negative where they overlap, and what it may be off by. World frame, metres.
@@ -37,6 +37,15 @@ impl Gap {
         let Self { value, error: error_bound, normal, point_a, point_b } = self;
         let is_proved = value < -error_bound;
         is_proved.then(|| Depth { depth: -value, normal, point_a, point_b, error_bound })
+    }
+
+    /// Whether they touch, and how deep.
+    #[inline]
+    pub(super) fn verdict(self) -> Verdict<Depth> {
+        if self.value > self.error {
+            return Verdict::Apart;
+        }
+        self.depth().map_or(Verdict::Undecided(Reason::WithinRounding), Verdict::Touching)
     }
 
     /// How far apart they are, or that they touch; `None` where neither is proved.

@@ -1,4 +1,4 @@
-//! Half-spaces against cuboids, capsules, hulls, cylinders and cones where a certified answer is not asked for: the
+//! Half-spaces against cuboids, capsules, hulls, cylinders, cones and meshes where a certified answer is not asked for: the
 //! lowest point above the plane, once in f64.
 //!
 //! [`half_space`](super::half_space) takes the plane as the pose has it, exactly; here the pose's matrix is a rotation,
@@ -10,7 +10,8 @@ use crate::epa::Depth;
 use crate::query::Accuracy;
 use crate::{DistanceResult, PosedShape};
 use dcd_geom::glam::{DMat3, DVec3};
-use dcd_geom::{Curved, HalfSpace, Kind, Polytope, Shape, Vector};
+use dcd_geom::{Curved, HalfSpace, Kind, Mesh, Polytope, Shape, Vector};
+use dcd_simd::HeightsAlong;
 
 /// How far a gap may be off. Unit: u·m. Derived: 36.
 const LOST: f64 = 48.0;
@@ -83,6 +84,10 @@ fn gap_above(
             let reach = curved.half_height() + curved.radius();
             (lowest, height, reach, curved.swept_radius())
         }
+        Shape::Mesh(mesh) => {
+            let (lowest, height) = lowest_of_mesh(mesh, along)?;
+            (lowest, height, mesh.reach(), mesh.swept_radius())
+        }
         _ => return None,
     };
     let radius = half_space.swept_radius() + swept;
@@ -114,6 +119,26 @@ fn lowest_of(polytope: &Polytope, along: DVec3) -> (DVec3, f64) {
         }
     }
     best
+}
+
+/// The same of a mesh's corners: of equals the one with the smallest index. `None` where they leave the range of f32.
+///
+/// Only boxes of triangles are left out that are higher than a corner that was seen.
+fn lowest_of_mesh(mesh: &Mesh, along: DVec3) -> Option<(DVec3, f64)> {
+    let tree = mesh.tree();
+    let test = HeightsAlong::new(along, &tree.aabb())?;
+    let mut best = (f64::INFINITY, u32::MAX);
+    tree.visit(&test, f32::MAX, &mut |triangle, _| {
+        for &corner in mesh.triangles().get(triangle as usize).into_iter().flatten() {
+            let height = mesh.vertices()[corner as usize].dot(along);
+            if height < best.0 || height == best.0 && corner < best.1 {
+                best = (height, corner);
+            }
+        }
+        test.key_of(best.0)
+    });
+    let lowest = mesh.vertices().get(best.1 as usize)?;
+    Some((*lowest, best.0))
 }
 
 /// The same of the hull of two discs.

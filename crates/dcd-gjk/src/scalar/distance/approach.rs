@@ -1,12 +1,12 @@
 //! GJK in f64 to the nearest point, with bounds on the distance from both sides.
 
-use super::UNIT;
+use super::{Distance, UNIT, rounded_up, unit as of_unit_length};
 use crate::certificate::{Bounds, combined_length};
 use crate::gjk::{MAX_SUPPORTS, Simplex, start, unit};
 use crate::supports::{InBlocks, lowest};
 use crate::{Difference, PosedSupport, Reason, Verdict, Vertex};
-use dcd_geom::Support;
 use dcd_geom::glam::DVec3;
+use dcd_geom::{Support, SupportMap};
 
 /// The nearest point found. Lengths are those of the difference.
 pub(crate) struct Approach {
@@ -31,14 +31,15 @@ pub(crate) fn approach<S: InBlocks>(
     bounds: &Bounds<f64>,
     gap: f64,
 ) -> Result<Approach, Verdict<()>> {
-    approach_from(difference, bounds, gap, Simplex::default())
+    approach_from(difference, bounds, [gap, f64::MAX], Simplex::default())
 }
 
-/// The same from the nearest point of a simplex, if it has a vertex.
-pub(crate) fn approach_from<S: InBlocks>(
-    difference: &Difference<'_, f64, S, S>,
+/// The same from the nearest point of a simplex, if it has a vertex, and to where the cores are known to be at least
+/// `enough` apart, which may be before there is a simplex.
+pub(crate) fn approach_from<A: InBlocks, B: InBlocks>(
+    difference: &Difference<'_, f64, A, B>,
     bounds: &Bounds<f64>,
-    gap: f64,
+    [gap, enough]: [f64; 2],
     first: Simplex<f64>,
 ) -> Result<Approach, Verdict<()>> {
     let mut best = Approach::towards(start::<f64>(difference.middle()));
@@ -55,7 +56,7 @@ pub(crate) fn approach_from<S: InBlocks>(
                 // The gap is closed to the last bit, or the vertex is nothing new.
                 let is_closed =
                     best.length - along <= UNIT * best.length || best.upper - best.lower <= gap;
-                if is_closed || best.simplex.holds(&vertex) {
+                if is_closed || best.lower >= enough || best.simplex.holds(&vertex) {
                     break;
                 }
                 best.simplex.push(vertex);
@@ -90,8 +91,8 @@ pub(crate) fn approach_from<S: InBlocks>(
             None => break,
         }
     }
-    // Not even one vertex: a foreign map answered NaN.
-    let found = !best.simplex.vertices().is_empty();
+    // Not even one vertex, though they are not known to be far: a foreign map answered NaN.
+    let found = !best.simplex.vertices().is_empty() || best.lower >= enough;
     if found { Ok(best) } else { Err(Verdict::Undecided(Reason::WithinRounding)) }
 }
 
@@ -139,7 +140,11 @@ impl Approach {
     }
 
     /// The points of the two cores, world frame, metres.
-    pub(crate) fn points<S>(&self, a: PosedSupport<'_, S>, b: PosedSupport<'_, S>) -> [DVec3; 2] {
+    pub(crate) fn points<A: SupportMap<f64>, B: SupportMap<f64>>(
+        &self,
+        a: PosedSupport<'_, A>,
+        b: PosedSupport<'_, B>,
+    ) -> [DVec3; 2] {
         let total: f64 = self.weights[..self.simplex.vertices().len()].iter().sum();
         let sum = |point: fn(&Vertex<f64>) -> DVec3| {
             let vertices = self.simplex.vertices().iter().zip(self.weights);
@@ -147,5 +152,46 @@ impl Approach {
                 .fold(DVec3::ZERO, |sum, (vertex, weight)| sum + point(vertex) * (weight / total))
         };
         [a.pose.apply(sum(|vertex| vertex.a.point)), b.pose.apply(sum(|vertex| vertex.b.point))]
+    }
+
+    /// Of swept shapes that the bounds prove apart.
+    pub(crate) fn distance<A: SupportMap<f64>, B: SupportMap<f64>>(
+        &self,
+        bounds: &Bounds<f64>,
+        scale: f64,
+        bodies: (PosedSupport<'_, A>, PosedSupport<'_, B>),
+    ) -> Distance {
+        let radius = bounds.radius();
+        let distance = self.length - radius;
+        // The radii's own rounding is in swept_upper; 4 ulps for this function's arithmetic.
+        let above = self.upper - radius * (1.0 - 8.0 * UNIT) - distance;
+        let below = distance - (self.lower - bounds.swept_upper());
+        let error = above.max(below) + 4.0 * f64::EPSILON * self.length;
+        let error_bound = rounded_up(error / scale);
+        Distance { distance: distance / scale, error_bound, ..self.witnesses(bodies) }.saturated()
+    }
+
+    /// Of shapes that the bounds do not prove apart: 0, and how far apart they are at most.
+    pub(super) fn within<S: SupportMap<f64>>(
+        &self,
+        bounds: &Bounds<f64>,
+        scale: f64,
+        bodies: (PosedSupport<'_, S>, PosedSupport<'_, S>),
+    ) -> Distance {
+        let above = self.upper - bounds.radius() * (1.0 - 8.0 * UNIT);
+        let error = above * (1.0 + 4.0 * f64::EPSILON);
+        let error_bound = rounded_up(error / scale);
+        Distance { distance: 0.0, error_bound, ..self.witnesses(bodies) }.saturated()
+    }
+
+    fn witnesses<A: SupportMap<f64>, B: SupportMap<f64>>(
+        &self,
+        (a, b): (PosedSupport<'_, A>, PosedSupport<'_, B>),
+    ) -> Distance {
+        let normal = of_unit_length(-self.direction);
+        let [core_a, core_b] = self.points(a, b);
+        let point_a = core_a + normal * a.map.radius();
+        let point_b = core_b - normal * b.map.radius();
+        Distance { normal, point_a, point_b, ..Distance::default() }
     }
 }

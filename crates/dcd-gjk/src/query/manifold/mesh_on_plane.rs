@@ -1,0 +1,164 @@
+//! A mesh on a half-space at the accuracy of f32: its vertices below the plane, each once.
+//!
+//! Every triangle that is below meets the plane along one normal: there is one manifold, and no pair of parts is looked
+//! at.
+
+use super::clip::different;
+use super::reduce::{self, Spot};
+use super::{Feature, Manifold, ManifoldPoint, ManifoldSet, SAME, bound_of};
+use crate::PosedShape;
+use crate::epa::Depth;
+use crate::mesh::PartIndex;
+use crate::query::{Accuracy, depths};
+use dcd_geom::glam::{DVec2, DVec3};
+use dcd_geom::{Mesh, Shape};
+use dcd_simd::HeightsAlong;
+
+/// Up to how many vertices are compared with each other, for those at one place. More are so many that the four that
+/// stand for all are at four places.
+const FEW: usize = 32;
+
+/// A vertex below the plane.
+#[derive(Clone, Copy, Debug)]
+struct Below {
+    vertex: u32,
+    /// The first triangle that has it, and as which of its corners.
+    triangle: u32,
+    corner: u32,
+    /// Seen along the normal.
+    at: DVec2,
+    depth: f64,
+}
+
+impl Spot for Below {
+    fn at(&self) -> DVec2 {
+        self.at
+    }
+
+    fn depth(&self) -> f64 {
+        self.depth
+    }
+}
+
+/// What a thread reuses from pair to pair.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    below: Vec<Below>,
+    /// For each vertex the last round that met it, and where it is in the list then.
+    met: Vec<[u32; 2]>,
+    round: u32,
+}
+
+/// The manifold of a mesh and a half-space, in that order; `None` of others, and where f64 leaves open whether they
+/// touch.
+pub(super) fn measure(sides: [PosedShape<'_>; 2], scratch: &mut Scratch) -> Option<ManifoldSet> {
+    let (Shape::Mesh(mesh), Shape::HalfSpace(_)) = (sides[0].shape, sides[1].shape) else {
+        return None;
+    };
+    let depth = depths::by_frame(Accuracy::F32, sides[0], sides[1])?;
+    let resting = Resting::of(mesh, sides, &depth);
+    scratch.list(&resting)?;
+    let below = &mut scratch.below;
+    if below.len() <= FEW {
+        let count = different(below, resting.size);
+        below.truncate(count);
+    }
+    let (kept, count) = reduce::to_four(below, SAME * resting.size)?;
+    let mut found = Manifold { normal: depth.normal, count: count as u8, ..Manifold::EMPTY };
+    for (point, &k) in found.points.iter_mut().zip(&kept[..count]) {
+        *point = resting.point(&below[k], &depth);
+    }
+    found.points[0].depth = depth.depth;
+    found.parts = found.points[0].parts;
+    // What is lost of a depth, once more of the other vertices'.
+    found.error_bound = (bound_of(&depth, 0.0, sides) + depth.error_bound).min(f64::MAX);
+    Some(found.into())
+}
+
+/// A mesh and the plane below it.
+struct Resting<'a> {
+    mesh: &'a Mesh,
+    side: PosedShape<'a>,
+    /// Into the half-space, of unit length: in the world, and in the mesh's frame.
+    towards: DVec3,
+    local: DVec3,
+    /// How far the mesh's origin, and what is swept round the mesh, is below the plane.
+    base: f64,
+    /// Square to the normal, in the mesh's frame.
+    axes: (DVec3, DVec3),
+    size: f64,
+}
+
+impl<'a> Resting<'a> {
+    fn of(mesh: &'a Mesh, [side, _]: [PosedShape<'a>; 2], depth: &Depth) -> Self {
+        let towards = depth.normal;
+        let local = side.pose.rotation().transpose() * towards;
+        let base = towards.dot(side.pose.translation() - depth.point_b) + mesh.swept_radius();
+        let axes = local.any_orthonormal_pair();
+        Self { mesh, side, towards, local, base, axes, size: 2.0 * mesh.reach() }
+    }
+
+    /// A vertex, if it is not above the plane.
+    #[inline]
+    fn below(&self, vertex: u32) -> Option<(DVec2, f64)> {
+        let point = self.mesh.vertices()[vertex as usize];
+        let depth = self.local.dot(point) + self.base;
+        let at = || DVec2::new(self.axes.0.dot(point), self.axes.1.dot(point));
+        (depth >= 0.0).then(|| (at(), depth))
+    }
+
+    fn point(&self, below: &Below, most: &Depth) -> ManifoldPoint {
+        let vertex = self.mesh.vertices()[below.vertex as usize];
+        let point_a = self.side.pose.apply(vertex) + self.towards * self.mesh.swept_radius();
+        ManifoldPoint {
+            point_a,
+            point_b: point_a - self.towards * below.depth,
+            depth: below.depth.clamp(0.0, most.depth),
+            features: [Feature::Vertex(below.corner), Feature::Surface],
+            parts: [Some(PartIndex::Triangle(below.triangle)), None],
+        }
+    }
+}
+
+impl Scratch {
+    /// Lists the vertices below the plane; `None` where lengths leave the range of f32.
+    fn list(&mut self, resting: &Resting<'_>) -> Option<()> {
+        let Self { below, met, round } = self;
+        let Resting { mesh, local, base, .. } = resting;
+        below.clear();
+        if *round == u32::MAX || met.len() < mesh.vertices().len() {
+            met.clear();
+            met.resize(mesh.vertices().len(), [0; 2]);
+            *round = 0;
+        }
+        *round += 1;
+        let test = HeightsAlong::new(-*local, &mesh.tree().aabb())?;
+        let limit = test.key_of(*base);
+        mesh.tree().visit_within(&test, limit, &mut |triangle| {
+            let corners = mesh.triangles().get(triangle as usize).copied().unwrap_or_default();
+            for (corner, vertex) in (0..).zip(corners) {
+                let slot = &mut met[vertex as usize];
+                if slot[0] == *round {
+                    // Not below, or in the list: the first triangle names it.
+                    if let Some(known) = below.get_mut(slot[1] as usize)
+                        && triangle < known.triangle
+                    {
+                        (known.triangle, known.corner) = (triangle, corner);
+                    }
+                    continue;
+                }
+                let Some((at, depth)) = resting.below(vertex) else {
+                    *slot = [*round, u32::MAX];
+                    continue;
+                };
+                *slot = [*round, below.len() as u32];
+                below.push(Below { vertex, triangle, corner, at, depth });
+            }
+            true
+        });
+        Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests;
