@@ -136,6 +136,10 @@ impl MeasureDepth for Depths {
         [a, b]: [PosedShape<'_>; 2],
         scratch: &mut epa::Scratch,
     ) -> Verdict<Depth> {
+        // As without the parts, bit for bit.
+        if let Some(found) = by_frame(accuracy, a, b) {
+            return Verdict::Touching(found);
+        }
         of_deepest(accuracy, &mesh::pairs_of([a, b], parts), [a, b], scratch)
     }
 }

@@ -103,21 +103,30 @@ impl MeasureAt for Distances {
     }
 }
 
-/// The distance of a sphere, a half-space, a mesh or a compound of few parts and another, at the accuracy of f32; `None` of others,
-/// and where that leaves open whether they touch. What a pose is off a rotation by is more than distances in f64 lose
-/// otherwise.
+/// The distance of a sphere, a half-space, a mesh or a compound of few parts and another, at the accuracy of f32; `None` of
+/// others, and where that leaves open whether they touch. What a pose is off a rotation by is more than distances in f64
+/// lose otherwise.
 #[inline]
 pub(crate) fn distance_at_once(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
     match (a.shape, b.shape) {
+        (Shape::Compound(_), Shape::Mesh(_)) | (Shape::Mesh(_), Shape::Compound(_)) => {
+            distance_of_mesh(a, b)
+        }
         (Shape::Compound(_), _) | (_, Shape::Compound(_)) => {
             few_parts::distance(a, b).map(DistanceResult::Apart)
         }
         (Shape::HalfSpace(_), _) | (_, Shape::HalfSpace(_)) => {
             closed::level::distance(Accuracy::F32, a, b)
         }
+        (Shape::Mesh(_), _) | (_, Shape::Mesh(_)) => distance_of_mesh(a, b),
         _ => closed::centred::distance(a, b),
     }
-    .or_else(|| mesh::distance_in_f32(a, b))
+}
+
+/// The same of a mesh and a sphere, another convex shape that is bounded, or a compound.
+#[inline(never)]
+fn distance_of_mesh(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<DistanceResult> {
+    closed::centred::distance(a, b).or_else(|| mesh::distance_in_f32(a, b))
 }
 
 /// The verdict on two shapes of that distance for a margin. Where the bounds leave it open, the exact methods

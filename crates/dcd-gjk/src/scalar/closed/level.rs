@@ -124,6 +124,7 @@ fn lowest_of(polytope: &Polytope, along: DVec3) -> (DVec3, f64) {
 /// The same of a mesh's corners: of equals the one with the smallest index. `None` where they leave the range of f32.
 ///
 /// Only boxes of triangles are left out that are higher than a corner that was seen.
+#[inline(never)]
 fn lowest_of_mesh(mesh: &Mesh, along: DVec3) -> Option<(DVec3, f64)> {
     let tree = mesh.tree();
     let test = HeightsAlong::new(along, &tree.aabb())?;

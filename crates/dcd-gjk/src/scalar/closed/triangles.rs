@@ -32,6 +32,7 @@ pub(crate) fn nearest(corners: [DVec3; 3], point: DVec3) -> DVec3 {
     combined(corners, weights(corners, point))
 }
 
+#[inline(always)]
 fn combined([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
     a * u + b * v + c * w
 }
@@ -77,19 +78,30 @@ fn weights([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 3] {
 
 /// The same for a segment, and where on it the nearest point is: an end against the triangle, or the segment
 /// against an edge.
+#[inline(always)]
 fn of_segment(corners: [DVec3; 3], [from, to]: [DVec3; 2]) -> ([f64; 3], f64) {
     let along = to - from;
-    let of_ends = [(from, 0.0), (to, 1.0)].map(|(end, t)| (weights(corners, end), t));
-    let of_edges = [0, 1, 2].map(|k| {
-        let (p, q) = (corners[k], corners[(k + 1) % 3]);
-        let [s, t] = parameters(q - p, along, p - from);
-        let mut weights = [0.0; 3];
-        (weights[k], weights[(k + 1) % 3]) = (1.0 - s, s);
-        (weights, t)
-    });
-    let apart = |(weights, t): &([f64; 3], f64)| {
-        combined(corners, *weights).distance_squared(from + along * *t)
-    };
-    let all = of_ends.into_iter().chain(of_edges);
-    all.min_by(|p, q| apart(p).total_cmp(&apart(q))).unwrap_or(of_ends[0])
+    let mut best = (weights(corners, from), 0.0);
+    let mut least = apart(corners, best, from, along);
+    let mut consider = (weights(corners, to), 1.0);
+    for k in 0..4 {
+        let square = apart(corners, consider, from, along);
+        if square < least {
+            (best, least) = (consider, square);
+        }
+        if k < 3 {
+            let (p, q) = (corners[k], corners[(k + 1) % 3]);
+            let [s, t] = parameters(q - p, along, p - from);
+            let mut weights = [0.0; 3];
+            (weights[k], weights[(k + 1) % 3]) = (1.0 - s, s);
+            consider = (weights, t);
+        }
+    }
+    best
+}
+
+/// The squared distance of a point of a triangle from one of a segment.
+#[inline(always)]
+fn apart(corners: [DVec3; 3], (weights, t): ([f64; 3], f64), from: DVec3, along: DVec3) -> f64 {
+    combined(corners, weights).distance_squared(from + along * t)
 }

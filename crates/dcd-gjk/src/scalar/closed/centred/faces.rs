@@ -51,6 +51,7 @@ pub(super) fn beside_triangle(corners: &[DVec3], point: DVec3, reach: f64) -> Op
 /// Beside the nearest triangle of a mesh: of equals the one with the smallest index; `None` where the point is on one.
 ///
 /// Only boxes of triangles are left out that are farther than the point of a triangle that was seen.
+#[inline(never)]
 pub(super) fn beside_mesh(mesh: &Mesh, point: DVec3) -> Option<Beside> {
     let test = PointDistance::new(point);
     let mut best: Option<(Beside, u32)> = None;
