@@ -12,6 +12,7 @@ mod deepest;
 mod descent;
 mod distance;
 mod on_body;
+mod one_triangle;
 mod pair;
 mod per_part;
 mod piercing;
@@ -44,6 +45,7 @@ pub(crate) use deepest::{
 };
 pub use distance::distance;
 pub(crate) use on_body::{TouchingTriangle, touching_triangles};
+pub(crate) use one_triangle::{OfTriangle, of_triangle};
 
 /// What is reused from pair to pair.
 #[derive(Clone, Debug, Default)]
