@@ -157,11 +157,6 @@ impl PartPair<'_> {
         self.posed(a, b).map_or(Verdict::Undecided(Reason::Range), measure)
     }
 
-    /// Its depth, from a to b, is known.
-    pub(crate) fn is_as_deep_as(&mut self, depth: Depth) {
-        self.depth = Verdict::Touching(depth).into();
-    }
-
     /// Nothing is known of its depth any more.
     pub(crate) fn forget_bound(&mut self) {
         self.at_most = OnceCell::from(f64::INFINITY);

@@ -13,6 +13,7 @@ mod descent;
 mod distance;
 mod nearest;
 mod on_body;
+mod one_triangle;
 mod pair;
 mod per_part;
 mod piercing;
@@ -46,6 +47,7 @@ pub(crate) use deepest::{
 pub use distance::distance;
 pub(crate) use nearest::distance_in_f32;
 pub(crate) use on_body::{TouchingTriangle, touching_triangles, triangles_in_sphere};
+pub(crate) use one_triangle::{OfTriangle, of_triangle};
 
 /// What is reused from pair to pair.
 #[derive(Clone, Debug, Default)]

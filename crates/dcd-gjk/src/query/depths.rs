@@ -3,7 +3,7 @@
 use super::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, few_parts, sampled};
 use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
-use crate::mesh::{Effort, PartPair};
+use crate::mesh::{Effort, OfTriangle, PartPair};
 use crate::{
     Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, expanding, mesh,
     order,
@@ -172,6 +172,11 @@ pub(super) fn of_touching(
     if let Some(found) = upright(a, b).or_else(|| by_formula(accuracy, a, b)) {
         return Verdict::Touching(found);
     }
+    if accuracy == Accuracy::F32
+        && let Some(OfTriangle::Deep(found)) = mesh::of_triangle(a, b, tolerance(accuracy))
+    {
+        return Verdict::Touching(found);
+    }
     if let Some(found) = expanding::depth_of_overlap(a, b, accuracy, &mut scratch.surface)
         // What the searches below promise.
         && (accuracy != Accuracy::Certified || found.error_bound <= CERTIFIED * found.depth)
@@ -193,14 +198,11 @@ pub(super) fn of_touching(
 }
 
 /// The depth of two spheres; and where a certified one is not asked for, of a sphere or half-space and another, seen in the
-/// frame of one of them.
+/// frame of one of them, and of a capsule and a capsule or cuboid.
 #[inline]
 pub(super) fn by_frame(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
-    if let (Shape::HalfSpace(_), _) | (_, Shape::HalfSpace(_)) = (a.shape, b.shape) {
-        return closed::level::depth(accuracy, a, b);
-    }
     let of_spheres = closed::depth_of_two_spheres(a, b, closed::sharp_of(accuracy));
-    of_spheres.or_else(|| closed::centred::depth(accuracy, a, b))
+    of_spheres.or_else(|| closed::gap(accuracy, a, b)?.depth())
 }
 
 /// The depth of the deepest of these parts of two shapes.
@@ -237,7 +239,7 @@ pub(super) fn of_parts(
 }
 
 /// The bounds that are good enough: relative to the depth, and to the pair's size.
-fn tolerance(accuracy: Accuracy) -> [f64; 2] {
+pub(super) fn tolerance(accuracy: Accuracy) -> [f64; 2] {
     match accuracy {
         Accuracy::F32 => [0.0, 1e-6],
         Accuracy::F64 => [1e-10, 128.0 * f64::EPSILON],

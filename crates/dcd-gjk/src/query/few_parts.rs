@@ -8,9 +8,10 @@
 use super::{Accuracy, Feature, depths};
 use crate::distance::{Distance, DistanceResult, distance_at};
 use crate::epa::{self, Depth};
-use crate::{PosedShape, Verdict, certified, mesh};
+use crate::mesh::{self, OfTriangle};
+use crate::{PosedShape, PosedSupport, Verdict, certified, closed};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Kind, Part, Pose, Shape, SupportMap};
+use dcd_geom::{HalfSpace, Kind, Part, Pose, Shape, SupportMap};
 use std::cell::OnceCell;
 
 /// The most parts of one shape, those of two make 64 pairs. More: the tree over them is quicker.
@@ -23,6 +24,13 @@ const PLACED: f64 = 48.0;
 /// The most that may be, relative to the part's reach: far from the origin rounding is more than the accuracy allows.
 const NEAR: f64 = 1e-10;
 
+/// The largest deviation of the pose of a half-space whose plane is compared with spheres.
+const TURNED: f64 = 1e-12;
+
+/// What the height of a sphere's centre over such a plane may be off. Relative to the lengths. Derived: 2.1 times
+/// [`TURNED`], and 24u. Smaller: parts that are missed.
+const ABOVE: f64 = 4e-12;
+
 /// Unit roundoff.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
@@ -33,25 +41,48 @@ struct Placed<'a> {
     /// A sphere round it; of infinite radius for a half-space. World.
     centre: DVec3,
     radius: f64,
+    plane: Option<Plane>,
     /// Where a compound's part is, and how far its points may be from those of the part that answers are given for,
     /// metres: made when it is first needed. `None` where that is too far.
     at: OnceCell<Option<(Pose, f64)>>,
+}
+
+/// That of a half-space, in world axes.
+#[derive(Clone, Copy)]
+struct Plane {
+    /// Of unit length, but for rounding.
+    outward: DVec3,
+    /// How far along that it is.
+    offset: f64,
+    /// At least the lengths that this was computed with.
+    far: f64,
 }
 
 /// Those of one shape.
 #[derive(Default)]
 struct Parts<'a>([Option<Placed<'a>>; MOST]);
 
+/// Two shapes that are made of few parts, or one of them and a convex one; in the order that is one for (a, b) and (b, a).
+#[derive(Default)]
+pub(super) struct Couple<'a> {
+    a: Parts<'a>,
+    b: Parts<'a>,
+}
+
 impl<'a> Placed<'a> {
     /// `None` for shapes that are known by their support maps alone.
     fn of(whole: PosedShape<'a>, part: Option<&'a Part>) -> Option<Self> {
         let pose = part.map(|part| &part.pose);
+        let mut plane = None;
         let (middle, radius) = match part.map_or(whole.shape, Part::placed) {
             Shape::Polytope(polytope) => {
                 (polytope.inner().centre, polytope.outer_radius() + polytope.swept_radius())
             }
             Shape::Curved(curved) => (DVec3::ZERO, curved.reach() + curved.swept_radius()),
-            Shape::HalfSpace(_) => (DVec3::ZERO, f64::INFINITY),
+            Shape::HalfSpace(half_space) => {
+                plane = Plane::of(half_space, whole.pose);
+                (DVec3::ZERO, f64::INFINITY)
+            }
             // A cylinder or cone that was moved.
             Shape::Custom(_) => {
                 let curved = part?.moved_curved()?;
@@ -60,7 +91,7 @@ impl<'a> Placed<'a> {
             _ => return None,
         };
         let centre = whole.pose.apply(middle);
-        Some(Self { whole, part, centre, radius, at: OnceCell::new() })
+        Some(Self { whole, part, centre, radius, plane, at: OnceCell::new() })
     }
 
     /// As it was given, where it is; and by how much it is moved.
@@ -70,11 +101,36 @@ impl<'a> Placed<'a> {
         Some((PosedShape { shape: &part.shape, pose }, *moved))
     }
 
-    /// At most how far apart two are, as the spheres round them show.
+    /// At most how far apart two are, as the spheres round them show, or a sphere and a plane.
     fn gap(&self, other: &Self) -> f64 {
+        match (self.plane, other.plane) {
+            (Some(plane), None) => return other.gap_above(plane),
+            (None, Some(plane)) => return self.gap_above(plane),
+            _ => {}
+        }
         let far = self.centre.abs().element_sum() + other.centre.abs().element_sum();
         let radii = (self.radius + other.radius) * (1.0 + 1e-5);
         self.centre.distance(other.centre) - radii - 64.0 * UNIT * far
+    }
+
+    /// The same of the sphere and a plane.
+    fn gap_above(&self, Plane { outward, offset, far }: Plane) -> f64 {
+        let height = outward.dot(self.centre) - offset;
+        let lost = ABOVE * (far + self.centre.abs().element_sum());
+        height - self.radius * (1.0 + 1e-5) - lost
+    }
+}
+
+impl Plane {
+    /// `None` of a pose that is hardly a rotation.
+    fn of(half_space: &HalfSpace, pose: &Pose) -> Option<Self> {
+        let (length, place) = (half_space.normal().length(), pose.translation());
+        let outward = *pose.rotation() * (half_space.normal() / length);
+        let own = half_space.offset() / length;
+        let radius = half_space.swept_radius();
+        let far = place.abs().element_sum() + own.abs() + radius;
+        let offset = outward.dot(place) + own + radius;
+        (pose.deviation() <= TURNED).then_some(Self { outward, offset, far })
     }
 }
 
@@ -111,7 +167,10 @@ impl<'a> Parts<'a> {
     fn have_formulas(&self) -> bool {
         let has = |placed: &Placed<'_>| match placed.part.map_or(placed.whole.shape, |p| &p.shape) {
             Shape::Polytope(polytope) => {
-                matches!(polytope.kind(), Kind::Point | Kind::Segment | Kind::Cuboid { .. })
+                matches!(
+                    polytope.kind(),
+                    Kind::Point | Kind::Segment | Kind::Triangle | Kind::Cuboid { .. }
+                )
             }
             Shape::HalfSpace(_) => true,
             _ => false,
@@ -150,10 +209,27 @@ fn touch(a: &Placed<'_>, b: &Placed<'_>, scratch: &mut epa::Scratch) -> Option<K
         (found.depth > error_bound).then_some(Known::Deep(Depth { error_bound, ..found }))
     };
     let at = Accuracy::F32;
-    let formula = depths::by_frame(at, in_a, in_b);
-    let formula = formula.or_else(|| depths::by_formula(at, in_a, in_b));
-    if let Some(known) = formula.and_then(deep) {
+    let found = if let Some(gap) = closed::gap(at, in_a, in_b) {
+        if gap.is_beyond(moved) {
+            return Some(Known::Apart);
+        }
+        gap.depth()
+    } else {
+        match mesh::of_triangle(in_a, in_b, depths::tolerance(at)) {
+            Some(OfTriangle::Apart(gap)) if gap > moved => return Some(Known::Apart),
+            Some(OfTriangle::Deep(found)) => Some(found),
+            _ => depths::by_formula(at, in_a, in_b),
+        }
+    };
+    if let Some(known) = found.and_then(deep) {
         return Some(known);
+    }
+    if let (Shape::Polytope(core_a), Shape::Polytope(core_b)) = (in_a.shape, in_b.shape) {
+        let cores =
+            [PosedSupport::polytope(core_a, in_a.pose), PosedSupport::polytope(core_b, in_b.pose)];
+        if closed::cuboids_are_beyond(cores[0], cores[1], moved) {
+            return Some(Known::Apart);
+        }
     }
     match certified::overlap_of(in_a, in_b).0 {
         Verdict::Touching(()) => match depths::of_touching(at, in_a, in_b, scratch) {
@@ -176,52 +252,49 @@ pub(super) enum Wanted {
     Deepest,
 }
 
-/// Pairs of parts that touch, by index, each with its depth; in an order and with normals from the first to the second
-/// as [`mesh::is_swapped`] has them: whether that is the other. `None` where that is not known at once.
-pub(super) fn touching(
-    wanted: Wanted,
-    a: PosedShape<'_>,
-    b: PosedShape<'_>,
-    scratch: &mut epa::Scratch,
-    mut found: impl FnMut([u32; 2], Depth),
-) -> Option<bool> {
-    let ([a, b], swapped) = in_order(a, b)?;
-    let (mut of_a, mut of_b) = (Parts::default(), Parts::default());
-    of_a.fill(a)?;
-    of_b.fill(b)?;
-    // Of others the bounds that are known of placed parts spare more searches than these are quicker.
-    if !(of_a.have_formulas() && of_b.have_formulas()) {
-        return None;
+impl<'a> Couple<'a> {
+    /// Takes two shapes in place of what there was: `None`, and nothing of use, of other shapes, and of parts of which nearly
+    /// all pairs need a search. The bounds that are known of placed parts spare more of these than given parts are quicker.
+    pub(super) fn fill(&mut self, [a, b]: [PosedShape<'a>; 2]) -> Option<()> {
+        if matches!(a.shape, Shape::Mesh(_)) || matches!(b.shape, Shape::Mesh(_)) {
+            return None;
+        }
+        self.a.fill(a)?;
+        self.b.fill(b)?;
+        (self.a.have_formulas() && self.b.have_formulas()).then_some(())
     }
-    let mut deepest = 0.0;
-    for (j, part_a) in of_a.all() {
-        for (k, part_b) in of_b.all() {
-            let gap = part_a.gap(part_b);
-            if gap > 0.0 || wanted == Wanted::Deepest && -gap < deepest {
-                continue;
-            }
-            if let Known::Deep(depth) = touch(part_a, part_b, scratch)? {
-                deepest = depth.depth.max(deepest);
-                found([j, k], depth);
+
+    /// Finds the pairs of parts that touch, by index, each with its depth from the first to the second. `None` where that
+    /// is not known at once.
+    pub(super) fn touching(
+        &self,
+        wanted: Wanted,
+        scratch: &mut epa::Scratch,
+        mut found: impl FnMut([u32; 2], Depth),
+    ) -> Option<()> {
+        let mut deepest = 0.0;
+        for (j, part_a) in self.a.all() {
+            for (k, part_b) in self.b.all() {
+                let gap = part_a.gap(part_b);
+                if gap > 0.0 || wanted == Wanted::Deepest && -gap < deepest {
+                    continue;
+                }
+                if let Known::Deep(depth) = touch(part_a, part_b, scratch)? {
+                    deepest = depth.depth.max(deepest);
+                    found([j, k], depth);
+                }
             }
         }
+        Some(())
     }
-    Some(swapped)
-}
 
-/// Two parts by index, where they are and as they were given.
-pub(super) fn with_posed<'s, T>(
-    sides: [PosedShape<'s>; 2],
-    pair: [u32; 2],
-    of: impl FnOnce([PosedShape<'_>; 2]) -> T,
-) -> Option<T> {
-    let placed = |side: PosedShape<'s>, k: u32| match side.shape {
-        Shape::Compound(compound) => Placed::of(side, compound.parts().get(k as usize)),
-        _ => Placed::of(side, None),
-    };
-    let [a, b] = sides;
-    let (part_a, part_b) = (placed(a, pair[0])?, placed(b, pair[1])?);
-    Some(of([part_a.posed()?.0, part_b.posed()?.0]))
+    /// Two parts by index, where they are and as they were given; and by how much they are moved.
+    pub(super) fn posed(&self, [j, k]: [u32; 2]) -> Option<([PosedShape<'_>; 2], f64)> {
+        let (part_a, part_b) =
+            (self.a.0.get(j as usize)?.as_ref()?, self.b.0.get(k as usize)?.as_ref()?);
+        let ((in_a, moved_a), (in_b, moved_b)) = (part_a.posed()?, part_b.posed()?);
+        Some(([in_a, in_b], moved_a + moved_b))
+    }
 }
 
 /// The name of a feature of a part as it was given, where its compound has placed it: faces are listed in another order
@@ -252,8 +325,11 @@ pub(super) fn depth(
     b: PosedShape<'_>,
     scratch: &mut epa::Scratch,
 ) -> Option<Depth> {
+    let (sides, swapped) = in_order(a, b)?;
+    let mut couple = Couple::default();
+    couple.fill(sides)?;
     let (mut deepest, mut upper): (Option<Depth>, f64) = (None, 0.0);
-    let swapped = touching(Wanted::Deepest, a, b, scratch, |_, depth| {
+    couple.touching(Wanted::Deepest, scratch, |_, depth| {
         upper = upper.max(depth.depth + depth.error_bound);
         if deepest.is_none_or(|most| depth.depth > most.depth) {
             deepest = Some(depth);

@@ -115,10 +115,7 @@ fn at_the_accuracy_of_f32_distances_and_depths_hold_the_certified_ones() {
             }
             None => open += 1,
         }
-        let depth = |a, b| {
-            let at = Accuracy::F32;
-            closed::level::depth(at, a, b).or_else(|| closed::centred::depth(at, a, b))
-        };
+        let depth = |a, b| closed::gap(Accuracy::F32, a, b)?.depth();
         let Some(found) = depth(a, b) else { continue };
         assert_eq!(Some(found), depth(b, a).map(|found| found.mirrored()), "{what}");
         let Verdict::Touching(best) =

@@ -20,6 +20,7 @@ fn convex(draw: &mut Draw, k: usize) -> Shape {
         1 | 6 | 7 => Shape::cuboid(half),
         2 => Shape::capsule(half.x, half.y),
         3 => Shape::cylinder(half.x, half.y),
+        8 => Shape::triangle([0; 3].map(|_| draw.vector() * 0.4)),
         _ => Shape::cuboid(half).and_then(|cuboid| cuboid.rounded(0.05)),
     };
     made.unwrap()

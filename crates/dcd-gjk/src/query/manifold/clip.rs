@@ -57,6 +57,11 @@ impl Corner {
         Self { heights, inside: inside(0).max(inside(1)), ..self }
     }
 
+    /// At places that are so far inside a swept surface, metres.
+    pub(super) fn inside(self, inside: f64) -> Self {
+        Self { inside, ..self }
+    }
+
     /// How far its points may be off the surfaces of parts of that depth.
     pub(super) fn off_surface(&self, depth: f64) -> f64 {
         self.beside + self.inside.min((depth - self.depth()).max(0.0))

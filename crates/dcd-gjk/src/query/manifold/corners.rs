@@ -6,10 +6,10 @@ use super::feature::{Placed, Seen, View};
 use super::reduce::Spot;
 use super::triangle_clip::{self, Outline};
 use super::{Feature, Manifold, SAME, bound_of, reduce, write_one_point};
-use super::{cuboid_polygon, cuboids, hull_pair};
+use super::{cuboid_polygon, cuboids, hull_pair, on_plane};
 use crate::PosedShape;
 use crate::epa::Depth;
-use dcd_geom::glam::{DMat3, DVec3};
+use dcd_geom::glam::{DMat3, DVec2, DVec3};
 use dcd_geom::{Kind, Polytope, Shape, SupportMap};
 
 /// Corners with heights that count the swept radii; memory that clipping takes.
@@ -54,6 +54,14 @@ impl Corners {
         let mut corner = Corner::new(at, [height_a, height_b], [Feature::Surface; 2]);
         corner.beside = at.distance(at_b);
         self.corners.push(corner);
+    }
+
+    /// Moves the corners behind the first so many: in the plane, and along the normal.
+    pub(super) fn shift(&mut self, count: usize, (by, height): (DVec2, f64)) {
+        for corner in &mut self.corners[count..] {
+            corner.at += by;
+            corner.heights = [corner.heights[0] + height, corner.heights[1] + height];
+        }
     }
 
     /// Says of which pair of parts the corners behind the first so many are.
@@ -117,6 +125,22 @@ impl Corners {
                 };
                 [is_own(a.shape, seen_a.whole()), is_own(b.shape, seen_b.whole())]
             }
+        }
+    }
+
+    /// The same of a half-space and a shape on it, in fewer steps where that shows few corners.
+    pub(super) fn add_on_plane(
+        &mut self,
+        view: &View,
+        depth: &Depth,
+        sides: [PosedShape<'_>; 2],
+    ) -> [Feature; 2] {
+        match on_plane::add(view, depth, sides, &mut self.corners) {
+            Some((whole, size)) => {
+                self.size = self.size.max(size);
+                whole
+            }
+            None => self.add(view, depth, sides),
         }
     }
 

@@ -1,4 +1,4 @@
-//! The manifold of two hulls: the feature of one clipped by the face of the other, seen along the normal.
+//! The manifold of two hulls or capsules: the feature of one clipped by the face of the other, seen along the normal.
 //!
 //! The same features and corners as the general way's, in less memory, and written where the answer is to be.
 
@@ -39,6 +39,8 @@ struct Side<'a> {
     facing: f64,
     /// By how much its plane rises along x and y; 0 where it is no face.
     slope: DVec2,
+    /// The cosine of the angle by which a face leans, or the edge that is all of the shape; 0 for others.
+    level: f64,
     /// Whether it looks against the normal: its face's corners then go round clockwise.
     is_turned: bool,
 }
@@ -48,14 +50,22 @@ impl<'a> Side<'a> {
     fn of(view: &View, polytope: &'a Polytope, part: Part<'a>, placed: &Placed<'a>) -> Self {
         let turn = view.turn(placed.rotation);
         let (at, height) = view.of(placed.place);
-        let (mut facing, mut slope) = (0.0, DVec2::ZERO);
-        if let Part::Face { normal, .. } = part {
-            let normal = turn * normal;
-            facing = normal.z.abs();
-            slope = -normal.truncate() / normal.z;
+        let (mut facing, mut slope, mut level) = (0.0, DVec2::ZERO, 0.0);
+        match (part, polytope.vertices()) {
+            (Part::Face { normal, .. }, _) => {
+                let normal = turn * normal;
+                facing = normal.z.abs();
+                slope = -normal.truncate() / normal.z;
+                level = facing;
+            }
+            (Part::Edge(_), &[p, q]) => {
+                let along = turn * (q - p);
+                level = along.truncate().length() / along.length().max(f64::MIN_POSITIVE);
+            }
+            _ => {}
         }
         let is_turned = placed.sense < 0.0;
-        Self { polytope, part, turn, origin: at.extend(height), facing, slope, is_turned }
+        Self { polytope, part, turn, origin: at.extend(height), facing, slope, level, is_turned }
     }
 
     /// A vertex as it is seen: its place, and its height.
@@ -90,7 +100,7 @@ impl<'a> Side<'a> {
 }
 
 /// Writes the manifold of two hulls of that depth over an empty one; false where the general way is needed: for
-/// shapes of fewer than three vertices, edges that are nearly parallel, and faces of many corners.
+/// spheres, edges that are nearly parallel, and faces of many corners.
 pub(super) fn write(
     known: &FoundDepth,
     [a, b]: [PosedShape<'_>; 2],
@@ -100,7 +110,8 @@ pub(super) fn write(
     let (Some(in_a), Some(in_b)) = (a.shape.as_polytope(), b.shape.as_polytope()) else {
         return false;
     };
-    if in_a.vertices().len().min(in_b.vertices().len()) < 3 {
+    // A sphere shows nothing of its own.
+    if in_a.vertices().len().min(in_b.vertices().len()) < 2 {
         return false;
     }
     let depth = &known.depth;
@@ -234,7 +245,7 @@ impl Clipping<'_> {
             return false;
         }
         let whole: [Feature; 2] = [self.clips.part.name(), self.clipped.part.name()];
-        let leans = |side: &Side<'_>| side.polytope.swept_radius() * (1.0 - side.facing).max(0.0);
+        let leans = |side: &Side<'_>| side.polytope.swept_radius() * (1.0 - side.level).max(0.0);
         let inside = leans(self.clips).max(leans(self.clipped));
         let mut off_surface = 0.0f64;
         for (point, &k) in found.points.iter_mut().zip(&kept[..count]) {
@@ -279,7 +290,7 @@ mod tests {
         DQuat::from_vec4(vector(draw).extend(draw.unit() - 0.5)).normalize()
     }
 
-    /// Clouds, prisms over regular polygons, plates, and triangles; some with a swept radius.
+    /// Clouds, prisms over regular polygons, plates, triangles, and capsules; others too with a swept radius.
     fn shape(draw: &mut Draw, k: usize) -> Shape {
         let prism = |sides: usize, height: f64| {
             let corner = |j: usize| {
@@ -292,10 +303,11 @@ mod tests {
             };
             Shape::hull((0..2 * sides).map(corner).collect())
         };
-        let shape = match k % 5 {
+        let shape = match k % 6 {
             0 | 1 => Shape::hull((0..20).map(|_| vector(draw) * 0.6).collect()),
-            2 => prism(3 + k / 5 % 6, 0.7),
+            2 => prism(3 + k / 6 % 6, 0.7),
             3 => prism(12, 0.1),
+            4 => Shape::capsule(draw.unit() * 0.6 + 0.1, 0.1),
             _ => Shape::triangle([vector(draw), vector(draw), vector(draw)]),
         };
         let radius = if k.is_multiple_of(7) { 0.05 } else { 0.0 };
@@ -308,7 +320,7 @@ mod tests {
         let (mut points, mut corners) = (Points::default(), Corners::default());
         let (mut counts, mut known, mut general) = ([0; 5], 0, 0);
         for k in 0..20_000 {
-            let shapes = [shape(&mut draw, k), shape(&mut draw, k / 5)];
+            let shapes = [shape(&mut draw, k), shape(&mut draw, k / 6)];
             let turned = turn(&mut draw);
             let tilt =
                 DQuat::from_scaled_axis(vector(&mut draw) * [0.0, 1e-9, 1e-3, 0.2][k / 25 % 4]);
@@ -361,7 +373,7 @@ mod tests {
         let mut points = Points::default();
         let (mut same, mut others) = (0, 0);
         for k in 0..8000 {
-            let shapes = [shape(&mut draw, k), shape(&mut draw, k / 5)];
+            let shapes = [shape(&mut draw, k), shape(&mut draw, k / 6)];
             let place = vector(&mut draw) * 0.6;
             let poses = [
                 Pose::new(turn(&mut draw), DVec3::ZERO).unwrap(),

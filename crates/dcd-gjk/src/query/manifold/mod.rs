@@ -15,10 +15,12 @@ mod cuboid_polygon;
 mod cuboids;
 mod facing;
 mod feature;
+mod few;
 mod hull_pair;
 mod mesh_on_plane;
 mod on_mesh;
 mod on_plane;
+mod one_point;
 mod parts;
 mod reduce;
 mod set;
@@ -31,12 +33,11 @@ use crate::epa::{self, Depth};
 use crate::mesh::{self, PartIndex};
 use crate::simd::CuboidPatch;
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
-use corners::{Corners, OfSphere};
-use dcd_geom::Shape;
+use corners::Corners;
 use dcd_geom::glam::DVec3;
 pub(crate) use facing::{FACING, LEVEL};
 use feature::View;
-use on_plane::Resting;
+use one_point::in_one_point;
 use parts::Measure;
 pub use set::ManifoldSet;
 pub use surface::{ManifoldOptions, MeshEdges, MeshSides};
@@ -122,12 +123,6 @@ impl Manifold {
         &self.points[..usize::from(self.count)]
     }
 
-    /// The same with a and b exchanged.
-    fn mirrored(mut self) -> Self {
-        self.mirror();
-        self
-    }
-
     /// Exchanges a and b.
     fn mirror(&mut self) {
         // The others are as empty either way.
@@ -174,6 +169,7 @@ pub struct Scratch {
     parts: mesh::Scratch,
     on_mesh: on_mesh::Scratch,
     on_plane: mesh_on_plane::Scratch,
+    of_few: Vec<few::Found>,
     /// Which parts touch, where that is known.
     known: Vec<[u32; 2]>,
 }
@@ -232,12 +228,15 @@ impl MeasureAt for Manifolds {
         b: PosedShape<'_>,
         scratch: &mut Scratch,
     ) -> Verdict<ManifoldSet> {
-        if mesh::have_parts(a.shape, b.shape) {
-            let how = Measure { accuracy, options: self.options };
-            return parts::measure(how, None, [a, b], scratch);
+        if !mesh::have_parts(a.shape, b.shape) {
+            let depth = depths::of_touching(accuracy, a, b, &mut scratch.depth);
+            return manifold_of(depth, a, b, &mut scratch.corners);
         }
-        let depth = depths::of_touching(accuracy, a, b, &mut scratch.depth);
-        manifold_of(depth, a, b, &mut scratch.corners)
+        let how = Measure { accuracy, options: self.options };
+        match accuracy {
+            Accuracy::F32 => of_few_or_more(how, [a, b], scratch),
+            _ => parts::measure(how, None, [a, b], scratch),
+        }
     }
 }
 
@@ -296,6 +295,7 @@ impl MeasureDepth for Manifolds {
     const READS_PATCHES: bool = true;
 }
 
+/// The manifold of that depth.
 #[inline]
 fn manifold_of(
     verdict: Verdict<Depth>,
@@ -306,38 +306,70 @@ fn manifold_of(
     match verdict {
         Verdict::Apart => Verdict::Apart,
         Verdict::Undecided(reason) => Verdict::Undecided(reason),
-        Verdict::Touching(depth) => of_touching(&depth, a, b, corners),
+        Verdict::Touching(depth) => of_depth(&depth, [a, b], corners),
     }
 }
 
-fn of_touching(
+/// The same where that is known.
+fn of_depth(
     depth: &Depth,
-    a: PosedShape<'_>,
-    b: PosedShape<'_>,
+    [a, b]: [PosedShape<'_>; 2],
     corners: &mut Corners,
 ) -> Verdict<ManifoldSet> {
-    let one = |features, error_bound| {
-        Verdict::Touching(ManifoldSet::from(of_one_point(depth, features, error_bound)))
-    };
-    if corners::is_sphere(a) && corners::is_sphere(b) {
-        return one([Feature::Vertex(0); 2], depth.error_bound);
+    if let Some((features, error_bound)) = in_one_point(depth, [a, b]) {
+        // Written where it is returned: a copy of a manifold takes as long as the depth of spheres.
+        let &Depth { depth, normal, point_a, point_b, .. } = depth;
+        const NONE: ManifoldPoint = ManifoldPoint::EMPTY;
+        let point = ManifoldPoint { point_a, point_b, depth, features, ..NONE };
+        let points = [point, NONE, NONE, NONE];
+        let found = Manifold { normal, points, count: 1, error_bound, parts: [None; 2] };
+        return Verdict::Touching(found.into());
     }
-    if let Some((features, error_bound)) = of_sphere(depth, a, b) {
-        return one(features, error_bound);
+    let mut found = Manifold::EMPTY;
+    if !on_plane::write(depth, [a, b], &mut found) {
+        write_by_corners(depth, [a, b], corners, &mut found);
     }
-    if let Some(resting) = Resting::of(depth, [a, b]) {
-        return resting.manifold(depth);
-    }
-    let mut found = Manifold::default();
-    write(depth, a, b, corners, &mut found);
     Verdict::Touching(found.into())
 }
 
+/// The manifolds of shapes of parts at the accuracy of f32.
+fn of_few_or_more(
+    how: Measure,
+    sides: [PosedShape<'_>; 2],
+    scratch: &mut Scratch,
+) -> Verdict<ManifoldSet> {
+    let mut answer = Verdict::Touching(ManifoldSet::EMPTY_ONE);
+    let is_written = match &mut answer {
+        Verdict::Touching(set) => few::write(sides, scratch, set),
+        _ => false,
+    };
+    if !is_written {
+        answer = parts::measure(how, None, sides, scratch);
+    }
+    answer
+}
+
 /// Writes the manifold of two convex shapes over an empty one.
-fn write(
+fn write_of_two(
     depth: &Depth,
-    a: PosedShape<'_>,
-    b: PosedShape<'_>,
+    [a, b]: [PosedShape<'_>; 2],
+    corners: &mut Corners,
+    found: &mut Manifold,
+) {
+    if let Some((features, error_bound)) = in_one_point(depth, [a, b]) {
+        write_one_point(depth, features, found);
+        found.error_bound = error_bound;
+        return;
+    }
+    if !on_plane::write(depth, [a, b], found) {
+        write_by_corners(depth, [a, b], corners, found);
+    }
+}
+
+/// The same by what the shapes show along the normal.
+fn write_by_corners(
+    depth: &Depth,
+    [a, b]: [PosedShape<'_>; 2],
     corners: &mut Corners,
     found: &mut Manifold,
 ) {
@@ -370,26 +402,6 @@ fn in_order(
 #[inline]
 fn write_of_spheres(depth: &Depth, found: &mut Manifold) {
     write_one_point(depth, [Feature::Vertex(0); 2], found);
-}
-
-/// The features and the bound of a sphere and another convex shape, which touch in the witnesses of their depth; `None` of
-/// others.
-#[inline]
-fn of_sphere(depth: &Depth, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<([Feature; 2], f64)> {
-    let is_half_space = |side: PosedShape<'_>| matches!(side.shape, Shape::HalfSpace(_));
-    match [corners::is_sphere(a), corners::is_sphere(b)] {
-        [false, false] => None,
-        [true, false] if is_half_space(b) => {
-            Some(([Feature::Vertex(0), Feature::Surface], depth.error_bound))
-        }
-        [false, true] if is_half_space(a) => {
-            Some(([Feature::Surface, Feature::Vertex(0)], depth.error_bound))
-        }
-        _ => {
-            let OfSphere { features, size } = corners::of_sphere(depth.normal, [a, b])?;
-            Some((features, bound_of(depth, size, [a, b])))
-        }
-    }
 }
 
 /// The bound of a manifold of shapes so large.
@@ -435,17 +447,6 @@ fn write_in_order(
     corners.clear();
     let features = corners.add(&view, depth, sides);
     corners.write(&view, depth, sides, features, found);
-}
-
-/// The witnesses of the depth alone. An expression, which is written where it is returned: a copy of a manifold takes as
-/// long as the depth of spheres.
-#[inline(always)]
-fn of_one_point(depth: &Depth, features: [Feature; 2], error_bound: f64) -> Manifold {
-    let &Depth { depth, normal, point_a, point_b, .. } = depth;
-    let point = ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] };
-    const NONE: ManifoldPoint = ManifoldPoint::EMPTY;
-    let points = [point, NONE, NONE, NONE];
-    Manifold { normal, points, count: 1, error_bound, parts: [None; 2] }
 }
 
 /// The witnesses of the depth alone, over an empty manifold.

@@ -3,13 +3,14 @@
 //! Heights are products in the shape's own frame, the corners seen along the normal likewise: nothing is clipped, and
 //! none of it is listed.
 
-use super::clip::different;
+use super::clip::{self, different};
 use super::facing::Part;
+use super::feature::View;
 use super::reduce::{self, Spot};
 use super::stand_in::StandIn;
-use super::{Feature, Manifold, ManifoldPoint, ManifoldSet, SAME, bound_of, of_one_point};
+use super::{Feature, Manifold, ManifoldPoint, SAME, bound_of, write_one_point};
+use crate::PosedShape;
 use crate::epa::Depth;
-use crate::{PosedShape, Verdict};
 use dcd_geom::glam::{DVec2, DVec3};
 use dcd_geom::{Shape, SupportMap};
 
@@ -72,8 +73,49 @@ impl Shown<'_> {
     }
 }
 
+/// Writes the manifold of that depth over an empty one; false, and nothing written, of other shapes than a half-space and one
+/// on it, and of faces with many corners.
+#[inline]
+pub(super) fn write(depth: &Depth, sides: [PosedShape<'_>; 2], found: &mut Manifold) -> bool {
+    let resting = Resting::of(depth, sides);
+    if let Some(resting) = &resting {
+        resting.write(depth, found);
+    }
+    resting.is_some()
+}
+
+/// Adds the corners that a shape has in a half-space, seen along the view's normal, which is that of the depth: what each shows
+/// as a whole. `None`, and no corner, as [`write`] has it.
+pub(super) fn add(
+    view: &View,
+    depth: &Depth,
+    sides: [PosedShape<'_>; 2],
+    corners: &mut Vec<clip::Corner>,
+) -> Option<([Feature; 2], f64)> {
+    let resting = Resting::of(depth, sides)?;
+    let mut found = [Corner::default(); MOST];
+    let count = match resting.shown.part() {
+        Part::Vertex(only) => resting.below(depth, &[only], &mut found),
+        _ => resting.list(depth, &mut found),
+    };
+    let side = resting.sides[resting.number];
+    let radius = side.shape.radius();
+    let inside = radius * (1.0 - resting.level()).max(0.0);
+    let from = side.pose.translation() - sides[0].pose.translation();
+    for corner in &found[..count] {
+        let (at, height) = view.of(*side.pose.rotation() * corner.point + from);
+        let heights = match resting.number {
+            0 => [height + radius, height + radius - corner.depth],
+            _ => [height - radius + corner.depth, height - radius],
+        };
+        let features = resting.features(Feature::Vertex(corner.index));
+        corners.push(clip::Corner::new(at, heights, features).inside(inside));
+    }
+    Some((resting.features(resting.shown.part().name()), resting.size))
+}
+
 /// A polytope, cylinder or cone that looks into a half-space.
-pub(super) struct Resting<'a> {
+struct Resting<'a> {
     sides: [PosedShape<'a>; 2],
     /// Which of the pair it is.
     number: usize,
@@ -87,7 +129,8 @@ pub(super) struct Resting<'a> {
 
 impl<'a> Resting<'a> {
     /// `None` of other shapes, and of faces with many corners.
-    pub(super) fn of(depth: &Depth, sides: [PosedShape<'a>; 2]) -> Option<Self> {
+    #[inline]
+    fn of(depth: &Depth, sides: [PosedShape<'a>; 2]) -> Option<Self> {
         let number = match sides.map(|side| side.shape) {
             [_, Shape::HalfSpace(_)] => 0,
             [Shape::HalfSpace(_), _] => 1,
@@ -112,37 +155,40 @@ impl<'a> Resting<'a> {
         Some(Self { sides, number, towards, local, shown, size })
     }
 
-    /// The manifold of that depth.
-    pub(super) fn manifold(&self, depth: &Depth) -> Verdict<ManifoldSet> {
+    /// Writes the manifold of that depth over an empty one.
+    #[inline]
+    fn write(&self, depth: &Depth, found: &mut Manifold) {
         let mut corners = [Corner::default(); MOST];
-        let count = match self.shown.part() {
-            Part::Vertex(_) => 0,
-            Part::Edge(ends) => self.below(depth, &ends, &mut corners),
-            Part::Face { corners: of_face, .. } => self.below(depth, of_face, &mut corners),
-        };
+        let count = self.list(depth, &mut corners);
         let count = different(&mut corners[..count], self.size);
         let corners = &corners[..count];
         let tolerance = SAME * self.size;
-        let deepest = corners.iter().map(|corner| corner.depth).fold(f64::NEG_INFINITY, f64::max);
-        let stands_for_all = deepest >= depth.depth - tolerance;
         let error_bound = bound_of(depth, self.size, self.sides);
-        let kept = reduce::to_four(corners, tolerance).filter(|_| stands_for_all);
+        // The first is the deepest, and stands for all if it is as deep as the pair.
+        let kept = reduce::to_four(corners, tolerance)
+            .filter(|(kept, _)| corners[kept[0]].depth >= depth.depth - tolerance);
         let Some((kept, count)) = kept else {
-            let features = self.features(self.shown.part().name());
-            return Verdict::Touching(of_one_point(depth, features, error_bound).into());
+            write_one_point(depth, self.features(self.shown.part().name()), found);
+            found.error_bound = error_bound;
+            return;
         };
         let kept = &kept[..count];
-        let error_bound = (error_bound + self.off_surface(depth, corners, kept)).min(f64::MAX);
-        let point = |slot: usize| match kept.get(slot) {
-            Some(&k) => self.point(&corners[k], depth.depth),
-            None => ManifoldPoint::EMPTY,
-        };
-        // The first is the deepest.
-        let first = ManifoldPoint { depth: depth.depth, ..point(0) };
-        let points = [first, point(1), point(2), point(3)];
-        let (normal, count) = (depth.normal, count as u8);
-        let found = Manifold { normal, points, count, error_bound, parts: [None; 2] };
-        Verdict::Touching(found.into())
+        for (point, &k) in found.points.iter_mut().zip(kept) {
+            self.write_point(&corners[k], depth.depth, point);
+        }
+        found.points[0].depth = depth.depth;
+        (found.normal, found.count) = (depth.normal, count as u8);
+        found.error_bound = (error_bound + self.off_surface(depth, corners, kept)).min(f64::MAX);
+    }
+
+    /// The corners of what it shows that are not above the plane: how many.
+    #[inline(always)]
+    fn list(&self, depth: &Depth, corners: &mut [Corner; MOST]) -> usize {
+        match self.shown.part() {
+            Part::Vertex(_) => 0,
+            Part::Edge(ends) => self.below(depth, &ends, corners),
+            Part::Face { corners: of_face, .. } => self.below(depth, of_face, corners),
+        }
     }
 
     /// How far inside a swept surface a point may be that is swept along the normal: metres.
@@ -151,17 +197,21 @@ impl<'a> Resting<'a> {
         if radius == 0.0 {
             return 0.0;
         }
-        let level = match self.shown.part() {
+        let inside = radius * (1.0 - self.level()).max(0.0);
+        let less = |&k: &usize| (depth.depth - corners[k].depth).max(0.0);
+        kept.iter().map(less).fold(0.0, f64::max).min(inside)
+    }
+
+    /// The cosine of the angle by which a face leans, or the edge that is all of the shape there; 0 for others.
+    fn level(&self) -> f64 {
+        match self.shown.part() {
             Part::Face { normal, .. } => normal.dot(self.local).abs(),
             Part::Edge([j, k]) if self.shown.has_line() => {
                 let edge = self.shown.corner(k) - self.shown.corner(j);
                 edge.reject_from_normalized(self.local).length() / edge.length()
             }
             _ => 0.0,
-        };
-        let inside = radius * (1.0 - level).max(0.0);
-        let less = |&k: &usize| (depth.depth - corners[k].depth).max(0.0);
-        kept.iter().map(less).fold(0.0, f64::max).min(inside)
+        }
     }
 
     /// The listed corners that are not above the plane: how many.
@@ -186,16 +236,15 @@ impl<'a> Resting<'a> {
 
     /// A corner's points: of the shape, and of the plane over it.
     #[inline]
-    fn point(&self, corner: &Corner, most: f64) -> ManifoldPoint {
+    fn write_point(&self, corner: &Corner, most: f64, point: &mut ManifoldPoint) {
         let side = self.sides[self.number];
         let swept = side.pose.translation() + self.towards * side.shape.radius();
         let on_shape = *side.pose.rotation() * corner.point + swept;
         let on_plane = on_shape - self.towards * corner.depth;
-        let (point_a, point_b) =
+        (point.point_a, point.point_b) =
             if self.number == 0 { (on_shape, on_plane) } else { (on_plane, on_shape) };
-        let features = self.features(Feature::Vertex(corner.index));
-        let depth = corner.depth.clamp(0.0, most);
-        ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] }
+        point.depth = corner.depth.clamp(0.0, most);
+        point.features = self.features(Feature::Vertex(corner.index));
     }
 
     fn features(&self, own: Feature) -> [Feature; 2] {

@@ -4,11 +4,10 @@
 use super::corners::Corners;
 use super::feature::View;
 use super::surface::{self, ManifoldOptions};
-use super::{Feature, Manifold, ManifoldSet, Scratch, of_one_point, of_touching};
+use super::{Feature, Manifold, ManifoldSet, Scratch, write_one_point};
 use super::{mesh_on_plane, on_mesh};
 use crate::epa::Depth;
 use crate::mesh::{self, Effort, PartPair};
-use crate::query::few_parts::{self, Wanted};
 use crate::query::{Accuracy, depths};
 use crate::{PosedShape, Reason, Verdict, epa};
 
@@ -74,15 +73,9 @@ fn in_order(
     {
         return Ok(found);
     }
-    let few = match (how.accuracy, touching) {
-        (Accuracy::F32, None) => of_few_parts(sides, memory, corners),
-        _ => None,
-    };
-    let mut pairs = match (few, touching) {
-        (Some(Few::One(found)), _) => return Ok(found),
-        (Some(Few::Many(pairs)), _) => pairs,
-        (None, Some(touching)) => mesh::pairs_of(sides, touching),
-        (None, None) => mesh::touching_parts(sides[0], sides[1], parts),
+    let mut pairs = match touching {
+        Some(touching) => mesh::pairs_of(sides, touching),
+        None => mesh::touching_parts(sides[0], sides[1], parts),
     };
     if how.options != ManifoldOptions::default() {
         // What bounds a depth does not bound one along another normal.
@@ -101,51 +94,11 @@ fn in_order(
         }
     }
     if pairs.is_empty() {
-        found.push(of_one_point(&Depth::default(), Default::default(), 0.0));
+        let mut none = Manifold::default();
+        write_one_point(&Depth::default(), Default::default(), &mut none);
+        found.push(none);
     }
     Ok(found)
-}
-
-/// What is known at once of compounds of few parts.
-#[expect(clippy::large_enum_variant, reason = "the larger one is the common one")]
-enum Few<'s> {
-    /// One pair touches: its manifold.
-    One(ManifoldSet),
-    /// The pairs that touch, with their depths.
-    Many(Vec<PartPair<'s>>),
-}
-
-/// `None` where it is not known at once which parts touch, and how deep.
-fn of_few_parts<'s>(
-    sides: [PosedShape<'s>; 2],
-    memory: &mut epa::Scratch,
-    corners: &mut Corners,
-) -> Option<Few<'s>> {
-    let [a, b] = sides;
-    let mut one = None;
-    let mut all = Vec::new();
-    few_parts::touching(Wanted::All, a, b, memory, |pair, depth| match one {
-        None => one = Some((pair, depth)),
-        // Most have no second.
-        Some(first) if all.is_empty() => all.extend([first, (pair, depth)]),
-        Some(_) => all.push((pair, depth)),
-    })?;
-    if all.is_empty() {
-        let (pair, depth) = one?;
-        let manifold = |[a, b]: [PosedShape<'_>; 2]| of_touching(&depth, a, b, corners);
-        let Verdict::Touching(mut found) = few_parts::with_posed(sides, pair, manifold)? else {
-            return None;
-        };
-        let parts = [0, 1].map(|k| mesh::part_index(sides[k].shape, pair[k]));
-        let is_named = found.is_of(parts, |k, feature| few_parts::name(sides[k], pair[k], feature));
-        return is_named.map(|()| Few::One(found));
-    }
-    let indices: Vec<[u32; 2]> = all.iter().map(|(pair, _)| *pair).collect();
-    let mut pairs = mesh::pairs_of(sides, &indices);
-    for (pair, (_, depth)) in pairs.iter_mut().zip(&all) {
-        pair.is_as_deep_as(*depth);
-    }
-    Some(Few::Many(pairs))
 }
 
 impl Measure {

@@ -19,6 +19,11 @@ pub(super) fn to_four<S: Spot>(corners: &[S], near: f64) -> Option<([usize; 4], 
     let first = most(corners, S::depth)?;
     let deepest = corners[first].at();
     let mut kept = [first; 4];
+    if let [p, q] = corners {
+        // In line: the ends.
+        kept[1] = 1 - first;
+        return Some((kept, 1 + usize::from(p.at().distance(q.at()) > near)));
+    }
     let from = |corner: &S| corner.at() - deepest;
     let second = most(corners, |corner| from(corner).length_squared())?;
     let base = from(&corners[second]);

@@ -1,7 +1,6 @@
 //! The manifolds of one pair.
 
-use super::{Feature, Manifold};
-use crate::mesh::PartIndex;
+use super::Manifold;
 use std::ops::Deref;
 
 /// Where two objects touch: a [`Manifold`] for each patch of their surfaces, the deepest first.
@@ -51,23 +50,6 @@ impl ManifoldSet {
         self.only_mut().is_some_and(write)
     }
 
-    /// Says of which parts the only manifold is, and names their features as `name` says, given which of the two has them:
-    /// `None` where one has no name.
-    pub(super) fn is_of(
-        &mut self,
-        parts: [Option<PartIndex>; 2],
-        name: impl Fn(usize, Feature) -> Option<Feature>,
-    ) -> Option<()> {
-        let manifold = self.only_mut()?;
-        manifold.parts = parts;
-        for point in &mut manifold.points[..usize::from(manifold.count)] {
-            let [of_a, of_b] = point.features;
-            point.features = [name(0, of_a)?, name(1, of_b)?];
-            point.parts = parts;
-        }
-        Some(())
-    }
-
     /// The only manifold, if there is one alone.
     #[inline]
     pub(super) fn only_mut(&mut self) -> Option<&mut Manifold> {
@@ -79,11 +61,16 @@ impl ManifoldSet {
 
     /// The same with a and b exchanged.
     pub(super) fn mirrored(mut self) -> Self {
-        match &mut self.0 {
-            Held::One(manifold) => *manifold = manifold.mirrored(),
-            Held::Many(all) => all.iter_mut().for_each(|each| *each = each.mirrored()),
-        }
+        self.mirror();
         self
+    }
+
+    /// Exchanges a and b.
+    pub(super) fn mirror(&mut self) {
+        match &mut self.0 {
+            Held::One(manifold) => manifold.mirror(),
+            Held::Many(all) => all.iter_mut().for_each(Manifold::mirror),
+        }
     }
 }
 

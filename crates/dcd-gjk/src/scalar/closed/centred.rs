@@ -22,7 +22,7 @@ const STRAIGHT: f64 = 32.0;
 const ROUND: f64 = 48.0;
 
 /// The same, for what the pose is off a rotation by. Unit: its deviation, times m. Derived: 2.1.
-const DEVIATION: f64 = 3.0;
+pub(super) const DEVIATION: f64 = 3.0;
 
 /// The largest deviation of a pose at the accuracy of f32: a direction turned by it is of unit length but for rounding.
 /// Larger: normals that are not.
@@ -44,15 +44,6 @@ struct Beside {
     outward: DVec3,
     /// By how much more than rounding the distance may be off.
     unsure: f64,
-}
-
-/// How deep a sphere and another shape overlap; `None` for other kinds, where f64 does not prove that they do, and at the
-/// certified accuracy.
-///
-/// (a, b) and (b, a) give the same bits, mirrored.
-#[inline]
-pub(crate) fn depth(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
-    gap_of(accuracy, a, b)?.depth()
 }
 
 /// How far apart they are, or that they touch, at the accuracy of f32; `None` for other kinds, and where f64 proves
@@ -214,9 +205,12 @@ fn beside_wedge(half_height: f64, radius: f64, seen: DVec2) -> Option<(f64, DVec
     Some(if to_side >= -from_rim.y { (to_side, outward) } else { (-from_rim.y, DVec2::NEG_Y) })
 }
 
-/// Of a sphere and another shape, from the sphere.
+/// Of a sphere and another shape, from the sphere. `None` for other kinds, where f64 says nothing, and at the certified
+/// accuracy.
+///
+/// (a, b) and (b, a) give the same bits, mirrored.
 #[inline]
-fn gap_of(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Gap> {
+pub(super) fn gap_of(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Gap> {
     let most = largest_deviation(accuracy)?;
     let is_sphere =
         |side: PosedShape<'_>| matches!(side.shape, Shape::Polytope(p) if p.kind() == Kind::Point);

@@ -158,6 +158,33 @@ pub(crate) fn depth_along(
     Some(Depth { depth, normal, point_a, point_b, error_bound })
 }
 
+/// Whether an axis shows that two are farther apart than a margin, metres; false of other shapes.
+pub(crate) fn are_beyond(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    margin: f64,
+) -> bool {
+    let halves = [half_extents(a.map), half_extents(b.map)];
+    let [Some(half_a), Some(half_b)] = halves else { return false };
+    let Some((search, _)) = posed([a, b], [half_a, half_b]) else { return false };
+    // Three sums lose less.
+    let most = -(a.map.swept_radius() + b.map.swept_radius() + margin) * (1.0 + 4.0 * UNIT);
+    let least = search.of_faces(Axes::ALL);
+    if least.value + least.error < most {
+        return true;
+    }
+    let error = search.error(CROSS);
+    for k in 0..3 {
+        for j in 0..3 {
+            let (value, squared) = search.of_product(j, k);
+            if squared >= PARALLEL && (value + error) / squared.sqrt() < most {
+                return true;
+            }
+        }
+    }
+    false
+}
+
 /// The half-extents of a core that is a box round its origin, be it only a segment along z or a point.
 fn half_extents(polytope: &Polytope) -> Option<DVec3> {
     match (polytope.kind(), polytope.vertices()) {

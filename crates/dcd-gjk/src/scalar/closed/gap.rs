@@ -5,7 +5,7 @@ use crate::{Distance, DistanceResult, Reason, Verdict};
 use dcd_geom::glam::DVec3;
 
 /// The signed distance of two shapes, negative where they overlap, and what it may be off by. World frame, metres.
-pub(super) struct Gap {
+pub(crate) struct Gap {
     value: f64,
     error: f64,
     /// From a to b, of unit length.
@@ -31,9 +31,15 @@ impl Gap {
         }
     }
 
+    /// Whether they are proved to be farther apart than that, metres.
+    #[inline]
+    pub(crate) fn is_beyond(&self, margin: f64) -> bool {
+        (self.value - self.error).next_down() > margin
+    }
+
     /// How deep they overlap; `None` where that is not proved.
     #[inline]
-    pub(super) fn depth(self) -> Option<Depth> {
+    pub(crate) fn depth(self) -> Option<Depth> {
         let Self { value, error: error_bound, normal, point_a, point_b } = self;
         let is_proved = value < -error_bound;
         is_proved.then(|| Depth { depth: -value, normal, point_a, point_b, error_bound })

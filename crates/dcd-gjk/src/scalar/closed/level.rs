@@ -6,7 +6,6 @@
 
 use super::gap::Gap;
 use super::{SIZES, UNIT};
-use crate::epa::Depth;
 use crate::query::Accuracy;
 use crate::{DistanceResult, PosedShape};
 use dcd_geom::glam::{DMat3, DVec3};
@@ -23,15 +22,6 @@ const DEVIATION: f64 = 3.0;
 /// underflow. No unit. Smaller: points beside the rim.
 const ACROSS: f64 = 1e-140;
 
-/// How deep a half-space and another shape overlap; `None` of other kinds, where f64 does not prove that they do, and at
-/// the certified accuracy.
-///
-/// (a, b) and (b, a) give the same bits, mirrored.
-#[inline]
-pub(crate) fn depth(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Depth> {
-    gap_of(accuracy, a, b)?.depth()
-}
-
 /// How far apart they are, or that they touch; `None` of other kinds, where f64 proves neither, and at the certified
 /// accuracy.
 ///
@@ -45,9 +35,12 @@ pub(crate) fn distance(
     gap_of(accuracy, a, b)?.distance()
 }
 
-/// Of a half-space and another shape, from the plane: how far the lowest point is above it.
+/// Of a half-space and another shape, from the plane: how far the lowest point is above it. `None` of other kinds, and at
+/// the certified accuracy.
+///
+/// (a, b) and (b, a) give the same bits, mirrored.
 #[inline]
-fn gap_of(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Gap> {
+pub(super) fn gap_of(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Gap> {
     let most = super::centred::largest_deviation(accuracy)?;
     let (half_space, plane, other, swapped) = match (a.shape, b.shape) {
         (Shape::HalfSpace(half_space), _) => (half_space, a, b, false),

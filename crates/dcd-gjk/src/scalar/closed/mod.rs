@@ -5,6 +5,7 @@
 //! (half-spaces, which have no support map).
 
 mod binary;
+mod capsules;
 pub(crate) mod centred;
 mod cuboid_depth;
 mod cuboid_nearest;
@@ -21,9 +22,13 @@ mod upright_depth;
 
 use crate::epa::Depth;
 use crate::query::Accuracy;
-use crate::{DistanceResult, PosedSupport, Verdict};
-pub(crate) use cuboid_depth::{Axes, depth as cuboid_depth, depth_along as cuboid_depth_along};
-use dcd_geom::{Kind, Polytope};
+use crate::{DistanceResult, PosedShape, PosedSupport, Verdict};
+pub(crate) use cuboid_depth::{
+    Axes, are_beyond as cuboids_are_beyond, depth as cuboid_depth,
+    depth_along as cuboid_depth_along,
+};
+use dcd_geom::{Kind, Polytope, Shape};
+pub(crate) use gap::Gap;
 pub(crate) use near_features::{NearFeatures, distance_in_double_double, distance_in_f64};
 pub(crate) use segments::{PosedCore, depth_of_cores, overlap_of_cores};
 pub(crate) use spheres::{
@@ -80,6 +85,19 @@ pub(crate) fn sharp_of(accuracy: Accuracy) -> f64 {
         Accuracy::Certified => SHARP,
         Accuracy::F64 | Accuracy::F32 => AS_F64,
     }
+}
+
+/// How far apart a half-space or a sphere and another shape are, or a capsule and a capsule or cuboid at the accuracy of f32,
+/// negative where they overlap. `None` of other kinds, of two spheres, where one evaluation in f64 does not say, and at the certified accuracy.
+///
+/// (a, b) and (b, a) give the same bits, mirrored.
+#[inline]
+pub(crate) fn gap(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Gap> {
+    if let (Shape::HalfSpace(_), _) | (_, Shape::HalfSpace(_)) = (a.shape, b.shape) {
+        return level::gap_of(accuracy, a, b);
+    }
+    let found = centred::gap_of(accuracy, a, b);
+    if found.is_none() && accuracy == Accuracy::F32 { capsules::gap_of(a, b) } else { found }
 }
 
 /// How deep two polytopes that touch overlap, if a formula proves it with a bound of at most `sharp` times

@@ -292,7 +292,7 @@ impl<'a> Proposal<'a> {
 }
 
 /// A vertex, and from it to the other one.
-fn segment(vertices: &[DVec3]) -> Option<(DVec3, DVec3)> {
+pub(super) fn segment(vertices: &[DVec3]) -> Option<(DVec3, DVec3)> {
     match *vertices {
         [from] => Some((from, DVec3::ZERO)),
         [from, to] => Some((from, to - from)),

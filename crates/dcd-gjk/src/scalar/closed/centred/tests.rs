@@ -1,6 +1,7 @@
 //! The one evaluation beside the searches, which need no frame.
 
-use super::{depth, distance};
+use super::{distance, gap_of};
+use crate::closed::Gap;
 use crate::distance::gap_along;
 use crate::motion::tests::Draw;
 use crate::query::{Accuracy, MeasureAt};
@@ -48,6 +49,7 @@ fn pose(draw: &mut Draw, k: usize) -> Pose {
 /// Checks the answers for a sphere and a shape: by how much the spheres overlap, if they do.
 fn check(k: usize, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<bool> {
     let mirrored = |found: crate::epa::Depth| found.mirrored();
+    let depth = |accuracy, a, b| gap_of(accuracy, a, b).and_then(Gap::depth);
     let known = [depth(Accuracy::F32, a, b), depth(Accuracy::F32, b, a).map(mirrored)];
     assert_eq!(known[0], known[1], "{k}");
     let apart = [distance(a, b), distance(b, a).map(DistanceResult::mirrored)];

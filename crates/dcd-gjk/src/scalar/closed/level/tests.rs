@@ -1,6 +1,7 @@
 //! The plane in f64 beside the exact one.
 
-use super::{depth, distance};
+use super::{distance, gap_of};
+use crate::closed::Gap;
 use crate::motion::tests::Draw;
 use crate::query::{Accuracy, MeasureAt};
 use crate::{Depths, DistanceResult, PosedShape, Verdict, certified};
@@ -47,6 +48,7 @@ fn half_spaces_are_as_far_from_and_as_deep_in_others_as_exact_planes_are() {
         ];
         let a = PosedShape { shape: &half_space, pose: &poses[0] };
         let b = PosedShape { shape: &other, pose: &poses[1] };
+        let depth = |accuracy, a, b| gap_of(accuracy, a, b).and_then(Gap::depth);
         let deep = depth(Accuracy::F32, a, b);
         assert_eq!(deep, depth(Accuracy::F32, b, a).map(|found| found.mirrored()), "{k}");
         let near = distance(Accuracy::F32, a, b);

@@ -1,0 +1,228 @@
+//! The manifolds of compounds of few parts at the accuracy of f32: from the deepest pair of parts on, each with the pairs
+//! that meet along its normal, all as they were given.
+//!
+//! The same manifolds as those of the parts as they are placed, to within what few_parts moves these by, which is in
+//! their bounds.
+
+use super::corners::{Corners, is_sphere};
+use super::feature::View;
+use super::parts::{ALIKE, NEAR};
+use super::{Feature, Manifold, ManifoldSet, Scratch, write_of_two};
+use crate::epa::Depth;
+use crate::query::few_parts::{self, Couple, Wanted};
+use crate::{PosedShape, mesh};
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Kind, Polytope, Shape, Vector};
+
+/// What the reach of two parts along a normal may be short by. Unit: u of their sizes and distance. Derived: 20.
+const REACH: f64 = 32.0 * (f64::EPSILON / 2.0);
+
+/// A pair of parts that touch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    pair: [u32; 2],
+    depth: Depth,
+    /// Whether it belongs to no manifold yet.
+    is_open: bool,
+}
+
+/// How a pair of parts belongs to a manifold.
+#[derive(Clone, Copy, PartialEq)]
+enum Member {
+    /// It is the deepest.
+    Lead,
+    /// Its own normal agrees.
+    Alike,
+    /// The manifold's normal and depth, and so much more, metres, separate it.
+    Separated(f64),
+}
+
+/// Writes the manifolds of two shapes over a set of one empty manifold; false, and anything written, where it is not known at
+/// once which parts touch, and how deep.
+///
+/// (a, b) and (b, a) give the same bits, mirrored.
+pub(super) fn write(
+    [a, b]: [PosedShape<'_>; 2],
+    scratch: &mut Scratch,
+    set: &mut ManifoldSet,
+) -> bool {
+    let is_swapped = mesh::is_swapped(a, b);
+    let sides = if is_swapped { [b, a] } else { [a, b] };
+    let is_known = write_in_order(sides, scratch, set).is_some();
+    if is_known && is_swapped {
+        set.mirror();
+    }
+    is_known
+}
+
+fn write_in_order(
+    sides: [PosedShape<'_>; 2],
+    scratch: &mut Scratch,
+    set: &mut ManifoldSet,
+) -> Option<()> {
+    let Scratch { depth: memory, corners, of_few: found, .. } = scratch;
+    let mut couple = Couple::default();
+    couple.fill(sides)?;
+    found.clear();
+    couple.touching(Wanted::All, memory, |pair, depth| {
+        found.push(Found { pair, depth, is_open: true });
+    })?;
+    let mut patches = Patches { sides, couple: &couple, found, corners };
+    let (lead, depth) = patches.deepest()?;
+    patches.write(lead, &depth, set.only_mut()?)?;
+    while let Some((lead, depth)) = patches.deepest() {
+        let mut manifold = Manifold::default();
+        patches.write(lead, &depth, &mut manifold)?;
+        set.push(manifold);
+    }
+    Some(())
+}
+
+/// The pairs of parts that touch, and what their manifolds are made with.
+struct Patches<'a, 's> {
+    sides: [PosedShape<'s>; 2],
+    couple: &'a Couple<'s>,
+    found: &'a mut [Found],
+    corners: &'a mut Corners,
+}
+
+impl Patches<'_, '_> {
+    /// The first of the deepest pairs that are open, and its depth, whose bound counts that another may be deeper.
+    fn deepest(&self) -> Option<(usize, Depth)> {
+        let open = || self.found.iter().enumerate().filter(|(_, found)| found.is_open);
+        let (mut lead, first) = open().next()?;
+        let (mut most, mut upper) = (first.depth, 0.0f64);
+        for (k, Found { depth, .. }) in open() {
+            upper = upper.max(depth.depth + depth.error_bound);
+            if depth.depth > most.depth {
+                (lead, most) = (k, *depth);
+            }
+        }
+        let above = (upper - most.depth).next_up().min(f64::MAX);
+        Some((lead, Depth { error_bound: most.error_bound.max(above), ..most }))
+    }
+
+    /// Writes the manifold of a pair over an empty one, with all open pairs that belong to it: none of these is open then.
+    fn write(&mut self, lead: usize, depth: &Depth, manifold: &mut Manifold) -> Option<()> {
+        let belongs =
+            |k: usize| k != lead && self.found[k].is_open && self.member(k, lead, depth).is_some();
+        if (0..self.found.len()).any(belongs) {
+            return self.write_several(lead, depth, manifold);
+        }
+        let Found { pair, is_open, .. } = &mut self.found[lead];
+        *is_open = false;
+        let (posed, _) = self.couple.posed(*pair)?;
+        write_of_two(depth, posed, self.corners, manifold);
+        let parts = [0, 1].map(|k| mesh::part_index(self.sides[k].shape, pair[k]));
+        manifold.parts = parts;
+        for point in &mut manifold.points[..usize::from(manifold.count)] {
+            let [of_a, of_b] = point.features;
+            let name = |k: usize, feature| few_parts::name(self.sides[k], pair[k], feature);
+            point.features = [name(0, of_a)?, name(1, of_b)?];
+            point.parts = parts;
+        }
+        Some(())
+    }
+
+    /// The same of several pairs, by the corners of all.
+    fn write_several(&mut self, lead: usize, depth: &Depth, manifold: &mut Manifold) -> Option<()> {
+        let view = View::along(depth.normal);
+        self.corners.clear();
+        let (mut features, mut rest, mut most_moved) = (Default::default(), 0.0f64, 0.0f64);
+        for k in 0..self.found.len() {
+            let Found { pair, depth: own, is_open } = self.found[k];
+            let member = if is_open { self.member(k, lead, depth) } else { None };
+            let Some(member) = member else { continue };
+            self.found[k].is_open = false;
+            let (posed, moved) = self.couple.posed(pair)?;
+            most_moved = most_moved.max(moved);
+            let before = self.corners.len();
+            let is_bounded = posed.iter().all(|side| side.shape.is_bounded());
+            // A sphere has no corners; of the deepest pair the size and the features count.
+            if member == Member::Lead || !(is_bounded && posed.into_iter().any(is_sphere)) {
+                let whole = self.add_corners(&view, depth, (&own, posed));
+                features = if member == Member::Lead { whole } else { features };
+            }
+            if let Member::Separated(more) = member {
+                rest = rest.max(more);
+            } else if self.corners.len() == before {
+                self.corners.add_witness(&view, &own, self.sides[0].pose.translation());
+            }
+            self.corners.are_of(k as u32, before);
+        }
+        let of_points = self.corners.write(&view, depth, self.sides, features, manifold);
+        manifold.error_bound = (manifold.error_bound + rest + most_moved).min(f64::MAX);
+        let [a, b] = self.sides;
+        let parts = |[j, k]: [u32; 2]| [mesh::part_index(a.shape, j), mesh::part_index(b.shape, k)];
+        manifold.parts = parts(self.found[lead].pair);
+        let points = &mut manifold.points[..usize::from(manifold.count)];
+        for (point, number) in points.iter_mut().zip(of_points) {
+            let [j, k] = self.found[number.map_or(lead, |number| number as usize)].pair;
+            let [of_a, of_b] = point.features;
+            point.features = [few_parts::name(a, j, of_a)?, few_parts::name(b, k, of_b)?];
+            point.parts = parts([j, k]);
+        }
+        Some(())
+    }
+
+    /// Adds what a pair's features have in common along the normal, unless they are deeper there than the deepest:
+    /// such parts meet along another. Returns what the two show as wholes.
+    fn add_corners(
+        &mut self,
+        view: &View,
+        depth: &Depth,
+        (own, posed): (&Depth, [PosedShape<'_>; 2]),
+    ) -> [Feature; 2] {
+        let before = self.corners.len();
+        // The planes of half-spaces are the pair's own; what is seen is seen along the deepest's normal.
+        let seen = Depth { normal: depth.normal, ..*own };
+        let whole = match posed.iter().all(|side| side.shape.is_bounded()) {
+            true => self.corners.add(view, &seen, posed),
+            false => self.corners.add_on_plane(view, &seen, posed),
+        };
+        let from = posed[0].pose.translation() - self.sides[0].pose.translation();
+        self.corners.shift(before, view.of(from));
+        if self.corners.deepest_after(before) > depth.depth + self.corners.tolerance() {
+            self.corners.truncate(before);
+        }
+        whole
+    }
+
+    /// How a pair belongs to the manifold of the deepest, if it does.
+    fn member(&self, k: usize, lead: usize, depth: &Depth) -> Option<Member> {
+        if k == lead {
+            return Some(Member::Lead);
+        }
+        let Found { pair, depth: own, .. } = &self.found[k];
+        if own.normal.dot(depth.normal) >= ALIKE {
+            return Some(Member::Alike);
+        }
+        let (posed, _) = self.couple.posed(*pair)?;
+        rest(posed, depth).map(Member::Separated)
+    }
+}
+
+/// By how much more than a depth two parts must be moved along its normal to come apart, if that is hardly more; `None` also
+/// of half-spaces.
+fn rest([a, b]: [PosedShape<'_>; 2], depth: &Depth) -> Option<f64> {
+    let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) else { return None };
+    let normal = depth.normal;
+    let delta = b.pose.translation() - a.pose.translation();
+    let radius = in_a.swept_radius() + in_b.swept_radius();
+    let of_a = farthest(in_a, a.pose.rotation().transpose() * normal);
+    let of_b = farthest(in_b, b.pose.rotation().transpose() * -normal);
+    let reach = (of_a + of_b) - normal.dot(delta) + radius;
+    let lost = REACH * (in_a.reach() + in_b.reach() + delta.norm1() + radius);
+    let more = reach + lost - depth.depth;
+    let diameters = 2.0 * (in_a.outer_radius() + in_b.outer_radius() + radius);
+    (more <= NEAR * diameters).then(|| more.max(0.0))
+}
+
+/// The most of x·d over a core, in its own frame.
+fn farthest(core: &Polytope, direction: DVec3) -> f64 {
+    if let Kind::Cuboid { half_extents } = core.kind() {
+        return direction.abs().dot(half_extents);
+    }
+    let along = core.vertices().iter().map(|vertex| vertex.dot(direction));
+    along.fold(f64::NEG_INFINITY, f64::max)
+}

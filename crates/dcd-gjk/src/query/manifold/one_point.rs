@@ -1,0 +1,120 @@
+//! Shapes that touch in the witnesses of their depth alone, as is known before anything is clipped: spheres, and capsules whose
+//! edges cross.
+
+use super::corners::{self, OfSphere};
+use super::feature::{Placed, View};
+use super::{Feature, bound_of};
+use crate::epa::Depth;
+use crate::{PosedShape, order};
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Kind, Shape};
+
+/// The features and the bound of two shapes that touch in the witnesses of their depth alone, as is known at once.
+#[inline]
+pub(super) fn in_one_point(
+    depth: &Depth,
+    [a, b]: [PosedShape<'_>; 2],
+) -> Option<([Feature; 2], f64)> {
+    if corners::is_sphere(a) && corners::is_sphere(b) {
+        return Some(([Feature::Vertex(0); 2], depth.error_bound));
+    }
+    of_sphere(depth, a, b).or_else(|| of_capsules(depth, [a, b]))
+}
+
+/// The same of two capsules that show an end, or edges that cross.
+#[inline]
+fn of_capsules(depth: &Depth, [a, b]: [PosedShape<'_>; 2]) -> Option<([Feature; 2], f64)> {
+    let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
+    if [in_a.kind(), in_b.kind()] != [Kind::Segment; 2] {
+        return None;
+    }
+    let is_swapped = order::is_swapped(a, b);
+    let (sides, cores) = if is_swapped { ([b, a], [in_b, in_a]) } else { ([a, b], [in_a, in_b]) };
+    let view = View::along(if is_swapped { -depth.normal } else { depth.normal });
+    let placed = [(0, 1.0), (1, -1.0)].map(|(k, sense)| Placed {
+        rotation: sides[k].pose.rotation(),
+        place: DVec3::ZERO,
+        sense,
+    });
+    let parts = [view.part(cores[0], &placed[0]), view.part(cores[1], &placed[1])];
+    if !corners::share_no_corners(&view, &parts, cores, &placed) {
+        return None;
+    }
+    let mut features = [parts[0].name(), parts[1].name()];
+    if is_swapped {
+        features.reverse();
+    }
+    let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
+    Some((features, bound_of(depth, size, [a, b])))
+}
+
+/// The features and the bound of a sphere and another convex shape, which touch in the witnesses of their depth; `None` of
+/// others.
+#[inline]
+fn of_sphere(depth: &Depth, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<([Feature; 2], f64)> {
+    let is_half_space = |side: PosedShape<'_>| matches!(side.shape, Shape::HalfSpace(_));
+    match [corners::is_sphere(a), corners::is_sphere(b)] {
+        [false, false] => None,
+        [true, false] if is_half_space(b) => {
+            Some(([Feature::Vertex(0), Feature::Surface], depth.error_bound))
+        }
+        [false, true] if is_half_space(a) => {
+            Some(([Feature::Surface, Feature::Vertex(0)], depth.error_bound))
+        }
+        _ => {
+            let OfSphere { features, size } = corners::of_sphere(depth.normal, [a, b])?;
+            Some((features, bound_of(depth, size, [a, b])))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::corners::Corners;
+    use super::super::{Manifold, write_in_order};
+    use super::*;
+    use crate::motion::tests::Draw;
+    use crate::query::{Accuracy, depths};
+    use dcd_geom::Pose;
+    use dcd_geom::glam::DQuat;
+
+    #[test]
+    fn capsules_of_one_point_show_what_the_general_way_has() {
+        let mut draw = Draw(41);
+        let (mut edges, mut ends, mut others) = (0, 0, 0);
+        for k in 0..6000 {
+            let shapes = [0; 2].map(|_| {
+                let size = draw.vector().abs() * 0.5 + 0.05;
+                Shape::capsule(size.x, size.y).unwrap()
+            });
+            let turn = draw.vector() * 3.0;
+            let tilt = draw.vector() * [0.0, 1e-7, 1e-3, 3.0][k % 4];
+            let turns = [turn, turn + tilt].map(DQuat::from_scaled_axis);
+            let poses = turns.map(|turn| Pose::new(turn, draw.vector() * 0.3).unwrap());
+            let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
+            let Some(depth) = depths::by_frame(Accuracy::F32, a, b) else { continue };
+            let Some((features, error_bound)) = of_capsules(&depth, [a, b]) else {
+                others += 1;
+                continue;
+            };
+            let back = of_capsules(&depth.mirrored(), [b, a]);
+            assert_eq!(back, Some(([features[1], features[0]], error_bound)), "{k}");
+            let is_swapped = order::is_swapped(a, b);
+            let (sides, depth) = match is_swapped {
+                true => ([b, a], depth.mirrored()),
+                false => ([a, b], depth),
+            };
+            let mut due = Manifold::default();
+            write_in_order(&depth, sides, &mut Corners::default(), &mut due);
+            let [only] = due.points() else { panic!("{k}: {due:?}") };
+            let of_sides = if is_swapped { [features[1], features[0]] } else { features };
+            assert_eq!((only.features, due.error_bound), (of_sides, error_bound), "{k}");
+            assert_eq!((only.point_a, only.depth), (depth.point_a, depth.depth), "{k}");
+            match features {
+                [Feature::Edge(..), Feature::Edge(..)] => edges += 1,
+                _ => ends += 1,
+            }
+        }
+        assert!(edges > 300 && ends > 300 && others > 100, "{edges} {ends} {others}");
+    }
+}
