@@ -16,10 +16,10 @@ use crate::{Joint, Motion, Robot};
 use dcd_simd::{Row, WIDTH};
 use frame_error::{NOTHING, lost};
 use glam::{DMat3, DVec3};
-use turns::{rotation, set_column, shift, sin_cos, turn, turn_about, turned};
+use turns::{rotation, set_column, shift, turn, turn_about, turned};
 
 pub(super) use frame_error::FrameError;
-pub(super) use turns::loaded;
+pub(super) use turns::{loaded, sin_cos};
 
 /// How far from 0 an angle may be, rad. Larger: rounding it to f32 loses more. Smaller: more states are placed one by
 /// one.
@@ -88,7 +88,7 @@ pub(super) struct Chain {
 /// What moves the joints of sixteen states.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drives {
-    rows: Vec<Row>,
+    pub(super) rows: Vec<Row>,
     turns: Vec<[Row; 9]>,
 }
 
@@ -230,11 +230,11 @@ impl Chain {
             match step.moves {
                 Moves::Never => {}
                 Moves::About(axis, sign, row) => {
-                    let sines = sin_cos(l, l.load(&drives.rows[row]));
+                    let sines = l.sin_cos(&drives.rows, row);
                     turn_about(l, (axis, sign), sines, &mut frame);
                 }
                 Moves::Turns(axis, row) => {
-                    let rotation = rotation(l, axis, sin_cos(l, l.load(&drives.rows[row])));
+                    let rotation = rotation(l, axis, l.sin_cos(&drives.rows, row));
                     turn(l, &rotation, &mut frame);
                 }
                 Moves::Slides(axis, row) => {

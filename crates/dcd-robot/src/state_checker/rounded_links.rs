@@ -72,7 +72,8 @@ impl Placed<'_> {
     ) -> L::F {
         // Of a state alone fifteen lanes in sixteen would be computed in vain.
         if open == 1 {
-            l.splat(self.placed(First(l), links, to))
+            let sines = First::sines(l, &self.drives.rows);
+            l.splat(self.placed(First::with(l, &sines), links, to))
         } else {
             self.placed(All(l), links, to)
         }

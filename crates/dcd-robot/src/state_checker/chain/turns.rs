@@ -135,7 +135,7 @@ const WHOLE: f32 = 12_582_912.0;
 /// The sine and the cosine of an angle up to [`super::MOST_TURNED`] from 0, within three roundings of those of the angle in
 /// f32: by Taylor's series of what it is beyond a multiple of a right angle.
 #[inline(always)]
-pub(super) fn sin_cos<L: Numbers>(l: L, angle: L::F) -> [L::F; 2] {
+pub(in super::super) fn sin_cos<L: Numbers>(l: L, angle: L::F) -> [L::F; 2] {
     let quarters = whole(l, l.mul(angle, l.splat(std::f32::consts::FRAC_2_PI)));
     let x = l.mul_add(quarters, l.splat(-QUARTER[0]), angle);
     let x = l.mul_add(quarters, l.splat(-QUARTER[1]), x);
