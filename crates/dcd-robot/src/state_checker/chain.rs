@@ -19,7 +19,7 @@ use glam::{DMat3, DVec3};
 use turns::{rotation, set_column, shift, turn, turn_about, turned};
 
 pub(super) use frame_error::FrameError;
-pub(super) use turns::{loaded, sin_cos};
+pub(super) use turns::loaded;
 
 /// How far from 0 an angle may be, rad. Larger: rounding it to f32 loses more. Smaller: more states are placed one by
 /// one.

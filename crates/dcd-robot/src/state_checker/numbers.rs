@@ -1,7 +1,6 @@
 //! What links are placed with: sixteen states in lanes, or one state alone, each operation rounded alike, so that a state's
 //! frames do not depend on how many are placed together.
 
-use super::chain::sin_cos;
 use dcd_simd::{Lanes, Row, WIDTH};
 
 /// Operations on f32, IEEE and rounded to nearest.
@@ -160,6 +159,48 @@ impl<L: Lanes> Numbers for First<'_, L> {
             _ => sin_cos(self, self.load(&rows[number])),
         }
     }
+}
+
+/// π/2 to 17 bits, so that it times a small whole number is exact, and the rest.
+const QUARTER: [f32; 2] = [1.570_785_5, 1.080_433_4e-5];
+
+/// What added and subtracted rounds to a whole number: 1.5 · 2²³.
+const WHOLE: f32 = 12_582_912.0;
+
+/// The sine and the cosine of an angle up to `MOST_TURNED` (chain.rs) from 0, within three roundings of those of the angle in
+/// f32: by Taylor's series of what it is beyond a multiple of a right angle.
+#[inline(always)]
+fn sin_cos<L: Numbers>(l: L, angle: L::F) -> [L::F; 2] {
+    let quarters = whole(l, l.mul(angle, l.splat(std::f32::consts::FRAC_2_PI)));
+    let x = l.mul_add(quarters, l.splat(-QUARTER[0]), angle);
+    let x = l.mul_add(quarters, l.splat(-QUARTER[1]), x);
+    let square = l.mul(x, x);
+    let mut sine = l.splat(1.0 / 362_880.0);
+    for term in [-1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0] {
+        sine = l.mul_add(sine, square, l.splat(term));
+    }
+    let sine = l.mul_add(l.mul(x, square), sine, x);
+    let mut cosine = l.splat(1.0 / 40_320.0);
+    for term in [-1.0 / 720.0, 1.0 / 24.0, -0.5] {
+        cosine = l.mul_add(cosine, square, l.splat(term));
+    }
+    let cosine = l.mul_add(square, cosine, l.splat(1.0));
+    // quarters = 2·halves + odd, halves = 2·turns + flipped.
+    let halves = whole(l, l.mul_add(quarters, l.splat(0.5), l.splat(-0.25)));
+    let turns = whole(l, l.mul_add(halves, l.splat(0.5), l.splat(-0.25)));
+    let is_odd = l.lt(l.add(halves, halves), quarters);
+    let is_flipped = l.lt(l.add(turns, turns), halves);
+    let sign = l.select(is_flipped, l.splat(-1.0), l.splat(1.0));
+    [
+        l.mul(sign, l.select(is_odd, cosine, sine)),
+        l.mul(sign, l.select(is_odd, l.neg(sine), cosine)),
+    ]
+}
+
+/// To the nearest whole number, of what is small.
+#[inline(always)]
+fn whole<L: Numbers>(l: L, x: L::F) -> L::F {
+    l.sub(l.add(x, l.splat(WHOLE)), l.splat(WHOLE))
 }
 
 #[cfg(test)]
