@@ -37,6 +37,7 @@ use corners::Corners;
 use dcd_geom::glam::DVec3;
 pub(crate) use facing::{FACING, LEVEL};
 use feature::View;
+use on_plane::Resting;
 use one_point::in_one_point;
 use parts::Measure;
 pub use set::ManifoldSet;
@@ -316,7 +317,12 @@ fn of_depth(
     [a, b]: [PosedShape<'_>; 2],
     corners: &mut Corners,
 ) -> Verdict<ManifoldSet> {
-    if let Some((features, error_bound)) = in_one_point(depth, [a, b]) {
+    let mut resting = None;
+    let only = in_one_point(depth, [a, b]).or_else(|| {
+        resting = Resting::of(depth, [a, b]);
+        resting.as_ref()?.in_one_point(depth)
+    });
+    if let Some((features, error_bound)) = only {
         // Written where it is returned: a copy of a manifold takes as long as the depth of spheres.
         let &Depth { depth, normal, point_a, point_b, .. } = depth;
         const NONE: ManifoldPoint = ManifoldPoint::EMPTY;
@@ -326,8 +332,9 @@ fn of_depth(
         return Verdict::Touching(found.into());
     }
     let mut found = Manifold::EMPTY;
-    if !on_plane::write(depth, [a, b], &mut found) {
-        write_by_corners(depth, [a, b], corners, &mut found);
+    match resting {
+        Some(resting) => resting.write(depth, &mut found),
+        None => write_by_corners(depth, [a, b], corners, &mut found),
     }
     Verdict::Touching(found.into())
 }

@@ -75,7 +75,6 @@ impl Shown<'_> {
 
 /// Writes the manifold of that depth over an empty one; false, and nothing written, of other shapes than a half-space and one
 /// on it, and of faces with many corners.
-#[inline]
 pub(super) fn write(depth: &Depth, sides: [PosedShape<'_>; 2], found: &mut Manifold) -> bool {
     let resting = Resting::of(depth, sides);
     if let Some(resting) = &resting {
@@ -115,7 +114,7 @@ pub(super) fn add(
 }
 
 /// A polytope, cylinder or cone that looks into a half-space.
-struct Resting<'a> {
+pub(super) struct Resting<'a> {
     sides: [PosedShape<'a>; 2],
     /// Which of the pair it is.
     number: usize,
@@ -130,7 +129,7 @@ struct Resting<'a> {
 impl<'a> Resting<'a> {
     /// `None` of other shapes, and of faces with many corners.
     #[inline]
-    fn of(depth: &Depth, sides: [PosedShape<'a>; 2]) -> Option<Self> {
+    pub(super) fn of(depth: &Depth, sides: [PosedShape<'a>; 2]) -> Option<Self> {
         let number = match sides.map(|side| side.shape) {
             [_, Shape::HalfSpace(_)] => 0,
             [Shape::HalfSpace(_), _] => 1,
@@ -155,9 +154,17 @@ impl<'a> Resting<'a> {
         Some(Self { sides, number, towards, local, shown, size })
     }
 
+    /// The features and the bound where it shows a vertex, which touches in the witnesses of the depth.
+    #[inline]
+    pub(super) fn in_one_point(&self, depth: &Depth) -> Option<([Feature; 2], f64)> {
+        let part = self.shown.part();
+        let is_vertex = matches!(part, Part::Vertex(_));
+        is_vertex.then(|| (self.features(part.name()), bound_of(depth, self.size, self.sides)))
+    }
+
     /// Writes the manifold of that depth over an empty one.
     #[inline]
-    fn write(&self, depth: &Depth, found: &mut Manifold) {
+    pub(super) fn write(&self, depth: &Depth, found: &mut Manifold) {
         let mut corners = [Corner::default(); MOST];
         let count = self.list(depth, &mut corners);
         let count = different(&mut corners[..count], self.size);

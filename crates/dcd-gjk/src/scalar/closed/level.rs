@@ -104,14 +104,15 @@ fn lowest_of(polytope: &Polytope, along: DVec3) -> (DVec3, f64) {
             half_extents * DVec3::select(along.cmplt(DVec3::ZERO), DVec3::ONE, DVec3::NEG_ONE);
         return (lowest, lowest.dot(along));
     }
-    let mut best = (DVec3::ZERO, f64::INFINITY);
-    for &vertex in polytope.vertices() {
+    let vertices = polytope.vertices();
+    let (mut lowest, mut least) = (0, f64::INFINITY);
+    for (k, vertex) in vertices.iter().enumerate() {
         let height = vertex.dot(along);
-        if height < best.1 {
-            best = (vertex, height);
+        if height < least {
+            (lowest, least) = (k, height);
         }
     }
-    best
+    (vertices.get(lowest).copied().unwrap_or(DVec3::ZERO), least)
 }
 
 /// The same of a mesh's corners: of equals the one with the smallest index. `None` where they leave the range of f32.
