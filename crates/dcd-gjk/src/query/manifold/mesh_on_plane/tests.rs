@@ -91,6 +91,19 @@ fn check_points(
     }
 }
 
+/// No vertex below the plane is farther from the first point, seen along the normal, than another of the points.
+fn check_farthest(what: &str, found: &Manifold, mesh: &Mesh, a: PosedShape<'_>) {
+    let first = found.points()[0];
+    let beside = |point: DVec3| (point - first.point_a).reject_from(found.normal).length();
+    let most = found.points().iter().map(|point| beside(point.point_a)).fold(0.0, f64::max);
+    let rounding = 1e-8 * (mesh.reach() + 1e-3 * a.pose.translation().length());
+    for &vertex in mesh.points() {
+        let point = a.pose.apply(vertex) + found.normal * mesh.swept_radius();
+        let is_below = found.normal.dot(point - first.point_b) > rounding;
+        assert!(!is_below || beside(point) <= most + rounding, "{what}: {vertex} {found:?}");
+    }
+}
+
 #[test]
 fn a_mesh_rests_on_a_half_space_on_the_deepest_and_the_farthest_of_its_vertices() {
     // Another seed by `DCD_SEED`.
@@ -119,6 +132,7 @@ fn a_mesh_rests_on_a_half_space_on_the_deepest_and_the_farthest_of_its_vertices(
         assert!((first - best.depth).abs() <= found.error_bound + best.error_bound, "{what}");
         assert!(found.normal.distance(best.normal) < 1e-12, "{what}");
         check_points(&what, found, &mesh, a, b);
+        check_farthest(&what, found, &mesh, a);
         // What the pairs of parts show is among the vertices.
         let general = manifolds(Accuracy::Certified, a, b).unwrap();
         let [general] = &general[..] else { panic!("{what}: {general:?}") };
