@@ -59,6 +59,8 @@ pub(super) fn measure(sides: [PosedShape<'_>; 2], scratch: &mut Scratch) -> Opti
     let resting = Resting::of(mesh, sides, &depth);
     scratch.list(&resting)?;
     let below = &mut scratch.below;
+    // Of vertices above each other the deepest is the first.
+    below.sort_unstable_by(|a, b| b.depth.total_cmp(&a.depth).then(a.vertex.cmp(&b.vertex)));
     if below.len() <= FEW {
         let count = different(below, resting.size);
         below.truncate(count);

@@ -113,7 +113,12 @@ fn a_mesh_rests_on_a_half_space_on_the_deepest_and_the_farthest_of_its_vertices(
     let mut scratch = Default::default();
     for k in 0..600usize {
         let mesh = mesh(&mut draw, k);
-        let normal = if k.is_multiple_of(5) { DVec3::Z } else { draw.vector() };
+        // On the sheets' faces, on their edges with vertices above each other, and aslant.
+        let normal = match k % 5 {
+            0 => DVec3::Z,
+            1 => DVec3::X,
+            _ => draw.vector(),
+        };
         let half_space = Shape::half_space(normal, draw.number() * 0.1).unwrap();
         let half_space = half_space.rounded(if k.is_multiple_of(6) { 0.03 } else { 0.0 }).unwrap();
         let far = if k.is_multiple_of(11) { 1e4 } else { 0.0 };
