@@ -100,7 +100,10 @@ impl Patch {
         };
         match (clipping.clips.points().len(), clipping.clipped.points().len()) {
             (3.., 2..) => self.clip(clipping, least),
-            (2, 2) => self.parallel_edges(a, b),
+            (2, 2) => {
+                self.parallel_edges(a, b);
+                self.cut(|corner| corner.depth() - least, Side::Surface, clipping);
+            }
             _ => {}
         }
         self.drop_doubles(size);
@@ -165,6 +168,9 @@ impl Patch {
             return;
         }
         let along = |point: &Point| (point.at - p.at).dot(e) / e.length_squared();
+        // Points are on a's edge, and beside b's by what the normal is off.
+        let beside =
+            (r.at - p.at).perp_dot(e).abs().max((s.at - p.at).perp_dot(e).abs()) / e.length();
         let mut others = [*r, *s];
         others.sort_by(|v, w| along(v).total_cmp(&along(w)));
         let [low, high] = others.map(|point| along(&point));
@@ -184,7 +190,7 @@ impl Patch {
                 [a.whole(), Feature::Vertex(other.index)]
             };
             let heights = [p.height + (q.height - p.height) * t, height_b];
-            self.corners.push(Corner::new(p.at + e * t, heights, features));
+            self.corners.push(Corner { beside, ..Corner::new(p.at + e * t, heights, features) });
         }
     }
 

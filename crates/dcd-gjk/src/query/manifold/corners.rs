@@ -5,7 +5,9 @@ use super::facing::{Part, name};
 use super::feature::{Placed, Seen, View};
 use super::reduce::Spot;
 use super::triangle_clip::{self, Outline};
-use super::{Feature, Manifold, SAME, bound_of, reduce, write_one_point};
+use super::{
+    Feature, Manifold, SAME, bound_of, bound_of_witnesses, missed, reduce, write_one_point,
+};
 use super::{cuboid_polygon, cuboids, hull_pair, on_plane};
 use crate::PosedShape;
 use crate::epa::Depth;
@@ -52,7 +54,7 @@ impl Corners {
         let ((at, height_a), (at_b, height_b)) =
             (view.of(depth.point_a - origin), view.of(depth.point_b - origin));
         let mut corner = Corner::new(at, [height_a, height_b], [Feature::Surface; 2]);
-        corner.beside = at.distance(at_b);
+        corner.beside = at.distance(at_b) + missed(depth);
         self.corners.push(corner);
     }
 
@@ -252,6 +254,7 @@ impl Corners {
         let mut pairs = [None; 4];
         if self.size == 0.0 {
             write_one_point(depth, features, found);
+            found.error_bound = (found.error_bound + missed(depth)).min(f64::MAX);
             return pairs;
         }
         drop_doubles(&mut self.corners, self.size);
@@ -261,7 +264,7 @@ impl Corners {
         let kept = reduce::to_four(&self.corners, self.tolerance()).filter(|_| stands_for_all);
         let Some((kept, count)) = kept else {
             write_one_point(depth, features, found);
-            found.error_bound = error_bound;
+            found.error_bound = bound_of_witnesses(depth, self.size, [a, b]);
             return pairs;
         };
         let mut off_surface = 0.0f64;

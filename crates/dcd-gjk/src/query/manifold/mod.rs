@@ -417,6 +417,23 @@ fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) -> f64 {
     (depth.error_bound + FLAT * size + 8.0 * f64::EPSILON * far).min(f64::MAX)
 }
 
+/// The same of a manifold that is the witnesses of the depth alone.
+///
+/// Those of a cylinder, cone or foreign shape are on chords of its surface: inside by no more than what their difference
+/// lacks of the depth along the normal, for all of a shape is on one side of its plane there.
+fn bound_of_witnesses(depth: &Depth, size: f64, sides: [PosedShape<'_>; 2]) -> f64 {
+    let bound = bound_of(depth, size, sides);
+    if sides.iter().all(|side| side.shape.as_polytope().is_some()) {
+        return bound;
+    }
+    (bound + missed(depth)).min(f64::MAX)
+}
+
+/// How far the witnesses of a depth are from differing by it, metres.
+fn missed(depth: &Depth) -> f64 {
+    (depth.point_a - depth.point_b - depth.normal * depth.depth).length()
+}
+
 /// How far from the witnesses' depth the deepest corner may be to stand for it, relative to the
 /// shapes' size: faces are flat to a billionth. Larger: a deepest point that is not the deepest.
 const SAME: f64 = 1e-9;

@@ -3,7 +3,7 @@
 
 use super::corners::{self, OfSphere};
 use super::feature::{Placed, View};
-use super::{Feature, bound_of};
+use super::{Feature, bound_of, bound_of_witnesses};
 use crate::epa::Depth;
 use crate::{PosedShape, order};
 use dcd_geom::glam::DVec3;
@@ -63,7 +63,7 @@ fn of_sphere(depth: &Depth, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<([Fe
         }
         _ => {
             let OfSphere { features, size } = corners::of_sphere(depth.normal, [a, b])?;
-            Some((features, bound_of(depth, size, [a, b])))
+            Some((features, bound_of_witnesses(depth, size, [a, b])))
         }
     }
 }
