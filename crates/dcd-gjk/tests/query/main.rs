@@ -3,6 +3,7 @@
 mod depths;
 mod distances;
 mod lane_depths;
+mod manifold_points;
 mod manifolds;
 mod patches;
 mod proximity;

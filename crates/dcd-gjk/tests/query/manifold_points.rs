@@ -1,0 +1,161 @@
+//! What every manifold says of its points, for every two kinds of shape, at round poses and at random ones: each point is of
+//! its own surface, and as deep as the manifold says.
+
+use super::PosedSupport;
+use super::patches::grid;
+use super::scenes::Draw;
+use dcd_geom::glam::{DMat3, DQuat, DVec3};
+use dcd_geom::{Pose, Shape};
+use dcd_gjk::query::MeasureAt;
+use dcd_gjk::{Accuracy, Manifold, Manifolds, PosedShape, Verdict, certified};
+
+/// What f64 loses of the judge's own coordinates, metres.
+const ROUNDING: f64 = 1e-9;
+
+/// Lengths that meet each other in many ways, or any.
+fn lengths(draw: &mut Draw, round: bool) -> DVec3 {
+    let mut length = || match round {
+        true => [0.125, 0.25, 0.5, 1.0][(draw.unit().abs() * 4.0) as usize],
+        false => 0.02 + 0.7 * draw.unit().abs(),
+    };
+    DVec3::new(length(), length(), length())
+}
+
+/// A place on a grid of quarters, or any.
+fn place(draw: &mut Draw, round: bool) -> DVec3 {
+    let v = draw.vector();
+    if round { (v * 4.0).round() / 4.0 } else { v }
+}
+
+/// Axes exchanged, turned by next to nothing, or any.
+fn turn(draw: &mut Draw, round: bool) -> DMat3 {
+    let any = place(draw, false);
+    match (round, (draw.unit().abs() * 4.0) as usize) {
+        (true, 0) => DMat3::IDENTITY,
+        (true, 1) => DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X),
+        (true, 2) => DMat3::from_cols(DVec3::Z, -DVec3::Y, DVec3::X),
+        (true, _) => DMat3::from_quat(DQuat::from_scaled_axis(any * 1e-7)),
+        (false, _) => DMat3::from_quat(DQuat::from_scaled_axis(any * 3.0)),
+    }
+}
+
+fn convex(draw: &mut Draw, kind: usize, round: bool) -> Shape {
+    let half = lengths(draw, round);
+    match kind {
+        0 => Shape::sphere(half.x),
+        1 => Shape::capsule(half.x, half.y),
+        2 => Shape::cuboid(half),
+        3 => Shape::cuboid(half).and_then(|cuboid| cuboid.rounded(0.05)),
+        4 => Shape::cylinder(half.x, half.y),
+        5 => Shape::cone(half.x, half.y),
+        6 => Shape::cylinder(half.x, half.y).and_then(|cylinder| cylinder.rounded(0.03)),
+        // Twelve points of a small grid may be flat.
+        7 => Shape::hull((0..12).map(|_| place(draw, round) * half).collect())
+            .or_else(|_| Shape::cuboid(half)),
+        // Without a needle: its corners are half the lengths and more from each other.
+        _ => Shape::triangle([DVec3::ZERO, DVec3::X * half, DVec3::new(0.1, 0.2 * half.y, half.z)]),
+    }
+    .unwrap()
+}
+
+const CONVEX: usize = 9;
+
+fn shape(draw: &mut Draw, kind: usize, round: bool) -> Shape {
+    match kind {
+        CONVEX => Shape::half_space([DVec3::Z, DVec3::X][usize::from(round)], 0.0).unwrap(),
+        10 => {
+            let wave = if round { 0.0 } else { 0.3 * draw.unit().abs() };
+            let at = |x: f64, y: f64| {
+                let [x, y] = [x, y].map(|k| k / 4.0 - 0.5);
+                DVec3::new(x, y, wave * (3.0 * x).sin() * (4.0 * y).cos())
+            };
+            let (vertices, triangles) = grid(4, at);
+            Shape::mesh(vertices, triangles).unwrap()
+        }
+        11 => {
+            let part = |draw: &mut Draw| {
+                let kind = (draw.unit().abs() * CONVEX as f64) as usize;
+                let at = place(draw, round) * 0.4;
+                (convex(draw, kind, round), Pose::from_matrix(turn(draw, round), at).unwrap())
+            };
+            let count = 1 + (draw.unit().abs() * 4.0) as usize;
+            Shape::compound((0..count).map(|_| part(draw)).collect()).unwrap()
+        }
+        kind => convex(draw, kind, round),
+    }
+}
+
+/// A cylinder's rim and a tiny ball may be undecided, which blames no point.
+fn verdict(a: PosedShape<'_>, b: PosedShape<'_>) -> Verdict<()> {
+    certified::overlap_of(a, b).0
+}
+
+fn judge(found: &Manifold, sides: [PosedShape<'_>; 2], what: &str) {
+    let bound = found.error_bound;
+    for point in found.points() {
+        for (side, at) in sides.into_iter().zip([point.point_a, point.point_b]) {
+            let ball = Shape::sphere(bound + ROUNDING).unwrap();
+            let pose = Pose::from_translation(at).unwrap();
+            let ball = PosedShape { shape: &ball, pose: &pose };
+            let is_off = verdict(side, ball) == Verdict::Apart;
+            assert!(!is_off, "{what}: {point:?} is off its surface by over {bound}");
+        }
+        assert!(point.depth >= 0.0, "{what}: {point:?}");
+        let along = (point.point_a - point.point_b).dot(found.normal) - point.depth;
+        assert!(along.abs() <= bound + ROUNDING, "{what}: {point:?} by {along}, not {bound}");
+    }
+}
+
+/// Whether the deepest point is as deep along the normal as two convex shapes are: moved by so much they part, by less
+/// they do not.
+fn judge_depth(found: &Manifold, [a, b]: [PosedShape<'_>; 2], what: &str) {
+    let depth = found.points().iter().map(|point| point.depth).fold(0.0, f64::max);
+    let unsure = found.error_bound + ROUNDING;
+    let moved_by = |way: f64| {
+        let place = b.pose.translation() + found.normal * way;
+        let pose = Pose::from_matrix(*b.pose.rotation(), place).unwrap();
+        verdict(a, PosedShape { pose: &pose, ..b })
+    };
+    let is_deeper = moved_by(depth + unsure) == Verdict::Touching(());
+    assert!(!is_deeper, "{what}: deeper than {found:?}");
+    let is_shallower = depth > unsure && moved_by(depth - unsure) == Verdict::Apart;
+    assert!(!is_shallower, "{what}: not as deep as {found:?}");
+}
+
+#[test]
+fn each_point_of_a_manifold_is_of_both_surfaces_and_as_deep_as_it_says() {
+    // Another seed by `DCD_SEED`.
+    let seed = std::env::var("DCD_SEED").map_or(19, |seed| seed.parse().expect("a seed"));
+    let mut draw = Draw(seed);
+    let mut scratch = Default::default();
+    let mut judged = 0;
+    for k in 0..12_000usize {
+        let (kinds, round) = ([k % 12, k / 12 % 12], k % 5 < 2);
+        if kinds == [CONVEX; 2] {
+            continue;
+        }
+        let [a, b] = kinds.map(|kind| {
+            let (shape, at) = (shape(&mut draw, kind, round), place(&mut draw, round));
+            let pose = Pose::from_matrix(turn(&mut draw, round), at).unwrap();
+            PosedSupport { shape, pose }
+        });
+        let (a, b) = (a.placed(), b.placed());
+        if verdict(a, b) != Verdict::Touching(()) {
+            continue;
+        }
+        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+            let what = format!("{k}, kinds {kinds:?}, {accuracy:?}");
+            let found = Manifolds::default().measure_at(accuracy, a, b, &mut scratch);
+            let Verdict::Touching(found) = found else { panic!("{what}: {found:?}") };
+            assert!(!found.is_empty(), "{what}");
+            for manifold in found.iter() {
+                judge(manifold, [a, b], &what);
+                if kinds.iter().all(|&kind| kind <= CONVEX) {
+                    judge_depth(manifold, [a, b], &what);
+                }
+                judged += 1;
+            }
+        }
+    }
+    assert!(judged > 8000, "{judged}");
+}
