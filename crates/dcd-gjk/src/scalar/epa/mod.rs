@@ -52,7 +52,7 @@ pub struct Depth {
     /// The direction of that translation for b, of unit length but for rounding: from a to b.
     pub normal: DVec3,
     /// The point of a that is deepest in b: `point_a − point_b` is `normal·depth`, but for the
-    /// rounding of world coordinates.
+    /// rounding of world coordinates, and on a curved surface for how far the chords of a search are inside of it.
     pub point_a: DVec3,
     /// The point of b that is deepest in a.
     pub point_b: DVec3,
