@@ -211,7 +211,7 @@ pub fn distance_at(
 
 /// How near the bounds have to come for the accuracy of f32, relative to the pair's size. Larger: the bound
 /// is above what that accuracy promises. Smaller: more supports.
-const F32_GAP: f64 = 2e-6;
+const F32_GAP: f64 = 1e-6;
 
 /// [`distance_at`] of two polytopes that are known to be apart. The search starts from vertices of a and of b between
 /// which the nearest points are thought to be: any are sound, good ones quick.
