@@ -142,8 +142,8 @@ impl Descent<'_, '_> {
                 self.push(l, [block, 0], hits);
                 continue;
             }
-            let at = Meeting { blocks: [block, 0], lane: 0, hits };
-            if self.parts(l, at, &mut None) == Next::Stop {
+            if hits != 0 && self.parts_of_leaf(l, block, (self.b.below(0).0[0], hits)) == Next::Stop
+            {
                 return Next::Stop;
             }
         }
@@ -171,7 +171,7 @@ impl Descent<'_, '_> {
             match (leaf_a, leaf_b) {
                 (true, true) => {
                     let at = Meeting { blocks: [block_a, block_b], lane, hits };
-                    if self.parts(l, at, &mut leaves) == Next::Stop {
+                    if hits != 0 && self.parts(l, at, &mut leaves) == Next::Stop {
                         return Next::Stop;
                     }
                 }
@@ -218,12 +218,9 @@ impl Descent<'_, '_> {
     #[inline(always)]
     fn parts<L: Lanes>(&mut self, l: L, at: Meeting, leaves: &mut Option<Leaves>) -> Next {
         let Meeting { blocks: [block_a, block_b], lane, hits } = at;
-        if hits == 0 {
-            return Next::Go;
-        }
         let part_b = self.b.below(block_b).0[lane];
-        let below = self.a.below(block_a);
         if let (Some(mesh_a), Some(mesh_b)) = (self.a.mesh(), self.b.mesh()) {
+            let below = self.a.below(block_a);
             let leaf_a = &mesh_a.leaves()[block_a as usize];
             let radius = mesh_a.swept_radius() + mesh_b.swept_radius();
             let leaf_b = &mesh_b.leaves()[block_b as usize];
@@ -240,6 +237,13 @@ impl Descent<'_, '_> {
             }
             return Next::Go;
         }
+        self.parts_of_leaf(l, block_a, (part_b, hits))
+    }
+
+    /// One part, of no mesh against a mesh, against those of a leaf whose boxes it meets.
+    #[inline(always)]
+    fn parts_of_leaf<L: Lanes>(&mut self, l: L, block_a: u32, (part_b, hits): (u32, u32)) -> Next {
+        let below = self.a.below(block_a);
         let mut open = self.beside_planes(l, block_a, hits);
         let mut squares = Row::default();
         if let (1.., Parts::Mesh(mesh)) = (open, self.a.parts) {

@@ -480,8 +480,9 @@ fn mark(touching: &mut [bool], bits: u32) {
     }
 }
 
-/// Writes which pairs of a packet touch, without a branch; what was known of the others stays.
-#[inline(always)]
+/// Writes which pairs of a packet touch, without a branch; what was known of the others stays. Out of line: in every
+/// stage it would be a tenth of the kernel.
+#[inline(never)]
 fn scatter(touching: &mut [bool], packet: &PairPacket, bits: u32) {
     for lane in 0..WIDTH {
         if let Some(touches) = touching.get_mut(packet.number.0[lane] as usize) {

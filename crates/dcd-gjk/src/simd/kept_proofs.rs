@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::bounds::U;
 use super::packet::{LanesOf, Number, PairPacket};
 use dcd_geom::glam::Vec3;
-use dcd_simd::{Block, Lanes, Row, WIDTH};
+use dcd_simd::{Block, IndexRow, Lanes, Row, WIDTH};
 
 /// For each pair of a slice an axis and the clearance of its proof.
 #[derive(Clone, Debug, Default)]
@@ -53,12 +53,7 @@ impl KeptProofs {
         let mut row = Row::default();
         let found = l.max(clearance, l.splat(0.0));
         l.store(l.select(l.mask(proved), found, l.splat(NO_PROOF)), &mut row);
-        // Without a branch, and without effect in lanes that have no proof.
-        for lane in 0..WIDTH {
-            if let Some(clearance) = self.clearance.get_mut(packet.number.0[lane] as usize) {
-                *clearance = clearance.max(row.0[lane]);
-            }
-        }
+        self.keep_most(&packet.number, &row);
         if self.wanted == 0.0 {
             return proved;
         }
@@ -66,8 +61,19 @@ impl KeptProofs {
         proved & !l.bits(l.lt(clearance, wanted))
     }
 
+    /// Keeps these clearances where they are the most so far: without a branch, and without effect in lanes that have no
+    /// proof. Out of line, as [`Self::proved`]: neither holds lanes, and every stage asks both.
+    #[inline(never)]
+    fn keep_most(&mut self, numbers: &IndexRow, found: &Row) {
+        for (&number, &found) in numbers.0.iter().zip(&found.0) {
+            if let Some(clearance) = self.clearance.get_mut(number as usize) {
+                *clearance = clearance.max(found);
+            }
+        }
+    }
+
     /// The lanes of which there is a proof but not yet the clearance that is wanted.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn proved(&self, packet: &PairPacket) -> u32 {
         let mut proved = 0;
         if self.wanted > 0.0 {

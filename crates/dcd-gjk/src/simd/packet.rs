@@ -211,15 +211,31 @@ impl<const R: usize> PacketQueue<R> {
     /// other lanes of the packet keep some pair's numbers.
     #[inline(always)]
     pub(super) fn take<L: Lanes>(&mut self, l: L, packet: &mut PairPacket) -> usize {
-        let at = self.len.saturating_sub(WIDTH).min(WIDTH);
-        l.store_u(from_u(l, &self.number, at), &mut packet.number);
-        l.store_u(from_u(l, &self.a, at), &mut packet.a);
-        l.store_u(from_u(l, &self.b, at), &mut packet.b);
+        l.call(Take { queue: self, packet })
+    }
+}
+
+/// [`PacketQueue::take`], compiled once a path.
+struct Take<'a, const R: usize> {
+    queue: &'a mut PacketQueue<R>,
+    packet: &'a mut PairPacket,
+}
+
+impl<const R: usize> Kernel for Take<'_, R> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> usize {
+        let Self { queue, packet } = self;
+        let at = queue.len.saturating_sub(WIDTH).min(WIDTH);
+        l.store_u(from_u(l, &queue.number, at), &mut packet.number);
+        l.store_u(from_u(l, &queue.a, at), &mut packet.a);
+        l.store_u(from_u(l, &queue.b, at), &mut packet.b);
         for row in 0..R {
-            l.store(from(l, &self.rows[row], at), &mut packet.rows[row]);
+            l.store(from(l, &queue.rows[row], at), &mut packet.rows[row]);
         }
-        let taken = self.len - at;
-        self.len = at;
+        let taken = queue.len - at;
+        queue.len = at;
         taken
     }
 }

@@ -50,8 +50,8 @@ impl Default for Prefetch {
 
 impl Prefetch {
     /// Prefetches the vertices of the pairs of the last call, and the records of these pairs: at most
-    /// sixteen.
-    #[inline(always)]
+    /// sixteen. Out of line: it holds no lanes.
+    #[inline(never)]
     pub(super) fn look(&mut self, frames: FramePair<'_>, pairs: &[Pair]) {
         if frames.are_near() {
             return;
