@@ -132,6 +132,15 @@ struct Times<L: Lanes> {
     leaves: L::M,
 }
 
+impl<L: Lanes> Times<L> {
+    /// Those of which it depends whether a plane counts: when one is entered at the latest, left at the earliest.
+    #[inline(always)]
+    fn counted(&self, l: L) -> (L::F, [u32; 2]) {
+        let times = l.select(self.enters, self.latest, self.earliest);
+        (times, [l.bits(self.enters), l.bits(self.leaves)])
+    }
+}
+
 impl InF32 {
     #[inline(always)]
     fn times<L: Lanes>(&self, l: L, row: &PlaneRow) -> Times<L> {
@@ -166,16 +175,16 @@ impl Kernel for Candidates<'_, '_> {
         let planes = clip.planes;
         let (first, last) = (l.splat(f32::MIN), l.splat(f32::MAX));
         let (mut entered, mut left) = (first, last);
-        let mut kept = [Row::default(); 2 * KEPT];
+        let mut kept = [Row::default(); KEPT];
         let mut sides = [[0; 2]; KEPT];
         for (number, row) in planes.rows().iter().enumerate() {
             let times = line.times(l, row);
             entered = l.max(entered, l.select(times.enters, times.earliest, first));
             left = l.min(left, l.select(times.leaves, times.latest, last));
             if number < KEPT {
-                l.store(times.earliest, &mut kept[2 * number]);
-                l.store(times.latest, &mut kept[2 * number + 1]);
-                sides[number] = [l.bits(times.enters), l.bits(times.leaves)];
+                let (counted, sides_of) = times.counted(l);
+                l.store(counted, &mut kept[number]);
+                sides[number] = sides_of;
             }
         }
         let (entered, left) = (l.largest(entered), -l.largest(l.neg(left)));
@@ -185,15 +194,13 @@ impl Kernel for Candidates<'_, '_> {
         }
         let (entered, left) = (l.splat(entered), l.splat(left));
         for (number, row) in planes.rows().iter().enumerate() {
-            let (earliest, latest, [enters, leaves]) = if number < KEPT {
-                let [earliest, latest] = [&kept[2 * number], &kept[2 * number + 1]];
-                (l.load(earliest), l.load(latest), sides[number])
+            let (counted, [enters, leaves]) = if number < KEPT {
+                (l.load(&kept[number]), sides[number])
             } else {
-                let Times { earliest, latest, enters, leaves } = line.times(l, row);
-                (earliest, latest, [l.bits(enters), l.bits(leaves)])
+                line.times(l, row).counted(l)
             };
             let counts =
-                (enters & l.bits(l.le(entered, latest))) | (leaves & l.bits(l.le(earliest, left)));
+                (enters & l.bits(l.le(entered, counted))) | (leaves & l.bits(l.le(counted, left)));
             let is_sure = enters | leaves;
             let mut bits = (counts | !is_sure) & 0xffff;
             while bits != 0 {
