@@ -194,7 +194,8 @@ fn the_patches_that_the_lanes_find_lie_on_both_cuboids_and_are_as_deep_as_they()
         let found = |pairs: &[Pair]| {
             let mut scratch = patches::Scratch::default();
             patches::find(Path::best(), frames, pairs, &mut scratch);
-            let answers = pairs.iter().zip(&scratch.found).map(|(&pair, patch)| {
+            let answers = pairs.iter().enumerate().map(|(number, &pair)| {
+                let patch = scratch.of(number);
                 let mut answer = ManifoldSet::default();
                 let sides = posed(pair);
                 let is_written = patch.is_known()
