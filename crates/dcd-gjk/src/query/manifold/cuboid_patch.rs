@@ -14,23 +14,20 @@ pub(super) fn write(
     found: &mut Manifold,
 ) -> bool {
     let (codes, is_swapped) = (patch.codes(), patch.is_swapped());
-    let sides = if is_swapped { [b, a] } else { [a, b] };
-    let shown = codes.shown();
-    let (Some(of_first), Some(of_second)) = (whole(shown[0], sides[0]), whole(shown[1], sides[1]))
-    else {
+    // Of the one that clips, and of the other.
+    let [clips, other] = patch.shown();
+    let is_of_a = (codes.clips() == 1) == is_swapped;
+    let [of_clips, of_other] = if is_of_a { [a, b] } else { [b, a] };
+    let (Some(of_clips), Some(of_other)) = (whole(clips, of_clips), whole(other, of_other)) else {
         return false;
     };
+    let whole = [of_clips, of_other];
+    let sides = if is_swapped { [b, a] } else { [a, b] };
     let normal = normal(patch, [sides[0].pose.rotation(), sides[1].pose.rotation()]);
     let origin = sides[0].pose.translation();
-    // Of the one that clips, and of the other.
-    let (seen, whole, sense) = match codes.clips() {
-        0 => (shown, [of_first, of_second], -1.0),
-        _ => ([shown[1], shown[0]], [of_second, of_first], 1.0),
-    };
-    let to_other = normal * sense;
-    let is_crossing = seen[0].kind != ShownKind::Face;
-    let corners = Numbered::of(seen);
-    let is_of_a = (codes.clips() == 1) == is_swapped;
+    let to_other = normal * if codes.clips() == 0 { -1.0 } else { 1.0 };
+    let is_crossing = clips.kind != ShownKind::Face;
+    let corners = Numbered::of([clips, other]);
     for (point, of_lanes) in found.points.iter_mut().zip(patch.points()) {
         let PatchPoint { offset: [x, y, z], depth, bounds } = of_lanes;
         let depth = f64::from(depth);
@@ -77,19 +74,24 @@ fn normal(patch: CuboidPatch<'_>, rotations: [&DMat3; 2]) -> DVec3 {
 /// What a cuboid shows, by its number; `None` for other shapes, and for a face without one.
 #[inline(always)]
 fn whole(shown: Shown, side: PosedShape<'_>) -> Option<Feature> {
-    let Shown { kind, axis, corner } = shown;
-    let corner = u32::from(corner);
+    let Shown { kind, axis, corner, case } = shown;
     Some(match kind {
         ShownKind::Vertex => Feature::Vertex(corner),
         ShownKind::Edge => Feature::Edge(corner & !(1 << axis), corner | 1 << axis),
         ShownKind::Face => {
-            let polytope = side.shape.as_polytope()?;
-            let Kind::Cuboid { half_extents: half } = polytope.kind() else { return None };
             let is_forward = corner >> axis & 1 == 1;
-            let number = cuboids::face_number(polytope, half.to_array(), axis.into(), is_forward);
-            Feature::Face(number?)
+            let number = cuboids::number_in(case, axis as usize, is_forward);
+            Feature::Face(number.or_else(|| face(side, axis as usize, is_forward))?)
         }
     })
+}
+
+/// The same of the face along an axis or against it, from the shape itself.
+#[inline(always)]
+fn face(side: PosedShape<'_>, axis: usize, is_forward: bool) -> Option<u32> {
+    let polytope = side.shape.as_polytope()?;
+    let Kind::Cuboid { half_extents: half } = polytope.kind() else { return None };
+    cuboids::face_number(polytope, half.to_array(), axis, is_forward)
 }
 
 /// The corners of a face that clips and of what it clips, by their numbers.
@@ -107,8 +109,8 @@ impl Numbered {
     #[inline(always)]
     fn of([clips, clipped]: [Shown; 2]) -> Self {
         // The bits of the two axes after one.
-        let after = |axis: u8| {
-            let twice = 0b001_001 << axis;
+        let after = |axis: u32| {
+            let twice = 0b001_001_u32 << axis;
             [twice >> 2 & 7, twice >> 1 & 7]
         };
         let edges = match clipped.kind {
@@ -117,7 +119,7 @@ impl Numbered {
             ShownKind::Vertex => [0, 0],
         };
         let sides = after(clips.axis);
-        let low = |corner: u8, [p, q]: [u32; 2]| u32::from(corner) & !(p | q);
+        let low = |corner: u32, [p, q]: [u32; 2]| corner & !(p | q);
         Self { clipped: low(clipped.corner, edges), edges, clips: low(clips.corner, sides), sides }
     }
 

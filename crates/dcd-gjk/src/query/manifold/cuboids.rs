@@ -228,6 +228,13 @@ pub(super) fn face_number(
     }
 }
 
+/// The same where it is known how the half edges compare: by the digits of [`NUMBERS`]. `None` of a larger number.
+#[inline(always)]
+pub(super) fn number_in(case: u32, k: usize, is_forward: bool) -> Option<u32> {
+    let numbers = NUMBERS.get(case as usize)?;
+    Some(numbers[(2 * k + usize::from(is_forward)) % 8].into())
+}
+
 /// The same from the list of the faces.
 #[cold]
 fn listed_number(polytope: &Polytope, k: usize, is_forward: bool) -> Option<u32> {

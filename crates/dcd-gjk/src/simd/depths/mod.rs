@@ -74,18 +74,58 @@ impl<S: MeasureDepth> SimdDepths<S> {
 #[derive(Debug, Default)]
 pub struct Scratch<S> {
     yes: Yes,
+    of_touching: OfTouching,
+    touching: Vec<Pair>,
+    /// The numbers of the touching pairs that the solver measures by itself.
+    left: Vec<u32>,
+    solver: S,
+}
+
+/// The same for the pairs that touch.
+#[derive(Debug, Default)]
+struct OfTouching {
     surfaces: Box<[Surface; SEATS]>,
     starts: Starts,
     of_cuboids: of_cuboids::Scratch,
     patches: patches::Scratch,
-    touching: Vec<Pair>,
-    /// The numbers of the touching pairs of cuboids that are not yet answered, as the pairs that are looked at for these.
+    /// The numbers of the pairs of cuboids that are not yet answered, in the order of those that `of_cuboids` looks at.
     cuboids: Vec<u32>,
-    /// The numbers of the touching pairs that are searched.
+    /// The numbers of the pairs that are searched.
     searched: Vec<u32>,
-    /// The numbers of the touching pairs that the solver measures by itself.
-    left: Vec<u32>,
-    solver: S,
+}
+
+impl<S: MeasureDepth> SimdDepths<S> {
+    /// Answers pairs that touch, but for those that are left to the solver.
+    fn answer(
+        &self,
+        objects: ScenePairs<'_>,
+        scratch: &mut OfTouching,
+        mut answers: Answers<'_, S>,
+    ) {
+        let OfTouching { surfaces, starts, of_cuboids, patches, cuboids, searched } = scratch;
+        let (accuracy, frames, answers) = (self.accuracy, objects.frames, &mut answers);
+        dispatch_on(self.path, Sort { objects, accuracy, of_cuboids, cuboids, searched, answers });
+        if S::READS_PATCHES && accuracy == Accuracy::F32 {
+            patches::find(self.path, frames, &of_cuboids.pairs, patches);
+            let patches = &*patches;
+            let write = WritePatches { objects, patches, of_cuboids, cuboids, answers };
+            dispatch_on(self.path, write);
+        }
+        // The axes count of those alone whose patch is not known.
+        of_cuboids::find(self.path, frames, of_cuboids);
+        for (&number, &axes) in cuboids.iter().zip(&of_cuboids.axes) {
+            let number = number as usize;
+            let sides = objects.posed(objects.pairs[number]);
+            let found = depth_of_cuboids(axes, sides, accuracy);
+            let found = found.map(|depth| Found { depth, farthest: None });
+            answers.write(number, found.as_ref(), sides);
+        }
+        if !searched.is_empty() {
+            starts.begin();
+            let numbers = searched.iter();
+            dispatch_on(self.path, Each { objects, accuracy, numbers, starts, surfaces, answers });
+        }
+    }
 }
 
 impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
@@ -122,46 +162,22 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
-        let Scratch { yes, surfaces, starts, of_cuboids, patches, touching, .. } = scratch;
-        let Scratch { cuboids, searched, left, solver, .. } = scratch;
+        let Scratch { yes, of_touching, touching, left, solver } = scratch;
         yes.touching_parts.begin(true);
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touch = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
         touching.clear();
         touching.extend(touch.map(|(&pair, _)| pair));
-        let frames = FramePair { a: a.frame, b: b.frame };
         // Each answer is written where it is kept.
         let first = sink.contacts.len();
         let empty = |&pair| Contact { pair, answer: S::Answer::default() };
         sink.contacts.extend(touching.iter().map(empty));
         left.clear();
+        let frames = FramePair { a: a.frame, b: b.frame };
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: touching };
-        let (solver_of, accuracy) = (&self.solver, self.accuracy);
         let answers = &mut sink.contacts[first..];
-        let mut answers = Answers { solver: solver_of, scratch: solver, answers, left };
-        let sort = Sort { objects, accuracy, of_cuboids, cuboids, searched, answers: &mut answers };
-        dispatch_on(self.path, sort);
-        if S::READS_PATCHES && accuracy == Accuracy::F32 {
-            patches::find(self.path, frames, &of_cuboids.pairs, patches);
-            let patches = &*patches;
-            let write =
-                WritePatches { objects, patches, of_cuboids, cuboids, answers: &mut answers };
-            dispatch_on(self.path, write);
-        }
-        of_cuboids::find(self.path, frames, of_cuboids);
-        for (&number, &axes) in cuboids.iter().zip(&of_cuboids.axes) {
-            let number = number as usize;
-            let sides = objects.posed(touching[number]);
-            let found = depth_of_cuboids(axes, sides, accuracy);
-            let found = found.map(|depth| Found { depth, farthest: None });
-            answers.write(number, found.as_ref(), sides);
-        }
-        if !searched.is_empty() {
-            starts.begin();
-            let numbers = searched.iter();
-            let each = Each { objects, accuracy, numbers, starts, surfaces, answers: &mut answers };
-            dispatch_on(self.path, each);
-        }
+        let answers = Answers { solver: &self.solver, scratch: solver, answers, left };
+        self.answer(objects, of_touching, answers);
         left.sort_unstable();
         let mut lists = yes.touching_parts.lists().peekable();
         left.retain(|&number| {
@@ -252,14 +268,14 @@ impl<S: MeasureDepth> Answers<'_, S> {
 }
 
 /// Searches the pairs.
-struct Each<'a, S: MeasureDepth> {
+struct Each<'a, 'b, S: MeasureDepth> {
     objects: ScenePairs<'a>,
     accuracy: Accuracy,
     /// The numbers of the pairs that are searched next.
     numbers: Iter<'a, u32>,
     surfaces: &'a mut [Surface; SEATS],
     starts: &'a mut Starts,
-    answers: &'a mut Answers<'a, S>,
+    answers: &'a mut Answers<'b, S>,
 }
 
 /// A pair that is being searched.
@@ -272,7 +288,7 @@ struct Seat<'a> {
     point: Point,
 }
 
-impl<S: MeasureDepth> Kernel for Each<'_, S> {
+impl<S: MeasureDepth> Kernel for Each<'_, '_, S> {
     type Output = ();
 
     #[inline(always)]
@@ -310,7 +326,7 @@ impl<S: MeasureDepth> Kernel for Each<'_, S> {
     }
 }
 
-impl<'a, S: MeasureDepth> Each<'a, S> {
+impl<'a, S: MeasureDepth> Each<'a, '_, S> {
     /// The next pair that is to be searched, in the place of that number; those before it are answered.
     #[inline(always)]
     fn next<L: Lanes>(&mut self, l: L, place: usize) -> Option<Seat<'a>> {

@@ -20,6 +20,8 @@ pub(super) struct Rows {
     pub(super) bound: Row,
     /// See [`Codes`]; [`WHOLE`] is added.
     pub(super) codes: Row,
+    /// How the half edges of the first compare, and 32 times that of the second; [`WHOLE`] is added.
+    pub(super) cases: Row,
     /// Of each point three coordinates, the depth and the bounds, to which [`WHOLE`] is added.
     pub(super) points: [[Row; 5]; 4],
 }
@@ -47,9 +49,11 @@ pub(crate) struct PatchPoint {
 pub(crate) struct Shown {
     pub(crate) kind: ShownKind,
     /// The axis that the face is normal to, or that the edge is along.
-    pub(crate) axis: u8,
+    pub(crate) axis: u32,
     /// The number of the farthest corner: a bit for each axis.
-    pub(crate) corner: u8,
+    pub(crate) corner: u32,
+    /// How the half edges compare: see [`Cuboids::case`](super::Cuboids::case).
+    pub(crate) case: u32,
 }
 
 /// A face, an edge or a corner.
@@ -104,6 +108,15 @@ impl CuboidPatch<'_> {
         Codes(self.at(&self.rows.codes).to_bits())
     }
 
+    /// What the one shows whose face clips, and the other.
+    #[inline(always)]
+    pub(crate) fn shown(&self) -> [Shown; 2] {
+        let (codes, cases) = (self.codes(), self.at(&self.rows.cases).to_bits());
+        let (first, second) = ((codes.0 >> 8, cases), (codes.0 >> 15, cases >> 5));
+        let (clips, other) = if codes.clips() == 0 { (first, second) } else { (second, first) };
+        [Shown::decode(clips), Shown::decode(other)]
+    }
+
     /// One to four points: the deepest first.
     #[inline(always)]
     pub(crate) fn points(&self) -> impl Iterator<Item = PatchPoint> {
@@ -137,23 +150,17 @@ impl Codes {
     pub(crate) fn clips(self) -> usize {
         (self.0 >> 7 & 1) as usize
     }
-
-    /// What the first shows, and the second.
-    #[inline(always)]
-    pub(crate) fn shown(self) -> [Shown; 2] {
-        [Shown::decode(self.0 >> 8), Shown::decode(self.0 >> 15)]
-    }
 }
 
 impl Shown {
-    /// Of the lowest seven bits.
+    /// Of the lowest seven bits of the one, and the lowest five of the other.
     #[inline(always)]
-    fn decode(code: u32) -> Self {
+    fn decode((code, case): (u32, u32)) -> Self {
         let kind = match code & 3 {
             0 => ShownKind::Face,
             1 => ShownKind::Edge,
             _ => ShownKind::Vertex,
         };
-        Self { kind, axis: (code >> 2 & 3) as u8, corner: (code >> 4 & 7) as u8 }
+        Self { kind, axis: code >> 2 & 3, corner: code >> 4 & 7, case: case & 31 }
     }
 }
