@@ -87,7 +87,7 @@ fn whole(shown: Shown, side: PosedShape<'_>) -> Option<Feature> {
 }
 
 /// The same of the face along an axis or against it, from the shape itself.
-#[inline(always)]
+#[inline(never)]
 fn face(side: PosedShape<'_>, axis: usize, is_forward: bool) -> Option<u32> {
     let polytope = side.shape.as_polytope()?;
     let Kind::Cuboid { half_extents: half } = polytope.kind() else { return None };

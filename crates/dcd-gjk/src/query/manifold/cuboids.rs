@@ -261,7 +261,7 @@ fn numbers_of([x, y, z]: [f64; 3]) -> Option<&'static [u8; 8]> {
     let [apart, thin] = DISTINCT;
     let is_sure = |v: f64, w: f64| (v == w) | ((v - w).abs() > apart * most);
     // False for NaN.
-    let is_known = (most >= SIZES.start) & (most < SIZES.end) & (least > thin * most);
+    let is_known = SIZES.contains(&most) & (least > thin * most);
     if !(is_known & is_sure(x, y) & is_sure(x, z) & is_sure(y, z)) {
         return None;
     }
