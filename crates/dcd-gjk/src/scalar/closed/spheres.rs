@@ -173,7 +173,6 @@ impl Spheres {
     }
 
     /// The same if its bound is good enough, else in double-double; `None` where that is not good enough either.
-    #[inline]
     fn sharpened(&self, gap: Gap, sharp: f64) -> Option<Gap> {
         if gap.is_within(sharp) {
             return Some(gap);
@@ -181,7 +180,6 @@ impl Spheres {
         Some(self.long_gap()).filter(|gap| gap.is_within(LONG_SHARP))
     }
 
-    #[cold]
     fn long_gap(&self) -> Gap {
         let [a, b] = self.centres.map(|centre| centre.to_array());
         let squared = |k: usize| {
