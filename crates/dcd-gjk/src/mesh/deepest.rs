@@ -10,12 +10,14 @@ use dcd_geom::glam::DVec3;
 use std::cell::{Cell, OnceCell};
 
 /// Which part of a shape.
+// Numbered from one: `None` of an `Option` is all zeros then, so that an empty manifold is cleared and not copied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(u32)]
 pub enum PartIndex {
     /// Of a compound's parts.
-    Part(u32),
+    Part(u32) = 1,
     /// Of a mesh's triangles.
-    Triangle(u32),
+    Triangle(u32) = 2,
 }
 
 /// Two parts that touch, of a and of b; each in the frame of its whole.

@@ -63,7 +63,7 @@ pub trait MeasureDepth: MeasureAt {
     /// always.
     fn measure_cuboids(
         &self,
-        _patch: &CuboidPatch,
+        _patch: CuboidPatch<'_>,
         _sides: [PosedShape<'_>; 2],
         _answer: &mut Self::Answer,
     ) -> bool {

@@ -39,7 +39,7 @@ pub(crate) mod vector;
 pub use crate::temporal::Coherent;
 pub use certificate::{CertifiedBounds, UncheckedBounds};
 pub use closed::patches::CuboidPatch;
-pub(crate) use closed::patches::{Shown, ShownKind};
+pub(crate) use closed::patches::{PatchPoint, Shown, ShownKind};
 pub use decide::Scratch;
 pub use depths::SimdDepths;
 pub use distances::SimdDistances;

@@ -1,158 +1,172 @@
 //! The manifold of two cuboids from the patch that the lanes found: f64 numbers and features from its codes.
 
-use super::facing::edge;
 use super::{Feature, Manifold, cuboids};
 use crate::PosedShape;
-use crate::simd::{CuboidPatch, Shown, ShownKind};
+use crate::simd::{CuboidPatch, PatchPoint, Shown, ShownKind};
+use dcd_geom::Kind;
 use dcd_geom::glam::{DMat3, DVec3};
-use dcd_geom::{Kind, Polytope};
 
-/// Writes the manifold over an empty one; false where nothing is known, and nothing written.
-#[inline]
+/// Writes the manifold over an empty one, of a patch that is known; false, and nothing written, for a face without a number.
+#[inline(always)]
 pub(super) fn write(
-    patch: &CuboidPatch,
+    patch: CuboidPatch<'_>,
     [a, b]: [PosedShape<'_>; 2],
     found: &mut Manifold,
 ) -> bool {
-    let sides = if patch.is_swapped { [b, a] } else { [a, b] };
-    let (Some(of_first), Some(of_second)) =
-        (whole(patch.shown[0], sides[0]), whole(patch.shown[1], sides[1]))
-    else {
+    let (codes, is_swapped) = (patch.codes(), patch.is_swapped());
+    // Of the one that clips, and of the other.
+    let [clips, other] = patch.shown();
+    let is_of_a = (codes.clips() == 1) == is_swapped;
+    let [of_clips, of_other] = if is_of_a { [a, b] } else { [b, a] };
+    let (Some(of_clips), Some(of_other)) = (whole(clips, of_clips), whole(other, of_other)) else {
         return false;
     };
+    let whole = [of_clips, of_other];
+    let sides = if is_swapped { [b, a] } else { [a, b] };
     let normal = normal(patch, [sides[0].pose.rotation(), sides[1].pose.rotation()]);
     let origin = sides[0].pose.translation();
-    let clips = usize::from(patch.clips);
-    let whole = [of_first, of_second];
-    let corners = Numbered::of(patch.shown[clips], patch.shown[1 - clips]);
-    let is_crossing = patch.shown[clips].kind != ShownKind::Face;
-    // Which of the two ends is a's, and whose face the points are on.
-    let (of_a, on_face) = (usize::from(patch.is_swapped), [whole[clips], whole[1 - clips]]);
-    for (point, of_lanes) in found.points.iter_mut().zip(&patch.points[..usize::from(patch.count)])
-    {
-        let depth = f64::from(of_lanes.depth);
-        let [x, y, z] = of_lanes.offset;
-        let offset = DVec3::new(x.into(), y.into(), z.into());
-        let here = origin + offset;
-        let (on_first, on_second) =
-            if clips == 0 { (here, here - normal * depth) } else { (here + normal * depth, here) };
-        let features = match is_crossing {
-            true => whole,
-            false => {
-                let [j, k] = of_lanes.bounds;
-                let [of_clips, of_clipped] = corners.features([j, k], on_face);
-                if clips == 0 { [of_clips, of_clipped] } else { [of_clipped, of_clips] }
-            }
-        };
-        if of_a == 0 {
-            (point.point_a, point.point_b, point.features) = (on_first, on_second, features);
-        } else {
-            let [first, second] = features;
-            (point.point_a, point.point_b, point.features) = (on_second, on_first, [second, first]);
-        }
+    let to_other = normal * if codes.clips() == 0 { -1.0 } else { 1.0 };
+    let is_crossing = clips.kind != ShownKind::Face;
+    let corners = Numbered::of([clips, other]);
+    for (point, of_lanes) in found.points.iter_mut().zip(patch.points()) {
+        let PatchPoint { offset: [x, y, z], depth, bounds } = of_lanes;
+        let depth = f64::from(depth);
+        let on_clips = origin + DVec3::new(x.into(), y.into(), z.into());
+        let on_other = on_clips + to_other * depth;
+        let [of_clips, of_other] =
+            if is_crossing { whole } else { corners.features(bounds, whole) };
         point.depth = depth;
+        if is_of_a {
+            (point.point_a, point.point_b) = (on_clips, on_other);
+            point.features = [of_clips, of_other];
+        } else {
+            (point.point_a, point.point_b) = (on_other, on_clips);
+            point.features = [of_other, of_clips];
+        }
     }
-    found.count = patch.count;
-    found.normal = if patch.is_swapped { -normal } else { normal };
+    found.count = codes.count();
+    found.normal = normal * if is_swapped { -1.0 } else { 1.0 };
     let far = origin.length() + sides[1].pose.translation().length();
-    found.error_bound = f64::from(patch.error_bound) + 8.0 * f64::EPSILON * far;
+    found.error_bound = f64::from(patch.error_bound()) + 8.0 * f64::EPSILON * far;
     true
 }
 
 /// From the first to the second.
 #[inline(always)]
-fn normal(patch: &CuboidPatch, rotations: [&DMat3; 2]) -> DVec3 {
-    let axis = |side: usize| {
-        let columns: &[f64; 9] = rotations[side].as_ref();
-        let k = 3 * patch.edges[side].max(0) as usize;
-        DVec3::new(columns[k], columns[k + 1], columns[k + 2])
+fn normal(patch: CuboidPatch<'_>, rotations: [&DMat3; 2]) -> DVec3 {
+    let axis = |side: usize, number: usize| {
+        let DMat3 { x_axis, y_axis, z_axis } = rotations[side];
+        *match number {
+            0 => x_axis,
+            1 => y_axis,
+            _ => z_axis,
+        }
     };
-    let along = match patch.edges {
-        [_, ..0] => axis(0),
-        [..0, _] => axis(1),
-        _ => axis(0).cross(axis(1)),
+    let along = match patch.codes().edges() {
+        [Some(j), Some(k)] => axis(0, j).cross(axis(1, k)),
+        [Some(j), None] => axis(0, j),
+        [None, k] => axis(1, k.unwrap_or_default()),
     };
-    let normal = along.normalize();
-    if patch.is_back { -normal } else { normal }
+    let scale = along.length().recip();
+    along * if patch.is_back() { -scale } else { scale }
 }
 
 /// What a cuboid shows, by its number; `None` for other shapes, and for a face without one.
 #[inline(always)]
 fn whole(shown: Shown, side: PosedShape<'_>) -> Option<Feature> {
-    let polytope = side.shape.as_polytope()?;
-    let Kind::Cuboid { half_extents: half } = polytope.kind() else { return None };
-    let Shown { kind, axis, corner } = shown;
-    let bit = 1u32 << axis;
-    let corner = u32::from(corner);
+    let Shown { kind, axis, corner, case } = shown;
     Some(match kind {
         ShownKind::Vertex => Feature::Vertex(corner),
-        ShownKind::Edge => edge(corner & !bit, corner | bit),
-        ShownKind::Face => Feature::Face(face(polytope, half, axis, corner & bit != 0)?),
+        ShownKind::Edge => Feature::Edge(corner & !(1 << axis), corner | 1 << axis),
+        ShownKind::Face => {
+            let is_forward = corner >> axis & 1 == 1;
+            let number = cuboids::number_in(case, axis as usize, is_forward);
+            Feature::Face(number.or_else(|| face(side, axis as usize, is_forward))?)
+        }
     })
 }
 
-#[inline(always)]
-fn face(polytope: &Polytope, half: DVec3, axis: u8, is_forward: bool) -> Option<u32> {
-    cuboids::face_number(polytope, half.to_array(), usize::from(axis), is_forward)
+/// The same of the face along an axis or against it, from the shape itself.
+#[inline(never)]
+fn face(side: PosedShape<'_>, axis: usize, is_forward: bool) -> Option<u32> {
+    let polytope = side.shape.as_polytope()?;
+    let Kind::Cuboid { half_extents: half } = polytope.kind() else { return None };
+    cuboids::face_number(polytope, half.to_array(), axis, is_forward)
 }
 
-/// The corners of a face that clips and of what it clips, by their numbers, each in a round.
+/// The corners of a face that clips and of what it clips, by their numbers.
 struct Numbered {
-    /// Low along both edges, high along the first, along both, along the second.
-    clipped: [u8; 4],
-    /// High along both sides, low along the first, along both, along the second.
-    clips: [u8; 4],
+    /// The corner of what is clipped that is low along both of its edges, and their bits.
+    clipped: u32,
+    edges: [u32; 2],
+    /// The corner of the face that clips that is low along both of its sides, and their bits.
+    clips: u32,
+    sides: [u32; 2],
 }
 
 impl Numbered {
+    /// Of the one that clips and the other.
     #[inline(always)]
-    fn of(clips: Shown, clipped: Shown) -> Self {
-        const NEXT: [u8; 4] = [1, 2, 0, 0];
-        let bits = |axis: u8| {
-            let after = NEXT[usize::from(axis % 4)];
-            (1u8 << after, 1u8 << NEXT[usize::from(after)])
+    fn of([clips, clipped]: [Shown; 2]) -> Self {
+        // The bits of the two axes after one.
+        let after = |axis: u32| {
+            let twice = 0b001_001_u32 << axis;
+            [twice >> 2 & 7, twice >> 1 & 7]
         };
-        let (u, v) = match clipped.kind {
-            ShownKind::Face => bits(clipped.axis),
-            ShownKind::Edge => (1 << clipped.axis, 0),
-            ShownKind::Vertex => (0, 0),
+        let edges = match clipped.kind {
+            ShownKind::Face => after(clipped.axis),
+            ShownKind::Edge => [1 << clipped.axis, 0],
+            ShownKind::Vertex => [0, 0],
         };
-        let low = clipped.corner & !(u | v);
-        let (p, q) = bits(clips.axis);
-        let base = clips.corner & !(p | q);
-        Self {
-            clipped: [low, low | u, low | u | v, low | v],
-            clips: [base | p | q, base | q, base, base | p],
-        }
+        let sides = after(clips.axis);
+        let low = |corner: u32, [p, q]: [u32; 2]| corner & !(p | q);
+        Self { clipped: low(clipped.corner, edges), edges, clips: low(clips.corner, sides), sides }
     }
 
     /// What of the shape that clips and of the other a corner belongs to: by the bounds that meet there.
     #[inline(always)]
     fn features(&self, [j, k]: [u8; 2], [of_clips, of_clipped]: [Feature; 2]) -> [Feature; 2] {
         match (j, k) {
-            (0..4, 0..4) => [of_clips, Feature::Vertex(self.clipped[usize::from(j)].into())],
+            (0..4, 0..4) => [of_clips, Feature::Vertex(self.corner(j))],
             (0..4, 8..) => [of_clips, self.edge(j)],
             (0..4, _) => [self.side(k), self.edge(j)],
             (_, 8..) => [self.side(j), of_clipped],
             // The corner where a side of the first axis meets one of the second.
-            _ => {
-                let corner = [[0, 3], [1, 2]][usize::from(j & 1)][usize::from(k & 1)];
-                [Feature::Vertex(self.clips[corner].into()), of_clipped]
-            }
+            _ => [Feature::Vertex(self.clips | self.end(j) | self.end(k)), of_clipped],
         }
+    }
+
+    /// Of what is clipped: low along both edges, high along the first, along both, along the second.
+    #[inline(always)]
+    fn corner(&self, number: u8) -> u32 {
+        let [u, v] = self.edges;
+        let (is_high_u, is_high_v) = ((number + 1) & 2 != 0, number & 2 != 0);
+        self.clipped | if is_high_u { u } else { 0 } | if is_high_v { v } else { 0 }
     }
 
     /// The edge of what is clipped from the corner of that number to the next.
     #[inline(always)]
     fn edge(&self, from: u8) -> Feature {
-        let [from, to] = [from, from + 1].map(|k| self.clipped[usize::from(k % 4)]);
-        edge(from.into(), to.into())
+        let (corner, bit) = (self.corner(from), self.edges[usize::from(from & 1)]);
+        Feature::Edge(corner & !bit, corner | bit)
     }
 
     /// The side of the face of that number.
     #[inline(always)]
     fn side(&self, bound: u8) -> Feature {
-        let (from, to) = [(3, 0), (1, 2), (0, 1), (2, 3)][usize::from(bound % 4)];
-        edge(self.clips[from].into(), self.clips[to].into())
+        let along = self.sides[usize::from(bound & 2 == 0)];
+        let low = self.clips | self.end(bound);
+        Feature::Edge(low, low | along)
+    }
+
+    /// The bit of a side that is at the high end of its axis.
+    #[inline(always)]
+    fn end(&self, bound: u8) -> u32 {
+        let [p, q] = self.sides;
+        match bound & 3 {
+            0 => p,
+            2 => q,
+            _ => 0,
+        }
     }
 }

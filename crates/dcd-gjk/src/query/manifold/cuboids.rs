@@ -215,16 +215,29 @@ impl<'a> Side<'a> {
 
 /// The number of a box's face along axis `k` or against it: its index into [`dcd_geom::Facets`]. `None` where it is not
 /// one of six.
+#[inline(always)]
 pub(super) fn face_number(
     polytope: &Polytope,
     half: [f64; 3],
     k: usize,
     is_forward: bool,
 ) -> Option<u32> {
-    if let Some(order) = faces_of(half) {
-        let name = (if is_forward { b'X' } else { b'x' }) + k as u8;
-        return (0..).zip(order).find(|&(_, face)| *face == name).map(|(index, _)| index);
+    match numbers_of(half) {
+        Some(numbers) => Some(numbers[(2 * k + usize::from(is_forward)) % 8].into()),
+        None => listed_number(polytope, k, is_forward),
     }
+}
+
+/// The same where it is known how the half edges compare: by the digits of [`NUMBERS`]. `None` of a larger number.
+#[inline(always)]
+pub(super) fn number_in(case: u32, k: usize, is_forward: bool) -> Option<u32> {
+    let numbers = NUMBERS.get(case as usize)?;
+    Some(numbers[(2 * k + usize::from(is_forward)) % 8].into())
+}
+
+/// The same from the list of the faces.
+#[cold]
+fn listed_number(polytope: &Polytope, k: usize, is_forward: bool) -> Option<u32> {
     let facets = polytope.facets().facets();
     let sense = if is_forward { 1.0 } else { -1.0 };
     let found = (0u32..).zip(facets).find(|(_, facet)| facet.normal[k] * sense > FACING);
@@ -238,34 +251,61 @@ const DISTINCT: [f64; 2] = [1e-6, 1e-3];
 /// The largest half edges of boxes whose faces' order is known: squared areas stay clear of under- and overflow.
 const SIZES: std::ops::Range<f64> = 1e-60..1e60;
 
-/// The order in which [`dcd_geom::Facets`] has the six faces: x is that against the first axis, X that along it. It hangs
-/// on nothing but the order of the half edges, which saves a search for the hull. `None` where rounding could play a
-/// part.
-fn faces_of([x, y, z]: [f64; 3]) -> Option<&'static [u8; 6]> {
-    use std::cmp::Ordering::{Equal, Greater, Less};
-    let most = x.max(y).max(z);
+/// The numbers of the faces against the first axis, along it, against the second, and so on. They hang on nothing but the
+/// order of the half edges, which saves a search for the hull. `None` where rounding could play a part.
+#[inline(always)]
+fn numbers_of([x, y, z]: [f64; 3]) -> Option<&'static [u8; 8]> {
+    let larger = |v: f64, w: f64| if v > w { v } else { w };
+    let smaller = |v: f64, w: f64| if v < w { v } else { w };
+    let (most, least) = (larger(larger(x, y), z), smaller(smaller(x, y), z));
     let [apart, thin] = DISTINCT;
-    let is_sure = |v: f64, w: f64| v == w || (v - w).abs() > apart * most;
-    let compare = |v: f64, w: f64| v.partial_cmp(&w).filter(|_| is_sure(v, w));
-    if !(SIZES.contains(&most) && x.min(y).min(z) > thin * most) {
+    let is_sure = |v: f64, w: f64| (v == w) | ((v - w).abs() > apart * most);
+    // False for NaN.
+    let is_known = SIZES.contains(&most) & (least > thin * most);
+    if !(is_known & is_sure(x, y) & is_sure(x, z) & is_sure(y, z)) {
         return None;
     }
-    Some(match (compare(x, y)?, compare(x, z)?, compare(y, z)?) {
-        (Less, Less, Less) => b"XxYyzZ",
-        (Less, Less, Equal) => b"xXYzyZ",
-        (Less, Less, Greater) => b"xXzZYy",
-        (Less, Equal, Greater) => b"xzXZYy",
-        (Less, Greater, Greater) => b"zZxXYy",
-        (Equal, Less, Less) => b"YXyxzZ",
-        (Equal, Equal, Equal) => b"XyzYxZ",
-        (Equal, Greater, Greater) => b"zZXyYx",
-        (Greater, Less, Less) => b"YyXxzZ",
-        (Greater, Equal, Less) => b"yYXzxZ",
-        (Greater, Greater, Less) => b"yYzZXx",
-        (Greater, Greater, Equal) => b"yzYZXx",
-        (Greater, Greater, Greater) => b"zZyYXx",
-        _ => return None,
-    })
+    let digit = |v: f64, w: f64| 1 + usize::from(v > w) - usize::from(v < w);
+    Some(&NUMBERS[9 * digit(x, y) + 3 * digit(x, z) + digit(y, z)])
+}
+
+/// By how the half edges compare: x with y, x with z, y with z; 0 for less, 1 for equal, 2 for greater, as three digits. Eight
+/// of six, so that no index is too large.
+static NUMBERS: [[u8; 8]; 27] = {
+    let mut numbers = [[0; 8]; 27];
+    let mut case = 0;
+    while case < 27 {
+        let order = order_of([case / 9, case / 3 % 3, case % 3]);
+        let mut number = 0;
+        while number < 6 {
+            let name = order[number];
+            let axis = name.to_ascii_lowercase() - b'x';
+            numbers[case][(2 * axis + name.is_ascii_uppercase() as u8) as usize] = number as u8;
+            number += 1;
+        }
+        case += 1;
+    }
+    numbers
+};
+
+/// The order in which [`dcd_geom::Facets`] has the six faces: x is that against the first axis, X that along it. Of numbers that
+/// cannot compare so, any.
+const fn order_of(compared: [usize; 3]) -> &'static [u8; 6] {
+    match compared {
+        [0, 0, 0] => b"XxYyzZ",
+        [0, 0, 1] => b"xXYzyZ",
+        [0, 0, 2] => b"xXzZYy",
+        [0, 1, 2] => b"xzXZYy",
+        [0, 2, 2] => b"zZxXYy",
+        [1, 0, 0] => b"YXyxzZ",
+        [1, 1, 1] => b"XyzYxZ",
+        [1, 2, 2] => b"zZXyYx",
+        [2, 0, 0] => b"YyXxzZ",
+        [2, 1, 0] => b"yYXzxZ",
+        [2, 2, 0] => b"yYzZXx",
+        [2, 2, 1] => b"yzYZXx",
+        _ => b"zZyYXx",
+    }
 }
 
 /// A face that clips what another box shows.
@@ -418,7 +458,7 @@ pub(super) mod tests {
         let (mut draw, mut known) = (Draw(81), [0; 2]);
         for _ in 0..20_000 {
             let half = half_edges(&mut draw);
-            let Some(order) = faces_of(half) else {
+            let Some(numbers) = numbers_of(half) else {
                 known[0] += 1;
                 continue;
             };
@@ -426,10 +466,10 @@ pub(super) mod tests {
             let cuboid = Polytope::cuboid(DVec3::from_array(half)).unwrap();
             let facets = cuboid.facets().facets();
             assert_eq!(facets.len(), 6, "{half:?}");
-            for (facet, &face) in facets.iter().zip(order) {
-                let axis = usize::from(face.to_ascii_lowercase() - b'x');
-                let sense = if face.is_ascii_uppercase() { 1.0 } else { -1.0 };
-                assert!(facet.normal[axis] * sense > 0.99, "{half:?} {facets:?} {order:?}");
+            for (k, &number) in numbers[..6].iter().enumerate() {
+                let sense = if k % 2 == 1 { 1.0 } else { -1.0 };
+                let normal = facets[usize::from(number)].normal;
+                assert!(normal[k / 2] * sense > 0.99, "{half:?} {facets:?} {numbers:?}");
             }
         }
         assert!(known.into_iter().all(|count| count > 2000), "{known:?}");

@@ -252,7 +252,7 @@ impl MeasureDepth for Manifolds {
         manifold_of(Verdict::Touching(depth), a, b, &mut scratch.corners)
     }
 
-    #[inline]
+    #[inline(always)]
     fn measure_spheres(&self, depth: &Depth, answer: &mut ManifoldSet) {
         answer.write_one(|found| {
             write_of_spheres(depth, found);
@@ -271,10 +271,10 @@ impl MeasureDepth for Manifolds {
         answer.write_one(|found| write_of_polytopes(known, a, b, &mut scratch.corners, found))
     }
 
-    #[inline]
+    #[inline(always)]
     fn measure_cuboids(
         &self,
-        patch: &CuboidPatch,
+        patch: CuboidPatch<'_>,
         sides: [PosedShape<'_>; 2],
         answer: &mut ManifoldSet,
     ) -> bool {

@@ -44,14 +44,14 @@ impl ManifoldSet {
     }
 
     /// Holds one manifold in place of what there was: empty, and then written in its place, which saves copies.
-    #[inline]
+    #[inline(always)]
     pub(super) fn write_one(&mut self, write: impl FnOnce(&mut Manifold) -> bool) -> bool {
         *self = Self::EMPTY_ONE;
         self.only_mut().is_some_and(write)
     }
 
     /// The only manifold, if there is one alone.
-    #[inline]
+    #[inline(always)]
     pub(super) fn only_mut(&mut self) -> Option<&mut Manifold> {
         match &mut self.0 {
             Held::One(manifold) => Some(manifold),

@@ -100,7 +100,8 @@ pub(crate) fn distance_of_spheres(
 pub(crate) fn spheres_are_beyond(spheres: [PlacedSphere; 2], margin: f64) -> bool {
     Spheres::of(spheres).is_some_and(|spheres| {
         let Gap { value, error } = spheres.gap();
-        (value - error).next_down() > margin
+        // More by a step of f64, which the difference may be off by.
+        value - error > margin.next_up()
     })
 }
 

@@ -8,6 +8,7 @@
 
 mod clip;
 mod corners;
+mod found;
 mod side;
 mod within;
 
@@ -19,8 +20,12 @@ use super::{CuboidPairs, Order, in_range};
 use clip::Clip;
 use corners::{Corners, Kept};
 use dcd_geom::Pair;
-use dcd_simd::{Kernel, Lanes, Path, Row, Unfused, WIDTH, dispatch_on};
+use dcd_simd::{Kernel, Lanes, Path, Unfused, WIDTH, dispatch_on};
+pub use found::CuboidPatch;
+use found::{PLACES, Rows, WHOLE};
+pub(crate) use found::{PatchPoint, Shown, ShownKind};
 use side::{Crossing, Side};
+
 /// How far a point may be from the surfaces of its cuboids, beyond the bound of the depth, which is 48 at the least and is
 /// added. Unit: u·m; of crossing edges over the sine between them. Derived: 102 with those. Smaller: false bounds.
 const POINTS: f32 = 80.0;
@@ -35,93 +40,20 @@ const APART: f32 = 64.0;
 /// How far the deepest corner's depth may be from the least overlap. Unit: u·m. The bound counts it. Decides who answers.
 const SAME: f32 = 32.0;
 
-/// What the lanes found of a pair of cuboids that touch.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct CuboidPatch {
-    /// See [`Manifold::error_bound`](crate::query::Manifold::error_bound).
-    pub(crate) error_bound: f32,
-    /// Whether the first cuboid is b.
-    pub(crate) is_swapped: bool,
-    /// The numbers of the first's edge and of the second's that make the normal; −1: none.
-    pub(crate) edges: [i8; 2],
-    /// Whether the normal, from the first to the second, is against that edge or product.
-    pub(crate) is_back: bool,
-    /// Whose face clips: 0 or 1.
-    pub(crate) clips: u8,
-    /// What the first shows, and the second.
-    pub(crate) shown: [Shown; 2],
-    /// One to four; 0 where nothing is known.
-    pub(crate) count: u8,
-    /// The deepest first.
-    pub(crate) points: [PatchPoint; 4],
-}
-
-/// What a cuboid shows along the normal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Shown {
-    pub(crate) kind: ShownKind,
-    /// The axis that the face is normal to, or that the edge is along.
-    pub(crate) axis: u8,
-    /// The number of the farthest corner: a bit for each axis.
-    pub(crate) corner: u8,
-}
-
-/// A face, an edge or a corner.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum ShownKind {
-    #[default]
-    Face,
-    Edge,
-    Vertex,
-}
-
-/// A point of the first cuboid where its face clips, else of the second, and how deep the two overlap there.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct PatchPoint {
-    /// From the first's centre, world axes, metres.
-    pub(crate) offset: [f32; 3],
-    pub(crate) depth: f32,
-    /// The two that meet there: edges of what is clipped, from the corner of their number to the next, below 4; sides of the face
-    /// below 8, at the high end of its first axis, the low end, of the second alike; 8: the surface.
-    pub(crate) bounds: [u8; 2],
-}
-
-impl CuboidPatch {
-    /// Whether anything was found.
-    #[inline(always)]
-    pub(crate) fn is_known(&self) -> bool {
-        self.count > 0
-    }
-}
-
-impl Shown {
-    fn decode(code: f32) -> Self {
-        let code = code as u8;
-        let kind = match code % 4 {
-            0 => ShownKind::Face,
-            1 => ShownKind::Edge,
-            _ => ShownKind::Vertex,
-        };
-        Self { kind, axis: code / 4 % 4, corner: code / 16 }
-    }
-}
-
 /// What a thread reuses from slice to slice.
 #[derive(Clone, Debug, Default)]
 pub(in super::super) struct Scratch {
     packet: CuboidPairs,
-    rows: Rows,
-    /// For each pair what was found.
-    pub(in super::super) found: Vec<CuboidPatch>,
+    /// Of each sixteen pairs what was found.
+    rows: Vec<Rows>,
 }
 
-/// What is found of sixteen pairs.
-#[derive(Clone, Debug, Default)]
-struct Rows {
-    /// The bound, the two edges, whose face clips, what each shows, and how many points.
-    header: [Row; 7],
-    /// Of each point three coordinates, the depth and the bounds.
-    points: [[Row; 5]; 4],
+impl Scratch {
+    /// What was found of the pair of that number, which must be below how many there were.
+    #[inline(always)]
+    pub(in super::super) fn of(&self, number: usize) -> CuboidPatch<'_> {
+        CuboidPatch { rows: &self.rows[number / WIDTH], lane: number % WIDTH }
+    }
 }
 
 /// Looks at pairs of cuboids, all of which are known to touch. The same bits on every path.
@@ -131,7 +63,7 @@ pub(in super::super) fn find(
     pairs: &[Pair],
     scratch: &mut Scratch,
 ) {
-    scratch.found.clear();
+    scratch.rows.resize_with(pairs.len().div_ceil(WIDTH), Rows::default);
     dispatch_on(path, Unfused(Search { frames, pairs, scratch }));
 }
 
@@ -146,43 +78,10 @@ impl Kernel for Search<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Scratch { packet, rows, found } = self.scratch;
-        for pairs in self.pairs.chunks(WIDTH) {
+        let Scratch { packet, rows } = self.scratch;
+        for (pairs, rows) in self.pairs.chunks(WIDTH).zip(rows) {
             packet.read(self.frames, pairs, Order::ByCentres);
-            let (known, backward) = search(l, packet, rows);
-            for lane in 0..pairs.len() {
-                found.push(match known >> lane & 1 == 1 {
-                    true => rows.patch(lane, packet.swapped, backward),
-                    false => CuboidPatch::default(),
-                });
-            }
-        }
-    }
-}
-
-impl Rows {
-    #[inline(always)]
-    fn patch(&self, lane: usize, swapped: u32, backward: u32) -> CuboidPatch {
-        let [error_bound, of_first, of_second, clips, first, second, count] = &self.header;
-        let at = |row: &Row| row.0[lane];
-        let mut points = [PatchPoint::default(); 4];
-        for (point, [x, y, z, depth, bounds]) in points.iter_mut().zip(&self.points) {
-            let bounds = at(bounds) as u8;
-            *point = PatchPoint {
-                offset: [at(x), at(y), at(z)],
-                depth: at(depth),
-                bounds: [bounds / 16, bounds % 16],
-            };
-        }
-        CuboidPatch {
-            error_bound: at(error_bound),
-            is_swapped: swapped >> lane & 1 == 1,
-            edges: [at(of_first) as i8, at(of_second) as i8],
-            is_back: backward >> lane & 1 == 1,
-            clips: at(clips) as u8,
-            shown: [Shown::decode(at(first)), Shown::decode(at(second))],
-            count: at(count) as u8,
-            points,
+            search(l, packet, rows);
         }
     }
 }
@@ -204,10 +103,9 @@ struct Found<L: Lanes> {
     unit: L::F,
 }
 
-/// Writes what is found of sixteen pairs. Returns the lanes of which something is, and those whose normal is against its
-/// edge.
+/// Writes what is found of sixteen pairs.
 #[inline(always)]
-fn search<L: Lanes>(l: L, packet: &CuboidPairs, rows: &mut Rows) -> (u32, u32) {
+fn search<L: Lanes>(l: L, packet: &CuboidPairs, rows: &mut Rows) {
     let (first, second, between, size) = packet.load(l);
     let overlap = Overlap::of(l, [&first, &second], between, size);
     let (normal, backward) = overlap.normal(l, [&first, &second], between);
@@ -219,7 +117,10 @@ fn search<L: Lanes>(l: L, packet: &CuboidPairs, rows: &mut Rows) -> (u32, u32) {
     let are_apart = l.lt(l.splat(0.0), between.norm1(l));
     let are_solid = l.and(first.is_solid(l), second.is_solid(l));
     let is_known = l.and(l.and(are_apart, are_solid), found.is_known(l, size));
-    (l.bits(is_known) & in_range(l, size), l.bits(backward))
+    let cases = l.mul_add(second.case(l), l.splat(32.0), first.case(l));
+    l.store(l.add(cases, l.splat(WHOLE)), &mut rows.cases);
+    rows.known = l.bits(is_known) & in_range(l, size);
+    (rows.swapped, rows.backward) = (packet.swapped, l.bits(backward));
 }
 
 impl<L: Lanes> Found<L> {
@@ -254,7 +155,7 @@ impl<L: Lanes> Found<L> {
             l.store(offset.2, z);
             // What touches is at least 0 deep.
             l.store(l.max(depth, l.splat(0.0)), of_depth);
-            l.store(corner.bounds, bounds);
+            l.store(l.add(corner.bounds, l.splat(WHOLE)), bounds);
         }
     }
 
@@ -264,14 +165,20 @@ impl<L: Lanes> Found<L> {
         let (zero, one) = (l.splat(0.0), l.splat(1.0));
         let points = l.mul(self.unit, l.splat(POINTS));
         let points = l.select(*has_face, points, l.div(points, self.crossing.sine));
-        let [error, edge_a, edge_b, clips, shown_a, shown_b, count] = &mut rows.header;
-        l.store(l.add(overlap.bound, l.add(points, self.off)), error);
-        l.store(overlap.edges[0], edge_a);
-        l.store(overlap.edges[1], edge_b);
-        l.store(l.select(self.second_clips, one, zero), clips);
-        l.store(sides[0].code(l), shown_a);
-        l.store(sides[1].code(l), shown_b);
-        l.store(l.select(*has_face, self.kept.count, one), count);
+        l.store(l.add(overlap.bound, l.add(points, self.off)), &mut rows.bound);
+        let parts = [
+            l.select(*has_face, self.kept.count, one),
+            l.add(overlap.edges[0], one),
+            l.add(overlap.edges[1], one),
+            l.select(self.second_clips, one, zero),
+            sides[0].code(l),
+            sides[1].code(l),
+        ];
+        let mut codes = l.splat(WHOLE);
+        for k in 0..PLACES.len() {
+            codes = l.mul_add(parts[k], l.splat(PLACES[k]), codes);
+        }
+        l.store(codes, &mut rows.codes);
     }
 
     /// Whether the depth is, and either a corner is as deep or two edges surely cross.

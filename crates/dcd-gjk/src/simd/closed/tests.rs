@@ -7,7 +7,7 @@ use super::nearest::{self, Found};
 use super::patches;
 use crate::closed::{Axes, cuboid_depth, cuboid_depth_along};
 use crate::distance::distance;
-use crate::query::{Manifold, ManifoldSet, Manifolds, MeasureAt, MeasureDepth};
+use crate::query::{Feature, Manifold, ManifoldSet, Manifolds, MeasureAt, MeasureDepth};
 use crate::{Accuracy, Depths, DistanceResult, PosedShape, PosedSupport, Sides, Verdict};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Aabb, Kind, Pair, Pose, Scene, Shape};
@@ -160,6 +160,9 @@ fn off_surface(point: DVec3, cuboid: PosedShape<'_>, half: DVec3) -> f64 {
     if outside > 0.0 { outside } else { -beyond.max_element() }
 }
 
+/// Whether the normal is out of the first or into the second.
+const SENSES: [f64; 2] = [1.0, -1.0];
+
 /// The area that the points span, seen along the normal.
 fn area(found: &Manifold) -> f64 {
     let points: Vec<DVec3> = found.points().iter().map(|point| point.point_a).collect();
@@ -194,7 +197,8 @@ fn the_patches_that_the_lanes_find_lie_on_both_cuboids_and_are_as_deep_as_they()
         let found = |pairs: &[Pair]| {
             let mut scratch = patches::Scratch::default();
             patches::find(Path::best(), frames, pairs, &mut scratch);
-            let answers = pairs.iter().zip(&scratch.found).map(|(&pair, patch)| {
+            let answers = pairs.iter().enumerate().map(|(number, &pair)| {
+                let patch = scratch.of(number);
                 let mut answer = ManifoldSet::default();
                 let sides = posed(pair);
                 let is_written = patch.is_known()
@@ -239,6 +243,12 @@ fn the_patches_that_the_lanes_find_lie_on_both_cuboids_and_are_as_deep_as_they()
                 {
                     let off = off_surface(place, [a, b][side], half);
                     assert!(off <= bound, "{pair:?} {side} {off:e} {lanes:?}");
+                    if let Feature::Face(number) = point.features[side] {
+                        let (shape, towards) = ([a, b][side].shape, lanes.normal * SENSES[side]);
+                        let facets = shape.as_polytope().unwrap().facets().facets();
+                        let facing = [a, b][side].pose.rotation() * facets[number as usize].normal;
+                        assert!(facing.dot(towards) > 0.96, "{pair:?} {side} {lanes:?}");
+                    }
                 }
                 assert_eq!((point.point_a, point.point_b), (other.point_b, other.point_a));
                 assert_eq!(point.features, [other.features[1], other.features[0]]);

@@ -5,12 +5,12 @@
 //! surface in f32"). What is not known as well as the accuracy requires is measured by the solver itself.
 
 mod confirm;
+mod formulas;
 mod search;
 mod start;
 mod surface;
 
-use super::closed::patches::{self, CuboidPatch};
-use super::closed::{are_cuboids, depths as of_cuboids};
+use super::closed::{depths as of_cuboids, patches};
 use super::frame::{FramePair, SimdFrame};
 use super::scene_pairs::ScenePairs;
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
@@ -24,6 +24,7 @@ use crate::{
 use confirm::{Ended, SearchedPair, Side};
 use dcd_geom::{Aabb, Pair, Scene};
 use dcd_simd::{Kernel, Lanes, Path, dispatch_on};
+use formulas::{Sort, WritePatches};
 use search::{Next, Search};
 use start::Starts;
 use std::slice::Iter;
@@ -73,14 +74,58 @@ impl<S: MeasureDepth> SimdDepths<S> {
 #[derive(Debug, Default)]
 pub struct Scratch<S> {
     yes: Yes,
-    surfaces: Box<[Surface; SEATS]>,
-    starts: Starts,
-    of_cuboids: of_cuboids::Scratch,
-    patches: patches::Scratch,
+    of_touching: OfTouching,
     touching: Vec<Pair>,
     /// The numbers of the touching pairs that the solver measures by itself.
     left: Vec<u32>,
     solver: S,
+}
+
+/// The same for the pairs that touch.
+#[derive(Debug, Default)]
+struct OfTouching {
+    surfaces: Box<[Surface; SEATS]>,
+    starts: Starts,
+    of_cuboids: of_cuboids::Scratch,
+    patches: patches::Scratch,
+    /// The numbers of the pairs of cuboids that are not yet answered, in the order of those that `of_cuboids` looks at.
+    cuboids: Vec<u32>,
+    /// The numbers of the pairs that are searched.
+    searched: Vec<u32>,
+}
+
+impl<S: MeasureDepth> SimdDepths<S> {
+    /// Answers pairs that touch, but for those that are left to the solver.
+    fn answer(
+        &self,
+        objects: ScenePairs<'_>,
+        scratch: &mut OfTouching,
+        mut answers: Answers<'_, S>,
+    ) {
+        let OfTouching { surfaces, starts, of_cuboids, patches, cuboids, searched } = scratch;
+        let (accuracy, frames, answers) = (self.accuracy, objects.frames, &mut answers);
+        dispatch_on(self.path, Sort { objects, accuracy, of_cuboids, cuboids, searched, answers });
+        if S::READS_PATCHES && accuracy == Accuracy::F32 {
+            patches::find(self.path, frames, &of_cuboids.pairs, patches);
+            let patches = &*patches;
+            let write = WritePatches { objects, patches, of_cuboids, cuboids, answers };
+            dispatch_on(self.path, write);
+        }
+        // The axes count of those alone whose patch is not known.
+        of_cuboids::find(self.path, frames, of_cuboids);
+        for (&number, &axes) in cuboids.iter().zip(&of_cuboids.axes) {
+            let number = number as usize;
+            let sides = objects.posed(objects.pairs[number]);
+            let found = depth_of_cuboids(axes, sides, accuracy);
+            let found = found.map(|depth| Found { depth, farthest: None });
+            answers.write(number, found.as_ref(), sides);
+        }
+        if !searched.is_empty() {
+            starts.begin();
+            let numbers = searched.iter();
+            dispatch_on(self.path, Each { objects, accuracy, numbers, starts, surfaces, answers });
+        }
+    }
 }
 
 impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
@@ -117,44 +162,22 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         scratch: &mut Self::Scratch,
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
-        let Scratch { yes, surfaces, starts, of_cuboids, patches, touching, left, solver } =
-            scratch;
+        let Scratch { yes, of_touching, touching, left, solver } = scratch;
         yes.touching_parts.begin(true);
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touch = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
         touching.clear();
         touching.extend(touch.map(|(&pair, _)| pair));
-        let frames = FramePair { a: a.frame, b: b.frame };
-        of_cuboids.pairs.clear();
-        of_cuboids.pairs.extend(touching.iter().filter(|&&pair| are_cuboids(frames, pair)));
-        patches.found.clear();
-        if S::READS_PATCHES && self.accuracy == Accuracy::F32 {
-            patches::find(self.path, frames, &of_cuboids.pairs, patches);
-            // The axes count of those alone whose patch is not known.
-            let mut found = patches.found.iter();
-            of_cuboids.pairs.retain(|_| found.next().is_some_and(|patch| !patch.is_known()));
-        }
-        of_cuboids::find(self.path, frames, of_cuboids);
         // Each answer is written where it is kept.
         let first = sink.contacts.len();
         let empty = |&pair| Contact { pair, answer: S::Answer::default() };
         sink.contacts.extend(touching.iter().map(empty));
         left.clear();
+        let frames = FramePair { a: a.frame, b: b.frame };
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: touching };
         let answers = &mut sink.contacts[first..];
         let answers = Answers { solver: &self.solver, scratch: solver, answers, left };
-        starts.begin();
-        let each = Each {
-            objects,
-            accuracy: self.accuracy,
-            next: 0,
-            axes: of_cuboids.axes.iter(),
-            patches: patches.found.iter(),
-            starts,
-            surfaces,
-            answers,
-        };
-        dispatch_on(self.path, each);
+        self.answer(objects, of_touching, answers);
         left.sort_unstable();
         let mut lists = yes.touching_parts.lists().peekable();
         left.retain(|&number| {
@@ -242,40 +265,17 @@ impl<S: MeasureDepth> Answers<'_, S> {
             left.push(number as u32);
         }
     }
-
-    /// Writes the answer of two cuboids whose patch the lanes found; false where it is not the solver's.
-    #[inline(always)]
-    fn write_cuboids(
-        &mut self,
-        number: usize,
-        patch: &CuboidPatch,
-        sides: [PosedShape<'_>; 2],
-    ) -> bool {
-        self.solver.measure_cuboids(patch, sides, &mut self.answers[number].answer)
-    }
-
-    #[inline(always)]
-    fn write_spheres(&mut self, number: usize, found: Option<Depth>) {
-        match found {
-            Some(depth) => self.solver.measure_spheres(&depth, &mut self.answers[number].answer),
-            None => self.left.push(number as u32),
-        }
-    }
 }
 
 /// Searches the pairs.
-struct Each<'a, S: MeasureDepth> {
+struct Each<'a, 'b, S: MeasureDepth> {
     objects: ScenePairs<'a>,
     accuracy: Accuracy,
-    /// The number of the pair that is searched next.
-    next: usize,
-    /// For each pair of cuboids where they touch, if the lanes looked for that.
-    patches: Iter<'a, CuboidPatch>,
-    /// For each of the others the axes that count.
-    axes: Iter<'a, Axes>,
+    /// The numbers of the pairs that are searched next.
+    numbers: Iter<'a, u32>,
     surfaces: &'a mut [Surface; SEATS],
     starts: &'a mut Starts,
-    answers: Answers<'a, S>,
+    answers: &'a mut Answers<'b, S>,
 }
 
 /// A pair that is being searched.
@@ -288,7 +288,7 @@ struct Seat<'a> {
     point: Point,
 }
 
-impl<S: MeasureDepth> Kernel for Each<'_, S> {
+impl<S: MeasureDepth> Kernel for Each<'_, '_, S> {
     type Output = ();
 
     #[inline(always)]
@@ -326,33 +326,15 @@ impl<S: MeasureDepth> Kernel for Each<'_, S> {
     }
 }
 
-impl<'a, S: MeasureDepth> Each<'a, S> {
+impl<'a, S: MeasureDepth> Each<'a, '_, S> {
     /// The next pair that is to be searched, in the place of that number; those before it are answered.
     #[inline(always)]
     fn next<L: Lanes>(&mut self, l: L, place: usize) -> Option<Seat<'a>> {
         let ScenePairs { frames, scenes, pairs } = self.objects;
         loop {
-            let number = self.next;
-            let &pair = pairs.get(number)?;
-            self.next += 1;
-            if let Some(spheres) = frames.spheres(pair) {
-                let sharp = closed::sharp_of(self.accuracy);
-                self.answers.write_spheres(number, closed::depth_of_spheres(spheres, sharp));
-                continue;
-            }
+            let number = *self.numbers.next()? as usize;
+            let pair = pairs[number];
             let [a, b] = self.objects.posed(pair);
-            if are_cuboids(frames, pair) {
-                let patch = self.patches.next().filter(|patch| patch.is_known());
-                if patch.is_some_and(|patch| self.answers.write_cuboids(number, patch, [a, b])) {
-                    continue;
-                }
-                let axes = if patch.is_some() { None } else { self.axes.next() };
-                let axes = axes.copied().unwrap_or(Axes::ALL);
-                let found = depth_of_cuboids(axes, [a, b], self.accuracy);
-                let found = found.map(|depth| Found { depth, farthest: None });
-                self.answers.write(number, found.as_ref(), [a, b]);
-                continue;
-            }
             self.objects.look_ahead(number, S::READS_FACETS);
             let side = |k: usize, frame: &'a SimdFrame, object: u32, placed| {
                 let core = &frame.cores().cores()[scenes[k].shape_index(object as usize) as usize];

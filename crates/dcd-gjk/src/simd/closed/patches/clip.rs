@@ -168,24 +168,28 @@ impl<L: Lanes> Clip<L> {
             self.is_face,
             self.is_face,
         ];
-        for (k, point) in points.into_iter().enumerate() {
-            let mut is_within = is_corner[k];
-            for bound in inside[k] {
-                is_within = l.and(is_within, l.le(limit, bound));
-            }
-            self.add(l, corners, point, l.splat((17 * k) as f32), is_within);
-        }
         for from in 0..4 {
             let to = (from + 1) % 4;
-            let is_edge = if from == 0 { is_corner[1] } else { self.is_face };
-            let ends = [(points[from], inside[from]), (points[to], inside[to])];
-            let run = Run::of(l, [&ends[0].1, &ends[1].1], limit);
-            for end in 0..2 {
-                let point = between(l, points[from], points[to], run.range[end]);
-                let bounds = l.add(run.by[end], l.splat((16 * from + 4) as f32));
-                let is_used = l.and(is_edge, run.is_used[end]);
-                self.add(l, corners, point, bounds, is_used);
+            let mut is_within = is_corner[from];
+            for bound in inside[from] {
+                is_within = l.and(is_within, l.le(limit, bound));
             }
+            let is_edge = if from == 0 { is_corner[1] } else { self.is_face };
+            let run = Run::of(l, [&inside[from], &inside[to]], limit);
+            let of_edge = l.splat((16 * from + 4) as f32);
+            // Where the edge comes in, unless it begins there: both are one place in the list.
+            let entry = between(l, points[from], points[to], run.range[0]);
+            let mut point = points[from];
+            for k in 0..3 {
+                point[k] = l.select(is_within, point[k], entry[k]);
+            }
+            let own = l.splat((17 * from) as f32);
+            let bounds = l.select(is_within, own, l.add(run.by[0], of_edge));
+            let is_used = l.or(is_within, l.and(is_edge, run.is_used[0]));
+            self.add(l, corners, point, bounds, is_used);
+            let exit = between(l, points[from], points[to], run.range[1]);
+            let is_used = l.and(is_edge, run.is_used[1]);
+            self.add(l, corners, exit, l.add(run.by[1], of_edge), is_used);
         }
         self.fill_rectangle(l, slack, corners);
     }

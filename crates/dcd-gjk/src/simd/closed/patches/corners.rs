@@ -2,9 +2,9 @@
 
 use dcd_simd::Lanes;
 
-/// How many places there are for corners: four of the parallelogram, two on each of its edges, four of the rectangle, and
-/// one on each of its sides.
-pub(super) const SLOTS: usize = 20;
+/// How many places there are for corners: four of the parallelogram or where its edges come in, four where they go out, four
+/// of the rectangle, and one on each of its sides.
+pub(super) const SLOTS: usize = 16;
 
 /// A corner: its place along the sides and as it is seen along the normal, its depth, and the bounds that meet there.
 #[derive(Clone, Copy)]
@@ -81,34 +81,47 @@ impl<L: Lanes> Corners<L> {
             best.offer(l, corner, corner.if_used(l, off_line));
         }
         let (third, off_line) = (best.corner, best.value);
-        let side = cross(l, base, minus(l, third.flat, first.flat));
-        let to_third = minus(l, third.flat, second.flat);
-        let back = minus(l, first.flat, third.flat);
-        let mut best = Best::of(l, &self.corners[0]);
-        for corner in corners {
-            let beyond_base = outside(l, base, minus(l, corner.flat, first.flat), side);
-            let beyond_next = outside(l, to_third, minus(l, corner.flat, second.flat), side);
-            let beyond_last = outside(l, back, minus(l, corner.flat, third.flat), side);
-            let beyond = l.max(beyond_base, l.max(beyond_next, beyond_last));
-            best.offer(l, corner, corner.if_used(l, beyond));
-        }
-        let (fourth, beyond) = (best.corner, best.value);
-        let last = self.farthest_from(l, second.flat).corner;
         let near_squared = l.mul(near, near);
         let level = l.mul(near, l.sqrt(squared(l, base)));
         let has_second = l.lt(near_squared, farthest.value);
         let is_wide = l.and(has_second, l.lt(level, off_line));
-        let has_fourth = l.and(is_wide, l.lt(level, beyond));
+        let (mut fourth, mut has_fourth) = (third, is_wide);
+        if l.bits(is_wide) != 0 {
+            let best = self.farthest_outside(l, [first.flat, second.flat, third.flat]);
+            (fourth, has_fourth) = (best.corner, l.and(is_wide, l.lt(level, best.value)));
+        }
         // In line: the other end, unless the deepest is it.
-        let has_last = l.lt(near_squared, squared(l, minus(l, last.flat, first.flat)));
-        let third = Corner::select(l, is_wide, third, last);
-        let has_third = l.or(is_wide, l.and(has_second, has_last));
+        let is_line = l.and_not(has_second, is_wide);
+        let (mut third, mut has_third) = (third, is_wide);
+        if l.bits(is_line) != 0 {
+            let last = self.farthest_from(l, second.flat).corner;
+            let has_last = l.lt(near_squared, squared(l, minus(l, last.flat, first.flat)));
+            third = Corner::select(l, is_wide, third, last);
+            has_third = l.or(is_wide, l.and(has_second, has_last));
+        }
         let (zero, one) = (l.splat(0.0), l.splat(1.0));
         let mut count = one;
         for has in [has_second, has_third, has_fourth] {
             count = l.add(count, l.select(has, one, zero));
         }
         Kept { corners: [first, second, third, fourth], count }
+    }
+
+    /// The used corner that is farthest outside of a triangle, and by how much, times the edge's length.
+    #[inline(always)]
+    fn farthest_outside(&self, l: L, [first, second, third]: [Flat<L>; 3]) -> Best<L> {
+        let base = minus(l, second, first);
+        let side = cross(l, base, minus(l, third, first));
+        let (to_third, back) = (minus(l, third, second), minus(l, first, third));
+        let mut best = Best::of(l, &self.corners[0]);
+        for corner in &self.corners[..self.count] {
+            let beyond_base = outside(l, base, minus(l, corner.flat, first), side);
+            let beyond_next = outside(l, to_third, minus(l, corner.flat, second), side);
+            let beyond_last = outside(l, back, minus(l, corner.flat, third), side);
+            let beyond = l.max(beyond_base, l.max(beyond_next, beyond_last));
+            best.offer(l, corner, corner.if_used(l, beyond));
+        }
+        best
     }
 
     /// The used corner that is farthest from a place, and by how much, squared.
