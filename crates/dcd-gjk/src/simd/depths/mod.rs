@@ -123,7 +123,9 @@ impl<S: MeasureDepth> SimdDepths<S> {
         if !searched.is_empty() {
             starts.begin();
             let numbers = searched.iter();
-            dispatch_on(self.path, Each { objects, accuracy, numbers, starts, surfaces, answers });
+            let reads_facets = S::READS_FACETS;
+            SearchPairs { objects, accuracy, numbers, starts, surfaces, reads_facets, answers }
+                .search_on(self.path);
         }
     }
 }
@@ -243,8 +245,14 @@ struct Answers<'a, S: MeasureDepth> {
     left: &'a mut Vec<u32>,
 }
 
-impl<S: MeasureDepth> Answers<'_, S> {
-    /// Writes the answer of two polytopes of that depth; without a depth it is left to the solver.
+/// Where the answer of two polytopes is written. What searches them knows no more of a question, so that it is compiled
+/// here, once, and not by every crate that names a solver.
+trait WriteDepth {
+    /// Writes the answer of the pair of that number, of that depth; without a depth it is left to the solver.
+    fn write(&mut self, number: usize, found: Option<&Found>, sides: [PosedShape<'_>; 2]);
+}
+
+impl<S: MeasureDepth> WriteDepth for Answers<'_, S> {
     fn write(&mut self, number: usize, found: Option<&Found>, sides: [PosedShape<'_>; 2]) {
         let Self { solver, scratch, answers, left } = self;
         let answer = &mut answers[number].answer;
@@ -268,14 +276,16 @@ impl<S: MeasureDepth> Answers<'_, S> {
 }
 
 /// Searches the pairs.
-struct Each<'a, 'b, S: MeasureDepth> {
+struct SearchPairs<'a> {
     objects: ScenePairs<'a>,
     accuracy: Accuracy,
     /// The numbers of the pairs that are searched next.
     numbers: Iter<'a, u32>,
     surfaces: &'a mut [Surface; SEATS],
     starts: &'a mut Starts,
-    answers: &'a mut Answers<'b, S>,
+    /// Whether the facets of a pair are read where its answer is written.
+    reads_facets: bool,
+    answers: &'a mut dyn WriteDepth,
 }
 
 /// A pair that is being searched.
@@ -288,7 +298,7 @@ struct Seat<'a> {
     point: Point,
 }
 
-impl<S: MeasureDepth> Kernel for Each<'_, '_, S> {
+impl Kernel for SearchPairs<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -326,7 +336,11 @@ impl<S: MeasureDepth> Kernel for Each<'_, '_, S> {
     }
 }
 
-impl<'a, S: MeasureDepth> Each<'a, '_, S> {
+impl<'a> SearchPairs<'a> {
+    fn search_on(self, path: Path) {
+        dispatch_on(path, self);
+    }
+
     /// The next pair that is to be searched, in the place of that number; those before it are answered.
     #[inline(always)]
     fn next<L: Lanes>(&mut self, l: L, place: usize) -> Option<Seat<'a>> {
@@ -335,7 +349,7 @@ impl<'a, S: MeasureDepth> Each<'a, '_, S> {
             let number = *self.numbers.next()? as usize;
             let pair = pairs[number];
             let [a, b] = self.objects.posed(pair);
-            self.objects.look_ahead(number, S::READS_FACETS);
+            self.objects.look_ahead(number, self.reads_facets);
             let side = |k: usize, frame: &'a SimdFrame, object: u32, placed| {
                 let core = &frame.cores().cores()[scenes[k].shape_index(object as usize) as usize];
                 Side { core, blocks: frame.blocks_of(frame.record(object)), placed }
@@ -350,7 +364,7 @@ impl<'a, S: MeasureDepth> Each<'a, '_, S> {
                 search.start(l, &searched.cloud, extremes, &mut self.surfaces[place]);
                 return Some(Seat { number, pair: searched, search, point: Point::default() });
             }
-            self.answers.left.push(number as u32);
+            self.answers.write(number, None, [a, b]);
         }
     }
 }
