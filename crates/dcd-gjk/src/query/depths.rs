@@ -136,7 +136,13 @@ impl MeasureDepth for Depths {
         [a, b]: [PosedShape<'_>; 2],
         scratch: &mut epa::Scratch,
     ) -> Verdict<Depth> {
-        // As without the parts, bit for bit.
+        // As without the parts, but for the last bits of a bound.
+        if accuracy == Accuracy::F32
+            && let Some(found) = mesh::depth_in_sphere([a, b], parts)
+        {
+            return Verdict::Touching(found);
+        }
+        // As without them, bit for bit.
         if let Some(found) = by_frame(accuracy, a, b) {
             return Verdict::Touching(found);
         }

@@ -1,14 +1,15 @@
 //! The manifolds of a mesh and one convex polytope where f32's accuracy suffices: as those of any parts, in one pass over
 //! the triangles that touch, none of which becomes a shape.
 
-use super::corners::Corners;
+use super::corners::{Corners, size_with_triangle};
+use super::facing::Part;
 use super::feature::{Placed, View};
 use super::parts::{ALIKE, NEAR};
-use super::{Feature, Manifold, ManifoldSet};
+use super::{Feature, Manifold, ManifoldSet, SAME, bound_of, missed, write_one_point};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, AS_DEEP, PartIndex, TouchingTriangle};
 use crate::query::{Accuracy, depths};
-use crate::{PosedShape, Verdict};
+use crate::{PosedShape, PosedSupport, Verdict, expanding};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Polytope, Shape, SupportMap};
 
@@ -23,21 +24,27 @@ pub(super) struct Scratch {
     open: Vec<bool>,
 }
 
-/// The manifolds of a mesh and a polytope that touch, in that order; `None` where the general way is needed: for other
-/// shapes, and where a triangle cannot be measured.
-pub(super) fn measure(
+/// Writes the manifolds of a mesh and a polytope that touch, in that order, over a set of one empty manifold; `None`, and
+/// anything written, where the general way is needed: for other shapes, and where a triangle cannot be measured.
+pub(super) fn write(
     sides: [PosedShape<'_>; 2],
     touching: Option<&[[u32; 2]]>,
-    (scratch, parts, corners): (&mut Scratch, &mut mesh::Scratch, &mut Corners),
-    memory: &mut epa::Scratch,
-) -> Option<ManifoldSet> {
+    (scratch, parts, corners, memory): (
+        &mut Scratch,
+        &mut mesh::Scratch,
+        &mut Corners,
+        &mut epa::Scratch,
+    ),
+    set: &mut ManifoldSet,
+) -> Option<()> {
     let (Shape::Mesh(_), Shape::Polytope(body)) = (sides[0].shape, sides[1].shape) else {
         return None;
     };
     let Scratch { pairs, triangles, open } = scratch;
     triangles.clear();
     // Of spheres the depths tell which triangles touch.
-    if body.kind() != Kind::Point || mesh::triangles_in_sphere(sides, triangles).is_none() {
+    let of_sphere = body.kind() == Kind::Point;
+    if !of_sphere || mesh::triangles_in_sphere(sides, touching, triangles).is_none() {
         triangles.clear();
         let touching = touching.unwrap_or_else(|| {
             pairs.clear();
@@ -51,12 +58,18 @@ pub(super) fn measure(
     open.clear();
     open.resize(triangles.len(), true);
     let mut patches = Patches { sides, body, triangles, open, corners, memory };
-    let mut found = ManifoldSet::default();
+    if patches.open.is_empty() {
+        return None;
+    }
+    let (lead, depth, below) = patches.deepest()?;
+    patches.write(lead, &depth, below, set.only_mut()?)?;
     while patches.open.contains(&true) {
         let (lead, depth, below) = patches.deepest()?;
-        found.push(patches.patch(lead, &depth, below)?);
+        let mut manifold = Manifold::default();
+        patches.write(lead, &depth, below, &mut manifold)?;
+        set.push(manifold);
     }
-    (!found.is_empty()).then_some(found)
+    Some(())
 }
 
 /// The triangles that touch, and those that belong to no manifold yet.
@@ -129,6 +142,19 @@ impl Patches<'_> {
         let corners = of_mesh.corners(self.triangles[k].triangle as usize)?;
         let triangle =
             Polytope::mesh_triangle(corners).ok()?.rounded(of_mesh.swept_radius()).ok()?;
+        // No formula is left to try of a hull.
+        if self.body.kind() == Kind::Hull {
+            let sides = [
+                PosedSupport::polytope(&triangle, mesh.pose),
+                PosedSupport::polytope(self.body, body.pose),
+            ];
+            let found =
+                expanding::depth_of_polytopes(sides, Accuracy::F32, &mut self.memory.surface);
+            if let Some(depth) = found {
+                self.triangles[k].depth = Some(depth);
+                return Some(());
+            }
+        }
         let shape = Shape::from(triangle);
         let placed = PosedShape { shape: &shape, pose: mesh.pose };
         match depths::of_touching(Accuracy::F32, placed, body, self.memory) {
@@ -144,44 +170,75 @@ impl Patches<'_> {
         self.triangles.iter().enumerate().filter(|&(k, _)| self.open[k])
     }
 
-    /// The manifold of the deepest open triangle, with all open ones that belong to it: none of these is open then.
-    fn patch(&mut self, lead: usize, depth: &Depth, below: f64) -> Option<Manifold> {
-        let view = View::along(depth.normal);
+    /// Writes the manifold of a triangle and a vertex, which share no corner: the witnesses of the depth. False, and nothing
+    /// written, where they are not known well enough to stand for it.
+    ///
+    /// The body's is moved by what the two miss of the depth, so that one is above the other; the bound counts that twice,
+    /// once for the way and once for what the mesh's may be off by as much.
+    fn write_witness(&self, lead: usize, depth: &Depth, manifold: &mut Manifold) -> bool {
+        let TouchingTriangle { corners, triangle, .. } = &self.triangles[lead];
+        let size = size_with_triangle(corners, self.body);
+        let missed = missed(depth);
+        // Written so that NaN is missed.
+        if !(missed <= SAME * size) {
+            return false;
+        }
+        write_one_point(depth, [Feature::Surface; 2], manifold);
+        manifold.error_bound = (bound_of(depth, size, self.sides) + 2.0 * missed).min(f64::MAX);
+        manifold.parts = [Some(PartIndex::Triangle(*triangle)), None];
+        let point = &mut manifold.points[0];
+        point.parts = manifold.parts;
+        point.point_b = point.point_a - depth.normal * depth.depth;
+        true
+    }
+
+    /// Writes the manifold of the deepest open triangle over an empty one, with all open ones that belong to it: none of
+    /// these is open then.
+    fn write(
+        &mut self,
+        lead: usize,
+        depth: &Depth,
+        below: f64,
+        manifold: &mut Manifold,
+    ) -> Option<()> {
         let [mesh, body] = self.sides;
+        let direction = body.pose.rotation().transpose() * -depth.normal;
+        let part = Part::facing(self.body, direction);
+        let is_alone =
+            !self.open().any(|(k, other)| k != lead && Member::of(other, depth, below).is_some());
+        if is_alone && matches!(part, Part::Vertex(_)) && self.write_witness(lead, depth, manifold)
+        {
+            self.open[lead] = false;
+            return Some(());
+        }
+        let view = View::along(depth.normal);
         let delta = body.pose.translation() - mesh.pose.translation();
         let placed = Placed { rotation: body.pose.rotation(), place: delta, sense: -1.0 };
         self.corners.clear();
-        let facing = Corners::facing(&view, self.body, placed);
+        let facing = Corners::facing(&view, part, self.body, placed);
         let radii = [mesh.shape.radius(), body.shape.radius()];
         let (mut features, mut rest) = ([Feature::Surface; 2], 0.0f64);
         for (k, triangle) in self.triangles.iter().enumerate() {
-            if !self.open[k] {
-                continue;
-            }
-            let own = triangle.depth.filter(|own| own.normal.dot(depth.normal) >= ALIKE);
-            let more = reach(triangle, depth.normal, below) - triangle.slack - depth.depth;
-            let is_separated = more <= NEAR * triangle.diameters;
-            if !is_separated && own.is_none() {
-                continue;
-            }
+            let member = match self.open[k] {
+                true if k == lead => Some(Member { own: Some(*depth), rest: 0.0 }),
+                true => Member::of(triangle, depth, below),
+                false => None,
+            };
+            let Some(member) = member else { continue };
             self.open[k] = false;
-            if is_separated && k != lead {
-                rest = rest.max(more);
-            }
+            rest = rest.max(member.rest);
             let before = self.corners.len();
             if k == lead || !facing.is_round() {
                 let whole =
                     self.corners.add_triangle(&view, (depth, radii), &triangle.corners, &facing)?;
                 features = if k == lead { whole } else { features };
             }
-            let own = if k == lead { Some(*depth) } else { own };
-            if let Some(own) = own.filter(|_| self.corners.len() == before) {
+            if let Some(own) = member.own.filter(|_| self.corners.len() == before) {
                 self.corners.add_witness(&view, &own, mesh.pose.translation());
             }
             self.corners.are_of(k as u32, before);
         }
-        let mut manifold = Manifold::default();
-        let of_points = self.corners.write(&view, depth, self.sides, features, &mut manifold);
+        let of_points = self.corners.write(&view, depth, self.sides, features, manifold);
         manifold.error_bound = (manifold.error_bound + rest).min(f64::MAX);
         let part = |k: usize| Some(PartIndex::Triangle(self.triangles[k].triangle));
         manifold.parts = [part(lead), None];
@@ -189,7 +246,27 @@ impl Patches<'_> {
         for (point, pair) in manifold.points[..count].iter_mut().zip(of_points) {
             point.parts = [part(pair.map_or(lead, |pair| pair as usize)), None];
         }
-        Some(manifold)
+        Some(())
+    }
+}
+
+/// How a triangle belongs to the manifold of another.
+struct Member {
+    /// Its depth, if its normal agrees.
+    own: Option<Depth>,
+    /// How much more than the manifold's depth separates it along the normal, metres.
+    rest: f64,
+}
+
+impl Member {
+    /// `None` of one that does not: neither agrees its normal, nor does the manifold's depth separate it.
+    #[inline(always)]
+    fn of(triangle: &TouchingTriangle, depth: &Depth, below: f64) -> Option<Self> {
+        let own = triangle.depth.filter(|own| own.normal.dot(depth.normal) >= ALIKE);
+        let more = reach(triangle, depth.normal, below) - triangle.slack - depth.depth;
+        let is_separated = more <= NEAR * triangle.diameters;
+        let rest = if is_separated { more.max(0.0) } else { 0.0 };
+        (is_separated || own.is_some()).then_some(Self { own, rest })
     }
 }
 
