@@ -195,11 +195,12 @@ impl Descent<'_, '_> {
     }
 
     /// Puts blocks below one of the first tree before the same block of the second: the one nearest
-    /// to the middle of a convex second shape is looked at first, for it is likeliest to touch.
+    /// to the middle of a convex second shape is looked at first, for it is likeliest to touch; where
+    /// all are wanted the order does not count.
     #[inline(always)]
     fn push<L: Lanes>(&mut self, l: L, [block_a, block_b]: [u32; 2], mut met: u32) {
         let below = self.a.below(block_a);
-        if met & met.wrapping_sub(1) == 0 {
+        if met & met.wrapping_sub(1) == 0 || matches!(self.tally.goal, Goal::All(_)) {
             self.scratch.stack.extend(Bits(met).map(|child| [below.0[child], block_b]));
             return;
         }

@@ -22,6 +22,8 @@ pub(crate) struct TouchingTriangle {
     pub(crate) diameters: f64,
     /// What their reach along a normal may be off, metres.
     pub(crate) slack: f64,
+    /// Whether it is still looked at.
+    pub(crate) is_open: bool,
 }
 
 /// Appends those triangles that touch a sphere, with their depths; which do may be known. `None`, and some of them, where
@@ -46,6 +48,7 @@ pub(crate) fn triangles_in_sphere(
             at_most: (depth.depth + depth.error_bound).next_up(),
             diameters: longest_edge([p, q, r]) + 2.0 * radii,
             slack,
+            is_open: true,
         });
     })
 }
@@ -99,6 +102,7 @@ pub(crate) fn touching_triangles(
             at_most,
             diameters: couple.diameters(),
             slack,
+            is_open: true,
         });
     }
     Some(())

@@ -11,13 +11,12 @@ use dcd_geom::{Kind, Polytope, Shape, SupportMap};
 /// The bound of a triangle's depth that is good enough, relative to the pair's size.
 pub(super) const OF_SIZE: f64 = 1e-6;
 
-/// The triangles that touch, and which of them are still looked at.
+/// The triangles that touch, of which some are still looked at.
 pub(super) struct OpenTriangles<'a> {
     /// The mesh and the body.
     pub(super) sides: [PosedShape<'a>; 2],
     pub(super) body: &'a Polytope,
     pub(super) triangles: &'a mut [TouchingTriangle],
-    pub(super) open: &'a mut [bool],
     pub(super) memory: &'a mut epa::Scratch,
 }
 
@@ -38,9 +37,8 @@ pub(super) fn depth(
     let mut triangles = Vec::with_capacity(touching.len());
     let touching = touching.iter().map(|pair| pair[mesh]);
     mesh::touching_triangles(sides, OF_SIZE, touching, &mut triangles)?;
-    let mut open = vec![true; triangles.len()];
-    let (triangles, open) = (&mut triangles[..], &mut open[..]);
-    let (_, found) = OpenTriangles { sides, body, triangles, open, memory }.deepest()?;
+    let triangles = &mut triangles[..];
+    let (_, found) = OpenTriangles { sides, body, triangles, memory }.deepest()?;
     Some(if mesh == 0 { found } else { found.mirrored() })
 }
 
@@ -139,7 +137,7 @@ impl OpenTriangles<'_> {
     }
 
     pub(super) fn open(&self) -> impl Iterator<Item = (usize, &TouchingTriangle)> {
-        self.triangles.iter().enumerate().filter(|&(k, _)| self.open[k])
+        self.triangles.iter().enumerate().filter(|(_, triangle)| triangle.is_open)
     }
 }
 

@@ -17,7 +17,6 @@ use dcd_geom::{Kind, Shape, SupportMap};
 pub(super) struct Scratch {
     pairs: Vec<[u32; 2]>,
     triangles: Vec<TouchingTriangle>,
-    open: Vec<bool>,
 }
 
 /// Writes the manifolds of a mesh and a polytope that touch, in that order, over a set of one empty manifold; `None`, and
@@ -36,7 +35,7 @@ pub(super) fn write(
     let (Shape::Mesh(_), Shape::Polytope(body)) = (sides[0].shape, sides[1].shape) else {
         return None;
     };
-    let Scratch { pairs, triangles, open } = scratch;
+    let Scratch { pairs, triangles } = scratch;
     triangles.clear();
     // Of spheres the depths tell which triangles touch.
     let of_sphere = body.kind() == Kind::Point;
@@ -51,13 +50,10 @@ pub(super) fn write(
         let touching = touching.iter().map(|&[triangle, _]| triangle);
         mesh::touching_triangles(sides, OF_SIZE, touching, triangles)?;
     }
-    open.clear();
-    open.resize(triangles.len(), true);
-    let mut patches =
-        Patches { of: OpenTriangles { sides, body, triangles, open, memory }, corners };
+    let mut patches = Patches { of: OpenTriangles { sides, body, triangles, memory }, corners };
     let (lead, depth) = patches.of.deepest()?;
     patches.write(lead, &depth, set.only_mut()?)?;
-    while patches.of.open.contains(&true) {
+    while patches.of.open().next().is_some() {
         let (lead, depth) = patches.of.deepest()?;
         let mut manifold = Manifold::default();
         patches.write(lead, &depth, &mut manifold)?;
@@ -107,7 +103,7 @@ impl Patches<'_> {
         let is_alone = !others().any(|(_, other)| Member::of(other, depth, below).is_some());
         if is_alone && matches!(part, Part::Vertex(_)) && self.write_witness(lead, depth, manifold)
         {
-            self.of.open[lead] = false;
+            self.of.triangles[lead].is_open = false;
             return Some(());
         }
         let view = View::along(depth.normal);
@@ -117,14 +113,14 @@ impl Patches<'_> {
         let facing = Corners::facing(&view, part, self.of.body, placed);
         let radii = [mesh.shape.radius(), body.shape.radius()];
         let (mut features, mut rest) = ([Feature::Surface; 2], 0.0f64);
-        for (k, triangle) in self.of.triangles.iter().enumerate() {
-            let member = match self.of.open[k] {
+        for (k, triangle) in self.of.triangles.iter_mut().enumerate() {
+            let member = match triangle.is_open {
                 true if k == lead => Some(Member { own: Some(*depth), rest: 0.0 }),
                 true => Member::of(triangle, depth, below),
                 false => None,
             };
             let Some(member) = member else { continue };
-            self.of.open[k] = false;
+            triangle.is_open = false;
             rest = rest.max(member.rest);
             let before = self.corners.len();
             if k == lead || !facing.is_round() {
