@@ -2,7 +2,7 @@
 
 use super::reach::Couple;
 use super::side::{Part, Parts, Side};
-use super::{Scratch, in_order, pair, touching};
+use super::{Scratch, is_swapped, pair, touching};
 use crate::epa::Depth;
 use crate::{PosedShape, Reason, Verdict};
 use dcd_geom::Shape;
@@ -45,19 +45,13 @@ pub(crate) struct PartPair<'s> {
     has_no_formula: Cell<bool>,
 }
 
-/// Whether (a, b) is the other way round than the pair is solved in.
-#[inline]
-pub(crate) fn is_swapped(a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
-    in_order(a, b).1
-}
-
 /// All pairs of parts that are known to touch, in one order for (a, b) and (b, a).
 pub(crate) fn touching_parts<'s>(
     a: PosedShape<'s>,
     b: PosedShape<'s>,
     scratch: &mut Scratch,
 ) -> Vec<PartPair<'s>> {
-    let (_, swapped) = in_order(a, b);
+    let swapped = is_swapped(a, b);
     let (first, second) = if swapped { (b, a) } else { (a, b) };
     let mut pairs = Vec::new();
     // What is undecided is not in the list, and counts as apart.
@@ -70,7 +64,7 @@ pub(crate) fn touching_parts<'s>(
 
 /// These pairs of a part of a and one of b, in their order.
 pub(crate) fn pairs_of<'s>([a, b]: [PosedShape<'s>; 2], pairs: &[[u32; 2]]) -> Vec<PartPair<'s>> {
-    let (_, swapped) = in_order(a, b);
+    let swapped = is_swapped(a, b);
     let sides = [Side::of(a), Side::of(b)];
     let of = |parts: &[u32; 2]| {
         let [side_a, side_b] = &sides;
@@ -337,14 +331,14 @@ pub(crate) fn deepest_of(
 
 /// The greatest of several depths, the first of equals.
 #[derive(Default)]
-struct Deepest {
+pub(super) struct Deepest {
     most: Option<Depth>,
     upper: f64,
 }
 
 impl Deepest {
     /// Whether it is the greatest so far.
-    fn add(&mut self, found: Depth) -> bool {
+    pub(super) fn add(&mut self, found: Depth) -> bool {
         self.upper = self.upper.max(found.depth + found.error_bound);
         let is_most = self.most.is_none_or(|most| found.depth > most.depth);
         if is_most {
@@ -362,7 +356,7 @@ impl Deepest {
         is
     }
 
-    fn depth(&self) -> Option<Depth> {
+    pub(super) fn depth(&self) -> Option<Depth> {
         let most = self.most?;
         // Another may be deeper than the deepest by its own bound.
         let above = (self.upper - most.depth).next_up().min(f64::MAX);

@@ -11,6 +11,7 @@ use super::{Next, Scratch, Tally, pair};
 use crate::{Method, Verdict};
 use dcd_geom::{Aabb, Aabb16, Mesh, Triangles};
 use dcd_simd::{Block, Kernel, Lanes, Row};
+use std::cell::OnceCell;
 
 /// How many blocks of a mesh are compared with the box round a convex shape alone, before planes of the shape are looked
 /// for that separate. No unit. Never an answer. Larger: more leaves of dense meshes are compared with large boxes. Smaller:
@@ -30,8 +31,8 @@ pub(super) struct Descent<'a, 'g> {
     pub(super) a: &'a Side<'a>,
     pub(super) b: &'a Side<'a>,
     pub(super) relative: &'a RelativePose,
-    /// In and round the second shape, if it is convex, unless its own faces tell all.
-    pub(super) spheres: Option<InnerOuterSpheres>,
+    /// In and round the second shape, if it is convex, unless its own faces tell all; found when they are needed.
+    spheres: OnceCell<Option<InnerOuterSpheres>>,
     /// The second shape, if it is convex and has vertices, and the first is a mesh.
     pub(super) body: Option<Body>,
     pub(super) scratch: &'a mut Scratch,
@@ -94,13 +95,17 @@ impl<'a, 'g> Descent<'a, 'g> {
         scratch: &'a mut Scratch,
         tally: &'a mut Tally<'g>,
     ) -> Self {
-        let sides = [a, b];
-        let body = a.mesh().and_then(|_| Body::of(relative, sides, &mut scratch.vertices));
-        let spheres = match &body {
+        let body = a.mesh().and_then(|_| Body::of(relative, [a, b], &mut scratch.vertices));
+        Self { a, b, relative, spheres: OnceCell::new(), body, scratch, tally }
+    }
+
+    #[inline]
+    fn spheres(&self) -> Option<&InnerOuterSpheres> {
+        let find = || match &self.body {
             Some(body) if body.is_cuboid() => None,
-            _ => InnerOuterSpheres::of(relative, sides),
+            _ => InnerOuterSpheres::of(self.relative, [self.a, self.b]),
         };
-        Self { a, b, relative, spheres, body, scratch, tally }
+        self.spheres.get_or_init(find).as_ref()
     }
 }
 
@@ -190,18 +195,19 @@ impl Descent<'_, '_> {
     }
 
     /// Puts blocks below one of the first tree before the same block of the second: the one nearest
-    /// to the middle of a convex second shape is looked at first, for it is likeliest to touch.
+    /// to the middle of a convex second shape is looked at first, for it is likeliest to touch; where
+    /// all are wanted the order does not count.
     #[inline(always)]
     fn push<L: Lanes>(&mut self, l: L, [block_a, block_b]: [u32; 2], mut met: u32) {
         let below = self.a.below(block_a);
-        if met & met.wrapping_sub(1) == 0 {
+        if met & met.wrapping_sub(1) == 0 || matches!(self.tally.goal, Goal::All(_)) {
             self.scratch.stack.extend(Bits(met).map(|child| [below.0[child], block_b]));
             return;
         }
         let mut gaps = Row::default();
-        let middle = match (&self.body, &self.spheres) {
-            (Some(body), _) => Some(body.middle),
-            (None, spheres) => spheres.as_ref().map(|spheres| spheres.centre),
+        let middle = match &self.body {
+            Some(body) => Some(body.middle),
+            None => self.spheres().map(|spheres| spheres.centre),
         };
         if let (Some(tree), Some(middle)) = (self.a.tree(), middle) {
             let centre = middle.as_vec3();
@@ -295,7 +301,7 @@ impl Descent<'_, '_> {
                 return decided;
             }
         }
-        let Some(spheres) = &self.spheres else { return decided };
+        let Some(spheres) = self.spheres() else { return decided };
         let (by_spheres, near) = spheres.decide(l, leaf);
         decided = Decided {
             touching: decided.touching | by_spheres.touching,

@@ -41,12 +41,13 @@ use std::collections::BinaryHeap;
 
 pub use deepest::PartIndex;
 pub(crate) use deepest::{
-    AS_DEEP, Effort, PartPair, deepest, deepest_of, is_swapped, pairs_of, part_index,
-    touching_parts,
+    AS_DEEP, Effort, PartPair, deepest, deepest_of, pairs_of, part_index, touching_parts,
 };
 pub use distance::distance;
 pub(crate) use nearest::distance_in_f32;
-pub(crate) use on_body::{TouchingTriangle, touching_triangles, triangles_in_sphere};
+pub(crate) use on_body::{
+    TouchingTriangle, depth_in_sphere, touching_triangles, triangles_in_sphere,
+};
 pub(crate) use one_triangle::{OfTriangle, of_triangle};
 
 /// What is reused from pair to pair.
@@ -145,10 +146,21 @@ fn search(
 /// parts, for the other's boxes are those that are turned, and one with a tree before one without;
 /// else an order by content.
 fn in_order<'a>(a: PosedShape<'a>, b: PosedShape<'a>) -> ([Side<'a>; 2], bool) {
-    let (side_a, side_b) = (Side::of(a), Side::of(b));
-    let size = |side: &Side<'_>| (side.mesh().is_some(), side.count(), side.tree().is_some());
-    let swapped = size(&side_b).cmp(&size(&side_a)).then_with(|| order::placed(a, b)).is_gt();
-    (if swapped { [side_b, side_a] } else { [side_a, side_b] }, swapped)
+    let swapped = is_swapped(a, b);
+    let (first, second) = if swapped { (b, a) } else { (a, b) };
+    ([Side::of(first), Side::of(second)], swapped)
+}
+
+/// Whether (a, b) is the other way round than the pair is solved in.
+#[inline]
+pub(crate) fn is_swapped(a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
+    // Whether it is a mesh, how many parts it has, and whether there is a tree over them.
+    let rank = |shape: &Shape| match shape {
+        Shape::Mesh(mesh) => (true, mesh.triangles().len(), true),
+        Shape::Compound(compound) => (false, compound.parts().len(), true),
+        _ => (false, 1, false),
+    };
+    rank(b.shape).cmp(&rank(a.shape)).then_with(|| order::placed(a, b)).is_gt()
 }
 
 /// Every part of one against every part of the other: where lengths leave the range of f32.

@@ -1,6 +1,7 @@
 //! The triangles of a mesh that touch a convex polytope, each with its depth by a formula.
 
-use super::reach::Couple;
+use super::deepest::Deepest;
+use super::reach::{Couple, longest_edge};
 use super::side::{Part, Side};
 use crate::epa::Depth;
 use crate::{PosedShape, closed};
@@ -21,12 +22,15 @@ pub(crate) struct TouchingTriangle {
     pub(crate) diameters: f64,
     /// What their reach along a normal may be off, metres.
     pub(crate) slack: f64,
+    /// Whether it is still looked at.
+    pub(crate) is_open: bool,
 }
 
-/// Appends those triangles that touch a sphere, with their depths. `None`, and some of them, where it is not known of
-/// one whether it touches, and of another shape.
+/// Appends those triangles that touch a sphere, with their depths; which do may be known. `None`, and some of them, where
+/// it is not known of one whether it touches, and of another shape.
 pub(crate) fn triangles_in_sphere(
     sides: [PosedShape<'_>; 2],
+    touching: Option<&[[u32; 2]]>,
     found: &mut Vec<TouchingTriangle>,
 ) -> Option<()> {
     let [mesh, sphere] = sides;
@@ -35,17 +39,36 @@ pub(crate) fn triangles_in_sphere(
         Couple::of([side.part(0), Part::Shape(sphere.shape)], [mesh.pose, sphere.pose])?.slack();
     let turn = *mesh.pose.rotation();
     let radii = mesh.shape.radius() + sphere.shape.radius();
-    closed::centred::triangles_in_sphere(sides, |triangle, &[p, q, r], depth| {
-        let longest = p.distance_squared(q).max(q.distance_squared(r)).max(r.distance_squared(p));
+    let touching = touching.map(|touching| touching.iter().map(|&[triangle, _]| triangle));
+    closed::centred::triangles_in_sphere(sides, touching, |triangle, &[p, q, r], depth| {
         found.push(TouchingTriangle {
             triangle,
             corners: [turn * p, turn * q, turn * r],
             depth: Some(depth),
             at_most: (depth.depth + depth.error_bound).next_up(),
-            diameters: longest.sqrt() + 2.0 * radii,
+            diameters: longest_edge([p, q, r]) + 2.0 * radii,
             slack,
+            is_open: true,
         });
     })
+}
+
+/// How deep a mesh and a sphere overlap, at the accuracy of f32, of which these parts touch; `None` of other shapes, and
+/// where f64 leaves one open.
+///
+/// (a, b) and (b, a) give the same bits, mirrored.
+pub(crate) fn depth_in_sphere([a, b]: [PosedShape<'_>; 2], touching: &[[u32; 2]]) -> Option<Depth> {
+    let (sides, mesh) = match (a.shape, b.shape) {
+        (Shape::Mesh(_), _) => ([a, b], 0),
+        _ => ([b, a], 1),
+    };
+    let mut deepest = Deepest::default();
+    let triangles = touching.iter().map(|pair| pair[mesh]);
+    closed::centred::triangles_in_sphere(sides, Some(triangles), |_, _, depth| {
+        deepest.add(depth);
+    })?;
+    let found = deepest.depth()?;
+    Some(if mesh == 0 { found } else { found.mirrored() })
 }
 
 /// Appends those triangles that are known to touch, with depths whose bounds are at
@@ -56,26 +79,30 @@ pub(crate) fn touching_triangles(
     triangles: impl Iterator<Item = u32>,
     found: &mut Vec<TouchingTriangle>,
 ) -> Option<()> {
-    let Shape::Mesh(_) = mesh.shape else { return None };
-    let side = Side::of(mesh);
+    let Shape::Mesh(of_mesh) = mesh.shape else { return None };
+    let mut triangles = triangles.peekable();
+    let Some(&first) = triangles.peek() else { return Some(()) };
+    let first = Side::of(mesh).part(first);
+    let mut couple = Couple::of([first, Part::Shape(body.shape)], [mesh.pose, body.pose])?;
+    let (most_open, slack) = (tolerance * couple.size(), couple.slack());
+    let turn = *mesh.pose.rotation();
     for triangle in triangles {
-        let part = side.part(triangle);
-        let Part::Triangle { corners: [p, q, r], .. } = part else { return None };
-        let couple = Couple::of([part, Part::Shape(body.shape)], [mesh.pose, body.pose])?;
-        let is_good = |found: &Depth| found.error_bound <= tolerance * couple.size();
-        let depth = couple.by_formula(is_good);
+        let corners = of_mesh.corners(triangle as usize)?;
+        couple.take_triangle(corners);
+        let depth = couple.by_formula(|found: &Depth| found.error_bound <= most_open);
         let at_most = match &depth {
             Some(found) => (found.depth + found.error_bound).next_up(),
             None => couple.most(),
         };
-        let turn = *mesh.pose.rotation();
+        let [p, q, r] = corners;
         found.push(TouchingTriangle {
             triangle,
             corners: [turn * p, turn * q, turn * r],
             depth,
             at_most,
             diameters: couple.diameters(),
-            slack: couple.slack(),
+            slack,
+            is_open: true,
         });
     }
     Some(())

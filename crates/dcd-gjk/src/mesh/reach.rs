@@ -58,6 +58,13 @@ impl SecondAlong {
     }
 }
 
+/// How long the longest edge of a triangle is.
+#[inline]
+pub(super) fn longest_edge([p, q, r]: [DVec3; 3]) -> f64 {
+    let squares = [p.distance_squared(q), q.distance_squared(r), r.distance_squared(p)];
+    squares[0].max(squares[1]).max(squares[2]).sqrt()
+}
+
 /// The most of x·d over a triangle.
 #[inline]
 fn farthest([p, q, r]: &[DVec3; 3], direction: DVec3) -> f64 {
@@ -78,6 +85,15 @@ impl<'a> Couple<'a> {
         (SIZES.contains(&size) && radius < SIZES.end).then_some(Self { parts, poses, delta, size })
     }
 
+    /// The same of another triangle of the first's mesh, which all lengths count already.
+    #[inline(always)]
+    pub(super) fn take_triangle(&mut self, other: [DVec3; 3]) {
+        if let Part::Triangle { corners, .. } = &mut self.parts[0] {
+            *corners = other;
+        }
+    }
+
+    #[inline]
     pub(super) fn parts(&self) -> &[Part<'a>; 2] {
         &self.parts
     }
@@ -247,9 +263,7 @@ impl Part<'_> {
 
     fn diameter(&self) -> f64 {
         let core = match self {
-            Self::Triangle { corners: [p, q, r], .. } => {
-                p.distance(*q).max(q.distance(*r)).max(r.distance(*p))
-            }
+            Self::Triangle { corners: [p, q, r], .. } => longest_edge([*p, *q, *r]),
             Self::Shape(shape) => match shape.as_polytope() {
                 Some(core) => 2.0 * core.outer_radius(),
                 None => 2.0 * shape.reach(),

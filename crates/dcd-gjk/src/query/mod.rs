@@ -32,6 +32,7 @@ mod distances;
 mod few_parts;
 mod local;
 mod manifold;
+mod open_triangles;
 pub mod point;
 mod proximity;
 pub mod ray;

@@ -4,7 +4,7 @@ use super::scenes::Draw;
 use super::{PosedSupport, answer_of, solve};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Polytope, Pose, Shape, SupportMap};
-use dcd_gjk::query::PartIndex;
+use dcd_gjk::query::{MeasureDepth, PartIndex};
 use dcd_gjk::{
     Accuracy, Depths, Distances, Manifold, ManifoldSet, Manifolds, PosedShape, Verdict,
     WithAccuracy, certified,
@@ -276,6 +276,17 @@ fn bodies() -> Vec<Shape> {
     ]
 }
 
+/// What is measured at the accuracy of f32 as in a scene, which knows the parts that touch.
+fn with_list<S: MeasureDepth>(solver: &S, sides: [&PosedSupport; 2]) -> S::Answer {
+    let [a, b] = sides.map(|side| PosedShape { shape: &side.shape, pose: &side.pose });
+    let mut touching = Vec::new();
+    dcd_gjk::mesh::touching(a, b, &mut Default::default(), &mut touching);
+    match solver.measure_parts(Accuracy::F32, &touching, [a, b], &mut Default::default()) {
+        Verdict::Touching(found) => found,
+        _ => panic!("it touches"),
+    }
+}
+
 #[test]
 fn every_two_parts_that_touch_belong_to_a_manifold() {
     let bodies = bodies();
@@ -308,6 +319,21 @@ fn every_two_parts_that_touch_belong_to_a_manifold() {
         let fast = answer_of(&solver, &a, &b);
         judge_at(Accuracy::F32, &what, &fast, [&a, &b]);
         assert!(is_mirrored(&fast, &answer_of(&solver, &b, &a)), "{what}");
+        if b.shape.as_polytope().is_some() {
+            let listed = with_list(&Manifolds::default(), [&a, &b]);
+            judge_at(Accuracy::F32, &what, &listed, [&a, &b]);
+            let back = with_list(&Manifolds::default(), [&b, &a]);
+            assert!(is_mirrored(&listed, &back), "{what}");
+            let depth = with_list(&Depths, [&a, &b]);
+            let back = with_list(&Depths, [&b, &a]);
+            assert_eq!((back.depth, back.normal), (depth.depth, -depth.normal), "{what}");
+            assert_eq!((back.point_a, back.point_b), (depth.point_b, depth.point_a), "{what}");
+            assert_eq!(back.error_bound, depth.error_bound, "{what}");
+            let due = answer_of(&Depths, &a, &b);
+            let off = (depth.depth - due.depth).abs();
+            assert!(off <= depth.error_bound + due.error_bound, "{what}: {depth:?} {due:?}");
+            assert!(depth.error_bound <= 1e-5, "{what}: {depth:?}");
+        }
         // What f32 adds to a bound is millionths of the size, beside what the certified bound holds.
         let [bound, certified] = [fast.error_bound(), found.error_bound()];
         assert!(bound <= certified.max(1e-3) + 1e-5, "{what}: {bound} {certified}");

@@ -166,14 +166,14 @@ impl Corners {
         whole
     }
 
-    /// What a polytope shows along the view, for [`Corners::add_triangle`].
+    /// What a polytope shows along the view, that part, for [`Corners::add_triangle`].
     pub(super) fn facing<'a>(
         view: &View,
+        part: Part<'a>,
         polytope: &'a Polytope,
         placed: Placed<'a>,
     ) -> Facing<'a> {
         let is_round = polytope.kind() == Kind::Point;
-        let part = if is_round { Part::Vertex(0) } else { view.part(polytope, &placed) };
         let has_corners = !matches!(part, Part::Vertex(_));
         let outline = Outline::of_body(view, &part, polytope, &placed);
         Facing { whole: part.name(), has_corners, outline, is_round, polytope, placed }
@@ -189,10 +189,7 @@ impl Corners {
         facing: &Facing<'_>,
     ) -> Option<[Feature; 2]> {
         let part = Part::of_triangle(*corners, view.normal())?;
-        let [p, q, r] = *corners;
-        let middle = (p + q + r) / 3.0;
-        let outer_radius = p.distance(middle).max(q.distance(middle)).max(r.distance(middle));
-        self.size = self.size.max(2.0 * (outer_radius + facing.polytope.outer_radius()));
+        self.size = self.size.max(size_with_triangle(corners, facing.polytope));
         let whole = [part.name(), facing.whole];
         if !facing.has_corners {
             return Some(whole);
@@ -304,6 +301,14 @@ impl Facing<'_> {
     pub(super) fn is_round(&self) -> bool {
         self.is_round
     }
+}
+
+/// How large a triangle and a polytope are.
+pub(super) fn size_with_triangle(&[p, q, r]: &[DVec3; 3], polytope: &Polytope) -> f64 {
+    let middle = (p + q + r) / 3.0;
+    let square = |corner: DVec3| corner.distance_squared(middle);
+    let outer_radius = square(p).max(square(q)).max(square(r)).sqrt();
+    2.0 * (outer_radius + polytope.outer_radius())
 }
 
 /// What a sphere and another shape show as wholes: a point shares no corners with anything but a half-space.

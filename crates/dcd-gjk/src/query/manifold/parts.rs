@@ -45,34 +45,41 @@ pub(super) fn measure(
         known.extend(touching.iter().map(in_order));
         &known[..]
     });
-    let found = in_order(how, touching, sides, scratch);
-    scratch.known = known;
-    match found {
-        Ok(found) if is_swapped => Verdict::Touching(found.mirrored()),
-        Ok(found) => Verdict::Touching(found),
-        Err(reason) => Verdict::Undecided(reason),
+    // Written where it is returned.
+    let mut answer = Verdict::Touching(ManifoldSet::EMPTY_ONE);
+    if let Verdict::Touching(set) = &mut answer {
+        match write_in_order(how, touching, sides, (scratch, set)) {
+            Ok(()) if is_swapped => set.mirror(),
+            Ok(()) => {}
+            Err(reason) => answer = Verdict::Undecided(reason),
+        }
     }
+    scratch.known = known;
+    answer
 }
 
-fn in_order(
+/// Writes the manifolds over a set of one empty manifold.
+fn write_in_order(
     how: Measure,
     touching: Option<&[[u32; 2]]>,
     sides: [PosedShape<'_>; 2],
-    scratch: &mut Scratch,
-) -> Result<ManifoldSet, Reason> {
+    (scratch, set): (&mut Scratch, &mut ManifoldSet),
+) -> Result<(), Reason> {
     let Scratch { depth: memory, corners, parts, on_mesh, on_plane, .. } = scratch;
     if how.accuracy == Accuracy::F32
         && how.options == ManifoldOptions::default()
         && let Some(found) = mesh_on_plane::measure(sides, on_plane)
     {
-        return Ok(found);
+        *set = found;
+        return Ok(());
     }
     if how.accuracy == Accuracy::F32
         && how.options == ManifoldOptions::default()
-        && let Some(found) = on_mesh::measure(sides, touching, (on_mesh, parts, corners), memory)
+        && on_mesh::write(sides, touching, (on_mesh, parts, corners, memory), set).is_some()
     {
-        return Ok(found);
+        return Ok(());
     }
+    *set = ManifoldSet::default();
     let mut pairs = match touching {
         Some(touching) => mesh::pairs_of(sides, touching),
         None => mesh::touching_parts(sides[0], sides[1], parts),
@@ -83,22 +90,21 @@ fn in_order(
     }
     let open = vec![true; pairs.len()];
     let mut patches = Patches { how, sides, pairs: &pairs, open, memory, corners };
-    let mut found = ManifoldSet::default();
     loop {
         let Patches { memory, open, .. } = &mut patches;
         let still_open = (0..pairs.len()).filter(|&k| open[k]);
         let depth = |pair: &PartPair<'_>, effort| how.measured_by(effort, pair, sides, memory);
         match mesh::deepest_of(&pairs, still_open, depth)? {
-            Some((lead, depth)) => found.push(patches.patch(lead, depth)),
+            Some((lead, depth)) => set.push(patches.patch(lead, depth)),
             None => break,
         }
     }
     if pairs.is_empty() {
         let mut none = Manifold::default();
         write_one_point(&Depth::default(), Default::default(), &mut none);
-        found.push(none);
+        set.push(none);
     }
-    Ok(found)
+    Ok(())
 }
 
 impl Measure {

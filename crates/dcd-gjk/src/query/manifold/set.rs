@@ -59,12 +59,6 @@ impl ManifoldSet {
         }
     }
 
-    /// The same with a and b exchanged.
-    pub(super) fn mirrored(mut self) -> Self {
-        self.mirror();
-        self
-    }
-
     /// Exchanges a and b.
     pub(super) fn mirror(&mut self) {
         match &mut self.0 {

@@ -297,10 +297,11 @@ impl<'a> Seen<'a> {
 }
 
 /// Calls `found` for each triangle of a mesh that touches a sphere, with the depth from the mesh to the sphere, at the
-/// accuracy of f32; in an order that depends on the two alone. `None`, and some of them, where f64 leaves one open, and of
-/// other shapes.
+/// accuracy of f32; in an order that depends on the two alone. Those that touch may be known.
+/// `None`, and some of them, where f64 leaves one open, and of other shapes.
 pub(crate) fn triangles_in_sphere(
     [mesh, sphere]: [PosedShape<'_>; 2],
+    touching: Option<impl Iterator<Item = u32>>,
     mut found: impl FnMut(u32, &[DVec3; 3], Depth),
 ) -> Option<()> {
     let (Shape::Mesh(of_mesh), Shape::Polytope(round)) = (mesh.shape, sphere.shape) else {
@@ -312,14 +313,18 @@ pub(crate) fn triangles_in_sphere(
     let seen = Seen::of((round, sphere.pose), mesh)?;
     // More than the centre may be off, and than the sum loses.
     let within = (seen.radius + seen.swept + 4.0 * seen.error) * (1.0 + 8.0 * UNIT);
-    faces::triangles_within(of_mesh, (seen.place, within), |triangle, corners, beside| {
+    let meet = |triangle: u32, corners: &[DVec3; 3], beside: Option<Beside>| {
         match seen.gap(beside?, true).verdict() {
             Verdict::Touching(depth) => found(triangle, corners, depth),
             Verdict::Apart => {}
             Verdict::Undecided(_) => return None,
         }
         Some(())
-    })
+    };
+    match touching {
+        Some(touching) => faces::triangles_of(of_mesh, seen.place, touching, meet),
+        None => faces::triangles_within(of_mesh, (seen.place, within), meet),
+    }
 }
 
 #[cfg(test)]

@@ -110,7 +110,7 @@ pub(crate) fn depth_of_overlap(
     let swapped = order::is_swapped(a, b);
     let (a, b) = if swapped { (b, a) } else { (a, b) };
     let found = match (a.shape, b.shape) {
-        (Shape::Polytope(in_a), Shape::Polytope(in_b)) => of_polytopes(
+        (Shape::Polytope(in_a), Shape::Polytope(in_b)) => depth_of_polytopes(
             [PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose)],
             accuracy,
             surface,
@@ -149,8 +149,8 @@ fn of_supports<S: InBlocks>(
     search.of_overlapping_cores(&bounds, surface)
 }
 
-/// [`of_supports`] of polytopes, and where that leaves too much open, in double-double.
-fn of_polytopes(
+/// [`depth_of_overlap`] of polytopes in the order that they are given in: where f64 leaves too much open, in double-double.
+pub(crate) fn depth_of_polytopes(
     bodies: [PosedSupport<'_, Polytope>; 2],
     accuracy: Accuracy,
     surface: &mut Surface,

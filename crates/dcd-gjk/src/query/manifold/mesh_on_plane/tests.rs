@@ -104,6 +104,11 @@ fn check_farthest(what: &str, found: &Manifold, mesh: &Mesh, a: PosedShape<'_>) 
     }
 }
 
+fn mirrored(mut set: ManifoldSet) -> ManifoldSet {
+    set.mirror();
+    set
+}
+
 #[test]
 fn a_mesh_rests_on_a_half_space_on_the_deepest_and_the_farthest_of_its_vertices() {
     // Another seed by `DCD_SEED`.
@@ -129,7 +134,7 @@ fn a_mesh_rests_on_a_half_space_on_the_deepest_and_the_farthest_of_its_vertices(
         let Some(found) = super::measure([a, b], &mut scratch) else { continue };
         let what = format!("{k}");
         assert_eq!(manifolds(Accuracy::F32, a, b).as_ref(), Some(&found), "{what}");
-        let back = manifolds(Accuracy::F32, b, a).map(ManifoldSet::mirrored);
+        let back = manifolds(Accuracy::F32, b, a).map(mirrored);
         assert_eq!(back.as_ref(), Some(&found), "{what}");
         let [found] = &found[..] else { panic!("{what}: {found:?}") };
         let best = deepest(a, b);
@@ -167,7 +172,7 @@ fn a_sphere_touches_a_mesh_along_the_normals_of_all_pairs_of_parts() {
             continue;
         }
         let found = manifolds(Accuracy::F32, a, b).unwrap();
-        let back = manifolds(Accuracy::F32, b, a).map(ManifoldSet::mirrored);
+        let back = manifolds(Accuracy::F32, b, a).map(mirrored);
         assert_eq!(back.as_ref(), Some(&found), "{k}");
         let best = deepest(a, b);
         let first = found[0].points()[0].depth;

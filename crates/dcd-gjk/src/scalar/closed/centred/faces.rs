@@ -100,6 +100,21 @@ pub(super) fn triangles_within(
     all
 }
 
+/// The same of these triangles of a mesh.
+pub(super) fn triangles_of(
+    mesh: &Mesh,
+    point: DVec3,
+    mut triangles: impl Iterator<Item = u32>,
+    mut meet: impl FnMut(u32, &[DVec3; 3], Option<Beside>) -> Option<()>,
+) -> Option<()> {
+    let size = mesh.reach() + point.length();
+    triangles.try_for_each(|triangle| {
+        let corners = mesh.corners(triangle as usize)?;
+        let nearest = nearest_of_triangle(corners, point);
+        meet(triangle, &corners, beside_proposed(&corners, point, nearest, size))
+    })
+}
+
 /// Beside the hull of vertices of which a point is perhaps the nearest.
 fn beside_proposed(vertices: &[DVec3], point: DVec3, nearest: DVec3, size: f64) -> Option<Beside> {
     proved(vertices, point, point - nearest).filter(|found| found.unsure <= CLOSE * size)
