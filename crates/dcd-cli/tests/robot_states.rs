@@ -157,3 +157,67 @@ fn many_states_of_the_panda_are_answered_as_one_by_one() {
         assert_eq!(found[k]["free"], json!(one["touching"] == json!([])), "{k}");
     }
 }
+
+/// A chain of links of three spheres each, so many.
+fn chain_of_spheres(links: usize) -> String {
+    let sphere = |k: usize| {
+        let z = 0.1 * k as f64;
+        format!(
+            r#"<collision><origin xyz="0 0 {z}"/><geometry><sphere radius="0.0{}"/></geometry></collision>"#,
+            6 + k
+        )
+    };
+    let spheres: String = (0..3).map(sphere).collect();
+    let link = |k: usize| format!(r#"<link name="l{k}">{spheres}</link>"#);
+    let joint = |k: usize| {
+        let axis = ["1 0 0", "0 0 1", "0 1 0"][k % 3];
+        format!(
+            r#"<joint name="j{k}" type="continuous"><origin xyz="0 0 0.42"/><axis xyz="{axis}"/>
+            <parent link="l{k}"/><child link="l{}"/></joint>"#,
+            k + 1
+        )
+    };
+    let all: String = (0..links).map(link).chain((0..links - 1).map(joint)).collect();
+    format!(r#"<robot name="chain">{all}</robot>"#)
+}
+
+#[test]
+fn many_states_of_a_robot_of_spheres_are_answered_as_few() {
+    let folder = Folder::new("spheres");
+    let urdf = folder.file("chain.urdf", &chain_of_spheres(6));
+    let world = "world:
+  collision_objects:
+    - id: wall
+      primitives: [{type: box, dimensions: [0.2, 4, 4]}, {type: cylinder, dimensions: [2, 0.2]}]
+      primitive_poses: [{position: [0.9, 0, 0], orientation: [0, 0, 0, 1]},
+        {position: [0, -1.6, 0.5], orientation: [0.6, 0, 0, 0.8]}]
+";
+    let world = folder.file("wall.yaml", world);
+    let mut drawn = 7u64;
+    let mut angle = || {
+        drawn =
+            drawn.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (drawn >> 33) as f64 / f64::from(1u32 << 31) * 5.0 - 2.5
+    };
+    // Straight, which touches itself and the wall nowhere, and with an angle beyond what lanes take, among others.
+    let mut state = |k: usize| -> Vec<f64> {
+        let far = if k % 41 == 1 { 50.0 } else { 0.0 };
+        (0..5).map(|_| if k.is_multiple_of(37) { 0.0 } else { angle() + far }).collect()
+    };
+    let states: Vec<String> = (0..600).map(|k| format!("{{\"q\": {:?}}}\n", state(k))).collect();
+    let answers = |name: &str, states: &[String]| {
+        let file = folder.file(name, &states.concat());
+        let ran = dcd(&["robot", &urdf, "--world", &world, "--states", &file]);
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+        let of = |line: Value| {
+            (line["free"].clone(), line["contacts"].clone(), line["undecided"].clone())
+        };
+        lines(&ran.stdout).into_iter().map(of).collect::<Vec<_>>()
+    };
+    let together = answers("all.jsonl", &states);
+    // So few are not prepared for.
+    let apart: Vec<_> = states.chunks(50).flat_map(|few| answers("few.jsonl", few)).collect();
+    assert_eq!(together, apart);
+    let free = together.iter().filter(|(free, ..)| *free == json!(true)).count();
+    assert!((20..580).contains(&free), "{free}");
+}

@@ -2,8 +2,11 @@
 
 use super::lines::{CellCache, Given, Question, Which};
 use super::picture::Picture;
+use dcd_geom::Polytope;
 use dcd_pipeline::{Par, Pipeline};
-use dcd_robot::{AttachedObject, Clearance, Robot, RobotError, State, StateReader, Workcell};
+use dcd_robot::{
+    AttachedObject, Clearance, Robot, RobotError, State, StateChecker, StateReader, Workcell,
+};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::slice;
@@ -29,8 +32,65 @@ pub(super) struct States {
 /// What a thread checks states with.
 #[derive(Debug, Default)]
 pub(super) struct Checker {
-    cell: CellCache<Workcell>,
+    cell: CellCache<Kept>,
     pipeline: Pipeline,
+}
+
+/// How many lines in a row carry the same before a robot of spheres and what it carries are prepared for many states.
+/// Larger: short files are slower. Smaller: files that carry something else from time to time are. No effect on any
+/// answer.
+const PREPARED_AFTER: usize = 64;
+
+/// What is kept while lines carry the same.
+#[derive(Debug)]
+struct Kept {
+    cell: Workcell,
+    /// How many lines have been answered with it.
+    lines: usize,
+    /// None before [`PREPARED_AFTER`], nor where a part is no sphere: lines of hulls and meshes take as long without, and
+    /// covering them with spheres takes as long as some thousand lines.
+    states: Option<StateChecker>,
+}
+
+impl Kept {
+    fn of(cell: Workcell) -> Self {
+        Self { cell, lines: 0, states: None }
+    }
+
+    /// Whether all that moves is spheres.
+    fn is_of_spheres(&self) -> bool {
+        let is_point = |polytope: &Polytope| polytope.vertices().len() == 1;
+        let mut parts = self.cell.robot().parts().iter();
+        parts.all(|part| part.shape.as_polytope().is_some_and(is_point))
+    }
+
+    /// The pairs of a state, which the cell is in, that touch, and those that are undecided and of no such name.
+    fn found(&mut self, values: &[f64], pipeline: &mut Pipeline) -> [BTreeSet<[String; 2]>; 2] {
+        self.lines += 1;
+        if self.lines == PREPARED_AFTER && self.is_of_spheres() {
+            self.states = StateChecker::new(self.cell.clone()).ok();
+        }
+        let named = |pair| self.cell.names_of(pair).map(str::to_owned);
+        let all = self.states.as_ref().and_then(|states| states.all(&[values], Par::Serial).ok());
+        let [contacts, undecided]: [BTreeSet<_>; 2] = match all {
+            Some(hits) => {
+                let of = |touching: bool| {
+                    let hits = hits.iter().filter(move |hit| hit.touches() == touching);
+                    hits.map(|hit| named(hit.pair.into())).collect()
+                };
+                [of(true), of(false)]
+            }
+            // Also what the checker refuses and the cell does not.
+            None => {
+                let step = pipeline.step(self.cell.scene(), Par::Serial);
+                let left = step.report().undecided().iter();
+                let left = left.map(|left| named(left.pair.into())).collect();
+                [step.contacts().map(named).collect(), left]
+            }
+        };
+        let left = undecided.into_iter().filter(|pair| !contacts.contains(pair)).collect();
+        [contacts, left]
+    }
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -99,21 +159,19 @@ impl Question for States {
         checker: &mut Checker,
         state: &State,
     ) -> Result<Answer, RobotError> {
-        let cell = checker.cell.of(&state.attached, |attached| given.cell(attached))?;
-        cell.set_state(&state.values)?;
-        let step = checker.pipeline.step(cell.scene(), Par::Serial);
-        let named = |pair| cell.names_of(pair).map(str::to_owned);
-        let contacts: BTreeSet<_> = step.contacts().map(named).collect();
-        let left = step.report().undecided().iter().map(|left| named(left.pair.into()));
-        let undecided: BTreeSet<_> = left.filter(|pair| !contacts.contains(pair)).collect();
+        let Checker { cell, pipeline } = checker;
+        let kept = cell.of(&state.attached, |attached| given.cell(attached).map(Kept::of))?;
+        // Refuses what no cell may be in.
+        kept.cell.set_state(&state.values)?;
+        let [contacts, undecided] = kept.found(&state.values, pipeline);
         let free = match (contacts.is_empty(), undecided.is_empty()) {
             (false, _) => Some(false),
             (true, true) => Some(true),
             (true, false) => None,
         };
         let clearance = if self.clearance {
-            let nearest = cell.clearance(&state.values)?;
-            Some(nearest.map(|nearest| Nearest::of(cell, &nearest)))
+            let nearest = kept.cell.clearance(&state.values)?;
+            Some(nearest.map(|nearest| Nearest::of(&kept.cell, &nearest)))
         } else {
             None
         };

@@ -25,9 +25,9 @@ pub(super) const CHUNK: usize = PACKETS * WIDTH;
 /// answer.
 pub(super) const FEW: usize = 2 * CHUNK;
 
-/// How many pairs of a state are decided at once where one hit is enough. Larger: more is decided in vain. Smaller:
-/// lanes run empty.
-const AT_ONCE: usize = 4;
+/// How many pairs of a state are decided first where one hit is enough; twice as many each time that none of them
+/// touches. Larger: more is decided in vain. Smaller cannot be. No effect on any answer.
+const AT_FIRST: usize = 1;
 
 /// What a thread works with.
 #[derive(Debug, Default)]
@@ -85,6 +85,7 @@ impl Worker {
         left.sort_unstable();
         left.dedup();
         let touches = |hit: &Option<StateHit>| hit.as_ref().is_some_and(StateHit::touches);
+        let mut at_once = AT_FIRST;
         loop {
             // The next pairs of each state that has no contact yet.
             self.next.clear();
@@ -95,7 +96,7 @@ impl Worker {
                     return false;
                 }
                 taken = if taken.0 == state { (state, taken.1 + 1) } else { (state, 0) };
-                let is_next = taken.1 < AT_ONCE;
+                let is_next = taken.1 < at_once;
                 if is_next {
                     self.next.push(*candidate);
                 }
@@ -104,6 +105,7 @@ impl Worker {
             if self.next.is_empty() {
                 break;
             }
+            at_once = at_once.saturating_mul(2);
             // Of a state's pairs the least that touches, so that it does not matter which were decided together.
             least.clear();
             self.decide((checker, states), |candidate, verdict| least.push((candidate, verdict)))
