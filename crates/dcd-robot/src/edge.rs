@@ -6,8 +6,8 @@
 //! left out; and, along the direction in which the gap was found, the velocity at the middle with a bound
 //! on the acceleration, which lets a link slide along an obstacle (docs/numerics/proofs.md, "edges").
 
+mod bounding_volumes;
 mod certificate;
-mod outline;
 mod path;
 mod place;
 mod reach;
@@ -23,10 +23,10 @@ pub(super) use reach::Chain;
 
 use super::state_checker::covers::{Covers, is_one};
 use super::{Obstacle, Robot, RobotError, StateChecker, Workcell};
+use bounding_volumes::{BoundingVolumes, MOST_SPHERES};
 use certificate::Pieces;
 use dcd_exec::Exec;
 use dcd_geom::Shape;
-use outline::{MOST_SPHERES, Outline};
 use search::Search;
 use std::sync::{Arc, OnceLock};
 
@@ -54,7 +54,7 @@ pub struct EdgeChecker {
     /// For each object of the scene the part that moves it, and by which joints.
     movers: Vec<Option<(usize, Chain)>>,
     /// For each object.
-    outlines: Vec<Arc<Outline>>,
+    volumes: Vec<Arc<BoundingVolumes>>,
     pairs: Vec<EdgePair>,
     /// For hits; none of more objects than it counts.
     states: Option<Arc<StateChecker>>,
@@ -176,15 +176,15 @@ impl EdgeChecker {
     fn renew(&mut self, cell: Workcell, states: Option<StateChecker>) {
         let scene = self.cell.scene();
         let moving = (0..self.movers.len()).filter(|&i| self.movers[i].is_some());
-        let held = moving.map(|i| (scene.shape(i).clone(), self.outlines[i].clone()));
-        let held: Vec<(Shape, Arc<Outline>)> = held.collect();
+        let held = moving.map(|i| (scene.shape(i).clone(), self.volumes[i].clone()));
+        let held: Vec<(Shape, Arc<BoundingVolumes>)> = held.collect();
         *self = Self::with(cell, states, &held, &mut Covers::default());
     }
 
     fn with(
         cell: Workcell,
         states: Option<StateChecker>,
-        held: &[(Shape, Arc<Outline>)],
+        held: &[(Shape, Arc<BoundingVolumes>)],
         covers: &mut Covers,
     ) -> Self {
         let robot = cell.robot();
@@ -199,17 +199,17 @@ impl EdgeChecker {
             Some((part, Chain::of(robot, moved, &parent_joint)))
         };
         let movers: Vec<_> = (0..scene.len()).map(mover).collect();
-        let outline = |i: usize| {
+        let volumes = |i: usize| {
             let shape = scene.shape(i);
             if movers[i].is_none() {
                 // An obstacle is compared by the solid round it.
-                return Arc::new(Outline::of(shape, 1, covers));
+                return Arc::new(BoundingVolumes::of(shape, 1, covers));
             }
             let known = held.iter().find(|(known, _)| is_one(known, shape));
-            let new = || Arc::new(Outline::of(shape, MOST_SPHERES, covers));
-            known.map_or_else(new, |(_, outline)| outline.clone())
+            let new = || Arc::new(BoundingVolumes::of(shape, MOST_SPHERES, covers));
+            known.map_or_else(new, |(_, volumes)| volumes.clone())
         };
-        let outlines = (0..scene.len()).map(outline).collect();
+        let volumes = (0..scene.len()).map(volumes).collect();
         let mut pairs = Vec::new();
         for i in 0..scene.len() as u32 {
             let Some((_, chain)) = &movers[i as usize] else { continue };
@@ -227,7 +227,7 @@ impl EdgeChecker {
             }
         }
         let (states, pieces) = (states.map(Arc::new), OnceLock::new());
-        Self { movers, outlines, pairs, states, pieces, cell }
+        Self { movers, volumes, pairs, states, pieces, cell }
     }
 
     /// The work cell.

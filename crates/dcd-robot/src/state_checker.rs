@@ -8,7 +8,6 @@
 
 mod alone;
 mod body_pairs;
-mod boxes;
 mod chain;
 mod changes;
 pub(crate) mod covers;
@@ -16,6 +15,7 @@ mod link_frames;
 mod links;
 mod numbers;
 mod obstacle_tree;
+mod packed_aabbs;
 mod places;
 mod prepared;
 mod rounded_links;
@@ -58,7 +58,7 @@ const MOST_AT_ONCE: usize = 512;
 const CLEARANCES: usize = 4;
 
 /// Sixteen spheres, each metres.
-struct Sixteen<L: Lanes> {
+struct SpherePacket<L: Lanes> {
     centre: [L::F; 3],
     outer: L::F,
     inner: L::F,
@@ -66,14 +66,14 @@ struct Sixteen<L: Lanes> {
     margin: L::F,
 }
 
-impl<L: Lanes> Clone for Sixteen<L> {
+impl<L: Lanes> Clone for SpherePacket<L> {
     #[inline(always)]
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<L: Lanes> Copy for Sixteen<L> {}
+impl<L: Lanes> Copy for SpherePacket<L> {}
 
 /// Which hits of each state are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 //! Plain f64 without fused multiply-add: the same bits on every SIMD path.
 
 use super::ROUNDED_UP;
-use super::outline::Solid;
+use super::bounding_volumes::Solid;
 use crate::state_checker::covers::CoverSphere;
 use dcd_geom::Pose;
 use dcd_simd::{Kernel, Lanes, dispatch};

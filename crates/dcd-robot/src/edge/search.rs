@@ -131,7 +131,7 @@ impl<'a> Search<'a> {
         for (i, obstacle) in movers.iter_mut().enumerate() {
             if checker.movers[i].is_none() {
                 let pose = &scene.poses()[i];
-                obstacle.length = checker.outlines[i].reach + pose.translation().length();
+                obstacle.length = checker.volumes[i].reach + pose.translation().length();
                 obstacle.deviation = pose.deviation();
             }
         }
@@ -294,14 +294,14 @@ impl<'a> Search<'a> {
     fn far(&self, pair: u32) -> f64 {
         let [a, b] = self.checker.pairs[pair as usize].objects;
         let [in_a, in_b] = [a, b].map(|object| {
-            let whole = &self.checker.outlines[object as usize].whole;
+            let whole = &self.checker.volumes[object as usize].whole;
             (self.pose(object).apply(whole.centre), whole.outer)
         });
         if self.checker.movers[b as usize].is_some() {
             return in_a.0.distance(in_b.0) - in_a.1 - in_b.1;
         }
         let local = self.local(b, in_a.0);
-        self.checker.outlines[b as usize].solid.nearest(local).0 - in_a.1
+        self.checker.volumes[b as usize].solid.nearest(local).0 - in_a.1
     }
 
     /// A point in an object's own frame.
@@ -380,7 +380,7 @@ impl<'a> Search<'a> {
     fn is_proved_by_hulls(&mut self, pair: u32, carried: Option<glam::DMat3>) -> Option<bool> {
         let edge_pair = self.checker.pairs[pair as usize];
         let hulls =
-            edge_pair.objects.map(|object| self.checker.outlines[object as usize].hull.as_ref());
+            edge_pair.objects.map(|object| self.checker.volumes[object as usize].hull.as_ref());
         if hulls.iter().all(Option::is_none) {
             return None;
         }

@@ -1,8 +1,8 @@
 //! A state alone: sixteen of its links in the lanes, where a packet has a link in sixteen states.
 
-use super::Sixteen;
-use super::boxes::around;
+use super::SpherePacket;
 use super::links::LinkSpheres;
+use super::packed_aabbs::around;
 use super::rounded_links::{Rounded, RoundedLink, bits, splat};
 use super::sift::{Sift, meeting};
 use dcd_simd::{Block, Lanes, Row, WIDTH};
@@ -60,9 +60,9 @@ impl LinkRow {
     }
 
     #[inline(always)]
-    fn spheres<L: Lanes>(&self, l: L) -> Sixteen<L> {
+    fn spheres<L: Lanes>(&self, l: L) -> SpherePacket<L> {
         let Block([x, y, z]) = &self.centre;
-        Sixteen {
+        SpherePacket {
             centre: [l.load(x), l.load(y), l.load(z)],
             outer: l.load(&self.radius),
             inner: l.splat(f32::NEG_INFINITY),
@@ -72,8 +72,8 @@ impl LinkRow {
 
     /// One of them in all lanes.
     #[inline(always)]
-    fn one<L: Lanes>(&self, l: L, lane: usize) -> Sixteen<L> {
-        Sixteen {
+    fn one<L: Lanes>(&self, l: L, lane: usize) -> SpherePacket<L> {
+        SpherePacket {
             centre: splat(l, self.centre.point(lane)),
             outer: l.splat(self.radius.0[lane]),
             inner: l.splat(f32::NEG_INFINITY),

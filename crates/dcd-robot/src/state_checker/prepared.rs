@@ -4,12 +4,12 @@ mod changes;
 
 use super::alone::LinkPairRow;
 use super::body_pairs::BodyPairs;
-use super::boxes::BoxRow;
 use super::chain::Chain;
 use super::covers::{Covers, is_one};
 use super::link_frames::LinkFrames;
 use super::links::{Body, BodyHull, LinkSpheres, links};
 use super::obstacle_tree::ObstacleTree;
+use super::packed_aabbs::PackedAabbs;
 use super::solids::Solid;
 use crate::kinematics::JointFrame;
 use crate::{Joint, Motion, Robot, RobotError, Workcell};
@@ -31,7 +31,7 @@ pub(super) struct Prepared {
     pub(super) solids: Vec<Solid>,
     /// The vertices of the hulls among them.
     pub(super) corners: Vec<Block>,
-    pub(super) boxes: Vec<BoxRow>,
+    pub(super) boxes: Vec<PackedAabbs>,
     /// Where there are many of them.
     pub(super) tree: Option<ObstacleTree>,
     /// The spheres of what meets obstacles, link by link.
@@ -133,7 +133,7 @@ impl Prepared {
             solids.push(solid);
             aabbs.push(aabb);
         }
-        BoxRow::fill(boxes, aabbs, solids);
+        PackedAabbs::fill(boxes, aabbs, solids);
         self.tree = ObstacleTree::of(aabbs);
         self.note_filters();
     }

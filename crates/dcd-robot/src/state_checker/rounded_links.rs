@@ -9,7 +9,7 @@ use super::link_frames::{HALF, LinkFrames};
 use super::links::{LinkSpheres, SphereRow};
 use super::numbers::{All, First, Numbers};
 use super::prepared::Prepared;
-use super::{MARGIN, Sixteen};
+use super::{MARGIN, SpherePacket};
 use dcd_geom::Aabb;
 use dcd_simd::{Block, Lanes, Row, WIDTH};
 use glam::Vec3;
@@ -162,8 +162,8 @@ fn of_block<L: Lanes>(l: L, Block([x, y, z]): &Block) -> [L::F; 3] {
 impl RoundedLink {
     /// The link's own sphere in all sixteen states.
     #[inline(always)]
-    pub(super) fn spheres<L: Lanes>(&self, l: L, link: &LinkSpheres) -> Sixteen<L> {
-        Sixteen {
+    pub(super) fn spheres<L: Lanes>(&self, l: L, link: &LinkSpheres) -> SpherePacket<L> {
+        SpherePacket {
             centre: of_block(l, &self.centre),
             outer: l.splat(link.radius),
             inner: l.splat(f32::NEG_INFINITY),
@@ -173,12 +173,12 @@ impl RoundedLink {
 
     /// Sixteen spheres on the link, in one of the states.
     #[inline(always)]
-    pub(super) fn row<L: Lanes>(&self, l: L, row: &SphereRow, lane: usize) -> Sixteen<L> {
+    pub(super) fn row<L: Lanes>(&self, l: L, row: &SphereRow, lane: usize) -> SpherePacket<L> {
         let mut frame = [l.splat(0.0); 12];
         for k in 0..12 {
             frame[k] = l.splat(self.frame[k].0[lane]);
         }
-        Sixteen {
+        SpherePacket {
             centre: placed(All(l), &frame, of_block(l, &row.centre)),
             outer: l.load(&row.outer),
             inner: l.load(&row.inner),

@@ -1,11 +1,11 @@
 //! Sixteen states against everything, by spheres: what is proved to touch, and what is left.
 
-use super::boxes::{around, overlap};
 use super::links::{LinkSpheres, SphereRow};
+use super::packed_aabbs::{around, overlap};
 use super::prepared::Prepared;
 use super::rounded_links::{Placed, Rounded, RoundedLink, bits, splat, stored};
-use super::solids::{Reached, Solid, inside, within};
-use super::{Goal, Sixteen};
+use super::solids::{Overlaps, Solid, inside, within};
+use super::{Goal, SpherePacket};
 use dcd_geom::Aabb;
 use dcd_pipeline::{Candidate, Other};
 use dcd_simd::{Kernel, Lanes, Row, WIDTH};
@@ -144,7 +144,7 @@ impl Sift<'_> {
     pub(super) fn list_near<L: Lanes>(
         &self,
         l: L,
-        (spheres, some): (&Sixteen<L>, u32),
+        (spheres, some): (&SpherePacket<L>, u32),
         aabb: &Aabb,
         near: &mut Vec<(u32, u32)>,
     ) {
@@ -191,7 +191,7 @@ impl Sift<'_> {
         lane: usize,
     ) {
         // The spheres of one link that reach the other link's own.
-        let own = Sixteen {
+        let own = SpherePacket {
             centre: splat(l, a.1.centre.point(lane)),
             outer: l.splat(a.0.radius),
             inner: l.splat(f32::NEG_INFINITY),
@@ -209,20 +209,20 @@ impl Sift<'_> {
                 let at = stored(l, of_a.centre);
                 // Of all spheres of one body together.
                 let (mut body, mut of_body) = (u32::MAX, Vec3::ZERO);
-                let mut all = Reached::default();
+                let mut all = Overlaps::default();
                 for k in bits(candidates) {
                     if row.bodies[k] != body {
                         let towards = |k: usize| of_body - at.point(k);
                         self.note(lane, other, Other::Link(body), all, towards);
-                        (body, all) = (row.bodies[k], Reached::default());
+                        (body, all) = (row.bodies[k], Overlaps::default());
                     }
-                    let one = Sixteen {
+                    let one = SpherePacket {
                         centre: splat(l, of_row.point(k)),
                         outer: l.splat(row.outer.0[k]),
                         inner: l.splat(row.inner.0[k]),
                         margin: of_b.margin,
                     };
-                    let Reached { near, touched } = meeting(l, &of_a, &one);
+                    let Overlaps { near, touched } = meeting(l, &of_a, &one);
                     if all.near == 0 && near & other.filled != 0 {
                         of_body = of_row.point(k);
                     }
@@ -242,7 +242,7 @@ impl Sift<'_> {
         lane: usize,
         row: &SphereRow,
         other: Other,
-        reached: Reached,
+        reached: Overlaps,
         towards: impl Fn(usize) -> Vec3,
     ) {
         let (mut near, touched) = (reached.near & row.filled, reached.touched & row.filled);
@@ -286,7 +286,7 @@ impl Sift<'_> {
 
 /// Which spheres of the same number meet.
 #[inline(always)]
-pub(super) fn meeting<L: Lanes>(l: L, a: &Sixteen<L>, b: &Sixteen<L>) -> Reached {
+pub(super) fn meeting<L: Lanes>(l: L, a: &SpherePacket<L>, b: &SpherePacket<L>) -> Overlaps {
     let x = l.sub(a.centre[0], b.centre[0]);
     let y = l.sub(a.centre[1], b.centre[1]);
     let z = l.sub(a.centre[2], b.centre[2]);
@@ -294,7 +294,7 @@ pub(super) fn meeting<L: Lanes>(l: L, a: &Sixteen<L>, b: &Sixteen<L>) -> Reached
     let margin = l.add(a.margin, b.margin);
     let near = within(l, square, l.add(l.add(a.outer, b.outer), margin));
     let touched = inside(l, square, l.sub(l.add(a.inner, b.inner), margin));
-    Reached { near: near | touched, touched }
+    Overlaps { near: near | touched, touched }
 }
 
 /// Number of lanes, as the masks have them.

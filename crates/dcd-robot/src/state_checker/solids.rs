@@ -1,7 +1,7 @@
 //! Obstacles as sixteen spheres are compared with them.
 
 use super::separate::Support;
-use super::{FAR, MARGIN, Sixteen};
+use super::{FAR, MARGIN, SpherePacket};
 use dcd_geom::{Aabb, CurvedKind, Kind, Polytope, Pose, Scene, Shape, SphereBounds};
 use dcd_simd::{Block, Lanes, WIDTH};
 use glam::{DVec3, Vec3};
@@ -50,7 +50,7 @@ const CORNERS: usize = 64;
 
 /// Which of sixteen spheres reach an obstacle, a bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Reached {
+pub(super) struct Overlaps {
     /// What is not proved apart, what is proved to touch among it.
     pub(super) near: u32,
     /// Whose inner spheres are proved to touch.
@@ -126,8 +126,8 @@ impl Solid {
     /// Which of the spheres are near, and which touch. The outer and inner radii are without the spheres' own
     /// margins (docs/numerics/proofs.md, "states in lanes").
     #[inline(always)]
-    pub(super) fn reached<L: Lanes>(&self, l: L, spheres: &Sixteen<L>) -> Reached {
-        let Sixteen { centre, outer, inner, margin } = *spheres;
+    pub(super) fn reached<L: Lanes>(&self, l: L, spheres: &SpherePacket<L>) -> Overlaps {
+        let SpherePacket { centre, outer, inner, margin } = *spheres;
         let margin = l.add(margin, l.splat(self.margin));
         let mut from = from_point(l, centre, self.centre);
         if let Some([x, y, z]) = self.axes {
@@ -158,13 +158,13 @@ impl Solid {
         let somewhere = l.bits(l.le(sum, sum));
         let Form::Bounded { outer: (middle, radius), inner: known } = self.form else {
             let touched = inside(l, square, inner_reach) & somewhere;
-            return Reached { near: near | touched, touched };
+            return Overlaps { near: near | touched, touched };
         };
         let to_outer = squared(l, from_point(l, centre, middle));
         let near = near & within(l, to_outer, l.add(reach, l.splat(radius)));
         let to_inner = squared(l, from_point(l, centre, known.0));
         let touched = inside(l, to_inner, l.add(inner_reach, l.splat(known.1))) & somewhere;
-        Reached { near: near | touched, touched }
+        Overlaps { near: near | touched, touched }
     }
 }
 

@@ -1,6 +1,6 @@
 //! What is proved of a pair in the interval round where the robot is, without a solver.
 
-use super::super::outline::Support;
+use super::super::bounding_volumes::Support;
 use super::super::place::{Near, Twist};
 use super::super::rows::RowMotion;
 use super::super::{EdgePair, ROUNDED_UP};
@@ -28,7 +28,7 @@ impl Search<'_> {
             return;
         }
         mover.node = self.nodes;
-        let whole = &self.checker.outlines[i].whole;
+        let whole = &self.checker.volumes[i].whole;
         let pose = &self.at.poses[*part];
         let stretch = 1.0 + 1e-9 + 4.0 * pose.deviation();
         mover.deviation = pose.deviation();
@@ -54,7 +54,7 @@ impl Search<'_> {
             return;
         }
         let mover = &self.movers[i];
-        let outline = &self.checker.outlines[i];
+        let volumes = &self.checker.volumes[i];
         let motion = RowMotion {
             base: self.checker.robot().base.translation,
             turn: mover.twist.turn,
@@ -63,7 +63,7 @@ impl Search<'_> {
             change: 0.5 * self.half * self.half * mover.local.acceleration[0],
             most: self.half * mover.local.speed[0],
         };
-        let placed = outline.cover.place(self.pose(object), &motion);
+        let placed = volumes.cover.place(self.pose(object), &motion);
         let mover = &mut self.movers[i];
         (mover.cover, mover.cover_node) = (placed, self.nodes);
     }
@@ -82,7 +82,7 @@ impl Search<'_> {
         let [in_a, in_b] = [a, b].map(|i| {
             let mover = &self.movers[i];
             let twist = mover.twist.from(&carrier);
-            let radius = self.checker.outlines[i].whole.outer;
+            let radius = self.checker.volumes[i].whole.outer;
             (twist.of(mover.middle - base), radius * twist.turn.length())
         });
         let now = (in_a.0 - in_b.0).length() + in_a.1 + in_b.1;
@@ -116,8 +116,8 @@ impl Search<'_> {
         let [a, b] = edge_pair.objects;
         let (in_a, in_b) = (a as usize, b as usize);
         let off = self.off[pair as usize] + self.slack(edge_pair);
-        let whole_a = self.checker.outlines[in_a].whole.outer;
-        let whole_b = self.checker.outlines[in_b].whole.outer;
+        let whole_a = self.checker.volumes[in_a].whole.outer;
+        let whole_b = self.checker.volumes[in_b].whole.outer;
         let moved = self.moved(edge_pair);
         let middle = self.movers[in_a].middle;
         let other = self.checker.movers[in_b].is_some();
@@ -129,19 +129,19 @@ impl Search<'_> {
             }
             self.update_cover(a);
             self.update_cover(b);
-            let [row, other] = [in_a, in_b].map(|i| &self.checker.outlines[i].cover);
+            let [row, other] = [in_a, in_b].map(|i| &self.checker.volumes[i].cover);
             let (placed, other_placed) = (&self.movers[in_a].cover, &self.movers[in_b].cover);
             let found = row.against_row(placed, (other, other_placed));
             let margin = margin.max(found.least - moved - off);
             return BySpheres { margin, upper: found.upper + off, direction: found.direction };
         }
-        let solid = &self.checker.outlines[in_b].solid;
+        let solid = &self.checker.volumes[in_b].solid;
         let rotation = *self.pose(b).rotation();
         let local = self.local(b, middle);
         let (far, near) = solid.nearest(local);
         let direction = rotation * (near - local);
         let margin = far - whole_a - moved - off;
-        let cover = &self.checker.outlines[in_a].cover;
+        let cover = &self.checker.volumes[in_a].cover;
         if self.suffices(margin) || !far.is_finite() {
             let margin = if far.is_finite() { margin } else { f64::NEG_INFINITY };
             return BySpheres { margin, upper: f64::INFINITY, direction };
@@ -149,7 +149,7 @@ impl Search<'_> {
         self.update_cover(a);
         let pose = self.pose(b);
         let found = cover.against_solid(&self.movers[in_a].cover, (solid, pose));
-        let is_exact = self.checker.outlines[in_b].is_solid;
+        let is_exact = self.checker.volumes[in_b].is_solid;
         let upper = if is_exact { found.upper.max(0.0) + off } else { f64::INFINITY };
         BySpheres { margin: margin.max(found.least - off), upper, direction: found.direction }
     }
@@ -158,7 +158,7 @@ impl Search<'_> {
     /// less what their accelerations may do. `None` where one has no support map.
     pub(super) fn along(&self, pair: u32, edge_pair: &EdgePair, direction: DVec3) -> Option<Gaps> {
         let [a, b] = edge_pair.objects;
-        let supports = [a, b].map(|i| self.checker.outlines[i as usize].support.as_ref());
+        let supports = [a, b].map(|i| self.checker.volumes[i as usize].support.as_ref());
         let ([Some(in_a), Some(in_b)], Some(n)) = (supports, direction.try_normalize()) else {
             return None;
         };

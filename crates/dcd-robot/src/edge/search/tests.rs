@@ -14,7 +14,7 @@ fn search<'a>(
     search.nodes = 1;
     search.at.go_to(checker, path, middle).unwrap();
     search.half = half;
-    (0..checker.outlines.len() as u32).for_each(|i| search.update(i));
+    (0..checker.volumes.len() as u32).for_each(|i| search.update(i));
     search
 }
 

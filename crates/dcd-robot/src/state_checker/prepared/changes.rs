@@ -1,7 +1,7 @@
 //! Obstacles that change: what is kept of them follows, and nothing else is computed.
 
-use super::super::boxes::BoxRow;
 use super::super::obstacle_tree::ObstacleTree;
+use super::super::packed_aabbs::PackedAabbs;
 use super::super::solids::Solid;
 use super::Prepared;
 use crate::{Obstacle, RobotError};
@@ -28,7 +28,7 @@ impl Prepared {
         }
         let object = self.obstacles().start + place;
         let (solid, aabb) = self.solid(object);
-        BoxRow::put(&mut self.boxes, place, &aabb, &solid);
+        PackedAabbs::put(&mut self.boxes, place, &aabb, &solid);
         self.aabbs.push(aabb);
         self.solids.push(solid);
         self.note_filters();
@@ -63,7 +63,7 @@ impl Prepared {
             return Ok(());
         }
         let last = (self.aabbs.pop(), self.solids.pop());
-        BoxRow::drop_last(&mut self.boxes, count);
+        PackedAabbs::drop_last(&mut self.boxes, count);
         self.note_filters();
         if let Some(tree) = &mut self.tree {
             tree.forget(count as u32 - 1);
@@ -78,7 +78,7 @@ impl Prepared {
     }
 
     fn put(&mut self, place: usize, aabb: dcd_geom::Aabb, solid: Solid) {
-        BoxRow::put(&mut self.boxes, place, &aabb, &solid);
+        PackedAabbs::put(&mut self.boxes, place, &aabb, &solid);
         (self.aabbs[place], self.solids[place]) = (aabb, solid);
     }
 

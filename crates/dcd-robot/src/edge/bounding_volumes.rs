@@ -15,7 +15,7 @@ const MOST_VERTICES: usize = 4096;
 
 /// In the shape's own frame, metres.
 #[derive(Clone, Debug)]
-pub(super) struct Outline {
+pub(super) struct BoundingVolumes {
     /// A sphere round all of it; infinite round what has no end.
     pub(super) whole: CoverSphere,
     pub(super) cover: CoverRow,
@@ -29,7 +29,7 @@ pub(super) struct Outline {
     pub(super) reach: f64,
 }
 
-impl Outline {
+impl BoundingVolumes {
     /// Covered by at most so many spheres.
     pub(super) fn of(shape: &Shape, most: usize, covers: &mut Covers) -> Self {
         let one = covers.of(shape, 1);
@@ -191,8 +191,8 @@ mod tests {
             hull.rounded(0.05).unwrap(),
         ];
         for shape in shapes {
-            let Outline { support, solid, whole, .. } =
-                Outline::of(&shape, MOST_SPHERES, &mut Covers::default());
+            let BoundingVolumes { support, solid, whole, .. } =
+                BoundingVolumes::of(&shape, MOST_SPHERES, &mut Covers::default());
             let support = support.unwrap();
             let at = dcd_gjk::PosedShape { shape: &shape, pose: &Pose::IDENTITY };
             for k in 0..300 {
@@ -227,10 +227,10 @@ mod tests {
     fn a_box_is_as_far_as_it_is_and_what_has_no_end_nowhere() {
         let covers = &mut Covers::default();
         let plate = Shape::cuboid(DVec3::new(1.0, 2.0, 0.01)).unwrap();
-        let plate = Outline::of(&plate, MOST_SPHERES, covers);
+        let plate = BoundingVolumes::of(&plate, MOST_SPHERES, covers);
         assert!((plate.solid.nearest(DVec3::new(0.0, 1.5, 1.0)).0 - 0.99).abs() < 1e-15);
         assert!(plate.solid.nearest(DVec3::new(0.5, -1.9, 0.0)).0 <= 0.0);
-        let ground = Outline::of(&Shape::half_space(DVec3::Z, 0.0).unwrap(), 1, covers);
+        let ground = BoundingVolumes::of(&Shape::half_space(DVec3::Z, 0.0).unwrap(), 1, covers);
         assert!(!(ground.solid.nearest(DVec3::Z * 9.0).0 > 0.0));
         assert!(ground.support.is_none() && ground.whole.outer == f64::INFINITY);
     }

@@ -1,21 +1,21 @@
 //! Boxes round what sixteen states have in common: what is far from all of them costs one comparison.
 
 use super::solids::Solid;
-use super::{FAR, Sixteen};
+use super::{FAR, SpherePacket};
 use dcd_geom::Aabb;
 use dcd_simd::{Block, Lanes, Row, WIDTH};
 use glam::Vec3;
 
 /// The boxes of sixteen obstacles, each larger by twice the obstacle's margin.
 #[derive(Clone, Debug)]
-pub(super) struct BoxRow {
+pub(super) struct PackedAabbs {
     min: Block,
     max: Block,
     /// Those that there are.
     filled: u32,
 }
 
-impl BoxRow {
+impl PackedAabbs {
     /// Fills rows with the boxes of obstacles and what these are compared as, in place of what was there.
     pub(super) fn fill(rows: &mut Vec<Self>, aabbs: &[Aabb], solids: &[Solid]) {
         rows.clear();
@@ -74,8 +74,8 @@ impl BoxRow {
 /// beyond what [`Solid::reached`] and spheres of links take for near, whatever those round, and an answer does not
 /// depend on which spheres there are.
 #[inline(always)]
-pub(super) fn around<L: Lanes>(l: L, spheres: &Sixteen<L>, some: u32) -> Aabb {
-    let Sixteen { centre, outer, margin, .. } = *spheres;
+pub(super) fn around<L: Lanes>(l: L, spheres: &SpherePacket<L>, some: u32) -> Aabb {
+    let SpherePacket { centre, outer, margin, .. } = *spheres;
     let reach = l.add(outer, l.add(margin, margin));
     let (wanted, none) = (l.mask(some), l.splat(f32::NEG_INFINITY));
     let (mut min, mut max) = (Vec3::ZERO, Vec3::ZERO);
