@@ -59,6 +59,7 @@ fn has_blocks(map: &impl InBlocks) -> bool {
     map.polytope().is_some_and(|polytope| !polytope.vertex_blocks().is_empty())
 }
 
+/// One support, compiled once a path for all searches that take it.
 struct LowestVertex<'a, 'b, A, B> {
     difference: &'a Difference<'b, f64, A, B>,
     direction: DVec3,
@@ -68,8 +69,13 @@ impl<A: InBlocks, B: InBlocks> Kernel for LowestVertex<'_, '_, A, B> {
     type Output = (Vertex<f64>, f64);
 
     #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) -> Self::Output {
-        Exact { lanes, difference: self.difference }.lowest(self.direction)
+    fn run<L: Lanes>(self, l: L) -> Self::Output {
+        let Self { difference, direction } = self;
+        let (a, b) = difference.maps();
+        let [in_a, in_b] = difference.to_local(direction);
+        let (a, b) = (farthest(l, a, -in_a), farthest(l, b, in_b));
+        let vertex = Vertex { w: difference.world(a.point, b.point), a, b };
+        (vertex, difference.separation(direction, &vertex))
     }
 }
 
@@ -88,11 +94,7 @@ pub(crate) struct Exact<'a, 'b, L, A, B> {
 impl<L: Lanes, A: InBlocks, B: InBlocks> Lowest for Exact<'_, '_, L, A, B> {
     #[inline(always)]
     fn lowest(&self, direction: DVec3) -> (Vertex<f64>, f64) {
-        let (a, b) = self.difference.maps();
-        let [in_a, in_b] = self.difference.to_local(direction);
-        let (a, b) = (farthest(self.lanes, a, -in_a), farthest(self.lanes, b, in_b));
-        let vertex = Vertex { w: self.difference.world(a.point, b.point), a, b };
-        (vertex, self.difference.separation(direction, &vertex))
+        self.lanes.call(LowestVertex { difference: self.difference, direction })
     }
 }
 
