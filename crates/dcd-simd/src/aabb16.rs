@@ -44,8 +44,8 @@ impl Aabb16 {
         }
     }
 
-    /// The AABB round all sixteen.
-    #[inline(always)]
+    /// The AABB round all sixteen. Out of line: in a kernel it would hold registers that the kernel needs.
+    #[inline(never)]
     pub fn union(&self) -> Aabb {
         let [min, max] = [&self.min, &self.max];
         Aabb {
