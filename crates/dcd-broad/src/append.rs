@@ -11,9 +11,12 @@ pub(crate) struct Appender<'a> {
     end: usize,
 }
 
-/// By how many pairs the list grows, at least sixteen. Larger: more memory is cleared in vain at the end
+/// By how many pairs the list grows, at least [`ROOM`]. Larger: more memory is cleared in vain at the end
 /// of a task. Smaller: it grows more often.
 const GROWTH: usize = 512;
+
+/// The pairs of sixteen objects with sixteen, and the surplus of the last ones.
+const ROOM: usize = WIDTH * WIDTH + WIDTH;
 
 impl<'a> Appender<'a> {
     pub(crate) fn new(out: &'a mut Vec<Pair>) -> Self {
@@ -21,17 +24,22 @@ impl<'a> Appender<'a> {
         Self { out, end }
     }
 
-    /// Appends the pairs of an object with the `hits` of sixteen others.
+    /// Makes room for the pairs of sixteen objects with sixteen others: once for all of them, for a call that may be
+    /// made before each would leave no register to the search.
     #[inline(always)]
-    pub(crate) fn append<L: Lanes>(&mut self, l: L, one: u32, (others, hits): (&IndexRow, u32)) {
-        if self.out.len() < self.end + WIDTH {
+    pub(crate) fn make_room(&mut self) {
+        if self.out.len() < self.end + ROOM {
             self.grow();
         }
+    }
+
+    /// Appends the pairs of an object with the `hits` of sixteen others, for which there is room.
+    #[inline(always)]
+    pub(crate) fn append<L: Lanes>(&mut self, l: L, one: u32, (others, hits): (&IndexRow, u32)) {
         // Sixteen are written where they stay, and the surplus is written over.
-        if let Some(slot) = self.out[self.end..].first_chunk_mut() {
-            l.compress_pairs(hits, (one, l.load_u(others)), slot);
-            self.end += hits.count_ones() as usize;
-        }
+        let slot = self.out[self.end..].first_chunk_mut().expect("room is made for all pairs");
+        l.compress_pairs(hits, (one, l.load_u(others)), slot);
+        self.end += hits.count_ones() as usize;
     }
 
     #[cold]

@@ -275,6 +275,7 @@ impl StaticTreeSearch<'_> {
     /// Appends the pairs of one name with the lanes `hits` of a leaf.
     #[inline(always)]
     fn emit<L: Lanes>(&mut self, l: L, query: u32, leaf: usize, hits: u32) {
+        self.out.make_room();
         self.out.append(l, query, (&self.names[leaf], hits));
     }
 }

@@ -208,6 +208,7 @@ impl SelfPairSearch<'_> {
     #[inline(always)]
     fn within<L: Lanes>(&mut self, l: L, leaf: usize) {
         let boxes = &self.tree.leaves()[leaf];
+        self.out.make_room();
         for lane in 0..self.tree.boxes_in(leaf) {
             let hits = boxes.overlaps(l, &boxes.get(lane)) & later(lane);
             self.emit(l, self.tree.ids()[leaf].0[lane], leaf, hits);
@@ -222,6 +223,7 @@ impl SelfPairSearch<'_> {
         let others = &self.tree.leaves()[other];
         let node = &self.tree.levels()[0][other / WIDTH];
         let mut reaching = boxes.overlaps(l, &node.get(other % WIDTH));
+        self.out.make_room();
         while reaching != 0 {
             let lane = reaching.trailing_zeros() as usize;
             reaching &= reaching - 1;
