@@ -7,7 +7,8 @@ use super::scenes::Draw;
 use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::{Pose, Shape};
 use dcd_gjk::query::MeasureAt;
-use dcd_gjk::{Accuracy, Manifold, Manifolds, PosedShape, Verdict, certified};
+use dcd_gjk::{Accuracy, Depths, Manifold, Manifolds, PosedShape, SimdDepths, Verdict, certified};
+use dcd_pipeline::prelude::{Par, Pipeline, Scene, WideTree};
 
 /// What f64 loses of the judge's own coordinates, metres.
 const ROUNDING: f64 = 1e-9;
@@ -158,4 +159,61 @@ fn each_point_of_a_manifold_is_of_both_surfaces_and_as_deep_as_it_says() {
         }
     }
     assert!(judged > 32_000, "{judged}");
+}
+
+/// Objects of all kinds close together, those of a round scene on a grid; cuboids and spheres, which lanes answer, the most.
+fn crowd(draw: &mut Draw, round: bool) -> Scene {
+    let mut objects: Vec<_> = (0..40usize)
+        .map(|k| {
+            let kind = if k < 24 { [2, 0, 7][k % 3] } else { k % 12 };
+            let (shape, at) = (shape(draw, kind, round), place(draw, round) * 1.5);
+            (shape, Pose::from_matrix(turn(draw, round), at).unwrap())
+        })
+        .collect();
+    let floor = Shape::half_space(DVec3::Z, -1.0).unwrap();
+    objects.push((floor, Pose::IDENTITY));
+    let (shapes, poses) = objects.into_iter().unzip();
+    Scene::one_each(shapes, poses).unwrap()
+}
+
+#[test]
+fn so_are_the_points_of_a_scenes_manifolds_and_its_depths() {
+    let seed = std::env::var("DCD_SEED").map_or(23, |seed| seed.parse().expect("a seed"));
+    let mut draw = Draw(seed);
+    let [mut manifolds, mut depths] = [0; 2];
+    for k in 0..60usize {
+        let scene = crowd(&mut draw, k % 2 == 0);
+        let posed = |object: u32| PosedShape::of(&scene, object);
+        let narrow = SimdDepths::new(Manifolds::default(), Accuracy::F32);
+        let mut pipeline = Pipeline::with(WideTree::default(), narrow);
+        for found in pipeline.step(&scene, Par::Serial).answers() {
+            let (sides, what) = (
+                [posed(found.pair.i), posed(found.pair.j)],
+                format!("scene {k}, {:?}", found.pair),
+            );
+            let are_convex = sides.iter().all(|side| {
+                !matches!(side.shape, Shape::Mesh(_) | Shape::Compound(_) | Shape::HalfSpace(_))
+            });
+            for manifold in found.answer.iter() {
+                judge(manifold, sides, &what);
+                if are_convex {
+                    judge_depth(manifold, sides, &what);
+                }
+                manifolds += 1;
+            }
+        }
+        // Beside the same pairs alone, as well as f64 knows them.
+        let narrow = SimdDepths::new(Depths, Accuracy::F32);
+        let mut pipeline = Pipeline::with(WideTree::default(), narrow);
+        for found in pipeline.step(&scene, Par::Serial).answers() {
+            let [a, b] = [posed(found.pair.i), posed(found.pair.j)];
+            let alone = Depths.measure_at(Accuracy::Certified, a, b, &mut Default::default());
+            let Verdict::Touching(alone) = alone else { panic!("{:?}: {alone:?}", found.pair) };
+            let bound = found.answer.error_bound + alone.error_bound;
+            let off = (found.answer.depth - alone.depth).abs();
+            assert!(off <= bound + ROUNDING, "scene {k}, {:?}: {off} over {bound}", found.pair);
+            depths += 1;
+        }
+    }
+    assert!(manifolds > 4_000 && depths > 4_000, "{manifolds} {depths}");
 }
