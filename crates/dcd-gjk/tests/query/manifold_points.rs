@@ -5,7 +5,7 @@ use super::PosedSupport;
 use super::patches::grid;
 use super::scenes::Draw;
 use dcd_geom::glam::{DMat3, DQuat, DVec3};
-use dcd_geom::{Pose, Shape};
+use dcd_geom::{Pose, Shape, SupportMap};
 use dcd_gjk::query::MeasureAt;
 use dcd_gjk::{Accuracy, Depths, Manifold, Manifolds, PosedShape, SimdDepths, Verdict, certified};
 use dcd_pipeline::prelude::{Par, Pipeline, Scene, WideTree};
@@ -123,12 +123,30 @@ fn judge_depth(found: &Manifold, [a, b]: [PosedShape<'_>; 2], what: &str) {
     assert!(!is_shallower, "{what}: not as deep as {found:?}");
 }
 
+/// The manifold at each accuracy of two shapes that touch, judged. How many.
+fn judge_all([a, b]: [PosedShape<'_>; 2], are_convex: bool, what: &str) -> usize {
+    let mut judged = 0;
+    for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+        let what = format!("{what}, {accuracy:?}");
+        let found = Manifolds::default().measure_at(accuracy, a, b, &mut Default::default());
+        let Verdict::Touching(found) = found else { panic!("{what}: {found:?}") };
+        assert!(!found.is_empty(), "{what}");
+        for manifold in found.iter() {
+            judge(manifold, [a, b], &what);
+            if are_convex {
+                judge_depth(manifold, [a, b], &what);
+            }
+            judged += 1;
+        }
+    }
+    judged
+}
+
 #[test]
 fn each_point_of_a_manifold_is_of_both_surfaces_and_as_deep_as_it_says() {
     // Another seed by `DCD_SEED`.
     let seed = std::env::var("DCD_SEED").map_or(19, |seed| seed.parse().expect("a seed"));
     let mut draw = Draw(seed);
-    let mut scratch = Default::default();
     let mut judged = 0;
     for k in 0..48_000usize {
         let (kinds, round) = ([k % 12, k / 12 % 12], k % 5 < 2);
@@ -144,21 +162,42 @@ fn each_point_of_a_manifold_is_of_both_surfaces_and_as_deep_as_it_says() {
         if verdict(a, b) != Verdict::Touching(()) {
             continue;
         }
-        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
-            let what = format!("{k}, kinds {kinds:?}, {accuracy:?}");
-            let found = Manifolds::default().measure_at(accuracy, a, b, &mut scratch);
-            let Verdict::Touching(found) = found else { panic!("{what}: {found:?}") };
-            assert!(!found.is_empty(), "{what}");
-            for manifold in found.iter() {
-                judge(manifold, [a, b], &what);
-                if kinds.iter().all(|&kind| kind <= CONVEX) {
-                    judge_depth(manifold, [a, b], &what);
-                }
-                judged += 1;
-            }
-        }
+        let are_convex = kinds.iter().all(|&kind| kind <= CONVEX);
+        judged += judge_all([a, b], are_convex, &format!("{k}, kinds {kinds:?}"));
     }
     assert!(judged > 32_000, "{judged}");
+}
+
+#[test]
+fn so_are_those_of_shapes_whose_cores_hardly_touch() {
+    let seed = std::env::var("DCD_SEED").map_or(29, |seed| seed.parse().expect("a seed"));
+    let mut draw = Draw(seed);
+    let mut judged = 0;
+    for k in 0..24_000usize {
+        let (kinds, round) = ([k % CONVEX, k / CONVEX % CONVEX], k % 5 < 3);
+        let shapes = kinds.map(|kind| convex(&mut draw, kind, round));
+        let axis = [DVec3::X, DVec3::Y, DVec3::Z][k % 3];
+        let lean = [0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-5][k / 7 % 6];
+        let gap = [0.0, 1e-16, -1e-16, 1e-14, -1e-14, 1e-11, -1e-11, 1e-8, -1e-8, 1e-6][k / 11 % 10];
+        let upright = turn(&mut draw, true);
+        let leaning = DMat3::from_quat(DQuat::from_scaled_axis(place(&mut draw, false) * lean));
+        let turns = [upright, leaning * turn(&mut draw, true)];
+        // b's core beside a's along the axis, and anywhere else across it.
+        let local = |number: usize, axis: DVec3| {
+            let end = shapes[number].support(turns[number].transpose() * axis).point;
+            axis.dot(turns[number] * end)
+        };
+        let beside = axis * (local(0, axis) - local(1, -axis) + gap);
+        let across = (place(&mut draw, round) * 0.25) * (DVec3::ONE - axis);
+        let origin = place(&mut draw, round);
+        let pose = |number: usize, at| Pose::from_matrix(turns[number], at).unwrap();
+        let poses = [pose(0, origin), pose(1, origin + beside + across)];
+        let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
+        if verdict(a, b) == Verdict::Touching(()) {
+            judged += judge_all([a, b], true, &format!("{k}, kinds {kinds:?}, {gap:e}, {lean:e}"));
+        }
+    }
+    assert!(judged > 20_000, "{judged}");
 }
 
 /// Objects of all kinds close together, those of a round scene on a grid; cuboids and spheres, which lanes answer, the most.

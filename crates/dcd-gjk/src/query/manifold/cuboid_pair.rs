@@ -4,7 +4,7 @@ use super::clip::different;
 use super::cuboid_polygon::{MOST, Points, features};
 use super::cuboids::{self, Clipped, Clipping};
 use super::reduce::{self, Spot};
-use super::{Manifold, SAME, bound_of};
+use super::{Manifold, SAME, bound_of, bound_of_witnesses, write_one_point};
 use crate::PosedShape;
 use crate::epa::Depth;
 use dcd_geom::glam::{DVec2, DVec3};
@@ -45,10 +45,8 @@ pub(super) fn write(
         seen.write(depth, points, a.pose.translation(), found)
     });
     if !is_patch {
-        found.count = 1;
-        let point = &mut found.points[0];
-        (point.point_a, point.point_b) = (depth.point_a, depth.point_b);
-        (point.depth, point.features) = (depth.depth, clipped.patch.whole);
+        write_one_point(depth, clipped.patch.whole, found);
+        found.error_bound = bound_of_witnesses(depth, clipped.patch.size, [a, b]);
     }
     true
 }

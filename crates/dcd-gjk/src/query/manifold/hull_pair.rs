@@ -9,7 +9,7 @@ use super::cuboid_polygon::{LineOf, PointOf, Polygon, features};
 use super::facing::Part;
 use super::feature::{Placed, View};
 use super::reduce::{self, Spot};
-use super::{CROSSING, Feature, Manifold, SAME, bound_of};
+use super::{CROSSING, Feature, Manifold, SAME, bound_of, bound_of_witnesses, write_one_point};
 use crate::PosedShape;
 use crate::epa::Depth;
 use crate::query::FoundDepth;
@@ -127,13 +127,17 @@ pub(super) fn write(
     };
     let parts = [view.part_round(in_a, &placed[0], of_a), view.part_round(in_b, &placed[1], of_b)];
     let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
-    found.normal = depth.normal;
-    found.error_bound = bound_of(depth, size, [a, b]);
     let whole = [parts[0].name(), parts[1].name()];
+    let write_one = |found: &mut Manifold| {
+        write_one_point(depth, whole, found);
+        found.error_bound = bound_of_witnesses(depth, size, [a, b]);
+    };
     if share_no_corners(&view, &parts, [in_a, in_b], &placed) {
-        write_one(depth, whole, found);
+        write_one(found);
         return true;
     }
+    found.normal = depth.normal;
+    found.error_bound = bound_of(depth, size, [a, b]);
     let [of_a, of_b] = parts;
     let sides = [Side::of(&view, in_a, of_a, &placed[0]), Side::of(&view, in_b, of_b, &placed[1])];
     // The face that is more square to the normal clips: its plane is the better known.
@@ -142,17 +146,9 @@ pub(super) fn write(
         Clipping { view: &view, clips: &sides[number], clipped: &sides[1 - number], number, size };
     let Some(base) = clipping.clip(points) else { return false };
     if !clipping.write(depth, (points, base), a.pose.translation(), found) {
-        write_one(depth, whole, found);
+        write_one(found);
     }
     true
-}
-
-/// The witnesses of the depth, which are of those parts, as the only point.
-fn write_one(depth: &Depth, features: [Feature; 2], found: &mut Manifold) {
-    found.count = 1;
-    let point = &mut found.points[0];
-    (point.point_a, point.point_b) = (depth.point_a, depth.point_b);
-    (point.depth, point.features) = (depth.depth, features);
 }
 
 /// What clips, and what is clipped.

@@ -417,16 +417,21 @@ fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) -> f64 {
     (depth.error_bound + FLAT * size + 8.0 * f64::EPSILON * far).min(f64::MAX)
 }
 
-/// The same of a manifold that is the witnesses of the depth alone.
+/// The same of a manifold that is the witnesses of the depth alone, with what these lack of the depth along the normal.
 ///
-/// Those of a cylinder, cone or foreign shape are on chords of its surface: inside by no more than what their difference
-/// lacks of the depth along the normal, for all of a shape is on one side of its plane there.
+/// Those of polytopes are of their surfaces, however far they are beside each other. Those of a cylinder, cone or foreign
+/// shape are on chords of its surface: inside by no more than what their difference lacks of the depth, for all of a shape is
+/// on one side of its plane there.
 fn bound_of_witnesses(depth: &Depth, size: f64, sides: [PosedShape<'_>; 2]) -> f64 {
-    let bound = bound_of(depth, size, sides);
-    if sides.iter().all(|side| side.shape.as_polytope().is_some()) {
-        return bound;
-    }
-    (bound + missed(depth)).min(f64::MAX)
+    let are_polytopes = sides.iter().all(|side| side.shape.as_polytope().is_some());
+    let lacking = if are_polytopes { missed_along(depth) } else { missed(depth) };
+    (bound_of(depth, size, sides) + lacking).min(f64::MAX)
+}
+
+/// How far the witnesses of a depth are from differing by it along its normal, metres: where cores hardly overlap, the
+/// nearest points of a search in f64 are apart, and the depth is how far the shapes reach.
+fn missed_along(depth: &Depth) -> f64 {
+    ((depth.point_a - depth.point_b).dot(depth.normal) - depth.depth).abs()
 }
 
 /// How far the witnesses of a depth are from differing by it, metres.

@@ -3,7 +3,7 @@
 
 use super::corners::{self, OfSphere};
 use super::feature::{Placed, View};
-use super::{Feature, bound_of, bound_of_witnesses};
+use super::{Feature, bound_of_witnesses};
 use crate::epa::Depth;
 use crate::{PosedShape, order};
 use dcd_geom::glam::DVec3;
@@ -45,7 +45,7 @@ fn of_capsules(depth: &Depth, [a, b]: [PosedShape<'_>; 2]) -> Option<([Feature; 
         features.reverse();
     }
     let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
-    Some((features, bound_of(depth, size, [a, b])))
+    Some((features, bound_of_witnesses(depth, size, [a, b])))
 }
 
 /// The features and the bound of a sphere and another convex shape, which touch in the witnesses of their depth; `None` of

@@ -43,6 +43,8 @@ pub(crate) fn approach_from<A: InBlocks, B: InBlocks>(
     first: Simplex<f64>,
 ) -> Result<Approach, Verdict<()>> {
     let mut best = Approach::towards(start::<f64>(difference.middle()));
+    // The direction that `lower` is known by, and what the one that was tried last bounds.
+    let (mut proved, mut last_lower) = (best.direction, -f64::MAX);
     let mut first = (!first.vertices().is_empty()).then_some(first);
     let mut nearest_so_far = f64::MAX;
     for _ in 0..MAX_SUPPORTS {
@@ -52,7 +54,10 @@ pub(crate) fn approach_from<A: InBlocks, B: InBlocks>(
             None => {
                 let (vertex, separation) = lowest(difference, best.direction);
                 let along = separation / best.direction.length();
-                best.lower = best.lower.max(bounds.lower_bound_along(along));
+                last_lower = bounds.lower_bound_along(along);
+                if last_lower > best.lower {
+                    (best.lower, proved) = (last_lower, best.direction);
+                }
                 // The gap is closed to the last bit, or the vertex is nothing new.
                 let is_closed =
                     best.length - along <= UNIT * best.length || best.upper - best.lower <= gap;
@@ -77,24 +82,34 @@ pub(crate) fn approach_from<A: InBlocks, B: InBlocks>(
             return Err(Verdict::Touching(()));
         }
         match unit::<f64>(near.direction) {
-            Some(next) if !bounds.passes_through(squared) => best.direction = next,
+            Some(next) if !bounds.passes_through(squared) => {
+                (best.direction, last_lower) = (next, -f64::MAX);
+            }
             // Rounding is all that parts the simplex from the origin: its normal bounds how deep the
             // two overlap at most, if it does so better than what was tried before.
             Some(last) => {
                 let (_, separation) = lowest(difference, last);
                 let lower = bounds.lower_bound(last, separation);
                 if lower > best.lower {
-                    (best.lower, best.direction) = (lower, last);
+                    (best.lower, best.direction, last_lower) = (lower, last, lower);
                 }
                 break;
             }
             None => break,
         }
     }
+    // Of cores that are hardly apart the last direction may be rounding; along it the shapes would be deeper than is said.
+    if best.lower - last_lower > TURNED * UNIT {
+        best.direction = proved;
+    }
     // Not even one vertex, though they are not known to be far: a foreign map answered NaN.
     let found = !best.simplex.vertices().is_empty() || best.lower >= enough;
     if found { Ok(best) } else { Err(Verdict::Undecided(Reason::WithinRounding)) }
 }
+
+/// How much less than the best the last direction may bound and be kept, for it is the nearest point's: u of the pair's size,
+/// some of what a bound loses. Larger: depths that are exceeded along their normals. Smaller: normals of rounding.
+const TURNED: f64 = 8.0;
 
 /// What two points, one of each core and in its frame, prove, if their bounds are as near as a search's end:
 /// within `gap`, or what f64 leaves.

@@ -37,9 +37,9 @@ pub(super) struct Answer {
 }
 
 impl Answer {
-    /// No overlap.
-    pub(super) fn apart(normal: Normal) -> Self {
-        let witnesses = [DVec3::ZERO; 2];
+    /// Cores without a radius that are apart along a direction: no overlap, and the points that are nearest.
+    pub(super) fn apart(difference: &LatticeDifference<'_>, normal: Normal, gap: &Gap) -> Self {
+        let witnesses = difference.witnesses(gap.corners());
         Self { depth: 0.0, error: 0.0, certainty: Certainty::Apart, normal, witnesses }
     }
 

@@ -40,7 +40,7 @@ use apart::Gap;
 use dcd_geom::Polytope;
 use dcd_geom::glam::DVec3;
 use hull::Hull;
-use lattice::{LatticeDifference, Normal};
+use lattice::LatticeDifference;
 use search::{Bounds, GROWTHS, Separated, Viewer};
 
 /// How deep two shapes overlap, where, and what that is worth. World frame, metres.
@@ -150,10 +150,6 @@ pub(crate) fn depth_and_direction(
         direction = match outcome {
             Outcome::Overlap(bounds) => viewer.direction(hull, bounds, radius),
             Outcome::Gap(gap) => viewer.direction_across(hull, gap, radius),
-            Outcome::Separated(normal) => {
-                let gap = viewer.gap(normal);
-                viewer.direction_across(hull, &gap, radius)
-            }
         };
     });
     (if swapped { depth.mirrored() } else { depth }, direction)
@@ -178,8 +174,6 @@ enum Outcome<'a> {
     Overlap(&'a Bounds),
     /// Cores that are apart, or touch within rounding.
     Gap(&'a Gap),
-    /// Cores without a radius that are apart, along that direction.
-    Separated(Normal),
 }
 
 /// `inspect` sees the outcome with the search as it ended; its hull is used up after.
@@ -208,13 +202,12 @@ fn solve(
             inspect(&mut viewer, hull, Outcome::Gap(&gap));
             answer
         }
-        Err(Separated { normal }) if radius == 0.0 => {
-            inspect(&mut viewer, hull, Outcome::Separated(normal));
-            Answer::apart(normal)
-        }
         Err(Separated { normal }) => {
             let gap = viewer.gap(normal);
-            let answer = Answer::of_gap(&viewer.difference, &gap, 0.0, radii);
+            let answer = match radius {
+                0.0 => Answer::apart(&viewer.difference, normal, &gap),
+                _ => Answer::of_gap(&viewer.difference, &gap, 0.0, radii),
+            };
             inspect(&mut viewer, hull, Outcome::Gap(&gap));
             answer
         }
