@@ -2,6 +2,7 @@
 
 mod depths;
 mod distances;
+mod hardly_touching;
 mod lane_depths;
 mod manifold_points;
 mod manifolds;

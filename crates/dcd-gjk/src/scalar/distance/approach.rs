@@ -99,13 +99,17 @@ pub(crate) fn approach_from<A: InBlocks, B: InBlocks>(
         }
     }
     // Of cores that are hardly apart the last direction may be rounding; along it the shapes would be deeper than is said.
-    if best.lower - last_lower > TURNED * UNIT {
+    if best.length < HARDLY && best.lower - last_lower > TURNED * UNIT {
         best.direction = proved;
     }
     // Not even one vertex, though they are not known to be far: a foreign map answered NaN.
     let found = !best.simplex.vertices().is_empty() || best.lower >= enough;
     if found { Ok(best) } else { Err(Verdict::Undecided(Reason::WithinRounding)) }
 }
+
+/// Below that length of the difference, which is no larger than 1, the direction of the nearest point may be turned by
+/// rounding so far that the shapes reach more than 1e-8 farther along it. Larger: points that are not the nearest, beside each other.
+const HARDLY: f64 = 1e-7;
 
 /// How much less than the best the last direction may bound and be kept, for it is the nearest point's: u of the pair's size,
 /// some of what a bound loses. Larger: depths that are exceeded along their normals. Smaller: normals of rounding.
