@@ -59,8 +59,10 @@ impl Couple<'_> {
         let through = deepest + axis * (high / (high + height));
         let is_clear = |from: DVec3, to: DVec3, opposite: DVec3| {
             let Some(side) = (to - from).cross(axis).try_normalize() else { return false };
-            let inside = side.dot(through - from) * side.dot(opposite - from).signum();
-            inside >= beside + clear
+            // On which side of an edge the triangle is would be rounding where its corners are in a line.
+            let width = side.dot(opposite - from);
+            let inside = side.dot(through - from) * width.signum();
+            width.abs() >= clear && inside >= beside + clear
         };
         if !(is_clear(p, q, r) && is_clear(q, r, p) && is_clear(r, p, q)) {
             return None;

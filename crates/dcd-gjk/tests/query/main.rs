@@ -1,5 +1,6 @@
 //! Queries beyond yes or no.
 
+mod degenerate;
 mod depths;
 mod distances;
 mod hardly_touching;

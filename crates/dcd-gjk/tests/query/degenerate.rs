@@ -1,0 +1,247 @@
+//! Shapes without thickness, of one point repeated, very small, very large, far from the world's origin, or at one place: what
+//! each question answers of them is consistent at every accuracy, and true as far as moved shapes tell.
+
+use super::PosedSupport;
+use super::manifold_points::{CONVEX, convex, place, turn, verdict};
+use super::scenes::Draw;
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Pose, Shape};
+use dcd_gjk::query::MeasureAt;
+use dcd_gjk::{Accuracy, Depths, Distances, Manifolds, PosedShape, Verdict};
+use dcd_pipeline::prelude::{Par, Pipeline, Scene};
+
+const ACCURACIES: [Accuracy; 3] = [Accuracy::F32, Accuracy::F64, Accuracy::Certified];
+
+/// A shape of that kind, most of them without thickness along an axis or two.
+fn thin(draw: &mut Draw, kind: usize, scale: f64) -> Shape {
+    let mut grid = || (place(draw, true) * 2.0).round() * (0.5 * scale);
+    let radius = 0.125 * scale;
+    let mut points =
+        |count: usize, flat: DVec3| -> Vec<DVec3> { (0..count).map(|_| grid() * flat).collect() };
+    let corners = |points: Vec<DVec3>| [points[0], points[1], points[2]];
+    let (flat, line) = (DVec3::new(1.0, 1.0, 0.0), DVec3::new(1.0, 0.0, 0.0));
+    let made = match kind {
+        0 => Shape::sphere(0.0).or_else(|_| Shape::sphere(radius)),
+        1 => Shape::hull(points(9, flat)),
+        2 => Shape::hull(points(4, line)),
+        3 => Shape::hull(vec![points(1, DVec3::ONE)[0]; 3]),
+        4 => Shape::triangle(corners(points(3, flat))),
+        5 => Shape::triangle(corners(points(3, line))),
+        6 => Shape::hull(points(9, flat)).and_then(|hull| hull.rounded(radius)),
+        7 => Shape::hull(points(20, DVec3::ONE)),
+        8 => Shape::cuboid(DVec3::new(scale, 0.5 * scale, 1e-9 * scale)),
+        9 => Shape::cuboid(DVec3::new(scale, 1e-7 * scale, 1e-7 * scale)),
+        10 => Shape::capsule(scale, 1e-6 * scale),
+        11 => Shape::cylinder(1e-6 * scale, scale),
+        12 => Shape::cone(scale, 1e-3 * scale),
+        13 => Shape::segment(DVec3::ZERO, points(1, DVec3::ONE)[0]),
+        _ => Shape::cuboid(DVec3::splat(0.5 * scale)),
+    };
+    made.unwrap_or_else(|_| Shape::cuboid(DVec3::splat(0.5 * scale)).unwrap())
+}
+
+const KINDS: usize = 15;
+
+#[test]
+fn questions_of_thin_far_tiny_and_huge_shapes_agree_and_are_true() {
+    let seed = std::env::var("DCD_SEED").map_or(37, |seed| seed.parse().expect("a seed"));
+    let mut draw = Draw(seed);
+    let [mut apart, mut touching] = [0; 2];
+    for k in 0..20_000usize {
+        let scale = [1.0, 1.0, 1e-6, 1e6][k / 5 % 4];
+        let far = DVec3::new(3.0, -5.0, 7.0) * [0.0, 0.0, 1e5 * scale][k / 3 % 3];
+        let round = k % 4 < 3;
+        let kinds = [k % KINDS, k / KINDS % KINDS];
+        let [a, b] = kinds.map(|kind| {
+            let (shape, at) = (thin(&mut draw, kind, scale), place(&mut draw, round) * scale);
+            // One place for both now and then.
+            let at = if k % 11 == 0 { DVec3::ZERO } else { at };
+            let pose = Pose::from_matrix(turn(&mut draw, round), at + far).unwrap();
+            PosedSupport { shape, pose }
+        });
+        let (a, b) = (a.placed(), b.placed());
+        let rounding = 1e-9 * scale + 1e-14 * far.length();
+        let what = format!("{k}, kinds {kinds:?}, scale {scale:e}, far {}", far.length());
+        match verdict(a, b) {
+            Verdict::Touching(()) => {
+                touching += 1;
+                judge_touching(a, b, rounding, &what);
+            }
+            Verdict::Apart => {
+                apart += 1;
+                judge_apart(a, b, rounding, &what);
+            }
+            Verdict::Undecided(_) => {}
+        }
+    }
+    assert!(apart > 2_000 && touching > 2_000, "{apart} {touching}");
+}
+
+fn moved<'a>(b: PosedShape<'a>, by: DVec3, pose: &'a mut Pose) -> PosedShape<'a> {
+    *pose = Pose::from_matrix(*b.pose.rotation(), b.pose.translation() + by).unwrap();
+    PosedShape { pose, ..b }
+}
+
+fn is_near(side: PosedShape<'_>, at: DVec3, radius: f64) -> bool {
+    let ball = Shape::sphere(radius).unwrap();
+    let pose = Pose::from_translation(at).unwrap();
+    verdict(side, PosedShape { shape: &ball, pose: &pose }) != Verdict::Apart
+}
+
+fn judge_touching(a: PosedShape<'_>, b: PosedShape<'_>, rounding: f64, what: &str) {
+    let mut ranges = [f64::NEG_INFINITY, f64::INFINITY];
+    for accuracy in ACCURACIES {
+        let found = Depths.measure_at(accuracy, a, b, &mut Default::default());
+        let Verdict::Touching(depth) = found else { panic!("{what} {accuracy:?}: {found:?}") };
+        ranges = [
+            ranges[0].max(depth.depth - depth.error_bound),
+            ranges[1].min(depth.depth + depth.error_bound),
+        ];
+        assert!(ranges[0] <= ranges[1] + rounding, "{what} {accuracy:?}: {ranges:?} {depth:?}");
+        assert!((depth.normal.length() - 1.0).abs() < 1e-9, "{what} {accuracy:?} {depth:?}");
+        let found = Manifolds::default().measure_at(accuracy, a, b, &mut Default::default());
+        let Verdict::Touching(set) = found else { panic!("{what} {accuracy:?}: {found:?}") };
+        for found in set.iter() {
+            let unsure = found.error_bound + rounding;
+            for point in found.points() {
+                let along = (point.point_a - point.point_b).dot(found.normal) - point.depth;
+                assert!(along.abs() <= unsure, "{what} {accuracy:?}: by {along} {found:?}");
+                for (side, at) in [(a, point.point_a), (b, point.point_b)] {
+                    assert!(is_near(side, at, unsure), "{what} {accuracy:?}: off {found:?}");
+                }
+            }
+            let depth = found.points().iter().map(|point| point.depth).fold(0.0, f64::max);
+            let mut pose = Pose::IDENTITY;
+            let b = moved(b, found.normal * (depth + unsure), &mut pose);
+            let is_deeper = verdict(a, b) == Verdict::Touching(());
+            assert!(!is_deeper, "{what} {accuracy:?}: deeper {found:?}");
+        }
+    }
+}
+
+fn judge_apart(a: PosedShape<'_>, b: PosedShape<'_>, rounding: f64, what: &str) {
+    let mut ranges = [f64::NEG_INFINITY, f64::INFINITY];
+    for accuracy in ACCURACIES {
+        let found = Distances::within(1e9).unwrap().measure_at(accuracy, a, b, &mut ());
+        let Verdict::Touching(Some(distance)) = found else {
+            panic!("{what} {accuracy:?}: {found:?}")
+        };
+        ranges = [ranges[0].max(distance.lower()), ranges[1].min(distance.upper())];
+        assert!(ranges[0] <= ranges[1] + rounding, "{what} {accuracy:?}: {ranges:?} {distance:?}");
+        let unsure = distance.error_bound + rounding;
+        for (side, at) in [(a, distance.point_a), (b, distance.point_b)] {
+            assert!(is_near(side, at, unsure), "{what} {accuracy:?}: off {distance:?}");
+        }
+        let length = distance.point_a.distance(distance.point_b);
+        assert!(
+            (length - distance.distance).abs() <= unsure,
+            "{what} {accuracy:?}: {length} {distance:?}"
+        );
+    }
+}
+
+/// Corners on a line, in one point, or next to it; turned, so that rounding gives them a plane.
+fn without_area(draw: &mut Draw, k: usize) -> [DVec3; 3] {
+    let (from, to) = (place(draw, false), place(draw, false));
+    let off = [0.0, 0.0, 1e-17, 1e-13, 1e-10, 1e-8][k % 6];
+    let middle = from.lerp(to, draw.unit().abs()) + place(draw, false) * off;
+    let mut corners = match k % 7 {
+        0 => [from, from, to],
+        1 => [from; 3],
+        _ => [from, to, middle],
+    };
+    corners.rotate_left(k % 3);
+    corners
+}
+
+#[test]
+fn triangles_without_area_touch_what_the_hull_of_their_corners_touches() {
+    let seed = std::env::var("DCD_SEED").map_or(41, |seed| seed.parse().expect("a seed"));
+    let mut draw = Draw(seed);
+    let [mut apart, mut touching] = [0; 2];
+    for k in 0..60_000usize {
+        let corners = without_area(&mut draw, k);
+        let other = match k % 4 {
+            0 => without_area(&mut draw, k / 4),
+            1 => [0; 3].map(|_| place(&mut draw, k % 3 == 0)),
+            _ => [DVec3::ZERO; 3],
+        };
+        let body = convex(&mut draw, k / 12 % CONVEX, k.is_multiple_of(3));
+        let mut pose = || {
+            let at = place(&mut draw, false) * 0.7;
+            Pose::from_matrix(turn(&mut draw, false), at).unwrap()
+        };
+        let poses = [pose(), pose()];
+        let triangle = |corners: [DVec3; 3]| {
+            let mesh = Shape::mesh(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
+            (mesh, Shape::triangle(corners).unwrap(), Shape::hull(corners.to_vec()).unwrap())
+        };
+        let (mesh, alone, hull) = triangle(corners);
+        let others = match k % 4 {
+            0 | 1 => {
+                let (mesh, alone, hull) = triangle(other);
+                [mesh, alone, hull]
+            }
+            _ => [body.clone(), body.clone(), body],
+        };
+        let posed = |k: usize, shape| PosedShape { shape, pose: &poses[k] };
+        let due = verdict(posed(0, &hull), posed(1, &others[2]));
+        let found = [
+            verdict(posed(0, &mesh), posed(1, &others[0])),
+            verdict(posed(1, &others[0]), posed(0, &mesh)),
+            verdict(posed(0, &mesh), posed(1, &others[2])),
+            verdict(posed(0, &alone), posed(1, &others[1])),
+        ];
+        let is_same = |found: &Verdict<()>| *found == due || matches!(found, Verdict::Undecided(_));
+        assert!(
+            found.iter().all(is_same),
+            "{k}: {found:?}, not {due:?}: {corners:?} {other:?} {poses:?}"
+        );
+        apart += usize::from(due == Verdict::Apart);
+        touching += usize::from(due == Verdict::Touching(()));
+    }
+    assert!(apart > 10_000 && touching > 3_000, "{apart} {touching}");
+}
+
+#[test]
+fn meshes_of_triangles_without_area_touch_in_scenes_what_their_hulls_touch() {
+    let seed = std::env::var("DCD_SEED").map_or(43, |seed| seed.parse().expect("a seed"));
+    let mut draw = Draw(seed);
+    let [mut apart, mut touching] = [0; 2];
+    for k in 0..120usize {
+        let triangles: Vec<_> = (0..20).map(|j| without_area(&mut draw, k + j)).collect();
+        let numbers = (0..20).map(|j| [0, 1, 2].map(|corner| 3 * j + corner)).collect();
+        let mesh = Shape::mesh(triangles.concat(), numbers).unwrap();
+        let mut pose = || {
+            let at = place(&mut draw, false) * 1.2;
+            Pose::from_matrix(turn(&mut draw, false), at).unwrap()
+        };
+        let mut poses: Vec<_> = (0..60).map(|_| pose()).collect();
+        let bodies = (1..60).map(|j| convex(&mut draw, j % CONVEX, j % 4 == 0));
+        let shapes: Vec<_> = std::iter::once(mesh).chain(bodies).collect();
+        let hulls: Vec<_> =
+            triangles.iter().map(|corners| Shape::hull(corners.to_vec()).unwrap()).collect();
+        let mesh_pose = poses[0];
+        let due: Vec<Vec<_>> = (1..60usize)
+            .map(|j| {
+                let body = PosedShape { shape: &shapes[j], pose: &poses[j] };
+                let of_hull = |hull| verdict(PosedShape { shape: hull, pose: &mesh_pose }, body);
+                hulls.iter().map(of_hull).collect()
+            })
+            .collect();
+        let scene = Scene::one_each(shapes, std::mem::take(&mut poses)).unwrap();
+        let mut pipeline = Pipeline::new();
+        let step = pipeline.step(&scene, Par::Serial);
+        for (j, due) in (1u32..).zip(&due) {
+            let found = step.answers().any(|found| (found.pair.i, found.pair.j) == (0, j));
+            if due.contains(&Verdict::Touching(())) {
+                assert!(found, "{k}: body {j} touches");
+                touching += 1;
+            } else if due.iter().all(|verdict| *verdict == Verdict::Apart) {
+                assert!(!found, "{k}: body {j} is apart");
+                apart += 1;
+            }
+        }
+    }
+    assert!(apart > 1_000 && touching > 1_000, "{apart} {touching}");
+}
