@@ -154,19 +154,63 @@ fn without_area(draw: &mut Draw, k: usize) -> [DVec3; 3] {
     corners
 }
 
+/// A measure and its bound.
+type Measured = Verdict<[f64; 2]>;
+
+fn distance_between(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Measured {
+    match Distances::within(1e3).unwrap().measure_at(accuracy, a, b, &mut ()) {
+        Verdict::Touching(found) => {
+            Verdict::Touching(found.map_or([0.0; 2], |found| [found.distance, found.error_bound]))
+        }
+        Verdict::Apart => Verdict::Apart,
+        Verdict::Undecided(reason) => Verdict::Undecided(reason),
+    }
+}
+
+fn depth_of(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Measured {
+    match Depths.measure_at(accuracy, a, b, &mut Default::default()) {
+        Verdict::Touching(found) => Verdict::Touching([found.depth, found.error_bound]),
+        Verdict::Apart => Verdict::Apart,
+        Verdict::Undecided(reason) => Verdict::Undecided(reason),
+    }
+}
+
+/// Whether a measure of two shapes is at every accuracy the certified one of the hulls of their corners.
+fn judge_measured(
+    [a, b]: [PosedShape<'_>; 2],
+    [of_a, of_b]: [PosedShape<'_>; 2],
+    measure: impl Fn(Accuracy, PosedShape<'_>, PosedShape<'_>) -> Measured,
+    k: usize,
+) {
+    let due = measure(Accuracy::Certified, of_a, of_b);
+    let Verdict::Touching([due, due_bound]) = due else { panic!("{k}: {due:?}") };
+    for accuracy in ACCURACIES {
+        let found = measure(accuracy, a, b);
+        let Verdict::Touching([value, bound]) = found else { panic!("{k}: {found:?}") };
+        let off = (value - due).abs();
+        assert!(off <= bound + due_bound + 1e-12, "{k} {accuracy:?}: {off}, {found:?} {due}");
+    }
+}
+
 #[test]
 fn triangles_without_area_touch_what_the_hull_of_their_corners_touches() {
     let seed = std::env::var("DCD_SEED").map_or(41, |seed| seed.parse().expect("a seed"));
     let mut draw = Draw(seed);
     let [mut apart, mut touching] = [0; 2];
     for k in 0..60_000usize {
-        let corners = without_area(&mut draw, k);
+        let corners = match k % 9 {
+            8 => [0; 3].map(|_| place(&mut draw, true)),
+            _ => without_area(&mut draw, k),
+        };
         let other = match k % 4 {
             0 => without_area(&mut draw, k / 4),
             1 => [0; 3].map(|_| place(&mut draw, k % 3 == 0)),
             _ => [DVec3::ZERO; 3],
         };
-        let body = convex(&mut draw, k / 12 % CONVEX, k.is_multiple_of(3));
+        let body = match k % 8 {
+            2 | 3 => thin(&mut draw, k / 8 % KINDS, 1.0),
+            _ => convex(&mut draw, k / 8 % CONVEX, k.is_multiple_of(3)),
+        };
         let mut pose = || {
             let at = place(&mut draw, false) * 0.7;
             Pose::from_matrix(turn(&mut draw, false), at).unwrap()
@@ -197,6 +241,15 @@ fn triangles_without_area_touch_what_the_hull_of_their_corners_touches() {
             found.iter().all(is_same),
             "{k}: {found:?}, not {due:?}: {corners:?} {other:?} {poses:?}"
         );
+        let as_hulls = [posed(0, &hull), posed(1, &others[2])];
+        let pairs = [(&mesh, &others[0]), (&mesh, &others[2]), (&alone, &others[1])];
+        for (one, other) in pairs.map(|(one, other)| (posed(0, one), posed(1, other))) {
+            match due {
+                Verdict::Apart => judge_measured([one, other], as_hulls, distance_between, k),
+                Verdict::Touching(()) => judge_measured([one, other], as_hulls, depth_of, k),
+                Verdict::Undecided(_) => {}
+            }
+        }
         apart += usize::from(due == Verdict::Apart);
         touching += usize::from(due == Verdict::Touching(()));
     }
