@@ -13,7 +13,7 @@ use dcd_pipeline::prelude::{Par, Pipeline, Scene};
 const ACCURACIES: [Accuracy; 3] = [Accuracy::F32, Accuracy::F64, Accuracy::Certified];
 
 /// A shape of that kind, most of them without thickness along an axis or two.
-fn thin(draw: &mut Draw, kind: usize, scale: f64) -> Shape {
+pub(super) fn thin(draw: &mut Draw, kind: usize, scale: f64) -> Shape {
     let mut grid = || (place(draw, true) * 2.0).round() * (0.5 * scale);
     let radius = 0.125 * scale;
     let mut points =
@@ -40,7 +40,7 @@ fn thin(draw: &mut Draw, kind: usize, scale: f64) -> Shape {
     made.unwrap_or_else(|_| Shape::cuboid(DVec3::splat(0.5 * scale)).unwrap())
 }
 
-const KINDS: usize = 15;
+pub(super) const KINDS: usize = 15;
 
 #[test]
 fn questions_of_thin_far_tiny_and_huge_shapes_agree_and_are_true() {
@@ -141,7 +141,7 @@ fn judge_apart(a: PosedShape<'_>, b: PosedShape<'_>, rounding: f64, what: &str) 
 }
 
 /// Corners on a line, in one point, or next to it; turned, so that rounding gives them a plane.
-fn without_area(draw: &mut Draw, k: usize) -> [DVec3; 3] {
+pub(super) fn without_area(draw: &mut Draw, k: usize) -> [DVec3; 3] {
     let (from, to) = (place(draw, false), place(draw, false));
     let off = [0.0, 0.0, 1e-17, 1e-13, 1e-10, 1e-8][k % 6];
     let middle = from.lerp(to, draw.unit().abs()) + place(draw, false) * off;

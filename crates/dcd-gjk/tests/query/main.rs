@@ -11,6 +11,7 @@ mod patches;
 mod proximity;
 mod scenes;
 mod surfaces;
+mod thin_impacts;
 mod within;
 
 use dcd_geom::glam::{DQuat, DVec3};
