@@ -1,5 +1,6 @@
 //! Queries beyond yes or no.
 
+mod crowds;
 mod degenerate;
 mod depths;
 mod distances;

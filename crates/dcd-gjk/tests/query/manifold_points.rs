@@ -61,7 +61,7 @@ pub(super) fn convex(draw: &mut Draw, kind: usize, round: bool) -> Shape {
 
 pub(super) const CONVEX: usize = 9;
 
-fn shape(draw: &mut Draw, kind: usize, round: bool) -> Shape {
+pub(super) fn shape(draw: &mut Draw, kind: usize, round: bool) -> Shape {
     match kind {
         CONVEX => Shape::half_space([DVec3::Z, DVec3::X][usize::from(round)], 0.0).unwrap(),
         10 => {
