@@ -2,11 +2,12 @@
 //! of their convex parts answer alone.
 
 use super::degenerate::{KINDS, thin, without_area};
-use super::manifold_points::{place, shape, turn, verdict};
+use super::manifold_points::{judge_all, place, shape, turn, verdict};
 use super::scenes::Draw;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Pose, Shape};
-use dcd_gjk::{PosedShape, Verdict};
+use dcd_gjk::query::MeasureAt;
+use dcd_gjk::{Accuracy, Depths, PosedShape, Verdict};
 use dcd_pipeline::prelude::{Par, Pipeline, Scene};
 
 /// A shape, and its convex parts in its own frame, made without it.
@@ -114,4 +115,32 @@ fn crowds_touch_as_their_parts_do() {
         }
     }
     assert!(apart > 20_000 && touching > 4_000 && open < 400, "{apart} {touching} {open}");
+}
+
+#[test]
+fn two_of_a_crowd_have_manifolds_that_are_true_and_depths_that_agree() {
+    let seed = std::env::var("DCD_SEED").map_or(61, |seed| seed.parse().expect("a seed"));
+    let mut draw = Draw(seed);
+    let mut judged = 0;
+    for k in 0..8_000usize {
+        let members = [member(&mut draw, k), member(&mut draw, k / 6)];
+        let round = k % 4 < 3;
+        let poses = [0; 2].map(|_| {
+            Pose::from_matrix(turn(&mut draw, round), place(&mut draw, round) * 0.7).unwrap()
+        });
+        let [a, b] = [0, 1].map(|k| PosedShape { shape: &members[k].shape, pose: &poses[k] });
+        if verdict(a, b) != Verdict::Touching(()) {
+            continue;
+        }
+        judged += judge_all([a, b], false, &format!("{k}"));
+        let mut range = [f64::NEG_INFINITY, f64::INFINITY];
+        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+            let found = Depths.measure_at(accuracy, a, b, &mut Default::default());
+            let Verdict::Touching(found) = found else { panic!("{k}: {found:?}") };
+            let [low, high] = [found.depth - found.error_bound, found.depth + found.error_bound];
+            range = [range[0].max(low), range[1].min(high)];
+            assert!(range[0] <= range[1] + 1e-12, "{k}, {accuracy:?}: {found:?} {range:?}");
+        }
+    }
+    assert!(judged > 5_000, "{judged}");
 }

@@ -13,6 +13,7 @@ mod proximity;
 mod scenes;
 mod surfaces;
 mod thin_impacts;
+mod thin_rays;
 mod within;
 
 use dcd_geom::glam::{DQuat, DVec3};
