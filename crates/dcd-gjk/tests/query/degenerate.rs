@@ -14,6 +14,8 @@ const ACCURACIES: [Accuracy; 3] = [Accuracy::F32, Accuracy::F64, Accuracy::Certi
 
 /// A shape of that kind, most of them without thickness along an axis or two.
 pub(super) fn thin(draw: &mut Draw, kind: usize, scale: f64) -> Shape {
+    let number = (draw.unit().abs() * 42.0) as usize;
+    let needle = without_area(draw, number).map(|corner| corner * scale);
     let mut grid = || (place(draw, true) * 2.0).round() * (0.5 * scale);
     let radius = 0.125 * scale;
     let mut points =
@@ -35,12 +37,14 @@ pub(super) fn thin(draw: &mut Draw, kind: usize, scale: f64) -> Shape {
         11 => Shape::cylinder(1e-6 * scale, scale),
         12 => Shape::cone(scale, 1e-3 * scale),
         13 => Shape::segment(DVec3::ZERO, points(1, DVec3::ONE)[0]),
+        14 => Shape::hull(needle.to_vec()),
+        15 => Shape::triangle(needle),
         _ => Shape::cuboid(DVec3::splat(0.5 * scale)),
     };
     made.unwrap_or_else(|_| Shape::cuboid(DVec3::splat(0.5 * scale)).unwrap())
 }
 
-pub(super) const KINDS: usize = 15;
+pub(super) const KINDS: usize = 17;
 
 #[test]
 fn questions_of_thin_far_tiny_and_huge_shapes_agree_and_are_true() {

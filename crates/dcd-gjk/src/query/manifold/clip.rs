@@ -153,6 +153,7 @@ impl Patch {
             if (here >= 0.0) != (there >= 0.0) {
                 let mut between = corner.towards(after, here / (here - there));
                 between.features = clipping.features(corner.side, side);
+                clipping.take_to_vertex(&mut between, corner.side, side);
                 between.side = if here >= 0.0 { side } else { corner.side };
                 self.next.push(between);
             }
@@ -232,13 +233,27 @@ impl Spot for Corner {
 }
 
 impl Clipping<'_> {
+    /// Where two sides of the face that clips cut, its vertex: of a needle, whose sides are nearly parallel, the cut is off it
+    /// by what rounding makes of their angle.
+    fn take_to_vertex(&self, corner: &mut Corner, of_edge: Side, by: Side) {
+        let Some(vertex) = shared_vertex(of_edge, by) else { return };
+        let Some(point) = self.clips.points().iter().find(|point| point.index == vertex) else {
+            return;
+        };
+        corner.at = point.at;
+        corner.heights[1 - self.number] = point.height;
+        if self.clipped.facing() > 0.0 {
+            corner.heights[self.number] = self.clipped.height(point.at);
+        }
+    }
+
     /// What a corner belongs to where an edge of the patch is cut by a side.
     fn features(&self, of_edge: Side, by: Side) -> [Feature; 2] {
         let (clipped, clips) = match (of_edge, by) {
             (Side::Clipped(j, k), Side::Clips(l, m)) => (edge(j, k), edge(l, m)),
             (Side::Clipped(j, k), _) => (edge(j, k), self.clips.whole()),
-            (Side::Clips(l, m), Side::Clips(n, o)) => {
-                let shared = [l, m].into_iter().find(|k| [n, o].contains(k));
+            (Side::Clips(..), Side::Clips(n, o)) => {
+                let shared = shared_vertex(of_edge, by);
                 (self.clipped.whole(), shared.map_or(edge(n, o), Feature::Vertex))
             }
             (Side::Clips(l, m), _) => (self.clipped.whole(), edge(l, m)),
@@ -247,6 +262,12 @@ impl Clipping<'_> {
         };
         if self.number == 0 { [clipped, clips] } else { [clips, clipped] }
     }
+}
+
+/// The vertex that two sides of what clips have in common.
+fn shared_vertex(one: Side, other: Side) -> Option<u32> {
+    let (Side::Clips(l, m), Side::Clips(n, o)) = (one, other) else { return None };
+    [l, m].into_iter().find(|k| [n, o].contains(k))
 }
 
 impl Corner {

@@ -49,12 +49,13 @@ impl Corners {
         SAME * self.size
     }
 
-    /// The witnesses of a depth, whose normal may be another than the view's.
+    /// The witnesses of a depth, whose normal may be another than the view's: off the surfaces by no more than its bound, and
+    /// what they lack of the depth.
     pub(super) fn add_witness(&mut self, view: &View, depth: &Depth, origin: DVec3) {
         let ((at, height_a), (at_b, height_b)) =
             (view.of(depth.point_a - origin), view.of(depth.point_b - origin));
         let mut corner = Corner::new(at, [height_a, height_b], [Feature::Surface; 2]);
-        corner.beside = at.distance(at_b) + missed(depth);
+        corner.beside = at.distance(at_b) + missed(depth) + depth.error_bound;
         self.corners.push(corner);
     }
 
