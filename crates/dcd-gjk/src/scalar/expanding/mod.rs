@@ -140,10 +140,12 @@ fn of_supports<S: InBlocks>(
     if bounds.radius() > 0.0 {
         let known = points.and_then(|points| proposed(&search.difference, &bounds, 0.0, points));
         let near = known.map_or_else(|| approach(&search.difference, &bounds, 0.0), Ok);
-        if let Ok(near) = near
-            && near.lower > 0.0
-        {
-            return search.of_apart_cores(&bounds, &near);
+        if let Ok(near) = near {
+            // Where they may overlap, by no more than that direction shows: its bound counts it.
+            let found = search.of_nearest_points(&bounds, &near);
+            if near.lower > 0.0 || found.is_some() {
+                return found;
+            }
         }
     }
     search.of_overlapping_cores(&bounds, surface)
@@ -174,8 +176,9 @@ struct Search<'a, S> {
 }
 
 impl<S: InBlocks> Search<'_, S> {
-    /// Only what is swept round them overlaps: the radii, less the cores' distance.
-    fn of_apart_cores(&self, bounds: &Bounds<f64>, near: &Approach) -> Option<Depth> {
+    /// Only what is swept round them overlaps, or hardly more: the radii, less the cores' distance, which is between its bounds;
+    /// the lower one is negative by as much as cores overlap at most.
+    fn of_nearest_points(&self, bounds: &Bounds<f64>, near: &Approach) -> Option<Depth> {
         let depth = (bounds.radius() - near.length).max(0.0);
         let error = (near.upper - near.length).max(near.length - near.lower)
             + (bounds.swept_upper() - bounds.radius());
@@ -204,6 +207,10 @@ impl<S: InBlocks> Search<'_, S> {
             surface.insert(vertex, nearest).or_else(|| surface.forget())?;
         }
         let lower = bounds.least_reach(surface.inner_radius());
+        // Of cores that may be apart the radii overlap less than their sum.
+        if bounds.radius() > 0.0 && !(lower > 0.0) {
+            return None;
+        }
         let depth = reach.max(0.0) + bounds.radius();
         let error =
             (upper - reach.max(0.0)).max(reach - lower) + (bounds.swept_upper() - bounds.radius());
