@@ -137,23 +137,37 @@ pub fn dispatch_on<K: Kernel>(path: Path, kernel: K) -> K::Output {
 /// nothing where there is no such instruction.
 #[inline(always)]
 pub fn prefetch<T>(items: &[T]) {
+    for offset in (0..size_of_val(items)).step_by(CACHE_LINE) {
+        prefetch_line(items, offset);
+    }
+}
+
+/// [`prefetch`] of that many cache lines from the first item on, whether the items fill them or not: without a loop, whose
+/// end no branch predictor knows.
+#[inline(always)]
+pub fn prefetch_lines<const LINES: usize, T>(items: &[T]) {
+    for line in 0..LINES {
+        prefetch_line(items, line * CACHE_LINE);
+    }
+}
+
+/// The cache line at that many bytes from the first item.
+#[inline(always)]
+fn prefetch_line<T>(items: &[T], offset: usize) {
     #[cfg(target_arch = "x86_64")]
     {
-        let start = items.as_ptr().cast::<i8>();
-        for offset in (0..size_of_val(items)).step_by(CACHE_LINE) {
-            // SAFETY: a prefetch of any address is harmless, and every x86-64 CPU has it.
-            unsafe {
-                use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-                _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset));
-            }
+        let at = items.as_ptr().cast::<i8>().wrapping_add(offset);
+        // SAFETY: a prefetch of any address is harmless, and every x86-64 CPU has it.
+        unsafe {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            _mm_prefetch::<_MM_HINT_T0>(at);
         }
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = items;
+    let _ = (items, offset);
 }
 
 /// How many bytes a CPU reads at once.
-#[cfg(target_arch = "x86_64")]
 const CACHE_LINE: usize = 64;
 
 #[cfg(test)]

@@ -8,18 +8,19 @@
 //! Supports in f32 lead to the face or to the direction of a miss; from there on they are f64's.
 
 use super::advance::Advance;
-use super::{Closing, MovingShape, U};
+use super::ray_frame::{Miss, RayFrame, Turned};
+use super::{Closing, MovingShape, U, ray_frame};
 use crate::certificate::Bounds;
 use crate::distance::Distance;
 use crate::gjk::unit;
-use crate::supports::{Approximate, Exact, Lowest, Polytopes};
+use crate::supports::{Exact, Polytopes};
 use crate::{Difference, PosedSupport, Vertex};
-use dcd_geom::glam::{DVec2, DVec3};
+use dcd_geom::glam::{DMat3, DVec2, DVec3};
 use dcd_geom::{Polytope, Shape, Support};
 use dcd_simd::{Kernel, Lanes, dispatch};
 
-/// How many supports either half of the search takes. Hulls of some thirty vertices need four and seven. Smaller: more
-/// casts are left to the general search.
+/// How many supports either half of the search takes in f64. From where f32 leads one is usual, from anywhere hulls of
+/// some thirty vertices need four and seven. Smaller: more casts are left to the general search.
 const SUPPORTS: usize = 32;
 
 /// What the search ends within, as a share of the tolerance. Larger: rounding may leave the end outside of it. Smaller:
@@ -41,8 +42,7 @@ pub(super) fn cast(
     let (Shape::Polytope(in_a), Shape::Polytope(in_b)) = (a.shape, b.shape) else {
         return None;
     };
-    let turns = closing.angular.iter().any(|&w| w != DVec3::ZERO);
-    if turns || in_a.swept_radius() > 0.0 || in_b.swept_radius() > 0.0 {
+    if closing.turns() || in_a.swept_radius() > 0.0 || in_b.swept_radius() > 0.0 {
         return None;
     }
     let (start_a, start_b) = (&a.motion.start, &b.motion.start);
@@ -50,7 +50,8 @@ pub(super) fn cast(
         (PosedSupport::polytope(in_a, start_a), PosedSupport::polytope(in_b, start_b));
     let difference = Difference::new(posed_a, posed_b)?;
     let line = Line::of(&difference, closing.linear, [until, tolerance])?;
-    let (End { direction, separation }, face) = dispatch(&line)?;
+    let mut face = [Corner::NONE; 3];
+    let End { direction, separation, is_met } = dispatch(OnLine { line: &line, face: &mut face })?;
     let lower = Bounds::of(&difference).lower_bound(direction, separation);
     let gap = lower.next_down() / difference.scale() - off;
     if !(gap > 0.0) {
@@ -62,7 +63,9 @@ pub(super) fn cast(
     if speed <= 0.0 || t > until {
         return Some(Advance::Free);
     }
-    let Some(face) = face else { return Some(Advance::Until(t)) };
+    if !is_met {
+        return Some(Advance::Until(t));
+    }
     let met = Met { difference: &difference, closing, t, tolerance: tolerance - off };
     let near = met.within_tolerance([a, b], &face, direction);
     Some(near.map_or(Advance::Until(t), |found| Advance::Near(t, found)))
@@ -126,50 +129,70 @@ struct Corner {
     at: DVec2,
 }
 
+impl Corner {
+    /// A place for one.
+    const NONE: Self = {
+        let none = Support { point: DVec3::ZERO, feature: 0 };
+        Self { vertex: Vertex { w: DVec3::ZERO, a: none, b: none }, at: DVec2::ZERO }
+    };
+}
+
 /// How the search ended.
 struct End {
     /// Along which a support was taken last.
     direction: DVec3,
     /// The separation there, scaled.
     separation: f64,
+    /// Whether the line passes through a face; else it misses the difference, or meets it after the end of the way.
+    is_met: bool,
 }
 
 /// The line of the ray: from the origin against the velocity.
 struct Line<'a, 'b> {
     difference: &'a Polytopes<'b>,
-    /// Where the difference moves to, of unit length.
-    along: DVec3,
-    /// Two axes that are normal to it, and to which it is their cross product.
-    axes: [DVec3; 2],
+    /// Two axes that are normal to it, and their cross product: where the difference moves to. Of unit length.
+    axes: DMat3,
     /// How far the difference moves, scaled.
     way: f64,
     /// How near along the line the search ends, scaled.
     near: f64,
 }
 
-impl Kernel for &Line<'_, '_> {
-    type Output = Option<(End, Option<[Corner; 3]>)>;
+/// Supports in f64 of the difference against a line.
+type OfLine<'a, 'b, L> = Exact<'a, 'b, L, Polytope, Polytope>;
+
+/// A search that leaves the face where it is said: as a result it would be copied.
+struct OnLine<'l, 'a, 'b> {
+    line: &'l Line<'a, 'b>,
+    face: &'l mut [Corner; 3],
+}
+
+impl Kernel for OnLine<'_, '_, '_> {
+    type Output = Option<End>;
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Self::Output {
-        let exact = Exact { lanes, difference: self.difference };
-        let known = Approximate::of(lanes, self.difference)
-            .and_then(|supports| self.search(&supports, self.near.max(WITHIN_IN_F32)));
-        let found = match known {
-            Some((_, Some(corners))) => {
-                let [p, q, r] = &corners;
-                let corners = [self.corner(p), self.corner(q), self.corner(r)];
-                self.face(&exact, corners, self.near)
+        let Self { line, face } = self;
+        let (mut side_a, mut side_b) = (Turned::none(), Turned::none());
+        let limits = [line.way, line.near.max(WITHIN_IN_F32)];
+        let sides = [&mut side_a, &mut side_b];
+        let frame = RayFrame::of(lanes, line.difference, &line.axes, limits, sides);
+        let exact = |near| Exact { lanes, difference: line.difference, near };
+        let found = match frame.and_then(|frame| frame.search()) {
+            Some(Ok(known)) => {
+                for (corner, known) in face.iter_mut().zip(known) {
+                    *corner = line.corner(known);
+                }
+                line.face(&exact(Some(known[0].vertices)), face)
             }
-            Some((End { direction, .. }, None)) => {
-                self.lowest(&exact, direction).err().map(|end| (end, None))
+            Some(Err(Miss { direction, corner })) => {
+                let direction = unit::<f64>((line.axes * direction.as_dvec3()).to_array());
+                let exact = exact(Some(corner.vertices));
+                direction.and_then(|direction| line.lowest(&exact, direction).err())
             }
             None => None,
         };
-        match found {
-            None => self.search(&exact, self.near),
-            found => found,
-        }
+        found.or_else(|| line.search(&exact(None), face))
     }
 }
 
@@ -180,58 +203,70 @@ impl<'a, 'b> Line<'a, 'b> {
         [until, tolerance]: [f64; 2],
     ) -> Option<Self> {
         let along = unit::<f64>(velocity.to_array())?.normalize();
-        let axes = along.any_orthonormal_pair();
+        let (x, y) = along.any_orthonormal_pair();
+        let axes = DMat3::from_cols(x, y, along);
         let scale = difference.scale();
         let way = velocity.length() * until * scale;
-        Some(Self { difference, along, axes: axes.into(), way, near: WITHIN * tolerance * scale })
+        Some(Self { difference, axes, way, near: WITHIN * tolerance * scale })
     }
 
-    /// The end, and the corners of the face that the line passes through; none where it misses the difference, or meets it
-    /// after the end of the way.
+    /// The end, from anywhere.
     #[inline(always)]
-    fn search(&self, supports: &impl Lowest, near: f64) -> Option<(End, Option<[Corner; 3]>)> {
+    fn search<L: Lanes>(
+        &self,
+        supports: &OfLine<'_, 'b, L>,
+        corners: &mut [Corner; 3],
+    ) -> Option<End> {
         match self.portal(supports)? {
-            Ok(corners) => self.face(supports, corners, near),
-            Err(end) => Some((end, None)),
+            Ok(found) => {
+                *corners = found;
+                self.face(supports, corners)
+            }
+            Err(end) => Some(end),
         }
     }
 
     /// The corner lowest along a direction, or the end if none is met there before the end of the way.
     #[inline(always)]
-    fn lowest(&self, supports: &impl Lowest, direction: DVec3) -> Result<(Corner, f64), End> {
+    fn lowest<L: Lanes>(
+        &self,
+        supports: &OfLine<'_, 'b, L>,
+        direction: DVec3,
+    ) -> Result<(Corner, f64), End> {
         let (vertex, separation) = supports.lowest(direction);
-        if separation > 0.0 && separation > -direction.dot(self.along) * self.way {
-            return Err(End { direction, separation });
+        if separation > 0.0 && separation > -direction.dot(self.axes.z_axis) * self.way {
+            return Err(End { direction, separation, is_met: false });
         }
         Ok((self.seen(vertex), separation))
     }
 
     fn seen(&self, vertex: Vertex<f64>) -> Corner {
-        let at = DVec2::new(self.axes[0].dot(vertex.w), self.axes[1].dot(vertex.w));
+        let at = DVec2::new(self.axes.x_axis.dot(vertex.w), self.axes.y_axis.dot(vertex.w));
         Corner { vertex, at }
     }
 
-    /// The corner in f64 of a vertex that is known by its features.
-    fn corner(&self, Corner { vertex: known, .. }: &Corner) -> Corner {
+    /// A corner that is known by its vertices.
+    fn corner(&self, known: ray_frame::Corner) -> Corner {
         let (a, b) = self.difference.maps();
-        let at = |polytope: &Polytope, known: Support<f64>| {
-            // A number of that polytope.
-            let point = polytope.vertices()[known.feature as usize];
-            Support { point, ..known }
+        let at = |polytope: &Polytope, number: u32| {
+            let vertices = polytope.vertices();
+            // The last block is filled up with the last vertex.
+            let number = (number as usize).min(vertices.len() - 1);
+            Support { point: vertices[number], feature: number as u32 }
         };
-        let (a, b) = (at(a, known.a), at(b, known.b));
+        let [number_a, number_b] = known.vertices;
+        let (a, b) = (at(a, number_a), at(b, number_b));
         self.seen(Vertex { w: self.difference.world(a.point, b.point), a, b })
     }
 
-    /// The same along a direction across the line.
+    /// [`Line::lowest`] along a direction across the line.
     #[inline(always)]
-    fn lowest_across(
+    fn lowest_across<L: Lanes>(
         &self,
-        supports: &impl Lowest,
+        supports: &OfLine<'_, 'b, L>,
         direction: DVec2,
     ) -> Option<Result<Corner, End>> {
-        let [x, y] = self.axes;
-        let direction = unit::<f64>((x * direction.x + y * direction.y).to_array())?;
+        let direction = unit::<f64>((self.axes * direction.extend(0.0)).to_array())?;
         Some(self.lowest(supports, direction).map(|(corner, _)| corner))
     }
 
@@ -239,8 +274,8 @@ impl<'a, 'b> Line<'a, 'b> {
     ///
     /// The corner in front stays; the two others turn about it until the line is between them and then move outward.
     #[inline(always)]
-    fn portal(&self, supports: &impl Lowest) -> Option<Result<[Corner; 3], End>> {
-        let front = match self.lowest(supports, -self.along) {
+    fn portal<L: Lanes>(&self, supports: &OfLine<'_, 'b, L>) -> Option<Result<[Corner; 3], End>> {
+        let front = match self.lowest(supports, -self.axes.z_axis) {
             Ok((front, _)) => front,
             Err(end) => return Some(Err(end)),
         };
@@ -273,33 +308,32 @@ impl<'a, 'b> Line<'a, 'b> {
 
     /// From three corners round the line to the face that it enters through.
     #[inline(always)]
-    fn face(
+    fn face<L: Lanes>(
         &self,
-        supports: &impl Lowest,
-        mut corners: [Corner; 3],
-        near: f64,
-    ) -> Option<(End, Option<[Corner; 3]>)> {
+        supports: &OfLine<'_, 'b, L>,
+        corners: &mut [Corner; 3],
+    ) -> Option<End> {
         for _ in 0..SUPPORTS {
             let [p, q, r] = [corners[0].vertex.w, corners[1].vertex.w, corners[2].vertex.w];
             let direction = unit::<f64>((r - p).cross(q - p).to_array())?;
             let (corner, separation) = match self.lowest(supports, direction) {
                 Ok(found) => found,
-                Err(end) => return Some((end, None)),
+                Err(end) => return Some(end),
             };
-            let slope = -direction.dot(self.along);
+            let slope = -direction.dot(self.axes.z_axis);
             // Written so that NaN ends it.
             if !(slope > 0.0) {
                 return None;
             }
             let height = direction.dot(p) - separation;
-            let is_known = corners.iter().any(|known| known.vertex.is_same(&corner.vertex));
-            if is_known || height <= near * slope {
-                return Some((End { direction, separation }, Some(corners)));
+            let is_known = || corners.iter().any(|known| known.vertex.is_same(&corner.vertex));
+            if height <= self.near * slope || is_known() {
+                return Some(End { direction, separation, is_met: true });
             }
             let side = |k: usize| corner.at.perp_dot(corners[k].at);
             let side = [side(0), side(1), side(2)];
             let k = (0..3).find(|&k| side[k] >= 0.0 && side[(k + 1) % 3] <= 0.0)?;
-            corners = [corner, corners[k], corners[(k + 1) % 3]];
+            corners[(k + 2) % 3] = corner;
         }
         None
     }
