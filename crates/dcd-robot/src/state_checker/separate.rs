@@ -7,8 +7,9 @@
 
 use super::Goal;
 use super::links::BodyHull;
+use super::one_link::{LinkPlace, LinkPlaces};
 use super::prepared::Prepared;
-use super::rounded_links::{Rounded, RoundedLink};
+use super::rounded_links::Rounded;
 use super::sift::Found;
 use dcd_pipeline::{Candidate, Other};
 use dcd_simd::{Block, Kernel, Lanes, Row, WIDTH};
@@ -56,6 +57,8 @@ pub(super) struct Separate<'a> {
     /// The number of the packet's first state, and the states that have no hit yet.
     pub(super) first: u32,
     pub(super) open: u32,
+    /// Whether the packet is a state alone.
+    pub(super) is_alone: bool,
     pub(super) goal: Goal,
     pub(super) found: &'a mut Found,
     pub(super) planes: &'a mut Planes,
@@ -68,7 +71,7 @@ impl Kernel for Separate<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self { prepared, rounded, first, open, goal, found, planes, from } = self;
+        let Self { prepared, rounded, first, open, is_alone, goal, found, planes, from } = self;
         let mut kept = from;
         for k in from..found.candidates.len() {
             let (candidate, towards) = found.candidates[k];
@@ -80,8 +83,14 @@ impl Kernel for Separate<'_> {
             let mut unknown = Vec3::ZERO;
             let last = planes.of(&candidate).unwrap_or(&mut unknown);
             let begin = if *last == Vec3::ZERO { towards } else { *last };
-            let placed = (prepared, rounded, lane);
-            *last = direction_between(l, placed, &candidate, begin).unwrap_or_default();
+            let direction = if is_alone {
+                let placed = [&*rounded.one.world, &*rounded.one.own];
+                direction_between(l, prepared, placed, (&candidate, begin))
+            } else {
+                let placed = [(&*rounded.world, lane), (&*rounded.own, lane)];
+                direction_between(l, prepared, placed, (&candidate, begin))
+            };
+            *last = direction.unwrap_or_default();
             if *last == Vec3::ZERO {
                 found.candidates[kept] = (candidate, towards);
                 kept += 1;
@@ -112,14 +121,14 @@ pub(super) struct PlacedHull<'a> {
 }
 
 impl<'a> PlacedHull<'a> {
-    pub(super) fn on(hull: &'a BodyHull, link: &RoundedLink, lane: usize) -> Self {
-        let number = |k: usize| link.frame[k].0[lane];
-        let column = |k: usize| Vec3::new(number(k), number(k + 1), number(k + 2));
+    #[inline(always)]
+    pub(super) fn on(hull: &'a BodyHull, link: impl LinkPlace) -> Self {
+        let column = |k: usize| Vec3::new(link.number(k), link.number(k + 1), link.number(k + 2));
         Self {
             blocks: &hull.blocks,
             rotation: Mat3::from_cols(column(0), column(3), column(6)),
             translation: column(9),
-            margin: hull.swept + link.margin.0[lane],
+            margin: hull.swept + link.margin(),
         }
     }
 }
@@ -157,20 +166,20 @@ impl Support for PlacedHull<'_> {
 
 /// The direction across a plane that is found between the two bodies of a candidate; of what has no support here none.
 #[inline(always)]
-fn direction_between<L: Lanes>(
+fn direction_between<L: Lanes, P: LinkPlaces>(
     l: L,
-    (prepared, rounded, lane): (&Prepared, &Rounded, usize),
-    candidate: &Candidate,
-    begin: Vec3,
+    prepared: &Prepared,
+    [world, own]: [P; 2],
+    (candidate, begin): (&Candidate, Vec3),
 ) -> Option<Vec3> {
-    let (links, placed) = match candidate.other {
-        Other::Obstacle(_) => (&*prepared.world_links, rounded.world()),
-        Other::Link(_) => (prepared.own_links(), rounded.own(prepared)),
+    let (links, placed) = match (candidate.other, &prepared.own_links) {
+        (Other::Link(_), Some(own_links)) => (&**own_links, own),
+        _ => (&*prepared.world_links, world),
     };
     let moved = |body: u32| {
         let hull = prepared.hulls[body as usize].as_ref()?;
         let slot = links.binary_search_by_key(&hull.link, |link| link.link).ok()?;
-        Some(PlacedHull::on(hull, &placed[slot], lane))
+        Some(PlacedHull::on(hull, placed.at(slot)))
     };
     let hull = moved(candidate.link)?;
     match candidate.other {
