@@ -5,7 +5,7 @@ use super::links::BodyHull;
 use super::one_link::{LinkPlace, LinkPlaces};
 use super::prepared::Prepared;
 use super::rounded_links::{Placed, Rounded, bits, stored};
-use super::separate::{PlacedHull, Support, across_gap};
+use super::separate::{PlacedHull, Support, across_gap, unit};
 use super::solids::{inside, margin_of, within};
 use super::worker::{CHUNK, Refused, RefusedState, Worker, at, with_chunk};
 use super::{FAR, Goal, StateChecker};
@@ -396,7 +396,8 @@ impl Seen<'_> {
                         margin: radii[place] + self.grown + self.margin,
                     };
                     let hull = PlacedHull::on(hull, placed.at(slot));
-                    across_gap(l, &still, &hull, near.towards).is_some()
+                    let towards = unit(near.towards).unwrap_or(Vec3::X);
+                    across_gap(l, &still, &hull, towards).is_some()
                 }
                 None => false,
             };
@@ -417,9 +418,17 @@ struct SeenBox {
 }
 
 impl Support for SeenBox {
+    /// The direction.
+    type Farthest<L: Lanes> = Vec3;
+
     #[inline(always)]
     fn reach<L: Lanes>(&self, _: L, direction: Vec3) -> (f32, Vec3) {
-        (self.half.dot(direction.abs()), self.centre + self.half.copysign(direction))
+        (self.half.dot(direction.abs()), direction)
+    }
+
+    #[inline(always)]
+    fn point<L: Lanes>(&self, _: L, direction: Vec3) -> Vec3 {
+        self.centre + self.half.copysign(direction)
     }
 
     fn origin(&self) -> Vec3 {

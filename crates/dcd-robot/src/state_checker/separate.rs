@@ -82,7 +82,8 @@ impl Kernel for Separate<'_> {
             }
             let mut unknown = Vec3::ZERO;
             let last = planes.of(&candidate).unwrap_or(&mut unknown);
-            let begin = if *last == Vec3::ZERO { towards } else { *last };
+            let is_known = *last != Vec3::ZERO;
+            let begin = if is_known { *last } else { unit(towards).unwrap_or(Vec3::X) };
             let direction = if is_alone {
                 let placed = [&*rounded.one.world, &*rounded.one.own];
                 direction_between(l, prepared, placed, (&candidate, begin))
@@ -102,8 +103,14 @@ impl Kernel for Separate<'_> {
 
 /// A convex body in one state, by how far it reaches.
 pub(super) trait Support {
-    /// How far its core reaches in a direction of unit length, from its origin on, and its point there in the world.
-    fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> (f32, Vec3);
+    /// What says where the farthest point is.
+    type Farthest<L: Lanes>: Copy;
+
+    /// How far its core reaches in a direction of unit length, from its origin on.
+    fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> (f32, Self::Farthest<L>);
+
+    /// The point there, in the world: not found where the reach is enough.
+    fn point<L: Lanes>(&self, l: L, farthest: Self::Farthest<L>) -> Vec3;
 
     /// In the world, metres.
     fn origin(&self) -> Vec3;
@@ -133,26 +140,43 @@ impl<'a> PlacedHull<'a> {
     }
 }
 
+/// In each lane the largest product, and the block that it is of; the largest of all.
+#[derive(Clone, Copy)]
+pub(super) struct Farthest<L: Lanes> {
+    best: L::F,
+    block: L::F,
+    most: f32,
+}
+
 impl Support for PlacedHull<'_> {
+    type Farthest<L: Lanes> = Farthest<L>;
+
     #[inline(always)]
-    fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> (f32, Vec3) {
+    fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> (f32, Farthest<L>) {
         let Vec3 { x, y, z } = self.rotation.transpose() * direction;
         let (x, y, z) = (l.splat(x), l.splat(y), l.splat(z));
         let (mut best, mut block) = (l.splat(f32::NEG_INFINITY), l.splat(0.0));
-        for (number, Block(rows)) in self.blocks.iter().enumerate() {
+        let (mut number, one) = (block, l.splat(1.0));
+        for Block(rows) in self.blocks {
             let along = l.mul_add(l.load(&rows[0]), x, l.mul(l.load(&rows[1]), y));
             let along = l.mul_add(l.load(&rows[2]), z, along);
             let is_farther = l.lt(best, along);
             best = l.select(is_farther, along, best);
-            block = l.select(is_farther, l.splat(number as f32), block);
+            block = l.select(is_farther, number, block);
+            number = l.add(number, one);
         }
         let most = l.largest(best);
+        (most, Farthest { best, block, most })
+    }
+
+    #[inline(always)]
+    fn point<L: Lanes>(&self, l: L, Farthest { best, block, most }: Farthest<L>) -> Vec3 {
         let mut blocks = Row([0.0; WIDTH]);
         l.store(block, &mut blocks);
         // Of lanes that are as far the first; of NaN, which part nothing, any.
-        let farthest = l.bits(l.le(l.splat(most), best)).trailing_zeros() as usize % WIDTH;
-        let vertex = self.blocks[blocks.0[farthest] as usize].point(farthest);
-        (most, self.rotation * vertex + self.translation)
+        let lane = l.bits(l.le(l.splat(most), best)).trailing_zeros() as usize % WIDTH;
+        let vertex = self.blocks[blocks.0[lane] as usize].point(lane);
+        self.rotation * vertex + self.translation
     }
 
     fn origin(&self) -> Vec3 {
@@ -200,36 +224,79 @@ fn direction_between<L: Lanes, P: LinkPlaces>(
     }
 }
 
-/// The direction across a plane that is found between the two, beginning with one from the first to the second.
-/// The value of the farthest product counts, whichever vertex it is of (docs/numerics/proofs.md, "states in
+/// The direction across a plane that is found between the two, beginning with one of unit length from the first to the
+/// second. The value of the farthest product counts, whichever vertex it is of (docs/numerics/proofs.md, "states in
 /// lanes").
 #[inline(always)]
 pub(super) fn across_gap<L: Lanes>(
     l: L,
     a: &impl Support,
     b: &impl Support,
-    towards: Vec3,
+    mut direction: Vec3,
 ) -> Option<Vec3> {
-    let mut direction = unit(towards).unwrap_or(Vec3::X);
     let margin = a.margin() + b.margin();
-    for _ in 0..DIRECTIONS {
+    for tried in 1..=DIRECTIONS {
         let (of_a, p) = a.reach(l, direction);
         let (of_b, q) = b.reach(l, -direction);
         let gap = direction.dot(b.origin() - a.origin()) - of_b - of_a;
         // Written so that a NaN parts nothing, nor an infinite gap: a rotation of NaN reaches nowhere.
         if gap > margin && gap < f32::INFINITY {
-            return Some(direction);
+            // What mirrors have stretched would add up from state to state.
+            return if tried == 1 { Some(direction) } else { unit(direction) };
         }
-        let mirrored = unit(q - p).map(|across| direction - across * (2.0 * across.dot(direction)));
-        direction = mirrored.and_then(unit)?;
+        if tried < DIRECTIONS {
+            direction = mirrored(direction, b.point(l, q) - a.point(l, p))?;
+        }
     }
     None
 }
 
+/// The least square of what a direction is mirrored by, m²: far above what squares lose where they underflow. Larger:
+/// hulls so near each other are left to the narrow phase.
+const LEAST_SQUARE: f32 = 1e-30;
+
+/// Mirrored at the plane across a vector of any length: as long as it was, within 20 roundings.
+#[inline(always)]
+fn mirrored(direction: Vec3, across: Vec3) -> Option<Vec3> {
+    let square = across.length_squared();
+    // Written so that of a NaN there is none.
+    (square > LEAST_SQUARE).then(|| direction - across * (2.0 * across.dot(direction) / square))
+}
+
 /// Of unit length, however short or long it was: a length whose square underflows would be wrong.
-fn unit(direction: Vec3) -> Option<Vec3> {
+pub(super) fn unit(direction: Vec3) -> Option<Vec3> {
     (direction / direction.abs().max_element()).try_normalize()
 }
 
 /// For the indices of blocks to be exact as f32.
 pub(super) const MOST_BLOCKS: usize = 1 << 20;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mirrored_direction_stays_as_long_as_its_bound_says() {
+        let mut number = 1u32;
+        let mut draw = || {
+            number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (number >> 8) as f32 / (1 << 23) as f32 - 1.0
+        };
+        let mut most = 0.0f64;
+        for size in [1e-14, 1e-7, 1.0, 1e9] {
+            for _ in 0..20_000 {
+                let mut vector = || Vec3::new(draw(), draw(), draw());
+                let Some(before) = unit(vector()) else { continue };
+                let across = vector() * size;
+                let Some(after) = mirrored(before, across) else { continue };
+                let (before, after) = (before.as_dvec3(), after.as_dvec3());
+                let exact = before.reflect(across.as_dvec3().normalize());
+                let off = exact.distance(after).max((after.length() - before.length()).abs());
+                most = most.max(off * f64::from(1 << 24));
+            }
+        }
+        assert!(most < 20.0 && most > 1.0, "{most} roundings");
+        assert_eq!(mirrored(Vec3::X, Vec3::splat(1e-16)), None);
+        assert_eq!(mirrored(Vec3::X, Vec3::NAN), None);
+    }
+}
