@@ -15,6 +15,7 @@ mod link_frames;
 mod links;
 mod numbers;
 mod obstacle_tree;
+mod one_link;
 mod packed_aabbs;
 mod places;
 mod prepared;

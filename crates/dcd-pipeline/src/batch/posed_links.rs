@@ -93,9 +93,15 @@ impl<N: NarrowPhase> PosedLinks<N> {
         let links = rows.link_set.len();
         let mut refused: Option<usize> = None;
         for (link, &due) in due.iter().enumerate() {
+            let due = due & !self.posed[link];
+            // Of a state alone few links are: counting the others' members would cost as much as posing one.
+            if due.is_empty() {
+                self.fresh[link] = 0..0;
+                continue;
+            }
             let first = rows.row * link + self.posed[link].len();
             let mut object = first;
-            for config in Members::of(due & !self.posed[link]) {
+            for config in Members::of(due) {
                 if self.scene.set_pose(object, pose(config, link)).is_err() {
                     let number = config * links + link;
                     refused = Some(refused.map_or(number, |first| first.min(number)));

@@ -2,8 +2,9 @@
 
 use super::SpherePacket;
 use super::links::LinkSpheres;
+use super::one_link::{LinkPlace, LinkPlaces, OneLink};
 use super::packed_aabbs::around;
-use super::rounded_links::{Rounded, RoundedLink, bits, splat};
+use super::rounded_links::{OneState, bits, place_again_alone, splat};
 use super::sift::{Sift, meeting};
 use dcd_simd::{Block, Lanes, Row, WIDTH};
 
@@ -43,18 +44,17 @@ impl LinkPairRow {
 }
 
 impl LinkRow {
-    /// Fills rows with the links of the state in the first lane.
+    /// Fills rows with the links of a state.
     #[inline(always)]
-    fn gather(links: &[LinkSpheres], placed: &[RoundedLink], to: &mut Vec<Self>) {
+    fn gather(links: &[LinkSpheres], placed: &[OneLink], to: &mut Vec<Self>) {
         let none = Row([0.0; WIDTH]);
         let empty = Self { centre: Block([none; 3]), radius: none, margin: none, filled: 0 };
         to.resize(links.len().div_ceil(WIDTH), empty);
-        for (k, link) in links.iter().enumerate() {
-            let (row, lane, placed) = (&mut to[k / WIDTH], k % WIDTH, &placed[k]);
-            for axis in 0..3 {
-                row.centre.0[axis].0[lane] = placed.centre.0[axis].0[0];
-            }
-            (row.radius.0[lane], row.margin.0[lane]) = (link.radius, placed.margin.0[0]);
+        for (k, (link, placed)) in links.iter().zip(placed).enumerate() {
+            let (row, lane, centre) = (&mut to[k / WIDTH], k % WIDTH, placed.centre());
+            let Block([x, y, z]) = &mut row.centre;
+            (x.0[lane], y.0[lane], z.0[lane]) = (centre.x, centre.y, centre.z);
+            (row.radius.0[lane], row.margin.0[lane]) = (link.radius, placed.margin());
             row.filled = (2 << lane) - 1;
         }
     }
@@ -85,10 +85,11 @@ impl LinkRow {
 impl Sift<'_> {
     /// The comparisons of several states, each rounded as there and in the same order, so that the answers are the same.
     #[inline(always)]
-    pub(super) fn alone<L: Lanes>(&mut self, l: L, rounded: &mut Rounded) {
+    pub(super) fn alone<L: Lanes>(&mut self, l: L, one: &mut OneState, near: &mut Vec<(u32, u32)>) {
         let prepared = self.prepared;
-        let Rounded { world, own, near, gathered, .. } = rounded;
+        let OneState { world, own, gathered } = one;
         let links = &*prepared.world_links;
+        let slid = self.placed.place_alone(l, links, world);
         LinkRow::gather(links, world, gathered);
         for (number, row) in gathered.iter().enumerate() {
             let spheres = row.spheres(l);
@@ -100,11 +101,12 @@ impl Sift<'_> {
                     return;
                 }
                 let link = number * WIDTH + lane;
-                self.rows_against(l, (&links[link], &world[link]), 0, (near, lane));
+                self.rows_against(l, (&links[link], world.at(link)), 0, (near, lane));
             }
         }
         let (mut links, mut placed) = (links, &*world);
         if let Some(own_links) = &prepared.own_links {
+            place_again_alone(l, own_links, (world, slid), own);
             (links, placed) = (own_links, own);
             LinkRow::gather(links, placed, gathered);
         }
@@ -116,7 +118,7 @@ impl Sift<'_> {
             let of_b = gathered[b / WIDTH].one(l, b % WIDTH);
             let near = meeting(l, &gathered[row].spheres(l), &of_b).near & wanted;
             for lane in bits(near) {
-                let of = |link: usize| (&links[link], &placed[link]);
+                let of = |link: usize| (&links[link], placed.at(link));
                 self.rows_against_each_other(l, of(row * WIDTH + lane), of(b), 0);
             }
         }

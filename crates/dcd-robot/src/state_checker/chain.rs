@@ -4,6 +4,7 @@
 // In kernels: an iterator that is left out of line costs more than the loop.
 #![allow(clippy::needless_range_loop)]
 
+mod columns;
 mod frame_error;
 mod turns;
 
@@ -18,6 +19,7 @@ use frame_error::{NOTHING, lost};
 use glam::{DMat3, DVec3};
 use turns::{rotation, set_column, shift, turn, turn_about, turned};
 
+pub(super) use columns::{Columns, placed};
 pub(super) use frame_error::FrameError;
 pub(super) use turns::loaded;
 
@@ -135,6 +137,14 @@ impl Chain {
             |link: usize| if chain.is_bounded { errors[link] } else { FrameError::default() };
         chain.errors = links.iter().map(|link| error(link.link)).collect();
         chain
+    }
+
+    /// Tells the links, of those with spheres, what the rounding of their places comes to.
+    pub(super) fn bound(&self, links: &mut [LinkSpheres]) {
+        for (link, error) in links.iter_mut().zip(&self.errors) {
+            let [still, per_slid] = error.of_size(link.size);
+            link.lost = [link.margin + still, per_slid];
+        }
     }
 
     /// How a joint moves, and by which row.

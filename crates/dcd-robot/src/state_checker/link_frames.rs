@@ -23,6 +23,8 @@ pub(super) type FrameRow = [Numbers; 12];
 #[derive(Clone, Debug, Default)]
 pub(super) struct LinkFrames {
     pub(super) frames: Vec<FrameRow>,
+    /// Those of the state that was last placed alone: read there, they are next to each other.
+    alone: Vec<JointFrame>,
     /// For each joint what it is moved by: an angle or a length.
     drives: Vec<Numbers>,
     /// Whether some angle is too far from 0 for lanes.
@@ -70,11 +72,14 @@ impl LinkFrames {
     /// The state has been checked.
     pub(super) fn place_alone(&mut self, robot: &Robot, state: &[f64], lane: usize) {
         self.frames.resize(robot.links.len(), [[[0.0; HALF]; 2]; 12]);
+        self.alone.resize(robot.links.len(), JointFrame::IDENTITY);
+        self.alone[robot.root] = robot.base;
         self.set_frame(robot.root, lane, &robot.base);
         let mut sum = 0.0;
         for joint in &robot.joints {
-            let rest = self.frame(joint.parent, lane).then(&joint.origin);
+            let rest = self.alone[joint.parent].then(&joint.origin);
             let frame = moved(&rest, joint, state);
+            self.alone[joint.child] = frame;
             self.set_frame(joint.child, lane, &frame);
             let columns = frame.rotation.x_axis + frame.rotation.y_axis + frame.rotation.z_axis;
             sum += (columns + frame.translation).element_sum();

@@ -80,6 +80,9 @@ pub(super) struct LinkSpheres {
     pub(super) radius: f32,
     /// By how much a comparison may be off, beside what the link's place adds, metres.
     pub(super) margin: f32,
+    /// By how much for the rounding of the link's place, [`FrameError::of_size`](super::chain::FrameError::of_size), the
+    /// first number with `margin`: found with the chain.
+    pub(super) lost: [f32; 2],
     /// How far from the link's origin any of it is at most, metres.
     pub(super) size: f32,
     pub(super) rows: Vec<SphereRow>,
@@ -139,7 +142,8 @@ impl LinkSpheres {
         }
         let size = size + middle.abs().element_sum() + radius;
         let (margin, size) = (margin_of(size), (size as f32).next_up());
-        Self { link, centre: middle.as_vec3(), radius: radius as f32, margin, size, rows }
+        let (centre, radius) = (middle.as_vec3(), radius as f32);
+        Self { link, centre, radius, margin, lost: [0.0; 2], size, rows }
     }
 }
 

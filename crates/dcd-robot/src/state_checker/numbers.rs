@@ -18,7 +18,6 @@ pub(super) trait Numbers: Copy {
     fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
     fn neg(self, a: Self::F) -> Self::F;
     fn abs(self, a: Self::F) -> Self::F;
-    fn max(self, a: Self::F, b: Self::F) -> Self::F;
     fn lt(self, a: Self::F, b: Self::F) -> Self::M;
     fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F;
     /// The sine and the cosine of the angle in a row, by its number.
@@ -55,7 +54,6 @@ impl<L: Lanes> Numbers for All<L> {
         mul_add(a: L::F, b: L::F, c: L::F) -> L::F;
         neg(a: L::F) -> L::F;
         abs(a: L::F) -> L::F;
-        max(a: L::F, b: L::F) -> L::F;
         lt(a: L::F, b: L::F) -> L::M;
         select(mask: L::M, yes: L::F, no: L::F) -> L::F;
     }
@@ -128,8 +126,7 @@ impl<L: Lanes> Numbers for First<'_, L> {
     }
     #[inline(always)]
     fn mul_add(self, a: f32, b: f32, c: f32) -> f32 {
-        // One instruction where the lanes have one: it is inlined where they are.
-        if L::FUSED { a.mul_add(b, c) } else { a * b + c }
+        mul_add::<L>(a, b, c)
     }
     #[inline(always)]
     fn neg(self, a: f32) -> f32 {
@@ -138,10 +135,6 @@ impl<L: Lanes> Numbers for First<'_, L> {
     #[inline(always)]
     fn abs(self, a: f32) -> f32 {
         a.abs()
-    }
-    #[inline(always)]
-    fn max(self, a: f32, b: f32) -> f32 {
-        if a > b { a } else { b }
     }
     #[inline(always)]
     fn lt(self, a: f32, b: f32) -> bool {
@@ -159,6 +152,12 @@ impl<L: Lanes> Numbers for First<'_, L> {
             _ => sin_cos(self, self.load(&rows[number])),
         }
     }
+}
+
+/// a·b + c, rounded once or twice, as the lanes do: one instruction where they have one, since it is inlined where they are.
+#[inline(always)]
+pub(super) fn mul_add<L: Lanes>(a: f32, b: f32, c: f32) -> f32 {
+    if L::FUSED { a.mul_add(b, c) } else { a * b + c }
 }
 
 /// π/2 to 17 bits, so that it times a small whole number is exact, and the rest.

@@ -5,7 +5,7 @@ use super::chain::Drives;
 use super::link_frames::{LinkFrames, Place};
 use super::links::LinkSpheres;
 use super::prepared::Prepared;
-use super::rounded_links::{Placed, RoundedLink, bits};
+use super::rounded_links::{Placed, Rounded, bits};
 use super::worker::RefusedState;
 use dcd_simd::{Kernel, Lanes, Path, WIDTH, dispatch_on};
 
@@ -78,7 +78,7 @@ pub(super) struct PlaceLinks<'a> {
     /// The states that there are, a bit each.
     pub(super) open: u32,
     pub(super) links: &'a [LinkSpheres],
-    pub(super) to: &'a mut Vec<RoundedLink>,
+    pub(super) to: &'a mut Rounded,
 }
 
 impl Kernel for PlaceLinks<'_> {
@@ -86,6 +86,11 @@ impl Kernel for PlaceLinks<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        self.placed.place(l, self.open, self.links, self.to);
+        let Self { placed, open, links, to } = self;
+        if open == 1 {
+            placed.place_alone(l, links, &mut to.one.world);
+        } else {
+            placed.place(l, links, &mut to.world);
+        }
     }
 }

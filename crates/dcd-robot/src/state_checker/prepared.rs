@@ -63,10 +63,12 @@ impl Prepared {
                 numbers.map(|number| body(&cell, &bodies, number)).collect();
             links(cell.robot(), &shapes, covers)
         };
-        let world_links = spheres(&mut all.clone().filter(meets_world));
-        let own_links = cell.is_padded().then(|| spheres(&mut (0..parts)));
+        let mut world_links = spheres(&mut all.clone().filter(meets_world));
+        let mut own_links = cell.is_padded().then(|| spheres(&mut (0..parts)));
         let hulls = all.clone().map(|number| BodyHull::of(&body(&cell, &bodies, number))).collect();
         let chain = Chain::of(cell.robot(), &world_links);
+        chain.bound(&mut world_links);
+        own_links.iter_mut().for_each(|links| chain.bound(links));
         let mut prepared = Self {
             chain,
             bodies,
@@ -112,6 +114,8 @@ impl Prepared {
         self.cell = cell;
         if self.chain.base != self.robot().base {
             self.chain = Chain::of(self.cell.robot(), &self.world_links);
+            self.chain.bound(&mut self.world_links);
+            self.own_links.iter_mut().for_each(|links| self.chain.bound(links));
         }
         self.take_obstacles();
         if !is_filtered_alike {

@@ -6,9 +6,9 @@
 use super::alone::LinkRow;
 use super::chain::{Chain, Drives, loaded};
 use super::link_frames::{HALF, LinkFrames};
-use super::links::{LinkSpheres, SphereRow};
-use super::numbers::{All, First, Numbers};
-use super::prepared::Prepared;
+use super::links::LinkSpheres;
+use super::numbers::{All, First};
+use super::one_link::{LinkPlace, LinkPlaces, OneLink};
 use super::{MARGIN, SpherePacket};
 use dcd_geom::Aabb;
 use dcd_simd::{Block, Lanes, Row, WIDTH};
@@ -23,7 +23,16 @@ pub(super) struct Rounded {
     pub(super) near: Vec<(u32, u32)>,
     /// A box round each link in all states of a packet.
     pub(super) aabbs: Vec<Aabb>,
-    /// The links of a state alone.
+    /// Of a state alone, in place of those above.
+    pub(super) one: OneState,
+}
+
+/// The links of a state alone.
+#[derive(Clone, Debug, Default)]
+pub(super) struct OneState {
+    pub(super) world: Vec<OneLink>,
+    pub(super) own: Vec<OneLink>,
+    /// Sixteen to a row.
     pub(super) gathered: Vec<LinkRow>,
 }
 
@@ -37,18 +46,6 @@ pub(super) struct RoundedLink {
     pub(super) margin: Row,
 }
 
-impl Rounded {
-    /// The links that meet obstacles.
-    pub(super) fn world(&self) -> &[RoundedLink] {
-        &self.world
-    }
-
-    /// The links that meet each other.
-    pub(super) fn own(&self, prepared: &Prepared) -> &[RoundedLink] {
-        if prepared.own_links.is_some() { &self.own } else { &self.world }
-    }
-}
-
 /// What says where the links of sixteen states are.
 #[derive(Clone, Copy)]
 pub(super) struct Placed<'a> {
@@ -60,28 +57,16 @@ pub(super) struct Placed<'a> {
 }
 
 impl Placed<'_> {
-    /// Finds where the links and their spheres are in the states of which a bit is set, the links with spheres first.
-    /// Returns what all joints slide together, metres.
+    /// Finds where the links and their spheres are in sixteen states, the links with spheres first. Returns what all joints
+    /// slide together, metres.
     #[inline(always)]
     pub(super) fn place<L: Lanes>(
         &self,
         l: L,
-        open: u32,
         links: &[LinkSpheres],
         to: &mut Vec<RoundedLink>,
     ) -> L::F {
-        // Of a state alone fifteen lanes in sixteen would be computed in vain.
-        if open == 1 {
-            let sines = First::sines(l, &self.drives.rows);
-            l.splat(self.placed(First::with(l, &sines), links, to))
-        } else {
-            self.placed(All(l), links, to)
-        }
-    }
-
-    #[inline(always)]
-    fn placed<N: Numbers>(&self, l: N, links: &[LinkSpheres], to: &mut Vec<RoundedLink>) -> N::F {
-        let slid = self.chain.place(l, self.drives, to);
+        let slid = self.chain.place(All(l), self.drives, to);
         for lane in bits(self.exact) {
             for (link, rounded) in links.iter().zip(to.iter_mut()) {
                 let row = &self.frames.frames[link.link];
@@ -90,41 +75,79 @@ impl Placed<'_> {
                 }
             }
         }
-        self.finish(l, links, slid, to);
+        finish(l, links, slid, to);
         slid
     }
 
-    /// Finds where the spheres are of other bodies on the same links, which have been placed.
+    /// The same of a state alone, without the cost of fifteen other lanes.
     #[inline(always)]
-    pub(super) fn place_again<L: Lanes>(
+    pub(super) fn place_alone<L: Lanes>(
         &self,
         l: L,
         links: &[LinkSpheres],
-        (placed, slid): (&[RoundedLink], L::F),
-        to: &mut Vec<RoundedLink>,
-    ) {
-        to.clear();
-        to.extend_from_slice(placed);
-        self.finish(All(l), links, slid, to);
-    }
-
-    #[inline(always)]
-    fn finish<N: Numbers>(&self, l: N, links: &[LinkSpheres], slid: N::F, to: &mut [RoundedLink]) {
-        for (number, link) in links.iter().enumerate() {
-            let rounded = &mut to[number];
-            let frame = loaded(l, &rounded.frame);
-            let centre = link.centre.to_array();
-            let centre =
-                placed(l, &frame, [l.splat(centre[0]), l.splat(centre[1]), l.splat(centre[2])]);
-            for axis in 0..3 {
-                l.store(centre[axis], &mut rounded.centre.0[axis]);
+        to: &mut Vec<OneLink>,
+    ) -> f32 {
+        let sines = First::sines(l, &self.drives.rows);
+        let slid = self.chain.place_alone(First::with(l, &sines), self.drives, to);
+        if self.exact != 0 {
+            for (link, placed) in links.iter().zip(to.iter_mut()) {
+                let frame = self.frames.frame(link.link, 0);
+                let axes = frame.rotation;
+                placed.columns = [axes.x_axis, axes.y_axis, axes.z_axis, frame.translation]
+                    .map(|column| column.as_vec3().extend(0.0));
             }
-            let far = l.max(l.max(l.abs(frame[9]), l.abs(frame[10])), l.abs(frame[11]));
-            let [still, per_slid] = self.chain.errors[number].of_size(link.size);
-            let margin = l.mul_add(far, l.splat(MARGIN as f32), l.splat(link.margin + still));
-            let margin = l.mul_add(slid, l.splat(per_slid), margin);
-            l.store(margin, &mut rounded.margin);
         }
+        for (link, placed) in links.iter().zip(to) {
+            placed.finish::<L>(link, slid);
+        }
+        slid
+    }
+}
+
+/// Finds where the spheres are of other bodies on the same links, which have been placed.
+#[inline(always)]
+pub(super) fn place_again<L: Lanes>(
+    l: L,
+    links: &[LinkSpheres],
+    (placed, slid): (&[RoundedLink], L::F),
+    to: &mut Vec<RoundedLink>,
+) {
+    to.clear();
+    to.extend_from_slice(placed);
+    finish(l, links, slid, to);
+}
+
+/// The same of a state alone.
+#[inline(always)]
+pub(super) fn place_again_alone<L: Lanes>(
+    _: L,
+    links: &[LinkSpheres],
+    (placed, slid): (&[OneLink], f32),
+    to: &mut Vec<OneLink>,
+) {
+    to.clear();
+    to.extend_from_slice(placed);
+    for (link, placed) in links.iter().zip(to) {
+        placed.finish::<L>(link, slid);
+    }
+}
+
+#[inline(always)]
+fn finish<L: Lanes>(l: L, links: &[LinkSpheres], slid: L::F, to: &mut [RoundedLink]) {
+    for (number, link) in links.iter().enumerate() {
+        let rounded = &mut to[number];
+        let frame = loaded(All(l), &rounded.frame);
+        let centre = link.centre.to_array();
+        let centre =
+            placed(l, &frame, [l.splat(centre[0]), l.splat(centre[1]), l.splat(centre[2])]);
+        for axis in 0..3 {
+            l.store(centre[axis], &mut rounded.centre.0[axis]);
+        }
+        let far = l.max(l.max(l.abs(frame[9]), l.abs(frame[10])), l.abs(frame[11]));
+        let [still, per_slid] = link.lost;
+        let margin = l.mul_add(far, l.splat(MARGIN as f32), l.splat(still));
+        let margin = l.mul_add(slid, l.splat(per_slid), margin);
+        l.store(margin, &mut rounded.margin);
     }
 }
 
@@ -135,7 +158,7 @@ pub(super) fn splat<L: Lanes>(l: L, point: Vec3) -> [L::F; 3] {
 
 /// R·c + t.
 #[inline(always)]
-fn placed<N: Numbers>(l: N, frame: &[N::F; 12], [x, y, z]: [N::F; 3]) -> [N::F; 3] {
+pub(super) fn placed<L: Lanes>(l: L, frame: &[L::F; 12], [x, y, z]: [L::F; 3]) -> [L::F; 3] {
     let mut centre = [x; 3];
     for k in 0..3 {
         let sum = l.mul_add(frame[k], x, frame[9 + k]);
@@ -155,7 +178,7 @@ pub(super) fn stored<L: Lanes>(l: L, centre: [L::F; 3]) -> Block {
 }
 
 #[inline(always)]
-fn of_block<L: Lanes>(l: L, Block([x, y, z]): &Block) -> [L::F; 3] {
+pub(super) fn of_block<L: Lanes>(l: L, Block([x, y, z]): &Block) -> [L::F; 3] {
     [l.load(x), l.load(y), l.load(z)]
 }
 
@@ -170,20 +193,39 @@ impl RoundedLink {
             margin: l.load(&self.margin),
         }
     }
+}
 
-    /// Sixteen spheres on the link, in one of the states.
+/// A link in one of the states.
+#[derive(Clone, Copy)]
+pub(super) struct InLane<'a> {
+    link: &'a RoundedLink,
+    lane: usize,
+}
+
+/// The links in one of the states.
+impl<'a> LinkPlaces for (&'a [RoundedLink], usize) {
+    type Link = InLane<'a>;
+
     #[inline(always)]
-    pub(super) fn row<L: Lanes>(&self, l: L, row: &SphereRow, lane: usize) -> SpherePacket<L> {
-        let mut frame = [l.splat(0.0); 12];
-        for k in 0..12 {
-            frame[k] = l.splat(self.frame[k].0[lane]);
-        }
-        SpherePacket {
-            centre: placed(All(l), &frame, of_block(l, &row.centre)),
-            outer: l.load(&row.outer),
-            inner: l.load(&row.inner),
-            margin: l.splat(self.margin.0[lane]),
-        }
+    fn at(self, slot: usize) -> InLane<'a> {
+        InLane { link: &self.0[slot], lane: self.1 }
+    }
+}
+
+impl LinkPlace for InLane<'_> {
+    #[inline(always)]
+    fn number(self, k: usize) -> f32 {
+        self.link.frame[k].0[self.lane]
+    }
+
+    #[inline(always)]
+    fn centre(self) -> Vec3 {
+        self.link.centre.point(self.lane)
+    }
+
+    #[inline(always)]
+    fn margin(self) -> f32 {
+        self.link.margin.0[self.lane]
     }
 }
 

@@ -2,9 +2,10 @@
 //! and points that those leave, and what is left decided pair by pair.
 
 use super::links::BodyHull;
+use super::one_link::{LinkPlace, LinkPlaces};
 use super::prepared::Prepared;
-use super::rounded_links::{Placed, Rounded, RoundedLink, bits, stored};
-use super::separate::{PlacedHull, Support, across_gap};
+use super::rounded_links::{Placed, Rounded, bits, stored};
+use super::separate::{PlacedHull, Support, across_gap, unit};
 use super::solids::{inside, margin_of, within};
 use super::worker::{CHUNK, Refused, RefusedState, Worker, at, with_chunk};
 use super::{FAR, Goal, StateChecker};
@@ -243,49 +244,15 @@ impl Kernel for Sift<'_> {
         // Within the margin of a radius, as all that is rounded here.
         let (largest, grown) = ((largest + grown) as f32, grown as f32);
         let seen = Seen { sensed, half: sensed.half_extents().as_vec3(), largest, margin, grown };
-        placed.place(l, open, &prepared.world_links, &mut rounded.world);
+        let links = &*prepared.world_links;
+        if open == 1 {
+            placed.place_alone(l, links, &mut rounded.one.world);
+            seen.of_state(l, (prepared, &*rounded.one.world), (0, goal), &mut found);
+            return found;
+        }
+        placed.place(l, links, &mut rounded.world);
         for lane in bits(open) {
-            let first = found.len();
-            for (link, placed) in prepared.world_links.iter().zip(&rounded.world) {
-                let reach = link.radius + placed.margin.0[lane] + margin + largest;
-                if seen.sensed.around(placed.centre.point(lane), reach).next().is_none() {
-                    continue;
-                }
-                for row in &link.rows {
-                    let spheres = placed.row(l, row, lane);
-                    let centres = stored(l, spheres.centre);
-                    for k in bits(row.filled) {
-                        let sphere = LinkSphere {
-                            centre: centres.point(k),
-                            outer: row.outer.0[k],
-                            inner: row.inner.0[k],
-                            margin: placed.margin.0[lane],
-                        };
-                        seen.list(l, &sphere, (lane as u32, row.bodies[k]), &mut found);
-                    }
-                }
-            }
-            let is_hit = found[first..].iter().any(|near| near.is_touching);
-            if goal == Goal::One && is_hit {
-                // Always the same one: the first.
-                let hit = found[first..].iter().position(|near| near.is_touching);
-                found.swap(first, first + hit.unwrap_or_default());
-                found.truncate(first + 1);
-                continue;
-            }
-            found[first..].sort_unstable_by_key(|n| (n.body, n.place, !n.is_touching));
-            let mut kept = first;
-            for k in first..found.len() {
-                let near = found[k];
-                let is_same = kept > first
-                    && (found[kept - 1].body, found[kept - 1].place) == (near.body, near.place);
-                if !is_same {
-                    found[kept] = near;
-                    kept += 1;
-                }
-            }
-            found.truncate(kept);
-            seen.part(l, (prepared, &rounded.world), lane, (first, &mut found));
+            seen.of_state(l, (prepared, (&*rounded.world, lane)), (lane, goal), &mut found);
         }
         found
     }
@@ -311,6 +278,59 @@ struct Seen<'a> {
 }
 
 impl Seen<'_> {
+    /// Lists what spheres and planes leave of a state, by bodies and places.
+    #[inline(always)]
+    fn of_state<L: Lanes, P: LinkPlaces>(
+        &self,
+        l: L,
+        (prepared, placed): (&Prepared, P),
+        (lane, goal): (usize, Goal),
+        found: &mut Vec<Near>,
+    ) {
+        let first = found.len();
+        for (slot, link) in prepared.world_links.iter().enumerate() {
+            let placed = placed.at(slot);
+            let reach = link.radius + placed.margin() + self.margin + self.largest;
+            if self.sensed.around(placed.centre(), reach).next().is_none() {
+                continue;
+            }
+            for row in &link.rows {
+                let spheres = placed.row(l, row);
+                let centres = stored(l, spheres.centre);
+                for k in bits(row.filled) {
+                    let sphere = LinkSphere {
+                        centre: centres.point(k),
+                        outer: row.outer.0[k],
+                        inner: row.inner.0[k],
+                        margin: placed.margin(),
+                    };
+                    self.list(l, &sphere, (lane as u32, row.bodies[k]), found);
+                }
+            }
+        }
+        let is_hit = found[first..].iter().any(|near| near.is_touching);
+        if goal == Goal::One && is_hit {
+            // Always the same one: the first.
+            let hit = found[first..].iter().position(|near| near.is_touching);
+            found.swap(first, first + hit.unwrap_or_default());
+            found.truncate(first + 1);
+            return;
+        }
+        found[first..].sort_unstable_by_key(|n| (n.body, n.place, !n.is_touching));
+        let mut kept = first;
+        for k in first..found.len() {
+            let near = found[k];
+            let is_same = kept > first
+                && (found[kept - 1].body, found[kept - 1].place) == (near.body, near.place);
+            if !is_same {
+                found[kept] = near;
+                kept += 1;
+            }
+        }
+        found.truncate(kept);
+        self.part(l, (prepared, placed), (first, found));
+    }
+
     /// Lists the points near a sphere, sixteen at a time.
     #[inline(always)]
     fn list<L: Lanes>(
@@ -355,11 +375,10 @@ impl Seen<'_> {
 
     /// Drops what a plane parts.
     #[inline(always)]
-    fn part<L: Lanes>(
+    fn part<L: Lanes, P: LinkPlaces>(
         &self,
         l: L,
-        (prepared, placed): (&Prepared, &[RoundedLink]),
-        lane: usize,
+        (prepared, placed): (&Prepared, P),
         (first, found): (usize, &mut Vec<Near>),
     ) {
         let [xs, ys, zs, radii] = self.sensed.rows();
@@ -376,8 +395,9 @@ impl Seen<'_> {
                         centre: Vec3::new(xs[place], ys[place], zs[place]),
                         margin: radii[place] + self.grown + self.margin,
                     };
-                    let hull = PlacedHull::on(hull, &placed[slot], lane);
-                    across_gap(l, &still, &hull, near.towards).is_some()
+                    let hull = PlacedHull::on(hull, placed.at(slot));
+                    let towards = unit(near.towards).unwrap_or(Vec3::X);
+                    across_gap(l, &still, &hull, towards).is_some()
                 }
                 None => false,
             };
@@ -398,9 +418,17 @@ struct SeenBox {
 }
 
 impl Support for SeenBox {
+    /// The direction.
+    type Farthest<L: Lanes> = Vec3;
+
     #[inline(always)]
     fn reach<L: Lanes>(&self, _: L, direction: Vec3) -> (f32, Vec3) {
-        (self.half.dot(direction.abs()), self.centre + self.half.copysign(direction))
+        (self.half.dot(direction.abs()), direction)
+    }
+
+    #[inline(always)]
+    fn point<L: Lanes>(&self, _: L, direction: Vec3) -> Vec3 {
+        self.centre + self.half.copysign(direction)
     }
 
     fn origin(&self) -> Vec3 {

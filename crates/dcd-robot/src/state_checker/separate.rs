@@ -7,8 +7,9 @@
 
 use super::Goal;
 use super::links::BodyHull;
+use super::one_link::{LinkPlace, LinkPlaces};
 use super::prepared::Prepared;
-use super::rounded_links::{Rounded, RoundedLink};
+use super::rounded_links::Rounded;
 use super::sift::Found;
 use dcd_pipeline::{Candidate, Other};
 use dcd_simd::{Block, Kernel, Lanes, Row, WIDTH};
@@ -56,6 +57,8 @@ pub(super) struct Separate<'a> {
     /// The number of the packet's first state, and the states that have no hit yet.
     pub(super) first: u32,
     pub(super) open: u32,
+    /// Whether the packet is a state alone.
+    pub(super) is_alone: bool,
     pub(super) goal: Goal,
     pub(super) found: &'a mut Found,
     pub(super) planes: &'a mut Planes,
@@ -68,7 +71,7 @@ impl Kernel for Separate<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self { prepared, rounded, first, open, goal, found, planes, from } = self;
+        let Self { prepared, rounded, first, open, is_alone, goal, found, planes, from } = self;
         let mut kept = from;
         for k in from..found.candidates.len() {
             let (candidate, towards) = found.candidates[k];
@@ -79,9 +82,16 @@ impl Kernel for Separate<'_> {
             }
             let mut unknown = Vec3::ZERO;
             let last = planes.of(&candidate).unwrap_or(&mut unknown);
-            let begin = if *last == Vec3::ZERO { towards } else { *last };
-            let placed = (prepared, rounded, lane);
-            *last = direction_between(l, placed, &candidate, begin).unwrap_or_default();
+            let is_known = *last != Vec3::ZERO;
+            let begin = if is_known { *last } else { unit(towards).unwrap_or(Vec3::X) };
+            let direction = if is_alone {
+                let placed = [&*rounded.one.world, &*rounded.one.own];
+                direction_between(l, prepared, placed, (&candidate, begin))
+            } else {
+                let placed = [(&*rounded.world, lane), (&*rounded.own, lane)];
+                direction_between(l, prepared, placed, (&candidate, begin))
+            };
+            *last = direction.unwrap_or_default();
             if *last == Vec3::ZERO {
                 found.candidates[kept] = (candidate, towards);
                 kept += 1;
@@ -93,8 +103,14 @@ impl Kernel for Separate<'_> {
 
 /// A convex body in one state, by how far it reaches.
 pub(super) trait Support {
-    /// How far its core reaches in a direction of unit length, from its origin on, and its point there in the world.
-    fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> (f32, Vec3);
+    /// What says where the farthest point is.
+    type Farthest<L: Lanes>: Copy;
+
+    /// How far its core reaches in a direction of unit length, from its origin on.
+    fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> (f32, Self::Farthest<L>);
+
+    /// The point there, in the world: not found where the reach is enough.
+    fn point<L: Lanes>(&self, l: L, farthest: Self::Farthest<L>) -> Vec3;
 
     /// In the world, metres.
     fn origin(&self) -> Vec3;
@@ -112,38 +128,55 @@ pub(super) struct PlacedHull<'a> {
 }
 
 impl<'a> PlacedHull<'a> {
-    pub(super) fn on(hull: &'a BodyHull, link: &RoundedLink, lane: usize) -> Self {
-        let number = |k: usize| link.frame[k].0[lane];
-        let column = |k: usize| Vec3::new(number(k), number(k + 1), number(k + 2));
+    #[inline(always)]
+    pub(super) fn on(hull: &'a BodyHull, link: impl LinkPlace) -> Self {
+        let column = |k: usize| Vec3::new(link.number(k), link.number(k + 1), link.number(k + 2));
         Self {
             blocks: &hull.blocks,
             rotation: Mat3::from_cols(column(0), column(3), column(6)),
             translation: column(9),
-            margin: hull.swept + link.margin.0[lane],
+            margin: hull.swept + link.margin(),
         }
     }
 }
 
+/// In each lane the largest product, and the block that it is of; the largest of all.
+#[derive(Clone, Copy)]
+pub(super) struct Farthest<L: Lanes> {
+    best: L::F,
+    block: L::F,
+    most: f32,
+}
+
 impl Support for PlacedHull<'_> {
+    type Farthest<L: Lanes> = Farthest<L>;
+
     #[inline(always)]
-    fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> (f32, Vec3) {
+    fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> (f32, Farthest<L>) {
         let Vec3 { x, y, z } = self.rotation.transpose() * direction;
         let (x, y, z) = (l.splat(x), l.splat(y), l.splat(z));
         let (mut best, mut block) = (l.splat(f32::NEG_INFINITY), l.splat(0.0));
-        for (number, Block(rows)) in self.blocks.iter().enumerate() {
+        let (mut number, one) = (block, l.splat(1.0));
+        for Block(rows) in self.blocks {
             let along = l.mul_add(l.load(&rows[0]), x, l.mul(l.load(&rows[1]), y));
             let along = l.mul_add(l.load(&rows[2]), z, along);
             let is_farther = l.lt(best, along);
             best = l.select(is_farther, along, best);
-            block = l.select(is_farther, l.splat(number as f32), block);
+            block = l.select(is_farther, number, block);
+            number = l.add(number, one);
         }
         let most = l.largest(best);
+        (most, Farthest { best, block, most })
+    }
+
+    #[inline(always)]
+    fn point<L: Lanes>(&self, l: L, Farthest { best, block, most }: Farthest<L>) -> Vec3 {
         let mut blocks = Row([0.0; WIDTH]);
         l.store(block, &mut blocks);
         // Of lanes that are as far the first; of NaN, which part nothing, any.
-        let farthest = l.bits(l.le(l.splat(most), best)).trailing_zeros() as usize % WIDTH;
-        let vertex = self.blocks[blocks.0[farthest] as usize].point(farthest);
-        (most, self.rotation * vertex + self.translation)
+        let lane = l.bits(l.le(l.splat(most), best)).trailing_zeros() as usize % WIDTH;
+        let vertex = self.blocks[blocks.0[lane] as usize].point(lane);
+        self.rotation * vertex + self.translation
     }
 
     fn origin(&self) -> Vec3 {
@@ -157,20 +190,20 @@ impl Support for PlacedHull<'_> {
 
 /// The direction across a plane that is found between the two bodies of a candidate; of what has no support here none.
 #[inline(always)]
-fn direction_between<L: Lanes>(
+fn direction_between<L: Lanes, P: LinkPlaces>(
     l: L,
-    (prepared, rounded, lane): (&Prepared, &Rounded, usize),
-    candidate: &Candidate,
-    begin: Vec3,
+    prepared: &Prepared,
+    [world, own]: [P; 2],
+    (candidate, begin): (&Candidate, Vec3),
 ) -> Option<Vec3> {
-    let (links, placed) = match candidate.other {
-        Other::Obstacle(_) => (&*prepared.world_links, rounded.world()),
-        Other::Link(_) => (prepared.own_links(), rounded.own(prepared)),
+    let (links, placed) = match (candidate.other, &prepared.own_links) {
+        (Other::Link(_), Some(own_links)) => (&**own_links, own),
+        _ => (&*prepared.world_links, world),
     };
     let moved = |body: u32| {
         let hull = prepared.hulls[body as usize].as_ref()?;
         let slot = links.binary_search_by_key(&hull.link, |link| link.link).ok()?;
-        Some(PlacedHull::on(hull, &placed[slot], lane))
+        Some(PlacedHull::on(hull, placed.at(slot)))
     };
     let hull = moved(candidate.link)?;
     match candidate.other {
@@ -191,36 +224,79 @@ fn direction_between<L: Lanes>(
     }
 }
 
-/// The direction across a plane that is found between the two, beginning with one from the first to the second.
-/// The value of the farthest product counts, whichever vertex it is of (docs/numerics/proofs.md, "states in
+/// The direction across a plane that is found between the two, beginning with one of unit length from the first to the
+/// second. The value of the farthest product counts, whichever vertex it is of (docs/numerics/proofs.md, "states in
 /// lanes").
 #[inline(always)]
 pub(super) fn across_gap<L: Lanes>(
     l: L,
     a: &impl Support,
     b: &impl Support,
-    towards: Vec3,
+    mut direction: Vec3,
 ) -> Option<Vec3> {
-    let mut direction = unit(towards).unwrap_or(Vec3::X);
     let margin = a.margin() + b.margin();
-    for _ in 0..DIRECTIONS {
+    for tried in 1..=DIRECTIONS {
         let (of_a, p) = a.reach(l, direction);
         let (of_b, q) = b.reach(l, -direction);
         let gap = direction.dot(b.origin() - a.origin()) - of_b - of_a;
         // Written so that a NaN parts nothing, nor an infinite gap: a rotation of NaN reaches nowhere.
         if gap > margin && gap < f32::INFINITY {
-            return Some(direction);
+            // What mirrors have stretched would add up from state to state.
+            return if tried == 1 { Some(direction) } else { unit(direction) };
         }
-        let mirrored = unit(q - p).map(|across| direction - across * (2.0 * across.dot(direction)));
-        direction = mirrored.and_then(unit)?;
+        if tried < DIRECTIONS {
+            direction = mirrored(direction, b.point(l, q) - a.point(l, p))?;
+        }
     }
     None
 }
 
+/// The least square of what a direction is mirrored by, m²: far above what squares lose where they underflow. Larger:
+/// hulls so near each other are left to the narrow phase.
+const LEAST_SQUARE: f32 = 1e-30;
+
+/// Mirrored at the plane across a vector of any length: as long as it was, within 20 roundings.
+#[inline(always)]
+fn mirrored(direction: Vec3, across: Vec3) -> Option<Vec3> {
+    let square = across.length_squared();
+    // Written so that of a NaN there is none.
+    (square > LEAST_SQUARE).then(|| direction - across * (2.0 * across.dot(direction) / square))
+}
+
 /// Of unit length, however short or long it was: a length whose square underflows would be wrong.
-fn unit(direction: Vec3) -> Option<Vec3> {
+pub(super) fn unit(direction: Vec3) -> Option<Vec3> {
     (direction / direction.abs().max_element()).try_normalize()
 }
 
 /// For the indices of blocks to be exact as f32.
 pub(super) const MOST_BLOCKS: usize = 1 << 20;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mirrored_direction_stays_as_long_as_its_bound_says() {
+        let mut number = 1u32;
+        let mut draw = || {
+            number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (number >> 8) as f32 / (1 << 23) as f32 - 1.0
+        };
+        let mut most = 0.0f64;
+        for size in [1e-14, 1e-7, 1.0, 1e9] {
+            for _ in 0..20_000 {
+                let mut vector = || Vec3::new(draw(), draw(), draw());
+                let Some(before) = unit(vector()) else { continue };
+                let across = vector() * size;
+                let Some(after) = mirrored(before, across) else { continue };
+                let (before, after) = (before.as_dvec3(), after.as_dvec3());
+                let exact = before.reflect(across.as_dvec3().normalize());
+                let off = exact.distance(after).max((after.length() - before.length()).abs());
+                most = most.max(off * f64::from(1 << 24));
+            }
+        }
+        assert!(most < 20.0 && most > 1.0, "{most} roundings");
+        assert_eq!(mirrored(Vec3::X, Vec3::splat(1e-16)), None);
+        assert_eq!(mirrored(Vec3::X, Vec3::NAN), None);
+    }
+}

@@ -1,9 +1,10 @@
 //! Sixteen states against everything, by spheres: what is proved to touch, and what is left.
 
 use super::links::{LinkSpheres, SphereRow};
+use super::one_link::{LinkPlace, LinkPlaces};
 use super::packed_aabbs::{around, overlap};
 use super::prepared::Prepared;
-use super::rounded_links::{Placed, Rounded, RoundedLink, bits, splat, stored};
+use super::rounded_links::{Placed, Rounded, RoundedLink, bits, place_again, splat, stored};
 use super::solids::{Overlaps, Solid, inside, within};
 use super::{Goal, SpherePacket};
 use dcd_geom::Aabb;
@@ -24,7 +25,6 @@ pub(super) struct Found {
 pub(super) struct Sift<'a> {
     pub(super) prepared: &'a Prepared,
     pub(super) placed: Placed<'a>,
-    pub(super) rounded: &'a mut Rounded,
     /// The number of the first state.
     pub(super) first: u32,
     /// The states that there are, a bit each.
@@ -33,27 +33,23 @@ pub(super) struct Sift<'a> {
     pub(super) found: &'a mut Found,
 }
 
-impl Kernel for Sift<'_> {
+/// With the memory of where the links are.
+pub(super) struct SiftPacket<'a>(pub(super) Sift<'a>, pub(super) &'a mut Rounded);
+
+impl Kernel for SiftPacket<'_> {
     /// The states that have no hit yet, where one is enough.
     type Output = u32;
 
     #[inline(always)]
-    fn run<L: Lanes>(mut self, l: L) -> u32 {
-        let mut rounded = std::mem::take(self.rounded);
-        let (world_links, own_links) = (&self.prepared.world_links, self.prepared.own_links());
-        let slid = self.placed.place(l, self.open, world_links, &mut rounded.world);
+    fn run<L: Lanes>(self, l: L) -> u32 {
+        let Self(mut sift, rounded) = self;
         // The states of a packet are its first ones: this is a state alone.
-        if self.open == 1 {
-            if self.prepared.own_links.is_some() {
-                let Rounded { world, own, .. } = &mut rounded;
-                self.placed.place_again(l, own_links, (world, slid), own);
-            }
-            self.alone(l, &mut rounded);
+        if sift.open == 1 {
+            sift.alone(l, &mut rounded.one, &mut rounded.near);
         } else {
-            self.together(l, slid, &mut rounded);
+            sift.together(l, rounded);
         }
-        *self.rounded = rounded;
-        self.open
+        sift.open
     }
 }
 
@@ -75,25 +71,25 @@ fn boxed<L: Lanes>(
 impl Sift<'_> {
     /// Several states: each link in all of them against one obstacle or another link.
     #[inline(always)]
-    fn together<L: Lanes>(&mut self, l: L, slid: L::F, rounded: &mut Rounded) {
+    fn together<L: Lanes>(&mut self, l: L, rounded: &mut Rounded) {
         let Rounded { world, own, near, aabbs, .. } = rounded;
         let (world_links, own_links) = (&self.prepared.world_links, self.prepared.own_links());
+        let slid = self.placed.place(l, world_links, world);
         boxed(l, world_links, world, self.open, aabbs);
-        for ((link, placed), aabb) in world_links.iter().zip(&*world).zip(&*aabbs) {
+        for (slot, aabb) in aabbs.iter().enumerate() {
             if self.open == 0 {
                 return;
             }
-            self.against_obstacles(l, (link, placed), aabb, near);
+            self.against_obstacles(l, (world_links, world), (slot, aabb), near);
         }
         if self.prepared.own_links.is_some() {
-            self.placed.place_again(l, own_links, (world, slid), own);
+            place_again(l, own_links, (world, slid), own);
             boxed(l, own_links, own, self.open, aabbs);
         }
         let placed = if self.prepared.own_links.is_some() { &*own } else { &*world };
         for &[a, b] in &self.prepared.link_pairs {
             if self.open != 0 && overlap(&aabbs[a as usize], &aabbs[b as usize]) {
-                let of = |k: u32| (&own_links[k as usize], &placed[k as usize]);
-                self.against_each_other(l, of(a), of(b));
+                self.against_each_other(l, (own_links, placed), [a as usize, b as usize]);
             }
         }
     }
@@ -102,14 +98,15 @@ impl Sift<'_> {
     fn against_obstacles<L: Lanes>(
         &mut self,
         l: L,
-        (link, rounded): (&LinkSpheres, &RoundedLink),
-        aabb: &Aabb,
+        (links, placed): (&[LinkSpheres], &[RoundedLink]),
+        (slot, aabb): (usize, &Aabb),
         near: &mut Vec<(u32, u32)>,
     ) {
+        let (link, rounded) = (&links[slot], &placed[slot]);
         self.list_near(l, (&rounded.spheres(l, link), self.open), aabb, near);
         let any = near.iter().fold(0, |any, &(_, states)| any | states);
         for lane in bits(any) {
-            self.rows_against(l, (link, rounded), lane, (near, lane));
+            self.rows_against(l, (link, (placed, lane).at(slot)), lane, (near, lane));
         }
     }
 
@@ -118,12 +115,12 @@ impl Sift<'_> {
     pub(super) fn rows_against<L: Lanes>(
         &mut self,
         l: L,
-        (link, rounded): (&LinkSpheres, &RoundedLink),
+        (link, placed): (&LinkSpheres, impl LinkPlace),
         lane: usize,
         (near, bit): (&[(u32, u32)], usize),
     ) {
         for row in &link.rows {
-            let spheres = rounded.row(l, row, lane);
+            let spheres = placed.row(l, row);
             for &(number, marked) in near {
                 if marked >> bit & 1 == 0 || self.open >> lane & 1 == 0 {
                     continue;
@@ -171,41 +168,42 @@ impl Sift<'_> {
     fn against_each_other<L: Lanes>(
         &mut self,
         l: L,
-        a: (&LinkSpheres, &RoundedLink),
-        b: (&LinkSpheres, &RoundedLink),
+        (links, placed): (&[LinkSpheres], &[RoundedLink]),
+        [a, b]: [usize; 2],
     ) {
-        let (of_a, of_b) = (a.1.spheres(l, a.0), b.1.spheres(l, b.0));
+        let (of_a, of_b) = (placed[a].spheres(l, &links[a]), placed[b].spheres(l, &links[b]));
         let states = meeting(l, &of_a, &of_b).near & self.open;
         for lane in bits(states) {
-            self.rows_against_each_other(l, a, b, lane);
+            let of = |slot: usize| (&links[slot], (placed, lane).at(slot));
+            self.rows_against_each_other(l, of(a), of(b), lane);
         }
     }
 
     /// The spheres of two links in one state.
     #[inline(always)]
-    pub(super) fn rows_against_each_other<L: Lanes>(
+    pub(super) fn rows_against_each_other<L: Lanes, P: LinkPlace>(
         &mut self,
         l: L,
-        a: (&LinkSpheres, &RoundedLink),
-        b: (&LinkSpheres, &RoundedLink),
+        a: (&LinkSpheres, P),
+        b: (&LinkSpheres, P),
         lane: usize,
     ) {
         // The spheres of one link that reach the other link's own.
         let own = SpherePacket {
-            centre: splat(l, a.1.centre.point(lane)),
+            centre: splat(l, a.1.centre()),
             outer: l.splat(a.0.radius),
             inner: l.splat(f32::NEG_INFINITY),
-            margin: l.splat(a.1.margin.0[lane]),
+            margin: l.splat(a.1.margin()),
         };
         for row in &b.0.rows {
-            let of_b = b.1.row(l, row, lane);
+            let of_b = b.1.row(l, row);
             let candidates = meeting(l, &own, &of_b).near & row.filled;
             if candidates == 0 {
                 continue;
             }
             let of_row = stored(l, of_b.centre);
             for other in &a.0.rows {
-                let of_a = a.1.row(l, other, lane);
+                let of_a = a.1.row(l, other);
                 let at = stored(l, of_a.centre);
                 // Of all spheres of one body together.
                 let (mut body, mut of_body) = (u32::MAX, Vec3::ZERO);

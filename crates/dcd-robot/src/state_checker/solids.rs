@@ -199,10 +199,16 @@ impl Solid {
 }
 
 impl Support for &Solid {
+    type Farthest<L: Lanes> = Vec3;
+
     #[inline(always)]
     fn reach<L: Lanes>(&self, _: L, direction: Vec3) -> (f32, Vec3) {
-        let (reach, point) = self.farthest(direction);
-        (reach, point + self.centre)
+        self.farthest(direction)
+    }
+
+    #[inline(always)]
+    fn point<L: Lanes>(&self, _: L, farthest: Vec3) -> Vec3 {
+        farthest + self.centre
     }
 
     fn origin(&self) -> Vec3 {

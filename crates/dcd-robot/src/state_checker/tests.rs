@@ -5,13 +5,15 @@ mod huge;
 mod random;
 
 use super::link_frames::{LinkFrames, Place};
+use super::one_link::{LinkPlace, LinkPlaces};
 use super::places::{PlaceLinks, Places};
+use super::rounded_links::Rounded;
 use super::*;
 use crate::{AllowedPairs, LinkShapes, Obstacle, Robot, World};
 use dcd_geom::{Pose, Shape};
 use dcd_gjk::{Certified, PairSolver, PosedShape};
 use dcd_pipeline::Par;
-use dcd_simd::{Path, Row, WIDTH, dispatch_on};
+use dcd_simd::{Path, WIDTH, dispatch_on};
 use glam::{DMat3, DVec3};
 use std::path::Path as FilePath;
 
@@ -94,22 +96,25 @@ fn frames_in_f32_are_within_their_bounds_of_those_of_one_state_at_a_time() {
             let all: Vec<&[f64]> = states.iter().map(Vec::as_slice).collect();
             places.read(prepared, &all).unwrap();
             let (placed, links) = (places.placed(prepared), &prepared.world_links);
-            let mut rounded = Vec::new();
+            let mut rounded = Rounded::default();
             let open = (1 << WIDTH) - 1;
             dispatch_on(path, PlaceLinks { placed, open, links, to: &mut rounded });
-            let mut alone = Vec::new();
+            let rounded = rounded.world;
+            let mut alone = Rounded::default();
             for (lane, state) in states.iter().enumerate() {
                 places.read(prepared, &[state]).unwrap();
                 let placed = places.placed(prepared);
                 dispatch_on(path, PlaceLinks { placed, open: 1, links, to: &mut alone });
-                for (link, (alone, among)) in
-                    alone.iter().zip(&rounded).enumerate().take(links.len())
-                {
-                    let same = |(a, b): (&Row, &Row)| a.0[0].to_bits() == b.0[lane].to_bits();
-                    let frames = alone.frame.iter().zip(&among.frame);
-                    let centres = alone.centre.0.iter().zip(&among.centre.0);
-                    assert!(frames.chain(centres).all(same), "{path:?}, link {link}, lane {lane}");
-                    assert!(same((&alone.margin, &among.margin)), "{path:?}, link {link}");
+                for link in 0..links.len() {
+                    let (alone, among) = (alone.one.world.at(link), (&*rounded, lane).at(link));
+                    let numbers = (0..12).map(|k| [alone.number(k), among.number(k)]);
+                    let centres = alone.centre().to_array().into_iter();
+                    let centres = centres.zip(among.centre().to_array()).map(|(a, b)| [a, b]);
+                    let margins = [[alone.margin(), among.margin()]];
+                    for [alone, among] in numbers.chain(centres).chain(margins) {
+                        let same = alone.to_bits() == among.to_bits();
+                        assert!(same, "{path:?}, link {link}, lane {lane}: {alone:e}, {among:e}");
+                    }
                 }
             }
             for (lane, state) in states.iter().enumerate() {

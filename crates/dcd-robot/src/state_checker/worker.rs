@@ -4,7 +4,7 @@ use super::places::{PlaceLinks, Places};
 use super::prepared::Prepared;
 use super::rounded_links::Rounded;
 use super::separate::{Planes, Separate};
-use super::sift::{Found, Sift};
+use super::sift::{Found, Sift, SiftPacket};
 use super::{Goal, StateChecker, StateHit};
 use crate::RobotError;
 use dcd_geom::{Pose, SceneError};
@@ -174,7 +174,7 @@ impl Worker {
         self.read(prepared, states)?;
         for (states, places) in states.chunks(WIDTH).zip(&self.places) {
             let (placed, open) = (places.placed(prepared), (1 << states.len()) - 1);
-            let (links, to) = (&prepared.world_links, &mut self.rounded.world);
+            let (links, to) = (&prepared.world_links, &mut self.rounded);
             dispatch_on(Path::best(), PlaceLinks { placed, open, links, to });
         }
         Ok(())
@@ -196,15 +196,13 @@ impl Worker {
         for (packet, (states, places)) in states.chunks(WIDTH).zip(places).enumerate() {
             let (first, open) = ((packet * WIDTH) as u32, (1 << states.len()) - 1);
             let from = found.candidates.len();
-            let (path, round) = (Path::best(), &mut *rounded);
-            let (left, placed) = (&mut *found, places.placed(prepared));
-            let sift = Sift { prepared, placed, rounded: round, first, open, goal, found: left };
-            let open = dispatch_on(path, sift);
+            let (path, placed) = (Path::best(), places.placed(prepared));
+            let sift = Sift { prepared, placed, first, open, goal, found: &mut *found };
+            let (open, is_alone) = (dispatch_on(path, SiftPacket(sift, &mut *rounded)), open == 1);
             let (rounded, found, planes) = (&*rounded, &mut *found, &mut *planes);
-            dispatch_on(
-                path,
-                Separate { prepared, rounded, first, open, goal, found, planes, from },
-            );
+            let separate =
+                Separate { prepared, rounded, first, open, is_alone, goal, found, planes, from };
+            dispatch_on(path, separate);
         }
         Ok(())
     }
