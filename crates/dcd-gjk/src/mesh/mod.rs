@@ -11,6 +11,7 @@ mod cuboid;
 mod deepest;
 mod descent;
 mod distance;
+mod hull_axes;
 mod nearest;
 mod on_body;
 mod one_triangle;

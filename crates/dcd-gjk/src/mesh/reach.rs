@@ -232,7 +232,7 @@ impl Part<'_> {
         }
     }
 
-    fn radius(&self) -> f64 {
+    pub(super) fn radius(&self) -> f64 {
         match self {
             Self::Triangle { radius, .. } => *radius,
             Self::Shape(shape) => shape.radius(),

@@ -1,0 +1,252 @@
+//! A triangle against the faces and edges of a hull, sixteen at a time.
+
+use super::super::bounds::U;
+use crate::simd::vector::V3;
+use dcd_geom::glam::Vec3;
+use dcd_geom::{EdgeRow, FaceRow, FeatureRows};
+use dcd_simd::{Block, Kernel, Lanes, Row};
+
+/// What a plane's distance loses, but for the direction of a product of edges. Unit: u·s, s at least the length of every
+/// vector between the two. Of a face 2 for its normal and offset, 5 for one dot product and 10 for that with an edge, which
+/// is at most twice as long as a corner is far, 3 for the sums; of a product 7 for the vector, 3 for the dot product, 5 for
+/// the length and the quotient. Smaller: false lower bounds.
+pub(super) const PLANE: f64 = 21.0;
+
+/// What the direction of a product loses. Unit: u of the edge's length and the triangle's longest by the product's. The two
+/// edges 4 and 2, twice the latter's length for a difference; the product 8; and twice the whole for a direction.
+const PRODUCT: f64 = 32.0;
+
+/// The square of a product's length below which it may lose to underflow. Unit: m⁴.
+const SHORTEST: f32 = 1e-30;
+
+/// Against a hull's faces and edges.
+pub(super) struct Search<'a> {
+    pub(super) rows: &'a FeatureRows,
+    /// A corner, from the hull's centre, and the other two from there.
+    pub(super) corner: Vec3,
+    pub(super) edges: [Vec3; 2],
+    /// At least how long the longest edge is.
+    pub(super) longest: f64,
+    /// At least the length of every vector between the two.
+    pub(super) size: f64,
+}
+
+/// The planes of A − B that are made of a face and a corner or of two edges.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Planes {
+    /// How far the nearest is from the origin, rounded; below 0 where the origin is beyond it.
+    pub(super) nearest: f32,
+    /// Which it is.
+    pub(super) feature: Feature,
+    /// At least how far all others are, but for [`PLANE`].
+    pub(super) others: f32,
+    /// The vertices at which the triangle's plane faces away from its normal, and along it; `None` where the way round a
+    /// vertex goes round the triangle more than once.
+    pub(super) vertices: Option<[u64; 2]>,
+}
+
+/// What a plane is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Feature {
+    /// A face, and a corner of the triangle.
+    Face(usize),
+    /// An edge, and the edge between two corners.
+    Edge(usize, [usize; 2]),
+}
+
+/// The corners of a face's plane.
+const FACE: f32 = 15.0;
+
+/// The nearest planes so far, in each lane.
+struct Nearest<L: Lanes> {
+    first: L::F,
+    second: L::F,
+    number: L::F,
+}
+
+impl<L: Lanes> Nearest<L> {
+    #[inline(always)]
+    fn add(&mut self, l: L, distance: L::F, number: L::F) {
+        self.second = l.min(self.second, l.max(self.first, distance));
+        let is_nearer = l.lt(distance, self.first);
+        self.first = l.select(is_nearer, distance, self.first);
+        self.number = l.select(is_nearer, number, self.number);
+    }
+}
+
+/// The triangle in all lanes.
+struct Splat<L: Lanes> {
+    corner: V3<L>,
+    edges: [V3<L>; 2],
+}
+
+/// Which corner of the triangle is lowest along sixteen normals.
+struct Lowest<L: Lanes> {
+    /// How much lower than the first.
+    below: L::F,
+    is_second: L::M,
+    is_third: L::M,
+}
+
+impl<L: Lanes> Splat<L> {
+    /// The same bits for the same normal, whichever row has it.
+    #[inline(always)]
+    fn lowest(&self, l: L, normals: &Block) -> Lowest<L> {
+        let normal = V3::load(l, &normals.0);
+        let zero = l.splat(0.0);
+        let [second, third] = [normal.dot(l, self.edges[0]), normal.dot(l, self.edges[1])];
+        let is_second = l.lt(second, zero);
+        let below = l.select(is_second, second, zero);
+        let is_third = l.lt(third, below);
+        Lowest { below: l.select(is_third, third, below), is_second, is_third }
+    }
+}
+
+impl<L: Lanes> Lowest<L> {
+    /// From the triangle's first corner.
+    #[inline(always)]
+    fn at(&self, l: L, [second, third]: [V3<L>; 2]) -> V3<L> {
+        let zero = V3(l.splat(0.0), l.splat(0.0), l.splat(0.0));
+        V3::select(l, self.is_third, third, V3::select(l, self.is_second, second, zero))
+    }
+
+    /// The lanes in which it is the second, and the third.
+    #[inline(always)]
+    fn bits(&self, l: L) -> [u32; 2] {
+        let third = l.bits(self.is_third);
+        [l.bits(self.is_second) & !third, third]
+    }
+
+    /// Which it is, as a number, times a factor.
+    #[inline(always)]
+    fn number(&self, l: L, times: f32) -> L::F {
+        let of_two = l.select(self.is_second, l.splat(times), l.splat(0.0));
+        l.select(self.is_third, l.splat(2.0 * times), of_two)
+    }
+}
+
+impl Kernel for Search<'_> {
+    type Output = Planes;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Planes {
+        let [second, third] = self.edges;
+        let edges = [splat(l, second), splat(l, third)];
+        let triangle = Splat { corner: splat(l, self.corner), edges };
+        let far = l.splat(f32::INFINITY);
+        let mut nearest = Nearest { first: far, second: far, number: l.splat(0.0) };
+        for (k, row) in self.rows.faces.iter().enumerate() {
+            let distance = of_faces(l, &triangle, row);
+            nearest.add(l, distance, l.splat(16.0 * k as f32 + FACE));
+        }
+        let product = ((PRODUCT * U * self.size * self.longest) as f32).next_up();
+        let mut round = Round::default();
+        for (k, row) in self.rows.edges.iter().enumerate() {
+            let [left, right] =
+                [triangle.lowest(l, &row.left), triangle.lowest(l, &row.right)];
+            let number = l.add(left.number(l, 4.0), right.number(l, 1.0));
+            let [of_left, of_right] = [left.bits(l), right.bits(l)];
+            let open = (of_left[0] ^ of_right[0]) | (of_left[1] ^ of_right[1]);
+            if open == 0 {
+                continue;
+            }
+            round.add(self.rows, k, [of_left, of_right]);
+            let distance = of_edges(l, (&triangle, product), row, [&left, &right]);
+            let distance = l.select(l.mask(open), distance, far);
+            nearest.add(l, distance, l.add(number, l.splat(16.0 * k as f32)));
+        }
+        nearest.planes(l, round.vertices())
+    }
+}
+
+#[inline(always)]
+fn splat<L: Lanes>(l: L, v: Vec3) -> V3<L> {
+    V3(l.splat(v.x), l.splat(v.y), l.splat(v.z))
+}
+
+/// How far the planes of faces and the triangle's corners are.
+#[inline(always)]
+fn of_faces<L: Lanes>(l: L, triangle: &Splat<L>, row: &FaceRow) -> L::F {
+    let lowest = triangle.lowest(l, &row.normals);
+    let along = V3::load(l, &row.normals.0).dot(l, triangle.corner);
+    l.sub(l.load(&row.offsets), l.add(along, lowest.below))
+}
+
+/// At least how far those of the products of edges are, but for [`PLANE`].
+#[inline(always)]
+fn of_edges<L: Lanes>(
+    l: L,
+    (triangle, product): (&Splat<L>, f32),
+    row: &EdgeRow,
+    [left, right]: [&Lowest<L>; 2],
+) -> L::F {
+    let from = left.at(l, triangle.edges);
+    let edge = right.at(l, triangle.edges).sub(l, from);
+    let direction = V3::load(l, &row.along.0).cross(l, edge);
+    let vector = V3::load(l, &row.from.0).sub(l, triangle.corner).sub(l, from);
+    let square = direction.dot(l, direction);
+    let lost = l.mul(l.splat(product), l.load(&row.lengths));
+    let distance = l.div(l.sub(direction.dot(l, vector), lost), l.sqrt(square));
+    // Written so that a product of no length, or of NaN, proves nothing.
+    l.select(l.lt(l.splat(SHORTEST), square), distance, l.splat(f32::NEG_INFINITY))
+}
+
+impl<L: Lanes> Nearest<L> {
+    #[inline(always)]
+    fn planes(&self, l: L, vertices: Option<[u64; 2]>) -> Planes {
+        let least = -l.largest(l.neg(self.first));
+        let lane = l.bits(l.le(self.first, l.splat(least))).trailing_zeros() & 15;
+        let rest = l.select(l.mask(1 << lane), self.second, self.first);
+        let mut numbers = Row::default();
+        l.store(self.number, &mut numbers);
+        let number = numbers.0[lane as usize] as usize;
+        let [place, corners] = [number / 16 * 16 + lane as usize, number % 16];
+        let feature = match corners as f32 == FACE {
+            true => Feature::Face(place),
+            false => Feature::Edge(place, [corners / 4, corners % 4]),
+        };
+        Planes { nearest: least, feature, others: -l.largest(l.neg(rest)), vertices }
+    }
+}
+
+/// How the lowest corner goes round the triangle on the way round each vertex.
+#[derive(Default)]
+struct Round {
+    /// The vertices at which it goes from the first corner to the second, and back.
+    forth: u64,
+    back: u64,
+    /// How often it does.
+    count: u32,
+}
+
+impl Round {
+    /// Takes in a row of edges: the lanes whose lowest corner is the second, and the third, on both sides.
+    #[inline(always)]
+    fn add(&mut self, rows: &FeatureRows, row: usize, [left, right]: [[u32; 2]; 2]) {
+        let [first_left, first_right] = [!(left[0] | left[1]), !(right[0] | right[1])];
+        let (mut forth, mut back) = (first_left & right[0], left[0] & first_right);
+        self.count += forth.count_ones() + back.count_ones();
+        while forth != 0 {
+            if let Some([from, to]) = rows.ends(row * 16 + forth.trailing_zeros() as usize) {
+                self.forth |= 1 << from;
+                self.back |= 1 << to;
+            }
+            forth &= forth - 1;
+        }
+        while back != 0 {
+            if let Some([from, to]) = rows.ends(row * 16 + back.trailing_zeros() as usize) {
+                self.back |= 1 << from;
+                self.forth |= 1 << to;
+            }
+            back &= back - 1;
+        }
+    }
+
+    /// Those at which it goes round once, in either sense.
+    #[inline(always)]
+    fn vertices(&self) -> Option<[u64; 2]> {
+        let is_once = |set: u64| set.count_ones() == self.count;
+        (is_once(self.forth) && is_once(self.back))
+            .then_some([self.forth & !self.back, self.back & !self.forth])
+    }
+}
