@@ -78,6 +78,7 @@ impl<L: Lanes> Nearest<L> {
 struct Splat<L: Lanes> {
     corner: V3<L>,
     edges: [V3<L>; 2],
+    normal: V3<L>,
 }
 
 /// Which corner of the triangle is lowest along sixteen normals.
@@ -89,6 +90,12 @@ struct Lowest<L: Lanes> {
 }
 
 impl<L: Lanes> Splat<L> {
+    /// The edges that lead against the triangle's normal, but for rounding.
+    #[inline(always)]
+    fn behind(&self, l: L, row: &EdgeRow) -> u32 {
+        l.bits(l.lt(V3::load(l, &row.along.0).dot(l, self.normal), l.splat(0.0)))
+    }
+
     /// The same bits for the same normal, whichever row has it.
     #[inline(always)]
     fn lowest(&self, l: L, normals: &Block) -> Lowest<L> {
@@ -117,11 +124,11 @@ impl<L: Lanes> Lowest<L> {
         [l.bits(self.is_second) & !third, third]
     }
 
-    /// Which it is, as a number, times a factor.
+    /// Which it is, as a number.
     #[inline(always)]
-    fn number(&self, l: L, times: f32) -> L::F {
-        let of_two = l.select(self.is_second, l.splat(times), l.splat(0.0));
-        l.select(self.is_third, l.splat(2.0 * times), of_two)
+    fn number(&self, l: L) -> L::F {
+        let of_two = l.select(self.is_second, l.splat(1.0), l.splat(0.0));
+        l.select(self.is_third, l.splat(2.0), of_two)
     }
 }
 
@@ -132,7 +139,8 @@ impl Kernel for Search<'_> {
     fn run<L: Lanes>(self, l: L) -> Planes {
         let [second, third] = self.edges;
         let edges = [splat(l, second), splat(l, third)];
-        let triangle = Splat { corner: splat(l, self.corner), edges };
+        let triangle =
+            Splat { corner: splat(l, self.corner), edges, normal: splat(l, second.cross(third)) };
         let far = l.splat(f32::INFINITY);
         let mut nearest = Nearest { first: far, second: far, number: l.splat(0.0) };
         for (k, row) in self.rows.faces.iter().enumerate() {
@@ -142,18 +150,15 @@ impl Kernel for Search<'_> {
         let product = ((PRODUCT * U * self.size * self.longest) as f32).next_up();
         let mut round = Round::default();
         for (k, row) in self.rows.edges.iter().enumerate() {
-            let [left, right] =
-                [triangle.lowest(l, &row.left), triangle.lowest(l, &row.right)];
-            let number = l.add(left.number(l, 4.0), right.number(l, 1.0));
-            let [of_left, of_right] = [left.bits(l), right.bits(l)];
-            let open = (of_left[0] ^ of_right[0]) | (of_left[1] ^ of_right[1]);
-            if open == 0 {
+            let sides = [triangle.lowest(l, &row.left), triangle.lowest(l, &row.right)];
+            let way = Way::of([sides[0].bits(l), sides[1].bits(l)], triangle.behind(l, row));
+            if way.open == 0 {
                 continue;
             }
-            round.add(self.rows, k, [of_left, of_right]);
-            let distance = of_edges(l, (&triangle, product), row, [&left, &right]);
-            let distance = l.select(l.mask(open), distance, far);
-            nearest.add(l, distance, l.add(number, l.splat(16.0 * k as f32)));
+            round.add(self.rows, k, &way);
+            let edges = Edges { triangle: &triangle, product, row };
+            let place = l.splat(16.0 * k as f32);
+            edges.add(l, [&sides[0], &sides[1]], (&way, place), &mut nearest);
         }
         nearest.planes(l, round.vertices())
     }
@@ -172,23 +177,95 @@ fn of_faces<L: Lanes>(l: L, triangle: &Splat<L>, row: &FaceRow) -> L::F {
     l.sub(l.load(&row.offsets), l.add(along, lowest.below))
 }
 
-/// At least how far those of the products of edges are, but for [`PLANE`].
-#[inline(always)]
-fn of_edges<L: Lanes>(
-    l: L,
-    (triangle, product): (&Splat<L>, f32),
-    row: &EdgeRow,
-    [left, right]: [&Lowest<L>; 2],
-) -> L::F {
-    let from = left.at(l, triangle.edges);
-    let edge = right.at(l, triangle.edges).sub(l, from);
-    let direction = V3::load(l, &row.along.0).cross(l, edge);
-    let vector = V3::load(l, &row.from.0).sub(l, triangle.corner).sub(l, from);
-    let square = direction.dot(l, direction);
-    let lost = l.mul(l.splat(product), l.load(&row.lengths));
-    let distance = l.div(l.sub(direction.dot(l, vector), lost), l.sqrt(square));
-    // Written so that a product of no length, or of NaN, proves nothing.
-    l.select(l.lt(l.splat(SHORTEST), square), distance, l.splat(f32::NEG_INFINITY))
+/// A row of edges and the triangle.
+struct Edges<'a, L: Lanes> {
+    triangle: &'a Splat<L>,
+    /// What the product of a direction with an edge loses by its length.
+    product: f32,
+    row: &'a EdgeRow,
+}
+
+impl<L: Lanes> Edges<'_, L> {
+    /// Adds the planes of the products along the way between the lowest corners, in the lanes that have one.
+    #[inline(always)]
+    fn add(
+        &self,
+        l: L,
+        [left, right]: [&Lowest<L>; 2],
+        (way, place): (&Way, L::F),
+        nearest: &mut Nearest<L>,
+    ) {
+        let far = l.splat(f32::INFINITY);
+        let [from, to] = [left.at(l, self.triangle.edges), right.at(l, self.triangle.edges)];
+        let [first, last] = [left.number(l), right.number(l)];
+        let four = l.splat(4.0);
+        let (mut next, mut next_number) = (to, last);
+        if way.by_third != 0 {
+            let between = Lowest {
+                below: far,
+                is_second: l.mask(!(way.left[0] | way.right[0])),
+                is_third: l.mask(!(way.left[1] | way.right[1])),
+            };
+            // The numbers of the three are 3 together.
+            let middle = between.at(l, self.triangle.edges);
+            let number = l.sub(l.splat(3.0), l.add(first, last));
+            let is_between = l.mask(way.by_third);
+            let distance = l.select(is_between, self.distance(l, middle, to), far);
+            nearest.add(l, distance, l.add(place, l.mul_add(four, number, last)));
+            next = V3::select(l, is_between, middle, next);
+            next_number = l.select(is_between, number, next_number);
+        }
+        let distance = l.select(l.mask(way.open), self.distance(l, from, next), far);
+        nearest.add(l, distance, l.add(place, l.mul_add(four, first, next_number)));
+    }
+
+    /// At least how far the planes of the products with the edges between those corners are, but for [`PLANE`].
+    #[inline(always)]
+    fn distance(&self, l: L, from: V3<L>, to: V3<L>) -> L::F {
+        let Self { triangle, product, row } = self;
+        let direction = V3::load(l, &row.along.0).cross(l, to.sub(l, from));
+        let vector = V3::load(l, &row.from.0).sub(l, triangle.corner).sub(l, from);
+        let square = direction.dot(l, direction);
+        let lost = l.mul(l.splat(*product), l.load(&row.lengths));
+        let distance = l.div(l.sub(direction.dot(l, vector), lost), l.sqrt(square));
+        // Written so that a product of no length, or of NaN, proves nothing.
+        l.select(l.lt(l.splat(SHORTEST), square), distance, l.splat(f32::NEG_INFINITY))
+    }
+}
+
+/// The way of the lowest corner from the left sides of sixteen edges to their right sides.
+struct Way {
+    /// The lanes whose lowest corner is the second, and the third.
+    left: [u32; 2],
+    right: [u32; 2],
+    /// Those in which it changes.
+    open: u32,
+    /// Those of them in which it goes by the third of the three corners.
+    by_third: u32,
+}
+
+impl Way {
+    /// Edges that lead against the triangle's normal go by the third corner where the way is once round it, and the
+    /// others where it is not. Where this is rounding either way is one.
+    #[inline(always)]
+    fn of([left, right]: [[u32; 2]; 2], behind: u32) -> Self {
+        let open = (left[0] ^ right[0]) | (left[1] ^ right[1]);
+        let [first_left, first_right] = [!(left[0] | left[1]), !(right[0] | right[1])];
+        let is_round = first_left & right[0] | left[0] & right[1] | left[1] & first_right;
+        Self { left, right, open, by_third: open & !(is_round ^ behind) }
+    }
+
+    /// The lanes in which it goes from the first corner to the second, and back.
+    #[inline(always)]
+    fn forth_and_back(&self) -> [u32; 2] {
+        let Self { left, right, open, by_third } = self;
+        let [first_left, first_right] = [!(left[0] | left[1]), !(right[0] | right[1])];
+        let direct = open & !by_third;
+        [
+            direct & first_left & right[0] | by_third & (first_left & right[1] | left[1] & right[0]),
+            direct & left[0] & first_right | by_third & (right[1] & left[0] | left[1] & first_right),
+        ]
+    }
 }
 
 impl<L: Lanes> Nearest<L> {
@@ -220,11 +297,10 @@ struct Round {
 }
 
 impl Round {
-    /// Takes in a row of edges: the lanes whose lowest corner is the second, and the third, on both sides.
+    /// Takes in a row of edges.
     #[inline(always)]
-    fn add(&mut self, rows: &FeatureRows, row: usize, [left, right]: [[u32; 2]; 2]) {
-        let [first_left, first_right] = [!(left[0] | left[1]), !(right[0] | right[1])];
-        let (mut forth, mut back) = (first_left & right[0], left[0] & first_right);
+    fn add(&mut self, rows: &FeatureRows, row: usize, way: &Way) {
+        let [mut forth, mut back] = way.forth_and_back();
         self.count += forth.count_ones() + back.count_ones();
         while forth != 0 {
             if let Some([from, to]) = rows.ends(row * 16 + forth.trailing_zeros() as usize) {
