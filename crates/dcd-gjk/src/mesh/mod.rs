@@ -136,7 +136,7 @@ fn search(
             dispatch_on(path, PerPart { sides, compound, relative, scratch, tally });
         }
         (Some(relative), None) => {
-            dispatch_on(path, Descent::of([a, b], &relative, scratch, &mut tally));
+            dispatch_on(path, &mut Descent::of([a, b], &relative, scratch, &mut tally));
         }
         (None, _) => each(a, b, &mut tally),
     }

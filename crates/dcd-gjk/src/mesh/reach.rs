@@ -82,7 +82,10 @@ impl<'a> Couple<'a> {
             size += part.reach_of_core()? * (1.0 + pose.deviation());
         }
         let radius: f64 = parts.iter().map(Part::radius).sum();
-        (SIZES.contains(&size) && radius < SIZES.end).then_some(Self { parts, poses, delta, size })
+        if !(SIZES.contains(&size) && radius < SIZES.end) {
+            return None;
+        }
+        Some(Self { parts, poses, delta, size })
     }
 
     /// The same of another triangle of the first's mesh, which all lengths count already.
