@@ -255,9 +255,8 @@ impl Placed<'_> {
                 let (square, vector) = (product.length_squared(), from - on);
                 let share = -vector.cross(across).dot(product) / square;
                 let of_triangle = -vector.cross(along).dot(product) / square;
-                let past = |share: f64, edge: DVec3| {
-                    (share - share.clamp(0.0, 1.0)).abs() * edge.length()
-                };
+                let past =
+                    |share: f64, edge: DVec3| (share - share.clamp(0.0, 1.0)).abs() * edge.length();
                 (from + along * share, past(share, along) + past(of_triangle, across))
             }
         };
@@ -289,3 +288,6 @@ fn outside_edge([from, to]: [DVec3; 2], normal: DVec3, at: DVec3) -> f64 {
     let right = (to - from).cross(normal);
     right.dot(at - from) / right.length()
 }
+
+#[cfg(test)]
+mod tests;

@@ -262,8 +262,10 @@ impl Way {
         let [first_left, first_right] = [!(left[0] | left[1]), !(right[0] | right[1])];
         let direct = open & !by_third;
         [
-            direct & first_left & right[0] | by_third & (first_left & right[1] | left[1] & right[0]),
-            direct & left[0] & first_right | by_third & (right[1] & left[0] | left[1] & first_right),
+            direct & first_left & right[0]
+                | by_third & (first_left & right[1] | left[1] & right[0]),
+            direct & left[0] & first_right
+                | by_third & (right[1] & left[0] | left[1] & first_right),
         ]
     }
 }
