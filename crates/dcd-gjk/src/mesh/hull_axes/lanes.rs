@@ -328,3 +328,30 @@ impl Round {
             .then_some([self.forth & !self.back, self.back & !self.forth])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dcd_geom::Polytope;
+    use dcd_geom::glam::DVec3;
+
+    #[test]
+    fn the_way_round_a_vertex_goes_once_round_the_triangle_or_nothing_is_claimed() {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let tetrahedron = Polytope::hull(corners.to_vec()).unwrap();
+        let rows = tetrahedron.feature_rows().unwrap();
+        let edge = |ends: [u32; 2]| (0..6).find(|&k| rows.ends(k) == Some(ends)).unwrap();
+        let of = |forth: &[[u32; 2]]| {
+            let open = forth.iter().fold(0, |set, &ends| set | 1 << edge(ends));
+            let mut round = Round::default();
+            round.add(rows, 0, &Way { left: [0, 0], right: [open, 0], open, by_third: 0 });
+            round.vertices()
+        };
+        // From the first corner to the second across each: once round at both ends of a path.
+        assert_eq!(of(&[[0, 1], [1, 2]]), Some([1, 4]));
+        assert_eq!(of(&[]), Some([0, 0]));
+        // Twice round vertex 0, and twice round vertex 3.
+        assert_eq!(of(&[[0, 1], [0, 2]]), None);
+        assert_eq!(of(&[[0, 3], [1, 3]]), None);
+    }
+}

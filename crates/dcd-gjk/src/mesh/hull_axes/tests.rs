@@ -134,6 +134,17 @@ fn what_is_degenerate_or_just_touches_is_never_wrong() {
                 let off = (due.depth - found.depth).abs();
                 let bound = due.error_bound + found.error_bound;
                 assert!(off <= bound, "{round}: {off} {found:?} {due:?}");
+                // The witnesses are of the two.
+                let slack = found.error_bound + 1e-12 * (1.0 + far.length());
+                let back = pose.rotation().transpose();
+                let [on, at] = [found.point_a, found.point_b].map(|point| back * (point - far));
+                let beside = on.distance(nearest_of_triangle(corners, on));
+                assert!(beside <= slack, "{round}: {beside} {found:?}");
+                for _ in 0..50 {
+                    let d = vector(&mut state).normalize();
+                    let past = d.dot(at - body.support(d).point);
+                    assert!(past <= slack, "{round}: {past} {found:?}");
+                }
                 touching += 1;
             }
             Some(ByAxes::Apart(_)) => {
@@ -144,6 +155,33 @@ fn what_is_degenerate_or_just_touches_is_never_wrong() {
         }
     }
     assert!(touching > 1500 && apart > 300 && open > 500, "{touching} {apart} {open}");
+}
+
+#[test]
+fn a_plane_that_f32_takes_for_another_is_in_the_bound() {
+    let (mut state, mut found) = (3, 0);
+    for round in 0..500 {
+        // Eight faces about as far from the middle, where a tiny triangle is.
+        let mut end = |d: DVec3| d * (1.0 + 1e-8 * vector(&mut state).x);
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        let body = Shape::hull(axes.into_iter().flat_map(|d| [end(d), end(-d)]).collect()).unwrap();
+        let corners = [0; 3].map(|_| vector(&mut state) * 4e-6);
+        let turn = DQuat::from_scaled_axis(vector(&mut state) * 3.0);
+        let poses = [Pose::IDENTITY, Pose::new(turn, DVec3::ZERO).unwrap()];
+        let triangle = Shape::from(Polytope::mesh_triangle(corners).unwrap());
+        let part = Part::Triangle { corners, reach: triangle.reach(), radius: 0.0 };
+        let couple = Couple::of([part, Part::Shape(&body)], poses.each_ref()).unwrap();
+        let Some(ByAxes::Touching(Some(depth))) = couple.by_axes() else { continue };
+        let [a, b] = [(&triangle, &poses[0]), (&body, &poses[1])]
+            .map(|(shape, pose)| PosedShape { shape, pose });
+        let Verdict::Touching(due) = Depths.solve(a, b, &mut Default::default()) else {
+            panic!("{round}")
+        };
+        let off = (due.depth - depth.depth).abs();
+        assert!(off <= due.error_bound + depth.error_bound, "{round}: {off} {depth:?} {due:?}");
+        found += 1;
+    }
+    assert!(found > 300, "{found}");
 }
 
 #[test]
