@@ -105,15 +105,8 @@ impl<I: Copy, const MOST: usize> Polygon<I, MOST> {
         value: impl Fn(&PointOf<I>) -> f64,
         line: LineOf<I>,
     ) -> Option<()> {
-        // Counted without a branch: how many are kept is hard to foretell.
-        let inside = self.list().iter().map(|point| usize::from(value(point) >= 0.0));
-        match inside.sum::<usize>() {
-            kept if kept == self.count => return Some(()),
-            0 => {
-                self.count = 0;
-                return Some(());
-            }
-            _ => {}
+        if self.list().iter().all(|point| value(point) >= 0.0) {
+            return Some(());
         }
         let [first, second] = &mut self.rounds;
         let (points, next) = if self.now == 0 { (&*first, second) } else { (&*second, first) };
