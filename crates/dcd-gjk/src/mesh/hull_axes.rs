@@ -21,9 +21,9 @@ const NEEDLE: f64 = 1e-4;
 /// What the direction of a product of two edges loses in f64. Unit: u of their lengths by the product's.
 const LEAN: f64 = 16.0;
 
-/// How far the witnesses may be beside their features, relative to the size: more is the plane of another feature, as near
-/// but for rounding. Larger: wider bounds.
-const BESIDE: f64 = 1e-9;
+/// How far the witnesses may be outside of a line of their features, relative to the size: more is the plane of another
+/// feature, as near but for rounding. None, since at a sharp corner two lines say less than the distance.
+const BESIDE: f64 = 0.0;
 
 /// A triangle in the frame of a hull, from its centre.
 struct Placed<'a> {
