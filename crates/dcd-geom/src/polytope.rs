@@ -3,7 +3,9 @@
 use crate::error::check_length;
 use crate::sphere::{Sphere, reach};
 use crate::support::farthest;
-use crate::{FacetPlanes, Facets, ObbBounds, Pose, Real, ShapeError, Support, SupportMap};
+use crate::{
+    FacetPlanes, Facets, FeatureRows, ObbBounds, Pose, Real, ShapeError, Support, SupportMap,
+};
 use dcd_simd::{Block, WIDTH};
 use glam::DVec3;
 use std::sync::OnceLock;
@@ -53,6 +55,7 @@ pub struct Polytope {
     blocks: Box<[Block]>,
     facets: OnceLock<Facets>,
     planes: OnceLock<FacetPlanes>,
+    feature_rows: OnceLock<Option<Box<FeatureRows>>>,
 }
 
 impl Polytope {
@@ -202,7 +205,7 @@ impl Polytope {
         let outer_radius = Sphere::around(inner.centre, &vertices).radius;
         let obb = obb.map(Box::new);
         let reach = reach(vertices.iter().copied());
-        let (blocks, facets, planes) = (Box::default(), OnceLock::new(), OnceLock::new());
+        let (facets, planes, feature_rows) = Default::default();
         Self {
             kind,
             vertices,
@@ -211,9 +214,10 @@ impl Polytope {
             outer_radius,
             obb,
             reach,
-            blocks,
+            blocks: Box::default(),
             facets,
             planes,
+            feature_rows,
         }
     }
 
@@ -273,6 +277,12 @@ impl Polytope {
     /// faces.
     pub fn planes(&self) -> &FacetPlanes {
         self.planes.get_or_init(|| FacetPlanes::of(self))
+    }
+
+    /// The faces and edges of a solid core for lanes; `None` of others. Derived on first use, then shared like the faces.
+    #[inline]
+    pub fn feature_rows(&self) -> Option<&FeatureRows> {
+        self.feature_rows.get_or_init(|| FeatureRows::of(self).map(Box::new)).as_deref()
     }
 
     /// An OBB round the core and one inside it, where they are tighter than the spheres: for cuboids and

@@ -10,10 +10,10 @@ use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Kind, Pose, Shape};
 
 /// What the corners of a triangle lose on their way into the cuboid's frame. Unit: u·m.
-const PLACED: f64 = 40.0;
+pub(super) const PLACED: f64 = 40.0;
 
 /// What one axis' reach loses, and what the direction of a product of edges loses. Unit: u of the sizes.
-const AXIS: f64 = 16.0;
+pub(super) const AXIS: f64 = 16.0;
 
 /// The sine between an edge of each below which they count as parallel: their product is no axis then, and the bound
 /// counts the way that makes them so. Larger: wider bounds. Smaller: axes that are rounding.
@@ -30,8 +30,8 @@ const ROUNDS: usize = 8;
 pub(super) enum ByAxes {
     /// An axis that separates the two: world, from the second to the first.
     Apart(DVec3),
-    /// They touch, and so deep.
-    Touching(Depth),
+    /// They touch, and so deep, if that is known as well.
+    Touching(Option<Depth>),
 }
 
 /// A triangle in the frame of a cuboid.
@@ -69,7 +69,7 @@ impl<'a> Couple<'a> {
     /// is pressed into the triangle.
     pub(super) fn by_formula(&self, is_good: impl Fn(&Depth) -> bool) -> Option<Depth> {
         let by_axes = match self.by_axes() {
-            Some(ByAxes::Touching(found)) => Some(found).filter(&is_good),
+            Some(ByAxes::Touching(found)) => found.filter(&is_good),
             _ => None,
         };
         by_axes
@@ -89,7 +89,11 @@ impl<'a> Couple<'a> {
         else {
             return None;
         };
-        let Kind::Cuboid { half_extents: half } = core.kind() else { return None };
+        let half = match core.kind() {
+            Kind::Cuboid { half_extents } => half_extents,
+            Kind::Hull => return self.by_planes((corners, triangle), core),
+            _ => return None,
+        };
         let poses = [self.poses()[triangle], self.poses()[1 - triangle]];
         // 1 where the normal from the triangle to the cuboid is that from the first to the second.
         let sense = if triangle == 0 { 1.0 } else { -1.0 };
@@ -115,7 +119,7 @@ impl<'a> Couple<'a> {
         let (point_a, point_b) =
             if triangle == 0 { (at_triangle, at_cuboid) } else { (at_cuboid, at_triangle) };
         let found = Depth { depth, normal: normal * sense, point_a, point_b, error_bound };
-        (depth.is_finite() && error_bound.is_finite()).then_some(ByAxes::Touching(found))
+        (depth.is_finite() && error_bound.is_finite()).then_some(ByAxes::Touching(Some(found)))
     }
 
     fn placed(
@@ -370,7 +374,7 @@ mod tests {
                 let sense = if order[0] == 0 { 1.0 } else { -1.0 };
                 let couple = Couple::of(order.map(|k| parts[k]), order.map(|k| poses[k])).unwrap();
                 match couple.by_axes() {
-                    Some(ByAxes::Touching(found)) => {
+                    Some(ByAxes::Touching(Some(found))) => {
                         let Verdict::Touching(due) = due else { panic!("{round}: {found:?}") };
                         let off = (due.depth - found.depth).abs();
                         let bound = due.error_bound + found.error_bound;
@@ -396,7 +400,7 @@ mod tests {
                         assert!(reach < slack, "{round}: {reach}");
                         apart += 1;
                     }
-                    None => {}
+                    _ => {}
                 }
             }
         }
@@ -462,7 +466,7 @@ mod tests {
             // In exact integers where f64 does not know.
             let due = certified::overlap_of(a, b).0;
             match couple.by_axes() {
-                Some(ByAxes::Touching(found)) => {
+                Some(ByAxes::Touching(Some(found))) => {
                     assert_eq!(due, Verdict::Touching(()), "{round}: {found:?}");
                     let Verdict::Touching(due) = Depths.solve(a, b, &mut Default::default()) else {
                         panic!("{round}: {found:?}");
@@ -484,7 +488,7 @@ mod tests {
                     assert_eq!(due, Verdict::Apart, "{round}");
                     apart += 1;
                 }
-                None => open += 1,
+                _ => open += 1,
             }
         }
         let is_tried = touching.iter().filter(|&&count| count > 100).count() >= 4;

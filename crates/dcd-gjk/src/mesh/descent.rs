@@ -39,11 +39,12 @@ pub(super) struct Descent<'a, 'g> {
     pub(super) tally: &'a mut Tally<'g>,
 }
 
-impl Kernel for Descent<'_, '_> {
+// Where it is made: to move it takes as long as a block of boxes.
+impl Kernel for &mut Descent<'_, '_> {
     type Output = Next;
 
     #[inline(always)]
-    fn run<L: Lanes>(mut self, l: L) -> Next {
+    fn run<L: Lanes>(self, l: L) -> Next {
         self.descend(l)
     }
 }

@@ -11,6 +11,7 @@ mod cuboid;
 mod deepest;
 mod descent;
 mod distance;
+mod hull_axes;
 mod nearest;
 mod on_body;
 mod one_triangle;
@@ -135,7 +136,7 @@ fn search(
             dispatch_on(path, PerPart { sides, compound, relative, scratch, tally });
         }
         (Some(relative), None) => {
-            dispatch_on(path, Descent::of([a, b], &relative, scratch, &mut tally));
+            dispatch_on(path, &mut Descent::of([a, b], &relative, scratch, &mut tally));
         }
         (None, _) => each(a, b, &mut tally),
     }

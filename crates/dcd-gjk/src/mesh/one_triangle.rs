@@ -37,7 +37,7 @@ pub(crate) fn of_triangle(
             let gap = -couple.most_along(-axis);
             return (gap > 0.0).then_some(OfTriangle::Apart(gap));
         }
-        Some(ByAxes::Touching(found)) if is_good(&found) => found,
+        Some(ByAxes::Touching(Some(found))) if is_good(&found) => found,
         _ => couple.pressed().filter(is_good)?,
     };
     Some(OfTriangle::Deep(if swapped { found.mirrored() } else { found }))

@@ -43,7 +43,7 @@ impl Kernel for PerPart<'_, '_> {
                 let shape = compound.parts()[number as usize].placed();
                 let part = Side { parts: Parts::One(shape), pose: b.pose, reach: b.reach };
                 let known = tally.listed();
-                let next = l.call(Descent::of([a, &part], relative, scratch, tally));
+                let next = l.call(&mut Descent::of([a, &part], relative, scratch, tally));
                 tally.are_of(number, known);
                 if next == Next::Stop {
                     return Next::Stop;

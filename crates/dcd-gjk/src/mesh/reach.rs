@@ -82,7 +82,10 @@ impl<'a> Couple<'a> {
             size += part.reach_of_core()? * (1.0 + pose.deviation());
         }
         let radius: f64 = parts.iter().map(Part::radius).sum();
-        (SIZES.contains(&size) && radius < SIZES.end).then_some(Self { parts, poses, delta, size })
+        if !(SIZES.contains(&size) && radius < SIZES.end) {
+            return None;
+        }
+        Some(Self { parts, poses, delta, size })
     }
 
     /// The same of another triangle of the first's mesh, which all lengths count already.
@@ -232,7 +235,7 @@ impl Part<'_> {
         }
     }
 
-    fn radius(&self) -> f64 {
+    pub(super) fn radius(&self) -> f64 {
         match self {
             Self::Triangle { radius, .. } => *radius,
             Self::Shape(shape) => shape.radius(),

@@ -71,9 +71,8 @@ fn write_in_order(
     let (lead, depth) = patches.deepest()?;
     patches.write(lead, &depth, set.only_mut()?)?;
     while let Some((lead, depth)) = patches.deepest() {
-        let mut manifold = Manifold::default();
-        patches.write(lead, &depth, &mut manifold)?;
-        set.push(manifold);
+        let left = patches.found.iter().filter(|found| found.is_open).count();
+        set.push_with(left, |manifold| patches.write(lead, &depth, manifold))?;
     }
     Some(())
 }

@@ -53,11 +53,13 @@ pub(super) fn write(
     let mut patches = Patches { of: OpenTriangles { sides, body, triangles, memory }, corners };
     let (lead, depth) = patches.of.deepest()?;
     patches.write(lead, &depth, set.only_mut()?)?;
-    while patches.of.open().next().is_some() {
+    loop {
+        let left = patches.of.open().count();
+        if left == 0 {
+            break;
+        }
         let (lead, depth) = patches.of.deepest()?;
-        let mut manifold = Manifold::default();
-        patches.write(lead, &depth, &mut manifold)?;
-        set.push(manifold);
+        set.push_with(left, |manifold| patches.write(lead, &depth, manifold))?;
     }
     Some(())
 }

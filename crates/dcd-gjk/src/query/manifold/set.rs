@@ -35,6 +35,22 @@ impl ManifoldSet {
         self.iter().map(|manifold| manifold.error_bound).fold(0.0, f64::max)
     }
 
+    /// Adds an empty manifold to one or more, and has it written in its place; at least so many are to come.
+    pub(super) fn push_with(
+        &mut self,
+        more: usize,
+        write: impl FnOnce(&mut Manifold) -> Option<()>,
+    ) -> Option<()> {
+        if let Held::One(first) = &self.0 {
+            let mut all = Vec::with_capacity(1 + more);
+            all.push(*first);
+            self.0 = Held::Many(all);
+        }
+        let Held::Many(all) = &mut self.0 else { return None };
+        all.push(Manifold::EMPTY);
+        write(all.last_mut()?)
+    }
+
     pub(super) fn push(&mut self, manifold: Manifold) {
         match &mut self.0 {
             Held::Many(all) if all.is_empty() => self.0 = Held::One(manifold),

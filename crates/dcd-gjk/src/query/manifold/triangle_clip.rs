@@ -18,10 +18,16 @@ const CORNERS: usize = 10;
 type Line = LineOf<u32>;
 
 /// A face or an edge as it is seen.
-pub(super) struct Outline {
+pub(super) struct Outline<const MOST: usize = CORNERS> {
     /// By index, with their places and heights; counter-clockwise as the normal looks back on them.
-    points: [(u32, DVec3); CORNERS],
+    points: [(u32, DVec3); MOST],
     count: usize,
+    leaning: Leaning,
+}
+
+/// What of it is not a corner.
+#[derive(Clone, Copy)]
+struct Leaning {
     whole: Feature,
     /// How square to the normal its face is, 0 where it is no face.
     facing: f64,
@@ -31,18 +37,14 @@ pub(super) struct Outline {
     level: f64,
 }
 
-impl Outline {
-    fn empty(whole: Feature) -> Self {
-        Self {
-            points: [(0, DVec3::ZERO); CORNERS],
-            count: 0,
-            whole,
-            facing: 0.0,
-            slope: DVec2::ZERO,
-            level: 0.0,
-        }
-    }
+/// An outline, whatever it has memory for.
+#[derive(Clone, Copy)]
+struct Shown<'a> {
+    points: &'a [(u32, DVec3)],
+    leaning: Leaning,
+}
 
+impl Outline {
     /// What a body shows against the view's normal. `None` of a vertex, and of a face of many corners.
     pub(super) fn of_body(
         view: &View,
@@ -64,7 +66,7 @@ impl Outline {
                 if body.vertices().len() == 2 {
                     let along = to.1 - from.1;
                     let across = along.truncate().length();
-                    outline.level = across / along.length().max(f64::MIN_POSITIVE);
+                    outline.leaning.level = across / along.length().max(f64::MIN_POSITIVE);
                 }
             }
             Part::Face { normal, corners, .. } => {
@@ -74,12 +76,14 @@ impl Outline {
                 for (slot, &index) in used.iter_mut().rev().zip(*corners) {
                     *slot = point(index);
                 }
-                outline.lean(turn * *normal);
+                outline.leaning.lean(turn * *normal);
             }
         }
         Some(outline)
     }
+}
 
+impl Outline<3> {
     /// What a triangle shows, of corners in world axes. `None` of a vertex.
     fn of_triangle(view: &View, part: &Part<'_>, triangle: &[DVec3; 3]) -> Option<Self> {
         let point = |index: u32| {
@@ -99,28 +103,39 @@ impl Outline {
                     *slot = point(index);
                 }
                 let (rise, cosine) = view.of(*normal);
-                outline.lean(rise.extend(cosine));
+                outline.leaning.lean(rise.extend(cosine));
             }
         }
         Some(outline)
     }
+}
 
+impl<const MOST: usize> Outline<MOST> {
+    fn empty(whole: Feature) -> Self {
+        let leaning = Leaning { whole, facing: 0.0, slope: DVec2::ZERO, level: 0.0 };
+        Self { points: [(0, DVec3::ZERO); MOST], count: 0, leaning }
+    }
+
+    fn shown(&self) -> Shown<'_> {
+        Shown { points: &self.points[..self.count], leaning: self.leaning }
+    }
+}
+
+impl Leaning {
     /// By a face's normal as it is seen.
     fn lean(&mut self, normal: DVec3) {
         self.facing = normal.z.abs();
         self.level = self.facing;
         self.slope = -normal.truncate() / normal.z;
     }
+}
 
-    fn points(&self) -> &[(u32, DVec3)] {
-        &self.points[..self.count]
-    }
-
+impl Shown<'_> {
     /// The height of its plane over a place.
     #[inline(always)]
     fn height(&self, at: DVec2) -> f64 {
         let base = self.points[0].1;
-        base.z + self.slope.dot(at - base.truncate())
+        base.z + self.leaning.slope.dot(at - base.truncate())
     }
 }
 
@@ -134,10 +149,11 @@ pub(super) fn add(
     corners: &mut Vec<Corner>,
 ) -> Option<()> {
     let Some(triangle) = Outline::of_triangle(view, part, triangle) else { return Some(()) };
+    let (triangle, body) = (triangle.shown(), body.shown());
     // The face that is more square to the normal clips: its plane is the better known.
-    let number = usize::from(triangle.facing < body.facing);
-    let (clips, clipped) = if number == 0 { (&triangle, body) } else { (body, &triangle) };
-    if let ([p, q], [r, s]) = (clips.points(), clipped.points()) {
+    let number = usize::from(triangle.leaning.facing < body.leaning.facing);
+    let (clips, clipped) = if number == 0 { (triangle, body) } else { (body, triangle) };
+    if let ([p, q], [r, s]) = (clips.points, clipped.points) {
         let (e, f) = ((q.1 - p.1).truncate(), (s.1 - r.1).truncate());
         return (e.perp_dot(f).abs() > CROSSING * (e.length() * f.length())).then_some(());
     }
@@ -147,11 +163,12 @@ pub(super) fn add(
     if !points.list().iter().all(|point| point.depth + radius <= most) {
         return Some(());
     }
-    let level = [triangle.level, body.level];
+    let level = [triangle.leaning.level, body.leaning.level];
+    let whole = [clips.leaning.whole, clipped.leaning.whole];
     for point in points.list() {
         let at = DVec2::from_array(point.at);
         let height = clips.height(at);
-        let [of_clips, of_clipped] = features(point.origin, [clips.whole, clipped.whole]);
+        let [of_clips, of_clipped] = features(point.origin, whole);
         let (heights, features) = match number {
             0 => ([height, height - point.depth], [of_clips, of_clipped]),
             _ => ([height + point.depth, height], [of_clipped, of_clips]),
@@ -164,21 +181,21 @@ pub(super) fn add(
 /// Clips the second by the first, a face; `number` is 0 if this is the triangle's.
 fn clip(
     number: usize,
-    [clips, clipped]: [&Outline; 2],
+    [clips, clipped]: [Shown<'_>; 2],
     radius: f64,
     points: &mut Points,
 ) -> Option<()> {
     points.clear();
     let sense = if number == 0 { 1.0 } else { -1.0 };
-    let list = clipped.points();
+    let list = clipped.points;
     for (k, &(index, at)) in list.iter().enumerate() {
         let next = list[if k + 1 < list.len() { k + 1 } else { 0 }].0;
         let line = Line::Clipped(index, next);
         let depth = sense * (clips.height(at.truncate()) - at.z);
         points.push(PointOf { at: [at.x, at.y], depth, line, origin: [line; 2] });
     }
-    let mut from = clips.points().last()?;
-    for to in clips.points() {
+    let mut from = clips.points.last()?;
+    for to in clips.points {
         let (start, along) = (from.1, to.1 - from.1);
         let inside = |point: &PointOf<u32>| {
             along.x * (point.at[1] - start.y) - along.y * (point.at[0] - start.x)
