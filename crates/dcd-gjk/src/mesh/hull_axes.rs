@@ -6,6 +6,7 @@ mod lanes;
 use super::bounds::{U, U64};
 use super::cuboid::{AXIS, ByAxes, PLACED};
 use super::reach::Couple;
+use crate::closed::nearest_of_triangle;
 use crate::epa::Depth;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{FeatureRows, Polytope};
@@ -21,9 +22,9 @@ const NEEDLE: f64 = 1e-4;
 /// What the direction of a product of two edges loses in f64. Unit: u of their lengths by the product's.
 const LEAN: f64 = 16.0;
 
-/// How far the witnesses may be outside of a line of their features, relative to the size: more is the plane of another
-/// feature, as near but for rounding. None, since at a sharp corner two lines say less than the distance.
-const BESIDE: f64 = 0.0;
+/// How far the triangle's witness may be from what it is a point of, relative to the size: more is the plane of another
+/// feature, as near but for rounding. Larger: wider bounds.
+const BESIDE: f64 = 1e-9;
 
 /// A triangle in the frame of a hull, from its centre.
 struct Placed<'a> {
@@ -232,22 +233,21 @@ impl Placed<'_> {
         most - outward.dot(self.hull.inner().centre + lowest)
     }
 
-    /// The point of the hull that is deepest, from the centre, and how far it or the triangle's point over it are beside
-    /// them; `None` where another plane, as near but for rounding, has them.
+    /// The point of the hull that is deepest, from the centre, and how far the point over it is from the triangle; `None`
+    /// where another plane, as near but for rounding, has them.
     fn witness(&self, least: &Least) -> Option<(DVec3, f64)> {
         let up = least.normal * least.reach;
         let outward = -least.normal;
         let (at, beside) = match least.feature {
             Of::Vertex(vertex) => {
                 let at = self.vertex(vertex);
-                // The corners go round their own normal.
-                let [p, q, r] = self.corners;
-                (at, outside(&[p, q, r], self.normal, at + up))
+                (at, nearest_of_triangle(self.corners, at + up).distance(at + up))
             }
             Of::Plane(Feature::Face(face)) => {
                 let (_, corners) = self.rows.outline(face)?;
                 let at = self.corners[self.lowest(outward)] - up;
-                (at, self.outside_face(corners, outward, at))
+                // At a sharp corner its sides say less than the distance.
+                (at, if self.is_inside(corners, outward, at) { 0.0 } else { f64::INFINITY })
             }
             Of::Plane(feature @ Feature::Edge(edge, _)) => {
                 let [from, along, on, across] = self.edges(feature, edge)?;
@@ -255,38 +255,25 @@ impl Placed<'_> {
                 let (square, vector) = (product.length_squared(), from - on);
                 let share = -vector.cross(across).dot(product) / square;
                 let of_triangle = -vector.cross(along).dot(product) / square;
-                let past =
-                    |share: f64, edge: DVec3| (share - share.clamp(0.0, 1.0)).abs() * edge.length();
-                (from + along * share, past(share, along) + past(of_triangle, across))
+                let at = from + along * share.clamp(0.0, 1.0);
+                (at, (on + across * of_triangle.clamp(0.0, 1.0)).distance(at + up))
             }
         };
         // Written so that NaN is beside.
         (beside <= BESIDE * self.size).then_some((at, beside))
     }
 
-    /// How far a point of a face's plane is outside of it.
-    fn outside_face(&self, corners: &[u32], normal: DVec3, at: DVec3) -> f64 {
-        let Some(&last) = corners.last() else { return f64::INFINITY };
-        let (mut from, mut most) = (self.vertex(last as usize), 0.0f64);
-        for &corner in corners {
+    /// Whether a point of a face's plane is in it.
+    fn is_inside(&self, corners: &[u32], normal: DVec3, at: DVec3) -> bool {
+        let Some(&last) = corners.last() else { return false };
+        let mut from = self.vertex(last as usize);
+        corners.iter().all(|&corner| {
             let to = self.vertex(corner as usize);
-            most = most.max(outside_edge([from, to], normal, at));
+            let right = (to - from).cross(normal).dot(at - from);
             from = to;
-        }
-        most
+            right <= 0.0
+        })
     }
-}
-
-/// How far a point of a triangle's plane is outside of it, counter-clockwise round the normal.
-fn outside(&[p, q, r]: &[DVec3; 3], normal: DVec3, at: DVec3) -> f64 {
-    let edges = [[p, q], [q, r], [r, p]];
-    edges.into_iter().fold(0.0, |most, edge| most.max(outside_edge(edge, normal, at)))
-}
-
-/// How far a point is to the right of an edge.
-fn outside_edge([from, to]: [DVec3; 2], normal: DVec3, at: DVec3) -> f64 {
-    let right = (to - from).cross(normal);
-    right.dot(at - from) / right.length()
 }
 
 #[cfg(test)]
