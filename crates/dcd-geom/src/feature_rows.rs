@@ -129,19 +129,19 @@ impl FeatureRows {
     /// The outward unit normal of a face, and its corners by index into the vertices, counter-clockwise seen from
     /// outside; `None` past the last.
     #[inline]
-    pub fn outline(&self, face: usize) -> Option<(DVec3, &[u32])> {
+    pub fn face_polygon(&self, face: usize) -> Option<(DVec3, &[u32])> {
         self.outlines.get(face).map(|(normal, corners)| (*normal, &corners[..]))
     }
 
     /// Where an edge begins and ends, by index into the vertices; `None` past the last.
     #[inline]
-    pub fn ends(&self, edge: usize) -> Option<[u32; 2]> {
+    pub fn edge_vertices(&self, edge: usize) -> Option<[u32; 2]> {
         self.ends.get(edge).copied()
     }
 
     /// At least how much the faces' normals are off, radians.
     #[inline]
-    pub fn tilt(&self) -> f64 {
+    pub fn normal_error(&self) -> f64 {
         self.tilt
     }
 }
@@ -216,7 +216,7 @@ mod tests {
             let hull = Polytope::hull(points(count)).unwrap();
             let rows = hull.feature_rows().unwrap();
             assert_eq!(count as usize + rows.outlines.len(), rows.ends.len() + 2, "{count}");
-            assert!(rows.tilt() < 1e-12);
+            assert!(rows.normal_error() < 1e-12);
             for (k, &[from, to]) in rows.ends.iter().enumerate() {
                 let row = &rows.edges[k / WIDTH];
                 let normals = [&row.left, &row.right].map(|block| block.point(k % WIDTH));

@@ -130,7 +130,7 @@ impl Couple<'_> {
             rows,
             corners: [p, q, r],
             normal: normal / area,
-            tilt: rows.tilt().max(LEAN * U64 * longest / area),
+            tilt: rows.normal_error().max(LEAN * U64 * longest / area),
             longest: longest.sqrt() * (1.0 + 8.0 * U64),
             size,
             off,
@@ -192,7 +192,7 @@ impl Placed<'_> {
     fn plane(&self, feature: Feature) -> Option<(DVec3, f64)> {
         match feature {
             Feature::Face(face) => {
-                let (outward, corners) = self.rows.outline(face)?;
+                let (outward, corners) = self.rows.face_polygon(face)?;
                 let lowest = self.corners[self.lowest(outward)];
                 Some((outward, outward.dot(self.vertex(*corners.first()? as usize) - lowest)))
             }
@@ -210,7 +210,7 @@ impl Placed<'_> {
     /// An edge of the hull and one of the triangle: where each begins, and what leads to its end.
     fn edges(&self, feature: Feature, edge: usize) -> Option<[DVec3; 4]> {
         let Feature::Edge(_, [k, l]) = feature else { return None };
-        let [from, to] = self.rows.ends(edge)?.map(|end| self.vertex(end as usize));
+        let [from, to] = self.rows.edge_vertices(edge)?.map(|end| self.vertex(end as usize));
         let (on, end) = (*self.corners.get(k)?, *self.corners.get(l)?);
         Some([from, to - from, on, end - on])
     }
@@ -244,7 +244,7 @@ impl Placed<'_> {
                 (at, nearest_of_triangle(self.corners, at + up).distance(at + up))
             }
             Of::Plane(Feature::Face(face)) => {
-                let (_, corners) = self.rows.outline(face)?;
+                let (_, corners) = self.rows.face_polygon(face)?;
                 let at = self.corners[self.lowest(outward)] - up;
                 // At a sharp corner its sides say less than the distance.
                 (at, if self.is_inside(corners, outward, at) { 0.0 } else { f64::INFINITY })

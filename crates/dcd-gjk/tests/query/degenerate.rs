@@ -2,15 +2,15 @@
 //! each question answers of them is consistent at every accuracy, and true as far as moved shapes tell.
 
 use super::PosedSupport;
-use super::manifold_points::{CONVEX, convex, place, turn, verdict};
+use super::manifold_points::{
+    ACCURACIES, CONVEX, convex, judge_all, judge_depths, place, turn, verdict,
+};
 use super::scenes::Draw;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Pose, Shape};
 use dcd_gjk::query::MeasureAt;
-use dcd_gjk::{Accuracy, Depths, Distances, Manifolds, PosedShape, Verdict};
+use dcd_gjk::{Accuracy, Depths, Distances, PosedShape, Verdict};
 use dcd_pipeline::prelude::{Par, Pipeline, Scene};
-
-const ACCURACIES: [Accuracy; 3] = [Accuracy::F32, Accuracy::F64, Accuracy::Certified];
 
 /// A shape of that kind, most of them without thickness along an axis or two.
 pub(super) fn thin(draw: &mut Draw, kind: usize, scale: f64) -> Shape {
@@ -48,8 +48,7 @@ pub(super) const KINDS: usize = 17;
 
 #[test]
 fn questions_of_thin_far_tiny_and_huge_shapes_agree_and_are_true() {
-    let seed = std::env::var("DCD_SEED").map_or(37, |seed| seed.parse().expect("a seed"));
-    let mut draw = Draw(seed);
+    let mut draw = Draw::seeded(37);
     let [mut apart, mut touching] = [0; 2];
     for k in 0..20_000usize {
         let scale = [1.0, 1.0, 1e-6, 1e6][k / 5 % 4];
@@ -81,11 +80,6 @@ fn questions_of_thin_far_tiny_and_huge_shapes_agree_and_are_true() {
     assert!(apart > 2_000 && touching > 2_000, "{apart} {touching}");
 }
 
-fn moved<'a>(b: PosedShape<'a>, by: DVec3, pose: &'a mut Pose) -> PosedShape<'a> {
-    *pose = Pose::from_matrix(*b.pose.rotation(), b.pose.translation() + by).unwrap();
-    PosedShape { pose, ..b }
-}
-
 fn is_near(side: PosedShape<'_>, at: DVec3, radius: f64) -> bool {
     let ball = Shape::sphere(radius).unwrap();
     let pose = Pose::from_translation(at).unwrap();
@@ -93,34 +87,8 @@ fn is_near(side: PosedShape<'_>, at: DVec3, radius: f64) -> bool {
 }
 
 fn judge_touching(a: PosedShape<'_>, b: PosedShape<'_>, rounding: f64, what: &str) {
-    let mut ranges = [f64::NEG_INFINITY, f64::INFINITY];
-    for accuracy in ACCURACIES {
-        let found = Depths.measure_at(accuracy, a, b, &mut Default::default());
-        let Verdict::Touching(depth) = found else { panic!("{what} {accuracy:?}: {found:?}") };
-        ranges = [
-            ranges[0].max(depth.depth - depth.error_bound),
-            ranges[1].min(depth.depth + depth.error_bound),
-        ];
-        assert!(ranges[0] <= ranges[1] + rounding, "{what} {accuracy:?}: {ranges:?} {depth:?}");
-        assert!((depth.normal.length() - 1.0).abs() < 1e-9, "{what} {accuracy:?} {depth:?}");
-        let found = Manifolds::default().measure_at(accuracy, a, b, &mut Default::default());
-        let Verdict::Touching(set) = found else { panic!("{what} {accuracy:?}: {found:?}") };
-        for found in set.iter() {
-            let unsure = found.error_bound + rounding;
-            for point in found.points() {
-                let along = (point.point_a - point.point_b).dot(found.normal) - point.depth;
-                assert!(along.abs() <= unsure, "{what} {accuracy:?}: by {along} {found:?}");
-                for (side, at) in [(a, point.point_a), (b, point.point_b)] {
-                    assert!(is_near(side, at, unsure), "{what} {accuracy:?}: off {found:?}");
-                }
-            }
-            let depth = found.points().iter().map(|point| point.depth).fold(0.0, f64::max);
-            let mut pose = Pose::IDENTITY;
-            let b = moved(b, found.normal * (depth + unsure), &mut pose);
-            let is_deeper = verdict(a, b) == Verdict::Touching(());
-            assert!(!is_deeper, "{what} {accuracy:?}: deeper {found:?}");
-        }
-    }
+    judge_depths([a, b], (rounding, what));
+    judge_all([a, b], true, (rounding, what));
 }
 
 fn judge_apart(a: PosedShape<'_>, b: PosedShape<'_>, rounding: f64, what: &str) {
@@ -198,8 +166,7 @@ fn judge_measured(
 
 #[test]
 fn triangles_without_area_touch_what_the_hull_of_their_corners_touches() {
-    let seed = std::env::var("DCD_SEED").map_or(41, |seed| seed.parse().expect("a seed"));
-    let mut draw = Draw(seed);
+    let mut draw = Draw::seeded(41);
     let [mut apart, mut touching] = [0; 2];
     for k in 0..60_000usize {
         let corners = match k % 9 {
@@ -262,8 +229,7 @@ fn triangles_without_area_touch_what_the_hull_of_their_corners_touches() {
 
 #[test]
 fn meshes_of_triangles_without_area_touch_in_scenes_what_their_hulls_touch() {
-    let seed = std::env::var("DCD_SEED").map_or(43, |seed| seed.parse().expect("a seed"));
-    let mut draw = Draw(seed);
+    let mut draw = Draw::seeded(43);
     let [mut apart, mut touching] = [0; 2];
     for k in 0..120usize {
         let triangles: Vec<_> = (0..20).map(|j| without_area(&mut draw, k + j)).collect();

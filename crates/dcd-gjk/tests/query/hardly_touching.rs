@@ -66,14 +66,13 @@ fn hardly_touching(draw: &mut Draw, k: usize) -> [PosedSupport; 2] {
 
 #[test]
 fn manifolds_at_every_accuracy_are_as_deep_as_they_say() {
-    let seed = std::env::var("DCD_SEED").map_or(29, |seed| seed.parse().expect("a seed"));
-    let mut draw = Draw(seed);
+    let mut draw = Draw::seeded(29);
     let mut judged = 0;
     for k in 0..24_000usize {
         let [a, b] = hardly_touching(&mut draw, k);
         let (a, b) = (a.placed(), b.placed());
         if verdict(a, b) == Verdict::Touching(()) {
-            judged += judge_all([a, b], true, &format!("{k}"));
+            judged += judge_all([a, b], true, (ROUNDING, &format!("{k}")));
         }
     }
     assert!(judged > 20_000, "{judged}");
@@ -81,8 +80,7 @@ fn manifolds_at_every_accuracy_are_as_deep_as_they_say() {
 
 #[test]
 fn scenes_of_them_have_manifolds_and_distances_that_are_true() {
-    let seed = std::env::var("DCD_SEED").map_or(31, |seed| seed.parse().expect("a seed"));
-    let mut draw = Draw(seed);
+    let mut draw = Draw::seeded(31);
     let [mut manifolds, mut distances] = [0; 2];
     for k in 0..100usize {
         let pairs = (0..81).map(|j| hardly_touching(&mut draw, 81 * k + j));
@@ -102,8 +100,8 @@ fn scenes_of_them_have_manifolds_and_distances_that_are_true() {
         {
             let what = format!("scene {k}, {:?}", found.pair);
             for manifold in found.answer.iter() {
-                judge(manifold, posed(found.pair), &what);
-                judge_depth(manifold, posed(found.pair), &what);
+                judge(manifold, posed(found.pair), (ROUNDING, &what));
+                judge_depth(manifold, posed(found.pair), (ROUNDING, &what));
                 manifolds += 1;
             }
         }

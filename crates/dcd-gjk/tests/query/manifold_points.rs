@@ -13,6 +13,8 @@ use dcd_pipeline::prelude::{Par, Pipeline, Scene, WideTree};
 /// What f64 loses of the judge's own coordinates, metres.
 pub(super) const ROUNDING: f64 = 1e-9;
 
+pub(super) const ACCURACIES: [Accuracy; 3] = [Accuracy::F32, Accuracy::F64, Accuracy::Certified];
+
 /// Lengths that meet each other in many ways, or any.
 fn lengths(draw: &mut Draw, round: bool) -> DVec3 {
     let mut length = || match round {
@@ -91,11 +93,11 @@ pub(super) fn verdict(a: PosedShape<'_>, b: PosedShape<'_>) -> Verdict<()> {
     certified::overlap_of(a, b).0
 }
 
-pub(super) fn judge(found: &Manifold, sides: [PosedShape<'_>; 2], what: &str) {
+pub(super) fn judge(found: &Manifold, sides: [PosedShape<'_>; 2], (rounding, what): (f64, &str)) {
     let bound = found.error_bound;
     for point in found.points() {
         for (side, at) in sides.into_iter().zip([point.point_a, point.point_b]) {
-            let ball = Shape::sphere(bound + ROUNDING).unwrap();
+            let ball = Shape::sphere(bound + rounding).unwrap();
             let pose = Pose::from_translation(at).unwrap();
             let ball = PosedShape { shape: &ball, pose: &pose };
             let is_off = verdict(side, ball) == Verdict::Apart;
@@ -103,15 +105,19 @@ pub(super) fn judge(found: &Manifold, sides: [PosedShape<'_>; 2], what: &str) {
         }
         assert!(point.depth >= 0.0, "{what}: {point:?}");
         let along = (point.point_a - point.point_b).dot(found.normal) - point.depth;
-        assert!(along.abs() <= bound + ROUNDING, "{what}: {point:?} by {along}, not {bound}");
+        assert!(along.abs() <= bound + rounding, "{what}: {point:?} by {along}, not {bound}");
     }
 }
 
 /// Whether the deepest point is as deep along the normal as two convex shapes are: moved by so much they part, by less
 /// they do not.
-pub(super) fn judge_depth(found: &Manifold, [a, b]: [PosedShape<'_>; 2], what: &str) {
+pub(super) fn judge_depth(
+    found: &Manifold,
+    [a, b]: [PosedShape<'_>; 2],
+    (rounding, what): (f64, &str),
+) {
     let depth = found.points().iter().map(|point| point.depth).fold(0.0, f64::max);
-    let unsure = found.error_bound + ROUNDING;
+    let unsure = found.error_bound + rounding;
     let moved_by = |way: f64| {
         let place = b.pose.translation() + found.normal * way;
         let pose = Pose::from_matrix(*b.pose.rotation(), place).unwrap();
@@ -124,17 +130,21 @@ pub(super) fn judge_depth(found: &Manifold, [a, b]: [PosedShape<'_>; 2], what: &
 }
 
 /// The manifold at each accuracy of two shapes that touch, judged. How many.
-pub(super) fn judge_all([a, b]: [PosedShape<'_>; 2], are_convex: bool, what: &str) -> usize {
+pub(super) fn judge_all(
+    [a, b]: [PosedShape<'_>; 2],
+    are_convex: bool,
+    (rounding, what): (f64, &str),
+) -> usize {
     let mut judged = 0;
-    for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+    for accuracy in ACCURACIES {
         let what = format!("{what}, {accuracy:?}");
         let found = Manifolds::default().measure_at(accuracy, a, b, &mut Default::default());
         let Verdict::Touching(found) = found else { panic!("{what}: {found:?}") };
         assert!(!found.is_empty(), "{what}");
         for manifold in found.iter() {
-            judge(manifold, [a, b], &what);
+            judge(manifold, [a, b], (rounding, &what));
             if are_convex {
-                judge_depth(manifold, [a, b], &what);
+                judge_depth(manifold, [a, b], (rounding, &what));
             }
             judged += 1;
         }
@@ -142,11 +152,22 @@ pub(super) fn judge_all([a, b]: [PosedShape<'_>; 2], are_convex: bool, what: &st
     judged
 }
 
+/// Whether the depths of two shapes that touch are one depth at every accuracy, to within their bounds.
+pub(super) fn judge_depths([a, b]: [PosedShape<'_>; 2], (rounding, what): (f64, &str)) {
+    let mut range = [f64::NEG_INFINITY, f64::INFINITY];
+    for accuracy in ACCURACIES {
+        let found = Depths.measure_at(accuracy, a, b, &mut Default::default());
+        let Verdict::Touching(found) = found else { panic!("{what}, {accuracy:?}: {found:?}") };
+        let [low, high] = [found.depth - found.error_bound, found.depth + found.error_bound];
+        range = [range[0].max(low), range[1].min(high)];
+        assert!(range[0] <= range[1] + rounding, "{what}, {accuracy:?}: {found:?} {range:?}");
+        assert!((found.normal.length() - 1.0).abs() < 1e-9, "{what}, {accuracy:?}: {found:?}");
+    }
+}
+
 #[test]
 fn each_point_of_a_manifold_is_of_both_surfaces_and_as_deep_as_it_says() {
-    // Another seed by `DCD_SEED`.
-    let seed = std::env::var("DCD_SEED").map_or(19, |seed| seed.parse().expect("a seed"));
-    let mut draw = Draw(seed);
+    let mut draw = Draw::seeded(19);
     let mut judged = 0;
     for k in 0..48_000usize {
         let (kinds, round) = ([k % 12, k / 12 % 12], k % 5 < 2);
@@ -163,7 +184,7 @@ fn each_point_of_a_manifold_is_of_both_surfaces_and_as_deep_as_it_says() {
             continue;
         }
         let are_convex = kinds.iter().all(|&kind| kind <= CONVEX);
-        judged += judge_all([a, b], are_convex, &format!("{k}, kinds {kinds:?}"));
+        judged += judge_all([a, b], are_convex, (ROUNDING, &format!("{k}, kinds {kinds:?}")));
     }
     assert!(judged > 32_000, "{judged}");
 }
@@ -185,8 +206,7 @@ fn crowd(draw: &mut Draw, round: bool) -> Scene {
 
 #[test]
 fn so_are_the_points_of_a_scenes_manifolds_and_its_depths() {
-    let seed = std::env::var("DCD_SEED").map_or(23, |seed| seed.parse().expect("a seed"));
-    let mut draw = Draw(seed);
+    let mut draw = Draw::seeded(23);
     let [mut manifolds, mut depths] = [0; 2];
     for k in 0..60usize {
         let scene = crowd(&mut draw, k % 2 == 0);
@@ -202,9 +222,9 @@ fn so_are_the_points_of_a_scenes_manifolds_and_its_depths() {
                 !matches!(side.shape, Shape::Mesh(_) | Shape::Compound(_) | Shape::HalfSpace(_))
             });
             for manifold in found.answer.iter() {
-                judge(manifold, sides, &what);
+                judge(manifold, sides, (ROUNDING, &what));
                 if are_convex {
-                    judge_depth(manifold, sides, &what);
+                    judge_depth(manifold, sides, (ROUNDING, &what));
                 }
                 manifolds += 1;
             }

@@ -9,6 +9,11 @@ use std::sync::Arc;
 pub(crate) struct Draw(pub(crate) u64);
 
 impl Draw {
+    /// By that seed, or another by `DCD_SEED`.
+    pub(crate) fn seeded(fixed: u64) -> Self {
+        Self(std::env::var("DCD_SEED").map_or(fixed, |seed| seed.parse().expect("a seed")))
+    }
+
     /// Uniform in −1 … 1.
     pub(crate) fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(0xd134_2543_de82_ef95).wrapping_add(1);

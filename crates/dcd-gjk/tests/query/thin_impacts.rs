@@ -37,8 +37,7 @@ fn motion(draw: &mut Draw, k: usize) -> RigidMotion {
 
 #[test]
 fn thin_shapes_meet_when_their_samples_say() {
-    let seed = std::env::var("DCD_SEED").map_or(47, |seed| seed.parse().expect("a seed"));
-    let mut draw = Draw(seed);
+    let mut draw = Draw::seeded(47);
     let [mut free, mut hits, mut open] = [0; 3];
     for k in 0..4_000usize {
         let shapes = [shape(&mut draw, k), shape(&mut draw, k / 5)];

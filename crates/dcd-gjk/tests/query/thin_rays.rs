@@ -29,8 +29,7 @@ fn shape(draw: &mut Draw, k: usize) -> Shape {
 
 #[test]
 fn rays_meet_thin_shapes_where_their_pieces_touch_them() {
-    let seed = std::env::var("DCD_SEED").map_or(59, |seed| seed.parse().expect("a seed"));
-    let mut draw = Draw(seed);
+    let mut draw = Draw::seeded(59);
     let [mut hits, mut misses] = [0; 2];
     for k in 0..30_000usize {
         let shape = shape(&mut draw, k);

@@ -305,14 +305,16 @@ impl Round {
         let [mut forth, mut back] = way.forth_and_back();
         self.count += forth.count_ones() + back.count_ones();
         while forth != 0 {
-            if let Some([from, to]) = rows.ends(row * 16 + forth.trailing_zeros() as usize) {
+            if let Some([from, to]) = rows.edge_vertices(row * 16 + forth.trailing_zeros() as usize)
+            {
                 self.forth |= 1 << from;
                 self.back |= 1 << to;
             }
             forth &= forth - 1;
         }
         while back != 0 {
-            if let Some([from, to]) = rows.ends(row * 16 + back.trailing_zeros() as usize) {
+            if let Some([from, to]) = rows.edge_vertices(row * 16 + back.trailing_zeros() as usize)
+            {
                 self.back |= 1 << from;
                 self.forth |= 1 << to;
             }
@@ -340,7 +342,7 @@ mod tests {
         let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
         let tetrahedron = Polytope::hull(corners.to_vec()).unwrap();
         let rows = tetrahedron.feature_rows().unwrap();
-        let edge = |ends: [u32; 2]| (0..6).find(|&k| rows.ends(k) == Some(ends)).unwrap();
+        let edge = |ends: [u32; 2]| (0..6).find(|&k| rows.edge_vertices(k) == Some(ends)).unwrap();
         let of = |forth: &[[u32; 2]]| {
             let open = forth.iter().fold(0, |set, &ends| set | 1 << edge(ends));
             let mut round = Round::default();
