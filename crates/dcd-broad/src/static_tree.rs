@@ -1,6 +1,6 @@
 //! AABBs against a tree of static objects.
 
-use crate::append::{Appender, append_where};
+use crate::append::append_where;
 use crate::{Aabb128, Mask128};
 use dcd_bvh::WideBvh;
 use dcd_exec::{Exec, Segments};
@@ -102,7 +102,6 @@ impl StaticTree {
     }
 
     fn append_all(&self, query: IdentifiedAabbs, out: &mut Vec<Pair>) {
-        let out = Appender::new(out);
         dispatch_on(
             self.path,
             StaticTreeSearch { tree: &self.tree, names: &self.names, query, out },
@@ -189,7 +188,7 @@ struct StaticTreeSearch<'a> {
     tree: &'a WideBvh,
     names: &'a [IndexRow],
     query: IdentifiedAabbs<'a>,
-    out: Appender<'a>,
+    out: &'a mut Vec<Pair>,
 }
 
 impl Kernel for StaticTreeSearch<'_> {
@@ -275,8 +274,7 @@ impl StaticTreeSearch<'_> {
     /// Appends the pairs of one name with the lanes `hits` of a leaf.
     #[inline(always)]
     fn emit<L: Lanes>(&mut self, l: L, query: u32, leaf: usize, hits: u32) {
-        self.out.make_room();
-        self.out.append(l, query, (&self.names[leaf], hits));
+        l.append_pairs(hits, (query, l.load_u(&self.names[leaf])), self.out);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The fast broad phase: the wide tree against itself, sixteen AABBs at a time.
 
 use crate::BroadPhase;
-use crate::append::{Appender, append_where};
+use crate::append::append_where;
 use dcd_bvh::WideBvh;
 use dcd_exec::{Exec, Segments};
 use dcd_geom::{Aabb, Pair};
@@ -51,7 +51,7 @@ impl WideTree {
     /// The pairs of task number `task`.
     fn append_task(&self, task: usize, out: &mut Vec<Pair>) {
         let first = task * LEAVES_PER_TASK;
-        dispatch_on(self.path, SelfPairSearch { tree: &self.tree, first, out: Appender::new(out) });
+        dispatch_on(self.path, SelfPairSearch { tree: &self.tree, first, out });
     }
 }
 
@@ -165,7 +165,7 @@ impl Stack {
 struct SelfPairSearch<'a> {
     tree: &'a WideBvh,
     first: usize,
-    out: Appender<'a>,
+    out: &'a mut Vec<Pair>,
 }
 
 impl Kernel for SelfPairSearch<'_> {
@@ -208,7 +208,6 @@ impl SelfPairSearch<'_> {
     #[inline(always)]
     fn within<L: Lanes>(&mut self, l: L, leaf: usize) {
         let boxes = &self.tree.leaves()[leaf];
-        self.out.make_room();
         for lane in 0..self.tree.boxes_in(leaf) {
             let hits = boxes.overlaps(l, &boxes.get(lane)) & later(lane);
             self.emit(l, self.tree.ids()[leaf].0[lane], leaf, hits);
@@ -223,7 +222,6 @@ impl SelfPairSearch<'_> {
         let others = &self.tree.leaves()[other];
         let node = &self.tree.levels()[0][other / WIDTH];
         let mut reaching = boxes.overlaps(l, &node.get(other % WIDTH));
-        self.out.make_room();
         while reaching != 0 {
             let lane = reaching.trailing_zeros() as usize;
             reaching &= reaching - 1;
@@ -238,7 +236,7 @@ impl SelfPairSearch<'_> {
         if hits == 0 {
             return;
         }
-        self.out.append(l, i, (&self.tree.ids()[leaf], hits));
+        l.append_pairs(hits, (i, l.load_u(&self.tree.ids()[leaf])), self.out);
     }
 }
 

@@ -3,7 +3,7 @@
 mod front;
 
 use super::{Block, FLOATS, Kernel, Lanes, MAX_BLOCKS, Row, WIDTH};
-use crate::Pair;
+use crate::pair::{Pair, room_for_sixteen};
 use front::FRONT;
 use std::arch::x86_64::*;
 
@@ -250,13 +250,14 @@ impl Lanes for Avx2 {
         unsafe { self.fronts_to(keep, a, to.as_mut_ptr().add(at.min(WIDTH))) }
     }
     #[inline(always)]
-    fn compress_pairs(self, keep: u32, (one, others): (u32, Self::U), to: &mut [Pair; WIDTH]) {
+    fn append_pairs(self, keep: u32, (one, others): (u32, Self::U), to: &mut Vec<Pair>) {
         let one = op!(_mm256_set1_epi32(one.cast_signed()));
-        // SAFETY: as above; eight pairs at most eight after the first of sixteen.
+        let end = room_for_sixteen(to);
+        // SAFETY: as above; eight pairs at most eight after the first of sixteen. The kept ones are written.
         unsafe {
-            self.front_pairs_to(keep, (one, others.0), to.as_mut_ptr());
-            let after = to.as_mut_ptr().add(kept_below(keep));
-            self.front_pairs_to(keep >> 8, (one, others.1), after);
+            self.front_pairs_to(keep, (one, others.0), end);
+            self.front_pairs_to(keep >> 8, (one, others.1), end.add(kept_below(keep)));
+            to.set_len(to.len() + kept_below(keep) + kept_below(keep >> 8));
         }
     }
     #[inline(always)]

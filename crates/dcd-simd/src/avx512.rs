@@ -1,7 +1,7 @@
 //! Sixteen lanes in one AVX-512 register.
 
 use super::{Block, FLOATS, Kernel, Lanes, MAX_BLOCKS, Row, WIDTH};
-use crate::Pair;
+use crate::pair::{Pair, room_for_sixteen};
 use std::arch::x86_64::*;
 
 /// Runs the kernel in a function that carries the feature, into which all of it is inlined. Out of line itself, so that it
@@ -216,8 +216,9 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
-    fn compress_pairs(self, keep: u32, (one, others): (u32, __m512i), to: &mut [Pair; WIDTH]) {
-        // SAFETY: as above; sixteen pairs are thirty-two u32 in a row, as `repr(C)` has them.
+    fn append_pairs(self, keep: u32, (one, others): (u32, __m512i), to: &mut Vec<Pair>) {
+        let end = room_for_sixteen(to);
+        // SAFETY: as above; sixteen pairs are thirty-two u32 in a row, as `repr(C)` has them, and all are written.
         unsafe {
             let kept = _mm512_maskz_compress_epi32(self.mask(keep), others);
             let one = self.splat_u(one);
@@ -225,9 +226,9 @@ impl Lanes for Avx512 {
             let first = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
             let last =
                 _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
-            let at = to.as_mut_ptr();
-            _mm512_storeu_si512(at.cast(), _mm512_permutex2var_epi32(i, first, j));
-            _mm512_storeu_si512(at.add(8).cast(), _mm512_permutex2var_epi32(i, last, j));
+            _mm512_storeu_si512(end.cast(), _mm512_permutex2var_epi32(i, first, j));
+            _mm512_storeu_si512(end.add(8).cast(), _mm512_permutex2var_epi32(i, last, j));
+            to.set_len(to.len() + (keep & 0xffff).count_ones() as usize);
         }
     }
     #[inline(always)]

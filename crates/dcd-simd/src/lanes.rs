@@ -92,15 +92,14 @@ pub trait Lanes: Copy {
     fn compress_to(self, keep: u32, a: Self::F, to: &mut [f32; 2 * WIDTH], at: usize);
     /// [`Lanes::compress_to`] of indices.
     fn compress_to_u(self, keep: u32, a: Self::U, to: &mut [u32; 2 * WIDTH], at: usize);
-    /// Writes the pairs of `one` and each of the lanes whose bits `keep` has, the smaller first, moved
-    /// down to the front; those past them are unspecified.
+    /// Appends the pairs of `one` and each of the lanes whose bits `keep` has, in the order of the lanes.
     #[inline(always)]
-    fn compress_pairs(self, keep: u32, (one, others): (u32, Self::U), to: &mut [Pair; WIDTH]) {
+    fn append_pairs(self, keep: u32, (one, others): (u32, Self::U), to: &mut Vec<Pair>) {
         let mut kept = [0; 2 * WIDTH];
         self.compress_to_u(keep, others, &mut kept, 0);
-        for (pair, &other) in to.iter_mut().zip(&kept) {
-            *pair = Pair { i: one.min(other), j: one.max(other) };
-        }
+        // Sixteen are appended and the surplus dropped: a copy of fixed length has no loop.
+        to.extend(kept[..WIDTH].iter().map(|&other| Pair { i: one.min(other), j: one.max(other) }));
+        to.truncate(to.len() - WIDTH + (keep & 0xffff).count_ones() as usize);
     }
     /// The bits of `a` outside `mask`, and the bits of `tag`, which lie inside it.
     fn tag(self, a: Self::F, mask: Self::U, tag: Self::U) -> Self::F;

@@ -269,10 +269,13 @@ mod tests {
                 compressed.extend(front[..at + kept].iter().map(|x| x.to_bits()));
                 compressed.extend(&packed[..at + kept]);
             }
-            let mut pairs = [Pair::default(); WIDTH];
-            l.compress_pairs(keep, (107, index), &mut pairs);
-            assert!(pairs[..kept].iter().all(|pair| pair.i <= pair.j));
-            let pairs = pairs[..kept].iter().flat_map(|pair| [pair.i, pair.j]);
+            // What is there stays, and a list without room grows.
+            let mut pairs = Vec::from([Pair::new(3, 4)]);
+            l.append_pairs(keep, (107, index), &mut pairs);
+            l.append_pairs(keep, (108, index), &mut pairs);
+            assert_eq!((pairs.len(), pairs[0]), (1 + 2 * kept, Pair::new(3, 4)));
+            assert!(pairs.iter().all(|pair| pair.i <= pair.j));
+            let pairs = pairs[1..].iter().flat_map(|pair| [pair.i, pair.j]);
             let indices = chosen.0.into_iter().chain(compressed).chain(pairs).collect();
             (floats.to_vec(), masks.map(|m| l.bits(m)).to_vec(), indices)
         }

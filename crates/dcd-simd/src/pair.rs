@@ -1,5 +1,7 @@
 //! Two objects of a scene.
 
+use crate::WIDTH;
+
 /// Two different objects by index, the smaller first. Eight bytes: candidate pairs are what a
 /// step writes most of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -24,4 +26,11 @@ impl From<Pair> for (u32, u32) {
     fn from(pair: Pair) -> Self {
         (pair.i, pair.j)
     }
+}
+
+/// Makes room for sixteen pairs more. They can be written from where it points to.
+#[inline(always)]
+pub(crate) fn room_for_sixteen(pairs: &mut Vec<Pair>) -> *mut Pair {
+    pairs.reserve(WIDTH);
+    pairs.spare_capacity_mut().as_mut_ptr().cast()
 }

@@ -87,7 +87,7 @@ impl<L: Lanes> Lanes for Apart<L> {
         lane_numbers() -> L::U;
         compress_to(keep: u32, a: L::F, to: &mut [f32; 2 * WIDTH], at: usize);
         compress_to_u(keep: u32, a: L::U, to: &mut [u32; 2 * WIDTH], at: usize);
-        compress_pairs(keep: u32, pair: (u32, L::U), to: &mut [Pair; WIDTH]);
+        append_pairs(keep: u32, pair: (u32, L::U), to: &mut Vec<Pair>);
         tag(a: L::F, mask: L::U, tag: L::U) -> L::F;
         tag_of(a: L::F, mask: L::U) -> L::U;
         largest_of_each(rows: &[Row; WIDTH]) -> L::F;
