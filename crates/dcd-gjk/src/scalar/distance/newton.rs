@@ -12,16 +12,13 @@ use dcd_geom::{Curved, Shape, Support};
 /// How often the places are corrected at most; four are usual. Fewer: proposals that the bounds refuse, and the search goes on.
 const STEPS: usize = 8;
 
-/// The largest correction, relative to the features, after which there is nothing left to correct: its square is below rounding.
+/// The largest correction, relative to the features, that is the last: what it leaves is about its square, and the distance is off
+/// by the square of that. Larger: points that are not quite the nearest. Smaller: a step for nothing.
 const SETTLED: f64 = 1e-6;
 
 /// What is added to the second derivatives, relative to themselves, so that parallel features have a solution. Larger: more
 /// steps. Smaller: places that rounding has moved along such features.
 const DAMPING: f64 = 1e-9;
-
-/// How near to its axis, as a tangent, the direction between two shapes is where a disc's inside and not its rim is nearest.
-/// Larger or smaller: the wrong feature, and the search goes on.
-const LEVEL: f64 = 0.02;
 
 /// How near the bounds have to come before the nearest features of curved shapes are taken for known. Unit: the pair's size.
 /// Larger: more proposals that the bounds refuse. Smaller: supports that a step of Newton's would have spared.
@@ -63,10 +60,8 @@ fn has_features(a: &Shape, b: &Shape) -> bool {
 /// A point of each core, in its own frame, that are perhaps the nearest; `None` where the steps lead nowhere.
 fn nearest_points(near: &Approach, [a, b]: [PosedShape<'_>; 2]) -> Option<[DVec3; 2]> {
     let between = Between::of(a, b);
-    let toward = a.pose.rotation().transpose() * near.direction;
-    let mut in_a = Feature::of(a.shape, near, |vertex| vertex.a, -toward)?;
-    let mut in_b =
-        Feature::of(b.shape, near, |vertex| vertex.b, between.turn.transpose() * toward)?;
+    let mut in_a = Feature::of(a.shape, near, |vertex| vertex.a)?;
+    let mut in_b = Feature::of(b.shape, near, |vertex| vertex.b)?;
     for _ in 0..STEPS {
         let correction = between.correction(&in_a, &in_b)?;
         let moved = in_a
@@ -101,10 +96,10 @@ impl Between {
         let [t2, t3] = in_b.tangents.map(|tangent| -(self.turn * tangent));
         let seen = self.turn.transpose() * w;
         let mut second = [
-            [t0.dot(t0) + in_a.bend.dot(w), 0.0, 0.0, 0.0],
-            [t1.dot(t0), t1.dot(t1), 0.0, 0.0],
-            [t2.dot(t0), t2.dot(t1), t2.dot(t2) - in_b.bend.dot(seen), 0.0],
-            [t3.dot(t0), t3.dot(t1), t3.dot(t2), t3.dot(t3)],
+            [t0.dot(t0) + in_a.bend.dot(w), t0.dot(t1), t0.dot(t2), t0.dot(t3)],
+            [0.0, t1.dot(t1), t1.dot(t2), t1.dot(t3)],
+            [0.0, 0.0, t2.dot(t2) - in_b.bend.dot(seen), t2.dot(t3)],
+            [0.0, 0.0, 0.0, t3.dot(t3)],
         ];
         for (k, row) in second.iter_mut().enumerate() {
             // A place that is not free has no tangent, and stays.
@@ -114,28 +109,27 @@ impl Between {
     }
 }
 
-/// The solution of symmetric equations, given by their lower half (L·D·Lᵀ); `None` unless they are positive definite.
+/// The solution of symmetric equations, given by their upper half; `None` unless they are positive definite.
 fn solved(mut rows: [[f64; 4]; 4], mut right: [f64; 4]) -> Option<[f64; 4]> {
     let mut inverse = [0.0; 4];
     for k in 0..4 {
+        let pivot = rows[k];
         // False for NaN.
-        if !(rows[k][k] > 0.0) {
+        if !(pivot[k] > 0.0) {
             return None;
         }
-        inverse[k] = 1.0 / rows[k][k];
-        let column = rows.map(|row| row[k]);
+        inverse[k] = 1.0 / pivot[k];
         for j in k + 1..4 {
-            let part = column[j] * inverse[k];
-            for (row, below) in rows.iter_mut().zip(column).skip(j) {
-                row[j] -= part * below;
-            }
+            let part = pivot[j] * inverse[k];
+            // Whole rows: below the diagonal nothing is read.
+            rows[j] = [0, 1, 2, 3].map(|i| rows[j][i] - part * pivot[i]);
             right[j] -= part * right[k];
         }
     }
     for k in (0..4).rev() {
         right[k] *= inverse[k];
         for j in 0..k {
-            right[j] -= rows[k][j] * right[k];
+            right[j] -= rows[j][k] * right[k];
         }
     }
     Some(right)
@@ -145,8 +139,6 @@ fn solved(mut rows: [[f64; 4]; 4], mut right: [f64; 4]) -> Option<[f64; 4]> {
 enum Feature<'a> {
     /// A corner, an edge or a face of up to three corners, and the weights of the second and third.
     Flat { corners: [DVec3; 3], weights: [f64; 2], count: usize },
-    /// The inside of a disc: its height and radius, and a place.
-    Disc { z: f64, radius: f64, place: DVec2 },
     /// A rim or the side of a curved shape: the direction from its axis, of unit length, and how far up.
     Round { curved: &'a Curved, outward: DVec2, up: f64, is_rim: bool },
 }
@@ -161,18 +153,18 @@ struct Derivatives {
 }
 
 impl<'a> Feature<'a> {
-    /// Where the search has come on a shape. `outward` points to the other, in its own frame.
+    /// Where the search has come on a shape. Of a disc's inside nothing is known here: there the
+    /// search has its normal, and ends.
     fn of(
         shape: &'a Shape,
         near: &Approach,
         of: impl Fn(&Vertex<f64>) -> Support<f64>,
-        outward: DVec3,
     ) -> Option<Self> {
         let vertices = near.simplex.vertices();
         let total: f64 = near.weights[..vertices.len()].iter().sum();
         let weighted = vertices.iter().zip(near.weights).map(|(v, weight)| (of(v), weight / total));
         match shape {
-            Shape::Curved(curved) => Some(Self::of_curved(curved, weighted, outward)),
+            Shape::Curved(curved) => Some(Self::of_curved(curved, weighted)),
             Shape::Polytope(_) => {
                 let mut known = [(0, DVec3::ZERO, 0.0); 4];
                 let mut count = 0;
@@ -194,11 +186,7 @@ impl<'a> Feature<'a> {
         }
     }
 
-    fn of_curved(
-        curved: &'a Curved,
-        weighted: impl Iterator<Item = (Support<f64>, f64)>,
-        outward: DVec3,
-    ) -> Self {
+    fn of_curved(curved: &'a Curved, weighted: impl Iterator<Item = (Support<f64>, f64)>) -> Self {
         let [(low, _), (high, _)] = curved.discs();
         let (mut mean, mut lowest, mut highest) = (DVec3::ZERO, f64::INFINITY, f64::NEG_INFINITY);
         for (Support { point, .. }, weight) in weighted {
@@ -208,13 +196,9 @@ impl<'a> Feature<'a> {
         let is_rim = lowest == highest;
         let up = ((mean.z - low) / (high - low)).clamp(0.0, 1.0);
         let flat = mean.truncate();
-        let across = outward.truncate().length();
         let radius = curved.discs()[usize::from(up > 0.5)].1;
         if is_rim && radius == 0.0 {
             return Self::Flat { corners: [mean; 3], weights: [0.0; 2], count: 1 };
-        }
-        if is_rim && across <= LEVEL * outward.z.abs() {
-            return Self::Disc { z: mean.z, radius, place: flat };
         }
         Self::Round { curved, outward: flat.normalize_or(DVec2::X), up, is_rim }
     }
@@ -239,11 +223,6 @@ impl<'a> Feature<'a> {
                 };
                 Derivatives { point, tangents, bend: DVec3::ZERO }
             }
-            Self::Disc { z, place, .. } => Derivatives {
-                point: place.extend(z),
-                tangents: [DVec3::X, DVec3::Y],
-                bend: DVec3::ZERO,
-            },
             Self::Round { curved, outward, up, is_rim } => {
                 let [(low, low_radius), (high, high_radius)] = curved.discs();
                 let at = |a: f64, b: f64| a * (1.0 - up) + b * up;
@@ -270,10 +249,6 @@ impl<'a> Feature<'a> {
                 let is_inside =
                     weights[0] >= 0.0 && weights[1] >= 0.0 && weights[0] + weights[1] <= 1.0;
                 is_inside.then_some(first.abs().max(second.abs()))
-            }
-            Self::Disc { radius, place, .. } => {
-                *place += DVec2::new(first, second);
-                (place.length() <= *radius).then_some(first.abs().max(second.abs()) / *radius)
             }
             Self::Round { outward, up, .. } => {
                 // By the tangent in place of the angle: the same but for its cube.

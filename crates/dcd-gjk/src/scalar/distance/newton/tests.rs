@@ -102,6 +102,8 @@ fn sides_rims_and_discs_have_the_distances_that_are_known_of_them() {
     let height = 1.25 + 0.25 * 3f64.sqrt();
     let above = Pose::new(corner, DVec3::new(0.07, 0.11, height)).unwrap();
     is_sharp([cylinder(), cube], above, 0.25);
+    // Two sides whose axes are parallel.
+    is_sharp([cylinder(), cylinder()], upright(0.9, 0.3, 0.1), 0.9f64.hypot(0.3) - 0.5);
     // A rim beside a rim: coaxial planes, discs at two heights.
     is_sharp([cylinder(), cylinder()], upright(0.8, 0.0, 2.4), 0.3f64.hypot(0.4));
     // An apex above a disc, upside down.
@@ -131,7 +133,7 @@ fn equations_are_solved_and_refused_where_they_curve_the_wrong_way() {
     let rows =
         [[4.0, 0.0, 0.0, 0.0], [1.0, 3.0, 0.0, 0.0], [0.5, -1.0, 5.0, 0.0], [0.0, 0.25, 1.0, 2.0]];
     let due = [1.0, -2.0, 0.5, 3.0];
-    let entry = |j: usize, k: usize| if j >= k { rows[j][k] } else { rows[k][j] };
+    let entry = |j: usize, k: usize| if j <= k { rows[j][k] } else { rows[k][j] };
     let right = [0, 1, 2, 3].map(|j| (0..4).map(|k| entry(j, k) * due[k]).sum());
     let found = solved(rows, right).unwrap();
     assert!(found.iter().zip(due).all(|(x, y)| (x - y).abs() < 1e-14), "{found:?}");
