@@ -8,6 +8,7 @@
 
 mod approach;
 mod nearer;
+mod newton;
 mod refine;
 #[cfg(test)]
 mod tests;
@@ -303,29 +304,29 @@ fn in_f64_in_order(gap: f64, a: PosedShape<'_>, b: PosedShape<'_>) -> DistanceRe
         (Shape::Polytope(in_a), Shape::Polytope(in_b)) => {
             let (a, b) =
                 (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
-            closed::distance(a, b, closed::AS_F64).unwrap_or_else(|| measured(gap, a, b, None))
+            closed::distance(a, b, closed::AS_F64)
+                .unwrap_or_else(|| measured(a, b, |pair, bounds| approach(pair, bounds, gap)))
         }
         _ => {
-            let points = closed::curved::nearest_points(a, b);
-            let (a, b) =
-                (PosedSupport::shape(a.shape, a.pose), PosedSupport::shape(b.shape, b.pose));
-            measured(gap, a, b, points)
+            let bodies = [a, b].map(|side| PosedSupport::shape(side.shape, side.pose));
+            measured(bodies[0], bodies[1], |pair, bounds| {
+                newton::approach(pair, bounds, gap, [a, b])
+            })
         }
     }
 }
 
+/// The distance by what a search proves.
 fn measured<S: InBlocks>(
-    gap: f64,
     a: PosedSupport<'_, S>,
     b: PosedSupport<'_, S>,
-    points: Option<[DVec3; 2]>,
+    search: impl FnOnce(&Difference<'_, f64, S, S>, &Bounds<f64>) -> Result<Approach, Verdict<()>>,
 ) -> DistanceResult {
     let Some(difference) = Difference::new(a, b) else {
         return DistanceResult::Undecided(Reason::Range);
     };
     let bounds = Bounds::of(&difference);
-    let known = points.and_then(|points| proposed(&difference, &bounds, gap, points));
-    let near = match known.map_or_else(|| approach(&difference, &bounds, gap), Ok) {
+    let near = match search(&difference, &bounds) {
         Ok(near) => near,
         Err(Verdict::Undecided(reason)) => return DistanceResult::Undecided(reason),
         Err(_) => return DistanceResult::Touching,
