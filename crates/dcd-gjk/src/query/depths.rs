@@ -168,9 +168,19 @@ pub(super) fn of_touching(
     b: PosedShape<'_>,
     scratch: &mut epa::Scratch,
 ) -> Verdict<Depth> {
-    if let Some(found) = by_frame(accuracy, a, b) {
-        return Verdict::Touching(found);
+    match by_frame(accuracy, a, b) {
+        Some(found) => Verdict::Touching(found),
+        None => without_frame(accuracy, a, b, scratch),
     }
+}
+
+/// The same of two shapes of which [`by_frame`] has none.
+pub(super) fn without_frame(
+    accuracy: Accuracy,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    scratch: &mut epa::Scratch,
+) -> Verdict<Depth> {
     if mesh::have_parts(a.shape, b.shape) {
         if accuracy == Accuracy::F32
             && let Some(found) = few_parts::depth(a, b, scratch)

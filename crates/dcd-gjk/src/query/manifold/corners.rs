@@ -325,6 +325,8 @@ pub(super) fn of_sphere(normal: DVec3, [a, b]: [PosedShape<'_>; 2]) -> Option<Of
         return None;
     }
     let feature = |side: PosedShape<'_>, towards: DVec3| match side.shape {
+        // Whatever the direction.
+        Shape::Polytope(polytope) if polytope.kind() == Kind::Point => Some(Feature::Vertex(0)),
         Shape::Polytope(polytope) => {
             Some(name(polytope, side.pose.rotation().transpose() * towards))
         }

@@ -27,11 +27,12 @@ pub(super) enum Part<'a> {
 
 /// What a polytope shows along a unit direction of its own frame, by name alone.
 pub(super) fn name(polytope: &Polytope, direction: DVec3) -> Feature {
-    if polytope.kind() == Kind::Point {
-        return Feature::Vertex(0);
-    }
-    let of_cuboid = cuboids::feature(polytope, direction);
-    of_cuboid.unwrap_or_else(|| Part::facing(polytope, direction).name())
+    let at_once = match polytope.kind() {
+        Kind::Point => Some(Feature::Vertex(0)),
+        Kind::Segment => Choice { polytope, direction }.of_segment().map(|part| part.name()),
+        _ => cuboids::feature(polytope, direction),
+    };
+    at_once.unwrap_or_else(|| Part::facing(polytope, direction).name())
 }
 
 impl<'a> Part<'a> {
@@ -145,11 +146,14 @@ impl<'a> Choice<'a> {
 
     /// What a segment shows, without its list of faces: itself, or the end that is farther.
     fn of_segment(&self) -> Option<Part<'a>> {
-        let rise = self.rise(0, 1);
-        // False for one without length, and for NaN.
-        rise.is_finite().then(|| match rise < LEVEL {
+        let &[start, end] = self.polytope.vertices() else { return None };
+        let edge = end - start;
+        let (rise, square) = (self.direction.dot(edge), edge.length_squared());
+        // By squares, which take neither a root nor a quotient. False for one without length, and for NaN.
+        let has_length = square > 0.0 && square.is_finite();
+        has_length.then(|| match rise * rise < LEVEL * LEVEL * square {
             true => Part::Edge([0, 1]),
-            false => Part::Vertex(u32::from(self.along(1) > self.along(0))),
+            false => Part::Vertex(u32::from(rise > 0.0)),
         })
     }
 
@@ -196,6 +200,8 @@ impl<'a> Choice<'a> {
         farthest - FARTHEST * self.polytope.outer_radius()
     }
 
+    // Out of line: the heights that it keeps are more than all else that a part takes.
+    #[inline(never)]
     fn searched(&self) -> Part<'a> {
         let mut kept = [0.0; KEPT];
         let (kept, farthest) = self.heights(&mut kept);

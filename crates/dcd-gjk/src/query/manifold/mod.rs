@@ -38,7 +38,7 @@ use dcd_geom::glam::DVec3;
 pub(crate) use facing::{FACING, LEVEL};
 use feature::View;
 use on_plane::Resting;
-use one_point::in_one_point;
+use one_point::{in_one_point, of_one_point};
 use parts::Measure;
 pub use set::ManifoldSet;
 pub use surface::{ManifoldOptions, MeshEdges, MeshSides};
@@ -230,7 +230,11 @@ impl MeasureAt for Manifolds {
         scratch: &mut Scratch,
     ) -> Verdict<ManifoldSet> {
         if !mesh::have_parts(a.shape, b.shape) {
-            let depth = depths::of_touching(accuracy, a, b, &mut scratch.depth);
+            // The closed forms first: what they find is not moved before it is written.
+            if let Some(depth) = depths::by_frame(accuracy, a, b) {
+                return of_depth(&depth, [a, b], &mut scratch.corners);
+            }
+            let depth = depths::without_frame(accuracy, a, b, &mut scratch.depth);
             return manifold_of(depth, a, b, &mut scratch.corners);
         }
         let how = Measure { accuracy, options: self.options };
@@ -317,25 +321,25 @@ fn of_depth(
     [a, b]: [PosedShape<'_>; 2],
     corners: &mut Corners,
 ) -> Verdict<ManifoldSet> {
-    let mut resting = None;
-    let only = in_one_point(depth, [a, b]).or_else(|| {
-        resting = Resting::of(depth, [a, b]);
-        resting.as_ref()?.in_one_point(depth)
-    });
-    if let Some((features, error_bound)) = only {
-        // Written where it is returned: a copy of a manifold takes as long as the depth of spheres.
-        let &Depth { depth, normal, point_a, point_b, .. } = depth;
-        const NONE: ManifoldPoint = ManifoldPoint::EMPTY;
-        let point = ManifoldPoint { point_a, point_b, depth, features, ..NONE };
-        let points = [point, NONE, NONE, NONE];
-        let found = Manifold { normal, points, count: 1, error_bound, parts: [None; 2] };
-        return Verdict::Touching(found.into());
+    if let Some(only) = in_one_point(depth, [a, b]) {
+        return of_one_point(depth, only);
     }
+    // Looked at where it is: it is as large as two points.
+    let resting = Resting::of(depth, [a, b]);
+    let Some(resting) = &resting else {
+        return written(|found| write_by_corners(depth, [a, b], corners, found));
+    };
+    match resting.in_one_point(depth) {
+        Some(only) => of_one_point(depth, only),
+        None => written(|found| resting.write(depth, found)),
+    }
+}
+
+/// One manifold, empty and then written.
+#[inline]
+fn written(write: impl FnOnce(&mut Manifold)) -> Verdict<ManifoldSet> {
     let mut found = Manifold::EMPTY;
-    match resting {
-        Some(resting) => resting.write(depth, &mut found),
-        None => write_by_corners(depth, [a, b], corners, &mut found),
-    }
+    write(&mut found);
     Verdict::Touching(found.into())
 }
 

@@ -3,9 +3,9 @@
 
 use super::corners::{self, OfSphere};
 use super::feature::{Placed, View};
-use super::{Feature, bound_of_witnesses};
+use super::{Feature, Manifold, ManifoldPoint, ManifoldSet, bound_of_witnesses};
 use crate::epa::Depth;
-use crate::{PosedShape, order};
+use crate::{PosedShape, Verdict, order};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Shape};
 
@@ -21,7 +21,21 @@ pub(super) fn in_one_point(
     of_sphere(depth, a, b).or_else(|| of_capsules(depth, [a, b]))
 }
 
-/// The same of two capsules that show an end, or edges that cross.
+/// The witnesses of the depth alone, with those features and that bound.
+#[inline]
+pub(super) fn of_one_point(
+    &Depth { depth, normal, point_a, point_b, .. }: &Depth,
+    (features, error_bound): ([Feature; 2], f64),
+) -> Verdict<ManifoldSet> {
+    // Written where it is returned: a copy of a manifold takes as long as the depth of spheres.
+    const NONE: ManifoldPoint = ManifoldPoint::EMPTY;
+    let point = ManifoldPoint { point_a, point_b, depth, features, ..NONE };
+    let points = [point, NONE, NONE, NONE];
+    let found = Manifold { normal, points, count: 1, error_bound, parts: [None; 2] };
+    Verdict::Touching(found.into())
+}
+
+/// The features and the bound of two capsules that show an end, or edges that cross.
 #[inline]
 fn of_capsules(depth: &Depth, [a, b]: [PosedShape<'_>; 2]) -> Option<([Feature; 2], f64)> {
     let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
@@ -71,7 +85,7 @@ fn of_sphere(depth: &Depth, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<([Fe
 #[cfg(test)]
 mod tests {
     use super::super::corners::Corners;
-    use super::super::{Manifold, write_in_order};
+    use super::super::write_in_order;
     use super::*;
     use crate::motion::tests::Draw;
     use crate::query::{Accuracy, depths};

@@ -31,8 +31,12 @@ impl ManifoldSet {
     pub(super) const EMPTY_ONE: Self = Self(Held::One(Manifold::EMPTY));
 
     /// The bound of all of them: see [`Manifold::error_bound`]. Metres.
+    #[inline]
     pub fn error_bound(&self) -> f64 {
-        self.iter().map(|manifold| manifold.error_bound).fold(0.0, f64::max)
+        match &self.0 {
+            Held::One(manifold) => manifold.error_bound,
+            Held::Many(all) => all.iter().map(|manifold| manifold.error_bound).fold(0.0, f64::max),
+        }
     }
 
     /// Adds an empty manifold to one or more, and has it written in its place; at least so many are to come.
@@ -94,6 +98,7 @@ impl From<Manifold> for ManifoldSet {
 impl Deref for ManifoldSet {
     type Target = [Manifold];
 
+    #[inline]
     fn deref(&self) -> &[Manifold] {
         match &self.0 {
             Held::One(manifold) => std::slice::from_ref(manifold),
