@@ -418,12 +418,9 @@ struct SeenBox {
 }
 
 impl Support for SeenBox {
-    /// The direction.
-    type Farthest<L: Lanes> = Vec3;
-
     #[inline(always)]
-    fn reach<L: Lanes>(&self, _: L, direction: Vec3) -> (f32, Vec3) {
-        (self.half.dot(direction.abs()), direction)
+    fn reach<L: Lanes>(&self, _: L, direction: Vec3) -> f32 {
+        self.half.dot(direction.abs())
     }
 
     #[inline(always)]

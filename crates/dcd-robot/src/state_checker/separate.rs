@@ -9,14 +9,16 @@ use super::Goal;
 use super::links::BodyHull;
 use super::one_link::{LinkPlace, LinkPlaces};
 use super::prepared::Prepared;
-use super::rounded_links::Rounded;
+use super::rounded_links::{Rounded, splat};
 use super::sift::Found;
 use dcd_pipeline::{Candidate, Other};
 use dcd_simd::{Block, Kernel, Lanes, Row, WIDTH};
 use glam::{Mat3, Vec3};
 
-/// How many directions are tried. More: pairs that touch cost more. Fewer: more are left to the narrow phase.
-const DIRECTIONS: usize = 5;
+/// How many directions are tried. More: pairs that touch cost more. Fewer: more are left to the narrow phase. Of a robot's
+/// pairs that spheres leave near each other the first parts 73 in a hundred, the second 15, the third to fifth together fewer
+/// than one. No effect on any answer.
+const DIRECTIONS: usize = 3;
 
 /// The direction of the last separating plane of each pair: a direction that separates in one state often does
 /// so in the next. Kept for one chunk alone, so that no answer depends on earlier queries.
@@ -103,14 +105,11 @@ impl Kernel for Separate<'_> {
 
 /// A convex body in one state, by how far it reaches.
 pub(super) trait Support {
-    /// What says where the farthest point is.
-    type Farthest<L: Lanes>: Copy;
-
     /// How far its core reaches in a direction of unit length, from its origin on.
-    fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> (f32, Self::Farthest<L>);
+    fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> f32;
 
-    /// The point there, in the world: not found where the reach is enough.
-    fn point<L: Lanes>(&self, l: L, farthest: Self::Farthest<L>) -> Vec3;
+    /// The point there, in the world: found apart from the reach, which is enough for most pairs and half the work.
+    fn point<L: Lanes>(&self, l: L, direction: Vec3) -> Vec3;
 
     /// In the world, metres.
     fn origin(&self) -> Vec3;
@@ -140,41 +139,48 @@ impl<'a> PlacedHull<'a> {
     }
 }
 
-/// In each lane the largest product, and the block that it is of; the largest of all.
-#[derive(Clone, Copy)]
-pub(super) struct Farthest<L: Lanes> {
-    best: L::F,
-    block: L::F,
-    most: f32,
+/// How far sixteen vertices are along a direction in their frame.
+#[inline(always)]
+fn along<L: Lanes>(l: L, Block([x, y, z]): &Block, direction: [L::F; 3]) -> L::F {
+    let sum = l.mul_add(l.load(x), direction[0], l.mul(l.load(y), direction[1]));
+    l.mul_add(l.load(z), direction[2], sum)
+}
+
+impl PlacedHull<'_> {
+    /// A direction in the hull's frame, in all lanes.
+    #[inline(always)]
+    fn turned<L: Lanes>(&self, l: L, direction: Vec3) -> [L::F; 3] {
+        splat(l, self.rotation.transpose() * direction)
+    }
 }
 
 impl Support for PlacedHull<'_> {
-    type Farthest<L: Lanes> = Farthest<L>;
-
     #[inline(always)]
-    fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> (f32, Farthest<L>) {
-        let Vec3 { x, y, z } = self.rotation.transpose() * direction;
-        let (x, y, z) = (l.splat(x), l.splat(y), l.splat(z));
-        let (mut best, mut block) = (l.splat(f32::NEG_INFINITY), l.splat(0.0));
-        let (mut number, one) = (block, l.splat(1.0));
-        for Block(rows) in self.blocks {
-            let along = l.mul_add(l.load(&rows[0]), x, l.mul(l.load(&rows[1]), y));
-            let along = l.mul_add(l.load(&rows[2]), z, along);
-            let is_farther = l.lt(best, along);
-            best = l.select(is_farther, along, best);
-            block = l.select(is_farther, number, block);
-            number = l.add(number, one);
+    fn reach<L: Lanes>(&self, l: L, direction: Vec3) -> f32 {
+        let direction = self.turned(l, direction);
+        let mut best = l.splat(f32::NEG_INFINITY);
+        for block in self.blocks {
+            best = l.max(along(l, block, direction), best);
         }
-        let most = l.largest(best);
-        (most, Farthest { best, block, most })
+        l.largest(best)
     }
 
     #[inline(always)]
-    fn point<L: Lanes>(&self, l: L, Farthest { best, block, most }: Farthest<L>) -> Vec3 {
+    fn point<L: Lanes>(&self, l: L, direction: Vec3) -> Vec3 {
+        let direction = self.turned(l, direction);
+        let (mut best, mut number) = (l.splat(f32::NEG_INFINITY), l.splat(0.0));
+        let (mut at, one) = (number, l.splat(1.0));
+        for block in self.blocks {
+            let along = along(l, block, direction);
+            let is_farther = l.lt(best, along);
+            best = l.select(is_farther, along, best);
+            at = l.select(is_farther, number, at);
+            number = l.add(number, one);
+        }
         let mut blocks = Row([0.0; WIDTH]);
-        l.store(block, &mut blocks);
+        l.store(at, &mut blocks);
         // Of lanes that are as far the first; of NaN, which part nothing, any.
-        let lane = l.bits(l.le(l.splat(most), best)).trailing_zeros() as usize % WIDTH;
+        let lane = l.bits(l.le(l.splat(l.largest(best)), best)).trailing_zeros() as usize % WIDTH;
         let vertex = self.blocks[blocks.0[lane] as usize].point(lane);
         self.rotation * vertex + self.translation
     }
@@ -236,8 +242,7 @@ pub(super) fn across_gap<L: Lanes>(
 ) -> Option<Vec3> {
     let margin = a.margin() + b.margin();
     for tried in 1..=DIRECTIONS {
-        let (of_a, p) = a.reach(l, direction);
-        let (of_b, q) = b.reach(l, -direction);
+        let (of_a, of_b) = (a.reach(l, direction), b.reach(l, -direction));
         let gap = direction.dot(b.origin() - a.origin()) - of_b - of_a;
         // Written so that a NaN parts nothing, nor an infinite gap: a rotation of NaN reaches nowhere.
         if gap > margin && gap < f32::INFINITY {
@@ -245,7 +250,7 @@ pub(super) fn across_gap<L: Lanes>(
             return if tried == 1 { Some(direction) } else { unit(direction) };
         }
         if tried < DIRECTIONS {
-            direction = mirrored(direction, b.point(l, q) - a.point(l, p))?;
+            direction = mirrored(direction, b.point(l, -direction) - a.point(l, direction))?;
         }
     }
     None
@@ -274,6 +279,47 @@ pub(super) const MOST_BLOCKS: usize = 1 << 20;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dcd_simd::{Path, dispatch_on};
+    use glam::DVec3;
+
+    /// How far a hull reaches along a direction, and its point there.
+    struct Farthest<'a>(&'a PlacedHull<'a>, Vec3);
+
+    impl Kernel for Farthest<'_> {
+        type Output = (f32, Vec3);
+
+        fn run<L: Lanes>(self, l: L) -> (f32, Vec3) {
+            let Self(hull, direction) = self;
+            (hull.reach(l, direction), hull.point(l, direction))
+        }
+    }
+
+    #[test]
+    fn a_hull_reaches_as_far_as_its_farthest_vertex_and_its_point_is_there() {
+        let mut number = 7u32;
+        let mut draw = || {
+            number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(number >> 8) / f64::from(1 << 23) - 1.0
+        };
+        for count in (1..80).chain([160, 400]) {
+            let mut vector = || DVec3::new(draw(), draw(), draw());
+            let vertices: Vec<DVec3> = (0..count).map(|_| vector()).collect();
+            let blocks: Vec<Block> = Block::relative(&vertices, DVec3::ZERO).collect();
+            let (axis, translation) = (vector().normalize().as_vec3(), vector().as_vec3());
+            let rotation = Mat3::from_axis_angle(axis, 2.0);
+            let hull = PlacedHull { blocks: &blocks, rotation, translation, margin: 0.0 };
+            let direction = vector().normalize();
+            let from_origin = |v: &DVec3| direction.dot(rotation.as_dmat3() * *v);
+            let exact = vertices.iter().map(from_origin).fold(f64::NEG_INFINITY, f64::max);
+            for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+                let (reach, point) = dispatch_on(path, Farthest(&hull, direction.as_vec3()));
+                let of_point = direction.dot((point - translation).as_dvec3());
+                for ours in [f64::from(reach), of_point] {
+                    assert!((ours - exact).abs() < 1e-6, "{path:?}, {count}: {ours}, {exact}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn a_mirrored_direction_stays_as_long_as_its_bound_says() {

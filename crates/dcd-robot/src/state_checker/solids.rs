@@ -89,8 +89,11 @@ impl Solid {
 
     /// A box round it, if it has a closed form: its supports along the axes, and its margin.
     fn aabb(&self) -> Aabb {
-        let along = |axis: Vec3| self.farthest(axis).0;
-        let core = Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z));
+        let core = Vec3::new(
+            self.reach_along(Vec3::X),
+            self.reach_along(Vec3::Y),
+            self.reach_along(Vec3::Z),
+        );
         let reach = core + self.swept + self.margin;
         Aabb { min: self.centre - reach, max: self.centre + reach }
     }
@@ -174,41 +177,62 @@ impl Solid {
         !matches!(self.form, Form::Bounded { .. })
     }
 
-    /// How far its core reaches in a direction of unit length, and its point there, both from its centre on.
-    fn farthest(&self, direction: Vec3) -> (f32, Vec3) {
-        let along = self.axes.map_or(direction, |[x, y, z]| {
+    /// A direction in its own frame.
+    #[inline(always)]
+    fn along_axes(&self, direction: Vec3) -> Vec3 {
+        self.axes.map_or(direction, |[x, y, z]| {
             Vec3::new(x.dot(direction), y.dot(direction), z.dot(direction))
-        });
-        let end = |half_height: f32| half_height.copysign(along.z);
-        let (reach, point) = match self.form {
-            Form::Point | Form::Bounded { .. } => (0.0, Vec3::ZERO),
-            Form::Segment { half_height } => {
-                (half_height * along.z.abs(), Vec3::new(0.0, 0.0, end(half_height)))
-            }
+        })
+    }
+
+    /// How far its core reaches in a direction of unit length, from its centre on.
+    #[inline(always)]
+    fn reach_along(&self, direction: Vec3) -> f32 {
+        let along = self.along_axes(direction);
+        match self.form {
+            Form::Point | Form::Bounded { .. } => 0.0,
+            Form::Segment { half_height } => half_height * along.z.abs(),
             Form::Cylinder { half_height, radius } => {
-                let across = (along.x * along.x + along.y * along.y).sqrt();
-                let rim = if across > 0.0 { radius / across } else { 0.0 };
-                let point = Vec3::new(along.x * rim, along.y * rim, end(half_height));
-                (half_height * along.z.abs() + radius * across, point)
+                half_height * along.z.abs() + radius * across(along)
             }
-            Form::Box => (self.half.dot(along.abs()), self.half.copysign(along)),
+            Form::Box => self.half.dot(along.abs()),
+        }
+    }
+
+    /// The core's point there, from its centre on.
+    fn farthest(&self, direction: Vec3) -> Vec3 {
+        let along = self.along_axes(direction);
+        let end = |half_height: f32| half_height.copysign(along.z);
+        let point = match self.form {
+            Form::Point | Form::Bounded { .. } => Vec3::ZERO,
+            Form::Segment { half_height } => Vec3::new(0.0, 0.0, end(half_height)),
+            Form::Cylinder { half_height, radius } => {
+                let across = across(along);
+                let rim = if across > 0.0 { radius / across } else { 0.0 };
+                Vec3::new(along.x * rim, along.y * rim, end(half_height))
+            }
+            Form::Box => self.half.copysign(along),
         };
         let turned = |[x, y, z]: [Vec3; 3]| x * point.x + y * point.y + z * point.z;
-        (reach, self.axes.map_or(point, turned))
+        self.axes.map_or(point, turned)
     }
 }
 
-impl Support for &Solid {
-    type Farthest<L: Lanes> = Vec3;
+/// How much of a direction is across the z axis.
+#[inline(always)]
+fn across(direction: Vec3) -> f32 {
+    (direction.x * direction.x + direction.y * direction.y).sqrt()
+}
 
+impl Support for &Solid {
     #[inline(always)]
-    fn reach<L: Lanes>(&self, _: L, direction: Vec3) -> (f32, Vec3) {
-        self.farthest(direction)
+    fn reach<L: Lanes>(&self, _: L, direction: Vec3) -> f32 {
+        self.reach_along(direction)
     }
 
     #[inline(always)]
-    fn point<L: Lanes>(&self, _: L, farthest: Vec3) -> Vec3 {
-        farthest + self.centre
+    fn point<L: Lanes>(&self, _: L, direction: Vec3) -> Vec3 {
+        self.farthest(direction) + self.centre
     }
 
     fn origin(&self) -> Vec3 {

@@ -24,7 +24,8 @@ fn a_closed_form_reaches_as_far_as_its_shape() {
         let margin = f64::from(solid.margin());
         let directions = (0..20).map(|_| draw.vector().normalize()).chain(DVec3::AXES);
         for direction in directions.collect::<Vec<_>>() {
-            let (ours, point) = solid.farthest(direction.as_vec3());
+            let (ours, point) =
+                (solid.reach_along(direction.as_vec3()), solid.farthest(direction.as_vec3()));
             let point = (point + (&solid).origin()).as_dvec3();
             let along = pose.rotation().transpose() * direction;
             let core = along.dot(shape.support(along).point);
