@@ -31,9 +31,10 @@ pub fn read_obj(bytes: &[u8]) -> Result<RawMesh, ReadError> {
         ..tobj::LoadOptions::default()
     };
     let no_materials = |_: &Path| Ok(Default::default());
-    let mut text = without_mark(bytes);
+    let text = without_mark(bytes);
     check_indices(text)?;
-    let read = tobj::load_obj_buf(&mut text, &options, no_materials);
+    let faces = without_lines(text);
+    let read = tobj::load_obj_buf(&mut &faces[..], &options, no_materials);
     let (models, _) = read.map_err(|error| ReadError::Obj { message: error.to_string() })?;
     let mut frame = RawMesh::default();
     for model in models {
@@ -82,6 +83,20 @@ fn check_indices(text: &[u8]) -> Result<(), ReadError> {
         }
     }
     Ok(())
+}
+
+/// The text with its lines of points made comments: the library takes those of three and more points for
+/// faces.
+fn without_lines(text: &[u8]) -> Vec<u8> {
+    let mut faces = Vec::with_capacity(text.len());
+    for line in text.split_inclusive(|&byte| byte == b'\n') {
+        let word = line.split(u8::is_ascii_whitespace).find(|word| !word.is_empty());
+        if matches!(word, Some(b"l" | b"p")) {
+            faces.push(b'#');
+        }
+        faces.extend_from_slice(line);
+    }
+    faces
 }
 
 /// [`read_obj`] from a file.
@@ -145,6 +160,17 @@ mod tests {
         for corner in ["6148914691236517207", "0", "-4", "3//-2", "3//0", "99999999999999999999"] {
             let refused = face(corner).unwrap_err().to_string();
             assert!(refused.contains("line 5"), "{corner}: {refused}");
+        }
+    }
+
+    #[test]
+    fn a_line_of_three_points_is_no_face() {
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nf 1 2 3\n";
+        let plain = read_obj(text.as_bytes()).unwrap();
+        assert_eq!(plain.faces.len(), 1);
+        for line in ["l 1 2 5", "  l 1 2 4 5", "p 1 2 5", "l 1/1 2/1 5/1"] {
+            let text = format!("vt 0 0\n{text}{line}\n");
+            assert_eq!(read_obj(text.as_bytes()).unwrap(), plain, "{line}");
         }
     }
 

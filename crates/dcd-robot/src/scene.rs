@@ -180,11 +180,15 @@ impl PlanningScene {
             let value = said.value.scale;
             (&said.value.link_name, "scale", value, said.line, value > 0.0)
         });
+        let mut said = HashSet::new();
         let links: HashSet<&str> = robot.links().iter().map(|link| link.name.as_str()).collect();
         for (link, what, value, line, in_range) in paddings.chain(scales) {
             let user = format!("link {link:?}");
             if !(in_range && value.is_finite()) {
                 return Err(RobotError::BadNumber { what, user, value }.at_line(line));
+            }
+            if !said.insert((what, link)) {
+                return Err(RobotError::Twice { what, name: link.clone() }.at_line(line));
             }
             if !links.contains(link.as_str()) {
                 world.notes.push(format!("{what} of {user}: the robot has no such link"));
@@ -223,6 +227,15 @@ fn in_state(error: dcd_geom::PoseError) -> RobotError {
     RobotError::Pose { user: "robot_state".to_owned(), error }
 }
 
+/// Refuses a name that stands twice: of two things that are said of one, neither is dropped.
+fn each_once(what: &'static str, names: &[String]) -> Result<(), RobotError> {
+    let mut seen = HashSet::new();
+    match names.iter().find(|name| !seen.insert(name.as_str())) {
+        None => Ok(()),
+        Some(name) => Err(RobotError::Twice { what, name: name.clone() }),
+    }
+}
+
 /// The joint values of a state, by name.
 pub(super) fn joint_values(state: &RobotState) -> Result<Vec<(String, f64)>, RobotError> {
     let (expected, found) = (state.joint_state.name.len(), state.joint_state.position.len());
@@ -230,6 +243,7 @@ pub(super) fn joint_values(state: &RobotState) -> Result<Vec<(String, f64)>, Rob
         let user = "joint_state".to_owned();
         return Err(RobotError::Count { what: "positions", user, expected, found });
     }
+    each_once("value of joint", &state.joint_state.name)?;
     let values = state.joint_state.name.iter().cloned();
     Ok(values.zip(state.joint_state.position.iter().copied()).collect())
 }
@@ -256,6 +270,7 @@ impl MultiDof {
         if expected != found {
             return Err(RobotError::Count { what: "transforms", user, expected, found });
         }
+        each_once("transform of joint", &joints.joint_names)?;
         let known = srdf.and_then(|srdf| srdf.virtual_joint.as_ref());
         let frame = joints.header.frame_id.trim_start_matches('/');
         let model_frame = known.map_or(&*robot.links()[robot.root].name, |joint| &joint.parent);
@@ -364,10 +379,8 @@ fn add_matrix(matrix: &AllowedCollisionMatrix, layer: &mut Layer) -> Result<(), 
             return Err(RobotError::Count { what: "entries", user: user(), expected, found });
         }
     }
-    let mut seen = HashSet::new();
-    if let Some(name) = entry_names.iter().find(|name| !seen.insert(name.as_str())) {
-        return Err(RobotError::Twice { what: "entry", name: name.clone() });
-    }
+    each_once("entry", entry_names)?;
+    each_once("default entry", default_entry_names)?;
     for (i, row) in entry_values.iter().enumerate() {
         for (j, &value) in row.0.iter().enumerate().skip(i) {
             if entry_values[j].0[i] != value {

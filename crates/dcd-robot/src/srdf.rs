@@ -74,6 +74,7 @@ impl Srdf {
             let error = format!("the root is {:?}, not \"robot\"", root.tag_name().name());
             return Err(RobotError::NotOfKind { what: "SRDF", error });
         }
+        walk.pass_over_attributes(root, &["name", "version"]);
         let mut srdf = Self {
             robot: root.attribute("name").unwrap_or_default().to_owned(),
             ..Self::default()
@@ -81,14 +82,14 @@ impl Srdf {
         let (mut layer, mut names) = (Layer::default(), GroupNames::default());
         for node in walk.children(root)? {
             match node.tag_name().name() {
-                "disable_collisions" => pair(&walk, node, &mut layer, true)?,
-                "enable_collisions" => pair(&walk, node, &mut layer, false)?,
+                "disable_collisions" => pair(&mut walk, node, &mut layer, true)?,
+                "enable_collisions" => pair(&mut walk, node, &mut layer, false)?,
                 "disable_default_collisions" => {
-                    walk.only(node, &["link"], "disable_default_collisions")?;
+                    walk.only_attributes(node, &["link"], "disable_default_collisions")?;
                     layer.set_default(walk.required(node, "link", "robot")?, true);
                 }
                 "virtual_joint" => {
-                    let joint = virtual_joint(&walk, node)?;
+                    let joint = virtual_joint(&mut walk, node)?;
                     if srdf.virtual_joint.replace(joint).is_some() {
                         let why = "there are two of them: a robot has one root";
                         return Err(walk.refused(node, "virtual_joint", why));
@@ -104,7 +105,7 @@ impl Srdf {
                     names.add_state(&state).map_err(|error| walk.at(node, error))?;
                     srdf.group_states.push(state);
                 }
-                "end_effector" => srdf.end_effectors.push(EndEffector::read(&walk, node)?),
+                "end_effector" => srdf.end_effectors.push(EndEffector::read(&mut walk, node)?),
                 other if NOT_USED.contains(&other) => walk.pass_over(node),
                 other => {
                     let why = format!("element {other:?} is not understood here");
@@ -178,17 +179,22 @@ impl Srdf {
 }
 
 /// Whether a pair `may` touch.
-fn pair(walk: &Walk, node: Node<'_, '_>, layer: &mut Layer, may: bool) -> Result<(), RobotError> {
+fn pair(
+    walk: &mut Walk,
+    node: Node<'_, '_>,
+    layer: &mut Layer,
+    may: bool,
+) -> Result<(), RobotError> {
     let user = node.tag_name().name();
-    walk.only(node, &["link1", "link2", "reason", "proved"], user)?;
+    walk.only_attributes(node, &["link1", "link2", "reason", "proved"], user)?;
     let [a, b] = ["link1", "link2"].map(|name| walk.required(node, name, "robot"));
     layer.set(a?, b?, may);
     Ok(())
 }
 
-fn virtual_joint(walk: &Walk, node: Node<'_, '_>) -> Result<VirtualJoint, RobotError> {
+fn virtual_joint(walk: &mut Walk, node: Node<'_, '_>) -> Result<VirtualJoint, RobotError> {
     let user = "virtual_joint";
-    walk.only(node, &["name", "type", "parent_frame", "child_link"], user)?;
+    walk.only_attributes(node, &["name", "type", "parent_frame", "child_link"], user)?;
     let said = |name| walk.required(node, name, user).map(str::to_owned);
     match said("type")?.as_str() {
         "fixed" | "floating" | "planar" => {}
@@ -251,6 +257,14 @@ mod tests {
         assert!(Srdf::read("<robot").is_err());
         assert!(refused("<scene/>").contains("\"scene\""));
         assert!(refused("<robot><enable_colisions/></robot>").contains("enable_colisions"));
+        let inside = |inside: &str| {
+            let links = "link1=\"a\" link2=\"b\"";
+            refused(&format!(
+                "<robot><disable_collisions {links}>{inside}</disable_collisions></robot>"
+            ))
+        };
+        assert!(inside("<if state=\"x\"/>").contains("element \"if\" is not understood in"));
+        assert!(inside("never").contains("says \"never\", where attributes alone"));
         assert!(matches!(
             AllowedPairs::load(Path::new("no/such.srdf")),
             Err(RobotError::Io { path, .. }) if path == Path::new("no/such.srdf")

@@ -85,6 +85,7 @@ pub(super) fn read(text: &str) -> Result<Described, RobotError> {
         let error = format!("the root is {:?}, not \"robot\"", root.tag_name().name());
         return Err(RobotError::NotOfKind { what: "URDF", error });
     }
+    walk.pass_over_attributes(root, &["name", "version"]);
     let name = root.attribute("name").unwrap_or_default().to_owned();
     let mut described = Described {
         name,
@@ -192,10 +193,10 @@ fn joint(walk: &mut Walk, node: Node<'_, '_>) -> Result<DescribedJoint, RobotErr
     };
     let JointElements { origin, parent, child, axis, limit, mimic } =
         joint_elements(walk, node, &user)?;
-    let link = |walk: &Walk, end: Option<Node<'_, '_>>, what: &str| match end {
+    let link = |walk: &mut Walk, end: Option<Node<'_, '_>>, what: &str| match end {
         None => Err(walk.refused(node, &user, format!("it has no {what}"))),
         Some(end) => {
-            walk.only(end, &["link"], &user)?;
+            walk.only_attributes(end, &["link"], &user)?;
             walk.required(end, "link", &user).map(str::to_owned)
         }
     };
@@ -242,9 +243,9 @@ fn joint(walk: &mut Walk, node: Node<'_, '_>) -> Result<DescribedJoint, RobotErr
 }
 
 /// Of unit length; the x axis where none is given.
-fn axis_of(walk: &Walk, node: Option<Node<'_, '_>>, user: &str) -> Result<DVec3, RobotError> {
+fn axis_of(walk: &mut Walk, node: Option<Node<'_, '_>>, user: &str) -> Result<DVec3, RobotError> {
     let Some(node) = node else { return Ok(DVec3::X) };
-    walk.only(node, &["xyz"], user)?;
+    walk.only_attributes(node, &["xyz"], user)?;
     let given = DVec3::from_array(walk.numbers(node, "xyz", user)?.unwrap_or([1.0, 0.0, 0.0]));
     given.try_normalize().ok_or_else(|| {
         let (what, user, value) = ("length of the axis", user.to_owned(), given.length());
@@ -254,13 +255,13 @@ fn axis_of(walk: &Walk, node: Option<Node<'_, '_>>, user: &str) -> Result<DVec3,
 
 /// The least and the largest value; `None` where neither is given.
 fn limits(
-    walk: &Walk,
+    walk: &mut Walk,
     node: Option<Node<'_, '_>>,
     user: &str,
 ) -> Result<Option<[f64; 2]>, RobotError> {
     let Some(node) = node else { return Ok(None) };
     let known = ["lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"];
-    walk.only(node, &known, user)?;
+    walk.only_attributes(node, &known, user)?;
     let [lower, upper] = ["lower", "upper"].map(|name| walk.number(node, name, user));
     match (lower?, upper?) {
         (None, None) => Ok(None),
@@ -269,8 +270,8 @@ fn limits(
     }
 }
 
-fn mimic_of(walk: &Walk, node: Node<'_, '_>, user: &str) -> Result<Mimic, RobotError> {
-    walk.only(node, &["joint", "multiplier", "offset"], user)?;
+fn mimic_of(walk: &mut Walk, node: Node<'_, '_>, user: &str) -> Result<Mimic, RobotError> {
+    walk.only_attributes(node, &["joint", "multiplier", "offset"], user)?;
     Ok(Mimic {
         leader: walk.required(node, "joint", user)?.to_owned(),
         factor: walk.number(node, "multiplier", user)?.unwrap_or(1.0),

@@ -3,7 +3,7 @@
 use super::bounds::{FILE_BYTES, XML_ELEMENTS};
 use super::scan::{bounded, within_bounds};
 use super::{RobotError, notes::Unused};
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::{Attribute, Document, Node, ParsingOptions};
 use std::io::Read;
 use std::path::Path;
 
@@ -52,6 +52,17 @@ impl Lines {
     pub(super) fn line(&self, node: Node<'_, '_>) -> usize {
         self.0.partition_point(|&end| end < node.range().start) + 1
     }
+}
+
+/// Whether an attribute is one of those known, which are in no namespace.
+fn is_among(attribute: &Attribute<'_, '_>, known: &[&str]) -> bool {
+    attribute.namespace().is_none() && known.contains(&attribute.name())
+}
+
+/// What stands between the elements inside this one, if it is more than space.
+fn said_by_text<'a>(node: Node<'a, '_>) -> Option<&'a str> {
+    let texts = node.children().filter(Node::is_text).filter_map(|child| child.text());
+    texts.map(str::trim).find(|text| !text.is_empty())
 }
 
 /// What walks over a file's elements: knows their lines, and collects what it passes over.
@@ -109,6 +120,9 @@ impl Walk {
         node: Node<'a, 'input>,
     ) -> Result<Vec<Node<'a, 'input>>, RobotError> {
         let mut own = Vec::new();
+        if said_by_text(node).is_some() {
+            self.unused.add(format!("text in {}", node.tag_name().name()), self.line(node));
+        }
         for child in node.children().filter(Node::is_element) {
             let tag = child.tag_name();
             if tag.namespace() == node.tag_name().namespace() {
@@ -144,6 +158,38 @@ impl Walk {
         Ok(())
     }
 
+    /// Refuses what an element holds inside, and attributes that are not among those known: of an element that
+    /// says all that it says by attributes. Elements of other namespaces are passed over.
+    pub(super) fn only_attributes(
+        &mut self,
+        node: Node<'_, '_>,
+        known: &[&str],
+        user: &str,
+    ) -> Result<(), RobotError> {
+        self.only(node, known, user)?;
+        let element = node.tag_name().name();
+        if let Some(child) = self.children(node)?.first() {
+            let why =
+                format!("element {:?} is not understood in {element}", child.tag_name().name());
+            return Err(self.refused(*child, user, why));
+        }
+        match said_by_text(node) {
+            None => Ok(()),
+            Some(text) => {
+                let why = format!("{element} says {text:?}, where attributes alone are understood");
+                Err(self.refused(node, user, why))
+            }
+        }
+    }
+
+    /// Counts those attributes as not used that are not among those known.
+    pub(super) fn pass_over_attributes(&mut self, node: Node<'_, '_>, known: &[&str]) {
+        for attribute in node.attributes().filter(|a| !is_among(a, known)) {
+            let of = node.tag_name().name();
+            self.unused.add(format!("{} of {of}", attribute.name()), self.line(node));
+        }
+    }
+
     /// Refuses attributes that are not among those known.
     pub(super) fn only(
         &self,
@@ -151,14 +197,15 @@ impl Walk {
         known: &[&str],
         user: &str,
     ) -> Result<(), RobotError> {
-        let unknown = node.attributes().find(|a| !known.contains(&a.name()));
+        let unknown = node.attributes().find(|a| !is_among(a, known));
         match unknown {
             None => Ok(()),
             Some(attribute) => {
                 let why = format!(
-                    "{} has no attribute {:?} that is understood, only {}",
+                    "{} has no attribute {:?}{} that is understood, only {}",
                     node.tag_name().name(),
                     attribute.name(),
+                    if attribute.namespace().is_some() { " of another namespace" } else { "" },
                     known.join(", ")
                 );
                 Err(self.refused(node, user, why))

@@ -32,7 +32,9 @@ pub(super) fn read(bytes: &[u8], options: &MeshOptions) -> Result<TriangleMesh, 
     let invalid = |error: gltf::Error| refused("", error.to_string());
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(invalid)?;
     let json = document.into_json();
+    check_version(&json)?;
     check_attributes(&json)?;
+    check_transforms(&json)?;
     let document = Document::from_json(json).map_err(invalid)?;
     check_extensions(&document)?;
     let buffers = buffers::load(&document, blob, options.folder.as_deref())?;
@@ -72,6 +74,33 @@ fn check_header(bytes: &[u8]) -> Result<(), MeshError> {
     }
     let problem = format!("the header states {length} bytes, but there are {}", bytes.len());
     Err(MeshError::refused(MeshFormat::Gltf, MeshPlace::Byte(8), problem))
+}
+
+/// Another major version may place or make meshes by what is not read here, and a reader of 2.0 is not enough
+/// where the file says so.
+fn check_version(json: &gltf::json::Root) -> Result<(), MeshError> {
+    let (version, least) = (&json.asset.version, json.asset.min_version.as_deref());
+    if version.starts_with("2.") && least.is_none_or(|least| least == "2.0") {
+        return Ok(());
+    }
+    let problem = format!("version {version:?}, readers of {least:?}: 2.0 is understood");
+    Err(refused("asset", problem))
+}
+
+/// Checks that no node has two transforms: the library would pass over the second.
+fn check_transforms(json: &gltf::json::Root) -> Result<(), MeshError> {
+    let has_both = |node: &gltf::json::Node| {
+        let decomposed =
+            node.translation.is_some() || node.rotation.is_some() || node.scale.is_some();
+        node.matrix.is_some() && decomposed
+    };
+    match json.nodes.iter().position(has_both) {
+        None => Ok(()),
+        Some(index) => {
+            let problem = "it has a matrix and a translation, rotation or scale";
+            Err(refused(&format!("nodes[{index}]"), problem))
+        }
+    }
 }
 
 /// Checks that every attribute names an accessor: the library's own check assumes it.

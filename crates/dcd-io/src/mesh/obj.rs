@@ -1,23 +1,51 @@
-//! OBJ: what the library reads, after what it would pass over in silence is refused.
+//! OBJ: what the library reads, after what it would pass over in silence is refused or counted.
 
-use super::{MeshError, MeshFormat, MeshPlace, TriangleMesh, read_obj};
+use super::{MeshError, MeshFormat, MeshPlace, MeshWarning, TriangleMesh, read_obj};
 use crate::ReadError;
 use crate::bytes::without_mark;
 
-/// Statements whose geometry no reader here makes: surfaces without triangles, other files.
-const REFUSED: [&str; 6] = ["surf", "bzp", "bsp", "cdp", "res", "call"];
+/// Statements whose geometry no reader here makes: surfaces without triangles, faces in the spelling of the
+/// first version, other files.
+const REFUSED: [&[u8]; 9] =
+    [b"surf", b"bzp", b"bsp", b"cdp", b"cdc", b"res", b"fo", b"call", b"csh"];
+
+/// Statements of names and looks, and of what a surface that is not refused would need.
+const OF_NO_SURFACE: [&[u8]; 28] = [
+    b"g",
+    b"o",
+    b"s",
+    b"mg",
+    b"usemtl",
+    b"mtllib",
+    b"usemap",
+    b"maplib",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"lod",
+    b"shadow_obj",
+    b"trace_obj",
+    b"ctech",
+    b"stech",
+    b"vp",
+    b"cstype",
+    b"deg",
+    b"bmat",
+    b"step",
+    b"parm",
+    b"trim",
+    b"hole",
+    b"scrv",
+    b"sp",
+    b"end",
+    b"con",
+];
 
 /// Reads the faces of a file as triangles.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
-    for (index, line) in without_mark(bytes).split(|&byte| byte == b'\n').enumerate() {
-        let word = line.split(u8::is_ascii_whitespace).find(|word| !word.is_empty());
-        if let Some(name) = REFUSED.iter().find(|name| word == Some(name.as_bytes())) {
-            let problem = format!("{name:?} is not supported");
-            return Err(refused(index + 1, problem));
-        }
-    }
+    let warnings = passed_over(bytes)?;
     match read_obj(bytes) {
-        Ok(mesh) => Ok(mesh.into()),
+        Ok(mesh) => Ok(TriangleMesh { warnings, ..mesh.into() }),
         Err(ReadError::Obj { message }) => {
             let line = first_bad_line(bytes);
             // Some messages name it themselves.
@@ -26,6 +54,38 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
         }
         Err(error) => Err(MeshError::Read(error)),
     }
+}
+
+/// What the library passes over: points, lines and faces of fewer than three corners, and what is no
+/// statement. A statement that could be a surface is refused.
+fn passed_over(bytes: &[u8]) -> Result<Vec<MeshWarning>, MeshError> {
+    let (mut lines, mut unknown, mut first) = (0, 0, 0);
+    for (index, line) in without_mark(bytes).split(|&byte| byte == b'\n').enumerate() {
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        match words.next() {
+            None | Some([b'#', ..] | b"v" | b"vt" | b"vn") => {}
+            Some(b"f") => lines += usize::from(words.nth(2).is_none()),
+            Some(b"l" | b"p" | b"curv" | b"curv2") => lines += 1,
+            Some(word) if is_surface(word) => {
+                let problem = format!("{:?} is not supported", String::from_utf8_lossy(word));
+                return Err(refused(index + 1, problem));
+            }
+            Some(word) if OF_NO_SURFACE.contains(&word) => {}
+            Some(_) => {
+                first = if unknown == 0 { index + 1 } else { first };
+                unknown += 1;
+            }
+        }
+    }
+    let lines = (lines > 0).then_some(MeshWarning::Lines { count: lines });
+    let unknown = (unknown > 0).then_some(MeshWarning::Unknown { count: unknown, first });
+    Ok(lines.into_iter().chain(unknown).collect())
+}
+
+/// Capitals do not make a vertex or a face another statement for those who write them.
+fn is_surface(word: &[u8]) -> bool {
+    let small = word.to_ascii_lowercase();
+    REFUSED.contains(&&small[..]) || matches!(&small[..], b"v" | b"f")
 }
 
 fn refused(line: usize, problem: String) -> MeshError {
@@ -74,8 +134,27 @@ mod tests {
             let error = read(format!("{triangle}{statement}\n").as_bytes()).unwrap_err();
             assert!(error.to_string().starts_with("OBJ, line 5: "), "{error}");
         }
+        for other in ["F 1 2 3", "V 9 9 9", "fo 1 2 3", "CALL part.obj", "cdc 1 2 3 4"] {
+            let error = read(format!("{triangle}{other}\n").as_bytes()).unwrap_err();
+            assert!(error.to_string().starts_with("OBJ, line 5: "), "{error}");
+        }
         let first = read(format!("\u{feff}call part.obj\n{triangle}").as_bytes()).unwrap_err();
         assert!(first.to_string().starts_with("OBJ, line 1: "), "{first}");
         assert_eq!(read(format!("{triangle}usemtl surf\n").as_bytes()).unwrap().triangles.len(), 1);
+    }
+
+    #[test]
+    fn what_is_passed_over_is_counted() {
+        let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let warnings = |more: &str| {
+            let read = read(format!("{triangle}{more}\n").as_bytes()).unwrap();
+            assert_eq!(read.triangles.len(), 1);
+            read.warnings
+        };
+        assert_eq!(warnings("# F 1 2 3\no part\ns off\nusemtl f\n\n  vn 0 0 1\r"), []);
+        let lines = MeshWarning::Lines { count: 4 };
+        assert_eq!(warnings("l 1 2 3\np 1\nf 1 2\nf 3"), [lines]);
+        let unknown = MeshWarning::Unknown { count: 2, first: 5 };
+        assert_eq!(warnings("face 1 2 3\n\0\0f 1 2 3"), [unknown]);
     }
 }

@@ -48,6 +48,13 @@ pub enum MeshWarning {
         /// How many elements of the file hold them.
         count: usize,
     },
+    /// Lines of a text that are no statement of its format were passed over.
+    Unknown {
+        /// How many.
+        count: usize,
+        /// The first one, counted from 1.
+        first: usize,
+    },
 }
 
 /// Which way is up in a mesh, where the file says so (COLLADA and glTF).
@@ -215,6 +222,12 @@ impl fmt::Display for MeshWarning {
             ),
             Self::Lines { count } => {
                 write!(f, "{count} elements with points or lines are passed over")
+            }
+            Self::Unknown { count, first } => {
+                write!(
+                    f,
+                    "{count} lines that are no statement are passed over (first: line {first})"
+                )
             }
         }
     }

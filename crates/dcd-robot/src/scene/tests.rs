@@ -303,6 +303,39 @@ fn padding_and_scale_make_links_larger_to_the_world_and_not_to_the_robot() {
 }
 
 #[test]
+fn what_a_scene_says_twice_of_one_name_is_refused() {
+    let list = "joint_state: {name: [turn, turn], position: [1, 0]}";
+    let transform = "{translation: [0, 0, 5], rotation: [0, 0, 0, 1]}";
+    let several = format!("joint_names: [v, v], transforms: [{transform}, {transform}]");
+    for (text, line, what) in [
+        (format!("robot_state: {{{list}}}"), "", "two of value of joint \"turn\""),
+        (
+            format!("robot_state: {{multi_dof_joint_state: {{{several}}}}}"),
+            "",
+            "two of transform of joint \"v\"",
+        ),
+        (
+            "link_padding: [{link_name: arm, padding: 1},\n  {link_name: arm, padding: 0}]".to_owned(),
+            "line 8",
+            "two of padding \"arm\"",
+        ),
+        (
+            "link_scale: [{link_name: leg, scale: 2}, {link_name: leg, scale: 1}]".to_owned(),
+            "line 7",
+            "two of scale \"leg\"",
+        ),
+        (
+            "allowed_collision_matrix: {default_entry_names: [arm, arm], default_entry_values: [false, true]}"
+                .to_owned(),
+            "line 7",
+            "two of default entry \"arm\"",
+        ),
+    ] {
+        assert_refused(&sphere("", &text), &[line, what]);
+    }
+}
+
+#[test]
 fn defaults_of_the_allowed_pairs_hold_where_no_entry_speaks() {
     let at = |matrix: &str| {
         let text = sphere("", &format!("allowed_collision_matrix: {{{matrix}}}"));

@@ -92,7 +92,7 @@ impl Group {
                     return Err(walk.refused(child, &user, why));
                 }
             };
-            walk.only(child, known, &user)?;
+            walk.only_attributes(child, known, &user)?;
             members.push(member);
         }
         Ok(Self { name, members })
@@ -111,7 +111,7 @@ impl GroupState {
                 let why = format!("element {:?} is not understood here", child.tag_name().name());
                 return Err(walk.refused(child, &user, why));
             }
-            walk.only(child, &["name", "value"], &user)?;
+            walk.only_attributes(child, &["name", "value"], &user)?;
             let joint = walk.required(child, "name", &user)?.to_owned();
             walk.required(child, "value", &user)?;
             joints.push((joint, walk.any_numbers(child, "value", &user)?));
@@ -121,9 +121,10 @@ impl GroupState {
 }
 
 impl EndEffector {
-    pub(super) fn read(walk: &Walk, node: Node<'_, '_>) -> Result<Self, RobotError> {
+    pub(super) fn read(walk: &mut Walk, node: Node<'_, '_>) -> Result<Self, RobotError> {
         let user = "end_effector";
-        walk.only(node, &["name", "parent_link", "group", "parent_group", "component_id"], user)?;
+        let known = ["name", "parent_link", "group", "parent_group", "component_id"];
+        walk.only_attributes(node, &known, user)?;
         let said = |name| walk.required(node, name, user).map(str::to_owned);
         Ok(Self {
             name: said("name")?,

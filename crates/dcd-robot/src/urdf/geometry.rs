@@ -54,12 +54,12 @@ pub(super) fn collision(
 /// The frame of an `origin`, which may be absent. A quaternion (x y z w, URDF 1.1) may stand in
 /// place of the angles.
 pub(super) fn origin(
-    walk: &Walk,
+    walk: &mut Walk,
     node: Option<Node<'_, '_>>,
     user: &str,
 ) -> Result<JointFrame, RobotError> {
     let Some(node) = node else { return Ok(JointFrame::IDENTITY) };
-    walk.only(node, &["xyz", "rpy", "quat_xyzw"], user)?;
+    walk.only_attributes(node, &["xyz", "rpy", "quat_xyzw"], user)?;
     let xyz = DVec3::from_array(walk.numbers(node, "xyz", user)?.unwrap_or_default());
     let rpy = walk.numbers(node, "rpy", user)?;
     let Some(quaternion) = walk.numbers(node, "quat_xyzw", user)? else {
@@ -74,17 +74,18 @@ pub(super) fn origin(
 }
 
 fn geometry(walk: &mut Walk, node: Node<'_, '_>, user: &str) -> Result<Geometry, RobotError> {
+    walk.only(node, &["name"], user)?;
     let shapes = walk.children(node)?;
     let &[shape] = &shapes[..] else {
         let why = format!("a geometry has {} shapes, not 1", shapes.len());
         return Err(walk.refused(node, user, why));
     };
-    let length = |name: &str| {
+    let length = |walk: &Walk, name: &str| {
         walk.required(shape, name, user)?;
         // It is there.
         Ok::<f64, RobotError>(walk.number(shape, name, user)?.unwrap_or_default())
     };
-    let known = |names: &[&str]| walk.only(shape, names, user);
+    let mut known = |names: &[&str]| walk.only_attributes(shape, names, user);
     match shape.tag_name().name() {
         "box" => {
             known(&["size"])?;
@@ -94,15 +95,21 @@ fn geometry(walk: &mut Walk, node: Node<'_, '_>, user: &str) -> Result<Geometry,
         }
         "sphere" => {
             known(&["radius"])?;
-            Ok(Geometry::Sphere { radius: length("radius")? })
+            Ok(Geometry::Sphere { radius: length(walk, "radius")? })
         }
         "cylinder" => {
             known(&["radius", "length"])?;
-            Ok(Geometry::Cylinder { radius: length("radius")?, length: length("length")? })
+            Ok(Geometry::Cylinder {
+                radius: length(walk, "radius")?,
+                length: length(walk, "length")?,
+            })
         }
         "capsule" => {
             known(&["radius", "length"])?;
-            Ok(Geometry::Capsule { radius: length("radius")?, length: length("length")? })
+            Ok(Geometry::Capsule {
+                radius: length(walk, "radius")?,
+                length: length(walk, "length")?,
+            })
         }
         "mesh" => {
             known(&["filename", "scale"])?;

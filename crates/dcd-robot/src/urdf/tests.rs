@@ -98,6 +98,41 @@ fn what_is_not_understood_is_refused_with_its_line_and_what_makes_no_difference_
 }
 
 #[test]
+fn nothing_inside_an_element_of_attributes_nor_an_attribute_of_another_namespace_is_dropped() {
+    let joints = "<axis xyz=\"0 0 1\"/><limit lower=\"0\"/>";
+    let both = [link("a"), link("b"), joint("revolute", ["a", "b"], joints)].concat();
+    for (from, to, why) in [
+        ("<origin xyz=\"0 0 1\"/>", "<origin>0 0 1</origin>", "line 4: joint \"a-b\": origin says"),
+        (
+            "<origin xyz=\"0 0 1\"/>",
+            "<origin><xyz/></origin>",
+            "\"xyz\" is not understood in origin",
+        ),
+        ("<origin xyz", "<origin xmlns:u=\"u\" u:xyz", "\"xyz\" of another namespace"),
+        ("<axis xyz=\"0 0 1\"/>", "<axis>0 0 1</axis>", "axis says \"0 0 1\""),
+        ("<limit lower=\"0\"/>", "<limit><lower/></limit>", "\"lower\" is not understood in limit"),
+        ("<parent link=\"a\"/>", "<parent link=\"a\"><pose/></parent>", "in parent"),
+        ("<limit lower=\"0\"/>", "<mimic joint=\"a-b\"><if/></mimic>", "in mimic"),
+        (
+            "0.1\"/>",
+            "0.1\"><box/></sphere>",
+            "line 2: link \"a\": element \"box\" is not understood in",
+        ),
+        ("<geometry>", "<geometry scale=\"2\">", "geometry has no attribute \"scale\""),
+    ] {
+        assert!(both.contains(from), "{from}");
+        assert_refused(&both.replace(from, to), &[why]);
+    }
+    let drake = "0.1\"><d:soft xmlns:d=\"u\"/></sphere>";
+    let noted = both.replace("0.1\"/>", drake).replace("<geometry>", "<geometry>x");
+    let noted = format!("<robot name=\"r\" scale=\"2\">{noted}</robot>");
+    let notes = read(&noted).unwrap().notes().concat();
+    for what in ["2 soft of another namespace", "2 text in geometry", "scale of robot (line 1)"] {
+        assert!(notes.contains(what), "{what}: {notes}");
+    }
+}
+
+#[test]
 fn a_joint_that_mimics_one_that_mimics_moves_by_both_rules_and_a_ring_of_them_is_refused() {
     let mimic = |of: &str, rule: &str| format!("<mimic joint=\"{of}\" {rule}/>");
     let arm = |first: &str| {

@@ -168,6 +168,33 @@ fn what_could_hide_geometry_is_refused_with_its_place() {
 }
 
 #[test]
+fn another_version_and_two_transforms_of_a_node_are_refused() {
+    let with = |pointer: &str, value: Value| {
+        let mut file =
+            file(json!([{"mesh": 0, "matrix": DMat4::IDENTITY.to_cols_array()}]), json!([0]));
+        let (above, key) = pointer.rsplit_once('/').unwrap();
+        file.pointer_mut(above).unwrap()[key] = value;
+        read_json(&file).map_err(|error| error.to_string())
+    };
+    assert!(with("/asset/generator", json!("x")).is_ok());
+    assert!(
+        with("/asset/minVersion", json!("2.0")).is_ok()
+            && with("/asset/version", json!("2.1")).is_ok()
+    );
+    for (pointer, value, place) in [
+        ("/asset/version", json!("3.0"), "asset"),
+        ("/asset/version", json!("1.0"), "asset"),
+        ("/asset/minVersion", json!("2.1"), "asset"),
+        ("/nodes/0/translation", json!([5, 0, 0]), "nodes[0]"),
+        ("/nodes/0/rotation", json!([1, 0, 0, 0]), "nodes[0]"),
+        ("/nodes/0/scale", json!([2, 2, 2]), "nodes[0]"),
+    ] {
+        let error = with(pointer, value).unwrap_err();
+        assert!(error.starts_with(&format!("glTF, {place}: ")), "{pointer}: {error}");
+    }
+}
+
+#[test]
 fn counts_and_offsets_beyond_the_buffer_are_refused_before_anything_is_allocated() {
     let huge = json!(u64::MAX);
     for (path, value) in [
