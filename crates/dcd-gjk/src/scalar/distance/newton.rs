@@ -12,8 +12,8 @@ use dcd_geom::{Curved, Shape, Support};
 /// How often the places are corrected at most; four are usual. Fewer: proposals that the bounds refuse, and the search goes on.
 const STEPS: usize = 8;
 
-/// The largest correction, relative to the features, that is the last: what it leaves is about its square, and the distance is off
-/// by the square of that. Larger: points that are not quite the nearest. Smaller: a step for nothing.
+/// The largest correction, relative to the features, that is the last: what it leaves is about its square, and the distance is
+/// off by the square of that. Larger: points that are not quite the nearest. Smaller: a step for nothing.
 const SETTLED: f64 = 1e-6;
 
 /// What is added to the second derivatives, relative to themselves, so that parallel features have a solution. Larger: more
