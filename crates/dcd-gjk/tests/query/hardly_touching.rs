@@ -32,9 +32,10 @@ fn judge_distance(found: &Distance, sides: [PosedShape<'_>; 2], what: &str) {
     let [a, b] = sides;
     let nearer = b.pose.translation() - found.normal * (found.distance - unsure).max(0.0);
     let pose = Pose::from_matrix(*b.pose.rotation(), nearer).unwrap();
-    let is_apart =
-        found.distance <= unsure || verdict(a, PosedShape { pose: &pose, ..b }) == Verdict::Apart;
-    assert!(is_apart, "{what}: {found:?}");
+    // Of curved shapes that are a nanometre apart the verdict may be left open.
+    let is_open = found.distance <= unsure
+        || verdict(a, PosedShape { pose: &pose, ..b }) != Verdict::Touching(());
+    assert!(is_open, "{what}: {found:?}");
 }
 
 /// Two shapes whose cores are beside each other along an axis of the world, apart or overlapping by next to nothing, and

@@ -158,6 +158,14 @@ impl Approach {
         }
     }
 
+    /// With the bounds of an earlier search, which is taken if it bounds the distance from below better than rounding does:
+    /// along the direction of the later one the shapes would be nearer than is said.
+    pub(super) fn or_earlier(self, earlier: Self) -> Self {
+        let (lower, upper) = (self.lower.max(earlier.lower), self.upper.min(earlier.upper));
+        let is_earlier = earlier.lower - self.lower > TURNED * UNIT;
+        Self { lower, upper, ..if is_earlier { earlier } else { self } }
+    }
+
     /// The points of the two cores, world frame, metres.
     pub(crate) fn points<A: SupportMap<f64>, B: SupportMap<f64>>(
         &self,

@@ -43,9 +43,8 @@ pub(super) fn approach(
     if let Some(found) = nearest_points(&near, sides).and_then(by_points) {
         return Ok(found);
     }
-    let (lower, upper) = (near.lower, near.upper);
     let found = approach_from(difference, bounds, [gap, f64::MAX], near.simplex)?;
-    Ok(Approach { lower: found.lower.max(lower), upper: found.upper.min(upper), ..found })
+    Ok(found.or_earlier(near))
 }
 
 /// Whether two shapes have features that are known here, one of them a curved one.
