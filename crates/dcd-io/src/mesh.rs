@@ -32,6 +32,7 @@ pub fn read_obj(bytes: &[u8]) -> Result<RawMesh, ReadError> {
     };
     let no_materials = |_: &Path| Ok(Default::default());
     let text = without_mark(bytes);
+    check_lines(text)?;
     check_indices(text)?;
     let faces = without_lines(text);
     let read = tobj::load_obj_buf(&mut &faces[..], &options, no_materials);
@@ -53,6 +54,23 @@ pub fn read_obj(bytes: &[u8]) -> Result<RawMesh, ReadError> {
     }
     frame.check_corners()?;
     Ok(frame)
+}
+
+/// Refuses lines that the library would cut elsewhere than those who wrote them: what is behind a lone carriage return
+/// or a backslash would be passed over, or be a statement of its own.
+fn check_lines(text: &[u8]) -> Result<(), ReadError> {
+    for (index, line) in text.split(|&byte| byte == b'\n').enumerate() {
+        let line = line.trim_ascii();
+        let problem = if line.contains(&b'\r') {
+            "a carriage return alone ends no line"
+        } else if line.ends_with(b"\\") && !line.starts_with(b"#") {
+            "a statement continued on the next line is not supported"
+        } else {
+            continue;
+        };
+        return Err(ReadError::Obj { message: format!("line {}: {problem}", index + 1) });
+    }
+    Ok(())
 }
 
 /// Checks that every index of a face, line or point names one of the vertices (texture vertices, normals)

@@ -33,6 +33,7 @@ pub(super) fn read(bytes: &[u8], options: &MeshOptions) -> Result<TriangleMesh, 
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(invalid)?;
     let json = document.into_json();
     check_version(&json)?;
+    check_copies(bytes)?;
     check_attributes(&json)?;
     check_transforms(&json)?;
     let document = Document::from_json(json).map_err(invalid)?;
@@ -116,12 +117,32 @@ fn check_attributes(json: &gltf::json::Root) -> Result<(), MeshError> {
     Ok(())
 }
 
+/// Makes copies of a node's mesh, and need not be required.
+const COPIES: &str = "EXT_mesh_gpu_instancing";
+
+/// Checks that no node copies its mesh, declared or not: the library drops what it does not know of a node, so
+/// that the text itself is looked at.
+fn check_copies(bytes: &[u8]) -> Result<(), MeshError> {
+    let invalid = |error: gltf::Error| refused("", error.to_string());
+    let binary = bytes.starts_with(b"glTF").then(|| gltf::Glb::from_slice(bytes)).transpose();
+    let binary = binary.map_err(invalid)?;
+    let text = binary.as_ref().map_or(bytes, |binary| &binary.json);
+    let json: serde_json::Value =
+        serde_json::from_slice(text).map_err(|error| refused("", error.to_string()))?;
+    let nodes = json["nodes"].as_array().map_or(&[][..], Vec::as_slice);
+    match nodes.iter().position(|node| !node["extensions"][COPIES].is_null()) {
+        None => Ok(()),
+        Some(index) => {
+            Err(refused(&format!("nodes[{index}]"), format!("{COPIES} is not supported")))
+        }
+    }
+}
+
 /// What is required is refused by the library, but for what concerns the look alone; copies of
 /// meshes would be passed over although they are not required.
 fn check_extensions(document: &Document) -> Result<(), MeshError> {
-    let copies = "EXT_mesh_gpu_instancing";
-    if document.extensions_used().any(|name| name == copies) {
-        return Err(refused("extensionsUsed", format!("{copies} is not supported")));
+    if document.extensions_used().any(|name| name == COPIES) {
+        return Err(refused("extensionsUsed", format!("{COPIES} is not supported")));
     }
     if document.extensions_required().any(|name| name.contains("quantization")) {
         return Err(refused("extensionsRequired", "quantized meshes are not supported"));

@@ -4,11 +4,6 @@ use super::{MeshError, MeshFormat, MeshPlace, MeshWarning, TriangleMesh, read_ob
 use crate::ReadError;
 use crate::bytes::without_mark;
 
-/// Statements whose geometry no reader here makes: surfaces without triangles, faces in the spelling of the
-/// first version, other files.
-const REFUSED: [&[u8]; 9] =
-    [b"surf", b"bzp", b"bsp", b"cdp", b"cdc", b"res", b"fo", b"call", b"csh"];
-
 /// Statements of names and looks, and of what a surface that is not refused would need.
 const OF_NO_SURFACE: [&[u8]; 28] = [
     b"g",
@@ -56,8 +51,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
     }
 }
 
-/// What the library passes over: points, lines and faces of fewer than three corners, and what is no
-/// statement. A statement that could be a surface is refused.
+/// What the library passes over: points, lines and faces of fewer than three corners, and lines of numbers
+/// alone, as some write their counts. Any other statement could be a surface, and is refused.
 fn passed_over(bytes: &[u8]) -> Result<Vec<MeshWarning>, MeshError> {
     let (mut lines, mut unknown, mut first) = (0, 0, 0);
     for (index, line) in without_mark(bytes).split(|&byte| byte == b'\n').enumerate() {
@@ -66,14 +61,14 @@ fn passed_over(bytes: &[u8]) -> Result<Vec<MeshWarning>, MeshError> {
             None | Some([b'#', ..] | b"v" | b"vt" | b"vn") => {}
             Some(b"f") => lines += usize::from(words.nth(2).is_none()),
             Some(b"l" | b"p" | b"curv" | b"curv2") => lines += 1,
-            Some(word) if is_surface(word) => {
-                let problem = format!("{:?} is not supported", String::from_utf8_lossy(word));
-                return Err(refused(index + 1, problem));
-            }
             Some(word) if OF_NO_SURFACE.contains(&word) => {}
-            Some(_) => {
+            Some(_) if is_numbers(line) => {
                 first = if unknown == 0 { index + 1 } else { first };
                 unknown += 1;
+            }
+            Some(word) => {
+                let problem = format!("{:?} is not supported", String::from_utf8_lossy(word));
+                return Err(refused(index + 1, problem));
             }
         }
     }
@@ -82,10 +77,8 @@ fn passed_over(bytes: &[u8]) -> Result<Vec<MeshWarning>, MeshError> {
     Ok(lines.into_iter().chain(unknown).collect())
 }
 
-/// Capitals do not make a vertex or a face another statement for those who write them.
-fn is_surface(word: &[u8]) -> bool {
-    let small = word.to_ascii_lowercase();
-    REFUSED.contains(&&small[..]) || matches!(&small[..], b"v" | b"f")
+fn is_numbers(line: &[u8]) -> bool {
+    String::from_utf8_lossy(line).split_whitespace().all(|word| word.parse::<f64>().is_ok())
 }
 
 fn refused(line: usize, problem: String) -> MeshError {
@@ -134,13 +127,30 @@ mod tests {
             let error = read(format!("{triangle}{statement}\n").as_bytes()).unwrap_err();
             assert!(error.to_string().starts_with("OBJ, line 5: "), "{error}");
         }
-        for other in ["F 1 2 3", "V 9 9 9", "fo 1 2 3", "CALL part.obj", "cdc 1 2 3 4"] {
+        let others = ["F 1 2 3", "V 9 9 9", "fo 1 2 3", "CALL part.obj", "cdc 1 2 3 4"];
+        let no_statements = ["face 1 2 3", "\0\0f 1 2 3", "1 2 three", "G part"];
+        for other in others.into_iter().chain(no_statements) {
             let error = read(format!("{triangle}{other}\n").as_bytes()).unwrap_err();
             assert!(error.to_string().starts_with("OBJ, line 5: "), "{error}");
         }
         let first = read(format!("\u{feff}call part.obj\n{triangle}").as_bytes()).unwrap_err();
         assert!(first.to_string().starts_with("OBJ, line 1: "), "{first}");
         assert_eq!(read(format!("{triangle}usemtl surf\n").as_bytes()).unwrap().triangles.len(), 1);
+    }
+
+    #[test]
+    fn lines_that_others_cut_elsewhere_are_refused() {
+        let four = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n";
+        for more in
+            ["f 1 2 \\\n4", "g a \\\nf 1 2 4", "g a\\\r\ng b", "# a\rf 1 2 4", "g a\rf 1 2 4\r"]
+        {
+            let error = read(format!("{four}{more}\n").as_bytes()).unwrap_err().to_string();
+            assert!(error.starts_with("OBJ, line 6: "), "{more:?}: {error}");
+        }
+        let carriage = read(four.replace('\n', "\r").as_bytes()).unwrap_err().to_string();
+        assert!(carriage.starts_with("OBJ, line 1: a carriage return"), "{carriage}");
+        let same = format!("# C:\\\n{}", four.replace('\n', "\r\n"));
+        assert_eq!(read(same.as_bytes()).unwrap().triangles.len(), 1);
     }
 
     #[test]
@@ -155,6 +165,6 @@ mod tests {
         let lines = MeshWarning::Lines { count: 4 };
         assert_eq!(warnings("l 1 2 3\np 1\nf 1 2\nf 3"), [lines]);
         let unknown = MeshWarning::Unknown { count: 2, first: 5 };
-        assert_eq!(warnings("face 1 2 3\n\0\0f 1 2 3"), [unknown]);
+        assert_eq!(warnings("648 216\n 1e3"), [unknown]);
     }
 }

@@ -48,7 +48,7 @@ pub enum MeshWarning {
         /// How many elements of the file hold them.
         count: usize,
     },
-    /// Lines of a text that are no statement of its format were passed over.
+    /// Lines of numbers alone, which are no statement of the format, were passed over.
     Unknown {
         /// How many.
         count: usize,
@@ -224,10 +224,7 @@ impl fmt::Display for MeshWarning {
                 write!(f, "{count} elements with points or lines are passed over")
             }
             Self::Unknown { count, first } => {
-                write!(
-                    f,
-                    "{count} lines that are no statement are passed over (first: line {first})"
-                )
+                write!(f, "{count} lines of numbers alone are passed over (first: line {first})")
             }
         }
     }

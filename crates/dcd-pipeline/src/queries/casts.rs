@@ -36,9 +36,10 @@ pub(super) fn check_motion(index: usize, motion: &RigidMotion) -> Result<(), Que
 }
 
 impl Queries<'_> {
-    /// What a moving shape meets first from t = 0 to `until`, all objects at rest, to within `tolerance` metres: the
-    /// least time, of equal ones the least object. `None` is proved. A shape cast along a translation is a motion
-    /// whose `angular` is 0.
+    /// What a moving shape meets first from t = 0 to `until`, all objects at rest. No object is met before the impact's
+    /// `free_until`, and `None` proves that none is met at all. What passes within `tolerance` metres and touches nothing
+    /// may count as met; of objects that are met at one time, as f64 knows it, any is the first. A shape cast along a
+    /// translation is a motion whose `angular` is 0.
     ///
     /// # Errors
     /// A time or tolerance that is negative or not finite, a velocity or centre that is out of range.

@@ -49,10 +49,10 @@ impl Impacts {
         Self::default()
     }
 
-    /// All pairs that the scene's filters allow and that meet from t = 0 to `until`, or come within `tolerance`
-    /// metres, by time (of what is undecided by when it is known to be free until) and then by pair. A pair that
-    /// touches as it stands has t = 0. Pairs that are not listed are proved free: nothing fast tunnels. One velocity
-    /// a slot; static objects have one as well, which may be 0.
+    /// All pairs that the scene's filters allow and that meet from t = 0 to `until`, by time (of what is undecided by
+    /// when it is known to be free until) and then by pair. A pair that touches as it stands has t = 0; one that comes
+    /// within `tolerance` metres and does not touch may be listed or not. Pairs that are not listed are proved free:
+    /// nothing fast tunnels. One velocity a slot; static objects have one as well, which may be 0.
     ///
     /// The list does not depend on `exec`.
     ///

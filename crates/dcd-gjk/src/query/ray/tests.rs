@@ -262,6 +262,25 @@ fn rays_along_faces_and_through_edges_and_vertices_of_a_box_are_not_missed() {
 }
 
 #[test]
+fn a_ray_that_begins_in_a_corner_of_a_mesh_meets_it_at_zero_without_a_sign() {
+    let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let mesh = Shape::mesh(corners, vec![[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]).unwrap();
+    for k in 0..8 {
+        let sign = |bit: u32| if k >> bit & 1 == 0 { 1.0 } else { -1.0 };
+        for direction in [DVec3::new(1.3, 1.7, 0.7), DVec3::X] {
+            let direction = direction * DVec3::new(sign(0), sign(1), sign(2));
+            let ray = Ray::endless(DVec3::ZERO, direction).unwrap();
+            let posed = PosedShape { shape: &mesh, pose: &Pose::IDENTITY };
+            for_each_hit(&ray, posed, f64::INFINITY, &mut |hit| {
+                let has_sign = [hit.t, hit.t_lower].map(f64::is_sign_negative);
+                assert_eq!(has_sign, [false; 2], "{direction}: {hit:?}");
+                f64::INFINITY
+            });
+        }
+    }
+}
+
+#[test]
 fn a_bad_ray_is_refused_with_its_value() {
     let refused = Ray::endless(DVec3::new(0.0, f64::NAN, 0.0), DVec3::X);
     assert!(matches!(refused, Err(RayError::BadOrigin { value }) if value.is_nan()));

@@ -91,7 +91,8 @@ impl Sheared {
         let normal = if normal.dot(local.direction) > 0.0 { -normal } else { normal };
         let (t_lower, t_upper) = (first.max(0.0), last.min(ray.max_t()));
         Some(RayHit {
-            t: t.clamp(t_lower, t_upper),
+            // A corner at the origin may have −0.
+            t: t.clamp(t_lower, t_upper) + 0.0,
             t_lower,
             t_upper,
             is_certain: is_met && first >= 0.0 && last <= ray.max_t(),

@@ -168,6 +168,19 @@ fn what_could_hide_geometry_is_refused_with_its_place() {
 }
 
 #[test]
+fn copies_of_a_node_are_refused_though_no_extension_is_declared() {
+    let copies = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}});
+    let looks = json!({"KHR_node_visibility": {"visible": true}});
+    let nodes = |extensions| json!([{"mesh": 0}, {"mesh": 0, "extensions": extensions}]);
+    assert_eq!(read_json(&file(nodes(looks), json!([0, 1]))).unwrap().triangles.len(), 2);
+    let copied = file(nodes(copies), json!([0, 1]));
+    for bytes in [copied.to_string().into_bytes(), binary(copied)] {
+        let error = read(&bytes, &MeshOptions::default()).unwrap_err().to_string();
+        assert!(error.starts_with("glTF, nodes[1]: "), "{error}");
+    }
+}
+
+#[test]
 fn another_version_and_two_transforms_of_a_node_are_refused() {
     let with = |pointer: &str, value: Value| {
         let mut file =
