@@ -183,9 +183,10 @@ impl Prepared {
         let bodies: Vec<Vec<u32>> = links.iter().map(LinkSpheres::bodies).collect();
         let mut pairs = Vec::new();
         for (b, of_b) in (0..).zip(&bodies) {
-            for (a, of_a) in (0..b).zip(&bodies) {
-                let meets = |&k: &u32| of_b.iter().any(|&other| self.allows(k, Other::Link(other)));
-                if of_a.iter().any(meets) {
+            // A link meets itself where it carries what may not touch it.
+            for (a, of_a) in (0..=b).zip(&bodies) {
+                let is_checked = |k: u32, other| k != other && self.allows(k, Other::Link(other));
+                if of_a.iter().any(|&k| of_b.iter().any(|&other| is_checked(k, other))) {
                     pairs.push([a, b]);
                 }
             }

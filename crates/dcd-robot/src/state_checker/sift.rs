@@ -260,7 +260,8 @@ impl Sift<'_> {
         is_touching: bool,
         towards: impl FnOnce() -> Vec3,
     ) {
-        if !self.prepared.allows(body, other) {
+        // A link that is compared with itself has each of its bodies twice.
+        if other == Other::Link(body) || !self.prepared.allows(body, other) {
             return;
         }
         let (link, other, sense) = match other {

@@ -9,7 +9,7 @@ use super::one_link::{LinkPlace, LinkPlaces};
 use super::places::{PlaceLinks, Places};
 use super::rounded_links::Rounded;
 use super::*;
-use crate::{AllowedPairs, LinkShapes, Obstacle, Robot, World};
+use crate::{AllowedPairs, Attached, LinkShapes, Obstacle, Robot, World};
 use dcd_geom::{Pose, Shape};
 use dcd_gjk::{Certified, PairSolver, PosedShape};
 use dcd_pipeline::Par;
@@ -155,30 +155,65 @@ fn answers_are_those_of_every_pair_decided_alone() {
     let mut draw = seeded(1);
     let (mut free, mut hits) = (0, 0);
     for _ in 0..120 {
-        let mut cell = cell(&mut draw);
-        let checker = StateChecker::new(cell.clone()).unwrap();
-        let count = 1 + draw.below(40) as usize;
-        let states: Vec<Vec<f64>> = (0..count).map(|_| state(&mut draw, cell.robot())).collect();
-        let all = checker.all(&states, Par::Serial).unwrap();
-        let first = checker.first(&states, Par::Serial).unwrap();
-        let collides = checker.collides(&states, Par::Serial).unwrap();
-        for (k, state) in states.iter().enumerate() {
-            let truth = alone(&mut cell, state);
-            let of_state = all.iter().filter(|hit| hit.state as usize == k);
-            let ours: Vec<_> = of_state.map(|hit| (hit.pair, hit.touches())).collect();
-            assert_eq!(ours, truth, "state {k} of {:?}", cell.names());
-            assert_eq!(collides[k], !truth.is_empty());
-            let found = first[k].map(|hit| (hit.pair, hit.touches()));
-            assert_eq!(found.is_some(), !truth.is_empty());
-            assert!(found.is_none_or(|hit| truth.contains(&hit)));
-            assert!(first[k].is_none_or(|hit| hit.state as usize == k));
-            let touches = truth.iter().any(|&(_, touches)| touches);
-            assert!(!touches || found.is_some_and(|(_, touches)| touches));
-            free += usize::from(truth.is_empty());
-            hits += truth.len();
-        }
+        let counts = judge(&mut draw, cell);
+        (free, hits) = (free + counts[0], hits + counts[1]);
     }
     assert!(free > 200 && hits > 2000, "{free} free, {hits} hits");
+}
+
+/// As a scene's step has it: what a link carries meets that link unless some table allows it.
+#[test]
+fn what_a_link_carries_meets_that_link_unless_it_may_touch_it() {
+    let mut draw = seeded(23);
+    let (mut free, mut hits) = (0, 0);
+    for round in 0..80 {
+        let counts = judge(&mut draw, |draw| {
+            let robot = robot(draw, round % 2 == 0);
+            let mut world = World::default();
+            let links = ["l1", "l2", "l2"];
+            for (name, link) in ["held", "other", "third"].into_iter().zip(links) {
+                let shapes: Vec<_> =
+                    (0..1 + draw.below(2)).map(|_| (shape(draw), draw.pose(0.4))).collect();
+                world.attach(Attached::new(name, link, shapes), ["l0"]);
+            }
+            let adjacent = AllowedPairs::adjacent(&robot);
+            let allowed = if round % 4 == 0 { AllowedPairs::default() } else { adjacent };
+            Workcell::new(robot, &world, &allowed).unwrap()
+        });
+        (free, hits) = (free + counts[0], hits + counts[1]);
+    }
+    assert!(free > 100 && hits > 1000, "{free} free, {hits} hits");
+}
+
+/// Compares the answers of some states with every pair decided alone. How many states are free, how many pairs touch.
+fn judge(draw: &mut Draw, cell: impl Fn(&mut Draw) -> Workcell) -> [usize; 2] {
+    let mut cell = cell(draw);
+    let (mut free, mut hits) = (0, 0);
+    let checker = StateChecker::new(cell.clone()).unwrap();
+    let count = 1 + draw.below(40) as usize;
+    let states: Vec<Vec<f64>> = (0..count).map(|_| state(draw, cell.robot())).collect();
+    let all = checker.all(&states, Par::Serial).unwrap();
+    let first = checker.first(&states, Par::Serial).unwrap();
+    let collides = checker.collides(&states, Par::Serial).unwrap();
+    for (k, state) in states.iter().enumerate() {
+        let truth = alone(&mut cell, state);
+        let of_state = all.iter().filter(|hit| hit.state as usize == k);
+        let ours: Vec<_> = of_state.map(|hit| (hit.pair, hit.touches())).collect();
+        assert_eq!(ours, truth, "state {k} of {:?}", cell.names());
+        let of_one = checker.all(&[state], Par::Serial).unwrap();
+        let of_one: Vec<_> = of_one.iter().map(|hit| (hit.pair, hit.touches())).collect();
+        assert_eq!(of_one, truth, "state {k} by itself");
+        assert_eq!(collides[k], !truth.is_empty());
+        let found = first[k].map(|hit| (hit.pair, hit.touches()));
+        assert_eq!(found.is_some(), !truth.is_empty());
+        assert!(found.is_none_or(|hit| truth.contains(&hit)));
+        assert!(first[k].is_none_or(|hit| hit.state as usize == k));
+        let touches = truth.iter().any(|&(_, touches)| touches);
+        assert!(!touches || found.is_some_and(|(_, touches)| touches));
+        free += usize::from(truth.is_empty());
+        hits += truth.len();
+    }
+    [free, hits]
 }
 
 #[test]
