@@ -158,7 +158,8 @@ pub fn rotation_from_sin_cos(axis: DVec3, [sin, cos]: [f64; 2]) -> DMat3 {
 }
 
 /// When two shapes meet from t = 0 on until `until`, to within `tolerance` metres, at the least some 1e-13
-/// of their size. Of compounds, meshes and half-spaces too: for those any gap counts, whatever its
+/// of their size: at a hit they touch or are that near. Shapes that come that near and never touch may be free or hit;
+/// those that touch are never free. Of compounds, meshes and half-spaces too: for those any gap counts, whatever its
 /// direction. A half-space that turns is undecided.
 ///
 /// ```
