@@ -54,7 +54,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
 /// What the library passes over: points, lines and faces of fewer than three corners, and lines of numbers
 /// alone, as some write their counts. Any other statement could be a surface, and is refused.
 fn passed_over(bytes: &[u8]) -> Result<Vec<MeshWarning>, MeshError> {
-    let (mut lines, mut unknown, mut first) = (0, 0, 0);
+    let (mut lines, mut numbers, mut first) = (0, 0, 0);
     for (index, line) in without_mark(bytes).split(|&byte| byte == b'\n').enumerate() {
         let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         match words.next() {
@@ -63,8 +63,8 @@ fn passed_over(bytes: &[u8]) -> Result<Vec<MeshWarning>, MeshError> {
             Some(b"l" | b"p" | b"curv" | b"curv2") => lines += 1,
             Some(word) if OF_NO_SURFACE.contains(&word) => {}
             Some(_) if is_numbers(line) => {
-                first = if unknown == 0 { index + 1 } else { first };
-                unknown += 1;
+                first = if numbers == 0 { index + 1 } else { first };
+                numbers += 1;
             }
             Some(word) => {
                 let problem = format!("{:?} is not supported", String::from_utf8_lossy(word));
@@ -73,8 +73,8 @@ fn passed_over(bytes: &[u8]) -> Result<Vec<MeshWarning>, MeshError> {
         }
     }
     let lines = (lines > 0).then_some(MeshWarning::Lines { count: lines });
-    let unknown = (unknown > 0).then_some(MeshWarning::Unknown { count: unknown, first });
-    Ok(lines.into_iter().chain(unknown).collect())
+    let numbers = (numbers > 0).then_some(MeshWarning::Numbers { count: numbers, first });
+    Ok(lines.into_iter().chain(numbers).collect())
 }
 
 fn is_numbers(line: &[u8]) -> bool {
@@ -164,7 +164,7 @@ mod tests {
         assert_eq!(warnings("# F 1 2 3\no part\ns off\nusemtl f\n\n  vn 0 0 1\r"), []);
         let lines = MeshWarning::Lines { count: 4 };
         assert_eq!(warnings("l 1 2 3\np 1\nf 1 2\nf 3"), [lines]);
-        let unknown = MeshWarning::Unknown { count: 2, first: 5 };
-        assert_eq!(warnings("648 216\n 1e3"), [unknown]);
+        let numbers = MeshWarning::Numbers { count: 2, first: 5 };
+        assert_eq!(warnings("648 216\n 1e3"), [numbers]);
     }
 }

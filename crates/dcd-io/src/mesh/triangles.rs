@@ -49,7 +49,7 @@ pub enum MeshWarning {
         count: usize,
     },
     /// Lines of numbers alone, which are no statement of the format, were passed over.
-    Unknown {
+    Numbers {
         /// How many.
         count: usize,
         /// The first one, counted from 1.
@@ -223,7 +223,7 @@ impl fmt::Display for MeshWarning {
             Self::Lines { count } => {
                 write!(f, "{count} elements with points or lines are passed over")
             }
-            Self::Unknown { count, first } => {
+            Self::Numbers { count, first } => {
                 write!(f, "{count} lines of numbers alone are passed over (first: line {first})")
             }
         }
