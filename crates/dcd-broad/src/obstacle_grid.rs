@@ -3,16 +3,17 @@
 mod cells;
 mod hits;
 mod look_up;
+mod reach;
 #[cfg(test)]
 mod tests;
 
 pub use hits::{Cell, GridHits};
 pub use look_up::PosedBounds;
 
-use cells::{Grid, Region};
+use cells::Grid;
 use dcd_geom::glam::Vec3A;
-use dcd_geom::{Aabb, BoundingSphere, InscribedSphere, Pair, Sphere16};
-use dcd_simd::WIDTH;
+use dcd_geom::{Aabb, BoundingSphere, InscribedSphere, Pair};
+use reach::Bounds;
 
 /// Bounds of an obstacle: an AABB and a sphere that both contain it, and a sphere that it contains.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +42,7 @@ impl ObstacleBounds {
 /// queried.
 #[derive(Clone, Debug)]
 pub struct ObstacleGrid {
-    obstacle_bounds: Vec<Compact>,
+    obstacle_bounds: Vec<Bounds>,
     inners: Vec<InscribedSphere>,
     grid: Grid,
     /// The largest radius that the lists are made for, metres.
@@ -79,7 +80,7 @@ impl ObstacleGrid {
         let grid = Grid::finest(extent, &reached);
         let all = obstacle_bounds.iter().chain(&[ObstacleBounds::EVERYTHING]);
         let mut obstacle_grid = Self {
-            obstacle_bounds: all.clone().map(Compact::of).collect(),
+            obstacle_bounds: all.clone().map(Bounds::of).collect(),
             inners: all.map(|obstacle| obstacle.inner).collect(),
             grid,
             radius,
@@ -147,15 +148,6 @@ impl ObstacleGrid {
         self.inners[noted.likeliest as usize].short_of(inner)
     }
 
-    /// Finds which obstacles the noted spheres may reach; `spheres` are those of the look-up, sixteen a row.
-    pub fn reach(&self, spheres: &[Sphere16], reached: &mut GridHits) {
-        reached.gather(&self.members);
-        reached.keep(|sphere, number| {
-            let BoundingSphere { centre, radius } = spheres[sphere / WIDTH].get(sphere % WIDTH);
-            self.obstacle_bounds[number as usize].is_near(centre.into(), radius)
-        });
-    }
-
     /// Appends the pairs (i, j) of some of the obstacles, by their numbers i, with what is called j, whose
     /// closed AABBs overlap that AABB and for which `keep(i)` holds.
     #[inline]
@@ -172,59 +164,11 @@ impl ObstacleGrid {
         out.resize(start + numbers.len(), Pair::default());
         for &number in numbers {
             let obstacle = &self.obstacle_bounds[number as usize];
-            let overlap = (obstacle.min.cmple(max) & min.cmple(obstacle.max)).all();
+            let overlap = (obstacle.min().cmple(max) & min.cmple(obstacle.max())).all();
             out[end] = Pair { i: number, j: name };
             end += usize::from(overlap && keep(number));
         }
         out.truncate(end);
-    }
-}
-
-/// Factor on a radius in the query of a whole cell. No unit; far above what f32
-/// loses in a comparison. Smaller: contacts could be missed. Larger: longer lists.
-const SAFE: f32 = 1.0 + 1.0 / 1024.0;
-
-/// An obstacle as it is compared: a cache line.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-struct Compact {
-    min: Vec3A,
-    max: Vec3A,
-    centre: Vec3A,
-    radius: f32,
-}
-
-impl Compact {
-    fn of(obstacle: &ObstacleBounds) -> Self {
-        let ObstacleBounds {
-            aabb: Aabb { min, max },
-            sphere: BoundingSphere { centre, radius },
-            ..
-        } = *obstacle;
-        Self { min: min.into(), max: max.into(), centre: centre.into(), radius }
-    }
-
-    /// Whether a [`BoundingSphere`] may reach what both the AABB and the sphere contain: docs/numerics/proofs.md,
-    /// "what is near".
-    #[inline]
-    fn is_near(&self, centre: Vec3A, radius: f32) -> bool {
-        let beyond = (self.min - centre).max(centre - self.max).max(Vec3A::ZERO);
-        let both = radius + self.radius;
-        // What underflows is below the least normal number.
-        let in_box = beyond.length_squared() <= radius * radius + f32::MIN_POSITIVE;
-        let to_sphere = (centre - self.centre).length_squared();
-        in_box & (to_sphere <= both * both + f32::MIN_POSITIVE)
-    }
-
-    /// Whether a sphere of at most that radius about any point of a cell may be near.
-    fn is_near_any(&self, cell: &Region, radius: f32) -> bool {
-        let beyond = (self.min - cell.max).max(cell.min - self.max).max(Vec3A::ZERO);
-        let to_sphere = (self.centre - cell.max).max(cell.min - self.centre).max(Vec3A::ZERO);
-        let (radius, both) = (radius * SAFE, (radius + self.radius) * SAFE);
-        // Written so that a NaN is near.
-        let is_apart =
-            |beyond: Vec3A, reach: f32| beyond.length_squared() > reach * reach + f32::MIN_POSITIVE;
-        !is_apart(beyond, radius) && !is_apart(to_sphere, both)
     }
 }
 

@@ -1,6 +1,5 @@
 //! Concatenated lists, and their entries that are kept.
 
-use super::LONGEST;
 use dcd_simd::IndexRow;
 use std::ops::Range;
 
@@ -16,11 +15,20 @@ pub struct GridHits {
     listed: usize,
     /// The cells of the spheres that are looked up.
     pub(super) cells: Vec<IndexRow>,
-    numbers: Vec<u32>,
-    /// For each listed number its sphere.
-    spheres: Vec<u32>,
-    /// For each listed number how many before it are reached.
-    before: Vec<u32>,
+    pub(super) numbers: Vec<u32>,
+    /// For each listed number the x, y and z of its sphere's centre and its radius.
+    pub(super) spheres: [Vec<f32>; 4],
+    /// For every sixteen listed numbers which of them are reached.
+    pub(super) kept: Vec<Kept>,
+}
+
+/// Which of sixteen listed numbers are reached.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kept {
+    /// A bit each.
+    pub(super) bits: u32,
+    /// How many before the first of them are reached.
+    pub(super) before: u32,
 }
 
 /// A sphere with a non-empty list.
@@ -32,9 +40,9 @@ pub struct Cell {
     /// is known.
     pub likeliest: u32,
     /// Where its list begins: among the members, then among the numbers.
-    start: u32,
+    pub(super) start: u32,
     /// How many it has, then where it ends.
-    end: u32,
+    pub(super) end: u32,
 }
 
 impl GridHits {
@@ -106,43 +114,8 @@ impl GridHits {
         }
     }
 
-    /// Puts the lists one after the other; after every start there are as many members as a list may
-    /// have.
-    pub(super) fn gather(&mut self, members: &[u32]) {
-        let count = self.listed;
-        let members_listed: u32 = self.lists[..count].iter().map(|list| list.end).sum();
-        let most = self.numbers.len().max(members_listed as usize + LONGEST);
-        self.numbers.resize(most, 0);
-        self.spheres.resize(most, 0);
-        self.before.resize(most + 1, 0);
-        let mut end = 0;
-        for list in &mut self.lists[..count] {
-            let from = &members[list.start as usize..][..LONGEST];
-            // A constant number, so that there is no loop.
-            self.numbers[end..end + LONGEST].copy_from_slice(from);
-            self.spheres[end..end + LONGEST].fill(list.sphere);
-            end += list.end as usize;
-            list.end = end as u32;
-        }
-    }
-
-    /// Keeps the numbers that `reaches` says their sphere reaches.
-    #[inline]
-    pub(super) fn keep(&mut self, reaches: impl Fn(usize, u32) -> bool) {
-        let Self { lists, listed, numbers, spheres, before, .. } = self;
-        let lists = &mut lists[..*listed];
-        let mut kept = 0;
-        for k in 0..lists.last().map_or(0, |list| list.end as usize) {
-            let number = numbers[k];
-            numbers[kept] = number;
-            kept += usize::from(reaches(spheres[k] as usize, number));
-            before[k + 1] = kept as u32;
-        }
-        let mut start = 0;
-        for list in lists {
-            list.start = start;
-            list.end = before[list.end as usize];
-            start = list.end;
-        }
+    /// The noted spheres.
+    pub(super) fn lists_mut(&mut self) -> &mut [Cell] {
+        &mut self.lists[..self.listed]
     }
 }

@@ -2,8 +2,8 @@
 
 use super::*;
 use dcd_geom::glam::{Vec3, Vec3Swizzles};
-use dcd_geom::{PackedSphereBounds, Pose, Shape, SphereBounds};
-use dcd_simd::{IndexRow, Kernel, Lanes, Path, dispatch_on};
+use dcd_geom::{PackedSphereBounds, Pose, Shape, Sphere16, SphereBounds};
+use dcd_simd::{IndexRow, Kernel, Lanes, Path, WIDTH, dispatch_on};
 
 fn obstacle(centre: Vec3, half: Vec3) -> ObstacleBounds {
     let aabb = Aabb { min: centre - half, max: centre + half };
@@ -85,7 +85,7 @@ fn reached(obstacle_grid: &ObstacleGrid, spheres: &[BoundingSphere]) -> Vec<Vec<
         // The second time in memory that was used before, by more.
         for spheres in [&[spheres, spheres].concat(), spheres] {
             note(obstacle_grid, spheres, path, &mut reached);
-            obstacle_grid.reach(&rows(spheres), &mut reached);
+            obstacle_grid.reach_on(path, &rows(spheres), &mut reached);
         }
         let mut all = vec![Vec::new(); spheres.len()];
         for (sphere, [start, end]) in reached.spans() {
