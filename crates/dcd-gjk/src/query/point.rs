@@ -1,6 +1,6 @@
 //! How far a point is from a shape, and which point of it is nearest.
 //!
-//! A hull's face planes prove most of it: the largest height above them is a lower bound, a point below all of them
+//! A hull's spheres and face planes prove most of it: a point in the inner sphere is inside, the largest height above them is a lower bound, a point below all of them
 //! is inside, and where the foot on the highest face is a point of the face, it is the nearest. What is nearest to an
 //! edge or a corner goes the way of every distance ([`distance_at`]).
 
@@ -85,15 +85,20 @@ enum Outcome {
     Open,
 }
 
-/// By the sphere round a polytope, then by the planes of its faces. Of a pose that keeps lengths to within what the
+/// By the spheres round and inside of a polytope, then by the planes of its faces. Of a pose that keeps lengths to within what the
 /// margin holds.
 fn by_planes(point: DVec3, pose: &Pose, polytope: &Polytope, limit: f64) -> Outcome {
     let radius = polytope.swept_radius();
     let LocalPoint { point: local, margin, .. } =
         LocalPoint::of(point, pose, polytope.reach() + radius);
     let beyond = |least: f64| least - radius - margin > limit;
-    if beyond((local - polytope.inner().centre).length() - polytope.outer_radius()) {
+    let inner = polytope.inner();
+    let from_centre = (local - inner.centre).length();
+    if beyond(from_centre - polytope.outer_radius()) {
         return Outcome::Beyond;
+    }
+    if from_centre + margin <= inner.radius {
+        return Outcome::Known(PointDistance::inside(point));
     }
     let planes = polytope.planes();
     if planes.is_empty() {

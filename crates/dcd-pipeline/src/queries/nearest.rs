@@ -25,6 +25,40 @@ pub struct NearestObject {
     pub point: DVec3,
 }
 
+/// The boxes that a point is in, in most scenes; more take a second allocation.
+const AROUND: usize = 64;
+
+/// What is known of the object nearest to a point.
+struct Search<'a> {
+    queries: &'a Queries<'a>,
+    point: DVec3,
+    filter: &'a QueryFilter<'a>,
+    nearest: Option<NearestObject>,
+    /// What is farther is not the nearest, metres.
+    end: f64,
+}
+
+impl Search<'_> {
+    /// Measures an object. Returns whether it holds the point.
+    fn meet(&mut self, object: u32) -> bool {
+        let scene = self.queries.scene;
+        if !self.filter.sees(scene, object) {
+            return false;
+        }
+        let posed = PosedShape::of(scene, object);
+        let Some(found) = nearest_point(self.point, posed, self.end) else { return false };
+        let PointDistance { distance, lower, upper, nearest: point } = found;
+        let is_first = self.nearest.is_none_or(|known| {
+            distance.total_cmp(&known.distance).then(object.cmp(&known.object)).is_lt()
+        });
+        if is_first {
+            self.nearest = Some(NearestObject { object, distance, lower, upper, point });
+        }
+        self.end = self.end.min(upper);
+        distance == 0.0
+    }
+}
+
 impl Queries<'_> {
     /// The object nearest to a point among those within `max_distance` metres, which may be infinite: the least
     /// distance, of equal ones the least object. No object is proved nearer than its `lower`.
@@ -41,29 +75,25 @@ impl Queries<'_> {
         if max_distance != f64::INFINITY {
             check_length("distance", max_distance)?;
         }
+        let mut search = Search { queries: self, point, filter, nearest: None, end: max_distance };
         let test = BoxDistance::new(point);
-        let mut nearest: Option<NearestObject> = None;
-        let mut end = max_distance;
-        self.visit(&test, test.key_of(end), &mut |object, _| {
-            // Nothing is nearer than what holds the point, and of those the least object counts.
-            let is_beaten = |known: NearestObject| known.distance == 0.0 && known.object < object;
-            if !nearest.is_some_and(is_beaten) && filter.sees(self.scene, object) {
-                let posed = PosedShape::of(self.scene, object);
-                if let Some(found) = nearest_point(point, posed, end) {
-                    let PointDistance { distance, lower, upper, nearest: at } = found;
-                    let is_first = nearest.is_none_or(|known| {
-                        let order = distance.total_cmp(&known.distance);
-                        order.then(object.cmp(&known.object)).is_lt()
-                    });
-                    if is_first {
-                        nearest = Some(NearestObject { object, distance, lower, upper, point: at });
-                    }
-                    end = end.min(upper);
-                }
-            }
-            test.key_of(end)
+        // What holds the point is in a box that does, and of several the least counts: those boxes by their
+        // objects, up to the first that holds it.
+        let mut around = Vec::with_capacity(AROUND);
+        self.visit(&test, 0.0, &mut |object, _| {
+            around.push(object);
+            0.0
         });
-        Ok(nearest.filter(|found| found.lower <= max_distance))
+        around.sort_unstable();
+        if !around.iter().any(|&object| search.meet(object)) {
+            self.visit(&test, test.key_of(search.end), &mut |object, key| {
+                if key > 0.0 {
+                    search.meet(object);
+                }
+                test.key_of(search.end)
+            });
+        }
+        Ok(search.nearest.filter(|found| found.lower <= max_distance))
     }
 
     /// Replaces `nearest` by the object nearest to each point, in the order of the points.

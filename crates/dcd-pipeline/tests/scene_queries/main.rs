@@ -2,6 +2,7 @@
 #![allow(missing_docs)]
 
 mod batches;
+mod crowd;
 
 use dcd_exec::{Segments, with_threads};
 use dcd_geom::glam::{DQuat, DVec3};

@@ -1,0 +1,42 @@
+//! A point that several objects hold.
+
+use super::*;
+
+#[test]
+fn of_several_objects_that_hold_a_point_the_least_is_the_nearest() {
+    let paper = SceneSpec::paper().with_objects(600).with_seed(5).scene().unwrap();
+    // One shape in five is swept, so that points lie between its core and its surface too.
+    let shape = |k: usize| match paper.shape(k) {
+        shape if k % 5 == 0 => shape.swept(0.05).unwrap(),
+        shape => shape.clone(),
+    };
+    let placed = (0..paper.len()).map(|k| {
+        let object = Object::new(k as u32, paper.poses()[k]);
+        if k % 2 == 0 { object.fixed() } else { object }
+    });
+    let scene = Scene::new((0..paper.len()).map(shape).collect(), placed).unwrap();
+    let mut pipeline = Pipeline::new();
+    pipeline.step(&scene, Par::Serial);
+    let queries = pipeline.queries(&scene).unwrap();
+    let (mut random, sphere) = (Random::seeded(59), Shape::sphere(0.0).unwrap());
+    let mut crowds = 0;
+    for round in 0..300 {
+        let middle = scene.poses()[round].translation();
+        let point = middle + random.vector() * 0.3;
+        let at = Pose::from_translation(point).unwrap();
+        let point_object = PosedShape { shape: &sphere, pose: &at };
+        let holds = |&k: &u32| {
+            let (verdict, _) = certified::overlap_of(point_object, PosedShape::of(&scene, k));
+            verdict == Verdict::Touching(())
+        };
+        let due: Vec<u32> = (0..scene.len() as u32).filter(holds).collect();
+        let found = queries.nearest(point, f64::INFINITY, &QueryFilter::ALL).unwrap().unwrap();
+        if let Some(&least) = due.first() {
+            assert_eq!((found.object, found.distance), (least, 0.0), "round {round} of {due:?}");
+        } else {
+            assert!(found.upper > 0.0, "round {round}: {found:?}");
+        }
+        crowds += usize::from(due.len() > 2);
+    }
+    assert!(crowds > 50, "{crowds}");
+}
