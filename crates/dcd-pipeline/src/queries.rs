@@ -136,6 +136,9 @@ impl<'f> QueryFilter<'f> {
     }
 }
 
+/// How many boxes a query begins in, in most scenes; more take a second allocation.
+const MET_FIRST: usize = 64;
+
 /// The trees of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Trees<'a> {
@@ -186,6 +189,18 @@ impl<'a> Queries<'a> {
     /// The scene.
     pub fn scene(&self) -> &'a Scene {
         self.scene
+    }
+
+    /// The objects whose boxes have a key of 0, ascending: those that may be met where the query begins. Of what is met
+    /// there the least object counts, so that the first of these that is ends a search.
+    fn met_first(&self, test: &impl BoxTest) -> Vec<u32> {
+        let mut objects = Vec::with_capacity(MET_FIRST);
+        self.visit(test, 0.0, &mut |object, _| {
+            objects.push(object);
+            0.0
+        });
+        objects.sort_unstable();
+        objects
     }
 
     /// Calls `visit(object, key)` for each object whose box has a key of at most the limit: the static ones, then

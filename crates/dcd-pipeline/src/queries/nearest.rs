@@ -25,9 +25,6 @@ pub struct NearestObject {
     pub point: DVec3,
 }
 
-/// The boxes that a point is in, in most scenes; more take a second allocation.
-const AROUND: usize = 64;
-
 /// What is known of the object nearest to a point.
 struct Search<'a> {
     queries: &'a Queries<'a>,
@@ -77,15 +74,7 @@ impl Queries<'_> {
         }
         let mut search = Search { queries: self, point, filter, nearest: None, end: max_distance };
         let test = BoxDistance::new(point);
-        // What holds the point is in a box that does, and of several the least counts: those boxes by their
-        // objects, up to the first that holds it.
-        let mut around = Vec::with_capacity(AROUND);
-        self.visit(&test, 0.0, &mut |object, _| {
-            around.push(object);
-            0.0
-        });
-        around.sort_unstable();
-        if !around.iter().any(|&object| search.meet(object)) {
+        if !self.met_first(&test).into_iter().any(|object| search.meet(object)) {
             self.visit(&test, test.key_of(search.end), &mut |object, key| {
                 if key > 0.0 {
                     search.meet(object);

@@ -28,33 +28,54 @@ impl ObjectHit {
     }
 }
 
+/// What is known of a ray's first hit.
+struct Search<'a> {
+    queries: &'a Queries<'a>,
+    ray: &'a Ray,
+    filter: &'a QueryFilter<'a>,
+    first: Option<ObjectHit>,
+    /// What is met later is not the first.
+    end: f64,
+}
+
+impl Search<'_> {
+    /// Casts the ray at an object. Returns whether the first hit known is where the ray begins.
+    fn meet(&mut self, object: u32) -> bool {
+        let Self { queries, ray, filter, first, end } = self;
+        if filter.sees(queries.scene, object) {
+            for_each_hit(ray, PosedShape::of(queries.scene, object), *end, &mut |hit| {
+                let hit = ObjectHit { object, hit };
+                if first.is_none_or(|known| hit.order(&known).is_lt()) {
+                    *first = Some(hit);
+                }
+                if hit.hit.is_certain {
+                    *end = end.min(hit.hit.t_upper);
+                }
+                *end
+            });
+        }
+        first.is_some_and(|known| known.hit.t == 0.0)
+    }
+}
+
 impl Queries<'_> {
     /// The first hit of all objects that the filter lets pass: the least t, of equal ones that of the least object,
     /// then of the least part. No object is met before its `t_lower`.
     ///
     /// A hit that is not certain may be a miss: what is behind it is in [`Queries::all_hits`].
     pub fn first_hit(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Option<ObjectHit> {
+        // Later than its end nothing can be first.
+        let mut search = Search { queries: self, ray, filter, first: None, end: ray.max_t() };
         let slabs = ray.slabs();
-        let mut first: Option<ObjectHit> = None;
-        // Later than this nothing can be first.
-        let mut end = ray.max_t();
-        self.visit(&slabs, slabs.key_of(end), &mut |object, _| {
-            let is_beaten = |known: ObjectHit| known.hit.t == 0.0 && known.object < object;
-            if !first.is_some_and(is_beaten) && filter.sees(self.scene, object) {
-                for_each_hit(ray, PosedShape::of(self.scene, object), end, &mut |hit| {
-                    let hit = ObjectHit { object, hit };
-                    if first.is_none_or(|known| hit.order(&known).is_lt()) {
-                        first = Some(hit);
-                    }
-                    if hit.hit.is_certain {
-                        end = end.min(hit.hit.t_upper);
-                    }
-                    end
-                });
-            }
-            slabs.key_of(end)
-        });
-        first
+        if !self.met_first(&slabs).into_iter().any(|object| search.meet(object)) {
+            self.visit(&slabs, slabs.key_of(search.end), &mut |object, key| {
+                if key > 0.0 {
+                    search.meet(object);
+                }
+                slabs.key_of(search.end)
+            });
+        }
+        search.first
     }
 
     /// Some object that the ray certainly meets, if any: sooner known than the first. The same at any number of

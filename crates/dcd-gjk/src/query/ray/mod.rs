@@ -159,6 +159,17 @@ pub struct RayHit {
 }
 
 impl RayHit {
+    /// Where a ray begins in what is solid.
+    const INSIDE: Self = Self {
+        t: 0.0,
+        t_lower: 0.0,
+        t_upper: 0.0,
+        is_certain: true,
+        normal: DVec3::ZERO,
+        facet: None,
+        part: None,
+    };
+
     /// Half the width of the bracket round [`RayHit::t`], rounded up.
     pub fn error_bound(&self) -> f64 {
         (self.t - self.t_lower).max(self.t_upper - self.t).next_up()
@@ -263,7 +274,11 @@ fn of_polytope(
     let local = LocalRay::of(ray, &posed, polytope.reach() + radius);
     // A radius is a length of the world: in the shape's frame it is one up to what the pose stretches.
     let slack = local.margin + radius * (4.0 * posed.pose.deviation());
-    let sphere = |grown: f64| solids::sphere(&local, polytope.inner().centre, grown);
+    let inner = polytope.inner();
+    if (local.origin - inner.centre).length() + slack <= inner.radius {
+        return Some(RayHit::INSIDE);
+    }
+    let sphere = |grown: f64| solids::sphere(&local, inner.centre, grown);
     // A miss of the sphere round it is a miss. It is tested first because other tests cost more.
     let round = sphere(polytope.outer_radius() + radius + slack)?;
     if round.leave < 0.0 || is_later(round.enter, limit) {
