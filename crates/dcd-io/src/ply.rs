@@ -8,7 +8,7 @@ mod header;
 use crate::ReadError;
 use crate::bytes::{Cursor, Field};
 use glam::DVec3;
-use header::{Element, Endian, Header, Kind, Scalar};
+use header::{CORNERS, Element, Endian, Header, Kind, Scalar};
 use std::path::Path;
 
 /// One frame of a simulated triangle mesh.
@@ -86,7 +86,7 @@ impl Body<'_> {
     }
 
     fn faces(&mut self, element: &Element) -> Result<Vec<[u32; 3]>, ReadError> {
-        let corners = element.property(&["vertex_indices", "vertex_index"], "list of corners")?;
+        let corners = element.property(&CORNERS, "list of corners")?;
         let mut faces = Vec::new();
         self.rows(element, |face, row| {
             let &[a, b, c] = row[corners].as_slice() else {
@@ -291,6 +291,26 @@ mod tests {
         assert!(matches!(lacking, ReadError::Missing { what: "z of the vertices" }), "{lacking}");
         let format = with_header("format binary_big_endian 1.0\n", "").unwrap_err();
         assert!(matches!(format, ReadError::Missing { .. }), "{format}");
+    }
+
+    #[test]
+    fn elements_and_properties_of_one_name_and_strips_are_refused() {
+        for (element, why) in [
+            ("vertex 0\nproperty float x", "a second element vertex"),
+            ("tristrips 1\nproperty list int int vertex_indices", "made of vertices"),
+            ("range 1\nproperty float a\nproperty char a", "with two of a"),
+        ] {
+            let more = format!(
+                "element face 1\nproperty list uchar int vertex_indices\nelement {element}\n"
+            );
+            let refused =
+                with_header("element face 1\nproperty list uchar int vertex_indices\n", &more);
+            let refused = refused.unwrap_err().to_string();
+            assert!(refused.starts_with("line 11") && refused.contains(why), "{refused}");
+        }
+        // No strip hides nothing.
+        let none = "element tristrips 0\nproperty list int int vertex_indices\nend_header";
+        assert!(with_header("end_header", none).is_ok());
     }
 
     #[test]

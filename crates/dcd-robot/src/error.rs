@@ -165,6 +165,13 @@ pub enum RobotError {
         /// What is wrong with it.
         error: PoseError,
     },
+    /// Something reaches farther from the origin than [`dcd_geom::Aabb::LIMIT`].
+    OutOfRange {
+        /// What: a link, an obstacle.
+        user: String,
+        /// How far, in metres along an axis.
+        reach: f64,
+    },
     /// The scene is refused as a whole.
     Scene(SceneError),
 }
@@ -180,6 +187,16 @@ impl RobotError {
         match self {
             Self::AtLine { .. } => self,
             error => Self::AtLine { line, error: Box::new(error) },
+        }
+    }
+
+    /// What a scene refuses, said of what the object is where it is one.
+    pub(super) fn of_scene(error: SceneError, user: impl FnOnce(usize) -> String) -> Self {
+        match error {
+            SceneError::OutOfRange { object, reach } => {
+                Self::OutOfRange { user: user(object), reach }
+            }
+            error => Self::Scene(error),
         }
     }
 
@@ -225,6 +242,9 @@ impl fmt::Display for RobotError {
             }
             Self::Shape { user, error } => write!(f, "{user}: {error}"),
             Self::Pose { user, error } => write!(f, "{user}: {error}"),
+            Self::OutOfRange { user, reach } => {
+                write!(f, "{user}: reaches {reach:e} m, beyond the range of f32 boxes")
+            }
             Self::Scene(error) => error.fmt(f),
         }
     }

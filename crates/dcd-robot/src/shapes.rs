@@ -4,7 +4,7 @@ use super::bounds::{MESH_FILES, VERTICES};
 use super::scan::bounded;
 use super::urdf::Geometry;
 use super::{LinkShapes, MeshSource, RobotError, world};
-use dcd_geom::{ConvexHull, Polytope, Shape};
+use dcd_geom::{Aabb, ConvexHull, Polytope, Shape};
 use dcd_gjk::simplify::{Budget, SimplifyError, simplify};
 use dcd_io::TriangleMesh;
 use glam::DVec3;
@@ -56,6 +56,10 @@ impl<'a> Shapes<'a> {
             Geometry::Mesh { file, scale } => Ok(self.mesh(file, *scale, (user, meshes))?),
         };
         let made = made.map_err(|error| RobotError::Shape { user: user.to_owned(), error })?;
+        let reach = made.shape.reach();
+        if !(reach <= Aabb::LIMIT) {
+            return Err(RobotError::OutOfRange { user: user.to_owned(), reach });
+        }
         self.vertices += match &made.shape {
             Shape::Polytope(hull) => hull.vertices().len(),
             Shape::Mesh(mesh) => mesh.vertices().len(),

@@ -111,7 +111,12 @@ impl Workcell {
         let objects = objects(&poses, obstacles, &padded);
         let shapes = robot.parts().iter().map(|part| part.shape.clone());
         let shapes = shapes.chain(obstacles.iter().map(|o| o.shape.clone())).chain(larger);
-        let mut scene = Scene::new(shapes.collect(), objects).map_err(RobotError::Scene)?;
+        let made = Scene::new(shapes.collect(), objects);
+        let user = |object: usize| {
+            let part = object.checked_sub(first_padded).map_or(object, |k| padded[k]);
+            user_of(&robot, part, || &names[part])
+        };
+        let mut scene = made.map_err(|error| RobotError::of_scene(error, user))?;
         let places = robot.parts().len()..first_padded;
         pairs::ignore(&mut scene, &names, places, &known.allowed)?;
         Ok(Self { robot, scene, names, poses, padded, first_padded, known, obstacles_named })
@@ -140,9 +145,16 @@ impl Workcell {
         }
         let padded = (self.first_padded..).zip(&self.padded).map(|(i, &part)| (i, poses[part]));
         for (i, pose) in poses.iter().copied().enumerate().chain(padded) {
-            self.scene.set_pose(i, pose).map_err(RobotError::Scene)?;
+            let moved = self.scene.set_pose(i, pose);
+            moved.map_err(|error| RobotError::of_scene(error, |object| self.user(object)))?;
         }
         Ok(())
+    }
+
+    /// An object, for messages.
+    pub(super) fn user(&self, object: usize) -> String {
+        let part = self.part_of(object).unwrap_or(object);
+        user_of(&self.robot, part, || &self.names[object])
     }
 
     /// The robot, with what it carries.
@@ -284,7 +296,7 @@ impl Robot {
 impl Robot {
     /// That an obstacle has a name of the robot's.
     fn has_name(&self, obstacle: &str) -> RobotError {
-        let (user, name) = (format!("obstacle {obstacle:?}"), &self.name);
+        let (user, name) = (obstacle_user(obstacle), &self.name);
         let why = format!("a link of robot {name:?}, or what it carries, has that name too");
         RobotError::Refused { user, why }
     }
@@ -317,6 +329,19 @@ fn padded(robot: &Robot, world: &World) -> Result<(Vec<usize>, Vec<Shape>), Robo
         }
     }
     Ok((parts, shapes))
+}
+
+/// A part of the robot, or an obstacle of that name behind them, for messages.
+fn user_of<'a>(robot: &Robot, object: usize, obstacle: impl FnOnce() -> &'a String) -> String {
+    match robot.parts().get(object) {
+        Some(Part { object: Some(carried), .. }) => format!("attached object {carried:?}"),
+        Some(part) => format!("link {:?}", robot.links()[part.link].name),
+        None => obstacle_user(obstacle()),
+    }
+}
+
+fn obstacle_user(name: &str) -> String {
+    format!("obstacle {name:?}")
 }
 
 /// An obstacle where nothing is padded.

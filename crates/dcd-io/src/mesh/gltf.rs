@@ -63,14 +63,15 @@ fn refused(path: &str, problem: impl Into<String>) -> MeshError {
     MeshError::refused(MeshFormat::Gltf, place, problem)
 }
 
-/// The header of a binary file: the library subtracts from its length before it looks.
+/// The header of a binary file: the library subtracts from its length before it looks, and looks at nothing
+/// behind it, where zeros alone are no other file.
 fn check_header(bytes: &[u8]) -> Result<(), MeshError> {
     if !bytes.starts_with(b"glTF") {
         return Ok(());
     }
     let length = bytes.get(8..).and_then(|rest| rest.first_chunk::<4>());
     let length = length.map_or(0, |field| u32::from_le_bytes(*field) as usize);
-    if (20..=bytes.len()).contains(&length) {
+    if length >= 20 && bytes.get(length..).is_some_and(|rest| rest.iter().all(|&byte| byte == 0)) {
         return Ok(());
     }
     let problem = format!("the header states {length} bytes, but there are {}", bytes.len());

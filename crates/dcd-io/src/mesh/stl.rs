@@ -5,7 +5,7 @@
 //! that is not finite, and names no line.
 
 use super::triangles::Welder;
-use super::{MeshError, MeshFormat, MeshPlace, TriangleMesh};
+use super::{MeshError, MeshFormat, MeshPlace, MeshWarning, TriangleMesh};
 use glam::DVec3;
 
 /// Bytes in front of the triangles of a binary file: 80 of any kind, and their count.
@@ -14,18 +14,23 @@ const HEADER: usize = 84;
 /// Bytes of a triangle: a normal and three corners of f32 coordinates, and two bytes of any kind.
 const RECORD: usize = 50;
 
+/// Bytes of the normal and the corners alone.
+const CORNERS: usize = 48;
+
 /// Reads the triangles of all solids of a file; normals are passed over.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
     // Many a binary file begins with "solid" too, so that its length decides first.
     let records = bytes.get(HEADER..).unwrap_or_default();
     let fitting = (records.len() / RECORD) as u64;
+    let behind = records.len() % RECORD;
     match count(bytes) {
-        Some(count) if u64::from(count) == fitting => binary(records),
+        Some(count) if u64::from(count) == fitting && behind < CORNERS => binary(records),
         _ if is_text(bytes) => text(bytes),
         Some(count) => {
             let problem = format!(
-                "the header counts {count} triangles, but {} bytes behind it hold {fitting}",
-                records.len()
+                "the header counts {count} triangles, but {} bytes behind it hold {fitting}{}",
+                records.len(),
+                if behind < CORNERS { "" } else { " and the corners of another" }
             );
             Err(refused(MeshPlace::Byte(80), problem))
         }
@@ -57,7 +62,7 @@ fn is_text(bytes: &[u8]) -> bool {
     solid && !bytes[..bytes.len().min(4096)].contains(&0)
 }
 
-/// Fewer bytes than a record may be left behind the last one: they can hold no triangle.
+/// Fewer bytes than a triangle's may be left behind the last record.
 fn binary(records: &[u8]) -> Result<TriangleMesh, MeshError> {
     let mut welder = Welder::with_capacity(records.len() / RECORD);
     for (index, record) in records.chunks_exact(RECORD).enumerate() {
@@ -78,6 +83,10 @@ fn binary(records: &[u8]) -> Result<TriangleMesh, MeshError> {
         if !welder.triangle([0, 1, 2].map(corner)) {
             return Err(refused(MeshPlace::File, "more vertices than a u32 counts"));
         }
+    }
+    let bytes = records.len() % RECORD;
+    if bytes > 0 {
+        welder.mesh.warnings.push(MeshWarning::Behind { bytes });
     }
     Ok(welder.mesh)
 }

@@ -55,6 +55,11 @@ pub enum MeshWarning {
         /// The first one, counted from 1.
         first: usize,
     },
+    /// Bytes behind the last triangle, too few for another, were passed over.
+    Behind {
+        /// How many.
+        bytes: usize,
+    },
 }
 
 /// Which way is up in a mesh, where the file says so (COLLADA and glTF).
@@ -225,6 +230,9 @@ impl fmt::Display for MeshWarning {
             }
             Self::Numbers { count, first } => {
                 write!(f, "{count} lines of numbers alone are passed over (first: line {first})")
+            }
+            Self::Behind { bytes } => {
+                write!(f, "{bytes} bytes behind the last triangle are passed over")
             }
         }
     }

@@ -78,7 +78,7 @@ impl Header {
                 }
                 ["end_header"] if raw.ends_with(b"\n") => {
                     let endian = endian.ok_or(ReadError::Missing { what: "line \"format\"" })?;
-                    check_properties(&elements)?;
+                    check(&elements)?;
                     return Ok(Self { endian, elements, length });
                 }
                 _ => return Err(refused()),
@@ -87,6 +87,9 @@ impl Header {
         Err(ReadError::Missing { what: "line \"end_header\"" })
     }
 }
+
+/// What the list of corners is called.
+pub(super) const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 impl Element {
     /// The place of a property that has one of these names.
@@ -143,11 +146,26 @@ fn kind(words: &[&str]) -> Option<Kind> {
     }
 }
 
-fn check_properties(elements: &[Element]) -> Result<(), ReadError> {
-    match elements.iter().find(|element| element.properties.is_empty()) {
-        None => Ok(()),
-        Some(Element { name, line, .. }) => {
-            Err(ReadError::Header { line: *line, text: format!("element {name}, of no property") })
+/// Checks that no element is passed over that could hide triangles, and that each is what its names say.
+fn check(elements: &[Element]) -> Result<(), ReadError> {
+    for (index, element) in elements.iter().enumerate() {
+        let Element { name, count, properties, line } = element;
+        let refused = |text| Err(ReadError::Header { line: *line, text });
+        if properties.is_empty() {
+            return refused(format!("element {name}, of no property"));
+        }
+        if elements[..index].iter().any(|before| before.name == *name) {
+            return refused(format!("a second element {name}"));
+        }
+        let is_twice = |k: &usize| properties[..*k].iter().any(|p| p.name == properties[*k].name);
+        if let Some(twice) = (0..properties.len()).find(is_twice) {
+            return refused(format!("element {name}, with two of {}", properties[twice].name));
+        }
+        let corners =
+            |p: &Property| matches!(p.kind, Kind::List { .. }) && CORNERS.contains(&&*p.name);
+        if name != "face" && *count > 0 && properties.iter().any(corners) {
+            return refused(format!("element {name}, which is made of vertices"));
         }
     }
+    Ok(())
 }

@@ -25,7 +25,7 @@ pub(super) struct BoundingVolumes {
     pub(super) support: Option<Support>,
     /// Of a mesh the hull of all its vertices, whose distances cost less.
     pub(super) hull: Option<Shape>,
-    /// How far its points are from its frame's origin.
+    /// How far its points are from its frame's origin; of a half-space that of its plane.
     pub(super) reach: f64,
 }
 
@@ -38,7 +38,6 @@ impl BoundingVolumes {
         let cover = if most > 1 { covers.of(shape, most) } else { Vec::new() };
         // What one sphere covers as well, it covers alone.
         let cover = if cover.len() > 1 { CoverRow::of(&cover) } else { CoverRow::of(&[whole]) };
-        let reach = whole.centre.length() + whole.outer;
         let is_solid = match shape {
             Shape::Polytope(polytope) => {
                 matches!(polytope.kind(), Kind::Cuboid { .. } | Kind::Point)
@@ -47,6 +46,10 @@ impl BoundingVolumes {
             _ => false,
         };
         let (solid, support, hull) = (Solid::of(shape), Support::of(shape), hull(shape));
+        let reach = match &support {
+            Some(Support { core: Core::Plane(_, offset), swept, .. }) => offset.abs() + swept,
+            _ => whole.centre.length() + whole.outer,
+        };
         Self { whole, cover, solid, is_solid, support, hull, reach }
     }
 }
@@ -116,14 +119,26 @@ impl Solid {
 /// How far a convex shape, or the hull of another, reaches.
 #[derive(Clone, Debug)]
 pub(super) struct Support {
-    /// Coordinates of the vertices, [`LANES`] of x, then of y, then of z; the last ones repeat.
-    vertices: Vec<[[f64; LANES]; 3]>,
-    /// Discs normal to z at a height, with a radius.
-    discs: Option<[(f64, f64); 2]>,
+    core: Core,
     swept: f64,
-    /// The largest coordinate.
+    /// The largest coordinate; of a plane its offset.
     size: f64,
 }
+
+#[derive(Clone, Debug)]
+enum Core {
+    /// Coordinates of the vertices, [`LANES`] of x, then of y, then of z; the last ones repeat.
+    Vertices(Vec<[[f64; LANES]; 3]>),
+    /// Discs normal to z at a height, with a radius.
+    Discs([(f64, f64); 2]),
+    /// A half-space's normal, of unit length, and how far the plane is along it.
+    Plane(DVec3, f64),
+}
+
+/// How far a direction may be off a plane's normal, relative, for the half-space to end along it: a tenth of what turned
+/// directions are given (`ROUNDING`), since points as far as a pair's lengths move by that. Smaller: no plane of a turned
+/// half-space is met.
+const PARALLEL: f64 = 1e-13;
 
 /// What a product of three coordinates loses, relative: 3u, with a margin.
 const DOT: f64 = 1e-15;
@@ -137,8 +152,13 @@ impl Support {
                 let discs = curved.discs();
                 let size = |(z, r): (f64, f64)| z.abs().max(r);
                 let size = size(discs[0]).max(size(discs[1]));
-                let (vertices, swept) = (Vec::new(), curved.swept_radius());
-                return Some(Self { vertices, discs: Some(discs), swept, size });
+                return Some(Self { core: Core::Discs(discs), swept: curved.swept_radius(), size });
+            }
+            Shape::HalfSpace(half_space) => {
+                let length = half_space.normal().length();
+                let (normal, offset) = (half_space.normal() / length, half_space.offset() / length);
+                let (core, swept) = (Core::Plane(normal, offset), half_space.swept_radius());
+                return Some(Self { core, swept, size: offset.abs() });
             }
             _ => return None,
         };
@@ -147,21 +167,34 @@ impl Support {
             let at = |k: usize| chunk.get(k).copied().unwrap_or(last);
             [0, 1, 2].map(|axis| std::array::from_fn(|k| at(k)[axis]))
         };
-        let vertices = points.chunks(LANES).map(group).collect();
+        let core = Core::Vertices(points.chunks(LANES).map(group).collect());
         let size = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        Some(Self { vertices, discs: None, swept, size })
+        Some(Self { core, swept, size })
+    }
+
+    /// The normal of a half-space, of unit length.
+    pub(super) fn normal(&self) -> Option<DVec3> {
+        match self.core {
+            Core::Plane(normal, _) => Some(normal),
+            _ => None,
+        }
     }
 
     /// At least the largest p·d of the shape's points p, for two d in its own frame.
     #[inline]
     pub(super) fn along(&self, directions: [DVec3; 2]) -> [f64; 2] {
-        let far = match self.discs {
-            Some(discs) => directions.map(|d| {
+        let far = match &self.core {
+            Core::Discs(discs) => directions.map(|d| {
                 let flat = (d.x * d.x + d.y * d.y).sqrt();
                 let [a, b] = discs.map(|(z, r)| z * d.z + r * flat);
                 a.max(b)
             }),
-            None => dispatch(Farthest { points: &self.vertices, directions }),
+            Core::Vertices(points) => dispatch(Farthest { points, directions }),
+            Core::Plane(normal, offset) => directions.map(|d| {
+                let length = d.length();
+                let is_along = (d - normal * length).length() <= PARALLEL * length;
+                if is_along { offset * length } else { f64::INFINITY }
+            }),
         };
         [0, 1].map(|k| {
             let d = directions[k];
@@ -232,6 +265,10 @@ mod tests {
         assert!(plate.solid.nearest(DVec3::new(0.5, -1.9, 0.0)).0 <= 0.0);
         let ground = BoundingVolumes::of(&Shape::half_space(DVec3::Z, 0.0).unwrap(), 1, covers);
         assert!(!(ground.solid.nearest(DVec3::Z * 9.0).0 > 0.0));
-        assert!(ground.support.is_none() && ground.whole.outer == f64::INFINITY);
+        assert!(ground.whole.outer == f64::INFINITY && ground.reach == 0.0);
+        let slope = Shape::half_space(DVec3::new(0.0, 3.0, 4.0), 10.0).unwrap();
+        let slope = BoundingVolumes::of(&slope.rounded(0.5).unwrap(), 1, covers);
+        let ends = slope.support.unwrap().along([DVec3::new(0.0, 0.6, 0.8) * 3.0, DVec3::Z]);
+        assert!((ends[0] - 7.5).abs() < 1e-13 && ends[1] == f64::INFINITY && slope.reach == 2.5);
     }
 }

@@ -1,3 +1,5 @@
+mod half_space;
+
 use super::*;
 use crate::{AllowedPairs, Attached, LinkShapes, Obstacle, World};
 use dcd_geom::{Pose, Shape};

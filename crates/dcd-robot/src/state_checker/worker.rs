@@ -299,7 +299,8 @@ impl Worker {
                 let (state, body) =
                     (object / prepared.bodies.len(), object % prepared.bodies.len());
                 let object = prepared.bodies[body].0 as usize;
-                (state, RobotError::Scene(SceneError::OutOfRange { object, reach }))
+                let user = checker.cell().user(object);
+                (state, RobotError::OutOfRange { user, reach })
             }
             other => (0, RobotError::Scene(other)),
         })

@@ -1,6 +1,6 @@
 //! Obstacles that come, move and go, while the robot stays.
 
-use super::{Workcell, obstacle_object};
+use super::{Workcell, obstacle_object, obstacle_user};
 use crate::{Obstacle, RobotError};
 use dcd_geom::{Pose, SceneError};
 use dcd_simd::prefetch;
@@ -26,7 +26,9 @@ impl Workcell {
             return self.rebuild(obstacles);
         }
         let objects = obstacles.iter().map(|o| (&o.shape, obstacle_object(0, o.pose)));
-        self.scene.replace_from(first, objects).map_err(RobotError::Scene)?;
+        let user = |object: usize| obstacle_user(&obstacles[object - first].name);
+        let replaced = self.scene.replace_from(first, objects);
+        replaced.map_err(|error| RobotError::of_scene(error, user))?;
         self.names.truncate(first + obstacles.len());
         let held = self.names.len() - first;
         for (name, obstacle) in self.names[first..].iter_mut().zip(obstacles) {
@@ -51,7 +53,8 @@ impl Workcell {
             return self.rebuild(&all).map(|()| place);
         }
         let object = (&obstacle.shape, obstacle_object(0, obstacle.pose));
-        self.scene.replace_from(self.scene.len(), [object]).map_err(RobotError::Scene)?;
+        let added = self.scene.replace_from(self.scene.len(), [object]);
+        added.map_err(|error| RobotError::of_scene(error, |_| obstacle_user(&obstacle.name)))?;
         self.names.push(obstacle.name.clone());
         self.first_padded = self.names.len();
         Ok(place)
@@ -63,7 +66,8 @@ impl Workcell {
     /// There is no such obstacle, or it would be out of range; nothing is changed then.
     pub fn move_obstacle(&mut self, place: usize, pose: Pose) -> Result<(), RobotError> {
         let object = self.obstacle(place)?;
-        self.scene.set_pose(object, pose).map_err(RobotError::Scene)
+        let moved = self.scene.set_pose(object, pose);
+        moved.map_err(|error| RobotError::of_scene(error, |object| self.user(object)))
     }
 
     /// Takes an obstacle away, by its place among the obstacles: the last obstacle takes that place. Costs what

@@ -273,6 +273,17 @@ fn a_binary_file_that_is_cut_anywhere_is_refused() {
 }
 
 #[test]
+fn what_is_behind_the_length_that_a_binary_file_states_is_refused_unless_it_is_zeros() {
+    let bytes = binary(one_node());
+    let with = |behind: &[u8]| read(&[&bytes[..], behind].concat(), &MeshOptions::default());
+    assert_eq!(with(&[0; 7]).unwrap(), with(&[]).unwrap());
+    for behind in [&bytes[..], &[0, 0, 1]] {
+        let error = with(behind).unwrap_err().to_string();
+        assert!(error.starts_with("glTF, byte 8: the header states"), "{error}");
+    }
+}
+
+#[test]
 fn a_buffer_in_a_file_beside_is_read() {
     let folder = std::env::temp_dir().join(format!("dcd-gltf-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();

@@ -71,8 +71,20 @@ fn a_binary_file_that_is_cut_or_goes_on_is_refused() {
         let longer = [&bytes[..], &[0; RECORD]].concat();
         let error = read(&longer).unwrap_err();
         assert!(error.to_string().contains("counts 2 triangles"), "{error}");
-        // A few bytes behind the last triangle are not another one.
-        assert_eq!(read(&[&bytes[..], &[0; 49]].concat()).unwrap().triangles.len(), 2);
+        // A few bytes behind the last triangle are not another one, and named; corners without the two bytes behind
+        // them may be one.
+        assert_eq!(read(&bytes).unwrap().warnings, []);
+        for behind in [1, 47, 48, 49] {
+            let read = read(&[&bytes[..], &[0; 49][..behind]].concat());
+            if behind < 48 {
+                let mesh = read.unwrap();
+                assert_eq!(mesh.triangles.len(), 2);
+                assert_eq!(mesh.warnings, [MeshWarning::Behind { bytes: behind }]);
+            } else {
+                let error = read.unwrap_err().to_string();
+                assert!(error.ends_with("hold 2 and the corners of another"), "{error}");
+            }
+        }
     }
 }
 

@@ -135,8 +135,15 @@ impl Search<'_> {
             let margin = margin.max(found.least - moved - off);
             return BySpheres { margin, upper: found.upper + off, direction: found.direction };
         }
-        let solid = &self.checker.volumes[in_b].solid;
         let rotation = *self.pose(b).rotation();
+        if whole_b == f64::INFINITY {
+            // A half-space ends along its normal alone; no solid is round it.
+            let support = self.checker.volumes[in_b].support.as_ref();
+            let normal = support.and_then(Support::normal).unwrap_or_default();
+            let (margin, upper) = (f64::NEG_INFINITY, f64::INFINITY);
+            return BySpheres { margin, upper, direction: rotation * -normal };
+        }
+        let solid = &self.checker.volumes[in_b].solid;
         let local = self.local(b, middle);
         let (far, near) = solid.nearest(local);
         let direction = rotation * (near - local);

@@ -1,7 +1,7 @@
 //! Shapes and places so large that squares overflow in f32.
 
 use super::{alone, seeded};
-use crate::{AllowedPairs, LinkShapes, Obstacle, Robot, SensedPoint, SensedWorld};
+use crate::{AllowedPairs, LinkShapes, Obstacle, Robot, RobotError, SensedPoint, SensedWorld};
 use crate::{StateChecker, Workcell, World};
 use dcd_geom::{Pose, Shape};
 use dcd_pipeline::Par;
@@ -82,5 +82,47 @@ fn a_sensed_point_whose_squares_overflow_proves_no_contact() {
         let hits = checker.sensed_hits(&[[3.0]], &seen, Par::Serial).unwrap();
         assert_eq!(hits.iter().any(|hit| hit.touches()), touches, "{centre}: {hits:?}");
         assert_eq!(!hits.is_empty(), touches, "{centre}: {hits:?}");
+    }
+}
+
+fn said<T>(result: Result<T, RobotError>) -> String {
+    result.err().unwrap().to_string()
+}
+
+#[test]
+fn what_leaves_the_range_is_refused_by_its_name() {
+    let text = "<robot name=\"r\">\n<link name=\"a\">\n<collision><geometry>\n<box size=\"1 1 4e38\"/>\n\
+                </geometry></collision></link></robot>";
+    let shape = said(Robot::read(text, Path::new("."), LinkShapes::Hulls));
+    assert!(shape.starts_with("line 3: link \"a\": reaches 2.0"), "{shape}");
+
+    let robot = sliding([0.1, 0.1]);
+    let obstacle = |name: &str, x: f64| {
+        let shape = Shape::sphere(0.5).unwrap();
+        let pose = Pose::from_translation(DVec3::X * x).unwrap();
+        Obstacle { name: name.to_owned(), shape, pose }
+    };
+    let world =
+        |obstacles: &[Obstacle]| World { obstacles: obstacles.to_vec(), ..World::default() };
+    let none = AllowedPairs::default();
+    let (near, far) = (obstacle("near", 9.0), obstacle("far", 1e39));
+    let both = [near.clone(), far.clone()];
+    let of_far = "obstacle \"far\": reaches 1e39 m";
+    assert!(said(Workcell::new(robot.clone(), &world(&both), &none)).starts_with(of_far));
+
+    let mut padded = world(&both[..1]);
+    padded.pad(&robot, 0.1).unwrap();
+    for world in [world(&both[..1]), padded] {
+        let mut cell = Workcell::new(robot.clone(), &world, &none).unwrap();
+        assert!(said(cell.set_obstacles(&both)).starts_with(of_far));
+        assert!(said(cell.add_obstacle(&far)).starts_with(of_far));
+        let moved = cell.move_obstacle(0, far.pose);
+        assert!(said(moved).starts_with("obstacle \"near\": reaches 1e39 m"));
+        let of_hand = "link \"hand\": reaches 1e39 m";
+        assert!(said(cell.set_state(&[1e39])).starts_with(of_hand));
+        // What a batch decides pair by pair.
+        let checker = StateChecker::new(cell).unwrap();
+        let states = checker.all(&[[3.0], [1e39]], Par::Serial);
+        assert!(said(states).contains(of_hand));
     }
 }
