@@ -49,7 +49,9 @@ pub struct Depth {
     /// The length of the shortest translation that parts the shapes but for touching; 0 for
     /// shapes that just touch. Never negative, always finite.
     pub depth: f64,
-    /// The direction of that translation for b, of unit length but for rounding: from a to b.
+    /// The direction of that translation for b, of unit length but for rounding: from a to b. It has no bound of its
+    /// own: along it the shapes part a little later than after `depth + error_bound`, of rounded shapes up to some
+    /// 1e-7 of their size.
     pub normal: DVec3,
     /// The point of a that is deepest in b: `point_a − point_b` is `normal·depth`, but for the
     /// rounding of world coordinates, and on a curved surface for how far the chords of a search are inside of it.
