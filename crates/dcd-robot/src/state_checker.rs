@@ -270,17 +270,26 @@ impl StateChecker {
         exec: impl Into<Exec<'e>>,
     ) -> Result<Vec<StateHit>, RobotError> {
         let (count, refused) = (self.count(states)?, Refused::default());
-        let mut all = Segments::default();
         let exec = exec.into().serial_below(count, FEW);
-        all.fill(exec, count.div_ceil(CHUNK), |task, out| {
+        let check = |task: usize, out: &mut Vec<StateHit>| {
             self.workers.with(|worker| {
                 let start = task * CHUNK;
                 let states = &states[start..count.min(start + CHUNK)];
                 let found = with_chunk(states, |states| worker.all(self, (start, states)));
                 found.unwrap_or_else(|(state, error)| refused.note(state, error));
-                out.append(&mut worker.hits);
+                out.extend_from_slice(&worker.hits);
             });
-        });
+        };
+        if (1..=CHUNK).contains(&count) {
+            // A state alone would wait for the memory of many threads' lists.
+            let mut all = [Vec::new()];
+            exec.each(&mut all, check);
+            refused.check()?;
+            let [all] = all;
+            return Ok(all);
+        }
+        let mut all = Segments::default();
+        all.fill(exec, count.div_ceil(CHUNK), check);
         refused.check()?;
         Ok(all.iter().flatten().copied().collect())
     }

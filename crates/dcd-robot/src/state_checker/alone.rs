@@ -1,12 +1,13 @@
 //! A state alone: sixteen of its links in the lanes, where a packet has a link in sixteen states.
 
-use super::SpherePacket;
 use super::links::LinkSpheres;
 use super::one_link::{LinkPlace, LinkPlaces, OneLink};
-use super::packed_aabbs::around;
 use super::rounded_links::{OneState, bits, place_again_alone, splat};
-use super::sift::{Sift, meeting};
+use super::sift::{Sift, near_spheres};
+use super::{FAR, SpherePacket};
+use dcd_geom::Aabb;
 use dcd_simd::{Block, Lanes, Row, WIDTH};
+use glam::Vec4;
 
 /// The spheres round what each of up to sixteen links carries, in the world, metres.
 #[derive(Clone, Debug)]
@@ -16,6 +17,8 @@ pub(super) struct LinkRow {
     margin: Row,
     /// Those that there are.
     filled: u32,
+    /// A box round them, larger by twice the margin of each.
+    aabb: Aabb,
 }
 
 /// The links of a row that are checked against another one.
@@ -44,19 +47,47 @@ impl LinkPairRow {
 }
 
 impl LinkRow {
+    const EMPTY: Self = {
+        let none = Row([0.0; WIDTH]);
+        let centre = Block([none; 3]);
+        Self { centre, radius: none, margin: none, filled: 0, aabb: Aabb::EMPTY }
+    };
+
     /// Fills rows with the links of a state.
     #[inline(always)]
     fn gather(links: &[LinkSpheres], placed: &[OneLink], to: &mut Vec<Self>) {
-        let none = Row([0.0; WIDTH]);
-        let empty = Self { centre: Block([none; 3]), radius: none, margin: none, filled: 0 };
-        to.resize(links.len().div_ceil(WIDTH), empty);
-        for (k, (link, placed)) in links.iter().zip(placed).enumerate() {
-            let (row, lane, centre) = (&mut to[k / WIDTH], k % WIDTH, placed.centre());
-            let Block([x, y, z]) = &mut row.centre;
-            (x.0[lane], y.0[lane], z.0[lane]) = (centre.x, centre.y, centre.z);
-            (row.radius.0[lane], row.margin.0[lane]) = (link.radius, placed.margin());
-            row.filled = (2 << lane) - 1;
+        let count = links.len().div_ceil(WIDTH);
+        if to.len() != count {
+            to.resize(count, Self::EMPTY);
         }
+        let groups = links.chunks(WIDTH).zip(placed.chunks(WIDTH));
+        for (row, (links, placed)) in to.iter_mut().zip(groups) {
+            row.fill(links, placed);
+        }
+    }
+
+    /// Takes sixteen links at most, and finds the box round them that [`around`](super::packed_aabbs::around) finds in lanes.
+    #[inline(always)]
+    fn fill(&mut self, links: &[LinkSpheres], placed: &[OneLink]) {
+        let Self { centre: Block([x, y, z]), radius, margin, filled, aabb } = self;
+        let (mut min, mut max) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
+        let (mut lane, far) = (0, Vec4::splat(FAR));
+        let mut is_known = true;
+        for (link, placed) in links.iter().zip(placed) {
+            let (centre, off) = (placed.centre(), placed.margin());
+            let at = lane % WIDTH;
+            (x.0[at], y.0[at], z.0[at]) = (centre.x, centre.y, centre.z);
+            (radius.0[at], margin.0[at]) = (link.radius, off);
+            let (centre, reach) = (centre.extend(0.0), Vec4::splat(link.radius + (off + off)));
+            let (low, high) = (centre - reach, centre + reach);
+            (min, max) = (min.min(low), max.max(high));
+            // Written so that of a NaN nothing is known.
+            is_known &= ((-low).cmple(far) & high.cmple(far)).all();
+            lane += 1;
+        }
+        *filled = (1 << lane) - 1;
+        let (min, max) = (min.truncate(), max.truncate());
+        *aabb = if is_known { Aabb { min, max } } else { Aabb::EVERYTHING };
     }
 
     #[inline(always)]
@@ -93,8 +124,7 @@ impl Sift<'_> {
         LinkRow::gather(links, world, gathered);
         for (number, row) in gathered.iter().enumerate() {
             let spheres = row.spheres(l);
-            let aabb = around(l, &spheres, row.filled);
-            self.list_near(l, (&spheres, row.filled), &aabb, near);
+            self.list_near(l, (&spheres, row.filled), &row.aabb, near);
             let any = near.iter().fold(0, |any, &(_, links)| any | links);
             for lane in bits(any) {
                 if self.open == 0 {
@@ -116,8 +146,8 @@ impl Sift<'_> {
             }
             let (b, row) = (link as usize, row as usize);
             let of_b = gathered[b / WIDTH].one(l, b % WIDTH);
-            let near = meeting(l, &gathered[row].spheres(l), &of_b).near & wanted;
-            for lane in bits(near) {
+            let met = near_spheres(l, &gathered[row].spheres(l), &of_b) & wanted;
+            for lane in bits(met) {
                 let of = |link: usize| (&links[link], placed.at(link));
                 self.rows_against_each_other(l, of(row * WIDTH + lane), of(b), 0);
             }
@@ -127,7 +157,56 @@ impl Sift<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::packed_aabbs::around;
     use super::*;
+    use dcd_simd::{Kernel, Path, dispatch_on};
+    use glam::Vec3;
+
+    /// The box round links at these places, as a state alone and as sixteen lanes have it.
+    struct BothBoxes<'a>(&'a [LinkSpheres], &'a [Vec3]);
+
+    impl Kernel for BothBoxes<'_> {
+        type Output = [Aabb; 2];
+
+        fn run<L: Lanes>(self, l: L) -> [Aabb; 2] {
+            let Self(links, places) = self;
+            let mut placed = vec![OneLink::default(); links.len()];
+            for ((link, placed), at) in links.iter().zip(&mut placed).zip(places) {
+                placed.columns = [Vec4::X, Vec4::Y, Vec4::Z, at.extend(0.0)];
+                placed.finish::<L>(link, 0.5);
+            }
+            let mut rows = Vec::new();
+            LinkRow::gather(links, &placed, &mut rows);
+            [rows[0].aabb, around(l, &rows[0].spheres(l), rows[0].filled)]
+        }
+    }
+
+    #[test]
+    fn the_box_round_links_is_that_of_the_lanes_and_everything_where_one_is_nowhere() {
+        let link = |k: usize| LinkSpheres {
+            centre: Vec3::new(0.1, -0.2, 0.05 * k as f32),
+            radius: 0.3 + 0.1 * k as f32,
+            lost: [1e-5, 1e-6],
+            ..LinkSpheres::default()
+        };
+        let place = |k: usize| Vec3::new(1.5, -0.7, 0.3) * (k as f32 * 2.7).sin();
+        let ends = [f32::NAN, f32::INFINITY, -2.0 * FAR, 1.5 * FAR];
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            for count in 1..=WIDTH {
+                let links: Vec<LinkSpheres> = (0..count).map(link).collect();
+                let mut places: Vec<Vec3> = (0..count).map(place).collect();
+                let [alone, lanes] = dispatch_on(path, BothBoxes(&links, &places));
+                assert_eq!(alone, lanes, "{path:?}, {count} links");
+                assert!(alone.max.max_element() < 10.0, "{path:?}, {count} links: {alone:?}");
+                for (axis, end) in ends.into_iter().enumerate() {
+                    places[axis % count][axis % 3] = end;
+                    let both = dispatch_on(path, BothBoxes(&links, &places));
+                    assert_eq!(both, [Aabb::EVERYTHING; 2], "{path:?}, {count} links, {end}");
+                    places[axis % count] = place(axis % count);
+                }
+            }
+        }
+    }
 
     #[test]
     fn rows_have_the_pairs_that_there_were_in_their_order() {

@@ -179,33 +179,46 @@ impl Chain {
         to.turns.resize(self.quaternions.len(), [Row::default(); 9]);
         let mut open = 0;
         for (lane, &state) in states.iter().take(WIDTH).enumerate() {
-            if state.len() != robot.moved.len() {
-                open |= 1 << lane;
-                continue;
-            }
-            // What moves nothing has to be a number too.
-            let mut is_known = self.is_bounded;
-            for value in state {
-                is_known &= value.is_finite();
-            }
-            for ((by, most), row) in self.drives.iter().zip(&mut to.rows) {
-                let value = state[by.value] * by.factor + by.offset;
-                is_known &= value.abs() <= *most;
-                row.0[lane] = value as f32;
-            }
-            for (&first, rows) in self.quaternions.iter().zip(&mut to.turns) {
-                is_known &= robot.check_state(state).is_ok();
-                let turn = DMat3::from_quat(quaternion(state, first).normalize());
-                for (row, number) in rows.iter_mut().zip(turn.to_cols_array()) {
-                    row.0[lane] = number as f32;
-                }
-            }
-            if !is_known {
+            if !self.read_state(robot, state, lane, to) {
                 open |= 1 << lane;
                 to.rows.iter_mut().for_each(|row| row.0[lane] = 0.0);
             }
         }
         open
+    }
+
+    /// The same of one state. Returns whether the bounds cover it. A function of its own: around its loops the compiler would
+    /// prepare more for sixteen states than one of them takes.
+    #[inline(never)]
+    fn read_state(&self, robot: &Robot, state: &[f64], lane: usize, to: &mut Drives) -> bool {
+        if state.len() != robot.moved.len() {
+            return false;
+        }
+        // What moves nothing has to be a number too.
+        let mut is_known = self.is_bounded;
+        for value in state {
+            is_known &= value.is_finite();
+        }
+        for ((by, most), row) in self.drives.iter().zip(&mut to.rows) {
+            let value = state[by.value] * by.factor + by.offset;
+            is_known &= value.abs() <= *most;
+            row.0[lane % WIDTH] = value as f32;
+        }
+        if !self.quaternions.is_empty() {
+            is_known &= robot.check_state(state).is_ok();
+            self.read_turns(state, lane, to);
+        }
+        is_known
+    }
+
+    /// Takes the rotations of a state's quaternions.
+    fn read_turns(&self, state: &[f64], lane: usize, to: &mut Drives) {
+        for (&first, rows) in self.quaternions.iter().zip(&mut to.turns) {
+            let turn = DMat3::from_quat(quaternion(state, first).normalize());
+            for (row, number) in rows.iter_mut().zip(turn.to_cols_array()) {
+                row.0[lane] = number as f32;
+            }
+        }
     }
 
     /// Places the links: `to` has a frame for each. Returns what all joints slide together, metres.

@@ -172,7 +172,7 @@ impl Sift<'_> {
         [a, b]: [usize; 2],
     ) {
         let (of_a, of_b) = (placed[a].spheres(l, &links[a]), placed[b].spheres(l, &links[b]));
-        let states = meeting(l, &of_a, &of_b).near & self.open;
+        let states = near_spheres(l, &of_a, &of_b) & self.open;
         for lane in bits(states) {
             let of = |slot: usize| (&links[slot], (placed, lane).at(slot));
             self.rows_against_each_other(l, of(a), of(b), lane);
@@ -197,7 +197,7 @@ impl Sift<'_> {
         };
         for row in &b.0.rows {
             let of_b = b.1.row(l, row);
-            let candidates = meeting(l, &own, &of_b).near & row.filled;
+            let candidates = near_spheres(l, &own, &of_b) & row.filled;
             if candidates == 0 {
                 continue;
             }
@@ -286,14 +286,25 @@ impl Sift<'_> {
 /// Which spheres of the same number meet.
 #[inline(always)]
 pub(super) fn meeting<L: Lanes>(l: L, a: &SpherePacket<L>, b: &SpherePacket<L>) -> Overlaps {
-    let x = l.sub(a.centre[0], b.centre[0]);
-    let y = l.sub(a.centre[1], b.centre[1]);
-    let z = l.sub(a.centre[2], b.centre[2]);
-    let square = l.mul_add(x, x, l.mul_add(y, y, l.mul(z, z)));
-    let margin = l.add(a.margin, b.margin);
+    let (square, margin) = (between(l, a, b), l.add(a.margin, b.margin));
     let near = within(l, square, l.add(l.add(a.outer, b.outer), margin));
     let touched = inside(l, square, l.sub(l.add(a.inner, b.inner), margin));
     Overlaps { near: near | touched, touched }
+}
+
+/// The same of spheres round links, which prove no contact.
+#[inline(always)]
+pub(super) fn near_spheres<L: Lanes>(l: L, a: &SpherePacket<L>, b: &SpherePacket<L>) -> u32 {
+    within(l, between(l, a, b), l.add(l.add(a.outer, b.outer), l.add(a.margin, b.margin)))
+}
+
+/// The squared distances of the centres, m².
+#[inline(always)]
+fn between<L: Lanes>(l: L, a: &SpherePacket<L>, b: &SpherePacket<L>) -> L::F {
+    let x = l.sub(a.centre[0], b.centre[0]);
+    let y = l.sub(a.centre[1], b.centre[1]);
+    let z = l.sub(a.centre[2], b.centre[2]);
+    l.mul_add(x, x, l.mul_add(y, y, l.mul(z, z)))
 }
 
 /// Number of lanes, as the masks have them.

@@ -146,7 +146,7 @@ impl Worker {
         self.next.sort_unstable();
         self.next.dedup();
         let decided = self.decide((checker, states), note);
-        sort(&mut hits, start as u32, &mut self.unsorted);
+        sort(&mut hits, (start as u32, states.len()), &mut self.unsorted);
         hits.dedup_by_key(|hit| (hit.state, hit.pair));
         self.hits = hits;
         decided.map_err(|e| at(start, e))
@@ -307,16 +307,20 @@ impl Worker {
     }
 }
 
-/// Sorts the hits of a chunk that begins with that state by states, pairs and whether they touch: by states first, which
+/// Sorts the hits of so many states, a chunk at most, that begin with that one by states, pairs and whether they touch: by states first, which
 /// leaves few to compare.
-fn sort(hits: &mut [StateHit], start: u32, unsorted: &mut Vec<StateHit>) {
+fn sort(hits: &mut [StateHit], (start, states): (u32, usize), unsorted: &mut Vec<StateHit>) {
+    let by_pair = |hit: &StateHit| (hit.pair, !hit.touches());
+    if states == 1 {
+        return hits.sort_unstable_by_key(by_pair);
+    }
     unsorted.clear();
     unsorted.extend_from_slice(hits);
     let mut ends = [0; CHUNK + 1];
     for hit in &*hits {
         ends[(hit.state - start) as usize + 1] += 1;
     }
-    for state in 0..CHUNK {
+    for state in 0..states {
         ends[state + 1] += ends[state];
     }
     // Filled from each state's first place on, which so becomes its end.
@@ -326,8 +330,8 @@ fn sort(hits: &mut [StateHit], start: u32, unsorted: &mut Vec<StateHit>) {
         *next += 1;
     }
     let mut from = 0;
-    for &end in &ends[..CHUNK] {
-        hits[from..end].sort_unstable_by_key(|hit| (hit.pair, !hit.touches()));
+    for &end in &ends[..states] {
+        hits[from..end].sort_unstable_by_key(by_pair);
         from = end;
     }
 }

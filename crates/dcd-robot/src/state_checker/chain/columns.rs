@@ -29,10 +29,14 @@ impl Chain {
         }
         let (axes, at) = (self.base.rotation, self.base.translation);
         let column = |k: usize| axes.col(k).as_vec3().extend(0.0);
-        to[self.root].columns = [column(0), column(1), column(2), at.as_vec3().extend(0.0)];
+        // What was placed last stays in registers: most often it is the next one's parent, and each step waits for the one
+        // before it.
+        let mut last = self.root;
+        let mut held = [column(0), column(1), column(2), at.as_vec3().extend(0.0)];
+        to[last].columns = held;
         let mut slid = 0.0;
         for step in &self.steps {
-            let [x, y, z, at] = to[step.parent].columns;
+            let [x, y, z, at] = if step.parent == last { held } else { to[step.parent].columns };
             let at = moved::<L>([x, y, z], step.by, at);
             let axes = match &step.turned {
                 Some([a, b, c]) => {
@@ -41,7 +45,7 @@ impl Chain {
                 }
                 None => [x, y, z],
             };
-            to[step.child].columns = match step.moves {
+            held = match step.moves {
                 Moves::Never => [axes[0], axes[1], axes[2], at],
                 Moves::About(axis, sign, row) => {
                     let [sin, cos] = l.sin_cos(&drives.rows, row);
@@ -86,6 +90,8 @@ impl Chain {
                     turned_by::<L>(axes, at, &turn)
                 }
             };
+            last = step.child;
+            to[last].columns = held;
         }
         slid
     }
