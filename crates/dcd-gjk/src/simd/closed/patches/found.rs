@@ -133,11 +133,6 @@ impl CuboidPatch<'_> {
 }
 
 impl Codes {
-    #[inline(always)]
-    pub(crate) fn count(self) -> u8 {
-        self.0 as u8 & 7
-    }
-
     /// The numbers of the first's edge and of the second's that make the normal.
     #[inline(always)]
     pub(crate) fn edges(self) -> [Option<usize>; 2] {
