@@ -34,6 +34,7 @@ use crate::mesh::{self, PartIndex};
 use crate::simd::CuboidPatch;
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
 use corners::Corners;
+pub(crate) use cuboids::case_of;
 use dcd_geom::glam::DVec3;
 use dcd_simd::ArrayVec;
 pub(crate) use facing::{FACING, LEVEL};

@@ -52,7 +52,7 @@ pub(crate) struct Shown {
     pub(crate) axis: u32,
     /// The number of the farthest corner: a bit for each axis.
     pub(crate) corner: u32,
-    /// How the half edges compare: see [`Cuboids::case`](super::Cuboids::case).
+    /// How the half edges compare: see [`case_of`](crate::query::case_of).
     pub(crate) case: u32,
 }
 
