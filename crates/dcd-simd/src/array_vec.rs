@@ -34,6 +34,18 @@ impl<T: Copy, const N: usize> ArrayVec<T, N> {
         }
     }
 
+    /// Adds items at the end, as many as there is room for: their number is kept in a register meanwhile.
+    #[inline(always)]
+    pub fn extend(&mut self, items: impl Iterator<Item = T>) {
+        let mut count = usize::from(self.count);
+        for item in items.take(N - count) {
+            // SAFETY: `take` leaves no more than there are places from `count` on.
+            unsafe { self.items.as_mut_ptr().cast::<T>().add(count).write(item) }
+            count += 1;
+        }
+        self.count = count as u8;
+    }
+
     /// Takes all items out.
     #[inline(always)]
     pub fn clear(&mut self) {
@@ -91,6 +103,9 @@ mod tests {
         }
         assert_eq!(*list, [10, 11, 12]);
         list[1] = 7;
+        list.clear();
+        list.push(10);
+        list.extend([7, 12, 13, 14].into_iter());
         let copy = list;
         list.clear();
         assert_eq!((list.len(), &*copy), (0, &[10, 7, 12][..]));

@@ -67,9 +67,7 @@ pub(super) fn measure(sides: [PosedShape<'_>; 2], scratch: &mut Scratch) -> Opti
     }
     let (kept, count) = reduce::to_four(below, SAME * resting.size)?;
     let mut found = Manifold { normal: depth.normal, ..Manifold::default() };
-    for &k in &kept[..count] {
-        found.points.push(resting.point(&below[k], &depth));
-    }
+    found.points.extend(kept[..count].iter().map(|&k| resting.point(&below[k], &depth)));
     found.points[0].depth = depth.depth;
     found.parts = found.points[0].parts;
     // What is lost of a depth, once more of the other vertices'.

@@ -180,9 +180,7 @@ impl<'a> Resting<'a> {
             return;
         };
         let kept = &kept[..count];
-        for &k in kept {
-            found.points.push(self.point(&corners[k], depth.depth));
-        }
+        found.points.extend(kept.iter().map(|&k| self.point(&corners[k], depth.depth)));
         found.points[0].depth = depth.depth;
         found.normal = depth.normal;
         found.error_bound = (error_bound + self.off_surface(depth, corners, kept)).min(f64::MAX);
