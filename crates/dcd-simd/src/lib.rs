@@ -14,6 +14,7 @@
 mod aabb;
 mod aabb128;
 mod aabb16;
+mod array_vec;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -35,6 +36,7 @@ mod unfused;
 pub use aabb::Aabb;
 pub use aabb16::Aabb16;
 pub use aabb128::{Aabb128, Mask128};
+pub use array_vec::ArrayVec;
 pub use box_test::{BoxTest, HeightsAlong, PlaneSet, PointDistance, RaySlabs, nearest_first};
 pub use lanes::Lanes;
 pub use pair::Pair;

@@ -1,6 +1,7 @@
 //! What the lanes read of a shape, in one place for all shapes of a scene.
 
 use super::inscribed::Inscribed;
+use crate::query::case_of;
 use dcd_geom::glam::{DVec3, Vec3};
 use dcd_geom::{
     Compound, Curved, Kind, ObbBounds, Polytope, Pose, Revision, Scene, Shape, SupportMap,
@@ -62,7 +63,12 @@ pub(crate) struct ObbBoundsF32 {
     pub(crate) outer: Vec3,
     /// Half the edges of the inner box, rounded down.
     pub(crate) inner: Vec3,
+    /// Of a cuboid how its half edges compare: see [`case_of`]. [`UNKNOWN_CASE`] where that does not tell, and for others.
+    pub(crate) case: f32,
 }
+
+/// More than any of [`case_of`], and below 32.
+const UNKNOWN_CASE: u32 = 31;
 
 impl ObbBoundsF32 {
     fn of(obb: &ObbBounds) -> Self {
@@ -75,6 +81,7 @@ impl ObbBoundsF32 {
             axes: axes.map(|axis| axis.as_vec3()),
             outer: Vec3::new(x, y, z),
             inner: Vec3::new(u, v, w),
+            case: UNKNOWN_CASE as f32,
         }
     }
 }
@@ -181,7 +188,12 @@ impl Cores {
             is_sphere: polytope.kind() == Kind::Point && polytope.reach() == 0.0,
             ..Core::default()
         };
-        self.with_blocks(core, polytope.vertices(), polytope.obb())
+        let (core, obb) = self.with_blocks(core, polytope.vertices(), polytope.obb());
+        let case = match polytope.kind() {
+            Kind::Cuboid { half_extents } => case_of(half_extents.to_array()),
+            _ => None,
+        };
+        (core, obb.map(|obb| ObbBoundsF32 { case: case.unwrap_or(UNKNOWN_CASE) as f32, ..obb }))
     }
 
     fn of_inscribed(&mut self, hull: &Inscribed, shape: &Shape) -> (Core, Option<ObbBoundsF32>) {

@@ -139,7 +139,8 @@ pub(super) struct Record {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ObbRecord {
     /// Three directions of edges in the world; half the edges of a box that holds the object, its
-    /// swept radius included, rounded up; and of one inside it, rounded down. Fifteen numbers.
+    /// swept radius included, rounded up; and of one inside it, rounded down. The sixteenth number says how a cuboid's half
+    /// edges compare.
     pub(super) numbers: Row,
 }
 

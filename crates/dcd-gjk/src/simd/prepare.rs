@@ -218,6 +218,7 @@ pub(super) fn turn(obb: &ObbBoundsF32, record: &Record, pose: &Pose) -> ObbRecor
         numbers.0[9 + axis] = above(outer);
         numbers.0[12 + axis] = below((f64::from(obb.inner[axis]) - margin).max(0.0));
     }
+    numbers.0[15] = obb.case;
     ObbRecord { numbers }
 }
 

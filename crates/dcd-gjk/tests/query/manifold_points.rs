@@ -6,7 +6,7 @@ use super::patches::grid;
 use super::scenes::Draw;
 use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::{Pose, Shape};
-use dcd_gjk::query::MeasureAt;
+use dcd_gjk::query::{Feature, MeasureAt};
 use dcd_gjk::{Accuracy, Depths, Manifold, Manifolds, PosedShape, SimdDepths, Verdict, certified};
 use dcd_pipeline::prelude::{Par, Pipeline, Scene, WideTree};
 
@@ -129,6 +129,27 @@ pub(super) fn judge_depth(
     assert!(!is_shallower, "{what}: not as deep as {found:?}");
 }
 
+/// How little a face that a manifold names may look along its normal: 15 degrees and what f32 loses.
+const FACING: f64 = 0.965;
+
+/// Whether every face that a manifold of polytopes names looks along its normal, as the shape's own list of faces has it. How
+/// many do.
+fn judge_faces(found: &Manifold, sides: [PosedShape<'_>; 2], what: &str) -> usize {
+    let mut judged = 0;
+    for point in found.points() {
+        for ((side, feature), sense) in sides.iter().zip(point.features).zip([1.0, -1.0]) {
+            let (Some(polytope), Feature::Face(face)) = (side.shape.as_polytope(), feature) else {
+                continue;
+            };
+            let normal = *side.pose.rotation() * polytope.facets().facets()[face as usize].normal;
+            let cosine = normal.dot(found.normal) * sense;
+            assert!(cosine > FACING, "{what}: {point:?} on a face at {cosine}");
+            judged += 1;
+        }
+    }
+    judged
+}
+
 /// The manifold at each accuracy of two shapes that touch, judged. How many.
 pub(super) fn judge_all(
     [a, b]: [PosedShape<'_>; 2],
@@ -207,7 +228,7 @@ fn crowd(draw: &mut Draw, round: bool) -> Scene {
 #[test]
 fn so_are_the_points_of_a_scenes_manifolds_and_its_depths() {
     let mut draw = Draw::seeded(23);
-    let [mut manifolds, mut depths] = [0; 2];
+    let [mut manifolds, mut depths, mut faces] = [0; 3];
     for k in 0..60usize {
         let scene = crowd(&mut draw, k % 2 == 0);
         let posed = |object: u32| PosedShape::of(&scene, object);
@@ -225,6 +246,7 @@ fn so_are_the_points_of_a_scenes_manifolds_and_its_depths() {
                 judge(manifold, sides, (ROUNDING, &what));
                 if are_convex {
                     judge_depth(manifold, sides, (ROUNDING, &what));
+                    faces += judge_faces(manifold, sides, &what);
                 }
                 manifolds += 1;
             }
@@ -242,5 +264,5 @@ fn so_are_the_points_of_a_scenes_manifolds_and_its_depths() {
             depths += 1;
         }
     }
-    assert!(manifolds > 4_000 && depths > 4_000, "{manifolds} {depths}");
+    assert!(manifolds > 4_000 && depths > 4_000 && faces > 2_000, "{manifolds} {depths} {faces}");
 }

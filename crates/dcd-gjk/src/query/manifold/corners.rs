@@ -6,7 +6,8 @@ use super::feature::{Placed, Seen, View};
 use super::reduce::Spot;
 use super::triangle_clip::{self, Outline};
 use super::{
-    Feature, Manifold, SAME, bound_of, bound_of_witnesses, missed, reduce, write_one_point,
+    Feature, Manifold, ManifoldPoint, SAME, bound_of, bound_of_witnesses, missed, reduce,
+    write_one_point,
 };
 use super::{cuboid_polygon, cuboids, hull_pair, on_plane};
 use crate::PosedShape;
@@ -267,19 +268,21 @@ impl Corners {
         };
         let mut off_surface = 0.0f64;
         let origin = a.pose.translation();
-        for ((point, pair), &k) in found.points.iter_mut().zip(&mut pairs).zip(&kept[..count]) {
+        for (pair, &k) in pairs.iter_mut().zip(&kept[..count]) {
             let corner = &self.corners[k];
             *pair = Some(corner.pair);
             off_surface = off_surface.max(corner.off_surface(depth.depth));
             let [height_a, height_b] = corner.heights;
-            point.point_a = view.in_world(corner.at, height_a) + origin;
-            point.point_b = view.in_world(corner.at, height_b) + origin;
-            point.depth = corner.depth().clamp(0.0, depth.depth);
-            point.features = corner.features;
+            found.points.push(ManifoldPoint {
+                point_a: view.in_world(corner.at, height_a) + origin,
+                point_b: view.in_world(corner.at, height_b) + origin,
+                depth: corner.depth().clamp(0.0, depth.depth),
+                features: corner.features,
+                parts: [None; 2],
+            });
         }
         found.points[0].depth = depth.depth;
         found.normal = depth.normal;
-        found.count = count as u8;
         found.error_bound = (error_bound + off_surface).min(f64::MAX);
         pairs
     }

@@ -4,7 +4,7 @@ use super::clip::different;
 use super::cuboid_polygon::{MOST, Points, features};
 use super::cuboids::{self, Clipped, Clipping};
 use super::reduce::{self, Spot};
-use super::{Manifold, SAME, bound_of, bound_of_witnesses, write_one_point};
+use super::{Manifold, ManifoldPoint, SAME, bound_of, bound_of_witnesses, write_one_point};
 use crate::PosedShape;
 use crate::epa::Depth;
 use dcd_geom::glam::{DVec2, DVec3};
@@ -77,24 +77,24 @@ impl Seen<'_> {
         let mut off_surface = 0.0f64;
         let whole = [patch.whole[self.number], patch.whole[1 - self.number]];
         let normal = depth.normal;
-        for (point, &k) in found.points.iter_mut().zip(&kept[..count]) {
+        for &k in &kept[..count] {
             let place = &places[k];
             let corner = &points.list()[place.number];
             let on_face = self.clipping.in_world(corner.at) + origin;
             let [of_clips, of_clipped] = features(corner.origin, whole);
-            point.depth = place.depth.clamp(0.0, depth.depth);
             off_surface = off_surface.max(inside.min((depth.depth - place.depth).max(0.0)));
-            if self.number == 0 {
-                point.point_a = on_face + normal * radii[0];
-                point.point_b = on_face - normal * (corner.depth + radii[1]);
-                point.features = [of_clips, of_clipped];
-            } else {
-                point.point_a = on_face + normal * (corner.depth + radii[0]);
-                point.point_b = on_face - normal * radii[1];
-                point.features = [of_clipped, of_clips];
-            }
+            let ([over_a, under_b], features) = match self.number {
+                0 => ([0.0, corner.depth], [of_clips, of_clipped]),
+                _ => ([corner.depth, 0.0], [of_clipped, of_clips]),
+            };
+            found.points.push(ManifoldPoint {
+                point_a: on_face + normal * (over_a + radii[0]),
+                point_b: on_face - normal * (under_b + radii[1]),
+                depth: place.depth.clamp(0.0, depth.depth),
+                features,
+                parts: [None; 2],
+            });
         }
-        found.count = count as u8;
         found.points[0].depth = depth.depth;
         found.error_bound = (found.error_bound + off_surface).min(f64::MAX);
         true

@@ -1,6 +1,6 @@
 //! The manifold of two cuboids from the patch that the lanes found: f64 numbers and features from its codes.
 
-use super::{Feature, Manifold, cuboids};
+use super::{Feature, Manifold, ManifoldPoint, cuboids};
 use crate::PosedShape;
 use crate::simd::{CuboidPatch, PatchPoint, Shown, ShownKind};
 use dcd_geom::Kind;
@@ -28,23 +28,19 @@ pub(super) fn write(
     let to_other = normal * if codes.clips() == 0 { -1.0 } else { 1.0 };
     let is_crossing = clips.kind != ShownKind::Face;
     let corners = Numbered::of([clips, other]);
-    for (point, of_lanes) in found.points.iter_mut().zip(patch.points()) {
+    for of_lanes in patch.points() {
         let PatchPoint { offset: [x, y, z], depth, bounds } = of_lanes;
         let depth = f64::from(depth);
         let on_clips = origin + DVec3::new(x.into(), y.into(), z.into());
         let on_other = on_clips + to_other * depth;
         let [of_clips, of_other] =
             if is_crossing { whole } else { corners.features(bounds, whole) };
-        point.depth = depth;
-        if is_of_a {
-            (point.point_a, point.point_b) = (on_clips, on_other);
-            point.features = [of_clips, of_other];
-        } else {
-            (point.point_a, point.point_b) = (on_other, on_clips);
-            point.features = [of_other, of_clips];
-        }
+        let ([point_a, point_b], features) = match is_of_a {
+            true => ([on_clips, on_other], [of_clips, of_other]),
+            false => ([on_other, on_clips], [of_other, of_clips]),
+        };
+        found.points.push(ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] });
     }
-    found.count = codes.count();
     found.normal = normal * if is_swapped { -1.0 } else { 1.0 };
     let far = origin.length() + sides[1].pose.translation().length();
     found.error_bound = f64::from(patch.error_bound()) + 8.0 * f64::EPSILON * far;

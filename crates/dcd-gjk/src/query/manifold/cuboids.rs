@@ -222,13 +222,12 @@ pub(super) fn face_number(
     k: usize,
     is_forward: bool,
 ) -> Option<u32> {
-    match numbers_of(half) {
-        Some(numbers) => Some(numbers[(2 * k + usize::from(is_forward)) % 8].into()),
-        None => listed_number(polytope, k, is_forward),
-    }
+    case_of(half)
+        .and_then(|case| number_in(case, k, is_forward))
+        .or_else(|| listed_number(polytope, k, is_forward))
 }
 
-/// The same where it is known how the half edges compare: by the digits of [`NUMBERS`]. `None` of a larger number.
+/// The same where it is known how the half edges compare: see [`case_of`]. `None` of a larger number.
 #[inline(always)]
 pub(super) fn number_in(case: u32, k: usize, is_forward: bool) -> Option<u32> {
     let numbers = NUMBERS.get(case as usize)?;
@@ -251,10 +250,10 @@ const DISTINCT: [f64; 2] = [1e-6, 1e-3];
 /// The largest half edges of boxes whose faces' order is known: squared areas stay clear of under- and overflow.
 const SIZES: std::ops::Range<f64> = 1e-60..1e60;
 
-/// The numbers of the faces against the first axis, along it, against the second, and so on. They hang on nothing but the
-/// order of the half edges, which saves a search for the hull. `None` where rounding could play a part.
+/// How the half edges of a box compare, as the digits of [`NUMBERS`]: the order of its faces hangs on nothing else, which
+/// saves a search for the hull. `None` where rounding could play a part.
 #[inline(always)]
-fn numbers_of([x, y, z]: [f64; 3]) -> Option<&'static [u8; 8]> {
+pub(crate) fn case_of([x, y, z]: [f64; 3]) -> Option<u32> {
     let larger = |v: f64, w: f64| if v > w { v } else { w };
     let smaller = |v: f64, w: f64| if v < w { v } else { w };
     let (most, least) = (larger(larger(x, y), z), smaller(smaller(x, y), z));
@@ -265,12 +264,13 @@ fn numbers_of([x, y, z]: [f64; 3]) -> Option<&'static [u8; 8]> {
     if !(is_known & is_sure(x, y) & is_sure(x, z) & is_sure(y, z)) {
         return None;
     }
-    let digit = |v: f64, w: f64| 1 + usize::from(v > w) - usize::from(v < w);
-    Some(&NUMBERS[9 * digit(x, y) + 3 * digit(x, z) + digit(y, z)])
+    let digit = |v: f64, w: f64| 1 + u32::from(v > w) - u32::from(v < w);
+    Some(9 * digit(x, y) + 3 * digit(x, z) + digit(y, z))
 }
 
-/// By how the half edges compare: x with y, x with z, y with z; 0 for less, 1 for equal, 2 for greater, as three digits. Eight
-/// of six, so that no index is too large.
+/// The numbers of the faces against the first axis, along it, against the second, and so on; eight of six, so that no index
+/// is too large. By how the half edges compare: x with y, x with z, y with z; 0 for less, 1 for equal, 2 for greater, as three
+/// digits.
 static NUMBERS: [[u8; 8]; 27] = {
     let mut numbers = [[0; 8]; 27];
     let mut case = 0;
@@ -458,7 +458,7 @@ pub(super) mod tests {
         let (mut draw, mut known) = (Draw(81), [0; 2]);
         for _ in 0..20_000 {
             let half = half_edges(&mut draw);
-            let Some(numbers) = numbers_of(half) else {
+            let Some(case) = case_of(half) else {
                 known[0] += 1;
                 continue;
             };
@@ -466,10 +466,11 @@ pub(super) mod tests {
             let cuboid = Polytope::cuboid(DVec3::from_array(half)).unwrap();
             let facets = cuboid.facets().facets();
             assert_eq!(facets.len(), 6, "{half:?}");
-            for (k, &number) in numbers[..6].iter().enumerate() {
-                let sense = if k % 2 == 1 { 1.0 } else { -1.0 };
-                let normal = facets[usize::from(number)].normal;
-                assert!(normal[k / 2] * sense > 0.99, "{half:?} {facets:?} {numbers:?}");
+            for (k, is_forward) in (0..6).map(|k| (k / 2, k % 2 == 1)) {
+                let sense = if is_forward { 1.0 } else { -1.0 };
+                let number = number_in(case, k, is_forward).unwrap();
+                let normal = facets[number as usize].normal;
+                assert!(normal[k] * sense > 0.99, "{half:?} {facets:?} {k} {number}");
             }
         }
         assert!(known.into_iter().all(|count| count > 2000), "{known:?}");

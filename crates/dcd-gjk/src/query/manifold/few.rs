@@ -114,7 +114,7 @@ impl Patches<'_, '_> {
         write_of_two(depth, posed, self.corners, manifold);
         let parts = [0, 1].map(|k| mesh::part_index(self.sides[k].shape, pair[k]));
         manifold.parts = parts;
-        for point in &mut manifold.points[..usize::from(manifold.count)] {
+        for point in &mut *manifold.points {
             let [of_a, of_b] = point.features;
             let name = |k: usize, feature| few_parts::name(self.sides[k], pair[k], feature);
             point.features = [name(0, of_a)?, name(1, of_b)?];
@@ -154,8 +154,7 @@ impl Patches<'_, '_> {
         let [a, b] = self.sides;
         let parts = |[j, k]: [u32; 2]| [mesh::part_index(a.shape, j), mesh::part_index(b.shape, k)];
         manifold.parts = parts(self.found[lead].pair);
-        let points = &mut manifold.points[..usize::from(manifold.count)];
-        for (point, number) in points.iter_mut().zip(of_points) {
+        for (point, number) in manifold.points.iter_mut().zip(of_points) {
             let [j, k] = self.found[number.map_or(lead, |number| number as usize)].pair;
             let [of_a, of_b] = point.features;
             point.features = [few_parts::name(a, j, of_a)?, few_parts::name(b, k, of_b)?];

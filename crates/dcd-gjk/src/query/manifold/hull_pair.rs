@@ -9,7 +9,9 @@ use super::cuboid_polygon::{LineOf, PointOf, Polygon, features};
 use super::facing::Part;
 use super::feature::{Placed, View};
 use super::reduce::{self, Spot};
-use super::{CROSSING, Feature, Manifold, SAME, bound_of, bound_of_witnesses, write_one_point};
+use super::{
+    CROSSING, Feature, Manifold, ManifoldPoint, SAME, bound_of, bound_of_witnesses, write_one_point,
+};
 use crate::PosedShape;
 use crate::epa::Depth;
 use crate::query::FoundDepth;
@@ -244,24 +246,24 @@ impl Clipping<'_> {
         let leans = |side: &Side<'_>| side.polytope.swept_radius() * (1.0 - side.level).max(0.0);
         let inside = leans(self.clips).max(leans(self.clipped));
         let mut off_surface = 0.0f64;
-        for (point, &k) in found.points.iter_mut().zip(&kept[..count]) {
+        for &k in &kept[..count] {
             let place = &places[k];
             let corner = &list[place.number];
             let height = self.height(base, place.at);
             let [of_clips, of_clipped] = features(corner.origin, whole);
-            let heights = if self.number == 0 {
-                point.features = [of_clips, of_clipped];
-                [height, height - corner.depth]
-            } else {
-                point.features = [of_clipped, of_clips];
-                [height + corner.depth, height]
+            let (heights, features) = match self.number {
+                0 => ([height, height - corner.depth], [of_clips, of_clipped]),
+                _ => ([height + corner.depth, height], [of_clipped, of_clips]),
             };
-            point.point_a = self.view.in_world(place.at, heights[0] + radii[0]) + origin;
-            point.point_b = self.view.in_world(place.at, heights[1] - radii[1]) + origin;
-            point.depth = place.depth.clamp(0.0, depth.depth);
             off_surface = off_surface.max(inside.min((depth.depth - Spot::depth(place)).max(0.0)));
+            found.points.push(ManifoldPoint {
+                point_a: self.view.in_world(place.at, heights[0] + radii[0]) + origin,
+                point_b: self.view.in_world(place.at, heights[1] - radii[1]) + origin,
+                depth: place.depth.clamp(0.0, depth.depth),
+                features,
+                parts: [None; 2],
+            });
         }
-        found.count = count as u8;
         found.points[0].depth = depth.depth;
         found.error_bound = (found.error_bound + off_surface).min(f64::MAX);
         true

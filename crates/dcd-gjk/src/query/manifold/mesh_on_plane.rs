@@ -66,10 +66,8 @@ pub(super) fn measure(sides: [PosedShape<'_>; 2], scratch: &mut Scratch) -> Opti
         below.truncate(count);
     }
     let (kept, count) = reduce::to_four(below, SAME * resting.size)?;
-    let mut found = Manifold { normal: depth.normal, count: count as u8, ..Manifold::EMPTY };
-    for (point, &k) in found.points.iter_mut().zip(&kept[..count]) {
-        *point = resting.point(&below[k], &depth);
-    }
+    let mut found = Manifold { normal: depth.normal, ..Manifold::default() };
+    found.points.extend(kept[..count].iter().map(|&k| resting.point(&below[k], &depth)));
     found.points[0].depth = depth.depth;
     found.parts = found.points[0].parts;
     // What is lost of a depth, once more of the other vertices'.

@@ -34,7 +34,9 @@ use crate::mesh::{self, PartIndex};
 use crate::simd::CuboidPatch;
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
 use corners::Corners;
+pub(crate) use cuboids::case_of;
 use dcd_geom::glam::DVec3;
+use dcd_simd::ArrayVec;
 pub(crate) use facing::{FACING, LEVEL};
 use feature::View;
 use on_plane::Resting;
@@ -48,8 +50,7 @@ pub use surface::{ManifoldOptions, MeshEdges, MeshSides};
 pub struct Manifold {
     /// From a to b, of unit length: the direction of the deepest parts' [`Depth`].
     pub normal: DVec3,
-    points: [ManifoldPoint; 4],
-    count: u8,
+    points: ArrayVec<ManifoldPoint, 4>,
     /// How far a point may be off its object's surface, and the first one's depth off that of the deepest parts:
     /// metres. The depth's own bound, and how flat a face is, about 1e-8 of the objects' size. More where a rounded face
     /// leans, at most by what its points are less deep than the first; and where parts meet along normals that agree
@@ -92,42 +93,21 @@ pub enum Feature {
 
 impl Default for Manifold {
     /// Without a point.
-    #[inline]
+    #[inline(always)]
     fn default() -> Self {
-        Self::EMPTY
+        Self { normal: DVec3::ZERO, points: ArrayVec::new(), error_bound: 0.0, parts: [None; 2] }
     }
 }
 
-impl ManifoldPoint {
-    /// None.
-    const EMPTY: Self = Self {
-        point_a: DVec3::ZERO,
-        point_b: DVec3::ZERO,
-        depth: 0.0,
-        features: [Feature::Surface; 2],
-        parts: [None; 2],
-    };
-}
-
 impl Manifold {
-    /// A constant, which is copied once; what is made of parts is copied part by part.
-    const EMPTY: Self = Self {
-        normal: DVec3::ZERO,
-        points: [ManifoldPoint::EMPTY; 4],
-        count: 0,
-        error_bound: 0.0,
-        parts: [None; 2],
-    };
-
     /// One to four, the deepest first.
     pub fn points(&self) -> &[ManifoldPoint] {
-        &self.points[..usize::from(self.count)]
+        &self.points
     }
 
     /// Exchanges a and b.
     fn mirror(&mut self) {
-        // The others are as empty either way.
-        for point in &mut self.points[..usize::from(self.count)] {
+        for point in &mut *self.points {
             (point.point_a, point.point_b) = (point.point_b, point.point_a);
             point.features.reverse();
             point.parts.reverse();
@@ -338,7 +318,7 @@ fn of_depth(
 /// One manifold, empty and then written.
 #[inline]
 fn written(write: impl FnOnce(&mut Manifold)) -> Verdict<ManifoldSet> {
-    let mut found = Manifold::EMPTY;
+    let mut found = Manifold::default();
     write(&mut found);
     Verdict::Touching(found.into())
 }
@@ -349,7 +329,7 @@ fn of_few_or_more(
     sides: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
 ) -> Verdict<ManifoldSet> {
-    let mut answer = Verdict::Touching(ManifoldSet::EMPTY_ONE);
+    let mut answer = Verdict::Touching(ManifoldSet::empty_one());
     let is_written = match &mut answer {
         Verdict::Touching(set) => few::write(sides, scratch, set),
         _ => false,
@@ -484,10 +464,8 @@ fn write_in_order(
 
 /// The witnesses of the depth alone, over an empty manifold.
 fn write_one_point(depth: &Depth, features: [Feature; 2], found: &mut Manifold) {
-    let point = &mut found.points[0];
-    (point.point_a, point.point_b) = (depth.point_a, depth.point_b);
-    (point.depth, point.features) = (depth.depth, features);
-    found.normal = depth.normal;
-    found.count = 1;
-    found.error_bound = depth.error_bound;
+    let &Depth { depth, normal, point_a, point_b, error_bound } = depth;
+    found.points.push(ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] });
+    found.normal = normal;
+    found.error_bound = error_bound;
 }

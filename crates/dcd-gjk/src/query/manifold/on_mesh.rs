@@ -139,8 +139,7 @@ impl Patches<'_> {
         manifold.error_bound = (manifold.error_bound + rest).min(f64::MAX);
         let part = |k: usize| Some(PartIndex::Triangle(self.of.triangles[k].triangle));
         manifold.parts = [part(lead), None];
-        let count = usize::from(manifold.count);
-        for (point, pair) in manifold.points[..count].iter_mut().zip(of_points) {
+        for (point, pair) in manifold.points.iter_mut().zip(of_points) {
             point.parts = [part(pair.map_or(lead, |pair| pair as usize)), None];
         }
         Some(())

@@ -180,11 +180,9 @@ impl<'a> Resting<'a> {
             return;
         };
         let kept = &kept[..count];
-        for (point, &k) in found.points.iter_mut().zip(kept) {
-            self.write_point(&corners[k], depth.depth, point);
-        }
+        found.points.extend(kept.iter().map(|&k| self.point(&corners[k], depth.depth)));
         found.points[0].depth = depth.depth;
-        (found.normal, found.count) = (depth.normal, count as u8);
+        found.normal = depth.normal;
         found.error_bound = (error_bound + self.off_surface(depth, corners, kept)).min(f64::MAX);
     }
 
@@ -243,15 +241,16 @@ impl<'a> Resting<'a> {
 
     /// A corner's points: of the shape, and of the plane over it.
     #[inline]
-    fn write_point(&self, corner: &Corner, most: f64, point: &mut ManifoldPoint) {
+    fn point(&self, corner: &Corner, most: f64) -> ManifoldPoint {
         let side = self.sides[self.number];
         let swept = side.pose.translation() + self.towards * side.shape.radius();
         let on_shape = *side.pose.rotation() * corner.point + swept;
         let on_plane = on_shape - self.towards * corner.depth;
-        (point.point_a, point.point_b) =
+        let (point_a, point_b) =
             if self.number == 0 { (on_shape, on_plane) } else { (on_plane, on_shape) };
-        point.depth = corner.depth.clamp(0.0, most);
-        point.features = self.features(Feature::Vertex(corner.index));
+        let depth = corner.depth.clamp(0.0, most);
+        let features = self.features(Feature::Vertex(corner.index));
+        ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] }
     }
 
     fn features(&self, own: Feature) -> [Feature; 2] {

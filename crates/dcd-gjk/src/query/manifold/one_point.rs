@@ -8,6 +8,7 @@ use crate::epa::Depth;
 use crate::{PosedShape, Verdict, order};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Shape};
+use dcd_simd::ArrayVec;
 
 /// The features and the bound of two shapes that touch in the witnesses of their depth alone, as is known at once.
 #[inline]
@@ -28,10 +29,10 @@ pub(super) fn of_one_point(
     (features, error_bound): ([Feature; 2], f64),
 ) -> Verdict<ManifoldSet> {
     // Written where it is returned: a copy of a manifold takes as long as the depth of spheres.
-    const NONE: ManifoldPoint = ManifoldPoint::EMPTY;
-    let point = ManifoldPoint { point_a, point_b, depth, features, ..NONE };
-    let points = [point, NONE, NONE, NONE];
-    let found = Manifold { normal, points, count: 1, error_bound, parts: [None; 2] };
+    let parts = [None; 2];
+    let mut points = ArrayVec::new();
+    points.push(ManifoldPoint { point_a, point_b, depth, features, parts });
+    let found = Manifold { normal, points, error_bound, parts };
     Verdict::Touching(found.into())
 }
 

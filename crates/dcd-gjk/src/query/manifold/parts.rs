@@ -46,7 +46,7 @@ pub(super) fn measure(
         &known[..]
     });
     // Written where it is returned.
-    let mut answer = Verdict::Touching(ManifoldSet::EMPTY_ONE);
+    let mut answer = Verdict::Touching(ManifoldSet::empty_one());
     if let Verdict::Touching(set) = &mut answer {
         match write_in_order(how, touching, sides, (scratch, set)) {
             Ok(()) if is_swapped => set.mirror(),
@@ -198,9 +198,7 @@ impl Patches<'_, '_> {
         let of_points = self.corners.write(&view, &depth, self.sides, features, &mut manifold);
         manifold.error_bound = (manifold.error_bound + rest).min(f64::MAX);
         manifold.parts = self.pairs[lead].parts;
-        for (point, pair) in
-            manifold.points[..usize::from(manifold.count)].iter_mut().zip(of_points)
-        {
+        for (point, pair) in manifold.points.iter_mut().zip(of_points) {
             point.parts = self.pairs[pair.map_or(lead, |pair| pair as usize)].parts;
         }
         manifold

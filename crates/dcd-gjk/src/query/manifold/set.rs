@@ -28,7 +28,10 @@ impl Default for Held {
 
 impl ManifoldSet {
     /// One manifold, to be written.
-    pub(super) const EMPTY_ONE: Self = Self(Held::One(Manifold::EMPTY));
+    #[inline(always)]
+    pub(super) fn empty_one() -> Self {
+        Self(Held::One(Manifold::default()))
+    }
 
     /// The bound of all of them: see [`Manifold::error_bound`]. Metres.
     #[inline]
@@ -51,7 +54,7 @@ impl ManifoldSet {
             self.0 = Held::Many(all);
         }
         let Held::Many(all) = &mut self.0 else { return None };
-        all.push(Manifold::EMPTY);
+        all.push(Manifold::default());
         write(all.last_mut()?)
     }
 
@@ -66,7 +69,7 @@ impl ManifoldSet {
     /// Holds one manifold in place of what there was: empty, and then written in its place, which saves copies.
     #[inline(always)]
     pub(super) fn write_one(&mut self, write: impl FnOnce(&mut Manifold) -> bool) -> bool {
-        *self = Self::EMPTY_ONE;
+        *self = Self::empty_one();
         self.only_mut().is_some_and(write)
     }
 

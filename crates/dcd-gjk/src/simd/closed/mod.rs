@@ -89,15 +89,17 @@ fn in_range<L: Lanes>(l: L, size: L::F) -> u32 {
 struct Cuboids<L: Lanes> {
     axes: [V3<L>; 3],
     half: [L::F; 3],
+    /// How these compare: see [`case_of`](crate::query::case_of). 31 where that does not tell.
+    case: L::F,
 }
 
 impl<L: Lanes> Cuboids<L> {
     /// The half edges are the means of those rounded up and down.
     #[inline(always)]
     fn load(l: L, boxes: &[Row; WIDTH]) -> Self {
-        let [ax, ay, az, bx, by, bz, cx, cy, cz, ox, oy, oz, ix, iy, iz, _] = l.transpose(boxes);
+        let [ax, ay, az, bx, by, bz, cx, cy, cz, ox, oy, oz, ix, iy, iz, case] = l.transpose(boxes);
         let axes = [V3(ax, ay, az), V3(bx, by, bz), V3(cx, cy, cz)];
-        Self { axes, half: [mean(l, ox, ix), mean(l, oy, iy), mean(l, oz, iz)] }
+        Self { axes, half: [mean(l, ox, ix), mean(l, oy, iy), mean(l, oz, iz)], case }
     }
 
     /// A vector's part along each edge.

@@ -117,7 +117,7 @@ fn search<L: Lanes>(l: L, packet: &CuboidPairs, rows: &mut Rows) {
     let are_apart = l.lt(l.splat(0.0), between.norm1(l));
     let are_solid = l.and(first.is_solid(l), second.is_solid(l));
     let is_known = l.and(l.and(are_apart, are_solid), found.is_known(l, size));
-    let cases = l.mul_add(second.case(l), l.splat(32.0), first.case(l));
+    let cases = l.mul_add(second.case, l.splat(32.0), first.case);
     l.store(l.add(cases, l.splat(WHOLE)), &mut rows.cases);
     rows.known = l.bits(is_known) & in_range(l, size);
     (rows.swapped, rows.backward) = (packet.swapped, l.bits(backward));

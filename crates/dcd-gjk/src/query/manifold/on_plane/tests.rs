@@ -67,7 +67,11 @@ fn what_rests_on_a_plane_does_so_where_the_general_way_has_it() {
             continue;
         }
         write_by_corners(&depth, sides, &mut Corners::default(), &mut due);
-        assert_eq!((found.normal, found.count), (due.normal, due.count), "round {round}");
+        assert_eq!(
+            (found.normal, found.points.len()),
+            (due.normal, due.points.len()),
+            "round {round}"
+        );
         let is_same = |p: &ManifoldPoint, q: &ManifoldPoint| {
             p.point_a.distance(q.point_a) < SAME_PLACE
                 && p.point_b.distance(q.point_b) < SAME_PLACE
@@ -78,12 +82,12 @@ fn what_rests_on_a_plane_does_so_where_the_general_way_has_it() {
         for point in found.points() {
             let is_there = due.points().iter().any(|other| is_same(point, other));
             // Of the eight corners that stand for a rim several sets of four span as much, but for rounding.
-            let is_of_rim = matches!(&shape, Shape::Curved(curved) if due.count == 4
+            let is_of_rim = matches!(&shape, Shape::Curved(curved) if due.points.len() == 4
                 && is_of_rim(curved, body, point, round % 3 == 0));
             assert!(is_there || is_of_rim, "round {round}: {found:?}, {due:?}");
         }
         assert!((found.error_bound - due.error_bound).abs() < SAME_PLACE, "round {round}");
-        several += usize::from(due.count > 1);
+        several += usize::from(due.points.len() > 1);
         compared += 1;
     }
     assert!(compared > 5_000 && several > 1_000, "{compared}, {several} of several points");

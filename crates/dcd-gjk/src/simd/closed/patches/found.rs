@@ -52,7 +52,7 @@ pub(crate) struct Shown {
     pub(crate) axis: u32,
     /// The number of the farthest corner: a bit for each axis.
     pub(crate) corner: u32,
-    /// How the half edges compare: see [`Cuboids::case`](super::Cuboids::case).
+    /// How the half edges compare: see [`case_of`](crate::query::case_of).
     pub(crate) case: u32,
 }
 
@@ -133,11 +133,6 @@ impl CuboidPatch<'_> {
 }
 
 impl Codes {
-    #[inline(always)]
-    pub(crate) fn count(self) -> u8 {
-        self.0 as u8 & 7
-    }
-
     /// The numbers of the first's edge and of the second's that make the normal.
     #[inline(always)]
     pub(crate) fn edges(self) -> [Option<usize>; 2] {

@@ -13,10 +13,6 @@ pub(super) const LEVEL: f32 = crate::query::LEVEL as f32;
 /// Half edges below this part of the largest are no solid's. Decides who answers, never an answer.
 pub(super) const SOLID: f32 = 1e-3;
 
-/// How far apart, relative to the largest, half edges and 0 must be for f32 to say which is larger; more than f64 asks of
-/// the order of a cuboid's faces, by more than their rounding. Decides who answers, never an answer.
-const DISTINCT: f32 = 2e-3;
-
 /// The squared sine below which edges are left to f64. No unit. Decides who answers.
 pub(super) const CROSSING: f32 = 1e-2;
 
@@ -27,21 +23,6 @@ impl<L: Lanes> Cuboids<L> {
         let [x, y, z] = self.half;
         let (least, most) = (l.min(x, l.min(y, z)), l.max(x, l.max(y, z)));
         l.lt(l.mul(most, l.splat(SOLID)), least)
-    }
-
-    /// How the half edges compare: 18, 6 and 2 together, of these where x is more than y, x than z, and y than z. 31 where f32
-    /// does not tell.
-    #[inline(always)]
-    pub(super) fn case(&self, l: L) -> L::F {
-        let [x, y, z] = self.half;
-        let (least, most) = (l.min(x, l.min(y, z)), l.max(x, l.max(y, z)));
-        let (mut case, mut apart) = (l.splat(0.0), least);
-        for (weight, v, w) in [(18.0, x, y), (6.0, x, z), (2.0, y, z)] {
-            let digit = l.select(l.lt(w, v), l.splat(weight), l.splat(0.0));
-            case = l.add(case, digit);
-            apart = l.min(apart, l.abs(l.sub(v, w)));
-        }
-        l.select(l.lt(l.mul(most, l.splat(DISTINCT)), apart), case, l.splat(31.0))
     }
 }
 
@@ -108,6 +89,7 @@ impl<L: Lanes> Side<L> {
         for (half, other) in cuboid.half.iter_mut().zip(no.cuboid.half) {
             *half = l.select(mask, *half, other);
         }
+        cuboid.case = l.select(mask, cuboid.case, no.cuboid.case);
         for (along, other) in towards.iter_mut().zip(no.towards) {
             *along = l.select(mask, *along, other);
         }
