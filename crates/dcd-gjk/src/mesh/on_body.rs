@@ -26,6 +26,17 @@ pub(crate) struct TouchingTriangle {
     pub(crate) is_open: bool,
 }
 
+impl TouchingTriangle {
+    /// What is known of its depth if the body is not where it was measured, but its points at most so far from there,
+    /// metres.
+    pub(crate) fn widen(&mut self, moved: f64) {
+        if let Some(depth) = &mut self.depth {
+            depth.error_bound = (depth.error_bound + moved).next_up();
+        }
+        self.at_most = (self.at_most + moved).next_up();
+    }
+}
+
 /// Appends those triangles that touch a sphere, with their depths; which do may be known. `None`, and some of them, where
 /// it is not known of one whether it touches, and of another shape.
 pub(crate) fn triangles_in_sphere(

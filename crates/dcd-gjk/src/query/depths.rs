@@ -184,6 +184,7 @@ pub(super) fn without_frame(
     if mesh::have_parts(a.shape, b.shape) {
         if accuracy == Accuracy::F32
             && let Some(found) = few_parts::depth(a, b, scratch)
+                .or_else(|| open_triangles::depth_of_parts([a, b], scratch))
         {
             return Verdict::Touching(found);
         }

@@ -358,3 +358,54 @@ fn meshes_and_compounds_touch_each_other_in_patches() {
     }
     assert!(several > 10, "{several}");
 }
+
+/// Parts of every kind of polytope, turned and near each other.
+fn compound(draw: &mut Draw) -> Shape {
+    let mut bodies = bodies();
+    bodies.truncate(5);
+    let count = 2 + draw.turn().x.to_bits() as usize % 4;
+    let part = |k: usize| {
+        let place = draw.vector() * 0.4;
+        (bodies[(k + count) % 5].clone(), Pose::new(draw.turn(), place).unwrap())
+    };
+    Shape::compound((0..count).map(part).collect()).unwrap()
+}
+
+#[test]
+fn at_f32_the_parts_of_a_compound_share_the_patches_of_a_mesh() {
+    let mut draw = Draw(43);
+    let at = Accuracy::F32;
+    let (mut touching, mut shared, mut points) = (0, 0, [0; 2]);
+    for round in 0..160usize {
+        let ground = terrain(&mut draw, round / 4);
+        let far = if round % 4 == 3 { draw.vector() * 1e3 } else { DVec3::ZERO };
+        let a = PosedSupport::new(ground, draw.turn(), far);
+        let b = PosedSupport::new(compound(&mut draw), draw.turn(), far + draw.vector() * 0.4);
+        let what = format!("round {round}");
+        let Verdict::Touching(certified) = solve(&Manifolds::default(), &a, &b) else { continue };
+        touching += 1;
+        let manifolds = WithAccuracy::new(Manifolds::default(), at);
+        let found = answer_of(&manifolds, &a, &b);
+        judge_at(at, &what, &found, [&a, &b]);
+        assert!(is_mirrored(&found, &answer_of(&manifolds, &b, &a)), "{what}");
+        let of_several = |manifold: &Manifold| {
+            manifold.points().iter().any(|point| point.parts[1] != manifold.parts[1])
+        };
+        shared += usize::from(found.iter().any(of_several));
+        let depths = WithAccuracy::new(Depths, at);
+        let (depth, due) = (answer_of(&depths, &a, &b), answer_of(&Depths, &a, &b));
+        let off = (depth.depth - due.depth).abs();
+        assert!(off <= depth.error_bound + due.error_bound, "{what}: {depth:?} {due:?}");
+        assert!(depth.error_bound <= 1e-5, "{what}: {depth:?}");
+        let back = answer_of(&depths, &b, &a);
+        assert_eq!((back.depth, back.normal), (depth.depth, -depth.normal), "{what}");
+        assert_eq!((back.point_a, back.point_b), (depth.point_b, depth.point_a), "{what}");
+        let [bound, best] = [found.error_bound(), certified.error_bound()];
+        assert!(bound <= best.max(1e-3) + 1e-5, "{what}: {bound} {best}");
+        for (sum, set) in points.iter_mut().zip([&found, &certified]) {
+            *sum += set.iter().map(|one| one.points().len()).sum::<usize>();
+        }
+    }
+    assert!(touching > 80 && shared > 5, "{touching} {shared}");
+    assert!(50 * points[0] > 49 * points[1], "{points:?}");
+}
