@@ -1,7 +1,7 @@
-//! The triangles of a mesh that touch a polytope, at the accuracy of f32: no more of them are measured than may be the
-//! deepest.
+//! The triangles of a mesh that touch a polytope: no more of them are measured than may be the deepest.
 
-use super::{Accuracy, depths, few_parts};
+use super::depths::{self, tolerance};
+use super::{Accuracy, few_parts};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, AS_DEEP, TouchingTriangle};
 use crate::{PosedShape, PosedSupport, Verdict, expanding};
@@ -9,11 +9,9 @@ use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Part, Polytope, Pose, Shape, SupportMap};
 use std::ops::Range;
 
-/// The bound of a triangle's depth that is good enough, relative to the pair's size.
-pub(super) const OF_SIZE: f64 = 1e-6;
-
 /// The triangles that touch, of which some are still looked at.
 pub(super) struct OpenTriangles<'a> {
+    pub(super) accuracy: Accuracy,
     pub(super) mesh: PosedShape<'a>,
     pub(super) bodies: &'a [Body<'a>],
     /// Those of one body after those of another.
@@ -72,8 +70,8 @@ pub(super) fn touching_parts<'a>(
     touching.map(place).collect()
 }
 
-/// How deep a mesh and a compound of few polytopes overlap that touch; `None` of other shapes, and where a triangle cannot be
-/// measured.
+/// How deep a mesh and a compound of few polytopes overlap that touch, at the accuracy of f32; `None` of other shapes, and
+/// where a triangle cannot be measured.
 ///
 /// (a, b) and (b, a) give the same bits, mirrored.
 pub(super) fn depth_of_parts(
@@ -91,7 +89,9 @@ pub(super) fn depth_of_parts(
     let parts = touching_parts(sides[1], &touching)?;
     let bodies = &triangles_of_parts(sides[0], &parts, &touching, &mut triangles)?;
     let triangles = &mut triangles[..];
-    let (_, found) = OpenTriangles { mesh: sides[0], bodies, triangles, memory }.deepest()?;
+    let accuracy = Accuracy::F32;
+    let (_, found) =
+        OpenTriangles { accuracy, mesh: sides[0], bodies, triangles, memory }.deepest()?;
     Some(if mesh == 0 { found } else { found.mirrored() })
 }
 
@@ -108,7 +108,8 @@ pub(super) fn triangles_of_parts<'a>(
         let side = PosedShape { shape: &part.shape, pose };
         let first = triangles.len();
         let own = touching.iter().filter(|[_, part]| part == number);
-        mesh::touching_triangles([mesh, side], OF_SIZE, own.map(|pair| pair[0]), triangles)?;
+        let good = tolerance(Accuracy::F32);
+        mesh::touching_triangles([mesh, side], good, own.map(|pair| pair[0]), triangles)?;
         triangles[first..].iter_mut().for_each(|triangle| triangle.widen(*moved));
         let (part, triangles) = (Some(*number), first..triangles.len());
         Some(Body { side, polytope, part, moved: *moved, triangles })
@@ -121,6 +122,7 @@ pub(super) fn triangles_of_parts<'a>(
 ///
 /// (a, b) and (b, a) give the same bits, mirrored.
 pub(super) fn depth(
+    accuracy: Accuracy,
     [a, b]: [PosedShape<'_>; 2],
     touching: &[[u32; 2]],
     memory: &mut epa::Scratch,
@@ -131,10 +133,11 @@ pub(super) fn depth(
     };
     let mut triangles = Vec::with_capacity(touching.len());
     let touching = touching.iter().map(|pair| pair[mesh]);
-    mesh::touching_triangles(sides, OF_SIZE, touching, &mut triangles)?;
+    mesh::touching_triangles(sides, tolerance(accuracy), touching, &mut triangles)?;
     let bodies = &[Body::whole(sides[1], &triangles)?];
     let triangles = &mut triangles[..];
-    let (_, found) = OpenTriangles { mesh: sides[0], bodies, triangles, memory }.deepest()?;
+    let (_, found) =
+        OpenTriangles { accuracy, mesh: sides[0], bodies, triangles, memory }.deepest()?;
     Some(if mesh == 0 { found } else { found.mirrored() })
 }
 
@@ -157,7 +160,7 @@ impl<'a> OpenTriangles<'a> {
     }
 
     /// The same from what is known; a triangle that may be deeper is an error.
-    fn deepest_known(&self) -> Result<(usize, Depth), usize> {
+    fn deepest_known(&mut self) -> Result<(usize, Depth), usize> {
         let mut lead: Option<(usize, Depth)> = None;
         let (mut upper, mut unknown) = (0.0f64, (f64::NEG_INFINITY, 0));
         for (k, triangle) in self.open() {
@@ -180,34 +183,38 @@ impl<'a> OpenTriangles<'a> {
         Ok((k, Depth { error_bound: most.error_bound.max(above), ..most }))
     }
 
-    /// At least how deep each triangle is that is not measured, if none may be deeper than that; such a one is an error.
-    fn most_of_unknown(&self, most: &Depth) -> Result<f64, usize> {
-        let mut upper = 0.0f64;
+    /// At least how deep each triangle is that is not measured, if none may be deeper than that; else the one of which least is
+    /// known is an error.
+    fn most_of_unknown(&mut self, most: &Depth) -> Result<f64, usize> {
+        let limit = most.depth * (1.0 + AS_DEEP);
+        let (mut upper, mut deeper) = (0.0f64, None);
         for body in self.bodies {
-            let is_unknown = |&k: &usize| {
-                let triangle = &self.triangles[k];
-                triangle.is_open && triangle.depth.is_none()
-            };
-            if !body.triangles.clone().any(|k| is_unknown(&k)) {
+            let triangles = &mut self.triangles[body.triangles.clone()];
+            let is_unknown =
+                |triangle: &TouchingTriangle| triangle.is_open && triangle.depth.is_none();
+            if !triangles.iter().any(is_unknown) {
                 continue;
             }
             let below = body.below(self.mesh, most.normal);
-            for k in body.triangles.clone().filter(is_unknown) {
-                let triangle = &self.triangles[k];
+            let unknown =
+                triangles.iter_mut().enumerate().filter(|(_, triangle)| is_unknown(triangle));
+            for (k, triangle) in unknown {
                 let along = reach(triangle, most.normal, below) + triangle.slack + body.moved;
                 let at_most = triangle.at_most.min(along);
                 // Written so that NaN is deeper.
-                if !(at_most <= most.depth * (1.0 + AS_DEEP)) {
-                    return Err(k);
+                if at_most <= limit {
+                    triangle.at_most = at_most;
+                    upper = upper.max(at_most);
+                } else if deeper.is_none_or(|(other, _)| triangle.at_most > other) {
+                    deeper = Some((triangle.at_most, body.triangles.start + k));
                 }
-                upper = upper.max(at_most);
             }
         }
-        Ok(upper)
+        deeper.map_or(Ok(upper), |(_, k)| Err(k))
     }
 
     /// By a search, which no formula replaces.
-    fn measure_one(&mut self, k: usize) -> Option<()> {
+    pub(super) fn measure_one(&mut self, k: usize) -> Option<()> {
         let (mesh, body) = (self.mesh, self.body_of(k)?);
         let Shape::Mesh(of_mesh) = mesh.shape else { return None };
         let corners = of_mesh.corners(self.triangles[k].triangle as usize)?;
@@ -221,7 +228,7 @@ impl<'a> OpenTriangles<'a> {
 
     fn search(&mut self, triangle: Polytope, body: &Body<'_>) -> Option<Depth> {
         // No formula is left to try of a hull.
-        if body.polytope.kind() == Kind::Hull {
+        if self.accuracy == Accuracy::F32 && body.polytope.kind() == Kind::Hull {
             let sides = [
                 PosedSupport::polytope(&triangle, self.mesh.pose),
                 PosedSupport::polytope(body.polytope, body.side.pose),
@@ -234,7 +241,7 @@ impl<'a> OpenTriangles<'a> {
         }
         let shape = Shape::from(triangle);
         let placed = PosedShape { shape: &shape, pose: self.mesh.pose };
-        match depths::of_touching(Accuracy::F32, placed, body.side, self.memory) {
+        match depths::of_touching(self.accuracy, placed, body.side, self.memory) {
             Verdict::Touching(depth) => Some(depth),
             _ => None,
         }

@@ -111,6 +111,12 @@ fn judge_at(
     match accuracy {
         Accuracy::Certified => {
             assert_eq!((found[0].normal, off), (whole.normal, 0.0), "{what}");
+            // What agrees is in one manifold.
+            let others = |k: usize| found[k + 1..].iter().map(move |q| (k, q));
+            for (k, other) in (0..found.len()).flat_map(others) {
+                let cosine = found[k].normal.dot(other.normal);
+                assert!(cosine < 1.0 - 4.9e-7, "{what}: {cosine} {found:?}");
+            }
         }
         _ => {
             let bound = found[0].error_bound + whole.error_bound + slack;
@@ -408,4 +414,29 @@ fn at_f32_the_parts_of_a_compound_share_the_patches_of_a_mesh() {
     }
     assert!(touching > 80 && shared > 5, "{touching} {shared}");
     assert!(50 * points[0] > 49 * points[1], "{points:?}");
+}
+
+#[test]
+fn what_no_formula_finds_of_a_mesh_far_from_its_own_origin_is_measured_and_joined() {
+    let bodies = bodies();
+    let mut draw = Draw(44);
+    let far = DVec3::new(3e4, -1e4, 2e4);
+    let mut touching = 0;
+    for round in 0..60usize {
+        let heights: Vec<f64> = (0..49).map(|_| draw.unit() * 1e-5).collect();
+        let (vertices, triangles) = grid(6, |i, j| {
+            far + DVec3::new(i * 0.4 - 1.2, j * 0.4 - 1.2, heights[(i * 7.0 + j) as usize])
+        });
+        let a = PosedSupport::at(&Shape::mesh(vertices, triangles).unwrap(), DVec3::ZERO);
+        let body = &bodies[[0, 2, 3][round % 3]];
+        let turn = DQuat::from_scaled_axis(draw.vector() * [0.0, 1e-4, 3.0][round / 3 % 3]);
+        let lowest = (turn * body.support(turn.inverse() * DVec3::NEG_Z).point).z - body.radius();
+        let place = DVec3::new(draw.unit() * 0.3, draw.unit() * 0.3, -lowest - 3e-3);
+        let b = PosedSupport::new(body.clone(), turn, far + place);
+        let what = format!("round {round}");
+        let found = answer_of(&Manifolds::default(), &a, &b);
+        touching += judge(&what, &found, &a, &b);
+        assert!(is_mirrored(&found, &answer_of(&Manifolds::default(), &b, &a)), "{what}");
+    }
+    assert!(touching > 150, "{touching}");
 }

@@ -1,17 +1,19 @@
-//! The manifolds of a mesh and one convex polytope, or a compound of few, where f32's accuracy suffices: as those of any
-//! parts, in one pass over the triangles that touch, none of which becomes a shape.
+//! The manifolds of a mesh and one convex polytope, or a compound of few where f32's accuracy suffices: as those of any parts,
+//! in one pass over the triangles that touch, of which hardly any becomes a shape.
 
 use super::corners::{Corners, size_with_triangle};
 use super::facing::Part;
 use super::feature::{Placed, View};
-use super::parts::{ALIKE, NEAR};
+use super::parts::{ALIKE, ANGLE, NEAR};
 use super::{Feature, Manifold, ManifoldSet, SAME, bound_of, missed, write_one_point};
 use crate::PosedShape;
 use crate::epa::{self, Depth};
 use crate::mesh::{self, PartIndex, TouchingTriangle};
+use crate::query::Accuracy;
+use crate::query::depths::tolerance;
 use crate::query::few_parts;
 use crate::query::open_triangles::{
-    Body, OF_SIZE, OpenTriangles, is_of_few, reach, touching_parts, triangles_of_parts,
+    Body, OpenTriangles, is_of_few, reach, touching_parts, triangles_of_parts,
 };
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Shape, SupportMap};
@@ -31,15 +33,17 @@ pub(super) type Lent<'a> =
 /// Writes the manifolds of a mesh and a polytope or compound that touch, in that order, over a set of one empty manifold;
 /// `None`, and anything written, where the general way is needed: for other shapes, and where a triangle cannot be measured.
 pub(super) fn write(
+    accuracy: Accuracy,
     sides: [PosedShape<'_>; 2],
     touching: Option<&[[u32; 2]]>,
     (scratch, parts, corners, memory): Lent<'_>,
     set: &mut ManifoldSet,
 ) -> Option<()> {
     let Shape::Mesh(_) = sides[0].shape else { return None };
+    let is_f32 = accuracy == Accuracy::F32;
     let of_sphere = match sides[1].shape {
-        Shape::Polytope(body) => body.kind() == Kind::Point,
-        other if is_of_few(other) => false,
+        Shape::Polytope(body) => is_f32 && body.kind() == Kind::Point,
+        other if is_f32 && is_of_few(other) => false,
         _ => return None,
     };
     let Scratch { pairs, triangles, members } = scratch;
@@ -59,16 +63,16 @@ pub(super) fn write(
     if let Shape::Compound(_) = sides[1].shape {
         let parts = touching_parts(sides[1], touching)?;
         let bodies = &triangles_of_parts(sides[0], &parts, touching, triangles)?;
-        let of = OpenTriangles { mesh: sides[0], bodies, triangles, memory };
+        let of = OpenTriangles { accuracy, mesh: sides[0], bodies, triangles, memory };
         return Patches { of, whole: sides[1], members, corners }.write_all(set);
     }
     if !is_known {
         triangles.clear();
         let touching = touching.iter().map(|&[triangle, _]| triangle);
-        mesh::touching_triangles(sides, OF_SIZE, touching, triangles)?;
+        mesh::touching_triangles(sides, tolerance(accuracy), touching, triangles)?;
     }
     let bodies = &[Body::whole(sides[1], triangles)?];
-    let of = OpenTriangles { mesh: sides[0], bodies, triangles, memory };
+    let of = OpenTriangles { accuracy, mesh: sides[0], bodies, triangles, memory };
     Patches { of, whole: sides[1], members, corners }.write_all(set)
 }
 
@@ -101,6 +105,28 @@ impl<'a> Patches<'a> {
             let (lead, depth) = self.of.deepest()?;
             set.push_with(left, |manifold| self.write(lead, &depth, manifold))?;
         }
+    }
+
+    /// Measures the open triangles whose own normal may agree with that of the manifold, where no formula did; at the accuracy
+    /// of f32 these have manifolds of their own.
+    fn measure_alike(&mut self, lead: usize, depth: &Depth) -> Option<()> {
+        for body in self.of.bodies {
+            let is_unknown =
+                |triangle: &TouchingTriangle| triangle.is_open && triangle.depth.is_none();
+            if !self.of.triangles[body.triangles.clone()].iter().any(is_unknown) {
+                continue;
+            }
+            let below = body.below(self.of.mesh, depth.normal);
+            for k in body.triangles.clone() {
+                let triangle = &self.of.triangles[k];
+                let least = reach(triangle, depth.normal, below) - triangle.slack;
+                let may_agree = least <= triangle.at_most + ANGLE * triangle.diameters;
+                if k != lead && is_unknown(triangle) && may_agree {
+                    self.of.measure_one(k)?;
+                }
+            }
+        }
+        Some(())
     }
 
     /// Lists the open triangles that belong to the manifold of one of them.
@@ -150,10 +176,14 @@ impl<'a> Patches<'a> {
     /// Writes the manifold of the deepest open triangle over an empty one, with all open ones that belong to it: none of
     /// these is open then.
     fn write(&mut self, lead: usize, depth: &Depth, manifold: &mut Manifold) -> Option<()> {
+        if self.of.accuracy != Accuracy::F32 {
+            self.measure_alike(lead, depth)?;
+        }
         self.find_members(lead, depth);
         let body = self.of.body_of(lead)?;
         let part = body.facing(depth.normal);
-        if self.members.len() == 1
+        if self.of.accuracy == Accuracy::F32
+            && self.members.len() == 1
             && matches!(part, Part::Vertex(_))
             && self.write_witness((lead, body), depth, manifold)
         {
