@@ -26,6 +26,17 @@ pub(crate) struct TouchingTriangle {
     pub(crate) is_open: bool,
 }
 
+impl TouchingTriangle {
+    /// What is known of its depth if the body is not where it was measured, but its points at most so far from there,
+    /// metres.
+    pub(crate) fn widen(&mut self, moved: f64) {
+        if let Some(depth) = &mut self.depth {
+            depth.error_bound = (depth.error_bound + moved).next_up();
+        }
+        self.at_most = (self.at_most + moved).next_up();
+    }
+}
+
 /// Appends those triangles that touch a sphere, with their depths; which do may be known. `None`, and some of them, where
 /// it is not known of one whether it touches, and of another shape.
 pub(crate) fn triangles_in_sphere(
@@ -72,10 +83,10 @@ pub(crate) fn depth_in_sphere([a, b]: [PosedShape<'_>; 2], touching: &[[u32; 2]]
 }
 
 /// Appends those triangles that are known to touch, with depths whose bounds are at
-/// most a part `tolerance` of the pair's size. `None`, and some of them, where a length is out of range.
+/// most a part `relative` of them or `of_size` of the pair's size. `None`, and some of them, where a length is out of range.
 pub(crate) fn touching_triangles(
     [mesh, body]: [PosedShape<'_>; 2],
-    tolerance: f64,
+    [relative, of_size]: [f64; 2],
     triangles: impl Iterator<Item = u32>,
     found: &mut Vec<TouchingTriangle>,
 ) -> Option<()> {
@@ -84,13 +95,14 @@ pub(crate) fn touching_triangles(
     let Some(&first) = triangles.peek() else { return Some(()) };
     let first = Side::of(mesh).part(first);
     let mut couple = Couple::of([first, Part::Shape(body.shape)], [mesh.pose, body.pose])?;
-    let (most_open, slack) = (tolerance * couple.size(), couple.slack());
+    let (most_open, slack) = (of_size * couple.size(), couple.slack());
     let turn = *mesh.pose.rotation();
     for triangle in triangles {
         let corners = of_mesh.corners(triangle as usize)?;
         couple.take_triangle(corners);
-        let depth = couple.by_formula(|found: &Depth| found.error_bound <= most_open);
-        let at_most = match &depth {
+        let is_good = |found: &Depth| found.error_bound <= (relative * found.depth).max(most_open);
+        let depth = couple.by_formula(is_good);
+        let at_most = match &depth.or_else(|| couple.by_nearest()) {
             Some(found) => (found.depth + found.error_bound).next_up(),
             None => couple.most(),
         };

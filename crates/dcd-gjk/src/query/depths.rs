@@ -136,26 +136,18 @@ impl MeasureDepth for Depths {
         [a, b]: [PosedShape<'_>; 2],
         scratch: &mut epa::Scratch,
     ) -> Verdict<Depth> {
-        if accuracy == Accuracy::F32
-            && let Some(found) = of_mesh([a, b], parts, scratch)
+        // But at f32 the depth is that without the parts; its bound may be nearer.
+        let found = match accuracy {
+            Accuracy::F32 => mesh::depth_in_sphere([a, b], parts),
+            _ => by_frame(accuracy, a, b),
+        };
+        if let Some(found) =
+            found.or_else(|| open_triangles::depth(accuracy, [a, b], parts, scratch))
         {
-            return Verdict::Touching(found);
-        }
-        // As without the parts, bit for bit.
-        if let Some(found) = by_frame(accuracy, a, b) {
             return Verdict::Touching(found);
         }
         of_deepest(accuracy, &mesh::pairs_of([a, b], parts), [a, b], scratch)
     }
-}
-
-/// The depth of a mesh and a polytope of which these parts touch, at the accuracy of f32: that of the triangles alone.
-fn of_mesh(
-    sides: [PosedShape<'_>; 2],
-    parts: &[[u32; 2]],
-    scratch: &mut epa::Scratch,
-) -> Option<Depth> {
-    mesh::depth_in_sphere(sides, parts).or_else(|| open_triangles::depth(sides, parts, scratch))
 }
 
 /// The bound that is promised of a depth, relative to it.
@@ -184,6 +176,7 @@ pub(super) fn without_frame(
     if mesh::have_parts(a.shape, b.shape) {
         if accuracy == Accuracy::F32
             && let Some(found) = few_parts::depth(a, b, scratch)
+                .or_else(|| open_triangles::depth_of_parts([a, b], scratch))
         {
             return Verdict::Touching(found);
         }

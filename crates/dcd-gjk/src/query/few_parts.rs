@@ -15,7 +15,7 @@ use dcd_geom::{HalfSpace, Kind, Part, Pose, Shape, SupportMap};
 use std::cell::OnceCell;
 
 /// The most parts of one shape, those of two make 64 pairs. More: the tree over them is quicker.
-const MOST: usize = 8;
+pub(super) const MOST: usize = 8;
 
 /// What moving a part to its place twice, or by a product of poses, loses. Unit: u of the part's reach and its place.
 /// Derived: 32.
@@ -135,7 +135,7 @@ impl Plane {
 }
 
 /// Where a part of a compound is, and how far that may be from where the compound has it.
-fn place(whole: &Pose, part: &Part) -> Option<(Pose, f64)> {
+pub(super) fn place(whole: &Pose, part: &Part) -> Option<(Pose, f64)> {
     let turned = *whole.rotation() * *part.pose.rotation();
     let pose = Pose::from_matrix(turned, whole.apply(part.pose.translation())).ok()?;
     let reach = part.shape.reach();

@@ -111,6 +111,12 @@ fn judge_at(
     match accuracy {
         Accuracy::Certified => {
             assert_eq!((found[0].normal, off), (whole.normal, 0.0), "{what}");
+            // What agrees is in one manifold.
+            let others = |k: usize| found[k + 1..].iter().map(move |q| (k, q));
+            for (k, other) in (0..found.len()).flat_map(others) {
+                let cosine = found[k].normal.dot(other.normal);
+                assert!(cosine < 1.0 - 4.9e-7, "{what}: {cosine} {found:?}");
+            }
         }
         _ => {
             let bound = found[0].error_bound + whole.error_bound + slack;
@@ -357,4 +363,80 @@ fn meshes_and_compounds_touch_each_other_in_patches() {
         assert!(is_mirrored(&found, &answer_of(&Manifolds::default(), &b, &a)), "round {round}");
     }
     assert!(several > 10, "{several}");
+}
+
+/// Parts of every kind of polytope, turned and near each other.
+fn compound(draw: &mut Draw) -> Shape {
+    let mut bodies = bodies();
+    bodies.truncate(5);
+    let count = 2 + draw.turn().x.to_bits() as usize % 4;
+    let part = |k: usize| {
+        let place = draw.vector() * 0.4;
+        (bodies[(k + count) % 5].clone(), Pose::new(draw.turn(), place).unwrap())
+    };
+    Shape::compound((0..count).map(part).collect()).unwrap()
+}
+
+#[test]
+fn at_f32_the_parts_of_a_compound_share_the_patches_of_a_mesh() {
+    let mut draw = Draw(43);
+    let at = Accuracy::F32;
+    let (mut touching, mut shared, mut points) = (0, 0, [0; 2]);
+    for round in 0..160usize {
+        let ground = terrain(&mut draw, round / 4);
+        let far = if round % 4 == 3 { draw.vector() * 1e3 } else { DVec3::ZERO };
+        let a = PosedSupport::new(ground, draw.turn(), far);
+        let b = PosedSupport::new(compound(&mut draw), draw.turn(), far + draw.vector() * 0.4);
+        let what = format!("round {round}");
+        let Verdict::Touching(certified) = solve(&Manifolds::default(), &a, &b) else { continue };
+        touching += 1;
+        let manifolds = WithAccuracy::new(Manifolds::default(), at);
+        let found = answer_of(&manifolds, &a, &b);
+        judge_at(at, &what, &found, [&a, &b]);
+        assert!(is_mirrored(&found, &answer_of(&manifolds, &b, &a)), "{what}");
+        let of_several = |manifold: &Manifold| {
+            manifold.points().iter().any(|point| point.parts[1] != manifold.parts[1])
+        };
+        shared += usize::from(found.iter().any(of_several));
+        let depths = WithAccuracy::new(Depths, at);
+        let (depth, due) = (answer_of(&depths, &a, &b), answer_of(&Depths, &a, &b));
+        let off = (depth.depth - due.depth).abs();
+        assert!(off <= depth.error_bound + due.error_bound, "{what}: {depth:?} {due:?}");
+        assert!(depth.error_bound <= 1e-5, "{what}: {depth:?}");
+        let back = answer_of(&depths, &b, &a);
+        assert_eq!((back.depth, back.normal), (depth.depth, -depth.normal), "{what}");
+        assert_eq!((back.point_a, back.point_b), (depth.point_b, depth.point_a), "{what}");
+        let [bound, best] = [found.error_bound(), certified.error_bound()];
+        assert!(bound <= best.max(1e-3) + 1e-5, "{what}: {bound} {best}");
+        for (sum, set) in points.iter_mut().zip([&found, &certified]) {
+            *sum += set.iter().map(|one| one.points().len()).sum::<usize>();
+        }
+    }
+    assert!(touching > 80 && shared > 5, "{touching} {shared}");
+    assert!(50 * points[0] > 49 * points[1], "{points:?}");
+}
+
+#[test]
+fn what_no_formula_finds_of_a_mesh_far_from_its_own_origin_is_measured_and_joined() {
+    let bodies = bodies();
+    let mut draw = Draw(44);
+    let far = DVec3::new(3e4, -1e4, 2e4);
+    let mut touching = 0;
+    for round in 0..60usize {
+        let heights: Vec<f64> = (0..49).map(|_| draw.unit() * 1e-5).collect();
+        let (vertices, triangles) = grid(6, |i, j| {
+            far + DVec3::new(i * 0.4 - 1.2, j * 0.4 - 1.2, heights[(i * 7.0 + j) as usize])
+        });
+        let a = PosedSupport::at(&Shape::mesh(vertices, triangles).unwrap(), DVec3::ZERO);
+        let body = &bodies[[0, 2, 3][round % 3]];
+        let turn = DQuat::from_scaled_axis(draw.vector() * [0.0, 1e-4, 3.0][round / 3 % 3]);
+        let lowest = (turn * body.support(turn.inverse() * DVec3::NEG_Z).point).z - body.radius();
+        let place = DVec3::new(draw.unit() * 0.3, draw.unit() * 0.3, -lowest - 3e-3);
+        let b = PosedSupport::new(body.clone(), turn, far + place);
+        let what = format!("round {round}");
+        let found = answer_of(&Manifolds::default(), &a, &b);
+        touching += judge(&what, &found, &a, &b);
+        assert!(is_mirrored(&found, &answer_of(&Manifolds::default(), &b, &a)), "{what}");
+    }
+    assert!(touching > 150, "{touching}");
 }

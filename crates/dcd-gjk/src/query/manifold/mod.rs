@@ -127,7 +127,7 @@ impl Manifold {
 /// parts whose own normals agree with the deepest's within 1e-3 rad, and those that its normal and depth separate too.
 /// So every two parts that touch meet along the normal of a manifold, or come apart when the objects are moved by its
 /// depth and bound along its normal. The first manifold is that of the pair's [`Depths`]; at [`Accuracy::F32`], of a mesh
-/// and a polytope and of two cuboids in a scene, to within the bounds of both.
+/// and a polytope, or a compound of few, and of two cuboids in a scene, to within the bounds of both.
 ///
 /// ```
 /// use dcd_gjk::query::{ManifoldOptions, MeshEdges, MeshSides};

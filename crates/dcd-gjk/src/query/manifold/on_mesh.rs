@@ -1,15 +1,21 @@
-//! The manifolds of a mesh and one convex polytope where f32's accuracy suffices: as those of any parts, in one pass over
-//! the triangles that touch, none of which becomes a shape.
+//! The manifolds of a mesh and one convex polytope, or a compound of few where f32's accuracy suffices: as those of any parts,
+//! in one pass over the triangles that touch, of which hardly any becomes a shape.
 
 use super::corners::{Corners, size_with_triangle};
 use super::facing::Part;
 use super::feature::{Placed, View};
-use super::parts::{ALIKE, NEAR};
+use super::parts::{ALIKE, ANGLE, NEAR};
 use super::{Feature, Manifold, ManifoldSet, SAME, bound_of, missed, write_one_point};
 use crate::PosedShape;
 use crate::epa::{self, Depth};
 use crate::mesh::{self, PartIndex, TouchingTriangle};
-use crate::query::open_triangles::{OF_SIZE, OpenTriangles, reach};
+use crate::query::Accuracy;
+use crate::query::depths::tolerance;
+use crate::query::few_parts;
+use crate::query::open_triangles::{
+    Body, OpenTriangles, is_of_few, reach, touching_parts, triangles_of_parts,
+};
+use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Shape, SupportMap};
 
 /// What a thread reuses from pair to pair.
@@ -17,76 +23,150 @@ use dcd_geom::{Kind, Shape, SupportMap};
 pub(super) struct Scratch {
     pairs: Vec<[u32; 2]>,
     triangles: Vec<TouchingTriangle>,
+    members: Vec<Member>,
 }
 
-/// Writes the manifolds of a mesh and a polytope that touch, in that order, over a set of one empty manifold; `None`, and
-/// anything written, where the general way is needed: for other shapes, and where a triangle cannot be measured.
+/// What of other memory is needed.
+pub(super) type Lent<'a> =
+    (&'a mut Scratch, &'a mut mesh::Scratch, &'a mut Corners, &'a mut epa::Scratch);
+
+/// Writes the manifolds of a mesh and a polytope or compound that touch, in that order, over a set of one empty manifold;
+/// `None`, and anything written, where the general way is needed: for other shapes, and where a triangle cannot be measured.
 pub(super) fn write(
+    accuracy: Accuracy,
     sides: [PosedShape<'_>; 2],
     touching: Option<&[[u32; 2]]>,
-    (scratch, parts, corners, memory): (
-        &mut Scratch,
-        &mut mesh::Scratch,
-        &mut Corners,
-        &mut epa::Scratch,
-    ),
+    (scratch, parts, corners, memory): Lent<'_>,
     set: &mut ManifoldSet,
 ) -> Option<()> {
-    let (Shape::Mesh(_), Shape::Polytope(body)) = (sides[0].shape, sides[1].shape) else {
-        return None;
+    let Shape::Mesh(_) = sides[0].shape else { return None };
+    let is_f32 = accuracy == Accuracy::F32;
+    let of_sphere = match sides[1].shape {
+        Shape::Polytope(body) => is_f32 && body.kind() == Kind::Point,
+        other if is_f32 && is_of_few(other) => false,
+        _ => return None,
     };
-    let Scratch { pairs, triangles } = scratch;
+    let Scratch { pairs, triangles, members } = scratch;
     triangles.clear();
     // Of spheres the depths tell which triangles touch.
-    let of_sphere = body.kind() == Kind::Point;
-    if !of_sphere || mesh::triangles_in_sphere(sides, touching, triangles).is_none() {
-        triangles.clear();
-        let touching = touching.unwrap_or_else(|| {
+    let is_known = of_sphere && mesh::triangles_in_sphere(sides, touching, triangles).is_some();
+    let touching = match touching {
+        Some(touching) => touching,
+        None if is_known => &[],
+        None => {
             pairs.clear();
             // What is undecided is not in the list, and counts as apart.
             let _ = mesh::touching(sides[0], sides[1], parts, pairs);
             pairs
-        });
-        let touching = touching.iter().map(|&[triangle, _]| triangle);
-        mesh::touching_triangles(sides, OF_SIZE, touching, triangles)?;
-    }
-    let mut patches = Patches { of: OpenTriangles { sides, body, triangles, memory }, corners };
-    let (lead, depth) = patches.of.deepest()?;
-    patches.write(lead, &depth, set.only_mut()?)?;
-    loop {
-        let left = patches.of.open().count();
-        if left == 0 {
-            break;
         }
-        let (lead, depth) = patches.of.deepest()?;
-        set.push_with(left, |manifold| patches.write(lead, &depth, manifold))?;
+    };
+    if let Shape::Compound(_) = sides[1].shape {
+        let parts = touching_parts(sides[1], touching)?;
+        let bodies = &triangles_of_parts(sides[0], &parts, touching, triangles)?;
+        let of = OpenTriangles { accuracy, mesh: sides[0], bodies, triangles, memory };
+        return Patches { of, whole: sides[1], members, corners }.write_all(set);
     }
-    Some(())
+    if !is_known {
+        triangles.clear();
+        let touching = touching.iter().map(|&[triangle, _]| triangle);
+        mesh::touching_triangles(sides, tolerance(accuracy), touching, triangles)?;
+    }
+    let bodies = &[Body::whole(sides[1], triangles)?];
+    let of = OpenTriangles { accuracy, mesh: sides[0], bodies, triangles, memory };
+    Patches { of, whole: sides[1], members, corners }.write_all(set)
 }
 
 /// The triangles that belong to no manifold yet, and what their manifolds are made with.
 struct Patches<'a> {
     of: OpenTriangles<'a>,
+    /// What the bodies are parts of.
+    whole: PosedShape<'a>,
+    members: &'a mut Vec<Member>,
     corners: &'a mut Corners,
 }
 
-impl Patches<'_> {
+/// The triangle that a manifold is of first, what of its body faces it, and how deep they are.
+#[derive(Clone, Copy)]
+struct Lead<'a> {
+    number: usize,
+    depth: &'a Depth,
+    part: Part<'a>,
+}
+
+impl<'a> Patches<'a> {
+    fn write_all(&mut self, set: &mut ManifoldSet) -> Option<()> {
+        let (lead, depth) = self.of.deepest()?;
+        self.write(lead, &depth, set.only_mut()?)?;
+        loop {
+            let left = self.of.open().count();
+            if left == 0 {
+                return Some(());
+            }
+            let (lead, depth) = self.of.deepest()?;
+            set.push_with(left, |manifold| self.write(lead, &depth, manifold))?;
+        }
+    }
+
+    /// Measures the open triangles whose own normal may agree with that of the manifold, where no formula did; at the accuracy
+    /// of f32 these have manifolds of their own.
+    fn measure_alike(&mut self, lead: usize, depth: &Depth) -> Option<()> {
+        for body in self.of.bodies {
+            let is_unknown =
+                |triangle: &TouchingTriangle| triangle.is_open && triangle.depth.is_none();
+            if !self.of.triangles[body.triangles.clone()].iter().any(is_unknown) {
+                continue;
+            }
+            let below = body.below(self.of.mesh, depth.normal);
+            for k in body.triangles.clone() {
+                let triangle = &self.of.triangles[k];
+                let least = reach(triangle, depth.normal, below) - triangle.slack;
+                let may_agree = least <= triangle.at_most + ANGLE * triangle.diameters;
+                if k != lead && is_unknown(triangle) && may_agree {
+                    self.of.measure_one(k)?;
+                }
+            }
+        }
+        Some(())
+    }
+
+    /// Lists the open triangles that belong to the manifold of one of them.
+    fn find_members(&mut self, lead: usize, depth: &Depth) {
+        let OpenTriangles { mesh, bodies, triangles, .. } = &self.of;
+        self.members.clear();
+        for body in *bodies {
+            let open = || body.triangles.clone().filter(|&k| triangles[k].is_open);
+            // Of the last one nobody asks.
+            let has_others = open().any(|k| k != lead);
+            let below = if has_others { body.below(*mesh, depth.normal) } else { 0.0 };
+            self.members.extend(open().filter_map(|number| match number == lead {
+                true => Some(Member { number, is_alike: true, rest: 0.0 }),
+                false => Member::of((number, &triangles[number]), depth, below),
+            }));
+        }
+    }
+
     /// Writes the manifold of a triangle and a vertex, which share no corner: the witnesses of the depth. False, and nothing
     /// written, where they are not known well enough to stand for it.
     ///
     /// The body's is moved by what the two miss of the depth, so that one is above the other; the bound counts that twice,
     /// once for the way and once for what the mesh's may be off by as much.
-    fn write_witness(&self, lead: usize, depth: &Depth, manifold: &mut Manifold) -> bool {
+    fn write_witness(
+        &self,
+        (lead, body): (usize, &Body<'_>),
+        depth: &Depth,
+        manifold: &mut Manifold,
+    ) -> bool {
         let TouchingTriangle { corners, triangle, .. } = &self.of.triangles[lead];
-        let size = size_with_triangle(corners, self.of.body);
+        let size = size_with_triangle(corners, body.polytope);
         let missed = missed(depth);
         // Written so that NaN is missed.
         if !(missed <= SAME * size) {
             return false;
         }
         write_one_point(depth, [Feature::Surface; 2], manifold);
-        manifold.error_bound = (bound_of(depth, size, self.of.sides) + 2.0 * missed).min(f64::MAX);
-        manifold.parts = [Some(PartIndex::Triangle(*triangle)), None];
+        let sides = [self.of.mesh, body.side];
+        manifold.error_bound = (bound_of(depth, size, sides) + 2.0 * missed).min(f64::MAX);
+        manifold.parts = parts_of(*triangle, body);
         let point = &mut manifold.points[0];
         point.parts = manifold.parts;
         point.point_b = point.point_a - depth.normal * depth.depth;
@@ -96,60 +176,101 @@ impl Patches<'_> {
     /// Writes the manifold of the deepest open triangle over an empty one, with all open ones that belong to it: none of
     /// these is open then.
     fn write(&mut self, lead: usize, depth: &Depth, manifold: &mut Manifold) -> Option<()> {
-        let [mesh, body] = self.of.sides;
-        let direction = body.pose.rotation().transpose() * -depth.normal;
-        let part = Part::facing(self.of.body, direction);
-        let others = || self.of.open().filter(|&(k, _)| k != lead);
-        // Of the last one nobody asks.
-        let below = if others().next().is_some() { self.of.below(depth.normal) } else { 0.0 };
-        let is_alone = !others().any(|(_, other)| Member::of(other, depth, below).is_some());
-        if is_alone && matches!(part, Part::Vertex(_)) && self.write_witness(lead, depth, manifold)
+        if self.of.accuracy != Accuracy::F32 {
+            self.measure_alike(lead, depth)?;
+        }
+        self.find_members(lead, depth);
+        let body = self.of.body_of(lead)?;
+        let part = body.facing(depth.normal);
+        if self.of.accuracy == Accuracy::F32
+            && self.members.len() == 1
+            && matches!(part, Part::Vertex(_))
+            && self.write_witness((lead, body), depth, manifold)
         {
             self.of.triangles[lead].is_open = false;
             return Some(());
         }
         let view = View::along(depth.normal);
-        let delta = body.pose.translation() - mesh.pose.translation();
-        let placed = Placed { rotation: body.pose.rotation(), place: delta, sense: -1.0 };
         self.corners.clear();
-        let facing = Corners::facing(&view, part, self.of.body, placed);
-        let radii = [mesh.shape.radius(), body.shape.radius()];
-        let (mut features, mut rest) = ([Feature::Surface; 2], 0.0f64);
-        for (k, triangle) in self.of.triangles.iter_mut().enumerate() {
-            let member = match triangle.is_open {
-                true if k == lead => Some(Member { own: Some(*depth), rest: 0.0 }),
-                true => Member::of(triangle, depth, below),
-                false => None,
-            };
-            let Some(member) = member else { continue };
-            triangle.is_open = false;
+        let lead = Lead { number: lead, depth, part };
+        let features = self.add_members(&view, lead)?;
+        let sides = [self.of.mesh, self.whole];
+        let of_points = self.corners.write(&view, depth, sides, features, manifold);
+        let (mut rest, mut moved) = (0.0f64, 0.0f64);
+        for member in &*self.members {
             rest = rest.max(member.rest);
-            let before = self.corners.len();
-            if k == lead || !facing.is_round() {
-                let whole =
-                    self.corners.add_triangle(&view, (depth, radii), &triangle.corners, &facing)?;
-                features = if k == lead { whole } else { features };
-            }
-            if let Some(own) = member.own.filter(|_| self.corners.len() == before) {
-                self.corners.add_witness(&view, &own, mesh.pose.translation());
-            }
-            self.corners.are_of(k as u32, before);
+            moved = moved.max(self.of.body_of(member.number)?.moved);
         }
-        let of_points = self.corners.write(&view, depth, self.of.sides, features, manifold);
-        manifold.error_bound = (manifold.error_bound + rest).min(f64::MAX);
-        let part = |k: usize| Some(PartIndex::Triangle(self.of.triangles[k].triangle));
-        manifold.parts = [part(lead), None];
-        for (point, pair) in manifold.points.iter_mut().zip(of_points) {
-            point.parts = [part(pair.map_or(lead, |pair| pair as usize)), None];
+        manifold.error_bound = (manifold.error_bound + rest + moved).min(f64::MAX);
+        let parts = |k: usize| Some(parts_of(self.of.triangles[k].triangle, self.of.body_of(k)?));
+        manifold.parts = parts(lead.number)?;
+        for (point, number) in manifold.points.iter_mut().zip(of_points) {
+            let number = number.map_or(lead.number, |number| number as usize);
+            point.parts = parts(number)?;
+            if let Some(part) = self.of.body_of(number)?.part {
+                point.features[1] = few_parts::name(self.whole, part, point.features[1])?;
+            }
         }
         Some(())
+    }
+
+    /// Adds the corners of the members, none of which is open then. What the deepest and its body show as wholes.
+    fn add_members(&mut self, view: &View, lead: Lead<'_>) -> Option<[Feature; 2]> {
+        let Self { of: OpenTriangles { mesh, bodies, triangles, .. }, members, corners, .. } = self;
+        let (mut features, mut left) = ([Feature::Surface; 2], &members[..]);
+        for body in *bodies {
+            let count = left.iter().take_while(|m| body.triangles.contains(&m.number)).count();
+            let (own, others) = left.split_at(count);
+            left = others;
+            if own.is_empty() {
+                continue;
+            }
+            let is_leads = body.triangles.contains(&lead.number);
+            let part = if is_leads { lead.part } else { body.facing(lead.depth.normal) };
+            let delta = body.side.pose.translation() - mesh.pose.translation();
+            let placed = Placed { rotation: body.side.pose.rotation(), place: delta, sense: -1.0 };
+            let facing = Corners::facing(view, part, body.polytope, placed);
+            let radii = [mesh.shape.radius(), body.side.shape.radius()];
+            for &Member { number, is_alike, .. } in own {
+                let triangle = &mut triangles[number];
+                triangle.is_open = false;
+                let before = corners.len();
+                let is_lead = number == lead.number;
+                if is_lead || !facing.is_round() {
+                    let how = (lead.depth, radii);
+                    let whole = corners.add_triangle(view, how, &triangle.corners, &facing)?;
+                    features = if is_lead { whole } else { features };
+                }
+                let witness = if is_lead { Some(*lead.depth) } else { triangle.depth };
+                if let Some(witness) = witness.filter(|_| is_alike && corners.len() == before) {
+                    corners.add_witness(view, &witness, mesh.pose.translation());
+                }
+                corners.are_of(number as u32, before);
+            }
+        }
+        Some(features)
+    }
+}
+
+/// A triangle, and a body's part.
+fn parts_of(triangle: u32, body: &Body<'_>) -> [Option<PartIndex>; 2] {
+    [Some(PartIndex::Triangle(triangle)), body.part.map(PartIndex::Part)]
+}
+
+impl<'a> Body<'a> {
+    /// What of it faces a mesh whose normal that is.
+    fn facing(&self, normal: DVec3) -> Part<'a> {
+        let direction = self.side.pose.rotation().transpose() * -normal;
+        Part::facing(self.polytope, direction)
     }
 }
 
 /// How a triangle belongs to the manifold of another.
+#[derive(Clone, Copy, Debug)]
 struct Member {
-    /// Its depth, if its normal agrees.
-    own: Option<Depth>,
+    number: usize,
+    /// Whether its normal agrees.
+    is_alike: bool,
     /// How much more than the manifold's depth separates it along the normal, metres.
     rest: f64,
 }
@@ -157,11 +278,16 @@ struct Member {
 impl Member {
     /// `None` of one that does not: neither agrees its normal, nor does the manifold's depth separate it.
     #[inline(always)]
-    fn of(triangle: &TouchingTriangle, depth: &Depth, below: f64) -> Option<Self> {
-        let own = triangle.depth.filter(|own| own.normal.dot(depth.normal) >= ALIKE);
+    fn of(
+        (number, triangle): (usize, &TouchingTriangle),
+        depth: &Depth,
+        below: f64,
+    ) -> Option<Self> {
+        let is_alike =
+            triangle.depth.as_ref().is_some_and(|own| own.normal.dot(depth.normal) >= ALIKE);
         let more = reach(triangle, depth.normal, below) - triangle.slack - depth.depth;
         let is_separated = more <= NEAR * triangle.diameters;
         let rest = if is_separated { more.max(0.0) } else { 0.0 };
-        (is_separated || own.is_some()).then_some(Self { own, rest })
+        (is_separated || is_alike).then_some(Self { number, is_alike, rest })
     }
 }

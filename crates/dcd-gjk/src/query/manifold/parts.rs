@@ -15,7 +15,7 @@ use crate::{PosedShape, Reason, Verdict, epa};
 pub(super) const ALIKE: f64 = 1.0 - 5e-7;
 
 /// At least the angle of that cosine, and a margin for normals that are known to 1e-4 rad.
-const ANGLE: f64 = 1.1e-3;
+pub(super) const ANGLE: f64 = 1.1e-3;
 
 /// How much farther than a manifold's depth two parts may have to be moved along its normal and still belong to it,
 /// relative to their diameters: what f32 vertices leave of a plane. The error bound counts it. Larger: wider bounds.
@@ -73,9 +73,9 @@ fn write_in_order(
         *set = found;
         return Ok(());
     }
-    if how.accuracy == Accuracy::F32
-        && how.options == ManifoldOptions::default()
-        && on_mesh::write(sides, touching, (on_mesh, parts, corners, memory), set).is_some()
+    let lent = (on_mesh, &mut *parts, &mut *corners, &mut *memory);
+    if how.options == ManifoldOptions::default()
+        && on_mesh::write(how.accuracy, sides, touching, lent, set).is_some()
     {
         return Ok(());
     }
