@@ -1,11 +1,11 @@
 use super::*;
-use crate::Difference;
 use crate::certificate::Bounds;
 use crate::distance::approach;
 use crate::exact;
 use crate::motion::tests::Draw;
-use dcd_geom::Pose;
+use crate::{Difference, Vertex};
 use dcd_geom::glam::DQuat;
+use dcd_geom::{Pose, Support};
 
 /// Two hulls, every other rounded, that are apart by a gap of about that many metres at the most.
 fn pair(draw: &mut Draw, k: usize, gap: f64) -> [(Polytope, Pose); 2] {
@@ -113,5 +113,58 @@ fn a_face_of_four_corners_that_rounding_has_bent_is_measured_at_its_own() {
         let (found, _) = crate::distance::of_polytopes(a, b);
         let crate::DistanceResult::Apart(found) = found else { panic!("{k} {found:?}") };
         assert!(is_exact(&found, a, b), "{k} {found:?}");
+    }
+}
+
+/// What the vertices of those numbers give, with those weights: the shapes are where their vertices are.
+fn of_vertices(
+    [a, b]: [&[DVec3]; 2],
+    pairs: &[[u32; 2]],
+    weights: [f64; 4],
+) -> (Option<Distance>, f64) {
+    let [a, b] = [a, b].map(|vertices| Polytope::hull(vertices.to_vec()).unwrap());
+    let (a, b) =
+        (PosedSupport::polytope(&a, &Pose::IDENTITY), PosedSupport::polytope(&b, &Pose::IDENTITY));
+    let mut near = Approach::towards(DVec3::X);
+    near.weights = weights;
+    for &[k, l] in pairs {
+        let support = |body: PosedSupport<'_, Polytope>, feature: u32| Support {
+            point: body.map.vertices()[feature as usize],
+            feature,
+        };
+        let (in_a, in_b) = (support(a, k), support(b, l));
+        near.simplex.push(Vertex { w: in_a.point - in_b.point, a: in_a, b: in_b });
+    }
+    (distance(a, b, &near), exact::closest(a, b, &[]).unwrap().distance)
+}
+
+#[test]
+fn a_point_beyond_the_end_of_an_edge_is_no_point_of_it() {
+    let edge = [DVec3::ZERO, DVec3::X];
+    let point = [DVec3::new(-0.5, 0.0, 1.0)];
+    let (found, _) = of_vertices([&edge, &point], &[[0, 0], [1, 0]], [0.5, 0.5, 0.0, 0.0]);
+    assert_eq!(found, None);
+}
+
+#[test]
+fn an_edge_of_the_difference_that_is_level_though_those_of_its_shapes_are_not_is_refused() {
+    let edge = [DVec3::ZERO, DVec3::X];
+    let other = [DVec3::new(0.003, -0.05, 1.0), DVec3::new(1.003, 0.05, 1.0)];
+    let (found, exactly) = of_vertices([&edge, &other], &[[0, 0], [1, 1]], [0.5, 0.5, 0.0, 0.0]);
+    assert_eq!((found, exactly), (None, 1.0));
+}
+
+#[test]
+fn a_sliver_whose_second_edge_is_not_corrected_is_refused() {
+    let over = [DVec3::new(0.4, 0.0, 1.0)];
+    for tip in [1e-4, -1e-4] {
+        let sliver = [DVec3::ZERO, DVec3::X, DVec3::new(0.5, tip, 0.1 * tip)];
+        for first in 0..3 {
+            let pairs = [first, (first + 1) % 3, (first + 2) % 3].map(|k| [k, 0]);
+            let weights = [0.3, 0.4, 0.3, 0.0];
+            let (found, exactly) = of_vertices([&sliver, &over], &pairs, weights);
+            let is_right = |found: &Distance| (found.distance - exactly).abs() <= 1e-15;
+            assert!(found.as_ref().is_none_or(is_right), "{tip} {first} {found:?} {exactly}");
+        }
     }
 }
