@@ -74,9 +74,17 @@ impl Sum {
         self.low += product.low;
     }
 
+    /// The same of two numbers of 106 bits, but for the product of their ends: 2⁻¹⁰⁶ of theirs.
+    #[inline]
+    pub(crate) fn add_long_product(&mut self, a: &DoubleDouble, b: &DoubleDouble) {
+        self.add_product(a.high, b.high);
+        self.low += a.high * b.low + a.low * b.high;
+    }
+
     #[inline]
     pub(crate) fn total(self) -> DoubleDouble {
-        quick_two_sum(self.high, self.low)
+        // Of terms that cancel the low part may be the larger.
+        two_sum(self.high, self.low)
     }
 }
 
@@ -137,6 +145,7 @@ impl Scalar for DoubleDouble {
         let sum = quick_two_sum(high.high, high.low + low.high);
         quick_two_sum(sum.high, sum.low + low.low)
     }
+    #[inline]
     fn minus(&self, other: &Self) -> Self {
         self.plus(&other.negated())
     }
@@ -146,6 +155,7 @@ impl Scalar for DoubleDouble {
         let cross = self.high * other.low + self.low * other.high;
         quick_two_sum(product.high, product.low + cross)
     }
+    #[inline]
     fn negated(&self) -> Self {
         Self { high: -self.high, low: -self.low }
     }
@@ -154,6 +164,22 @@ impl Scalar for DoubleDouble {
     }
     fn ratio_is_less(n1: &Self, d1: &Self, n2: &Self, d2: &Self) -> bool {
         n1.divided_by(*d1).minus(&n2.divided_by(*d2)).is_negative()
+    }
+    /// Off by at most 2 [`EPSILON`] of the products' magnitudes.
+    #[inline]
+    fn sum_of_products(a: &Triple<Self>, b: &Triple<Self>) -> Self {
+        let mut sum = Sum::default();
+        for (x, y) in a.iter().zip(b) {
+            sum.add_long_product(x, y);
+        }
+        sum.total()
+    }
+    #[inline]
+    fn difference_of_products([a, b]: [&Self; 2], [c, d]: [&Self; 2]) -> Self {
+        let mut sum = Sum::default();
+        sum.add_long_product(a, b);
+        sum.add_long_product(&c.negated(), d);
+        sum.total()
     }
 }
 
@@ -219,6 +245,31 @@ mod tests {
                 let root = exact(a.sqrt());
                 prop_assert!(within((&root * &root - (exact(a) << 300)) >> 3, exact(a) << 300));
             }
+        }
+
+        #[test]
+        fn sums_of_products_keep_their_bound_where_they_cancel_too(
+            a in prop::array::uniform3(number()),
+            b in prop::array::uniform3(number()),
+            cancels in any::<bool>(),
+        ) {
+            // The last product is the least if it takes the others away.
+            let (mut a, mut b) = (a, b);
+            if cancels {
+                let sum = a[0].times(&b[0]).plus(&a[1].times(&b[1]));
+                (a[2], b[2]) = (sum.negated(), DoubleDouble::one());
+            }
+            let products = [0, 1, 2].map(|k| exact(a[k]) * exact(b[k]));
+            let within = |error: BigInt, count: usize| {
+                let size: BigInt = products[..count].iter().map(|x| BigInt::from(x.magnitude().clone())).sum();
+                // The sum is off by the units it is compared in as well.
+                error.magnitude() << 102 <= size.magnitude() + (BigInt::from(1) << 402u32).magnitude()
+            };
+            let sum: BigInt = products.iter().sum();
+            prop_assert!(within((exact(DoubleDouble::sum_of_products(&a, &b)) << 300) - sum, 3));
+            let difference = &products[0] - &products[1];
+            let found = DoubleDouble::difference_of_products([&a[0], &b[0]], [&a[1], &b[1]]);
+            prop_assert!(within((exact(found) << 300) - difference, 2));
         }
     }
 }

@@ -170,8 +170,12 @@ impl<'a, T: Number> Side<'a, T> {
 
     fn world(&self, k: usize) -> Triple<T> {
         let local = self.local(k);
+        let turned = [0, 1, 2].map(|r| dot(&self.rows[r], &local));
+        if self.shift == 0 {
+            return turned;
+        }
         let shift = T::power_of_two(self.shift);
-        [0, 1, 2].map(|r| dot(&self.rows[r], &local).times(&shift))
+        turned.map(|x| x.times(&shift))
     }
 
     /// The vertex lowest along a world direction. The few that f64 cannot order are compared exactly.

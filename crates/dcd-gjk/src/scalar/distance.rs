@@ -7,6 +7,7 @@
 //! everywhere.
 
 mod approach;
+mod features;
 mod nearer;
 mod newton;
 mod refine;
@@ -243,9 +244,34 @@ fn of_apart_in_order(
     if let Some(found) = closed::distance(a, b, closed::SHARP) {
         return found;
     }
-    let (nearest, count) = different(nearest);
-    let scale = Difference::<f64, _, _>::new(a, b).map(|difference| difference.scale());
-    of_hint(a, b, scale, &nearest[..count]).0
+    let (pairs, count) = different(nearest);
+    let Some(difference) = Difference::new(a, b) else {
+        return of_hint(a, b, None, &pairs[..count]).0;
+    };
+    let bounds = Bounds::of(&difference);
+    match from_vertices(&difference, &bounds, &pairs[..count]) {
+        Ok(near) => of_near(a, b, difference.scale(), &near).0,
+        Err(_) => of_hint(a, b, Some(difference.scale()), &pairs[..count]).0,
+    }
+}
+
+/// GJK in f64 from vertices of each.
+fn from_vertices(
+    difference: &Difference<'_, f64, Polytope, Polytope>,
+    bounds: &Bounds<f64>,
+    pairs: &[[u32; 2]],
+) -> Result<Approach, Verdict<()>> {
+    let (in_a, in_b) = difference.maps();
+    let support = |polytope: &Polytope, feature: u32| Support {
+        point: polytope.vertices()[feature as usize],
+        feature,
+    };
+    let mut simplex = Simplex::default();
+    for &[k, l] in pairs {
+        let (a, b) = (support(in_a, k), support(in_b, l));
+        simplex.push(Vertex { w: difference.world(a.point, b.point), a, b });
+    }
+    approach_from(difference, bounds, [0.0, f64::MAX], simplex)
 }
 
 /// In f64 where that knows more than that they are apart.
@@ -259,18 +285,8 @@ fn in_f64_from(
     }
     let (pairs, count) = different(nearest);
     if let Some(difference) = Difference::new(a, b) {
-        let mut simplex = Simplex::default();
-        for &[k, l] in &pairs[..count] {
-            let support = |polytope: &Polytope, feature: u32| Support {
-                point: polytope.vertices()[feature as usize],
-                feature,
-            };
-            let (in_a, in_b) = (support(a.map, k), support(b.map, l));
-            let w = difference.world(in_a.point, in_b.point);
-            simplex.push(Vertex { w, a: in_a, b: in_b });
-        }
         let bounds = Bounds::of(&difference);
-        if let Ok(near) = approach_from(&difference, &bounds, [0.0, f64::MAX], simplex)
+        if let Ok(near) = from_vertices(&difference, &bounds, &pairs[..count])
             && near.lower > bounds.swept_upper()
         {
             return DistanceResult::Apart(near.distance(&bounds, difference.scale(), (a, b)));
@@ -375,30 +391,46 @@ fn in_order(
         return (found, Method::F64);
     }
     let difference = Difference::<f64, _, _>::new(a, b);
-    let mut hint = [[0; 2]; 3];
-    let mut known = 0;
-    let mut apart = false;
+    let mut searched = None;
     if let Some(difference) = &difference {
         let bounds = Bounds::of(difference);
         match approach(difference, &bounds, 0.0) {
             Err(Verdict::Touching(())) => return (DistanceResult::Touching, Method::F64),
             Err(_) => {}
             Ok(near) => {
-                apart = near.lower > bounds.swept_upper();
-                for (slot, vertex) in hint.iter_mut().zip(near.simplex.vertices()) {
-                    *slot = [vertex.a.feature, vertex.b.feature];
-                    known += 1;
-                }
+                let is_apart = near.lower > bounds.swept_upper();
+                searched = Some((near, difference.scale(), is_apart));
             }
         }
     }
-    if !apart {
+    if !matches!(searched, Some((.., true))) {
         let (verdict, method) = certified::overlap(a, b);
         if verdict != Verdict::Apart {
             return (DistanceResult::Touching, method);
         }
     }
-    of_hint(a, b, difference.map(|difference| difference.scale()), &hint[..known])
+    match searched {
+        Some((near, scale, _)) => of_near(a, b, scale, &near),
+        None => of_hint(a, b, difference.map(|difference| difference.scale()), &[]),
+    }
+}
+
+/// Of two that are apart, from where the search in f64 has come.
+fn of_near(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    scale: f64,
+    near: &Approach,
+) -> (DistanceResult, Method) {
+    if let Some(found) = features::distance(a, b, near) {
+        return (DistanceResult::Apart(found), Method::F64);
+    }
+    let mut hint = [[0; 2]; 3];
+    let vertices = near.simplex.vertices();
+    for (slot, vertex) in hint.iter_mut().zip(vertices) {
+        *slot = [vertex.a.feature, vertex.b.feature];
+    }
+    of_hint(a, b, Some(scale), &hint[..vertices.len().min(3)])
 }
 
 /// From vertices between which the nearest points may be: in double-double, else exactly. `scale` is the pair's, where it

@@ -20,6 +20,16 @@ pub(crate) trait Scalar: Clone {
     /// Whether n₁/d₁ < n₂/d₂, for divisors of at least 0; false for NaN.
     fn ratio_is_less(n1: &Self, d1: &Self, n2: &Self, d2: &Self) -> bool;
 
+    /// The inner product.
+    #[inline]
+    fn sum_of_products(a: &Triple<Self>, b: &Triple<Self>) -> Self {
+        a[0].times(&b[0]).plus(&a[1].times(&b[1])).plus(&a[2].times(&b[2]))
+    }
+    /// ab − cd.
+    #[inline]
+    fn difference_of_products([a, b]: [&Self; 2], [c, d]: [&Self; 2]) -> Self {
+        a.times(b).minus(&c.times(d))
+    }
     fn is_positive(&self) -> bool {
         self.sign() == Some(Ordering::Greater)
     }
@@ -92,15 +102,15 @@ pub(crate) fn negated<T: Scalar>(a: &Triple<T>) -> Triple<T> {
 
 #[inline]
 pub(crate) fn dot<T: Scalar>(a: &Triple<T>, b: &Triple<T>) -> T {
-    a[0].times(&b[0]).plus(&a[1].times(&b[1])).plus(&a[2].times(&b[2]))
+    T::sum_of_products(a, b)
 }
 
 #[inline]
 pub(crate) fn cross<T: Scalar>(a: &Triple<T>, b: &Triple<T>) -> Triple<T> {
     [
-        a[1].times(&b[2]).minus(&a[2].times(&b[1])),
-        a[2].times(&b[0]).minus(&a[0].times(&b[2])),
-        a[0].times(&b[1]).minus(&a[1].times(&b[0])),
+        T::difference_of_products([&a[1], &b[2]], [&a[2], &b[1]]),
+        T::difference_of_products([&a[2], &b[0]], [&a[0], &b[2]]),
+        T::difference_of_products([&a[0], &b[1]], [&a[1], &b[0]]),
     ]
 }
 

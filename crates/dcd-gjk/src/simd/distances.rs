@@ -313,13 +313,21 @@ impl NarrowPhase for SimdDistances {
         let mut of_cuboids = of_cuboids.found.iter();
         let mut number = 0;
         for (&pair, &kind) in pairs.iter().zip(&*kinds) {
+            // No table of jumps: of spheres nothing tells the next pair's kind.
+            if kind == Kind::Touching {
+                sink.contacts.push(Contact { pair, answer: None });
+                continue;
+            }
+            let is_decided = undecided.is_empty()
+                || undecided.binary_search_by_key(&pair, |undecided| undecided.pair).is_err();
+            let spheres = if kind == Kind::Spheres { frames.spheres(pair) } else { None };
+            if is_decided && spheres.is_some_and(|both| self.by_centres(both, pair, sink.contacts))
+            {
+                continue;
+            }
             let (mut found, mut features) = Default::default();
             match kind {
-                Kind::Touching => {
-                    sink.contacts.push(Contact { pair, answer: None });
-                    continue;
-                }
-                Kind::Spheres => {}
+                Kind::Touching | Kind::Spheres => {}
                 Kind::Cuboids => features = of_cuboids.next().copied().unwrap_or_default(),
                 Kind::Searched => found = searched.next().copied().unwrap_or_default(),
             }
@@ -327,8 +335,6 @@ impl NarrowPhase for SimdDistances {
                 objects.look_ahead(number, false);
                 number += 1;
             }
-            let is_decided = undecided.is_empty()
-                || undecided.binary_search_by_key(&pair, |undecided| undecided.pair).is_err();
             if !is_decided {
                 let [one, other] = objects.posed(pair);
                 let (verdict, method) = self.alone(one, other);
@@ -341,10 +347,6 @@ impl NarrowPhase for SimdDistances {
                 Kind::Searched => self.by_search(found, objects.posed(pair)),
                 Kind::Cuboids => self.by_features(features, frames, pair, objects.posed(pair)),
                 Kind::Touching | Kind::Spheres => {
-                    let spheres = frames.spheres(pair);
-                    if spheres.is_some_and(|both| self.by_centres(both, pair, sink.contacts)) {
-                        continue;
-                    }
                     self.by_bounds_of_centres(spheres, objects.posed(pair))
                 }
             };

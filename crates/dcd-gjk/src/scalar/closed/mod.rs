@@ -29,7 +29,9 @@ pub(crate) use cuboid_depth::{
 };
 use dcd_geom::{Kind, Polytope, Shape};
 pub(crate) use gap::Gap;
-pub(crate) use near_features::{NearFeatures, distance_in_double_double, distance_in_f64};
+pub(crate) use near_features::{
+    NearFeatures, distance_in_double_double, distance_in_f64, square_to,
+};
 pub(crate) use segments::{PosedCore, depth_of_cores, overlap_of_cores};
 pub(crate) use spheres::{
     PlacedSphere, depth_of_spheres, depth_of_two_spheres, distance_of_spheres, spheres_are_beyond,
@@ -47,7 +49,7 @@ const SEPARATION: f64 = 7.01;
 const LENGTH: f64 = 8.0;
 
 /// Sizes of a pair, metres, whose squares and products stay clear of under- and overflow.
-const SIZES: std::ops::Range<f64> = 1e-70..1e70;
+pub(crate) const SIZES: std::ops::Range<f64> = 1e-70..1e70;
 
 /// Whether there is a formula for two kinds: none for hulls, for triangles only against spheres and capsules.
 fn have_formula(one: Kind, other: Kind) -> bool {

@@ -148,28 +148,10 @@ impl<'a> Near<'a> {
         self.points[side] = (turn.transpose() * from_centre).clamp(-half, half);
     }
 
-    /// What must be added along each of the edges for a vector to be square to both, given its parts along them.
-    fn corrections([e, f]: [DVec3; 2], along: [f64; 2], count: usize) -> [f64; 2] {
-        match count {
-            0 => [0.0; 2],
-            1 => [-along[0] / e.dot(e), 0.0],
-            _ => {
-                let (ee, ff, ef) = (e.dot(e), f.dot(f), e.dot(f));
-                let determinant = ee * ff - ef * ef;
-                // Parallel edges have the same normals.
-                if determinant < CROSSING {
-                    return [-along[0] / ee, 0.0];
-                }
-                let s = (ef * along[1] - ff * along[0]) / determinant;
-                [s, (ef * along[0] - ee * along[1]) / determinant]
-            }
-        }
-    }
-
     /// The part of a vector that is square to the features' edges.
     fn square_to_edges(&self, w: DVec3) -> DVec3 {
         let (edges, count) = self.level();
-        let [s, r] = Self::corrections(edges, edges.map(|edge| edge.dot(w)), count);
+        let [s, r] = square_to(edges, edges.map(|edge| edge.dot(w)), count);
         w + edges[0] * s + edges[1] * r
     }
 
@@ -201,7 +183,7 @@ impl<'a> Near<'a> {
         }
         let w = self.difference();
         let (edges, count) = self.level();
-        let [s, r] = Self::corrections(edges, edges.map(|edge| along(edge, &w)), count);
+        let [s, r] = square_to(edges, edges.map(|edge| along(edge, &w)), count);
         let (e, f) = (edges[0].to_array(), edges[1].to_array());
         let normal = [0, 1, 2].map(|c| {
             let mut sum = Sum::from(w[c]);
@@ -251,6 +233,24 @@ impl<'a> Near<'a> {
             }
         }
         lost
+    }
+}
+
+/// What must be added along each of the first `count` edges for a vector to be square to them, given its products with them.
+pub(crate) fn square_to([e, f]: [DVec3; 2], along: [f64; 2], count: usize) -> [f64; 2] {
+    match count {
+        0 => [0.0; 2],
+        1 => [-along[0] / e.dot(e), 0.0],
+        _ => {
+            let (ee, ff, ef) = (e.dot(e), f.dot(f), e.dot(f));
+            let determinant = ee * ff - ef * ef;
+            // Parallel edges have the same normals.
+            if determinant < CROSSING * (ee * ff) {
+                return [-along[0] / ee, 0.0];
+            }
+            let s = (ef * along[1] - ff * along[0]) / determinant;
+            [s, (ef * along[0] - ee * along[1]) / determinant]
+        }
     }
 }
 

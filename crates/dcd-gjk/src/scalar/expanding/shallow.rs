@@ -135,10 +135,9 @@ fn measure(grid: &Grid<'_, DoubleDouble>, faces: &[Corners]) -> Option<Measured>
         if !(squared.to_f64() > SLIVER) {
             return None;
         }
-        let length = squared.sqrt();
         // No point of a triangle is nearer than its lowest corner along any direction.
-        let heights = [p, q, r].map(|point| dot(&normal, point).divided_by(length));
-        let height = heights.into_iter().reduce(lesser)?;
+        let heights = [p, q, r].map(|point| dot(&normal, point));
+        let height = heights.into_iter().reduce(lesser)?.divided_by(squared.sqrt());
         if nearest.as_ref().is_none_or(|(least, _)| height.minus(least).is_negative()) {
             nearest = Some((height, normal));
         }
