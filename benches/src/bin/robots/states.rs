@@ -7,7 +7,7 @@ use dcd_benches::timing::time;
 use dcd_exec::{Par, with_threads};
 use dcd_geom::Pair;
 use dcd_parry::{ParryRobot, Until};
-use dcd_robot::{StateChecker, Workcell};
+use dcd_robot::{Obstacle, StateChecker, Workcell};
 use serde::{Deserialize, Serialize};
 
 use crate::data::{Geometry, Setting, on_the_way};
@@ -136,16 +136,19 @@ struct Found {
     undecided: usize,
 }
 
-/// First hits and all, so many states at once: their times, and what all are.
+/// First hits and all, so many states at once: their times, and what all are. Each begins with the obstacles taken anew,
+/// so that what is made at the first use is counted in both.
 fn checked(
-    (checker, states): (&StateChecker, &[Vec<f64>]),
-    batch: usize,
+    (checker, obstacles): (&mut StateChecker, &[Obstacle]),
+    (states, batch): (&[Vec<f64>], usize),
     par: Par,
 ) -> Result<([Duration; 2], Found)> {
+    checker.set_obstacles(obstacles)?;
     let (first_time, first) = time(|| {
         let found = states.chunks(batch).map(|states| checker.first(states, par));
         found.collect::<Result<Vec<_>, _>>()
     });
+    checker.set_obstacles(obstacles)?;
     let (all_time, all) = time(|| {
         let found = states.chunks(batch).map(|states| checker.all(states, par));
         found.collect::<Result<Vec<_>, _>>()
@@ -178,9 +181,20 @@ fn is_cell(a: &Workcell, b: &Workcell) -> bool {
         && of_a.has_same_filters(of_b, 0..of_a.len())
 }
 
+/// In which order a problem's batches take their turns: each size is as often as any other the first after Parry,
+/// which leaves cold caches, and before or after any other.
+fn turns(problem: usize) -> [usize; BATCHES.len()] {
+    let count = BATCHES.len();
+    let mut turns = std::array::from_fn(|k| (k + problem) % count);
+    if problem / count % 2 == 1 {
+        turns.reverse();
+    }
+    turns
+}
+
 fn round(settings: &[&Setting], par: Par, held: &mut Option<StateChecker>) -> Result<Round> {
     let mut round = Round::default();
-    for setting in settings {
+    for (problem, setting) in settings.iter().enumerate() {
         // Made before anything is timed: what allocator and kernel put off when Parry's memory went is done meanwhile.
         let states = on_the_way(&setting.ends, STATES);
         let many = on_the_way(&setting.ends, BATCHES[BATCHES.len() - 1]);
@@ -197,16 +211,17 @@ fn round(settings: &[&Setting], par: Par, held: &mut Option<StateChecker>) -> Re
             }
         };
         prepared?;
-        let checker = held.as_ref().context("no checker")?;
+        let checker = held.as_mut().context("no checker")?;
         ensure!(is_cell(checker.cell(), &setting.cell), "an exchanged cell is not the problem's");
         round.preparations.push(preparation);
         let (kinematics, placed) = time(|| checker.place_links(&states));
         placed?;
         round.kinematics += kinematics;
         let mut known: Option<Found> = None;
-        for (ours, &batch) in round.ours.iter_mut().zip(&BATCHES) {
+        for turn in turns(problem) {
+            let (batch, ours) = (BATCHES[turn], &mut round.ours[turn]);
             let states = if batch > STATES { &many } else { &states };
-            let (times, found) = checked((checker, states), batch, par)?;
+            let (times, found) = checked((checker, &setting.obstacles), (states, batch), par)?;
             ours.iter_mut().zip(times).for_each(|(sum, time)| *sum += time);
             if batch <= STATES {
                 ensure!(known.get_or_insert(found.clone()) == &found, "batches of {batch} differ");
