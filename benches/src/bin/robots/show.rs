@@ -13,7 +13,8 @@ const NOTES: [&str; 6] = [
     "States: one pass over the problems a round, ours and Parry's problem by problem; medians of the rounds, with the least and \
      the most ratio. A check contains the kinematics; preparation is apart: the next problem's obstacles taken by \
      `StateChecker::set_obstacles`, the robot once: the mean, and the mean of each problem's median of the rounds, which leaves out \
-     what it waits for in few of them. \
+     what it waits for in few of them. Every batch begins with the obstacles taken anew, and batches of all sizes take turns \
+     behind Parry, where caches are cold. \
      Batches of 10,000 are finer lines between the same ends. Parry: `parry3d` in f64 on one thread, its check alone: \
      AABBs, tree, `query::intersection_test`, poses made outside of the timer.",
     "Edges: from start to goal, one thread; each edge's time is the median of its rounds. Samples are at most 1e-3 rad from \
