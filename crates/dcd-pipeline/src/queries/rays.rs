@@ -60,7 +60,8 @@ impl Search<'_> {
 
 impl Queries<'_> {
     /// The first hit of all objects that the filter lets pass: the least t, of equal ones that of the least object,
-    /// then of the least part. No object is met before its `t_lower`.
+    /// then of the least part. Of what may be met at t = 0 the objects whose AABBs hold the
+    /// origin come first. No object is met before its `t_lower`.
     ///
     /// A hit that is not certain may be a miss: what is behind it is in [`Queries::all_hits`].
     pub fn first_hit(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Option<ObjectHit> {

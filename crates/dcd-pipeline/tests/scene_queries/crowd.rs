@@ -7,12 +7,12 @@ fn of_several_objects_that_hold_a_point_the_least_is_the_nearest_and_met_first()
     let paper = SceneSpec::paper().with_objects(600).with_seed(5).scene().unwrap();
     // One shape in five is swept, so that points lie between its core and its surface too.
     let shape = |k: usize| match paper.shape(k) {
-        shape if k % 5 == 0 => shape.swept(0.05).unwrap(),
+        shape if k.is_multiple_of(5) => shape.swept(0.05).unwrap(),
         shape => shape.clone(),
     };
     let placed = (0..paper.len()).map(|k| {
         let object = Object::new(k as u32, paper.poses()[k]);
-        if k % 2 == 0 { object.fixed() } else { object }
+        if k.is_multiple_of(2) { object.fixed() } else { object }
     });
     let scene = Scene::new((0..paper.len()).map(shape).collect(), placed).unwrap();
     let mut pipeline = Pipeline::new();

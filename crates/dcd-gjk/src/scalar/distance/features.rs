@@ -12,7 +12,7 @@ use crate::simplex::{Scalar, Triple, dot, minus};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Vector};
 
-/// How far a length and a separation per |d| may be off. Unit: [`EPSILON`]·m. Derived: 80. Smaller: distances outside their bounds.
+/// How far a length and a separation per |d| may be off. Unit: [`EPSILON`]·m. Derived: 90. Smaller: distances outside their bounds.
 const PADDING: f64 = 128.0;
 
 /// How much of the distance the two bounds may differ by, no unit: below an f64's last bit. Larger: worse bounds.
@@ -22,8 +22,8 @@ const CLOSED: f64 = f64::EPSILON / 16.0;
 /// Smaller: vertices that are missed. Larger: more of them in double-double.
 const LEVEL: f64 = 32.0;
 
-/// What a sum of a product and its corrections loses: u, relative to its terms. Derived: 6.
-const CORRECTED: f64 = 8.0;
+/// What a sum of a product and its corrections loses: u, relative to its terms. Derived: 9.
+const CORRECTED: f64 = 12.0;
 
 /// How often a point is corrected at most: once where the distance is above 1e-7 of the size, twice down to 1e-12 of it.
 const CORRECTIONS: usize = 3;
