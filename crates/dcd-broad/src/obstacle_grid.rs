@@ -13,7 +13,7 @@ pub use look_up::PosedBounds;
 use cells::Grid;
 use dcd_geom::glam::Vec3A;
 use dcd_geom::{Aabb, BoundingSphere, InscribedSphere, Pair};
-use reach::Bounds;
+use reach::ObstacleRow;
 
 /// Bounds of an obstacle: an AABB and a sphere that both contain it, and a sphere that it contains.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ impl ObstacleBounds {
 /// queried.
 #[derive(Clone, Debug)]
 pub struct ObstacleGrid {
-    obstacle_bounds: Vec<Bounds>,
+    obstacle_bounds: Vec<ObstacleRow>,
     inners: Vec<InscribedSphere>,
     grid: Grid,
     /// The largest radius that the lists are made for, metres.
@@ -80,7 +80,7 @@ impl ObstacleGrid {
         let grid = Grid::finest(extent, &reached);
         let all = obstacle_bounds.iter().chain(&[ObstacleBounds::EVERYTHING]);
         let mut obstacle_grid = Self {
-            obstacle_bounds: all.clone().map(Bounds::of).collect(),
+            obstacle_bounds: all.clone().map(ObstacleRow::of).collect(),
             inners: all.map(|obstacle| obstacle.inner).collect(),
             grid,
             radius,

@@ -57,19 +57,19 @@ struct Obstacles<N: NarrowPhase> {
     /// For each obstacle its box, grown as the narrow phase says.
     aabbs: Vec<Aabb>,
     /// Made at the first use.
-    search: OnceLock<Search>,
+    search: OnceLock<ObstacleSearch>,
     /// Whether some obstacle has a filter.
     filtered: bool,
 }
 
 /// What finds the obstacles near something.
-struct Search {
+struct ObstacleSearch {
     tree: StaticTree,
     /// For each obstacle its AABB and its sphere, grown as the narrow phase says, and a sphere in it.
     bounds: Vec<ObstacleBounds>,
 }
 
-impl Search {
+impl ObstacleSearch {
     fn of<N: NarrowPhase>(world: &Obstacles<N>, exec: Exec<'_>) -> Self {
         let mut tree = StaticTree::default();
         let own: Vec<u32> = (0..).take(world.len()).collect();
@@ -118,7 +118,7 @@ impl<N: NarrowPhase> StaticWorld<N> {
         });
         let scene = Scene::new(scene.shapes().to_vec(), objects)?;
         let world = Obstacles::new(scene, names, narrow, exec);
-        world.search.get_or_init(|| Search::of(&world, exec));
+        world.search.get_or_init(|| ObstacleSearch::of(&world, exec));
         Ok(Self(Arc::new(world)))
     }
 
@@ -230,8 +230,8 @@ impl<N: NarrowPhase> Obstacles<N> {
         Ok(())
     }
 
-    fn search(&self) -> &Search {
-        self.search.get_or_init(|| Search::of(self, Exec::from(Par::Serial)))
+    fn search(&self) -> &ObstacleSearch {
+        self.search.get_or_init(|| ObstacleSearch::of(self, Exec::from(Par::Serial)))
     }
 
     fn len(&self) -> usize {

@@ -27,7 +27,7 @@ use bounding_volumes::{BoundingVolumes, MOST_SPHERES};
 use certificate::Pieces;
 use dcd_exec::Exec;
 use dcd_geom::Shape;
-use search::Search;
+use search::EdgeSearch;
 use std::sync::{Arc, OnceLock};
 
 /// Rounds a bound up: far more than its sums and products lose in f64, relative. No unit. Smaller: bounds below the truth.
@@ -242,7 +242,7 @@ impl EdgeChecker {
     /// A control point that is no state of the robot; a state on the way in which a part is out of range.
     pub fn check(&self, path: &JointPath, budget: usize) -> Result<Edge, RobotError> {
         path.check(self.robot())?;
-        Search::new(self, path, (budget, Before::Hit)).run()
+        EdgeSearch::new(self, path, (budget, Before::Hit)).run()
     }
 
     /// The same where only the existence of a hit counts: nothing is proved of what is before it, so that its
@@ -252,7 +252,7 @@ impl EdgeChecker {
     /// Those of [`EdgeChecker::check`].
     pub fn check_any(&self, path: &JointPath, budget: usize) -> Result<Edge, RobotError> {
         path.check(self.robot())?;
-        Search::new(self, path, (budget, Before::Anything)).run()
+        EdgeSearch::new(self, path, (budget, Before::Anything)).run()
     }
 
     /// [`EdgeChecker::check`] of each path, in their order: the same answers at any number of threads.

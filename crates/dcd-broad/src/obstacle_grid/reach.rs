@@ -14,9 +14,9 @@ const SAFE: f32 = 1.0 + 1.0 / 1024.0;
 /// An obstacle as it is compared: the AABB's least and largest corner, the sphere's centre and its radius, four
 /// lanes each, the last without meaning where there are three numbers.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bounds(Row);
+pub(super) struct ObstacleRow(Row);
 
-impl Bounds {
+impl ObstacleRow {
     pub(super) fn of(obstacle: &ObstacleBounds) -> Self {
         let ObstacleBounds { aabb: Aabb { min, max }, sphere, .. } = *obstacle;
         let BoundingSphere { centre, radius } = sphere;

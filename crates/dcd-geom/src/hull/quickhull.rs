@@ -39,7 +39,7 @@ impl Triangle {
 ///
 /// Takes O(n log n) for most clouds, O(n²) for the worst.
 pub(crate) fn surface(points: &ExactPoints, start: [u32; 4]) -> Vec<Triangle> {
-    let mut search = Search {
+    let mut search = HullSearch {
         points,
         faces: Vec::with_capacity(points.len().min(FEW)),
         free: Vec::with_capacity(points.len().min(FEW)),
@@ -158,7 +158,7 @@ impl Work {
     }
 }
 
-struct Search<'a> {
+struct HullSearch<'a> {
     points: &'a ExactPoints,
     faces: Vec<Face>,
     /// Faces that are gone, to be used again: memory stays in proportion to the surface.
@@ -171,7 +171,7 @@ struct Search<'a> {
     starting: Vec<u32>,
 }
 
-impl Search<'_> {
+impl HullSearch<'_> {
     fn start(&mut self, [p, q, r, s]: [u32; 4]) {
         for (corners, neighbours) in [
             ([p, q, r], [1, 2, 3]),

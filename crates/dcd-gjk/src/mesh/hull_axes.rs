@@ -11,7 +11,7 @@ use crate::epa::Depth;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{FeatureRows, Polytope};
 use dcd_simd::{Path, Unfused, dispatch_on};
-use lanes::{Feature, PLANE, Search};
+use lanes::{Feature, HullAxes, PLANE};
 
 /// Lengths, metres, whose products f32 holds.
 const SIZES: std::ops::Range<f64> = 1e-6..1e8;
@@ -142,7 +142,7 @@ impl Placed<'_> {
     /// `None` where the planes are no closed surface round the origin, or may be none.
     fn least(&self) -> Option<Least> {
         let [p, q, r] = self.corners;
-        let search = Search {
+        let search = HullAxes {
             rows: self.rows,
             corner: p.as_vec3(),
             edges: [(q - p).as_vec3(), (r - p).as_vec3()],

@@ -46,7 +46,7 @@ pub(crate) fn distance_in_f32(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Di
     let mut nearest = Nearest { best: None, lower: f64::INFINITY };
     let mut look_at = |shape| {
         let alone = Side { parts: Parts::One(shape), pose: second.pose, reach: second.reach };
-        Search::of([&first, &alone], &relative, &mut nearest)?.run()
+        NearestTriangle::of([&first, &alone], &relative, &mut nearest)?.run()
     };
     let found = match second.parts {
         Parts::One(shape) => look_at(shape)?,
@@ -107,7 +107,7 @@ impl Nearest {
 }
 
 /// The search for the triangle of a mesh that is nearest to a convex shape.
-struct Search<'a> {
+struct NearestTriangle<'a> {
     mesh: &'a Mesh,
     /// The mesh, and the shape as if it were alone.
     sides: [&'a Side<'a>; 2],
@@ -123,7 +123,7 @@ struct Search<'a> {
     nearest: &'a mut Nearest,
 }
 
-impl<'a> Search<'a> {
+impl<'a> NearestTriangle<'a> {
     fn of(
         sides: [&'a Side<'a>; 2],
         relative: &'a RelativePose,
@@ -236,7 +236,7 @@ impl<'a> Search<'a> {
 }
 
 /// The triangles of a leaf that no plane proves to be no nearer than is known.
-struct NotFarther<'s, 'a>(&'s RefCell<Search<'a>>);
+struct NotFarther<'s, 'a>(&'s RefCell<NearestTriangle<'a>>);
 
 impl LeafFilter for NotFarther<'_, '_> {
     #[inline(always)]

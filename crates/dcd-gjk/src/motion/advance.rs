@@ -57,7 +57,7 @@ pub(super) fn advance(
         let (posed_a, posed_b) =
             (PosedSupport::shape(a.shape, &pose_a), PosedSupport::shape(b.shape, &pose_b));
         let Some(difference) = Difference::new(posed_a, posed_b) else { break };
-        let mut search = Search::of(&difference);
+        let mut search = GjkAt::of(&difference);
         if let Some(tried) = leap.take() {
             supports += 1;
             let found = Support::along(&difference, &search.bounds, tried.direction);
@@ -237,7 +237,7 @@ impl Support {
 }
 
 /// GJK at one time.
-struct Search<'a, 'b> {
+struct GjkAt<'a, 'b> {
     difference: &'a Difference<'b, f64, Shape, Shape>,
     bounds: Bounds<f64>,
     near: Approach,
@@ -245,7 +245,7 @@ struct Search<'a, 'b> {
     squared: f64,
 }
 
-impl<'a, 'b> Search<'a, 'b> {
+impl<'a, 'b> GjkAt<'a, 'b> {
     fn of(difference: &'a Difference<'b, f64, Shape, Shape>) -> Self {
         Self {
             difference,

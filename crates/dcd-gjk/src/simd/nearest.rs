@@ -67,17 +67,17 @@ pub(super) fn find(
     let margin = (margin as f32).next_up();
     scratch.found.clear();
     scratch.found.resize(pairs.len(), Found::Unknown);
-    dispatch_on(path, Unfused(Search { frames, pairs, margin, scratch }));
+    dispatch_on(path, Unfused(CoreSearch { frames, pairs, margin, scratch }));
 }
 
-struct Search<'a> {
+struct CoreSearch<'a> {
     frames: FramePair<'a>,
     pairs: &'a [Pair],
     margin: f32,
     scratch: &'a mut Scratch,
 }
 
-impl Kernel for Search<'_> {
+impl Kernel for CoreSearch<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -106,7 +106,7 @@ impl Kernel for Search<'_> {
     }
 }
 
-impl Search<'_> {
+impl CoreSearch<'_> {
     /// Reads sixteen pairs and lets go of those whose spheres or boxes are farther apart than the margin.
     #[inline(always)]
     fn begin<L: Lanes>(&mut self, l: L, first: usize) {

@@ -79,7 +79,7 @@ impl MeshPaths {
     /// # Errors
     /// There is none; a scheme other than `package`, `model` and `file`.
     pub fn resolve(&self, name: &str) -> Result<PathBuf, MeshNotFound> {
-        let mut search = Search { looked_in: Vec::new() };
+        let mut search = PackageSearch { looked_in: Vec::new() };
         let found = match name.split_once("://") {
             Some(("package" | "model", rest)) => self.in_package(rest, &mut search),
             Some(("file", rest)) => self.plain(rest, &mut search),
@@ -95,14 +95,14 @@ impl MeshPaths {
         absolute.ancestors().map(Path::to_path_buf).collect()
     }
 
-    fn plain(&self, name: &str, search: &mut Search) -> Option<PathBuf> {
+    fn plain(&self, name: &str, search: &mut PackageSearch) -> Option<PathBuf> {
         if Path::new(name).is_absolute() {
             return search.file(Path::new(""), name);
         }
         self.above().iter().find_map(|above| search.file(above, name))
     }
 
-    fn in_package(&self, rest: &str, search: &mut Search) -> Option<PathBuf> {
+    fn in_package(&self, rest: &str, search: &mut PackageSearch) -> Option<PathBuf> {
         let (package, file) = rest.split_once('/')?;
         if let Some((_, folder)) = self.packages.iter().rev().find(|(name, _)| name == package) {
             return search.file(folder, file);
@@ -123,11 +123,11 @@ impl MeshPaths {
 }
 
 /// A search and the places where it has been.
-struct Search {
+struct PackageSearch {
     looked_in: Vec<PathBuf>,
 }
 
-impl Search {
+impl PackageSearch {
     /// The file of that name from a folder, if it is there.
     fn file(&mut self, folder: &Path, name: &str) -> Option<PathBuf> {
         let place = folder.join(name);

@@ -26,7 +26,7 @@ pub struct NearestObject {
 }
 
 /// What is known of the object nearest to a point.
-struct Search<'a> {
+struct NearestSearch<'a> {
     queries: &'a Queries<'a>,
     point: DVec3,
     filter: &'a QueryFilter<'a>,
@@ -35,7 +35,7 @@ struct Search<'a> {
     end: f64,
 }
 
-impl Search<'_> {
+impl NearestSearch<'_> {
     /// Measures an object. Returns whether it holds the point.
     fn meet(&mut self, object: u32) -> bool {
         let scene = self.queries.scene;
@@ -72,7 +72,8 @@ impl Queries<'_> {
         if max_distance != f64::INFINITY {
             check_length("distance", max_distance)?;
         }
-        let mut search = Search { queries: self, point, filter, nearest: None, end: max_distance };
+        let mut search =
+            NearestSearch { queries: self, point, filter, nearest: None, end: max_distance };
         let test = BoxDistance::new(point);
         if !self.met_first(&test).into_iter().any(|object| search.meet(object)) {
             self.visit(&test, test.key_of(search.end), &mut |object, key| {

@@ -29,7 +29,7 @@ impl ObjectHit {
 }
 
 /// What is known of a ray's first hit.
-struct Search<'a> {
+struct RayCast<'a> {
     queries: &'a Queries<'a>,
     ray: &'a Ray,
     filter: &'a QueryFilter<'a>,
@@ -38,7 +38,7 @@ struct Search<'a> {
     end: f64,
 }
 
-impl Search<'_> {
+impl RayCast<'_> {
     /// Casts the ray at an object. Returns whether the first hit known is where the ray begins.
     fn meet(&mut self, object: u32) -> bool {
         let Self { queries, ray, filter, first, end } = self;
@@ -66,7 +66,7 @@ impl Queries<'_> {
     /// A hit that is not certain may be a miss: what is behind it is in [`Queries::all_hits`].
     pub fn first_hit(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Option<ObjectHit> {
         // Later than its end nothing can be first.
-        let mut search = Search { queries: self, ray, filter, first: None, end: ray.max_t() };
+        let mut search = RayCast { queries: self, ray, filter, first: None, end: ray.max_t() };
         let slabs = ray.slabs();
         if !self.met_first(&slabs).into_iter().any(|object| search.meet(object)) {
             self.visit(&slabs, slabs.key_of(search.end), &mut |object, key| {

@@ -12,7 +12,7 @@ mod tests;
 pub(super) use pieces::Pieces;
 
 use super::path::JointPath;
-use super::search::Search;
+use super::search::EdgeSearch;
 use super::{Before, EdgeChecker};
 use crate::RobotError;
 use glam::DVec3;
@@ -81,7 +81,7 @@ impl EdgeChecker {
         let pieces = self.pieces()?;
         // Either body is half of the clearance from the plane.
         let needed = if stated.is_finite() { 0.5 * stated * (1.0 + BEYOND) } else { 0.0 };
-        let search = Search::new(self, path, (budget, Before::Hit));
+        let search = EdgeSearch::new(self, path, (budget, Before::Hit));
         let pairs = search.planes(&pieces, needed)?;
         Ok(EdgeCertificate { path: path.clone(), clearance: stated, pairs })
     }

@@ -33,7 +33,7 @@ const SAMPLES: [u8; 16] = [0, 16, 8, 4, 12, 2, 6, 10, 14, 1, 3, 5, 7, 9, 11, 13]
 /// more distances that prove too little. Smaller: shorter intervals than need be.
 const BETTER: f64 = 1.5;
 
-pub(super) struct Search<'a> {
+pub(super) struct EdgeSearch<'a> {
     checker: &'a EdgeChecker,
     path: &'a JointPath,
     budget: usize,
@@ -65,7 +65,7 @@ struct Mover {
     lengths: Lengths,
     /// How fast the joints before each turn together at most, and how fast that changes.
     before: Vec<[f64; 2]>,
-    /// All lengths that go into its coordinates, and how fast its joints turn together, for [`Search::slack`].
+    /// All lengths that go into its coordinates, and how fast its joints turn together, for [`EdgeSearch::slack`].
     length: f64,
     turns: f64,
     deviation: f64,
@@ -103,7 +103,7 @@ struct BySpheres {
     direction: DVec3,
 }
 
-impl<'a> Search<'a> {
+impl<'a> EdgeSearch<'a> {
     pub(super) fn new(
         checker: &'a EdgeChecker,
         path: &'a JointPath,

@@ -20,7 +20,7 @@ const PRODUCT: f64 = 32.0;
 const SHORTEST: f32 = 1e-30;
 
 /// Against a hull's faces and edges.
-pub(super) struct Search<'a> {
+pub(super) struct HullAxes<'a> {
     pub(super) rows: &'a FeatureRows,
     /// A corner, from the hull's centre, and the other two from there.
     pub(super) corner: Vec3,
@@ -132,7 +132,7 @@ impl<L: Lanes> Lowest<L> {
     }
 }
 
-impl Kernel for Search<'_> {
+impl Kernel for HullAxes<'_> {
     type Output = Planes;
 
     #[inline(always)]

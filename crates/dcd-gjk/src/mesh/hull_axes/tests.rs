@@ -209,7 +209,7 @@ fn no_direction_parts_them_sooner_and_every_path_has_the_same_planes() {
         let couple = Couple::of([part, Part::Shape(&shape)], [&pose, &pose]).unwrap();
         let Some(placed) = couple.in_hull((&corners, 0), &body) else { continue };
         let [p, q, r] = placed.corners;
-        let search = || Search {
+        let search = || HullAxes {
             rows,
             corner: p.as_vec3(),
             edges: [(q - p).as_vec3(), (r - p).as_vec3()],

@@ -202,7 +202,7 @@ fn half_extents(polytope: &Polytope) -> Option<DVec3> {
 pub(super) fn posed(
     [a, b]: [PosedSupport<'_, Polytope>; 2],
     [half_a, half_b]: [DVec3; 2],
-) -> Option<(Search, [Placed; 2])> {
+) -> Option<(OverlapSearch, [Placed; 2])> {
     let delta = b.pose.translation() - a.pose.translation();
     let size = delta.norm1() + half_a.element_sum() + half_b.element_sum();
     let deviations = [a.pose.deviation(), b.pose.deviation()];
@@ -215,7 +215,7 @@ pub(super) fn posed(
     let (turn_a, turn_b) = (a.pose.rotation(), b.pose.rotation());
     let placed_a = Placed { half: half_a, axes: columns(turn_a), centre: DVec3::ZERO };
     let placed_b = Placed { half: half_b, axes: columns(turn_b), centre: delta };
-    let search = Search {
+    let search = OverlapSearch {
         half_a: half_a.to_array(),
         half_b: half_b.to_array(),
         along_a: (turn_a.transpose() * delta).to_array(),
@@ -232,7 +232,7 @@ fn columns(m: &DMat3) -> [DVec3; 3] {
 }
 
 /// The overlaps along the axes.
-pub(super) struct Search {
+pub(super) struct OverlapSearch {
     half_a: [f64; 3],
     half_b: [f64; 3],
     /// From a's centre to b's along the axes of each.
@@ -245,7 +245,7 @@ pub(super) struct Search {
     spread: f64,
 }
 
-impl Search {
+impl OverlapSearch {
     fn error(&self, [of_unit, of_spread]: [f64; 2]) -> f64 {
         (of_unit * UNIT + of_spread * self.spread) * self.size
     }
@@ -331,7 +331,7 @@ impl Search {
 
 /// The least overlap of the products looked at so far.
 struct Products<'a> {
-    search: &'a Search,
+    search: &'a OverlapSearch,
     axes: Axes,
     error: f64,
     least: Least,

@@ -1,7 +1,7 @@
 //! The depth at the end of a search in f32, measured in f64.
 
 use super::surface::clearance;
-use super::{Search, Tolerance};
+use super::{ExpandingSearch, Tolerance};
 use crate::certificate::Bounds;
 use crate::epa::Depth;
 use crate::gjk::unit;
@@ -33,7 +33,7 @@ pub(crate) fn confirmed_depth(
     accuracy: Accuracy,
     ending: &Ending<'_>,
 ) -> Option<Depth> {
-    let search = Search { difference, bodies, tolerance: Tolerance::of(accuracy) };
+    let search = ExpandingSearch { difference, bodies, tolerance: Tolerance::of(accuracy) };
     let bounds = Bounds::of(&search.difference);
     let mut nearest = (f64::INFINITY, DVec3::ZERO);
     let mut inner = ending.others.unwrap_or(0.0);
@@ -65,7 +65,7 @@ pub(crate) fn confirmed_depth(
         .or_else(|| others.and_then(|others| search.depth_by_faces(&bounds, ending.faces, others)))
 }
 
-impl Search<'_, Polytope> {
+impl ExpandingSearch<'_, Polytope> {
     pub(super) fn corners(&self, [p, q, r]: Corners) -> [Vertex<f64>; 3] {
         [self.vertex(p), self.vertex(q), self.vertex(r)]
     }

@@ -135,7 +135,7 @@ fn of_supports<S: InBlocks>(
 ) -> Option<Depth> {
     let [a, b] = bodies;
     let difference = Difference::new(a, b)?;
-    let search = Search { difference, bodies, tolerance };
+    let search = ExpandingSearch { difference, bodies, tolerance };
     let bounds = Bounds::of(&search.difference);
     if bounds.radius() > 0.0 {
         let known = points.and_then(|points| proposed(&search.difference, &bounds, 0.0, points));
@@ -164,18 +164,18 @@ pub(crate) fn depth_of_polytopes(
     }
     found.filter(|found| found.error_bound <= CERTIFIED * found.depth).or_else(|| {
         let difference = Difference::new(bodies[0], bodies[1])?;
-        let search = Search { difference, bodies, tolerance: Tolerance::of(accuracy) };
+        let search = ExpandingSearch { difference, bodies, tolerance: Tolerance::of(accuracy) };
         search.depth_by_surface(&Bounds::of(&search.difference), surface)
     })
 }
 
-struct Search<'a, S> {
+struct ExpandingSearch<'a, S> {
     difference: Difference<'a, f64, S, S>,
     bodies: [PosedSupport<'a, S>; 2],
     tolerance: Tolerance,
 }
 
-impl<S: InBlocks> Search<'_, S> {
+impl<S: InBlocks> ExpandingSearch<'_, S> {
     /// Only what is swept round them overlaps, or hardly more: the radii, less the cores' distance, which is between its bounds;
     /// the lower one is negative by as much as cores overlap at most.
     fn of_nearest_points(&self, bounds: &Bounds<f64>, near: &Approach) -> Option<Depth> {

@@ -2,7 +2,7 @@
 
 use super::confirm::Corners;
 use super::surface::{Surface, clearance};
-use super::{Search, Tolerance};
+use super::{ExpandingSearch, Tolerance};
 use crate::certificate::Bounds;
 use crate::double_double::{DoubleDouble, EPSILON};
 use crate::epa::Depth;
@@ -74,7 +74,7 @@ struct Measured {
     normal: DVec3,
 }
 
-impl Search<'_, Polytope> {
+impl ExpandingSearch<'_, Polytope> {
     /// The depth by faces of a surface that surely winds round the origin, those that may be the nearest. `others` is at
     /// most the distance of the rest. `None` where it is not known as well as by the exact search.
     pub(super) fn depth_by_faces(

@@ -27,17 +27,17 @@ pub(in super::super) fn find(path: Path, frames: FramePair<'_>, scratch: &mut Sc
     let Scratch { packet, pairs, axes } = scratch;
     axes.clear();
     axes.resize(pairs.len(), Axes::ALL);
-    dispatch_on(path, Search { frames, packet, pairs, axes });
+    dispatch_on(path, CuboidDepths { frames, packet, pairs, axes });
 }
 
-struct Search<'a> {
+struct CuboidDepths<'a> {
     frames: FramePair<'a>,
     packet: &'a mut CuboidPairs,
     pairs: &'a [Pair],
     axes: &'a mut [Axes],
 }
 
-impl Kernel for Search<'_> {
+impl Kernel for CuboidDepths<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -129,17 +129,17 @@ pub(in super::super) fn find(
     let margin = (margin as f32).next_up();
     scratch.found.clear();
     scratch.found.resize(pairs.len(), Found::Unknown);
-    dispatch_on(path, Unfused(Search { frames, pairs, margin, scratch }));
+    dispatch_on(path, Unfused(CuboidFeatures { frames, pairs, margin, scratch }));
 }
 
-struct Search<'a> {
+struct CuboidFeatures<'a> {
     frames: FramePair<'a>,
     pairs: &'a [Pair],
     margin: f32,
     scratch: &'a mut Scratch,
 }
 
-impl Kernel for Search<'_> {
+impl Kernel for CuboidFeatures<'_> {
     type Output = ();
 
     #[inline(always)]

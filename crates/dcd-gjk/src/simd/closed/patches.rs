@@ -64,16 +64,16 @@ pub(in super::super) fn find(
     scratch: &mut Scratch,
 ) {
     scratch.rows.resize_with(pairs.len().div_ceil(WIDTH), Rows::default);
-    dispatch_on(path, Unfused(Search { frames, pairs, scratch }));
+    dispatch_on(path, Unfused(PatchSearch { frames, pairs, scratch }));
 }
 
-struct Search<'a> {
+struct PatchSearch<'a> {
     frames: FramePair<'a>,
     pairs: &'a [Pair],
     scratch: &'a mut Scratch,
 }
 
-impl Kernel for Search<'_> {
+impl Kernel for PatchSearch<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -25,7 +25,7 @@ use confirm::{Ended, SearchedPair, Side};
 use dcd_geom::{Aabb, Pair, Scene};
 use dcd_simd::{Kernel, Lanes, Path, dispatch_on};
 use formulas::{Sort, WritePatches};
-use search::{Next, Search};
+use search::{DepthSearch, Next};
 use start::Starts;
 use std::slice::Iter;
 use surface::{Point, Surface};
@@ -74,7 +74,7 @@ impl<S: MeasureDepth> SimdDepths<S> {
 #[derive(Debug, Default)]
 pub struct Scratch<S> {
     yes: Yes,
-    of_touching: OfTouching,
+    of_touching: TouchingScratch,
     touching: Vec<Pair>,
     /// The numbers of the touching pairs that the solver measures by itself.
     left: Vec<u32>,
@@ -83,7 +83,7 @@ pub struct Scratch<S> {
 
 /// The same for the pairs that touch.
 #[derive(Debug, Default)]
-struct OfTouching {
+struct TouchingScratch {
     surfaces: Box<[Surface; SEATS]>,
     starts: Starts,
     of_cuboids: of_cuboids::Scratch,
@@ -99,10 +99,10 @@ impl<S: MeasureDepth> SimdDepths<S> {
     fn answer(
         &self,
         objects: ScenePairs<'_>,
-        scratch: &mut OfTouching,
+        scratch: &mut TouchingScratch,
         mut answers: Answers<'_, S>,
     ) {
-        let OfTouching { surfaces, starts, of_cuboids, patches, cuboids, searched } = scratch;
+        let TouchingScratch { surfaces, starts, of_cuboids, patches, cuboids, searched } = scratch;
         let (accuracy, frames, answers) = (self.accuracy, objects.frames, &mut answers);
         dispatch_on(self.path, Sort { objects, accuracy, of_cuboids, cuboids, searched, answers });
         if S::READS_PATCHES && accuracy == Accuracy::F32 {
@@ -293,7 +293,7 @@ struct Seat<'a> {
     /// Its number among the touching ones.
     number: usize,
     pair: SearchedPair<'a>,
-    search: Search,
+    search: DepthSearch,
     /// The support that was evaluated last.
     point: Point,
 }
@@ -356,7 +356,7 @@ impl<'a> SearchPairs<'a> {
             };
             let sides = [side(0, frames.a, pair.i, a), side(1, frames.b, pair.j, b)];
             if let Some(searched) = SearchedPair::of(sides) {
-                let mut search = Search::new(&searched.cloud, self.accuracy);
+                let mut search = DepthSearch::new(&searched.cloud, self.accuracy);
                 let is_second = !frames.is_one();
                 let of_a = self.starts.of(l, (pair.i, false), sides[0].blocks);
                 let of_b = self.starts.of(l, (pair.j, is_second), sides[1].blocks);

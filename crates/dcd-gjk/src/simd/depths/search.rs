@@ -123,14 +123,14 @@ pub(super) enum Next {
 
 /// The search of one pair.
 #[derive(Clone, Debug)]
-pub(super) struct Search {
+pub(super) struct DepthSearch {
     stage: Stage,
     direction: Vec3,
     start: [Point; 4],
     clear: f32,
 }
 
-impl Search {
+impl DepthSearch {
     pub(super) fn new(cloud: &Cloud<'_>, accuracy: Accuracy) -> Self {
         let gain = if accuracy == Accuracy::F32 { GAIN_F32 } else { GAIN };
         let direction = if cloud.middle == Vec3::ZERO { Vec3::X } else { -cloud.middle };

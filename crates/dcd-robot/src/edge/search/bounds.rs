@@ -4,14 +4,14 @@ use super::super::bounding_volumes::Support;
 use super::super::place::{Near, Twist};
 use super::super::rows::RowMotion;
 use super::super::{EdgePair, ROUNDED_UP};
-use super::{BySpheres, Gaps, Search};
+use super::{BySpheres, EdgeSearch, Gaps};
 use glam::DVec3;
 
 /// What coordinates and turned directions lose in f64, relative to the lengths that go into them, with much
 /// room.
 const ROUNDING: f64 = 1e-12;
 
-impl Search<'_> {
+impl EdgeSearch<'_> {
     /// The link that the last joint moves which carries both.
     pub(super) fn common(&self, pair: &EdgePair) -> Option<usize> {
         let (_, chain) = self.checker.movers[pair.objects[0] as usize].as_ref()?;

@@ -3,7 +3,7 @@
 use super::super::certificate::{CertifiedPair, Pieces, SeparatingPlane};
 use super::super::place::Twist;
 use super::super::{EdgePair, ROUNDED_UP};
-use super::{SHORTEST, Search};
+use super::{EdgeSearch, SHORTEST};
 use crate::RobotError;
 use dcd_geom::Shape;
 use dcd_gjk::PosedShape;
@@ -50,7 +50,7 @@ type Hulls = HashMap<(u32, Range<u32>), Option<Arc<Shape>>>;
 
 /// Planes for all of a path.
 struct Planes<'s, 'a> {
-    search: Search<'a>,
+    search: EdgeSearch<'a>,
     pieces: &'s [Pieces],
     /// How far a body is from its plane at least, metres.
     needed: f64,
@@ -59,7 +59,7 @@ struct Planes<'s, 'a> {
     found: Vec<Vec<SeparatingPlane>>,
 }
 
-impl<'a> Search<'a> {
+impl<'a> EdgeSearch<'a> {
     /// Separating planes for all pairs, each body at least that far from them, metres.
     pub(in super::super) fn planes(
         self,

@@ -9,8 +9,8 @@ fn search<'a>(
     checker: &'a EdgeChecker,
     path: &'a JointPath,
     (middle, half): (f64, f64),
-) -> Search<'a> {
-    let mut search = Search::new(checker, path, (1, Before::Hit));
+) -> EdgeSearch<'a> {
+    let mut search = EdgeSearch::new(checker, path, (1, Before::Hit));
     search.nodes = 1;
     search.at.go_to(checker, path, middle).unwrap();
     search.half = half;
@@ -85,7 +85,7 @@ fn no_pair_comes_nearer_in_an_interval_than_is_proved_of_it() {
     assert!(proved > 300 && tight > 100, "{proved} {tight}");
 }
 
-fn measured(search: &Search<'_>, [a, b]: [u32; 2]) -> Option<dcd_gjk::distance::Distance> {
+fn measured(search: &EdgeSearch<'_>, [a, b]: [u32; 2]) -> Option<dcd_gjk::distance::Distance> {
     match distance(search.posed(a), search.posed(b)).0 {
         DistanceResult::Apart(found) => Some(found),
         _ => None,
