@@ -12,7 +12,7 @@ mod deepest;
 mod descent;
 mod distance;
 mod hull_axes;
-mod nearest;
+mod nearest_triangle;
 mod on_body;
 mod one_triangle;
 mod pair;
@@ -45,7 +45,7 @@ pub(crate) use deepest::{
     AS_DEEP, Effort, PartPair, deepest, deepest_of, pairs_of, part_index, touching_parts,
 };
 pub use distance::distance;
-pub(crate) use nearest::distance_in_f32;
+pub(crate) use nearest_triangle::distance_in_f32;
 pub(crate) use on_body::{
     TouchingTriangle, depth_in_sphere, touching_triangles, triangles_in_sphere,
 };

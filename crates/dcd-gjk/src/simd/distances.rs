@@ -1,8 +1,8 @@
 //! How far apart pairs are: the nearest vertices sixteen pairs at a time in f32, and what the accuracy makes of them.
 
-use super::closed::{are_cuboids, nearest as of_cuboids};
+use super::closed::{are_cuboids, nearest_features as of_cuboids};
 use super::frame::{FramePair, SimdFrame};
-use super::nearest::{self, Found, NearestPoints};
+use super::nearest_points::{self, Found, NearestPoints};
 use super::scene_pairs::ScenePairs;
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, PlacedSphere, distance_of_spheres, spheres_are_beyond};
@@ -198,7 +198,7 @@ pub struct Scratch {
     open: Vec<Pair>,
     /// Those of them that are not proved to be beyond the margin.
     measured: Vec<Pair>,
-    nearest: nearest::Scratch,
+    nearest: nearest_points::Scratch,
     /// The pairs of [`Kind::Cuboids`].
     cuboids: Vec<Pair>,
     of_cuboids: of_cuboids::Scratch,
@@ -250,7 +250,7 @@ impl Scratch {
         }
         of_cuboids::find(path, frames, (cuboids, margin), of_cuboids);
         match frames.have_vertices() {
-            true => nearest::find(path, frames, (open, margin), nearest),
+            true => nearest_points::find(path, frames, (open, margin), nearest),
             // Spheres and cuboids have a formula.
             false => nearest.found.clear(),
         }

@@ -22,7 +22,7 @@ mod first_stages;
 pub(crate) mod frame;
 mod inscribed;
 mod kept_proofs;
-mod nearest;
+mod nearest_points;
 mod obb;
 mod packet;
 mod portal;

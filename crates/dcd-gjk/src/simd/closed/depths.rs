@@ -5,7 +5,7 @@
 
 use super::super::bounds::U;
 use super::super::frame::FramePair;
-use super::nearest::GAP;
+use super::nearest_features::GAP;
 use super::projections::Projections;
 use super::{CuboidPairs, Order, in_range};
 use crate::closed::Axes;

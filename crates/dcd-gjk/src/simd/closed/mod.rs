@@ -1,7 +1,7 @@
 //! Pairs of cuboids in packets of sixteen, from what is prepared of them: the axis or the features first, in f32.
 
 pub(super) mod depths;
-pub(super) mod nearest;
+pub(super) mod nearest_features;
 mod overlap;
 pub(super) mod patches;
 mod projections;

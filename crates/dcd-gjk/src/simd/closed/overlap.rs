@@ -2,7 +2,7 @@
 
 use super::super::bounds::U;
 use super::super::vector::V3;
-use super::nearest::GAP;
+use super::nearest_features::GAP;
 use super::projections::Projections;
 use super::{Cuboids, pick_vector};
 use dcd_simd::Lanes;

@@ -2,7 +2,7 @@
 
 use super::super::vector::V3;
 use super::Cuboids;
-use super::nearest::{absolute, dot};
+use super::nearest_features::{absolute, dot};
 use dcd_simd::Lanes;
 
 /// What the axes are compared by: sixteen pairs of cuboids, a and b.

@@ -3,7 +3,7 @@
 use super::super::frame::{FramePair, SimdFrame};
 use super::super::prepare;
 use super::depths;
-use super::nearest::{self, Found};
+use super::nearest_features::{self, Found};
 use super::patches;
 use crate::closed::{Axes, cuboid_depth, cuboid_depth_along};
 use crate::distance::distance;
@@ -82,9 +82,9 @@ fn the_distance_at_the_features_that_the_lanes_find_is_that_of_the_search() {
         };
         let all = (0..scene.len() as u32 / 2).map(|k| Pair::new(2 * k, 2 * k + 1));
         let apart: Vec<Pair> = all.filter(|&pair| truth(pair).is_some()).collect();
-        let mut scratch = nearest::Scratch::default();
+        let mut scratch = nearest_features::Scratch::default();
         let margin = 0.4 * scale;
-        nearest::find(Path::best(), frames, (&apart, margin), &mut scratch);
+        nearest_features::find(Path::best(), frames, (&apart, margin), &mut scratch);
         for (&pair, found) in apart.iter().zip(&scratch.found) {
             let truth = truth(pair).unwrap();
             let near = match found {
