@@ -26,12 +26,7 @@ impl<T: Copy, const N: usize> ArrayVec<T, N> {
     /// Adds an item at the end; where there is room for no more, nothing.
     #[inline(always)]
     pub fn push(&mut self, item: T) {
-        let count = usize::from(self.count);
-        if count < N {
-            // SAFETY: the place is one of the N.
-            unsafe { self.items.as_mut_ptr().cast::<T>().add(count).write(item) }
-            self.count += 1;
-        }
+        self.extend(std::iter::once(item));
     }
 
     /// Adds items at the end, as many as there is room for: their number is kept in a register meanwhile.
@@ -44,12 +39,6 @@ impl<T: Copy, const N: usize> ArrayVec<T, N> {
             count += 1;
         }
         self.count = count as u8;
-    }
-
-    /// Takes all items out.
-    #[inline(always)]
-    pub fn clear(&mut self) {
-        self.count = 0;
     }
 }
 
@@ -103,11 +92,11 @@ mod tests {
         }
         assert_eq!(*list, [10, 11, 12]);
         list[1] = 7;
-        list.clear();
+        list.count = 0;
         list.push(10);
         list.extend([7, 12, 13, 14].into_iter());
         let copy = list;
-        list.clear();
+        list.count = 0;
         assert_eq!((list.len(), &*copy), (0, &[10, 7, 12][..]));
     }
 
@@ -116,7 +105,7 @@ mod tests {
         let (mut one, mut other) = (ArrayVec::<u64, 2>::new(), ArrayVec::new());
         one.push(1);
         one.push(2);
-        one.clear();
+        one.count = 0;
         other.push(3);
         assert_ne!(one, other);
         one.push(3);

@@ -307,8 +307,8 @@ impl Worker {
     }
 }
 
-/// Sorts the hits of so many states, a chunk at most, that begin with that one by states, pairs and whether they touch: by states first, which
-/// leaves few to compare.
+/// Sorts hits by states, pairs and whether they touch, where the states, a chunk at most, begin with that one: by states
+/// first, which leaves few to compare.
 fn sort(hits: &mut [StateHit], (start, states): (u32, usize), unsorted: &mut Vec<StateHit>) {
     let by_pair = |hit: &StateHit| (hit.pair, !hit.touches());
     if states == 1 {
