@@ -156,7 +156,7 @@ impl Sift<'_> {
         for (first, row) in self.prepared.boxes.iter().enumerate() {
             for k in bits(row.overlapped(l, aabb)) {
                 let number = first * WIDTH + k;
-                let which = self.prepared.solids[number].reached(l, spheres).near & some;
+                let which = self.prepared.solids[number].near(l, spheres) & some;
                 if which != 0 {
                     near.push((number as u32, which));
                 }

@@ -126,12 +126,9 @@ impl Solid {
         self.round + self.margin
     }
 
-    /// Which of the spheres are near, and which touch. The outer and inner radii are without the spheres' own
-    /// margins (docs/numerics/proofs.md, "states in lanes").
+    /// The squared distances of sixteen points from its core, or of what is known by bounds from its box, m².
     #[inline(always)]
-    pub(super) fn reached<L: Lanes>(&self, l: L, spheres: &SpherePacket<L>) -> Overlaps {
-        let SpherePacket { centre, outer, inner, margin } = *spheres;
-        let margin = l.add(margin, l.splat(self.margin));
+    fn from_core<L: Lanes>(&self, l: L, centre: [L::F; 3]) -> L::F {
         let mut from = from_point(l, centre, self.centre);
         if let Some([x, y, z]) = self.axes {
             from = [along(l, from, x), along(l, from, y), along(l, from, z)];
@@ -151,22 +148,49 @@ impl Solid {
                 beyond(l, from[2], self.half.z),
             ],
         };
-        let swept = l.splat(self.swept);
+        squared(l, away)
+    }
+
+    /// Which of sixteen spheres are near, by the squared distances of their centres from the core and by the outer radii
+    /// with what is swept round it and all margins.
+    #[inline(always)]
+    fn near_core<L: Lanes>(&self, l: L, centre: [L::F; 3], square: L::F, reach: L::F) -> u32 {
+        let near = within(l, square, reach);
+        let Form::Bounded { outer: (middle, radius), .. } = self.form else { return near };
+        let to_outer = squared(l, from_point(l, centre, middle));
+        near & within(l, to_outer, l.add(reach, l.splat(radius)))
+    }
+
+    /// Which of the spheres are near: what [`Self::reached`] finds of spheres with nothing known inside.
+    #[inline(always)]
+    pub(super) fn near<L: Lanes>(&self, l: L, spheres: &SpherePacket<L>) -> u32 {
+        let SpherePacket { centre, outer, margin, .. } = *spheres;
+        let margin = l.add(margin, l.splat(self.margin));
+        let reach = l.add(l.add(outer, l.splat(self.swept)), margin);
+        self.near_core(l, centre, self.from_core(l, centre), reach)
+    }
+
+    /// Which of the spheres are near, and which touch. The outer and inner radii are without the spheres' own
+    /// margins (docs/numerics/proofs.md, "states in lanes").
+    #[inline(always)]
+    pub(super) fn reached<L: Lanes>(&self, l: L, spheres: &SpherePacket<L>) -> Overlaps {
+        let SpherePacket { centre, outer, inner, margin } = *spheres;
+        let (margin, swept) = (l.add(margin, l.splat(self.margin)), l.splat(self.swept));
         let (reach, inner_reach) =
             (l.add(l.add(outer, swept), margin), l.sub(l.add(inner, swept), margin));
-        let square = squared(l, away);
-        let near = within(l, square, reach);
+        let square = self.from_core(l, centre);
+        let near = self.near_core(l, centre, square, reach);
         // A maximum may swallow a NaN: a centre that is NaN touches nothing.
         let sum = l.add(l.add(centre[0], centre[1]), centre[2]);
         let somewhere = l.bits(l.le(sum, sum));
-        let Form::Bounded { outer: (middle, radius), inner: known } = self.form else {
-            let touched = inside(l, square, inner_reach) & somewhere;
-            return Overlaps { near: near | touched, touched };
+        let (square, inner_reach) = match self.form {
+            Form::Bounded { inner: (middle, radius), .. } => {
+                let to_inner = squared(l, from_point(l, centre, middle));
+                (to_inner, l.add(inner_reach, l.splat(radius)))
+            }
+            _ => (square, inner_reach),
         };
-        let to_outer = squared(l, from_point(l, centre, middle));
-        let near = near & within(l, to_outer, l.add(reach, l.splat(radius)));
-        let to_inner = squared(l, from_point(l, centre, known.0));
-        let touched = inside(l, to_inner, l.add(inner_reach, l.splat(known.1))) & somewhere;
+        let touched = inside(l, square, inner_reach) & somewhere;
         Overlaps { near: near | touched, touched }
     }
 }
