@@ -19,7 +19,6 @@ use frame_error::{NOTHING, lost};
 use glam::{DMat3, DVec3};
 use turns::{rotation, set_column, shift, turn, turn_about, turned};
 
-pub(super) use columns::{Columns, placed};
 pub(super) use frame_error::FrameError;
 pub(super) use turns::loaded;
 
@@ -65,8 +64,40 @@ struct Step {
     parent: usize,
     child: usize,
     turned: Option<[Column; 3]>,
+    /// What that is where it is by a right angle.
+    quarter: Option<Quarter>,
     by: [f32; 3],
     moves: Moves,
+}
+
+/// A turn by a right angle about an axis of the frame, or back: what most joints at rest are turned by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Quarter {
+    X(Sign),
+    Y(Sign),
+    Z(Sign),
+}
+
+impl Quarter {
+    /// By the columns of a rotation.
+    fn of(columns: &[Column; 3]) -> Option<Self> {
+        use Sign::{Minus, Plus};
+        let quarters = [Self::X, Self::Y, Self::Z].into_iter();
+        let mut all = quarters.flat_map(|about| [about(Plus), about(Minus)]);
+        all.find(|quarter| quarter.columns() == *columns)
+    }
+
+    fn columns(self) -> [Column; 3] {
+        let sign = match self {
+            Self::X(sign) | Self::Y(sign) | Self::Z(sign) => sign,
+        };
+        let (there, back) = (|k| Column::Of(k, sign), |k| Column::Of(k, sign.other()));
+        match self {
+            Self::X(_) => [Column::Of(0, Sign::Plus), there(2), back(1)],
+            Self::Y(_) => [back(2), Column::Of(1, Sign::Plus), there(0)],
+            Self::Z(_) => [there(1), back(0), Column::Of(2, Sign::Plus)],
+        }
+    }
 }
 
 /// The joints that move anything with a shape, those that are fixed to each other as one.
@@ -127,7 +158,8 @@ impl Chain {
             errors[joint.child] = error.moved(&moves);
             if frames.carries[joint.child] {
                 let (parent, child) = (frames.place(parent), frames.place(joint.child));
-                chain.steps.push(Step { parent, child, turned, by, moves });
+                let quarter = turned.as_ref().and_then(Quarter::of);
+                chain.steps.push(Step { parent, child, turned, quarter, by, moves });
             }
         }
         chain.frames = frames.count;
@@ -356,5 +388,33 @@ fn unit(axis: DVec3) -> Option<(usize, Sign)> {
 impl Sign {
     fn of(x: f32) -> Self {
         if x < 0.0 { Self::Minus } else { Self::Plus }
+    }
+
+    fn other(self) -> Self {
+        match self {
+            Self::Plus => Self::Minus,
+            Self::Minus => Self::Plus,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn quarters_are_the_turns_by_right_angles() {
+        type Quarters = fn(Sign) -> Quarter;
+        let about: [(DVec3, Quarters); 3] =
+            [(DVec3::X, Quarter::X), (DVec3::Y, Quarter::Y), (DVec3::Z, Quarter::Z)];
+        for (axis, quarter) in about {
+            for (angle, sign) in [(FRAC_PI_2, Sign::Plus), (-FRAC_PI_2, Sign::Minus)] {
+                let (turned, _) = columns(&DMat3::from_axis_angle(axis, angle));
+                assert_eq!(turned.as_ref().and_then(Quarter::of), Some(quarter(sign)));
+            }
+            let (half, _) = columns(&DMat3::from_axis_angle(axis, 2.0 * FRAC_PI_2));
+            assert_eq!(half.as_ref().and_then(Quarter::of), None);
+        }
     }
 }

@@ -3,13 +3,11 @@
 // In kernels: an iterator that is left out of line costs more than the loop.
 #![allow(clippy::needless_range_loop)]
 
-use super::chain::{Columns, placed as of_columns};
-use super::links::{LinkSpheres, SphereRow};
-use super::numbers::mul_add;
-use super::rounded_links::{of_block, placed};
-use super::{MARGIN, SpherePacket};
-use dcd_simd::Lanes;
-use glam::{Vec3, Vec4};
+use super::SpherePacket;
+use super::links::SphereRow;
+use super::rounded_links::{LinkSphereRow, of_block, placed};
+use dcd_simd::{Lanes, Row, WIDTH};
+use glam::Vec3;
 
 /// Where the links are in one state.
 pub(super) trait LinkPlaces: Copy {
@@ -45,50 +43,46 @@ pub(super) trait LinkPlace: Copy {
     }
 }
 
-/// A link of a state alone, in f32: two cache lines, where those of sixteen states have sixteen.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct OneLink {
-    pub(super) columns: Columns,
-    /// Of the sphere round all that the link carries, in the world; then the margin. Metres.
-    centre: Vec4,
+/// The links of a state alone.
+#[derive(Clone, Copy)]
+pub(super) struct OneState<'a> {
+    /// Each with the rotation's columns, then the translation, a number that means nothing behind each.
+    pub(super) frames: &'a [Row],
+    /// Sixteen links to a row.
+    pub(super) spheres: &'a [LinkSphereRow],
 }
 
-impl OneLink {
-    /// Finds the sphere of a link that is placed.
+impl<'a> LinkPlaces for OneState<'a> {
+    type Link = OneLink<'a>;
+
     #[inline(always)]
-    pub(super) fn finish<L: Lanes>(&mut self, link: &LinkSpheres, slid: f32) {
-        let centre = of_columns::<L>(&self.columns, link.centre);
-        let at = self.columns[3].abs();
-        let larger = |a: f32, b: f32| if a > b { a } else { b };
-        let far = larger(larger(at.x, at.y), at.z);
-        let margin = mul_add::<L>(far, MARGIN as f32, link.lost[0]);
-        let margin = mul_add::<L>(slid, link.lost[1], margin);
-        self.centre = centre.truncate().extend(margin);
+    fn at(self, slot: usize) -> OneLink<'a> {
+        let spheres = &self.spheres[slot / WIDTH];
+        OneLink { frame: &self.frames[slot], spheres, lane: slot % WIDTH }
     }
 }
 
-impl<'a> LinkPlaces for &'a [OneLink] {
-    type Link = &'a OneLink;
-
-    #[inline(always)]
-    fn at(self, slot: usize) -> &'a OneLink {
-        &self[slot]
-    }
+/// A link of a state alone.
+#[derive(Clone, Copy)]
+pub(super) struct OneLink<'a> {
+    frame: &'a Row,
+    spheres: &'a LinkSphereRow,
+    lane: usize,
 }
 
-impl LinkPlace for &OneLink {
+impl LinkPlace for OneLink<'_> {
     #[inline(always)]
     fn number(self, k: usize) -> f32 {
-        self.columns[k / 3][k % 3]
+        self.frame.0[k / 3 * 4 + k % 3]
     }
 
     #[inline(always)]
     fn centre(self) -> Vec3 {
-        self.centre.truncate()
+        self.spheres.centre.point(self.lane)
     }
 
     #[inline(always)]
     fn margin(self) -> f32 {
-        self.centre.w
+        self.spheres.margin.0[self.lane]
     }
 }

@@ -1,6 +1,7 @@
 //! The states of a packet, and where their links are: in f32 for the lanes, as [`Robot::place`](crate::Robot::place)
 //! has them where pairs are decided.
 
+use super::alone::LinkRow;
 use super::chain::Drives;
 use super::link_frames::{LinkFrames, Place};
 use super::links::LinkSpheres;
@@ -78,6 +79,8 @@ pub(super) struct PlaceLinks<'a> {
     /// The states that there are, a bit each.
     pub(super) open: u32,
     pub(super) links: &'a [LinkSpheres],
+    /// The same, sixteen to a row.
+    pub(super) rows: &'a [LinkRow],
     pub(super) to: &'a mut Rounded,
 }
 
@@ -86,9 +89,9 @@ impl Kernel for PlaceLinks<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self { placed, open, links, to } = self;
+        let Self { placed, open, links, rows, to } = self;
         if open == 1 {
-            placed.place_alone(l, links, &mut to.one.world);
+            placed.place_alone(l, (links, rows), &mut to.one);
         } else {
             placed.place(l, links, &mut to.world);
         }

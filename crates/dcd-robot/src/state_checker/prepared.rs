@@ -2,7 +2,7 @@
 
 mod changes;
 
-use super::alone::LinkPairRow;
+use super::alone::{LinkPairRow, LinkRow};
 use super::body_pairs::BodyPairs;
 use super::chain::Chain;
 use super::covers::{Covers, is_one};
@@ -38,6 +38,9 @@ pub(super) struct Prepared {
     pub(super) world_links: Vec<LinkSpheres>,
     /// The spheres of what meets the robot, where they are not the same.
     pub(super) own_links: Option<Vec<LinkSpheres>>,
+    /// Those of either, sixteen links to a row.
+    pub(super) world_rows: Vec<LinkRow>,
+    pub(super) own_rows: Vec<LinkRow>,
     /// Where the links are in f32.
     pub(super) chain: Chain,
     /// The links that may meet each other, by their places among those with spheres.
@@ -63,12 +66,10 @@ impl Prepared {
                 numbers.map(|number| body(&cell, &bodies, number)).collect();
             links(cell.robot(), &shapes, covers)
         };
-        let mut world_links = spheres(&mut all.clone().filter(meets_world));
-        let mut own_links = cell.is_padded().then(|| spheres(&mut (0..parts)));
+        let world_links = spheres(&mut all.clone().filter(meets_world));
+        let own_links = cell.is_padded().then(|| spheres(&mut (0..parts)));
         let hulls = all.clone().map(|number| BodyHull::of(&body(&cell, &bodies, number))).collect();
         let chain = Chain::of(cell.robot(), &world_links);
-        chain.bound(&mut world_links);
-        own_links.iter_mut().for_each(|links| chain.bound(links));
         let mut prepared = Self {
             chain,
             bodies,
@@ -80,6 +81,8 @@ impl Prepared {
             tree: None,
             world_links,
             own_links,
+            world_rows: Vec::new(),
+            own_rows: Vec::new(),
             link_pairs: Vec::new(),
             link_pair_rows: Vec::new(),
             body_pairs: BodyPairs::default(),
@@ -87,6 +90,7 @@ impl Prepared {
             obstacles_filtered: false,
             cell,
         };
+        prepared.bound_links();
         prepared.take_obstacles();
         prepared.take_pairs();
         prepared
@@ -114,13 +118,21 @@ impl Prepared {
         self.cell = cell;
         if self.chain.base != self.robot().base {
             self.chain = Chain::of(self.cell.robot(), &self.world_links);
-            self.chain.bound(&mut self.world_links);
-            self.own_links.iter_mut().for_each(|links| self.chain.bound(links));
+            self.bound_links();
         }
         self.take_obstacles();
         if !is_filtered_alike {
             self.take_pairs();
         }
+    }
+
+    /// Takes from the chain what the rounding of the links' places comes to.
+    fn bound_links(&mut self) {
+        let Self { chain, world_links, own_links, .. } = self;
+        chain.bound(world_links);
+        own_links.iter_mut().for_each(|links| chain.bound(links));
+        self.world_rows = LinkRow::of(world_links);
+        self.own_rows = LinkRow::of(own_links.as_deref().unwrap_or_default());
     }
 
     /// Takes the obstacles from the cell.

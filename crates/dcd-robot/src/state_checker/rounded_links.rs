@@ -8,7 +8,7 @@ use super::chain::{Chain, Drives, loaded};
 use super::link_frames::{HALF, LinkFrames};
 use super::links::LinkSpheres;
 use super::numbers::{All, First};
-use super::one_link::{LinkPlace, LinkPlaces, OneLink};
+use super::one_link::{LinkPlace, LinkPlaces, OneState};
 use super::{MARGIN, SpherePacket};
 use dcd_geom::Aabb;
 use dcd_simd::{Block, Lanes, Row, WIDTH};
@@ -24,16 +24,44 @@ pub(super) struct Rounded {
     /// A box round each link in all states of a packet.
     pub(super) aabbs: Vec<Aabb>,
     /// Of a state alone, in place of those above.
-    pub(super) one: OneState,
+    pub(super) one: OneRounded,
 }
 
 /// The links of a state alone.
 #[derive(Clone, Debug, Default)]
-pub(super) struct OneState {
-    pub(super) world: Vec<OneLink>,
-    pub(super) own: Vec<OneLink>,
-    /// Sixteen to a row.
-    pub(super) gathered: Vec<LinkRow>,
+pub(super) struct OneRounded {
+    /// See [`OneState`].
+    frames: Vec<Row>,
+    world: Vec<LinkSphereRow>,
+    own: Vec<LinkSphereRow>,
+}
+
+/// The spheres round what each of sixteen links carries, in the world, metres.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LinkSphereRow {
+    pub(super) centre: Block,
+    /// By how much a comparison of anything on the link may be off.
+    pub(super) margin: Row,
+}
+
+impl OneRounded {
+    /// Where the links are with what meets obstacles.
+    #[inline(always)]
+    pub(super) fn world(&self) -> OneState<'_> {
+        OneState { frames: &self.frames, spheres: &self.world }
+    }
+
+    /// Where they are with what meets the robot, if that is not the same.
+    #[inline(always)]
+    pub(super) fn own(&self) -> OneState<'_> {
+        OneState { frames: &self.frames, spheres: &self.own }
+    }
+
+    /// Finds the spheres of other bodies on the same links, which have been placed.
+    #[inline(always)]
+    pub(super) fn place_own<L: Lanes>(&mut self, l: L, rows: &[LinkRow], slid: f32) {
+        finish_rows(l, rows, (&self.frames, slid), &mut self.own);
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -79,28 +107,48 @@ impl Placed<'_> {
         slid
     }
 
-    /// The same of a state alone, without the cost of fifteen other lanes.
+    /// The same of a state alone, sixteen links to a row.
     #[inline(always)]
     pub(super) fn place_alone<L: Lanes>(
         &self,
         l: L,
-        links: &[LinkSpheres],
-        to: &mut Vec<OneLink>,
+        (links, rows): (&[LinkSpheres], &[LinkRow]),
+        to: &mut OneRounded,
     ) -> f32 {
+        let OneRounded { frames, world, .. } = to;
         let sines = First::sines(l, &self.drives.rows);
-        let slid = self.chain.place_alone(First::with(l, &sines), self.drives, to);
+        let slid = self.chain.place_alone(First::with(l, &sines), self.drives, frames);
         if self.exact != 0 {
-            for (link, placed) in links.iter().zip(to.iter_mut()) {
-                let frame = self.frames.frame(link.link, 0);
-                let axes = frame.rotation;
-                placed.columns = [axes.x_axis, axes.y_axis, axes.z_axis, frame.translation]
-                    .map(|column| column.as_vec3().extend(0.0));
+            for (link, frame) in links.iter().zip(&mut *frames) {
+                let numbers = &self.frames.frames[link.link];
+                for k in 0..12 {
+                    frame.0[k / 3 * 4 + k % 3] = numbers[k][0][0] as f32;
+                }
             }
         }
-        for (link, placed) in links.iter().zip(to) {
-            placed.finish::<L>(link, slid);
-        }
+        finish_rows(l, rows, (frames, slid), world);
         slid
+    }
+}
+
+/// Finds the spheres of a state alone, sixteen links at a time.
+#[inline(always)]
+fn finish_rows<L: Lanes>(
+    l: L,
+    rows: &[LinkRow],
+    (frames, slid): (&[Row], f32),
+    to: &mut Vec<LinkSphereRow>,
+) {
+    if to.len() != rows.len() {
+        to.resize(rows.len(), LinkSphereRow::default());
+    }
+    let (frames, _) = frames.as_chunks();
+    for ((row, frames), to) in rows.iter().zip(frames).zip(to) {
+        let [a, b, c, _, d, e, f, _, g, h, i, _, x, y, z, _] = l.transpose(frames);
+        let frame = [a, b, c, d, e, f, g, h, i, x, y, z];
+        let (centre, lost) =
+            (of_block(l, &row.centre), [l.load(&row.lost[0]), l.load(&row.lost[1])]);
+        (to.centre, to.margin) = spheres_of(l, &frame, (centre, lost), l.splat(slid));
     }
 }
 
@@ -117,38 +165,30 @@ pub(super) fn place_again<L: Lanes>(
     finish(l, links, slid, to);
 }
 
-/// The same of a state alone.
-#[inline(always)]
-pub(super) fn place_again_alone<L: Lanes>(
-    _: L,
-    links: &[LinkSpheres],
-    (placed, slid): (&[OneLink], f32),
-    to: &mut Vec<OneLink>,
-) {
-    to.clear();
-    to.extend_from_slice(placed);
-    for (link, placed) in links.iter().zip(to) {
-        placed.finish::<L>(link, slid);
-    }
-}
-
 #[inline(always)]
 fn finish<L: Lanes>(l: L, links: &[LinkSpheres], slid: L::F, to: &mut [RoundedLink]) {
     for (number, link) in links.iter().enumerate() {
         let rounded = &mut to[number];
+        let (centre, lost) = (splat(l, link.centre), link.lost.map(|lost| l.splat(lost)));
         let frame = loaded(All(l), &rounded.frame);
-        let centre = link.centre.to_array();
-        let centre =
-            placed(l, &frame, [l.splat(centre[0]), l.splat(centre[1]), l.splat(centre[2])]);
-        for axis in 0..3 {
-            l.store(centre[axis], &mut rounded.centre.0[axis]);
-        }
-        let far = l.max(l.max(l.abs(frame[9]), l.abs(frame[10])), l.abs(frame[11]));
-        let [still, per_slid] = link.lost;
-        let margin = l.mul_add(far, l.splat(MARGIN as f32), l.splat(still));
-        let margin = l.mul_add(slid, l.splat(per_slid), margin);
-        l.store(margin, &mut rounded.margin);
+        (rounded.centre, rounded.margin) = spheres_of(l, &frame, (centre, lost), slid);
     }
+}
+
+/// The centres in the world of spheres round what links carry, and the margins, by the links' frames, the centres in these,
+/// [`LinkSpheres::lost`] and what all joints slide together.
+#[inline(always)]
+fn spheres_of<L: Lanes>(
+    l: L,
+    frame: &[L::F; 12],
+    (centre, [still, per_slid]): ([L::F; 3], [L::F; 2]),
+    slid: L::F,
+) -> (Block, Row) {
+    let far = l.max(l.max(l.abs(frame[9]), l.abs(frame[10])), l.abs(frame[11]));
+    let of_place = l.mul_add(far, l.splat(MARGIN as f32), still);
+    let mut margin = Row([0.0; WIDTH]);
+    l.store(l.mul_add(slid, per_slid, of_place), &mut margin);
+    (stored(l, placed(l, frame, centre)), margin)
 }
 
 #[inline(always)]

@@ -246,8 +246,8 @@ impl Kernel for Sift<'_> {
         let seen = Seen { sensed, half: sensed.half_extents().as_vec3(), largest, margin, grown };
         let links = &*prepared.world_links;
         if open == 1 {
-            placed.place_alone(l, links, &mut rounded.one.world);
-            seen.of_state(l, (prepared, &*rounded.one.world), (0, goal), &mut found);
+            placed.place_alone(l, (links, &prepared.world_rows), &mut rounded.one);
+            seen.of_state(l, (prepared, rounded.one.world()), (0, goal), &mut found);
             return found;
         }
         placed.place(l, links, &mut rounded.world);

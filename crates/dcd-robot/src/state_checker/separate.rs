@@ -87,7 +87,7 @@ impl Kernel for Separate<'_> {
             let is_known = *last != Vec3::ZERO;
             let begin = if is_known { *last } else { unit(towards).unwrap_or(Vec3::X) };
             let direction = if is_alone {
-                let placed = [&*rounded.one.world, &*rounded.one.own];
+                let placed = [rounded.one.world(), rounded.one.own()];
                 direction_between(l, prepared, placed, (&candidate, begin))
             } else {
                 let placed = [(&*rounded.world, lane), (&*rounded.own, lane)];

@@ -95,18 +95,19 @@ fn frames_in_f32_are_within_their_bounds_of_those_of_one_state_at_a_time() {
             let mut places = Places::default();
             let all: Vec<&[f64]> = states.iter().map(Vec::as_slice).collect();
             places.read(prepared, &all).unwrap();
-            let (placed, links) = (places.placed(prepared), &prepared.world_links);
+            let (placed, links) = (places.placed(prepared), &*prepared.world_links);
+            let rows = &*prepared.world_rows;
             let mut rounded = Rounded::default();
             let open = (1 << WIDTH) - 1;
-            dispatch_on(path, PlaceLinks { placed, open, links, to: &mut rounded });
+            dispatch_on(path, PlaceLinks { placed, open, links, rows, to: &mut rounded });
             let rounded = rounded.world;
             let mut alone = Rounded::default();
             for (lane, state) in states.iter().enumerate() {
                 places.read(prepared, &[state]).unwrap();
                 let placed = places.placed(prepared);
-                dispatch_on(path, PlaceLinks { placed, open: 1, links, to: &mut alone });
+                dispatch_on(path, PlaceLinks { placed, open: 1, links, rows, to: &mut alone });
                 for link in 0..links.len() {
-                    let (alone, among) = (alone.one.world.at(link), (&*rounded, lane).at(link));
+                    let (alone, among) = (alone.one.world().at(link), (&*rounded, lane).at(link));
                     let numbers = (0..12).map(|k| [alone.number(k), among.number(k)]);
                     let centres = alone.centre().to_array().into_iter();
                     let centres = centres.zip(among.centre().to_array()).map(|(a, b)| [a, b]);

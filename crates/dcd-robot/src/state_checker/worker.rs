@@ -78,6 +78,9 @@ impl Worker {
             let first = &mut first[candidate.configuration as usize];
             first.get_or_insert(hit(candidate, Verdict::Touching(())));
         }
+        if self.found.candidates.is_empty() {
+            return Ok(());
+        }
         let (mut left, mut least) =
             (std::mem::take(&mut self.left), std::mem::take(&mut self.decided));
         left.clear();
@@ -174,8 +177,9 @@ impl Worker {
         self.read(prepared, states)?;
         for (states, places) in states.chunks(WIDTH).zip(&self.places) {
             let (placed, open) = (places.placed(prepared), (1 << states.len()) - 1);
-            let (links, to) = (&prepared.world_links, &mut self.rounded);
-            dispatch_on(Path::best(), PlaceLinks { placed, open, links, to });
+            let (links, rows) = (&*prepared.world_links, &*prepared.world_rows);
+            let to = &mut self.rounded;
+            dispatch_on(Path::best(), PlaceLinks { placed, open, links, rows, to });
         }
         Ok(())
     }
@@ -199,6 +203,9 @@ impl Worker {
             let (path, placed) = (Path::best(), places.placed(prepared));
             let sift = Sift { prepared, placed, first, open, goal, found: &mut *found };
             let (open, is_alone) = (dispatch_on(path, SiftPacket(sift, &mut *rounded)), open == 1);
+            if found.candidates.len() == from {
+                continue;
+            }
             let (rounded, found, planes) = (&*rounded, &mut *found, &mut *planes);
             let separate =
                 Separate { prepared, rounded, first, open, is_alone, goal, found, planes, from };

@@ -5,27 +5,27 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::turns::rotation;
-use super::{Chain, Column, Drives, Moves, Sign};
+use super::{Chain, Column, Drives, Moves, Quarter, Sign};
 use crate::state_checker::numbers::{First, Numbers};
-use crate::state_checker::one_link::OneLink;
-use dcd_simd::Lanes;
-use glam::{Vec3, Vec4};
+use dcd_simd::{Lanes, Row, WIDTH};
+use glam::Vec4;
 
 /// A frame by columns: the rotation's, then the translation. The fourth numbers mean nothing.
-pub(in super::super) type Columns = [Vec4; 4];
+type Columns = [Vec4; 4];
 
 impl Chain {
-    /// Places the links of the state in the first lane: `to` has a frame for each. Returns what all joints slide together,
+    /// Places the links of a state alone: `to` has a frame for each, and whole sixteens. Returns what all joints slide together,
     /// metres.
     #[inline(always)]
     pub(in super::super) fn place_alone<L: Lanes>(
         &self,
         l: First<'_, L>,
         drives: &Drives,
-        to: &mut Vec<OneLink>,
+        to: &mut Vec<Row>,
     ) -> f32 {
-        if to.len() != self.frames {
-            to.resize(self.frames, OneLink::default());
+        let count = self.frames.next_multiple_of(WIDTH);
+        if to.len() != count {
+            to.resize(count, Row::default());
         }
         let (axes, at) = (self.base.rotation, self.base.translation);
         let column = |k: usize| axes.col(k).as_vec3().extend(0.0);
@@ -33,17 +33,23 @@ impl Chain {
         // before it.
         let mut last = self.root;
         let mut held = [column(0), column(1), column(2), at.as_vec3().extend(0.0)];
-        to[last].columns = held;
+        to[last] = stored(&held);
         let mut slid = 0.0;
         for step in &self.steps {
-            let [x, y, z, at] = if step.parent == last { held } else { to[step.parent].columns };
+            let [x, y, z, at] = if step.parent == last { held } else { loaded(&to[step.parent]) };
             let at = moved::<L>([x, y, z], step.by, at);
-            let axes = match &step.turned {
-                Some([a, b, c]) => {
+            let axes = match (step.quarter, &step.turned) {
+                (Some(Quarter::X(Sign::Plus)), _) => [x, z, -y],
+                (Some(Quarter::X(Sign::Minus)), _) => [x, -z, y],
+                (Some(Quarter::Y(Sign::Plus)), _) => [-z, y, x],
+                (Some(Quarter::Y(Sign::Minus)), _) => [z, y, -x],
+                (Some(Quarter::Z(Sign::Plus)), _) => [y, -x, z],
+                (Some(Quarter::Z(Sign::Minus)), _) => [-y, x, z],
+                (None, Some([a, b, c])) => {
                     let axes = [x, y, z];
                     [turned::<L>(axes, a), turned::<L>(axes, b), turned::<L>(axes, c)]
                 }
-                None => [x, y, z],
+                (None, None) => [x, y, z],
             };
             held = match step.moves {
                 Moves::Never => [axes[0], axes[1], axes[2], at],
@@ -91,10 +97,25 @@ impl Chain {
                 }
             };
             last = step.child;
-            to[last].columns = held;
+            to[last] = stored(&held);
         }
         slid
     }
+}
+
+/// A frame in memory, column by column.
+#[inline(always)]
+fn stored(columns: &Columns) -> Row {
+    let mut row = Row([0.0; WIDTH]);
+    for k in 0..4 {
+        columns[k].write_to_slice(&mut row.0[4 * k..]);
+    }
+    row
+}
+
+#[inline(always)]
+fn loaded(Row(numbers): &Row) -> Columns {
+    [0, 4, 8, 12].map(|first| Vec4::from_slice(&numbers[first..]))
 }
 
 /// a·b + c, rounded as the lanes do. Written out: a closure is left out of line, without their instructions.
@@ -106,12 +127,6 @@ fn mul_add<L: Lanes>(a: Vec4, b: f32, c: Vec4) -> Vec4 {
     } else {
         a * b + c
     }
-}
-
-/// R·p + t.
-#[inline(always)]
-pub(in super::super) fn placed<L: Lanes>([x, y, z, at]: &Columns, p: Vec3) -> Vec4 {
-    mul_add::<L>(*z, p.z, mul_add::<L>(*y, p.y, mul_add::<L>(*x, p.x, *at)))
 }
 
 /// What is at `at`, moved along the axes: those of 0 are left out.
