@@ -11,7 +11,7 @@ use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
 use super::spheres::nearest;
 use crate::simd::vector::V3;
-use dcd_geom::glam::{DVec3, Vec3};
+use dcd_geom::glam::{DMat3, DVec3, Vec3, Vec4};
 use dcd_geom::{Kind, Shape, Triangles};
 use dcd_simd::Lanes;
 
@@ -70,6 +70,7 @@ struct Bounds {
 impl Body {
     /// `None` of shapes without vertices or with very many, of spheres, and where a pose is no rotation. Writes the
     /// vertices of a hull.
+    #[inline(always)]
     pub(super) fn of(
         relative: &RelativePose,
         [a, b]: [&Side<'_>; 2],
@@ -84,7 +85,7 @@ impl Body {
         }
         let turn = relative.rotation;
         let centre = polytope.inner().centre;
-        let mut extent = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        let extent;
         let form = match (polytope.kind(), polytope.vertices()) {
             (Kind::Point, _) => return None,
             (Kind::Cuboid { half_extents: half }, _) => {
@@ -101,12 +102,7 @@ impl Body {
                 Form::Segment { half }
             }
             (_, all) if all.len() <= MOST => {
-                vertices.clear();
-                for &vertex in all {
-                    let vertex = (turn * (vertex - centre)).as_vec3();
-                    extent = [extent[0].min(vertex), extent[1].max(vertex)];
-                    vertices.push(vertex);
-                }
+                extent = turned(turn, (all, centre), vertices);
                 Form::Hull
             }
             _ => return None,
@@ -128,6 +124,7 @@ impl Body {
     }
 
     /// The smallest and the largest coordinate along each of the first shape's axes, but for rounding.
+    #[inline(always)]
     pub(super) fn extent(&self) -> (DVec3, DVec3) {
         let [min, max] = self.extent.map(|end| self.middle + end.as_dvec3());
         (min - self.swept[1], max + self.swept[1])
@@ -309,6 +306,26 @@ fn relative<L: Lanes>(l: L, leaf: &Triangles, offset: DVec3) -> [V3<L>; 3] {
     let [p, q, r] = &leaf.corners;
     let (p, q, r) = (V3::load(l, &p.0), V3::load(l, &q.0), V3::load(l, &r.0));
     [p.sub(l, middle), q.sub(l, middle), r.sub(l, middle)]
+}
+
+/// Writes vertices relative to a centre, turned and rounded. Their least and their greatest coordinates.
+///
+/// Each in four components, which fill a register; of the last nobody asks.
+#[inline(always)]
+fn turned(turn: DMat3, (all, centre): (&[DVec3], DVec3), turned: &mut Vec<Vec3>) -> [Vec3; 2] {
+    let column = |axis: DVec3| [axis.x, axis.y, axis.z, 0.0];
+    let (x, y, z) = (column(turn.x_axis), column(turn.y_axis), column(turn.z_axis));
+    let mut extent = [Vec4::INFINITY, Vec4::NEG_INFINITY];
+    turned.clear();
+    turned.resize(all.len(), Vec3::ZERO);
+    for (turned, &vertex) in turned.iter_mut().zip(all) {
+        let v = vertex - centre;
+        let of = |k: usize| (x[k] * v.x + y[k] * v.y + z[k] * v.z) as f32;
+        let vertex = Vec4::new(of(0), of(1), of(2), of(3));
+        extent = [extent[0].min(vertex), extent[1].max(vertex)];
+        *turned = vertex.truncate();
+    }
+    extent.map(Vec4::truncate)
 }
 
 /// The planes of sixteen triangles.

@@ -90,6 +90,7 @@ impl Scratch {
 }
 
 impl<'a, 'g> Descent<'a, 'g> {
+    #[inline(always)]
     pub(super) fn of(
         [a, b]: [&'a Side<'a>; 2],
         relative: &'a RelativePose,
@@ -132,7 +133,10 @@ impl Descent<'_, '_> {
     #[inline(always)]
     fn descend_one<L: Lanes>(&mut self, l: L) -> Next {
         let Some(tree) = self.a.tree() else { return Next::Go };
-        let around = self.relative.around(self.b, self.body.as_ref());
+        let around = match &self.body {
+            Some(body) => self.relative.around_body(body),
+            None => self.relative.around(self.b),
+        };
         self.scratch.planes.clear();
         self.scratch.stack.clear();
         self.scratch.stack.push([self.a.root(), 0]);

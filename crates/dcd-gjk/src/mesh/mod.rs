@@ -31,7 +31,7 @@ mod triangles;
 use crate::{Method, PosedShape, Reason, Verdict, order};
 use dcd_geom::glam::Vec3;
 use dcd_geom::{Aabb16, Shape};
-use dcd_simd::{Block, IndexRow, Path, dispatch_on};
+use dcd_simd::{Block, IndexRow, Kernel, Lanes, Path, dispatch_on};
 use descent::{Descent, Goal};
 use distance::Open;
 use per_part::PerPart;
@@ -130,22 +130,40 @@ fn search(
     let (a, b) = (&first, &second);
     let mut tally =
         Tally { goal, swapped, touching: false, undecided: None, method: Method::Portal };
-    match (RelativePose::of(a, b), per_part::parts_of([a, b])) {
-        (Some(relative), Some(compound)) => {
-            let (sides, relative, tally) = ([a, b], &relative, &mut tally);
-            dispatch_on(path, PerPart { sides, compound, relative, scratch, tally });
-        }
-        (Some(relative), None) => {
-            dispatch_on(path, &mut Descent::of([a, b], &relative, scratch, &mut tally));
-        }
-        (None, _) => each(a, b, &mut tally),
-    }
+    dispatch_on(path, Search { sides: [a, b], scratch, tally: &mut tally });
     tally.answer()
+}
+
+/// The search of two shapes in their order, of which the first is made of parts.
+struct Search<'a, 'g> {
+    sides: [&'a Side<'a>; 2],
+    scratch: &'a mut Scratch,
+    tally: &'a mut Tally<'g>,
+}
+
+impl Kernel for Search<'_, '_> {
+    type Output = ();
+
+    // What a search begins with takes as long as the search: so it has the path's instructions too.
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Self { sides: [a, b], scratch, tally } = self;
+        let Some(relative) = &RelativePose::of(a, b) else { return each(a, b, tally) };
+        match per_part::parts_of([a, b]) {
+            Some(compound) => {
+                PerPart { sides: [a, b], compound, relative, scratch, tally }.run(l);
+            }
+            None => {
+                l.call(&mut Descent::of([a, b], relative, scratch, tally));
+            }
+        }
+    }
 }
 
 /// The two as their parts, and whether they were exchanged: a mesh comes first, then the one with more
 /// parts, for the other's boxes are those that are turned, and one with a tree before one without;
 /// else an order by content.
+#[inline(always)]
 fn in_order<'a>(a: PosedShape<'a>, b: PosedShape<'a>) -> ([Side<'a>; 2], bool) {
     let swapped = is_swapped(a, b);
     let (first, second) = if swapped { (b, a) } else { (a, b) };

@@ -148,7 +148,7 @@ impl<'a> NearestTriangle<'a> {
 
     /// `None` where a triangle could not be measured.
     fn run(mut self) -> Option<Found> {
-        let boxes = PointDistance::from_box(&self.relative.around(self.sides[1], None));
+        let boxes = PointDistance::from_box(&self.relative.around(self.sides[1]));
         if self.nearest.best.is_none()
             && let first @ (None | Some(Found::Touching)) = self.meet(self.likely())
         {

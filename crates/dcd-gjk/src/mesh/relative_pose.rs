@@ -27,6 +27,7 @@ pub(super) struct RelativePose {
 
 impl RelativePose {
     /// `None` where the pair's size leaves the range in which the bounds on f32 hold.
+    #[inline(always)]
     pub(super) fn of(a: &Side<'_>, b: &Side<'_>) -> Option<Self> {
         let delta = b.pose.translation() - a.pose.translation();
         let stretch = |side: &Side<'_>| 1.0 + side.pose.deviation();
@@ -98,21 +99,22 @@ impl RelativePose {
     /// The one box of a convex second shape in the first frame, from its supports.
     pub(super) fn place_one(&self, b: &Side<'_>) -> Aabb16 {
         let mut block = Aabb16::EMPTY;
-        block.set(0, &self.around(b, None));
+        block.set(0, &self.around(b));
         block
     }
 
     /// The box round a convex second shape in the first frame.
-    pub(super) fn around(&self, b: &Side<'_>, body: Option<&Body>) -> Aabb {
-        let (min, max) = match (body, b.parts) {
-            (Some(body), _) => body.extent(),
-            (None, Parts::One(shape)) => {
-                let rows = [0, 1, 2].map(|axis| self.rotation.row(axis));
-                let (min, max) = extent(shape, rows, self.stretch);
-                (min + self.offset, max + self.offset)
-            }
-            (None, _) => return Aabb::EMPTY,
-        };
+    pub(super) fn around(&self, b: &Side<'_>) -> Aabb {
+        let Parts::One(shape) = b.parts else { return Aabb::EMPTY };
+        let rows = [0, 1, 2].map(|axis| self.rotation.row(axis));
+        let (min, max) = extent(shape, rows, self.stretch);
+        grown(min + self.offset, max + self.offset, self.margin)
+    }
+
+    /// The same from its vertices, which are turned already.
+    #[inline(always)]
+    pub(super) fn around_body(&self, body: &Body) -> Aabb {
+        let (min, max) = body.extent();
         grown(min, max, self.margin)
     }
 

@@ -36,6 +36,7 @@ pub(super) enum Part<'a> {
 }
 
 impl<'a> Side<'a> {
+    #[inline(always)]
     pub(super) fn of(placed: PosedShape<'a>) -> Self {
         let corner = |tree: &PartTree| {
             let Aabb { min, max } = tree.aabb();
@@ -125,6 +126,7 @@ pub(super) fn extent(shape: &Shape, rows: [DVec3; 3], stretch: f64) -> (DVec3, D
 }
 
 /// An f32 box of these corners, larger on every side by `margin`, which covers their rounding.
+#[inline(always)]
 pub(super) fn grown(min: DVec3, max: DVec3, margin: f32) -> Aabb {
     Aabb { min: min.as_vec3() - Vec3::splat(margin), max: max.as_vec3() + Vec3::splat(margin) }
 }
