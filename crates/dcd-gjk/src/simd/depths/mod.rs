@@ -323,6 +323,9 @@ impl Kernel for SearchPairs<'_> {
                 let found = match seat.search.take(l, seat.point, surface) {
                     Next::Support => continue,
                     Next::Ended { nearest, reach } => {
+                        if self.reads_facets {
+                            seat.pair.prefetch_around(&seat.point);
+                        }
                         let ended = Ended { surface, nearest, reach, farthest: seat.point };
                         seat.pair.depth(l, self.accuracy, &ended)
                     }
