@@ -28,9 +28,9 @@ const SHORTEST: f64 = 1e-140;
 pub struct Facets {
     facets: Vec<Facet>,
     corners: Vec<u32>,
-    /// The faces of each vertex, one vertex after the other.
-    around: Vec<u32>,
-    /// For each vertex where its faces end in `around`; they begin where the last vertex's end.
+    /// The half-edges that leave each vertex, one vertex after the other.
+    around: Vec<HalfEdge>,
+    /// For each vertex where its half-edges end in `around`; they begin where the last vertex's end.
     ends: Vec<u32>,
 }
 
@@ -41,6 +41,17 @@ pub struct Facet {
     pub normal: DVec3,
     first: u32,
     count: u32,
+}
+
+/// An edge as it leaves a vertex along one face: what a vertex shows of its surroundings, in memory of its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HalfEdge {
+    /// Of the face: zero for one of fewer than three corners.
+    pub normal: DVec3,
+    /// The face, by index.
+    pub face: u32,
+    /// The face's corner behind the vertex, by index into the vertices.
+    pub to: u32,
 }
 
 /// The unit normal of a triangle that is no needle.
@@ -108,24 +119,29 @@ impl Facets {
         &self.corners[facet.first as usize..][..facet.count as usize]
     }
 
-    /// The faces of which a vertex is a corner, in their order: none of a vertex that is no corner.
+    /// The half-edges that leave a vertex, in the order of their faces: none of a vertex that is no corner.
     #[inline]
-    pub fn around(&self, vertex: u32) -> &[u32] {
+    pub fn around(&self, vertex: u32) -> &[HalfEdge] {
         let vertex = vertex as usize;
         let first = if vertex == 0 { 0 } else { self.ends[vertex - 1] };
         &self.around[first as usize..self.ends[vertex] as usize]
     }
 
-    /// Prefetches all of them: a hint.
+    /// Prefetches all but the half-edges, of which mostly those of one vertex are read: a hint.
     #[inline]
     pub(crate) fn prefetch(&self) {
         prefetch(&self.ends);
-        prefetch(&self.around);
         prefetch(&self.facets);
         prefetch(&self.corners);
     }
 
-    /// Lists the faces of each of so many vertices.
+    /// Prefetches the half-edges that leave a vertex: a hint.
+    #[inline]
+    pub(crate) fn prefetch_around(&self, vertex: u32) {
+        prefetch(self.around(vertex));
+    }
+
+    /// Lists the half-edges of each of so many vertices.
     fn link(&mut self, vertices: usize) {
         let mut ends = vec![0; vertices];
         for &corner in &self.corners {
@@ -133,14 +149,17 @@ impl Facets {
         }
         let mut total = 0;
         for end in &mut ends {
-            // Where its faces begin; each that is listed moves it on, so that at last it is their end.
+            // Where its half-edges begin; each that is listed moves it on, so that at last it is their end.
             total += std::mem::replace(end, total);
         }
-        self.around.resize(self.corners.len(), 0);
-        for (index, facet) in (0u32..).zip(&self.facets) {
-            for &corner in &self.corners[facet.first as usize..][..facet.count as usize] {
+        self.around.resize(self.corners.len(), HalfEdge::default());
+        for (face, facet) in (0u32..).zip(&self.facets) {
+            let corners = &self.corners[facet.first as usize..][..facet.count as usize];
+            let normal = if corners.len() > 2 { facet.normal } else { DVec3::ZERO };
+            for (k, &corner) in corners.iter().enumerate() {
+                let to = *corners.get(k + 1).unwrap_or(&corners[0]);
                 let next = &mut ends[corner as usize];
-                self.around[*next as usize] = index;
+                self.around[*next as usize] = HalfEdge { normal, face, to };
                 *next += 1;
             }
         }

@@ -33,7 +33,7 @@ pub use dcd_simd::{Aabb, Aabb16, BoundingSphere, Pair, Sphere16};
 pub use ellipsoid::Ellipsoid;
 pub use error::{PoseError, SceneError, ShapeError};
 pub use facet_planes::{FacetPlanes, PlaneRow};
-pub use facets::{FLATNESS, Facet, Facets};
+pub use facets::{FLATNESS, Facet, Facets, HalfEdge};
 pub use feature_rows::{EdgeRow, FaceRow, FeatureRows};
 pub use half_space::HalfSpace;
 pub use hull::{ConvexHull, Dimension, HullError};

@@ -256,11 +256,20 @@ impl Polytope {
         self.facets.get_or_init(found)
     }
 
-    /// Prefetches the faces if they are known already: a hint, without effect on any result.
+    /// Prefetches the faces if they are known already, but not what is around a vertex: a hint, without effect on any
+    /// result.
     #[inline]
     pub fn prefetch_facets(&self) {
         if let Some(facets) = self.facets.get() {
             facets.prefetch();
+        }
+    }
+
+    /// Prefetches what is around a vertex, by index, if the faces are known already: a hint, without effect on any result.
+    #[inline]
+    pub fn prefetch_around(&self, vertex: u32) {
+        if let Some(facets) = self.facets.get() {
+            facets.prefetch_around(vertex);
         }
     }
 

@@ -159,7 +159,7 @@ impl Corners {
         self.size = self.size.max(2.0 * (a.outer_radius() + b.outer_radius()));
         let parts = [view.part(a, &placed[0]), view.part(b, &placed[1])];
         let whole = parts.each_ref().map(Part::name);
-        if !share_no_corners(view, &parts, polytopes, placed) {
+        if !share_no_corners(view, parts.each_ref(), polytopes, placed) {
             let [of_a, of_b] = parts;
             let (seen_a, seen_b) =
                 (view.seen_part(of_a, a, &placed[0]), view.seen_part(of_b, b, &placed[1]));
@@ -347,7 +347,7 @@ pub(super) fn is_sphere(side: PosedShape<'_>) -> bool {
 /// Whether two parts surely have no corners in common: a vertex shares none, nor do edges that cross.
 pub(super) fn share_no_corners(
     view: &View,
-    parts: &[Part<'_>; 2],
+    parts: [&Part<'_>; 2],
     polytopes: [&Polytope; 2],
     placed: &[Placed<'_>; 2],
 ) -> bool {

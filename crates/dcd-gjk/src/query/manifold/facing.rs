@@ -42,7 +42,9 @@ impl<'a> Part<'a> {
     }
 
     /// The same, where a vertex is known that is farthest along the direction, up to rounding in f32.
-    #[inline]
+    // Inlined: the direction has just been computed. Read back from memory as pairs of numbers, where it was written one
+    // by one, it would wait for all that is before it.
+    #[inline(always)]
     pub(super) fn round(polytope: &'a Polytope, direction: DVec3, farthest: Option<u32>) -> Self {
         let choice = Choice { polytope, direction };
         match farthest {
@@ -100,19 +102,6 @@ fn larger(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
 }
 
-/// The corner of a face behind a vertex.
-#[inline(always)]
-fn after(corners: &[u32], vertex: u32) -> Option<u32> {
-    let mut last = *corners.last()?;
-    for &corner in corners {
-        if last == vertex {
-            return Some(corner);
-        }
-        last = corner;
-    }
-    None
-}
-
 /// Which part of a polytope faces a direction of its own frame, of unit length.
 struct Choice<'a> {
     polytope: &'a Polytope,
@@ -122,10 +111,14 @@ struct Choice<'a> {
 /// How many faces round the farthest vertices are listed; of more, all of the polytope's are looked at.
 const LISTED: usize = 64;
 
+/// What is no face's number.
+const NO_FACE: u32 = u32::MAX;
+
 /// Of how many vertices the heights are kept; those of others are computed again.
 const KEPT: usize = 64;
 
 impl<'a> Choice<'a> {
+    #[inline(never)]
     fn part(&self) -> Part<'a> {
         match self.polytope.kind() {
             Kind::Point => Some(Part::Vertex(0)),
@@ -237,42 +230,39 @@ impl<'a> Choice<'a> {
         (count == 1).then_some(found)
     }
 
-    /// What is there round the only farthest vertex.
+    /// What is there round the only farthest vertex. Faces and edges are looked through at once: a branch on what is found
+    /// could not be predicted.
+    #[inline(always)]
     fn round_vertex(&self, only: u32) -> Part<'a> {
         let facets: &'a Facets = self.polytope.facets();
-        let faces = facets.around(only);
-        let mut best = (FACING, None);
-        // In their order: the first among equals.
-        for &index in faces {
-            let facet = &facets.facets()[index as usize];
-            let cosine = facet.normal.dot(self.direction);
-            if cosine > best.0 && facets.corners(facet).len() > 2 {
-                best = (cosine, Some(index));
-            }
-        }
-        if let Some(index) = best.1 {
-            let facet = &facets.facets()[index as usize];
-            return Part::Face { index, normal: facet.normal, corners: facets.corners(facet) };
-        }
         let vertices = self.polytope.vertices();
         let at = vertices[only as usize];
-        // The square of how much an edge rises relative to its length, and where it ends.
-        let mut best = (LEVEL * LEVEL, only);
-        for &index in faces {
-            let corners = facets.corners(&facets.facets()[index as usize]);
-            // Each edge leaves the vertex along one face, and comes back along the other.
-            let Some(next) = after(corners, only) else { continue };
-            let edge = vertices[next as usize] - at;
-            let (rise, length) = (self.direction.dot(edge), edge.length_squared());
+        // The face that looks most along the direction; and the edge that rises least, by the square of how much relative to
+        // its length, and where it ends. In the order of the faces: the first among equals.
+        let (mut cosine, mut face) = (FACING, NO_FACE);
+        let (mut slope, mut end) = (LEVEL * LEVEL, only);
+        for half_edge in facets.around(only) {
+            let facing = half_edge.normal.dot(self.direction);
+            let is_better = facing > cosine;
+            cosine = if is_better { facing } else { cosine };
+            face = if is_better { half_edge.face } else { face };
+            let edge = vertices[half_edge.to as usize] - at;
+            let rise = self.direction.dot(edge);
+            let rising = rise * rise / edge.length_squared();
             // False for an edge without length, and for NaN.
-            if rise * rise < best.0 * length {
-                best = (rise * rise / length, next);
-            }
+            let is_better = rising < slope;
+            slope = if is_better { rising } else { slope };
+            end = if is_better { half_edge.to } else { end };
         }
-        match best.1 {
-            next if next == only => Part::Vertex(only),
-            next => Part::Edge([only.min(next), only.max(next)]),
+        if face != NO_FACE {
+            let facet = &facets.facets()[face as usize];
+            return Part::Face {
+                index: face,
+                normal: facet.normal,
+                corners: facets.corners(facet),
+            };
         }
+        if end == only { Part::Vertex(only) } else { Part::Edge([only.min(end), only.max(end)]) }
     }
 
     /// What is there round several farthest vertices, or one of very many.
@@ -288,9 +278,9 @@ impl<'a> Choice<'a> {
         let mut first = None;
         let mut list = |k: u32| {
             first = first.or(Some(k));
-            for &index in facets.around(k) {
+            for half_edge in facets.around(k) {
                 if let Some(slot) = listed.get_mut(count) {
-                    *slot = index;
+                    *slot = half_edge.face;
                 }
                 count += 1;
             }

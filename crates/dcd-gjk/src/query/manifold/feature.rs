@@ -72,6 +72,7 @@ impl View {
     }
 
     /// The direction, in the shape's own frame, in which it shows its feature.
+    #[inline(always)]
     pub(super) fn towards(&self, placed: &Placed<'_>) -> DVec3 {
         placed.rotation.transpose() * (self.normal * placed.sense)
     }
@@ -87,6 +88,7 @@ impl View {
     }
 
     /// The same, where a vertex is known that is farthest along the normal, up to rounding in f32.
+    #[inline(always)]
     pub(super) fn part_round<'a>(
         &self,
         polytope: &'a Polytope,

@@ -17,6 +17,7 @@ use crate::epa::Depth;
 use crate::query::FoundDepth;
 use dcd_geom::Polytope;
 use dcd_geom::glam::{DMat3, DVec2, DVec3};
+use dcd_simd::ArrayVec;
 
 /// The most corners that a patch may have. Larger: memory. Smaller: faces of many corners that go the general way.
 const MOST: usize = 24;
@@ -32,7 +33,7 @@ pub(super) type Points = Polygon<u32, MOST>;
 /// A hull, what it shows, and how that is seen along the normal.
 struct Side<'a> {
     polytope: &'a Polytope,
-    part: Part<'a>,
+    part: &'a Part<'a>,
     /// From its own frame to the view's.
     turn: DMat3,
     /// Its origin as it is seen.
@@ -49,13 +50,13 @@ struct Side<'a> {
 
 impl<'a> Side<'a> {
     #[inline(always)]
-    fn of(view: &View, polytope: &'a Polytope, part: Part<'a>, placed: &Placed<'a>) -> Self {
+    fn of(view: &View, polytope: &'a Polytope, part: &'a Part<'a>, placed: &Placed<'a>) -> Self {
         let turn = view.turn(placed.rotation);
         let (at, height) = view.of(placed.place);
         let (mut facing, mut slope, mut level) = (0.0, DVec2::ZERO, 0.0);
         match (part, polytope.vertices()) {
             (Part::Face { normal, .. }, _) => {
-                let normal = turn * normal;
+                let normal = turn * *normal;
                 facing = normal.z.abs();
                 slope = -normal.truncate() / normal.z;
                 level = facing;
@@ -76,28 +77,22 @@ impl<'a> Side<'a> {
         self.origin + self.turn * self.polytope.vertices()[index as usize]
     }
 
-    /// The corners of its face or edge, counter-clockwise as the normal looks back on them: how many. `None` of a
-    /// vertex, and of too many.
+    /// The corners of its face or edge, counter-clockwise as the normal looks back on them. `None` of a vertex, and of
+    /// too many.
     #[inline(always)]
-    fn corners(&self, corners: &mut [(u32, DVec3); CORNERS]) -> Option<usize> {
-        match &self.part {
-            Part::Vertex(_) => None,
-            Part::Edge(ends) => {
-                for (slot, &index) in corners.iter_mut().zip(ends) {
-                    *slot = (index, self.point(index));
-                }
-                Some(2)
-            }
-            Part::Face { corners: numbers, .. } => {
-                let count = numbers.len();
-                let used = corners.get_mut(..count)?;
-                for (k, &index) in numbers.iter().enumerate() {
-                    let place = if self.is_turned { count - 1 - k } else { k };
-                    used[place] = (index, self.point(index));
-                }
-                Some(count)
-            }
+    fn corners(&self) -> Option<ArrayVec<(u32, DVec3), CORNERS>> {
+        let mut corners = ArrayVec::new();
+        let corner = |&index: &u32| (index, self.point(index));
+        match self.part {
+            Part::Vertex(_) => return None,
+            Part::Edge(ends) => corners.extend(ends.iter().map(corner)),
+            Part::Face { corners: numbers, .. } if numbers.len() > CORNERS => return None,
+            Part::Face { corners: numbers, .. } => match self.is_turned {
+                true => corners.extend(numbers.iter().rev().map(corner)),
+                false => corners.extend(numbers.iter().map(corner)),
+            },
         }
+        Some(corners)
     }
 }
 
@@ -127,21 +122,24 @@ pub(super) fn write(
         Some([a, b]) => [Some(a), Some(b)],
         None => [None; 2],
     };
-    let parts = [view.part_round(in_a, &placed[0], of_a), view.part_round(in_b, &placed[1], of_b)];
+    // Two places, not one of two: what is copied right after it has been written is waited for.
+    let part_a = view.part_round(in_a, &placed[0], of_a);
+    let part_b = view.part_round(in_b, &placed[1], of_b);
+    let parts = [&part_a, &part_b];
     let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
-    let whole = [parts[0].name(), parts[1].name()];
+    let whole = [part_a.name(), part_b.name()];
     let write_one = |found: &mut Manifold| {
         write_one_point(depth, whole, found);
         found.error_bound = bound_of_witnesses(depth, size, [a, b]);
     };
-    if share_no_corners(&view, &parts, [in_a, in_b], &placed) {
+    if share_no_corners(&view, parts, [in_a, in_b], &placed) {
         write_one(found);
         return true;
     }
     found.normal = depth.normal;
     found.error_bound = bound_of(depth, size, [a, b]);
-    let [of_a, of_b] = parts;
-    let sides = [Side::of(&view, in_a, of_a, &placed[0]), Side::of(&view, in_b, of_b, &placed[1])];
+    let sides =
+        [Side::of(&view, in_a, &part_a, &placed[0]), Side::of(&view, in_b, &part_b, &placed[1])];
     // The face that is more square to the normal clips: its plane is the better known.
     let number = usize::from(sides[0].facing < sides[1].facing);
     let clipping =
@@ -176,12 +174,8 @@ impl Clipping<'_> {
     #[inline(always)]
     fn clip(&self, points: &mut Points) -> Option<DVec3> {
         points.clear();
-        let unused = (0, DVec3::ZERO);
-        let (mut clips, mut clipped) = ([unused; CORNERS], [unused; CORNERS]);
-        let count = self.clips.corners(&mut clips)?;
-        let clips = &clips[..count];
-        let count = self.clipped.corners(&mut clipped)?;
-        let clipped = &clipped[..count];
+        let (clips, clipped) = (self.clips.corners()?, self.clipped.corners()?);
+        let (clips, clipped) = (&*clips, &*clipped);
         let base = clips.first()?.1;
         if let ([p, q], [r, s]) = (clips, clipped) {
             let (e, f) = ((q.1 - p.1).truncate(), (s.1 - r.1).truncate());

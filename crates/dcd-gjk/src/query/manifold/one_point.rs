@@ -52,7 +52,7 @@ fn of_capsules(depth: &Depth, [a, b]: [PosedShape<'_>; 2]) -> Option<([Feature; 
         sense,
     });
     let parts = [view.part(cores[0], &placed[0]), view.part(cores[1], &placed[1])];
-    if !corners::share_no_corners(&view, &parts, cores, &placed) {
+    if !corners::share_no_corners(&view, parts.each_ref(), cores, &placed) {
         return None;
     }
     let mut features = [parts[0].name(), parts[1].name()];

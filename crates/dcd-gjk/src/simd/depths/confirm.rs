@@ -129,7 +129,7 @@ impl<'a> SearchedPair<'a> {
             Accuracy::F32 => {
                 let lower = if holds_origin { least * LENGTH - off } else { 0.0 };
                 let upper = f64::from(ended.reach) * (2.0 - LENGTH) + REACH * unit;
-                (self.bounded(ended, near, [lower, upper])?, Some(self.farthest(ended)))
+                (self.bounded(ended, near, [lower, upper])?, Some(self.vertices(&ended.farthest)))
             }
             _ => {
                 let others = holds_origin.then_some(limit * LENGTH - off);
@@ -140,10 +140,18 @@ impl<'a> SearchedPair<'a> {
         Some(if self.is_swapped { found.mirrored() } else { found })
     }
 
-    /// The vertices of a and of b that are farthest along the nearest face's normal, as f32 has them.
+    /// Prefetches what is around the vertices of a and of b that make a point.
     #[inline(always)]
-    fn farthest(&self, ended: &Ended<'_>) -> [u32; 2] {
-        let [of_a, of_b] = ended.farthest.vertices;
+    pub(super) fn prefetch_around(&self, point: &Point) {
+        for (polytope, vertex) in self.polytopes.into_iter().zip(self.vertices(point)) {
+            polytope.prefetch_around(vertex);
+        }
+    }
+
+    /// The vertices of a and of b that make a point.
+    #[inline(always)]
+    fn vertices(&self, point: &Point) -> [u32; 2] {
+        let [of_a, of_b] = point.vertices;
         // The last block is filled up with the last vertex.
         let last = |polytope: &Polytope| polytope.vertices().len() as u32 - 1;
         let [a, b] = self.polytopes;

@@ -23,7 +23,7 @@ use crate::{
 };
 use confirm::{Ended, SearchedPair, Side};
 use dcd_geom::{Aabb, Pair, Scene};
-use dcd_simd::{Kernel, Lanes, Path, dispatch_on};
+use dcd_simd::{Kernel, Lanes, Path, dispatch_on, prefetch};
 use formulas::{Sort, WritePatches};
 use search::{DepthSearch, Next};
 use start::Starts;
@@ -250,6 +250,9 @@ struct Answers<'a, S: MeasureDepth> {
 trait WriteDepth {
     /// Writes the answer of the pair of that number, of that depth; without a depth it is left to the solver.
     fn write(&mut self, number: usize, found: Option<&Found>, sides: [PosedShape<'_>; 2]);
+
+    /// Prefetches where the answer of the pair of that number will be written: a hint.
+    fn prefetch(&self, number: usize);
 }
 
 impl<S: MeasureDepth> WriteDepth for Answers<'_, S> {
@@ -272,6 +275,10 @@ impl<S: MeasureDepth> WriteDepth for Answers<'_, S> {
         if !written {
             left.push(number as u32);
         }
+    }
+
+    fn prefetch(&self, number: usize) {
+        prefetch(&self.answers[number..=number]);
     }
 }
 
@@ -323,6 +330,10 @@ impl Kernel for SearchPairs<'_> {
                 let found = match seat.search.take(l, seat.point, surface) {
                     Next::Support => continue,
                     Next::Ended { nearest, reach } => {
+                        self.answers.prefetch(seat.number);
+                        if self.reads_facets {
+                            seat.pair.prefetch_around(&seat.point);
+                        }
                         let ended = Ended { surface, nearest, reach, farthest: seat.point };
                         seat.pair.depth(l, self.accuracy, &ended)
                     }
