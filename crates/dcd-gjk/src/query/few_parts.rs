@@ -303,18 +303,7 @@ pub(super) fn name(whole: PosedShape<'_>, part: u32, feature: Feature) -> Option
     let (Shape::Compound(compound), Feature::Face(face)) = (whole.shape, feature) else {
         return Some(feature);
     };
-    let part = compound.parts().get(part as usize)?;
-    let (own, placed) = (part.shape.as_polytope()?, part.placed().as_polytope()?);
-    if own.kind() == placed.kind() {
-        return Some(feature);
-    }
-    let (own, placed) = (own.facets(), placed.facets());
-    let due = own.corners(own.facets().get(face as usize)?);
-    let is_same = |corners: &[u32]| {
-        corners.len() == due.len() && corners.iter().all(|corner| due.contains(corner))
-    };
-    let there = placed.facets().iter().position(|facet| is_same(placed.corners(facet)))?;
-    Some(Feature::Face(there as u32))
+    Some(Feature::Face(compound.parts().get(part as usize)?.placed_face(face)?))
 }
 
 /// The depth of the deepest two parts; `None` where it is not known at once.

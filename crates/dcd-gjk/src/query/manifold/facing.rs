@@ -37,12 +37,14 @@ pub(super) fn name(polytope: &Polytope, direction: DVec3) -> Feature {
 
 impl<'a> Part<'a> {
     /// Which of a polytope faces a direction of its own frame, of unit length.
+    #[inline]
     pub(super) fn facing(polytope: &'a Polytope, direction: DVec3) -> Self {
         Self::round(polytope, direction, None)
     }
 
     /// The same, where a vertex is known that is farthest along the direction, up to rounding in f32.
-    #[inline]
+    // What is passed in memory costs more than what is chosen.
+    #[inline(always)]
     pub(super) fn round(polytope: &'a Polytope, direction: DVec3, farthest: Option<u32>) -> Self {
         let choice = Choice { polytope, direction };
         match farthest {
@@ -52,32 +54,29 @@ impl<'a> Part<'a> {
     }
 
     /// Which of three corners face a direction of their own axes, of unit length; `None` of a needle.
-    pub(super) fn of_triangle([p, q, r]: [DVec3; 3], direction: DVec3) -> Option<Part<'static>> {
+    pub(super) fn of_triangle(corners: [DVec3; 3], direction: DVec3) -> Option<Part<'static>> {
+        let [p, q, r] = corners;
         let edges = [r - p, q - p, r - q];
         let normal = edges[1].cross(edges[0]);
         let longest = edges[0].length_squared().max(edges[1].length_squared());
+        let longest = longest.max(edges[2].length_squared());
         let area = normal.length();
         // Written so that NaN is a needle.
-        if !(area > NEEDLE * longest.max(edges[2].length_squared())) {
-            return None;
-        }
-        let cosine = normal.dot(direction) / area;
-        if cosine > FACING {
-            return Some(Part::Face { index: 0, normal: normal / area, corners: &[0, 1, 2] });
-        } else if -cosine > FACING {
-            return Some(Part::Face { index: 1, normal: -normal / area, corners: &[2, 1, 0] });
-        }
-        let along = [p.dot(direction), q.dot(direction), r.dot(direction)];
-        let least = along[0].max(along[1]).max(along[2]) - FARTHEST * longest.sqrt();
-        let mut best = (LEVEL, None);
-        for ([j, k], edge) in [[0usize, 2], [0, 1], [1, 2]].into_iter().zip(edges) {
-            let rise = (along[j] - along[k]).abs() / edge.length();
-            if (along[j] >= least || along[k] >= least) && rise < best.0 {
-                best = (rise, Some(Part::Edge([j as u32, k as u32])));
-            }
-        }
-        let vertex = || Part::Vertex((0..3).find(|&k| along[k] >= least).unwrap_or(0) as u32);
-        Some(best.1.unwrap_or_else(vertex))
+        let is_wide = area > NEEDLE * longest;
+        is_wide.then(|| of_corners((corners, normal / area), direction, longest.sqrt()))
+    }
+
+    /// What a segment shows, given its edge from the first vertex to the second: itself, or the end that is farther. `None`
+    /// of one without length.
+    #[inline(always)]
+    pub(super) fn of_edge(edge: DVec3, direction: DVec3) -> Option<Part<'static>> {
+        let (rise, square) = (direction.dot(edge), edge.length_squared());
+        // By squares, which take neither a root nor a quotient. False for one without length, and for NaN.
+        let has_length = square > 0.0 && square.is_finite();
+        has_length.then(|| match rise * rise < LEVEL * LEVEL * square {
+            true => Part::Edge([0, 1]),
+            false => Part::Vertex(u32::from(rise > 0.0)),
+        })
     }
 
     /// Its name.
@@ -100,9 +99,14 @@ fn larger(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
 }
 
-/// The corner of a face behind a vertex.
+/// The corner of a face behind a vertex, which is one of them.
 #[inline(always)]
 fn after(corners: &[u32], vertex: u32) -> Option<u32> {
+    // Nearly all faces of hulls: where the vertex is among its corners decides no branch.
+    if let &[p, q, r] = corners {
+        let behind = if p == vertex { q } else { p };
+        return Some(if q == vertex { r } else { behind });
+    }
     let mut last = *corners.last()?;
     for &corner in corners {
         if last == vertex {
@@ -111,6 +115,35 @@ fn after(corners: &[u32], vertex: u32) -> Option<u32> {
         last = corner;
     }
     None
+}
+
+/// What a triangle of that normal and about that size shows along a direction.
+#[inline(always)]
+fn of_corners(
+    (corners, normal): ([DVec3; 3], DVec3),
+    direction: DVec3,
+    size: f64,
+) -> Part<'static> {
+    let cosine = normal.dot(direction);
+    if cosine > FACING {
+        return Part::Face { index: 0, normal, corners: &[0, 1, 2] };
+    } else if -cosine > FACING {
+        return Part::Face { index: 1, normal: -normal, corners: &[2, 1, 0] };
+    }
+    let along = corners.map(|corner| corner.dot(direction));
+    let least = larger(larger(along[0], along[1]), along[2]) - FARTHEST * size;
+    // The square of how much an edge rises relative to its length, and its ends: no root is taken.
+    let mut best = (LEVEL * LEVEL, None);
+    for [j, k] in [[0, 2], [0, 1], [1, 2]] {
+        let rise = along[j] - along[k];
+        let square = rise * rise / corners[j].distance_squared(corners[k]);
+        // False for an edge without length.
+        if square < best.0 && (along[j] >= least || along[k] >= least) {
+            best = (square, Some(Part::Edge([j as u32, k as u32])));
+        }
+    }
+    let vertex = || Part::Vertex((0..3).find(|&k| along[k] >= least).unwrap_or(0) as u32);
+    best.1.unwrap_or_else(vertex)
 }
 
 /// Which part of a polytope faces a direction of its own frame, of unit length.
@@ -126,6 +159,7 @@ const LISTED: usize = 64;
 const KEPT: usize = 64;
 
 impl<'a> Choice<'a> {
+    #[inline(always)]
     fn part(&self) -> Part<'a> {
         match self.polytope.kind() {
             Kind::Point => Some(Part::Vertex(0)),
@@ -144,17 +178,11 @@ impl<'a> Choice<'a> {
         is_hull && !self.polytope.facets().around(vertex).is_empty()
     }
 
-    /// What a segment shows, without its list of faces: itself, or the end that is farther.
+    /// What a segment shows, without its list of faces.
+    #[inline(always)]
     fn of_segment(&self) -> Option<Part<'a>> {
         let &[start, end] = self.polytope.vertices() else { return None };
-        let edge = end - start;
-        let (rise, square) = (self.direction.dot(edge), edge.length_squared());
-        // By squares, which take neither a root nor a quotient. False for one without length, and for NaN.
-        let has_length = square > 0.0 && square.is_finite();
-        has_length.then(|| match rise * rise < LEVEL * LEVEL * square {
-            true => Part::Edge([0, 1]),
-            false => Part::Vertex(u32::from(rise > 0.0)),
-        })
+        Part::of_edge(end - start, self.direction)
     }
 
     /// What a box that is not flat shows, by the signs of the direction.
@@ -172,32 +200,11 @@ impl<'a> Choice<'a> {
     }
 
     /// What of a triangle that is no needle faces the direction, as its list of faces has it, without the list.
+    #[inline(always)]
     fn of_triangle(&self) -> Option<Part<'a>> {
         let normal = self.polytope.normal_of_triangle()?;
-        let cosine = normal.dot(self.direction);
-        if cosine > FACING {
-            return Some(Part::Face { index: 0, normal, corners: &[0, 1, 2] });
-        } else if -cosine > FACING {
-            return Some(Part::Face { index: 1, normal: -normal, corners: &[2, 1, 0] });
-        }
-        let least = self.least();
-        let is_farthest = |k: u32| self.along(k) >= least;
-        let mut best = (LEVEL, None);
-        for [j, k] in [[0, 2], [0, 1], [1, 2]] {
-            let rise = self.rise(j, k);
-            if (is_farthest(j) || is_farthest(k)) && rise < best.0 {
-                best = (rise, Some(Part::Edge([j, k])));
-            }
-        }
-        let vertex = || Part::Vertex((0..3).find(|&k| is_farthest(k)).unwrap_or(0));
-        Some(best.1.unwrap_or_else(vertex))
-    }
-
-    /// The least height of a vertex that counts as farthest.
-    fn least(&self) -> f64 {
-        let farthest = self.polytope.vertices().iter().map(|&v| self.direction.dot(v));
-        let farthest = farthest.fold(f64::NEG_INFINITY, |most, x| if x > most { x } else { most });
-        farthest - FARTHEST * self.polytope.outer_radius()
+        let &[p, q, r] = self.polytope.vertices() else { return None };
+        Some(of_corners(([p, q, r], normal), self.direction, self.polytope.outer_radius()))
     }
 
     // Out of line: the heights that it keeps are more than all else that a part takes.
