@@ -15,7 +15,11 @@ pub(crate) const LEVEL: f64 = 0.259;
 const FARTHEST: f64 = 1e-9;
 
 /// The area of a triangle beside the square of its longest edge below which its normal is left to the list of faces.
-const NEEDLE: f64 = 1e-6;
+const NEEDLE: f64 = 1e-5;
+
+/// The squares of lengths, metres², of which areas are compared by their squares: these stay in range. Others are left to the
+/// list of faces.
+const TRIANGLES: std::ops::Range<f64> = 1e-70..1e70;
 
 /// A face, an edge or a vertex of a shape.
 #[derive(Clone, Copy)]
@@ -26,13 +30,16 @@ pub(super) enum Part<'a> {
 }
 
 /// What a polytope shows along a unit direction of its own frame, by name alone.
+#[inline]
 pub(super) fn name(polytope: &Polytope, direction: DVec3) -> Feature {
+    let choice = Choice { polytope, direction };
     let at_once = match polytope.kind() {
         Kind::Point => Some(Feature::Vertex(0)),
-        Kind::Segment => Choice { polytope, direction }.of_segment().map(|part| part.name()),
+        Kind::Segment => choice.of_segment().map(|part| part.name()),
+        Kind::Triangle => choice.of_triangle().map(|part| part.name()),
         _ => cuboids::feature(polytope, direction),
     };
-    at_once.unwrap_or_else(|| Part::facing(polytope, direction).name())
+    at_once.unwrap_or_else(|| choice.searched().name())
 }
 
 impl<'a> Part<'a> {
@@ -53,17 +60,45 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Which of three corners face a direction of their own axes, of unit length; `None` of a needle.
+    /// Which of three corners, counter-clockwise round the first face's normal, face a direction of their own axes, of unit
+    /// length; `None` of a needle.
+    #[inline(always)]
     pub(super) fn of_triangle(corners: [DVec3; 3], direction: DVec3) -> Option<Part<'static>> {
         let [p, q, r] = corners;
-        let edges = [r - p, q - p, r - q];
-        let normal = edges[1].cross(edges[0]);
-        let longest = edges[0].length_squared().max(edges[1].length_squared());
-        let longest = longest.max(edges[2].length_squared());
-        let area = normal.length();
-        // Written so that NaN is a needle.
-        let is_wide = area > NEEDLE * longest;
-        is_wide.then(|| of_corners((corners, normal / area), direction, longest.sqrt()))
+        let edges = [q - p, r - p, r - q];
+        let normal = edges[0].cross(edges[1]);
+        let squares = edges.map(DVec3::length_squared);
+        let longest = squares[0].max(squares[1]).max(squares[2]);
+        let area = normal.length_squared();
+        // By squares: no root is taken, but of a face. Written so that NaN, and what leaves the range, is a needle.
+        if !(area > NEEDLE * NEEDLE * (longest * longest) && TRIANGLES.contains(&longest)) {
+            return None;
+        }
+        let facing = normal.dot(direction);
+        if facing * facing > FACING * FACING * area {
+            let unit = normal.normalize();
+            return Some(match facing > 0.0 {
+                true => Part::Face { index: 0, normal: unit, corners: &[0, 1, 2] },
+                false => Part::Face { index: 1, normal: -unit, corners: &[2, 1, 0] },
+            });
+        }
+        let along = corners.map(|corner| corner.dot(direction));
+        let least = larger(larger(along[0], along[1]), along[2]);
+        let is_farthest = |k: usize| {
+            let below = least - along[k];
+            below <= 0.0 || below * below <= FARTHEST * FARTHEST * longest
+        };
+        // The square of how much an edge rises relative to its length, and its ends.
+        let mut best = (LEVEL * LEVEL, None);
+        for ([j, k], square) in [[0, 2], [0, 1], [1, 2]].into_iter().zip([1, 0, 2]) {
+            let rise = along[j] - along[k];
+            let rise = rise * rise / squares[square];
+            if rise < best.0 && (is_farthest(j) || is_farthest(k)) {
+                best = (rise, Some(Part::Edge([j as u32, k as u32])));
+            }
+        }
+        let vertex = || Part::Vertex((0..3).find(|&k| is_farthest(k)).unwrap_or(0) as u32);
+        Some(best.1.unwrap_or_else(vertex))
     }
 
     /// What a segment shows, given its edge from the first vertex to the second: itself, or the end that is farther. `None`
@@ -115,35 +150,6 @@ fn after(corners: &[u32], vertex: u32) -> Option<u32> {
         last = corner;
     }
     None
-}
-
-/// What a triangle of that normal and about that size shows along a direction.
-#[inline(always)]
-fn of_corners(
-    (corners, normal): ([DVec3; 3], DVec3),
-    direction: DVec3,
-    size: f64,
-) -> Part<'static> {
-    let cosine = normal.dot(direction);
-    if cosine > FACING {
-        return Part::Face { index: 0, normal, corners: &[0, 1, 2] };
-    } else if -cosine > FACING {
-        return Part::Face { index: 1, normal: -normal, corners: &[2, 1, 0] };
-    }
-    let along = corners.map(|corner| corner.dot(direction));
-    let least = larger(larger(along[0], along[1]), along[2]) - FARTHEST * size;
-    // The square of how much an edge rises relative to its length, and its ends: no root is taken.
-    let mut best = (LEVEL * LEVEL, None);
-    for [j, k] in [[0, 2], [0, 1], [1, 2]] {
-        let rise = along[j] - along[k];
-        let square = rise * rise / corners[j].distance_squared(corners[k]);
-        // False for an edge without length.
-        if square < best.0 && (along[j] >= least || along[k] >= least) {
-            best = (square, Some(Part::Edge([j as u32, k as u32])));
-        }
-    }
-    let vertex = || Part::Vertex((0..3).find(|&k| along[k] >= least).unwrap_or(0) as u32);
-    best.1.unwrap_or_else(vertex)
 }
 
 /// Which part of a polytope faces a direction of its own frame, of unit length.
@@ -202,9 +208,8 @@ impl<'a> Choice<'a> {
     /// What of a triangle that is no needle faces the direction, as its list of faces has it, without the list.
     #[inline(always)]
     fn of_triangle(&self) -> Option<Part<'a>> {
-        let normal = self.polytope.normal_of_triangle()?;
         let &[p, q, r] = self.polytope.vertices() else { return None };
-        Some(of_corners(([p, q, r], normal), self.direction, self.polytope.outer_radius()))
+        Part::of_triangle([p, q, r], self.direction)
     }
 
     // Out of line: the heights that it keeps are more than all else that a part takes.

@@ -9,7 +9,7 @@ use super::{SIZES, UNIT};
 use crate::query::Accuracy;
 use crate::{DistanceResult, PosedShape};
 use dcd_geom::glam::{DMat3, DVec3};
-use dcd_geom::{Curved, HalfSpace, Kind, Mesh, Polytope, Shape, Vector};
+use dcd_geom::{Curved, HalfSpace, Kind, Mesh, Polytope, Shape, Support, SupportMap, Vector};
 use dcd_simd::HeightsAlong;
 
 /// How far a gap may be off. Unit: u·m. Derived: 36.
@@ -117,15 +117,8 @@ fn lowest_of(polytope: &Polytope, along: DVec3) -> (DVec3, f64, Option<u32>) {
             half_extents * DVec3::select(along.cmplt(DVec3::ZERO), DVec3::ONE, DVec3::NEG_ONE);
         return (lowest, lowest.dot(along), None);
     }
-    let vertices = polytope.vertices();
-    let (mut lowest, mut least) = (0, f64::INFINITY);
-    for (k, vertex) in vertices.iter().enumerate() {
-        let height = vertex.dot(along);
-        if height < least {
-            (lowest, least) = (k, height);
-        }
-    }
-    (vertices.get(lowest).copied().unwrap_or(DVec3::ZERO), least, Some(lowest as u32))
+    let Support { point, feature } = SupportMap::<f64>::support(polytope, -along);
+    (point, point.dot(along), Some(feature))
 }
 
 /// The same of a mesh's corners: of equals the one with the smallest index. `None` where they leave the range of f32.
