@@ -23,10 +23,10 @@ pub(super) const MOST: usize = 8;
 
 /// What moving a part to its place twice, or by a product of poses, loses. Unit: u of the part's reach and its place.
 /// Derived: 32.
-const PLACED: f64 = 48.0;
+const PLACED: f64 = 34.0;
 
 /// The same in the compound's own frame, of the part's reach and its place there. Derived: 8.
-const IN_FRAME: f64 = 12.0;
+const IN_FRAME: f64 = 8.5;
 
 /// The most that may be, relative to the part's reach: far from the origin rounding is more than the accuracy allows.
 const NEAR: f64 = 1e-10;
