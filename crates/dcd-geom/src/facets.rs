@@ -55,6 +55,7 @@ pub struct HalfEdge {
 }
 
 /// The unit normal of a triangle that is no needle.
+#[inline]
 pub(crate) fn normal_of_triangle([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
     let normal = (b - a).cross(c - a);
     let longest = (b - a).length_squared().max((c - a).length_squared());

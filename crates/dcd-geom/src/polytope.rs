@@ -275,6 +275,7 @@ impl Polytope {
 
     /// The unit normal of a triangle that is no needle, round which its corners go counter-clockwise: that of the first
     /// of its [`Polytope::facets`], without them. `None` for needles and other kinds.
+    #[inline]
     pub fn normal_of_triangle(&self) -> Option<DVec3> {
         match (self.kind, &*self.vertices) {
             (Kind::Triangle, &[a, b, c]) => crate::facets::normal_of_triangle([a, b, c]),

@@ -3,7 +3,7 @@
 use super::tree::PartTree;
 use crate::{Aabb, Curved, Pose, Shape, ShapeError, Support, SupportMap};
 use glam::DVec3;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A convex part of a compound.
 #[derive(Clone, Debug)]
@@ -13,6 +13,7 @@ pub struct Part {
     /// Its pose in the compound.
     pub pose: Pose,
     placed: Shape,
+    placed_faces: OnceLock<Box<[Option<u32>]>>,
 }
 
 impl Part {
@@ -27,6 +28,28 @@ impl Part {
             (Shape::Curved(curved), Shape::Custom(_)) => Some(curved),
             _ => None,
         }
+    }
+
+    /// Which face of [`Part::placed`] a face of the shape is there, by index: cuboids are placed as hulls, whose faces are
+    /// listed in another order. `None` of a face that is none of a polytope, or has no such place. All are found at the first
+    /// call.
+    pub fn placed_face(&self, face: u32) -> Option<u32> {
+        let (own, placed) = (self.shape.as_polytope()?, self.placed.as_polytope()?);
+        if own.kind() == placed.kind() {
+            return Some(face);
+        }
+        let found = || {
+            let (own, placed) = (own.facets(), placed.facets());
+            let place = |due: &[u32]| {
+                let is_same = |corners: &[u32]| {
+                    corners.len() == due.len() && corners.iter().all(|corner| due.contains(corner))
+                };
+                let at = placed.facets().iter().position(|facet| is_same(placed.corners(facet)))?;
+                Some(at as u32)
+            };
+            own.facets().iter().map(|facet| place(own.corners(facet))).collect()
+        };
+        *self.placed_faces.get_or_init(found).get(face as usize)?
     }
 }
 
@@ -58,7 +81,7 @@ impl Compound {
         }
         let place = |(part, (shape, pose)): (usize, (Shape, Pose))| {
             let placed = placed(part, &shape, &pose)?;
-            Ok(Part { shape, pose, placed })
+            Ok(Part { shape, pose, placed, placed_faces: OnceLock::new() })
         };
         let parts = parts.into_iter().enumerate().map(place).collect::<Result<Vec<_>, _>>()?;
         let boxes: Vec<Aabb> = parts.iter().map(|part| part.placed.aabb(&Pose::IDENTITY)).collect();

@@ -5,6 +5,8 @@
 //! parts are moved at most, and by which a distance or a depth changes at most (docs/numerics/proofs.md, "Parts as they
 //! were given"). What that leaves open is left to the parts as they are placed.
 
+mod framed;
+
 use super::{Accuracy, Feature, depths};
 use crate::distance::{Distance, DistanceResult, distance_at};
 use crate::epa::{self, Depth};
@@ -12,6 +14,8 @@ use crate::mesh::{self, OfTriangle};
 use crate::{PosedShape, PosedSupport, Verdict, certified, closed};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{HalfSpace, Kind, Part, Pose, Shape, SupportMap};
+use dcd_simd::ArrayVec;
+pub(super) use framed::Framed;
 use std::cell::OnceCell;
 
 /// The most parts of one shape, those of two make 64 pairs. More: the tree over them is quicker.
@@ -19,7 +23,10 @@ pub(super) const MOST: usize = 8;
 
 /// What moving a part to its place twice, or by a product of poses, loses. Unit: u of the part's reach and its place.
 /// Derived: 32.
-const PLACED: f64 = 48.0;
+const PLACED: f64 = 34.0;
+
+/// The same in the compound's own frame, of the part's reach and its place there. Derived: 8.
+const IN_FRAME: f64 = 8.5;
 
 /// The most that may be, relative to the part's reach: far from the origin rounding is more than the accuracy allows.
 const NEAR: f64 = 1e-10;
@@ -42,9 +49,21 @@ struct Placed<'a> {
     centre: DVec3,
     radius: f64,
     plane: Option<Plane>,
-    /// Where a compound's part is, and how far its points may be from those of the part that answers are given for,
-    /// metres: made when it is first needed. `None` where that is too far.
-    at: OnceCell<Option<(Pose, f64)>>,
+    at: At<'a>,
+}
+
+/// Where a part is, and how far its points may be from those of the part that answers are given for, metres.
+enum At<'a> {
+    Known(&'a Pose, f64),
+    /// Made when it is first needed; `None` where that is too far.
+    Product(OnceCell<Option<(Pose, f64)>>),
+}
+
+/// Whose frame a shape's parts are seen in.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Frame {
+    Own,
+    Other,
 }
 
 /// That of a half-space, in world axes.
@@ -67,11 +86,15 @@ struct Parts<'a>([Option<Placed<'a>>; MOST]);
 pub(super) struct Couple<'a> {
     a: Parts<'a>,
     b: Parts<'a>,
+    /// By how much more a distance or a depth may be off than the parts are moved: metres.
+    lost: f64,
 }
 
 impl<'a> Placed<'a> {
     /// `None` for shapes that are known by their support maps alone.
-    fn of(whole: PosedShape<'a>, part: Option<&'a Part>) -> Option<Self> {
+    // Written where it is kept.
+    #[inline(always)]
+    fn of(whole: PosedShape<'a>, part: Option<&'a Part>, frame: Frame) -> Option<Self> {
         let pose = part.map(|part| &part.pose);
         let mut plane = None;
         let (middle, radius) = match part.map_or(whole.shape, Part::placed) {
@@ -90,15 +113,25 @@ impl<'a> Placed<'a> {
             }
             _ => return None,
         };
-        let centre = whole.pose.apply(middle);
-        Some(Self { whole, part, centre, radius, plane, at: OnceCell::new() })
+        let (centre, at) = match (part, frame) {
+            (None, _) => (whole.pose.apply(middle), At::Known(whole.pose, 0.0)),
+            (Some(part), Frame::Own) => (middle, At::Known(&part.pose, moved_in_frame(part)?)),
+            (Some(_), Frame::Other) => (whole.pose.apply(middle), At::Product(OnceCell::new())),
+        };
+        Some(Self { whole, part, centre, radius, plane, at })
     }
 
     /// As it was given, where it is; and by how much it is moved.
     fn posed(&self) -> Option<(PosedShape<'_>, f64)> {
-        let Some(part) = self.part else { return Some((self.whole, 0.0)) };
-        let (pose, moved) = self.at.get_or_init(|| place(self.whole.pose, part)).as_ref()?;
-        Some((PosedShape { shape: &part.shape, pose }, *moved))
+        let shape = self.part.map_or(self.whole.shape, |part| &part.shape);
+        let (pose, moved) = match &self.at {
+            &At::Known(pose, moved) => (pose, moved),
+            At::Product(made) => {
+                let made = made.get_or_init(|| place(self.whole.pose, self.part?)).as_ref()?;
+                (&made.0, made.1)
+            }
+        };
+        Some((PosedShape { shape, pose }, moved))
     }
 
     /// At most how far apart two are, as the spheres round them show, or a sphere and a plane.
@@ -145,12 +178,21 @@ pub(super) fn place(whole: &Pose, part: &Part) -> Option<(Pose, f64)> {
     (moved <= NEAR * reach).then_some((pose, moved))
 }
 
+/// How far a part may be from where its compound has it, in the compound's frame. `None` where that is too far.
+fn moved_in_frame(part: &Part) -> Option<f64> {
+    let reach = part.shape.reach();
+    let size = reach + part.pose.translation().length();
+    // Of a curved part that was moved the support map is what answers are given for.
+    let moved = IN_FRAME * UNIT * size + 2.0 * part.placed().support_error();
+    (moved <= NEAR * reach).then_some(moved)
+}
+
 impl<'a> Parts<'a> {
     /// `None` of shapes that are neither convex nor compounds, and of too many.
-    fn fill(&mut self, side: PosedShape<'a>) -> Option<()> {
+    fn fill(&mut self, side: PosedShape<'a>, frame: Frame) -> Option<()> {
         let Self(slots) = self;
         let Shape::Compound(compound) = side.shape else {
-            slots[0] = Some(Placed::of(side, None).filter(|_| side.shape.is_convex())?);
+            slots[0] = Some(Placed::of(side, None, frame).filter(|_| side.shape.is_convex())?);
             return Some(());
         };
         let parts = compound.parts();
@@ -158,7 +200,7 @@ impl<'a> Parts<'a> {
             return None;
         }
         for (slot, part) in slots.iter_mut().zip(parts) {
-            *slot = Some(Placed::of(side, Some(part))?);
+            *slot = Some(Placed::of(side, Some(part), frame)?);
         }
         Some(())
     }
@@ -201,9 +243,13 @@ enum Known {
 }
 
 /// Whether two parts touch, and how deep; `None` where what they are moved by leaves it open.
-fn touch(a: &Placed<'_>, b: &Placed<'_>, scratch: &mut epa::Scratch) -> Option<Known> {
+fn touch(
+    (a, b): (&Placed<'_>, &Placed<'_>),
+    lost: f64,
+    scratch: &mut epa::Scratch,
+) -> Option<Known> {
     let ((in_a, moved_a), (in_b, moved_b)) = (a.posed()?, b.posed()?);
-    let moved = moved_a + moved_b;
+    let moved = moved_a + moved_b + lost;
     let deep = |found: Depth| {
         let error_bound = (found.error_bound + moved).next_up();
         (found.depth > error_bound).then_some(Known::Deep(Depth { error_bound, ..found }))
@@ -253,14 +299,23 @@ pub(super) enum Wanted {
 }
 
 impl<'a> Couple<'a> {
-    /// Takes two shapes in place of what there was: `None`, and nothing of use, of other shapes, and of parts of which nearly
-    /// all pairs need a search. The bounds that are known of placed parts spare more of these than given parts are quicker.
-    pub(super) fn fill(&mut self, [a, b]: [PosedShape<'a>; 2]) -> Option<()> {
+    /// Takes two shapes in place of what there was: `None`, and nothing of use, of meshes, and of other shapes than
+    /// [`Parts::fill`] has.
+    fn take(&mut self, framed: &'a Framed<'_>) -> Option<()> {
+        let [a, b] = framed.sides();
         if matches!(a.shape, Shape::Mesh(_)) || matches!(b.shape, Shape::Mesh(_)) {
             return None;
         }
-        self.a.fill(a)?;
-        self.b.fill(b)?;
+        self.a.fill(a, if framed.is_own() { Frame::Own } else { Frame::Other })?;
+        self.b.fill(b, Frame::Other)?;
+        self.lost = framed.lost();
+        Some(())
+    }
+
+    /// The same; `None` also of parts of which nearly all pairs need a search. The bounds that are known of placed parts
+    /// spare more of these than given parts are quicker.
+    pub(super) fn fill(&mut self, framed: &'a Framed<'_>) -> Option<()> {
+        self.take(framed)?;
         (self.a.have_formulas() && self.b.have_formulas()).then_some(())
     }
 
@@ -275,11 +330,11 @@ impl<'a> Couple<'a> {
         let mut deepest = 0.0;
         for (j, part_a) in self.a.all() {
             for (k, part_b) in self.b.all() {
-                let gap = part_a.gap(part_b);
+                let gap = part_a.gap(part_b) - self.lost;
                 if gap > 0.0 || wanted == Wanted::Deepest && -gap < deepest {
                     continue;
                 }
-                if let Known::Deep(depth) = touch(part_a, part_b, scratch)? {
+                if let Known::Deep(depth) = touch((part_a, part_b), self.lost, scratch)? {
                     deepest = depth.depth.max(deepest);
                     found([j, k], depth);
                 }
@@ -293,7 +348,7 @@ impl<'a> Couple<'a> {
         let (part_a, part_b) =
             (self.a.0.get(j as usize)?.as_ref()?, self.b.0.get(k as usize)?.as_ref()?);
         let ((in_a, moved_a), (in_b, moved_b)) = (part_a.posed()?, part_b.posed()?);
-        Some(([in_a, in_b], moved_a + moved_b))
+        Some(([in_a, in_b], moved_a + moved_b + self.lost))
     }
 }
 
@@ -303,18 +358,7 @@ pub(super) fn name(whole: PosedShape<'_>, part: u32, feature: Feature) -> Option
     let (Shape::Compound(compound), Feature::Face(face)) = (whole.shape, feature) else {
         return Some(feature);
     };
-    let part = compound.parts().get(part as usize)?;
-    let (own, placed) = (part.shape.as_polytope()?, part.placed().as_polytope()?);
-    if own.kind() == placed.kind() {
-        return Some(feature);
-    }
-    let (own, placed) = (own.facets(), placed.facets());
-    let due = own.corners(own.facets().get(face as usize)?);
-    let is_same = |corners: &[u32]| {
-        corners.len() == due.len() && corners.iter().all(|corner| due.contains(corner))
-    };
-    let there = placed.facets().iter().position(|facet| is_same(placed.corners(facet)))?;
-    Some(Feature::Face(there as u32))
+    Some(Feature::Face(compound.parts().get(part as usize)?.placed_face(face)?))
 }
 
 /// The depth of the deepest two parts; `None` where it is not known at once.
@@ -326,8 +370,9 @@ pub(super) fn depth(
     scratch: &mut epa::Scratch,
 ) -> Option<Depth> {
     let (sides, swapped) = in_order(a, b)?;
+    let framed = Framed::of(sides);
     let mut couple = Couple::default();
-    couple.fill(sides)?;
+    couple.fill(&framed)?;
     let (mut deepest, mut upper): (Option<Depth>, f64) = (None, 0.0);
     couple.touching(Wanted::Deepest, scratch, |_, depth| {
         upper = upper.max(depth.depth + depth.error_bound);
@@ -338,7 +383,7 @@ pub(super) fn depth(
     let most = deepest?;
     // Another may be deeper than the deepest by its own bound.
     let above = (upper - most.depth).next_up().min(f64::MAX);
-    let found = Depth { error_bound: most.error_bound.max(above), ..most };
+    let found = framed.depth(Depth { error_bound: most.error_bound.max(above), ..most });
     Some(if swapped { found.mirrored() } else { found })
 }
 
@@ -346,13 +391,14 @@ pub(super) fn depth(
 ///
 /// (a, b) and (b, a) give the same bits, mirrored.
 pub(super) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance> {
-    let ([a, b], swapped) = in_order(a, b)?;
-    let (mut of_a, mut of_b) = (Parts::default(), Parts::default());
-    of_a.fill(a)?;
-    of_b.fill(b)?;
-    let mut gaps = Vec::new();
-    for (_, part_a) in of_a.all() {
-        gaps.extend(of_b.all().map(|(_, part_b)| (part_a.gap(part_b), [part_a, part_b])));
+    let (sides, swapped) = in_order(a, b)?;
+    let framed = Framed::of(sides);
+    let mut couple = Couple::default();
+    couple.take(&framed)?;
+    let mut gaps = ArrayVec::<_, { MOST * MOST }>::new();
+    for (_, part_a) in couple.a.all() {
+        let gap = |part_b| part_a.gap(part_b) - couple.lost;
+        gaps.extend(couple.b.all().map(|(_, part_b)| (gap(part_b), [part_a, part_b])));
     }
     let mut nearest: Option<Distance> = None;
     let mut lower = f64::INFINITY;
@@ -368,7 +414,7 @@ pub(super) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance>
         let DistanceResult::Apart(found) = distance_at(Accuracy::F32, in_a, in_b).0 else {
             return None;
         };
-        let error_bound = (found.error_bound + (moved_a + moved_b)).next_up();
+        let error_bound = (found.error_bound + (moved_a + moved_b + couple.lost)).next_up();
         if !(found.distance > error_bound) {
             return None;
         }
@@ -380,7 +426,8 @@ pub(super) fn distance(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Distance>
     let nearest = nearest?;
     // Another may be nearer than the nearest by its own bound.
     let below = (nearest.distance - lower).next_up();
-    let found = Distance { error_bound: nearest.error_bound.max(below), ..nearest };
+    let found =
+        framed.distance(Distance { error_bound: nearest.error_bound.max(below), ..nearest });
     Some(if swapped { found.mirrored() } else { found })
 }
 

@@ -102,6 +102,37 @@ fn depths_and_distances_of_few_parts_are_those_of_the_placed_parts() {
 }
 
 #[test]
+fn what_a_compound_sees_of_a_sphere_is_where_the_world_has_it() {
+    let mut draw = draw(15);
+    let (mut deep, mut apart) = (0, 0);
+    for k in 0..3000 {
+        let ([one, _], poses) = pair(&mut draw, 2 * k);
+        let radius = draw.vector().x.abs() * 0.3 + 0.05;
+        let sphere = Shape::sphere(radius).unwrap();
+        let a = PosedShape { shape: &one, pose: &poses[0] };
+        let b = PosedShape { shape: &sphere, pose: &poses[1] };
+        let centre = poses[1].translation();
+        let is_due = |normal: DVec3, point: DVec3| {
+            (normal.length() - 1.0).abs() < 1e-12
+                && point.distance(centre - normal * radius) < 1e-10
+        };
+        if let Some(found) = depth(a, b, &mut Default::default()) {
+            assert!(is_due(found.normal, found.point_b), "{k}: {found:?}");
+            let set = Manifolds::default().measure_at(Accuracy::F32, a, b, &mut Default::default());
+            let Verdict::Touching(set) = set else { panic!("{k}") };
+            let point = set[0].points()[0];
+            assert!(is_due(set[0].normal, point.point_b), "{k}: {set:?}");
+            deep += 1;
+        }
+        if let Some(found) = distance(a, b) {
+            assert!(is_due(found.normal, found.point_b), "{k}: {found:?}");
+            apart += 1;
+        }
+    }
+    assert!(deep > 500 && apart > 500, "{deep} {apart}");
+}
+
+#[test]
 fn a_face_of_a_part_has_the_name_that_it_has_where_it_is_placed() {
     let mut draw = draw(14);
     for k in 0..300usize {

@@ -323,20 +323,20 @@ pub(super) struct OfSphere {
 }
 
 /// `None` where neither is a sphere, and against half-spaces and foreign shapes.
+#[inline]
 pub(super) fn of_sphere(normal: DVec3, [a, b]: [PosedShape<'_>; 2]) -> Option<OfSphere> {
-    if !is_sphere(a) && !is_sphere(b) {
-        return None;
-    }
-    let feature = |side: PosedShape<'_>, towards: DVec3| match side.shape {
-        // Whatever the direction.
-        Shape::Polytope(polytope) if polytope.kind() == Kind::Point => Some(Feature::Vertex(0)),
-        Shape::Polytope(polytope) => {
-            Some(name(polytope, side.pose.rotation().transpose() * towards))
-        }
-        Shape::Curved(_) => Some(Feature::Surface),
-        _ => None,
+    let (other, towards) = match [is_sphere(a), is_sphere(b)] {
+        [true, _] => (b, -normal),
+        [false, true] => (a, normal),
+        [false, false] => return None,
     };
-    let features = [feature(a, normal)?, feature(b, -normal)?];
+    let own = match other.shape {
+        Shape::Polytope(polytope) => name(polytope, other.pose.rotation().transpose() * towards),
+        Shape::Curved(_) => Feature::Surface,
+        _ => return None,
+    };
+    let sphere = Feature::Vertex(0);
+    let features = if is_sphere(a) { [sphere, own] } else { [own, sphere] };
     Some(OfSphere { features, size: 2.0 * (size(a.shape) + size(b.shape)) })
 }
 

@@ -15,7 +15,11 @@ pub(crate) const LEVEL: f64 = 0.259;
 const FARTHEST: f64 = 1e-9;
 
 /// The area of a triangle beside the square of its longest edge below which its normal is left to the list of faces.
-const NEEDLE: f64 = 1e-6;
+const NEEDLE: f64 = 1e-5;
+
+/// The squares of lengths, metres², of which areas are compared by their squares: these stay in range. Others are left to the
+/// list of faces.
+const TRIANGLES: std::ops::Range<f64> = 1e-70..1e70;
 
 /// A face, an edge or a vertex of a shape.
 #[derive(Clone, Copy)]
@@ -26,17 +30,21 @@ pub(super) enum Part<'a> {
 }
 
 /// What a polytope shows along a unit direction of its own frame, by name alone.
+#[inline]
 pub(super) fn name(polytope: &Polytope, direction: DVec3) -> Feature {
+    let choice = Choice { polytope, direction };
     let at_once = match polytope.kind() {
         Kind::Point => Some(Feature::Vertex(0)),
-        Kind::Segment => Choice { polytope, direction }.of_segment().map(|part| part.name()),
+        Kind::Segment => choice.of_segment().map(|part| part.name()),
+        Kind::Triangle => choice.of_triangle().map(|part| part.name()),
         _ => cuboids::feature(polytope, direction),
     };
-    at_once.unwrap_or_else(|| Part::facing(polytope, direction).name())
+    at_once.unwrap_or_else(|| choice.searched().name())
 }
 
 impl<'a> Part<'a> {
     /// Which of a polytope faces a direction of its own frame, of unit length.
+    #[inline]
     pub(super) fn facing(polytope: &'a Polytope, direction: DVec3) -> Self {
         Self::round(polytope, direction, None)
     }
@@ -53,33 +61,58 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Which of three corners face a direction of their own axes, of unit length; `None` of a needle.
-    pub(super) fn of_triangle([p, q, r]: [DVec3; 3], direction: DVec3) -> Option<Part<'static>> {
-        let edges = [r - p, q - p, r - q];
-        let normal = edges[1].cross(edges[0]);
-        let longest = edges[0].length_squared().max(edges[1].length_squared());
-        let area = normal.length();
-        // Written so that NaN is a needle.
-        if !(area > NEEDLE * longest.max(edges[2].length_squared())) {
+    /// Which of three corners, counter-clockwise round the first face's normal, face a direction of their own axes, of unit
+    /// length; `None` of a needle.
+    #[inline(always)]
+    pub(super) fn of_triangle(corners: [DVec3; 3], direction: DVec3) -> Option<Part<'static>> {
+        let [p, q, r] = corners;
+        let edges = [q - p, r - p, r - q];
+        let normal = edges[0].cross(edges[1]);
+        let squares = edges.map(DVec3::length_squared);
+        let longest = squares[0].max(squares[1]).max(squares[2]);
+        let area = normal.length_squared();
+        // By squares: no root is taken, but of a face. Written so that NaN, and what leaves the range, is a needle.
+        if !(area > NEEDLE * NEEDLE * (longest * longest) && TRIANGLES.contains(&longest)) {
             return None;
         }
-        let cosine = normal.dot(direction) / area;
-        if cosine > FACING {
-            return Some(Part::Face { index: 0, normal: normal / area, corners: &[0, 1, 2] });
-        } else if -cosine > FACING {
-            return Some(Part::Face { index: 1, normal: -normal / area, corners: &[2, 1, 0] });
+        let facing = normal.dot(direction);
+        if facing * facing > FACING * FACING * area {
+            let unit = normal.normalize();
+            return Some(match facing > 0.0 {
+                true => Part::Face { index: 0, normal: unit, corners: &[0, 1, 2] },
+                false => Part::Face { index: 1, normal: -unit, corners: &[2, 1, 0] },
+            });
         }
-        let along = [p.dot(direction), q.dot(direction), r.dot(direction)];
-        let least = along[0].max(along[1]).max(along[2]) - FARTHEST * longest.sqrt();
-        let mut best = (LEVEL, None);
-        for ([j, k], edge) in [[0usize, 2], [0, 1], [1, 2]].into_iter().zip(edges) {
-            let rise = (along[j] - along[k]).abs() / edge.length();
-            if (along[j] >= least || along[k] >= least) && rise < best.0 {
+        let along = corners.map(|corner| corner.dot(direction));
+        let least = larger(larger(along[0], along[1]), along[2]);
+        let is_farthest = |k: usize| {
+            let below = least - along[k];
+            below <= 0.0 || below * below <= FARTHEST * FARTHEST * longest
+        };
+        // The square of how much an edge rises relative to its length, and its ends.
+        let mut best = (LEVEL * LEVEL, None);
+        for ([j, k], square) in [[0, 2], [0, 1], [1, 2]].into_iter().zip([1, 0, 2]) {
+            let rise = along[j] - along[k];
+            let rise = rise * rise / squares[square];
+            if rise < best.0 && (is_farthest(j) || is_farthest(k)) {
                 best = (rise, Some(Part::Edge([j as u32, k as u32])));
             }
         }
-        let vertex = || Part::Vertex((0..3).find(|&k| along[k] >= least).unwrap_or(0) as u32);
+        let vertex = || Part::Vertex((0..3).find(|&k| is_farthest(k)).unwrap_or(0) as u32);
         Some(best.1.unwrap_or_else(vertex))
+    }
+
+    /// What a segment shows, given its edge from the first vertex to the second: itself, or the end that is farther. `None`
+    /// of one without length.
+    #[inline(always)]
+    pub(super) fn of_edge(edge: DVec3, direction: DVec3) -> Option<Part<'static>> {
+        let (rise, square) = (direction.dot(edge), edge.length_squared());
+        // By squares, which take neither a root nor a quotient. False for one without length, and for NaN.
+        let has_length = square > 0.0 && square.is_finite();
+        has_length.then(|| match rise * rise < LEVEL * LEVEL * square {
+            true => Part::Edge([0, 1]),
+            false => Part::Vertex(u32::from(rise > 0.0)),
+        })
     }
 
     /// Its name.
@@ -118,7 +151,7 @@ const NO_FACE: u32 = u32::MAX;
 const KEPT: usize = 64;
 
 impl<'a> Choice<'a> {
-    #[inline(never)]
+    #[inline(always)]
     fn part(&self) -> Part<'a> {
         match self.polytope.kind() {
             Kind::Point => Some(Part::Vertex(0)),
@@ -137,17 +170,11 @@ impl<'a> Choice<'a> {
         is_hull && !self.polytope.facets().around(vertex).is_empty()
     }
 
-    /// What a segment shows, without its list of faces: itself, or the end that is farther.
+    /// What a segment shows, without its list of faces.
+    #[inline(always)]
     fn of_segment(&self) -> Option<Part<'a>> {
         let &[start, end] = self.polytope.vertices() else { return None };
-        let edge = end - start;
-        let (rise, square) = (self.direction.dot(edge), edge.length_squared());
-        // By squares, which take neither a root nor a quotient. False for one without length, and for NaN.
-        let has_length = square > 0.0 && square.is_finite();
-        has_length.then(|| match rise * rise < LEVEL * LEVEL * square {
-            true => Part::Edge([0, 1]),
-            false => Part::Vertex(u32::from(rise > 0.0)),
-        })
+        Part::of_edge(end - start, self.direction)
     }
 
     /// What a box that is not flat shows, by the signs of the direction.
@@ -165,32 +192,10 @@ impl<'a> Choice<'a> {
     }
 
     /// What of a triangle that is no needle faces the direction, as its list of faces has it, without the list.
+    #[inline(always)]
     fn of_triangle(&self) -> Option<Part<'a>> {
-        let normal = self.polytope.normal_of_triangle()?;
-        let cosine = normal.dot(self.direction);
-        if cosine > FACING {
-            return Some(Part::Face { index: 0, normal, corners: &[0, 1, 2] });
-        } else if -cosine > FACING {
-            return Some(Part::Face { index: 1, normal: -normal, corners: &[2, 1, 0] });
-        }
-        let least = self.least();
-        let is_farthest = |k: u32| self.along(k) >= least;
-        let mut best = (LEVEL, None);
-        for [j, k] in [[0, 2], [0, 1], [1, 2]] {
-            let rise = self.rise(j, k);
-            if (is_farthest(j) || is_farthest(k)) && rise < best.0 {
-                best = (rise, Some(Part::Edge([j, k])));
-            }
-        }
-        let vertex = || Part::Vertex((0..3).find(|&k| is_farthest(k)).unwrap_or(0));
-        Some(best.1.unwrap_or_else(vertex))
-    }
-
-    /// The least height of a vertex that counts as farthest.
-    fn least(&self) -> f64 {
-        let farthest = self.polytope.vertices().iter().map(|&v| self.direction.dot(v));
-        let farthest = farthest.fold(f64::NEG_INFINITY, |most, x| if x > most { x } else { most });
-        farthest - FARTHEST * self.polytope.outer_radius()
+        let &[p, q, r] = self.polytope.vertices() else { return None };
+        Part::of_triangle([p, q, r], self.direction)
     }
 
     // Out of line: the heights that it keeps are more than all else that a part takes.

@@ -117,9 +117,7 @@ impl View {
 
     /// Whether two edges, world axes, surely cross as they are seen.
     pub(super) fn surely_cross(&self, e: DVec3, f: DVec3) -> bool {
-        // Seen from the normal they are no longer than they are. False for NaN.
-        let square = self.normal.dot(e.cross(f));
-        square * square > CROSSING * CROSSING * e.length_squared() * f.length_squared()
+        surely_cross(self.normal, e, f)
     }
 
     /// A part of a shape whose vertices are in its own frame.
@@ -154,6 +152,13 @@ impl View {
         };
         Seen { part, points, of_line: false, facing, slope }
     }
+}
+
+/// The same as they are seen along a normal.
+pub(super) fn surely_cross(normal: DVec3, e: DVec3, f: DVec3) -> bool {
+    // Seen from the normal they are no longer than they are. False for NaN.
+    let square = normal.dot(e.cross(f));
+    square * square > CROSSING * CROSSING * e.length_squared() * f.length_squared()
 }
 
 impl Points {

@@ -9,7 +9,7 @@ use super::feature::View;
 use super::parts::{ALIKE, NEAR};
 use super::{Feature, Manifold, ManifoldSet, Scratch, write_of_two};
 use crate::epa::Depth;
-use crate::query::few_parts::{self, Couple, Wanted};
+use crate::query::few_parts::{self, Couple, Framed, Wanted};
 use crate::{PosedShape, mesh};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Polytope, Shape, Vector};
@@ -61,20 +61,32 @@ fn write_in_order(
     set: &mut ManifoldSet,
 ) -> Option<()> {
     let Scratch { depth: memory, corners, of_few: found, .. } = scratch;
+    let framed = Framed::of(sides);
     let mut couple = Couple::default();
-    couple.fill(sides)?;
+    couple.fill(&framed)?;
     found.clear();
     couple.touching(Wanted::All, memory, |pair, depth| {
         found.push(Found { pair, depth, is_open: true });
     })?;
-    let mut patches = Patches { sides, couple: &couple, found, corners };
+    let mut patches = Patches { sides: framed.sides(), couple: &couple, found, corners };
     let (lead, depth) = patches.deepest()?;
     patches.write(lead, &depth, set.only_mut()?)?;
     while let Some((lead, depth)) = patches.deepest() {
         let left = patches.found.iter().filter(|found| found.is_open).count();
         set.push_with(left, |manifold| patches.write(lead, &depth, manifold))?;
     }
+    set.all_mut().iter_mut().for_each(|manifold| place(manifold, &framed));
     Some(())
+}
+
+/// Takes a manifold from a frame to the world.
+fn place(manifold: &mut Manifold, framed: &Framed<'_>) {
+    manifold.normal = framed.turned(manifold.normal);
+    manifold.error_bound = (manifold.error_bound + framed.rounded()).min(f64::MAX);
+    for point in &mut *manifold.points {
+        point.point_a = framed.placed(point.point_a);
+        point.point_b = framed.placed(point.point_b);
+    }
 }
 
 /// The pairs of parts that touch, and what their manifolds are made with.

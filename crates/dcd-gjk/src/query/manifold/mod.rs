@@ -32,7 +32,7 @@ use super::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, depths};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, PartIndex};
 use crate::simd::CuboidPatch;
-use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, order};
+use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, closed, order};
 use corners::Corners;
 pub(crate) use cuboids::case_of;
 use dcd_geom::glam::DVec3;
@@ -211,8 +211,12 @@ impl MeasureAt for Manifolds {
     ) -> Verdict<ManifoldSet> {
         if !mesh::have_parts(a.shape, b.shape) {
             // The closed forms first: what they find is not moved before it is written.
-            if let Some(depth) = depths::by_frame(accuracy, a, b) {
-                return of_depth(&depth, [a, b], &mut scratch.corners);
+            if let Some((gap, lowest)) = closed::level::gap_and_lowest(accuracy, a, b) {
+                if let Some(depth) = gap.depth() {
+                    return of_depth(&depth, [a, b], lowest, &mut scratch.corners);
+                }
+            } else if let Some(depth) = depths::by_frame(accuracy, a, b) {
+                return of_depth(&depth, [a, b], None, &mut scratch.corners);
             }
             let depth = depths::without_frame(accuracy, a, b, &mut scratch.depth);
             return manifold_of(depth, a, b, &mut scratch.corners);
@@ -291,21 +295,22 @@ fn manifold_of(
     match verdict {
         Verdict::Apart => Verdict::Apart,
         Verdict::Undecided(reason) => Verdict::Undecided(reason),
-        Verdict::Touching(depth) => of_depth(&depth, [a, b], corners),
+        Verdict::Touching(depth) => of_depth(&depth, [a, b], None, corners),
     }
 }
 
-/// The same where that is known.
+/// The same where that is known, and of a shape on a half-space perhaps its lowest vertex, up to rounding.
 fn of_depth(
     depth: &Depth,
     [a, b]: [PosedShape<'_>; 2],
+    lowest: Option<u32>,
     corners: &mut Corners,
 ) -> Verdict<ManifoldSet> {
     if let Some(only) = in_one_point(depth, [a, b]) {
         return of_one_point(depth, only);
     }
     // Looked at where it is: it is as large as two points.
-    let resting = Resting::of(depth, [a, b]);
+    let resting = Resting::of(depth, [a, b], lowest);
     let Some(resting) = &resting else {
         return written(|found| write_by_corners(depth, [a, b], corners, found));
     };
@@ -318,9 +323,13 @@ fn of_depth(
 /// One manifold, empty and then written.
 #[inline]
 fn written(write: impl FnOnce(&mut Manifold)) -> Verdict<ManifoldSet> {
-    let mut found = Manifold::default();
-    write(&mut found);
-    Verdict::Touching(found.into())
+    let mut answer = Verdict::Touching(ManifoldSet::empty_one());
+    if let Verdict::Touching(set) = &mut answer
+        && let Some(found) = set.only_mut()
+    {
+        write(found);
+    }
+    answer
 }
 
 /// The manifolds of shapes of parts at the accuracy of f32.

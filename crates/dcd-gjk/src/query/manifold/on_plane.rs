@@ -13,6 +13,7 @@ use crate::PosedShape;
 use crate::epa::Depth;
 use dcd_geom::glam::{DVec2, DVec3};
 use dcd_geom::{Shape, SupportMap};
+use dcd_simd::ArrayVec;
 
 /// How many corners are held; of a face with more, the general way.
 const MOST: usize = 8;
@@ -76,7 +77,7 @@ impl Shown<'_> {
 /// Writes the manifold of that depth over an empty one; false, and nothing written, of other shapes than a half-space and one
 /// on it, and of faces with many corners.
 pub(super) fn write(depth: &Depth, sides: [PosedShape<'_>; 2], found: &mut Manifold) -> bool {
-    let resting = Resting::of(depth, sides);
+    let resting = Resting::of(depth, sides, None);
     if let Some(resting) = &resting {
         resting.write(depth, found);
     }
@@ -91,17 +92,17 @@ pub(super) fn add(
     sides: [PosedShape<'_>; 2],
     corners: &mut Vec<clip::Corner>,
 ) -> Option<([Feature; 2], f64)> {
-    let resting = Resting::of(depth, sides)?;
-    let mut found = [Corner::default(); MOST];
-    let count = match resting.shown.part() {
+    let resting = Resting::of(depth, sides, None)?;
+    let mut found = ArrayVec::new();
+    match resting.shown.part() {
         Part::Vertex(only) => resting.below(depth, &[only], &mut found),
         _ => resting.list(depth, &mut found),
-    };
+    }
     let side = resting.sides[resting.number];
     let radius = side.shape.radius();
     let inside = radius * (1.0 - resting.level()).max(0.0);
     let from = side.pose.translation() - sides[0].pose.translation();
-    for corner in &found[..count] {
+    for corner in &*found {
         let (at, height) = view.of(*side.pose.rotation() * corner.point + from);
         let heights = match resting.number {
             0 => [height + radius, height + radius - corner.depth],
@@ -127,9 +128,13 @@ pub(super) struct Resting<'a> {
 }
 
 impl<'a> Resting<'a> {
-    /// `None` of other shapes, and of faces with many corners.
+    /// `None` of other shapes, and of faces with many corners. The lowest vertex may be known, up to rounding.
     #[inline]
-    pub(super) fn of(depth: &Depth, sides: [PosedShape<'a>; 2]) -> Option<Self> {
+    pub(super) fn of(
+        depth: &Depth,
+        sides: [PosedShape<'a>; 2],
+        lowest: Option<u32>,
+    ) -> Option<Self> {
         let number = match sides.map(|side| side.shape) {
             [_, Shape::HalfSpace(_)] => 0,
             [Shape::HalfSpace(_), _] => 1,
@@ -140,7 +145,7 @@ impl<'a> Resting<'a> {
         let local = side.pose.rotation().transpose() * towards;
         let (shown, size) = match side.shape {
             Shape::Polytope(polytope) => {
-                let part = Part::facing(polytope, local);
+                let part = Part::round(polytope, local, lowest);
                 (Shown::Of(part, polytope.vertices()), 2.0 * polytope.outer_radius())
             }
             Shape::Curved(curved) => {
@@ -165,9 +170,9 @@ impl<'a> Resting<'a> {
     /// Writes the manifold of that depth over an empty one.
     #[inline]
     pub(super) fn write(&self, depth: &Depth, found: &mut Manifold) {
-        let mut corners = [Corner::default(); MOST];
-        let count = self.list(depth, &mut corners);
-        let count = different(&mut corners[..count], self.size);
+        let mut corners = ArrayVec::new();
+        self.list(depth, &mut corners);
+        let count = different(&mut corners, self.size);
         let corners = &corners[..count];
         let tolerance = SAME * self.size;
         let error_bound = bound_of(depth, self.size, self.sides);
@@ -186,13 +191,13 @@ impl<'a> Resting<'a> {
         found.error_bound = (error_bound + self.off_surface(depth, corners, kept)).min(f64::MAX);
     }
 
-    /// The corners of what it shows that are not above the plane: how many.
+    /// Lists the corners of what it shows that are not above the plane.
     #[inline(always)]
-    fn list(&self, depth: &Depth, corners: &mut [Corner; MOST]) -> usize {
+    fn list(&self, depth: &Depth, found: &mut ArrayVec<Corner, MOST>) {
         match self.shown.part() {
-            Part::Vertex(_) => 0,
-            Part::Edge(ends) => self.below(depth, &ends, corners),
-            Part::Face { corners: of_face, .. } => self.below(depth, of_face, corners),
+            Part::Vertex(_) => {}
+            Part::Edge(ends) => self.below(depth, &ends, found),
+            Part::Face { corners, .. } => self.below(depth, corners, found),
         }
     }
 
@@ -219,24 +224,21 @@ impl<'a> Resting<'a> {
         }
     }
 
-    /// The listed corners that are not above the plane: how many.
+    /// Adds those of some corners that are not above the plane.
     #[inline]
-    fn below(&self, depth: &Depth, listed: &[u32], corners: &mut [Corner; MOST]) -> usize {
+    fn below(&self, depth: &Depth, corners: &[u32], found: &mut ArrayVec<Corner, MOST>) {
         let side = self.sides[self.number];
         let on_plane = if self.number == 0 { depth.point_b } else { depth.point_a };
         let base = self.towards.dot(side.pose.translation() - on_plane) + side.shape.radius();
         let (x, y) = self.local.any_orthonormal_pair();
-        let mut count = 0;
-        for &index in listed {
+        for &index in corners {
             let point = self.shown.corner(index);
-            let below = self.local.dot(point) + base;
-            if below >= 0.0 {
+            let depth = self.local.dot(point) + base;
+            if depth >= 0.0 {
                 let at = DVec2::new(x.dot(point), y.dot(point));
-                corners[count] = Corner { index, point, at, depth: below };
-                count += 1;
+                found.push(Corner { index, point, at, depth });
             }
         }
-        count
     }
 
     /// A corner's points: of the shape, and of the plane over it.

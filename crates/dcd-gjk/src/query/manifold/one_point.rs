@@ -2,12 +2,12 @@
 //! edges cross.
 
 use super::corners::{self, OfSphere};
-use super::feature::{Placed, View};
+use super::facing::Part;
+use super::feature::surely_cross;
 use super::{Feature, Manifold, ManifoldPoint, ManifoldSet, bound_of_witnesses};
 use crate::epa::Depth;
-use crate::{PosedShape, Verdict, order};
-use dcd_geom::glam::DVec3;
-use dcd_geom::{Kind, Shape};
+use crate::{PosedShape, Verdict};
+use dcd_geom::{Kind, Polytope, Shape};
 use dcd_simd::ArrayVec;
 
 /// The features and the bound of two shapes that touch in the witnesses of their depth alone, as is known at once.
@@ -37,30 +37,27 @@ pub(super) fn of_one_point(
 }
 
 /// The features and the bound of two capsules that show an end, or edges that cross.
+///
+/// (a, b) and (b, a) give the same bits, mirrored: a normal that looks the other way changes signs alone.
 #[inline]
 fn of_capsules(depth: &Depth, [a, b]: [PosedShape<'_>; 2]) -> Option<([Feature; 2], f64)> {
     let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
     if [in_a.kind(), in_b.kind()] != [Kind::Segment; 2] {
         return None;
     }
-    let is_swapped = order::is_swapped(a, b);
-    let (sides, cores) = if is_swapped { ([b, a], [in_b, in_a]) } else { ([a, b], [in_a, in_b]) };
-    let view = View::along(if is_swapped { -depth.normal } else { depth.normal });
-    let placed = [(0, 1.0), (1, -1.0)].map(|(k, sense)| Placed {
-        rotation: sides[k].pose.rotation(),
-        place: DVec3::ZERO,
-        sense,
-    });
-    let parts = [view.part(cores[0], &placed[0]), view.part(cores[1], &placed[1])];
-    if !corners::share_no_corners(&view, parts.each_ref(), cores, &placed) {
+    let edge = |core: &Polytope, side: PosedShape<'_>| {
+        let &[start, end] = core.vertices() else { return None };
+        Some(*side.pose.rotation() * (end - start))
+    };
+    let (e, f) = (edge(in_a, a)?, edge(in_b, b)?);
+    let parts = [Part::of_edge(e, depth.normal)?, Part::of_edge(f, -depth.normal)?];
+    if let [Part::Edge(_), Part::Edge(_)] = parts
+        && !surely_cross(depth.normal, e, f)
+    {
         return None;
     }
-    let mut features = [parts[0].name(), parts[1].name()];
-    if is_swapped {
-        features.reverse();
-    }
     let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
-    Some((features, bound_of_witnesses(depth, size, [a, b])))
+    Some((parts.map(|part| part.name()), bound_of_witnesses(depth, size, [a, b])))
 }
 
 /// The features and the bound of a sphere and another convex shape, which touch in the witnesses of their depth; `None` of
@@ -89,6 +86,7 @@ mod tests {
     use super::super::write_in_order;
     use super::*;
     use crate::motion::tests::Draw;
+    use crate::order;
     use crate::query::{Accuracy, depths};
     use dcd_geom::Pose;
     use dcd_geom::glam::DQuat;

@@ -82,12 +82,16 @@ impl ManifoldSet {
         }
     }
 
+    pub(super) fn all_mut(&mut self) -> &mut [Manifold] {
+        match &mut self.0 {
+            Held::One(manifold) => std::slice::from_mut(manifold),
+            Held::Many(all) => all,
+        }
+    }
+
     /// Exchanges a and b.
     pub(super) fn mirror(&mut self) {
-        match &mut self.0 {
-            Held::One(manifold) => manifold.mirror(),
-            Held::Many(all) => all.iter_mut().for_each(Manifold::mirror),
-        }
+        self.all_mut().iter_mut().for_each(Manifold::mirror);
     }
 }
 

@@ -9,7 +9,7 @@ use super::{SIZES, UNIT};
 use crate::query::Accuracy;
 use crate::{DistanceResult, PosedShape};
 use dcd_geom::glam::{DMat3, DVec3};
-use dcd_geom::{Curved, HalfSpace, Kind, Mesh, Polytope, Shape, Vector};
+use dcd_geom::{Curved, HalfSpace, Kind, Mesh, Polytope, Shape, Support, SupportMap, Vector};
 use dcd_simd::HeightsAlong;
 
 /// How far a gap may be off. Unit: u·m. Derived: 36.
@@ -41,6 +41,16 @@ pub(crate) fn distance(
 /// (a, b) and (b, a) give the same bits, mirrored.
 #[inline]
 pub(super) fn gap_of(accuracy: Accuracy, a: PosedShape<'_>, b: PosedShape<'_>) -> Option<Gap> {
+    gap_and_lowest(accuracy, a, b).map(|(gap, _)| gap)
+}
+
+/// The same, and which vertex of a polytope that is no cuboid is the lowest.
+#[inline(always)]
+pub(crate) fn gap_and_lowest(
+    accuracy: Accuracy,
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+) -> Option<(Gap, Option<u32>)> {
     let most = super::centred::largest_deviation(accuracy)?;
     let (half_space, plane, other, swapped) = match (a.shape, b.shape) {
         (Shape::HalfSpace(half_space), _) => (half_space, a, b, false),
@@ -59,7 +69,7 @@ fn gap_above(
     plane: PosedShape<'_>,
     other: PosedShape<'_>,
     swapped: bool,
-) -> Option<Gap> {
+) -> Option<(Gap, Option<u32>)> {
     let normal = half_space.normal();
     let length = normal.length();
     let outward = *plane.pose.rotation() * (normal / length);
@@ -67,9 +77,11 @@ fn gap_above(
     let delta = other.pose.translation() - plane.pose.translation();
     let DMat3 { x_axis, y_axis, z_axis } = other.pose.rotation();
     let along = DVec3::new(x_axis.dot(outward), y_axis.dot(outward), z_axis.dot(outward));
+    let mut vertex = None;
     let (lowest, height, reach, swept) = match other.shape {
         Shape::Polytope(polytope) => {
-            let (lowest, height) = lowest_of(polytope, along);
+            let (lowest, height, of_polytope) = lowest_of(polytope, along);
+            vertex = of_polytope;
             (lowest, height, polytope.reach(), polytope.swept_radius())
         }
         Shape::Curved(curved) => {
@@ -93,26 +105,20 @@ fn gap_above(
     let error = (LOST * UNIT + DEVIATION * plane.pose.deviation()) * size;
     let lowest = other.pose.apply(lowest) - outward * swept;
     let on_plane = lowest - outward * value;
-    Some(Gap::new((value, error), outward, [on_plane, lowest], swapped))
+    Some((Gap::new((value, error), outward, [on_plane, lowest], swapped), vertex))
 }
 
-/// The point of a core that is lowest along a direction, and how high it is along it: the first among equals.
+/// The point of a core that is lowest along a direction, how high it is along it, and which vertex it is, if it was looked
+/// for among them: the first among equals.
 #[inline(always)]
-fn lowest_of(polytope: &Polytope, along: DVec3) -> (DVec3, f64) {
+fn lowest_of(polytope: &Polytope, along: DVec3) -> (DVec3, f64, Option<u32>) {
     if let Kind::Cuboid { half_extents } = polytope.kind() {
         let lowest =
             half_extents * DVec3::select(along.cmplt(DVec3::ZERO), DVec3::ONE, DVec3::NEG_ONE);
-        return (lowest, lowest.dot(along));
+        return (lowest, lowest.dot(along), None);
     }
-    let vertices = polytope.vertices();
-    let (mut lowest, mut least) = (0, f64::INFINITY);
-    for (k, vertex) in vertices.iter().enumerate() {
-        let height = vertex.dot(along);
-        if height < least {
-            (lowest, least) = (k, height);
-        }
-    }
-    (vertices.get(lowest).copied().unwrap_or(DVec3::ZERO), least)
+    let Support { point, feature } = SupportMap::<f64>::support(polytope, -along);
+    (point, point.dot(along), Some(feature))
 }
 
 /// The same of a mesh's corners: of equals the one with the smallest index. `None` where they leave the range of f32.

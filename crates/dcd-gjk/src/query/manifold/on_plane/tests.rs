@@ -4,6 +4,7 @@ use super::super::corners::Corners;
 use super::super::cuboids::tests::Draw;
 use super::super::write_by_corners;
 use super::*;
+use crate::closed::level::gap_and_lowest;
 use crate::query::{Accuracy, depths};
 use dcd_geom::glam::DQuat;
 use dcd_geom::{Curved, Pose};
@@ -47,7 +48,7 @@ fn is_of_rim(curved: &Curved, body: PosedShape<'_>, point: &ManifoldPoint, swapp
 #[test]
 fn what_rests_on_a_plane_does_so_where_the_general_way_has_it() {
     let mut draw = draw(61);
-    let (mut several, mut compared) = (0, 0);
+    let (mut several, mut compared, mut of_vertex) = (0, 0, 0);
     for round in 0..20_000 {
         let shape = shape(&mut draw, round);
         // Half of them nearly upright, so that faces and lines rest.
@@ -66,6 +67,11 @@ fn what_rests_on_a_plane_does_so_where_the_general_way_has_it() {
         if !write(&depth, sides, &mut found) {
             continue;
         }
+        let (_, lowest) = gap_and_lowest(Accuracy::F32, sides[0], sides[1]).unwrap();
+        let known = Resting::of(&depth, sides, lowest).map(|resting| resting.shown.part().name());
+        let searched = Resting::of(&depth, sides, None).map(|resting| resting.shown.part().name());
+        assert_eq!(known, searched, "round {round}");
+        of_vertex += usize::from(lowest.is_some());
         write_by_corners(&depth, sides, &mut Corners::default(), &mut due);
         assert_eq!(
             (found.normal, found.points.len()),
@@ -91,4 +97,5 @@ fn what_rests_on_a_plane_does_so_where_the_general_way_has_it() {
         compared += 1;
     }
     assert!(compared > 5_000 && several > 1_000, "{compared}, {several} of several points");
+    assert!(of_vertex > 1_000, "{of_vertex} with a known vertex");
 }
