@@ -1,10 +1,11 @@
 //! How far apart pairs are: the nearest vertices sixteen pairs at a time in f32, and what the accuracy makes of them.
 
+use super::certificate::ClearanceBounds;
 use super::closed::{are_cuboids, nearest_features as of_cuboids};
 use super::frame::{FramePair, SimdFrame};
 use super::nearest_points::{self, Found, NearestPoints};
 use super::scene_pairs::ScenePairs;
-use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
+use super::{ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, PlacedSphere, distance_of_spheres, spheres_are_beyond};
 use crate::distance::{DistanceResult, distance_at, of_apart};
 use crate::query::{FEWEST_MEASURED, check_margin, grown, spheres_are_apart, within_margin};
@@ -226,17 +227,18 @@ enum Kind {
     Cuboids,
     /// By the search for nearest vertices.
     Searched,
-    /// Not at all: that search proved it to be beyond the margin.
+    /// Not at all: it is proved to be beyond the margin, by what proved it apart or by that search.
     Beyond,
 }
 
 impl Kind {
     #[inline(always)]
-    fn of(frames: FramePair<'_>, pair: Pair, touches: bool) -> Self {
+    fn of(frames: FramePair<'_>, pair: Pair, (touches, is_clear): (bool, bool)) -> Self {
         let (are_cuboids, are_spheres) =
             (are_cuboids(frames, pair), frames.spheres(pair).is_some());
         let of_apart = if are_spheres { Self::Spheres } else { Self::Searched };
         let of_apart = if are_cuboids { Self::Cuboids } else { of_apart };
+        let of_apart = if is_clear { Self::Beyond } else { of_apart };
         if touches { Self::Touching } else { of_apart }
     }
 }
@@ -265,8 +267,12 @@ impl Scratch {
     fn search(&mut self, path: Path, frames: FramePair<'_>, (pairs, margin): (&[Pair], f64)) {
         let Self { yes, kinds, read, searched, cuboids, of_cuboids, .. } = self;
         kinds.clear();
-        let judged = pairs.iter().zip(yes.touching());
-        kinds.extend(judged.map(|(&pair, &touches)| Kind::of(frames, pair, touches)));
+        // Rounded up, so that no pair within the margin is left out.
+        let far = (margin as f32).next_up();
+        let judged = yes.touching().iter().zip(yes.kept().clearance());
+        kinds.extend(pairs.iter().zip(judged).map(|(&pair, (&touches, &clearance))| {
+            Kind::of(frames, pair, (touches, clearance > far))
+        }));
         let of_kind = |kind: Kind| kinds.iter().map(move |&of_pair| of_pair == kind);
         choose(pairs.iter().copied().zip(of_kind(Kind::Cuboids)), cuboids);
         of_cuboids::find(path, frames, (cuboids, margin), of_cuboids);
@@ -334,7 +340,7 @@ impl NarrowPhase for SimdDistances {
     ) {
         let Scratch { yes, report, .. } = &mut *scratch;
         report.clear();
-        CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, report);
+        ClearanceBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, report);
         // What is undecided there is resolved again, by itself.
         report.sort();
         let undecided = report.take_undecided();
