@@ -1,10 +1,11 @@
 //! How far apart pairs are: the nearest vertices sixteen pairs at a time in f32, and what the accuracy makes of them.
 
+use super::certificate::ClearanceBounds;
 use super::closed::{are_cuboids, nearest_features as of_cuboids};
 use super::frame::{FramePair, SimdFrame};
 use super::nearest_points::{self, Found, NearestPoints};
 use super::scene_pairs::ScenePairs;
-use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
+use super::{ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, PlacedSphere, distance_of_spheres, spheres_are_beyond};
 use crate::distance::{DistanceResult, distance_at, of_apart};
 use crate::query::{FEWEST_MEASURED, check_margin, grown, spheres_are_apart, within_margin};
@@ -194,14 +195,25 @@ pub struct Scratch {
     report: Report,
     /// How each pair of the slice is measured.
     kinds: Vec<Kind>,
-    /// The pairs of [`Kind::Searched`].
-    open: Vec<Pair>,
-    /// Those of them that are not proved to be beyond the margin.
-    measured: Vec<Pair>,
-    nearest: nearest_points::Scratch,
+    /// The numbers of the pairs of which more is read than that: all but those of [`Kind::Beyond`].
+    read: Vec<u32>,
+    searched: Searched,
     /// The pairs of [`Kind::Cuboids`].
     cuboids: Vec<Pair>,
     of_cuboids: of_cuboids::Scratch,
+}
+
+/// The pairs of which the nearest vertices are looked for.
+#[derive(Debug, Default)]
+struct Searched {
+    /// Their numbers in the slice.
+    numbers: Vec<u32>,
+    open: Vec<Pair>,
+    nearest: nearest_points::Scratch,
+    /// Which of them are not proved to be beyond the margin.
+    near: Vec<u32>,
+    /// The pairs of these.
+    measured: Vec<Pair>,
 }
 
 /// How a pair is measured.
@@ -215,49 +227,77 @@ enum Kind {
     Cuboids,
     /// By the search for nearest vertices.
     Searched,
+    /// Not at all: it is proved to be beyond the margin, by what proved it apart or by that search.
+    Beyond,
 }
 
 impl Kind {
     #[inline(always)]
-    fn of(frames: FramePair<'_>, pair: Pair, touches: bool) -> Self {
-        if touches {
-            Self::Touching
-        } else if are_cuboids(frames, pair) {
-            Self::Cuboids
-        } else if frames.spheres(pair).is_some() {
-            Self::Spheres
-        } else {
-            Self::Searched
-        }
+    fn of(frames: FramePair<'_>, pair: Pair, (touches, is_clear): (bool, bool)) -> Self {
+        let (are_cuboids, are_spheres) =
+            (are_cuboids(frames, pair), frames.spheres(pair).is_some());
+        let of_apart = if are_spheres { Self::Spheres } else { Self::Searched };
+        let of_apart = if are_cuboids { Self::Cuboids } else { of_apart };
+        let of_apart = if is_clear { Self::Beyond } else { of_apart };
+        if touches { Self::Touching } else { of_apart }
     }
 }
 
-impl Scratch {
-    /// Sorts the judged pairs by how they are measured, and lets the lanes search.
-    fn search(&mut self, path: Path, frames: FramePair<'_>, (pairs, margin): (&[Pair], f64)) {
-        let Self { yes, kinds, open, measured, nearest, cuboids, of_cuboids, .. } = self;
-        kinds.clear();
+impl Searched {
+    /// Looks for the nearest vertices of the pairs of [`Kind::Searched`].
+    fn find(&mut self, path: Path, frames: FramePair<'_>, (pairs, margin): (&[Pair], f64)) {
+        let Self { numbers, open, nearest, near, measured } = self;
         open.clear();
-        cuboids.clear();
-        for (&pair, &touches) in pairs.iter().zip(yes.touching()) {
-            let kind = Kind::of(frames, pair, touches);
-            kinds.push(kind);
-            match kind {
-                Kind::Cuboids => cuboids.push(pair),
-                Kind::Searched => open.push(pair),
-                Kind::Touching | Kind::Spheres => {}
-            }
-        }
-        of_cuboids::find(path, frames, (cuboids, margin), of_cuboids);
+        open.extend(numbers.iter().map(|&number| pairs[number as usize]));
         match frames.have_vertices() {
             true => nearest_points::find(path, frames, (open, margin), nearest),
             // Spheres and cuboids have a formula.
             false => nearest.found.clear(),
         }
-        let is_read = |(_, found): &(&Pair, &Found)| **found != Found::Beyond;
+        let is_near = nearest.found.iter().map(|found| *found != Found::Beyond);
+        choose((0..).zip(is_near), near);
         measured.clear();
-        measured.extend(open.iter().zip(&nearest.found).filter(is_read).map(|(&pair, _)| pair));
+        measured.extend(near.iter().map(|&number| open[number as usize]));
     }
+}
+
+impl Scratch {
+    /// Sorts the judged pairs by how they are measured, and lets the lanes search. Without a branch that half of the pairs
+    /// would mispredict.
+    fn search(&mut self, path: Path, frames: FramePair<'_>, (pairs, margin): (&[Pair], f64)) {
+        let Self { yes, kinds, read, searched, cuboids, of_cuboids, .. } = self;
+        kinds.clear();
+        // Rounded up, so that no pair within the margin is left out.
+        let far = (margin as f32).next_up();
+        let judged = yes.touching().iter().zip(yes.kept().clearance());
+        kinds.extend(pairs.iter().zip(judged).map(|(&pair, (&touches, &clearance))| {
+            Kind::of(frames, pair, (touches, clearance > far))
+        }));
+        let of_kind = |kind: Kind| kinds.iter().map(move |&of_pair| of_pair == kind);
+        choose(pairs.iter().copied().zip(of_kind(Kind::Cuboids)), cuboids);
+        of_cuboids::find(path, frames, (cuboids, margin), of_cuboids);
+        choose((0..).zip(of_kind(Kind::Searched)), &mut searched.numbers);
+        searched.find(path, frames, (pairs, margin));
+        for (&number, found) in searched.numbers.iter().zip(&searched.nearest.found) {
+            let is_beyond = *found == Found::Beyond;
+            kinds[number as usize] = if is_beyond { Kind::Beyond } else { Kind::Searched };
+        }
+        choose((0..).zip(kinds.iter().map(|&kind| kind != Kind::Beyond)), read);
+    }
+}
+
+/// Lists the items that are chosen, without a branch.
+#[inline]
+fn choose<T: Copy + Default>(items: impl Iterator<Item = (T, bool)>, chosen: &mut Vec<T>) {
+    chosen.clear();
+    let (_, most) = items.size_hint();
+    chosen.resize(most.unwrap_or(0) + 1, T::default());
+    let mut count = 0;
+    for (item, is_chosen) in items {
+        chosen[count] = item;
+        count += usize::from(is_chosen);
+    }
+    chosen.truncate(count);
 }
 
 impl NarrowPhase for SimdDistances {
@@ -300,19 +340,20 @@ impl NarrowPhase for SimdDistances {
     ) {
         let Scratch { yes, report, .. } = &mut *scratch;
         report.clear();
-        CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, report);
+        ClearanceBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, report);
         // What is undecided there is resolved again, by itself.
         report.sort();
         let undecided = report.take_undecided();
         sink.report.absorb(report);
         let frames = FramePair { a: a.frame, b: b.frame };
         scratch.search(self.path, frames, (pairs, self.margin));
-        let Scratch { kinds, measured, nearest, of_cuboids, .. } = scratch;
-        let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: measured };
-        let mut searched = nearest.found.iter();
+        let Scratch { kinds, read, searched, of_cuboids, .. } = scratch;
+        let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: &searched.measured };
+        let mut near = searched.near.iter().enumerate();
         let mut of_cuboids = of_cuboids.found.iter();
-        let mut number = 0;
-        for (&pair, &kind) in pairs.iter().zip(&*kinds) {
+        sink.contacts.reserve(read.len());
+        for &number in &*read {
+            let (pair, kind) = (pairs[number as usize], kinds[number as usize]);
             // No table of jumps: of spheres nothing tells the next pair's kind.
             if kind == Kind::Touching {
                 sink.contacts.push(Contact { pair, answer: None });
@@ -325,15 +366,16 @@ impl NarrowPhase for SimdDistances {
             {
                 continue;
             }
-            let (mut found, mut features) = Default::default();
+            let (mut nearest, mut features) = Default::default();
             match kind {
-                Kind::Touching | Kind::Spheres => {}
                 Kind::Cuboids => features = of_cuboids.next().copied().unwrap_or_default(),
-                Kind::Searched => found = searched.next().copied().unwrap_or_default(),
-            }
-            if kind == Kind::Searched && found != Found::Beyond {
-                objects.look_ahead(number, false);
-                number += 1;
+                Kind::Searched => {
+                    if let Some((number, &of_open)) = near.next() {
+                        objects.look_ahead(number, false);
+                        nearest = searched.nearest.found[of_open as usize];
+                    }
+                }
+                Kind::Touching | Kind::Spheres | Kind::Beyond => {}
             }
             if !is_decided {
                 let [one, other] = objects.posed(pair);
@@ -341,12 +383,11 @@ impl NarrowPhase for SimdDistances {
                 sink.file(pair, method, verdict);
                 continue;
             }
-            // Counted already, as apart. Of what is beyond the margin nothing more is read.
+            // Counted already, as apart.
             let verdict = match kind {
-                Kind::Searched if found == Found::Beyond => continue,
-                Kind::Searched => self.by_search(found, objects.posed(pair)),
+                Kind::Searched => self.by_search(nearest, objects.posed(pair)),
                 Kind::Cuboids => self.by_features(features, frames, pair, objects.posed(pair)),
-                Kind::Touching | Kind::Spheres => {
+                Kind::Touching | Kind::Spheres | Kind::Beyond => {
                     self.by_bounds_of_centres(spheres, objects.posed(pair))
                 }
             };
