@@ -111,7 +111,7 @@ fn a_floating_robot_that_grazes_a_ball_while_it_turns_nearly_once_round_replays(
     let mut draw = Draw::new();
     // The corners of a bar 2 m long and 0.1 m thick, held at an end, but for the third dimension.
     let reach = 2f64.hypot(0.05);
-    for turn in [1e-6, 3.1416, std::f64::consts::TAU - 2.002e-3] {
+    for turn in [1e-6, 3.15, std::f64::consts::TAU - 2.002e-3] {
         let from = DQuat::from_scaled_axis(draw.vector() * 3.0).normalize();
         let (sin, cos) = (0.5 * turn).sin_cos();
         let state = |q: DQuat| [&[0.0; 3][..], &q.to_array()[..]].concat();
