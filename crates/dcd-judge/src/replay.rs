@@ -14,6 +14,7 @@ mod jet;
 mod lines;
 mod path;
 mod plane;
+mod slerp;
 
 use cell::Cell;
 use cover::Part;

@@ -4,7 +4,8 @@ use super::cell::{Cell, Core, Piece, Placement};
 use super::interval::Interval;
 use super::jet::Jet;
 use super::lines::MotionLine;
-use super::path::{Path, Slerp};
+use super::path::Path;
+use super::slerp::Slerp;
 
 /// x ↦ row·x + offset, both of which depend on t.
 #[derive(Clone, Copy)]

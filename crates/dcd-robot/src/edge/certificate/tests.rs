@@ -107,6 +107,26 @@ fn a_floating_robot_s_edges_replay() {
 }
 
 #[test]
+fn a_floating_robot_that_grazes_a_ball_while_it_turns_nearly_once_round_replays() {
+    let mut draw = Draw::new();
+    // The corners of a bar 2 m long and 0.1 m thick, held at an end, but for the third dimension.
+    let reach = 2f64.hypot(0.05);
+    for turn in [1e-6, 3.15, std::f64::consts::TAU - 2.002e-3] {
+        let from = DQuat::from_scaled_axis(draw.vector() * 3.0).normalize();
+        let (sin, cos) = (0.5 * turn).sin_cos();
+        let state = |q: DQuat| [&[0.0; 3][..], &q.to_array()[..]].concat();
+        let path = [state(from), state(from * DQuat::from_xyzw(0.0, 0.0, sin, cos))];
+        for gap in [1e-5, 1e-7, 1e-9] {
+            let way = if turn < 1.0 { DVec3::X } else { DVec3::Y };
+            let far = if turn < 1.0 { 2.0 } else { reach } + 0.4 + gap;
+            let ball = obstacle("ball", Shape::sphere(0.4).unwrap(), from * way * far);
+            let checker = checker(floating(), vec![ball]);
+            assert!(assert_replays(&checker, &JointPath::Straight(path.clone())), "{turn} {gap}");
+        }
+    }
+}
+
+#[test]
 fn a_link_that_grazes_a_wall_replays() {
     for gap in [1e-2, 1e-4, 1e-6, 1e-8] {
         let wall = Shape::cuboid(DVec3::new(5.0, 1.0, 5.0)).unwrap();

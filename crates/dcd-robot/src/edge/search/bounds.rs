@@ -9,7 +9,7 @@ use glam::DVec3;
 
 /// What coordinates and turned directions lose in f64, relative to the lengths that go into them, with much
 /// room.
-const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 
 impl EdgeSearch<'_> {
     /// The link that the last joint moves which carries both.

@@ -3,6 +3,7 @@
 use super::super::certificate::{CertifiedPair, Pieces, SeparatingPlane};
 use super::super::place::Twist;
 use super::super::{EdgePair, ROUNDED_UP};
+use super::bounds::ROUNDING;
 use super::{EdgeSearch, SHORTEST};
 use crate::RobotError;
 use dcd_geom::Shape;
@@ -13,9 +14,10 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What a plane's offset and a body's height over it lose in f64, relative to the lengths that go into them: 64u. A plane is
-/// proved by whoever replays it, so that no more than what is likely counts; [`super::bounds`] has bounds that hold.
-const LOST: f64 = 64.0 * f64::EPSILON / 2.0;
+/// What a plane's offset and a body's height over it lose in f64, here and in the intervals of whoever replays it, relative to
+/// the lengths that go into them. No unit. Larger than half of [`ROUNDING`]: more than a pair that is proved free has to spare
+/// (docs/numerics/proofs.md, "edges").
+const LOST: f64 = 0.25 * ROUNDING;
 
 /// By how much a gap at the middle of an interval has to exceed what is needed for shorter intervals to be tried before fewer
 /// pieces. No unit. Smaller: many short intervals for pieces that hardly part. Larger: more pieces than need be.
@@ -243,9 +245,13 @@ impl Planes<'_, '_> {
         (open.pieces != all).then(|| open.pieces.clone())
     }
 
+    /// How far a body may be from where f64 has it, and what its height loses.
     fn lost(&self, edge_pair: &EdgePair) -> f64 {
-        let lengths = edge_pair.objects.map(|object| self.search.movers[object as usize].length);
-        LOST * (lengths[0] + lengths[1])
+        let of = |object: u32| {
+            let mover = &self.search.movers[object as usize];
+            mover.lengths.deviation + LOST * mover.length
+        };
+        of(edge_pair.objects[0]) + of(edge_pair.objects[1])
     }
 
     /// Along n, of unit length in the world, as seen from what carries both.
