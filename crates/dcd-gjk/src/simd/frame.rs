@@ -187,6 +187,12 @@ impl<'a> FramePair<'a> {
         self.a.has_vertices() && self.b.has_vertices()
     }
 
+    /// Whether all objects are spheres.
+    #[inline(always)]
+    pub(super) fn are_spheres(self) -> bool {
+        self.a.form == Form::Spheres && self.b.form == Form::Spheres
+    }
+
     /// Whether a near cache holds all that pairs read: then prefetching costs more than it
     /// hides.
     #[inline(always)]

@@ -105,6 +105,41 @@ pub(crate) fn spheres_are_beyond(spheres: [PlacedSphere; 2], margin: f64) -> boo
     })
 }
 
+/// The same by squares, which costs no root; of fewer pairs, by some 16u.
+///
+/// The sum of squares is at most 5u more than the square of the distance, each difference losing u, each square 2u of that and u
+/// of its own, and two sums u each; the square of the sum of radii and margin is at most 6u less than that of its true value. The
+/// products here lose u more; 16u covers all. What underflows is less than the smallest normal number.
+#[inline(always)]
+pub(crate) fn squares_are_beyond([a, b]: [PlacedSphere; 2], margin: f64) -> bool {
+    let between = a.centre - b.centre;
+    let reach = a.radius + b.radius + margin;
+    // False for NaN.
+    between.length_squared() > reach * reach * (1.0 + 16.0 * UNIT) + f64::MIN_POSITIVE
+}
+
+/// How far apart two spheres are that are within a margin, metres: `None` within where they touch. `None` where that is not
+/// proved, or a distance not with a bound of at most `sharp` times itself.
+#[inline(always)]
+pub(crate) fn distance_within(
+    spheres: [PlacedSphere; 2],
+    margin: f64,
+    sharp: f64,
+) -> Option<Option<Distance>> {
+    let spheres = Spheres::of(spheres)?;
+    let gap = spheres.gap();
+    let touch = gap.value < -gap.error;
+    let Gap { value, error } = match touch {
+        true => gap,
+        false => spheres.sharpened(gap, sharp)?,
+    };
+    // Of those that touch too, so that no branch depends on whether they do.
+    let (normal, point_a, point_b) = spheres.witnesses();
+    let distance = Distance { distance: value, point_a, point_b, normal, error_bound: error };
+    let is_within = touch | ((value > error) & (distance.upper() <= margin));
+    is_within.then_some(if touch { None } else { Some(distance) })
+}
+
 /// How deep they overlap, if the bound is at most `sharp` times the depth (or [`LONG_SHARP`]). They are known to touch, or the depth is
 /// proved to be more than its bound.
 pub(super) fn depth(
@@ -180,6 +215,7 @@ impl Spheres {
         Some(self.long_gap()).filter(|gap| gap.is_within(LONG_SHARP))
     }
 
+    #[cold]
     fn long_gap(&self) -> Gap {
         let [a, b] = self.centres.map(|centre| centre.to_array());
         let squared = |k: usize| {
