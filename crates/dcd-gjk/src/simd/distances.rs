@@ -292,11 +292,15 @@ impl MeasureSpheres for BySpheres<'_> {
         contacts: &mut Vec<Contact<Option<Distance>>>,
     ) -> bool {
         let SimdDistances { accuracy, margin, .. } = *self.narrow;
-        let found = distance_within(spheres, margin, closed::sharp_of(accuracy));
-        if let Some(answer) = found {
-            contacts.push(Contact { pair, answer });
+        let sharp = closed::sharp_of(accuracy);
+        let Some((distance, touch)) = distance_within(spheres, margin, sharp) else { return false };
+        let mut answer = Some(distance);
+        // Taken back and not chosen: no predictor knows which pairs touch.
+        if touch {
+            answer = None;
         }
-        found.is_some()
+        contacts.push(Contact { pair, answer });
+        true
     }
 
     #[inline(never)]

@@ -1,6 +1,6 @@
 //! Scenes of spheres: what is far apart goes by its squares in f64, the rest is measured where its answer is written.
 
-use super::frame::FramePair;
+use super::frame::{FramePair, Record, spheres_of};
 use crate::closed::{PlacedSphere, squares_are_beyond};
 use crate::{Contact, ContactSink, Method};
 use dcd_geom::Pair;
@@ -58,24 +58,25 @@ impl<M: MeasureSpheres> Kernel for Decide<'_, '_, M> {
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> usize {
         let Self { frames, pairs, margin, mut measure, sink } = self;
-        let is_far = !frames.are_near();
+        let records = [frames.a.records(), frames.b.records()];
+        let prefetched = if frames.are_near() { &[] } else { pairs };
         let mut near = [Pair::default(); AT_ONCE];
         let mut left = 0;
         for (number, chunk) in pairs.chunks(AT_ONCE).enumerate() {
             let mut count = 0;
-            let later = pairs.get(number * AT_ONCE + AHEAD..).unwrap_or_default();
+            let later = prefetched.get(number * AT_ONCE + AHEAD..).unwrap_or_default();
             for (place, &pair) in chunk.iter().enumerate() {
-                if is_far && let Some(later) = later.get(place) {
+                if let Some(later) = later.get(place) {
                     frames.a.prefetch(later.i);
                     frames.b.prefetch(later.j);
                 }
                 // Written whether it is near or not: a branch that no predictor knows costs more.
                 near[count] = pair;
-                count += usize::from(!are_beyond(frames, pair, margin));
+                count += usize::from(!are_beyond(records, pair, margin));
             }
             sink.contacts.reserve(count);
             for &pair in &near[..count] {
-                let spheres = frames.spheres(pair);
+                let spheres = spheres_of(records, pair);
                 if !spheres.is_some_and(|both| measure.measure(both, pair, sink.contacts)) {
                     measure.resolve(pair, sink);
                     left += 1;
@@ -88,6 +89,6 @@ impl<M: MeasureSpheres> Kernel for Decide<'_, '_, M> {
 
 /// Whether they are proved to be farther apart than a margin; never of what are no spheres.
 #[inline(always)]
-fn are_beyond(frames: FramePair<'_>, pair: Pair, margin: f64) -> bool {
-    frames.spheres(pair).is_some_and(|both| squares_are_beyond(both, margin))
+fn are_beyond(records: [&[Record]; 2], pair: Pair, margin: f64) -> bool {
+    spheres_of(records, pair).is_some_and(|both| squares_are_beyond(both, margin))
 }
