@@ -7,12 +7,14 @@ use std::slice;
 
 /// A list of at most `N` items in its own memory, of which nothing is written but the items that are there: an empty one
 /// costs its length. A list of contacts is made of such, each of which has room for more than it mostly holds.
+// In this order: the length is beside the first item.
 #[derive(Clone, Copy)]
+#[repr(C)]
 pub struct ArrayVec<T: Copy, const N: usize> {
-    /// Only the first `count` are initialized.
-    items: MaybeUninit<[T; N]>,
     /// At most `N`.
     count: u8,
+    /// Only the first `count` are initialized.
+    items: MaybeUninit<[T; N]>,
 }
 
 impl<T: Copy, const N: usize> ArrayVec<T, N> {
@@ -20,7 +22,7 @@ impl<T: Copy, const N: usize> ArrayVec<T, N> {
     #[inline(always)]
     pub const fn new() -> Self {
         const { assert!(N <= u8::MAX as usize, "its length is a byte") };
-        Self { items: MaybeUninit::uninit(), count: 0 }
+        Self { count: 0, items: MaybeUninit::uninit() }
     }
 
     /// Adds an item at the end; where there is room for no more, nothing.

@@ -5,13 +5,14 @@ use super::closed::{are_cuboids, nearest_features as of_cuboids};
 use super::frame::{FramePair, SimdFrame};
 use super::nearest_points::{self, Found, NearestPoints};
 use super::scene_pairs::ScenePairs;
+use super::spheres::{self, MeasureSpheres};
 use super::{ErrorBounds, Part, Scratch as Yes, Slice, prepare};
-use crate::closed::{self, PlacedSphere, distance_of_spheres, spheres_are_beyond};
+use crate::closed::{self, PlacedSphere, distance_of_spheres, distance_within, spheres_are_beyond};
 use crate::distance::{DistanceResult, distance_at, of_apart};
 use crate::query::{FEWEST_MEASURED, check_margin, grown, spheres_are_apart, within_margin};
 use crate::{
     Accuracy, Contact, ContactSink, Distance, Method, NarrowPhase, PosedShape, PosedSupport,
-    Prepared, Report, Sides, Verdict,
+    Prepared, Report, Sides, Verdict, certified,
 };
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, ShapeError};
@@ -92,6 +93,20 @@ impl SimdDistances {
             Found::Beyond => Verdict::Apart,
             Found::Nearest(points) => self.by_points(&points, a, b),
             Found::Unknown => self.alone(a, b).0,
+        }
+    }
+
+    /// Two spheres of which that is not known in f64.
+    #[inline(never)]
+    fn resolve_spheres(
+        &self,
+        spheres: Option<[PlacedSphere; 2]>,
+        [a, b]: [PosedShape<'_>; 2],
+    ) -> (Verdict<Option<Distance>>, Method) {
+        match certified::overlap_of(a, b) {
+            (Verdict::Touching(()), method) => (Verdict::Touching(None), method),
+            (Verdict::Apart, method) => (self.by_bounds_of_centres(spheres, [a, b]), method),
+            (Verdict::Undecided(_), _) => self.alone(a, b),
         }
     }
 
@@ -300,6 +315,42 @@ fn choose<T: Copy + Default>(items: impl Iterator<Item = (T, bool)>, chosen: &mu
     chosen.truncate(count);
 }
 
+/// What is measured of spheres.
+struct BySpheres<'a> {
+    narrow: &'a SimdDistances,
+    objects: ScenePairs<'a>,
+}
+
+impl MeasureSpheres for BySpheres<'_> {
+    type Answer = Option<Distance>;
+
+    #[inline(always)]
+    fn measure(
+        &self,
+        spheres: [PlacedSphere; 2],
+        pair: Pair,
+        contacts: &mut Vec<Contact<Option<Distance>>>,
+    ) -> bool {
+        let SimdDistances { accuracy, margin, .. } = *self.narrow;
+        let sharp = closed::sharp_of(accuracy);
+        let Some((distance, touch)) = distance_within(spheres, margin, sharp) else { return false };
+        let mut answer = Some(distance);
+        // Taken back and not chosen: no predictor knows which pairs touch.
+        if touch {
+            answer = None;
+        }
+        contacts.push(Contact { pair, answer });
+        true
+    }
+
+    #[inline(never)]
+    fn resolve(&mut self, pair: Pair, sink: &mut ContactSink<'_, Option<Distance>>) {
+        let spheres = self.objects.frames.spheres(pair);
+        let (verdict, method) = self.narrow.resolve_spheres(spheres, self.objects.posed(pair));
+        sink.file(pair, method, verdict);
+    }
+}
+
 impl NarrowPhase for SimdDistances {
     type Answer = Option<Distance>;
     type Frame = SimdFrame;
@@ -338,6 +389,12 @@ impl NarrowPhase for SimdDistances {
         scratch: &mut Scratch,
         sink: &mut ContactSink<'_, Option<Distance>>,
     ) {
+        let frames = FramePair { a: a.frame, b: b.frame };
+        if frames.are_spheres() {
+            let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs };
+            let measure = BySpheres { narrow: self, objects };
+            return spheres::decide(self.path, (frames, pairs, self.margin), measure, sink);
+        }
         let Scratch { yes, report, .. } = &mut *scratch;
         report.clear();
         ClearanceBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, report);
@@ -345,7 +402,6 @@ impl NarrowPhase for SimdDistances {
         report.sort();
         let undecided = report.take_undecided();
         sink.report.absorb(report);
-        let frames = FramePair { a: a.frame, b: b.frame };
         scratch.search(self.path, frames, (pairs, self.margin));
         let Scratch { kinds, read, searched, of_cuboids, .. } = scratch;
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: &searched.measured };

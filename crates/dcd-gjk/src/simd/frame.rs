@@ -169,12 +169,7 @@ impl<'a> FramePair<'a> {
     /// Two spheres, exactly as they are placed; `None` of other objects.
     #[inline(always)]
     pub(super) fn spheres(self, pair: Pair) -> Option<[PlacedSphere; 2]> {
-        let sphere = |frame: &SimdFrame, object: u32| {
-            let [x, y, z, radius] = frame.record(object).centre;
-            PlacedSphere { centre: DVec3::new(x, y, z), radius }
-        };
-        let marks = self.a.record(pair.i).marks & self.b.record(pair.j).marks;
-        (marks & SPHERE != 0).then(|| [sphere(self.a, pair.i), sphere(self.b, pair.j)])
+        spheres_of([&self.a.records, &self.b.records], pair)
     }
 
     pub(super) fn is_one(self) -> bool {
@@ -185,6 +180,12 @@ impl<'a> FramePair<'a> {
     #[inline(always)]
     pub(super) fn have_vertices(self) -> bool {
         self.a.has_vertices() && self.b.has_vertices()
+    }
+
+    /// Whether all objects are spheres.
+    #[inline(always)]
+    pub(super) fn are_spheres(self) -> bool {
+        self.a.form == Form::Spheres && self.b.form == Form::Spheres
     }
 
     /// Whether a near cache holds all that pairs read: then prefetching costs more than it
@@ -198,6 +199,17 @@ impl<'a> FramePair<'a> {
     pub(super) fn have_compounds(self) -> bool {
         self.a.has_compounds() || self.b.has_compounds()
     }
+}
+
+/// [`FramePair::spheres`] of the records of both frames.
+#[inline(always)]
+pub(super) fn spheres_of([a, b]: [&[Record]; 2], pair: Pair) -> Option<[PlacedSphere; 2]> {
+    let (a, b) = (&a[pair.i as usize], &b[pair.j as usize]);
+    let sphere = |&Record { centre: [x, y, z, radius], .. }: &Record| PlacedSphere {
+        centre: DVec3::new(x, y, z),
+        radius,
+    };
+    (a.marks & b.marks & SPHERE != 0).then(|| [sphere(a), sphere(b)])
 }
 
 /// The frame's buffers for a range of the objects.

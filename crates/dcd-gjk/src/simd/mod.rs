@@ -32,6 +32,7 @@ pub(crate) mod prepare;
 mod reference;
 mod scene_pairs;
 mod simplex;
+mod spheres;
 mod support;
 mod tetrahedron;
 pub(crate) mod vector;

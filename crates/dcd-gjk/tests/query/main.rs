@@ -11,6 +11,7 @@ mod manifolds;
 mod patches;
 mod proximity;
 mod scenes;
+mod sphere_scenes;
 mod surfaces;
 mod thin_impacts;
 mod thin_rays;

@@ -46,11 +46,12 @@ pub use set::ManifoldSet;
 pub use surface::{ManifoldOptions, MeshEdges, MeshSides};
 
 /// One patch of the surfaces along which two objects touch: a normal and up to four points. World frame, metres.
+// In this order: what one point needs lies on the first cache lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Manifold {
     /// From a to b, of unit length: the direction of the deepest parts' [`Depth`].
     pub normal: DVec3,
-    points: ArrayVec<ManifoldPoint, 4>,
     /// How far a point may be off its object's surface, and the first one's depth off that of the deepest parts:
     /// metres. The depth's own bound, and how flat a face is, about 1e-8 of the objects' size. More where a rounded face
     /// leans, at most by what its points are less deep than the first; and where parts meet along normals that agree
@@ -58,6 +59,7 @@ pub struct Manifold {
     pub error_bound: f64,
     /// Which parts of a and of b are the patch's deepest, where they are compounds or meshes.
     pub parts: [Option<PartIndex>; 2],
+    points: ArrayVec<ManifoldPoint, 4>,
 }
 
 /// A point where two objects touch.

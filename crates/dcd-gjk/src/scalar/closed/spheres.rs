@@ -37,6 +37,7 @@ impl PlacedSphere {
 }
 
 /// Two spheres.
+#[derive(Clone, Copy)]
 struct Spheres {
     /// From b's centre to a's, rounded, and its length.
     between: DVec3,
@@ -105,6 +106,40 @@ pub(crate) fn spheres_are_beyond(spheres: [PlacedSphere; 2], margin: f64) -> boo
     })
 }
 
+/// The same without a root, and without those that are beyond by less than some 16u.
+///
+/// The sum of squares is at most 5u above the true square of the distance: a difference loses u, which its square doubles, the
+/// square u, two sums u each. That of the radii and the margin loses 2u, which its square doubles, the square u, the product and
+/// the sum below u each: 7u. 16u covers both. What underflows is less than the smallest normal number.
+#[inline(always)]
+pub(crate) fn squares_are_beyond([a, b]: [PlacedSphere; 2], margin: f64) -> bool {
+    let between = a.centre - b.centre;
+    let reach = a.radius + b.radius + margin;
+    // False for NaN.
+    between.length_squared() > reach * reach * (1.0 + 16.0 * UNIT) + f64::MIN_POSITIVE
+}
+
+/// How far apart two spheres are that are within a margin, metres; and whether they touch, where that says nothing. `None`
+/// where neither is proved, or the distance not with a bound of at most `sharp` times itself.
+#[inline(always)]
+pub(crate) fn distance_within(
+    spheres: [PlacedSphere; 2],
+    margin: f64,
+    sharp: f64,
+) -> Option<(Distance, bool)> {
+    let spheres = Spheres::of(spheres)?;
+    let gap = spheres.gap();
+    let Gap { value, error } = spheres.sharpened(gap, sharp)?;
+    // No condition depends on whether they touch, which no predictor knows. The upper bound is a step of f64 above the sum; of
+    // those that touch it is below 0.
+    let is_proved = value.abs() > error && value + error < margin;
+    is_proved.then(|| {
+        let (normal, point_a, point_b) = spheres.witnesses();
+        let distance = Distance { distance: value, point_a, point_b, normal, error_bound: error };
+        (distance, value < 0.0)
+    })
+}
+
 /// How deep they overlap, if the bound is at most `sharp` times the depth (or [`LONG_SHARP`]). They are known to touch, or the depth is
 /// proved to be more than its bound.
 pub(super) fn depth(
@@ -116,7 +151,7 @@ pub(super) fn depth(
 }
 
 /// The same of spheres.
-#[inline]
+#[inline(always)]
 pub(crate) fn depth_of_spheres(spheres: [PlacedSphere; 2], sharp: f64) -> Option<Depth> {
     let spheres = Spheres::of(spheres)?;
     let gap = spheres.gap();
@@ -146,6 +181,7 @@ pub(crate) fn depth_of_two_spheres(
 }
 
 impl Gap {
+    #[inline(always)]
     fn is_within(self, sharp: f64) -> bool {
         self.error <= sharp * self.value.abs()
     }
@@ -153,7 +189,7 @@ impl Gap {
 
 impl Spheres {
     /// `None` where squares could under- or overflow, and for spheres with one centre.
-    #[inline]
+    #[inline(always)]
     fn of(spheres: [PlacedSphere; 2]) -> Option<Self> {
         let (centres, radii) = (spheres.map(|s| s.centre), spheres.map(|s| s.radius));
         let between = centres[0] - centres[1];
@@ -163,7 +199,7 @@ impl Spheres {
         is_in_range.then_some(Self { between, length, centres, radii })
     }
 
-    #[inline]
+    #[inline(always)]
     fn gap(&self) -> Gap {
         let radius = self.radii[0] + self.radii[1];
         let value = self.length - radius;
@@ -173,6 +209,7 @@ impl Spheres {
     }
 
     /// The same if its bound is good enough, else in double-double; `None` where that is not good enough either.
+    #[inline(always)]
     fn sharpened(&self, gap: Gap, sharp: f64) -> Option<Gap> {
         if gap.is_within(sharp) {
             return Some(gap);
@@ -180,7 +217,9 @@ impl Spheres {
         Some(self.long_gap()).filter(|gap| gap.is_within(LONG_SHARP))
     }
 
-    fn long_gap(&self) -> Gap {
+    #[cold]
+    #[inline(never)]
+    fn long_gap(self) -> Gap {
         let [a, b] = self.centres.map(|centre| centre.to_array());
         let squared = |k: usize| {
             let component = two_sum(a[k], -b[k]);
@@ -196,6 +235,7 @@ impl Spheres {
     }
 
     /// The normal from a to b, and the point of each on the line through the centres.
+    #[inline(always)]
     fn witnesses(&self) -> (DVec3, DVec3, DVec3) {
         let normal = self.between / -self.length;
         let [a, b] = self.centres;

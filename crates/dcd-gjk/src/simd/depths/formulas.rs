@@ -3,9 +3,12 @@
 use super::super::closed::patches;
 use super::super::closed::{are_cuboids, depths as of_cuboids};
 use super::super::scene_pairs::ScenePairs;
-use super::Answers;
+use super::super::spheres::MeasureSpheres;
+use super::{Answers, SimdDepths};
+use crate::closed::{self, PlacedSphere};
 use crate::query::MeasureDepth;
-use crate::{Accuracy, closed};
+use crate::{Accuracy, Contact, ContactSink, Verdict, certified};
+use dcd_geom::Pair;
 use dcd_simd::{Kernel, Lanes};
 
 /// Answers the pairs of spheres and lists the others by how they are measured. A kernel for the CPU's instructions alone.
@@ -42,6 +45,53 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
             } else {
                 searched.push(number);
             }
+        }
+    }
+}
+
+/// What is made of scenes of spheres.
+pub(super) struct BySpheres<'a, S: MeasureDepth> {
+    pub(super) narrow: &'a SimdDepths<S>,
+    pub(super) objects: ScenePairs<'a>,
+    pub(super) scratch: &'a mut S::Scratch,
+}
+
+impl<S: MeasureDepth> MeasureSpheres for BySpheres<'_, S> {
+    type Answer = S::Answer;
+
+    #[inline(always)]
+    fn measure(
+        &self,
+        spheres: [PlacedSphere; 2],
+        pair: Pair,
+        contacts: &mut Vec<Contact<S::Answer>>,
+    ) -> bool {
+        let SimdDepths { accuracy, solver, .. } = self.narrow;
+        let Some(depth) = closed::depth_of_spheres(spheres, closed::sharp_of(*accuracy)) else {
+            return false;
+        };
+        contacts.push(Contact { pair, answer: S::Answer::default() });
+        if let Some(contact) = contacts.last_mut() {
+            solver.measure_spheres(&depth, &mut contact.answer);
+        }
+        true
+    }
+
+    #[inline(never)]
+    fn resolve(&mut self, pair: Pair, sink: &mut ContactSink<'_, S::Answer>) {
+        let [a, b] = self.objects.posed(pair);
+        let (verdict, method) = certified::overlap_of(a, b);
+        match verdict {
+            Verdict::Touching(()) => {}
+            Verdict::Apart => return sink.report.count(method, 1),
+            Verdict::Undecided(reason) => return sink.report.leave(pair, reason),
+        }
+        sink.report.count(method, 1);
+        let SimdDepths { accuracy, solver, .. } = self.narrow;
+        match solver.measure_at(*accuracy, a, b, self.scratch) {
+            Verdict::Touching(answer) => sink.contacts.push(Contact { pair, answer }),
+            Verdict::Apart => {}
+            Verdict::Undecided(reason) => sink.report.leave_unmeasured(pair, reason),
         }
     }
 }

@@ -13,6 +13,7 @@ mod surface;
 use super::closed::{depths as of_cuboids, patches};
 use super::frame::{FramePair, SimdFrame};
 use super::scene_pairs::ScenePairs;
+use super::spheres;
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, Axes};
 use crate::epa::Depth;
@@ -24,7 +25,7 @@ use crate::{
 use confirm::{Ended, SearchedPair, Side};
 use dcd_geom::{Aabb, Pair, Scene};
 use dcd_simd::{Kernel, Lanes, Path, dispatch_on, prefetch};
-use formulas::{Sort, WritePatches};
+use formulas::{BySpheres, Sort, WritePatches};
 use search::{DepthSearch, Next};
 use start::Starts;
 use std::slice::Iter;
@@ -165,6 +166,12 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
         let Scratch { yes, of_touching, touching, left, solver } = scratch;
+        let frames = FramePair { a: a.frame, b: b.frame };
+        if frames.are_spheres() {
+            let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs };
+            let measure = BySpheres { narrow: self, objects, scratch: solver };
+            return spheres::decide(self.path, (frames, pairs, 0.0), measure, sink);
+        }
         yes.touching_parts.begin(true);
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touch = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
@@ -175,7 +182,6 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let empty = |&pair| Contact { pair, answer: S::Answer::default() };
         sink.contacts.extend(touching.iter().map(empty));
         left.clear();
-        let frames = FramePair { a: a.frame, b: b.frame };
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: touching };
         let answers = &mut sink.contacts[first..];
         let answers = Answers { solver: &self.solver, scratch: solver, answers, left };

@@ -1,0 +1,92 @@
+//! Scenes of spheres alone, beside the same spheres among other shapes, whose yes or no is that of the lanes.
+
+use super::scenes::Draw;
+use super::within::found;
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Object, Pair, Pose, Scene, Shape};
+use dcd_gjk::{Accuracy, Contact, Depths, Manifolds, Method, Report, SimdDepths, SimdDistances};
+use dcd_simd::Path;
+use std::fmt::Debug;
+
+const ACCURACIES: [Accuracy; 3] = [Accuracy::F32, Accuracy::F64, Accuracy::Certified];
+
+/// Metres; the lattice has pairs that are as far apart.
+const MARGIN: f64 = 0.25;
+
+/// Spheres on two lattices, of which neighbours touch exactly and are a margin apart exactly, some of them off by a step
+/// of f64 or by 1e-9; then some anywhere, points among them, and some with one centre. With or without a cuboid, of which there
+/// is no object.
+fn spheres(others: &[Shape]) -> (Scene, Vec<Pair>) {
+    let mut draw = Draw::seeded(83);
+    let own = [0.5, 0.25, 0.0, 0.7].map(|radius| Shape::sphere(radius).unwrap());
+    let shapes = [&own, others].concat();
+    let mut objects = Vec::new();
+    let mut add = |kind: u32, place| {
+        objects.push(Object::new(kind, Pose::from_translation(place).unwrap()));
+    };
+    for k in 0..128u32 {
+        let (step, aside) = if k < 64 { (1.0, 0.0) } else { (1.0 + MARGIN, 10.0) };
+        let place = [k % 4, k / 4 % 4, k / 16 % 4].map(f64::from);
+        let off = [0.0, 0.0, f64::EPSILON, -f64::EPSILON, 1e-9, -1e-9][k as usize % 6];
+        add(0, DVec3::from(place) * step + DVec3::new(aside + off, 0.0, 0.0));
+    }
+    for k in 0..120 {
+        let place = draw.vector() * 2.0 - DVec3::X * 10.0;
+        add(k % 4, place);
+        if k % 20 == 0 {
+            add(3, place);
+        }
+    }
+    let count = objects.len() as u32;
+    let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| Pair::new(i, j)));
+    (Scene::new(shapes, objects).unwrap(), pairs.collect())
+}
+
+/// What a narrow phase finds of spheres alone and among others.
+type Finds<'a, A> = dyn Fn(Path, &Scene, &[Pair]) -> (Vec<Contact<A>>, Report) + 'a;
+
+fn assert_same<A: PartialEq + Debug>(what: &str, find: &Finds<'_, A>) {
+    let (alone, pairs) = spheres(&[]);
+    let (beside, _) = spheres(&[Shape::cuboid(DVec3::ONE).unwrap()]);
+    let (due, of_due) = find(Path::best(), &beside, &pairs);
+    assert!(due.len() > 300, "{what}: {}", due.len());
+    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+        let (all, report) = find(path, &alone, &pairs);
+        assert_eq!(all.len(), due.len(), "{path:?} {what}");
+        for (one, other) in all.iter().zip(&due) {
+            assert_eq!(one, other, "{path:?} {what}");
+        }
+        let resolved = |report: &Report| Method::ALL.map(|method| report.resolved(method));
+        let [own, others] = [&report, &of_due].map(|report| resolved(report).iter().sum::<u64>());
+        assert_eq!((own, report.undecided()), (others, of_due.undecided()), "{path:?} {what}");
+        // Some are resolved by squares and roots, some by longer numbers.
+        let by_spheres = report.resolved(Method::Spheres);
+        assert!(by_spheres > 300 && by_spheres < own, "{path:?} {what}: {by_spheres} of {own}");
+    }
+}
+
+#[test]
+fn spheres_alone_are_as_far_apart_as_beside_other_shapes() {
+    for accuracy in ACCURACIES {
+        for margin in [0.0, MARGIN] {
+            let find = |path, scene: &Scene, pairs: &[Pair]| {
+                found(&SimdDistances::on(path, margin, accuracy).unwrap(), scene, pairs)
+            };
+            assert_same(&format!("{accuracy:?} within {margin}"), &find);
+        }
+    }
+}
+
+#[test]
+fn spheres_alone_are_as_deep_as_beside_other_shapes_and_touch_in_the_same_points() {
+    for accuracy in ACCURACIES {
+        let depths = |path, scene: &Scene, pairs: &[Pair]| {
+            found(&SimdDepths::on(path, Depths, accuracy), scene, pairs)
+        };
+        assert_same(&format!("{accuracy:?} depths"), &depths);
+        let manifolds = |path, scene: &Scene, pairs: &[Pair]| {
+            found(&SimdDepths::on(path, Manifolds::default(), accuracy), scene, pairs)
+        };
+        assert_same(&format!("{accuracy:?} manifolds"), &manifolds);
+    }
+}
