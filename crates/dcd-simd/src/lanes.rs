@@ -130,8 +130,8 @@ pub trait Lanes: Copy {
         let mut columns = [Row::default(); WIDTH];
         let mut result = [self.splat(0.0); WIDTH];
         for k in 0..WIDTH {
-            for (number, aabb128) in rows.iter().enumerate() {
-                columns[k].0[number] = aabb128.0[k];
+            for (number, row) in rows.iter().enumerate() {
+                columns[k].0[number] = row.0[k];
             }
             result[k] = self.load(&columns[k]);
         }
@@ -152,23 +152,23 @@ pub trait Lanes: Copy {
 
     /// A row from memory.
     #[inline(always)]
-    fn load(self, aabb128: &Row) -> Self::F {
-        self.load_from(&aabb128.0)
+    fn load(self, row: &Row) -> Self::F {
+        self.load_from(&row.0)
     }
     /// A row to memory.
     #[inline(always)]
-    fn store(self, a: Self::F, aabb128: &mut Row) {
-        self.store_to(a, &mut aabb128.0);
+    fn store(self, a: Self::F, row: &mut Row) {
+        self.store_to(a, &mut row.0);
     }
     /// A row from memory.
     #[inline(always)]
-    fn load_u(self, aabb128: &IndexRow) -> Self::U {
-        self.load_from_u(&aabb128.0)
+    fn load_u(self, row: &IndexRow) -> Self::U {
+        self.load_from_u(&row.0)
     }
     /// A row to memory.
     #[inline(always)]
-    fn store_u(self, a: Self::U, aabb128: &mut IndexRow) {
-        self.store_to_u(a, &mut aabb128.0);
+    fn store_u(self, a: Self::U, row: &mut IndexRow) {
+        self.store_to_u(a, &mut row.0);
     }
 
     /// Runs a part of a kernel out of line on the same lanes: it is compiled once, however many kernels call it. A call

@@ -257,9 +257,9 @@ mod tests {
             let mut chosen = IndexRow::default();
             l.store_u(l.tag_of(a, l.splat_u(15)), &mut chosen);
             let floats = floats.map(|f| {
-                let mut aabb128 = Row::default();
-                l.store(f, &mut aabb128);
-                aabb128
+                let mut row = Row::default();
+                l.store(f, &mut row);
+                row
             });
             let keep = l.bits(lt) | UNUSED;
             let mut compressed = Vec::new();
@@ -297,8 +297,8 @@ mod tests {
             });
             let everything = || Everything { a: &a, b: &b, rows: &rows, blocks: &blocks };
             let (floats, masks, indices) = portable::run(everything());
-            for (aabb128, &largest) in rows.iter().zip(&floats[11].0) {
-                assert_eq!(largest, aabb128.0.iter().copied().fold(f32::MIN, f32::max));
+            for (row, &largest) in rows.iter().zip(&floats[11].0) {
+                assert_eq!(largest, row.0.iter().copied().fold(f32::MIN, f32::max));
             }
             for (x, &rounded) in a.0.iter().zip(&floats[19].0) {
                 assert_eq!(rounded, (f64::from(*x) / 3.0) as f32);
@@ -307,8 +307,8 @@ mod tests {
             let sums = (0..WIDTH).map(|k| if k < 8 { a.0[k] + b.0[k] } else { 0.0 });
             assert!(sums.eq(floats[23].0));
             assert_eq!(floats[21].0[0], a.0.iter().copied().fold(f32::MIN, f32::max));
-            for (aabb128, &lane_13) in rows.iter().zip(&floats[18].0) {
-                assert_eq!(lane_13, aabb128.0[13]);
+            for (row, &lane_13) in rows.iter().zip(&floats[18].0) {
+                assert_eq!(lane_13, row.0[13]);
             }
             for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
                 let there = dispatch_on(path, everything());
