@@ -112,6 +112,66 @@ fn judge_apart(a: PosedShape<'_>, b: PosedShape<'_>, rounding: f64, what: &str) 
     }
 }
 
+/// A needle of a triangle ends inside of a hull's face: where its long sides are cut, they are all but parallel.
+#[test]
+fn no_point_is_beyond_the_end_of_a_needle_that_lies_in_a_face() {
+    let far = DVec3::new(3e11, -5e11, 7e11);
+    let needle = Shape::triangle([
+        DVec3::new(-72945.23654149598, 280315.85799551004, 879464.8566006855),
+        DVec3::new(-85381.79616831856, 251098.8370488509, 830334.9931468129),
+        DVec3::new(-258346.16998265547, -155243.7472587944, 147049.87536454818),
+    ])
+    .unwrap();
+    let turn = DMat3::from_cols(
+        DVec3::new(0.9999999999999999, 1.1863542071796444e-9, -1.7871394362988933e-8),
+        DVec3::new(-1.1863535329205214e-9, 0.9999999999999993, 3.772840041974874e-8),
+        DVec3::new(1.7871394407748166e-8, -3.7728400398546935e-8, 0.9999999999999991),
+    );
+    let corners = [
+        [-1.0, 1.0, -0.5],
+        [1.0, -0.5, 1.0],
+        [-1.0, -1.0, -1.0],
+        [1.0, -0.5, -1.0],
+        [-1.0, 0.5, -1.0],
+        [-0.5, -1.0, -0.5],
+        [0.5, -0.5, 1.0],
+        [-1.0, 1.0, 1.0],
+        [-0.5, -0.5, 0.5],
+        [0.5, 1.0, -0.5],
+        [1.0, 1.0, 0.5],
+        [-0.5, -1.0, -1.0],
+        [-1.0, 1.0, -1.0],
+        [-0.5, 1.0, 1.0],
+        [1.0, 0.5, 1.0],
+    ];
+    let hull = Shape::hull(corners.map(|c| DVec3::from_array(c) * 1e6).to_vec()).unwrap();
+    for place in [DVec3::ZERO, far] {
+        let (a, b) =
+            (Pose::from_matrix(turn, place).unwrap(), Pose::from_translation(place).unwrap());
+        let sides = [(&needle, &a), (&hull, &b)].map(|(shape, pose)| PosedShape { shape, pose });
+        judge_touching(sides[0], sides[1], 1e-3 + 1e-14 * place.length(), "a needle in a face");
+    }
+}
+
+/// A search that goes on knows nearer points, the one before it a better direction.
+#[test]
+fn the_points_of_a_line_and_a_disc_are_as_near_as_is_said() {
+    let ends = [5e-7, -5e-7, 5e-7, -1e-6].map(|x| DVec3::new(x, 0.0, 0.0));
+    let line = Shape::hull(ends.to_vec()).unwrap();
+    let disc = Shape::cylinder(1e-12, 1e-6).unwrap();
+    let turn = DMat3::from_cols(
+        DVec3::new(0.9999999999999989, 4.5649116380413294e-8, -1.015656611356322e-8),
+        DVec3::new(-4.564911709063619e-8, 0.9999999999999966, -6.992747318460933e-8),
+        DVec3::new(1.0156562921435824e-8, 6.992747364824753e-8, 0.9999999999999976),
+    );
+    let a = Pose::from_matrix(turn, DVec3::new(0.0, 5e-7, -5e-7)).unwrap();
+    let across = DMat3::from_cols(DVec3::Z, DVec3::NEG_Y, DVec3::X);
+    let b = Pose::from_matrix(across, DVec3::new(5e-7, -5e-7, -5e-7)).unwrap();
+    let [a, b] = [(&line, &a), (&disc, &b)].map(|(shape, pose)| PosedShape { shape, pose });
+    judge_apart(a, b, 1e-15, "a line and a disc");
+    judge_apart(b, a, 1e-15, "a disc and a line");
+}
+
 /// Corners on a line, in one point, or next to it; turned, so that rounding gives them a plane.
 pub(super) fn without_area(draw: &mut Draw, k: usize) -> [DVec3; 3] {
     let (from, to) = (place(draw, false), place(draw, false));

@@ -4,7 +4,7 @@ use super::Feature;
 use super::facing::edge;
 use super::feature::{Point, Seen};
 use super::reduce::Spot;
-use dcd_geom::glam::DVec2;
+use dcd_geom::glam::{DVec2, DVec3};
 
 /// The sine below which two edges are parallel: they then meet along a length, not in a point.
 /// Larger: points where parallel edges lean apart. Smaller: one point where a beam lies on another.
@@ -12,6 +12,27 @@ const PARALLEL: f64 = 1e-9;
 
 /// How far apart two corners must be, relative to the size, not to be one.
 const APART: f64 = 1e-9;
+
+/// The sine below which a corner of a face that clips is sharp: where its two sides cut, rounding moves that corner by some
+/// 8u of the size over the sine. Larger: more faces that go the general way, which takes such a cut to the corner itself. Smaller:
+/// points of a needle beyond its end.
+const SHARP: f64 = 1e-4;
+
+/// Whether a face has a sharp corner, by its corners as they are seen, in order round it.
+#[inline(always)]
+pub(super) fn has_sharp_corner(corners: &[(u32, DVec3)]) -> bool {
+    let [.., (_, before), (_, last)] = corners else { return false };
+    let (mut side, mut from) = ((last - before).truncate(), last);
+    corners.len() > 2
+        && corners.iter().any(|(_, to)| {
+            let next = (to - from).truncate();
+            let turn = side.perp_dot(next);
+            let squares = side.length_squared() * next.length_squared();
+            (side, from) = (next, to);
+            // Written so that NaN is sharp.
+            !(turn * turn > SHARP * SHARP * squares)
+        })
+}
 
 /// A corner of what two features have in common.
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,7 @@
 //!
 //! The same features and corners as the general way's, in less memory, and written where the answer is to be.
 
-use super::clip::different;
+use super::clip::{different, has_sharp_corner};
 use super::corners::share_no_corners;
 use super::cuboid_pair::Place;
 use super::cuboid_polygon::{LineOf, PointOf, Polygon, features};
@@ -181,6 +181,9 @@ impl Clipping<'_> {
             let (e, f) = ((q.1 - p.1).truncate(), (s.1 - r.1).truncate());
             let crossing = e.perp_dot(f).abs() > CROSSING * (e.length() * f.length());
             return crossing.then_some(base);
+        }
+        if has_sharp_corner(clips) {
+            return None;
         }
         let sense = if self.number == 0 { 1.0 } else { -1.0 };
         for (k, &(index, at)) in clipped.iter().enumerate() {

@@ -4,7 +4,7 @@
 
 use super::CROSSING;
 use super::Feature;
-use super::clip::Corner;
+use super::clip::{Corner, has_sharp_corner};
 use super::cuboid_polygon::{LineOf, PointOf, features};
 use super::facing::Part;
 use super::feature::{Placed, View};
@@ -186,6 +186,9 @@ fn clip(
     points: &mut Points,
 ) -> Option<()> {
     points.clear();
+    if has_sharp_corner(clips.points) {
+        return None;
+    }
     let sense = if number == 0 { 1.0 } else { -1.0 };
     let list = clipped.points;
     for (k, &(index, at)) in list.iter().enumerate() {

@@ -158,12 +158,15 @@ impl Approach {
         }
     }
 
-    /// With the bounds of an earlier search, which is taken if it bounds the distance from below better than rounding does:
-    /// along the direction of the later one the shapes would be nearer than is said.
+    /// With what an earlier search knows better. Its direction is kept where it bounds the distance from below better than
+    /// rounding does: along the later one the shapes would be nearer than is said. The points are those nearer to each other,
+    /// whose distance bounds it from above.
     pub(super) fn or_earlier(self, earlier: Self) -> Self {
         let (lower, upper) = (self.lower.max(earlier.lower), self.upper.min(earlier.upper));
         let is_earlier = earlier.lower - self.lower > TURNED * UNIT;
-        Self { lower, upper, ..if is_earlier { earlier } else { self } }
+        let direction = if is_earlier { earlier.direction } else { self.direction };
+        let nearer = if earlier.length < self.length { earlier } else { self };
+        Self { lower, upper, direction, ..nearer }
     }
 
     /// The points of the two cores, world frame, metres.
