@@ -3,7 +3,7 @@
 use super::axis::hinted;
 use super::axis_aligned;
 use super::by_parts;
-use super::certificate::ErrorBounds;
+use super::certificate::{ErrorBounds, Keeps};
 use super::expand;
 use super::first_stages::{self, Entry, Place, Resolved};
 use super::frame::{BOX, FramePair, SimdFrame};
@@ -17,6 +17,7 @@ use super::portal;
 use super::prefetch::Prefetch;
 use super::simplex;
 use super::support::SupportScratch;
+use super::touching_parts::TouchingParts;
 use crate::{Method, PosedShape, Prepared, Report, Verdict, certified, mesh};
 use dcd_geom::Pair;
 use dcd_geom::glam::Vec3;
@@ -210,50 +211,6 @@ struct Known<'a> {
     kept: &'a mut TouchingParts,
 }
 
-/// Which parts of the touching meshes and polytopes of a slice touch: found once, for yes or no and for the measure.
-#[derive(Clone, Debug, Default)]
-pub(super) struct TouchingParts {
-    is_wanted: bool,
-    /// For each pair its number in the slice, and where its list ends.
-    ends: Vec<(u32, usize)>,
-    parts: Vec<[u32; 2]>,
-}
-
-impl TouchingParts {
-    /// Forgets the last slice.
-    pub(super) fn begin(&mut self, is_wanted: bool) {
-        self.is_wanted = is_wanted;
-        self.ends.clear();
-        self.parts.clear();
-    }
-
-    /// Looks for all of a pair.
-    fn search(
-        &mut self,
-        number: u32,
-        [a, b]: [PosedShape<'_>; 2],
-        scratch: &mut mesh::Scratch,
-    ) -> (Verdict<()>, Method) {
-        let first = self.parts.len();
-        let found = mesh::touching(a, b, scratch, &mut self.parts);
-        if found.0 == Verdict::Touching(()) {
-            self.ends.push((number, self.parts.len()));
-        } else {
-            self.parts.truncate(first);
-        }
-        found
-    }
-
-    /// The lists of the touching pairs, each with its number in the slice, in rising order.
-    pub(super) fn lists(&self) -> impl Iterator<Item = (u32, &[[u32; 2]])> {
-        let mut first = 0;
-        self.ends.iter().map(move |&(number, end)| {
-            let begin = std::mem::replace(&mut first, end);
-            (number, &self.parts[begin..end])
-        })
-    }
-}
-
 /// Resolves in lanes what can be resolved of a slice of pairs.
 pub(super) struct Decide<'a, T> {
     /// Whether the answers carry error bounds.
@@ -273,7 +230,7 @@ impl<T: ErrorBounds> Kernel for Decide<'_, T> {
         let pairs = self.pairs;
         self.scratch.touching.clear();
         self.scratch.touching.resize(pairs.len(), false);
-        if T::KEEPS_CLEARANCE {
+        if T::KEEPS != Keeps::Nothing {
             self.scratch.kept.begin(pairs.len());
         }
         self.scratch.left.clear();
@@ -316,9 +273,13 @@ impl<T: ErrorBounds> Decide<'_, T> {
         self.report.count(Method::Spheres, count(spheres.all()));
         let open = entry.live & !spheres.all();
         let mut narrow = 0;
-        if T::KEEPS_CLEARANCE {
-            narrow =
-                spheres.all() & !kept.note(l, &entry.packet, (spheres.clearance, spheres.all()));
+        match T::KEEPS {
+            Keeps::Nothing => {}
+            Keeps::Gap => kept.note_gaps(l, &entry.packet, (spheres.clearance, spheres.apart)),
+            Keeps::Proof => {
+                let noted = (spheres.clearance, spheres.all());
+                narrow = spheres.all() & !kept.note(l, &entry.packet, noted);
+            }
         }
         let to_axis = if self.frames.have_vertices() { (open | narrow) & !entry.boxed } else { 0 };
         let to_boxes = open & entry.boxed;
@@ -358,7 +319,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let taken = axis.take(l, packet);
         let mut at = Place { frames: self.frames, support_scratch };
         let mut first = packet.vector(l, Vector::C);
-        if T::KEEPS_CLEARANCE {
+        if T::KEEPS == Keeps::Proof {
             first = hinted(l, &kept.axes, (packet, taken), first);
         }
         let apart = first_stages::first_axis::<L, T>(l, &mut at, (packet, taken), first);
@@ -411,7 +372,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let taken = portal.take(l, packet);
         let mut at = Place { frames: self.frames, support_scratch };
         let mut against = Block::default();
-        if T::KEEPS_CLEARANCE {
+        if T::KEEPS == Keeps::Proof {
             packet.vector(l, Vector::D).store(l, &mut against.0);
         }
         let (mut resolved, mut stuck) = portal::round::<L, T>(l, &mut at, packet, taken);
@@ -425,7 +386,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         for lane in LanesOf(stuck & used(taken) & !proved) {
             left.push(Left { number: packet.number.0[lane], axes: packet.axes(lane) });
         }
-        if T::KEEPS_CLEARANCE {
+        if T::KEEPS == Keeps::Proof {
             kept.note_axes(packet, &against, resolved.apart & used(taken));
         }
         portal.push(l, packet, used(taken) & !(done | stuck | enough));
@@ -437,8 +398,11 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let Scratch { touching, kept, packet, .. } = &mut *self.scratch;
         let proved = resolved.all() & used;
         scatter(touching, packet, resolved.touching & used);
-        if !T::KEEPS_CLEARANCE {
+        if T::KEEPS != Keeps::Proof {
             self.report.count(method, count(proved));
+            if T::KEEPS == Keeps::Gap {
+                kept.note_gaps(l, packet, (resolved.clearance, resolved.apart & used));
+            }
             return proved;
         }
         self.report.count(method, count(proved & !kept.proved(packet)));
@@ -449,7 +413,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
     /// [`WIDENING`] supports.
     #[inline(always)]
     fn narrow<L: Lanes>(&self, l: L) -> (u32, u32) {
-        if !T::KEEPS_CLEARANCE {
+        if T::KEEPS != Keeps::Proof {
             return (0, 0);
         }
         let proved = self.scratch.kept.proved(&self.scratch.packet);
