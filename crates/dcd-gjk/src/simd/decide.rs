@@ -6,7 +6,7 @@ use super::by_parts;
 use super::certificate::{ErrorBounds, Keeps};
 use super::expand;
 use super::first_stages::{self, Entry, Place, Resolved};
-use super::frame::{BOX, FramePair, SimdFrame};
+use super::frame::{AXIS_ALIGNED, BOX, FramePair, SimdFrame};
 use super::kept_proofs::KeptProofs;
 use super::obb::{self, ObbPairs};
 use super::packet::{
@@ -282,7 +282,11 @@ impl<T: ErrorBounds> Decide<'_, T> {
             }
         }
         let to_axis = if self.frames.have_vertices() { (open | narrow) & !entry.boxed } else { 0 };
-        let to_boxes = open & entry.boxed;
+        // Their closed form costs less than the boxes and leaves none open; but its proof is not one that lasts.
+        let closed = T::HANDS_ON && T::KEEPS != Keeps::Proof && entry.marks & AXIS_ALIGNED != 0;
+        let upright =
+            if closed { marked(self.frames, &entry.packet, open, AXIS_ALIGNED) } else { 0 };
+        let to_boxes = open & entry.boxed & !upright;
         let to_left = used(pairs.len()) & !(spheres.all() | to_boxes | to_axis);
         for lane in LanesOf(to_left) {
             left.push(Left { number: entry.packet.number.0[lane], axes: [Vec3::ZERO; 2] });
@@ -301,7 +305,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let handed_on = match (self.frames.have_vertices(), T::HANDS_ON) {
             (false, _) => open,
             // A round or a hull between its boxes is not them.
-            (true, true) => are_boxes(self.frames, packet, open & aligned),
+            (true, true) => marked(self.frames, packet, open & aligned, BOX),
             (true, false) => 0,
         };
         for lane in LanesOf(handed_on) {
@@ -422,15 +426,15 @@ impl<T: ErrorBounds> Decide<'_, T> {
     }
 }
 
-/// Of these lanes those whose objects are their boxes.
+/// Of these lanes those whose objects are both marked so.
 #[inline(always)]
-fn are_boxes(frames: FramePair<'_>, packet: &PairPacket, lanes: u32) -> u32 {
-    let mut boxes = 0;
+fn marked(frames: FramePair<'_>, packet: &PairPacket, lanes: u32, mark: u8) -> u32 {
+    let mut marked = 0;
     for lane in LanesOf(lanes) {
         let (a, b) = (frames.a.record(packet.a.0[lane]), frames.b.record(packet.b.0[lane]));
-        boxes |= u32::from(a.marks & b.marks & BOX != 0) << lane;
+        marked |= u32::from(a.marks & b.marks & mark != 0) << lane;
     }
-    boxes
+    marked
 }
 
 /// The mask of that many lanes.

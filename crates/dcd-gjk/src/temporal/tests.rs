@@ -193,6 +193,22 @@ fn most_proofs_have_more_clearance_where_it_is_wanted() {
 }
 
 #[test]
+fn upright_cuboids_have_a_proof_that_lasts_though_their_closed_form_has_none() {
+    let cuboid = Shape::cuboid(DVec3::new(0.5, 0.1, 0.1)).unwrap();
+    let place = |x: f64| Pose::from_translation(DVec3::new(x, 0.0, 0.0)).unwrap();
+    // The second is deep in the first, the third a quarter of a metre from the second.
+    let poses = [0.0, 0.5, 1.75].map(place).to_vec();
+    let scene = Scene::one_each(vec![cuboid; 3], poses).unwrap();
+    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+        let found = clearances(&scene, path, &[], 0.0);
+        assert!(found.iter().all(|&(_, _, clearance)| clearance > 0.09), "{path:?}: {found:?}");
+        let plain = judged::<GapBounds>(&scene, path, &[], 0.0);
+        let answers = plain.iter().map(|&(_, touching, _)| touching);
+        assert!(answers.eq([true, false, false]), "{path:?}: {plain:?}");
+    }
+}
+
+#[test]
 fn an_object_at_rest_goes_no_way_and_another_in_its_slot_goes_a_long_one() {
     let shapes = vec![Shape::sphere(0.5).unwrap(), Shape::sphere(2.0).unwrap()];
     let mut scene = Scene::new(shapes, [Object::new(1, Pose::IDENTITY)]).unwrap();
