@@ -1,5 +1,5 @@
-//! Cuboids that stand along the world's axes: bricks, crates, shelves, voxels. What the lanes leave
-//! open of them just touches, without a general search.
+//! Cuboids that stand along the world's axes: bricks, crates, shelves, voxels. What spheres leave open of
+//! them is resolved exactly, without a general search.
 
 use super::frame::{AXIS_ALIGNED, FramePair};
 use crate::Method;

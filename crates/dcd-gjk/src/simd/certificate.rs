@@ -20,12 +20,23 @@ pub trait ErrorBounds: Copy + Send + Sync {
     /// The mark of records whose pairs are decided.
     const JUDGED: u8;
 
-    /// Whether the clearance that a conclusion has is kept beside it.
-    const KEEPS_CLEARANCE: bool;
+    /// What is kept beside a conclusion.
+    const KEEPS: Keeps;
 
     /// [`Slice::judge`]. Of no type parameter, so that the kernels are compiled here, once, and not
     /// by every crate that names a narrow phase.
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report);
+}
+
+/// What is kept of a proof.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keeps {
+    /// Nothing but its conclusion.
+    Nothing,
+    /// How far apart the two objects are at least, where it proves that they are.
+    Gap,
+    /// Its clearance, and an axis to begin with in the next step: more is done for a proof that lasts longer.
+    Proof,
 }
 
 /// Every rounding is counted: what is concluded is proved.
@@ -39,7 +50,7 @@ impl ErrorBounds for CertifiedBounds {
     }
     const HANDS_ON: bool = true;
     const JUDGED: u8 = LIVE;
-    const KEEPS_CLEARANCE: bool = false;
+    const KEEPS: Keeps = Keeps::Nothing;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
         slice.judge::<Self>(scratch, report);
@@ -57,7 +68,25 @@ impl ErrorBounds for ClearanceBounds {
     }
     const HANDS_ON: bool = true;
     const JUDGED: u8 = LIVE;
-    const KEEPS_CLEARANCE: bool = true;
+    const KEEPS: Keeps = Keeps::Proof;
+
+    fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
+        slice.judge::<Self>(scratch, report);
+    }
+}
+
+/// As [`CertifiedBounds`], and how far the two objects are apart at least where they are apart.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GapBounds;
+
+impl ErrorBounds for GapBounds {
+    #[inline(always)]
+    fn rounding<L: Lanes>(_: L, bound: L::F) -> L::F {
+        bound
+    }
+    const HANDS_ON: bool = true;
+    const JUDGED: u8 = LIVE;
+    const KEEPS: Keeps = Keeps::Gap;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
         slice.judge::<Self>(scratch, report);
@@ -76,7 +105,7 @@ impl ErrorBounds for UncheckedBounds {
     const HANDS_ON: bool = false;
     // Between the hull inside a curved shape and the shape itself only bounds can decide.
     const JUDGED: u8 = WHOLE;
-    const KEEPS_CLEARANCE: bool = false;
+    const KEEPS: Keeps = Keeps::Nothing;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
         slice.judge::<Self>(scratch, report);

@@ -3,10 +3,10 @@
 use super::axis::hinted;
 use super::axis_aligned;
 use super::by_parts;
-use super::certificate::ErrorBounds;
+use super::certificate::{ErrorBounds, Keeps};
 use super::expand;
 use super::first_stages::{self, Entry, Place, Resolved};
-use super::frame::{BOX, FramePair, SimdFrame};
+use super::frame::{AXIS_ALIGNED, BOX, FramePair, SimdFrame};
 use super::kept_proofs::KeptProofs;
 use super::obb::{self, ObbPairs};
 use super::packet::{
@@ -17,6 +17,7 @@ use super::portal;
 use super::prefetch::Prefetch;
 use super::simplex;
 use super::support::SupportScratch;
+use super::touching_parts::TouchingParts;
 use crate::{Method, PosedShape, Prepared, Report, Verdict, certified, mesh};
 use dcd_geom::Pair;
 use dcd_geom::glam::Vec3;
@@ -210,50 +211,6 @@ struct Known<'a> {
     kept: &'a mut TouchingParts,
 }
 
-/// Which parts of the touching meshes and polytopes of a slice touch: found once, for yes or no and for the measure.
-#[derive(Clone, Debug, Default)]
-pub(super) struct TouchingParts {
-    is_wanted: bool,
-    /// For each pair its number in the slice, and where its list ends.
-    ends: Vec<(u32, usize)>,
-    parts: Vec<[u32; 2]>,
-}
-
-impl TouchingParts {
-    /// Forgets the last slice.
-    pub(super) fn begin(&mut self, is_wanted: bool) {
-        self.is_wanted = is_wanted;
-        self.ends.clear();
-        self.parts.clear();
-    }
-
-    /// Looks for all of a pair.
-    fn search(
-        &mut self,
-        number: u32,
-        [a, b]: [PosedShape<'_>; 2],
-        scratch: &mut mesh::Scratch,
-    ) -> (Verdict<()>, Method) {
-        let first = self.parts.len();
-        let found = mesh::touching(a, b, scratch, &mut self.parts);
-        if found.0 == Verdict::Touching(()) {
-            self.ends.push((number, self.parts.len()));
-        } else {
-            self.parts.truncate(first);
-        }
-        found
-    }
-
-    /// The lists of the touching pairs, each with its number in the slice, in rising order.
-    pub(super) fn lists(&self) -> impl Iterator<Item = (u32, &[[u32; 2]])> {
-        let mut first = 0;
-        self.ends.iter().map(move |&(number, end)| {
-            let begin = std::mem::replace(&mut first, end);
-            (number, &self.parts[begin..end])
-        })
-    }
-}
-
 /// Resolves in lanes what can be resolved of a slice of pairs.
 pub(super) struct Decide<'a, T> {
     /// Whether the answers carry error bounds.
@@ -273,7 +230,7 @@ impl<T: ErrorBounds> Kernel for Decide<'_, T> {
         let pairs = self.pairs;
         self.scratch.touching.clear();
         self.scratch.touching.resize(pairs.len(), false);
-        if T::KEEPS_CLEARANCE {
+        if T::KEEPS != Keeps::Nothing {
             self.scratch.kept.begin(pairs.len());
         }
         self.scratch.left.clear();
@@ -316,12 +273,20 @@ impl<T: ErrorBounds> Decide<'_, T> {
         self.report.count(Method::Spheres, count(spheres.all()));
         let open = entry.live & !spheres.all();
         let mut narrow = 0;
-        if T::KEEPS_CLEARANCE {
-            narrow =
-                spheres.all() & !kept.note(l, &entry.packet, (spheres.clearance, spheres.all()));
+        match T::KEEPS {
+            Keeps::Nothing => {}
+            Keeps::Gap => kept.note_gaps(l, &entry.packet, (spheres.clearance, spheres.apart)),
+            Keeps::Proof => {
+                let noted = (spheres.clearance, spheres.all());
+                narrow = spheres.all() & !kept.note(l, &entry.packet, noted);
+            }
         }
         let to_axis = if self.frames.have_vertices() { (open | narrow) & !entry.boxed } else { 0 };
-        let to_boxes = open & entry.boxed;
+        // Their closed form costs less than the boxes and leaves none open; but its proof is not one that lasts.
+        let closed = T::HANDS_ON && T::KEEPS != Keeps::Proof && entry.marks & AXIS_ALIGNED != 0;
+        let upright =
+            if closed { marked(self.frames, &entry.packet, open, AXIS_ALIGNED) } else { 0 };
+        let to_boxes = open & entry.boxed & !upright;
         let to_left = used(pairs.len()) & !(spheres.all() | to_boxes | to_axis);
         for lane in LanesOf(to_left) {
             left.push(Left { number: entry.packet.number.0[lane], axes: [Vec3::ZERO; 2] });
@@ -340,7 +305,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let handed_on = match (self.frames.have_vertices(), T::HANDS_ON) {
             (false, _) => open,
             // A round or a hull between its boxes is not them.
-            (true, true) => are_boxes(self.frames, packet, open & aligned),
+            (true, true) => marked(self.frames, packet, open & aligned, BOX),
             (true, false) => 0,
         };
         for lane in LanesOf(handed_on) {
@@ -358,7 +323,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let taken = axis.take(l, packet);
         let mut at = Place { frames: self.frames, support_scratch };
         let mut first = packet.vector(l, Vector::C);
-        if T::KEEPS_CLEARANCE {
+        if T::KEEPS == Keeps::Proof {
             first = hinted(l, &kept.axes, (packet, taken), first);
         }
         let apart = first_stages::first_axis::<L, T>(l, &mut at, (packet, taken), first);
@@ -411,7 +376,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let taken = portal.take(l, packet);
         let mut at = Place { frames: self.frames, support_scratch };
         let mut against = Block::default();
-        if T::KEEPS_CLEARANCE {
+        if T::KEEPS == Keeps::Proof {
             packet.vector(l, Vector::D).store(l, &mut against.0);
         }
         let (mut resolved, mut stuck) = portal::round::<L, T>(l, &mut at, packet, taken);
@@ -425,7 +390,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         for lane in LanesOf(stuck & used(taken) & !proved) {
             left.push(Left { number: packet.number.0[lane], axes: packet.axes(lane) });
         }
-        if T::KEEPS_CLEARANCE {
+        if T::KEEPS == Keeps::Proof {
             kept.note_axes(packet, &against, resolved.apart & used(taken));
         }
         portal.push(l, packet, used(taken) & !(done | stuck | enough));
@@ -437,8 +402,11 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let Scratch { touching, kept, packet, .. } = &mut *self.scratch;
         let proved = resolved.all() & used;
         scatter(touching, packet, resolved.touching & used);
-        if !T::KEEPS_CLEARANCE {
+        if T::KEEPS != Keeps::Proof {
             self.report.count(method, count(proved));
+            if T::KEEPS == Keeps::Gap {
+                kept.note_gaps(l, packet, (resolved.clearance, resolved.apart & used));
+            }
             return proved;
         }
         self.report.count(method, count(proved & !kept.proved(packet)));
@@ -449,7 +417,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
     /// [`WIDENING`] supports.
     #[inline(always)]
     fn narrow<L: Lanes>(&self, l: L) -> (u32, u32) {
-        if !T::KEEPS_CLEARANCE {
+        if T::KEEPS != Keeps::Proof {
             return (0, 0);
         }
         let proved = self.scratch.kept.proved(&self.scratch.packet);
@@ -458,15 +426,15 @@ impl<T: ErrorBounds> Decide<'_, T> {
     }
 }
 
-/// Of these lanes those whose objects are their boxes.
+/// Of these lanes those whose objects are both marked so.
 #[inline(always)]
-fn are_boxes(frames: FramePair<'_>, packet: &PairPacket, lanes: u32) -> u32 {
-    let mut boxes = 0;
+fn marked(frames: FramePair<'_>, packet: &PairPacket, lanes: u32, mark: u8) -> u32 {
+    let mut marked = 0;
     for lane in LanesOf(lanes) {
         let (a, b) = (frames.a.record(packet.a.0[lane]), frames.b.record(packet.b.0[lane]));
-        boxes |= u32::from(a.marks & b.marks & BOX != 0) << lane;
+        marked |= u32::from(a.marks & b.marks & mark != 0) << lane;
     }
-    boxes
+    marked
 }
 
 /// The mask of that many lanes.

@@ -1,9 +1,11 @@
 //! How far apart pairs are: the nearest vertices sixteen pairs at a time in f32, and what the accuracy makes of them.
 
-use super::certificate::ClearanceBounds;
-use super::closed::{are_cuboids, nearest_features as of_cuboids};
+mod sorted;
+
+use super::certificate::GapBounds;
+use super::closed::nearest_features as of_cuboids;
 use super::frame::{FramePair, SimdFrame};
-use super::nearest_points::{self, Found, NearestPoints};
+use super::nearest_points::{Found, NearestPoints};
 use super::scene_pairs::ScenePairs;
 use super::spheres::{self, MeasureSpheres};
 use super::{ErrorBounds, Part, Scratch as Yes, Slice, prepare};
@@ -17,6 +19,7 @@ use crate::{
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, ShapeError};
 use dcd_simd::Path;
+use sorted::{Kind, Sorted};
 
 /// How far apart the pairs within a margin are: [`Distances`](crate::Distances) at any accuracy, in packets of sixteen.
 ///
@@ -208,111 +211,7 @@ fn going_on(
 pub struct Scratch {
     yes: Yes,
     report: Report,
-    /// How each pair of the slice is measured.
-    kinds: Vec<Kind>,
-    /// The numbers of the pairs of which more is read than that: all but those of [`Kind::Beyond`].
-    read: Vec<u32>,
-    searched: Searched,
-    /// The pairs of [`Kind::Cuboids`].
-    cuboids: Vec<Pair>,
-    of_cuboids: of_cuboids::Scratch,
-}
-
-/// The pairs of which the nearest vertices are looked for.
-#[derive(Debug, Default)]
-struct Searched {
-    /// Their numbers in the slice.
-    numbers: Vec<u32>,
-    open: Vec<Pair>,
-    nearest: nearest_points::Scratch,
-    /// Which of them are not proved to be beyond the margin.
-    near: Vec<u32>,
-    /// The pairs of these.
-    measured: Vec<Pair>,
-}
-
-/// How a pair is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    /// Not at all: it is known to touch.
-    Touching,
-    /// By the two centres of spheres.
-    Spheres,
-    /// By the nearest faces, edges or corners of cuboids.
-    Cuboids,
-    /// By the search for nearest vertices.
-    Searched,
-    /// Not at all: it is proved to be beyond the margin, by what proved it apart or by that search.
-    Beyond,
-}
-
-impl Kind {
-    #[inline(always)]
-    fn of(frames: FramePair<'_>, pair: Pair, (touches, is_clear): (bool, bool)) -> Self {
-        let (are_cuboids, are_spheres) =
-            (are_cuboids(frames, pair), frames.spheres(pair).is_some());
-        let of_apart = if are_spheres { Self::Spheres } else { Self::Searched };
-        let of_apart = if are_cuboids { Self::Cuboids } else { of_apart };
-        let of_apart = if is_clear { Self::Beyond } else { of_apart };
-        if touches { Self::Touching } else { of_apart }
-    }
-}
-
-impl Searched {
-    /// Looks for the nearest vertices of the pairs of [`Kind::Searched`].
-    fn find(&mut self, path: Path, frames: FramePair<'_>, (pairs, margin): (&[Pair], f64)) {
-        let Self { numbers, open, nearest, near, measured } = self;
-        open.clear();
-        open.extend(numbers.iter().map(|&number| pairs[number as usize]));
-        match frames.have_vertices() {
-            true => nearest_points::find(path, frames, (open, margin), nearest),
-            // Spheres and cuboids have a formula.
-            false => nearest.found.clear(),
-        }
-        let is_near = nearest.found.iter().map(|found| *found != Found::Beyond);
-        choose((0..).zip(is_near), near);
-        measured.clear();
-        measured.extend(near.iter().map(|&number| open[number as usize]));
-    }
-}
-
-impl Scratch {
-    /// Sorts the judged pairs by how they are measured, and lets the lanes search. Without a branch that half of the pairs
-    /// would mispredict.
-    fn search(&mut self, path: Path, frames: FramePair<'_>, (pairs, margin): (&[Pair], f64)) {
-        let Self { yes, kinds, read, searched, cuboids, of_cuboids, .. } = self;
-        kinds.clear();
-        // Rounded up, so that no pair within the margin is left out.
-        let far = (margin as f32).next_up();
-        let judged = yes.touching().iter().zip(yes.kept().clearance());
-        kinds.extend(pairs.iter().zip(judged).map(|(&pair, (&touches, &clearance))| {
-            Kind::of(frames, pair, (touches, clearance > far))
-        }));
-        let of_kind = |kind: Kind| kinds.iter().map(move |&of_pair| of_pair == kind);
-        choose(pairs.iter().copied().zip(of_kind(Kind::Cuboids)), cuboids);
-        of_cuboids::find(path, frames, (cuboids, margin), of_cuboids);
-        choose((0..).zip(of_kind(Kind::Searched)), &mut searched.numbers);
-        searched.find(path, frames, (pairs, margin));
-        for (&number, found) in searched.numbers.iter().zip(&searched.nearest.found) {
-            let is_beyond = *found == Found::Beyond;
-            kinds[number as usize] = if is_beyond { Kind::Beyond } else { Kind::Searched };
-        }
-        choose((0..).zip(kinds.iter().map(|&kind| kind != Kind::Beyond)), read);
-    }
-}
-
-/// Lists the items that are chosen, without a branch.
-#[inline]
-fn choose<T: Copy + Default>(items: impl Iterator<Item = (T, bool)>, chosen: &mut Vec<T>) {
-    chosen.clear();
-    let (_, most) = items.size_hint();
-    chosen.resize(most.unwrap_or(0) + 1, T::default());
-    let mut count = 0;
-    for (item, is_chosen) in items {
-        chosen[count] = item;
-        count += usize::from(is_chosen);
-    }
-    chosen.truncate(count);
+    sorted: Sorted,
 }
 
 /// What is measured of spheres.
@@ -395,20 +294,20 @@ impl NarrowPhase for SimdDistances {
             let measure = BySpheres { narrow: self, objects };
             return spheres::decide(self.path, (frames, pairs, self.margin), measure, sink);
         }
-        let Scratch { yes, report, .. } = &mut *scratch;
+        let Scratch { yes, report, sorted } = &mut *scratch;
         report.clear();
-        ClearanceBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, report);
+        GapBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, report);
         // What is undecided there is resolved again, by itself.
         report.sort();
         let undecided = report.take_undecided();
         sink.report.absorb(report);
-        scratch.search(self.path, frames, (pairs, self.margin));
-        let Scratch { kinds, read, searched, of_cuboids, .. } = scratch;
+        sorted.sort(self.path, frames, (yes, pairs, self.margin));
+        let Sorted { kinds, read, searched, of_cuboids, .. } = &*sorted;
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: &searched.measured };
         let mut near = searched.near.iter().enumerate();
         let mut of_cuboids = of_cuboids.found.iter();
         sink.contacts.reserve(read.len());
-        for &number in &*read {
+        for &number in read {
             let (pair, kind) = (pairs[number as usize], kinds[number as usize]);
             // No table of jumps: of spheres nothing tells the next pair's kind.
             if kind == Kind::Touching {

@@ -68,6 +68,8 @@ pub(super) struct Entry {
     pub(super) live: u32,
     /// Those whose objects both have boxes.
     pub(super) boxed: u32,
+    /// What both objects of some pair are marked as.
+    pub(super) marks: u8,
 }
 
 impl Entry {
@@ -79,7 +81,7 @@ impl Entry {
         pairs: &[Pair],
         first: u32,
     ) {
-        (self.live, self.boxed) = (0, 0);
+        (self.live, self.boxed, self.marks) = (0, 0, 0);
         let packet = &mut self.packet;
         for (k, pair) in pairs.iter().enumerate() {
             let (a, b) = (frames.a.record(pair.i), frames.b.record(pair.j));
@@ -101,6 +103,7 @@ impl Entry {
             let both = a.marks & b.marks;
             self.live |= u32::from(both & T::JUDGED != 0) << k;
             self.boxed |= u32::from(both & HAS_OBB != 0) << k;
+            self.marks |= both;
         }
     }
 

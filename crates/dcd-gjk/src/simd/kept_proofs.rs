@@ -61,6 +61,21 @@ impl KeptProofs {
         proved & !l.bits(l.lt(clearance, wanted))
     }
 
+    /// Keeps the clearance of proofs just found that pairs are apart.
+    #[inline(always)]
+    pub(super) fn note_gaps<L: Lanes>(
+        &mut self,
+        l: L,
+        packet: &PairPacket,
+        (gap, apart): (L::F, u32),
+    ) {
+        if apart != 0 {
+            let mut row = Row::default();
+            l.store(l.select(l.mask(apart), gap, l.splat(NO_PROOF)), &mut row);
+            self.keep_most(&packet.number, &row);
+        }
+    }
+
     /// Keeps these clearances where they are the most so far: without a branch, and without effect in lanes that have no
     /// proof. Out of line, as [`Self::proved`]: neither holds lanes, and every stage asks both.
     #[inline(never)]

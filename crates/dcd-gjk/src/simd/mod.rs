@@ -35,6 +35,7 @@ mod simplex;
 mod spheres;
 mod support;
 mod tetrahedron;
+mod touching_parts;
 pub(crate) mod vector;
 
 pub use crate::temporal::Coherent;

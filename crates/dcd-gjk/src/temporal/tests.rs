@@ -6,6 +6,7 @@ use super::track::Track;
 use super::*;
 use crate::simd::Overlap;
 use crate::simd::axis::Axis;
+use crate::simd::certificate::GapBounds;
 use crate::simd::cores::Cores;
 use crate::{Depths, DistanceResult, PairSolver, PosedShape, Verdict, distance};
 use dcd_geom::Shape;
@@ -48,6 +49,15 @@ fn cores_of(scene: &Scene) -> Cores {
 /// The pairs of a scene, each with what the lanes proved of it and the clearance of that, after axes to
 /// be tried first and looking for that much clearance.
 fn clearances(scene: &Scene, path: Path, axes: &[Axis], wanted: f32) -> Vec<(Pair, bool, f32)> {
+    judged::<ClearanceBounds>(scene, path, axes, wanted)
+}
+
+fn judged<T: ErrorBounds>(
+    scene: &Scene,
+    path: Path,
+    axes: &[Axis],
+    wanted: f32,
+) -> Vec<(Pair, bool, f32)> {
     let narrow = Overlap::on(path);
     let mut lanes = frame::SimdFrame::default();
     let mut aabbs = vec![Aabb::default(); scene.len()];
@@ -63,7 +73,7 @@ fn clearances(scene: &Scene, path: Path, axes: &[Axis], wanted: f32) -> Vec<(Pai
     let side = Prepared { scene, frame: &lanes };
     let slice = Slice { path, a: side, b: side, pairs: &pairs };
     let mut report = Report::default();
-    slice.judge::<ClearanceBounds>(&mut scratch, &mut report);
+    slice.judge::<T>(&mut scratch, &mut report);
     // However many proofs a pair has, it is counted once.
     let resolved: u64 = Method::ALL.iter().map(|&method| report.resolved(method)).sum();
     assert_eq!(resolved as usize + report.undecided().len(), pairs.len());
@@ -121,6 +131,22 @@ proptest! {
     }
 
     #[test]
+    fn a_gap_is_the_clearance_of_the_proof_that_two_are_apart(
+        objects in prop::collection::vec((shape(), pose(1.2)), 2..12),
+    ) {
+        let (shapes, poses) = objects.into_iter().unzip();
+        let scene = Scene::one_each(shapes, poses).unwrap();
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            let gaps = judged::<GapBounds>(&scene, path, &[], 0.0);
+            for (found, (pair, touching, gap)) in clearances(&scene, path, &[], 0.0).iter().zip(gaps) {
+                prop_assert_eq!((found.0, found.1), (pair, touching), "{:?}", path);
+                let is_that = if touching { gap < 0.0 } else { gap.max(0.0) == found.2.max(0.0) };
+                prop_assert!(is_that, "{pair:?}, {path:?}: {gap} and {}", found.2);
+            }
+        }
+    }
+
+    #[test]
     fn no_point_of_an_object_moves_farther_than_its_way(
         shape in shape(),
         from in pose(5.0),
@@ -163,6 +189,22 @@ fn most_proofs_have_more_clearance_where_it_is_wanted() {
         let near: Vec<usize> = (0..fresh.len()).filter(is_narrow).collect();
         let wider = near.iter().filter(|&&k| widened[k].2 > 1.5 * fresh[k].2).count();
         assert!(near.len() > 20 && 2 * wider > near.len(), "{wider} of {}, {path:?}", near.len());
+    }
+}
+
+#[test]
+fn upright_cuboids_have_a_proof_that_lasts_though_their_closed_form_has_none() {
+    let cuboid = Shape::cuboid(DVec3::new(0.5, 0.1, 0.1)).unwrap();
+    let place = |x: f64| Pose::from_translation(DVec3::new(x, 0.0, 0.0)).unwrap();
+    // The second is deep in the first, the third a quarter of a metre from the second.
+    let poses = [0.0, 0.5, 1.75].map(place).to_vec();
+    let scene = Scene::one_each(vec![cuboid; 3], poses).unwrap();
+    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+        let found = clearances(&scene, path, &[], 0.0);
+        assert!(found.iter().all(|&(_, _, clearance)| clearance > 0.09), "{path:?}: {found:?}");
+        let plain = judged::<GapBounds>(&scene, path, &[], 0.0);
+        let answers = plain.iter().map(|&(_, touching, _)| touching);
+        assert!(answers.eq([true, false, false]), "{path:?}: {plain:?}");
     }
 }
 

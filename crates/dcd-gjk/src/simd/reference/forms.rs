@@ -134,6 +134,7 @@ fn upright_cuboids_at_rest_are_answered_exactly_alone_and_among_hulls() {
             let (found, report) = contacts(&scene, path);
             assert_eq!(found, exact, "{path:?}");
             assert!(report.resolved(Method::Exact) > 5, "{report:?}");
+            assert_eq!(report.resolved(Method::Obbs), 0, "what is upright needs no boxes");
         }
     }
 }

@@ -1,0 +1,137 @@
+//! Sorts the judged pairs of a slice by how they are measured, and lets the lanes search. Without a branch that half of the
+//! pairs would mispredict; what touches passes by all that is for the others.
+
+use super::super::Scratch as Yes;
+use super::super::closed::{are_cuboids, nearest_features as of_cuboids};
+use super::super::frame::FramePair;
+use super::super::nearest_points::{self, Found};
+use dcd_geom::Pair;
+use dcd_simd::Path;
+
+/// The pairs of a slice by how they are measured, and what the lanes found of them.
+#[derive(Debug, Default)]
+pub(super) struct Sorted {
+    /// How each pair of the slice is measured.
+    pub(super) kinds: Vec<Kind>,
+    /// The numbers of the pairs of which more is read than that: all but those of [`Kind::Beyond`].
+    pub(super) read: Vec<u32>,
+    pub(super) searched: Searched,
+    /// Of the pairs of [`Kind::Cuboids`].
+    pub(super) of_cuboids: of_cuboids::Scratch,
+    /// The numbers of the pairs that neither touch nor are proved to be beyond the margin.
+    open: Vec<u32>,
+    /// The pairs of [`Kind::Cuboids`].
+    cuboids: Vec<Pair>,
+}
+
+/// The pairs of which the nearest vertices are looked for.
+#[derive(Debug, Default)]
+pub(super) struct Searched {
+    pub(super) nearest: nearest_points::Scratch,
+    /// Which of them are not proved to be beyond the margin.
+    pub(super) near: Vec<u32>,
+    /// The pairs of these.
+    pub(super) measured: Vec<Pair>,
+    /// Their numbers in the slice.
+    numbers: Vec<u32>,
+    open: Vec<Pair>,
+}
+
+/// How a pair is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Not at all: it is known to touch.
+    Touching,
+    /// By the two centres of spheres.
+    Spheres,
+    /// By the nearest faces, edges or corners of cuboids.
+    Cuboids,
+    /// By the search for nearest vertices.
+    Searched,
+    /// Not at all: it is proved to be beyond the margin, by what proved it apart or by that search.
+    Beyond,
+}
+
+impl Kind {
+    /// By what is known of the pair; what is open is [`Kind::Searched`].
+    #[inline(always)]
+    fn known(touches: bool, is_clear: bool) -> Self {
+        let of_apart = if is_clear { Self::Beyond } else { Self::Searched };
+        if touches { Self::Touching } else { of_apart }
+    }
+
+    /// Of a pair that is open.
+    #[inline(always)]
+    fn of_open(frames: FramePair<'_>, pair: Pair) -> Self {
+        let (are_cuboids, are_spheres) =
+            (are_cuboids(frames, pair), frames.spheres(pair).is_some());
+        let of_others = if are_spheres { Self::Spheres } else { Self::Searched };
+        if are_cuboids { Self::Cuboids } else { of_others }
+    }
+}
+
+impl Searched {
+    /// Looks for the nearest vertices of the pairs of these numbers.
+    fn find(&mut self, path: Path, frames: FramePair<'_>, (pairs, margin): (&[Pair], f64)) {
+        let Self { numbers, open, nearest, near, measured } = self;
+        open.clear();
+        open.extend(numbers.iter().map(|&number| pairs[number as usize]));
+        match frames.have_vertices() {
+            true => nearest_points::find(path, frames, (open, margin), nearest),
+            // Spheres and cuboids have a formula.
+            false => nearest.found.clear(),
+        }
+        let is_near = nearest.found.iter().map(|found| *found != Found::Beyond);
+        choose((0..).zip(is_near), near);
+        measured.clear();
+        measured.extend(near.iter().map(|&number| open[number as usize]));
+    }
+}
+
+impl Sorted {
+    /// Sorts the pairs of a slice that was judged, with the gaps of its proofs.
+    pub(super) fn sort(
+        &mut self,
+        path: Path,
+        frames: FramePair<'_>,
+        (judged, pairs, margin): (&Yes, &[Pair], f64),
+    ) {
+        let Self { kinds, open, read, searched, cuboids, of_cuboids } = self;
+        // Rounded up, so that no pair within the margin is left out.
+        let far = (margin as f32).next_up();
+        let known = judged.touching().iter().zip(judged.kept().clearance());
+        kinds.clear();
+        kinds.extend(known.map(|(&touches, &gap)| Kind::known(touches, gap > far)));
+        choose((0..).zip(kinds.iter().map(|&kind| kind == Kind::Searched)), open);
+        for &number in &*open {
+            kinds[number as usize] = Kind::of_open(frames, pairs[number as usize]);
+        }
+        let sorted = &*kinds;
+        let of_kind =
+            |kind: Kind| open.iter().map(move |&number| (number, sorted[number as usize] == kind));
+        let are_cuboids = of_kind(Kind::Cuboids);
+        choose(are_cuboids.map(|(number, is_one)| (pairs[number as usize], is_one)), cuboids);
+        of_cuboids::find(path, frames, (cuboids, margin), of_cuboids);
+        choose(of_kind(Kind::Searched), &mut searched.numbers);
+        searched.find(path, frames, (pairs, margin));
+        for (&number, found) in searched.numbers.iter().zip(&searched.nearest.found) {
+            let is_beyond = *found == Found::Beyond;
+            kinds[number as usize] = if is_beyond { Kind::Beyond } else { Kind::Searched };
+        }
+        choose((0..).zip(kinds.iter().map(|&kind| kind != Kind::Beyond)), read);
+    }
+}
+
+/// Lists the items that are chosen, without a branch.
+#[inline]
+fn choose<T: Copy + Default>(items: impl Iterator<Item = (T, bool)>, chosen: &mut Vec<T>) {
+    chosen.clear();
+    let (_, most) = items.size_hint();
+    chosen.resize(most.unwrap_or(0) + 1, T::default());
+    let mut count = 0;
+    for (item, is_chosen) in items {
+        chosen[count] = item;
+        count += usize::from(is_chosen);
+    }
+    chosen.truncate(count);
+}
