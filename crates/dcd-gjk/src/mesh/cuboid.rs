@@ -141,9 +141,33 @@ impl<'a> Couple<'a> {
 }
 
 impl Placed {
+    /// The direction of the cuboid along which they are farthest from each other, if by more than `radius`: where one
+    /// separates them, no other axis is needed.
+    fn side_between(&self, radius: f64) -> Option<DVec3> {
+        let [p, q, r] = self.corners;
+        // Where the cuboid is on the positive side of the triangle, and on the negative one.
+        let (forth, back) = (-self.half - p.max(q).max(r), p.min(q).min(r) - self.half);
+        let gap = forth.max(back);
+        let axis = gap.max_position();
+        // NaN is no gap.
+        if !(gap[axis] > radius + self.rounding(radius) + self.off) {
+            return None;
+        }
+        let direction = DMat3::IDENTITY.col(axis);
+        Some(if forth[axis] > back[axis] { direction } else { -direction })
+    }
+
+    /// What an axis' reach loses, metres.
+    fn rounding(&self, radius: f64) -> f64 {
+        AXIS * U64 * (self.size + radius)
+    }
+
     /// The axis along which they reach least past each other; an axis that separates them by more than `radius` is an
     /// error. `None` where the triangle has no normal, or one that may be rounding.
     fn least(&self, radius: f64) -> Result<Option<Least>, DVec3> {
+        if let Some(axis) = self.side_between(radius) {
+            return Err(axis);
+        }
         let [p, q, r] = self.corners;
         let edges = [q - p, r - q, p - r];
         let normal = edges[0].cross(edges[1]);
@@ -198,7 +222,7 @@ impl Placed {
             Axis::Cuboid(j) => DMat3::IDENTITY.col(j),
             Axis::Edges(i, j) => edges[i].cross(DMat3::IDENTITY.col(j)) / across[i][j],
         };
-        let rounding = rounding * (self.size + radius);
+        let rounding = self.rounding(radius);
         let normal = if axes.is_back { -axis } else { axis };
         // Also along the rounded axis this is true.
         if axes.reach + radius + rounding + self.off < 0.0 {
