@@ -150,6 +150,12 @@ const NO_FACE: u32 = u32::MAX;
 /// Of how many vertices the heights are kept; those of others are computed again.
 const KEPT: usize = 64;
 
+/// The vertices that count as farthest.
+enum Farthest {
+    One(u32),
+    Two([u32; 2]),
+}
+
 impl<'a> Choice<'a> {
     #[inline(always)]
     fn part(&self) -> Part<'a> {
@@ -204,23 +210,25 @@ impl<'a> Choice<'a> {
         let mut kept = [0.0; KEPT];
         let (kept, farthest) = self.heights(&mut kept);
         let least = farthest - FARTHEST * self.polytope.outer_radius();
-        match self.farthest_of(kept, least) {
-            Some(only) => self.round_vertex(only),
-            None => self.round_vertices(kept, least),
-        }
+        let found = match self.farthest_of(kept, least) {
+            Some(Farthest::One(only)) => Some(self.round_vertex(only)),
+            Some(Farthest::Two(ends)) => self.round_edge(ends),
+            None => None,
+        };
+        found.unwrap_or_else(|| self.round_vertices(kept, least))
     }
 
-    /// The only vertex that counts as farthest, of those whose heights are all kept; `None` where there are more.
-    fn farthest_of(&self, kept: &[f64], least: f64) -> Option<u32> {
+    /// The vertices that count as farthest, of those whose heights are all kept; `None` where there are more than two.
+    fn farthest_of(&self, kept: &[f64], least: f64) -> Option<Farthest> {
         if self.polytope.vertices().len() > KEPT {
             return None;
         }
-        let (mut count, mut found) = (0, 0);
+        let (mut count, mut found) = (0, [0; 2]);
         let (fours, rest) = kept.as_chunks::<4>();
         let mut note = |k: usize, along: f64| {
             if along >= least {
                 count += 1;
-                found = k as u32;
+                found = [found[1], k as u32];
             }
         };
         for (j, four) in fours.iter().enumerate() {
@@ -232,7 +240,11 @@ impl<'a> Choice<'a> {
         }
         let after = kept.len() - rest.len();
         rest.iter().enumerate().for_each(|(k, &along)| note(after + k, along));
-        (count == 1).then_some(found)
+        match count {
+            1 => Some(Farthest::One(found[1])),
+            2 => Some(Farthest::Two(found)),
+            _ => None,
+        }
     }
 
     /// What is there round the only farthest vertex. Faces and edges are looked through at once: a branch on what is found
@@ -260,14 +272,43 @@ impl<'a> Choice<'a> {
             end = if is_better { half_edge.to } else { end };
         }
         if face != NO_FACE {
-            let facet = &facets.facets()[face as usize];
-            return Part::Face {
-                index: face,
-                normal: facet.normal,
-                corners: facets.corners(facet),
-            };
+            return self.face(face);
         }
         if end == only { Part::Vertex(only) } else { Part::Edge([only.min(end), only.max(end)]) }
+    }
+
+    /// What is there round two farthest vertices, in their order: the face that looks most along the direction, else the edge
+    /// between them, which rises by rounding alone. `None` where there is neither.
+    #[inline(always)]
+    fn round_edge(&self, [j, k]: [u32; 2]) -> Option<Part<'a>> {
+        let facets: &'a Facets = self.polytope.facets();
+        let (mut cosine, mut face) = (FACING, NO_FACE);
+        for vertex in [j, k] {
+            for half_edge in facets.around(vertex) {
+                let facing = half_edge.normal.dot(self.direction);
+                // The first in their order among equals.
+                let is_first = (facing == cosine) & (face != NO_FACE) & (half_edge.face < face);
+                let is_better = (facing > cosine) | is_first;
+                cosine = if is_better { facing } else { cosine };
+                face = if is_better { half_edge.face } else { face };
+            }
+        }
+        if face != NO_FACE {
+            return Some(self.face(face));
+        }
+        let vertices = self.polytope.vertices();
+        let edge = vertices[k as usize] - vertices[j as usize];
+        let rise = self.direction.dot(edge);
+        // False for an edge without length.
+        let is_level = rise * rise < LEVEL * LEVEL * edge.length_squared();
+        let is_edge = facets.around(j).iter().any(|half_edge| half_edge.to == k);
+        (is_level && is_edge).then_some(Part::Edge([j, k]))
+    }
+
+    fn face(&self, index: u32) -> Part<'a> {
+        let facets: &'a Facets = self.polytope.facets();
+        let facet = &facets.facets()[index as usize];
+        Part::Face { index, normal: facet.normal, corners: facets.corners(facet) }
     }
 
     /// What is there round several farthest vertices, or one of very many.
@@ -365,9 +406,7 @@ impl<'a> Choice<'a> {
                 face = Some(index);
             }
         }
-        let index = face?;
-        let facet = &facets.facets()[index as usize];
-        Some(Part::Face { index, normal: facet.normal, corners: facets.corners(facet) })
+        face.map(|index| self.face(index))
     }
 
     /// The edge that rises least, of those of these faces that have a farthest end: the first among equals.

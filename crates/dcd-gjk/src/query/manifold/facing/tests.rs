@@ -65,3 +65,44 @@ fn segments_and_boxes_show_what_their_lists_of_faces_have() {
     }
     assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
 }
+
+#[test]
+fn a_hull_shows_round_an_edge_what_all_its_farthest_vertices_have() {
+    let mut draw = cuboids::tests::Draw(7);
+    let mut number = || 2.0 * draw.unit() - 1.0;
+    let mut counts = [0; 2];
+    for round in 0..300 {
+        // Flat ones among them, whose faces look almost alike; every other one with faces of many corners.
+        let thin = [1.0, 0.05][round / 2 % 2];
+        let points = (0..8 + round % 30).map(|_| {
+            let point = DVec3::new(number(), number(), number());
+            DVec3::new(point.x, point.y, thin * point.z) * if round % 2 == 0 { 1.0 } else { 2.0 }
+        });
+        let points: Vec<_> = match round % 2 {
+            0 => points.collect(),
+            _ => points.map(|point| point.round()).collect(),
+        };
+        let Ok(polytope) = Polytope::hull(points) else { continue };
+        let facets = polytope.facets();
+        for j in 0..polytope.vertices().len() as u32 {
+            for half_edge in facets.around(j) {
+                let k = half_edge.to;
+                let back = facets.around(k).iter().find(|back| back.to == j).unwrap();
+                let share = 0.5 + 0.5 * number();
+                let direction = half_edge.normal.lerp(back.normal, share).normalize_or(DVec3::X);
+                let choice = Choice { polytope: &polytope, direction };
+                let along = polytope.vertices().iter().map(|vertex| direction.dot(*vertex));
+                let farthest = along.fold(f64::NEG_INFINITY, f64::max);
+                let least = farthest - FARTHEST * polytope.outer_radius();
+                let due = choice.round_vertices(&[], least).name();
+                assert_eq!(choice.searched().name(), due, "{round}: {j} {k} {direction}");
+                match due {
+                    Feature::Edge(..) => counts[0] += 1,
+                    Feature::Face(_) => counts[1] += 1,
+                    _ => {}
+                }
+            }
+        }
+    }
+    assert!(counts.iter().all(|&count| count > 1000), "{counts:?}");
+}
