@@ -150,6 +150,12 @@ const NO_FACE: u32 = u32::MAX;
 /// Of how many vertices the heights are kept; those of others are computed again.
 const KEPT: usize = 64;
 
+/// The vertices that count as farthest.
+enum Farthest {
+    One(u32),
+    Two([u32; 2]),
+}
+
 impl<'a> Choice<'a> {
     #[inline(always)]
     fn part(&self) -> Part<'a> {
@@ -204,23 +210,25 @@ impl<'a> Choice<'a> {
         let mut kept = [0.0; KEPT];
         let (kept, farthest) = self.heights(&mut kept);
         let least = farthest - FARTHEST * self.polytope.outer_radius();
-        match self.farthest_of(kept, least) {
-            Some(only) => self.round_vertex(only),
-            None => self.round_vertices(kept, least),
-        }
+        let found = match self.farthest_of(kept, least) {
+            Some(Farthest::One(only)) => Some(self.round_vertex(only)),
+            Some(Farthest::Two(ends)) => self.round_edge(ends),
+            None => None,
+        };
+        found.unwrap_or_else(|| self.round_vertices(kept, least))
     }
 
-    /// The only vertex that counts as farthest, of those whose heights are all kept; `None` where there are more.
-    fn farthest_of(&self, kept: &[f64], least: f64) -> Option<u32> {
+    /// The vertices that count as farthest, of those whose heights are all kept; `None` where there are more than two.
+    fn farthest_of(&self, kept: &[f64], least: f64) -> Option<Farthest> {
         if self.polytope.vertices().len() > KEPT {
             return None;
         }
-        let (mut count, mut found) = (0, 0);
+        let (mut count, mut found) = (0, [0; 2]);
         let (fours, rest) = kept.as_chunks::<4>();
         let mut note = |k: usize, along: f64| {
             if along >= least {
                 count += 1;
-                found = k as u32;
+                found = [found[1], k as u32];
             }
         };
         for (j, four) in fours.iter().enumerate() {
@@ -232,7 +240,11 @@ impl<'a> Choice<'a> {
         }
         let after = kept.len() - rest.len();
         rest.iter().enumerate().for_each(|(k, &along)| note(after + k, along));
-        (count == 1).then_some(found)
+        match count {
+            1 => Some(Farthest::One(found[1])),
+            2 => Some(Farthest::Two(found)),
+            _ => None,
+        }
     }
 
     /// What is there round the only farthest vertex. Faces and edges are looked through at once: a branch on what is found
@@ -260,14 +272,43 @@ impl<'a> Choice<'a> {
             end = if is_better { half_edge.to } else { end };
         }
         if face != NO_FACE {
-            let facet = &facets.facets()[face as usize];
-            return Part::Face {
-                index: face,
-                normal: facet.normal,
-                corners: facets.corners(facet),
-            };
+            return self.face(face);
         }
         if end == only { Part::Vertex(only) } else { Part::Edge([only.min(end), only.max(end)]) }
+    }
+
+    /// What is there round two farthest vertices, in their order: the face that looks most along the direction, else the edge
+    /// between them, which rises by rounding alone. `None` where there is neither.
+    #[inline(always)]
+    fn round_edge(&self, [j, k]: [u32; 2]) -> Option<Part<'a>> {
+        let facets: &'a Facets = self.polytope.facets();
+        let (mut cosine, mut face) = (FACING, NO_FACE);
+        for vertex in [j, k] {
+            for half_edge in facets.around(vertex) {
+                let facing = half_edge.normal.dot(self.direction);
+                // The first in their order among equals.
+                let is_first = (facing == cosine) & (face != NO_FACE) & (half_edge.face < face);
+                let is_better = (facing > cosine) | is_first;
+                cosine = if is_better { facing } else { cosine };
+                face = if is_better { half_edge.face } else { face };
+            }
+        }
+        if face != NO_FACE {
+            return Some(self.face(face));
+        }
+        let vertices = self.polytope.vertices();
+        let edge = vertices[k as usize] - vertices[j as usize];
+        let rise = self.direction.dot(edge);
+        // False for an edge without length.
+        let is_level = rise * rise < LEVEL * LEVEL * edge.length_squared();
+        let is_edge = facets.around(j).iter().any(|half_edge| half_edge.to == k);
+        (is_level && is_edge).then_some(Part::Edge([j, k]))
+    }
+
+    fn face(&self, index: u32) -> Part<'a> {
+        let facets: &'a Facets = self.polytope.facets();
+        let facet = &facets.facets()[index as usize];
+        Part::Face { index, normal: facet.normal, corners: facets.corners(facet) }
     }
 
     /// What is there round several farthest vertices, or one of very many.
@@ -365,9 +406,7 @@ impl<'a> Choice<'a> {
                 face = Some(index);
             }
         }
-        let index = face?;
-        let facet = &facets.facets()[index as usize];
-        Some(Part::Face { index, normal: facet.normal, corners: facets.corners(facet) })
+        face.map(|index| self.face(index))
     }
 
     /// The edge that rises least, of those of these faces that have a farthest end: the first among equals.
@@ -410,73 +449,4 @@ impl<'a> Choice<'a> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_triangle_shows_what_its_list_of_faces_has() {
-        let mut state = 3u64;
-        let mut draw = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
-        let mut vector = || DVec3::new(draw(), draw(), draw());
-        let (mut edges, mut vertices) = (0, 0);
-        for round in 0..2000 {
-            let corners = [vector(), vector(), vector()];
-            let polytope = Polytope::mesh_triangle(corners).unwrap();
-            let along = (corners[1] - corners[0]).normalize();
-            let direction = match round % 3 {
-                0 => vector(),
-                1 => along.cross(vector()) + along * 0.2 * vector(),
-                _ => along.cross(vector()),
-            };
-            let choice = Choice { polytope: &polytope, direction: direction.normalize() };
-            let (found, due) = (choice.part(), choice.searched());
-            match (found, due) {
-                (Part::Vertex(found), Part::Vertex(due)) => {
-                    assert_eq!(found, due, "{round}");
-                    vertices += 1;
-                }
-                (Part::Edge(found), Part::Edge(due)) => {
-                    assert_eq!(found, due, "{round}");
-                    edges += 1;
-                }
-                (Part::Face { index: found, .. }, Part::Face { index: due, .. }) => {
-                    assert_eq!(found, due, "{round}");
-                }
-                _ => panic!("{round}: {corners:?} {direction}"),
-            }
-        }
-        assert!(edges > 300 && vertices > 300, "{edges} {vertices}");
-    }
-
-    #[test]
-    fn segments_and_boxes_show_what_their_lists_of_faces_have() {
-        let mut draw = cuboids::tests::Draw(5);
-        let mut vector = || DVec3::from_array([(); 3].map(|()| 2.0 * draw.unit() - 1.0));
-        let mut counts = [0; 3];
-        for round in 0..3000 {
-            let (p, q) = (vector(), vector());
-            let polytope = match round % 2 {
-                0 => Polytope::segment(p, q).unwrap(),
-                _ => Polytope::cuboid(p.abs() + 0.01).unwrap(),
-            };
-            let level = (q - p).cross(vector()).normalize() + 0.3 * vector();
-            let steep = vector();
-            let direction = if round % 4 < 2 { level } else { steep }.normalize();
-            let choice = Choice { polytope: &polytope, direction };
-            let (found, due) = (choice.part().name(), choice.searched().name());
-            assert_eq!(found, due, "{round}: {p} {q} {direction}");
-            assert_eq!(name(&polytope, direction), due, "{round}");
-            counts[match due {
-                Feature::Vertex(_) => 0,
-                Feature::Edge(..) => 1,
-                _ => 2,
-            }] += 1;
-        }
-        assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
-    }
-}
+mod tests;

@@ -4,8 +4,6 @@ use super::confirm::Corners;
 use crate::{PosedSupport, Vertex};
 use dcd_geom::SupportMap;
 use dcd_geom::glam::DVec3;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// Unit roundoff.
 const U: f64 = f64::EPSILON / 2.0;
@@ -22,10 +20,6 @@ struct Face {
     neighbours: [u32; 3],
     /// Outward, of unit length but for rounding.
     normal: DVec3,
-    /// normal·w on the face.
-    distance: f64,
-    /// Whether it is a part of the surface.
-    alive: bool,
 }
 
 /// An edge between what a new vertex sees and what it does not, as the seen face runs along it.
@@ -36,29 +30,23 @@ struct Edge {
     hidden: u32,
 }
 
-/// A face by how far its plane is along its normal: the nearest is the greatest, the older one among equals.
-type Candidate = Reverse<(i64, u32)>;
-
-/// A number's place in the order of all numbers: of integers, which are compared at once.
-fn rank(distance: f64) -> i64 {
-    let bits = distance.to_bits() as i64;
-    // All bits of a negative number but its sign run the other way.
-    bits ^ ((bits >> 63) as u64 >> 1) as i64
-}
-
 /// The surface, and memory that one search leaves to the next.
 #[derive(Debug, Default)]
 pub(crate) struct Surface {
     vertices: Vec<Vertex<f64>>,
     faces: Vec<Face>,
-    /// The faces by how far their planes are along their normals; those that are no part of the surface are taken
-    /// away when they come first.
-    queue: BinaryHeap<Candidate>,
-    stack: Vec<u32>,
+    /// normal·w on each face; [`GONE`] of what is no part of the surface. Beside the faces: to look through all for the
+    /// nearest takes less than to keep them in order.
+    distances: Vec<f64>,
+    /// What is no part of the surface: its places are taken by the faces that come next.
+    gone: Vec<u32>,
     horizon: Vec<Edge>,
     /// Of a vertex on the horizon: the new face whose horizon edge starts there.
     starting: Vec<u32>,
 }
+
+/// Farther than any face.
+const GONE: f64 = f64::INFINITY;
 
 /// No face starts here.
 const NONE: u32 = u32::MAX;
@@ -68,7 +56,8 @@ impl Surface {
     pub(super) fn clear(&mut self) {
         self.vertices.clear();
         self.faces.clear();
-        self.queue.clear();
+        self.distances.clear();
+        self.gone.clear();
         self.starting.clear();
     }
 
@@ -93,27 +82,34 @@ impl Surface {
             ([0, 3, 2], [1, 3, 0]),
             ([1, 2, 3], [0, 2, 1]),
         ] {
-            self.push(vertices, neighbours)?;
+            let place = self.place();
+            self.set(place, vertices, neighbours)?;
         }
         Some(())
     }
 
-    /// The face whose plane is nearest along its normal: the smallest signed distance, the older one
+    /// The face whose plane is nearest along its normal: the smallest signed distance, the first
     /// among equals.
-    pub(super) fn nearest(&mut self) -> u32 {
-        while let Some(&Reverse((_, face))) = self.queue.peek() {
-            if self.faces[face as usize].alive {
-                return face;
+    pub(super) fn nearest(&self) -> u32 {
+        let (eights, rest) = self.distances.as_chunks::<8>();
+        // Side by side: as many comparisons wait for none of the others.
+        let mut nearest = [GONE; 8];
+        for eight in eights {
+            for (least, &distance) in nearest.iter_mut().zip(eight) {
+                *least = smaller(*least, distance);
             }
-            self.queue.pop();
         }
-        0
+        let least = nearest.iter().chain(rest).fold(GONE, |least, &other| smaller(least, other));
+        let has_it =
+            |eight: &[f64; 8]| eight.iter().fold(false, |has, &other| has | (other == least));
+        let before = 8 * eights.iter().position(has_it).unwrap_or(eights.len());
+        let after = self.distances[before..].iter().position(|&distance| distance == least);
+        after.map_or(0, |after| (before + after) as u32)
     }
 
     /// A face's normal and distance.
     pub(super) fn plane(&self, face: u32) -> (DVec3, f64) {
-        let Face { normal, distance, .. } = self.faces[face as usize];
-        (normal, distance)
+        (self.faces[face as usize].normal, self.distances[face as usize])
     }
 
     /// Whether the surface has the vertex.
@@ -128,28 +124,27 @@ impl Surface {
         self.vertices.push(vertex);
         self.starting.push(NONE);
         self.find_horizon(vertex.w, seen);
-        let first = self.faces.len() as u32;
         self.starting.fill(NONE);
-        for (k, edge) in self.horizon.iter().enumerate() {
-            let starting = &mut self.starting[edge.from as usize];
-            if *starting != NONE {
+        for k in 0..self.horizon.len() {
+            let from = self.horizon[k].from as usize;
+            if self.starting[from] != NONE {
                 return None;
             }
-            *starting = first + k as u32;
+            self.starting[from] = self.place();
         }
         for k in 0..self.horizon.len() {
             let Edge { from, to, hidden } = self.horizon[k];
-            let after = self.starting[to as usize];
+            let [place, after] = [from, to].map(|vertex| self.starting[vertex as usize]);
             if after == NONE {
                 return None;
             }
-            self.reconnect(hidden, (to, from), first + k as u32);
-            // The face before this one on the cycle learns of it when it is made, or now.
-            self.push([from, to, new], [hidden, after, NONE])?;
+            self.reconnect(hidden, (to, from), place);
+            // The face before this one on the cycle is known when all are made.
+            self.set(place, [from, to, new], [hidden, after, NONE])?;
         }
-        for k in first..self.faces.len() as u32 {
-            let [_, after, _] = self.faces[k as usize].neighbours;
-            self.faces[after as usize].neighbours[2] = k;
+        for edge in &self.horizon {
+            let [place, after] = [edge.from, edge.to].map(|vertex| self.starting[vertex as usize]);
+            self.faces[after as usize].neighbours[2] = place;
         }
         (self.horizon.len() >= 3).then_some(())
     }
@@ -157,20 +152,19 @@ impl Surface {
     /// Marks what the vertex sees as gone and collects the edges round it.
     fn find_horizon(&mut self, point: DVec3, seen: u32) {
         self.horizon.clear();
-        self.stack.clear();
-        self.faces[seen as usize].alive = false;
-        self.stack.push(seen);
-        while let Some(index) = self.stack.pop() {
+        let mut next = self.gone.len();
+        self.take_away(seen);
+        while let Some(&index) = self.gone.get(next) {
+            next += 1;
             let Face { vertices, neighbours, .. } = self.faces[index as usize];
             for (k, &other) in neighbours.iter().enumerate() {
-                let neighbour = &mut self.faces[other as usize];
-                if !neighbour.alive {
+                let (normal, distance) = self.plane(other);
+                if distance == GONE {
                     continue;
                 }
                 // Barely seen is not seen: a cone over such a face would have a sliver.
-                if neighbour.normal.dot(point) > neighbour.distance + 16.0 * U {
-                    neighbour.alive = false;
-                    self.stack.push(other);
+                if normal.dot(point) > distance + 16.0 * U {
+                    self.take_away(other);
                 } else {
                     let (from, to) = (vertices[k], vertices[(k + 1) % 3]);
                     self.horizon.push(Edge { from, to, hidden: other });
@@ -179,17 +173,33 @@ impl Surface {
         }
     }
 
+    /// Makes a face no part of the surface.
+    fn take_away(&mut self, face: u32) {
+        self.distances[face as usize] = GONE;
+        self.gone.push(face);
+    }
+
+    /// A place for a face.
+    fn place(&mut self) -> u32 {
+        self.gone.pop().unwrap_or_else(|| {
+            self.faces.push(Face { vertices: [0; 3], neighbours: [NONE; 3], normal: DVec3::ZERO });
+            self.distances.push(GONE);
+            (self.faces.len() - 1) as u32
+        })
+    }
+
     /// Makes `neighbour` the one across an edge of `face`.
     fn reconnect(&mut self, face: u32, edge: (u32, u32), neighbour: u32) {
         let face = &mut self.faces[face as usize];
+        // Which of the three it is cannot be predicted: no branch depends on it.
         for k in 0..3 {
-            if (face.vertices[k], face.vertices[(k + 1) % 3]) == edge {
-                face.neighbours[k] = neighbour;
-            }
+            let is_there = (face.vertices[k] == edge.0) & (face.vertices[(k + 1) % 3] == edge.1);
+            face.neighbours[k] = if is_there { neighbour } else { face.neighbours[k] };
         }
     }
 
-    fn push(&mut self, vertices: [u32; 3], neighbours: [u32; 3]) -> Option<()> {
+    /// Makes a face in a place that is free; `None` of a line.
+    fn set(&mut self, place: u32, vertices: [u32; 3], neighbours: [u32; 3]) -> Option<()> {
         let [p, q, r] = self.corners(&vertices);
         let normal = (q - p).cross(r - p);
         let length = normal.length();
@@ -197,9 +207,8 @@ impl Surface {
             return None;
         }
         let normal = normal / length;
-        let distance = normal.dot(p);
-        self.queue.push(Reverse((rank(distance), self.faces.len() as u32)));
-        self.faces.push(Face { vertices, neighbours, normal, distance, alive: true });
+        self.distances[place as usize] = normal.dot(p);
+        self.faces[place as usize] = Face { vertices, neighbours, normal };
         Some(())
     }
 
@@ -207,11 +216,17 @@ impl Surface {
         [self.vertices[p as usize].w, self.vertices[q as usize].w, self.vertices[r as usize].w]
     }
 
+    /// The faces of the surface.
+    fn alive(&self) -> impl Iterator<Item = &Face> + Clone {
+        let all = self.faces.iter().zip(&self.distances);
+        all.filter(|(_, distance)| **distance < GONE).map(|(face, _)| face)
+    }
+
     /// The radius of a sphere round the origin that is surely inside of what the surface bounds, for the
     /// vertices as they stand; 0 where the origin may be outside.
     pub(super) fn inner_radius(&self) -> f64 {
         let mut least = f64::INFINITY;
-        for Face { vertices, normal, .. } in self.faces.iter().filter(|face| face.alive) {
+        for Face { vertices, normal, .. } in self.alive() {
             let corners = self.corners(vertices);
             if !is_inside(corners) {
                 return 0.0;
@@ -223,8 +238,7 @@ impl Surface {
 
     /// Of each face at most its distance from the origin, and its corners by the features of a and of b.
     pub(super) fn faces(&self) -> impl Iterator<Item = (f64, Corners)> + Clone {
-        let alive = self.faces.iter().filter(|face| face.alive);
-        alive.map(|face| {
+        self.alive().map(|face| {
             let corners = face.vertices.map(|k| {
                 let Vertex { a, b, .. } = &self.vertices[k as usize];
                 [a.feature, b.feature]
@@ -249,10 +263,12 @@ impl Surface {
     }
 
     /// The triangle that a ray from the origin leaves by, and the weights of its corners there: the one
-    /// that it passes by the least, where rounding lets it slip between all.
+    /// that it passes by the least, where rounding lets it slip between all. The nearest is looked at first: mostly the ray is
+    /// its normal.
     fn leaving(&self, direction: DVec3) -> ([u32; 3], [f64; 3]) {
         let mut best = (f64::NEG_INFINITY, [0; 3], DVec3::X);
-        for Face { vertices, normal, .. } in self.faces.iter().filter(|face| face.alive) {
+        let first = self.faces.get(self.nearest() as usize);
+        for Face { vertices, normal, .. } in first.into_iter().chain(self.alive()) {
             if normal.dot(direction) <= EDGE_ON * direction.length() {
                 continue;
             }
@@ -265,12 +281,20 @@ impl Surface {
             if total > 0.0 && least > best.0 {
                 best = (least, *vertices, weights);
             }
+            if best.0 > 0.0 {
+                break;
+            }
         }
         let (_, vertices, weights) = best;
         let weights = weights.max(DVec3::ZERO);
         let total = weights.x + weights.y + weights.z;
         (vertices, (weights / total).to_array())
     }
+}
+
+/// The smaller; the first where the second is NaN.
+fn smaller(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
 }
 
 /// Whether the origin is surely on the inner side of a triangle: det(p, q, r) beyond 16u of its permanent,
@@ -292,3 +316,6 @@ pub(super) fn clearance(normal: DVec3, corners: [DVec3; 3]) -> f64 {
     let [p, q, r] = [normal.dot(p), normal.dot(q), normal.dot(r)];
     p.min(q).min(r) * (1.0 - 16.0 * U) - 8.0 * U
 }
+
+#[cfg(test)]
+mod tests;
