@@ -144,7 +144,7 @@ pub fn prefetch<T>(items: &[T]) {
         prefetch_line(items, offset);
     }
     // Items that begin within a cache line end within one more.
-    if size > 0 {
+    if size > 0 && align_of::<T>() < CACHE_LINE {
         prefetch_line(items, size - 1);
     }
 }
