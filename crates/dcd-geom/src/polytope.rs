@@ -248,7 +248,16 @@ impl Polytope {
     }
 
     /// The faces of the core: computed at the first call, then shared by all objects, threads and frames.
+    #[inline]
     pub fn facets(&self) -> &Facets {
+        match self.facets.get() {
+            Some(facets) => facets,
+            None => self.derived_facets(),
+        }
+    }
+
+    #[cold]
+    fn derived_facets(&self) -> &Facets {
         let found = || match (self.kind, &*self.vertices) {
             (Kind::Triangle, &[a, b, c]) => Facets::of_triangle([a, b, c]),
             _ => Facets::of(&self.vertices),

@@ -139,8 +139,13 @@ pub fn dispatch_on<K: Kernel>(path: Path, kernel: K) -> K::Output {
 /// nothing where there is no such instruction.
 #[inline(always)]
 pub fn prefetch<T>(items: &[T]) {
-    for offset in (0..size_of_val(items)).step_by(CACHE_LINE) {
+    let size = size_of_val(items);
+    for offset in (0..size).step_by(CACHE_LINE) {
         prefetch_line(items, offset);
+    }
+    // Items that begin within a cache line end within one more.
+    if size > 0 && align_of::<T>() < CACHE_LINE {
+        prefetch_line(items, size - 1);
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::{Feature, cuboids};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Facets, Kind, Polytope};
+use dcd_geom::{Facets, HalfEdge, Kind, Polytope};
+use std::hint::select_unpredictable;
 
 /// The least cosine between a face's normal and the contact's for the face to lie in it: 15
 /// degrees. Larger: boxes that rock on two points. Smaller: points far from where shapes touch.
@@ -55,9 +56,9 @@ impl<'a> Part<'a> {
     #[inline(always)]
     pub(super) fn round(polytope: &'a Polytope, direction: DVec3, farthest: Option<u32>) -> Self {
         let choice = Choice { polytope, direction };
-        match farthest {
-            Some(vertex) if choice.is_corner(vertex) => choice.round_vertex(vertex),
-            _ => choice.part(),
+        match farthest.and_then(|vertex| choice.corner(vertex)) {
+            Some(corner) => choice.round_corner(corner),
+            None => choice.part(),
         }
     }
 
@@ -141,6 +142,12 @@ struct Choice<'a> {
     direction: DVec3,
 }
 
+/// A vertex of a hull, and the half-edges that leave it.
+struct Corner<'a> {
+    vertex: u32,
+    half_edges: &'a [HalfEdge],
+}
+
 /// How many faces round the farthest vertices are listed; of more, all of the polytope's are looked at.
 const LISTED: usize = 64;
 
@@ -169,11 +176,15 @@ impl<'a> Choice<'a> {
         .unwrap_or_else(|| self.searched())
     }
 
-    /// Whether the list of faces is what shows what is round a vertex.
-    fn is_corner(&self, vertex: u32) -> bool {
-        let is_hull = self.polytope.kind() == Kind::Hull;
+    /// A vertex with what is round it, where the list of faces is what shows it.
+    #[inline(always)]
+    fn corner(&self, vertex: u32) -> Option<Corner<'a>> {
+        if self.polytope.kind() != Kind::Hull {
+            return None;
+        }
+        let half_edges = self.polytope.facets().around(vertex);
         // A point that is inside of a face or repeated has no faces.
-        is_hull && !self.polytope.facets().around(vertex).is_empty()
+        (!half_edges.is_empty()).then_some(Corner { vertex, half_edges })
     }
 
     /// What a segment shows, without its list of faces.
@@ -211,7 +222,10 @@ impl<'a> Choice<'a> {
         let (kept, farthest) = self.heights(&mut kept);
         let least = farthest - FARTHEST * self.polytope.outer_radius();
         let found = match self.farthest_of(kept, least) {
-            Some(Farthest::One(only)) => Some(self.round_vertex(only)),
+            Some(Farthest::One(only)) => {
+                let half_edges = self.polytope.facets().around(only);
+                Some(self.round_corner(Corner { vertex: only, half_edges }))
+            }
             Some(Farthest::Two(ends)) => self.round_edge(ends),
             None => None,
         };
@@ -250,26 +264,25 @@ impl<'a> Choice<'a> {
     /// What is there round the only farthest vertex. Faces and edges are looked through at once: a branch on what is found
     /// could not be predicted.
     #[inline(always)]
-    fn round_vertex(&self, only: u32) -> Part<'a> {
-        let facets: &'a Facets = self.polytope.facets();
+    fn round_corner(&self, Corner { vertex: only, half_edges }: Corner<'_>) -> Part<'a> {
         let vertices = self.polytope.vertices();
         let at = vertices[only as usize];
         // The face that looks most along the direction; and the edge that rises least, by the square of how much relative to
         // its length, and where it ends. In the order of the faces: the first among equals.
         let (mut cosine, mut face) = (FACING, NO_FACE);
         let (mut slope, mut end) = (LEVEL * LEVEL, only);
-        for half_edge in facets.around(only) {
+        for half_edge in half_edges {
             let facing = half_edge.normal.dot(self.direction);
             let is_better = facing > cosine;
-            cosine = if is_better { facing } else { cosine };
-            face = if is_better { half_edge.face } else { face };
+            cosine = select_unpredictable(is_better, facing, cosine);
+            face = select_unpredictable(is_better, half_edge.face, face);
             let edge = vertices[half_edge.to as usize] - at;
             let rise = self.direction.dot(edge);
             let rising = rise * rise / edge.length_squared();
             // False for an edge without length, and for NaN.
             let is_better = rising < slope;
-            slope = if is_better { rising } else { slope };
-            end = if is_better { half_edge.to } else { end };
+            slope = select_unpredictable(is_better, rising, slope);
+            end = select_unpredictable(is_better, half_edge.to, end);
         }
         if face != NO_FACE {
             return self.face(face);

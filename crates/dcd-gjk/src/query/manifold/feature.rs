@@ -87,17 +87,6 @@ impl View {
         Part::facing(polytope, self.towards(placed))
     }
 
-    /// The same, where a vertex is known that is farthest along the normal, up to rounding in f32.
-    #[inline(always)]
-    pub(super) fn part_round<'a>(
-        &self,
-        polytope: &'a Polytope,
-        placed: &Placed<'_>,
-        farthest: Option<u32>,
-    ) -> Part<'a> {
-        Part::round(polytope, self.towards(placed), farthest)
-    }
-
     /// That part as it is seen.
     pub(super) fn seen_part<'a>(
         &self,

@@ -122,9 +122,11 @@ pub(super) fn write(
         Some([a, b]) => [Some(a), Some(b)],
         None => [None; 2],
     };
+    // Both before the first is looked along, which ends by a branch that is not predicted: the other is known by then.
+    let towards = placed.each_ref().map(|placed| view.towards(placed));
     // Two places, not one of two: what is copied right after it has been written is waited for.
-    let part_a = view.part_round(in_a, &placed[0], of_a);
-    let part_b = view.part_round(in_b, &placed[1], of_b);
+    let part_a = Part::round(in_a, towards[0], of_a);
+    let part_b = Part::round(in_b, towards[1], of_b);
     let parts = [&part_a, &part_b];
     let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
     let whole = [part_a.name(), part_b.name()];

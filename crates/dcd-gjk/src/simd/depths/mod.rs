@@ -317,6 +317,9 @@ impl Kernel for SearchPairs<'_> {
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
         let mut seats = [const { None }; SEATS];
+        // What the answer of a pair reads and writes is prefetched when its search ends. It has come when that of the next
+        // one ends: only then is the answer written.
+        let mut last = None;
         loop {
             let mut is_idle = true;
             for (number, seat) in seats.iter_mut().enumerate() {
@@ -345,10 +348,14 @@ impl Kernel for SearchPairs<'_> {
                     }
                     Next::Failed => None,
                 };
-                let sides = self.objects.posed(self.objects.pairs[seat.number]);
-                self.answers.write(seat.number, found.as_ref(), sides);
+                if let Some(before) = last.replace((seat.number, found)) {
+                    write(self.objects, self.answers, &before);
+                }
                 *place = None;
             }
+        }
+        if let Some(last) = last {
+            write(self.objects, self.answers, &last);
         }
     }
 }
@@ -384,6 +391,16 @@ impl<'a> SearchPairs<'a> {
             self.answers.write(number, None, [a, b]);
         }
     }
+}
+
+/// Writes the answer of the pair of that number, of that depth.
+#[inline(always)]
+fn write(
+    objects: ScenePairs<'_>,
+    answers: &mut dyn WriteDepth,
+    (number, found): &(usize, Option<Found>),
+) {
+    answers.write(*number, found.as_ref(), objects.posed(objects.pairs[*number]));
 }
 
 /// The depth of two cuboids, along the axes that may be the least.
