@@ -128,7 +128,7 @@ impl Solid {
 
     /// The squared distances of sixteen points from its core, or of what is known by bounds from its box, m².
     #[inline(always)]
-    fn from_core<L: Lanes>(&self, l: L, centre: [L::F; 3]) -> L::F {
+    fn core_distances<L: Lanes>(&self, l: L, centre: [L::F; 3]) -> L::F {
         let mut from = from_point(l, centre, self.centre);
         if let Some([x, y, z]) = self.axes {
             from = [along(l, from, x), along(l, from, y), along(l, from, z)];
@@ -167,7 +167,7 @@ impl Solid {
         let SpherePacket { centre, outer, margin, .. } = *spheres;
         let margin = l.add(margin, l.splat(self.margin));
         let reach = l.add(l.add(outer, l.splat(self.swept)), margin);
-        self.near_core(l, centre, self.from_core(l, centre), reach)
+        self.near_core(l, centre, self.core_distances(l, centre), reach)
     }
 
     /// Which of the spheres are near, and which touch. The outer and inner radii are without the spheres' own
@@ -178,7 +178,7 @@ impl Solid {
         let (margin, swept) = (l.add(margin, l.splat(self.margin)), l.splat(self.swept));
         let (reach, inner_reach) =
             (l.add(l.add(outer, swept), margin), l.sub(l.add(inner, swept), margin));
-        let square = self.from_core(l, centre);
+        let square = self.core_distances(l, centre);
         let near = self.near_core(l, centre, square, reach);
         // A maximum may swallow a NaN: a centre that is NaN touches nothing.
         let sum = l.add(l.add(centre[0], centre[1]), centre[2]);
