@@ -158,15 +158,16 @@ impl Approach {
         }
     }
 
-    /// With what an earlier search knows better. Its direction is kept where it bounds the distance from below better than
-    /// rounding does: along the later one the shapes would be nearer than is said. The points are those nearer to each other,
-    /// whose distance bounds it from above.
-    pub(super) fn or_earlier(self, earlier: Self) -> Self {
+    /// With the bounds of an earlier search. That one is taken where both together prove the shapes apart and it bounds the
+    /// distance from below better than rounding does: along the direction of the later one the shapes would be nearer than is
+    /// said. Where nothing is proved, the one whose points are nearer: no more than that is known of the distance.
+    pub(super) fn or_earlier(self, earlier: Self, bounds: &Bounds<f64>) -> Self {
         let (lower, upper) = (self.lower.max(earlier.lower), self.upper.min(earlier.upper));
-        let is_earlier = earlier.lower - self.lower > TURNED * UNIT;
-        let direction = if is_earlier { earlier.direction } else { self.direction };
-        let nearer = if earlier.length < self.length { earlier } else { self };
-        Self { lower, upper, direction, ..nearer }
+        let is_earlier = match lower > bounds.swept_upper() {
+            true => earlier.lower - self.lower > TURNED * UNIT,
+            false => earlier.length < self.length,
+        };
+        Self { lower, upper, ..if is_earlier { earlier } else { self } }
     }
 
     /// The points of the two cores, world frame, metres.

@@ -44,7 +44,7 @@ pub(super) fn approach(
         return Ok(found);
     }
     let found = approach_from(difference, bounds, [gap, f64::MAX], near.simplex)?;
-    Ok(found.or_earlier(near))
+    Ok(found.or_earlier(near, bounds))
 }
 
 /// Whether two shapes have features that are known here, one of them a curved one.
