@@ -122,7 +122,7 @@ impl Facets {
 
     /// The half-edges that leave a vertex, in the order of their faces: none of a vertex that is no corner.
     #[inline]
-    pub fn around(&self, vertex: u32) -> &[HalfEdge] {
+    pub fn half_edges_from(&self, vertex: u32) -> &[HalfEdge] {
         let vertex = vertex as usize;
         let first = if vertex == 0 { 0 } else { self.ends[vertex - 1] };
         &self.around[first as usize..self.ends[vertex] as usize]
@@ -138,8 +138,8 @@ impl Facets {
 
     /// Prefetches the half-edges that leave a vertex: a hint.
     #[inline]
-    pub(crate) fn prefetch_around(&self, vertex: u32) {
-        prefetch(self.around(vertex));
+    pub(crate) fn prefetch_half_edges(&self, vertex: u32) {
+        prefetch(self.half_edges_from(vertex));
     }
 
     /// Lists the half-edges of each of so many vertices.

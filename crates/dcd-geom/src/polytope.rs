@@ -276,9 +276,9 @@ impl Polytope {
 
     /// Prefetches what is around a vertex, by index, if the faces are known already: a hint, without effect on any result.
     #[inline]
-    pub fn prefetch_around(&self, vertex: u32) {
+    pub fn prefetch_half_edges(&self, vertex: u32) {
         if let Some(facets) = self.facets.get() {
-            facets.prefetch_around(vertex);
+            facets.prefetch_half_edges(vertex);
         }
     }
 

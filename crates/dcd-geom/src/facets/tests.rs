@@ -28,7 +28,7 @@ fn validate(vertices: &[DVec3]) -> Facets {
                 around.push(HalfEdge { normal, face, to: corners[(k + 1) % corners.len()] });
             }
         }
-        assert_eq!(facets.around(vertex), around, "{vertices:?}");
+        assert_eq!(facets.half_edges_from(vertex), around, "{vertices:?}");
     }
     let mut backwards: Vec<_> = edges.iter().map(|&(from, to)| (to, from)).collect();
     edges.sort_unstable();
@@ -137,7 +137,7 @@ fn triangles_and_polygons_list_their_faces_round_each_corner_as_a_search_does() 
         for vertex in 0..polytope.vertices().len() as u32 {
             // Which side comes first is the search's choice.
             let names = |facets: &Facets| {
-                let around = facets.around(vertex);
+                let around = facets.half_edges_from(vertex);
                 let mut ends: Vec<_> = around.iter().map(|half_edge| half_edge.to).collect();
                 ends.sort_unstable();
                 (around.iter().map(|half_edge| half_edge.face).collect::<Vec<_>>(), ends)

@@ -21,7 +21,7 @@ pub trait ErrorBounds: Copy + Send + Sync {
     const JUDGED: u8;
 
     /// What is kept beside a conclusion.
-    const KEEPS: Keeps;
+    const KEEPS: Kept;
 
     /// [`Slice::judge`]. Of no type parameter, so that the kernels are compiled here, once, and not
     /// by every crate that names a narrow phase.
@@ -30,7 +30,7 @@ pub trait ErrorBounds: Copy + Send + Sync {
 
 /// What is kept of a proof.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Keeps {
+pub enum Kept {
     /// Nothing but its conclusion.
     Nothing,
     /// How far apart the two objects are at least, where it proves that they are.
@@ -50,7 +50,7 @@ impl ErrorBounds for CertifiedBounds {
     }
     const HANDS_ON: bool = true;
     const JUDGED: u8 = LIVE;
-    const KEEPS: Keeps = Keeps::Nothing;
+    const KEEPS: Kept = Kept::Nothing;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
         slice.judge::<Self>(scratch, report);
@@ -68,7 +68,7 @@ impl ErrorBounds for ClearanceBounds {
     }
     const HANDS_ON: bool = true;
     const JUDGED: u8 = LIVE;
-    const KEEPS: Keeps = Keeps::Proof;
+    const KEEPS: Kept = Kept::Proof;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
         slice.judge::<Self>(scratch, report);
@@ -86,7 +86,7 @@ impl ErrorBounds for GapBounds {
     }
     const HANDS_ON: bool = true;
     const JUDGED: u8 = LIVE;
-    const KEEPS: Keeps = Keeps::Gap;
+    const KEEPS: Kept = Kept::Gap;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
         slice.judge::<Self>(scratch, report);
@@ -105,7 +105,7 @@ impl ErrorBounds for UncheckedBounds {
     const HANDS_ON: bool = false;
     // Between the hull inside a curved shape and the shape itself only bounds can decide.
     const JUDGED: u8 = WHOLE;
-    const KEEPS: Keeps = Keeps::Nothing;
+    const KEEPS: Kept = Kept::Nothing;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
         slice.judge::<Self>(scratch, report);

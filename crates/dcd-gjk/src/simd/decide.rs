@@ -3,7 +3,7 @@
 use super::axis::hinted;
 use super::axis_aligned;
 use super::by_parts;
-use super::certificate::{ErrorBounds, Keeps};
+use super::certificate::{ErrorBounds, Kept};
 use super::expand;
 use super::first_stages::{self, Entry, Place, Resolved};
 use super::frame::{AXIS_ALIGNED, BOX, FramePair, SimdFrame};
@@ -230,7 +230,7 @@ impl<T: ErrorBounds> Kernel for Decide<'_, T> {
         let pairs = self.pairs;
         self.scratch.touching.clear();
         self.scratch.touching.resize(pairs.len(), false);
-        if T::KEEPS != Keeps::Nothing {
+        if T::KEEPS != Kept::Nothing {
             self.scratch.kept.begin(pairs.len());
         }
         self.scratch.left.clear();
@@ -274,16 +274,16 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let open = entry.live & !spheres.all();
         let mut narrow = 0;
         match T::KEEPS {
-            Keeps::Nothing => {}
-            Keeps::Gap => kept.note_gaps(l, &entry.packet, (spheres.clearance, spheres.apart)),
-            Keeps::Proof => {
+            Kept::Nothing => {}
+            Kept::Gap => kept.note_gaps(l, &entry.packet, (spheres.clearance, spheres.apart)),
+            Kept::Proof => {
                 let noted = (spheres.clearance, spheres.all());
                 narrow = spheres.all() & !kept.note(l, &entry.packet, noted);
             }
         }
         let to_axis = if self.frames.have_vertices() { (open | narrow) & !entry.boxed } else { 0 };
         // Their closed form costs less than the boxes and leaves none open; but its proof is not one that lasts.
-        let closed = T::HANDS_ON && T::KEEPS != Keeps::Proof && entry.marks & AXIS_ALIGNED != 0;
+        let closed = T::HANDS_ON && T::KEEPS != Kept::Proof && entry.marks & AXIS_ALIGNED != 0;
         let upright =
             if closed { marked(self.frames, &entry.packet, open, AXIS_ALIGNED) } else { 0 };
         let to_boxes = open & entry.boxed & !upright;
@@ -323,7 +323,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let taken = axis.take(l, packet);
         let mut at = Place { frames: self.frames, support_scratch };
         let mut first = packet.vector(l, Vector::C);
-        if T::KEEPS == Keeps::Proof {
+        if T::KEEPS == Kept::Proof {
             first = hinted(l, &kept.axes, (packet, taken), first);
         }
         let apart = first_stages::first_axis::<L, T>(l, &mut at, (packet, taken), first);
@@ -376,7 +376,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let taken = portal.take(l, packet);
         let mut at = Place { frames: self.frames, support_scratch };
         let mut against = Block::default();
-        if T::KEEPS == Keeps::Proof {
+        if T::KEEPS == Kept::Proof {
             packet.vector(l, Vector::D).store(l, &mut against.0);
         }
         let (mut resolved, mut stuck) = portal::round::<L, T>(l, &mut at, packet, taken);
@@ -390,7 +390,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         for lane in LanesOf(stuck & used(taken) & !proved) {
             left.push(Left { number: packet.number.0[lane], axes: packet.axes(lane) });
         }
-        if T::KEEPS == Keeps::Proof {
+        if T::KEEPS == Kept::Proof {
             kept.note_axes(packet, &against, resolved.apart & used(taken));
         }
         portal.push(l, packet, used(taken) & !(done | stuck | enough));
@@ -402,9 +402,9 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let Scratch { touching, kept, packet, .. } = &mut *self.scratch;
         let proved = resolved.all() & used;
         scatter(touching, packet, resolved.touching & used);
-        if T::KEEPS != Keeps::Proof {
+        if T::KEEPS != Kept::Proof {
             self.report.count(method, count(proved));
-            if T::KEEPS == Keeps::Gap {
+            if T::KEEPS == Kept::Gap {
                 kept.note_gaps(l, packet, (resolved.clearance, resolved.apart & used));
             }
             return proved;
@@ -417,7 +417,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
     /// [`WIDENING`] supports.
     #[inline(always)]
     fn narrow<L: Lanes>(&self, l: L) -> (u32, u32) {
-        if T::KEEPS != Keeps::Proof {
+        if T::KEEPS != Kept::Proof {
             return (0, 0);
         }
         let proved = self.scratch.kept.proved(&self.scratch.packet);

@@ -182,7 +182,7 @@ impl<'a> Choice<'a> {
         if self.polytope.kind() != Kind::Hull {
             return None;
         }
-        let half_edges = self.polytope.facets().around(vertex);
+        let half_edges = self.polytope.facets().half_edges_from(vertex);
         // A point that is inside of a face or repeated has no faces.
         (!half_edges.is_empty()).then_some(Corner { vertex, half_edges })
     }
@@ -223,7 +223,7 @@ impl<'a> Choice<'a> {
         let least = farthest - FARTHEST * self.polytope.outer_radius();
         let found = match self.farthest_of(kept, least) {
             Some(Farthest::One(only)) => {
-                let half_edges = self.polytope.facets().around(only);
+                let half_edges = self.polytope.facets().half_edges_from(only);
                 Some(self.round_corner(Corner { vertex: only, half_edges }))
             }
             Some(Farthest::Two(ends)) => self.round_edge(ends),
@@ -297,7 +297,7 @@ impl<'a> Choice<'a> {
         let facets: &'a Facets = self.polytope.facets();
         let (mut cosine, mut face) = (FACING, NO_FACE);
         for vertex in [j, k] {
-            for half_edge in facets.around(vertex) {
+            for half_edge in facets.half_edges_from(vertex) {
                 let facing = half_edge.normal.dot(self.direction);
                 // The first in their order among equals.
                 let is_first = (facing == cosine) & (face != NO_FACE) & (half_edge.face < face);
@@ -314,7 +314,7 @@ impl<'a> Choice<'a> {
         let rise = self.direction.dot(edge);
         // False for an edge without length.
         let is_level = rise * rise < LEVEL * LEVEL * edge.length_squared();
-        let is_edge = facets.around(j).iter().any(|half_edge| half_edge.to == k);
+        let is_edge = facets.half_edges_from(j).iter().any(|half_edge| half_edge.to == k);
         (is_level && is_edge).then_some(Part::Edge([j, k]))
     }
 
@@ -337,7 +337,7 @@ impl<'a> Choice<'a> {
         let mut first = None;
         let mut list = |k: u32| {
             first = first.or(Some(k));
-            for half_edge in facets.around(k) {
+            for half_edge in facets.half_edges_from(k) {
                 if let Some(slot) = listed.get_mut(count) {
                     *slot = half_edge.face;
                 }

@@ -142,9 +142,9 @@ impl<'a> SearchedPair<'a> {
 
     /// Prefetches what is around the vertices of a and of b that make a point.
     #[inline(always)]
-    pub(super) fn prefetch_around(&self, point: &Point) {
+    pub(super) fn prefetch_half_edges(&self, point: &Point) {
         for (polytope, vertex) in self.polytopes.into_iter().zip(self.vertices(point)) {
-            polytope.prefetch_around(vertex);
+            polytope.prefetch_half_edges(vertex);
         }
     }
 

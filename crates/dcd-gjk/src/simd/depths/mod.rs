@@ -341,7 +341,7 @@ impl Kernel for SearchPairs<'_> {
                     Next::Ended { nearest, reach } => {
                         self.answers.prefetch(seat.number);
                         if self.reads_facets {
-                            seat.pair.prefetch_around(&seat.point);
+                            seat.pair.prefetch_half_edges(&seat.point);
                         }
                         let ended = Ended { surface, nearest, reach, farthest: seat.point };
                         seat.pair.depth(l, self.accuracy, &ended)

@@ -85,9 +85,9 @@ fn a_hull_shows_round_an_edge_what_all_its_farthest_vertices_have() {
         let Ok(polytope) = Polytope::hull(points) else { continue };
         let facets = polytope.facets();
         for j in 0..polytope.vertices().len() as u32 {
-            for half_edge in facets.around(j) {
+            for half_edge in facets.half_edges_from(j) {
                 let k = half_edge.to;
-                let back = facets.around(k).iter().find(|back| back.to == j).unwrap();
+                let back = facets.half_edges_from(k).iter().find(|back| back.to == j).unwrap();
                 let share = 0.5 + 0.5 * number();
                 let direction = half_edge.normal.lerp(back.normal, share).normalize_or(DVec3::X);
                 let choice = Choice { polytope: &polytope, direction };
