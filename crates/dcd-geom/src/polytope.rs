@@ -2,7 +2,7 @@
 
 use crate::error::check_length;
 use crate::sphere::{Sphere, reach};
-use crate::support::farthest;
+use crate::support::{Vertices, farthest};
 use crate::{
     FacetPlanes, Facets, FeatureRows, ObbBounds, Pose, Real, ShapeError, Support, SupportMap,
 };
@@ -327,13 +327,22 @@ impl Polytope {
 /// quick without.
 const MIN_VERTICES_IN_BLOCKS: usize = WIDTH / 2 + 1;
 
+/// From how many of those blocks on supports are sought in them. Smaller: what is saved is less than a kernel costs. No
+/// effect on any answer.
+const MIN_BLOCKS_TO_SCAN: usize = 2;
+
 /// The largest outer radius of a polytope that keeps its vertices in f32, and the reciprocal of the smallest: no product
 /// of a coordinate and a direction comes near the ends of f32. Metres.
 const WIDEST_IN_F32: f64 = (1u64 << 40) as f64;
 
 impl<R: Real> SupportMap<R> for Polytope {
+    #[inline]
     fn support(&self, direction: R::Vec3) -> Support<R> {
-        farthest(&self.vertices, direction)
+        if self.blocks.len() < MIN_BLOCKS_TO_SCAN {
+            return farthest(&self.vertices, direction);
+        }
+        let Self { vertices: points, blocks, outer_radius: radius, reach, .. } = self;
+        Vertices { points, blocks, radius: *radius, reach: *reach }.farthest(direction)
     }
 
     fn radius(&self) -> R {

@@ -1,8 +1,12 @@
 //! The one query that a solver makes of a shape.
 
+mod scan;
+
 use crate::{Real, Vector};
 use glam::DVec3;
 use std::sync::Arc;
+
+pub(crate) use scan::Vertices;
 
 /// A farthest point of a shape's core in some direction.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -250,6 +250,13 @@ impl Prepared {
             }
     }
 
+    /// Whether both are polytopes, of whose touching nothing is ever undecided.
+    pub(super) fn is_polytope_pair(&self, body: u32, other: Other) -> bool {
+        let objects = [self.bodies[body as usize].0, self.object_of(other)];
+        let scene = self.cell.scene();
+        objects.iter().all(|&object| scene.shape(object as usize).as_polytope().is_some())
+    }
+
     pub(super) fn link_set(&self) -> LinkSet {
         let shape = |&(object, _): &(u32, usize)| self.cell.scene().shape(object as usize).clone();
         LinkSet::new(self.bodies.iter().map(shape).collect())

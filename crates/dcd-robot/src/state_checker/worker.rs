@@ -29,6 +29,10 @@ pub(super) const FEW: usize = 2 * CHUNK;
 /// touches. Larger: more is decided in vain. Smaller cannot be. No effect on any answer.
 const AT_FIRST: usize = 1;
 
+/// Up to how many pairs of polytopes are decided one by one; for more of them the links are prepared, and the lanes filled.
+/// Larger: more work for each pair. Smaller: lanes are prepared that stay empty. No effect on any answer.
+const FEW_PAIRS: usize = 8;
+
 /// What a thread works with.
 #[derive(Debug, Default)]
 pub(super) struct Worker {
@@ -226,22 +230,25 @@ impl Worker {
         }
     }
 
-    /// Decides the pairs of `next` that have a sphere on the robot's side, one by one, and takes them out: the lanes
-    /// leave few of them, for which the obstacles need not be prepared.
-    fn decide_spheres(
+    /// Decides pairs of `next` one by one and takes them out: those that have a sphere on the robot's side, of which the
+    /// lanes leave few, and polytopes where they are few.
+    fn decide_one_by_one(
         &mut self,
         prepared: &Prepared,
         note: &mut impl FnMut(Candidate, Verdict<()>),
     ) {
         let scene = prepared.cell.scene();
         let mut memory = Default::default();
-        let places = &self.places;
+        let (places, are_few) = (&self.places, self.next.len() <= FEW_PAIRS);
         self.next.retain(|candidate| {
             let &Candidate { configuration, link, other } = candidate;
             let (places, lane) =
                 (&places[configuration as usize / WIDTH], configuration as usize % WIDTH);
+            // Polytopes are decided exactly, so that it does not matter how many there are.
+            let is_alone = prepared.is_sphere_pair(link, other)
+                || are_few && prepared.is_polytope_pair(link, other);
             // What may be out of range is refused where the pairs are prepared, as is what has no pose.
-            if !prepared.is_sphere_pair(link, other) || !places.covers(lane) {
+            if !is_alone || !places.covers(lane) {
                 return true;
             }
             let posed = |body: u32| {
@@ -279,7 +286,7 @@ impl Worker {
         }
         let prepared = &checker.prepared;
         self.place_exactly(prepared, states);
-        self.decide_spheres(prepared, &mut note);
+        self.decide_one_by_one(prepared, &mut note);
         if self.next.is_empty() {
             return Ok(());
         }
