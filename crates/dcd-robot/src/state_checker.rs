@@ -39,7 +39,7 @@ use dcd_pipeline::{PairDecider, StaticWorld};
 use dcd_simd::Lanes;
 use prepared::Prepared;
 use std::sync::{Mutex, OnceLock};
-use worker::{CHUNK, FEW, Refused, Worker, at, with_chunk};
+use worker::{CHUNK, FEW, Refused, RefusedState, Worker, at, refused, with_chunk};
 
 /// By how much spheres are compared larger, where they are to be apart, or smaller, where they are to touch. Unit:
 /// metres a metre of the two sizes and places: 256 units of 2⁻²⁴, some four times what the roundings of frames,
@@ -213,7 +213,6 @@ impl StateChecker {
     /// Those of [`StateChecker::collides`] but for links out of range.
     #[doc(hidden)]
     pub fn place_links<S: AsRef<[f64]>>(&self, states: &[S]) -> Result<(), RobotError> {
-        let refused = |(state, error)| RobotError::AtState { state, error: Box::new(error) };
         self.workers.with(|worker| {
             let mut chunks = states.chunks(CHUNK).enumerate();
             chunks.try_for_each(|(chunk, states)| {
@@ -247,16 +246,20 @@ impl StateChecker {
         exec: impl Into<Exec<'e>>,
     ) -> Result<Vec<Option<StateHit>>, RobotError> {
         let mut first = vec![None; self.count(states)?];
-        let refused = Refused::default();
+        if first.len() <= CHUNK {
+            self.few(states, |worker, states| worker.first(self, (0, states), &mut first))?;
+            return Ok(first);
+        }
+        let refusals = Refused::default();
         let exec = exec.into().serial_below(states.len(), FEW);
         exec.divide(&mut first[..], CHUNK, |start, first| {
             self.workers.with(|worker| {
                 let states = &states[start..start + first.len()];
                 let found = with_chunk(states, |states| worker.first(self, (start, states), first));
-                found.unwrap_or_else(|(state, error)| refused.note(state, error));
+                found.unwrap_or_else(|(state, error)| refusals.note(state, error));
             });
         });
-        refused.check()?;
+        refusals.check()?;
         Ok(first)
     }
 
@@ -269,28 +272,26 @@ impl StateChecker {
         states: &[S],
         exec: impl Into<Exec<'e>>,
     ) -> Result<Vec<StateHit>, RobotError> {
-        let (count, refused) = (self.count(states)?, Refused::default());
+        let count = self.count(states)?;
+        if count <= CHUNK {
+            return self.few(states, |worker, states| {
+                worker.all(self, (0, states))?;
+                Ok(worker.hits.clone())
+            });
+        }
+        let refusals = Refused::default();
         let exec = exec.into().serial_below(count, FEW);
-        let check = |task: usize, out: &mut Vec<StateHit>| {
+        let mut all = Segments::default();
+        all.fill(exec, count.div_ceil(CHUNK), |task, out| {
             self.workers.with(|worker| {
                 let start = task * CHUNK;
                 let states = &states[start..count.min(start + CHUNK)];
                 let found = with_chunk(states, |states| worker.all(self, (start, states)));
-                found.unwrap_or_else(|(state, error)| refused.note(state, error));
+                found.unwrap_or_else(|(state, error)| refusals.note(state, error));
                 out.extend_from_slice(&worker.hits);
             });
-        };
-        if (1..=CHUNK).contains(&count) {
-            // A state alone would wait for the memory of many threads' lists.
-            let mut all = [Vec::new()];
-            exec.each(&mut all, check);
-            refused.check()?;
-            let [all] = all;
-            return Ok(all);
-        }
-        let mut all = Segments::default();
-        all.fill(exec, count.div_ceil(CHUNK), check);
-        refused.check()?;
+        });
+        refusals.check()?;
         Ok(all.iter().flatten().copied().collect())
     }
 
@@ -305,7 +306,7 @@ impl StateChecker {
         exec: impl Into<Exec<'e>>,
     ) -> Result<Vec<Option<Clearance>>, RobotError> {
         let mut least = vec![None; self.count(states)?];
-        let refused = Refused::default();
+        let refusals = Refused::default();
         exec.into().divide(&mut least[..], CLEARANCES, |start, least| {
             self.moved_cells.with(|cell| {
                 let held = cell.take().filter(|cell| cell.has_obstacles_of(self.cell()));
@@ -313,13 +314,23 @@ impl StateChecker {
                 for (state, least) in (start..).zip(least) {
                     match cell.clearance(states[state].as_ref()) {
                         Ok(found) => *least = found,
-                        Err(error) => refused.note(state, error),
+                        Err(error) => refusals.note(state, error),
                     }
                 }
             });
         });
-        refused.check()?;
+        refusals.check()?;
         Ok(least)
+    }
+
+    /// Works on few states, on the thread that asks: a state alone takes less time than tasks and the lists of threads.
+    fn few<S: AsRef<[f64]>, R>(
+        &self,
+        states: &[S],
+        work: impl FnOnce(&mut Worker, &[&[f64]]) -> Result<R, RefusedState>,
+    ) -> Result<R, RobotError> {
+        let done = self.workers.with(|worker| with_chunk(states, |states| work(worker, states)));
+        done.map_err(refused)
     }
 
     /// How many states there are.

@@ -112,6 +112,8 @@ pub(super) struct Chain {
     drives: Vec<(Drive, f64)>,
     /// Where quaternions begin in a state.
     quaternions: Vec<usize>,
+    /// The values of a state that are none of those.
+    idle: Vec<usize>,
     /// For each link with spheres.
     pub(super) errors: Vec<FrameError>,
     /// Whether the bounds hold.
@@ -136,6 +138,7 @@ impl Chain {
             frames: 0,
             drives: Vec::new(),
             quaternions: Vec::new(),
+            idle: Vec::new(),
             errors: Vec::new(),
             is_bounded: true,
         };
@@ -163,6 +166,8 @@ impl Chain {
             }
         }
         chain.frames = frames.count;
+        let is_driven = |value: &usize| chain.drives.iter().any(|(by, _)| by.value == *value);
+        chain.idle = (0..robot.moved.len()).filter(|value| !is_driven(value)).collect();
         chain.is_bounded = errors.iter().all(FrameError::is_bounded);
         // Without bounds every state is placed as [`Robot::place`] does it.
         let error =
@@ -207,8 +212,10 @@ impl Chain {
     /// Takes what moves the joints in at most sixteen states. Returns those that the bounds do not cover, or that are
     /// no states of the robot, a bit each.
     pub(super) fn read(&self, robot: &Robot, states: &[&[f64]], to: &mut Drives) -> u32 {
-        to.rows.resize(self.drives.len(), Row::default());
-        to.turns.resize(self.quaternions.len(), [Row::default(); 9]);
+        if (to.rows.len(), to.turns.len()) != (self.drives.len(), self.quaternions.len()) {
+            to.rows.resize(self.drives.len(), Row::default());
+            to.turns.resize(self.quaternions.len(), [Row::default(); 9]);
+        }
         let mut open = 0;
         for (lane, &state) in states.iter().take(WIDTH).enumerate() {
             if !self.read_state(robot, state, lane, to) {
@@ -228,8 +235,8 @@ impl Chain {
         }
         // What moves nothing has to be a number too.
         let mut is_known = self.is_bounded;
-        for value in state {
-            is_known &= value.is_finite();
+        for &value in &self.idle {
+            is_known &= state[value].is_finite();
         }
         for ((by, most), row) in self.drives.iter().zip(&mut to.rows) {
             let value = state[by.value] * by.factor + by.offset;

@@ -355,6 +355,12 @@ pub(super) fn at(start: usize, (state, error): RefusedState) -> RefusedState {
     (start + state, error)
 }
 
+/// Of a state counted from the batch's first one on.
+#[cold]
+pub(super) fn refused((state, error): RefusedState) -> RobotError {
+    RobotError::AtState { state, error: Box::new(error) }
+}
+
 /// The first state that was refused, on any thread.
 #[derive(Default)]
 pub(super) struct Refused(Mutex<Option<RefusedState>>);
@@ -369,7 +375,7 @@ impl Refused {
 
     pub(super) fn check(self) -> Result<(), RobotError> {
         match self.0.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
-            Some((state, error)) => Err(RobotError::AtState { state, error: Box::new(error) }),
+            Some(first) => Err(refused(first)),
             None => Ok(()),
         }
     }
