@@ -31,7 +31,7 @@ const AT_FIRST: usize = 1;
 
 /// Up to how many pairs of polytopes are decided one by one; for more of them the links are prepared, and the lanes filled.
 /// Larger: more work for each pair. Smaller: lanes are prepared that stay empty. No effect on any answer.
-const FEW_PAIRS: usize = 8;
+const FEW_PAIRS: usize = 4;
 
 /// What a thread works with.
 #[derive(Debug, Default)]
