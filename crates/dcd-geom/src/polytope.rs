@@ -2,11 +2,11 @@
 
 use crate::error::check_length;
 use crate::sphere::{Sphere, reach};
-use crate::support::{Vertices, farthest};
+use crate::support::{FarthestVertex, farthest};
 use crate::{
     FacetPlanes, Facets, FeatureRows, ObbBounds, Pose, Real, ShapeError, Support, SupportMap,
 };
-use dcd_simd::{Block, WIDTH};
+use dcd_simd::{Block, WIDTH, dispatch};
 use glam::DVec3;
 use std::sync::OnceLock;
 
@@ -339,10 +339,10 @@ impl<R: Real> SupportMap<R> for Polytope {
     #[inline]
     fn support(&self, direction: R::Vec3) -> Support<R> {
         if self.blocks.len() < MIN_BLOCKS_TO_SCAN {
-            return farthest(&self.vertices, direction);
+            farthest(&self.vertices, direction)
+        } else {
+            dispatch(FarthestVertex(self, direction))
         }
-        let Self { vertices: points, blocks, outer_radius: radius, reach, .. } = self;
-        Vertices { points, blocks, radius: *radius, reach: *reach }.farthest(direction)
     }
 
     fn radius(&self) -> R {

@@ -6,7 +6,7 @@ use crate::{Real, Vector};
 use glam::DVec3;
 use std::sync::Arc;
 
-pub(crate) use scan::Vertices;
+pub(crate) use scan::FarthestVertex;
 
 /// A farthest point of a shape's core in some direction.
 #[derive(Clone, Copy, Debug, PartialEq)]

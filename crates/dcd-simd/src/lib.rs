@@ -73,6 +73,15 @@ impl Block {
         glam::Vec3::new(x.0[k], y.0[k], z.0[k])
     }
 
+    /// The products of the points and a direction, each rounded twice and summed from the left: the same bits on every path.
+    #[inline(always)]
+    pub fn along<L: Lanes>(&self, l: L, direction: &[L::F; 3]) -> L::F {
+        let Self([x, y, z]) = self;
+        let [along_x, along_y, along_z] = *direction;
+        let (x, y) = (l.mul(l.load(x), along_x), l.mul(l.load(y), along_y));
+        l.add(l.add(x, y), l.mul(l.load(z), along_z))
+    }
+
     /// Points relative to a centre, subtracted in f64 and rounded to f32, sixteen a block; the last block is
     /// filled up with the last point.
     pub fn relative(

@@ -5,7 +5,7 @@
 //! first two coordinates are where it is seen along the ray. The first triangle is round the place where the ray would
 //! enter a sphere: its three supports wait for nothing, and it is near to the face.
 
-use crate::supports::{Polytopes, along};
+use crate::supports::Polytopes;
 use dcd_geom::Polytope;
 use dcd_geom::glam::{DMat3, Mat3A, Vec2, Vec3};
 use dcd_simd::{Block, Lanes, WIDTH};
@@ -76,7 +76,7 @@ impl<'p> Turned<'p> {
     #[inline(always)]
     fn farthest<L: Lanes>(&self, l: L, direction: Vec3, splatted: &[L::F; 3]) -> (u32, Vec3) {
         let [low, high] = &self.first;
-        let (in_low, in_high) = (along(l, low, splatted), along(l, high, splatted));
+        let (in_low, in_high) = (low.along(l, splatted), high.along(l, splatted));
         let most = l.largest(l.max(in_low, in_high));
         let all = l.splat(most);
         let bits = (l.bits(l.le(all, in_low)) & 0xffff) | l.bits(l.le(all, in_high)) << WIDTH;
@@ -96,7 +96,7 @@ impl<'p> Turned<'p> {
         // The blocks' numbers as bits of f32, which no operation reads as such.
         let (mut best, mut of) = (l.splat(most), l.splat(0.0));
         for (number, block) in self.rest.iter().enumerate() {
-            let along = along(l, block, &splatted);
+            let along = block.along(l, &splatted);
             let is_farther = l.lt(best, along);
             best = l.select(is_farther, along, best);
             of = l.select(is_farther, l.splat(f32::from_bits(number as u32)), of);
@@ -118,7 +118,7 @@ impl<'p> Turned<'p> {
 #[inline(always)]
 fn turn<L: Lanes>(l: L, block: &Block, rows: &[[L::F; 3]; 3], to: &mut Block) {
     for (to, row) in to.0.iter_mut().zip(rows) {
-        l.store(along(l, block, row), to);
+        l.store(block.along(l, row), to);
     }
 }
 

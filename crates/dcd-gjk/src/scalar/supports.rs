@@ -1,20 +1,9 @@
-//! Supports of two polytopes, sixteen vertices at a time in f32.
-//!
-//! f64 compares those vertices that f32 leaves, most often one: the same bits as all vertices in f64
-//! (docs/numerics/queries.md, "supports by lanes").
+//! Supports of two polytopes in one kernel (docs/numerics/queries.md, "supports by lanes").
 
 use crate::{Difference, Vertex};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape, Support, SupportMap};
-use dcd_simd::{Block, Kernel, Lanes, WIDTH, dispatch};
-
-/// What a product of a direction and a vertex, both rounded to f32, loses, and half of what the threshold below it
-/// does: five roundings and one half. Unit: 2⁻²⁴ of the direction's length by the outer radius. Smaller: another vertex
-/// than the farthest. Larger: more vertices are compared in f64.
-const LOST: f64 = 6.0 * (f32::EPSILON as f64 / 2.0);
-
-/// What the same product loses in f64. Unit: 2⁻⁵³ of the direction's length by the reach.
-const LOST_IN_F64: f64 = 8.0 * (f64::EPSILON / 2.0);
+use dcd_simd::{Kernel, Lanes, dispatch};
 
 pub(crate) type Polytopes<'b> = Difference<'b, f64, Polytope, Polytope>;
 
@@ -98,18 +87,7 @@ impl<L: Lanes, A: InBlocks, B: InBlocks> Exact<'_, '_, L, A, B> {
     }
 }
 
-/// Sixteen products of vertices and a direction, each rounded twice: the same bits on every path.
-#[inline(always)]
-pub(crate) fn along<L: Lanes>(l: L, block: &Block, d: &[L::F; 3]) -> L::F {
-    let Block([x, y, z]) = block;
-    let (x, y, z) = (l.mul(l.load(x), d[0]), l.mul(l.load(y), d[1]), l.mul(l.load(z), d[2]));
-    l.add(l.add(x, y), z)
-}
-
-/// How many blocks are searched in one loop over the vertices that f32 leaves: as many as fill a mask.
-const BLOCKS_AT_ONCE: usize = u64::BITS as usize / WIDTH;
-
-/// The farthest vertex in f64, the first among equals. `near` is any vertex, by its number in the blocks.
+/// The farthest vertex, the first among equals. `near` is any vertex, by its number in the blocks.
 #[inline(always)]
 fn farthest<L: Lanes>(
     l: L,
@@ -117,47 +95,10 @@ fn farthest<L: Lanes>(
     direction: DVec3,
     near: Option<u32>,
 ) -> Support<f64> {
-    let Some(polytope) = map.polytope() else { return map.support(direction) };
-    let (blocks, vertices) = (polytope.vertex_blocks(), polytope.vertices());
-    let Some((first, rest)) = blocks.split_first() else { return polytope.support(direction) };
-    let [x, y, z] = direction.as_vec3().to_array();
-    let d = [l.splat(x), l.splat(y), l.splat(z)];
-    let known = near.and_then(|number| Some((blocks.get(number as usize / WIDTH)?, number)));
-    let far = if let Some((block, number)) = known {
-        // As the lanes do it.
-        let point = block.point(number as usize % WIDTH);
-        (point.x * x + point.y * y) + point.z * z
-    } else {
-        let mut most = along(l, first, &d);
-        for block in rest {
-            most = l.max(most, along(l, block, &d));
-        }
-        l.largest(most)
-    };
-    let size = direction.abs().element_sum();
-    let lost = size * (LOST * polytope.outer_radius() + LOST_IN_F64 * polytope.reach());
-    let least = f64::from(far) - 2.0 * lost;
-    let least = l.splat(least as f32 - f32::MIN_POSITIVE);
-    let (mut best, mut farthest) = (0, f64::MIN);
-    for (number, blocks) in blocks.chunks(BLOCKS_AT_ONCE).enumerate() {
-        // One loop for all of them: where it ends no branch predictor knows.
-        let mut bits = 0u64;
-        for block in blocks.iter().rev() {
-            let left = l.bits(l.le(least, along(l, block, &d))) & 0xffff;
-            bits = bits << WIDTH | u64::from(left);
-        }
-        while bits != 0 {
-            let number = number * BLOCKS_AT_ONCE * WIDTH + bits.trailing_zeros() as usize;
-            // The last block is filled up with the last vertex.
-            let k = number.min(vertices.len() - 1);
-            bits &= bits - 1;
-            let along = vertices[k].dot(direction);
-            if along > farthest {
-                (best, farthest) = (k, along);
-            }
-        }
+    match map.polytope() {
+        Some(polytope) => polytope.support_in_lanes(l, direction, near),
+        None => map.support(direction),
     }
-    Support { point: vertices[best], feature: best as u32 }
 }
 
 #[cfg(test)]
@@ -168,7 +109,27 @@ mod tests {
     use crate::motion::tests::Draw;
     use dcd_geom::Pose;
     use dcd_geom::glam::DQuat;
-    use dcd_simd::{Path, dispatch_on};
+    use dcd_simd::{Path, WIDTH, dispatch_on};
+
+    /// The vertices of a polytope, compared one after the other.
+    struct Vertices<'a>(&'a Polytope);
+
+    impl Vertices<'_> {
+        fn posed<'a>(&'a self, of: PosedSupport<'a, Polytope>) -> PosedSupport<'a, Self> {
+            let PosedSupport { map: _, pose, reach, centre, inner } = of;
+            PosedSupport { map: self, pose, reach, centre, inner }
+        }
+    }
+
+    impl SupportMap<f64> for Vertices<'_> {
+        fn support(&self, direction: DVec3) -> Support<f64> {
+            let vertices = self.0.vertices();
+            let along = |k: &usize| vertices[*k].dot(direction);
+            let first = |best, k| if along(&k) > along(&best) { k } else { best };
+            let k = (0..vertices.len()).fold(0, first);
+            Support { point: vertices[k], feature: k as u32 }
+        }
+    }
 
     fn polytope(draw: &mut Draw, k: usize) -> Polytope {
         // Every other one with ties, a third far from its own origin, some without blocks.
@@ -194,11 +155,14 @@ mod tests {
             );
             let posed = (PosedSupport::polytope(&a, &pose_a), PosedSupport::polytope(&b, &pose_b));
             let difference = Difference::new(posed.0, posed.1).unwrap();
+            let maps = [Vertices(&a), Vertices(&b)];
+            let (in_a, in_b) = (maps[0].posed(posed.0), maps[1].posed(posed.1));
+            let one_by_one = Difference::new(in_a, in_b).unwrap();
             for j in 0..6 {
                 let along = if j == 0 { DVec3::Y } else { draw.vector() };
                 let along = if j % 2 == 0 { turn * along.round() } else { along };
                 let Some(direction) = unit::<f64>(along.to_array()) else { continue };
-                let expected = difference.lowest(direction);
+                let expected = one_by_one.lowest(direction);
                 // Any vertices may be given as near; a block's last number may be past the last vertex.
                 let blocks = [a.vertex_blocks().len(), b.vertex_blocks().len()];
                 let any = blocks.map(|blocks| (k * 7 + j) as u32 % (blocks * WIDTH).max(1) as u32);

@@ -1,5 +1,6 @@
 use super::*;
 use crate::{Polytope, SupportMap};
+use glam::DVec3;
 
 /// A number in [−1, 1).
 fn number(state: &mut u64) -> f64 {
