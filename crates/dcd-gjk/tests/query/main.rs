@@ -15,6 +15,7 @@ mod sphere_scenes;
 mod surfaces;
 mod thin_impacts;
 mod thin_rays;
+mod upright;
 mod within;
 
 use dcd_geom::glam::{DQuat, DVec3};
