@@ -10,6 +10,7 @@ mod manifold_points;
 mod manifolds;
 mod patches;
 mod proximity;
+mod ranks;
 mod scenes;
 mod sphere_scenes;
 mod surfaces;
