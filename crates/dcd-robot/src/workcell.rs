@@ -314,8 +314,12 @@ impl Robot {
 }
 
 fn padded_shape(padding: &Padding, shape: &Shape, link: &str) -> Result<Shape, RobotError> {
-    let refused = |error| RobotError::Shape { user: format!("link {link:?}"), error };
-    padding.applied(shape).map_err(refused)
+    let user = || format!("link {link:?}");
+    if !padding.suits(shape) {
+        let why = "a shape that is known by its support map alone has no scale".to_owned();
+        return Err(RobotError::Refused { user: user(), why });
+    }
+    padding.applied(shape).map_err(|error| RobotError::Shape { user: user(), error })
 }
 
 /// The parts that the world alone pads, and their shapes when padded.

@@ -10,11 +10,13 @@ mod manifold_points;
 mod manifolds;
 mod patches;
 mod proximity;
+mod ranks;
 mod scenes;
 mod sphere_scenes;
 mod surfaces;
 mod thin_impacts;
 mod thin_rays;
+mod upright;
 mod within;
 
 use dcd_geom::glam::{DQuat, DVec3};

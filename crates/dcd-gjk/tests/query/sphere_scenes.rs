@@ -90,3 +90,66 @@ fn spheres_alone_are_as_deep_as_beside_other_shapes_and_touch_in_the_same_points
         assert_same(&format!("{accuracy:?} manifolds"), &manifolds);
     }
 }
+
+/// Spheres of whole numbers times a power of two: how far apart they are is a comparison of whole numbers. Many touch or are a
+/// margin apart exactly, along the axes and across, or miss that by one in 2²⁰.
+#[test]
+fn spheres_of_whole_numbers_are_within_a_margin_as_their_squares_say() {
+    let mut draw = Draw::seeded(89);
+    let mut counts = [0; 3];
+    for round in 0..24 {
+        let unit = [1.0, 2f64.powi(-40), 2f64.powi(19)][round % 3];
+        let margin = [0, 5, 1 << 18][round / 3 % 3];
+        let mut below = |most: i64| ((draw.unit() + 1.0) * 0.5 * most as f64) as i64;
+        let radii: Vec<i64> = (0..6).map(|k| if k == 0 { 0 } else { below(1 << 19) + 1 }).collect();
+        let mut centres: Vec<([i64; 3], usize)> = Vec::new();
+        for k in 0..40usize {
+            let kind = k % 6;
+            let at = match k {
+                0..8 => [below(1 << 22), below(1 << 22), below(1 << 22)],
+                _ => {
+                    // Beside an earlier one: 1, 0, 0; 3, 4, 0; 2, 3, 6; 1, 4, 8 have whole lengths.
+                    let (centre, other) = centres[below(k as i64) as usize];
+                    let ways = [([1, 0, 0], 1), ([3, -4, 0], 5), ([2, 3, -6], 7), ([-1, 4, 8], 9)];
+                    let (way, length) = ways[below(4) as usize];
+                    let due = radii[other] + radii[kind] + if k % 2 == 0 { margin } else { 0 };
+                    let times = due / length + below(3) - 1;
+                    [0, 1, 2].map(|axis| centre[axis] + way[axis] * times)
+                }
+            };
+            centres.push((at, kind));
+        }
+        let shapes: Vec<Shape> =
+            radii.iter().map(|&radius| Shape::sphere(radius as f64 * unit).unwrap()).collect();
+        let objects = centres.iter().map(|&(at, kind)| {
+            let place = DVec3::from(at.map(|x| x as f64 * unit));
+            Object::new(kind as u32, Pose::from_translation(place).unwrap())
+        });
+        let scene = Scene::new(shapes, objects.collect::<Vec<_>>()).unwrap();
+        let pairs: Vec<Pair> =
+            (0..40u32).flat_map(|i| (i + 1..40).map(move |j| Pair::new(i, j))).collect();
+        let beyond = |pair: &Pair, margin: i64| {
+            let [(a, of_a), (b, of_b)] = [pair.i, pair.j].map(|k| centres[k as usize]);
+            let squares = (0..3).map(|k| i128::from(a[k] - b[k]).pow(2)).sum::<i128>();
+            squares - i128::from(radii[of_a] + radii[of_b] + margin).pow(2)
+        };
+        let due = |margin: i64| pairs.iter().copied().filter(move |pair| beyond(pair, margin) <= 0);
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            for accuracy in ACCURACIES {
+                let said = format!("round {round}, {path:?} {accuracy:?}");
+                let narrow = SimdDistances::on(path, margin as f64 * unit, accuracy).unwrap();
+                let (near, _) = found(&narrow, &scene, &pairs);
+                assert!(near.iter().map(|c| c.pair).eq(due(margin)), "{said}");
+                for Contact { pair, answer } in &near {
+                    assert_eq!(answer.is_none(), beyond(pair, 0) <= 0, "{said}: {pair:?}");
+                }
+                let (deep, _) = found(&SimdDepths::on(path, Depths, accuracy), &scene, &pairs);
+                assert!(deep.iter().map(|c| c.pair).eq(due(0)), "{said}");
+                counts[0] += near.len();
+                counts[1] += deep.len();
+            }
+        }
+        counts[2] += pairs.iter().filter(|pair| beyond(pair, margin) == 0).count();
+    }
+    assert!(counts.iter().all(|&count| count > 30), "{counts:?}");
+}

@@ -186,4 +186,59 @@ mod tests {
             }
         }
     }
+
+    /// By the sines of the two parts of the way, which f64 knows well away from no turn and from a full one.
+    #[test]
+    fn any_quaternion_is_where_the_formula_of_the_great_circle_has_it() {
+        let mut state = 5u64;
+        let mut draw = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        let mut checked = 0;
+        for _ in 0..2000 {
+            let mut quaternion = || {
+                let q: [f64; 4] = from_fn(|_| draw());
+                let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+                q.map(|x| x / length)
+            };
+            let (f, g) = (quaternion(), quaternion());
+            let cosine: f64 = f.iter().zip(g).map(|(x, y)| x * y).sum();
+            if cosine.abs() > 0.99 || cosine.is_nan() {
+                continue;
+            }
+            let angle = cosine.acos();
+            let at = |t: f64| -> [f64; 4] {
+                let (from, to) = (((1.0 - t) * angle).sin(), (t * angle).sin());
+                from_fn(|k| (f[k] * from + g[k] * to) / angle.sin())
+            };
+            // The middle column, by turning the y axis with the quaternion.
+            let turned = |[x, y, z, w]: [f64; 4]| {
+                [2.0 * (x * y - z * w), w * w - x * x + y * y - z * z, 2.0 * (y * z + x * w)]
+            };
+            let slerp = Slerp::between(f, g).unwrap();
+            for t in [0.0, 0.25, 0.6, 1.0] {
+                let rows = slerp.rotation(Interval::point(t));
+                let step = 1e-6;
+                let (due, before, after) =
+                    (turned(at(t)), turned(at(t - step)), turned(at(t + step)));
+                for k in 0..3 {
+                    let found = rows[k][1];
+                    assert!(
+                        holds(found.value, due[k], 1e-13),
+                        "{f:?} {g:?} {t}: {found:?} {due:?}"
+                    );
+                    assert!(found.value.hi - found.value.lo < 1e-13, "{f:?} {g:?} {t}: {found:?}");
+                    let speed = (after[k] - before[k]) / (2.0 * step);
+                    assert!(holds(found.first, speed, 1e-8), "{f:?} {g:?} {t}: {found:?} {speed}");
+                    let bend = (after[k] - 2.0 * due[k] + before[k]) / (step * step);
+                    assert!(holds(found.second, bend, 0.05), "{f:?} {g:?} {t}: {found:?} {bend}");
+                }
+                checked += 1;
+            }
+        }
+        assert!(checked > 5000, "{checked}");
+    }
 }

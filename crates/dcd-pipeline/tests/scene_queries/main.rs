@@ -2,6 +2,7 @@
 #![allow(missing_docs)]
 
 mod batches;
+mod changed;
 mod crowd;
 
 use dcd_exec::{Segments, with_threads};

@@ -1,5 +1,6 @@
 //! States in lanes beside every pair decided alone, on random robots in random worlds.
 
+mod batches;
 mod boundary;
 mod huge;
 mod random;
@@ -17,8 +18,8 @@ use dcd_simd::{Path, WIDTH, dispatch_on};
 use glam::{DMat3, DVec3};
 use std::path::Path as FilePath;
 
-pub(super) use random::{Draw, robot, shape, state};
-use random::{cell, robot_of, seeded, world};
+pub(super) use random::{Draw, robot, seeded, shape, state, world};
+use random::{cell, robot_of};
 
 /// Every pair of a state that is not apart, each decided by itself in f64 and exactly.
 fn alone(cell: &mut Workcell, state: &[f64]) -> Vec<(Pair, bool)> {

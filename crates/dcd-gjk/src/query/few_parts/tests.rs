@@ -5,7 +5,7 @@ use crate::distance::{DistanceResult, distance as certified_distance, gap_along}
 use crate::motion::tests::Draw;
 use crate::query::{Accuracy, Feature, MeasureAt};
 use crate::{Depths, Manifolds, PosedShape, Verdict, mesh};
-use dcd_geom::glam::{DQuat, DVec3};
+use dcd_geom::glam::{DMat3, DQuat, DVec3};
 use dcd_geom::{Pose, Shape};
 
 fn pose(draw: &mut Draw, reach: f64, is_turned: bool) -> Pose {
@@ -217,4 +217,78 @@ fn every_two_parts_that_touch_belong_to_a_manifold() {
         }
     }
     assert!(pairs_seen > 1000 && several > 100, "{pairs_seen} {several}");
+}
+
+/// A convex shape of about that size, or a half-space at about that distance.
+fn sized(draw: &mut Draw, k: usize, size: f64) -> Shape {
+    let half = draw.vector().abs() * 0.3 * size + 0.02 * size;
+    let made = match k % 8 {
+        0 => Shape::sphere(half.x),
+        1 | 5 => Shape::cuboid(half),
+        2 => Shape::capsule(half.x, half.y),
+        3 => Shape::cylinder(half.x, half.y),
+        4 => Shape::triangle([0; 3].map(|_| draw.vector() * 0.4 * size)),
+        6 => Shape::cone(half.x, half.y),
+        _ => Shape::cuboid(half).and_then(|cuboid| cuboid.rounded(0.1 * size)),
+    };
+    made.unwrap()
+}
+
+/// The pose with a matrix that is off a rotation by about that.
+fn tilted(draw: &mut Draw, pose: &Pose, off: f64) -> Pose {
+    let [x, y, z] = [0; 3].map(|_| draw.vector() * off);
+    let rotation = *pose.rotation() + DMat3::from_cols(x, y, z);
+    Pose::from_matrix(rotation, pose.translation()).unwrap()
+}
+
+/// Of any rank, of sizes far apart, and at poses that are hardly rotations.
+#[test]
+fn bounds_of_few_parts_hold_at_every_rank() {
+    let mut draw = draw(16);
+    let (mut deep, mut apart) = (0, 0);
+    for k in 0..4000usize {
+        let size = [1e-6, 1e-3, 1.0, 1e6][k % 4];
+        let other_size = size * [1.0, 1e-3, 30.0][k / 4 % 3];
+        let parts = (0..1 + k % 5).map(|j| {
+            let shape = sized(&mut draw, j + k / 7, size);
+            (shape, pose(&mut draw, 0.3 * size, j > 0))
+        });
+        let one = Shape::compound(parts.collect()).unwrap();
+        let other = match k % 9 {
+            0 => Shape::half_space(draw.vector() * 3.0, draw.vector().x * size).unwrap(),
+            1 => {
+                let part = (sized(&mut draw, k / 3, other_size), pose(&mut draw, 0.2 * size, true));
+                Shape::compound(vec![part]).unwrap()
+            }
+            _ => sized(&mut draw, k / 3, other_size),
+        };
+        let far = draw.vector() * size * [0.0, 1.0, 300.0][k / 5 % 3];
+        let off = [0.0, 1e-13, 3e-13, 1e-8][k / 11 % 4];
+        let poses = [(); 2].map(|()| {
+            let pose = pose(&mut draw, 0.5 * size, k % 13 > 0);
+            let pose = pose.with_translation(pose.translation() + far).unwrap();
+            tilted(&mut draw, &pose, off)
+        });
+        let [a, b] = [
+            PosedShape { shape: &one, pose: &poses[0] },
+            PosedShape { shape: &other, pose: &poses[1] },
+        ];
+        let mut scratch = Default::default();
+        if let Some(found) = depth(a, b, &mut scratch) {
+            let truth = Depths.measure_at(Accuracy::Certified, a, b, &mut scratch);
+            let Verdict::Touching(best) = truth else { panic!("{k}: {truth:?}") };
+            let off = (found.depth - best.depth).abs();
+            assert!(off <= found.error_bound + best.error_bound, "{k}: {found:?} {best:?}");
+            deep += 1;
+        }
+        if let Some(gap) = distance(a, b) {
+            let DistanceResult::Apart(best) = certified_distance(a, b).0 else {
+                panic!("{k}: {gap:?}")
+            };
+            let off = (gap.distance - best.distance).abs();
+            assert!(off <= gap.error_bound + best.error_bound, "{k}: {gap:?} {best:?}");
+            apart += 1;
+        }
+    }
+    assert!(deep > 200 && apart > 600, "{deep} {apart}");
 }

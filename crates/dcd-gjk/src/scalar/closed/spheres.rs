@@ -101,7 +101,8 @@ pub(crate) fn distance_of_spheres(
 pub(crate) fn spheres_are_beyond(spheres: [PlacedSphere; 2], margin: f64) -> bool {
     Spheres::of(spheres).is_some_and(|spheres| {
         let Gap { value, error } = spheres.gap();
-        // More by a step of f64, which the difference may be off by.
+        // By a step of f64 more: so the exact difference is more than the margin. Of the radii grown by half of that each, of
+        // which the exact answer is, the sum may be u of radii and margin more: the error has 2u of the length to spare.
         value - error > margin.next_up()
     })
 }
@@ -110,7 +111,8 @@ pub(crate) fn spheres_are_beyond(spheres: [PlacedSphere; 2], margin: f64) -> boo
 ///
 /// The sum of squares is at most 5u above the true square of the distance: a difference loses u, which its square doubles, the
 /// square u, two sums u each. That of the radii and the margin loses 2u, which its square doubles, the square u, the product and
-/// the sum below u each: 7u. 16u covers both. What underflows is less than the smallest normal number.
+/// the sum below u each: 7u. The radii grown by half of the margin each, of which the exact answer is, are rounded up by u, which
+/// the square doubles. 16u covers all. What underflows is less than the smallest normal number.
 #[inline(always)]
 pub(crate) fn squares_are_beyond([a, b]: [PlacedSphere; 2], margin: f64) -> bool {
     let between = a.centre - b.centre;

@@ -1,8 +1,11 @@
 //! Worlds that change beside worlds made anew.
 
-use super::super::tests::{Draw, robot, shape, state};
+use super::super::tests::{Draw, robot, seeded, shape, state};
 use super::*;
-use crate::{AllowedPairs, Padding, Robot, World};
+use crate::{
+    AllowedPairs, EdgeAnswer, EdgeChecker, JointPath, Padding, Robot, SensedPoint, SensedWorld,
+    World,
+};
 use dcd_pipeline::Par;
 use std::sync::Arc;
 
@@ -51,7 +54,7 @@ impl Both {
     fn change(&mut self, draw: &mut Draw) {
         let count = self.world.obstacles.len();
         let place = draw.below(count.max(1) as u32) as usize;
-        match draw.below(9) {
+        match draw.below(10) {
             0 => {
                 let all = draw.below(if count > 64 { 140 } else { 20 });
                 let all: Vec<Obstacle> = (0..all).map(|_| self.next(draw)).collect();
@@ -67,6 +70,10 @@ impl Both {
                 let pose = draw.pose(0.8);
                 self.changed.move_obstacle(place, pose).unwrap();
                 self.world.obstacles[place].pose = pose;
+            }
+            9 => {
+                let cell = Workcell::new(self.robot.clone(), &self.world, &self.allowed).unwrap();
+                self.changed.set_cell(cell).unwrap();
             }
             _ if count > 0 => {
                 self.changed.remove_obstacle(place).unwrap();
@@ -94,7 +101,7 @@ impl Both {
 
 #[test]
 fn a_changed_world_answers_as_one_made_anew() {
-    let mut draw = Draw(11);
+    let mut draw = seeded(11);
     let mut hits = 0;
     for round in 0..24 {
         // Few, or so many that there is a tree.
@@ -155,4 +162,103 @@ fn what_is_refused_changes_nothing() {
         assert!(said[5].contains(&count.to_string()), "{said:?}");
         both.compare(&states);
     }
+}
+
+/// Points and boxes in one place after the other, some of no size, some far away.
+fn replace_cloud(draw: &mut Draw, sensed: &mut SensedWorld) -> SensedWorld {
+    let count = [0, 1, 40, 300][draw.below(4) as usize];
+    let (about, spread) = (draw.vector() * 0.5, draw.size(1e-3, 1.5));
+    let mut points: Vec<SensedPoint> = (0..count)
+        .map(|k| {
+            let radius = if k % 2 == 0 { 0.0 } else { draw.size(0.0, 0.05) };
+            SensedPoint { centre: about + draw.vector() * spread, radius }
+        })
+        .collect();
+    if draw.below(4) == 0 {
+        points.push(SensedPoint { centre: glam::DVec3::new(1e7, -3.0, 2e5), radius: 1.0 });
+    }
+    if draw.below(2) == 0 {
+        sensed.replace_points(&points).unwrap();
+        return SensedWorld::of_points(&points).unwrap();
+    }
+    let centres: Vec<_> = points.iter().map(|point| point.centre).collect();
+    let mut half = draw.vector().abs() * 0.05;
+    half.z = if draw.below(2) == 0 { 0.0 } else { half.z };
+    sensed.replace_boxes(half, &centres).unwrap();
+    SensedWorld::of_boxes(half, &centres).unwrap()
+}
+
+#[test]
+fn clouds_and_obstacles_that_change_are_met_as_those_made_anew() {
+    let mut draw = seeded(43);
+    let (mut seen, mut removed) = (0, 0);
+    for round in 0..10 {
+        let mut both = Both::new(&mut draw, [3, 70][round % 2]);
+        let mut sensed = SensedWorld::default();
+        for _ in 0..6 {
+            let mut anew = replace_cloud(&mut draw, &mut sensed);
+            for _ in 0..draw.below(3) {
+                both.change(&mut draw);
+            }
+            let states: Vec<_> = (0..17).map(|_| state(&mut draw, &both.robot)).collect();
+            if draw.below(2) == 0 {
+                let own = both.changed.own_points(&states[0], &sensed, 0.02).unwrap();
+                sensed.remove(&own);
+                anew.remove(&own);
+                removed += own.len();
+                assert_eq!(sensed.points(), anew.points());
+            }
+            let cell = Workcell::new(both.robot.clone(), &both.world, &both.allowed).unwrap();
+            let checker = StateChecker::new(cell).unwrap();
+            let hits = checker.sensed_hits(&states, &anew, Par::Serial).unwrap();
+            assert_eq!(both.changed.sensed_hits(&states, &sensed, Par::Pool).unwrap(), hits);
+            let collides = |checker: &StateChecker, world| {
+                checker.collides_with_sensed(&states, world, Par::Serial).unwrap()
+            };
+            assert_eq!(collides(&both.changed, &sensed), collides(&checker, &anew));
+            both.compare(&states);
+            seen += hits.len();
+        }
+    }
+    assert!(seen > 200 && removed > 5, "{seen} {removed}");
+}
+
+#[test]
+fn edges_in_a_changed_world_are_those_in_one_made_anew() {
+    let mut draw = seeded(47);
+    let mut kinds = [0; 3];
+    for round in 0..12 {
+        let mut both = Both::new(&mut draw, 4);
+        let cell = Workcell::new(both.robot.clone(), &both.world, &both.allowed).unwrap();
+        let mut edges = EdgeChecker::new(cell);
+        for step in 0..6 {
+            both.change(&mut draw);
+            match (round + step) % 3 {
+                0 => {
+                    let world = &both.world;
+                    edges
+                        .set_cell(Workcell::new(both.robot.clone(), world, &both.allowed).unwrap());
+                }
+                1 => edges.set_cell(both.changed.cell().clone()),
+                _ => edges.set_obstacles(&both.world.obstacles).unwrap(),
+            }
+            let cell = Workcell::new(both.robot.clone(), &both.world, &both.allowed).unwrap();
+            let anew = EdgeChecker::new(cell);
+            for _ in 0..4 {
+                let (from, to) = (state(&mut draw, &both.robot), state(&mut draw, &both.robot));
+                let path = JointPath::Straight([from, to]);
+                let of = |checker: &EdgeChecker| {
+                    [checker.check(&path, 300).unwrap(), checker.check_any(&path, 300).unwrap()]
+                };
+                let due = of(&anew);
+                assert_eq!(of(&edges), due, "round {round}, step {step}");
+                kinds[match due[0].answer {
+                    EdgeAnswer::Free { .. } => 0,
+                    EdgeAnswer::Hit { .. } => 1,
+                    EdgeAnswer::Undecided { .. } => 2,
+                }] += 1;
+            }
+        }
+    }
+    assert!(kinds[..2].iter().all(|&count| count > 10), "{kinds:?}");
 }

@@ -106,3 +106,72 @@ fn a_hull_shows_round_an_edge_what_all_its_farthest_vertices_have() {
     }
     assert!(counts.iter().all(|&count| count > 1000), "{counts:?}");
 }
+
+/// A roof whose ridge is all that is highest, and whose gables alone look up: both as much.
+#[test]
+fn of_two_faces_beyond_the_ends_of_an_edge_that_look_alike_the_first_is_shown() {
+    let roof = [
+        [-1.0, 0.0, 1.0],
+        [1.0, 0.0, 1.0],
+        [-10.0, -1.0, 0.0],
+        [-10.0, 1.0, 0.0],
+        [10.0, -1.0, 0.0],
+        [10.0, 1.0, 0.0],
+    ];
+    let mut firsts = [0; 2];
+    // The numbers of the vertices decide that of the faces.
+    for turn in 0..6 {
+        for back in [false, true] {
+            let mut points = roof.map(DVec3::from_array).to_vec();
+            points.rotate_left(turn);
+            if back {
+                points.reverse();
+            }
+            let polytope = Polytope::hull(points).unwrap();
+            let ends: Vec<u32> =
+                (0..6).filter(|&k| polytope.vertices()[k as usize].z == 1.0).collect();
+            let choice = Choice { polytope: &polytope, direction: DVec3::Z };
+            let gable = |end: u32| {
+                let around = polytope.facets().half_edges_from(end).iter();
+                around.copied().find(|half_edge| half_edge.normal.z > FACING).unwrap()
+            };
+            let gables = [gable(ends[0]), gable(ends[1])];
+            assert_eq!(gables[0].normal.z, gables[1].normal.z);
+            let due = gables[0].face.min(gables[1].face);
+            assert_eq!(choice.searched().name(), Feature::Face(due), "{turn} {back}");
+            assert_eq!(choice.round_vertices(&[], 1.0).name(), Feature::Face(due), "{turn} {back}");
+            firsts[usize::from(due == gables[1].face)] += 1;
+        }
+    }
+    assert!(firsts.iter().all(|&count| count > 0), "{firsts:?}");
+}
+
+/// Of a vertex that comes twice, a hair off, one is no corner: what is between the two is no edge.
+#[test]
+fn a_vertex_and_a_point_beside_it_are_no_edge() {
+    let mut beside = 0;
+    for hair in [1e-10, 1e-12, 1e-14] {
+        for offset in [DVec3::X, DVec3::Y, DVec3::new(-1.0, 0.5, 0.0)] {
+            for is_last in [false, true] {
+                let base = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+                let mut points = base.map(DVec3::from_array).to_vec();
+                let (apex, other) = (DVec3::Z, DVec3::Z + offset * hair);
+                points.extend(if is_last { [apex, other] } else { [other, apex] });
+                let polytope = Polytope::hull(points).unwrap();
+                let edges = |k: u32| polytope.facets().half_edges_from(k);
+                let is_edge = edges(4).iter().any(|half_edge| half_edge.to == 5);
+                println!(
+                    "{hair} {offset} {is_last}: {} {} {is_edge}",
+                    edges(4).len(),
+                    edges(5).len()
+                );
+                let choice = Choice { polytope: &polytope, direction: DVec3::Z };
+                let least = 1.0 - FARTHEST * polytope.outer_radius();
+                let due = choice.round_vertices(&[], least).name();
+                assert_eq!(choice.searched().name(), due, "{hair} {offset} {is_last}");
+                beside += usize::from(!is_edge);
+            }
+        }
+    }
+    assert!(beside > 0);
+}
