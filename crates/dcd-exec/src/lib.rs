@@ -14,10 +14,10 @@ mod observe;
 mod per_thread;
 mod segments;
 
-pub use dcd_geom::Splittable;
+pub use dcd_geom::{List, Splittable};
 pub use observe::{Observer, Stage};
 pub use per_thread::PerThread;
-pub use segments::{Cut, Filler, Segments, Span};
+pub use segments::{Cut, Filler, Segmented, Segments, Span};
 
 use keep_alive::{Engaged, KeepAlive};
 use rayon::slice::ParallelSliceMut;

@@ -1,6 +1,7 @@
 //! Output in task order, written by many threads without a lock.
 
-use crate::{Exec, PerThread, Splittable};
+use crate::{Exec, List, PerThread, Splittable};
+use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// How many items a task changes: some microseconds of work.
@@ -8,20 +9,23 @@ const CHANGED_AT_ONCE: usize = 16 * 1024;
 
 /// A list written in pieces: task k writes segment k to the end of its thread's buffer, and the
 /// segments are read in the order of the tasks. The buffers are kept from one use to the next.
+pub type Segments<T> = Segmented<Vec<T>>;
+
+/// [`Segments`] whose buffers are lists of any kind.
 #[derive(Debug)]
-pub struct Segments<T: Send> {
-    lent: PerThread<Buffer<T>>,
+pub struct Segmented<L: List> {
+    lent: PerThread<Buffer<L>>,
     /// As they are lent: out of its box and into another, a buffer would allocate.
     #[allow(clippy::vec_box)]
-    buffers: Vec<Box<Buffer<T>>>,
+    buffers: Vec<Box<Buffer<L>>>,
     spans: Vec<Span>,
 }
 
 /// A thread's buffer, known by a number while it is lent.
 #[derive(Debug)]
-struct Buffer<T> {
+struct Buffer<L> {
     number: Option<u32>,
-    items: Vec<T>,
+    items: L,
 }
 
 /// Where a segment is.
@@ -47,27 +51,27 @@ pub struct Cut(Span);
 
 /// Hands out the calling thread's buffer, for recursions that make their own tasks.
 #[derive(Debug)]
-pub struct Filler<'a, T: Send> {
-    lent: &'a PerThread<Buffer<T>>,
+pub struct Filler<'a, L: List> {
+    lent: &'a PerThread<Buffer<L>>,
     next: AtomicU32,
 }
 
-impl<T> Default for Buffer<T> {
+impl<L: List> Default for Buffer<L> {
     fn default() -> Self {
-        Self { number: None, items: Vec::new() }
+        Self { number: None, items: L::default() }
     }
 }
 
-impl<T: Send> Default for Segments<T> {
+impl<L: List> Default for Segmented<L> {
     fn default() -> Self {
         Self { lent: PerThread::default(), buffers: Vec::new(), spans: Vec::new() }
     }
 }
 
-impl<T: Send> Filler<'_, T> {
+impl<L: List> Filler<'_, L> {
     /// Runs `write`, which appends to the buffer that it is given and leaves what is there alone,
     /// and says where it wrote.
-    pub fn segment(&self, write: impl FnOnce(&mut Vec<T>)) -> Span {
+    pub fn segment(&self, write: impl FnOnce(&mut L)) -> Span {
         self.lent.with(|buffer| {
             let new = || self.next.fetch_add(1, Ordering::Relaxed);
             let number = *buffer.number.get_or_insert_with(new);
@@ -78,13 +82,13 @@ impl<T: Send> Filler<'_, T> {
     }
 }
 
-impl<T: Send> Segments<T> {
+impl<L: List> Segmented<L> {
     /// Replaces the contents: `task(k, buffer)` appends segment k to the buffer.
-    pub fn fill(&mut self, exec: Exec, tasks: usize, task: impl Fn(usize, &mut Vec<T>) + Sync) {
+    pub fn fill(&mut self, exec: Exec, tasks: usize, task: impl Fn(usize, &mut L) + Sync) {
         self.fill_by(exec, tasks, &task);
     }
 
-    fn fill_by(&mut self, exec: Exec, tasks: usize, task: &(dyn Fn(usize, &mut Vec<T>) + Sync)) {
+    fn fill_by(&mut self, exec: Exec, tasks: usize, task: &(dyn Fn(usize, &mut L) + Sync)) {
         if exec.is_plain(tasks) {
             return self.fill_here(exec, tasks, task);
         }
@@ -99,7 +103,7 @@ impl<T: Send> Segments<T> {
 
     /// The same on the calling thread: one buffer, lent to nobody. What lending costs would show in
     /// a small scene.
-    fn fill_here(&mut self, exec: Exec, tasks: usize, task: &dyn Fn(usize, &mut Vec<T>)) {
+    fn fill_here(&mut self, exec: Exec, tasks: usize, task: &dyn Fn(usize, &mut L)) {
         if self.buffers.is_empty() {
             self.lent.take_all(&mut self.buffers);
         }
@@ -122,7 +126,7 @@ impl<T: Send> Segments<T> {
     }
 
     /// Replaces the contents by the segments that `work` makes and returns in their final order.
-    pub fn gather(&mut self, work: impl FnOnce(&Filler<T>) -> Vec<Span>) {
+    pub fn gather(&mut self, work: impl FnOnce(&Filler<L>) -> Vec<Span>) {
         self.clear();
         let filler = Filler { lent: &self.lent, next: AtomicU32::new(0) };
         let spans = work(&filler);
@@ -155,6 +159,17 @@ impl<T: Send> Segments<T> {
         self.len() == 0
     }
 
+    /// Where the segments are, in order: a buffer's list, and which of its items.
+    pub fn spans(&self) -> impl Iterator<Item = (&L, Range<usize>)> {
+        let place = |span: &Span| {
+            let buffer = self.buffers.get(span.buffer as usize)?;
+            Some((&buffer.items, span.start..span.start + span.len))
+        };
+        self.spans.iter().filter_map(place)
+    }
+}
+
+impl<T: Send> Segments<T> {
     /// The segments in order.
     pub fn iter(&self) -> impl Iterator<Item = &[T]> {
         self.spans.iter().map(|&span| self.slice(Cut(span)))
@@ -241,6 +256,8 @@ mod tests {
                 out.extend((0..k % 7).map(|x| 100 * k + x + round))
             });
             segments.join_into(par.into(), &mut joined);
+            let spans = segments.spans().flat_map(|(list, items)| &list[items]);
+            assert!(spans.eq(&joined));
             assert_eq!(joined, segments.iter().flatten().copied().collect::<Vec<_>>());
             assert_eq!(joined.len(), segments.len());
         }
@@ -298,7 +315,7 @@ mod tests {
 
     #[test]
     fn a_recursion_orders_its_own_segments() {
-        fn halves(exec: Exec, range: std::ops::Range<u32>, filler: &Filler<u32>) -> Vec<Span> {
+        fn halves(exec: Exec, range: std::ops::Range<u32>, filler: &Filler<Vec<u32>>) -> Vec<Span> {
             if range.len() <= 3 {
                 return vec![filler.segment(|out| out.extend(range))];
             }

@@ -1,9 +1,12 @@
 //! The contract of this crate's trait, as a test that any narrow phase can call.
 
-use crate::{Contact, ContactSink, Method, NarrowPhase, Prepared, Report, Sides, Undecided};
+use crate::{
+    Contact, ContactList, ContactSink, ContactsOf, Method, NarrowPhase, Prepared, Report, Sides,
+    Undecided,
+};
 use dcd_geom::contract::Violation;
 use dcd_geom::glam::{DMat3, DVec3};
-use dcd_geom::{Aabb, HalfSpace, Pair, Scene, Shape, SphereBounds, Splittable, SupportMap};
+use dcd_geom::{Aabb, HalfSpace, List, Pair, Scene, Shape, SphereBounds, Splittable, SupportMap};
 use std::fmt::Debug;
 
 /// Tests the contract of [`NarrowPhase`] on a scene and pairs of its objects, each at most once; shapes
@@ -163,10 +166,11 @@ fn decided_between<N: NarrowPhase>(
     pairs: &[Pair],
     scratch: &mut N::Scratch,
 ) -> Decided<N::Answer> {
-    let mut contacts = Vec::new();
+    let mut contacts = ContactsOf::<N::Answer>::default();
     let mut report = Report::default();
     let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
     narrow.decide(a, b, pairs, scratch, &mut sink);
+    let contacts = contacts.contacts(0..contacts.len()).collect();
     let resolved = Method::ALL.iter().map(|&method| report.resolved(method)).sum();
     let undecided = report.undecided().to_vec();
     Decided { contacts, undecided, resolved, pair_count: report.pair_count() }
@@ -181,12 +185,12 @@ fn senses_the_contacts<N: NarrowPhase>(
     whole: &Decided<N::Answer>,
 ) -> Result<(), Violation> {
     let side = Prepared { scene, frame };
-    let (mut contacts, mut report) = (Vec::new(), Report::default());
+    let (mut contacts, mut report) = (ContactsOf::<N::Answer>::default(), Report::default());
     let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
     narrow.sense(side, side, pairs, &mut N::Scratch::default(), &mut sink);
     let is_unmeasured = |pair: Pair| whole.undecided.iter().any(|undecided| undecided.pair == pair);
     let mut due = whole.contacts.iter().map(|contact| contact.pair).peekable();
-    for Contact { pair, .. } in contacts {
+    for pair in contacts.pairs(0..contacts.len()) {
         // Of a pair that touches and cannot be measured, it is known that it touches.
         if due.next_if_eq(&pair).is_none() && !is_unmeasured(pair) {
             return Err(Violation(format!("{pair:?} is sensed and no contact")));

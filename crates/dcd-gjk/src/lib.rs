@@ -15,6 +15,7 @@
 #![forbid(unsafe_code)]
 
 mod bounds_only;
+mod contact_list;
 pub mod contract;
 mod exact;
 pub mod mesh;
@@ -34,6 +35,7 @@ pub(crate) use scalar::{
 pub use scalar::{certified, closed, distance, epa, gjk};
 
 pub use bounds_only::BoundsOnly;
+pub use contact_list::{ContactAnswer, ContactList, ContactsOf};
 pub use difference::{Difference, PosedSupport, Vertex};
 pub use distance::{Distance, DistanceResult};
 pub use narrow_phase::{

@@ -1,5 +1,6 @@
 //! The trait for a narrow phase of one's own, and what an answer is.
 
+use crate::{ContactAnswer, ContactList};
 use dcd_geom::{Aabb, Pair, Scene, Splittable};
 
 /// What is known of a pair: one of three, never a guess dressed as an answer.
@@ -32,9 +33,7 @@ pub enum Reason {
 }
 
 /// A touching pair and the answer about it.
-// In this order: of a large answer the first cache lines alone are written where there is little to say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(C)]
 pub struct Contact<A> {
     /// The objects.
     pub pair: Pair,
@@ -167,14 +166,14 @@ impl Report {
 
 /// Where [`NarrowPhase::decide`] writes.
 #[derive(Debug)]
-pub struct ContactSink<'a, A> {
+pub struct ContactSink<'a, A: ContactAnswer> {
     /// Touching pairs are appended here, in the order of the pairs given.
-    pub contacts: &'a mut Vec<Contact<A>>,
+    pub contacts: &'a mut A::List,
     /// Everything else that a step reports.
     pub report: &'a mut Report,
 }
 
-impl<A> ContactSink<'_, A> {
+impl<A: ContactAnswer> ContactSink<'_, A> {
     /// Files one verdict that `method` reached.
     pub fn file(&mut self, pair: Pair, method: Method, verdict: Verdict<A>) {
         match verdict {
@@ -246,7 +245,7 @@ pub enum Sides {
 /// see: `layout` brings it to every object, or `keeps` returns `false`.
 pub trait NarrowPhase: Send + Sync {
     /// The answer about a touching pair.
-    type Answer: Clone + Default + Send + Sync + 'static;
+    type Answer: ContactAnswer;
     /// What is prepared once a step for all objects; kept by the pipeline and reused.
     type Frame: Default + Send + Sync;
     /// A frame's part for a range of the objects.

@@ -1,7 +1,7 @@
 //! A narrow phase from a solver that sees one pair at a time.
 
 use crate::query::grown;
-use crate::{ContactSink, Method, NarrowPhase, Prepared, Sides, Verdict};
+use crate::{ContactAnswer, ContactSink, Method, NarrowPhase, Prepared, Sides, Verdict};
 use dcd_geom::{Aabb, Pair, Pose, Scene, Shape, Splittable};
 
 /// Judges two placed shapes. The simplest way to bring one's own GJK: wrap it in [`Pairwise`].
@@ -36,7 +36,7 @@ use dcd_geom::{Aabb, Pair, Pose, Scene, Shape, Splittable};
 /// ```
 pub trait PairSolver: Send + Sync {
     /// The answer about a touching pair.
-    type Answer: Clone + Default + Send + Sync + 'static;
+    type Answer: ContactAnswer;
     /// Memory that a thread reuses from pair to pair; `()` for a solver that needs none.
     type Scratch: Default + Send;
 

@@ -22,7 +22,7 @@ fn truth(case: &Case) -> bool {
 }
 
 /// What a narrow phase says of all cases in one scene, so that its lanes hold sixteen different ones.
-fn found<N: NarrowPhase>(narrow: &N, cases: &[Case]) -> Vec<bool> {
+fn found<N: NarrowPhase<Answer = ()>>(narrow: &N, cases: &[Case]) -> Vec<bool> {
     let shapes = cases.iter().flatten().map(|(shape, _)| shape.clone()).collect();
     let poses = cases.iter().flatten().map(|(_, pose)| *pose).collect();
     let scene = Scene::one_each(shapes, poses).unwrap();

@@ -8,9 +8,9 @@ use dcd_geom::{Pair, Scene, ShapeError};
 use dcd_gjk::epa::Depth;
 use dcd_gjk::query::ManifoldOptions;
 use dcd_gjk::{
-    Accuracy, Contact, Depths, Distance, Gjk, ManifoldSet, Manifolds, Overlap, OverlapUnchecked,
-    Pairwise, Proximities, Proximity, Report, SimdDepths, SimdDistances, ThenMeasure, WithAccuracy,
-    Within,
+    Accuracy, Contact, ContactAnswer, Depths, Distance, Gjk, ManifoldSet, Manifolds, Overlap,
+    OverlapUnchecked, Pairwise, Proximities, Proximity, Report, SimdDepths, SimdDistances,
+    ThenMeasure, WithAccuracy, Within,
 };
 
 /// What a yes or no guarantees.
@@ -256,7 +256,7 @@ impl<'p> AnyStep<'p> {
 
     /// [`Step::answers`].
     pub fn answers(&self) -> List<'p, (Pair, Answer)> {
-        fn list<'p, A: Clone + Send>(
+        fn list<'p, A: ContactAnswer>(
             step: &Step<'p, A>,
             answer: fn(A) -> Answer,
         ) -> List<'p, (Pair, Answer)> {

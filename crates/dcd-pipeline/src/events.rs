@@ -5,6 +5,7 @@ mod rows;
 use crate::Step;
 use dcd_exec::{Exec, Segments};
 use dcd_geom::{Handle, Pair, Scene};
+use dcd_gjk::ContactAnswer;
 use rows::Rows;
 
 /// What became of a touching pair.
@@ -77,7 +78,7 @@ const OBJECTS_PER_TASK: usize = 256;
 impl Events {
     /// Takes in what a step found in that scene, and replaces the list. The first step's pairs all
     /// begin.
-    pub fn follow<'e, A: Clone + Send + Sync>(
+    pub fn follow<'e, A: ContactAnswer>(
         &mut self,
         scene: &Scene,
         step: &Step<'_, A>,
@@ -88,7 +89,7 @@ impl Events {
 
     /// The same of the pairs with a sensor ([`Step::sensor_pairs`]): what entered it, stayed and left. To be
     /// followed beside contacts, in a list of its own.
-    pub fn follow_sensors<'e, A: Clone + Send + Sync>(
+    pub fn follow_sensors<'e, A: ContactAnswer>(
         &mut self,
         scene: &Scene,
         step: &Step<'_, A>,

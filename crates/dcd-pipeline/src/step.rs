@@ -4,9 +4,12 @@ use crate::moving_ranges::{empty_free_slots, for_each_range, moving_ranges};
 use crate::partition::{Boxed, CandidateSearch, Partition};
 use crate::queries::{Queries, QueryError, Trees};
 use dcd_broad::{BroadPhase, WideTree};
-use dcd_exec::{Cut, Exec, PerThread, Segments, Stage};
+use dcd_exec::{Cut, Exec, PerThread, Segmented, Segments, Stage};
 use dcd_geom::{Aabb, Pair, Revision, Scene};
-use dcd_gjk::{Contact, ContactSink, NarrowPhase, Overlap, Prepared, Report, Sides};
+use dcd_gjk::{
+    Contact, ContactAnswer, ContactList, ContactSink, ContactsOf, NarrowPhase, Overlap, Prepared,
+    Report, Sides,
+};
 use std::ops::Range;
 
 /// How many objects a task prepares. Larger: fewer tasks to share. Smaller: more overhead a task
@@ -134,9 +137,9 @@ pub struct Pipeline<B = WideTree, N: NarrowPhase = Overlap> {
     aabbs: Vec<Aabb>,
     partition: Partition,
     candidates: Candidates,
-    contacts: Segments<Contact<N::Answer>>,
+    contacts: Segmented<ContactsOf<N::Answer>>,
     /// The touching pairs of which one is a sensor; nobody reads their answers.
-    sensor_pairs: Segments<Contact<N::Answer>>,
+    sensor_pairs: Segmented<ContactsOf<N::Answer>>,
     workers: PerThread<WorkerScratch<N::Scratch>>,
     report: Report,
     stepped: Option<Stepped>,
@@ -172,8 +175,8 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
             aabbs: Vec::new(),
             partition: Partition::default(),
             candidates: Candidates::default(),
-            contacts: Segments::default(),
-            sensor_pairs: Segments::default(),
+            contacts: Segmented::default(),
+            sensor_pairs: Segmented::default(),
             workers: PerThread::default(),
             report: Report::default(),
             stepped: None,
@@ -324,30 +327,30 @@ impl<B: BroadPhase, N: NarrowPhase> Pipeline<B, N> {
 
 /// What a step found. Borrows the pipeline's buffers.
 #[derive(Debug)]
-pub struct Step<'p, A: Send> {
+pub struct Step<'p, A: ContactAnswer> {
     aabbs: &'p [Aabb],
     candidates: &'p Candidates,
-    contacts: &'p Segments<Contact<A>>,
-    sensor_pairs: &'p Segments<Contact<A>>,
+    contacts: &'p Segmented<A::List>,
+    sensor_pairs: &'p Segmented<A::List>,
     report: &'p Report,
 }
 
-impl<'p, A: Clone + Send> Step<'p, A> {
+impl<'p, A: ContactAnswer> Step<'p, A> {
     /// The touching pairs (i, j), i < j, in an order that depends on the scene alone; pairs with a sensor are
     /// not among them.
     pub fn contacts(&self) -> impl Iterator<Item = (u32, u32)> + use<'p, A> {
-        self.contacts.iter().flatten().map(|contact| contact.pair.into())
+        pairs_of::<A>(self.contacts)
     }
 
     /// The touching pairs with their answers, in the same order.
     pub fn answers(&self) -> impl Iterator<Item = Contact<A>> + use<'p, A> {
-        self.contacts.iter().flatten().cloned()
+        self.contacts.spans().flat_map(|(list, numbers)| list.contacts(numbers))
     }
 
     /// The touching pairs (i, j), i < j, of which at least one is a sensor ([`dcd_geom::Object::sensor`]), in a
     /// fixed order. Where the question has a margin, those within it.
     pub fn sensor_pairs(&self) -> impl Iterator<Item = (u32, u32)> + use<'p, A> {
-        self.sensor_pairs.iter().flatten().map(|contact| contact.pair.into())
+        pairs_of::<A>(self.sensor_pairs)
     }
 
     /// How many pairs touch, sensors apart.
@@ -375,4 +378,9 @@ impl<'p, A: Clone + Send> Step<'p, A> {
     pub fn report(&self) -> &'p Report {
         self.report
     }
+}
+
+/// The pairs of contacts.
+fn pairs_of<A: ContactAnswer>(contacts: &Segmented<A::List>) -> impl Iterator<Item = (u32, u32)> {
+    contacts.spans().flat_map(|(list, numbers)| list.pairs(numbers)).map(Pair::into)
 }

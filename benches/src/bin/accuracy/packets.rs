@@ -1,9 +1,9 @@
 //! The narrow phases that resolve a scene's pairs in packets, run on a subject's pairs.
 
-use dcd_geom::{Aabb, Pair};
+use dcd_geom::{Aabb, List, Pair};
 use dcd_gjk::{
-    Accuracy, ContactSink, Depths, Manifolds, NarrowPhase, Overlap, OverlapUnchecked, Prepared,
-    Report, Sides, SimdDepths, SimdDistances,
+    Accuracy, ContactList, ContactSink, ContactsOf, Depths, Manifolds, NarrowPhase, Overlap,
+    OverlapUnchecked, Prepared, Report, Sides, SimdDepths, SimdDistances,
 };
 
 use crate::precision::{Query, Said, deepest};
@@ -81,11 +81,11 @@ impl<N: NarrowPhase> Packets for PreparedPhase<N> {
     fn run(&mut self, subject: &Subject, pairs: &[u32], said: &mut Vec<Said>) {
         let in_scene: Vec<Pair> =
             pairs.iter().filter_map(|&k| subject.in_scene[k as usize]).collect();
-        let (mut contacts, mut report) = (Vec::new(), Report::default());
+        let (mut contacts, mut report) = (ContactsOf::<N::Answer>::default(), Report::default());
         let sink = &mut ContactSink { contacts: &mut contacts, report: &mut report };
         let side = Prepared { scene: &subject.scene, frame: &self.frame };
         self.narrow.decide(side, side, &in_scene, &mut self.scratch, sink);
-        let mut contacts = contacts.iter().peekable();
+        let mut contacts = contacts.contacts(0..contacts.len()).peekable();
         report.sort();
         let is_open =
             |pair| report.undecided().binary_search_by_key(&pair, |open| open.pair).is_ok();

@@ -15,7 +15,7 @@ pub(super) struct Walk<'w, T, K> {
     pub(super) traversal: Traversal,
     pub(super) exec: Exec<'w>,
     pub(super) stacks: &'w PerThread<Vec<Visit>>,
-    pub(super) filler: &'w Filler<'w, Pair>,
+    pub(super) filler: &'w Filler<'w, Vec<Pair>>,
 }
 
 impl<T: BoundingTree, K: Fn(u32, u32) -> bool + Sync> Walk<'_, T, K> {

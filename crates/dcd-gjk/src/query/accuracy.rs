@@ -3,7 +3,8 @@
 use super::distances::are_within;
 use crate::epa::Depth;
 use crate::simd::CuboidPatch;
-use crate::{Method, PairSolver, PosedShape, Verdict, certified};
+use crate::{Contact, ContactList, ContactsOf, Method, PairSolver, PosedShape, Verdict, certified};
+use dcd_geom::Pair;
 
 /// How good the bound of a distance or depth has to be. The bound is proved at every accuracy: a smaller
 /// accuracy makes it wider, never false. Which pairs touch does not depend on it.
@@ -46,6 +47,13 @@ pub trait MeasureDepth: MeasureAt {
 
     /// The same for two spheres, of which nothing else need be known, over a default answer.
     fn measure_spheres(&self, depth: &Depth, answer: &mut Self::Answer);
+
+    /// Adds a contact with that answer.
+    fn push_spheres(&self, pair: Pair, depth: &Depth, contacts: &mut ContactsOf<Self::Answer>) {
+        let mut answer = Self::Answer::default();
+        self.measure_spheres(depth, &mut answer);
+        contacts.push(Contact { pair, answer });
+    }
 
     /// The same for two polytopes, over a default answer; false where [`MeasureDepth::measure_depth`] is needed. By default
     /// always.

@@ -5,10 +5,10 @@ use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
 use crate::mesh::{Effort, OfTriangle, PartPair};
 use crate::{
-    Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, expanding, mesh,
-    order,
+    Contact, Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, expanding,
+    mesh, order,
 };
-use dcd_geom::{Kind, Shape};
+use dcd_geom::{Kind, Pair, Shape};
 
 /// How deep a pair overlaps, where, and with what bound: see [`Depth`].
 ///
@@ -116,6 +116,11 @@ impl MeasureDepth for Depths {
     #[inline]
     fn measure_spheres(&self, depth: &Depth, answer: &mut Depth) {
         *answer = *depth;
+    }
+
+    #[inline(always)]
+    fn push_spheres(&self, pair: Pair, depth: &Depth, contacts: &mut Vec<Contact<Depth>>) {
+        contacts.push(Contact { pair, answer: *depth });
     }
 
     fn measure_polytopes(

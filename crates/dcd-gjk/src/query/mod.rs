@@ -45,7 +45,8 @@ pub use accuracy::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, WithAccuracy};
 pub use depths::Depths;
 pub use distances::Distances;
 pub use manifold::{
-    Feature, Manifold, ManifoldOptions, ManifoldPoint, ManifoldSet, Manifolds, MeshEdges, MeshSides,
+    Feature, Manifold, ManifoldContacts, ManifoldOptions, ManifoldPoint, ManifoldSet, Manifolds,
+    MeshEdges, MeshSides,
 };
 pub use proximity::{Gradient, Proximities, Proximity, Smoothness, Twist};
 pub use then_measure::ThenMeasure;

@@ -2,9 +2,10 @@
 
 use super::{FEWEST_MEASURED, Within};
 use crate::{
-    Contact, ContactSink, NarrowPhase, Overlap, PairSolver, PosedShape, Prepared, Sides, Verdict,
+    Contact, ContactList, ContactSink, ContactsOf, NarrowPhase, Overlap, PairSolver, PosedShape,
+    Prepared, Sides, Verdict,
 };
-use dcd_geom::{Aabb, Pair, Scene, ShapeError};
+use dcd_geom::{Aabb, List, Pair, Scene, ShapeError};
 
 /// Runs a solver on touching pairs alone. First the narrow phase decides yes or no for all pairs (by default
 /// [`Overlap`], proved); then the solver measures those that touch.
@@ -56,9 +57,9 @@ type Side<'a, N> = Prepared<'a, <Within<N> as NarrowPhase>::Frame>;
 
 /// What a thread reuses from slice to slice.
 #[derive(Debug, Default)]
-pub struct Scratch<N, A, S> {
+pub struct Scratch<N, C, S> {
     narrow: N,
-    touching: Vec<Contact<A>>,
+    touching: C,
     solver: S,
 }
 
@@ -69,7 +70,7 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
         = <Within<N> as NarrowPhase>::Part<'f>
     where
         Self: 'f;
-    type Scratch = Scratch<N::Scratch, N::Answer, S::Scratch>;
+    type Scratch = Scratch<N::Scratch, ContactsOf<N::Answer>, S::Scratch>;
 
     fn aabb_margin(&self) -> Option<f64> {
         self.narrow.aabb_margin()
@@ -106,7 +107,7 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
     ) {
         self.find_touching((a, b), pairs, scratch, sink);
         let Scratch { touching, solver, .. } = scratch;
-        for &Contact { pair, .. } in &*touching {
+        for pair in touching.pairs(0..touching.len()) {
             let (one, other) = (PosedShape::of(a.scene, pair.i), PosedShape::of(b.scene, pair.j));
             match self.solver.measure(one, other, solver) {
                 Verdict::Touching(answer) => sink.contacts.push(Contact { pair, answer }),
@@ -125,11 +126,8 @@ impl<S: PairSolver + 'static, N: NarrowPhase> NarrowPhase for ThenMeasure<S, N> 
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
         self.find_touching((a, b), pairs, scratch, sink);
-        let unmeasured = |contact: &Contact<N::Answer>| Contact {
-            pair: contact.pair,
-            answer: S::Answer::default(),
-        };
-        sink.contacts.extend(scratch.touching.iter().map(unmeasured));
+        let touching = &scratch.touching;
+        touching.pairs(0..touching.len()).for_each(|pair| sink.contacts.push_pair(pair));
     }
 }
 

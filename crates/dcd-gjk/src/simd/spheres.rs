@@ -2,7 +2,7 @@
 
 use super::frame::{FramePair, Record, spheres_of};
 use crate::closed::{PlacedSphere, squares_are_beyond};
-use crate::{Contact, ContactSink, Method};
+use crate::{ContactAnswer, ContactSink, ContactsOf, Method};
 use dcd_geom::Pair;
 use dcd_simd::{Kernel, Lanes, Path, dispatch_on};
 
@@ -16,14 +16,14 @@ const AHEAD: usize = 32;
 /// What is made of two spheres that may be near.
 pub(super) trait MeasureSpheres {
     /// The answer.
-    type Answer;
+    type Answer: ContactAnswer;
 
     /// Adds the pair's contact; false where f64 does not say what it is, or that there is one.
     fn measure(
         &self,
         spheres: [PlacedSphere; 2],
         pair: Pair,
-        contacts: &mut Vec<Contact<Self::Answer>>,
+        contacts: &mut ContactsOf<Self::Answer>,
     ) -> bool;
 
     /// Resolves a pair of which that is false. Out of line.
@@ -74,7 +74,6 @@ impl<M: MeasureSpheres> Kernel for Decide<'_, '_, M> {
                 near[count] = pair;
                 count += usize::from(!are_beyond(records, pair, margin));
             }
-            sink.contacts.reserve(count);
             for &pair in &near[..count] {
                 let spheres = spheres_of(records, pair);
                 if !spheres.is_some_and(|both| measure.measure(both, pair, sink.contacts)) {

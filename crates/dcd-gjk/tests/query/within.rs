@@ -2,10 +2,10 @@
 
 use super::scenes::{pile, shapes};
 use dcd_geom::glam::DVec3;
-use dcd_geom::{Pair, Pose, Scene, Shape};
+use dcd_geom::{List, Pair, Pose, Scene, Shape};
 use dcd_gjk::{
-    Certified, Contact, ContactSink, Distances, NarrowPhase, Overlap, Pairwise, Prepared, Reason,
-    Report, Sides, ThenMeasure, Within, contract,
+    Certified, Contact, ContactList, ContactSink, ContactsOf, Distances, NarrowPhase, Overlap,
+    Pairwise, Prepared, Reason, Report, Sides, ThenMeasure, Within, contract,
 };
 
 /// The contacts among the pairs whose boxes overlap, and the report.
@@ -20,11 +20,11 @@ pub(crate) fn found<N: NarrowPhase>(
     narrow.prepare(scene, 0, part, &mut aabbs);
     let overlap = |pair: &Pair| aabbs[pair.i as usize].overlaps(&aabbs[pair.j as usize]);
     let candidates: Vec<Pair> = pairs.iter().copied().filter(overlap).collect();
-    let (mut contacts, mut report) = (Vec::new(), Report::default());
+    let (mut contacts, mut report) = (ContactsOf::<N::Answer>::default(), Report::default());
     let mut sink = ContactSink { contacts: &mut contacts, report: &mut report };
     let side = Prepared { scene, frame: &frame };
     narrow.decide(side, side, &candidates, &mut N::Scratch::default(), &mut sink);
-    (contacts, report)
+    (contacts.contacts(0..contacts.len()).collect(), report)
 }
 
 fn pairs_of<A>(contacts: &[Contact<A>]) -> Vec<Pair> {

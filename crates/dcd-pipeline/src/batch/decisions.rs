@@ -2,8 +2,8 @@
 
 use super::Obstacles;
 use super::posed_links::PosedLinks;
-use dcd_geom::Pair;
-use dcd_gjk::{Contact, ContactSink, NarrowPhase, Report, Verdict};
+use dcd_geom::{List, Pair};
+use dcd_gjk::{ContactAnswer, ContactList, ContactSink, NarrowPhase, Report, Verdict};
 
 /// What a link is checked against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,19 +22,19 @@ pub(super) struct Decisions<N: NarrowPhase> {
 }
 
 /// Pairs with obstacles, or of two links.
-struct Half<A> {
+struct Half<A: ContactAnswer> {
     pairs: Vec<Pair>,
-    contacts: Vec<Contact<A>>,
+    contacts: A::List,
     report: Report,
 }
 
-impl<A> Default for Half<A> {
+impl<A: ContactAnswer> Default for Half<A> {
     fn default() -> Self {
-        Self { pairs: Vec::new(), contacts: Vec::new(), report: Report::default() }
+        Self { pairs: Vec::new(), contacts: A::List::default(), report: Report::default() }
     }
 }
 
-impl<A> Half<A> {
+impl<A: ContactAnswer> Half<A> {
     fn sink(&mut self) -> (&[Pair], ContactSink<'_, A>) {
         let Self { pairs, contacts, report } = self;
         contacts.clear();
@@ -81,8 +81,8 @@ impl<N: NarrowPhase> Decisions<N> {
     pub(super) fn hits(&self) -> impl Iterator<Item = (Against, Pair, Verdict<N::Answer>)> {
         let halves = [(Against::Obstacles, &self.obstacles), (Against::Links, &self.links)];
         let contacts = halves.into_iter().flat_map(|(against, half)| {
-            let touching = |c: &Contact<N::Answer>| Verdict::Touching(c.answer.clone());
-            half.contacts.iter().map(move |c| (against, c.pair, touching(c)))
+            let contacts = half.contacts.contacts(0..half.contacts.len());
+            contacts.map(move |c| (against, c.pair, Verdict::Touching(c.answer)))
         });
         let undecided = halves.into_iter().flat_map(|(against, half)| {
             let undecided = half.report.undecided().iter();

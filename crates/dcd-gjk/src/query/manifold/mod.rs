@@ -8,6 +8,7 @@
 //! each normal along which some of their parts meet.
 
 mod clip;
+mod contacts;
 mod corners;
 mod cuboid_pair;
 mod cuboid_patch;
@@ -33,8 +34,10 @@ use crate::epa::{self, Depth};
 use crate::mesh::{self, PartIndex};
 use crate::simd::CuboidPatch;
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, closed, order};
+pub use contacts::ManifoldContacts;
 use corners::Corners;
 pub(crate) use cuboids::case_of;
+use dcd_geom::Pair;
 use dcd_geom::glam::DVec3;
 use dcd_simd::ArrayVec;
 pub(crate) use facing::{FACING, LEVEL};
@@ -245,9 +248,14 @@ impl MeasureDepth for Manifolds {
     #[inline(always)]
     fn measure_spheres(&self, depth: &Depth, answer: &mut ManifoldSet) {
         answer.write_one(|found| {
-            write_of_spheres(depth, found);
+            write_one_point(depth, OF_SPHERES, found);
             true
         });
+    }
+
+    #[inline(always)]
+    fn push_spheres(&self, pair: Pair, depth: &Depth, contacts: &mut ManifoldContacts) {
+        contacts.push_one_point(pair, depth, OF_SPHERES);
     }
 
     #[inline]
@@ -400,11 +408,8 @@ fn in_order(
     written
 }
 
-/// Of two spheres, over an empty manifold.
-#[inline]
-fn write_of_spheres(depth: &Depth, found: &mut Manifold) {
-    write_one_point(depth, [Feature::Vertex(0); 2], found);
-}
+/// What two spheres touch with.
+const OF_SPHERES: [Feature; 2] = [Feature::Vertex(0); 2];
 
 /// The bound of a manifold of shapes so large.
 fn bound_of(depth: &Depth, size: f64, [a, b]: [PosedShape<'_>; 2]) -> f64 {

@@ -7,7 +7,7 @@ use super::super::spheres::MeasureSpheres;
 use super::{Answers, SimdDepths};
 use crate::closed::{self, PlacedSphere};
 use crate::query::MeasureDepth;
-use crate::{Accuracy, Contact, ContactSink, Verdict, certified};
+use crate::{Accuracy, Contact, ContactList, ContactSink, ContactsOf, Verdict, certified};
 use dcd_geom::Pair;
 use dcd_simd::{Kernel, Lanes};
 
@@ -29,15 +29,14 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
         let Self { objects, accuracy, of_cuboids, cuboids, searched, answers } = self;
         let ScenePairs { frames, pairs, .. } = objects;
         let sharp = closed::sharp_of(accuracy);
-        let Answers { solver, answers, left, .. } = answers;
         cuboids.clear();
         of_cuboids.pairs.clear();
         searched.clear();
-        for ((number, &pair), contact) in (0..).zip(pairs).zip(answers.iter_mut()) {
+        for (number, &pair) in (0..).zip(pairs) {
             if let Some(spheres) = frames.spheres(pair) {
                 match closed::depth_of_spheres(spheres, sharp) {
-                    Some(depth) => solver.measure_spheres(&depth, &mut contact.answer),
-                    None => left.push(number),
+                    Some(depth) => answers.write_spheres(number, &depth),
+                    None => answers.left.push(number),
                 }
             } else if are_cuboids(frames, pair) {
                 cuboids.push(number);
@@ -64,16 +63,13 @@ impl<S: MeasureDepth> MeasureSpheres for BySpheres<'_, S> {
         &self,
         spheres: [PlacedSphere; 2],
         pair: Pair,
-        contacts: &mut Vec<Contact<S::Answer>>,
+        contacts: &mut ContactsOf<S::Answer>,
     ) -> bool {
         let SimdDepths { accuracy, solver, .. } = self.narrow;
         let Some(depth) = closed::depth_of_spheres(spheres, closed::sharp_of(*accuracy)) else {
             return false;
         };
-        contacts.push(Contact { pair, answer: S::Answer::default() });
-        if let Some(contact) = contacts.last_mut() {
-            solver.measure_spheres(&depth, &mut contact.answer);
-        }
+        solver.push_spheres(pair, &depth, contacts);
         true
     }
 
@@ -111,14 +107,12 @@ impl<S: MeasureDepth> Kernel for WritePatches<'_, '_, S> {
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) {
         let Self { objects, patches, of_cuboids, cuboids, answers } = self;
-        let Answers { solver, answers, .. } = answers;
         let pairs = &mut of_cuboids.pairs;
         let mut kept = 0;
         for place in 0..pairs.len().min(cuboids.len()) {
             let (pair, number) = (pairs[place], cuboids[place]);
             let patch = patches.of(place);
-            let answer = &mut answers[number as usize].answer;
-            if !patch.is_known() || !solver.measure_cuboids(patch, objects.posed(pair), answer) {
+            if !patch.is_known() || !answers.write_patch(number, patch, objects.posed(pair)) {
                 (pairs[kept], cuboids[kept]) = (pair, number);
                 kept += 1;
             }

@@ -14,17 +14,17 @@ use super::closed::{depths as of_cuboids, patches};
 use super::frame::{FramePair, SimdFrame};
 use super::scene_pairs::ScenePairs;
 use super::spheres;
-use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
+use super::{CertifiedBounds, CuboidPatch, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, Axes};
 use crate::epa::Depth;
 use crate::query::{FEWEST_MEASURED, FoundDepth as Found, MeasureDepth};
 use crate::{
-    Accuracy, Contact, ContactSink, Depths, NarrowPhase, PosedShape, PosedSupport, Prepared, Sides,
-    Verdict, order,
+    Accuracy, ContactList, ContactSink, ContactsOf, Depths, NarrowPhase, PosedShape, PosedSupport,
+    Prepared, Sides, Verdict, order,
 };
 use confirm::{Ended, SearchedPair, Side};
-use dcd_geom::{Aabb, Pair, Scene};
-use dcd_simd::{Kernel, Lanes, Path, dispatch_on, prefetch};
+use dcd_geom::{Aabb, List, Pair, Scene};
+use dcd_simd::{Kernel, Lanes, Path, dispatch_on};
 use formulas::{BySpheres, Sort, WritePatches};
 use search::{DepthSearch, Next};
 use start::Starts;
@@ -177,37 +177,38 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let touch = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
         touching.clear();
         touching.extend(touch.map(|(&pair, _)| pair));
-        // Each answer is written where it is kept.
+        // Each answer is written when it is known.
         let first = sink.contacts.len();
-        let empty = |&pair| Contact { pair, answer: S::Answer::default() };
-        sink.contacts.extend(touching.iter().map(empty));
+        touching.iter().for_each(|&pair| sink.contacts.push_pair(pair));
         left.clear();
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: touching };
-        let answers = &mut sink.contacts[first..];
-        let answers = Answers { solver: &self.solver, scratch: solver, answers, left };
+        let contacts = &mut *sink.contacts;
+        let answers = Answers { solver: &self.solver, scratch: solver, contacts, first, left };
         self.answer(objects, of_touching, answers);
         left.sort_unstable();
         let mut lists = yes.touching_parts.lists().peekable();
         left.retain(|&number| {
             let pair = touching[number as usize];
             let sides = objects.posed(pair);
-            let contact = &mut sink.contacts[first + number as usize];
             let measured = match lists.next_if(|&(listed, _)| pairs[listed as usize] == pair) {
                 Some((_, parts)) => self.solver.measure_parts(self.accuracy, parts, sides, solver),
                 None => self.solver.measure_at(self.accuracy, sides[0], sides[1], solver),
             };
             match measured {
                 Verdict::Touching(answer) => {
-                    contact.answer = answer;
+                    sink.contacts.write(first + number as usize, |place| {
+                        *place = answer;
+                        true
+                    });
                     return false;
                 }
                 Verdict::Apart => {}
-                Verdict::Undecided(reason) => sink.report.leave_unmeasured(contact.pair, reason),
+                Verdict::Undecided(reason) => sink.report.leave_unmeasured(pair, reason),
             }
             true
         });
         if !left.is_empty() {
-            drop_contacts(sink.contacts, first, left);
+            sink.contacts.take_away(first, left);
         }
     }
 
@@ -223,18 +224,8 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         yes.touching_parts.begin(false);
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touching = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
-        let unmeasured = |(&pair, _)| Contact { pair, answer: S::Answer::default() };
-        sink.contacts.extend(touching.map(unmeasured));
+        touching.for_each(|(&pair, _)| sink.contacts.push_pair(pair));
     }
-}
-
-/// Takes contacts away by their numbers in rising order, counted from the `first`.
-#[cold]
-fn drop_contacts<A>(contacts: &mut Vec<Contact<A>>, first: usize, numbers: &[u32]) {
-    let last = contacts.split_off(first);
-    let mut dropped = numbers.iter().peekable();
-    let kept = (0..).zip(last).filter(|(number, _)| dropped.next_if_eq(&number).is_none());
-    contacts.extend(kept.map(|(_, contact)| contact));
 }
 
 /// How many pairs are searched side by side: the supports of one do not wait for the faces of another. No effect on any
@@ -245,8 +236,9 @@ const SEATS: usize = 8;
 struct Answers<'a, S: MeasureDepth> {
     solver: &'a S,
     scratch: &'a mut S::Scratch,
-    /// One for each pair, empty.
-    answers: &'a mut [Contact<S::Answer>],
+    /// One for each pair from the `first` on, whose answers are to be written.
+    contacts: &'a mut ContactsOf<S::Answer>,
+    first: usize,
     /// The numbers of those that stay empty.
     left: &'a mut Vec<u32>,
 }
@@ -261,30 +253,52 @@ trait WriteDepth {
     fn prefetch(&self, number: usize);
 }
 
+impl<S: MeasureDepth> Answers<'_, S> {
+    /// Writes the answer of two spheres of that depth.
+    #[inline(always)]
+    fn write_spheres(&mut self, number: u32, depth: &Depth) {
+        self.contacts.write(self.first + number as usize, |answer| {
+            self.solver.measure_spheres(depth, answer);
+            true
+        });
+    }
+
+    /// Writes the answer of two cuboids with that patch; false where the depth is needed.
+    #[inline(always)]
+    fn write_patch(
+        &mut self,
+        number: u32,
+        patch: CuboidPatch<'_>,
+        sides: [PosedShape<'_>; 2],
+    ) -> bool {
+        self.contacts.write(self.first + number as usize, |answer| {
+            self.solver.measure_cuboids(patch, sides, answer)
+        })
+    }
+}
+
 impl<S: MeasureDepth> WriteDepth for Answers<'_, S> {
     fn write(&mut self, number: usize, found: Option<&Found>, sides: [PosedShape<'_>; 2]) {
-        let Self { solver, scratch, answers, left } = self;
-        let answer = &mut answers[number].answer;
-        let written = found.is_some_and(|found| {
-            let written = solver.measure_polytopes(found, sides, scratch, answer);
-            written || {
-                let [a, b] = sides;
-                match solver.measure_depth(found.depth, a, b, scratch) {
-                    Verdict::Touching(measured) => {
-                        *answer = measured;
-                        true
-                    }
-                    _ => false,
-                }
+        let Self { solver, scratch, contacts, first, left } = self;
+        let mut write = |found: &Found, answer: &mut S::Answer| {
+            if solver.measure_polytopes(found, sides, scratch, answer) {
+                return true;
             }
-        });
+            let [a, b] = sides;
+            let measured = solver.measure_depth(found.depth, a, b, scratch);
+            let Verdict::Touching(measured) = measured else { return false };
+            *answer = measured;
+            true
+        };
+        let written = found
+            .is_some_and(|found| contacts.write(*first + number, |answer| write(found, answer)));
         if !written {
             left.push(number as u32);
         }
     }
 
     fn prefetch(&self, number: usize) {
-        prefetch(&self.answers[number..=number]);
+        self.contacts.prefetch(self.first + number);
     }
 }
 

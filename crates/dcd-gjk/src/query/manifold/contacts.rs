@@ -1,0 +1,218 @@
+//! Contacts with their manifolds as a step keeps them: without the room that most do not fill.
+//!
+//! A manifold has room for four points, and most have one or two. Kept as they are, a step would write here and there in memory
+//! that it does not read, and wait for every line of it.
+
+#[cfg(test)]
+mod tests;
+
+use super::{Feature, Manifold, ManifoldPoint, ManifoldSet};
+use crate::epa::Depth;
+use crate::{Contact, ContactAnswer, ContactList};
+use dcd_geom::glam::DVec3;
+use dcd_geom::{List, Pair};
+use std::ops::Range;
+
+/// Contacts with their manifolds. One manifold of shapes without parts is kept as its points, in lists that are written from
+/// their beginning to their end; what has parts or several manifolds is kept as it is.
+#[derive(Clone, Debug, Default)]
+pub struct ManifoldContacts {
+    heads: Vec<Head>,
+    answers: Answers,
+    /// Where an answer is written before it is kept.
+    written: ManifoldSet,
+}
+
+/// A contact.
+#[derive(Clone, Copy, Debug)]
+struct Head {
+    pair: Pair,
+    answer: Place,
+}
+
+/// Where an answer is. In one word, so that a contact is two.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Place(usize);
+
+/// The same.
+enum Kept {
+    /// It was not written: the default one.
+    Nowhere,
+    /// In the list of single manifolds.
+    One(usize),
+    /// In that of whole answers.
+    Whole(usize),
+}
+
+/// The answers in the order in which they were written.
+#[derive(Clone, Debug, Default)]
+struct Answers {
+    ones: Vec<One>,
+    /// The points of these behind the first of each.
+    rest: Vec<Point>,
+    whole: Vec<ManifoldSet>,
+}
+
+/// A manifold of shapes without parts.
+#[derive(Clone, Copy, Debug)]
+struct One {
+    normal: DVec3,
+    error_bound: f64,
+    first: Point,
+    /// Where its other points end; they begin where those of the one before it do.
+    end: usize,
+}
+
+/// A point of shapes without parts.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    point_a: DVec3,
+    point_b: DVec3,
+    depth: f64,
+    features: [Feature; 2],
+}
+
+impl ContactAnswer for ManifoldSet {
+    type List = ManifoldContacts;
+}
+
+impl ManifoldContacts {
+    /// Adds the contact of two shapes without parts that touch in the witnesses of their depth.
+    #[inline(always)]
+    pub(super) fn push_one_point(&mut self, pair: Pair, depth: &Depth, features: [Feature; 2]) {
+        let &Depth { depth, normal, point_a, point_b, error_bound } = depth;
+        let first = Point { point_a, point_b, depth, features };
+        let Self { heads, answers: Answers { ones, rest, .. }, .. } = self;
+        heads.push(Head { pair, answer: Place::of_one(ones.len()) });
+        ones.push(One { normal, error_bound, first, end: rest.len() });
+    }
+}
+
+impl Place {
+    const NOWHERE: Self = Self(usize::MAX);
+
+    // No list is so long that twice a number is too large.
+    #[inline(always)]
+    fn of_one(number: usize) -> Self {
+        Self(2 * number)
+    }
+
+    fn of_whole(number: usize) -> Self {
+        Self(2 * number + 1)
+    }
+
+    fn kept(self) -> Kept {
+        match self.0 {
+            usize::MAX => Kept::Nowhere,
+            place if place % 2 == 0 => Kept::One(place / 2),
+            place => Kept::Whole(place / 2),
+        }
+    }
+}
+
+impl Answers {
+    /// Keeps an answer, of which the default or nothing is left.
+    #[inline(always)]
+    fn keep(&mut self, answer: &mut ManifoldSet) -> Place {
+        if let Some(only) = answer.only_mut()
+            && let Some((first, others)) = only.points.split_first()
+            && only.parts == [None; 2]
+            && only.points.iter().all(|point| point.parts == [None; 2])
+        {
+            let &Manifold { normal, error_bound, .. } = &*only;
+            self.rest.extend(others.iter().map(Point::of));
+            let (first, end) = (Point::of(first), self.rest.len());
+            self.ones.push(One { normal, error_bound, first, end });
+            return Place::of_one(self.ones.len() - 1);
+        }
+        self.whole.push(std::mem::take(answer));
+        Place::of_whole(self.whole.len() - 1)
+    }
+
+    /// An answer as it was.
+    fn at(&self, place: Place) -> ManifoldSet {
+        match place.kept() {
+            Kept::Nowhere => ManifoldSet::default(),
+            Kept::Whole(number) => self.whole[number].clone(),
+            Kept::One(number) => {
+                let One { normal, error_bound, first, end } = &self.ones[number];
+                let start = number.checked_sub(1).map_or(0, |before| self.ones[before].end);
+                let points = std::iter::once(first).chain(&self.rest[start..*end]);
+                let mut found =
+                    Manifold { normal: *normal, error_bound: *error_bound, ..Default::default() };
+                found.points.extend(points.map(Point::read));
+                found.into()
+            }
+        }
+    }
+
+    fn clear(&mut self) {
+        let Self { ones, rest, whole } = self;
+        ones.clear();
+        rest.clear();
+        whole.clear();
+    }
+}
+
+impl Point {
+    #[inline(always)]
+    fn of(&ManifoldPoint { point_a, point_b, depth, features, parts: _ }: &ManifoldPoint) -> Self {
+        Self { point_a, point_b, depth, features }
+    }
+
+    fn read(&self) -> ManifoldPoint {
+        let &Self { point_a, point_b, depth, features } = self;
+        ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] }
+    }
+}
+
+impl List for ManifoldContacts {
+    fn len(&self) -> usize {
+        self.heads.len()
+    }
+
+    fn clear(&mut self) {
+        self.heads.clear();
+        self.answers.clear();
+    }
+}
+
+impl ContactList<ManifoldSet> for ManifoldContacts {
+    fn push(&mut self, Contact { pair, mut answer }: Contact<ManifoldSet>) {
+        let answer = self.answers.keep(&mut answer);
+        self.heads.push(Head { pair, answer });
+    }
+
+    #[inline(always)]
+    fn push_pair(&mut self, pair: Pair) {
+        self.heads.push(Head { pair, answer: Place::NOWHERE });
+    }
+
+    #[inline(always)]
+    fn write(&mut self, number: usize, write: impl FnOnce(&mut ManifoldSet) -> bool) -> bool {
+        let Self { heads, answers, written } = self;
+        *written = ManifoldSet::default();
+        let is_written = write(written);
+        if is_written {
+            heads[number].answer = answers.keep(written);
+        }
+        is_written
+    }
+
+    fn take_away(&mut self, first: usize, numbers: &[u32]) {
+        crate::contact_list::keep_others(&mut self.heads, first, numbers);
+    }
+
+    /// Nothing: an answer is written at the end of a list.
+    fn prefetch(&self, _: usize) {}
+
+    fn pairs(&self, numbers: Range<usize>) -> impl Iterator<Item = Pair> {
+        self.heads[numbers].iter().map(|head| head.pair)
+    }
+
+    fn contacts(&self, numbers: Range<usize>) -> impl Iterator<Item = Contact<ManifoldSet>> {
+        let contact =
+            |head: &Head| Contact { pair: head.pair, answer: self.answers.at(head.answer) };
+        self.heads[numbers].iter().map(contact)
+    }
+}
