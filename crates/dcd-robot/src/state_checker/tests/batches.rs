@@ -2,15 +2,35 @@
 
 use super::*;
 use crate::Padding;
+use dcd_geom::Curved;
 use dcd_gjk::{Depths, DistanceResult, distance};
+use std::sync::Arc;
+
+/// An obstacle of any kind, those of which the lanes know little among them.
+fn any_shape(draw: &mut Draw) -> Shape {
+    let (kind, size) = (draw.below(8), draw.size(0.05, 0.4));
+    let mut cloud = |count: u32| (0..count).map(|_| draw.vector() * size).collect::<Vec<_>>();
+    let made = match kind {
+        0 => Shape::ellipsoid(cloud(1)[0].abs()),
+        1 => Shape::hull(cloud(150)),
+        2 => Shape::hull(cloud(3)),
+        3 => Shape::cuboid(DVec3::new(size, 0.5 * size, 0.0)),
+        4 => Shape::custom(Arc::new(Curved::cylinder(size, 0.5 * size).unwrap())),
+        _ => return shape(draw),
+    };
+    made.unwrap()
+}
 
 /// A robot of any kind that carries shapes of any kind, some links padded and scaled, in a world of few or many obstacles.
 fn equipped(draw: &mut Draw, round: usize) -> Workcell {
     let robot = robot(draw, round.is_multiple_of(3));
     let mut world = world(draw, &robot);
     for (k, name) in ["held", "other"].into_iter().enumerate().take(draw.below(3) as usize) {
-        let shapes: Vec<_> = (0..=k).map(|_| (shape(draw), draw.pose(0.3))).collect();
+        let shapes: Vec<_> = (0..=k).map(|_| (any_shape(draw), draw.pose(0.3))).collect();
         world.attach(Attached::new(name, &format!("l{}", 1 + k), shapes), ["l0"]);
+    }
+    for obstacle in &mut world.obstacles {
+        obstacle.shape = any_shape(draw);
     }
     for link in robot.links() {
         if draw.below(5) == 0 {
@@ -104,7 +124,8 @@ fn least_alone(cell: &mut Workcell, state: &[f64]) -> Option<[f64; 2]> {
                         Verdict::Touching(found) => {
                             [-found.depth - found.error_bound, -found.depth + found.error_bound]
                         }
-                        verdict => panic!("{verdict:?}"),
+                        // Of a foreign shape.
+                        _ => [f64::NEG_INFINITY, 0.0],
                     }
                 }
                 DistanceResult::Undecided(reason) => panic!("{reason:?}"),
