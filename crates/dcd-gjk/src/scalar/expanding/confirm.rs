@@ -5,7 +5,7 @@ use super::{ExpandingSearch, Tolerance};
 use crate::certificate::Bounds;
 use crate::epa::Depth;
 use crate::gjk::unit;
-use crate::query::{Accuracy, CERTIFIED};
+use crate::query::{Accuracy, CERTIFIED, FoundDepth};
 use crate::{Difference, PosedSupport, Vertex};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Support};
@@ -26,13 +26,14 @@ pub(crate) struct Ending<'a> {
 /// face is 1. Larger: no face for a normal that rounding has turned. Smaller: witnesses by a face that is seen edge on.
 pub(crate) const FACING: f64 = 0.5;
 
-/// The depth of polytopes that are known to touch, if it is confirmed as well as the accuracy requires.
+/// The depth of polytopes that are known to touch, if it is confirmed as well as the accuracy requires; and their vertices
+/// farthest along its normal. Of swept ones the search was of the cores: `None` where these are not proved to overlap.
 pub(crate) fn confirmed_depth(
     difference: Difference<'_, f64, Polytope, Polytope>,
     bodies: [PosedSupport<'_, Polytope>; 2],
     accuracy: Accuracy,
     ending: &Ending<'_>,
-) -> Option<Depth> {
+) -> Option<FoundDepth> {
     let search = ExpandingSearch { difference, bodies, tolerance: Tolerance::of(accuracy) };
     let bounds = Bounds::of(&search.difference);
     let mut nearest = (f64::INFINITY, DVec3::ZERO);
@@ -48,21 +49,34 @@ pub(crate) fn confirmed_depth(
         }
     }
     let direction = unit::<f64>(nearest.1.to_array())?;
-    let (_, separation) = search.difference.lowest(-direction);
+    let (farthest, separation) = search.difference.lowest(-direction);
     let along = (-separation / direction.length()).max(0.0);
     let upper = -bounds.lower_bound(-direction, separation);
     let lower = if ending.others.is_some() { bounds.least_reach(inner) } else { 0.0 };
-    let error = (upper - along).max(along - lower);
+    let radius = bounds.radius();
+    // Of cores that may be apart the radii overlap less than their sum.
+    if radius > 0.0 && !(lower > 0.0) {
+        return None;
+    }
+    let error = (upper - along).max(along - lower) + (bounds.swept_upper() - radius);
     let points = search.leaving(ending.faces, direction);
-    let found = search.depth_of(along, error, points, direction);
+    let found = search.depth_of(along + radius, error, points, direction);
+    let farthest = Some([farthest.a.feature, farthest.b.feature]);
+    let found = found.map(|depth| FoundDepth { depth, farthest });
     if accuracy != Accuracy::Certified {
         return found;
     }
-    let is_good = |found: &Depth| found.error_bound <= CERTIFIED * found.depth;
-    let others = ending.others;
-    found
-        .filter(is_good)
-        .or_else(|| others.and_then(|others| search.depth_by_faces(&bounds, ending.faces, others)))
+    let found = found.filter(|found| is_certified(&found.depth));
+    // Faces alone say nothing of what is swept.
+    if found.is_some() || radius > 0.0 {
+        return found;
+    }
+    search.depth_by_faces(&bounds, ending.faces, ending.others?)
+}
+
+/// Whether the bound is what is promised of a certified depth.
+pub(super) fn is_certified(found: &Depth) -> bool {
+    found.error_bound <= CERTIFIED * found.depth
 }
 
 impl ExpandingSearch<'_, Polytope> {

@@ -9,9 +9,11 @@ use crate::epa::Depth;
 use crate::exact::Number;
 use crate::exact::grid::{Extent, Grid};
 use crate::gjk::unit;
+use crate::query::FoundDepth;
 use crate::simplex::{Scalar, Triple, cross, dot, minus, negated};
 use dcd_geom::Polytope;
 use dcd_geom::glam::DVec3;
+use dcd_simd::ArrayVec;
 
 /// How much farther than the nearest face another surely is the farther one, as f64 has both: 2⁻⁴⁰, some thousand
 /// times what f64 loses. Lengths of a difference, below 1. Smaller: a bound by f64's knowledge of the other. Larger: more
@@ -72,6 +74,8 @@ struct Measured {
     lower: DoubleDouble,
     /// Of the nearest face, outward, of any length.
     normal: DVec3,
+    /// The vertices of a and of b that are farthest along it.
+    farthest: [u32; 2],
 }
 
 impl ExpandingSearch<'_, Polytope> {
@@ -82,7 +86,7 @@ impl ExpandingSearch<'_, Polytope> {
         bounds: &Bounds<f64>,
         faces: &[Corners],
         others: f64,
-    ) -> Option<Depth> {
+    ) -> Option<FoundDepth> {
         let known = faces.iter().map(|&face| {
             let [p, q, r] = self.corners(face).map(|corner| corner.w);
             let normal = (q - p).cross(r - p).normalize_or_zero();
@@ -103,16 +107,16 @@ impl ExpandingSearch<'_, Polytope> {
         if !(bounds.least_reach(surface.inner_radius()) > 0.0) {
             return None;
         }
-        self.measured(&Near::of(surface.faces(), bounds)?)
+        Some(self.measured(&Near::of(surface.faces(), bounds)?)?.depth)
     }
 
-    fn measured(&self, near: &Near) -> Option<Depth> {
+    fn measured(&self, near: &Near) -> Option<FoundDepth> {
         let [a, b] = self.bodies;
         // The scale is a power of two.
         let exponent = 1023 - (self.difference.scale().to_bits() >> 52) as i32;
         let grid = Grid::<DoubleDouble>::new(a, b, &Extent::coarse(exponent));
         let faces = &near.faces[..near.count];
-        let Measured { reach, lower, normal } = measure(&grid, faces)?;
+        let Measured { reach, lower, normal, farthest } = measure(&grid, faces)?;
         let off = DoubleDouble::from(2.0 * OFF * EPSILON);
         let lower = lower.minus(&off);
         let lower = if lower.to_f64() < near.others { lower } else { near.others.into() };
@@ -120,14 +124,39 @@ impl ExpandingSearch<'_, Polytope> {
         let error = reach.minus(&lower).plus(&off).to_f64();
         let direction = unit::<f64>(normal.to_array())?;
         let points = self.leaving(faces, direction);
-        self.depth_within(AS_EXACT, reach.to_f64(), error, points, direction)
+        let depth = self.depth_within(AS_EXACT, reach.to_f64(), error, points, direction)?;
+        Some(FoundDepth { depth, farthest: Some(farthest) })
+    }
+}
+
+/// Points of the difference by the vertices that make them, each computed once: faces share corners, and one of them is
+/// mostly the farthest.
+struct Points<'a, 'b> {
+    grid: &'a Grid<'b, DoubleDouble>,
+    known: ArrayVec<([u32; 2], Triple<DoubleDouble>), { 3 * MOST }>,
+}
+
+impl Points<'_, '_> {
+    /// The corner of a face.
+    fn corner(&mut self, vertices: [u32; 2]) -> Triple<DoubleDouble> {
+        let point = self.point(vertices);
+        if !self.known.iter().any(|(known, _)| *known == vertices) {
+            self.known.push((vertices, point));
+        }
+        point
+    }
+
+    fn point(&self, vertices: [u32; 2]) -> Triple<DoubleDouble> {
+        let known = self.known.iter().find(|(known, _)| *known == vertices);
+        known.map_or_else(|| self.grid.point(vertices.map(|k| k as usize)), |(_, point)| *point)
     }
 }
 
 fn measure(grid: &Grid<'_, DoubleDouble>, faces: &[Corners]) -> Option<Measured> {
+    let mut known = Points { grid, known: ArrayVec::new() };
     let mut nearest: Option<(DoubleDouble, Triple<DoubleDouble>)> = None;
     for corners in faces {
-        let points = corners.map(|pair| grid.point(pair.map(|k| k as usize)));
+        let points = corners.map(|vertices| known.corner(vertices));
         let [p, q, r] = &points;
         let normal = cross(&minus(q, p), &minus(r, p));
         let squared = dot(&normal, &normal);
@@ -143,10 +172,10 @@ fn measure(grid: &Grid<'_, DoubleDouble>, faces: &[Corners]) -> Option<Measured>
         }
     }
     let (lower, normal) = nearest?;
-    let farthest = grid.lowest(&negated(&normal));
+    let farthest = grid.lowest(&negated(&normal)).map(|vertex| vertex as u32);
     let length = dot(&normal, &normal).sqrt();
-    let reach = dot(&normal, &grid.point(farthest)).divided_by(length);
-    Some(Measured { reach, lower, normal: DoubleDouble::rounded(&normal) })
+    let reach = dot(&normal, &known.point(farthest)).divided_by(length);
+    Some(Measured { reach, lower, normal: DoubleDouble::rounded(&normal), farthest })
 }
 
 fn lesser(one: DoubleDouble, other: DoubleDouble) -> DoubleDouble {
