@@ -7,6 +7,7 @@
 mod apart;
 mod confirm;
 mod formulas;
+mod left;
 mod search;
 mod start;
 mod surface;
@@ -28,6 +29,7 @@ use confirm::{Ended, SearchedPair, Side};
 use dcd_geom::{Aabb, Pair, Scene};
 use dcd_simd::{Kernel, Lanes, Path, dispatch_on, prefetch};
 use formulas::{BySpheres, Sort, WritePatches};
+use left::Left;
 use search::{DepthSearch, Next};
 use start::Starts;
 use std::slice::Iter;
@@ -79,8 +81,7 @@ pub struct Scratch<S> {
     yes: Yes,
     of_touching: TouchingScratch,
     touching: Vec<Pair>,
-    /// The numbers of the touching pairs that the solver measures by itself.
-    left: Vec<u32>,
+    left: Left,
     solver: S,
 }
 
@@ -196,15 +197,21 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let first = sink.contacts.len();
         let empty = |&pair| Contact { pair, answer: S::Answer::default() };
         sink.contacts.extend(touching.iter().map(empty));
-        left.clear();
+        left.numbers.clear();
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: touching };
         let answers = &mut sink.contacts[first..];
-        let answers = Answers { solver: &self.solver, scratch: solver, answers, left };
+        let numbers = &mut left.numbers;
+        let answers = Answers { solver: &self.solver, scratch: solver, answers, left: numbers };
         self.answer(objects, of_touching, answers);
-        left.sort_unstable();
+        left.sort(frames, touching);
         let mut lists = yes.touching_parts.lists().peekable();
-        left.retain(|&number| {
-            let pair = touching[number as usize];
+        let Left { numbers, pairs: in_order, .. } = left;
+        let in_order = ScenePairs { pairs: in_order, ..objects };
+        let mut place = 0;
+        numbers.retain(|&number| {
+            let pair = in_order.pairs[place];
+            in_order.look_ahead_to_shapes(place);
+            place += 1;
             let sides = objects.posed(pair);
             let contact = &mut sink.contacts[first + number as usize];
             let measured = match lists.next_if(|&(listed, _)| pairs[listed as usize] == pair) {
@@ -221,8 +228,9 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
             }
             true
         });
-        if !left.is_empty() {
-            drop_contacts(sink.contacts, first, left);
+        if !numbers.is_empty() {
+            numbers.sort_unstable();
+            drop_contacts(sink.contacts, first, numbers);
         }
     }
 
