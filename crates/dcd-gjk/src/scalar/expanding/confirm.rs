@@ -1,5 +1,6 @@
 //! The depth at the end of a search in f32, measured in f64.
 
+use super::shallow::MOST;
 use super::surface::clearance;
 use super::{ExpandingSearch, Tolerance};
 use crate::certificate::Bounds;
@@ -9,14 +10,20 @@ use crate::query::{Accuracy, CERTIFIED, FoundDepth};
 use crate::{Difference, PosedSupport, Vertex};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Support};
+use dcd_simd::ArrayVec;
 
-/// Of each corner of a face the vertices of a and of b that make it.
-pub(super) type Corners = [[u32; 2]; 3];
+/// A face that may be the nearest.
+#[derive(Clone, Copy)]
+pub(super) struct NearFace {
+    /// At most its distance from the origin, for corners as f64 has them.
+    pub(super) clearance: f64,
+    pub(super) corners: [Vertex<f64>; 3],
+}
 
 /// What a search in f32 ended with: a closed surface of triangles between points of A − B.
 pub(crate) struct Ending<'a> {
     /// Of the faces that may be the nearest the vertices of a and of b that make their corners.
-    pub(crate) faces: &'a [Corners],
+    pub(crate) faces: &'a [[[u32; 2]; 3]],
     /// If the surface of the true points surely winds round the origin: at most the distance of the other
     /// faces, as a length of the difference.
     pub(crate) others: Option<f64>,
@@ -38,12 +45,18 @@ pub(crate) fn confirmed_depth(
     let bounds = Bounds::of(&search.difference);
     let mut nearest = (f64::INFINITY, DVec3::ZERO);
     let mut inner = ending.others.unwrap_or(0.0);
-    for &face in ending.faces {
-        let [p, q, r] = search.corners(face);
-        let [p, q, r] = [p.w, q.w, r.w];
+    if ending.faces.len() > MOST {
+        return None;
+    }
+    let mut faces = ArrayVec::<NearFace, MOST>::new();
+    for &corners in ending.faces {
+        let corners = corners.map(|vertices| search.vertex(vertices));
+        let [p, q, r] = corners.each_ref().map(|corner| corner.w);
         let normal = (q - p).cross(r - p).try_normalize()?;
         let distance = normal.dot(p);
-        inner = inner.min(clearance(normal, [p, q, r]));
+        let clearance = clearance(normal, [p, q, r]);
+        faces.push(NearFace { clearance, corners });
+        inner = inner.min(clearance);
         if distance < nearest.0 {
             nearest = (distance, normal);
         }
@@ -59,8 +72,10 @@ pub(crate) fn confirmed_depth(
         return None;
     }
     let error = (upper - along).max(along - lower) + (bounds.swept_upper() - radius);
-    let points = search.leaving(ending.faces, direction);
-    let found = search.depth_of(along + radius, error, points, direction);
+    let depth = along + radius;
+    // What is not good enough needs no witnesses.
+    let points = search.tolerance.is_met(depth, error).then(|| search.leaving(&faces, direction));
+    let found = points.and_then(|points| search.depth_of(depth, error, points, direction));
     let farthest = Some([farthest.a.feature, farthest.b.feature]);
     let found = found.map(|depth| FoundDepth { depth, farthest });
     if accuracy != Accuracy::Certified {
@@ -71,7 +86,7 @@ pub(crate) fn confirmed_depth(
     if found.is_some() || radius > 0.0 {
         return found;
     }
-    search.depth_by_faces(&bounds, ending.faces, ending.others?)
+    search.depth_by_faces(&bounds, &faces, ending.others?)
 }
 
 /// Whether the bound is what is promised of a certified depth.
@@ -80,10 +95,6 @@ pub(super) fn is_certified(found: &Depth) -> bool {
 }
 
 impl ExpandingSearch<'_, Polytope> {
-    pub(super) fn corners(&self, [p, q, r]: Corners) -> [Vertex<f64>; 3] {
-        [self.vertex(p), self.vertex(q), self.vertex(r)]
-    }
-
     fn vertex(&self, [a, b]: [u32; 2]) -> Vertex<f64> {
         let support = |vertices: &[DVec3], feature: u32| {
             // The last block is filled up with the last vertex.
@@ -97,11 +108,10 @@ impl ExpandingSearch<'_, Polytope> {
 
     /// The points of the two cores where a direction from the origin leaves the faces: by the one that it passes by
     /// the least.
-    pub(super) fn leaving(&self, faces: &[Corners], direction: DVec3) -> [DVec3; 2] {
+    pub(super) fn leaving(&self, faces: &[NearFace], direction: DVec3) -> [DVec3; 2] {
         let mut best = f64::NEG_INFINITY;
         let mut points = [DVec3::NAN; 2];
-        for &face in faces {
-            let [p, q, r] = self.corners(face);
+        for NearFace { corners: [p, q, r], .. } in faces {
             let area = (q.w - p.w).cross(r.w - p.w);
             // Seen edge on, the weights are rounding.
             if !(area.dot(direction) > FACING * area.length() * direction.length()) {

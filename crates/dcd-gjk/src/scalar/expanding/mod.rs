@@ -89,6 +89,11 @@ impl Tolerance {
         error <= self.of_size.max(self.at_end * depth)
     }
 
+    /// Whether a depth and its bound are good enough.
+    fn is_met(self, depth: f64, error: f64) -> bool {
+        depth >= self.least && self.admits_at_end(error, depth)
+    }
+
     /// For curved shapes: what the search that would come next gives, a hundred times as slow.
     fn of_curved(self) -> Self {
         Self { at_end: CURVED.max(self.at_end), least: 0.0, ..self }
@@ -240,7 +245,7 @@ impl<S: InBlocks> ExpandingSearch<'_, S> {
         points: [DVec3; 2],
         direction: DVec3,
     ) -> Option<Depth> {
-        if !(depth >= tolerance.least) || !tolerance.admits_at_end(error, depth) {
+        if !tolerance.is_met(depth, error) {
             return None;
         }
         let scale = self.difference.scale();

@@ -1,7 +1,7 @@
 //! The depth at the end of a search, measured in double-double: what f64's roundings leave of a shallow one is too much.
 
-use super::confirm::Corners;
-use super::surface::{Surface, clearance};
+use super::confirm::NearFace;
+use super::surface::Surface;
 use super::{ExpandingSearch, Tolerance};
 use crate::certificate::Bounds;
 use crate::double_double::{DoubleDouble, EPSILON};
@@ -22,7 +22,7 @@ const APART: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// How many faces are measured. Two are the rule where edges cross, and as many triangles as a polygon has where a face
 /// is the nearest. Fewer: more pairs for the exact search.
-const MOST: usize = 8;
+pub(super) const MOST: usize = 8;
 
 /// How far a height over a computed plane, or the reach along its normal, may be off. Unit: ε, lengths below 1. A vertex
 /// loses 5.01 a coordinate, the product with the normal n 3 and that the vertex is the farthest 12, all times
@@ -40,26 +40,23 @@ const AS_EXACT: Tolerance = Tolerance { relative: GAP, of_size: 0.0, at_end: GAP
 
 /// The faces that may be the nearest, of a surface of vertices that surely winds round the origin.
 struct Near {
-    faces: [Corners; MOST],
-    count: usize,
+    faces: ArrayVec<NearFace, MOST>,
     /// At most the distance of the others, for the true vertices.
     others: f64,
 }
 
 impl Near {
-    /// By what f64 knows of each face: at most its distance, for vertices as f64 has them, and its corners.
-    fn of(
-        known: impl Iterator<Item = (f64, Corners)> + Clone,
-        bounds: &Bounds<f64>,
-    ) -> Option<Self> {
-        let nearest = known.clone().map(|(clearance, _)| clearance).fold(f64::INFINITY, f64::min);
-        let mut near = Self { faces: [[[0; 2]; 3]; MOST], count: 0, others: f64::INFINITY };
-        for (clearance, corners) in known {
-            if clearance <= nearest + APART {
-                *near.faces.get_mut(near.count)? = corners;
-                near.count += 1;
+    /// `None` of too many.
+    fn of(faces: impl Iterator<Item = NearFace> + Clone, bounds: &Bounds<f64>) -> Option<Self> {
+        let nearest = faces.clone().map(|face| face.clearance).fold(f64::INFINITY, f64::min);
+        let mut near = Self { faces: ArrayVec::new(), others: f64::INFINITY };
+        for face in faces {
+            if face.clearance > nearest + APART {
+                near.others = near.others.min(bounds.least_reach(face.clearance));
+            } else if near.faces.len() < MOST {
+                near.faces.push(face);
             } else {
-                near.others = near.others.min(bounds.least_reach(clearance));
+                return None;
             }
         }
         Some(near)
@@ -84,15 +81,10 @@ impl ExpandingSearch<'_, Polytope> {
     pub(super) fn depth_by_faces(
         &self,
         bounds: &Bounds<f64>,
-        faces: &[Corners],
+        faces: &[NearFace],
         others: f64,
     ) -> Option<FoundDepth> {
-        let known = faces.iter().map(|&face| {
-            let [p, q, r] = self.corners(face).map(|corner| corner.w);
-            let normal = (q - p).cross(r - p).normalize_or_zero();
-            (clearance(normal, [p, q, r]), face)
-        });
-        let mut near = Near::of(known, bounds)?;
+        let mut near = Near::of(faces.iter().copied(), bounds)?;
         near.others = near.others.min(others);
         self.measured(&near)
     }
@@ -115,7 +107,7 @@ impl ExpandingSearch<'_, Polytope> {
         // The scale is a power of two.
         let exponent = 1023 - (self.difference.scale().to_bits() >> 52) as i32;
         let grid = Grid::<DoubleDouble>::new(a, b, &Extent::coarse(exponent));
-        let faces = &near.faces[..near.count];
+        let faces = &*near.faces;
         let Measured { reach, lower, normal, farthest } = measure(&grid, faces)?;
         let off = DoubleDouble::from(2.0 * OFF * EPSILON);
         let lower = lower.minus(&off);
@@ -152,11 +144,11 @@ impl Points<'_, '_> {
     }
 }
 
-fn measure(grid: &Grid<'_, DoubleDouble>, faces: &[Corners]) -> Option<Measured> {
+fn measure(grid: &Grid<'_, DoubleDouble>, faces: &[NearFace]) -> Option<Measured> {
     let mut known = Points { grid, known: ArrayVec::new() };
     let mut nearest: Option<(DoubleDouble, Triple<DoubleDouble>)> = None;
-    for corners in faces {
-        let points = corners.map(|vertices| known.corner(vertices));
+    for NearFace { corners, .. } in faces {
+        let points = corners.map(|corner| known.corner([corner.a.feature, corner.b.feature]));
         let [p, q, r] = &points;
         let normal = cross(&minus(q, p), &minus(r, p));
         let squared = dot(&normal, &normal);
