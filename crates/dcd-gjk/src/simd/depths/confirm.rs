@@ -118,7 +118,7 @@ impl<'a> SearchedPair<'a> {
     }
 
     /// How well the search and its end have to know the depth. The cores of swept polytopes are measured in f64 even where
-    /// f32 would do: of capsules and hulls alone the scalar search has that, at little more cost.
+    /// f32 would do: the bounds are those of the search that they have pair by pair.
     #[inline(always)]
     pub(super) fn sharpened(&self, accuracy: Accuracy) -> Accuracy {
         if self.is_swept && accuracy == Accuracy::F32 { Accuracy::F64 } else { accuracy }
