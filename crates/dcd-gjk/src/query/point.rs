@@ -9,6 +9,8 @@ use crate::distance::distance_at;
 use crate::{Accuracy, DistanceResult, PosedShape};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{FacetPlanes, Polytope, Pose, Shape};
+use dcd_simd::{Kernel, Lanes, WIDTH, dispatch};
+use std::hint::select_unpredictable;
 
 /// How far a point is from a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,27 +142,56 @@ pub(crate) struct Heights {
     pub(crate) is_below_inner: bool,
 }
 
-/// How many planes are compared at once: enough to keep the arithmetic busy between two decisions.
-const CHUNK: usize = 8;
+/// How many planes are compared at once.
+const CHUNK: usize = WIDTH / 2;
 
 impl Heights {
     pub(crate) fn of(point: DVec3, planes: &FacetPlanes, margin: f64) -> Self {
-        let mut found = Self { highest: f64::NEG_INFINITY, face: 0, is_below_inner: true };
-        let [nx, ny, nz] = &planes.normals;
-        for first in (0..planes.len()).step_by(CHUNK) {
-            let part = first..(first + CHUNK).min(planes.len());
-            let mut along = [0.0; CHUNK];
-            let normals = nx[part.clone()].iter().zip(&ny[part.clone()]).zip(&nz[part.clone()]);
-            for (((x, y), z), along) in normals.zip(&mut along) {
-                *along = x * point.x + y * point.y + z * point.z;
+        dispatch(HeightsOf { point, planes, margin })
+    }
+
+    /// Takes in the plane of that number, by the point's height above the outer one and what the inner one leaves of the margin.
+    #[inline(always)]
+    fn take(&mut self, face: usize, [height, room]: [f64; 2]) {
+        let is_higher = height > self.highest;
+        self.highest = select_unpredictable(is_higher, height, self.highest);
+        self.face = select_unpredictable(is_higher, face, self.face);
+        self.is_below_inner &= room > 0.0;
+    }
+}
+
+/// [`Heights`], eight planes at a time.
+struct HeightsOf<'a> {
+    point: DVec3,
+    planes: &'a FacetPlanes,
+    margin: f64,
+}
+
+impl Kernel for HeightsOf<'_> {
+    type Output = Heights;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Heights {
+        let Self { point, planes, margin } = self;
+        let FacetPlanes { normals: [nx, ny, nz], outer, inner, .. } = planes;
+        let mut found = Heights { highest: f64::NEG_INFINITY, face: 0, is_below_inner: true };
+        let [x, y, z] = point.to_array().map(|x| l.splat_d(x));
+        let lost = l.splat_d(margin);
+        let eights = [nx, ny, nz, outer, inner].map(|numbers| numbers.as_chunks::<CHUNK>().0);
+        let [of_x, of_y, of_z, of_outer, of_inner] = eights;
+        for j in 0..of_outer.len() {
+            let flat = l.add_d(l.mul_d(l.load_d(&of_x[j]), x), l.mul_d(l.load_d(&of_y[j]), y));
+            let along = l.add_d(flat, l.mul_d(l.load_d(&of_z[j]), z));
+            let (mut heights, mut rooms) = ([0.0; CHUNK], [0.0; CHUNK]);
+            l.store_d(l.sub_d(along, l.load_d(&of_outer[j])), &mut heights);
+            l.store_d(l.sub_d(l.sub_d(l.load_d(&of_inner[j]), lost), along), &mut rooms);
+            for k in 0..CHUNK {
+                found.take(CHUNK * j + k, [heights[k], rooms[k]]);
             }
-            let offsets = planes.outer[part.clone()].iter().zip(&planes.inner[part]);
-            for (k, (&along, (outer, inner))) in along.iter().zip(offsets).enumerate() {
-                if along - outer > found.highest {
-                    (found.highest, found.face) = (along - outer, first + k);
-                }
-                found.is_below_inner &= along < inner - margin;
-            }
+        }
+        for k in CHUNK * of_outer.len()..planes.len() {
+            let along = nx[k] * point.x + ny[k] * point.y + nz[k] * point.z;
+            found.take(k, [along - outer[k], inner[k] - margin - along]);
         }
         found
     }

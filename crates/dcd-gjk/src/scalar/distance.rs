@@ -244,30 +244,32 @@ fn of_apart_in_order(
     if let Some(found) = closed::distance(a, b, closed::SHARP) {
         return found;
     }
-    let (pairs, count) = different(nearest);
-    let Some(difference) = Difference::new(a, b) else {
-        return of_hint(a, b, None, &pairs[..count]).0;
+    let of_hint = |scale| {
+        let (pairs, count) = different(nearest);
+        of_hint(a, b, scale, &pairs[..count]).0
     };
+    let Some(difference) = Difference::new(a, b) else { return of_hint(None) };
     let bounds = Bounds::of(&difference);
-    match from_vertices(&difference, &bounds, &pairs[..count]) {
+    match from_vertices(&difference, &bounds, nearest) {
         Ok(near) => of_near(a, b, difference.scale(), &near).0,
-        Err(_) => of_hint(a, b, Some(difference.scale()), &pairs[..count]).0,
+        Err(_) => of_hint(Some(difference.scale())),
     }
 }
 
-/// GJK in f64 from vertices of each.
-fn from_vertices(
+/// GJK in f64 from vertices of each, by index.
+pub(crate) fn from_vertices(
     difference: &Difference<'_, f64, Polytope, Polytope>,
     bounds: &Bounds<f64>,
-    pairs: &[[u32; 2]],
+    nearest: [[u32; 2]; 3],
 ) -> Result<Approach, Verdict<()>> {
+    let (pairs, count) = different(nearest);
     let (in_a, in_b) = difference.maps();
     let support = |polytope: &Polytope, feature: u32| Support {
         point: polytope.vertices()[feature as usize],
         feature,
     };
     let mut simplex = Simplex::default();
-    for &[k, l] in pairs {
+    for &[k, l] in &pairs[..count] {
         let (a, b) = (support(in_a, k), support(in_b, l));
         simplex.push(Vertex { w: difference.world(a.point, b.point), a, b });
     }
@@ -283,10 +285,9 @@ fn in_f64_from(
     if let Some(found) = closed::distance(a, b, closed::AS_F64) {
         return found;
     }
-    let (pairs, count) = different(nearest);
     if let Some(difference) = Difference::new(a, b) {
         let bounds = Bounds::of(&difference);
-        if let Ok(near) = from_vertices(&difference, &bounds, &pairs[..count])
+        if let Ok(near) = from_vertices(&difference, &bounds, nearest)
             && near.lower > bounds.swept_upper()
         {
             return DistanceResult::Apart(near.distance(&bounds, difference.scale(), (a, b)));

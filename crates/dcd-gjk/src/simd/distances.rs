@@ -199,9 +199,7 @@ fn going_on(
     b: PosedShape<'_>,
 ) -> Option<DistanceResult> {
     let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
-    // The last block is filled up with the last vertex.
-    let last = [in_a, in_b].map(|polytope| polytope.vertices().len() as u32 - 1);
-    let corners = points.corners.map(|[of_a, of_b]| [of_a.min(last[0]), of_b.min(last[1])]);
+    let corners = points.corners_of([in_a, in_b]);
     let (a, b) = (PosedSupport::polytope(in_a, a.pose), PosedSupport::polytope(in_b, b.pose));
     Some(of_apart(accuracy, a, b, corners))
 }

@@ -14,7 +14,7 @@ use super::portal::ROUNDS;
 use super::simplex::{Nearest, Vertex};
 use super::support::SupportScratch;
 use super::vector::V3;
-use dcd_geom::Pair;
+use dcd_geom::{Pair, Polytope};
 use dcd_simd::{Kernel, Lanes, Path, Unfused, WIDTH, dispatch_on};
 
 /// What the lanes found of a pair.
@@ -38,6 +38,15 @@ pub(super) struct NearestPoints {
     pub(super) weights: [f32; 2],
     /// At most the distance of the cores, metres: proved.
     pub(super) lower: f32,
+}
+
+impl NearestPoints {
+    /// The numbers of the corners' vertices in the polytopes a and b.
+    pub(super) fn corners_of(&self, polytopes: [&Polytope; 2]) -> [[u32; 2]; 3] {
+        // The last block is filled up with the last vertex.
+        let last = polytopes.map(|polytope| polytope.vertices().len() as u32 - 1);
+        self.corners.map(|[of_a, of_b]| [of_a.min(last[0]), of_b.min(last[1])])
+    }
 }
 
 /// What a thread reuses from slice to slice.

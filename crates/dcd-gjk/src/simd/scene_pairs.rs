@@ -25,10 +25,10 @@ impl<'a> ScenePairs<'a> {
         [PosedShape::of(a, pair.i), PosedShape::of(b, pair.j)]
     }
 
-    /// Prefetches what the pairs behind one of that number read: the faces of polytopes too, where `facets` says so.
+    /// Prefetches where the shapes are of the pairs behind one of that number, and then what is there.
     #[inline(always)]
-    pub(super) fn look_ahead(&self, number: usize, facets: bool) {
-        let [near, far, farther] = AHEAD;
+    pub(super) fn look_ahead_to_shapes(&self, number: usize) {
+        let [_, far, farther] = AHEAD;
         let Self { frames: FramePair { a, b }, scenes: [of_a, of_b], pairs } = *self;
         if let Some(pair) = pairs.get(number + farther) {
             prefetch_places(a, of_a, pair.i);
@@ -38,6 +38,14 @@ impl<'a> ScenePairs<'a> {
             prefetch_polytope(of_a, pair.i);
             prefetch_polytope(of_b, pair.j);
         }
+    }
+
+    /// Prefetches what the pairs behind one of that number read: the faces of polytopes too, where `facets` says so.
+    #[inline(always)]
+    pub(super) fn look_ahead(&self, number: usize, facets: bool) {
+        self.look_ahead_to_shapes(number);
+        let [near, ..] = AHEAD;
+        let Self { frames: FramePair { a, b }, scenes: [of_a, of_b], pairs } = *self;
         if let Some(pair) = pairs.get(number + near) {
             // An object that the pair before has too is there already.
             let before = &pairs[number + near - 1];

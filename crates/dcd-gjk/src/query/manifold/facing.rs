@@ -161,7 +161,13 @@ const KEPT: usize = 64;
 enum Farthest {
     One(u32),
     Two([u32; 2]),
+    /// More, one of which is that.
+    More(u32),
 }
+
+/// The cosine from which on a face looks along the direction but for rounding, so that none looks more. Larger: faces that are
+/// looked for round every farthest vertex. Smaller: a face in place of another that looks more.
+const LEVEL_FACE: f64 = 1.0 - 1e-12;
 
 impl<'a> Choice<'a> {
     #[inline(always)]
@@ -227,12 +233,13 @@ impl<'a> Choice<'a> {
                 Some(self.round_corner(Corner { vertex: only, half_edges }))
             }
             Some(Farthest::Two(ends)) => self.round_edge(ends),
+            Some(Farthest::More(one)) => self.level_face(one),
             None => None,
         };
         found.unwrap_or_else(|| self.round_vertices(kept, least))
     }
 
-    /// The vertices that count as farthest, of those whose heights are all kept; `None` where there are more than two.
+    /// The vertices that count as farthest, of those whose heights are all kept.
     fn farthest_of(&self, kept: &[f64], least: f64) -> Option<Farthest> {
         if self.polytope.vertices().len() > KEPT {
             return None;
@@ -257,8 +264,22 @@ impl<'a> Choice<'a> {
         match count {
             1 => Some(Farthest::One(found[1])),
             2 => Some(Farthest::Two(found)),
+            3.. => Some(Farthest::More(found[1])),
             _ => None,
         }
+    }
+
+    /// The face round a vertex that looks along the direction, if one does: several vertices are farthest where it is theirs.
+    #[inline(always)]
+    fn level_face(&self, vertex: u32) -> Option<Part<'a>> {
+        let (mut cosine, mut face) = (LEVEL_FACE, NO_FACE);
+        for half_edge in self.polytope.facets().half_edges_from(vertex) {
+            let facing = half_edge.normal.dot(self.direction);
+            let is_better = facing > cosine;
+            cosine = select_unpredictable(is_better, facing, cosine);
+            face = select_unpredictable(is_better, half_edge.face, face);
+        }
+        (face != NO_FACE).then(|| self.face(face))
     }
 
     /// What is there round the only farthest vertex. Faces and edges are looked through at once: a branch on what is found

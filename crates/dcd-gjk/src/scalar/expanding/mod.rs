@@ -15,6 +15,7 @@
 mod confirm;
 mod shallow;
 mod surface;
+mod swept;
 #[cfg(test)]
 mod tests;
 
@@ -23,13 +24,15 @@ use crate::closed::curved;
 use crate::distance::{Approach, approach, proposed, rounded_up};
 use crate::epa::Depth;
 use crate::gjk::unit;
-use crate::query::{Accuracy, CERTIFIED};
+use crate::query::Accuracy;
 use crate::supports::{InBlocks, lowest};
 use crate::{Difference, PosedShape, PosedSupport, Vertex, order};
+use confirm::is_certified;
 pub(crate) use confirm::{Ending, FACING, confirmed_depth};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape};
 pub(crate) use surface::{Surface, is_inside};
+pub(crate) use swept::depth_of_apart;
 
 /// How often the polytope may grow: hulls of tens of vertices need ten, a cylinder against a cone a
 /// hundred. Smaller: more pairs of finely cut or curved shapes left to the exact search.
@@ -84,6 +87,11 @@ impl Tolerance {
     /// Whether the bound of a search that has ended is good enough.
     fn admits_at_end(self, error: f64, depth: f64) -> bool {
         error <= self.of_size.max(self.at_end * depth)
+    }
+
+    /// Whether a depth and its bound are good enough.
+    fn is_met(self, depth: f64, error: f64) -> bool {
+        depth >= self.least && self.admits_at_end(error, depth)
     }
 
     /// For curved shapes: what the search that would come next gives, a hundred times as slow.
@@ -162,7 +170,7 @@ pub(crate) fn depth_of_polytopes(
     if accuracy != Accuracy::Certified || !is_sharp {
         return found;
     }
-    found.filter(|found| found.error_bound <= CERTIFIED * found.depth).or_else(|| {
+    found.filter(is_certified).or_else(|| {
         let difference = Difference::new(bodies[0], bodies[1])?;
         let search = ExpandingSearch { difference, bodies, tolerance: Tolerance::of(accuracy) };
         search.depth_by_surface(&Bounds::of(&search.difference), surface)
@@ -237,7 +245,7 @@ impl<S: InBlocks> ExpandingSearch<'_, S> {
         points: [DVec3; 2],
         direction: DVec3,
     ) -> Option<Depth> {
-        if !(depth >= tolerance.least) || !tolerance.admits_at_end(error, depth) {
+        if !tolerance.is_met(depth, error) {
             return None;
         }
         let scale = self.difference.scale();

@@ -1,7 +1,7 @@
 //! The depth at the end of a search, measured in double-double: what f64's roundings leave of a shallow one is too much.
 
-use super::confirm::Corners;
-use super::surface::{Surface, clearance};
+use super::confirm::NearFace;
+use super::surface::Surface;
 use super::{ExpandingSearch, Tolerance};
 use crate::certificate::Bounds;
 use crate::double_double::{DoubleDouble, EPSILON};
@@ -9,9 +9,11 @@ use crate::epa::Depth;
 use crate::exact::Number;
 use crate::exact::grid::{Extent, Grid};
 use crate::gjk::unit;
+use crate::query::FoundDepth;
 use crate::simplex::{Scalar, Triple, cross, dot, minus, negated};
 use dcd_geom::Polytope;
 use dcd_geom::glam::DVec3;
+use dcd_simd::ArrayVec;
 
 /// How much farther than the nearest face another surely is the farther one, as f64 has both: 2⁻⁴⁰, some thousand
 /// times what f64 loses. Lengths of a difference, below 1. Smaller: a bound by f64's knowledge of the other. Larger: more
@@ -20,7 +22,7 @@ const APART: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// How many faces are measured. Two are the rule where edges cross, and as many triangles as a polygon has where a face
 /// is the nearest. Fewer: more pairs for the exact search.
-const MOST: usize = 8;
+pub(super) const MOST: usize = 8;
 
 /// How far a height over a computed plane, or the reach along its normal, may be off. Unit: ε, lengths below 1. A vertex
 /// loses 5.01 a coordinate, the product with the normal n 3 and that the vertex is the farthest 12, all times
@@ -38,26 +40,23 @@ const AS_EXACT: Tolerance = Tolerance { relative: GAP, of_size: 0.0, at_end: GAP
 
 /// The faces that may be the nearest, of a surface of vertices that surely winds round the origin.
 struct Near {
-    faces: [Corners; MOST],
-    count: usize,
+    faces: ArrayVec<NearFace, MOST>,
     /// At most the distance of the others, for the true vertices.
     others: f64,
 }
 
 impl Near {
-    /// By what f64 knows of each face: at most its distance, for vertices as f64 has them, and its corners.
-    fn of(
-        known: impl Iterator<Item = (f64, Corners)> + Clone,
-        bounds: &Bounds<f64>,
-    ) -> Option<Self> {
-        let nearest = known.clone().map(|(clearance, _)| clearance).fold(f64::INFINITY, f64::min);
-        let mut near = Self { faces: [[[0; 2]; 3]; MOST], count: 0, others: f64::INFINITY };
-        for (clearance, corners) in known {
-            if clearance <= nearest + APART {
-                *near.faces.get_mut(near.count)? = corners;
-                near.count += 1;
+    /// `None` of too many.
+    fn of(faces: impl Iterator<Item = NearFace> + Clone, bounds: &Bounds<f64>) -> Option<Self> {
+        let nearest = faces.clone().map(|face| face.clearance).fold(f64::INFINITY, f64::min);
+        let mut near = Self { faces: ArrayVec::new(), others: f64::INFINITY };
+        for face in faces {
+            if face.clearance > nearest + APART {
+                near.others = near.others.min(bounds.least_reach(face.clearance));
+            } else if near.faces.len() < MOST {
+                near.faces.push(face);
             } else {
-                near.others = near.others.min(bounds.least_reach(clearance));
+                return None;
             }
         }
         Some(near)
@@ -72,6 +71,8 @@ struct Measured {
     lower: DoubleDouble,
     /// Of the nearest face, outward, of any length.
     normal: DVec3,
+    /// The vertices of a and of b that are farthest along it.
+    farthest: [u32; 2],
 }
 
 impl ExpandingSearch<'_, Polytope> {
@@ -80,15 +81,10 @@ impl ExpandingSearch<'_, Polytope> {
     pub(super) fn depth_by_faces(
         &self,
         bounds: &Bounds<f64>,
-        faces: &[Corners],
+        faces: &[NearFace],
         others: f64,
-    ) -> Option<Depth> {
-        let known = faces.iter().map(|&face| {
-            let [p, q, r] = self.corners(face).map(|corner| corner.w);
-            let normal = (q - p).cross(r - p).normalize_or_zero();
-            (clearance(normal, [p, q, r]), face)
-        });
-        let mut near = Near::of(known, bounds)?;
+    ) -> Option<FoundDepth> {
+        let mut near = Near::of(faces.iter().copied(), bounds)?;
         near.others = near.others.min(others);
         self.measured(&near)
     }
@@ -103,16 +99,16 @@ impl ExpandingSearch<'_, Polytope> {
         if !(bounds.least_reach(surface.inner_radius()) > 0.0) {
             return None;
         }
-        self.measured(&Near::of(surface.faces(), bounds)?)
+        Some(self.measured(&Near::of(surface.faces(), bounds)?)?.depth)
     }
 
-    fn measured(&self, near: &Near) -> Option<Depth> {
+    fn measured(&self, near: &Near) -> Option<FoundDepth> {
         let [a, b] = self.bodies;
         // The scale is a power of two.
         let exponent = 1023 - (self.difference.scale().to_bits() >> 52) as i32;
         let grid = Grid::<DoubleDouble>::new(a, b, &Extent::coarse(exponent));
-        let faces = &near.faces[..near.count];
-        let Measured { reach, lower, normal } = measure(&grid, faces)?;
+        let faces = &*near.faces;
+        let Measured { reach, lower, normal, farthest } = measure(&grid, faces)?;
         let off = DoubleDouble::from(2.0 * OFF * EPSILON);
         let lower = lower.minus(&off);
         let lower = if lower.to_f64() < near.others { lower } else { near.others.into() };
@@ -120,14 +116,39 @@ impl ExpandingSearch<'_, Polytope> {
         let error = reach.minus(&lower).plus(&off).to_f64();
         let direction = unit::<f64>(normal.to_array())?;
         let points = self.leaving(faces, direction);
-        self.depth_within(AS_EXACT, reach.to_f64(), error, points, direction)
+        let depth = self.depth_within(AS_EXACT, reach.to_f64(), error, points, direction)?;
+        Some(FoundDepth { depth, farthest: Some(farthest) })
     }
 }
 
-fn measure(grid: &Grid<'_, DoubleDouble>, faces: &[Corners]) -> Option<Measured> {
+/// Points of the difference by the vertices that make them, each computed once: faces share corners, and one of them is
+/// mostly the farthest.
+struct Points<'a, 'b> {
+    grid: &'a Grid<'b, DoubleDouble>,
+    known: ArrayVec<([u32; 2], Triple<DoubleDouble>), { 3 * MOST }>,
+}
+
+impl Points<'_, '_> {
+    /// The corner of a face.
+    fn corner(&mut self, vertices: [u32; 2]) -> Triple<DoubleDouble> {
+        let point = self.point(vertices);
+        if !self.known.iter().any(|(known, _)| *known == vertices) {
+            self.known.push((vertices, point));
+        }
+        point
+    }
+
+    fn point(&self, vertices: [u32; 2]) -> Triple<DoubleDouble> {
+        let known = self.known.iter().find(|(known, _)| *known == vertices);
+        known.map_or_else(|| self.grid.point(vertices.map(|k| k as usize)), |(_, point)| *point)
+    }
+}
+
+fn measure(grid: &Grid<'_, DoubleDouble>, faces: &[NearFace]) -> Option<Measured> {
+    let mut known = Points { grid, known: ArrayVec::new() };
     let mut nearest: Option<(DoubleDouble, Triple<DoubleDouble>)> = None;
-    for corners in faces {
-        let points = corners.map(|pair| grid.point(pair.map(|k| k as usize)));
+    for NearFace { corners, .. } in faces {
+        let points = corners.map(|corner| known.corner([corner.a.feature, corner.b.feature]));
         let [p, q, r] = &points;
         let normal = cross(&minus(q, p), &minus(r, p));
         let squared = dot(&normal, &normal);
@@ -143,10 +164,10 @@ fn measure(grid: &Grid<'_, DoubleDouble>, faces: &[Corners]) -> Option<Measured>
         }
     }
     let (lower, normal) = nearest?;
-    let farthest = grid.lowest(&negated(&normal));
+    let farthest = grid.lowest(&negated(&normal)).map(|vertex| vertex as u32);
     let length = dot(&normal, &normal).sqrt();
-    let reach = dot(&normal, &grid.point(farthest)).divided_by(length);
-    Some(Measured { reach, lower, normal: DoubleDouble::rounded(&normal) })
+    let reach = dot(&normal, &known.point(farthest)).divided_by(length);
+    Some(Measured { reach, lower, normal: DoubleDouble::rounded(&normal), farthest })
 }
 
 fn lesser(one: DoubleDouble, other: DoubleDouble) -> DoubleDouble {

@@ -1,6 +1,6 @@
 //! A closed surface of triangles that grows point by point, with rounded planes.
 
-use super::confirm::Corners;
+use super::confirm::NearFace;
 use crate::{PosedSupport, Vertex};
 use dcd_geom::SupportMap;
 use dcd_geom::glam::DVec3;
@@ -236,14 +236,11 @@ impl Surface {
         if least < f64::INFINITY { least.max(0.0) } else { 0.0 }
     }
 
-    /// Of each face at most its distance from the origin, and its corners by the features of a and of b.
-    pub(super) fn faces(&self) -> impl Iterator<Item = (f64, Corners)> + Clone {
-        self.alive().map(|face| {
-            let corners = face.vertices.map(|k| {
-                let Vertex { a, b, .. } = &self.vertices[k as usize];
-                [a.feature, b.feature]
-            });
-            (clearance(face.normal, self.corners(&face.vertices)), corners)
+    /// Each face.
+    pub(super) fn faces(&self) -> impl Iterator<Item = NearFace> + Clone {
+        self.alive().map(|face| NearFace {
+            clearance: clearance(face.normal, self.corners(&face.vertices)),
+            corners: face.vertices.map(|k| self.vertices[k as usize]),
         })
     }
 

@@ -39,20 +39,22 @@ pub(super) struct Side<'a> {
 }
 
 impl<'a> Side<'a> {
-    /// Of a polytope without a swept radius.
+    /// Its core, of a polytope that the lanes know.
     #[inline(always)]
-    fn sharp(&self) -> Option<&'a Polytope> {
-        let polytope = self.placed.shape.as_polytope().filter(|p| p.swept_radius() == 0.0)?;
+    fn polytope(&self) -> Option<&'a Polytope> {
+        let polytope = self.placed.shape.as_polytope()?;
         (1..=BLOCKS).contains(&self.blocks.len()).then_some(polytope)
     }
 }
 
-/// A pair of polytopes in its order by content.
+/// A pair of polytopes in its order by content, of which the cores are searched.
 pub(super) struct SearchedPair<'a> {
     pub(super) cloud: Cloud<'a>,
     polytopes: [&'a Polytope; 2],
     poses: [&'a Pose; 2],
     is_swapped: bool,
+    /// Whether a radius is swept round either: the depth is that of the cores and the radii.
+    is_swept: bool,
     /// Metres: the pair's size.
     size: f64,
     /// The difference's lengths by metres: a power of two.
@@ -72,15 +74,15 @@ pub(super) struct Ended<'a> {
 impl<'a> SearchedPair<'a> {
     /// `None` of shapes that are not searched, and of pairs outside f32's range.
     #[inline(always)]
-    pub(super) fn of([a, b]: [Side<'a>; 2]) -> Option<Self> {
-        // Two cuboids have a formula.
-        let kinds = (a.sharp()?.kind(), b.sharp()?.kind());
-        if let (Kind::Cuboid { .. }, Kind::Cuboid { .. }) = kinds {
+    pub(super) fn of([a, b]: [Side<'a>; 2], accuracy: Accuracy) -> Option<Self> {
+        let polytopes = [a.polytope()?, b.polytope()?];
+        let is_swept = polytopes.iter().any(|polytope| polytope.swept_radius() > 0.0);
+        if has_formula(polytopes, is_swept, accuracy) {
             return None;
         }
         let is_swapped = order::is_swapped(a.placed, b.placed);
         let (a, b) = if is_swapped { (b, a) } else { (a, b) };
-        let polytopes = [a.sharp()?, b.sharp()?];
+        let polytopes = if is_swapped { [polytopes[1], polytopes[0]] } else { polytopes };
         let poses = [a.placed.pose, b.placed.pose];
         let stretch = [1.0 + poses[0].deviation(), 1.0 + poses[1].deviation()];
         let apart = poses[0].translation() - poses[1].translation();
@@ -100,13 +102,26 @@ impl<'a> SearchedPair<'a> {
             middle: middle.as_vec3(),
             unit: U * (m as f32 * (1.0 + 4.0 * U)),
         };
-        Some(Self { cloud, polytopes, poses, is_swapped, size, scale })
+        Some(Self { cloud, polytopes, poses, is_swapped, is_swept, size, scale })
     }
 
     /// What is of a and of b, in the order of the search.
     #[inline(always)]
     pub(super) fn in_order<T>(&self, [a, b]: [T; 2]) -> [T; 2] {
         if self.is_swapped { [b, a] } else { [a, b] }
+    }
+
+    /// Whether the depth is that of the cores and the radii: without one the cores may be apart.
+    #[inline(always)]
+    pub(super) fn is_swept(&self) -> bool {
+        self.is_swept
+    }
+
+    /// How well the search and its end have to know the depth. The cores of swept polytopes are measured in f64 even where
+    /// f32 would do: the bounds are those of the search that they have pair by pair.
+    #[inline(always)]
+    pub(super) fn sharpened(&self, accuracy: Accuracy) -> Accuracy {
+        if self.is_swept && accuracy == Accuracy::F32 { Accuracy::F64 } else { accuracy }
     }
 
     /// The depth, known as well as the accuracy requires.
@@ -125,18 +140,18 @@ impl<'a> SearchedPair<'a> {
         let near = Bits(ended.surface.within(l, (limit as f32).next_up()));
         let holds_origin =
             least * LENGTH > off && all_inward(ended.surface, ended.surface.doubtful(l));
-        let (depth, farthest) = match accuracy {
+        let found = match self.sharpened(accuracy) {
             Accuracy::F32 => {
                 let lower = if holds_origin { least * LENGTH - off } else { 0.0 };
                 let upper = f64::from(ended.reach) * (2.0 - LENGTH) + REACH * unit;
-                (self.bounded(ended, near, [lower, upper])?, Some(self.vertices(&ended.farthest)))
+                let depth = self.bounded(ended, near, [lower, upper])?;
+                FoundDepth { depth, farthest: Some(self.vertices(&ended.farthest)) }
             }
-            _ => {
+            accuracy => {
                 let others = holds_origin.then_some(limit * LENGTH - off);
-                (self.confirmed(accuracy, ended.surface, near, others)?, None)
+                self.confirmed(accuracy, ended.surface, near, others)?
             }
         };
-        let found = FoundDepth { depth, farthest };
         Some(if self.is_swapped { found.mirrored() } else { found })
     }
 
@@ -165,7 +180,7 @@ impl<'a> SearchedPair<'a> {
         surface: &Surface,
         near: Bits,
         others: Option<f64>,
-    ) -> Option<Depth> {
+    ) -> Option<FoundDepth> {
         let mut faces = [[[0; 2]; 3]; MOST];
         let mut count = 0;
         for face in near {
@@ -245,6 +260,21 @@ impl<'a> SearchedPair<'a> {
         let mean_b = of_b[0] * x + of_b[1] * y + of_b[2] * z;
         Some([mean_a, mean_b])
     }
+}
+
+/// Whether two polytopes have a closed form: two cuboids; if a radius is swept round one also points and segments, and at
+/// the accuracy of f32 a point and any other.
+#[inline(always)]
+fn has_formula(polytopes: [&Polytope; 2], is_swept: bool, accuracy: Accuracy) -> bool {
+    let [one, other] = polytopes.map(Polytope::kind);
+    if is_swept && accuracy == Accuracy::F32 && (one == Kind::Point || other == Kind::Point) {
+        return true;
+    }
+    [one, other].iter().all(|kind| match kind {
+        Kind::Cuboid { .. } => true,
+        Kind::Point | Kind::Segment => is_swept,
+        _ => false,
+    })
 }
 
 /// That vertex: the last block is filled up with the last one.

@@ -4,8 +4,10 @@
 //! nearest are measured again in f64, where the depth and its bound come from (docs/numerics/proofs.md, "Depth by a
 //! surface in f32"). What is not known as well as the accuracy requires is measured by the solver itself.
 
+mod apart;
 mod confirm;
 mod formulas;
+mod left;
 mod search;
 mod start;
 mod surface;
@@ -22,10 +24,12 @@ use crate::{
     Accuracy, ContactList, ContactSink, ContactsOf, Depths, NarrowPhase, PosedShape, PosedSupport,
     Prepared, Sides, Verdict, order,
 };
+use apart::ApartCores;
 use confirm::{Ended, SearchedPair, Side};
 use dcd_geom::{Aabb, List, Pair, Scene};
 use dcd_simd::{Kernel, Lanes, Path, dispatch_on};
 use formulas::{BySpheres, Sort, WritePatches};
+use left::Left;
 use search::{DepthSearch, Next};
 use start::Starts;
 use std::slice::Iter;
@@ -34,10 +38,10 @@ use surface::{Point, Surface};
 /// How deep the touching pairs overlap, and what a solver makes of it: [`Depths`] or
 /// [`Manifolds`](crate::Manifolds), at any accuracy.
 ///
-/// Contact is proved as in [`Overlap`](crate::Overlap). For polytopes without a swept radius the
+/// Contact is proved as in [`Overlap`](crate::Overlap). For polytopes of which one has no closed form the
 /// depth is searched in f32, sixteen vertices or faces an operation, with a proved bound that is as good as the
-/// accuracy requires: that of the search at [`Accuracy::F32`], at others that of f64, which confirms it. The solver
-/// measures all other pairs, and what is not known as well. The same bits on every path and at any number of threads;
+/// accuracy requires: that of the search at [`Accuracy::F32`], at others and of rounded ones that of f64, which confirms it.
+/// The solver measures all other pairs, and what is not known as well. The same bits on every path and at any number of threads;
 /// (a, b) and (b, a) are mirrored.
 ///
 /// ```
@@ -77,8 +81,7 @@ pub struct Scratch<S> {
     yes: Yes,
     of_touching: TouchingScratch,
     touching: Vec<Pair>,
-    /// The numbers of the touching pairs that the solver measures by itself.
-    left: Vec<u32>,
+    left: Left,
     solver: S,
 }
 
@@ -93,6 +96,7 @@ struct TouchingScratch {
     cuboids: Vec<u32>,
     /// The numbers of the pairs that are searched.
     searched: Vec<u32>,
+    apart: ApartCores,
 }
 
 impl<S: MeasureDepth> SimdDepths<S> {
@@ -103,7 +107,8 @@ impl<S: MeasureDepth> SimdDepths<S> {
         scratch: &mut TouchingScratch,
         mut answers: Answers<'_, S>,
     ) {
-        let TouchingScratch { surfaces, starts, of_cuboids, patches, cuboids, searched } = scratch;
+        let TouchingScratch { surfaces, starts, of_cuboids, patches, cuboids, searched, apart } =
+            scratch;
         let (accuracy, frames, answers) = (self.accuracy, objects.frames, &mut answers);
         dispatch_on(self.path, Sort { objects, accuracy, of_cuboids, cuboids, searched, answers });
         if S::READS_PATCHES && accuracy == Accuracy::F32 {
@@ -125,8 +130,19 @@ impl<S: MeasureDepth> SimdDepths<S> {
             starts.begin();
             let numbers = searched.iter();
             let reads_facets = S::READS_FACETS;
-            SearchPairs { objects, accuracy, numbers, starts, surfaces, reads_facets, answers }
-                .search_on(self.path);
+            let apart_numbers = apart.begin();
+            let search = SearchPairs {
+                objects,
+                accuracy,
+                numbers,
+                starts,
+                surfaces,
+                apart: apart_numbers,
+                reads_facets,
+                answers,
+            };
+            search.search_on(self.path);
+            apart.answer(self.path, objects, accuracy, answers);
         }
     }
 }
@@ -180,15 +196,21 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         // Each answer is written when it is known.
         let first = sink.contacts.len();
         touching.iter().for_each(|&pair| sink.contacts.push_pair(pair));
-        left.clear();
+        left.numbers.clear();
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: touching };
-        let contacts = &mut *sink.contacts;
-        let answers = Answers { solver: &self.solver, scratch: solver, contacts, first, left };
+        let (contacts, numbers) = (&mut *sink.contacts, &mut left.numbers);
+        let answers =
+            Answers { solver: &self.solver, scratch: solver, contacts, first, left: numbers };
         self.answer(objects, of_touching, answers);
-        left.sort_unstable();
+        left.sort(frames, touching);
         let mut lists = yes.touching_parts.lists().peekable();
-        left.retain(|&number| {
-            let pair = touching[number as usize];
+        let Left { numbers, pairs: in_order, .. } = left;
+        let in_order = ScenePairs { pairs: in_order, ..objects };
+        let mut place = 0;
+        numbers.retain(|&number| {
+            let pair = in_order.pairs[place];
+            in_order.look_ahead_to_shapes(place);
+            place += 1;
             let sides = objects.posed(pair);
             let measured = match lists.next_if(|&(listed, _)| pairs[listed as usize] == pair) {
                 Some((_, parts)) => self.solver.measure_parts(self.accuracy, parts, sides, solver),
@@ -207,8 +229,9 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
             }
             true
         });
-        if !left.is_empty() {
-            sink.contacts.take_away(first, left);
+        if !numbers.is_empty() {
+            numbers.sort_unstable();
+            sink.contacts.take_away(first, numbers);
         }
     }
 
@@ -310,6 +333,8 @@ struct SearchPairs<'a> {
     numbers: Iter<'a, u32>,
     surfaces: &'a mut [Surface; SEATS],
     starts: &'a mut Starts,
+    /// The numbers of the swept pairs whose cores do not overlap, as far as f32 knows.
+    apart: &'a mut Vec<u32>,
     /// Whether the facets of a pair are read where its answer is written.
     reads_facets: bool,
     answers: &'a mut dyn WriteDepth,
@@ -362,6 +387,11 @@ impl Kernel for SearchPairs<'_> {
                     }
                     Next::Failed => None,
                 };
+                if found.is_none() && seat.pair.is_swept() {
+                    self.apart.push(seat.number as u32);
+                    *place = None;
+                    continue;
+                }
                 if let Some(before) = last.replace((seat.number, found)) {
                     write(self.objects, self.answers, &before);
                 }
@@ -393,8 +423,9 @@ impl<'a> SearchPairs<'a> {
                 Side { core, blocks: frame.blocks_of(frame.record(object)), placed }
             };
             let sides = [side(0, frames.a, pair.i, a), side(1, frames.b, pair.j, b)];
-            if let Some(searched) = SearchedPair::of(sides) {
-                let mut search = DepthSearch::new(&searched.cloud, self.accuracy);
+            if let Some(searched) = SearchedPair::of(sides, self.accuracy) {
+                let accuracy = searched.sharpened(self.accuracy);
+                let mut search = DepthSearch::new(&searched.cloud, accuracy);
                 let is_second = !frames.is_one();
                 let of_a = self.starts.of(l, (pair.i, false), sides[0].blocks);
                 let of_b = self.starts.of(l, (pair.j, is_second), sides[1].blocks);

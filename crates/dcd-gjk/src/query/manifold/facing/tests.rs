@@ -67,10 +67,10 @@ fn segments_and_boxes_show_what_their_lists_of_faces_have() {
 }
 
 #[test]
-fn a_hull_shows_round_an_edge_what_all_its_farthest_vertices_have() {
+fn a_hull_shows_round_an_edge_or_a_face_what_all_its_farthest_vertices_have() {
     let mut draw = cuboids::tests::Draw(7);
     let mut number = || 2.0 * draw.unit() - 1.0;
-    let mut counts = [0; 2];
+    let (mut counts, mut level) = ([0; 2], 0);
     for round in 0..300 {
         // Flat ones among them, whose faces look almost alike; every other one with faces of many corners.
         let thin = [1.0, 0.05][round / 2 % 2];
@@ -84,18 +84,29 @@ fn a_hull_shows_round_an_edge_what_all_its_farthest_vertices_have() {
         };
         let Ok(polytope) = Polytope::hull(points) else { continue };
         let facets = polytope.facets();
+        let due = |direction: DVec3| {
+            let choice = Choice { polytope: &polytope, direction };
+            let along = polytope.vertices().iter().map(|vertex| direction.dot(*vertex));
+            let farthest = along.fold(f64::NEG_INFINITY, f64::max);
+            let least = farthest - FARTHEST * polytope.outer_radius();
+            (choice.searched().name(), choice.round_vertices(&[], least).name())
+        };
+        for facet in facets.facets() {
+            for tilt in [0.0, 1e-9, 1e-5] {
+                let tilted = facet.normal + DVec3::new(number(), number(), number()) * tilt;
+                let (found, due) = due(tilted.normalize_or(DVec3::X));
+                assert_eq!(found, due, "{round}: {facet:?} {tilt}");
+                level += 1;
+            }
+        }
         for j in 0..polytope.vertices().len() as u32 {
             for half_edge in facets.half_edges_from(j) {
                 let k = half_edge.to;
                 let back = facets.half_edges_from(k).iter().find(|back| back.to == j).unwrap();
                 let share = 0.5 + 0.5 * number();
                 let direction = half_edge.normal.lerp(back.normal, share).normalize_or(DVec3::X);
-                let choice = Choice { polytope: &polytope, direction };
-                let along = polytope.vertices().iter().map(|vertex| direction.dot(*vertex));
-                let farthest = along.fold(f64::NEG_INFINITY, f64::max);
-                let least = farthest - FARTHEST * polytope.outer_radius();
-                let due = choice.round_vertices(&[], least).name();
-                assert_eq!(choice.searched().name(), due, "{round}: {j} {k} {direction}");
+                let (found, due) = due(direction);
+                assert_eq!(found, due, "{round}: {j} {k} {direction}");
                 match due {
                     Feature::Edge(..) => counts[0] += 1,
                     Feature::Face(_) => counts[1] += 1,
@@ -104,7 +115,7 @@ fn a_hull_shows_round_an_edge_what_all_its_farthest_vertices_have() {
             }
         }
     }
-    assert!(counts.iter().all(|&count| count > 1000), "{counts:?}");
+    assert!(counts.iter().all(|&count| count > 1000) && level > 1000, "{counts:?} {level}");
 }
 
 /// A roof whose ridge is all that is highest, and whose gables alone look up: both as much.
