@@ -100,12 +100,14 @@ impl<S: MeasureDepth> SimdDepths<S> {
     fn answer(
         &self,
         objects: ScenePairs<'_>,
+        has_meshes: bool,
         scratch: &mut TouchingScratch,
         mut answers: Answers<'_, S>,
     ) {
         let TouchingScratch { surfaces, starts, of_cuboids, patches, cuboids, searched } = scratch;
         let (accuracy, frames, answers) = (self.accuracy, objects.frames, &mut answers);
-        dispatch_on(self.path, Sort { objects, accuracy, of_cuboids, cuboids, searched, answers });
+        let sort = Sort { objects, accuracy, has_meshes, of_cuboids, cuboids, searched, answers };
+        dispatch_on(self.path, sort);
         if S::READS_PATCHES && accuracy == Accuracy::F32 {
             patches::find(self.path, frames, &of_cuboids.pairs, patches);
             let patches = &*patches;
@@ -185,7 +187,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: touching };
         let answers = &mut sink.contacts[first..];
         let answers = Answers { solver: &self.solver, scratch: solver, answers, left };
-        self.answer(objects, of_touching, answers);
+        self.answer(objects, yes.touching_parts.has_any(), of_touching, answers);
         left.sort_unstable();
         let mut lists = yes.touching_parts.lists().peekable();
         left.retain(|&number| {
