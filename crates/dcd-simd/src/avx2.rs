@@ -48,6 +48,7 @@ impl Lanes for Avx2 {
     type M = Halves<__m256>;
     type D = Halves<__m256d>;
     const FUSED: bool = true;
+    const HALVES: bool = true;
 
     #[inline(always)]
     fn call<K: Kernel>(self, kernel: K) -> K::Output {

@@ -1,6 +1,6 @@
 //! The operations on lanes: what a kernel is written with.
 
-use crate::{Block, IndexRow, Kernel, Pair, Row, WIDTH, unfused};
+use crate::{Block, Half, IndexRow, Kernel, Pair, Row, WIDTH, half, unfused};
 
 /// What a kernel computes with: operations on sixteen f32, on sixteen u32, on sixteen yes/no, and on eight f64.
 ///
@@ -18,6 +18,8 @@ pub trait Lanes: Copy {
     type D: Copy;
     /// Whether [`Lanes::mul_add`] rounds once.
     const FUSED: bool = false;
+    /// Whether half of the lanes take less than all of them: see [`Lanes::run_half`].
+    const HALVES: bool = false;
 
     /// x in every lane.
     fn splat(self, x: f32) -> Self::F;
@@ -182,6 +184,13 @@ pub trait Lanes: Copy {
     #[inline(always)]
     fn run_unfused<K: Kernel>(self, kernel: K) -> K::Output {
         kernel.run(unfused::Apart(self))
+    }
+
+    /// Runs a kernel on one half of the lanes, with half the registers where there are several. Each lane of it has its own number; of
+    /// the other half no lane is loaded, none stored, and no bit is set.
+    #[inline(always)]
+    fn run_half<K: Kernel>(self, half: Half, kernel: K) -> K::Output {
+        kernel.run(half::Eight(self, half))
     }
 
     /// Loads eight from memory, unaligned, into the first lanes; the others hold some of them. Where no more than

@@ -20,6 +20,7 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod box_test;
+mod half;
 mod lanes;
 mod pair;
 mod path;
@@ -38,6 +39,7 @@ pub use aabb16::Aabb16;
 pub use aabb128::{Aabb128, Mask128};
 pub use array_vec::ArrayVec;
 pub use box_test::{BoxTest, HeightsAlong, PlaneSet, PointDistance, RaySlabs, nearest_first};
+pub use half::Half;
 pub use lanes::Lanes;
 pub use pair::Pair;
 pub use path::{Path, UnavailablePath};

@@ -46,6 +46,7 @@ impl Lanes for Sse2 {
     type U = Quarters<__m128i>;
     type M = Quarters<__m128>;
     type D = Quarters<__m128d>;
+    const HALVES: bool = true;
 
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F {

@@ -33,12 +33,14 @@ macro_rules! hand_on {
         })*
     };
 }
+pub(crate) use hand_on;
 
 impl<L: Lanes> Lanes for Apart<L> {
     type F = L::F;
     type U = L::U;
     type M = L::M;
     type D = L::D;
+    const HALVES: bool = L::HALVES;
 
     #[inline(always)]
     fn mul_add(self, a: L::F, b: L::F, c: L::F) -> L::F {

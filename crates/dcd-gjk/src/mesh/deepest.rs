@@ -347,6 +347,17 @@ impl Deepest {
         is_most
     }
 
+    /// The normal of the greatest.
+    pub(super) fn normal(&self) -> Option<DVec3> {
+        self.most.map(|most| most.normal)
+    }
+
+    /// Whether a pair that is at most so deep changes neither the greatest nor its bound.
+    pub(super) fn bounds(&self, at_most: f64) -> bool {
+        // Written so that NaN is not bounded.
+        self.most.is_some_and(|most| at_most <= most.depth + most.error_bound)
+    }
+
     /// Whether a pair that is at most so deep needs not be measured; if so it counts.
     fn is_as_deep_as(&mut self, at_most: f64) -> bool {
         let is = self.most.is_some_and(|most| at_most <= most.depth * (1.0 + AS_DEEP));

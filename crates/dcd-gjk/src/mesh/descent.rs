@@ -10,7 +10,7 @@ use super::triangles::{Leaves, not_apart};
 use super::{Next, Scratch, Tally, pair};
 use crate::{Method, Verdict};
 use dcd_geom::{Aabb, Aabb16, Mesh, Triangles};
-use dcd_simd::{Block, Kernel, Lanes, Row};
+use dcd_simd::{Block, Half, Kernel, Lanes, Row};
 use std::cell::OnceCell;
 
 /// How many blocks of a mesh are compared with the box round a convex shape alone, before planes of the shape are looked
@@ -357,7 +357,7 @@ impl Descent<'_, '_> {
     }
 }
 
-/// [`Descent::in_lanes`].
+/// [`Descent::in_lanes`], in half of the lanes where a half takes less and has all open triangles, as it mostly does.
 struct InLanes<'a, 'd, 'g> {
     search: &'a Descent<'d, 'g>,
     leaf: &'a Triangles,
@@ -369,7 +369,23 @@ impl Kernel for InLanes<'_, '_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Decided {
-        self.search.decide_leaf(l, self.leaf, self.open)
+        match Half::only_of(self.open) {
+            Some(half) if L::HALVES => l.run_half(half, AllLanes(self)),
+            _ => AllLanes(self).run(l),
+        }
+    }
+}
+
+/// [`InLanes`] in all of the lanes that there are.
+struct AllLanes<'a, 'd, 'g>(InLanes<'a, 'd, 'g>);
+
+impl Kernel for AllLanes<'_, '_, '_> {
+    type Output = Decided;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Decided {
+        let InLanes { search, leaf, open } = self.0;
+        search.decide_leaf(l, leaf, open)
     }
 }
 

@@ -47,7 +47,7 @@ pub(crate) use deepest::{
 pub use distance::distance;
 pub(crate) use nearest_triangle::distance_in_f32;
 pub(crate) use on_body::{
-    TouchingTriangle, depth_in_sphere, touching_triangles, triangles_in_sphere,
+    TouchingTriangle, deepest_by_formula, depth_in_sphere, touching_triangles, triangles_in_sphere,
 };
 pub(crate) use one_triangle::{OfTriangle, of_triangle};
 

@@ -119,3 +119,38 @@ pub(crate) fn touching_triangles(
     }
     Some(())
 }
+
+/// How deep a mesh and a convex polytope overlap of which those triangles touch, in that order, with depths whose bounds are at
+/// most a part `relative` of them or `of_size` of the pair's size. `None` where no formula finds that of one that may be the
+/// deepest, and where a length is out of range.
+///
+/// A triangle that the deepest before it bounds, along its normal and within its bound, is not measured.
+pub(crate) fn deepest_by_formula(
+    [mesh, body]: [PosedShape<'_>; 2],
+    [relative, of_size]: [f64; 2],
+    triangles: impl Iterator<Item = u32>,
+) -> Option<Depth> {
+    let Shape::Mesh(of_mesh) = mesh.shape else { return None };
+    let mut triangles = triangles.peekable();
+    let first = Side::of(mesh).part(*triangles.peek()?);
+    let mut couple = Couple::of([first, Part::Shape(body.shape)], [mesh.pose, body.pose])?;
+    let (most_open, slack) = (of_size * couple.size(), couple.slack());
+    let is_good = |found: &Depth| found.error_bound <= (relative * found.depth).max(most_open);
+    let mut deepest = Deepest::default();
+    // What the body reaches along the normal of the deepest so far.
+    let mut body_along = None;
+    for triangle in triangles {
+        let corners = of_mesh.corners(triangle as usize)?;
+        if let Some(normal) = deepest.normal() {
+            let body_along = body_along.get_or_insert_with(|| couple.second_along(normal));
+            if deepest.bounds(body_along.of_triangle(&corners) + slack) {
+                continue;
+            }
+        }
+        couple.take_triangle(corners);
+        if deepest.add(couple.by_formula(is_good)?) {
+            body_along = None;
+        }
+    }
+    deepest.depth()
+}

@@ -131,9 +131,13 @@ pub(super) fn depth(
         (Shape::Mesh(_), _) => ([a, b], 0),
         _ => ([b, a], 1),
     };
+    let good = tolerance(accuracy);
+    let numbers = || touching.iter().map(|pair| pair[mesh]);
+    if let Some(found) = mesh::deepest_by_formula(sides, good, numbers()) {
+        return Some(if mesh == 0 { found } else { found.mirrored() });
+    }
     let mut triangles = Vec::with_capacity(touching.len());
-    let touching = touching.iter().map(|pair| pair[mesh]);
-    mesh::touching_triangles(sides, tolerance(accuracy), touching, &mut triangles)?;
+    mesh::touching_triangles(sides, good, numbers(), &mut triangles)?;
     let bodies = &[Body::whole(sides[1], &triangles)?];
     let triangles = &mut triangles[..];
     let (_, found) =

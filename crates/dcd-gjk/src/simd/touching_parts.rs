@@ -36,6 +36,11 @@ impl TouchingParts {
         found
     }
 
+    /// Whether there is a list.
+    pub(super) fn has_any(&self) -> bool {
+        !self.ends.is_empty()
+    }
+
     /// The lists of the touching pairs, each with its number in the slice, in rising order.
     pub(super) fn lists(&self) -> impl Iterator<Item = (u32, &[[u32; 2]])> {
         let mut first = 0;

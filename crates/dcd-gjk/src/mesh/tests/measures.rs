@@ -85,3 +85,54 @@ fn the_depth_is_that_of_the_deepest_parts() {
     }
     assert!((15..60).contains(&touching), "{touching}");
 }
+
+#[test]
+fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measured() {
+    use crate::query::{Accuracy, MeasureDepth};
+    use crate::{Depths, epa};
+    let mut scratch = epa::Scratch::default();
+    let mut counts = [0; 4];
+    for seed in 0..240 {
+        let mut draw = Draw(seed);
+        let ground = draw.mesh(25 + (seed % 16) as usize, 1.0);
+        let kind = (seed / 2 % 4) as usize;
+        let body = match kind {
+            0 => Shape::cuboid(draw.point(0.4).abs() + 0.1),
+            1 => Shape::cuboid(draw.point(0.3).abs() + 0.1).and_then(|cuboid| cuboid.rounded(0.1)),
+            2 => Shape::capsule(0.3, 0.2),
+            _ => Ok(draw.hull(0.8)),
+        };
+        let (body, poses) = (body.unwrap(), [draw.pose(0.3), draw.pose(0.3)]);
+        let [a, b] = [(&ground, &poses[0]), (&body, &poses[1])]
+            .map(|(shape, pose)| PosedShape { shape, pose });
+        let mut pairs = Vec::new();
+        touching(a, b, &mut Scratch::default(), &mut pairs);
+        // Each triangle alone, by the expanding polytope.
+        let mut most = 0.0f64;
+        let core = PosedSupport::polytope(b.shape.as_polytope().unwrap(), b.pose);
+        for triangle in &polytopes(a.shape) {
+            let triangle = PosedSupport::polytope(triangle, a.pose);
+            if let Verdict::Touching(found) = epa::depth(triangle, core, &mut scratch) {
+                most = most.max(found.depth);
+            }
+        }
+        if pairs.is_empty() {
+            continue;
+        }
+        let back: Vec<_> = pairs.iter().map(|&[of_a, of_b]| [of_b, of_a]).collect();
+        for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
+            let mut depth = |parts: &[[u32; 2]], sides| {
+                let found = Depths.measure_parts(accuracy, parts, sides, &mut scratch);
+                let Verdict::Touching(found) = found else { panic!("{seed}: {found:?}") };
+                found
+            };
+            let (found, back) = (depth(&pairs, [a, b]), depth(&back, [b, a]));
+            assert_eq!(found, back.mirrored(), "{seed} {accuracy:?}");
+            let off = (found.depth - most).abs();
+            assert!(off <= found.error_bound + 1e-12, "{seed} {accuracy:?}: {found:?} {most}");
+            assert!(found.error_bound <= 1e-5, "{seed} {accuracy:?}: {found:?}");
+        }
+        counts[kind] += usize::from(pairs.len() > 1);
+    }
+    assert!(counts.iter().all(|&count| count > 5), "{counts:?}");
+}

@@ -81,9 +81,23 @@ fn weights([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 3] {
 #[inline(always)]
 fn of_segment(corners: [DVec3; 3], [from, to]: [DVec3; 2]) -> ([f64; 3], f64) {
     let along = to - from;
-    let mut best = (weights(corners, from), 0.0);
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(c - a);
+    let [of_from, of_to] = [normal.dot(from - a), normal.dot(to - a)];
+    // On one side of the plane the end that is nearer to it is the nearest of all, if it is over the inside of the triangle.
+    let is_beside = of_from * of_to > 0.0;
+    let is_inside = |[u, v, w]: [f64; 3]| u > 0.0 && v > 0.0 && w > 0.0;
+    let first = weights(corners, from);
+    if is_beside && of_from.abs() <= of_to.abs() && is_inside(first) {
+        return (first, 0.0);
+    }
+    let last = weights(corners, to);
+    if is_beside && of_to.abs() < of_from.abs() && is_inside(last) {
+        return (last, 1.0);
+    }
+    let mut best = (first, 0.0);
     let mut least = apart(corners, best, from, along);
-    let mut consider = (weights(corners, to), 1.0);
+    let mut consider = (last, 1.0);
     for k in 0..4 {
         let square = apart(corners, consider, from, along);
         if square < least {
@@ -104,4 +118,51 @@ fn of_segment(corners: [DVec3; 3], [from, to]: [DVec3; 2]) -> ([f64; 3], f64) {
 #[inline(always)]
 fn apart(corners: [DVec3; 3], (weights, t): ([f64; 3], f64), from: DVec3, along: DVec3) -> f64 {
     combined(corners, weights).distance_squared(from + along * t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::tests::Draw;
+
+    /// The least distance over the segment, whose distance from a triangle is convex along it: by thirds.
+    fn least(corners: [DVec3; 3], [from, to]: [DVec3; 2]) -> f64 {
+        let distance = |t: f64| {
+            let on = from.lerp(to, t);
+            nearest(corners, on).distance(on)
+        };
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..120 {
+            let (first, second) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+            if distance(first) < distance(second) { high = second } else { low = first }
+        }
+        distance(low)
+    }
+
+    #[test]
+    fn no_point_of_a_segment_is_nearer_to_a_triangle_than_those_that_are_found() {
+        let mut draw = Draw(5);
+        let [mut over, mut beside] = [0; 2];
+        for round in 0..4000 {
+            let corners = [0; 3].map(|_| draw.vector());
+            let mut ends = [0; 2].map(|_| draw.vector() * [1.0, 0.3][round % 2]);
+            if round % 3 == 0 {
+                // On one side, and mostly over it.
+                let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+                let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+                ends = ends.map(|end| middle + end * 0.3 + normal * (0.4 + draw.number() * 0.1));
+            }
+            let due = least(corners, ends);
+            // One that pierces is another's.
+            if due < 1e-9 {
+                continue;
+            }
+            let (found, t) = of_segment(corners, ends);
+            let distance = combined(corners, found).distance(ends[0].lerp(ends[1], t));
+            assert!((distance - due).abs() < 1e-7, "{round}: {distance} {due}");
+            let is_over = found.iter().all(|&weight| weight > 0.0);
+            if is_over { over += 1 } else { beside += 1 }
+        }
+        assert!(over > 500 && beside > 500, "{over} {beside}");
+    }
 }

@@ -7,14 +7,18 @@ use super::super::spheres::MeasureSpheres;
 use super::{Answers, SimdDepths};
 use crate::closed::{self, PlacedSphere};
 use crate::query::MeasureDepth;
-use crate::{Accuracy, Contact, ContactList, ContactSink, ContactsOf, Verdict, certified};
-use dcd_geom::Pair;
+use crate::{
+    Accuracy, Contact, ContactList, ContactSink, ContactsOf, PosedShape, Verdict, certified,
+};
+use dcd_geom::{Pair, Shape};
 use dcd_simd::{Kernel, Lanes};
 
-/// Answers the pairs of spheres and lists the others by how they are measured. A kernel for the CPU's instructions alone.
+/// Answers the pairs of spheres and lists the others by how they are measured; those of meshes are left to the solver. A kernel for the CPU's instructions alone.
 pub(super) struct Sort<'a, 'b, S: MeasureDepth> {
     pub(super) objects: ScenePairs<'a>,
     pub(super) accuracy: Accuracy,
+    /// Whether there are any.
+    pub(super) has_meshes: bool,
     pub(super) of_cuboids: &'a mut of_cuboids::Scratch,
     pub(super) cuboids: &'a mut Vec<u32>,
     pub(super) searched: &'a mut Vec<u32>,
@@ -26,8 +30,9 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) {
-        let Self { objects, accuracy, of_cuboids, cuboids, searched, answers } = self;
+        let Self { objects, accuracy, has_meshes, of_cuboids, cuboids, searched, answers } = self;
         let ScenePairs { frames, pairs, .. } = objects;
+        let is_mesh = |side: PosedShape<'_>| matches!(side.shape, Shape::Mesh(_));
         let sharp = closed::sharp_of(accuracy);
         cuboids.clear();
         of_cuboids.pairs.clear();
@@ -41,6 +46,8 @@ impl<S: MeasureDepth> Kernel for Sort<'_, '_, S> {
             } else if are_cuboids(frames, pair) {
                 cuboids.push(number);
                 of_cuboids.pairs.push(pair);
+            } else if has_meshes && objects.posed(pair).into_iter().any(is_mesh) {
+                answers.left.push(number);
             } else {
                 searched.push(number);
             }

@@ -104,13 +104,15 @@ impl<S: MeasureDepth> SimdDepths<S> {
     fn answer(
         &self,
         objects: ScenePairs<'_>,
+        has_meshes: bool,
         scratch: &mut TouchingScratch,
         mut answers: Answers<'_, S>,
     ) {
         let TouchingScratch { surfaces, starts, of_cuboids, patches, cuboids, searched, apart } =
             scratch;
         let (accuracy, frames, answers) = (self.accuracy, objects.frames, &mut answers);
-        dispatch_on(self.path, Sort { objects, accuracy, of_cuboids, cuboids, searched, answers });
+        let sort = Sort { objects, accuracy, has_meshes, of_cuboids, cuboids, searched, answers };
+        dispatch_on(self.path, sort);
         if S::READS_PATCHES && accuracy == Accuracy::F32 {
             patches::find(self.path, frames, &of_cuboids.pairs, patches);
             let patches = &*patches;
@@ -201,7 +203,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         let (contacts, numbers) = (&mut *sink.contacts, &mut left.numbers);
         let answers =
             Answers { solver: &self.solver, scratch: solver, contacts, first, left: numbers };
-        self.answer(objects, of_touching, answers);
+        self.answer(objects, yes.touching_parts.has_any(), of_touching, answers);
         left.sort(frames, touching);
         let mut lists = yes.touching_parts.lists().peekable();
         let Left { numbers, pairs: in_order, .. } = left;
