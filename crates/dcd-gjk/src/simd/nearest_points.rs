@@ -7,7 +7,7 @@ use super::first_stages::{Entry, Place, Resolved};
 use super::frame::FramePair;
 use super::obb::{self, ObbPairs};
 use super::packet::{
-    AFTER_NEAREST, AFTER_SPHERES, CORNER_BITS, Corner, LanesOf, Number, PacketQueue, PairPacket,
+    AFTER_CONE, AFTER_NEAREST, CORNER_BITS, Corner, LanesOf, Number, PacketQueue, PairPacket,
     Vector, Whole,
 };
 use super::portal::ROUNDS;
@@ -47,8 +47,8 @@ pub(super) struct Scratch {
     support_scratch: SupportScratch,
     boxes: ObbPairs,
     packet: PairPacket,
-    /// What waits for its first support.
-    first: PacketQueue<AFTER_SPHERES>,
+    /// What waits for its first support: in the direction that stands where its first point will.
+    first: PacketQueue<AFTER_CONE>,
     /// What waits for the next one.
     next: PacketQueue<AFTER_NEAREST>,
     /// For each pair of the slice what was found.
@@ -118,18 +118,21 @@ impl CoreSearch<'_> {
         let live = entry.live;
         let mut beyond = beyond_by(l, spheres, self.margin) & live;
         let packet = &mut entry.packet;
+        let mut axis = packet.vector(l, Vector::C);
         if entry.boxed & live & !beyond != 0 {
             let of_boxes = (&*packet, pairs.len());
-            let (tried, _) = obb::obbs::<L, CertifiedBounds>(l, self.frames, boxes, of_boxes);
+            let (tried, normal) = obb::faces(l, self.frames, boxes, of_boxes);
             beyond |= beyond_by(l, tried, self.margin) & entry.boxed & live;
+            axis = V3::select(l, l.mask(entry.boxed), normal, axis);
         }
+        packet.set_vector(l, Vector::P0, axis.neg(l));
         put_apart(found, packet, beyond);
         let radius = l.add(packet.number(l, Number::Radius), l.splat(self.margin));
         packet.set_number(l, Number::Radius, l.mul(radius, l.splat(1.0 + 4.0 * U)));
         queue.push(l, packet, live & !beyond);
     }
 
-    /// The first point of each is the support along the axis between the centres.
+    /// The first point of each is the support along the axis between the centres, or along the normal of a box.
     #[inline(always)]
     fn first_support<L: Lanes>(&mut self, l: L) {
         let Scratch { support_scratch, packet, first, next, found, .. } = &mut *self.scratch;
@@ -137,8 +140,9 @@ impl CoreSearch<'_> {
         let used = (1u32 << taken) - 1;
         packet.set_number(l, Number::Lower, l.splat(0.0));
         let mut at = Place { frames: self.frames, support_scratch };
-        let axis = packet.vector(l, Vector::C);
-        let new = support(l, &mut at, packet, (axis.neg(l), taken));
+        let d = packet.vector(l, Vector::P0);
+        let new = support(l, &mut at, packet, (d, taken));
+        let axis = d.neg(l);
         let beyond = look_along(l, packet, axis, new.at) & used;
         put_apart(found, packet, beyond);
         let (zero, one) = (l.splat(0.0), [new; 3]);
