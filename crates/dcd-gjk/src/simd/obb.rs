@@ -164,13 +164,11 @@ impl<L: Lanes> Face<L> {
     /// Of the first box.
     #[inline(always)]
     fn of(l: L, c: V3<L>, [one, other]: [&Side<L>; 2]) -> Self {
+        let [x, y, z] = other.axes;
         let mut best = Self { gap: l.splat(f32::MIN), normal: c };
         for i in 0..3 {
             let axis = one.axes[i];
-            let mut cos = [l.splat(0.0); 3];
-            for j in 0..3 {
-                cos[j] = l.abs(axis.dot(l, other.axes[j]));
-            }
+            let cos = [l.abs(axis.dot(l, x)), l.abs(axis.dot(l, y)), l.abs(axis.dot(l, z))];
             let outer = l.add(one.outer[i], dot3(l, other.outer, cos));
             let gap = l.sub(l.abs(axis.dot(l, c)), outer);
             let is_more = l.lt(best.gap, gap);
