@@ -19,7 +19,7 @@ use crate::{
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, ShapeError};
 use dcd_simd::Path;
-use sorted::{Kind, Sorted};
+use sorted::{Kind, Searched, Sorted};
 
 /// How far apart the pairs within a margin are: [`Distances`](crate::Distances) at any accuracy, in packets of sixteen.
 ///
@@ -88,6 +88,17 @@ impl SimdDistances {
         }
         let (found, method) = distance_at(self.accuracy, a, b);
         (within_margin(found, self.margin, a, b), method)
+    }
+
+    /// Prefetches what the pairs behind that one read.
+    #[inline(always)]
+    fn look_ahead(&self, objects: ScenePairs<'_>, number: usize, searched: &Searched) {
+        match self.accuracy {
+            Accuracy::F32 => {
+                objects.look_ahead_to_corners(number, |number| searched.corners(number))
+            }
+            _ => objects.look_ahead(number, false),
+        }
     }
 
     /// A pair that is apart, by what the lanes found of it.
@@ -324,7 +335,7 @@ impl NarrowPhase for SimdDistances {
                 Kind::Cuboids => features = of_cuboids.next().copied().unwrap_or_default(),
                 Kind::Searched => {
                     if let Some((number, &of_open)) = near.next() {
-                        objects.look_ahead(number, false);
+                        self.look_ahead(objects, number, searched);
                         nearest = searched.nearest.found[of_open as usize];
                     }
                 }

@@ -24,6 +24,21 @@ struct Side<L: Lanes> {
 }
 
 impl<L: Lanes> Side<L> {
+    /// Both sides of the first pairs.
+    #[inline(always)]
+    fn both(
+        l: L,
+        frames: FramePair<'_>,
+        boxes: &mut ObbPairs,
+        (packet, used): (&PairPacket, usize),
+    ) -> [Self; 2] {
+        for k in 0..used.min(WIDTH) {
+            boxes.a[k] = frames.a.boxes(packet.a.0[k]).numbers;
+            boxes.b[k] = frames.b.boxes(packet.b.0[k]).numbers;
+        }
+        [Self::load(l, &boxes.a), Self::load(l, &boxes.b)]
+    }
+
     #[inline(always)]
     fn load(l: L, boxes: &[Row; WIDTH]) -> Self {
         let [ax, ay, az, bx, by, bz, cx, cy, cz, outer @ .., ix, iy, iz, _] = l.transpose(boxes);
@@ -70,11 +85,7 @@ pub(super) fn obbs<L: Lanes, T: ErrorBounds>(
     boxes: &mut ObbPairs,
     (packet, used): (&PairPacket, usize),
 ) -> (Resolved<L>, u32) {
-    for k in 0..used.min(WIDTH) {
-        boxes.a[k] = frames.a.boxes(packet.a.0[k]).numbers;
-        boxes.b[k] = frames.b.boxes(packet.b.0[k]).numbers;
-    }
-    let (a, b) = (Side::<L>::load(l, &boxes.a), Side::<L>::load(l, &boxes.b));
+    let [a, b] = Side::both(l, frames, boxes, (packet, used));
     let c = packet.vector(l, Vector::C);
     let zero = l.splat(0.0);
 
@@ -91,10 +102,7 @@ pub(super) fn obbs<L: Lanes, T: ErrorBounds>(
         }
     }
 
-    let size =
-        l.mul_add(packet.number(l, Number::Radius), l.splat(U), packet.number(l, Number::Unit));
-    let slack = l.mul(packet.number(l, Number::Slack), l.splat(4.0));
-    let bound = T::rounding(l, l.mul_add(size, l.splat(OBB), slack));
+    let bound = T::rounding(l, rounding(l, packet));
     let none = l.mask(0);
     let mut tally = Tally {
         bound,
@@ -135,6 +143,69 @@ pub(super) fn obbs<L: Lanes, T: ErrorBounds>(
     let touching = Certificate::new(l, tally.touching, tally.touching_by, l.splat(1.0));
     let resolved = Resolved::by(l, apart, touching, u32::MAX);
     (resolved, l.bits(aligned))
+}
+
+/// How far what is compared along an axis may be off.
+#[inline(always)]
+fn rounding<L: Lanes>(l: L, packet: &PairPacket) -> L::F {
+    let size =
+        l.mul_add(packet.number(l, Number::Radius), l.splat(U), packet.number(l, Number::Unit));
+    let slack = l.mul(packet.number(l, Number::Slack), l.splat(4.0));
+    l.mul_add(size, l.splat(OBB), slack)
+}
+
+/// The face of a box along whose normal two outer boxes are farthest apart, or overlap least.
+struct Face<L: Lanes> {
+    gap: L::F,
+    normal: V3<L>,
+}
+
+impl<L: Lanes> Face<L> {
+    /// Of the first box.
+    #[inline(always)]
+    fn of(l: L, c: V3<L>, [one, other]: [&Side<L>; 2]) -> Self {
+        let [x, y, z] = other.axes;
+        let mut best = Self { gap: l.splat(f32::MIN), normal: c };
+        for i in 0..3 {
+            let axis = one.axes[i];
+            let cos = [l.abs(axis.dot(l, x)), l.abs(axis.dot(l, y)), l.abs(axis.dot(l, z))];
+            let outer = l.add(one.outer[i], dot3(l, other.outer, cos));
+            let gap = l.sub(l.abs(axis.dot(l, c)), outer);
+            let is_more = l.lt(best.gap, gap);
+            best.gap = l.select(is_more, gap, best.gap);
+            best.normal = V3::select(l, is_more, axis, best.normal);
+        }
+        best
+    }
+
+    /// The normal, towards c; c itself where it is neither towards that nor away from it.
+    #[inline(always)]
+    fn towards(&self, l: L, c: V3<L>) -> V3<L> {
+        let (zero, along) = (l.splat(0.0), self.normal.dot(l, c));
+        let back = V3::select(l, l.lt(along, zero), self.normal.neg(l), c);
+        V3::select(l, l.lt(zero, along), self.normal, back)
+    }
+}
+
+/// Rejects if one of the six faces of two boxes separates the outer ones: less than [`obbs`], at a fifth of the cost. Also
+/// returns, from b to a, the normal of the face along which they are farthest apart, or overlap least: a hint.
+#[inline(always)]
+pub(super) fn faces<L: Lanes>(
+    l: L,
+    frames: FramePair<'_>,
+    boxes: &mut ObbPairs,
+    (packet, used): (&PairPacket, usize),
+) -> (Resolved<L>, V3<L>) {
+    let [a, b] = Side::both(l, frames, boxes, (packet, used));
+    let c = packet.vector(l, Vector::C);
+    let (of_a, of_b) = (Face::of(l, c, [&a, &b]), Face::of(l, c, [&b, &a]));
+    let clearance = l.sub(l.max(of_a.gap, of_b.gap), rounding(l, packet));
+    let apart = Certificate::new(l, l.lt(l.splat(0.0), clearance), clearance, l.splat(1.0));
+    let (one, two) = (of_a.towards(l, c), of_b.towards(l, c));
+    // Of two as good the sum, which is the same whichever is which.
+    let best = V3::select(l, l.lt(of_a.gap, of_b.gap), two, one.add(l, two));
+    let best = V3::select(l, l.lt(of_b.gap, of_a.gap), one, best);
+    (Resolved::apart(l, apart), best)
 }
 
 /// How far two edges of each box reach along a cross product, given the sines that they count with.

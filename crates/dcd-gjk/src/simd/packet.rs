@@ -35,6 +35,7 @@ struct Layout {
     p2: [Row; 3],
     found: Row,
     round: Row,
+    nearest: [Row; 3],
     lower: Row,
     second: Row,
     third: Row,
@@ -53,7 +54,7 @@ pub(super) const AFTER_SPHERES: usize = row(offset_of!(Layout, p0)) as usize;
 /// See [`AFTER_SPHERES`].
 pub(super) const AFTER_CONE: usize = row(offset_of!(Layout, p1)) as usize;
 /// See [`AFTER_SPHERES`].
-pub(super) const AFTER_SECOND_POINT: usize = row(offset_of!(Layout, lower)) as usize;
+pub(super) const AFTER_SECOND_POINT: usize = row(offset_of!(Layout, nearest)) as usize;
 /// See [`AFTER_SPHERES`]: of a pair whose distance is measured.
 pub(super) const AFTER_NEAREST: usize = row(size_of::<Layout>()) as usize;
 
@@ -110,6 +111,8 @@ pub(super) enum Vector {
     D = row(offset_of!(Layout, direction)),
     /// The third.
     P2 = row(offset_of!(Layout, p2)),
+    /// The nearest point to the origin that is known, where the distance is measured.
+    Nearest = row(offset_of!(Layout, nearest)),
 }
 
 /// How many bits a vertex's number has at most; two of them fit into the 24 of an f32.

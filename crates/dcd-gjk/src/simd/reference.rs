@@ -4,6 +4,7 @@
 
 mod compounds;
 mod curved;
+mod faces;
 mod forms;
 mod simplex;
 

@@ -16,7 +16,11 @@ pub(super) struct ScenePairs<'a> {
 
 /// Before how many other pairs the memory of a pair is prefetched: where its parts are, then what is there, step by step.
 /// No effect on any result. Larger: what leaves the nearest caches before it is read. Smaller: arithmetic that waits.
-const AHEAD: [usize; 3] = [3, 6, 9];
+const FARTHER: usize = 9;
+/// See [`FARTHER`].
+const FAR: usize = 6;
+/// See [`FARTHER`].
+const NEAR: usize = 3;
 
 impl<'a> ScenePairs<'a> {
     #[inline(always)]
@@ -28,13 +32,12 @@ impl<'a> ScenePairs<'a> {
     /// Prefetches where the shapes are of the pairs behind one of that number, and then what is there.
     #[inline(always)]
     pub(super) fn look_ahead_to_shapes(&self, number: usize) {
-        let [_, far, farther] = AHEAD;
         let Self { frames: FramePair { a, b }, scenes: [of_a, of_b], pairs } = *self;
-        if let Some(pair) = pairs.get(number + farther) {
+        if let Some(pair) = pairs.get(number + FARTHER) {
             prefetch_places(a, of_a, pair.i);
             prefetch_places(b, of_b, pair.j);
         }
-        if let Some(pair) = pairs.get(number + far) {
+        if let Some(pair) = pairs.get(number + FAR) {
             prefetch_polytope(of_a, pair.i);
             prefetch_polytope(of_b, pair.j);
         }
@@ -44,11 +47,10 @@ impl<'a> ScenePairs<'a> {
     #[inline(always)]
     pub(super) fn look_ahead(&self, number: usize, facets: bool) {
         self.look_ahead_to_shapes(number);
-        let [near, ..] = AHEAD;
         let Self { frames: FramePair { a, b }, scenes: [of_a, of_b], pairs } = *self;
-        if let Some(pair) = pairs.get(number + near) {
+        if let Some(pair) = pairs.get(number + NEAR) {
             // An object that the pair before has too is there already.
-            let before = &pairs[number + near - 1];
+            let before = &pairs[number + NEAR - 1];
             if pair.i != before.i {
                 prefetch_shown(a, of_a, pair.i, facets);
             }
@@ -56,6 +58,22 @@ impl<'a> ScenePairs<'a> {
                 prefetch_shown(b, of_b, pair.j, facets);
             }
         }
+    }
+
+    /// The same, where no more is read of polytopes than a few vertices. `corners` says which, of the pair of that number
+    /// and for either of its objects.
+    #[inline(always)]
+    pub(super) fn look_ahead_to_corners(
+        &self,
+        number: usize,
+        corners: impl FnOnce(usize) -> Option<[[u32; 2]; 3]>,
+    ) {
+        self.look_ahead_to_shapes(number);
+        let near = number + NEAR;
+        let (Some(pair), Some(corners)) = (self.pairs.get(near), corners(near)) else { return };
+        let [of_a, of_b] = self.scenes;
+        prefetch_corners(of_a, pair.i, corners.map(|[corner, _]| corner));
+        prefetch_corners(of_b, pair.j, corners.map(|[_, corner]| corner));
     }
 }
 
@@ -91,6 +109,18 @@ fn prefetch_vertices(frame: &SimdFrame, scene: &Scene, object: u32) {
     prefetch(frame.blocks_of(frame.record(object)));
     if let Shape::Polytope(polytope) = scene.shape(object as usize) {
         prefetch(polytope.vertices());
+    }
+}
+
+/// Prefetches vertices of an object.
+#[inline(always)]
+fn prefetch_corners(scene: &Scene, object: u32, corners: [u32; 3]) {
+    if let Shape::Polytope(polytope) = scene.shape(object as usize) {
+        for corner in corners {
+            if let Some(vertex) = polytope.vertices().get(corner as usize) {
+                prefetch(slice::from_ref(vertex));
+            }
+        }
     }
 }
 

@@ -130,6 +130,29 @@ impl<L: Lanes> Nearest<L> {
         }
         best.between(l, new, p)
     }
+
+    /// The direction from the origin to the point, at right angles to what it lies in up to rounding of its own length,
+    /// where `new` is the vertex that it was found with.
+    ///
+    /// The point itself is off by u·m, and along its plane by much more where that is thin: as a direction by that over its
+    /// length. What is left of it along the plane is known to far more digits.
+    #[inline(always)]
+    pub(super) fn direction(&self, l: L, new: Vertex<L>) -> V3<L> {
+        let (zero, one, v) = (l.splat(0.0), l.splat(1.0), self.point);
+        let (e, f) = (self.p.at.sub(l, new.at), self.q.at.sub(l, new.at));
+        let (ee, ef, ff) = (e.dot(l, e), e.dot(l, f), f.dot(l, f));
+        let (ev, fv) = (e.dot(l, v), f.dot(l, v));
+        let determinant = l.sub(l.mul(ee, ff), l.mul(ef, ef));
+        let of_e = l.sub(l.mul(fv, ef), l.mul(ev, ff));
+        let of_f = l.sub(l.mul(ev, ef), l.mul(fv, ee));
+        let has_plane = l.lt(zero, self.weights[1]);
+        let divisor = l.select(has_plane, determinant, ee);
+        let s = l.div(l.select(has_plane, of_e, l.neg(ev)), divisor);
+        let t = l.div(l.select(has_plane, of_f, zero), divisor);
+        // False for a NaN, which a plane without area makes, and where the point is a vertex.
+        let is_known = l.lt(l.add(l.abs(s), l.abs(t)), one);
+        V3::select(l, is_known, v.plus(l, s, e).plus(l, t, f), v)
+    }
 }
 
 /// A point of the hull of w and three others, by the weights of those.

@@ -47,6 +47,68 @@ fn plain([w, rest @ ..]: [DVec3; 4]) -> f64 {
     least
 }
 
+/// The direction to the nearest point of each four, the edges from w to the two others that it lies between, and their
+/// weights.
+struct Directions<'a>(&'a [[Row; 3]; 4]);
+
+impl Kernel for Directions<'_> {
+    type Output = ([[Row; 3]; 4], [Row; 2]);
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Self::Output {
+        let (mut found, mut weights) = ([[Row::default(); 3]; 4], [Row::default(); 2]);
+        let load = |k: usize| Vertex::unnumbered(l, V3::<L>::load(l, &self.0[k]));
+        let nearest = Nearest::of(l, load(0), [load(1), load(2), load(3)]);
+        nearest.direction(l, load(0)).store(l, &mut found[0]);
+        nearest.point.store(l, &mut found[1]);
+        nearest.p.at.store(l, &mut found[2]);
+        nearest.q.at.store(l, &mut found[3]);
+        l.store(nearest.weights[0], &mut weights[0]);
+        l.store(nearest.weights[1], &mut weights[1]);
+        (found, weights)
+    }
+}
+
+#[test]
+fn a_direction_is_at_right_angles_to_what_the_nearest_point_lies_in() {
+    let mut numbers = Numbers(43);
+    let (mut points_off, mut seen) = (0, [0; 3]);
+    for group in 0..400 {
+        // So near the origin that the point's own rounding turns it.
+        let fours: [[DVec3; 4]; WIDTH] = std::array::from_fn(|_| {
+            let around = numbers.vector();
+            std::array::from_fn(|k| numbers.vector() * [0.0, 1.0, 1.0, 1.0][k] + around * 0.02)
+        });
+        let rows: [[Row; 3]; 4] = std::array::from_fn(|k| {
+            std::array::from_fn(|axis| Row(fours.map(|four| four[k][axis] as f32)))
+        });
+        for path in paths() {
+            let ([direction, point, p, q], weights) = dispatch_on(path, Directions(&rows));
+            for lane in 0..WIDTH {
+                let at = |rows: &[Row; 3]| {
+                    DVec3::from_array([0, 1, 2].map(|axis| rows[axis].0[lane].into()))
+                };
+                let (direction, point, w) = (at(&direction), at(&point), at(&rows[0]));
+                let has = weights.map(|weight| weight.0[lane] > 0.0);
+                let edges = [at(&p) - w, at(&q) - w];
+                let sine = edges[0].normalize_or_zero().cross(edges[1].normalize_or_zero());
+                seen[usize::from(has[0]) + usize::from(has[1])] += 1;
+                if has[1] && sine.length() < 0.1 {
+                    continue;
+                }
+                for edge in (0..2).filter(|&k| has[k]).map(|k| edges[k]) {
+                    let cosine = |v: DVec3| v.normalize().dot(edge.normalize()).abs();
+                    let off = cosine(direction);
+                    assert!(off < 1e-5, "{path:?} {group} {lane}: {off:e}");
+                    points_off += usize::from(cosine(point) > 1e-5);
+                }
+                assert!(direction.distance(point) < 1e-5, "{path:?} {group} {lane}");
+            }
+        }
+    }
+    assert!(points_off > 100 && seen.iter().all(|&count| count > 100), "{points_off} {seen:?}");
+}
+
 #[test]
 fn the_nearest_point_of_four_is_that_of_f64_and_as_near_as_it_says() {
     let mut numbers = Numbers(41);
