@@ -1,7 +1,7 @@
 //! The lists that contacts are kept in.
 
 use crate::epa::Depth;
-use crate::{Contact, Distance, Proximity};
+use crate::{Contact, Proximity};
 use dcd_geom::{List, Pair};
 use dcd_simd::prefetch;
 use std::fmt::Debug;
@@ -62,10 +62,6 @@ impl ContactAnswer for Depth {
     type List = Vec<Contact<Self>>;
 }
 
-impl ContactAnswer for Option<Distance> {
-    type List = Vec<Contact<Self>>;
-}
-
 impl ContactAnswer for Proximity {
     type List = Vec<Contact<Self>>;
 }
@@ -111,4 +107,69 @@ pub(crate) fn keep_others<T>(list: &mut Vec<T>, first: usize, numbers: &[u32]) {
     let mut left_out = numbers.iter().peekable();
     let kept = (0..).zip(last).filter(|(number, _)| left_out.next_if_eq(&number).is_none());
     list.extend(kept.map(|(_, item)| item));
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::motion::tests::Draw;
+
+    /// All contacts, which are read in parts too.
+    pub(crate) fn read<A: ContactAnswer + PartialEq>(
+        list: &impl ContactList<A>,
+    ) -> Vec<Contact<A>> {
+        let contacts: Vec<_> = list.contacts(0..list.len()).collect();
+        let second = list.len() / 2..list.len();
+        assert!(list.contacts(second.clone()).eq(contacts[second.clone()].iter().cloned()));
+        assert!(list.pairs(second.clone()).eq(contacts[second].iter().map(|contact| contact.pair)));
+        contacts
+    }
+
+    /// Adds contacts at once, and pairs whose answers are written in another order or never, and takes some away; what it
+    /// draws depends on the seed alone.
+    fn fill<A: ContactAnswer + PartialEq>(
+        list: &mut impl ContactList<A>,
+        seed: u64,
+        answer: impl Fn(&mut Draw) -> A,
+    ) {
+        let mut draw = Draw(seed);
+        for k in 0..30 {
+            list.push(Contact { pair: Pair::new(k, k + 1), answer: answer(&mut draw) });
+        }
+        let (first, count) = (list.len(), 40);
+        (0..count as u32).for_each(|k| list.push_pair(Pair::new(k, k + 7)));
+        for k in 0..count {
+            // Each once: 17 and 40 have no common factor.
+            let number = first + k * 17 % count;
+            let (found, is_known) = (answer(&mut draw), draw.number() < 0.6);
+            let write = |place: &mut A| {
+                assert_eq!(*place, A::default());
+                *place = if is_known { found } else { A::default() };
+                is_known
+            };
+            assert_eq!(list.write(number, write), is_known);
+        }
+        list.take_away(first, &[0, 3, 4, 39]);
+    }
+
+    /// Compares a list with a `Vec`, which is one too. What it holds when it is emptied is looked at.
+    pub(crate) fn is_read_as_written<A: ContactAnswer + PartialEq, L: ContactList<A>>(
+        list: &mut L,
+        answer: impl Fn(&mut Draw) -> A,
+        is_emptied: impl Fn(&L),
+    ) {
+        let mut plain = Vec::new();
+        for seed in 0..50 {
+            fill(list, seed, &answer);
+            fill(&mut plain, seed, &answer);
+            assert_eq!(read(list), read(&plain), "{seed}");
+            // What is behind other contacts, and what takes the place of others.
+            if seed % 3 == 2 {
+                list.clear();
+                plain.clear();
+                assert_eq!((list.len(), read(list)), (0, vec![]));
+                is_emptied(list);
+            }
+        }
+    }
 }

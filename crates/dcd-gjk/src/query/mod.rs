@@ -28,6 +28,7 @@
 mod accuracy;
 mod contact_set;
 mod depths;
+mod distance_contacts;
 mod distances;
 mod few_parts;
 mod local;
@@ -43,6 +44,7 @@ mod within;
 pub use crate::mesh::PartIndex;
 pub use accuracy::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, WithAccuracy};
 pub use depths::Depths;
+pub use distance_contacts::DistanceContacts;
 pub use distances::Distances;
 pub use manifold::{
     Feature, Manifold, ManifoldContacts, ManifoldOptions, ManifoldPoint, ManifoldSet, Manifolds,

@@ -11,10 +11,12 @@ use super::spheres::{self, MeasureSpheres};
 use super::{ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, PlacedSphere, distance_of_spheres, distance_within, spheres_are_beyond};
 use crate::distance::{DistanceResult, distance_at, of_apart};
-use crate::query::{FEWEST_MEASURED, check_margin, grown, spheres_are_apart, within_margin};
+use crate::query::{
+    DistanceContacts, FEWEST_MEASURED, check_margin, grown, spheres_are_apart, within_margin,
+};
 use crate::{
-    Accuracy, Contact, ContactSink, Distance, Method, NarrowPhase, PosedShape, PosedSupport,
-    Prepared, Report, Sides, Verdict, certified,
+    Accuracy, Contact, ContactList, ContactSink, Distance, Method, NarrowPhase, PosedShape,
+    PosedSupport, Prepared, Report, Sides, Verdict, certified,
 };
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Aabb, Pair, Polytope, Pose, Scene, ShapeError};
@@ -131,7 +133,7 @@ impl SimdDistances {
         &self,
         spheres: [PlacedSphere; 2],
         pair: Pair,
-        contacts: &mut Vec<Contact<Option<Distance>>>,
+        contacts: &mut DistanceContacts,
     ) -> bool {
         if spheres_are_beyond(spheres, self.margin) {
             return true;
@@ -237,17 +239,12 @@ impl MeasureSpheres for BySpheres<'_> {
         &self,
         spheres: [PlacedSphere; 2],
         pair: Pair,
-        contacts: &mut Vec<Contact<Option<Distance>>>,
+        contacts: &mut DistanceContacts,
     ) -> bool {
         let SimdDistances { accuracy, margin, .. } = *self.narrow;
         let sharp = closed::sharp_of(accuracy);
         let Some((distance, touch)) = distance_within(spheres, margin, sharp) else { return false };
-        let mut answer = Some(distance);
-        // Taken back and not chosen: no predictor knows which pairs touch.
-        if touch {
-            answer = None;
-        }
-        contacts.push(Contact { pair, answer });
+        contacts.push_unless(touch, pair, distance);
         true
     }
 
@@ -315,12 +312,11 @@ impl NarrowPhase for SimdDistances {
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: &searched.measured };
         let mut near = searched.near.iter().enumerate();
         let mut of_cuboids = of_cuboids.found.iter();
-        sink.contacts.reserve(read.len());
         for &number in read {
             let (pair, kind) = (pairs[number as usize], kinds[number as usize]);
             // No table of jumps: of spheres nothing tells the next pair's kind.
             if kind == Kind::Touching {
-                sink.contacts.push(Contact { pair, answer: None });
+                sink.contacts.push_pair(pair);
                 continue;
             }
             let is_decided = undecided.is_empty()

@@ -1,6 +1,7 @@
-//! The list beside a `Vec` of contacts, which is one too.
+//! The list beside a `Vec` of contacts.
 
 use super::*;
+use crate::contact_list::tests::{is_read_as_written, read};
 use crate::mesh::PartIndex;
 use crate::motion::tests::Draw;
 
@@ -61,55 +62,11 @@ fn answer(draw: &mut Draw) -> ManifoldSet {
     }
 }
 
-fn read<L: ContactList<ManifoldSet>>(list: &L) -> Vec<Contact<ManifoldSet>> {
-    let contacts: Vec<_> = list.contacts(0..list.len()).collect();
-    assert!(list.pairs(0..list.len()).eq(contacts.iter().map(|contact| contact.pair)));
-    let second = list.len() / 2..list.len();
-    assert!(list.contacts(second.clone()).eq(contacts[second.clone()].iter().cloned()));
-    assert!(list.pairs(second.clone()).eq(contacts[second].iter().map(|contact| contact.pair)));
-    contacts
-}
-
-/// Adds contacts at once, and pairs whose answers are written in another order or never, and takes some away; what it draws
-/// depends on the seed alone.
-fn fill<L: ContactList<ManifoldSet>>(list: &mut L, seed: u64) {
-    let mut draw = Draw(seed);
-    for k in 0..30 {
-        let pair = Pair::new(k, k + 1);
-        list.push(Contact { pair, answer: answer(&mut draw) });
-    }
-    let (first, count) = (list.len(), 40);
-    (0..count as u32).for_each(|k| list.push_pair(Pair::new(k, k + 7)));
-    for k in 0..count {
-        // Each once: 17 and 40 have no common factor.
-        let number = first + k * 17 % count;
-        let (found, is_known) = (answer(&mut draw), unit(&mut draw) < 0.8);
-        let write = |place: &mut ManifoldSet| {
-            assert_eq!(*place, ManifoldSet::default());
-            *place = if is_known { found } else { ManifoldSet::default() };
-            is_known
-        };
-        assert_eq!(list.write(number, write), is_known);
-    }
-    list.take_away(first, &[0, 3, 4, 39]);
-}
-
 #[test]
 fn what_is_read_is_what_was_written_in_any_order() {
-    let (mut kept, mut plain) = (ManifoldContacts::default(), Vec::new());
-    for seed in 0..50 {
-        fill(&mut kept, seed);
-        fill(&mut plain, seed);
-        assert_eq!(read(&kept), read(&plain), "{seed}");
-        // What is behind other contacts, and what takes the place of others.
-        if seed % 3 == 2 {
-            List::clear(&mut kept);
-            plain.clear();
-            assert_eq!((List::len(&kept), read(&kept)), (0, vec![]));
-            // What owns memory has given it back.
-            assert!(kept.answers.whole.is_empty());
-        }
-    }
+    // What owns memory gives it back.
+    let is_emptied = |list: &ManifoldContacts| assert!(list.answers.whole.is_empty());
+    is_read_as_written(&mut ManifoldContacts::default(), answer, is_emptied);
 }
 
 #[test]
