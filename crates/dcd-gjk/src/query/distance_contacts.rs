@@ -77,6 +77,10 @@ impl ContactList<Option<Distance>> for DistanceContacts {
         is_written
     }
 
+    fn set(&mut self, number: usize, answer: Option<Distance>) {
+        self.heads[number].place = self.keep(answer);
+    }
+
     fn take_away(&mut self, first: usize, numbers: &[u32]) {
         keep_others(&mut self.heads, first, numbers);
     }

@@ -114,18 +114,39 @@ impl Answers {
     /// Keeps an answer, of which the default or nothing is left.
     #[inline(always)]
     fn keep(&mut self, answer: &mut ManifoldSet) -> Place {
-        if let Some(only) = answer.only_mut()
-            && let Some((first, others)) = only.points.split_first()
-            && only.parts == [None; 2]
-            && only.points.iter().all(|point| point.parts == [None; 2])
-        {
-            let &Manifold { normal, error_bound, .. } = &*only;
-            self.rest.extend(others.iter().map(Point::of));
-            let (first, end) = (Point::of(first), self.rest.len());
-            self.ones.push(One { normal, error_bound, first, end });
-            return Place::of_one(self.ones.len() - 1);
+        match self.keep_points(answer) {
+            Some(place) => place,
+            None => self.keep_whole(std::mem::take(answer)),
         }
-        self.whole.push(std::mem::take(answer));
+    }
+
+    /// The same of an answer that is handed over: what is kept whole is moved once.
+    fn keep_owned(&mut self, mut answer: ManifoldSet) -> Place {
+        match self.keep_points(&mut answer) {
+            Some(place) => place,
+            None => self.keep_whole(answer),
+        }
+    }
+
+    /// Keeps the points of a single manifold of shapes without parts; `None` of any other answer.
+    #[inline(always)]
+    fn keep_points(&mut self, answer: &mut ManifoldSet) -> Option<Place> {
+        let only = answer.only_mut()?;
+        let (first, others) = only.points.split_first()?;
+        let has_parts = |point: &ManifoldPoint| point.parts != [None; 2];
+        if only.parts != [None; 2] || only.points.iter().any(has_parts) {
+            return None;
+        }
+        let &Manifold { normal, error_bound, .. } = &*only;
+        self.rest.extend(others.iter().map(Point::of));
+        let (first, end) = (Point::of(first), self.rest.len());
+        self.ones.push(One { normal, error_bound, first, end });
+        Some(Place::of_one(self.ones.len() - 1))
+    }
+
+    #[inline]
+    fn keep_whole(&mut self, answer: ManifoldSet) -> Place {
+        self.whole.push(answer);
         Place::of_whole(self.whole.len() - 1)
     }
 
@@ -178,8 +199,8 @@ impl List for ManifoldContacts {
 }
 
 impl ContactList<ManifoldSet> for ManifoldContacts {
-    fn push(&mut self, Contact { pair, mut answer }: Contact<ManifoldSet>) {
-        let answer = self.answers.keep(&mut answer);
+    fn push(&mut self, Contact { pair, answer }: Contact<ManifoldSet>) {
+        let answer = self.answers.keep_owned(answer);
         self.heads.push(Head { pair, answer });
     }
 
@@ -197,6 +218,10 @@ impl ContactList<ManifoldSet> for ManifoldContacts {
             heads[number].answer = answers.keep(written);
         }
         is_written
+    }
+
+    fn set(&mut self, number: usize, answer: ManifoldSet) {
+        self.heads[number].answer = self.answers.keep_owned(answer);
     }
 
     fn take_away(&mut self, first: usize, numbers: &[u32]) {

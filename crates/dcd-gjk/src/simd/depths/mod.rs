@@ -220,10 +220,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
             };
             match measured {
                 Verdict::Touching(answer) => {
-                    sink.contacts.write(first + number as usize, |place| {
-                        *place = answer;
-                        true
-                    });
+                    sink.contacts.set(first + number as usize, answer);
                     return false;
                 }
                 Verdict::Apart => {}
