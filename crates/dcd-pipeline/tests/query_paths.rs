@@ -3,6 +3,8 @@
 //! One test, for the path is that of the whole process.
 #![allow(missing_docs)]
 
+mod random;
+
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Object, Pose, Scene, Shape};
 use dcd_gjk::motion::{Impact, MovingShape, RigidMotion, time_of_impact};
@@ -10,25 +12,9 @@ use dcd_gjk::query::ray::{Ray, RayHit, for_each_hit};
 use dcd_gjk::{DistanceResult, PosedShape, Verdict, certified, distance};
 use dcd_pipeline::{ObjectHit, Par, Pipeline, Queries, QueryFilter};
 use dcd_simd::Path;
-
-/// The generator of Numerical Recipes, within ±1.
-struct Random(u32);
+use random::Random;
 
 impl Random {
-    /// From the seed that `DCD_SEED` names, else from this one.
-    fn seeded(fixed: u32) -> Self {
-        Self(std::env::var("DCD_SEED").map_or(fixed, |seed| seed.parse().expect("a seed")))
-    }
-
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(self.0 >> 8) / f64::from(1 << 23) - 1.0
-    }
-
-    fn vector(&mut self) -> DVec3 {
-        DVec3::new(self.next(), self.next(), self.next())
-    }
-
     fn pose(&mut self, far: f64, is_turned: bool) -> Pose {
         let q = DQuat::from_xyzw(self.next(), self.next(), self.next(), self.next());
         let turn = if is_turned { q.normalize() } else { DQuat::IDENTITY };

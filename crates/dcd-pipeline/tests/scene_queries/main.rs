@@ -4,6 +4,8 @@
 mod batches;
 mod changed;
 mod crowd;
+#[path = "../random/mod.rs"]
+mod random;
 
 use dcd_exec::{Segments, with_threads};
 use dcd_geom::glam::{DQuat, DVec3};
@@ -16,23 +18,7 @@ use dcd_pipeline::{
     Velocity,
 };
 use dcd_scenes::SceneSpec;
-
-/// The generator of Numerical Recipes, within ±1.
-struct Random(u32);
-
-impl Random {
-    /// From the seed that `DCD_SEED` names, else from this one.
-    fn seeded(fixed: u32) -> Self {
-        Self(std::env::var("DCD_SEED").map_or(fixed, |seed| seed.parse().expect("a seed")))
-    }
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(self.0 >> 8) / f64::from(1 << 23) - 1.0
-    }
-    fn vector(&mut self) -> DVec3 {
-        DVec3::new(self.next(), self.next(), self.next())
-    }
-}
+use random::Random;
 
 /// Mixed shapes; some static, some sensors, a floor, a free slot; few objects or many.
 fn scene(objects: usize) -> Scene {

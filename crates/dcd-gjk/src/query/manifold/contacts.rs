@@ -34,8 +34,8 @@ struct Head {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place(usize);
 
-/// The same.
-enum Kept {
+/// The list that it is in, and its number there.
+enum Location {
     /// It was not written: the default one.
     Nowhere,
     /// In the list of single manifolds.
@@ -101,11 +101,11 @@ impl Place {
         Self(2 * number + 1)
     }
 
-    fn kept(self) -> Kept {
+    fn location(self) -> Location {
         match self.0 {
-            usize::MAX => Kept::Nowhere,
-            place if place % 2 == 0 => Kept::One(place / 2),
-            place => Kept::Whole(place / 2),
+            usize::MAX => Location::Nowhere,
+            place if place % 2 == 0 => Location::One(place / 2),
+            place => Location::Whole(place / 2),
         }
     }
 }
@@ -152,10 +152,10 @@ impl Answers {
 
     /// An answer as it was.
     fn at(&self, place: Place) -> ManifoldSet {
-        match place.kept() {
-            Kept::Nowhere => ManifoldSet::default(),
-            Kept::Whole(number) => self.whole[number].clone(),
-            Kept::One(number) => {
+        match place.location() {
+            Location::Nowhere => ManifoldSet::default(),
+            Location::Whole(number) => self.whole[number].clone(),
+            Location::One(number) => {
                 let One { normal, error_bound, first, end } = &self.ones[number];
                 let start = number.checked_sub(1).map_or(0, |before| self.ones[before].end);
                 let points = std::iter::once(first).chain(&self.rest[start..*end]);
