@@ -3,7 +3,7 @@
 
 use super::rows::{CoverRow, Farthest, LANES, ROW};
 use crate::state_checker::covers::{CoverSphere, Covers};
-use dcd_geom::{Aabb, CurvedKind, Kind, Pose, Shape};
+use dcd_geom::{Aabb, CurvedKind, Kind, Polytope, Pose, Shape};
 use dcd_simd::dispatch;
 use glam::DVec3;
 
@@ -18,6 +18,8 @@ const MOST_VERTICES: usize = 4096;
 pub(super) struct BoundingVolumes {
     /// A sphere round all of it; infinite round what has no end.
     pub(super) whole: CoverSphere,
+    /// How far from its centre anything is that a turn moves: of a sphere nothing.
+    pub(super) turning: f64,
     pub(super) cover: CoverRow,
     pub(super) solid: Solid,
     /// Whether that solid is the shape.
@@ -38,6 +40,7 @@ impl BoundingVolumes {
         let cover = if most > 1 { covers.of(shape, most) } else { Vec::new() };
         // What one sphere covers as well, it covers alone.
         let cover = if cover.len() > 1 { CoverRow::of(&cover) } else { CoverRow::of(&[whole]) };
+        let turning = if as_ball(shape).is_some() { 0.0 } else { whole.outer };
         let is_solid = match shape {
             Shape::Polytope(polytope) => {
                 matches!(polytope.kind(), Kind::Cuboid { .. } | Kind::Point)
@@ -50,8 +53,13 @@ impl BoundingVolumes {
             Some(Support { core: Core::Plane(_, offset), swept, .. }) => offset.abs() + swept,
             _ => whole.centre.length() + whole.outer,
         };
-        Self { whole, cover, solid, is_solid, support, hull, reach }
+        Self { whole, turning, cover, solid, is_solid, support, hull, reach }
     }
+}
+
+/// A sphere round one point: turned about that it stays where it is.
+pub(super) fn as_ball(shape: &Shape) -> Option<&Polytope> {
+    shape.as_polytope().filter(|polytope| polytope.kind() == Kind::Point)
 }
 
 /// Of a mesh.
@@ -129,6 +137,7 @@ pub(super) struct Support {
 enum Core {
     /// Coordinates of the vertices, [`LANES`] of x, then of y, then of z; the last ones repeat.
     Vertices(Vec<[[f64; LANES]; 3]>),
+    Point(DVec3),
     /// Discs normal to z at a height, with a radius.
     Discs([(f64, f64); 2]),
     /// A half-space's normal, of unit length, and how far the plane is along it.
@@ -163,6 +172,9 @@ impl Support {
             _ => return None,
         };
         let last = *points.last().filter(|_| points.len() <= MOST_VERTICES)?;
+        if points.len() == 1 {
+            return Some(Self { core: Core::Point(last), swept, size: last.abs().max_element() });
+        }
         let group = |chunk: &[DVec3]| {
             let at = |k: usize| chunk.get(k).copied().unwrap_or(last);
             [0, 1, 2].map(|axis| std::array::from_fn(|k| at(k)[axis]))
@@ -190,6 +202,7 @@ impl Support {
                 a.max(b)
             }),
             Core::Vertices(points) => dispatch(Farthest { points, directions }),
+            Core::Point(point) => directions.map(|d| point.dot(d)),
             Core::Plane(normal, offset) => directions.map(|d| {
                 let length = d.length();
                 let is_along = (d - normal * length).length() <= PARALLEL * length;

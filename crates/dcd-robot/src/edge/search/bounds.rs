@@ -28,18 +28,18 @@ impl EdgeSearch<'_> {
             return;
         }
         mover.node = self.nodes;
-        let whole = &self.checker.volumes[i].whole;
+        let volumes = &self.checker.volumes[i];
         let pose = &self.at.poses[*part];
         let stretch = 1.0 + 1e-9 + 4.0 * pose.deviation();
         mover.deviation = pose.deviation();
-        mover.middle = pose.apply(whole.centre);
+        mover.middle = pose.apply(volumes.whole.centre);
         mover.twist = *self.at.twist(self.checker.robot().parts()[*part].link);
         let near = Near {
             joints: &chain.joints,
             lengths: &mover.lengths,
             before: &mover.before,
             middle: mover.middle,
-            radius: whole.outer * stretch + mover.lengths.deviation + ROUNDING * mover.length,
+            radius: volumes.turning * stretch + mover.lengths.deviation + ROUNDING * mover.length,
             twist: mover.twist,
             half: self.half,
             is_even: self.is_even,
@@ -82,7 +82,7 @@ impl EdgeSearch<'_> {
         let [in_a, in_b] = [a, b].map(|i| {
             let mover = &self.movers[i];
             let twist = mover.twist.from(&carrier);
-            let radius = self.checker.volumes[i].whole.outer;
+            let radius = self.checker.volumes[i].turning;
             (twist.of(mover.middle - base), radius * twist.turn.length())
         });
         let now = (in_a.0 - in_b.0).length() + in_a.1 + in_b.1;
@@ -127,9 +127,13 @@ impl EdgeSearch<'_> {
             if self.suffices(margin) || !margin.is_finite() {
                 return BySpheres { margin, upper: f64::INFINITY, direction: between };
             }
+            let [row, other] = [in_a, in_b].map(|i| &self.checker.volumes[i].cover);
+            if row.is_one() && other.is_one() {
+                let upper = (between.length() - row.inner() - other.inner()).max(0.0) + off;
+                return BySpheres { margin, upper, direction: between };
+            }
             self.update_cover(a);
             self.update_cover(b);
-            let [row, other] = [in_a, in_b].map(|i| &self.checker.volumes[i].cover);
             let (placed, other_placed) = (&self.movers[in_a].cover, &self.movers[in_b].cover);
             let found = row.against_row(placed, (other, other_placed));
             let margin = margin.max(found.least - moved - off);
@@ -153,11 +157,15 @@ impl EdgeSearch<'_> {
             let margin = if far.is_finite() { margin } else { f64::NEG_INFINITY };
             return BySpheres { margin, upper: f64::INFINITY, direction };
         }
+        let is_exact = self.checker.volumes[in_b].is_solid;
+        let upper = |found: f64| if is_exact { found.max(0.0) + off } else { f64::INFINITY };
+        if cover.is_one() {
+            return BySpheres { margin, upper: upper(far - cover.inner()), direction };
+        }
         self.update_cover(a);
         let pose = self.pose(b);
         let found = cover.against_solid(&self.movers[in_a].cover, (solid, pose));
-        let is_exact = self.checker.volumes[in_b].is_solid;
-        let upper = if is_exact { found.upper.max(0.0) + off } else { f64::INFINITY };
+        let upper = upper(found.upper);
         BySpheres { margin: margin.max(found.least - off), upper, direction: found.direction }
     }
 
