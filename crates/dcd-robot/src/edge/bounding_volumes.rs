@@ -55,6 +55,22 @@ impl BoundingVolumes {
         };
         Self { whole, turning, cover, solid, is_solid, support, hull, reach }
     }
+
+    /// Of what is known by a sphere round it.
+    pub(super) fn round(whole: CoverSphere) -> Self {
+        let CoverSphere { centre, outer, .. } = whole;
+        let solid = Solid::Box { middle: centre, half: DVec3::splat(outer), swept: 0.0 };
+        Self {
+            whole,
+            turning: outer,
+            cover: CoverRow::of(&[whole]),
+            solid,
+            is_solid: false,
+            support: None,
+            hull: None,
+            reach: centre.length() + outer,
+        }
+    }
 }
 
 /// A sphere round one point: turned about that it stays where it is.

@@ -106,6 +106,16 @@ impl Chain {
         chain
     }
 
+    /// How far any point of the shape is from the link's frame.
+    pub(super) fn reach(&self) -> f64 {
+        self.extent + self.rest
+    }
+
+    /// The same of what is that far from the link's frame.
+    pub(super) fn with_extent(&self, extent: f64) -> Self {
+        Self { extent, rest: 0.0, ..self.clone() }
+    }
+
     pub(crate) fn lengths(&self, path: &Extents) -> Lengths {
         const ROUNDED_UP: f64 = 1.0 + 1e-9;
         let none = vec![0.0; self.joints.len()];

@@ -1,6 +1,6 @@
 //! The spheres that cover what each link carries.
 
-use super::covers::{CoverSphere, Covers};
+use super::covers::{CoverSphere, Covers, STRETCH};
 use super::separate::MOST_BLOCKS;
 use super::solids::{inner_radius, margin_of};
 use crate::Robot;
@@ -181,7 +181,3 @@ fn placed(sphere: CoverSphere, origin: &JointFrame) -> CoverSphere {
         inner: if sphere.inner > 0.0 { sphere.inner * (1.0 - stretch) } else { sphere.inner },
     }
 }
-
-/// How far the singular values of a base's, a link's and an origin's rotation may be from 1 together: each passes
-/// [`dcd_geom::Pose::UNIT_TOLERANCE`] in each entry, products of links' rotations lose far less.
-const STRETCH: f64 = 16.0 * dcd_geom::Pose::UNIT_TOLERANCE;

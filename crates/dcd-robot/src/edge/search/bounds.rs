@@ -112,10 +112,16 @@ impl EdgeSearch<'_> {
         relative * lengths * (1.0 + self.half * (8.0 + a.turns + b.turns))
     }
 
-    pub(super) fn by_spheres(&mut self, pair: u32, edge_pair: &EdgePair) -> BySpheres {
+    /// What its poses may be off by, twice: where the gap is found, and where it is relied on.
+    pub(super) fn off(&self, pair: &EdgePair) -> f64 {
+        let of = |object: u32| 2.0 * self.movers[object as usize].lengths.deviation;
+        of(pair.objects[0]) + of(pair.objects[1])
+    }
+
+    pub(super) fn by_spheres(&mut self, edge_pair: &EdgePair) -> BySpheres {
         let [a, b] = edge_pair.objects;
         let (in_a, in_b) = (a as usize, b as usize);
-        let off = self.off[pair as usize] + self.slack(edge_pair);
+        let off = self.off(edge_pair) + self.slack(edge_pair);
         let whole_a = self.checker.volumes[in_a].whole.outer;
         let whole_b = self.checker.volumes[in_b].whole.outer;
         let moved = self.moved(edge_pair);
@@ -171,7 +177,7 @@ impl EdgeSearch<'_> {
 
     /// How near the pair comes at least, by its gap along a direction: at either end as if all kept their velocities,
     /// less what their accelerations may do. `None` where one has no support map.
-    pub(super) fn along(&self, pair: u32, edge_pair: &EdgePair, direction: DVec3) -> Option<Gaps> {
+    pub(super) fn along(&self, edge_pair: &EdgePair, direction: DVec3) -> Option<Gaps> {
         let [a, b] = edge_pair.objects;
         let supports = [a, b].map(|i| self.checker.volumes[i as usize].support.as_ref());
         let ([Some(in_a), Some(in_b)], Some(n)) = (supports, direction.try_normalize()) else {
@@ -199,7 +205,7 @@ impl EdgeSearch<'_> {
         let (far_a, far_b) = (far(a, in_a, 1.0), far(b, in_b, -1.0));
         let (first, last) = (-far_b[0] - far_a[0], -far_b[1] - far_a[1]);
         let change = 0.5 * self.half * self.half * self.change(edge_pair) * ROUNDED_UP;
-        let lost = self.slack(edge_pair) + self.off[pair as usize];
+        let lost = self.slack(edge_pair) + self.off(edge_pair);
         let proved = (first.min(last) - change - lost) * (1.0 - 1e-9);
         // The gap at the middle is no less than the mean of both: the least of what is linear is concave.
         Some(Gaps { proved, middle: 0.5 * (first + last) - lost })
