@@ -28,6 +28,7 @@ mod solids;
 mod tests;
 mod worker;
 
+pub(crate) use links::MESH_POINTS;
 pub use sensed::SensedHit;
 
 use crate::{Clearance, RobotError, Workcell};

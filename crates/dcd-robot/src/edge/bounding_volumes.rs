@@ -2,8 +2,9 @@
 //! far it reaches along a direction.
 
 use super::rows::{CoverRow, Farthest, LANES, ROW};
+use crate::state_checker::MESH_POINTS;
 use crate::state_checker::covers::{CoverSphere, Covers};
-use dcd_geom::{Aabb, CurvedKind, Kind, Polytope, Pose, Shape};
+use dcd_geom::{Aabb, ConvexHull, CurvedKind, Kind, Polytope, Pose, Shape};
 use dcd_simd::dispatch;
 use glam::DVec3;
 
@@ -48,7 +49,9 @@ impl BoundingVolumes {
             Shape::Curved(curved) => curved.kind() == CurvedKind::Cylinder,
             _ => false,
         };
-        let (solid, support, hull) = (Solid::of(shape), Support::of(shape), hull(shape));
+        let (solid, hull) = (Solid::of(shape), hull(shape));
+        // A mesh reaches as far as its hull.
+        let support = Support::of(hull.as_ref().unwrap_or(shape));
         let reach = match &support {
             Some(Support { core: Core::Plane(_, offset), swept, .. }) => offset.abs() + swept,
             _ => whole.centre.length() + whole.outer,
@@ -78,11 +81,14 @@ pub(super) fn as_ball(shape: &Shape) -> Option<&Polytope> {
     shape.as_polytope().filter(|polytope| polytope.kind() == Kind::Point)
 }
 
-/// Of a mesh.
+/// Of a mesh, exactly, by its corners alone.
 fn hull(shape: &Shape) -> Option<Shape> {
     let Shape::Mesh(mesh) = shape else { return None };
-    let vertices = (mesh.vertices().len() <= MOST_VERTICES).then(|| mesh.vertices().to_vec())?;
-    Shape::hull(vertices).and_then(|hull| hull.rounded(mesh.swept_radius())).ok()
+    let points = (mesh.points().len() <= MESH_POINTS).then(|| mesh.points())?;
+    let hull = ConvexHull::of(points).ok()?;
+    let corners: Vec<DVec3> = hull.corners().iter().map(|&k| points[k as usize]).collect();
+    let is_small = corners.len() <= MOST_VERTICES;
+    is_small.then(|| Shape::hull(corners)?.rounded(mesh.swept_radius()))?.ok()
 }
 
 /// A simple solid that contains a shape.
@@ -243,9 +249,16 @@ mod tests {
             DVec3::new(f64::from(k % 5) * 0.31, f64::from(k % 7) - 2.0, f64::from(k % 3) * 0.7)
         };
         let hull = Shape::hull((0..35).map(corner).collect()).unwrap();
+        // A tetrahedron with a triangle inside.
+        let corners = [[0.0, 0.0, 1.0], [1.0, 0.0, -0.5], [-0.6, 0.8, -0.5], [-0.6, -0.8, -0.5]];
+        let vertices = corners.into_iter().chain(corners.map(|v| v.map(|x| 0.1 * x)));
+        let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 2, 3], [4, 5, 6]];
+        let mesh = Shape::mesh(vertices.map(DVec3::from).collect(), triangles).unwrap();
         let shapes = [
             Shape::cuboid(DVec3::new(1.0, 2.0, 0.01)).unwrap(),
             Shape::sphere(0.3).unwrap(),
+            mesh.clone(),
+            mesh.rounded(0.05).unwrap(),
             Shape::cylinder(0.4, 0.2).unwrap(),
             Shape::cylinder(0.4, 0.2).unwrap().rounded(0.1).unwrap(),
             Shape::cone(0.4, 0.2).unwrap(),

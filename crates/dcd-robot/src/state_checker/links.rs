@@ -20,7 +20,7 @@ pub(super) struct Body<'a> {
 }
 
 /// The most points of a mesh whose hull is found. More: some take the square of that to prepare.
-const MESH_POINTS: usize = 1 << 16;
+pub(crate) const MESH_POINTS: usize = 1 << 16;
 
 /// The vertices of a body that is a hull, or of a mesh's hull, in its link's frame: planes part either.
 #[derive(Clone, Debug)]
