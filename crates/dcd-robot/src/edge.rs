@@ -8,6 +8,7 @@
 
 mod bounding_volumes;
 mod certificate;
+mod groups;
 mod path;
 mod place;
 mod reach;
@@ -27,6 +28,7 @@ use bounding_volumes::{BoundingVolumes, MOST_SPHERES};
 use certificate::Pieces;
 use dcd_exec::Exec;
 use dcd_geom::Shape;
+use groups::Groups;
 use search::EdgeSearch;
 use std::sync::{Arc, OnceLock};
 
@@ -51,11 +53,12 @@ const ROUNDED_UP: f64 = 1.0 + 1e-9;
 #[derive(Clone, Debug)]
 pub struct EdgeChecker {
     cell: Workcell,
-    /// For each object of the scene the part that moves it, and by which joints.
+    /// For each object of the scene, then for each link that carries several, the part that moves it, and by which joints.
     movers: Vec<Option<(usize, Chain)>>,
-    /// For each object.
+    /// For each of those.
     volumes: Vec<Arc<BoundingVolumes>>,
     pairs: Vec<EdgePair>,
+    groups: Groups,
     /// For hits; none of more objects than it counts.
     states: Option<Arc<StateChecker>>,
     /// Of each object, once a certificate is wanted; or an object that has none.
@@ -175,7 +178,7 @@ impl EdgeChecker {
     /// Takes another cell and what checks its states.
     fn renew(&mut self, cell: Workcell, states: Option<StateChecker>) {
         let scene = self.cell.scene();
-        let moving = (0..self.movers.len()).filter(|&i| self.movers[i].is_some());
+        let moving = (0..scene.len()).filter(|&i| self.movers[i].is_some());
         let held = moving.map(|i| (scene.shape(i).clone(), self.volumes[i].clone()));
         let held: Vec<(Shape, Arc<BoundingVolumes>)> = held.collect();
         *self = Self::with(cell, states, &held, &mut Covers::default());
@@ -198,7 +201,7 @@ impl EdgeChecker {
             let moved = (&robot.parts()[part], scene.shape(i));
             Some((part, Chain::of(robot, moved, &parent_joint)))
         };
-        let movers: Vec<_> = (0..scene.len()).map(mover).collect();
+        let mut movers: Vec<_> = (0..scene.len()).map(mover).collect();
         let volumes = |i: usize| {
             let shape = scene.shape(i);
             if movers[i].is_none() {
@@ -209,7 +212,7 @@ impl EdgeChecker {
             let new = || Arc::new(BoundingVolumes::of(shape, MOST_SPHERES, covers));
             known.map_or_else(new, |(_, volumes)| volumes.clone())
         };
-        let volumes = (0..scene.len()).map(volumes).collect();
+        let mut volumes: Vec<_> = (0..scene.len()).map(volumes).collect();
         let mut pairs = Vec::new();
         for i in 0..scene.len() as u32 {
             let Some((_, chain)) = &movers[i as usize] else { continue };
@@ -226,8 +229,9 @@ impl EdgeChecker {
                 pairs.push(EdgePair { objects: [i, j], common });
             }
         }
+        let groups = Groups::of(robot, &mut movers, &mut volumes, &pairs);
         let (states, pieces) = (states.map(Arc::new), OnceLock::new());
-        Self { movers, volumes, pairs, states, pieces, cell }
+        Self { movers, volumes, pairs, groups, states, pieces, cell }
     }
 
     /// The work cell.

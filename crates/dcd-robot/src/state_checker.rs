@@ -28,6 +28,7 @@ mod solids;
 mod tests;
 mod worker;
 
+pub(crate) use links::MESH_POINTS;
 pub use sensed::SensedHit;
 
 use crate::{Clearance, RobotError, Workcell};
@@ -125,8 +126,9 @@ impl StateHit {
 #[derive(Debug)]
 pub struct StateChecker {
     prepared: Prepared,
-    /// Made when the spheres first leave a pair to it, the obstacles' side for each cell.
-    decider: OnceLock<PairDecider>,
+    /// Of a state alone and of many, whose links take sixty-four times the memory: made when the spheres first leave a pair
+    /// to it, the obstacles' side for each cell.
+    deciders: [OnceLock<PairDecider>; 2],
     world: OnceLock<StaticWorld>,
     /// Of other obstacles: its memory is used again.
     old_world: Mutex<Option<StaticWorld>>,
@@ -160,7 +162,7 @@ impl StateChecker {
         Self::check_count(&cell)?;
         Ok(Self {
             prepared: Prepared::of(cell, covers),
-            decider: OnceLock::new(),
+            deciders: Default::default(),
             world: OnceLock::new(),
             old_world: Mutex::default(),
             workers: PerThread::default(),
@@ -195,11 +197,12 @@ impl StateChecker {
         u32::try_from(count).map(drop).map_err(too_many)
     }
 
-    /// What decides pairs, and the obstacles prepared for it.
-    fn decider(&self) -> Result<(&PairDecider, &StaticWorld), SceneError> {
-        let decider = || PairDecider::new(self.prepared.link_set(), CHUNK);
-        let world = || self.new_world();
-        Ok((made(&self.decider, decider)?, made(&self.world, world)?))
+    /// What decides pairs of so many states, and the obstacles prepared for it.
+    fn decider(&self, states: usize) -> Result<(&PairDecider, &StaticWorld), SceneError> {
+        let [alone, many] = &self.deciders;
+        let (decider, most) = if states == 1 { (alone, 1) } else { (many, CHUNK) };
+        let new = || PairDecider::new(self.prepared.link_set(), most);
+        Ok((made(decider, new)?, made(&self.world, || self.new_world())?))
     }
 
     /// The cell, its robot in whatever state.

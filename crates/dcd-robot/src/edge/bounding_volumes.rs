@@ -2,8 +2,9 @@
 //! far it reaches along a direction.
 
 use super::rows::{CoverRow, Farthest, LANES, ROW};
+use crate::state_checker::MESH_POINTS;
 use crate::state_checker::covers::{CoverSphere, Covers};
-use dcd_geom::{Aabb, CurvedKind, Kind, Pose, Shape};
+use dcd_geom::{Aabb, ConvexHull, CurvedKind, Kind, Polytope, Pose, Shape};
 use dcd_simd::dispatch;
 use glam::DVec3;
 
@@ -18,6 +19,8 @@ const MOST_VERTICES: usize = 4096;
 pub(super) struct BoundingVolumes {
     /// A sphere round all of it; infinite round what has no end.
     pub(super) whole: CoverSphere,
+    /// How far from its centre anything is that a turn moves: of a sphere nothing.
+    pub(super) turning: f64,
     pub(super) cover: CoverRow,
     pub(super) solid: Solid,
     /// Whether that solid is the shape.
@@ -38,6 +41,7 @@ impl BoundingVolumes {
         let cover = if most > 1 { covers.of(shape, most) } else { Vec::new() };
         // What one sphere covers as well, it covers alone.
         let cover = if cover.len() > 1 { CoverRow::of(&cover) } else { CoverRow::of(&[whole]) };
+        let turning = if as_ball(shape).is_some() { 0.0 } else { whole.outer };
         let is_solid = match shape {
             Shape::Polytope(polytope) => {
                 matches!(polytope.kind(), Kind::Cuboid { .. } | Kind::Point)
@@ -45,20 +49,46 @@ impl BoundingVolumes {
             Shape::Curved(curved) => curved.kind() == CurvedKind::Cylinder,
             _ => false,
         };
-        let (solid, support, hull) = (Solid::of(shape), Support::of(shape), hull(shape));
+        let (solid, hull) = (Solid::of(shape), hull(shape));
+        // A mesh reaches as far as its hull.
+        let support = Support::of(hull.as_ref().unwrap_or(shape));
         let reach = match &support {
             Some(Support { core: Core::Plane(_, offset), swept, .. }) => offset.abs() + swept,
             _ => whole.centre.length() + whole.outer,
         };
-        Self { whole, cover, solid, is_solid, support, hull, reach }
+        Self { whole, turning, cover, solid, is_solid, support, hull, reach }
+    }
+
+    /// Of what is known by a sphere round it.
+    pub(super) fn round(whole: CoverSphere) -> Self {
+        let CoverSphere { centre, outer, .. } = whole;
+        let solid = Solid::Box { middle: centre, half: DVec3::splat(outer), swept: 0.0 };
+        Self {
+            whole,
+            turning: outer,
+            cover: CoverRow::of(&[whole]),
+            solid,
+            is_solid: false,
+            support: None,
+            hull: None,
+            reach: centre.length() + outer,
+        }
     }
 }
 
-/// Of a mesh.
+/// A sphere round one point: turned about that it stays where it is.
+pub(super) fn as_ball(shape: &Shape) -> Option<&Polytope> {
+    shape.as_polytope().filter(|polytope| polytope.kind() == Kind::Point)
+}
+
+/// Of a mesh, exactly, by its corners alone.
 fn hull(shape: &Shape) -> Option<Shape> {
     let Shape::Mesh(mesh) = shape else { return None };
-    let vertices = (mesh.vertices().len() <= MOST_VERTICES).then(|| mesh.vertices().to_vec())?;
-    Shape::hull(vertices).and_then(|hull| hull.rounded(mesh.swept_radius())).ok()
+    let points = (mesh.points().len() <= MESH_POINTS).then(|| mesh.points())?;
+    let hull = ConvexHull::of(points).ok()?;
+    let corners: Vec<DVec3> = hull.corners().iter().map(|&k| points[k as usize]).collect();
+    let is_small = corners.len() <= MOST_VERTICES;
+    is_small.then(|| Shape::hull(corners)?.rounded(mesh.swept_radius()))?.ok()
 }
 
 /// A simple solid that contains a shape.
@@ -129,6 +159,7 @@ pub(super) struct Support {
 enum Core {
     /// Coordinates of the vertices, [`LANES`] of x, then of y, then of z; the last ones repeat.
     Vertices(Vec<[[f64; LANES]; 3]>),
+    Point(DVec3),
     /// Discs normal to z at a height, with a radius.
     Discs([(f64, f64); 2]),
     /// A half-space's normal, of unit length, and how far the plane is along it.
@@ -163,6 +194,9 @@ impl Support {
             _ => return None,
         };
         let last = *points.last().filter(|_| points.len() <= MOST_VERTICES)?;
+        if points.len() == 1 {
+            return Some(Self { core: Core::Point(last), swept, size: last.abs().max_element() });
+        }
         let group = |chunk: &[DVec3]| {
             let at = |k: usize| chunk.get(k).copied().unwrap_or(last);
             [0, 1, 2].map(|axis| std::array::from_fn(|k| at(k)[axis]))
@@ -190,6 +224,7 @@ impl Support {
                 a.max(b)
             }),
             Core::Vertices(points) => dispatch(Farthest { points, directions }),
+            Core::Point(point) => directions.map(|d| point.dot(d)),
             Core::Plane(normal, offset) => directions.map(|d| {
                 let length = d.length();
                 let is_along = (d - normal * length).length() <= PARALLEL * length;
@@ -214,9 +249,16 @@ mod tests {
             DVec3::new(f64::from(k % 5) * 0.31, f64::from(k % 7) - 2.0, f64::from(k % 3) * 0.7)
         };
         let hull = Shape::hull((0..35).map(corner).collect()).unwrap();
+        // A tetrahedron with a triangle inside.
+        let corners = [[0.0, 0.0, 1.0], [1.0, 0.0, -0.5], [-0.6, 0.8, -0.5], [-0.6, -0.8, -0.5]];
+        let vertices = corners.into_iter().chain(corners.map(|v| v.map(|x| 0.1 * x)));
+        let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 2, 3], [4, 5, 6]];
+        let mesh = Shape::mesh(vertices.map(DVec3::from).collect(), triangles).unwrap();
         let shapes = [
             Shape::cuboid(DVec3::new(1.0, 2.0, 0.01)).unwrap(),
             Shape::sphere(0.3).unwrap(),
+            mesh.clone(),
+            mesh.rounded(0.05).unwrap(),
             Shape::cylinder(0.4, 0.2).unwrap(),
             Shape::cylinder(0.4, 0.2).unwrap().rounded(0.1).unwrap(),
             Shape::cone(0.4, 0.2).unwrap(),

@@ -1,5 +1,6 @@
 //! How far the points of a robot's parts can move while its joints do.
 
+use super::bounding_volumes::as_ball;
 use super::path::{Extents, U};
 use crate::model::Drive;
 use crate::{Motion, Part, Robot};
@@ -24,8 +25,10 @@ pub(crate) struct Chain {
     depth: usize,
     /// What has to be added up for [`Lengths`], from the link to the root.
     steps: Vec<Step>,
-    /// How far a point of the shape is from the link's frame.
+    /// How far a point of the shape is from the link's frame; of a sphere its centre, which moves as all of it does.
     extent: f64,
+    /// What the shape reaches farther than that.
+    rest: f64,
     base: f64,
     /// Whether some joint turns by a quaternion.
     orients: bool,
@@ -61,11 +64,16 @@ impl Chain {
         (part, shape): (&Part, &Shape),
         above: &[Option<usize>],
     ) -> Self {
+        let (extent, rest) = match as_ball(shape) {
+            Some(ball) => (ball.reach(), ball.swept_radius()),
+            None => (shape.reach(), 0.0),
+        };
         let mut chain = Self {
             joints: Vec::new(),
             depth: 0,
             steps: Vec::new(),
-            extent: part.origin.translation.length() + shape.reach() * (1.0 + 1e-9),
+            extent: part.origin.translation.length() + extent * (1.0 + 1e-9),
+            rest,
             base: robot.base.translation.length(),
             orients: false,
         };
@@ -98,6 +106,16 @@ impl Chain {
         chain
     }
 
+    /// How far any point of the shape is from the link's frame.
+    pub(super) fn reach(&self) -> f64 {
+        self.extent + self.rest
+    }
+
+    /// The same of what is that far from the link's frame.
+    pub(super) fn with_extent(&self, extent: f64) -> Self {
+        Self { extent, rest: 0.0, ..self.clone() }
+    }
+
     pub(crate) fn lengths(&self, path: &Extents) -> Lengths {
         const ROUNDED_UP: f64 = 1.0 + 1e-9;
         let none = vec![0.0; self.joints.len()];
@@ -124,7 +142,7 @@ impl Chain {
             }
             reach += step.offset;
         }
-        let length = (reach + self.base) * ROUNDED_UP;
+        let length = (reach + self.rest + self.base) * ROUNDED_UP;
         let of_quaternions = if self.orients { SLERP } else { 0.0 };
         let of_poses = POSE * (self.depth + 2) as f64 + of_quaternions;
         lengths.length = length;

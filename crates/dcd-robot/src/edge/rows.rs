@@ -76,6 +76,16 @@ impl CoverRow {
         row
     }
 
+    /// Whether there is one alone, the sphere round all of the shape.
+    pub(super) fn is_one(&self) -> bool {
+        self.count == 1
+    }
+
+    /// The radius of the first one's inner sphere; −∞ where none is known.
+    pub(super) fn inner(&self) -> f64 {
+        self.inner[0]
+    }
+
     /// The spheres where the shape is.
     pub(super) fn place(&self, pose: &Pose, motion: &RowMotion) -> PlacedRow {
         let mut placed = PlacedRow::default();

@@ -5,6 +5,7 @@ mod planes;
 #[cfg(test)]
 mod tests;
 
+use super::groups::{Group, Groups};
 use super::path::JointPath;
 use super::place::{Local, Place, Twist};
 use super::reach::Lengths;
@@ -33,6 +34,10 @@ const SAMPLES: [u8; 16] = [0, 16, 8, 4, 12, 2, 6, 10, 14, 1, 3, 5, 7, 9, 11, 13]
 /// more distances that prove too little. Smaller: shorter intervals than need be.
 const BETTER: f64 = 1.5;
 
+/// How much less two links may move for a group of pairs to stay whole until they do, two halvings of the interval. No unit.
+/// Larger: more intervals. Smaller: more pairs are looked at one by one.
+const SOON: f64 = 0.75;
+
 pub(super) struct EdgeSearch<'a> {
     checker: &'a EdgeChecker,
     path: &'a JointPath,
@@ -40,8 +45,6 @@ pub(super) struct EdgeSearch<'a> {
     before: Before,
     /// For each object that moves what bounds its motion.
     movers: Vec<Mover>,
-    /// For each pair what its poses may be off by, twice: where the gap is found, and where it is relied on.
-    off: Vec<f64>,
     /// For each pair the direction in which its gap was last found, in the frame of the joints that carry both;
     /// zero before.
     directions: Vec<DVec3>,
@@ -54,7 +57,7 @@ pub(super) struct EdgeSearch<'a> {
     left: Option<([f64; 2], [u32; 2], EdgeReason)>,
     at: Place,
     half: f64,
-    /// The pairs of all nodes on the stack.
+    /// The pairs of all nodes on the stack; groups of pairs by numbers behind those of all pairs.
     open: Vec<u32>,
     is_even: bool,
 }
@@ -83,6 +86,15 @@ struct Node {
     from: f64,
     to: f64,
     pairs: Range<usize>,
+}
+
+/// How far a group of pairs is.
+enum Reach {
+    /// Proved: none of them comes near in the interval.
+    Beyond,
+    /// Far at the interval's middle, so that it will be on a shorter one.
+    Moves,
+    Near,
 }
 
 /// What a direction proves of a pair.
@@ -128,19 +140,14 @@ impl<'a> EdgeSearch<'a> {
         });
         let mut movers: Vec<Mover> = movers.collect();
         let scene = checker.cell.scene();
-        for (i, obstacle) in movers.iter_mut().enumerate() {
+        for (i, obstacle) in movers.iter_mut().enumerate().take(scene.len()) {
             if checker.movers[i].is_none() {
                 let pose = &scene.poses()[i];
                 obstacle.length = checker.volumes[i].reach + pose.translation().length();
                 obstacle.deviation = pose.deviation();
             }
         }
-        let off = checker.pairs.iter().map(|pair| {
-            let of = |object: u32| 2.0 * movers[object as usize].lengths.deviation;
-            of(pair.objects[0]) + of(pair.objects[1])
-        });
         Self {
-            off: off.collect(),
             movers,
             checker,
             path,
@@ -164,7 +171,10 @@ impl<'a> EdgeSearch<'a> {
         if self.hit.is_some() && self.before == Before::Anything {
             return Ok(self.edge());
         }
-        self.open.extend(0..self.checker.pairs.len() as u32);
+        let Groups { groups, single } = &self.checker.groups;
+        let pairs = self.checker.pairs.len() as u32;
+        self.open.extend((pairs..).take(groups.len()));
+        self.open.extend(single);
         let end = self.hit.map_or(1.0, |(t, _)| t);
         let mut stack = Vec::new();
         if end > 0.0 {
@@ -229,8 +239,9 @@ impl<'a> EdgeSearch<'a> {
     }
 
     fn leave(&mut self, node: &Node, reason: EdgeReason) {
-        let pair = self.open.get(node.pairs.start);
-        let pair = pair.map(|&pair| self.checker.pairs[pair as usize].objects);
+        let open = self.open.get(node.pairs.start);
+        let pair = open.map(|&open| self.group(open).map_or(open, |group| group.members[0]));
+        let pair = pair.map(|pair| self.checker.pairs[pair as usize].objects);
         // The stack gives them in the order of t.
         if let (None, Some(pair)) = (&self.left, pair) {
             self.left = Some(([node.from, node.to], pair, reason));
@@ -277,10 +288,7 @@ impl<'a> EdgeSearch<'a> {
             }
         }
         for k in node.pairs.clone() {
-            let pair = self.open[k];
-            if !self.is_proved(pair) {
-                self.open.push(pair);
-            }
+            self.take_up(self.open[k]);
             if self.hit.is_some_and(|(t, _)| t < node.to && t > node.from) {
                 // Only what is before it matters, and all of that is searched again.
                 self.open.truncate(from);
@@ -290,9 +298,51 @@ impl<'a> EdgeSearch<'a> {
         from..self.open.len()
     }
 
+    /// The group that is open by that number, if it is none of a pair.
+    fn group(&self, open: u32) -> Option<&'a Group> {
+        let number = (open as usize).checked_sub(self.checker.pairs.len())?;
+        self.checker.groups.groups.get(number)
+    }
+
+    /// Adds to what is open what of a pair or a group is not proved.
+    fn take_up(&mut self, open: u32) {
+        let Some(group) = self.group(open) else {
+            if !self.is_proved(open) {
+                self.open.push(open);
+            }
+            return;
+        };
+        match self.reach_of(group) {
+            Reach::Beyond => {}
+            Reach::Moves => self.open.push(open),
+            Reach::Near => group.members.iter().for_each(|&pair| {
+                if !self.is_proved(pair) {
+                    self.open.push(pair);
+                }
+            }),
+        }
+    }
+
+    /// Whether two links' spheres are so far from each other that no pair of theirs counts.
+    fn reach_of(&mut self, Group { pair, .. }: &Group) -> Reach {
+        pair.objects.into_iter().for_each(|object| self.update(object));
+        let margin = self.by_spheres(pair).margin;
+        let is_far =
+            |margin: f64| self.suffices(margin) && (self.hit.is_some() || margin >= self.nearest);
+        if is_far(margin) {
+            self.note(margin);
+            Reach::Beyond
+        } else if is_far(margin + SOON * self.moved(pair)) {
+            Reach::Moves
+        } else {
+            Reach::Near
+        }
+    }
+
     /// About how far two objects are, for an order.
-    fn far(&self, pair: u32) -> f64 {
-        let [a, b] = self.checker.pairs[pair as usize].objects;
+    fn far(&self, open: u32) -> f64 {
+        let pair = self.group(open).map_or_else(|| self.checker.pairs[open as usize], |g| g.pair);
+        let [a, b] = pair.objects;
         let [in_a, in_b] = [a, b].map(|object| {
             let whole = &self.checker.volumes[object as usize].whole;
             (self.pose(object).apply(whole.centre), whole.outer)
@@ -328,7 +378,7 @@ impl<'a> EdgeSearch<'a> {
         let [a, b] = edge_pair.objects;
         self.update(a);
         self.update(b);
-        let found = self.by_spheres(pair, &edge_pair);
+        let found = self.by_spheres(&edge_pair);
         let suffices = self.suffices(found.margin);
         // What spheres prove is loose: a clearance is to come from directions.
         if suffices && (self.hit.is_some() || found.margin >= self.nearest) {
@@ -343,7 +393,7 @@ impl<'a> EdgeSearch<'a> {
         let can_be_proved = most > 0.0 && (self.suffices(most) || most >= 0.5 * found.upper);
         if !suffices
             && !can_be_proved
-            && found.upper > self.off[pair as usize] + self.slack(&edge_pair)
+            && found.upper > self.off(&edge_pair) + self.slack(&edge_pair)
         {
             return false;
         }
@@ -351,7 +401,7 @@ impl<'a> EdgeSearch<'a> {
         let last = self.directions[pair as usize];
         let last = carried.map_or(last, |rotation| rotation * last);
         for direction in [last, found.direction] {
-            let Some(gaps) = self.along(pair, &edge_pair, direction) else { continue };
+            let Some(gaps) = self.along(&edge_pair, direction) else { continue };
             let proved = gaps.proved.max(found.margin);
             if self.suffices(gaps.proved) {
                 self.keep(pair, carried, direction);
@@ -390,8 +440,8 @@ impl<'a> EdgeSearch<'a> {
         });
         let DistanceResult::Apart(found) = in_f64(a, b) else { return None };
         self.keep(pair, carried, found.normal);
-        let lost = self.slack(&edge_pair) + self.off[pair as usize];
-        let along = self.along(pair, &edge_pair, found.normal);
+        let lost = self.slack(&edge_pair) + self.off(&edge_pair);
+        let along = self.along(&edge_pair, found.normal);
         let proved = found.lower() - self.moved(&edge_pair) - lost;
         let proved = along.map_or(proved, |gaps| proved.max(gaps.proved));
         if self.suffices(proved) {
@@ -421,11 +471,11 @@ impl<'a> EdgeSearch<'a> {
             _ => return false,
         };
         self.keep(pair, carried, found.normal);
-        let off = self.off[pair as usize];
+        let off = self.off(&edge_pair);
         self.nearest = self.nearest.min(found.upper() + off);
         let mut proved = found.lower() - (self.moved(&edge_pair) + self.slack(&edge_pair) + off);
         if !self.suffices(proved) {
-            let along = self.along(pair, &edge_pair, found.normal);
+            let along = self.along(&edge_pair, found.normal);
             proved = along.map_or(proved, |gaps| proved.max(gaps.proved));
         }
         // Proved, and by as much as a clearance needs.

@@ -1,3 +1,4 @@
+mod groups;
 mod half_space;
 
 use super::*;

@@ -18,6 +18,10 @@ pub(crate) struct CoverSphere {
 /// Faces are merged within 1e-9 of the extent ([`dcd_geom::FLATNESS`]), and pieces are cut in f64.
 const COVER_MARGIN: f64 = 4e-9;
 
+/// How far the singular values of a base's, a link's and an origin's rotation may be from 1 together: each passes
+/// [`dcd_geom::Pose::UNIT_TOLERANCE`] in each entry, products of links' rotations lose far less.
+pub(crate) const STRETCH: f64 = 16.0 * dcd_geom::Pose::UNIT_TOLERANCE;
+
 /// Covers that were found, so that those who need the same one find it once.
 #[derive(Debug, Default)]
 pub(crate) struct Covers(Vec<(Shape, usize, Vec<CoverSphere>)>);

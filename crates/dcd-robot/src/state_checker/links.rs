@@ -1,6 +1,6 @@
 //! The spheres that cover what each link carries.
 
-use super::covers::{CoverSphere, Covers};
+use super::covers::{CoverSphere, Covers, STRETCH};
 use super::separate::MOST_BLOCKS;
 use super::solids::{inner_radius, margin_of};
 use crate::Robot;
@@ -20,7 +20,7 @@ pub(super) struct Body<'a> {
 }
 
 /// The most points of a mesh whose hull is found. More: some take the square of that to prepare.
-const MESH_POINTS: usize = 1 << 16;
+pub(crate) const MESH_POINTS: usize = 1 << 16;
 
 /// The vertices of a body that is a hull, or of a mesh's hull, in its link's frame: planes part either.
 #[derive(Clone, Debug)]
@@ -181,7 +181,3 @@ fn placed(sphere: CoverSphere, origin: &JointFrame) -> CoverSphere {
         inner: if sphere.inner > 0.0 { sphere.inner * (1.0 - stretch) } else { sphere.inner },
     }
 }
-
-/// How far the singular values of a base's, a link's and an origin's rotation may be from 1 together: each passes
-/// [`dcd_geom::Pose::UNIT_TOLERANCE`] in each entry, products of links' rotations lose far less.
-const STRETCH: f64 = 16.0 * dcd_geom::Pose::UNIT_TOLERANCE;

@@ -290,7 +290,8 @@ impl Worker {
         if self.next.is_empty() {
             return Ok(());
         }
-        let (decider, world) = checker.decider().map_err(|error| (0, RobotError::Scene(error)))?;
+        let decider = checker.decider(states.len());
+        let (decider, world) = decider.map_err(|error| (0, RobotError::Scene(error)))?;
         let mut refused: Option<RefusedState> = None;
         let pose = |state: usize, body: usize| {
             let pose = prepared.pose(&self.places[state / WIDTH].frames, state % WIDTH, body);

@@ -28,18 +28,18 @@ impl EdgeSearch<'_> {
             return;
         }
         mover.node = self.nodes;
-        let whole = &self.checker.volumes[i].whole;
+        let volumes = &self.checker.volumes[i];
         let pose = &self.at.poses[*part];
         let stretch = 1.0 + 1e-9 + 4.0 * pose.deviation();
         mover.deviation = pose.deviation();
-        mover.middle = pose.apply(whole.centre);
+        mover.middle = pose.apply(volumes.whole.centre);
         mover.twist = *self.at.twist(self.checker.robot().parts()[*part].link);
         let near = Near {
             joints: &chain.joints,
             lengths: &mover.lengths,
             before: &mover.before,
             middle: mover.middle,
-            radius: whole.outer * stretch + mover.lengths.deviation + ROUNDING * mover.length,
+            radius: volumes.turning * stretch + mover.lengths.deviation + ROUNDING * mover.length,
             twist: mover.twist,
             half: self.half,
             is_even: self.is_even,
@@ -82,7 +82,7 @@ impl EdgeSearch<'_> {
         let [in_a, in_b] = [a, b].map(|i| {
             let mover = &self.movers[i];
             let twist = mover.twist.from(&carrier);
-            let radius = self.checker.volumes[i].whole.outer;
+            let radius = self.checker.volumes[i].turning;
             (twist.of(mover.middle - base), radius * twist.turn.length())
         });
         let now = (in_a.0 - in_b.0).length() + in_a.1 + in_b.1;
@@ -112,10 +112,16 @@ impl EdgeSearch<'_> {
         relative * lengths * (1.0 + self.half * (8.0 + a.turns + b.turns))
     }
 
-    pub(super) fn by_spheres(&mut self, pair: u32, edge_pair: &EdgePair) -> BySpheres {
+    /// What its poses may be off by, twice: where the gap is found, and where it is relied on.
+    pub(super) fn off(&self, pair: &EdgePair) -> f64 {
+        let of = |object: u32| 2.0 * self.movers[object as usize].lengths.deviation;
+        of(pair.objects[0]) + of(pair.objects[1])
+    }
+
+    pub(super) fn by_spheres(&mut self, edge_pair: &EdgePair) -> BySpheres {
         let [a, b] = edge_pair.objects;
         let (in_a, in_b) = (a as usize, b as usize);
-        let off = self.off[pair as usize] + self.slack(edge_pair);
+        let off = self.off(edge_pair) + self.slack(edge_pair);
         let whole_a = self.checker.volumes[in_a].whole.outer;
         let whole_b = self.checker.volumes[in_b].whole.outer;
         let moved = self.moved(edge_pair);
@@ -127,9 +133,13 @@ impl EdgeSearch<'_> {
             if self.suffices(margin) || !margin.is_finite() {
                 return BySpheres { margin, upper: f64::INFINITY, direction: between };
             }
+            let [row, other] = [in_a, in_b].map(|i| &self.checker.volumes[i].cover);
+            if row.is_one() && other.is_one() {
+                let upper = (between.length() - row.inner() - other.inner()).max(0.0) + off;
+                return BySpheres { margin, upper, direction: between };
+            }
             self.update_cover(a);
             self.update_cover(b);
-            let [row, other] = [in_a, in_b].map(|i| &self.checker.volumes[i].cover);
             let (placed, other_placed) = (&self.movers[in_a].cover, &self.movers[in_b].cover);
             let found = row.against_row(placed, (other, other_placed));
             let margin = margin.max(found.least - moved - off);
@@ -153,17 +163,21 @@ impl EdgeSearch<'_> {
             let margin = if far.is_finite() { margin } else { f64::NEG_INFINITY };
             return BySpheres { margin, upper: f64::INFINITY, direction };
         }
+        let is_exact = self.checker.volumes[in_b].is_solid;
+        let upper = |found: f64| if is_exact { found.max(0.0) + off } else { f64::INFINITY };
+        if cover.is_one() {
+            return BySpheres { margin, upper: upper(far - cover.inner()), direction };
+        }
         self.update_cover(a);
         let pose = self.pose(b);
         let found = cover.against_solid(&self.movers[in_a].cover, (solid, pose));
-        let is_exact = self.checker.volumes[in_b].is_solid;
-        let upper = if is_exact { found.upper.max(0.0) + off } else { f64::INFINITY };
+        let upper = upper(found.upper);
         BySpheres { margin: margin.max(found.least - off), upper, direction: found.direction }
     }
 
     /// How near the pair comes at least, by its gap along a direction: at either end as if all kept their velocities,
     /// less what their accelerations may do. `None` where one has no support map.
-    pub(super) fn along(&self, pair: u32, edge_pair: &EdgePair, direction: DVec3) -> Option<Gaps> {
+    pub(super) fn along(&self, edge_pair: &EdgePair, direction: DVec3) -> Option<Gaps> {
         let [a, b] = edge_pair.objects;
         let supports = [a, b].map(|i| self.checker.volumes[i as usize].support.as_ref());
         let ([Some(in_a), Some(in_b)], Some(n)) = (supports, direction.try_normalize()) else {
@@ -191,7 +205,7 @@ impl EdgeSearch<'_> {
         let (far_a, far_b) = (far(a, in_a, 1.0), far(b, in_b, -1.0));
         let (first, last) = (-far_b[0] - far_a[0], -far_b[1] - far_a[1]);
         let change = 0.5 * self.half * self.half * self.change(edge_pair) * ROUNDED_UP;
-        let lost = self.slack(edge_pair) + self.off[pair as usize];
+        let lost = self.slack(edge_pair) + self.off(edge_pair);
         let proved = (first.min(last) - change - lost) * (1.0 - 1e-9);
         // The gap at the middle is no less than the mean of both: the least of what is linear is concave.
         Some(Gaps { proved, middle: 0.5 * (first + last) - lost })

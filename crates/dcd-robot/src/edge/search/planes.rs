@@ -149,7 +149,7 @@ impl Planes<'_, '_> {
         let carried = self.search.common(&edge_pair).map(|link| *self.search.at.rotation(link));
         let last = self.search.directions[open.pair as usize];
         let last = carried.map_or(last, |rotation| rotation * last);
-        let by_spheres = self.search.by_spheres(open.pair, &edge_pair).direction;
+        let by_spheres = self.search.by_spheres(&edge_pair).direction;
         // Cheap ones first.
         for direction in [last, by_spheres] {
             if let Some(plane) = self.along(open, (&edge_pair, carried, direction), t) {

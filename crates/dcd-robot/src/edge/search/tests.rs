@@ -49,9 +49,9 @@ fn no_pair_comes_nearer_in_an_interval_than_is_proved_of_it() {
             let edge_pair = checker.pairs[pair as usize];
             let [a, b] = edge_pair.objects;
             let Some(found) = measured(&now, [a, b]) else { continue };
-            let bounds = now.by_spheres(pair, &edge_pair);
+            let bounds = now.by_spheres(&edge_pair);
             let normal = found.normal;
-            let gaps = now.along(pair, &edge_pair, normal).unwrap();
+            let gaps = now.along(&edge_pair, normal).unwrap();
             let along = gaps.proved;
             assert!(gaps.middle <= found.upper(), "{path:?} {a} {b}: {found:?}");
             assert!(bounds.upper >= found.lower(), "{path:?} {a} {b}: {found:?}");

@@ -1,0 +1,79 @@
+//! Links that carry several objects.
+
+use super::*;
+
+/// An arm of three links of length 1, turned about z, y and z, each with spheres beside it and a box across it.
+fn arm_of_several() -> Robot {
+    let of = |origin: &str, geometry: &str| {
+        format!("<collision><origin {origin}/><geometry>{geometry}</geometry></collision>")
+    };
+    let mut text = String::from("<robot name=\"several\"><link name=\"base\"/>");
+    for k in 0..3 {
+        let spheres = (0..4).map(|n| {
+            let (x, y) = (0.2 + 0.2 * f64::from(n), 0.05 * f64::from(n % 2));
+            of(&format!("xyz=\"{x} {y} 0\""), "<sphere radius=\"0.06\"/>")
+        });
+        let across = of("xyz=\"0.5 0 0.1\" rpy=\"0.3 0.2 1.0\"", "<box size=\"0.3 0.04 0.05\"/>");
+        let (axis, at) = (if k == 1 { "0 1 0" } else { "0 0 1" }, if k == 0 { 0 } else { 1 });
+        let parent = if k == 0 { "base".to_owned() } else { format!("l{}", k - 1) };
+        text += &format!(
+            "<link name=\"l{k}\">{}{across}</link><joint name=\"j{k}\" type=\"continuous\"><origin xyz=\"{at} 0 0\"/>\
+             <axis xyz=\"{axis}\"/><parent link=\"{parent}\"/><child link=\"l{k}\"/></joint>",
+            spheres.collect::<String>()
+        );
+    }
+    Robot::read(&(text + "</robot>"), Path::new("."), LinkShapes::Hulls).unwrap()
+}
+
+fn random_obstacles(draw: &mut Draw) -> Vec<Obstacle> {
+    let obstacle = |n: usize| {
+        let shape = match n % 3 {
+            0 => Shape::sphere(0.15),
+            1 => Shape::cuboid(draw.vector().abs() * 0.3 + 0.01),
+            _ => Shape::cylinder(0.3, 0.1),
+        };
+        let at = draw.vector().normalize() * (1.6 + 0.9 * draw.unit());
+        super::obstacle(&format!("o{n}"), shape.unwrap(), at)
+    };
+    (0..5).map(obstacle).collect()
+}
+
+#[test]
+fn each_pair_is_in_one_group_or_in_none() {
+    let checker = checker(arm_of_several(), random_obstacles(&mut Draw::new()));
+    let Groups { groups, single } = &checker.groups;
+    let mut all: Vec<u32> = groups.iter().flat_map(|group| group.members.clone()).collect();
+    all.extend(single);
+    all.sort_unstable();
+    assert!(all.iter().copied().eq(0..checker.pairs.len() as u32));
+    // Three links beside five obstacles, and the first beside the last.
+    assert_eq!((groups.len(), single.len()), (16, 0));
+}
+
+#[test]
+fn edges_of_links_with_several_objects_are_answered_as_their_samples_say() {
+    let mut draw = Draw::new();
+    let [mut free, mut hits, mut undecided] = [0; 3];
+    for k in 0..60 {
+        let checker = checker(arm_of_several(), random_obstacles(&mut draw));
+        let mut state = || -> Vec<f64> { (0..3).map(|_| draw.unit() * 1.5).collect() };
+        let path = match k % 3 {
+            0 => JointPath::Bezier([state(), state(), state(), state()]),
+            _ => JointPath::Straight([state(), state()]),
+        };
+        let edge = checker.check(&path, 10_000).unwrap();
+        assert_holds(&checker, &path, &edge, 150);
+        match edge.answer {
+            EdgeAnswer::Free { .. } => free += 1,
+            EdgeAnswer::Hit { .. } => hits += 1,
+            EdgeAnswer::Undecided { .. } => panic!("{path:?}: {edge:?}"),
+        }
+        let stopped = checker.check(&path, edge.nodes / 2).unwrap();
+        assert_holds(&checker, &path, &stopped, 150);
+        if let EdgeAnswer::Undecided { pair, .. } = stopped.answer {
+            assert!(checker.pairs.iter().any(|known| known.objects == pair), "{pair:?}");
+            undecided += 1;
+        }
+    }
+    assert!(free > 5 && hits > 5 && undecided > 5, "{free} {hits} {undecided}");
+}
