@@ -6,7 +6,7 @@ mod common;
 use common::{Folder, POST, dcd, lines};
 use dcd_io::data;
 use dcd_judge::{Replay, Replayed};
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// A slider along x that carries a turning bar of length 2, its end on the axis.
 const ARM: &str = r#"<robot name="arm">
