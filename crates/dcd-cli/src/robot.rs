@@ -133,7 +133,12 @@ pub(crate) struct Robot {
     #[arg(long, value_name = "FILE", requires = "edges")]
     certificate: Option<PathBuf>,
     /// Grow all links by this much on all sides, metres, against the world alone
-    #[arg(long, value_name = "METRES", conflicts_with = "all_problems")]
+    #[arg(
+        long,
+        value_name = "METRES",
+        allow_hyphen_values = true,
+        conflicts_with = "all_problems"
+    )]
     padding: Option<f64>,
     /// Apply padding, the world's too, between the robot's links as well
     #[arg(long, conflicts_with_all = ["all_problems", "acm"])]

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Folder, dcd};
+use common::{Folder, POST, dcd};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -98,14 +98,6 @@ const ARM: &str = r#"<robot name="arm">
   <link name="bar"><collision><origin xyz="1 0 0"/><geometry><box size="2 0.1 0.1"/></geometry></collision></link>
   <joint name="turn" type="continuous"><axis xyz="0 0 1"/><parent link="base"/><child link="bar"/></joint>
 </robot>"#;
-
-/// A post of edge 0.2 at y = 1.5.
-const POST: &str = "world:
-  collision_objects:
-    - id: post
-      primitives: [{type: box, dimensions: [0.2, 0.2, 1]}]
-      primitive_poses: [{position: [0, 1.5, 0], orientation: [0, 0, 0, 1]}]
-";
 
 /// A robot's picture, drawn by the command with these arguments behind the robot and its world.
 fn drawn(folder: &Folder, arguments: &[&str]) -> Value {

@@ -364,6 +364,12 @@ fn the_scenes_state_holds_until_a_state_or_a_request_says_otherwise() {
     assert_eq!(with(&[]), folded);
     assert_eq!(with(&["--state", "shoulder=0"]), folded);
     assert_eq!(with(&["--state", "elbow=0"]), pairs(&[["base", "ball"]]));
+    let twice = dcd(&["robot", &arm, "--state", "elbow=0,elbow=3"]);
+    twice.assert_refused(&["--state", "two values of \"elbow\""]);
+    let mimic = "<mimic joint=\"shoulder\"/><parent link=\"upper\"/>";
+    let led = folder.file("led.urdf", &ARM.replace("<parent link=\"upper\"/>", mimic));
+    dcd(&["robot", &led, "--state", "elbow=0"]).assert_refused(&["\"elbow\" has no value"]);
+    dcd(&["robot", &arm, "--padding", "-0.01"]).assert_refused(&["the padding is -1e-2"]);
     let request = folder.file(
         "request.yaml",
         "start_state: {joint_state: {name: [shoulder], position: [0]}}

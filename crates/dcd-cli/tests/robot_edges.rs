@@ -3,10 +3,10 @@
 
 mod common;
 
-use common::{Folder, dcd};
+use common::{Folder, POST, dcd, lines};
 use dcd_io::data;
 use dcd_judge::{Replay, Replayed};
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// A slider along x that carries a turning bar of length 2, its end on the axis.
 const ARM: &str = r#"<robot name="arm">
@@ -17,18 +17,6 @@ const ARM: &str = r#"<robot name="arm">
     <parent link="rail"/><child link="slider"/></joint>
   <joint name="turn" type="continuous"><axis xyz="0 0 1"/><parent link="slider"/><child link="bar"/></joint>
 </robot>"#;
-
-/// A post of edge 0.2 at y = 1.5.
-const POST: &str = "world:
-  collision_objects:
-    - id: post
-      primitives: [{type: box, dimensions: [0.2, 0.2, 1]}]
-      primitive_poses: [{position: [0, 1.5, 0], orientation: [0, 0, 0, 1]}]
-";
-
-fn lines(text: &str) -> Vec<Value> {
-    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
-}
 
 #[test]
 fn each_edge_is_free_with_a_clearance_or_hit_at_a_parameter() {

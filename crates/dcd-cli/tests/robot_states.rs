@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Folder, dcd};
+use common::{Folder, dcd, lines};
 use dcd_io::data;
 use serde_json::{Value, json};
 
@@ -25,10 +25,6 @@ const WALL: &str = "world:
       primitives: [{type: box, dimensions: [1, 8, 8]}]
       primitive_poses: [{position: [4.75, 0, 0], orientation: [0, 0, 0, 1]}]
 ";
-
-fn lines(text: &str) -> Vec<Value> {
-    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
-}
 
 #[test]
 fn a_line_comes_out_for_each_state_and_a_refused_one_does_not_end_the_run() {

@@ -308,6 +308,9 @@ mod tests {
             let refused = refused.unwrap_err().to_string();
             assert!(refused.starts_with("line 11") && refused.contains(why), "{refused}");
         }
+        let both = "vertex_indices\nproperty list uchar int vertex_index\n";
+        let refused = with_header("vertex_indices\n", both).unwrap_err().to_string();
+        assert!(refused.contains("with two lists of corners"), "{refused}");
         // No strip hides nothing.
         let none = "element tristrips 0\nproperty list int int vertex_indices\nend_header";
         assert!(with_header("end_header", none).is_ok());

@@ -133,7 +133,7 @@ impl EdgeReason {
     /// The reason in words.
     pub fn as_str(self) -> &'static str {
         match self {
-            Self::Budget => "the budget of nodes is spent",
+            Self::Budget => "the budget of intervals is spent",
             Self::Short => "no gap is proved however short the interval",
         }
     }

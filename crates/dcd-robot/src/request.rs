@@ -2,7 +2,7 @@
 
 use super::kinematics::JointFrame;
 use super::notes::Unused;
-use super::scene::{MultiDof, joint_values};
+use super::scene::{MultiDof, each_once, joint_values};
 use super::{Robot, RobotError, Srdf, World, xml, yaml};
 use dcd_moveit::{MotionPlanRequest, RobotState};
 use std::collections::{HashMap, HashSet};
@@ -26,7 +26,7 @@ impl Request {
     /// the first of its `goal_constraints`.
     ///
     /// # Errors
-    /// What is no such YAML; another number of names than of positions.
+    /// What is no such YAML; another number of names than of positions; two values or constraints of one joint.
     pub fn read(yaml: &str) -> Result<Self, RobotError> {
         let file: MotionPlanRequest = yaml::read("request", yaml, dcd_moveit::read_request)?;
         if let Some(attached) = file.start_state.attached_collision_objects.first() {
@@ -47,7 +47,10 @@ impl Request {
             [goal.position_constraints, goal.orientation_constraints, goal.visibility_constraints];
         let beyond_joints = beyond.iter().any(|held| held.0);
         let constraints = goal.joint_constraints;
-        let goal = constraints.into_iter().map(|c| (c.joint_name, c.position)).collect();
+        let (names, positions): (Vec<String>, Vec<f64>) =
+            constraints.into_iter().map(|c| (c.joint_name, c.position)).unzip();
+        each_once("constraint of joint", &names)?;
+        let goal = names.into_iter().zip(positions).collect();
         Ok(Self { start, goal, state: file.start_state, beyond_joints, notes })
     }
 
@@ -197,6 +200,10 @@ planner_id: fast
         let short = TEXT.replace("[1, -0.5]", "[1]");
         let refused = Request::read(&short).unwrap_err().to_string();
         assert_eq!(refused, "joint_state: 1 positions, not 2");
+        let twice =
+            TEXT.replace("      - joint", "      - {joint_name: b, position: 1}\n      - joint");
+        let refused = Request::read(&twice).unwrap_err().to_string();
+        assert_eq!(refused, "there are two of constraint of joint \"b\"");
         for text in ["", "start_state: 3", "start_state: [", "\u{0}"] {
             let refused = Request::read(text).unwrap_err();
             assert!(matches!(refused, RobotError::NotOfKind { what: "request", .. }), "{refused}");

@@ -228,7 +228,7 @@ fn in_state(error: dcd_geom::PoseError) -> RobotError {
 }
 
 /// Refuses a name that stands twice: of two things that are said of one, neither is dropped.
-fn each_once(what: &'static str, names: &[String]) -> Result<(), RobotError> {
+pub(super) fn each_once(what: &'static str, names: &[String]) -> Result<(), RobotError> {
     let mut seen = HashSet::new();
     match names.iter().find(|name| !seen.insert(name.as_str())) {
         None => Ok(()),

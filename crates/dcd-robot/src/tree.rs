@@ -75,6 +75,10 @@ pub(super) fn drives(joints: &[DescribedJoint], names: &Names<'_>) -> Result<Dri
             match joint.kind {
                 Kind::Orients => {
                     let named = ["x", "y", "z", "w"].map(|end| format!("{}_{end}", joint.name));
+                    if let Some(name) = named.iter().find(|name| names.find(name).is_some()) {
+                        let (what, name) = ("joint or value", name.clone());
+                        return Err(RobotError::Twice { what, name }.at_line(joint.line));
+                    }
                     drives.moved.extend(named);
                 }
                 _ => drives.moved.push(joint.name.clone()),

@@ -54,6 +54,13 @@ pub(super) enum Kind {
     Floating,
 }
 
+impl Kind {
+    /// Whether a joint of this kind has more than one value.
+    fn has_several(self) -> bool {
+        matches!(self, Self::Planar | Self::Floating)
+    }
+}
+
 pub(super) struct Mimic {
     pub(super) leader: String,
     pub(super) factor: f64,
@@ -191,8 +198,8 @@ fn joint(walk: &mut Walk, node: Node<'_, '_>) -> Result<DescribedJoint, RobotErr
             return Err(walk.at(node, RobotError::Unsupported { what, kind, user }));
         }
     };
-    let JointElements { origin, parent, child, axis, limit, mimic } =
-        joint_elements(walk, node, &user)?;
+    let elements = joint_elements(walk, node, &user)?;
+    let JointElements { origin, parent, child, axis, limit, mimic } = elements;
     let link = |walk: &mut Walk, end: Option<Node<'_, '_>>, what: &str| match end {
         None => Err(walk.refused(node, &user, format!("it has no {what}"))),
         Some(end) => {
@@ -202,44 +209,55 @@ fn joint(walk: &mut Walk, node: Node<'_, '_>) -> Result<DescribedJoint, RobotErr
     };
     let (parent, child) = (link(walk, parent, "parent")?, link(walk, child, "child")?);
     let origin = geometry::origin(walk, origin, &user)?;
-    let has_several = matches!(kind, Kind::Planar | Kind::Floating);
-    if let (true, Some(mimic)) = (has_several, mimic) {
-        return Err(walk.refused(mimic, &user, "a joint of several values mimics none"));
-    }
-    if let (Kind::Planar, Some(node)) = (kind, axis)
-        && axis_of(walk, Some(node), &user)? != DVec3::Z
-    {
-        let why = "the axis of a planar joint is not z: which way its x and y point is not given";
-        return Err(walk.refused(node, &user, why));
-    }
-    if let (true, Some(limit)) = (has_several, limit) {
-        walk.unused.add("limits of joints of several values", walk.line(limit));
-    }
+    refuse_for_kind(walk, kind, &elements, &user)?;
     let axis = if matches!(kind, Kind::Turns | Kind::Slides) {
         axis_of(walk, axis, &user)?
     } else {
         DVec3::X
     };
-    let dynamic = ["effort", "velocity", "acceleration", "deceleration", "jerk"];
-    if let Some(limit) = limit.filter(|l| l.attributes().any(|a| dynamic.contains(&a.name()))) {
-        walk.unused.add("limits of effort or velocity", walk.line(limit));
-    }
     let limits = limits(walk, limit, &user)?;
     if limits.is_none() && matches!(of_type, "revolute" | "prismatic") {
         walk.unused.add("joints without the limits that their type has", walk.line(node));
     }
-    let limits = if has_several || of_type == "continuous" { None } else { limits };
-    let mimic = match mimic {
-        // A fixed joint mimics no other.
-        Some(mimic) if kind == Kind::Fixed => {
-            walk.unused.add("mimic of a fixed joint", walk.line(mimic));
-            None
-        }
-        Some(mimic) => Some(mimic_of(walk, mimic, &user)?),
-        None => None,
-    };
+    let limits = if kind.has_several() || of_type == "continuous" { None } else { limits };
+    // A fixed joint mimics no other.
+    let mimic = mimic.filter(|_| kind != Kind::Fixed);
+    let mimic = mimic.map(|mimic| mimic_of(walk, mimic, &user)).transpose()?;
     let line = walk.line(node);
     Ok(DescribedJoint { name, line, kind, parent, child, origin, axis, mimic, limits })
+}
+
+/// Refuses what a joint of this kind cannot have, and names what makes no difference to it.
+fn refuse_for_kind(
+    walk: &mut Walk,
+    kind: Kind,
+    elements: &JointElements<'_, '_>,
+    user: &str,
+) -> Result<(), RobotError> {
+    let &JointElements { axis, limit, mimic, .. } = elements;
+    if let (true, Some(mimic)) = (kind.has_several(), mimic) {
+        return Err(walk.refused(mimic, user, "a joint of several values mimics none"));
+    }
+    if let (Kind::Planar, Some(node)) = (kind, axis)
+        && axis_of(walk, Some(node), user)? != DVec3::Z
+    {
+        let why = "the axis of a planar joint is not z: which way its x and y point is not given";
+        return Err(walk.refused(node, user, why));
+    }
+    if let (true, Some(limit)) = (kind.has_several(), limit) {
+        walk.unused.add("limits of joints of several values", walk.line(limit));
+    }
+    if let (Kind::Fixed | Kind::Floating, Some(axis)) = (kind, axis) {
+        walk.unused.add("fixed or floating joints' axes", walk.line(axis));
+    }
+    if let (Kind::Fixed, Some(mimic)) = (kind, mimic) {
+        walk.unused.add("mimic of a fixed joint", walk.line(mimic));
+    }
+    let dynamic = ["effort", "velocity", "acceleration", "deceleration", "jerk"];
+    if let Some(limit) = limit.filter(|l| l.attributes().any(|a| dynamic.contains(&a.name()))) {
+        walk.unused.add("limits of effort or velocity", walk.line(limit));
+    }
+    Ok(())
 }
 
 /// Of unit length; the x axis where none is given.

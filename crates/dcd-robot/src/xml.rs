@@ -27,17 +27,32 @@ pub(super) fn parse<'a>(what: &'static str, text: &'a str) -> Result<Document<'a
     let nodes_limit = 4 * XML_ELEMENTS as u32;
     let options = ParsingOptions { nodes_limit, ..ParsingOptions::default() };
     let refused = |error| RobotError::NotOfKind { what, error };
-    let document =
-        Document::parse_with_options(text, options).map_err(|error| refused(error.to_string()))?;
-    // The parser drops a colon before a name, and takes <:link> for a link.
-    let is_nameless = |node: &Node<'_, '_>| text[node.range()].starts_with("<:");
-    match document.descendants().find(is_nameless) {
+    let document = Document::parse_with_options(text, options).map_err(|error| match error {
+        // The parser names no line of it.
+        roxmltree::Error::DtdDetected => {
+            let line =
+                text.split("<!DOCTYPE").next().map_or(0, |before| before.matches('\n').count());
+            refused("a document type and its entities are not read".to_owned()).at_line(line + 1)
+        }
+        error => refused(error.to_string()),
+    })?;
+    match document.descendants().find_map(|node| Some((node, nameless(text, node)?))) {
         None => Ok(document),
-        Some(node) => {
-            let error = format!("a prefix without a name before \":{}\"", node.tag_name().name());
+        Some((node, name)) => {
+            let error = format!("a prefix without a name before \":{name}\"");
             Err(refused(error).at_line(Lines::of(text).line(node)))
         }
     }
+}
+
+/// The name of an element, or of an attribute of it, that begins with a colon: the parser drops it, and takes <:link> for
+/// a link.
+fn nameless<'a>(text: &str, node: Node<'a, '_>) -> Option<&'a str> {
+    if text[node.range()].starts_with("<:") {
+        return Some(node.tag_name().name());
+    }
+    let mut attributes = node.attributes();
+    attributes.find(|attribute| text[attribute.range()].starts_with(':')).map(|a| a.name())
 }
 
 /// Where lines begin: the parser's own search for a line walks the text from its start each time.

@@ -1,6 +1,6 @@
 //! Eight of the sixteen lanes: half the registers, where there are several.
 
-use crate::unfused::hand_on;
+use crate::unfused::{hand_on, hand_on_arithmetic};
 use crate::{IndexRow, Kernel, Lanes, Pair, Row, WIDTH};
 
 /// How many lanes a half has.
@@ -143,41 +143,17 @@ impl<L: Lanes> Lanes for Eight<L> {
         self.0.call(InHalf(self.1, kernel))
     }
 
+    hand_on_arithmetic! {}
+
     hand_on! {
-        splat(x: f32) -> L::F;
-        add(a: L::F, b: L::F) -> L::F;
-        sub(a: L::F, b: L::F) -> L::F;
-        mul(a: L::F, b: L::F) -> L::F;
-        div(a: L::F, b: L::F) -> L::F;
         mul_add(a: L::F, b: L::F, c: L::F) -> L::F;
-        min(a: L::F, b: L::F) -> L::F;
-        max(a: L::F, b: L::F) -> L::F;
-        abs(a: L::F) -> L::F;
-        sqrt(a: L::F) -> L::F;
-        lt(a: L::F, b: L::F) -> L::M;
-        le(a: L::F, b: L::F) -> L::M;
-        select(mask: L::M, yes: L::F, no: L::F) -> L::F;
-        and(a: L::M, b: L::M) -> L::M;
-        or(a: L::M, b: L::M) -> L::M;
-        and_not(a: L::M, b: L::M) -> L::M;
-        splat_d(x: f64) -> L::D;
-        load_d(numbers: &[f64; LANES]) -> L::D;
-        store_d(a: L::D, numbers: &mut [f64; LANES]);
-        add_d(a: L::D, b: L::D) -> L::D;
-        sub_d(a: L::D, b: L::D) -> L::D;
-        mul_d(a: L::D, b: L::D) -> L::D;
-        splat_u(x: u32) -> L::U;
-        add_u(a: L::U, b: L::U) -> L::U;
-        tag(a: L::F, mask: L::U, tag: L::U) -> L::F;
-        tag_of(a: L::F, mask: L::U) -> L::U;
-        neg(a: L::F) -> L::F;
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Path, dispatch_on};
+    use crate::{Block, Path, dispatch_on};
 
     /// What lanes know of two rows: a quotient, where the first is smaller, the largest, the kept ones and the numbers.
     #[derive(Debug, PartialEq)]
@@ -255,6 +231,118 @@ mod tests {
                     numbers: IndexRow(std::array::from_fn(|k| of(k, k as f32) as u32)),
                 };
                 assert_eq!(found, due, "{path:?} {half:?}");
+            }
+        }
+    }
+
+    /// What every method makes of some numbers, beside those that [`Known`] has.
+    #[derive(Debug, Default, PartialEq)]
+    struct Made {
+        rows: Vec<Row>,
+        indices: Vec<IndexRow>,
+        bits: Vec<u32>,
+        kept: Vec<u32>,
+        pairs: Vec<Pair>,
+    }
+
+    struct Make<'a> {
+        rows: &'a [Row; WIDTH],
+        exact: &'a [f64; WIDTH],
+        keep: u32,
+    }
+
+    impl Kernel for Make<'_> {
+        type Output = Made;
+
+        fn run<L: Lanes>(self, l: L) -> Made {
+            let Self { rows, exact, keep } = self;
+            let [a, b] = [l.load(&rows[0]), l.load(&rows[1])];
+            let mask = l.mask(keep);
+            let (below, least) = (l.lt(a, b), l.le(b, a));
+            let (first, last) = exact.split_at(LANES);
+            let halves = [first, last].map(|half| half.first_chunk::<LANES>().unwrap());
+            let numbers = IndexRow(std::array::from_fn(|k| (k * k) as u32));
+            let (numbers, low) = (l.load_u(&numbers), l.splat_u(0xf));
+            let tagged = l.tag(l.abs(a), low, l.lane_numbers());
+            let blocks = [[0, 1, 2], [3, 4, 5]].map(|of| Block(of.map(|k: usize| rows[k])));
+            let mut made = Made::default();
+            let lanes = [
+                l.mul_add(a, b, a),
+                l.min(a, b),
+                l.max(a, b),
+                l.sqrt(l.abs(l.neg(a))),
+                l.sub(l.add(a, b), l.mul(a, b)),
+                l.select(l.or(l.and_not(mask, below), l.and(mask, least)), a, b),
+                l.round_from(halves),
+                l.largest_of_each(rows),
+                tagged,
+            ];
+            let picked = l.pick(&blocks, l.splat_u(0), l.add_u(l.lane_numbers(), low));
+            for lanes in lanes.into_iter().chain(picked).chain(l.transpose(rows)) {
+                let mut row = Row::default();
+                l.store(lanes, &mut row);
+                made.rows.push(row);
+            }
+            for lanes in [l.add_u(numbers, l.splat_u(3)), l.tag_of(tagged, low)] {
+                let mut row = IndexRow::default();
+                l.store_u(lanes, &mut row);
+                made.indices.push(row);
+            }
+            made.bits = [mask, below, least].map(|mask| l.bits(mask)).to_vec();
+            let mut kept = [0; 2 * WIDTH];
+            l.compress_to_u(keep, numbers, &mut kept, 3);
+            let count = (keep & l.bits(l.mask(u32::MAX))).count_ones() as usize;
+            made.kept = kept[3..3 + count].to_vec();
+            l.append_pairs(keep, (70, numbers), &mut made.pairs);
+            made
+        }
+    }
+
+    struct MakeHalf<'a>(Half, Make<'a>);
+
+    impl Kernel for MakeHalf<'_> {
+        type Output = Made;
+
+        fn run<L: Lanes>(self, l: L) -> Made {
+            l.run_half(self.0, self.1)
+        }
+    }
+
+    /// What of it is of the lanes of one half.
+    fn of_half(made: &Made, half: Half, keep: u32) -> Made {
+        let lanes = half.at()..half.at() + LANES;
+        let kept: Vec<usize> = (0..WIDTH).filter(|k| keep >> k & 1 == 1).collect();
+        let is_own = |place: usize| lanes.contains(&kept[place]);
+        let row = |row: &Row| {
+            Row(std::array::from_fn(|k| if lanes.contains(&k) { row.0[k] } else { 0.0 }))
+        };
+        let indices = |row: &IndexRow| {
+            IndexRow(std::array::from_fn(|k| if lanes.contains(&k) { row.0[k] } else { 0 }))
+        };
+        let places = || (0..kept.len()).filter(|&place| is_own(place));
+        Made {
+            rows: made.rows.iter().map(row).collect(),
+            indices: made.indices.iter().map(indices).collect(),
+            bits: made.bits.iter().map(|bits| bits & half.bits()).collect(),
+            kept: places().map(|place| made.kept[place]).collect(),
+            pairs: places().map(|place| made.pairs[place]).collect(),
+        }
+    }
+
+    #[test]
+    fn every_method_makes_of_half_of_the_lanes_what_it_makes_of_them_among_all() {
+        let number = |k: usize| ((k * 37 + 11) % 64) as f32 * 0.37 - 9.0;
+        let rows: [Row; WIDTH] =
+            std::array::from_fn(|row| Row(std::array::from_fn(|k| number(row * WIDTH + k))));
+        let exact: [f64; WIDTH] = std::array::from_fn(|k| f64::from(number(k)) / 3.0);
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            for keep in [0b0110_1001_1010_0111, 0xffff, 0x00ff, 0xf000] {
+                let make = || Make { rows: &rows, exact: &exact, keep };
+                let all = dispatch_on(path, make());
+                for half in [Half::First, Half::Last] {
+                    let found = dispatch_on(path, MakeHalf(half, make()));
+                    assert_eq!(found, of_half(&all, half, keep), "{path:?} {half:?} {keep:x}");
+                }
             }
         }
     }

@@ -35,6 +35,41 @@ macro_rules! hand_on {
 }
 pub(crate) use hand_on;
 
+/// Hands on what is the same lane by lane, however many lanes there are.
+macro_rules! hand_on_arithmetic {
+    () => {
+        hand_on! {
+            splat(x: f32) -> L::F;
+            add(a: L::F, b: L::F) -> L::F;
+            sub(a: L::F, b: L::F) -> L::F;
+            mul(a: L::F, b: L::F) -> L::F;
+            div(a: L::F, b: L::F) -> L::F;
+            min(a: L::F, b: L::F) -> L::F;
+            max(a: L::F, b: L::F) -> L::F;
+            abs(a: L::F) -> L::F;
+            sqrt(a: L::F) -> L::F;
+            lt(a: L::F, b: L::F) -> L::M;
+            le(a: L::F, b: L::F) -> L::M;
+            select(mask: L::M, yes: L::F, no: L::F) -> L::F;
+            and(a: L::M, b: L::M) -> L::M;
+            or(a: L::M, b: L::M) -> L::M;
+            and_not(a: L::M, b: L::M) -> L::M;
+            splat_d(x: f64) -> L::D;
+            load_d(numbers: &[f64; $crate::WIDTH / 2]) -> L::D;
+            store_d(a: L::D, numbers: &mut [f64; $crate::WIDTH / 2]);
+            add_d(a: L::D, b: L::D) -> L::D;
+            sub_d(a: L::D, b: L::D) -> L::D;
+            mul_d(a: L::D, b: L::D) -> L::D;
+            splat_u(x: u32) -> L::U;
+            add_u(a: L::U, b: L::U) -> L::U;
+            tag(a: L::F, mask: L::U, tag: L::U) -> L::F;
+            tag_of(a: L::F, mask: L::U) -> L::U;
+            neg(a: L::F) -> L::F;
+        }
+    };
+}
+pub(crate) use hand_on_arithmetic;
+
 impl<L: Lanes> Lanes for Apart<L> {
     type F = L::F;
     type U = L::U;
@@ -52,46 +87,23 @@ impl<L: Lanes> Lanes for Apart<L> {
         self.0.call(Unfused(kernel))
     }
 
+    hand_on_arithmetic! {}
+
     hand_on! {
-        splat(x: f32) -> L::F;
         load_from(numbers: &[f32; WIDTH]) -> L::F;
         round_from(numbers: [&[f64; WIDTH / 2]; 2]) -> L::F;
         store_to(a: L::F, numbers: &mut [f32; WIDTH]);
         load_half(numbers: &[f32; WIDTH / 2]) -> L::F;
         store_half(a: L::F, numbers: &mut [f32; WIDTH / 2]);
         half_bits(mask: L::M) -> u32;
-        add(a: L::F, b: L::F) -> L::F;
-        sub(a: L::F, b: L::F) -> L::F;
-        mul(a: L::F, b: L::F) -> L::F;
-        div(a: L::F, b: L::F) -> L::F;
-        min(a: L::F, b: L::F) -> L::F;
-        max(a: L::F, b: L::F) -> L::F;
-        abs(a: L::F) -> L::F;
-        sqrt(a: L::F) -> L::F;
-        lt(a: L::F, b: L::F) -> L::M;
-        le(a: L::F, b: L::F) -> L::M;
-        select(mask: L::M, yes: L::F, no: L::F) -> L::F;
-        and(a: L::M, b: L::M) -> L::M;
-        or(a: L::M, b: L::M) -> L::M;
-        and_not(a: L::M, b: L::M) -> L::M;
         bits(mask: L::M) -> u32;
         mask(bits: u32) -> L::M;
-        splat_d(x: f64) -> L::D;
-        load_d(numbers: &[f64; WIDTH / 2]) -> L::D;
-        store_d(a: L::D, numbers: &mut [f64; WIDTH / 2]);
-        add_d(a: L::D, b: L::D) -> L::D;
-        sub_d(a: L::D, b: L::D) -> L::D;
-        mul_d(a: L::D, b: L::D) -> L::D;
-        splat_u(x: u32) -> L::U;
         load_from_u(numbers: &[u32; WIDTH]) -> L::U;
         store_to_u(a: L::U, numbers: &mut [u32; WIDTH]);
-        add_u(a: L::U, b: L::U) -> L::U;
         lane_numbers() -> L::U;
         compress_to(keep: u32, a: L::F, to: &mut [f32; 2 * WIDTH], at: usize);
         compress_to_u(keep: u32, a: L::U, to: &mut [u32; 2 * WIDTH], at: usize);
         append_pairs(keep: u32, pair: (u32, L::U), to: &mut Vec<Pair>);
-        tag(a: L::F, mask: L::U, tag: L::U) -> L::F;
-        tag_of(a: L::F, mask: L::U) -> L::U;
         largest_of_each(rows: &[Row; WIDTH]) -> L::F;
         largest(a: L::F) -> f32;
         transpose(rows: &[Row; WIDTH]) -> [L::F; WIDTH];
@@ -100,7 +112,6 @@ impl<L: Lanes> Lanes for Apart<L> {
         store(a: L::F, row: &mut Row);
         load_u(row: &IndexRow) -> L::U;
         store_u(a: L::U, row: &mut IndexRow);
-        neg(a: L::F) -> L::F;
     }
 }
 

@@ -180,15 +180,7 @@ pub(super) fn answer<Q: Question>(
             checkers.with(|checker: &mut Q::Checker| {
                 let first = task * Q::PER_TASK;
                 for (k, item) in (tally.lines + first..).zip(&block[first..]).take(Q::PER_TASK) {
-                    let checked = item.as_ref().map_err(String::clone).and_then(|item| {
-                        let answer = question.check(given, checker, item);
-                        answer.map_err(|error| error.to_string())
-                    });
-                    let outcome = checked.map_or_else(
-                        |error| Outcome::Refused { error: format!("line {}: {error}", k + 1) },
-                        Outcome::Checked,
-                    );
-                    answers.push(Line { which: Q::which(k), outcome });
+                    answers.push(line_of(question, given, checker, (k, item)));
                     progress.iter().for_each(Progress::step);
                 }
             });
@@ -219,6 +211,24 @@ pub(super) fn answer<Q: Question>(
         return Err(Failure::at(place, format_args!("{missing} free edges have no certificate")));
     }
     Ok(())
+}
+
+/// What comes out for the item of line k, counted from 0, or for why it is none.
+fn line_of<Q: Question>(
+    question: &Q,
+    given: &Given<'_>,
+    checker: &mut Q::Checker,
+    (k, item): (usize, &Result<Q::Item, String>),
+) -> Line<Q::Answer> {
+    let checked = item
+        .as_ref()
+        .map_err(String::clone)
+        .and_then(|item| question.check(given, checker, item).map_err(|error| error.to_string()));
+    let outcome = checked.map_or_else(
+        |error| Outcome::Refused { error: format!("line {}: {error}", k + 1) },
+        Outcome::Checked,
+    );
+    Line { which: Q::which(k), outcome }
 }
 
 /// A certificate that is written line by line.

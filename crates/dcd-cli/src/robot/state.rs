@@ -16,7 +16,9 @@ pub(super) fn parse(
             None => Err(format!("value {index} is {field:?}, without a joint's name")),
         });
         let named = named.collect::<Result<Vec<_>, _>>()?;
-        return robot.state(&[otherwise, &named[..]].concat()).map_err(|error| error.to_string());
+        let state = robot.state(&[otherwise, &named[..]].concat());
+        let state = state.map_err(|error| error.to_string())?;
+        return each_counts(&named, robot).map(|()| state);
     }
     let joints = robot.variables();
     if fields.len() != joints.len() {
@@ -28,6 +30,20 @@ pub(super) fn parse(
         ));
     }
     fields.iter().enumerate().map(|(index, field)| number(index, field)).collect()
+}
+
+/// Refuses a value that another one, or the joint itself, would leave without a meaning.
+fn each_counts(named: &[(String, f64)], robot: &Robot) -> Result<(), String> {
+    for (index, (name, _)) in named.iter().enumerate() {
+        if named[..index].iter().any(|(before, _)| before == name) {
+            return Err(format!("there are two values of {name:?}"));
+        }
+        if !robot.variables().contains(name) {
+            let values = robot.variables().join(", ");
+            return Err(format!("joint {name:?} has no value of that name; there are {values}"));
+        }
+    }
+    Ok(())
 }
 
 fn number(index: usize, text: &str) -> Result<f64, String> {

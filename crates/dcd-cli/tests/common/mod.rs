@@ -9,6 +9,19 @@ use std::process::{Command, Stdio};
 pub(crate) const PRECISIONS: [&str; 5] = ["fast", "f64", "certified", "parry-f32", "parry-f64"];
 pub(crate) const OUR_PRECISIONS: [&str; 3] = ["fast", "f64", "certified"];
 
+/// A post of edge 0.2 at y = 1.5.
+pub(crate) const POST: &str = "world:
+  collision_objects:
+    - id: post
+      primitives: [{type: box, dimensions: [0.2, 0.2, 1]}]
+      primitive_poses: [{position: [0, 1.5, 0], orientation: [0, 0, 0, 1]}]
+";
+
+/// The values of JSON Lines.
+pub(crate) fn lines(text: &str) -> Vec<Value> {
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
 /// What a run left behind.
 #[derive(Debug)]
 pub(crate) struct Ran {

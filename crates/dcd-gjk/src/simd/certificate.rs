@@ -21,22 +21,22 @@ pub trait ErrorBounds: Copy + Send + Sync {
     const JUDGED: u8;
 
     /// What is kept beside a conclusion.
-    const KEEPS: Kept;
+    const KEEPS: KeptProof;
 
     /// [`Slice::judge`]. Of no type parameter, so that the kernels are compiled here, once, and not
     /// by every crate that names a narrow phase.
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report);
 }
 
-/// What is kept of a proof.
+/// What is kept of a proof for later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kept {
+pub enum KeptProof {
     /// Nothing but its conclusion.
     Nothing,
     /// How far apart the two objects are at least, where it proves that they are.
     Gap,
     /// Its clearance, and an axis to begin with in the next step: more is done for a proof that lasts longer.
-    Proof,
+    Clearance,
 }
 
 /// Every rounding is counted: what is concluded is proved.
@@ -50,7 +50,7 @@ impl ErrorBounds for CertifiedBounds {
     }
     const HANDS_ON: bool = true;
     const JUDGED: u8 = LIVE;
-    const KEEPS: Kept = Kept::Nothing;
+    const KEEPS: KeptProof = KeptProof::Nothing;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
         slice.judge::<Self>(scratch, report);
@@ -68,7 +68,7 @@ impl ErrorBounds for ClearanceBounds {
     }
     const HANDS_ON: bool = true;
     const JUDGED: u8 = LIVE;
-    const KEEPS: Kept = Kept::Proof;
+    const KEEPS: KeptProof = KeptProof::Clearance;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
         slice.judge::<Self>(scratch, report);
@@ -86,7 +86,7 @@ impl ErrorBounds for GapBounds {
     }
     const HANDS_ON: bool = true;
     const JUDGED: u8 = LIVE;
-    const KEEPS: Kept = Kept::Gap;
+    const KEEPS: KeptProof = KeptProof::Gap;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
         slice.judge::<Self>(scratch, report);
@@ -105,7 +105,7 @@ impl ErrorBounds for UncheckedBounds {
     const HANDS_ON: bool = false;
     // Between the hull inside a curved shape and the shape itself only bounds can decide.
     const JUDGED: u8 = WHOLE;
-    const KEEPS: Kept = Kept::Nothing;
+    const KEEPS: KeptProof = KeptProof::Nothing;
 
     fn judge(slice: &Slice<'_>, scratch: &mut Scratch, report: &mut Report) {
         slice.judge::<Self>(scratch, report);

@@ -3,7 +3,7 @@
 use super::axis::hinted;
 use super::axis_aligned;
 use super::by_parts;
-use super::certificate::{ErrorBounds, Kept};
+use super::certificate::{ErrorBounds, KeptProof};
 use super::expand;
 use super::first_stages::{self, Entry, Place, Resolved};
 use super::frame::{AXIS_ALIGNED, BOX, FramePair, SimdFrame};
@@ -230,7 +230,7 @@ impl<T: ErrorBounds> Kernel for Decide<'_, T> {
         let pairs = self.pairs;
         self.scratch.touching.clear();
         self.scratch.touching.resize(pairs.len(), false);
-        if T::KEEPS != Kept::Nothing {
+        if T::KEEPS != KeptProof::Nothing {
             self.scratch.kept.begin(pairs.len());
         }
         self.scratch.left.clear();
@@ -274,16 +274,17 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let open = entry.live & !spheres.all();
         let mut narrow = 0;
         match T::KEEPS {
-            Kept::Nothing => {}
-            Kept::Gap => kept.note_gaps(l, &entry.packet, (spheres.clearance, spheres.apart)),
-            Kept::Proof => {
+            KeptProof::Nothing => {}
+            KeptProof::Gap => kept.note_gaps(l, &entry.packet, (spheres.clearance, spheres.apart)),
+            KeptProof::Clearance => {
                 let noted = (spheres.clearance, spheres.all());
                 narrow = spheres.all() & !kept.note(l, &entry.packet, noted);
             }
         }
         let to_axis = if self.frames.have_vertices() { (open | narrow) & !entry.boxed } else { 0 };
         // Their closed form costs less than the boxes and leaves none open; but its proof is not one that lasts.
-        let closed = T::HANDS_ON && T::KEEPS != Kept::Proof && entry.marks & AXIS_ALIGNED != 0;
+        let closed =
+            T::HANDS_ON && T::KEEPS != KeptProof::Clearance && entry.marks & AXIS_ALIGNED != 0;
         let upright =
             if closed { marked(self.frames, &entry.packet, open, AXIS_ALIGNED) } else { 0 };
         let to_boxes = open & entry.boxed & !upright;
@@ -323,7 +324,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let taken = axis.take(l, packet);
         let mut at = Place { frames: self.frames, support_scratch };
         let mut first = packet.vector(l, Vector::C);
-        if T::KEEPS == Kept::Proof {
+        if T::KEEPS == KeptProof::Clearance {
             first = hinted(l, &kept.axes, (packet, taken), first);
         }
         let apart = first_stages::first_axis::<L, T>(l, &mut at, (packet, taken), first);
@@ -376,7 +377,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let taken = portal.take(l, packet);
         let mut at = Place { frames: self.frames, support_scratch };
         let mut against = Block::default();
-        if T::KEEPS == Kept::Proof {
+        if T::KEEPS == KeptProof::Clearance {
             packet.vector(l, Vector::D).store(l, &mut against.0);
         }
         let (mut resolved, mut stuck) = portal::round::<L, T>(l, &mut at, packet, taken);
@@ -390,7 +391,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
         for lane in LanesOf(stuck & used(taken) & !proved) {
             left.push(Left { number: packet.number.0[lane], axes: packet.axes(lane) });
         }
-        if T::KEEPS == Kept::Proof {
+        if T::KEEPS == KeptProof::Clearance {
             kept.note_axes(packet, &against, resolved.apart & used(taken));
         }
         portal.push(l, packet, used(taken) & !(done | stuck | enough));
@@ -402,9 +403,9 @@ impl<T: ErrorBounds> Decide<'_, T> {
         let Scratch { touching, kept, packet, .. } = &mut *self.scratch;
         let proved = resolved.all() & used;
         scatter(touching, packet, resolved.touching & used);
-        if T::KEEPS != Kept::Proof {
+        if T::KEEPS != KeptProof::Clearance {
             self.report.count(method, count(proved));
-            if T::KEEPS == Kept::Gap {
+            if T::KEEPS == KeptProof::Gap {
                 kept.note_gaps(l, packet, (resolved.clearance, resolved.apart & used));
             }
             return proved;
@@ -417,7 +418,7 @@ impl<T: ErrorBounds> Decide<'_, T> {
     /// [`WIDENING`] supports.
     #[inline(always)]
     fn narrow<L: Lanes>(&self, l: L) -> (u32, u32) {
-        if T::KEEPS != Kept::Proof {
+        if T::KEEPS != KeptProof::Clearance {
             return (0, 0);
         }
         let proved = self.scratch.kept.proved(&self.scratch.packet);

@@ -47,6 +47,10 @@ pub(super) fn read(bytes: &[u8], options: &MeshOptions) -> Result<TriangleMesh, 
     };
     let warning = MeshWarning::UpAxis { axis: "y", taken: options.up_axis };
     walk.whole.mesh.warnings.push(warning);
+    let names = unread_extensions(&document);
+    if !names.is_empty() {
+        walk.whole.mesh.warnings.push(MeshWarning::Extensions { names });
+    }
     let turn = match options.up_axis {
         UpAxis::Ros => DMat3::IDENTITY,
         UpAxis::File => DMat3::from_cols(DVec3::X, DVec3::Z, -DVec3::Y),
@@ -85,7 +89,8 @@ fn check_version(json: &gltf::json::Root) -> Result<(), MeshError> {
     if version.starts_with("2.") && least.is_none_or(|least| least == "2.0") {
         return Ok(());
     }
-    let problem = format!("version {version:?}, readers of {least:?}: 2.0 is understood");
+    let readers = least.map_or(String::new(), |least| format!(", for readers of {least:?}"));
+    let problem = format!("version {version:?}{readers}: 2.0 is understood");
     Err(refused("asset", problem))
 }
 
@@ -149,6 +154,17 @@ fn check_extensions(document: &Document) -> Result<(), MeshError> {
         return Err(refused("extensionsRequired", "quantized meshes are not supported"));
     }
     Ok(())
+}
+
+/// How the names of extensions begin that concern looks and labels alone.
+const LOOKS: [&str; 6] =
+    ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "EXT_lights_", "KHR_xmp"];
+
+/// The extensions that the file uses, but for those of looks: none of them is read here, and one that is not required
+/// may place meshes nevertheless.
+fn unread_extensions(document: &Document) -> Vec<String> {
+    let of_looks = |name: &&str| LOOKS.iter().any(|look| name.starts_with(look));
+    document.extensions_used().filter(|name| !of_looks(name)).map(str::to_owned).collect()
 }
 
 /// The walk through the scene's nodes.

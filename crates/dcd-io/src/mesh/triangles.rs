@@ -60,6 +60,11 @@ pub enum MeshWarning {
         /// How many.
         bytes: usize,
     },
+    /// Extensions that the file uses and does not require were passed over, but for those of looks.
+    Extensions {
+        /// Their names.
+        names: Vec<String>,
+    },
 }
 
 /// Which way is up in a mesh, where the file says so (COLLADA and glTF).
@@ -233,6 +238,9 @@ impl fmt::Display for MeshWarning {
             }
             Self::Behind { bytes } => {
                 write!(f, "{bytes} bytes behind the last triangle are passed over")
+            }
+            Self::Extensions { names } => {
+                write!(f, "what extensions say is passed over: {}", names.join(", "))
             }
         }
     }

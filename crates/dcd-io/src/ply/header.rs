@@ -166,6 +166,9 @@ fn check(elements: &[Element]) -> Result<(), ReadError> {
         if name != "face" && *count > 0 && properties.iter().any(corners) {
             return refused(format!("element {name}, which is made of vertices"));
         }
+        if properties.iter().filter(|property| corners(property)).count() > 1 {
+            return refused(format!("element {name}, with two lists of corners"));
+        }
     }
     Ok(())
 }

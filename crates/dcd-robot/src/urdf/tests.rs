@@ -85,6 +85,11 @@ fn what_is_not_understood_is_refused_with_its_line_and_what_makes_no_difference_
         ("<collision>", "<x:collision xmlns:x=\"u\"/><collision>", "another namespace"),
         ("<axis xyz", "<axis xyz=\"1 0 0\"/><axis xyz", "two of \"axis\""),
         ("<link name=\"b\">", "<:link name=\"b\">", "a prefix without a name before \":link\""),
+        (
+            "radius=\"0.1\"",
+            ":radius=\"0.1\"",
+            "line 2: no URDF: a prefix without a name before \":radius\"",
+        ),
         ("revolute", "ball", "joint type \"ball\" is not supported"),
     ] {
         assert_refused(&with(from, to), &[why]);
@@ -95,6 +100,21 @@ fn what_is_not_understood_is_refused_with_its_line_and_what_makes_no_difference_
     let [note] = plain.notes() else { panic!("{:?}", plain.notes()) };
     assert!(note.contains("2 inertial (first on line 2)") && note.contains("visual"), "{note}");
     assert!(note.contains("joints without the limits"), "{note}");
+    let fixed = robot(&with("revolute", "fixed")).unwrap().notes().concat();
+    assert!(fixed.contains("fixed or floating joints' axes (line 4)"), "{fixed}");
+    let entity = read(
+        "<?xml version=\"1.0\"?>\n<!DOCTYPE robot [<!ENTITY r \"1\">]>\n<robot name=\"&r;\"/>",
+    );
+    let entity = entity.unwrap_err().to_string();
+    assert_eq!(entity, "line 2: no URDF: a document type and its entities are not read");
+}
+
+#[test]
+fn a_joint_that_is_called_like_a_value_of_another_is_refused() {
+    let value = joint("prismatic", ["b", "c"], "").replace("b-c", "a-b/rot_w");
+    let robot =
+        [link("a"), link("b"), link("c"), joint("floating", ["a", "b"], ""), value].concat();
+    assert_refused(&robot, &["line 5: there are two of joint or value \"a-b/rot_w\""]);
 }
 
 #[test]

@@ -195,9 +195,9 @@ fn another_version_and_two_transforms_of_a_node_are_refused() {
             && with("/asset/version", json!("2.1")).is_ok()
     );
     for (pointer, value, place) in [
-        ("/asset/version", json!("3.0"), "asset"),
+        ("/asset/version", json!("3.0"), "asset: version \"3.0\""),
         ("/asset/version", json!("1.0"), "asset"),
-        ("/asset/minVersion", json!("2.1"), "asset"),
+        ("/asset/minVersion", json!("2.1"), "asset: version \"2.0\", for readers of \"2.1\""),
         ("/nodes/0/translation", json!([5, 0, 0]), "nodes[0]"),
         ("/nodes/0/rotation", json!([1, 0, 0, 0]), "nodes[0]"),
         ("/nodes/0/scale", json!([2, 2, 2]), "nodes[0]"),
@@ -205,6 +205,21 @@ fn another_version_and_two_transforms_of_a_node_are_refused() {
         let error = with(pointer, value).unwrap_err();
         assert!(error.starts_with(&format!("glTF, {place}: ")), "{pointer}: {error}");
     }
+}
+
+#[test]
+fn an_extension_that_is_no_look_is_named() {
+    let mut file = file(json!([{"mesh": 0}]), json!([0]));
+    let named = |file: &Value| {
+        let warnings = read_json(file).unwrap().warnings.into_iter();
+        warnings
+            .filter(|warning| !matches!(warning, MeshWarning::UpAxis { .. }))
+            .collect::<Vec<_>>()
+    };
+    file["extensionsUsed"] = json!(["KHR_materials_unlit", "KHR_texture_transform"]);
+    assert_eq!(named(&file), []);
+    file["extensionsUsed"] = json!(["KHR_materials_unlit", "MSFT_lod"]);
+    assert_eq!(named(&file), [MeshWarning::Extensions { names: vec!["MSFT_lod".to_owned()] }]);
 }
 
 #[test]

@@ -17,6 +17,8 @@ pub(in super::super) struct Pieces {
 pub(super) struct Piece {
     pub(super) core: Core,
     pub(super) radius: f64,
+    /// In the body's frame, where points are not all that there is: of a compound's cylinders and cones.
+    shape: Option<Shape>,
 }
 
 #[derive(Clone, Debug)]
@@ -34,10 +36,14 @@ impl Pieces {
             Shape::Polytope(polytope) => convex(vec![Piece::of_polytope(polytope)]),
             Shape::Curved(curved) => convex(vec![Piece::of_curved(curved, None)]),
             Shape::Compound(compound) => {
+                let curved = |part: &dcd_geom::Part, curved: &Curved, pose| Piece {
+                    shape: Some(part.placed().clone()),
+                    ..Piece::of_curved(curved, pose)
+                };
                 let piece = |part: &dcd_geom::Part| match part.placed() {
                     Shape::Polytope(polytope) => Some(Piece::of_polytope(polytope)),
-                    Shape::Curved(curved) => Some(Piece::of_curved(curved, None)),
-                    _ => part.moved_curved().map(|c| Piece::of_curved(c, Some(part.pose))),
+                    Shape::Curved(still) => Some(curved(part, still, None)),
+                    _ => part.moved_curved().map(|moved| curved(part, moved, Some(part.pose))),
                 };
                 let list: Option<Vec<Piece>> = compound.parts().iter().map(piece).collect();
                 let mut list = list?;
@@ -57,6 +63,7 @@ impl Pieces {
         let piece = |triangle: &[u32; 3]| Piece {
             core: Core::Points(corners(triangle).to_vec()),
             radius: mesh.swept_radius(),
+            shape: None,
         };
         let list = triangles.iter().map(piece).collect();
         Self { list, surface: Some((points, triangles)) }
@@ -77,9 +84,13 @@ impl Pieces {
         self.within(range).iter().map(far).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// A convex shape about as large as the hull of some pieces; for directions, which need no proof.
+    /// A convex shape about as large as the hull of some pieces, of one alone that piece; for directions, which need no proof.
     pub(in super::super) fn hull(&self, range: &Range<u32>) -> Option<Shape> {
         let pieces = self.within(range);
+        // Where little is between two bodies, a direction across corners in place of a disc does not part them.
+        if let [Piece { shape: Some(shape), .. }] = pieces {
+            return Some(shape.clone());
+        }
         let radius = pieces.iter().map(|piece| piece.radius).fold(0.0, f64::max);
         let points = match &self.surface {
             Some((points, _)) if *range == self.all() => points.clone(),
@@ -107,11 +118,12 @@ fn in_order<T>(list: &mut [T], middle: &impl Fn(&T) -> DVec3) {
 impl Piece {
     fn of_polytope(polytope: &Polytope) -> Self {
         let core = Core::Points(polytope.vertices().to_vec());
-        Self { core, radius: polytope.swept_radius() }
+        Self { core, radius: polytope.swept_radius(), shape: None }
     }
 
     fn of_curved(curved: &Curved, pose: Option<Pose>) -> Self {
-        Self { core: Core::Discs(curved.discs(), pose), radius: curved.swept_radius() }
+        let core = Core::Discs(curved.discs(), pose);
+        Self { core, radius: curved.swept_radius(), shape: None }
     }
 
     fn middle(&self) -> DVec3 {

@@ -140,6 +140,33 @@ fn a_link_that_grazes_a_wall_replays() {
 }
 
 #[test]
+fn a_sphere_that_slides_past_the_cylinder_of_a_compound_replays() {
+    let cylinder = Shape::cylinder(5.0, 1.0).unwrap();
+    // Leant over and turned, so that no box's side parts them; not with its middle beside the sphere, so that no covering sphere does.
+    let lean = DQuat::from_rotation_x(0.3) * DQuat::from_rotation_z(0.4);
+    let along = lean * DVec3::Z;
+    let across = DVec3::X.cross(along).normalize();
+    // Turned by less than corners in place of its discs are apart, so that none of them is nearest.
+    for turn in [DQuat::from_rotation_z(0.1), DQuat::IDENTITY] {
+        let parts = vec![
+            (cylinder.clone(), Pose::new(turn, DVec3::ZERO).unwrap()),
+            (Shape::sphere(0.1).unwrap(), Pose::from_translation(DVec3::Z * 9.0).unwrap()),
+        ];
+        let shape = Shape::compound(parts).unwrap();
+        for gap in [1e-3, 1e-5, 1e-7] {
+            for aside in [0.0, 0.07, 0.2] {
+                let place = DVec3::X * (1.4 + aside) + across * (1.1 + gap) + along * 0.37;
+                let (name, shape) = ("column".to_owned(), shape.clone());
+                let column = Obstacle { name, shape, pose: Pose::new(lean, place).unwrap() };
+                let checker = checker(arm(1), vec![column]);
+                let path = JointPath::Straight([vec![0.0, 0.0], vec![0.0, 0.6]]);
+                assert!(assert_replays(&checker, &path), "{turn} {gap} {aside}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_robot_that_carries_is_padded_and_stands_far_off_replays() {
     let robot = arm(3);
     let ball = Shape::sphere(0.2).unwrap();

@@ -112,7 +112,7 @@ impl Planes<'_, '_> {
     fn refused(&self, open: &Open, t: [f64; 2], is_spent: bool) -> RobotError {
         let pair = self.search.checker.pairs[open.pair as usize].objects;
         let [a, b] = self.search.checker.cell.names_of(pair.into());
-        let why = if is_spent { "the budget of nodes is spent" } else { "no plane parts them" };
+        let why = if is_spent { "the budget of intervals is spent" } else { "no plane parts them" };
         let why = format!("{why}, t from {} to {}", t[0], t[1]);
         RobotError::Refused { user: format!("certificate of {a:?} and {b:?}"), why }
     }
