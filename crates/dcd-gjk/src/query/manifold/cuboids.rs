@@ -132,6 +132,19 @@ pub(super) fn feature(polytope: &Polytope, direction: DVec3) -> Option<Feature> 
     side.feature(side.seen())
 }
 
+/// What a box shows towards a direction of the world, of unit length, and along what that is if it is an edge; `None` where
+/// the general way is needed.
+#[inline(always)]
+pub(super) fn shown(side: PosedShape<'_>, towards: DVec3) -> Option<(Feature, DVec3)> {
+    let of_box = Side::of(side, DVec3::ZERO, towards)?;
+    let seen = of_box.seen();
+    let along = match seen {
+        Seen::Edge(k) => of_box.rotation.col(k),
+        Seen::Face(_) | Seen::Vertex => DVec3::ZERO,
+    };
+    Some((of_box.feature(seen)?, along))
+}
+
 fn is_solid(half: DVec3) -> bool {
     half.min_element() > SOLID * half.max_element()
 }

@@ -1,13 +1,15 @@
-//! Shapes that touch in the witnesses of their depth alone, as is known before anything is clipped: spheres, and capsules whose
-//! edges cross.
+//! Shapes that touch in the witnesses of their depth alone, as is known before anything is clipped: spheres, and capsules and
+//! cuboids that show an end or a corner, or edges that cross.
 
 use super::corners::{self, OfSphere};
+use super::cuboids;
 use super::facing::Part;
 use super::feature::surely_cross;
 use super::{Feature, Manifold, ManifoldPoint, ManifoldSet, bound_of_witnesses};
 use crate::epa::Depth;
 use crate::{PosedShape, Verdict};
-use dcd_geom::{Kind, Polytope, Shape};
+use dcd_geom::glam::DVec3;
+use dcd_geom::{Kind, Shape};
 use dcd_simd::ArrayVec;
 
 /// The features and the bound of two shapes that touch in the witnesses of their depth alone, as is known at once.
@@ -19,7 +21,7 @@ pub(super) fn in_one_point(
     if corners::is_sphere(a) && corners::is_sphere(b) {
         return Some(([Feature::Vertex(0); 2], depth.error_bound));
     }
-    of_sphere(depth, a, b).or_else(|| of_capsules(depth, [a, b]))
+    of_sphere(depth, a, b).or_else(|| of_capsule(depth, [a, b]))
 }
 
 /// The witnesses of the depth alone, with those features and that bound.
@@ -36,28 +38,38 @@ pub(super) fn of_one_point(
     Verdict::Touching(found.into())
 }
 
-/// The features and the bound of two capsules that show an end, or edges that cross.
+/// The features and the bound of a capsule and a capsule or cuboid of which one shows an end or a corner, or both edges that
+/// cross; `None` of others.
 ///
 /// (a, b) and (b, a) give the same bits, mirrored: a normal that looks the other way changes signs alone.
 #[inline]
-fn of_capsules(depth: &Depth, [a, b]: [PosedShape<'_>; 2]) -> Option<([Feature; 2], f64)> {
+fn of_capsule(depth: &Depth, [a, b]: [PosedShape<'_>; 2]) -> Option<([Feature; 2], f64)> {
     let (in_a, in_b) = (a.shape.as_polytope()?, b.shape.as_polytope()?);
-    if [in_a.kind(), in_b.kind()] != [Kind::Segment; 2] {
+    if !matches!(
+        (in_a.kind(), in_b.kind()),
+        (Kind::Segment, Kind::Segment | Kind::Cuboid { .. }) | (Kind::Cuboid { .. }, Kind::Segment)
+    ) {
         return None;
     }
-    let edge = |core: &Polytope, side: PosedShape<'_>| {
-        let &[start, end] = core.vertices() else { return None };
-        Some(*side.pose.rotation() * (end - start))
+    let (of_a, of_b) = (shown(a, depth.normal)?, shown(b, -depth.normal)?);
+    let is_one = match [of_a, of_b] {
+        [(Feature::Vertex(_), _), _] | [_, (Feature::Vertex(_), _)] => true,
+        [(Feature::Edge(..), e), (Feature::Edge(..), f)] => surely_cross(depth.normal, e, f),
+        _ => false,
     };
-    let (e, f) = (edge(in_a, a)?, edge(in_b, b)?);
-    let parts = [Part::of_edge(e, depth.normal)?, Part::of_edge(f, -depth.normal)?];
-    if let [Part::Edge(_), Part::Edge(_)] = parts
-        && !surely_cross(depth.normal, e, f)
-    {
-        return None;
-    }
     let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
-    Some((parts.map(|part| part.name()), bound_of_witnesses(depth, size, [a, b])))
+    let features = [of_a.0, of_b.0];
+    is_one.then(|| (features, bound_of_witnesses(depth, size, [a, b])))
+}
+
+/// What a capsule or cuboid shows towards a direction of the world, of unit length, and along what that is if it is an edge.
+/// `None` where the general way is needed.
+#[inline(always)]
+fn shown(side: PosedShape<'_>, towards: DVec3) -> Option<(Feature, DVec3)> {
+    let core = side.shape.as_polytope()?;
+    let &[start, end] = core.vertices() else { return cuboids::shown(side, towards) };
+    let edge = *side.pose.rotation() * (end - start);
+    Some((Part::of_edge(edge, towards)?.name(), edge))
 }
 
 /// The features and the bound of a sphere and another convex shape, which touch in the witnesses of their depth; `None` of
@@ -91,26 +103,36 @@ mod tests {
     use dcd_geom::Pose;
     use dcd_geom::glam::DQuat;
 
+    /// Two capsules, a capsule and a cuboid, or a cuboid and a capsule, turned alike, nearly so, or not.
+    fn pair(draw: &mut Draw, k: usize) -> ([Shape; 2], [Pose; 2]) {
+        let shapes = [1, 2].map(|cuboid| {
+            let size = draw.vector().abs() * 0.5 + 0.05;
+            match k / 4 % 3 == cuboid {
+                true => Shape::cuboid(size).unwrap().rounded(0.05 * (k % 2) as f64).unwrap(),
+                false => Shape::capsule(size.x, size.y).unwrap(),
+            }
+        });
+        let turn = draw.vector() * 3.0;
+        let tilt = draw.vector() * [0.0, 1e-7, 1e-3, 3.0][k % 4];
+        let turns = [turn, turn + tilt].map(DQuat::from_scaled_axis);
+        (shapes, turns.map(|turn| Pose::new(turn, draw.vector() * 0.4).unwrap()))
+    }
+
     #[test]
     fn capsules_of_one_point_show_what_the_general_way_has() {
         let mut draw = Draw(41);
-        let (mut edges, mut ends, mut others) = (0, 0, 0);
-        for k in 0..6000 {
-            let shapes = [0; 2].map(|_| {
-                let size = draw.vector().abs() * 0.5 + 0.05;
-                Shape::capsule(size.x, size.y).unwrap()
-            });
-            let turn = draw.vector() * 3.0;
-            let tilt = draw.vector() * [0.0, 1e-7, 1e-3, 3.0][k % 4];
-            let turns = [turn, turn + tilt].map(DQuat::from_scaled_axis);
-            let poses = turns.map(|turn| Pose::new(turn, draw.vector() * 0.3).unwrap());
+        // Of two capsules, and with a cuboid: edges that cross, other features, and those that are left open.
+        let mut counts = [[0; 3]; 2];
+        for k in 0..12_000 {
+            let (shapes, poses) = pair(&mut draw, k);
             let [a, b] = [0, 1].map(|k| PosedShape { shape: &shapes[k], pose: &poses[k] });
             let Some(depth) = depths::by_frame(Accuracy::F32, a, b) else { continue };
-            let Some((features, error_bound)) = of_capsules(&depth, [a, b]) else {
-                others += 1;
+            let [edges, corners, others] = &mut counts[usize::from(k / 4 % 3 > 0)];
+            let Some((features, error_bound)) = of_capsule(&depth, [a, b]) else {
+                *others += 1;
                 continue;
             };
-            let back = of_capsules(&depth.mirrored(), [b, a]);
+            let back = of_capsule(&depth.mirrored(), [b, a]);
             assert_eq!(back, Some(([features[1], features[0]], error_bound)), "{k}");
             let is_swapped = order::is_swapped(a, b);
             let (sides, depth) = match is_swapped {
@@ -124,10 +146,10 @@ mod tests {
             assert_eq!((only.features, due.error_bound), (of_sides, error_bound), "{k}");
             assert_eq!((only.point_a, only.depth), (depth.point_a, depth.depth), "{k}");
             match features {
-                [Feature::Edge(..), Feature::Edge(..)] => edges += 1,
-                _ => ends += 1,
+                [Feature::Edge(..), Feature::Edge(..)] => *edges += 1,
+                _ => *corners += 1,
             }
         }
-        assert!(edges > 300 && ends > 300 && others > 100, "{edges} {ends} {others}");
+        assert!(counts.as_flattened().iter().all(|&count| count > 100), "{counts:?}");
     }
 }
