@@ -1,20 +1,21 @@
 //! Contacts with their manifolds as a step keeps them: without the room that most do not fill.
 //!
 //! A manifold has room for four points, and most have one or two. Kept as they are, a step would write here and there in memory
-//! that it does not read, and wait for every line of it.
+//! that it does not read, and wait for every line of it; and several of one pair are memory of their own.
 
 #[cfg(test)]
 mod tests;
 
 use super::{Feature, Manifold, ManifoldPoint, ManifoldSet};
 use crate::epa::Depth;
+use crate::mesh::PartIndex;
 use crate::{Contact, ContactAnswer, ContactList};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{List, Pair};
 use std::ops::Range;
 
-/// Contacts with their manifolds. One manifold of shapes without parts is kept as its points, in lists that are written from
-/// their beginning to their end; what has parts or several manifolds is kept as it is.
+/// Contacts with their manifolds. These are kept as their points, in lists that are written from their beginning to their end:
+/// those of one manifold of shapes without parts, and those of all others.
 #[derive(Clone, Debug, Default)]
 pub struct ManifoldContacts {
     heads: Vec<Head>,
@@ -38,10 +39,10 @@ struct Place(usize);
 enum Location {
     /// It was not written: the default one.
     Nowhere,
-    /// In the list of single manifolds.
+    /// In the list of single manifolds without parts.
     One(usize),
-    /// In that of whole answers.
-    Whole(usize),
+    /// In that of all others.
+    Set(usize),
 }
 
 /// The answers in the order in which they were written.
@@ -50,7 +51,10 @@ struct Answers {
     ones: Vec<One>,
     /// The points of these behind the first of each.
     rest: Vec<Point>,
-    whole: Vec<ManifoldSet>,
+    /// Where the patches of each other answer end; they begin where those of the one before it do.
+    sets: Vec<usize>,
+    patches: Vec<Patch>,
+    points: Vec<ManifoldPoint>,
 }
 
 /// A manifold of shapes without parts.
@@ -60,6 +64,16 @@ struct One {
     error_bound: f64,
     first: Point,
     /// Where its other points end; they begin where those of the one before it do.
+    end: usize,
+}
+
+/// A manifold of an answer of any kind.
+#[derive(Clone, Copy, Debug)]
+struct Patch {
+    normal: DVec3,
+    error_bound: f64,
+    parts: [Option<PartIndex>; 2],
+    /// Where its points end, likewise.
     end: usize,
 }
 
@@ -97,7 +111,8 @@ impl Place {
         Self(2 * number)
     }
 
-    fn of_whole(number: usize) -> Self {
+    #[inline(always)]
+    fn of_set(number: usize) -> Self {
         Self(2 * number + 1)
     }
 
@@ -105,39 +120,30 @@ impl Place {
         match self.0 {
             usize::MAX => Location::Nowhere,
             place if place % 2 == 0 => Location::One(place / 2),
-            place => Location::Whole(place / 2),
+            place => Location::Set(place / 2),
         }
     }
 }
 
 impl Answers {
-    /// Keeps an answer, of which the default or nothing is left.
     #[inline(always)]
-    fn keep(&mut self, answer: &mut ManifoldSet) -> Place {
-        match self.keep_points(answer) {
+    fn keep(&mut self, answer: &ManifoldSet) -> Place {
+        match self.keep_one(answer) {
             Some(place) => place,
-            None => self.keep_whole(std::mem::take(answer)),
+            None => self.keep_set(answer),
         }
     }
 
-    /// The same of an answer that is handed over: what is kept whole is moved once.
-    fn keep_owned(&mut self, mut answer: ManifoldSet) -> Place {
-        match self.keep_points(&mut answer) {
-            Some(place) => place,
-            None => self.keep_whole(answer),
-        }
-    }
-
-    /// Keeps the points of a single manifold of shapes without parts; `None` of any other answer.
+    /// Keeps a single manifold of shapes without parts; `None` of any other answer.
     #[inline(always)]
-    fn keep_points(&mut self, answer: &mut ManifoldSet) -> Option<Place> {
-        let only = answer.only_mut()?;
+    fn keep_one(&mut self, answer: &ManifoldSet) -> Option<Place> {
+        let [only] = &**answer else { return None };
         let (first, others) = only.points.split_first()?;
         let has_parts = |point: &ManifoldPoint| point.parts != [None; 2];
         if only.parts != [None; 2] || only.points.iter().any(has_parts) {
             return None;
         }
-        let &Manifold { normal, error_bound, .. } = &*only;
+        let &Manifold { normal, error_bound, .. } = only;
         self.rest.extend(others.iter().map(Point::of));
         let (first, end) = (Point::of(first), self.rest.len());
         self.ones.push(One { normal, error_bound, first, end });
@@ -145,19 +151,28 @@ impl Answers {
     }
 
     #[inline]
-    fn keep_whole(&mut self, answer: ManifoldSet) -> Place {
-        self.whole.push(answer);
-        Place::of_whole(self.whole.len() - 1)
+    fn keep_set(&mut self, answer: &[Manifold]) -> Place {
+        for &Manifold { normal, error_bound, parts, ref points } in answer {
+            self.points.extend_from_slice(points);
+            self.patches.push(Patch { normal, error_bound, parts, end: self.points.len() });
+        }
+        self.sets.push(self.patches.len());
+        Place::of_set(self.sets.len() - 1)
     }
 
     /// An answer as it was.
     fn at(&self, place: Place) -> ManifoldSet {
         match place.location() {
             Location::Nowhere => ManifoldSet::default(),
-            Location::Whole(number) => self.whole[number].clone(),
+            Location::Set(number) => {
+                let start = start(&self.sets, number, |&end| end);
+                let mut found = ManifoldSet::default();
+                (start..self.sets[number]).for_each(|patch| found.push(self.patch(patch)));
+                found
+            }
             Location::One(number) => {
                 let One { normal, error_bound, first, end } = &self.ones[number];
-                let start = number.checked_sub(1).map_or(0, |before| self.ones[before].end);
+                let start = start(&self.ones, number, |one| one.end);
                 let points = std::iter::once(first).chain(&self.rest[start..*end]);
                 let mut found =
                     Manifold { normal: *normal, error_bound: *error_bound, ..Default::default() };
@@ -167,12 +182,28 @@ impl Answers {
         }
     }
 
+    /// A manifold as it was.
+    fn patch(&self, number: usize) -> Manifold {
+        let Patch { normal, error_bound, parts, end } = self.patches[number];
+        let start = start(&self.patches, number, |patch| patch.end);
+        let mut found = Manifold { normal, error_bound, parts, ..Default::default() };
+        found.points.extend(self.points[start..end].iter().copied());
+        found
+    }
+
     fn clear(&mut self) {
-        let Self { ones, rest, whole } = self;
+        let Self { ones, rest, sets, patches, points } = self;
         ones.clear();
         rest.clear();
-        whole.clear();
+        sets.clear();
+        patches.clear();
+        points.clear();
     }
+}
+
+/// Where what is of one in a list begins: where that of the one before it ends.
+fn start<T>(list: &[T], number: usize, end: impl Fn(&T) -> usize) -> usize {
+    number.checked_sub(1).map_or(0, |before| end(&list[before]))
 }
 
 impl Point {
@@ -200,7 +231,7 @@ impl List for ManifoldContacts {
 
 impl ContactList<ManifoldSet> for ManifoldContacts {
     fn push(&mut self, Contact { pair, answer }: Contact<ManifoldSet>) {
-        let answer = self.answers.keep_owned(answer);
+        let answer = self.answers.keep(&answer);
         self.heads.push(Head { pair, answer });
     }
 
@@ -221,7 +252,7 @@ impl ContactList<ManifoldSet> for ManifoldContacts {
     }
 
     fn set(&mut self, number: usize, answer: ManifoldSet) {
-        self.heads[number].answer = self.answers.keep_owned(answer);
+        self.heads[number].answer = self.answers.keep(&answer);
     }
 
     fn take_away(&mut self, first: usize, numbers: &[u32]) {

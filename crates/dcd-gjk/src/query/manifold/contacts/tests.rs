@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::contact_list::tests::{is_read_as_written, read};
-use crate::mesh::PartIndex;
 use crate::motion::tests::Draw;
 
 /// In [0, 1).
@@ -64,8 +63,7 @@ fn answer(draw: &mut Draw) -> ManifoldSet {
 
 #[test]
 fn what_is_read_is_what_was_written_in_any_order() {
-    // What owns memory gives it back.
-    let is_emptied = |list: &ManifoldContacts| assert!(list.answers.whole.is_empty());
+    let is_emptied = |list: &ManifoldContacts| assert!(list.answers.points.is_empty());
     is_read_as_written(&mut ManifoldContacts::default(), answer, is_emptied);
 }
 
