@@ -14,6 +14,18 @@ pub enum Verdict<A> {
     Undecided(Reason),
 }
 
+impl<A> Verdict<A> {
+    /// The same with another answer, made of this one.
+    #[inline(always)]
+    pub fn map<B>(self, answer: impl FnOnce(A) -> B) -> Verdict<B> {
+        match self {
+            Self::Apart => Verdict::Apart,
+            Self::Touching(found) => Verdict::Touching(answer(found)),
+            Self::Undecided(reason) => Verdict::Undecided(reason),
+        }
+    }
+}
+
 /// Why a pair stayed undecided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]

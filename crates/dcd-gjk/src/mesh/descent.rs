@@ -273,7 +273,8 @@ impl Descent<'_, '_> {
         while let Some(lane) = Bits(open).min_by(|&j, &k| squares.0[j].total_cmp(&squares.0[k])) {
             open &= !(1 << lane);
             let pair = [below.0[lane], part_b];
-            let Resolved { verdict, method, axis } = pair::resolve([self.a, self.b], pair);
+            let Resolved { verdict, method, axis, depth } = pair::resolve([self.a, self.b], pair);
+            self.tally.keep(pair[0], depth);
             if self.tally.file(pair, (verdict, method)) == Next::Stop {
                 return Next::Stop;
             }

@@ -28,6 +28,7 @@ mod spheres;
 mod tests;
 mod triangles;
 
+use crate::epa::Depth;
 use crate::{Method, PosedShape, Reason, Verdict, order};
 use dcd_geom::glam::Vec3;
 use dcd_geom::{Aabb16, Shape};
@@ -81,7 +82,7 @@ pub fn overlap(
     b: PosedShape<'_>,
     scratch: &mut Scratch,
 ) -> (Verdict<()>, Method) {
-    search(Path::best(), [a, b], scratch, Goal::Any)
+    search(Path::best(), [a, b], scratch, (Goal::Any, None))
 }
 
 /// The same on that path, or the portable one where this CPU does not have it; for tests and
@@ -91,7 +92,7 @@ pub fn overlap_on(
     [a, b]: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
 ) -> (Verdict<()>, Method) {
-    search(path, [a, b], scratch, Goal::Any)
+    search(path, [a, b], scratch, (Goal::Any, None))
 }
 
 /// Appends every touching pair of parts in ascending order: a part of `a` and one of `b`, by index;
@@ -104,9 +105,41 @@ pub fn touching(
     pairs: &mut Vec<[u32; 2]>,
 ) -> (Verdict<()>, Method) {
     let first = pairs.len();
-    let found = search(Path::best(), [a, b], scratch, Goal::All(pairs));
+    let found = search(Path::best(), [a, b], scratch, (Goal::All(pairs), None));
     pairs[first..].sort_unstable();
     found
+}
+
+/// The same of a mesh and a polytope; appends the depths as well that the search comes by, in any order.
+pub(crate) fn touching_with_depths(
+    a: PosedShape<'_>,
+    b: PosedShape<'_>,
+    scratch: &mut Scratch,
+    (pairs, depths): (&mut Vec<[u32; 2]>, &mut Vec<DepthOfTriangle>),
+) -> (Verdict<()>, Method) {
+    let first = pairs.len();
+    let found = search(Path::best(), [a, b], scratch, (Goal::All(pairs), Some(depths)));
+    pairs[first..].sort_unstable();
+    found
+}
+
+/// The depth of a mesh's triangle, by index, and a polytope, from the mesh to that.
+pub type DepthOfTriangle = (u32, Depth);
+
+/// What is known of the parts of a mesh and a polytope that touch.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct KnownParts<'a> {
+    /// Which they are: all that [`touching`] lists, in that order.
+    pub parts: &'a [[u32; 2]],
+    /// How deep some of these are, in any order.
+    pub depths: &'a [DepthOfTriangle],
+}
+
+impl KnownParts<'_> {
+    /// The depth of a triangle, if it is known.
+    fn depth(&self, triangle: u32) -> Option<Depth> {
+        self.depths.iter().find(|(other, _)| *other == triangle).map(|&(_, depth)| depth)
+    }
 }
 
 /// Whether one is a mesh and the other a polytope: their touching triangles are worth keeping for a measure, and their
@@ -124,12 +157,12 @@ fn search(
     path: Path,
     [a, b]: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
-    goal: Goal<'_>,
+    (goal, depths): (Goal<'_>, Option<&mut Vec<DepthOfTriangle>>),
 ) -> (Verdict<()>, Method) {
     let ([first, second], swapped) = in_order(a, b);
     let (a, b) = (&first, &second);
     let mut tally =
-        Tally { goal, swapped, touching: false, undecided: None, method: Method::Portal };
+        Tally { goal, depths, swapped, touching: false, undecided: None, method: Method::Portal };
     dispatch_on(path, Search { sides: [a, b], scratch, tally: &mut tally });
     tally.answer()
 }
@@ -173,6 +206,13 @@ fn in_order<'a>(a: PosedShape<'a>, b: PosedShape<'a>) -> ([Side<'a>; 2], bool) {
 /// Whether (a, b) is the other way round than the pair is solved in.
 #[inline]
 pub(crate) fn is_swapped(a: PosedShape<'_>, b: PosedShape<'_>) -> bool {
+    // Mostly one of the two is a mesh.
+    match (a.shape, b.shape) {
+        (Shape::Mesh(_), Shape::Mesh(_)) => {}
+        (Shape::Mesh(_), _) => return false,
+        (_, Shape::Mesh(_)) => return true,
+        _ => {}
+    }
     // Whether it is a mesh, how many parts it has, and whether there is a tree over them.
     let rank = |shape: &Shape| match shape {
         Shape::Mesh(mesh) => (true, mesh.triangles().len(), true),
@@ -197,6 +237,8 @@ fn each(a: &Side<'_>, b: &Side<'_>, tally: &mut Tally<'_>) {
 /// What is known so far.
 struct Tally<'a> {
     goal: Goal<'a>,
+    /// The depths of triangles, where they are wanted.
+    depths: Option<&'a mut Vec<DepthOfTriangle>>,
     /// Whether the caller's first shape is our second.
     swapped: bool,
     touching: bool,
@@ -231,6 +273,13 @@ impl Tally<'_> {
                     }
                 }
             }
+        }
+    }
+
+    /// Takes in the depth of a triangle, if it is known.
+    fn keep(&mut self, triangle: u32, depth: Option<Depth>) {
+        if let (Some(depths), Some(depth)) = (&mut self.depths, depth) {
+            depths.push((triangle, depth));
         }
     }
 

@@ -1,5 +1,6 @@
 //! The triangles of a mesh that touch a convex polytope, each with its depth by a formula.
 
+use super::KnownParts;
 use super::deepest::Deepest;
 use super::reach::{Couple, longest_edge};
 use super::side::{Part, Side};
@@ -83,11 +84,12 @@ pub(crate) fn depth_in_sphere([a, b]: [PosedShape<'_>; 2], touching: &[[u32; 2]]
 }
 
 /// Appends those triangles that are known to touch, with depths whose bounds are at
-/// most a part `relative` of them or `of_size` of the pair's size. `None`, and some of them, where a length is out of range.
+/// most a part `relative` of them or `of_size` of the pair's size; what is known of these is not found again. `None`, and
+/// some of them, where a length is out of range.
 pub(crate) fn touching_triangles(
     [mesh, body]: [PosedShape<'_>; 2],
     [relative, of_size]: [f64; 2],
-    triangles: impl Iterator<Item = u32>,
+    (triangles, known): (impl Iterator<Item = u32>, KnownParts<'_>),
     found: &mut Vec<TouchingTriangle>,
 ) -> Option<()> {
     let Shape::Mesh(of_mesh) = mesh.shape else { return None };
@@ -101,7 +103,7 @@ pub(crate) fn touching_triangles(
         let corners = of_mesh.corners(triangle as usize)?;
         couple.take_triangle(corners);
         let is_good = |found: &Depth| found.error_bound <= (relative * found.depth).max(most_open);
-        let depth = couple.by_formula(is_good);
+        let depth = known.depth(triangle).filter(is_good).or_else(|| couple.by_formula(is_good));
         let at_most = match &depth.or_else(|| couple.by_nearest()) {
             Some(found) => (found.depth + found.error_bound).next_up(),
             None => couple.most(),
@@ -128,7 +130,7 @@ pub(crate) fn touching_triangles(
 pub(crate) fn deepest_by_formula(
     [mesh, body]: [PosedShape<'_>; 2],
     [relative, of_size]: [f64; 2],
-    triangles: impl Iterator<Item = u32>,
+    (triangles, known): (impl Iterator<Item = u32>, KnownParts<'_>),
 ) -> Option<Depth> {
     let Shape::Mesh(of_mesh) = mesh.shape else { return None };
     let mut triangles = triangles.peekable();
@@ -148,7 +150,8 @@ pub(crate) fn deepest_by_formula(
             }
         }
         couple.take_triangle(corners);
-        if deepest.add(couple.by_formula(is_good)?) {
+        let depth = known.depth(triangle).filter(is_good);
+        if deepest.add(depth.or_else(|| couple.by_formula(is_good))?) {
             body_along = None;
         }
     }

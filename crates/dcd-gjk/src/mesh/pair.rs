@@ -20,11 +20,13 @@ pub(super) struct Resolved {
     /// Where the two are apart, an axis that perhaps separates them: world, from the second to the
     /// first, of any length.
     pub(super) axis: Option<DVec3>,
+    /// How deep they touch, from the first to the second, where what proves it says so.
+    pub(super) depth: Option<Depth>,
 }
 
 impl Resolved {
     fn by((verdict, method): (Verdict<()>, Method)) -> Self {
-        Self { verdict, method, axis: None }
+        Self { verdict, method, axis: None, depth: None }
     }
 }
 
@@ -59,24 +61,22 @@ pub(super) fn resolve([a, b]: [&Side<'_>; 2], [part_a, part_b]: [u32; 2]) -> Res
 fn by_formula(parts: [Part<'_>; 2], poses: [&Pose; 2]) -> Option<Resolved> {
     let (Part::Triangle { .. }, Part::Shape(_)) = (&parts[0], &parts[1]) else { return None };
     let couple = Couple::of(parts, poses)?;
-    let touching = || Resolved::by((Verdict::Touching(()), Method::F64));
+    let by = |verdict| Resolved::by((verdict, Method::F64));
     if let Some((verdict, axis)) = couple.verdict_by_nearest() {
         let axis = (verdict == Verdict::Apart).then_some(axis);
-        return Some(Resolved { verdict, method: Method::F64, axis });
+        return Some(Resolved { axis, ..by(verdict) });
     }
     let is_deep = |found: &Depth| found.depth > found.error_bound;
     match couple.by_axes() {
         Some(ByAxes::Apart(axis)) => {
-            return Some(Resolved {
-                verdict: Verdict::Apart,
-                method: Method::F64,
-                axis: Some(axis),
-            });
+            return Some(Resolved { axis: Some(axis), ..by(Verdict::Apart) });
         }
-        Some(ByAxes::Touching(_)) => return Some(touching()),
+        Some(ByAxes::Touching(depth)) => {
+            return Some(Resolved { depth, ..by(Verdict::Touching(())) });
+        }
         None => {}
     }
-    couple.pressed().filter(is_deep).map(|_| touching())
+    couple.pressed().filter(is_deep).map(|_| by(Verdict::Touching(())))
 }
 
 /// The same for two triangles that no axis of theirs is known to separate: most of them pierce.
@@ -199,7 +199,7 @@ where
             None => start::<f64>(difference.middle()),
         }),
     };
-    (Some(Resolved { verdict, method: Method::F64, axis }), simplex)
+    (Some(Resolved { axis, ..Resolved::by((verdict, Method::F64)) }), simplex)
 }
 
 /// The certified solver for two hulls of points.

@@ -2,6 +2,7 @@
 
 use super::distances::are_within;
 use crate::epa::Depth;
+use crate::mesh::KnownParts;
 use crate::simd::CuboidPatch;
 use crate::{Contact, ContactList, ContactsOf, Method, PairSolver, PosedShape, Verdict, certified};
 use dcd_geom::Pair;
@@ -78,17 +79,17 @@ pub trait MeasureDepth: MeasureAt {
         false
     }
 
-    /// The answer for a mesh and a polytope of which it is known which parts touch: all of these as
-    /// [`mesh::touching`](crate::mesh::touching) lists them. By default that of [`MeasureAt::measure_at`], which finds
-    /// them again.
+    /// The same for a mesh and a polytope of which it is known which parts touch, over a default answer. By default by
+    /// [`MeasureAt::measure_at`], which finds them again.
     fn measure_parts(
         &self,
         accuracy: Accuracy,
-        _parts: &[[u32; 2]],
+        _known: KnownParts<'_>,
         [a, b]: [PosedShape<'_>; 2],
         scratch: &mut Self::Scratch,
-    ) -> Verdict<Self::Answer> {
-        self.measure_at(accuracy, a, b, scratch)
+        answer: &mut Self::Answer,
+    ) -> Verdict<()> {
+        self.measure_at(accuracy, a, b, scratch).map(|found| *answer = found)
     }
 
     /// Whether [`MeasureDepth::measure_polytopes`] reads the faces of the polytopes: these are prefetched then. No effect

@@ -3,7 +3,7 @@
 use super::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, few_parts, open_triangles, sampled};
 use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
-use crate::mesh::{Effort, OfTriangle, PartPair};
+use crate::mesh::{Effort, KnownParts, OfTriangle, PartPair};
 use crate::{
     Contact, Method, PairSolver, PosedShape, PosedSupport, Reason, Verdict, certified, expanding,
     mesh, order,
@@ -137,21 +137,24 @@ impl MeasureDepth for Depths {
     fn measure_parts(
         &self,
         accuracy: Accuracy,
-        parts: &[[u32; 2]],
+        known: KnownParts<'_>,
         [a, b]: [PosedShape<'_>; 2],
         scratch: &mut epa::Scratch,
-    ) -> Verdict<Depth> {
+        answer: &mut Depth,
+    ) -> Verdict<()> {
         // But at f32 the depth is that without the parts; its bound may be nearer.
         let found = match accuracy {
-            Accuracy::F32 => mesh::depth_in_sphere([a, b], parts),
+            Accuracy::F32 => mesh::depth_in_sphere([a, b], known.parts),
             _ => by_frame(accuracy, a, b),
         };
         if let Some(found) =
-            found.or_else(|| open_triangles::depth(accuracy, [a, b], parts, scratch))
+            found.or_else(|| open_triangles::depth(accuracy, [a, b], known, scratch))
         {
-            return Verdict::Touching(found);
+            *answer = found;
+            return Verdict::Touching(());
         }
-        of_deepest(accuracy, &mesh::pairs_of([a, b], parts), [a, b], scratch)
+        let pairs = mesh::pairs_of([a, b], known.parts);
+        of_deepest(accuracy, &pairs, [a, b], scratch).map(|found| *answer = found)
     }
 }
 

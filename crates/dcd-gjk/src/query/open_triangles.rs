@@ -3,7 +3,7 @@
 use super::depths::{self, tolerance};
 use super::{Accuracy, few_parts};
 use crate::epa::{self, Depth};
-use crate::mesh::{self, AS_DEEP, TouchingTriangle};
+use crate::mesh::{self, AS_DEEP, KnownParts, TouchingTriangle};
 use crate::{PosedShape, PosedSupport, Verdict, expanding};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Kind, Part, Polytope, Pose, Shape, SupportMap};
@@ -109,7 +109,8 @@ pub(super) fn triangles_of_parts<'a>(
         let first = triangles.len();
         let own = touching.iter().filter(|[_, part]| part == number);
         let good = tolerance(Accuracy::F32);
-        mesh::touching_triangles([mesh, side], good, own.map(|pair| pair[0]), triangles)?;
+        let own = (own.map(|pair| pair[0]), KnownParts::default());
+        mesh::touching_triangles([mesh, side], good, own, triangles)?;
         triangles[first..].iter_mut().for_each(|triangle| triangle.widen(*moved));
         let (part, triangles) = (Some(*number), first..triangles.len());
         Some(Body { side, polytope, part, moved: *moved, triangles })
@@ -124,7 +125,7 @@ pub(super) fn triangles_of_parts<'a>(
 pub(super) fn depth(
     accuracy: Accuracy,
     [a, b]: [PosedShape<'_>; 2],
-    touching: &[[u32; 2]],
+    known: KnownParts<'_>,
     memory: &mut epa::Scratch,
 ) -> Option<Depth> {
     let (sides, mesh) = match (a.shape, b.shape) {
@@ -132,11 +133,11 @@ pub(super) fn depth(
         _ => ([b, a], 1),
     };
     let good = tolerance(accuracy);
-    let numbers = || touching.iter().map(|pair| pair[mesh]);
+    let numbers = || (known.parts.iter().map(|pair| pair[mesh]), known);
     if let Some(found) = mesh::deepest_by_formula(sides, good, numbers()) {
         return Some(if mesh == 0 { found } else { found.mirrored() });
     }
-    let mut triangles = Vec::with_capacity(touching.len());
+    let mut triangles = Vec::with_capacity(known.parts.len());
     mesh::touching_triangles(sides, good, numbers(), &mut triangles)?;
     let bodies = &[Body::whole(sides[1], &triangles)?];
     let triangles = &mut triangles[..];

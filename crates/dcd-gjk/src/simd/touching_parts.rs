@@ -1,14 +1,17 @@
 //! Which parts of meshes and polytopes touch, where a measure of them follows.
 
-use crate::{Method, PosedShape, Verdict, mesh};
+use crate::mesh::{self, DepthOfTriangle, KnownParts};
+use crate::{Method, PosedShape, Verdict};
 
 /// Which parts of the touching meshes and polytopes of a slice touch: found once, for yes or no and for the measure.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TouchingParts {
     pub(super) is_wanted: bool,
-    /// For each pair its number in the slice, and where its list ends.
-    ends: Vec<(u32, usize)>,
+    /// For each pair its number in the slice, and where its lists end.
+    ends: Vec<(u32, [usize; 2])>,
     parts: Vec<[u32; 2]>,
+    /// Of some of these.
+    depths: Vec<DepthOfTriangle>,
 }
 
 impl TouchingParts {
@@ -17,6 +20,7 @@ impl TouchingParts {
         self.is_wanted = is_wanted;
         self.ends.clear();
         self.parts.clear();
+        self.depths.clear();
     }
 
     /// Looks for all of a pair.
@@ -26,12 +30,14 @@ impl TouchingParts {
         [a, b]: [PosedShape<'_>; 2],
         scratch: &mut mesh::Scratch,
     ) -> (Verdict<()>, Method) {
-        let first = self.parts.len();
-        let found = mesh::touching(a, b, scratch, &mut self.parts);
+        let Self { parts, depths, .. } = self;
+        let first = [parts.len(), depths.len()];
+        let found = mesh::touching_with_depths(a, b, scratch, (&mut *parts, &mut *depths));
         if found.0 == Verdict::Touching(()) {
-            self.ends.push((number, self.parts.len()));
+            self.ends.push((number, [parts.len(), depths.len()]));
         } else {
-            self.parts.truncate(first);
+            parts.truncate(first[0]);
+            depths.truncate(first[1]);
         }
         found
     }
@@ -42,11 +48,12 @@ impl TouchingParts {
     }
 
     /// The lists of the touching pairs, each with its number in the slice, in rising order.
-    pub(super) fn lists(&self) -> impl Iterator<Item = (u32, &[[u32; 2]])> {
-        let mut first = 0;
+    pub(super) fn lists(&self) -> impl Iterator<Item = (u32, KnownParts<'_>)> {
+        let mut first = [0; 2];
         self.ends.iter().map(move |&(number, end)| {
             let begin = std::mem::replace(&mut first, end);
-            (number, &self.parts[begin..end])
+            let parts = &self.parts[begin[0]..end[0]];
+            (number, KnownParts { parts, depths: &self.depths[begin[1]..end[1]] })
         })
     }
 }

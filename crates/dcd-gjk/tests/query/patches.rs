@@ -4,6 +4,7 @@ use super::scenes::Draw;
 use super::{PosedSupport, answer_of, solve};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Polytope, Pose, Shape, SupportMap};
+use dcd_gjk::mesh::KnownParts;
 use dcd_gjk::query::{MeasureDepth, PartIndex};
 use dcd_gjk::{
     Accuracy, Depths, Distances, Manifold, ManifoldSet, Manifolds, PosedShape, Verdict,
@@ -287,10 +288,12 @@ fn with_list<S: MeasureDepth>(solver: &S, sides: [&PosedSupport; 2]) -> S::Answe
     let [a, b] = sides.map(|side| PosedShape { shape: &side.shape, pose: &side.pose });
     let mut touching = Vec::new();
     dcd_gjk::mesh::touching(a, b, &mut Default::default(), &mut touching);
-    match solver.measure_parts(Accuracy::F32, &touching, [a, b], &mut Default::default()) {
-        Verdict::Touching(found) => found,
-        _ => panic!("it touches"),
-    }
+    let known = KnownParts { parts: &touching, depths: &[] };
+    let mut found = S::Answer::default();
+    let scratch = &mut Default::default();
+    let verdict = solver.measure_parts(Accuracy::F32, known, [a, b], scratch, &mut found);
+    assert_eq!(verdict, Verdict::Touching(()));
+    found
 }
 
 #[test]

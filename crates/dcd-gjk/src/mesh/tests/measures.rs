@@ -88,10 +88,11 @@ fn the_depth_is_that_of_the_deepest_parts() {
 
 #[test]
 fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measured() {
+    use crate::mesh::{KnownParts, touching_with_depths};
     use crate::query::{Accuracy, MeasureDepth};
     use crate::{Depths, epa};
     let mut scratch = epa::Scratch::default();
-    let mut counts = [0; 4];
+    let (mut counts, mut of_hulls) = ([0; 4], 0);
     for seed in 0..240 {
         let mut draw = Draw(seed);
         let ground = draw.mesh(25 + (seed % 16) as usize, 1.0);
@@ -105,25 +106,41 @@ fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measu
         let (body, poses) = (body.unwrap(), [draw.pose(0.3), draw.pose(0.3)]);
         let [a, b] = [(&ground, &poses[0]), (&body, &poses[1])]
             .map(|(shape, pose)| PosedShape { shape, pose });
-        let mut pairs = Vec::new();
-        touching(a, b, &mut Scratch::default(), &mut pairs);
+        let (mut pairs, mut depths) = (Vec::new(), Vec::new());
+        touching_with_depths(a, b, &mut Scratch::default(), (&mut pairs, &mut depths));
         // Each triangle alone, by the expanding polytope.
-        let mut most = 0.0f64;
+        let (mut most, mut known) = (0.0f64, 0);
         let core = PosedSupport::polytope(b.shape.as_polytope().unwrap(), b.pose);
-        for triangle in &polytopes(a.shape) {
+        for (number, triangle) in (0..).zip(&polytopes(a.shape)) {
             let triangle = PosedSupport::polytope(triangle, a.pose);
-            if let Verdict::Touching(found) = epa::depth(triangle, core, &mut scratch) {
-                most = most.max(found.depth);
+            let due = match epa::depth(triangle, core, &mut scratch) {
+                Verdict::Touching(found) => found.depth,
+                _ => 0.0,
+            };
+            most = most.max(due);
+            for (_, found) in depths.iter().filter(|(of, _)| *of == number) {
+                let off = (found.depth - due).abs();
+                assert!(off <= found.error_bound + 1e-12, "{seed}: {found:?} {due}");
+                known += 1;
             }
         }
+        assert_eq!(known, depths.len(), "{seed}");
+        of_hulls += if kind == 3 { known } else { 0 };
         if pairs.is_empty() {
             continue;
         }
         let back: Vec<_> = pairs.iter().map(|&[of_a, of_b]| [of_b, of_a]).collect();
         for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
             let mut depth = |parts: &[[u32; 2]], sides| {
-                let found = Depths.measure_parts(accuracy, parts, sides, &mut scratch);
-                let Verdict::Touching(found) = found else { panic!("{seed}: {found:?}") };
+                let [found, again] = [&depths[..], &[]].map(|depths| {
+                    let known = KnownParts { parts, depths };
+                    let mut found = Default::default();
+                    let verdict =
+                        Depths.measure_parts(accuracy, known, sides, &mut scratch, &mut found);
+                    assert_eq!(verdict, Verdict::Touching(()), "{seed}");
+                    found
+                });
+                assert_eq!(found, again, "{seed}");
                 found
             };
             let (found, back) = (depth(&pairs, [a, b]), depth(&back, [b, a]));
@@ -134,5 +151,5 @@ fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measu
         }
         counts[kind] += usize::from(pairs.len() > 1);
     }
-    assert!(counts.iter().all(|&count| count > 5), "{counts:?}");
+    assert!(counts.iter().all(|&count| count > 5) && of_hulls > 10, "{counts:?} {of_hulls}");
 }

@@ -31,7 +31,7 @@ mod triangle_clip;
 
 use super::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, depths};
 use crate::epa::{self, Depth};
-use crate::mesh::{self, PartIndex};
+use crate::mesh::{self, KnownParts, PartIndex};
 use crate::simd::CuboidPatch;
 use crate::{Depths, Method, PairSolver, PosedShape, Verdict, certified, closed, order};
 pub use contacts::ManifoldContacts;
@@ -229,7 +229,7 @@ impl MeasureAt for Manifolds {
         let how = Measure { accuracy, options: self.options };
         match accuracy {
             Accuracy::F32 => of_few_or_more(how, [a, b], scratch),
-            _ => parts::measure(how, None, [a, b], scratch),
+            _ => parts::measure(how, [a, b], scratch),
         }
     }
 }
@@ -282,12 +282,13 @@ impl MeasureDepth for Manifolds {
     fn measure_parts(
         &self,
         accuracy: Accuracy,
-        parts: &[[u32; 2]],
+        known: KnownParts<'_>,
         sides: [PosedShape<'_>; 2],
         scratch: &mut Scratch,
-    ) -> Verdict<ManifoldSet> {
+        answer: &mut ManifoldSet,
+    ) -> Verdict<()> {
         let how = Measure { accuracy, options: self.options };
-        parts::measure(how, Some(parts), sides, scratch)
+        parts::write(how, Some(known), sides, scratch, answer)
     }
 
     const READS_FACETS: bool = true;
@@ -354,7 +355,7 @@ fn of_few_or_more(
         _ => false,
     };
     if !is_written {
-        answer = parts::measure(how, None, sides, scratch);
+        answer = parts::measure(how, sides, scratch);
     }
     answer
 }

@@ -8,7 +8,7 @@ use super::parts::{ALIKE, ANGLE, NEAR};
 use super::{Feature, Manifold, ManifoldSet, SAME, bound_of, missed, write_one_point};
 use crate::PosedShape;
 use crate::epa::{self, Depth};
-use crate::mesh::{self, PartIndex, TouchingTriangle};
+use crate::mesh::{self, KnownParts, PartIndex, TouchingTriangle};
 use crate::query::Accuracy;
 use crate::query::depths::tolerance;
 use crate::query::few_parts;
@@ -35,7 +35,7 @@ pub(super) type Lent<'a> =
 pub(super) fn write(
     accuracy: Accuracy,
     sides: [PosedShape<'_>; 2],
-    touching: Option<&[[u32; 2]]>,
+    known: Option<KnownParts<'_>>,
     (scratch, parts, corners, memory): Lent<'_>,
     set: &mut ManifoldSet,
 ) -> Option<()> {
@@ -49,8 +49,9 @@ pub(super) fn write(
     let Scratch { pairs, triangles, members } = scratch;
     triangles.clear();
     // Of spheres the depths tell which triangles touch.
-    let is_known = of_sphere && mesh::triangles_in_sphere(sides, touching, triangles).is_some();
-    let touching = match touching {
+    let parts_known = known.map(|known| known.parts);
+    let is_known = of_sphere && mesh::triangles_in_sphere(sides, parts_known, triangles).is_some();
+    let touching = match parts_known {
         Some(touching) => touching,
         None if is_known => &[],
         None => {
@@ -69,6 +70,7 @@ pub(super) fn write(
     if !is_known {
         triangles.clear();
         let touching = touching.iter().map(|&[triangle, _]| triangle);
+        let touching = (touching, known.unwrap_or_default());
         mesh::touching_triangles(sides, tolerance(accuracy), touching, triangles)?;
     }
     let bodies = &[Body::whole(sides[1], triangles)?];

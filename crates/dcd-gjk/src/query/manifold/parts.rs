@@ -7,7 +7,7 @@ use super::surface::{self, ManifoldOptions};
 use super::{Feature, Manifold, ManifoldSet, Scratch, write_one_point};
 use super::{mesh_on_plane, on_mesh};
 use crate::epa::Depth;
-use crate::mesh::{self, Effort, PartPair};
+use crate::mesh::{self, Effort, KnownParts, PartPair};
 use crate::query::{Accuracy, depths};
 use crate::{PosedShape, Reason, Verdict, epa};
 
@@ -29,39 +29,57 @@ pub(super) struct Measure {
     pub(super) options: ManifoldOptions,
 }
 
-/// The manifolds of two shapes of parts that touch. Which parts of a mesh and a polytope do may be known.
+/// The manifolds of two shapes of parts that touch.
 pub(super) fn measure(
     how: Measure,
-    touching: Option<&[[u32; 2]]>,
-    [a, b]: [PosedShape<'_>; 2],
+    sides: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
 ) -> Verdict<ManifoldSet> {
+    // Written where it is returned.
+    let mut answer = Verdict::Touching(ManifoldSet::default());
+    if let Verdict::Touching(set) = &mut answer
+        && let Verdict::Undecided(reason) = write(how, None, sides, scratch, set)
+    {
+        answer = Verdict::Undecided(reason);
+    }
+    answer
+}
+
+/// Writes them over what there was. Which parts of a mesh and a polytope touch may be known.
+pub(super) fn write(
+    how: Measure,
+    touching: Option<KnownParts<'_>>,
+    [a, b]: [PosedShape<'_>; 2],
+    scratch: &mut Scratch,
+    set: &mut ManifoldSet,
+) -> Verdict<()> {
     let is_swapped = mesh::is_swapped(a, b);
     let sides = if is_swapped { [b, a] } else { [a, b] };
     let mut known = std::mem::take(&mut scratch.known);
     known.clear();
     let touching = touching.map(|touching| {
         let in_order = |&[a, b]: &[u32; 2]| if is_swapped { [b, a] } else { [a, b] };
-        known.extend(touching.iter().map(in_order));
-        &known[..]
+        known.extend(touching.parts.iter().map(in_order));
+        KnownParts { parts: &known[..], ..touching }
     });
-    // Written where it is returned.
-    let mut answer = Verdict::Touching(ManifoldSet::empty_one());
-    if let Verdict::Touching(set) = &mut answer {
-        match write_in_order(how, touching, sides, (scratch, set)) {
-            Ok(()) if is_swapped => set.mirror(),
-            Ok(()) => {}
-            Err(reason) => answer = Verdict::Undecided(reason),
-        }
-    }
+    *set = ManifoldSet::empty_one();
+    let written = write_in_order(how, touching, sides, (scratch, &mut *set));
     scratch.known = known;
-    answer
+    match written {
+        Ok(()) => {
+            if is_swapped {
+                set.mirror();
+            }
+            Verdict::Touching(())
+        }
+        Err(reason) => Verdict::Undecided(reason),
+    }
 }
 
 /// Writes the manifolds over a set of one empty manifold.
 fn write_in_order(
     how: Measure,
-    touching: Option<&[[u32; 2]]>,
+    touching: Option<KnownParts<'_>>,
     sides: [PosedShape<'_>; 2],
     (scratch, set): (&mut Scratch, &mut ManifoldSet),
 ) -> Result<(), Reason> {
@@ -81,7 +99,7 @@ fn write_in_order(
     }
     *set = ManifoldSet::default();
     let mut pairs = match touching {
-        Some(touching) => mesh::pairs_of(sides, touching),
+        Some(touching) => mesh::pairs_of(sides, touching.parts),
         None => mesh::touching_parts(sides[0], sides[1], parts),
     };
     if how.options != ManifoldOptions::default() {

@@ -214,19 +214,26 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
             in_order.look_ahead_to_shapes(place);
             place += 1;
             let sides = objects.posed(pair);
+            let to = first + number as usize;
             let measured = match lists.next_if(|&(listed, _)| pairs[listed as usize] == pair) {
-                Some((_, parts)) => self.solver.measure_parts(self.accuracy, parts, sides, solver),
-                None => self.solver.measure_at(self.accuracy, sides[0], sides[1], solver),
-            };
-            match measured {
-                Verdict::Touching(answer) => {
-                    sink.contacts.set(first + number as usize, answer);
-                    return false;
+                Some((_, known)) => {
+                    let mut verdict = Verdict::Apart;
+                    sink.contacts.write(to, |answer| {
+                        verdict =
+                            self.solver.measure_parts(self.accuracy, known, sides, solver, answer);
+                        verdict == Verdict::Touching(())
+                    });
+                    verdict
                 }
-                Verdict::Apart => {}
-                Verdict::Undecided(reason) => sink.report.leave_unmeasured(pair, reason),
+                None => self
+                    .solver
+                    .measure_at(self.accuracy, sides[0], sides[1], solver)
+                    .map(|answer| sink.contacts.set(to, answer)),
+            };
+            if let Verdict::Undecided(reason) = measured {
+                sink.report.leave_unmeasured(pair, reason);
             }
-            true
+            measured != Verdict::Touching(())
         });
         if !numbers.is_empty() {
             numbers.sort_unstable();
