@@ -11,6 +11,7 @@ mod left;
 mod search;
 mod start;
 mod surface;
+mod vectors;
 
 use super::closed::{depths as of_cuboids, patches};
 use super::frame::{FramePair, SimdFrame};
