@@ -4,7 +4,7 @@ mod lattice;
 mod ring;
 
 use crate::hull::Triangle;
-use dcd_simd::prefetch;
+use dcd_simd::{prefetch_few, prefetch_lines};
 use glam::DVec3;
 
 /// How far a vertex may be from a face's plane to be a corner of it, relative to the largest
@@ -52,6 +52,9 @@ pub struct HalfEdge {
     pub face: u32,
     /// The face's corner behind the vertex, by index into the vertices.
     pub to: u32,
+    /// Where the face's corners are: what is round a vertex is read without the faces.
+    first: u32,
+    count: u32,
 }
 
 /// The unit normal of a triangle that is no needle.
@@ -120,6 +123,12 @@ impl Facets {
         &self.corners[facet.first as usize..][..facet.count as usize]
     }
 
+    /// The corners of a half-edge's face, as [`Facets::corners`] has them.
+    #[inline]
+    pub fn corners_along(&self, half_edge: &HalfEdge) -> &[u32] {
+        &self.corners[half_edge.first as usize..][..half_edge.count as usize]
+    }
+
     /// The half-edges that leave a vertex, in the order of their faces: none of a vertex that is no corner.
     #[inline]
     pub fn half_edges_from(&self, vertex: u32) -> &[HalfEdge] {
@@ -128,18 +137,19 @@ impl Facets {
         &self.around[first as usize..self.ends[vertex] as usize]
     }
 
-    /// Prefetches all but the half-edges, of which mostly those of one vertex are read: a hint.
+    /// Prefetches all but the half-edges, of which mostly those of one vertex are read, and the faces of hulls, which these
+    /// stand for: a hint. As many cache lines as hulls of some twenty vertices have.
     #[inline]
     pub(crate) fn prefetch(&self) {
-        prefetch(&self.ends);
-        prefetch(&self.facets);
-        prefetch(&self.corners);
+        prefetch_lines::<3, _>(&self.facets);
+        prefetch_few::<2, _>(&self.ends);
+        prefetch_few::<6, _>(&self.corners);
     }
 
     /// Prefetches the half-edges that leave a vertex: a hint.
     #[inline]
     pub(crate) fn prefetch_half_edges(&self, vertex: u32) {
-        prefetch(self.half_edges_from(vertex));
+        prefetch_few::<4, _>(self.half_edges_from(vertex));
     }
 
     /// Lists the half-edges of each of so many vertices.
@@ -160,7 +170,8 @@ impl Facets {
             for (k, &corner) in corners.iter().enumerate() {
                 let to = *corners.get(k + 1).unwrap_or(&corners[0]);
                 let next = &mut ends[corner as usize];
-                self.around[*next as usize] = HalfEdge { normal, face, to };
+                let Facet { first, count, .. } = *facet;
+                self.around[*next as usize] = HalfEdge { normal, face, to, first, count };
                 *next += 1;
             }
         }

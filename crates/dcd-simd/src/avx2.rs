@@ -42,6 +42,8 @@ macro_rules! both {
     };
 }
 
+mod transpose;
+
 impl Lanes for Avx2 {
     type F = Halves<__m256>;
     type U = Halves<__m256i>;
@@ -92,6 +94,11 @@ impl Lanes for Avx2 {
         // SAFETY: as above; eight f32 are read from wherever they are.
         let half = unsafe { _mm256_loadu_ps(numbers.as_ptr()) };
         (half, half)
+    }
+    #[inline(always)]
+    fn load_points(self, points: &[[f32; 4]; WIDTH / 2]) -> [Self::F; 3] {
+        let [x, y, z] = self.eight_points(points);
+        [(x, x), (y, y), (z, z)]
     }
     #[inline(always)]
     fn store_half(self, a: Self::F, numbers: &mut [f32; WIDTH / 2]) {
@@ -327,44 +334,6 @@ fn kept_below(keep: u32) -> usize {
 
 /// What one half needs.
 impl Avx2 {
-    /// Half h of register k is lane 4h + k of the four rows.
-    #[inline(always)]
-    fn transpose_four(self, a: __m256, b: __m256, c: __m256, d: __m256) -> [__m256; 4] {
-        op!({
-            let ab_low = _mm256_castps_pd(_mm256_unpacklo_ps(a, b));
-            let ab_high = _mm256_castps_pd(_mm256_unpackhi_ps(a, b));
-            let cd_low = _mm256_castps_pd(_mm256_unpacklo_ps(c, d));
-            let cd_high = _mm256_castps_pd(_mm256_unpackhi_ps(c, d));
-            [
-                _mm256_castpd_ps(_mm256_unpacklo_pd(ab_low, cd_low)),
-                _mm256_castpd_ps(_mm256_unpackhi_pd(ab_low, cd_low)),
-                _mm256_castpd_ps(_mm256_unpacklo_pd(ab_high, cd_high)),
-                _mm256_castpd_ps(_mm256_unpackhi_pd(ab_high, cd_high)),
-            ]
-        })
-    }
-
-    /// Lanes `lane` to `lane` + 7 of the eight rows from `row` on, as columns.
-    #[inline(always)]
-    fn transpose_eight(self, rows: &[Row; WIDTH], row: usize, lane: usize) -> [__m256; 8] {
-        let mut r = [op!(_mm256_setzero_ps()); 8];
-        for k in 0..8 {
-            let part = &rows[row + k].0[lane..lane + 8];
-            // SAFETY: as above; eight f32 are read from wherever they are.
-            r[k] = unsafe { _mm256_loadu_ps(part.as_ptr()) };
-        }
-        let (above, below) = (
-            self.transpose_four(r[0], r[1], r[2], r[3]),
-            self.transpose_four(r[4], r[5], r[6], r[7]),
-        );
-        let mut columns = r;
-        for k in 0..4 {
-            columns[k] = op!(_mm256_permute2f128_ps::<0x20>(above[k], below[k]));
-            columns[k + 4] = op!(_mm256_permute2f128_ps::<0x31>(above[k], below[k]));
-        }
-        columns
-    }
-
     #[inline(always)]
     fn half_mask(self, bits: u32) -> __m256 {
         op!({

@@ -72,6 +72,28 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
+    fn load_points(self, points: &[[f32; 4]; WIDTH / 2]) -> [__m512; 3] {
+        let mut four = [op!(_mm512_setzero_ps()); 4];
+        for k in 0..4 {
+            // SAFETY: as above; four f32 are read from wherever they are, twice.
+            four[k] = unsafe {
+                let half = _mm512_castps128_ps512(_mm_loadu_ps(points[k].as_ptr()));
+                let last = _mm_loadu_ps(points[k + 4].as_ptr());
+                _mm512_insertf32x4::<1>(half, last)
+            };
+        }
+        let [a, b, c, d] = four;
+        op!({
+            let (ab, cd) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
+            let (ab_high, cd_high) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
+            [
+                _mm512_shuffle_ps::<0b01_00_01_00>(ab, cd),
+                _mm512_shuffle_ps::<0b11_10_11_10>(ab, cd),
+                _mm512_shuffle_ps::<0b01_00_01_00>(ab_high, cd_high),
+            ]
+        })
+    }
+    #[inline(always)]
     fn store_half(self, a: __m512, numbers: &mut [f32; WIDTH / 2]) {
         // SAFETY: as above; eight f32 are written to wherever they are.
         unsafe { _mm256_storeu_ps(numbers.as_mut_ptr(), _mm512_castps512_ps256(a)) }

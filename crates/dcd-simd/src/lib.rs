@@ -160,6 +160,20 @@ pub fn prefetch<T>(items: &[T]) {
     }
 }
 
+/// [`prefetch`] of items that mostly fill no more than that many cache lines: so many at once, the last again and again where
+/// they are fewer. Only what is beyond takes a loop, whose end no branch predictor knows.
+#[inline(always)]
+pub fn prefetch_few<const LINES: usize, T>(items: &[T]) {
+    let last = size_of_val(items).saturating_sub(1);
+    for line in 0..LINES {
+        prefetch_line(items, last.min(line * CACHE_LINE));
+    }
+    if last >= LINES * CACHE_LINE {
+        (LINES * CACHE_LINE..last).step_by(CACHE_LINE).for_each(|at| prefetch_line(items, at));
+        prefetch_line(items, last);
+    }
+}
+
 /// [`prefetch`] of that many cache lines from the first item on, whether the items fill them or not: without a loop, whose
 /// end no branch predictor knows.
 #[inline(always)]
@@ -233,6 +247,10 @@ mod tests {
             // Some lie past the last of five blocks.
             let (first, number) = (l.tag_of(b, l.splat_u(3)), l.tag_of(a, l.splat_u(63)));
             let halves = [0, WIDTH / 2].map(|from| self.a.0[from..].first_chunk().unwrap());
+            let rows = self.rows;
+            let fours: &[[f32; 4]; WIDTH / 2] = &std::array::from_fn(|k| {
+                std::array::from_fn(|axis| rows[k / 4].0[4 * (k % 4) + axis])
+            });
             let thirds = halves.map(|half: &[f32; WIDTH / 2]| half.map(|x| f64::from(x) / 3.0));
             let floats = [
                 l.splat(0.1),
@@ -259,6 +277,9 @@ mod tests {
                 l.splat(l.largest(a)),
                 l.load_half(halves[0]),
                 half_stored(l, l.add(a, b)),
+                half_stored(l, l.load_points(fours)[0]),
+                half_stored(l, l.load_points(fours)[1]),
+                half_stored(l, l.load_points(fours)[2]),
             ];
             let (lt, le) = (l.lt(a, b), l.le(a, b));
             let masks = [
@@ -322,6 +343,10 @@ mod tests {
             assert_eq!(floats[22].0[..8], a.0[..8]);
             let sums = (0..WIDTH).map(|k| if k < 8 { a.0[k] + b.0[k] } else { 0.0 });
             assert!(sums.eq(floats[23].0));
+            for (axis, found) in floats[24..27].iter().enumerate() {
+                let due = (0..8).map(|k| rows[k / 4].0[4 * (k % 4) + axis]);
+                assert!(due.eq(found.0[..8].iter().copied()), "{axis}");
+            }
             assert_eq!(floats[21].0[0], a.0.iter().copied().fold(f32::MIN, f32::max));
             for (row, &lane_13) in rows.iter().zip(&floats[18].0) {
                 assert_eq!(lane_13, row.0[13]);

@@ -25,10 +25,16 @@ fn validate(vertices: &[DVec3]) -> Facets {
             let corners = facets.corners(facet);
             if let Some(k) = corners.iter().position(|&corner| corner == vertex) {
                 let normal = if corners.len() < 3 { DVec3::ZERO } else { facet.normal };
-                around.push(HalfEdge { normal, face, to: corners[(k + 1) % corners.len()] });
+                let to = corners[(k + 1) % corners.len()];
+                let Facet { first, count, .. } = *facet;
+                around.push(HalfEdge { normal, face, to, first, count });
             }
         }
         assert_eq!(facets.half_edges_from(vertex), around, "{vertices:?}");
+        for half_edge in facets.half_edges_from(vertex) {
+            let facet = &facets.facets()[half_edge.face as usize];
+            assert_eq!(facets.corners_along(half_edge), facets.corners(facet), "{vertices:?}");
+        }
     }
     let mut backwards: Vec<_> = edges.iter().map(|&(from, to)| (to, from)).collect();
     edges.sort_unstable();

@@ -56,25 +56,25 @@ pub trait MeasureDepth: MeasureAt {
         contacts.push(Contact { pair, answer });
     }
 
-    /// The same for two polytopes, over a default answer; false where [`MeasureDepth::measure_depth`] is needed. By default
-    /// always.
+    /// The same for two polytopes, written as the answer of the contact of that number, over a default one; false, and nothing
+    /// written, where [`MeasureDepth::measure_depth`] is needed. By default always.
     fn measure_polytopes(
         &self,
         _found: &FoundDepth,
         _sides: [PosedShape<'_>; 2],
         _scratch: &mut Self::Scratch,
-        _answer: &mut Self::Answer,
+        (_contacts, _number): (&mut ContactsOf<Self::Answer>, usize),
     ) -> bool {
         false
     }
 
-    /// The same for two cuboids of which the lanes found in f32 where they touch; false where the depth is needed. By default
-    /// always.
+    /// The same for two cuboids of which the lanes found in f32 where they touch; false, and nothing written, where the depth is
+    /// needed. By default always.
     fn measure_cuboids(
         &self,
         _patch: CuboidPatch<'_>,
         _sides: [PosedShape<'_>; 2],
-        _answer: &mut Self::Answer,
+        (_contacts, _number): (&mut ContactsOf<Self::Answer>, usize),
     ) -> bool {
         false
     }

@@ -128,9 +128,9 @@ impl MeasureDepth for Depths {
         found: &FoundDepth,
         _: [PosedShape<'_>; 2],
         _: &mut epa::Scratch,
-        answer: &mut Depth,
+        (contacts, number): (&mut Vec<Contact<Depth>>, usize),
     ) -> bool {
-        *answer = found.depth;
+        contacts[number].answer = found.depth;
         true
     }
 

@@ -59,7 +59,6 @@ impl Kernel for Supports<'_> {
     fn run<L: Lanes>(self, l: L) {
         let Self { frame, support_scratch, objects, directions: d, used } = self;
         let numbers = l.lane_numbers();
-        let later = l.add_u(numbers, l.splat_u(WIDTH as u32));
         let (records, blocks) = (frame.records(), frame.blocks());
         for k in 0..used.min(WIDTH) {
             let record = &records[objects.0[k] as usize];
@@ -68,16 +67,15 @@ impl Kernel for Supports<'_> {
             let d = V3::<L>(l.splat(d[0].0[k]), l.splat(d[1].0[k]), l.splat(d[2].0[k]));
             let tag = l.splat_u(record.tag.into());
             let own = &blocks[record.first as usize..][..usize::from(record.blocks)];
-            let Some((block, rest)) = own.split_first() else { continue };
+            let Some(block) = own.first() else { continue };
             let mut best = l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers);
-            // Most hulls have two blocks.
-            if let Some((block, rest)) = rest.split_first() {
-                best = l.max(best, l.tag(V3::load(l, &block.0).dot(l, d), tag, later));
-                let mut numbers = later;
-                for block in rest {
-                    numbers = l.add_u(numbers, l.splat_u(WIDTH as u32));
-                    best = l.max(best, l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers));
-                }
+            // Most hulls have one block or two, and which is not predicted: of one the first is looked at again.
+            let second = usize::from(own.len() > 1);
+            let mut numbers = l.add_u(numbers, l.splat_u((second * WIDTH) as u32));
+            best = l.max(best, l.tag(V3::load(l, &own[second].0).dot(l, d), tag, numbers));
+            for block in own.get(2..).unwrap_or_default() {
+                numbers = l.add_u(numbers, l.splat_u(WIDTH as u32));
+                best = l.max(best, l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers));
             }
             l.store(best, &mut support_scratch.along[k]);
         }

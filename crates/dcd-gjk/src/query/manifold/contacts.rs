@@ -6,6 +6,7 @@
 #[cfg(test)]
 mod tests;
 
+use super::patch_writer::{PatchWriter, Point};
 use super::{Feature, Manifold, ManifoldPoint, ManifoldSet};
 use crate::epa::Depth;
 use crate::mesh::PartIndex;
@@ -77,15 +78,6 @@ struct Patch {
     end: usize,
 }
 
-/// A point of shapes without parts.
-#[derive(Clone, Copy, Debug)]
-struct Point {
-    point_a: DVec3,
-    point_b: DVec3,
-    depth: f64,
-    features: [Feature; 2],
-}
-
 impl ContactAnswer for ManifoldSet {
     type List = ManifoldContacts;
 }
@@ -99,6 +91,40 @@ impl ManifoldContacts {
         let Self { heads, answers: Answers { ones, rest, .. }, .. } = self;
         heads.push(Head { pair, answer: Place::of_one(ones.len()) });
         ones.push(One { normal, error_bound, first, end: rest.len() });
+    }
+}
+
+impl ManifoldContacts {
+    /// Where the single manifold of shapes without parts is written that [`ManifoldContacts::keep_last`] then keeps.
+    // Two functions, and no closure between them: a kernel calls both.
+    #[inline(always)]
+    pub(super) fn writer(&mut self) -> &mut impl PatchWriter {
+        &mut self.answers
+    }
+
+    /// Has what was written last be the answer of the contact of that number, once, in place of a default one.
+    ///
+    /// # Panics
+    /// There are not as many contacts.
+    #[inline(always)]
+    pub(super) fn keep_last(&mut self, number: usize) {
+        self.heads[number].answer = Place::of_one(self.answers.ones.len() - 1);
+    }
+}
+
+/// Of one manifold after the other.
+impl PatchWriter for Answers {
+    #[inline(always)]
+    fn begin(&mut self, normal: DVec3, error_bound: f64, deepest: Point) {
+        self.ones.push(One { normal, error_bound, first: deepest, end: self.rest.len() });
+    }
+
+    #[inline(always)]
+    fn push(&mut self, point: Point) {
+        self.rest.push(point);
+        if let Some(last) = self.ones.last_mut() {
+            last.end = self.rest.len();
+        }
     }
 }
 

@@ -3,8 +3,9 @@
 use super::clip::different;
 use super::cuboid_polygon::{MOST, Points, features};
 use super::cuboids::{self, Clipped, Clipping};
+use super::patch_writer::{PatchWriter, Point};
 use super::reduce::{self, Spot};
-use super::{Manifold, ManifoldPoint, SAME, bound_of, bound_of_witnesses, write_one_point};
+use super::{Feature, SAME, bound_of, bound_of_witnesses};
 use crate::PosedShape;
 use crate::epa::Depth;
 use dcd_geom::glam::{DVec2, DVec3};
@@ -29,24 +30,24 @@ impl Spot for Place {
     }
 }
 
-/// Writes the manifold of two boxes of that depth over an empty one; false where the general way is needed: see
+/// Writes the manifold of two boxes of that depth; false, and nothing written, where the general way is needed: see
 /// [`cuboids::clipped`].
 pub(super) fn write(
     depth: &Depth,
     [a, b]: [PosedShape<'_>; 2],
     points: &mut Points,
-    found: &mut Manifold,
+    writer: &mut impl PatchWriter,
 ) -> bool {
     let Some(clipped) = cuboids::clipped(points, depth.normal, [a, b]) else { return false };
-    found.normal = depth.normal;
-    found.error_bound = bound_of(depth, clipped.patch.size, [a, b]);
+    let size = clipped.patch.size;
     let is_patch = clipped.face.as_ref().is_some_and(|(clipping, number)| {
         let seen = Seen { clipped: &clipped, clipping, number: *number };
-        seen.write(depth, points, a.pose.translation(), found)
+        let error_bound = bound_of(depth, size, [a, b]);
+        seen.write(depth, points, (a.pose.translation(), error_bound), writer)
     });
     if !is_patch {
-        write_one_point(depth, clipped.patch.whole, found);
-        found.error_bound = bound_of_witnesses(depth, clipped.patch.size, [a, b]);
+        let error_bound = bound_of_witnesses(depth, size, [a, b]);
+        writer.write_witnesses(depth, clipped.patch.whole, error_bound);
     }
     true
 }
@@ -61,7 +62,13 @@ struct Seen<'a> {
 impl Seen<'_> {
     /// False, and nothing written, where no corner is as deep as the pair.
     #[inline(always)]
-    fn write(&self, depth: &Depth, points: &Points, origin: DVec3, found: &mut Manifold) -> bool {
+    fn write(
+        &self,
+        depth: &Depth,
+        points: &Points,
+        (origin, error_bound): (DVec3, f64),
+        writer: &mut impl PatchWriter,
+    ) -> bool {
         let Clipped { patch, radii, level, .. } = self.clipped;
         let mut places = [Place::default(); MOST];
         let count = self.places(points, radii[0] + radii[1], &mut places);
@@ -74,30 +81,37 @@ impl Seen<'_> {
             return false;
         }
         let inside = (radii[0] * (1.0 - level[0])).max(radii[1] * (1.0 - level[1])).max(0.0);
-        let mut off_surface = 0.0f64;
-        let whole = [patch.whole[self.number], patch.whole[1 - self.number]];
-        let normal = depth.normal;
-        for &k in &kept[..count] {
-            let place = &places[k];
-            let corner = &points.list()[place.number];
-            let on_face = self.clipping.in_world(corner.at) + origin;
-            let [of_clips, of_clipped] = features(corner.origin, whole);
-            off_surface = off_surface.max(inside.min((depth.depth - place.depth).max(0.0)));
-            let ([over_a, under_b], features) = match self.number {
-                0 => ([0.0, corner.depth], [of_clips, of_clipped]),
-                _ => ([corner.depth, 0.0], [of_clipped, of_clips]),
-            };
-            found.points.push(ManifoldPoint {
-                point_a: on_face + normal * (over_a + radii[0]),
-                point_b: on_face - normal * (under_b + radii[1]),
-                depth: place.depth.clamp(0.0, depth.depth),
-                features,
-                parts: [None; 2],
-            });
+        let shallowest = kept[..count].iter().map(|&k| places[k].depth).fold(depth.depth, f64::min);
+        let off_surface = inside.min((depth.depth - shallowest).max(0.0));
+        let error_bound = (error_bound + off_surface).min(f64::MAX);
+        let deepest =
+            Point { depth: depth.depth, ..self.point(&places[kept[0]], points, depth, origin) };
+        writer.begin(depth.normal, error_bound, deepest);
+        for &k in &kept[1..count] {
+            writer.push(self.point(&places[k], points, depth, origin));
         }
-        found.points[0].depth = depth.depth;
-        found.error_bound = (found.error_bound + off_surface).min(f64::MAX);
         true
+    }
+
+    /// A corner as a point.
+    #[inline(always)]
+    fn point(&self, place: &Place, points: &Points, depth: &Depth, origin: DVec3) -> Point {
+        let Clipped { patch, radii, .. } = self.clipped;
+        let normal = depth.normal;
+        let corner = &points.list()[place.number];
+        let on_face = self.clipping.in_world(corner.at) + origin;
+        let whole: [Feature; 2] = [patch.whole[self.number], patch.whole[1 - self.number]];
+        let [of_clips, of_clipped] = features(corner.origin, whole);
+        let ([over_a, under_b], features) = match self.number {
+            0 => ([0.0, corner.depth], [of_clips, of_clipped]),
+            _ => ([corner.depth, 0.0], [of_clipped, of_clips]),
+        };
+        Point {
+            point_a: on_face + normal * (over_a + radii[0]),
+            point_b: on_face - normal * (under_b + radii[1]),
+            depth: place.depth.clamp(0.0, depth.depth),
+            features,
+        }
     }
 
     /// The corners as they are seen along the normal, with the radii in their depths: how many.
@@ -122,7 +136,7 @@ impl Seen<'_> {
 mod tests {
     use super::super::corners::Corners;
     use super::super::cuboids::tests::Draw;
-    use super::super::write_in_order;
+    use super::super::{Manifold, write_in_order};
     use super::*;
     use crate::{Accuracy, Depths, Verdict, query::MeasureAt};
     use dcd_geom::glam::DQuat;

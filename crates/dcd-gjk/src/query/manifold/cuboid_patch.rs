@@ -1,17 +1,18 @@
 //! The manifold of two cuboids from the patch that the lanes found: f64 numbers and features from its codes.
 
-use super::{Feature, Manifold, ManifoldPoint, cuboids};
+use super::patch_writer::{PatchWriter, Point};
+use super::{Feature, cuboids};
 use crate::PosedShape;
 use crate::simd::{CuboidPatch, PatchPoint, Shown, ShownKind};
 use dcd_geom::Kind;
 use dcd_geom::glam::{DMat3, DVec3};
 
-/// Writes the manifold over an empty one, of a patch that is known; false, and nothing written, for a face without a number.
+/// Writes the manifold of a patch that is known; false, and nothing written, for a face without a number.
 #[inline(always)]
 pub(super) fn write(
     patch: CuboidPatch<'_>,
     [a, b]: [PosedShape<'_>; 2],
-    found: &mut Manifold,
+    writer: &mut impl PatchWriter,
 ) -> bool {
     let (codes, is_swapped) = (patch.codes(), patch.is_swapped());
     // Of the one that clips, and of the other.
@@ -28,23 +29,48 @@ pub(super) fn write(
     let to_other = normal * if codes.clips() == 0 { -1.0 } else { 1.0 };
     let is_crossing = clips.kind != ShownKind::Face;
     let corners = Numbered::of([clips, other]);
-    for of_lanes in patch.points() {
-        let PatchPoint { offset: [x, y, z], depth, bounds } = of_lanes;
+    let placed = Placed { origin, to_other, is_of_a, is_crossing, whole, corners };
+    let mut points = patch.points();
+    let Some(deepest) = points.next() else { return false };
+    let far = origin.length() + sides[1].pose.translation().length();
+    let error_bound = f64::from(patch.error_bound()) + 8.0 * f64::EPSILON * far;
+    let normal = normal * if is_swapped { -1.0 } else { 1.0 };
+    writer.begin(normal, error_bound, placed.point(deepest));
+    for point in points {
+        writer.push(placed.point(point));
+    }
+    true
+}
+
+/// What the points of a patch have in common.
+struct Placed {
+    /// The first's centre.
+    origin: DVec3,
+    /// From the one that clips into the other.
+    to_other: DVec3,
+    /// Whether a is the one that clips.
+    is_of_a: bool,
+    /// Whether two edges cross, which is the only point.
+    is_crossing: bool,
+    /// What the one that clips shows, and the other.
+    whole: [Feature; 2],
+    corners: Numbered,
+}
+
+impl Placed {
+    #[inline(always)]
+    fn point(&self, PatchPoint { offset: [x, y, z], depth, bounds }: PatchPoint) -> Point {
         let depth = f64::from(depth);
-        let on_clips = origin + DVec3::new(x.into(), y.into(), z.into());
-        let on_other = on_clips + to_other * depth;
+        let on_clips = self.origin + DVec3::new(x.into(), y.into(), z.into());
+        let on_other = on_clips + self.to_other * depth;
         let [of_clips, of_other] =
-            if is_crossing { whole } else { corners.features(bounds, whole) };
-        let ([point_a, point_b], features) = match is_of_a {
+            if self.is_crossing { self.whole } else { self.corners.features(bounds, self.whole) };
+        let ([point_a, point_b], features) = match self.is_of_a {
             true => ([on_clips, on_other], [of_clips, of_other]),
             false => ([on_other, on_clips], [of_other, of_clips]),
         };
-        found.points.push(ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] });
+        Point { point_a, point_b, depth, features }
     }
-    found.normal = normal * if is_swapped { -1.0 } else { 1.0 };
-    let far = origin.length() + sides[1].pose.translation().length();
-    found.error_bound = f64::from(patch.error_bound()) + 8.0 * f64::EPSILON * far;
-    true
 }
 
 /// From the first to the second.

@@ -105,18 +105,22 @@ impl<I: Copy, const MOST: usize> Polygon<I, MOST> {
         value: impl Fn(&PointOf<I>) -> f64,
         line: LineOf<I>,
     ) -> Option<()> {
-        if self.list().iter().all(|point| value(point) >= 0.0) {
-            return Some(());
-        }
         let [first, second] = &mut self.rounds;
         let (points, next) = if self.now == 0 { (&*first, second) } else { (&*second, first) };
         let points = &points[..self.count];
+        let mut values = [0.0; MOST];
+        let mut outside = 0;
+        for (to, point) in values.iter_mut().zip(points) {
+            *to = value(point);
+            outside += usize::from(!(*to >= 0.0));
+        }
+        if outside == 0 {
+            return Some(());
+        }
         let mut kept = 0;
-        let mut there = points.first().map_or(0.0, &value);
         for (k, from) in points.iter().enumerate() {
-            let to = points.get(k + 1).unwrap_or(&points[0]);
-            let here = there;
-            there = value(to);
+            let after = if k + 1 < points.len() { k + 1 } else { 0 };
+            let (to, here, there) = (&points[after], values[k], values[after]);
             if here >= 0.0 {
                 *next.get_mut(kept)? = *from;
                 kept += 1;

@@ -154,6 +154,9 @@ const LISTED: usize = 64;
 /// What is no face's number.
 const NO_FACE: u32 = u32::MAX;
 
+/// What is no half-edge's number.
+const NONE: usize = usize::MAX;
+
 /// Of how many vertices the heights are kept; those of others are computed again.
 const KEPT: usize = 64;
 
@@ -272,14 +275,15 @@ impl<'a> Choice<'a> {
     /// The face round a vertex that looks along the direction, if one does: several vertices are farthest where it is theirs.
     #[inline(always)]
     fn level_face(&self, vertex: u32) -> Option<Part<'a>> {
-        let (mut cosine, mut face) = (LEVEL_FACE, NO_FACE);
-        for half_edge in self.polytope.facets().half_edges_from(vertex) {
+        let half_edges = self.polytope.facets().half_edges_from(vertex);
+        let (mut cosine, mut face) = (LEVEL_FACE, NONE);
+        for (k, half_edge) in half_edges.iter().enumerate() {
             let facing = half_edge.normal.dot(self.direction);
             let is_better = facing > cosine;
             cosine = select_unpredictable(is_better, facing, cosine);
-            face = select_unpredictable(is_better, half_edge.face, face);
+            face = select_unpredictable(is_better, k, face);
         }
-        (face != NO_FACE).then(|| self.face(face))
+        half_edges.get(face).map(|half_edge| self.face_along(half_edge))
     }
 
     /// What is there round the only farthest vertex. Faces and edges are looked through at once: a branch on what is found
@@ -290,13 +294,13 @@ impl<'a> Choice<'a> {
         let at = vertices[only as usize];
         // The face that looks most along the direction; and the edge that rises least, by the square of how much relative to
         // its length, and where it ends. In the order of the faces: the first among equals.
-        let (mut cosine, mut face) = (FACING, NO_FACE);
+        let (mut cosine, mut face) = (FACING, NONE);
         let (mut slope, mut end) = (LEVEL * LEVEL, only);
-        for half_edge in half_edges {
+        for (k, half_edge) in half_edges.iter().enumerate() {
             let facing = half_edge.normal.dot(self.direction);
             let is_better = facing > cosine;
             cosine = select_unpredictable(is_better, facing, cosine);
-            face = select_unpredictable(is_better, half_edge.face, face);
+            face = select_unpredictable(is_better, k, face);
             let edge = vertices[half_edge.to as usize] - at;
             let rise = self.direction.dot(edge);
             let rising = rise * rise / edge.length_squared();
@@ -305,8 +309,8 @@ impl<'a> Choice<'a> {
             slope = select_unpredictable(is_better, rising, slope);
             end = select_unpredictable(is_better, half_edge.to, end);
         }
-        if face != NO_FACE {
-            return self.face(face);
+        if let Some(half_edge) = half_edges.get(face) {
+            return self.face_along(half_edge);
         }
         if end == only { Part::Vertex(only) } else { Part::Edge([only.min(end), only.max(end)]) }
     }
@@ -337,6 +341,14 @@ impl<'a> Choice<'a> {
         let is_level = rise * rise < LEVEL * LEVEL * edge.length_squared();
         let is_edge = facets.half_edges_from(j).iter().any(|half_edge| half_edge.to == k);
         (is_level && is_edge).then_some(Part::Edge([j, k]))
+    }
+
+    /// The face of a half-edge.
+    #[inline(always)]
+    fn face_along(&self, half_edge: &HalfEdge) -> Part<'a> {
+        let facets: &'a Facets = self.polytope.facets();
+        let &HalfEdge { face: index, normal, .. } = half_edge;
+        Part::Face { index, normal, corners: facets.corners_along(half_edge) }
     }
 
     fn face(&self, index: u32) -> Part<'a> {

@@ -8,10 +8,9 @@ use super::cuboid_pair::Place;
 use super::cuboid_polygon::{LineOf, PointOf, Polygon, features};
 use super::facing::Part;
 use super::feature::{Placed, View};
-use super::reduce::{self, Spot};
-use super::{
-    CROSSING, Feature, Manifold, ManifoldPoint, SAME, bound_of, bound_of_witnesses, write_one_point,
-};
+use super::patch_writer::{PatchWriter, Point};
+use super::reduce;
+use super::{CROSSING, Feature, SAME, bound_of, bound_of_witnesses};
 use crate::PosedShape;
 use crate::epa::Depth;
 use crate::query::FoundDepth;
@@ -96,13 +95,13 @@ impl<'a> Side<'a> {
     }
 }
 
-/// Writes the manifold of two hulls of that depth over an empty one; false where the general way is needed: for
+/// Writes the manifold of two hulls of that depth; false, and nothing written, where the general way is needed: for
 /// spheres, edges that are nearly parallel, and faces of many corners.
 pub(super) fn write(
     known: &FoundDepth,
     [a, b]: [PosedShape<'_>; 2],
     points: &mut Points,
-    found: &mut Manifold,
+    writer: &mut impl PatchWriter,
 ) -> bool {
     let (Some(in_a), Some(in_b)) = (a.shape.as_polytope(), b.shape.as_polytope()) else {
         return false;
@@ -130,16 +129,10 @@ pub(super) fn write(
     let parts = [&part_a, &part_b];
     let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
     let whole = [part_a.name(), part_b.name()];
-    let write_one = |found: &mut Manifold| {
-        write_one_point(depth, whole, found);
-        found.error_bound = bound_of_witnesses(depth, size, [a, b]);
-    };
     if share_no_corners(&view, parts, [in_a, in_b], &placed) {
-        write_one(found);
+        writer.write_witnesses(depth, whole, bound_of_witnesses(depth, size, [a, b]));
         return true;
     }
-    found.normal = depth.normal;
-    found.error_bound = bound_of(depth, size, [a, b]);
     let sides =
         [Side::of(&view, in_a, &part_a, &placed[0]), Side::of(&view, in_b, &part_b, &placed[1])];
     // The face that is more square to the normal clips: its plane is the better known.
@@ -147,8 +140,10 @@ pub(super) fn write(
     let clipping =
         Clipping { view: &view, clips: &sides[number], clipped: &sides[1 - number], number, size };
     let Some(base) = clipping.clip(points) else { return false };
-    if !clipping.write(depth, (points, base), a.pose.translation(), found) {
-        write_one(found);
+    let error_bound = bound_of(depth, size, [a, b]);
+    let origin = a.pose.translation();
+    if !clipping.write(depth, (points, base), (origin, error_bound), writer) {
+        writer.write_witnesses(depth, whole, bound_of_witnesses(depth, size, [a, b]));
     }
     true
 }
@@ -220,8 +215,8 @@ impl Clipping<'_> {
         &self,
         depth: &Depth,
         (points, base): (&Points, DVec3),
-        origin: DVec3,
-        found: &mut Manifold,
+        (origin, error_bound): (DVec3, f64),
+        writer: &mut impl PatchWriter,
     ) -> bool {
         let radii = self.radii();
         let mut places = [Place::default(); MOST];
@@ -241,31 +236,56 @@ impl Clipping<'_> {
         if !(places[kept[0]].depth >= depth.depth - tolerance) {
             return false;
         }
-        let whole: [Feature; 2] = [self.clips.part.name(), self.clipped.part.name()];
         let leans = |side: &Side<'_>| side.polytope.swept_radius() * (1.0 - side.level).max(0.0);
         let inside = leans(self.clips).max(leans(self.clipped));
-        let mut off_surface = 0.0f64;
-        for &k in &kept[..count] {
-            let place = &places[k];
-            let corner = &list[place.number];
-            let height = self.height(base, place.at);
-            let [of_clips, of_clipped] = features(corner.origin, whole);
-            let (heights, features) = match self.number {
-                0 => ([height, height - corner.depth], [of_clips, of_clipped]),
-                _ => ([height + corner.depth, height], [of_clipped, of_clips]),
-            };
-            off_surface = off_surface.max(inside.min((depth.depth - Spot::depth(place)).max(0.0)));
-            found.points.push(ManifoldPoint {
-                point_a: self.view.in_world(place.at, heights[0] + radii[0]) + origin,
-                point_b: self.view.in_world(place.at, heights[1] - radii[1]) + origin,
-                depth: place.depth.clamp(0.0, depth.depth),
-                features,
-                parts: [None; 2],
-            });
+        let shallowest = kept[..count].iter().map(|&k| places[k].depth).fold(depth.depth, f64::min);
+        let off_surface = inside.min((depth.depth - shallowest).max(0.0));
+        let error_bound = (error_bound + off_surface).min(f64::MAX);
+        let corners =
+            PlacedCorners { clipping: self, list, base, origin, whole: self.whole(), radii };
+        let deepest = Point { depth: depth.depth, ..corners.point(&places[kept[0]], depth) };
+        writer.begin(depth.normal, error_bound, deepest);
+        for &k in &kept[1..count] {
+            writer.push(corners.point(&places[k], depth));
         }
-        found.points[0].depth = depth.depth;
-        found.error_bound = (found.error_bound + off_surface).min(f64::MAX);
         true
+    }
+
+    /// What the one that clips shows, and the other.
+    fn whole(&self) -> [Feature; 2] {
+        [self.clips.part.name(), self.clipped.part.name()]
+    }
+}
+
+/// The corners of a patch, to be written as points.
+struct PlacedCorners<'a> {
+    clipping: &'a Clipping<'a>,
+    list: &'a [PointOf<u32>],
+    /// A corner of the face that clips.
+    base: DVec3,
+    /// Where the view is in the world.
+    origin: DVec3,
+    whole: [Feature; 2],
+    radii: [f64; 2],
+}
+
+impl PlacedCorners<'_> {
+    #[inline(always)]
+    fn point(&self, place: &Place, depth: &Depth) -> Point {
+        let Self { clipping, list, base, origin, whole, radii } = *self;
+        let corner = &list[place.number];
+        let height = clipping.height(base, place.at);
+        let [of_clips, of_clipped] = features(corner.origin, whole);
+        let (heights, features) = match clipping.number {
+            0 => ([height, height - corner.depth], [of_clips, of_clipped]),
+            _ => ([height + corner.depth, height], [of_clipped, of_clips]),
+        };
+        Point {
+            point_a: clipping.view.in_world(place.at, heights[0] + radii[0]) + origin,
+            point_b: clipping.view.in_world(place.at, heights[1] - radii[1]) + origin,
+            depth: place.depth.clamp(0.0, depth.depth),
+            features,
+        }
     }
 }
 
@@ -273,7 +293,7 @@ impl Clipping<'_> {
 mod tests {
     use super::super::corners::Corners;
     use super::super::cuboids::tests::Draw;
-    use super::super::{ManifoldPoint, write_in_order};
+    use super::super::{Manifold, ManifoldPoint, write_in_order};
     use super::*;
     use crate::{Accuracy, Depths, Verdict, query::MeasureAt};
     use dcd_geom::glam::DQuat;

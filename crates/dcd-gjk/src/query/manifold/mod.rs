@@ -23,6 +23,7 @@ mod on_mesh;
 mod on_plane;
 mod one_point;
 mod parts;
+mod patch_writer;
 mod reduce;
 mod set;
 mod stand_in;
@@ -45,6 +46,7 @@ use feature::View;
 use on_plane::Resting;
 use one_point::{in_one_point, of_one_point};
 use parts::Measure;
+use patch_writer::{InOrder, PatchWriter};
 pub use set::ManifoldSet;
 pub use surface::{ManifoldOptions, MeshEdges, MeshSides};
 
@@ -258,15 +260,19 @@ impl MeasureDepth for Manifolds {
         contacts.push_one_point(pair, depth, OF_SPHERES);
     }
 
-    #[inline]
     fn measure_polytopes(
         &self,
         known: &FoundDepth,
-        [a, b]: [PosedShape<'_>; 2],
+        sides: [PosedShape<'_>; 2],
         scratch: &mut Scratch,
-        answer: &mut ManifoldSet,
+        (contacts, number): (&mut ManifoldContacts, usize),
     ) -> bool {
-        answer.write_one(|found| write_of_polytopes(known, a, b, &mut scratch.corners, found))
+        let [a, b] = sides;
+        let is_written = write_of_polytopes(known, a, b, &mut scratch.corners, contacts.writer());
+        if is_written {
+            contacts.keep_last(number);
+        }
+        is_written
     }
 
     #[inline(always)]
@@ -274,9 +280,13 @@ impl MeasureDepth for Manifolds {
         &self,
         patch: CuboidPatch<'_>,
         sides: [PosedShape<'_>; 2],
-        answer: &mut ManifoldSet,
+        (contacts, number): (&mut ManifoldContacts, usize),
     ) -> bool {
-        answer.write_one(|found| cuboid_patch::write(patch, sides, found))
+        let is_written = cuboid_patch::write(patch, sides, contacts.writer());
+        if is_written {
+            contacts.keep_last(number);
+        }
+        is_written
     }
 
     fn measure_parts(
@@ -388,25 +398,12 @@ fn write_by_corners(
     if write_of_polytopes(&known, a, b, corners, found) {
         return;
     }
-    in_order(&known, [a, b], found, |known, sides, found| {
-        write_in_order(&known.depth, sides, corners, found);
-        true
-    });
-}
-
-/// Writes what a function finds of two shapes in their canonical order, mirrored if they are the other way round.
-fn in_order(
-    known: &FoundDepth,
-    [a, b]: [PosedShape<'_>; 2],
-    found: &mut Manifold,
-    write: impl FnOnce(&FoundDepth, [PosedShape<'_>; 2], &mut Manifold) -> bool,
-) -> bool {
-    if !order::is_swapped(a, b) {
-        return write(known, [a, b], found);
+    if order::is_swapped(a, b) {
+        write_in_order(&depth.mirrored(), [b, a], corners, found);
+        found.mirror();
+    } else {
+        write_in_order(depth, [a, b], corners, found);
     }
-    let written = write(&known.mirrored(), [b, a], found);
-    found.mirror();
-    written
 }
 
 /// What two spheres touch with.
@@ -451,19 +448,27 @@ const FLAT: f64 = 1e-8;
 /// The sine above which two edges surely cross.
 const CROSSING: f64 = 1e-6;
 
-/// Writes the manifold of two polytopes over an empty one; false where the general way is needed, and nothing written
-/// that it does not overwrite.
+/// Writes the manifold of two polytopes, found in their canonical order; false, and nothing written, where the general way is
+/// needed.
 fn write_of_polytopes(
     known: &FoundDepth,
     a: PosedShape<'_>,
     b: PosedShape<'_>,
     corners: &mut Corners,
-    found: &mut Manifold,
+    writer: &mut impl PatchWriter,
 ) -> bool {
-    in_order(known, [a, b], found, |known, sides, found| {
-        cuboid_pair::write(&known.depth, sides, &mut corners.of_cuboids, found)
-            || hull_pair::write(known, sides, &mut corners.of_hulls, found)
-    })
+    let is_swapped = order::is_swapped(a, b);
+    let writer = &mut InOrder { writer, is_swapped };
+    let mirrored;
+    let (known, sides) = match is_swapped {
+        true => {
+            mirrored = known.mirrored();
+            (&mirrored, [b, a])
+        }
+        false => (known, [a, b]),
+    };
+    cuboid_pair::write(&known.depth, sides, &mut corners.of_cuboids, writer)
+        || hull_pair::write(known, sides, &mut corners.of_hulls, writer)
 }
 
 /// By the corners of what the shapes show.
@@ -481,8 +486,5 @@ fn write_in_order(
 
 /// The witnesses of the depth alone, over an empty manifold.
 fn write_one_point(depth: &Depth, features: [Feature; 2], found: &mut Manifold) {
-    let &Depth { depth, normal, point_a, point_b, error_bound } = depth;
-    found.points.push(ManifoldPoint { point_a, point_b, depth, features, parts: [None; 2] });
-    found.normal = normal;
-    found.error_bound = error_bound;
+    found.write_witnesses(depth, features, depth.error_bound);
 }

@@ -7,8 +7,10 @@ use super::nearest_features::{self, Found};
 use super::patches;
 use crate::closed::{Axes, cuboid_depth, cuboid_depth_along};
 use crate::distance::distance;
-use crate::query::{Feature, Manifold, ManifoldSet, Manifolds, MeasureAt, MeasureDepth};
-use crate::{Accuracy, Depths, DistanceResult, PosedShape, PosedSupport, Sides, Verdict};
+use crate::query::{Feature, Manifold, ManifoldContacts, Manifolds, MeasureAt, MeasureDepth};
+use crate::{
+    Accuracy, ContactList, Depths, DistanceResult, PosedShape, PosedSupport, Sides, Verdict,
+};
 use dcd_geom::glam::{DQuat, DVec3};
 use dcd_geom::{Aabb, Kind, Pair, Pose, Scene, Shape};
 use dcd_simd::Path;
@@ -199,11 +201,12 @@ fn the_patches_that_the_lanes_find_lie_on_both_cuboids_and_are_as_deep_as_they()
             patches::find(Path::best(), frames, pairs, &mut scratch);
             let answers = pairs.iter().enumerate().map(|(number, &pair)| {
                 let patch = scratch.of(number);
-                let mut answer = ManifoldSet::default();
+                let mut list = ManifoldContacts::default();
+                list.push_pair(pair);
                 let sides = posed(pair);
                 let is_written = patch.is_known()
-                    && Manifolds::default().measure_cuboids(patch, sides, &mut answer);
-                is_written.then(|| answer[0])
+                    && Manifolds::default().measure_cuboids(patch, sides, (&mut list, 0));
+                is_written.then(|| list.contacts(0..1).next().unwrap().answer[0])
             });
             answers.collect::<Vec<_>>()
         };

@@ -3,7 +3,8 @@
 use super::super::bounds::U;
 use super::super::cores::Core;
 use super::search::{Cloud, LENGTH, OFF, REACH};
-use super::surface::{Bits, Point, Surface};
+use super::surface::{Point, Surface};
+use super::vectors::Bits;
 use crate::difference::power_of_two_below_one;
 use crate::distance::rounded_up;
 use crate::epa::Depth;

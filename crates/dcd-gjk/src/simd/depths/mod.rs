@@ -11,6 +11,7 @@ mod left;
 mod search;
 mod start;
 mod surface;
+mod vectors;
 
 use super::closed::{depths as of_cuboids, patches};
 use super::frame::{FramePair, SimdFrame};
@@ -300,27 +301,25 @@ impl<S: MeasureDepth> Answers<'_, S> {
         patch: CuboidPatch<'_>,
         sides: [PosedShape<'_>; 2],
     ) -> bool {
-        self.contacts.write(self.first + number as usize, |answer| {
-            self.solver.measure_cuboids(patch, sides, answer)
-        })
+        let place = (&mut *self.contacts, self.first + number as usize);
+        self.solver.measure_cuboids(patch, sides, place)
     }
 }
 
 impl<S: MeasureDepth> WriteDepth for Answers<'_, S> {
     fn write(&mut self, number: usize, found: Option<&Found>, sides: [PosedShape<'_>; 2]) {
         let Self { solver, scratch, contacts, first, left } = self;
-        let mut write = |found: &Found, answer: &mut S::Answer| {
-            if solver.measure_polytopes(found, sides, scratch, answer) {
+        let place = *first + number;
+        let written = found.is_some_and(|found| {
+            if solver.measure_polytopes(found, sides, scratch, (contacts, place)) {
                 return true;
             }
             let [a, b] = sides;
             let measured = solver.measure_depth(found.depth, a, b, scratch);
             let Verdict::Touching(measured) = measured else { return false };
-            *answer = measured;
+            contacts.set(place, measured);
             true
-        };
-        let written = found
-            .is_some_and(|found| contacts.write(*first + number, |answer| write(found, answer)));
+        });
         if !written {
             left.push(number as u32);
         }

@@ -2,7 +2,8 @@
 
 use super::super::bounds::U;
 use super::start::Extremes;
-use super::surface::{Point, Surface, dot, load, splat};
+use super::surface::{Point, Surface};
+use super::vectors::{bits, dot, load, splat};
 use crate::Accuracy;
 use dcd_geom::glam::Vec3;
 use dcd_simd::{Block, Lanes, Row, WIDTH};
@@ -77,21 +78,23 @@ fn vertex(blocks: &[Block], number: u8) -> Vec3 {
 #[inline(always)]
 fn farthest<L: Lanes>(l: L, blocks: &[Block], direction: Vec3) -> (u32, Vec3) {
     let d = splat(l, direction);
-    let Some((first, rest)) = blocks.split_first() else { return (0, Vec3::NAN) };
+    let Some(first) = blocks.first() else { return (0, Vec3::NAN) };
     let mut best = dot(l, load(l, first), d);
-    // The blocks' numbers as bits: no arithmetic is done on them.
-    let (mut of_block, mut number) = (l.splat(f32::from_bits(0)), 0);
-    for block in rest {
-        number += 1;
+    // Most hulls have one block or two, and which is not predicted: of one the first is looked at again.
+    let second = usize::from(blocks.len() > 1);
+    let along = dot(l, load(l, &blocks[second]), d);
+    let mut of_block = l.select(l.lt(best, along), bits(l, second), bits(l, 0));
+    best = l.max(best, along);
+    for (number, block) in (2..).zip(blocks.get(2..).unwrap_or_default()) {
         let along = dot(l, load(l, block), d);
-        of_block = l.select(l.lt(best, along), l.splat(f32::from_bits(number)), of_block);
+        of_block = l.select(l.lt(best, along), bits(l, number), of_block);
         best = l.max(best, along);
     }
     let top = l.splat(l.largest(best));
     let lane = l.bits(l.le(top, best)).trailing_zeros() as usize % WIDTH;
     let mut numbers = Row([0.0; WIDTH]);
     l.store(of_block, &mut numbers);
-    let number = (numbers.0[lane].to_bits() as usize).min(rest.len());
+    let number = (numbers.0[lane].to_bits() as usize).min(blocks.len() - 1);
     ((number * WIDTH + lane) as u32, blocks[number].point(lane))
 }
 
@@ -153,14 +156,13 @@ impl DepthSearch {
             *corner = cloud.point([extremes[0][k], extremes[1][(k + 3) % 6]]);
         }
         if surface.start_round(l, &corners, self.clear).is_some() {
-            self.look_beyond(l, surface);
+            self.look_beyond(surface, surface.nearest(l));
         }
     }
 
     /// The next support is the one beyond the nearest face.
     #[inline(always)]
-    fn look_beyond<L: Lanes>(&mut self, l: L, surface: &Surface) {
-        let nearest = surface.nearest(l);
+    fn look_beyond(&mut self, surface: &Surface, nearest: usize) {
         self.stage = Stage::Beyond(nearest);
         self.direction = surface.normal(nearest);
     }
@@ -183,9 +185,14 @@ impl DepthSearch {
                 return if is_end { Next::Ended { nearest: face, reach } } else { Next::Failed };
             }
             // All of A − B is on the far side: the cores do not overlap, as far as f32 knows.
-            if reach < 0.0 || surface.insert(l, point, (face, self.clear)).is_none() {
+            if reach < 0.0 {
                 return Next::Failed;
             }
+            let Some(nearest) = surface.insert(l, point, (face, self.clear)) else {
+                return Next::Failed;
+            };
+            self.look_beyond(surface, nearest);
+            return Next::Support;
         } else {
             match self.begin(point) {
                 Some(true) => {}
@@ -196,7 +203,7 @@ impl DepthSearch {
                 return Next::Failed;
             }
         }
-        self.look_beyond(l, surface);
+        self.look_beyond(surface, surface.nearest(l));
         Next::Support
     }
 

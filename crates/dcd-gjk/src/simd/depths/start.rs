@@ -1,6 +1,6 @@
 //! Where a search starts: the vertices of both objects that are farthest along the world's axes.
 
-use super::surface::load;
+use super::vectors::{bits, load};
 use dcd_simd::{Block, Lanes, Row, WIDTH};
 
 /// The numbers of the vertices farthest along x, y, z, −x, −y, −z: the first among equals.
@@ -62,16 +62,18 @@ impl Starts {
 #[inline(always)]
 fn extremes<L: Lanes>(l: L, blocks: &[Block]) -> Extremes {
     let mut extremes = [0; 6];
+    let Some(first) = blocks.first() else { return extremes };
+    // Most hulls have one block or two, and which is not predicted: of one the first is looked at again.
+    let second = usize::from(blocks.len() > 1);
     for axis in 0..3 {
-        let Some((first, rest)) = blocks.split_first() else { return extremes };
-        let (mut most, mut least) = (load(l, first)[axis], load(l, first)[axis]);
-        // The blocks' numbers as bits: no arithmetic is done on them.
-        let zero = l.splat(f32::from_bits(0));
-        let (mut of_most, mut of_least) = (zero, zero);
-        for (number, block) in (1..).zip(rest) {
-            let (along, number) = (load(l, block)[axis], l.splat(f32::from_bits(number)));
-            of_most = l.select(l.lt(most, along), number, of_most);
-            of_least = l.select(l.lt(along, least), number, of_least);
+        let (one, other) = (load(l, first)[axis], load(l, &blocks[second])[axis]);
+        let mut of_most = l.select(l.lt(one, other), bits(l, second), bits(l, 0));
+        let mut of_least = l.select(l.lt(other, one), bits(l, second), bits(l, 0));
+        let (mut most, mut least) = (l.max(one, other), l.min(one, other));
+        for (number, block) in (2..).zip(blocks.get(2..).unwrap_or_default()) {
+            let along = load(l, block)[axis];
+            of_most = l.select(l.lt(most, along), bits(l, number), of_most);
+            of_least = l.select(l.lt(along, least), bits(l, number), of_least);
             (most, least) = (l.max(most, along), l.min(least, along));
         }
         extremes[axis] = first_largest(l, most, of_most);

@@ -3,6 +3,7 @@
 //! Nothing is fused, so that every path gives the same bits.
 
 use super::super::bounds::U;
+use super::vectors::{Bits, cross, dot, load, norm1, select, splat, sub};
 use dcd_geom::glam::Vec3;
 use dcd_simd::{Block, Lanes, Row, WIDTH};
 
@@ -38,10 +39,11 @@ pub(super) struct Point {
 
 /// The edges round what a new point sees, in the order of a walk along them.
 #[derive(Clone, Debug)]
+#[repr(C, align(16))]
 struct Horizon {
-    edges: usize,
     /// The points on it, and the first again.
-    ring: [[f32; WIDTH + 1]; 3],
+    ring: [[f32; 4]; WIDTH + 1],
+    edges: usize,
 }
 
 /// The surface: its faces in the order in which they were made, the dead among them.
@@ -77,9 +79,18 @@ impl Default for Surface {
             count: 0,
             faces: 0,
             inward: 0,
-            horizon: Horizon { edges: 0, ring: [[0.0; WIDTH + 1]; 3] },
+            horizon: Horizon { ring: [[0.0; 4]; WIDTH + 1], edges: 0 },
         }
     }
+}
+
+/// Some of eight faces in the first lanes.
+struct NewFaces<L: Lanes> {
+    count: usize,
+    /// Infinite in the other lanes.
+    distances: L::F,
+    normals: [L::F; 3],
+    inward: u32,
 }
 
 /// Eight triangles in the first lanes, by their corners.
@@ -127,22 +138,34 @@ impl Surface {
         Vec3::new(x[face], y[face], z[face])
     }
 
-    /// How many times sixteen faces there are; at least 1.
+    /// How many times sixteen faces are looked at: two at the least, for whether there is more than one is not predicted.
+    /// What is no face is as far as a dead one.
     #[inline(always)]
     fn rows(&self) -> usize {
-        self.faces.div_ceil(WIDTH).clamp(1, FACES / WIDTH)
+        self.faces.div_ceil(WIDTH).clamp(2, FACES / WIDTH)
     }
 
     /// The faces that are no farther than that, as bits.
     #[inline(always)]
     pub(super) fn within<L: Lanes>(&self, l: L, limit: f32) -> u64 {
-        let limit = l.splat(limit);
-        let mut within = 0;
-        let distances = rows(&self.distances);
-        for (k, row) in distances[..self.rows()].iter().enumerate() {
-            within |= u64::from(l.bits(l.le(l.load_from(row), limit))) << (k * WIDTH);
+        self.all_within(l, l.splat(limit))
+    }
+
+    /// The same; every lane has the limit.
+    #[inline(always)]
+    fn all_within<L: Lanes>(&self, l: L, limit: L::F) -> u64 {
+        let mut within = self.no_farther(l, 0, limit) | self.no_farther(l, 1, limit);
+        for row in 2..self.rows() {
+            within |= self.no_farther(l, row, limit);
         }
         within
+    }
+
+    /// Those of the sixteen faces of that row.
+    #[inline(always)]
+    fn no_farther<L: Lanes>(&self, l: L, row: usize, limit: L::F) -> u64 {
+        let distance = l.load_from(&rows(&self.distances)[row]);
+        u64::from(l.bits(l.le(distance, limit))) << (row * WIDTH)
     }
 
     /// The faces of which it is not known that they have the origin on their inner side, as bits.
@@ -173,7 +196,8 @@ impl Surface {
             }
         }
         let [p, q, r] = &blocks;
-        self.measure(l, (load(l, p), load(l, q), load(l, r)), 4)
+        let new = self.measured(l, (load(l, p), load(l, q), load(l, r)), 4)?;
+        self.append(l, &new)
     }
 
     /// Starts over with an octahedron, whose corners are farthest along x, y, z, −x, −y and −z. `None` where a corner is
@@ -199,7 +223,8 @@ impl Surface {
         let x = select(l, back_x, at(3), at(0));
         let (y, z) = (select(l, back_y, at(4), at(1)), select(l, back_z, at(5), at(2)));
         let triangles = (x, select(l, odd, z, y), select(l, odd, y, z));
-        self.measure(l, triangles, OCTAHEDRON.len())?;
+        let new = self.measured(l, triangles, OCTAHEDRON.len())?;
+        self.append(l, &new)?;
         let [nx, ny, nz] = &self.normals;
         let normal = [l.load_half(from(nx, 0)), l.load_half(from(ny, 0)), l.load_half(from(nz, 0))];
         let plane = l.add(l.load_half(from(&self.distances, 0)), l.splat(clear));
@@ -213,17 +238,22 @@ impl Surface {
     /// The face whose plane is nearest along its normal: the lowest number among equals.
     #[inline(always)]
     pub(super) fn nearest<L: Lanes>(&self, l: L) -> usize {
+        self.within(l, -l.largest(l.neg(self.least(l)))).trailing_zeros() as usize % FACES
+    }
+
+    /// The least distance of every sixteenth face.
+    #[inline(always)]
+    fn least<L: Lanes>(&self, l: L) -> L::F {
         let distances = rows(&self.distances);
-        let mut least = l.load_from(&distances[0]);
-        for row in &distances[1..self.rows()] {
+        let mut least = l.min(l.load_from(&distances[0]), l.load_from(&distances[1]));
+        for row in &distances[2..self.rows()] {
             least = l.min(least, l.load_from(row));
         }
-        let least = -l.largest(l.neg(least));
-        self.within(l, least).trailing_zeros() as usize % FACES
+        least
     }
 
     /// Takes away the faces that a point sees, which are one patch, `seen` among them, and adds the cone over the
-    /// patch's boundary. `None` where the faces exceed the space, where rounding makes that boundary more than one simple
+    /// patch's boundary. Returns the nearest face then, as [`Surface::nearest`] has it. `None` where the faces exceed the space, where rounding makes that boundary more than one simple
     /// cycle, or where a new face has no area.
     #[inline(always)]
     pub(super) fn insert<L: Lanes>(
@@ -231,7 +261,7 @@ impl Surface {
         l: L,
         point: Point,
         (seen, clear): (usize, f32),
-    ) -> Option<()> {
+    ) -> Option<usize> {
         if self.count >= POINTS {
             return None;
         }
@@ -240,35 +270,56 @@ impl Surface {
         self.set_point(self.count, point);
         self.count += 1;
         let (edges, apex) = (self.horizon.edges, splat(l, point.at));
-        self.measure(l, self.cone(l, 0, apex), edges.min(HALF))?;
-        if edges > HALF {
-            self.measure(l, self.cone(l, HALF, apex), edges - HALF)?;
+        let new = self.measured(l, self.cone(l, 0, apex), edges.min(HALF))?;
+        if edges <= HALF {
+            // Before they are written, for what has just been written is waited for.
+            let nearest = self.nearest_with(l, &new);
+            self.append(l, &new)?;
+            return Some(nearest);
         }
-        Some(())
+        self.append(l, &new)?;
+        let new = self.measured(l, self.cone(l, HALF, apex), edges - HALF)?;
+        self.append(l, &new)?;
+        Some(self.nearest(l))
+    }
+
+    /// [`Surface::nearest`] of the faces and of those that are new.
+    #[inline(always)]
+    fn nearest_with<L: Lanes>(&self, l: L, new: &NewFaces<L>) -> usize {
+        // What is not of the first lanes is left out.
+        let infinite = l.splat(f32::INFINITY);
+        let distances = l.select(l.mask((1 << HALF) - 1), new.distances, infinite);
+        let least = l.splat(-l.largest(l.neg(l.min(self.least(l), distances))));
+        let of_new = u64::from(l.half_bits(l.le(distances, least))) << self.faces;
+        (self.all_within(l, least) | of_new).trailing_zeros() as usize % FACES
     }
 
     /// The triangles over eight edges of the horizon, from that one on.
     #[inline(always)]
     fn cone<L: Lanes>(&self, l: L, first: usize, apex: Corners<L>) -> Triangles<L> {
-        let [x, y, z] = &self.horizon.ring;
-        let at =
-            |k: usize| [l.load_half(from(x, k)), l.load_half(from(y, k)), l.load_half(from(z, k))];
-        (at(first), at(first + 1), apex)
+        let ring = &self.horizon.ring;
+        let (start, end) = (points_from(ring, first), points_from(ring, first + 1));
+        (l.load_points(start), l.load_points(end), apex)
     }
 
     /// The faces that a point is beyond by more than `clear`, as bits.
     #[inline(always)]
     fn visible<L: Lanes>(&self, l: L, at: Vec3, clear: f32) -> u64 {
         let (at, clear) = (splat(l, at), l.splat(clear));
-        let [x, y, z] = [rows(&self.normals[0]), rows(&self.normals[1]), rows(&self.normals[2])];
-        let distances = rows(&self.distances);
-        let mut visible = 0;
-        for (k, row) in distances[..self.rows()].iter().enumerate() {
-            let normal = [l.load_from(&x[k]), l.load_from(&y[k]), l.load_from(&z[k])];
-            let plane = l.add(l.load_from(row), clear);
-            visible |= u64::from(l.bits(l.lt(plane, dot(l, normal, at)))) << (k * WIDTH);
+        let mut visible = self.beyond(l, 0, (at, clear)) | self.beyond(l, 1, (at, clear));
+        for row in 2..self.rows() {
+            visible |= self.beyond(l, row, (at, clear));
         }
         visible
+    }
+
+    /// Those of the sixteen faces of that row.
+    #[inline(always)]
+    fn beyond<L: Lanes>(&self, l: L, row: usize, (at, clear): (Corners<L>, L::F)) -> u64 {
+        let [x, y, z] = [rows(&self.normals[0]), rows(&self.normals[1]), rows(&self.normals[2])];
+        let normal = [l.load_from(&x[row]), l.load_from(&y[row]), l.load_from(&z[row])];
+        let plane = l.add(l.load_from(&rows(&self.distances)[row]), clear);
+        u64::from(l.bits(l.lt(plane, dot(l, normal, at)))) << (row * WIDTH)
     }
 
     /// Marks the visible faces as dead, walks along the edges round them, and writes down the corners of the cone over
@@ -313,15 +364,15 @@ impl Surface {
         let steps = if edges <= FEW_EDGES { FEW_EDGES } else { WIDTH };
         let (mut at, mut walked) = (first, 0u32);
         let cone: &mut [u32; WIDTH] = self.corners[self.faces..].first_chunk_mut()?;
-        let [x, y, z] = &mut self.horizon.ring;
+        let ring = &mut self.horizon.ring;
         for k in 0..steps {
             walked |= 1 << at;
             let to = usize::from(after[at]) % POINTS;
             cone[k] = packed([at, to, apex]);
-            [x[k], y[k], z[k], _] = self.points[at];
+            ring[k] = self.points[at];
             at = to;
         }
-        [x[steps], y[steps], z[steps], _] = self.points[at];
+        ring[steps] = self.points[at];
         // Two edges that start at one point, or two cycles, leave points out.
         let is_cycle = walked == starting && walked.count_ones() as usize == edges;
         is_cycle.then_some(())
@@ -347,9 +398,14 @@ impl Surface {
         (self.faces, self.inward) = (kept, inward);
     }
 
-    /// Appends so many of eight triangles, whose corners are written down already. `None` where one has no area.
+    /// So many of eight triangles as faces. `None` where one has no area.
     #[inline(always)]
-    fn measure<L: Lanes>(&mut self, l: L, triangles: Triangles<L>, faces: usize) -> Option<()> {
+    fn measured<L: Lanes>(
+        &self,
+        l: L,
+        triangles: Triangles<L>,
+        faces: usize,
+    ) -> Option<NewFaces<L>> {
         let (p, q, r) = triangles;
         let (e, f) = (sub(l, p, r), sub(l, q, r));
         let n = cross(l, e, f);
@@ -365,16 +421,22 @@ impl Surface {
         let shrink = l.div(l.splat(1.0), l.sqrt(squared));
         let n = [l.mul(n[0], shrink), l.mul(n[1], shrink), l.mul(n[2], shrink)];
         let lowest = l.min(l.min(dot(l, n, p), dot(l, n, q)), dot(l, n, r));
-        let lowest = l.select(l.mask(used), lowest, l.splat(f32::INFINITY));
-        let first = self.faces;
-        l.store_half(lowest, self.distances[first..].first_chunk_mut()?);
+        let distances = l.select(l.mask(used), lowest, l.splat(f32::INFINITY));
+        Some(NewFaces { count: faces, distances, normals: n, inward })
+    }
+
+    /// Appends faces, whose corners are written down already. `None` where there is no space.
+    #[inline(always)]
+    fn append<L: Lanes>(&mut self, l: L, new: &NewFaces<L>) -> Option<()> {
+        let (first, n) = (self.faces, new.normals);
+        l.store_half(new.distances, self.distances[first..].first_chunk_mut()?);
         let [x, y, z] = &mut self.normals;
         l.store_half(n[0], x[first..].first_chunk_mut()?);
         l.store_half(n[1], y[first..].first_chunk_mut()?);
         l.store_half(n[2], z[first..].first_chunk_mut()?);
         let below = (1u64 << first) - 1;
-        self.inward = self.inward & below | u64::from(inward) << first;
-        self.faces += faces;
+        self.inward = self.inward & below | u64::from(new.inward) << first;
+        self.faces += new.count;
         Some(())
     }
 }
@@ -403,27 +465,16 @@ const fn packed([p, q, r]: [usize; 3]) -> u32 {
     (p | q << 8 | r << 16) as u32
 }
 
-/// The numbers of the set bits, from the lowest.
-pub(super) struct Bits(pub(super) u64);
-
-impl Iterator for Bits {
-    type Item = usize;
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<usize> {
-        if self.0 == 0 {
-            return None;
-        }
-        let bit = self.0.trailing_zeros() as usize % FACES;
-        self.0 &= self.0 - 1;
-        Some(bit)
-    }
-}
-
 /// Eight numbers from the `first` on.
 #[inline(always)]
 fn from<const N: usize>(numbers: &[f32; N], first: usize) -> &[f32; HALF] {
     numbers[first..].first_chunk().unwrap_or(&[f32::NAN; HALF])
+}
+
+/// Eight points of a horizon from the `first` on.
+#[inline(always)]
+fn points_from(ring: &[[f32; 4]; WIDTH + 1], first: usize) -> &[[f32; 4]; HALF] {
+    ring[first..].first_chunk().unwrap_or(&[[f32::NAN; 4]; HALF])
 }
 
 /// Of each sixteen faces sixteen numbers.
@@ -432,46 +483,5 @@ fn rows(numbers: &[f32; WRITTEN]) -> &[[f32; WIDTH]] {
     numbers.as_chunks().0
 }
 
-/// Sixteen points.
-#[inline(always)]
-pub(super) fn load<L: Lanes>(l: L, Block([x, y, z]): &Block) -> [L::F; 3] {
-    [l.load(x), l.load(y), l.load(z)]
-}
-
-/// The same point sixteen times.
-#[inline(always)]
-pub(super) fn splat<L: Lanes>(l: L, Vec3 { x, y, z }: Vec3) -> [L::F; 3] {
-    [l.splat(x), l.splat(y), l.splat(z)]
-}
-
-/// Not fused.
-#[inline(always)]
-pub(super) fn dot<L: Lanes>(l: L, a: [L::F; 3], b: [L::F; 3]) -> L::F {
-    l.add(l.add(l.mul(a[0], b[0]), l.mul(a[1], b[1])), l.mul(a[2], b[2]))
-}
-
-/// `yes` where the mask is set, else `no`.
-#[inline(always)]
-fn select<L: Lanes>(l: L, mask: L::M, yes: [L::F; 3], no: [L::F; 3]) -> [L::F; 3] {
-    [l.select(mask, yes[0], no[0]), l.select(mask, yes[1], no[1]), l.select(mask, yes[2], no[2])]
-}
-
-#[inline(always)]
-fn sub<L: Lanes>(l: L, a: [L::F; 3], b: [L::F; 3]) -> [L::F; 3] {
-    [l.sub(a[0], b[0]), l.sub(a[1], b[1]), l.sub(a[2], b[2])]
-}
-
-/// Not fused.
-#[inline(always)]
-fn cross<L: Lanes>(l: L, a: [L::F; 3], b: [L::F; 3]) -> [L::F; 3] {
-    [
-        l.sub(l.mul(a[1], b[2]), l.mul(a[2], b[1])),
-        l.sub(l.mul(a[2], b[0]), l.mul(a[0], b[2])),
-        l.sub(l.mul(a[0], b[1]), l.mul(a[1], b[0])),
-    ]
-}
-
-#[inline(always)]
-fn norm1<L: Lanes>(l: L, a: [L::F; 3]) -> L::F {
-    l.add(l.add(l.abs(a[0]), l.abs(a[1])), l.abs(a[2]))
-}
+#[cfg(test)]
+mod tests;

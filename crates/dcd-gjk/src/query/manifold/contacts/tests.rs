@@ -1,5 +1,6 @@
 //! The list beside a `Vec` of contacts.
 
+use super::super::patch_writer::InOrder;
 use super::*;
 use crate::contact_list::tests::{is_read_as_written, read};
 use crate::motion::tests::Draw;
@@ -90,6 +91,48 @@ fn a_contact_of_one_point_is_the_one_that_is_measured() {
         let mut found = Manifold::default();
         super::super::write_one_point(&depth, features, &mut found);
         due.push(Contact { pair, answer: found.into() });
+    }
+    assert_eq!(read(&list), due);
+}
+
+/// The points of a manifold, in the order in which they are drawn, of a pair or of the same in the other order.
+fn write(drawn: &Manifold, is_swapped: bool, writer: &mut impl PatchWriter) {
+    let writer = &mut InOrder { writer, is_swapped };
+    let (deepest, others) = drawn.points.split_first().unwrap();
+    writer.begin(drawn.normal, drawn.error_bound, Point::of(deepest));
+    others.iter().for_each(|point| writer.push(Point::of(point)));
+}
+
+#[test]
+fn a_manifold_that_is_written_in_its_place_is_the_same_by_itself() {
+    let mut draw = Draw(4);
+    let mut list = ManifoldContacts::default();
+    let pair = |k: u32| Pair::new(k, k + 9);
+    let mut due: Vec<_> =
+        (0..40).map(|k| Contact { pair: pair(k), answer: ManifoldSet::default() }).collect();
+    (0..40).for_each(|k| list.push_pair(pair(k)));
+    for k in 0..40 {
+        // Each once: 17 and 40 have no common factor. Some stay default ones, some are written as a whole.
+        let number = k * 17 % 40;
+        let points = 1 + (unit(&mut draw) * 4.0) as usize;
+        let drawn = manifold(&mut draw, points, Drawn::Plain);
+        let is_swapped = k % 2 == 1;
+        let mut found = Manifold::default();
+        write(&drawn, is_swapped, &mut found);
+        let mut mirrored = drawn;
+        if is_swapped {
+            mirrored.mirror();
+        }
+        assert_eq!(found, mirrored);
+        match k % 5 {
+            0 => continue,
+            1 => list.set(number, found.into()),
+            _ => {
+                write(&drawn, is_swapped, list.writer());
+                list.keep_last(number);
+            }
+        }
+        due[number].answer = found.into();
     }
     assert_eq!(read(&list), due);
 }

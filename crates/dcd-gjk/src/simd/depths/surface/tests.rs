@@ -1,0 +1,57 @@
+//! A surface that grows point by point.
+
+use super::*;
+use crate::motion::tests::Draw;
+use dcd_simd::{Kernel, Path, dispatch_on};
+
+/// Starts with a tetrahedron round the origin and adds points beyond its nearest face; what comes nearest then, by what
+/// the insertion says and by all faces, as long as it is not refused.
+struct Grow<'a>(&'a [Vec3]);
+
+impl Kernel for Grow<'_> {
+    type Output = Vec<[usize; 3]>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Vec<[usize; 3]> {
+        let mut surface = Surface::default();
+        let at = |x: f32, y: f32, z: f32| Point { at: Vec3::new(x, y, z), vertices: [0; 2] };
+        let corners =
+            [at(1.0, 0.0, -0.5), at(-0.7, 0.8, -0.5), at(-0.6, -0.9, -0.5), at(0.0, 0.0, 1.0)];
+        assert!(surface.start(l, corners).is_some());
+        let mut found = Vec::new();
+        for &direction in self.0 {
+            let seen = surface.nearest(l);
+            let beyond = surface.normal(seen) * (surface.distance(seen) + 0.5) + direction * 0.1;
+            let point = Point { at: beyond, vertices: [0; 2] };
+            let Some(nearest) = surface.insert(l, point, (seen, 1e-6)) else { break };
+            let alive = (0..surface.faces).filter(|&face| surface.distance(face).is_finite());
+            let plain = alive.fold(0, |least, face| {
+                let is_nearer = surface.distance(face) < surface.distance(least);
+                if is_nearer || !surface.distance(least).is_finite() { face } else { least }
+            });
+            found.push([nearest, surface.nearest(l), plain]);
+        }
+        found
+    }
+}
+
+#[test]
+fn an_insertion_names_the_face_that_is_the_nearest_of_all_then() {
+    let mut draw = Draw(5);
+    let (mut insertions, mut many) = (0, 0);
+    for _ in 0..100 {
+        let directions: Vec<Vec3> = (0..24).map(|_| draw.vector().as_vec3()).collect();
+        let mut of_paths = Vec::new();
+        for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+            let found = dispatch_on(path, Grow(&directions));
+            for [told, all, plain] in &found {
+                assert_eq!((told, all), (plain, plain), "{path:?}");
+            }
+            of_paths.push(found);
+        }
+        assert!(of_paths.iter().all(|found| *found == of_paths[0]));
+        insertions += of_paths[0].len();
+        many += usize::from(of_paths[0].len() > 8);
+    }
+    assert!(insertions > 800 && many > 30, "{insertions} {many}");
+}
