@@ -4,6 +4,7 @@ mod front;
 
 use super::{Block, FLOATS, Kernel, Lanes, MAX_BLOCKS, Row, WIDTH};
 use crate::pair::{Pair, room_for_sixteen};
+use crate::sphere_pairs;
 use front::FRONT;
 use std::arch::x86_64::*;
 
@@ -41,6 +42,9 @@ macro_rules! both {
         unsafe { ($intrinsic($($arg.0),+), $intrinsic($($arg.1),+)) }
     };
 }
+
+// Behind the macros, which it uses.
+mod transpose;
 
 impl Lanes for Avx2 {
     type F = Halves<__m256>;
@@ -206,6 +210,23 @@ impl Lanes for Avx2 {
     fn mul_d(self, a: Self::D, b: Self::D) -> Self::D {
         both!(_mm256_mul_pd, a, b)
     }
+    #[inline(always)]
+    fn lt_d(self, a: Self::D, b: Self::D) -> u32 {
+        let less = both!(sphere_pairs::less, a, b);
+        (less.0 | less.1 << 4).cast_unsigned()
+    }
+    #[inline(always)]
+    fn sphere_pairs<S: AsRef<[f64; 4]>>(
+        self,
+        spheres: [&[S]; 2],
+        &[a, b, c, d, e, f, g, h]: &[Pair; WIDTH / 2],
+    ) -> [Self::D; 4] {
+        // SAFETY: as above.
+        let (low, high) = unsafe {
+            (sphere_pairs::four(spheres, &[a, b, c, d]), sphere_pairs::four(spheres, &[e, f, g, h]))
+        };
+        [(low[0], high[0]), (low[1], high[1]), (low[2], high[2]), (low[3], high[3])]
+    }
 
     #[inline(always)]
     fn splat_u(self, x: u32) -> Self::U {
@@ -327,44 +348,6 @@ fn kept_below(keep: u32) -> usize {
 
 /// What one half needs.
 impl Avx2 {
-    /// Half h of register k is lane 4h + k of the four rows.
-    #[inline(always)]
-    fn transpose_four(self, a: __m256, b: __m256, c: __m256, d: __m256) -> [__m256; 4] {
-        op!({
-            let ab_low = _mm256_castps_pd(_mm256_unpacklo_ps(a, b));
-            let ab_high = _mm256_castps_pd(_mm256_unpackhi_ps(a, b));
-            let cd_low = _mm256_castps_pd(_mm256_unpacklo_ps(c, d));
-            let cd_high = _mm256_castps_pd(_mm256_unpackhi_ps(c, d));
-            [
-                _mm256_castpd_ps(_mm256_unpacklo_pd(ab_low, cd_low)),
-                _mm256_castpd_ps(_mm256_unpackhi_pd(ab_low, cd_low)),
-                _mm256_castpd_ps(_mm256_unpacklo_pd(ab_high, cd_high)),
-                _mm256_castpd_ps(_mm256_unpackhi_pd(ab_high, cd_high)),
-            ]
-        })
-    }
-
-    /// Lanes `lane` to `lane` + 7 of the eight rows from `row` on, as columns.
-    #[inline(always)]
-    fn transpose_eight(self, rows: &[Row; WIDTH], row: usize, lane: usize) -> [__m256; 8] {
-        let mut r = [op!(_mm256_setzero_ps()); 8];
-        for k in 0..8 {
-            let part = &rows[row + k].0[lane..lane + 8];
-            // SAFETY: as above; eight f32 are read from wherever they are.
-            r[k] = unsafe { _mm256_loadu_ps(part.as_ptr()) };
-        }
-        let (above, below) = (
-            self.transpose_four(r[0], r[1], r[2], r[3]),
-            self.transpose_four(r[4], r[5], r[6], r[7]),
-        );
-        let mut columns = r;
-        for k in 0..4 {
-            columns[k] = op!(_mm256_permute2f128_ps::<0x20>(above[k], below[k]));
-            columns[k + 4] = op!(_mm256_permute2f128_ps::<0x31>(above[k], below[k]));
-        }
-        columns
-    }
-
     #[inline(always)]
     fn half_mask(self, bits: u32) -> __m256 {
         op!({

@@ -143,6 +143,15 @@ impl<L: Lanes> Lanes for Eight<L> {
         self.0.call(InHalf(self.1, kernel))
     }
 
+    #[inline(always)]
+    fn sphere_pairs<S: AsRef<[f64; 4]>>(
+        self,
+        spheres: [&[S]; 2],
+        pairs: &[Pair; WIDTH / 2],
+    ) -> [L::D; 4] {
+        self.0.sphere_pairs(spheres, pairs)
+    }
+
     hand_on! {
         splat(x: f32) -> L::F;
         add(a: L::F, b: L::F) -> L::F;
@@ -166,6 +175,7 @@ impl<L: Lanes> Lanes for Eight<L> {
         add_d(a: L::D, b: L::D) -> L::D;
         sub_d(a: L::D, b: L::D) -> L::D;
         mul_d(a: L::D, b: L::D) -> L::D;
+        lt_d(a: L::D, b: L::D) -> u32;
         splat_u(x: u32) -> L::U;
         add_u(a: L::U, b: L::U) -> L::U;
         tag(a: L::F, mask: L::U, tag: L::U) -> L::F;

@@ -52,6 +52,15 @@ impl<L: Lanes> Lanes for Apart<L> {
         self.0.call(Unfused(kernel))
     }
 
+    #[inline(always)]
+    fn sphere_pairs<S: AsRef<[f64; 4]>>(
+        self,
+        spheres: [&[S]; 2],
+        pairs: &[Pair; WIDTH / 2],
+    ) -> [L::D; 4] {
+        self.0.sphere_pairs(spheres, pairs)
+    }
+
     hand_on! {
         splat(x: f32) -> L::F;
         load_from(numbers: &[f32; WIDTH]) -> L::F;
@@ -82,6 +91,7 @@ impl<L: Lanes> Lanes for Apart<L> {
         add_d(a: L::D, b: L::D) -> L::D;
         sub_d(a: L::D, b: L::D) -> L::D;
         mul_d(a: L::D, b: L::D) -> L::D;
+        lt_d(a: L::D, b: L::D) -> u32;
         splat_u(x: u32) -> L::U;
         load_from_u(numbers: &[u32; WIDTH]) -> L::U;
         store_to_u(a: L::U, numbers: &mut [u32; WIDTH]);
