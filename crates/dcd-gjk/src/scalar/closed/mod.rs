@@ -34,8 +34,8 @@ pub(crate) use near_features::{
 };
 pub(crate) use segments::{PosedCore, depth_of_cores, overlap_of_cores};
 pub(crate) use spheres::{
-    PlacedSphere, depth_of_spheres, depth_of_two_spheres, distance_of_spheres, distance_within,
-    spheres_are_beyond, squares_are_beyond,
+    PlacedSphere, compare_squares, depth_of_spheres, depth_of_two_spheres, distance_of_spheres,
+    distance_within, spheres_are_beyond,
 };
 pub(crate) use triangles::nearest as nearest_of_triangle;
 pub(crate) use upright_depth::depth as upright_depth;
