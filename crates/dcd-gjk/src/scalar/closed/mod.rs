@@ -14,6 +14,7 @@ pub(crate) mod curved;
 mod gap;
 pub mod half_space;
 pub(crate) mod level;
+mod long_points;
 mod near_features;
 mod segments;
 mod spheres;
@@ -133,9 +134,11 @@ pub(crate) fn distance(
         (one, other) if !have_formula(one, other) => None,
         (Kind::Cuboid { .. }, Kind::Cuboid { .. }) => {
             // The certified accuracy is nearly always finer than f64 reaches.
-            if sharp == AS_F64
-                && let Some(found) = segments::distance_of_cuboids(a, b)
-            {
+            let found = match sharp {
+                AS_F64 => segments::distance_of_cuboids(a, b),
+                _ => segments::long_distance_of_cuboids(a, b, sharp),
+            };
+            if let Some(found) = found {
                 return Some(DistanceResult::Apart(found));
             }
             match cuboids::overlap(a, b)? {
