@@ -85,3 +85,25 @@ fn what_rounding_may_exceed_is_left_to_exact_numbers() {
         assert_eq!(gap(1.0 + 1e-13, Some(error)), None);
     }
 }
+
+#[test]
+fn of_corners_that_are_level_but_for_rounding_the_lowest_counts() {
+    let mut draw = Draw(37);
+    let mut known = 0;
+    for _ in 0..300 {
+        // Along the plane the products in f64 say nothing of which is the lowest.
+        let at = pose(&mut draw, 1.0);
+        let corner = |draw: &mut Draw| (draw.vector() * 1000.0).with_z(1.0 + 1e-9);
+        let shape = Shape::triangle([0; 3].map(|_| corner(&mut draw))).unwrap();
+        let half_space = Shape::half_space(DVec3::Z, 1.0).unwrap();
+        let plane = Plane::of(PosedShape { shape: &half_space, pose: &at }).unwrap();
+        let other = PosedShape { shape: &shape, pose: &at };
+        let due = ExactGap::of(plane, other).unwrap().distance();
+        let Shape::Polytope(polytope) = &shape else { panic!() };
+        if let Some(found) = of(&Gap::of(plane, other), plane, (polytope, &at)) {
+            assert!((found - due).abs() <= 25.0 * UNIT * due.abs(), "{found} {due}");
+            known += 1;
+        }
+    }
+    assert!(known > 250, "{known}");
+}
