@@ -1,11 +1,14 @@
 //! The fast broad phase: the wide tree against itself, sixteen AABBs at a time.
 
+mod self_pairs;
+
 use crate::BroadPhase;
 use crate::append::append_where;
 use dcd_bvh::WideBvh;
 use dcd_exec::{Exec, Segments};
 use dcd_geom::{Aabb, Pair};
 use dcd_simd::{Kernel, Lanes, Path, WIDTH, dispatch_on};
+use self_pairs::SelfPairSearch;
 
 /// Candidate pairs from a [`WideBvh`], each leaf tested with itself and with later leaves.
 ///
@@ -51,7 +54,8 @@ impl WideTree {
     /// The pairs of task number `task`.
     fn append_task(&self, task: usize, out: &mut Vec<Pair>) {
         let first = task * LEAVES_PER_TASK;
-        dispatch_on(self.path, SelfPairSearch { tree: &self.tree, first, out });
+        let last = self.tree.leaves().len().min(first + LEAVES_PER_TASK);
+        dispatch_on(self.path, SelfPairSearch { tree: &self.tree, leaves: first..last, out });
     }
 }
 
@@ -134,113 +138,7 @@ impl Kernel for Few<'_> {
     }
 }
 
-/// Height and number of the nodes still to be visited. A node is replaced by at most sixteen of the
-/// level below, and a u32 counts the AABBs of at most eight levels.
-struct Stack {
-    nodes: [(usize, usize); 8 * WIDTH],
-    len: usize,
-}
-
-impl Default for Stack {
-    fn default() -> Self {
-        Self { nodes: [(0, 0); 8 * WIDTH], len: 0 }
-    }
-}
-
-impl Stack {
-    #[inline(always)]
-    fn push(&mut self, node: (usize, usize)) {
-        self.nodes[self.len] = node;
-        self.len += 1;
-    }
-
-    #[inline(always)]
-    fn pop(&mut self) -> Option<(usize, usize)> {
-        self.len = self.len.checked_sub(1)?;
-        Some(self.nodes[self.len])
-    }
-}
-
-/// The pairs of some leaves, with themselves and with the leaves after.
-struct SelfPairSearch<'a> {
-    tree: &'a WideBvh,
-    first: usize,
-    out: &'a mut Vec<Pair>,
-}
-
-impl Kernel for SelfPairSearch<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(mut self, l: L) {
-        let leaves = self.tree.leaves();
-        let last = leaves.len().min(self.first + LEAVES_PER_TASK);
-        let mut stack = Stack::default();
-        for (from, leaf) in leaves.iter().enumerate().take(last).skip(self.first) {
-            let around = leaf.union();
-            self.within(l, from);
-            if let Some(top) = self.tree.levels().len().checked_sub(1) {
-                stack.push((top, 0));
-            }
-            while let Some((height, node)) = stack.pop() {
-                let mut below = self.tree.levels()[height][node].overlaps(l, &around);
-                while below != 0 {
-                    let child = node * WIDTH + below.trailing_zeros() as usize;
-                    below &= below - 1;
-                    // The last leaf below the child.
-                    let reach = (child + 1) << (4 * height);
-                    if reach <= from + usize::from(height == 0) {
-                        continue;
-                    }
-                    if height > 0 {
-                        stack.push((height - 1, child));
-                    } else {
-                        self.between(l, from, child);
-                    }
-                }
-            }
-        }
-    }
-}
-
-impl SelfPairSearch<'_> {
-    /// The pairs within a leaf.
-    #[inline(always)]
-    fn within<L: Lanes>(&mut self, l: L, leaf: usize) {
-        let boxes = &self.tree.leaves()[leaf];
-        for lane in 0..self.tree.boxes_in(leaf) {
-            let hits = boxes.overlaps(l, &boxes.get(lane)) & later(lane);
-            self.emit(l, self.tree.ids()[leaf].0[lane], leaf, hits);
-        }
-    }
-
-    /// The pairs between a leaf and a later one: only the AABBs that reach the other leaf's union
-    /// are compared with its AABBs.
-    #[inline(always)]
-    fn between<L: Lanes>(&mut self, l: L, from: usize, other: usize) {
-        let boxes = &self.tree.leaves()[from];
-        let others = &self.tree.leaves()[other];
-        let node = &self.tree.levels()[0][other / WIDTH];
-        let mut reaching = boxes.overlaps(l, &node.get(other % WIDTH));
-        while reaching != 0 {
-            let lane = reaching.trailing_zeros() as usize;
-            reaching &= reaching - 1;
-            let hits = others.overlaps(l, &boxes.get(lane));
-            self.emit(l, self.tree.ids()[from].0[lane], other, hits);
-        }
-    }
-
-    /// Appends the pairs of object `i` with the lanes `hits` of a leaf.
-    #[inline(always)]
-    fn emit<L: Lanes>(&mut self, l: L, i: u32, leaf: usize, hits: u32) {
-        if hits == 0 {
-            return;
-        }
-        l.append_pairs(hits, (i, l.load_u(&self.tree.ids()[leaf])), self.out);
-    }
-}
-
-/// The lanes after that one. The empty AABBs past the end overlap nothing.
+/// The lanes after that one.
 #[inline(always)]
 fn later(lane: usize) -> u32 {
     0xffff & u32::MAX << (lane + 1)

@@ -68,7 +68,7 @@ pub struct Undecided {
 pub enum Method {
     /// An earlier step's proof, which still holds.
     Remembered,
-    /// Inner and outer spheres, f32 lanes; in measured scenes of spheres alone these themselves, f64.
+    /// Inner and outer spheres, f32 lanes; in scenes of spheres alone these themselves, f64.
     Spheres,
     /// A box round and a box inside each shape, f32 lanes.
     Obbs,

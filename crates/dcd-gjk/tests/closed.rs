@@ -5,7 +5,9 @@ mod judge;
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{Polytope, Pose, Shape};
 use dcd_gjk::certified::{overlap, overlap_exactly};
-use dcd_gjk::{DistanceResult, Method, PosedShape, PosedSupport, Verdict, distance};
+use dcd_gjk::{
+    Depths, DistanceResult, Method, PairSolver, PosedShape, PosedSupport, Verdict, distance,
+};
 use judge::cases::Draw;
 
 fn length(draw: &mut Draw, size: f64) -> f64 {
@@ -104,4 +106,55 @@ fn closed_distances_are_those_of_the_same_vertices_as_a_hull() {
         }
     }
     assert!(apart > 1000, "{apart}");
+}
+
+/// Moved so that of two shapes that are apart some part of the distance is left, or of their radii's sum they overlap.
+#[test]
+fn closed_distances_and_depths_are_those_of_hulls_near_a_touch_too() {
+    let mut draw = Draw(33);
+    let (mut apart, mut deep) = (0, 0);
+    for k in 0..1500 {
+        let pair = [(); 2].map(|()| shape(&mut draw, 1.0));
+        let poses = [(); 2].map(|()| pose(&mut draw, 1.0));
+        let hulls = pair.each_ref().map(|polytope| {
+            let hull = Polytope::hull(polytope.vertices().to_vec()).unwrap();
+            Shape::from(hull.rounded(polytope.swept_radius()).unwrap())
+        });
+        let radii: f64 = pair.iter().map(Polytope::swept_radius).sum();
+        let pair = pair.map(Shape::from);
+        let placed = |shapes, poses| [0, 1].map(|k| posed(shapes, poses, k));
+        let [a, b] = placed(&pair, &poses);
+        let DistanceResult::Apart(found) = distance::distance(a, b).0 else { continue };
+        let part = 10f64.powi(-(k % 12));
+        let step =
+            if k % 2 == 0 { found.distance * (1.0 - part) } else { found.distance + radii * part };
+        let t = poses[1].translation() - found.normal * step;
+        let poses = [poses[0], Pose::from_matrix(*poses[1].rotation(), t).unwrap()];
+        let ([a, b], [of_a, of_b]) = (placed(&pair, &poses), placed(&hulls, &poses));
+        match (distance::distance(a, b).0, distance::distance(of_a, of_b).0) {
+            (DistanceResult::Apart(ours), DistanceResult::Apart(theirs)) => {
+                let bound = ours.error_bound + theirs.error_bound;
+                assert!((ours.distance - theirs.distance).abs() <= bound, "{pair:?} {poses:?}");
+                assert!(ours.error_bound <= 1e-12 * ours.distance, "{pair:?} {poses:?}");
+                apart += 1;
+            }
+            (DistanceResult::Touching, DistanceResult::Touching) => {
+                let depth = |a, b| Depths.measure(a, b, &mut Default::default());
+                let (Verdict::Touching(ours), Verdict::Touching(theirs)) =
+                    (depth(a, b), depth(of_a, of_b))
+                else {
+                    panic!("{pair:?} {poses:?}")
+                };
+                let bound = ours.error_bound + theirs.error_bound;
+                assert!((ours.depth - theirs.depth).abs() <= bound, "{pair:?} {poses:?}");
+                deep += usize::from(ours.error_bound <= 1e-12 * ours.depth);
+            }
+            (ours, theirs) => panic!("{ours:?} {theirs:?} {pair:?} {poses:?}"),
+        }
+    }
+    assert!(apart > 300 && deep > 200, "{apart} {deep}");
+}
+
+fn posed<'a>(shapes: &'a [Shape; 2], poses: &'a [Pose; 2], k: usize) -> PosedShape<'a> {
+    PosedShape { shape: &shapes[k], pose: &poses[k] }
 }

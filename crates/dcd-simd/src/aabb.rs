@@ -37,6 +37,13 @@ impl Aabb {
         }
     }
 
+    /// The smallest f32 AABB that contains the f64 one, which is finite, and all its sides within itself.
+    #[inline]
+    pub fn outside(min: DVec3, max: DVec3) -> Self {
+        let (min, max) = ((-min).to_array().map(above), max.to_array().map(above));
+        Self { min: -Vec3::from_array(min), max: Vec3::from_array(max) }
+    }
+
     /// Whether the closed AABBs share a point: touching counts.
     #[inline]
     pub fn overlaps(&self, other: &Self) -> bool {
@@ -90,6 +97,17 @@ pub(crate) fn round_up(x: f64) -> f32 {
     -round_down(-x)
 }
 
+/// The smallest f32 above a finite x.
+#[inline]
+fn above(x: f64) -> f32 {
+    let nearest = x as f32;
+    // Without the sign of −0, which is that of no number below 0.
+    let bits = (nearest + 0.0).to_bits();
+    let step = i32::from(f64::from(nearest) <= x);
+    let sign = bits as i32 >> 31;
+    f32::from_bits(bits.wrapping_add(((step ^ sign) - sign) as u32))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -118,6 +136,12 @@ mod tests {
             let (down, up) = (round_down(x), round_up(x));
             assert!(f64::from(down) <= x && x <= f64::from(up), "{x}");
             assert!(down == up || up == down.next_up(), "{x}: {down} {up}");
+            if x.is_finite() {
+                let around = Aabb::outside(DVec3::splat(x), DVec3::splat(x));
+                let beside = Aabb::outward(DVec3::splat(x.next_down()), DVec3::splat(x.next_up()));
+                assert_eq!(around, beside, "{x}");
+                assert!(f64::from(around.min.x) < x && x < f64::from(around.max.x), "{x}");
+            }
         }
     }
 

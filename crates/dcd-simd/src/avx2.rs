@@ -4,6 +4,7 @@ mod front;
 
 use super::{Block, FLOATS, Kernel, Lanes, MAX_BLOCKS, Row, WIDTH};
 use crate::pair::{Pair, room_for_sixteen};
+use crate::sphere_pairs;
 use front::FRONT;
 use std::arch::x86_64::*;
 
@@ -42,6 +43,7 @@ macro_rules! both {
     };
 }
 
+// Behind the macros, which it uses.
 mod transpose;
 
 impl Lanes for Avx2 {
@@ -212,6 +214,23 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn mul_d(self, a: Self::D, b: Self::D) -> Self::D {
         both!(_mm256_mul_pd, a, b)
+    }
+    #[inline(always)]
+    fn lt_d(self, a: Self::D, b: Self::D) -> u32 {
+        let less = both!(sphere_pairs::less, a, b);
+        (less.0 | less.1 << 4).cast_unsigned()
+    }
+    #[inline(always)]
+    fn sphere_pairs<S: AsRef<[f64; 4]>>(
+        self,
+        spheres: [&[S]; 2],
+        &[a, b, c, d, e, f, g, h]: &[Pair; WIDTH / 2],
+    ) -> [Self::D; 4] {
+        // SAFETY: as above.
+        let (low, high) = unsafe {
+            (sphere_pairs::four(spheres, &[a, b, c, d]), sphere_pairs::four(spheres, &[e, f, g, h]))
+        };
+        [(low[0], high[0]), (low[1], high[1]), (low[2], high[2]), (low[3], high[3])]
     }
 
     #[inline(always)]

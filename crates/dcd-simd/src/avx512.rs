@@ -2,6 +2,7 @@
 
 use super::{Block, FLOATS, Kernel, Lanes, MAX_BLOCKS, Row, WIDTH};
 use crate::pair::{Pair, room_for_sixteen};
+use crate::sphere_pairs;
 use std::arch::x86_64::*;
 
 /// Runs the kernel in a function that carries the feature, into which all of it is inlined. Out of line itself, so that it
@@ -197,6 +198,26 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn mul_d(self, a: __m512d, b: __m512d) -> __m512d {
         op!(_mm512_mul_pd(a, b))
+    }
+    #[inline(always)]
+    fn lt_d(self, a: __m512d, b: __m512d) -> u32 {
+        op!(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b)).into()
+    }
+    #[inline(always)]
+    fn sphere_pairs<S: AsRef<[f64; 4]>>(
+        self,
+        spheres: [&[S]; 2],
+        &[a, b, c, d, e, f, g, h]: &[Pair; WIDTH / 2],
+    ) -> [__m512d; 4] {
+        // SAFETY: as above.
+        let (low, high) = unsafe {
+            (sphere_pairs::four(spheres, &[a, b, c, d]), sphere_pairs::four(spheres, &[e, f, g, h]))
+        };
+        let mut columns = [self.splat_d(0.0); 4];
+        for k in 0..4 {
+            columns[k] = op!(_mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low[k]), high[k]));
+        }
+        columns
     }
 
     #[inline(always)]

@@ -77,6 +77,37 @@ pub trait Lanes: Copy {
     fn sub_d(self, a: Self::D, b: Self::D) -> Self::D;
     /// a·b.
     fn mul_d(self, a: Self::D, b: Self::D) -> Self::D;
+    /// a < b: lane k is bit k.
+    #[inline(always)]
+    fn lt_d(self, a: Self::D, b: Self::D) -> u32 {
+        let [mut left, mut right] = [[0.0; WIDTH / 2]; 2];
+        self.store_d(a, &mut left);
+        self.store_d(b, &mut right);
+        let mut bits = 0;
+        for k in 0..WIDTH / 2 {
+            bits |= u32::from(left[k] < right[k]) << k;
+        }
+        bits
+    }
+    /// The differences of the centres' x, y and z and the sums of the radii of eight pairs of spheres, each of which is its
+    /// centre and its radius.
+    ///
+    /// # Panics
+    /// There is no such sphere.
+    #[inline(always)]
+    fn sphere_pairs<S: AsRef<[f64; 4]>>(
+        self,
+        [first, second]: [&[S]; 2],
+        pairs: &[Pair; WIDTH / 2],
+    ) -> [Self::D; 4] {
+        let [mut x, mut y, mut z, mut radii] = [[0.0; WIDTH / 2]; 4];
+        for k in 0..WIDTH / 2 {
+            let a = first[pairs[k].i as usize].as_ref();
+            let b = second[pairs[k].j as usize].as_ref();
+            (x[k], y[k], z[k], radii[k]) = (a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] + b[3]);
+        }
+        [self.load_d(&x), self.load_d(&y), self.load_d(&z), self.load_d(&radii)]
+    }
 
     /// x in every lane.
     fn splat_u(self, x: u32) -> Self::U;

@@ -21,6 +21,7 @@ mod avx2;
 mod avx512;
 mod box_test;
 mod half;
+mod lane_numbers;
 mod lanes;
 mod pair;
 mod path;
@@ -31,6 +32,8 @@ mod path;
 mod portable;
 mod sphere16;
 #[cfg(target_arch = "x86_64")]
+mod sphere_pairs;
+#[cfg(target_arch = "x86_64")]
 mod sse2;
 mod unfused;
 
@@ -40,6 +43,7 @@ pub use aabb128::{Aabb128, Mask128};
 pub use array_vec::ArrayVec;
 pub use box_test::{BoxTest, HeightsAlong, PlaneSet, PointDistance, RaySlabs, nearest_first};
 pub use half::Half;
+pub use lane_numbers::LaneNumbers;
 pub use lanes::Lanes;
 pub use pair::Pair;
 pub use path::{Path, UnavailablePath};
@@ -228,6 +232,39 @@ mod tests {
         l.round_from([&halves[0], &halves[1]])
     }
 
+    /// A centre and a radius.
+    struct Ball([f64; 4]);
+
+    impl AsRef<[f64; 4]> for Ball {
+        fn as_ref(&self) -> &[f64; 4] {
+            &self.0
+        }
+    }
+
+    /// Of which of two spheres, and of two others, eight pairs are.
+    const OF_BALLS: [Pair; WIDTH / 2] = {
+        let mut pairs = [Pair { i: 0, j: 0 }; WIDTH / 2];
+        let mut k = 0;
+        while k < WIDTH / 2 {
+            pairs[k] = Pair { i: k as u32 % 2, j: k as u32 / 2 % 2 };
+            k += 1;
+        }
+        pairs
+    };
+
+    /// What is between them: differences beside differences, and differences beside sums, rounded.
+    fn between_balls<L: Lanes>(l: L, numbers: &[[f64; WIDTH / 2]; 2]) -> [L::F; 2] {
+        let balls =
+            numbers.map(|eight| [[0, 1, 2, 3], [4, 5, 6, 7]].map(|of| Ball(of.map(|k| eight[k]))));
+        let found = l.sphere_pairs([&balls[0], &balls[1]], &OF_BALLS);
+        let columns = found.map(|column| {
+            let mut numbers = [0.0; WIDTH / 2];
+            l.store_d(column, &mut numbers);
+            numbers
+        });
+        [l.round_from([&columns[0], &columns[1]]), l.round_from([&columns[2], &columns[3]])]
+    }
+
     /// The first eight lanes, beside zeros.
     #[inline(always)]
     fn half_stored<L: Lanes>(l: L, a: L::F) -> L::F {
@@ -280,6 +317,8 @@ mod tests {
                 half_stored(l, l.load_points(fours)[0]),
                 half_stored(l, l.load_points(fours)[1]),
                 half_stored(l, l.load_points(fours)[2]),
+                between_balls(l, &thirds)[0],
+                between_balls(l, &thirds)[1],
             ];
             let (lt, le) = (l.lt(a, b), l.le(a, b));
             let masks = [
@@ -288,6 +327,7 @@ mod tests {
                 l.and_not(le, lt),
                 l.mask(0xA5C3),
                 l.mask(l.half_bits(le)),
+                l.mask(l.lt_d(l.load_d(&thirds[0]), l.load_d(&thirds[1]))),
             ];
             let index = l.load_u(&IndexRow(std::array::from_fn(|k| 100 + k as u32)));
             let kept = l.bits(lt).count_ones() as usize;
@@ -347,6 +387,17 @@ mod tests {
                 let due = (0..8).map(|k| rows[k / 4].0[4 * (k % 4) + axis]);
                 assert!(due.eq(found.0[..8].iter().copied()), "{axis}");
             }
+            for (k, pair) in OF_BALLS.iter().enumerate() {
+                let of = |first: usize, axis: usize| f64::from(a.0[first + axis]) / 3.0;
+                let [one, other] = [4 * pair.i as usize, 8 + 4 * pair.j as usize];
+                let [x, y, z] = [0, 1, 2].map(|axis| (of(one, axis) - of(other, axis)) as f32);
+                let radii = (of(one, 3) + of(other, 3)) as f32;
+                let found =
+                    [floats[27].0[k], floats[27].0[k + 8], floats[28].0[k], floats[28].0[k + 8]];
+                assert_eq!(found, [x, y, z, radii]);
+            }
+            let less = (0..8).filter(|&k| a.0[k] < a.0[k + 8]).fold(0, |bits, k| bits | 1 << k);
+            assert_eq!(masks[5], less);
             assert_eq!(floats[21].0[0], a.0.iter().copied().fold(f32::MIN, f32::max));
             for (row, &lane_13) in rows.iter().zip(&floats[18].0) {
                 assert_eq!(lane_13, row.0[13]);
@@ -369,7 +420,9 @@ mod tests {
             #[inline(always)]
             fn run<L: Lanes>(self, l: L) -> u32 {
                 let (nan, one) = (l.splat(f32::NAN), l.splat(1.0));
-                l.bits(l.lt(nan, one)) | l.bits(l.le(one, nan)) | l.bits(l.lt(one, nan))
+                let (nan_d, one_d) = (l.splat_d(f64::NAN), l.splat_d(1.0));
+                let in_f64 = l.lt_d(nan_d, one_d) | l.lt_d(one_d, nan_d) | l.lt_d(nan_d, nan_d);
+                l.bits(l.lt(nan, one)) | l.bits(l.le(one, nan)) | l.bits(l.lt(one, nan)) | in_f64
             }
         }
         for path in Path::ALL.into_iter().filter(|path| path.is_available()) {

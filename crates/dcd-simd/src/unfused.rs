@@ -60,6 +60,7 @@ macro_rules! hand_on_arithmetic {
             add_d(a: L::D, b: L::D) -> L::D;
             sub_d(a: L::D, b: L::D) -> L::D;
             mul_d(a: L::D, b: L::D) -> L::D;
+            lt_d(a: L::D, b: L::D) -> u32;
             splat_u(x: u32) -> L::U;
             add_u(a: L::U, b: L::U) -> L::U;
             tag(a: L::F, mask: L::U, tag: L::U) -> L::F;
@@ -88,6 +89,15 @@ impl<L: Lanes> Lanes for Apart<L> {
     }
 
     hand_on_arithmetic! {}
+
+    #[inline(always)]
+    fn sphere_pairs<S: AsRef<[f64; 4]>>(
+        self,
+        spheres: [&[S]; 2],
+        pairs: &[Pair; WIDTH / 2],
+    ) -> [L::D; 4] {
+        self.0.sphere_pairs(spheres, pairs)
+    }
 
     hand_on! {
         load_from(numbers: &[f32; WIDTH]) -> L::F;

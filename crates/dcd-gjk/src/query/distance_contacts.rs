@@ -29,15 +29,33 @@ impl ContactAnswer for Option<Distance> {
 }
 
 impl DistanceContacts {
-    /// Adds a pair with a distance, unless it touches: without a branch, for no predictor knows which pairs do.
+    /// Adds pairs, each of which touches or not, and the distances of the others, of which there are so many, in their order.
+    /// Nothing is added, and false returned, where there are fewer.
     #[inline(always)]
-    pub(crate) fn push_unless(&mut self, touches: bool, pair: Pair, distance: Distance) {
+    pub(crate) fn extend(
+        &mut self,
+        pairs: impl Iterator<Item = (Pair, bool)>,
+        others: usize,
+        distances: impl Iterator<Item = Distance>,
+    ) -> bool {
         let Self { heads, apart } = self;
-        let before = apart.len();
-        heads.push(Head { pair, place: before | usize::from(touches).wrapping_neg() });
-        // Written and taken back.
-        apart.push(distance);
-        apart.truncate(before + usize::from(!touches));
+        let mut place = apart.len();
+        apart.reserve(others);
+        apart.extend(distances);
+        if apart.len() != place + others {
+            apart.truncate(place);
+            return false;
+        }
+        // Without a branch, for no predictor knows which pairs touch.
+        heads.extend(pairs.map(
+            #[inline(always)]
+            |(pair, touches)| {
+                let head = Head { pair, place: place | usize::from(touches).wrapping_neg() };
+                place += usize::from(!touches);
+                head
+            },
+        ));
+        true
     }
 
     /// Adds a distance; where it is.
@@ -124,14 +142,27 @@ mod tests {
     }
 
     #[test]
-    fn what_touches_has_no_distance() {
+    fn pairs_that_touch_are_added_without_a_distance_and_none_where_one_is_missing() {
         let mut draw = Draw(7);
         let (mut list, mut due) = (DistanceContacts::default(), Vec::new());
-        for k in 0..200 {
-            let (pair, found) = (Pair::new(k, 200), distance(&mut draw));
-            let touches = draw.number() < 0.0;
-            list.push_unless(touches, pair, found);
-            due.push(Contact { pair, answer: (!touches).then_some(found) });
+        for k in 0..30 {
+            let pairs: Vec<(Pair, bool)> =
+                (0..k).map(|i| (Pair::new(i, 200), draw.number() < 0.0)).collect();
+            let others = pairs.iter().filter(|(_, touches)| !touches).count();
+            let found: Vec<Distance> = (0..others).map(|_| distance(&mut draw)).collect();
+            let mut add = |found: &[Distance]| {
+                list.extend(pairs.iter().copied(), others, found.iter().copied())
+            };
+            if let Some((_, fewer)) = found.split_last() {
+                assert!(!add(fewer));
+            }
+            assert!(add(&found));
+            let mut found = found.into_iter();
+            let answer = |(pair, touches)| Contact {
+                pair,
+                answer: if touches { None } else { found.next() },
+            };
+            due.extend(pairs.into_iter().map(answer));
         }
         assert_eq!(read(&list), due);
         assert_eq!(list.apart.len(), due.iter().filter(|contact| contact.answer.is_some()).count());

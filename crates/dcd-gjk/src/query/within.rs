@@ -201,9 +201,7 @@ pub(crate) fn grown(aabb: &Aabb, by: f64) -> Aabb {
     }
     // Half of an odd denormal, and each sum, is rounded once.
     let by = by.next_up();
-    let (min, max) = (aabb.min.as_dvec3() - by, aabb.max.as_dvec3() + by);
-    let (below, above) = (min.map(f64::next_down), max.map(f64::next_up));
-    Aabb::outward(below, above)
+    Aabb::outside(aabb.min.as_dvec3() - by, aabb.max.as_dvec3() + by)
 }
 
 #[cfg(test)]

@@ -8,6 +8,11 @@ use dcd_geom::{
 };
 use dcd_simd::{Block, WIDTH};
 
+/// Whether a polytope is a sphere round the origin of its frame.
+pub(super) fn is_sphere(polytope: &Polytope) -> bool {
+    polytope.kind() == Kind::Point && polytope.reach() == 0.0
+}
+
 /// What depends on a shape alone, as the lanes want it: of a polytope, or of a curved shape with the
 /// vertices of a hull inside it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -185,7 +190,7 @@ impl Cores {
             reach: polytope.reach(),
             radius: polytope.swept_radius(),
             centre: polytope.inner().centre,
-            is_sphere: polytope.kind() == Kind::Point && polytope.reach() == 0.0,
+            is_sphere: is_sphere(polytope),
             ..Core::default()
         };
         let (core, obb) = self.with_blocks(core, polytope.vertices(), polytope.obb());

@@ -7,7 +7,7 @@ use super::closed::nearest_features as of_cuboids;
 use super::frame::{FramePair, SimdFrame};
 use super::nearest_points::{Found, NearestPoints};
 use super::scene_pairs::ScenePairs;
-use super::spheres::{self, MeasureSpheres};
+use super::spheres::{self, MeasureSpheres, Near, NearPair};
 use super::{ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, PlacedSphere, distance_of_spheres, distance_within, spheres_are_beyond};
 use crate::distance::{DistanceResult, distance_at, of_apart};
@@ -231,21 +231,37 @@ struct BySpheres<'a> {
     objects: ScenePairs<'a>,
 }
 
+impl BySpheres<'_> {
+    #[inline(always)]
+    fn distance(&self, spheres: [PlacedSphere; 2]) -> Option<Distance> {
+        let SimdDistances { accuracy, margin, .. } = *self.narrow;
+        distance_within(spheres, margin, closed::sharp_of(accuracy))
+    }
+}
+
 impl MeasureSpheres for BySpheres<'_> {
     type Answer = Option<Distance>;
 
     #[inline(always)]
-    fn measure(
-        &self,
-        spheres: [PlacedSphere; 2],
-        pair: Pair,
-        contacts: &mut DistanceContacts,
-    ) -> bool {
-        let SimdDistances { accuracy, margin, .. } = *self.narrow;
-        let sharp = closed::sharp_of(accuracy);
-        let Some((distance, touch)) = distance_within(spheres, margin, sharp) else { return false };
-        contacts.push_unless(touch, pair, distance);
-        true
+    fn measure_all(&self, near: &Near<'_>, contacts: &mut DistanceContacts) -> bool {
+        let distances = near.open().map_while(
+            #[inline(always)]
+            |spheres| self.distance(spheres?),
+        );
+        contacts.extend(near.pairs(), near.count_of_open(), distances)
+    }
+
+    #[inline(always)]
+    fn measure(&self, near: NearPair, contacts: &mut DistanceContacts) -> bool {
+        if near.touches {
+            contacts.push_pair(near.pair);
+            return true;
+        }
+        let answer = self.distance(near.spheres);
+        if answer.is_some() {
+            contacts.push(Contact { pair: near.pair, answer });
+        }
+        answer.is_some()
     }
 
     #[inline(never)]

@@ -2,7 +2,7 @@
 
 use super::axis_aligned::AxisAligned;
 use super::compounds::{CompoundPart, Compounds, Members, laid_out};
-use super::cores::Cores;
+use super::cores::{Cores, is_sphere};
 use super::prepare::constants;
 use crate::Sides;
 use crate::closed::PlacedSphere;
@@ -64,7 +64,7 @@ pub(super) enum Form {
     /// Nothing: every polytope has its vertices.
     #[default]
     Any,
-    /// All are spheres: the sphere test resolves their pairs.
+    /// All are spheres, and marked as [`SPHERE`]: [`super::spheres`] resolves their pairs.
     Spheres,
     /// All are cuboids of radius 0: the sphere and OBB tests resolve their pairs.
     Cuboids,
@@ -72,8 +72,8 @@ pub(super) enum Form {
 
 impl Form {
     fn of(shapes: &[Shape]) -> Self {
+        let spheres = |shape: &Shape| shape.as_polytope().is_some_and(is_sphere);
         let kind = |shape: &Shape| shape.as_polytope().map(|p| (p.kind(), p.swept_radius()));
-        let spheres = |shape| matches!(kind(shape), Some((Kind::Point, _)));
         let cuboids = |shape| matches!(kind(shape), Some((Kind::Cuboid { .. }, 0.0)));
         if shapes.iter().all(spheres) {
             Self::Spheres
@@ -132,6 +132,14 @@ pub(super) struct Record {
     /// what the object has beyond its vertices, rounded up. Unit: metres a metre of the direction's
     /// 1-norm.
     pub(super) choice: f32,
+}
+
+/// Of a [`SPHERE`] its centre and its radius.
+impl AsRef<[f64; 4]> for Record {
+    #[inline(always)]
+    fn as_ref(&self) -> &[f64; 4] {
+        &self.centre
+    }
 }
 
 /// An object's boxes on one cache line: the inner and outer OBBs of its shape, turned, round the record's

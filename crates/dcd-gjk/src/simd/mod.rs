@@ -47,11 +47,15 @@ pub use depths::SimdDepths;
 pub use distances::SimdDistances;
 pub use frame::{Part, SimdFrame};
 
-use crate::{Contact, ContactSink, NarrowPhase, Prepared, Sides};
+use crate::{
+    Contact, ContactList, ContactSink, NarrowPhase, PosedShape, Prepared, Sides, certified,
+};
 use certificate::ErrorBounds;
 use dcd_geom::{Aabb, Pair, Scene};
 use dcd_simd::Path;
 use decide::Slice;
+use frame::FramePair;
+use spheres::{MeasureSpheres, Near, NearPair};
 use std::marker::PhantomData;
 
 /// Whether two objects touch, proved: the most reliable method, and the default.
@@ -61,7 +65,8 @@ pub type Overlap = SimdOverlap<CertifiedBounds>;
 ///
 /// What it saves over [`Overlap`] is what a proof costs, next to nothing; what it risks is a wrong
 /// answer where the gap or overlap is within rounding, some 1e-5 of the objects' size. A pair on
-/// which f32 can gain no more is called touching. Answers may differ from CPU to CPU.
+/// which f32 can gain no more is called touching. Answers may differ from CPU to CPU. In a scene of spheres alone they are
+/// [`Overlap`]'s, which cost no more.
 pub type OverlapUnchecked = SimdOverlap<UncheckedBounds>;
 
 /// The SIMD narrow phase, with or without error bounds: [`Overlap`] or [`OverlapUnchecked`].
@@ -122,8 +127,45 @@ impl<T: ErrorBounds> NarrowPhase for SimdOverlap<T> {
         scratch: &mut Scratch,
         sink: &mut ContactSink<'_, ()>,
     ) {
+        let frames = FramePair { a: a.frame, b: b.frame };
+        if frames.are_spheres() {
+            let touching = TouchingSpheres([a.scene, b.scene]);
+            return spheres::decide(self.path, (frames, pairs, 0.0), touching, sink);
+        }
         T::judge(&Slice { path: self.path, a, b, pairs }, scratch, sink.report);
         append_contacts(scratch.touching(), pairs, sink.contacts);
+    }
+}
+
+/// Which spheres touch, in these scenes.
+struct TouchingSpheres<'a>([&'a Scene; 2]);
+
+impl MeasureSpheres for TouchingSpheres<'_> {
+    type Answer = ();
+
+    #[inline(always)]
+    fn measure_all(&self, near: &Near<'_>, contacts: &mut Vec<Contact<()>>) -> bool {
+        let is_known = near.count_of_open() == 0;
+        if is_known {
+            contacts.extend(near.pairs().map(|(pair, _)| Contact { pair, answer: () }));
+        }
+        is_known
+    }
+
+    #[inline(always)]
+    fn measure(&self, near: NearPair, contacts: &mut Vec<Contact<()>>) -> bool {
+        if near.touches {
+            contacts.push_pair(near.pair);
+        }
+        near.touches
+    }
+
+    #[inline(never)]
+    fn resolve(&mut self, pair: Pair, sink: &mut ContactSink<'_, ()>) {
+        let [a, b] = self.0;
+        let (verdict, method) =
+            certified::overlap_of(PosedShape::of(a, pair.i), PosedShape::of(b, pair.j));
+        sink.file(pair, method, verdict);
     }
 }
 

@@ -4,7 +4,9 @@ use super::scenes::Draw;
 use super::within::found;
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Object, Pair, Pose, Scene, Shape};
-use dcd_gjk::{Accuracy, Contact, Depths, Manifolds, Method, Report, SimdDepths, SimdDistances};
+use dcd_gjk::{
+    Accuracy, Contact, Depths, Manifolds, Method, Overlap, Report, SimdDepths, SimdDistances,
+};
 use dcd_simd::Path;
 use std::fmt::Debug;
 
@@ -78,6 +80,20 @@ fn spheres_alone_are_as_far_apart_as_beside_other_shapes() {
 }
 
 #[test]
+fn spheres_alone_touch_where_they_touch_beside_other_shapes() {
+    let find = |path, scene: &Scene, pairs: &[Pair]| found(&Overlap::on(path), scene, pairs);
+    assert_same("yes or no", &find);
+    // Of a few pairs there is no whole packet.
+    let (scene, pairs) = spheres(&[]);
+    for count in 0..40 {
+        let some = &pairs[pairs.len() - count..];
+        let (contacts, _) = found(&Overlap::default(), &scene, some);
+        let touch = |pair: &&Pair| !found(&Overlap::default(), &scene, &[**pair]).0.is_empty();
+        assert!(contacts.iter().map(|contact| &contact.pair).eq(some.iter().filter(touch)));
+    }
+}
+
+#[test]
 fn spheres_alone_are_as_deep_as_beside_other_shapes_and_touch_in_the_same_points() {
     for accuracy in ACCURACIES {
         let depths = |path, scene: &Scene, pairs: &[Pair]| {
@@ -143,6 +159,8 @@ fn spheres_of_whole_numbers_are_within_a_margin_as_their_squares_say() {
                 for Contact { pair, answer } in &near {
                     assert_eq!(answer.is_none(), beyond(pair, 0) <= 0, "{said}: {pair:?}");
                 }
+                let (touching, _) = found(&Overlap::on(path), &scene, &pairs);
+                assert!(touching.iter().map(|c| c.pair).eq(due(0)), "{said}");
                 let (deep, _) = found(&SimdDepths::on(path, Depths, accuracy), &scene, &pairs);
                 assert!(deep.iter().map(|c| c.pair).eq(due(0)), "{said}");
                 counts[0] += near.len();

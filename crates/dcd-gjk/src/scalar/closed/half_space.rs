@@ -5,10 +5,12 @@
 //! touched where its lowest point along N is. f64 decides with a bound; polytopes, cylinders,
 //! cones and ellipsoids that are within it are judged exactly (docs/numerics/proofs.md, "half-spaces").
 
+mod long_gap;
+
 use super::binary::Binary;
 use crate::epa::Depth;
 use crate::exact::nearest_point::scaled;
-use crate::simplex::{Scalar, Triple, cross, determinant, dot, minus, plus};
+use crate::simplex::{Scalar, Triple, cross, dot, minus, plus};
 use crate::{Distance, DistanceResult, Method, PosedShape, Reason, Verdict};
 use dcd_geom::glam::{DMat3, DVec3};
 use dcd_geom::{HalfSpace, Pose, Shape, SupportMap, Vector};
@@ -48,20 +50,24 @@ impl<'a> Plane<'a> {
         (normal, self.half_space.offset() * x.dot(cofactors[0]))
     }
 
-    /// N and o·det R, exactly.
-    fn exactly(self) -> (Triple<Binary>, Binary) {
+    /// The same in longer numbers.
+    fn in_numbers<N: Scalar + From<f64>>(self) -> (Triple<N>, N) {
         let DMat3 { x_axis, y_axis, z_axis } = *self.pose.rotation();
-        let [x, y, z] = [x_axis, y_axis, z_axis].map(binary);
-        let n = binary(self.half_space.normal());
+        let [x, y, z] = [x_axis, y_axis, z_axis].map(numbers::<N>);
+        let n = numbers::<N>(self.half_space.normal());
         let cofactors = [cross(&y, &z), cross(&z, &x), cross(&x, &y)];
         let along = |k: usize| cofactors[k].each_ref().map(|c| c.times(&n[k]));
         let normal = plus(&plus(&along(0), &along(1)), &along(2));
-        (normal, determinant(&x, &y, &z).times(&self.half_space.offset().into()))
+        (normal, dot(&x, &cofactors[0]).times(&self.half_space.offset().into()))
     }
 }
 
+fn numbers<N: From<f64>>(v: DVec3) -> Triple<N> {
+    v.to_array().map(N::from)
+}
+
 fn binary(v: DVec3) -> Triple<Binary> {
-    v.to_array().map(Binary::new)
+    numbers(v)
 }
 
 /// How far the lowest point of a shape is above a plane, times |N|; what f64 knows of it.
@@ -121,7 +127,7 @@ struct ExactGap {
 impl ExactGap {
     /// The lowest of all; `None` for a shape that only its support map knows.
     fn of(plane: Plane<'_>, other: PosedShape<'_>) -> Option<Self> {
-        let (normal, offset) = plane.exactly();
+        let (normal, offset) = plane.in_numbers::<Binary>();
         let axes = other.pose.rotation();
         let d = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| dot(&normal, &binary(axis)));
         let delta = minus(&binary(other.pose.translation()), &binary(plane.pose.translation()));
@@ -256,7 +262,8 @@ fn planes_touch(a: Plane<'_>, b: Plane<'_>) -> (Option<bool>, Method) {
 
 /// With N_A·y ≤ c_A and N_B·y ≤ c_B opposite, they are apart by −c_B/|N_B| − c_A/|N_A|.
 fn exact_planes_touch(a: Plane<'_>, b: Plane<'_>) -> bool {
-    let ((in_a, offset_a), (in_b, offset_b)) = (a.exactly(), b.exactly());
+    let (in_a, offset_a) = a.in_numbers::<Binary>();
+    let (in_b, offset_b) = b.in_numbers::<Binary>();
     let parallel = cross(&in_a, &in_b).iter().all(Binary::is_zero);
     let product = dot(&in_a, &in_b);
     if !parallel || product.is_positive() {
@@ -362,16 +369,18 @@ struct Signed {
     method: Method,
 }
 
-/// A polytope's gap is taken exactly where f64's may be off by more than `sharp` times itself. The largest number, with as large a bound, where it leaves the range of f64.
+/// A polytope's gap is taken in double-double where f64's may be off by more than `sharp` times itself, and exactly where that is
+/// not as good. The largest number, with as large a bound, where it leaves the range of f64.
 fn signed(gap: &Gap, plane: Plane<'_>, other: PosedShape<'_>, sharp: f64) -> Signed {
     let mut value = gap.value / gap.length;
     let mut error = gap.error / gap.length * (1.0 + 16.0 * UNIT) + 8.0 * UNIT * value.abs();
     let mut method = Method::F64;
     if !(error <= sharp * value.abs())
-        && let Shape::Polytope(_) = other.shape
-        && let Some(gap) = ExactGap::of(plane, other)
+        && let Shape::Polytope(polytope) = other.shape
+        && let Some(found) = long_gap::of(gap, plane, (polytope, other.pose))
+            .or_else(|| ExactGap::of(plane, other).map(|gap| gap.distance()))
     {
-        value = gap.distance();
+        value = found;
         error = value.abs() * (16.0 * UNIT) + f64::from_bits(4);
         method = Method::Exact;
     }

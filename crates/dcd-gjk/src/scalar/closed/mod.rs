@@ -14,6 +14,7 @@ pub(crate) mod curved;
 mod gap;
 pub mod half_space;
 pub(crate) mod level;
+mod long_points;
 mod near_features;
 mod segments;
 mod spheres;
@@ -34,8 +35,8 @@ pub(crate) use near_features::{
 };
 pub(crate) use segments::{PosedCore, depth_of_cores, overlap_of_cores};
 pub(crate) use spheres::{
-    PlacedSphere, depth_of_spheres, depth_of_two_spheres, distance_of_spheres, distance_within,
-    spheres_are_beyond, squares_are_beyond,
+    PlacedSphere, compare_squares, depth_of_spheres, depth_of_two_spheres, distance_of_spheres,
+    distance_within, spheres_are_beyond,
 };
 pub(crate) use triangles::nearest as nearest_of_triangle;
 pub(crate) use upright_depth::depth as upright_depth;
@@ -133,9 +134,11 @@ pub(crate) fn distance(
         (one, other) if !have_formula(one, other) => None,
         (Kind::Cuboid { .. }, Kind::Cuboid { .. }) => {
             // The certified accuracy is nearly always finer than f64 reaches.
-            if sharp == AS_F64
-                && let Some(found) = segments::distance_of_cuboids(a, b)
-            {
+            let found = match sharp {
+                AS_F64 => segments::distance_of_cuboids(a, b),
+                _ => segments::long_distance_of_cuboids(a, b, sharp),
+            };
+            if let Some(found) = found {
                 return Some(DistanceResult::Apart(found));
             }
             match cuboids::overlap(a, b)? {

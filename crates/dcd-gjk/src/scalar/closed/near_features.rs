@@ -3,6 +3,7 @@
 //! The features come from a search in f32 and prove nothing; what the points on them are worth is proved by a direction
 //! square to all edges on which they are (docs/numerics/proofs.md, "nearest features of cuboids").
 
+use super::long_points;
 use super::segments::Proposal;
 use super::{SIZES, UNIT};
 use crate::double_double::{DoubleDouble, EPSILON, Sum};
@@ -155,24 +156,6 @@ impl<'a> Near<'a> {
         w + edges[0] * s + edges[1] * r
     }
 
-    /// The points' difference, exactly but for [`PADDING`].
-    fn difference(&self) -> [DoubleDouble; 3] {
-        let [a, b] = self.sides.map(|side| side.pose);
-        let (turn_a, turn_b) = (a.rotation().to_cols_array_2d(), b.rotation().to_cols_array_2d());
-        let (from_a, from_b) = (a.translation().to_array(), b.translation().to_array());
-        let [in_a, in_b] = self.points.map(|point| point.to_array());
-        [0, 1, 2].map(|c| {
-            let mut sum = Sum::default();
-            sum.add(from_a[c]);
-            sum.add(-from_b[c]);
-            for k in 0..3 {
-                sum.add_product(turn_a[k][c], in_a[k]);
-                sum.add_product(-turn_b[k][c], in_b[k]);
-            }
-            sum.total()
-        })
-    }
-
     fn certified(&self) -> Option<Distance> {
         let [a, b] = self.sides;
         let reach = |body: PosedSupport<'_, Polytope>| body.reach * (1.0 + body.pose.deviation());
@@ -181,7 +164,7 @@ impl<'a> Near<'a> {
         if !SIZES.contains(&size) {
             return None;
         }
-        let w = self.difference();
+        let w = long_points::difference(self.sides.map(|side| side.pose), self.points);
         let (edges, count) = self.level();
         let [s, r] = square_to(edges, edges.map(|edge| along(edge, &w)), count);
         let (e, f) = (edges[0].to_array(), edges[1].to_array());

@@ -4,6 +4,7 @@
 //! difference proves, as any point and as any direction (docs/numerics/proofs.md, "closed forms").
 
 use super::cuboid_nearest;
+use super::long_points;
 use super::triangles;
 use super::{LENGTH, SEPARATION, SIZES, UNIT};
 use crate::epa::Depth;
@@ -22,6 +23,10 @@ const LOWER: f64 = 12.5;
 /// Unit: u·m. Larger: worse distances. Smaller: more pairs that need the search.
 const NEAREST: f64 = 64.0;
 
+/// How near an end a point of a cuboid is at it. Unit: half an edge. Larger: more pairs of which another point is the nearest, and
+/// that are searched; never an answer.
+const AT_END: f64 = 1e-13;
+
 /// A squared length of the difference, square metres, below which products with it could underflow.
 const SHORTEST: f64 = 1e-280;
 
@@ -31,7 +36,7 @@ pub(crate) struct PosedCore<'a> {
     pub(super) kind: Kind,
     pub(super) vertices: &'a [DVec3],
     pub(super) pose: &'a Pose,
-    radius: f64,
+    pub(super) radius: f64,
     /// At least the distance of every vertex from the origin of its own frame, metres.
     reach: f64,
 }
@@ -123,6 +128,25 @@ pub(super) fn distance_of_cuboids(
 ) -> Option<Distance> {
     let proposal = Proposal::of_cuboids(a, b)?;
     proposal.distance(f64::INFINITY).filter(|found| found.error_bound <= NEAREST * proposal.unit)
+}
+
+/// The same where its bound is to be at most `sharp` times itself: in double-double.
+pub(super) fn long_distance_of_cuboids(
+    a: PosedSupport<'_, Polytope>,
+    b: PosedSupport<'_, Polytope>,
+    sharp: f64,
+) -> Option<Distance> {
+    let [in_a, in_b] = cuboid_nearest::points(a, b)?;
+    let (a, b) = (PosedCore::from(a), PosedCore::from(b));
+    let points = [at_ends(a.kind, in_a), at_ends(b.kind, in_b)];
+    Proposal::at(a, b, points, size_of(a, b)).long_distance(sharp)
+}
+
+/// A point of a cuboid that is at the ends where it is but for rounding.
+fn at_ends(kind: Kind, point: DVec3) -> DVec3 {
+    let Kind::Cuboid { half_extents } = kind else { return point };
+    let is_end = point.abs().cmpge(half_extents * (1.0 - AT_END));
+    DVec3::select(is_end, half_extents.copysign(point), point)
 }
 
 /// The pair's size m.
@@ -231,7 +255,21 @@ impl<'a> Proposal<'a> {
     }
 
     fn distance(&self, sharp: f64) -> Option<Distance> {
-        self.within(self.signed_distance()?, sharp * (self.length - self.radius))
+        let found = self.within(self.signed_distance()?, sharp * (self.length - self.radius));
+        found.or_else(|| self.long_distance(sharp))
+    }
+
+    /// The same in double-double.
+    fn long_distance(&self, sharp: f64) -> Option<Distance> {
+        let (distance, error_bound) = self.long_gap(sharp).filter(|&(gap, _)| gap > 0.0)?;
+        let (normal, point_a, point_b) = self.witnesses();
+        Some(Distance { distance, point_a, point_b, normal, error_bound })
+    }
+
+    /// The cores' distance less the radii, and its bound, where they are apart and f64 is not good enough.
+    fn long_gap(&self, sharp: f64) -> Option<(f64, f64)> {
+        let Self { a, b, points, unit, .. } = *self;
+        sharp.is_finite().then(|| long_points::gap([a, b], points, unit / UNIT)).flatten()
     }
 
     /// The distance by its bounds, if what they leave open is at most `most` metres.
@@ -250,10 +288,11 @@ impl<'a> Proposal<'a> {
         let bounds = self.signed_distance()?;
         // The cores are apart.
         let is_apart = bounds[0] + self.radius * (1.0 - LENGTH * UNIT) > 0.0;
-        let depth = (self.radius - self.length).max(0.0);
-        let error_bound = self.error_of(-depth, bounds);
+        let mut depth = (self.radius - self.length).max(0.0);
+        let mut error_bound = self.error_of(-depth, bounds);
         if !(is_apart && error_bound <= sharp * depth) {
-            return None;
+            let (gap, of_gap) = self.long_gap(sharp).filter(|&(gap, _)| gap < 0.0)?;
+            (depth, error_bound) = (-gap, of_gap);
         }
         let (normal, point_a, point_b) = self.witnesses();
         Some(Depth { depth, normal, point_a, point_b, error_bound })

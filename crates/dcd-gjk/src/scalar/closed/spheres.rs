@@ -11,6 +11,7 @@ use crate::simplex::Scalar;
 use crate::{Distance, DistanceResult, PosedShape, PosedSupport, Verdict};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Shape};
+use dcd_simd::Lanes;
 
 /// What the computed distance of two centres may be off by. Unit: u, relative. A square loses 2u and what its
 /// component lost, twice; two sums, one u each; the root halves that and adds one: 4u.
@@ -107,38 +108,45 @@ pub(crate) fn spheres_are_beyond(spheres: [PlacedSphere; 2], margin: f64) -> boo
     })
 }
 
-/// The same without a root, and without those that are beyond by less than some 16u.
+/// Which of eight pairs of spheres are proved to be farther apart than a margin, metres, and which to touch, a bit each: by
+/// squares, so that those are left that are within some 16u of either. Of each pair the difference of the centres and the sum of
+/// the radii, as [`Lanes::sphere_pairs`] has them.
 ///
-/// The sum of squares is at most 5u above the true square of the distance: a difference loses u, which its square doubles, the
+/// The sum of squares is within 5u of the true square of the distance: a difference loses u, which its square doubles, the
 /// square u, two sums u each. That of the radii and the margin loses 2u, which its square doubles, the square u, the product and
-/// the sum below u each: 7u. The radii grown by half of the margin each, of which the exact answer is, are rounded up by u, which
-/// the square doubles. 16u covers all. What underflows is less than the smallest normal number.
+/// the sum or difference below u each: 7u. The radii grown by half of the margin each, of which the exact answer is, are rounded
+/// up by u, which the square doubles. 16u covers all. What underflows is less than the smallest normal number; no square
+/// overflows, since nothing reaches beyond [`dcd_geom::Aabb::LIMIT`].
 #[inline(always)]
-pub(crate) fn squares_are_beyond([a, b]: [PlacedSphere; 2], margin: f64) -> bool {
-    let between = a.centre - b.centre;
-    let reach = a.radius + b.radius + margin;
-    // False for NaN.
-    between.length_squared() > reach * reach * (1.0 + 16.0 * UNIT) + f64::MIN_POSITIVE
+pub(crate) fn compare_squares<L: Lanes>(
+    l: L,
+    [x, y, z, radii]: [L::D; 4],
+    margin: f64,
+) -> [u32; 2] {
+    let squares = l.add_d(l.add_d(l.mul_d(x, x), l.mul_d(y, y)), l.mul_d(z, z));
+    let least = l.splat_d(f64::MIN_POSITIVE);
+    let reach = l.add_d(radii, l.splat_d(margin));
+    let reach = l.mul_d(l.mul_d(reach, reach), l.splat_d(1.0 + 16.0 * UNIT));
+    let within = l.mul_d(l.mul_d(radii, radii), l.splat_d(1.0 - 16.0 * UNIT));
+    // Both are false for NaN.
+    [l.lt_d(l.add_d(reach, least), squares), l.lt_d(squares, l.sub_d(within, least))]
 }
 
-/// How far apart two spheres are that are within a margin, metres; and whether they touch, where that says nothing. `None`
-/// where neither is proved, or the distance not with a bound of at most `sharp` times itself.
+/// How far apart two spheres are; `None` where it is not proved that they are apart and within a margin, metres, or not with a
+/// bound of at most `sharp` times the distance.
 #[inline(always)]
 pub(crate) fn distance_within(
     spheres: [PlacedSphere; 2],
     margin: f64,
     sharp: f64,
-) -> Option<(Distance, bool)> {
+) -> Option<Distance> {
     let spheres = Spheres::of(spheres)?;
-    let gap = spheres.gap();
-    let Gap { value, error } = spheres.sharpened(gap, sharp)?;
-    // No condition depends on whether they touch, which no predictor knows. The upper bound is a step of f64 above the sum; of
-    // those that touch it is below 0.
-    let is_proved = value.abs() > error && value + error < margin;
+    let Gap { value, error } = spheres.sharpened(spheres.gap(), sharp)?;
+    // The upper bound is a step of f64 above the sum.
+    let is_proved = value > error && value + error < margin;
     is_proved.then(|| {
         let (normal, point_a, point_b) = spheres.witnesses();
-        let distance = Distance { distance: value, point_a, point_b, normal, error_bound: error };
-        (distance, value < 0.0)
+        Distance { distance: value, point_a, point_b, normal, error_bound: error }
     })
 }
 

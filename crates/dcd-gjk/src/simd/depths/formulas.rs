@@ -3,9 +3,9 @@
 use super::super::closed::patches;
 use super::super::closed::{are_cuboids, depths as of_cuboids};
 use super::super::scene_pairs::ScenePairs;
-use super::super::spheres::MeasureSpheres;
+use super::super::spheres::{MeasureSpheres, Near, NearPair};
 use super::{Answers, SimdDepths};
-use crate::closed::{self, PlacedSphere};
+use crate::closed;
 use crate::query::MeasureDepth;
 use crate::{
     Accuracy, Contact, ContactList, ContactSink, ContactsOf, PosedShape, Verdict, certified,
@@ -65,14 +65,16 @@ pub(super) struct BySpheres<'a, S: MeasureDepth> {
 impl<S: MeasureDepth> MeasureSpheres for BySpheres<'_, S> {
     type Answer = S::Answer;
 
+    /// One by one: each has an answer of its own.
     #[inline(always)]
-    fn measure(
-        &self,
-        spheres: [PlacedSphere; 2],
-        pair: Pair,
-        contacts: &mut ContactsOf<S::Answer>,
-    ) -> bool {
+    fn measure_all(&self, _: &Near<'_>, _: &mut ContactsOf<S::Answer>) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn measure(&self, near: NearPair, contacts: &mut ContactsOf<S::Answer>) -> bool {
         let SimdDepths { accuracy, solver, .. } = self.narrow;
+        let NearPair { pair, spheres, .. } = near;
         let Some(depth) = closed::depth_of_spheres(spheres, closed::sharp_of(*accuracy)) else {
             return false;
         };
