@@ -145,15 +145,6 @@ impl<L: Lanes> Lanes for Eight<L> {
 
     hand_on_arithmetic! {}
 
-    #[inline(always)]
-    fn sphere_pairs<S: AsRef<[f64; 4]>>(
-        self,
-        spheres: [&[S]; 2],
-        pairs: &[Pair; WIDTH / 2],
-    ) -> [L::D; 4] {
-        self.0.sphere_pairs(spheres, pairs)
-    }
-
     hand_on! {
         mul_add(a: L::F, b: L::F, c: L::F) -> L::F;
     }

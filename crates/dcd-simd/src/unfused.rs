@@ -67,6 +67,15 @@ macro_rules! hand_on_arithmetic {
             tag_of(a: L::F, mask: L::U) -> L::U;
             neg(a: L::F) -> L::F;
         }
+
+        #[inline(always)]
+        fn sphere_pairs<S: AsRef<[f64; 4]>>(
+            self,
+            spheres: [&[S]; 2],
+            pairs: &[$crate::Pair; $crate::WIDTH / 2],
+        ) -> [L::D; 4] {
+            self.0.sphere_pairs(spheres, pairs)
+        }
     };
 }
 pub(crate) use hand_on_arithmetic;
@@ -89,15 +98,6 @@ impl<L: Lanes> Lanes for Apart<L> {
     }
 
     hand_on_arithmetic! {}
-
-    #[inline(always)]
-    fn sphere_pairs<S: AsRef<[f64; 4]>>(
-        self,
-        spheres: [&[S]; 2],
-        pairs: &[Pair; WIDTH / 2],
-    ) -> [L::D; 4] {
-        self.0.sphere_pairs(spheres, pairs)
-    }
 
     hand_on! {
         load_from(numbers: &[f32; WIDTH]) -> L::F;
