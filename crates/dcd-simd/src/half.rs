@@ -138,6 +138,7 @@ impl<L: Lanes> Lanes for Eight<L> {
         twice.0[LANES..].copy_from_slice(&half);
         self.0.largest(self.0.load(&twice))
     }
+
     #[inline(always)]
     fn call<K: Kernel>(self, kernel: K) -> K::Output {
         self.0.call(InHalf(self.1, kernel))
