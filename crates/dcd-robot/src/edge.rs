@@ -240,7 +240,7 @@ impl EdgeChecker {
     }
 
     /// Whether the path is free, by at most `budget` intervals: the same answer at each call, whatever
-    /// else runs. Before a hit the path is proved free as far as it is, to within 2⁻⁸ of t.
+    /// else runs. Before a hit the path is proved free as far as it is, to within 2⁻⁷ of t.
     ///
     /// # Errors
     /// A control point that is no state of the robot; a state on the way in which a part is out of range.

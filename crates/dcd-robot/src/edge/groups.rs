@@ -95,7 +95,8 @@ fn around(robot: &Robot, carried: &[(usize, &Chain, &CoverSphere)]) -> Option<Ca
     });
     let middle = 0.5 * min + 0.5 * max;
     let reach = |&(centre, radius): &(DVec3, f64)| middle.distance(centre) + radius;
-    let outer = spheres.iter().map(reach).fold(0.0, f64::max) * ROUNDED_UP;
+    // The link's frame stretches the ways between them too.
+    let outer = spheres.iter().map(reach).fold(0.0, f64::max) * (1.0 + STRETCH) * ROUNDED_UP;
     let &(part, chain, _) = carried.first()?;
     let first = origin(part);
     let centre = first.rotation.inverse() * (middle - first.translation);

@@ -23,8 +23,8 @@ use std::ops::Range;
 /// other. Larger: gaps below a micrometre stay undecided.
 const SHORTEST: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// How near to a hit the path before it is proved free, if it is. No unit. Smaller: more intervals before
-/// each hit (at 2⁻¹² twice as many). Larger: `free_until` ends earlier.
+/// The length of an interval before a hit that is left as it is: the path is proved free up to twice that before what touches, if
+/// it is. No unit. Smaller: more intervals before each hit (at 2⁻¹² twice as many). Larger: `free_until` ends earlier.
 const BEFORE_A_HIT: f64 = 1.0 / (1u64 << 8) as f64;
 
 /// The states of a path that are looked at before any interval: in sixteenths, all at once.
@@ -34,8 +34,8 @@ const SAMPLES: [u8; 16] = [0, 16, 8, 4, 12, 2, 6, 10, 14, 1, 3, 5, 7, 9, 11, 13]
 /// more distances that prove too little. Smaller: shorter intervals than need be.
 const BETTER: f64 = 1.5;
 
-/// How much less two links may move for a group of pairs to stay whole until they do, two halvings of the interval. No unit.
-/// Larger: more intervals. Smaller: more pairs are looked at one by one.
+/// How much less two links may move for a group of pairs to stay whole until they do, two halvings of the interval, if there
+/// will be so many. No unit. Larger: more intervals. Smaller: more pairs are looked at one by one.
 const SOON: f64 = 0.75;
 
 pub(super) struct EdgeSearch<'a> {
@@ -225,11 +225,15 @@ impl<'a> EdgeSearch<'a> {
         Ok(())
     }
 
+    /// The length of an interval that is not halved.
+    fn shortest(&self) -> f64 {
+        if self.hit.is_some() { BEFORE_A_HIT } else { SHORTEST }
+    }
+
     /// Why the node is not looked at any more.
     fn ends(&self, node: &Node) -> Option<EdgeReason> {
         let length = node.to - node.from;
-        let is_short = length <= SHORTEST || (self.hit.is_some() && length <= BEFORE_A_HIT);
-        if is_short {
+        if length <= self.shortest() {
             Some(EdgeReason::Short)
         } else if self.nodes >= self.budget {
             Some(EdgeReason::Budget)
@@ -332,7 +336,7 @@ impl<'a> EdgeSearch<'a> {
         if is_far(margin) {
             self.note(margin);
             Reach::Beyond
-        } else if is_far(margin + SOON * self.moved(pair)) {
+        } else if is_far(margin + SOON * self.moved(pair)) && self.half > 2.0 * self.shortest() {
             Reach::Moves
         } else {
             Reach::Near

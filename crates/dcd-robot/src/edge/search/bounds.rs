@@ -82,7 +82,7 @@ impl EdgeSearch<'_> {
         let [in_a, in_b] = [a, b].map(|i| {
             let mover = &self.movers[i];
             let twist = mover.twist.from(&carrier);
-            let radius = self.checker.volumes[i].turning;
+            let radius = self.checker.volumes[i].turning + mover.lengths.deviation;
             (twist.of(mover.middle - base), radius * twist.turn.length())
         });
         let now = (in_a.0 - in_b.0).length() + in_a.1 + in_b.1;

@@ -77,3 +77,28 @@ fn edges_of_links_with_several_objects_are_answered_as_their_samples_say() {
     }
     assert!(free > 5 && hits > 5 && undecided > 5, "{free} {hits} {undecided}");
 }
+
+#[test]
+fn a_link_that_leaves_a_ball_between_its_own_is_proved_free_up_to_what_it_meets() {
+    let ball = |y: f64| {
+        format!(
+            "<collision><origin xyz=\"0 {y} 0\"/><geometry><sphere radius=\"0.01\"/></geometry></collision>"
+        )
+    };
+    let text = format!(
+        "<robot name=\"slide\"><link name=\"base\"/><link name=\"bar\">{}{}</link><joint name=\"along\" type=\"prismatic\">\
+         <axis xyz=\"1 0 0\"/><limit lower=\"0\" upper=\"2\" effort=\"1\" velocity=\"1\"/><parent link=\"base\"/>\
+         <child link=\"bar\"/></joint></robot>",
+        ball(-0.5),
+        ball(0.5)
+    );
+    let robot = Robot::read(&text, Path::new("."), LinkShapes::Hulls).unwrap();
+    let small = |name: &str, at| obstacle(name, Shape::sphere(0.01).unwrap(), at);
+    // The sphere round the bar begins in that round the first ball, by less than it moves in the shortest interval.
+    let obstacles = vec![small("left", DVec3::X * -0.517), small("met", DVec3::new(2.0, 0.5, 0.0))];
+    let checker = checker(robot, obstacles);
+    let edge = checker.check(&straight(&[0.0], &[2.0]), 10_000).unwrap();
+    assert!(matches!(edge.answer, EdgeAnswer::Hit { t: 0.99..=1.0, .. }), "{edge:?}");
+    // They touch from a way of 1.98 on.
+    assert!(edge.free_until > 0.99 - 1.0 / 128.0 && edge.free_until < 0.99, "{edge:?}");
+}
