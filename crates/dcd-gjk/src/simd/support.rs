@@ -67,15 +67,19 @@ impl Kernel for Supports<'_> {
             let d = V3::<L>(l.splat(d[0].0[k]), l.splat(d[1].0[k]), l.splat(d[2].0[k]));
             let tag = l.splat_u(record.tag.into());
             let own = &blocks[record.first as usize..][..usize::from(record.blocks)];
-            let Some(block) = own.first() else { continue };
+            let Some((block, rest)) = own.split_first() else { continue };
             let mut best = l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers);
-            // Most hulls have one block or two, and which is not predicted: of one the first is looked at again.
-            let second = usize::from(own.len() > 1);
-            let mut numbers = l.add_u(numbers, l.splat_u((second * WIDTH) as u32));
-            best = l.max(best, l.tag(V3::load(l, &own[second].0).dot(l, d), tag, numbers));
-            for block in own.get(2..).unwrap_or_default() {
-                numbers = l.add_u(numbers, l.splat_u(WIDTH as u32));
-                best = l.max(best, l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers));
+            if rest.len() < 2 {
+                // Whether a small hull has one block or two is not predicted: of one the first is looked at again.
+                let second = rest.len();
+                let numbers = l.add_u(numbers, l.splat_u((second * WIDTH) as u32));
+                best = l.max(best, l.tag(V3::load(l, &own[second].0).dot(l, d), tag, numbers));
+            } else {
+                let mut numbers = numbers;
+                for block in rest {
+                    numbers = l.add_u(numbers, l.splat_u(WIDTH as u32));
+                    best = l.max(best, l.tag(V3::load(l, &block.0).dot(l, d), tag, numbers));
+                }
             }
             l.store(best, &mut support_scratch.along[k]);
         }
