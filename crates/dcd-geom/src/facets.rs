@@ -125,7 +125,7 @@ impl Facets {
 
     /// The corners of a half-edge's face, as [`Facets::corners`] has them.
     #[inline]
-    pub fn corners_along(&self, half_edge: &HalfEdge) -> &[u32] {
+    pub fn face_corners(&self, half_edge: &HalfEdge) -> &[u32] {
         &self.corners[half_edge.first as usize..][..half_edge.count as usize]
     }
 

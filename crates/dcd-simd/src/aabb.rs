@@ -39,7 +39,7 @@ impl Aabb {
 
     /// The smallest f32 AABB that contains the f64 one, which is finite, and all its sides within itself.
     #[inline]
-    pub fn outside(min: DVec3, max: DVec3) -> Self {
+    pub fn strictly_outward(min: DVec3, max: DVec3) -> Self {
         let (min, max) = ((-min).to_array().map(above), max.to_array().map(above));
         Self { min: -Vec3::from_array(min), max: Vec3::from_array(max) }
     }
@@ -137,7 +137,7 @@ mod tests {
             assert!(f64::from(down) <= x && x <= f64::from(up), "{x}");
             assert!(down == up || up == down.next_up(), "{x}: {down} {up}");
             if x.is_finite() {
-                let around = Aabb::outside(DVec3::splat(x), DVec3::splat(x));
+                let around = Aabb::strictly_outward(DVec3::splat(x), DVec3::splat(x));
                 let beside = Aabb::outward(DVec3::splat(x.next_down()), DVec3::splat(x.next_up()));
                 assert_eq!(around, beside, "{x}");
                 assert!(f64::from(around.min.x) < x && x < f64::from(around.max.x), "{x}");

@@ -33,7 +33,7 @@ fn validate(vertices: &[DVec3]) -> Facets {
         assert_eq!(facets.half_edges_from(vertex), around, "{vertices:?}");
         for half_edge in facets.half_edges_from(vertex) {
             let facet = &facets.facets()[half_edge.face as usize];
-            assert_eq!(facets.corners_along(half_edge), facets.corners(facet), "{vertices:?}");
+            assert_eq!(facets.face_corners(half_edge), facets.corners(facet), "{vertices:?}");
         }
     }
     let mut backwards: Vec<_> = edges.iter().map(|&(from, to)| (to, from)).collect();

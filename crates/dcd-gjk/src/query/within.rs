@@ -201,7 +201,7 @@ pub(crate) fn grown(aabb: &Aabb, by: f64) -> Aabb {
     }
     // Half of an odd denormal, and each sum, is rounded once.
     let by = by.next_up();
-    Aabb::outside(aabb.min.as_dvec3() - by, aabb.max.as_dvec3() + by)
+    Aabb::strictly_outward(aabb.min.as_dvec3() - by, aabb.max.as_dvec3() + by)
 }
 
 #[cfg(test)]

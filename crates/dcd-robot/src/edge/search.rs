@@ -310,20 +310,17 @@ impl<'a> EdgeSearch<'a> {
 
     /// Adds to what is open what of a pair or a group is not proved.
     fn take_up(&mut self, open: u32) {
-        let Some(group) = self.group(open) else {
-            if !self.is_proved(open) {
-                self.open.push(open);
-            }
-            return;
-        };
+        let Some(group) = self.group(open) else { return self.take_up_pair(open) };
         match self.reach_of(group) {
             Reach::Beyond => {}
             Reach::Moves => self.open.push(open),
-            Reach::Near => group.members.iter().for_each(|&pair| {
-                if !self.is_proved(pair) {
-                    self.open.push(pair);
-                }
-            }),
+            Reach::Near => group.members.iter().for_each(|&pair| self.take_up_pair(pair)),
+        }
+    }
+
+    fn take_up_pair(&mut self, pair: u32) {
+        if !self.is_proved(pair) {
+            self.open.push(pair);
         }
     }
 

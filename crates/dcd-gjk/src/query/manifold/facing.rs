@@ -348,7 +348,7 @@ impl<'a> Choice<'a> {
     fn face_along(&self, half_edge: &HalfEdge) -> Part<'a> {
         let facets: &'a Facets = self.polytope.facets();
         let &HalfEdge { face: index, normal, .. } = half_edge;
-        Part::Face { index, normal, corners: facets.corners_along(half_edge) }
+        Part::Face { index, normal, corners: facets.face_corners(half_edge) }
     }
 
     fn face(&self, index: u32) -> Part<'a> {
