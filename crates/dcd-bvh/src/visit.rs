@@ -1,7 +1,7 @@
 //! Queries of the wide tree: boxes by ascending key.
 
 use crate::WideBvh;
-use dcd_simd::{BoxTest, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, nearest_first};
+use dcd_simd::{ArrayVec, BoxTest, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, nearest_first};
 
 /// A u32 counts the boxes of at most eight levels, and a node is replaced by at most sixteen.
 const STACK: usize = 8 * WIDTH;
@@ -45,13 +45,10 @@ impl<T: BoxTest> Kernel for Visit<'_, T> {
         if tree.leaves().is_empty() {
             return;
         }
-        let mut stack: [Entry; STACK] = [(0.0, 0, 0); STACK];
-        stack[0] = (0.0, 0, tree.levels().len() as u32);
-        let mut count = 1;
+        let mut stack = ArrayVec::<Entry, STACK>::new();
+        stack.push((0.0, 0, tree.levels().len() as u32));
         let (mut keys, mut lanes) = (Row::default(), [0; WIDTH]);
-        while count > 0 {
-            count -= 1;
-            let (key, node, height) = stack[count];
+        while let Some((key, node, height)) = stack.pop() {
             if key > limit {
                 continue;
             }
@@ -61,14 +58,15 @@ impl<T: BoxTest> Kernel for Visit<'_, T> {
             };
             let row = test.keys(l, boxes);
             l.store(row, &mut keys);
-            let near = nearest_first(&keys, l.bits(l.le(row, l.splat(limit))), &mut lanes);
+            let met = l.bits(l.le(row, l.splat(limit)));
+            let near = nearest_first(&keys, met, &mut lanes);
             if height > 0 {
+                let child = |&lane: &u8| {
+                    let number = node * WIDTH as u32 + u32::from(lane);
+                    (keys.0[lane as usize % WIDTH], number, height - 1)
+                };
                 // The nearest on top.
-                for &lane in lanes[..near].iter().rev() {
-                    let child = node * WIDTH as u32 + u32::from(lane);
-                    stack[count] = (keys.0[lane as usize], child, height - 1);
-                    count += 1;
-                }
+                stack.extend(lanes[..near].iter().rev().map(child));
                 continue;
             }
             for &lane in &lanes[..near] {

@@ -136,7 +136,7 @@ impl<'f> QueryFilter<'f> {
     }
 }
 
-/// How many boxes a query begins in, in most scenes; more take a second allocation.
+/// How many boxes a query begins in, in most scenes where it begins in any; more take a second allocation.
 const MET_FIRST: usize = 64;
 
 /// The trees of a step.
@@ -194,8 +194,11 @@ impl<'a> Queries<'a> {
     /// The objects whose boxes have a key of 0, ascending: those that may be met where the query begins. Of what is met
     /// there the least object counts, so that the first of these that is ends a search.
     fn met_first(&self, test: &impl BoxTest) -> Vec<u32> {
-        let mut objects = Vec::with_capacity(MET_FIRST);
+        let mut objects = Vec::new();
         self.visit(test, 0.0, &mut |object, _| {
+            if objects.is_empty() {
+                objects.reserve(MET_FIRST);
+            }
             objects.push(object);
             0.0
         });

@@ -99,7 +99,7 @@ pub(crate) fn round_up(x: f64) -> f32 {
 
 /// The smallest f32 above a finite x.
 #[inline]
-fn above(x: f64) -> f32 {
+pub(crate) fn above(x: f64) -> f32 {
     let nearest = x as f32;
     // Without the sign of −0, which is that of no number below 0.
     let bits = (nearest + 0.0).to_bits();

@@ -31,6 +31,14 @@ impl<T: Copy, const N: usize> ArrayVec<T, N> {
         self.extend(std::iter::once(item));
     }
 
+    /// Takes the last item away, if there is any.
+    #[inline(always)]
+    pub fn pop(&mut self) -> Option<T> {
+        let last = self.last().copied()?;
+        self.count -= 1;
+        Some(last)
+    }
+
     /// Adds items at the end, as many as there is room for: their number is kept in a register meanwhile.
     #[inline(always)]
     pub fn extend(&mut self, items: impl Iterator<Item = T>) {
@@ -93,12 +101,15 @@ mod tests {
             list.push(10 + k);
         }
         assert_eq!(*list, [10, 11, 12]);
+        assert_eq!((list.pop(), &*list), (Some(12), &[10, 11][..]));
+        list.push(12);
         list[1] = 7;
         list.count = 0;
         list.push(10);
         list.extend([7, 12, 13, 14].into_iter());
         let copy = list;
         list.count = 0;
+        assert_eq!(list.pop(), None);
         assert_eq!((list.len(), &*copy), (0, &[10, 7, 12][..]));
     }
 

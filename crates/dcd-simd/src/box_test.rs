@@ -1,6 +1,6 @@
 //! The test of a query against sixteen boxes at once: how soon, or how near, something in each can be.
 
-use crate::aabb::{round_down, round_up};
+use crate::aabb::{above, round_down, round_up};
 use crate::{Aabb, Aabb16, Lanes, Row, WIDTH};
 use glam::DVec3;
 
@@ -74,11 +74,10 @@ impl RaySlabs {
         let scale = power(half) * power(exponent - half);
         let inverse =
             scaled.to_array().map(|d| if d.abs() < PARALLEL { 0.0 } else { (1.0 / d) as f32 });
-        let bound = |x: f32| x.clamp(f32::MIN, f32::MAX);
-        let (low, high) = (low.to_array(), high.to_array());
+        let beyond = |x: f64| above(x.clamp(f64::MIN, f64::MAX)).clamp(f32::MIN, f32::MAX);
         let mut slabs = Self {
-            low: low.map(|x| bound(round_down(x.next_down()))),
-            high: high.map(|x| bound(round_up(x.next_up()))),
+            low: low.to_array().map(|x| -beyond(-x)),
+            high: high.to_array().map(beyond),
             inverse,
             scale,
         };
@@ -120,9 +119,10 @@ impl BoxTest for RaySlabs {
             let (first, last) = (l.sub(min, high), l.sub(max, low));
             let inverse = l.splat(inverse);
             let (first, last) = (l.mul(first, inverse), l.mul(last, inverse));
-            let (near, far) = if self.inverse[axis] > 0.0 { (first, last) } else { (last, first) };
-            enter = l.max(enter, near);
-            leave = l.min(leave, far);
+            // Which of them is nearer is the direction's sign: the same for all boxes, another for each ray, so that a
+            // branch on it would be mispredicted. Of an empty box neither counts.
+            enter = l.max(enter, l.min(first, last));
+            leave = l.min(leave, l.max(first, last));
         }
         let leave = l.add(l.mul(leave, l.splat(1.0 + ROUNDING as f32)), l.splat(UNDERFLOW));
         l.select(l.and(open, l.le(enter, leave)), enter, l.splat(f32::INFINITY))

@@ -14,6 +14,8 @@ pub struct PartTree {
     blocks: Vec<Aabb16>,
     below: Vec<IndexRow>,
     unions: Vec<Aabb>,
+    /// For each block, how many of its lanes, the first ones, are needed.
+    filled: Vec<u8>,
     leaves: usize,
 }
 
@@ -45,6 +47,11 @@ impl PartTree {
         })
     }
 
+    /// The lanes of a block that are needed, a bit each.
+    pub(super) fn filled(&self, block: usize) -> u32 {
+        (1 << self.filled[block]) - 1
+    }
+
     /// For each block, the AABB round all of its AABBs.
     pub fn unions(&self) -> &[Aabb] {
         &self.unions
@@ -69,10 +76,13 @@ impl PartTree {
     /// appended as a leaf must come before the first that is none. The block's number.
     pub(super) fn push(&mut self, entries: impl Iterator<Item = (Aabb, u32)>) -> u32 {
         let (mut block, mut below) = (Aabb16::EMPTY, IndexRow::default());
+        let mut filled = 0;
         for (lane, (aabb, number)) in entries.take(WIDTH).enumerate() {
             block.set(lane, &aabb);
             below.0[lane] = number;
+            filled += 1;
         }
+        self.filled.push(filled);
         self.blocks.push(block);
         self.below.push(below);
         self.unions.push(block.union());

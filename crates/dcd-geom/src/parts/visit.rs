@@ -1,10 +1,14 @@
 //! Queries of a tree over parts: parts by ascending key.
 
 use super::PartTree;
-use dcd_simd::{BoxTest, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, nearest_first};
+use dcd_simd::{ArrayVec, BoxTest, Kernel, Lanes, Path, Row, WIDTH, dispatch_on, nearest_first};
 
 /// Which parts of a leaf whose boxes are near are worth a visit.
 pub trait LeafFilter {
+    /// Whether it is asked for the lanes alone whose boxes are near. If not, the boxes of leaves are not looked at, and all
+    /// parts of a leaf have the key of the box round it: for filters that are as sharp, and read other memory.
+    const AFTER_BOXES: bool = true;
+
     /// Which of these lanes of a leaf's block, by its number, are to be visited. To be marked `#[inline(always)]`.
     fn keep<L: Lanes>(&self, l: L, leaf: usize, lanes: u32) -> u32;
 }
@@ -51,6 +55,29 @@ impl PartTree {
     }
 }
 
+/// How many blocks wait in most searches: more take memory of the heap.
+const WAITING: usize = 4 * WIDTH;
+
+/// A stack whose first entries are in its own memory, so that most searches do not allocate. How high a tree is depends
+/// on the parts: see how it is built.
+#[derive(Default)]
+struct Stack<T: Copy> {
+    first: ArrayVec<T, WAITING>,
+    more: Vec<T>,
+}
+
+impl<T: Copy> Stack<T> {
+    #[inline(always)]
+    fn push(&mut self, entry: T) {
+        if self.first.len() < WAITING { self.first.push(entry) } else { self.more.push(entry) }
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<T> {
+        if self.more.is_empty() { self.first.pop() } else { self.more.pop() }
+    }
+}
+
 struct VisitWithin<'a, T> {
     tree: &'a PartTree,
     test: &'a T,
@@ -64,7 +91,7 @@ impl<T: BoxTest> Kernel for VisitWithin<'_, T> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
         let Self { tree, test, limit, visit } = self;
-        let mut stack: Vec<u32> = Vec::with_capacity(4 * WIDTH);
+        let mut stack = Stack::default();
         if !tree.blocks().is_empty() {
             stack.push(tree.root() as u32);
         }
@@ -101,7 +128,7 @@ impl<T: BoxTest, F: LeafFilter> Kernel for Visit<'_, T, F> {
     fn run<L: Lanes>(self, l: L) {
         let Self { tree, test, leaves, mut limit, visit } = self;
         // The key of a block's box, and its number.
-        let mut stack: Vec<(f32, u32)> = Vec::with_capacity(4 * WIDTH);
+        let mut stack = Stack::default();
         if !tree.blocks().is_empty() {
             stack.push((0.0, tree.root() as u32));
         }
@@ -110,13 +137,21 @@ impl<T: BoxTest, F: LeafFilter> Kernel for Visit<'_, T, F> {
             if key > limit {
                 continue;
             }
-            let row = test.keys(l, &tree.blocks()[number as usize]);
+            let (block, below) = (number as usize, &tree.below()[number as usize].0);
+            let is_leaf = block < tree.leaf_count();
+            if is_leaf && !F::AFTER_BOXES {
+                let mut kept = leaves.keep(l, block, tree.filled(block));
+                while kept != 0 && key <= limit {
+                    limit = visit(below[kept.trailing_zeros() as usize % WIDTH], key);
+                    kept &= kept - 1;
+                }
+                continue;
+            }
+            let row = test.keys(l, &tree.blocks()[block]);
             l.store(row, &mut keys);
             let met = l.bits(l.le(row, l.splat(limit)));
-            let is_leaf = (number as usize) < tree.leaf_count();
-            let met = if is_leaf && met != 0 { leaves.keep(l, number as usize, met) } else { met };
+            let met = if is_leaf && met != 0 { leaves.keep(l, block, met) } else { met };
             let near = nearest_first(&keys, met, &mut lanes);
-            let below = &tree.below()[number as usize].0;
             if !is_leaf {
                 // The nearest on top.
                 for &lane in lanes[..near].iter().rev() {
@@ -183,6 +218,42 @@ mod tests {
                 });
                 assert_eq!(calls, met.len().min(2));
             }
+        }
+    }
+
+    /// All lanes that there are, without their boxes.
+    struct Unboxed;
+
+    impl LeafFilter for Unboxed {
+        const AFTER_BOXES: bool = false;
+
+        fn keep<L: Lanes>(&self, _: L, _: usize, lanes: u32) -> u32 {
+            lanes
+        }
+    }
+
+    #[test]
+    fn a_filter_that_is_asked_without_boxes_sees_every_part_of_a_leaf_once_until_the_end() {
+        for count in [1, 15, 16, 17, 300, 2000] {
+            let point = |k: usize| Vec3::new((k % 7) as f32, (k % 11) as f32, (k % 13) as f32);
+            let boxes: Vec<Aabb> =
+                (0..count).map(|k| Aabb { min: point(k), max: point(k) }).collect();
+            let tree = PartTree::over(&boxes);
+            let test = PointDistance::new(DVec3::splat(3.0));
+            let limit = test.key_of(1e3);
+            let mut met = Vec::new();
+            tree.visit_filtered((&test, &Unboxed), limit, &mut |part, _| {
+                met.push(part as usize);
+                limit
+            });
+            met.sort_unstable();
+            assert!(met.into_iter().eq(0..count), "{count}");
+            let mut calls = 0;
+            tree.visit_filtered((&test, &Unboxed), limit, &mut |_, _| {
+                calls += 1;
+                -1.0
+            });
+            assert_eq!(calls, 1);
         }
     }
 }

@@ -29,6 +29,9 @@ pub(super) struct NotMissed<'a> {
 type Seen<L> = [<L as Lanes>::F; 2];
 
 impl LeafFilter for NotMissed<'_> {
+    /// A triangle is missed wherever its box is, but for rays that begin or end before it.
+    const AFTER_BOXES: bool = false;
+
     #[inline(always)]
     fn keep<L: Lanes>(&self, l: L, leaf: usize, lanes: u32) -> u32 {
         let Some(leaf) = self.leaves.get(leaf) else { return lanes };
