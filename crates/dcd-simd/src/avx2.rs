@@ -216,6 +216,15 @@ impl Lanes for Avx2 {
         both!(_mm256_mul_pd, a, b)
     }
     #[inline(always)]
+    fn div_d(self, a: Self::D, b: Self::D) -> Self::D {
+        both!(_mm256_div_pd, a, b)
+    }
+    #[inline(always)]
+    fn select_lt_d(self, a: Self::D, b: Self::D, yes: Self::D, no: Self::D) -> Self::D {
+        let is_less = both!(_mm256_cmp_pd::<_CMP_LT_OQ>, a, b);
+        both!(_mm256_blendv_pd, no, yes, is_less)
+    }
+    #[inline(always)]
     fn lt_d(self, a: Self::D, b: Self::D) -> u32 {
         let less = both!(sphere_pairs::less, a, b);
         (less.0 | less.1 << 4).cast_unsigned()

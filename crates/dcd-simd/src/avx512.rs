@@ -200,6 +200,14 @@ impl Lanes for Avx512 {
         op!(_mm512_mul_pd(a, b))
     }
     #[inline(always)]
+    fn div_d(self, a: __m512d, b: __m512d) -> __m512d {
+        op!(_mm512_div_pd(a, b))
+    }
+    #[inline(always)]
+    fn select_lt_d(self, a: __m512d, b: __m512d, yes: __m512d, no: __m512d) -> __m512d {
+        op!(_mm512_mask_blend_pd(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b), no, yes))
+    }
+    #[inline(always)]
     fn lt_d(self, a: __m512d, b: __m512d) -> u32 {
         op!(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b)).into()
     }

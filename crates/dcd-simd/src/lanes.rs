@@ -77,6 +77,10 @@ pub trait Lanes: Copy {
     fn sub_d(self, a: Self::D, b: Self::D) -> Self::D;
     /// a·b.
     fn mul_d(self, a: Self::D, b: Self::D) -> Self::D;
+    /// a / b.
+    fn div_d(self, a: Self::D, b: Self::D) -> Self::D;
+    /// `yes` where a < b, else `no`.
+    fn select_lt_d(self, a: Self::D, b: Self::D, yes: Self::D, no: Self::D) -> Self::D;
     /// a < b: lane k is bit k.
     #[inline(always)]
     fn lt_d(self, a: Self::D, b: Self::D) -> u32 {

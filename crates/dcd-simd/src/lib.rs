@@ -228,7 +228,8 @@ mod tests {
         let low = l.sub_d(l.mul_d(a, b), l.add_d(a, l.splat_d(0.1)));
         let mut halves = [[0.0; WIDTH / 2]; 2];
         l.store_d(low, &mut halves[0]);
-        l.store_d(l.mul_d(low, low), &mut halves[1]);
+        let quotient = l.div_d(l.mul_d(low, low), b);
+        l.store_d(l.select_lt_d(a, b, low, quotient), &mut halves[1]);
         l.round_from([&halves[0], &halves[1]])
     }
 
@@ -422,6 +423,12 @@ mod tests {
                 let (nan, one) = (l.splat(f32::NAN), l.splat(1.0));
                 let (nan_d, one_d) = (l.splat_d(f64::NAN), l.splat_d(1.0));
                 let in_f64 = l.lt_d(nan_d, one_d) | l.lt_d(one_d, nan_d) | l.lt_d(nan_d, nan_d);
+                let mut chosen = [0.0; WIDTH / 2];
+                let (yes, no) = (l.splat_d(1.0), l.splat_d(0.0));
+                for (p, q) in [(nan_d, one_d), (one_d, nan_d)] {
+                    l.store_d(l.select_lt_d(p, q, yes, no), &mut chosen);
+                    assert_eq!(chosen, [0.0; WIDTH / 2]);
+                }
                 l.bits(l.lt(nan, one)) | l.bits(l.le(one, nan)) | l.bits(l.lt(one, nan)) | in_f64
             }
         }

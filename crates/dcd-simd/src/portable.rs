@@ -149,6 +149,14 @@ impl Lanes for Portable {
     fn mul_d(self, a: Self::D, b: Self::D) -> Self::D {
         each!(k => a[k] * b[k])
     }
+    #[inline(always)]
+    fn div_d(self, a: Self::D, b: Self::D) -> Self::D {
+        each!(k => a[k] / b[k])
+    }
+    #[inline(always)]
+    fn select_lt_d(self, a: Self::D, b: Self::D, yes: Self::D, no: Self::D) -> Self::D {
+        each!(k => if a[k] < b[k] { yes[k] } else { no[k] })
+    }
 
     #[inline(always)]
     fn splat_u(self, x: u32) -> Self::U {

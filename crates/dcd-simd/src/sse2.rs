@@ -206,6 +206,16 @@ impl Lanes for Sse2 {
     fn mul_d(self, a: Self::D, b: Self::D) -> Self::D {
         each!(_mm_mul_pd, a, b)
     }
+    #[inline(always)]
+    fn div_d(self, a: Self::D, b: Self::D) -> Self::D {
+        each!(_mm_div_pd, a, b)
+    }
+    #[inline(always)]
+    fn select_lt_d(self, a: Self::D, b: Self::D, yes: Self::D, no: Self::D) -> Self::D {
+        let is_less = each!(_mm_cmplt_pd, a, b);
+        let (yes, no) = (each!(_mm_and_pd, is_less, yes), each!(_mm_andnot_pd, is_less, no));
+        each!(_mm_or_pd, yes, no)
+    }
 
     #[inline(always)]
     fn splat_u(self, x: u32) -> Self::U {

@@ -60,6 +60,8 @@ macro_rules! hand_on_arithmetic {
             add_d(a: L::D, b: L::D) -> L::D;
             sub_d(a: L::D, b: L::D) -> L::D;
             mul_d(a: L::D, b: L::D) -> L::D;
+            div_d(a: L::D, b: L::D) -> L::D;
+            select_lt_d(a: L::D, b: L::D, yes: L::D, no: L::D) -> L::D;
             lt_d(a: L::D, b: L::D) -> u32;
             splat_u(x: u32) -> L::U;
             add_u(a: L::U, b: L::U) -> L::U;

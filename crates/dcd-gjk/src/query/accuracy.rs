@@ -6,6 +6,7 @@ use crate::mesh::KnownParts;
 use crate::simd::CuboidPatch;
 use crate::{Contact, ContactList, ContactsOf, Method, PairSolver, PosedShape, Verdict, certified};
 use dcd_geom::Pair;
+use dcd_simd::Path;
 
 /// How good the bound of a distance or depth has to be. The bound is proved at every accuracy: a smaller
 /// accuracy makes it wider, never false. Which pairs touch does not depend on it.
@@ -56,16 +57,17 @@ pub trait MeasureDepth: MeasureAt {
         contacts.push(Contact { pair, answer });
     }
 
-    /// The same for two polytopes, written as the answer of the contact of that number, over a default one; false, and nothing
-    /// written, where [`MeasureDepth::measure_depth`] is needed. By default always.
+    /// The same for up to [`MeasureDepth::TOGETHER`] pairs of polytopes, written as the answers of contacts, over default
+    /// ones. Returns where nothing is written and [`MeasureDepth::measure_depth`] is needed, a bit for each pair. By
+    /// default everywhere.
     fn measure_polytopes(
         &self,
-        _found: &FoundDepth,
-        _sides: [PosedShape<'_>; 2],
+        _path: Path,
+        _pairs: &[FoundPair<'_>],
         _scratch: &mut Self::Scratch,
-        (_contacts, _number): (&mut ContactsOf<Self::Answer>, usize),
-    ) -> bool {
-        false
+        _contacts: &mut ContactsOf<Self::Answer>,
+    ) -> u32 {
+        u32::MAX
     }
 
     /// The same for two cuboids of which the lanes found in f32 where they touch; false, and nothing written, where the depth is
@@ -92,6 +94,9 @@ pub trait MeasureDepth: MeasureAt {
         self.measure_at(accuracy, a, b, scratch).map(|found| *answer = found)
     }
 
+    /// How many pairs [`MeasureDepth::measure_polytopes`] answers best: at most 8.
+    const TOGETHER: usize = 1;
+
     /// Whether [`MeasureDepth::measure_polytopes`] reads the faces of the polytopes: these are prefetched then. No effect
     /// on any result.
     const READS_FACETS: bool = false;
@@ -108,6 +113,17 @@ pub struct FoundDepth {
     /// By index a vertex of a that is farthest along the normal, and one of b that is farthest against it, up to rounding
     /// in f32, where these are known.
     pub farthest: Option<[u32; 2]>,
+}
+
+/// Two polytopes of which that is known.
+#[derive(Clone, Copy, Debug)]
+pub struct FoundPair<'a> {
+    /// How deep they overlap.
+    pub found: FoundDepth,
+    /// a and b.
+    pub sides: [PosedShape<'a>; 2],
+    /// That of the contact whose answer theirs is.
+    pub number: usize,
 }
 
 impl FoundDepth {

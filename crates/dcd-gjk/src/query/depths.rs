@@ -1,6 +1,6 @@
 //! How deep touching pairs overlap.
 
-use super::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, few_parts, open_triangles, sampled};
+use super::{Accuracy, FoundPair, MeasureAt, MeasureDepth, few_parts, open_triangles, sampled};
 use crate::closed::{self, half_space};
 use crate::epa::{self, Depth};
 use crate::mesh::{Effort, KnownParts, OfTriangle, PartPair};
@@ -9,6 +9,7 @@ use crate::{
     mesh, order,
 };
 use dcd_geom::{Kind, Pair, Shape};
+use dcd_simd::Path;
 
 /// How deep a pair overlaps, where, and with what bound: see [`Depth`].
 ///
@@ -125,13 +126,15 @@ impl MeasureDepth for Depths {
 
     fn measure_polytopes(
         &self,
-        found: &FoundDepth,
-        _: [PosedShape<'_>; 2],
+        _: Path,
+        pairs: &[FoundPair<'_>],
         _: &mut epa::Scratch,
-        (contacts, number): (&mut Vec<Contact<Depth>>, usize),
-    ) -> bool {
-        contacts[number].answer = found.depth;
-        true
+        contacts: &mut Vec<Contact<Depth>>,
+    ) -> u32 {
+        for pair in pairs {
+            contacts[pair.number].answer = pair.found.depth;
+        }
+        0
     }
 
     fn measure_parts(

@@ -42,7 +42,7 @@ mod then_measure;
 mod within;
 
 pub use crate::mesh::PartIndex;
-pub use accuracy::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, WithAccuracy};
+pub use accuracy::{Accuracy, FoundDepth, FoundPair, MeasureAt, MeasureDepth, WithAccuracy};
 pub use depths::Depths;
 pub use distance_contacts::DistanceContacts;
 pub use distances::Distances;

@@ -16,7 +16,7 @@ const APART: f64 = 1e-9;
 /// The sine below which a corner of a face that clips is sharp: where its two sides cut, rounding moves that corner by some
 /// 8u of the size over the sine. Larger: more faces that go the general way, which takes such a cut to the corner itself. Smaller:
 /// points of a needle beyond its end.
-const SHARP: f64 = 1e-4;
+pub(super) const SHARP: f64 = 1e-4;
 
 /// Whether a face has a sharp corner, by its corners as they are seen, in order round it.
 #[inline(always)]

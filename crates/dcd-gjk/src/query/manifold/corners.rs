@@ -2,7 +2,7 @@
 
 use super::clip::{Corner, Patch, drop_doubles};
 use super::facing::{Part, name};
-use super::feature::{Placed, Seen, View};
+use super::feature::{Placed, Seen, View, surely_cross};
 use super::reduce::Spot;
 use super::triangle_clip::{self, Outline};
 use super::{
@@ -159,7 +159,12 @@ impl Corners {
         self.size = self.size.max(2.0 * (a.outer_radius() + b.outer_radius()));
         let parts = [view.part(a, &placed[0]), view.part(b, &placed[1])];
         let whole = parts.each_ref().map(Part::name);
-        if !share_no_corners(view, parts.each_ref(), polytopes, placed) {
+        if !share_no_corners(
+            view.normal(),
+            parts.each_ref(),
+            polytopes,
+            [&placed[0], &placed[1]].map(|placed| placed.rotation),
+        ) {
             let [of_a, of_b] = parts;
             let (seen_a, seen_b) =
                 (view.seen_part(of_a, a, &placed[0]), view.seen_part(of_b, b, &placed[1]));
@@ -346,19 +351,19 @@ pub(super) fn is_sphere(side: PosedShape<'_>) -> bool {
 
 /// Whether two parts surely have no corners in common: a vertex shares none, nor do edges that cross.
 pub(super) fn share_no_corners(
-    view: &View,
+    normal: DVec3,
     parts: [&Part<'_>; 2],
     polytopes: [&Polytope; 2],
-    placed: &[Placed<'_>; 2],
+    rotations: [&DMat3; 2],
 ) -> bool {
     match parts {
         [Part::Vertex(_), _] | [_, Part::Vertex(_)] => true,
         [Part::Edge(of_a), Part::Edge(of_b)] => {
             let edge = |number: usize, [j, k]: [u32; 2]| {
                 let vertices = polytopes[number].vertices();
-                *placed[number].rotation * (vertices[k as usize] - vertices[j as usize])
+                *rotations[number] * (vertices[k as usize] - vertices[j as usize])
             };
-            view.surely_cross(edge(0, *of_a), edge(1, *of_b))
+            surely_cross(normal, edge(0, *of_a), edge(1, *of_b))
         }
         _ => false,
     }

@@ -104,11 +104,6 @@ impl View {
         DMat3::from_cols(self.x, self.y, self.normal).transpose() * *rotation
     }
 
-    /// Whether two edges, world axes, surely cross as they are seen.
-    pub(super) fn surely_cross(&self, e: DVec3, f: DVec3) -> bool {
-        surely_cross(self.normal, e, f)
-    }
-
     /// A part of a shape whose vertices are in its own frame.
     pub(super) fn shown<'a>(
         &self,
@@ -143,7 +138,7 @@ impl View {
     }
 }
 
-/// The same as they are seen along a normal.
+/// Whether two edges, world axes, surely cross as they are seen along a normal.
 pub(super) fn surely_cross(normal: DVec3, e: DVec3, f: DVec3) -> bool {
     // Seen from the normal they are no longer than they are. False for NaN.
     let square = normal.dot(e.cross(f));

@@ -129,7 +129,7 @@ pub(super) fn write(
     let parts = [&part_a, &part_b];
     let size = 2.0 * (in_a.outer_radius() + in_b.outer_radius());
     let whole = [part_a.name(), part_b.name()];
-    if share_no_corners(&view, parts, [in_a, in_b], &placed) {
+    if share_no_corners(depth.normal, parts, [in_a, in_b], [a.pose.rotation(), b.pose.rotation()]) {
         writer.write_witnesses(depth, whole, bound_of_witnesses(depth, size, [a, b]));
         return true;
     }
@@ -290,7 +290,7 @@ impl PlacedCorners<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::corners::Corners;
     use super::super::cuboids::tests::Draw;
     use super::super::{Manifold, ManifoldPoint, write_in_order};
@@ -299,16 +299,16 @@ mod tests {
     use dcd_geom::glam::DQuat;
     use dcd_geom::{Pose, Shape};
 
-    fn vector(draw: &mut Draw) -> DVec3 {
+    pub(in super::super) fn vector(draw: &mut Draw) -> DVec3 {
         DVec3::new(draw.unit(), draw.unit(), draw.unit()) * 2.0 - 1.0
     }
 
-    fn turn(draw: &mut Draw) -> DQuat {
+    pub(in super::super) fn turn(draw: &mut Draw) -> DQuat {
         DQuat::from_vec4(vector(draw).extend(draw.unit() - 0.5)).normalize()
     }
 
     /// Clouds, prisms over regular polygons, plates, triangles, and capsules; others too with a swept radius.
-    fn shape(draw: &mut Draw, k: usize) -> Shape {
+    pub(in super::super) fn shape(draw: &mut Draw, k: usize) -> Shape {
         let prism = |sides: usize, height: f64| {
             let corner = |j: usize| {
                 let angle = (j / 2) as f64 * std::f64::consts::TAU / sides as f64;

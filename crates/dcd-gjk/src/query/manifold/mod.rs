@@ -18,6 +18,7 @@ mod facing;
 mod feature;
 mod few;
 mod hull_pair;
+mod hull_patches;
 mod mesh_on_plane;
 mod on_mesh;
 mod on_plane;
@@ -30,7 +31,7 @@ mod stand_in;
 mod surface;
 mod triangle_clip;
 
-use super::{Accuracy, FoundDepth, MeasureAt, MeasureDepth, depths};
+use super::{Accuracy, FoundDepth, FoundPair, MeasureAt, MeasureDepth, depths};
 use crate::epa::{self, Depth};
 use crate::mesh::{self, KnownParts, PartIndex};
 use crate::simd::CuboidPatch;
@@ -40,9 +41,10 @@ use corners::Corners;
 pub(crate) use cuboids::case_of;
 use dcd_geom::Pair;
 use dcd_geom::glam::DVec3;
-use dcd_simd::ArrayVec;
+use dcd_simd::{ArrayVec, Path, dispatch_on};
 pub(crate) use facing::{FACING, LEVEL};
 use feature::View;
+use hull_patches::{PAIRS, Packet, WriteSeveral};
 use on_plane::Resting;
 use one_point::{in_one_point, of_one_point};
 use parts::Measure;
@@ -154,6 +156,8 @@ pub struct Manifolds {
 pub struct Scratch {
     depth: epa::Scratch,
     corners: Corners,
+    /// Made where it is first of use: it is large.
+    packet: Option<Box<Packet>>,
     parts: mesh::Scratch,
     on_mesh: on_mesh::Scratch,
     on_plane: mesh_on_plane::Scratch,
@@ -262,17 +266,14 @@ impl MeasureDepth for Manifolds {
 
     fn measure_polytopes(
         &self,
-        known: &FoundDepth,
-        sides: [PosedShape<'_>; 2],
+        path: Path,
+        pairs: &[FoundPair<'_>],
         scratch: &mut Scratch,
-        (contacts, number): (&mut ManifoldContacts, usize),
-    ) -> bool {
-        let [a, b] = sides;
-        let is_written = write_of_polytopes(known, a, b, &mut scratch.corners, contacts.writer());
-        if is_written {
-            contacts.keep_last(number);
-        }
-        is_written
+        contacts: &mut ManifoldContacts,
+    ) -> u32 {
+        let Scratch { corners, packet, .. } = scratch;
+        let packet = &mut **packet.get_or_insert_default();
+        dispatch_on(path, WriteSeveral { pairs, packet, corners, contacts })
     }
 
     #[inline(always)]
@@ -301,6 +302,7 @@ impl MeasureDepth for Manifolds {
         parts::write(how, Some(known), sides, scratch, answer)
     }
 
+    const TOGETHER: usize = PAIRS;
     const READS_FACETS: bool = true;
     const READS_PATCHES: bool = true;
 }

@@ -42,7 +42,7 @@ impl ApartCores {
         for ((&number, &pair), found) in numbers.iter().zip(&*pairs).zip(&nearest.found) {
             let sides = objects.posed(pair);
             let depth = depth_of(found, accuracy, sides);
-            answers.write(number as usize, depth.as_ref(), sides);
+            answers.write(number as usize, depth.as_ref());
         }
     }
 }

@@ -4,6 +4,7 @@
 //! nearest are measured again in f64, where the depth and its bound come from (docs/numerics/proofs.md, "Depth by a
 //! surface in f32"). What is not known as well as the accuracy requires is measured by the solver itself.
 
+mod answers;
 mod apart;
 mod confirm;
 mod formulas;
@@ -17,18 +18,19 @@ use super::closed::{depths as of_cuboids, patches};
 use super::frame::{FramePair, SimdFrame};
 use super::scene_pairs::ScenePairs;
 use super::spheres;
-use super::{CertifiedBounds, CuboidPatch, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
+use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, Axes};
 use crate::epa::Depth;
 use crate::query::{FEWEST_MEASURED, FoundDepth as Found, MeasureDepth};
 use crate::{
-    Accuracy, ContactList, ContactSink, ContactsOf, Depths, NarrowPhase, PosedShape, PosedSupport,
-    Prepared, Sides, Verdict, order,
+    Accuracy, ContactList, ContactSink, Depths, NarrowPhase, PosedShape, PosedSupport, Prepared,
+    Sides, Verdict, order,
 };
+use answers::{Answers, WriteDepth};
 use apart::ApartCores;
 use confirm::{Ended, SearchedPair, Side};
 use dcd_geom::{Aabb, List, Pair, Scene};
-use dcd_simd::{Kernel, Lanes, Path, dispatch_on};
+use dcd_simd::{ArrayVec, Kernel, Lanes, Path, dispatch_on};
 use formulas::{BySpheres, Sort, WritePatches};
 use left::Left;
 use search::{DepthSearch, Next};
@@ -127,7 +129,7 @@ impl<S: MeasureDepth> SimdDepths<S> {
             let sides = objects.posed(objects.pairs[number]);
             let found = depth_of_cuboids(axes, sides, accuracy);
             let found = found.map(|depth| Found { depth, farthest: None });
-            answers.write(number, found.as_ref(), sides);
+            answers.write(number, found.as_ref());
         }
         if !searched.is_empty() {
             starts.begin();
@@ -147,6 +149,7 @@ impl<S: MeasureDepth> SimdDepths<S> {
             search.search_on(self.path);
             apart.answer(self.path, objects, accuracy, answers);
         }
+        answers.end();
     }
 }
 
@@ -202,8 +205,16 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         left.numbers.clear();
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: touching };
         let (contacts, numbers) = (&mut *sink.contacts, &mut left.numbers);
-        let answers =
-            Answers { solver: &self.solver, scratch: solver, contacts, first, left: numbers };
+        let answers = Answers {
+            path: self.path,
+            objects,
+            solver: &self.solver,
+            scratch: solver,
+            contacts,
+            first,
+            left: numbers,
+            waiting: ArrayVec::new(),
+        };
         self.answer(objects, yes.touching_parts.has_any(), of_touching, answers);
         left.sort(frames, touching);
         let mut lists = yes.touching_parts.lists().peekable();
@@ -261,74 +272,6 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
 /// How many pairs are searched side by side: the supports of one do not wait for the faces of another. No effect on any
 /// result. Larger: surfaces that leave the nearest cache. Smaller: arithmetic that waits.
 const SEATS: usize = 8;
-
-/// Where the answers of touching pairs are written.
-struct Answers<'a, S: MeasureDepth> {
-    solver: &'a S,
-    scratch: &'a mut S::Scratch,
-    /// One for each pair from the `first` on, whose answers are to be written.
-    contacts: &'a mut ContactsOf<S::Answer>,
-    first: usize,
-    /// The numbers of those that stay empty.
-    left: &'a mut Vec<u32>,
-}
-
-/// Where the answer of two polytopes is written. What searches them knows no more of a question, so that it is compiled
-/// here, once, and not by every crate that names a solver.
-trait WriteDepth {
-    /// Writes the answer of the pair of that number, of that depth; without a depth it is left to the solver.
-    fn write(&mut self, number: usize, found: Option<&Found>, sides: [PosedShape<'_>; 2]);
-
-    /// Prefetches where the answer of the pair of that number will be written: a hint.
-    fn prefetch(&self, number: usize);
-}
-
-impl<S: MeasureDepth> Answers<'_, S> {
-    /// Writes the answer of two spheres of that depth.
-    #[inline(always)]
-    fn write_spheres(&mut self, number: u32, depth: &Depth) {
-        self.contacts.write(self.first + number as usize, |answer| {
-            self.solver.measure_spheres(depth, answer);
-            true
-        });
-    }
-
-    /// Writes the answer of two cuboids with that patch; false where the depth is needed.
-    #[inline(always)]
-    fn write_patch(
-        &mut self,
-        number: u32,
-        patch: CuboidPatch<'_>,
-        sides: [PosedShape<'_>; 2],
-    ) -> bool {
-        let place = (&mut *self.contacts, self.first + number as usize);
-        self.solver.measure_cuboids(patch, sides, place)
-    }
-}
-
-impl<S: MeasureDepth> WriteDepth for Answers<'_, S> {
-    fn write(&mut self, number: usize, found: Option<&Found>, sides: [PosedShape<'_>; 2]) {
-        let Self { solver, scratch, contacts, first, left } = self;
-        let place = *first + number;
-        let written = found.is_some_and(|found| {
-            if solver.measure_polytopes(found, sides, scratch, (contacts, place)) {
-                return true;
-            }
-            let [a, b] = sides;
-            let measured = solver.measure_depth(found.depth, a, b, scratch);
-            let Verdict::Touching(measured) = measured else { return false };
-            contacts.set(place, measured);
-            true
-        });
-        if !written {
-            left.push(number as u32);
-        }
-    }
-
-    fn prefetch(&self, number: usize) {
-        self.contacts.prefetch(self.first + number);
-    }
-}
 
 /// Searches the pairs.
 struct SearchPairs<'a> {
@@ -398,13 +341,13 @@ impl Kernel for SearchPairs<'_> {
                     continue;
                 }
                 if let Some(before) = last.replace((seat.number, found)) {
-                    write(self.objects, self.answers, &before);
+                    self.answers.write(before.0, before.1.as_ref());
                 }
                 *place = None;
             }
         }
-        if let Some(last) = last {
-            write(self.objects, self.answers, &last);
+        if let Some((number, found)) = last {
+            self.answers.write(number, found.as_ref());
         }
     }
 }
@@ -438,19 +381,9 @@ impl<'a> SearchPairs<'a> {
                 search.start(l, &searched.cloud, extremes, &mut self.surfaces[place]);
                 return Some(Seat { number, pair: searched, search, point: Point::default() });
             }
-            self.answers.write(number, None, [a, b]);
+            self.answers.write(number, None);
         }
     }
-}
-
-/// Writes the answer of the pair of that number, of that depth.
-#[inline(always)]
-fn write(
-    objects: ScenePairs<'_>,
-    answers: &mut dyn WriteDepth,
-    (number, found): &(usize, Option<Found>),
-) {
-    answers.write(*number, found.as_ref(), objects.posed(objects.pairs[*number]));
 }
 
 /// The depth of two cuboids, along the axes that may be the least.

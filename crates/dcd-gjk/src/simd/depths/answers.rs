@@ -1,0 +1,92 @@
+//! Where the answers of touching pairs are written: of polytopes several at once, as many as the solver looks at together.
+
+use super::super::CuboidPatch;
+use super::super::scene_pairs::ScenePairs;
+use crate::epa::Depth;
+use crate::query::{FoundDepth, FoundPair, MeasureDepth};
+use crate::{ContactList, ContactsOf, PosedShape, Verdict};
+use dcd_simd::{ArrayVec, Path};
+
+/// The most pairs that are answered together.
+const MOST: usize = 8;
+
+/// Where the answers of touching pairs are written.
+pub(super) struct Answers<'a, S: MeasureDepth> {
+    pub(super) path: Path,
+    /// The pairs.
+    pub(super) objects: ScenePairs<'a>,
+    pub(super) solver: &'a S,
+    pub(super) scratch: &'a mut S::Scratch,
+    /// One for each pair from the `first` on, whose answers are to be written.
+    pub(super) contacts: &'a mut ContactsOf<S::Answer>,
+    pub(super) first: usize,
+    /// The numbers of those that stay empty.
+    pub(super) left: &'a mut Vec<u32>,
+    /// Those that are answered next.
+    pub(super) waiting: ArrayVec<FoundPair<'a>, MOST>,
+}
+
+/// Where the answer of two polytopes is written. What searches them knows no more of a question, so that it is compiled
+/// here, once, and not by every crate that names a solver.
+pub(super) trait WriteDepth {
+    /// Writes the answer of the pair of that number, of that depth; without a depth it is left to the solver.
+    fn write(&mut self, number: usize, found: Option<&FoundDepth>);
+
+    /// Prefetches where the answer of the pair of that number will be written: a hint.
+    fn prefetch(&self, number: usize);
+}
+
+impl<S: MeasureDepth> Answers<'_, S> {
+    /// Writes the answer of two spheres of that depth.
+    #[inline(always)]
+    pub(super) fn write_spheres(&mut self, number: u32, depth: &Depth) {
+        self.contacts.write(self.first + number as usize, |answer| {
+            self.solver.measure_spheres(depth, answer);
+            true
+        });
+    }
+
+    /// Writes the answer of two cuboids with that patch; false where the depth is needed.
+    #[inline(always)]
+    pub(super) fn write_patch(
+        &mut self,
+        number: u32,
+        patch: CuboidPatch<'_>,
+        sides: [PosedShape<'_>; 2],
+    ) -> bool {
+        let place = (&mut *self.contacts, self.first + number as usize);
+        self.solver.measure_cuboids(patch, sides, place)
+    }
+
+    /// Writes the answers that wait. Needed behind the last pair.
+    pub(super) fn end(&mut self) {
+        let Self { path, solver, scratch, contacts, first, left, waiting, .. } = self;
+        let unwritten = solver.measure_polytopes(*path, waiting, scratch, contacts);
+        for (k, pair) in waiting.iter().enumerate() {
+            if unwritten >> k & 1 == 0 {
+                continue;
+            }
+            let FoundPair { found, sides: [a, b], number } = *pair;
+            match solver.measure_depth(found.depth, a, b, scratch) {
+                Verdict::Touching(measured) => contacts.set(number, measured),
+                _ => left.push((number - *first) as u32),
+            }
+        }
+        *waiting = ArrayVec::new();
+    }
+}
+
+impl<S: MeasureDepth> WriteDepth for Answers<'_, S> {
+    fn write(&mut self, number: usize, found: Option<&FoundDepth>) {
+        let Some(&found) = found else { return self.left.push(number as u32) };
+        let sides = self.objects.posed(self.objects.pairs[number]);
+        self.waiting.push(FoundPair { found, sides, number: self.first + number });
+        if self.waiting.len() >= S::TOGETHER.clamp(1, MOST) {
+            self.end();
+        }
+    }
+
+    fn prefetch(&self, number: usize) {
+        self.contacts.prefetch(self.first + number);
+    }
+}
