@@ -98,7 +98,7 @@ impl Lanes for Avx2 {
         (half, half)
     }
     #[inline(always)]
-    fn load_points(self, points: &[[f32; 4]; WIDTH / 2]) -> [Self::F; 3] {
+    fn load_points(self, points: [&[f32; 4]; WIDTH / 2]) -> [Self::F; 3] {
         let [x, y, z] = self.eight_points(points);
         [(x, x), (y, y), (z, z)]
     }

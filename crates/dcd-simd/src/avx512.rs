@@ -73,7 +73,7 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
-    fn load_points(self, points: &[[f32; 4]; WIDTH / 2]) -> [__m512; 3] {
+    fn load_points(self, points: [&[f32; 4]; WIDTH / 2]) -> [__m512; 3] {
         let mut four = [op!(_mm512_setzero_ps()); 4];
         for k in 0..4 {
             // SAFETY: as above; four f32 are read from wherever they are, twice.

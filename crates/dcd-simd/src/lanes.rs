@@ -237,12 +237,12 @@ pub trait Lanes: Copy {
         row.0[WIDTH / 2..].copy_from_slice(numbers);
         self.load(&row)
     }
-    /// The x, y and z of eight points in the first lanes, as [`Lanes::load_half`] has them: each point is read as it was written,
-    /// four numbers at once, where one number after the other would be waited for.
+    /// The x, y and z of eight points, wherever each is, in the first lanes, as [`Lanes::load_half`] has them. A point is read as
+    /// it was written, four numbers at once, where one number after the other would be waited for.
     #[inline(always)]
-    fn load_points(self, points: &[[f32; 4]; WIDTH / 2]) -> [Self::F; 3] {
+    fn load_points(self, points: [&[f32; 4]; WIDTH / 2]) -> [Self::F; 3] {
         let mut axes = [[0.0; WIDTH / 2]; 3];
-        for (k, [x, y, z, _]) in points.iter().enumerate() {
+        for (k, [x, y, z, _]) in points.into_iter().enumerate() {
             (axes[0][k], axes[1][k], axes[2][k]) = (*x, *y, *z);
         }
         [self.load_half(&axes[0]), self.load_half(&axes[1]), self.load_half(&axes[2])]

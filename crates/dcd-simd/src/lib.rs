@@ -253,6 +253,9 @@ mod tests {
         pairs
     };
 
+    /// Points that do not follow each other.
+    const SHUFFLED: [usize; WIDTH / 2] = [3, 0, 7, 5, 2, 6, 1, 4];
+
     /// What is between them: differences beside differences, and differences beside sums, rounded.
     fn between_balls<L: Lanes>(l: L, numbers: &[[f64; WIDTH / 2]; 2]) -> [L::F; 2] {
         let balls =
@@ -286,9 +289,10 @@ mod tests {
             let (first, number) = (l.tag_of(b, l.splat_u(3)), l.tag_of(a, l.splat_u(63)));
             let halves = [0, WIDTH / 2].map(|from| self.a.0[from..].first_chunk().unwrap());
             let rows = self.rows;
-            let fours: &[[f32; 4]; WIDTH / 2] = &std::array::from_fn(|k| {
+            let fours: [[f32; 4]; WIDTH / 2] = std::array::from_fn(|k| {
                 std::array::from_fn(|axis| rows[k / 4].0[4 * (k % 4) + axis])
             });
+            let fours = SHUFFLED.map(|k| &fours[k]);
             let thirds = halves.map(|half: &[f32; WIDTH / 2]| half.map(|x| f64::from(x) / 3.0));
             let floats = [
                 l.splat(0.1),
@@ -385,8 +389,8 @@ mod tests {
             let sums = (0..WIDTH).map(|k| if k < 8 { a.0[k] + b.0[k] } else { 0.0 });
             assert!(sums.eq(floats[23].0));
             for (axis, found) in floats[24..27].iter().enumerate() {
-                let due = (0..8).map(|k| rows[k / 4].0[4 * (k % 4) + axis]);
-                assert!(due.eq(found.0[..8].iter().copied()), "{axis}");
+                let due = SHUFFLED.map(|k| rows[k / 4].0[4 * (k % 4) + axis]);
+                assert_eq!(found.0[..8], due, "{axis}");
             }
             for (k, pair) in OF_BALLS.iter().enumerate() {
                 let of = |first: usize, axis: usize| f64::from(a.0[first + axis]) / 3.0;

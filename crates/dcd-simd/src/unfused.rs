@@ -106,7 +106,7 @@ impl<L: Lanes> Lanes for Apart<L> {
         round_from(numbers: [&[f64; WIDTH / 2]; 2]) -> L::F;
         store_to(a: L::F, numbers: &mut [f32; WIDTH]);
         load_half(numbers: &[f32; WIDTH / 2]) -> L::F;
-        load_points(points: &[[f32; 4]; WIDTH / 2]) -> [L::F; 3];
+        load_points(points: [&[f32; 4]; WIDTH / 2]) -> [L::F; 3];
         store_half(a: L::F, numbers: &mut [f32; WIDTH / 2]);
         half_bits(mask: L::M) -> u32;
         bits(mask: L::M) -> u32;

@@ -50,7 +50,7 @@ impl Avx2 {
 
     /// The x, y and z of eight points.
     #[inline(always)]
-    pub(super) fn eight_points(self, points: &[[f32; 4]; WIDTH / 2]) -> [__m256; 3] {
+    pub(super) fn eight_points(self, points: [&[f32; 4]; WIDTH / 2]) -> [__m256; 3] {
         let mut r = [op!(_mm256_setzero_ps()); 4];
         for k in 0..4 {
             // SAFETY: as above; four f32 are read from wherever they are, twice.

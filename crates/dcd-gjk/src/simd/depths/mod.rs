@@ -377,7 +377,7 @@ impl<'a> SearchPairs<'a> {
                 let is_second = !frames.is_one();
                 let of_a = self.starts.of(l, (pair.i, false), sides[0].blocks);
                 let of_b = self.starts.of(l, (pair.j, is_second), sides[1].blocks);
-                let extremes = searched.in_order([of_a, of_b]);
+                let extremes = searched.in_order([&of_a, &of_b]);
                 search.start(l, &searched.cloud, extremes, &mut self.surfaces[place]);
                 return Some(Seat { number, pair: searched, search, point: Point::default() });
             }

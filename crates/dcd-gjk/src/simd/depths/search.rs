@@ -3,10 +3,11 @@
 use super::super::bounds::U;
 use super::start::Extremes;
 use super::surface::{Point, Surface};
-use super::vectors::{bits, dot, load, splat};
+use super::vectors::{farthest, splat, vertex};
 use crate::Accuracy;
 use dcd_geom::glam::Vec3;
-use dcd_simd::{Block, Lanes, Row, WIDTH};
+use dcd_simd::{Block, Lanes};
+use std::array;
 
 /// How far from flat the first tetrahedron must be, relative to the pair's size: 2⁻¹². Smaller: slivers whose planes
 /// f32 does not know. Larger: more thin pairs for the search in f64. Never an answer.
@@ -32,6 +33,9 @@ pub(super) const REACH: f64 = 32.0;
 /// What the length of a normal loses, relative. Unit: 1.
 pub(super) const LENGTH: f64 = 1.0 - 16.0 * U as f64;
 
+/// The opposite of each of the directions of [`Extremes`].
+const OPPOSITE: [usize; 6] = [3, 4, 5, 0, 1, 2];
+
 /// A − B of a pair as f32 has it, in the lengths of its difference: below 1 or not much above.
 #[derive(Clone, Copy)]
 pub(super) struct Cloud<'a> {
@@ -49,53 +53,12 @@ impl Cloud<'_> {
     /// The point farthest along a direction, up to rounding.
     #[inline(always)]
     fn farthest<L: Lanes>(&self, l: L, direction: Vec3) -> Point {
-        let (a, of_a) = farthest(l, self.blocks[0], direction);
-        let (b, of_b) = farthest(l, self.blocks[1], -direction);
-        self.difference([a, b], [of_a, of_b])
+        let [blocks_a, blocks_b] = self.blocks;
+        let a = farthest(l, blocks_a, &splat(l, direction));
+        let b = farthest(l, blocks_b, &splat(l, -direction));
+        let apart = vertex(blocks_a, a) - vertex(blocks_b, b);
+        Point { at: apart * self.scale + self.middle, vertices: [a as u32, b as u32] }
     }
-
-    /// The point of two vertices.
-    #[inline(always)]
-    fn point(&self, [a, b]: [u8; 2]) -> Point {
-        let [of_a, of_b] = [vertex(self.blocks[0], a), vertex(self.blocks[1], b)];
-        self.difference([a.into(), b.into()], [of_a, of_b])
-    }
-
-    #[inline(always)]
-    fn difference(&self, vertices: [u32; 2], [of_a, of_b]: [Vec3; 2]) -> Point {
-        Point { at: (of_a - of_b) * self.scale + self.middle, vertices }
-    }
-}
-
-/// The vertex of that number.
-#[inline(always)]
-fn vertex(blocks: &[Block], number: u8) -> Vec3 {
-    let number = usize::from(number);
-    blocks.get(number / WIDTH).map_or(Vec3::NAN, |block| block.point(number % WIDTH))
-}
-
-/// The first of the vertices that are farthest along a direction in the first lane that has one, and its number.
-#[inline(always)]
-fn farthest<L: Lanes>(l: L, blocks: &[Block], direction: Vec3) -> (u32, Vec3) {
-    let d = splat(l, direction);
-    let Some(first) = blocks.first() else { return (0, Vec3::NAN) };
-    let mut best = dot(l, load(l, first), d);
-    // Most hulls have one block or two, and which is not predicted: of one the first is looked at again.
-    let second = usize::from(blocks.len() > 1);
-    let along = dot(l, load(l, &blocks[second]), d);
-    let mut of_block = l.select(l.lt(best, along), bits(l, second), bits(l, 0));
-    best = l.max(best, along);
-    for (number, block) in (2..).zip(blocks.get(2..).unwrap_or_default()) {
-        let along = dot(l, load(l, block), d);
-        of_block = l.select(l.lt(best, along), bits(l, number), of_block);
-        best = l.max(best, along);
-    }
-    let top = l.splat(l.largest(best));
-    let lane = l.bits(l.le(top, best)).trailing_zeros() as usize % WIDTH;
-    let mut numbers = Row([0.0; WIDTH]);
-    l.store(of_block, &mut numbers);
-    let number = (numbers.0[lane].to_bits() as usize).min(blocks.len() - 1);
-    ((number * WIDTH + lane) as u32, blocks[number].point(lane))
 }
 
 /// What a search waits for.
@@ -148,14 +111,17 @@ impl DepthSearch {
         &mut self,
         l: L,
         cloud: &Cloud<'_>,
-        extremes: [Extremes; 2],
+        extremes: [&Extremes; 2],
         surface: &mut Surface,
     ) {
-        let mut corners = [Point::default(); 6];
-        for (k, corner) in corners.iter_mut().enumerate() {
-            *corner = cloud.point([extremes[0][k], extremes[1][(k + 3) % 6]]);
-        }
+        let [a, b] = extremes;
+        // What is farthest along a direction is so of a, and of b the other way.
+        let middle = cloud.middle.extend(0.0);
+        let corners =
+            array::from_fn(|k| (a.points[k] - b.points[OPPOSITE[k]]) * cloud.scale + middle);
         if surface.start_round(l, &corners, self.clear).is_some() {
+            let vertices = array::from_fn(|k| [a.numbers[k].into(), b.numbers[OPPOSITE[k]].into()]);
+            surface.set_vertices(vertices);
             self.look_beyond(surface, surface.nearest(l));
         }
     }
@@ -179,8 +145,8 @@ impl DepthSearch {
         if let Stage::Beyond(face) = self.stage {
             let (normal, distance) = (self.direction, surface.distance(face));
             let reach = normal.dot(point.at);
-            // Written so that NaN ends the search.
-            if !(reach - distance > self.clear) {
+            // As the surface sees its faces. Written so that NaN ends the search.
+            if !(distance + self.clear < reach) {
                 let is_end = reach.is_finite() && reach > 0.0;
                 return if is_end { Next::Ended { nearest: face, reach } } else { Next::Failed };
             }
@@ -188,7 +154,7 @@ impl DepthSearch {
             if reach < 0.0 {
                 return Next::Failed;
             }
-            let Some(nearest) = surface.insert(l, point, (face, self.clear)) else {
+            let Some(nearest) = surface.insert(l, point, self.clear) else {
                 return Next::Failed;
             };
             self.look_beyond(surface, nearest);

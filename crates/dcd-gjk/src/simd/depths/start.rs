@@ -1,10 +1,16 @@
 //! Where a search starts: the vertices of both objects that are farthest along the world's axes.
 
-use super::vectors::{bits, load};
-use dcd_simd::{Block, Lanes, Row, WIDTH};
+use super::vectors::{Axis, farthest, vertex};
+use dcd_geom::glam::Vec4;
+use dcd_simd::{Block, Lanes};
 
-/// The numbers of the vertices farthest along x, y, z, −x, −y, −z: the first among equals.
-pub(super) type Extremes = [u8; 6];
+/// The vertices farthest along x, y, z, −x, −y, −z.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Extremes {
+    pub(super) numbers: [u8; 6],
+    /// Where each is, round the object's centre, and a 0: metres.
+    pub(super) points: [Vec4; 6],
+}
 
 /// Of how many objects the farthest vertices are remembered. A power of two. No effect on any result. Larger: memory.
 /// Smaller: objects whose vertices are looked through again.
@@ -61,43 +67,24 @@ impl Starts {
 /// The vertices farthest along the axes, of at most 256.
 #[inline(always)]
 fn extremes<L: Lanes>(l: L, blocks: &[Block]) -> Extremes {
-    let mut extremes = [0; 6];
-    let Some(first) = blocks.first() else { return extremes };
-    // Most hulls have one block or two, and which is not predicted: of one the first is looked at again.
-    let second = usize::from(blocks.len() > 1);
+    let mut extremes = Extremes::default();
     for axis in 0..3 {
-        let (one, other) = (load(l, first)[axis], load(l, &blocks[second])[axis]);
-        let mut of_most = l.select(l.lt(one, other), bits(l, second), bits(l, 0));
-        let mut of_least = l.select(l.lt(other, one), bits(l, second), bits(l, 0));
-        let (mut most, mut least) = (l.max(one, other), l.min(one, other));
-        for (number, block) in (2..).zip(blocks.get(2..).unwrap_or_default()) {
-            let along = load(l, block)[axis];
-            of_most = l.select(l.lt(most, along), bits(l, number), of_most);
-            of_least = l.select(l.lt(along, least), bits(l, number), of_least);
-            (most, least) = (l.max(most, along), l.min(least, along));
+        let most = farthest(l, blocks, &Axis::Along(axis));
+        let least = farthest(l, blocks, &Axis::Against(axis));
+        for (side, number) in [(axis, most), (axis + 3, least)] {
+            extremes.numbers[side] = number as u8;
+            extremes.points[side] = vertex(blocks, number).extend(0.0);
         }
-        extremes[axis] = first_largest(l, most, of_most);
-        extremes[axis + 3] = first_largest(l, l.neg(least), of_least);
     }
     extremes
 }
 
-/// The vertex of the first lane with the largest value, in the block of which that lane has the number.
-#[inline(always)]
-fn first_largest<L: Lanes>(l: L, values: L::F, of_block: L::F) -> u8 {
-    let top = l.splat(l.largest(values));
-    let lane = l.bits(l.le(top, values)).trailing_zeros() as usize % WIDTH;
-    let mut numbers = Row([0.0; WIDTH]);
-    l.store(of_block, &mut numbers);
-    (numbers.0[lane].to_bits() as usize * WIDTH + lane) as u8
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::surface::{Point, Surface};
+    use super::super::surface::Surface;
     use super::*;
     use dcd_geom::glam::Vec3;
-    use dcd_simd::{Kernel, Path, dispatch_on};
+    use dcd_simd::{Kernel, Path, Row, WIDTH, dispatch_on};
 
     struct Find<'a> {
         starts: &'a mut Starts,
@@ -138,11 +125,16 @@ mod tests {
                 let point = |number: u8| {
                     blocks[usize::from(number) / WIDTH].point(usize::from(number) % WIDTH)
                 };
-                for (k, &number) in found.iter().enumerate() {
+                for (k, &number) in found.numbers.iter().enumerate() {
+                    assert_eq!(found.points[k], point(number).extend(0.0));
                     let along = |p: Vec3| if k < 3 { p[k] } else { -p[k - 3] };
                     let all = blocks.iter().flat_map(|b| (0..WIDTH).map(|lane| b.point(lane)));
                     let most = all.map(along).fold(f32::NEG_INFINITY, f32::max);
                     assert_eq!(along(point(number)), most, "{path:?} {seed} {k}");
+                    let as_far = (0..=u8::MAX).take(WIDTH * blocks.len());
+                    let as_far = as_far.filter(|&number| along(point(number)) == most);
+                    let first = as_far.min_by_key(|&number| (usize::from(number) % WIDTH, number));
+                    assert_eq!(first, Some(number), "{path:?} {seed} {k}");
                 }
             }
         }
@@ -176,7 +168,7 @@ mod tests {
         #[inline(always)]
         fn run<L: Lanes>(self, l: L) -> Option<f32> {
             let mut surface = Surface::default();
-            let corners = self.0.map(|at| Point { at, vertices: [0; 2] });
+            let corners = self.0.map(|at| at.extend(0.0));
             surface.start_round(l, &corners, 1e-6)?;
             assert_eq!(surface.doubtful(l), 0);
             Some(surface.distance(surface.nearest(l)))

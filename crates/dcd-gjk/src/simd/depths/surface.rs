@@ -4,7 +4,7 @@
 
 use super::super::bounds::U;
 use super::vectors::{Bits, cross, dot, load, norm1, select, splat, sub};
-use dcd_geom::glam::Vec3;
+use dcd_geom::glam::{Vec3, Vec4};
 use dcd_simd::{Block, Lanes, Row, WIDTH};
 
 /// How many points the surface may have; hulls of tens of vertices need fifteen. More: pairs for the search in f64.
@@ -16,11 +16,11 @@ const FACES: usize = 64;
 /// So many faces are measured at once: horizons with more edges are rare.
 const HALF: usize = WIDTH / 2;
 
-/// A cone is written sixteen faces at a time, from wherever it begins.
+/// New faces are written sixteen at a time, from wherever they begin.
 const WRITTEN: usize = FACES + WIDTH;
 
-/// How many edges a horizon has that is no large one. No effect on any result.
-const FEW_EDGES: usize = 6;
+/// Space for the corners of the faces and of a horizon behind them: what is beyond begins again. A power of two.
+const CORNERS: usize = 2 * FACES;
 
 /// What a determinant (p − r) × (q − r) · r may be off by. Unit: u·|p − r|₁·|q − r|₁·|r|₁. Two differences 2,
 /// the cross product 2.02, the dot product 3.01; and a margin for the bound's own rounding. Smaller: an origin that is outside.
@@ -37,15 +37,6 @@ pub(super) struct Point {
     pub(super) vertices: [u32; 2],
 }
 
-/// The edges round what a new point sees, in the order of a walk along them.
-#[derive(Clone, Debug)]
-#[repr(C, align(16))]
-struct Horizon {
-    /// The points on it, and the first again.
-    ring: [[f32; 4]; WIDTH + 1],
-    edges: usize,
-}
-
 /// The surface: its faces in the order in which they were made, the dead among them.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
@@ -59,13 +50,12 @@ pub(super) struct Surface {
     /// Which vertices of a and of b make each point.
     vertices: [[u32; 2]; POINTS],
     /// Of each face the corners, counter-clockwise seen from outside: a byte each, from the lowest.
-    corners: [u32; WRITTEN],
+    corners: [u32; CORNERS],
     count: usize,
     /// How many faces there are, dead ones included.
     faces: usize,
     /// A bit for each face: whether it surely has the origin on its inner side.
     inward: u64,
-    horizon: Horizon,
 }
 
 impl Default for Surface {
@@ -75,11 +65,10 @@ impl Default for Surface {
             normals: [[0.0; WRITTEN]; 3],
             points: [[0.0; 4]; POINTS],
             vertices: [[0; 2]; POINTS],
-            corners: [0; WRITTEN],
+            corners: [0; CORNERS],
             count: 0,
             faces: 0,
             inward: 0,
-            horizon: Horizon { ring: [[0.0; 4]; WIDTH + 1], edges: 0 },
         }
     }
 }
@@ -103,15 +92,7 @@ impl Surface {
     /// The points that a face has for corners.
     #[inline(always)]
     pub(super) fn corners(&self, face: usize) -> [Point; 3] {
-        let [p, q, r] = self.numbers(face);
-        [self.point(p), self.point(q), self.point(r)]
-    }
-
-    /// Their numbers.
-    #[inline(always)]
-    fn numbers(&self, face: usize) -> [usize; 3] {
-        let corners = self.corners[face] as usize;
-        [corners % POINTS, corners >> 8 & (POINTS - 1), corners >> 16 & (POINTS - 1)]
+        numbers(self.corners[face]).map(|number| self.point(number))
     }
 
     #[inline(always)]
@@ -200,18 +181,17 @@ impl Surface {
         self.append(l, &new)
     }
 
-    /// Starts over with an octahedron, whose corners are farthest along x, y, z, −x, −y and −z. `None` where a corner is
-    /// above the plane of a face by more than `clear`, or a face has no area to rounding.
+    /// Starts over with an octahedron, whose corners are farthest along x, y, z, −x, −y and −z: three numbers and a 0 each. Which
+    /// vertices make them is yet to be [said](Surface::set_vertices). `None` where a corner is above the plane of a face by
+    /// more than `clear`, or a face has no area to rounding.
     #[inline(always)]
     pub(super) fn start_round<L: Lanes>(
         &mut self,
         l: L,
-        corners: &[Point; 6],
+        corners: &[Vec4; 6],
         clear: f32,
     ) -> Option<()> {
-        for (k, &point) in corners.iter().enumerate() {
-            self.set_point(k, point);
-        }
+        self.points[..6].copy_from_slice(&corners.map(|at| at.to_array()));
         self.count = 6;
         (self.faces, self.inward) = (0, 0);
         self.distances = [f32::INFINITY; WRITTEN];
@@ -219,7 +199,7 @@ impl Surface {
         let [back_x, back_y, back_z, odd] = OCTANTS;
         let (back_x, back_y) = (l.mask(back_x), l.mask(back_y));
         let (back_z, odd) = (l.mask(back_z), l.mask(odd));
-        let at = |k: usize| splat(l, corners[k].at);
+        let at = |k: usize| splat(l, corners[k].truncate());
         let x = select(l, back_x, at(3), at(0));
         let (y, z) = (select(l, back_y, at(4), at(1)), select(l, back_z, at(5), at(2)));
         let triangles = (x, select(l, odd, z, y), select(l, odd, y, z));
@@ -233,6 +213,12 @@ impl Surface {
             highest = l.max(highest, dot(l, normal, at(k)));
         }
         (l.half_bits(l.le(highest, plane)) == OF_OCTAHEDRON).then_some(())
+    }
+
+    /// Which vertices of a and of b make the corners of an octahedron.
+    #[inline(always)]
+    pub(super) fn set_vertices(&mut self, vertices: [[u32; 2]; 6]) {
+        self.vertices[..6].copy_from_slice(&vertices);
     }
 
     /// The face whose plane is nearest along its normal: the lowest number among equals.
@@ -252,130 +238,120 @@ impl Surface {
         least
     }
 
-    /// Takes away the faces that a point sees, which are one patch, `seen` among them, and adds the cone over the
-    /// patch's boundary. Returns the nearest face then, as [`Surface::nearest`] has it. `None` where the faces exceed the space, where rounding makes that boundary more than one simple
-    /// cycle, or where a new face has no area.
+    /// Takes away the faces that a point sees by more than `clear`, and adds the cone over their boundary. Returns the
+    /// nearest face then, as [`Surface::nearest`] has it. `None` where it sees none, where the faces exceed the space, where
+    /// rounding makes two edges of that boundary start at one point, or where a new face has no area.
     #[inline(always)]
-    pub(super) fn insert<L: Lanes>(
-        &mut self,
-        l: L,
-        point: Point,
-        (seen, clear): (usize, f32),
-    ) -> Option<usize> {
+    pub(super) fn insert<L: Lanes>(&mut self, l: L, point: Point, clear: f32) -> Option<usize> {
         if self.count >= POINTS {
             return None;
         }
-        let visible = self.visible(l, point.at, clear) | 1 << seen;
-        self.find_horizon(visible, self.count)?;
+        if self.faces > FACES - WIDTH {
+            self.drop_dead();
+        }
+        let (visible, least) = self.remove_visible(l, point.at, clear);
+        let edges = self.find_horizon(visible, self.count)?;
         self.set_point(self.count, point);
         self.count += 1;
-        let (edges, apex) = (self.horizon.edges, splat(l, point.at));
-        let new = self.measured(l, self.cone(l, 0, apex), edges.min(HALF))?;
+        let apex = splat(l, point.at);
+        let new = self.measured(l, self.cone(l, apex), edges.min(HALF))?;
         if edges <= HALF {
             // Before they are written, for what has just been written is waited for.
-            let nearest = self.nearest_with(l, &new);
+            let nearest = self.nearest_with(l, least, &new);
             self.append(l, &new)?;
             return Some(nearest);
         }
         self.append(l, &new)?;
-        let new = self.measured(l, self.cone(l, HALF, apex), edges - HALF)?;
+        let new = self.measured(l, self.cone(l, apex), edges - HALF)?;
         self.append(l, &new)?;
         Some(self.nearest(l))
     }
 
-    /// [`Surface::nearest`] of the faces and of those that are new.
+    /// [`Surface::nearest`] of the faces, of every sixteenth of which the least distance is given, and of those that are new.
     #[inline(always)]
-    fn nearest_with<L: Lanes>(&self, l: L, new: &NewFaces<L>) -> usize {
+    fn nearest_with<L: Lanes>(&self, l: L, least: L::F, new: &NewFaces<L>) -> usize {
         // What is not of the first lanes is left out.
         let infinite = l.splat(f32::INFINITY);
         let distances = l.select(l.mask((1 << HALF) - 1), new.distances, infinite);
-        let least = l.splat(-l.largest(l.neg(l.min(self.least(l), distances))));
+        let least = l.splat(-l.largest(l.neg(l.min(least, distances))));
         let of_new = u64::from(l.half_bits(l.le(distances, least))) << self.faces;
         (self.all_within(l, least) | of_new).trailing_zeros() as usize % FACES
     }
 
-    /// The triangles over eight edges of the horizon, from that one on.
+    /// The triangles over the next eight edges of the horizon.
     #[inline(always)]
-    fn cone<L: Lanes>(&self, l: L, first: usize, apex: Corners<L>) -> Triangles<L> {
-        let ring = &self.horizon.ring;
-        let (start, end) = (points_from(ring, first), points_from(ring, first + 1));
-        (l.load_points(start), l.load_points(end), apex)
+    fn cone<L: Lanes>(&self, l: L, apex: Corners<L>) -> Triangles<L> {
+        let edges: &[u32; HALF] = self.corners[self.faces..].first_chunk().unwrap_or(&[0; HALF]);
+        let starts = edges.map(|edge| &self.points[edge as usize % POINTS]);
+        let ends = edges.map(|edge| &self.points[(edge >> 8) as usize % POINTS]);
+        (l.load_points(starts), l.load_points(ends), apex)
     }
 
-    /// The faces that a point is beyond by more than `clear`, as bits.
+    /// Marks the faces that a point is beyond by more than `clear` as dead. Returns them, as bits, and the least distance of
+    /// every sixteenth of the others.
     #[inline(always)]
-    fn visible<L: Lanes>(&self, l: L, at: Vec3, clear: f32) -> u64 {
+    fn remove_visible<L: Lanes>(&mut self, l: L, at: Vec3, clear: f32) -> (u64, L::F) {
         let (at, clear) = (splat(l, at), l.splat(clear));
-        let mut visible = self.beyond(l, 0, (at, clear)) | self.beyond(l, 1, (at, clear));
+        let (first, least) = self.remove_beyond(l, 0, (at, clear));
+        let (second, others) = self.remove_beyond(l, 1, (at, clear));
+        let (mut visible, mut least) = (first | second, l.min(least, others));
         for row in 2..self.rows() {
-            visible |= self.beyond(l, row, (at, clear));
+            let (beyond, others) = self.remove_beyond(l, row, (at, clear));
+            (visible, least) = (visible | beyond, l.min(least, others));
         }
-        visible
+        (visible, least)
     }
 
-    /// Those of the sixteen faces of that row.
+    /// The same of the sixteen faces of that row.
     #[inline(always)]
-    fn beyond<L: Lanes>(&self, l: L, row: usize, (at, clear): (Corners<L>, L::F)) -> u64 {
+    fn remove_beyond<L: Lanes>(
+        &mut self,
+        l: L,
+        row: usize,
+        (at, clear): (Corners<L>, L::F),
+    ) -> (u64, L::F) {
         let [x, y, z] = [rows(&self.normals[0]), rows(&self.normals[1]), rows(&self.normals[2])];
         let normal = [l.load_from(&x[row]), l.load_from(&y[row]), l.load_from(&z[row])];
-        let plane = l.add(l.load_from(&rows(&self.distances)[row]), clear);
-        u64::from(l.bits(l.lt(plane, dot(l, normal, at)))) << (row * WIDTH)
+        let distances = &mut self.distances.as_chunks_mut().0[row];
+        let distance = l.load_from(distances);
+        let is_beyond = l.lt(l.add(distance, clear), dot(l, normal, at));
+        let kept = l.select(is_beyond, l.splat(f32::INFINITY), distance);
+        l.store_to(kept, distances);
+        (u64::from(l.bits(is_beyond)) << (row * WIDTH), kept)
     }
 
-    /// Marks the visible faces as dead, walks along the edges round them, and writes down the corners of the cone over
-    /// those.
+    /// Writes down the corners of the cone over the edges round faces that are gone, behind the other faces. Returns how many
+    /// edges there are.
     #[inline(always)]
-    fn find_horizon(&mut self, visible: u64, apex: usize) -> Option<()> {
-        // For each point those to which an edge of a visible face runs from it, as bits.
+    fn find_horizon(&mut self, gone: u64, apex: usize) -> Option<usize> {
+        // For each point those to which an edge of a face runs from it, as bits.
         let mut runs_to = [0u32; POINTS];
-        for face in Bits(visible) {
-            let [p, q, r] = self.numbers(face);
+        for face in Bits(gone) {
+            let [p, q, r] = numbers(self.corners[face]);
             runs_to[p] |= 1 << q;
             runs_to[q] |= 1 << r;
             runs_to[r] |= 1 << p;
-            self.distances[face] = f32::INFINITY;
         }
         // An edge is on the boundary if none runs the other way.
-        let mut after = [0u8; POINTS + 1];
-        let (mut starting, mut edges) = (0u32, 0);
-        for face in Bits(visible) {
-            let [p, q, r] = self.numbers(face);
-            for [from, to] in [[p, q], [q, r], [r, p]] {
+        let apex = packed([0, 0, apex]);
+        let (mut starting, mut end) = (0u32, self.faces);
+        for face in Bits(gone) {
+            let corners = self.corners[face];
+            let [p, q, r] = numbers(corners);
+            let ends = [corners & 0xFFFF, corners >> 8, corners >> 16 | (corners & 0xFF) << 8];
+            for ([from, to], ends) in [[p, q], [q, r], [r, p]].into_iter().zip(ends) {
                 let outer = runs_to[to] >> from & 1 ^ 1;
-                // What is inside is written where nothing is read: no branch.
-                let place = if outer == 1 { from } else { POINTS };
-                after[place] = to as u8;
+                // The next one writes over what is inside: no branch.
+                self.corners[end % CORNERS] = ends | apex;
                 starting |= outer << from;
-                edges += outer as usize;
+                end += outer as usize;
             }
         }
-        if !(3..=WIDTH).contains(&edges) {
-            return None;
-        }
-        if self.faces + edges > FACES {
-            self.drop_dead();
-            if self.faces + edges > FACES {
-                return None;
-            }
-        }
-        self.horizon.edges = edges;
-        let first = starting.trailing_zeros() as usize % POINTS;
-        // Of more steps than edges what is written means nothing, and their number can be predicted.
-        let steps = if edges <= FEW_EDGES { FEW_EDGES } else { WIDTH };
-        let (mut at, mut walked) = (first, 0u32);
-        let cone: &mut [u32; WIDTH] = self.corners[self.faces..].first_chunk_mut()?;
-        let ring = &mut self.horizon.ring;
-        for k in 0..steps {
-            walked |= 1 << at;
-            let to = usize::from(after[at]) % POINTS;
-            cone[k] = packed([at, to, apex]);
-            ring[k] = self.points[at];
-            at = to;
-        }
-        ring[steps] = self.points[at];
-        // Two edges that start at one point, or two cycles, leave points out.
-        let is_cycle = walked == starting && walked.count_ones() as usize == edges;
-        is_cycle.then_some(())
+        // Where no two start at one point, no two end at one: each edge of the surface stays one.
+        let edges = end - self.faces;
+        let is_simple = starting.count_ones() as usize == edges;
+        let has_space = edges <= WIDTH && end <= FACES;
+        (is_simple && has_space && edges > 0).then_some(edges)
     }
 
     /// Closes the gaps that dead faces left.
@@ -465,16 +441,17 @@ const fn packed([p, q, r]: [usize; 3]) -> u32 {
     (p | q << 8 | r << 16) as u32
 }
 
+/// The corners' numbers.
+#[inline(always)]
+const fn numbers(corners: u32) -> [usize; 3] {
+    let corners = corners as usize;
+    [corners % POINTS, corners >> 8 & (POINTS - 1), corners >> 16 & (POINTS - 1)]
+}
+
 /// Eight numbers from the `first` on.
 #[inline(always)]
 fn from<const N: usize>(numbers: &[f32; N], first: usize) -> &[f32; HALF] {
     numbers[first..].first_chunk().unwrap_or(&[f32::NAN; HALF])
-}
-
-/// Eight points of a horizon from the `first` on.
-#[inline(always)]
-fn points_from(ring: &[[f32; 4]; WIDTH + 1], first: usize) -> &[[f32; 4]; HALF] {
-    ring[first..].first_chunk().unwrap_or(&[[f32::NAN; 4]; HALF])
 }
 
 /// Of each sixteen faces sixteen numbers.

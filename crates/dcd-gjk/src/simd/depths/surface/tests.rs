@@ -23,7 +23,8 @@ impl Kernel for Grow<'_> {
             let seen = surface.nearest(l);
             let beyond = surface.normal(seen) * (surface.distance(seen) + 0.5) + direction * 0.1;
             let point = Point { at: beyond, vertices: [0; 2] };
-            let Some(nearest) = surface.insert(l, point, (seen, 1e-6)) else { break };
+            let Some(nearest) = surface.insert(l, point, 1e-6) else { break };
+            assert!(is_closed(&surface));
             let alive = (0..surface.faces).filter(|&face| surface.distance(face).is_finite());
             let plain = alive.fold(0, |least, face| {
                 let is_nearer = surface.distance(face) < surface.distance(least);
@@ -33,6 +34,46 @@ impl Kernel for Grow<'_> {
         }
         found
     }
+}
+
+/// Whether every edge of a face runs once, and once the other way.
+fn is_closed(surface: &Surface) -> bool {
+    let alive = (0..surface.faces).filter(|&face| surface.distance(face).is_finite());
+    let edges: Vec<[usize; 2]> =
+        alive.flat_map(|face| edges_of(numbers(surface.corners[face]))).collect();
+    let count = |edge: [usize; 2]| edges.iter().filter(|&&other| other == edge).count();
+    !edges.is_empty() && edges.iter().all(|&[p, q]| count([p, q]) == 1 && count([q, p]) == 1)
+}
+
+fn edges_of([p, q, r]: [usize; 3]) -> [[usize; 2]; 3] {
+    [[p, q], [q, r], [r, p]]
+}
+
+#[test]
+fn the_horizon_of_any_faces_of_an_octahedron_is_what_has_no_edge_against_it() {
+    const APEX: usize = 6;
+    let mut in_rings = 0;
+    for gone in 1..1u64 << OCTAHEDRON.len() {
+        let mut surface = Surface::default();
+        surface.corners[..OCTAHEDRON.len()].copy_from_slice(&OCTAHEDRON);
+        surface.faces = OCTAHEDRON.len();
+        let edges: Vec<[usize; 2]> =
+            Bits(gone).flat_map(|face| edges_of(numbers(OCTAHEDRON[face]))).collect();
+        let outer = edges.iter().filter(|&&[p, q]| !edges.contains(&[q, p]));
+        let mut outer: Vec<[usize; 3]> = outer.map(|&[p, q]| [p, q, APEX]).collect();
+        outer.sort_unstable();
+        let is_simple = outer.windows(2).all(|two| two[0][0] != two[1][0]);
+        let found = surface.find_horizon(gone, APEX);
+        assert_eq!(found, (is_simple && !outer.is_empty()).then_some(outer.len()), "{gone:b}");
+        if let Some(edges) = found {
+            let written = &surface.corners[surface.faces..][..edges];
+            let mut written: Vec<[usize; 3]> = written.iter().map(|&face| numbers(face)).collect();
+            written.sort_unstable();
+            assert_eq!(written, outer, "{gone:b}");
+            in_rings += 1;
+        }
+    }
+    assert!(in_rings > 50 && in_rings < 255, "{in_rings}");
 }
 
 #[test]
