@@ -103,7 +103,7 @@ impl MeasureAt for Distances {
     }
 }
 
-/// The distance of a sphere, a half-space, a mesh or a compound of few parts and another, at the accuracy of f32; `None` of
+/// The distance of a sphere, a half-space, a mesh or a compound of few parts and another, of a capsule and a capsule or cuboid, at the accuracy of f32; `None` of
 /// others, and where that leaves open whether they touch. What a pose is off a rotation by is more than distances in f64
 /// lose otherwise.
 #[inline]
@@ -119,7 +119,7 @@ pub(crate) fn distance_at_once(a: PosedShape<'_>, b: PosedShape<'_>) -> Option<D
             closed::level::distance(Accuracy::F32, a, b)
         }
         (Shape::Mesh(_), _) | (_, Shape::Mesh(_)) => distance_of_mesh(a, b),
-        _ => closed::centred::distance(a, b),
+        _ => closed::gap(Accuracy::F32, a, b)?.distance(),
     }
 }
 

@@ -39,6 +39,12 @@ pub(super) const HULL_OF_SPHERE: [f32; 4] = [17.0, 20.0, 22.0, 24.0];
 /// (docs/numerics/proofs.md, "nearest points of cores"). Smaller: false contacts of rounded shapes.
 pub(super) const NEAREST: f32 = 40.0;
 
+/// How far the distance of two points, one of a segment and one of a segment or cuboid, may be off that of the cores, and how far
+/// below that what it less an end's reach past them proves. Unit: u·m. Derived: 46; the slacks come on top, twice.
+///
+/// (docs/numerics/proofs.md, "Straight cores in lanes".) Smaller: false answers both ways.
+pub(super) const STRAIGHT: f32 = 48.0;
+
 /// By how much the sum of the swept radii, rounded up, may be above them. Unit: u of itself.
 ///
 /// 7 for the two roundings up and the sum, 1 for the product. Smaller: false contacts.

@@ -40,6 +40,8 @@ pub(crate) struct Core {
     pub(crate) is_box: bool,
     /// Whether it is a sphere round the origin of its frame.
     pub(crate) is_sphere: bool,
+    /// Whether it is a point, or a segment with its centre in the middle.
+    pub(crate) is_straight: bool,
     /// The first of its parts' cores in [`Cores::parts`].
     pub(crate) first_part: u32,
     /// How many of those it has: 0 but for compounds of at most [`MAX_PARTS`] parts.
@@ -191,6 +193,7 @@ impl Cores {
             radius: polytope.swept_radius(),
             centre: polytope.inner().centre,
             is_sphere: is_sphere(polytope),
+            is_straight: matches!(polytope.kind(), Kind::Point | Kind::Segment),
             ..Core::default()
         };
         let (core, obb) = self.with_blocks(core, polytope.vertices(), polytope.obb());

@@ -16,6 +16,7 @@ use super::packet::{
 use super::portal;
 use super::prefetch::Prefetch;
 use super::simplex;
+use super::straight::Straight;
 use super::support::SupportScratch;
 use super::touching_parts::TouchingParts;
 use crate::{Method, PosedShape, Prepared, Report, Verdict, certified, mesh};
@@ -38,6 +39,8 @@ pub struct Scratch {
     boxes: ObbPairs,
     /// Where the later stages work.
     packet: PairPacket,
+    /// What waits for the nearest points of spheres, capsules and cuboids.
+    straight: Straight,
     /// What waits for the inner and outer OBBs.
     boxed: PacketQueue<AFTER_SPHERES>,
     /// What waits for the centre axis.
@@ -84,6 +87,7 @@ impl Scratch {
 /// A stage after the spheres, with a queue of its own.
 #[derive(Clone, Copy)]
 enum Stage {
+    Straight,
     Obbs,
     CentreAxis,
     Nearest,
@@ -93,8 +97,14 @@ enum Stage {
 
 impl Stage {
     /// All, the latest first.
-    const LATEST_FIRST: [Self; 5] =
-        [Self::Portal, Self::SecondPoint, Self::Nearest, Self::CentreAxis, Self::Obbs];
+    const LATEST_FIRST: [Self; 6] = [
+        Self::Portal,
+        Self::SecondPoint,
+        Self::Nearest,
+        Self::CentreAxis,
+        Self::Obbs,
+        Self::Straight,
+    ];
 }
 
 impl Scratch {
@@ -103,6 +113,7 @@ impl Scratch {
     #[inline(always)]
     fn latest_stage(&self, whole: Whole) -> Option<Stage> {
         let waits = |stage: &Stage| match stage {
+            Stage::Straight => self.straight.has(whole),
             Stage::Obbs => self.boxed.has(whole),
             Stage::CentreAxis => self.axis.has(whole),
             Stage::Nearest => self.near.has(whole),
@@ -250,6 +261,7 @@ impl<T: ErrorBounds> Kernel for Decide<'_, T> {
                     Stage::Nearest => self.nearer(l),
                     Stage::CentreAxis => self.first_axis(l),
                     Stage::Obbs => self.obbs(l),
+                    Stage::Straight => self.nearest_of_straight(l, whole),
                 }
             }
             if whole == Whole::OrLast {
@@ -263,7 +275,8 @@ impl<T: ErrorBounds> Decide<'_, T> {
     /// Reads sixteen pairs and tries their spheres.
     #[inline(always)]
     fn open<L: Lanes>(&mut self, l: L, first: usize) {
-        let Scratch { touching, kept, left, ahead, entry, boxed, axis, .. } = &mut *self.scratch;
+        let Scratch { touching, kept, left, ahead, entry, straight, boxed, axis, .. } =
+            &mut *self.scratch;
         let later = self.pairs.get(first + 2 * WIDTH..).unwrap_or_default();
         ahead.look(self.frames, &later[..later.len().min(WIDTH)]);
         let pairs = &self.pairs[first..self.pairs.len().min(first + WIDTH)];
@@ -281,19 +294,33 @@ impl<T: ErrorBounds> Decide<'_, T> {
                 narrow = spheres.all() & !kept.note(l, &entry.packet, noted);
             }
         }
+        let to_formulas = match T::HANDS_ON && self.frames.have_straight_cores() {
+            true => straight.push(l, self.frames, (&entry.packet, open | narrow)),
+            false => 0,
+        };
         let to_axis = if self.frames.have_vertices() { (open | narrow) & !entry.boxed } else { 0 };
+        let to_axis = to_axis & !to_formulas;
         // Their closed form costs less than the boxes and leaves none open; but its proof is not one that lasts.
         let closed =
             T::HANDS_ON && T::KEEPS != KeptProof::Clearance && entry.marks & AXIS_ALIGNED != 0;
         let upright =
             if closed { marked(self.frames, &entry.packet, open, AXIS_ALIGNED) } else { 0 };
-        let to_boxes = open & entry.boxed & !upright;
-        let to_left = used(pairs.len()) & !(spheres.all() | to_boxes | to_axis);
+        let to_boxes = open & entry.boxed & !(upright | to_formulas);
+        let to_left = used(pairs.len()) & !(spheres.all() | to_boxes | to_axis | to_formulas);
         for lane in LanesOf(to_left) {
             left.push(Left { number: entry.packet.number.0[lane], axes: [Vec3::ZERO; 2] });
         }
         boxed.push(l, &entry.packet, to_boxes);
         axis.push(l, &entry.packet, to_axis);
+    }
+
+    /// The nearest points of spheres, capsules and cuboids.
+    #[inline(always)]
+    fn nearest_of_straight<L: Lanes>(&mut self, l: L, whole: Whole) {
+        let Scratch { packet, straight, .. } = &mut *self.scratch;
+        let (taken, resolved) = straight.resolve(l, self.frames, packet, whole);
+        let done = self.resolve(l, Method::Portal, resolved, used(taken));
+        self.scratch.axis.push(l, &self.scratch.packet, used(taken) & !done);
     }
 
     /// A box round and a box inside each.

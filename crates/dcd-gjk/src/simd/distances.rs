@@ -12,7 +12,8 @@ use super::{ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, PlacedSphere, distance_of_spheres, distance_within, spheres_are_beyond};
 use crate::distance::{DistanceResult, distance_at, of_apart};
 use crate::query::{
-    DistanceContacts, FEWEST_MEASURED, check_margin, grown, spheres_are_apart, within_margin,
+    DistanceContacts, FEWEST_MEASURED, check_margin, distance_at_once, grown, spheres_are_apart,
+    within_margin,
 };
 use crate::{
     Accuracy, Contact, ContactList, ContactSink, Distance, Method, NarrowPhase, PosedShape,
@@ -26,7 +27,8 @@ use sorted::{Kind, Searched, Sorted};
 /// How far apart the pairs within a margin are: [`Distances`](crate::Distances) at any accuracy, in packets of sixteen.
 ///
 /// Contact is proved as in [`Overlap`](crate::Overlap). For the other pairs the lanes find the nearest
-/// vertices, of cuboids the nearest faces, edges or corners. At [`Accuracy::F32`] f64 computes the distance
+/// vertices, of cuboids the nearest faces, edges or corners. At [`Accuracy::F32`] spheres and capsules, with each other and
+/// with cuboids, are evaluated once in f64, with its bound. Of others f64 computes the distance
 /// from the points there, which are those of f32 on cuboids, and the bound is what the lanes
 /// prove from below: some millionths of the pair's size. At the others the search goes on from them in f64 or longer
 /// numbers, with the bounds of these. Shapes without a lane kernel, sizes outside
@@ -186,6 +188,14 @@ impl SimdDistances {
         }
     }
 
+    /// A pair that is apart of which one evaluation in f64 says how far.
+    fn by_formula(&self, [a, b]: [PosedShape<'_>; 2]) -> Verdict<Option<Distance>> {
+        match distance_at_once(a, b) {
+            Some(found) => within_margin(found, self.margin, a, b),
+            None => self.alone(a, b).0,
+        }
+    }
+
     /// The pair, which is apart, whose nearest vertices are known.
     fn by_points(
         &self,
@@ -323,9 +333,11 @@ impl NarrowPhase for SimdDistances {
         report.sort();
         let undecided = report.take_undecided();
         sink.report.absorb(report);
-        sorted.sort(self.path, frames, (yes, pairs, self.margin));
-        let Sorted { kinds, read, searched, of_cuboids, .. } = &*sorted;
+        sorted.sort(self.path, frames, (yes, pairs, self.margin, self.accuracy));
+        let Sorted { kinds, read, formulas, searched, of_cuboids, .. } = &*sorted;
         let objects = ScenePairs { frames, scenes: [a.scene, b.scene], pairs: &searched.measured };
+        let with_formula = ScenePairs { pairs: formulas, ..objects };
+        let mut formulas = 0..formulas.len();
         let mut near = searched.near.iter().enumerate();
         let mut of_cuboids = of_cuboids.found.iter();
         for &number in read {
@@ -351,6 +363,10 @@ impl NarrowPhase for SimdDistances {
                         nearest = searched.nearest.found[of_open as usize];
                     }
                 }
+                Kind::Formula => {
+                    let number = formulas.next().unwrap_or_default();
+                    with_formula.look_ahead_to_ends(number);
+                }
                 Kind::Touching | Kind::Spheres | Kind::Beyond => {}
             }
             if !is_decided {
@@ -363,6 +379,7 @@ impl NarrowPhase for SimdDistances {
             let verdict = match kind {
                 Kind::Searched => self.by_search(nearest, objects.posed(pair)),
                 Kind::Cuboids => self.by_features(features, frames, pair, objects.posed(pair)),
+                Kind::Formula => self.by_formula(objects.posed(pair)),
                 Kind::Touching | Kind::Spheres | Kind::Beyond => {
                     self.by_bounds_of_centres(spheres, objects.posed(pair))
                 }

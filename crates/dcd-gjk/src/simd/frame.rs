@@ -16,6 +16,8 @@ pub struct SimdFrame {
     /// Of the scene's shapes.
     cores: Cores,
     form: Form,
+    /// Whether some record is marked as [`STRAIGHT_CORE`].
+    has_straight_cores: bool,
     /// How many objects there are. Behind them in the lists are the parts of compounds.
     objects: usize,
     records: Vec<Record>,
@@ -100,6 +102,9 @@ pub(super) const WHOLE: u8 = 8;
 pub(super) const BOX: u8 = 16;
 /// A record's mark that it is a sphere: its centre is exact, and the fourth number of it the radius.
 pub(super) const SPHERE: u8 = 32;
+/// A record's mark that it has vertices, and its core is a point or the segment between the first of them and that seen through
+/// the centre.
+pub(super) const STRAIGHT_CORE: u8 = 64;
 
 /// One object on one cache line. The radii include what the pose's matrix departs from a rotation
 /// by, and are rounded to the safe side.
@@ -116,7 +121,7 @@ pub(super) struct Record {
     /// How many blocks it has; 0 where the lanes do not know the shape, or the scene is of a form
     /// without vertices.
     pub(super) blocks: u8,
-    /// [`HAS_OBB`], [`LIVE`], [`AXIS_ALIGNED`], [`WHOLE`], [`BOX`] and [`SPHERE`], each or not.
+    /// [`HAS_OBB`], [`LIVE`], [`AXIS_ALIGNED`], [`WHOLE`], [`BOX`], [`SPHERE`] and [`STRAIGHT_CORE`], each or not.
     pub(super) marks: u8,
     /// A sphere round the centre inside the object, its swept radius included: rounded down.
     pub(super) inner: f32,
@@ -203,6 +208,12 @@ impl<'a> FramePair<'a> {
         self.a.is_near() && self.b.is_near()
     }
 
+    /// Whether any object is marked as [`STRAIGHT_CORE`].
+    #[inline(always)]
+    pub(super) fn have_straight_cores(self) -> bool {
+        self.a.has_straight_cores || self.b.has_straight_cores
+    }
+
     /// Whether the lanes know the parts of any object.
     pub(super) fn have_compounds(self) -> bool {
         self.a.has_compounds() || self.b.has_compounds()
@@ -277,6 +288,8 @@ impl SimdFrame {
             Sides::One => Form::of(scene.shapes()),
             Sides::Two => Form::Any,
         };
+        let mut all = cores.iter().chain(parts);
+        self.has_straight_cores = self.form == Form::Any && all.any(|core| core.is_straight);
         self.objects = scene.len();
         self.records.resize(scene.len(), Record::default());
         let may_stand = cores.iter().chain(parts).any(|core| core.is_box);

@@ -33,6 +33,7 @@ mod reference;
 mod scene_pairs;
 mod simplex;
 mod spheres;
+mod straight;
 mod support;
 mod tetrahedron;
 mod touching_parts;

@@ -11,7 +11,8 @@ use super::bounds::{CENTRE, CHOICE, ROTATED, TURNED, U};
 use super::compounds::{CompoundPart, Whole};
 use super::cores::{Core, Cores, ObbBoundsF32};
 use super::frame::{
-    AXIS_ALIGNED, BOX, Extremes, Form, HAS_OBB, LIVE, ObbRecord, Part, Record, SPHERE, WHOLE,
+    AXIS_ALIGNED, BOX, Extremes, Form, HAS_OBB, LIVE, ObbRecord, Part, Record, SPHERE,
+    STRAIGHT_CORE, WHOLE,
 };
 use super::vector::V3;
 use dcd_geom::glam::{DVec3, Vec3};
@@ -201,6 +202,7 @@ fn marks(record: &Record, core: &Core, pose: &Pose) -> u8 {
     marked(boxed, HAS_OBB)
         | marked(boxed && core.is_box && core.radius == 0.0, BOX)
         | marked(core.is_sphere, SPHERE)
+        | marked(record.blocks > 0 && core.is_straight, STRAIGHT_CORE)
         | marked(record.blocks > 0, LIVE)
         | marked(record.blocks > 0 && core.excess == 0.0, WHOLE)
 }

@@ -66,6 +66,16 @@ impl<'a> ScenePairs<'a> {
         }
     }
 
+    /// The same, where no more is read of polytopes than their kind and the first vertices: spheres, capsules and cuboids.
+    #[inline(always)]
+    pub(super) fn look_ahead_to_ends(&self, number: usize) {
+        self.look_ahead_to_shapes(number);
+        let Some(pair) = self.pairs.get(number + NEAR) else { return };
+        let [of_a, of_b] = self.scenes;
+        prefetch_corners(of_a, pair.i, [0]);
+        prefetch_corners(of_b, pair.j, [0]);
+    }
+
     /// The same, where no more is read of polytopes than a few vertices. `corners` says which, of the pair of that number
     /// and for either of its objects.
     #[inline(always)]
@@ -120,7 +130,7 @@ fn prefetch_vertices(frame: &SimdFrame, scene: &Scene, object: u32) {
 
 /// Prefetches vertices of an object.
 #[inline(always)]
-fn prefetch_corners(scene: &Scene, object: u32, corners: [u32; 3]) {
+fn prefetch_corners<const N: usize>(scene: &Scene, object: u32, corners: [u32; N]) {
     if let Shape::Polytope(polytope) = scene.shape(object as usize) {
         for corner in corners {
             if let Some(vertex) = polytope.vertices().get(corner as usize) {

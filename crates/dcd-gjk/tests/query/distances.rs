@@ -5,10 +5,10 @@ use super::within::found;
 use super::{PosedSupport, answer_of, solve};
 use dcd_geom::glam::DVec3;
 use dcd_geom::{Polytope, Pose, Shape};
-use dcd_gjk::query::Smoothness;
+use dcd_gjk::query::{MeasureAt, Smoothness};
 use dcd_gjk::{
-    Accuracy, Distances, PairSolver, Pairwise, Proximities, Reason, SimdDistances, ThenMeasure,
-    Verdict, contract,
+    Accuracy, Distances, PairSolver, Pairwise, PosedShape, Proximities, Reason, SimdDistances,
+    ThenMeasure, Verdict, contract,
 };
 use dcd_simd::Path;
 use std::sync::Arc;
@@ -405,4 +405,53 @@ fn shapes_that_the_lanes_do_not_know_have_the_distances_that_they_have_alone() {
             assert!(low <= most && least <= high, "{quick:?} {certified:?}");
         }
     }
+}
+
+#[test]
+fn spheres_capsules_and_cuboids_have_the_distance_that_one_evaluation_in_f64_gives_them_on_every_path()
+ {
+    let mut draw = Draw(31);
+    let shapes: Vec<Shape> = (0..24)
+        .map(|k| {
+            let half = draw.vector().abs() * 0.4 + 0.05;
+            match k % 3 {
+                0 => Shape::sphere(half.x).unwrap(),
+                1 => Shape::capsule(half.x, half.y).unwrap(),
+                _ => Shape::cuboid(half).unwrap(),
+            }
+        })
+        .collect();
+    let poses = (0..240).map(|_| Pose::new(draw.turn(), draw.vector() * 2.0).unwrap());
+    let objects = poses.zip((0..24).cycle()).map(|(pose, k)| dcd_geom::Object::new(k, pose));
+    let scene = dcd_geom::Scene::new(shapes, objects.collect::<Vec<_>>()).unwrap();
+    let pairs: Vec<_> =
+        (0..240).flat_map(|i| (i + 1..240).map(move |j| dcd_geom::Pair::new(i, j))).collect();
+    let margin = 0.5;
+    let solver = Distances::within(margin).unwrap();
+    let (due, _) = found(&Pairwise(solver), &scene, &pairs);
+    let placed = |k: u32| PosedShape::of(&scene, k);
+    let mut counts = [0; 2];
+    for path in Path::ALL.into_iter().filter(|path| path.is_available()) {
+        let narrow = SimdDistances::on(path, margin, Accuracy::F32).unwrap();
+        let (measured, report) = found(&narrow, &scene, &pairs);
+        assert!(report.undecided().is_empty(), "{:?}", report.undecided());
+        let of =
+            |contacts: &[dcd_gjk::Contact<_>]| contacts.iter().map(|c| c.pair).collect::<Vec<_>>();
+        assert_eq!(of(&due), of(&measured), "{path:?}");
+        for contact in &measured {
+            let kinds = [contact.pair.i, contact.pair.j].map(|k| k % 3);
+            let (a, b) = (placed(contact.pair.i), placed(contact.pair.j));
+            let Some(found) = contact.answer else {
+                counts[0] += 1;
+                continue;
+            };
+            if kinds != [2, 2] {
+                let alone = solver.measure_at(Accuracy::F32, a, b, &mut ());
+                assert_eq!(alone, Verdict::Touching(Some(found)), "{kinds:?}");
+                assert!(found.error_bound < 1e-12, "{kinds:?} {found:?}");
+                counts[1] += 1;
+            }
+        }
+    }
+    assert!(counts[0] > 500 && counts[1] > 500, "{counts:?}");
 }

@@ -56,7 +56,7 @@ impl Gap {
 
     /// How far apart they are, or that they touch; `None` where neither is proved.
     #[inline]
-    pub(super) fn distance(self) -> Option<DistanceResult> {
+    pub(crate) fn distance(self) -> Option<DistanceResult> {
         let Self { value: distance, error: error_bound, normal, point_a, point_b } = self;
         if distance > error_bound {
             let found = Distance { distance, point_a, point_b, normal, error_bound };

@@ -5,6 +5,8 @@ use super::super::Scratch as Yes;
 use super::super::closed::{are_cuboids, nearest_features as of_cuboids};
 use super::super::frame::FramePair;
 use super::super::nearest_points::{self, Found};
+use super::super::straight::Cores;
+use crate::Accuracy;
 use dcd_geom::Pair;
 use dcd_simd::Path;
 
@@ -16,6 +18,8 @@ pub(super) struct Sorted {
     /// The numbers of the pairs of which more is read than that: all but those of [`Kind::Beyond`].
     pub(super) read: Vec<u32>,
     pub(super) searched: Searched,
+    /// The pairs of [`Kind::Formula`].
+    pub(super) formulas: Vec<Pair>,
     /// Of the pairs of [`Kind::Cuboids`].
     pub(super) of_cuboids: of_cuboids::Scratch,
     /// The numbers of the pairs that neither touch nor are proved to be beyond the margin.
@@ -46,6 +50,8 @@ pub(super) enum Kind {
     Spheres,
     /// By the nearest faces, edges or corners of cuboids.
     Cuboids,
+    /// By a formula, at the accuracy of f32: spheres, capsules and cuboids.
+    Formula,
     /// By the search for nearest vertices.
     Searched,
     /// Not at all: it is proved to be beyond the margin, by what proved it apart or by that search.
@@ -60,12 +66,15 @@ impl Kind {
         if touches { Self::Touching } else { of_apart }
     }
 
-    /// Of a pair that is open.
+    /// Of a pair that is open, at an accuracy.
     #[inline(always)]
-    fn of_open(frames: FramePair<'_>, pair: Pair) -> Self {
+    fn of_open(frames: FramePair<'_>, pair: Pair, accuracy: Accuracy) -> Self {
         let (are_cuboids, are_spheres) =
             (are_cuboids(frames, pair), frames.spheres(pair).is_some());
-        let of_others = if are_spheres { Self::Spheres } else { Self::Searched };
+        let has_formula =
+            accuracy == Accuracy::F32 && Cores::of_pair(frames, pair) != Cores::Others;
+        let of_others = if has_formula { Self::Formula } else { Self::Searched };
+        let of_others = if are_spheres { Self::Spheres } else { of_others };
         if are_cuboids { Self::Cuboids } else { of_others }
     }
 }
@@ -103,9 +112,9 @@ impl Sorted {
         &mut self,
         path: Path,
         frames: FramePair<'_>,
-        (judged, pairs, margin): (&Yes, &[Pair], f64),
+        (judged, pairs, margin, accuracy): (&Yes, &[Pair], f64, Accuracy),
     ) {
-        let Self { kinds, open, read, searched, cuboids, of_cuboids } = self;
+        let Self { kinds, open, read, formulas, searched, cuboids, of_cuboids } = self;
         // Rounded up, so that no pair within the margin is left out.
         let far = (margin as f32).next_up();
         let known = judged.touching().iter().zip(judged.kept().clearance());
@@ -113,13 +122,15 @@ impl Sorted {
         kinds.extend(known.map(|(&touches, &gap)| Kind::known(touches, gap > far)));
         choose((0..).zip(kinds.iter().map(|&kind| kind == Kind::Searched)), open);
         for &number in &*open {
-            kinds[number as usize] = Kind::of_open(frames, pairs[number as usize]);
+            kinds[number as usize] = Kind::of_open(frames, pairs[number as usize], accuracy);
         }
         let sorted = &*kinds;
         let of_kind =
             |kind: Kind| open.iter().map(move |&number| (number, sorted[number as usize] == kind));
-        let are_cuboids = of_kind(Kind::Cuboids);
-        choose(are_cuboids.map(|(number, is_one)| (pairs[number as usize], is_one)), cuboids);
+        let pairs_of =
+            |kind| of_kind(kind).map(|(number, is_one)| (pairs[number as usize], is_one));
+        choose(pairs_of(Kind::Formula), formulas);
+        choose(pairs_of(Kind::Cuboids), cuboids);
         of_cuboids::find(path, frames, (cuboids, margin), of_cuboids);
         choose(of_kind(Kind::Searched), &mut searched.numbers);
         searched.find(path, frames, (pairs, margin));
