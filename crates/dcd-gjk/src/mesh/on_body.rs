@@ -98,15 +98,16 @@ pub(crate) fn touching_triangles(
     let first = Side::of(mesh).part(first);
     let mut couple = Couple::of([first, Part::Shape(body.shape)], [mesh.pose, body.pose])?;
     let (most_open, slack) = (of_size * couple.size(), couple.slack());
+    let is_good = |found: &Depth| found.error_bound <= (relative * found.depth).max(most_open);
+    let most = |found: &Depth| (found.depth + found.error_bound).next_up();
     let turn = *mesh.pose.rotation();
     for triangle in triangles {
         let corners = of_mesh.corners(triangle as usize)?;
         couple.take_triangle(corners);
-        let is_good = |found: &Depth| found.error_bound <= (relative * found.depth).max(most_open);
         let depth = known.depth(triangle).filter(is_good).or_else(|| couple.by_formula(is_good));
-        let at_most = match &depth.or_else(|| couple.by_nearest()) {
-            Some(found) => (found.depth + found.error_bound).next_up(),
-            None => couple.most(),
+        let at_most = match &depth {
+            Some(found) => most(found),
+            None => couple.by_nearest().map_or_else(|| couple.most(), |found| most(&found)),
         };
         let [p, q, r] = corners;
         found.push(TouchingTriangle {

@@ -281,8 +281,17 @@ impl Part<'_> {
     }
 
     fn is_cuboid(&self) -> bool {
-        let Self::Shape(Shape::Polytope(core)) = self else { return false };
-        matches!(core.kind(), Kind::Cuboid { .. })
+        self.kind().is_some_and(|kind| matches!(kind, Kind::Cuboid { .. }))
+    }
+
+    pub(super) fn is_hull(&self) -> bool {
+        self.kind() == Some(Kind::Hull)
+    }
+
+    /// Of a polytope.
+    fn kind(&self) -> Option<Kind> {
+        let Self::Shape(Shape::Polytope(core)) = self else { return None };
+        Some(core.kind())
     }
 
     fn centre_of_sphere(&self) -> Option<DVec3> {
