@@ -218,6 +218,9 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
             let to = first + number as usize;
             let measured = match lists.next_if(|&(listed, _)| pairs[listed as usize] == pair) {
                 Some((_, known)) => {
+                    if let Some((next, known)) = lists.peek() {
+                        in_order.look_ahead_to_parts(pairs[*next as usize], known.parts);
+                    }
                     let mut verdict = Verdict::Apart;
                     sink.contacts.write(to, |answer| {
                         verdict =
