@@ -110,36 +110,56 @@ pub fn touching(
     found
 }
 
-/// The same of a mesh and a polytope; appends the depths as well that the search comes by, in any order.
+/// The same of a mesh and a polytope; appends what the search comes by of their depths as well.
 pub(crate) fn touching_with_depths(
     a: PosedShape<'_>,
     b: PosedShape<'_>,
     scratch: &mut Scratch,
-    (pairs, depths): (&mut Vec<[u32; 2]>, &mut Vec<DepthOfTriangle>),
+    (pairs, depths): (&mut Vec<[u32; 2]>, &mut TriangleDepths),
 ) -> (Verdict<()>, Method) {
-    let first = pairs.len();
-    let found = search(Path::best(), [a, b], scratch, (Goal::All(pairs), Some(depths)));
-    pairs[first..].sort_unstable();
+    let first = [pairs.len(), depths.known.len(), depths.at_most.len()];
+    let found = search(Path::best(), [a, b], scratch, (Goal::All(pairs), Some(&mut *depths)));
+    pairs[first[0]..].sort_unstable();
+    depths.known[first[1]..].sort_unstable_by_key(|&(triangle, _)| triangle);
+    depths.at_most[first[2]..].sort_unstable_by_key(|&(triangle, _)| triangle);
     found
 }
 
-/// The depth of a mesh's triangle, by index, and a polytope, from the mesh to that.
-pub type DepthOfTriangle = (u32, Depth);
+/// What is known of the depths of a mesh's triangles and polytopes, by the triangles' indices, from the mesh to the polytope.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TriangleDepths {
+    pub(crate) known: Vec<(u32, Depth)>,
+    /// At least how deep triangles are, metres.
+    pub(crate) at_most: Vec<(u32, f32)>,
+}
 
 /// What is known of the parts of a mesh and a polytope that touch.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct KnownParts<'a> {
     /// Which they are: all that [`touching`] lists, in that order.
     pub parts: &'a [[u32; 2]],
-    /// How deep some of these are, in any order.
-    pub depths: &'a [DepthOfTriangle],
+    /// How deep some of the triangles are, from the mesh to the polytope, in rising order.
+    pub depths: &'a [(u32, Depth)],
+    /// At least how deep some are, likewise: metres.
+    pub at_most: &'a [(u32, f32)],
 }
 
 impl KnownParts<'_> {
     /// The depth of a triangle, if it is known.
     fn depth(&self, triangle: u32) -> Option<Depth> {
-        self.depths.iter().find(|(other, _)| *other == triangle).map(|&(_, depth)| depth)
+        find(self.depths, triangle)
     }
+
+    /// At least how deep a triangle is, metres; infinite where that is not known.
+    fn at_most(&self, triangle: u32) -> f64 {
+        find(self.at_most, triangle).map_or(f64::INFINITY, f64::from)
+    }
+}
+
+/// What is known of a triangle in a list in rising order.
+fn find<T: Copy>(list: &[(u32, T)], triangle: u32) -> Option<T> {
+    let place = list.binary_search_by_key(&triangle, |&(other, _)| other).ok()?;
+    Some(list[place].1)
 }
 
 /// Whether one is a mesh and the other a polytope: their touching triangles are worth keeping for a measure, and their
@@ -157,7 +177,7 @@ fn search(
     path: Path,
     [a, b]: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
-    (goal, depths): (Goal<'_>, Option<&mut Vec<DepthOfTriangle>>),
+    (goal, depths): (Goal<'_>, Option<&mut TriangleDepths>),
 ) -> (Verdict<()>, Method) {
     let ([first, second], swapped) = in_order(a, b);
     let (a, b) = (&first, &second);
@@ -238,7 +258,7 @@ fn each(a: &Side<'_>, b: &Side<'_>, tally: &mut Tally<'_>) {
 struct Tally<'a> {
     goal: Goal<'a>,
     /// The depths of triangles, where they are wanted.
-    depths: Option<&'a mut Vec<DepthOfTriangle>>,
+    depths: Option<&'a mut TriangleDepths>,
     /// Whether the caller's first shape is our second.
     swapped: bool,
     touching: bool,
@@ -279,7 +299,15 @@ impl Tally<'_> {
     /// Takes in the depth of a triangle, if it is known.
     fn keep(&mut self, triangle: u32, depth: Option<Depth>) {
         if let (Some(depths), Some(depth)) = (&mut self.depths, depth) {
-            depths.push((triangle, depth));
+            depths.known.push((triangle, depth));
+        }
+    }
+
+    /// Takes in at least how deep a triangle is that touches, metres, where depths are wanted.
+    #[inline(always)]
+    fn bound(&mut self, triangle: u32, at_most: f32) {
+        if let Some(depths) = &mut self.depths {
+            depths.at_most.push((triangle, at_most));
         }
     }
 

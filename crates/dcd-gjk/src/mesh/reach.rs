@@ -115,6 +115,13 @@ impl<'a> Couple<'a> {
         self.size
     }
 
+    /// Whether a depth's bound is at most a part `relative` of it or `of_size` of the pair's size.
+    #[inline]
+    pub(super) fn is_good(&self, [relative, of_size]: [f64; 2]) -> impl Fn(&Depth) -> bool + use<> {
+        let most_open = of_size * self.size;
+        move |found| found.error_bound <= (relative * found.depth).max(most_open)
+    }
+
     /// The depth of a triangle and a sphere or capsule whose cores do not meet, from the first to the second; `None` of
     /// others.
     pub(super) fn by_nearest(&self) -> Option<Depth> {

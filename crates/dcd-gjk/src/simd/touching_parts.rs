@@ -1,6 +1,6 @@
 //! Which parts of meshes and polytopes touch, where a measure of them follows.
 
-use crate::mesh::{self, DepthOfTriangle, KnownParts};
+use crate::mesh::{self, KnownParts, TriangleDepths};
 use crate::{Method, PosedShape, Verdict};
 
 /// Which parts of the touching meshes and polytopes of a slice touch: found once, for yes or no and for the measure.
@@ -8,11 +8,14 @@ use crate::{Method, PosedShape, Verdict};
 pub(super) struct TouchingParts {
     pub(super) is_wanted: bool,
     /// For each pair its number in the slice, and where its lists end.
-    ends: Vec<(u32, [usize; 2])>,
+    ends: Vec<(u32, Lengths)>,
     parts: Vec<[u32; 2]>,
     /// Of some of these.
-    depths: Vec<DepthOfTriangle>,
+    depths: TriangleDepths,
 }
+
+/// How long the lists are: of parts, of depths, and of what bounds depths.
+type Lengths = [usize; 3];
 
 impl TouchingParts {
     /// Forgets the last slice.
@@ -20,7 +23,8 @@ impl TouchingParts {
         self.is_wanted = is_wanted;
         self.ends.clear();
         self.parts.clear();
-        self.depths.clear();
+        self.depths.known.clear();
+        self.depths.at_most.clear();
     }
 
     /// Looks for all of a pair.
@@ -30,16 +34,21 @@ impl TouchingParts {
         [a, b]: [PosedShape<'_>; 2],
         scratch: &mut mesh::Scratch,
     ) -> (Verdict<()>, Method) {
+        let first = self.lengths();
         let Self { parts, depths, .. } = self;
-        let first = [parts.len(), depths.len()];
         let found = mesh::touching_with_depths(a, b, scratch, (&mut *parts, &mut *depths));
         if found.0 == Verdict::Touching(()) {
-            self.ends.push((number, [parts.len(), depths.len()]));
+            self.ends.push((number, self.lengths()));
         } else {
             parts.truncate(first[0]);
-            depths.truncate(first[1]);
+            depths.known.truncate(first[1]);
+            depths.at_most.truncate(first[2]);
         }
         found
+    }
+
+    fn lengths(&self) -> Lengths {
+        [self.parts.len(), self.depths.known.len(), self.depths.at_most.len()]
     }
 
     /// Whether there is a list.
@@ -49,11 +58,15 @@ impl TouchingParts {
 
     /// The lists of the touching pairs, each with its number in the slice, in rising order.
     pub(super) fn lists(&self) -> impl Iterator<Item = (u32, KnownParts<'_>)> {
-        let mut first = [0; 2];
+        let mut first = [0; 3];
         self.ends.iter().map(move |&(number, end)| {
             let begin = std::mem::replace(&mut first, end);
-            let parts = &self.parts[begin[0]..end[0]];
-            (number, KnownParts { parts, depths: &self.depths[begin[1]..end[1]] })
+            let known = KnownParts {
+                parts: &self.parts[begin[0]..end[0]],
+                depths: &self.depths.known[begin[1]..end[1]],
+                at_most: &self.depths.at_most[begin[2]..end[2]],
+            };
+            (number, known)
         })
     }
 }
