@@ -65,12 +65,14 @@ enum Axis {
 }
 
 impl<'a> Couple<'a> {
-    /// The depth by a formula that is good enough: by the axes of a cuboid, else by the nearest points, else where a part
-    /// is pressed into the triangle; that first of a hull, whose planes take five times as long and say no more there.
+    /// The depth of parts that touch by a formula that is good enough: by the axes of a cuboid, else by the nearest points,
+    /// else where a part is pressed into the triangle; that first of a hull, whose planes take five times as long and say no
+    /// more there.
     pub(super) fn by_formula(&self, is_good: impl Fn(&Depth) -> bool) -> Option<Depth> {
         let is_hull = self.parts().iter().any(Part::is_hull);
         let pressed = || self.pressed().filter(&is_good);
-        let by_axes = || match self.by_axes() {
+        // What touches has no side between.
+        let by_axes = || match self.by_axes_after(|_, _| None) {
             Some(ByAxes::Touching(found)) => found.filter(&is_good),
             _ => None,
         };
@@ -82,6 +84,11 @@ impl<'a> Couple<'a> {
 
     /// `None` of other parts, and where the bound leaves open whether they touch.
     pub(super) fn by_axes(&self) -> Option<ByAxes> {
+        self.by_axes_after(Placed::side_between)
+    }
+
+    /// The same, after a direction of a cuboid that separates the two, if that finds one.
+    fn by_axes_after(&self, between: impl Fn(&Placed, f64) -> Option<DVec3>) -> Option<ByAxes> {
         let triangle = match self.parts() {
             [Part::Triangle { .. }, Part::Shape(_)] => 0,
             [Part::Shape(_), Part::Triangle { .. }] => 1,
@@ -103,6 +110,9 @@ impl<'a> Couple<'a> {
         let placed = self.placed(corners, half, (poses, sense));
         let radius = swept + core.swept_radius();
         let turn = poses[1].rotation();
+        if let Some(axis) = between(&placed, radius) {
+            return Some(ByAxes::Apart(*turn * axis * -sense));
+        }
         let least = match placed.least(radius) {
             Ok(least) => least?,
             Err(axis) => return Some(ByAxes::Apart(*turn * axis * -sense)),
@@ -168,9 +178,6 @@ impl Placed {
     /// The axis along which they reach least past each other; an axis that separates them by more than `radius` is an
     /// error. `None` where the triangle has no normal, or one that may be rounding.
     fn least(&self, radius: f64) -> Result<Option<Least>, DVec3> {
-        if let Some(axis) = self.side_between(radius) {
-            return Err(axis);
-        }
         let [p, q, r] = self.corners;
         let edges = [q - p, r - q, p - r];
         let normal = edges[0].cross(edges[1]);

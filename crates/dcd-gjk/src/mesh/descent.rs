@@ -259,7 +259,7 @@ impl Descent<'_, '_> {
         let mut squares = Row::default();
         let mut at_most = Row([f32::INFINITY; dcd_simd::WIDTH]);
         if let (1.., Parts::Mesh(mesh)) = (open, self.a.parts) {
-            let wanted = self.tally.depths.is_some().then_some(&mut at_most);
+            let wanted = self.tally.at_most.is_some().then_some(&mut at_most);
             let Decided { touching, apart, squares: found } =
                 self.in_lanes(l, (&mesh.leaves()[block_a as usize], open), wanted);
             for lane in Bits(touching & open) {

@@ -88,7 +88,7 @@ fn the_depth_is_that_of_the_deepest_parts() {
 
 #[test]
 fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measured() {
-    use crate::mesh::{KnownParts, TriangleDepths, touching_with_depths};
+    use crate::mesh::{KnownParts, Lists, touching_with_depths};
     use crate::query::{Accuracy, MeasureDepth};
     use crate::{Depths, epa};
     let mut scratch = epa::Scratch::default();
@@ -106,9 +106,11 @@ fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measu
         let (body, poses) = (body.unwrap(), [draw.pose(0.3), draw.pose(0.3)]);
         let [a, b] = [(&ground, &poses[0]), (&body, &poses[1])]
             .map(|(shape, pose)| PosedShape { shape, pose });
-        let (mut pairs, mut depths) = (Vec::new(), TriangleDepths::default());
-        touching_with_depths(a, b, &mut Scratch::default(), (&mut pairs, &mut depths));
-        let bounded: Vec<_> = depths.at_most.iter().map(|&(triangle, _)| [triangle, 0]).collect();
+        let (mut pairs, mut depths, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
+        let (known, bounded) = (&mut depths, Some(&mut bounds));
+        let lists = Lists { pairs: &mut pairs, depths: known, at_most: bounded };
+        touching_with_depths(a, b, &mut Scratch::default(), lists);
+        let bounded: Vec<_> = bounds.iter().map(|&(triangle, _)| [triangle, 0]).collect();
         assert_eq!(bounded, pairs, "{seed}");
         // Each triangle alone, by the expanding polytope.
         let (mut most, mut known) = (0.0f64, 0);
@@ -120,18 +122,18 @@ fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measu
                 _ => 0.0,
             };
             most = most.max(due);
-            for &(_, at_most) in depths.at_most.iter().filter(|(of, _)| *of == number) {
+            for &(_, at_most) in bounds.iter().filter(|(of, _)| *of == number) {
                 let above = f64::from(at_most) - due;
                 assert!(above >= -1e-12, "{seed}: {at_most} {due}");
                 tight[kind] += usize::from(above < 1e-5);
             }
-            for (_, found) in depths.known.iter().filter(|(of, _)| *of == number) {
+            for (_, found) in depths.iter().filter(|(of, _)| *of == number) {
                 let off = (found.depth - due).abs();
                 assert!(off <= found.error_bound + 1e-12, "{seed}: {found:?} {due}");
                 known += 1;
             }
         }
-        assert_eq!(known, depths.known.len(), "{seed}");
+        assert_eq!(known, depths.len(), "{seed}");
         of_hulls += if kind == 3 { known } else { 0 };
         if pairs.is_empty() {
             continue;
@@ -139,8 +141,7 @@ fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measu
         let back: Vec<_> = pairs.iter().map(|&[of_a, of_b]| [of_b, of_a]).collect();
         for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
             let mut depth = |parts: &[[u32; 2]], sides| {
-                let TriangleDepths { known, at_most } = &depths;
-                let lists = [(&known[..], &at_most[..]), (&known[..], &[]), (&[], &[])];
+                let lists = [(&depths[..], &bounds[..]), (&depths[..], &[]), (&[], &[])];
                 let [found, again, alone] = lists.map(|(depths, at_most)| {
                     let known = KnownParts { parts, depths, at_most };
                     let mut found = Default::default();

@@ -17,6 +17,7 @@ use super::closed::{depths as of_cuboids, patches};
 use super::frame::{FramePair, SimdFrame};
 use super::scene_pairs::ScenePairs;
 use super::spheres;
+use super::touching_parts::Wanted;
 use super::{CertifiedBounds, CuboidPatch, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, Axes};
 use crate::epa::Depth;
@@ -191,7 +192,8 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
             let measure = BySpheres { narrow: self, objects, scratch: solver };
             return spheres::decide(self.path, (frames, pairs, 0.0), measure, sink);
         }
-        yes.touching_parts.begin(true);
+        let wanted = if S::READS_BOUNDS { Wanted::Bounds } else { Wanted::Parts };
+        yes.touching_parts.begin(wanted);
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touch = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
         touching.clear();
@@ -254,7 +256,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
         let yes = &mut scratch.yes;
-        yes.touching_parts.begin(false);
+        yes.touching_parts.begin(Wanted::Nothing);
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touching = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
         touching.for_each(|(&pair, _)| sink.contacts.push_pair(pair));
