@@ -4,8 +4,8 @@
 mod cuboid_axes;
 
 use super::bounds::{
-    BODY_DETERMINANT, BODY_HEIGHT, BODY_NEAREST, BODY_SEPARATION, CUBOID_SEPARATION, SHORTEST,
-    SMALLEST_SPHERE, SWEPT, TURNED, U, U64,
+    BODY_DETERMINANT, BODY_HEIGHT, BODY_NEAREST, BODY_REACH, BODY_SEPARATION, CUBOID_SEPARATION,
+    SHORTEST, SHORTEST_SQUARE, SMALLEST_SPHERE, SWEPT, TURNED, U, U64,
 };
 use super::relative_pose::RelativePose;
 use super::side::{Parts, Side};
@@ -13,7 +13,7 @@ use super::spheres::nearest;
 use crate::simd::vector::V3;
 use dcd_geom::glam::{DMat3, DVec3, Vec3, Vec4};
 use dcd_geom::{Kind, Shape, Triangles};
-use dcd_simd::Lanes;
+use dcd_simd::{Lanes, Row};
 
 /// Of how many vertices a hull is tested in lanes. No unit. Larger: a leaf costs more than the few triangles of it that
 /// are near. Smaller: triangles resolved one by one.
@@ -135,22 +135,25 @@ impl Body {
         matches!(self.form, Form::Cuboid { .. })
     }
 
-    /// What is proved of a leaf's triangles in the open lanes.
+    /// What is proved of a leaf's triangles in the open lanes. Writes at least how deep each triangle and the body overlap,
+    /// where that is wanted: metres, infinite where it is not known.
     #[inline(always)]
     pub(super) fn decide<L: Lanes>(
         &self,
         l: L,
-        leaf: &Triangles,
+        (leaf, open): (&Triangles, u32),
         vertices: &[Vec3],
-        open: u32,
+        at_most: Option<&mut Row>,
     ) -> Proved {
         let offset = self.middle - leaf.centre;
         let bounds = self.bounds(leaf.radius + offset.length());
         let corners = relative(l, leaf, offset);
         match self.form {
-            Form::Cuboid { axes, half } => self.by_axes(l, &bounds, corners, (axes, half)),
-            Form::Segment { half } => self.by_ends(l, &bounds, corners, half, open),
-            Form::Hull => self.by_vertices(l, &bounds, corners, vertices, open),
+            Form::Cuboid { axes, half } => {
+                self.by_axes(l, &bounds, (corners, at_most), (axes, half))
+            }
+            Form::Segment { half } => self.by_ends(l, &bounds, (corners, at_most), half, open),
+            Form::Hull => self.by_vertices(l, &bounds, (corners, at_most), vertices, open),
         }
     }
 
@@ -184,15 +187,19 @@ impl Body {
         &self,
         l: L,
         bounds: &Bounds,
-        corners: [V3<L>; 3],
+        (corners, at_most): ([V3<L>; 3], Option<&mut Row>),
         vertices: &[Vec3],
         open: u32,
     ) -> Proved {
         let plane = Plane::of(l, corners);
         let (most, at) = farthest(l, plane.normal, vertices);
-        let apart = open & bounds.beyond(l, l.sub(plane.low, most), plane.normal);
+        let gap = l.sub(plane.low, most);
+        let apart = open & bounds.beyond(l, gap, plane.normal);
         if apart == open {
             return Proved { touching: 0, apart };
+        }
+        if let Some(row) = at_most {
+            l.store(bounds.at_most(l, gap, plane.normal), row);
         }
         Proved { touching: self.pierced(l, bounds, corners, &plane, (most, at)), apart }
     }
@@ -203,15 +210,15 @@ impl Body {
         &self,
         l: L,
         bounds: &Bounds,
-        corners: [V3<L>; 3],
+        (corners, at_most): ([V3<L>; 3], Option<&mut Row>),
         half: Vec3,
         open: u32,
     ) -> Proved {
         let half = splat(l, half);
         let plane = Plane::of(l, corners);
         let along = plane.normal.dot(l, half);
-        let most = l.abs(along);
-        let mut apart = open & bounds.beyond(l, l.sub(plane.low, most), plane.normal);
+        let of_plane = l.sub(plane.low, l.abs(along));
+        let mut apart = open & bounds.beyond(l, of_plane, plane.normal);
         if apart == open {
             return Proved { touching: 0, apart };
         }
@@ -220,7 +227,12 @@ impl Body {
         let near = nearest(l, [p.sub(l, end), q.sub(l, end), r.sub(l, end)]);
         let touching = self.is_within(l, bounds, near);
         let low = min3(l, near.dot(l, p), near.dot(l, q), near.dot(l, r));
-        apart |= open & bounds.beyond(l, l.sub(low, l.abs(near.dot(l, half))), near);
+        let gap = l.sub(low, l.abs(near.dot(l, half)));
+        apart |= open & bounds.beyond(l, gap, near);
+        if let Some(row) = at_most {
+            let by_plane = bounds.at_most(l, of_plane, plane.normal);
+            l.store(l.min(bounds.at_most(l, gap, near), by_plane), row);
+        }
         Proved { touching, apart }
     }
 
@@ -296,6 +308,27 @@ impl Bounds {
     fn beyond<L: Lanes>(&self, l: L, gap: L::F, d: V3<L>) -> u32 {
         let bound = l.mul(l.splat(self.per_norm1), d.norm1(l));
         l.bits(l.lt(self.with_radius(l, bound, d.dot(l, d)), gap))
+    }
+
+    /// At least how far the two reach past each other along d, metres, from the gap along it: infinite for NaN.
+    #[inline(always)]
+    fn at_most<L: Lanes>(&self, l: L, gap: L::F, d: V3<L>) -> L::F {
+        let square = d.dot(l, d);
+        let reach = l.sub(l.mul(l.splat(self.per_norm1), d.norm1(l)), gap);
+        let reach = l.div(reach, l.sqrt(square));
+        let at_most = l.mul_add(reach, l.splat(1.0 + BODY_REACH), l.splat(self.radius));
+        let far = l.splat(f32::INFINITY);
+        // Written so that NaN, and a direction without length, bound nothing.
+        let at_most = l.select(l.lt(at_most, far), at_most, far);
+        l.select(l.lt(l.splat(SHORTEST_SQUARE), square), at_most, far)
+    }
+
+    /// The same along one of the axes that the corners are given in.
+    #[inline(always)]
+    fn at_most_along_unit<L: Lanes>(&self, l: L, gap: L::F) -> L::F {
+        let far = l.splat(f32::INFINITY);
+        // Infinite for NaN.
+        l.min(l.sub(l.splat(up(f64::from(self.per_norm1) + f64::from(self.radius))), gap), far)
     }
 }
 

@@ -62,6 +62,15 @@ pub(super) const BODY_DETERMINANT: f64 = 26.0;
 /// Unit: u·l, as [`NEAREST`] with corners that lose 4 in place of 2. Smaller: false "touching".
 pub(super) const BODY_NEAREST: f64 = 40.0;
 
+/// What a reach along a direction loses where it is divided by the direction's length. No unit: 16u of f32, of which the
+/// square takes 3, its root 2.5 and the rest 3, and a matrix that departs from a rotation by at most [`TURNED`] nothing beside
+/// these. Smaller: depths that are more than what bounds them.
+pub(super) const BODY_REACH: f32 = 8.0 * f32::EPSILON;
+
+/// The square of a direction's length below which it may lose to underflow. Unit: m⁴, or m² where the direction is no product
+/// of edges. Larger: triangles of whose depths nothing is known. Smaller: depths that are more than what bounds them.
+pub(super) const SHORTEST_SQUARE: f32 = 1e-30;
+
 /// How far the two poses together may be from rotations for a shape's inner box to be turned with
 /// them. No unit. Larger: the bound would have to count squares of it.
 pub(super) const TURNED: f64 = 1e-9;

@@ -184,13 +184,11 @@ impl PartPair<'_> {
     }
 
     /// Its depth where a part is a sphere, a capsule or a cuboid, or pressed into the face of a triangle, with a bound
-    /// of at most `relative` of it or `of_size` of the pair's size.
-    pub(crate) fn by_formula(&self, [relative, of_size]: [f64; 2]) -> Option<Depth> {
+    /// of at most a part `relative` of it or `of_size` of the pair's size.
+    pub(crate) fn by_formula(&self, good: [f64; 2]) -> Option<Depth> {
         let couple = self.couple.as_ref()?;
-        let is_good = |found: &Depth| {
-            found.error_bound <= (relative * found.depth).max(of_size * couple.size())
-        };
-        let nearest = self.nearest.filter(is_good);
+        let is_good = couple.is_good(good);
+        let nearest = self.nearest.filter(&is_good);
         let found = nearest.or_else(|| couple.by_formula(is_good))?;
         Some(if self.swapped { found.mirrored() } else { found })
     }

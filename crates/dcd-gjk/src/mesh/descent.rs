@@ -257,11 +257,14 @@ impl Descent<'_, '_> {
         let below = self.a.below(block_a);
         let mut open = self.beside_planes(l, block_a, hits);
         let mut squares = Row::default();
+        let mut at_most = Row([f32::INFINITY; dcd_simd::WIDTH]);
         if let (1.., Parts::Mesh(mesh)) = (open, self.a.parts) {
+            let wanted = self.tally.at_most.is_some().then_some(&mut at_most);
             let Decided { touching, apart, squares: found } =
-                self.in_lanes(l, &mesh.leaves()[block_a as usize], open);
+                self.in_lanes(l, (&mesh.leaves()[block_a as usize], open), wanted);
             for lane in Bits(touching & open) {
                 let known = (Verdict::Touching(()), Method::Portal);
+                self.tally.bound(below.0[lane], at_most.0[lane]);
                 if self.tally.file([below.0[lane], part_b], known) == Next::Stop {
                     return Next::Stop;
                 }
@@ -275,6 +278,9 @@ impl Descent<'_, '_> {
             let pair = [below.0[lane], part_b];
             let Resolved { verdict, method, axis, depth } = pair::resolve([self.a, self.b], pair);
             self.tally.keep(pair[0], depth);
+            if verdict == Verdict::Touching(()) {
+                self.tally.bound(pair[0], at_most.0[lane]);
+            }
             if self.tally.file(pair, (verdict, method)) == Next::Stop {
                 return Next::Stop;
             }
@@ -288,20 +294,30 @@ impl Descent<'_, '_> {
     }
 
     /// What lanes prove of the open triangles of a leaf: by a body's own faces and vertices, and by spheres in it and
-    /// round it.
+    /// round it. Writes at least how deep each is, where that is wanted and a body's faces tell.
     ///
     /// Out of line: it is needed at two places.
     #[inline(always)]
-    fn in_lanes<L: Lanes>(&self, l: L, leaf: &Triangles, open: u32) -> Decided {
-        l.call(InLanes { search: self, leaf, open })
+    fn in_lanes<L: Lanes>(
+        &self,
+        l: L,
+        (leaf, open): (&Triangles, u32),
+        at_most: Option<&mut Row>,
+    ) -> Decided {
+        l.call(InLanes { search: self, leaf, open, at_most })
     }
 
     #[inline(always)]
-    fn decide_leaf<L: Lanes>(&self, l: L, leaf: &Triangles, open: u32) -> Decided {
+    fn decide_leaf<L: Lanes>(
+        &self,
+        l: L,
+        (leaf, open): (&Triangles, u32),
+        at_most: Option<&mut Row>,
+    ) -> Decided {
         let vertices = &self.scratch.vertices;
         let mut decided = Decided::default();
         if let Some(body) = &self.body {
-            let Proved { touching, apart } = body.decide(l, leaf, vertices, open);
+            let Proved { touching, apart } = body.decide(l, (leaf, open), vertices, at_most);
             decided = Decided { touching, apart, ..decided };
             if body.is_cuboid() || self.is_enough(open, &decided) {
                 return decided;
@@ -363,6 +379,7 @@ struct InLanes<'a, 'd, 'g> {
     search: &'a Descent<'d, 'g>,
     leaf: &'a Triangles,
     open: u32,
+    at_most: Option<&'a mut Row>,
 }
 
 impl Kernel for InLanes<'_, '_, '_> {
@@ -385,8 +402,8 @@ impl Kernel for AllLanes<'_, '_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Decided {
-        let InLanes { search, leaf, open } = self.0;
-        search.decide_leaf(l, leaf, open)
+        let InLanes { search, leaf, open, at_most } = self.0;
+        search.decide_leaf(l, (leaf, open), at_most)
     }
 }
 

@@ -82,7 +82,7 @@ pub fn overlap(
     b: PosedShape<'_>,
     scratch: &mut Scratch,
 ) -> (Verdict<()>, Method) {
-    search(Path::best(), [a, b], scratch, (Goal::Any, None))
+    search(Path::best(), [a, b], scratch, (Goal::Any, None, None))
 }
 
 /// The same on that path, or the portable one where this CPU does not have it; for tests and
@@ -92,7 +92,7 @@ pub fn overlap_on(
     [a, b]: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
 ) -> (Verdict<()>, Method) {
-    search(path, [a, b], scratch, (Goal::Any, None))
+    search(path, [a, b], scratch, (Goal::Any, None, None))
 }
 
 /// Appends every touching pair of parts in ascending order: a part of `a` and one of `b`, by index;
@@ -105,41 +105,65 @@ pub fn touching(
     pairs: &mut Vec<[u32; 2]>,
 ) -> (Verdict<()>, Method) {
     let first = pairs.len();
-    let found = search(Path::best(), [a, b], scratch, (Goal::All(pairs), None));
+    let found = search(Path::best(), [a, b], scratch, (Goal::All(pairs), None, None));
     pairs[first..].sort_unstable();
     found
 }
 
-/// The same of a mesh and a polytope; appends the depths as well that the search comes by, in any order.
+/// The same of a mesh and a polytope; appends what the search comes by of their depths as well.
 pub(crate) fn touching_with_depths(
     a: PosedShape<'_>,
     b: PosedShape<'_>,
     scratch: &mut Scratch,
-    (pairs, depths): (&mut Vec<[u32; 2]>, &mut Vec<DepthOfTriangle>),
+    Lists { pairs, depths, mut at_most }: Lists<'_>,
 ) -> (Verdict<()>, Method) {
-    let first = pairs.len();
-    let found = search(Path::best(), [a, b], scratch, (Goal::All(pairs), Some(depths)));
-    pairs[first..].sort_unstable();
+    let bounded = at_most.as_ref().map_or(0, |list| list.len());
+    let first = [pairs.len(), depths.len()];
+    let bounds = at_most.as_deref_mut();
+    let found = search(Path::best(), [a, b], scratch, (Goal::All(pairs), Some(depths), bounds));
+    pairs[first[0]..].sort_unstable();
+    depths[first[1]..].sort_unstable_by_key(|&(triangle, _)| triangle);
+    if let Some(list) = at_most {
+        list[bounded..].sort_unstable_by_key(|&(triangle, _)| triangle);
+    }
     found
 }
 
-/// The depth of a mesh's triangle, by index, and a polytope, from the mesh to that.
-pub type DepthOfTriangle = (u32, Depth);
+/// What is found of the parts of a mesh and a polytope that touch: see [`KnownParts`].
+pub(crate) struct Lists<'a> {
+    pub(crate) pairs: &'a mut Vec<[u32; 2]>,
+    pub(crate) depths: &'a mut Vec<(u32, Depth)>,
+    /// Where it is wanted.
+    pub(crate) at_most: Option<&'a mut Vec<(u32, f32)>>,
+}
 
 /// What is known of the parts of a mesh and a polytope that touch.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct KnownParts<'a> {
     /// Which they are: all that [`touching`] lists, in that order.
     pub parts: &'a [[u32; 2]],
-    /// How deep some of these are, in any order.
-    pub depths: &'a [DepthOfTriangle],
+    /// How deep some of the triangles are, from the mesh to the polytope, in rising order.
+    pub depths: &'a [(u32, Depth)],
+    /// At least how deep some are, likewise: metres.
+    pub at_most: &'a [(u32, f32)],
 }
 
 impl KnownParts<'_> {
     /// The depth of a triangle, if it is known.
     fn depth(&self, triangle: u32) -> Option<Depth> {
-        self.depths.iter().find(|(other, _)| *other == triangle).map(|&(_, depth)| depth)
+        find(self.depths, triangle)
     }
+
+    /// At least how deep a triangle is, metres; infinite where that is not known.
+    fn at_most(&self, triangle: u32) -> f64 {
+        find(self.at_most, triangle).map_or(f64::INFINITY, f64::from)
+    }
+}
+
+/// What is known of a triangle in a list in rising order.
+fn find<T: Copy>(list: &[(u32, T)], triangle: u32) -> Option<T> {
+    let place = list.binary_search_by_key(&triangle, |&(other, _)| other).ok()?;
+    Some(list[place].1)
 }
 
 /// Whether one is a mesh and the other a polytope: their touching triangles are worth keeping for a measure, and their
@@ -153,16 +177,26 @@ pub(crate) fn have_parts(a: &Shape, b: &Shape) -> bool {
     !(a.is_convex() && b.is_convex())
 }
 
+/// What is listed of the parts that touch, and of the depths of a mesh's triangles.
+type Wanted<'a> = (Goal<'a>, Option<&'a mut Vec<(u32, Depth)>>, Option<&'a mut Vec<(u32, f32)>>);
+
 fn search(
     path: Path,
     [a, b]: [PosedShape<'_>; 2],
     scratch: &mut Scratch,
-    (goal, depths): (Goal<'_>, Option<&mut Vec<DepthOfTriangle>>),
+    (goal, depths, at_most): Wanted<'_>,
 ) -> (Verdict<()>, Method) {
     let ([first, second], swapped) = in_order(a, b);
     let (a, b) = (&first, &second);
-    let mut tally =
-        Tally { goal, depths, swapped, touching: false, undecided: None, method: Method::Portal };
+    let mut tally = Tally {
+        goal,
+        depths,
+        at_most,
+        swapped,
+        touching: false,
+        undecided: None,
+        method: Method::Portal,
+    };
     dispatch_on(path, Search { sides: [a, b], scratch, tally: &mut tally });
     tally.answer()
 }
@@ -238,7 +272,9 @@ fn each(a: &Side<'_>, b: &Side<'_>, tally: &mut Tally<'_>) {
 struct Tally<'a> {
     goal: Goal<'a>,
     /// The depths of triangles, where they are wanted.
-    depths: Option<&'a mut Vec<DepthOfTriangle>>,
+    depths: Option<&'a mut Vec<(u32, Depth)>>,
+    /// At least how deep they are, likewise.
+    at_most: Option<&'a mut Vec<(u32, f32)>>,
     /// Whether the caller's first shape is our second.
     swapped: bool,
     touching: bool,
@@ -280,6 +316,14 @@ impl Tally<'_> {
     fn keep(&mut self, triangle: u32, depth: Option<Depth>) {
         if let (Some(depths), Some(depth)) = (&mut self.depths, depth) {
             depths.push((triangle, depth));
+        }
+    }
+
+    /// Takes in at least how deep a triangle is that touches, metres, where that is wanted.
+    #[inline(always)]
+    fn bound(&mut self, triangle: u32, at_most: f32) {
+        if let Some(list) = &mut self.at_most {
+            list.push((triangle, at_most));
         }
     }
 

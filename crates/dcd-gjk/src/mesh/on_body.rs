@@ -88,7 +88,7 @@ pub(crate) fn depth_in_sphere([a, b]: [PosedShape<'_>; 2], touching: &[[u32; 2]]
 /// some of them, where a length is out of range.
 pub(crate) fn touching_triangles(
     [mesh, body]: [PosedShape<'_>; 2],
-    [relative, of_size]: [f64; 2],
+    good: [f64; 2],
     (triangles, known): (impl Iterator<Item = u32>, KnownParts<'_>),
     found: &mut Vec<TouchingTriangle>,
 ) -> Option<()> {
@@ -97,16 +97,16 @@ pub(crate) fn touching_triangles(
     let Some(&first) = triangles.peek() else { return Some(()) };
     let first = Side::of(mesh).part(first);
     let mut couple = Couple::of([first, Part::Shape(body.shape)], [mesh.pose, body.pose])?;
-    let (most_open, slack) = (of_size * couple.size(), couple.slack());
+    let (slack, is_good) = (couple.slack(), couple.is_good(good));
+    let most = |found: &Depth| (found.depth + found.error_bound).next_up();
     let turn = *mesh.pose.rotation();
     for triangle in triangles {
         let corners = of_mesh.corners(triangle as usize)?;
         couple.take_triangle(corners);
-        let is_good = |found: &Depth| found.error_bound <= (relative * found.depth).max(most_open);
-        let depth = known.depth(triangle).filter(is_good).or_else(|| couple.by_formula(is_good));
-        let at_most = match &depth.or_else(|| couple.by_nearest()) {
-            Some(found) => (found.depth + found.error_bound).next_up(),
-            None => couple.most(),
+        let depth = known.depth(triangle).filter(&is_good).or_else(|| couple.by_formula(&is_good));
+        let at_most = match &depth {
+            Some(found) => most(found),
+            None => couple.by_nearest().map_or_else(|| couple.most(), |found| most(&found)),
         };
         let [p, q, r] = corners;
         found.push(TouchingTriangle {
@@ -122,27 +122,37 @@ pub(crate) fn touching_triangles(
     Some(())
 }
 
-/// How deep a mesh and a convex polytope overlap of which those triangles touch, in that order, with depths whose bounds are at
-/// most a part `relative` of them or `of_size` of the pair's size. `None` where no formula finds that of one that may be the
-/// deepest, and where a length is out of range.
+/// How deep a mesh and a convex polytope overlap of which those parts touch; the mesh's is the part of that place. The bound is
+/// at most a part `relative` of the depth or `of_size` of the pair's size. `None` where no formula finds the depth of a triangle
+/// that may be the deepest, and where a length is out of range.
 ///
-/// A triangle that the deepest before it bounds, along its normal and within its bound, is not measured.
+/// A triangle that the deepest before it bounds, or that is known to be less deep, is not measured.
 pub(crate) fn deepest_by_formula(
     [mesh, body]: [PosedShape<'_>; 2],
-    [relative, of_size]: [f64; 2],
-    (triangles, known): (impl Iterator<Item = u32>, KnownParts<'_>),
+    good: [f64; 2],
+    (known, of_mesh): (KnownParts<'_>, usize),
 ) -> Option<Depth> {
-    let Shape::Mesh(of_mesh) = mesh.shape else { return None };
-    let mut triangles = triangles.peekable();
-    let first = Side::of(mesh).part(*triangles.peek()?);
+    let Shape::Mesh(triangles) = mesh.shape else { return None };
+    let parts = known.parts;
+    let triangle = |place: usize| parts[place][of_mesh];
+    let first = Side::of(mesh).part(parts.first()?[of_mesh]);
     let mut couple = Couple::of([first, Part::Shape(body.shape)], [mesh.pose, body.pose])?;
-    let (most_open, slack) = (of_size * couple.size(), couple.slack());
-    let is_good = |found: &Depth| found.error_bound <= (relative * found.depth).max(most_open);
+    let slack = couple.slack();
+    let is_good = couple.is_good(good);
     let mut deepest = Deepest::default();
     // What the body reaches along the normal of the deepest so far.
     let mut body_along = None;
-    for triangle in triangles {
-        let corners = of_mesh.corners(triangle as usize)?;
+    // What may be the deepest first, for it bounds the others.
+    let most = |&j: &usize, &k: &usize| {
+        known.at_most(triangle(j)).total_cmp(&known.at_most(triangle(k))).then(k.cmp(&j))
+    };
+    let lead = (0..parts.len()).max_by(most)?;
+    for place in std::iter::once(lead).chain((0..parts.len()).filter(|&place| place != lead)) {
+        let triangle = triangle(place);
+        if deepest.bounds(known.at_most(triangle)) {
+            continue;
+        }
+        let corners = triangles.corners(triangle as usize)?;
         if let Some(normal) = deepest.normal() {
             let body_along = body_along.get_or_insert_with(|| couple.second_along(normal));
             if deepest.bounds(body_along.of_triangle(&corners) + slack) {
@@ -150,8 +160,8 @@ pub(crate) fn deepest_by_formula(
             }
         }
         couple.take_triangle(corners);
-        let depth = known.depth(triangle).filter(is_good);
-        if deepest.add(depth.or_else(|| couple.by_formula(is_good))?) {
+        let depth = known.depth(triangle).filter(&is_good);
+        if deepest.add(depth.or_else(|| couple.by_formula(&is_good))?) {
             body_along = None;
         }
     }

@@ -10,6 +10,9 @@ use dcd_geom::glam::DVec3;
 /// By how much a certificate's inequalities must hold, relative to the pair's size: more than all rounding.
 const CLEAR: f64 = 1e-9;
 
+/// Products of two lengths, metres², whose squares are clear of underflow. Smaller: directions that are rounding.
+const SHORTEST: f64 = 1e-150;
+
 impl Couple<'_> {
     /// The depth along the normal of the one triangle, from the first to the second; `None` where it is not proved to
     /// be the least.
@@ -36,7 +39,13 @@ impl Couple<'_> {
         let turn_other = *self.poses()[1 - triangle].rotation();
         let centre = turn_other * other.inner().centre + to_other;
         let [p, q, r] = corners;
-        let mut normal = (q - p).cross(r - p).try_normalize()?;
+        let product = (q - p).cross(r - p);
+        let area = product.length();
+        // Written so that NaN is no triangle.
+        if !(area > SHORTEST) {
+            return None;
+        }
+        let mut normal = product / area;
         if normal.dot(centre - p) < 0.0 {
             normal = -normal;
         }
@@ -58,11 +67,15 @@ impl Couple<'_> {
         let axis = centre - deepest;
         let through = deepest + axis * (high / (high + height));
         let is_clear = |from: DVec3, to: DVec3, opposite: DVec3| {
-            let Some(side) = (to - from).cross(axis).try_normalize() else { return false };
+            let side = (to - from).cross(axis);
+            let length = side.length();
             // On which side of an edge the triangle is would be rounding where its corners are in a line.
             let width = side.dot(opposite - from);
             let inside = side.dot(through - from) * width.signum();
-            width.abs() >= clear && inside >= beside + clear
+            // Written so that NaN is not clear.
+            length > SHORTEST
+                && width.abs() >= clear * length
+                && inside >= (beside + clear) * length
         };
         if !(is_clear(p, q, r) && is_clear(q, r, p) && is_clear(r, p, q)) {
             return None;

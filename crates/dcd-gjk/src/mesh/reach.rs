@@ -115,6 +115,13 @@ impl<'a> Couple<'a> {
         self.size
     }
 
+    /// Whether a depth's bound is at most a part `relative` of it or `of_size` of the pair's size.
+    #[inline]
+    pub(super) fn is_good(&self, [relative, of_size]: [f64; 2]) -> impl Fn(&Depth) -> bool + use<> {
+        let most_open = of_size * self.size;
+        move |found| found.error_bound <= (relative * found.depth).max(most_open)
+    }
+
     /// The depth of a triangle and a sphere or capsule whose cores do not meet, from the first to the second; `None` of
     /// others.
     pub(super) fn by_nearest(&self) -> Option<Depth> {
@@ -281,8 +288,17 @@ impl Part<'_> {
     }
 
     fn is_cuboid(&self) -> bool {
-        let Self::Shape(Shape::Polytope(core)) = self else { return false };
-        matches!(core.kind(), Kind::Cuboid { .. })
+        self.kind().is_some_and(|kind| matches!(kind, Kind::Cuboid { .. }))
+    }
+
+    pub(super) fn is_hull(&self) -> bool {
+        self.kind() == Some(Kind::Hull)
+    }
+
+    /// Of a polytope.
+    fn kind(&self) -> Option<Kind> {
+        let Self::Shape(Shape::Polytope(core)) = self else { return None };
+        Some(core.kind())
     }
 
     fn centre_of_sphere(&self) -> Option<DVec3> {

@@ -103,6 +103,9 @@ pub trait MeasureDepth: MeasureAt {
 
     /// Whether [`MeasureDepth::measure_cuboids`] is of use: the lanes look for patches then, at [`Accuracy::F32`].
     const READS_PATCHES: bool = false;
+
+    /// Whether [`MeasureDepth::measure_parts`] reads [`KnownParts::at_most`]: these are found then.
+    const READS_BOUNDS: bool = false;
 }
 
 /// The depth of two polytopes, and what else is known of them.

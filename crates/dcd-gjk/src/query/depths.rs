@@ -159,6 +159,8 @@ impl MeasureDepth for Depths {
         let pairs = mesh::pairs_of([a, b], known.parts);
         of_deepest(accuracy, &pairs, [a, b], scratch).map(|found| *answer = found)
     }
+
+    const READS_BOUNDS: bool = true;
 }
 
 /// The bound that is promised of a depth, relative to it.

@@ -133,12 +133,12 @@ pub(super) fn depth(
         _ => ([b, a], 1),
     };
     let good = tolerance(accuracy);
-    let numbers = || (known.parts.iter().map(|pair| pair[mesh]), known);
-    if let Some(found) = mesh::deepest_by_formula(sides, good, numbers()) {
+    if let Some(found) = mesh::deepest_by_formula(sides, good, (known, mesh)) {
         return Some(if mesh == 0 { found } else { found.mirrored() });
     }
     let mut triangles = Vec::with_capacity(known.parts.len());
-    mesh::touching_triangles(sides, good, numbers(), &mut triangles)?;
+    let numbers = known.parts.iter().map(|pair| pair[mesh]);
+    mesh::touching_triangles(sides, good, (numbers, known), &mut triangles)?;
     let bodies = &[Body::whole(sides[1], &triangles)?];
     let triangles = &mut triangles[..];
     let (_, found) =

@@ -198,7 +198,8 @@ impl<'a> Slice<'a> {
         let pair = self.pairs[number as usize];
         let a = PosedShape::of(self.a.scene, pair.i);
         let b = PosedShape::of(self.b.scene, pair.j);
-        let (verdict, method) = if kept.is_wanted && mesh::are_mesh_and_polytope(a.shape, b.shape) {
+        let (verdict, method) = if kept.is_wanted() && mesh::are_mesh_and_polytope(a.shape, b.shape)
+        {
             kept.search(number, [a, b], parts)
         } else if mesh::have_parts(a.shape, b.shape) {
             // No axis of the lanes is one of parts.

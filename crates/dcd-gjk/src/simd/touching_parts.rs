@@ -1,26 +1,48 @@
 //! Which parts of meshes and polytopes touch, where a measure of them follows.
 
-use crate::mesh::{self, DepthOfTriangle, KnownParts};
+use crate::epa::Depth;
+use crate::mesh::{self, KnownParts, Lists};
 use crate::{Method, PosedShape, Verdict};
 
 /// Which parts of the touching meshes and polytopes of a slice touch: found once, for yes or no and for the measure.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TouchingParts {
-    pub(super) is_wanted: bool,
+    wanted: Wanted,
     /// For each pair its number in the slice, and where its lists end.
-    ends: Vec<(u32, [usize; 2])>,
+    ends: Vec<(u32, Lengths)>,
     parts: Vec<[u32; 2]>,
     /// Of some of these.
-    depths: Vec<DepthOfTriangle>,
+    depths: Vec<(u32, Depth)>,
+    /// At least how deep they are.
+    at_most: Vec<(u32, f32)>,
 }
+
+/// What the measure reads of the parts that touch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) enum Wanted {
+    #[default]
+    Nothing,
+    /// Which they are.
+    Parts,
+    /// And [`KnownParts::at_most`].
+    Bounds,
+}
+
+/// How long the lists are: of parts, of depths, and of what bounds depths.
+type Lengths = [usize; 3];
 
 impl TouchingParts {
     /// Forgets the last slice.
-    pub(super) fn begin(&mut self, is_wanted: bool) {
-        self.is_wanted = is_wanted;
+    pub(super) fn begin(&mut self, wanted: Wanted) {
+        self.wanted = wanted;
         self.ends.clear();
         self.parts.clear();
         self.depths.clear();
+        self.at_most.clear();
+    }
+
+    pub(super) fn is_wanted(&self) -> bool {
+        self.wanted != Wanted::Nothing
     }
 
     /// Looks for all of a pair.
@@ -30,16 +52,23 @@ impl TouchingParts {
         [a, b]: [PosedShape<'_>; 2],
         scratch: &mut mesh::Scratch,
     ) -> (Verdict<()>, Method) {
-        let Self { parts, depths, .. } = self;
-        let first = [parts.len(), depths.len()];
-        let found = mesh::touching_with_depths(a, b, scratch, (&mut *parts, &mut *depths));
+        let first = self.lengths();
+        let Self { parts, depths, at_most, wanted, .. } = self;
+        let bounds = (*wanted == Wanted::Bounds).then_some(&mut *at_most);
+        let lists = Lists { pairs: &mut *parts, depths: &mut *depths, at_most: bounds };
+        let found = mesh::touching_with_depths(a, b, scratch, lists);
         if found.0 == Verdict::Touching(()) {
-            self.ends.push((number, [parts.len(), depths.len()]));
+            self.ends.push((number, self.lengths()));
         } else {
             parts.truncate(first[0]);
             depths.truncate(first[1]);
+            at_most.truncate(first[2]);
         }
         found
+    }
+
+    fn lengths(&self) -> Lengths {
+        [self.parts.len(), self.depths.len(), self.at_most.len()]
     }
 
     /// Whether there is a list.
@@ -49,11 +78,15 @@ impl TouchingParts {
 
     /// The lists of the touching pairs, each with its number in the slice, in rising order.
     pub(super) fn lists(&self) -> impl Iterator<Item = (u32, KnownParts<'_>)> {
-        let mut first = [0; 2];
+        let mut first = [0; 3];
         self.ends.iter().map(move |&(number, end)| {
             let begin = std::mem::replace(&mut first, end);
-            let parts = &self.parts[begin[0]..end[0]];
-            (number, KnownParts { parts, depths: &self.depths[begin[1]..end[1]] })
+            let known = KnownParts {
+                parts: &self.parts[begin[0]..end[0]],
+                depths: &self.depths[begin[1]..end[1]],
+                at_most: &self.at_most[begin[2]..end[2]],
+            };
+            (number, known)
         })
     }
 }

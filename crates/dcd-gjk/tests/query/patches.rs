@@ -288,7 +288,7 @@ fn with_list<S: MeasureDepth>(solver: &S, sides: [&PosedSupport; 2]) -> S::Answe
     let [a, b] = sides.map(|side| PosedShape { shape: &side.shape, pose: &side.pose });
     let mut touching = Vec::new();
     dcd_gjk::mesh::touching(a, b, &mut Default::default(), &mut touching);
-    let known = KnownParts { parts: &touching, depths: &[] };
+    let known = KnownParts { parts: &touching, depths: &[], at_most: &[] };
     let mut found = S::Answer::default();
     let scratch = &mut Default::default();
     let verdict = solver.measure_parts(Accuracy::F32, known, [a, b], scratch, &mut found);

@@ -4,7 +4,7 @@ use super::{Body, Bounds, Proved, max3, min3, splat, up};
 use crate::mesh::bounds::{CUBOID_CORNERS, U};
 use crate::simd::vector::V3;
 use dcd_geom::glam::Vec3;
-use dcd_simd::Lanes;
+use dcd_simd::{Lanes, Row};
 
 impl Body {
     /// A cuboid, by its three axes, the triangle's normal and the nine products of edges.
@@ -13,7 +13,7 @@ impl Body {
         &self,
         l: L,
         bounds: &Bounds,
-        corners: [V3<L>; 3],
+        (corners, at_most): ([V3<L>; 3], Option<&mut Row>),
         (axes, half): ([Vec3; 3], Vec3),
     ) -> Proved {
         let Bounds { size, far, .. } = *bounds;
@@ -26,15 +26,23 @@ impl Body {
         let off = (CUBOID_CORNERS * U + self.departure) * far + 4.0 * self.slack;
         let off_edge = 2.02 * (off + U * far);
         let mut found = Axes { bounds, apart: l.mask(0), touching: l.mask(u32::MAX) };
-        found.add_side(l, [p.0, q.0, r.0], half.0);
-        found.add_side(l, [p.1, q.1, r.1], half.1);
-        found.add_side(l, [p.2, q.2, r.2], half.2);
+        let sides = [
+            found.add_side(l, [p.0, q.0, r.0], half.0),
+            found.add_side(l, [p.1, q.1, r.1], half.1),
+            found.add_side(l, [p.2, q.2, r.2], half.2),
+        ];
         let edges = [q.sub(l, p), r.sub(l, q), p.sub(l, r)];
         let off_normal = 1.01 * size * (2.0 * off_edge + 8.0 * U * far);
         let second_order = (8.0 * size * off_edge * off_edge) as f32 + f32::MIN_POSITIVE;
         let both = l.add(edges[0].norm1(l), edges[1].norm1(l));
         let off_normal = l.mul_add(l.splat(up(off_normal)), both, l.splat(second_order));
-        found.add_normal(l, edges[0].cross(l, edges[1]), ([p, q, r], half), off_normal);
+        let normal = edges[0].cross(l, edges[1]);
+        let of_normal = found.add_normal(l, normal, ([p, q, r], half), off_normal);
+        if let Some(row) = at_most {
+            let [s, t, u] = sides;
+            let by_sides = bounds.at_most_along_unit(l, max3(l, s, t, u));
+            l.store(l.min(bounds.at_most(l, of_normal, normal), by_sides), row);
+        }
         // Of an edge both ends are at one height: one of them and the corner opposite.
         let off = l.splat(up(2.02 * size * off_edge));
         for (edge, from, opposite) in [(edges[0], p, r), (edges[1], q, p), (edges[2], r, q)] {
@@ -74,9 +82,9 @@ struct Axes<'a, L: Lanes> {
 impl<L: Lanes> Axes<'_, L> {
     /// The normal of one of the cuboid's sides: the corners' coordinates along it, and its half edge.
     #[inline(always)]
-    fn add_side(&mut self, l: L, [p, q, r]: [L::F; 3], half: L::F) {
+    fn add_side(&mut self, l: L, [p, q, r]: [L::F; 3], half: L::F) -> L::F {
         let one = l.splat(1.0);
-        self.add(l, (min3(l, p, q, r), max3(l, p, q, r)), half, (one, one), l.splat(0.0));
+        self.add(l, (min3(l, p, q, r), max3(l, p, q, r)), half, (one, one), l.splat(0.0))
     }
 
     /// The triangle's normal.
@@ -87,11 +95,11 @@ impl<L: Lanes> Axes<'_, L> {
         normal: V3<L>,
         ([p, q, r], half): ([V3<L>; 3], V3<L>),
         off: L::F,
-    ) {
+    ) -> L::F {
         let (p, q, r) = (normal.dot(l, p), normal.dot(l, q), normal.dot(l, r));
         let reach = half.dot(l, V3(l.abs(normal.0), l.abs(normal.1), l.abs(normal.2)));
         let lengths = (normal.norm1(l), normal.dot(l, normal));
-        self.add(l, (min3(l, p, q, r), max3(l, p, q, r)), reach, lengths, off);
+        self.add(l, (min3(l, p, q, r), max3(l, p, q, r)), reach, lengths, off)
     }
 
     /// The product (0, f, −e) of an edge (_, e, f) and the cuboid's first direction, or its like of another direction:
@@ -114,7 +122,7 @@ impl<L: Lanes> Axes<'_, L> {
     }
 
     /// Takes in an axis d: the triangle's ends along it, the cuboid's reach, |d|₁ and d·d, and what the axis itself may
-    /// be off in a reach.
+    /// be off in a reach. The gap between the two.
     #[inline(always)]
     fn add(
         &mut self,
@@ -123,12 +131,13 @@ impl<L: Lanes> Axes<'_, L> {
         reach: L::F,
         (norm1, square): (L::F, L::F),
         off: L::F,
-    ) {
+    ) -> L::F {
         let gap = l.sub(l.max(low, l.neg(high)), reach);
         let bound = l.mul(l.splat(self.bounds.per_norm1), norm1);
         let beyond = self.bounds.with_radius(l, bound, square);
         self.apart = l.or(self.apart, l.lt(beyond, gap));
         self.touching = l.and(self.touching, l.lt(l.add(bound, off), l.neg(gap)));
+        gap
     }
 }
 

@@ -88,11 +88,11 @@ fn the_depth_is_that_of_the_deepest_parts() {
 
 #[test]
 fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measured() {
-    use crate::mesh::{KnownParts, touching_with_depths};
+    use crate::mesh::{KnownParts, Lists, touching_with_depths};
     use crate::query::{Accuracy, MeasureDepth};
     use crate::{Depths, epa};
     let mut scratch = epa::Scratch::default();
-    let (mut counts, mut of_hulls) = ([0; 4], 0);
+    let (mut counts, mut tight, mut of_hulls) = ([0; 4], [0; 4], 0);
     for seed in 0..240 {
         let mut draw = Draw(seed);
         let ground = draw.mesh(25 + (seed % 16) as usize, 1.0);
@@ -106,8 +106,12 @@ fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measu
         let (body, poses) = (body.unwrap(), [draw.pose(0.3), draw.pose(0.3)]);
         let [a, b] = [(&ground, &poses[0]), (&body, &poses[1])]
             .map(|(shape, pose)| PosedShape { shape, pose });
-        let (mut pairs, mut depths) = (Vec::new(), Vec::new());
-        touching_with_depths(a, b, &mut Scratch::default(), (&mut pairs, &mut depths));
+        let (mut pairs, mut depths, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
+        let (known, bounded) = (&mut depths, Some(&mut bounds));
+        let lists = Lists { pairs: &mut pairs, depths: known, at_most: bounded };
+        touching_with_depths(a, b, &mut Scratch::default(), lists);
+        let bounded: Vec<_> = bounds.iter().map(|&(triangle, _)| [triangle, 0]).collect();
+        assert_eq!(bounded, pairs, "{seed}");
         // Each triangle alone, by the expanding polytope.
         let (mut most, mut known) = (0.0f64, 0);
         let core = PosedSupport::polytope(b.shape.as_polytope().unwrap(), b.pose);
@@ -118,6 +122,11 @@ fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measu
                 _ => 0.0,
             };
             most = most.max(due);
+            for &(_, at_most) in bounds.iter().filter(|(of, _)| *of == number) {
+                let above = f64::from(at_most) - due;
+                assert!(above >= -1e-12, "{seed}: {at_most} {due}");
+                tight[kind] += usize::from(above < 1e-5);
+            }
             for (_, found) in depths.iter().filter(|(of, _)| *of == number) {
                 let off = (found.depth - due).abs();
                 assert!(off <= found.error_bound + 1e-12, "{seed}: {found:?} {due}");
@@ -132,15 +141,22 @@ fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measu
         let back: Vec<_> = pairs.iter().map(|&[of_a, of_b]| [of_b, of_a]).collect();
         for accuracy in [Accuracy::F32, Accuracy::F64, Accuracy::Certified] {
             let mut depth = |parts: &[[u32; 2]], sides| {
-                let [found, again] = [&depths[..], &[]].map(|depths| {
-                    let known = KnownParts { parts, depths };
+                let lists = [(&depths[..], &bounds[..]), (&depths[..], &[]), (&[], &[])];
+                let [found, again, alone] = lists.map(|(depths, at_most)| {
+                    let known = KnownParts { parts, depths, at_most };
                     let mut found = Default::default();
                     let verdict =
                         Depths.measure_parts(accuracy, known, sides, &mut scratch, &mut found);
                     assert_eq!(verdict, Verdict::Touching(()), "{seed}");
                     found
                 });
-                assert_eq!(found, again, "{seed}");
+                for other in [again, alone] {
+                    let off = (found.depth - other.depth).abs();
+                    assert!(
+                        off <= found.error_bound + other.error_bound,
+                        "{seed}: {found:?} {other:?}"
+                    );
+                }
                 found
             };
             let (found, back) = (depth(&pairs, [a, b]), depth(&back, [b, a]));
@@ -152,4 +168,5 @@ fn a_bodys_depth_in_a_mesh_is_that_of_its_deepest_triangle_however_few_are_measu
         counts[kind] += usize::from(pairs.len() > 1);
     }
     assert!(counts.iter().all(|&count| count > 5) && of_hulls > 10, "{counts:?} {of_hulls}");
+    assert!(tight[..3].iter().all(|&count| count > 20) && tight[3] > 3, "{tight:?}");
 }

@@ -269,7 +269,7 @@ impl ContactList<ManifoldSet> for ManifoldContacts {
     #[inline(always)]
     fn write(&mut self, number: usize, write: impl FnOnce(&mut ManifoldSet) -> bool) -> bool {
         let Self { heads, answers, written } = self;
-        *written = ManifoldSet::default();
+        written.clear();
         let is_written = write(written);
         if is_written {
             heads[number].answer = answers.keep(written);

@@ -263,7 +263,10 @@ impl<'a> Body<'a> {
     /// What of it faces a mesh whose normal that is.
     fn facing(&self, normal: DVec3) -> Part<'a> {
         let direction = self.side.pose.rotation().transpose() * -normal;
-        Part::facing(self.polytope, direction)
+        // Round a hull's farthest vertex there is less to look at than all round it.
+        let is_hull = self.polytope.kind() == Kind::Hull;
+        let farthest = || SupportMap::<f64>::support(self.polytope, direction).feature;
+        Part::round(self.polytope, direction, is_hull.then(farthest))
     }
 }
 

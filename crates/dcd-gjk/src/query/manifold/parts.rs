@@ -62,7 +62,7 @@ pub(super) fn write(
         known.extend(touching.parts.iter().map(in_order));
         KnownParts { parts: &known[..], ..touching }
     });
-    *set = ManifoldSet::empty_one();
+    set.begin_one();
     let written = write_in_order(how, touching, sides, (scratch, &mut *set));
     scratch.known = known;
     match written {

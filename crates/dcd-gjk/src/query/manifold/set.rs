@@ -8,15 +8,15 @@ use std::ops::Deref;
 /// Two convex objects have one. Objects of parts have one for each direction that separates some of their parts: a box
 /// in the corner of a mesh one against the floor and one against the wall. A slice of manifolds, in an order that
 /// depends on the pair alone; not empty for a pair that touches.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct ManifoldSet(Held);
 
 /// One without an allocation: nearly all pairs have no more.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "the larger one is the common one")]
 enum Held {
     One(Manifold),
-    /// Not of length 1.
+    /// Of length 1 where the memory of more is kept.
     Many(Vec<Manifold>),
 }
 
@@ -31,6 +31,26 @@ impl ManifoldSet {
     #[inline(always)]
     pub(super) fn empty_one() -> Self {
         Self(Held::One(Manifold::default()))
+    }
+
+    /// Becomes the default, which keeps the memory of more than one.
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        match &mut self.0 {
+            Held::Many(all) => all.clear(),
+            Held::One(_) => *self = Self::default(),
+        }
+    }
+
+    /// Becomes one manifold, to be written, in the memory of more if there is any.
+    pub(super) fn begin_one(&mut self) {
+        match &mut self.0 {
+            Held::Many(all) if all.capacity() > 0 => {
+                all.clear();
+                all.push(Manifold::default());
+            }
+            _ => *self = Self::empty_one(),
+        }
     }
 
     /// The bound of all of them: see [`Manifold::error_bound`]. Metres.
@@ -60,7 +80,7 @@ impl ManifoldSet {
 
     pub(super) fn push(&mut self, manifold: Manifold) {
         match &mut self.0 {
-            Held::Many(all) if all.is_empty() => self.0 = Held::One(manifold),
+            Held::Many(all) if all.capacity() == 0 => self.0 = Held::One(manifold),
             Held::Many(all) => all.push(manifold),
             Held::One(first) => self.0 = Held::Many(vec![*first, manifold]),
         }
@@ -69,7 +89,7 @@ impl ManifoldSet {
     /// Holds one manifold in place of what there was: empty, and then written in its place, which saves copies.
     #[inline(always)]
     pub(super) fn write_one(&mut self, write: impl FnOnce(&mut Manifold) -> bool) -> bool {
-        *self = Self::empty_one();
+        self.begin_one();
         self.only_mut().is_some_and(write)
     }
 
@@ -78,7 +98,10 @@ impl ManifoldSet {
     pub(super) fn only_mut(&mut self) -> Option<&mut Manifold> {
         match &mut self.0 {
             Held::One(manifold) => Some(manifold),
-            Held::Many(_) => None,
+            Held::Many(all) => match &mut all[..] {
+                [only] => Some(only),
+                _ => None,
+            },
         }
     }
 
@@ -99,6 +122,12 @@ impl From<Manifold> for ManifoldSet {
     #[inline]
     fn from(manifold: Manifold) -> Self {
         Self(Held::One(manifold))
+    }
+}
+
+impl PartialEq for ManifoldSet {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
     }
 }
 

@@ -18,6 +18,7 @@ use super::closed::{depths as of_cuboids, patches};
 use super::frame::{FramePair, SimdFrame};
 use super::scene_pairs::ScenePairs;
 use super::spheres;
+use super::touching_parts::Wanted;
 use super::{CertifiedBounds, ErrorBounds, Part, Scratch as Yes, Slice, prepare};
 use crate::closed::{self, Axes};
 use crate::epa::Depth;
@@ -194,7 +195,8 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
             let measure = BySpheres { narrow: self, objects, scratch: solver };
             return spheres::decide(self.path, (frames, pairs, 0.0), measure, sink);
         }
-        yes.touching_parts.begin(true);
+        let wanted = if S::READS_BOUNDS { Wanted::Bounds } else { Wanted::Parts };
+        yes.touching_parts.begin(wanted);
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touch = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
         touching.clear();
@@ -229,6 +231,9 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
             let to = first + number as usize;
             let measured = match lists.next_if(|&(listed, _)| pairs[listed as usize] == pair) {
                 Some((_, known)) => {
+                    if let Some((next, known)) = lists.peek() {
+                        in_order.look_ahead_to_parts(pairs[*next as usize], known.parts);
+                    }
                     let mut verdict = Verdict::Apart;
                     sink.contacts.write(to, |answer| {
                         verdict =
@@ -262,7 +267,7 @@ impl<S: MeasureDepth + 'static> NarrowPhase for SimdDepths<S> {
         sink: &mut ContactSink<'_, S::Answer>,
     ) {
         let yes = &mut scratch.yes;
-        yes.touching_parts.begin(false);
+        yes.touching_parts.begin(Wanted::Nothing);
         CertifiedBounds::judge(&Slice { path: self.path, a, b, pairs }, yes, sink.report);
         let touching = pairs.iter().zip(yes.touching()).filter(|(_, yes)| **yes);
         touching.for_each(|(&pair, _)| sink.contacts.push_pair(pair));
